@@ -1,0 +1,31 @@
+# Options of the build and the flags every target shares.
+option(SINEW_BUILD_TESTS "Build the tests" ON)
+option(SINEW_BUILD_BENCH "Build the speed measurements (Google Benchmark)" OFF)
+option(SINEW_WARNINGS_AS_ERRORS "Treat warnings as errors" OFF)
+option(SINEW_ROS2_NAMES "Name topics and types as ROS 2 does (rt/..., dds_::..._)" OFF)
+set(SINEW_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or thread")
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+set(CMAKE_LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib)
+set(CMAKE_ARCHIVE_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib)
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+
+find_program(SINEW_CCACHE ccache)
+if(SINEW_CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${SINEW_CCACHE})
+endif()
+
+add_library(sinew_flags INTERFACE)
+target_compile_options(sinew_flags INTERFACE
+  $<BUILD_INTERFACE:-Wall;-Wextra;-Wpedantic;-Wshadow;-Wnon-virtual-dtor>
+  $<BUILD_INTERFACE:$<$<BOOL:${SINEW_WARNINGS_AS_ERRORS}>:-Werror>>)
+if(SINEW_SANITIZE)
+  add_compile_options(-fsanitize=${SINEW_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=${SINEW_SANITIZE})
+endif()

@@ -1,0 +1,64 @@
+# The helpers that every room uses: one adds a room, one a participant, one a test.
+#
+#   sinew_add_room(rls SOURCES rls.cc rls.h DEPENDS sinew::esn Eigen3::Eigen)
+#     -> library target sinew_rls, alias sinew::rls. Includes start at the root of the project.
+#   sinew_add_participant(rls SOURCES participant/main.cc DEPENDS sinew::rls)
+#     -> program sinew_rls_participant, installed and built as bin/sinew-rls; links sinew::node.
+#   sinew_add_test(rls_test SOURCES rls_test.cc DEPENDS sinew::rls [LABELS dds] [SERIAL] [TIMEOUT s])
+#     -> a GoogleTest program; every case is a ctest of its own.
+set_property(GLOBAL PROPERTY SINEW_ROOMS "")
+
+function(sinew_add_room name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;PRIVATE_DEPENDS" ${ARGN})
+  add_library(sinew_${name} STATIC ${ARG_SOURCES})
+  add_library(sinew::${name} ALIAS sinew_${name})
+  set_target_properties(sinew_${name} PROPERTIES EXPORT_NAME ${name} OUTPUT_NAME sinew_${name})
+  target_include_directories(sinew_${name} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include/sinew>)
+  target_compile_features(sinew_${name} PUBLIC cxx_std_20)
+  target_link_libraries(sinew_${name} PUBLIC ${ARG_DEPENDS}
+    PRIVATE $<BUILD_INTERFACE:sinew_flags> ${ARG_PRIVATE_DEPENDS})
+  set_property(GLOBAL APPEND PROPERTY SINEW_ROOMS sinew_${name})
+endfunction()
+
+function(sinew_add_program target binary)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
+  add_executable(${target} ${ARG_SOURCES})
+  set_target_properties(${target} PROPERTIES OUTPUT_NAME ${binary})
+  target_link_libraries(${target} PRIVATE ${ARG_DEPENDS} sinew_flags)
+  install(TARGETS ${target} RUNTIME)
+endfunction()
+
+function(sinew_add_participant name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
+  string(REPLACE "_" "-" binary "sinew-${name}")
+  sinew_add_program(sinew_${name}_participant ${binary}
+    SOURCES ${ARG_SOURCES} DEPENDS sinew::node ${ARG_DEPENDS})
+endfunction()
+
+function(sinew_add_test name)
+  cmake_parse_arguments(ARG "SERIAL" "TIMEOUT" "SOURCES;DEPENDS;LABELS;DEFINITIONS;PROGRAMS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE ${ARG_DEPENDS} GTest::gtest GTest::gmock GTest::gtest_main sinew_flags)
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
+  target_compile_definitions(${name} PRIVATE
+    SINEW_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
+    SINEW_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}"
+    SINEW_SHARED_DIR="${PROJECT_SOURCE_DIR}/../shared"
+    ${ARG_DEFINITIONS})
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  if(ARG_PROGRAMS)
+    add_dependencies(${name} ${ARG_PROGRAMS})
+  endif()
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 60)
+  endif()
+  set(properties TIMEOUT ${ARG_TIMEOUT})
+  if(ARG_LABELS)
+    list(APPEND properties LABELS "${ARG_LABELS}")
+  endif()
+  if(ARG_SERIAL)
+    list(APPEND properties RUN_SERIAL TRUE)
+  endif()
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES ${properties})
+endfunction()

@@ -1,0 +1,73 @@
+// The grey-box model of a joint: a list of effects with their parameters, as the model file says.
+// The same object is fitted (identify), simulated (sim/plant) and compensated (control).
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "components/effects/effect.h"
+
+namespace sinew::actuator {
+
+struct ParameterValue {
+  double value = 0.0;
+  double tolerance = 0.0;        // relative, of the declared nominal value; 0: not stated
+  bool fixed = false;            // known exactly: never refitted
+  std::optional<double> half_width_95;  // of the last fit
+};
+
+struct Term {
+  std::shared_ptr<const effects::Effect> effect;
+  std::vector<ParameterValue> linear;     // as effect->info().linear
+  std::vector<ParameterValue> nonlinear;  // as effect->info().nonlinear
+  bool declared = true;                   // false: added by close-loop
+};
+
+struct HistoryEntry {
+  std::string when;        // ISO 8601, UTC
+  std::string effect;      // what was added
+  std::string recording;   // from which data
+  std::string note;
+};
+
+class JointModel {
+ public:
+  std::string name;
+  effects::JointKind kind = effects::JointKind::kRotary;
+  effects::JointConstants constants;
+  double backlash_rad = 0.0;               // full width of the play at the output; 0: none
+  double motor_torque_limit_Nm = 0.0;      // at the motor shaft; 0: none
+  std::vector<Term> terms;
+  std::vector<HistoryEntry> history;
+
+  // Index of a term, or -1.
+  int Find(std::string_view effect_name) const;
+  // Value of a linear or nonlinear parameter; throws std::invalid_argument when the model lacks it.
+  double Parameter(std::string_view effect_name, std::string_view parameter) const;
+
+  // Sizes of the memory that Evaluate needs (all terms together).
+  int memory_size() const;
+  void ResetMemory(const effects::JointSample& x, std::span<double> memory) const;
+  void Advance(const effects::JointSample& x, double dt_s, std::span<double> memory) const noexcept;
+
+  // Torque of one term at x (positive in +position).
+  double TermTorque(int term, const effects::JointSample& x, std::span<const double> memory) const noexcept;
+  // Sum over the terms of a role.
+  double Torque(effects::Role role, const effects::JointSample& x,
+                std::span<const double> memory) const noexcept;
+  // Drive torque at the output that x needs: -(inertia + passive terms). Feed-forward uses this.
+  double RequiredDriveTorque(const effects::JointSample& x, std::span<const double> memory) const noexcept;
+  // drive + inertia + passive: 0 where the model is right.
+  double Residual(const effects::JointSample& x, std::span<const double> memory) const noexcept;
+};
+
+struct RobotModel {
+  std::string name;
+  std::string urdf_path;                 // relative to the model file; empty: none
+  std::vector<JointModel> joints;
+};
+
+}  // namespace sinew::actuator

@@ -1,0 +1,99 @@
+// A physical effect: one definition that fitting, simulation and compensation share.
+//
+// An effect contributes a torque on the output, positive in the direction of +position:
+//
+//     tau(x) = sum_i theta_i * phi_i(x; psi, z)
+//
+// theta: linear parameters (fitted by least squares), psi: nonlinear parameters (profiled over a grid or
+// refined), z: memory (hysteresis), advanced sample by sample. The balance of a joint is
+//
+//     sum over all effects of tau(x) = 0        (drive and inertia are effects too)
+//
+// so friction is negative for positive velocity, inertia is -J * acceleration, the drive is +.
+// Thread: an Effect is immutable after construction; memory belongs to the caller.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "components/effects/sample.h"
+
+namespace sinew::effects {
+
+enum class JointKind { kRotary, kLinear };
+
+// What a term does in the equation of motion.
+enum class Role {
+  kDrive,    // turns the drive input into torque
+  kInertia,  // proportional to an acceleration
+  kPassive,  // everything else
+};
+
+// The balances of the actuator (docs/model.md). Effects of the torque equation are kMotion.
+enum class Balance { kMotion, kLink, kPlay, kGas, kKinematic };
+
+// Physical dimension of a parameter; with the joint's kind it gives the unit suffix of the YAML key.
+enum class Dimension {
+  kNone, kTorque, kViscous, kQuadraticViscous, kInertia, kAngle, kVelocity, kFrequency, kTime, kMass,
+  kTorquePerBar, kStiffness, kStiffnessPerBar, kTorquePerKelvin, kTorquePerAmpere, kTorquePerVolt,
+  kInertiaTime, kPressure, kTemperature, kLength, kPerTorque,
+};
+
+// Suffix of a YAML key, e.g. {kViscous, kRotary} -> "Nm_s_rad", {kViscous, kLinear} -> "N_s_m";
+// empty for kNone.
+std::string_view UnitSuffix(Dimension dimension, JointKind kind);
+
+struct ParameterInfo {
+  std::string name;            // without unit, e.g. "viscous"
+  Dimension dimension = Dimension::kNone;
+  double lower = 0.0;          // physical range
+  double upper = 0.0;
+  double default_value = 0.0;
+  std::vector<double> grid;    // nonlinear parameters only: values tried when it is profiled
+  std::string meaning;
+};
+
+struct EffectInfo {
+  std::string name;            // as in model files, e.g. "direction_dependent_viscous"
+  std::string title;           // for people
+  std::string formula;         // plain text or TeX-free unicode
+  std::string source;          // paper or handbook, equation
+  Role role = Role::kPassive;
+  Balance balance = Balance::kMotion;
+  std::vector<ParameterInfo> linear;
+  std::vector<ParameterInfo> nonlinear;
+  std::string signature;                 // what its residual looks like
+  std::string variable;                  // the signal its residual follows, e.g. "velocity_rad_s"
+  std::vector<std::string> look_alikes;  // names of effects it is easily mistaken for
+  std::string separating_excitation;     // what tells them apart
+  std::vector<std::string> needs;        // signals it reads, field names of JointSample
+};
+
+class Effect {
+ public:
+  virtual ~Effect() = default;
+  virtual const EffectInfo& info() const = 0;
+
+  // phi (size info().linear.size()) at x; psi has info().nonlinear.size() entries, memory memory_size().
+  // noexcept, allocates nothing. Non-finite input gives non-finite output, never undefined behaviour.
+  virtual void Regressors(const JointSample& x, std::span<const double> psi,
+                          std::span<const double> memory, std::span<double> phi) const noexcept = 0;
+
+  virtual int memory_size() const noexcept { return 0; }
+  virtual void ResetMemory(const JointSample& /*x*/, std::span<const double> /*psi*/,
+                           std::span<double> /*memory*/) const noexcept {}
+  // Advances the memory from the sample before to x, dt_s later.
+  virtual void Advance(const JointSample& /*x*/, double /*dt_s*/, std::span<const double> /*psi*/,
+                       std::span<double> /*memory*/) const noexcept {}
+};
+
+// Throws std::invalid_argument naming the effect and the known ones when there is no such effect.
+std::unique_ptr<Effect> MakeEffect(std::string_view name, const JointConstants& constants);
+
+// Every effect of the catalogue, in the order of the documentation: the declared basics first.
+std::vector<std::string> EffectNames();
+
+}  // namespace sinew::effects
