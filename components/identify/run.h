@@ -1,0 +1,50 @@
+// Measured signals of one joint in one recording: what fitting and tracing read.
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "components/effects/effect.h"
+
+namespace sinew::identify {
+
+// Names as in mapping files; SI units by joint kind (rotary / linear).
+enum class Signal {
+  kPosition,           // position            rad / m      output
+  kVelocity,           // velocity            rad/s / m/s  output
+  kMotorPosition,      // motor_position      rad          motor shaft
+  kMotorVelocity,      // motor_velocity      rad/s        motor shaft
+  kMotorCurrent,       // motor_current       A
+  kDriveVoltage,       // drive_voltage       V
+  kTorque,             // torque              Nm / N       measured drive torque at the output
+  kChamberPressure,    // chamber_pressure    bar          gauge
+  kReservoirPressure,  // reservoir_pressure  bar          gauge
+  kLoadForce,          // load_force          N            positive presses the link down
+  kValveOpen,          // valve_open          1            0 or 1
+  kPayload,            // payload             kg           declared
+  kTemperature,        // temperature         degC         motor
+  kReferencePosition,  // reference_position  rad / m
+};
+
+std::string_view SignalName(Signal signal);
+std::optional<Signal> SignalFromName(std::string_view name);
+std::string_view SignalUnit(Signal signal, effects::JointKind kind);
+const std::vector<Signal>& AllSignals();
+
+struct Run {
+  std::string name;              // file it came from
+  effects::JointKind kind = effects::JointKind::kRotary;
+  Eigen::VectorXd time_s;        // strictly increasing, not necessarily uniform
+  std::map<Signal, Eigen::VectorXd> signals;  // each as long as time_s
+  std::string content_hash;      // of the samples, for the history of a model
+
+  Eigen::Index size() const { return time_s.size(); }
+  bool Has(Signal signal) const { return signals.count(signal) != 0; }
+  const Eigen::VectorXd& At(Signal signal) const;  // throws std::invalid_argument naming signal and run
+};
+
+}  // namespace sinew::identify

@@ -1,0 +1,133 @@
+// Owner objects for DDS. Every create is checked; a constructor that throws leaves nothing behind.
+//
+// Fast DDS is included only by this room's .cc files. Readers copy samples in the DDS reception thread
+// into a queue; all other calls may come from one thread of the caller. Messages come from
+// <sinew_idl/...h> (generated); include the one you use.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "components/node/options.h"
+#include "components/node/topics.h"
+
+namespace sinew::node {
+
+// Participant, topic, reader or writer could not be made, or QoS did not match.
+class DdsError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+enum class [[nodiscard]] WriteStatus { kOk, kTimeout, kFailed };
+
+namespace internal {
+struct NodeImpl;
+struct ReaderImpl;
+struct WriterImpl;
+}  // namespace internal
+
+// Queue of received samples of one topic. Movable. Real time: only the newest is kept unless the profile
+// says otherwise. Lockstep: all are kept, in order.
+template <class Message>
+class Reader {
+ public:
+  Reader(Reader&&) noexcept;
+  Reader& operator=(Reader&&) noexcept;
+  ~Reader();
+
+  std::optional<Message> TakeNext();    // oldest waiting sample
+  std::optional<Message> TakeLatest();  // newest; drops the rest
+  std::optional<Message> WaitNext(std::chrono::milliseconds timeout);
+  int matched_writers() const;
+  std::uint64_t received() const;       // samples since the start
+  std::uint64_t lost() const;           // samples DDS says it dropped
+
+ private:
+  friend class Node;
+  explicit Reader(std::shared_ptr<internal::ReaderImpl> impl);
+  std::shared_ptr<internal::ReaderImpl> impl_;
+};
+
+template <class Message>
+class Writer {
+ public:
+  Writer(Writer&&) noexcept;
+  Writer& operator=(Writer&&) noexcept;
+  ~Writer();  // in lockstep waits up to 2 s until every reader has everything
+
+  WriteStatus Write(const Message& message);
+  int matched_readers() const;
+
+ private:
+  friend class Node;
+  explicit Writer(std::shared_ptr<internal::WriterImpl> impl);
+  std::shared_ptr<internal::WriterImpl> impl_;
+};
+
+// A sample of any topic as it travelled: CDR with its 4-byte header.
+struct RawSample {
+  std::string topic;
+  std::vector<std::byte> payload;
+  std::int64_t source_stamp_ns = 0;     // writer's clock
+  std::int64_t reception_stamp_ns = 0;  // epoch time
+};
+
+// Endpoint somewhere in the domain, as discovery tells it.
+struct Endpoint {
+  bool is_writer = false;
+  std::string topic;
+  std::string type_name;
+  std::string participant;
+  std::string guid;
+};
+
+class Node {
+ public:
+  explicit Node(const Options& options);  // throws DdsError
+  ~Node();
+  Node(const Node&) = delete;
+  Node& operator=(const Node&) = delete;
+
+  template <class Message>
+  Reader<Message> MakeReader(const Topic<Message>& topic);
+  // strength: ownership strength for EXCLUSIVE topics; the highest live writer is heard.
+  template <class Message>
+  Writer<Message> MakeWriter(const Topic<Message>& topic, int strength = 10);
+
+  // Untyped ends for recorders and players. The callback runs in a DDS thread: copy and return.
+  using RawCallback = std::function<void(RawSample&&)>;
+  void ReadRaw(const TopicInfo& topic, RawCallback callback);
+  using RawWrite = std::function<WriteStatus(const std::byte* payload, std::size_t size)>;
+  RawWrite MakeRawWriter(const TopicInfo& topic, int strength = 10);
+  // Number of writers matched to the raw readers of a topic.
+  int RawMatchedWriters(const std::string& topic) const;
+
+  // Endpoints of other participants seen so far, and problems (other type hash, incompatible QoS).
+  std::vector<Endpoint> Endpoints() const;
+  std::vector<std::string> Problems() const;
+
+  // Publishes component_status: at once when the state or message changes, else once a second.
+  enum class State { kConfigured, kActive, kFault, kStopped };
+  void SetState(State state, const std::string& message = "");
+  struct Counts {
+    std::uint64_t cycles = 0, stale_inputs = 0, missed_ticks = 0, write_failures = 0;
+  };
+  void SetCounts(const Counts& counts);
+
+  // Blocks until anything arrived on any reader of this node, or the timeout.
+  bool WaitForData(std::chrono::microseconds timeout);
+
+  const Options& options() const;
+
+ private:
+  friend class TickLoop;
+  std::shared_ptr<internal::NodeImpl> impl_;
+};
+
+}  // namespace sinew::node

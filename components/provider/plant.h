@@ -1,0 +1,62 @@
+// What a state provider drives: world, surrogate, or hardware behind the CAN bridge.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+namespace sinew::provider {
+
+inline constexpr int kMaxJoints = 12;
+
+enum class Mode { kIdle, kTorque, kPosition, kVelocity };
+
+// What the guard lets through to the plant for one cycle.
+struct PlantCommand {
+  std::array<Mode, kMaxJoints> mode{};
+  std::array<double, kMaxJoints> motor_torque_Nm{};   // motor shaft, positive drives the output up
+  std::array<double, kMaxJoints> position_rad{};      // output
+  std::array<double, kMaxJoints> velocity_rad_s{};    // output
+  std::array<bool, kMaxJoints> valve_open{};
+  std::array<bool, kMaxJoints> compressor_on{};
+  std::array<bool, kMaxJoints> vent_open{};
+  // Simulation only.
+  std::array<double, kMaxJoints> hand_force_N{};      // pushes the link, positive down
+  std::array<double, kMaxJoints> extra_payload_kg{};
+};
+
+// What the sensors say at the end of a cycle. Units and signs as in idl/.
+struct PlantSensors {
+  std::array<double, kMaxJoints> position_rad{};
+  std::array<double, kMaxJoints> velocity_rad_s{};
+  std::array<double, kMaxJoints> torque_Nm{};
+  std::array<double, kMaxJoints> motor_position_rad{};
+  std::array<double, kMaxJoints> motor_velocity_rad_s{};
+  std::array<double, kMaxJoints> motor_current_A{};
+  std::array<double, kMaxJoints> drive_voltage_V{};
+  std::array<double, kMaxJoints> motor_temperature_degC{};
+  std::array<double, kMaxJoints> chamber_pressure_bar{};
+  std::array<double, kMaxJoints> reservoir_pressure_bar{};
+  std::array<double, kMaxJoints> load_force_N{};
+  std::array<double, kMaxJoints> declared_payload_kg{};
+  std::array<bool, kMaxJoints> valve_open{};
+  std::array<std::int32_t, kMaxJoints> age_us{};
+  std::array<bool, kMaxJoints> valid{};
+  bool fault = false;                     // of the plant itself; message says why
+  std::string message;
+};
+
+class Plant {
+ public:
+  virtual ~Plant() = default;
+  virtual int joint_count() const = 0;
+  virtual bool prismatic(int /*joint*/) const { return false; }
+  virtual bool live() const { return false; }        // hardware: commands must have origin live
+  virtual std::uint32_t measured_flags() const = 0;  // bit per identify::Signal
+  // Sensors at the start, before any command.
+  virtual void Reset(PlantSensors* sensors) = 0;
+  // Applies the command for one period and reads the sensors at its end.
+  virtual void Step(const PlantCommand& command, double period_s, PlantSensors* sensors) = 0;
+};
+
+}  // namespace sinew::provider
