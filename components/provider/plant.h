@@ -14,14 +14,14 @@ enum class Mode { kIdle, kTorque, kPosition, kVelocity };
 // What the guard lets through to the plant for one cycle.
 struct PlantCommand {
   std::array<Mode, kMaxJoints> mode{};
-  std::array<double, kMaxJoints> motor_torque_Nm{};   // motor shaft, positive drives the output up
-  std::array<double, kMaxJoints> position_rad{};      // output
-  std::array<double, kMaxJoints> velocity_rad_s{};    // output
+  std::array<double, kMaxJoints> motor_torque_Nm{};  // motor shaft, positive drives the output up
+  std::array<double, kMaxJoints> position_rad{};     // output
+  std::array<double, kMaxJoints> velocity_rad_s{};   // output
   std::array<bool, kMaxJoints> valve_open{};
   std::array<bool, kMaxJoints> compressor_on{};
   std::array<bool, kMaxJoints> vent_open{};
   // Simulation only.
-  std::array<double, kMaxJoints> hand_force_N{};      // pushes the link, positive down
+  std::array<double, kMaxJoints> hand_force_N{};  // pushes the link, positive down
   std::array<double, kMaxJoints> extra_payload_kg{};
 };
 
@@ -42,7 +42,7 @@ struct PlantSensors {
   std::array<bool, kMaxJoints> valve_open{};
   std::array<std::int32_t, kMaxJoints> age_us{};
   std::array<bool, kMaxJoints> valid{};
-  bool fault = false;                     // of the plant itself; message says why
+  bool fault = false;  // of the plant itself; message says why
   std::string message;
 };
 
