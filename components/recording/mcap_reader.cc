@@ -173,7 +173,8 @@ bool McapReader::ReadSummary(std::uint64_t end) {
     }
   }
   // Without statistics or chunks there may be messages that only a scan finds.
-  const bool complete = statistics && (!chunks_.empty() || statistics_.message_count == 0);
+  const bool complete =
+      statistics && (statistics_.message_count == 0 || (!chunks_.empty() && !channels_.empty()));
   if (!complete) {
     schemas_.clear();
     channels_.clear();
