@@ -1,20 +1,18 @@
 #include "components/identify/run.h"
 
-#include <array>
 #include <stdexcept>
 
 namespace sinew::identify {
-
 namespace {
 
-struct Entry {
+struct SignalRow {
   Signal signal;
   std::string_view name;
   std::string_view rotary_unit;
   std::string_view linear_unit;
 };
 
-constexpr std::array<Entry, 14> kSignals = {{
+constexpr SignalRow kRows[] = {
     {Signal::kPosition, "position", "rad", "m"},
     {Signal::kVelocity, "velocity", "rad/s", "m/s"},
     {Signal::kMotorPosition, "motor_position", "rad", "rad"},
@@ -29,36 +27,36 @@ constexpr std::array<Entry, 14> kSignals = {{
     {Signal::kPayload, "payload", "kg", "kg"},
     {Signal::kTemperature, "temperature", "degC", "degC"},
     {Signal::kReferencePosition, "reference_position", "rad", "m"},
-}};
+};
 
-const Entry& Find(Signal signal) {
-  for (const Entry& entry : kSignals) {
-    if (entry.signal == signal) return entry;
+const SignalRow& Row(Signal signal) {
+  for (const SignalRow& row : kRows) {
+    if (row.signal == signal) return row;
   }
-  throw std::invalid_argument("no such signal");
+  throw std::invalid_argument("no signal has the number " +
+                              std::to_string(static_cast<int>(signal)));
 }
 
 }  // namespace
 
-std::string_view SignalName(Signal signal) { return Find(signal).name; }
+std::string_view SignalName(Signal signal) { return Row(signal).name; }
 
 std::optional<Signal> SignalFromName(std::string_view name) {
-  for (const Entry& entry : kSignals) {
-    if (entry.name == name) return entry.signal;
+  for (const SignalRow& row : kRows) {
+    if (row.name == name) return row.signal;
   }
   return std::nullopt;
 }
 
 std::string_view SignalUnit(Signal signal, effects::JointKind kind) {
-  const Entry& entry = Find(signal);
-  return kind == effects::JointKind::kRotary ? entry.rotary_unit : entry.linear_unit;
+  return kind == effects::JointKind::kLinear ? Row(signal).linear_unit : Row(signal).rotary_unit;
 }
 
 const std::vector<Signal>& AllSignals() {
   static const std::vector<Signal> all = [] {
-    std::vector<Signal> list;
-    for (const Entry& entry : kSignals) list.push_back(entry.signal);
-    return list;
+    std::vector<Signal> signals;
+    for (const SignalRow& row : kRows) signals.push_back(row.signal);
+    return signals;
   }();
   return all;
 }
@@ -66,7 +64,7 @@ const std::vector<Signal>& AllSignals() {
 const Eigen::VectorXd& Run::At(Signal signal) const {
   const auto found = signals.find(signal);
   if (found == signals.end()) {
-    throw std::invalid_argument("recording " + name + " has no signal '" +
+    throw std::invalid_argument("run '" + name + "' has no signal '" +
                                 std::string(SignalName(signal)) + "'");
   }
   return found->second;
