@@ -14,8 +14,8 @@ namespace sinew::actuator {
 
 struct ParameterValue {
   double value = 0.0;
-  double tolerance = 0.0;        // relative, of the declared nominal value; 0: not stated
-  bool fixed = false;            // known exactly: never refitted
+  double tolerance = 0.0;               // relative, of the declared nominal value; 0: not stated
+  bool fixed = false;                   // known exactly: never refitted
   std::optional<double> half_width_95;  // of the last fit
 };
 
@@ -27,9 +27,9 @@ struct Term {
 };
 
 struct HistoryEntry {
-  std::string when;        // ISO 8601, UTC
-  std::string effect;      // what was added
-  std::string recording;   // from which data
+  std::string when;       // ISO 8601, UTC
+  std::string effect;     // what was added
+  std::string recording;  // from which data
   std::string note;
 };
 
@@ -38,8 +38,8 @@ class JointModel {
   std::string name;
   effects::JointKind kind = effects::JointKind::kRotary;
   effects::JointConstants constants;
-  double backlash_rad = 0.0;               // full width of the play at the output; 0: none
-  double motor_torque_limit_Nm = 0.0;      // at the motor shaft; 0: none
+  double backlash_rad = 0.0;           // full width of the play at the output; 0: none
+  double motor_torque_limit_Nm = 0.0;  // at the motor shaft; 0: none
   std::vector<Term> terms;
   std::vector<HistoryEntry> history;
 
@@ -54,19 +54,21 @@ class JointModel {
   void Advance(const effects::JointSample& x, double dt_s, std::span<double> memory) const noexcept;
 
   // Torque of one term at x (positive in +position).
-  double TermTorque(int term, const effects::JointSample& x, std::span<const double> memory) const noexcept;
+  double TermTorque(int term, const effects::JointSample& x,
+                    std::span<const double> memory) const noexcept;
   // Sum over the terms of a role.
   double Torque(effects::Role role, const effects::JointSample& x,
                 std::span<const double> memory) const noexcept;
   // Drive torque at the output that x needs: -(inertia + passive terms). Feed-forward uses this.
-  double RequiredDriveTorque(const effects::JointSample& x, std::span<const double> memory) const noexcept;
+  double RequiredDriveTorque(const effects::JointSample& x,
+                             std::span<const double> memory) const noexcept;
   // drive + inertia + passive: 0 where the model is right.
   double Residual(const effects::JointSample& x, std::span<const double> memory) const noexcept;
 };
 
 struct RobotModel {
   std::string name;
-  std::string urdf_path;                 // relative to the model file; empty: none
+  std::string urdf_path;  // relative to the model file; empty: none
   std::vector<JointModel> joints;
 };
 

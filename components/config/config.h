@@ -1,6 +1,7 @@
-// Strict reading of YAML configuration: every key is asked for, units are in the keys, and whatever is
-// left over is an error. A message is one line: "FILE:LINE: key 'a.b': what is wrong, expected ...".
-// Throws UsageError (exit code 2) for everything a user can get wrong. Not for loops: set-up only.
+// Strict reading of YAML configuration: every key is asked for, units are in the keys, and whatever
+// is left over is an error. A message is one line: "FILE:LINE: key 'a.b': what is wrong, expected
+// ...". Throws UsageError (exit code 2) for everything a user can get wrong. Not for loops: set-up
+// only.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +15,8 @@
 
 namespace sinew {
 
-// Bad input of a user: options, configuration, data files. Programs print it in one line and exit with 2.
+// Bad input of a user: options, configuration, data files. Programs print it in one line and exit
+// with 2.
 class UsageError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -32,7 +34,8 @@ inline constexpr Range kNotNegative{0.0};
 // A mapping (or one entry of a sequence) of a YAML file. Copyable; keeps the document alive.
 class Section {
  public:
-  // Reads a file and checks its `schema` key. Names the file when it is absent, unreadable or no YAML.
+  // Reads a file and checks its `schema` key. Names the file when it is absent, unreadable or no
+  // YAML.
   static Section Load(const std::filesystem::path& path, std::string_view schema);
   // The same for text that is already here; `name` stands for the file in messages.
   static Section Parse(const std::string& text, const std::string& name, std::string_view schema);
@@ -41,7 +44,7 @@ class Section {
 
   bool Has(std::string_view key) const;
 
-  double Number(std::string_view key, Range range = {}) const;              // finite, in range
+  double Number(std::string_view key, Range range = {}) const;  // finite, in range
   double NumberOr(std::string_view key, double fallback, Range range = {}) const;
   std::int64_t Integer(std::string_view key, Range range = {}) const;
   std::int64_t IntegerOr(std::string_view key, std::int64_t fallback, Range range = {}) const;
@@ -53,20 +56,21 @@ class Section {
   std::string ChoiceOr(std::string_view key, std::string_view fallback,
                        const std::vector<std::string>& allowed) const;
   std::vector<double> Numbers(std::string_view key, Range range = {}) const;
-  std::vector<double> NumbersOr(std::string_view key, std::vector<double> fallback, Range range = {}) const;
+  std::vector<double> NumbersOr(std::string_view key, std::vector<double> fallback,
+                                Range range = {}) const;
   std::vector<std::string> TextsOr(std::string_view key, std::vector<std::string> fallback) const;
   // A path; relative ones are relative to this file. Must exist.
   std::filesystem::path ExistingPath(std::string_view key) const;
 
-  Section Child(std::string_view key) const;            // a mapping; must be there
+  Section Child(std::string_view key) const;  // a mapping; must be there
   Section ChildOrEmpty(std::string_view key) const;
-  std::vector<Section> List(std::string_view key) const;        // sequence of mappings; must be there
+  std::vector<Section> List(std::string_view key) const;  // sequence of mappings; must be there
   std::vector<Section> ListOrEmpty(std::string_view key) const;
-  std::vector<std::string> Keys() const;                // in file order; counts as asking for none
+  std::vector<std::string> Keys() const;  // in file order; counts as asking for none
   bool IsScalar(std::string_view key) const;
 
-  // Throws for the first key of this section (and of children asked for) that nobody asked for; says
-  // the known keys, and when the key differs only by its unit says which unit was expected.
+  // Throws for the first key of this section (and of children asked for) that nobody asked for;
+  // says the known keys, and when the key differs only by its unit says which unit was expected.
   void RejectUnknownKeys() const;
 
   // Throws a UsageError at this key's line. For checks that span keys.

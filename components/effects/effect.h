@@ -4,8 +4,8 @@
 //
 //     tau(x) = sum_i theta_i * phi_i(x; psi, z)
 //
-// theta: linear parameters (fitted by least squares), psi: nonlinear parameters (profiled over a grid or
-// refined), z: memory (hysteresis), advanced sample by sample. The balance of a joint is
+// theta: linear parameters (fitted by least squares), psi: nonlinear parameters (profiled over a
+// grid or refined), z: memory (hysteresis), advanced sample by sample. The balance of a joint is
 //
 //     sum over all effects of tau(x) = 0        (drive and inertia are effects too)
 //
@@ -35,11 +35,30 @@ enum class Role {
 // The balances of the actuator (docs/model.md). Effects of the torque equation are kMotion.
 enum class Balance { kMotion, kLink, kPlay, kGas, kKinematic };
 
-// Physical dimension of a parameter; with the joint's kind it gives the unit suffix of the YAML key.
+// Physical dimension of a parameter; with the joint's kind it gives the unit suffix of the YAML
+// key.
 enum class Dimension {
-  kNone, kTorque, kViscous, kQuadraticViscous, kInertia, kAngle, kVelocity, kFrequency, kTime, kMass,
-  kTorquePerBar, kStiffness, kStiffnessPerBar, kTorquePerKelvin, kTorquePerAmpere, kTorquePerVolt,
-  kInertiaTime, kPressure, kTemperature, kLength, kPerTorque,
+  kNone,
+  kTorque,
+  kViscous,
+  kQuadraticViscous,
+  kInertia,
+  kAngle,
+  kVelocity,
+  kFrequency,
+  kTime,
+  kMass,
+  kTorquePerBar,
+  kStiffness,
+  kStiffnessPerBar,
+  kTorquePerKelvin,
+  kTorquePerAmpere,
+  kTorquePerVolt,
+  kInertiaTime,
+  kPressure,
+  kTemperature,
+  kLength,
+  kPerTorque,
 };
 
 // Suffix of a YAML key, e.g. {kViscous, kRotary} -> "Nm_s_rad", {kViscous, kLinear} -> "N_s_m";
@@ -47,20 +66,20 @@ enum class Dimension {
 std::string_view UnitSuffix(Dimension dimension, JointKind kind);
 
 struct ParameterInfo {
-  std::string name;            // without unit, e.g. "viscous"
+  std::string name;  // without unit, e.g. "viscous"
   Dimension dimension = Dimension::kNone;
-  double lower = 0.0;          // physical range
+  double lower = 0.0;  // physical range
   double upper = 0.0;
   double default_value = 0.0;
-  std::vector<double> grid;    // nonlinear parameters only: values tried when it is profiled
+  std::vector<double> grid;  // nonlinear parameters only: values tried when it is profiled
   std::string meaning;
 };
 
 struct EffectInfo {
-  std::string name;            // as in model files, e.g. "direction_dependent_viscous"
-  std::string title;           // for people
-  std::string formula;         // plain text or TeX-free unicode
-  std::string source;          // paper or handbook, equation
+  std::string name;     // as in model files, e.g. "direction_dependent_viscous"
+  std::string title;    // for people
+  std::string formula;  // plain text or TeX-free unicode
+  std::string source;   // paper or handbook, equation
   Role role = Role::kPassive;
   Balance balance = Balance::kMotion;
   std::vector<ParameterInfo> linear;
@@ -77,8 +96,9 @@ class Effect {
   virtual ~Effect() = default;
   virtual const EffectInfo& info() const = 0;
 
-  // phi (size info().linear.size()) at x; psi has info().nonlinear.size() entries, memory memory_size().
-  // noexcept, allocates nothing. Non-finite input gives non-finite output, never undefined behaviour.
+  // phi (size info().linear.size()) at x; psi has info().nonlinear.size() entries, memory
+  // memory_size(). noexcept, allocates nothing. Non-finite input gives non-finite output, never
+  // undefined behaviour.
   virtual void Regressors(const JointSample& x, std::span<const double> psi,
                           std::span<const double> memory, std::span<double> phi) const noexcept = 0;
 

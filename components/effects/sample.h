@@ -1,38 +1,38 @@
 // One instant of one joint, as every effect sees it.
 //
 // SI. Rotary reading: rad and Nm at the output. A linear joint reads m for rad and N for Nm
-// (docs/decisions/0003). Fields that a robot does not measure stay at 0 and are never read by its model,
-// because the model file names only effects whose signals the mapping provides.
+// (docs/decisions/0003). Fields that a robot does not measure stay at 0 and are never read by its
+// model, because the model file names only effects whose signals the mapping provides.
 #pragma once
 
 namespace sinew::effects {
 
 struct JointSample {
   double time_s = 0.0;
-  double position_rad = 0.0;              // output
-  double velocity_rad_s = 0.0;            // output
-  double acceleration_rad_s2 = 0.0;       // output
-  double jerk_rad_s3 = 0.0;               // output
-  double motor_position_rad = 0.0;        // motor shaft, before the gear
-  double motor_velocity_rad_s = 0.0;      // motor shaft
-  double motor_acceleration_rad_s2 = 0.0; // motor shaft
-  double drive_input = 0.0;               // what the drive effect turns into torque: A, or V
-  double drive_rate = 0.0;                // its derivative, per second
-  double pressure_bar = 0.0;              // chamber, gauge
+  double position_rad = 0.0;               // output
+  double velocity_rad_s = 0.0;             // output
+  double acceleration_rad_s2 = 0.0;        // output
+  double jerk_rad_s3 = 0.0;                // output
+  double motor_position_rad = 0.0;         // motor shaft, before the gear
+  double motor_velocity_rad_s = 0.0;       // motor shaft
+  double motor_acceleration_rad_s2 = 0.0;  // motor shaft
+  double drive_input = 0.0;                // what the drive effect turns into torque: A, or V
+  double drive_rate = 0.0;                 // its derivative, per second
+  double pressure_bar = 0.0;               // chamber, gauge
   double pressure_rate_bar_s = 0.0;
-  double load_force_N = 0.0;              // positive presses the link down
-  double payload_kg = 0.0;                // declared by the operator
-  double temperature_degC = 25.0;         // motor
+  double load_force_N = 0.0;       // positive presses the link down
+  double payload_kg = 0.0;         // declared by the operator
+  double temperature_degC = 25.0;  // motor
   bool valve_open = false;
 };
 
 // What the joint is, exactly known. Given to an effect when it is made.
 struct JointConstants {
-  double gear_ratio = 1.0;           // motor turns per output turn
-  double link_length_m = 0.0;        // joint axis to load cell and payload
+  double gear_ratio = 1.0;     // motor turns per output turn
+  double link_length_m = 0.0;  // joint axis to load cell and payload
   double gravity_m_s2 = 9.81;
-  double torque_constant_Nm_A = 0.0; // motor side
-  double force_constant_N_V = 0.0;   // linear drives commanded in volts
+  double torque_constant_Nm_A = 0.0;  // motor side
+  double force_constant_N_V = 0.0;    // linear drives commanded in volts
 };
 
 }  // namespace sinew::effects

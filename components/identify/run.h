@@ -36,15 +36,16 @@ std::string_view SignalUnit(Signal signal, effects::JointKind kind);
 const std::vector<Signal>& AllSignals();
 
 struct Run {
-  std::string name;              // file it came from
+  std::string name;  // file it came from
   effects::JointKind kind = effects::JointKind::kRotary;
-  Eigen::VectorXd time_s;        // strictly increasing, not necessarily uniform
+  Eigen::VectorXd time_s;                     // strictly increasing, not necessarily uniform
   std::map<Signal, Eigen::VectorXd> signals;  // each as long as time_s
-  std::string content_hash;      // of the samples, for the history of a model
+  std::string content_hash;                   // of the samples, for the history of a model
 
   Eigen::Index size() const { return time_s.size(); }
   bool Has(Signal signal) const { return signals.count(signal) != 0; }
-  const Eigen::VectorXd& At(Signal signal) const;  // throws std::invalid_argument naming signal and run
+  const Eigen::VectorXd& At(
+      Signal signal) const;  // throws std::invalid_argument naming signal and run
 };
 
 }  // namespace sinew::identify

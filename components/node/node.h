@@ -1,7 +1,7 @@
 // Owner objects for DDS. Every create is checked; a constructor that throws leaves nothing behind.
 //
-// Fast DDS is included only by this room's .cc files. Readers copy samples in the DDS reception thread
-// into a queue; all other calls may come from one thread of the caller. Messages come from
+// Fast DDS is included only by this room's .cc files. Readers copy samples in the DDS reception
+// thread into a queue; all other calls may come from one thread of the caller. Messages come from
 // <sinew_idl/...h> (generated); include the one you use.
 #pragma once
 
@@ -24,7 +24,7 @@ class DdsError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-enum class [[nodiscard]] WriteStatus { kOk, kTimeout, kFailed };
+enum class [[nodiscard]] WriteStatus{kOk, kTimeout, kFailed};
 
 namespace internal {
 struct NodeImpl;
@@ -32,8 +32,8 @@ struct ReaderImpl;
 struct WriterImpl;
 }  // namespace internal
 
-// Queue of received samples of one topic. Movable. Real time: only the newest is kept unless the profile
-// says otherwise. Lockstep: all are kept, in order.
+// Queue of received samples of one topic. Movable. Real time: only the newest is kept unless the
+// profile says otherwise. Lockstep: all are kept, in order.
 template <class Message>
 class Reader {
  public:
@@ -45,8 +45,8 @@ class Reader {
   std::optional<Message> TakeLatest();  // newest; drops the rest
   std::optional<Message> WaitNext(std::chrono::milliseconds timeout);
   int matched_writers() const;
-  std::uint64_t received() const;       // samples since the start
-  std::uint64_t lost() const;           // samples DDS says it dropped
+  std::uint64_t received() const;  // samples since the start
+  std::uint64_t lost() const;      // samples DDS says it dropped
 
  private:
   friend class Node;

@@ -18,15 +18,15 @@ namespace sinew::node {
 enum class TimeMode { kRealtime, kLockstep };
 
 struct Options {
-  std::string component;               // kind of participant, e.g. "regime"
-  std::string name;                    // of this instance; the component's name unless --name
-  int domain_id = 0;                   // --domain or SINEW_DOMAIN
-  std::filesystem::path config_path;   // --config; may be empty
-  std::string log_level = "info";      // --log-level
-  TimeMode mode = TimeMode::kRealtime; // --lockstep
-  bool realtime_priority = false;      // --realtime: SCHED_FIFO and mlockall before the first DDS call
-  std::uint64_t seed = 1;              // --seed
-  std::filesystem::path qos_path;      // --qos: XML profiles instead of the built-in ones
+  std::string component;                // kind of participant, e.g. "regime"
+  std::string name;                     // of this instance; the component's name unless --name
+  int domain_id = 0;                    // --domain or SINEW_DOMAIN
+  std::filesystem::path config_path;    // --config; may be empty
+  std::string log_level = "info";       // --log-level
+  TimeMode mode = TimeMode::kRealtime;  // --lockstep
+  bool realtime_priority = false;  // --realtime: SCHED_FIFO and mlockall before the first DDS call
+  std::uint64_t seed = 1;          // --seed
+  std::filesystem::path qos_path;  // --qos: XML profiles instead of the built-in ones
 };
 
 // Set by SIGINT and SIGTERM. Make it before any thread exists.
@@ -43,7 +43,8 @@ using Body = std::function<void(const Options&, StopFlag&)>;
 
 // Parses, starts the log, runs the body, logs the end. Exit code: 0, 2 for UsageError (one line on
 // stderr), 1 for any other exception.
-int RunParticipant(int argc, char** argv, const std::string& component, const std::string& description,
-                   const Body& body, const AddOptions& add_options = {});
+int RunParticipant(int argc, char** argv, const std::string& component,
+                   const std::string& description, const Body& body,
+                   const AddOptions& add_options = {});
 
 }  // namespace sinew::node

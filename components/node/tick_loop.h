@@ -10,9 +10,10 @@
 //     loop.Publish(output, std::move(message), *tick);         // fills the header, counts failures
 //   }
 //
-// Real time: the trigger's newest sample starts the cycle; other inputs of that tick are awaited until the
-// cut-off and are stale afterwards. Lockstep: ticks come one by one, and a cycle starts when every input
-// has its sample of tick - delay (ticks before the delay have none: value() is then empty).
+// Real time: the trigger's newest sample starts the cycle; other inputs of that tick are awaited
+// until the cut-off and are stale afterwards. Lockstep: ticks come one by one, and a cycle starts
+// when every input has its sample of tick - delay (ticks before the delay have none: value() is
+// then empty).
 #pragma once
 
 #include <chrono>
@@ -28,24 +29,24 @@ struct Tick {
   std::uint64_t session_id = 0;
   std::uint64_t tick = 0;
   std::int64_t stamp_ns = 0;
-  int origin = 0;          // msg::Origin
-  double period_s = 0.0;   // nominal
-  bool last = false;       // the session's last tick: Next() returns nothing after it
+  int origin = 0;         // msg::Origin
+  double period_s = 0.0;  // nominal
+  bool last = false;      // the session's last tick: Next() returns nothing after it
   bool any_stale = false;
 };
 
 struct InputRules {
   int delay_ticks = 0;
-  bool required = true;    // false: never awaited; the newest sample is used if there is one
+  bool required = true;  // false: never awaited; the newest sample is used if there is one
 };
 
 template <class Message>
 class TickInput {
  public:
-  bool has_value() const;          // false until the first sample
-  const Message& value() const;    // the sample of this cycle, or the last one when stale
-  bool fresh() const;              // belongs to this cycle (tick - delay)
-  std::uint64_t tick() const;      // of value()
+  bool has_value() const;        // false until the first sample
+  const Message& value() const;  // the sample of this cycle, or the last one when stale
+  bool fresh() const;            // belongs to this cycle (tick - delay)
+  std::uint64_t tick() const;    // of value()
 
  private:
   friend class TickLoop;
@@ -55,7 +56,8 @@ class TickInput {
 
 class TickLoop {
  public:
-  TickLoop(Node& node, StopFlag& stop, std::chrono::microseconds cut_off = std::chrono::milliseconds(2));
+  TickLoop(Node& node, StopFlag& stop,
+           std::chrono::microseconds cut_off = std::chrono::milliseconds(2));
   ~TickLoop();
 
   template <class Message>

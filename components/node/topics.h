@@ -33,12 +33,12 @@ namespace sinew::node {
 
 // How a topic travels in real time; in lockstep every topic but the latched ones uses `lockstep`.
 enum class Profile {
-  kState,    // BEST_EFFORT, KEEP_LAST 1: the newest sample is the only one that matters
-  kControl,  // as kState, EXCLUSIVE ownership, 20 ms deadline: one writer at a time
-  kEvent,    // RELIABLE, KEEP_LAST 16, volatile: requests and arm
-  kLatched,  // RELIABLE, TRANSIENT_LOCAL, KEEP_LAST 1 per key: status, readout
-  kLog,      // readers of recorders: RELIABLE where offered, KEEP_ALL
-  kLockstep, // RELIABLE, TRANSIENT_LOCAL, KEEP_LAST 256, no wall-clock QoS: nothing dropped
+  kState,     // BEST_EFFORT, KEEP_LAST 1: the newest sample is the only one that matters
+  kControl,   // as kState, EXCLUSIVE ownership, 20 ms deadline: one writer at a time
+  kEvent,     // RELIABLE, KEEP_LAST 16, volatile: requests and arm
+  kLatched,   // RELIABLE, TRANSIENT_LOCAL, KEEP_LAST 1 per key: status, readout
+  kLog,       // readers of recorders: RELIABLE where offered, KEEP_ALL
+  kLockstep,  // RELIABLE, TRANSIENT_LOCAL, KEEP_LAST 256, no wall-clock QoS: nothing dropped
 };
 
 std::string_view ProfileName(Profile profile);
@@ -57,23 +57,27 @@ inline constexpr Topic<msg::Imu> kImu{"imu", Profile::kState};
 inline constexpr Topic<msg::BusStatus> kBusStatus{"bus_status", Profile::kState};
 inline constexpr Topic<msg::ValveCommand> kValveCommand{"valve_command", Profile::kControl};
 inline constexpr Topic<msg::PneumaticState> kPneumaticState{"pneumatic_state", Profile::kState};
-inline constexpr Topic<msg::StiffnessRequest> kStiffnessRequest{"stiffness_request", Profile::kEvent};
+inline constexpr Topic<msg::StiffnessRequest> kStiffnessRequest{"stiffness_request",
+                                                                Profile::kEvent};
 inline constexpr Topic<msg::RegimeState> kRegime{"regime", Profile::kState};
-inline constexpr Topic<msg::TorquePrediction> kTorquePrediction{"torque_prediction", Profile::kState};
+inline constexpr Topic<msg::TorquePrediction> kTorquePrediction{"torque_prediction",
+                                                                Profile::kState};
 inline constexpr Topic<msg::ReservoirState> kReservoirState{"reservoir_state", Profile::kState};
 inline constexpr Topic<msg::Readout> kReadout{"readout", Profile::kLatched};
 inline constexpr Topic<msg::AdaptationState> kAdaptationState{"adaptation_state", Profile::kState};
 inline constexpr Topic<msg::Reference> kReference{"reference", Profile::kState};
 inline constexpr Topic<msg::OperatorCommand> kOperatorCommand{"operator_command", Profile::kEvent};
 inline constexpr Topic<msg::MotionRequest> kMotionRequest{"motion_request", Profile::kEvent};
-inline constexpr Topic<msg::ComponentStatus> kComponentStatus{"component_status", Profile::kLatched};
+inline constexpr Topic<msg::ComponentStatus> kComponentStatus{"component_status",
+                                                              Profile::kLatched};
 inline constexpr Topic<msg::SimDisturbance> kSimDisturbance{"sim_disturbance", Profile::kEvent};
-inline constexpr Topic<msg::RecordingProgress> kRecordingProgress{"recording_progress", Profile::kEvent};
+inline constexpr Topic<msg::RecordingProgress> kRecordingProgress{"recording_progress",
+                                                                  Profile::kEvent};
 
 // The table at run time, for recorders, `list` and tests.
 struct TopicInfo {
   std::string name;
-  std::string type_name;      // "sinew::msg::JointState"
+  std::string type_name;  // "sinew::msg::JointState"
   Profile profile;
   std::string idl;            // flattened text of its type
   std::string idl_hash;       // of that text without comments and blanks, 8 hex digits
