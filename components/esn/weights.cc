@@ -69,9 +69,9 @@ void Weights::Check() const {
   Require(o >= 1, "readout: no rows, expected one for each output");
   Require(inputs.empty() || static_cast<Eigen::Index>(inputs.size()) == m,
           "inputs: " + std::to_string(inputs.size()) + " names, expected " + std::to_string(m));
-  for (const Input& input : inputs) {
-    Require(input.joint >= 0 && input.joint < kMaxJoints,
-            "inputs: joint " + std::to_string(input.joint) + ", expected 0 .. " + std::to_string(kMaxJoints - 1));
+  for (const Input& signal : inputs) {
+    Require(signal.joint >= 0 && signal.joint < kMaxJoints,
+            "inputs: joint " + std::to_string(signal.joint) + ", expected 0 .. " + std::to_string(kMaxJoints - 1));
   }
   RequireShape(input_weight, n, m, "input_weight");
   RequireShape(bias, n, 1, "bias");

@@ -1,5 +1,7 @@
 #include "components/simd/instructions.h"
 
+#include <initializer_list>
+
 namespace sinew::simd {
 
 bool Runs(Instructions instructions) noexcept {

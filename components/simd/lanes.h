@@ -54,18 +54,20 @@ SINEW_LANES_INLINE void Store(double* to, const Lanes& a) {
   }
 }
 
-// from[index[0]] .. from[index[7]]
+// from[index[0]] .. from[index[7]]. The masked forms: the plain ones read an undefined register, which GCC 12
+// warns about.
 SINEW_LANES_INLINE Lanes Gather(const double* from, const std::int32_t* index) {
   Lanes result;
 #if defined(__AVX512F__)
   const __m256i i = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(index));
-  // The masked form: the plain one reads an undefined register, which GCC 12 warns about.
   result.pack[0] = reinterpret_cast<Pack>(
       _mm512_mask_i32gather_pd(_mm512_setzero_pd(), static_cast<__mmask8>(0xff), i, from, 8));
 #elif defined(__AVX2__)
   for (int p = 0; p < kPacks; ++p) {
     const __m128i i = _mm_loadu_si128(reinterpret_cast<const __m128i*>(index + p * kPackLanes));
-    result.pack[p] = reinterpret_cast<Pack>(_mm256_i32gather_pd(from, i, 8));
+    const __m256d all = _mm256_castsi256_pd(_mm256_set1_epi64x(-1));
+    result.pack[p] =
+        reinterpret_cast<Pack>(_mm256_mask_i32gather_pd(_mm256_setzero_pd(), from, i, all, 8));
   }
 #else
   for (int p = 0; p < kPacks; ++p) {

@@ -5,25 +5,12 @@
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
-#include <new>
 #include <stdexcept>
 #include <vector>
 
 #include "components/esn/normal.h"
-
-// Every allocation of this program is counted, so that a test can say there was none.
-namespace {
-long allocations = 0;
-}
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+#include "tests/support/allocations.h"
 
 namespace sinew::esn {
 namespace {
@@ -193,11 +180,12 @@ TEST(Network, StepAndSetReadoutTakeNoMemory) {
   const Eigen::VectorXd u = Excitation(3, 1);
   const Eigen::MatrixXd readout = 0.5 * weights.readout;
   bool good = true;
-  const long before = allocations;
+  const long before = test::Allocations();
   for (int t = 0; t < 100; ++t) {
     good = good && network.Step(u) == StepStatus::kOk && network.SetReadout(readout);
   }
-  EXPECT_EQ(allocations - before, 0);
+  const long taken = test::Allocations() - before;
+  EXPECT_EQ(taken, 0);
   EXPECT_TRUE(good);
 }
 
