@@ -19,7 +19,11 @@ namespace fs = std::filesystem;
 
 constexpr int kLargestDomain = 232;  // ports of the RTPS mapping end there
 constexpr double kLongestGrace_s = 600.0;
+constexpr char kProgressTopic[] = "recording_progress";
+constexpr int kRecordingWindow = 64;  // ticks a logger may lag; half of what a reader keeps
 const std::vector<std::string> kRestartWords = {"never", "on_failure", "always"};
+
+bool IsLogger(const Process& process) { return process.program.filename() == "sinew-logger"; }
 
 bool IsProgram(const fs::path& path) {
   std::error_code error;
@@ -76,7 +80,7 @@ Process ReadProcess(const config::Section& section, const fs::path& folder) {
       static_cast<int>(section.IntegerOr("max_restarts", process.max_restarts, {0, 1000}));
   process.back_off_s = section.NumberOr("back_off_s", process.back_off_s, {0.0, 600.0});
   process.plain = section.BoolOr("plain", false);
-  process.stop_last = section.BoolOr("stop_last", process.program.filename() == "sinew-logger");
+  process.stop_last = section.BoolOr("stop_last", IsLogger(process));
   return process;
 }
 
@@ -210,7 +214,7 @@ void RemoveProcess(const std::string& name, Deployment* deployment) {
 void Record(const fs::path& path, const fs::path& folder, Deployment* deployment) {
   const std::string output = fs::absolute(path).lexically_normal().string();
   for (Process& process : deployment->processes) {
-    if (process.program.filename() != "sinew-logger") continue;
+    if (!IsLogger(process)) continue;
     auto& arguments = process.arguments;
     const auto at = std::find(arguments.begin(), arguments.end(), "--output");
     if (at != arguments.end() && at + 1 != arguments.end()) {
@@ -234,6 +238,22 @@ std::string NumberText(double value) {
   out.precision(15);
   out << value;
   return out.str();
+}
+
+// In lockstep the provider waits for what the deployment declares, and for its loggers.
+void AddProviderOptions(const Deployment& deployment, std::vector<std::string>* line) {
+  if (deployment.duration_s > 0.0) {
+    line->insert(line->end(), {"--duration", NumberText(deployment.duration_s)});
+  }
+  if (!deployment.lockstep) return;
+  std::string await;
+  for (const std::string& topic : deployment.await) await += (await.empty() ? "" : ",") + topic;
+  const bool named = await.find(kProgressTopic) != std::string::npos;
+  if (!named && std::any_of(deployment.processes.begin(), deployment.processes.end(), IsLogger)) {
+    await += (await.empty() ? "" : ",") + std::string(kProgressTopic) + ":" +
+             std::to_string(kRecordingWindow);
+  }
+  if (!await.empty()) line->insert(line->end(), {"--await", await});
 }
 
 }  // namespace
@@ -262,6 +282,7 @@ Deployment LoadDeployment(const fs::path& file, const Overrides& overrides,
   deployment.duration_s = root.NumberOr("duration_s", 0.0, config::kNotNegative);
   deployment.seed = static_cast<std::uint64_t>(root.IntegerOr("seed", 1, config::kNotNegative));
   deployment.provider = root.TextOr("provider", "");
+  deployment.await = root.TextsOr("await", {});
   deployment.realtime_priority = root.BoolOr("realtime_priority", false);
   deployment.grace_s = root.NumberOr("grace_s", deployment.grace_s, {0.0, kLongestGrace_s});
 
@@ -313,9 +334,7 @@ std::vector<std::string> CommandLine(const Deployment& deployment, const Process
     if (deployment.lockstep) line.push_back("--lockstep");
     if (deployment.realtime_priority) line.push_back("--realtime");
     if (!process.config.empty()) line.insert(line.end(), {"--config", process.config.string()});
-    if (process.name == deployment.provider && deployment.duration_s > 0.0) {
-      line.insert(line.end(), {"--duration", NumberText(deployment.duration_s)});
-    }
+    if (process.name == deployment.provider) AddProviderOptions(deployment, &line);
   }
   line.insert(line.end(), process.arguments.begin(), process.arguments.end());
   return line;

@@ -34,7 +34,8 @@ struct Deployment {
   bool lockstep = false;
   double duration_s = 0.0;  // 0: until stopped
   std::uint64_t seed = 1;
-  std::string provider;  // name of a process; empty: none
+  std::string provider;            // name of a process; empty: none
+  std::vector<std::string> await;  // lockstep: replies that end a tick, TOPIC or TOPIC:WINDOW
   bool realtime_priority = false;
   double grace_s = 3.0;
   std::vector<Process> processes;

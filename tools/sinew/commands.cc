@@ -2,6 +2,7 @@
 
 #include "tools/sinew/completion.h"
 #include "tools/sinew/launch.h"
+#include "tools/sinew/operator.h"
 #ifdef SINEW_HAVE_EFFECTS
 #include "tools/sinew/effects.h"
 #endif
@@ -10,6 +11,7 @@ namespace sinew::tools {
 
 void AddAllCommands(CLI::App& app) {
   AddLaunchCommand(app);
+  AddOperatorCommands(app);
 #ifdef SINEW_HAVE_EFFECTS
   AddEffectsCommand(app);
 #endif

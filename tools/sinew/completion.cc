@@ -193,7 +193,7 @@ std::string ZshScript(const Command& root) {
     if (!command.subcommands.empty()) {
       script += " \\\n    '1:command:((";
       for (const Command& child : command.subcommands) {
-        script += child.name + "\\:\"" + ZshText(ZshText(child.description)) + "\" ";
+        script += child.name + "\\:\"" + ZshText(child.description) + "\" ";
       }
       script +=
           "))' \\\n    '*::argument:->argument'\n  case $state in argument) case $line[1] in\n";

@@ -8,6 +8,8 @@
 #include <string>
 
 #include "components/config/config.h"
+#include "components/node/topics.h"
+#include "components/node/version.h"
 #include "tools/sinew/commands.h"
 
 namespace {
@@ -17,10 +19,11 @@ void AddVersionCommand(CLI::App& app) {
   auto json = std::make_shared<bool>(false);
   command->add_flag("--json", *json, "As JSON");
   command->callback([json] {
+    const std::string version = sinew::node::kVersion, topics = sinew::node::AllTopicsHash();
     if (*json) {
-      std::cout << nlohmann::json{{"version", SINEW_VERSION}}.dump() << '\n';
+      std::cout << nlohmann::json{{"version", version}, {"topics_hash", topics}}.dump() << '\n';
     } else {
-      std::cout << "sinew " SINEW_VERSION "\n";
+      std::cout << "sinew " << version << ", topics " << topics << '\n';
     }
   });
 }
@@ -39,7 +42,7 @@ std::string FirstLine(const std::string& text) { return text.substr(0, text.find
 int main(int argc, char** argv) {
   CLI::App app("Distributed components for robots with SEA-PEA actuators", "sinew");
   try {
-    app.set_version_flag("--version", std::string("sinew ") + SINEW_VERSION);
+    app.set_version_flag("--version", std::string("sinew ") + sinew::node::kVersion);
     app.require_subcommand(0, 1);
     app.footer("Examples stand in the help of each command, e.g. `sinew launch --help`.");
     sinew::tools::AddAllCommands(app);

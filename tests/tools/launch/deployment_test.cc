@@ -10,6 +10,7 @@ namespace sinew::launch {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -22,6 +23,7 @@ constexpr char kTwo[] =
     "duration_s: 2.5\n"
     "seed: 9\n"
     "provider: plant\n"
+    "await: [joint_command]\n"
     "processes:\n"
     "  - name: plant\n"
     "    program: sinew-plant\n"
@@ -91,11 +93,11 @@ TEST_F(DeploymentTest, ReadsWhatTheFileSays) {
 
 TEST_F(DeploymentTest, CommandLinesCarryTheCommonOptionsThenTheirOwn) {
   const Deployment two = Load(kTwo);
-  EXPECT_THAT(
-      CommandLine(two, two.processes[0]),
-      ElementsAre((folder_.path() / "bin/sinew-plant").string(), "--name", "plant", "--domain", "7",
-                  "--seed", "9", "--lockstep", "--config", (folder_.path() / "plant.yaml").string(),
-                  "--duration", "2.5", "--effect", "stribeck"));
+  EXPECT_THAT(CommandLine(two, two.processes[0]),
+              ElementsAre((folder_.path() / "bin/sinew-plant").string(), "--name", "plant",
+                          "--domain", "7", "--seed", "9", "--lockstep", "--config",
+                          (folder_.path() / "plant.yaml").string(), "--duration", "2.5", "--await",
+                          "joint_command,recording_progress:64", "--effect", "stribeck"));
   EXPECT_THAT(CommandLine(two, two.processes[1]),
               ElementsAre((folder_.path() / "bin/sinew-logger").string(), "--name", "logger",
                           "--domain", "7", "--seed", "9", "--lockstep", "--output", "old.mcap"));
@@ -127,7 +129,10 @@ TEST_F(DeploymentTest, OverridesChangeWhatTheFileSays) {
 TEST_F(DeploymentTest, RecordAddsALoggerWhereThereIsNone) {
   Overrides overrides;
   overrides.without = {"logger"};
-  EXPECT_EQ(Load(kTwo, overrides).processes.size(), 1u);
+  const Deployment alone = Load(kTwo, overrides);
+  ASSERT_EQ(alone.processes.size(), 1u);
+  EXPECT_THAT(CommandLine(alone, alone.processes[0]), Contains("joint_command"))
+      << "no logger, no waiting for one";
   overrides.record = "/new.mcap";
   const Deployment two = Load(kTwo, overrides);
   ASSERT_EQ(two.processes.size(), 2u);
@@ -165,25 +170,25 @@ INSTANTIATE_TEST_SUITE_P(
     Keys, BadDeployment,
     ::testing::Values(
         BadFile{"seed: 9", "sead: 9", {":6:", "'sead'", "unknown"}},
-        BadFile{"back_off_s: 0.25", "back_off_ms: 250", {":19:", "wrong unit", "back_off_s"}},
+        BadFile{"back_off_s: 0.25", "back_off_ms: 250", {":20:", "wrong unit", "back_off_s"}},
         BadFile{"duration_s: 2.5", "duration_s: .nan", {":5:", "duration_s"}},
         BadFile{"duration_s: 2.5", "duration_s: -1", {":5:", "duration_s"}},
         BadFile{"domain_id: 7", "domain_id: 233", {":3:", "domain_id", "232"}},
         BadFile{"mode: lockstep", "mode: fast", {":4:", "realtime, lockstep"}},
         BadFile{"provider: plant", "provider: robot", {":7:", "'robot'", "name of a process"}},
-        BadFile{"program: sinew-plant", "program: sinew-plan", {":10:", "'sinew-plan'", "PATH"}},
-        BadFile{"program: sinew-plant", "program: ./plant", {":10:", "'./plant'"}},
-        BadFile{"after: [plant]", "after: [plan]", {":16:", "'plan'"}},
-        BadFile{"after: [plant]", "after: [logger]", {":16:", "circle"}},
+        BadFile{"program: sinew-plant", "program: sinew-plan", {":11:", "'sinew-plan'", "PATH"}},
+        BadFile{"program: sinew-plant", "program: ./plant", {":11:", "'./plant'"}},
+        BadFile{"after: [plant]", "after: [plan]", {":17:", "'plan'"}},
+        BadFile{"after: [plant]", "after: [logger]", {":17:", "circle"}},
         BadFile{"name: logger", "name: plant", {"twice"}},
         BadFile{"name: logger", "name: a b", {"'a b'"}},
-        BadFile{"restart: on_failure", "restart: often", {":17:", "on_failure"}},
-        BadFile{"max_restarts: 2", "max_restarts: 2.5", {":18:", "whole number"}},
+        BadFile{"restart: on_failure", "restart: often", {":18:", "on_failure"}},
+        BadFile{"max_restarts: 2", "max_restarts: 2.5", {":19:", "whole number"}},
         BadFile{"sinew-deployment/1", "sinew-deployment/9", {":1:", "sinew-deployment/1"}}));
 
 TEST_F(DeploymentTest, AMissingConfigurationIsNamedWithItsPath) {
   const std::string message = ErrorOf(Changed("config: plant.yaml", "config: nowhere.yaml"));
-  EXPECT_THAT(message, AllOf(HasSubstr(":11: key 'processes[0].config'"),
+  EXPECT_THAT(message, AllOf(HasSubstr(":12: key 'processes[0].config'"),
                              HasSubstr((folder_.path() / "nowhere.yaml").string())));
 }
 
