@@ -46,6 +46,7 @@ std::vector<LogRow> RunExperiment(const RigParameters& parameters, const Experim
         std::clamp(options.jitter_s * jitter.Gaussian(), -cycle_s / 3.0, cycle_s / 3.0);
     const double next_s = std::max(nominal_s + cycle_s + late_s, instant_s + 0.1 * cycle_s);
     surrogate.Step(plant_command, next_s - instant_s, &sensors);
+    const double latched_s = next_s - 1e-6 * sensors.age_us[0];
     instant_s = next_s;
     if (truth) truth(surrogate.rig().truth());
     if ((cycle + 1) % options.log_every != 0) continue;
@@ -53,7 +54,7 @@ std::vector<LogRow> RunExperiment(const RigParameters& parameters, const Experim
                                             -kLargestStampError_s, kLargestStampError_s);
     if (lost.Uniform() < options.lost_share) continue;
     LogRow row;
-    row.time_s = instant_s + stamp_error_s;
+    row.time_s = latched_s + stamp_error_s;
     row.motor_angle_rad = sensors.motor_position_rad[0];
     row.motor_velocity_rad_s = sensors.motor_velocity_rad_s[0];
     row.output_angle_rad = sensors.position_rad[0];

@@ -54,6 +54,8 @@ const RigParameters& Checked(const RigParameters& p) {
   require(p.pneumatics.initial_pressure_bar > -0.9 && p.pneumatics.initial_pressure_bar <= 20.0,
           "initial pressure must be in (-0.9, 20] bar");
   require(p.sensors.encoder_counts > 0 && p.sensors.pressure_counts > 0, "counts must be positive");
+  require(p.sensors.latch_phase >= 0.0 && p.sensors.latch_phase <= 1.0,
+          "latch phase must be in [0, 1]");
   require(p.step_s > 0.0 && p.step_s <= 1e-4, "internal step must be at most 1e-4 s (10 kHz)");
   require(p.spread >= 0.0 && p.spread < 0.5, "spread must be in [0, 0.5)");
   require(std::abs(p.initial_angle_rad) <= p.link.end_stop_rad,

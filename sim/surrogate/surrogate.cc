@@ -40,7 +40,7 @@ void Surrogate::Reset(provider::PlantSensors* sensors) {
   rig_.Reset();
   refused_commands_ = 0;
   *sensors = provider::PlantSensors{};
-  Read(sensors);
+  Fill(rig_.Read(), 0.0, sensors);
 }
 
 void Surrogate::Step(const provider::PlantCommand& command, double period_s,
@@ -86,12 +86,15 @@ void Surrogate::Step(const provider::PlantCommand& command, double period_s,
     sensors->fault = true;
     sensors->message = "command with a value that is not finite: drive idles";
   }
-  rig_.Advance(input, period_s);
-  Read(sensors);
+  if (!(period_s > 0.0) || !std::isfinite(period_s)) return;
+  const double until_latch_s = rig_.parameters().sensors.latch_phase * period_s;
+  rig_.Advance(input, until_latch_s);
+  const RigReading reading = rig_.Read();
+  rig_.Advance(input, period_s - until_latch_s);
+  Fill(reading, period_s - until_latch_s, sensors);
 }
 
-void Surrogate::Read(provider::PlantSensors* sensors) {
-  const RigReading reading = rig_.Read();
+void Surrogate::Fill(const RigReading& reading, double age_s, provider::PlantSensors* sensors) {
   sensors->position_rad[0] = reading.output_angle_rad;
   sensors->velocity_rad_s[0] = reading.output_velocity_rad_s;
   sensors->torque_Nm[0] = reading.output_torque_Nm;
@@ -105,7 +108,7 @@ void Surrogate::Read(provider::PlantSensors* sensors) {
   sensors->load_force_N[0] = reading.load_force_N;
   sensors->declared_payload_kg[0] = reading.declared_payload_kg;
   sensors->valve_open[0] = reading.valve_open;
-  sensors->age_us[0] = 0;
+  sensors->age_us[0] = static_cast<std::int32_t>(std::lround(1e6 * age_s));
   sensors->valid[0] = true;
 }
 

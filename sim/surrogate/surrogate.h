@@ -29,7 +29,7 @@ class Surrogate : public provider::Plant {
   std::uint64_t refused_commands() const { return refused_commands_; }
 
  private:
-  void Read(provider::PlantSensors* sensors);
+  static void Fill(const RigReading& reading, double age_s, provider::PlantSensors* sensors);
 
   Rig rig_;
   std::uint64_t refused_commands_ = 0;

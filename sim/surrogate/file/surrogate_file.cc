@@ -139,6 +139,7 @@ void ReadSensors(const Section& s, SensorParameters* p) {
       s.NumberOr("temperature_noise_degC", p->temperature_noise_degC, kNotNegative);
   p->temperature_step_degC =
       s.NumberOr("temperature_step_degC", p->temperature_step_degC, kNotNegative);
+  p->latch_phase = s.NumberOr("latch_phase_1", p->latch_phase, {0.0, 1.0});
   p->torque_efficiency = s.NumberOr("torque_efficiency_1", p->torque_efficiency, kPositive);
   s.RejectUnknownKeys();
 }
