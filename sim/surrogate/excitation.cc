@@ -106,12 +106,12 @@ Excitation::Excitation(const ExcitationParameters& parameters) : parameters_(par
         segment.shape = Shape::kMultisine;
         segment.length_s = random.Uniform(11.0, 15.0);
         segment.amplitude_rad = p.largest_angle_rad - std::abs(centre_rad);
-        segment.sines = MakeSines(&random, 7, 0.1, 1.6, 1.0);
+        segment.sines = MakeSines(&random, 7, 0.1, 1.7, 0.8);
         break;
       case 2:
         segment.shape = Shape::kChirp;
         segment.length_s = random.Uniform(9.0, 12.0);
-        segment.amplitude_rad = random.Uniform(0.3, 0.5);
+        segment.amplitude_rad = random.Uniform(0.4, 0.6);
         segment.start_Hz = 0.15;
         segment.end_Hz = random.Uniform(1.8, 2.6);
         break;
@@ -119,7 +119,7 @@ Excitation::Excitation(const ExcitationParameters& parameters) : parameters_(par
         segment.shape = Shape::kTriangle;
         segment.length_s = random.Uniform(8.0, 11.0);
         segment.amplitude_rad = random.Uniform(0.35, 0.5);
-        segment.start_Hz = random.Uniform(0.15, 0.45);  // 0.3 to 0.9 rad/s
+        segment.start_Hz = random.Uniform(0.15, 0.55);  // 0.2 to 1.1 rad/s
         break;
       case 4:
         segment.shape = Shape::kTriangle;

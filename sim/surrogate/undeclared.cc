@@ -98,19 +98,19 @@ double ParseNumber(const std::string& text, const std::string& what) {
 
 const std::vector<EffectInfo>& UndeclaredEffects() {
   static const std::vector<EffectInfo> kEffects{
-      {"stribeck", "N m", 0.1, 2.0,
+      {"stribeck", "N m", 0.07, 2.0,
        "extra dry friction of the output at creep, lost as a film builds up (table over speed)"},
-      {"direction_dependent_viscous", "N m s/rad", 0.08, 2.0,
+      {"direction_dependent_viscous", "N m s/rad", 0.09, 2.0,
        "seal lip drags more going up than down: viscous coefficient +size/2 up, -size/2 down"},
-      {"cogging", "N m", 4e-4, 0.02,
+      {"cogging", "N m", 1.9e-3, 0.02,
        "motor torque ripple of 14 magnets over 12 slots (table over one turn), peak at the rotor"},
-      {"seal_hysteresis", "N m/bar", 0.03, 1.0,
+      {"seal_hysteresis", "N m/bar", 0.012, 1.0,
        "seal lip of slip elements, 0.01 to 0.24 rad, pressed on by the chamber's pressure"},
       {"payload", "kg", 0.5, 5.0,
        "mass at the load cell that nobody declared; from the start a refit takes it up whole as "
        "inertia "
        "and gravity, so give it a time: payload=0.5@30"},
-      {"quadratic_viscous", "N m s2/rad2", 0.05, 1.0,
+      {"quadratic_viscous", "N m s2/rad2", 0.1, 1.0,
        "gear oil churned by the rotor: torque grows with speed squared (size at 1 rad/s of "
        "output)"},
   };
