@@ -46,6 +46,30 @@ struct PlantSensors {
   std::string message;
 };
 
+// Health of field buses; only a bridge has it.
+struct BusReport {
+  static constexpr int kMaxBuses = 4;
+  int bus_count = 0;
+  std::array<bool, kMaxBuses> up{};
+  std::array<std::uint64_t, kMaxBuses> frames_sent{};
+  std::array<std::uint64_t, kMaxBuses> frames_received{};
+  std::array<std::uint64_t, kMaxBuses> frames_dropped{};
+  std::array<std::uint64_t, kMaxBuses> error_frames{};
+  std::array<double, kMaxBuses> load_percent{};
+  double cycle_p50_us = 0.0;
+  double cycle_max_us = 0.0;
+};
+
+// Sensors of the body; only a robot with feet and torso has them. Order as in idl/sensors.idl.
+struct BodySensors {
+  std::array<double, 8> foot_force_N{};
+  std::array<bool, 8> foot_valid{};
+  std::array<double, 3> acceleration_m_s2{};
+  std::array<double, 3> angular_velocity_rad_s{};
+  std::array<double, 4> orientation_wxyz{1.0, 0.0, 0.0, 0.0};
+  bool imu_valid = false;
+};
+
 class Plant {
  public:
   virtual ~Plant() = default;
@@ -57,6 +81,8 @@ class Plant {
   virtual void Reset(PlantSensors* sensors) = 0;
   // Applies the command for one period and reads the sensors at its end.
   virtual void Step(const PlantCommand& command, double period_s, PlantSensors* sensors) = 0;
+  virtual const BusReport* bus_report() const { return nullptr; }
+  virtual const BodySensors* body_sensors() const { return nullptr; }
 };
 
 }  // namespace sinew::provider

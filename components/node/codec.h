@@ -1,0 +1,44 @@
+// Messages to CDR bytes (with the 4-byte encapsulation header) and back. Internal to this room and
+// to recordings; needs no DDS to include.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+namespace sinew::node {
+
+using Bytes = std::vector<std::byte>;
+
+// Capacity of `bytes` is reused. False: the message does not fit its bounds.
+template <class Message>
+[[nodiscard]] bool Encode(const Message& message, Bytes* bytes);
+
+// False: the bytes are no such message.
+template <class Message>
+[[nodiscard]] bool Decode(const Bytes& bytes, Message* message);
+
+// Session and tick at the head of a message; every type but ComponentStatus begins with its header.
+struct HeadOfMessage {
+  std::uint64_t session_id = 0;
+  std::uint64_t tick = 0;
+};
+[[nodiscard]] bool PeekHead(const std::byte* bytes, std::size_t size, HeadOfMessage* head);
+
+// Overwrites header.origin in place; for players.
+[[nodiscard]] bool PokeOrigin(std::byte* bytes, std::size_t size, std::uint32_t origin);
+
+// Fully qualified IDL name, e.g. "sinew::msg::JointState".
+template <class Message>
+std::string_view TypeName();
+
+// RTPS key hash (16 bytes) of a keyed message; false when the type has no key.
+[[nodiscard]] bool KeyHash(std::string_view type_name, const Bytes& bytes, std::uint8_t hash[16]);
+
+// Largest serialized size of a type, header included.
+std::size_t MaxEncodedSize(std::string_view type_name);
+bool IsKeyed(std::string_view type_name);
+
+}  // namespace sinew::node

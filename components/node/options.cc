@@ -1,0 +1,112 @@
+#include "components/node/options.h"
+
+#include <sched.h>
+#include <signal.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+#include <sys/mman.h>
+
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstring>
+#include <iostream>
+
+#include "components/node/version.h"
+
+namespace sinew::node {
+
+namespace {
+
+std::atomic<bool> g_stop{false};
+
+extern "C" void OnStopSignal(int) { g_stop.store(true); }
+
+void BecomeRealtime() {
+  sched_param parameters{};
+  parameters.sched_priority = 40;
+  if (::sched_setscheduler(0, SCHED_FIFO, &parameters) != 0) {
+    throw std::runtime_error(std::string("--realtime: SCHED_FIFO refused (") +
+                             std::strerror(errno) +
+                             "); run as root or raise rtprio in /etc/security/limits.conf");
+  }
+  if (::mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
+    throw std::runtime_error(std::string("--realtime: memory cannot be locked (") +
+                             std::strerror(errno) +
+                             "); raise memlock in /etc/security/limits.conf");
+  }
+}
+
+void StartLog(const Options& options) {
+  auto logger = spdlog::stderr_color_mt(options.name);
+  logger->set_pattern("%H:%M:%S.%e %n %^%l%$ %v");
+  logger->set_level(spdlog::level::from_str(options.log_level));
+  spdlog::set_default_logger(logger);
+  spdlog::info("{} {}, domain {}, {}{}", options.component, kVersion, options.domain_id,
+               options.mode == TimeMode::kLockstep ? "lockstep" : "real time",
+               options.config_path.empty() ? "" : ", config " + options.config_path.string());
+}
+
+}  // namespace
+
+StopFlag::StopFlag() {
+  struct sigaction action {};
+  action.sa_handler = &OnStopSignal;
+  sigemptyset(&action.sa_mask);
+  ::sigaction(SIGINT, &action, nullptr);
+  ::sigaction(SIGTERM, &action, nullptr);
+  ::signal(SIGPIPE, SIG_IGN);
+}
+
+bool StopFlag::requested() const noexcept { return g_stop.load(std::memory_order_relaxed); }
+void StopFlag::Request() noexcept { g_stop.store(true); }
+
+int RunParticipant(int argc, char** argv, const std::string& component,
+                   const std::string& description, const Body& body,
+                   const AddOptions& add_options) {
+  StopFlag stop;  // before any thread exists
+  Options options;
+  options.component = component;
+  CLI::App app(description, "sinew-" + component);
+  app.set_version_flag("--version", std::string(kVersion));
+  app.add_option("--name", options.name, "Name of this instance; the component's name by default");
+  app.add_option("--domain", options.domain_id, "DDS domain")
+      ->envname("SINEW_DOMAIN")
+      ->check(CLI::Range(0, 232));
+  app.add_option("--config", options.config_path, "Configuration file");
+  app.add_option("--log-level", options.log_level, "trace, debug, info, warning, error or off")
+      ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error", "off"}));
+  app.add_option("--seed", options.seed, "Seed of everything random");
+  app.add_option("--qos", options.qos_path,
+                 "XML file with QoS profiles instead of the built-in ones");
+  bool lockstep = false;
+  auto* lockstep_flag =
+      app.add_flag("--lockstep", lockstep, "Simulated time: a tick waits for all replies");
+  app.add_flag("--realtime", options.realtime_priority, "SCHED_FIFO and locked memory")
+      ->excludes(lockstep_flag);
+  if (add_options) add_options(app);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& done) {
+    return app.exit(done);
+  } catch (const CLI::ParseError& error) {
+    std::cerr << "sinew-" << component << ": " << error.what() << " (see --help)\n";
+    return 2;
+  }
+  if (options.name.empty()) options.name = component;
+  options.mode = lockstep ? TimeMode::kLockstep : TimeMode::kRealtime;
+  try {
+    if (options.realtime_priority) BecomeRealtime();
+    StartLog(options);
+    body(options, stop);
+    spdlog::info("stopped");
+    return EXIT_SUCCESS;
+  } catch (const UsageError& error) {
+    std::cerr << "sinew-" << component << ": " << error.what() << '\n';
+    return 2;
+  } catch (const std::exception& error) {
+    spdlog::critical("{}", error.what());
+    return EXIT_FAILURE;
+  }
+}
+
+}  // namespace sinew::node

@@ -1,0 +1,91 @@
+#include "components/provider/guard.h"
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace sinew::provider {
+
+CommandGuard::CommandGuard(const GuardConfig& config) : config_(config) {
+  if (config.missed_periods < 1) {
+    throw std::invalid_argument("missed_periods must be at least 1, is " +
+                                std::to_string(config.missed_periods));
+  }
+  if (config.fault_after.count() <= 0) {
+    throw std::invalid_argument("fault_after must be positive, is " +
+                                std::to_string(config.fault_after.count()) + " ms");
+  }
+  if (!std::isfinite(config.damping_Nm_s_rad) || config.damping_Nm_s_rad < 0.0) {
+    throw std::invalid_argument("damping must not be negative");
+  }
+}
+
+void CommandGuard::StartSession(std::uint64_t session_id) {
+  session_id_ = session_id;
+  state_ = RobotState::kDisarmed;
+  has_command_ = false;
+}
+
+bool CommandGuard::Arm(std::uint64_t session_id, std::uint64_t tick) {
+  if (session_id != session_id_) return false;
+  if (state_ == RobotState::kFault || state_ == RobotState::kEstopped) return false;
+  if (state_ == RobotState::kDisarmed) {
+    last_tick_ = tick;
+    has_command_ = false;
+    state_ = RobotState::kArmed;
+  }
+  return true;
+}
+
+void CommandGuard::Disarm() {
+  if (state_ == RobotState::kArmed || state_ == RobotState::kDamped) state_ = RobotState::kDisarmed;
+}
+
+void CommandGuard::Estop() { state_ = RobotState::kEstopped; }
+
+void CommandGuard::Fault() {
+  if (state_ == RobotState::kEstopped || state_ == RobotState::kFault) return;
+  state_ = RobotState::kFault;
+  ++faults_;
+}
+
+bool CommandGuard::Reset() {
+  if (state_ != RobotState::kFault && state_ != RobotState::kEstopped) return false;
+  state_ = RobotState::kDisarmed;
+  return true;
+}
+
+bool CommandGuard::Offer(const CommandHead& head, std::uint64_t tick) {
+  const bool counts = head.session_id == session_id_ && head.tick <= tick &&
+                      (!config_.live || head.origin == Origin::kLive) &&
+                      (!has_command_ || head.tick > last_tick_);
+  if (!counts) {
+    ++refused_;
+    return false;
+  }
+  if (state_ == RobotState::kArmed || state_ == RobotState::kDamped) {
+    if (head.tick < last_tick_) return false;  // computed before arming
+    last_tick_ = head.tick;
+    has_command_ = true;
+  }
+  return true;
+}
+
+Verdict CommandGuard::Step(std::uint64_t tick, std::chrono::nanoseconds period) {
+  if (state_ != RobotState::kArmed && state_ != RobotState::kDamped) return Verdict::kIdle;
+  const std::uint64_t age = tick - last_tick_;
+  if (static_cast<std::int64_t>(age) * period > config_.fault_after) {
+    Fault();
+    return Verdict::kIdle;
+  }
+  if (age > static_cast<std::uint64_t>(config_.missed_periods)) {
+    state_ = RobotState::kDamped;
+    ++bridged_;
+    return Verdict::kBridge;
+  }
+  state_ = RobotState::kArmed;
+  if (!has_command_) return Verdict::kIdle;
+  return Verdict::kPass;
+}
+
+}  // namespace sinew::provider

@@ -1,0 +1,78 @@
+// Who may move the robot: the state provider's judgement of arming and of each command's age.
+//
+// Pure and deterministic: time is the provider's own tick. A command is as old as the distance
+// between the provider's tick and the tick it echoes; foreign clocks never matter. After
+// missed_periods the guard damps or holds (unlatched: a fresh command ends it), after fault_after
+// it latches a fault. Everything starts disarmed; a fault or an estop ends only by Reset, and then
+// by Arm. Thread: one. Allocates nothing.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+
+#include "components/provider/plant.h"
+
+namespace sinew::provider {
+
+enum class RobotState { kDisarmed, kArmed, kDamped, kFault, kEstopped };
+enum class Origin { kLive, kSim, kReplay };
+enum class Bridging { kDamp, kHold };
+
+struct GuardConfig {
+  int missed_periods = 3;                     // older than this: bridge the gap
+  std::chrono::milliseconds fault_after{60};  // older than this: latched fault
+  Bridging bridging = Bridging::kDamp;
+  double damping_Nm_s_rad = 2e-5;  // motor side, per motor rad/s
+  bool live = false;               // hardware: only live commands count
+};
+
+// What the guard must know of a command message.
+struct CommandHead {
+  std::uint64_t session_id = 0;
+  std::uint64_t tick = 0;
+  Origin origin = Origin::kSim;
+};
+
+enum class Verdict {
+  kPass,    // the last accepted command is fresh: use it
+  kIdle,    // motors off
+  kBridge,  // damp or hold
+};
+
+class CommandGuard {
+ public:
+  // Throws std::invalid_argument for limits that are not positive.
+  explicit CommandGuard(const GuardConfig& config);
+
+  void StartSession(std::uint64_t session_id);
+
+  // arm is bound to a session: false (and nothing changes) for another one, or after a fault or
+  // estop.
+  bool Arm(std::uint64_t session_id, std::uint64_t tick);
+  void Disarm();
+  void Estop();
+  void Fault();  // of the plant
+  bool Reset();  // from fault or estop to disarmed
+
+  // True when the command counts: own session, allowed origin, not from the future, newer than the
+  // last.
+  bool Offer(const CommandHead& head, std::uint64_t tick);
+
+  // Once a cycle, after Offer.
+  Verdict Step(std::uint64_t tick, std::chrono::nanoseconds period);
+
+  RobotState state() const { return state_; }
+  std::uint64_t refused() const { return refused_; }
+  std::uint64_t bridged_cycles() const { return bridged_; }
+  std::uint64_t faults() const { return faults_; }
+
+ private:
+  GuardConfig config_;
+  RobotState state_ = RobotState::kDisarmed;
+  std::uint64_t session_id_ = 0;
+  std::uint64_t last_tick_ = 0;  // of the last accepted command, or of arming
+  bool has_command_ = false;     // since arming
+  std::uint64_t refused_ = 0, bridged_ = 0, faults_ = 0;
+};
+
+}  // namespace sinew::provider
