@@ -81,7 +81,7 @@ TEST(ControlFile, TellsWhatIsWrongInOneLine) {
        "proportional_Nm_rad"},
       {"joints: [{strategy: pid, " + drive + ", pid: {proportional_Nm_deg: 1}}]\n",
        "proportional_Nm_rad"},
-      {"joints: [{strategy: pid, " + drive + ", pid: {proportional_Nm_rad: .inf}}]\n", "finite"},
+      {"joints: [{strategy: pid, " + drive + ", pid: {proportional_Nm_rad: .inf}}]\n", "at least 0"},
       {"joints: [{strategy: pid, drive: {gear_ratio: 100}, pid: {proportional_Nm_rad: 1}}]\n",
        "motor_torque_limit_Nm"},
       {"joints: [{strategy: pid_linear, " + drive + ", pid: {proportional_Nm_rad: 1}}]\n",
