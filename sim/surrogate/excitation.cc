@@ -1,0 +1,270 @@
+#include "sim/surrogate/excitation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+
+namespace sinew::surrogate {
+namespace {
+
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
+constexpr double kBridge_s = 1.5;  // from one centre to the next
+constexpr std::uint64_t kStreamPlan = 300;
+
+// What the operator believes about the rig.
+constexpr double kGearRatio = 100.0;
+constexpr double kEfficiency = 0.77;
+constexpr double kInertia_kg_m2 = 0.134;
+constexpr double kViscous_Nm_s_rad = 0.31;
+constexpr double kCoulomb_Nm = 0.2;
+constexpr double kGravity_Nm = 0.58;
+constexpr double kPneumatic_Nm_bar = 0.3587;
+constexpr double kStiffness_Nm_rad = 60.0;
+constexpr double kDamping_Nm_s_rad = 5.0;
+constexpr double kTorqueLimit_Nm = 0.3;  // motor shaft
+constexpr double kPressureBand_bar = 0.05;
+
+// 0 to 1 without a jump in velocity or acceleration.
+double Smooth(double x) {
+  x = std::clamp(x, 0.0, 1.0);
+  return x * x * x * (10.0 + x * (-15.0 + 6.0 * x));
+}
+
+double Window(double local_s, double length_s, double edge_s) {
+  return Smooth(local_s / edge_s) * Smooth((length_s - local_s) / edge_s);
+}
+
+}  // namespace
+
+ExcitationKind ParseExcitation(std::string_view text) {
+  if (text == "designed") return ExcitationKind::kDesigned;
+  if (text == "task") return ExcitationKind::kTask;
+  throw std::invalid_argument("excitation '" + std::string(text) +
+                              "' is not known, expected designed or task");
+}
+
+std::vector<Excitation::Sine> Excitation::MakeSines(RandomStream* random, int count,
+                                                    double lowest_Hz, double highest_Hz,
+                                                    double slope) {
+  std::vector<Sine> sines;
+  double sum = 0.0;
+  for (int i = 0; i < count; ++i) {
+    const double place = (i + random->Uniform(0.15, 0.85)) / count;
+    Sine sine;
+    sine.frequency_Hz = lowest_Hz * std::pow(highest_Hz / lowest_Hz, place);
+    sine.amplitude = std::pow(sine.frequency_Hz, -slope);
+    sine.phase_rad = random->Uniform(0.0, kTwoPi);
+    sum += sine.amplitude * sine.amplitude;
+    sines.push_back(sine);
+  }
+  // Root mean square of the sum is 0.45: peaks seldom pass 1, and ShapeValue limits them.
+  for (Sine& sine : sines) sine.amplitude *= 0.45 * std::numbers::sqrt2 / std::sqrt(sum);
+  return sines;
+}
+
+Excitation::Excitation(const ExcitationParameters& parameters) : parameters_(parameters) {
+  const ExcitationParameters& p = parameters_;
+  if (!(p.duration_s > 0.0) || !(p.largest_angle_rad > 0.0) || !(p.largest_angle_rad < 2.0) ||
+      !(p.largest_hand_N >= 0.0) || !(p.lowest_pressure_bar >= 0.0) ||
+      !(p.highest_pressure_bar >= p.lowest_pressure_bar) || !(p.payload_kg >= 0.0)) {
+    throw std::invalid_argument("excitation: duration, angle, force and pressures must make sense");
+  }
+  RandomStream random(p.seed, kStreamPlan);
+  double time_s = 0.0;
+  double centre_rad = 0.0;
+  const auto add = [&](Segment segment) {
+    segment.start_s = time_s;
+    time_s += segment.length_s + kBridge_s;
+    segments_.push_back(std::move(segment));
+  };
+  if (p.kind == ExcitationKind::kTask) {
+    add({.shape = Shape::kRest, .length_s = 1.0});
+    while (time_s < p.duration_s) {
+      Segment sine{.shape = Shape::kMultisine, .length_s = 10.0};
+      sine.amplitude_rad = std::numbers::pi / 6.0;
+      sine.sines = {{1.0, 0.4, 0.0}};
+      add(std::move(sine));
+      add({.shape = Shape::kRest, .length_s = random.Uniform(0.5, 1.5)});
+    }
+    pressure_ = {{0.0, 4.0, true}};
+    return;
+  }
+
+  constexpr int kOrder[] = {0, 1, 3, 2, 4, 1, 5, 2, 3, 4};
+  constexpr int kKinds = sizeof kOrder / sizeof kOrder[0];
+  int next = static_cast<int>(random.Uniform(0.0, kKinds));
+  add({.shape = Shape::kRest, .length_s = random.Uniform(1.5, 3.0)});
+  bool hand = random.Uniform() < 0.5;
+  while (time_s < p.duration_s) {
+    Segment segment;
+    centre_rad = random.Uniform(-0.25, 0.25);
+    switch (kOrder[next % kKinds]) {
+      case 0:
+      case 1:
+        segment.shape = Shape::kMultisine;
+        segment.length_s = random.Uniform(11.0, 15.0);
+        segment.amplitude_rad = p.largest_angle_rad - std::abs(centre_rad);
+        segment.sines = MakeSines(&random, 7, 0.1, 1.7, 0.8);
+        break;
+      case 2:
+        segment.shape = Shape::kChirp;
+        segment.length_s = random.Uniform(9.0, 12.0);
+        segment.amplitude_rad = random.Uniform(0.4, 0.6);
+        segment.start_Hz = 0.15;
+        segment.end_Hz = random.Uniform(1.8, 2.6);
+        break;
+      case 3:
+        segment.shape = Shape::kTriangle;
+        segment.length_s = random.Uniform(8.0, 11.0);
+        segment.amplitude_rad = random.Uniform(0.35, 0.5);
+        segment.start_Hz = random.Uniform(0.15, 0.55);  // 0.2 to 1.1 rad/s
+        break;
+      case 4:
+        segment.shape = Shape::kTriangle;
+        segment.length_s = random.Uniform(12.0, 15.0);
+        segment.amplitude_rad = random.Uniform(0.13, 0.2);
+        segment.start_Hz = 1.0 / segment.length_s;  // about 0.05 rad/s
+        break;
+      default:
+        segment.shape = Shape::kRest;
+        segment.length_s = random.Uniform(2.5, 4.0);
+        break;
+    }
+    segment.centre_rad = centre_rad;
+    const bool slow = segment.shape == Shape::kRest || segment.amplitude_rad < 0.25;
+    if (!slow) {
+      if (hand) {
+        segment.hand_N = p.largest_hand_N * random.Uniform(0.6, 1.0);
+        segment.hand_sines = MakeSines(&random, 4, 0.15, 1.1, 0.5);
+      }
+      hand = !hand;
+    }
+    add(std::move(segment));
+    ++next;
+  }
+
+  double pressure_s = 0.0;
+  while (pressure_s < p.duration_s) {
+    PressureStep step;
+    step.start_s = pressure_s;
+    const double middle_bar = 0.5 * (p.lowest_pressure_bar + p.highest_pressure_bar);
+    step.target_bar = pressure_.empty()
+                          ? random.Uniform(middle_bar - 1.0, middle_bar + 1.0)
+                          : random.Uniform(p.lowest_pressure_bar, p.highest_pressure_bar);
+    pressure_s += random.Uniform(7.0, 12.0);
+    pressure_.push_back(step);
+    if (random.Uniform() < 0.5) {
+      step.start_s = pressure_s;
+      step.valve_open = false;
+      pressure_s += random.Uniform(4.0, 7.0);
+      pressure_.push_back(step);
+    }
+  }
+}
+
+const Excitation::Segment& Excitation::At(double time_s) const {
+  const auto after = std::upper_bound(segments_.begin(), segments_.end(), time_s,
+                                      [](double t, const Segment& s) { return t < s.start_s; });
+  return after == segments_.begin() ? segments_.front() : *std::prev(after);
+}
+
+double Excitation::ShapeValue(const Segment& segment, double local_s) {
+  switch (segment.shape) {
+    case Shape::kMultisine: {
+      double sum = 0.0;
+      for (const Sine& sine : segment.sines) {
+        sum += sine.amplitude * std::sin(kTwoPi * sine.frequency_Hz * local_s + sine.phase_rad);
+      }
+      // Smooth limit at +-1.15.
+      return segment.amplitude_rad * 1.15 * std::tanh(sum / 1.15) *
+             Window(local_s, segment.length_s, 1.0);
+    }
+    case Shape::kChirp: {
+      const double rate = std::log(segment.end_Hz / segment.start_Hz) / segment.length_s;
+      const double phase_rad = kTwoPi * segment.start_Hz * std::expm1(rate * local_s) / rate;
+      const double shrink =
+          std::pow(segment.start_Hz / segment.end_Hz, 0.45 * local_s / segment.length_s);
+      return segment.amplitude_rad * shrink * std::sin(phase_rad) *
+             Window(local_s, segment.length_s, 1.0);
+    }
+    case Shape::kTriangle: {
+      constexpr double kRounding = 0.995;
+      const double swing = std::asin(kRounding * std::sin(kTwoPi * segment.start_Hz * local_s));
+      return segment.amplitude_rad * swing / std::asin(kRounding) *
+             Window(local_s, segment.length_s, 0.5);
+    }
+    case Shape::kRest:
+      return 0.0;
+  }
+  return 0.0;
+}
+
+double Excitation::Reference_rad(double time_s) const {
+  const Segment& segment = At(time_s);
+  const double local_s = time_s - segment.start_s;
+  if (local_s <= segment.length_s) return segment.centre_rad + ShapeValue(segment, local_s);
+  const bool last = &segment == &segments_.back();
+  const double next_rad = last ? segment.centre_rad : (&segment + 1)->centre_rad;
+  return segment.centre_rad +
+         (next_rad - segment.centre_rad) * Smooth((local_s - segment.length_s) / kBridge_s);
+}
+
+double Excitation::Hand_N(double time_s) const {
+  const Segment& segment = At(time_s);
+  const double local_s = time_s - segment.start_s;
+  if (segment.hand_N == 0.0 || local_s > segment.length_s) return 0.0;
+  double sum = 0.3;  // a hand rather rests than lifts
+  for (const Sine& sine : segment.hand_sines) {
+    sum += sine.amplitude * std::sin(kTwoPi * sine.frequency_Hz * local_s + sine.phase_rad);
+  }
+  return segment.hand_N * sum * Window(local_s, segment.length_s, 1.0);
+}
+
+double Excitation::PressureTarget_bar(double time_s) const {
+  double target_bar = pressure_.front().target_bar;
+  for (const PressureStep& step : pressure_) {
+    if (time_s >= step.start_s) target_bar = step.target_bar;
+  }
+  return target_bar;
+}
+
+void Excitation::operator()(double time_s, const provider::PlantSensors& sensors,
+                            provider::PlantCommand* command) const {
+  constexpr double kStep_s = 1e-3;
+  const double reference_rad = Reference_rad(time_s);
+  const double before_rad = Reference_rad(time_s - kStep_s);
+  const double after_rad = Reference_rad(time_s + kStep_s);
+  const double velocity_rad_s = (after_rad - before_rad) / (2.0 * kStep_s);
+  const double acceleration_rad_s2 =
+      (after_rad - 2.0 * reference_rad + before_rad) / (kStep_s * kStep_s);
+
+  const double arm_kg_m = parameters_.payload_kg * 0.3;
+  const double forward_Nm = (kInertia_kg_m2 + arm_kg_m * 0.3) * acceleration_rad_s2 +
+                            kViscous_Nm_s_rad * velocity_rad_s +
+                            kCoulomb_Nm * std::tanh(velocity_rad_s / 0.03) +
+                            (kGravity_Nm + arm_kg_m * 9.81) * std::cos(reference_rad) -
+                            kPneumatic_Nm_bar * sensors.chamber_pressure_bar[0];
+  const double feedback_Nm =
+      kStiffness_Nm_rad * (reference_rad - sensors.motor_position_rad[0] / kGearRatio) +
+      kDamping_Nm_s_rad * (velocity_rad_s - sensors.motor_velocity_rad_s[0] / kGearRatio);
+  command->mode[0] = provider::Mode::kTorque;
+  command->motor_torque_Nm[0] = std::clamp((forward_Nm + feedback_Nm) / (kGearRatio * kEfficiency),
+                                           -kTorqueLimit_Nm, kTorqueLimit_Nm);
+  command->hand_force_N[0] = Hand_N(time_s);
+
+  bool valve_open = true;
+  double target_bar = pressure_.front().target_bar;
+  for (const PressureStep& step : pressure_) {
+    if (time_s < step.start_s) break;
+    valve_open = step.valve_open;
+    target_bar = step.target_bar;
+  }
+  const double reservoir_bar = sensors.reservoir_pressure_bar[0];
+  command->valve_open[0] = valve_open;
+  command->compressor_on[0] = reservoir_bar < target_bar - kPressureBand_bar;
+  command->vent_open[0] = reservoir_bar > target_bar + kPressureBand_bar;
+}
+
+}  // namespace sinew::surrogate

@@ -1,0 +1,439 @@
+#include "sim/surrogate/rig.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+namespace sinew::surrogate {
+namespace {
+
+// Streams of the seed. Their numbers are part of the recordings: never reuse one.
+enum Stream : std::uint64_t {
+  kStreamMotorEncoder = 1,
+  kStreamOutputEncoder,
+  kStreamRowMotor,
+  kStreamRowOutput,
+  kStreamCurrent,
+  kStreamPressure,
+  kStreamReservoir,
+  kStreamLoadCell,
+  kStreamTemperature,
+  kStreamSpecimen = 100,
+};
+
+constexpr double kPaPerBar = 1e5;
+constexpr double kPowerBlend_W = 0.02;
+
+const RigParameters& Checked(const RigParameters& p) {
+  const auto require = [](bool good, const char* what) {
+    if (!good) throw std::invalid_argument(what);
+  };
+  require(p.rotor.inertia_kg_m2 > 0.0, "rotor inertia must be positive");
+  require(p.link.inertia_kg_m2 > 0.0, "link inertia must be positive");
+  require(p.rotor.viscous_Nm_s_rad >= 0.0 && p.link.viscous_Nm_s_rad >= 0.0,
+          "viscous friction must not be negative");
+  require(p.gear.ratio > 0.0, "gear ratio must be positive");
+  require(p.gear.play_rad >= 0.0, "play must not be negative");
+  require(p.gear.contact_stiffness_Nm_rad > 0.0 && p.gear.contact_damping_Nm_s_rad >= 0.0 &&
+              p.gear.damping_depth_rad > 0.0,
+          "tooth contact needs a positive stiffness and no negative damping");
+  require(p.gear.share_drive > 0.0 && p.gear.share_drive <= 1.0 && p.gear.share_back > 0.0 &&
+              p.gear.share_back <= 2.0,
+          "share of the torque must be in (0, 1] driving and in (0, 2] driven back");
+  require(p.gear.load_friction >= 0.0, "load friction must not be negative");
+  require(p.link.length_m > 0.0, "link length must be positive");
+  require(p.link.declared_payload_kg >= 0.0, "payload must not be negative");
+  require(p.link.end_stop_rad > 0.0, "end stop must be positive");
+  require(p.pneumatics.displacement_shape.size() >= 2,
+          "displacement shape needs two values or more");
+  for (const double share : p.pneumatics.displacement_shape) {
+    require(std::isfinite(share) && share >= 0.0, "displacement shape must not be negative");
+  }
+  require(p.pneumatics.displacement_m3_rad >= 0.0, "displacement must not be negative");
+  require(p.pneumatics.initial_pressure_bar > -0.9 && p.pneumatics.initial_pressure_bar <= 20.0,
+          "initial pressure must be in (-0.9, 20] bar");
+  require(p.sensors.encoder_counts > 0 && p.sensors.pressure_counts > 0, "counts must be positive");
+  require(p.sensors.latch_phase >= 0.0 && p.sensors.latch_phase <= 1.0,
+          "latch phase must be in [0, 1]");
+  require(p.step_s > 0.0 && p.step_s <= 1e-4, "internal step must be at most 1e-4 s (10 kHz)");
+  require(p.spread >= 0.0 && p.spread < 0.5, "spread must be in [0, 0.5)");
+  require(std::abs(p.initial_angle_rad) <= p.link.end_stop_rad,
+          "initial angle is beyond the end stop");
+  // Stability of the explicit contact: angular frequency times step well below 2.
+  const double inertia_output_kg_m2 = p.rotor.inertia_kg_m2 * p.gear.ratio * p.gear.ratio;
+  const double reduced_kg_m2 = 1.0 / (1.0 / inertia_output_kg_m2 + 1.0 / p.link.inertia_kg_m2);
+  require(std::sqrt(p.gear.contact_stiffness_Nm_rad / reduced_kg_m2) * p.step_s < 0.3,
+          "tooth contact is too stiff for the internal step");
+  require(p.gear.contact_damping_Nm_s_rad * p.step_s / reduced_kg_m2 < 0.5,
+          "tooth contact is too damped for the internal step");
+  return p;
+}
+
+}  // namespace
+
+RigParameters Specimen(const RigParameters& parameters) {
+  RigParameters p = parameters;
+  if (p.spread <= 0.0) return p;
+  RandomStream random(p.seed, kStreamSpecimen);
+  const auto vary = [&](double* value) { *value *= 1.0 + random.Uniform(-p.spread, p.spread); };
+  const double share_factor = 1.0 + random.Uniform(-p.spread, p.spread);
+  p.gear.share_drive = std::min(1.0, p.gear.share_drive * share_factor);
+  p.gear.share_back = std::min(2.0, p.gear.share_back * share_factor);
+  vary(&p.rotor.inertia_kg_m2);
+  vary(&p.rotor.viscous_Nm_s_rad);
+  vary(&p.link.inertia_kg_m2);
+  vary(&p.link.gravity_torque_Nm);
+  vary(&p.link.friction.kinetic_Nm);
+  vary(&p.link.friction.rest_growth_Nm);
+  vary(&p.pneumatics.displacement_m3_rad);
+  p.spread = 0.0;
+  return p;
+}
+
+Rig::Rig(const RigParameters& parameters)
+    : parameters_(Specimen(Checked(parameters))),
+      motor_(parameters_.motor),
+      drive_(parameters_.drive),
+      rotor_friction_(parameters_.rotor.friction),
+      output_friction_(parameters_.link.friction),
+      undeclared_(parameters_.effects, parameters_.gear.ratio),
+      chamber_(1e-6, parameters_.pneumatics.atmosphere_Pa,
+               parameters_.pneumatics.wall_temperature_K, parameters_.pneumatics.chamber_wall_W_K),
+      reservoir_(parameters_.pneumatics.reservoir_volume_m3, parameters_.pneumatics.atmosphere_Pa,
+                 parameters_.pneumatics.wall_temperature_K,
+                 parameters_.pneumatics.reservoir_wall_W_K),
+      valve_relay_(parameters_.pneumatics.valve_relay),
+      compressor_relay_(parameters_.pneumatics.compressor_relay),
+      vent_relay_(parameters_.pneumatics.vent_relay),
+      output_observer_(parameters_.sensors.output_observer_rad_s),
+      sensor_step_s_(1.0 / parameters_.drive.rate_Hz),
+      count_rad_(2.0 * std::numbers::pi / parameters_.sensors.encoder_counts) {
+  const PneumaticParameters& air = parameters_.pneumatics;
+  const std::size_t points = air.displacement_shape.size();
+  table_step_rad_ = 2.0 * parameters_.link.end_stop_rad / static_cast<double>(points - 1);
+  volume_table_m3_.resize(points);
+  volume_table_m3_[0] = air.dead_volume_m3;
+  for (std::size_t i = 1; i < points; ++i) {
+    volume_table_m3_[i] =
+        volume_table_m3_[i - 1] + 0.5 * table_step_rad_ * air.displacement_m3_rad *
+                                      (air.displacement_shape[i - 1] + air.displacement_shape[i]);
+  }
+  Reset();
+}
+
+void Rig::Reset() {
+  time_s_ = 0.0;
+  const std::uint64_t seed = parameters_.seed;
+  motor_encoder_noise_ = RandomStream(seed, kStreamMotorEncoder);
+  output_encoder_noise_ = RandomStream(seed, kStreamOutputEncoder);
+  row_noise_motor_ = RandomStream(seed, kStreamRowMotor);
+  row_noise_output_ = RandomStream(seed, kStreamRowOutput);
+  current_noise_ = RandomStream(seed, kStreamCurrent);
+  pressure_noise_ = RandomStream(seed, kStreamPressure);
+  reservoir_noise_ = RandomStream(seed, kStreamReservoir);
+  load_cell_noise_ = RandomStream(seed, kStreamLoadCell);
+  temperature_noise_ = RandomStream(seed, kStreamTemperature);
+  motor_.Reset();
+  undeclared_.Reset();
+  SetState(parameters_.initial_angle_rad * parameters_.gear.ratio, 0.0,
+           parameters_.initial_angle_rad, 0.0);
+  SetRest(parameters_.initial_rest_s);
+  SetPressure(parameters_.pneumatics.initial_pressure_bar,
+              parameters_.pneumatics.initial_pressure_bar);
+  valve_command_ = parameters_.pneumatics.initial_valve_open;
+  valve_relay_.Reset(valve_command_);
+  compressor_relay_.Reset(false);
+  vent_relay_.Reset(false);
+  hand_force_N_ = 0.0;
+  payload_kg_ = parameters_.link.declared_payload_kg + undeclared_.payload_kg();
+}
+
+void Rig::SetState(double motor_angle_rad, double motor_velocity_rad_s, double output_angle_rad,
+                   double output_velocity_rad_s) noexcept {
+  motor_rad_ = motor_angle_rad;
+  motor_rad_s_ = motor_velocity_rad_s;
+  output_rad_ = output_angle_rad;
+  output_rad_s_ = output_velocity_rad_s;
+  rotor_friction_.Reset(0.0);
+  output_friction_.Reset(0.0);
+  drive_.Reset(motor_angle_rad);
+  output_observer_.Reset(output_angle_rad);
+  torque_reference_Nm_ = 0.0;
+  until_sensor_s_ = 0.0;
+  tooth_Nm_ = friction_Nm_ = pneumatic_Nm_ = undeclared_output_Nm_ = undeclared_rotor_Nm_ = 0.0;
+  chamber_.SetVolume(ChamberVolume_m3(output_rad_));
+}
+
+void Rig::SetPressure(double chamber_bar, double reservoir_bar) noexcept {
+  const PneumaticParameters& air = parameters_.pneumatics;
+  chamber_.Reset(ChamberVolume_m3(output_rad_), air.atmosphere_Pa + chamber_bar * kPaPerBar,
+                 air.wall_temperature_K);
+  reservoir_.Reset(air.reservoir_volume_m3, air.atmosphere_Pa + reservoir_bar * kPaPerBar,
+                   air.wall_temperature_K);
+}
+
+void Rig::SetRest(double rest_s) noexcept {
+  rotor_friction_.Reset(rest_s);
+  output_friction_.Reset(rest_s);
+}
+
+double Rig::Displacement_m3_rad(double angle_rad) const noexcept {
+  const std::vector<double>& shape = parameters_.pneumatics.displacement_shape;
+  const double place = (angle_rad + parameters_.link.end_stop_rad) / table_step_rad_;
+  const int last = static_cast<int>(shape.size()) - 2;
+  const int cell = std::clamp(static_cast<int>(std::floor(place)), 0, last);
+  const double x = std::clamp(place - cell, 0.0, 1.0);
+  return parameters_.pneumatics.displacement_m3_rad *
+         ((1.0 - x) * shape[cell] + x * shape[cell + 1]);
+}
+
+double Rig::ChamberVolume_m3(double angle_rad) const noexcept {
+  const std::vector<double>& shape = parameters_.pneumatics.displacement_shape;
+  const double place = (angle_rad + parameters_.link.end_stop_rad) / table_step_rad_;
+  const int last = static_cast<int>(shape.size()) - 2;
+  const int cell = std::clamp(static_cast<int>(std::floor(place)), 0, last);
+  const double x = place - cell;
+  const double inside = std::clamp(x, 0.0, 1.0);
+  // Exact integral of Displacement_m3_rad, which is constant beyond the table.
+  const double mean = shape[cell] + 0.5 * inside * (shape[cell + 1] - shape[cell]);
+  double turned = inside * mean;
+  if (x < 0.0) turned = x * shape[cell];
+  if (x > 1.0) turned += (x - 1.0) * shape[cell + 1];
+  const double volume_m3 = volume_table_m3_[cell] +
+                           parameters_.pneumatics.displacement_m3_rad * table_step_rad_ * turned;
+  return std::max(volume_m3, 0.2 * parameters_.pneumatics.dead_volume_m3);
+}
+
+double Rig::MotorCount() noexcept {
+  const double seen_rad =
+      motor_rad_ + parameters_.sensors.motor_encoder_noise_rad * motor_encoder_noise_.Gaussian();
+  return std::floor(seen_rad / count_rad_ + 0.5) * count_rad_;
+}
+
+double Rig::OutputCount() noexcept {
+  const double seen_rad =
+      output_rad_ + parameters_.sensors.output_encoder_noise_rad * output_encoder_noise_.Gaussian();
+  return std::floor(seen_rad / count_rad_ + 0.5) * count_rad_;
+}
+
+void Rig::Advance(const RigInput& input, double duration_s) noexcept {
+  if (!(duration_s > 0.0)) return;
+  const int steps =
+      std::max(1, static_cast<int>(std::ceil(duration_s / parameters_.step_s - 1e-6)));
+  const double dt_s = duration_s / steps;
+  hand_force_N_ = input.hand_force_N;
+  valve_command_ = input.valve_open;
+  for (int i = 0; i < steps; ++i) Substep(input, dt_s);
+}
+
+void Rig::Substep(const RigInput& input, double dt_s) noexcept {
+  const GearParameters& gear = parameters_.gear;
+  const LinkParameters& link = parameters_.link;
+  const PneumaticParameters& air = parameters_.pneumatics;
+  undeclared_.SetTime(time_s_);
+  payload_kg_ = link.declared_payload_kg + input.extra_payload_kg + undeclared_.payload_kg();
+
+  // Drive electronics, at their own rate.
+  until_sensor_s_ -= dt_s;
+  if (until_sensor_s_ <= 0.0) {
+    until_sensor_s_ += sensor_step_s_;
+    torque_reference_Nm_ = drive_.Step(input.drive, MotorCount(), sensor_step_s_);
+    output_observer_.Step(OutputCount(), sensor_step_s_);
+  }
+  const double air_gap_Nm = motor_.Step(torque_reference_Nm_, motor_rad_s_, dt_s);
+
+  // First half of the motion.
+  const double half_s = 0.5 * dt_s;
+  output_rad_ += half_s * output_rad_s_;
+  motor_rad_ += half_s * motor_rad_s_;
+
+  // Air.
+  chamber_.SetVolume(ChamberVolume_m3(output_rad_));
+  const double opening = valve_relay_.Step(input.valve_open, dt_s);
+  const double compressor = compressor_relay_.Step(input.compressor_on, dt_s);
+  const double vent = vent_relay_.Step(input.vent_open, dt_s);
+  if (opening > 0.0) {
+    const double moved_kg =
+        dt_s * opening *
+        MassFlow_kg_s(air.valve, reservoir_.pressure_Pa(), reservoir_.temperature_K(),
+                      chamber_.pressure_Pa(), chamber_.temperature_K());
+    const double from_reservoir_K = reservoir_.temperature_K();
+    const double from_chamber_K = chamber_.temperature_K();
+    chamber_.AddMass(moved_kg, from_reservoir_K);
+    reservoir_.AddMass(-moved_kg, from_chamber_K);
+  }
+  if (air.seal_leak.conductance_m3_sPa > 0.0) {
+    chamber_.AddMass(
+        -dt_s * MassFlow_kg_s(air.seal_leak, chamber_.pressure_Pa(), chamber_.temperature_K(),
+                              air.atmosphere_Pa, air.wall_temperature_K),
+        air.wall_temperature_K);
+  }
+  if (vent > 0.0) {
+    reservoir_.AddMass(
+        -dt_s * vent *
+            MassFlow_kg_s(air.vent, reservoir_.pressure_Pa(), reservoir_.temperature_K(),
+                          air.atmosphere_Pa, air.wall_temperature_K),
+        air.wall_temperature_K);
+  }
+  if (compressor > 0.0) {
+    const double gauge_bar = (reservoir_.pressure_Pa() - air.atmosphere_Pa) / kPaPerBar;
+    const double share = std::clamp(1.0 - gauge_bar / air.compressor_limit_bar, 0.0, 1.0);
+    reservoir_.AddMass(dt_s * compressor * share * air.compressor_kg_s, air.wall_temperature_K);
+  }
+  chamber_.ExchangeHeat(air.wall_temperature_K, dt_s);
+  reservoir_.ExchangeHeat(air.wall_temperature_K, dt_s);
+  const double gauge_Pa = chamber_.pressure_Pa() - air.atmosphere_Pa;
+  pneumatic_Nm_ = gauge_Pa * Displacement_m3_rad(output_rad_);
+
+  // Teeth.
+  const double twist_rad = motor_rad_ / gear.ratio - output_rad_;
+  const double twist_rad_s = motor_rad_s_ / gear.ratio - output_rad_s_;
+  const double half_play_rad = 0.5 * gear.play_rad;
+  tooth_Nm_ = 0.0;
+  if (std::abs(twist_rad) > half_play_rad) {
+    const double side = twist_rad > 0.0 ? 1.0 : -1.0;
+    const double depth_rad = std::abs(twist_rad) - half_play_rad;
+    const double damping_Nm_s_rad =
+        gear.contact_damping_Nm_s_rad * depth_rad / (depth_rad + gear.damping_depth_rad);
+    tooth_Nm_ = side * std::max(0.0, gear.contact_stiffness_Nm_rad * depth_rad +
+                                         side * damping_Nm_s_rad * twist_rad_s);
+  }
+
+  // Output.
+  const double extra_Nm = undeclared_.ExtraFriction_Nm(output_rad_s_);
+  const double kinetic_Nm = link.friction.kinetic_Nm;
+  const double scale = kinetic_Nm > 0.0 ? 1.0 + extra_Nm / kinetic_Nm : 1.0;
+  friction_Nm_ = output_friction_.Step(output_rad_s_, dt_s, scale);
+  const EffectState effect_state{motor_rad_, motor_rad_s_, output_rad_s_, gauge_Pa / kPaPerBar};
+  undeclared_output_Nm_ = undeclared_.OutputTorque_Nm(effect_state, dt_s);
+  undeclared_rotor_Nm_ = undeclared_.RotorTorque_Nm(effect_state);
+  const double arm_kg_m = payload_kg_ * link.length_m;
+  double output_Nm =
+      tooth_Nm_ + friction_Nm_ + undeclared_output_Nm_ + pneumatic_Nm_ -
+      input.hand_force_N * link.length_m -
+      (link.gravity_torque_Nm + arm_kg_m * link.gravity_m_s2) * std::cos(output_rad_);
+  const double beyond_rad = std::abs(output_rad_) - link.end_stop_rad;
+  if (beyond_rad > 0.0) {
+    const double side = output_rad_ > 0.0 ? 1.0 : -1.0;
+    output_Nm -= side * std::max(0.0, link.end_stop_stiffness_Nm_rad * beyond_rad +
+                                          side * link.end_stop_damping_Nm_s_rad * output_rad_s_);
+  }
+  const double output_inertia_kg_m2 = link.inertia_kg_m2 + arm_kg_m * link.length_m;
+  output_rad_s_ = (output_rad_s_ + dt_s * output_Nm / output_inertia_kg_m2) /
+                  (1.0 + dt_s * link.viscous_Nm_s_rad / output_inertia_kg_m2);
+
+  // Rotor. The direction of power is blended around zero: no chatter at standstill.
+  if (parameters_.rotor_locked) {
+    motor_rad_s_ = 0.0;
+  } else {
+    double share = gear.share_drive;
+    if (gear.share_back != gear.share_drive) {
+      const double power_W = air_gap_Nm * motor_rad_s_;
+      const double forward = 0.5 * (1.0 + std::tanh(power_W / kPowerBlend_W));
+      share = forward * gear.share_drive + (1.0 - forward) * gear.share_back;
+    }
+    const double rotor_kinetic_Nm = parameters_.rotor.friction.kinetic_Nm;
+    double rotor_scale = 1.0;
+    if (gear.load_friction > 0.0 && rotor_kinetic_Nm > 0.0) {
+      rotor_scale += gear.load_friction * std::abs(tooth_Nm_) / gear.ratio / rotor_kinetic_Nm;
+    }
+    const double rotor_Nm = share * air_gap_Nm + undeclared_rotor_Nm_ - tooth_Nm_ / gear.ratio +
+                            rotor_friction_.Step(motor_rad_s_, dt_s, rotor_scale);
+    const double inertia_kg_m2 = parameters_.rotor.inertia_kg_m2;
+    motor_rad_s_ = (motor_rad_s_ + dt_s * rotor_Nm / inertia_kg_m2) /
+                   (1.0 + dt_s * parameters_.rotor.viscous_Nm_s_rad / inertia_kg_m2);
+  }
+
+  // Second half of the motion.
+  output_rad_ += half_s * output_rad_s_;
+  motor_rad_ += half_s * motor_rad_s_;
+  chamber_.SetVolume(ChamberVolume_m3(output_rad_));
+  time_s_ += dt_s;
+}
+
+RigReading Rig::Read() noexcept {
+  const SensorParameters& s = parameters_.sensors;
+  const auto count = [this](double angle_rad) {
+    return std::floor(angle_rad / count_rad_ + 0.5) * count_rad_;
+  };
+  const auto pressure_bar = [&](const Vessel& vessel, RandomStream* noise) {
+    const double lsb_bar = s.pressure_range_bar / s.pressure_counts;
+    const double gauge_bar =
+        (vessel.pressure_Pa() - parameters_.pneumatics.atmosphere_Pa) / kPaPerBar +
+        s.pressure_noise_bar * noise->Gaussian();
+    return std::clamp(std::floor(gauge_bar / lsb_bar + 0.5), 0.0, s.pressure_counts - 1.0) *
+           lsb_bar;
+  };
+  RigReading reading;
+  reading.motor_angle_rad =
+      count(motor_rad_ + s.motor_encoder_noise_rad * row_noise_motor_.Gaussian());
+  reading.motor_velocity_rad_s = drive_.velocity_estimate_rad_s();
+  reading.output_angle_rad =
+      count(output_rad_ + s.output_encoder_noise_rad * row_noise_output_.Gaussian());
+  reading.output_velocity_rad_s = output_observer_.velocity_rad_s();
+  reading.motor_current_A = motor_.iq_A() + s.current_noise_A * current_noise_.Gaussian();
+  reading.output_torque_Nm = s.torque_efficiency * parameters_.gear.ratio *
+                             parameters_.motor.torque_constant_Nm_A * reading.motor_current_A;
+  reading.drive_voltage_V = motor_.vq_V();
+  const double temperature_degC =
+      motor_.temperature_degC() + s.temperature_noise_degC * temperature_noise_.Gaussian();
+  reading.motor_temperature_degC =
+      s.temperature_step_degC > 0.0
+          ? std::floor(temperature_degC / s.temperature_step_degC + 0.5) * s.temperature_step_degC
+          : temperature_degC;
+  reading.chamber_pressure_bar = pressure_bar(chamber_, &pressure_noise_);
+  reading.reservoir_pressure_bar = pressure_bar(reservoir_, &reservoir_noise_);
+  reading.load_force_N = hand_force_N_ + s.load_cell_noise_N * load_cell_noise_.Gaussian();
+  reading.declared_payload_kg = parameters_.link.declared_payload_kg;
+  reading.valve_open = valve_command_;
+  return reading;
+}
+
+RigTruth Rig::truth() const noexcept {
+  RigTruth t;
+  t.time_s = time_s_;
+  t.motor_angle_rad = motor_rad_;
+  t.motor_velocity_rad_s = motor_rad_s_;
+  t.output_angle_rad = output_rad_;
+  t.output_velocity_rad_s = output_rad_s_;
+  t.iq_A = motor_.iq_A();
+  t.tooth_torque_Nm = tooth_Nm_;
+  const double twist_rad = motor_rad_ / parameters_.gear.ratio - output_rad_;
+  if (std::abs(twist_rad) > 0.5 * parameters_.gear.play_rad) t.contact = twist_rad > 0.0 ? 1 : -1;
+  t.friction_torque_Nm = friction_Nm_;
+  t.yield_torque_Nm = output_friction_.yield_Nm();
+  t.pneumatic_torque_Nm = pneumatic_Nm_;
+  t.undeclared_output_Nm = undeclared_output_Nm_;
+  t.undeclared_rotor_Nm = undeclared_rotor_Nm_;
+  const double atmosphere_Pa = parameters_.pneumatics.atmosphere_Pa;
+  t.chamber_pressure_bar = (chamber_.pressure_Pa() - atmosphere_Pa) / kPaPerBar;
+  t.reservoir_pressure_bar = (reservoir_.pressure_Pa() - atmosphere_Pa) / kPaPerBar;
+  t.chamber_temperature_K = chamber_.temperature_K();
+  t.chamber_volume_m3 = chamber_.volume_m3();
+  t.chamber_mass_kg = chamber_.mass_kg();
+  t.payload_kg = payload_kg_;
+  return t;
+}
+
+RigEnergy Rig::Energy() const noexcept {
+  const LinkParameters& link = parameters_.link;
+  RigEnergy energy;
+  const double arm_kg_m = payload_kg_ * link.length_m;
+  energy.kinetic_J =
+      0.5 * (link.inertia_kg_m2 + arm_kg_m * link.length_m) * output_rad_s_ * output_rad_s_ +
+      0.5 * parameters_.rotor.inertia_kg_m2 * motor_rad_s_ * motor_rad_s_;
+  energy.gravity_J =
+      (link.gravity_torque_Nm + arm_kg_m * link.gravity_m_s2) * std::sin(output_rad_);
+  const double depth_rad =
+      std::max(0.0, std::abs(motor_rad_ / parameters_.gear.ratio - output_rad_) -
+                        0.5 * parameters_.gear.play_rad);
+  const double beyond_rad = std::max(0.0, std::abs(output_rad_) - link.end_stop_rad);
+  energy.contact_J = 0.5 * parameters_.gear.contact_stiffness_Nm_rad * depth_rad * depth_rad +
+                     0.5 * link.end_stop_stiffness_Nm_rad * beyond_rad * beyond_rad;
+  energy.springs_J = output_friction_.spring_energy_J() + rotor_friction_.spring_energy_J();
+  energy.gas_J = chamber_.energy_J() + parameters_.pneumatics.atmosphere_Pa * chamber_.volume_m3();
+  return energy;
+}
+
+}  // namespace sinew::surrogate
