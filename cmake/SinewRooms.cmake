@@ -5,7 +5,8 @@
 #   sinew_add_participant(rls SOURCES participant/main.cc DEPENDS sinew::rls)
 #     -> program sinew_rls_participant, installed and built as bin/sinew-rls; links sinew::node.
 #   sinew_add_test(rls_test SOURCES rls_test.cc DEPENDS sinew::rls [LABELS dds] [SERIAL] [TIMEOUT s])
-#     -> a GoogleTest program; every case is a ctest of its own.
+#     -> a GoogleTest program; every case is a ctest of its own. Without LABELS and PROGRAMS it is a
+#        unit test: label `unit`, built by the target unit_tests.
 set_property(GLOBAL PROPERTY SINEW_ROOMS "")
 
 function(sinew_add_room name)
@@ -36,6 +37,10 @@ function(sinew_add_participant name)
     SOURCES ${ARG_SOURCES} DEPENDS sinew::node ${ARG_DEPENDS})
 endfunction()
 
+if(SINEW_BUILD_TESTS)
+  add_custom_target(unit_tests)
+endif()
+
 function(sinew_add_test name)
   cmake_parse_arguments(ARG "SERIAL" "TIMEOUT" "SOURCES;DEPENDS;LABELS;DEFINITIONS;PROGRAMS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
@@ -49,6 +54,9 @@ function(sinew_add_test name)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   if(ARG_PROGRAMS)
     add_dependencies(${name} ${ARG_PROGRAMS})
+  elseif(NOT ARG_LABELS)
+    set(ARG_LABELS unit)
+    add_dependencies(unit_tests ${name})
   endif()
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 60)

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "components/effects/effect.h"
@@ -25,6 +26,10 @@ struct Term {
   std::vector<ParameterValue> nonlinear;  // as effect->info().nonlinear
   bool declared = true;                   // false: added by close-loop
 };
+
+// A term with every parameter at the catalogue's default. Throws std::invalid_argument
+// (MakeEffect).
+Term MakeTerm(std::string_view effect_name, const effects::JointConstants& constants);
 
 struct HistoryEntry {
   std::string when;       // ISO 8601, UTC
@@ -59,12 +64,25 @@ class JointModel {
   // Sum over the terms of a role.
   double Torque(effects::Role role, const effects::JointSample& x,
                 std::span<const double> memory) const noexcept;
-  // Drive torque at the output that x needs: -(inertia + passive terms). Feed-forward uses this.
+  // Sum over the terms that act on one body (any role): what a simulation with free play
+  // integrates.
+  double SideTorque(effects::Side side, const effects::JointSample& x,
+                    std::span<const double> memory) const noexcept;
+  // Drive input (A or V) at which the balance holds; x.drive_input is not read. 0 without a drive
+  // term.
+  double RequiredDriveInput(const effects::JointSample& x,
+                            std::span<const double> memory) const noexcept;
+  // Drive torque at the output that x needs: -(inertia + passive terms), terms that follow the
+  // drive included; x.drive_input is not read. Feed-forward uses this.
   double RequiredDriveTorque(const effects::JointSample& x,
                              std::span<const double> memory) const noexcept;
   // drive + inertia + passive: 0 where the model is right.
   double Residual(const effects::JointSample& x, std::span<const double> memory) const noexcept;
 };
+
+// Value of a linear parameter in its own unit: one that is relative to the drive (ParameterInfo) is
+// divided by the drive term's factor. Throws std::out_of_range.
+double PhysicalValue(const JointModel& model, int term, int linear_parameter);
 
 struct RobotModel {
   std::string name;

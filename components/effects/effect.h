@@ -59,6 +59,11 @@ enum class Dimension {
   kTemperature,
   kLength,
   kPerTorque,
+  kCurrent,
+  kPerCurrentSquared,
+  kViscousPerKelvin,
+  kInertiaTimeSquared,
+  kTorqueTimePerBar,
 };
 
 // Suffix of a YAML key, e.g. {kViscous, kRotary} -> "Nm_s_rad", {kViscous, kLinear} -> "N_s_m";
@@ -71,9 +76,16 @@ struct ParameterInfo {
   double lower = 0.0;  // physical range
   double upper = 0.0;
   double default_value = 0.0;
-  std::vector<double> grid;  // nonlinear parameters only: values tried when it is profiled
-  std::string meaning;
+  std::vector<double> grid{};  // nonlinear parameters only: values tried when it is profiled
+  std::string meaning{};
+  // Scales the ideal drive torque (N Kt I, or force constant x u): the physical value is this one
+  // divided by the drive's own factor (efficiency), see actuator::PhysicalValue.
+  bool relative_to_drive = false;
 };
+
+// Which body a torque acts on. Outside the free play they move as one; a simulation keeps them
+// apart.
+enum class Side { kMotor, kOutput };
 
 struct EffectInfo {
   std::string name;     // as in model files, e.g. "direction_dependent_viscous"
@@ -82,6 +94,7 @@ struct EffectInfo {
   std::string source;   // paper or handbook, equation
   Role role = Role::kPassive;
   Balance balance = Balance::kMotion;
+  Side side = Side::kOutput;
   std::vector<ParameterInfo> linear;
   std::vector<ParameterInfo> nonlinear;
   std::string signature;                 // what its residual looks like
@@ -112,6 +125,10 @@ class Effect {
 
 // Throws std::invalid_argument naming the effect and the known ones when there is no such effect.
 std::unique_ptr<Effect> MakeEffect(std::string_view name, const JointConstants& constants);
+
+// No effect has more linear parameters, nonlinear parameters or memory than this: callers may keep
+// them in arrays on the stack.
+inline constexpr int kMaxParameters = 8;
 
 // Every effect of the catalogue, in the order of the documentation: the declared basics first.
 std::vector<std::string> EffectNames();

@@ -13,6 +13,7 @@ struct JointSample {
   double velocity_rad_s = 0.0;             // output
   double acceleration_rad_s2 = 0.0;        // output
   double jerk_rad_s3 = 0.0;                // output
+  double snap_rad_s4 = 0.0;                // output
   double motor_position_rad = 0.0;         // motor shaft, before the gear
   double motor_velocity_rad_s = 0.0;       // motor shaft
   double motor_acceleration_rad_s2 = 0.0;  // motor shaft

@@ -369,6 +369,7 @@ void NodeImpl::on_publisher_discovery(dds::DomainParticipant*, rtps::WriterDisco
 
 void NodeImpl::Discovered(bool is_writer, const std::string& topic, const std::string& type,
                           const rtps::GUID_t& guid, bool gone) {
+  if (participant != nullptr && guid.guidPrefix == participant->guid().guidPrefix) return;  // our own
   std::string problem;
   {
     const std::lock_guard<std::mutex> lock(mutex_);

@@ -1,0 +1,112 @@
+#include "bridge/can/candump.h"
+
+#include <charconv>
+#include <cstdio>
+
+namespace sinew::can {
+namespace {
+
+constexpr std::uint32_t kErrorFlag = 0x20000000;  // CAN_ERR_FLAG of linux/can.h
+
+// Takes `count` hexadecimal digits off the front.
+std::optional<std::uint32_t> TakeHex(std::string_view& text, std::size_t count) {
+  if (text.size() < count) return std::nullopt;
+  std::uint32_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + count, value, 16);
+  if (error != std::errc{} || end != text.data() + count) return std::nullopt;
+  text.remove_prefix(count);
+  return value;
+}
+
+std::optional<std::int64_t> TakeDecimal(std::string_view& text) {
+  std::int64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end == text.data() || value < 0) return std::nullopt;
+  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+  return value;
+}
+
+bool Take(std::string_view& text, char c) {
+  if (text.empty() || text.front() != c) return false;
+  text.remove_prefix(1);
+  return true;
+}
+
+// Data bytes, or R and the length of a remote frame.
+bool TakePayload(std::string_view& text, Frame& frame) {
+  if (Take(text, 'R')) {
+    frame.remote = true;
+    if (text.empty()) return true;
+    if (text.size() != 1 || text.front() < '0' || text.front() > '8') return false;
+    frame.length = static_cast<std::uint8_t>(text.front() - '0');
+    return true;
+  }
+  while (!text.empty()) {
+    if (frame.length == kMaxDataBytes) return false;
+    const auto byte = TakeHex(text, 2);
+    if (!byte) return false;
+    frame.data[frame.length++] = static_cast<std::uint8_t>(*byte);
+  }
+  return true;
+}
+
+}  // namespace
+
+std::string FormatCandump(const LogLine& line) {
+  const Frame& frame = line.frame;
+  const std::int64_t stamp_us = line.stamp_ns / 1000;
+  char text[64];
+  std::snprintf(text, sizeof text, "(%010lld.%06lld) ",
+                static_cast<long long>(stamp_us / 1'000'000),
+                static_cast<long long>(stamp_us % 1'000'000));
+  std::string result = text + line.interface;
+  std::snprintf(text, sizeof text, frame.extended || frame.error ? " %08X#" : " %03X#",
+                frame.id | (frame.error ? kErrorFlag : 0U));
+  result += text;
+  if (frame.remote) {
+    result += 'R';
+    if (frame.length > 0) result += static_cast<char>('0' + frame.length);
+    return result;
+  }
+  for (std::size_t i = 0; i < frame.length && i < kMaxDataBytes; ++i) {
+    std::snprintf(text, sizeof text, "%02X", frame.data[i]);
+    result += text;
+  }
+  return result;
+}
+
+std::optional<LogLine> ParseCandump(std::string_view text) {
+  while (!text.empty() && (text.back() == '\r' || text.back() == ' ')) text.remove_suffix(1);
+  // Newer versions append the direction.
+  if (text.ends_with(" T") || text.ends_with(" R")) text.remove_suffix(2);
+  LogLine line;
+  if (!Take(text, '(')) return std::nullopt;
+  const auto seconds = TakeDecimal(text);
+  if (!seconds || *seconds > 9'000'000'000 || !Take(text, '.')) return std::nullopt;
+  const std::size_t digits_before = text.size();
+  const auto fraction = TakeDecimal(text);
+  if (!fraction || digits_before - text.size() != 6 || !Take(text, ')') || !Take(text, ' ')) {
+    return std::nullopt;
+  }
+  line.stamp_ns = *seconds * 1'000'000'000 + *fraction * 1000;
+
+  const std::size_t space = text.find(' ');
+  if (space == std::string_view::npos || space == 0) return std::nullopt;
+  line.interface = text.substr(0, space);
+  text.remove_prefix(space + 1);
+
+  const std::size_t hash = text.find('#');
+  if (hash != 3 && hash != 8) return std::nullopt;
+  const auto id = TakeHex(text, hash);
+  if (!id || !Take(text, '#')) return std::nullopt;
+  line.frame.id = *id;
+  if (hash == 8) {
+    line.frame.error = (*id & kErrorFlag) != 0;
+    line.frame.extended = !line.frame.error;
+    line.frame.id &= ~kErrorFlag;
+  }
+  if (!TakePayload(text, line.frame) || !IsValid(line.frame)) return std::nullopt;
+  return line;
+}
+
+}  // namespace sinew::can

@@ -1,0 +1,248 @@
+#include "bridge/can/transport/socketcan.h"
+
+#include <linux/can.h>
+#include <linux/can/error.h>
+#include <linux/can/raw.h>
+#include <linux/net_tstamp.h>
+#include <net/if.h>
+#include <net/if_arp.h>
+#include <poll.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+#include "bridge/can/bit_timing.h"
+#include "components/config/config.h"
+
+namespace sinew::can {
+namespace {
+
+constexpr std::int64_t kReopenEvery_ns = 100'000'000;
+// Lost arbitration is daily life; everything else is worth knowing.
+constexpr can_err_mask_t kErrors = CAN_ERR_MASK & ~static_cast<unsigned>(CAN_ERR_LOSTARB);
+
+can_frame ToKernel(const Frame& frame) {
+  can_frame result{};
+  result.can_id = frame.id;
+  if (frame.extended) result.can_id |= CAN_EFF_FLAG;
+  if (frame.remote) result.can_id |= CAN_RTR_FLAG;
+  result.can_dlc = std::min<std::uint8_t>(frame.length, CAN_MAX_DLEN);
+  if (!frame.remote) std::memcpy(result.data, frame.data.data(), result.can_dlc);
+  return result;
+}
+
+Frame FromKernel(const can_frame& frame) {
+  Frame result;
+  result.error = (frame.can_id & CAN_ERR_FLAG) != 0;
+  result.extended = !result.error && (frame.can_id & CAN_EFF_FLAG) != 0;
+  result.remote = !result.error && (frame.can_id & CAN_RTR_FLAG) != 0;
+  result.id = frame.can_id & (result.extended || result.error ? CAN_EFF_MASK : CAN_SFF_MASK);
+  result.length = std::min<std::uint8_t>(frame.can_dlc, CAN_MAX_DLEN);
+  if (!result.remote) std::memcpy(result.data.data(), frame.data, result.length);
+  return result;
+}
+
+std::int64_t ToNs(const timespec& time) {
+  return static_cast<std::int64_t>(time.tv_sec) * 1'000'000'000 + time.tv_nsec;
+}
+
+// The kernel stamps in epoch time; ours is monotonic. What counts is how long ago it was.
+std::int64_t MonotonicStamp(msghdr& message) {
+  const std::int64_t monotonic_ns = MonotonicNow();
+  for (cmsghdr* c = CMSG_FIRSTHDR(&message); c != nullptr; c = CMSG_NXTHDR(&message, c)) {
+    if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SO_TIMESTAMPING) continue;
+    timespec stamps[3];  // software, (unused), raw hardware
+    std::memcpy(stamps, CMSG_DATA(c), sizeof stamps);
+    if (stamps[0].tv_sec == 0 && stamps[0].tv_nsec == 0) break;
+    timespec epoch{};
+    ::clock_gettime(CLOCK_REALTIME, &epoch);
+    const std::int64_t age_ns = ToNs(epoch) - ToNs(stamps[0]);
+    // A clock that was set in between must not make a frame older than a second, or younger than
+    // now.
+    return monotonic_ns - std::clamp<std::int64_t>(age_ns, 0, 1'000'000'000);
+  }
+  return monotonic_ns;
+}
+
+}  // namespace
+
+SocketCan::SocketCan(const SocketCanOptions& options) : options_(options) {
+  const std::string problem = Open();
+  if (!problem.empty()) throw UsageError(problem);
+}
+
+SocketCan::~SocketCan() { Close(); }
+
+std::string SocketCan::Open() noexcept {
+  const std::string& interface = options_.interface;
+  if (interface.empty() || interface.size() >= IFNAMSIZ) {
+    return "interface '" + interface + "': expected a name of 1 to 15 characters, such as can0";
+  }
+  socket_ = ::socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW);
+  if (socket_ < 0) {
+    const int error = errno;
+    if (error == EAFNOSUPPORT || error == EPROTONOSUPPORT) {
+      return interface +
+             ": this kernel has no SocketCAN; try 'modprobe can_raw', or transport: virtual";
+    }
+    return interface + ": no CAN socket: " + std::strerror(error);
+  }
+  const auto fail = [this](std::string message) {
+    Close();
+    return message;
+  };
+  ifreq request{};
+  std::memcpy(request.ifr_name, interface.c_str(), interface.size() + 1);
+  if (::ioctl(socket_, SIOCGIFINDEX, &request) != 0) {
+    return fail(interface + ": no such interface; 'ip -brief link' lists those there are");
+  }
+  const int index = request.ifr_ifindex;
+  if (::ioctl(socket_, SIOCGIFHWADDR, &request) == 0 &&
+      request.ifr_hwaddr.sa_family != ARPHRD_CAN) {
+    return fail(interface + ": not a CAN interface");
+  }
+  if (::ioctl(socket_, SIOCGIFFLAGS, &request) != 0 || (request.ifr_flags & IFF_UP) == 0) {
+    return fail(interface + ": the interface is down; 'ip link set " + interface +
+                " up type can bitrate 1000000 restart-ms 100' starts it");
+  }
+  std::vector<can_filter> filters;
+  for (const IdFilter& f : options_.filters) {
+    // Exactly this kind of identifier: the flag is part of the comparison. Remote frames pass as
+    // well.
+    filters.push_back({f.id | (f.extended ? CAN_EFF_FLAG : 0U), f.mask | CAN_EFF_FLAG});
+  }
+  if (!filters.empty() &&
+      ::setsockopt(socket_, SOL_CAN_RAW, CAN_RAW_FILTER, filters.data(),
+                   static_cast<socklen_t>(filters.size() * sizeof(can_filter))) != 0) {
+    return fail(interface + ": filters refused: " + std::strerror(errno));
+  }
+  const can_err_mask_t errors = kErrors;
+  if (::setsockopt(socket_, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof errors) != 0) {
+    return fail(interface + ": error frames refused: " + std::strerror(errno));
+  }
+  const int stamps = SOF_TIMESTAMPING_RX_SOFTWARE | SOF_TIMESTAMPING_SOFTWARE;
+  if (::setsockopt(socket_, SOL_SOCKET, SO_TIMESTAMPING, &stamps, sizeof stamps) != 0) {
+    return fail(interface + ": time stamps refused: " + std::strerror(errno));
+  }
+  if (options_.send_buffer_bytes > 0 &&
+      ::setsockopt(socket_, SOL_SOCKET, SO_SNDBUF, &options_.send_buffer_bytes,
+                   sizeof options_.send_buffer_bytes) != 0) {
+    return fail(interface + ": send buffer refused: " + std::strerror(errno));
+  }
+  sockaddr_can address{};
+  address.can_family = AF_CAN;
+  address.can_ifindex = index;
+  if (::bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+    return fail(interface + ": " + std::strerror(errno));
+  }
+  link_ = Link::kUp;
+  return {};
+}
+
+void SocketCan::Close() noexcept {
+  if (socket_ >= 0) ::close(socket_);
+  socket_ = -1;
+  link_ = Link::kDown;
+}
+
+void SocketCan::TryReopen() noexcept {
+  const std::int64_t now = MonotonicNow();
+  if (now < next_reopen_ns_) return;
+  next_reopen_ns_ = now + kReopenEvery_ns;
+  (void)Open();
+}
+
+void SocketCan::OnErrno(int error) noexcept {
+  switch (error) {
+    case ENETDOWN:
+      link_ = Link::kDown;  // the socket stays bound and works again when the interface is up
+      break;
+    case ENODEV:
+    case ENXIO:
+    case EBADF:
+      Close();  // the interface is gone: a new one of that name has another index
+      break;
+    default:
+      break;
+  }
+}
+
+SendStatus SocketCan::Send(const Frame& frame) noexcept {
+  if (socket_ < 0) TryReopen();
+  if (socket_ < 0) {
+    ++counters_.dropped;
+    return SendStatus::kDown;
+  }
+  const can_frame out = ToKernel(frame);
+  if (::send(socket_, &out, sizeof out, MSG_DONTWAIT | MSG_NOSIGNAL) == sizeof out) {
+    if (link_ == Link::kDown) link_ = Link::kUp;
+    ++counters_.sent;
+    counters_.wire_bits += static_cast<std::uint64_t>(FrameBits(frame));
+    return SendStatus::kOk;
+  }
+  const int error = errno;
+  ++counters_.dropped;
+  OnErrno(error);
+  return error == ENOBUFS || error == EAGAIN ? SendStatus::kDropped : SendStatus::kDown;
+}
+
+bool SocketCan::Receive(std::chrono::nanoseconds timeout, Received* received) noexcept {
+  const std::int64_t give_up_ns = MonotonicNow() + std::max<std::int64_t>(timeout.count(), 0);
+  for (;;) {
+    if (socket_ < 0) TryReopen();
+    if (socket_ >= 0) {
+      can_frame in{};
+      iovec data{&in, sizeof in};
+      alignas(cmsghdr) char control[256];
+      msghdr message{};
+      message.msg_iov = &data;
+      message.msg_iovlen = 1;
+      message.msg_control = control;
+      message.msg_controllen = sizeof control;
+      const ssize_t size = ::recvmsg(socket_, &message, MSG_DONTWAIT);
+      if (size == sizeof in) {
+        received->frame = FromKernel(in);
+        received->stamp_ns = MonotonicStamp(message);
+        if (received->frame.error) {
+          OnErrorFrame(received->frame);
+        } else {
+          if (link_ == Link::kDown || link_ == Link::kBusOff) link_ = Link::kUp;
+          ++counters_.received;
+          counters_.wire_bits += static_cast<std::uint64_t>(FrameBits(received->frame));
+        }
+        return true;
+      }
+      if (size < 0 && errno != EAGAIN && errno != EINTR) OnErrno(errno);
+    }
+    const std::int64_t left_ns = give_up_ns - MonotonicNow();
+    if (left_ns <= 0) return false;
+    // Without a socket: look for the interface again now and then.
+    const std::int64_t wait_ns = socket_ < 0 ? std::min(left_ns, kReopenEvery_ns) : left_ns;
+    pollfd poll{socket_, POLLIN, 0};
+    const timespec wait{static_cast<time_t>(wait_ns / 1'000'000'000),
+                        static_cast<long>(wait_ns % 1'000'000'000)};
+    ::ppoll(&poll, 1, &wait, nullptr);
+  }
+}
+
+void SocketCan::OnErrorFrame(const Frame& frame) noexcept {
+  ++counters_.error_frames;
+  if ((frame.id & CAN_ERR_BUSOFF) != 0) {
+    link_ = Link::kBusOff;
+  } else if ((frame.id & CAN_ERR_RESTARTED) != 0) {
+    link_ = Link::kUp;
+  } else if ((frame.id & CAN_ERR_CRTL) != 0) {
+    if ((frame.data[1] & (CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE)) != 0) {
+      link_ = Link::kPassive;
+    } else if ((frame.data[1] & CAN_ERR_CRTL_ACTIVE) != 0) {
+      link_ = Link::kUp;
+    }
+  }
+}
+
+}  // namespace sinew::can

@@ -1,0 +1,138 @@
+#include "bridge/can/transport/virtual_can.h"
+
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+#include "bridge/can/bit_timing.h"
+#include "bridge/can/bus_model.h"
+#include "bridge/can/transport/bus_protocol.h"
+#include "components/config/config.h"
+
+namespace sinew::can {
+namespace {
+
+constexpr std::int64_t kTryEvery_ns = 50'000'000;
+
+}  // namespace
+
+VirtualCan::VirtualCan(const VirtualCanOptions& options)
+    : options_(options), path_(BusSocketPath(options.bus)) {
+  const std::int64_t give_up_ns =
+      MonotonicNow() + std::chrono::nanoseconds(options.connect_timeout).count();
+  while (!Connect()) {
+    if (MonotonicNow() >= give_up_ns) {
+      throw UsageError("bus '" + options.bus + "': nobody listens on " + path_ +
+                       "; 'sinew-can-bus --bus " + options.bus + "' starts it");
+    }
+    const timespec wait{0, kTryEvery_ns};
+    ::ppoll(nullptr, 0, &wait, nullptr);
+  }
+}
+
+VirtualCan::~VirtualCan() { Close(); }
+
+bool VirtualCan::Connect() noexcept {
+  sockaddr_un address{};
+  if (path_.size() >= sizeof address.sun_path) return false;
+  address.sun_family = AF_UNIX;
+  std::memcpy(address.sun_path, path_.c_str(), path_.size() + 1);
+  socket_ = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  if (socket_ < 0) return false;
+  if (::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+    Close();
+    return false;
+  }
+  link_ = Link::kUp;
+  return true;
+}
+
+void VirtualCan::Close() noexcept {
+  if (socket_ >= 0) ::close(socket_);
+  socket_ = -1;
+  link_ = Link::kDown;
+}
+
+void VirtualCan::TryConnect() noexcept {
+  const std::int64_t now = MonotonicNow();
+  if (now < next_try_ns_) return;
+  next_try_ns_ = now + kTryEvery_ns;
+  (void)Connect();
+}
+
+SendStatus VirtualCan::Send(const Frame& frame) noexcept {
+  if (socket_ < 0) TryConnect();
+  if (socket_ < 0 || link_ == Link::kBusOff) {
+    ++counters_.dropped;
+    return SendStatus::kDown;
+  }
+  const Packet packet = FramePacket(frame, 0);
+  if (::send(socket_, &packet, sizeof packet, MSG_DONTWAIT | MSG_NOSIGNAL) == sizeof packet) {
+    ++counters_.sent;
+    counters_.wire_bits += static_cast<std::uint64_t>(FrameBits(frame));
+    return SendStatus::kOk;
+  }
+  const int error = errno;
+  ++counters_.dropped;
+  if (error == EAGAIN || error == ENOBUFS) return SendStatus::kDropped;
+  Close();
+  return SendStatus::kDown;
+}
+
+bool VirtualCan::Receive(std::chrono::nanoseconds timeout, Received* received) noexcept {
+  const std::int64_t give_up_ns = MonotonicNow() + std::max<std::int64_t>(timeout.count(), 0);
+  for (;;) {
+    if (socket_ < 0) TryConnect();
+    while (socket_ >= 0) {
+      Packet packet;
+      const ssize_t size = ::recv(socket_, &packet, sizeof packet, MSG_DONTWAIT);
+      if (size < 0 && (errno == EAGAIN || errno == EINTR)) break;
+      if (size <= 0) {
+        Close();
+        break;
+      }
+      if (size != sizeof packet || packet.magic != Packet::kMagic) continue;
+      switch (packet.kind) {
+        case PacketKind::kWelcome:
+          bitrate_bit_s_ = packet.value;
+          break;
+        case PacketKind::kDropped:
+          --counters_.sent;
+          ++counters_.dropped;
+          break;
+        case PacketKind::kError:
+          ++counters_.error_frames;
+          break;
+        case PacketKind::kHealth:
+          link_ = packet.value == static_cast<std::uint32_t>(NodeHealth::kBusOff) ? Link::kBusOff
+                  : packet.value == static_cast<std::uint32_t>(NodeHealth::kPassive)
+                      ? Link::kPassive
+                      : Link::kUp;
+          break;
+        case PacketKind::kFrame: {
+          const Frame frame = FrameOf(packet);
+          if (!IsValid(frame)) break;
+          counters_.wire_bits += static_cast<std::uint64_t>(FrameBits(frame));
+          if (!Passes(options_.filters, frame)) break;
+          ++counters_.received;
+          *received = {frame, packet.stamp_ns};
+          return true;
+        }
+      }
+    }
+    const std::int64_t left_ns = give_up_ns - MonotonicNow();
+    if (left_ns <= 0) return false;
+    const std::int64_t wait_ns = socket_ < 0 ? std::min(left_ns, kTryEvery_ns) : left_ns;
+    pollfd poll{socket_, POLLIN, 0};
+    const timespec wait{static_cast<time_t>(wait_ns / 1'000'000'000),
+                        static_cast<long>(wait_ns % 1'000'000'000)};
+    ::ppoll(&poll, 1, &wait, nullptr);
+  }
+}
+
+}  // namespace sinew::can

@@ -1,0 +1,49 @@
+// A node on a sinew-can-bus: the same interface as a real controller, for machines without CAN.
+//
+// The bus may start later than its nodes and may be restarted: the constructor waits for it a
+// while, afterwards the link is down until it is back.
+#pragma once
+
+#include "bridge/can/transport/transport.h"
+
+namespace sinew::can {
+
+struct VirtualCanOptions {
+  std::string bus;                     // name or path of the socket
+  std::vector<IdFilter> filters = {};  // empty: everything
+  std::chrono::milliseconds connect_timeout{5000};
+};
+
+class VirtualCan : public Transport {
+ public:
+  // Throws UsageError when no bus of this name appears within the time.
+  explicit VirtualCan(const VirtualCanOptions& options);
+  ~VirtualCan() override;
+  VirtualCan(const VirtualCan&) = delete;
+  VirtualCan& operator=(const VirtualCan&) = delete;
+
+  SendStatus Send(const Frame& frame) noexcept override;
+  bool Receive(std::chrono::nanoseconds timeout, Received* received) noexcept override;
+  Link link() const noexcept override { return link_; }
+  TransportCounters counters() const noexcept override { return counters_; }
+  std::int64_t now_ns() const noexcept override { return MonotonicNow(); }
+  int descriptor() const noexcept override { return socket_; }
+  const std::string& name() const noexcept override { return options_.bus; }
+
+  double bitrate_bit_s() const { return bitrate_bit_s_; }  // 0 until the bus has said so
+
+ private:
+  bool Connect() noexcept;
+  void Close() noexcept;
+  void TryConnect() noexcept;
+
+  VirtualCanOptions options_;
+  std::string path_;
+  int socket_ = -1;
+  Link link_ = Link::kDown;
+  TransportCounters counters_;
+  std::int64_t next_try_ns_ = 0;
+  double bitrate_bit_s_ = 0.0;
+};
+
+}  // namespace sinew::can

@@ -1,0 +1,319 @@
+#include "components/actuator/file/model_file.h"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <charconv>
+#include <nlohmann/json.hpp>
+#include <set>
+
+namespace sinew::actuator {
+
+namespace {
+
+using config::Section;
+
+constexpr std::string_view kSchema = "sinew-model/1";
+
+std::string KeyOf(const effects::ParameterInfo& info, effects::JointKind kind) {
+  const std::string_view unit = effects::UnitSuffix(info.dimension, kind);
+  return unit.empty() ? info.name : info.name + "_" + std::string(unit);
+}
+
+ParameterValue ReadParameter(const Section& term, const effects::EffectInfo& effect,
+                             const effects::ParameterInfo& info, effects::JointKind kind) {
+  const std::string key = KeyOf(info, kind);
+  if (!term.Has(key)) {
+    std::set<std::string> right_keys;
+    for (const auto& other : effect.linear) right_keys.insert(KeyOf(other, kind));
+    for (const auto& other : effect.nonlinear) right_keys.insert(KeyOf(other, kind));
+    for (const std::string& other : term.Keys()) {
+      const bool same_name = other == info.name || other.starts_with(info.name + "_");
+      if (same_name && right_keys.count(other) == 0) {
+        term.Fail(other, "wrong unit, expected '" + key + "' (" + info.meaning + ")");
+      }
+    }
+    term.Fail(key,
+              "missing, expected a number or {value, tolerance, fixed} (" + info.meaning + ")");
+  }
+  ParameterValue parameter;
+  if (term.IsScalar(key)) {
+    parameter.value = term.Number(key);
+    return parameter;
+  }
+  const Section child = term.Child(key);
+  parameter.value = child.Number("value");
+  parameter.tolerance = child.NumberOr("tolerance", 0.0, {0.0, 10.0});
+  parameter.fixed = child.BoolOr("fixed", false);
+  if (child.Has("half_width_95")) {
+    parameter.half_width_95 = child.Number("half_width_95", config::kNotNegative);
+  }
+  return parameter;
+}
+
+Term ReadTerm(const Section& section, const JointModel& joint) {
+  const std::string name = section.Text("effect");
+  Term term;
+  try {
+    term.effect = effects::MakeEffect(name, joint.constants);
+  } catch (const std::invalid_argument& error) {
+    section.Fail("effect", error.what());
+  }
+  term.declared = section.BoolOr("declared", true);
+  for (const auto& info : term.effect->info().linear) {
+    term.linear.push_back(ReadParameter(section, term.effect->info(), info, joint.kind));
+  }
+  for (const auto& info : term.effect->info().nonlinear) {
+    term.nonlinear.push_back(ReadParameter(section, term.effect->info(), info, joint.kind));
+  }
+  return term;
+}
+
+JointModel ReadJoint(const Section& section) {
+  JointModel joint;
+  joint.name = section.Text("name");
+  joint.kind = section.Choice("kind", {"rotary", "linear"}) == "rotary"
+                   ? effects::JointKind::kRotary
+                   : effects::JointKind::kLinear;
+  const Section constants = section.ChildOrEmpty("constants");
+  joint.constants.gear_ratio = constants.NumberOr("gear_ratio", 1.0, config::kPositive);
+  joint.constants.link_length_m = constants.NumberOr("link_length_m", 0.0, config::kNotNegative);
+  joint.constants.gravity_m_s2 = constants.NumberOr("gravity_m_s2", 9.81, config::kNotNegative);
+  joint.constants.torque_constant_Nm_A =
+      constants.NumberOr("torque_constant_Nm_A", 0.0, config::kNotNegative);
+  joint.constants.force_constant_N_V =
+      constants.NumberOr("force_constant_N_V", 0.0, config::kNotNegative);
+  joint.backlash_rad = section.NumberOr(
+      joint.kind == effects::JointKind::kRotary ? "backlash_rad" : "backlash_m", 0.0, {0.0, 6.3});
+  joint.motor_torque_limit_Nm =
+      section.NumberOr("motor_torque_limit_Nm", 0.0, config::kNotNegative);
+  for (const Section& term : section.List("terms")) {
+    joint.terms.push_back(ReadTerm(term, joint));
+    const std::string& name = joint.terms.back().effect->info().name;
+    const bool repeatable = !joint.terms.back().nonlinear.empty();  // two orders of cogging, say
+    if (!repeatable && joint.Find(name) != static_cast<int>(joint.terms.size()) - 1) {
+      term.Fail("effect", "'" + name + "' is given twice");
+    }
+  }
+  if (joint.terms.empty()) section.Fail("terms", "empty, expected at least one effect");
+  for (const Section& entry : section.ListOrEmpty("history")) {
+    joint.history.push_back({entry.TextOr("when", ""), entry.TextOr("effect", ""),
+                             entry.TextOr("recording", ""), entry.TextOr("note", "")});
+  }
+  return joint;
+}
+
+// Shortest text that reads back as the same number.
+std::string Number(double value) {
+  char text[40];
+  const auto result = std::to_chars(text, text + sizeof text, value);
+  return std::string(text, result.ptr);
+}
+
+std::string Quoted(const std::string& text) {
+  YAML::Emitter out;
+  out << YAML::DoubleQuoted << text;
+  return out.c_str();
+}
+
+void WriteParameter(std::string& out, const effects::ParameterInfo& info,
+                    const ParameterValue& parameter, effects::JointKind kind) {
+  out += "        " + KeyOf(info, kind) + ": {value: " + Number(parameter.value);
+  if (parameter.tolerance > 0.0) out += ", tolerance: " + Number(parameter.tolerance);
+  if (parameter.fixed) out += ", fixed: true";
+  if (parameter.half_width_95) out += ", half_width_95: " + Number(*parameter.half_width_95);
+  out += "}\n";
+}
+
+void WriteJoint(std::string& out, const JointModel& joint) {
+  const bool rotary = joint.kind == effects::JointKind::kRotary;
+  out += "  - name: " + Quoted(joint.name) + "\n";
+  out += std::string("    kind: ") + (rotary ? "rotary" : "linear") + "\n";
+  out += "    constants:\n";
+  out += "      gear_ratio: " + Number(joint.constants.gear_ratio) + "\n";
+  out += "      link_length_m: " + Number(joint.constants.link_length_m) + "\n";
+  out += "      gravity_m_s2: " + Number(joint.constants.gravity_m_s2) + "\n";
+  out += "      torque_constant_Nm_A: " + Number(joint.constants.torque_constant_Nm_A) + "\n";
+  out += "      force_constant_N_V: " + Number(joint.constants.force_constant_N_V) + "\n";
+  out += std::string("    ") + (rotary ? "backlash_rad: " : "backlash_m: ") +
+         Number(joint.backlash_rad) + "\n";
+  out += "    motor_torque_limit_Nm: " + Number(joint.motor_torque_limit_Nm) + "\n";
+  out += "    terms:\n";
+  for (const Term& term : joint.terms) {
+    const effects::EffectInfo& info = term.effect->info();
+    out += "      - effect: " + info.name + "\n";
+    if (!term.declared) out += "        declared: false\n";
+    for (std::size_t i = 0; i < info.linear.size(); ++i) {
+      WriteParameter(out, info.linear[i], term.linear[i], joint.kind);
+    }
+    for (std::size_t i = 0; i < info.nonlinear.size(); ++i) {
+      WriteParameter(out, info.nonlinear[i], term.nonlinear[i], joint.kind);
+    }
+  }
+  if (joint.history.empty()) {
+    out += "    history: []\n";
+    return;
+  }
+  out += "    history:\n";
+  for (const HistoryEntry& entry : joint.history) {
+    out += "      - when: " + Quoted(entry.when) + "\n";
+    out += "        effect: " + Quoted(entry.effect) + "\n";
+    out += "        recording: " + Quoted(entry.recording) + "\n";
+    out += "        note: " + Quoted(entry.note) + "\n";
+  }
+}
+
+}  // namespace
+
+ModelFile LoadModelFile(const std::filesystem::path& path) {
+  if (path.extension() == ".json") {
+    ModelFile file;
+    file.robot = LoadRigJson(path);
+    file.root = Section::Empty(path.string());
+    return file;
+  }
+  const std::string text = config::ReadFile(path);
+  ModelFile file;
+  file.root = Section::Parse(text, path.string(), kSchema);
+  const Section& root = file.root;
+  file.robot.name = root.Text("name");
+  if (root.Has("urdf")) {
+    file.robot.urdf_path = std::filesystem::absolute(root.ExistingPath("urdf")).lexically_normal();
+  }
+  std::set<std::string> names;
+  for (const Section& joint : root.List("joints")) {
+    file.robot.joints.push_back(ReadJoint(joint));
+    if (!names.insert(file.robot.joints.back().name).second) {
+      joint.Fail("name", "'" + file.robot.joints.back().name + "' is given twice");
+    }
+  }
+  if (file.robot.joints.empty()) root.Fail("joints", "empty, expected at least one joint");
+  const YAML::Node document = YAML::Load(text);
+  for (const std::string_view block : kForeignBlocks) {
+    if (!root.Has(block)) continue;  // also tells the section that the key is known
+    YAML::Emitter out;
+    out << document[std::string(block)];
+    file.foreign_text[std::string(block)] = out.c_str();
+  }
+  root.RejectUnknownKeys();
+  return file;
+}
+
+RobotModel LoadRobotModel(const std::filesystem::path& path) { return LoadModelFile(path).robot; }
+
+RobotModel LoadRigJson(const std::filesystem::path& path) {
+  const std::string text = config::ReadFile(path);
+  const std::string where = path.string();
+  nlohmann::json rig;
+  try {
+    rig = nlohmann::json::parse(text);
+  } catch (const nlohmann::json::parse_error& error) {
+    const auto line =
+        1 +
+        std::count(text.begin(),
+                   text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size())),
+                   '\n');
+    throw UsageError(where + ":" + std::to_string(line) + ": no valid JSON");
+  }
+  const auto entry = [&](const char* group, const char* key,
+                         const char* unit) -> const nlohmann::json& {
+    const std::string name = std::string(group) + "." + key;
+    if (!rig.is_object() || !rig.contains(group) || !rig[group].is_object() ||
+        !rig[group].contains(key)) {
+      throw UsageError(where + ": key '" + name + "': missing, expected {value, unit, trust}");
+    }
+    const nlohmann::json& found = rig[group][key];
+    if (!found.is_object() || !found.contains("value") || !found["value"].is_number()) {
+      throw UsageError(where + ": key '" + name + ".value': expected a number");
+    }
+    const std::string given =
+        found.contains("unit") && found["unit"].is_string() ? found["unit"].get<std::string>() : "";
+    if (given != unit && !given.starts_with(std::string(unit) + " (")) {
+      throw UsageError(where + ": key '" + name + ".unit': '" + given + "', expected '" + unit +
+                       "'");
+    }
+    return found;
+  };
+  const auto constant = [&](const char* key, const char* unit) {
+    return entry("constants", key, unit)["value"].get<double>();
+  };
+  const auto nominal = [&](const char* key, const char* unit) {
+    const nlohmann::json& found = entry("nominal_parameters", key, unit);
+    const std::string trust = found.contains("trust") && found["trust"].is_string()
+                                  ? found["trust"].get<std::string>()
+                                  : "";
+    ParameterValue value;
+    value.value = found["value"].get<double>();
+    value.tolerance = trust.find("exact") == std::string::npos ? 0.15 : 0.0;
+    value.fixed = value.tolerance == 0.0;
+    return value;
+  };
+
+  JointModel joint;
+  joint.name = "joint";
+  joint.constants.gear_ratio = constant("gear_ratio", "1");
+  joint.constants.link_length_m = constant("link_length", "m");
+  joint.constants.gravity_m_s2 = constant("gravity", "m/s^2");
+  joint.constants.torque_constant_Nm_A = constant("torque_constant", "N m/A");
+  joint.backlash_rad = constant("free_play_full_width", "rad");
+  joint.motor_torque_limit_Nm =
+      constant("current_limit", "A") * joint.constants.torque_constant_Nm_A;
+  const auto add = [&](const char* effect, std::vector<ParameterValue> linear,
+                       std::vector<ParameterValue> nonlinear = {}) {
+    Term term = MakeTerm(effect, joint.constants);
+    term.linear = std::move(linear);
+    term.nonlinear = std::move(nonlinear);
+    joint.terms.push_back(std::move(term));
+  };
+  const ParameterValue exactly_one{
+      .value = 1.0, .tolerance = 0.0, .fixed = true, .half_width_95 = std::nullopt};
+  add("drive_current", {nominal("efficiency", "1")});
+  add("rotor_inertia", {nominal("rotor_inertia_at_output", "kg m^2")});
+  add("link_inertia", {nominal("link_inertia", "kg m^2")});
+  add("declared_payload", {exactly_one});
+  add("motor_viscous", {nominal("viscous_friction", "N m s/rad")});
+  add("coulomb", {nominal("coulomb_friction", "N m")});
+  add("gravity", {nominal("gravity_torque", "N m")});
+  add("pneumatic_torque", {nominal("pneumatic_torque_slope", "N m/bar")});
+  ParameterValue rest_angle = nominal("pneumatic_rest_angle", "rad");
+  rest_angle.fixed = true;  // K - k1 q0 is one direction of the data: K takes what q0 is off
+  add("pneumatic_stiffness", {nominal("pneumatic_stiffness_slope", "N m/(rad bar)")}, {rest_angle});
+  add("load_force", {exactly_one});
+
+  RobotModel robot;
+  robot.name = "rig";
+  robot.joints.push_back(std::move(joint));
+  return robot;
+}
+
+std::string FormatModel(const RobotModel& robot,
+                        const std::map<std::string, std::string>& foreign_text,
+                        const std::filesystem::path& folder) {
+  std::string out = "schema: " + std::string(kSchema) + "\n";
+  out += "name: " + Quoted(robot.name) + "\n";
+  if (!robot.urdf_path.empty()) {
+    const std::filesystem::path urdf = robot.urdf_path;
+    const std::filesystem::path from = std::filesystem::absolute(folder).lexically_normal();
+    const std::filesystem::path shown = urdf.is_absolute() ? urdf.lexically_relative(from) : urdf;
+    out += "urdf: " + Quoted((shown.empty() ? urdf : shown).string()) + "\n";
+  }
+  out += "joints:\n";
+  for (const JointModel& joint : robot.joints) WriteJoint(out, joint);
+  for (const auto& [key, text] : foreign_text) {
+    YAML::Emitter emitter;
+    emitter << YAML::BeginMap << YAML::Key << key << YAML::Value << YAML::Load(text)
+            << YAML::EndMap;
+    out += std::string(emitter.c_str()) + "\n";
+  }
+  return out;
+}
+
+void SaveModelFile(const std::filesystem::path& path, const ModelFile& file) {
+  config::WriteFileAtomically(path, FormatModel(file.robot, file.foreign_text, path.parent_path()));
+}
+
+void SaveRobotModel(const std::filesystem::path& path, const RobotModel& robot) {
+  SaveModelFile(path, ModelFile{.robot = robot, .foreign_text = {}});
+}
+
+}  // namespace sinew::actuator

@@ -1,0 +1,346 @@
+#include "components/control/joint_controller.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "components/reference/blend.h"
+
+namespace sinew::control {
+namespace {
+
+void Require(bool good, const char* what, double value) {
+  if (!good || !std::isfinite(value)) {
+    throw std::invalid_argument(std::string(what) + " is " + std::to_string(value));
+  }
+}
+
+bool Finite(const Point& p) noexcept {
+  return std::isfinite(p.position_rad) && std::isfinite(p.velocity_rad_s) &&
+         std::isfinite(p.acceleration_rad_s2);
+}
+
+bool ActuatorFinite(const JointMeasurement& m) noexcept {
+  return std::isfinite(m.motor_position_rad) && std::isfinite(m.motor_velocity_rad_s) &&
+         std::isfinite(m.pressure_bar) && std::isfinite(m.load_force_N) && std::isfinite(m.payload_kg) &&
+         std::isfinite(m.temperature_degC);
+}
+
+bool SameOrder(const MotionOrder& a, const MotionOrder& b) noexcept {
+  return a.kind == b.kind && a.target_rad == b.target_rad &&
+         a.velocity_limit_rad_s == b.velocity_limit_rad_s;
+}
+
+bool Executable(const MotionOrder& order) noexcept {
+  if (order.kind == Motion::kNone) return false;
+  if (!(order.motor_torque_limit_Nm >= 0.0) || !std::isfinite(order.motor_torque_limit_Nm)) return false;
+  if (order.kind == Motion::kHold) return true;
+  return std::isfinite(order.target_rad) && std::isfinite(order.velocity_limit_rad_s) &&
+         order.velocity_limit_rad_s > 0.0;
+}
+
+}  // namespace
+
+const char* FaultText(Fault fault) noexcept {
+  switch (fault) {
+    case Fault::kNone:
+      return "none";
+    case Fault::kNonFiniteState:
+      return "a measured position or velocity is not a number";
+    case Fault::kNonFiniteReference:
+      return "the reference is not a number";
+    case Fault::kNonFiniteOutput:
+      return "the command came out as not a number";
+    case Fault::kTrackingError:
+      return "the joint is further from its reference than allowed";
+    case Fault::kNonFinitePrediction:
+      return "the torque prediction is not a number: left out";
+  }
+  return "unknown";
+}
+
+JointController::JointController(const JointControlConfig& config) : config_(config), pid_(config.pid) {
+  Require(config.gear_ratio > 0.0, "gear ratio", config.gear_ratio);
+  Require(config.shaft_per_output > 0.0, "motor torque per output torque", config.shaft_per_output);
+  Require(config.motor_torque_limit_Nm > 0.0, "motor torque limit", config.motor_torque_limit_Nm);
+  Require(config.takeover_s >= 0.0, "take-over time", config.takeover_s);
+  Require(config.crossfade_s >= 0.0, "cross-fade time", config.crossfade_s);
+  Require(config.tracking_error_limit_rad >= 0.0, "tracking error limit", config.tracking_error_limit_rad);
+  Require(config.damping_Nm_s_rad >= 0.0, "damping", config.damping_Nm_s_rad);
+  Require(config.motion_acceleration_rad_s2 > 0.0, "motion acceleration",
+          config.motion_acceleration_rad_s2);
+  Require(config.stale_grace_ticks >= 0, "grace ticks", config.stale_grace_ticks);
+  if (config.strategy == Strategy::kPidLinear) {
+    if (!config.model) throw std::invalid_argument("pid_linear needs a model");
+    compensator_.emplace(*config.model, config.compensator);
+  }
+}
+
+void JointController::Disarm() noexcept {
+  started_ = false;
+  latched_ = Fault::kNone;
+  aim_ = Aim::kNone;
+  stale_ticks_ = 0;
+  last_position_known_ = false;
+  source_ = 0;
+  feed_forward_Nm_ = fade_Nm_ = 0.0;
+  motion_ = {};
+  move_.reset();
+  pid_.Reset();
+  if (compensator_) compensator_->Reset();
+}
+
+void JointController::Track(double applied_motor_torque_Nm) noexcept {
+  if (!started_ || !std::isfinite(applied_motor_torque_Nm)) return;
+  pid_.Track((applied_motor_torque_Nm - feed_forward_Nm_) / config_.shaft_per_output);
+}
+
+double JointController::MeasuredVelocity(const JointMeasurement& m, double period_s) noexcept {
+  double velocity_rad_s = m.velocity_rad_s;
+  if (config_.velocity_from == VelocityFrom::kMotor && m.actuator_valid) {
+    velocity_rad_s = m.motor_velocity_rad_s / config_.gear_ratio;
+  } else if (config_.velocity_from == VelocityFrom::kOutputDifference && last_position_known_) {
+    velocity_rad_s = (m.position_rad - last_position_rad_) / period_s;
+  }
+  last_position_rad_ = m.position_rad;
+  last_position_known_ = true;
+  return velocity_rad_s;
+}
+
+JointOutput JointController::Damping(const JointMeasurement& m) const noexcept {
+  JointOutput output;
+  output.mode = CommandMode::kTorque;
+  double velocity_rad_s = 0.0;
+  if (m.actuator_valid && std::isfinite(m.motor_velocity_rad_s)) {
+    velocity_rad_s = m.motor_velocity_rad_s / config_.gear_ratio;
+  } else if (m.valid && std::isfinite(m.velocity_rad_s)) {
+    velocity_rad_s = m.velocity_rad_s;
+  }
+  output.motor_torque_Nm = std::clamp(-config_.damping_Nm_s_rad * config_.shaft_per_output * velocity_rad_s,
+                                      -config_.motor_torque_limit_Nm, config_.motor_torque_limit_Nm);
+  output.position_rad = m.position_rad;
+  return output;
+}
+
+void JointController::ChooseAim(const JointInput& input) noexcept {
+  const double position_rad = input.measured->position_rad;
+  if (input.reference_expected) {
+    if (!input.reference_fresh) return;  // stays with what it did
+    if (aim_ != Aim::kReference || stale_ticks_ > 0) {
+      const double from_rad = aim_ == Aim::kPush ? position_rad : target_.position_rad;
+      offset_rad_ = from_rad - input.reference.position_rad;
+      offset_age_s_ = 0.0;
+      aim_ = Aim::kReference;
+    }
+    return;
+  }
+  const MotionOrder& order = input.motion;
+  if (Executable(order)) {
+    const bool moving = aim_ == Aim::kMove || aim_ == Aim::kPush;
+    const bool known = SameOrder(order, motion_) && (moving || (aim_ == Aim::kHold && order.kind == Motion::kHold));
+    const double from_rad = aim_ == Aim::kPush ? position_rad : target_.position_rad;
+    motion_ = order;
+    if (known) return;
+    target_ = {from_rad, 0.0, 0.0};
+    if (order.kind == Motion::kHold) {
+      aim_ = Aim::kHold;
+    } else if (order.kind == Motion::kMoveSlowly) {
+      aim_ = Aim::kMove;
+      move_.emplace(reference::MoveConfig{from_rad, order.target_rad, order.velocity_limit_rad_s,
+                                          config_.motion_acceleration_rad_s2});
+      move_age_s_ = 0.0;
+    } else if (aim_ != Aim::kPush) {
+      aim_ = Aim::kPush;
+      push_at_rad_ = last_actuator_.motor_position_rad / config_.gear_ratio;
+      pid_.Reset();
+    }
+    return;
+  }
+  if (aim_ == Aim::kHold && motion_.kind == Motion::kNone) return;
+  if (aim_ != Aim::kHold) {  // reference or motion ended: hold where the joint is
+    target_ = {aim_ == Aim::kMove ? target_.position_rad : position_rad, 0.0, 0.0};
+    aim_ = Aim::kHold;
+  }
+  motion_ = {};
+}
+
+Point JointController::Target(const JointInput& input) noexcept {
+  if (aim_ == Aim::kReference) {
+    if (!input.reference_fresh) return {target_.position_rad, 0.0, 0.0};
+    const reference::BlendWeight w = reference::Blend(offset_age_s_, config_.takeover_s);
+    offset_age_s_ += input.period_s;
+    return {input.reference.position_rad + offset_rad_ * (1.0 - w.value),
+            input.reference.velocity_rad_s - offset_rad_ * w.rate_per_s,
+            input.reference.acceleration_rad_s2 - offset_rad_ * w.curvature_per_s2};
+  }
+  if (aim_ == Aim::kMove) {
+    move_age_s_ += input.period_s;
+    return move_->At(move_age_s_);
+  }
+  return {target_.position_rad, 0.0, 0.0};
+}
+
+double JointController::FeedForward(const JointInput& input, const Point& target) noexcept {
+  int source = 0;
+  double wanted_Nm = 0.0;
+  if (config_.strategy == Strategy::kPidLinear) {
+    source = 1;
+    JointMeasurement m = last_actuator_;
+    m.actuator_valid = input.measured->actuator_valid;
+    wanted_Nm = compensator_->Step(target, m, input.period_s);
+  } else if (config_.strategy == Strategy::kPidEsn && aim_ == Aim::kReference && input.reference_fresh &&
+             input.prediction_fresh && input.prediction.valid && input.regime != Regime::kUnknown) {
+    const bool sea = input.regime == Regime::kSea;
+    source = sea ? 2 : 3;
+    wanted_Nm = config_.shaft_per_output *
+                (sea ? input.prediction.sea_torque_Nm : input.prediction.pea_torque_Nm);
+  }
+  if (source != source_) {
+    fade_Nm_ = feed_forward_Nm_ - wanted_Nm;
+    source_ = source;
+  }
+  fade_Nm_ *= config_.crossfade_s > 0.0 ? std::exp(-input.period_s / config_.crossfade_s) : 0.0;
+  feed_forward_Nm_ = wanted_Nm + fade_Nm_;
+  return feed_forward_Nm_;
+}
+
+// The motor turns toward the target at the velocity limit, pushing no harder than allowed: a PID on the
+// motor's own angle whose target waits when the torque is at its limit.
+JointOutput JointController::Push(const JointInput& input) noexcept {
+  const JointMeasurement& m = *input.measured;
+  if (!m.actuator_valid) return Damping(m);
+  double limit_Nm = config_.motor_torque_limit_Nm;
+  if (motion_.motor_torque_limit_Nm > 0.0) limit_Nm = std::min(limit_Nm, motion_.motor_torque_limit_Nm);
+  const double motor_rad = m.motor_position_rad / config_.gear_ratio;
+  const double motor_rad_s = m.motor_velocity_rad_s / config_.gear_ratio;
+  const double step_rad = motion_.velocity_limit_rad_s * input.period_s;
+  const double way_rad = std::clamp(motion_.target_rad - push_at_rad_, -step_rad, step_rad);
+  push_at_rad_ += way_rad;
+  const double wanted_Nm = config_.shaft_per_output *
+                           pid_.Step(push_at_rad_ - motor_rad, way_rad / input.period_s - motor_rad_s,
+                                     input.period_s);
+  JointOutput output;
+  output.mode = CommandMode::kTorque;
+  output.motor_torque_Nm = std::clamp(wanted_Nm, -limit_Nm, limit_Nm);
+  output.saturated = output.motor_torque_Nm != wanted_Nm;
+  if (output.saturated) {
+    push_at_rad_ -= way_rad;  // waits for the motor
+    pid_.Limited((output.motor_torque_Nm - wanted_Nm) / config_.shaft_per_output, input.period_s);
+  }
+  output.position_rad = push_at_rad_;
+  feed_forward_Nm_ = fade_Nm_ = 0.0;
+  source_ = 0;
+  target_ = {m.position_rad, 0.0, 0.0};
+  return output;
+}
+
+JointController::Result JointController::Step(const JointInput& input) noexcept {
+  Result result;
+  JointMeasurement m = *input.measured;
+  if (latched_ != Fault::kNone) {
+    result.fault = latched_;
+    result.output.position_rad = target_.position_rad;
+    return result;
+  }
+  const auto latch = [this, &result](Fault fault) {
+    latched_ = result.fault = fault;
+    result.output = JointOutput{};
+    result.output.position_rad = target_.position_rad;
+    return result;
+  };
+  if (m.actuator_valid && !ActuatorFinite(m)) {
+    m.actuator_valid = false;
+    result.stale = true;
+  }
+  if (m.valid && !(std::isfinite(m.position_rad) && std::isfinite(m.velocity_rad_s))) {
+    return latch(Fault::kNonFiniteState);
+  }
+  if (input.reference_expected && input.reference_fresh && !Finite(input.reference)) {
+    return latch(Fault::kNonFiniteReference);
+  }
+  if (!(input.period_s > 0.0)) return latch(Fault::kNonFiniteState);
+  if (m.actuator_valid) last_actuator_ = m;
+  if (!m.valid) {  // where it is is not known: nothing to regulate
+    result.output = Damping(m);
+    result.stale = true;
+    last_position_known_ = false;
+    return result;
+  }
+  if (!m.actuator_valid && (config_.velocity_from == VelocityFrom::kMotor ||
+                            config_.strategy == Strategy::kPidLinear)) {
+    result.stale = true;  // goes on with output velocity and the last pressure
+  }
+  if (!started_) {
+    started_ = true;
+    target_ = {m.position_rad, 0.0, 0.0};
+    aim_ = Aim::kHold;
+  }
+
+  JointInput now = input;
+  now.measured = &m;
+  const Aim before_aim = aim_;
+  ChooseAim(now);
+  if (before_aim == Aim::kPush && aim_ != Aim::kPush) pid_.Reset();  // it was the motor's own
+  const bool lost = input.reference_expected && !input.reference_fresh;
+  if (lost) {
+    result.stale = true;
+    stale_ticks_ = std::min(stale_ticks_ + 1, 1 << 20);
+  } else {
+    stale_ticks_ = 0;
+  }
+  if (aim_ == Aim::kPush) {
+    result.output = Push(now);
+    if (!std::isfinite(result.output.motor_torque_Nm)) return latch(Fault::kNonFiniteOutput);
+    return result;
+  }
+
+  target_ = Target(now);
+  const double error_rad = target_.position_rad - m.position_rad;
+  const double velocity_rad_s = MeasuredVelocity(m, input.period_s);
+  if (config_.tracking_error_limit_rad > 0.0 && aim_ == Aim::kReference &&
+      std::abs(error_rad) > config_.tracking_error_limit_rad) {
+    return latch(Fault::kTrackingError);
+  }
+
+  JointOutput& output = result.output;
+  output.position_rad = target_.position_rad;
+  output.velocity_rad_s = target_.velocity_rad_s;
+  if (config_.strategy == Strategy::kPosition) {
+    output.mode = CommandMode::kPosition;
+    return result;
+  }
+  if (lost && stale_ticks_ > config_.stale_grace_ticks && config_.on_stale == OnStale::kDamp) {
+    result.output = Damping(m);
+    return result;
+  }
+  if (config_.strategy == Strategy::kPidEsn && input.prediction_fresh && input.prediction.valid &&
+      !(std::isfinite(input.prediction.sea_torque_Nm) && std::isfinite(input.prediction.pea_torque_Nm))) {
+    now.prediction.valid = false;
+    result.fault = Fault::kNonFinitePrediction;
+    result.stale = true;
+  }
+
+  const Pid before = pid_;
+  const double rate_rad_s =
+      (config_.derivative_of == DerivativeOf::kError ? target_.velocity_rad_s : 0.0) - velocity_rad_s;
+  const double feedback_Nm = config_.shaft_per_output * pid_.Step(error_rad, rate_rad_s, input.period_s);
+  output.compensation_Nm = FeedForward(now, target_);
+  double limit_Nm = config_.motor_torque_limit_Nm;
+  if (aim_ == Aim::kMove && motion_.motor_torque_limit_Nm > 0.0) {
+    limit_Nm = std::min(limit_Nm, motion_.motor_torque_limit_Nm);
+  }
+  const double wanted_Nm = feedback_Nm + output.compensation_Nm;
+  if (!std::isfinite(wanted_Nm)) return latch(Fault::kNonFiniteOutput);
+  output.mode = CommandMode::kTorque;
+  output.motor_torque_Nm = std::clamp(wanted_Nm, -limit_Nm, limit_Nm);
+  output.saturated = output.motor_torque_Nm != wanted_Nm;
+  if (input.interrupted) {
+    pid_ = before;  // the robot did not get these commands: nothing to learn from their errors
+  } else if (output.saturated) {
+    pid_.Limited((output.motor_torque_Nm - wanted_Nm) / config_.shaft_per_output, input.period_s);
+  }
+  return result;
+}
+
+}  // namespace sinew::control

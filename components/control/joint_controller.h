@@ -1,0 +1,118 @@
+// Control of one joint: what it should be at, PID and feed-forward, limits, safe commands.
+//
+// What it follows, in this order: the reference; else a motion order; else it holds. Whenever that changes
+// (arming included) it goes on from where it is: the difference to the new target fades out over takeover_s
+// (quintic), and a jump of the feed-forward fades out with the time constant crossfade_s.
+//
+// Command, torque strategies: limit(PID / (N efficiency) + feed-forward) at the motor shaft; the cut part
+// goes back into the integral. kPosition gives the target to the drive's own loops.
+//
+// Lost input: a reference that does not come leaves the target where it was, at rest, for grace_ticks and
+// then by configuration (hold: stays there; damp: only damping). A lost position leaves damping by motor
+// velocity, or no torque. All of it is marked stale. Non-finite input, or a tracking error above
+// its limit, latches a fault: motor off until disarmed.
+//
+// Thread: one. Step is noexcept and allocates nothing.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "components/actuator/model.h"
+#include "components/control/compensator.h"
+#include "components/control/pid.h"
+#include "components/control/types.h"
+#include "components/reference/trajectory.h"
+
+namespace sinew::control {
+
+enum class Strategy { kPosition, kPid, kPidLinear, kPidEsn };
+enum class DerivativeOf { kError, kMeasurement };
+enum class VelocityFrom { kOutputDifference, kOutput, kMotor };
+enum class OnStale { kHold, kDamp };
+
+struct JointControlConfig {
+  Strategy strategy = Strategy::kPid;
+  PidConfig pid;
+  DerivativeOf derivative_of = DerivativeOf::kError;
+  VelocityFrom velocity_from = VelocityFrom::kMotor;
+  std::optional<actuator::JointModel> model;  // needed by kPidLinear
+  CompensatorConfig compensator;              // kPidLinear only
+  double gear_ratio = 1.0;
+  double shaft_per_output = 1.0;       // 1 / (N efficiency)
+  double motor_torque_limit_Nm = 0.0;  // more than 0
+  double takeover_s = 0.3;
+  double crossfade_s = 0.02;
+  double tracking_error_limit_rad = 0.0;  // 0: none
+  double damping_Nm_s_rad = 0.3;          // of safe commands, at the output
+  OnStale on_stale = OnStale::kHold;
+  int stale_grace_ticks = 3;
+  double motion_acceleration_rad_s2 = 1.0;
+};
+
+struct JointInput {
+  double period_s = 0.0;
+  bool interrupted = false;
+  const JointMeasurement* measured = nullptr;
+  bool reference_expected = false;  // the reference asks for this joint, or did when last heard
+  bool reference_fresh = false;
+  Point reference;
+  bool prediction_fresh = false;
+  JointPrediction prediction;
+  Regime regime = Regime::kUnknown;
+  MotionOrder motion;
+};
+
+class JointController {
+ public:
+  // Throws std::invalid_argument with the value that is wrong.
+  explicit JointController(const JointControlConfig& config);
+
+  // Not armed: everything is forgotten. The command is idle.
+  void Disarm() noexcept;
+  struct Result {
+    JointOutput output;
+    bool stale = false;
+    Fault fault = Fault::kNone;
+  };
+  Result Step(const JointInput& input) noexcept;
+
+  // The command that the robot got this tick came from another controller: go on from it when it is gone.
+  void Track(double applied_motor_torque_Nm) noexcept;
+
+  const JointControlConfig& config() const noexcept { return config_; }
+
+ private:
+  enum class Aim { kNone, kHold, kReference, kMove, kPush };
+
+  void ChooseAim(const JointInput& input) noexcept;
+  Point Target(const JointInput& input) noexcept;
+  double MeasuredVelocity(const JointMeasurement& m, double period_s) noexcept;
+  double FeedForward(const JointInput& input, const Point& target) noexcept;
+  JointOutput Damping(const JointMeasurement& m) const noexcept;
+  JointOutput Push(const JointInput& input) noexcept;
+
+  JointControlConfig config_;
+  Pid pid_;
+  std::optional<Compensator> compensator_;
+
+  bool started_ = false;
+  Fault latched_ = Fault::kNone;
+  Aim aim_ = Aim::kNone;
+  Point target_;             // of the last tick
+  double offset_rad_ = 0.0;  // fades out over takeover_s
+  double offset_age_s_ = 0.0;
+  int stale_ticks_ = 0;
+  MotionOrder motion_;       // being executed
+  std::optional<reference::Move> move_;
+  double move_age_s_ = 0.0;
+  double push_at_rad_ = 0.0;
+  double last_position_rad_ = 0.0;
+  bool last_position_known_ = false;
+  JointMeasurement last_actuator_;  // last valid
+  int source_ = 0;                  // of the feed-forward: 0 none, 1 model, 2 SEA, 3 PEA
+  double feed_forward_Nm_ = 0.0;    // applied in the last tick
+  double fade_Nm_ = 0.0;
+};
+
+}  // namespace sinew::control

@@ -1,0 +1,100 @@
+// What control reads and writes in one tick, without messages. Units and signs as in idl/: output angle
+// positive up; a prismatic joint reads m for rad and N for Nm (docs/decisions/0003).
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "components/reference/trajectory.h"
+
+namespace sinew::control {
+
+inline constexpr int kMaxJoints = 12;
+
+using reference::Point;
+
+enum class Regime { kUnknown, kSea, kPea };
+
+enum class Motion { kNone, kHold, kMoveSlowly, kPushAgainstChamber };
+
+// What the sensors say of one joint.
+struct JointMeasurement {
+  bool valid = false;           // position and velocity
+  double position_rad = 0.0;    // output
+  double velocity_rad_s = 0.0;  // output
+  bool actuator_valid = false;  // the rest
+  double motor_position_rad = 0.0;    // motor shaft
+  double motor_velocity_rad_s = 0.0;  // motor shaft
+  double pressure_bar = 0.0;
+  double load_force_N = 0.0;
+  double payload_kg = 0.0;
+  double temperature_degC = 25.0;
+  bool valve_open = false;
+};
+
+// Drive torques at the output that the networks ask for.
+struct JointPrediction {
+  bool valid = false;
+  double sea_torque_Nm = 0.0;
+  double pea_torque_Nm = 0.0;
+};
+
+struct MotionOrder {
+  Motion kind = Motion::kNone;
+  double target_rad = 0.0;
+  double velocity_limit_rad_s = 0.0;
+  double motor_torque_limit_Nm = 0.0;  // 0: the joint's own
+};
+
+struct RobotInput {
+  std::uint64_t session_id = 0;
+  double period_s = 0.0;
+  bool armed = false;         // the provider lets commands through
+  bool interrupted = false;   // armed, but the provider bridges a gap: the last command did not count
+  int joint_count = 0;
+  std::array<JointMeasurement, kMaxJoints> joint{};
+
+  bool reference_fresh = false;  // belongs to this tick and is not marked stale
+  int reference_count = 0;       // 0: nothing is asked for
+  std::array<Point, kMaxJoints> reference{};
+
+  bool prediction_fresh = false;
+  std::array<JointPrediction, kMaxJoints> prediction{};
+  bool regime_fresh = false;
+  std::array<Regime, kMaxJoints> regime{};
+
+  std::array<MotionOrder, kMaxJoints> motion{};
+};
+
+enum class CommandMode { kIdle, kTorque, kPosition, kVelocity };
+
+// Why a command is the safe one. Fault codes up to kLastLatched stay until the robot is disarmed.
+enum class Fault {
+  kNone,
+  kNonFiniteState,      // latched: a position or velocity is not a number
+  kNonFiniteReference,  // latched
+  kNonFiniteOutput,     // latched: gains or model gave no number
+  kTrackingError,       // latched: further from the reference than allowed
+  kLastLatched = kTrackingError,
+  kNonFinitePrediction,  // the network is left out
+};
+const char* FaultText(Fault fault) noexcept;
+
+struct JointOutput {
+  CommandMode mode = CommandMode::kIdle;
+  double motor_torque_Nm = 0.0;  // at the motor shaft
+  double position_rad = 0.0;     // what the joint should be at; output side
+  double velocity_rad_s = 0.0;
+  bool saturated = false;        // the torque limit cut the command
+  double compensation_Nm = 0.0;  // the feed-forward part of motor_torque_Nm
+};
+
+struct RobotOutput {
+  bool stale = false;
+  Fault fault = Fault::kNone;
+  int fault_joint = -1;
+  int joint_count = 0;
+  std::array<JointOutput, kMaxJoints> joint{};
+};
+
+}  // namespace sinew::control

@@ -1,0 +1,7 @@
+#include "components/esn/kernel_body.h"
+
+namespace sinew::esn::internal {
+
+const Kernel kAvx2Kernel = {Step, TanhInPlace, Gram};
+
+}  // namespace sinew::esn::internal

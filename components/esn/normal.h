@@ -1,0 +1,31 @@
+// Normally distributed numbers that depend on the seed alone.
+//
+// The bits are those of std::mt19937_64, which the standard fixes; the transform (Box and Muller 1958) is
+// ours, because the standard leaves std::normal_distribution to the library. What remains of the platform is
+// the last bit of log, sin and cos of its C library.
+#pragma once
+
+#include <cstdint>
+#include <random>
+
+namespace sinew::esn {
+
+class NormalGenerator {
+ public:
+  explicit NormalGenerator(std::uint64_t seed) : bits_(seed) {}
+
+  // Mean 0, standard deviation 1.
+  double Next();
+
+  // Uniform in 0 .. count - 1; the bias of at most count / 2^64 does not matter here.
+  int Below(int count) { return static_cast<int>(bits_() % static_cast<std::uint64_t>(count)); }
+
+ private:
+  double Uniform();  // in (0, 1)
+
+  std::mt19937_64 bits_;
+  double spare_ = 0.0;
+  bool has_spare_ = false;
+};
+
+}  // namespace sinew::esn

@@ -1,0 +1,68 @@
+#include "components/recording/file/csv_map_file.h"
+
+#include "components/config/config.h"
+
+namespace sinew::recording {
+namespace {
+
+constexpr std::string_view kSchema = "sinew-csv-map/1";
+
+ColumnMap ReadColumn(const config::Section& section, const std::string& path, Quantity quantity) {
+  ColumnMap map;
+  map.column = section.Text("column");
+  map.where = section.file().string() + ":" + std::to_string(section.line()) + ": key '" + path + ".column'";
+  const std::string unit = section.Text("unit");
+  const auto found = FindUnit(quantity, unit);
+  if (!found) section.Fail("unit", "unit '" + unit + "', expected one of: " + AcceptedUnits(quantity));
+  map.unit = *found;
+  map.scale = section.NumberOr("scale", 1.0);
+  if (map.scale == 0.0) section.Fail("scale", "is 0, expected another number");
+  map.offset = section.NumberOr("offset", 0.0);
+  return map;
+}
+
+double ReadSign(const config::Section& section) {
+  const double sign = section.NumberOr("sign", 1.0);
+  if (sign != 1.0 && sign != -1.0) section.Fail("sign", "is neither 1 nor -1, expected 1 or -1");
+  return sign;
+}
+
+CsvMap Read(const config::Section& section) {
+  CsvMap map;
+  map.name = section.file().string();
+  map.kind = section.Choice("kind", {"rotary", "linear"}) == "linear" ? effects::JointKind::kLinear
+                                                                     : effects::JointKind::kRotary;
+  const std::string delimiter = section.ChoiceOr("delimiter", "comma", {"comma", "semicolon", "tab", "space"});
+  map.delimiter = delimiter == "semicolon" ? ';' : delimiter == "tab" ? '\t' : delimiter == "space" ? ' ' : ',';
+  map.time = ReadColumn(section.Child("time"), "time", Quantity::kTime);
+  const config::Section signals = section.Child("signals");
+  for (const std::string& name : signals.Keys()) {
+    const auto signal = identify::SignalFromName(name);
+    if (!signal) {
+      std::string list;
+      for (const identify::Signal known : identify::AllSignals()) {
+        list += (list.empty() ? "" : ", ") + std::string(identify::SignalName(known));
+      }
+      signals.Fail(name, "is no signal, expected one of: " + list);
+    }
+    const config::Section entry = signals.Child(name);
+    SignalColumn column{*signal, ReadColumn(entry, "signals." + name, QuantityOf(*signal, map.kind))};
+    column.map.sign = ReadSign(entry);
+    map.signals.push_back(std::move(column));
+  }
+  if (map.signals.empty()) section.Fail("signals", "is empty, expected at least one signal");
+  section.RejectUnknownKeys();
+  return map;
+}
+
+}  // namespace
+
+CsvMap LoadCsvMap(const std::filesystem::path& path) {
+  return Read(config::Section::Load(path, kSchema));
+}
+
+CsvMap ParseCsvMap(const std::string& text, const std::string& name) {
+  return Read(config::Section::Parse(text, name, kSchema));
+}
+
+}  // namespace sinew::recording

@@ -1,0 +1,50 @@
+// What a joint is asked to do from the moment it may move: a soft start from where it stands, the
+// trajectory, a soft stop at its end. A function of the time since the start, so that two runs
+// agree.
+//
+// With T the soft start and D the trajectory's duration (w: blend.h):
+//
+//     t < T           q0 + w(t / T) (x(t - T) - q0)      at rest at q0, on the trajectory at T
+//     T <= t < T + D  x(t - T)
+//     later           from x to rest at x(D) within the soft stop
+//
+// Start chooses a longer soft start when the way is so long that the limits would be passed; the
+// positions in between lie between q0 and the trajectory. Thread: one. Allocates only when made.
+#pragma once
+
+#include "components/reference/limits.h"
+#include "components/reference/trajectory.h"
+
+namespace sinew::reference {
+
+struct GeneratorConfig {
+  TrajectoryPtr trajectory;
+  double soft_start_s = 2.0;
+  double soft_stop_s = 1.0;
+  Limits limits;
+};
+
+class Generator {
+ public:
+  // Throws std::invalid_argument for a missing trajectory or a negative time.
+  explicit Generator(const GeneratorConfig& config);
+
+  // The joint stands at position_rad; time counts from here.
+  void Start(double position_rad) noexcept;
+  // So that all joints of a robot reach their trajectories together. Right after Start.
+  void LengthenSoftStart(double soft_start_s) noexcept;
+  Point At(double since_start_s) const noexcept;
+
+  double soft_start_s() const noexcept { return soft_start_s_; }  // as chosen by Start
+  // Past the trajectory and its soft stop: at rest for good.
+  bool Finished(double since_start_s) const noexcept;
+
+ private:
+  Point SoftStart(double since_start_s, double soft_start_s) const noexcept;
+
+  GeneratorConfig config_;
+  double start_rad_ = 0.0;
+  double soft_start_s_ = 0.0;
+};
+
+}  // namespace sinew::reference

@@ -1,0 +1,68 @@
+// The reference of a whole robot, tick by tick: waits, starts softly from where the joints stand,
+// runs.
+//
+// Time is ticks since the start times the period, so that the same ticks give the same reference.
+// It starts start_delay_s after the robot is armed, or at the operator's word while it is armed,
+// and stops when the robot is no longer armed. While it has not started it asks for nothing:
+// joint_count is 0, and the points hold the measured positions. Thread: one. Step is noexcept and
+// allocates nothing.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "components/reference/generator.h"
+
+namespace sinew::reference {
+
+inline constexpr int kMaxJoints = 12;
+
+enum class StartRule { kArmed, kOperator };
+
+struct RobotReferenceConfig {
+  StartRule start = StartRule::kArmed;
+  double start_delay_s = 0.0;
+  std::vector<GeneratorConfig> joints;
+};
+
+struct RobotReferenceInput {
+  std::uint64_t session_id = 0;
+  std::uint64_t tick = 0;
+  double period_s = 0.0;
+  bool may_move = false;        // armed, or damped by the provider for a moment
+  bool operator_start = false;  // the operator said start since the last step
+  bool operator_stop = false;
+  int joint_count = 0;
+  std::span<const double> position_rad;  // measured, joint_count values
+  std::span<const bool> valid;
+};
+
+struct RobotReferenceOutput {
+  int joint_count = 0;  // 0: nothing is asked for
+  bool stale = false;   // a joint was lost when the reference should have started
+  bool finished = false;
+  std::array<Point, kMaxJoints> joint{};
+};
+
+class RobotReference {
+ public:
+  // Throws std::invalid_argument for 0 or more than kMaxJoints joints.
+  explicit RobotReference(const RobotReferenceConfig& config);
+  RobotReferenceOutput Step(const RobotReferenceInput& input) noexcept;
+  bool running() const noexcept { return running_; }
+
+ private:
+  std::vector<Generator> joints_;
+  StartRule start_;
+  double start_delay_s_;
+  bool moving_ = false;  // may_move at the last step
+  bool asked_ = false;   // the operator said start
+  bool running_ = false;
+  std::uint64_t session_id_ = 0;
+  std::uint64_t allowed_tick_ = 0;  // when it became allowed to start
+  std::uint64_t start_tick_ = 0;
+};
+
+}  // namespace sinew::reference

@@ -1,0 +1,230 @@
+// Nodes of one process talk over DDS. Every test has its own domain.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sinew_idl/joint.h>
+#include <sinew_idl/reference.h>
+#include <sinew_idl/status.h>
+
+#include <fstream>
+#include <thread>
+
+#include "components/node/codec.h"
+#include "components/node/node.h"
+#include "components/node/tick_loop.h"
+
+namespace sinew::node {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+Options MakeOptions(const std::string& name, int domain, TimeMode mode = TimeMode::kLockstep) {
+  Options options;
+  options.component = options.name = name;
+  options.domain_id = domain;
+  options.mode = mode;
+  return options;
+}
+
+template <class Condition>
+bool WaitUntil(Node& node, Condition condition, std::chrono::seconds timeout = 10s) {
+  const auto deadline = std::chrono::steady_clock::now() + timeout;
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    node.WaitForData(20ms);
+  }
+  return true;
+}
+
+msg::JointState StateOfTick(std::uint64_t tick, bool last = false) {
+  msg::JointState state;
+  state.header().session_id(9);
+  state.header().tick(tick);
+  state.period_s(0.001);
+  state.last_tick(last);
+  state.joint_count(1);
+  state.position_rad()[0] = 0.5 * static_cast<double>(tick);
+  return state;
+}
+
+TEST(NodeDds, DeliversEverySampleInOrderInLockstep) {
+  Node a(MakeOptions("a", 120)), b(MakeOptions("b", 120));
+  auto writer = a.MakeWriter(kJointState);
+  auto reader = b.MakeReader(kJointState);
+  for (std::uint64_t tick = 0; tick < 200; ++tick) {
+    ASSERT_EQ(writer.Write(StateOfTick(tick)), WriteStatus::kOk);
+  }
+  for (std::uint64_t tick = 0; tick < 200; ++tick) {
+    const auto state = reader.WaitNext(10s);
+    ASSERT_TRUE(state.has_value()) << "tick " << tick;
+    EXPECT_EQ(*state, StateOfTick(tick));
+  }
+  EXPECT_EQ(reader.lost(), 0u);
+}
+
+TEST(NodeDds, RecordersSeeTheBytesThatWereWritten) {
+  Node a(MakeOptions("a", 121)), b(MakeOptions("b", 121));
+  std::mutex mutex;
+  std::vector<RawSample> samples;
+  b.ReadRaw(*FindTopic("joint_state"), [&](RawSample&& sample) {
+    const std::lock_guard<std::mutex> lock(mutex);
+    samples.push_back(std::move(sample));
+  });
+  auto writer = a.MakeWriter(kJointState);
+  ASSERT_EQ(writer.Write(StateOfTick(3)), WriteStatus::kOk);
+  ASSERT_TRUE(WaitUntil(b, [&] {
+    const std::lock_guard<std::mutex> lock(mutex);
+    return samples.size() == 1;
+  }));
+  Bytes expected;
+  ASSERT_TRUE(Encode(StateOfTick(3), &expected));
+  EXPECT_EQ(samples[0].payload, expected);
+  EXPECT_EQ(samples[0].topic, "joint_state");
+  EXPECT_GT(samples[0].reception_stamp_ns, 0);
+}
+
+TEST(NodeDds, LoopTakesTicksOneByOneAndWaitsForEveryInput) {
+  Node provider(MakeOptions("provider", 122)), node(MakeOptions("loop", 122));
+  auto state = provider.MakeWriter(kJointState);
+  auto reference = provider.MakeWriter(kReference);
+  constexpr std::uint64_t kTicks = 100;
+  std::thread writer([&] {
+    for (std::uint64_t tick = 0; tick < kTicks; ++tick) {
+      EXPECT_EQ(state.Write(StateOfTick(tick, tick + 1 == kTicks)), WriteStatus::kOk);
+    }
+    for (std::uint64_t tick = 0; tick < kTicks; ++tick) {  // all answers come after all triggers
+      msg::Reference message;
+      message.header().session_id(9);
+      message.header().tick(tick);
+      message.position_rad()[0] = 2.0 * static_cast<double>(tick);
+      EXPECT_EQ(reference.Write(message), WriteStatus::kOk);
+    }
+  });
+  StopFlag stop;
+  TickLoop loop(node, stop);
+  auto& trigger = loop.AddInput(kJointState);
+  auto& input = loop.AddInput(kReference);
+  auto& delayed = loop.AddInput(kReference, {.delay_ticks = 2});
+  std::uint64_t expected = 0;
+  while (const auto tick = loop.Next()) {
+    ASSERT_EQ(tick->tick, expected);
+    EXPECT_FALSE(tick->any_stale);
+    EXPECT_EQ(trigger.value().position_rad()[0], 0.5 * static_cast<double>(expected));
+    ASSERT_TRUE(input.fresh());
+    EXPECT_EQ(input.value().position_rad()[0], 2.0 * static_cast<double>(expected));
+    EXPECT_EQ(delayed.has_value(), expected >= 2);
+    if (expected >= 2) {
+      EXPECT_EQ(delayed.tick(), expected - 2);
+    }
+    ++expected;
+  }
+  EXPECT_EQ(expected, kTicks);
+  writer.join();
+}
+
+TEST(NodeDds, LoopFlagsAnInputThatNeverComesAsStaleInRealTime) {
+  Node provider(MakeOptions("provider", 123, TimeMode::kRealtime));
+  Node node(MakeOptions("loop", 123, TimeMode::kRealtime));
+  auto state = provider.MakeWriter(kJointState);
+  StopFlag stop;
+  TickLoop loop(node, stop, 5ms);
+  loop.AddInput(kJointState);
+  auto& input = loop.AddInput(kReference);
+  std::atomic<bool> done{false};
+  std::thread writer([&] {
+    for (std::uint64_t tick = 0; !done; ++tick) {
+      EXPECT_EQ(state.Write(StateOfTick(tick)), WriteStatus::kOk);
+      provider.WaitForData(10ms);
+    }
+  });
+  const auto tick = loop.Next();
+  done = true;
+  writer.join();
+  ASSERT_TRUE(tick.has_value());
+  EXPECT_TRUE(tick->any_stale);
+  EXPECT_FALSE(input.fresh());
+  EXPECT_FALSE(input.has_value());
+}
+
+TEST(NodeDds, StatusIsLatchedPerComponent) {
+  Node a(MakeOptions("first", 124)), b(MakeOptions("second", 124)), late(MakeOptions("late", 124));
+  a.SetState(Node::State::kActive, "running");
+  b.SetState(Node::State::kFault, "sensor lost");
+  auto reader = late.MakeReader(kComponentStatus);
+  std::map<std::string, msg::ComponentStatus> seen;
+  ASSERT_TRUE(WaitUntil(late, [&] {
+    while (const auto status = reader.TakeNext()) seen[status->name().to_string()] = *status;
+    return seen.count("first") && seen.count("second") &&
+           seen["first"].state() == msg::COMPONENT_ACTIVE &&
+           seen["second"].state() == msg::COMPONENT_FAULT;
+  }));
+  EXPECT_EQ(seen["second"].message().to_string(), "sensor lost");
+  EXPECT_EQ(seen["first"].idl_hash().to_string(), AllTopicsHash());
+  EXPECT_GT(seen["first"].resident_MB(), 1.0);
+}
+
+TEST(NodeDds, EndpointsAreThoseOfOthersWithTheirNames) {
+  Node a(MakeOptions("writer_node", 125)), b(MakeOptions("watcher", 125));
+  auto writer = a.MakeWriter(kReference);
+  ASSERT_TRUE(WaitUntil(b, [&] {
+    for (const Endpoint& endpoint : b.Endpoints()) {
+      if (endpoint.topic == "reference" && endpoint.is_writer &&
+          endpoint.participant == "writer_node")
+        return true;
+    }
+    return false;
+  }));
+  for (const Endpoint& endpoint : b.Endpoints()) EXPECT_NE(endpoint.participant, "watcher");
+}
+
+TEST(NodeDds, AnotherTypeHashIsToldAndNeverMatches) {
+  Node a(MakeOptions("a", 126)), b(MakeOptions("b", 126));
+  TopicInfo other = *FindTopic("reference");
+  other.dds_type_name = "sinew::msg::Reference_00000000";
+  const auto write = a.MakeRawWriter(other);
+  auto reader = b.MakeReader(kReference);
+  ASSERT_TRUE(WaitUntil(b, [&] { return !b.Problems().empty(); }));
+  EXPECT_THAT(b.Problems(), Contains(HasSubstr("uses type sinew::msg::Reference_00000000")));
+  EXPECT_EQ(reader.matched_writers(), 0);
+}
+
+TEST(NodeDds, LockstepAndRealTimeEndsTellThatTheyDoNotMatch) {
+  Node a(MakeOptions("a", 127, TimeMode::kRealtime)), b(MakeOptions("b", 127, TimeMode::kLockstep));
+  auto writer = a.MakeWriter(kReference);
+  auto reader = b.MakeReader(kReference);
+  ASSERT_TRUE(WaitUntil(b, [&] { return !b.Problems().empty(); }));
+  EXPECT_THAT(b.Problems(), Contains(HasSubstr("topic 'reference'")));
+}
+
+TEST(NodeDds, DomainsAreApart) {
+  Node a(MakeOptions("a", 128)), b(MakeOptions("b", 129)), c(MakeOptions("c", 128));
+  auto writer = a.MakeWriter(kReference);
+  auto other = b.MakeReader(kReference);
+  auto same = c.MakeReader(kReference);
+  ASSERT_TRUE(WaitUntil(c, [&] { return same.matched_writers() == 1; }));
+  EXPECT_EQ(other.matched_writers(), 0);
+}
+
+TEST(NodeDds, AQosFileThatIsNoneIsRefused) {
+  // In a fresh process: profiles are loaded once per process.
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(
+      {
+        const std::string path = ::testing::TempDir() + "/bad_qos.xml";
+        std::ofstream(path) << "<nothing/>";
+        Options options = MakeOptions("a", 130);
+        options.qos_path = path;
+        try {
+          Node node(options);
+        } catch (const UsageError& error) {
+          std::fprintf(stderr, "%s\n", error.what());
+          std::exit(2);
+        }
+        std::exit(0);
+      },
+      ::testing::ExitedWithCode(2), "bad_qos.xml: no valid QoS profiles");
+}
+
+}  // namespace
+}  // namespace sinew::node

@@ -1,0 +1,126 @@
+#include "components/provider/guard.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace sinew::provider {
+namespace {
+
+constexpr std::uint64_t kSession = 42;
+constexpr std::chrono::nanoseconds kPeriod{4166667};  // 240 Hz: 60 ms are 14.4 periods
+
+CommandHead Head(std::uint64_t tick, Origin origin = Origin::kSim) {
+  return {kSession, tick, origin};
+}
+
+CommandGuard Armed(GuardConfig config = {}) {
+  CommandGuard guard(config);
+  guard.StartSession(kSession);
+  EXPECT_TRUE(guard.Arm(kSession, 0));
+  return guard;
+}
+
+TEST(Guard, StartsDisarmedAndLetsNothingThrough) {
+  CommandGuard guard({});
+  guard.StartSession(kSession);
+  EXPECT_TRUE(guard.Offer(Head(0), 0));
+  EXPECT_EQ(guard.Step(0, kPeriod), Verdict::kIdle);
+  EXPECT_EQ(guard.state(), RobotState::kDisarmed);
+}
+
+TEST(Guard, PassesAFreshCommandOfItsOwnSession) {
+  CommandGuard guard = Armed();
+  EXPECT_EQ(guard.Step(0, kPeriod), Verdict::kIdle) << "armed, but nothing was commanded yet";
+  EXPECT_TRUE(guard.Offer(Head(1), 1));
+  EXPECT_EQ(guard.Step(1, kPeriod), Verdict::kPass);
+}
+
+TEST(Guard, RefusesOtherSessionsTheFutureRepeatsAndOldCommands) {
+  CommandGuard guard = Armed();
+  EXPECT_FALSE(guard.Offer({kSession + 1, 1, Origin::kSim}, 1));
+  EXPECT_FALSE(guard.Offer(Head(2), 1));
+  EXPECT_TRUE(guard.Offer(Head(1), 1));
+  EXPECT_FALSE(guard.Offer(Head(1), 1));
+  EXPECT_FALSE(guard.Offer(Head(0), 1));
+  EXPECT_EQ(guard.refused(), 4u);
+}
+
+TEST(Guard, OnLiveHardwareOnlyLiveCommandsCount) {
+  GuardConfig config;
+  config.live = true;
+  CommandGuard guard = Armed(config);
+  EXPECT_FALSE(guard.Offer(Head(1, Origin::kSim), 1));
+  EXPECT_FALSE(guard.Offer(Head(1, Origin::kReplay), 1));
+  EXPECT_TRUE(guard.Offer(Head(1, Origin::kLive), 1));
+}
+
+TEST(Guard, BridgesAfterThreeMissedPeriodsAndFaultsAfterSixtyMilliseconds) {
+  CommandGuard guard = Armed();
+  ASSERT_TRUE(guard.Offer(Head(10), 10));
+  EXPECT_EQ(guard.Step(13, kPeriod), Verdict::kPass);
+  EXPECT_EQ(guard.Step(14, kPeriod), Verdict::kBridge);
+  EXPECT_EQ(guard.state(), RobotState::kDamped);
+  EXPECT_EQ(guard.Step(24, kPeriod), Verdict::kBridge);  // 58.3 ms
+  EXPECT_EQ(guard.Step(25, kPeriod), Verdict::kIdle);    // 62.5 ms
+  EXPECT_EQ(guard.state(), RobotState::kFault);
+  EXPECT_EQ(guard.faults(), 1u);
+}
+
+TEST(Guard, AFreshCommandEndsTheBridgeButNotTheFault) {
+  CommandGuard guard = Armed();
+  ASSERT_TRUE(guard.Offer(Head(10), 10));
+  ASSERT_EQ(guard.Step(14, kPeriod), Verdict::kBridge);
+  ASSERT_TRUE(guard.Offer(Head(15), 15));
+  EXPECT_EQ(guard.Step(15, kPeriod), Verdict::kPass);
+  EXPECT_EQ(guard.state(), RobotState::kArmed);
+  ASSERT_EQ(guard.Step(40, kPeriod), Verdict::kIdle);
+  EXPECT_TRUE(guard.Offer(Head(41), 41));
+  EXPECT_EQ(guard.Step(41, kPeriod), Verdict::kIdle);
+  EXPECT_EQ(guard.state(), RobotState::kFault);
+}
+
+TEST(Guard, AFaultNeedsResetAndThenArming) {
+  CommandGuard guard = Armed();
+  guard.Fault();
+  EXPECT_FALSE(guard.Arm(kSession, 50));
+  EXPECT_TRUE(guard.Reset());
+  EXPECT_EQ(guard.state(), RobotState::kDisarmed);
+  EXPECT_TRUE(guard.Arm(kSession, 50));
+  EXPECT_EQ(guard.Step(51, kPeriod), Verdict::kIdle) << "commands from before arming do not count";
+  EXPECT_TRUE(guard.Offer(Head(51), 51));
+  EXPECT_EQ(guard.Step(51, kPeriod), Verdict::kPass);
+}
+
+TEST(Guard, EstopIsLatchedAndStrongerThanAFault) {
+  CommandGuard guard = Armed();
+  guard.Estop();
+  guard.Fault();
+  EXPECT_EQ(guard.state(), RobotState::kEstopped);
+  EXPECT_FALSE(guard.Arm(kSession, 1));
+  guard.Disarm();
+  EXPECT_EQ(guard.state(), RobotState::kEstopped);
+  EXPECT_TRUE(guard.Reset());
+}
+
+TEST(Guard, ArmingIsBoundToTheSession) {
+  CommandGuard guard({});
+  guard.StartSession(kSession);
+  EXPECT_FALSE(guard.Arm(kSession + 1, 0));
+  EXPECT_EQ(guard.state(), RobotState::kDisarmed);
+}
+
+TEST(Guard, RefusesLimitsThatAreNotPositive) {
+  GuardConfig config;
+  config.missed_periods = 0;
+  EXPECT_THROW(CommandGuard{config}, std::invalid_argument);
+  config = {};
+  config.fault_after = std::chrono::milliseconds(0);
+  EXPECT_THROW(CommandGuard{config}, std::invalid_argument);
+  config = {};
+  config.damping_Nm_s_rad = std::nan("");
+  EXPECT_THROW(CommandGuard{config}, std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace sinew::provider

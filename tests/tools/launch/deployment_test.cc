@@ -1,0 +1,234 @@
+#include "tools/launch/deployment.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "components/config/config.h"
+#include "tests/support/temporary_folder.h"
+
+namespace sinew::launch {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr char kTwo[] =
+    "schema: sinew-deployment/1\n"
+    "name: two\n"
+    "domain_id: 7\n"
+    "mode: lockstep\n"
+    "duration_s: 2.5\n"
+    "seed: 9\n"
+    "provider: plant\n"
+    "await: [joint_command]\n"
+    "processes:\n"
+    "  - name: plant\n"
+    "    program: sinew-plant\n"
+    "    config: plant.yaml\n"
+    "    arguments: [--effect, stribeck]\n"
+    "  - name: logger\n"
+    "    program: sinew-logger\n"
+    "    arguments: [--output, old.mcap]\n"
+    "    after: [plant]\n"
+    "    restart: on_failure\n"
+    "    max_restarts: 2\n"
+    "    back_off_s: 0.25\n";
+
+class DeploymentTest : public ::testing::Test {
+ protected:
+  DeploymentTest() {
+    for (const char* name : {"bin/sinew-plant", "bin/sinew-logger"}) {
+      std::filesystem::permissions(folder_.Write(name, "#!/bin/sh\n"),
+                                   std::filesystem::perms::owner_all);
+    }
+    folder_.Write("plant.yaml", "");
+    other_ = folder_.Write("other.yaml", "");
+  }
+
+  Deployment Load(const std::string& text, const Overrides& overrides = {}) {
+    return LoadDeployment(folder_.Write("deploy.yaml", text), overrides, folder_.path() / "bin");
+  }
+
+  std::string ErrorOf(const std::string& text, const Overrides& overrides = {}) {
+    try {
+      Load(text, overrides);
+    } catch (const UsageError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  // kTwo with one piece of text replaced.
+  static std::string Changed(const std::string& from, const std::string& to) {
+    std::string text = kTwo;
+    return text.replace(text.find(from), from.size(), to);
+  }
+
+  testing::TemporaryFolder folder_;
+  std::string other_;
+};
+
+TEST_F(DeploymentTest, ReadsWhatTheFileSays) {
+  const Deployment two = Load(kTwo);
+  EXPECT_EQ(two.name, "two");
+  EXPECT_EQ(two.domain_id, 7);
+  EXPECT_TRUE(two.lockstep);
+  EXPECT_EQ(two.duration_s, 2.5);
+  EXPECT_EQ(two.seed, 9u);
+  EXPECT_EQ(two.provider, "plant");
+  ASSERT_EQ(two.processes.size(), 2u);
+  EXPECT_EQ(two.processes[0].program, folder_.path() / "bin/sinew-plant");
+  EXPECT_EQ(two.processes[0].config, folder_.path() / "plant.yaml");
+  EXPECT_EQ(two.processes[0].restart, Restart::kNever);
+  EXPECT_FALSE(two.processes[0].stop_last);
+  EXPECT_THAT(two.processes[1].after, ElementsAre("plant"));
+  EXPECT_EQ(two.processes[1].restart, Restart::kOnFailure);
+  EXPECT_EQ(two.processes[1].max_restarts, 2);
+  EXPECT_EQ(two.processes[1].back_off_s, 0.25);
+  EXPECT_TRUE(two.processes[1].stop_last) << "a logger stops last without being told";
+}
+
+TEST_F(DeploymentTest, CommandLinesCarryTheCommonOptionsThenTheirOwn) {
+  const Deployment two = Load(kTwo);
+  EXPECT_THAT(CommandLine(two, two.processes[0]),
+              ElementsAre((folder_.path() / "bin/sinew-plant").string(), "--name", "plant",
+                          "--domain", "7", "--seed", "9", "--lockstep", "--config",
+                          (folder_.path() / "plant.yaml").string(), "--duration", "2.5", "--await",
+                          "joint_command,recording_progress:64", "--effect", "stribeck"));
+  EXPECT_THAT(CommandLine(two, two.processes[1]),
+              ElementsAre((folder_.path() / "bin/sinew-logger").string(), "--name", "logger",
+                          "--domain", "7", "--seed", "9", "--lockstep", "--output", "old.mcap"));
+}
+
+TEST_F(DeploymentTest, PlainProgramsGetTheirOwnArgumentsOnly) {
+  const Deployment two =
+      Load(Changed("    arguments: [--effect, stribeck]\n", "    plain: true\n"));
+  EXPECT_THAT(CommandLine(two, two.processes[0]),
+              ElementsAre((folder_.path() / "bin/sinew-plant").string()));
+}
+
+TEST_F(DeploymentTest, OverridesChangeWhatTheFileSays) {
+  Overrides overrides;
+  overrides.settings = {"mode=realtime", "duration_s=0",           "seed=3",
+                        "domain_id=11",  "plant.config=" + other_, "plant.restart=always"};
+  overrides.arguments = {"plant=--scale=2=3"};
+  overrides.record = "new.mcap";
+  const Deployment two = Load(kTwo, overrides);
+  EXPECT_THAT(
+      CommandLine(two, two.processes[0]),
+      ElementsAre((folder_.path() / "bin/sinew-plant").string(), "--name", "plant", "--domain",
+                  "11", "--seed", "3", "--config", other_, "--effect", "stribeck", "--scale=2=3"));
+  EXPECT_EQ(two.processes[0].restart, Restart::kAlways);
+  EXPECT_THAT(two.processes[1].arguments,
+              ElementsAre("--output", (std::filesystem::current_path() / "new.mcap").string()));
+}
+
+TEST_F(DeploymentTest, RecordAddsALoggerWhereThereIsNone) {
+  Overrides overrides;
+  overrides.without = {"logger"};
+  const Deployment alone = Load(kTwo, overrides);
+  ASSERT_EQ(alone.processes.size(), 1u);
+  EXPECT_THAT(CommandLine(alone, alone.processes[0]), Contains("joint_command"))
+      << "no logger, no waiting for one";
+  overrides.record = "/new.mcap";
+  const Deployment two = Load(kTwo, overrides);
+  ASSERT_EQ(two.processes.size(), 2u);
+  EXPECT_EQ(two.processes[1].name, "logger");
+  EXPECT_TRUE(two.processes[1].stop_last);
+  EXPECT_THAT(two.processes[1].arguments, ElementsAre("--output", "/new.mcap"));
+}
+
+TEST_F(DeploymentTest, LeavingAProcessOutAlsoRemovesTheWaitForIt) {
+  std::string text = Changed("    after: [plant]\n", "");
+  const std::string program = "    program: sinew-plant\n";
+  text.insert(text.find(program) + program.size(), "    after: [logger]\n");
+  EXPECT_THAT(Load(text).processes[0].after, ElementsAre("logger"));
+  Overrides overrides;
+  overrides.without = {"logger"};
+  EXPECT_TRUE(Load(text, overrides).processes[0].after.empty());
+}
+
+struct BadFile {
+  std::string from, to;
+  std::vector<std::string> words;  // of the message: line, key, what was expected
+};
+
+class BadDeployment : public DeploymentTest, public ::testing::WithParamInterface<BadFile> {};
+
+TEST_P(BadDeployment, IsRefusedInOneLineWithLineKeyAndWhatWasExpected) {
+  const std::string message = ErrorOf(Changed(GetParam().from, GetParam().to));
+  EXPECT_THAT(message, HasSubstr("deploy.yaml:"));
+  EXPECT_THAT(message, HasSubstr("expected"));
+  EXPECT_THAT(message, Not(HasSubstr("\n")));
+  for (const std::string& word : GetParam().words) EXPECT_THAT(message, HasSubstr(word));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Keys, BadDeployment,
+    ::testing::Values(
+        BadFile{"seed: 9", "sead: 9", {":6:", "'sead'", "unknown"}},
+        BadFile{"back_off_s: 0.25", "back_off_ms: 250", {":20:", "wrong unit", "back_off_s"}},
+        BadFile{"duration_s: 2.5", "duration_s: .nan", {":5:", "duration_s"}},
+        BadFile{"duration_s: 2.5", "duration_s: -1", {":5:", "duration_s"}},
+        BadFile{"domain_id: 7", "domain_id: 233", {":3:", "domain_id", "232"}},
+        BadFile{"mode: lockstep", "mode: fast", {":4:", "realtime, lockstep"}},
+        BadFile{"provider: plant", "provider: robot", {":7:", "'robot'", "name of a process"}},
+        BadFile{"program: sinew-plant", "program: sinew-plan", {":11:", "'sinew-plan'", "PATH"}},
+        BadFile{"program: sinew-plant", "program: ./plant", {":11:", "'./plant'"}},
+        BadFile{"after: [plant]", "after: [plan]", {":17:", "'plan'"}},
+        BadFile{"after: [plant]", "after: [logger]", {":17:", "circle"}},
+        BadFile{"name: logger", "name: plant", {"twice"}},
+        BadFile{"name: logger", "name: a b", {"'a b'"}},
+        BadFile{"restart: on_failure", "restart: often", {":18:", "on_failure"}},
+        BadFile{"max_restarts: 2", "max_restarts: 2.5", {":19:", "whole number"}},
+        BadFile{"sinew-deployment/1", "sinew-deployment/9", {":1:", "sinew-deployment/1"}}));
+
+TEST_F(DeploymentTest, AMissingConfigurationIsNamedWithItsPath) {
+  const std::string message = ErrorOf(Changed("config: plant.yaml", "config: nowhere.yaml"));
+  EXPECT_THAT(message, AllOf(HasSubstr(":12: key 'processes[0].config'"),
+                             HasSubstr((folder_.path() / "nowhere.yaml").string())));
+}
+
+TEST_F(DeploymentTest, AMissingFileIsNamed) {
+  EXPECT_THROW(LoadDeployment("/nowhere/deploy.yaml", {}, ""), UsageError);
+}
+
+TEST_F(DeploymentTest, AnEmptyListIsRefused) {
+  EXPECT_THAT(ErrorOf("schema: sinew-deployment/1\nprocesses: []\n"),
+              HasSubstr("at least one process"));
+}
+
+struct BadOverride {
+  Overrides overrides;
+  std::string word;
+};
+
+class BadOverrides : public DeploymentTest, public ::testing::WithParamInterface<BadOverride> {};
+
+TEST_P(BadOverrides, AreRefusedWithWhatWasExpected) {
+  EXPECT_THAT(ErrorOf(kTwo, GetParam().overrides),
+              AllOf(HasSubstr("expected"), HasSubstr(GetParam().word), Not(HasSubstr("\n"))));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Options, BadOverrides,
+    ::testing::Values(BadOverride{{{"seed"}, {}, {}, {}}, "KEY=VALUE"},
+                      BadOverride{{{"seed=x"}, {}, {}, {}}, "whole number"},
+                      BadOverride{{{"seed=-1"}, {}, {}, {}}, "whole number"},
+                      BadOverride{{{"domain_id=300"}, {}, {}, {}}, "232"},
+                      BadOverride{{{"duration_s=nan"}, {}, {}, {}}, "number"},
+                      BadOverride{{{"speed=1"}, {}, {}, {}}, "mode"},
+                      BadOverride{{{"robot.config=x"}, {}, {}, {}}, "plant, logger"},
+                      BadOverride{{{"plant.config=/nowhere"}, {}, {}, {}}, "existing file"},
+                      BadOverride{{{"plant.program=nothing"}, {}, {}, {}}, "nothing"},
+                      BadOverride{{{"plant.colour=red"}, {}, {}, {}}, "PROCESS.config"},
+                      BadOverride{{{}, {"plant"}, {}, {}}, "PROCESS=ARGUMENT"},
+                      BadOverride{{{}, {"robot=x"}, {}, {}}, "plant, logger"},
+                      BadOverride{{{}, {}, {"plant"}, {}}, "provider"},
+                      BadOverride{{{}, {}, {"robot"}, {}}, "plant, logger"}));
+
+}  // namespace
+}  // namespace sinew::launch

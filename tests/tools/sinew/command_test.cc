@@ -1,0 +1,88 @@
+// What every subcommand of `sinew` owes a user: help with examples, one-line errors, exit codes.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/support/program.h"
+
+namespace sinew {
+namespace {
+
+using sinew::testing::Finished;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+const std::string kSinew = std::string(SINEW_BIN_DIR) + "/sinew";
+
+// As the program's own help lists them.
+std::vector<std::string> Subcommands() {
+  std::vector<std::string> names;
+  std::istringstream help(testing::Run({kSinew, "--help"}).output);
+  bool listing = false;
+  for (std::string line; std::getline(help, line);) {
+    if (line == "Subcommands:") {
+      listing = true;
+    } else if (line.empty()) {
+      listing = false;
+    } else if (listing && line.size() > 2 && line[2] != ' ') {
+      names.push_back(line.substr(2, line.find(' ', 2) - 2));
+    }
+  }
+  return names;
+}
+
+TEST(SinewCommand, EveryCommandExplainsItselfWithAnExample) {
+  const std::vector<std::string> names = Subcommands();
+  ASSERT_GE(names.size(), 6u);
+  for (const std::string& name : names) {
+    const Finished run = testing::Run({kSinew, name, "--help"});
+    EXPECT_EQ(run.exit_code, 0) << name;
+    if (name != "version") {
+      EXPECT_THAT(run.output, HasSubstr("  sinew " + name + " ")) << name;
+    }
+    EXPECT_THAT(run.output, HasSubstr("Usage: ")) << name;
+  }
+}
+
+TEST(SinewCommand, AnUnknownOptionIsAUsageErrorInOneLine) {
+  for (const std::string& name : Subcommands()) {
+    const Finished run = testing::Run({kSinew, name, "--no-such-option"});
+    EXPECT_EQ(run.exit_code, 2) << name;
+    EXPECT_EQ(std::count(run.error.begin(), run.error.end(), '\n'), 1) << name << run.error;
+    EXPECT_THAT(run.error, StartsWith("sinew")) << name;
+    EXPECT_EQ(run.output, "") << name;
+  }
+}
+
+TEST(SinewCommand, AnUnknownCommandIsAUsageError) {
+  const Finished run = testing::Run({kSinew, "fly"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.error, HasSubstr("fly"));
+}
+
+TEST(SinewCommand, NoCommandShowsTheHelpAsAnError) {
+  const Finished run = testing::Run({kSinew});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.error, HasSubstr("launch"));
+}
+
+TEST(SinewCommand, VersionAsJson) {
+  const Finished run = testing::Run({kSinew, "version", "--json"});
+  ASSERT_EQ(run.exit_code, 0);
+  const nlohmann::json version = nlohmann::json::parse(run.output);
+  EXPECT_EQ(version["topics_hash"].get<std::string>().size(), 8u);
+}
+
+TEST(SinewCommand, ADomainOutOfRangeIsAUsageError) {
+  const Finished run = testing::Run({kSinew, "arm", "--domain", "233"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.error, HasSubstr("232"));
+}
+
+}  // namespace
+}  // namespace sinew

@@ -1,0 +1,343 @@
+#include "tools/launch/deployment.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <optional>
+#include <set>
+#include <sstream>
+
+#include "components/config/config.h"
+
+namespace sinew::launch {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kLargestDomain = 232;  // ports of the RTPS mapping end there
+constexpr double kLongestGrace_s = 600.0;
+constexpr char kProgressTopic[] = "recording_progress";
+constexpr int kRecordingWindow = 64;  // ticks a logger may lag; half of what a reader keeps
+const std::vector<std::string> kRestartWords = {"never", "on_failure", "always"};
+
+bool IsLogger(const Process& process) { return process.program.filename() == "sinew-logger"; }
+
+bool IsProgram(const fs::path& path) {
+  std::error_code error;
+  return fs::is_regular_file(path, error) && ::access(path.c_str(), X_OK) == 0;
+}
+
+// Empty: not found.
+fs::path FindProgram(const std::string& program, const fs::path& base, const fs::path& folder) {
+  if (program.find('/') != std::string::npos) {
+    const fs::path path = fs::path(program).is_absolute() ? fs::path(program) : base / program;
+    return IsProgram(path) ? fs::absolute(path).lexically_normal() : fs::path();
+  }
+  if (IsProgram(folder / program)) return folder / program;
+  const char* search_path = std::getenv("PATH");
+  std::istringstream folders(search_path != nullptr ? search_path : "");
+  for (std::string entry; std::getline(folders, entry, ':');) {
+    if (!entry.empty() && IsProgram(fs::path(entry) / program)) return fs::path(entry) / program;
+  }
+  return {};
+}
+
+std::string NoProgram(const std::string& program, const fs::path& folder) {
+  return "no program '" + program + "', expected one in " + folder.string() +
+         ", in PATH, or a path to an executable file";
+}
+
+Restart RestartFromWord(const std::string& word) {
+  return static_cast<Restart>(std::find(kRestartWords.begin(), kRestartWords.end(), word) -
+                              kRestartWords.begin());
+}
+
+bool IsName(const std::string& name) {
+  return !name.empty() && name.size() <= 64 &&
+         std::all_of(name.begin(), name.end(),
+                     [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; });
+}
+
+Process ReadProcess(const config::Section& section, const fs::path& folder) {
+  const fs::path base = section.file().parent_path();
+  Process process;
+  process.name = section.Text("name");
+  if (!IsName(process.name)) {
+    section.Fail("name", "'" + process.name + "', expected letters, digits, '_' or '-'");
+  }
+  const std::string program = section.Text("program");
+  process.program = FindProgram(program, base, folder);
+  if (process.program.empty()) section.Fail("program", NoProgram(program, folder));
+  process.arguments = section.TextsOr("arguments", {});
+  if (section.Has("config")) process.config = fs::absolute(section.ExistingPath("config"));
+  process.after = section.TextsOr("after", {});
+  process.ready_when = section.TextOr("ready_when", "");
+  process.restart = RestartFromWord(section.ChoiceOr("restart", "never", kRestartWords));
+  process.max_restarts =
+      static_cast<int>(section.IntegerOr("max_restarts", process.max_restarts, {0, 1000}));
+  process.back_off_s = section.NumberOr("back_off_s", process.back_off_s, {0.0, 600.0});
+  process.plain = section.BoolOr("plain", false);
+  process.stop_last = section.BoolOr("stop_last", IsLogger(process));
+  return process;
+}
+
+// A circle in `after` would never start.
+void CheckOrder(const std::vector<config::Section>& sections, const std::vector<Process>& list) {
+  std::set<std::string> startable;
+  for (bool progress = true; progress;) {
+    progress = false;
+    for (const Process& process : list) {
+      if (startable.count(process.name) != 0) continue;
+      if (std::all_of(process.after.begin(), process.after.end(),
+                      [&](const std::string& name) { return startable.count(name) != 0; })) {
+        startable.insert(process.name);
+        progress = true;
+      }
+    }
+  }
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (startable.count(list[i].name) == 0) {
+      sections[i].Fail("after", "waits for itself in a circle, expected an order of starting");
+    }
+  }
+}
+
+[[noreturn]] void FailOption(const std::string& option, const std::string& text,
+                             const std::string& expected) {
+  throw UsageError(option + " " + text + ": expected " + expected);
+}
+
+double ParseNumber(const std::string& setting, const std::string& text, double lower,
+                   double upper) {
+  double value = 0.0;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || stop != text.data() + text.size() || !(value >= lower) ||
+      !(value <= upper)) {
+    std::ostringstream expected;
+    expected << "a number from " << lower << " to " << upper;
+    FailOption("--set", setting, expected.str());
+  }
+  return value;
+}
+
+std::uint64_t ParseWhole(const std::string& setting, const std::string& text, std::uint64_t upper) {
+  std::uint64_t value = 0;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || stop != text.data() + text.size() || value > upper) {
+    FailOption("--set", setting, "a whole number from 0 to " + std::to_string(upper));
+  }
+  return value;
+}
+
+Process* FindMutable(Deployment* deployment, const std::string& name, const std::string& option,
+                     const std::string& text) {
+  std::string names;
+  for (Process& process : deployment->processes) {
+    if (process.name == name) return &process;
+    names += (names.empty() ? "" : ", ") + process.name;
+  }
+  FailOption(option, text, "a process of " + deployment->file.string() + ": " + names);
+}
+
+void ApplyToProcess(const std::string& setting, const std::string& process_name,
+                    const std::string& key, const std::string& value, const fs::path& folder,
+                    Deployment* deployment) {
+  Process* process = FindMutable(deployment, process_name, "--set", setting);
+  if (key == "config") {
+    std::error_code error;
+    if (!fs::is_regular_file(value, error)) FailOption("--set", setting, "an existing file");
+    process->config = fs::absolute(value);
+  } else if (key == "program") {
+    process->program = FindProgram(value, fs::current_path(), folder);
+    if (process->program.empty()) {
+      throw UsageError("--set " + setting + ": " + NoProgram(value, folder));
+    }
+  } else if (key == "restart") {
+    if (std::find(kRestartWords.begin(), kRestartWords.end(), value) == kRestartWords.end()) {
+      FailOption("--set", setting, "never, on_failure or always");
+    }
+    process->restart = RestartFromWord(value);
+  } else {
+    FailOption("--set", setting, "PROCESS.config, PROCESS.program or PROCESS.restart");
+  }
+}
+
+void ApplySetting(const std::string& setting, const fs::path& folder, Deployment* deployment) {
+  const std::size_t equals = setting.find('=');
+  if (equals == std::string::npos || equals == 0) FailOption("--set", setting, "KEY=VALUE");
+  const std::string key = setting.substr(0, equals);
+  const std::string value = setting.substr(equals + 1);
+  if (const std::size_t dot = key.rfind('.'); dot != std::string::npos) {
+    ApplyToProcess(setting, key.substr(0, dot), key.substr(dot + 1), value, folder, deployment);
+  } else if (key == "mode") {
+    if (value != "realtime" && value != "lockstep") {
+      FailOption("--set", setting, "realtime or lockstep");
+    }
+    deployment->lockstep = value == "lockstep";
+  } else if (key == "duration_s") {
+    deployment->duration_s = ParseNumber(setting, value, 0.0, 1e9);
+  } else if (key == "grace_s") {
+    deployment->grace_s = ParseNumber(setting, value, 0.0, kLongestGrace_s);
+  } else if (key == "seed") {
+    deployment->seed = ParseWhole(setting, value, ~std::uint64_t{0});
+  } else if (key == "domain_id") {
+    deployment->domain_id = static_cast<int>(ParseWhole(setting, value, kLargestDomain));
+  } else if (key == "realtime_priority") {
+    if (value != "true" && value != "false") FailOption("--set", setting, "true or false");
+    deployment->realtime_priority = value == "true";
+  } else {
+    FailOption("--set", setting,
+               "one of mode, duration_s, seed, domain_id, realtime_priority, grace_s, "
+               "PROCESS.config, PROCESS.program, PROCESS.restart");
+  }
+}
+
+void RemoveProcess(const std::string& name, Deployment* deployment) {
+  FindMutable(deployment, name, "--without", name);
+  if (name == deployment->provider) {
+    FailOption("--without", name, "another process: this one is the provider");
+  }
+  auto& list = deployment->processes;
+  list.erase(std::remove_if(list.begin(), list.end(),
+                            [&](const Process& process) { return process.name == name; }),
+             list.end());
+  for (Process& process : list) {
+    process.after.erase(std::remove(process.after.begin(), process.after.end(), name),
+                        process.after.end());
+  }
+}
+
+// The logger of the deployment writes to `path`; one is added when there is none.
+void Record(const fs::path& path, const fs::path& folder, Deployment* deployment) {
+  const std::string output = fs::absolute(path).lexically_normal().string();
+  for (Process& process : deployment->processes) {
+    if (!IsLogger(process)) continue;
+    auto& arguments = process.arguments;
+    const auto at = std::find(arguments.begin(), arguments.end(), "--output");
+    if (at != arguments.end() && at + 1 != arguments.end()) {
+      *(at + 1) = output;
+    } else {
+      arguments.insert(arguments.end(), {"--output", output});
+    }
+    return;
+  }
+  Process logger;
+  logger.name = "logger";
+  logger.program = FindProgram("sinew-logger", fs::current_path(), folder);
+  if (logger.program.empty()) throw UsageError("--record: " + NoProgram("sinew-logger", folder));
+  logger.arguments = {"--output", output};
+  logger.stop_last = true;
+  deployment->processes.push_back(logger);
+}
+
+std::string NumberText(double value) {
+  std::ostringstream out;
+  out.precision(15);
+  out << value;
+  return out.str();
+}
+
+// In lockstep the provider waits for what the deployment declares, and for its loggers.
+void AddProviderOptions(const Deployment& deployment, std::vector<std::string>* line) {
+  if (deployment.duration_s > 0.0) {
+    line->insert(line->end(), {"--duration", NumberText(deployment.duration_s)});
+  }
+  if (!deployment.lockstep) return;
+  std::string await;
+  for (const std::string& topic : deployment.await) await += (await.empty() ? "" : ",") + topic;
+  const bool named = await.find(kProgressTopic) != std::string::npos;
+  if (!named && std::any_of(deployment.processes.begin(), deployment.processes.end(), IsLogger)) {
+    await += (await.empty() ? "" : ",") + std::string(kProgressTopic) + ":" +
+             std::to_string(kRecordingWindow);
+  }
+  if (!await.empty()) line->insert(line->end(), {"--await", await});
+}
+
+}  // namespace
+
+const Process* Deployment::Find(const std::string& process_name) const {
+  for (const Process& process : processes) {
+    if (process.name == process_name) return &process;
+  }
+  return nullptr;
+}
+
+fs::path ProgramFolder() {
+  std::error_code error;
+  const fs::path self = fs::read_symlink("/proc/self/exe", error);
+  return error ? fs::path() : self.parent_path();
+}
+
+Deployment LoadDeployment(const fs::path& file, const Overrides& overrides,
+                          const fs::path& program_folder) {
+  const config::Section root = config::Section::Load(file, "sinew-deployment/1");
+  Deployment deployment;
+  deployment.file = file;
+  deployment.name = root.TextOr("name", file.stem().string());
+  deployment.domain_id = static_cast<int>(root.IntegerOr("domain_id", 0, {0, kLargestDomain}));
+  deployment.lockstep = root.ChoiceOr("mode", "realtime", {"realtime", "lockstep"}) == "lockstep";
+  deployment.duration_s = root.NumberOr("duration_s", 0.0, config::kNotNegative);
+  deployment.seed = static_cast<std::uint64_t>(root.IntegerOr("seed", 1, config::kNotNegative));
+  deployment.provider = root.TextOr("provider", "");
+  deployment.await = root.TextsOr("await", {});
+  deployment.realtime_priority = root.BoolOr("realtime_priority", false);
+  deployment.grace_s = root.NumberOr("grace_s", deployment.grace_s, {0.0, kLongestGrace_s});
+
+  const std::vector<config::Section> sections = root.List("processes");
+  std::set<std::string> names;
+  for (const config::Section& section : sections) {
+    Process process = ReadProcess(section, program_folder);
+    if (!names.insert(process.name).second) {
+      section.Fail("name", "'" + process.name + "' given twice, expected a name of its own");
+    }
+    deployment.processes.push_back(std::move(process));
+  }
+  root.RejectUnknownKeys();
+  if (sections.empty()) root.Fail("processes", "empty, expected at least one process");
+  if (!deployment.provider.empty() && names.count(deployment.provider) == 0) {
+    root.Fail("provider", "'" + deployment.provider + "', expected the name of a process");
+  }
+  for (std::size_t i = 0; i < sections.size(); ++i) {
+    for (const std::string& name : deployment.processes[i].after) {
+      if (names.count(name) == 0) {
+        sections[i].Fail("after", "'" + name + "', expected the name of a process");
+      }
+    }
+  }
+  CheckOrder(sections, deployment.processes);
+
+  for (const std::string& name : overrides.without) RemoveProcess(name, &deployment);
+  for (const std::string& setting : overrides.settings) {
+    ApplySetting(setting, program_folder, &deployment);
+  }
+  if (!overrides.record.empty()) Record(overrides.record, program_folder, &deployment);
+  for (const std::string& text : overrides.arguments) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      FailOption("--arg", text, "PROCESS=ARGUMENT");
+    }
+    FindMutable(&deployment, text.substr(0, equals), "--arg", text)
+        ->arguments.push_back(text.substr(equals + 1));
+  }
+  return deployment;
+}
+
+std::vector<std::string> CommandLine(const Deployment& deployment, const Process& process) {
+  std::vector<std::string> line{process.program.string()};
+  if (!process.plain) {
+    line.insert(line.end(),
+                {"--name", process.name, "--domain", std::to_string(deployment.domain_id), "--seed",
+                 std::to_string(deployment.seed)});
+    if (deployment.lockstep) line.push_back("--lockstep");
+    if (deployment.realtime_priority) line.push_back("--realtime");
+    if (!process.config.empty()) line.insert(line.end(), {"--config", process.config.string()});
+    if (process.name == deployment.provider) AddProviderOptions(deployment, &line);
+  }
+  line.insert(line.end(), process.arguments.begin(), process.arguments.end());
+  return line;
+}
+
+}  // namespace sinew::launch

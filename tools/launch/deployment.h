@@ -1,0 +1,66 @@
+// What a deployment file says, and the command lines that come of it.
+//
+// Files: schema sinew-deployment/1, keys in README.md. Set-up only; throws UsageError with one
+// line.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace sinew::launch {
+
+enum class Restart { kNever, kOnFailure, kAlways };
+
+struct Process {
+  std::string name;
+  std::filesystem::path program;  // absolute
+  std::vector<std::string> arguments;
+  std::filesystem::path config;    // empty: none
+  std::vector<std::string> after;  // starts when these are ready
+  std::string ready_when;          // ready with the first output line holding this; empty: any line
+  Restart restart = Restart::kNever;
+  int max_restarts = 3;
+  double back_off_s = 0.5;  // doubled at each restart
+  bool plain = false;       // a foreign program: no common options
+  bool stop_last = false;
+};
+
+struct Deployment {
+  std::filesystem::path file;
+  std::string name;
+  int domain_id = 0;
+  bool lockstep = false;
+  double duration_s = 0.0;  // 0: until stopped
+  std::uint64_t seed = 1;
+  std::string provider;            // name of a process; empty: none
+  std::vector<std::string> await;  // lockstep: replies that end a tick, TOPIC or TOPIC:WINDOW
+  bool realtime_priority = false;
+  double grace_s = 3.0;
+  std::vector<Process> processes;
+
+  const Process* Find(const std::string& process_name) const;  // nullptr: no such process
+};
+
+// What a user changes on the command line without editing the file.
+struct Overrides {
+  // KEY=VALUE with KEY one of mode, duration_s, seed, domain_id, realtime_priority, grace_s or
+  // PROCESS.config, PROCESS.program, PROCESS.restart (paths relative to the working folder).
+  std::vector<std::string> settings;
+  std::vector<std::string> arguments;  // PROCESS=ARGUMENT, added to the process
+  std::vector<std::string> without;    // names of processes left out
+  std::filesystem::path record;        // non-empty: the logger writes here; added if there is none
+};
+
+// Folder where programs named without a slash are looked for before PATH: that of this program.
+std::filesystem::path ProgramFolder();
+
+// `program_folder` as above; throws UsageError for anything wrong in the file or the overrides.
+Deployment LoadDeployment(const std::filesystem::path& file, const Overrides& overrides = {},
+                          const std::filesystem::path& program_folder = ProgramFolder());
+
+// Program and arguments, ready for exec.
+std::vector<std::string> CommandLine(const Deployment& deployment, const Process& process);
+
+}  // namespace sinew::launch

@@ -1,0 +1,47 @@
+// Starts the processes of a deployment, watches and restarts them, stops them in a good order.
+//
+// One thread, one run per object. Signals go to process groups that this object made, never to
+// anything else; if this process dies, the kernel kills its children.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tools/launch/deployment.h"
+#include "tools/launch/output.h"
+
+namespace sinew::launch {
+
+struct Failure {
+  std::string process;
+  std::string cause;                    // "exit code 3", "signal 11 (Segmentation fault)"
+  std::vector<std::string> last_lines;  // of its error stream, else of its output
+};
+
+struct Result {
+  std::vector<Failure> failures;  // those that were not mended by a restart
+  int restarts = 0;
+  double duration_s = 0.0;
+  bool stopped_by_user = false;
+  bool ok() const { return failures.empty(); }
+};
+
+class Launcher {
+ public:
+  // `output` names the processes in the order of the deployment.
+  Launcher(Deployment deployment, Output& output);
+  ~Launcher();
+  Launcher(const Launcher&) = delete;
+  Launcher& operator=(const Launcher&) = delete;
+
+  // Blocks until every process has ended. SIGINT, SIGTERM and SIGHUP stop the deployment; a second
+  // one skips to SIGTERM, a third to SIGKILL.
+  Result Run();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace sinew::launch

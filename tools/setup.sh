@@ -1,0 +1,58 @@
+# Set-up that tools/demo and tools/test share: packages, versions, configure, build. Sourced, not run.
+
+say() { printf '\n== %s\n' "$*"; }
+
+packages() { sed 's/#.*//' "$root/tools/packages.txt" | tr -s '[:space:]' '\n' | sed '/^$/d'; }
+
+missing_packages() {
+  local package
+  for package in $(packages); do
+    [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null || true)" = installed ] ||
+      echo "$package"
+  done
+}
+
+# Installs what is missing of tools/packages.txt; without the right to do so, says how.
+install_packages() {
+  local missing
+  missing=$(missing_packages | tr '\n' ' ')
+  if [ -z "$missing" ]; then
+    say "Packages: all of tools/packages.txt are installed"
+    return
+  fi
+  if [ "$(id -u)" -ne 0 ]; then
+    echo "Missing packages: $missing" >&2
+    echo "Install them with:" >&2
+    echo "  sudo apt-get install --no-install-recommends $missing" >&2
+    exit 1
+  fi
+  say "Packages: installing $missing"
+  export DEBIAN_FRONTEND=noninteractive
+  local log
+  log=$(mktemp)
+  # shellcheck disable=SC2046
+  if ! { apt-get update && apt-get install -y --no-install-recommends $(packages); } >"$log" 2>&1; then
+    tail -n 20 "$log" >&2
+    echo "The packages could not be installed; the last lines of apt-get stand above." >&2
+    exit 1
+  fi
+  rm -f "$log"
+}
+
+show_versions() {
+  say "Versions"
+  # shellcheck disable=SC2046
+  dpkg-query -W -f='  ${Package} ${Version}\n' $(packages)
+}
+
+# configure_and_build PRESET [TARGET...]
+configure_and_build() {
+  local preset=$1
+  shift
+  say "Configuring build/$preset"
+  cmake --preset "$preset" -S "$root" | grep -v -e '^-- Detecting' -e '^-- Check for' -e 'Performing Test'
+  say "Building build/$preset on $(nproc) cores${*:+: $*}"
+  local began=$SECONDS
+  (cd "$root" && cmake --build --preset "$preset" -j "$(nproc)" ${*:+--target "$@"})
+  echo "built in $((SECONDS - began)) s; programs are in build/$preset/bin"
+}

@@ -1,0 +1,160 @@
+#include "tools/sinew/effects.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <iomanip>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "components/config/config.h"
+#include "components/effects/effect.h"
+
+namespace sinew::tools {
+
+namespace {
+
+using effects::EffectInfo;
+using effects::JointKind;
+using effects::ParameterInfo;
+
+struct EffectsOptions {
+  std::string name;
+  std::string kind = "rotary";
+  bool json = false;
+};
+
+std::string_view BalanceName(effects::Balance balance) {
+  switch (balance) {
+    case effects::Balance::kMotion:
+      return "motion";
+    case effects::Balance::kLink:
+      return "link";
+    case effects::Balance::kPlay:
+      return "play";
+    case effects::Balance::kGas:
+      return "gas";
+    case effects::Balance::kKinematic:
+      return "kinematic";
+  }
+  return "";
+}
+
+std::string_view RoleName(effects::Role role) {
+  switch (role) {
+    case effects::Role::kDrive:
+      return "drive";
+    case effects::Role::kInertia:
+      return "inertia";
+    case effects::Role::kPassive:
+      return "passive";
+  }
+  return "";
+}
+
+// As in a model file: name and unit.
+std::string Key(const ParameterInfo& parameter, JointKind kind) {
+  const std::string_view unit = effects::UnitSuffix(parameter.dimension, kind);
+  return parameter.name + (unit.empty() ? "" : "_" + std::string(unit));
+}
+
+nlohmann::ordered_json ToJson(const std::vector<ParameterInfo>& parameters, JointKind kind) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const ParameterInfo& parameter : parameters) {
+    list.push_back({{"key", Key(parameter, kind)},
+                    {"meaning", parameter.meaning},
+                    {"lower", parameter.lower},
+                    {"upper", parameter.upper},
+                    {"default", parameter.default_value}});
+  }
+  return list;
+}
+
+nlohmann::ordered_json ToJson(const EffectInfo& info, JointKind kind) {
+  return {{"name", info.name},
+          {"title", info.title},
+          {"formula", info.formula},
+          {"source", info.source},
+          {"role", RoleName(info.role)},
+          {"balance", BalanceName(info.balance)},
+          {"linear", ToJson(info.linear, kind)},
+          {"nonlinear", ToJson(info.nonlinear, kind)},
+          {"signature", info.signature},
+          {"variable", info.variable},
+          {"look_alikes", info.look_alikes},
+          {"separating_excitation", info.separating_excitation},
+          {"needs", info.needs}};
+}
+
+void PrintParameters(const char* title, const std::vector<ParameterInfo>& parameters,
+                     JointKind kind) {
+  if (parameters.empty()) return;
+  std::cout << title << ":\n";
+  for (const ParameterInfo& parameter : parameters) {
+    std::cout << "  " << Key(parameter, kind) << "  " << parameter.lower << " to "
+              << parameter.upper << ", default " << parameter.default_value << "  "
+              << parameter.meaning << '\n';
+  }
+}
+
+std::string Join(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+void PrintOne(const EffectInfo& info, JointKind kind) {
+  std::cout << info.name << ": " << info.title << "\n  " << info.formula
+            << "\nsource: " << info.source << "\nbalance: " << BalanceName(info.balance)
+            << ", role: " << RoleName(info.role) << '\n';
+  PrintParameters("linear parameters", info.linear, kind);
+  PrintParameters("nonlinear parameters", info.nonlinear, kind);
+  std::cout << "signature: " << info.signature << "\nresidual follows: " << info.variable
+            << "\nlooks like: " << Join(info.look_alikes)
+            << "\ntold apart by: " << info.separating_excitation << "\nneeds: " << Join(info.needs)
+            << '\n';
+}
+
+void RunEffects(const EffectsOptions& options) {
+  const std::vector<std::string> names = effects::EffectNames();
+  if (!options.name.empty() && std::find(names.begin(), names.end(), options.name) == names.end()) {
+    throw UsageError("effect '" + options.name + "': unknown, expected one of " + Join(names));
+  }
+  const JointKind kind = options.kind == "linear" ? JointKind::kLinear : JointKind::kRotary;
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  std::size_t width = 0;
+  for (const std::string& name : names) width = std::max(width, name.size());
+  for (const std::string& name : names) {
+    if (!options.name.empty() && name != options.name) continue;
+    const auto effect = effects::MakeEffect(name, {});
+    if (options.json) {
+      list.push_back(ToJson(effect->info(), kind));
+    } else if (!options.name.empty()) {
+      PrintOne(effect->info(), kind);
+    } else {
+      std::cout << std::left << std::setw(static_cast<int>(width) + 2) << name
+                << effect->info().title << '\n';
+    }
+  }
+  if (options.json) std::cout << list.dump(2) << '\n';
+}
+
+}  // namespace
+
+void AddEffectsCommand(CLI::App& app) {
+  auto options = std::make_shared<EffectsOptions>();
+  CLI::App* command = app.add_subcommand("effects", "List the catalogue of physical effects");
+  command->add_option("name", options->name, "Show one effect in full")->type_name("EFFECT");
+  command->add_option("--kind", options->kind, "Units of a rotary or a linear joint")
+      ->check(CLI::IsMember({"rotary", "linear"}));
+  command->add_flag("--json", options->json, "As JSON");
+  command->footer(
+      "Examples:\n"
+      "  sinew effects\n"
+      "  sinew effects stribeck\n"
+      "  sinew effects --json | python3 -m json.tool");
+  command->callback([options] { RunEffects(*options); });
+}
+
+}  // namespace sinew::tools

@@ -1,0 +1,172 @@
+#include "tools/sinew/launch.h"
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
+
+#include "tools/launch/deployment.h"
+#include "tools/launch/launcher.h"
+
+namespace sinew::tools {
+
+namespace {
+
+struct LaunchOptions {
+  std::string file;
+  launch::Overrides overrides;
+  std::string record;
+  std::optional<std::string> seed, duration, domain, mode;
+  bool dry_run = false;
+  bool json = false;
+};
+
+std::string Quoted(const std::string& word) {
+  const bool plain = !word.empty() && word.find_first_not_of(
+                                          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                          "0123456789_-+=./:,@%") == std::string::npos;
+  if (plain) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+void PrintPlan(const launch::Deployment& deployment, bool json) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const launch::Process& process : deployment.processes) {
+    const std::vector<std::string> line = launch::CommandLine(deployment, process);
+    list.push_back({{"name", process.name}, {"command", line}, {"after", process.after}});
+    if (json) continue;
+    std::cout << process.name << ":";
+    for (const std::string& word : line) std::cout << ' ' << Quoted(word);
+    std::cout << '\n';
+  }
+  if (!json) return;
+  const nlohmann::ordered_json plan = {{"name", deployment.name},
+                                       {"domain_id", deployment.domain_id},
+                                       {"mode", deployment.lockstep ? "lockstep" : "realtime"},
+                                       {"duration_s", deployment.duration_s},
+                                       {"seed", deployment.seed},
+                                       {"provider", deployment.provider},
+                                       {"processes", list}};
+  std::cout << plan.dump(2) << '\n';
+}
+
+std::string Summary(const launch::Deployment& deployment, const launch::Result& result) {
+  std::ostringstream text;
+  text.precision(1);
+  text << std::fixed << deployment.name << ": " << deployment.processes.size() << " processes, "
+       << result.duration_s << " s, " << result.restarts << " restarts, ";
+  if (result.ok()) {
+    text << (result.stopped_by_user ? "stopped as asked" : "all ended well");
+  } else {
+    text << "FAILED";
+  }
+  return text.str();
+}
+
+void PrintResult(const launch::Deployment& deployment, const launch::Result& result, bool json,
+                 launch::Output* output) {
+  for (const launch::Failure& failure : result.failures) {
+    std::string text = failure.process + ": " + failure.cause;
+    if (!failure.last_lines.empty()) text += "; its last lines:";
+    output->Say(text);
+    for (const std::string& line : failure.last_lines) std::cerr << "    " << line << '\n';
+  }
+  output->Say(Summary(deployment, result));
+  if (!json) return;
+  nlohmann::ordered_json failures = nlohmann::ordered_json::array();
+  for (const launch::Failure& failure : result.failures) {
+    failures.push_back({{"process", failure.process},
+                        {"cause", failure.cause},
+                        {"last_lines", failure.last_lines}});
+  }
+  const nlohmann::ordered_json report = {{"name", deployment.name},
+                                         {"ok", result.ok()},
+                                         {"duration_s", result.duration_s},
+                                         {"restarts", result.restarts},
+                                         {"stopped_by_user", result.stopped_by_user},
+                                         {"failures", failures}};
+  std::cout << report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << std::endl;
+}
+
+void RunLaunch(LaunchOptions options) {
+  auto& settings = options.overrides.settings;
+  const auto add = [&settings](const char* key, const std::optional<std::string>& value) {
+    if (value) settings.push_back(std::string(key) + "=" + *value);
+  };
+  add("mode", options.mode);
+  add("seed", options.seed);
+  add("duration_s", options.duration);
+  add("domain_id", options.domain);
+  options.overrides.record = options.record;
+  const launch::Deployment deployment = launch::LoadDeployment(options.file, options.overrides);
+  if (options.dry_run) {
+    PrintPlan(deployment, options.json);
+    return;
+  }
+  std::vector<std::string> names;
+  for (const launch::Process& process : deployment.processes) names.push_back(process.name);
+  // With --json the standard output is the report alone.
+  std::ostream& lines = options.json ? std::cerr : std::cout;
+  const int descriptor = options.json ? STDERR_FILENO : STDOUT_FILENO;
+  launch::Output output(lines, std::cerr, launch::WantsColour(descriptor), names);
+  launch::Launcher launcher(deployment, output);
+  const launch::Result result = launcher.Run();
+  PrintResult(deployment, result, options.json, &output);
+  if (!result.ok()) throw CLI::RuntimeError(1);
+}
+
+}  // namespace
+
+void AddLaunchCommand(CLI::App& app) {
+  auto options = std::make_shared<LaunchOptions>();
+  CLI::App* command = app.add_subcommand("launch", "Start the processes of a deployment file");
+  command->add_option("file", options->file, "Deployment (schema sinew-deployment/1)")
+      ->required()
+      ->type_name("FILE.yaml");
+  command->add_option("--mode", options->mode, "Time: on the wall clock, or as fast as it goes")
+      ->check(CLI::IsMember({"realtime", "lockstep"}));
+  command->add_option("--duration", options->duration, "Length of the session in s, 0: no end")
+      ->type_name("SECONDS");
+  command->add_option("--seed", options->seed, "Seed of everything random")->type_name("NUMBER");
+  command->add_option("--domain", options->domain, "DDS domain, 0 to 232")->type_name("NUMBER");
+  command->add_option("--record", options->record, "Record to this file (adds a logger if needed)")
+      ->type_name("FILE.mcap");
+  command
+      ->add_option("--set", options->overrides.settings,
+                   "Override a key: mode, duration_s, seed, domain_id, realtime_priority, grace_s, "
+                   "PROCESS.config, PROCESS.program, PROCESS.restart")
+      ->type_name("KEY=VALUE")
+      ->take_all()
+      ->expected(1);
+  command->add_option("--arg", options->overrides.arguments, "Add an argument to a process")
+      ->type_name("PROCESS=ARGUMENT")
+      ->take_all()
+      ->expected(1);
+  command->add_option("--without", options->overrides.without, "Leave a process out")
+      ->type_name("PROCESS")
+      ->take_all()
+      ->expected(1);
+  command->add_flag("--dry-run", options->dry_run, "Print the command lines and start nothing");
+  command->add_flag("--json", options->json,
+                    "Report as JSON on the standard output; lines of processes go to stderr");
+  command->footer(
+      "Ctrl-C stops all: the provider first, the logger last; a second one hurries.\n"
+      "Exit code 1 when a process failed, with its cause and last lines.\n\n"
+      "Examples:\n"
+      "  sinew launch robots/rig/deploy_rig.yaml\n"
+      "  sinew launch robots/rig/deploy_rig.yaml --mode lockstep --duration 60 --seed 7 "
+      "--record run.mcap\n"
+      "  sinew launch robots/rig/deploy_rig.yaml --arg surrogate=--effect --arg "
+      "surrogate=stribeck\n"
+      "  sinew launch robots/rig/deploy_rig.yaml --set control.config=robots/rig/control_pid.yaml");
+  command->callback([options] { RunLaunch(*options); });
+}
+
+}  // namespace sinew::tools

@@ -1,0 +1,71 @@
+// The `sinew` command: one subcommand per file, listed here.
+#include <CLI/CLI.hpp>
+#include <cstdlib>
+#include <exception>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "components/config/config.h"
+#include "components/node/topics.h"
+#include "components/node/version.h"
+#include "tools/sinew/commands.h"
+
+namespace {
+
+void AddVersionCommand(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("version", "Print the version");
+  auto json = std::make_shared<bool>(false);
+  command->add_flag("--json", *json, "As JSON");
+  command->callback([json] {
+    const std::string version = sinew::node::kVersion, topics = sinew::node::AllTopicsHash();
+    if (*json) {
+      std::cout << nlohmann::json{{"version", version}, {"topics_hash", topics}}.dump() << '\n';
+    } else {
+      std::cout << "sinew " << version << ", topics " << topics << '\n';
+    }
+  });
+}
+
+// "sinew model show": the command the user was in when parsing stopped.
+std::string CommandInUse(const CLI::App& app) {
+  std::string name = app.get_name();
+  for (const CLI::App* child : app.get_subcommands()) return name + " " + CommandInUse(*child);
+  return name;
+}
+
+std::string FirstLine(const std::string& text) { return text.substr(0, text.find('\n')); }
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Distributed components for robots with SEA-PEA actuators", "sinew");
+  try {
+    app.set_version_flag("--version", std::string("sinew ") + sinew::node::kVersion);
+    app.require_subcommand(0, 1);
+    app.footer("Examples stand in the help of each command, e.g. `sinew launch --help`.");
+    sinew::tools::AddAllCommands(app);
+    AddVersionCommand(app);
+    app.parse(argc, argv);
+    if (app.get_subcommands().empty()) {
+      std::cerr << app.help();
+      return 2;
+    }
+    return EXIT_SUCCESS;
+  } catch (const CLI::Success& success) {  // --help, --version
+    return app.exit(success);
+  } catch (const CLI::RuntimeError& error) {  // the command has said why
+    return error.get_exit_code();
+  } catch (const CLI::Error& error) {
+    const std::string command = CommandInUse(app);
+    std::cerr << command << ": " << FirstLine(error.what()) << "; see " << command << " --help\n";
+    return 2;
+  } catch (const sinew::UsageError& error) {
+    std::cerr << error.what() << '\n';
+    return 2;
+  } catch (const std::exception& error) {
+    std::cerr << CommandInUse(app) << ": " << error.what() << '\n';
+    return EXIT_FAILURE;
+  }
+}

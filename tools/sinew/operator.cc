@@ -1,0 +1,154 @@
+#include "tools/sinew/operator.h"
+
+#include <sinew_idl/joint.h>
+#include <sinew_idl/operator.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "components/node/node.h"
+
+namespace sinew::tools {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+constexpr milliseconds kRepeat(100);  // arm is volatile and estop must get through: say it again
+
+struct Request {
+  msg::OperatorAction action;
+  const char* name;
+  std::vector<msg::RobotState> reached;  // robot states that mean it was done
+  bool needs_session;                    // bound to the session it is meant for
+};
+
+struct OperatorOptions {
+  node::Options node;
+  bool lockstep = false;
+  double timeout_s = 5.0;
+  std::string reason;
+  bool json = false;
+};
+
+const char* StateName(msg::RobotState state) {
+  switch (state) {
+    case msg::ROBOT_DISARMED:
+      return "disarmed";
+    case msg::ROBOT_ARMED:
+      return "armed";
+    case msg::ROBOT_DAMPED:
+      return "damped";
+    case msg::ROBOT_FAULT:
+      return "fault";
+    case msg::ROBOT_ESTOPPED:
+      return "estopped";
+  }
+  return "unknown";
+}
+
+// What to tell a person when the wish was not reached.
+std::string Why(const Request& request, const std::optional<msg::JointState>& state, bool heard,
+                int domain_id) {
+  if (!state) {
+    return std::string("no state provider heard in domain ") + std::to_string(domain_id) +
+           (heard ? "; the command was delivered to others" : "");
+  }
+  const std::string now = StateName(state->robot_state());
+  if (request.action == msg::OPERATOR_ARM &&
+      (state->robot_state() == msg::ROBOT_FAULT || state->robot_state() == msg::ROBOT_ESTOPPED)) {
+    return "the robot is in '" + now +
+           "'; see the provider's log, then 'sinew reset' (a missing controller also ends there)";
+  }
+  return "the robot stays in '" + now + "'";
+}
+
+void RunOperator(const Request& request, OperatorOptions options) {
+  options.node.component = "operator";
+  options.node.name = "operator";
+  options.node.mode = options.lockstep ? node::TimeMode::kLockstep : node::TimeMode::kRealtime;
+  node::Node node(options.node);
+  auto states = node.MakeReader(node::kJointState);
+  auto commands = node.MakeWriter(node::kOperatorCommand);
+
+  const auto end = Clock::now() + std::chrono::duration<double>(options.timeout_s);
+  auto next_send = Clock::now();
+  std::optional<msg::JointState> state;
+  bool sent = false, done = false;
+  while (!done && Clock::now() < end) {
+    if (auto newest = states.WaitNext(milliseconds(20))) state = std::move(newest);
+    if (state && sent) {
+      done = std::find(request.reached.begin(), request.reached.end(), state->robot_state()) !=
+             request.reached.end();
+    }
+    const bool may_send = commands.matched_readers() > 0 && (state || !request.needs_session);
+    if (done || !may_send || Clock::now() < next_send) continue;
+    msg::OperatorCommand command;
+    if (state) command.header(state->header());
+    command.action(request.action);
+    command.reason(options.reason.substr(0, 63));
+    sent = commands.Write(command) == node::WriteStatus::kOk || sent;
+    next_send = Clock::now() + kRepeat;
+  }
+
+  const std::string why = done ? "" : Why(request, state, sent, options.node.domain_id);
+  if (options.json) {
+    nlohmann::ordered_json report = {{"action", request.name}, {"done", done}};
+    if (state) report["robot_state"] = StateName(state->robot_state());
+    if (!done) report["why"] = why;
+    std::cout << report.dump() << '\n';
+  } else if (done) {
+    std::cout << "robot is " << StateName(state->robot_state()) << '\n';
+  }
+  if (done) return;
+  std::cerr << "sinew " << request.name << ": " << why << '\n';
+  throw CLI::RuntimeError(1);
+}
+
+void AddOne(CLI::App& app, const Request& request, const std::string& description,
+            const std::string& note) {
+  auto options = std::make_shared<OperatorOptions>();
+  CLI::App* command = app.add_subcommand(request.name, description);
+  command->add_option("--domain", options->node.domain_id, "DDS domain, 0 to 232")
+      ->envname("SINEW_DOMAIN")
+      ->check(CLI::Range(0, 232));
+  command->add_option("--reason", options->reason, "For the log of the provider, 63 characters");
+  command->add_option("--timeout", options->timeout_s, "Seconds to wait for the robot's answer")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_flag("--lockstep", options->lockstep, "The deployment runs in lockstep");
+  command->add_flag("--json", options->json, "As JSON");
+  command->footer(note +
+                  "\nExit code 1 when the robot did not get there in time.\n\nExample:\n  sinew " +
+                  request.name + " --domain 0");
+  command->callback([request, options] { RunOperator(request, *options); });
+}
+
+}  // namespace
+
+void AddOperatorCommands(CLI::App& app) {
+  AddOne(app, {msg::OPERATOR_ARM, "arm", {msg::ROBOT_ARMED, msg::ROBOT_DAMPED}, true},
+         "Let the motors move",
+         "Bound to the session that runs now: a restarted robot is disarmed.");
+  AddOne(app,
+         {msg::OPERATOR_DISARM,
+          "disarm",
+          {msg::ROBOT_DISARMED, msg::ROBOT_FAULT, msg::ROBOT_ESTOPPED},
+          false},
+         "Motors off", "A robot in fault or estopped has its motors off already.");
+  AddOne(app, {msg::OPERATOR_ESTOP, "estop", {msg::ROBOT_ESTOPPED}, false},
+         "Motors off and latched until reset",
+         "Repeated until the robot says that it has stopped.");
+  AddOne(app, {msg::OPERATOR_RESET, "reset", {msg::ROBOT_DISARMED}, true},
+         "From fault or estop to disarmed", "Arm it again afterwards.");
+}
+
+}  // namespace sinew::tools
