@@ -44,6 +44,9 @@ class Reader {
   std::optional<Message> TakeNext();    // oldest waiting sample
   std::optional<Message> TakeLatest();  // newest; drops the rest
   std::optional<Message> WaitNext(std::chrono::milliseconds timeout);
+  // Returns when a sample is waiting here or the timeout is over; sleeps through other topics'
+  // samples.
+  void WaitForSample(std::chrono::microseconds timeout);
   int matched_writers() const;
   std::uint64_t received() const;  // samples since the start
   std::uint64_t lost() const;      // samples DDS says it dropped

@@ -1,20 +1,18 @@
 #include "tools/sinew/commands.h"
 
 #include "tools/sinew/completion.h"
-#include "tools/sinew/launch.h"
-#include "tools/sinew/operator.h"
-#ifdef SINEW_HAVE_EFFECTS
 #include "tools/sinew/effects.h"
-#endif
+#include "tools/sinew/launch.h"
+#include "tools/sinew/model.h"
+#include "tools/sinew/operator.h"
 
 namespace sinew::tools {
 
 void AddAllCommands(CLI::App& app) {
   AddLaunchCommand(app);
   AddOperatorCommands(app);
-#ifdef SINEW_HAVE_EFFECTS
   AddEffectsCommand(app);
-#endif
+  AddModelCommand(app);
   AddCompletionCommand(app);
 }
 
