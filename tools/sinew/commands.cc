@@ -6,6 +6,9 @@
 #ifdef SINEW_HAVE_EFFECTS
 #include "tools/sinew/effects.h"
 #endif
+#ifdef SINEW_HAVE_TRAIN
+#include "tools/sinew/train.h"
+#endif
 
 namespace sinew::tools {
 
@@ -14,6 +17,9 @@ void AddAllCommands(CLI::App& app) {
   AddOperatorCommands(app);
 #ifdef SINEW_HAVE_EFFECTS
   AddEffectsCommand(app);
+#endif
+#ifdef SINEW_HAVE_TRAIN
+  AddTrainCommand(app);
 #endif
   AddCompletionCommand(app);
 }
