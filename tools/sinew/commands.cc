@@ -5,6 +5,7 @@
 #include "tools/sinew/launch.h"
 #include "tools/sinew/model.h"
 #include "tools/sinew/operator.h"
+#include "tools/sinew/score.h"
 
 namespace sinew::tools {
 
@@ -13,6 +14,7 @@ void AddAllCommands(CLI::App& app) {
   AddOperatorCommands(app);
   AddEffectsCommand(app);
   AddModelCommand(app);
+  AddScoreCommand(app);
   AddCompletionCommand(app);
 }
 
