@@ -8,6 +8,7 @@
 #     -> a GoogleTest program; every case is a ctest of its own. Without LABELS and PROGRAMS it is a
 #        unit test: label `unit`, built by the target unit_tests.
 set_property(GLOBAL PROPERTY SINEW_ROOMS "")
+set_property(GLOBAL PROPERTY SINEW_PROGRAMS "")
 
 function(sinew_add_room name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;PRIVATE_DEPENDS" ${ARGN})
@@ -28,6 +29,7 @@ function(sinew_add_program target binary)
   set_target_properties(${target} PROPERTIES OUTPUT_NAME ${binary})
   target_link_libraries(${target} PRIVATE ${ARG_DEPENDS} sinew_flags)
   install(TARGETS ${target} RUNTIME)
+  set_property(GLOBAL APPEND PROPERTY SINEW_PROGRAMS ${target})
 endfunction()
 
 function(sinew_add_participant name)
