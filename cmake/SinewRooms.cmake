@@ -8,6 +8,7 @@
 #     -> a GoogleTest program; every case is a ctest of its own. Without LABELS and PROGRAMS it is a
 #        unit test: label `unit`, built by the target unit_tests.
 set_property(GLOBAL PROPERTY SINEW_ROOMS "")
+set_property(GLOBAL PROPERTY SINEW_PROGRAMS "")
 
 # Mains, commands and tests hold no hot loops (these live in rooms): less optimisation halves their build.
 set(SINEW_LIGHT_OPTIMISATION $<$<CONFIG:Release>:-O1>)
@@ -32,6 +33,7 @@ function(sinew_add_program target binary)
   target_compile_options(${target} PRIVATE ${SINEW_LIGHT_OPTIMISATION})
   target_link_libraries(${target} PRIVATE ${ARG_DEPENDS} sinew_flags)
   install(TARGETS ${target} RUNTIME)
+  set_property(GLOBAL APPEND PROPERTY SINEW_PROGRAMS ${target})
 endfunction()
 
 function(sinew_add_participant name)
