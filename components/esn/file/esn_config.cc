@@ -11,7 +11,10 @@ namespace {
 
 constexpr std::string_view kSchema = "sinew-esn-participant/1";
 
-std::optional<Weights> LoadFor(const config::Section& s, const char* key, const std::filesystem::path& given) {
+}  // namespace
+
+std::optional<Weights> LoadWeightsFor(const config::Section& s, const char* key,
+                                      const std::filesystem::path& given) {
   // Asked for in any case, so that the key counts as known; the file need not exist when another is given.
   const bool in_file = s.Has(key);
   if (!given.empty()) {
@@ -21,8 +24,6 @@ std::optional<Weights> LoadFor(const config::Section& s, const char* key, const 
   if (!in_file) return std::nullopt;
   return LoadWeights(s.ExistingPath(key));
 }
-
-}  // namespace
 
 EsnConfig LoadEsnConfig(const std::filesystem::path& path, const WeightsPaths& given) {
   if (path.empty() && given.sea.empty() && given.pea.empty()) {
@@ -35,8 +36,8 @@ EsnConfig LoadEsnConfig(const std::filesystem::path& path, const WeightsPaths& g
   const std::string mode = s.ChoiceOr("mode", "network", {"network", "inverse_dynamics"});
   if (mode == "network") {
     config.mode = EsnConfig::Mode::kNetwork;
-    config.sea = LoadFor(s, "sea_weights", given.sea);
-    config.pea = LoadFor(s, "pea_weights", given.pea);
+    config.sea = LoadWeightsFor(s, "sea_weights", given.sea);
+    config.pea = LoadWeightsFor(s, "pea_weights", given.pea);
     if (!config.sea && !config.pea) s.Fail("mode", "network, expected sea_weights or pea_weights or both");
     config.adaptation = s.BoolOr("adaptation", false);
   } else {

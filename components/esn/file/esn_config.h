@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "components/actuator/model.h"
+#include "components/config/config.h"
 #include "components/esn/weights.h"
 
 namespace sinew::esn {
@@ -26,6 +27,10 @@ struct WeightsPaths {
   std::filesystem::path sea;
   std::filesystem::path pea;
 };
+
+// The weights that a key names, or those given instead; nothing: neither. Throws UsageError.
+std::optional<Weights> LoadWeightsFor(const config::Section& section, const char* key,
+                                      const std::filesystem::path& given);
 
 // path may be empty when weights are given. Throws UsageError: file, line, key, expected.
 EsnConfig LoadEsnConfig(const std::filesystem::path& path, const WeightsPaths& given = {});
