@@ -89,7 +89,7 @@ struct SensorParameters {
   double pressure_range_bar = 10.0;
   double temperature_noise_degC = 0.1;
   double temperature_step_degC = 0.1;
-  double latch_phase = 0.5;              // C: when in a cycle the drive latches its readings, 0 to 1
+  double latch_phase = 0.5;         // C: when in a cycle the drive latches its readings, 0 to 1
   double torque_efficiency = 0.77;  // for the torque told by the current: data sheet, not truth
 };
 

@@ -93,11 +93,7 @@ int main(int argc, char** argv) try {
     return code == 0 ? 0 : 2;
   }
   if (options.list_effects) {
-    std::cout << "none\n";
-    for (const auto& effect : sinew::surrogate::UndeclaredEffects()) {
-      std::cout << effect.name << " (default " << effect.default_size << " " << effect.unit
-                << "): " << effect.mechanism << '\n';
-    }
+    std::cout << sinew::surrogate::DescribeEffects();
     return 0;
   }
   if (options.out.empty())

@@ -1,5 +1,6 @@
 #include "sim/surrogate/file/surrogate_file.h"
 
+#include <sstream>
 #include <stdexcept>
 
 #include "sim/surrogate/rig.h"
@@ -165,7 +166,6 @@ RigParameters ReadRig(const Section& section) {
       section.Fail("effects", error.what());
     }
   }
-  section.RejectUnknownKeys();
   try {
     const Rig check(p);
   } catch (const std::invalid_argument& error) {
@@ -174,8 +174,27 @@ RigParameters ReadRig(const Section& section) {
   return p;
 }
 
+Section OpenSurrogate(const std::filesystem::path& path) {
+  return path.empty() ? Section::Empty("defaults") : Section::Load(path, kSchema);
+}
+
 RigParameters LoadRig(const std::filesystem::path& path) {
-  return path.empty() ? RigParameters{} : ReadRig(Section::Load(path, kSchema));
+  const Section section = OpenSurrogate(path);
+  const RigParameters rig = ReadRig(section);
+  const Section guard = section.ChildOrEmpty("guard");
+  for (const std::string& key : guard.Keys()) guard.Has(key);
+  section.RejectUnknownKeys();
+  return rig;
+}
+
+std::string DescribeEffects() {
+  std::ostringstream text;
+  text << "none\n";
+  for (const EffectInfo& effect : UndeclaredEffects()) {
+    text << effect.name << " (default " << effect.default_size << ' ' << effect.unit
+         << "): " << effect.mechanism << '\n';
+  }
+  return text.str();
 }
 
 std::vector<EffectSpec> ParseEffects(const std::vector<std::string>& texts) {
