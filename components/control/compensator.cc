@@ -50,7 +50,8 @@ Compensator::Compensator(const actuator::JointModel& model, const CompensatorCon
                                   ", expected a finite number of at least 0");
     }
   }
-  inertia_kg_m2_ = Value(model, "inertia", "inertia") + Value(model, "rotor_inertia", "rotor_inertia") +
+  inertia_kg_m2_ = Value(model, "inertia", "inertia") +
+                   Value(model, "rotor_inertia", "rotor_inertia") +
                    Value(model, "link_inertia", "link_inertia");
   viscous_Nm_s_rad_ = Value(model, "viscous", "viscous") + Value(model, "motor_viscous", "viscous");
   stiffness_Nm_rad_bar_ = Value(model, "pneumatic_stiffness", "pneumatic_stiffness");
@@ -63,7 +64,8 @@ Compensator::Compensator(const actuator::JointModel& model, const CompensatorCon
 
 void Compensator::Reset() noexcept { started_ = false; }
 
-effects::JointSample Compensator::Sample(const Point& reference, const JointMeasurement& m) const noexcept {
+effects::JointSample Compensator::Sample(const Point& reference,
+                                         const JointMeasurement& m) const noexcept {
   effects::JointSample x;
   const double ratio = model_.constants.gear_ratio;
   x.time_s = time_s_;
@@ -85,14 +87,15 @@ effects::JointSample Compensator::Sample(const Point& reference, const JointMeas
 double Compensator::Linear(const Point& reference, const JointMeasurement& m) const noexcept {
   const double length_m = model_.constants.link_length_m;
   const double inertia = inertia_kg_m2_ + payload_share_ * m.payload_kg * length_m * length_m;
-  const double output_Nm = inertia * reference.acceleration_rad_s2 +
-                           viscous_Nm_s_rad_ * reference.velocity_rad_s +
-                           stiffness_Nm_rad_bar_ * pressure_bar_ * (reference.position_rad - rest_angle_rad_) -
-                           pneumatic_Nm_bar_ * pressure_bar_ + load_share_ * load_force_N_ * length_m;
+  const double output_Nm =
+      inertia * reference.acceleration_rad_s2 + viscous_Nm_s_rad_ * reference.velocity_rad_s +
+      stiffness_Nm_rad_bar_ * pressure_bar_ * (reference.position_rad - rest_angle_rad_) -
+      pneumatic_Nm_bar_ * pressure_bar_ + load_share_ * load_force_N_ * length_m;
   return shaft_per_output_ * output_Nm;
 }
 
-double Compensator::Model(const Point& reference, const JointMeasurement& m, double period_s) noexcept {
+double Compensator::Model(const Point& reference, const JointMeasurement& m,
+                          double period_s) noexcept {
   effects::JointSample x = Sample(reference, m);
   if (memory_.empty()) {
     // nothing to remember
@@ -114,7 +117,8 @@ double Compensator::Model(const Point& reference, const JointMeasurement& m, dou
   return shaft_per_input_ * ((1.0 - share) * at_velocity(-v_s) + share * at_velocity(v_s));
 }
 
-double Compensator::Step(const Point& reference, const JointMeasurement& m, double period_s) noexcept {
+double Compensator::Step(const Point& reference, const JointMeasurement& m,
+                         double period_s) noexcept {
   if (config_.kind == CompensatorKind::kNone) return 0.0;
   if (!started_) {
     time_s_ = 0.0;
@@ -133,11 +137,11 @@ double Compensator::Step(const Point& reference, const JointMeasurement& m, doub
     load_force_N_ += share * (m.load_force_N - load_force_N_);
   }
   Point ahead = reference;
-  ahead.position_rad +=
-      config_.lead_s * (reference.velocity_rad_s + 0.5 * config_.lead_s * reference.acceleration_rad_s2);
+  ahead.position_rad += config_.lead_s * (reference.velocity_rad_s +
+                                          0.5 * config_.lead_s * reference.acceleration_rad_s2);
   ahead.velocity_rad_s += config_.lead_s * reference.acceleration_rad_s2;
-  const double torque_Nm = config_.kind == CompensatorKind::kLinear ? Linear(ahead, m)
-                                                                    : Model(ahead, m, period_s);
+  const double torque_Nm =
+      config_.kind == CompensatorKind::kLinear ? Linear(ahead, m) : Model(ahead, m, period_s);
   started_ = true;
   return torque_Nm;
 }

@@ -4,14 +4,15 @@
 //
 //     tau_c = J_total dw/dt + B_total w + K_total theta - Kp P / N + T_load / N
 //
-// with theta, w of the motor from the reference (N times the output), J_total N^2 = rotor, link and declared
-// payload inertia, B_total N^2 = viscous friction, K_total N^2 = k1 P (about the rest angle), Kp = K,
-// T_load = F l. Gravity and dry friction are not in (7.1) and stay with the PID. Divided by the
-// drive's efficiency, because Ke in (4.12) is torque that reaches the gear.
+// with theta, w of the motor from the reference (N times the output), J_total N^2 = rotor, link and
+// declared payload inertia, B_total N^2 = viscous friction, K_total N^2 = k1 P (about the rest
+// angle), Kp = K, T_load = F l. Gravity and dry friction are not in (7.1) and stay with the PID.
+// Divided by the drive's efficiency, because Ke in (4.12) is torque that reaches the gear.
 //
-// kModel: JointModel::RequiredDriveInput at the reference state, with every term of the model file, so
-// that an effect which close-loop added is compensated too. Terms that jump with the sign of velocity are
-// smoothed: below smoothing_rad_s the torque is the straight line between those at -v and +v.
+// kModel: JointModel::RequiredDriveInput at the reference state, with every term of the model file,
+// so that an effect which close-loop added is compensated too. Terms that jump with the sign of
+// velocity are smoothed: below smoothing_rad_s the torque is the straight line between those at -v
+// and +v.
 //
 // Angle-dependent motor terms (cogging) read the measured motor angle: the free play hides it from
 // the reference. Thread: one. Step is noexcept and allocates nothing.
@@ -29,13 +30,14 @@ enum class CompensatorKind { kNone, kLinear, kModel };
 struct CompensatorConfig {
   CompensatorKind kind = CompensatorKind::kNone;
   double smoothing_rad_s = 0.05;
-  double pressure_filter_Hz = 5.0;    // measured pressure and load force are smoothed; 0: as they are
-  double lead_s = 0.0;                // the reference this much later: delay of the drive
+  double pressure_filter_Hz = 5.0;  // measured pressure and load force are smoothed; 0: as they are
+  double lead_s = 0.0;              // the reference this much later: delay of the drive
 };
 
 // Motor torque per output torque: 1 / (N * efficiency); for a prismatic axis force per force.
 double ShaftPerOutput(const actuator::JointModel& model);
-// Motor torque (force command of a prismatic axis) per unit of the drive input: Kt, or the force constant.
+// Motor torque (force command of a prismatic axis) per unit of the drive input: Kt, or the force
+// constant.
 double ShaftPerDriveInput(const actuator::JointModel& model);
 
 class Compensator {
@@ -44,7 +46,8 @@ class Compensator {
   Compensator(const actuator::JointModel& model, const CompensatorConfig& config);
 
   void Reset() noexcept;
-  // Motor torque at the shaft. Reads the actuator values of m even when they are old: the caller decides.
+  // Motor torque at the shaft. Reads the actuator values of m even when they are old: the caller
+  // decides.
   double Step(const Point& reference, const JointMeasurement& m, double period_s) noexcept;
 
  private:

@@ -23,8 +23,8 @@ bool Finite(const Point& p) noexcept {
 
 bool ActuatorFinite(const JointMeasurement& m) noexcept {
   return std::isfinite(m.motor_position_rad) && std::isfinite(m.motor_velocity_rad_s) &&
-         std::isfinite(m.pressure_bar) && std::isfinite(m.load_force_N) && std::isfinite(m.payload_kg) &&
-         std::isfinite(m.temperature_degC);
+         std::isfinite(m.pressure_bar) && std::isfinite(m.load_force_N) &&
+         std::isfinite(m.payload_kg) && std::isfinite(m.temperature_degC);
 }
 
 bool SameOrder(const MotionOrder& a, const MotionOrder& b) noexcept {
@@ -34,7 +34,8 @@ bool SameOrder(const MotionOrder& a, const MotionOrder& b) noexcept {
 
 bool Executable(const MotionOrder& order) noexcept {
   if (order.kind == Motion::kNone) return false;
-  if (!(order.motor_torque_limit_Nm >= 0.0) || !std::isfinite(order.motor_torque_limit_Nm)) return false;
+  if (!(order.motor_torque_limit_Nm >= 0.0) || !std::isfinite(order.motor_torque_limit_Nm))
+    return false;
   if (order.kind == Motion::kHold) return true;
   return std::isfinite(order.target_rad) && std::isfinite(order.velocity_limit_rad_s) &&
          order.velocity_limit_rad_s > 0.0;
@@ -60,13 +61,15 @@ const char* FaultText(Fault fault) noexcept {
   return "unknown";
 }
 
-JointController::JointController(const JointControlConfig& config) : config_(config), pid_(config.pid) {
+JointController::JointController(const JointControlConfig& config)
+    : config_(config), pid_(config.pid) {
   Require(config.gear_ratio > 0.0, "gear ratio", config.gear_ratio);
   Require(config.shaft_per_output > 0.0, "motor torque per output torque", config.shaft_per_output);
   Require(config.motor_torque_limit_Nm > 0.0, "motor torque limit", config.motor_torque_limit_Nm);
   Require(config.takeover_s >= 0.0, "take-over time", config.takeover_s);
   Require(config.crossfade_s >= 0.0, "cross-fade time", config.crossfade_s);
-  Require(config.tracking_error_limit_rad >= 0.0, "tracking error limit", config.tracking_error_limit_rad);
+  Require(config.tracking_error_limit_rad >= 0.0, "tracking error limit",
+          config.tracking_error_limit_rad);
   Require(config.damping_Nm_s_rad >= 0.0, "damping", config.damping_Nm_s_rad);
   Require(config.motion_acceleration_rad_s2 > 0.0, "motion acceleration",
           config.motion_acceleration_rad_s2);
@@ -117,8 +120,9 @@ JointOutput JointController::Damping(const JointMeasurement& m) const noexcept {
   } else if (m.valid && std::isfinite(m.velocity_rad_s)) {
     velocity_rad_s = m.velocity_rad_s;
   }
-  output.motor_torque_Nm = std::clamp(-config_.damping_Nm_s_rad * config_.shaft_per_output * velocity_rad_s,
-                                      -config_.motor_torque_limit_Nm, config_.motor_torque_limit_Nm);
+  output.motor_torque_Nm =
+      std::clamp(-config_.damping_Nm_s_rad * config_.shaft_per_output * velocity_rad_s,
+                 -config_.motor_torque_limit_Nm, config_.motor_torque_limit_Nm);
   output.position_rad = m.position_rad;
   return output;
 }
@@ -138,7 +142,8 @@ void JointController::ChooseAim(const JointInput& input) noexcept {
   const MotionOrder& order = input.motion;
   if (Executable(order)) {
     const bool moving = aim_ == Aim::kMove || aim_ == Aim::kPush;
-    const bool known = SameOrder(order, motion_) && (moving || (aim_ == Aim::kHold && order.kind == Motion::kHold));
+    const bool known = SameOrder(order, motion_) &&
+                       (moving || (aim_ == Aim::kHold && order.kind == Motion::kHold));
     const double from_rad = aim_ == Aim::kPush ? position_rad : target_.position_rad;
     motion_ = order;
     if (known) return;
@@ -189,8 +194,9 @@ double JointController::FeedForward(const JointInput& input, const Point& target
     JointMeasurement m = last_actuator_;
     m.actuator_valid = input.measured->actuator_valid;
     wanted_Nm = compensator_->Step(target, m, input.period_s);
-  } else if (config_.strategy == Strategy::kPidEsn && aim_ == Aim::kReference && input.reference_fresh &&
-             input.prediction_fresh && input.prediction.valid && input.regime != Regime::kUnknown) {
+  } else if (config_.strategy == Strategy::kPidEsn && aim_ == Aim::kReference &&
+             input.reference_fresh && input.prediction_fresh && input.prediction.valid &&
+             input.regime != Regime::kUnknown) {
     const bool sea = input.regime == Regime::kSea;
     source = sea ? 2 : 3;
     wanted_Nm = config_.shaft_per_output *
@@ -205,21 +211,22 @@ double JointController::FeedForward(const JointInput& input, const Point& target
   return feed_forward_Nm_;
 }
 
-// The motor turns toward the target at the velocity limit, pushing no harder than allowed: a PID on the
-// motor's own angle whose target waits when the torque is at its limit.
+// The motor turns toward the target at the velocity limit, pushing no harder than allowed: a PID on
+// the motor's own angle whose target waits when the torque is at its limit.
 JointOutput JointController::Push(const JointInput& input) noexcept {
   const JointMeasurement& m = *input.measured;
   if (!m.actuator_valid) return Damping(m);
   double limit_Nm = config_.motor_torque_limit_Nm;
-  if (motion_.motor_torque_limit_Nm > 0.0) limit_Nm = std::min(limit_Nm, motion_.motor_torque_limit_Nm);
+  if (motion_.motor_torque_limit_Nm > 0.0)
+    limit_Nm = std::min(limit_Nm, motion_.motor_torque_limit_Nm);
   const double motor_rad = m.motor_position_rad / config_.gear_ratio;
   const double motor_rad_s = m.motor_velocity_rad_s / config_.gear_ratio;
   const double step_rad = motion_.velocity_limit_rad_s * input.period_s;
   const double way_rad = std::clamp(motion_.target_rad - push_at_rad_, -step_rad, step_rad);
   push_at_rad_ += way_rad;
-  const double wanted_Nm = config_.shaft_per_output *
-                           pid_.Step(push_at_rad_ - motor_rad, way_rad / input.period_s - motor_rad_s,
-                                     input.period_s);
+  const double wanted_Nm =
+      config_.shaft_per_output *
+      pid_.Step(push_at_rad_ - motor_rad, way_rad / input.period_s - motor_rad_s, input.period_s);
   JointOutput output;
   output.mode = CommandMode::kTorque;
   output.motor_torque_Nm = std::clamp(wanted_Nm, -limit_Nm, limit_Nm);
@@ -267,8 +274,8 @@ JointController::Result JointController::Step(const JointInput& input) noexcept 
     last_position_known_ = false;
     return result;
   }
-  if (!m.actuator_valid && (config_.velocity_from == VelocityFrom::kMotor ||
-                            config_.strategy == Strategy::kPidLinear)) {
+  if (!m.actuator_valid &&
+      (config_.velocity_from == VelocityFrom::kMotor || config_.strategy == Strategy::kPidLinear)) {
     result.stale = true;  // goes on with output velocity and the last pressure
   }
   if (!started_) {
@@ -315,7 +322,8 @@ JointController::Result JointController::Step(const JointInput& input) noexcept 
     return result;
   }
   if (config_.strategy == Strategy::kPidEsn && input.prediction_fresh && input.prediction.valid &&
-      !(std::isfinite(input.prediction.sea_torque_Nm) && std::isfinite(input.prediction.pea_torque_Nm))) {
+      !(std::isfinite(input.prediction.sea_torque_Nm) &&
+        std::isfinite(input.prediction.pea_torque_Nm))) {
     now.prediction.valid = false;
     result.fault = Fault::kNonFinitePrediction;
     result.stale = true;
@@ -323,8 +331,10 @@ JointController::Result JointController::Step(const JointInput& input) noexcept 
 
   const Pid before = pid_;
   const double rate_rad_s =
-      (config_.derivative_of == DerivativeOf::kError ? target_.velocity_rad_s : 0.0) - velocity_rad_s;
-  const double feedback_Nm = config_.shaft_per_output * pid_.Step(error_rad, rate_rad_s, input.period_s);
+      (config_.derivative_of == DerivativeOf::kError ? target_.velocity_rad_s : 0.0) -
+      velocity_rad_s;
+  const double feedback_Nm =
+      config_.shaft_per_output * pid_.Step(error_rad, rate_rad_s, input.period_s);
   output.compensation_Nm = FeedForward(now, target_);
   double limit_Nm = config_.motor_torque_limit_Nm;
   if (aim_ == Aim::kMove && motion_.motor_torque_limit_Nm > 0.0) {

@@ -1,16 +1,17 @@
 // Control of one joint: what it should be at, PID and feed-forward, limits, safe commands.
 //
-// What it follows, in this order: the reference; else a motion order; else it holds. Whenever that changes
-// (arming included) it goes on from where it is: the difference to the new target fades out over takeover_s
-// (quintic), and a jump of the feed-forward fades out with the time constant crossfade_s.
+// What it follows, in this order: the reference; else a motion order; else it holds. Whenever that
+// changes (arming included) it goes on from where it is: the difference to the new target fades out
+// over takeover_s (quintic), and a jump of the feed-forward fades out with the time constant
+// crossfade_s.
 //
-// Command, torque strategies: limit(PID / (N efficiency) + feed-forward) at the motor shaft; the cut part
-// goes back into the integral. kPosition gives the target to the drive's own loops.
+// Command, torque strategies: limit(PID / (N efficiency) + feed-forward) at the motor shaft; the
+// cut part goes back into the integral. kPosition gives the target to the drive's own loops.
 //
-// Lost input: a reference that does not come leaves the target where it was, at rest, for grace_ticks and
-// then by configuration (hold: stays there; damp: only damping). A lost position leaves damping by motor
-// velocity, or no torque. All of it is marked stale. Non-finite input, or a tracking error above
-// its limit, latches a fault: motor off until disarmed.
+// Lost input: a reference that does not come leaves the target where it was, at rest, for
+// grace_ticks and then by configuration (hold: stays there; damp: only damping). A lost position
+// leaves damping by motor velocity, or no torque. All of it is marked stale. Non-finite input, or a
+// tracking error above its limit, latches a fault: motor off until disarmed.
 //
 // Thread: one. Step is noexcept and allocates nothing.
 #pragma once
@@ -35,7 +36,7 @@ struct JointControlConfig {
   Strategy strategy = Strategy::kPid;
   PidConfig pid;
   DerivativeOf derivative_of = DerivativeOf::kError;
-  VelocityFrom velocity_from = VelocityFrom::kMotor;
+  VelocityFrom velocity_from = VelocityFrom::kOutput;
   std::optional<actuator::JointModel> model;  // needed by kPidLinear
   CompensatorConfig compensator;              // kPidLinear only
   double gear_ratio = 1.0;
@@ -77,7 +78,8 @@ class JointController {
   };
   Result Step(const JointInput& input) noexcept;
 
-  // The command that the robot got this tick came from another controller: go on from it when it is gone.
+  // The command that the robot got this tick came from another controller: go on from it when it is
+  // gone.
   void Track(double applied_motor_torque_Nm) noexcept;
 
   const JointControlConfig& config() const noexcept { return config_; }
@@ -103,7 +105,7 @@ class JointController {
   double offset_rad_ = 0.0;  // fades out over takeover_s
   double offset_age_s_ = 0.0;
   int stale_ticks_ = 0;
-  MotionOrder motion_;       // being executed
+  MotionOrder motion_;  // being executed
   std::optional<reference::Move> move_;
   double move_age_s_ = 0.0;
   double push_at_rad_ = 0.0;

@@ -6,21 +6,21 @@
 //     u_k = P_k + I_k + D_k
 //     after the caller limited u_k to s_k:  I_k += min(1, h / Tt) (s_k - u_k)
 //
-// e: position error; r: error of the velocity (derivative on the error) or minus the measured velocity
-// (derivative on the measurement); the caller says which by what it passes. Source: Astrom, Hagglund:
-// Advanced PID Control (2006), 3.5. Units: output side, Nm per rad; N per m for a prismatic joint.
-// Thread: one. noexcept after construction, allocates nothing.
+// e: position error; r: error of the velocity (derivative on the error) or minus the measured
+// velocity (derivative on the measurement); the caller says which by what it passes. Source:
+// Astrom, Hagglund: Advanced PID Control (2006), 3.5. Units: output side, Nm per rad; N per m for a
+// prismatic joint. Thread: one. noexcept after construction, allocates nothing.
 #pragma once
 
 namespace sinew::control {
 
 struct PidConfig {
   double proportional_Nm_rad = 0.0;
-  double integral_Nm_rad_s = 0.0;          // Nm/(rad s): torque rate per error
+  double integral_Nm_rad_s = 0.0;  // Nm/(rad s): torque rate per error
   double derivative_Nm_s_rad = 0.0;
-  double derivative_filter_Hz = 0.0;       // 0: none
-  double anti_windup_s = 0.1;              // Tt
-  double integral_limit_Nm = 0.0;          // bound of I; 0: none
+  double derivative_filter_Hz = 0.0;  // 0: none
+  double anti_windup_s = 0.1;         // Tt
+  double integral_limit_Nm = 0.0;     // bound of I; 0: none
 };
 
 class Pid {

@@ -1,5 +1,5 @@
-// What control reads and writes in one tick, without messages. Units and signs as in idl/: output angle
-// positive up; a prismatic joint reads m for rad and N for Nm (docs/decisions/0003).
+// What control reads and writes in one tick, without messages. Units and signs as in idl/: output
+// angle positive up; a prismatic joint reads m for rad and N for Nm (docs/decisions/0003).
 #pragma once
 
 #include <array>
@@ -19,10 +19,10 @@ enum class Motion { kNone, kHold, kMoveSlowly, kPushAgainstChamber };
 
 // What the sensors say of one joint.
 struct JointMeasurement {
-  bool valid = false;           // position and velocity
-  double position_rad = 0.0;    // output
-  double velocity_rad_s = 0.0;  // output
-  bool actuator_valid = false;  // the rest
+  bool valid = false;                 // position and velocity
+  double position_rad = 0.0;          // output
+  double velocity_rad_s = 0.0;        // output
+  bool actuator_valid = false;        // the rest
   double motor_position_rad = 0.0;    // motor shaft
   double motor_velocity_rad_s = 0.0;  // motor shaft
   double pressure_bar = 0.0;
@@ -49,8 +49,9 @@ struct MotionOrder {
 struct RobotInput {
   std::uint64_t session_id = 0;
   double period_s = 0.0;
-  bool armed = false;         // the provider lets commands through
-  bool interrupted = false;   // armed, but the provider bridges a gap: the last command did not count
+  bool armed = false;  // the provider lets commands through
+  bool interrupted =
+      false;  // armed, but the provider bridges a gap: the last command did not count
   int joint_count = 0;
   std::array<JointMeasurement, kMaxJoints> joint{};
 

@@ -90,17 +90,22 @@ void LoadProfiles(const Options& options) {
 
 }  // namespace
 
-void Signal::Notify() {
+void Signal::Notify(const void* source) {
+  bool wake = false;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     raised_ = true;
+    wake = waiting_ && (awaited_ == nullptr || awaited_ == source);
   }
-  condition_.notify_one();
+  if (wake) condition_.notify_one();
 }
 
-bool Signal::Wait(std::chrono::microseconds timeout) {
+bool Signal::Wait(std::chrono::microseconds timeout, const void* source) {
   std::unique_lock<std::mutex> lock(mutex_);
+  awaited_ = source;
+  waiting_ = true;
   const bool raised = condition_.wait_for(lock, timeout, [this] { return raised_; });
+  waiting_ = false;
   raised_ = false;
   return raised;
 }
@@ -208,7 +213,7 @@ void ReaderImpl::on_data_available(dds::DataReader* source) {
       spare_.pop_back();
     }
   }
-  if (any) node->signal.Notify();
+  if (any) node->signal.Notify(this);
 }
 
 void ReaderImpl::on_sample_lost(dds::DataReader*, const dds::SampleLostStatus& status) {
@@ -218,7 +223,8 @@ void ReaderImpl::on_sample_lost(dds::DataReader*, const dds::SampleLostStatus& s
 void ReaderImpl::on_requested_incompatible_qos(dds::DataReader*,
                                                const dds::RequestedIncompatibleQosStatus& status) {
   node->AddProblem("topic '" + topic.name + "': a writer offers another " +
-                   PolicyName(status.last_policy_id) + " than this reader requests (does one side run in lockstep and the other not?)");
+                   PolicyName(status.last_policy_id) +
+                   " than this reader requests (does one side run in lockstep and the other not?)");
 }
 
 std::optional<Sample> ReaderImpl::TakeNext() {
@@ -235,6 +241,14 @@ std::optional<Sample> ReaderImpl::TakeLatest() {
   Sample sample = std::move(queue_.back());
   queue_.clear();
   return sample;
+}
+
+void ReaderImpl::WaitForSample(std::chrono::microseconds timeout) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (!queue_.empty()) return;
+  }
+  node->signal.Wait(timeout, this);
 }
 
 int ReaderImpl::matched() const {
@@ -280,7 +294,8 @@ int WriterImpl::matched() const {
 void WriterImpl::on_offered_incompatible_qos(dds::DataWriter*,
                                              const dds::OfferedIncompatibleQosStatus& status) {
   node->AddProblem("topic '" + topic.name + "': a reader requests another " +
-                   PolicyName(status.last_policy_id) + " than this writer offers (does one side run in lockstep and the other not?)");
+                   PolicyName(status.last_policy_id) +
+                   " than this writer offers (does one side run in lockstep and the other not?)");
 }
 
 NodeImpl::NodeImpl(const Options& node_options) : options(node_options) {
@@ -369,7 +384,8 @@ void NodeImpl::on_publisher_discovery(dds::DomainParticipant*, rtps::WriterDisco
 
 void NodeImpl::Discovered(bool is_writer, const std::string& topic, const std::string& type,
                           const rtps::GUID_t& guid, bool gone) {
-  if (participant != nullptr && guid.guidPrefix == participant->guid().guidPrefix) return;  // our own
+  if (participant != nullptr && guid.guidPrefix == participant->guid().guidPrefix)
+    return;  // our own
   std::string problem;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -389,7 +405,7 @@ void NodeImpl::Discovered(bool is_writer, const std::string& topic, const std::s
     }
   }
   if (!problem.empty()) AddProblem(problem);
-  signal.Notify();
+  signal.Notify(nullptr);
 }
 
 namespace {
@@ -480,12 +496,26 @@ void Node::ReadRaw(const TopicInfo& topic, RawCallback callback) {
       std::make_unique<internal::ReaderImpl>(impl_, topic, 0, std::move(callback)));
 }
 
-Node::RawWrite Node::MakeRawWriter(const TopicInfo& topic, int strength) {
-  auto writer = std::make_shared<internal::WriterImpl>(impl_, topic, strength);
-  return [writer](const std::byte* payload, std::size_t size) {
-    writer->scratch.assign(payload, payload + size);
-    return writer->Write(&writer->scratch);
-  };
+RawWriter Node::MakeRawWriter(const TopicInfo& topic, int strength) {
+  return RawWriter(std::make_shared<internal::WriterImpl>(impl_, topic, strength));
+}
+
+RawWriter::RawWriter(std::shared_ptr<internal::WriterImpl> impl) : impl_(std::move(impl)) {}
+
+WriteStatus RawWriter::operator()(const std::byte* payload, std::size_t size) const {
+  impl_->scratch.assign(payload, payload + size);
+  return impl_->Write(&impl_->scratch);
+}
+
+int RawWriter::matched_readers() const { return impl_->matched(); }
+
+bool RawWriter::WaitAcknowledged(std::chrono::milliseconds timeout) const {
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(timeout);
+  const auto rest = std::chrono::duration_cast<std::chrono::nanoseconds>(timeout - seconds);
+  const eprosima::fastrtps::Duration_t limit(static_cast<std::int32_t>(seconds.count()),
+                                             static_cast<std::uint32_t>(rest.count()));
+  return impl_->writer->wait_for_acknowledgments(limit) ==
+         internal::ReturnCode_t::RETCODE_OK;
 }
 
 int Node::RawMatchedWriters(const std::string& topic) const {
@@ -567,8 +597,14 @@ std::optional<Message> Reader<Message>::WaitNext(std::chrono::milliseconds timeo
     const auto left = std::chrono::duration_cast<std::chrono::microseconds>(
         deadline - std::chrono::steady_clock::now());
     if (left.count() <= 0) return std::nullopt;
-    impl_->node->signal.Wait(left);
+    impl_->WaitForSample(left);
   }
+}
+
+template <class Message>
+void Reader<Message>::WaitForSample(std::chrono::microseconds timeout) {
+  impl_->WaitForSample(timeout);
+  impl_->node->PublishStatusIfDue(false);
 }
 
 template <class Message>

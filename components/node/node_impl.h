@@ -9,16 +9,21 @@ namespace sinew::node::internal {
 
 namespace dds = eprosima::fastdds::dds;
 
-// Wakes the one thread that waits on a node. DDS threads call Notify.
+// Wakes the one thread that waits on a node. DDS threads call Notify with the source of the news; a
+// thread that waits for one source sleeps through the others (every needless wake-up costs two
+// context switches, and in lockstep these are what a tick consists of).
 class Signal {
  public:
-  void Notify();
-  // True: notified since the last call returned.
-  bool Wait(std::chrono::microseconds timeout);
+  void Notify(const void* source);
+  // Waits for news of `source`, or of anything when it is null. True: there was some since the last
+  // wait.
+  bool Wait(std::chrono::microseconds timeout, const void* source = nullptr);
 
  private:
   std::mutex mutex_;
   std::condition_variable condition_;
+  const void* awaited_ = nullptr;
+  bool waiting_ = false;
   bool raised_ = false;
 };
 
@@ -51,6 +56,8 @@ struct ReaderImpl final : public dds::DataReaderListener {
 
   std::optional<Sample> TakeNext();
   std::optional<Sample> TakeLatest();
+  // Returns when a sample is waiting here or the timeout is over.
+  void WaitForSample(std::chrono::microseconds timeout);
   int matched() const;
 
   void on_data_available(dds::DataReader* reader) override;

@@ -73,6 +73,9 @@ class InputBase {
     fresh = false;
   }
 
+  // Sleeps until a sample of this input arrives or the timeout is over.
+  void Wait(std::chrono::microseconds timeout) { reader_->WaitForSample(timeout); }
+
   struct Queued {
     HeadOfMessage head;
     Bytes bytes;
@@ -133,8 +136,6 @@ struct TickLoop::Impl {
   std::optional<std::uint64_t> last_tick;
   bool ended = false;
 
-  bool Wait(std::chrono::microseconds timeout) { return node.WaitForData(timeout); }
-
   // The head of the next trigger sample, when there is one.
   std::optional<HeadOfMessage> NextTrigger(bool lockstep) {
     InputBase& trigger = *inputs.front();
@@ -189,7 +190,8 @@ std::optional<Tick> TickLoop::Next() {
   std::optional<HeadOfMessage> head;
   while (!(head = self.NextTrigger(lockstep))) {
     if (self.stop.requested()) return std::nullopt;
-    self.Wait(milliseconds(50));
+    self.inputs.front()->Wait(milliseconds(50));
+    self.node.impl_->PublishStatusIfDue(false);
   }
   if (!self.last_tick || head->session_id != self.session_id) self.StartSession(*head);
   const auto deadline = Clock::now() + self.cut_off;
@@ -202,7 +204,8 @@ std::optional<Tick> TickLoop::Next() {
       const auto left =
           std::chrono::duration_cast<std::chrono::microseconds>(deadline - Clock::now());
       if (!lockstep && left.count() <= 0) break;
-      self.Wait(lockstep ? std::chrono::microseconds(milliseconds(50)) : left);
+      input.Wait(lockstep ? std::chrono::microseconds(milliseconds(50)) : left);
+      self.node.impl_->PublishStatusIfDue(false);
       input.Collect(self.session_id);
     }
     input.Accept(head->tick, lockstep);

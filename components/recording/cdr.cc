@@ -174,7 +174,8 @@ std::optional<std::size_t> FixedEnd(const IdlType& type, std::size_t position) {
   }
   if (type.kind == Kind::kStruct) {
     std::optional<std::size_t> end = position;
-    for (std::size_t i = 0; i < type.members.size() && end; ++i) end = FixedEnd(*type.members[i].type, *end);
+    for (std::size_t i = 0; i < type.members.size() && end; ++i)
+      end = FixedEnd(*type.members[i].type, *end);
     return end;
   }
   return std::nullopt;
@@ -304,9 +305,11 @@ CdrField::CdrField(const IdlType& type, std::string_view path) : leaf_(&type) {
       const auto end = path.find(']');
       std::uint32_t index = 0;
       const std::string_view digits = path.substr(1, end == std::string_view::npos ? 0 : end - 1);
-      const auto [last, error] = std::from_chars(digits.data(), digits.data() + digits.size(), index);
+      const auto [last, error] =
+          std::from_chars(digits.data(), digits.data() + digits.size(), index);
       if (digits.empty() || error != std::errc{} || last != digits.data() + digits.size()) {
-        throw CdrError("path '" + whole + "': expected an index such as [0] after '" + so_far + "'");
+        throw CdrError("path '" + whole + "': expected an index such as [0] after '" + so_far +
+                       "'");
       }
       if (leaf_->kind != Kind::kArray && leaf_->kind != Kind::kSequence) {
         throw CdrError("path '" + whole + "': '" + so_far + "' is no list");
@@ -323,13 +326,16 @@ CdrField::CdrField(const IdlType& type, std::string_view path) : leaf_(&type) {
     }
     if (path.front() == '.' && !so_far.empty()) path.remove_prefix(1);
     const std::string_view name = path.substr(0, path.find_first_of(".["));
-    if (leaf_->kind != Kind::kStruct) throw CdrError("path '" + whole + "': '" + so_far + "' has no members");
-    const auto member = std::find_if(leaf_->members.begin(), leaf_->members.end(),
-                                     [&](const IdlMember& candidate) { return candidate.name == name; });
+    if (leaf_->kind != Kind::kStruct)
+      throw CdrError("path '" + whole + "': '" + so_far + "' has no members");
+    const auto member =
+        std::find_if(leaf_->members.begin(), leaf_->members.end(),
+                     [&](const IdlMember& candidate) { return candidate.name == name; });
     if (member == leaf_->members.end()) {
       std::string list;
       for (const IdlMember& known : leaf_->members) list += (list.empty() ? "" : ", ") + known.name;
-      throw CdrError("no field '" + std::string(name) + "' in " + leaf_->name + ", expected one of: " + list);
+      throw CdrError("no field '" + std::string(name) + "' in " + leaf_->name +
+                     ", expected one of: " + list);
     }
     steps_.push_back({leaf_, static_cast<std::uint32_t>(member - leaf_->members.begin())});
     leaf_ = member->type;
@@ -342,17 +348,19 @@ CdrField::CdrField(const IdlType& type, std::string_view path) : leaf_(&type) {
                                                  : "list, expected an index such as [0]"));
   }
 
-  std::optional<std::size_t> offset = kHeaderSize;
+  std::size_t offset = kHeaderSize;
+  bool fixed = leaf_->is_number();
   for (const Step& step : steps_) {
-    if (step.inside->kind == Kind::kSequence) offset.reset();
-    for (std::uint32_t i = 0; i < step.index && offset; ++i) {
-      offset = FixedEnd(
-          step.inside->kind == Kind::kStruct ? *step.inside->members[i].type : *step.inside->element, *offset);
+    fixed = fixed && step.inside->kind != Kind::kSequence;
+    for (std::uint32_t i = 0; i < step.index && fixed; ++i) {
+      const bool member = step.inside->kind == Kind::kStruct;
+      const std::optional<std::size_t> end =
+          FixedEnd(member ? *step.inside->members[i].type : *step.inside->element, offset);
+      fixed = end.has_value();
+      offset = end.value_or(offset);
     }
   }
-  if (offset && leaf_->is_number()) {
-    fixed_offset_ = *FixedEnd(*leaf_, *offset) - leaf_->size();
-  }
+  if (fixed) fixed_offset_ = FixedEnd(*leaf_, offset).value_or(0) - leaf_->size();
 }
 
 std::size_t CdrField::Locate(std::span<const std::byte> payload, bool* swapped) const {
@@ -368,7 +376,8 @@ std::size_t CdrField::Locate(std::span<const std::byte> payload, bool* swapped) 
       } else {
         const std::uint32_t count = walker.GetCount(*step.inside);
         if (step.index >= count) {
-          throw CdrError("index " + std::to_string(step.index) + " of a list of " + std::to_string(count));
+          throw CdrError("index " + std::to_string(step.index) + " of a list of " +
+                         std::to_string(count));
         }
         walker.SkipElements(*step.inside->element, step.index);
       }
@@ -376,7 +385,8 @@ std::size_t CdrField::Locate(std::span<const std::byte> payload, bool* swapped) 
     at = leaf_->is_number() ? walker.Align(leaf_->size()) : walker.position();
   }
   if (at > payload.size() || leaf_->size() > payload.size() - at) {
-    throw CdrError("the payload of " + std::to_string(payload.size()) + " bytes ends before the field");
+    throw CdrError("the payload of " + std::to_string(payload.size()) +
+                   " bytes ends before the field");
   }
   return at;
 }
@@ -416,18 +426,16 @@ void CdrField::Set(std::span<std::byte> payload, double value) const {
   bool swapped = false;
   const std::size_t at = Locate(payload, &swapped);
   if (!leaf_->is_number()) throw CdrError("a text cannot be set to a number");
-  WithNumber(leaf_->kind, [&](auto zero) {
-    Store(payload, at, swapped, static_cast<decltype(zero)>(value));
-  });
+  WithNumber(leaf_->kind,
+             [&](auto zero) { Store(payload, at, swapped, static_cast<decltype(zero)>(value)); });
 }
 
 void CdrField::SetInt(std::span<std::byte> payload, std::int64_t value) const {
   bool swapped = false;
   const std::size_t at = Locate(payload, &swapped);
   if (!leaf_->is_number()) throw CdrError("a text cannot be set to a number");
-  WithNumber(leaf_->kind, [&](auto zero) {
-    Store(payload, at, swapped, static_cast<decltype(zero)>(value));
-  });
+  WithNumber(leaf_->kind,
+             [&](auto zero) { Store(payload, at, swapped, static_cast<decltype(zero)>(value)); });
 }
 
 bool HasField(const IdlType& type, std::string_view path) {

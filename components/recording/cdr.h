@@ -1,8 +1,9 @@
-// CDR as DDS sends it (XCDR version 1, plain; RTPS 2.5, 10.2): a 4-byte header, then the members in order,
-// each number aligned to its size from the first byte after the header.
+// CDR as DDS sends it (XCDR version 1, plain; RTPS 2.5, 10.2): a 4-byte header, then the members in
+// order, each number aligned to its size from the first byte after the header.
 //
-// Everything works on bytes and an IdlType; no generated code is needed. Decoding never reads outside the
-// payload: what does not fit throws CdrError. Field access after construction allocates nothing.
+// Everything works on bytes and an IdlType; no generated code is needed. Decoding never reads
+// outside the payload: what does not fit throws CdrError. Field access after construction allocates
+// nothing.
 #pragma once
 
 #include <cstddef>
@@ -32,7 +33,7 @@ class CdrVisitor {
   virtual void BeginStruct(const IdlType& type) = 0;
   virtual void Member(const IdlMember& member) = 0;  // its value follows
   virtual void EndStruct() = 0;
-  virtual void BeginList(std::uint32_t count) = 0;   // array or sequence
+  virtual void BeginList(std::uint32_t count) = 0;  // array or sequence
   virtual void EndList() = 0;
   virtual void Bool(bool value) = 0;
   virtual void Signed(std::int64_t value) = 0;
@@ -45,8 +46,8 @@ class CdrVisitor {
 // Throws CdrError.
 void DecodeCdr(const IdlType& type, std::span<const std::byte> payload, CdrVisitor* visitor);
 
-// Zeroes alignment bytes (senders leave what was in memory there) and cuts bytes after the last member, so
-// that equal messages are equal bytes. Throws CdrError, payload then unchanged in size.
+// Zeroes alignment bytes (senders leave what was in memory there) and cuts bytes after the last
+// member, so that equal messages are equal bytes. Throws CdrError, payload then unchanged in size.
 void CanonicalizeCdr(const IdlType& type, Bytes* payload);
 
 // A little-endian message with every number 0, every text and sequence empty.
@@ -76,7 +77,8 @@ class CdrField {
 
   std::vector<Step> steps_;
   const IdlType* leaf_ = nullptr;
-  std::optional<std::size_t> fixed_offset_;  // from the start of the payload, when nothing before it varies
+  std::optional<std::size_t>
+      fixed_offset_;  // from the start of the payload, when nothing before it varies
 };
 
 // True when the type has the field.

@@ -13,15 +13,18 @@ namespace {
 
 constexpr std::size_t kStep = 1u << 16;
 
-std::string Unzstd(std::span<const std::byte> bytes, std::uint64_t size, std::vector<std::byte>* out) {
-  const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(), &ZSTD_freeDCtx);
+std::string Unzstd(std::span<const std::byte> bytes, std::uint64_t size,
+                   std::vector<std::byte>* out) {
+  const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(),
+                                                                     &ZSTD_freeDCtx);
   if (!context) throw std::bad_alloc();
   ZSTD_inBuffer input{bytes.data(), bytes.size(), 0};
   std::size_t written = 0;
   bool frame_ends = false;
   while (!frame_ends || input.pos < input.size) {
     if (out->size() - written < kStep) {
-      out->resize(std::min<std::uint64_t>(std::max<std::uint64_t>(2 * out->size(), kStep), size + 1));
+      out->resize(
+          std::min<std::uint64_t>(std::max<std::uint64_t>(2 * out->size(), kStep), size + 1));
     }
     ZSTD_outBuffer output{out->data(), out->size(), written};
     const std::size_t before = input.pos;
@@ -38,7 +41,8 @@ std::string Unzstd(std::span<const std::byte> bytes, std::uint64_t size, std::ve
   return {};
 }
 
-std::string Unlz4(std::span<const std::byte> bytes, std::uint64_t size, std::vector<std::byte>* out) {
+std::string Unlz4(std::span<const std::byte> bytes, std::uint64_t size,
+                  std::vector<std::byte>* out) {
   LZ4F_dctx* raw = nullptr;
   if (LZ4F_isError(LZ4F_createDecompressionContext(&raw, LZ4F_VERSION))) throw std::bad_alloc();
   const std::unique_ptr<LZ4F_dctx, decltype(&LZ4F_freeDecompressionContext)> context(
@@ -48,7 +52,8 @@ std::string Unlz4(std::span<const std::byte> bytes, std::uint64_t size, std::vec
   bool frame_ends = false;
   while (!frame_ends || read < bytes.size()) {
     if (out->size() - written < kStep) {
-      out->resize(std::min<std::uint64_t>(std::max<std::uint64_t>(2 * out->size(), kStep), size + 1));
+      out->resize(
+          std::min<std::uint64_t>(std::max<std::uint64_t>(2 * out->size(), kStep), size + 1));
     }
     std::size_t taken = bytes.size() - read;
     std::size_t given = out->size() - written;
@@ -80,7 +85,8 @@ std::string_view CompressionName(Compression compression) {
   return "";
 }
 
-void Compress(Compression compression, std::span<const std::byte> bytes, std::vector<std::byte>* out) {
+void Compress(Compression compression, std::span<const std::byte> bytes,
+              std::vector<std::byte>* out) {
   const std::size_t start = out->size();
   switch (compression) {
     case Compression::kNone:
@@ -90,23 +96,25 @@ void Compress(Compression compression, std::span<const std::byte> bytes, std::ve
       out->resize(start + ZSTD_compressBound(bytes.size()));
       const std::size_t size = ZSTD_compress(out->data() + start, out->size() - start, bytes.data(),
                                              bytes.size(), /*level=*/1);
-      if (ZSTD_isError(size)) throw std::runtime_error(std::string("zstd: ") + ZSTD_getErrorName(size));
+      if (ZSTD_isError(size))
+        throw std::runtime_error(std::string("zstd: ") + ZSTD_getErrorName(size));
       out->resize(start + size);
       return;
     }
     case Compression::kLz4: {
       out->resize(start + LZ4F_compressFrameBound(bytes.size(), nullptr));
-      const std::size_t size = LZ4F_compressFrame(out->data() + start, out->size() - start, bytes.data(),
-                                                  bytes.size(), nullptr);
-      if (LZ4F_isError(size)) throw std::runtime_error(std::string("lz4: ") + LZ4F_getErrorName(size));
+      const std::size_t size = LZ4F_compressFrame(out->data() + start, out->size() - start,
+                                                  bytes.data(), bytes.size(), nullptr);
+      if (LZ4F_isError(size))
+        throw std::runtime_error(std::string("lz4: ") + LZ4F_getErrorName(size));
       out->resize(start + size);
       return;
     }
   }
 }
 
-std::string Decompress(std::string_view compression, std::span<const std::byte> bytes, std::uint64_t size,
-                       std::vector<std::byte>* out) {
+std::string Decompress(std::string_view compression, std::span<const std::byte> bytes,
+                       std::uint64_t size, std::vector<std::byte>* out) {
   out->clear();
   if (compression.empty()) {
     if (bytes.size() != size) return "an uncompressed chunk of another size than it declares";

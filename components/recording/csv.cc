@@ -66,7 +66,9 @@ void Split(std::string_view line, char delimiter, std::vector<std::string>* unqu
   }
 }
 
-std::string At(const std::string& name, int line) { return name + ":" + std::to_string(line) + ": "; }
+std::string At(const std::string& name, int line) {
+  return name + ":" + std::to_string(line) + ": ";
+}
 
 std::string List(const std::vector<std::string>& words) {
   std::string list;
@@ -77,7 +79,8 @@ std::string List(const std::vector<std::string>& words) {
 std::vector<std::string> Header(Lines* lines, const std::string& name, char delimiter) {
   std::string_view line;
   if (!lines->Next(&line)) {
-    throw std::invalid_argument(At(name, 1) + "the file is empty, expected a header line with column names");
+    throw std::invalid_argument(At(name, 1) +
+                                "the file is empty, expected a header line with column names");
   }
   std::vector<std::string> unquoted;
   std::vector<std::string_view> cells;
@@ -95,7 +98,8 @@ double Number(std::string_view cell, const std::string& name, int line, const st
     throw std::invalid_argument(where + "'" + std::string(cell) + "' does not fit a double");
   }
   if (error != std::errc{} || end != digits.data() + digits.size()) {
-    throw std::invalid_argument(where + "'" + std::string(cell) + "' is no number, expected one such as -1.5e-3");
+    throw std::invalid_argument(where + "'" + std::string(cell) +
+                                "' is no number, expected one such as -1.5e-3");
   }
   if (!std::isfinite(value)) {
     throw std::invalid_argument(where + "the value is " + std::string(cell) +
@@ -111,8 +115,8 @@ std::vector<std::string> CsvHeader(std::string_view text, const std::string& nam
   return Header(&lines, name, delimiter);
 }
 
-CsvTable ReadCsv(std::string_view text, const std::string& name, const std::vector<std::string>& columns,
-                 char delimiter) {
+CsvTable ReadCsv(std::string_view text, const std::string& name,
+                 const std::vector<std::string>& columns, char delimiter) {
   Lines lines(text);
   const std::vector<std::string> header = Header(&lines, name, delimiter);
   const int header_line = lines.number();
@@ -121,14 +125,15 @@ CsvTable ReadCsv(std::string_view text, const std::string& name, const std::vect
   for (const std::string& column : columns) {
     const auto count = std::count(header.begin(), header.end(), column);
     if (count == 0) {
-      throw std::invalid_argument(At(name, header_line) + "no column '" + column + "', the file has: " +
-                                  List(header));
+      throw std::invalid_argument(At(name, header_line) + "no column '" + column +
+                                  "', the file has: " + List(header));
     }
     if (count > 1) {
       throw std::invalid_argument(At(name, header_line) + "column '" + column + "' is there " +
                                   std::to_string(count) + " times, expected once");
     }
-    indices.push_back(static_cast<std::size_t>(std::find(header.begin(), header.end(), column) - header.begin()));
+    indices.push_back(
+        static_cast<std::size_t>(std::find(header.begin(), header.end(), column) - header.begin()));
   }
 
   CsvTable table{name, columns, {}, {}};
@@ -143,8 +148,9 @@ CsvTable ReadCsv(std::string_view text, const std::string& name, const std::vect
       throw std::invalid_argument(At(name, lines.number()) + "a quoted cell does not end");
     }
     if (cells.size() != header.size()) {
-      throw std::invalid_argument(At(name, lines.number()) + "the row has " + std::to_string(cells.size()) +
-                                  " cells, expected " + std::to_string(header.size()) + " as in the header");
+      throw std::invalid_argument(At(name, lines.number()) + "the row has " +
+                                  std::to_string(cells.size()) + " cells, expected " +
+                                  std::to_string(header.size()) + " as in the header");
     }
     for (std::size_t i = 0; i < indices.size(); ++i) {
       values[i].push_back(Number(cells[indices[i]], name, lines.number(), columns[i]));
@@ -152,10 +158,12 @@ CsvTable ReadCsv(std::string_view text, const std::string& name, const std::vect
     table.lines.push_back(lines.number());
   }
   if (table.lines.empty()) {
-    throw std::invalid_argument(At(name, header_line + 1) + "no row of data, expected at least one");
+    throw std::invalid_argument(At(name, header_line + 1) +
+                                "no row of data, expected at least one");
   }
   for (const std::vector<double>& column : values) {
-    table.values.emplace_back(Eigen::Map<const Eigen::VectorXd>(column.data(), static_cast<Eigen::Index>(column.size())));
+    table.values.emplace_back(
+        Eigen::Map<const Eigen::VectorXd>(column.data(), static_cast<Eigen::Index>(column.size())));
   }
   return table;
 }

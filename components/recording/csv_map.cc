@@ -30,8 +30,8 @@ identify::Run ReadCsvRun(std::string_view text, const std::string& name, const C
       list += (list.empty() ? "" : ", ") + candidate;
     }
     if (!found) {
-      throw std::invalid_argument(column->where + ": no column '" + column->column + "' in " + name +
-                                  ", expected one of: " + list);
+      throw std::invalid_argument(column->where + ": no column '" + column->column + "' in " +
+                                  name + ", expected one of: " + list);
     }
     names.push_back(column->column);
   }
@@ -45,10 +45,10 @@ identify::Run ReadCsvRun(std::string_view text, const std::string& name, const C
   for (Eigen::Index row = 0; row < rows; ++row) {
     run.time_s[row] = map.time.ToSi(table.values.front()[row]);
     if (row > 0 && !(run.time_s[row] > run.time_s[row - 1])) {
-      throw std::invalid_argument(name + ":" + std::to_string(table.lines[static_cast<std::size_t>(row)]) +
-                                  ": column '" + map.time.column + "': time " +
-                                  std::to_string(run.time_s[row]) + " s follows " +
-                                  std::to_string(run.time_s[row - 1]) + " s, expected strictly rising time");
+      throw std::invalid_argument(
+          name + ":" + std::to_string(table.lines[static_cast<std::size_t>(row)]) + ": column '" +
+          map.time.column + "': time " + std::to_string(run.time_s[row]) + " s follows " +
+          std::to_string(run.time_s[row - 1]) + " s, expected strictly rising time");
     }
   }
   for (std::size_t i = 0; i < map.signals.size(); ++i) {
@@ -58,7 +58,8 @@ identify::Run ReadCsvRun(std::string_view text, const std::string& name, const C
       values[row] = map.signals[i].map.ToSi(cells[row]);
       const bool flag = map.signals[i].signal == identify::Signal::kValveOpen;
       if (flag && values[row] != 0.0 && values[row] != 1.0) {
-        throw std::invalid_argument(name + ":" + std::to_string(table.lines[static_cast<std::size_t>(row)]) +
+        throw std::invalid_argument(name + ":" +
+                                    std::to_string(table.lines[static_cast<std::size_t>(row)]) +
                                     ": column '" + map.signals[i].map.column + "': the value is " +
                                     std::to_string(values[row]) + ", expected 0 or 1");
       }
@@ -82,7 +83,8 @@ std::string ContentHash(const identify::Run& run) {
   }
   for (const auto& [signal, values] : run.signals) {
     add(static_cast<std::uint64_t>(signal));
-    for (Eigen::Index row = 0; row < values.size(); ++row) add(std::bit_cast<std::uint64_t>(values[row]));
+    for (Eigen::Index row = 0; row < values.size(); ++row)
+      add(std::bit_cast<std::uint64_t>(values[row]));
   }
   constexpr std::array<char, 17> kDigits = {"0123456789abcdef"};
   std::string text;

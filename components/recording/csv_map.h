@@ -39,12 +39,12 @@ struct CsvMap {
   std::vector<SignalColumn> signals;
 };
 
-// The run that a CSV text holds. Time must rise strictly. Throws std::invalid_argument with one line that
-// names file, line and column.
+// The run that a CSV text holds. Time must rise strictly. Throws std::invalid_argument with one
+// line that names file, line and column.
 identify::Run ReadCsvRun(std::string_view text, const std::string& name, const CsvMap& map);
 
-// Names the samples of a run: 16 hex digits of FNV-1a over time in whole nanoseconds and the bits of every
-// signal, in the order of the signals. Equal for a CSV file and a recording made of it.
+// Names the samples of a run: 16 hex digits of FNV-1a over time in whole nanoseconds and the bits
+// of every signal, in the order of the signals. Equal for a CSV file and a recording made of it.
 std::string ContentHash(const identify::Run& run);
 
 }  // namespace sinew::recording

@@ -10,7 +10,7 @@ namespace {
 
 using Kind = IdlType::Kind;
 
-constexpr std::size_t kMaxDepth = 32;          // schemas come out of files: bounded recursion
+constexpr std::size_t kMaxDepth = 32;  // schemas come out of files: bounded recursion
 constexpr std::uint32_t kMaxArray = 1u << 20;
 
 bool IsWordStart(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_'; }
@@ -65,7 +65,9 @@ class IdlParser {
   [[noreturn]] void Fail(const std::string& what) const {
     throw IdlError("line " + std::to_string(line_) + ": " + what);
   }
-  std::string Found() const { return token_.empty() ? "the end of the text" : "'" + std::string(token_) + "'"; }
+  std::string Found() const {
+    return token_.empty() ? "the end of the text" : std::string("'").append(token_).append("'");
+  }
 
   // Next token: a word, a number, "::" or one character; empty at the end.
   void Advance() {
@@ -81,7 +83,8 @@ class IdlParser {
       }
       const std::size_t comment = CommentLength(rest_);
       if (comment == 0) break;
-      line_ += static_cast<int>(std::count(rest_.begin(), rest_.begin() + static_cast<std::ptrdiff_t>(comment), '\n'));
+      line_ += static_cast<int>(
+          std::count(rest_.begin(), rest_.begin() + static_cast<std::ptrdiff_t>(comment), '\n'));
       rest_.remove_prefix(comment);
     }
     std::size_t length = 1;
@@ -102,7 +105,8 @@ class IdlParser {
     if (!Accept(token)) Fail("found " + Found() + ", expected '" + std::string(token) + "'");
   }
   std::string Name() {
-    if (token_.empty() || !IsWordStart(token_.front())) Fail("found " + Found() + ", expected a name");
+    if (token_.empty() || !IsWordStart(token_.front()))
+      Fail("found " + Found() + ", expected a name");
     std::string name(token_);
     Advance();
     return name;
@@ -209,7 +213,8 @@ class IdlParser {
           IdlType& array = Add(Kind::kArray);
           array.element = base;
           array.bound = Count();
-          if (array.bound > kMaxArray) Fail("an array of " + std::to_string(array.bound) + " elements");
+          if (array.bound > kMaxArray)
+            Fail("an array of " + std::to_string(array.bound) + " elements");
           member.type = &array;
           Expect("]");
           if (token_ == "[") Fail("member '" + member.name + "' has two dimensions, expected one");
@@ -231,11 +236,22 @@ class IdlParser {
 
   const IdlType* Type(std::size_t depth = 0) {
     if (depth == kMaxDepth) Fail("sequences are nested too deep");
-    static constexpr std::array<std::pair<std::string_view, Kind>, 15> kWords = {{
-        {"boolean", Kind::kBool}, {"octet", Kind::kOctet}, {"uint8", Kind::kOctet}, {"char", Kind::kChar},
-        {"short", Kind::kInt16}, {"int16", Kind::kInt16}, {"uint16", Kind::kUint16}, {"int32", Kind::kInt32},
-        {"uint32", Kind::kUint32}, {"int64", Kind::kInt64}, {"uint64", Kind::kUint64}, {"float", Kind::kFloat},
-        {"double", Kind::kDouble}, {"wchar", Kind::kStruct}, {"wstring", Kind::kStruct}}};
+    static constexpr std::array<std::pair<std::string_view, Kind>, 15> kWords = {
+        {{"boolean", Kind::kBool},
+         {"octet", Kind::kOctet},
+         {"uint8", Kind::kOctet},
+         {"char", Kind::kChar},
+         {"short", Kind::kInt16},
+         {"int16", Kind::kInt16},
+         {"uint16", Kind::kUint16},
+         {"int32", Kind::kInt32},
+         {"uint32", Kind::kUint32},
+         {"int64", Kind::kInt64},
+         {"uint64", Kind::kUint64},
+         {"float", Kind::kFloat},
+         {"double", Kind::kDouble},
+         {"wchar", Kind::kStruct},
+         {"wstring", Kind::kStruct}}};
     if (Accept("unsigned")) {
       if (Accept("short")) return Primitive(Kind::kUint16);
       Expect("long");
@@ -264,7 +280,8 @@ class IdlParser {
     }
     for (const auto& [word, kind] : kWords) {
       if (token_ == word) {
-        if (kind == Kind::kStruct) Fail("type '" + std::string(word) + "', which our subset has not");
+        if (kind == Kind::kStruct)
+          Fail("type '" + std::string(word) + "', which our subset has not");
         Advance();
         return Primitive(kind);
       }

@@ -1,7 +1,8 @@
 // Reads flattened IDL, the subset our topics use (idl/README.md), into a tree of types.
 //
-// Understood: modules, @final structs, enums, primitives, bounded and unbounded strings, sequences, fixed
-// arrays of one dimension, nested structs, comments, annotations (those that change the encoding -
+// Understood: modules, @final structs, enums, primitives, bounded and unbounded strings, sequences,
+// fixed arrays of one dimension, nested structs, comments, annotations (those that change the
+// encoding -
 // @appendable, @mutable, @optional - are refused). Set-up only: allocates.
 #pragma once
 
@@ -30,18 +31,32 @@ struct IdlMember {
 
 struct IdlType {
   enum class Kind {
-    kBool, kOctet, kChar, kInt16, kUint16, kInt32, kUint32, kInt64, kUint64, kFloat, kDouble,
-    kEnum, kString, kStruct, kSequence, kArray,
+    kBool,
+    kOctet,
+    kChar,
+    kInt16,
+    kUint16,
+    kInt32,
+    kUint32,
+    kInt64,
+    kUint64,
+    kFloat,
+    kDouble,
+    kEnum,
+    kString,
+    kStruct,
+    kSequence,
+    kArray,
   };
   Kind kind{};
-  std::string name;                       // scoped, of structs and enums: "sinew::msg::Header"
-  std::vector<IdlMember> members;         // kStruct
-  std::vector<std::string> enumerators;   // kEnum, values from 0
-  const IdlType* element = nullptr;       // kSequence, kArray
-  std::uint32_t bound = 0;                // kString, kSequence: at most (0: unbounded); kArray: exactly
+  std::string name;                      // scoped, of structs and enums: "sinew::msg::Header"
+  std::vector<IdlMember> members;        // kStruct
+  std::vector<std::string> enumerators;  // kEnum, values from 0
+  const IdlType* element = nullptr;      // kSequence, kArray
+  std::uint32_t bound = 0;  // kString, kSequence: at most (0: unbounded); kArray: exactly
 
   bool is_number() const { return kind <= Kind::kEnum; }
-  std::uint32_t size() const;             // bytes of a number, also its alignment; 0 for the rest
+  std::uint32_t size() const;  // bytes of a number, also its alignment; 0 for the rest
 };
 
 class IdlSchema {

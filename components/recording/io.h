@@ -1,4 +1,5 @@
-// The two tiny ends a recording is written to and read from. Files: file/file_io.h; tests use memory.
+// The two tiny ends a recording is written to and read from. Files: file/file_io.h; tests use
+// memory.
 #pragma once
 
 #include <algorithm>

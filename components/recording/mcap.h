@@ -1,4 +1,5 @@
-// Records of the MCAP container, version 0 (https://mcap.dev/spec), as far as we write and read them.
+// Records of the MCAP container, version 0 (https://mcap.dev/spec), as far as we write and read
+// them.
 //
 //   magic  header  { schema | channel | chunk, message index... | attachment | metadata }  data end
 //   summary: schemas, channels, statistics, chunk, attachment and metadata indexes; summary offsets
@@ -17,10 +18,11 @@
 
 namespace sinew::recording {
 
-enum class SchemaId : std::uint16_t {};   // 0: none
+enum class SchemaId : std::uint16_t {};  // 0: none
 enum class ChannelId : std::uint16_t {};
 
-inline constexpr std::array<unsigned char, 8> kMcapMagic = {0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
+inline constexpr std::array<unsigned char, 8> kMcapMagic = {0x89, 'M', 'C',  'A',
+                                                            'P',  '0', '\r', '\n'};
 
 enum class Opcode : std::uint8_t {
   kHeader = 0x01,
@@ -68,8 +70,8 @@ struct McapMessage {
 struct McapChunkIndex {
   std::int64_t start_time_ns = 0;
   std::int64_t end_time_ns = 0;
-  std::uint64_t offset = 0;  // of the chunk record in the file
-  std::uint64_t length = 0;  // of the whole record
+  std::uint64_t offset = 0;                                  // of the chunk record in the file
+  std::uint64_t length = 0;                                  // of the whole record
   std::map<ChannelId, std::uint64_t> message_index_offsets;  // empty: not known
   std::uint64_t message_index_length = 0;
   std::string compression;

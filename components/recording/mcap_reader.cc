@@ -23,7 +23,8 @@ std::uint32_t Crc(std::span<const std::byte> bytes) {
 }
 
 bool IsMagic(std::span<const std::byte> bytes) {
-  return bytes.size() == kMagicSize && std::memcmp(bytes.data(), kMcapMagic.data(), kMagicSize) == 0;
+  return bytes.size() == kMagicSize &&
+         std::memcmp(bytes.data(), kMcapMagic.data(), kMagicSize) == 0;
 }
 
 TextMap GetTextMap(Cursor* cursor) {
@@ -51,8 +52,8 @@ void CheckFields(const Cursor& cursor, std::uint64_t offset, Opcode opcode) {
 }
 
 std::int64_t GetTime(Cursor* cursor) {
-  return static_cast<std::int64_t>(
-      std::min<std::uint64_t>(cursor->Get<std::uint64_t>(), std::numeric_limits<std::int64_t>::max()));
+  return static_cast<std::int64_t>(std::min<std::uint64_t>(
+      cursor->Get<std::uint64_t>(), std::numeric_limits<std::int64_t>::max()));
 }
 
 // Fixed fields of a message record; data is what remains.
@@ -81,7 +82,8 @@ void ForEachInChunk(std::uint64_t chunk_offset, std::span<const std::byte> recor
     const auto opcode = static_cast<Opcode>(cursor.Get<std::uint8_t>());
     const auto size = cursor.Get<std::uint64_t>();
     const auto content = cursor.Take(size);
-    if (!cursor.ok()) throw McapError(chunk_offset, "a record inside the chunk is longer than the chunk");
+    if (!cursor.ok())
+      throw McapError(chunk_offset, "a record inside the chunk is longer than the chunk");
     visit(opcode, at, content);
   }
 }
@@ -109,8 +111,8 @@ McapReader::Record McapReader::ReadRecordHead(std::uint64_t offset, std::uint64_
   record.size = cursor.Get<std::uint64_t>();
   if (record.opcode == Opcode{0}) throw McapError(offset, "no record begins here (opcode 0)");
   if (record.size > end - offset - kHeadSize) {
-    throw McapError(offset, "record " + OpcodeText(record.opcode) + " of " + std::to_string(record.size) +
-                                " bytes is longer than the file");
+    throw McapError(offset, "record " + OpcodeText(record.opcode) + " of " +
+                                std::to_string(record.size) + " bytes is longer than the file");
   }
   return record;
 }
@@ -120,12 +122,14 @@ McapReader::McapReader(ByteSource& source) : source_(source) {
   if (size < kMagicSize || !IsMagic(ReadBytes(0, kMagicSize))) {
     throw McapError(0, "no MCAP file: the magic bytes are missing");
   }
-  const bool whole = size >= 2 * kMagicSize + kFooterSize && IsMagic(ReadBytes(size - kMagicSize, kMagicSize));
+  const bool whole =
+      size >= 2 * kMagicSize + kFooterSize && IsMagic(ReadBytes(size - kMagicSize, kMagicSize));
   const std::uint64_t end = whole ? size - kMagicSize : size;
 
   const Record header = ReadRecordHead(kMagicSize, end);
   if (header.opcode != Opcode::kHeader) {
-    throw McapError(kMagicSize, "record " + OpcodeText(header.opcode) + ", expected the header 0x01");
+    throw McapError(kMagicSize,
+                    "record " + OpcodeText(header.opcode) + ", expected the header 0x01");
   }
   const Bytes content = ReadContent(header);
   Cursor cursor(content);
@@ -142,7 +146,8 @@ bool McapReader::ReadSummary(std::uint64_t end) {
   const std::uint64_t footer_offset = end - kFooterSize;
   const Record footer = ReadRecordHead(footer_offset, end);
   if (footer.opcode != Opcode::kFooter || footer.size != kFooterSize - kHeadSize) {
-    throw McapError(footer_offset, "record " + OpcodeText(footer.opcode) + ", expected the footer 0x02");
+    throw McapError(footer_offset,
+                    "record " + OpcodeText(footer.opcode) + ", expected the footer 0x02");
   }
   const Bytes content = ReadContent(footer);
   Cursor cursor(content);
@@ -196,7 +201,8 @@ void McapReader::ParseSchema(std::uint64_t offset, Cursor cursor) {
   if (schema.id == SchemaId{0}) return;  // invalid, to be ignored (specification)
   const auto [known, added] = schemas_.try_emplace(schema.id, schema);
   if (!added && (known->second.name != schema.name || known->second.data != schema.data)) {
-    throw McapError(offset, "schema " + std::to_string(static_cast<int>(schema.id)) + " is there twice, differently");
+    throw McapError(offset, "schema " + std::to_string(static_cast<int>(schema.id)) +
+                                " is there twice, differently");
   }
 }
 
@@ -209,11 +215,14 @@ void McapReader::ParseChannel(std::uint64_t offset, Cursor cursor) {
   channel.metadata = GetTextMap(&cursor);
   CheckFields(cursor, offset, Opcode::kChannel);
   if (channel.schema_id != SchemaId{0} && !schemas_.contains(channel.schema_id)) {
-    throw McapError(offset, "channel '" + channel.topic + "' names a schema that the file does not have");
+    throw McapError(offset,
+                    "channel '" + channel.topic + "' names a schema that the file does not have");
   }
   const auto [known, added] = channels_.try_emplace(channel.id, channel);
-  if (!added && (known->second.topic != channel.topic || known->second.schema_id != channel.schema_id)) {
-    throw McapError(offset, "channel " + std::to_string(static_cast<int>(channel.id)) + " is there twice, differently");
+  if (!added &&
+      (known->second.topic != channel.topic || known->second.schema_id != channel.schema_id)) {
+    throw McapError(offset, "channel " + std::to_string(static_cast<int>(channel.id)) +
+                                " is there twice, differently");
   }
 }
 
@@ -269,7 +278,8 @@ void McapReader::Take(const Record& record, const Bytes& content) {
     case Opcode::kMetadataIndex: {
       const auto offset = cursor.Get<std::uint64_t>();
       CheckFields(cursor, record.offset, record.opcode);
-      (record.opcode == Opcode::kMetadataIndex ? metadata_offsets_ : attachment_offsets_).push_back(offset);
+      (record.opcode == Opcode::kMetadataIndex ? metadata_offsets_ : attachment_offsets_)
+          .push_back(offset);
       break;
     }
     default:
@@ -277,7 +287,8 @@ void McapReader::Take(const Record& record, const Bytes& content) {
   }
 }
 
-Bytes McapReader::OpenChunk(std::uint64_t offset, const Bytes& content, McapChunkIndex* index) const {
+Bytes McapReader::OpenChunk(std::uint64_t offset, const Bytes& content,
+                            McapChunkIndex* index) const {
   Cursor cursor(content);
   index->offset = offset;
   index->length = kHeadSize + content.size();
@@ -290,9 +301,11 @@ Bytes McapReader::OpenChunk(std::uint64_t offset, const Bytes& content, McapChun
   const auto compressed = cursor.Take(index->compressed_size);
   CheckFields(cursor, offset, Opcode::kChunk);
   Bytes records;
-  const std::string problem = Decompress(index->compression, compressed, index->uncompressed_size, &records);
+  const std::string problem =
+      Decompress(index->compression, compressed, index->uncompressed_size, &records);
   if (!problem.empty()) throw McapError(offset, "chunk: " + problem);
-  if (crc != 0 && Crc(records) != crc) throw McapError(offset, "the checksum of the chunk is wrong");
+  if (crc != 0 && Crc(records) != crc)
+    throw McapError(offset, "the checksum of the chunk is wrong");
   return records;
 }
 
@@ -301,27 +314,30 @@ void McapReader::TakeChunk(const Record& record, const Bytes& content) {
   const Bytes records = OpenChunk(record.offset, content, &index);
   std::map<ChannelId, std::uint64_t> counts;
   std::uint64_t messages = 0;
-  ForEachInChunk(record.offset, records, [&](Opcode opcode, std::size_t, std::span<const std::byte> inner) {
-    Cursor cursor(inner);
-    if (opcode == Opcode::kSchema) ParseSchema(record.offset, cursor);
-    if (opcode == Opcode::kChannel) ParseChannel(record.offset, cursor);
-    if (opcode != Opcode::kMessage) return;
-    const MessageHead head = GetMessageHead(&cursor);
-    CheckFields(cursor, record.offset, opcode);
-    if (!channels_.contains(head.channel_id)) {
-      throw McapError(record.offset, "a message in the chunk names a channel that the file does not have");
-    }
-    if (messages == 0) index.start_time_ns = index.end_time_ns = head.log_time_ns;
-    index.start_time_ns = std::min(index.start_time_ns, head.log_time_ns);
-    index.end_time_ns = std::max(index.end_time_ns, head.log_time_ns);
-    ++counts[head.channel_id];
-    ++messages;
-  });
+  ForEachInChunk(
+      record.offset, records, [&](Opcode opcode, std::size_t, std::span<const std::byte> inner) {
+        Cursor cursor(inner);
+        if (opcode == Opcode::kSchema) ParseSchema(record.offset, cursor);
+        if (opcode == Opcode::kChannel) ParseChannel(record.offset, cursor);
+        if (opcode != Opcode::kMessage) return;
+        const MessageHead head = GetMessageHead(&cursor);
+        CheckFields(cursor, record.offset, opcode);
+        if (!channels_.contains(head.channel_id)) {
+          throw McapError(record.offset,
+                          "a message in the chunk names a channel that the file does not have");
+        }
+        if (messages == 0) index.start_time_ns = index.end_time_ns = head.log_time_ns;
+        index.start_time_ns = std::min(index.start_time_ns, head.log_time_ns);
+        index.end_time_ns = std::max(index.end_time_ns, head.log_time_ns);
+        ++counts[head.channel_id];
+        ++messages;
+      });
   if (messages > 0) {
     const bool first = statistics_.message_count == 0;
     statistics_.start_time_ns =
         first ? index.start_time_ns : std::min(statistics_.start_time_ns, index.start_time_ns);
-    statistics_.end_time_ns = first ? index.end_time_ns : std::max(statistics_.end_time_ns, index.end_time_ns);
+    statistics_.end_time_ns =
+        first ? index.end_time_ns : std::max(statistics_.end_time_ns, index.end_time_ns);
   }
   statistics_.message_count += messages;
   for (const auto& [channel, count] : counts) statistics_.channel_message_counts[channel] += count;
@@ -395,7 +411,8 @@ const McapSchema* McapReader::SchemaOf(const McapChannel& channel) const {
 std::vector<McapMetadata> McapReader::ReadMetadata() const {
   std::vector<McapMetadata> all;
   for (const std::uint64_t offset : metadata_offsets_) {
-    if (offset > source_.size()) throw McapError(offset, "the metadata index points outside the file");
+    if (offset > source_.size())
+      throw McapError(offset, "the metadata index points outside the file");
     const Record record = ReadRecordHead(offset, source_.size());
     if (record.opcode != Opcode::kMetadata) throw McapError(offset, "expected metadata here");
     const Bytes content = ReadContent(record);
@@ -412,9 +429,11 @@ std::vector<McapMetadata> McapReader::ReadMetadata() const {
 std::vector<McapAttachment> McapReader::ReadAttachments() const {
   std::vector<McapAttachment> all;
   for (const std::uint64_t offset : attachment_offsets_) {
-    if (offset > source_.size()) throw McapError(offset, "the attachment index points outside the file");
+    if (offset > source_.size())
+      throw McapError(offset, "the attachment index points outside the file");
     const Record record = ReadRecordHead(offset, source_.size());
-    if (record.opcode != Opcode::kAttachment) throw McapError(offset, "expected an attachment here");
+    if (record.opcode != Opcode::kAttachment)
+      throw McapError(offset, "expected an attachment here");
     const Bytes content = ReadContent(record);
     Cursor cursor(content);
     McapAttachment attachment;
@@ -434,8 +453,8 @@ std::vector<McapAttachment> McapReader::ReadAttachments() const {
   return all;
 }
 
-// Chunks are opened in the order of their start; a message is given once no unopened chunk can hold an
-// earlier one.
+// Chunks are opened in the order of their start; a message is given once no unopened chunk can hold
+// an earlier one.
 struct McapMessages::Impl {
   struct Entry {
     std::int64_t log_time_ns;
@@ -482,15 +501,16 @@ struct McapMessages::Impl {
     const Part part = parts.front();
     parts.pop_front();
     if (!part.chunk) {
-      const auto bytes = std::make_shared<const Bytes>(reader->ReadBytes(part.offset + kHeadSize, part.size));
+      const auto bytes =
+          std::make_shared<const Bytes>(reader->ReadBytes(part.offset + kHeadSize, part.size));
       AddMessage(bytes, *bytes, part.offset, 0);
       return;
     }
     const McapReader::Record record = reader->ReadRecordHead(part.offset, reader->source_.size());
     if (record.opcode != Opcode::kChunk) throw McapError(part.offset, "expected a chunk here");
     McapChunkIndex index;
-    const auto bytes =
-        std::make_shared<const Bytes>(reader->OpenChunk(part.offset, reader->ReadContent(record), &index));
+    const auto bytes = std::make_shared<const Bytes>(
+        reader->OpenChunk(part.offset, reader->ReadContent(record), &index));
     ForEachInChunk(part.offset, *bytes,
                    [&](Opcode opcode, std::size_t at, std::span<const std::byte> content) {
                      if (opcode == Opcode::kMessage) AddMessage(bytes, content, part.offset, at);
@@ -504,8 +524,8 @@ McapMessages::~McapMessages() = default;
 
 bool McapMessages::Next(McapMessage* message) {
   Impl& impl = *impl_;
-  while (!impl.parts.empty() &&
-         (impl.waiting.empty() || impl.parts.front().start_time_ns <= impl.waiting.top().log_time_ns)) {
+  while (!impl.parts.empty() && (impl.waiting.empty() || impl.parts.front().start_time_ns <=
+                                                             impl.waiting.top().log_time_ns)) {
     impl.OpenPart();
   }
   if (impl.waiting.empty()) return false;
@@ -530,9 +550,11 @@ McapMessages McapReader::Messages(MessageFilter filter) const {
   for (const McapChunkIndex& chunk : chunks_) {
     if (chunk.end_time_ns < filter.start_ns || chunk.start_time_ns > filter.end_ns) continue;
     const bool unknown = chunk.message_index_offsets.empty();
-    const bool any = std::any_of(chunk.message_index_offsets.begin(), chunk.message_index_offsets.end(),
-                                 [&](const auto& entry) { return impl->wanted.contains(entry.first); });
-    if (unknown || any) impl->parts.push_back({chunk.start_time_ns, chunk.offset, chunk.length, true});
+    const bool any =
+        std::any_of(chunk.message_index_offsets.begin(), chunk.message_index_offsets.end(),
+                    [&](const auto& entry) { return impl->wanted.contains(entry.first); });
+    if (unknown || any)
+      impl->parts.push_back({chunk.start_time_ns, chunk.offset, chunk.length, true});
   }
   for (const Loose& loose : loose_) {
     impl->parts.push_back({loose.log_time_ns, loose.offset, loose.size, false});

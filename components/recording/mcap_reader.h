@@ -1,8 +1,10 @@
-// Reads MCAP files: through their index, or record by record when they were cut off (a killed logger).
+// Reads MCAP files: through their index, or record by record when they were cut off (a killed
+// logger).
 //
-// A file that begins and ends as it should but is wrong inside is broken: McapError with the byte. A file
-// without its end is recovered: everything up to the first record that is not whole, and `recovery()` says how
-// much that is. Foreign files with zstd, LZ4 or plain chunks, or without chunks, are read.
+// A file that begins and ends as it should but is wrong inside is broken: McapError with the byte.
+// A file without its end is recovered: everything up to the first record that is not whole, and
+// `recovery()` says how much that is. Foreign files with zstd, LZ4 or plain chunks, or without
+// chunks, are read.
 #pragma once
 
 #include <cstdint>
@@ -36,7 +38,7 @@ struct Recovery {
   std::uint64_t good_bytes = 0;  // from the start, up to the last whole record
   std::uint64_t lost_bytes = 0;  // after them
   std::uint64_t messages = 0;
-  std::string reason;            // why reading stopped there
+  std::string reason;  // why reading stopped there
 };
 
 struct MessageFilter {
@@ -47,8 +49,8 @@ struct MessageFilter {
 
 class McapReader;
 
-// Messages in the order of their log time; equal times stay in file order. One chunk (or a few that overlap)
-// is in memory at a time. The reader must outlive it.
+// Messages in the order of their log time; equal times stay in file order. One chunk (or a few that
+// overlap) is in memory at a time. The reader must outlive it.
 class McapMessages {
  public:
   McapMessages(McapMessages&&) noexcept;
@@ -89,10 +91,10 @@ class McapReader {
   friend class McapMessages;
   struct Record {
     Opcode opcode{};
-    std::uint64_t offset = 0;   // of the opcode
-    std::uint64_t size = 0;     // of the content
+    std::uint64_t offset = 0;  // of the opcode
+    std::uint64_t size = 0;    // of the content
   };
-  struct Loose {                // a message outside chunks
+  struct Loose {  // a message outside chunks
     std::int64_t log_time_ns;
     std::uint64_t offset;
     std::uint64_t size;
@@ -100,7 +102,9 @@ class McapReader {
 
   Bytes ReadBytes(std::uint64_t offset, std::uint64_t size) const;
   Record ReadRecordHead(std::uint64_t offset, std::uint64_t end) const;
-  Bytes ReadContent(const Record& record) const { return ReadBytes(record.offset + 9, record.size); }
+  Bytes ReadContent(const Record& record) const {
+    return ReadBytes(record.offset + 9, record.size);
+  }
   bool ReadSummary(std::uint64_t end);
   void Scan(std::uint64_t start, std::uint64_t end, bool cut_off);
   void Take(const Record& record, const Bytes& content);

@@ -83,7 +83,8 @@ IoStatus McapWriter::Open() {
 IoStatus McapWriter::AddSchema(const std::string& name, const std::string& encoding,
                                const std::string& data, SchemaId* id) {
   if (!open_) return IoStatus::Failed("the file is not open");
-  if (schemas_.size() == std::numeric_limits<std::uint16_t>::max()) return IoStatus::Failed("too many schemas");
+  if (schemas_.size() == std::numeric_limits<std::uint16_t>::max())
+    return IoStatus::Failed("too many schemas");
   *id = static_cast<SchemaId>(schemas_.size() + 1);
   schemas_.push_back({*id, name, encoding, data});
   statistics_.schema_count = static_cast<std::uint16_t>(schemas_.size());
@@ -93,10 +94,13 @@ IoStatus McapWriter::AddSchema(const std::string& name, const std::string& encod
 }
 
 IoStatus McapWriter::AddChannel(SchemaId schema_id, const std::string& topic,
-                                const std::string& message_encoding, const TextMap& metadata, ChannelId* id) {
+                                const std::string& message_encoding, const TextMap& metadata,
+                                ChannelId* id) {
   if (!open_) return IoStatus::Failed("the file is not open");
-  if (static_cast<std::size_t>(schema_id) > schemas_.size()) return IoStatus::Failed("no such schema");
-  if (channels_.size() == std::numeric_limits<std::uint16_t>::max()) return IoStatus::Failed("too many channels");
+  if (static_cast<std::size_t>(schema_id) > schemas_.size())
+    return IoStatus::Failed("no such schema");
+  if (channels_.size() == std::numeric_limits<std::uint16_t>::max())
+    return IoStatus::Failed("too many channels");
   *id = static_cast<ChannelId>(channels_.size() + 1);
   channels_.push_back({*id, schema_id, topic, message_encoding, metadata});
   sequences_.push_back(0);
@@ -112,7 +116,8 @@ IoStatus McapWriter::WriteMessage(ChannelId channel_id, std::int64_t log_time_ns
   if (!status_.ok()) return status_;
   const auto channel = static_cast<std::size_t>(channel_id);
   if (channel == 0 || channel > channels_.size()) return IoStatus::Failed("no such channel");
-  if (log_time_ns < 0 || publish_time_ns < 0) return IoStatus::Failed("a time before 0 does not fit the format");
+  if (log_time_ns < 0 || publish_time_ns < 0)
+    return IoStatus::Failed("a time before 0 does not fit the format");
 
   const bool empty = chunk_.empty();
   if (!empty && (log_time_ns - chunk_start_ns_ >= options_.chunk_span_ns ||
@@ -132,7 +137,8 @@ IoStatus McapWriter::WriteMessage(ChannelId channel_id, std::int64_t log_time_ns
   chunk_.insert(chunk_.end(), data.begin(), data.end());
   FinishRecord(&chunk_, start);
 
-  if (statistics_.message_count == 0) statistics_.start_time_ns = statistics_.end_time_ns = log_time_ns;
+  if (statistics_.message_count == 0)
+    statistics_.start_time_ns = statistics_.end_time_ns = log_time_ns;
   statistics_.start_time_ns = std::min(statistics_.start_time_ns, log_time_ns);
   statistics_.end_time_ns = std::max(statistics_.end_time_ns, log_time_ns);
   ++statistics_.message_count;
@@ -226,8 +232,8 @@ IoStatus McapWriter::WriteAttachment(const McapAttachment& attachment) {
   return IoStatus::Ok();
 }
 
-void McapWriter::AppendGroup(Opcode opcode, const Bytes& records, std::uint64_t summary_start, Bytes* summary,
-                             Bytes* offsets) const {
+void McapWriter::AppendGroup(Opcode opcode, const Bytes& records, std::uint64_t summary_start,
+                             Bytes* summary, Bytes* offsets) const {
   if (records.empty()) return;
   const std::size_t start = StartRecord(offsets, Opcode::kSummaryOffset);
   Put(offsets, static_cast<std::uint8_t>(opcode));

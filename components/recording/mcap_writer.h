@@ -1,9 +1,9 @@
 // Writes an MCAP file: chunked, indexed, with checksums.
 //
-// Messages wait in a chunk in memory until the chunk spans `chunk_span_ns` of log time or `chunk_bytes`, or
-// CloseChunk is called: what a killed writer loses is the open chunk. Every write is checked. After the first
-// failure nothing more is written and every call gives that failure again.
-// Thread: one at a time.
+// Messages wait in a chunk in memory until the chunk spans `chunk_span_ns` of log time or
+// `chunk_bytes`, or CloseChunk is called: what a killed writer loses is the open chunk. Every write
+// is checked. After the first failure nothing more is written and every call gives that failure
+// again. Thread: one at a time.
 #pragma once
 
 #include <boost/crc.hpp>
@@ -37,11 +37,11 @@ class McapWriter {
   IoStatus Open();  // magic and header
   IoStatus AddSchema(const std::string& name, const std::string& encoding, const std::string& data,
                      SchemaId* id);
-  IoStatus AddChannel(SchemaId schema_id, const std::string& topic, const std::string& message_encoding,
-                      const TextMap& metadata, ChannelId* id);
+  IoStatus AddChannel(SchemaId schema_id, const std::string& topic,
+                      const std::string& message_encoding, const TextMap& metadata, ChannelId* id);
   // Numbers the messages of a channel itself. Negative times are refused.
-  IoStatus WriteMessage(ChannelId channel_id, std::int64_t log_time_ns, std::int64_t publish_time_ns,
-                        std::span<const std::byte> data);
+  IoStatus WriteMessage(ChannelId channel_id, std::int64_t log_time_ns,
+                        std::int64_t publish_time_ns, std::span<const std::byte> data);
   IoStatus WriteMetadata(const McapMetadata& metadata);
   IoStatus WriteAttachment(const McapAttachment& attachment);
   // Hands the open chunk to the sink. Nothing to do when it is empty.
@@ -61,7 +61,7 @@ class McapWriter {
   struct Located {  // a record the summary points at
     std::uint64_t offset;
     std::uint64_t length;
-    Bytes rest;     // of its index record
+    Bytes rest;  // of its index record
   };
 
   IoStatus Emit(const Bytes& bytes);

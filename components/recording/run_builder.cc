@@ -42,21 +42,24 @@ struct Session {
 struct Decoder {
   IdlSchema idl;
   std::string topic;
-  std::optional<CdrField> session_id, tick, stamp_ns, joint_count, valid, measured_flags, joint_kind;
+  std::optional<CdrField> session_id, tick, stamp_ns, joint_count, valid, measured_flags,
+      joint_kind;
   std::vector<std::pair<std::size_t, CdrField>> signals;
 };
 
-std::unique_ptr<Decoder> MakeDecoder(const McapReader& reader, const McapChannel& channel, int joint) {
+std::unique_ptr<Decoder> MakeDecoder(const McapReader& reader, const McapChannel& channel,
+                                     int joint) {
   const McapSchema* schema = reader.SchemaOf(channel);
   if (schema == nullptr || schema->encoding != "omgidl" || channel.message_encoding != "cdr") {
-    throw std::invalid_argument("topic '" + channel.topic + "' has encoding '" + channel.message_encoding +
+    throw std::invalid_argument("topic '" + channel.topic + "' has encoding '" +
+                                channel.message_encoding +
                                 "' and no omgidl schema, expected cdr with one");
   }
   auto decoder = std::make_unique<Decoder>();
   decoder->topic = channel.topic;
   decoder->idl = IdlSchema::Parse(schema->data);
   const IdlType& type = decoder->idl.Struct(schema->name);
-  const std::string index = "[" + std::to_string(joint) + "]";
+  const std::string index = std::string("[").append(std::to_string(joint)).append("]");
   decoder->session_id.emplace(type, "header.session_id");
   decoder->tick.emplace(type, "header.tick");
   decoder->stamp_ns.emplace(type, "header.stamp_ns");
@@ -72,19 +75,23 @@ std::unique_ptr<Decoder> MakeDecoder(const McapReader& reader, const McapChannel
   return decoder;
 }
 
-void TakeMessage(const Decoder& decoder, std::span<const std::byte> data, int joint, const std::string& name,
-                 std::map<std::uint64_t, Session>* sessions, std::vector<std::uint64_t>* order) {
+void TakeMessage(const Decoder& decoder, std::span<const std::byte> data, int joint,
+                 const std::string& name, std::map<std::uint64_t, Session>* sessions,
+                 std::vector<std::uint64_t>* order) {
   const auto session_id = static_cast<std::uint64_t>(decoder.session_id->AsInt(data));
   const auto tick = static_cast<std::uint64_t>(decoder.tick->AsInt(data));
   const std::int64_t joint_count = decoder.joint_count->AsInt(data);
   if (joint >= joint_count) {
-    throw std::invalid_argument(name + ": joint " + std::to_string(joint) + " is asked for, topic '" +
-                                decoder.topic + "' has joints 0 to " + std::to_string(joint_count - 1));
+    throw std::invalid_argument(name + ": joint " + std::to_string(joint) +
+                                " is asked for, topic '" + decoder.topic + "' has joints 0 to " +
+                                std::to_string(joint_count - 1));
   }
   auto [session, added] = sessions->try_emplace(session_id);
   if (added) order->push_back(session_id);
   Row& row = session->second.rows[tick];
-  bool& here = decoder.measured_flags ? row.actuator : decoder.joint_kind ? row.joint : row.reference;
+  bool& here = decoder.measured_flags ? row.actuator
+               : decoder.joint_kind   ? row.joint
+                                      : row.reference;
   if (here) return;  // the first of a tick counts
   here = true;
   if (decoder.joint_kind) {
@@ -92,7 +99,8 @@ void TakeMessage(const Decoder& decoder, std::span<const std::byte> data, int jo
     session->second.linear = decoder.joint_kind->AsInt(data) == 1;
   }
   if (decoder.measured_flags) {
-    session->second.measured_flags &= static_cast<std::uint32_t>(decoder.measured_flags->AsInt(data));
+    session->second.measured_flags &=
+        static_cast<std::uint32_t>(decoder.measured_flags->AsInt(data));
     session->second.any_actuator = true;
   }
   if (decoder.valid) row.valid = row.valid && decoder.valid->AsInt(data) != 0;
@@ -117,7 +125,8 @@ std::optional<identify::Run> MakeRun(Session* session) {
     if (!row.joint || !row.valid || (session->any_actuator && !row.actuator)) continue;
     if (!rows.empty() && row.stamp_ns <= rows.back()->stamp_ns) continue;  // no time passed
     if (reference == nullptr || since_reference > kHeldTicks) has_reference = false;
-    if (reference != nullptr) row.values[static_cast<std::size_t>(Signal::kReferencePosition)] = *reference;
+    if (reference != nullptr)
+      row.values[static_cast<std::size_t>(Signal::kReferencePosition)] = *reference;
     rows.push_back(&row);
   }
   if (rows.size() < 2) return std::nullopt;
@@ -145,18 +154,22 @@ std::optional<identify::Run> MakeRun(Session* session) {
 
 }  // namespace
 
-std::vector<identify::Run> RunsOfRecording(const McapReader& reader, const std::string& name, int joint,
+std::vector<identify::Run> RunsOfRecording(const McapReader& reader, const std::string& name,
+                                           int joint,
                                            const std::function<void(std::uint64_t)>& progress) {
-  if (joint < 0) throw std::invalid_argument("joint " + std::to_string(joint) + ", expected 0 or more");
+  if (joint < 0)
+    throw std::invalid_argument("joint " + std::to_string(joint) + ", expected 0 or more");
   std::map<ChannelId, std::unique_ptr<Decoder>> decoders;
   for (const auto& [id, channel] : reader.channels()) {
-    if (channel.topic != "joint_state" && channel.topic != "actuator_state" && channel.topic != "reference") {
+    if (channel.topic != "joint_state" && channel.topic != "actuator_state" &&
+        channel.topic != "reference") {
       continue;
     }
     try {
       decoders[id] = MakeDecoder(reader, channel, joint);
     } catch (const std::runtime_error& error) {  // IdlError, CdrError
-      throw std::invalid_argument(name + ": schema of topic '" + channel.topic + "': " + error.what());
+      throw std::invalid_argument(name + ": schema of topic '" + channel.topic +
+                                  "': " + error.what());
     }
   }
   MessageFilter filter;
@@ -171,8 +184,8 @@ std::vector<identify::Run> RunsOfRecording(const McapReader& reader, const std::
     try {
       TakeMessage(decoder, message.data, joint, name, &sessions, &order);
     } catch (const CdrError& error) {
-      throw std::invalid_argument(name + ": message " + std::to_string(message.sequence) + " of topic '" +
-                                  decoder.topic + "': " + error.what());
+      throw std::invalid_argument(name + ": message " + std::to_string(message.sequence) +
+                                  " of topic '" + decoder.topic + "': " + error.what());
     }
     if (progress) progress(++count);
   }
@@ -185,7 +198,8 @@ std::vector<identify::Run> RunsOfRecording(const McapReader& reader, const std::
     runs.push_back(std::move(*run));
   }
   if (runs.empty()) {
-    throw std::invalid_argument(name + ": no session has two valid samples of joint " + std::to_string(joint) +
+    throw std::invalid_argument(name + ": no session has two valid samples of joint " +
+                                std::to_string(joint) +
                                 " on joint_state, expected a recording of a moving robot");
   }
   for (std::size_t i = 0; i < runs.size(); ++i) {

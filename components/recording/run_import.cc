@@ -12,8 +12,8 @@
 namespace sinew::recording {
 namespace {
 
-constexpr std::int64_t kOriginReplay = 2;   // msg::ORIGIN_REPLAY
-constexpr std::int64_t kRobotArmed = 1;     // msg::ROBOT_ARMED
+constexpr std::int64_t kOriginReplay = 2;       // msg::ORIGIN_REPLAY
+constexpr std::int64_t kRobotArmed = 1;         // msg::ROBOT_ARMED
 constexpr std::int64_t kGapNs = 1'000'000'000;  // between two runs in one file
 
 }  // namespace
@@ -42,7 +42,8 @@ struct RunImporter::Topic {
 
 IoStatus AddTopic(const TopicSchema& schema, McapWriter* writer, ChannelId* id) {
   SchemaId schema_id{};
-  if (IoStatus status = writer->AddSchema(schema.type_name, "omgidl", schema.idl, &schema_id); !status.ok()) {
+  if (IoStatus status = writer->AddSchema(schema.type_name, "omgidl", schema.idl, &schema_id);
+      !status.ok()) {
     return status;
   }
   return writer->AddChannel(schema_id, schema.topic, "cdr", {{"idl_hash", schema.idl_hash}}, id);
@@ -54,20 +55,23 @@ double SecondsFromStamp(std::int64_t stamp_ns) { return static_cast<double>(stam
 RunImporter::RunImporter(const FindSchema& find_schema, McapWriter& writer)
     : find_schema_(find_schema), writer_(writer) {}
 
-IoStatus RunImporter::Add(const identify::Run& run, const std::function<void(Eigen::Index)>& progress) {
+IoStatus RunImporter::Add(const identify::Run& run,
+                          const std::function<void(Eigen::Index)>& progress) {
   const Eigen::Index rows = run.size();
   if (rows < 2) throw std::invalid_argument("run '" + run.name + "' has fewer than 2 samples");
   std::vector<double> intervals_s;
   for (Eigen::Index row = 0; row < rows; ++row) {
     if (run.time_s[row] < 0.0) {
-      throw std::invalid_argument("run '" + run.name + "' has time " + std::to_string(run.time_s[row]) +
-                                  " s, expected 0 or later (the mapping's time may have an offset)");
+      throw std::invalid_argument(
+          "run '" + run.name + "' has time " + std::to_string(run.time_s[row]) +
+          " s, expected 0 or later (the mapping's time may have an offset)");
     }
     if (row == 0) continue;
     intervals_s.push_back(run.time_s[row] - run.time_s[row - 1]);
     if (StampFromSeconds(run.time_s[row]) <= StampFromSeconds(run.time_s[row - 1])) {
-      throw std::invalid_argument("run '" + run.name + "': samples " + std::to_string(row - 1) + " and " +
-                                  std::to_string(row) + " are less than a nanosecond apart");
+      throw std::invalid_argument("run '" + run.name + "': samples " + std::to_string(row - 1) +
+                                  " and " + std::to_string(row) +
+                                  " are less than a nanosecond apart");
     }
   }
   const auto middle = intervals_s.begin() + static_cast<std::ptrdiff_t>(intervals_s.size() / 2);
@@ -105,7 +109,8 @@ IoStatus RunImporter::Add(const identify::Run& run, const std::function<void(Eig
     if (!run.Has(field.signal)) continue;
     measured_flags |= SignalBit(field.signal);
     Topic* topic = topics_.find(field.topic)->second.get();
-    sources.push_back({topic, topic->Field(std::string(field.field) + "[0]"), &run.At(field.signal)});
+    sources.push_back(
+        {topic, topic->Field(std::string(field.field) + "[0]"), &run.At(field.signal)});
   }
   Topic& joint = *topics[0];
   joint.SetInt("robot_state", kRobotArmed);
@@ -117,7 +122,8 @@ IoStatus RunImporter::Add(const identify::Run& run, const std::function<void(Eig
 
   for (Eigen::Index row = 0; row < rows; ++row) {
     const std::int64_t stamp_ns = StampFromSeconds(run.time_s[row]);
-    for (const Source& source : sources) source.field.Set(source.topic->message, (*source.values)[row]);
+    for (const Source& source : sources)
+      source.field.Set(source.topic->message, (*source.values)[row]);
     if (row + 1 == rows) joint.SetInt("last_tick", 1);
     for (Topic* topic : topics) {
       topic->SetInt("header.tick", row);

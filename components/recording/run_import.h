@@ -1,8 +1,8 @@
-// Writes a run of measured signals as the topics a robot would have sent: joint_state, actuator_state and,
-// when it has one, reference.
+// Writes a run of measured signals as the topics a robot would have sent: joint_state,
+// actuator_state and, when it has one, reference.
 //
-// Tick i is sample i, stamp_ns its time in whole nanoseconds, origin ORIGIN_REPLAY, session_id the hash of the
-// samples, measured_flags the run's signals. What was not measured is 0.
+// Tick i is sample i, stamp_ns its time in whole nanoseconds, origin ORIGIN_REPLAY, session_id the
+// hash of the samples, measured_flags the run's signals. What was not measured is 0.
 #pragma once
 
 #include <cstdint>
@@ -39,8 +39,8 @@ class RunImporter {
   RunImporter(const RunImporter&) = delete;
   RunImporter& operator=(const RunImporter&) = delete;
 
-  // Adds a run as a session of its own, after what is there. `progress` is told rows done, if given.
-  // Throws std::invalid_argument for time before 0 or two samples within one nanosecond.
+  // Adds a run as a session of its own, after what is there. `progress` is told rows done, if
+  // given. Throws std::invalid_argument for time before 0 or two samples within one nanosecond.
   IoStatus Add(const identify::Run& run, const std::function<void(Eigen::Index)>& progress = {});
 
  private:

@@ -10,11 +10,8 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 constexpr Unit kTime[] = {{"s"}, {"ms", 1, 1e3}, {"us", 1, 1e6}, {"ns", 1, 1e9}, {"min", 60, 1}};
-constexpr Unit kAngle[] = {{"rad"},
-                           {"mrad", 1, 1e3},
-                           {"deg", kPi, 180},
-                           {"rev", 2 * kPi, 1},
-                           {"arcmin", kPi, 180 * 60}};
+constexpr Unit kAngle[] = {
+    {"rad"}, {"mrad", 1, 1e3}, {"deg", kPi, 180}, {"rev", 2 * kPi, 1}, {"arcmin", kPi, 180 * 60}};
 constexpr Unit kLength[] = {{"m"}, {"cm", 1, 1e2}, {"mm", 1, 1e3}, {"um", 1, 1e6}};
 constexpr Unit kAngularVelocity[] = {{"rad/s"},
                                      {"mrad/s", 1, 1e3},
@@ -26,8 +23,12 @@ constexpr Unit kCurrent[] = {{"A"}, {"mA", 1, 1e3}};
 constexpr Unit kVoltage[] = {{"V"}, {"mV", 1, 1e3}};
 constexpr Unit kTorque[] = {{"Nm"}, {"mNm", 1, 1e3}, {"Ncm", 1, 1e2}, {"kNm", 1e3, 1}};
 constexpr Unit kForce[] = {{"N"}, {"mN", 1, 1e3}, {"kN", 1e3, 1}};
-constexpr Unit kPressure[] = {{"bar"},           {"mbar", 1, 1e3}, {"Pa", 1, 1e5},
-                              {"kPa", 1, 1e2},   {"MPa", 10, 1},   {"psi", 0.0689475729, 1},
+constexpr Unit kPressure[] = {{"bar"},
+                              {"mbar", 1, 1e3},
+                              {"Pa", 1, 1e5},
+                              {"kPa", 1, 1e2},
+                              {"MPa", 10, 1},
+                              {"psi", 0.0689475729, 1},
                               {"bar_abs", 1, 1, -1.01325}};
 constexpr Unit kMass[] = {{"kg"}, {"g", 1, 1e3}};
 constexpr Unit kTemperature[] = {{"degC"}, {"K", 1, 1, -273.15}, {"degF", 5, 9, -160.0 / 9.0}};

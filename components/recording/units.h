@@ -1,7 +1,8 @@
 // Units of measured data from elsewhere, turned into the units of identify::Signal.
 //
-// A unit is an exact ratio: value_SI = value * numerator / denominator + offset, so that "1 ms" becomes the
-// double nearest to 0.001 (a division rounds once) and an SI column stays bit by bit what it was.
+// A unit is an exact ratio: value_SI = value * numerator / denominator + offset, so that "1 ms"
+// becomes the double nearest to 0.001 (a division rounds once) and an SI column stays bit by bit
+// what it was.
 #pragma once
 
 #include <optional>

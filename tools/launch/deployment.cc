@@ -216,11 +216,11 @@ void Record(const fs::path& path, const fs::path& folder, Deployment* deployment
   for (Process& process : deployment->processes) {
     if (!IsLogger(process)) continue;
     auto& arguments = process.arguments;
-    const auto at = std::find(arguments.begin(), arguments.end(), "--output");
+    const auto at = std::find(arguments.begin(), arguments.end(), "--out");
     if (at != arguments.end() && at + 1 != arguments.end()) {
       *(at + 1) = output;
     } else {
-      arguments.insert(arguments.end(), {"--output", output});
+      arguments.insert(arguments.end(), {"--out", output});
     }
     return;
   }
@@ -228,7 +228,7 @@ void Record(const fs::path& path, const fs::path& folder, Deployment* deployment
   logger.name = "logger";
   logger.program = FindProgram("sinew-logger", fs::current_path(), folder);
   if (logger.program.empty()) throw UsageError("--record: " + NoProgram("sinew-logger", folder));
-  logger.arguments = {"--output", output};
+  logger.arguments = {"--out", output};
   logger.stop_last = true;
   deployment->processes.push_back(logger);
 }

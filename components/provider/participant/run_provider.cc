@@ -415,7 +415,13 @@ class Provider {
       TakeCommands();
       if (awaited.answered->load() >= tick + 1) return true;
       if (stop_.requested()) return false;
-      node_.WaitForData(milliseconds(50));
+      if (awaited.answered == joint_answered_) {
+        joint_command_.WaitForSample(milliseconds(50));
+      } else if (awaited.answered == valve_answered_) {
+        valve_command_.WaitForSample(milliseconds(50));
+      } else {
+        node_.WaitForData(milliseconds(50));
+      }
       if (Clock::now() > give_up) {
         throw std::runtime_error("no " + awaited.topic + " for tick " + std::to_string(tick) +
                                  " within " +

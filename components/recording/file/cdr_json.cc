@@ -47,7 +47,9 @@ class JsonVisitor : public CdrVisitor {
   std::string key_;
 };
 
-void Align(Bytes* out, std::size_t size) { out->resize(4 + (out->size() - 4 + size - 1) / size * size); }
+void Align(Bytes* out, std::size_t size) {
+  out->resize(4 + (out->size() - 4 + size - 1) / size * size);
+}
 
 template <class T>
 void PutNumber(Bytes* out, T value) {
@@ -59,7 +61,8 @@ void PutNumber(Bytes* out, T value) {
 template <class T>
 void PutInteger(Bytes* out, const Json& json, const std::string& path) {
   const bool is_bool = json.is_boolean();
-  if (!json.is_number_integer() && !is_bool) throw CdrError("member '" + path + "': expected a whole number");
+  if (!json.is_number_integer() && !is_bool)
+    throw CdrError("member '" + path + "': expected a whole number");
   bool fits = true;
   T value{};
   if (is_bool) {
@@ -70,7 +73,8 @@ void PutInteger(Bytes* out, const Json& json, const std::string& path) {
     value = static_cast<T>(wide);
   } else {
     const auto wide = json.get<std::int64_t>();
-    fits = wide >= 0 ? static_cast<std::uint64_t>(wide) <= static_cast<std::uint64_t>(std::numeric_limits<T>::max())
+    fits = wide >= 0 ? static_cast<std::uint64_t>(wide) <=
+                           static_cast<std::uint64_t>(std::numeric_limits<T>::max())
                      : wide >= static_cast<std::int64_t>(std::numeric_limits<T>::min());
     value = static_cast<T>(wide);
   }
@@ -129,14 +133,16 @@ void Encode(const IdlType& type, const Json& json, const std::string& path, Byte
       if (!json.is_string()) return PutInteger<std::uint32_t>(out, json, path);
       const auto label = json.get<std::string>();
       const auto found = std::find(type.enumerators.begin(), type.enumerators.end(), label);
-      if (found == type.enumerators.end()) throw CdrError("member '" + path + "': no label '" + label + "'");
+      if (found == type.enumerators.end())
+        throw CdrError("member '" + path + "': no label '" + label + "'");
       return PutNumber(out, static_cast<std::uint32_t>(found - type.enumerators.begin()));
     }
     case Kind::kString: {
       if (!json.is_string()) throw CdrError("member '" + path + "': expected a text");
       const auto text = json.get<std::string>();
       if (type.bound != 0 && text.size() > type.bound) {
-        throw CdrError("member '" + path + "': expected at most " + std::to_string(type.bound) + " bytes");
+        throw CdrError("member '" + path + "': expected at most " + std::to_string(type.bound) +
+                       " bytes");
       }
       PutNumber(out, static_cast<std::uint32_t>(text.size() + 1));
       PutRaw(out, text);
@@ -147,8 +153,9 @@ void Encode(const IdlType& type, const Json& json, const std::string& path, Byte
       if (!json.is_object()) throw CdrError("member '" + path + "': expected an object");
       const std::string prefix = path.empty() ? "" : path + ".";
       for (const auto& [key, value] : json.items()) {
-        const bool known = std::any_of(type.members.begin(), type.members.end(),
-                                       [&key = key](const IdlMember& member) { return member.name == key; });
+        const bool known =
+            std::any_of(type.members.begin(), type.members.end(),
+                        [&key = key](const IdlMember& member) { return member.name == key; });
         if (!known) throw CdrError("member '" + prefix + key + "' is not known in " + type.name);
       }
       for (const IdlMember& member : type.members) {
@@ -165,7 +172,8 @@ void Encode(const IdlType& type, const Json& json, const std::string& path, Byte
     case Kind::kSequence: {
       if (!json.is_array()) throw CdrError("member '" + path + "': expected a list");
       if (type.bound != 0 && json.size() > type.bound) {
-        throw CdrError("member '" + path + "': expected at most " + std::to_string(type.bound) + " elements");
+        throw CdrError("member '" + path + "': expected at most " + std::to_string(type.bound) +
+                       " elements");
       }
       const bool sequence = type.kind == Kind::kSequence;
       if (sequence) PutNumber(out, static_cast<std::uint32_t>(json.size()));

@@ -10,10 +10,12 @@ constexpr std::string_view kSchema = "sinew-csv-map/1";
 ColumnMap ReadColumn(const config::Section& section, const std::string& path, Quantity quantity) {
   ColumnMap map;
   map.column = section.Text("column");
-  map.where = section.file().string() + ":" + std::to_string(section.line()) + ": key '" + path + ".column'";
+  map.where = section.file().string() + ":" + std::to_string(section.line()) + ": key '" + path +
+              ".column'";
   const std::string unit = section.Text("unit");
   const auto found = FindUnit(quantity, unit);
-  if (!found) section.Fail("unit", "unit '" + unit + "', expected one of: " + AcceptedUnits(quantity));
+  if (!found)
+    section.Fail("unit", "unit '" + unit + "', expected one of: " + AcceptedUnits(quantity));
   map.unit = *found;
   map.scale = section.NumberOr("scale", 1.0);
   if (map.scale == 0.0) section.Fail("scale", "is 0, expected another number");
@@ -31,9 +33,13 @@ CsvMap Read(const config::Section& section) {
   CsvMap map;
   map.name = section.file().string();
   map.kind = section.Choice("kind", {"rotary", "linear"}) == "linear" ? effects::JointKind::kLinear
-                                                                     : effects::JointKind::kRotary;
-  const std::string delimiter = section.ChoiceOr("delimiter", "comma", {"comma", "semicolon", "tab", "space"});
-  map.delimiter = delimiter == "semicolon" ? ';' : delimiter == "tab" ? '\t' : delimiter == "space" ? ' ' : ',';
+                                                                      : effects::JointKind::kRotary;
+  const std::string delimiter =
+      section.ChoiceOr("delimiter", "comma", {"comma", "semicolon", "tab", "space"});
+  map.delimiter = delimiter == "semicolon" ? ';'
+                  : delimiter == "tab"     ? '\t'
+                  : delimiter == "space"   ? ' '
+                                           : ',';
   map.time = ReadColumn(section.Child("time"), "time", Quantity::kTime);
   const config::Section signals = section.Child("signals");
   for (const std::string& name : signals.Keys()) {
@@ -46,7 +52,8 @@ CsvMap Read(const config::Section& section) {
       signals.Fail(name, "is no signal, expected one of: " + list);
     }
     const config::Section entry = signals.Child(name);
-    SignalColumn column{*signal, ReadColumn(entry, "signals." + name, QuantityOf(*signal, map.kind))};
+    SignalColumn column{*signal,
+                        ReadColumn(entry, "signals." + name, QuantityOf(*signal, map.kind))};
     column.map.sign = ReadSign(entry);
     map.signals.push_back(std::move(column));
   }

@@ -17,7 +17,8 @@ std::string Reason() { return std::strerror(errno); }
 }  // namespace
 
 FileSink::FileSink(const std::filesystem::path& path, Existing existing) {
-  const int flags = O_WRONLY | O_CREAT | O_CLOEXEC | (existing == Existing::kRefuse ? O_EXCL : O_TRUNC);
+  const int flags =
+      O_WRONLY | O_CREAT | O_CLOEXEC | (existing == Existing::kRefuse ? O_EXCL : O_TRUNC);
   descriptor_ = ::open(path.c_str(), flags, 0644);
   if (descriptor_ >= 0) return;
   if (errno == EEXIST) {
@@ -43,7 +44,8 @@ IoStatus FileSink::Write(std::span<const std::byte> bytes) {
 
 IoStatus FileSink::Close() {
   if (descriptor_ < 0) return IoStatus::Ok();
-  const bool synced = ::fsync(descriptor_) == 0 || errno == EINVAL || errno == EROFS;  // pipes cannot be
+  const bool synced =
+      ::fsync(descriptor_) == 0 || errno == EINVAL || errno == EROFS;  // pipes cannot be
   const std::string reason = synced ? std::string() : Reason();
   const bool closed = ::close(descriptor_) == 0;
   descriptor_ = -1;
@@ -84,7 +86,8 @@ FileSource::~FileSource() { ::close(descriptor_); }
 
 IoStatus FileSource::Read(std::uint64_t offset, std::span<std::byte> bytes) {
   while (!bytes.empty()) {
-    const ssize_t got = ::pread(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    const ssize_t got =
+        ::pread(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) return IoStatus::Failed(Reason());
     if (got == 0) return IoStatus::Failed("the file became shorter");

@@ -15,8 +15,9 @@ void Check(const IoStatus& status, const std::filesystem::path& out) {
 
 }  // namespace
 
-ImportResult ImportCsv(const std::vector<std::filesystem::path>& csv_paths, const std::filesystem::path& map,
-                       const std::filesystem::path& out, const FindSchema& find_schema,
+ImportResult ImportCsv(const std::vector<std::filesystem::path>& csv_paths,
+                       const std::filesystem::path& map, const std::filesystem::path& out,
+                       const FindSchema& find_schema,
                        const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
   const CsvMap csv_map = LoadCsvMap(map);
   ImportResult result;
@@ -42,7 +43,8 @@ ImportResult ImportCsv(const std::vector<std::filesystem::path>& csv_paths, cons
     for (const identify::Run& run : runs) {
       Check(importer.Add(run,
                          [&](Eigen::Index row) {
-                           if (progress) progress(done + static_cast<std::uint64_t>(row), result.samples);
+                           if (progress)
+                             progress(done + static_cast<std::uint64_t>(row), result.samples);
                          }),
             out);
       done += static_cast<std::uint64_t>(run.size());

@@ -19,8 +19,9 @@ struct ImportResult {
 
 // Every CSV becomes a session of its own. The recording is written as a whole or not at all.
 // `progress` is told (samples done, samples of all files), if given. Throws UsageError.
-ImportResult ImportCsv(const std::vector<std::filesystem::path>& csv_paths, const std::filesystem::path& map,
-                       const std::filesystem::path& out, const FindSchema& find_schema,
+ImportResult ImportCsv(const std::vector<std::filesystem::path>& csv_paths,
+                       const std::filesystem::path& map, const std::filesystem::path& out,
+                       const FindSchema& find_schema,
                        const std::function<void(std::uint64_t, std::uint64_t)>& progress = {});
 
 }  // namespace sinew::recording

@@ -9,8 +9,8 @@
 
 namespace sinew::recording {
 
-std::vector<identify::Run> ReadRuns(const std::filesystem::path& path, const std::filesystem::path& map,
-                                    int joint) {
+std::vector<identify::Run> ReadRuns(const std::filesystem::path& path,
+                                    const std::filesystem::path& map, int joint) {
   try {
     if (path.extension() == ".mcap") {
       FileSource source(path);
@@ -18,7 +18,8 @@ std::vector<identify::Run> ReadRuns(const std::filesystem::path& path, const std
       return RunsOfRecording(reader, path.string(), joint);
     }
     if (map.empty()) {
-      throw UsageError(path.string() + ": no recording (.mcap), expected a mapping file to read it as CSV");
+      throw UsageError(path.string() +
+                       ": no recording (.mcap), expected a mapping file to read it as CSV");
     }
     if (joint != 0) {
       throw UsageError(path.string() + ": joint " + std::to_string(joint) +

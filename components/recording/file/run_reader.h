@@ -9,14 +9,15 @@
 namespace sinew::recording {
 
 // CSV (any name that does not end in .mcap): one run; `map` must name a mapping file.
-// MCAP: one run per session (a start of the state provider, or an imported file), in file order; `map` is
-// not read and may be empty. A run's rows are the ticks that have a joint_state with a valid joint and,
-// where the recording has one, a valid actuator_state; signals are those that measured_flags names and, when
-// recorded throughout, the reference position. A recording that was cut off is read as far as it goes.
+// MCAP: one run per session (a start of the state provider, or an imported file), in file order;
+// `map` is not read and may be empty. A run's rows are the ticks that have a joint_state with a
+// valid joint and, where the recording has one, a valid actuator_state; signals are those that
+// measured_flags names and, when recorded throughout, the reference position. A recording that was
+// cut off is read as far as it goes.
 //
 // joint: index of the joint in a recording; CSV mappings describe one joint, so it must be 0 there.
 // Throws UsageError naming the file and line, key or byte.
-std::vector<identify::Run> ReadRuns(const std::filesystem::path& path, const std::filesystem::path& map = {},
-                                    int joint = 0);
+std::vector<identify::Run> ReadRuns(const std::filesystem::path& path,
+                                    const std::filesystem::path& map = {}, int joint = 0);
 
 }  // namespace sinew::recording

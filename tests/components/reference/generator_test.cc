@@ -5,22 +5,10 @@
 
 #include <array>
 #include <cmath>
-#include <cstdlib>
-#include <new>
 #include <stdexcept>
 
 #include "components/reference/robot_reference.h"
-
-namespace {
-long allocations = 0;
-}
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+#include "tests/support/allocations.h"
 
 namespace sinew::reference {
 namespace {
@@ -190,12 +178,12 @@ TEST(RobotReference, AMillionStepsAllocateNothingAndStayInBounds) {
       std::make_shared<Sine>(SineConfig{.amplitude_rad = 0.5, .frequency_Hz = 0.4});
   RobotReference reference(config);
   const Robot robot;
-  const long before = allocations;
+  const long before = test::Allocations();
   double largest = 0.0;
   for (std::uint64_t k = 0; k < 1000000; ++k) {
     largest = std::max(largest, std::abs(reference.Step(robot.At(k, true)).joint[0].position_rad));
   }
-  EXPECT_EQ(allocations - before, 0);
+  EXPECT_EQ(test::Allocations() - before, 0);
   EXPECT_LE(largest, 0.5);
 }
 

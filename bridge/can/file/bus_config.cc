@@ -1,0 +1,66 @@
+#include "bridge/can/file/bus_config.h"
+
+#include <algorithm>
+
+#include "bridge/can/transport/replay_can.h"
+#include "bridge/can/transport/socketcan.h"
+#include "bridge/can/transport/virtual_can.h"
+
+namespace sinew::can {
+
+std::vector<BusEntry> ReadBuses(const config::Section& section) {
+  std::vector<BusEntry> buses;
+  for (const config::Section& item : section.List("buses")) {
+    BusEntry entry;
+    entry.name = item.Text("name");
+    const std::string kind = item.Choice("transport", {"socketcan", "virtual", "replay"});
+    if (kind == "socketcan") {
+      entry.kind = TransportKind::kSocketCan;
+      entry.interface = item.Text("interface");
+    } else if (kind == "virtual") {
+      entry.kind = TransportKind::kVirtual;
+      entry.bus = item.TextOr("bus", entry.name);
+    } else {
+      entry.kind = TransportKind::kReplay;
+      entry.file = item.ExistingPath("file").string();
+      entry.interface = item.TextOr("interface", "");
+    }
+    entry.bitrate_bit_s = item.NumberOr("bitrate_bit_s", 1e6, {1e4, 1e6});
+    if (std::any_of(buses.begin(), buses.end(),
+                    [&](const BusEntry& b) { return b.name == entry.name; })) {
+      item.Fail("name", "'" + entry.name + "' is used twice, expected a name of its own");
+    }
+    item.RejectUnknownKeys();
+    buses.push_back(entry);
+  }
+  if (buses.empty()) section.Fail("buses", "is empty, expected at least one bus");
+  return buses;
+}
+
+int ReadBusOf(const config::Section& section, const std::vector<BusEntry>& buses) {
+  if (buses.size() == 1 && !section.Has("bus")) return 0;
+  std::vector<std::string> names;
+  for (const BusEntry& entry : buses) names.push_back(entry.name);
+  const std::string name = section.Choice("bus", names);
+  return static_cast<int>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+std::unique_ptr<Transport> OpenBus(const BusEntry& entry, const std::vector<IdFilter>& filters) {
+  switch (entry.kind) {
+    case TransportKind::kSocketCan:
+      return std::make_unique<SocketCan>(SocketCanOptions{entry.interface, filters, 0});
+    case TransportKind::kReplay:
+      return std::make_unique<ReplayCan>(entry.name, ReadCandumpFile(entry.file), entry.interface,
+                                         filters);
+    case TransportKind::kVirtual:
+      break;
+  }
+  return std::make_unique<VirtualCan>(VirtualCanOptions{entry.bus, filters});
+}
+
+Firmware ReadFirmware(const config::Section& section) {
+  const std::string text = section.ChoiceOr("firmware", "0.5.6", {"0.5.1", "0.5.4", "0.5.6"});
+  return text == "0.5.1" ? Firmware::k0_5_1 : text == "0.5.4" ? Firmware::k0_5_4 : Firmware::k0_5_6;
+}
+
+}  // namespace sinew::can

@@ -1,0 +1,691 @@
+#include "bridge/participant/can_plant.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <stdexcept>
+
+namespace sinew::bridge {
+namespace {
+
+using can::Command;
+using provider::Mode;
+
+constexpr double kTurn_rad = 2.0 * std::numbers::pi;
+constexpr std::int64_t kTellAgain_ns =
+    100'000'000;                                  // a state that was not taken is asked for again
+constexpr std::int64_t kClearing_ns = 5'000'000;  // until Clear_Errors has been taken
+constexpr double kTaper = 0.1;                    // of the velocity limit
+constexpr double kOverspeed = 1.5;                // of the velocity limit
+constexpr double kJump_rev = 0.25;
+
+// Bits of identify::Signal.
+constexpr std::uint32_t kMotorSignals = 1u << 2 | 1u << 3 | 1u << 4;
+constexpr std::uint32_t kOutputSignals =
+    1u << 0 | 1u << 1 | 1u << 7 | 1u << 8 | 1u << 9 | 1u << 10 | 1u << 12;
+constexpr std::uint32_t kPayloadSignal = 1u << 11;
+
+constexpr std::array kAxisCommands = {Command::kHeartbeat,       Command::kGetMotorError,
+                                      Command::kGetEncoderError, Command::kGetEncoderEstimates,
+                                      Command::kGetIq,           Command::kGetControllerError};
+constexpr std::array kNodeCommands = {can::NodeCommand::kHeartbeat,
+                                      can::NodeCommand::kOutputEncoder,
+                                      can::NodeCommand::kJointSensors};
+
+std::int64_t Ns(double seconds) { return static_cast<std::int64_t>(std::llround(1e9 * seconds)); }
+
+std::string AxisErrorText(std::uint32_t error) {
+  static constexpr struct {
+    std::uint32_t bit;
+    const char* name;
+  } kNames[] = {
+      {can::axis_error::kInvalidState, "invalid state"},
+      {can::axis_error::kMotorFailed, "motor failed"},
+      {can::axis_error::kEncoderFailed, "encoder failed"},
+      {can::axis_error::kControllerFailed, "controller failed"},
+      {can::axis_error::kWatchdogTimerExpired, "watchdog expired"},
+      {can::axis_error::kMinEndstopPressed, "minimum end stop"},
+      {can::axis_error::kMaxEndstopPressed, "maximum end stop"},
+      {can::axis_error::kEstopRequested, "estop requested"},
+      {can::axis_error::kOverTemp, "over-temperature"},
+      {can::axis_error::kUnknownPosition, "unknown position"},
+  };
+  char text[32];
+  std::snprintf(text, sizeof text, "axis error 0x%X", error);
+  std::string result = text;
+  for (const auto& [bit, name] : kNames) {
+    if ((error & bit) != 0) result += std::string(", ") + name;
+  }
+  return result;
+}
+
+void Require(bool holds, const std::string& message) {
+  if (!holds) throw std::invalid_argument(message);
+}
+
+can::ControlMode ToControlMode(Mode mode) {
+  switch (mode) {
+    case Mode::kPosition:
+      return can::ControlMode::kPosition;
+    case Mode::kVelocity:
+      return can::ControlMode::kVelocity;
+    case Mode::kTorque:
+    case Mode::kIdle:
+      break;
+  }
+  return can::ControlMode::kTorque;
+}
+
+}  // namespace
+
+double CanPlant::Joint::motor_position_rad() const {
+  return config.direction * kTurn_rad * (estimates.position_rev - config.zero_rev);
+}
+double CanPlant::Joint::motor_velocity_rad_s() const {
+  return config.direction * kTurn_rad * estimates.velocity_rev_s;
+}
+double CanPlant::Joint::position_rad() const {
+  if (config.output) return config.output->direction * (output.angle_rad - config.output->zero_rad);
+  return motor_position_rad() / config.gear_ratio;
+}
+double CanPlant::Joint::velocity_rad_s() const {
+  if (config.output) return config.output->direction * output.velocity_rad_s;
+  return motor_velocity_rad_s() / config.gear_ratio;
+}
+
+CanPlant::CanPlant(const BridgeConfig& config, std::vector<can::Transport*> transports)
+    : config_(config), transports_(std::move(transports)) {
+  const auto buses = static_cast<int>(transports_.size());
+  Require(buses >= 1 && buses <= provider::BusReport::kMaxBuses,
+          std::to_string(buses) + " buses, expected 1 to " +
+              std::to_string(provider::BusReport::kMaxBuses));
+  Require(config.bitrate_bit_s.size() == transports_.size(), "a bit rate for each bus is expected");
+  Require(!config.joints.empty() &&
+              config.joints.size() <= static_cast<std::size_t>(provider::kMaxJoints),
+          std::to_string(config.joints.size()) + " joints, expected 1 to " +
+              std::to_string(provider::kMaxJoints));
+  std::array<int, 64> none;
+  none.fill(-1);
+  axis_of_.assign(transports_.size(), none);
+  node_of_.assign(transports_.size(), none);
+  for (const JointConfig& c : config.joints) {
+    const std::string who = "joint '" + c.name + "': ";
+    const int index = static_cast<int>(joints_.size());
+    Require(c.bus >= 0 && c.bus < buses, who + "no bus " + std::to_string(c.bus));
+    const auto claim = [&](int node, std::vector<std::array<int, 64>>& table) {
+      Require(node >= 0 && node <= can::kMaxNode,
+              who + "node " + std::to_string(node) + ", expected 0 to 63");
+      const auto b = static_cast<std::size_t>(c.bus);
+      const auto n = static_cast<std::size_t>(node);
+      Require(axis_of_[b][n] < 0 && node_of_[b][n] < 0,
+              who + "node " + std::to_string(node) + " is used twice");
+      table[b][n] = index;
+    };
+    claim(c.node, axis_of_);
+    if (c.output) claim(c.output->node, node_of_);
+    const auto unit = [](int direction) { return direction == 1 || direction == -1; };
+    Require(unit(c.direction) && (!c.output || unit(c.output->direction)),
+            who + "direction must be 1 or -1");
+    Require(c.gear_ratio > 0.0 && c.torque_constant_Nm_A > 0.0 &&
+                c.controller_torque_constant_Nm_A > 0.0,
+            who + "gear ratio and torque constants must be positive");
+    Require(c.torque_efficiency > 0.0 && c.torque_efficiency <= 1.0,
+            who + "torque_efficiency must be above 0, at most 1");
+    Require(
+        c.limits.motor_torque_Nm > 0.0 && c.limits.current_A > 0.0 && c.limits.velocity_rad_s > 0.0,
+        who + "limits of torque, current and velocity must be positive");
+    Require(
+        c.limits.lower_rad < c.limits.upper_rad && c.limits.margin_rad >= 0.0,
+        who + "position limits must have lower_rad < upper_rad and a margin that is not negative");
+    Joint joint;
+    joint.config = c;
+    joints_.push_back(joint);
+  }
+  report_.bus_count = buses;
+}
+
+std::vector<can::IdFilter> CanPlant::Filters(const BridgeConfig& config, int bus) {
+  std::vector<can::IdFilter> filters;
+  for (const JointConfig& joint : config.joints) {
+    if (joint.bus != bus) continue;
+    for (const Command command : kAxisCommands) {
+      filters.push_back({can::Identifier(joint.node, command), can::kMaxStandardId, false});
+    }
+    if (!joint.output) continue;
+    for (const can::NodeCommand command : kNodeCommands) {
+      filters.push_back({can::Identifier(joint.output->node, command), can::kMaxStandardId, false});
+    }
+  }
+  return filters;
+}
+
+std::uint32_t CanPlant::measured_flags() const {
+  const bool all_outputs = std::all_of(joints_.begin(), joints_.end(),
+                                       [](const Joint& j) { return j.config.output.has_value(); });
+  return kMotorSignals | kPayloadSignal | (all_outputs ? kOutputSignals : 0u);
+}
+
+void CanPlant::Reset(provider::PlantSensors* sensors) {
+  *sensors = provider::PlantSensors{};
+  can::Transport& clock = *transports_.front();
+  const std::int64_t give_up_ns = clock.now_ns() + Ns(config_.timing.start_timeout_s);
+  std::int64_t next_request_ns = 0;
+  for (Joint& joint : joints_) {
+    JointConfig kept = joint.config;
+    joint = Joint{};
+    joint.config = std::move(kept);
+    Send(joint, can::SetAxisState{can::AxisState::kIdle});
+    Send(joint, can::ClearErrors{});
+  }
+  const auto missing = [](const Joint& joint) -> std::string {
+    const std::string axis = "axis node " + std::to_string(joint.config.node);
+    if (joint.heartbeat_ns == 0) return "no heartbeat of " + axis;
+    if (joint.estimates_ns == 0) return "no encoder estimates of " + axis;
+    if (joint.config.output && (joint.output_ns == 0 || joint.sensors_ns == 0)) {
+      return "nothing from sensor node " + std::to_string(joint.config.output->node);
+    }
+    return {};
+  };
+  for (;;) {
+    Drain();
+    const auto silent = std::find_if(joints_.begin(), joints_.end(),
+                                     [&](const Joint& j) { return !missing(j).empty(); });
+    if (silent == joints_.end()) break;
+    const std::int64_t now_ns = clock.now_ns();
+    if (now_ns >= give_up_ns) {
+      const auto bus = static_cast<std::size_t>(silent->config.bus);
+      char text[160];
+      std::snprintf(text, sizeof text,
+                    " within %.1f s; is it powered, on bus '%s' (%s), at %.0f bit/s?",
+                    config_.timing.start_timeout_s, transports_[bus]->name().c_str(),
+                    can::LinkName(transports_[bus]->link()), config_.bitrate_bit_s[bus]);
+      throw std::runtime_error("joint '" + silent->config.name + "': " + missing(*silent) + text);
+    }
+    if (now_ns >= next_request_ns) {
+      next_request_ns = now_ns + 20'000'000;
+      for (Joint& joint : joints_) {
+        SendNeutral(joint);  // feeds watchdogs
+        (void)transports_[static_cast<std::size_t>(joint.config.bus)]->Send(
+            can::EncodeRequest(joint.config.node, Command::kGetEncoderEstimates));
+      }
+    }
+    can::Received received;
+    if (clock.Receive(std::chrono::milliseconds(2), &received)) Take(0, received);
+  }
+  ClearFault();
+  const std::int64_t now_ns = clock.now_ns();
+  for (Joint& joint : joints_) joint.iq_ns = now_ns;
+  Fill(now_ns, sensors);
+  report_ns_ = now_ns;
+}
+
+void CanPlant::ClearFault() {
+  const std::int64_t cleared_ns = transports_.front()->now_ns() + kClearing_ns;
+  for (Joint& joint : joints_) {
+    joint.fault = FaultKind::kNone;
+    joint.fault_text.clear();
+    joint.asked_errors = false;
+    joint.heartbeat.axis_error = 0;  // until a later heartbeat says otherwise
+    joint.cleared_ns = cleared_ns;
+    Send(joint, can::ClearErrors{});
+  }
+}
+
+void CanPlant::Step(const provider::PlantCommand& command, double period_s,
+                    provider::PlantSensors* sensors) {
+  can::Transport& clock = *transports_.front();
+  const std::int64_t start_ns = clock.now_ns();
+  Drain();  // what came in since: phases and limits judge by the newest
+  const bool ask_iq = config_.timing.iq_every_cycles > 0 &&
+                      cycle_ % static_cast<std::uint64_t>(config_.timing.iq_every_cycles) == 0;
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    Joint& joint = joints_[j];
+    Mode mode = command.mode[j];
+    if (mode != Mode::kIdle &&
+        !(std::isfinite(command.motor_torque_Nm[j]) && std::isfinite(command.position_rad[j]) &&
+          std::isfinite(command.velocity_rad_s[j]))) {
+      Fail(joint, FaultKind::kNotFinite, "a command that is not finite");
+    }
+    if (joint.fault != FaultKind::kNone) mode = Mode::kIdle;
+    CommandJoint(joint, mode, command.motor_torque_Nm[j], command.position_rad[j],
+                 command.velocity_rad_s[j], period_s, start_ns);
+    can::Transport& bus = *transports_[static_cast<std::size_t>(joint.config.bus)];
+    if (config_.timing.estimates == Estimates::kRequested) {
+      (void)bus.Send(can::EncodeRequest(joint.config.node, Command::kGetEncoderEstimates));
+    }
+    if (ask_iq) (void)bus.Send(can::EncodeRequest(joint.config.node, Command::kGetIq));
+    if (joint.config.output) {
+      (void)bus.Send(can::Encode(
+          joint.config.output->node,
+          can::ValveCommand{command.valve_open[j], command.compressor_on[j], command.vent_open[j],
+                            joint.valve_sequence++,
+                            static_cast<std::uint16_t>(config_.timing.valve_timeout_ms)}));
+    }
+  }
+  const std::int64_t sent_ns = clock.now_ns();
+  if (config_.timing.estimates == Estimates::kRequested) Collect(start_ns, ask_iq);
+  const std::int64_t collected_ns = clock.now_ns();
+  Drain();
+  Judge(clock.now_ns());
+  Fill(clock.now_ns(), sensors);
+  ++cycle_;
+  const std::int64_t end_ns = clock.now_ns();
+  Report(end_ns, 1e-3 * static_cast<double>((sent_ns - start_ns) + (end_ns - collected_ns)));
+}
+
+void CanPlant::Drain() {
+  can::Received received;
+  for (std::size_t b = 0; b < transports_.size(); ++b) {
+    // Bounded: a flooded bus must not keep the cycle.
+    for (int i = 0; i < 2000 && transports_[b]->Receive(std::chrono::nanoseconds(0), &received);
+         ++i) {
+      Take(static_cast<int>(b), received);
+    }
+  }
+}
+
+bool CanPlant::AllAnswered(std::int64_t cycle_start_ns, bool with_iq) const {
+  return std::all_of(joints_.begin(), joints_.end(), [&](const Joint& j) {
+    return j.estimates_ns >= cycle_start_ns && (!with_iq || j.iq_ns >= cycle_start_ns);
+  });
+}
+
+void CanPlant::Collect(std::int64_t cycle_start_ns, bool with_iq) {
+  can::Transport& clock = *transports_.front();
+  const std::int64_t give_up_ns = cycle_start_ns + Ns(config_.timing.answer_window_s);
+  can::Received received;
+  for (;;) {
+    Drain();
+    const std::int64_t left_ns = give_up_ns - clock.now_ns();
+    if (left_ns <= 0 || AllAnswered(cycle_start_ns, with_iq)) return;
+    if (transports_.size() == 1 || clock.descriptor() < 0) {
+      if (clock.Receive(std::chrono::nanoseconds(left_ns), &received)) Take(0, received);
+    } else {
+      can::WaitForAny(transports_, std::chrono::nanoseconds(left_ns));
+    }
+  }
+}
+
+void CanPlant::Take(int bus, const can::Received& received) {
+  const auto address = can::AddressOf(received.frame);
+  if (!address || received.frame.remote) return;
+  const auto b = static_cast<std::size_t>(bus);
+  const auto n = static_cast<std::size_t>(address->node);
+  if (const int axis = axis_of_[b][n]; axis >= 0) {
+    TakeFromAxis(joints_[static_cast<std::size_t>(axis)], received);
+  } else if (const int node = node_of_[b][n]; node >= 0) {
+    TakeFromNode(joints_[static_cast<std::size_t>(node)], received);
+  }
+}
+
+void CanPlant::TakeFromAxis(Joint& joint, const can::Received& received) {
+  const can::Frame& frame = received.frame;
+  const can::Firmware firmware = joint.config.firmware;
+  switch (can::AddressOf(frame)->command) {
+    case Command::kHeartbeat:
+      if (const auto m = can::Decode<can::Heartbeat>(frame, firmware)) {
+        joint.heartbeat = *m;
+        joint.heartbeat_ns = received.stamp_ns;
+        // Sent before the controller took our Clear_Errors: its errors are those just cleared.
+        if (received.stamp_ns <= joint.cleared_ns) joint.heartbeat.axis_error = 0;
+        return;
+      }
+      break;
+    case Command::kGetEncoderEstimates:
+      if (const auto m = can::Decode<can::EncoderEstimates>(frame, firmware);
+          m && std::isfinite(m->position_rev) && std::isfinite(m->velocity_rev_s)) {
+        if (joint.estimates_ns != 0) {
+          const double dt_s = 1e-9 * static_cast<double>(std::max<std::int64_t>(
+                                         received.stamp_ns - joint.estimates_ns, 0));
+          const double fastest_rev_s =
+              kOverspeed * joint.config.limits.velocity_rad_s * joint.config.gear_ratio / kTurn_rad;
+          const double step_rev = std::abs(m->position_rev - joint.estimates.position_rev);
+          if (step_rev > fastest_rev_s * dt_s + kJump_rev) {
+            char text[96];
+            std::snprintf(text, sizeof text,
+                          "the motor encoder jumped by %.2f revolutions in %.1f ms", step_rev,
+                          1e3 * dt_s);
+            Fail(joint, FaultKind::kEncoderJump, text);
+          }
+        }
+        joint.estimates = *m;
+        joint.estimates_ns = received.stamp_ns;
+        return;
+      }
+      break;
+    case Command::kGetIq:
+      if (const auto m = can::Decode<can::Iq>(frame, firmware); m && std::isfinite(m->measured_A)) {
+        joint.iq_A = m->measured_A;
+        joint.iq_ns = received.stamp_ns;
+        return;
+      }
+      break;
+    case Command::kGetMotorError:
+      if (const auto m = can::Decode<can::MotorError>(frame, firmware)) {
+        if (m->error != 0 && joint.fault == FaultKind::kAxisError) {
+          char text[40];
+          std::snprintf(text, sizeof text, ", motor 0x%llX",
+                        static_cast<unsigned long long>(m->error));
+          joint.fault_text += text;
+        }
+        return;
+      }
+      break;
+    case Command::kGetEncoderError:
+    case Command::kGetControllerError:
+      if (frame.length >= 4) {
+        const bool encoder = can::AddressOf(frame)->command == Command::kGetEncoderError;
+        const auto e = can::Decode<can::EncoderError>(frame, firmware);
+        const auto c = can::Decode<can::ControllerError>(frame, firmware);
+        const std::uint32_t error = e ? e->error : c ? c->error : 0;
+        if (error != 0 && joint.fault == FaultKind::kAxisError) {
+          char text[40];
+          std::snprintf(text, sizeof text, ", %s 0x%X", encoder ? "encoder" : "controller", error);
+          joint.fault_text += text;
+        }
+        return;
+      }
+      break;
+    default:
+      return;  // not one we use
+  }
+  ++malformed_;
+}
+
+void CanPlant::TakeFromNode(Joint& joint, const can::Received& received) {
+  switch (static_cast<can::NodeCommand>(can::AddressOf(received.frame)->command)) {
+    case can::NodeCommand::kOutputEncoder:
+      if (const auto m = can::DecodeOutputEncoder(received.frame)) {
+        // A sequence number that stands still is an old measurement in a new frame.
+        const bool fresh = joint.output_ns == 0 || m->sequence != joint.output.sequence;
+        joint.output = *m;
+        if (fresh && m->encoder_valid) joint.output_ns = received.stamp_ns;
+        return;
+      }
+      break;
+    case can::NodeCommand::kJointSensors:
+      if (const auto m = can::DecodeJointSensors(received.frame)) {
+        joint.node_sensors = *m;
+        joint.sensors_ns = received.stamp_ns;
+        return;
+      }
+      break;
+    default:
+      return;
+  }
+  ++malformed_;
+}
+
+template <class Message>
+void CanPlant::Send(const Joint& joint, const Message& message) {
+  const can::Frame frame = can::Encode(joint.config.node, message, joint.config.firmware);
+  // A frame that finds no room is counted by the transport; the next cycle's is newer.
+  (void)transports_[static_cast<std::size_t>(joint.config.bus)]->Send(
+      config_.short_frames ? can::Trim(frame) : frame);
+}
+
+void CanPlant::CommandJoint(Joint& joint, Mode mode, double torque_Nm, double position_rad,
+                            double velocity_rad_s, double period_s, std::int64_t now_ns) {
+  const bool closed_loop = joint.heartbeat.axis_state == can::AxisState::kClosedLoopControl;
+  const bool heard_since = joint.heartbeat_ns > joint.phase_ns;
+  if (mode == Mode::kIdle) {
+    if (joint.phase != Phase::kIdle) {
+      joint.phase = Phase::kIdle;
+      joint.phase_ns = now_ns;
+      SendIdle(joint, now_ns);
+    } else if (closed_loop && heard_since && now_ns - joint.told_ns > kTellAgain_ns) {
+      SendIdle(joint, now_ns);
+    }
+    SendNeutral(joint);
+    return;
+  }
+  switch (joint.phase) {
+    case Phase::kIdle:
+      joint.phase = Phase::kArming;
+      joint.phase_ns = now_ns;
+      joint.mode = mode;
+      joint.sent_position_rad = joint.motor_position_rad() / joint.config.gear_ratio;
+      SendArming(joint, now_ns);
+      break;
+    case Phase::kArming:
+      if (joint.mode != mode) {
+        joint.mode = mode;
+        SendArming(joint, now_ns);
+      }
+      if (heard_since && closed_loop) {
+        joint.phase = Phase::kActive;
+        joint.phase_ns = now_ns;
+        joint.sent_position_rad = joint.motor_position_rad() / joint.config.gear_ratio;
+      } else if (now_ns - joint.phase_ns > Ns(config_.timing.closed_loop_timeout_s)) {
+        Fail(joint, FaultKind::kNoClosedLoop, "the axis does not enter closed-loop control");
+      } else if (now_ns - joint.told_ns > kTellAgain_ns) {
+        SendArming(joint, now_ns);
+      }
+      break;
+    case Phase::kActive:
+      if (joint.mode != mode) {
+        joint.mode = mode;
+        joint.sent_position_rad = joint.motor_position_rad() / joint.config.gear_ratio;
+        SendNeutral(joint);
+        Send(joint, can::SetControllerMode{ToControlMode(mode), can::InputMode::kPassthrough});
+      }
+      if (heard_since && !closed_loop && joint.heartbeat.axis_error == 0)
+        Fail(joint, FaultKind::kNoClosedLoop, "the axis left closed-loop control");
+      break;
+  }
+  if (joint.phase == Phase::kActive && joint.fault == FaultKind::kNone) {
+    SendSetpoint(joint, torque_Nm, position_rad, velocity_rad_s, period_s);
+  } else {
+    SendNeutral(joint);
+  }
+}
+
+void CanPlant::SendArming(Joint& joint, std::int64_t now_ns) {
+  const JointConfig& c = joint.config;
+  joint.told_ns = now_ns;
+  Send(joint, can::SetControllerMode{ToControlMode(joint.mode), can::InputMode::kPassthrough});
+  Send(joint,
+       can::SetLimits{c.limits.velocity_rad_s * c.gear_ratio / kTurn_rad, c.limits.current_A});
+  Send(joint, can::SetAxisState{can::AxisState::kClosedLoopControl});
+}
+
+void CanPlant::SendIdle(Joint& joint, std::int64_t now_ns) {
+  joint.told_ns = now_ns;
+  Send(joint, can::SetAxisState{can::AxisState::kIdle});
+}
+
+// Moves nothing in any mode, and feeds the watchdog.
+void CanPlant::SendNeutral(Joint& joint) {
+  if (joint.phase == Phase::kIdle || joint.mode == Mode::kTorque) {
+    Send(joint, can::SetInputTorque{0.0});
+  } else if (joint.mode == Mode::kPosition) {
+    Send(joint, can::SetInputPos{joint.estimates.position_rev, 0.0, 0.0});
+  } else {
+    Send(joint, can::SetInputVel{0.0, 0.0});
+  }
+}
+
+double CanPlant::Revolutions(const Joint& joint, double position_rad) const {
+  return joint.config.direction * position_rad * joint.config.gear_ratio / kTurn_rad +
+         joint.config.zero_rev;
+}
+
+double CanPlant::LimitedTorque(const Joint& joint, double torque_Nm) const {
+  const JointConfig& c = joint.config;
+  const double most_Nm =
+      std::min(c.limits.motor_torque_Nm, c.limits.current_A * c.torque_constant_Nm_A);
+  double torque = std::clamp(torque_Nm, -most_Nm, most_Nm);
+  // The motor's velocity: the output's is noisier, and inside the play it says nothing.
+  const double velocity_rad_s = joint.motor_velocity_rad_s() / c.gear_ratio;
+  const double forward_rad_s = torque > 0.0 ? velocity_rad_s : -velocity_rad_s;
+  const double share =
+      (c.limits.velocity_rad_s - forward_rad_s) / (kTaper * c.limits.velocity_rad_s);
+  torque *= std::clamp(share, 0.0, 1.0);
+  const double position_rad = joint.position_rad();
+  if ((torque > 0.0 && position_rad > c.limits.upper_rad) ||
+      (torque < 0.0 && position_rad < c.limits.lower_rad)) {
+    torque = 0.0;
+  }
+  return torque;
+}
+
+void CanPlant::SendSetpoint(Joint& joint, double torque_Nm, double position_rad,
+                            double velocity_rad_s, double period_s) {
+  const JointConfig& c = joint.config;
+  const double rev_per_rad = c.direction * c.gear_ratio / kTurn_rad;
+  const double fastest_rad_s = c.limits.velocity_rad_s;
+  switch (joint.mode) {
+    case Mode::kTorque:
+      Send(joint, can::SetInputTorque{c.direction * LimitedTorque(joint, torque_Nm) *
+                                      c.controller_torque_constant_Nm_A / c.torque_constant_Nm_A});
+      break;
+    case Mode::kPosition: {
+      const double wanted_rad = std::clamp(position_rad, c.limits.lower_rad, c.limits.upper_rad);
+      const double step_rad = fastest_rad_s * period_s;
+      joint.sent_position_rad +=
+          std::clamp(wanted_rad - joint.sent_position_rad, -step_rad, step_rad);
+      const bool free = wanted_rad == position_rad && joint.sent_position_rad == wanted_rad;
+      const double ahead_rad_s =
+          free ? std::clamp(velocity_rad_s, -fastest_rad_s, fastest_rad_s) : 0.0;
+      Send(joint, can::SetInputPos{Revolutions(joint, joint.sent_position_rad),
+                                   ahead_rad_s * rev_per_rad, 0.0});
+      break;
+    }
+    case Mode::kVelocity: {
+      double wanted_rad_s = std::clamp(velocity_rad_s, -fastest_rad_s, fastest_rad_s);
+      if ((wanted_rad_s > 0.0 && joint.position_rad() > c.limits.upper_rad) ||
+          (wanted_rad_s < 0.0 && joint.position_rad() < c.limits.lower_rad)) {
+        wanted_rad_s = 0.0;
+      }
+      Send(joint, can::SetInputVel{wanted_rad_s * rev_per_rad, 0.0});
+      break;
+    }
+    case Mode::kIdle:
+      break;
+  }
+}
+
+void CanPlant::Judge(std::int64_t now_ns) {
+  const BridgeTiming& timing = config_.timing;
+  for (Joint& joint : joints_) {
+    const JointLimits& limits = joint.config.limits;
+    if (joint.heartbeat.axis_error != 0) {
+      if (joint.fault == FaultKind::kNone) {
+        Fail(joint, FaultKind::kAxisError, AxisErrorText(joint.heartbeat.axis_error).c_str());
+      }
+      if (!joint.asked_errors) {
+        joint.asked_errors = true;
+        can::Transport& bus = *transports_[static_cast<std::size_t>(joint.config.bus)];
+        for (const auto command :
+             {Command::kGetMotorError, Command::kGetEncoderError, Command::kGetControllerError}) {
+          if (can::Knows(joint.config.firmware, command)) {
+            (void)bus.Send(can::EncodeRequest(joint.config.node, command));
+          }
+        }
+      }
+    }
+    const auto older = [now_ns](std::int64_t stamp_ns, double limit_s) {
+      return now_ns - stamp_ns > Ns(limit_s);
+    };
+    if (older(joint.heartbeat_ns, timing.heartbeat_timeout_s)) {
+      Fail(joint, FaultKind::kHeartbeatLost, "no heartbeat");
+    }
+    if (older(joint.estimates_ns, timing.lost_after_s)) {
+      Fail(joint, FaultKind::kEstimatesLost, "no encoder estimates");
+    }
+    if (joint.config.output && (older(joint.output_ns, timing.lost_after_s) ||
+                                older(joint.sensors_ns, timing.heartbeat_timeout_s))) {
+      Fail(joint, FaultKind::kNodeLost, "nothing from the sensor node");
+    }
+    if (joint.config.output &&
+        joint.node_sensors.motor_temperature_degC > limits.motor_temperature_degC) {
+      Fail(joint, FaultKind::kOverTemperature, "motor too hot");
+    }
+    if (joint.phase == Phase::kActive) {
+      if (std::abs(joint.motor_velocity_rad_s()) >
+          kOverspeed * limits.velocity_rad_s * joint.config.gear_ratio) {
+        Fail(joint, FaultKind::kOverspeed, "too fast");
+      }
+      const double position_rad = joint.position_rad();
+      if (position_rad > limits.upper_rad + limits.margin_rad ||
+          position_rad < limits.lower_rad - limits.margin_rad) {
+        char text[64];
+        std::snprintf(text, sizeof text, "at %.3f rad, outside its limits", position_rad);
+        Fail(joint, FaultKind::kOutOfRange, text);
+      }
+    }
+  }
+}
+
+void CanPlant::Fail(Joint& joint, FaultKind kind, const char* what) {
+  if (joint.fault != FaultKind::kNone) return;  // the first one is the cause
+  joint.fault = kind;
+  joint.fault_text =
+      "joint '" + joint.config.name + "' (node " + std::to_string(joint.config.node) + "): " + what;
+}
+
+void CanPlant::Fill(std::int64_t now_ns, provider::PlantSensors* sensors) const {
+  sensors->fault = false;
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    const Joint& joint = joints_[j];
+    const JointConfig& c = joint.config;
+    sensors->position_rad[j] = joint.position_rad();
+    sensors->velocity_rad_s[j] = joint.velocity_rad_s();
+    sensors->motor_position_rad[j] = joint.motor_position_rad();
+    sensors->motor_velocity_rad_s[j] = joint.motor_velocity_rad_s();
+    sensors->motor_current_A[j] = c.direction * joint.iq_A;
+    sensors->torque_Nm[j] =
+        c.torque_efficiency * c.gear_ratio * c.torque_constant_Nm_A * sensors->motor_current_A[j];
+    sensors->declared_payload_kg[j] = c.declared_payload_kg;
+    std::int64_t oldest_ns = std::min(joint.estimates_ns, joint.iq_ns);
+    if (c.output) {
+      sensors->chamber_pressure_bar[j] = joint.node_sensors.chamber_pressure_bar;
+      sensors->reservoir_pressure_bar[j] = joint.node_sensors.reservoir_pressure_bar;
+      sensors->load_force_N[j] = joint.node_sensors.load_force_N;
+      sensors->motor_temperature_degC[j] = joint.node_sensors.motor_temperature_degC;
+      sensors->valve_open[j] = joint.output.valve_open;
+      oldest_ns = std::min({oldest_ns, joint.output_ns, joint.sensors_ns});
+    }
+    const std::int64_t age_us =
+        std::clamp<std::int64_t>((now_ns - oldest_ns) / 1000, 0, 2'000'000'000);
+    sensors->age_us[j] = static_cast<std::int32_t>(age_us);
+    sensors->valid[j] = age_us * 1000 <= Ns(config_.timing.estimate_timeout_s);
+    if (joint.fault != FaultKind::kNone && !sensors->fault) {
+      sensors->fault = true;
+      if (sensors->message != joint.fault_text) sensors->message = joint.fault_text;
+    }
+  }
+  if (!sensors->fault && !sensors->message.empty()) sensors->message.clear();
+}
+
+void CanPlant::Report(std::int64_t now_ns, double work_us) {
+  work_us_[work_count_++ % work_us_.size()] = work_us;
+  for (std::size_t b = 0; b < transports_.size(); ++b) {
+    const can::TransportCounters counters = transports_[b]->counters();
+    const can::Link link = transports_[b]->link();
+    report_.up[b] = link == can::Link::kUp || link == can::Link::kPassive;
+    report_.frames_sent[b] = counters.sent;
+    report_.frames_received[b] = counters.received;
+    report_.frames_dropped[b] = counters.dropped;
+    report_.error_frames[b] = counters.error_frames;
+  }
+  const std::int64_t span_ns = now_ns - report_ns_;
+  if (span_ns < 1'000'000'000) return;
+  report_ns_ = now_ns;
+  for (std::size_t b = 0; b < transports_.size(); ++b) {
+    const std::uint64_t bits = transports_[b]->counters().wire_bits;
+    report_.load_percent[b] = 100.0 * static_cast<double>(bits - reported_bits_[b]) /
+                              (config_.bitrate_bit_s[b] * 1e-9 * static_cast<double>(span_ns));
+    reported_bits_[b] = bits;
+  }
+  const auto count = static_cast<std::ptrdiff_t>(std::min(work_count_, work_us_.size()));
+  std::array<double, 512> sorted = work_us_;
+  const auto middle = sorted.begin() + count / 2;
+  std::nth_element(sorted.begin(), middle, sorted.begin() + count);
+  report_.cycle_p50_us = *middle;
+  report_.cycle_max_us = *std::max_element(sorted.begin(), sorted.begin() + count);
+  work_count_ = 0;
+}
+
+}  // namespace sinew::bridge

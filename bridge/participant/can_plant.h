@@ -1,0 +1,207 @@
+// Joints behind CAN as a state provider's plant: commands to frames, frames to sensors, and the
+// last line of limits.
+//
+// A joint is a motor controller (ODrive CANSimple) and, where there is one, a sensor node at its
+// output. Output angle q, motor angle m (at the shaft), controller's revolutions r:
+//
+//     m = direction * 2 pi * (r - zero_rev)             q = node direction * (angle - zero_rad), or
+//     m / gear_ratio torque setpoint = direction * T * controller_torque_constant / torque_constant
+//
+// so that the current is T / torque_constant whatever the controller was told its constant is.
+// Joint torque is told as torque_efficiency * gear_ratio * torque_constant * Iq * direction.
+//
+// Arming a joint: mode, limits, closed-loop control; neutral setpoints until the heartbeat says
+// closed loop; then the commands. In position mode the setpoint leaves the measured position at no
+// more than the velocity limit. Every cycle carries a setpoint, so that the controllers' watchdogs
+// are fed while the bridge lives.
+//
+// Limits, whatever is commanded: torque and current; no torque in the direction of motion near the
+// velocity limit (tapered over its last tenth), none outwards beyond the position limits. Faults
+// are latched until ClearFault: axis error, lost heartbeat, lost estimates, lost sensor node,
+// encoder jump, over-temperature, overspeed (1.5 times the limit), too far outside (margin), no
+// closed loop, a setpoint that is not finite. One joint's fault stops the robot: the provider idles
+// all.
+//
+// One thread. Step allocates only when a fault's message is written.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bridge/can/codec.h"
+#include "bridge/can/sensor_node.h"
+#include "bridge/can/transport/transport.h"
+#include "components/provider/plant.h"
+
+namespace sinew::bridge {
+
+struct JointLimits {
+  double motor_torque_Nm = 0.0;
+  double current_A = 0.0;
+  double velocity_rad_s = 0.0;  // output
+  double lower_rad = 0.0;       // output
+  double upper_rad = 0.0;
+  double margin_rad = 0.2;  // beyond a position limit by more than this: fault
+  double motor_temperature_degC = std::numeric_limits<double>::infinity();
+};
+
+struct OutputNode {
+  int node = 0;
+  int direction = 1;
+  double zero_rad = 0.0;
+};
+
+struct JointConfig {
+  std::string name;
+  int bus = 0;
+  int node = 0;
+  can::Firmware firmware = can::Firmware::k0_5_6;
+  int direction = 1;
+  double gear_ratio = 1.0;
+  double zero_rev = 0.0;
+  double torque_constant_Nm_A = 0.0;
+  double controller_torque_constant_Nm_A = 0.0;
+  double torque_efficiency = 1.0;  // of the gear, in the torque that is told
+  double declared_payload_kg = 0.0;
+  JointLimits limits;
+  std::optional<OutputNode> output;
+};
+
+enum class Estimates { kCyclic, kRequested };
+
+struct BridgeTiming {
+  Estimates estimates = Estimates::kCyclic;
+  int iq_every_cycles =
+      1;  // asked for every so many cycles; 0: the controllers send it by themselves
+  double answer_window_s = 0.0015;    // requested estimates are awaited so long within a cycle
+  double estimate_timeout_s = 0.02;   // older: the joint is not valid
+  double lost_after_s = 0.06;         // older: fault
+  double heartbeat_timeout_s = 0.35;  // 10 Hz, three missed
+  double closed_loop_timeout_s = 1.0;
+  double start_timeout_s = 5.0;
+  int valve_timeout_ms = 60;  // of the nodes' own watchdogs
+};
+
+struct BridgeConfig {
+  bool live = false;  // hardware: only live commands count
+  std::vector<JointConfig> joints;
+  std::vector<double> bitrate_bit_s;  // per bus, for the load
+  bool short_frames = true;           // setpoints of 4 bytes: 95 bit times instead of 135
+  BridgeTiming timing;
+};
+
+enum class FaultKind {
+  kNone,
+  kAxisError,
+  kHeartbeatLost,
+  kEstimatesLost,
+  kNodeLost,
+  kEncoderJump,
+  kOverTemperature,
+  kOverspeed,
+  kOutOfRange,
+  kNoClosedLoop,
+  kNotFinite,
+};
+
+class CanPlant : public provider::Plant {
+ public:
+  // The transports must outlive it. Throws std::invalid_argument naming joint and value.
+  CanPlant(const BridgeConfig& config, std::vector<can::Transport*> transports);
+
+  // The identifiers a bus's transport has to let through: exactly those.
+  static std::vector<can::IdFilter> Filters(const BridgeConfig& config, int bus);
+
+  int joint_count() const override { return static_cast<int>(joints_.size()); }
+  bool live() const override { return config_.live; }
+  std::uint32_t measured_flags() const override;
+  // Clears the controllers' errors, waits until everything has been heard. Throws
+  // std::runtime_error naming what stayed silent.
+  void Reset(provider::PlantSensors* sensors) override;
+  void Step(const provider::PlantCommand& command, double period_s,
+            provider::PlantSensors* sensors) override;
+  const provider::BusReport* bus_report() const override { return &report_; }
+
+  // The operator's reset: errors of the controllers cleared, latched faults forgotten. What is
+  // still wrong is a fault again at the next Step.
+  void ClearFault();
+
+  FaultKind fault(int joint) const { return joints_[static_cast<std::size_t>(joint)].fault; }
+  std::uint64_t malformed() const { return malformed_; }  // frames of ours that could not be read
+
+ private:
+  enum class Phase { kIdle, kArming, kActive };
+  struct Joint {
+    JointConfig config;
+    // Heard.
+    std::int64_t heartbeat_ns = 0;
+    std::int64_t estimates_ns = 0;
+    std::int64_t iq_ns = 0;
+    std::int64_t output_ns = 0;
+    std::int64_t sensors_ns = 0;
+    can::Heartbeat heartbeat;
+    can::EncoderEstimates estimates;
+    double iq_A = 0.0;
+    can::OutputEncoder output;
+    can::JointSensors node_sensors;
+    // Done.
+    Phase phase = Phase::kIdle;
+    std::int64_t phase_ns = 0;
+    std::int64_t told_ns = 0;  // last time the axis was told its state
+    provider::Mode mode = provider::Mode::kIdle;
+    double sent_position_rad = 0.0;
+    std::uint8_t valve_sequence = 0;
+    std::int64_t cleared_ns = 0;
+    bool asked_errors = false;
+    FaultKind fault = FaultKind::kNone;
+    std::string fault_text;
+
+    double motor_position_rad() const;
+    double motor_velocity_rad_s() const;
+    double position_rad() const;
+    double velocity_rad_s() const;
+  };
+
+  void Take(int bus, const can::Received& received);
+  void TakeFromAxis(Joint& joint, const can::Received& received);
+  void TakeFromNode(Joint& joint, const can::Received& received);
+  void Drain();
+  void Collect(std::int64_t cycle_start_ns, bool with_iq);
+  bool AllAnswered(std::int64_t cycle_start_ns, bool with_iq) const;
+
+  void CommandJoint(Joint& joint, provider::Mode mode, double torque_Nm, double position_rad,
+                    double velocity_rad_s, double period_s, std::int64_t now_ns);
+  void SendSetpoint(Joint& joint, double torque_Nm, double position_rad, double velocity_rad_s,
+                    double period_s);
+  void SendNeutral(Joint& joint);
+  void SendArming(Joint& joint, std::int64_t now_ns);
+  void SendIdle(Joint& joint, std::int64_t now_ns);
+  double LimitedTorque(const Joint& joint, double torque_Nm) const;
+  double Revolutions(const Joint& joint, double position_rad) const;
+  template <class Message>
+  void Send(const Joint& joint, const Message& message);
+
+  void Judge(std::int64_t now_ns);
+  void Fail(Joint& joint, FaultKind kind, const char* what);
+  void Fill(std::int64_t now_ns, provider::PlantSensors* sensors) const;
+  void Report(std::int64_t now_ns, double work_us);
+
+  BridgeConfig config_;
+  std::vector<can::Transport*> transports_;
+  std::vector<Joint> joints_;
+  std::vector<std::array<int, 64>> axis_of_;  // per bus and node: joint, or -1
+  std::vector<std::array<int, 64>> node_of_;
+  std::uint64_t cycle_ = 0;
+  std::uint64_t malformed_ = 0;
+  provider::BusReport report_;
+  std::int64_t report_ns_ = 0;
+  std::array<std::uint64_t, provider::BusReport::kMaxBuses> reported_bits_{};
+  std::array<double, 512> work_us_{};
+  std::size_t work_count_ = 0;
+};
+
+}  // namespace sinew::bridge

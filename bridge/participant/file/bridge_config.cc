@@ -1,0 +1,103 @@
+#include "bridge/participant/file/bridge_config.h"
+
+namespace sinew::bridge {
+namespace {
+
+int ReadDirection(const config::Section& section) {
+  const auto direction = section.IntegerOr("direction", 1, {-1, 1});
+  if (direction == 0) section.Fail("direction", "is 0, expected 1 or -1");
+  return static_cast<int>(direction);
+}
+
+int ReadNode(const config::Section& section) {
+  return static_cast<int>(section.Integer("node", {0, can::kMaxNode}));
+}
+
+JointLimits ReadLimits(const config::Section& section) {
+  JointLimits limits;
+  limits.motor_torque_Nm = section.Number("motor_torque_Nm", config::kPositive);
+  limits.current_A = section.Number("current_A", config::kPositive);
+  limits.velocity_rad_s = section.Number("velocity_rad_s", config::kPositive);
+  limits.lower_rad = section.Number("lower_rad");
+  limits.upper_rad = section.Number("upper_rad");
+  if (limits.lower_rad >= limits.upper_rad) section.Fail("upper_rad", "is not above lower_rad");
+  limits.margin_rad = section.NumberOr("margin_rad", limits.margin_rad, config::kNotNegative);
+  if (section.Has("motor_temperature_degC")) {
+    limits.motor_temperature_degC = section.Number("motor_temperature_degC");
+  }
+  section.RejectUnknownKeys();
+  return limits;
+}
+
+JointConfig ReadJoint(const config::Section& section, const std::vector<can::BusEntry>& buses) {
+  JointConfig joint;
+  joint.name = section.Text("name");
+  joint.bus = can::ReadBusOf(section, buses);
+  joint.node = ReadNode(section);
+  joint.firmware = can::ReadFirmware(section);
+  joint.direction = ReadDirection(section);
+  joint.gear_ratio = section.Number("gear_ratio", config::kPositive);
+  joint.zero_rev = section.NumberOr("zero_rev", 0.0);
+  joint.torque_constant_Nm_A = section.Number("torque_constant_Nm_A", config::kPositive);
+  joint.controller_torque_constant_Nm_A =
+      section.Number("controller_torque_constant_Nm_A", config::kPositive);
+  joint.torque_efficiency = section.NumberOr("torque_efficiency", 1.0, {1e-3, 1.0});
+  joint.declared_payload_kg = section.NumberOr("declared_payload_kg", 0.0, config::kNotNegative);
+  joint.limits = ReadLimits(section.Child("limits"));
+  if (section.Has("sensor_node")) {
+    const config::Section node = section.Child("sensor_node");
+    joint.output = OutputNode{ReadNode(node), ReadDirection(node), node.NumberOr("zero_rad", 0.0)};
+    node.RejectUnknownKeys();
+  }
+  section.RejectUnknownKeys();
+  return joint;
+}
+
+BridgeTiming ReadTiming(const config::Section& section) {
+  BridgeTiming timing;
+  timing.estimates = section.ChoiceOr("estimates", "cyclic", {"cyclic", "requested"}) == "requested"
+                         ? Estimates::kRequested
+                         : Estimates::kCyclic;
+  const auto seconds = [&section](const char* key, double fallback_s) {
+    return 1e-3 * section.NumberOr(key, 1e3 * fallback_s, config::kPositive);
+  };
+  timing.iq_every_cycles =
+      static_cast<int>(section.IntegerOr("iq_every_cycles", timing.iq_every_cycles, {0, 1000}));
+  timing.answer_window_s = seconds("answer_window_ms", timing.answer_window_s);
+  timing.estimate_timeout_s = seconds("estimate_timeout_ms", timing.estimate_timeout_s);
+  timing.lost_after_s = seconds("lost_after_ms", timing.lost_after_s);
+  timing.heartbeat_timeout_s = seconds("heartbeat_timeout_ms", timing.heartbeat_timeout_s);
+  timing.closed_loop_timeout_s = seconds("closed_loop_timeout_ms", timing.closed_loop_timeout_s);
+  timing.start_timeout_s = seconds("start_timeout_ms", timing.start_timeout_s);
+  timing.valve_timeout_ms =
+      static_cast<int>(section.IntegerOr("valve_timeout_ms", timing.valve_timeout_ms, {1, 60000}));
+  section.RejectUnknownKeys();
+  return timing;
+}
+
+}  // namespace
+
+BridgeFile ReadBridge(const config::Section& section) {
+  BridgeFile file;
+  file.buses = can::ReadBuses(section);
+  file.bridge.live = section.Choice("origin", {"live", "sim"}) == "live";
+  for (const can::BusEntry& bus : file.buses) {
+    if (file.bridge.live && bus.kind != can::TransportKind::kSocketCan) {
+      section.Fail("origin", "is live, but bus '" + bus.name + "' is no hardware; expected sim");
+    }
+    file.bridge.bitrate_bit_s.push_back(bus.bitrate_bit_s);
+  }
+  file.bridge.short_frames = section.BoolOr("short_frames", true);
+  for (const config::Section& joint : section.List("joints")) {
+    file.bridge.joints.push_back(ReadJoint(joint, file.buses));
+  }
+  if (file.bridge.joints.empty() ||
+      file.bridge.joints.size() > static_cast<std::size_t>(provider::kMaxJoints)) {
+    section.Fail("joints", "has " + std::to_string(file.bridge.joints.size()) +
+                               " entries, expected 1 to " + std::to_string(provider::kMaxJoints));
+  }
+  file.bridge.timing = ReadTiming(section.ChildOrEmpty("timing"));
+  return file;
+}
+
+}  // namespace sinew::bridge

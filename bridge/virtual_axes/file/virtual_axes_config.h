@@ -1,0 +1,25 @@
+// Reads the configuration of the virtual axes, schema sinew-virtual-axes/1
+// (docs/participants/virtual_axes.md). Throws UsageError. Not for loops.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "bridge/can/file/bus_config.h"
+#include "bridge/virtual_axes/virtual_axes.h"
+#include "components/config/config.h"
+
+namespace sinew::virtual_axes {
+
+struct VirtualAxesFile {
+  std::vector<can::BusEntry> buses;
+  VirtualAxesConfig axes;
+  std::filesystem::path surrogate_path;  // empty: the surrogate's defaults
+};
+
+VirtualAxesFile ReadVirtualAxes(const config::Section& section);
+
+// Everything on the buses that these nodes are addressed by.
+std::vector<can::IdFilter> Filters(const VirtualAxesConfig& config, int bus);
+
+}  // namespace sinew::virtual_axes

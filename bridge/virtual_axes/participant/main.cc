@@ -1,0 +1,71 @@
+// sinew-virtual-axes: motor controllers and sensor nodes on a bus, with the surrogate behind them.
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+#include <stdexcept>
+
+#include "bridge/virtual_axes/file/virtual_axes_config.h"
+#include "bridge/virtual_axes/virtual_axes.h"
+#include "components/node/options.h"
+#include "sim/surrogate/file/surrogate_file.h"
+#include "sim/surrogate/surrogate.h"
+
+namespace {
+
+using namespace sinew;
+
+void Run(const node::Options& options, node::StopFlag& stop,
+         const std::vector<std::string>& effects) {
+  if (options.config_path.empty()) {
+    throw UsageError("--config: the axes are needed, e.g. robots/rig/virtual_axes.yaml");
+  }
+  const config::Section section =
+      config::Section::Load(options.config_path, "sinew-virtual-axes/1");
+  const virtual_axes::VirtualAxesFile file = virtual_axes::ReadVirtualAxes(section);
+  surrogate::RigParameters rig = surrogate::LoadRig(file.surrogate_path);
+  rig.seed = options.seed;
+  if (!effects.empty()) rig.effects = surrogate::ParseEffects(effects);
+  surrogate::Surrogate plant(rig);
+
+  std::vector<std::unique_ptr<can::Transport>> transports;
+  std::vector<can::Transport*> pointers;
+  for (std::size_t b = 0; b < file.buses.size(); ++b) {
+    transports.push_back(
+        can::OpenBus(file.buses[b], virtual_axes::Filters(file.axes, static_cast<int>(b))));
+    pointers.push_back(transports.back().get());
+  }
+  std::unique_ptr<virtual_axes::VirtualAxes> axes;
+  try {
+    axes = std::make_unique<virtual_axes::VirtualAxes>(file.axes, plant, pointers);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(options.config_path.string() + ": " + error.what());
+  }
+  spdlog::info("{} axes, {} sensor nodes on {} buses", file.axes.axes.size(),
+               file.axes.nodes.size(), file.buses.size());
+  axes->Start(can::MonotonicNow());
+  while (!stop.requested()) {
+    const std::int64_t now_ns = can::MonotonicNow();
+    if (now_ns >= axes->next_ns()) {
+      axes->Run(now_ns);
+    } else {
+      can::WaitForAny(pointers, std::chrono::nanoseconds(axes->next_ns() - now_ns));
+      axes->Answer(can::MonotonicNow());
+    }
+  }
+  spdlog::info("{} frames taken, {} steps", axes->frames_taken(), axes->steps());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::vector<std::string> effects;
+  return node::RunParticipant(
+      argc, argv, "virtual-axes", "Motor controllers and sensor nodes on a CAN bus, simulated",
+      [&](const node::Options& options, node::StopFlag& stop) { Run(options, stop, effects); },
+      [&](CLI::App& app) {
+        app.add_option("--effect", effects,
+                       "Undeclared effect of the surrogate, instead of the file's");
+      });
+}

@@ -1,0 +1,192 @@
+#include "components/control/file/control_file.h"
+
+#include <algorithm>
+#include <map>
+
+#include "components/actuator/file/model_file.h"
+
+namespace sinew::control {
+namespace {
+
+using config::kNotNegative;
+using config::kPositive;
+using config::Section;
+
+struct Units {
+  bool linear = false;
+  std::string Length(const std::string& stem) const { return stem + (linear ? "_m" : "_rad"); }
+  std::string Velocity(const std::string& stem) const {
+    return stem + (linear ? "_m_s" : "_rad_s");
+  }
+  std::string Acceleration(const std::string& stem) const {
+    return stem + (linear ? "_m_s2" : "_rad_s2");
+  }
+  std::string Stiffness(const std::string& stem) const {
+    return stem + (linear ? "_N_m" : "_Nm_rad");
+  }
+  std::string StiffnessRate(const std::string& stem) const {
+    return stem + (linear ? "_N_m_s" : "_Nm_rad_s");
+  }
+  std::string Damping(const std::string& stem) const {
+    return stem + (linear ? "_N_s_m" : "_Nm_s_rad");
+  }
+  std::string Torque(const std::string& stem) const { return stem + (linear ? "_N" : "_Nm"); }
+};
+
+template <class Enum>
+Enum Word(const Section& s, std::string_view key, std::string_view fallback,
+          const std::vector<std::pair<std::string, Enum>>& words) {
+  std::vector<std::string> allowed;
+  for (const auto& [word, value] : words) allowed.push_back(word);
+  const std::string chosen = s.ChoiceOr(key, fallback, allowed);
+  return std::find_if(words.begin(), words.end(), [&](const auto& w) { return w.first == chosen; })
+      ->second;
+}
+
+PidConfig ReadPid(const Section& s, const Units& units) {
+  PidConfig pid;
+  pid.proportional_Nm_rad = s.Number(units.Stiffness("proportional"), kNotNegative);
+  pid.integral_Nm_rad_s = s.NumberOr(units.StiffnessRate("integral"), 0.0, kNotNegative);
+  pid.derivative_Nm_s_rad = s.NumberOr(units.Damping("derivative"), 0.0, kNotNegative);
+  pid.derivative_filter_Hz = s.NumberOr("derivative_filter_Hz", 0.0, kNotNegative);
+  pid.anti_windup_s = s.NumberOr("anti_windup_s", 0.1, kPositive);
+  pid.integral_limit_Nm = s.NumberOr(units.Torque("integral_limit"), 0.0, kNotNegative);
+  s.RejectUnknownKeys();
+  return pid;
+}
+
+JointControlConfig ReadJoint(const Section& s, std::size_t index) {
+  JointControlConfig joint;
+  joint.strategy = Word<Strategy>(s, "strategy", "pid",
+                                  {{"position", Strategy::kPosition},
+                                   {"pid", Strategy::kPid},
+                                   {"pid_linear", Strategy::kPidLinear},
+                                   {"pid_esn", Strategy::kPidEsn}});
+
+  // The drive: from the model file, or told here.
+  Units units;
+  double limit_Nm = 0.0;
+  if (s.Has("model")) {
+    if (s.Has("drive")) s.Fail("drive", "stands beside 'model', expected only one of them");
+    const std::filesystem::path path = s.ExistingPath("model");
+    const actuator::RobotModel robot = actuator::LoadRobotModel(path);
+    std::size_t which = index;
+    if (s.Has("model_joint")) {
+      const std::string name = s.Text("model_joint");
+      which = 0;
+      while (which < robot.joints.size() && robot.joints[which].name != name) ++which;
+      if (which == robot.joints.size()) {
+        s.Fail("model_joint", "'" + name + "' is no joint of " + path.string());
+      }
+    }
+    if (which >= robot.joints.size()) {
+      s.Fail("model", path.string() + " has " + std::to_string(robot.joints.size()) +
+                          " joints, expected one for joint " + std::to_string(index));
+    }
+    joint.model = robot.joints[which];
+    units.linear = joint.model->kind == effects::JointKind::kLinear;
+    joint.gear_ratio = joint.model->constants.gear_ratio;
+    limit_Nm = joint.model->motor_torque_limit_Nm;
+    try {
+      joint.shaft_per_output = ShaftPerOutput(*joint.model);
+    } catch (const std::invalid_argument& error) {
+      s.Fail("model", error.what());
+    }
+  } else if (joint.strategy != Strategy::kPosition || s.Has("drive")) {
+    if (joint.strategy == Strategy::kPidLinear) {
+      s.Fail("model", "is missing, expected the path of a model file for pid_linear");
+    }
+    const Section drive = s.Child("drive");
+    units.linear = Word<bool>(drive, "kind", "rotary", {{"rotary", false}, {"linear", true}});
+    joint.gear_ratio = drive.NumberOr("gear_ratio", 1.0, kPositive);
+    joint.shaft_per_output =
+        1.0 / (joint.gear_ratio * drive.NumberOr("efficiency", 1.0, kPositive));
+    limit_Nm =
+        drive.NumberOr(units.linear ? "force_limit_N" : "motor_torque_limit_Nm", 0.0, kPositive);
+    drive.RejectUnknownKeys();
+  }
+  const std::string limit_key = units.linear ? "force_limit_N" : "motor_torque_limit_Nm";
+  if (s.Has(limit_key)) {
+    const double own_Nm = s.Number(limit_key, kPositive);
+    if (limit_Nm > 0.0 && own_Nm > limit_Nm) {
+      s.Fail(limit_key,
+             "is above the drive's own limit, expected at most " + std::to_string(limit_Nm));
+    }
+    limit_Nm = own_Nm;
+  }
+  if (joint.strategy == Strategy::kPosition && limit_Nm == 0.0)
+    limit_Nm = 1.0;  // never commands torque
+  if (limit_Nm == 0.0) {
+    s.Fail(limit_key, "is missing and the model states none, expected a number above 0");
+  }
+  joint.motor_torque_limit_Nm = limit_Nm;
+
+  if (joint.strategy != Strategy::kPosition || s.Has("pid"))
+    joint.pid = ReadPid(s.Child("pid"), units);
+  joint.derivative_of = Word<DerivativeOf>(
+      s, "derivative_of", "error",
+      {{"error", DerivativeOf::kError}, {"measurement", DerivativeOf::kMeasurement}});
+  joint.velocity_from =
+      Word<VelocityFrom>(s, "velocity_from", "output",
+                         {{"motor", VelocityFrom::kMotor},
+                          {"output", VelocityFrom::kOutput},
+                          {"output_difference", VelocityFrom::kOutputDifference}});
+  if (joint.strategy == Strategy::kPidLinear) {
+    joint.compensator.kind = Word<CompensatorKind>(
+        s, "compensate", "model",
+        {{"linear", CompensatorKind::kLinear}, {"model", CompensatorKind::kModel}});
+    joint.compensator.smoothing_rad_s =
+        s.NumberOr(units.Velocity("smoothing"), joint.compensator.smoothing_rad_s, kNotNegative);
+    joint.compensator.pressure_filter_Hz =
+        s.NumberOr("pressure_filter_Hz", joint.compensator.pressure_filter_Hz, kNotNegative);
+    joint.compensator.lead_s = s.NumberOr("lead_s", joint.compensator.lead_s, {0.0, 0.1});
+  }
+  joint.takeover_s = s.NumberOr("takeover_s", joint.takeover_s, kNotNegative);
+  joint.crossfade_s = s.NumberOr("crossfade_s", joint.crossfade_s, kNotNegative);
+  joint.tracking_error_limit_rad =
+      s.NumberOr(units.Length("tracking_error_limit"), 0.0, kNotNegative);
+  joint.damping_Nm_s_rad =
+      s.NumberOr(units.Damping("safe_damping"), joint.damping_Nm_s_rad, kNotNegative);
+  joint.on_stale =
+      Word<OnStale>(s, "on_stale", "hold", {{"hold", OnStale::kHold}, {"damp", OnStale::kDamp}});
+  joint.stale_grace_ticks =
+      static_cast<int>(s.IntegerOr("stale_grace_ticks", joint.stale_grace_ticks, {0, 1000}));
+  joint.motion_acceleration_rad_s2 = s.NumberOr(units.Acceleration("motion_acceleration"),
+                                                joint.motion_acceleration_rad_s2, kPositive);
+  s.RejectUnknownKeys();
+  return joint;
+}
+
+}  // namespace
+
+bool ControlConfig::needs_prediction() const {
+  return std::any_of(joints.begin(), joints.end(), [](const JointControlConfig& joint) {
+    return joint.strategy == Strategy::kPidEsn;
+  });
+}
+
+ControlConfig ReadControl(const config::Section& section) {
+  ControlConfig control;
+  control.motion_requests = Word<MotionRequests>(section, "motion_requests", "off",
+                                                 {{"off", MotionRequests::kOff},
+                                                  {"optional", MotionRequests::kOptional},
+                                                  {"every_tick", MotionRequests::kEveryTick}});
+  control.motion_timeout_s =
+      section.NumberOr("motion_timeout_s", control.motion_timeout_s, kPositive);
+  control.follow_owner = section.BoolOr("follow_owner", false);
+  control.strength = static_cast<int>(section.IntegerOr("strength", control.strength, {1, 1000}));
+  const std::vector<Section> joints = section.List("joints");
+  if (joints.empty() || joints.size() > static_cast<std::size_t>(kMaxJoints)) {
+    section.Fail("joints", "has " + std::to_string(joints.size()) + " entries, expected 1 to " +
+                               std::to_string(kMaxJoints));
+  }
+  for (std::size_t j = 0; j < joints.size(); ++j) control.joints.push_back(ReadJoint(joints[j], j));
+  section.RejectUnknownKeys();
+  return control;
+}
+
+ControlConfig LoadControl(const std::filesystem::path& path) {
+  return ReadControl(Section::Load(path, "sinew-control/1"));
+}
+
+}  // namespace sinew::control

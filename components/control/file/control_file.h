@@ -1,0 +1,33 @@
+// Reads `schema: sinew-control/1` (docs/participants/control.md). Throws UsageError.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "components/config/config.h"
+#include "components/control/joint_controller.h"
+
+namespace sinew::control {
+
+// How motion requests reach the controller.
+enum class MotionRequests {
+  kOff,        // not read
+  kOptional,   // read when they come; they end when not repeated (real time only)
+  kEveryTick,  // the requester publishes in every tick: awaited in lockstep, one tick late
+};
+
+struct ControlConfig {
+  std::vector<JointControlConfig> joints;
+  MotionRequests motion_requests = MotionRequests::kOff;
+  double motion_timeout_s = 0.5;
+  // Standby: reads joint_command and goes on from what the owner commanded. Real time only.
+  bool follow_owner = false;
+  int strength = 10;  // ownership of joint_command
+
+  bool needs_prediction() const;  // a joint uses pid_esn
+};
+
+ControlConfig LoadControl(const std::filesystem::path& path);
+ControlConfig ReadControl(const config::Section& section);
+
+}  // namespace sinew::control

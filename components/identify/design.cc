@@ -1,0 +1,120 @@
+#include "components/identify/design.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace sinew::identify {
+
+std::vector<Eigen::Index> Rows::UsedRows() const {
+  std::vector<Eigen::Index> out;
+  for (Eigen::Index i = 0; i < size(); ++i) {
+    if (used[static_cast<std::size_t>(i)]) out.push_back(i);
+  }
+  return out;
+}
+
+Design::Design(StateSet states, const ProcessingOptions& options)
+    : states_(std::move(states)), options_(options), rows_per_s_(4.0 * options.parallel_cutoff_Hz) {
+  std::vector<double> time;
+  for (std::size_t s = 0; s < states_.segments.size(); ++s) {
+    const StateSegment& segment = states_.segments[s];
+    const Eigen::Index step = Step(segment);
+    for (Eigen::Index i = step / 2; i < segment.size(); i += step) {
+      const auto k = static_cast<std::size_t>(i);
+      time.push_back(segment.samples[k].time_s);
+      rows_.run.push_back(segment.run);
+      rows_.segment.push_back(static_cast<int>(s));
+      rows_.used.push_back(segment.usable[k]);
+      rows_.sample.push_back(i);
+    }
+    Eigen::VectorXd smooth(segment.size());
+    for (Eigen::Index i = 0; i < segment.size(); ++i) {
+      smooth[i] = segment.samples[static_cast<std::size_t>(i)].drive_input;
+    }
+    measured_smooth_.push_back(std::move(smooth));
+  }
+  rows_.time_s = Eigen::Map<const Eigen::VectorXd>(time.data(), static_cast<Eigen::Index>(time.size()));
+}
+
+Eigen::Index Design::Step(const StateSegment& segment) const {
+  return std::max<Eigen::Index>(
+      1, static_cast<Eigen::Index>(std::floor(1.0 / (segment.period_s * rows_per_s_) + 1e-9)));
+}
+
+Eigen::Index Design::Thin(const StateSegment& segment, const Eigen::VectorXd& full,
+                          Eigen::Ref<Eigen::VectorXd> out) const {
+  const double rate = 1.0 / segment.period_s;
+  const Eigen::Index step = Step(segment);
+  const auto thin = [&](const Eigen::VectorXd& x) {
+    Eigen::Index row = 0;
+    for (Eigen::Index i = step / 2; i < x.size(); i += step) out[row++] = x[i];
+    return row;
+  };
+  if (options_.parallel_cutoff_Hz >= 0.5 * rate) return thin(full);
+  const int padding = std::max(
+      3 * options_.parallel_order,
+      static_cast<int>(std::ceil(2.0 * rate / options_.parallel_cutoff_Hz)));
+  return thin(FilterZeroPhase(
+      ButterworthLowPass(options_.parallel_order, options_.parallel_cutoff_Hz, rate), full,
+      padding));
+}
+
+Eigen::MatrixXd Design::Columns(const effects::Effect& effect, std::span<const double> psi) const {
+  const auto count = static_cast<Eigen::Index>(effect.info().linear.size());
+  Eigen::MatrixXd out(rows_.size(), count);
+  std::array<double, effects::kMaxParameters> phi{};
+  std::array<double, effects::kMaxParameters> memory{};
+  const std::span<double> memory_span(memory.data(), static_cast<std::size_t>(effect.memory_size()));
+  const std::span<double> phi_span(phi.data(), static_cast<std::size_t>(count));
+  Eigen::Index at = 0;
+  for (const StateSegment& segment : states_.segments) {
+    Eigen::MatrixXd full(segment.size(), count);
+    effect.ResetMemory(segment.samples.front(), psi, memory_span);
+    for (Eigen::Index i = 0; i < segment.size(); ++i) {
+      const effects::JointSample& x = segment.samples[static_cast<std::size_t>(i)];
+      if (i > 0) effect.Advance(x, segment.period_s, psi, memory_span);
+      effect.Regressors(x, psi, memory_span, phi_span);
+      for (Eigen::Index c = 0; c < count; ++c) full(i, c) = phi[static_cast<std::size_t>(c)];
+    }
+    Eigen::Index rows = 0;
+    for (Eigen::Index c = 0; c < count; ++c) {
+      rows = Thin(segment, full.col(c), out.col(c).segment(at, rows_.size() - at));
+    }
+    at += rows;
+  }
+  return out;
+}
+
+Eigen::VectorXd Design::MeasuredDrive(const effects::Effect& drive) const {
+  Eigen::VectorXd out(rows_.size());
+  Eigen::Index at = 0;
+  for (const StateSegment& segment : states_.segments) {
+    Eigen::VectorXd full(segment.size());
+    for (Eigen::Index i = 0; i < segment.size(); ++i) {
+      effects::JointSample x = segment.samples[static_cast<std::size_t>(i)];
+      x.drive_input = segment.drive_input[i];
+      double phi = 0.0;
+      drive.Regressors(x, {}, {}, {&phi, 1});
+      full[i] = phi;
+    }
+    at += Thin(segment, full, out.segment(at, rows_.size() - at));
+  }
+  return out;
+}
+
+void Design::PredictDrive(const actuator::JointModel& model) {
+  std::vector<double> memory(static_cast<std::size_t>(model.memory_size()));
+  for (std::size_t s = 0; s < states_.segments.size(); ++s) {
+    StateSegment& segment = states_.segments[s];
+    model.ResetMemory(segment.samples.front(), memory);
+    for (Eigen::Index i = 0; i < segment.size(); ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      effects::JointSample& x = segment.samples[k];
+      if (i > 0) model.Advance(x, segment.period_s, memory);
+      x.drive_input = segment.at_rest[k] ? measured_smooth_[s][i] : model.RequiredDriveInput(x, memory);
+    }
+  }
+}
+
+}  // namespace sinew::identify

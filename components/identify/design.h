@@ -1,0 +1,85 @@
+// Columns of the regression: effects evaluated along a recording, sent through the parallel filter and
+// thinned to four rows per period of its cut-off.
+// Pure; allocates.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "components/actuator/model.h"
+#include "components/identify/iir_filter.h"
+#include "components/identify/processing.h"
+
+namespace sinew::identify {
+
+// What every row of the regression is.
+struct Rows {
+  Eigen::VectorXd time_s;
+  std::vector<int> run;
+  std::vector<int> segment;
+  std::vector<char> used;                // moving samples only
+  std::vector<Eigen::Index> sample;      // index in its segment
+  Eigen::Index size() const { return time_s.size(); }
+  std::vector<Eigen::Index> UsedRows() const;
+};
+
+class Design {
+ public:
+  // options must be resolved.
+  Design(StateSet states, const ProcessingOptions& options);
+
+  const Rows& rows() const { return rows_; }
+  const StateSet& states() const { return states_; }
+  const ProcessingOptions& options() const { return options_; }
+  double rows_per_s() const { return rows_per_s_; }
+
+  // phi of an effect, a column per linear parameter.
+  Eigen::MatrixXd Columns(const effects::Effect& effect, std::span<const double> psi) const;
+  // phi of a drive effect with the drive input as it was measured.
+  Eigen::VectorXd MeasuredDrive(const effects::Effect& drive) const;
+  // Any function of the sample, filtered and thinned like the columns.
+  template <class Function>
+  Eigen::VectorXd Column(Function f) const {
+    Eigen::VectorXd out(rows_.size());
+    Eigen::Index at = 0;
+    for (const StateSegment& segment : states_.segments) {
+      Eigen::VectorXd full(segment.size());
+      for (Eigen::Index i = 0; i < segment.size(); ++i) {
+        full[i] = f(segment.samples[static_cast<std::size_t>(i)]);
+      }
+      at += Thin(segment, full, out.segment(at, rows_.size() - at));
+    }
+    return out;
+  }
+  // The same without the filter: for plots and for variables.
+  template <class Function>
+  Eigen::VectorXd Variable(Function f) const {
+    Eigen::VectorXd out(rows_.size());
+    for (Eigen::Index i = 0; i < rows_.size(); ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      out[i] = f(states_.segments[static_cast<std::size_t>(rows_.segment[k])]
+                     .samples[static_cast<std::size_t>(rows_.sample[k])]);
+    }
+    return out;
+  }
+
+  // From now on effects that read the drive see the drive that the model needs, not the measured one:
+  // noise of the measured drive would stand on both sides of the equation. At rest, where the model
+  // says nothing, the measured drive stays. Its rate stays measured.
+  void PredictDrive(const actuator::JointModel& model);
+
+ private:
+  Eigen::Index Step(const StateSegment& segment) const;
+  // Filters a full-rate column of a segment; returns the number of rows written.
+  Eigen::Index Thin(const StateSegment& segment, const Eigen::VectorXd& full,
+                    Eigen::Ref<Eigen::VectorXd> out) const;
+
+  StateSet states_;
+  ProcessingOptions options_;
+  double rows_per_s_;
+  Rows rows_;
+  std::vector<Eigen::VectorXd> measured_smooth_;  // drive input per segment
+};
+
+}  // namespace sinew::identify

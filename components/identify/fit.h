@@ -1,0 +1,44 @@
+// Fits the free parameters of a joint model to recordings and says how well each is known.
+// Pure; allocates; throws std::invalid_argument when there are fewer rows than parameters.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "components/actuator/model.h"
+#include "components/identify/balance.h"
+#include "components/identify/block_regression.h"
+#include "components/identify/design.h"
+
+namespace sinew::identify {
+
+struct FitResult {
+  actuator::JointModel model;        // fitted values, half widths filled in
+  Balance balance;                   // at the fitted nonlinear parameters
+  Eigen::VectorXd coefficients;      // of balance.columns
+  Eigen::MatrixXd covariance;        // of the linear parameters in physical units, as Physical()
+  Eigen::VectorXd residual;          // torque at the output, every row
+  double rms = 0.0;                  // of the residual over used rows
+  double percent = 0.0;              // 100 |residual| / |drive torque| over used rows
+  bool keep_scale = false;           // the drive factor could not be told and was kept
+};
+
+// Error of a model as it is on any design.
+struct ModelError {
+  double rms = 0.0;
+  double percent = 0.0;
+  Eigen::VectorXd residual;
+};
+ModelError ErrorOf(const Design& design, const actuator::JointModel& model);
+
+// Linear parameters by least squares over used rows; half widths from block scores with the t quantile
+// of blocks - 1. Nonlinear parameters stay.
+FitResult FitModel(const Design& design, const actuator::JointModel& model,
+                   const std::vector<Block>& blocks);
+
+// The same, with the nonlinear parameters of terms that close-loop added refined by a search over a
+// shrinking step (log scale for positive ranges), started where they are.
+FitResult RefineModel(const Design& design, const actuator::JointModel& model,
+                      const std::vector<Block>& blocks);
+
+}  // namespace sinew::identify

@@ -1,0 +1,225 @@
+#include "components/identify/processing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "components/identify/differentiate.h"
+#include "components/identify/iir_filter.h"
+#include "components/identify/spectrum.h"
+
+namespace sinew::identify {
+
+namespace {
+
+// Padding that lets a filter's start-up die out inside the reflected part.
+int Padding(int order, double cutoff_Hz, double rate_Hz) {
+  return std::max(3 * order, static_cast<int>(std::ceil(2.0 * rate_Hz / cutoff_Hz)));
+}
+
+Eigen::VectorXd Smooth(const Eigen::VectorXd& x, int order, double cutoff_Hz, double rate_Hz) {
+  if (cutoff_Hz >= 0.5 * rate_Hz) return x;
+  return FilterZeroPhase(ButterworthLowPass(order, cutoff_Hz, rate_Hz), x,
+                         Padding(order, cutoff_Hz, rate_Hz));
+}
+
+// The position of the output, from the motor where only that was recorded.
+Eigen::VectorXd OutputPosition(const UniformSegment& segment, double gear_ratio,
+                               const std::string& name) {
+  const auto output = segment.signals.find(Signal::kPosition);
+  if (output != segment.signals.end()) return output->second;
+  const auto motor = segment.signals.find(Signal::kMotorPosition);
+  if (motor != segment.signals.end()) return motor->second / gear_ratio;
+  throw std::invalid_argument("recording " + name + " has no signal 'position'");
+}
+
+void Spread(std::vector<char>& flags, Eigen::Index reach) {
+  const auto n = static_cast<Eigen::Index>(flags.size());
+  std::vector<char> out(flags.size(), 0);
+  Eigen::Index until = -1;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (flags[static_cast<std::size_t>(i)]) until = i + reach;
+    if (i <= until) out[static_cast<std::size_t>(i)] = 1;
+  }
+  until = n;
+  for (Eigen::Index i = n - 1; i >= 0; --i) {
+    if (flags[static_cast<std::size_t>(i)]) until = i - reach;
+    if (i >= until) out[static_cast<std::size_t>(i)] = 1;
+  }
+  flags = std::move(out);
+}
+
+}  // namespace
+
+Signal DriveSignal(const actuator::JointModel& model) {
+  const actuator::Term* drive = nullptr;
+  for (const actuator::Term& term : model.terms) {
+    if (term.effect->info().role != effects::Role::kDrive) continue;
+    if (drive != nullptr) {
+      throw std::invalid_argument("joint '" + model.name + "' has more than one drive term");
+    }
+    drive = &term;
+  }
+  if (drive == nullptr) {
+    throw std::invalid_argument("joint '" + model.name +
+                                "' has no drive term, expected drive_current or drive_voltage");
+  }
+  const std::string& name = drive->effect->info().name;
+  if (name.find("voltage") != std::string::npos) return Signal::kDriveVoltage;
+  if (name.find("torque") != std::string::npos) return Signal::kTorque;
+  return Signal::kMotorCurrent;
+}
+
+ProcessingOptions Resolve(const ProcessingOptions& options, const std::vector<Run>& runs) {
+  ProcessingOptions out = options;
+  if (runs.empty()) throw std::invalid_argument("no recording given");
+  if (out.state_cutoff_Hz > 0.0 && out.parallel_cutoff_Hz > 0.0 && out.rest_velocity > 0.0) {
+    return out;
+  }
+  const UniformRun uniform = MakeUniform(runs.front(), out.longest_gap_s);
+  const UniformSegment& segment = *std::max_element(
+      uniform.segments.begin(), uniform.segments.end(),
+      [](const UniformSegment& a, const UniformSegment& b) { return a.size() < b.size(); });
+  const double rate = segment.rate_Hz();
+  const Eigen::VectorXd position = OutputPosition(segment, 1.0, runs.front().name);
+  const Eigen::VectorXd velocity =
+      WideDifference(Smooth(position, 4, 0.1 * rate, rate), segment.period_s);
+  const double motion_Hz = BandHolding(velocity, rate, 0.99);
+  if (!(out.state_cutoff_Hz > 0.0)) {
+    out.state_cutoff_Hz = std::clamp(5.0 * motion_Hz, 1e-3 * rate, 0.25 * rate);
+  }
+  if (!(out.parallel_cutoff_Hz > 0.0)) out.parallel_cutoff_Hz = 0.25 * out.state_cutoff_Hz;
+  if (!(out.rest_velocity > 0.0)) {
+    out.rest_velocity =
+        0.03 * std::sqrt(velocity.squaredNorm() / static_cast<double>(velocity.size()));
+  }
+  return out;
+}
+
+StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& model,
+                    const ProcessingOptions& options) {
+  if (runs.empty()) throw std::invalid_argument("no recording given");
+  const Signal drive = DriveSignal(model);
+  StateSet out;
+  out.measured = {"time_s", "drive_input", "drive_rate", "position_rad", "velocity_rad_s",
+                  "acceleration_rad_s2", "jerk_rad_s3", "snap_rad_s4"};
+  bool first = true;
+  for (const Run& run : runs) {
+    if (run.kind != model.kind) {
+      throw std::invalid_argument("recording " + run.name + " is of another joint kind than joint '" +
+                                  model.name + "' of the model");
+    }
+    std::set<std::string> fields;
+    if (run.Has(Signal::kMotorPosition)) {
+      fields.insert({"motor_position_rad", "motor_velocity_rad_s", "motor_acceleration_rad_s2"});
+    }
+    if (run.Has(Signal::kChamberPressure)) {
+      fields.insert({"pressure_bar", "pressure_rate_bar_s"});
+    }
+    if (run.Has(Signal::kLoadForce)) fields.insert("load_force_N");
+    if (run.Has(Signal::kPayload)) fields.insert("payload_kg");
+    if (run.Has(Signal::kTemperature)) fields.insert("temperature_degC");
+    if (run.Has(Signal::kValveOpen)) fields.insert("valve_open");
+    if (first) {
+      out.measured.insert(fields.begin(), fields.end());
+    } else {
+      std::erase_if(out.measured, [&](const std::string& field) {
+        static const std::set<std::string> always = {
+            "time_s", "drive_input", "drive_rate", "position_rad", "velocity_rad_s",
+            "acceleration_rad_s2", "jerk_rad_s3", "snap_rad_s4"};
+        return always.count(field) == 0 && fields.count(field) == 0;
+      });
+    }
+    run.At(drive);  // says which signal is missing
+
+    const UniformRun uniform = MakeUniform(run, options.longest_gap_s);
+    const int index = static_cast<int>(out.run_names.size());
+    out.run_names.push_back(run.name);
+    out.run_hashes.push_back(run.content_hash);
+    out.sampling.push_back(uniform.sampling);
+    if (first) out.rate_Hz = uniform.sampling.rate_Hz;
+    first = false;
+
+    for (const UniformSegment& piece : uniform.segments) {
+      const double rate = piece.rate_Hz();
+      const double dt = piece.period_s;
+      const auto smooth = [&](const Eigen::VectorXd& x) {
+        return Smooth(x, options.state_order, options.state_cutoff_Hz, rate);
+      };
+      const auto filtered = [&](Signal signal, double fallback) -> Eigen::VectorXd {
+        const auto found = piece.signals.find(signal);
+        if (found == piece.signals.end()) return Eigen::VectorXd::Constant(piece.size(), fallback);
+        return smooth(found->second);
+      };
+      const auto raw = [&](Signal signal, double fallback) -> Eigen::VectorXd {
+        const auto found = piece.signals.find(signal);
+        if (found == piece.signals.end()) return Eigen::VectorXd::Constant(piece.size(), fallback);
+        return found->second;
+      };
+      const double ratio = model.constants.gear_ratio;
+      const Eigen::VectorXd q = smooth(OutputPosition(piece, ratio, run.name));
+      const Eigen::VectorXd v = WideDifference(q, dt);
+      const Eigen::VectorXd a = WideDifference(v, dt);
+      const Eigen::VectorXd jerk = WideDifference(a, dt);
+      const Eigen::VectorXd snap = WideDifference(jerk, dt);
+      const bool motor = piece.signals.count(Signal::kMotorPosition) != 0;
+      const Eigen::VectorXd motor_q =
+          motor ? smooth(piece.signals.at(Signal::kMotorPosition)) : Eigen::VectorXd(ratio * q);
+      const Eigen::VectorXd motor_v = motor ? WideDifference(motor_q, dt) : Eigen::VectorXd(ratio * v);
+      const Eigen::VectorXd motor_a =
+          motor ? WideDifference(motor_v, dt) : Eigen::VectorXd(ratio * a);
+      const Eigen::VectorXd input = piece.signals.at(drive);
+      const Eigen::VectorXd input_smooth = smooth(input);
+      const Eigen::VectorXd input_rate = WideDifference(input_smooth, dt);
+      const Eigen::VectorXd pressure = filtered(Signal::kChamberPressure, 0.0);
+      const Eigen::VectorXd pressure_rate = WideDifference(pressure, dt);
+      const Eigen::VectorXd force = raw(Signal::kLoadForce, 0.0);
+      const Eigen::VectorXd payload = raw(Signal::kPayload, 0.0);
+      const Eigen::VectorXd temperature = raw(Signal::kTemperature, 25.0);
+      const Eigen::VectorXd valve = raw(Signal::kValveOpen, 0.0);
+
+      StateSegment segment;
+      segment.run = index;
+      segment.start_s = piece.start_s;
+      segment.period_s = dt;
+      segment.drive_input = input;
+      segment.samples.resize(piece.valid.size());
+      segment.at_rest.assign(piece.valid.size(), 0);
+      for (Eigen::Index i = 0; i < piece.size(); ++i) {
+        effects::JointSample& x = segment.samples[static_cast<std::size_t>(i)];
+        x.time_s = piece.Time(i);
+        x.position_rad = q[i];
+        x.velocity_rad_s = v[i];
+        x.acceleration_rad_s2 = a[i];
+        x.jerk_rad_s3 = jerk[i];
+        x.snap_rad_s4 = snap[i];
+        x.motor_position_rad = motor_q[i];
+        x.motor_velocity_rad_s = motor_v[i];
+        x.motor_acceleration_rad_s2 = motor_a[i];
+        x.drive_input = input_smooth[i];
+        x.drive_rate = input_rate[i];
+        x.pressure_bar = pressure[i];
+        x.pressure_rate_bar_s = pressure_rate[i];
+        x.load_force_N = force[i];
+        x.payload_kg = payload[i];
+        x.temperature_degC = temperature[i];
+        x.valve_open = valve[i] > 0.5;
+        segment.at_rest[static_cast<std::size_t>(i)] = std::abs(v[i]) < options.rest_velocity;
+      }
+      std::vector<char> out_of_use = segment.at_rest;
+      Spread(out_of_use, static_cast<Eigen::Index>(std::lround(options.reversal_guard_s * rate)));
+      const auto border = static_cast<Eigen::Index>(std::lround(options.border_s * rate));
+      for (Eigen::Index i = 0; i < piece.size(); ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        if (!piece.valid[k] || i < border || i >= piece.size() - border) out_of_use[k] = 1;
+      }
+      segment.usable.resize(out_of_use.size());
+      std::transform(out_of_use.begin(), out_of_use.end(), segment.usable.begin(),
+                     [](char flag) { return static_cast<char>(!flag); });
+      out.segments.push_back(std::move(segment));
+    }
+  }
+  return out;
+}
+
+}  // namespace sinew::identify

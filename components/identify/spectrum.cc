@@ -1,0 +1,83 @@
+#include "components/identify/spectrum.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+namespace sinew::identify {
+
+void FourierTransform(std::vector<std::complex<double>>& x) {
+  const std::size_t n = x.size();
+  if (!std::has_single_bit(n)) {
+    throw std::invalid_argument("Fourier transform of " + std::to_string(n) +
+                                " samples, expected a power of 2");
+  }
+  for (std::size_t i = 1, j = 0; i < n; ++i) {  // bit reversal
+    std::size_t bit = n >> 1;
+    for (; j & bit; bit >>= 1) j ^= bit;
+    j ^= bit;
+    if (i < j) std::swap(x[i], x[j]);
+  }
+  for (std::size_t size = 2; size <= n; size *= 2) {
+    const double angle = -2.0 * std::numbers::pi / static_cast<double>(size);
+    for (std::size_t k = 0; k < size / 2; ++k) {
+      const std::complex<double> w = std::polar(1.0, angle * static_cast<double>(k));
+      for (std::size_t i = k; i < n; i += size) {
+        const std::complex<double> odd = w * x[i + size / 2];
+        x[i + size / 2] = x[i] - odd;
+        x[i] += odd;
+      }
+    }
+  }
+}
+
+Spectrum PowerDensity(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz, int length) {
+  Spectrum out;
+  if (x.size() < 8) return out;
+  std::size_t n = std::bit_floor(static_cast<std::size_t>(std::max(length, 8)));
+  n = std::min(n, std::bit_floor(static_cast<std::size_t>(x.size())));
+  const auto size = static_cast<Eigen::Index>(n);
+  Eigen::VectorXd window(size);
+  for (Eigen::Index i = 0; i < size; ++i) {
+    window[i] = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * static_cast<double>(i) /
+                                     static_cast<double>(size));
+  }
+  const double mean = x.mean();
+  out.frequency_Hz.resize(size / 2 + 1);
+  out.density = Eigen::VectorXd::Zero(size / 2 + 1);
+  std::vector<std::complex<double>> piece(n);
+  int pieces = 0;
+  for (Eigen::Index start = 0; start + size <= x.size(); start += size / 2, ++pieces) {
+    for (Eigen::Index i = 0; i < size; ++i) {
+      piece[static_cast<std::size_t>(i)] = (x[start + i] - mean) * window[i];
+    }
+    FourierTransform(piece);
+    for (Eigen::Index i = 0; i <= size / 2; ++i) {
+      out.density[i] += std::norm(piece[static_cast<std::size_t>(i)]);
+    }
+  }
+  const double scale = 2.0 / (rate_Hz * window.squaredNorm() * pieces);
+  out.density *= scale;
+  out.density[0] /= 2.0;
+  out.density[size / 2] /= 2.0;
+  for (Eigen::Index i = 0; i <= size / 2; ++i) {
+    out.frequency_Hz[i] = rate_Hz * static_cast<double>(i) / static_cast<double>(size);
+  }
+  return out;
+}
+
+double BandHolding(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz, double share) {
+  const Spectrum spectrum = PowerDensity(x, rate_Hz, 8192);
+  const double total = spectrum.density.sum();
+  if (!(total > 0.0)) return 0.0;
+  double sum = 0.0;
+  for (Eigen::Index i = 0; i < spectrum.density.size(); ++i) {
+    sum += spectrum.density[i];
+    if (sum >= share * total) return spectrum.frequency_Hz[i];
+  }
+  return spectrum.frequency_Hz[spectrum.frequency_Hz.size() - 1];
+}
+
+}  // namespace sinew::identify

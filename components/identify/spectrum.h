@@ -1,0 +1,26 @@
+// Power over frequency, by the fast Fourier transform of the longest piece whose length is a power of 2.
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+#include <vector>
+
+namespace sinew::identify {
+
+// In place; the size must be a power of 2.
+void FourierTransform(std::vector<std::complex<double>>& x);
+
+struct Spectrum {
+  Eigen::VectorXd frequency_Hz;
+  Eigen::VectorXd density;  // one-sided power per Hz; integrates to the variance
+};
+
+// Welch's method: Hann window, pieces of `length` (a power of 2, reduced to fit) that overlap by half,
+// mean removed. Empty for fewer than 8 samples.
+Spectrum PowerDensity(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz,
+                      int length = 1024);
+
+// The frequency below which a share of the variance of x lies.
+double BandHolding(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz, double share);
+
+}  // namespace sinew::identify

@@ -1,0 +1,129 @@
+#include "components/identify/statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace sinew::identify {
+
+namespace {
+
+// Continued fraction of the incomplete beta function (Lentz).
+double BetaFraction(double a, double b, double x) {
+  constexpr double kTiny = 1e-300;
+  double c = 1.0;
+  double d = 1.0 - (a + b) * x / (a + 1.0);
+  if (std::abs(d) < kTiny) d = kTiny;
+  d = 1.0 / d;
+  double h = d;
+  for (int m = 1; m <= 300; ++m) {
+    const double even = m * (b - m) * x / ((a + 2 * m - 1) * (a + 2 * m));
+    d = 1.0 + even * d;
+    c = 1.0 + even / c;
+    if (std::abs(d) < kTiny) d = kTiny;
+    if (std::abs(c) < kTiny) c = kTiny;
+    d = 1.0 / d;
+    h *= d * c;
+    const double odd = -(a + m) * (a + b + m) * x / ((a + 2 * m) * (a + 2 * m + 1));
+    d = 1.0 + odd * d;
+    c = 1.0 + odd / c;
+    if (std::abs(d) < kTiny) d = kTiny;
+    if (std::abs(c) < kTiny) c = kTiny;
+    d = 1.0 / d;
+    const double change = d * c;
+    h *= change;
+    if (std::abs(change - 1.0) < 1e-15) break;
+  }
+  return h;
+}
+
+double IncompleteBeta(double a, double b, double x) {
+  if (x <= 0.0) return 0.0;
+  if (x >= 1.0) return 1.0;
+  const double front = std::exp(std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) +
+                                a * std::log(x) + b * std::log1p(-x));
+  if (x < (a + 1.0) / (a + b + 2.0)) return front * BetaFraction(a, b, x) / a;
+  return 1.0 - front * BetaFraction(b, a, 1.0 - x) / b;
+}
+
+}  // namespace
+
+double StudentCdf(double t, double freedom) {
+  const double tail = 0.5 * IncompleteBeta(0.5 * freedom, 0.5, freedom / (freedom + t * t));
+  return t > 0.0 ? 1.0 - tail : tail;
+}
+
+double StudentQuantile(double p, double freedom) {
+  if (!(p > 0.0) || !(p < 1.0) || !(freedom > 0.0)) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  double low = -1.0;
+  double high = 1.0;
+  while (StudentCdf(low, freedom) > p) low *= 2.0;
+  while (StudentCdf(high, freedom) < p) high *= 2.0;
+  for (int i = 0; i < 100; ++i) {
+    const double middle = 0.5 * (low + high);
+    (StudentCdf(middle, freedom) < p ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+double Mean(const std::vector<double>& values) {
+  if (values.empty()) return 0.0;
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+double StandardDeviation(const std::vector<double>& values) {
+  if (values.size() < 2) return 0.0;
+  const double mean = Mean(values);
+  double sum = 0.0;
+  for (const double value : values) sum += (value - mean) * (value - mean);
+  return std::sqrt(sum / static_cast<double>(values.size() - 1));
+}
+
+double Quantile(std::vector<double> values, double p) {
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  const double at = p * static_cast<double>(values.size() - 1);
+  const auto low = static_cast<std::size_t>(at);
+  const std::size_t high = std::min(low + 1, values.size() - 1);
+  return values[low] + (at - static_cast<double>(low)) * (values[high] - values[low]);
+}
+
+Eigen::VectorXd Autocorrelation(const Eigen::Ref<const Eigen::VectorXd>& x,
+                                const std::vector<char>& used, const std::vector<int>& segment,
+                                int last_lag) {
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(last_lag + 1);
+  double power = 0.0;
+  double power_count = 0.0;
+  for (int lag = 0; lag <= last_lag; ++lag) {
+    double sum = 0.0;
+    double count = 0.0;
+    for (Eigen::Index i = 0; i + lag < x.size(); ++i) {
+      const auto a = static_cast<std::size_t>(i);
+      const auto b = static_cast<std::size_t>(i + lag);
+      if (!used[a] || !used[b] || segment[a] != segment[b]) continue;
+      sum += x[i] * x[i + lag];
+      count += 1.0;
+    }
+    if (lag == 0) {
+      power = sum;
+      power_count = count;
+      if (!(power > 0.0)) return out;
+    }
+    if (count > 0.0) out[lag] = (sum / count) / (power / power_count);
+  }
+  return out;
+}
+
+double CorrelationTime(const Eigen::Ref<const Eigen::VectorXd>& autocorrelation) {
+  double time = 1.0;
+  for (Eigen::Index lag = 1; lag < autocorrelation.size(); ++lag) {
+    time += 2.0 * autocorrelation[lag];
+    if (static_cast<double>(lag) > 5.0 * time) break;
+  }
+  return std::max(time, 1.0);
+}
+
+}  // namespace sinew::identify

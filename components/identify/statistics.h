@@ -1,0 +1,31 @@
+// The few distributions that intervals and decisions need. Pure.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace sinew::identify {
+
+// P(T <= t) of Student's t with `freedom` > 0 degrees of freedom, by the incomplete beta function
+// (Press et al.: Numerical Recipes, 6.4).
+double StudentCdf(double t, double freedom);
+// The t below which a share p in (0, 1) lies.
+double StudentQuantile(double p, double freedom);
+
+double Mean(const std::vector<double>& values);
+// Standard deviation with n - 1; 0 for fewer than 2 values.
+double StandardDeviation(const std::vector<double>& values);
+// The value below which a share p of the values lies (linear between order statistics).
+double Quantile(std::vector<double> values, double p);
+
+// Autocorrelation of x (mean not removed) at lags 0 .. last_lag, over pairs of rows that are both
+// used and in the same segment.
+Eigen::VectorXd Autocorrelation(const Eigen::Ref<const Eigen::VectorXd>& x,
+                                const std::vector<char>& used, const std::vector<int>& segment,
+                                int last_lag);
+
+// Integrated correlation time in rows, 1 + 2 sum rho, summed up to five times itself (Sokal 1997:
+// Monte Carlo methods in statistical mechanics); at least 1.
+double CorrelationTime(const Eigen::Ref<const Eigen::VectorXd>& autocorrelation);
+
+}  // namespace sinew::identify

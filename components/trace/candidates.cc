@@ -1,0 +1,70 @@
+#include "components/trace/candidates.h"
+
+#include <cmath>
+
+namespace sinew::trace {
+
+std::vector<std::vector<double>> GridOf(const effects::EffectInfo& info) {
+  std::vector<std::vector<double>> grid = {{}};
+  for (const effects::ParameterInfo& parameter : info.nonlinear) {
+    std::vector<std::vector<double>> next;
+    const std::vector<double> values = parameter.grid.empty()
+                                           ? std::vector<double>{parameter.default_value}
+                                           : parameter.grid;
+    for (const std::vector<double>& point : grid) {
+      for (const double value : values) {
+        next.push_back(point);
+        next.back().push_back(value);
+      }
+    }
+    grid = std::move(next);
+  }
+  return grid;
+}
+
+CandidateSet MakeCandidates(const identify::Design& design, const actuator::JointModel& model) {
+  CandidateSet out;
+  int order = 0;
+  for (const std::string& name : effects::EffectNames()) {
+    ++order;
+    std::shared_ptr<const effects::Effect> effect = effects::MakeEffect(name, model.constants);
+    const effects::EffectInfo& info = effect->info();
+    if (info.role == effects::Role::kDrive || info.balance != effects::Balance::kMotion) continue;
+    if (info.rotary_only && model.kind != effects::JointKind::kRotary) continue;
+    const int present = model.Find(name);
+    if (present >= 0 && info.nonlinear.empty()) continue;
+    if (present >= 0 && model.terms[static_cast<std::size_t>(present)].declared) continue;
+    std::string missing;
+    for (const std::string& field : info.needs) {
+      if (design.states().measured.count(field) != 0) continue;
+      missing += (missing.empty() ? "" : ", ") + field;
+    }
+    if (!missing.empty()) {
+      out.missing.push_back({name, missing});
+      continue;
+    }
+    Candidate candidate;
+    candidate.catalogue_order = order;
+    for (std::vector<double>& psi : GridOf(info)) {
+      bool taken = false;
+      for (const actuator::Term& term : model.terms) {
+        if (term.effect->info().name != name) continue;
+        bool same = true;
+        for (std::size_t i = 0; i < psi.size(); ++i) {
+          same = same && std::abs(term.nonlinear[i].value - psi[i]) <= 1e-9 * std::abs(psi[i]);
+        }
+        taken = taken || same;
+      }
+      if (taken) continue;
+      GridPoint point;
+      point.columns = design.Columns(*effect, psi);
+      point.psi = std::move(psi);
+      if (point.columns.allFinite()) candidate.grid.push_back(std::move(point));
+    }
+    candidate.effect = std::move(effect);
+    if (!candidate.grid.empty()) out.candidates.push_back(std::move(candidate));
+  }
+  return out;
+}
+
+}  // namespace sinew::trace

@@ -1,0 +1,44 @@
+// The effects a model lacks, as columns beside it.
+// Pure; allocates.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "components/actuator/model.h"
+#include "components/identify/design.h"
+
+namespace sinew::trace {
+
+struct GridPoint {
+  std::vector<double> psi;
+  Eigen::MatrixXd columns;  // phi, every row of the design
+};
+
+struct Candidate {
+  std::shared_ptr<const effects::Effect> effect;
+  std::vector<GridPoint> grid;
+  int catalogue_order = 0;
+  const std::string& name() const { return effect->info().name; }
+};
+
+struct MissingSignals {
+  std::string effect;
+  std::string fields;  // that no recording provides
+};
+
+struct CandidateSet {
+  std::vector<Candidate> candidates;
+  std::vector<MissingSignals> missing;
+};
+
+// Every passive or inertia effect of the catalogue that the model does not hold (effects with
+// nonlinear parameters may come again with another setting). Drive terms are no candidates.
+CandidateSet MakeCandidates(const identify::Design& design, const actuator::JointModel& model);
+
+// All combinations of the grids of an effect's nonlinear parameters; one empty setting without any.
+std::vector<std::vector<double>> GridOf(const effects::EffectInfo& info);
+
+}  // namespace sinew::trace

@@ -1,0 +1,101 @@
+#include "components/trace/cross_validation.h"
+
+#include <cmath>
+#include <limits>
+
+#include "components/identify/statistics.h"
+
+namespace sinew::trace {
+
+Setting::Setting(const std::vector<identify::Block>& blocks,
+                 const Eigen::Ref<const Eigen::MatrixXd>& base,
+                 const Eigen::Ref<const Eigen::MatrixXd>& extra,
+                 const Eigen::Ref<const Eigen::VectorXd>& target, int folds)
+    : folds_(folds) {
+  Eigen::MatrixXd X(base.rows(), base.cols() + extra.cols());
+  X << base, extra;
+  const Eigen::Index p = X.cols();
+  Eigen::MatrixXd total = Eigen::MatrixXd::Zero(p, p);
+  scores_.resize(p, static_cast<Eigen::Index>(blocks.size()));
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    moments_.push_back(identify::MomentsOf(blocks[b], X, target));
+    total += moments_.back().G;
+    scores_.col(static_cast<Eigen::Index>(b)) = moments_.back().m;
+    yy_ += moments_.back().yy;
+  }
+  for (int f = 0; f < folds; ++f) {
+    Eigen::MatrixXd rest = total;
+    double yy = yy_;
+    for (std::size_t b = static_cast<std::size_t>(f); b < blocks.size();
+         b += static_cast<std::size_t>(folds)) {
+      rest -= moments_[b].G;
+      yy -= moments_[b].yy;
+    }
+    fold_inverse_.push_back(identify::Inverse(rest));
+    fold_gram_.push_back(std::move(rest));
+    fold_yy_.push_back(yy);
+  }
+}
+
+Setting::FoldFit Setting::FitWithout(int fold, const Eigen::VectorXd& signs) const {
+  Eigen::VectorXd m = Eigen::VectorXd::Zero(scores_.rows());
+  for (Eigen::Index b = 0; b < scores_.cols(); ++b) {
+    if (b % folds_ != fold) m += signs[b] * scores_.col(b);
+  }
+  const auto f = static_cast<std::size_t>(fold);
+  FoldFit out;
+  out.b = fold_inverse_[f] * m;
+  out.train_error = fold_yy_[f] - 2.0 * out.b.dot(m) + out.b.dot(fold_gram_[f] * out.b);
+  return out;
+}
+
+double Setting::BlockError(std::size_t block, double sign, const Eigen::VectorXd& b) const {
+  const identify::Moments& sums = moments_[block];
+  return sums.yy - 2.0 * sign * b.dot(sums.m) + b.dot(sums.G * b);
+}
+
+Eigen::VectorXd Setting::Coefficients() const {
+  Eigen::MatrixXd total = Eigen::MatrixXd::Zero(scores_.rows(), scores_.rows());
+  for (const identify::Moments& block : moments_) total += block.G;
+  return identify::Solve(total, scores_.rowwise().sum());
+}
+
+Eigen::VectorXd LeftOutErrors(const std::vector<Setting>& settings, const Eigen::VectorXd& signs,
+                              int folds) {
+  const Eigen::Index count = signs.size();
+  Eigen::VectorXd errors(count);
+  for (int f = 0; f < folds; ++f) {
+    const Setting* best = nullptr;
+    Setting::FoldFit fit;
+    double least = std::numeric_limits<double>::infinity();
+    for (const Setting& setting : settings) {
+      Setting::FoldFit trial = setting.FitWithout(f, signs);
+      if (trial.train_error < least || best == nullptr) {
+        least = trial.train_error;
+        best = &setting;
+        fit = std::move(trial);
+      }
+    }
+    for (Eigen::Index b = f; b < count; b += folds) {
+      errors[b] = best->BlockError(static_cast<std::size_t>(b), signs[b], fit.b);
+    }
+  }
+  return errors;
+}
+
+Gain GainOf(const Eigen::Ref<const Eigen::VectorXd>& block_gains) {
+  const double n = static_cast<double>(block_gains.size());
+  Gain out;
+  out.sum = block_gains.sum();
+  if (n < 2.0) return out;
+  const double mean = out.sum / n;
+  const double variance = (block_gains.array() - mean).square().sum() / (n - 1.0);
+  out.standard_error = std::sqrt(n * variance);
+  if (out.standard_error > 0.0) {
+    out.t = out.sum / out.standard_error;
+    out.p = identify::StudentCdf(-out.t, n - 1.0);
+  }
+  return out;
+}
+
+}  // namespace sinew::trace

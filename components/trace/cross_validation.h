@@ -1,0 +1,60 @@
+// Blocked cross-validation of candidate columns beside a base model, by sums over blocks.
+//
+// Blocks are dealt to folds in turn (interleaved). For each fold the base columns and a candidate's columns
+// are fitted jointly to the other folds; a candidate with several nonlinear settings chooses its setting
+// there, too. The score of a block is how much less squared error the candidate leaves than the base.
+// The target is the residual of the base model, so that flipping the sign of whole blocks gives
+// recordings with the same noise and no effect (placebo).
+// Pure; allocates.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+#include <vector>
+
+#include "components/identify/block_regression.h"
+
+namespace sinew::trace {
+
+// Sums of one setting of a candidate, ready to be scored for any signs of the blocks.
+class Setting {
+ public:
+  Setting(const std::vector<identify::Block>& blocks, const Eigen::Ref<const Eigen::MatrixXd>& base,
+          const Eigen::Ref<const Eigen::MatrixXd>& extra,
+          const Eigen::Ref<const Eigen::VectorXd>& target, int folds);
+
+  struct FoldFit {
+    double train_error = 0.0;
+    Eigen::VectorXd b;
+  };
+  // signs: +1 or -1 per block.
+  FoldFit FitWithout(int fold, const Eigen::VectorXd& signs) const;
+  double BlockError(std::size_t block, double sign, const Eigen::VectorXd& b) const;
+
+  const std::vector<identify::Moments>& blocks() const { return moments_; }
+  // Coefficients and their covariance on all blocks.
+  Eigen::VectorXd Coefficients() const;
+
+ private:
+  int folds_;
+  std::vector<identify::Moments> moments_;
+  Eigen::MatrixXd scores_;                    // column per block: m
+  std::vector<Eigen::MatrixXd> fold_inverse_; // of G without the fold
+  std::vector<Eigen::MatrixXd> fold_gram_;
+  double yy_ = 0.0;
+  std::vector<double> fold_yy_;
+};
+
+// Squared error of every block, left out once; settings compete inside the folds.
+Eigen::VectorXd LeftOutErrors(const std::vector<Setting>& settings, const Eigen::VectorXd& signs,
+                              int folds);
+
+struct Gain {
+  double sum = 0.0;             // of squared error, over blocks
+  double standard_error = 0.0;  // of the sum, over blocks
+  double t = 0.0;               // sum / standard_error
+  double p = 1.0;               // one-sided, Student's t
+};
+Gain GainOf(const Eigen::Ref<const Eigen::VectorXd>& block_gains);
+
+}  // namespace sinew::trace

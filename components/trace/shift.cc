@@ -1,0 +1,156 @@
+#include "components/trace/shift.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sinew::trace {
+
+namespace {
+
+// Shifts above this many tolerances call for a cause; a cause has to bring all it touches below the second.
+constexpr double kLoud = 2.5;
+constexpr double kQuiet = 1.5;
+// Part of a candidate's power that the declared terms must carry for it to be swallowed.
+constexpr double kInSpan = 0.98;
+
+struct Declared {
+  identify::ParameterRef ref;
+  Eigen::Index column;   // of the balance
+  double shift = 0.0;
+  double unit = 0.0;     // tolerance and standard error together
+};
+
+Eigen::MatrixXd RowsOf(const Eigen::MatrixXd& all, const std::vector<Eigen::Index>& rows) {
+  Eigen::MatrixXd out(static_cast<Eigen::Index>(rows.size()), all.cols());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    out.row(static_cast<Eigen::Index>(i)) = all.row(rows[i]);
+  }
+  return out;
+}
+
+}  // namespace
+
+ShiftReport FindShifts(const identify::Design& design, const actuator::JointModel& nominal,
+                       const identify::FitResult& fit, const std::vector<Candidate>& candidates) {
+  ShiftReport out;
+  const identify::Balance& balance = fit.balance;
+  const Eigen::Index first = balance.fits_scale ? 1 : 0;
+  std::vector<Declared> declared;
+  const auto add = [&](const identify::ParameterRef& ref, Eigen::Index column) {
+    if (ref.term >= static_cast<int>(nominal.terms.size())) return;
+    const auto t = static_cast<std::size_t>(ref.term);
+    const auto i = static_cast<std::size_t>(ref.linear);
+    const actuator::ParameterValue& before = nominal.terms[t].linear[i];
+    const actuator::ParameterValue& after = fit.model.terms[t].linear[i];
+    const double tolerance = before.tolerance * std::abs(before.value);
+    if (!(tolerance > 0.0)) return;
+    const double error = after.half_width_95.value_or(0.0) / 2.0;
+    declared.push_back({ref, column, after.value - before.value,
+                        std::sqrt(tolerance * tolerance + error * error)});
+  };
+  if (balance.fits_scale) add(balance.drive, 0);
+  for (std::size_t i = 0; i < balance.parameters.size(); ++i) {
+    add(balance.parameters[i], first + static_cast<Eigen::Index>(i));
+  }
+
+  // Direction in which each candidate would shift the parameters: its regressor in terms of theirs.
+  const std::vector<Eigen::Index> used = design.rows().UsedRows();
+  const Eigen::Index count = balance.columns.cols() - first;
+  const Eigen::MatrixXd phi = -RowsOf(balance.columns.rightCols(count), used);
+  const Eigen::MatrixXd gram = phi.transpose() * phi;
+  const Eigen::VectorXd drive = RowsOf(balance.drive_torque, used);
+  struct Direction {
+    const Candidate* candidate;
+    std::vector<double> per_theta;  // in declared units
+  };
+  std::vector<Direction> directions;
+  for (const Candidate& candidate : candidates) {
+    if (candidate.grid.size() != 1 || candidate.grid.front().columns.cols() != 1) continue;
+    const Eigen::VectorXd z = RowsOf(candidate.grid.front().columns, used);
+    const double power = z.squaredNorm();
+    if (!(power > 0.0)) continue;
+    Direction direction{&candidate, std::vector<double>(declared.size(), 0.0)};
+    const double with_drive = z.dot(drive) / std::sqrt(power * drive.squaredNorm());
+    if (with_drive > 0.9999) {  // scales the drive: the factor alone takes it
+      for (std::size_t j = 0; j < declared.size(); ++j) {
+        if (balance.fits_scale && declared[j].column == 0) {
+          direction.per_theta[j] = std::sqrt(power / drive.squaredNorm()) / declared[j].unit;
+        }
+      }
+    } else {
+      const Eigen::VectorXd a = identify::Solve(gram, phi.transpose() * z);
+      if ((z - phi * a).squaredNorm() > (1.0 - kInSpan) * power) continue;
+      for (std::size_t j = 0; j < declared.size(); ++j) {
+        if (declared[j].column >= first) {
+          direction.per_theta[j] = a[declared[j].column - first] / declared[j].unit;
+        }
+      }
+    }
+    directions.push_back(std::move(direction));
+  }
+
+  double loudest = 0.0;
+  for (const Declared& item : declared) {
+    const double sigma = item.shift / item.unit;
+    loudest = std::max(loudest, std::abs(sigma));
+    if (std::abs(sigma) < 1.0) continue;
+    const auto t = static_cast<std::size_t>(item.ref.term);
+    const auto i = static_cast<std::size_t>(item.ref.linear);
+    const effects::EffectInfo& info = nominal.terms[t].effect->info();
+    ParameterShift shift;
+    shift.effect = info.name;
+    shift.parameter = info.linear[i].name;
+    shift.nominal = nominal.terms[t].linear[i].value;
+    shift.refit = fit.model.terms[t].linear[i].value;
+    shift.tolerance = nominal.terms[t].linear[i].tolerance * std::abs(shift.nominal);
+    shift.half_width_95 = fit.model.terms[t].linear[i].half_width_95.value_or(0.0);
+    shift.sigma = sigma;
+    const auto j = static_cast<std::size_t>(&item - declared.data());
+    for (const Direction& direction : directions) {
+      // Shares the direction when this parameter carries a good part of what it would shift.
+      double largest = 0.0;
+      for (const double value : direction.per_theta) largest = std::max(largest, std::abs(value));
+      if (largest > 0.0 && std::abs(direction.per_theta[j]) > 0.3 * largest) {
+        shift.causes.push_back(direction.candidate->name());
+      }
+    }
+    out.shifts.push_back(std::move(shift));
+  }
+  if (loudest < kLoud) return out;
+
+  for (const Direction& direction : directions) {
+    double dd = 0.0;
+    double ds = 0.0;
+    double before = 0.0;
+    for (std::size_t j = 0; j < declared.size(); ++j) {
+      const double sigma = declared[j].shift / declared[j].unit;
+      dd += direction.per_theta[j] * direction.per_theta[j];
+      ds += direction.per_theta[j] * sigma;
+      before += sigma * sigma;
+    }
+    if (!(dd > 0.0)) continue;
+    const double theta = ds / dd;
+    const effects::ParameterInfo& info = direction.candidate->effect->info().linear.front();
+    if (theta < info.lower || theta > info.upper) continue;
+    double after = 0.0;
+    int moved = 0;
+    bool explained = true;
+    bool loud = false;
+    for (std::size_t j = 0; j < declared.size(); ++j) {
+      const double sigma = declared[j].shift / declared[j].unit;
+      const double part = theta * direction.per_theta[j];
+      after += (sigma - part) * (sigma - part);
+      if (std::abs(part) < 1.0) continue;
+      ++moved;
+      loud = loud || std::abs(sigma) > kLoud;
+      explained = explained && std::abs(sigma - part) < std::max(kQuiet, 0.35 * std::abs(part));
+    }
+    if (moved < 2 || !loud || !explained) continue;
+    out.causes.push_back({*direction.candidate, theta, 1.96 / std::sqrt(dd), before, after});
+  }
+  std::sort(out.causes.begin(), out.causes.end(),
+            [](const SwallowedCause& a, const SwallowedCause& b) { return a.after < b.after; });
+  return out;
+}
+
+}  // namespace sinew::trace

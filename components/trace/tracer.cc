@@ -1,0 +1,543 @@
+#include "components/trace/tracer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "components/identify/statistics.h"
+#include "components/trace/candidates.h"
+#include "components/trace/ceiling.h"
+#include "components/trace/shift.h"
+#include "components/trace/units.h"
+#include "components/trace/variables.h"
+
+namespace sinew::trace {
+
+namespace {
+
+using identify::Balance;
+using identify::Block;
+using identify::Design;
+using identify::FitResult;
+
+constexpr int kFlexibleColumns = 120;
+// Two candidates whose fitted parts, freed of the other terms, correlate above this are one class.
+constexpr double kSameClass = 0.9;
+// An effect that could hide this share of the drive torque without being seen is "not excited".
+constexpr double kHiddenShare = 0.25;
+constexpr double kFewestUnits = 6;
+
+double SumSquares(const Eigen::VectorXd& x, const std::vector<Eigen::Index>& rows) {
+  double sum = 0.0;
+  for (const Eigen::Index i : rows) sum += x[i] * x[i];
+  return sum;
+}
+
+Eigen::MatrixXd PickRows(const Eigen::MatrixXd& x, const std::vector<Eigen::Index>& rows) {
+  Eigen::MatrixXd out(static_cast<Eigen::Index>(rows.size()), x.cols());
+  for (std::size_t i = 0; i < rows.size(); ++i) out.row(static_cast<Eigen::Index>(i)) = x.row(rows[i]);
+  return out;
+}
+
+int Folds(std::size_t blocks) { return static_cast<int>(std::min<std::size_t>(10, blocks)); }
+
+// A candidate beside the present model.
+struct Trial {
+  const Candidate* candidate = nullptr;
+  std::vector<Setting> settings;
+  Eigen::VectorXd gains;         // per block
+  std::size_t best = 0;          // setting with the least error on everything
+  Eigen::VectorXd coefficients;  // of that setting: base, then extra
+  Eigen::VectorXd part;          // what it contributes, freed of the base, used rows
+  CandidateScore score;
+  double detectable = 0.0;       // torque share that could hide
+};
+
+class Tracer {
+ public:
+  Tracer(Design& train, Design& sealed, const actuator::JointModel& model,
+         const TraceOptions& options)
+      : train_(train), sealed_(sealed), declared_(model), options_(options) {}
+
+  TraceResult Run() {
+    Progress("refit of the declared terms", 0.02);
+    Prepare();
+    actuator::JointModel model = result_.declared;
+    FitResult fit = result_.declared_fit;
+    for (int round = 0; round < options_.max_rounds; ++round) {
+      Progress("round " + std::to_string(round + 1) + ": candidates",
+               0.1 + 0.25 * static_cast<double>(round));
+      if (!Round(&model, &fit)) break;
+    }
+    TryToRemove(&model, &fit);
+    result_.corrected = fit.model;
+    result_.corrected_fit = fit;
+    Progress("what a refit swallowed", 0.86);
+    FindSwallowed(&fit);
+    result_.after_train = identify::ErrorOf(train_, result_.corrected);
+    result_.after_sealed = identify::ErrorOf(sealed_, result_.corrected);
+    Progress("what stays unexplained", 0.9);
+    FindUnexplained(fit);
+    result_.verdict = !result_.effects.empty()                ? Verdict::kEffect
+                      : !result_.unexplained.variable.empty() ? Verdict::kUnexplained
+                                                              : Verdict::kNone;
+    Progress("done", 1.0);
+    return std::move(result_);
+  }
+
+ private:
+  void Progress(const std::string& what, double share) const {
+    if (options_.progress) options_.progress(what, share);
+  }
+
+  void PredictDrive(const actuator::JointModel& model) {
+    train_.PredictDrive(model);
+    sealed_.PredictDrive(model);
+  }
+
+  void Prepare() {
+    used_ = train_.rows().UsedRows();
+    // First blocks from the filter alone, for the intervals of the first fit.
+    const double filter_time_s = 1.0 / train_.options().parallel_cutoff_Hz;
+    const int parameters = static_cast<int>(identify::MakeBalance(train_, declared_).columns.cols());
+    const int fewest_rows = std::max(8, parameters / 2);
+    units_ = ChooseUnits(train_, filter_time_s, fewest_rows);
+    FitResult fit = identify::FitModel(train_, declared_, units_.blocks);
+    PredictDrive(fit.model);
+
+    // The noise's own correlation time: of what a flexible model leaves.
+    const Eigen::MatrixXd flexible = FlexibleColumns(train_, kFlexibleColumns, options_.seed);
+    const Eigen::VectorXd target =
+        fit.balance.target - fit.balance.columns * fit.coefficients;
+    FlexibleFit ceiling = FitFlexible(units_.blocks, fit.balance.columns, flexible, target,
+                                      Folds(units_.blocks.size()));
+    const int last_lag = static_cast<int>(std::min<double>(
+        20.0 * train_.rows_per_s(), static_cast<double>(train_.rows().size()) / 4.0));
+    const Eigen::VectorXd rho = identify::Autocorrelation(
+        ceiling.remainder, train_.rows().used, train_.rows().segment, std::max(1, last_lag));
+    result_.correlation_time_s = identify::CorrelationTime(rho) / train_.rows_per_s();
+    units_ = ChooseUnits(train_, result_.correlation_time_s, fewest_rows);
+    fit = identify::FitModel(train_, declared_, units_.blocks);
+    ceiling = FitFlexible(units_.blocks, fit.balance.columns, flexible,
+                          fit.balance.target - fit.balance.columns * fit.coefficients,
+                          Folds(units_.blocks.size()));
+
+    result_.declared = fit.model;
+    result_.declared_fit = fit;
+    result_.units = static_cast<int>(units_.blocks.size());
+    result_.unit_kind = units_.kind;
+    result_.unit_length_s = units_.length_s;
+    const double factor = fit.balance.Scale(fit.coefficients);
+    const NoiseFloor floor = EstimateNoiseFloor(train_, fit.balance, factor);
+    result_.noise_floor_rms = std::min(floor.rms, fit.rms);
+    result_.noise_floor_source = floor.source;
+    result_.ceiling_rms = fit.rms * std::sqrt(std::max(0.0, 1.0 - ceiling.left_out_share));
+    result_.nominal_train = identify::ErrorOf(train_, declared_);
+    result_.nominal_sealed = identify::ErrorOf(sealed_, declared_);
+    result_.before_train = identify::ErrorOf(train_, result_.declared);
+    result_.before_sealed = identify::ErrorOf(sealed_, result_.declared);
+  }
+
+  std::vector<Trial> Score(const FitResult& fit, const CandidateSet& set, RoundReport* report) {
+    const std::vector<Block>& blocks = units_.blocks;
+    const int folds = Folds(blocks.size());
+    const Balance& balance = fit.balance;
+    const double scale = balance.fits_scale ? balance.Scale(fit.coefficients) : 1.0;
+    const Eigen::VectorXd target = balance.target - balance.columns * fit.coefficients;
+    const Eigen::VectorXd ones = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(blocks.size()));
+    const std::vector<Setting> base = {
+        Setting(blocks, balance.columns, Eigen::MatrixXd(target.size(), 0), target, folds)};
+    const Eigen::VectorXd base_errors = LeftOutErrors(base, ones, folds);
+    const double base_sum = base_errors.sum();
+    double rows = 0.0;
+    for (const Block& block : blocks) rows += static_cast<double>(block.size());
+    const double variance = scale * scale * base_sum / rows;
+    const double floor = result_.noise_floor_rms * result_.noise_floor_rms;
+    const double explainable = std::max(variance - floor, 0.02 * variance);
+    report->explainable_rms = std::sqrt(explainable);
+
+    const Eigen::MatrixXd base_used = PickRows(balance.columns, used_);
+    const Eigen::MatrixXd base_gram = base_used.transpose() * base_used;
+    const double drive_rms =
+        std::abs(balance.Scale(fit.coefficients)) *
+        std::sqrt(SumSquares(balance.drive_torque, used_) / static_cast<double>(used_.size()));
+    std::vector<Trial> trials;
+    for (const Candidate& candidate : set.candidates) {
+      Trial trial;
+      trial.candidate = &candidate;
+      double least = std::numeric_limits<double>::infinity();
+      trial.detectable = std::numeric_limits<double>::infinity();
+      double visible_best = 0.0;
+      for (const GridPoint& point : candidate.grid) {
+        trial.settings.emplace_back(blocks, balance.columns, -point.columns, target, folds);
+        const Eigen::VectorXd b = trial.settings.back().Coefficients();
+        double error = 0.0;
+        for (const identify::Moments& sums : trial.settings.back().blocks()) {
+          error += sums.SquaredError(b);
+        }
+        const Eigen::MatrixXd z = PickRows(point.columns, used_);
+        const Eigen::MatrixXd free =
+            z - base_used * identify::Inverse(base_gram) * (base_used.transpose() * z);
+        const double power = z.squaredNorm();
+        const double visible = power > 0.0 ? free.squaredNorm() / power : 0.0;
+        visible_best = std::max(visible_best, visible);
+        // Torque that could hide: three standard errors of the parameters times the largest regressor.
+        if (power > 0.0 && visible > 1e-9) {
+          const Eigen::MatrixXd covariance =
+              identify::BlockCovariance(trial.settings.back().blocks(), b);
+          double hidden = 0.0;
+          for (Eigen::Index c = 0; c < z.cols(); ++c) {
+            const Eigen::Index at = balance.columns.cols() + c;
+            hidden = std::max(hidden, 3.0 * std::sqrt(std::max(0.0, covariance(at, at))) *
+                                          z.col(c).cwiseAbs().maxCoeff() * scale);
+          }
+          trial.detectable = std::min(trial.detectable, hidden / std::max(drive_rms, 1e-300));
+        }
+        if (error < least) {
+          least = error;
+          trial.best = trial.settings.size() - 1;
+          trial.coefficients = b;
+          trial.part = free * b.tail(z.cols());
+          trial.score.visible_share = visible;
+        }
+      }
+      if (visible_best < 1e-3) trial.detectable = std::numeric_limits<double>::infinity();
+      trial.gains = base_errors - LeftOutErrors(trial.settings, ones, folds);
+      CandidateScore& score = trial.score;
+      score.name = candidate.name();
+      score.psi = candidate.grid[trial.best].psi;
+      score.gain = GainOf(trial.gains);
+      score.gain_share = score.gain.sum / base_sum;
+      score.share_error = score.gain.standard_error / base_sum;
+      score.explainable_share = score.gain_share * variance / explainable;
+      const Eigen::VectorXd extra = trial.coefficients.tail(
+          trial.coefficients.size() - balance.columns.cols());
+      for (Eigen::Index i = 0; i < extra.size(); ++i) {
+        const effects::ParameterInfo& info =
+            candidate.effect->info().linear[static_cast<std::size_t>(i)];
+        score.theta.push_back(scale * extra[i]);
+        const double physical =
+            info.relative_to_drive ? scale * extra[i] / balance.Scale(fit.coefficients)
+                                   : scale * extra[i];
+        if (physical < info.lower || physical > info.upper) score.physical = false;
+      }
+      score.stable = Stable(trial, balance.columns.cols());
+      trials.push_back(std::move(trial));
+    }
+
+    // Placebo: whole blocks of the residual with random sign carry the same noise and no effect.
+    std::mt19937_64 random(options_.seed);
+    std::vector<double> best_false;
+    for (int round = 0; round < options_.placebo_rounds; ++round) {
+      Eigen::VectorXd signs(ones.size());
+      for (double& sign : signs) sign = (random() & 1) != 0 ? 1.0 : -1.0;
+      const Eigen::VectorXd errors = LeftOutErrors(base, signs, folds);
+      double best = 0.0;
+      for (const Trial& trial : trials) {
+        const double gain = (errors - LeftOutErrors(trial.settings, signs, folds)).sum();
+        best = std::max(best, gain / errors.sum());
+      }
+      best_false.push_back(best);
+    }
+    report->placebo_99 = identify::Quantile(best_false, 0.99);
+
+    const double quantile =
+        identify::StudentQuantile(0.9772, std::max(1.0, static_cast<double>(blocks.size()) - 1.0)) /
+        2.0;  // two standard errors of a normal become this much wider
+    for (Trial& trial : trials) {
+      CandidateScore& score = trial.score;
+      if (!(score.gain.t > options_.fewest_standard_errors * quantile)) {
+        score.refused = "gain within its error";
+      } else if (score.explainable_share < options_.smallest_explainable_share) {
+        score.refused = "gain below 5 % of what can be explained";
+      } else if (score.gain_share < options_.smallest_residual_share) {
+        score.refused = "gain below 3 % of the residual";
+      } else if (score.gain_share <= report->placebo_99) {
+        score.refused = "gain as in recordings without the effect";
+      } else if (!score.physical) {
+        score.refused = "sign or size is not physical";
+      } else if (!score.stable) {
+        score.refused = "parts of the data contradict it";
+      } else {
+        score.accepted = true;
+      }
+    }
+    std::stable_sort(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) {
+      return a.score.gain.sum > b.score.gain.sum;
+    });
+    return trials;
+  }
+
+  // No quarter of the blocks asks for the opposite of what all together ask for.
+  static bool Stable(const Trial& trial, Eigen::Index base_columns) {
+    const Setting& setting = trial.settings[trial.best];
+    const auto& blocks = setting.blocks();
+    if (blocks.size() < 8) return true;
+    const Eigen::VectorXd extra = trial.coefficients.tail(trial.coefficients.size() - base_columns);
+    const Eigen::Index p = base_columns + 1;
+    Eigen::MatrixXd join = Eigen::MatrixXd::Zero(trial.coefficients.size(), p);
+    join.topLeftCorner(base_columns, base_columns).setIdentity();
+    join.col(base_columns).tail(extra.size()) = extra;
+    for (std::size_t quarter = 0; quarter < 4; ++quarter) {
+      const std::size_t from = quarter * blocks.size() / 4;
+      const std::size_t to = (quarter + 1) * blocks.size() / 4;
+      std::vector<identify::Moments> part;
+      Eigen::MatrixXd G = Eigen::MatrixXd::Zero(p, p);
+      Eigen::VectorXd m = Eigen::VectorXd::Zero(p);
+      for (std::size_t b = from; b < to; ++b) {
+        identify::Moments sums;
+        sums.G = join.transpose() * blocks[b].G * join;
+        sums.m = join.transpose() * blocks[b].m;
+        sums.yy = blocks[b].yy;
+        sums.rows = blocks[b].rows;
+        G += sums.G;
+        m += sums.m;
+        part.push_back(std::move(sums));
+      }
+      const Eigen::VectorXd b = identify::Solve(G, m);
+      const double error = std::sqrt(identify::BlockCovariance(part, b)(p - 1, p - 1));
+      if (b[p - 1] < -2.0 * error) return false;
+    }
+    return true;
+  }
+
+  static double Correlation(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+    const double power = a.squaredNorm() * b.squaredNorm();
+    return power > 0.0 ? std::abs(a.dot(b)) / std::sqrt(power) : 0.0;
+  }
+
+  bool Round(actuator::JointModel* model, FitResult* fit) {
+    PredictDrive(fit->model);
+    const CandidateSet set = MakeCandidates(train_, *model);
+    RoundReport report;
+    report.train_rms = fit->rms;
+    report.sealed_rms = identify::ErrorOf(sealed_, fit->model).rms;
+    std::vector<Trial> trials = Score(*fit, set, &report);
+    if (result_.rounds.empty()) NoteWhatIsHidden(set, trials);
+
+    // The best one; among those that score the same within a quarter of a standard error the simplest.
+    std::size_t chosen = trials.size();
+    for (std::size_t i = 0; i < trials.size(); ++i) {
+      if (!trials[i].score.accepted) continue;
+      if (chosen == trials.size()) {
+        chosen = i;
+        continue;
+      }
+      const Gain behind = GainOf(trials[chosen].gains - trials[i].gains);
+      const auto complexity = [&](const Trial& trial) {
+        const effects::EffectInfo& info = trial.candidate->effect->info();
+        return info.linear.size() + info.nonlinear.size();
+      };
+      const bool same = behind.sum <= 0.25 * behind.standard_error;
+      if (same && (complexity(trials[i]) < complexity(trials[chosen]) ||
+                   (complexity(trials[i]) == complexity(trials[chosen]) &&
+                    trials[i].candidate->catalogue_order <
+                        trials[chosen].candidate->catalogue_order))) {
+        chosen = i;
+      }
+    }
+    for (Trial& trial : trials) trial.score.sealed_rms = SealedWith(*fit, trial);
+    for (const Trial& trial : trials) report.scores.push_back(trial.score);
+    if (chosen == trials.size()) {
+      result_.rounds.push_back(std::move(report));
+      return false;
+    }
+    const Trial& winner = trials[chosen];
+    FoundEffect found;
+    found.name = winner.score.name;
+    found.balance = winner.candidate->effect->info().balance;
+    found.gain_share = winner.score.gain_share;
+    found.gain_error = winner.score.share_error;
+    found.p = winner.score.gain.p;
+    found.weak_evidence = result_.units < kFewestUnits;
+    found.train_before = fit->rms;
+    found.sealed_before = report.sealed_rms;
+    for (std::size_t i = 0; i < trials.size(); ++i) {
+      if (i == chosen || !trials[i].score.physical) continue;
+      const Gain behind = GainOf(winner.gains - trials[i].gains);
+      const bool close = trials[i].score.accepted && behind.sum <= behind.standard_error;
+      const bool same_class = trials[i].score.gain_share > 0.5 * winner.score.gain_share &&
+                              Correlation(winner.part, trials[i].part) > kSameClass;
+      if (close || same_class) found.rivals.push_back(trials[i].score.name);
+    }
+    report.added = found.name;
+
+    actuator::JointModel next = fit->model;
+    actuator::Term term;
+    term.effect = winner.candidate->effect;
+    term.declared = false;
+    for (const double theta : winner.score.theta) {
+      term.linear.push_back({.value = theta, .half_width_95 = std::nullopt});
+    }
+    const auto& infos = term.effect->info().nonlinear;
+    for (std::size_t i = 0; i < winner.score.psi.size(); ++i) {
+      actuator::ParameterValue value{.value = winner.score.psi[i], .half_width_95 = std::nullopt};
+      value.fixed = infos[i].dimension == effects::Dimension::kNone;  // counts stay whole
+      term.nonlinear.push_back(value);
+    }
+    next.terms.push_back(std::move(term));
+    found.term = static_cast<int>(next.terms.size()) - 1;
+    *fit = identify::RefineModel(train_, next, units_.blocks);
+    PredictDrive(fit->model);
+    *fit = identify::RefineModel(train_, fit->model, units_.blocks);
+    *model = fit->model;
+    found.train_after = fit->rms;
+    found.sealed_after = identify::ErrorOf(sealed_, fit->model).rms;
+    result_.effects.push_back(std::move(found));
+    result_.rounds.push_back(std::move(report));
+    return true;
+  }
+
+  double SealedWith(const FitResult& fit, const Trial& trial) const {
+    const Balance balance = identify::MakeBalance(sealed_, fit.model, fit.keep_scale);
+    const Eigen::MatrixXd extra = sealed_.Columns(*trial.candidate->effect, trial.score.psi);
+    const Eigen::Index p = balance.columns.cols();
+    const Eigen::VectorXd b = fit.coefficients + trial.coefficients.head(p);
+    const Eigen::VectorXd error =
+        balance.target - balance.columns * b + extra * trial.coefficients.tail(extra.cols());
+    const double scale = balance.fits_scale ? 1.0 / b[0] : 1.0;
+    const std::vector<Eigen::Index> rows = sealed_.rows().UsedRows();
+    return std::abs(scale) * std::sqrt(SumSquares(error, rows) / std::max<double>(1.0, static_cast<double>(rows.size())));
+  }
+
+  void NoteWhatIsHidden(const CandidateSet& set, const std::vector<Trial>& trials) {
+    for (const MissingSignals& missing : set.missing) {
+      result_.not_excited.push_back({missing.effect, "not recorded: " + missing.fields});
+    }
+    for (const Trial& trial : trials) {
+      if (std::isinf(trial.detectable)) {
+        result_.not_excited.push_back(
+            {trial.score.name, "the declared terms carry all of it: only a shift of parameters shows"});
+      } else if (trial.detectable > kHiddenShare) {
+        result_.not_excited.push_back(
+            {trial.score.name, "up to " + std::to_string(static_cast<int>(100.0 * trial.detectable)) +
+                                   " % of the drive torque could hide in this motion"});
+      }
+    }
+    std::sort(result_.not_excited.begin(), result_.not_excited.end(),
+              [](const NotExcited& a, const NotExcited& b) { return a.effect < b.effect; });
+  }
+
+  // An effect that the later ones made superfluous goes.
+  void TryToRemove(actuator::JointModel* model, FitResult* fit) {
+    if (result_.effects.size() < 2) return;
+    for (std::size_t e = 0; e + 1 < result_.effects.size();) {
+      actuator::JointModel without = fit->model;
+      const auto at = static_cast<std::size_t>(result_.effects[e].term);
+      const actuator::Term term = without.terms[at];
+      without.terms.erase(without.terms.begin() + static_cast<std::ptrdiff_t>(at));
+      const FitResult less = identify::FitModel(train_, without, units_.blocks);
+      std::vector<double> psi;
+      for (const auto& value : term.nonlinear) psi.push_back(value.value);
+      const int folds = Folds(units_.blocks.size());
+      const Eigen::VectorXd target = less.balance.target - less.balance.columns * less.coefficients;
+      const Eigen::VectorXd ones =
+          Eigen::VectorXd::Ones(static_cast<Eigen::Index>(units_.blocks.size()));
+      const std::vector<Setting> base = {Setting(units_.blocks, less.balance.columns,
+                                                 Eigen::MatrixXd(target.size(), 0), target, folds)};
+      const std::vector<Setting> with = {Setting(units_.blocks, less.balance.columns,
+                                                 -train_.Columns(*term.effect, psi), target, folds)};
+      const Gain gain =
+          GainOf(LeftOutErrors(base, ones, folds) - LeftOutErrors(with, ones, folds));
+      if (gain.t > options_.fewest_standard_errors) {
+        ++e;
+        continue;
+      }
+      for (FoundEffect& other : result_.effects) {
+        if (other.term > static_cast<int>(at)) --other.term;
+      }
+      result_.effects.erase(result_.effects.begin() + static_cast<std::ptrdiff_t>(e));
+      *fit = identify::RefineModel(train_, without, units_.blocks);
+      *model = fit->model;
+    }
+  }
+
+  void FindSwallowed(FitResult* fit) {
+    PredictDrive(fit->model);
+    const CandidateSet set = MakeCandidates(train_, fit->model);
+    ShiftReport report = FindShifts(train_, declared_, *fit, set.candidates);
+    result_.shifts = std::move(report.shifts);
+    if (report.causes.empty()) return;
+    const SwallowedCause& best = report.causes.front();
+    FoundEffect found;
+    found.name = best.candidate.name();
+    found.balance = best.candidate.effect->info().balance;
+    found.swallowed = true;
+    found.weak_evidence = result_.units < kFewestUnits;
+    for (std::size_t i = 1; i < report.causes.size(); ++i) {
+      if (report.causes[i].after < best.after + 1.0) {
+        found.rivals.push_back(report.causes[i].candidate.name());
+      }
+    }
+    // The plain reading: the declared parameters are off by more than was stated.
+    for (const ParameterShift& shift : result_.shifts) {
+      const bool shares = std::find(shift.causes.begin(), shift.causes.end(), found.name) !=
+                          shift.causes.end();
+      if (shares && std::find(found.rivals.begin(), found.rivals.end(), shift.effect) ==
+                        found.rivals.end()) {
+        found.rivals.push_back(shift.effect);
+      }
+    }
+    found.gain_share = best.before > 0.0 ? 1.0 - best.after / best.before : 0.0;
+    found.p = std::exp(-0.5 * std::min(1400.0, best.before - best.after));
+    found.train_before = result_.nominal_train.rms;
+    found.sealed_before = result_.nominal_sealed.rms;
+
+    // The effect joins the model with the size the shifts ask for; the declared terms are fitted again.
+    actuator::JointModel next = fit->model;
+    actuator::Term term;
+    term.effect = best.candidate.effect;
+    term.declared = false;
+    actuator::ParameterValue value{.value = best.theta, .half_width_95 = best.half_width_95};
+    value.fixed = true;
+    term.linear.push_back(value);
+    next.terms.push_back(std::move(term));
+    found.term = static_cast<int>(next.terms.size()) - 1;
+    *fit = identify::FitModel(train_, next, units_.blocks);
+    fit->model.terms.back().linear.front().fixed = false;
+    result_.corrected = fit->model;
+    result_.corrected_fit = *fit;
+    found.train_after = fit->rms;
+    found.sealed_after = identify::ErrorOf(sealed_, fit->model).rms;
+    result_.effects.push_back(std::move(found));
+  }
+
+  void FindUnexplained(const FitResult& fit) {
+    PredictDrive(fit.model);
+    const Balance& balance = fit.balance;
+    const double scale = balance.fits_scale ? balance.Scale(fit.coefficients) : 1.0;
+    const VariableScan scan = ScanVariables(
+        train_, units_.blocks, balance.columns, balance.target - balance.columns * fit.coefficients,
+        Folds(units_.blocks.size()), std::min(100, options_.placebo_rounds), options_.seed);
+    if (scan.scores.empty()) return;
+    const VariableScore& best = scan.scores.front();
+    const double variance = fit.rms * fit.rms;
+    const double explainable = std::max(
+        variance - result_.noise_floor_rms * result_.noise_floor_rms, 0.02 * variance);
+    const bool loud = best.gain.t > options_.fewest_standard_errors && best.share > scan.placebo_99 &&
+                      best.share > 0.10 && best.share * variance > 0.2 * explainable;
+    if (!loud) return;
+    result_.unexplained.variable = best.variable;
+    result_.unexplained.order_per_turn = best.order_per_turn;
+    result_.unexplained.rms = scale * best.rms;
+    result_.unexplained.share = best.share;
+  }
+
+  Design& train_;
+  Design& sealed_;
+  const actuator::JointModel& declared_;
+  const TraceOptions& options_;
+  TraceResult result_;
+  Units units_;
+  std::vector<Eigen::Index> used_;
+};
+
+}  // namespace
+
+TraceResult Trace(Design& train, Design& sealed, const actuator::JointModel& model,
+                  const TraceOptions& options) {
+  return Tracer(train, sealed, model, options).Run();
+}
+
+}  // namespace sinew::trace

@@ -1,0 +1,129 @@
+// From the residual of a model to the effect it lacks.
+//
+// The steps are those of docs/closing-the-loop.md: refit of the declared terms, noise floor and ceiling,
+// blocked cross-validation of every candidate of the catalogue beside the declared terms, acceptance against
+// a placebo, rivals, at most three rounds, a try to remove; then what a refit swallowed
+// (parameter_shift), what stays unexplained and what the recording could not show.
+// Pure; allocates; reads no clock; the seed decides the placebo.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "components/actuator/model.h"
+#include "components/identify/design.h"
+#include "components/identify/fit.h"
+#include "components/trace/cross_validation.h"
+
+namespace sinew::trace {
+
+struct TraceOptions {
+  std::uint64_t seed = 1;
+  int placebo_rounds = 200;
+  int max_rounds = 3;
+  double fewest_standard_errors = 2.0;
+  double smallest_explainable_share = 0.05;  // gain / explainable variance
+  double smallest_residual_share = 0.03;     // gain / residual variance
+  // Called with a line of progress and the share done, 0 to 1.
+  std::function<void(const std::string&, double)> progress;
+};
+
+// One candidate of one round.
+struct CandidateScore {
+  std::string name;
+  std::vector<double> psi;        // setting that fits best
+  std::vector<double> theta;      // fitted linear parameters
+  Gain gain;                      // of left-out squared error
+  double gain_share = 0.0;        // gain / residual variance of the round
+  double share_error = 0.0;       // its standard error
+  double explainable_share = 0.0; // gain / explainable
+  double visible_share = 0.0;     // part of its power that the other terms do not carry
+  bool physical = true;           // sign and range
+  bool stable = true;             // no part of the data contradicts it
+  bool accepted = false;
+  std::string refused;            // why not
+  double sealed_rms = 0.0;        // with it added alone
+};
+
+struct RoundReport {
+  double train_rms = 0.0;         // before the round
+  double sealed_rms = 0.0;
+  double placebo_99 = 0.0;        // best false gain, share of residual variance
+  double explainable_rms = 0.0;
+  std::vector<CandidateScore> scores;  // best gain first
+  std::string added;              // empty: nothing
+};
+
+struct FoundEffect {
+  std::string name;
+  effects::Balance balance = effects::Balance::kMotion;
+  int term = -1;                  // in the corrected model
+  std::vector<std::string> rivals;
+  double gain_share = 0.0;        // of the residual variance when it was found
+  double gain_error = 0.0;
+  double p = 1.0;
+  bool weak_evidence = false;     // fewer than six units
+  bool swallowed = false;         // found as a shift of declared parameters
+  // Errors before and after it, rms at the output.
+  double train_before = 0.0, train_after = 0.0, sealed_before = 0.0, sealed_after = 0.0;
+};
+
+struct ParameterShift {
+  std::string effect;
+  std::string parameter;
+  double nominal = 0.0;
+  double refit = 0.0;
+  double tolerance = 0.0;         // absolute
+  double half_width_95 = 0.0;
+  double sigma = 0.0;             // (refit - nominal) / sqrt(tolerance^2 + standard error^2)
+  std::vector<std::string> causes;  // effects that point the same way
+};
+
+struct Unexplained {
+  std::string variable;           // JointSample field; empty: nothing found
+  double order_per_turn = 0.0;    // 0: not periodic
+  double rms = 0.0;
+  double share = 0.0;             // of the residual variance that the variable predicts
+  std::string experiment;
+};
+
+struct NotExcited {
+  std::string effect;
+  std::string reason;
+};
+
+enum class Verdict { kNone, kEffect, kUnexplained };
+
+struct TraceResult {
+  Verdict verdict = Verdict::kNone;
+  actuator::JointModel declared;     // refitted, nothing added
+  actuator::JointModel corrected;    // with the effects
+  std::vector<FoundEffect> effects;
+  std::vector<RoundReport> rounds;
+  std::vector<NotExcited> not_excited;
+  Unexplained unexplained;
+  std::vector<ParameterShift> shifts;
+
+  identify::FitResult declared_fit;
+  identify::FitResult corrected_fit;
+  identify::ModelError nominal_train, nominal_sealed;
+  identify::ModelError before_train, before_sealed;   // declared model, refitted
+  identify::ModelError after_train, after_sealed;
+  double noise_floor_rms = 0.0;
+  std::string noise_floor_source;
+  double ceiling_rms = 0.0;
+  double correlation_time_s = 0.0;
+  int units = 0;
+  std::string unit_kind;             // run, cycle, block
+  double unit_length_s = 0.0;
+};
+
+// train and sealed are changed: their predicted drive follows the model.
+TraceResult Trace(identify::Design& train, identify::Design& sealed,
+                  const actuator::JointModel& model, const TraceOptions& options);
+
+}  // namespace sinew::trace

@@ -1,0 +1,524 @@
+// Behaviour of the joint and robot controllers: take-over, limits, safe commands, motion orders,
+// and closed loops on a small rig written for these tests.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "components/control/robot_controller.h"
+#include "components/reference/generator.h"
+#include "tests/components/control/test_plant.h"
+#include "tests/support/allocations.h"
+
+namespace sinew::control {
+namespace {
+
+constexpr double kPeriod_s = 1.0 / 240.0;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+void Add(actuator::JointModel* model, const char* effect, std::vector<double> linear) {
+  actuator::Term term = actuator::MakeTerm(effect, model->constants);
+  for (std::size_t i = 0; i < linear.size(); ++i) term.linear.at(i).value = linear[i];
+  model->terms.push_back(term);
+}
+
+// The model of TestRig as close-loop would know it.
+actuator::JointModel ModelOf(const TestRig& rig) {
+  actuator::JointModel model;
+  model.constants = {
+      .gear_ratio = rig.gear_ratio, .link_length_m = 0.3, .torque_constant_Nm_A = 0.0159155};
+  Add(&model, "drive_current", {rig.efficiency});
+  Add(&model, "rotor_inertia", {rig.rotor_inertia_kg_m2});
+  Add(&model, "link_inertia", {rig.link_inertia_kg_m2});
+  Add(&model, "motor_viscous", {rig.viscous_Nm_s_rad});
+  Add(&model, "coulomb", {rig.coulomb_Nm});
+  Add(&model, "gravity", {rig.gravity_Nm});
+  Add(&model, "pneumatic_torque", {rig.pneumatic_Nm / 4.0});
+  return model;
+}
+
+JointControlConfig RigConfig(Strategy strategy) {
+  const TestRig rig;
+  JointControlConfig config;
+  config.strategy = strategy;
+  config.pid = {.proportional_Nm_rad = 12.0,
+                .integral_Nm_rad_s = 10.0,
+                .derivative_Nm_s_rad = 1.0,
+                .derivative_filter_Hz = 40.0,
+                .anti_windup_s = 0.2};
+  config.gear_ratio = rig.gear_ratio;
+  config.shaft_per_output = 1.0 / (rig.gear_ratio * rig.efficiency);
+  config.motor_torque_limit_Nm = 0.398;
+  config.model = ModelOf(rig);
+  config.compensator.kind = CompensatorKind::kModel;
+  return config;
+}
+
+RobotInput InputOf(const TestRig& rig) {
+  RobotInput input;
+  input.session_id = 7;
+  input.period_s = kPeriod_s;
+  input.armed = true;
+  input.joint_count = 1;
+  JointMeasurement& m = input.joint[0];
+  m.valid = m.actuator_valid = true;
+  m.position_rad = rig.encoder_rad();
+  m.velocity_rad_s = rig.link_rad_s;
+  m.motor_position_rad = rig.gear_ratio * rig.motor_rad;
+  m.motor_velocity_rad_s = rig.gear_ratio * rig.motor_rad_s;
+  m.pressure_bar = 4.0;
+  input.reference_fresh = true;
+  return input;
+}
+
+RobotInput Still(double position_rad) {
+  TestRig rig;
+  rig.link_rad = rig.motor_rad = position_rad;
+  RobotInput input = InputOf(rig);
+  input.joint[0].position_rad = position_rad;
+  return input;
+}
+
+TEST(RobotController, IsIdleUntilArmed) {
+  RobotController controller({RigConfig(Strategy::kPid)});
+  RobotInput input = Still(0.4);
+  input.armed = false;
+  input.reference_count = 1;
+  input.reference[0] = {1.0, 0.0, 0.0};
+  for (int k = 0; k < 100; ++k) {
+    const RobotOutput out = controller.Step(input);
+    EXPECT_EQ(out.joint[0].mode, CommandMode::kIdle);
+    EXPECT_EQ(out.joint[0].motor_torque_Nm, 0.0);
+    EXPECT_FALSE(out.stale);
+  }
+}
+
+TEST(RobotController, ArmedWithoutReferenceHoldsWhereTheJointStands) {
+  RobotController controller({RigConfig(Strategy::kPid)});
+  for (int k = 0; k < 100; ++k) {
+    const RobotOutput out = controller.Step(Still(0.4));
+    EXPECT_EQ(out.joint[0].mode, CommandMode::kTorque);
+    EXPECT_EQ(out.joint[0].motor_torque_Nm, 0.0);  // zero case: no error, no torque
+    EXPECT_EQ(out.joint[0].position_rad, 0.4);
+    EXPECT_FALSE(out.stale);
+  }
+  // Moved away from there it pushes back with the proportional term at the motor shaft.
+  const JointControlConfig config = RigConfig(Strategy::kPid);
+  const RobotOutput out = controller.Step(Still(0.5));
+  EXPECT_NEAR(out.joint[0].motor_torque_Nm,
+              -0.1 * (12.0 + 10.0 * kPeriod_s) * config.shaft_per_output, 1e-12);
+}
+
+TEST(RobotController, TakesOverWithoutAJumpEvenWhenTheReferenceIsElsewhere) {
+  for (const Strategy strategy : {Strategy::kPosition, Strategy::kPid, Strategy::kPidLinear}) {
+    RobotController controller({RigConfig(strategy)});
+    RobotInput input = Still(0.4);
+    input.reference_count = 1;
+    input.reference[0] = {0.9, 0.0, 0.0};
+    double before_rad = 0.4;
+    for (int k = 0; k < 240; ++k) {
+      const RobotOutput out = controller.Step(input);
+      const double position_rad = out.joint[0].position_rad;
+      // Peak speed of the quintic: 1.875 way / time.
+      EXPECT_LE(std::abs(position_rad - before_rad), 1.001 * 1.875 * 0.5 / 0.3 * kPeriod_s) << k;
+      before_rad = position_rad;
+      if (k == 0) {
+        EXPECT_NEAR(position_rad, 0.4, 1e-12);
+      }
+    }
+    EXPECT_NEAR(before_rad, 0.9, 1e-12);
+  }
+}
+
+TEST(RobotController, FeedForwardFadesInAndOut) {
+  RobotController controller({RigConfig(Strategy::kPidLinear)});
+  double before_Nm = 0.0;
+  for (int k = 0; k < 240; ++k) {
+    const double torque_Nm = controller.Step(Still(0.0)).joint[0].motor_torque_Nm;
+    // Balance at rest: -(K P - Tg) / (N efficiency); a first-order fade of 20 ms moves 19 % of it a
+    // tick.
+    EXPECT_LE(std::abs(torque_Nm - before_Nm), 0.2 * (0.3587 * 4.0 - 0.58) / 77.0) << k;
+    before_Nm = torque_Nm;
+  }
+  EXPECT_NEAR(before_Nm, -(0.3587 * 4.0 - 0.58) / 77.0, 1e-9);
+}
+
+TEST(RobotController, NeverPassesTheTorqueLimitAndSaysSo) {
+  RobotController controller({RigConfig(Strategy::kPid)});
+  static_cast<void>(controller.Step(Still(0.0)));
+  for (const double q : {-3.0, 3.0}) {
+    const RobotOutput out = controller.Step(Still(q));
+    EXPECT_EQ(out.joint[0].motor_torque_Nm, q < 0 ? 0.398 : -0.398);
+    EXPECT_TRUE(out.joint[0].saturated);
+  }
+}
+
+TEST(RobotController, NetworkIsChosenByRegimeAndAnUnknownRegimeLeavesItOut) {
+  const JointControlConfig config = RigConfig(Strategy::kPidEsn);
+  RobotController controller({config});
+  RobotInput input = Still(0.0);
+  input.reference_count = 1;
+  input.prediction_fresh = input.regime_fresh = true;
+  input.prediction[0] = {true, 1.0, -2.0};
+  const auto settle = [&](Regime regime) {
+    input.regime[0] = regime;
+    double torque_Nm = 0.0, largest_step_Nm = 0.0;
+    double before_Nm = controller.Step(input).joint[0].motor_torque_Nm;
+    for (int k = 0; k < 240; ++k) {
+      torque_Nm = controller.Step(input).joint[0].motor_torque_Nm;
+      largest_step_Nm = std::max(largest_step_Nm, std::abs(torque_Nm - before_Nm));
+      before_Nm = torque_Nm;
+    }
+    EXPECT_LE(largest_step_Nm, 0.2 * 3.0 * config.shaft_per_output) << "the change fades";
+    return torque_Nm;
+  };
+  EXPECT_NEAR(settle(Regime::kUnknown), 0.0, 1e-12);
+  EXPECT_NEAR(settle(Regime::kSea), 1.0 * config.shaft_per_output, 1e-7);
+  EXPECT_NEAR(settle(Regime::kPea), -2.0 * config.shaft_per_output, 1e-7);
+  input.regime_fresh = false;
+  EXPECT_NEAR(settle(Regime::kPea), 0.0, 1e-6);
+  EXPECT_TRUE(controller.Step(input).stale);
+  input.regime_fresh = true;
+  input.prediction[0].valid = false;
+  EXPECT_NEAR(settle(Regime::kPea), 0.0, 1e-6);
+}
+
+TEST(RobotController, ANetworkThatGivesNoNumberIsLeftOutAndTold) {
+  RobotController controller({RigConfig(Strategy::kPidEsn)});
+  RobotInput input = Still(0.0);
+  input.reference_count = 1;
+  input.prediction_fresh = input.regime_fresh = true;
+  input.regime[0] = Regime::kPea;
+  input.prediction[0] = {true, 0.0, kNaN};
+  const RobotOutput out = controller.Step(input);
+  EXPECT_EQ(out.fault, Fault::kNonFinitePrediction);
+  EXPECT_TRUE(out.stale);
+  EXPECT_EQ(out.joint[0].mode, CommandMode::kTorque);
+  EXPECT_EQ(out.joint[0].motor_torque_Nm, 0.0);
+  input.prediction[0] = {true, 0.0, 0.0};
+  EXPECT_EQ(controller.Step(input).fault, Fault::kNone) << "not latched";
+}
+
+TEST(RobotController, NonFiniteStateOrReferenceLatchesAFaultUntilDisarmed) {
+  const auto check = [](const RobotInput& bad, Fault fault) {
+    RobotController controller({RigConfig(Strategy::kPid)});
+    static_cast<void>(controller.Step(Still(0.1)));
+    RobotOutput out = controller.Step(bad);
+    EXPECT_EQ(out.fault, fault);
+    EXPECT_TRUE(out.stale);
+    EXPECT_EQ(out.joint[0].mode, CommandMode::kIdle);
+    EXPECT_EQ(out.joint[0].motor_torque_Nm, 0.0);
+    out = controller.Step(Still(0.1));
+    EXPECT_EQ(out.fault, fault) << "latched";
+    EXPECT_EQ(out.joint[0].mode, CommandMode::kIdle);
+    RobotInput disarmed = Still(0.1);
+    disarmed.armed = false;
+    EXPECT_EQ(controller.Step(disarmed).fault, Fault::kNone);
+    EXPECT_EQ(controller.Step(Still(0.1)).joint[0].mode, CommandMode::kTorque);
+  };
+  RobotInput bad = Still(kNaN);
+  check(bad, Fault::kNonFiniteState);
+  bad = Still(0.1);
+  bad.joint[0].velocity_rad_s = HUGE_VAL;
+  check(bad, Fault::kNonFiniteState);
+  bad = Still(0.1);
+  bad.reference_count = 1;
+  bad.reference[0].acceleration_rad_s2 = kNaN;
+  check(bad, Fault::kNonFiniteReference);
+  bad = Still(0.1);
+  bad.period_s = 0.0;
+  check(bad, Fault::kNonFiniteState);
+}
+
+TEST(RobotController, AFaultOfOneJointSwitchesAllOff) {
+  RobotController controller({RigConfig(Strategy::kPid), RigConfig(Strategy::kPid)});
+  RobotInput input = Still(0.0);
+  input.joint_count = 2;
+  input.joint[1] = input.joint[0];
+  static_cast<void>(controller.Step(input));
+  input.joint[1].position_rad = kNaN;
+  const RobotOutput out = controller.Step(input);
+  EXPECT_EQ(out.fault_joint, 1);
+  EXPECT_EQ(out.joint[0].mode, CommandMode::kIdle);
+  EXPECT_EQ(out.joint[1].mode, CommandMode::kIdle);
+}
+
+TEST(RobotController, TooLargeATrackingErrorIsAFault) {
+  JointControlConfig config = RigConfig(Strategy::kPid);
+  config.tracking_error_limit_rad = 0.5;
+  RobotController controller({config});
+  RobotInput input = Still(0.0);
+  input.reference_count = 1;
+  EXPECT_EQ(controller.Step(input).fault, Fault::kNone);
+  input.joint[0].position_rad = -0.6;
+  EXPECT_EQ(controller.Step(input).fault, Fault::kTrackingError);
+}
+
+TEST(RobotController, ALostReferenceIsMarkedAndTheJointStaysThenDamps) {
+  for (const OnStale on_stale : {OnStale::kHold, OnStale::kDamp}) {
+    JointControlConfig config = RigConfig(Strategy::kPid);
+    config.on_stale = on_stale;
+    RobotController controller({config});
+    RobotInput input = Still(0.2);
+    input.reference_count = 1;
+    for (int k = 0; k < 100; ++k) {
+      input.reference[0] = {0.2 + 0.001 * k, 0.24, 0.0};
+      EXPECT_FALSE(controller.Step(input).stale);
+    }
+    input.reference_fresh = false;
+    for (int k = 0; k < 10; ++k) {
+      input.reference[0] = {99.0, 99.0, 99.0};  // must not be read
+      const RobotOutput out = controller.Step(input);
+      EXPECT_TRUE(out.stale);
+      EXPECT_EQ(out.joint[0].mode, CommandMode::kTorque);
+      if (k < 3 || on_stale == OnStale::kHold) {
+        EXPECT_NEAR(out.joint[0].position_rad, 0.299, 1e-12);
+        EXPECT_EQ(out.joint[0].velocity_rad_s, 0.0);
+        EXPECT_GT(out.joint[0].motor_torque_Nm, 0.0);
+      } else {
+        EXPECT_EQ(out.joint[0].motor_torque_Nm, 0.0) << "at rest there is nothing to damp";
+      }
+    }
+    input.reference_fresh = true;
+    input.reference[0] = {0.5, 0.0, 0.0};
+    const RobotOutput out = controller.Step(input);
+    EXPECT_FALSE(out.stale);
+    EXPECT_NEAR(out.joint[0].position_rad, 0.299, 1e-12) << "goes on without a jump";
+  }
+}
+
+TEST(RobotController, ALostPositionLeavesDampingByTheMotor) {
+  const JointControlConfig config = RigConfig(Strategy::kPid);
+  RobotController controller({config});
+  static_cast<void>(controller.Step(Still(0.2)));
+  RobotInput input = Still(0.2);
+  input.joint[0].valid = false;
+  input.joint[0].motor_velocity_rad_s = 100.0;
+  RobotOutput out = controller.Step(input);
+  EXPECT_TRUE(out.stale);
+  EXPECT_NEAR(out.joint[0].motor_torque_Nm, -0.3 * 1.0 * config.shaft_per_output, 1e-12);
+  input.joint[0].actuator_valid = false;
+  out = controller.Step(input);
+  EXPECT_EQ(out.joint[0].motor_torque_Nm, 0.0);
+  EXPECT_TRUE(out.stale);
+  input.joint_count = 0;  // not even named
+  EXPECT_TRUE(controller.Step(input).stale);
+}
+
+TEST(RobotController, DoesNotWindUpWhileTheProviderBridgesAGap) {
+  RobotController controller({RigConfig(Strategy::kPid)});
+  static_cast<void>(controller.Step(Still(0.0)));
+  RobotInput away = Still(-0.1);
+  away.interrupted = true;
+  for (int k = 0; k < 2400; ++k) static_cast<void>(controller.Step(away));
+  EXPECT_NEAR(controller.Step(Still(0.0)).joint[0].motor_torque_Nm, 0.0, 1e-12);
+}
+
+TEST(RobotController, AStandbyGoesOnFromTheOwnersCommand) {
+  RobotController owner({RigConfig(Strategy::kPid)});
+  RobotController standby({RigConfig(Strategy::kPid)});
+  double applied_Nm = 0.0;
+  for (int k = 0; k < 240; ++k) {
+    applied_Nm = owner.Step(Still(k == 0 ? 0.0 : -0.05)).joint[0].motor_torque_Nm;
+    if (k < 230) continue;  // the standby comes late: its integral would be another
+    static_cast<void>(standby.Step(Still(k == 230 ? 0.0 : -0.05)));
+    standby.Track(std::vector<double>{applied_Nm});
+  }
+  const double next_Nm = standby.Step(Still(-0.05)).joint[0].motor_torque_Nm;
+  const double integral_step_Nm =
+      10.0 * 0.05 * kPeriod_s * RigConfig(Strategy::kPid).shaft_per_output;
+  EXPECT_NEAR(next_Nm, applied_Nm + integral_step_Nm, 1e-12);
+}
+
+TEST(RobotController, ANewSessionStartsAnew) {
+  RobotController controller({RigConfig(Strategy::kPid)});
+  static_cast<void>(controller.Step(Still(0.4)));
+  RobotInput input = Still(0.9);
+  input.session_id = 8;
+  const RobotOutput out = controller.Step(input);
+  EXPECT_EQ(out.joint[0].position_rad, 0.9);
+  EXPECT_EQ(out.joint[0].motor_torque_Nm, 0.0);
+}
+
+TEST(RobotController, PositionStrategyGivesTheDriveTheReference) {
+  JointControlConfig config = RigConfig(Strategy::kPosition);
+  config.takeover_s = 0.0;
+  RobotController controller({config});
+  RobotInput input = Still(0.4);
+  input.reference_count = 1;
+  input.reference[0] = {0.45, 0.3, 1.0};
+  const RobotOutput out = controller.Step(input);
+  EXPECT_EQ(out.joint[0].mode, CommandMode::kPosition);
+  EXPECT_EQ(out.joint[0].position_rad, 0.45);
+  EXPECT_EQ(out.joint[0].velocity_rad_s, 0.3);
+}
+
+TEST(RobotController, MovesSlowlyOnRequestAndOnlyWithoutAReference) {
+  TestRig rig;
+  rig.pneumatic_Nm = 0.0;
+  RobotController controller({RigConfig(Strategy::kPid)});
+  double fastest_rad_s = 0.0;
+  for (int k = 0; k < 6 * 240; ++k) {
+    RobotInput input = InputOf(rig);
+    input.motion[0] = {Motion::kMoveSlowly, 0.3, 0.1, 0.0};
+    const RobotOutput out = controller.Step(input);
+    fastest_rad_s = std::max(fastest_rad_s, out.joint[0].velocity_rad_s);
+    rig.Step(out.joint[0].motor_torque_Nm, kPeriod_s);
+  }
+  EXPECT_NEAR(fastest_rad_s, 0.1, 1e-9);
+  EXPECT_NEAR(rig.link_rad, 0.3, 0.02);
+  RobotInput input = InputOf(rig);
+  input.motion[0] = {Motion::kMoveSlowly, 0.3, 0.1, 0.0};
+  input.reference_count = 1;
+  input.reference[0] = {rig.encoder_rad() + 0.01, 0.0, 0.0};
+  for (int k = 0; k < 240; ++k) static_cast<void>(controller.Step(input));
+  EXPECT_NEAR(controller.Step(input).joint[0].position_rad, input.reference[0].position_rad, 1e-12);
+}
+
+TEST(RobotController, PushesAgainstTheChamberAtTheAskedSpeedAndTorque) {
+  TestRig rig;
+  rig.pneumatic_Nm = 0.3587 * 4.0;  // the chamber pushes up, the motor is asked down
+  rig.link_rad = 0.5 * rig.play_rad;
+  RobotController controller({RigConfig(Strategy::kPid)});
+  double largest_Nm = 0.0, fastest_rad_s = 0.0;
+  for (int k = 0; k < 8 * 240; ++k) {
+    RobotInput input = InputOf(rig);
+    input.motion[0] = {Motion::kPushAgainstChamber, -0.3, 0.1, 0.1};
+    const RobotOutput out = controller.Step(input);
+    largest_Nm = std::max(largest_Nm, std::abs(out.joint[0].motor_torque_Nm));
+    rig.Step(out.joint[0].motor_torque_Nm, kPeriod_s);
+    if (k > 240) fastest_rad_s = std::max(fastest_rad_s, std::abs(rig.motor_rad_s));
+  }
+  EXPECT_LE(largest_Nm, 0.1);
+  EXPECT_LT(fastest_rad_s, 0.25);
+  EXPECT_NEAR(rig.motor_rad, -0.3, 0.02);
+  EXPECT_NEAR(rig.link_rad, rig.motor_rad + 0.5 * rig.play_rad, 2e-3) << "the teeth touch";
+}
+
+TEST(RobotController, OrdersThatMakeNoSenseAreNotExecuted) {
+  RobotController controller({RigConfig(Strategy::kPid)});
+  for (const MotionOrder& order : {MotionOrder{Motion::kMoveSlowly, kNaN, 0.1, 0.0},
+                                   MotionOrder{Motion::kMoveSlowly, 0.5, 0.0, 0.0},
+                                   MotionOrder{Motion::kPushAgainstChamber, 0.5, -1.0, 0.0},
+                                   MotionOrder{Motion::kMoveSlowly, 0.5, 0.1, kNaN}}) {
+    RobotInput input = Still(0.2);
+    input.motion[0] = order;
+    const RobotOutput out = controller.Step(input);
+    EXPECT_EQ(out.joint[0].position_rad, 0.2);
+    EXPECT_EQ(out.joint[0].motor_torque_Nm, 0.0);
+  }
+}
+
+// Mean squared error over the published benchmark: 30 degrees, four cycles in 10 s.
+double BenchmarkMse(const JointControlConfig& config, TestRig rig) {
+  RobotController controller({config});
+  reference::GeneratorConfig generator_config;
+  generator_config.trajectory = std::make_shared<reference::Sine>(reference::SineConfig{
+      .amplitude_rad = std::numbers::pi / 6.0, .frequency_Hz = 0.4, .duration_s = 10.0});
+  reference::Generator generator(generator_config);
+  generator.Start(rig.encoder_rad());
+  double sum = 0.0;
+  int count = 0;
+  for (int k = 0; k < 12 * 240; ++k) {
+    RobotInput input = InputOf(rig);
+    input.reference_count = 1;
+    input.reference[0] = generator.At(k * kPeriod_s);
+    if (k >= 2 * 240) {
+      const double error = input.reference[0].position_rad - rig.link_rad;
+      sum += error * error;
+      ++count;
+    }
+    rig.Step(controller.Step(input).joint[0].motor_torque_Nm, kPeriod_s);
+  }
+  return sum / count;
+}
+
+TEST(ClosedLoop, EachStepOfKnowledgeTracksBetter) {
+  const TestRig rig;
+  JointControlConfig linear = RigConfig(Strategy::kPidLinear);
+  linear.compensator.kind = CompensatorKind::kLinear;
+  const double pid = BenchmarkMse(RigConfig(Strategy::kPid), rig);
+  const double with_linear = BenchmarkMse(linear, rig);
+  const double with_model = BenchmarkMse(RigConfig(Strategy::kPidLinear), rig);
+  EXPECT_LT(pid, 0.02);
+  EXPECT_LT(with_linear, 0.8 * pid);
+  EXPECT_LT(with_model, 0.5 * with_linear);
+  RecordProperty("pid", std::to_string(pid));
+  RecordProperty("linear", std::to_string(with_linear));
+  RecordProperty("model", std::to_string(with_model));
+}
+
+TEST(ClosedLoop, AnEffectAddedToTheModelFileImprovesTracking) {
+  TestRig rig;
+  rig.extra_viscous_up_Nm_s_rad = 0.6;
+  const JointControlConfig declared = RigConfig(Strategy::kPidLinear);
+  JointControlConfig corrected = declared;
+  actuator::Term term =
+      actuator::MakeTerm("direction_dependent_viscous", corrected.model->constants);
+  for (actuator::ParameterValue& value : term.linear) value.value = 0.0;
+  // Half of it is symmetric, half follows |v|: what the catalogue's effect adds is found by its
+  // torque.
+  term.linear[0].value = 1.0;
+  corrected.model->terms.push_back(term);
+  effects::JointSample up;
+  up.velocity_rad_s = 1.0;
+  up.motor_velocity_rad_s = 100.0;
+  const int index = static_cast<int>(corrected.model->terms.size()) - 1;
+  effects::JointSample down = up;
+  down.velocity_rad_s = -1.0;
+  down.motor_velocity_rad_s = -100.0;
+  const double gain_up = corrected.model->TermTorque(index, up, {});
+  const double gain_down = corrected.model->TermTorque(index, down, {});
+  ASSERT_NE(gain_up, -gain_down);
+  // c gain_up - 0.3 symmetric share = -0.6 upward, c gain_down + share = 0 downward.
+  const double c = -0.6 / (gain_up + gain_down);
+  const double share = -c * gain_down;
+  corrected.model->terms[index].linear[0].value = c;
+  Add(&*corrected.model, "viscous", {share});
+  EXPECT_LT(BenchmarkMse(corrected, rig), 0.6 * BenchmarkMse(declared, rig));
+}
+
+TEST(RobotController, AMillionStepsAllocateNothingAndStayBounded) {
+  for (const Strategy strategy : {Strategy::kPidLinear, Strategy::kPidEsn}) {
+    RobotController controller({RigConfig(strategy)});
+    RobotInput input = Still(0.0);
+    input.reference_count = 1;
+    input.prediction_fresh = input.regime_fresh = true;
+    const long before = test::Allocations();
+    double largest_Nm = 0.0;
+    for (int k = 0; k < 1000000; ++k) {
+      const double phase = 0.01 * k;
+      input.reference[0] = {0.5 * std::sin(phase), 1.2 * std::cos(phase), -2.88 * std::sin(phase)};
+      input.joint[0].position_rad = 0.45 * std::sin(phase - 0.1);
+      input.joint[0].velocity_rad_s = 1.08 * std::cos(phase - 0.1);
+      input.regime[0] = static_cast<Regime>((k / 1000) % 3);
+      input.prediction[0] = {true, std::cos(phase), std::sin(phase)};
+      input.reference_fresh = k % 5000 > 10;
+      input.motion[0].kind = k % 7000 > 6000 ? Motion::kHold : Motion::kNone;
+      const RobotOutput out = controller.Step(input);
+      ASSERT_EQ(out.fault, Fault::kNone) << k;
+      largest_Nm = std::max(largest_Nm, std::abs(out.joint[0].motor_torque_Nm));
+    }
+    EXPECT_EQ(test::Allocations() - before, 0);
+    EXPECT_LE(largest_Nm, 0.398);
+  }
+}
+
+TEST(RobotController, BadConfigurationIsRefused) {
+  EXPECT_THROW(RobotController({}), std::invalid_argument);
+  EXPECT_THROW(RobotController(std::vector<JointControlConfig>(13, RigConfig(Strategy::kPid))),
+               std::invalid_argument);
+  JointControlConfig config = RigConfig(Strategy::kPid);
+  config.motor_torque_limit_Nm = 0.0;
+  EXPECT_THROW(RobotController({config}), std::invalid_argument);
+  config = RigConfig(Strategy::kPidLinear);
+  config.model.reset();
+  EXPECT_THROW(RobotController({config}), std::invalid_argument);
+  config = RigConfig(Strategy::kPid);
+  config.shaft_per_output = kNaN;
+  EXPECT_THROW(RobotController({config}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace sinew::control

@@ -1,0 +1,160 @@
+#include "components/recording/csv.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "components/config/config.h"
+#include "components/recording/csv_map.h"
+#include "components/recording/file/csv_map_file.h"
+
+namespace sinew::recording {
+namespace {
+
+using identify::Signal;
+
+constexpr char kMap[] = R"(schema: sinew-csv-map/1
+kind: rotary
+time: {column: t, unit: ms}
+signals:
+  position: {column: angle, unit: deg, sign: -1}
+  motor_current: {column: current, unit: A, scale: 0.5, offset: 1}
+)";
+
+std::string CsvError(const std::string& text,
+                     const std::vector<std::string>& columns = {"a", "b"}) {
+  try {
+    ReadCsv(text, "data.csv", columns);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::string MapError(const std::string& text) {
+  try {
+    ParseCsvMap(text, "map.yaml");
+  } catch (const UsageError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::string RunError(const std::string& text) {
+  try {
+    ReadCsvRun(text, "data.csv", ParseCsvMap(kMap, "map.yaml"));
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Csv, ReadsNumbersExactly) {
+  const CsvTable table =
+      ReadCsv("a,b,text\n1.5,-2e-3,x\n+0.1,7.45e-06,y\n", "data.csv", {"b", "a"});
+  ASSERT_EQ(table.values.size(), 2u);
+  EXPECT_EQ(table.values[0][0], -2e-3);
+  EXPECT_EQ(table.values[0][1], 7.45e-06);
+  EXPECT_EQ(table.values[1][1], 0.1);
+  EXPECT_EQ(table.lines, (std::vector<int>{2, 3}));
+}
+
+TEST(Csv, UnderstandsQuotesCommentsBlanksAndLineEnds) {
+  const CsvTable table = ReadCsv(
+      "\xEF\xBB\xBF# made by a rig\r\n\"a\", b ,\"c, d\"\r\n\r\n 1 , \"2\",\"x \"\"y\"\"\"\r\n# "
+      "end\r\n3,4,z",
+      "data.csv", {"a", "b"});
+  ASSERT_EQ(table.lines.size(), 2u);
+  EXPECT_EQ(table.lines[0], 4);
+  EXPECT_EQ(table.values[0][0], 1);
+  EXPECT_EQ(table.values[1][0], 2);
+  EXPECT_EQ(table.values[1][1], 4);
+  EXPECT_EQ(ReadCsv("a;b\n1;2\n", "data.csv", {"b"}, ';').values[0][0], 2);
+}
+
+TEST(Csv, NamesFileLineColumnAndWhatWasExpected) {
+  EXPECT_EQ(
+      CsvError("a,b\n1,2\n3,nan\n"),
+      "data.csv:3: column 'b': the value is nan, expected a finite number (leave lost rows out)");
+  EXPECT_EQ(CsvError("a,b\n1,inf\n").substr(0, 11), "data.csv:2:");
+  EXPECT_EQ(CsvError("a,b\n1,\n"), "data.csv:2: column 'b': the cell is empty, expected a number");
+  EXPECT_EQ(CsvError("a,b\n1,2x\n"),
+            "data.csv:2: column 'b': '2x' is no number, expected one such as -1.5e-3");
+  EXPECT_EQ(CsvError("a,b\n1,2\n3\n"),
+            "data.csv:3: the row has 1 cells, expected 2 as in the header");
+  EXPECT_EQ(CsvError("a,c\n1,2\n"), "data.csv:1: no column 'b', the file has: a, c");
+  EXPECT_EQ(CsvError("a,b,b\n1,2,3\n"), "data.csv:1: column 'b' is there 2 times, expected once");
+  EXPECT_EQ(CsvError(""),
+            "data.csv:1: the file is empty, expected a header line with column names");
+  EXPECT_EQ(CsvError("a,b\n"), "data.csv:2: no row of data, expected at least one");
+  EXPECT_EQ(CsvError("a,b\n1,1e999\n"), "data.csv:2: column 'b': '1e999' does not fit a double");
+  EXPECT_EQ(CsvError("a,b\n\"1,2\n"),
+            "data.csv:2: the row has 1 cells, expected 2 as in the header");
+}
+
+TEST(Csv, NeverCrashesOnRandomText) {
+  std::mt19937_64 random(3);
+  const std::string alphabet = "ab,;\"\n\r#1.e- \\";
+  for (int round = 0; round < 5000; ++round) {
+    std::string text = round % 2 == 0 ? "a,b\n" : "";
+    const auto size = random() % 60;
+    for (std::uint64_t i = 0; i < size; ++i) text += alphabet[random() % alphabet.size()];
+    (void)CsvError(text);
+  }
+}
+
+TEST(CsvMap, AppliesUnitScaleOffsetAndSign) {
+  const identify::Run run =
+      ReadCsvRun("t,angle,current\n0,90,2\n4,180,-2\n", "data.csv", ParseCsvMap(kMap, "map.yaml"));
+  EXPECT_EQ(run.kind, effects::JointKind::kRotary);
+  EXPECT_EQ(run.time_s[1], 0.004);
+  EXPECT_DOUBLE_EQ(run.At(Signal::kPosition)[1], -3.14159265358979312);
+  EXPECT_EQ(run.At(Signal::kMotorCurrent)[0], 2.0);  // 0.5 * 2 + 1
+  EXPECT_EQ(run.At(Signal::kMotorCurrent)[1], 0.0);
+  EXPECT_FALSE(run.Has(Signal::kVelocity));
+  EXPECT_EQ(run.content_hash.size(), 16u);
+}
+
+TEST(CsvMap, NamesTheMappingLineOfAMissingColumn) {
+  EXPECT_EQ(RunError("t,current\n0,1\n"),
+            "map.yaml:5: key 'signals.position.column': no column 'angle' in data.csv, expected "
+            "one of: t, current");
+}
+
+TEST(CsvMap, RefusesTimeThatDoesNotRise) {
+  EXPECT_EQ(
+      RunError("t,angle,current\n0,1,1\n2,1,1\n2,1,1\n"),
+      "data.csv:4: column 't': time 0.002000 s follows 0.002000 s, expected strictly rising time");
+}
+
+TEST(CsvMap, RefusesWrongUnitsNamesAndKeys) {
+  const auto with = [](const std::string& from, const std::string& to) {
+    std::string text = kMap;
+    text.replace(text.find(from), from.size(), to);
+    return text;
+  };
+  const std::string unit = MapError(with("unit: deg", "unit: mm"));
+  EXPECT_NE(unit.find("map.yaml:5: key 'signals.position.unit': unit 'mm'"), std::string::npos)
+      << unit;
+  EXPECT_NE(unit.find("rad, mrad, deg, rev, arcmin"), std::string::npos) << unit;
+  const std::string name = MapError(with("motor_current", "current"));
+  EXPECT_NE(name.find("map.yaml:6: key 'signals.current'"), std::string::npos) << name;
+  EXPECT_NE(name.find("motor_current"), std::string::npos) << name;
+  EXPECT_NE(MapError(with("sign: -1", "sign: 2")).find("sign"), std::string::npos);
+  EXPECT_NE(MapError(with("scale: 0.5", "scale: 0")).find("scale"), std::string::npos);
+  EXPECT_NE(MapError(with("scale: 0.5", "gain: 0.5")).find("gain"), std::string::npos);
+  EXPECT_NE(MapError(with("kind: rotary", "kind: round")).find("kind"), std::string::npos);
+  EXPECT_NE(MapError(with("csv-map/1", "csv-map/2")).find("schema"), std::string::npos);
+}
+
+TEST(ContentHash, ChangesWithEveryKindOfContent) {
+  const CsvMap map = ParseCsvMap(kMap, "map.yaml");
+  const auto hash = [&](const char* text) { return ReadCsvRun(text, "x", map).content_hash; };
+  const std::string base = hash("t,angle,current\n0,1,1\n1,2,2\n");
+  EXPECT_EQ(base, hash("t,angle,current\n0,1,1\n1,2,2.0\n"));
+  EXPECT_NE(base, hash("t,angle,current\n0,1,1\n1,2,2.0000001\n"));
+  EXPECT_NE(base, hash("t,angle,current\n0,1,1\n1.001,2,2\n"));
+}
+
+}  // namespace
+}  // namespace sinew::recording

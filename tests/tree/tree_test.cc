@@ -1,0 +1,435 @@
+// Reads the sources as text and holds them to the rules of the tree (ARCHITECTURE.md, "Rooms").
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "components/node/topics.h"
+
+namespace sinew {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+const fs::path kRoot = SINEW_SOURCE_DIR;
+
+std::string Read(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+std::vector<std::string> Lines(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+// Files of the project below a folder, as paths from the root; build trees and hidden folders left
+// out.
+std::vector<std::string> Files(const std::string& below = "") {
+  std::vector<std::string> files;
+  const fs::path start = kRoot / below;
+  if (!fs::exists(start)) return files;
+  for (auto it = fs::recursive_directory_iterator(start); it != fs::recursive_directory_iterator();
+       ++it) {
+    const std::string name = it->path().filename();
+    if (it->is_directory() && (name == "build" || name == "install" || name == "node_modules" ||
+                               (name.front() == '.' && name != ".ci"))) {
+      it.disable_recursion_pending();
+    } else if (it->is_regular_file()) {
+      files.push_back(fs::relative(it->path(), kRoot).string());
+    }
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+bool EndsWith(const std::string& text, const std::string& end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+bool StartsWith(const std::string& text, const std::string& begin) {
+  return text.rfind(begin, 0) == 0;
+}
+bool IsSource(const std::string& file) { return EndsWith(file, ".cc") || EndsWith(file, ".h"); }
+
+struct Include {
+  int line = 0;
+  std::string name;  // between the marks
+};
+
+std::vector<Include> IncludesOf(const std::string& file) {
+  static const std::regex kInclude(R"(^\s*#\s*include\s*[<"]([^">]+)[">])");
+  std::vector<Include> includes;
+  const std::vector<std::string> lines = Lines(Read(kRoot / file));
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    std::smatch match;
+    if (std::regex_search(lines[i], match, kInclude)) {
+      includes.push_back({static_cast<int>(i) + 1, match[1]});
+    }
+  }
+  return includes;
+}
+
+// Rooms that are not pure, and why. Everything else under components/, bridge/ and sim/ is, but for
+// its folders participant/ (a process) and file/ (reading and writing).
+const std::map<std::string, std::string> kNotPure = {
+    {"components/config", "reads and writes files"},
+    {"components/node", "owns DDS, options, logs and clocks"},
+    {"bridge/can/bus", "a program: the server of the virtual bus"},
+    {"bridge/can/transport", "sockets to buses"},
+};
+
+bool IsPure(const std::string& file) {
+  if (!IsSource(file)) return false;
+  const fs::path path(file);
+  if (path.begin()->string() != "components" && path.begin()->string() != "bridge" &&
+      path.begin()->string() != "sim") {
+    return false;
+  }
+  for (const fs::path& part : path) {
+    if (part == "participant" || part == "file") return false;
+  }
+  return std::none_of(kNotPure.begin(), kNotPure.end(),
+                      [&file](const auto& entry) { return StartsWith(file, entry.first + "/"); });
+}
+
+TEST(Tree, PureLibrariesIncludeNoTransportLogFileOrClock) {
+  static const std::regex kForbidden(
+      "^(fastdds|fastrtps|fastcdr|sinew_idl|spdlog|boost|CLI|yaml-cpp|nlohmann|sys/|netinet/|arpa/|"
+      "linux/|components/node/|components/config/|tools/|tests/)"
+      "|^(fstream|iostream|filesystem|fcntl\\.h|unistd\\.h|ctime|time\\.h|thread|"
+      "mutex|random_device)$"
+      "|/(participant|file)/");
+  std::vector<std::string> found;
+  int scanned = 0;
+  for (const std::string& file : Files()) {
+    if (!IsPure(file)) continue;
+    ++scanned;
+    for (const Include& include : IncludesOf(file)) {
+      if (std::regex_search(include.name, kForbidden)) {
+        found.push_back(file + ":" + std::to_string(include.line) + " includes " + include.name);
+      }
+    }
+  }
+  EXPECT_GT(scanned, 5);
+  EXPECT_THAT(found, IsEmpty());
+}
+
+TEST(Tree, PureLibrariesUseNoClockChanceOrFile) {
+  static const std::regex kForbidden(
+      R"((steady|system|high_resolution)_clock|clock_gettime|gettimeofday|random_device|\brand\(|)"
+      R"(::Random\(|\bsetRandom\(|\bfopen\(|\bf?printf\(|\bgetenv\()");
+  std::vector<std::string> found;
+  for (const std::string& file : Files()) {
+    if (!IsPure(file)) continue;
+    const std::vector<std::string> lines = Lines(Read(kRoot / file));
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      const std::string code = lines[i].substr(0, lines[i].find("//"));
+      if (std::regex_search(code, kForbidden)) {
+        found.push_back(file + ":" + std::to_string(i + 1) + ": " + lines[i]);
+      }
+    }
+  }
+  EXPECT_THAT(found, IsEmpty());
+}
+
+TEST(Tree, OnlyTheNodeRoomIncludesFastDds) {
+  std::vector<std::string> found;
+  for (const std::string& file : Files()) {
+    if (!IsSource(file) || StartsWith(file, "components/node/")) continue;
+    for (const Include& include : IncludesOf(file)) {
+      if (StartsWith(include.name, "fastdds") || StartsWith(include.name, "fastrtps")) {
+        found.push_back(file + ":" + std::to_string(include.line));
+      }
+    }
+  }
+  EXPECT_THAT(found, IsEmpty());
+}
+
+// "components/rls/participant/x.cc" belongs to the unit "components/rls/participant".
+std::string UnitOf(const std::string& file) { return fs::path(file).parent_path().string(); }
+
+TEST(Tree, FoldersDependOnEachOtherInOneDirection) {
+  std::map<std::string, std::set<std::string>> uses;
+  for (const std::string& file : Files()) {
+    if (!IsSource(file) || StartsWith(file, "tests/") || StartsWith(file, "bench/")) continue;
+    for (const Include& include : IncludesOf(file)) {
+      const std::string unit = UnitOf(include.name);
+      if (fs::exists(kRoot / include.name) && unit != UnitOf(file)) uses[UnitOf(file)].insert(unit);
+    }
+  }
+  // Take away what depends on nothing that is left; what stays is a circle.
+  std::set<std::string> left;
+  for (const auto& [unit, used] : uses) left.insert(unit);
+  for (bool progress = true; progress;) {
+    progress = false;
+    for (auto it = left.begin(); it != left.end();) {
+      const auto& used = uses[*it];
+      const bool free = std::none_of(used.begin(), used.end(),
+                                     [&left](const auto& name) { return left.count(name) != 0; });
+      progress = progress || free;
+      it = free ? left.erase(it) : std::next(it);
+    }
+  }
+  EXPECT_THAT(left, IsEmpty()) << "folders that depend on each other in a circle";
+}
+
+TEST(Tree, NothingDependsOnToolsOrTests) {
+  std::vector<std::string> found;
+  for (const std::string& file : Files()) {
+    if (!IsSource(file)) continue;
+    const bool is_tool = StartsWith(file, "tools/");
+    const bool is_test = StartsWith(file, "tests/") || StartsWith(file, "bench/");
+    for (const Include& include : IncludesOf(file)) {
+      if ((StartsWith(include.name, "tests/") && !is_test) ||
+          (StartsWith(include.name, "tools/") && !is_tool && !is_test)) {
+        found.push_back(file + " includes " + include.name);
+      }
+    }
+  }
+  EXPECT_THAT(found, IsEmpty());
+}
+
+TEST(Tree, IncludesStartAtTheRoot) {
+  std::vector<std::string> found;
+  for (const std::string& file : Files()) {
+    if (!IsSource(file)) continue;
+    for (const Include& include : IncludesOf(file)) {
+      const bool beside = fs::exists(kRoot / fs::path(file).parent_path() / include.name);
+      if (StartsWith(include.name, "..") || (beside && !fs::exists(kRoot / include.name))) {
+        found.push_back(file + " includes " + include.name);
+      }
+    }
+  }
+  EXPECT_THAT(found, IsEmpty());
+}
+
+TEST(Tree, HeadersBeginWithTheirPurpose) {
+  std::vector<std::string> found;
+  for (const std::string& file : Files()) {
+    if (!EndsWith(file, ".h")) continue;
+    const std::string text = Read(kRoot / file);
+    if (!StartsWith(text, "// ")) found.push_back(file + ": no comment at the top");
+    const bool many_times = EndsWith(file, "_body.h");  // included once per instruction set
+    if (!many_times && text.find("#pragma once") == std::string::npos)
+      found.push_back(file + ": no pragma once");
+  }
+  EXPECT_THAT(found, IsEmpty());
+}
+
+// A room is a folder with a CMakeLists.txt of its own that holds sources.
+std::vector<std::string> Rooms() {
+  std::set<std::string> rooms;
+  for (const std::string& file : Files()) {
+    const std::string folder = UnitOf(file);
+    const bool in_tests = StartsWith(folder, "tests/");
+    const bool part = EndsWith(folder, "/participant") || EndsWith(folder, "/file");
+    if ((IsSource(file) || EndsWith(file, ".idl")) && !in_tests && !part &&
+        fs::exists(kRoot / folder / "CMakeLists.txt")) {
+      rooms.insert(folder);
+    }
+  }
+  return {rooms.begin(), rooms.end()};
+}
+
+TEST(Tree, EveryRoomSaysWhatItIsForAndNamesItsFiles) {
+  std::vector<std::string> found;
+  for (const std::string& room : Rooms()) {
+    const fs::path readme = kRoot / room / "README.md";
+    if (!fs::exists(readme)) {
+      found.push_back(room + ": no README.md");
+      continue;
+    }
+    const std::string text = Read(readme);
+    const std::string first = Lines(text).empty() ? "" : Lines(text).front();
+    if (first.size() < 20 || first.front() == '#') {
+      found.push_back(room + "/README.md: the first line must say what the room is for");
+    }
+    for (const std::string& file : Files(room)) {
+      const std::string stem = fs::path(file).stem();
+      const bool here = UnitOf(file) == room && (EndsWith(file, ".h") || EndsWith(file, ".idl"));
+      if (here && text.find(stem) == std::string::npos) {
+        found.push_back(room + "/README.md does not name " + stem);
+      }
+    }
+  }
+  EXPECT_GE(Rooms().size(), 5u);
+  EXPECT_THAT(found, IsEmpty());
+}
+
+TEST(Tree, EveryLibraryIsIncludedByATest) {
+  std::set<std::string> tested;
+  for (const std::string& file : Files("tests")) {
+    if (!IsSource(file)) continue;
+    for (const Include& include : IncludesOf(file)) tested.insert(UnitOf(include.name));
+  }
+  std::vector<std::string> untested;
+  for (const std::string& file : Files()) {
+    if (IsPure(file) && EndsWith(file, ".h") && tested.insert(UnitOf(file)).second) {
+      untested.push_back(UnitOf(file));
+    }
+  }
+  EXPECT_THAT(untested, IsEmpty()) << "no test includes a header of these folders";
+}
+
+std::set<std::string> Packages() {
+  std::set<std::string> packages;
+  for (const std::string& line : Lines(Read(kRoot / "tools/packages.txt"))) {
+    std::istringstream words(line.substr(0, line.find('#')));
+    for (std::string word; words >> word;) packages.insert(word);
+  }
+  return packages;
+}
+
+// Second words of sinew_find, sinew_find_pc and sinew_missing: Debian packages.
+std::set<std::string> PackagesThatCMakeNames() {
+  std::set<std::string> packages;
+  static const std::regex kCall(
+      R"re((sinew_find\(\w[\w-]* |sinew_find_pc\(\w+ [\w-]+ |sinew_missing\([\w-]+ )"?([^")\n]+))re");
+  const std::string text = Read(kRoot / "cmake/SinewDependencies.cmake");
+  for (std::sregex_iterator it(text.begin(), text.end(), kCall), end; it != end; ++it) {
+    std::istringstream words((*it)[2]);
+    for (std::string word; words >> word;) {
+      const bool is_package = std::regex_match(word, std::regex("[a-z0-9][a-z0-9.+-]+"));
+      if (is_package) packages.insert(word);
+    }
+  }
+  return packages;
+}
+
+TEST(Tree, PackagesAreExactlyWhatTheBuildAndTheProgramsNeed) {
+  // Tools that are run, not linked, so that CMake does not look for them as libraries.
+  const std::set<std::string> run = {
+      "g++",         "cmake",  "ninja-build",       "ccache",          "libgmock-dev",
+      "gnuplot-nox", "procps", "fonts-dejavu-core", "cyclonedds-tools"};
+  // Part of every compiler installation, or only for measurements.
+  const std::set<std::string> implied = {"libc6-dev", "libbenchmark-dev"};
+  const std::set<std::string> listed = Packages();
+  const std::set<std::string> named = PackagesThatCMakeNames();
+  EXPECT_GE(named.size(), 10u);
+  for (const std::string& package : named) {
+    if (implied.count(package) == 0) {
+      EXPECT_EQ(listed.count(package), 1u) << package << " is asked for but not in packages.txt";
+    }
+  }
+  for (const std::string& package : listed) {
+    EXPECT_TRUE(named.count(package) != 0 || run.count(package) != 0)
+        << package << " is listed but nothing asks for it";
+  }
+}
+
+TEST(Tree, NothingIsLeftUnfinished) {
+  // Written in two pieces so that this file does not find itself.
+  static const std::regex kWords(std::string("\\b(TO") + "DO|FIX" + "ME|XX" + "X|HA" + "CK)\\b");
+  std::vector<std::string> found;
+  for (const std::string& file : Files()) {
+    if (StartsWith(file, "tests/data/") || EndsWith(file, ".csv")) continue;
+    const std::vector<std::string> lines = Lines(Read(kRoot / file));
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      if (std::regex_search(lines[i], kWords)) {
+        found.push_back(file + ":" + std::to_string(i + 1) + ": " + lines[i]);
+      }
+    }
+  }
+  EXPECT_THAT(found, IsEmpty());
+}
+
+TEST(Tree, LinksOfTheDocumentsLead) {
+  static const std::regex kLink(R"(\]\(([^)#\s]+)[^)]*\))");
+  std::vector<std::string> found;
+  for (const std::string& file : Files()) {
+    if (!EndsWith(file, ".md")) continue;
+    const std::string text = Read(kRoot / file);
+    for (std::sregex_iterator it(text.begin(), text.end(), kLink), end; it != end; ++it) {
+      const std::string target = (*it)[1];
+      if (target.find("://") != std::string::npos) continue;
+      if (!fs::exists(kRoot / fs::path(file).parent_path() / target)) {
+        found.push_back(file + " -> " + target);
+      }
+    }
+  }
+  EXPECT_THAT(found, IsEmpty());
+}
+
+// Names of programs as CMake builds them.
+std::vector<std::string> Programs() {
+  std::vector<std::string> programs;
+  static const std::regex kParticipant(R"(sinew_add_participant\(\s*(\w+))");
+  static const std::regex kProgram(R"(sinew_add_program\(\s*\w+\s+([\w-]+))");
+  for (const std::string& file : Files()) {
+    if (!EndsWith(file, "CMakeLists.txt")) continue;
+    const std::string text = Read(kRoot / file);
+    for (std::sregex_iterator it(text.begin(), text.end(), kParticipant), end; it != end; ++it) {
+      std::string name = "sinew-" + (*it)[1].str();
+      std::replace(name.begin(), name.end(), '_', '-');
+      programs.push_back(name);
+    }
+    for (std::sregex_iterator it(text.begin(), text.end(), kProgram), end; it != end; ++it) {
+      programs.push_back((*it)[1]);
+    }
+  }
+  return programs;
+}
+
+TEST(Tree, TheReadmeNamesEveryProgram) {
+  const std::string readme = Read(kRoot / "README.md");
+  ASSERT_FALSE(Programs().empty());
+  for (const std::string& program : Programs()) {
+    EXPECT_THAT(readme, HasSubstr("`" + program + "`"));
+  }
+}
+
+TEST(Tree, EveryParticipantHasAPage) {
+  const std::string index = Read(kRoot / "docs/participants/README.md");
+  for (const std::string& program : Programs()) {
+    if (program == "sinew") continue;
+    EXPECT_THAT(index, HasSubstr("`" + program + "`"));
+  }
+}
+
+TEST(Tree, TheArchitectureNamesEveryRoomAndTopic) {
+  const std::string page = Read(kRoot / "ARCHITECTURE.md");
+  for (const std::string& room : Rooms()) {
+    EXPECT_THAT(page, HasSubstr(fs::path(room).filename().string())) << room;
+  }
+  for (const node::TopicInfo& topic : node::AllTopics()) EXPECT_THAT(page, HasSubstr(topic.name));
+}
+
+TEST(Tree, EveryDecisionIsListedAndHasItsFourParts) {
+  const std::string index = Read(kRoot / "docs/decisions/README.md");
+  int count = 0;
+  for (const std::string& file : Files("docs/decisions")) {
+    if (EndsWith(file, "README.md")) continue;
+    ++count;
+    EXPECT_THAT(index, HasSubstr(fs::path(file).filename().string()));
+    const std::string text = Read(kRoot / file);
+    for (const char* part : {"## Problem", "## Choices", "## Choice", "## Cost"}) {
+      EXPECT_THAT(text, HasSubstr(std::string(part) + "\n")) << file;
+    }
+  }
+  EXPECT_GE(count, 4);
+}
+
+TEST(Tree, TheTwoCommandsAreThereAndCanBeRun) {
+  for (const char* name : {"tools/demo", "tools/test", ".ci/run"}) {
+    ASSERT_TRUE(fs::exists(kRoot / name)) << name;
+    const auto permissions = fs::status(kRoot / name).permissions();
+    EXPECT_NE(permissions & fs::perms::owner_exec, fs::perms::none) << name;
+  }
+}
+
+}  // namespace
+}  // namespace sinew
