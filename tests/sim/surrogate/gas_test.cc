@@ -66,6 +66,13 @@ TEST(Vessel, MassAndEnergyAreKeptWhenTwoVesselsLevel) {
   EXPECT_NEAR(high.pressure_Pa(), low.pressure_Pa(), 1.0);
 }
 
+TEST(Vessel, AnEmptyVesselFilledFromASupplyEndsKappaTimesWarmer) {
+  // First law with the supply's enthalpy and no heat: m cv T = m cp T_supply.
+  Vessel vessel(1e-5, 1.0, kWarm_K, 0.0);
+  for (int i = 0; i < 1000; ++i) vessel.AddMass(1e-7, kWarm_K);
+  EXPECT_NEAR(vessel.temperature_K(), kKappa * kWarm_K, 0.01);
+}
+
 TEST(Vessel, RefusesWhatIsNoVessel) {
   EXPECT_THROW(Vessel(0.0, 1e5, kWarm_K, 0.0), std::invalid_argument);
   EXPECT_THROW(Vessel(1e-5, -1.0, kWarm_K, 0.0), std::invalid_argument);

@@ -67,6 +67,15 @@ TEST(SlipBank, YieldTorqueGrowsWithTheTimeAtRest) {
   }
 }
 
+TEST(SlipBank, ContactsAgeASecondPerSecondOfRestAndWearToDistanceOverSpeed) {
+  const SlipParameters parameters;
+  SlipBank bank{parameters};
+  for (int i = 0; i < 3 * 24000; ++i) bank.Step(0.0, kStep_s);
+  EXPECT_NEAR(bank.age_s(), 3.0, 1e-6);
+  for (int i = 0; i < 24000; ++i) bank.Step(0.1, kStep_s);
+  EXPECT_NEAR(bank.age_s(), parameters.renewal_distance_rad / 0.1, 1e-4);
+}
+
 TEST(SlipBank, BreaksAwayNearItsYieldTorqueAfterALongRest) {
   const auto moved_rad = [](double torque_Nm) {
     Body body{SlipBank{SlipParameters{}}};
