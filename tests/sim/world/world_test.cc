@@ -13,6 +13,7 @@
 #include <limits>
 
 #include "components/actuator/file/model_file.h"
+#include "sim/world/file/urdf_file.h"
 #include "sim/world/file/world_file.h"
 
 namespace sinew::world {
