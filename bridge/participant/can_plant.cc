@@ -264,7 +264,7 @@ void CanPlant::Step(const provider::PlantCommand& command, double period_s,
     }
   }
   const std::int64_t sent_ns = clock.now_ns();
-  if (config_.timing.estimates == Estimates::kRequested) Collect(start_ns);
+  if (config_.timing.estimates == Estimates::kRequested) Collect(start_ns, ask_iq);
   const std::int64_t collected_ns = clock.now_ns();
   Drain();
   Judge(clock.now_ns());
@@ -285,19 +285,20 @@ void CanPlant::Drain() {
   }
 }
 
-bool CanPlant::AllAnswered(std::int64_t cycle_start_ns) const {
-  return std::all_of(joints_.begin(), joints_.end(),
-                     [&](const Joint& j) { return j.estimates_ns >= cycle_start_ns; });
+bool CanPlant::AllAnswered(std::int64_t cycle_start_ns, bool with_iq) const {
+  return std::all_of(joints_.begin(), joints_.end(), [&](const Joint& j) {
+    return j.estimates_ns >= cycle_start_ns && (!with_iq || j.iq_ns >= cycle_start_ns);
+  });
 }
 
-void CanPlant::Collect(std::int64_t cycle_start_ns) {
+void CanPlant::Collect(std::int64_t cycle_start_ns, bool with_iq) {
   can::Transport& clock = *transports_.front();
   const std::int64_t give_up_ns = cycle_start_ns + Ns(config_.timing.answer_window_s);
   can::Received received;
   for (;;) {
     Drain();
     const std::int64_t left_ns = give_up_ns - clock.now_ns();
-    if (left_ns <= 0 || AllAnswered(cycle_start_ns)) return;
+    if (left_ns <= 0 || AllAnswered(cycle_start_ns, with_iq)) return;
     if (transports_.size() == 1 || clock.descriptor() < 0) {
       if (clock.Receive(std::chrono::nanoseconds(left_ns), &received)) Take(0, received);
     } else {
@@ -469,7 +470,7 @@ void CanPlant::CommandJoint(Joint& joint, Mode mode, double torque_Nm, double po
         SendNeutral(joint);
         Send(joint, can::SetControllerMode{ToControlMode(mode), can::InputMode::kPassthrough});
       }
-      if (heard_since && !closed_loop)
+      if (heard_since && !closed_loop && joint.heartbeat.axis_error == 0)
         Fail(joint, FaultKind::kNoClosedLoop, "the axis left closed-loop control");
       break;
   }

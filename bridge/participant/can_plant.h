@@ -170,8 +170,8 @@ class CanPlant : public provider::Plant {
   void TakeFromAxis(Joint& joint, const can::Received& received);
   void TakeFromNode(Joint& joint, const can::Received& received);
   void Drain();
-  void Collect(std::int64_t cycle_start_ns);
-  bool AllAnswered(std::int64_t cycle_start_ns) const;
+  void Collect(std::int64_t cycle_start_ns, bool with_iq);
+  bool AllAnswered(std::int64_t cycle_start_ns, bool with_iq) const;
 
   void CommandJoint(Joint& joint, provider::Mode mode, double torque_Nm, double position_rad,
                     double velocity_rad_s, double period_s, std::int64_t now_ns);

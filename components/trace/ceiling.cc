@@ -221,6 +221,15 @@ FlexibleFit FitFlexible(const std::vector<identify::Block>& blocks,
   FlexibleFit out;
   out.left_out_share = base_error > 0.0 ? 1.0 - least / base_error : 0.0;
   out.remainder = target - X * solve(total.G, total.m, best_ridge, true);
+  for (int f = 0; f < folds; ++f) {
+    const Sums& part = fold[static_cast<std::size_t>(f)];
+    if (part.G.size() == 0) continue;
+    const Eigen::VectorXd b = solve(total.G - part.G, total.m - part.m, best_ridge, true);
+    for (std::size_t k = static_cast<std::size_t>(f); k < blocks.size();
+         k += static_cast<std::size_t>(folds)) {
+      for (const Eigen::Index i : blocks[k]) out.remainder[i] = target[i] - X.row(i).dot(b);
+    }
+  }
   return out;
 }
 

@@ -28,7 +28,7 @@ Eigen::MatrixXd FlexibleColumns(const identify::Design& design, int count, std::
 
 struct FlexibleFit {
   double left_out_share = 0.0;   // of the residual variance, by cross-validation
-  Eigen::VectorXd remainder;     // target minus base and flexible part, fitted to everything
+  Eigen::VectorXd remainder;     // target minus base and flexible part, fitted to the other folds
 };
 
 // Base and flexible columns together, ridge on the flexible ones (best of four by cross-validation).
