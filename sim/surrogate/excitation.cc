@@ -20,7 +20,6 @@ constexpr double kInertia_kg_m2 = 0.134;
 constexpr double kViscous_Nm_s_rad = 0.31;
 constexpr double kCoulomb_Nm = 0.2;
 constexpr double kGravity_Nm = 0.58;
-constexpr double kPneumatic_Nm_bar = 0.3587;
 constexpr double kStiffness_Nm_rad = 60.0;
 constexpr double kDamping_Nm_s_rad = 5.0;
 constexpr double kTorqueLimit_Nm = 0.3;  // motor shaft
@@ -241,11 +240,12 @@ void Excitation::operator()(double time_s, const provider::PlantSensors& sensors
       (after_rad - 2.0 * reference_rad + before_rad) / (kStep_s * kStep_s);
 
   const double arm_kg_m = parameters_.payload_kg * 0.3;
-  const double forward_Nm = (kInertia_kg_m2 + arm_kg_m * 0.3) * acceleration_rad_s2 +
-                            kViscous_Nm_s_rad * velocity_rad_s +
-                            kCoulomb_Nm * std::tanh(velocity_rad_s / 0.03) +
-                            (kGravity_Nm + arm_kg_m * 9.81) * std::cos(reference_rad) -
-                            kPneumatic_Nm_bar * sensors.chamber_pressure_bar[0];
+  const double forward_Nm =
+      (kInertia_kg_m2 + arm_kg_m * 0.3) * acceleration_rad_s2 + kViscous_Nm_s_rad * velocity_rad_s +
+      kCoulomb_Nm * std::tanh(velocity_rad_s / 0.03) +
+      (kGravity_Nm + arm_kg_m * 9.81) * std::cos(reference_rad) -
+      (parameters_.pneumatic_Nm_bar - parameters_.pneumatic_stiffness_Nm_rad_bar * reference_rad) *
+          sensors.chamber_pressure_bar[0];
   const double feedback_Nm =
       kStiffness_Nm_rad * (reference_rad - sensors.motor_position_rad[0] / kGearRatio) +
       kDamping_Nm_s_rad * (velocity_rad_s - sensors.motor_velocity_rad_s[0] / kGearRatio);

@@ -24,7 +24,10 @@ ExcitationKind ParseExcitation(std::string_view text);
 struct ExcitationParameters {
   ExcitationKind kind = ExcitationKind::kDesigned;
   double duration_s = 90.0;
-  double payload_kg = 0.0;  // what the controller believes
+  // What the controller believes of the rig.
+  double payload_kg = 0.0;
+  double pneumatic_Nm_bar = 0.3587;
+  double pneumatic_stiffness_Nm_rad_bar = 0.0;
   double largest_angle_rad = 0.75;
   double largest_hand_N = 10.0;
   double lowest_pressure_bar = 1.0;

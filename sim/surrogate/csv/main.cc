@@ -42,9 +42,12 @@ void Run(const Options& options) {
     rig = Specimen(rig);
     rig.seed = options.seed;
     rig.link.declared_payload_kg = options.payload_kg;
+    const PneumaticLine line = LinePneumatics(rig);
     const Excitation excitation({.kind = ParseExcitation(options.excitation),
                                  .duration_s = options.seconds,
                                  .payload_kg = options.payload_kg,
+                                 .pneumatic_Nm_bar = line.slope_Nm_bar,
+                                 .pneumatic_stiffness_Nm_rad_bar = line.stiffness_Nm_rad_bar,
                                  .seed = options.seed});
     rig.pneumatics.initial_pressure_bar = excitation.initial_pressure_bar();
     const std::vector<LogRow> rows = RunExperiment(rig,

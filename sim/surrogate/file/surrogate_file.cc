@@ -100,7 +100,7 @@ void ReadLink(const Section& s, LinkParameters* p) {
 
 void ReadPneumatics(const Section& s, PneumaticParameters* p) {
   p->displacement_m3_rad = s.NumberOr("displacement_m3_rad", p->displacement_m3_rad, kNotNegative);
-  p->displacement_shape = s.NumbersOr("displacement_shape_1", p->displacement_shape, kNotNegative);
+  p->displacement_shape = s.NumbersOr("displacement_shape_1", p->displacement_shape);
   p->dead_volume_m3 = s.NumberOr("dead_volume_m3", p->dead_volume_m3, kPositive);
   p->chamber_wall_W_K = s.NumberOr("chamber_wall_W_K", p->chamber_wall_W_K, kNotNegative);
   p->reservoir_volume_m3 = s.NumberOr("reservoir_volume_m3", p->reservoir_volume_m3, kPositive);
