@@ -12,11 +12,12 @@
 #include <vector>
 
 #include "components/provider/plant.h"
+#include "sim/surrogate/parameters.h"
 #include "sim/surrogate/random.h"
 
 namespace sinew::surrogate {
 
-enum class ExcitationKind { kDesigned, kTask };
+enum class ExcitationKind { kDesigned, kTask, kSea, kPea };
 
 // Throws std::invalid_argument naming what there is.
 ExcitationKind ParseExcitation(std::string_view text);
@@ -43,9 +44,12 @@ class Excitation {
   void operator()(double time_s, const provider::PlantSensors& sensors,
                   provider::PlantCommand* command) const;
 
-  double Reference_rad(double time_s) const;
+  double Reference_rad(double time_s) const;  // designed, task; of the hand in pea
   double Hand_N(double time_s) const;
   double PressureTarget_bar(double time_s) const;
+  // Where the rig stands and how it is locked when the experiment starts.
+  void Prepare(RigParameters* rig) const;
+
   double initial_pressure_bar() const { return pressure_[0].target_bar; }
 
  private:
@@ -73,6 +77,15 @@ class Excitation {
     bool valve_open = true;
   };
 
+  struct Stroke {  // of the hand: one push in sea, one way down and up in pea
+    double start_s = 0.0;
+    double length_s = 0.0;
+    double size = 0.0;  // N, or rad
+  };
+
+  void PlanStrokes(RandomStream* random);
+  const Stroke& StrokeAt(double time_s) const;
+  double PeaHand_N(double time_s, const provider::PlantSensors& sensors) const;
   const Segment& At(double time_s) const;
   static double ShapeValue(const Segment& segment, double local_s);
   static std::vector<Sine> MakeSines(RandomStream* random, int count, double lowest_Hz,
@@ -81,6 +94,7 @@ class Excitation {
   ExcitationParameters parameters_;
   std::vector<Segment> segments_;
   std::vector<PressureStep> pressure_;
+  std::vector<Stroke> strokes_;
 };
 
 }  // namespace sinew::surrogate

@@ -266,7 +266,7 @@ void Rig::Substep(const RigInput& input, double dt_s) noexcept {
     torque_reference_Nm_ = drive_.Step(input.drive, MotorCount(), sensor_step_s_);
     output_observer_.Step(OutputCount(), sensor_step_s_);
   }
-  const double air_gap_Nm = motor_.Step(torque_reference_Nm_, motor_rad_s_, dt_s);
+  const double air_gap_Nm = motor_.Step(torque_reference_Nm_, motor_rad_, motor_rad_s_, dt_s);
 
   // First half of the motion.
   const double half_s = 0.5 * dt_s;

@@ -48,6 +48,8 @@ void ReadMotor(const Section& s, MotorParameters* p, DriveParameters* drive,
   p->current_limit_A = s.NumberOr("current_limit_A", p->current_limit_A, kPositive);
   p->current_bandwidth_rad_s =
       s.NumberOr("current_bandwidth_rad_s", p->current_bandwidth_rad_s, {1.0, 10000.0});
+  p->three_phase = s.BoolOr("three_phase", p->three_phase);
+  p->emf_flatness = s.NumberOr("emf_flatness_1", p->emf_flatness, {0.0, 1.0});
   p->ambient_degC = s.NumberOr("ambient_degC", p->ambient_degC);
   p->heat_capacity_J_K = s.NumberOr("heat_capacity_J_K", p->heat_capacity_J_K, kPositive);
   p->thermal_resistance_K_W =
