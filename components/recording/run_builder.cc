@@ -81,6 +81,7 @@ void TakeMessage(const Decoder& decoder, std::span<const std::byte> data, int jo
   const auto session_id = static_cast<std::uint64_t>(decoder.session_id->AsInt(data));
   const auto tick = static_cast<std::uint64_t>(decoder.tick->AsInt(data));
   const std::int64_t joint_count = decoder.joint_count->AsInt(data);
+  if (joint_count == 0 && decoder.topic == "reference") return;  // not started: nothing is demanded
   if (joint >= joint_count) {
     throw std::invalid_argument(name + ": joint " + std::to_string(joint) +
                                 " is asked for, topic '" + decoder.topic + "' has joints 0 to " +
@@ -124,12 +125,15 @@ std::optional<identify::Run> MakeRun(Session* session) {
     }
     if (!row.joint || !row.valid || (session->any_actuator && !row.actuator)) continue;
     if (!rows.empty() && row.stamp_ns <= rows.back()->stamp_ns) continue;  // no time passed
-    if (reference == nullptr || since_reference > kHeldTicks) has_reference = false;
-    if (reference != nullptr)
-      row.values[static_cast<std::size_t>(Signal::kReferencePosition)] = *reference;
+    if (reference != nullptr && since_reference > kHeldTicks) has_reference = false;
+    // Before the first demand the joint is where it should be.
+    row.values[static_cast<std::size_t>(Signal::kReferencePosition)] =
+        reference != nullptr ? *reference
+                             : row.values[static_cast<std::size_t>(Signal::kPosition)];
     rows.push_back(&row);
   }
   if (rows.size() < 2) return std::nullopt;
+  if (reference == nullptr) has_reference = false;
 
   identify::Run run;
   run.kind = session->linear ? effects::JointKind::kLinear : effects::JointKind::kRotary;
