@@ -98,9 +98,9 @@ TEST(RegimeOnSurrogate, MotorTurningToAndFroAtEverySpeed) {
     for (const double pressure_bar : {1.0, 4.0}) {
       surrogate::RigParameters parameters;
       parameters.pneumatics.initial_pressure_bar = pressure_bar;
-      const double stroke_rad = speed_rad_s < 0.02 ? 0.06 : 0.3;
+      const double stroke_rad = speed_rad_s < 0.02 ? 0.03 : 0.3;
       const double period_s = 4.0 * stroke_rad / speed_rad_s;
-      const Score score = Judge(parameters, std::max(30.0, 1.5 * period_s), [&](double time_s) {
+      const Score score = Judge(parameters, std::clamp(1.5 * period_s, 20.0, 45.0), [&](double time_s) {
         surrogate::RigInput input;
         const double u = std::fmod(time_s / period_s + 0.25, 1.0);
         const double way = u < 0.5 ? 4.0 * u - 1.0 : 3.0 - 4.0 * u;
