@@ -95,6 +95,7 @@ struct EffectInfo {
   Role role = Role::kPassive;
   Balance balance = Balance::kMotion;
   Side side = Side::kOutput;
+  bool rotary_only = false;  // reads an angle as an angle: means nothing on a linear joint
   std::vector<ParameterInfo> linear;
   std::vector<ParameterInfo> nonlinear;
   std::string signature;                 // what its residual looks like

@@ -54,7 +54,7 @@ Units ChooseUnits(const identify::Design& design, double correlation_time_s, int
     duration += segment.period_s * static_cast<double>(segment.size());
   }
   out.gap_s = 0.5 * correlation_time_s;
-  const double shortest = std::max({5.0 * correlation_time_s, duration / kMostUnits, 0.5});
+  const double shortest = std::max({5.0 * correlation_time_s, duration / kMostUnits, 1.0});
   const double period = MotionPeriod(design);
   if (period > 0.0) {
     out.length_s = period * std::ceil(shortest / period);

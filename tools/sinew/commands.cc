@@ -10,6 +10,8 @@
 #include "tools/sinew/operator.h"
 #include "tools/sinew/record.h"
 #include "tools/sinew/replay.h"
+#include "tools/sinew/score.h"
+#include "tools/sinew/train.h"
 
 namespace sinew::tools {
 
@@ -23,6 +25,8 @@ void AddAllCommands(CLI::App& app) {
   AddEchoCommand(app);
   AddEffectsCommand(app);
   AddModelCommand(app);
+  AddTrainCommand(app);
+  AddScoreCommand(app);
   AddCompletionCommand(app);
 }
 

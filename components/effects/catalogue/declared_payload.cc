@@ -9,6 +9,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   info.name = "declared_payload";
   info.title = "Payload that the operator declared";
   info.formula = "- share * m * (l^2 * a + g * l * cos q)";
+  info.rotary_only = true;
   info.source = "rig balance; m = payload_kg";
   info.linear = {{.name = "share",
                   .dimension = Dimension::kNone,

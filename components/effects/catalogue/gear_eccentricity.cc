@@ -8,6 +8,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   info.name = "gear_eccentricity";
   info.title = "Eccentric gear";
   info.formula = "+ a * sin(n q) + b * cos(n q)";
+  info.rotary_only = true;
   info.source = "Smith: Gear Noise and Vibration";
   info.linear = {{.name = "sine",
                   .dimension = Dimension::kTorque,

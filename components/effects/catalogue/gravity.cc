@@ -8,6 +8,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   info.name = "gravity";
   info.title = "Gravity of the link";
   info.formula = "- Tg * cos q";
+  info.rotary_only = true;
   info.source = "thesis (5.1)-(5.2)";
   info.linear = {{.name = "gravity_torque",
                   .dimension = Dimension::kTorque,

@@ -8,6 +8,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   info.name = "gravity_phase";
   info.title = "Tilted base or angle zero";
   info.formula = "+ Tq * sin q, Tq = Tg * sin(tilt)";
+  info.rotary_only = true;
   info.source = "cos(q + tilt) expanded";
   info.linear = {{.name = "quadrature",
                   .dimension = Dimension::kTorque,

@@ -8,6 +8,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   info.name = "payload";
   info.title = "Payload that nobody declared";
   info.formula = "- m * (l^2 * a + g * l * cos q)";
+  info.rotary_only = true;
   info.source = "Newton";
   info.linear = {{.name = "payload",
                   .dimension = Dimension::kMass,
