@@ -210,6 +210,15 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
       }
       std::vector<char> out_of_use = segment.at_rest;
       Spread(out_of_use, static_cast<Eigen::Index>(std::lround(options.reversal_guard_s * rate)));
+      // Presliding: the teeth and seals turn over before friction has its moving value.
+      if (options.settle_distance > 0.0) {
+        double covered = 0.0;
+        for (Eigen::Index i = 0; i < piece.size(); ++i) {
+          const auto k = static_cast<std::size_t>(i);
+          covered = segment.at_rest[k] ? 0.0 : covered + std::abs(v[i]) * dt;
+          if (covered < options.settle_distance) out_of_use[k] = 1;
+        }
+      }
       const auto border = static_cast<Eigen::Index>(std::lround(options.border_s * rate));
       for (Eigen::Index i = 0; i < piece.size(); ++i) {
         const auto k = static_cast<std::size_t>(i);

@@ -24,6 +24,7 @@ struct ProcessingOptions {
   int parallel_order = 4;
   double rest_velocity = 0.0;       // rad/s or m/s; slower is rest or reversal; 0: from the data
   double reversal_guard_s = 0.05;   // left out on either side of rest and reversals
+  double settle_distance = 0.0;     // rad or m; left out after rest and reversals until it is covered
   double border_s = 0.5;            // left out at both ends of a piece
   double longest_gap_s = 0.25;      // longer gaps cut a recording into pieces
 };
