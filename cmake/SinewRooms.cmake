@@ -8,6 +8,10 @@
 #     -> a GoogleTest program; every case is a ctest of its own. Without LABELS and PROGRAMS it is a
 #        unit test: label `unit`, built by the target unit_tests.
 set_property(GLOBAL PROPERTY SINEW_ROOMS "")
+set_property(GLOBAL PROPERTY SINEW_PROGRAMS "")
+
+# Mains, commands and tests hold no hot loops (these live in rooms): less optimisation halves their build.
+set(SINEW_LIGHT_OPTIMISATION $<$<CONFIG:Release>:-O1>)
 
 function(sinew_add_room name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;PRIVATE_DEPENDS" ${ARGN})
@@ -26,8 +30,10 @@ function(sinew_add_program target binary)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
   add_executable(${target} ${ARG_SOURCES})
   set_target_properties(${target} PROPERTIES OUTPUT_NAME ${binary})
+  target_compile_options(${target} PRIVATE ${SINEW_LIGHT_OPTIMISATION})
   target_link_libraries(${target} PRIVATE ${ARG_DEPENDS} sinew_flags)
   install(TARGETS ${target} RUNTIME)
+  set_property(GLOBAL APPEND PROPERTY SINEW_PROGRAMS ${target})
 endfunction()
 
 function(sinew_add_participant name)
@@ -46,6 +52,7 @@ function(sinew_add_test name)
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_DEPENDS} GTest::gtest GTest::gmock GTest::gtest_main sinew_flags)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
+  target_compile_options(${name} PRIVATE ${SINEW_LIGHT_OPTIMISATION})
   target_compile_definitions(${name} PRIVATE
     SINEW_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
     SINEW_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}"

@@ -23,7 +23,7 @@ namespace sinew::can {
 
 struct BusConfig {
   double bitrate_bit_s = 1e6;
-  int queue_frames = 32;                  // of each node
+  int queue_frames = 64;                  // of each node
   std::int64_t restart_ns = 100'000'000;  // from bus-off to the next start; negative: never
 };
 

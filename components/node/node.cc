@@ -496,12 +496,26 @@ void Node::ReadRaw(const TopicInfo& topic, RawCallback callback) {
       std::make_unique<internal::ReaderImpl>(impl_, topic, 0, std::move(callback)));
 }
 
-Node::RawWrite Node::MakeRawWriter(const TopicInfo& topic, int strength) {
-  auto writer = std::make_shared<internal::WriterImpl>(impl_, topic, strength);
-  return [writer](const std::byte* payload, std::size_t size) {
-    writer->scratch.assign(payload, payload + size);
-    return writer->Write(&writer->scratch);
-  };
+RawWriter Node::MakeRawWriter(const TopicInfo& topic, int strength) {
+  return RawWriter(std::make_shared<internal::WriterImpl>(impl_, topic, strength));
+}
+
+RawWriter::RawWriter(std::shared_ptr<internal::WriterImpl> impl) : impl_(std::move(impl)) {}
+
+WriteStatus RawWriter::operator()(const std::byte* payload, std::size_t size) const {
+  impl_->scratch.assign(payload, payload + size);
+  return impl_->Write(&impl_->scratch);
+}
+
+int RawWriter::matched_readers() const { return impl_->matched(); }
+
+bool RawWriter::WaitAcknowledged(std::chrono::milliseconds timeout) const {
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(timeout);
+  const auto rest = std::chrono::duration_cast<std::chrono::nanoseconds>(timeout - seconds);
+  const eprosima::fastrtps::Duration_t limit(static_cast<std::int32_t>(seconds.count()),
+                                             static_cast<std::uint32_t>(rest.count()));
+  return impl_->writer->wait_for_acknowledgments(limit) ==
+         internal::ReturnCode_t::RETCODE_OK;
 }
 
 int Node::RawMatchedWriters(const std::string& topic) const {

@@ -81,6 +81,20 @@ struct RawSample {
   std::int64_t reception_stamp_ns = 0;  // epoch time
 };
 
+// Writes payloads as they are. Copies write through the same DDS writer.
+class RawWriter {
+ public:
+  WriteStatus operator()(const std::byte* payload, std::size_t size) const;
+  int matched_readers() const;
+  // True once every matched reliable reader has everything (best-effort readers are not waited for).
+  bool WaitAcknowledged(std::chrono::milliseconds timeout) const;
+
+ private:
+  friend class Node;
+  explicit RawWriter(std::shared_ptr<internal::WriterImpl> impl);
+  std::shared_ptr<internal::WriterImpl> impl_;
+};
+
 // Endpoint somewhere in the domain, as discovery tells it.
 struct Endpoint {
   bool is_writer = false;
@@ -106,8 +120,7 @@ class Node {
   // Untyped ends for recorders and players. The callback runs in a DDS thread: copy and return.
   using RawCallback = std::function<void(RawSample&&)>;
   void ReadRaw(const TopicInfo& topic, RawCallback callback);
-  using RawWrite = std::function<WriteStatus(const std::byte* payload, std::size_t size)>;
-  RawWrite MakeRawWriter(const TopicInfo& topic, int strength = 10);
+  RawWriter MakeRawWriter(const TopicInfo& topic, int strength = 10);
   // Number of writers matched to the raw readers of a topic.
   int RawMatchedWriters(const std::string& topic) const;
 

@@ -348,18 +348,19 @@ CdrField::CdrField(const IdlType& type, std::string_view path) : leaf_(&type) {
                                                  : "list, expected an index such as [0]"));
   }
 
-  std::optional<std::size_t> offset = kHeaderSize;
+  std::size_t offset = kHeaderSize;
+  bool fixed = leaf_->is_number();
   for (const Step& step : steps_) {
-    if (step.inside->kind == Kind::kSequence) offset.reset();
-    for (std::uint32_t i = 0; i < step.index && offset; ++i) {
-      offset = FixedEnd(step.inside->kind == Kind::kStruct ? *step.inside->members[i].type
-                                                           : *step.inside->element,
-                        *offset);
+    fixed = fixed && step.inside->kind != Kind::kSequence;
+    for (std::uint32_t i = 0; i < step.index && fixed; ++i) {
+      const bool member = step.inside->kind == Kind::kStruct;
+      const std::optional<std::size_t> end =
+          FixedEnd(member ? *step.inside->members[i].type : *step.inside->element, offset);
+      fixed = end.has_value();
+      offset = end.value_or(offset);
     }
   }
-  if (offset && leaf_->is_number()) {
-    fixed_offset_ = *FixedEnd(*leaf_, *offset) - leaf_->size();
-  }
+  if (fixed) fixed_offset_ = FixedEnd(*leaf_, offset).value_or(0) - leaf_->size();
 }
 
 std::size_t CdrField::Locate(std::span<const std::byte> payload, bool* swapped) const {

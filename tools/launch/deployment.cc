@@ -216,11 +216,11 @@ void Record(const fs::path& path, const fs::path& folder, Deployment* deployment
   for (Process& process : deployment->processes) {
     if (!IsLogger(process)) continue;
     auto& arguments = process.arguments;
-    const auto at = std::find(arguments.begin(), arguments.end(), "--output");
+    const auto at = std::find(arguments.begin(), arguments.end(), "--out");
     if (at != arguments.end() && at + 1 != arguments.end()) {
       *(at + 1) = output;
     } else {
-      arguments.insert(arguments.end(), {"--output", output});
+      arguments.insert(arguments.end(), {"--out", output});
     }
     return;
   }
@@ -228,7 +228,7 @@ void Record(const fs::path& path, const fs::path& folder, Deployment* deployment
   logger.name = "logger";
   logger.program = FindProgram("sinew-logger", fs::current_path(), folder);
   if (logger.program.empty()) throw UsageError("--record: " + NoProgram("sinew-logger", folder));
-  logger.arguments = {"--output", output};
+  logger.arguments = {"--out", output};
   logger.stop_last = true;
   deployment->processes.push_back(logger);
 }
@@ -335,6 +335,7 @@ std::vector<std::string> CommandLine(const Deployment& deployment, const Process
     if (deployment.realtime_priority) line.push_back("--realtime");
     if (!process.config.empty()) line.insert(line.end(), {"--config", process.config.string()});
     if (process.name == deployment.provider) AddProviderOptions(deployment, &line);
+    if (IsLogger(process)) line.insert(line.end(), {"--note", "deployment=" + deployment.name});
   }
   line.insert(line.end(), process.arguments.begin(), process.arguments.end());
   return line;

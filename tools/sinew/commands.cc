@@ -1,18 +1,32 @@
 #include "tools/sinew/commands.h"
 
 #include "tools/sinew/completion.h"
+#include "tools/sinew/echo.h"
 #include "tools/sinew/effects.h"
+#include "tools/sinew/import.h"
 #include "tools/sinew/launch.h"
+#include "tools/sinew/list.h"
 #include "tools/sinew/model.h"
 #include "tools/sinew/operator.h"
+#include "tools/sinew/record.h"
+#include "tools/sinew/replay.h"
+#include "tools/sinew/score.h"
+#include "tools/sinew/train.h"
 
 namespace sinew::tools {
 
 void AddAllCommands(CLI::App& app) {
   AddLaunchCommand(app);
   AddOperatorCommands(app);
+  AddRecordCommand(app);
+  AddReplayCommand(app);
+  AddImportCommand(app);
+  AddListCommand(app);
+  AddEchoCommand(app);
   AddEffectsCommand(app);
   AddModelCommand(app);
+  AddTrainCommand(app);
+  AddScoreCommand(app);
   AddCompletionCommand(app);
 }
 

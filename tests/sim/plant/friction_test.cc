@@ -59,8 +59,11 @@ TEST(ApplyImpulses, SolvesCoupledBodies) {
       for (std::size_t k = 0; k < kJoints; ++k) expected += inverse[i * kJoints + k] * impulse[k];
       EXPECT_NEAR(velocity[i], expected, 1e-9);  // 100 rounds of Gauss-Seidel
       EXPECT_LE(std::abs(impulse[i]), upper[i]);
-      if (velocity[i] > 1e-9) EXPECT_EQ(impulse[i], lower[i]);
-      if (velocity[i] < -1e-9) EXPECT_EQ(impulse[i], upper[i]);
+      if (velocity[i] > 1e-9) {
+        EXPECT_EQ(impulse[i], lower[i]);
+      } else if (velocity[i] < -1e-9) {
+        EXPECT_EQ(impulse[i], upper[i]);
+      }
     }
   }
 }

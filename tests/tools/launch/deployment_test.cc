@@ -31,7 +31,7 @@ constexpr char kTwo[] =
     "    arguments: [--effect, stribeck]\n"
     "  - name: logger\n"
     "    program: sinew-logger\n"
-    "    arguments: [--output, old.mcap]\n"
+    "    arguments: [--out, old.mcap]\n"
     "    after: [plant]\n"
     "    restart: on_failure\n"
     "    max_restarts: 2\n"
@@ -100,7 +100,8 @@ TEST_F(DeploymentTest, CommandLinesCarryTheCommonOptionsThenTheirOwn) {
                           "joint_command,recording_progress:64", "--effect", "stribeck"));
   EXPECT_THAT(CommandLine(two, two.processes[1]),
               ElementsAre((folder_.path() / "bin/sinew-logger").string(), "--name", "logger",
-                          "--domain", "7", "--seed", "9", "--lockstep", "--output", "old.mcap"));
+                          "--domain", "7", "--seed", "9", "--lockstep", "--note", "deployment=two",
+                          "--out", "old.mcap"));
 }
 
 TEST_F(DeploymentTest, PlainProgramsGetTheirOwnArgumentsOnly) {
@@ -123,7 +124,7 @@ TEST_F(DeploymentTest, OverridesChangeWhatTheFileSays) {
                   "11", "--seed", "3", "--config", other_, "--effect", "stribeck", "--scale=2=3"));
   EXPECT_EQ(two.processes[0].restart, Restart::kAlways);
   EXPECT_THAT(two.processes[1].arguments,
-              ElementsAre("--output", (std::filesystem::current_path() / "new.mcap").string()));
+              ElementsAre("--out", (std::filesystem::current_path() / "new.mcap").string()));
 }
 
 TEST_F(DeploymentTest, RecordAddsALoggerWhereThereIsNone) {
@@ -138,7 +139,7 @@ TEST_F(DeploymentTest, RecordAddsALoggerWhereThereIsNone) {
   ASSERT_EQ(two.processes.size(), 2u);
   EXPECT_EQ(two.processes[1].name, "logger");
   EXPECT_TRUE(two.processes[1].stop_last);
-  EXPECT_THAT(two.processes[1].arguments, ElementsAre("--output", "/new.mcap"));
+  EXPECT_THAT(two.processes[1].arguments, ElementsAre("--out", "/new.mcap"));
 }
 
 TEST_F(DeploymentTest, LeavingAProcessOutAlsoRemovesTheWaitForIt) {

@@ -1,0 +1,51 @@
+// sinew-control: publishes `joint_command`: position, PID, PID with a model, PID with networks by
+// regime.
+#include <spdlog/spdlog.h>
+
+#include "components/control/participant/translate.h"
+#include "components/node/options.h"
+
+namespace {
+
+void Run(const sinew::node::Options& options, sinew::node::StopFlag& stop) {
+  using namespace sinew;
+  if (options.config_path.empty()) {
+    throw UsageError("--config: missing, expected a file with schema sinew-control/1");
+  }
+  const control::ControlConfig config = control::LoadControl(options.config_path);
+  if (config.follow_owner && options.mode == node::TimeMode::kLockstep) {
+    throw UsageError(options.config_path.string() +
+                     ": key 'follow_owner': a standby has no place in "
+                     "lockstep, expected false");
+  }
+  control::RobotController controller(config.joints);
+
+  node::Node node(options);
+  node::TickLoop loop(node, stop);
+  control::ControlInputs inputs(node, loop, config);
+  auto output = node.MakeWriter(node::kJointCommand, config.strength);
+  msg::JointCommand command;
+  std::string told;
+  while (const auto tick = loop.Next()) {
+    if (const auto owner = inputs.OwnersCommand(*tick, command)) {
+      controller.Track(owner->motor_torque_Nm());
+    }
+    const control::RobotInput input = inputs.Gather(*tick);
+    const control::RobotOutput result = controller.Step(input);
+    command = inputs.ToMessage(result, input);
+    command.header().tick(tick->tick);
+    loop.Publish(output, command, *tick);
+    if (const std::string fault = control::FaultLine(result); fault != told) {
+      told = fault;
+      if (!told.empty()) spdlog::error("{}", told);
+      node.SetState(told.empty() ? node::Node::State::kActive : node::Node::State::kFault, told);
+    }
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return sinew::node::RunParticipant(argc, argv, "control",
+                                     "Makes the joints follow their references.", Run);
+}

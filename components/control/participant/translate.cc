@@ -1,0 +1,176 @@
+#include "components/control/participant/translate.h"
+
+#include <algorithm>
+
+namespace sinew::control {
+namespace {
+
+Regime FromMessage(msg::RegimeKind kind) {
+  switch (kind) {
+    case msg::REGIME_SEA:
+      return Regime::kSea;
+    case msg::REGIME_PEA:
+      return Regime::kPea;
+    case msg::REGIME_UNKNOWN:
+      break;
+  }
+  return Regime::kUnknown;
+}
+
+Motion FromMessage(msg::MotionKind kind) {
+  switch (kind) {
+    case msg::MOTION_HOLD:
+      return Motion::kHold;
+    case msg::MOTION_MOVE_SLOWLY:
+      return Motion::kMoveSlowly;
+    case msg::MOTION_PUSH_AGAINST_CHAMBER:
+      return Motion::kPushAgainstChamber;
+    case msg::MOTION_NONE:
+      break;
+  }
+  return Motion::kNone;
+}
+
+msg::CommandMode ToMode(CommandMode mode) {
+  switch (mode) {
+    case CommandMode::kTorque:
+      return msg::COMMAND_TORQUE;
+    case CommandMode::kPosition:
+      return msg::COMMAND_POSITION;
+    case CommandMode::kVelocity:
+      return msg::COMMAND_VELOCITY;
+    case CommandMode::kIdle:
+      break;
+  }
+  return msg::COMMAND_IDLE;
+}
+
+bool AllPosition(const ControlConfig& config) {
+  return std::all_of(
+      config.joints.begin(), config.joints.end(),
+      [](const JointControlConfig& joint) { return joint.strategy == Strategy::kPosition; });
+}
+
+}  // namespace
+
+ControlInputs::ControlInputs(node::Node& node, node::TickLoop& loop, const ControlConfig& config)
+    : config_(config),
+      state_(loop.AddInput(node::kJointState)),
+      reference_(loop.AddInput(node::kReference)),
+      operator_(node.MakeReader(node::kOperatorCommand)) {
+  const bool motion = config.motion_requests != MotionRequests::kOff;
+  if (!AllPosition(config) || motion) actuator_ = &loop.AddInput(node::kActuatorState);
+  if (config.needs_prediction()) {
+    prediction_ = &loop.AddInput(node::kTorquePrediction);
+    regime_ = &loop.AddInput(node::kRegime);
+  }
+  if (motion) {
+    const bool every_tick = config.motion_requests == MotionRequests::kEveryTick;
+    motion_ = &loop.AddInput(node::kMotionRequest,
+                             {.delay_ticks = every_tick ? 1 : 0, .required = every_tick});
+  }
+  if (config.follow_owner) owner_.emplace(node.MakeReader(node::kJointCommand));
+}
+
+RobotInput ControlInputs::Gather(const node::Tick& tick) {
+  while (const auto command = operator_.TakeNext()) {
+    if (command->action() == msg::OPERATOR_ESTOP) estopped_ = true;
+    if (command->action() == msg::OPERATOR_RESET) estopped_ = false;
+  }
+  const msg::JointState& state = state_.value();
+  RobotInput input;
+  input.session_id = tick.session_id;
+  input.period_s = tick.period_s;
+  input.interrupted = state.robot_state() == msg::ROBOT_DAMPED;
+  input.armed = !estopped_ && (state.robot_state() == msg::ROBOT_ARMED || input.interrupted);
+  input.joint_count = std::min<int>(state.joint_count(), kMaxJoints);
+  for (std::size_t j = 0; j < static_cast<std::size_t>(input.joint_count); ++j) {
+    JointMeasurement& m = input.joint[j];
+    m.valid = state.valid()[j];
+    m.position_rad = state.position_rad()[j];
+    m.velocity_rad_s = state.velocity_rad_s()[j];
+    if (actuator_ == nullptr || !actuator_->fresh()) continue;
+    const msg::ActuatorState& inside = actuator_->value();
+    m.actuator_valid = j < inside.joint_count() && inside.valid()[j];
+    m.motor_position_rad = inside.motor_position_rad()[j];
+    m.motor_velocity_rad_s = inside.motor_velocity_rad_s()[j];
+    m.pressure_bar = inside.chamber_pressure_bar()[j];
+    m.load_force_N = inside.load_force_N()[j];
+    m.payload_kg = inside.declared_payload_kg()[j];
+    m.temperature_degC = inside.motor_temperature_degC()[j];
+    m.valve_open = inside.valve_open()[j];
+  }
+
+  if (reference_.has_value()) {
+    const msg::Reference& reference = reference_.value();
+    input.reference_fresh = reference_.fresh() && !reference.stale();
+    input.reference_count = reference.idle() ? 0 : reference.joint_count();
+    for (std::size_t j = 0; j < static_cast<std::size_t>(kMaxJoints); ++j) {
+      input.reference[j] = {reference.position_rad()[j], reference.velocity_rad_s()[j],
+                            reference.acceleration_rad_s2()[j]};
+    }
+  }
+  if (prediction_ != nullptr && prediction_->has_value()) {
+    const msg::TorquePrediction& prediction = prediction_->value();
+    input.prediction_fresh = prediction_->fresh() && !prediction.stale();
+    for (std::size_t j = 0; j < prediction.joint_count(); ++j) {
+      input.prediction[j] = {prediction.valid()[j], prediction.sea_torque_Nm()[j],
+                             prediction.pea_torque_Nm()[j]};
+    }
+  }
+  if (regime_ != nullptr && regime_->has_value()) {
+    const msg::RegimeState& regime = regime_->value();
+    input.regime_fresh = regime_->fresh() && !regime.stale();
+    for (std::size_t j = 0; j < regime.joint_count(); ++j) {
+      input.regime[j] = FromMessage(regime.regime()[j]);
+    }
+  }
+  if (motion_ != nullptr && motion_->has_value()) {
+    const double age_s = static_cast<double>(tick.tick - motion_->tick()) * tick.period_s;
+    if (age_s <= config_.motion_timeout_s) {
+      const msg::MotionRequest& request = motion_->value();
+      for (std::size_t j = 0; j < request.joint_count(); ++j) {
+        input.motion[j] = {FromMessage(request.kind()[j]), request.target_rad()[j],
+                           request.velocity_limit_rad_s()[j], request.motor_torque_limit_Nm()[j]};
+      }
+    }
+  }
+  return input;
+}
+
+std::optional<msg::JointCommand> ControlInputs::OwnersCommand(const node::Tick& tick,
+                                                              const msg::JointCommand& own_last) {
+  if (!owner_) return std::nullopt;
+  auto command = owner_->TakeLatest();
+  if (!command || command->header().session_id() != tick.session_id ||
+      command->header().tick() != own_last.header().tick() ||
+      command->motor_torque_Nm() == own_last.motor_torque_Nm()) {
+    return std::nullopt;
+  }
+  return command;
+}
+
+msg::JointCommand ControlInputs::ToMessage(const RobotOutput& output,
+                                           const RobotInput& input) const {
+  msg::JointCommand message;
+  message.reference_tick(reference_.has_value() ? reference_.tick() : 0);
+  message.prediction_tick(prediction_ != nullptr && prediction_->has_value() ? prediction_->tick()
+                                                                             : 0);
+  message.stale(output.stale && input.armed);
+  message.joint_count(static_cast<std::uint8_t>(output.joint_count));
+  for (std::size_t j = 0; j < static_cast<std::size_t>(output.joint_count); ++j) {
+    const JointOutput& joint = output.joint[j];
+    message.mode()[j] = ToMode(joint.mode);
+    message.motor_torque_Nm()[j] = joint.motor_torque_Nm;
+    message.position_rad()[j] = joint.position_rad;
+    message.velocity_rad_s()[j] = joint.velocity_rad_s;
+  }
+  return message;
+}
+
+std::string FaultLine(const RobotOutput& output) {
+  if (output.fault == Fault::kNone) return "";
+  return "joint " + std::to_string(output.fault_joint) + ": " + FaultText(output.fault);
+}
+
+}  // namespace sinew::control

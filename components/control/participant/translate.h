@@ -1,0 +1,47 @@
+// Messages to and from the robot controller.
+#pragma once
+
+#include <sinew_idl/actuator.h>
+#include <sinew_idl/joint.h>
+#include <sinew_idl/learning.h>
+#include <sinew_idl/operator.h>
+#include <sinew_idl/reference.h>
+#include <sinew_idl/regime.h>
+
+#include <optional>
+#include <string>
+
+#include "components/control/file/control_file.h"
+#include "components/control/robot_controller.h"
+#include "components/node/tick_loop.h"
+
+namespace sinew::control {
+
+// The inputs that the configured strategies need, gathered tick by tick.
+class ControlInputs {
+ public:
+  ControlInputs(node::Node& node, node::TickLoop& loop, const ControlConfig& config);
+
+  RobotInput Gather(const node::Tick& tick);
+  // What the robot got in the tick before, when another controller's command was the stronger one.
+  std::optional<msg::JointCommand> OwnersCommand(const node::Tick& tick,
+                                                 const msg::JointCommand& own_last);
+  msg::JointCommand ToMessage(const RobotOutput& output, const RobotInput& input) const;
+
+ private:
+  ControlConfig config_;
+  node::TickInput<msg::JointState>& state_;
+  node::TickInput<msg::Reference>& reference_;
+  node::TickInput<msg::ActuatorState>* actuator_ = nullptr;
+  node::TickInput<msg::TorquePrediction>* prediction_ = nullptr;
+  node::TickInput<msg::RegimeState>* regime_ = nullptr;
+  node::TickInput<msg::MotionRequest>* motion_ = nullptr;
+  node::Reader<msg::OperatorCommand> operator_;
+  std::optional<node::Reader<msg::JointCommand>> owner_;
+  bool estopped_ = false;
+};
+
+// One line about a fault; empty: none.
+std::string FaultLine(const RobotOutput& output);
+
+}  // namespace sinew::control

@@ -1,0 +1,80 @@
+// What a player sends: the messages of a recording in the order they were received, marked as
+// replay.
+//
+// Only topics whose recorded type is this build's are played: equal names with other fields would
+// swap values.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "components/recording/bytes.h"
+#include "components/recording/cdr.h"
+#include "components/recording/mcap_reader.h"
+#include "components/recording/run_import.h"
+
+namespace sinew::logger {
+
+struct PlaylistOptions {
+  std::vector<std::string> topics;           // recorded names; empty: all but status and progress
+  std::map<std::string, std::string> remap;  // recorded name -> published name (of the same type)
+  double start_s = 0.0;                      // from the first message
+  double end_s = std::numeric_limits<double>::infinity();
+};
+
+struct PlayedMessage {
+  std::size_t topic = 0;    // index into Playlist::published
+  std::int64_t due_ns = 0;  // after the first message
+  std::uint64_t session_id = 0;
+  std::uint64_t tick = 0;
+  bool is_state = false;  // a joint_state
+  recording::Bytes payload;
+};
+
+class Playlist {
+ public:
+  // `known` are this build's topics. Keeps a reference to the reader. Throws std::invalid_argument
+  // (with `file` in the message) when a topic is not there, not known, or of another type, or
+  // nothing is left.
+  Playlist(const recording::McapReader& reader, const std::string& file,
+           const std::vector<recording::TopicSchema>& known, const PlaylistOptions& options);
+  ~Playlist();
+
+  // Names to publish, and how many messages there are in all.
+  const std::vector<std::string>& published() const { return published_; }
+  const std::vector<std::string>& left_out() const {
+    return left_out_;
+  }  // topics this build has not
+  std::uint64_t message_count() const { return message_count_; }
+  std::int64_t duration_ns() const { return duration_ns_; }
+
+  // False at the end. The last joint_state of all says last_tick, the others do not: a recorder
+  // goes on through several sessions and ends with the replay. Throws McapError where the file is
+  // broken.
+  bool Next(PlayedMessage* message);
+  // Makes a message part of a session that runs now.
+  void Retarget(PlayedMessage* message, std::uint64_t session_id, std::uint64_t tick,
+                std::int64_t stamp_ns) const;
+
+ private:
+  struct Channel;
+
+  const recording::McapReader& reader_;
+  std::map<recording::ChannelId, std::unique_ptr<Channel>> channels_;
+  std::vector<std::string> published_;
+  std::vector<const Channel*> by_topic_;
+  std::vector<std::string> left_out_;
+  std::uint64_t message_count_ = 0;
+  std::uint64_t state_count_ = 0;
+  std::uint64_t states_played_ = 0;
+  std::int64_t first_ns_ = 0;
+  std::int64_t duration_ns_ = 0;
+  std::optional<recording::McapMessages> messages_;
+};
+
+}  // namespace sinew::logger

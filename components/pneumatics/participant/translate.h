@@ -1,0 +1,47 @@
+// Messages to and from the pressure managers of all joints.
+#pragma once
+
+#include <sinew_idl/actuator.h>
+#include <sinew_idl/joint.h>
+#include <sinew_idl/operator.h>
+#include <sinew_idl/pneumatics.h>
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "components/node/tick_loop.h"
+#include "components/pneumatics/file/pneumatics_file.h"
+#include "components/pneumatics/manager.h"
+
+namespace sinew::pneumatics {
+
+class RobotPneumatics {
+ public:
+  RobotPneumatics(node::Node& node, node::TickLoop& loop, const PneumaticsConfig& config);
+
+  void Step(const node::Tick& tick);
+  msg::ValveCommand Command() const;
+  msg::PneumaticState State(const node::Tick& tick) const;
+  // What is wrong with which joint, one line; empty: nothing.
+  std::string Trouble() const;
+
+ private:
+  void TakeRequests(const node::Tick& tick);
+
+  PneumaticsConfig config_;
+  std::vector<PressureManager> managers_;
+  std::array<ManagerOutput, 12> output_{};
+  std::array<double, 12> standing_target_bar_{};  // without motion requests
+  node::TickInput<msg::JointState>& state_;
+  node::TickInput<msg::ActuatorState>& actuator_;
+  node::TickInput<msg::MotionRequest>* motion_ = nullptr;
+  node::Reader<msg::StiffnessRequest> requests_;
+  node::Reader<msg::OperatorCommand> operator_;
+  bool estopped_ = false;
+  bool reset_ = false;
+  std::uint64_t session_id_ = 0;
+};
+
+}  // namespace sinew::pneumatics

@@ -1,0 +1,46 @@
+#include "components/reference/participant/translate.h"
+
+namespace sinew::reference {
+
+RobotReferenceInput ToInput(const node::Tick& tick, const msg::JointState& state) {
+  RobotReferenceInput input;
+  input.session_id = tick.session_id;
+  input.tick = tick.tick;
+  input.period_s = tick.period_s;
+  input.may_move =
+      state.robot_state() == msg::ROBOT_ARMED || state.robot_state() == msg::ROBOT_DAMPED;
+  input.joint_count = state.joint_count();
+  input.position_rad = state.position_rad();
+  input.valid = state.valid();
+  return input;
+}
+
+void AddOperatorWords(node::Reader<msg::OperatorCommand>& commands, RobotReferenceInput* input) {
+  while (const auto command = commands.TakeNext()) {
+    if (command->header().session_id() != input->session_id) continue;
+    if (command->action() == msg::OPERATOR_START) {
+      input->operator_start = true;
+      input->operator_stop = false;
+    }
+    if (command->action() == msg::OPERATOR_STOP) {
+      input->operator_start = false;
+      input->operator_stop = true;
+    }
+  }
+}
+
+msg::Reference ToMessage(const RobotReferenceOutput& output, const node::Tick& tick) {
+  msg::Reference message;
+  message.state_tick(tick.tick);
+  message.stale(output.stale);
+  message.idle(output.idle);
+  message.joint_count(static_cast<std::uint8_t>(output.joint_count));
+  for (std::size_t j = 0; j < output.joint.size(); ++j) {
+    message.position_rad()[j] = output.joint[j].position_rad;
+    message.velocity_rad_s()[j] = output.joint[j].velocity_rad_s;
+    message.acceleration_rad_s2()[j] = output.joint[j].acceleration_rad_s2;
+  }
+  return message;
+}
+
+}  // namespace sinew::reference

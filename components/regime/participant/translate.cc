@@ -1,0 +1,117 @@
+#include "components/regime/participant/translate.h"
+
+#include <algorithm>
+
+namespace sinew::regime {
+namespace {
+
+msg::RegimeKind ToMessage(Regime regime) {
+  switch (regime) {
+    case Regime::kSea:
+      return msg::REGIME_SEA;
+    case Regime::kPea:
+      return msg::REGIME_PEA;
+    case Regime::kUnknown:
+      break;
+  }
+  return msg::REGIME_UNKNOWN;
+}
+
+msg::ContactSide ToMessage(Contact contact) {
+  switch (contact) {
+    case Contact::kLower:
+      return msg::CONTACT_LOWER;
+    case Contact::kUpper:
+      return msg::CONTACT_UPPER;
+    case Contact::kNone:
+      break;
+  }
+  return msg::CONTACT_NONE;
+}
+
+msg::RegimePhase ToMessage(Phase phase) {
+  switch (phase) {
+    case Phase::kSetup:
+      return msg::PHASE_SETUP;
+    case Phase::kExecution:
+      return msg::PHASE_EXECUTION;
+    case Phase::kWaiting:
+      break;
+  }
+  return msg::PHASE_WAITING;
+}
+
+}  // namespace
+
+RobotRegime::RobotRegime(const std::vector<DetectorConfig>& joints) {
+  for (const DetectorConfig& joint : joints) detectors.emplace_back(joint);
+}
+
+void RobotRegime::Step(const node::Tick& tick, const msg::JointState& state,
+                       const node::TickInput<msg::ActuatorState>& actuator) {
+  stale = !actuator.fresh();
+  for (std::size_t j = 0; j < detectors.size(); ++j) {
+    DetectorInput input;
+    input.session_id = tick.session_id;
+    input.period_s = tick.period_s;
+    input.armed =
+        state.robot_state() == msg::ROBOT_ARMED || state.robot_state() == msg::ROBOT_DAMPED;
+    if (!stale && j < state.joint_count() && j < actuator.value().joint_count()) {
+      const msg::ActuatorState& inside = actuator.value();
+      input.valid = state.valid()[j] && inside.valid()[j];
+      input.motor_position_rad = inside.motor_position_rad()[j];
+      input.output_position_rad = state.position_rad()[j];
+      input.output_velocity_rad_s = state.velocity_rad_s()[j];
+      input.pressure_bar = inside.chamber_pressure_bar()[j];
+    }
+    output[j] = detectors[j].Step(input);
+  }
+}
+
+std::string RobotRegime::Trouble() const {
+  for (std::size_t j = 0; j < detectors.size(); ++j) {
+    if (output[j].trouble == Trouble::kNone) continue;
+    return "joint " + std::to_string(j) + ": " + TroubleText(output[j].trouble);
+  }
+  return "";
+}
+
+msg::RegimeState ToMessage(const RobotRegime& robot, const node::Tick& tick) {
+  msg::RegimeState message;
+  message.state_tick(tick.tick);
+  message.stale(robot.stale);
+  message.joint_count(static_cast<std::uint8_t>(robot.detectors.size()));
+  for (std::size_t j = 0; j < robot.detectors.size(); ++j) {
+    const DetectorOutput& out = robot.output[j];
+    message.phase()[j] = ToMessage(out.phase);
+    message.regime()[j] = ToMessage(out.regime);
+    message.contact()[j] = ToMessage(out.contact);
+    message.play_angle_rad()[j] = out.alpha_rad;
+    message.backlash_rad()[j] = robot.detectors[j].config().play.backlash_rad;
+    message.confidence()[j] = out.confidence;
+  }
+  return message;
+}
+
+msg::MotionRequest ToRequest(const RobotRegime& robot) {
+  msg::MotionRequest message;
+  message.requester("regime");
+  message.joint_count(static_cast<std::uint8_t>(robot.detectors.size()));
+  for (std::size_t j = 0; j < robot.detectors.size(); ++j) {
+    const DetectorOutput& out = robot.output[j];
+    const DetectorConfig& config = robot.detectors[j].config();
+    msg::MotionKind kind = msg::MOTION_NONE;
+    if (out.request == Request::kHold) kind = msg::MOTION_HOLD;
+    if (out.request == Request::kPush) kind = msg::MOTION_PUSH_AGAINST_CHAMBER;
+    message.kind()[j] = kind;
+    if (kind == msg::MOTION_NONE) continue;
+    message.target_rad()[j] = out.request_target_rad;
+    message.velocity_limit_rad_s()[j] = config.velocity_rad_s;
+    message.motor_torque_limit_Nm()[j] =
+        kind == msg::MOTION_HOLD ? 0.0 : config.motor_torque_limit_Nm;
+    message.pressure_bar()[j] = out.request_pressure_bar;
+  }
+  return message;
+}
+
+}  // namespace sinew::regime

@@ -1,0 +1,46 @@
+// Rigid-body dynamics of a fixed-base tree: Bullet's articulated body algorithm in double
+// precision.
+//
+//     q'' = a0 + A tau,   a0: accelerations without joint torque (gravity, Coriolis),   A = H(q)^-1
+//
+// Links are set up with their frame in the principal axes of their inertia, without damping, with
+// the gyroscopic term and without velocity limits, so that the equations are the textbook ones
+// (Featherstone: Rigid Body Dynamics Algorithms, ch. 7). Thread: one. Solve allocates nothing after
+// the first call.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "sim/world/bodies.h"
+
+namespace sinew::world {
+
+inline constexpr int kMaxChainJoints = 12;
+using JointVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxChainJoints, 1>;
+using JointMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor,
+                                  kMaxChainJoints, kMaxChainJoints>;
+
+class RigidChain {
+ public:
+  // Joints in the order of the chain's moving bodies. gravity: world frame. Throws
+  // std::invalid_argument when there are too many joints.
+  explicit RigidChain(const Chain& chain,
+                      const Eigen::Vector3d& gravity_m_s2 = Eigen::Vector3d(0.0, 0.0, -9.81));
+  ~RigidChain();
+  RigidChain(RigidChain&&) noexcept;
+
+  int joint_count() const;
+  // Body index of each joint, in joint order.
+  const std::vector<int>& joint_bodies() const;
+
+  void SetState(const JointVector& position, const JointVector& velocity) noexcept;
+  void Solve(JointVector* acceleration, JointMatrix* inverse_inertia) noexcept;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace sinew::world

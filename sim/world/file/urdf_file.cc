@@ -1,0 +1,201 @@
+#include "sim/world/file/urdf_file.h"
+
+#include <console_bridge/console.h>
+#include <tinyxml.h>
+#include <urdf_parser/urdf_parser.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "components/config/config.h"
+
+namespace sinew::world {
+
+namespace {
+
+// Keeps what the parser says, instead of letting it write to the terminal.
+class CapturedMessages : public console_bridge::OutputHandler {
+ public:
+  CapturedMessages() { console_bridge::useOutputHandler(this); }
+  ~CapturedMessages() override { console_bridge::restorePreviousOutputHandler(); }
+  CapturedMessages(const CapturedMessages&) = delete;
+  CapturedMessages& operator=(const CapturedMessages&) = delete;
+
+  void log(const std::string& text, console_bridge::LogLevel level, const char* /*file*/,
+           int /*line*/) override {
+    if (level < console_bridge::CONSOLE_BRIDGE_LOG_ERROR || !first_error_.empty()) return;
+    first_error_ = text.substr(0, text.find('\n'));
+  }
+  const std::string& first_error() const { return first_error_; }
+
+ private:
+  std::string first_error_;
+};
+
+class Where {
+ public:
+  Where(const TiXmlDocument& document, std::string file)
+      : document_(document), file_(std::move(file)) {}
+
+  [[noreturn]] void Fail(const std::string& element, const std::string& name,
+                         const std::string& message) const {
+    int row = 0;
+    const TiXmlElement* root = document_.RootElement();
+    for (const TiXmlElement* e = root->FirstChildElement(element.c_str()); e != nullptr;
+         e = e->NextSiblingElement(element.c_str())) {
+      if (e->Attribute("name") != nullptr && name == e->Attribute("name")) row = e->Row();
+    }
+    throw UsageError(file_ + (row > 0 ? ":" + std::to_string(row) : "") + ": " + element + " '" +
+                     name + "': " + message);
+  }
+  const std::string& file() const { return file_; }
+
+ private:
+  const TiXmlDocument& document_;
+  std::string file_;
+};
+
+Eigen::Isometry3d ToIsometry(const urdf::Pose& pose) {
+  Eigen::Isometry3d out = Eigen::Isometry3d::Identity();
+  out.translate(Eigen::Vector3d(pose.position.x, pose.position.y, pose.position.z));
+  out.rotate(Eigen::Quaterniond(pose.rotation.w, pose.rotation.x, pose.rotation.y, pose.rotation.z)
+                 .normalized());
+  return out;
+}
+
+void ReadInertial(const urdf::Link& link, const Where& where, Body* body) {
+  if (!link.inertial) return;
+  const urdf::Inertial& in = *link.inertial;
+  const double all[] = {in.mass, in.ixx, in.ixy, in.ixz, in.iyy, in.iyz, in.izz};
+  if (!std::all_of(std::begin(all), std::end(all), [](double v) { return std::isfinite(v); })) {
+    where.Fail("link", link.name, "mass or inertia is not finite");
+  }
+  if (!(in.mass > 0.0)) {
+    where.Fail("link", link.name, "mass " + std::to_string(in.mass) + ", expected kg above 0");
+  }
+  const Eigen::Isometry3d frame = ToIsometry(in.origin);
+  Eigen::Matrix3d inertia;
+  inertia << in.ixx, in.ixy, in.ixz, in.ixy, in.iyy, in.iyz, in.ixz, in.iyz, in.izz;
+  const Eigen::Vector3d principal =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia).eigenvalues();
+  const double slack = 1e-9 * std::abs(principal[2]);
+  if (principal[0] < -slack) {
+    where.Fail("link", link.name,
+               "inertia has the principal moment " + std::to_string(principal[0]) +
+                   ", expected none below 0");
+  }
+  if (principal[0] + principal[1] < principal[2] * (1.0 - 1e-3) - slack) {
+    where.Fail("link", link.name,
+               "inertia breaks the triangle inequality: no body has these moments");
+  }
+  body->mass_kg = in.mass;
+  body->com_m = frame.translation();
+  body->inertia_kg_m2 = frame.linear() * inertia * frame.linear().transpose();
+}
+
+void ReadJoint(const urdf::Joint& joint, const Where& where, Body* body) {
+  using urdf::Joint;
+  body->joint_name = joint.name;
+  body->parent_from_joint = ToIsometry(joint.parent_to_joint_origin_transform);
+  if (joint.mimic) where.Fail("joint", joint.name, "mimic joints are not simulated");
+  if (joint.type == Joint::FIXED) return;
+  if (joint.type != Joint::REVOLUTE && joint.type != Joint::CONTINUOUS &&
+      joint.type != Joint::PRISMATIC) {
+    where.Fail("joint", joint.name,
+               "type is not simulated, expected revolute, continuous, prismatic or fixed");
+  }
+  body->moves = true;
+  body->prismatic = joint.type == Joint::PRISMATIC;
+  body->axis = {joint.axis.x, joint.axis.y, joint.axis.z};
+  const double length = body->axis.norm();
+  if (!(length > 1e-6) || !std::isfinite(length)) {
+    where.Fail("joint", joint.name, "axis has no direction");
+  }
+  body->axis /= length;
+  if (joint.limits && joint.type != Joint::CONTINUOUS) {
+    if (!(joint.limits->lower <= joint.limits->upper)) {
+      where.Fail("joint", joint.name, "lower limit above upper limit");
+    }
+    if (joint.limits->lower < joint.limits->upper) {  // 0 and 0: not stated
+      body->lower = joint.limits->lower;
+      body->upper = joint.limits->upper;
+    }
+  }
+}
+
+// True when `body` is `root` or fixed to it.
+bool MovesWith(const Chain& chain, int body, int root) {
+  while (body > root && !chain.bodies[static_cast<std::size_t>(body)].moves) {
+    body = chain.bodies[static_cast<std::size_t>(body)].parent;
+  }
+  return body == root;
+}
+
+}  // namespace
+
+Chain ParseUrdf(const std::string& xml, const std::string& file_name) {
+  TiXmlDocument document;
+  document.Parse(xml.c_str());
+  if (document.Error()) {
+    throw UsageError(file_name + ":" + std::to_string(std::max(1, document.ErrorRow())) +
+                     ": no valid XML: " + document.ErrorDesc());
+  }
+  if (document.RootElement() == nullptr || document.RootElement()->ValueStr() != "robot") {
+    throw UsageError(file_name + ":1: expected a URDF, whose root element is 'robot'");
+  }
+  const Where where(document, file_name);
+  urdf::ModelInterfaceSharedPtr model;
+  std::string complaint;
+  {
+    CapturedMessages messages;
+    try {
+      model = urdf::parseURDF(xml);
+    } catch (const std::exception& error) {
+      complaint = error.what();
+    }
+    if (!messages.first_error().empty()) complaint = messages.first_error();
+  }
+  if (!model || !complaint.empty()) {
+    throw UsageError(file_name + ": no valid URDF: " +
+                     (complaint.empty() ? "the parser gives no reason" : complaint));
+  }
+
+  Chain chain;
+  chain.name = model->getName();
+  const std::function<void(const urdf::LinkConstSharedPtr&, int)> add =
+      [&](const urdf::LinkConstSharedPtr& link, int parent) {
+        std::vector<urdf::LinkSharedPtr> children = link->child_links;
+        std::sort(children.begin(), children.end(),
+                  [](const auto& a, const auto& b) { return a->name < b->name; });
+        for (const urdf::LinkSharedPtr& child : children) {
+          Body body;
+          body.link_name = child->name;
+          body.parent = parent;
+          ReadJoint(*child->parent_joint, where, &body);
+          ReadInertial(*child, where, &body);
+          chain.bodies.push_back(std::move(body));
+          add(child, static_cast<int>(chain.bodies.size()) - 1);
+        }
+      };
+  add(model->getRoot(), -1);
+
+  bool any_moves = false;
+  for (int i = 0; i < static_cast<int>(chain.bodies.size()); ++i) {
+    const Body& body = chain.bodies[static_cast<std::size_t>(i)];
+    if (!body.moves) continue;
+    any_moves = true;
+    double mass = 0.0;
+    for (int k = i; k < static_cast<int>(chain.bodies.size()); ++k) {
+      if (MovesWith(chain, k, i)) mass += chain.bodies[static_cast<std::size_t>(k)].mass_kg;
+    }
+    if (!(mass > 0.0)) {
+      where.Fail("link", body.link_name, "moves but has no inertial element with a mass");
+    }
+  }
+  if (!any_moves) throw UsageError(file_name + ": no joint moves");
+  return chain;
+}
+
+}  // namespace sinew::world

@@ -1,0 +1,116 @@
+#include "sim/world/file/world_file.h"
+
+#include <algorithm>
+#include <memory>
+#include <stdexcept>
+
+#include "components/actuator/file/model_file.h"
+#include "sim/world/file/urdf_file.h"
+
+namespace sinew::world {
+
+namespace {
+
+using config::Section;
+
+void ReadPneumatics(const Section& section, plant::PneumaticConfig* pneumatics) {
+  const auto number = [&](const char* key, double* value) {
+    *value = section.NumberOr(key, *value, config::kNotNegative);
+  };
+  pneumatics->chamber_volume_m3 =
+      section.NumberOr("chamber_volume_m3", pneumatics->chamber_volume_m3, config::kPositive);
+  number("reservoir_volume_m3", &pneumatics->reservoir_volume_m3);
+  number("source_pressure_bar", &pneumatics->source_pressure_bar);
+  number("initial_pressure_bar", &pneumatics->initial_pressure_bar);
+  number("valve_conductance_m3_s", &pneumatics->valve_conductance_m3_s);
+  number("leak_conductance_m3_s", &pneumatics->leak_conductance_m3_s);
+  number("vent_conductance_m3_s", &pneumatics->vent_conductance_m3_s);
+  number("compressor_flow_bar_m3_s", &pneumatics->compressor_flow_bar_m3_s);
+  number("compressor_cut_out_bar", &pneumatics->compressor_cut_out_bar);
+}
+
+WorldJointConfig ReadJoint(const Section& section, const actuator::JointModel& model) {
+  WorldJointConfig joint;
+  const bool rotary = model.kind == effects::JointKind::kRotary;
+  joint.position_rad = section.NumberOr(rotary ? "position_rad" : "position_m", 0.0);
+  joint.declared_payload_kg = section.NumberOr("declared_payload_kg", 0.0, config::kNotNegative);
+  joint.plant.motor_temperature_degC =
+      section.NumberOr("motor_temperature_degC", 25.0, {-40.0, 200.0});
+  joint.motor_encoder_counts = section.NumberOr("motor_encoder_counts", 0.0, config::kNotNegative);
+  joint.output_encoder_counts =
+      section.NumberOr("output_encoder_counts", 0.0, config::kNotNegative);
+  const Section controller = section.ChildOrEmpty("controller");
+  plant::JointPlantConfig& plant = joint.plant;
+  plant.position_gain_1_s =
+      controller.NumberOr("position_gain_1_s", plant.position_gain_1_s, {0.1, 1000.0});
+  plant.velocity_bandwidth_rad_s = controller.NumberOr(
+      "velocity_bandwidth_rad_s", plant.velocity_bandwidth_rad_s, {0.1, 3000.0});
+  plant.velocity_integral_1_s =
+      controller.NumberOr("velocity_integral_1_s", plant.velocity_integral_1_s, {0.0, 1000.0});
+  const Section teeth = section.ChildOrEmpty("teeth");
+  plant.contact_stiffness_Nm_rad =
+      teeth.NumberOr("stiffness_Nm_rad", plant.contact_stiffness_Nm_rad, config::kPositive);
+  plant.contact_damping_ratio =
+      teeth.NumberOr("damping_ratio", plant.contact_damping_ratio, {0.0, 2.0});
+  joint.has_pneumatics = section.Has("pneumatics");
+  if (joint.has_pneumatics) ReadPneumatics(section.Child("pneumatics"), &joint.pneumatics);
+  section.RejectUnknownKeys();
+  return joint;
+}
+
+}  // namespace
+
+WorldFile LoadWorldFile(const std::filesystem::path& path, const std::filesystem::path& model_path,
+                        const std::filesystem::path& urdf_path) {
+  const Section root = Section::Load(path, "sinew-world/1");
+  WorldFile file;
+  const auto chosen = [&](const char* key, const std::filesystem::path& instead) {
+    return instead.empty() ? root.ExistingPath(key) : instead;
+  };
+  file.config.model = actuator::LoadRobotModel(chosen("model", model_path));
+  const std::filesystem::path urdf = chosen("urdf", urdf_path);
+  file.config.chain = ParseUrdf(config::ReadFile(urdf), urdf.string());
+  file.config.substep_s = root.NumberOr("substep_s", 1e-4, {1e-6, 1e-2});
+  file.guard = root.ChildOrEmpty("guard");
+  const auto& models = file.config.model.joints;
+  file.config.joints.resize(models.size());
+  std::vector<bool> seen(models.size());
+  for (const Section& section : root.ListOrEmpty("joints")) {
+    const std::string name = section.Text("name");
+    const auto found = std::find_if(models.begin(), models.end(),
+                                    [&](const auto& joint) { return joint.name == name; });
+    if (found == models.end()) {
+      std::string known;
+      for (const auto& joint : models) known += (known.empty() ? "" : ", ") + joint.name;
+      section.Fail("name", "'" + name + "', expected a joint of the model: " + known);
+    }
+    const auto at = static_cast<std::size_t>(found - models.begin());
+    if (seen[at]) section.Fail("name", "'" + name + "' is given twice");
+    seen[at] = true;
+    file.config.joints[at] = ReadJoint(section, *found);
+  }
+  for (std::size_t j = 0; j < models.size(); ++j) {
+    if (models[j].backlash_rad > 0.0 && file.config.substep_s > 1e-4) {
+      root.Fail("substep_s", "joint '" + models[j].name + "' has free play, expected at most 1e-4");
+    }
+  }
+  // The guard's keys are asked for by their owner; here only its name is known.
+  for (const std::string& key : root.Keys()) {
+    const bool known = key == "schema" || key == "urdf" || key == "model" || key == "substep_s" ||
+                       key == "guard" || key == "joints";
+    if (!known) {
+      root.Fail(key, "unknown, expected one of schema, urdf, model, substep_s, guard, joints");
+    }
+  }
+  return file;
+}
+
+std::unique_ptr<World> MakeWorld(const WorldFile& file, const std::filesystem::path& path) {
+  try {
+    return std::make_unique<World>(file.config);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(path.string() + ": " + error.what());
+  }
+}
+
+}  // namespace sinew::world

@@ -1,0 +1,29 @@
+// sinew-world: the simulated robot as a state provider.
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+#include "components/provider/participant/run_provider.h"
+#include "sim/world/file/world_file.h"
+
+int main(int argc, char** argv) {
+  using namespace sinew;
+  provider::ProviderOptions provider_options;
+  std::filesystem::path model_path, urdf_path;
+  const auto body = [&](const node::Options& options, node::StopFlag& stop) {
+    if (options.config_path.empty()) throw UsageError("--config is missing, expected a world file");
+    const world::WorldFile file = world::LoadWorldFile(options.config_path, model_path, urdf_path);
+    const provider::GuardConfig guard = provider::LoadGuardConfig(file.guard);
+    file.guard.RejectUnknownKeys();
+    const auto plant = world::MakeWorld(file, options.config_path);
+    provider::RunProvider(options, stop, provider_options, guard, *plant);
+  };
+  return node::RunParticipant(
+      argc, argv, "world",
+      "The robot simulated: rigid bodies from a URDF, "
+      "actuators from a model file",
+      body, [&](CLI::App& app) {
+        provider::AddProviderOptions(app, &provider_options);
+        app.add_option("--model", model_path, "Model file instead of the one in the configuration");
+        app.add_option("--urdf", urdf_path, "URDF instead of the one in the configuration");
+      });
+}

@@ -1,0 +1,149 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "components/config/config.h"
+#include "sim/world/chain.h"
+#include "sim/world/file/urdf_file.h"
+
+namespace sinew::world {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string Robot(const std::string& inertial, const std::string& joint,
+                  const std::string& more = "") {
+  return "<robot name=\"r\">\n<link name=\"base\"/>\n<link name=\"arm\">" + inertial +
+         "</link>\n<joint name=\"j\" " + joint +
+         "<parent link=\"base\"/><child link=\"arm\"/></joint>\n" + more + "</robot>\n";
+}
+
+const char kInertial[] =
+    "<inertial><mass value=\"2\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" "
+    "izz=\"1\"/></inertial>";
+const char kRevolute[] = "type=\"continuous\"><axis xyz=\"0 0 2\"/>";
+
+std::string ErrorOf(const std::string& xml) {
+  try {
+    ParseUrdf(xml, "bad.urdf");
+  } catch (const UsageError& error) {
+    const std::string what = error.what();
+    EXPECT_EQ(what.find('\n'), std::string::npos) << what;
+    EXPECT_THAT(what, ::testing::StartsWith("bad.urdf"));
+    return what;
+  }
+  return "no error";
+}
+
+TEST(ParseUrdf, ReadsBodiesJointsAndUnitAxes) {
+  const Chain chain = ParseUrdf(Robot(kInertial, kRevolute), "r.urdf");
+  ASSERT_EQ(chain.bodies.size(), 1u);
+  EXPECT_EQ(chain.bodies[0].link_name, "arm");
+  EXPECT_TRUE(chain.bodies[0].moves);
+  EXPECT_EQ(chain.bodies[0].axis, Eigen::Vector3d::UnitZ());
+  EXPECT_EQ(chain.bodies[0].mass_kg, 2.0);
+  EXPECT_EQ(FindJoint(chain, "j"), 0);
+  EXPECT_EQ(FindJoint(chain, "k"), -1);
+}
+
+TEST(ParseUrdf, TellsWhatIsWrongInOneLine) {
+  EXPECT_THAT(ErrorOf("<robot name=\"r\">\n<link name=\"base\">\n</robot>"),
+              ::testing::AllOf(HasSubstr("bad.urdf:"), HasSubstr("no valid XML")));
+  EXPECT_THAT(ErrorOf("hello"), HasSubstr("bad.urdf:1"));
+  EXPECT_THAT(ErrorOf(""), HasSubstr("bad.urdf:1"));
+  EXPECT_THAT(ErrorOf("<sdf/>"), HasSubstr("'robot'"));
+  EXPECT_THAT(
+      ErrorOf(Robot("", kRevolute)),
+      ::testing::AllOf(HasSubstr("bad.urdf:3"), HasSubstr("link 'arm'"), HasSubstr("mass")));
+  EXPECT_THAT(ErrorOf(Robot(kInertial, "type=\"floating\">")),
+              ::testing::AllOf(HasSubstr("bad.urdf:4"), HasSubstr("joint 'j'"),
+                               HasSubstr("expected revolute")));
+  EXPECT_THAT(ErrorOf(Robot(kInertial, "type=\"continuous\"><axis xyz=\"0 0 0\"/>")),
+              HasSubstr("axis has no direction"));
+  EXPECT_THAT(ErrorOf(Robot(kInertial,
+                            "type=\"revolute\"><limit lower=\"1\" upper=\"-1\" "
+                            "effort=\"1\" velocity=\"1\"/>")),
+              HasSubstr("lower limit above upper"));
+  EXPECT_THAT(ErrorOf(Robot("<inertial><mass value=\"-1\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" "
+                            "iyy=\"1\" iyz=\"0\" izz=\"1\"/></inertial>",
+                            kRevolute)),
+              HasSubstr("expected kg above 0"));
+  EXPECT_THAT(ErrorOf(Robot("<inertial><mass value=\"1\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" "
+                            "iyy=\"1\" iyz=\"0\" izz=\"3\"/></inertial>",
+                            kRevolute)),
+              HasSubstr("triangle"));
+  EXPECT_THAT(ErrorOf(Robot("<inertial><mass value=\"1\"/><inertia ixx=\"1\" ixy=\"2\" ixz=\"0\" "
+                            "iyy=\"1\" iyz=\"0\" izz=\"1\"/></inertial>",
+                            kRevolute)),
+              HasSubstr("principal moment"));
+  EXPECT_THAT(ErrorOf(Robot("<inertial><mass value=\"heavy\"/><inertia ixx=\"1\" ixy=\"0\" "
+                            "ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/></inertial>",
+                            kRevolute)),
+              HasSubstr("no valid URDF"));
+  EXPECT_THAT(ErrorOf(Robot(kInertial, kRevolute,
+                            "<joint name=\"k\" type=\"fixed\"><parent link=\"arm\"/><child "
+                            "link=\"ghost\"/></joint>")),
+              ::testing::AllOf(HasSubstr("no valid URDF"), HasSubstr("ghost")));
+  EXPECT_THAT(ErrorOf("<robot name=\"r\"><link name=\"base\"/></robot>"),
+              HasSubstr("no joint moves"));
+}
+
+TEST(OverrideLink, GivesTheJointTheInertiaOfTheModel) {
+  for (const bool gravity_elsewhere : {false, true}) {
+    Chain chain = ParseUrdf(
+        Robot(
+            "<inertial><origin xyz=\"0.5 0 0\"/><mass value=\"2\"/><inertia ixx=\"0.1\" ixy=\"0\" "
+            "ixz=\"0\" iyy=\"0.1\" iyz=\"0\" izz=\"0.1\"/></inertial>",
+            "type=\"continuous\"><axis xyz=\"0 1 0\"/>"),
+        "r.urdf");
+    OverrideLink(chain, 0, 0.9, gravity_elsewhere);
+    RigidChain rigid(chain);
+    JointVector q = JointVector::Zero(1), v = JointVector::Zero(1), a(1);
+    JointMatrix inverse(1, 1);
+    rigid.SetState(q, v);
+    rigid.Solve(&a, &inverse);
+    EXPECT_NEAR(inverse(0, 0), 1.0 / 0.9, 1e-12);
+    // The axis +y turns +x down: the weight at 0.5 m accelerates it positively, unless it is
+    // elsewhere.
+    EXPECT_NEAR(a[0], gravity_elsewhere ? 0.0 : 2.0 * 9.81 * 0.5 / 0.9, 1e-12);
+  }
+}
+
+TEST(OverrideLink, RefusesAnInertiaThatTheMassCannotHave) {
+  Chain chain =
+      ParseUrdf(Robot("<inertial><origin xyz=\"0.5 0 0\"/><mass value=\"2\"/><inertia "
+                      "ixx=\"0.1\" ixy=\"0\" ixz=\"0\" iyy=\"0.1\" iyz=\"0\" izz=\"0.1\"/>"
+                      "</inertial>",
+                      kRevolute),
+                "r.urdf");
+  EXPECT_THROW(OverrideLink(chain, 0, 0.4, false), std::invalid_argument);
+}
+
+TEST(ParseUrdf, LoadsRobotsOfOthers) {
+  const std::filesystem::path folder = SINEW_SHARED_DIR "/data";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no shared data: " << folder;
+  struct Case {
+    const char* file;
+    int joints;
+  };
+  for (const Case& c : {Case{"kuka_lwr4_inverse_dynamics/kuka_lwr4.urdf", 7},
+                        Case{"biped_12dof_urdf/berkeley_humanoid_lite_biped.urdf", 12},
+                        Case{"biped_12dof_urdf/hightorque_pai_12dof.urdf", 12}}) {
+    const std::string path = (folder / c.file).string();
+    const Chain chain = ParseUrdf(config::ReadFile(path), path);
+    RigidChain rigid(chain);
+    ASSERT_EQ(rigid.joint_count(), c.joints) << path;
+    JointVector q = JointVector::Constant(c.joints, 0.1), v = JointVector::Constant(c.joints, 0.2);
+    JointVector a(c.joints);
+    JointMatrix inverse(c.joints, c.joints);
+    rigid.SetState(q, v);
+    rigid.Solve(&a, &inverse);
+    EXPECT_TRUE(a.allFinite());
+    EXPECT_LT((inverse - inverse.transpose()).cwiseAbs().maxCoeff(),
+              1e-9 * inverse.cwiseAbs().maxCoeff());
+  }
+}
+
+}  // namespace
+}  // namespace sinew::world

@@ -1,0 +1,279 @@
+// Everything a user can get wrong, as a table: one line that names file, line or key and what was
+// expected; exit code 2; nothing half-written.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/support/program.h"
+#include "tests/support/temporary_folder.h"
+
+namespace sinew {
+namespace {
+
+namespace fs = std::filesystem;
+using sinew::testing::Finished;
+using sinew::testing::Program;
+using sinew::testing::TemporaryFolder;
+using ::testing::HasSubstr;
+
+constexpr auto kLimit = std::chrono::seconds(30);
+const fs::path kRig = fs::path(SINEW_SOURCE_DIR) / "robots/rig";
+
+struct File {
+  std::string name, content;
+};
+
+struct Row {
+  std::string name;                    // of the test
+  std::vector<std::string> arguments;  // program first, from the build's bin folder
+  std::vector<File> files;             // written into the working folder
+  std::vector<std::string> words;      // of the error line
+};
+
+void PrintTo(const Row& row, std::ostream* out) { *out << row.name; }
+
+// Lines that are not from the log: those begin with the time.
+std::vector<std::string> ErrorLines(const std::string& text) {
+  static const std::regex kLog(R"(^\d\d:\d\d:\d\d\.\d{3} )");
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) {
+    if (!std::regex_search(line, kLog)) lines.push_back(line);
+  }
+  return lines;
+}
+
+std::set<std::string> FilesIn(const fs::path& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    names.insert(fs::relative(entry.path(), folder).string());
+  }
+  return names;
+}
+
+// Runs a program in a folder; it must refuse.
+void ExpectRefused(std::vector<std::string> arguments, const fs::path& folder,
+                   const std::vector<std::string>& words) {
+  const std::set<std::string> before = FilesIn(folder);
+  arguments[0] = std::string(SINEW_BIN_DIR) + "/" + arguments[0];
+  Program program(arguments, folder);
+  const int exit_code = program.Wait(kLimit);
+  EXPECT_EQ(exit_code, 2) << program.output() << program.error();
+  const std::vector<std::string> lines = ErrorLines(program.error());
+  ASSERT_EQ(lines.size(), 1u) << program.error();
+  for (const std::string& word : words) EXPECT_THAT(lines[0], HasSubstr(word));
+  EXPECT_EQ(program.output(), "");
+  EXPECT_EQ(FilesIn(folder), before) << "something was written";
+}
+
+class BadInput : public ::testing::TestWithParam<Row> {};
+
+TEST_P(BadInput, IsRefusedInOneLineAndNothingIsWritten) {
+  const TemporaryFolder folder;
+  for (const File& file : GetParam().files) folder.Write(file.name, file.content);
+  ExpectRefused(GetParam().arguments, folder.path(), GetParam().words);
+}
+
+std::string NameOf(const ::testing::TestParamInfo<Row>& info) { return info.param.name; }
+
+// ---- the sinew command
+
+constexpr char kModel[] =
+    "schema: sinew-model/1\n"
+    "name: axis\n"
+    "joints:\n"
+    "  - name: joint\n"
+    "    kind: linear\n"
+    "    constants: {force_constant_N_V: 35.15}\n"
+    "    terms:\n"
+    "      - effect: drive_voltage\n"
+    "        gain_N_V: {value: 35.15, fixed: true}\n"
+    "      - effect: inertia\n"
+    "        inertia_kg: {value: 100, tolerance: 0.2}\n"
+    "      - effect: viscous\n"
+    "        viscous_N_s_m: {value: 200, tolerance: 0.2}\n";
+
+std::string Replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  return at == std::string::npos ? "the test replaces what is not there"
+                                 : text.replace(at, from.size(), to);
+}
+
+constexpr char kMap[] =
+    "schema: sinew-csv-map/1\n"
+    "kind: linear\n"
+    "time: {column: t_s, unit: s}\n"
+    "signals:\n"
+    "  position: {column: x_m, unit: m}\n"
+    "  reference_position: {column: r_m, unit: m}\n";
+constexpr char kCsv[] = "t_s,x_m,r_m\n0,0,0\n0.1,0.01,0.01\n0.2,0.02,0.02\n";
+
+std::vector<Row> CommandRows() {
+  std::vector<Row> rows = {
+      {"LaunchMissingFile", {"sinew", "launch", "no.yaml"}, {}, {"no.yaml", "No such file"}},
+      {"LaunchFolder", {"sinew", "launch", "."}, {}, {"folder", "expected a file"}},
+      {"LaunchNoYaml",
+       {"sinew", "launch", "d.yaml"},
+       {{"d.yaml", "a: [1\nb: 2\n"}},
+       {"d.yaml:", "no valid YAML"}},
+      {"LaunchUnknownKey",
+       {"sinew", "launch", "d.yaml"},
+       {{"d.yaml",
+         "schema: sinew-deployment/1\nprocesses:\n  - name: a\n    program: sh\n    retart: "
+         "never\n"}},
+       {"d.yaml:5", "processes[0].retart", "unknown"}},
+      {"LaunchWrongDomain",
+       {"sinew", "launch", "d.yaml", "--domain", "233"},
+       {{"d.yaml", "schema: sinew-deployment/1\nprocesses:\n  - {name: a, program: sh}\n"}},
+       {"233", "232"}},
+      {"ModelMissingFile", {"sinew", "model", "show", "no.yaml"}, {}, {"no.yaml"}},
+      {"ModelUnknownKey",
+       {"sinew", "model", "show", "m.yaml"},
+       {{"m.yaml", Replaced(kModel, "kind: linear", "kind: linear\n    colour: red")}},
+       {"m.yaml:6", "colour"}},
+      {"ModelWrongUnit",
+       {"sinew", "model", "show", "m.yaml"},
+       {{"m.yaml", Replaced(kModel, "viscous_N_s_m", "viscous_Nm_s_rad")}},
+       {"m.yaml:13", "viscous_Nm_s_rad", "viscous_N_s_m"}},
+      {"ModelNotANumber",
+       {"sinew", "model", "show", "m.yaml"},
+       {{"m.yaml", Replaced(kModel, "value: 100", "value: .nan")}},
+       {"m.yaml:11", "expected a"}},
+      {"ModelUnknownEffect",
+       {"sinew", "model", "show", "m.yaml"},
+       {{"m.yaml", Replaced(kModel, "effect: viscous", "effect: viscus")}},
+       {"m.yaml:12", "viscus"}},
+      {"ModelMissingParameter",
+       {"sinew", "model", "show", "m.yaml"},
+       {{"m.yaml", Replaced(kModel, "        viscous_N_s_m: {value: 200, tolerance: 0.2}\n", "")}},
+       {"m.yaml:12", "viscous_N_s_m", "missing"}},
+      {"RigBadJson",
+       {"sinew", "model", "from-rig", "r.json", "--out", "m.yaml"},
+       {{"r.json", "{\n\"constants\": {\n"}},
+       {"r.json", "JSON"}},
+      {"RigMissingKey",
+       {"sinew", "model", "from-rig", "r.json", "--out", "m.yaml"},
+       {{"r.json", "{}"}},
+       {"r.json", "constants.gear_ratio"}},
+      {"EffectUnknown", {"sinew", "effects", "viscus"}, {}, {"viscus", "expected"}},
+      {"ScoreMissingFile", {"sinew", "score", "no.mcap"}, {}, {"no.mcap"}},
+      {"ScoreBrokenMcap",
+       {"sinew", "score", "b.mcap"},
+       {{"b.mcap", "this is no recording at all, but it has some length to it"}},
+       {"b.mcap"}},
+      {"ScoreEmptyMcap", {"sinew", "score", "b.mcap"}, {{"b.mcap", ""}}, {"b.mcap"}},
+      {"ScoreCsvWithoutMapping", {"sinew", "score", "d.csv"}, {{"d.csv", kCsv}}, {"d.csv"}},
+      {"ScoreMissingColumn",
+       {"sinew", "score", "--map", "m.yaml", "d.csv"},
+       {{"m.yaml", Replaced(kMap, "x_m", "y_m")}, {"d.csv", kCsv}},
+       {"d.csv", "y_m"}},
+      {"ScoreWrongUnit",
+       {"sinew", "score", "--map", "m.yaml", "d.csv"},
+       {{"m.yaml", Replaced(kMap, "x_m, unit: m", "x_m, unit: kg")}, {"d.csv", kCsv}},
+       {"m.yaml:5", "kg"}},
+      {"ScoreNotANumber",
+       {"sinew", "score", "--map", "m.yaml", "d.csv"},
+       {{"m.yaml", kMap}, {"d.csv", Replaced(kCsv, "0.01,0.01", "nan,0.01")}},
+       {"d.csv:3", "x_m"}},
+      {"ScoreTimeRunsBack",
+       {"sinew", "score", "--map", "m.yaml", "d.csv"},
+       {{"m.yaml", kMap}, {"d.csv", Replaced(kCsv, "0.2,", "0.1,")}},
+       {"d.csv:4", "t_s"}},
+      {"ScoreNoReference",
+       {"sinew", "score", "--map", "m.yaml", "d.csv"},
+       {{"m.yaml", Replaced(kMap, "  reference_position: {column: r_m, unit: m}\n", "")},
+        {"d.csv", kCsv}},
+       {"reference_position"}},
+  };
+  return rows;
+}
+
+INSTANTIATE_TEST_SUITE_P(Command, BadInput, ::testing::ValuesIn(CommandRows()), NameOf);
+
+// ---- participants: their common options, and the configuration that the rig ships for them
+
+struct Participant {
+  std::string program;
+  std::string config;                  // in robots/rig
+  std::vector<std::string> arguments;  // it cannot do without
+};
+
+void PrintTo(const Participant& participant, std::ostream* out) { *out << participant.program; }
+
+class BadParticipantInput : public ::testing::TestWithParam<Participant> {
+ protected:
+  // The rig's folder with one file changed; the configurations name their neighbours.
+  void SetUp() override {
+    fs::copy(kRig, folder_.path(), fs::copy_options::recursive);
+    config_ = (folder_.path() / GetParam().config).string();
+  }
+  std::string Config() const {
+    std::ifstream in(config_);
+    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  }
+  void Refused(const std::vector<std::string>& more, const std::vector<std::string>& words) {
+    std::vector<std::string> arguments = {GetParam().program};
+    arguments.insert(arguments.end(), GetParam().arguments.begin(), GetParam().arguments.end());
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    ExpectRefused(arguments, folder_.path(), words);
+  }
+
+  TemporaryFolder folder_;
+  std::string config_;
+};
+
+TEST_P(BadParticipantInput, AWrongDomainIsRefused) {
+  Refused({"--config", config_, "--domain", "233"}, {"--domain", "232"});
+}
+
+TEST_P(BadParticipantInput, AnUnknownOptionIsRefused) {
+  Refused({"--config", config_, "--no-such-option"}, {"--no-such-option"});
+}
+
+TEST_P(BadParticipantInput, AMissingConfigurationIsNamed) {
+  Refused({"--config", "no.yaml"}, {"no.yaml"});
+}
+
+TEST_P(BadParticipantInput, AnotherSchemaIsRefused) {
+  folder_.Write(GetParam().config, "schema: sinew-other/1\n");
+  Refused({"--config", config_}, {":1:", "'sinew-other/1', expected 'sinew-"});
+}
+
+TEST_P(BadParticipantInput, AnUnknownKeyIsNamedWithItsLine) {
+  const std::string text = Config();
+  const auto lines = std::count(text.begin(), text.end(), '\n');
+  folder_.Write(GetParam().config, text + "surprise_1: 1\n");
+  Refused({"--config", config_}, {":" + std::to_string(lines + 1) + ":", "'surprise_1'"});
+}
+
+TEST_P(BadParticipantInput, ANumberThatIsNoneIsNamedWithItsLine) {
+  // The first plain number of the file.
+  static const std::regex kNumber(R"((\n *[a-z]\w*_[A-Za-z]+\w*: )(-?[0-9][0-9.e+-]*)(?=\s))");
+  std::smatch match;
+  const std::string text = Config();
+  if (!std::regex_search(text, match, kNumber)) GTEST_SKIP() << "no number with a unit in it";
+  folder_.Write(GetParam().config,
+                match.prefix().str() + match[1].str() + ".nan" + match.suffix().str());
+  const std::string before = match.prefix().str() + match[1].str();
+  const auto line = std::count(before.begin(), before.end(), '\n') + 1;
+  Refused({"--config", config_}, {":" + std::to_string(line) + ":", ".nan", "expected"});
+}
+
+INSTANTIATE_TEST_SUITE_P(Programs, BadParticipantInput,
+                         ::testing::Values(Participant{"sinew-surrogate", "surrogate.yaml", {}}),
+                         [](const auto& info) {
+                           std::string name = info.param.program;
+                           name.erase(std::remove(name.begin(), name.end(), '-'), name.end());
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace sinew

@@ -1,0 +1,228 @@
+#include "tools/sinew/echo.h"
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <iostream>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "components/config/config.h"
+#include "components/node/node.h"
+#include "components/recording/cdr.h"
+#include "components/recording/file/cdr_json.h"
+#include "components/recording/file/file_io.h"
+#include "components/recording/mcap_reader.h"
+#include "tools/sinew/node_options.h"
+
+namespace sinew::tools {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+constexpr std::size_t kQueue = 4096;
+
+struct EchoOptions {
+  node::Options node;
+  std::string topic;
+  std::filesystem::path from;
+  std::vector<std::string> fields;
+  std::uint64_t count = 0;
+  double timeout_s = 0.0;
+  bool json = false;
+};
+
+// Prints messages of one type.
+class Printer {
+ public:
+  Printer(const std::string& topic, const std::string& type_name, const std::string& idl,
+          const EchoOptions& options)
+      : idl_(recording::IdlSchema::Parse(idl)), type_(idl_.Struct(type_name)), options_(options) {
+    try {
+      for (const std::string& path : options.fields) fields_.emplace_back(type_, path);
+    } catch (const recording::CdrError& error) {
+      throw UsageError("--field: topic '" + topic + "': " + error.what());
+    }
+  }
+
+  void Print(std::span<const std::byte> payload) const {
+    if (fields_.empty()) {
+      const Json json = recording::CdrToJson(type_, payload);
+      std::cout << json.dump(options_.json ? -1 : 2) << '\n';
+      return;
+    }
+    if (options_.json) {
+      Json json;
+      for (std::size_t i = 0; i < fields_.size(); ++i)
+        json[options_.fields[i]] = Value(fields_[i], payload);
+      std::cout << json.dump() << '\n';
+      return;
+    }
+    for (std::size_t i = 0; i < fields_.size(); ++i) {
+      const Json value = Value(fields_[i], payload);
+      std::cout << (i > 0 ? " " : "")
+                << (value.is_string() ? value.get<std::string>() : value.dump());
+    }
+    std::cout << '\n';
+  }
+
+ private:
+  static Json Value(const recording::CdrField& field, std::span<const std::byte> payload) {
+    using Kind = recording::IdlType::Kind;
+    switch (field.type().kind) {
+      case Kind::kString:
+      case Kind::kEnum:
+        return field.AsText(payload);
+      case Kind::kBool:
+        return field.AsInt(payload) != 0;
+      case Kind::kFloat:
+      case Kind::kDouble:
+        return field.AsDouble(payload);
+      case Kind::kUint64:
+        return static_cast<std::uint64_t>(field.AsInt(payload));
+      default:
+        return field.AsInt(payload);
+    }
+  }
+
+  recording::IdlSchema idl_;
+  const recording::IdlType& type_;
+  const EchoOptions& options_;
+  std::vector<recording::CdrField> fields_;
+};
+
+void EchoFile(const EchoOptions& options) {
+  recording::FileSource source(options.from);
+  try {
+    const recording::McapReader reader(source);
+    const recording::McapSchema* schema = nullptr;
+    std::string list;
+    for (const auto& [id, channel] : reader.channels()) {
+      list += (list.empty() ? "" : ", ") + channel.topic;
+      if (channel.topic == options.topic) schema = reader.SchemaOf(channel);
+    }
+    if (schema == nullptr) {
+      throw UsageError(options.from.string() + ": no topic '" + options.topic +
+                       "', expected one of: " + list);
+    }
+    const Printer printer(options.topic, schema->name, schema->data, options);
+    recording::MessageFilter filter;
+    filter.topics = std::set<std::string>{options.topic};
+    recording::McapMessages messages = reader.Messages(filter);
+    recording::McapMessage message;
+    for (std::uint64_t i = 0; (options.count == 0 || i < options.count) && messages.Next(&message);
+         ++i) {
+      printer.Print(message.data);
+    }
+  } catch (const recording::McapError& error) {
+    throw UsageError(options.from.string() + ": " + error.what());
+  } catch (const recording::IdlError& error) {
+    throw UsageError(options.from.string() + ": schema of '" + options.topic +
+                     "': " + error.what());
+  }
+}
+
+void EchoDomain(const EchoOptions& options, const node::StopFlag& stop) {
+  const node::TopicInfo* topic = node::FindTopic(options.topic);
+  if (topic == nullptr) {
+    std::string list;
+    for (const node::TopicInfo& known : node::AllTopics())
+      list += (list.empty() ? "" : ", ") + known.name;
+    throw UsageError("no topic '" + options.topic + "', expected one of: " + list);
+  }
+  const Printer printer(topic->name, topic->type_name, topic->idl, options);
+
+  struct Queue {
+    std::mutex mutex;
+    std::deque<std::vector<std::byte>> payloads;
+    std::uint64_t dropped = 0;
+  };
+  auto queue = std::make_shared<Queue>();
+  node::Node node(options.node);
+  node.ReadRaw(*topic, [queue](node::RawSample&& sample) {
+    const std::lock_guard<std::mutex> lock(queue->mutex);
+    if (queue->payloads.size() >= kQueue) {
+      ++queue->dropped;
+      return;
+    }
+    queue->payloads.push_back(std::move(sample.payload));
+  });
+  std::uint64_t printed = 0;
+  auto last = Clock::now();
+  while (!stop.requested() && (options.count == 0 || printed < options.count)) {
+    std::deque<std::vector<std::byte>> payloads;
+    std::uint64_t dropped = 0;
+    {
+      const std::lock_guard<std::mutex> lock(queue->mutex);
+      payloads.swap(queue->payloads);
+      std::swap(dropped, queue->dropped);
+    }
+    if (dropped > 0) std::cerr << "sinew echo: " << dropped << " messages came too fast to print\n";
+    for (const auto& payload : payloads) {
+      if (options.count > 0 && printed == options.count) break;
+      try {
+        printer.Print(payload);
+        ++printed;
+      } catch (const recording::CdrError& error) {
+        std::cerr << "sinew echo: " << error.what() << '\n';
+      }
+    }
+    std::cout.flush();
+    if (!std::cout) return;  // the reader of a pipe is gone
+    if (!payloads.empty()) {
+      last = Clock::now();
+      continue;
+    }
+    if (options.timeout_s > 0.0 &&
+        Clock::now() - last > std::chrono::duration<double>(options.timeout_s)) {
+      std::cerr << "sinew echo: nothing on '" << options.topic << "' in domain "
+                << options.node.domain_id << " for " << options.timeout_s << " s\n";
+      throw CLI::RuntimeError(1);
+    }
+    node.WaitForData(milliseconds(50));
+  }
+}
+
+}  // namespace
+
+void AddEchoCommand(CLI::App& app) {
+  auto options = std::make_shared<EchoOptions>();
+  CLI::App* command =
+      app.add_subcommand("echo", "Print the messages of a topic, live or from a recording");
+  AddNodeOptions(*command, &options->node);
+  command->add_option("topic", options->topic, "Name of the topic, e.g. joint_state")->required();
+  command
+      ->add_option("--field", options->fields,
+                   "Only this field, e.g. position_rad[0]; may be repeated")
+      ->allow_extra_args(false);
+  command->add_option("-n,--count", options->count, "Stop after so many messages");
+  command->add_option("--from", options->from, "Read this recording instead of a domain");
+  command
+      ->add_option("--timeout", options->timeout_s,
+                   "Give up after so many seconds of silence (exit code 1)")
+      ->check(CLI::NonNegativeNumber);
+  command->add_flag("--json", options->json, "One JSON object a line");
+  command->footer(
+      "Examples:\n  sinew echo joint_state\n"
+      "  sinew echo joint_state --field header.tick --field position_rad[0] -n 100\n"
+      "  sinew echo reference --from run.mcap --json");
+  command->callback([options] {
+    node::StopFlag stop;
+    StartCommandLog("echo");
+    if (!options->from.empty()) {
+      EchoFile(*options);
+    } else {
+      EchoDomain(*options, stop);
+    }
+  });
+}
+
+}  // namespace sinew::tools

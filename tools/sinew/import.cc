@@ -1,0 +1,80 @@
+#include "tools/sinew/import.h"
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "components/config/config.h"
+#include "components/node/topics.h"
+#include "components/recording/file/import.h"
+#include "tools/sinew/progress.h"
+
+namespace sinew::tools {
+
+namespace {
+
+recording::TopicSchema FindSchema(std::string_view name) {
+  const node::TopicInfo* topic = node::FindTopic(name);
+  if (topic == nullptr)
+    throw std::invalid_argument("no topic '" + std::string(name) + "' in this build");
+  return {topic->name, topic->type_name, topic->idl, topic->idl_hash};
+}
+
+}  // namespace
+
+void AddImportCommand(CLI::App& app) {
+  struct Options {
+    std::vector<std::filesystem::path> csv;
+    std::filesystem::path map;
+    std::filesystem::path out;
+    bool overwrite = false;
+    bool json = false;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("import", "Measured CSV data and a mapping file into an MCAP recording");
+  command->add_option("csv", options->csv, "CSV files; each becomes a session of the recording")
+      ->required();
+  command
+      ->add_option("--map", options->map,
+                   "Mapping file (sinew-csv-map/1): column, signal, unit, sign")
+      ->required();
+  command->add_option("--out", options->out, "The recording to write, FILE.mcap")->required();
+  command->add_flag("--overwrite", options->overwrite, "Replace the file if it is there");
+  command->add_flag("--json", options->json, "Result as JSON");
+  command->footer(
+      "The recording holds joint_state, actuator_state and reference messages; every number is "
+      "kept bit by\n"
+      "bit. It is written as a whole or not at all. Formats: docs/formats.md.\n\nExample:\n"
+      "  sinew import data.csv --map csv_map.yaml --out data.mcap");
+  command->callback([options] {
+    if (!options->overwrite && std::filesystem::exists(options->out)) {
+      throw UsageError(options->out.string() +
+                       ": is there already, expected a new name (or --overwrite)");
+    }
+    ProgressBar bar("import", "samples", 0);
+    const recording::ImportResult result = recording::ImportCsv(
+        options->csv, options->map, options->out, FindSchema,
+        [&bar](std::uint64_t done, std::uint64_t all) { bar.Update(done, all); });
+    bar.Finish();
+    if (options->json) {
+      std::cout << nlohmann::ordered_json{{"file", options->out.string()},
+                                          {"sessions", result.runs},
+                                          {"samples", result.samples},
+                                          {"messages", result.messages},
+                                          {"bytes", result.bytes}}
+                       .dump()
+                << '\n';
+    } else {
+      std::cout << options->out.string() << ": " << result.samples << " samples in " << result.runs
+                << (result.runs == 1 ? " session, " : " sessions, ") << result.messages
+                << " messages, " << result.bytes << " bytes\n";
+    }
+  });
+}
+
+}  // namespace sinew::tools

@@ -1,0 +1,265 @@
+#include "tools/sinew/list.h"
+
+#include <sinew_idl/status.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "components/config/config.h"
+#include "components/node/node.h"
+#include "components/recording/file/file_io.h"
+#include "components/recording/mcap_reader.h"
+#include "components/recording/run_import.h"
+#include "tools/sinew/node_options.h"
+
+namespace sinew::tools {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+struct ListOptions {
+  node::Options node;
+  std::filesystem::path recording;
+  double wait_s = 2.0;
+  bool json = false;
+};
+
+const char* StateName(msg::ComponentState state) {
+  switch (state) {
+    case msg::COMPONENT_CONFIGURED:
+      return "configured";
+    case msg::COMPONENT_ACTIVE:
+      return "active";
+    case msg::COMPONENT_FAULT:
+      return "fault";
+    case msg::COMPONENT_STOPPED:
+      return "stopped";
+  }
+  return "unknown";
+}
+
+std::string Plain(const std::string& dds_topic) {
+  return dds_topic.rfind("rt/", 0) == 0 ? dds_topic.substr(3) : dds_topic;  // ROS 2 spelling
+}
+
+std::string Join(const std::set<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+Json DescribeDomain(const ListOptions& options) {
+  node::Node node(options.node);
+  auto statuses = node.MakeReader(node::kComponentStatus);
+  std::map<std::string, msg::ComponentStatus> components;
+  const auto end = Clock::now() + std::chrono::duration<double>(options.wait_s);
+  while (Clock::now() < end) {
+    while (auto status = statuses.TakeNext()) {
+      if (status->name().to_string() != options.node.name) components[status->name().to_string()] = *status;
+    }
+    node.WaitForData(milliseconds(50));
+  }
+
+  Json report;
+  report["domain"] = options.node.domain_id;
+  std::vector<std::string> problems = node.Problems();
+  report["participants"] = Json::array();
+  const std::string own_hash = node::AllTopicsHash();
+  std::set<std::string> named;
+  for (const auto& [name, status] : components) {
+    named.insert(name);
+    report["participants"].push_back({{"name", name},
+                                      {"state", StateName(status.state())},
+                                      {"process_id", status.process_id()},
+                                      {"host", status.host().to_string()},
+                                      {"version", status.version().to_string()},
+                                      {"idl_hash", status.idl_hash().to_string()},
+                                      {"cycles", status.cycles()},
+                                      {"stale_inputs", status.stale_inputs()},
+                                      {"missed_ticks", status.missed_ticks()},
+                                      {"write_failures", status.write_failures()},
+                                      {"resident_MB", status.resident_MB()},
+                                      {"message", status.message().to_string()}});
+    if (status.idl_hash().to_string() != own_hash) {
+      problems.push_back("'" + name + "' was built with other topics (hash " + status.idl_hash().to_string() +
+                         ", this build " + own_hash + "): rebuild one of them");
+    }
+    if (status.state() == msg::COMPONENT_FAULT) {
+      problems.push_back("'" + name + "' is in fault: " + status.message().to_string());
+    }
+  }
+
+  struct Row {
+    std::set<std::string> types, writers, readers;
+  };
+  std::map<std::string, Row> topics;
+  for (const node::Endpoint& endpoint : node.Endpoints()) {
+    Row& row = topics[Plain(endpoint.topic)];
+    row.types.insert(endpoint.type_name);
+    (endpoint.is_writer ? row.writers : row.readers).insert(endpoint.participant);
+    if (!endpoint.participant.empty() && named.insert(endpoint.participant).second) {
+      report["participants"].push_back({{"name", endpoint.participant}, {"state", "unknown"}});
+    }
+  }
+  report["topics"] = Json::array();
+  for (const auto& [name, row] : topics) {
+    report["topics"].push_back({{"name", name},
+                                {"types", row.types},
+                                {"known", node::FindTopic(name) != nullptr},
+                                {"writers", row.writers},
+                                {"readers", row.readers}});
+    if (name == node::kJointState.name && row.writers.size() > 1) {
+      problems.push_back("several state providers: " + Join(row.writers) +
+                         "; there may be one a domain");
+    }
+  }
+  report["problems"] = problems;
+  return report;
+}
+
+void PrintDomain(const Json& report) {
+  std::cout << "domain " << report["domain"] << ": " << report["participants"].size()
+            << " participants, " << report["topics"].size() << " topics\n";
+  if (!report["participants"].empty()) {
+    std::printf("\n%-16s %-11s %8s %10s %8s %8s  %s\n", "participant", "state", "pid", "cycles",
+                "stale", "MB", "message");
+  }
+  for (const Json& row : report["participants"]) {
+    std::printf("%-16s %-11s %8s %10s %8s %8s  %s\n", row["name"].get<std::string>().c_str(),
+                row["state"].get<std::string>().c_str(),
+                row.contains("process_id") ? row["process_id"].dump().c_str() : "-",
+                row.contains("cycles") ? row["cycles"].dump().c_str() : "-",
+                row.contains("stale_inputs") ? row["stale_inputs"].dump().c_str() : "-",
+                row.contains("resident_MB")
+                    ? std::to_string(static_cast<int>(row["resident_MB"].get<double>())).c_str()
+                    : "-",
+                row.value("message", "").c_str());
+  }
+  if (!report["topics"].empty()) std::printf("\n%-20s %-40s %s\n", "topic", "writers", "readers");
+  for (const Json& row : report["topics"]) {
+    std::printf("%-20s %-40s %s\n", row["name"].get<std::string>().c_str(),
+                Join(row["writers"].get<std::set<std::string>>()).c_str(),
+                Join(row["readers"].get<std::set<std::string>>()).c_str());
+  }
+  std::fflush(stdout);
+  for (const Json& problem : report["problems"]) {
+    std::cout << "problem: " << problem.get<std::string>() << '\n';
+  }
+}
+
+Json DescribeRecording(const std::filesystem::path& path) {
+  recording::FileSource source(path);
+  try {
+    const recording::McapReader reader(source);
+    const recording::McapStatistics& statistics = reader.statistics();
+    Json report;
+    report["file"] = path.string();
+    report["bytes"] = source.size();
+    report["messages"] = statistics.message_count;
+    report["chunks"] = statistics.chunk_count;
+    report["duration_s"] =
+        recording::SecondsFromStamp(statistics.end_time_ns - statistics.start_time_ns);
+    if (reader.recovery()) {
+      report["cut_off"] = {{"good_bytes", reader.recovery()->good_bytes},
+                           {"lost_bytes", reader.recovery()->lost_bytes},
+                           {"reason", reader.recovery()->reason}};
+    }
+    report["topics"] = Json::array();
+    for (const auto& [id, channel] : reader.channels()) {
+      const recording::McapSchema* schema = reader.SchemaOf(channel);
+      const auto count = statistics.channel_message_counts.find(id);
+      const auto hash = channel.metadata.find("idl_hash");
+      report["topics"].push_back(
+          {{"name", channel.topic},
+           {"type", schema == nullptr ? "" : schema->name},
+           {"idl_hash", hash == channel.metadata.end() ? "" : hash->second},
+           {"messages", count == statistics.channel_message_counts.end() ? 0 : count->second}});
+    }
+    report["metadata"] = Json::array();
+    for (const recording::McapMetadata& metadata : reader.ReadMetadata()) {
+      Json entry = {{"name", metadata.name}};
+      for (const auto& [key, value] : metadata.values) entry[key] = value;
+      report["metadata"].push_back(entry);
+    }
+    return report;
+  } catch (const recording::McapError& error) {
+    throw UsageError(path.string() + ": " + error.what());
+  }
+}
+
+void PrintRecording(const Json& report) {
+  std::cout << report["file"].get<std::string>() << ": " << report["messages"] << " messages, "
+            << report["bytes"] << " bytes, " << report["duration_s"] << " s\n";
+  if (report.contains("cut_off")) {
+    std::cout << "cut off: " << report["cut_off"]["good_bytes"] << " bytes are whole, "
+              << report["cut_off"]["lost_bytes"] << " are lost ("
+              << report["cut_off"]["reason"].get<std::string>() << ")\n";
+  }
+  for (const Json& metadata : report["metadata"]) {
+    std::cout << metadata["name"].get<std::string>() << ":";
+    for (const auto& [key, value] : metadata.items()) {
+      if (key != "name") std::cout << ' ' << key << '=' << value.get<std::string>();
+    }
+    std::cout << '\n';
+  }
+  std::printf("\n%-20s %10s  %-10s %s\n", "topic", "messages", "hash", "type");
+  for (const Json& row : report["topics"]) {
+    std::printf("%-20s %10s  %-10s %s\n", row["name"].get<std::string>().c_str(),
+                row["messages"].dump().c_str(), row["idl_hash"].get<std::string>().c_str(),
+                row["type"].get<std::string>().c_str());
+  }
+}
+
+}  // namespace
+
+void AddListCommand(CLI::App& app) {
+  auto options = std::make_shared<ListOptions>();
+  CLI::App* command = app.add_subcommand(
+      "list", "Who is in a domain: participants, topics, problems; or what a recording holds");
+  AddNodeOptions(*command, &options->node);
+  command->add_option("recording", options->recording,
+                      "Describe this MCAP file instead of a domain");
+  command->add_option("--wait", options->wait_s, "Seconds to listen")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "As JSON");
+  command->footer(
+      "Problems are builds with other topic types, QoS that does not match, faults, two state "
+      "providers; with\n"
+      "any, the exit code is 1.\n\nExamples:\n  sinew list --domain 0\n  sinew list run.mcap "
+      "--json");
+  command->callback([options] {
+    StartCommandLog("list");
+    if (!options->recording.empty()) {
+      const Json report = DescribeRecording(options->recording);
+      if (options->json) {
+        std::cout << report.dump() << '\n';
+      } else {
+        PrintRecording(report);
+      }
+      return;
+    }
+    spdlog::set_level(spdlog::level::off);  // problems are part of the report
+    const Json report = DescribeDomain(*options);
+    if (options->json) {
+      std::cout << report.dump() << '\n';
+    } else {
+      PrintDomain(report);
+    }
+    if (!report["problems"].empty()) throw CLI::RuntimeError(1);
+  });
+}
+
+}  // namespace sinew::tools

@@ -1,0 +1,37 @@
+// Options of the commands that join a DDS domain.
+#pragma once
+
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "components/node/options.h"
+
+namespace sinew::tools {
+
+// --domain, --lockstep, --qos. The component is the command's name.
+inline void AddNodeOptions(CLI::App& command, node::Options* options) {
+  options->component = command.get_name();
+  options->name = command.get_name();
+  command.add_option("--domain", options->domain_id, "DDS domain, 0 to 232")
+      ->envname("SINEW_DOMAIN")
+      ->check(CLI::Range(0, 232));
+  command.add_flag_callback(
+      "--lockstep", [options] { options->mode = node::TimeMode::kLockstep; },
+      "The deployment runs in lockstep");
+  command.add_option("--qos", options->qos_path,
+                     "XML file with QoS profiles instead of the built-in ones");
+}
+
+// Warnings and errors of the libraries, as lines of this command.
+inline void StartCommandLog(const std::string& name) {
+  auto logger = spdlog::get(name);
+  if (!logger) logger = spdlog::stderr_color_mt(name);
+  logger->set_pattern("sinew %n: %v");
+  logger->set_level(spdlog::level::warn);
+  spdlog::set_default_logger(logger);
+}
+
+}  // namespace sinew::tools

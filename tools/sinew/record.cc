@@ -1,0 +1,64 @@
+#include "tools/sinew/record.h"
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "components/logger/participant/record.h"
+#include "tools/sinew/node_options.h"
+#include "tools/sinew/progress.h"
+
+namespace sinew::tools {
+
+void AddRecordCommand(CLI::App& app) {
+  struct Options {
+    node::Options node;
+    logger::RecordOptions record;
+    bool json = false;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("record", "Record the topics of a domain into an MCAP file");
+  AddNodeOptions(*command, &options->node);
+  logger::AddRecordOptions(*command, &options->record);
+  command->add_flag("--json", options->json, "Result as JSON");
+  command->footer(
+      "Ends with the session, after --duration, or with Ctrl-C; the file is whole in each case.\n"
+      "A recorder that is killed leaves a file that can be read but for the last 200 "
+      "ms.\n\nExamples:\n"
+      "  sinew record --out run.mcap --domain 0\n"
+      "  sinew record --out run.mcap --topics joint_state,actuator_state --duration 60");
+  command->callback([options] {
+    node::StopFlag stop;
+    StartCommandLog("record");
+    node::Node node(options->node);
+    ProgressBar bar("record", "messages", 0);
+    const logger::RecordResult result =
+        logger::Record(node, stop, options->record,
+                       [&bar](const logger::RecordResult& now) { bar.Update(now.messages); });
+    bar.Finish();
+    if (options->json) {
+      std::cout << nlohmann::ordered_json{{"file", options->record.out.string()},
+                                          {"messages", result.messages},
+                                          {"topics", result.topics},
+                                          {"bytes", result.bytes},
+                                          {"dropped", result.dropped},
+                                          {"missing_ticks", result.missing_ticks},
+                                          {"end", result.end}}
+                       .dump()
+                << '\n';
+    } else {
+      std::cout << options->record.out.string() << ": " << result.messages << " messages of "
+                << result.topics << " topics, " << result.bytes << " bytes (" << result.end
+                << ")\n";
+      if (result.dropped > 0)
+        std::cout << result.dropped << " messages were dropped: the disk was too slow\n";
+      if (result.missing_ticks > 0) {
+        std::cout << result.missing_ticks << " ticks of joint_state never arrived\n";
+      }
+    }
+  });
+}
+
+}  // namespace sinew::tools

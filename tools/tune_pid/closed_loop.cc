@@ -1,0 +1,123 @@
+#include "tools/tune_pid/closed_loop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+
+namespace sinew::tune {
+namespace {
+
+provider::Mode ToMode(control::CommandMode mode) {
+  switch (mode) {
+    case control::CommandMode::kTorque:
+      return provider::Mode::kTorque;
+    case control::CommandMode::kPosition:
+      return provider::Mode::kPosition;
+    case control::CommandMode::kVelocity:
+      return provider::Mode::kVelocity;
+    case control::CommandMode::kIdle:
+      break;
+  }
+  return provider::Mode::kIdle;
+}
+
+}  // namespace
+
+ClosedLoopScore RunClosedLoop(const ClosedLoopConfig& config, provider::Plant& plant) {
+  const double period_s = 1.0 / config.rate_Hz;
+  const int joints = plant.joint_count();
+  control::RobotController controller(config.control);
+  reference::RobotReference generator(config.reference);
+  std::vector<pneumatics::PressureManager> managers;
+  for (const auto& joint : config.pneumatics) managers.emplace_back(joint);
+
+  provider::PlantSensors sensors;
+  provider::PlantCommand command;
+  std::deque<provider::PlantCommand> waiting;
+  plant.Reset(&sensors);
+  ClosedLoopScore score;
+  double torque_before_Nm = 0.0;
+  long scored = 0, saturated = 0;
+  double squares = 0.0, torque_squares = 0.0, change_squares = 0.0;
+  const auto ticks = static_cast<std::uint64_t>(std::llround(config.duration_s * config.rate_Hz));
+  for (std::uint64_t tick = 0; tick < ticks; ++tick) {
+    reference::RobotReferenceInput asked;
+    asked.session_id = 1;
+    asked.tick = tick;
+    asked.period_s = period_s;
+    asked.may_move = true;
+    asked.joint_count = joints;
+    asked.position_rad = sensors.position_rad;
+    asked.valid = sensors.valid;
+    const reference::RobotReferenceOutput wanted = generator.Step(asked);
+
+    control::RobotInput input;
+    input.session_id = 1;
+    input.period_s = period_s;
+    input.armed = true;
+    input.joint_count = joints;
+    input.reference_fresh = true;
+    input.reference_count = wanted.idle ? 0 : wanted.joint_count;
+    for (int j = 0; j < joints; ++j) {
+      control::JointMeasurement& m = input.joint[j];
+      m.valid = m.actuator_valid = sensors.valid[j];
+      m.position_rad = sensors.position_rad[j];
+      m.velocity_rad_s = sensors.velocity_rad_s[j];
+      m.motor_position_rad = sensors.motor_position_rad[j];
+      m.motor_velocity_rad_s = sensors.motor_velocity_rad_s[j];
+      m.pressure_bar = sensors.chamber_pressure_bar[j];
+      m.load_force_N = sensors.load_force_N[j];
+      m.payload_kg = sensors.declared_payload_kg[j];
+      m.temperature_degC = sensors.motor_temperature_degC[j];
+      m.valve_open = sensors.valve_open[j];
+      input.reference[j] = wanted.joint[j];
+    }
+    const control::RobotOutput output = controller.Step(input);
+    score.faulted = score.faulted || output.fault != control::Fault::kNone || sensors.fault;
+
+    const double time_s = static_cast<double>(tick) * period_s;
+    if (!wanted.idle && time_s >= config.score_from_s && time_s < config.score_to_s) {
+      const double error_rad = wanted.joint[0].position_rad - sensors.position_rad[0];
+      const double torque_Nm = output.joint[0].motor_torque_Nm;
+      squares += error_rad * error_rad;
+      score.worst_rad = std::max(score.worst_rad, std::abs(error_rad));
+      torque_squares += torque_Nm * torque_Nm;
+      change_squares += (torque_Nm - torque_before_Nm) * (torque_Nm - torque_before_Nm);
+      saturated += output.joint[0].saturated;
+      ++scored;
+    }
+    torque_before_Nm = output.joint[0].motor_torque_Nm;
+
+    for (int j = 0; j < joints; ++j) {
+      command.mode[j] = ToMode(output.joint[j].mode);
+      command.motor_torque_Nm[j] = output.joint[j].motor_torque_Nm;
+      command.position_rad[j] = output.joint[j].position_rad;
+      command.velocity_rad_s[j] = output.joint[j].velocity_rad_s;
+      if (static_cast<std::size_t>(j) >= managers.size()) continue;
+      pneumatics::ManagerInput air;
+      air.period_s = period_s;
+      air.active = true;
+      air.valid = sensors.valid[j];
+      air.chamber_bar = sensors.chamber_pressure_bar[j];
+      air.reservoir_bar = sensors.reservoir_pressure_bar[j];
+      air.valve_is_open = sensors.valve_open[j];
+      const pneumatics::ManagerOutput relays = managers[j].Step(air);
+      command.valve_open[j] = relays.valve_open;
+      command.compressor_on[j] = relays.compressor_on;
+      command.vent_open[j] = relays.vent_open;
+    }
+    waiting.push_back(command);
+    plant.Step(waiting.front(), period_s, &sensors);
+    if (waiting.size() > static_cast<std::size_t>(config.delay_ticks)) waiting.pop_front();
+  }
+  if (scored > 0) {
+    const auto count = static_cast<double>(scored);
+    score.mse_rad2 = squares / count;
+    score.torque_rms_Nm = std::sqrt(torque_squares / count);
+    score.torque_change_rms_Nm = std::sqrt(change_squares / count);
+    score.saturated_share = static_cast<double>(saturated) / count;
+  }
+  return score;
+}
+
+}  // namespace sinew::tune

@@ -1,0 +1,40 @@
+// Rig, pressure, reference and control in one process and one thread: the same libraries as the
+// participants, without DDS. For tuning and for trying controllers, thousands of seconds a minute.
+//
+// Tick k: sensors of tick k -> reference, pneumatics, regime, control -> command applied from k to
+// k + 1, as in lockstep.
+#pragma once
+
+#include <vector>
+
+#include "components/control/robot_controller.h"
+#include "components/pneumatics/manager.h"
+#include "components/provider/plant.h"
+#include "components/reference/robot_reference.h"
+
+namespace sinew::tune {
+
+struct ClosedLoopConfig {
+  std::vector<control::JointControlConfig> control;
+  reference::RobotReferenceConfig reference;
+  std::vector<pneumatics::ManagerConfig> pneumatics;  // empty: relays stay off
+  double rate_Hz = 240.0;
+  int delay_ticks = 0;        // a command acts this much later: slow buses
+  double duration_s = 0.0;    // from arming
+  double score_from_s = 0.0;  // earlier samples do not count
+  double score_to_s = 1e9;
+};
+
+// Of the first joint.
+struct ClosedLoopScore {
+  double mse_rad2 = 0.0;  // reference against measured output
+  double worst_rad = 0.0;
+  double torque_rms_Nm = 0.0;         // at the motor shaft
+  double torque_change_rms_Nm = 0.0;  // from tick to tick: chatter
+  double saturated_share = 0.0;
+  bool faulted = false;
+};
+
+ClosedLoopScore RunClosedLoop(const ClosedLoopConfig& config, provider::Plant& plant);
+
+}  // namespace sinew::tune

@@ -1,0 +1,162 @@
+// sinew-tune-pid: finds PID gains in process, against the surrogate, by a two-stage random search.
+//
+// Objective: mean squared tracking error of the reference's trajectories at 3 and 5 bar, without
+// and with a payload. Constraint: with every gain four times as large (12 dB of gain margin) no run
+// swings. Both in the laboratory's loop: 80 Hz, commands one period late. Stage 1 draws from the
+// whole ranges, stage 2 around the best.
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+#include <random>
+
+#include "components/control/file/control_file.h"
+#include "components/pneumatics/file/pneumatics_file.h"
+#include "components/reference/file/reference_file.h"
+#include "sim/surrogate/file/surrogate_file.h"
+#include "sim/surrogate/surrogate.h"
+#include "tools/tune_pid/closed_loop.h"
+
+namespace {
+
+using namespace sinew;
+
+constexpr double kMargin = 4.0;
+constexpr double kSwing_Nm = 5e-3;  // change of motor torque from tick to tick, root mean square
+constexpr double kLost_rad = 1.0;
+
+struct Bench {
+  surrogate::RigParameters rig;
+  control::JointControlConfig joint;
+  reference::RobotReferenceConfig reference;
+  std::vector<pneumatics::ManagerConfig> pneumatics;
+  double duration_s = 0.0;
+
+  tune::ClosedLoopScore Run(const control::PidConfig& pid, double pressure_bar, double payload_kg,
+                            double rate_Hz, int delay_ticks) const {
+    surrogate::RigParameters parameters = rig;
+    parameters.link.declared_payload_kg = payload_kg;
+    parameters.pneumatics.initial_pressure_bar = pressure_bar;
+    surrogate::Surrogate plant(parameters);
+    tune::ClosedLoopConfig loop;
+    loop.control = {joint};
+    loop.control[0].pid = pid;
+    loop.reference = reference;
+    loop.pneumatics = pneumatics;
+    for (auto& air : loop.pneumatics) air.target_bar = pressure_bar;
+    loop.rate_Hz = rate_Hz;
+    loop.delay_ticks = delay_ticks;
+    loop.duration_s = duration_s;
+    loop.score_from_s = 0.5;
+    return tune::RunClosedLoop(loop, plant);
+  }
+};
+
+// The mean squared error, or infinity where the constraint fails.
+double Cost(const Bench& bench, const control::PidConfig& pid, double best) {
+  double sum = 0.0;
+  for (const double pressure_bar : {3.0, 5.0}) {
+    for (const double payload_kg : {0.0, 0.5}) {
+      sum += bench.Run(pid, pressure_bar, payload_kg, 80.0, 1).mse_rad2 / 4.0;
+      if (!(sum < best)) return HUGE_VAL;
+    }
+  }
+  control::PidConfig harder = pid;
+  harder.proportional_Nm_rad *= kMargin;
+  harder.integral_Nm_rad_s *= kMargin;
+  harder.derivative_Nm_s_rad *= kMargin;
+  for (const double payload_kg : {0.0, 0.5}) {
+    const tune::ClosedLoopScore score = bench.Run(harder, 4.0, payload_kg, 80.0, 1);
+    if (score.faulted || !(score.torque_change_rms_Nm < kSwing_Nm) ||
+        !(score.worst_rad < kLost_rad)) {
+      return HUGE_VAL;
+    }
+  }
+  return sum;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  CLI::App app{"Finds PID gains against the surrogate, in process."};
+  std::filesystem::path rig_path, control_path, reference_path, pneumatics_path;
+  int trials = 80;
+  std::uint64_t seed = 1;
+  app.add_option("--surrogate", rig_path, "Surrogate, schema sinew-surrogate/1");
+  app.add_option("--control", control_path, "Controller whose gains are sought, sinew-control/1")
+      ->required();
+  app.add_option("--reference", reference_path, "Trajectories to tune on, sinew-reference/1")
+      ->required();
+  app.add_option("--pneumatics", pneumatics_path, "Pressure manager, sinew-pneumatics/1")
+      ->required();
+  app.add_option("--trials", trials, "Draws in each of the two stages")->check(CLI::PositiveNumber);
+  app.add_option("--seed", seed, "Seed of the draws");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  Bench bench;
+  const config::Section rig_file = surrogate::OpenSurrogate(rig_path);
+  bench.rig = surrogate::ReadRig(rig_file);
+  bench.joint = control::LoadControl(control_path).joints.at(0);
+  bench.reference = reference::LoadReference(reference_path).config;
+  bench.pneumatics = pneumatics::LoadPneumatics(pneumatics_path).joints;
+  const reference::GeneratorConfig& trajectory = bench.reference.joints.at(0);
+  if (!std::isfinite(trajectory.trajectory->duration_s())) {
+    throw UsageError(reference_path.string() +
+                     ": the trajectory never ends, expected one that does");
+  }
+  bench.duration_s =
+      bench.reference.start_delay_s + trajectory.soft_start_s + trajectory.trajectory->duration_s();
+
+  std::mt19937_64 random(seed);
+  const auto draw = [&random](double lower, double upper) {  // even in the logarithm
+    const double u = static_cast<double>(random() >> 11) * 0x1.0p-53;
+    return lower * std::pow(upper / lower, u);
+  };
+  control::PidConfig best_pid = bench.joint.pid;
+  double best = HUGE_VAL;
+  for (int stage = 1; stage <= 2; ++stage) {
+    const control::PidConfig center = best_pid;
+    for (int i = 0; i < trials; ++i) {
+      control::PidConfig pid = bench.joint.pid;
+      if (stage == 1) {
+        pid.proportional_Nm_rad = draw(1.0, 100.0);
+        pid.integral_Nm_rad_s = draw(0.1, 100.0);
+        pid.derivative_Nm_s_rad = draw(0.05, 5.0);
+      } else {
+        pid.proportional_Nm_rad = center.proportional_Nm_rad * draw(0.7, 1.4);
+        pid.integral_Nm_rad_s = center.integral_Nm_rad_s * draw(0.7, 1.4);
+        pid.derivative_Nm_s_rad = center.derivative_Nm_s_rad * draw(0.7, 1.4);
+      }
+      const double cost = Cost(bench, pid, best);
+      if (cost < best) {
+        best = cost;
+        best_pid = pid;
+        std::printf(
+            "stage %d draw %3d: Kp %7.3f Nm/rad  Ki %7.3f Nm/(rad s)  Kd %6.3f Nm s/rad  MSE %.6f "
+            "rad2\n",
+            stage, i, pid.proportional_Nm_rad, pid.integral_Nm_rad_s, pid.derivative_Nm_s_rad,
+            cost);
+        std::fflush(stdout);
+      }
+    }
+  }
+  if (!std::isfinite(best)) {
+    std::cerr << "no draw kept the margin; try more --trials\n";
+    return 1;
+  }
+  std::printf(
+      "pid: {proportional_Nm_rad: %.4g, integral_Nm_rad_s: %.4g, derivative_Nm_s_rad: %.4g, "
+      "derivative_filter_Hz: %g, anti_windup_s: %g}\n",
+      best_pid.proportional_Nm_rad, best_pid.integral_Nm_rad_s, best_pid.derivative_Nm_s_rad,
+      best_pid.derivative_filter_Hz, best_pid.anti_windup_s);
+  return 0;
+} catch (const sinew::UsageError& error) {
+  std::cerr << error.what() << '\n';
+  return 2;
+} catch (const std::exception& error) {
+  std::cerr << error.what() << '\n';
+  return 1;
+}
