@@ -84,9 +84,8 @@ ProcessingOptions Resolve(const ProcessingOptions& options, const std::vector<Ru
   const Eigen::VectorXd position = OutputPosition(segment, 1.0, runs.front().name);
   const Eigen::VectorXd velocity =
       WideDifference(Smooth(position, 4, 0.1 * rate, rate), segment.period_s);
-  const double motion_Hz = BandHolding(velocity, rate, 0.99);
   if (!(out.state_cutoff_Hz > 0.0)) {
-    out.state_cutoff_Hz = std::clamp(5.0 * motion_Hz, 1e-3 * rate, 0.25 * rate);
+    out.state_cutoff_Hz = std::clamp(BandAboveNoise(position, rate), 0.02 * rate, 0.25 * rate);
   }
   if (!(out.parallel_cutoff_Hz > 0.0)) out.parallel_cutoff_Hz = 0.25 * out.state_cutoff_Hz;
   if (!(out.rest_velocity > 0.0)) {
