@@ -103,6 +103,11 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
   StateSet out;
   out.measured = {"time_s", "drive_input", "drive_rate", "position_rad", "velocity_rad_s",
                   "acceleration_rad_s2", "jerk_rad_s3", "snap_rad_s4"};
+  std::set<std::string> always = out.measured;
+  if (model.backlash_rad == 0.0) {  // a rigid gear: the motor's motion is known from the output's
+    always.insert({"motor_velocity_rad_s", "motor_acceleration_rad_s2"});
+    out.measured = always;
+  }
   bool first = true;
   for (const Run& run : runs) {
     if (run.kind != model.kind) {
@@ -124,9 +129,6 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
       out.measured.insert(fields.begin(), fields.end());
     } else {
       std::erase_if(out.measured, [&](const std::string& field) {
-        static const std::set<std::string> always = {
-            "time_s", "drive_input", "drive_rate", "position_rad", "velocity_rad_s",
-            "acceleration_rad_s2", "jerk_rad_s3", "snap_rad_s4"};
         return always.count(field) == 0 && fields.count(field) == 0;
       });
     }

@@ -26,6 +26,7 @@ RobotReferenceOutput RobotReference::Step(const RobotReferenceInput& input) noex
   }
   const int count = std::min<int>(static_cast<int>(joints_.size()), input.joint_count);
   RobotReferenceOutput output;
+  output.joint_count = static_cast<int>(joints_.size());
   for (int j = 0; j < count; ++j) output.joint[j].position_rad = input.position_rad[j];
 
   if (!input.may_move || input.operator_stop) {
@@ -67,7 +68,7 @@ RobotReferenceOutput RobotReference::Step(const RobotReferenceInput& input) noex
   }
 
   const double time_s = static_cast<double>(input.tick - start_tick_) * input.period_s;
-  output.joint_count = static_cast<int>(joints_.size());
+  output.idle = false;
   output.finished = true;
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     output.joint[j] = joints_[j].At(time_s);

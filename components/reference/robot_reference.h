@@ -2,10 +2,9 @@
 // runs.
 //
 // Time is ticks since the start times the period, so that the same ticks give the same reference.
-// It starts start_delay_s after the robot is armed, or at the operator's word while it is armed,
-// and stops when the robot is no longer armed. While it has not started it asks for nothing:
-// joint_count is 0, and the points hold the measured positions. Thread: one. Step is noexcept and
-// allocates nothing.
+// It starts start_delay_s after the robot is armed, or at the operator's word while it is armed, and
+// stops when the robot is no longer armed. Before and after it is idle: it asks for nothing, and the
+// points hold the measured positions. Thread: one. Step is noexcept and allocates nothing.
 #pragma once
 
 #include <array>
@@ -40,8 +39,9 @@ struct RobotReferenceInput {
 };
 
 struct RobotReferenceOutput {
-  int joint_count = 0;  // 0: nothing is asked for
-  bool stale = false;   // a joint was lost when the reference should have started
+  int joint_count = 0;
+  bool idle = true;    // nothing is asked for
+  bool stale = false;  // a joint was lost when the reference should have started
   bool finished = false;
   std::array<Point, kMaxJoints> joint{};
 };

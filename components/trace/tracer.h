@@ -27,7 +27,7 @@ struct TraceOptions {
   int max_rounds = 3;
   double fewest_standard_errors = 2.0;
   double smallest_explainable_share = 0.05;  // gain / explainable variance
-  double smallest_residual_share = 0.03;     // gain / residual variance
+  double smallest_residual_share = 0.05;     // gain / residual variance
   // Called with a line of progress and the share done, 0 to 1.
   std::function<void(const std::string&, double)> progress;
 };

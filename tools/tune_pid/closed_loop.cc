@@ -57,7 +57,7 @@ ClosedLoopScore RunClosedLoop(const ClosedLoopConfig& config, provider::Plant& p
     input.armed = true;
     input.joint_count = joints;
     input.reference_fresh = true;
-    input.reference_count = wanted.joint_count;
+    input.reference_count = wanted.idle ? 0 : wanted.joint_count;
     for (int j = 0; j < joints; ++j) {
       control::JointMeasurement& m = input.joint[j];
       m.valid = m.actuator_valid = sensors.valid[j];
@@ -76,7 +76,7 @@ ClosedLoopScore RunClosedLoop(const ClosedLoopConfig& config, provider::Plant& p
     score.faulted = score.faulted || output.fault != control::Fault::kNone || sensors.fault;
 
     const double time_s = static_cast<double>(tick) * period_s;
-    if (wanted.joint_count > 0 && time_s >= config.score_from_s && time_s < config.score_to_s) {
+    if (!wanted.idle && time_s >= config.score_from_s && time_s < config.score_to_s) {
       const double error_rad = wanted.joint[0].position_rad - sensors.position_rad[0];
       const double torque_Nm = output.joint[0].motor_torque_Nm;
       squares += error_rad * error_rad;

@@ -104,7 +104,7 @@ RobotInput ControlInputs::Gather(const node::Tick& tick) {
   if (reference_.has_value()) {
     const msg::Reference& reference = reference_.value();
     input.reference_fresh = reference_.fresh() && !reference.stale();
-    input.reference_count = reference.joint_count();
+    input.reference_count = reference.idle() ? 0 : reference.joint_count();
     for (std::size_t j = 0; j < static_cast<std::size_t>(kMaxJoints); ++j) {
       input.reference[j] = {reference.position_rad()[j], reference.velocity_rad_s()[j],
                             reference.acceleration_rad_s2()[j]};

@@ -33,6 +33,7 @@ msg::Reference ToMessage(const RobotReferenceOutput& output, const node::Tick& t
   msg::Reference message;
   message.state_tick(tick.tick);
   message.stale(output.stale);
+  message.idle(output.idle);
   message.joint_count(static_cast<std::uint8_t>(output.joint_count));
   for (std::size_t j = 0; j < output.joint.size(); ++j) {
     message.position_rad()[j] = output.joint[j].position_rad;

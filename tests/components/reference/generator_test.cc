@@ -100,7 +100,7 @@ TEST(RobotReference, AsksForNothingBeforeItIsArmed) {
   const Robot robot;
   for (std::uint64_t k = 0; k < 100; ++k) {
     const RobotReferenceOutput out = reference.Step(robot.At(k, false));
-    EXPECT_EQ(out.joint_count, 0);
+    EXPECT_TRUE(out.idle);
     EXPECT_EQ(out.joint[1].position_rad, -0.2);
   }
 }
@@ -111,7 +111,7 @@ TEST(RobotReference, StartsFromTheMeasuredPositionAndDependsOnTicksOnly) {
   Robot robot;
   static_cast<void>(reference.Step(robot.At(9, false)));
   RobotReferenceOutput out = reference.Step(robot.At(10, true));
-  EXPECT_EQ(out.joint_count, 2);
+  EXPECT_FALSE(out.idle);
   EXPECT_EQ(out.joint[0].position_rad, 0.3);
   EXPECT_EQ(out.joint[1].position_rad, -0.2);
   static_cast<void>(other.Step(robot.At(10, true)));
@@ -131,18 +131,18 @@ TEST(RobotReference, WaitsForTheDelayAndForTheOperator) {
   RobotReference asked(config);
   const Robot robot;
   for (std::uint64_t k = 0; k < 1000; ++k) {
-    EXPECT_EQ(delayed.Step(robot.At(k, true)).joint_count, k >= 240 ? 2 : 0) << k;
+    EXPECT_EQ(delayed.Step(robot.At(k, true)).idle, k < 240) << k;
     RobotReferenceInput input = robot.At(k, true);
     input.operator_start = k == 500;
-    EXPECT_EQ(asked.Step(input).joint_count, k >= 500 ? 2 : 0) << k;
+    EXPECT_EQ(asked.Step(input).idle, k < 500) << k;
   }
   RobotReferenceInput stop = robot.At(1000, true);
   stop.operator_stop = true;
-  EXPECT_EQ(asked.Step(stop).joint_count, 0);
-  EXPECT_EQ(delayed.Step(stop).joint_count, 0);
-  EXPECT_EQ(asked.Step(robot.At(1001, true)).joint_count, 0);
+  EXPECT_TRUE(asked.Step(stop).idle);
+  EXPECT_TRUE(delayed.Step(stop).idle);
+  EXPECT_TRUE(asked.Step(robot.At(1001, true)).idle);
   for (std::uint64_t k = 1001; k < 1600; ++k) {
-    EXPECT_EQ(delayed.Step(robot.At(k, true)).joint_count, 0) << "stopped until it is armed again";
+    EXPECT_TRUE(delayed.Step(robot.At(k, true)).idle) << "stopped until it is armed again";
   }
 }
 
@@ -150,7 +150,7 @@ TEST(RobotReference, ADisarmedRobotStartsAnewAndSoDoesANewSession) {
   RobotReference reference(TwoJoints());
   Robot robot;
   for (std::uint64_t k = 0; k < 500; ++k) static_cast<void>(reference.Step(robot.At(k, true)));
-  EXPECT_EQ(reference.Step(robot.At(500, false)).joint_count, 0);
+  EXPECT_TRUE(reference.Step(robot.At(500, false)).idle);
   robot.position = {0.05, 0.06};
   EXPECT_EQ(reference.Step(robot.At(501, true)).joint[0].position_rad, 0.05);
   for (std::uint64_t k = 502; k < 900; ++k) static_cast<void>(reference.Step(robot.At(k, true)));
@@ -164,12 +164,12 @@ TEST(RobotReference, DoesNotStartFromAPositionItDoesNotKnow) {
   Robot robot;
   robot.position[0] = std::nan("");
   EXPECT_TRUE(reference.Step(robot.At(0, true)).stale);
-  EXPECT_EQ(reference.Step(robot.At(1, true)).joint_count, 0);
+  EXPECT_TRUE(reference.Step(robot.At(1, true)).idle);
   robot.position[0] = 0.1;
   robot.valid[1] = false;
   EXPECT_TRUE(reference.Step(robot.At(2, true)).stale);
   robot.valid[1] = true;
-  EXPECT_EQ(reference.Step(robot.At(3, true)).joint_count, 2);
+  EXPECT_FALSE(reference.Step(robot.At(3, true)).idle);
 }
 
 TEST(RobotReference, AMillionStepsAllocateNothingAndStayInBounds) {

@@ -85,6 +85,48 @@ TEST(Excitation, KeepsInsideItsLimitsAndMovesEverything) {
   }
 }
 
+std::vector<LogRow> RecordKind(ExcitationKind kind, double seconds) {
+  RigParameters rig;
+  const Excitation excitation({.kind = kind, .duration_s = seconds, .seed = 2});
+  excitation.Prepare(&rig);
+  return RunExperiment(rig, {.duration_s = seconds, .seed = 2}, excitation);
+}
+
+TEST(Excitation, InSeaTheLinkPlaysInsideTheLockedGearUntilTheChamberIsTooWeak) {
+  const std::vector<LogRow> rows = RecordKind(ExcitationKind::kSea, 100.0);
+  double last_return_bar = 6.0;
+  int swings = 0;
+  bool low = false;
+  for (const LogRow& row : rows) {
+    ASSERT_NEAR(row.motor_angle_rad, 0.0, 0.005);
+    ASSERT_LT(std::abs(row.output_angle_rad), 0.5 * 0.0465 + 0.003);
+    if (row.output_angle_rad < -0.02) low = true;
+    if (low && row.output_angle_rad > 0.02) {
+      low = false;
+      ++swings;
+      last_return_bar = row.chamber_pressure_bar;
+    }
+  }
+  EXPECT_GT(swings, 50);
+  EXPECT_NEAR(last_return_bar, 2.4, 0.25);
+}
+
+TEST(Excitation, InPeaTheLinkSwingsBetweenUprightAndHangingInContact) {
+  const std::vector<LogRow> rows = RecordKind(ExcitationKind::kPea, 40.0);
+  int cycles = 0, outside = 0;
+  bool low = false;
+  for (const LogRow& row : rows) {
+    if (row.output_angle_rad < -1.35) low = true;
+    if (low && row.output_angle_rad > 1.3) {
+      low = false;
+      ++cycles;
+    }
+    outside += std::abs(row.motor_angle_rad / 100.0 - row.output_angle_rad) > 0.5 * 0.0464 - 5e-4;
+  }
+  EXPECT_GE(cycles, 9);
+  EXPECT_GT(outside, static_cast<int>(rows.size()) * 9 / 10);
+}
+
 TEST(Excitation, RefusesWhatItDoesNotKnow) {
   EXPECT_THROW(ParseExcitation("shake"), std::invalid_argument);
   EXPECT_THROW(Excitation({.duration_s = -1.0}), std::invalid_argument);

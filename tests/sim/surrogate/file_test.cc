@@ -48,6 +48,17 @@ TEST(SurrogateFile, TheRigsFileSaysTheDefaults) {
              RigParameters{});
 }
 
+TEST(SurrogateFile, TheOtherRigsElementPullsToAnAngle) {
+  const RigParameters rig =
+      LoadRig(std::string(SINEW_SOURCE_DIR) + "/robots/rig/surrogate_spring.yaml");
+  const PneumaticLine line = LinePneumatics(rig);
+  EXPECT_NEAR(line.slope_Nm_bar, 0.3587 + 4.0 * 0.16, 1e-3);
+  EXPECT_NEAR(line.stiffness_Nm_rad_bar, 4.0, 1e-3);
+  const PneumaticLine vane = LinePneumatics(RigParameters{});
+  EXPECT_NEAR(vane.slope_Nm_bar, 0.3587, 1e-3);
+  EXPECT_NEAR(vane.stiffness_Nm_rad_bar, 0.006, 0.002);
+}
+
 TEST(SurrogateFile, NoFileIsTheRig) { ExpectSame(LoadRig(""), RigParameters{}); }
 
 TEST(SurrogateFile, AValueOfTheFileArrives) {
