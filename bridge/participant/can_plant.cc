@@ -4,7 +4,9 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <set>
 #include <stdexcept>
+#include <utility>
 
 namespace sinew::bridge {
 namespace {
@@ -94,36 +96,27 @@ double CanPlant::Joint::velocity_rad_s() const {
   return motor_velocity_rad_s() / config.gear_ratio;
 }
 
-CanPlant::CanPlant(const BridgeConfig& config, std::vector<can::Transport*> transports)
-    : config_(config), transports_(std::move(transports)) {
-  const auto buses = static_cast<int>(transports_.size());
+void CanPlant::Check(const BridgeConfig& config) {
+  const auto buses = static_cast<int>(config.bitrate_bit_s.size());
   Require(buses >= 1 && buses <= provider::BusReport::kMaxBuses,
           std::to_string(buses) + " buses, expected 1 to " +
               std::to_string(provider::BusReport::kMaxBuses));
-  Require(config.bitrate_bit_s.size() == transports_.size(), "a bit rate for each bus is expected");
   Require(!config.joints.empty() &&
               config.joints.size() <= static_cast<std::size_t>(provider::kMaxJoints),
           std::to_string(config.joints.size()) + " joints, expected 1 to " +
               std::to_string(provider::kMaxJoints));
-  std::array<int, 64> none;
-  none.fill(-1);
-  axis_of_.assign(transports_.size(), none);
-  node_of_.assign(transports_.size(), none);
+  std::set<std::pair<int, int>> used;
   for (const JointConfig& c : config.joints) {
     const std::string who = "joint '" + c.name + "': ";
-    const int index = static_cast<int>(joints_.size());
     Require(c.bus >= 0 && c.bus < buses, who + "no bus " + std::to_string(c.bus));
-    const auto claim = [&](int node, std::vector<std::array<int, 64>>& table) {
+    const auto claim = [&](int node) {
       Require(node >= 0 && node <= can::kMaxNode,
               who + "node " + std::to_string(node) + ", expected 0 to 63");
-      const auto b = static_cast<std::size_t>(c.bus);
-      const auto n = static_cast<std::size_t>(node);
-      Require(axis_of_[b][n] < 0 && node_of_[b][n] < 0,
+      Require(used.emplace(c.bus, node).second,
               who + "node " + std::to_string(node) + " is used twice");
-      table[b][n] = index;
     };
-    claim(c.node, axis_of_);
-    if (c.output) claim(c.output->node, node_of_);
+    claim(c.node);
+    if (c.output) claim(c.output->node);
     const auto unit = [](int direction) { return direction == 1 || direction == -1; };
     Require(unit(c.direction) && (!c.output || unit(c.output->direction)),
             who + "direction must be 1 or -1");
@@ -138,11 +131,25 @@ CanPlant::CanPlant(const BridgeConfig& config, std::vector<can::Transport*> tran
     Require(
         c.limits.lower_rad < c.limits.upper_rad && c.limits.margin_rad >= 0.0,
         who + "position limits must have lower_rad < upper_rad and a margin that is not negative");
-    Joint joint;
-    joint.config = c;
-    joints_.push_back(joint);
   }
-  report_.bus_count = buses;
+}
+
+CanPlant::CanPlant(const BridgeConfig& config, std::vector<can::Transport*> transports)
+    : config_(config), transports_(std::move(transports)) {
+  Check(config);
+  Require(config.bitrate_bit_s.size() == transports_.size(), "a bit rate for each bus is expected");
+  std::array<int, 64> none;
+  none.fill(-1);
+  axis_of_.assign(transports_.size(), none);
+  node_of_.assign(transports_.size(), none);
+  for (const JointConfig& c : config.joints) {
+    const auto b = static_cast<std::size_t>(c.bus);
+    const int index = static_cast<int>(joints_.size());
+    axis_of_[b][static_cast<std::size_t>(c.node)] = index;
+    if (c.output) node_of_[b][static_cast<std::size_t>(c.output->node)] = index;
+    joints_.emplace_back().config = c;
+  }
+  report_.bus_count = static_cast<int>(transports_.size());
 }
 
 std::vector<can::IdFilter> CanPlant::Filters(const BridgeConfig& config, int bus) {
@@ -171,6 +178,7 @@ void CanPlant::Reset(provider::PlantSensors* sensors) {
   can::Transport& clock = *transports_.front();
   const std::int64_t give_up_ns = clock.now_ns() + Ns(config_.timing.start_timeout_s);
   std::int64_t next_request_ns = 0;
+  Drain();  // what waited in the sockets since they were opened is old
   for (Joint& joint : joints_) {
     JointConfig kept = joint.config;
     joint = Joint{};
@@ -232,13 +240,12 @@ void CanPlant::ClearFault() {
   }
 }
 
-void CanPlant::Step(const provider::PlantCommand& command, double period_s,
-                    provider::PlantSensors* sensors) {
-  can::Transport& clock = *transports_.front();
-  const std::int64_t start_ns = clock.now_ns();
+void CanPlant::Act(const provider::PlantCommand& command, double period_s) {
+  acted_ = true;
+  const std::int64_t start_ns = transports_.front()->now_ns();
   Drain();  // what came in since: phases and limits judge by the newest
-  const bool ask_iq = config_.timing.iq_every_cycles > 0 &&
-                      cycle_ % static_cast<std::uint64_t>(config_.timing.iq_every_cycles) == 0;
+  // Cyclic estimates: the answer is there by the end of the cycle. Requested ones: Step asks.
+  const bool ask_iq = config_.timing.estimates == Estimates::kCyclic && AsksIq();
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     Joint& joint = joints_[j];
     Mode mode = command.mode[j];
@@ -251,9 +258,6 @@ void CanPlant::Step(const provider::PlantCommand& command, double period_s,
     CommandJoint(joint, mode, command.motor_torque_Nm[j], command.position_rad[j],
                  command.velocity_rad_s[j], period_s, start_ns);
     can::Transport& bus = *transports_[static_cast<std::size_t>(joint.config.bus)];
-    if (config_.timing.estimates == Estimates::kRequested) {
-      (void)bus.Send(can::EncodeRequest(joint.config.node, Command::kGetEncoderEstimates));
-    }
     if (ask_iq) (void)bus.Send(can::EncodeRequest(joint.config.node, Command::kGetIq));
     if (joint.config.output) {
       (void)bus.Send(can::Encode(
@@ -263,15 +267,36 @@ void CanPlant::Step(const provider::PlantCommand& command, double period_s,
                             static_cast<std::uint16_t>(config_.timing.valve_timeout_ms)}));
     }
   }
-  const std::int64_t sent_ns = clock.now_ns();
-  if (config_.timing.estimates == Estimates::kRequested) Collect(start_ns, ask_iq);
-  const std::int64_t collected_ns = clock.now_ns();
+  acted_us_ = 1e-3 * static_cast<double>(transports_.front()->now_ns() - start_ns);
+}
+
+void CanPlant::Step(const provider::PlantCommand& command, double period_s,
+                    provider::PlantSensors* sensors) {
+  can::Transport& clock = *transports_.front();
+  if (!acted_) Act(command, period_s);
+  acted_ = false;
+  if (config_.timing.estimates == Estimates::kRequested) {
+    const bool ask_iq = AsksIq();
+    const std::int64_t asked_ns = clock.now_ns();
+    for (const Joint& joint : joints_) {
+      can::Transport& bus = *transports_[static_cast<std::size_t>(joint.config.bus)];
+      (void)bus.Send(can::EncodeRequest(joint.config.node, Command::kGetEncoderEstimates));
+      if (ask_iq) (void)bus.Send(can::EncodeRequest(joint.config.node, Command::kGetIq));
+    }
+    Collect(asked_ns, ask_iq);
+  }
+  const std::int64_t start_ns = clock.now_ns();
   Drain();
   Judge(clock.now_ns());
   Fill(clock.now_ns(), sensors);
   ++cycle_;
   const std::int64_t end_ns = clock.now_ns();
-  Report(end_ns, 1e-3 * static_cast<double>((sent_ns - start_ns) + (end_ns - collected_ns)));
+  Report(end_ns, acted_us_ + 1e-3 * static_cast<double>(end_ns - start_ns));
+}
+
+bool CanPlant::AsksIq() const {
+  return config_.timing.iq_every_cycles > 0 &&
+         cycle_ % static_cast<std::uint64_t>(config_.timing.iq_every_cycles) == 0;
 }
 
 void CanPlant::Drain() {

@@ -113,6 +113,8 @@ class CanPlant : public provider::Plant {
   // The transports must outlive it. Throws std::invalid_argument naming joint and value.
   CanPlant(const BridgeConfig& config, std::vector<can::Transport*> transports);
 
+  // What the constructor refuses, without a transport.
+  static void Check(const BridgeConfig& config);
   // The identifiers a bus's transport has to let through: exactly those.
   static std::vector<can::IdFilter> Filters(const BridgeConfig& config, int bus);
 
@@ -124,11 +126,14 @@ class CanPlant : public provider::Plant {
   void Reset(provider::PlantSensors* sensors) override;
   void Step(const provider::PlantCommand& command, double period_s,
             provider::PlantSensors* sensors) override;
+  bool acts_at_once() const override { return true; }
+  // Sends the cycle's frames; the next Step then only reads. Without it, Step sends them.
+  void Act(const provider::PlantCommand& command, double period_s) override;
   const provider::BusReport* bus_report() const override { return &report_; }
 
   // The operator's reset: errors of the controllers cleared, latched faults forgotten. What is
   // still wrong is a fault again at the next Step.
-  void ClearFault();
+  void ClearFault() override;
 
   FaultKind fault(int joint) const { return joints_[static_cast<std::size_t>(joint)].fault; }
   std::uint64_t malformed() const { return malformed_; }  // frames of ours that could not be read
@@ -169,6 +174,7 @@ class CanPlant : public provider::Plant {
   void Take(int bus, const can::Received& received);
   void TakeFromAxis(Joint& joint, const can::Received& received);
   void TakeFromNode(Joint& joint, const can::Received& received);
+  bool AsksIq() const;
   void Drain();
   void Collect(std::int64_t cycle_start_ns, bool with_iq);
   bool AllAnswered(std::int64_t cycle_start_ns, bool with_iq) const;
@@ -196,6 +202,8 @@ class CanPlant : public provider::Plant {
   std::vector<std::array<int, 64>> axis_of_;  // per bus and node: joint, or -1
   std::vector<std::array<int, 64>> node_of_;
   std::uint64_t cycle_ = 0;
+  bool acted_ = false;
+  double acted_us_ = 0.0;  // work of Act, for the report
   std::uint64_t malformed_ = 0;
   provider::BusReport report_;
   std::int64_t report_ns_ = 0;

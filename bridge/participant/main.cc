@@ -3,7 +3,6 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
-#include <stdexcept>
 
 #include "bridge/participant/can_plant.h"
 #include "bridge/participant/file/bridge_config.h"
@@ -34,15 +33,10 @@ void Run(const node::Options& options, node::StopFlag& stop,
         can::OpenBus(file.buses[b], bridge::CanPlant::Filters(file.bridge, static_cast<int>(b))));
     pointers.push_back(transports.back().get());
   }
-  std::unique_ptr<bridge::CanPlant> plant;
-  try {
-    plant = std::make_unique<bridge::CanPlant>(file.bridge, pointers);
-  } catch (const std::invalid_argument& error) {
-    throw UsageError(options.config_path.string() + ": " + error.what());
-  }
+  bridge::CanPlant plant(file.bridge, pointers);
   spdlog::info("{} joints on {} buses, {}", file.bridge.joints.size(), file.buses.size(),
                file.bridge.live ? "live" : "simulated");
-  provider::RunProvider(options, stop, provider_options, guard, *plant);
+  provider::RunProvider(options, stop, provider_options, guard, plant);
   for (const can::Transport* bus : pointers) {
     const can::TransportCounters counters = bus->counters();
     spdlog::info("bus '{}': {} frames sent, {} received, {} dropped, {} error frames", bus->name(),

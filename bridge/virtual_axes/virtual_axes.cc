@@ -38,23 +38,19 @@ double FiniteOrZero(double value) { return std::isfinite(value) ? value : 0.0; }
 
 }  // namespace
 
-VirtualAxes::VirtualAxes(const VirtualAxesConfig& config, provider::Plant& plant,
-                         std::vector<can::Transport*> transports)
-    : config_(config), plant_(plant), transports_(std::move(transports)) {
+void VirtualAxes::Check(const VirtualAxesConfig& config, int joints, int buses) {
   Require(config.step_s >= 1e-5 && config.step_s <= 0.1,
           "step_s = " + std::to_string(config.step_s) + ", expected 1e-5 to 0.1");
   Require(!config.axes.empty() || !config.nodes.empty(), "no axes and no sensor nodes");
   std::set<std::pair<int, int>> used;
   const auto check = [&](const std::string& what, int bus, int node, int joint, int direction) {
-    Require(bus >= 0 && bus < static_cast<int>(transports_.size()),
-            what + ": no bus " + std::to_string(bus));
+    Require(bus >= 0 && bus < buses, what + ": no bus " + std::to_string(bus));
     Require(node >= 0 && node <= can::kMaxNode,
             what + ": node " + std::to_string(node) + ", expected 0 to 63");
     Require(used.emplace(bus, node).second,
             what + ": node " + std::to_string(node) + " is used twice");
-    Require(joint >= 0 && joint < plant.joint_count(), what + ": joint " + std::to_string(joint) +
-                                                           ", the plant has " +
-                                                           std::to_string(plant.joint_count()));
+    Require(joint >= 0 && joint < joints, what + ": joint " + std::to_string(joint) +
+                                              ", the plant has " + std::to_string(joints));
     Require(direction == 1 || direction == -1,
             what + ": direction " + std::to_string(direction) + ", expected 1 or -1");
   };
@@ -66,6 +62,17 @@ VirtualAxes::VirtualAxes(const VirtualAxesConfig& config, provider::Plant& plant
                 std::isfinite(a.zero_rev),
             "axis of node " + std::to_string(a.node) +
                 ": ratios, constants and limits must be positive");
+  }
+  for (const SensorNodeConfig& n : config.nodes) {
+    check("sensor node", n.bus, n.node, n.joint, n.direction);
+  }
+}
+
+VirtualAxes::VirtualAxes(const VirtualAxesConfig& config, provider::Plant& plant,
+                         std::vector<can::Transport*> transports)
+    : config_(config), plant_(plant), transports_(std::move(transports)) {
+  Check(config, plant.joint_count(), static_cast<int>(transports_.size()));
+  for (const AxisConfig& a : config.axes) {
     Axis axis;
     axis.config = a;
     axis.velocity_limit_rev_s = a.velocity_limit_rev_s;
@@ -78,7 +85,6 @@ VirtualAxes::VirtualAxes(const VirtualAxesConfig& config, provider::Plant& plant
     axes_.push_back(axis);
   }
   for (const SensorNodeConfig& n : config.nodes) {
-    check("sensor node", n.bus, n.node, n.joint, n.direction);
     Node node;
     node.config = n;
     node.due[0].every_ms = n.heartbeat_ms;
@@ -160,7 +166,7 @@ void VirtualAxes::TakeForAxis(Axis& axis, const can::Frame& frame, std::int64_t 
   axis.fed_ns = now_ns;  // any frame feeds the watchdog, unknown ones too
   if (!can::Knows(firmware, command)) return;
   if (can::IsRequest(frame, firmware)) {
-    Request(axis, command);
+    SendAxis(axis, command);
     return;
   }
   switch (command) {
@@ -262,8 +268,6 @@ void VirtualAxes::TakeForAxis(Axis& axis, const can::Frame& frame, std::int64_t 
       break;  // gains, trajectories, anticogging: taken note of by nobody
   }
 }
-
-void VirtualAxes::Request(Axis& axis, Command command) { SendAxis(axis, command); }
 
 void VirtualAxes::SendDue(std::int64_t now_ns) {
   const auto is_due = [now_ns](Due& due) {

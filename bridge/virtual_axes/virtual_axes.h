@@ -81,6 +81,9 @@ class VirtualAxes {
   VirtualAxes(const VirtualAxesConfig& config, provider::Plant& plant,
               std::vector<can::Transport*> transports);
 
+  // What the constructor refuses, without plant and transports.
+  static void Check(const VirtualAxesConfig& config, int joints, int buses);
+
   // Starts at this time.
   void Start(std::int64_t now_ns);
   // When Run wants to be called next.
@@ -140,7 +143,6 @@ class VirtualAxes {
 
   void Take(int bus, const can::Frame& frame, std::int64_t now_ns);
   void TakeForAxis(Axis& axis, const can::Frame& frame, std::int64_t now_ns);
-  void Request(Axis& axis, can::Command command);
   void SendDue(std::int64_t now_ns);
   void SendAxis(Axis& axis, can::Command command);
   void SendNode(Node& node, int which, std::int64_t now_ns);

@@ -28,11 +28,6 @@ Design::Design(StateSet states, const ProcessingOptions& options)
       rows_.used.push_back(segment.usable[k]);
       rows_.sample.push_back(i);
     }
-    Eigen::VectorXd smooth(segment.size());
-    for (Eigen::Index i = 0; i < segment.size(); ++i) {
-      smooth[i] = segment.samples[static_cast<std::size_t>(i)].drive_input;
-    }
-    measured_smooth_.push_back(std::move(smooth));
   }
   rows_.time_s = Eigen::Map<const Eigen::VectorXd>(time.data(), static_cast<Eigen::Index>(time.size()));
 }
@@ -105,14 +100,12 @@ Eigen::VectorXd Design::MeasuredDrive(const effects::Effect& drive) const {
 
 void Design::PredictDrive(const actuator::JointModel& model) {
   std::vector<double> memory(static_cast<std::size_t>(model.memory_size()));
-  for (std::size_t s = 0; s < states_.segments.size(); ++s) {
-    StateSegment& segment = states_.segments[s];
+  for (StateSegment& segment : states_.segments) {
     model.ResetMemory(segment.samples.front(), memory);
     for (Eigen::Index i = 0; i < segment.size(); ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      effects::JointSample& x = segment.samples[k];
+      effects::JointSample& x = segment.samples[static_cast<std::size_t>(i)];
       if (i > 0) model.Advance(x, segment.period_s, memory);
-      x.drive_input = segment.at_rest[k] ? measured_smooth_[s][i] : model.RequiredDriveInput(x, memory);
+      x.drive_input = model.RequiredDriveInput(x, memory);
     }
   }
 }

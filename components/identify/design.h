@@ -65,8 +65,7 @@ class Design {
   }
 
   // From now on effects that read the drive see the drive that the model needs, not the measured one:
-  // noise of the measured drive would stand on both sides of the equation. At rest, where the model
-  // says nothing, the measured drive stays. Its rate stays measured.
+  // noise of the measured drive would stand on both sides of the equation. Its rate stays measured.
   void PredictDrive(const actuator::JointModel& model);
 
  private:
@@ -79,7 +78,6 @@ class Design {
   ProcessingOptions options_;
   double rows_per_s_;
   Rows rows_;
-  std::vector<Eigen::VectorXd> measured_smooth_;  // drive input per segment
 };
 
 }  // namespace sinew::identify

@@ -81,6 +81,13 @@ class Plant {
   virtual void Reset(PlantSensors* sensors) = 0;
   // Applies the command for one period and reads the sensors at its end.
   virtual void Step(const PlantCommand& command, double period_s, PlantSensors* sensors) = 0;
+  // Hardware acts the moment it is told. True: in real time the provider calls Act as soon as the
+  // cycle's command is there (at the latest in the middle of the period), and the Step that ends
+  // the cycle only reads the sensors.
+  virtual bool acts_at_once() const { return false; }
+  virtual void Act(const PlantCommand& /*command*/, double /*period_s*/) {}
+  // The operator's reset: faults that can be cleared are, before the next Step.
+  virtual void ClearFault() {}
   virtual const BusReport* bus_report() const { return nullptr; }
   virtual const BodySensors* body_sensors() const { return nullptr; }
 };

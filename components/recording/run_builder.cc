@@ -20,6 +20,8 @@ using identify::Signal;
 constexpr std::size_t kSignals = 14;
 constexpr std::uint32_t kWithoutActuator =
     SignalBit(Signal::kPosition) | SignalBit(Signal::kVelocity) | SignalBit(Signal::kTorque);
+constexpr auto kPositionIndex = static_cast<std::size_t>(Signal::kPosition);
+constexpr auto kReferenceIndex = static_cast<std::size_t>(Signal::kReferencePosition);
 constexpr int kHeldTicks = 2;  // a lost set point is the last one for so long
 
 struct Row {
@@ -27,6 +29,7 @@ struct Row {
   bool joint = false;
   bool actuator = false;
   bool reference = false;
+  bool asked = false;  // the reference asks for something
   bool valid = true;
   std::array<double, kSignals> values{};
 };
@@ -81,7 +84,8 @@ void TakeMessage(const Decoder& decoder, std::span<const std::byte> data, int jo
   const auto session_id = static_cast<std::uint64_t>(decoder.session_id->AsInt(data));
   const auto tick = static_cast<std::uint64_t>(decoder.tick->AsInt(data));
   const std::int64_t joint_count = decoder.joint_count->AsInt(data);
-  if (joint >= joint_count) {
+  const bool idle = decoder.topic == "reference" && joint_count == 0;
+  if (joint >= joint_count && !idle) {
     throw std::invalid_argument(name + ": joint " + std::to_string(joint) +
                                 " is asked for, topic '" + decoder.topic + "' has joints 0 to " +
                                 std::to_string(joint_count - 1));
@@ -94,6 +98,8 @@ void TakeMessage(const Decoder& decoder, std::span<const std::byte> data, int jo
                                       : row.reference;
   if (here) return;  // the first of a tick counts
   here = true;
+  if (idle) return;
+  if (!decoder.measured_flags && !decoder.joint_kind) row.asked = true;
   if (decoder.joint_kind) {
     row.stamp_ns = decoder.stamp_ns->AsInt(data);
     session->second.linear = decoder.joint_kind->AsInt(data) == 1;
@@ -112,12 +118,12 @@ void TakeMessage(const Decoder& decoder, std::span<const std::byte> data, int jo
 
 std::optional<identify::Run> MakeRun(Session* session) {
   std::vector<Row*> rows;
-  const double* reference = nullptr;
+  const Row* reference = nullptr;
   int since_reference = 0;
   bool has_reference = true;
   for (auto& [tick, row] : session->rows) {
     if (row.reference) {
-      reference = &row.values[static_cast<std::size_t>(Signal::kReferencePosition)];
+      reference = &row;
       since_reference = 0;
     } else {
       ++since_reference;
@@ -125,8 +131,10 @@ std::optional<identify::Run> MakeRun(Session* session) {
     if (!row.joint || !row.valid || (session->any_actuator && !row.actuator)) continue;
     if (!rows.empty() && row.stamp_ns <= rows.back()->stamp_ns) continue;  // no time passed
     if (reference == nullptr || since_reference > kHeldTicks) has_reference = false;
-    if (reference != nullptr)
-      row.values[static_cast<std::size_t>(Signal::kReferencePosition)] = *reference;
+    if (reference != nullptr) {
+      row.values[kReferenceIndex] =
+          reference->asked ? reference->values[kReferenceIndex] : row.values[kPositionIndex];
+    }
     rows.push_back(&row);
   }
   if (rows.size() < 2) return std::nullopt;

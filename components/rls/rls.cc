@@ -102,17 +102,20 @@ UpdateStatus RecursiveLeastSquares::Update(Eigen::Ref<const Eigen::VectorXd> fea
     innovation_(o) = target(o) - kernel.dot(weight_.data() + o * stride_, phi_.data(), stride_);
     mean_square += innovation_(o) * innovation_(o) / outputs_;
   }
-  double keep = 1.0;
+  double root_weight = 1.0;
   if (config_.clip_sigmas > 0.0) {
     const double limit = config_.clip_sigmas * config_.clip_sigmas * innovation_variance_;
     if (mean_square > limit) {
-      keep = std::sqrt(limit / mean_square);
+      root_weight = std::pow(limit / mean_square, 0.25);  // w = sqrt(limit / mean_square)
       mean_square = limit;
     }
     innovation_variance_ = std::max(kSmallestVariance, config_.innovation_memory * innovation_variance_ +
                                                            (1.0 - config_.innovation_memory) * mean_square);
   }
 
+  if (root_weight < 1.0) {
+    for (double& value : phi_) value *= root_weight;
+  }
   kernel.project(u_.data(), phi_.data(), size_, stride_, f_.data());
   internal::UpdateArguments arguments;
   arguments.size = size_;
@@ -124,12 +127,12 @@ UpdateStatus RecursiveLeastSquares::Update(Eigen::Ref<const Eigen::VectorXd> fea
   arguments.gain = gain_.data();
   const double alpha = kernel.update(arguments);
   for (int o = 0; o < outputs_; ++o) {
-    kernel.add_scaled(keep * innovation_(o) / alpha, gain_.data(), stride_, weight_.data() + o * stride_);
+    kernel.add_scaled(root_weight * innovation_(o) / alpha, gain_.data(), stride_, weight_.data() + o * stride_);
   }
   if (pseudo_ > 0.0) LeakOneCoordinate();
   ++updates_;
-  if (keep < 1.0) ++clipped_;
-  return keep < 1.0 ? UpdateStatus::kClipped : UpdateStatus::kOk;
+  if (root_weight < 1.0) ++clipped_;
+  return root_weight < 1.0 ? UpdateStatus::kClipped : UpdateStatus::kOk;
 }
 
 void RecursiveLeastSquares::LeakOneCoordinate() noexcept {

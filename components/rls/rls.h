@@ -1,7 +1,7 @@
 // Recursive least squares with forgetting for the readout of a network, made to run for ever.
 //
-//   alpha = lambda + phi' P phi,  k = P phi / alpha
-//   e     = y - W phi,            W <- W + clip(e) k'
+//   alpha = lambda + w phi' P phi,  k = w P phi / alpha
+//   e     = y - W phi,              W <- W + e k'
 //   P     <- (P - k phi' P) / lambda
 //
 // All outputs share the covariance P. What keeps it in bounds:
@@ -11,9 +11,9 @@
 //    sqrt(rho) W0[:, i] = sqrt(rho) W[:, i] of unit noise on a cycling coordinate i, with
 //    rho = leak n (1 - lambda) delta. With leak = 1 it puts back the information about a coordinate that
 //    forgetting takes: directions that are not excited return to the prior precision delta and to W0;
-//  - clipping: an innovation whose mean square over the outputs is beyond clip_sigmas standard deviations of the
-//    recent ones is scaled back, so that a single wrong sample moves little and a lasting change is followed within
-//    some tens of samples.
+//  - clipping: where the root mean square of an innovation over the outputs is beyond clip_sigmas standard deviations
+//    of the recent ones, the sample gets the weight w = limit / rms(e) (Huber 1964), else 1. A single wrong sample
+//    moves little, and since it counts less in P too, a lasting change is followed within some tens of samples.
 //
 //   symbol  here
 //   lambda  forgetting
@@ -41,7 +41,7 @@ struct Config {
 
 enum class [[nodiscard]] UpdateStatus {
   kOk,
-  kClipped,   // updated, with the innovation scaled back
+  kClipped,   // updated, with a weight below 1
   kBadInput,  // not finite or of the wrong size: nothing changed
 };
 

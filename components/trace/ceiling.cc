@@ -5,7 +5,6 @@
 #include <cmath>
 #include <random>
 
-#include "components/identify/spectrum.h"
 #include "components/identify/statistics.h"
 
 namespace sinew::trace {
@@ -70,19 +69,21 @@ double FromStandstill(const identify::Design& design, const Eigen::VectorXd& tor
   return freedom >= 30.0 ? std::sqrt(squares / freedom) : 0.0;
 }
 
-double FromHighBand(const identify::Design& design, double drive_gain) {
+// Fourth differences of white noise have 70 times its variance; their median absolute value does not see
+// spikes and smooth motion.
+double FromDifferences(const identify::Design& design, double drive_gain) {
   double best = 0.0;
   for (const identify::StateSegment& segment : design.states().segments) {
+    const Eigen::VectorXd& x = segment.drive_input;
     const double rate = 1.0 / segment.period_s;
-    if (design.options().parallel_cutoff_Hz > 0.3 * rate) continue;
-    const identify::Spectrum spectrum = identify::PowerDensity(segment.drive_input, rate, 2048);
-    std::vector<double> level;
-    for (Eigen::Index i = 0; i < spectrum.density.size(); ++i) {
-      if (spectrum.frequency_Hz[i] > 0.35 * rate) level.push_back(spectrum.density[i]);
+    if (x.size() < 100 || design.options().parallel_cutoff_Hz > 0.4 * rate) continue;
+    std::vector<double> size;
+    for (Eigen::Index i = 0; i + 4 < x.size(); ++i) {
+      size.push_back(std::abs(x[i] - 4.0 * x[i + 1] + 6.0 * x[i + 2] - 4.0 * x[i + 3] + x[i + 4]));
     }
-    if (level.size() < 8) continue;
-    const double rms = drive_gain * std::sqrt(identify::Quantile(level, 0.5) *
-                                              design.options().parallel_cutoff_Hz);
+    const double sigma = 1.4826 * identify::Quantile(std::move(size), 0.5) / std::sqrt(70.0);
+    const double rms =
+        drive_gain * sigma * std::sqrt(design.options().parallel_cutoff_Hz / (0.5 * rate));
     best = best > 0.0 ? std::min(best, rms) : rms;
   }
   return best;
@@ -110,9 +111,9 @@ NoiseFloor EstimateNoiseFloor(const identify::Design& design, const identify::Ba
   }
   const double gain =
       input > 0.0 ? drive_factor * std::sqrt(balance.drive_torque.squaredNorm() / input) : 0.0;
-  const double high = FromHighBand(design, gain);
+  const double high = FromDifferences(design, gain);
   if (still > 0.0 && (still <= high || high == 0.0)) return {still, "standstill"};
-  if (high > 0.0) return {high, "above the motion's band"};
+  if (high > 0.0) return {high, "sample-to-sample scatter"};
   return {0.0, ""};
 }
 

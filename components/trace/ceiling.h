@@ -14,11 +14,11 @@ namespace sinew::trace {
 
 struct NoiseFloor {
   double rms = 0.0;      // torque at the output, after the parallel filter; 0: unknown
-  std::string source;    // "standstill", "above the motion's band", ""
+  std::string source;    // "standstill", "sample-to-sample scatter", ""
 };
 
-// From spells at rest (drive and known torques, straight line removed from each), and from the level
-// of the drive's spectrum between 0.7 and 1 of the Nyquist frequency, taken as white: the lower one.
+// From spells at rest (drive and known torques, straight line removed from each), and from the scatter
+// of the drive from sample to sample, taken as white: the lower one.
 NoiseFloor EstimateNoiseFloor(const identify::Design& design, const identify::Balance& balance,
                               double drive_factor);
 

@@ -26,7 +26,12 @@ constexpr int kFlexibleColumns = 120;
 constexpr double kSameClass = 0.9;
 // An effect that could hide this share of the drive torque without being seen is "not excited".
 constexpr double kHiddenShare = 0.25;
+// Less of a candidate's power than this beside all declared terms: a refit swallows it.
+constexpr double kSwallowed = 1e-3;
+// Less than this beside one declared term alone: it is that term seen from another side.
+constexpr double kVariant = 0.02;
 constexpr double kFewestUnits = 6;
+constexpr double kShortestDelay = 0.1;  // of a sample
 
 double SumSquares(const Eigen::VectorXd& x, const std::vector<Eigen::Index>& rows) {
   double sum = 0.0;
@@ -52,7 +57,30 @@ struct Trial {
   Eigen::VectorXd part;          // what it contributes, freed of the base, used rows
   CandidateScore score;
   double detectable = 0.0;       // torque share that could hide
+  bool hidden = false;           // the declared terms carry it
 };
+
+// What a parameter that is relative to the drive is divided by (as actuator::PhysicalValue).
+double DriveShare(const actuator::JointModel& model) {
+  for (const actuator::Term& term : model.terms) {
+    const effects::EffectInfo& info = term.effect->info();
+    if (info.role != effects::Role::kDrive) continue;
+    const double ideal = info.linear.front().dimension == effects::Dimension::kNone
+                             ? 1.0
+                             : model.constants.force_constant_N_V;
+    const double share = term.linear.front().value / (ideal > 0.0 ? ideal : 1.0);
+    return share != 0.0 ? share : 1.0;
+  }
+  return 1.0;
+}
+
+bool LookAlike(const effects::EffectInfo& a, const effects::EffectInfo& b) {
+  const auto lists = [](const effects::EffectInfo& info, const std::string& name) {
+    return std::find(info.look_alikes.begin(), info.look_alikes.end(), name) !=
+           info.look_alikes.end();
+  };
+  return lists(a, b.name) || lists(b, a.name);
+}
 
 class Tracer {
  public:
@@ -123,6 +151,7 @@ class Tracer {
                           fit.balance.target - fit.balance.columns * fit.coefficients,
                           Folds(units_.blocks.size()));
 
+    result_.nominal = declared_;
     result_.declared = fit.model;
     result_.declared_fit = fit;
     result_.units = static_cast<int>(units_.blocks.size());
@@ -202,7 +231,22 @@ class Tracer {
           trial.score.visible_share = visible;
         }
       }
-      if (visible_best < 1e-3) trial.detectable = std::numeric_limits<double>::infinity();
+      // A look-alike of a declared term in other clothes: nothing but that term's own flaws shows.
+      double beside_one = 1.0;
+      if (candidate.grid.size() == 1 && candidate.grid.front().columns.cols() == 1) {
+        const Eigen::VectorXd z = PickRows(candidate.grid.front().columns, used_);
+        const Eigen::Index first = balance.fits_scale ? 1 : 0;
+        for (Eigen::Index c = first; c < base_used.cols(); ++c) {
+          const auto term = static_cast<std::size_t>(
+              balance.parameters[static_cast<std::size_t>(c - first)].term);
+          if (!LookAlike(candidate.effect->info(), fit.model.terms[term].effect->info())) continue;
+          const double power = z.squaredNorm() * base_used.col(c).squaredNorm();
+          const double dot = z.dot(base_used.col(c));
+          if (power > 0.0) beside_one = std::min(beside_one, 1.0 - dot * dot / power);
+        }
+      }
+      trial.hidden = visible_best < kSwallowed || beside_one < kVariant;
+      if (trial.hidden) trial.detectable = std::numeric_limits<double>::infinity();
       trial.gains = base_errors - LeftOutErrors(trial.settings, ones, folds);
       CandidateScore& score = trial.score;
       score.name = candidate.name();
@@ -218,8 +262,7 @@ class Tracer {
             candidate.effect->info().linear[static_cast<std::size_t>(i)];
         score.theta.push_back(scale * extra[i]);
         const double physical =
-            info.relative_to_drive ? scale * extra[i] / balance.Scale(fit.coefficients)
-                                   : scale * extra[i];
+            info.relative_to_drive ? scale * extra[i] / DriveShare(fit.model) : scale * extra[i];
         if (physical < info.lower || physical > info.upper) score.physical = false;
       }
       score.stable = Stable(trial, balance.columns.cols());
@@ -235,6 +278,7 @@ class Tracer {
       const Eigen::VectorXd errors = LeftOutErrors(base, signs, folds);
       double best = 0.0;
       for (const Trial& trial : trials) {
+        if (trial.hidden) continue;
         const double gain = (errors - LeftOutErrors(trial.settings, signs, folds)).sum();
         best = std::max(best, gain / errors.sum());
       }
@@ -242,19 +286,34 @@ class Tracer {
     }
     report->placebo_99 = identify::Quantile(best_false, 0.99);
 
+    // A drive that acts late by less than a tenth of a sample is a skew between channels, whatever its
+    // name: it is a finding, no effect.
+    const Trial* delay = nullptr;
+    for (const Trial& trial : trials) {
+      if (trial.score.name == "transport_delay") delay = &trial;
+    }
+    const double shortest_s = kShortestDelay / train_.states().rate_Hz;
+    const bool skew =
+        delay != nullptr &&
+        std::abs(delay->score.theta.front() / DriveShare(fit.model)) < shortest_s;
+
     const double quantile =
         identify::StudentQuantile(0.9772, std::max(1.0, static_cast<double>(blocks.size()) - 1.0)) /
         2.0;  // two standard errors of a normal become this much wider
     for (Trial& trial : trials) {
       CandidateScore& score = trial.score;
-      if (!(score.gain.t > options_.fewest_standard_errors * quantile)) {
+      if (trial.hidden) {
+        score.refused = "a declared term carries it";
+      } else if (!(score.gain.t > options_.fewest_standard_errors * quantile)) {
         score.refused = "gain within its error";
       } else if (score.explainable_share < options_.smallest_explainable_share) {
         score.refused = "gain below 5 % of what can be explained";
       } else if (score.gain_share < options_.smallest_residual_share) {
-        score.refused = "gain below 3 % of the residual";
+        score.refused = "gain below 5 % of the residual";
       } else if (score.gain_share <= report->placebo_99) {
         score.refused = "gain as in recordings without the effect";
+      } else if (skew && Correlation(trial.part, delay->part) > kSameClass) {
+        score.refused = "a skew between channels below a tenth of a sample";
       } else if (!score.physical) {
         score.refused = "sign or size is not physical";
       } else if (!score.stable) {
@@ -354,7 +413,7 @@ class Tracer {
     found.train_before = fit->rms;
     found.sealed_before = report.sealed_rms;
     for (std::size_t i = 0; i < trials.size(); ++i) {
-      if (i == chosen || !trials[i].score.physical) continue;
+      if (i == chosen || trials[i].hidden || !trials[i].score.physical) continue;
       const Gain behind = GainOf(winner.gains - trials[i].gains);
       const bool close = trials[i].score.accepted && behind.sum <= behind.standard_error;
       const bool same_class = trials[i].score.gain_share > 0.5 * winner.score.gain_share &&

@@ -20,7 +20,6 @@ constexpr double kInertia_kg_m2 = 0.134;
 constexpr double kViscous_Nm_s_rad = 0.31;
 constexpr double kCoulomb_Nm = 0.2;
 constexpr double kGravity_Nm = 0.58;
-constexpr double kPneumatic_Nm_bar = 0.3587;
 constexpr double kStiffness_Nm_rad = 60.0;
 constexpr double kDamping_Nm_s_rad = 5.0;
 constexpr double kTorqueLimit_Nm = 0.3;  // motor shaft
@@ -41,8 +40,10 @@ double Window(double local_s, double length_s, double edge_s) {
 ExcitationKind ParseExcitation(std::string_view text) {
   if (text == "designed") return ExcitationKind::kDesigned;
   if (text == "task") return ExcitationKind::kTask;
+  if (text == "sea") return ExcitationKind::kSea;
+  if (text == "pea") return ExcitationKind::kPea;
   throw std::invalid_argument("excitation '" + std::string(text) +
-                              "' is not known, expected designed or task");
+                              "' is not known, expected designed, task, sea or pea");
 }
 
 std::vector<Excitation::Sine> Excitation::MakeSines(RandomStream* random, int count,
@@ -89,6 +90,13 @@ Excitation::Excitation(const ExcitationParameters& parameters) : parameters_(par
       add({.shape = Shape::kRest, .length_s = random.Uniform(0.5, 1.5)});
     }
     pressure_ = {{0.0, 4.0, true}};
+    return;
+  }
+
+  if (p.kind == ExcitationKind::kSea || p.kind == ExcitationKind::kPea) {
+    add({.shape = Shape::kRest, .length_s = p.duration_s});
+    pressure_ = {{0.0, p.kind == ExcitationKind::kSea ? 6.0 : 4.0, true}};
+    PlanStrokes(&random);
     return;
   }
 
@@ -164,6 +172,48 @@ Excitation::Excitation(const ExcitationParameters& parameters) : parameters_(par
   }
 }
 
+void Excitation::PlanStrokes(RandomStream* random) {
+  double time_s = 1.0;
+  while (time_s < parameters_.duration_s) {
+    Stroke stroke{.start_s = time_s};
+    if (parameters_.kind == ExcitationKind::kSea) {
+      // A person keeps time and force to about a tenth.
+      stroke.length_s = 0.5 * (1.0 + 0.08 * std::tanh(random->Gaussian()));
+      stroke.size = 11.0 * (1.0 + 0.1 * std::tanh(random->Gaussian()));
+    } else {
+      stroke.length_s = 3.5 * (1.0 + 0.15 * std::tanh(random->Gaussian()));
+      stroke.size = std::numbers::pi * (1.0 - 0.04 * random->Uniform());
+    }
+    time_s += stroke.length_s;
+    strokes_.push_back(stroke);
+  }
+}
+
+const Excitation::Stroke& Excitation::StrokeAt(double time_s) const {
+  const auto after = std::upper_bound(strokes_.begin(), strokes_.end(), time_s,
+                                      [](double t, const Stroke& s) { return t < s.start_s; });
+  return after == strokes_.begin() ? strokes_.front() : *std::prev(after);
+}
+
+double Excitation::PeaHand_N(double time_s, const provider::PlantSensors& sensors) const {
+  // The hand goes down and back as a raised cosine and pushes like a soft spring; it cannot pull.
+  constexpr double kHand_N_rad = 150.0;
+  constexpr double kHandLimit_N = 60.0;
+  const double behind_rad = sensors.position_rad[0] - Reference_rad(time_s);
+  return std::clamp(kHand_N_rad * behind_rad, 0.0, kHandLimit_N);
+}
+
+void Excitation::Prepare(RigParameters* rig) const {
+  rig->pneumatics.initial_pressure_bar = initial_pressure_bar();
+  rig->pneumatics.initial_valve_open = true;
+  if (parameters_.kind == ExcitationKind::kSea) {
+    rig->rotor_locked = true;
+    rig->initial_angle_rad = 0.0;
+  } else if (parameters_.kind == ExcitationKind::kPea) {
+    rig->initial_angle_rad = 0.5 * std::numbers::pi;
+  }
+}
+
 const Excitation::Segment& Excitation::At(double time_s) const {
   const auto after = std::upper_bound(segments_.begin(), segments_.end(), time_s,
                                       [](double t, const Segment& s) { return t < s.start_s; });
@@ -202,6 +252,13 @@ double Excitation::ShapeValue(const Segment& segment, double local_s) {
 }
 
 double Excitation::Reference_rad(double time_s) const {
+  if (parameters_.kind == ExcitationKind::kPea) {
+    constexpr double kUpright_rad = 0.5 * std::numbers::pi;
+    const Stroke& stroke = StrokeAt(time_s);
+    const double local_s = time_s - stroke.start_s;
+    if (local_s < 0.0 || local_s > stroke.length_s) return kUpright_rad;
+    return kUpright_rad - 0.5 * stroke.size * (1.0 - std::cos(kTwoPi * local_s / stroke.length_s));
+  }
   const Segment& segment = At(time_s);
   const double local_s = time_s - segment.start_s;
   if (local_s <= segment.length_s) return segment.centre_rad + ShapeValue(segment, local_s);
@@ -212,6 +269,13 @@ double Excitation::Reference_rad(double time_s) const {
 }
 
 double Excitation::Hand_N(double time_s) const {
+  if (parameters_.kind == ExcitationKind::kSea) {
+    const Stroke& stroke = StrokeAt(time_s);
+    const double local_s = time_s - stroke.start_s;
+    if (local_s < 0.0 || local_s > stroke.length_s) return 0.0;
+    // Pushes for a little over half of the stroke.
+    return stroke.size * std::max(0.0, std::sin(kTwoPi * local_s / stroke.length_s) + 0.1) / 1.1;
+  }
   const Segment& segment = At(time_s);
   const double local_s = time_s - segment.start_s;
   if (segment.hand_N == 0.0 || local_s > segment.length_s) return 0.0;
@@ -232,6 +296,21 @@ double Excitation::PressureTarget_bar(double time_s) const {
 
 void Excitation::operator()(double time_s, const provider::PlantSensors& sensors,
                             provider::PlantCommand* command) const {
+  if (parameters_.kind == ExcitationKind::kSea) {
+    command->hand_force_N[0] = Hand_N(time_s);
+    command->valve_open[0] = true;
+    command->vent_open[0] = true;  // the controlled leak
+    return;
+  }
+  if (parameters_.kind == ExcitationKind::kPea) {
+    // 1.54 N·m at the output: with the chamber's 1.4 it brings the link up against gravity and
+    // friction.
+    command->mode[0] = provider::Mode::kTorque;
+    command->motor_torque_Nm[0] = 0.02;
+    command->hand_force_N[0] = PeaHand_N(time_s, sensors);
+    command->valve_open[0] = true;
+    return;
+  }
   constexpr double kStep_s = 1e-3;
   const double reference_rad = Reference_rad(time_s);
   const double before_rad = Reference_rad(time_s - kStep_s);
@@ -241,11 +320,12 @@ void Excitation::operator()(double time_s, const provider::PlantSensors& sensors
       (after_rad - 2.0 * reference_rad + before_rad) / (kStep_s * kStep_s);
 
   const double arm_kg_m = parameters_.payload_kg * 0.3;
-  const double forward_Nm = (kInertia_kg_m2 + arm_kg_m * 0.3) * acceleration_rad_s2 +
-                            kViscous_Nm_s_rad * velocity_rad_s +
-                            kCoulomb_Nm * std::tanh(velocity_rad_s / 0.03) +
-                            (kGravity_Nm + arm_kg_m * 9.81) * std::cos(reference_rad) -
-                            kPneumatic_Nm_bar * sensors.chamber_pressure_bar[0];
+  const double forward_Nm =
+      (kInertia_kg_m2 + arm_kg_m * 0.3) * acceleration_rad_s2 + kViscous_Nm_s_rad * velocity_rad_s +
+      kCoulomb_Nm * std::tanh(velocity_rad_s / 0.03) +
+      (kGravity_Nm + arm_kg_m * 9.81) * std::cos(reference_rad) -
+      (parameters_.pneumatic_Nm_bar - parameters_.pneumatic_stiffness_Nm_rad_bar * reference_rad) *
+          sensors.chamber_pressure_bar[0];
   const double feedback_Nm =
       kStiffness_Nm_rad * (reference_rad - sensors.motor_position_rad[0] / kGearRatio) +
       kDamping_Nm_s_rad * (velocity_rad_s - sensors.motor_velocity_rad_s[0] / kGearRatio);

@@ -12,11 +12,12 @@
 #include <vector>
 
 #include "components/provider/plant.h"
+#include "sim/surrogate/parameters.h"
 #include "sim/surrogate/random.h"
 
 namespace sinew::surrogate {
 
-enum class ExcitationKind { kDesigned, kTask };
+enum class ExcitationKind { kDesigned, kTask, kSea, kPea };
 
 // Throws std::invalid_argument naming what there is.
 ExcitationKind ParseExcitation(std::string_view text);
@@ -24,7 +25,10 @@ ExcitationKind ParseExcitation(std::string_view text);
 struct ExcitationParameters {
   ExcitationKind kind = ExcitationKind::kDesigned;
   double duration_s = 90.0;
-  double payload_kg = 0.0;  // what the controller believes
+  // What the controller believes of the rig.
+  double payload_kg = 0.0;
+  double pneumatic_Nm_bar = 0.3587;
+  double pneumatic_stiffness_Nm_rad_bar = 0.0;
   double largest_angle_rad = 0.75;
   double largest_hand_N = 10.0;
   double lowest_pressure_bar = 1.0;
@@ -40,9 +44,12 @@ class Excitation {
   void operator()(double time_s, const provider::PlantSensors& sensors,
                   provider::PlantCommand* command) const;
 
-  double Reference_rad(double time_s) const;
+  double Reference_rad(double time_s) const;  // designed, task; of the hand in pea
   double Hand_N(double time_s) const;
   double PressureTarget_bar(double time_s) const;
+  // Where the rig stands and how it is locked when the experiment starts.
+  void Prepare(RigParameters* rig) const;
+
   double initial_pressure_bar() const { return pressure_[0].target_bar; }
 
  private:
@@ -70,6 +77,15 @@ class Excitation {
     bool valve_open = true;
   };
 
+  struct Stroke {  // of the hand: one push in sea, one way down and up in pea
+    double start_s = 0.0;
+    double length_s = 0.0;
+    double size = 0.0;  // N, or rad
+  };
+
+  void PlanStrokes(RandomStream* random);
+  const Stroke& StrokeAt(double time_s) const;
+  double PeaHand_N(double time_s, const provider::PlantSensors& sensors) const;
   const Segment& At(double time_s) const;
   static double ShapeValue(const Segment& segment, double local_s);
   static std::vector<Sine> MakeSines(RandomStream* random, int count, double lowest_Hz,
@@ -78,6 +94,7 @@ class Excitation {
   ExcitationParameters parameters_;
   std::vector<Segment> segments_;
   std::vector<PressureStep> pressure_;
+  std::vector<Stroke> strokes_;
 };
 
 }  // namespace sinew::surrogate

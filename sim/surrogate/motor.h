@@ -12,6 +12,8 @@
 // cooled to the surroundings. One owner; no allocation; Step is noexcept.
 #pragma once
 
+#include <array>
+
 namespace sinew::surrogate {
 
 struct MotorParameters {
@@ -22,6 +24,8 @@ struct MotorParameters {
   double bus_voltage_V = 24.0;
   double current_limit_A = 25.0;
   double current_bandwidth_rad_s = 1000.0;
+  bool three_phase = false;
+  double emf_flatness = 0.0;
   double ambient_degC = 23.0;
   double heat_capacity_J_K = 35.0;
   double thermal_resistance_K_W = 3.0;
@@ -32,7 +36,8 @@ class Motor {
   explicit Motor(const MotorParameters& parameters);  // throws std::invalid_argument
 
   // Advances the windings by dt. torque_reference_Nm at the shaft. Returns the air-gap torque, N·m.
-  double Step(double torque_reference_Nm, double rotor_velocity_rad_s, double dt_s) noexcept;
+  double Step(double torque_reference_Nm, double rotor_angle_rad, double rotor_velocity_rad_s,
+              double dt_s) noexcept;
   void Reset() noexcept;
 
   double iq_A() const noexcept { return iq_A_; }
@@ -42,11 +47,16 @@ class Motor {
   double flux_linkage_Wb() const noexcept { return flux_linkage_Wb_; }
 
  private:
+  double EmfShape(double electrical_rad) const noexcept;
+  double StepPhases(double vq_V, double vd_V, double electrical_rad, double rotor_velocity_rad_s,
+                    double dt_s) noexcept;
+
   MotorParameters parameters_;
   double flux_linkage_Wb_;
   double iq_A_ = 0.0;
   double id_A_ = 0.0;
   double vq_V_ = 0.0;
+  std::array<double, 3> phase_A_{};
   double integral_q_V_ = 0.0;
   double integral_d_V_ = 0.0;
   double temperature_degC_;

@@ -110,6 +110,14 @@ struct RigParameters {
   std::uint64_t seed = 1;
 };
 
+// The pneumatic torque as a straight line: P (slope - stiffness q), fitted to the displacement
+// table within 1 rad.
+struct PneumaticLine {
+  double slope_Nm_bar = 0.0;
+  double stiffness_Nm_rad_bar = 0.0;
+};
+PneumaticLine LinePneumatics(const RigParameters& parameters);
+
 // The same rig with efficiency, inertias, frictions, gravity and displacement each off by at most
 // parameters.spread, drawn from the seed: another specimen.
 RigParameters Specimen(const RigParameters& parameters);

@@ -48,7 +48,7 @@ const RigParameters& Checked(const RigParameters& p) {
   require(p.pneumatics.displacement_shape.size() >= 2,
           "displacement shape needs two values or more");
   for (const double share : p.pneumatics.displacement_shape) {
-    require(std::isfinite(share) && share >= 0.0, "displacement shape must not be negative");
+    require(std::isfinite(share), "displacement shape must be finite");
   }
   require(p.pneumatics.displacement_m3_rad >= 0.0, "displacement must not be negative");
   require(p.pneumatics.initial_pressure_bar > -0.9 && p.pneumatics.initial_pressure_bar <= 20.0,
@@ -71,6 +71,28 @@ const RigParameters& Checked(const RigParameters& p) {
 }
 
 }  // namespace
+
+PneumaticLine LinePneumatics(const RigParameters& parameters) {
+  // Least squares of the table over |q| <= 1 rad, where the rig works.
+  const std::vector<double>& shape = parameters.pneumatics.displacement_shape;
+  const double end_rad = parameters.link.end_stop_rad;
+  double sum = 0.0, sum_q = 0.0, sum_q2 = 0.0, sum_a = 0.0, sum_qa = 0.0;
+  for (int i = -100; i <= 100; ++i) {
+    const double angle_rad = 0.01 * i;
+    const double place =
+        (angle_rad + end_rad) / (2.0 * end_rad) * static_cast<double>(shape.size() - 1);
+    const int cell = std::clamp(static_cast<int>(place), 0, static_cast<int>(shape.size()) - 2);
+    const double share = shape[cell] + (place - cell) * (shape[cell + 1] - shape[cell]);
+    sum += 1.0;
+    sum_q += angle_rad;
+    sum_q2 += angle_rad * angle_rad;
+    sum_a += share;
+    sum_qa += angle_rad * share;
+  }
+  const double slope = (sum * sum_qa - sum_q * sum_a) / (sum * sum_q2 - sum_q * sum_q);
+  const double scale_Nm_bar = parameters.pneumatics.displacement_m3_rad * kPaPerBar;
+  return {scale_Nm_bar * (sum_a - slope * sum_q) / sum, -scale_Nm_bar * slope};
+}
 
 RigParameters Specimen(const RigParameters& parameters) {
   RigParameters p = parameters;
@@ -118,6 +140,9 @@ Rig::Rig(const RigParameters& parameters)
     volume_table_m3_[i] =
         volume_table_m3_[i - 1] + 0.5 * table_step_rad_ * air.displacement_m3_rad *
                                       (air.displacement_shape[i - 1] + air.displacement_shape[i]);
+    if (!(volume_table_m3_[i] > 0.0)) {
+      throw std::invalid_argument("the displacement shape leaves the chamber no volume");
+    }
   }
   Reset();
 }
@@ -241,7 +266,7 @@ void Rig::Substep(const RigInput& input, double dt_s) noexcept {
     torque_reference_Nm_ = drive_.Step(input.drive, MotorCount(), sensor_step_s_);
     output_observer_.Step(OutputCount(), sensor_step_s_);
   }
-  const double air_gap_Nm = motor_.Step(torque_reference_Nm_, motor_rad_s_, dt_s);
+  const double air_gap_Nm = motor_.Step(torque_reference_Nm_, motor_rad_, motor_rad_s_, dt_s);
 
   // First half of the motion.
   const double half_s = 0.5 * dt_s;

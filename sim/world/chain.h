@@ -13,7 +13,7 @@
 #include <memory>
 #include <vector>
 
-#include "sim/world/urdf.h"
+#include "sim/world/bodies.h"
 
 namespace sinew::world {
 

@@ -335,6 +335,7 @@ std::vector<std::string> CommandLine(const Deployment& deployment, const Process
     if (deployment.realtime_priority) line.push_back("--realtime");
     if (!process.config.empty()) line.insert(line.end(), {"--config", process.config.string()});
     if (process.name == deployment.provider) AddProviderOptions(deployment, &line);
+    if (IsLogger(process)) line.insert(line.end(), {"--note", "deployment=" + deployment.name});
   }
   line.insert(line.end(), process.arguments.begin(), process.arguments.end());
   return line;

@@ -43,7 +43,8 @@ struct EchoOptions {
 // Prints messages of one type.
 class Printer {
  public:
-  Printer(const std::string& topic, const std::string& type_name, const std::string& idl, const EchoOptions& options)
+  Printer(const std::string& topic, const std::string& type_name, const std::string& idl,
+          const EchoOptions& options)
       : idl_(recording::IdlSchema::Parse(idl)), type_(idl_.Struct(type_name)), options_(options) {
     try {
       for (const std::string& path : options.fields) fields_.emplace_back(type_, path);
@@ -60,13 +61,15 @@ class Printer {
     }
     if (options_.json) {
       Json json;
-      for (std::size_t i = 0; i < fields_.size(); ++i) json[options_.fields[i]] = Value(fields_[i], payload);
+      for (std::size_t i = 0; i < fields_.size(); ++i)
+        json[options_.fields[i]] = Value(fields_[i], payload);
       std::cout << json.dump() << '\n';
       return;
     }
     for (std::size_t i = 0; i < fields_.size(); ++i) {
       const Json value = Value(fields_[i], payload);
-      std::cout << (i > 0 ? " " : "") << (value.is_string() ? value.get<std::string>() : value.dump());
+      std::cout << (i > 0 ? " " : "")
+                << (value.is_string() ? value.get<std::string>() : value.dump());
     }
     std::cout << '\n';
   }
@@ -107,20 +110,23 @@ void EchoFile(const EchoOptions& options) {
       if (channel.topic == options.topic) schema = reader.SchemaOf(channel);
     }
     if (schema == nullptr) {
-      throw UsageError(options.from.string() + ": no topic '" + options.topic + "', expected one of: " + list);
+      throw UsageError(options.from.string() + ": no topic '" + options.topic +
+                       "', expected one of: " + list);
     }
     const Printer printer(options.topic, schema->name, schema->data, options);
     recording::MessageFilter filter;
     filter.topics = std::set<std::string>{options.topic};
     recording::McapMessages messages = reader.Messages(filter);
     recording::McapMessage message;
-    for (std::uint64_t i = 0; (options.count == 0 || i < options.count) && messages.Next(&message); ++i) {
+    for (std::uint64_t i = 0; (options.count == 0 || i < options.count) && messages.Next(&message);
+         ++i) {
       printer.Print(message.data);
     }
   } catch (const recording::McapError& error) {
     throw UsageError(options.from.string() + ": " + error.what());
   } catch (const recording::IdlError& error) {
-    throw UsageError(options.from.string() + ": schema of '" + options.topic + "': " + error.what());
+    throw UsageError(options.from.string() + ": schema of '" + options.topic +
+                     "': " + error.what());
   }
 }
 
@@ -128,7 +134,8 @@ void EchoDomain(const EchoOptions& options, const node::StopFlag& stop) {
   const node::TopicInfo* topic = node::FindTopic(options.topic);
   if (topic == nullptr) {
     std::string list;
-    for (const node::TopicInfo& known : node::AllTopics()) list += (list.empty() ? "" : ", ") + known.name;
+    for (const node::TopicInfo& known : node::AllTopics())
+      list += (list.empty() ? "" : ", ") + known.name;
     throw UsageError("no topic '" + options.topic + "', expected one of: " + list);
   }
   const Printer printer(topic->name, topic->type_name, topic->idl, options);
@@ -174,9 +181,10 @@ void EchoDomain(const EchoOptions& options, const node::StopFlag& stop) {
       last = Clock::now();
       continue;
     }
-    if (options.timeout_s > 0.0 && Clock::now() - last > std::chrono::duration<double>(options.timeout_s)) {
-      std::cerr << "sinew echo: nothing on '" << options.topic << "' in domain " << options.node.domain_id
-                << " for " << options.timeout_s << " s\n";
+    if (options.timeout_s > 0.0 &&
+        Clock::now() - last > std::chrono::duration<double>(options.timeout_s)) {
+      std::cerr << "sinew echo: nothing on '" << options.topic << "' in domain "
+                << options.node.domain_id << " for " << options.timeout_s << " s\n";
       throw CLI::RuntimeError(1);
     }
     node.WaitForData(milliseconds(50));
@@ -187,14 +195,19 @@ void EchoDomain(const EchoOptions& options, const node::StopFlag& stop) {
 
 void AddEchoCommand(CLI::App& app) {
   auto options = std::make_shared<EchoOptions>();
-  CLI::App* command = app.add_subcommand("echo", "Print the messages of a topic, live or from a recording");
+  CLI::App* command =
+      app.add_subcommand("echo", "Print the messages of a topic, live or from a recording");
   AddNodeOptions(*command, &options->node);
   command->add_option("topic", options->topic, "Name of the topic, e.g. joint_state")->required();
-  command->add_option("--field", options->fields, "Only this field, e.g. position_rad[0]; may be repeated")
+  command
+      ->add_option("--field", options->fields,
+                   "Only this field, e.g. position_rad[0]; may be repeated")
       ->allow_extra_args(false);
   command->add_option("-n,--count", options->count, "Stop after so many messages");
   command->add_option("--from", options->from, "Read this recording instead of a domain");
-  command->add_option("--timeout", options->timeout_s, "Give up after so many seconds of silence (exit code 1)")
+  command
+      ->add_option("--timeout", options->timeout_s,
+                   "Give up after so many seconds of silence (exit code 1)")
       ->check(CLI::NonNegativeNumber);
   command->add_flag("--json", options->json, "One JSON object a line");
   command->footer(

@@ -19,7 +19,8 @@ namespace {
 
 recording::TopicSchema FindSchema(std::string_view name) {
   const node::TopicInfo* topic = node::FindTopic(name);
-  if (topic == nullptr) throw std::invalid_argument("no topic '" + std::string(name) + "' in this build");
+  if (topic == nullptr)
+    throw std::invalid_argument("no topic '" + std::string(name) + "' in this build");
   return {topic->name, topic->type_name, topic->idl, topic->idl_hash};
 }
 
@@ -34,20 +35,26 @@ void AddImportCommand(CLI::App& app) {
     bool json = false;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("import", "Measured CSV data and a mapping file into an MCAP recording");
-  command->add_option("csv", options->csv, "CSV files; each becomes a session of the recording")->required();
-  command->add_option("--map", options->map, "Mapping file (sinew-csv-map/1): column, signal, unit, sign")
+  CLI::App* command =
+      app.add_subcommand("import", "Measured CSV data and a mapping file into an MCAP recording");
+  command->add_option("csv", options->csv, "CSV files; each becomes a session of the recording")
+      ->required();
+  command
+      ->add_option("--map", options->map,
+                   "Mapping file (sinew-csv-map/1): column, signal, unit, sign")
       ->required();
   command->add_option("--out", options->out, "The recording to write, FILE.mcap")->required();
   command->add_flag("--overwrite", options->overwrite, "Replace the file if it is there");
   command->add_flag("--json", options->json, "Result as JSON");
   command->footer(
-      "The recording holds joint_state, actuator_state and reference messages; every number is kept bit by\n"
+      "The recording holds joint_state, actuator_state and reference messages; every number is "
+      "kept bit by\n"
       "bit. It is written as a whole or not at all. Formats: docs/formats.md.\n\nExample:\n"
       "  sinew import data.csv --map csv_map.yaml --out data.mcap");
   command->callback([options] {
     if (!options->overwrite && std::filesystem::exists(options->out)) {
-      throw UsageError(options->out.string() + ": is there already, expected a new name (or --overwrite)");
+      throw UsageError(options->out.string() +
+                       ": is there already, expected a new name (or --overwrite)");
     }
     ProgressBar bar("import", "samples", 0);
     const recording::ImportResult result = recording::ImportCsv(
@@ -64,8 +71,8 @@ void AddImportCommand(CLI::App& app) {
                 << '\n';
     } else {
       std::cout << options->out.string() << ": " << result.samples << " samples in " << result.runs
-                << (result.runs == 1 ? " session, " : " sessions, ") << result.messages << " messages, "
-                << result.bytes << " bytes\n";
+                << (result.runs == 1 ? " session, " : " sessions, ") << result.messages
+                << " messages, " << result.bytes << " bytes\n";
     }
   });
 }

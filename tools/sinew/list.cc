@@ -67,7 +67,7 @@ Json DescribeDomain(const ListOptions& options) {
   const auto end = Clock::now() + std::chrono::duration<double>(options.wait_s);
   while (Clock::now() < end) {
     while (auto status = statuses.TakeNext()) {
-      if (status->name() != options.node.name) components[status->name()] = *status;
+      if (status->name().to_string() != options.node.name) components[status->name().to_string()] = *status;
     }
     node.WaitForData(milliseconds(50));
   }
@@ -83,21 +83,21 @@ Json DescribeDomain(const ListOptions& options) {
     report["participants"].push_back({{"name", name},
                                       {"state", StateName(status.state())},
                                       {"process_id", status.process_id()},
-                                      {"host", status.host()},
-                                      {"version", status.version()},
-                                      {"idl_hash", status.idl_hash()},
+                                      {"host", status.host().to_string()},
+                                      {"version", status.version().to_string()},
+                                      {"idl_hash", status.idl_hash().to_string()},
                                       {"cycles", status.cycles()},
                                       {"stale_inputs", status.stale_inputs()},
                                       {"missed_ticks", status.missed_ticks()},
                                       {"write_failures", status.write_failures()},
                                       {"resident_MB", status.resident_MB()},
-                                      {"message", status.message()}});
-    if (status.idl_hash() != own_hash) {
-      problems.push_back("'" + name + "' was built with other topics (hash " + status.idl_hash() +
+                                      {"message", status.message().to_string()}});
+    if (status.idl_hash().to_string() != own_hash) {
+      problems.push_back("'" + name + "' was built with other topics (hash " + status.idl_hash().to_string() +
                          ", this build " + own_hash + "): rebuild one of them");
     }
     if (status.state() == msg::COMPONENT_FAULT) {
-      problems.push_back("'" + name + "' is in fault: " + status.message());
+      problems.push_back("'" + name + "' is in fault: " + status.message().to_string());
     }
   }
 
@@ -121,7 +121,8 @@ Json DescribeDomain(const ListOptions& options) {
                                 {"writers", row.writers},
                                 {"readers", row.readers}});
     if (name == node::kJointState.name && row.writers.size() > 1) {
-      problems.push_back("several state providers: " + Join(row.writers) + "; there may be one a domain");
+      problems.push_back("several state providers: " + Join(row.writers) +
+                         "; there may be one a domain");
     }
   }
   report["problems"] = problems;
@@ -129,11 +130,11 @@ Json DescribeDomain(const ListOptions& options) {
 }
 
 void PrintDomain(const Json& report) {
-  std::cout << "domain " << report["domain"] << ": " << report["participants"].size() << " participants, "
-            << report["topics"].size() << " topics\n";
+  std::cout << "domain " << report["domain"] << ": " << report["participants"].size()
+            << " participants, " << report["topics"].size() << " topics\n";
   if (!report["participants"].empty()) {
-    std::printf("\n%-16s %-11s %8s %10s %8s %8s  %s\n", "participant", "state", "pid", "cycles", "stale",
-                "MB", "message");
+    std::printf("\n%-16s %-11s %8s %10s %8s %8s  %s\n", "participant", "state", "pid", "cycles",
+                "stale", "MB", "message");
   }
   for (const Json& row : report["participants"]) {
     std::printf("%-16s %-11s %8s %10s %8s %8s  %s\n", row["name"].get<std::string>().c_str(),
@@ -168,7 +169,8 @@ Json DescribeRecording(const std::filesystem::path& path) {
     report["bytes"] = source.size();
     report["messages"] = statistics.message_count;
     report["chunks"] = statistics.chunk_count;
-    report["duration_s"] = recording::SecondsFromStamp(statistics.end_time_ns - statistics.start_time_ns);
+    report["duration_s"] =
+        recording::SecondsFromStamp(statistics.end_time_ns - statistics.start_time_ns);
     if (reader.recovery()) {
       report["cut_off"] = {{"good_bytes", reader.recovery()->good_bytes},
                            {"lost_bytes", reader.recovery()->lost_bytes},
@@ -214,8 +216,9 @@ void PrintRecording(const Json& report) {
   }
   std::printf("\n%-20s %10s  %-10s %s\n", "topic", "messages", "hash", "type");
   for (const Json& row : report["topics"]) {
-    std::printf("%-20s %10s  %-10s %s\n", row["name"].get<std::string>().c_str(), row["messages"].dump().c_str(),
-                row["idl_hash"].get<std::string>().c_str(), row["type"].get<std::string>().c_str());
+    std::printf("%-20s %10s  %-10s %s\n", row["name"].get<std::string>().c_str(),
+                row["messages"].dump().c_str(), row["idl_hash"].get<std::string>().c_str(),
+                row["type"].get<std::string>().c_str());
   }
 }
 
@@ -223,17 +226,20 @@ void PrintRecording(const Json& report) {
 
 void AddListCommand(CLI::App& app) {
   auto options = std::make_shared<ListOptions>();
-  CLI::App* command =
-      app.add_subcommand("list", "Who is in a domain: participants, topics, problems; or what a recording holds");
+  CLI::App* command = app.add_subcommand(
+      "list", "Who is in a domain: participants, topics, problems; or what a recording holds");
   AddNodeOptions(*command, &options->node);
-  command->add_option("recording", options->recording, "Describe this MCAP file instead of a domain");
+  command->add_option("recording", options->recording,
+                      "Describe this MCAP file instead of a domain");
   command->add_option("--wait", options->wait_s, "Seconds to listen")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command->add_flag("--json", options->json, "As JSON");
   command->footer(
-      "Problems are builds with other topic types, QoS that does not match, faults, two state providers; with\n"
-      "any, the exit code is 1.\n\nExamples:\n  sinew list --domain 0\n  sinew list run.mcap --json");
+      "Problems are builds with other topic types, QoS that does not match, faults, two state "
+      "providers; with\n"
+      "any, the exit code is 1.\n\nExamples:\n  sinew list --domain 0\n  sinew list run.mcap "
+      "--json");
   command->callback([options] {
     StartCommandLog("list");
     if (!options->recording.empty()) {

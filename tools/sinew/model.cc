@@ -123,7 +123,7 @@ void AddModelCommand(CLI::App& app) {
   command->footer(
       "Examples:\n"
       "  sinew model show robots/rig/model.yaml\n"
-      "  sinew model from-rig rig.json --output model.yaml");
+      "  sinew model from-rig rig.json --out model.yaml");
 
   auto show_options = std::make_shared<ModelOptions>();
   CLI::App* show = command->add_subcommand("show", "Terms and parameters of a model file");
@@ -139,7 +139,7 @@ void AddModelCommand(CLI::App& app) {
   from_rig->add_option("rig", rig_options->input, "Constants and nominal parameters as JSON")
       ->required()
       ->type_name("FILE.json");
-  from_rig->add_option("--output", rig_options->output, "Model file to write; else it is printed")
+  from_rig->add_option("--out", rig_options->output, "Model file to write; else it is printed")
       ->type_name("FILE.yaml");
   from_rig->callback([rig_options] { FromRig(*rig_options); });
 }

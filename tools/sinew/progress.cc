@@ -53,9 +53,9 @@ std::string ProgressBar::Line(const std::string& what, const std::string& unit, 
   std::array<char, 16> percent{};
   std::snprintf(percent.data(), percent.size(), "%3.0f %%", std::floor(100.0 * share));
   return what + "  [" + std::string(static_cast<std::size_t>(filled), '#') +
-         std::string(static_cast<std::size_t>(kBarWidth - filled), '-') + "] " + percent.data() + "  " +
-         Short(static_cast<double>(done)) + " of " + Short(static_cast<double>(total)) + " " + unit + ", " +
-         speed + ", " + left.data();
+         std::string(static_cast<std::size_t>(kBarWidth - filled), '-') + "] " + percent.data() +
+         "  " + Short(static_cast<double>(done)) + " of " + Short(static_cast<double>(total)) +
+         " " + unit + ", " + speed + ", " + left.data();
 }
 
 void ProgressBar::Update(std::uint64_t done, std::uint64_t total) {
@@ -65,7 +65,8 @@ void ProgressBar::Update(std::uint64_t done, std::uint64_t total) {
   if (now < next_) return;
   next_ = now + std::chrono::milliseconds(100);
   drawn_ = true;
-  std::cerr << "\r\x1b[K" << Line(what_, unit_, done, total, std::chrono::duration<double>(now - start_).count())
+  std::cerr << "\r\x1b[K"
+            << Line(what_, unit_, done, total, std::chrono::duration<double>(now - start_).count())
             << std::flush;
 }
 

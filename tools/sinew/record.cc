@@ -18,13 +18,15 @@ void AddRecordCommand(CLI::App& app) {
     bool json = false;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("record", "Record the topics of a domain into an MCAP file");
+  CLI::App* command =
+      app.add_subcommand("record", "Record the topics of a domain into an MCAP file");
   AddNodeOptions(*command, &options->node);
   logger::AddRecordOptions(*command, &options->record);
   command->add_flag("--json", options->json, "Result as JSON");
   command->footer(
       "Ends with the session, after --duration, or with Ctrl-C; the file is whole in each case.\n"
-      "A recorder that is killed leaves a file that can be read but for the last 200 ms.\n\nExamples:\n"
+      "A recorder that is killed leaves a file that can be read but for the last 200 "
+      "ms.\n\nExamples:\n"
       "  sinew record --out run.mcap --domain 0\n"
       "  sinew record --out run.mcap --topics joint_state,actuator_state --duration 60");
   command->callback([options] {
@@ -47,9 +49,11 @@ void AddRecordCommand(CLI::App& app) {
                        .dump()
                 << '\n';
     } else {
-      std::cout << options->record.out.string() << ": " << result.messages << " messages of " << result.topics
-                << " topics, " << result.bytes << " bytes (" << result.end << ")\n";
-      if (result.dropped > 0) std::cout << result.dropped << " messages were dropped: the disk was too slow\n";
+      std::cout << options->record.out.string() << ": " << result.messages << " messages of "
+                << result.topics << " topics, " << result.bytes << " bytes (" << result.end
+                << ")\n";
+      if (result.dropped > 0)
+        std::cout << result.dropped << " messages were dropped: the disk was too slow\n";
       if (result.missing_ticks > 0) {
         std::cout << result.missing_ticks << " ticks of joint_state never arrived\n";
       }

@@ -24,8 +24,10 @@ void AddReplayCommand(CLI::App& app) {
   logger::AddPlayOptions(*command, &options->play);
   command->add_flag("--json", options->json, "Result as JSON");
   command->footer(
-      "Messages are marked as replay: live hardware never moves by them. With joint_state among the topics\n"
-      "replay is the state provider; without it, it can stand in for others (--follow). In lockstep nothing\n"
+      "Messages are marked as replay: live hardware never moves by them. With joint_state among "
+      "the topics\n"
+      "replay is the state provider; without it, it can stand in for others (--follow). In "
+      "lockstep nothing\n"
       "is lost, and it runs as fast as the readers take it.\n\nExamples:\n"
       "  sinew replay run.mcap --rate 2\n"
       "  sinew replay run.mcap --lockstep --wait-readers 1\n"
@@ -35,10 +37,9 @@ void AddReplayCommand(CLI::App& app) {
     StartCommandLog("replay");
     node::Node node(options->node);
     ProgressBar bar("replay", "messages", 0);
-    const logger::PlayResult result =
-        logger::Play(node, stop, options->play, [&bar](const logger::PlayResult& now) {
-          bar.Update(now.messages, now.message_count);
-        });
+    const logger::PlayResult result = logger::Play(
+        node, stop, options->play,
+        [&bar](const logger::PlayResult& now) { bar.Update(now.messages, now.message_count); });
     bar.Finish();
     if (options->json) {
       std::cout << nlohmann::ordered_json{{"file", options->play.path.string()},
@@ -52,8 +53,8 @@ void AddReplayCommand(CLI::App& app) {
     } else {
       char times[64];
       std::snprintf(times, sizeof(times), "%.1f s in %.1f s", result.recorded_s, result.wall_s);
-      std::cout << options->play.path.string() << ": " << result.messages << " of " << result.message_count
-                << " messages, " << times << '\n';
+      std::cout << options->play.path.string() << ": " << result.messages << " of "
+                << result.message_count << " messages, " << times << '\n';
     }
     if (result.write_failures > 0) {
       std::cerr << "sinew replay: " << result.write_failures << " messages could not be sent\n";

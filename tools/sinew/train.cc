@@ -15,7 +15,7 @@
 #include "components/actuator/file/model_file.h"
 #include "components/config/config.h"
 #include "components/esn/dataset/dataset.h"
-#include "components/esn/dataset/training_file.h"
+#include "components/esn/dataset/file/training_file.h"
 #include "components/esn/file/weights_file.h"
 #include "components/esn/training.h"
 #include "components/recording/file/run_reader.h"

@@ -20,6 +20,8 @@ std::vector<BusEntry> ReadBuses(const config::Section& section) {
     } else if (kind == "virtual") {
       entry.kind = TransportKind::kVirtual;
       entry.bus = item.TextOr("bus", entry.name);
+      entry.connect_timeout_ms = static_cast<int>(
+          item.IntegerOr("connect_timeout_ms", entry.connect_timeout_ms, {0, 600000}));
     } else {
       entry.kind = TransportKind::kReplay;
       entry.file = item.ExistingPath("file").string();
@@ -55,7 +57,8 @@ std::unique_ptr<Transport> OpenBus(const BusEntry& entry, const std::vector<IdFi
     case TransportKind::kVirtual:
       break;
   }
-  return std::make_unique<VirtualCan>(VirtualCanOptions{entry.bus, filters});
+  return std::make_unique<VirtualCan>(
+      VirtualCanOptions{entry.bus, filters, std::chrono::milliseconds(entry.connect_timeout_ms)});
 }
 
 Firmware ReadFirmware(const config::Section& section) {

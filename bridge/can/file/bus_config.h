@@ -28,6 +28,7 @@ struct BusEntry {
   std::string bus;
   std::string file;
   double bitrate_bit_s = 1e6;
+  int connect_timeout_ms = 5000;  // virtual: how long to wait for the bus to appear
 };
 
 // Reads section's `buses`; at least one, names unique. Throws UsageError.

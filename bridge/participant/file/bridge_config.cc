@@ -1,5 +1,7 @@
 #include "bridge/participant/file/bridge_config.h"
 
+#include <stdexcept>
+
 namespace sinew::bridge {
 namespace {
 
@@ -97,6 +99,11 @@ BridgeFile ReadBridge(const config::Section& section) {
                                " entries, expected 1 to " + std::to_string(provider::kMaxJoints));
   }
   file.bridge.timing = ReadTiming(section.ChildOrEmpty("timing"));
+  try {
+    CanPlant::Check(file.bridge);
+  } catch (const std::invalid_argument& error) {
+    section.Fail("joints", error.what());
+  }
   return file;
 }
 

@@ -29,6 +29,12 @@ void Run(const node::Options& options, node::StopFlag& stop,
   if (!effects.empty()) rig.effects = surrogate::ParseEffects(effects);
   surrogate::Surrogate plant(rig);
 
+  try {
+    virtual_axes::VirtualAxes::Check(file.axes, plant.joint_count(),
+                                     static_cast<int>(file.buses.size()));
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(options.config_path.string() + ": " + error.what());
+  }
   std::vector<std::unique_ptr<can::Transport>> transports;
   std::vector<can::Transport*> pointers;
   for (std::size_t b = 0; b < file.buses.size(); ++b) {
@@ -36,25 +42,20 @@ void Run(const node::Options& options, node::StopFlag& stop,
         can::OpenBus(file.buses[b], virtual_axes::Filters(file.axes, static_cast<int>(b))));
     pointers.push_back(transports.back().get());
   }
-  std::unique_ptr<virtual_axes::VirtualAxes> axes;
-  try {
-    axes = std::make_unique<virtual_axes::VirtualAxes>(file.axes, plant, pointers);
-  } catch (const std::invalid_argument& error) {
-    throw UsageError(options.config_path.string() + ": " + error.what());
-  }
+  virtual_axes::VirtualAxes axes(file.axes, plant, pointers);
   spdlog::info("{} axes, {} sensor nodes on {} buses", file.axes.axes.size(),
                file.axes.nodes.size(), file.buses.size());
-  axes->Start(can::MonotonicNow());
+  axes.Start(can::MonotonicNow());
   while (!stop.requested()) {
     const std::int64_t now_ns = can::MonotonicNow();
-    if (now_ns >= axes->next_ns()) {
-      axes->Run(now_ns);
+    if (now_ns >= axes.next_ns()) {
+      axes.Run(now_ns);
     } else {
-      can::WaitForAny(pointers, std::chrono::nanoseconds(axes->next_ns() - now_ns));
-      axes->Answer(can::MonotonicNow());
+      can::WaitForAny(pointers, std::chrono::nanoseconds(axes.next_ns() - now_ns));
+      axes.Answer(can::MonotonicNow());
     }
   }
-  spdlog::info("{} frames taken, {} steps", axes->frames_taken(), axes->steps());
+  spdlog::info("{} frames taken, {} steps", axes.frames_taken(), axes.steps());
 }
 
 }  // namespace

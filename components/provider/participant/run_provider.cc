@@ -146,10 +146,15 @@ class Provider {
         if (!AwaitAnswers()) break;
       } else {
         deadline_ns += period_.count();
+        if (plant_.acts_at_once()) {
+          AwaitJointCommand(deadline_ns - period_.count() / 2);
+          plant_.Act(Judge(), period_s_);
+        }
         SleepUntil(&deadline_ns);
       }
       TakeCommands();
-      plant_.Step(Judge(), period_s_, &sensors_);
+      if (lockstep_ || !plant_.acts_at_once()) Judge();
+      plant_.Step(command_, period_s_, &sensors_);
       if (sensors_.fault) guard_.Fault();
       Report();
       if (tick_ == last_tick_) break;
@@ -315,6 +320,7 @@ class Provider {
           guard_.Estop();
           break;
         case msg::OPERATOR_RESET:
+          plant_.ClearFault();
           guard_.Reset();
           break;
         case msg::OPERATOR_START:
@@ -428,6 +434,19 @@ class Provider {
                                  std::to_string(static_cast<int>(options_.await_timeout_s)) +
                                  " s; is its writer running, in the same domain and in lockstep?");
       }
+    }
+  }
+
+  // Until the command for this tick is there, nobody may move, or the time is over.
+  void AwaitJointCommand(std::int64_t give_up_ns) {
+    while (!stop_.requested()) {
+      TakeCommands();
+      const RobotState state = guard_.state();
+      if (state != RobotState::kArmed && state != RobotState::kDamped) return;
+      if (joint_answered_->load() >= tick_ + 1) return;
+      const std::int64_t left_ns = give_up_ns - MonotonicNow();
+      if (left_ns <= 0) return;
+      node_.WaitForData(std::chrono::microseconds(left_ns / 1000 + 1));
     }
   }
 

@@ -42,11 +42,14 @@ void Run(const Options& options) {
     rig = Specimen(rig);
     rig.seed = options.seed;
     rig.link.declared_payload_kg = options.payload_kg;
+    const PneumaticLine line = LinePneumatics(rig);
     const Excitation excitation({.kind = ParseExcitation(options.excitation),
                                  .duration_s = options.seconds,
                                  .payload_kg = options.payload_kg,
+                                 .pneumatic_Nm_bar = line.slope_Nm_bar,
+                                 .pneumatic_stiffness_Nm_rad_bar = line.stiffness_Nm_rad_bar,
                                  .seed = options.seed});
-    rig.pneumatics.initial_pressure_bar = excitation.initial_pressure_bar();
+    excitation.Prepare(&rig);
     const std::vector<LogRow> rows = RunExperiment(rig,
                                                    {.duration_s = options.seconds,
                                                     .jitter_s = options.jitter_s,
@@ -72,7 +75,8 @@ int main(int argc, char** argv) try {
   app.add_option("--seconds", options.seconds, "length of the recording")
       ->check(CLI::Range(1.0, 86400.0))
       ->capture_default_str();
-  app.add_option("--excitation", options.excitation, "designed or task")->capture_default_str();
+  app.add_option("--excitation", options.excitation, "designed, task, sea (5.1.2) or pea (5.1.3)")
+      ->capture_default_str();
   app.add_option("--effect", options.effects,
                  "undeclared effect, NAME, NAME=SIZE or NAME=SIZE@SECONDS; may be repeated");
   app.add_option("--payload", options.payload_kg, "declared payload, kg")

@@ -48,6 +48,8 @@ void ReadMotor(const Section& s, MotorParameters* p, DriveParameters* drive,
   p->current_limit_A = s.NumberOr("current_limit_A", p->current_limit_A, kPositive);
   p->current_bandwidth_rad_s =
       s.NumberOr("current_bandwidth_rad_s", p->current_bandwidth_rad_s, {1.0, 10000.0});
+  p->three_phase = s.BoolOr("three_phase", p->three_phase);
+  p->emf_flatness = s.NumberOr("emf_flatness_1", p->emf_flatness, {0.0, 1.0});
   p->ambient_degC = s.NumberOr("ambient_degC", p->ambient_degC);
   p->heat_capacity_J_K = s.NumberOr("heat_capacity_J_K", p->heat_capacity_J_K, kPositive);
   p->thermal_resistance_K_W =
@@ -100,7 +102,7 @@ void ReadLink(const Section& s, LinkParameters* p) {
 
 void ReadPneumatics(const Section& s, PneumaticParameters* p) {
   p->displacement_m3_rad = s.NumberOr("displacement_m3_rad", p->displacement_m3_rad, kNotNegative);
-  p->displacement_shape = s.NumbersOr("displacement_shape_1", p->displacement_shape, kNotNegative);
+  p->displacement_shape = s.NumbersOr("displacement_shape_1", p->displacement_shape);
   p->dead_volume_m3 = s.NumberOr("dead_volume_m3", p->dead_volume_m3, kPositive);
   p->chamber_wall_W_K = s.NumberOr("chamber_wall_W_K", p->chamber_wall_W_K, kNotNegative);
   p->reservoir_volume_m3 = s.NumberOr("reservoir_volume_m3", p->reservoir_volume_m3, kPositive);

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "components/actuator/file/model_file.h"
+#include "sim/world/file/urdf_file.h"
 
 namespace sinew::world {
 

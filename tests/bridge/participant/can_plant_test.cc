@@ -13,6 +13,7 @@
 #include "bridge/can/transport/memory_can.h"
 #include "bridge/virtual_axes/virtual_axes.h"
 #include "tests/bridge/virtual_axes/rotors.h"
+#include "tests/support/allocations.h"
 
 namespace sinew::bridge {
 namespace {
@@ -518,6 +519,74 @@ TEST(CanPlant, RequestedEstimatesAreOfThisCycle) {
     bench.Step();
     ASSERT_LT(bench.sensors.age_us[0], 1500);
   }
+}
+
+TEST(CanPlant, ActSendsAtOnceAndTheStepAfterItOnlyReads) {
+  Bench bench;
+  bench.Start();
+  bench.Arm();
+  int setpoints = 0;
+  bench.buses[0]->OnFrame([&](const can::Delivery& d) {
+    if (can::Decode<can::SetInputTorque>(d.frame)) ++setpoints;
+  });
+  bench.command.motor_torque_Nm[0] = 0.001;
+  bench.plant->Act(bench.command, kPeriod_s);
+  bench.buses[0]->AdvanceTo(bench.buses[0]->now_ns() + 2 * kMs_ns);
+  EXPECT_EQ(setpoints, 1);
+  EXPECT_NEAR(bench.rotors.torque_Nm[0], 0.001, 1e-9);
+  bench.Step();
+  EXPECT_EQ(setpoints, 1);
+  bench.Step();
+  EXPECT_EQ(setpoints, 2) << "without Act, Step sends";
+}
+
+TEST(CanPlant, ActAndStepTakeNothingFromTheHeap) {
+  // A bus that swallows: what is counted is the bridge's own.
+  class Deaf : public can::Transport {
+   public:
+    can::SendStatus Send(const can::Frame&) noexcept override { return can::SendStatus::kOk; }
+    bool Receive(std::chrono::nanoseconds timeout, can::Received* received) noexcept override {
+      if (next >= frames.size()) {
+        now += timeout.count();
+        if (timeout.count() > 0) next = 0;
+        return false;
+      }
+      *received = {frames[next++], now};
+      return true;
+    }
+    can::Link link() const noexcept override { return can::Link::kUp; }
+    can::TransportCounters counters() const noexcept override { return {}; }
+    std::int64_t now_ns() const noexcept override { return now; }
+    const std::string& name() const noexcept override { return name_; }
+    std::vector<can::Frame> frames;
+    std::size_t next = 0;
+    std::int64_t now = 1'000'000;
+
+   private:
+    std::string name_ = "deaf";
+  };
+  const Bench bench;
+  Deaf bus;
+  bus.frames = {can::Encode(1, can::Heartbeat{0, can::AxisState::kClosedLoopControl}),
+                can::Encode(1, can::EncoderEstimates{0.1, 0.2}), can::Encode(1, can::Iq{0.1, 0.2}),
+                can::Encode(33, can::OutputEncoder{0.25, 0, 0, true}),
+                can::Encode(33, can::JointSensors{})};
+  CanPlant plant(bench.config, {&bus});
+  provider::PlantSensors sensors;
+  plant.Reset(&sensors);
+  provider::PlantCommand command;
+  command.mode[0] = Mode::kTorque;
+  command.motor_torque_Nm[0] = 0.001;
+  const long before = test::Allocations();
+  for (int i = 0; i < 500; ++i) {
+    bus.now += kPeriod_ns;
+    bus.next = 0;
+    bus.frames[3].data[6]++;  // its sequence number
+    plant.Act(command, kPeriod_s);
+    plant.Step(command, kPeriod_s, &sensors);
+  }
+  EXPECT_EQ(test::Allocations() - before, 0);
+  EXPECT_FALSE(sensors.fault) << sensors.message;
 }
 
 TEST(CanPlant, OldFirmwareWorksAsWell) {

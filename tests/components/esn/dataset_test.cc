@@ -9,7 +9,7 @@
 
 #include "components/config/config.h"
 #include "components/effects/effect.h"
-#include "components/esn/dataset/training_file.h"
+#include "components/esn/dataset/file/training_file.h"
 #include "components/esn/normal.h"
 
 namespace sinew::esn {

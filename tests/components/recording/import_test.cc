@@ -257,7 +257,11 @@ TEST(RunBuilder, LeavesInvalidRowsOutAndHoldsTheSetPoint) {
       write("actuator_state", tick,
             {{"motor_current_A[1]", 5.0 * tick}, {"valid[1]", 1}, {"measured_flags", flags}});
     }
-    if (tick != 8) write("reference", tick, {{"position_rad[1]", 1.0 + tick}});
+    if (tick == 2) {
+      write("reference", tick, {{"joint_count", 0}});  // asks for nothing
+    } else if (tick != 8) {
+      write("reference", tick, {{"position_rad[1]", 1.0 + tick}});
+    }
     if (tick == 3)
       write("joint_state", tick, {{"position_rad[1]", 99}, {"valid[1]", 1}});  // sent twice
   }
@@ -274,6 +278,8 @@ TEST(RunBuilder, LeavesInvalidRowsOutAndHoldsTheSetPoint) {
   EXPECT_EQ(run.At(Signal::kPosition)[3], 0.1 * 3);
   EXPECT_EQ(run.At(Signal::kMotorCurrent)[4], 25.0);
   EXPECT_FALSE(run.Has(Signal::kVelocity));               // not measured
+  EXPECT_EQ(run.At(Signal::kReferencePosition)[1], 2.0);
+  EXPECT_EQ(run.At(Signal::kReferencePosition)[2], 0.1 * 2);  // where it is
   EXPECT_EQ(run.At(Signal::kReferencePosition)[6], 8.0);  // tick 8 holds tick 7
   EXPECT_EQ(run.At(Signal::kReferencePosition)[7], 10.0);
   EXPECT_THROW(RunsOfRecording(reader, "memory", 2), std::invalid_argument);

@@ -1,5 +1,3 @@
-#include "sim/world/urdf.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,6 +5,7 @@
 
 #include "components/config/config.h"
 #include "sim/world/chain.h"
+#include "sim/world/file/urdf_file.h"
 
 namespace sinew::world {
 namespace {

@@ -13,6 +13,8 @@
 #include <limits>
 
 #include "components/actuator/file/model_file.h"
+#include "sim/plant/single_joint.h"
+#include "sim/world/file/urdf_file.h"
 #include "sim/world/file/world_file.h"
 
 namespace sinew::world {
@@ -103,6 +105,32 @@ TEST(World, GivesTheSameMotionFromUrdfAndFromModel) {
   }
   EXPECT_NEAR(first.position_rad(0), second.position_rad(0), 1e-9);
   EXPECT_GT(std::abs(first.position_rad(0)), 0.01);
+}
+
+// Bullet in between changes nothing: the whole rig, sliding both ways, against the plant on its
+// own.
+TEST(World, MovesTheRigAsTheActuatorPlantAloneDoes) {
+  WorldConfig config = Rig().config;
+  config.joints[0] = {};
+  config.joints[0].declared_payload_kg = 0.5;
+  config.chain.bodies[0].lower = -(config.chain.bodies[0].upper = 100.0);
+  World world(config);
+  plant::SingleJoint alone(config.model.joints[0], {});
+  alone.plant().SetLoad(0.0, 0.5);
+  PlantSensors sensors;
+  int forwards = 0, backwards = 0;
+  for (int k = 0; k < 960; ++k) {
+    const double torque_Nm = 0.04 * std::sin(0.03 * k);
+    world.Step(Torque(torque_Nm), kPeriod_s, &sensors);
+    alone.plant().SetCommand({.mode = plant::DriveMode::kTorque, .motor_torque_Nm = torque_Nm});
+    for (int i = 0; i < 42; ++i) alone.Step(kPeriod_s / 42.0);
+    forwards += world.velocity_rad_s(0) > 0.01;
+    backwards += world.velocity_rad_s(0) < -0.01;
+    ASSERT_NEAR(world.position_rad(0), alone.position_rad(), 1e-7)
+        << k;  // impacts amplify rounding
+  }
+  EXPECT_GT(forwards, 100);
+  EXPECT_GT(backwards, 100);
 }
 
 TEST(World, HoldsStillWithTheMotorOff) {

@@ -100,7 +100,8 @@ TEST_F(DeploymentTest, CommandLinesCarryTheCommonOptionsThenTheirOwn) {
                           "joint_command,recording_progress:64", "--effect", "stribeck"));
   EXPECT_THAT(CommandLine(two, two.processes[1]),
               ElementsAre((folder_.path() / "bin/sinew-logger").string(), "--name", "logger",
-                          "--domain", "7", "--seed", "9", "--lockstep", "--out", "old.mcap"));
+                          "--domain", "7", "--seed", "9", "--lockstep", "--note", "deployment=two",
+                          "--out", "old.mcap"));
 }
 
 TEST_F(DeploymentTest, PlainProgramsGetTheirOwnArgumentsOnly) {

@@ -1,6 +1,4 @@
-// A URDF as plain bodies and joints: a tree on a fixed base, revolute, continuous, prismatic and
-// fixed joints. Throws UsageError, one line naming file, line and element, for everything that
-// cannot be simulated: bad XML, a missing or impossible inertia, a floating joint.
+// The bodies and joints of a fixed-base tree: revolute, prismatic and fixed joints.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -30,9 +28,6 @@ struct Chain {
   std::string name;
   std::vector<Body> bodies;
 };
-
-// file_name stands for the file in messages.
-Chain ParseUrdf(const std::string& xml, const std::string& file_name);
 
 // Index of the body that a joint moves, or -1.
 int FindJoint(const Chain& chain, const std::string& joint_name);

@@ -1,4 +1,4 @@
-#include "components/esn/dataset/training_file.h"
+#include "components/esn/dataset/file/training_file.h"
 
 #include <optional>
 #include <stdexcept>

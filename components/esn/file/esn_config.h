@@ -1,0 +1,38 @@
+// Configuration of the participant sinew-esn, schema sinew-esn-participant/1 (docs/formats_esn.md).
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "components/actuator/model.h"
+#include "components/config/config.h"
+#include "components/esn/weights.h"
+
+namespace sinew::esn {
+
+struct EsnConfig {
+  enum class Mode { kNetwork, kInverseDynamics };
+  Mode mode = Mode::kNetwork;
+  // kNetwork: at least one.
+  std::optional<Weights> sea;
+  std::optional<Weights> pea;
+  bool adaptation = false;        // readouts are awaited from sinew-rls
+  // kInverseDynamics
+  actuator::RobotModel robot;
+  double smoothing_rad_s = 0.05;
+};
+
+// Weights given on the command line, in place of those in the file. Empty: as the file says.
+struct WeightsPaths {
+  std::filesystem::path sea;
+  std::filesystem::path pea;
+};
+
+// The weights that a key names, or those given instead; nothing: neither. Throws UsageError.
+std::optional<Weights> LoadWeightsFor(const config::Section& section, const char* key,
+                                      const std::filesystem::path& given);
+
+// path may be empty when weights are given. Throws UsageError: file, line, key, expected.
+EsnConfig LoadEsnConfig(const std::filesystem::path& path, const WeightsPaths& given = {});
+
+}  // namespace sinew::esn

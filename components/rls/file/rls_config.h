@@ -1,0 +1,30 @@
+// Configuration of the participant sinew-rls, schema sinew-rls-participant/1 (docs/formats_esn.md).
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "components/actuator/model.h"
+#include "components/esn/file/esn_config.h"
+#include "components/esn/weights.h"
+#include "components/rls/adapter.h"
+
+namespace sinew::rls {
+
+enum class TargetKind {
+  kMeasured,  // the model's drive terms at the measured current (or voltage)
+  kCommand,   // the same at the commanded motor torque: for drives whose current is not measured
+};
+
+struct RlsConfig {
+  std::optional<esn::Weights> sea;  // the same files as sinew-esn's
+  std::optional<esn::Weights> pea;
+  actuator::RobotModel robot;
+  TargetKind target = TargetKind::kMeasured;
+  AdapterConfig adapter;
+};
+
+// Throws UsageError: file, line, key, expected.
+RlsConfig LoadRlsConfig(const std::filesystem::path& path, const esn::WeightsPaths& given = {});
+
+}  // namespace sinew::rls

@@ -1,0 +1,312 @@
+// Real processes: sinew-can-bus, sinew-virtual-axes with the surrogate behind them,
+// sinew-can-bridge; this test plays control and operator over DDS. Domains 90-93.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sinew_idl/actuator.h>
+#include <sinew_idl/bus.h>
+#include <sinew_idl/joint.h>
+#include <sinew_idl/operator.h>
+#include <sinew_idl/pneumatics.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <sstream>
+
+#include "components/node/node.h"
+#include "tests/support/program.h"
+#include "tests/support/temporary_folder.h"
+
+namespace sinew {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using testing::Program;
+
+std::string ReadText(const std::string& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+std::string Replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  if (at != std::string::npos) text.replace(at, from.size(), to);
+  return text;
+}
+
+// The four bytes of a torque setpoint, as candump writes them.
+std::string Setpoint(double torque_Nm) {
+  const auto value = static_cast<float>(torque_Nm);
+  unsigned char bytes[4];
+  std::memcpy(bytes, &value, sizeof bytes);
+  char text[9];
+  std::snprintf(text, sizeof text, "%02X%02X%02X%02X", bytes[0], bytes[1], bytes[2], bytes[3]);
+  return text;
+}
+
+class Rig {
+ public:
+  explicit Rig(int domain) : domain_(domain), node_(NodeOptions(domain)) {
+    const std::string bus_path = (folder_.path() / "bus").string();
+    const std::string rig = std::string(SINEW_SOURCE_DIR) + "/robots/rig/";
+    const auto on_our_bus = [&](const std::string& file) {
+      return Replaced(ReadText(rig + file), "transport: virtual",
+                      "transport: virtual\n    bus: " + bus_path);
+    };
+    folder_.Write("surrogate.yaml", ReadText(rig + "surrogate.yaml"));
+    // A loaded machine stalls a process for 100 ms now and then: what is tested here is what
+    // follows, not when.
+    axes_config_ = folder_.Write(
+        "virtual_axes.yaml",
+        Replaced(on_our_bus("virtual_axes.yaml"), "watchdog_ms: 100", "watchdog_ms: 500"));
+    std::string bridge =
+        Replaced(on_our_bus("can_bridge.yaml"), "lost_after_ms: 60", "lost_after_ms: 1000");
+    bridge = Replaced(bridge, "heartbeat_timeout_ms: 350", "heartbeat_timeout_ms: 3000");
+    bridge = Replaced(bridge, "fault_after_ms: 60", "fault_after_ms: 1000");
+    bridge_config_ = folder_.Write("can_bridge.yaml", bridge);
+    log_ = (folder_.path() / "bus.log").string();
+    bus_ = Start({"sinew-can-bus", "--bus", bus_path, "--log", log_});
+    StartAxes();
+    StartBridge();
+  }
+
+  void StartAxes() { axes_ = Start({"sinew-virtual-axes", "--config", axes_config_}); }
+  void StartBridge() {
+    bridge_ = Start(
+        {"sinew-can-bridge", "--config", bridge_config_, "--domain", std::to_string(domain_)});
+  }
+  Program& axes() { return *axes_; }
+  Program& bridge() { return *bridge_; }
+  const std::string& log() const { return log_; }
+
+  // Reads states and answers each with this torque until `done` or the time is over.
+  bool Run(double motor_torque_Nm, seconds limit,
+           const std::function<bool(const msg::JointState&)>& done) {
+    const auto give_up = std::chrono::steady_clock::now() + limit;
+    while (std::chrono::steady_clock::now() < give_up) {
+      const auto state = states_.WaitNext(milliseconds(200));
+      if (!state) continue;
+      last_ = *state;
+      msg::JointCommand command;
+      command.header(state->header());
+      command.joint_count(1);
+      command.mode()[0] = msg::COMMAND_TORQUE;
+      command.motor_torque_Nm()[0] = motor_torque_Nm;
+      (void)commands_.Write(command);
+      msg::ValveCommand valves;
+      valves.header(state->header());
+      valves.joint_count(1);
+      valves.valve_open()[0] = valve_open;
+      (void)valves_.Write(valves);
+      while (const auto actuator = actuators_.TakeNext()) actuator_ = *actuator;
+      while (const auto bus = bus_status_.TakeNext()) status_ = *bus;
+      if (done(*state)) return true;
+    }
+    return false;
+  }
+  void Operator(msg::OperatorAction action) {
+    msg::OperatorCommand command;
+    command.header(last_.header());
+    command.action(action);
+    (void)operator_.Write(command);
+  }
+  // Sends arm until the provider says armed.
+  bool Arm() {
+    return Run(0.0, seconds(15), [this, k = 0](const msg::JointState& s) mutable {
+      if (k++ % 50 == 0) Operator(msg::OPERATOR_ARM);
+      return s.robot_state() == msg::ROBOT_ARMED;
+    });
+  }
+
+  const msg::JointState& last() const { return last_; }
+  const std::optional<msg::ActuatorState>& actuator() const { return actuator_; }
+  const std::optional<msg::BusStatus>& status() const { return status_; }
+  bool valve_open = true;
+
+ private:
+  static node::Options NodeOptions(int domain) {
+    node::Options options;
+    options.component = options.name = "test";
+    options.domain_id = domain;
+    return options;
+  }
+  static std::unique_ptr<Program> Start(std::vector<std::string> arguments) {
+    arguments[0] = std::string(SINEW_BIN_DIR) + "/" + arguments[0];
+    return std::make_unique<Program>(arguments);
+  }
+
+  int domain_;
+  testing::TemporaryFolder folder_;
+  std::string axes_config_, bridge_config_, log_;
+  node::Node node_;
+  node::Reader<msg::JointState> states_ = node_.MakeReader(node::kJointState);
+  node::Reader<msg::ActuatorState> actuators_ = node_.MakeReader(node::kActuatorState);
+  node::Reader<msg::BusStatus> bus_status_ = node_.MakeReader(node::kBusStatus);
+  node::Writer<msg::JointCommand> commands_ = node_.MakeWriter(node::kJointCommand);
+  node::Writer<msg::ValveCommand> valves_ = node_.MakeWriter(node::kValveCommand);
+  node::Writer<msg::OperatorCommand> operator_ = node_.MakeWriter(node::kOperatorCommand);
+  std::unique_ptr<Program> bus_, axes_, bridge_;
+  msg::JointState last_;
+  std::optional<msg::ActuatorState> actuator_;
+  std::optional<msg::BusStatus> status_;
+};
+
+TEST(CanBridgeSystem, TorqueMovesTheLinkThroughFramesAndTheStateComesBack) {
+  Rig rig(90);
+  ASSERT_TRUE(rig.Run(0.0, seconds(20), [](const msg::JointState& s) { return s.valid()[0]; }))
+      << rig.bridge().error() << rig.axes().error();
+  EXPECT_EQ(rig.last().robot_state(), msg::ROBOT_DISARMED);
+  EXPECT_EQ(rig.last().header().origin(), msg::ORIGIN_SIM);
+  EXPECT_EQ(rig.last().joint_count(), 1);
+  const double start_rad = rig.last().position_rad()[0];
+
+  // Disarmed: a torque moves nothing.
+  std::uint64_t until = rig.last().header().tick() + 60;
+  ASSERT_TRUE(rig.Run(0.1, seconds(10),
+                      [&](const msg::JointState& s) { return s.header().tick() > until; }));
+  EXPECT_NEAR(rig.last().position_rad()[0], start_rad, 0.005);
+
+  ASSERT_TRUE(rig.Arm()) << rig.bridge().error();
+  // 0.04 Nm at the motor are 3.1 Nm at the output: more than the 1.2 Nm that hold the rested link.
+  EXPECT_TRUE(
+      rig.Run(0.04, seconds(10),
+              [&](const msg::JointState& s) { return s.position_rad()[0] > start_rad + 0.3; }))
+      << rig.last().position_rad()[0] << rig.bridge().error();
+  EXPECT_GT(rig.last().velocity_rad_s()[0], 0.0);
+  EXPECT_GT(rig.last().torque_Nm()[0], 1.0);
+  ASSERT_TRUE(rig.actuator());
+  EXPECT_NEAR(rig.actuator()->motor_current_A()[0], 0.04 / 0.0159155, 0.3);
+  EXPECT_NEAR(rig.actuator()->motor_position_rad()[0] / 100.0, rig.last().position_rad()[0], 0.06)
+      << "but for the play";
+  EXPECT_GT(rig.actuator()->chamber_pressure_bar()[0], 3.0);
+  EXPECT_TRUE(rig.actuator()->valve_open()[0]);
+  EXPECT_GT(rig.actuator()->motor_temperature_degC()[0], 15.0);
+
+  // The valve follows its command.
+  rig.valve_open = false;
+  EXPECT_TRUE(rig.Run(0.0, seconds(10), [&](const msg::JointState&) {
+    return rig.actuator() && !rig.actuator()->valve_open()[0];
+  }));
+
+  rig.Operator(msg::OPERATOR_DISARM);
+  EXPECT_TRUE(rig.Run(0.0, seconds(10), [](const msg::JointState& s) {
+    return s.robot_state() == msg::ROBOT_DISARMED;
+  }));
+
+  ASSERT_TRUE(rig.Run(0.0, seconds(10), [&](const msg::JointState&) {
+    return rig.status() && rig.status()->load_percent()[0] > 0.0;
+  })) << "the load is told once a second";
+  EXPECT_EQ(rig.status()->bus_count(), 1);
+  EXPECT_TRUE(rig.status()->up()[0]);
+  EXPECT_EQ(rig.status()->error_frames()[0], 0U);
+  EXPECT_GT(rig.status()->load_percent()[0], 5.0);
+  EXPECT_LT(rig.status()->load_percent()[0], 60.0);
+  RecordProperty("bus_load_percent", std::to_string(rig.status()->load_percent()[0]));
+  RecordProperty("cycle_p50_us", std::to_string(rig.status()->cycle_p50_us()));
+
+  // The log has the torque setpoint as a frame: 0.04 Nm of the motor are 0.0346411 Nm of the
+  // controller.
+  rig.bridge().Signal(SIGTERM);
+  EXPECT_EQ(rig.bridge().Wait(seconds(10)), 0);
+
+  // 0.04 Nm of the motor are 0.04 * 0.0137833 / 0.0159155 = 0.0346411 Nm of the controller.
+  const std::string frames = ReadText(rig.log());
+  EXPECT_NE(frames.find(" 06E#"), std::string::npos);
+  EXPECT_NE(frames.find(" 06E#" + Setpoint(0.04 * 0.0137833 / 0.0159155)), std::string::npos);
+}
+
+TEST(CanBridgeSystem, DeadControllersAreAFaultThatOnlyAnOperatorEnds) {
+  Rig rig(91);
+  ASSERT_TRUE(rig.Run(0.0, seconds(20), [](const msg::JointState& s) { return s.valid()[0]; }));
+  ASSERT_TRUE(rig.Arm());
+  rig.axes().Signal(SIGKILL);
+  EXPECT_TRUE(rig.Run(0.0, seconds(10), [](const msg::JointState& s) {
+    return s.robot_state() == msg::ROBOT_FAULT && !s.valid()[0];
+  })) << rig.bridge().error();
+  EXPECT_TRUE(rig.bridge().WaitForText("no encoder estimates", seconds(5))) << rig.bridge().error();
+
+  // They come back, and nothing moves until it was reset and armed.
+  rig.StartAxes();
+  ASSERT_TRUE(rig.Run(0.04, seconds(15), [](const msg::JointState& s) { return s.valid()[0]; }));
+  EXPECT_EQ(rig.last().robot_state(), msg::ROBOT_FAULT);
+  const double rest_rad = rig.last().position_rad()[0];
+  const std::uint64_t until = rig.last().header().tick() + 60;
+  ASSERT_TRUE(rig.Run(0.04, seconds(10),
+                      [&](const msg::JointState& s) { return s.header().tick() > until; }));
+  EXPECT_NEAR(rig.last().position_rad()[0], rest_rad, 0.005);
+  ASSERT_TRUE(rig.Run(0.0, seconds(15), [&rig, k = 0](const msg::JointState& s) mutable {
+    if (k++ % 50 == 0) rig.Operator(msg::OPERATOR_RESET);
+    return s.robot_state() == msg::ROBOT_DISARMED;
+  })) << rig.bridge().error();
+  EXPECT_TRUE(rig.Arm()) << rig.bridge().error();
+}
+
+TEST(CanBridgeSystem, KilledBridgeLeavesTheMotorIdleByTheControllersWatchdog) {
+  Rig rig(92);
+  ASSERT_TRUE(rig.Run(0.0, seconds(20), [](const msg::JointState& s) { return s.valid()[0]; }));
+  ASSERT_TRUE(rig.Arm());
+  ASSERT_TRUE(
+      rig.Run(0.02, seconds(5), [](const msg::JointState& s) { return s.torque_Nm()[0] > 0.5; }));
+  rig.bridge().Signal(SIGKILL);
+  (void)rig.bridge().Wait(seconds(5));
+  // A new bridge finds the axis idle, clears its error, and stays disarmed.
+  rig.StartBridge();
+  const std::uint64_t session = rig.last().header().session_id();
+  ASSERT_TRUE(rig.Run(0.02, seconds(20), [&](const msg::JointState& s) {
+    return s.header().session_id() != session && s.valid()[0];
+  })) << rig.bridge().error();
+  EXPECT_EQ(rig.last().robot_state(), msg::ROBOT_DISARMED) << rig.bridge().error();
+  EXPECT_NEAR(rig.last().torque_Nm()[0], 0.0, 0.3) << "noise of the current sensor, times the gear";
+  EXPECT_NE(ReadText(rig.log()).find(" 061#00080000"), std::string::npos)
+      << "the axis told the expiry of its watchdog";
+}
+
+struct BadFile {
+  const char* from;
+  const char* to;
+  const char* expected;
+};
+
+class BadInput : public ::testing::TestWithParam<BadFile> {};
+
+TEST_P(BadInput, IsToldInOneLineWithExitCodeTwo) {
+  const testing::TemporaryFolder folder;
+  const std::string text =
+      Replaced(ReadText(std::string(SINEW_SOURCE_DIR) + "/robots/rig/can_bridge.yaml"),
+               GetParam().from, GetParam().to);
+  const std::string file = folder.Write("can_bridge.yaml", text);
+  const testing::Finished run =
+      testing::Run({std::string(SINEW_BIN_DIR) + "/sinew-can-bridge", "--config", file, "--domain",
+                    "93", "--log-level", "off"},
+                   seconds(30));
+  EXPECT_EQ(run.exit_code, 2) << run.error;
+  EXPECT_NE(run.error.find(GetParam().expected), std::string::npos) << run.error;
+  EXPECT_EQ(std::count(run.error.begin(), run.error.end(), '\n'), 1) << run.error;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    CanBridge, BadInput,
+    ::testing::Values(
+        BadFile{"gear_ratio: 100", "gear_ratio: .nan", "gear_ratio"},
+        BadFile{"velocity_rad_s: 8.0", "velocity_deg_s: 8.0", "velocity_rad_s"},
+        BadFile{"direction: 1 ", "direction: 0 ", "direction"},
+        BadFile{"firmware: 0.5.6", "firmware: 0.6.1", "0.5.4"},
+        BadFile{"origin: sim", "origin: live", "is no hardware"},
+        BadFile{"node: 33", "node: 3", "used twice"},
+        BadFile{"upper_rad: 1.9", "upper_rad: -2.0", "upper_rad"},
+        BadFile{"missed_periods", "missed_period", "missed_period"},
+        BadFile{"transport: virtual",
+                "transport: virtual\n    bus: nobody-is-here\n    connect_timeout_ms: 50",
+                "sinew-can-bus --bus"},
+        BadFile{"transport: virtual", "transport: socketcan\n    interface: can97", "can97"}));
+
+}  // namespace
+}  // namespace sinew

@@ -1,0 +1,141 @@
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "components/identify/run.h"
+#include "sim/surrogate/surrogate.h"
+#include "tests/support/allocations.h"
+
+namespace sinew::surrogate {
+namespace {
+
+constexpr double kPeriod_s = 1.0 / 240.0;
+
+TEST(Surrogate, MeasuredFlagsAreTheBitsOfTheSignals) {
+  using identify::Signal;
+  std::uint32_t expected = 0;
+  for (const Signal signal :
+       {Signal::kPosition, Signal::kVelocity, Signal::kMotorPosition, Signal::kMotorVelocity,
+        Signal::kMotorCurrent, Signal::kChamberPressure, Signal::kReservoirPressure,
+        Signal::kLoadForce, Signal::kValveOpen, Signal::kPayload, Signal::kTemperature}) {
+    expected |= 1u << static_cast<int>(signal);
+  }
+  EXPECT_EQ(Surrogate(RigParameters{}).measured_flags(), expected);
+}
+
+TEST(Surrogate, CommandsAreGivenAtTheOutputAndExecutedAtTheMotor) {
+  Surrogate surrogate{RigParameters{}};
+  provider::PlantSensors sensors;
+  surrogate.Reset(&sensors);
+  provider::PlantCommand command;
+  command.mode[0] = provider::Mode::kPosition;
+  command.position_rad[0] = 0.4;
+  command.valve_open[0] = true;
+  for (int i = 0; i < 720; ++i) surrogate.Step(command, kPeriod_s, &sensors);
+  EXPECT_NEAR(sensors.motor_position_rad[0], 40.0, 0.2);
+  EXPECT_NEAR(sensors.position_rad[0], 0.4, 0.03);
+  EXPECT_TRUE(sensors.valid[0]);
+  EXPECT_FALSE(sensors.fault);
+}
+
+TEST(Surrogate, TorqueToldByTheCurrentIsAtTheOutput) {
+  RigParameters p;
+  p.sensors.current_noise_A = 0.0;
+  Surrogate surrogate{p};
+  provider::PlantSensors sensors;
+  surrogate.Reset(&sensors);
+  provider::PlantCommand command;
+  command.mode[0] = provider::Mode::kTorque;
+  command.motor_torque_Nm[0] = 0.004;
+  for (int i = 0; i < 24; ++i) surrogate.Step(command, kPeriod_s, &sensors);
+  EXPECT_NEAR(sensors.torque_Nm[0], 0.77 * 100.0 * 0.004, 1e-3);
+}
+
+TEST(Surrogate, ReadingsAreLatchedInMidCycleAndTellTheirAge) {
+  Surrogate surrogate{RigParameters{}};
+  provider::PlantSensors sensors;
+  surrogate.Reset(&sensors);
+  surrogate.Step(provider::PlantCommand{}, kPeriod_s, &sensors);
+  EXPECT_EQ(sensors.age_us[0], 2083);
+}
+
+TEST(Surrogate, ACommandThatIsNotFiniteIdlesTheDriveAndIsTold) {
+  Surrogate surrogate{RigParameters{}};
+  provider::PlantSensors sensors;
+  surrogate.Reset(&sensors);
+  provider::PlantCommand command;
+  command.mode[0] = provider::Mode::kTorque;
+  command.motor_torque_Nm[0] = 0.03;
+  for (int i = 0; i < 48; ++i) surrogate.Step(command, kPeriod_s, &sensors);
+  EXPECT_GT(surrogate.rig().truth().iq_A, 1.0);
+  const double bad[] = {std::numeric_limits<double>::quiet_NaN(),
+                        std::numeric_limits<double>::infinity()};
+  for (const double value : bad) {
+    provider::PlantCommand broken = command;
+    broken.motor_torque_Nm[0] = value;
+    for (int i = 0; i < 4; ++i) surrogate.Step(broken, kPeriod_s, &sensors);
+    EXPECT_TRUE(sensors.fault);
+    EXPECT_FALSE(sensors.message.empty());
+    EXPECT_NEAR(surrogate.rig().truth().iq_A, 0.0, 0.01);
+    broken = command;
+    broken.hand_force_N[0] = value;
+    surrogate.Step(broken, kPeriod_s, &sensors);
+    EXPECT_TRUE(sensors.fault);
+  }
+  EXPECT_EQ(surrogate.refused_commands(), 10u);
+  surrogate.Step(command, kPeriod_s, &sensors);
+  EXPECT_FALSE(sensors.fault);
+  EXPECT_TRUE(std::isfinite(sensors.position_rad[0]));
+}
+
+TEST(Surrogate, APeriodWithoutMeaningIsNoStep) {
+  Surrogate surrogate{RigParameters{}};
+  provider::PlantSensors sensors;
+  surrogate.Reset(&sensors);
+  for (const double period_s : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
+    surrogate.Step(provider::PlantCommand{}, period_s, &sensors);
+  }
+  EXPECT_EQ(surrogate.rig().time_s(), 0.0);
+}
+
+TEST(Surrogate, StepTakesNothingFromTheHeap) {
+  RigParameters p;
+  for (const EffectInfo& info : UndeclaredEffects()) {
+    p.effects.push_back({std::string(info.name), info.default_size, 0.05});
+  }
+  Surrogate surrogate{p};
+  provider::PlantSensors sensors;
+  surrogate.Reset(&sensors);
+  provider::PlantCommand command;
+  command.mode[0] = provider::Mode::kTorque;
+  const long before = test::Allocations();
+  for (int i = 0; i < 240; ++i) {
+    command.motor_torque_Nm[0] = 0.02 * std::sin(0.1 * i);
+    surrogate.Step(command, kPeriod_s, &sensors);
+  }
+  EXPECT_EQ(test::Allocations(), before);
+}
+
+TEST(Surrogate, IsWellFasterThanRealTime) {
+  Surrogate surrogate{RigParameters{}};
+  provider::PlantSensors sensors;
+  surrogate.Reset(&sensors);
+  provider::PlantCommand command;
+  command.mode[0] = provider::Mode::kTorque;
+  command.valve_open[0] = true;
+  const auto start = std::chrono::steady_clock::now();
+  for (int i = 0; i < 2400; ++i) {
+    command.motor_torque_Nm[0] = 0.02 * std::sin(0.02 * i);
+    surrogate.Step(command, kPeriod_s, &sensors);
+  }
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  // About 190 x measured; a debug or sanitizer build on a busy machine still passes at real time.
+  EXPECT_LT(seconds, 10.0);
+  RecordProperty("times_real_time", static_cast<int>(10.0 / seconds));
+}
+
+}  // namespace
+}  // namespace sinew::surrogate

@@ -1,0 +1,101 @@
+// The rig in real time: arming, a second state provider, a controller that is killed.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sinew_idl/joint.h>
+
+#include "components/node/node.h"
+#include "tests/support/program.h"
+
+namespace sinew::testing {
+namespace {
+
+using namespace std::chrono_literals;
+
+const std::string kBin = SINEW_BIN_DIR;
+const std::string kRig = SINEW_SOURCE_DIR "/robots/rig/";
+
+node::Options Observer(int domain) {
+  node::Options options;
+  options.component = options.name = "observer";
+  options.domain_id = domain;
+  return options;
+}
+
+// Waits for a joint_state that fulfils the condition.
+template <class Condition>
+bool WaitForState(node::Reader<msg::JointState>& reader, Condition condition,
+                  std::chrono::seconds limit = 20s) {
+  const auto deadline = std::chrono::steady_clock::now() + limit;
+  while (std::chrono::steady_clock::now() < deadline) {
+    const auto state = reader.WaitNext(1000ms);
+    if (state && condition(*state)) return true;
+  }
+  return false;
+}
+
+bool WaitForRobot(node::Reader<msg::JointState>& reader, msg::RobotState wanted) {
+  return WaitForState(reader,
+                      [&](const msg::JointState& state) { return state.robot_state() == wanted; });
+}
+
+struct Rig {
+  explicit Rig(int number)
+      : domain(std::to_string(number)),
+        surrogate(
+            {kBin + "/sinew-surrogate", "--config", kRig + "surrogate.yaml", "--domain", domain}),
+        reference({kBin + "/sinew-reference", "--config", kRig + "reference_benchmark.yaml",
+                   "--domain", domain}),
+        control(
+            {kBin + "/sinew-control", "--config", kRig + "control_pid.yaml", "--domain", domain}),
+        observer(Observer(number)),
+        state(observer.MakeReader(node::kJointState)) {}
+
+  int Command(const std::string& word) {
+    return Run({kBin + "/sinew", word, "--domain", domain}).exit_code;
+  }
+
+  std::string domain;
+  Program surrogate, reference, control;
+  node::Node observer;
+  node::Reader<msg::JointState> state;
+};
+
+TEST(Operator, ArmsMovesAndStopsTheRobot) {
+  Rig rig(145);
+  ASSERT_TRUE(WaitForRobot(rig.state, msg::ROBOT_DISARMED)) << rig.surrogate.error();
+  ASSERT_EQ(rig.Command("arm"), 0);
+  ASSERT_TRUE(WaitForRobot(rig.state, msg::ROBOT_ARMED));
+  // The benchmark moves 30 degrees to both sides.
+  EXPECT_TRUE(WaitForState(
+      rig.state, [](const msg::JointState& s) { return std::abs(s.position_rad()[0]) > 0.4; }));
+  ASSERT_EQ(rig.Command("estop"), 0);
+  ASSERT_TRUE(WaitForRobot(rig.state, msg::ROBOT_ESTOPPED));
+  EXPECT_NE(rig.Command("arm"), 0) << "an estop ends only by reset";
+  ASSERT_EQ(rig.Command("reset"), 0);
+  ASSERT_TRUE(WaitForRobot(rig.state, msg::ROBOT_DISARMED));
+}
+
+TEST(Operator, AKilledControllerIsBridgedAndThenAFault) {
+  Rig rig(146);
+  ASSERT_TRUE(WaitForRobot(rig.state, msg::ROBOT_DISARMED)) << rig.surrogate.error();
+  ASSERT_EQ(rig.Command("arm"), 0);
+  ASSERT_TRUE(WaitForState(rig.state, [](const msg::JointState& s) {
+    return s.robot_state() == msg::ROBOT_ARMED && std::abs(s.velocity_rad_s()[0]) > 0.05;
+  }));
+  rig.control.Signal(SIGKILL);
+  ASSERT_TRUE(WaitForRobot(rig.state, msg::ROBOT_FAULT));
+  EXPECT_NE(rig.Command("arm"), 0) << "a fault ends only by reset";
+}
+
+TEST(Operator, ASecondStateProviderIsRefused) {
+  Rig rig(147);
+  ASSERT_TRUE(WaitForRobot(rig.state, msg::ROBOT_DISARMED));
+  const Finished second = testing::Run({kBin + "/sinew-surrogate", "--config", kRig + "surrogate.yaml",
+                               "--domain", rig.domain, "--name", "second"});
+  EXPECT_EQ(second.exit_code, 2);
+  EXPECT_NE(second.error.find("already has a state provider: 'surrogate'"), std::string::npos)
+      << second.error;
+}
+
+}  // namespace
+}  // namespace sinew::testing
