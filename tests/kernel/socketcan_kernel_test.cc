@@ -27,7 +27,7 @@
 #include "bridge/can/codec.h"
 #include "bridge/can/transport/replay_can.h"
 #include "bridge/can/transport/socketcan.h"
-#include "bridge/participant/can_plant.h"
+#include "bridge/joints/can_plant.h"
 #include "bridge/virtual_axes/virtual_axes.h"
 #include "components/config/config.h"
 #include "tests/bridge/virtual_axes/rotors.h"
