@@ -151,6 +151,7 @@ class Tracer {
                           fit.balance.target - fit.balance.columns * fit.coefficients,
                           Folds(units_.blocks.size()));
 
+    result_.nominal = declared_;
     result_.declared = fit.model;
     result_.declared_fit = fit;
     result_.units = static_cast<int>(units_.blocks.size());

@@ -46,7 +46,7 @@ struct CandidateScore {
   bool stable = true;             // no part of the data contradicts it
   bool accepted = false;
   std::string refused;            // why not
-  double sealed_rms = 0.0;        // with it added alone
+  double sealed_rms = 0.0;        // with it added alone, rms
 };
 
 struct RoundReport {
@@ -100,6 +100,7 @@ enum class Verdict { kNone, kEffect, kUnexplained };
 
 struct TraceResult {
   Verdict verdict = Verdict::kNone;
+  actuator::JointModel nominal;      // as declared
   actuator::JointModel declared;     // refitted, nothing added
   actuator::JointModel corrected;    // with the effects
   std::vector<FoundEffect> effects;
@@ -111,7 +112,8 @@ struct TraceResult {
   identify::FitResult declared_fit;
   identify::FitResult corrected_fit;
   identify::ModelError nominal_train, nominal_sealed;
-  identify::ModelError before_train, before_sealed;   // declared model, refitted
+  // Declared model, refitted; within its tolerances when the effects are shifts of its parameters.
+  identify::ModelError before_train, before_sealed;
   identify::ModelError after_train, after_sealed;
   double noise_floor_rms = 0.0;
   std::string noise_floor_source;

@@ -50,6 +50,15 @@ TEST(ControlFile, ReadsTheRigsModelForFeedForward) {
   EXPECT_EQ(config.joints[0].gear_ratio, 100.0);
 }
 
+TEST(ControlFile, AnotherModelMayTakeThePlaceOfTheNamedOne) {
+  const ControlConfig config = ReadControl(
+      config::Section::Parse("schema: sinew-control/1\njoints: [{strategy: pid_linear, model: " +
+                                 kRig + ", force_limit_N: 350, pid: {proportional_N_m: 1000}}]\n",
+                             "control.yaml", "sinew-control/1"),
+      kEmps);
+  EXPECT_EQ(config.joints[0].model->kind, effects::JointKind::kLinear);
+}
+
 TEST(ControlFile, APrismaticAxisCarriesNewtonsAndMetres) {
   const std::string head =
       "joints:\n  - strategy: pid_linear\n    model: " + kEmps + "\n    force_limit_N: 350\n";

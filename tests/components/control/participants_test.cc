@@ -211,6 +211,42 @@ TEST(Participants, ControlHoldsAndSaysSoWhenTheReferenceDiesAndIdlesOnEstop) {
   }
 }
 
+TEST(Participants, FollowAPrismaticAxisCommandedInNewtons) {
+  const std::string emps = std::string(SINEW_SOURCE_DIR) + "/robots/emps";
+  Deployment deployment{.domain = "73"};
+  node::StopFlag stop;
+  node::Node node(ObserverOptions(deployment));
+  node::TickLoop loop(node, stop);
+  auto& state = loop.AddInput(node::kJointState);
+  auto& reference = loop.AddInput(node::kReference);
+  auto& command = loop.AddInput(node::kJointCommand);
+  const auto reference_program =
+      Start(deployment, "reference", {"--config", emps + "/reference_sine.yaml"});
+  const auto control =
+      Start(deployment, "control", {"--config", emps + "/control_pid_linear.yaml"});
+  const auto provider = Start(
+      deployment, "world",
+      {"--config", emps + "/world.yaml", "--arm", "--duration", "10", "--await", "joint_command"});
+  double worst_m = 0.0, largest_N = 0.0;
+  int scored = 0;
+  while (const auto tick = loop.Next()) {
+    largest_N = std::max(largest_N, std::abs(command.value().motor_torque_Nm()[0]));
+    if (static_cast<double>(tick->tick) * tick->period_s < 3.0) continue;
+    EXPECT_EQ(state.value().joint_kind()[0], msg::JOINT_PRISMATIC);
+    worst_m = std::max(
+        worst_m, std::abs(reference.value().position_rad()[0] - state.value().position_rad()[0]));
+    ++scored;
+  }
+  EXPECT_GT(scored, 1500);
+  EXPECT_LT(worst_m, 2e-3) << "of a stroke of 0.1 m";
+  EXPECT_GT(largest_N, 100.0);
+  EXPECT_LE(largest_N, 351.5);
+  RecordProperty("worst_m", std::to_string(worst_m));
+  for (Program* program : {provider.get(), reference_program.get(), control.get()}) {
+    EXPECT_EQ(program->Wait(seconds(20)), 0) << program->error();
+  }
+}
+
 TEST(Participants, BadConfigurationIsOneLineAndExitCode2) {
   const TemporaryFolder folder;
   for (const std::string name : {"reference", "regime", "pneumatics", "control"}) {
