@@ -84,9 +84,8 @@ ProcessingOptions Resolve(const ProcessingOptions& options, const std::vector<Ru
   const Eigen::VectorXd position = OutputPosition(segment, 1.0, runs.front().name);
   const Eigen::VectorXd velocity =
       WideDifference(Smooth(position, 4, 0.1 * rate, rate), segment.period_s);
-  const double motion_Hz = BandHolding(velocity, rate, 0.99);
   if (!(out.state_cutoff_Hz > 0.0)) {
-    out.state_cutoff_Hz = std::clamp(5.0 * motion_Hz, 1e-3 * rate, 0.25 * rate);
+    out.state_cutoff_Hz = std::clamp(BandAboveNoise(position, rate), 0.02 * rate, 0.25 * rate);
   }
   if (!(out.parallel_cutoff_Hz > 0.0)) out.parallel_cutoff_Hz = 0.25 * out.state_cutoff_Hz;
   if (!(out.rest_velocity > 0.0)) {
@@ -210,6 +209,15 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
       }
       std::vector<char> out_of_use = segment.at_rest;
       Spread(out_of_use, static_cast<Eigen::Index>(std::lround(options.reversal_guard_s * rate)));
+      // Presliding: the teeth and seals turn over before friction has its moving value.
+      if (options.settle_distance > 0.0) {
+        double covered = 0.0;
+        for (Eigen::Index i = 0; i < piece.size(); ++i) {
+          const auto k = static_cast<std::size_t>(i);
+          covered = segment.at_rest[k] ? 0.0 : covered + std::abs(v[i]) * dt;
+          if (covered < options.settle_distance) out_of_use[k] = 1;
+        }
+      }
       const auto border = static_cast<Eigen::Index>(std::lround(options.border_s * rate));
       for (Eigen::Index i = 0; i < piece.size(); ++i) {
         const auto k = static_cast<std::size_t>(i);

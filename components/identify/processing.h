@@ -24,6 +24,7 @@ struct ProcessingOptions {
   int parallel_order = 4;
   double rest_velocity = 0.0;       // rad/s or m/s; slower is rest or reversal; 0: from the data
   double reversal_guard_s = 0.05;   // left out on either side of rest and reversals
+  double settle_distance = 0.0;     // rad or m; left out after rest and reversals until it is covered
   double border_s = 0.5;            // left out at both ends of a piece
   double longest_gap_s = 0.25;      // longer gaps cut a recording into pieces
 };
@@ -53,9 +54,9 @@ struct StateSet {
 // term or more than one.
 Signal DriveSignal(const actuator::JointModel& model);
 
-// Fills in what the options leave to the data: state cut-off at five times the frequency below which
-// 99 % of the velocity's power lies (at most a quarter of the rate), parallel cut-off at a
-// quarter of that, rest velocity at 3 % of the velocity's rms.
+// Fills in what the options leave to the data: state cut-off where the position's spectrum sinks to four
+// times its level near the Nyquist frequency (between 1/50 and 1/4 of the rate), parallel cut-off at
+// a quarter of that, rest velocity at 3 % of the velocity's rms.
 ProcessingOptions Resolve(const ProcessingOptions& options, const std::vector<Run>& runs);
 
 // Runs may differ in rate and length; options must be resolved.

@@ -68,16 +68,17 @@ Spectrum PowerDensity(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz
   return out;
 }
 
-double BandHolding(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz, double share) {
-  const Spectrum spectrum = PowerDensity(x, rate_Hz, 8192);
-  const double total = spectrum.density.sum();
-  if (!(total > 0.0)) return 0.0;
-  double sum = 0.0;
-  for (Eigen::Index i = 0; i < spectrum.density.size(); ++i) {
-    sum += spectrum.density[i];
-    if (sum >= share * total) return spectrum.frequency_Hz[i];
+double BandAboveNoise(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz) {
+  const Spectrum spectrum = PowerDensity(x, rate_Hz, 1024);
+  const Eigen::Index n = spectrum.density.size();
+  if (n < 12) return 0.0;
+  std::vector<double> top(spectrum.density.begin() + 2 * n / 3, spectrum.density.end());
+  std::nth_element(top.begin(), top.begin() + static_cast<std::ptrdiff_t>(top.size() / 2), top.end());
+  const double level = 4.0 * top[top.size() / 2];
+  for (Eigen::Index i = 1; i < n; ++i) {
+    if (spectrum.density[i] < level) return spectrum.frequency_Hz[i];
   }
-  return spectrum.frequency_Hz[spectrum.frequency_Hz.size() - 1];
+  return spectrum.frequency_Hz[n - 1];
 }
 
 }  // namespace sinew::identify

@@ -20,7 +20,8 @@ struct Spectrum {
 Spectrum PowerDensity(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz,
                       int length = 1024);
 
-// The frequency below which a share of the variance of x lies.
-double BandHolding(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz, double share);
+// The lowest frequency at which the spectrum sinks to four times its median level in the top third of its
+// band: above it there is more noise than motion.
+double BandAboveNoise(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz);
 
 }  // namespace sinew::identify

@@ -47,6 +47,7 @@ struct CandidateScore {
   bool accepted = false;
   std::string refused;            // why not
   double sealed_rms = 0.0;        // with it added alone
+  double delay_s = 0.0;           // transport_delay only: what it amounts to
 };
 
 struct RoundReport {
@@ -100,6 +101,7 @@ enum class Verdict { kNone, kEffect, kUnexplained };
 
 struct TraceResult {
   Verdict verdict = Verdict::kNone;
+  actuator::JointModel nominal;      // as declared
   actuator::JointModel declared;     // refitted, nothing added
   actuator::JointModel corrected;    // with the effects
   std::vector<FoundEffect> effects;
@@ -111,7 +113,8 @@ struct TraceResult {
   identify::FitResult declared_fit;
   identify::FitResult corrected_fit;
   identify::ModelError nominal_train, nominal_sealed;
-  identify::ModelError before_train, before_sealed;   // declared model, refitted
+  // Declared model, refitted; within its tolerances when the effects are shifts of its parameters.
+  identify::ModelError before_train, before_sealed;
   identify::ModelError after_train, after_sealed;
   double noise_floor_rms = 0.0;
   std::string noise_floor_source;

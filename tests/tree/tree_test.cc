@@ -87,6 +87,7 @@ std::vector<Include> IncludesOf(const std::string& file) {
 // its folders participant/ (a process) and file/ (reading and writing).
 const std::map<std::string, std::string> kNotPure = {
     {"components/config", "reads and writes files"},
+    {"components/logger", "a queue and a thread in front of a file"},
     {"components/node", "owns DDS, options, logs and clocks"},
     {"sim/surrogate/csv", "a program: runs as CSV files"},
     {"bridge/can/bus", "a program: the server of the virtual bus"},

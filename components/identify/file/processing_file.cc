@@ -18,6 +18,9 @@ ProcessingOptions ReadProcessing(const config::Section& root, effects::JointKind
       out.rest_velocity, config::kPositive);
   out.reversal_guard_s =
       block.NumberOr("reversal_guard_s", out.reversal_guard_s, config::kNotNegative);
+  out.settle_distance = block.NumberOr(
+      kind == effects::JointKind::kRotary ? "settle_distance_rad" : "settle_distance_m",
+      out.settle_distance, config::kNotNegative);
   out.border_s = block.NumberOr("border_s", out.border_s, config::kNotNegative);
   out.longest_gap_s = block.NumberOr("longest_gap_s", out.longest_gap_s, config::kPositive);
   block.RejectUnknownKeys();

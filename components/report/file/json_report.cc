@@ -1,0 +1,224 @@
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "components/report/file/report_file.h"
+
+namespace sinew::report {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json Recordings(const std::vector<Recording>& recordings) {
+  Json out = Json::array();
+  for (const Recording& recording : recordings) {
+    out.push_back({{"name", recording.name},
+                   {"content_hash", recording.content_hash},
+                   {"rows", recording.rows},
+                   {"duration_s", recording.duration_s}});
+  }
+  return out;
+}
+
+Json Value(double value, const std::optional<double>& half_width, bool fixed) {
+  Json out = {{"value", value}};
+  if (half_width) {
+    out["half_width_95"] = *half_width;
+    out["interval_95"] = {value - *half_width, value + *half_width};
+  }
+  if (fixed && !half_width) out["known"] = true;
+  return out;
+}
+
+// Parameters of a term in their own units.
+Json Parameters(const actuator::JointModel& model, std::size_t t) {
+  const actuator::Term& term = model.terms[t];
+  const effects::EffectInfo& info = term.effect->info();
+  Json out = Json::object();
+  for (std::size_t i = 0; i < info.linear.size(); ++i) {
+    const double physical =
+        actuator::PhysicalValue(model, static_cast<int>(t), static_cast<int>(i));
+    const actuator::ParameterValue& value = term.linear[i];
+    std::optional<double> half_width = value.half_width_95;
+    if (half_width && value.value != 0.0) *half_width *= std::abs(physical / value.value);
+    out[ParameterKey(info.linear[i], model.kind)] = Value(physical, half_width, value.fixed);
+  }
+  for (std::size_t i = 0; i < info.nonlinear.size(); ++i) {
+    const actuator::ParameterValue& value = term.nonlinear[i];
+    out[ParameterKey(info.nonlinear[i], model.kind)] =
+        Value(value.value, value.half_width_95, value.fixed);
+  }
+  return out;
+}
+
+Json ModelParameters(const actuator::JointModel& model) {
+  Json out = Json::object();
+  for (std::size_t t = 0; t < model.terms.size(); ++t) {
+    const std::string& name = model.terms[t].effect->info().name;
+    const Json parameters = Parameters(model, t);
+    for (const auto& [key, value] : parameters.items()) out[name + "." + key] = value;
+  }
+  return out;
+}
+
+Json Errors(const identify::ModelError& nominal, const identify::ModelError& before,
+            const identify::ModelError& after, const std::string& unit) {
+  return {{"unit", unit},
+          {"before", before.rms},
+          {"after", after.rms},
+          {"before_rms", before.rms},
+          {"after_rms", after.rms},
+          {"nominal_rms", nominal.rms},
+          {"before_percent", before.percent},
+          {"after_percent", after.percent},
+          {"nominal_percent", nominal.percent}};
+}
+
+}  // namespace
+
+std::string FormatJson(const Report& report) {
+  const trace::TraceResult& trace = report.trace;
+  const std::string unit = TorqueUnit(trace.corrected.kind);
+  Json out;
+  out["schema"] = "sinew-close-loop/1";
+  out["verdict"] = VerdictWord(trace.verdict);
+  out["sentence"] = VerdictSentence(report);
+  out["robot"] = report.robot;
+  out["joint"] = trace.corrected.name;
+  out["model"] = report.model_file;
+  out["recordings"] = {{"train", Recordings(report.train)}, {"sealed", Recordings(report.sealed)}};
+
+  out["effects"] = Json::array();
+  for (const trace::FoundEffect& effect : trace.effects) {
+    Json entry = {{"name", effect.name},
+                  {"title", EffectTitle(effect.name)},
+                  {"balance", "M"},
+                  {"rivals", effect.rivals},
+                  {"parameters", Parameters(trace.corrected, static_cast<std::size_t>(effect.term))},
+                  {"gain", effect.gain_share},
+                  {"gain_standard_error", effect.gain_error},
+                  {"p", effect.p},
+                  {"weak_evidence", effect.weak_evidence},
+                  {"swallowed_by_refit", effect.swallowed},
+                  {"train", {{"unit", unit}, {"before", effect.train_before}, {"after", effect.train_after}}},
+                  {"sealed",
+                   {{"unit", unit}, {"before", effect.sealed_before}, {"after", effect.sealed_after}}}};
+    switch (effect.balance) {
+      case effects::Balance::kMotion:
+        break;
+      case effects::Balance::kLink:
+        entry["balance"] = "L";
+        break;
+      case effects::Balance::kPlay:
+        entry["balance"] = "S";
+        break;
+      case effects::Balance::kGas:
+        entry["balance"] = "Q";
+        break;
+      case effects::Balance::kKinematic:
+        entry["balance"] = "K";
+        break;
+    }
+    out["effects"].push_back(std::move(entry));
+  }
+
+  out["train"] = Errors(trace.nominal_train, trace.before_train, trace.after_train, unit);
+  out["sealed"] = Errors(trace.nominal_sealed, trace.before_sealed, trace.after_sealed, unit);
+  const double floor = trace.noise_floor_rms;
+  const double explainable =
+      trace.before_sealed.rms * trace.before_sealed.rms - floor * floor;
+  out["sealed"]["noise_floor_rms"] = floor;
+  out["sealed"]["noise_floor_source"] = trace.noise_floor_source;
+  out["sealed"]["ceiling_rms"] = trace.ceiling_rms;
+  out["sealed"]["explainable_removed"] =
+      explainable > 0.0 ? (trace.before_sealed.rms * trace.before_sealed.rms -
+                           trace.after_sealed.rms * trace.after_sealed.rms) /
+                              explainable
+                        : 0.0;
+
+  out["rounds"] = Json::array();
+  for (const trace::RoundReport& round : trace.rounds) {
+    Json candidates = Json::array();
+    for (const trace::CandidateScore& score : round.scores) {
+      candidates.push_back({{"name", score.name},
+                            {"gain", score.gain_share},
+                            {"standard_error", score.share_error},
+                            {"t", score.gain.t},
+                            {"p", score.gain.p},
+                            {"accepted", score.accepted},
+                            {"refused", score.refused},
+                            {"sealed_rms", score.sealed_rms}});
+    }
+    out["rounds"].push_back({{"train_rms", round.train_rms},
+                             {"sealed_rms", round.sealed_rms},
+                             {"explainable_rms", round.explainable_rms},
+                             {"placebo_99", round.placebo_99},
+                             {"added", round.added.empty() ? Json(nullptr) : Json(round.added)},
+                             {"candidates", std::move(candidates)}});
+  }
+
+  if (report.as_published) {
+    const identify::AsPublishedResult& published = *report.as_published;
+    out["as_published"] = {{"before_percent", published.before_percent},
+                           {"after_percent", published.after_percent},
+                           {"cross_before_percent", published.cross_before_percent},
+                           {"cross_after_percent", published.cross_after_percent},
+                           {"parameters",
+                            {{"before", ModelParameters(published.before)},
+                             {"after", ModelParameters(published.after)}}}};
+  }
+
+  out["not_excited"] = Json::array();
+  out["not_excited_why"] = Json::object();
+  for (const trace::NotExcited& hidden : trace.not_excited) {
+    out["not_excited"].push_back(hidden.effect);
+    out["not_excited_why"][hidden.effect] = hidden.reason;
+  }
+  const double left = trace.after_train.rms * trace.after_train.rms - floor * floor;
+  out["unexplained"] = {
+      {"variable",
+       trace.unexplained.variable.empty() ? Json(nullptr) : Json(trace.unexplained.variable)},
+      {"order_per_turn", trace.unexplained.order_per_turn},
+      {"rms", trace.unexplained.variable.empty() ? std::sqrt(std::max(0.0, left))
+                                                 : trace.unexplained.rms},
+      {"share", trace.unexplained.share}};
+  out["parameter_shift"] = Json::array();
+  for (const trace::ParameterShift& shift : trace.shifts) {
+    out["parameter_shift"].push_back({{"name", shift.effect + "." + shift.parameter},
+                                      {"nominal", shift.nominal},
+                                      {"refit", shift.refit},
+                                      {"tolerance", shift.tolerance},
+                                      {"half_width_95", shift.half_width_95},
+                                      {"sigma", shift.sigma},
+                                      {"causes", shift.causes}});
+  }
+  out["base_parameters"] = {{"nominal", ModelParameters(trace.nominal)},
+                            {"before", ModelParameters(trace.declared)},
+                            {"after", ModelParameters(trace.corrected)}};
+  out["findings"] = Json::array();
+  for (const identify::Finding& finding : report.findings) {
+    out["findings"].push_back({{"name", finding.name},
+                               {"text", finding.text},
+                               {"value", finding.value},
+                               {"unit", finding.unit}});
+  }
+  const std::string next = NextExperiment(report);
+  out["next_experiment"] = next.empty() ? Json(nullptr) : Json(next);
+  out["cross_validation"] = {{"unit", trace.unit_kind},
+                             {"units", trace.units},
+                             {"unit_length_s", trace.unit_length_s},
+                             {"correlation_time_s", trace.correlation_time_s}};
+  out["processing"] = {{"state_cutoff_Hz", report.processing.state_cutoff_Hz},
+                       {"state_order", report.processing.state_order},
+                       {"parallel_cutoff_Hz", report.processing.parallel_cutoff_Hz},
+                       {"parallel_order", report.processing.parallel_order},
+                       {"rest_velocity", report.processing.rest_velocity},
+                       {"reversal_guard_s", report.processing.reversal_guard_s},
+                       {"settle_distance", report.processing.settle_distance},
+                       {"border_s", report.processing.border_s}};
+  out["seed"] = report.seed;
+  out["seconds"] = report.seconds;
+  return out.dump(2) + "\n";
+}
+
+}  // namespace sinew::report

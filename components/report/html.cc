@@ -1,0 +1,227 @@
+#include <cstdio>
+
+#include "components/report/report.h"
+
+namespace sinew::report {
+
+namespace {
+
+std::string Escape(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += c;
+    }
+  }
+  return out;
+}
+
+std::string Percent(double share) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f %%", 100.0 * share);
+  return text;
+}
+
+std::string Probability(double p) {
+  char text[32];
+  std::snprintf(text, sizeof text, p < 1e-3 ? "%.0e" : "%.3f", p);
+  return text;
+}
+
+std::string Row(const std::vector<std::string>& cells, const char* tag = "td") {
+  std::string out = "<tr>";
+  for (const std::string& cell : cells) out += std::string("<") + tag + ">" + cell + "</" + tag + ">";
+  return out + "</tr>\n";
+}
+
+std::string Join(const std::vector<std::string>& words) {
+  std::string out;
+  for (const std::string& word : words) out += (out.empty() ? "" : ", ") + Escape(word);
+  return out;
+}
+
+constexpr const char* kStyle = R"(
+:root{--ink:#1f2933;--soft:#5f6b76;--line:#e1e5e9;--accent:#1b7f9e}
+body{font:15px/1.5 "DejaVu Sans","Segoe UI",system-ui,sans-serif;color:var(--ink);margin:0;background:#f5f6f8}
+main{max-width:960px;margin:0 auto;padding:28px 20px 60px}
+h1{font-size:21px;margin:0 0 4px}h2{font-size:16px;margin:34px 0 8px}
+.verdict{background:#fff;border-left:6px solid var(--accent);padding:16px 20px;margin:14px 0 18px;font-size:17px}
+.verdict.none{border-color:#7a9a5b}.verdict.unexplained{border-color:#d95f02}
+.meta,.caption{color:var(--soft);font-size:13px}.caption{margin:2px 0 0}
+figure{background:#fff;margin:0 0 18px;padding:14px 16px 12px}figure h3{font-size:14px;margin:0 0 4px}
+figure svg{width:100%;height:auto;display:block}
+table{border-collapse:collapse;width:100%;background:#fff;font-size:13.5px}
+th,td{padding:6px 10px;border-bottom:1px solid var(--line);text-align:left;vertical-align:top}
+th{font-weight:600;color:var(--soft);font-size:12.5px}td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}
+ul{margin:6px 0;padding-left:20px}.big{display:flex;gap:14px;flex-wrap:wrap;margin:0 0 18px}
+.big div{background:#fff;padding:12px 18px;flex:1 1 190px}.big b{display:block;font-size:20px}
+.big span{color:var(--soft);font-size:12.5px}code{font-size:12.5px}
+)";
+
+}  // namespace
+
+std::string FormatHtml(const Report& report, const std::vector<Picture>& pictures,
+                       const std::vector<std::string>& svgs) {
+  const trace::TraceResult& trace = report.trace;
+  const effects::JointKind kind = trace.corrected.kind;
+  const std::string unit = TorqueUnit(kind);
+  std::string out =
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
+      "<meta name=\"viewport\" content=\"width=device-width\"><title>Closing the loop: " +
+      Escape(report.robot) + "</title><style>" + kStyle + "</style></head><body><main>\n";
+  out += "<h1>Closing the loop: " + Escape(report.robot) + ", " + Escape(trace.corrected.name) + "</h1>\n";
+  std::vector<std::string> train;
+  for (const Recording& recording : report.train) train.push_back(recording.name);
+  std::vector<std::string> sealed;
+  for (const Recording& recording : report.sealed) sealed.push_back(recording.name);
+  out += "<div class=\"meta\">Trained on " + Join(train) + ". Sealed: " + Join(sealed) + ". Model " +
+         Escape(report.model_file) + ".</div>\n";
+  out += "<div class=\"verdict " + VerdictWord(trace.verdict) + "\">" + Escape(VerdictSentence(report)) +
+         "</div>\n";
+  const std::string next = NextExperiment(report);
+
+  const auto box = [&](const std::string& value, const std::string& text) {
+    out += "<div><b>" + value + "</b><span>" + text + "</span></div>\n";
+  };
+  out += "<div class=\"big\">\n";
+  box(Short(trace.before_sealed.rms) + " &rarr; " + Short(trace.after_sealed.rms) + " " + unit,
+      "error on the sealed recording, before and after");
+  box(Short(trace.before_sealed.percent) + " &rarr; " + Short(trace.after_sealed.percent) + " %",
+      "of the drive torque");
+  box(Short(trace.noise_floor_rms) + " " + unit,
+      "noise floor" +
+          (trace.noise_floor_source.empty() ? std::string() : ", " + Escape(trace.noise_floor_source)));
+  out += "</div>\n";
+
+  for (std::size_t i = 0; i < pictures.size() && i < svgs.size(); ++i) {
+    out += "<figure><h3>" + Escape(pictures[i].title) + "</h3>" + svgs[i] + "<p class=\"caption\">" +
+           Escape(pictures[i].caption) + "</p></figure>\n";
+  }
+
+  if (!trace.effects.empty()) {
+    out += "<h2>What was found</h2>\n<table>" +
+           Row({"effect", "removes", "p", "sealed error, " + unit, "what predicts the same"}, "th");
+    for (const trace::FoundEffect& effect : trace.effects) {
+      out += Row({"<code>" + Escape(effect.name) + "</code><br>" + Escape(EffectTitle(effect.name)) +
+                      (effect.swallowed ? "<br>seen as a shift of declared parameters" : ""),
+                  Percent(effect.gain_share) +
+                      (effect.gain_error > 0.0 ? " &plusmn; " + Percent(effect.gain_error) : ""),
+                  Probability(effect.p),
+                  Short(effect.sealed_before) + " &rarr; " + Short(effect.sealed_after),
+                  effect.rivals.empty() ? "nothing known" : Join(effect.rivals)});
+    }
+    out += "</table>\n";
+    if (!next.empty()) out += "<p>" + Escape(next) + "</p>\n";
+  } else if (!next.empty()) {
+    out += "<h2>Next experiment</h2><p>" + Escape(next) + "</p>\n";
+  }
+
+  out += "<h2>Parameters</h2>\n<table>" +
+         Row({"parameter", "declared", "refitted", "with the effect", "&plusmn; 95 %"}, "th");
+  for (std::size_t t = 0; t < trace.corrected.terms.size(); ++t) {
+    const actuator::Term& term = trace.corrected.terms[t];
+    const effects::EffectInfo& info = term.effect->info();
+    const bool was = t < trace.declared.terms.size() && term.declared;
+    for (std::size_t i = 0; i < info.linear.size() + info.nonlinear.size(); ++i) {
+      const bool linear = i < info.linear.size();
+      const std::size_t k = linear ? i : i - info.linear.size();
+      const auto& parameter = linear ? info.linear[k] : info.nonlinear[k];
+      const auto& value = linear ? term.linear[k] : term.nonlinear[k];
+      const double shown =
+          linear ? actuator::PhysicalValue(trace.corrected, static_cast<int>(t), static_cast<int>(k))
+                 : value.value;
+      std::string refitted = "&ndash;";
+      std::string declared = "&ndash;";
+      if (was) {
+        const actuator::Term& before = trace.declared.terms[t];
+        refitted = Short(linear ? before.linear[k].value : before.nonlinear[k].value);
+        const actuator::Term& nominal = trace.nominal.terms[t];
+        declared = Short(linear ? nominal.linear[k].value : nominal.nonlinear[k].value);
+      }
+      out += Row({"<code>" + Escape(info.name) + "." + Escape(ParameterKey(parameter, kind)) + "</code>",
+                  declared, refitted, Short(shown),
+                  value.fixed && !value.half_width_95
+                      ? "known"
+                      : value.half_width_95 ? Short(*value.half_width_95) : "&ndash;"});
+    }
+  }
+  out += "</table>\n";
+
+  if (!trace.shifts.empty()) {
+    out += "<h2>What the refit swallowed</h2>\n<p class=\"caption\">Declared parameters that moved by more than "
+           "their tolerance, and what would move them the same way.</p><table>" +
+           Row({"parameter", "declared", "refitted", "tolerance", "sigma", "causes that share the direction"},
+               "th");
+    for (const trace::ParameterShift& shift : trace.shifts) {
+      out += Row({"<code>" + Escape(shift.effect) + "." + Escape(shift.parameter) + "</code>",
+                  Short(shift.nominal), Short(shift.refit), Short(shift.tolerance), Short(shift.sigma),
+                  shift.causes.empty() ? "none known" : Join(shift.causes)});
+    }
+    out += "</table>\n";
+  }
+
+  if (report.as_published) {
+    const identify::AsPublishedResult& published = *report.as_published;
+    out += "<h2>With the publication's own processing</h2>\n<table>" +
+           Row({"relative error of the drive", "declared model", "with the effect"}, "th") +
+           Row({"training recording", Short(published.before_percent) + " %",
+                Short(published.after_percent) + " %"}) +
+           Row({"cross test on the sealed recording", Short(published.cross_before_percent) + " %",
+                Short(published.cross_after_percent) + " %"}) +
+           "</table>\n";
+  }
+
+  out += "<h2>What could not be seen</h2>\n";
+  if (trace.not_excited.empty()) {
+    out += "<p>Every effect of the catalogue would have shown.</p>\n";
+  } else {
+    out += "<table>" + Row({"effect", "why"}, "th");
+    for (const trace::NotExcited& hidden : trace.not_excited) {
+      out += Row({"<code>" + Escape(hidden.effect) + "</code>", Escape(hidden.reason)});
+    }
+    out += "</table>\n";
+  }
+
+  out += "<h2>What remains</h2>\n<p>";
+  if (trace.unexplained.variable.empty()) {
+    out += "Nothing that follows a single measured variable.";
+  } else {
+    out += Escape(trace.unexplained.variable) +
+           (trace.unexplained.order_per_turn > 0.0
+                ? ", order " + Short(trace.unexplained.order_per_turn) + " per turn"
+                : "") +
+           " predicts another " + Percent(trace.unexplained.share) + " of the residual (" +
+           Short(trace.unexplained.rms) + " " + unit + " rms).";
+  }
+  out += "</p>\n<h2>The data</h2>\n<ul>";
+  for (const identify::Finding& finding : report.findings) {
+    out += "<li>" + Escape(finding.text) + "</li>\n";
+  }
+  out += "</ul>\n<h2>How it was judged</h2>\n<p class=\"meta\">Zero-phase filters: states " +
+         Short(report.processing.state_cutoff_Hz) + " Hz, both sides of the balance " +
+         Short(report.processing.parallel_cutoff_Hz) + " Hz. Cross-validation over " +
+         std::to_string(trace.units) + " units (" + Escape(trace.unit_kind) +
+         (trace.unit_length_s > 0.0 ? " of " + Short(trace.unit_length_s) + " s" : "") +
+         "), residual correlation time " + Short(trace.correlation_time_s) +
+         " s. An effect is accepted when its gain exceeds two standard errors, 5 % of the residual and of "
+         "what can be explained, the best false gain of the placebo (seed " +
+         std::to_string(report.seed) +
+         "), when its sign and size are physical and no quarter of the data contradicts it.</p>\n"
+         "</main></body></html>\n";
+  return out;
+}
+
+}  // namespace sinew::report

@@ -1,0 +1,308 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+
+#include "components/identify/balance.h"
+#include "components/identify/statistics.h"
+#include "components/report/report.h"
+
+namespace sinew::report {
+
+namespace {
+
+using effects::JointSample;
+using identify::Design;
+
+constexpr const char* kMeasured = "#4d4d4d";
+constexpr const char* kBefore = "#d95f02";
+constexpr const char* kAfter = "#1b7f9e";
+constexpr int kMostPoints = 2500;
+constexpr double kWindow_s = 12.0;
+
+std::string Number(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.5g", value);
+  return text;
+}
+
+std::string Head(int height) {
+  return "set terminal svg size 920," + std::to_string(height) +
+         " font 'DejaVu Sans,12' background '#ffffff' noenhanced\n"
+         "set border 3 lc rgb '#888888'\n"
+         "set tics nomirror out scale 0.5 textcolor rgb '#333333'\n"
+         "set grid lc rgb '#e4e4e4' lw 0.8\n"
+         "set key outside top right horizontal samplen 2\n";
+}
+
+struct Axis {
+  std::string name;
+  std::string label;
+  std::function<double(const JointSample&)> get;
+};
+
+Axis AxisFor(const std::string& variable, effects::JointKind kind) {
+  const bool rotary = kind == effects::JointKind::kRotary;
+  const std::string angle = rotary ? "rad" : "m";
+  if (variable == "position_rad") {
+    return {variable, "position, " + angle, [](const JointSample& x) { return x.position_rad; }};
+  }
+  if (variable == "motor_position_rad") {
+    return {variable, "motor angle within a turn, rad", [](const JointSample& x) {
+              return std::remainder(x.motor_position_rad, 6.283185307179586);
+            }};
+  }
+  if (variable == "pressure_bar") {
+    return {variable, "pressure, bar", [](const JointSample& x) { return x.pressure_bar; }};
+  }
+  if (variable == "pressure_rate_bar_s") {
+    return {variable, "rate of pressure, bar/s",
+            [](const JointSample& x) { return x.pressure_rate_bar_s; }};
+  }
+  if (variable == "drive_input") {
+    return {variable, "drive input", [](const JointSample& x) { return x.drive_input; }};
+  }
+  if (variable == "drive_rate") {
+    return {variable, "rate of the drive input", [](const JointSample& x) { return x.drive_rate; }};
+  }
+  if (variable == "jerk_rad_s3") {
+    return {variable, "jerk, " + angle + "/s^3", [](const JointSample& x) { return x.jerk_rad_s3; }};
+  }
+  if (variable.starts_with("acceleration") || variable.starts_with("motor_acceleration")) {
+    return {variable, "acceleration, " + angle + "/s^2",
+            [](const JointSample& x) { return x.acceleration_rad_s2; }};
+  }
+  if (variable == "temperature_degC") {
+    return {variable, "temperature, degC", [](const JointSample& x) { return x.temperature_degC; }};
+  }
+  if (variable == "time_s") {
+    return {variable, "time, s", [](const JointSample& x) { return x.time_s; }};
+  }
+  if (variable == "load_force_N") {
+    return {variable, "load force, N", [](const JointSample& x) { return x.load_force_N; }};
+  }
+  return {"velocity_rad_s", "velocity, " + angle + "/s",
+          [](const JointSample& x) { return x.velocity_rad_s; }};
+}
+
+// Start of the busiest window of a run's rows: most used rows and largest drive.
+Eigen::Index BusiestRow(const Design& design, const Eigen::VectorXd& torque) {
+  const identify::Rows& rows = design.rows();
+  double best = -1.0;
+  Eigen::Index start = 0;
+  const auto step = static_cast<Eigen::Index>(std::max(1.0, design.rows_per_s()));
+  for (Eigen::Index i = 0; i < rows.size(); i += step) {
+    double sum = 0.0;
+    Eigen::Index k = i;
+    for (; k < rows.size() && rows.segment[static_cast<std::size_t>(k)] ==
+                                  rows.segment[static_cast<std::size_t>(i)] &&
+           rows.time_s[k] < rows.time_s[i] + kWindow_s;
+         ++k) {
+      if (rows.used[static_cast<std::size_t>(k)]) sum += torque[k] * torque[k];
+    }
+    if (rows.time_s[k - 1] - rows.time_s[i] > 0.8 * kWindow_s && sum > best) {
+      best = sum;
+      start = i;
+    }
+  }
+  return start;
+}
+
+Picture MeasuredAgainstModel(const Report& report, const Design& sealed,
+                             const Eigen::VectorXd& torque) {
+  const identify::Rows& rows = sealed.rows();
+  const trace::TraceResult& trace = report.trace;
+  const std::string unit = TorqueUnit(trace.corrected.kind);
+  const bool changed = !trace.effects.empty();
+  const Eigen::Index first = BusiestRow(sealed, torque);
+  std::string data = "$d << EOD\n";
+  for (Eigen::Index i = first; i < rows.size() && rows.segment[static_cast<std::size_t>(i)] ==
+                                                      rows.segment[static_cast<std::size_t>(first)];
+       ++i) {
+    if (rows.time_s[i] > rows.time_s[first] + kWindow_s) break;
+    const bool used = rows.used[static_cast<std::size_t>(i)];
+    data += Number(rows.time_s[i]) + " " + Number(torque[i]) + " " +
+            (used ? Number(torque[i] - trace.before_sealed.residual[i]) : "NaN") + " " +
+            (used ? Number(torque[i] - trace.after_sealed.residual[i]) : "NaN") + "\n";
+  }
+  data += "EOD\n";
+  Picture out;
+  out.title = "Measured against model, sealed recording";
+  out.caption =
+      "Drive torque at the output, busiest " + Number(kWindow_s) +
+      " s. Gaps in the model are rest and reversals, which a moving model says nothing about.";
+  out.script = Head(340) + data + "set xlabel 'time, s'\nset ylabel 'drive, " + unit + "'\n" +
+               "plot $d u 1:2 w l lw 3 lc rgb '" + kMeasured + "' t 'measured', '' u 1:3 w l lw 1.6 lc rgb '" +
+               kBefore + "' t 'declared model, refitted'" +
+               (changed ? std::string(", '' u 1:4 w l lw 1.6 lc rgb '") + kAfter +
+                              "' t 'with the effect'"
+                        : "") +
+               "\n";
+  return out;
+}
+
+Picture ResidualOverTime(const Report& report, const Design& sealed) {
+  const identify::Rows& rows = sealed.rows();
+  const trace::TraceResult& trace = report.trace;
+  const bool changed = !trace.effects.empty();
+  const std::string unit = TorqueUnit(trace.corrected.kind);
+  const Eigen::Index step = std::max<Eigen::Index>(1, rows.size() / kMostPoints);
+  std::string data = "$d << EOD\n";
+  for (Eigen::Index i = 0; i < rows.size(); i += step) {
+    if (rows.used[static_cast<std::size_t>(i)]) {
+      data += Number(rows.time_s[i]) + " " + Number(trace.before_sealed.residual[i]) + " " +
+              Number(trace.after_sealed.residual[i]) + "\n";
+    } else {
+      data += "\n";
+    }
+  }
+  data += "EOD\n";
+  Picture out;
+  out.title = "Residual over time, sealed recording";
+  out.caption = "What the balance of torques leaves while the joint moves: " +
+                Short(trace.before_sealed.rms) + " " + unit + " rms before, " +
+                Short(trace.after_sealed.rms) + " " + unit + " rms after.";
+  out.script = Head(300) + data + "set xlabel 'time, s'\nset ylabel 'residual, " + unit +
+               "'\nplot $d u 1:2 w l lw 1 lc rgb '" + kBefore + "' t 'before'" +
+               (changed ? std::string(", '' u 1:3 w l lw 1 lc rgb '") + kAfter + "' t 'after'" : "") +
+               "\n";
+  return out;
+}
+
+Picture ResidualOverVariable(const Report& report, const Design& design, const Axis& axis,
+                             const Eigen::VectorXd& before, const Eigen::VectorXd& after) {
+  const trace::TraceResult& trace = report.trace;
+  const std::string unit = TorqueUnit(trace.corrected.kind);
+  const bool changed = !trace.effects.empty();
+  const std::vector<Eigen::Index> used = design.rows().UsedRows();
+  const Eigen::VectorXd x = design.Variable(axis.get);
+  const std::size_t step = std::max<std::size_t>(1, used.size() / kMostPoints);
+  std::string points = "$p << EOD\n";
+  for (std::size_t k = 0; k < used.size(); k += step) {
+    points += Number(x[used[k]]) + " " + Number(before[used[k]]) + "\n";
+  }
+  points += "EOD\n";
+  // Means over bins with equal numbers of rows.
+  std::vector<std::pair<double, Eigen::Index>> sorted;
+  for (const Eigen::Index i : used) sorted.emplace_back(x[i], i);
+  std::sort(sorted.begin(), sorted.end());
+  const std::size_t bins = std::min<std::size_t>(24, sorted.size() / 20 + 1);
+  std::string means = "$m << EOD\n";
+  for (std::size_t b = 0; b < bins; ++b) {
+    const std::size_t from = b * sorted.size() / bins;
+    const std::size_t to = (b + 1) * sorted.size() / bins;
+    if (to <= from) continue;
+    double mx = 0.0;
+    double mb = 0.0;
+    double ma = 0.0;
+    for (std::size_t k = from; k < to; ++k) {
+      mx += sorted[k].first;
+      mb += before[sorted[k].second];
+      ma += after[sorted[k].second];
+    }
+    const double n = static_cast<double>(to - from);
+    means += Number(mx / n) + " " + Number(mb / n) + " " + Number(ma / n) + "\n";
+  }
+  means += "EOD\n";
+  std::vector<double> sizes;
+  for (const Eigen::Index i : used) sizes.push_back(std::abs(before[i]));
+  const double limit = 1.3 * identify::Quantile(sizes, 0.995);
+  Picture out;
+  out.title = "Residual against " + axis.label.substr(0, axis.label.find(',')) + ", train";
+  out.caption = "Dots: residual of the refitted declared model; lines: means over equal numbers of rows.";
+  out.script = Head(340) + points + means + "set xlabel '" + axis.label + "'\nset ylabel 'residual, " +
+               unit + "'\nset yrange [" + Number(-limit) + ":" + Number(limit) +
+               "]\nplot $p u 1:2 w p pt 7 ps 0.18 lc rgb '#f3c9a5' t 'before, every row', $m u 1:2 w lp pt 7 "
+               "ps 0.4 lw 2 lc rgb '" +
+               kBefore + "' t 'before, mean'" +
+               (changed ? std::string(", '' u 1:3 w lp pt 7 ps 0.4 lw 2 lc rgb '") + kAfter +
+                              "' t 'after, mean'"
+                        : "") +
+               "\n";
+  return out;
+}
+
+Picture Candidates(const trace::RoundReport& round, int number) {
+  std::vector<trace::CandidateScore> shown;
+  for (const trace::CandidateScore& score : round.scores) {
+    if (score.refused == "a declared term carries it") continue;
+    if (shown.size() < 10) shown.push_back(score);
+  }
+  std::string data = "$c << EOD\n";
+  const auto count = static_cast<int>(shown.size());
+  for (int i = 0; i < count; ++i) {
+    const trace::CandidateScore& score = shown[static_cast<std::size_t>(i)];
+    data += Number(count - i) + " " + Number(std::max(-20.0, 100.0 * score.gain_share)) + " " +
+            Number(100.0 * score.share_error) + " \"" + score.name + "\" " +
+            (score.name == round.added ? "2" : score.accepted ? "1" : "0") + "\n";
+  }
+  data += "EOD\n";
+  const double placebo = 100.0 * round.placebo_99;
+  Picture out;
+  out.title = "Candidates of round " + std::to_string(number);
+  out.caption =
+      "Part of the left-out squared error that each candidate removes, with two standard errors. "
+      "Coloured: accepted. Dashed: best false gain in recordings without an effect (99th percentile).";
+  out.script = Head(70 + 30 * std::max(3, count)) + data +
+               "unset key\nset grid noy x\nset ytics textcolor rgb '#333333'\nset yrange [0.3:" +
+               Number(count + 0.7) + "]\nset xlabel 'squared error removed, %'\n" +
+               "set arrow from " + Number(placebo) + ",0.3 to " + Number(placebo) + "," +
+               Number(count + 0.7) + " nohead dt 2 lw 1.5 lc rgb '#777777'\n" +
+               "col(c) = c == 2 ? 0x1b7f9e : (c == 1 ? 0x8cc3d3 : 0xc9c9c9)\n" +
+               "plot $c u (0):1:(0):2:($1-0.3):($1+0.3):(col($5)):ytic(4) w boxxyerror fs solid 1 noborder lc "
+               "rgb variable, '' u 2:1:($2-2*$3):($2+2*$3) w xerrorbars pt 0 lw 1.3 lc rgb '#333333'\n";
+  return out;
+}
+
+Picture ErrorsByRound(const Report& report) {
+  const trace::TraceResult& trace = report.trace;
+  const std::string unit = TorqueUnit(trace.corrected.kind);
+  std::string data = "$e << EOD\n";
+  int at = 0;
+  const auto add = [&](const std::string& name, double train, double sealed) {
+    data += Number(at++) + " \"" + name + "\" " + Number(train) + " " + Number(sealed) + "\n";
+  };
+  add("declared, refitted", trace.before_train.rms, trace.before_sealed.rms);
+  for (const trace::FoundEffect& effect : trace.effects) {
+    if (!effect.swallowed) add("+ " + effect.name, effect.train_after, effect.sealed_after);
+  }
+  data += "EOD\n";
+  Picture out;
+  out.title = "Error, round by round";
+  out.caption = "Root mean square of the residual. Dashed: noise floor (" +
+                (trace.noise_floor_source.empty() ? std::string("unknown") : trace.noise_floor_source) +
+                ").";
+  const double floor = trace.noise_floor_rms;
+  out.script = Head(300) + data + "set style fill solid 1 noborder\nset boxwidth 0.32\nset xrange [-0.6:" +
+               Number(at - 0.4) + "]\nset yrange [0:*]\nset grid nox\nset ylabel 'residual, " + unit +
+               "'\nset arrow from graph 0, first " + Number(floor) + " to graph 1, first " +
+               Number(floor) + " nohead dt 2 lw 1.5 lc rgb '#777777' front\n" +
+               "plot $e u ($1-0.17):3:xtic(2) w boxes lc rgb '#bdbdbd' t 'train', '' u ($1+0.17):4 w boxes lc rgb '" +
+               kAfter + "' t 'sealed'\n";
+  return out;
+}
+
+}  // namespace
+
+std::vector<Picture> MakePictures(const Report& report, const Design& train, const Design& sealed) {
+  const trace::TraceResult& trace = report.trace;
+  const identify::Balance balance = identify::MakeBalance(sealed, trace.corrected);
+  const Eigen::VectorXd torque = balance.drive_factor * balance.drive_torque;
+  std::string variable = trace.unexplained.variable;
+  if (!trace.effects.empty()) {
+    variable = effects::MakeEffect(trace.effects.front().name, trace.corrected.constants)->info().variable;
+  }
+  std::vector<Picture> out;
+  out.push_back(MeasuredAgainstModel(report, sealed, torque));
+  out.push_back(ResidualOverTime(report, sealed));
+  out.push_back(ResidualOverVariable(report, train, AxisFor(variable, trace.corrected.kind),
+                                     trace.before_train.residual, trace.after_train.residual));
+  for (std::size_t i = 0; i < trace.rounds.size(); ++i) {
+    if (i > 0 && trace.rounds[i].added.empty()) continue;
+    out.push_back(Candidates(trace.rounds[i], static_cast<int>(i) + 1));
+  }
+  out.push_back(ErrorsByRound(report));
+  return out;
+}
+
+}  // namespace sinew::report

@@ -1,0 +1,106 @@
+#include "components/report/report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace sinew::report {
+
+namespace {
+
+std::string Join(const std::vector<std::string>& words, const char* last) {
+  std::string out;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (i > 0) out += i + 1 == words.size() ? last : ", ";
+    out += words[i];
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string TorqueUnit(effects::JointKind kind) {
+  return kind == effects::JointKind::kRotary ? "Nm" : "N";
+}
+
+std::string ParameterKey(const effects::ParameterInfo& info, effects::JointKind kind) {
+  const std::string_view unit = effects::UnitSuffix(info.dimension, kind);
+  return unit.empty() ? info.name : info.name + "_" + std::string(unit);
+}
+
+std::string EffectTitle(const std::string& name) {
+  return effects::MakeEffect(name, {})->info().title;
+}
+
+std::string VerdictWord(trace::Verdict verdict) {
+  switch (verdict) {
+    case trace::Verdict::kEffect:
+      return "effect";
+    case trace::Verdict::kUnexplained:
+      return "unexplained";
+    case trace::Verdict::kNone:
+      break;
+  }
+  return "none";
+}
+
+std::string Short(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+std::string VerdictSentence(const Report& report) {
+  const trace::TraceResult& trace = report.trace;
+  const std::string unit = TorqueUnit(trace.corrected.kind);
+  switch (trace.verdict) {
+    case trace::Verdict::kEffect: {
+      std::vector<std::string> names;
+      for (const trace::FoundEffect& effect : trace.effects) names.push_back(effect.name);
+      std::string out = "The recordings are consistent with " + Join(names, " and ") +
+                        ": on the sealed recording the error falls from " +
+                        Short(trace.before_sealed.rms) + " to " + Short(trace.after_sealed.rms) + " " +
+                        unit + " rms.";
+      for (const trace::FoundEffect& effect : trace.effects) {
+        if (effect.rivals.empty()) continue;
+        out += " " + Join(effect.rivals, " and ") +
+               (effect.rivals.size() == 1 ? " predicts" : " predict") + " the same here as " +
+               effect.name + ".";
+      }
+      if (trace.effects.front().weak_evidence) {
+        out += " This is weak evidence: the recording falls into fewer than six independent parts.";
+      }
+      return out;
+    }
+    case trace::Verdict::kUnexplained:
+      return "Something follows " + trace.unexplained.variable +
+             (trace.unexplained.order_per_turn > 0.0
+                  ? " with order " + Short(trace.unexplained.order_per_turn) + " per turn"
+                  : "") +
+             " (" + Short(trace.unexplained.rms) + " " + unit +
+             " rms), and no effect of the catalogue explains it.";
+    case trace::Verdict::kNone:
+      break;
+  }
+  return "No effect beyond the declared model can be shown: the refitted model leaves " +
+         Short(trace.before_sealed.rms) + " " + unit + " rms on the sealed recording" +
+         (trace.noise_floor_rms > 0.0
+              ? ", the noise floor is " + Short(trace.noise_floor_rms) + " " + unit + "."
+              : ".");
+}
+
+std::string NextExperiment(const Report& report) {
+  const trace::TraceResult& trace = report.trace;
+  for (const trace::FoundEffect& effect : trace.effects) {
+    if (effect.rivals.empty()) continue;
+    return "To tell " + effect.name + " from " + Join(effect.rivals, " and ") + ": " +
+           effects::MakeEffect(effect.name, {})->info().separating_excitation + ".";
+  }
+  if (trace.verdict == trace::Verdict::kUnexplained) {
+    return "Move " + trace.unexplained.variable +
+           " alone, slowly, over its whole range, in both directions.";
+  }
+  return "";
+}
+
+}  // namespace sinew::report

@@ -1,0 +1,68 @@
+// What close-loop hands over: everything that the report's pages are made of.
+// Pure data and text; no files.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "components/identify/as_published.h"
+#include "components/identify/data_gate.h"
+#include "components/identify/design.h"
+#include "components/trace/tracer.h"
+
+namespace sinew::report {
+
+struct Recording {
+  std::string name;
+  std::string content_hash;
+  Eigen::Index rows = 0;
+  double duration_s = 0.0;
+};
+
+struct Report {
+  std::string robot;
+  std::string model_file;
+  std::vector<Recording> train;
+  std::vector<Recording> sealed;
+  identify::ProcessingOptions processing;
+  std::vector<identify::Finding> findings;
+  trace::TraceResult trace;
+  std::optional<identify::AsPublishedResult> as_published;
+  std::uint64_t seed = 1;
+  double seconds = 0.0;  // it took
+};
+
+// "Nm" or "N".
+std::string TorqueUnit(effects::JointKind kind);
+// A parameter's key as in model files, e.g. "viscous_Nm_s_rad".
+std::string ParameterKey(const effects::ParameterInfo& info, effects::JointKind kind);
+// Words for an effect's name, e.g. "Stribeck friction".
+std::string EffectTitle(const std::string& name);
+
+// The verdict in one sentence.
+std::string VerdictSentence(const Report& report);
+// The experiment that would separate the effect from its rivals or show what is hidden; may be empty.
+std::string NextExperiment(const Report& report);
+std::string VerdictWord(trace::Verdict verdict);
+
+// A number for people: four significant digits.
+std::string Short(double value);
+
+// One picture as a gnuplot script that prints SVG; the data stand in the script.
+struct Picture {
+  std::string title;
+  std::string caption;
+  std::string script;
+};
+
+// Measured against model, residuals over time, residual over its variable, candidates, errors by round.
+std::vector<Picture> MakePictures(const Report& report, const identify::Design& train,
+                                  const identify::Design& sealed);
+
+// The page. svgs: one per picture, in order.
+std::string FormatHtml(const Report& report, const std::vector<Picture>& pictures,
+                       const std::vector<std::string>& svgs);
+
+}  // namespace sinew::report
