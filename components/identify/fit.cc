@@ -217,4 +217,28 @@ FitResult RefineModel(const Design& design, const actuator::JointModel& model,
   return best;
 }
 
+actuator::JointModel FitWithinTolerances(const Design& design, const actuator::JointModel& model) {
+  const Balance balance = MakeBalance(design, model);
+  const Moments total = TotalMoments(design, balance);
+  Eigen::VectorXd b = balance.nominal;
+  // Coordinate descent on a convex quadratic in a box.
+  for (int round = 0; round < 5000; ++round) {
+    double moved = 0.0;
+    for (Eigen::Index i = 0; i < b.size(); ++i) {
+      if (!(total.G(i, i) > 0.0)) continue;
+      double next = b[i] + (total.m[i] - total.G.row(i).dot(b)) / total.G(i, i);
+      if (balance.spread[i] > 0.0) {
+        next = std::clamp(next, balance.nominal[i] - balance.spread[i],
+                          balance.nominal[i] + balance.spread[i]);
+      }
+      moved = std::max(moved, std::abs(next - b[i]) * std::sqrt(total.G(i, i)));
+      b[i] = next;
+    }
+    if (moved < 1e-10 * std::sqrt(total.yy)) break;
+  }
+  actuator::JointModel out = model;
+  balance.Apply(b, &out);
+  return out;
+}
+
 }  // namespace sinew::identify

@@ -41,4 +41,8 @@ FitResult FitModel(const Design& design, const actuator::JointModel& model,
 FitResult RefineModel(const Design& design, const actuator::JointModel& model,
                       const std::vector<Block>& blocks);
 
+// Linear parameters by least squares with every declared one held inside nominal +- tolerance (those without
+// a tolerance are free). Bounds of ratios to the drive factor are taken at its nominal value.
+actuator::JointModel FitWithinTolerances(const Design& design, const actuator::JointModel& model);
+
 }  // namespace sinew::identify

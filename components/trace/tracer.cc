@@ -265,6 +265,7 @@ class Tracer {
             info.relative_to_drive ? scale * extra[i] / DriveShare(fit.model) : scale * extra[i];
         if (physical < info.lower || physical > info.upper) score.physical = false;
       }
+      if (score.name == "transport_delay") score.delay_s = score.theta.front() / DriveShare(fit.model);
       score.stable = Stable(trial, balance.columns.cols());
       trials.push_back(std::move(trial));
     }
@@ -295,7 +296,7 @@ class Tracer {
     const double shortest_s = kShortestDelay / train_.states().rate_Hz;
     const bool skew =
         delay != nullptr &&
-        std::abs(delay->score.theta.front() / DriveShare(fit.model)) < shortest_s;
+        std::abs(delay->score.delay_s) < shortest_s;
 
     const double quantile =
         identify::StudentQuantile(0.9772, std::max(1.0, static_cast<double>(blocks.size()) - 1.0)) /
@@ -540,8 +541,14 @@ class Tracer {
     }
     found.gain_share = best.before > 0.0 ? 1.0 - best.after / best.before : 0.0;
     found.p = std::exp(-0.5 * std::min(1400.0, best.before - best.after));
-    found.train_before = result_.nominal_train.rms;
-    found.sealed_before = result_.nominal_sealed.rms;
+    // Before: the best that the model can do inside its stated tolerances.
+    const actuator::JointModel held = identify::FitWithinTolerances(train_, declared_);
+    found.train_before = identify::ErrorOf(train_, held).rms;
+    found.sealed_before = identify::ErrorOf(sealed_, held).rms;
+    if (result_.effects.empty()) {
+      result_.before_train = identify::ErrorOf(train_, held);
+      result_.before_sealed = identify::ErrorOf(sealed_, held);
+    }
 
     // The effect joins the model with the size the shifts ask for; the declared terms are fitted again.
     actuator::JointModel next = fit->model;

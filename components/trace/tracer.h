@@ -46,7 +46,8 @@ struct CandidateScore {
   bool stable = true;             // no part of the data contradicts it
   bool accepted = false;
   std::string refused;            // why not
-  double sealed_rms = 0.0;        // with it added alone, rms
+  double sealed_rms = 0.0;        // with it added alone
+  double delay_s = 0.0;           // transport_delay only: what it amounts to
 };
 
 struct RoundReport {

@@ -1,5 +1,6 @@
 #include "tools/sinew/commands.h"
 
+#include "tools/sinew/close_loop.h"
 #include "tools/sinew/completion.h"
 #include "tools/sinew/echo.h"
 #include "tools/sinew/effects.h"
@@ -21,6 +22,7 @@ void AddAllCommands(CLI::App& app) {
   AddRecordCommand(app);
   AddReplayCommand(app);
   AddImportCommand(app);
+  AddCloseLoopCommand(app);
   AddListCommand(app);
   AddEchoCommand(app);
   AddEffectsCommand(app);

@@ -1,0 +1,306 @@
+#include "tools/sinew/close_loop.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <iostream>
+#include <memory>
+
+#include "components/config/config.h"
+#include "components/identify/file/processing_file.h"
+#include "components/recording/file/run_reader.h"
+#include "components/report/file/report_file.h"
+#include "tools/sinew/progress.h"
+
+namespace sinew::tools {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// robots/FILE beside the installed program (../share/sinew) or in the tree that built it.
+fs::path ShippedRobotFile(const fs::path& file) {
+  std::error_code error;
+  const fs::path self = fs::read_symlink("/proc/self/exe", error);
+  for (fs::path folder = self.parent_path(); folder.has_relative_path();
+       folder = folder.parent_path()) {
+    for (const fs::path& candidate :
+         {folder / "share" / "sinew" / "robots" / file, folder / "robots" / file}) {
+      if (fs::exists(candidate, error)) return candidate;
+    }
+  }
+  throw UsageError("robots/" + file.string() +
+                   ": not found beside the program, expected --model and --map");
+}
+
+std::string NowUtc() {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return text;
+}
+
+std::vector<identify::Run> ReadAll(const std::vector<fs::path>& files, const fs::path& map, int joint) {
+  std::vector<identify::Run> runs;
+  for (const fs::path& file : files) {
+    const bool csv = file.extension() != ".mcap";
+    for (identify::Run& run : recording::ReadRuns(file, csv ? map : fs::path(), joint)) {
+      run.name = fs::path(run.name).filename().string();
+      runs.push_back(std::move(run));
+    }
+  }
+  return runs;
+}
+
+std::vector<report::Recording> Describe(const std::vector<identify::Run>& runs) {
+  std::vector<report::Recording> out;
+  for (const identify::Run& run : runs) {
+    out.push_back({run.name, run.content_hash, run.size(), run.time_s[run.size() - 1] - run.time_s[0]});
+  }
+  return out;
+}
+
+std::string JoinNames(const std::vector<report::Recording>& recordings) {
+  std::string out;
+  for (const report::Recording& recording : recordings) out += (out.empty() ? "" : ", ") + recording.name;
+  return out;
+}
+
+// A laboratory's rig.json says nothing about processing: that of the shipped rig holds for it.
+void CompleteRigJson(actuator::ModelFile* file, const fs::path& path) {
+  if (path.extension() != ".json") return;
+  actuator::ModelFile shipped = actuator::LoadModelFile(ShippedRobotFile("rig/model.yaml"));
+  file->root = shipped.root;
+  file->foreign_text = shipped.foreign_text;
+  file->robot.urdf_path = shipped.robot.urdf_path;
+}
+
+void AddHistory(const report::Report& report, actuator::JointModel* joint) {
+  const trace::TraceResult& trace = report.trace;
+  const std::string when = NowUtc();
+  const std::string from = JoinNames(report.train);
+  const std::string unit = report::TorqueUnit(joint->kind);
+  if (trace.effects.empty()) {
+    joint->history.push_back({when, "refit", from,
+                              "declared parameters refitted, no effect added; sealed error " +
+                                  report::Short(trace.before_sealed.rms) + " " + unit});
+  }
+  for (const trace::FoundEffect& effect : trace.effects) {
+    std::string note = "sealed error " + report::Short(effect.sealed_before) + " -> " +
+                       report::Short(effect.sealed_after) + " " + unit + " on " +
+                       JoinNames(report.sealed);
+    for (std::size_t i = 0; i < effect.rivals.size(); ++i) {
+      note += (i == 0 ? "; rivals: " : ", ") + effect.rivals[i];
+    }
+    joint->history.push_back({when, effect.name, from, note});
+  }
+}
+
+void AddDelayFinding(const trace::TraceResult& trace, double rate_Hz,
+                     std::vector<identify::Finding>* findings) {
+  if (trace.rounds.empty()) return;
+  for (const trace::CandidateScore& score : trace.rounds.front().scores) {
+    if (score.name != "transport_delay" || !(score.gain.t > 2.0)) continue;
+    const double delay_s = score.delay_s;
+    findings->push_back({"drive_delay",
+                         "the drive seems to act " + report::Short(1e3 * std::abs(delay_s)) + " ms " +
+                             (delay_s > 0.0 ? "late" : "early") + " (" +
+                             report::Short(std::abs(delay_s) * rate_Hz) +
+                             " samples) against the position; nothing was shifted",
+                         delay_s, "s"});
+  }
+}
+
+}  // namespace
+
+CloseLoopResult CloseLoop(const CloseLoopOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto progress = [&](const std::string& what, double share) {
+    if (options.progress) options.progress(what, share);
+  };
+  CloseLoopResult out;
+  const fs::path model_path =
+      options.model.empty() ? ShippedRobotFile("rig/model.yaml") : options.model;
+  fs::path map_path = options.map;
+  if (map_path.empty()) {
+    const fs::path beside = model_path.parent_path() / "csv_map.yaml";
+    map_path = fs::exists(beside) ? beside : ShippedRobotFile("rig/csv_map.yaml");
+  }
+  out.model = actuator::LoadModelFile(model_path);
+  CompleteRigJson(&out.model, model_path);
+  if (options.joint < 0 || options.joint >= static_cast<int>(out.model.robot.joints.size())) {
+    throw UsageError("--joint " + std::to_string(options.joint) + ": model " + model_path.string() +
+                     " has joints 0 to " + std::to_string(out.model.robot.joints.size() - 1));
+  }
+  actuator::JointModel& joint = out.model.robot.joints[static_cast<std::size_t>(options.joint)];
+  const identify::ProcessingOptions wished = identify::ReadProcessing(out.model.root, joint.kind);
+  const std::optional<identify::AsPublishedOptions> published =
+      identify::ReadAsPublished(out.model.root);
+
+  progress("reading recordings", 0.0);
+  const std::vector<identify::Run> train = ReadAll(options.train, map_path, options.joint);
+  const std::vector<identify::Run> sealed = ReadAll(options.sealed, map_path, options.joint);
+  if (train.empty() || sealed.empty()) {
+    throw UsageError("no recording of joint " + std::to_string(options.joint) +
+                     ", expected at least one to train on and one sealed");
+  }
+  for (const identify::Run& a : sealed) {
+    for (const identify::Run& b : train) {
+      if (!a.content_hash.empty() && a.content_hash == b.content_hash) {
+        throw UsageError(a.name + ": sealed recording holds the same samples as " + b.name +
+                         ", expected one that was not trained on");
+      }
+    }
+  }
+  report::Report& report = out.report;
+  report.robot = out.model.robot.name;
+  report.model_file = model_path.string();
+  report.train = Describe(train);
+  report.sealed = Describe(sealed);
+  report.seed = options.seed;
+  try {
+    report.processing = identify::Resolve(wished, train);
+    identify::StateSet states = identify::MakeStates(train, joint, report.processing);
+    const double rate_Hz = states.rate_Hz;
+    report.findings = identify::ExamineData(train, states, joint);
+    identify::Design train_design(std::move(states), report.processing);
+    identify::Design sealed_design(identify::MakeStates(sealed, joint, report.processing),
+                                   report.processing);
+    trace::TraceOptions trace_options;
+    trace_options.seed = options.seed;
+    trace_options.progress = progress;
+    report.trace = trace::Trace(train_design, sealed_design, joint, trace_options);
+    AddDelayFinding(report.trace, rate_Hz, &report.findings);
+    if (published) {
+      report.as_published = identify::RunAsPublished(train.front(), sealed.front(), joint, *published);
+    }
+    report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const std::vector<report::Picture> pictures =
+        report::MakePictures(report, train_design, sealed_design);
+    out.html = report::FormatHtml(report, pictures, report::DrawPictures(pictures));
+    out.json = report::FormatJson(report);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what());
+  }
+  const std::vector<actuator::HistoryEntry> history = joint.history;
+  joint = report.trace.corrected;
+  joint.history = history;
+  AddHistory(report, &joint);
+
+  if (options.out.empty()) return out;
+  std::error_code error;
+  fs::create_directories(options.out, error);
+  if (error) throw UsageError(options.out.string() + ": " + error.message() + ", expected a folder");
+  actuator::SaveModelFile(options.out / "model.yaml", out.model);
+  config::WriteFileAtomically(options.out / "report.json", out.json);
+  config::WriteFileAtomically(options.out / "report.html", out.html);
+  return out;
+}
+
+namespace {
+
+void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options) {
+  const report::Report& report = result.report;
+  const trace::TraceResult& trace = report.trace;
+  const std::string unit = report::TorqueUnit(trace.corrected.kind);
+  using report::Short;
+  std::cout << "verdict: " << report::VerdictWord(trace.verdict) << '\n'
+            << report::VerdictSentence(report) << '\n';
+  for (const trace::FoundEffect& effect : trace.effects) {
+    std::cout << "  " << effect.name << ':';
+    const actuator::Term& term = trace.corrected.terms[static_cast<std::size_t>(effect.term)];
+    const effects::EffectInfo& info = term.effect->info();
+    for (std::size_t i = 0; i < info.linear.size(); ++i) {
+      std::cout << ' ' << report::ParameterKey(info.linear[i], trace.corrected.kind) << " = "
+                << Short(actuator::PhysicalValue(trace.corrected, effect.term, static_cast<int>(i)));
+      const actuator::ParameterValue& value = term.linear[i];
+      if (value.half_width_95 && value.value != 0.0) {
+        std::cout << " +- "
+                  << Short(*value.half_width_95 *
+                           std::abs(actuator::PhysicalValue(trace.corrected, effect.term,
+                                                            static_cast<int>(i)) /
+                                    value.value));
+      }
+    }
+    for (std::size_t i = 0; i < info.nonlinear.size(); ++i) {
+      std::cout << ' ' << report::ParameterKey(info.nonlinear[i], trace.corrected.kind) << " = "
+                << Short(term.nonlinear[i].value);
+    }
+    std::cout << "; sealed " << Short(effect.sealed_before) << " -> " << Short(effect.sealed_after)
+              << ' ' << unit << '\n';
+  }
+  const auto line = [&](const char* what, const identify::ModelError& before,
+                        const identify::ModelError& after) {
+    std::cout << what << ": " << Short(before.rms) << " -> " << Short(after.rms) << ' ' << unit
+              << " rms (" << Short(before.percent) << " -> " << Short(after.percent)
+              << " % of the drive)\n";
+  };
+  line("train error", trace.before_train, trace.after_train);
+  line("sealed error", trace.before_sealed, trace.after_sealed);
+  if (report.as_published) {
+    const identify::AsPublishedResult& published = *report.as_published;
+    std::cout << "as published: " << Short(published.before_percent) << " -> "
+              << Short(published.after_percent) << " %, cross test "
+              << Short(published.cross_before_percent) << " -> "
+              << Short(published.cross_after_percent) << " %\n";
+  }
+  for (const trace::ParameterShift& shift : trace.shifts) {
+    std::cout << "shift: " << shift.effect << '.' << shift.parameter << ' ' << Short(shift.nominal)
+              << " -> " << Short(shift.refit) << " (" << Short(shift.sigma) << " tolerances)\n";
+  }
+  std::cout << "written: " << (options.out / "report.html").string() << ", report.json, model.yaml ("
+            << Short(report.seconds) << " s)\n";
+}
+
+}  // namespace
+
+void AddCloseLoopCommand(CLI::App& app) {
+  struct Arguments {
+    CloseLoopOptions options;
+    bool json = false;
+  };
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command =
+      app.add_subcommand("close-loop", "Find the effect that a model lacks, from recordings");
+  CloseLoopOptions& options = arguments->options;
+  command->add_option("--model", options.model,
+                      "Model file (sinew-model/1) or a laboratory's rig.json; the rig's by default");
+  command->add_option("--map", options.map,
+                      "Mapping of CSV columns (sinew-csv-map/1); csv_map.yaml beside the model by "
+                      "default, else the rig's");
+  command->add_option("--train", options.train, "Recordings to learn from: CSV or MCAP")->required();
+  command->add_option("--sealed", options.sealed, "Recordings to judge by, never used for a choice")
+      ->required();
+  command->add_option("--out", options.out, "Folder for report.html, report.json and model.yaml")
+      ->required();
+  command->add_option("--joint", options.joint, "Joint of the model and of an MCAP recording")
+      ->capture_default_str();
+  command->add_option("--seed", options.seed, "Seed of the placebo")->capture_default_str();
+  command->add_flag("--json", arguments->json, "Print the report as JSON");
+  command->footer(
+      "The declared terms are fitted, the residual is traced over the catalogue (`sinew effects`), the "
+      "effect is\nadded and the error told before and after. model.yaml goes into world and control as it "
+      "is.\n\nExamples:\n"
+      "  sinew close-loop --train train_1.csv train_2.csv --sealed sealed.csv --out found\n"
+      "  sinew close-loop --model robots/emps/model.yaml --map robots/emps/csv_map.yaml \\\n"
+      "    --train DATA_EMPS.csv --sealed DATA_EMPS_PULSES.csv --out found");
+  command->callback([arguments] {
+    ProgressBar bar("close-loop", "%", 100);
+    arguments->options.progress = [&bar](const std::string&, double share) {
+      bar.Update(static_cast<std::uint64_t>(100.0 * share));
+    };
+    const CloseLoopResult result = CloseLoop(arguments->options);
+    bar.Finish();
+    if (arguments->json) {
+      std::cout << result.json;
+    } else {
+      PrintSummary(result, arguments->options);
+    }
+  });
+}
+
+}  // namespace sinew::tools

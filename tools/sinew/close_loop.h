@@ -1,0 +1,42 @@
+// `sinew close-loop`: which effect a model lacks, from recordings.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "components/actuator/file/model_file.h"
+#include "components/report/report.h"
+
+namespace CLI {
+class App;
+}
+
+namespace sinew::tools {
+
+struct CloseLoopOptions {
+  std::filesystem::path model;  // empty: robots/rig/model.yaml
+  std::filesystem::path map;    // empty: csv_map.yaml beside the model, else the rig's
+  std::vector<std::filesystem::path> train;
+  std::vector<std::filesystem::path> sealed;
+  std::filesystem::path out;    // folder; empty: nothing is written
+  int joint = 0;
+  std::uint64_t seed = 1;
+  std::function<void(const std::string&, double)> progress;
+};
+
+struct CloseLoopResult {
+  report::Report report;
+  actuator::ModelFile model;  // corrected, as written
+  std::string html, json;
+};
+
+// Reads, traces, draws; then writes report.html, report.json and model.yaml into the folder, each as a whole,
+// after everything has succeeded. Throws UsageError (one line) for anything a user can mend.
+CloseLoopResult CloseLoop(const CloseLoopOptions& options);
+
+void AddCloseLoopCommand(CLI::App& app);
+
+}  // namespace sinew::tools
