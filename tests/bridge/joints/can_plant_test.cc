@@ -523,7 +523,7 @@ TEST(CanPlant, HeartbeatThatCrossedTheClearingIsNoNewFault) {
       can::Encode(1, can::Heartbeat{can::axis_error::kWatchdogTimerExpired, can::AxisState::kIdle});
   bench.plant->ClearFault();
   ASSERT_EQ(axis->Send(error), can::SendStatus::kOk);  // before the axis took Clear_Errors
-  bench.Steps(1);
+  bench.Steps(2);
   EXPECT_FALSE(bench.sensors.fault) << bench.sensors.message;
   bench.Steps(3);
   ASSERT_EQ(axis->Send(error), can::SendStatus::kOk);  // after it
