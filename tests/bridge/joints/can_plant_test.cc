@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <functional>
 #include <memory>
 #include <numbers>
 #include <random>
@@ -587,31 +590,107 @@ TEST(CanPlant, ActSendsAtOnceAndTheStepAfterItOnlyReads) {
   EXPECT_EQ(setpoints, 2) << "without Act, Step sends";
 }
 
-TEST(CanPlant, ActAndStepTakeNothingFromTheHeap) {
-  // A bus that swallows: what is counted is the bridge's own.
-  class Deaf : public can::Transport {
-   public:
-    can::SendStatus Send(const can::Frame&) noexcept override { return can::SendStatus::kOk; }
-    bool Receive(std::chrono::nanoseconds timeout, can::Received* received) noexcept override {
-      if (next >= frames.size()) {
-        now += timeout.count();
-        if (timeout.count() > 0) next = 0;
-        return false;
-      }
-      *received = {frames[next++], now};
-      return true;
+// A bus without others: it hands out `frames` once per cycle and keeps nothing of what is sent but
+// `on_send`.
+class Deaf : public can::Transport {
+ public:
+  can::SendStatus Send(const can::Frame& frame) noexcept override {
+    if (on_send) on_send(frame);
+    return can::SendStatus::kOk;
+  }
+  bool Receive(std::chrono::nanoseconds timeout, can::Received* received) noexcept override {
+    if (next >= frames.size()) {
+      now += timeout.count();
+      if (timeout.count() > 0) next = 0;
+      return false;
     }
-    can::Link link() const noexcept override { return can::Link::kUp; }
-    can::TransportCounters counters() const noexcept override { return {}; }
-    std::int64_t now_ns() const noexcept override { return now; }
-    const std::string& name() const noexcept override { return name_; }
-    std::vector<can::Frame> frames;
-    std::size_t next = 0;
-    std::int64_t now = 1'000'000;
+    *received = {frames[next++], now};
+    return true;
+  }
+  can::Link link() const noexcept override { return can::Link::kUp; }
+  can::TransportCounters counters() const noexcept override { return {}; }
+  std::int64_t now_ns() const noexcept override { return now; }
+  const std::string& name() const noexcept override { return name_; }
 
-   private:
-    std::string name_ = "deaf";
+  std::vector<can::Frame> frames;
+  std::size_t next = 0;
+  std::int64_t now = 1'000'000;
+  std::function<void(const can::Frame&)> on_send;
+
+ private:
+  std::string name_ = "deaf";
+};
+
+// Whatever comes over the bus, forged answers of our own axes included: no setpoint beyond the
+// limits, none that is not finite, none to a joint that was not told to move.
+// SINEW_FUZZ_FRAMES=100000000 makes a long run of it.
+TEST(CanPlant, FuzzedFramesNeverMakeASetpointBeyondTheLimitsNorToAnotherJoint) {
+  const char* text = std::getenv("SINEW_FUZZ_FRAMES");
+  const long frames = text == nullptr ? 300'000 : std::atol(text);
+  const Bench bench({.joints = 3});
+  Deaf bus;
+  for (int node = 1; node <= 3; ++node) {
+    bus.frames.push_back(can::Encode(node, can::Heartbeat{0, can::AxisState::kClosedLoopControl}));
+    bus.frames.push_back(can::Encode(node, can::EncoderEstimates{}));
+    bus.frames.push_back(can::Encode(node + 32, can::OutputEncoder{0.25, 0, 0, true}));
+    bus.frames.push_back(can::Encode(node + 32, can::JointSensors{}));
+  }
+  CanPlant plant(bench.config, {&bus});
+  provider::PlantSensors sensors;
+  plant.Reset(&sensors);
+  const double most_Nm = 0.398 * (8.27 / 600) / test::Rotors::kTorqueConstant_Nm_A * (1.0 + 1e-6);
+  long moved = 0, wrong = 0;
+  bus.on_send = [&](const can::Frame& frame) {
+    const int node = can::AddressOf(frame)->node;
+    if (node < 1 || (node > 3 && node < 33) || node > 35) ++wrong;
+    if (const auto t = can::Decode<can::SetInputTorque>(frame)) {
+      if (!(std::abs(t->torque_Nm) <= most_Nm)) ++wrong;
+      if (t->torque_Nm != 0.0) {
+        ++moved;
+        if (node != 2) ++wrong;  // only the second joint is told to move
+      }
+    }
+    if (const auto p = can::Decode<can::SetInputPos>(frame); p && node != 2) ++wrong;
   };
+  std::mt19937 random(29);
+  provider::PlantCommand command;
+  const std::vector<can::Frame> good = bus.frames;
+  std::uint8_t sequence = 0;
+  for (long sent = 0; sent < frames;) {
+    bus.frames = good;  // the axes are alive, so that there is something to move
+    ++sequence;
+    for (can::Frame& frame : bus.frames) {
+      if (can::DecodeOutputEncoder(frame) && can::AddressOf(frame)->node > 32)
+        frame.data[6] = sequence;
+    }
+    for (int i = 0; i < 30; ++i, ++sent) {
+      can::Frame frame;
+      const bool ours = random() % 2 == 0;
+      frame.id = ours ? ((random() % 3 + (random() % 2 == 0 ? 1 : 33)) << 5 | random() % 32)
+                      : random() & 0x7FF;
+      frame.remote = random() % 16 == 0;
+      frame.extended = random() % 16 == 0;
+      frame.error = random() % 16 == 0;
+      frame.length = static_cast<std::uint8_t>(random() % 10);
+      for (auto& byte : frame.data) byte = static_cast<std::uint8_t>(random());
+      bus.frames.push_back(frame);
+    }
+    std::shuffle(bus.frames.begin(), bus.frames.end(), random);
+    bus.next = 0;
+    bus.now += kPeriod_ns;
+    command.mode[1] = random() % 8 == 0 ? Mode::kPosition : Mode::kTorque;
+    command.motor_torque_Nm[1] =
+        1e-3 * static_cast<double>(static_cast<int>(random() % 2001) - 1000);
+    command.position_rad[1] = 1e-3 * static_cast<double>(static_cast<int>(random() % 4001) - 2000);
+    plant.Step(command, kPeriod_s, &sensors);
+    if (sent % 3000 < 30) plant.ClearFault();  // the operator who never gives up
+  }
+  EXPECT_EQ(wrong, 0);
+  EXPECT_GT(moved, 0) << "the test must reach the setpoints";
+  EXPECT_GT(plant.malformed(), 0U);
+}
+
+TEST(CanPlant, ActAndStepTakeNothingFromTheHeap) {
   const Bench bench;
   Deaf bus;
   bus.frames = {can::Encode(1, can::Heartbeat{0, can::AxisState::kClosedLoopControl}),
