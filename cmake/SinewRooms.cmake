@@ -59,6 +59,7 @@ function(sinew_add_test name)
     SINEW_SHARED_DIR="${PROJECT_SOURCE_DIR}/../shared"
     ${ARG_DEFINITIONS})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  target_precompile_headers(${name} REUSE_FROM sinew_test_pch)
   if(ARG_PROGRAMS)
     add_dependencies(${name} ${ARG_PROGRAMS})
   elseif(NOT ARG_LABELS)

@@ -1,4 +1,7 @@
-# Set-up that tools/demo and tools/test share: packages, versions, configure, build. Sourced, not run.
+# shellcheck shell=bash
+# Set-up that tools/demo and tools/test share: packages, versions, configure, build. Sourced, not run;
+# `root` is the folder of the project.
+: "${root:?}"
 
 say() { printf '\n== %s\n' "$*"; }
 
@@ -53,6 +56,8 @@ configure_and_build() {
   cmake --preset "$preset" -S "$root" | grep -v -e '^-- Detecting' -e '^-- Check for' -e 'Performing Test'
   say "Building build/$preset on $(nproc) cores${*:+: $*}"
   local began=$SECONDS
-  (cd "$root" && cmake --build --preset "$preset" -j "$(nproc)" ${*:+--target "$@"})
+  local targets=()
+  [ $# -eq 0 ] || targets=(--target "$@")
+  (cd "$root" && cmake --build --preset "$preset" -j "$(nproc)" "${targets[@]}")
   echo "built in $((SECONDS - began)) s; programs are in build/$preset/bin"
 }

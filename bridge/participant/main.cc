@@ -4,8 +4,8 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
-#include "bridge/participant/can_plant.h"
-#include "bridge/participant/file/bridge_config.h"
+#include "bridge/joints/can_plant.h"
+#include "bridge/joints/file/bridge_config.h"
 #include "components/node/options.h"
 #include "components/provider/participant/run_provider.h"
 

@@ -445,6 +445,7 @@ void NodeImpl::PublishStatusIfDue(bool now) {
   status.header().session_id(session_id);
   status.header().tick(tick);
   status.header().stamp_ns(stamp_ns);
+  status.header().origin(static_cast<msg::Origin>(origin));
   status.state(ToMessage(state));
   status.process_id(static_cast<std::uint32_t>(::getpid()));
   status.host(host);
@@ -548,6 +549,13 @@ void Node::SetState(State state, const std::string& message) {
 void Node::SetCounts(const Counts& counts) {
   impl_->counts = counts;
   impl_->PublishStatusIfDue(false);
+}
+
+void Node::SetCycle(std::uint64_t session_id, std::uint64_t tick, std::int64_t stamp_ns, int origin) {
+  impl_->session_id = session_id;
+  impl_->tick = tick;
+  impl_->stamp_ns = stamp_ns;
+  impl_->origin = origin;
 }
 
 bool Node::WaitForData(std::chrono::microseconds timeout) {

@@ -135,6 +135,8 @@ class Node {
     std::uint64_t cycles = 0, stale_inputs = 0, missed_ticks = 0, write_failures = 0;
   };
   void SetCounts(const Counts& counts);
+  // The cycle that component_status speaks of; origin is a msg::Origin.
+  void SetCycle(std::uint64_t session_id, std::uint64_t tick, std::int64_t stamp_ns, int origin);
 
   // Blocks until anything arrived on any reader of this node, or the timeout.
   bool WaitForData(std::chrono::microseconds timeout);

@@ -124,6 +124,7 @@ struct NodeImpl final : public dds::DomainParticipantListener {
   Node::Counts counts;
   std::uint64_t session_id = 0, tick = 0;
   std::int64_t stamp_ns = 0;
+  int origin = 0;
   std::chrono::steady_clock::time_point last_status{};
   std::unique_ptr<WriterImpl>
       status_writer;  // holds no shared pointer to this (cycle): see node.cc

@@ -243,10 +243,7 @@ std::optional<Tick> TickLoop::Next() {
   ++self.counts.cycles;
   self.last_tick = tick.tick;
   self.ended = tick.last;
-  auto& impl = *self.node.impl_;
-  impl.session_id = tick.session_id;
-  impl.tick = tick.tick;
-  impl.stamp_ns = tick.stamp_ns;
+  self.node.SetCycle(tick.session_id, tick.tick, tick.stamp_ns, tick.origin);
   if (self.counts.cycles == 1) self.node.SetState(Node::State::kActive);
   if (!lockstep || (self.counts.cycles & 63u) == 0) self.node.SetCounts(self.counts);
   return tick;

@@ -14,6 +14,9 @@ constexpr double kEmpty_bar = 0.02;
 constexpr double kNearlyEmpty_bar = 0.3;
 // After a correction relays and filter need this long before the pressure speaks for itself.
 constexpr double kRest_s = 0.3;
+// Compressor and vent come to rest, and chamber and reservoir to one pressure, in these times.
+constexpr double kComeToRest_s = 0.4;
+constexpr double kEqualise_s = 0.6;
 
 }  // namespace
 
@@ -42,7 +45,8 @@ PressureManager::PressureManager(const ManagerConfig& config)
       valve_(config.valve),
       compressor_(config.compressor),
       vent_(config.vent),
-      target_bar_(config.target_bar) {
+      target_bar_(config.target_bar),
+      uses_reservoir_(config.hold_with == HoldWith::kChamber && config.reservoir_sensor) {
   const auto require = [](bool good, const char* what, double value) {
     if (!good || !std::isfinite(value)) {
       throw std::invalid_argument(std::string(what) + " is " + std::to_string(value));
@@ -75,8 +79,10 @@ void PressureManager::Restart() noexcept {
   fault_ = Fault::kNone;
   mode_ = Mode::kIdle;
   known_ = false;
-  bad_sensor_s_ = overpressure_s_ = feedback_s_ = still_s_ = correcting_s_ = leaking_s_ = 0.0;
-  rest_change_bar_ = rest_time_s_ = rate_bar_s_ = 0.0;
+  bad_sensor_s_ = bad_reservoir_s_ = overpressure_s_ = feedback_s_ = still_s_ = correcting_s_ =
+      leaking_s_ = 0.0;
+  rest_change_bar_ = rest_time_s_ = 0.0;
+  stage_ = Stage::kDirect;
 }
 
 bool PressureManager::RequestPressure(double pressure_bar) noexcept {
@@ -107,13 +113,18 @@ void PressureManager::Watch(const ManagerInput& input) noexcept {
   }
   if (!known_) {
     known_ = true;
-    pressure_bar_ = input.chamber_bar;
-    rate_bar_s_ = 0.0;
+    chamber_ = {input.chamber_bar, 0.0};
+    reservoir_ = {std::isfinite(input.reservoir_bar) ? input.reservoir_bar : 0.0, 0.0};
   }
   const double share = h / (h + 1.0 / (2.0 * std::numbers::pi * config_.filter_Hz));
-  const double step_bar = share * (input.chamber_bar - pressure_bar_);
-  pressure_bar_ += step_bar;
-  rate_bar_s_ += share * (step_bar / h - rate_bar_s_);
+  const double step_bar = chamber_.Step(input.chamber_bar, share, h);
+  if (uses_reservoir_) {
+    const bool good = input.reservoir_bar >= config_.sensor_lower_bar &&
+                      input.reservoir_bar <= config_.sensor_upper_bar;
+    bad_reservoir_s_ = good ? 0.0 : bad_reservoir_s_ + h;
+    if (bad_reservoir_s_ > config_.sensor_time_s) fault_ = Fault::kSensor;
+    if (good) reservoir_.Step(input.reservoir_bar, share, h);
+  }
 
   overpressure_s_ = input.chamber_bar > config_.max_pressure_bar ? overpressure_s_ + h : 0.0;
   if (overpressure_s_ > config_.sensor_time_s) fault_ = Fault::kOverpressure;
@@ -131,44 +142,84 @@ void PressureManager::Watch(const ManagerInput& input) noexcept {
     // For half a window: after filling, air that cools looks like a leak for a while.
     const double leak = leak_bar_s();
     leaking_s_ = std::abs(leak) > config_.leak_limit_bar_s ? leaking_s_ + h : 0.0;
-    if (leaking_s_ > 0.5 * config_.leak_window_s) fault_ = leak > 0.0 ? Fault::kLeak : Fault::kRises;
+    if (leaking_s_ > 0.5 * config_.leak_window_s)
+      fault_ = leak > 0.0 ? Fault::kLeak : Fault::kRises;
   }
 
-  if (mode_ == Mode::kFill || mode_ == Mode::kVent) {
+  const bool moves_air = stage_ == Stage::kDirect || stage_ == Stage::kPrepare;
+  if ((mode_ == Mode::kFill || mode_ == Mode::kVent) && moves_air) {
     correcting_s_ += h;
+    const double now_bar = uses_reservoir_ ? reservoir_.value_bar : chamber_.value_bar;
     const double moved_bar =
-        mode_ == Mode::kFill ? pressure_bar_ - progress_bar_ : progress_bar_ - pressure_bar_;
-    const bool nearly_empty = mode_ == Mode::kVent && pressure_bar_ < kNearlyEmpty_bar;
+        mode_ == Mode::kFill ? now_bar - progress_bar_ : progress_bar_ - now_bar;
+    const bool nearly_empty = mode_ == Mode::kVent && now_bar < kNearlyEmpty_bar;
     if (moved_bar >= config_.response_bar || nearly_empty) {
       correcting_s_ = 0.0;
-      progress_bar_ = pressure_bar_;
+      progress_bar_ = now_bar;
     } else if (correcting_s_ > config_.response_s) {
       fault_ = Fault::kNoResponse;
     }
   }
 }
 
-// Which way to correct, if any.
+double PressureManager::Filtered::Step(double sample_bar, double share, double period_s) noexcept {
+  const double step_bar = share * (sample_bar - value_bar);
+  value_bar += step_bar;
+  rate_bar_s += share * (step_bar / period_s - rate_bar_s);
+  return step_bar;
+}
+
+// The chamber is off its target: which way, and by which steps.
+void PressureManager::StartCorrection() noexcept {
+  const Filtered& moved = uses_reservoir_ ? reservoir_ : chamber_;
+  const double error_bar = target_bar_ - moved.value_bar;
+  mode_ = error_bar > 0.0 ? Mode::kFill : Mode::kVent;
+  stage_ = uses_reservoir_ ? Stage::kPrepare : Stage::kDirect;
+  stage_s_ = correcting_s_ = 0.0;
+  progress_bar_ = moved.value_bar;
+  if (uses_reservoir_ && std::abs(error_bar) < 0.5 * config_.start_band_bar) {
+    stage_ = Stage::kEqualise;  // the reservoir is where the chamber should be
+  }
+}
+
 void PressureManager::Correct(double period_s) noexcept {
-  const double expected_bar = pressure_bar_ + config_.lead_s * rate_bar_s_;
-  const double error_bar = target_bar_ - pressure_bar_;
-  if (mode_ == Mode::kFill && expected_bar >= target_bar_) {
-    mode_ = Mode::kHold;
-    still_s_ = 0.0;
-  } else if (mode_ == Mode::kVent && expected_bar <= std::max(target_bar_, kEmpty_bar)) {
-    mode_ = Mode::kHold;
-    still_s_ = 0.0;
-  } else if (mode_ == Mode::kIdle || mode_ == Mode::kSafe) {
+  if (mode_ == Mode::kIdle || mode_ == Mode::kSafe) {
     mode_ = Mode::kHold;
     still_s_ = config_.settle_s;  // may correct at once
   } else if (mode_ == Mode::kHold) {
     still_s_ += period_s;
   }
-  if (mode_ == Mode::kHold && still_s_ >= config_.settle_s &&
-      std::abs(error_bar) > config_.start_band_bar) {
-    mode_ = error_bar > 0.0 ? Mode::kFill : Mode::kVent;
-    correcting_s_ = 0.0;
-    progress_bar_ = pressure_bar_;
+  if (mode_ == Mode::kHold) {
+    const bool off = std::abs(target_bar_ - chamber_.value_bar) > config_.start_band_bar;
+    if (off && still_s_ >= config_.settle_s) StartCorrection();
+    return;
+  }
+  stage_s_ += period_s;
+  bool done = false;
+  if (stage_ == Stage::kDirect || stage_ == Stage::kPrepare) {
+    const Filtered& moved = uses_reservoir_ ? reservoir_ : chamber_;
+    const double expected_bar = moved.value_bar + config_.lead_s * moved.rate_bar_s;
+    const bool reached = mode_ == Mode::kFill ? expected_bar >= target_bar_
+                                              : expected_bar <= std::max(target_bar_, kEmpty_bar);
+    done = reached && stage_ == Stage::kDirect;
+    if (reached && stage_ == Stage::kPrepare) {
+      stage_ = Stage::kComeToRest;
+      stage_s_ = 0.0;
+    }
+  } else if (stage_ == Stage::kComeToRest && stage_s_ >= kComeToRest_s) {
+    stage_ = Stage::kEqualise;
+    stage_s_ = 0.0;
+  } else if (stage_ == Stage::kEqualise && stage_s_ >= kEqualise_s) {
+    done = true;
+    // Joined, they have one pressure; where they have not, the valve did not open.
+    if (std::abs(chamber_.value_bar - reservoir_.value_bar) > 2.0 * config_.response_bar) {
+      fault_ = Fault::kNoResponse;
+    }
+  }
+  if (done) {
+    mode_ = Mode::kHold;
+    stage_ = Stage::kDirect;
+    still_s_ = 0.0;
   }
 }
 
@@ -183,20 +234,17 @@ ManagerOutput PressureManager::AllOff(Mode mode, bool let_out) noexcept {
   return output;
 }
 
-ManagerOutput PressureManager::Drive(const ManagerInput& input) noexcept {
-  const bool fill = mode_ == Mode::kFill;
-  const bool vent = mode_ == Mode::kVent;
-  bool valve = config_.hold_with == HoldWith::kReservoir || fill || vent;
-  if (config_.hold_with == HoldWith::kChamber && config_.reservoir_sensor && (fill || vent)) {
-    // Not before the reservoir is on the right side of the chamber.
-    valve = fill ? input.reservoir_bar >= pressure_bar_ : input.reservoir_bar <= pressure_bar_;
-    if (!valve) correcting_s_ = 0.0;  // the chamber cannot respond yet
-  }
+ManagerOutput PressureManager::Drive(double period_s) noexcept {
+  const bool moves_air = stage_ == Stage::kDirect || stage_ == Stage::kPrepare;
+  const bool fill = mode_ == Mode::kFill && moves_air;
+  const bool vent = mode_ == Mode::kVent && moves_air;
+  const bool valve = config_.hold_with == HoldWith::kReservoir ||
+                     (uses_reservoir_ ? stage_ == Stage::kEqualise : fill || vent);
   ManagerOutput output;
   output.mode = mode_;
-  output.compressor_on = compressor_.Step(fill && !vent_.on(), input.period_s);
-  output.vent_open = vent_.Step(vent && !compressor_.on(), input.period_s);
-  output.valve_open = valve_.Step(valve, input.period_s);
+  output.compressor_on = compressor_.Step(fill && !vent_.on(), period_s);
+  output.vent_open = vent_.Step(vent && !compressor_.on(), period_s);
+  output.valve_open = valve_.Step(valve, period_s);
   return output;
 }
 
@@ -219,19 +267,20 @@ ManagerOutput PressureManager::Step(const ManagerInput& input) noexcept {
     compressor_.Force(false);
     vent_.Force(false);
     if (mode_ == Mode::kFill || mode_ == Mode::kVent) mode_ = Mode::kHold;
+    stage_ = Stage::kDirect;
     output.mode = mode_;
     output.valve_open = valve_.on();
   } else {
     Correct(input.period_s);
-    output = Drive(input);
+    output = Drive(input.period_s);
   }
   output.fault = fault_;
   output.target_bar = target_bar_;
-  output.pressure_bar = pressure_bar_;
-  output.stiffness_Nm_rad = config_.stiffness.Stiffness_Nm_rad(pressure_bar_);
+  output.pressure_bar = chamber_.value_bar;
+  output.stiffness_Nm_rad = config_.stiffness.Stiffness_Nm_rad(chamber_.value_bar);
   output.sensor_fault = fault_ == Fault::kSensor || bad_sensor_s_ > 0.0;
   output.settled = output.mode == Mode::kHold && usable && bad_sensor_s_ == 0.0 &&
-                   std::abs(target_bar_ - pressure_bar_) <= config_.band_bar;
+                   std::abs(target_bar_ - chamber_.value_bar) <= config_.band_bar;
   return output;
 }
 

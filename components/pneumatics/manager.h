@@ -3,9 +3,10 @@
 //
 // Rig: the compressor fills the reservoir, the valve joins chamber and reservoir, the vent (the
 // controlled leak) lets air out of the reservoir. kReservoir keeps the valve open while it holds,
-// so that the reservoir's volume smooths what the motion does; kChamber shuts it between
-// corrections (the source's experiment inside the backlash), and brings the reservoir to the right
-// side before it opens.
+// so that the reservoir's volume smooths what the motion does. kChamber shuts it between
+// corrections (the source's experiment inside the backlash); the chamber is so small that it takes
+// the reservoir's pressure at once, so a correction brings the reservoir to the target first (where
+// it has a sensor), lets it come to rest and then opens the valve for a moment.
 //
 // A correction starts when the filtered pressure is start_band_bar off its target, and ends when
 // the pressure expected lead_s later (dead time of relays, filter) has reached it. Between a
@@ -113,8 +114,12 @@ class PressureManager {
 
  private:
   void Watch(const ManagerInput& input) noexcept;
+  // How far a correction of a shut chamber has come.
+  enum class Stage { kDirect, kPrepare, kComeToRest, kEqualise };
+
   void Correct(double period_s) noexcept;
-  ManagerOutput Drive(const ManagerInput& input) noexcept;
+  void StartCorrection() noexcept;
+  ManagerOutput Drive(double period_s) noexcept;
   ManagerOutput AllOff(Mode mode, bool let_out) noexcept;
 
   ManagerConfig config_;
@@ -124,9 +129,19 @@ class PressureManager {
   Fault fault_ = Fault::kNone;
   Mode mode_ = Mode::kIdle;
   bool known_ = false;
-  double pressure_bar_ = 0.0;
-  double rate_bar_s_ = 0.0;
+  bool uses_reservoir_ = false;
+  struct Filtered {
+    double value_bar = 0.0;
+    double rate_bar_s = 0.0;
+    // Moves toward a sample; returns by how much.
+    double Step(double sample_bar, double share, double period_s) noexcept;
+  };
+  Filtered chamber_;
+  Filtered reservoir_;
+  Stage stage_ = Stage::kDirect;
+  double stage_s_ = 0.0;
   double bad_sensor_s_ = 0.0;
+  double bad_reservoir_s_ = 0.0;
   double overpressure_s_ = 0.0;
   double feedback_s_ = 0.0;
   double still_s_ = 0.0;          // since the last correction

@@ -39,7 +39,7 @@ PlayDetector::PlayDetector(const PlayConfig& config) : config_(config) {
 void PlayDetector::Reset() noexcept {
   next_ = known_ = since_ = 0;
   far_ = {};
-  started_ = false;
+  started_ = firm_ = false;
   contact_ = Contact::kNone;
 }
 
@@ -73,11 +73,16 @@ PlayDecision PlayDetector::Step(double alpha_rad, double velocity_rad_s) noexcep
     if (distance(Contact::kUpper, 0) <= threshold) contact_ = Contact::kUpper;
   } else if (contact_ != Contact::kNone) {
     double sum = 0.0;
-    bool leaves = false;
+    // Firmly in contact, two samples that both point away are enough.
+    bool leaves = firm_ && distance(contact_, 0) > threshold + 2.0 * sigma &&
+                  distance(contact_, 1) > threshold + 0.5 * sigma;
+    double mean_8 = 0.0;
     for (int n = 1; n <= since_ && !leaves; ++n) {
       sum += distance(contact_, n - 1);
       leaves = sum > n * threshold + 4.5 * sigma * std::sqrt(n);
+      if (n == 8) mean_8 = sum / 8.0;
     }
+    firm_ = !leaves && (firm_ || (since_ >= 8 && mean_8 < threshold - 1.75 * sigma));
     if (leaves) {
       contact_ = Contact::kNone;
       since_ = 0;
@@ -101,6 +106,7 @@ PlayDecision PlayDetector::Step(double alpha_rad, double velocity_rad_s) noexcep
       }
       if (reaches) {
         contact_ = side;
+        firm_ = false;
         since_ = 0;
         break;
       }

@@ -9,7 +9,9 @@
 // m_n the mean of its last n values since the last decision, n = 1..16. With a threshold t of half
 // the hysteresis (two encoder counts, so one; 2.5 sigma where that is more):
 //
-//     the contact is left when     m_n > t + 4.5 sigma / sqrt(n) for an n
+//     the contact is left when     m_n > t + 4.5 sigma / sqrt(n) for an n,
+//                                  or x > t + 2 sigma after x > t + sigma / 2, from firm contact
+//                                  (m_8 < t - 1.75 sigma since it was reached)
 //     the contact is reached when  m_n < t - 4.5 sigma / sqrt(n) for an n,
 //                                  or x <= t - sigma, coming from afar by a sigma a sample
 //
@@ -63,6 +65,7 @@ class PlayDetector {
   int known_ = 0;              // samples in alpha_
   int since_ = 0;              // samples since the last decision
   std::array<bool, 2> far_{};  // from the lower and upper contact, since it was left
+  bool firm_ = false;          // the contact has been seen beyond doubt
   Contact contact_ = Contact::kNone;
   bool started_ = false;
 };

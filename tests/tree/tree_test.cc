@@ -87,6 +87,7 @@ std::vector<Include> IncludesOf(const std::string& file) {
 // its folders participant/ (a process) and file/ (reading and writing).
 const std::map<std::string, std::string> kNotPure = {
     {"components/config", "reads and writes files"},
+    {"components/logger", "a queue and a thread in front of a file"},
     {"components/node", "owns DDS, options, logs and clocks"},
     {"sim/surrogate/csv", "a program: runs as CSV files"},
     {"bridge/can/bus", "a program: the server of the virtual bus"},
@@ -315,9 +316,20 @@ std::set<std::string> PackagesThatCMakeNames() {
 
 TEST(Tree, PackagesAreExactlyWhatTheBuildAndTheProgramsNeed) {
   // Tools that are run, not linked, so that CMake does not look for them as libraries.
-  const std::set<std::string> run = {
-      "g++",         "cmake",  "ninja-build",       "ccache",          "libgmock-dev",
-      "gnuplot-nox", "procps", "fonts-dejavu-core", "cyclonedds-tools"};
+  const std::set<std::string> run = {"g++",
+                                     "cmake",
+                                     "ninja-build",
+                                     "ccache",
+                                     "libgmock-dev",
+                                     "gnuplot-nox",
+                                     "procps",
+                                     "fonts-dejavu-core",
+                                     "cyclonedds-tools",
+                                     "qemu-system-x86",
+                                     "busybox-static",
+                                     "cpio",
+                                     "can-utils",
+                                     "python3-canmatrix"};
   // Part of every compiler installation, or only for measurements.
   const std::set<std::string> implied = {"libc6-dev", "libbenchmark-dev"};
   const std::set<std::string> listed = Packages();
@@ -336,7 +348,8 @@ TEST(Tree, PackagesAreExactlyWhatTheBuildAndTheProgramsNeed) {
 
 TEST(Tree, NothingIsLeftUnfinished) {
   // Written in two pieces so that this file does not find itself.
-  static const std::regex kWords(std::string("\\b(TO") + "DO|FIX" + "ME|XX" + "X|HA" + "CK)\\b");
+  static const std::regex kWords(std::string("\\b(TO") + "DO|FIX" + "ME|XX" + "X|HA" + "CK)\\b" +
+                                 "|^(<<<<" + "<<< |>>>>" + ">>> )");
   std::vector<std::string> found;
   for (const std::string& file : Files()) {
     if (StartsWith(file, "tests/data/") || EndsWith(file, ".csv")) continue;

@@ -56,6 +56,7 @@ void PrintText(const std::vector<Scored>& list) {
               << score.mean_square_error_rad2 << ' ' << length << "2 (rms " << score.rms_error_rad
               << ' ' << length << ", largest " << score.max_error_rad << ' ' << length << ") over "
               << score.duration_s << " s";
+    if (score.has_current) std::cout << "; current rms " << score.rms_current_A << " A";
     if (score.has_torque) {
       std::cout << "; torque rms " << score.rms_torque_Nm << (entry.linear ? " N" : " Nm")
                 << ", positive work " << score.positive_work_J << " J";
@@ -75,6 +76,7 @@ void PrintJson(const std::vector<Scored>& list) {
         {"mean_square_error_" + length + "2", score.mean_square_error_rad2},
         {"rms_error_" + length, score.rms_error_rad},
         {"max_error_" + length, score.max_error_rad}};
+    if (score.has_current) one["rms_current_A"] = score.rms_current_A;
     if (score.has_torque) {
       one[entry.linear ? "rms_force_N" : "rms_torque_Nm"] = score.rms_torque_Nm;
       one["positive_work_J"] = score.positive_work_J;
@@ -89,7 +91,7 @@ void PrintJson(const std::vector<Scored>& list) {
 void AddScoreCommand(CLI::App& app) {
   auto options = std::make_shared<ScoreOptions>();
   CLI::App* command =
-      app.add_subcommand("score", "Tracking error, torque and work of recorded motions");
+      app.add_subcommand("score", "Tracking error, current, torque and work of recorded motions");
   command->add_option("recordings", options->files, "Recordings, or CSV files with --map")
       ->required()
       ->type_name("FILE.mcap");

@@ -55,7 +55,8 @@ PidConfig ReadPid(const Section& s, const Units& units) {
   return pid;
 }
 
-JointControlConfig ReadJoint(const Section& s, std::size_t index) {
+JointControlConfig ReadJoint(const Section& s, std::size_t index,
+                             const std::filesystem::path& model_path) {
   JointControlConfig joint;
   joint.strategy = Word<Strategy>(s, "strategy", "pid",
                                   {{"position", Strategy::kPosition},
@@ -68,7 +69,8 @@ JointControlConfig ReadJoint(const Section& s, std::size_t index) {
   double limit_Nm = 0.0;
   if (s.Has("model")) {
     if (s.Has("drive")) s.Fail("drive", "stands beside 'model', expected only one of them");
-    const std::filesystem::path path = s.ExistingPath("model");
+    const std::filesystem::path own = s.ExistingPath("model");
+    const std::filesystem::path path = model_path.empty() ? own : model_path;
     const actuator::RobotModel robot = actuator::LoadRobotModel(path);
     std::size_t which = index;
     if (s.Has("model_joint")) {
@@ -165,7 +167,7 @@ bool ControlConfig::needs_prediction() const {
   });
 }
 
-ControlConfig ReadControl(const config::Section& section) {
+ControlConfig ReadControl(const config::Section& section, const std::filesystem::path& model_path) {
   ControlConfig control;
   control.motion_requests = Word<MotionRequests>(section, "motion_requests", "off",
                                                  {{"off", MotionRequests::kOff},
@@ -180,13 +182,15 @@ ControlConfig ReadControl(const config::Section& section) {
     section.Fail("joints", "has " + std::to_string(joints.size()) + " entries, expected 1 to " +
                                std::to_string(kMaxJoints));
   }
-  for (std::size_t j = 0; j < joints.size(); ++j) control.joints.push_back(ReadJoint(joints[j], j));
+  for (std::size_t j = 0; j < joints.size(); ++j)
+    control.joints.push_back(ReadJoint(joints[j], j, model_path));
   section.RejectUnknownKeys();
   return control;
 }
 
-ControlConfig LoadControl(const std::filesystem::path& path) {
-  return ReadControl(Section::Load(path, "sinew-control/1"));
+ControlConfig LoadControl(const std::filesystem::path& path,
+                          const std::filesystem::path& model_path) {
+  return ReadControl(Section::Load(path, "sinew-control/1"), model_path);
 }
 
 }  // namespace sinew::control

@@ -27,7 +27,10 @@ struct ControlConfig {
   bool needs_prediction() const;  // a joint uses pid_esn
 };
 
-ControlConfig LoadControl(const std::filesystem::path& path);
-ControlConfig ReadControl(const config::Section& section);
+// model_path: takes the place of every joint's `model`; empty: as the file says.
+ControlConfig LoadControl(const std::filesystem::path& path,
+                          const std::filesystem::path& model_path = {});
+ControlConfig ReadControl(const config::Section& section,
+                          const std::filesystem::path& model_path = {});
 
 }  // namespace sinew::control

@@ -2,17 +2,20 @@
 // regime.
 #include <spdlog/spdlog.h>
 
+#include <CLI/CLI.hpp>
+
 #include "components/control/participant/translate.h"
 #include "components/node/options.h"
 
 namespace {
 
-void Run(const sinew::node::Options& options, sinew::node::StopFlag& stop) {
+void Run(const sinew::node::Options& options, sinew::node::StopFlag& stop,
+         const std::filesystem::path& model_path) {
   using namespace sinew;
   if (options.config_path.empty()) {
     throw UsageError("--config: missing, expected a file with schema sinew-control/1");
   }
-  const control::ControlConfig config = control::LoadControl(options.config_path);
+  const control::ControlConfig config = control::LoadControl(options.config_path, model_path);
   if (config.follow_owner && options.mode == node::TimeMode::kLockstep) {
     throw UsageError(options.config_path.string() +
                      ": key 'follow_owner': a standby has no place in "
@@ -46,6 +49,12 @@ void Run(const sinew::node::Options& options, sinew::node::StopFlag& stop) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return sinew::node::RunParticipant(argc, argv, "control",
-                                     "Makes the joints follow their references.", Run);
+  std::filesystem::path model_path;
+  return sinew::node::RunParticipant(
+      argc, argv, "control", "Makes the joints follow their references.",
+      [&](const auto& options, auto& stop) { Run(options, stop, model_path); },
+      [&](CLI::App& app) {
+        app.add_option("--model", model_path,
+                       "Model file that takes the place of the one the configuration names");
+      });
 }

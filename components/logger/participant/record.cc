@@ -90,6 +90,7 @@ class Session {
         options_(options),
         lockstep_(node.options().mode == node::TimeMode::kLockstep),
         topics_(ChooseTopics(options.topics)),
+        metadata_(Describe(node.options(), options.notes)),  // before the file: it may throw
         sink_(options.out,
               options.overwrite ? recording::Existing::kReplace : recording::Existing::kRefuse),
         progress_writer_(node.MakeWriter(node::kRecordingProgress)) {
@@ -100,10 +101,9 @@ class Session {
     RecorderOptions recorder_options;
     recorder_options.wait_for_room = lockstep_;
     if (lockstep_) recorder_options.queue_bytes = 64u << 20;
-    recorder_ = std::make_shared<Recorder>(
-        sink_, std::move(schemas),
-        std::vector<recording::McapMetadata>{Describe(node.options(), options.notes)},
-        recorder_options);
+    recorder_ = std::make_shared<Recorder>(sink_, std::move(schemas),
+                                           std::vector<recording::McapMetadata>{metadata_},
+                                           recorder_options);
     for (std::size_t i = 0; i < topics_.size(); ++i) {
       // The recorder lives as long as DDS may call.
       node_.ReadRaw(*topics_[i], [recorder = recorder_, i](node::RawSample&& sample) {
@@ -247,6 +247,7 @@ class Session {
   const RecordOptions& options_;
   const bool lockstep_;
   std::vector<const node::TopicInfo*> topics_;
+  const recording::McapMetadata metadata_;
   recording::FileSink sink_;
   node::Writer<msg::RecordingProgress> progress_writer_;
   std::shared_ptr<Recorder> recorder_;

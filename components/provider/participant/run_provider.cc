@@ -232,6 +232,7 @@ class Provider {
                           : EpochNow();
     const int joints = plant_.joint_count();
     FillHeader(&state_.header());
+    node_.SetCycle(session_id_, tick_, stamp_ns_, static_cast<int>(state_.header().origin()));
     state_.robot_state(ToMessage(guard_.state()));
     state_.last_tick(tick_ == last_tick_);
     state_.period_s(period_s_);

@@ -62,8 +62,16 @@ class Rig {
                       "transport: virtual\n    bus: " + bus_path);
     };
     folder_.Write("surrogate.yaml", ReadText(rig + "surrogate.yaml"));
-    axes_config_ = folder_.Write("virtual_axes.yaml", on_our_bus("virtual_axes.yaml"));
-    bridge_config_ = folder_.Write("can_bridge.yaml", on_our_bus("can_bridge.yaml"));
+    // A loaded machine stalls a process for 100 ms now and then: what is tested here is what
+    // follows, not when.
+    axes_config_ = folder_.Write(
+        "virtual_axes.yaml",
+        Replaced(on_our_bus("virtual_axes.yaml"), "watchdog_ms: 100", "watchdog_ms: 500"));
+    std::string bridge =
+        Replaced(on_our_bus("can_bridge.yaml"), "lost_after_ms: 60", "lost_after_ms: 1000");
+    bridge = Replaced(bridge, "heartbeat_timeout_ms: 350", "heartbeat_timeout_ms: 3000");
+    bridge = Replaced(bridge, "fault_after_ms: 60", "fault_after_ms: 1000");
+    bridge_config_ = folder_.Write("can_bridge.yaml", bridge);
     log_ = (folder_.path() / "bus.log").string();
     bus_ = Start({"sinew-can-bus", "--bus", bus_path, "--log", log_});
     StartAxes();

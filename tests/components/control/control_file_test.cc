@@ -50,6 +50,15 @@ TEST(ControlFile, ReadsTheRigsModelForFeedForward) {
   EXPECT_EQ(config.joints[0].gear_ratio, 100.0);
 }
 
+TEST(ControlFile, AnotherModelMayTakeThePlaceOfTheNamedOne) {
+  const ControlConfig config = ReadControl(
+      config::Section::Parse("schema: sinew-control/1\njoints: [{strategy: pid_linear, model: " +
+                                 kRig + ", force_limit_N: 350, pid: {proportional_N_m: 1000}}]\n",
+                             "control.yaml", "sinew-control/1"),
+      kEmps);
+  EXPECT_EQ(config.joints[0].model->kind, effects::JointKind::kLinear);
+}
+
 TEST(ControlFile, APrismaticAxisCarriesNewtonsAndMetres) {
   const std::string head =
       "joints:\n  - strategy: pid_linear\n    model: " + kEmps + "\n    force_limit_N: 350\n";
@@ -81,7 +90,8 @@ TEST(ControlFile, TellsWhatIsWrongInOneLine) {
        "proportional_Nm_rad"},
       {"joints: [{strategy: pid, " + drive + ", pid: {proportional_Nm_deg: 1}}]\n",
        "proportional_Nm_rad"},
-      {"joints: [{strategy: pid, " + drive + ", pid: {proportional_Nm_rad: .inf}}]\n", "at least 0"},
+      {"joints: [{strategy: pid, " + drive + ", pid: {proportional_Nm_rad: .inf}}]\n",
+       "at least 0"},
       {"joints: [{strategy: pid, drive: {gear_ratio: 100}, pid: {proportional_Nm_rad: 1}}]\n",
        "motor_torque_limit_Nm"},
       {"joints: [{strategy: pid_linear, " + drive + ", pid: {proportional_Nm_rad: 1}}]\n",

@@ -192,6 +192,54 @@ std::vector<Row> CommandRows() {
        {{"m.yaml", Replaced(kMap, "  reference_position: {column: r_m, unit: m}\n", "")},
         {"d.csv", kCsv}},
        {"reference_position"}},
+      {"ImportMissingColumn",
+       {"sinew", "import", "d.csv", "--map", "m.yaml", "--out", "o.mcap"},
+       {{"m.yaml", Replaced(kMap, "x_m", "y_m")}, {"d.csv", kCsv}},
+       {"d.csv", "y_m"}},
+      {"ImportNotANumber",
+       {"sinew", "import", "d.csv", "--map", "m.yaml", "--out", "o.mcap"},
+       {{"m.yaml", kMap}, {"d.csv", Replaced(kCsv, "0.02,0.02", "inf,0.02")}},
+       {"d.csv:4", "x_m"}},
+      {"ImportUnknownKey",
+       {"sinew", "import", "d.csv", "--map", "m.yaml", "--out", "o.mcap"},
+       {{"m.yaml", Replaced(kMap, "kind: linear", "kind: linear\nkinds: 2")}, {"d.csv", kCsv}},
+       {"m.yaml:3", "kinds"}},
+      {"ImportIntoAMissingFolder",
+       {"sinew", "import", "d.csv", "--map", "m.yaml", "--out", "no/o.mcap"},
+       {{"m.yaml", kMap}, {"d.csv", kCsv}},
+       {"no/o.mcap"}},
+      {"ImportShortRow",
+       {"sinew", "import", "d.csv", "--map", "m.yaml", "--out", "o.mcap"},
+       {{"m.yaml", kMap}, {"d.csv", Replaced(kCsv, "0.02,0.02", "0.02")}},
+       {"d.csv:4"}},
+      {"ReplayBrokenMcap",
+       {"sinew", "replay", "b.mcap"},
+       {{"b.mcap", "this is no recording at all, but it has some length to it"}},
+       {"b.mcap", "byte 0"}},
+      {"ReplayMissingFile", {"sinew", "replay", "no.mcap"}, {}, {"no.mcap"}},
+      {"ReplayWrongDomain",
+       {"sinew", "replay", "b.mcap", "--domain", "-1"},
+       {{"b.mcap", ""}},
+       {"--domain", "232"}},
+      {"ListBrokenMcap", {"sinew", "list", "b.mcap"}, {{"b.mcap", "nothing"}}, {"b.mcap"}},
+      {"EchoUnknownTopic", {"sinew", "echo", "joint_stat"}, {}, {"joint_stat"}},
+      {"EchoUnknownField",
+       {"sinew", "echo", "joint_state", "--field", "position_deg[0]"},
+       {},
+       {"position_deg"}},
+      {"RecordUnknownTopic",
+       {"sinew", "record", "--out", "o.mcap", "--topics", "joint_stat"},
+       {},
+       {"joint_stat"}},
+      {"RecordIntoAMissingFolder",
+       {"sinew", "record", "--out", "no/o.mcap", "--domain", "40"},
+       {},
+       {"no/o.mcap"}},
+      {"TrainMissingModel",
+       {"sinew", "train", "--model", "no.yaml", "--recording", "d.csv", "--network", "sea",
+        "--config", "c.yaml", "--out", "w.json"},
+       {{"d.csv", kCsv}, {"c.yaml", "schema: sinew-esn-train/1\n"}},
+       {"yaml"}},
   };
   return rows;
 }
@@ -256,7 +304,8 @@ TEST_P(BadParticipantInput, AnUnknownKeyIsNamedWithItsLine) {
 
 TEST_P(BadParticipantInput, ANumberThatIsNoneIsNamedWithItsLine) {
   // The first plain number of the file.
-  static const std::regex kNumber(R"((\n *[a-z]\w*_[A-Za-z]+\w*: )(-?[0-9][0-9.e+-]*)(?=\s))");
+  static const std::regex kNumber(
+      R"(([\n {][a-z]\w*_(?:Nm|rad|s|ms|Hz|bar|kg|m)\w*: )(-?[0-9][0-9.e+-]*)(?=[\s,}]))");
   std::smatch match;
   const std::string text = Config();
   if (!std::regex_search(text, match, kNumber)) GTEST_SKIP() << "no number with a unit in it";
@@ -267,13 +316,49 @@ TEST_P(BadParticipantInput, ANumberThatIsNoneIsNamedWithItsLine) {
   Refused({"--config", config_}, {":" + std::to_string(line) + ":", ".nan", "expected"});
 }
 
-INSTANTIATE_TEST_SUITE_P(Programs, BadParticipantInput,
-                         ::testing::Values(Participant{"sinew-surrogate", "surrogate.yaml", {}}),
-                         [](const auto& info) {
-                           std::string name = info.param.program;
-                           name.erase(std::remove(name.begin(), name.end(), '-'), name.end());
-                           return name;
-                         });
+std::string ProgramOf(const ::testing::TestParamInfo<Participant>& row) {
+  std::string name = row.param.program;
+  name.erase(std::remove(name.begin(), name.end(), '-'), name.end());
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Programs, BadParticipantInput,
+    ::testing::Values(Participant{"sinew-surrogate", "surrogate.yaml", {}},
+                      Participant{"sinew-world", "world.yaml", {}},
+                      Participant{"sinew-can-bridge", "can_bridge.yaml", {}},
+                      Participant{"sinew-virtual-axes", "virtual_axes.yaml", {}},
+                      Participant{"sinew-pneumatics", "pneumatics.yaml", {}},
+                      Participant{"sinew-regime", "regime.yaml", {}},
+                      Participant{"sinew-control", "control_pid_model.yaml", {}},
+                      Participant{"sinew-reference", "reference_benchmark.yaml", {}}),
+    ProgramOf);
+
+// ---- robot descriptions
+
+TEST(BadUrdf, IsRefusedWithFileAndWhatWasExpected) {
+  const struct {
+    std::string from, to;
+    std::vector<std::string> words;
+  } rows[] = {
+      {"<robot", "no robot at all <", {"broken.urdf"}},
+      {"<limit", "<limit effort=\"x\"", {"broken.urdf"}},
+      {"<mass value=\"", "<mass value=\"-", {"broken.urdf", "mass"}},
+  };
+  std::ifstream in(kRig / "rig.urdf");
+  const std::string urdf{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  for (const auto& row : rows) {
+    if (urdf.find(row.from) == std::string::npos) continue;
+    const TemporaryFolder folder;
+    folder.Write("broken.urdf", Replaced(urdf, row.from, row.to));
+    ExpectRefused({"sinew-world", "--config", (kRig / "world.yaml").string(), "--urdf",
+                   (folder.path() / "broken.urdf").string()},
+                  folder.path(), row.words);
+  }
+  const TemporaryFolder folder;
+  ExpectRefused({"sinew-world", "--config", (kRig / "world.yaml").string(), "--urdf", "no.urdf"},
+                folder.path(), {"no.urdf"});
+}
 
 }  // namespace
 }  // namespace sinew

@@ -24,6 +24,7 @@ identify::Run SineRun(double amplitude, int samples = 1001) {
   run.signals[Signal::kReferencePosition] = (0.3 + amplitude) * wave;
   run.signals[Signal::kTorque] = 2.0 * wave;
   run.signals[Signal::kVelocity] = 3.0 * wave;
+  run.signals[Signal::kMotorCurrent] = -4.0 * wave;
   return run;
 }
 
@@ -39,6 +40,7 @@ TEST(Tracking, ASineErrorHasHalfItsSquaredAmplitude) {
   EXPECT_NEAR(score.rms_error_rad, 0.2 / std::sqrt(2.0), kTolerance);
   EXPECT_NEAR(score.max_error_rad, 0.2, kTolerance);
   EXPECT_NEAR(score.rms_torque_Nm, std::sqrt(2.0), kTolerance);
+  EXPECT_NEAR(score.rms_current_A, 4.0 / std::sqrt(2.0), kTolerance);
   EXPECT_NEAR(score.duration_s, 1.0, kTolerance);
 }
 
@@ -57,6 +59,7 @@ TEST(Tracking, UnevenSamplesWeighByTheirTime) {
   const TrackingScore score = ScoreTracking(run);
   EXPECT_NEAR(score.mean_square_error_rad2, (3.0 + 0.5) / 4.0, kTolerance);
   EXPECT_FALSE(score.has_torque);
+  EXPECT_FALSE(score.has_current);
 }
 
 TEST(Tracking, TheStartCanBeLeftOut) {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bridge/can/file/bus_config.h"
-#include "bridge/participant/can_plant.h"
+#include "bridge/joints/can_plant.h"
 #include "components/config/config.h"
 
 namespace sinew::bridge {

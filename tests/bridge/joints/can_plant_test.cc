@@ -1,5 +1,5 @@
 // The bridge against virtual controllers on a bus in memory: simulated time, every frame seen.
-#include "bridge/participant/can_plant.h"
+#include "bridge/joints/can_plant.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "bridge/participant/file/bridge_config.h"
+#include "bridge/joints/file/bridge_config.h"
 
 #include <stdexcept>
 

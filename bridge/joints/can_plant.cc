@@ -1,4 +1,4 @@
-#include "bridge/participant/can_plant.h"
+#include "bridge/joints/can_plant.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,143 @@
+#!/usr/bin/env python3
+"""Feeds every flattened idl file to other people's parsers. Exit code 77: skipped, with the reason."""
+import argparse
+import importlib.util
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+SKIPPED = 77
+
+
+def flattened(idl, work):
+    """One self-contained file per idl file, as embed_idl.py makes them; gives their paths."""
+    path = idl.parent / "tools" / "idl" / "embed_idl.py"
+    source = path.read_text(encoding="utf-8").replace("\nmain()\n", "\n")  # its functions only
+    spec = importlib.util.spec_from_loader("embed_idl", loader=None)
+    embed = importlib.util.module_from_spec(spec)
+    exec(compile(source, str(path), "exec"), embed.__dict__)
+    work.mkdir(parents=True, exist_ok=True)
+    files = []
+    for file in sorted(idl.glob("*.idl")):
+        out = work / file.name
+        out.write_text(embed.flatten(str(file), set()), encoding="utf-8")
+        files.append(out)
+    assert len(files) >= 13, f"only {len(files)} idl files in {idl}"
+    return files
+
+
+def fresh(folder):
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    return folder
+
+
+def run(command, **options):
+    return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
+                          **options)
+
+
+def check_fastddsgen(arguments):
+    work = fresh(arguments.work / "fastddsgen")
+    files = flattened(arguments.idl, work / "idl")
+    out = fresh(work / "out")
+    done = run([arguments.program, "-cs", "-replace", "-d", str(out)] + [str(file) for file in files])
+    # It says "error" and still exits with 0: what counts is that every file gave its types.
+    missing = [file.name for file in files if not (out / (file.stem + "PubSubTypes.h")).exists()
+               and "struct" in file.read_text(encoding="utf-8")]
+    if done.returncode != 0 or missing or re.search(r"\berror\b", done.stdout, re.I):
+        print(done.stdout)
+        sys.exit(f"fastddsgen refuses: {', '.join(missing) or 'see above'}")
+    print(f"fastddsgen accepts {len(files)} files")
+
+
+def check_cyclone(arguments):
+    program = shutil.which("idlc")
+    if program is None:
+        print("skipped: no idlc; install it with: apt-get install cyclonedds-tools")
+        sys.exit(SKIPPED)
+    work = fresh(arguments.work / "cyclone")
+    files = flattened(arguments.idl, work / "idl")
+    out = fresh(work / "out")
+    for file in files:
+        done = run([program, "-l", "c", "-o", str(out), str(file)])
+        if done.returncode != 0 or "rror" in done.stdout or not (out / (file.stem + ".h")).exists():
+            print(done.stdout)
+            sys.exit(f"idlc refuses {file.name}")
+    print(f"idlc accepts {len(files)} files")
+
+
+FORBIDDEN = ["@optional", "union", "bitmask", "bitset", "map<", "wstring", "wchar", "const", "typedef", "@mutable",
+             "@appendable", "long double"]
+
+
+def check_subset(arguments):
+    files = flattened(arguments.idl, fresh(arguments.work / "subset"))
+    problems = []
+    for file in files:
+        text = re.sub(r"//[^\n]*", "", file.read_text(encoding="utf-8"))
+        for word in FORBIDDEN:
+            if re.search(rf"(?<![\w@]){re.escape(word)}", text):
+                problems.append(f"{file.name}: {word}")
+        for body in re.findall(r"struct\s+\w+\s*{(.*?)}", text, re.S):
+            names = re.findall(r"(\w+)\s*(?:\[\d+\])?\s*;", body)
+            lower = [name.lower() for name in names]
+            if len(set(lower)) != len(lower):
+                problems.append(f"{file.name}: names that differ only by case: {names}")
+        for struct in re.finditer(r"(\S+)\s+struct\s+(\w+)", text):
+            if struct.group(1) != "@final":
+                problems.append(f"{file.name}: struct {struct.group(2)} is not @final")
+        for member in re.finditer(r"\b(string|sequence<[^,>]*)\s+\w|sequence<[^,>]*>", text):
+            problems.append(f"{file.name}: unbounded {member.group(0)}")
+        if re.search(r"\]\s*\[", text):
+            problems.append(f"{file.name}: array of two dimensions")
+    if problems:
+        sys.exit("\n".join(problems))
+    print(f"{len(files)} files keep to the subset")
+
+
+def check_viewer(arguments):
+    npm, node = shutil.which("npm"), shutil.which("node")
+    if npm is None or node is None:
+        print("skipped: no npm and node; install them with: apt-get install npm")
+        sys.exit(SKIPPED)
+    work = arguments.work / "viewer"
+    work.mkdir(parents=True, exist_ok=True)
+    for name in ("package.json", "check.mjs"):
+        shutil.copy(arguments.package / name, work / name)
+    files = flattened(arguments.idl, fresh(work / "idl"))
+    sample, expected = work / "sample.mcap", work / "expected.jsonl"
+    done = run([str(arguments.sample), str(sample), str(expected)])
+    if done.returncode != 0:
+        sys.exit(done.stdout)
+    if not (work / "node_modules" / "@mcap" / "core").exists():
+        done = run([npm, "install", "--prefix", str(work), "--no-audit", "--no-fund", "--ignore-scripts"],
+                   timeout=150, cwd=work)
+        if done.returncode != 0:
+            print(f"skipped: the npm registry gave nothing:\n{done.stdout}")
+            sys.exit(SKIPPED)
+    done = run([node, str(work / "check.mjs"), str(sample), str(expected)] + [str(file) for file in files], cwd=work)
+    print(done.stdout)
+    sys.exit(done.returncode)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--idl", type=pathlib.Path, required=True)
+    parser.add_argument("--work", type=pathlib.Path, required=True)
+    checks = parser.add_subparsers(dest="check", required=True)
+    checks.add_parser("fastddsgen").add_argument("--program", required=True)
+    checks.add_parser("cyclone")
+    checks.add_parser("subset")
+    viewer = checks.add_parser("viewer")
+    viewer.add_argument("--sample", type=pathlib.Path, required=True)
+    viewer.add_argument("--package", type=pathlib.Path, required=True)
+    arguments = parser.parse_args()
+    os.environ["npm_config_update_notifier"] = "false"
+    globals()["check_" + arguments.check](arguments)
+
+
+main()
