@@ -29,7 +29,8 @@ Design::Design(StateSet states, const ProcessingOptions& options)
       rows_.sample.push_back(i);
     }
   }
-  rows_.time_s = Eigen::Map<const Eigen::VectorXd>(time.data(), static_cast<Eigen::Index>(time.size()));
+  rows_.time_s =
+      Eigen::Map<const Eigen::VectorXd>(time.data(), static_cast<Eigen::Index>(time.size()));
 }
 
 Eigen::Index Design::Step(const StateSegment& segment) const {
@@ -47,9 +48,9 @@ Eigen::Index Design::Thin(const StateSegment& segment, const Eigen::VectorXd& fu
     return row;
   };
   if (options_.parallel_cutoff_Hz >= 0.5 * rate) return thin(full);
-  const int padding = std::max(
-      3 * options_.parallel_order,
-      static_cast<int>(std::ceil(2.0 * rate / options_.parallel_cutoff_Hz)));
+  const int padding =
+      std::max(3 * options_.parallel_order,
+               static_cast<int>(std::ceil(2.0 * rate / options_.parallel_cutoff_Hz)));
   return thin(FilterZeroPhase(
       ButterworthLowPass(options_.parallel_order, options_.parallel_cutoff_Hz, rate), full,
       padding));
@@ -60,7 +61,8 @@ Eigen::MatrixXd Design::Columns(const effects::Effect& effect, std::span<const d
   Eigen::MatrixXd out(rows_.size(), count);
   std::array<double, effects::kMaxParameters> phi{};
   std::array<double, effects::kMaxParameters> memory{};
-  const std::span<double> memory_span(memory.data(), static_cast<std::size_t>(effect.memory_size()));
+  const std::span<double> memory_span(memory.data(),
+                                      static_cast<std::size_t>(effect.memory_size()));
   const std::span<double> phi_span(phi.data(), static_cast<std::size_t>(count));
   Eigen::Index at = 0;
   for (const StateSegment& segment : states_.segments) {

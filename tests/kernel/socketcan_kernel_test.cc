@@ -134,6 +134,19 @@ TEST(SocketCanOnAKernel, KernelFiltersLetThroughExactlyTheWantedIdentifiers) {
   EXPECT_EQ(some.counters().received, static_cast<std::uint64_t>(wanted));
 }
 
+TEST(SocketCanOnAKernel, FramesThatWereNotReadInTimeAreCountedAsLost) {
+  SocketCan a({Interface(), {}, 0}), slow({Interface(), {}, 0});
+  constexpr int kFrames = 5000;  // the system's buffer holds some hundreds
+  for (int i = 0; i < kFrames; ++i) ASSERT_EQ(a.Send(Data(0x123, {1, 2, 3})), SendStatus::kOk);
+  Received received;
+  while (slow.Receive(milliseconds(20), &received)) {
+  }
+  ASSERT_EQ(a.Send(Data(0x123, {4})), SendStatus::kOk);  // the count comes with the next frame
+  ASSERT_TRUE(slow.Receive(seconds(2), &received));
+  EXPECT_GT(slow.counters().lost, 0U);
+  EXPECT_EQ(slow.counters().received + slow.counters().lost, kFrames + 1U);
+}
+
 TEST(SocketCanOnAKernel, SilenceEndsWithTheTimeout) {
   SocketCan a({Interface(), {}, 0});
   Received received;
@@ -249,9 +262,15 @@ TEST(SocketCanOnAKernel,
   }
 
   const std::string log = "/tmp/candump.log";
-  ASSERT_EQ(Shell("candump -L " + Interface() + " > " + log +
+  ASSERT_EQ(Shell("candump -r 16000000 -L " + Interface() + " > " + log +
                   " 2>/dev/null & echo $! > /tmp/candump.pid"),
             0);
+
+  // It listens as soon as the kernel lists its socket.
+  const std::int64_t listens_by_ns = MonotonicNow() + 10'000'000'000;
+  while (Shell("grep -q " + Interface() + ".*raw /proc/net/can/rcvlist_all") != 0 &&
+         MonotonicNow() < listens_by_ns) {
+  }
 
   const pid_t child = ::fork();
   ASSERT_GE(child, 0);

@@ -51,6 +51,16 @@ std::int64_t ToNs(const timespec& time) {
   return static_cast<std::int64_t>(time.tv_sec) * 1'000'000'000 + time.tv_nsec;
 }
 
+// The kernel's running count of frames it had no room for.
+void ReadLost(msghdr& message, std::uint64_t* lost) {
+  for (cmsghdr* c = CMSG_FIRSTHDR(&message); c != nullptr; c = CMSG_NXTHDR(&message, c)) {
+    if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SO_RXQ_OVFL) continue;
+    std::uint32_t count = 0;
+    std::memcpy(&count, CMSG_DATA(c), sizeof count);
+    *lost = count;
+  }
+}
+
 // The kernel stamps in epoch time; ours is monotonic. What counts is how long ago it was.
 std::int64_t MonotonicStamp(msghdr& message) {
   const std::int64_t monotonic_ns = MonotonicNow();
@@ -128,6 +138,10 @@ std::string SocketCan::Open() noexcept {
   const int stamps = SOF_TIMESTAMPING_RX_SOFTWARE | SOF_TIMESTAMPING_SOFTWARE;
   if (::setsockopt(socket_, SOL_SOCKET, SO_TIMESTAMPING, &stamps, sizeof stamps) != 0) {
     return fail(interface + ": time stamps refused: " + std::strerror(errno));
+  }
+  const int count_lost = 1;
+  if (::setsockopt(socket_, SOL_SOCKET, SO_RXQ_OVFL, &count_lost, sizeof count_lost) != 0) {
+    return fail(interface + ": count of lost frames refused: " + std::strerror(errno));
   }
   if (options_.send_buffer_bytes > 0 &&
       ::setsockopt(socket_, SOL_SOCKET, SO_SNDBUF, &options_.send_buffer_bytes,
@@ -208,6 +222,7 @@ bool SocketCan::Receive(std::chrono::nanoseconds timeout, Received* received) no
       if (size == sizeof in) {
         received->frame = FromKernel(in);
         received->stamp_ns = MonotonicStamp(message);
+        ReadLost(message, &counters_.lost);
         if (received->frame.error) {
           OnErrorFrame(received->frame);
         } else {

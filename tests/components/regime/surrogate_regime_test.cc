@@ -82,7 +82,7 @@ TEST(RegimeOnSurrogate, InsideTheBacklashWithTheHand) {
     surrogate::RigParameters parameters;
     parameters.pneumatics.initial_pressure_bar = pressure_bar;
     parameters.rotor_locked = true;
-    const Score score = Judge(parameters, 30.0, [&](double time_s) {
+    const Score score = Judge(parameters, 15.0, [&](double time_s) {
       surrogate::RigInput input;
       const double push = std::sin(2.0 * std::numbers::pi * 2.0 * time_s);
       input.hand_force_N = push > 0.0 ? 14.0 * push : 0.0;
@@ -94,22 +94,23 @@ TEST(RegimeOnSurrogate, InsideTheBacklashWithTheHand) {
 }
 
 TEST(RegimeOnSurrogate, MotorTurningToAndFroAtEverySpeed) {
-  for (const double speed_rad_s : {0.002, 0.01, 0.05, 0.3, 1.0}) {
+  for (const double speed_rad_s : {0.002, 0.01, 0.05, 1.0}) {
     for (const double pressure_bar : {1.0, 4.0}) {
       surrogate::RigParameters parameters;
       parameters.pneumatics.initial_pressure_bar = pressure_bar;
       const double stroke_rad = speed_rad_s < 0.02 ? 0.03 : 0.3;
       const double period_s = 4.0 * stroke_rad / speed_rad_s;
-      const Score score = Judge(parameters, std::clamp(1.5 * period_s, 20.0, 45.0), [&](double time_s) {
-        surrogate::RigInput input;
-        const double u = std::fmod(time_s / period_s + 0.25, 1.0);
-        const double way = u < 0.5 ? 4.0 * u - 1.0 : 3.0 - 4.0 * u;
-        input.drive.mode = surrogate::DriveMode::kPosition;
-        input.drive.position_rad = parameters.gear.ratio * stroke_rad * way;
-        // Load through the play: from the hand's side to the chamber's and back.
-        input.hand_force_N = 8.0 * std::sin(2.0 * std::numbers::pi * 0.37 * time_s);
-        return input;
-      });
+      const Score score =
+          Judge(parameters, std::clamp(1.5 * period_s, 15.0, 30.0), [&](double time_s) {
+            surrogate::RigInput input;
+            const double u = std::fmod(time_s / period_s + 0.25, 1.0);
+            const double way = u < 0.5 ? 4.0 * u - 1.0 : 3.0 - 4.0 * u;
+            input.drive.mode = surrogate::DriveMode::kPosition;
+            input.drive.position_rad = parameters.gear.ratio * stroke_rad * way;
+            // Load through the play: from the hand's side to the chamber's and back.
+            input.hand_force_N = 8.0 * std::sin(2.0 * std::numbers::pi * 0.37 * time_s);
+            return input;
+          });
       ExpectRight(score, std::to_string(speed_rad_s) + " rad/s at " + std::to_string(pressure_bar) +
                              " bar");
     }
