@@ -116,6 +116,15 @@ constexpr char kMap[] =
     "  reference_position: {column: r_m, unit: m}\n";
 constexpr char kCsv[] = "t_s,x_m,r_m\n0,0,0\n0.1,0.01,0.01\n0.2,0.02,0.02\n";
 
+// 100 rows of a steady motion.
+std::string LongCsv(double speed_m_s) {
+  std::ostringstream csv("t_s,x_m,r_m\n", std::ios::ate);
+  for (int i = 0; i < 100; ++i) {
+    csv << 0.01 * i << ',' << 0.01 * i * speed_m_s << ',' << 0.01 * i * speed_m_s << '\n';
+  }
+  return csv.str();
+}
+
 std::vector<Row> CommandRows() {
   std::vector<Row> rows = {
       {"LaunchMissingFile", {"sinew", "launch", "no.yaml"}, {}, {"no.yaml", "No such file"}},
@@ -270,10 +279,7 @@ std::vector<Row> CommandRows() {
       {"CloseLoopSignalThatTheModelNeedsIsNotThere",
        {"sinew", "close-loop", "--model", "m.yaml", "--map", "c.yaml", "--train", "d.csv",
         "--sealed", "e.csv", "--out", "found"},
-       {{"m.yaml", kModel},
-        {"c.yaml", kMap},
-        {"d.csv", kCsv},
-        {"e.csv", Replaced(kCsv, "0.02,0.02", "0.03,0.02")}},
+       {{"m.yaml", kModel}, {"c.yaml", kMap}, {"d.csv", LongCsv(0.1)}, {"e.csv", LongCsv(0.2)}},
        {"drive_voltage"}},
       {"TrainMissingModel",
        {"sinew", "train", "--model", "no.yaml", "--recording", "d.csv", "--network", "sea",
