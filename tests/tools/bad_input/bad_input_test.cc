@@ -116,10 +116,10 @@ constexpr char kMap[] =
     "  reference_position: {column: r_m, unit: m}\n";
 constexpr char kCsv[] = "t_s,x_m,r_m\n0,0,0\n0.1,0.01,0.01\n0.2,0.02,0.02\n";
 
-// 100 rows of a steady motion.
+// Five seconds of a steady motion.
 std::string LongCsv(double speed_m_s) {
   std::ostringstream csv("t_s,x_m,r_m\n", std::ios::ate);
-  for (int i = 0; i < 100; ++i) {
+  for (int i = 0; i < 500; ++i) {
     csv << 0.01 * i << ',' << 0.01 * i * speed_m_s << ',' << 0.01 * i * speed_m_s << '\n';
   }
   return csv.str();
