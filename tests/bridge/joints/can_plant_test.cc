@@ -398,6 +398,24 @@ TEST(CanPlant, SilentAxisIsNotValidAfterTwentyMillisecondsAndAFaultAfterSixty) {
   EXPECT_GT(bench.sensors.age_us[0], 60'000);
 }
 
+TEST(CanPlant, BusThatIsOffIsNamedInTheFault) {
+  Bench bench({.output_nodes = false});
+  bench.Start();
+  bench.Steps(5);
+  // An impostor with the bridge's identifiers and other content, until both are bus-off.
+  const auto impostor = bench.buses[0]->Join("impostor");
+  for (int i = 0; i < 600 && bench.plant->fault(0) == FaultKind::kNone; ++i) {
+    (void)impostor->Send(can::Trim(can::Encode(1, can::SetInputTorque{0.5})));
+    bench.Step();
+  }
+  EXPECT_EQ(bench.plant->fault(0), FaultKind::kEstimatesLost);
+  EXPECT_NE(bench.sensors.message.find("bus 'bridge' is bus-off"), std::string::npos)
+      << bench.sensors.message;
+  EXPECT_FALSE(bench.plant->bus_report()->up[0]);
+  EXPECT_GT(bench.plant->bus_report()->error_frames[0], 0U);
+  EXPECT_EQ(bench.rotors.angle_rad[0], 0.0);
+}
+
 TEST(CanPlant, LostHeartbeatIsAFaultEvenWhereEstimatesStillCome) {
   Bench bench;
   bench.axes_config.axes[0].rates.heartbeat_ms = 2000;  // one at the start, the next too late
