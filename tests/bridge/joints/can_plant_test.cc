@@ -84,6 +84,11 @@ class Bench {
   }
 
   void Start() {
+    Prepare();
+    plant->Reset(&sensors);
+  }
+  // All but hearing the axes for the first time.
+  void Prepare() {
     std::vector<can::Transport*> bridge_ends, axes_ends;
     for (std::size_t b = 0; b < buses.size(); ++b) {
       ends.push_back(buses[b]->Join("bridge", CanPlant::Filters(config, static_cast<int>(b))));
@@ -96,7 +101,6 @@ class Bench {
     buses[0]->AddAgent([this] { return axes->next_ns(); },
                        [this](std::int64_t now) { RunAxes(now); });
     plant = std::make_unique<CanPlant>(config, bridge_ends);
-    plant->Reset(&sensors);
   }
   // One cycle of the provider.
   void Step() {
@@ -500,6 +504,31 @@ TEST(CanPlant, MissingAxisIsNamedAtTheStart) {
     EXPECT_NE(text.find("node 9"), std::string::npos) << text;
     EXPECT_NE(text.find("5.0 s"), std::string::npos) << text;
   }
+}
+
+TEST(CanPlant, FramesFromBeforeTheStartAreNotTakenForNews) {
+  Bench bench;
+  bench.Prepare();
+  bench.buses[0]->AdvanceTo(253 * kMs_ns);  // heartbeats and estimates wait in the bridge's socket
+  bench.axes->Silence(0, true);
+  EXPECT_THROW(bench.plant->Reset(&bench.sensors), std::runtime_error);
+}
+
+TEST(CanPlant, HeartbeatThatCrossedTheClearingIsNoNewFault) {
+  Bench bench;
+  bench.Start();
+  bench.Steps(10);
+  const auto axis = bench.buses[0]->Join("axis");
+  const can::Frame error =
+      can::Encode(1, can::Heartbeat{can::axis_error::kWatchdogTimerExpired, can::AxisState::kIdle});
+  bench.plant->ClearFault();
+  ASSERT_EQ(axis->Send(error), can::SendStatus::kOk);  // before the axis took Clear_Errors
+  bench.Steps(2);
+  EXPECT_FALSE(bench.sensors.fault) << bench.sensors.message;
+  bench.Steps(3);
+  ASSERT_EQ(axis->Send(error), can::SendStatus::kOk);  // after it
+  bench.Steps(2);
+  EXPECT_TRUE(bench.sensors.fault);
 }
 
 TEST(CanPlant, ErrorsFromBeforeTheStartAreCleared) {
