@@ -614,14 +614,14 @@ void CanPlant::Judge(std::int64_t now_ns) {
       return now_ns - stamp_ns > Ns(limit_s);
     };
     if (older(joint.heartbeat_ns, timing.heartbeat_timeout_s)) {
-      Fail(joint, FaultKind::kHeartbeatLost, "no heartbeat");
+      FailSilent(joint, FaultKind::kHeartbeatLost, "no heartbeat");
     }
     if (older(joint.estimates_ns, timing.lost_after_s)) {
-      Fail(joint, FaultKind::kEstimatesLost, "no encoder estimates");
+      FailSilent(joint, FaultKind::kEstimatesLost, "no encoder estimates");
     }
     if (joint.config.output && (older(joint.output_ns, timing.lost_after_s) ||
                                 older(joint.sensors_ns, timing.heartbeat_timeout_s))) {
-      Fail(joint, FaultKind::kNodeLost, "nothing from the sensor node");
+      FailSilent(joint, FaultKind::kNodeLost, "nothing from the sensor node");
     }
     if (joint.config.output &&
         joint.node_sensors.motor_temperature_degC > limits.motor_temperature_degC) {
@@ -648,6 +648,15 @@ void CanPlant::Fail(Joint& joint, FaultKind kind, const char* what) {
   joint.fault = kind;
   joint.fault_text =
       "joint '" + joint.config.name + "' (node " + std::to_string(joint.config.node) + "): " + what;
+}
+
+void CanPlant::FailSilent(Joint& joint, FaultKind kind, const char* what) {
+  if (joint.fault != FaultKind::kNone) return;
+  Fail(joint, kind, what);
+  const can::Transport& bus = *transports_[static_cast<std::size_t>(joint.config.bus)];
+  if (bus.link() != can::Link::kUp) {
+    joint.fault_text += ", bus '" + bus.name() + "' is " + can::LinkName(bus.link());
+  }
 }
 
 void CanPlant::Fill(std::int64_t now_ns, provider::PlantSensors* sensors) const {

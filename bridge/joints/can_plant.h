@@ -193,6 +193,7 @@ class CanPlant : public provider::Plant {
 
   void Judge(std::int64_t now_ns);
   void Fail(Joint& joint, FaultKind kind, const char* what);
+  void FailSilent(Joint& joint, FaultKind kind, const char* what);  // says so when the bus is down
   void Fill(std::int64_t now_ns, provider::PlantSensors* sensors) const;
   void Report(std::int64_t now_ns, double work_us);
 

@@ -73,6 +73,8 @@ Prediction InverseDynamics::Step(const Frame& frame, double period_s) noexcept {
     }
     if (!std::isfinite(torque_Nm)) continue;
     prediction.torque_Nm[j] = torque_Nm;
+    prediction.sea_torque_Nm[j] = torque_Nm;
+    prediction.pea_torque_Nm[j] = torque_Nm;
     prediction.valid[j] = true;
   }
   return prediction;

@@ -82,6 +82,8 @@ Prediction Predictor::Step(const Frame& frame, Regime regime) noexcept {
     prediction.torque_Nm[j] = torque[j];
     prediction.valid[j] = true;
   }
+  if (!slots_[0]) prediction.sea_torque_Nm = prediction.torque_Nm;
+  if (!slots_[1]) prediction.pea_torque_Nm = prediction.torque_Nm;
   return prediction;
 }
 

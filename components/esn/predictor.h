@@ -2,8 +2,8 @@
 //
 // Both networks are stepped every tick, so that the one that takes over has run in. Which one counts:
 //  - two networks: the one of the regime; none while the regime is unknown (no prediction, never a guess);
-//  - one network: that one in every regime, known or not. It is meant for all of the motion, or for robots
-//    without free play, and needs no regime detector.
+//  - one network: that one in every regime, known or not; it then speaks for both (sea_torque_Nm, pea_torque_Nm). It
+//    is meant for all of the motion, or for robots without free play, and needs no regime detector.
 // A network that lacks an input (a signal that is not a number) has no prediction in that tick and keeps its state.
 // One thread. No memory is taken in Step.
 #pragma once
@@ -24,7 +24,7 @@ enum class Which : std::uint8_t { kSea = 0, kPea = 1 };
 struct Prediction {
   int joint_count = 0;
   std::array<double, kMaxJoints> torque_Nm{};      // of the chosen network; 0 where not valid
-  std::array<double, kMaxJoints> sea_torque_Nm{};  // 0 without such a network
+  std::array<double, kMaxJoints> sea_torque_Nm{};  // of each, chosen or not; 0 where it has none
   std::array<double, kMaxJoints> pea_torque_Nm{};
   std::array<bool, kMaxJoints> valid{};
   std::optional<Which> chosen;                     // nothing: no valid prediction

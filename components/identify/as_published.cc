@@ -25,7 +25,8 @@ Regression Build(const Run& run, const actuator::JointModel& model,
   run.At(drive);
   const UniformRun uniform = MakeUniform(run);
   if (uniform.segments.size() != 1) {
-    throw std::invalid_argument("recording " + run.name + " has gaps, the published processing none");
+    throw std::invalid_argument("recording " + run.name +
+                                " has gaps, the published processing none");
   }
   const UniformSegment& piece = uniform.segments.front();
   const auto position = piece.signals.find(Signal::kPosition);
@@ -33,10 +34,12 @@ Regression Build(const Run& run, const actuator::JointModel& model,
   const Eigen::Index border = options.border_samples;
   const Eigen::Index kept = piece.size() - 2 * border;
   if (kept < 10 * options.decimate) {
-    throw std::invalid_argument("recording " + run.name + " is too short for the published processing");
+    throw std::invalid_argument("recording " + run.name +
+                                " is too short for the published processing");
   }
-  const Eigen::VectorXd q = FilterZeroPhase(
-      ButterworthLowPass(options.filter_order, options.cutoff_Hz, piece.rate_Hz()), position->second);
+  const Eigen::VectorXd q =
+      FilterZeroPhase(ButterworthLowPass(options.filter_order, options.cutoff_Hz, piece.rate_Hz()),
+                      position->second);
   const Eigen::VectorXd v = CentralDifference(q, piece.period_s);
   const Eigen::VectorXd a = CentralDifference(v, piece.period_s);
   const Eigen::VectorXd& input = piece.signals.at(drive);

@@ -1,8 +1,8 @@
-// A fit done the way a publication did it, for a comparison with its figures: zero-phase Butterworth filter on
-// position, two-point central differences, border samples dropped, regressors built at the full rate, the
-// drive and every column decimated as MATLAB does, ordinary least squares. No sample is left out, no delay is
-// aligned.
-// Pure; allocates; throws std::invalid_argument.
+// A fit done the way a publication did it, for a comparison with its figures: zero-phase
+// Butterworth filter on position, two-point central differences, border samples dropped, regressors
+// built at the full rate, the drive and every column decimated as MATLAB does, ordinary least
+// squares. No sample is left out, no delay is aligned. Pure; allocates; throws
+// std::invalid_argument.
 #pragma once
 
 #include <string>
@@ -27,7 +27,7 @@ struct AsPublishedResult {
   double after_percent = 0.0;
   double cross_before_percent = 0.0;  // parameters of train, data of cross
   double cross_after_percent = 0.0;
-  actuator::JointModel before;        // fitted
+  actuator::JointModel before;  // fitted
   actuator::JointModel after;
 };
 

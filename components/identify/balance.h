@@ -2,16 +2,15 @@
 //
 //     sum over terms = 0:   eta D + K + sum theta_i phi_i = 0
 //
-// D: drive term with factor 1, from the measured drive; K: terms whose parameters are all known exactly
-// (load force, declared payload); theta: what is fitted. With a factor eta that is fitted too, the
-// measured drive is the target:
+// D: drive term with factor 1, from the measured drive; K: terms whose parameters are all known
+// exactly (load force, declared payload); theta: what is fitted. With a factor eta that is fitted
+// too, the measured drive is the target:
 //
 //     D = -(1 / eta) K - sum (theta_i / eta) phi_i
 //
-// so the known torques set the scale. With a fixed factor the target is eta D + K. When nothing known
-// excites the balance, eta cannot be told from the scale of all the others and stays at its nominal
-// value.
-// Pure; allocates.
+// so the known torques set the scale. With a fixed factor the target is eta D + K. When nothing
+// known excites the balance, eta cannot be told from the scale of all the others and stays at its
+// nominal value. Pure; allocates.
 #pragma once
 
 #include <Eigen/Core>
@@ -31,14 +30,14 @@ struct ParameterRef {
 
 struct Balance {
   Eigen::VectorXd target;
-  Eigen::MatrixXd columns;             // scale column first when the drive factor is fitted
+  Eigen::MatrixXd columns;               // scale column first when the drive factor is fitted
   std::vector<ParameterRef> parameters;  // of the columns behind the scale column
   bool fits_scale = false;
-  double drive_factor = 1.0;           // nominal, or exact when the scale is not fitted
+  double drive_factor = 1.0;  // nominal, or exact when the scale is not fitted
   ParameterRef drive;
-  Eigen::VectorXd nominal;             // coefficients at the model's present values
-  Eigen::VectorXd spread;              // what a tolerance is in coefficients; 0: not stated
-  Eigen::VectorXd drive_torque;        // D
+  Eigen::VectorXd nominal;       // coefficients at the model's present values
+  Eigen::VectorXd spread;        // what a tolerance is in coefficients; 0: not stated
+  Eigen::VectorXd drive_torque;  // D
 
   // Parameters from coefficients, the drive factor first when it is fitted.
   Eigen::VectorXd Physical(const Eigen::Ref<const Eigen::VectorXd>& coefficients) const;

@@ -21,7 +21,8 @@ Scaled Factor(const Eigen::Ref<const Eigen::MatrixXd>& G) {
   Scaled out;
   const Eigen::Index n = G.rows();
   out.scale.resize(n);
-  for (Eigen::Index i = 0; i < n; ++i) out.scale[i] = G(i, i) > 0.0 ? 1.0 / std::sqrt(G(i, i)) : 0.0;
+  for (Eigen::Index i = 0; i < n; ++i)
+    out.scale[i] = G(i, i) > 0.0 ? 1.0 / std::sqrt(G(i, i)) : 0.0;
   Eigen::MatrixXd unit = out.scale.asDiagonal() * G * out.scale.asDiagonal();
   unit.diagonal().array() += kRidge;
   out.factor.compute(unit);
@@ -58,8 +59,8 @@ std::vector<Block> MakeBlocks(const Rows& rows, double length_s, double gap_s, i
       if (!rows.used[static_cast<std::size_t>(i)]) continue;
       const double from_left = at - here * width;
       const double to_right = (here + 1) * width - at;
-      if (here > 0 && from_left < gap_s) continue;
-      if (here < windows - 1 && to_right < gap_s) continue;
+      if (here > 0 && from_left < gap_s - 1e-9) continue;
+      if (here < windows - 1 && to_right < gap_s - 1e-9) continue;
       block.push_back(i);
     }
     if (static_cast<int>(block.size()) >= fewest_rows) {
@@ -113,8 +114,7 @@ Eigen::VectorXd Solve(const Eigen::Ref<const Eigen::MatrixXd>& G,
 
 Eigen::MatrixXd Inverse(const Eigen::Ref<const Eigen::MatrixXd>& G) {
   const Scaled scaled = Factor(G);
-  const Eigen::MatrixXd unit =
-      scaled.factor.solve(Eigen::MatrixXd::Identity(G.rows(), G.cols()));
+  const Eigen::MatrixXd unit = scaled.factor.solve(Eigen::MatrixXd::Identity(G.rows(), G.cols()));
   return scaled.scale.asDiagonal() * unit * scaled.scale.asDiagonal();
 }
 

@@ -12,8 +12,9 @@ namespace sinew::identify {
 
 using Block = std::vector<Eigen::Index>;  // row numbers
 
-// Windows of `length_s` along every segment, as even as they come; rows nearer than gap_s to a window's
-// inner border are left out, windows with fewer than `fewest_rows` used rows are joined to the next.
+// Windows of `length_s` along every segment, as even as they come; rows nearer than gap_s to a
+// window's inner border are left out, windows with fewer than `fewest_rows` used rows are joined to
+// the next.
 std::vector<Block> MakeBlocks(const Rows& rows, double length_s, double gap_s, int fewest_rows);
 // One block per run.
 std::vector<Block> MakeRunBlocks(const Rows& rows);
@@ -31,15 +32,15 @@ struct Moments {
 Moments MomentsOf(const Block& block, const Eigen::Ref<const Eigen::MatrixXd>& X,
                   const Eigen::Ref<const Eigen::VectorXd>& y);
 
-// Minimises |y - X b|^2 with a ridge of 1e-9 of each column's own power, so that columns that cannot be
-// told apart share their part and the rest is untouched.
+// Minimises |y - X b|^2 with a ridge of 1e-9 of each column's own power, so that columns that
+// cannot be told apart share their part and the rest is untouched.
 Eigen::VectorXd Solve(const Eigen::Ref<const Eigen::MatrixXd>& G,
                       const Eigen::Ref<const Eigen::VectorXd>& m);
 Eigen::MatrixXd Inverse(const Eigen::Ref<const Eigen::MatrixXd>& G);
 
-// Covariance of least-squares coefficients from the scores of blocks (cluster-robust sandwich; Cameron,
-// Miller: J. Human Resources 50 (2015) 317): holds for residuals correlated inside blocks. With the small-
-// sample factor B / (B - 1) (n - 1) / (n - p).
+// Covariance of least-squares coefficients from the scores of blocks (cluster-robust sandwich;
+// Cameron, Miller: J. Human Resources 50 (2015) 317): holds for residuals correlated inside blocks.
+// With the small- sample factor B / (B - 1) (n - 1) / (n - p).
 Eigen::MatrixXd BlockCovariance(const std::vector<Moments>& blocks,
                                 const Eigen::Ref<const Eigen::VectorXd>& b);
 

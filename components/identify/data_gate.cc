@@ -82,39 +82,43 @@ std::vector<Finding> ExamineData(const std::vector<Run>& runs, const StateSet& s
   }
   out.push_back({"rate", Format("sampled at %.4g Hz", states.rate_Hz), states.rate_Hz, "Hz"});
   if (!even) {
-    out.push_back({"jitter",
-                   Format("stamps scatter by %.2f ms rms about an even grid; ", 1e3 * jitter) +
-                       (stamps ? "they make the position smoother than row numbers do, so they are used"
-                               : "row numbers make the position smoother, so stamps are not used"),
-                   jitter, "s"});
+    out.push_back(
+        {"jitter",
+         Format("stamps scatter by %.2f ms rms about an even grid; ", 1e3 * jitter) +
+             (stamps ? "they make the position smoother than row numbers do, so they are used"
+                     : "row numbers make the position smoother, so stamps are not used"),
+         jitter, "s"});
   }
   if (lost > 0) {
-    out.push_back({"lost_rows",
-                   Format("%.0f rows are lost; what lies around them is left out",
-                          static_cast<double>(lost)),
-                   static_cast<double>(lost), "rows"});
+    out.push_back(
+        {"lost_rows",
+         Format("%.0f rows are lost; what lies around them is left out", static_cast<double>(lost)),
+         static_cast<double>(lost), "rows"});
   }
   if (dropped > 0) {
-    out.push_back({"dropped_rows",
-                   Format("%.0f rows lie in pieces too short to be used", static_cast<double>(dropped)),
-                   static_cast<double>(dropped), "rows"});
+    out.push_back(
+        {"dropped_rows",
+         Format("%.0f rows lie in pieces too short to be used", static_cast<double>(dropped)),
+         static_cast<double>(dropped), "rows"});
   }
   const Signal drive = DriveSignal(model);
   double saturated = 0.0;
   for (const Run& run : runs) saturated = std::max(saturated, SaturatedShare(run.At(drive)));
   if (saturated > 1e-3) {
-    out.push_back({"saturation",
-                   Format("the drive sits at its limit for %.1f %% of a recording", 100.0 * saturated),
-                   saturated, "1"});
+    out.push_back(
+        {"saturation",
+         Format("the drive sits at its limit for %.1f %% of a recording", 100.0 * saturated),
+         saturated, "1"});
   }
   for (const Signal signal : {Signal::kPosition, Signal::kChamberPressure}) {
     if (!runs.front().Has(signal)) continue;
     const double step = Resolution(runs.front().At(signal));
     if (step > 0.0) {
       const std::string unit(SignalUnit(signal, model.kind));
-      out.push_back({"resolution",
-                     std::string(SignalName(signal)) + " comes in steps of " + Format("%.3g ", step) + unit,
-                     step, unit});
+      out.push_back(
+          {"resolution",
+           std::string(SignalName(signal)) + " comes in steps of " + Format("%.3g ", step) + unit,
+           step, unit});
     }
   }
   std::set<std::string> constant;
@@ -146,16 +150,19 @@ std::vector<Finding> ExamineData(const std::vector<Run>& runs, const StateSet& s
     const double rms = std::sqrt(v.squaredNorm() / static_cast<double>(v.size()));
     const double late_s = VelocityLag(found->second, v, a, 0.2 * rms);
     if (std::abs(late_s) < 0.1 * segment.period_s) return;
-    out.push_back({"lag_" + std::string(SignalName(signal)),
-                   std::string(SignalName(signal)) +
-                       Format(late_s > 0 ? " lags its angle by %.1f ms; " : " leads its angle by %.1f ms; ",
-                              1e3 * std::abs(late_s)) +
-                       "angles are differentiated instead",
-                   late_s, "s"});
+    out.push_back(
+        {"lag_" + std::string(SignalName(signal)),
+         std::string(SignalName(signal)) +
+             Format(late_s > 0 ? " lags its angle by %.1f ms; " : " leads its angle by %.1f ms; ",
+                    1e3 * std::abs(late_s)) +
+             "angles are differentiated instead",
+         late_s, "s"});
   };
-  lag(Signal::kVelocity, [](const effects::JointSample& x) { return x.velocity_rad_s; },
+  lag(
+      Signal::kVelocity, [](const effects::JointSample& x) { return x.velocity_rad_s; },
       [](const effects::JointSample& x) { return x.acceleration_rad_s2; });
-  lag(Signal::kMotorVelocity, [](const effects::JointSample& x) { return x.motor_velocity_rad_s; },
+  lag(
+      Signal::kMotorVelocity, [](const effects::JointSample& x) { return x.motor_velocity_rad_s; },
       [](const effects::JointSample& x) { return x.motor_acceleration_rad_s2; });
   return out;
 }

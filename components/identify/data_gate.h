@@ -1,6 +1,6 @@
-// What a recording is like before anything is fitted to it: stamps, lost rows, saturation, resolution,
-// and lags between channels that should say the same. Findings are told, never silently mended.
-// Pure; allocates.
+// What a recording is like before anything is fitted to it: stamps, lost rows, saturation,
+// resolution, and lags between channels that should say the same. Findings are told, never silently
+// mended. Pure; allocates.
 #pragma once
 
 #include <string>
@@ -13,8 +13,8 @@
 namespace sinew::identify {
 
 struct Finding {
-  std::string name;   // stable, e.g. "lost_rows"
-  std::string text;   // one sentence
+  std::string name;  // stable, e.g. "lost_rows"
+  std::string text;  // one sentence
   double value = 0.0;
   std::string unit;
 };

@@ -15,7 +15,11 @@ std::vector<Eigen::Index> Rows::UsedRows() const {
 }
 
 Design::Design(StateSet states, const ProcessingOptions& options)
-    : states_(std::move(states)), options_(options), rows_per_s_(4.0 * options.parallel_cutoff_Hz) {
+    : states_(std::move(states)), options_(options) {
+  if (!states_.segments.empty()) {
+    const StateSegment& first = states_.segments.front();
+    rows_per_s_ = 1.0 / (first.period_s * static_cast<double>(Step(first)));
+  }
   std::vector<double> time;
   for (std::size_t s = 0; s < states_.segments.size(); ++s) {
     const StateSegment& segment = states_.segments[s];
@@ -29,12 +33,14 @@ Design::Design(StateSet states, const ProcessingOptions& options)
       rows_.sample.push_back(i);
     }
   }
-  rows_.time_s = Eigen::Map<const Eigen::VectorXd>(time.data(), static_cast<Eigen::Index>(time.size()));
+  rows_.time_s =
+      Eigen::Map<const Eigen::VectorXd>(time.data(), static_cast<Eigen::Index>(time.size()));
 }
 
 Eigen::Index Design::Step(const StateSegment& segment) const {
   return std::max<Eigen::Index>(
-      1, static_cast<Eigen::Index>(std::floor(1.0 / (segment.period_s * rows_per_s_) + 1e-9)));
+      1, static_cast<Eigen::Index>(
+             std::floor(0.25 / (segment.period_s * options_.parallel_cutoff_Hz) + 1e-9)));
 }
 
 Eigen::Index Design::Thin(const StateSegment& segment, const Eigen::VectorXd& full,
@@ -47,9 +53,9 @@ Eigen::Index Design::Thin(const StateSegment& segment, const Eigen::VectorXd& fu
     return row;
   };
   if (options_.parallel_cutoff_Hz >= 0.5 * rate) return thin(full);
-  const int padding = std::max(
-      3 * options_.parallel_order,
-      static_cast<int>(std::ceil(2.0 * rate / options_.parallel_cutoff_Hz)));
+  const int padding =
+      std::max(3 * options_.parallel_order,
+               static_cast<int>(std::ceil(2.0 * rate / options_.parallel_cutoff_Hz)));
   return thin(FilterZeroPhase(
       ButterworthLowPass(options_.parallel_order, options_.parallel_cutoff_Hz, rate), full,
       padding));
@@ -60,7 +66,8 @@ Eigen::MatrixXd Design::Columns(const effects::Effect& effect, std::span<const d
   Eigen::MatrixXd out(rows_.size(), count);
   std::array<double, effects::kMaxParameters> phi{};
   std::array<double, effects::kMaxParameters> memory{};
-  const std::span<double> memory_span(memory.data(), static_cast<std::size_t>(effect.memory_size()));
+  const std::span<double> memory_span(memory.data(),
+                                      static_cast<std::size_t>(effect.memory_size()));
   const std::span<double> phi_span(phi.data(), static_cast<std::size_t>(count));
   Eigen::Index at = 0;
   for (const StateSegment& segment : states_.segments) {

@@ -1,6 +1,5 @@
-// Columns of the regression: effects evaluated along a recording, sent through the parallel filter and
-// thinned to four rows per period of its cut-off.
-// Pure; allocates.
+// Columns of the regression: effects evaluated along a recording, sent through the parallel filter
+// and thinned to four rows per period of its cut-off. Pure; allocates.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,8 +17,8 @@ struct Rows {
   Eigen::VectorXd time_s;
   std::vector<int> run;
   std::vector<int> segment;
-  std::vector<char> used;                // moving samples only
-  std::vector<Eigen::Index> sample;      // index in its segment
+  std::vector<char> used;            // moving samples only
+  std::vector<Eigen::Index> sample;  // index in its segment
   Eigen::Index size() const { return time_s.size(); }
   std::vector<Eigen::Index> UsedRows() const;
 };
@@ -32,7 +31,7 @@ class Design {
   const Rows& rows() const { return rows_; }
   const StateSet& states() const { return states_; }
   const ProcessingOptions& options() const { return options_; }
-  double rows_per_s() const { return rows_per_s_; }
+  double rows_per_s() const { return rows_per_s_; }  // of the first piece
 
   // phi of an effect, a column per linear parameter.
   Eigen::MatrixXd Columns(const effects::Effect& effect, std::span<const double> psi) const;
@@ -64,8 +63,9 @@ class Design {
     return out;
   }
 
-  // From now on effects that read the drive see the drive that the model needs, not the measured one:
-  // noise of the measured drive would stand on both sides of the equation. Its rate stays measured.
+  // From now on effects that read the drive see the drive that the model needs, not the measured
+  // one: noise of the measured drive would stand on both sides of the equation. Its rate stays
+  // measured.
   void PredictDrive(const actuator::JointModel& model);
 
  private:
@@ -76,7 +76,7 @@ class Design {
 
   StateSet states_;
   ProcessingOptions options_;
-  double rows_per_s_;
+  double rows_per_s_ = 1.0;
   Rows rows_;
 };
 

@@ -27,8 +27,7 @@ Eigen::VectorXd WideDifference(const Eigen::Ref<const Eigen::VectorXd>& x, doubl
   padded.segment(kReach, n) = x;
   Eigen::VectorXd d = Eigen::VectorXd::Zero(n);
   for (Eigen::Index k = 1; k <= kReach; ++k) {
-    d += kWeights[k - 1] / dt_s *
-         (padded.segment(kReach + k, n) - padded.segment(kReach - k, n));
+    d += kWeights[k - 1] / dt_s * (padded.segment(kReach + k, n) - padded.segment(kReach - k, n));
   }
   return d;
 }

@@ -69,10 +69,9 @@ FitResult FitModel(const Design& design, const actuator::JointModel& model,
     out.keep_scale = keep_scale;
     out.balance = MakeBalance(design, model, keep_scale);
     if (used < 3 * out.balance.columns.cols() || blocks.size() < 2) {
-      throw std::invalid_argument(
-          "recordings have " + std::to_string(used) +
-          " moving rows after filtering, too few to fit " +
-          std::to_string(out.balance.columns.cols()) + " parameters");
+      throw std::invalid_argument("recordings have " + std::to_string(used) +
+                                  " moving rows after filtering, too few to fit " +
+                                  std::to_string(out.balance.columns.cols()) + " parameters");
     }
     const Moments total = TotalMoments(design, out.balance);
     // The ridge shrinks toward the nominal values.
@@ -147,12 +146,14 @@ FitResult RefineModel(const Design& design, const actuator::JointModel& model,
   for (int round = 0; round < 14 && step > 2e-3; ++round) {
     bool moved = false;
     for (const Nonlinear& which : free) {
-      const effects::ParameterInfo& info = at.terms[which.term].effect->info().nonlinear[which.index];
+      const effects::ParameterInfo& info =
+          at.terms[which.term].effect->info().nonlinear[which.index];
       const double now = ValueOf(at, which);
       for (const double direction : {1.0, -1.0}) {
         actuator::JointModel trial = at;
-        const double next = info.lower > 0.0 ? now * std::exp(direction * step)
-                                             : now + direction * step * 0.1 * (info.upper - info.lower);
+        const double next = info.lower > 0.0
+                                ? now * std::exp(direction * step)
+                                : now + direction * step * 0.1 * (info.upper - info.lower);
         ValueOf(trial, which) = std::clamp(next, info.lower, info.upper);
         const double error = cost(trial);
         if (error < least) {
@@ -167,8 +168,8 @@ FitResult RefineModel(const Design& design, const actuator::JointModel& model,
   }
   best = FitModel(design, at, blocks);
 
-  // Intervals of the nonlinear parameters, and the linear ones widened by them: the derivative of the
-  // balance with respect to each joins the columns.
+  // Intervals of the nonlinear parameters, and the linear ones widened by them: the derivative of
+  // the balance with respect to each joins the columns.
   const Eigen::Index p = best.coefficients.size();
   const auto extra = static_cast<Eigen::Index>(free.size());
   Eigen::MatrixXd columns(design.rows().size(), p + extra);

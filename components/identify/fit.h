@@ -13,14 +13,14 @@
 namespace sinew::identify {
 
 struct FitResult {
-  actuator::JointModel model;        // fitted values, half widths filled in
-  Balance balance;                   // at the fitted nonlinear parameters
-  Eigen::VectorXd coefficients;      // of balance.columns
-  Eigen::MatrixXd covariance;        // of the linear parameters in physical units, as Physical()
-  Eigen::VectorXd residual;          // torque at the output, every row
-  double rms = 0.0;                  // of the residual over used rows
-  double percent = 0.0;              // 100 |residual| / |drive torque| over used rows
-  bool keep_scale = false;           // the drive factor could not be told and was kept
+  actuator::JointModel model;    // fitted values, half widths filled in
+  Balance balance;               // at the fitted nonlinear parameters
+  Eigen::VectorXd coefficients;  // of balance.columns
+  Eigen::MatrixXd covariance;    // of the linear parameters in physical units, as Physical()
+  Eigen::VectorXd residual;      // torque at the output, every row
+  double rms = 0.0;              // of the residual over used rows
+  double percent = 0.0;          // 100 |residual| / |drive torque| over used rows
+  bool keep_scale = false;       // the drive factor could not be told and was kept
 };
 
 // Error of a model as it is on any design.
@@ -31,8 +31,8 @@ struct ModelError {
 };
 ModelError ErrorOf(const Design& design, const actuator::JointModel& model);
 
-// Linear parameters by least squares over used rows; half widths from block scores with the t quantile
-// of blocks - 1. Nonlinear parameters stay.
+// Linear parameters by least squares over used rows; half widths from block scores with the t
+// quantile of blocks - 1. Nonlinear parameters stay.
 FitResult FitModel(const Design& design, const actuator::JointModel& model,
                    const std::vector<Block>& blocks);
 
@@ -41,8 +41,9 @@ FitResult FitModel(const Design& design, const actuator::JointModel& model,
 FitResult RefineModel(const Design& design, const actuator::JointModel& model,
                       const std::vector<Block>& blocks);
 
-// Linear parameters by least squares with every declared one held inside nominal +- tolerance (those without
-// a tolerance are free). Bounds of ratios to the drive factor are taken at its nominal value.
+// Linear parameters by least squares with every declared one held inside nominal +- tolerance
+// (those without a tolerance are free). Bounds of ratios to the drive factor are taken at its
+// nominal value.
 actuator::JointModel FitWithinTolerances(const Design& design, const actuator::JointModel& model);
 
 }  // namespace sinew::identify

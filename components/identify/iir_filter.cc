@@ -143,8 +143,7 @@ Eigen::VectorXd FilterZeroPhase(const IirFilter& filter, const Eigen::Ref<const 
                                 int padding) {
   const Eigen::Index n = x.size();
   if (n < 2) throw std::invalid_argument("zero-phase filter needs at least 2 samples");
-  const Eigen::Index pad =
-      std::min<Eigen::Index>(padding < 0 ? 3 * filter.order : padding, n - 1);
+  const Eigen::Index pad = std::min<Eigen::Index>(padding < 0 ? 3 * filter.order : padding, n - 1);
   Eigen::VectorXd y(n + 2 * pad);
   for (Eigen::Index i = 0; i < pad; ++i) {
     y[i] = 2.0 * x[0] - x[pad - i];
@@ -165,8 +164,7 @@ Eigen::VectorXd Decimate(const Eigen::Ref<const Eigen::VectorXd>& x, int factor)
                                 ", expected at least 1");
   }
   if (factor == 1) return x;
-  const Eigen::VectorXd smooth =
-      FilterZeroPhase(ChebyshevLowPass(8, 0.05, 0.8 / factor, 2.0), x);
+  const Eigen::VectorXd smooth = FilterZeroPhase(ChebyshevLowPass(8, 0.05, 0.8 / factor, 2.0), x);
   const Eigen::Index n = x.size();
   const Eigen::Index kept = (n + factor - 1) / factor;
   const Eigen::Index first = factor - (factor * kept - n) - 1;

@@ -35,8 +35,8 @@ IirFilter ChebyshevLowPass(int order, double ripple_dB, double cutoff_Hz, double
 // One pass from zero state.
 Eigen::VectorXd Filter(const IirFilter& filter, const Eigen::Ref<const Eigen::VectorXd>& x);
 
-// Forward and backward: no phase, the gain squared. padding: samples reflected at each end; -1 takes
-// 3 x order (MATLAB). Limited to size - 1. Needs at least 2 samples.
+// Forward and backward: no phase, the gain squared. padding: samples reflected at each end; -1
+// takes 3 x order (MATLAB). Limited to size - 1. Needs at least 2 samples.
 Eigen::VectorXd FilterZeroPhase(const IirFilter& filter, const Eigen::Ref<const Eigen::VectorXd>& x,
                                 int padding = -1);
 

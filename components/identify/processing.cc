@@ -100,8 +100,8 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
   if (runs.empty()) throw std::invalid_argument("no recording given");
   const Signal drive = DriveSignal(model);
   StateSet out;
-  out.measured = {"time_s", "drive_input", "drive_rate", "position_rad", "velocity_rad_s",
-                  "acceleration_rad_s2", "jerk_rad_s3", "snap_rad_s4"};
+  out.measured = {"time_s",         "drive_input",         "drive_rate",  "position_rad",
+                  "velocity_rad_s", "acceleration_rad_s2", "jerk_rad_s3", "snap_rad_s4"};
   std::set<std::string> always = out.measured;
   if (model.backlash_rad == 0.0) {  // a rigid gear: the motor's motion is known from the output's
     always.insert({"motor_velocity_rad_s", "motor_acceleration_rad_s2"});
@@ -110,8 +110,9 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
   bool first = true;
   for (const Run& run : runs) {
     if (run.kind != model.kind) {
-      throw std::invalid_argument("recording " + run.name + " is of another joint kind than joint '" +
-                                  model.name + "' of the model");
+      throw std::invalid_argument("recording " + run.name +
+                                  " is of another joint kind than joint '" + model.name +
+                                  "' of the model");
     }
     std::set<std::string> fields;
     if (run.Has(Signal::kMotorPosition)) {
@@ -166,7 +167,8 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
       const bool motor = piece.signals.count(Signal::kMotorPosition) != 0;
       const Eigen::VectorXd motor_q =
           motor ? smooth(piece.signals.at(Signal::kMotorPosition)) : Eigen::VectorXd(ratio * q);
-      const Eigen::VectorXd motor_v = motor ? WideDifference(motor_q, dt) : Eigen::VectorXd(ratio * v);
+      const Eigen::VectorXd motor_v =
+          motor ? WideDifference(motor_q, dt) : Eigen::VectorXd(ratio * v);
       const Eigen::VectorXd motor_a =
           motor ? WideDifference(motor_v, dt) : Eigen::VectorXd(ratio * a);
       const Eigen::VectorXd input = piece.signals.at(drive);
@@ -227,6 +229,15 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
       std::transform(out_of_use.begin(), out_of_use.end(), segment.usable.begin(),
                      [](char flag) { return static_cast<char>(!flag); });
       out.segments.push_back(std::move(segment));
+    }
+  }
+  for (const actuator::Term& term : model.terms) {
+    const effects::EffectInfo& info = term.effect->info();
+    for (const std::string& field : info.needs) {
+      if (out.measured.count(field) != 0) continue;
+      throw std::invalid_argument("recording " + runs.front().name + " does not give '" + field +
+                                  "', which the term '" + info.name + "' of joint '" + model.name +
+                                  "' reads");
     }
   }
   return out;

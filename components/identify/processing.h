@@ -1,9 +1,9 @@
-// From a recording to the states that effects read: position filtered without phase, its derivatives,
-// the drive, pressure and the rest, on an even grid; and which samples a moving model may be judged
-// by. Parallel filtering (Gautier 1997: Dynamic identification of robots with power model): later the
-// drive and every column of regressors go through one and the same second filter, so that its
-// distortion cancels.
-// Pure; allocates; throws std::invalid_argument for recordings and options that cannot be used.
+// From a recording to the states that effects read: position filtered without phase, its
+// derivatives, the drive, pressure and the rest, on an even grid; and which samples a moving model
+// may be judged by. Parallel filtering (Gautier 1997: Dynamic identification of robots with power
+// model): later the drive and every column of regressors go through one and the same second filter,
+// so that its distortion cancels. Pure; allocates; throws std::invalid_argument for recordings and
+// options that cannot be used.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,15 +18,15 @@
 namespace sinew::identify {
 
 struct ProcessingOptions {
-  double state_cutoff_Hz = 0.0;     // low-pass of position and pressure; 0: from the data
+  double state_cutoff_Hz = 0.0;  // low-pass of position and pressure; 0: from the data
   int state_order = 4;
   double parallel_cutoff_Hz = 0.0;  // low-pass of both sides of the balance; 0: from the data
   int parallel_order = 4;
-  double rest_velocity = 0.0;       // rad/s or m/s; slower is rest or reversal; 0: from the data
-  double reversal_guard_s = 0.05;   // left out on either side of rest and reversals
-  double settle_distance = 0.0;     // rad or m; left out after rest and reversals until it is covered
-  double border_s = 0.5;            // left out at both ends of a piece
-  double longest_gap_s = 0.25;      // longer gaps cut a recording into pieces
+  double rest_velocity = 0.0;      // rad/s or m/s; slower is rest or reversal; 0: from the data
+  double reversal_guard_s = 0.05;  // left out on either side of rest and reversals
+  double settle_distance = 0.0;  // rad or m; left out after rest and reversals until it is covered
+  double border_s = 0.5;         // left out at both ends of a piece
+  double longest_gap_s = 0.25;   // longer gaps cut a recording into pieces
 };
 
 // The states of one piece of a recording, at the full rate.
@@ -50,13 +50,13 @@ struct StateSet {
   double rate_Hz = 0.0;                  // of the first run
 };
 
-// The signal that a joint's drive term reads; throws std::invalid_argument when the model has no drive
-// term or more than one.
+// The signal that a joint's drive term reads; throws std::invalid_argument when the model has no
+// drive term or more than one.
 Signal DriveSignal(const actuator::JointModel& model);
 
-// Fills in what the options leave to the data: state cut-off where the position's spectrum sinks to four
-// times its level near the Nyquist frequency (between 1/50 and 1/4 of the rate), parallel cut-off at
-// a quarter of that, rest velocity at 3 % of the velocity's rms.
+// Fills in what the options leave to the data: state cut-off where the position's spectrum sinks to
+// four times its level near the Nyquist frequency (between 1/50 and 1/4 of the rate), parallel
+// cut-off at a quarter of that, rest velocity at 3 % of the velocity's rms.
 ProcessingOptions Resolve(const ProcessingOptions& options, const std::vector<Run>& runs);
 
 // Runs may differ in rate and length; options must be resolved.

@@ -73,7 +73,8 @@ double BandAboveNoise(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz
   const Eigen::Index n = spectrum.density.size();
   if (n < 12) return 0.0;
   std::vector<double> top(spectrum.density.begin() + 2 * n / 3, spectrum.density.end());
-  std::nth_element(top.begin(), top.begin() + static_cast<std::ptrdiff_t>(top.size() / 2), top.end());
+  std::nth_element(top.begin(), top.begin() + static_cast<std::ptrdiff_t>(top.size() / 2),
+                   top.end());
   const double level = 4.0 * top[top.size() / 2];
   for (Eigen::Index i = 1; i < n; ++i) {
     if (spectrum.density[i] < level) return spectrum.frequency_Hz[i];

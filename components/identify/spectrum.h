@@ -1,4 +1,5 @@
-// Power over frequency, by the fast Fourier transform of the longest piece whose length is a power of 2.
+// Power over frequency, by the fast Fourier transform of the longest piece whose length is a power
+// of 2.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,13 +16,13 @@ struct Spectrum {
   Eigen::VectorXd density;  // one-sided power per Hz; integrates to the variance
 };
 
-// Welch's method: Hann window, pieces of `length` (a power of 2, reduced to fit) that overlap by half,
-// mean removed. Empty for fewer than 8 samples.
+// Welch's method: Hann window, pieces of `length` (a power of 2, reduced to fit) that overlap by
+// half, mean removed. Empty for fewer than 8 samples.
 Spectrum PowerDensity(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz,
                       int length = 1024);
 
-// The lowest frequency at which the spectrum sinks to four times its median level in the top third of its
-// band: above it there is more noise than motion.
+// The lowest frequency at which the spectrum sinks to four times its median level in the top third
+// of its band: above it there is more noise than motion.
 double BandAboveNoise(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz);
 
 }  // namespace sinew::identify

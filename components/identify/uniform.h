@@ -2,8 +2,8 @@
 //
 // A recording is cut where it has a gap longer than `longest_gap_s`; each piece gets a grid of its
 // own with the recording's period (the median step, refined by a straight line through the stamps).
-// Rows that lie on the grid already are copied bit by bit. Otherwise continuous signals go through a
-// natural cubic spline over the stamps, switches keep their last value, and grid points inside a
+// Rows that lie on the grid already are copied bit by bit. Otherwise continuous signals go through
+// a natural cubic spline over the stamps, switches keep their last value, and grid points inside a
 // hole of lost rows are marked as not valid. Whether the stamps or the row numbers tell the true
 // sampling instants is decided by the position: the truth makes it smoother.
 // Pure; allocates; throws std::invalid_argument for a recording that is too short.
@@ -30,12 +30,12 @@ struct UniformSegment {
 
 struct SamplingReport {
   double rate_Hz = 0.0;
-  double jitter_rms_s = 0.0;     // stamps against the grid
-  Eigen::Index lost_rows = 0;    // inside pieces
+  double jitter_rms_s = 0.0;   // stamps against the grid
+  Eigen::Index lost_rows = 0;  // inside pieces
   double longest_step_s = 0.0;
-  Eigen::Index dropped_rows = 0; // in pieces too short to be used
-  bool even = false;             // rows were copied
-  bool stamps_used = true;       // false: row numbers were smoother
+  Eigen::Index dropped_rows = 0;  // in pieces too short to be used
+  bool even = false;              // rows were copied
+  bool stamps_used = true;        // false: row numbers were smoother
 };
 
 struct UniformRun {

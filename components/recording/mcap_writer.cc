@@ -53,6 +53,24 @@ std::uint32_t Crc(std::span<const std::byte> bytes) {
   return crc.checksum();
 }
 
+void PutChunkIndex(Bytes* out, const McapChunkIndex& chunk) {
+  const std::size_t start = StartRecord(out, Opcode::kChunkIndex);
+  Put(out, static_cast<std::uint64_t>(chunk.start_time_ns));
+  Put(out, static_cast<std::uint64_t>(chunk.end_time_ns));
+  Put(out, chunk.offset);
+  Put(out, chunk.length);
+  Put(out, static_cast<std::uint32_t>(10 * chunk.message_index_offsets.size()));
+  for (const auto& [channel, offset] : chunk.message_index_offsets) {
+    Put(out, static_cast<std::uint16_t>(channel));
+    Put(out, offset);
+  }
+  Put(out, chunk.message_index_length);
+  PutText(out, chunk.compression);
+  Put(out, chunk.compressed_size);
+  Put(out, chunk.uncompressed_size);
+  FinishRecord(out, start);
+}
+
 }  // namespace
 
 McapWriter::McapWriter(ByteSink& sink, McapWriterOptions options)
@@ -188,8 +206,8 @@ IoStatus McapWriter::CloseChunk() {
   chunk_.clear();
   chunk_index_.clear();
   if (IoStatus status = Emit(scratch_); !status.ok()) return status;
-  chunks_.push_back(std::move(index));
-  statistics_.chunk_count = static_cast<std::uint32_t>(chunks_.size());
+  PutChunkIndex(&chunk_records_, index);
+  ++statistics_.chunk_count;
   return IoStatus::Ok();
 }
 
@@ -282,25 +300,7 @@ IoStatus McapWriter::Close() {
   FinishRecord(&group, start);
   AppendGroup(Opcode::kStatistics, group, summary_start, &summary, &offsets);
 
-  group.clear();
-  for (const McapChunkIndex& chunk : chunks_) {
-    start = StartRecord(&group, Opcode::kChunkIndex);
-    Put(&group, static_cast<std::uint64_t>(chunk.start_time_ns));
-    Put(&group, static_cast<std::uint64_t>(chunk.end_time_ns));
-    Put(&group, chunk.offset);
-    Put(&group, chunk.length);
-    Put(&group, static_cast<std::uint32_t>(10 * chunk.message_index_offsets.size()));
-    for (const auto& [channel, offset] : chunk.message_index_offsets) {
-      Put(&group, static_cast<std::uint16_t>(channel));
-      Put(&group, offset);
-    }
-    Put(&group, chunk.message_index_length);
-    PutText(&group, chunk.compression);
-    Put(&group, chunk.compressed_size);
-    Put(&group, chunk.uncompressed_size);
-    FinishRecord(&group, start);
-  }
-  AppendGroup(Opcode::kChunkIndex, group, summary_start, &summary, &offsets);
+  AppendGroup(Opcode::kChunkIndex, chunk_records_, summary_start, &summary, &offsets);
 
   for (const auto& [opcode, records] : {std::pair{Opcode::kAttachmentIndex, &attachments_},
                                         std::pair{Opcode::kMetadataIndex, &metadata_}}) {

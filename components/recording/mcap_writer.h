@@ -83,7 +83,7 @@ class McapWriter {
   std::vector<McapSchema> schemas_;
   std::vector<McapChannel> channels_;
   std::vector<std::uint32_t> sequences_;
-  std::vector<McapChunkIndex> chunks_;
+  Bytes chunk_records_;  // of the summary, as they will be written: all that grows with the file
   std::vector<Located> attachments_;
   std::vector<Located> metadata_;
   McapStatistics statistics_;

@@ -43,7 +43,8 @@ std::string Probability(double p) {
 
 std::string Row(const std::vector<std::string>& cells, const char* tag = "td") {
   std::string out = "<tr>";
-  for (const std::string& cell : cells) out += std::string("<") + tag + ">" + cell + "</" + tag + ">";
+  for (const std::string& cell : cells)
+    out += std::string("<") + tag + ">" + cell + "</" + tag + ">";
   return out + "</tr>\n";
 }
 
@@ -82,15 +83,16 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
       "<meta name=\"viewport\" content=\"width=device-width\"><title>Closing the loop: " +
       Escape(report.robot) + "</title><style>" + kStyle + "</style></head><body><main>\n";
-  out += "<h1>Closing the loop: " + Escape(report.robot) + ", " + Escape(trace.corrected.name) + "</h1>\n";
+  out += "<h1>Closing the loop: " + Escape(report.robot) + ", " + Escape(trace.corrected.name) +
+         "</h1>\n";
   std::vector<std::string> train;
   for (const Recording& recording : report.train) train.push_back(recording.name);
   std::vector<std::string> sealed;
   for (const Recording& recording : report.sealed) sealed.push_back(recording.name);
-  out += "<div class=\"meta\">Trained on " + Join(train) + ". Sealed: " + Join(sealed) + ". Model " +
-         Escape(report.model_file) + ".</div>\n";
-  out += "<div class=\"verdict " + VerdictWord(trace.verdict) + "\">" + Escape(VerdictSentence(report)) +
-         "</div>\n";
+  out += "<div class=\"meta\">Trained on " + Join(train) + ". Sealed: " + Join(sealed) +
+         ". Model " + Escape(report.model_file) + ".</div>\n";
+  out += "<div class=\"verdict " + VerdictWord(trace.verdict) + "\">" +
+         Escape(VerdictSentence(report)) + "</div>\n";
   const std::string next = NextExperiment(report);
 
   const auto box = [&](const std::string& value, const std::string& text) {
@@ -102,26 +104,27 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
   box(Short(trace.before_sealed.percent) + " &rarr; " + Short(trace.after_sealed.percent) + " %",
       "of the drive torque");
   box(Short(trace.noise_floor_rms) + " " + unit,
-      "noise floor" +
-          (trace.noise_floor_source.empty() ? std::string() : ", " + Escape(trace.noise_floor_source)));
+      "noise floor" + (trace.noise_floor_source.empty() ? std::string()
+                                                        : ", " + Escape(trace.noise_floor_source)));
   out += "</div>\n";
 
   for (std::size_t i = 0; i < pictures.size() && i < svgs.size(); ++i) {
-    out += "<figure><h3>" + Escape(pictures[i].title) + "</h3>" + svgs[i] + "<p class=\"caption\">" +
-           Escape(pictures[i].caption) + "</p></figure>\n";
+    out += "<figure><h3>" + Escape(pictures[i].title) + "</h3>" + svgs[i] +
+           "<p class=\"caption\">" + Escape(pictures[i].caption) + "</p></figure>\n";
   }
 
   if (!trace.effects.empty()) {
     out += "<h2>What was found</h2>\n<table>" +
            Row({"effect", "removes", "p", "sealed error, " + unit, "what predicts the same"}, "th");
     for (const trace::FoundEffect& effect : trace.effects) {
-      out += Row({"<code>" + Escape(effect.name) + "</code><br>" + Escape(EffectTitle(effect.name)) +
-                      (effect.swallowed ? "<br>seen as a shift of declared parameters" : ""),
-                  Percent(effect.gain_share) +
-                      (effect.gain_error > 0.0 ? " &plusmn; " + Percent(effect.gain_error) : ""),
-                  Probability(effect.p),
-                  Short(effect.sealed_before) + " &rarr; " + Short(effect.sealed_after),
-                  effect.rivals.empty() ? "nothing known" : Join(effect.rivals)});
+      out +=
+          Row({"<code>" + Escape(effect.name) + "</code><br>" + Escape(EffectTitle(effect.name)) +
+                   (effect.swallowed ? "<br>seen as a shift of declared parameters" : ""),
+               Percent(effect.gain_share) +
+                   (effect.gain_error > 0.0 ? " &plusmn; " + Percent(effect.gain_error) : ""),
+               Probability(effect.p),
+               Short(effect.sealed_before) + " &rarr; " + Short(effect.sealed_after),
+               effect.rivals.empty() ? "nothing known" : Join(effect.rivals)});
     }
     out += "</table>\n";
     if (!next.empty()) out += "<p>" + Escape(next) + "</p>\n";
@@ -140,9 +143,9 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
       const std::size_t k = linear ? i : i - info.linear.size();
       const auto& parameter = linear ? info.linear[k] : info.nonlinear[k];
       const auto& value = linear ? term.linear[k] : term.nonlinear[k];
-      const double shown =
-          linear ? actuator::PhysicalValue(trace.corrected, static_cast<int>(t), static_cast<int>(k))
-                 : value.value;
+      const double shown = linear ? actuator::PhysicalValue(trace.corrected, static_cast<int>(t),
+                                                            static_cast<int>(k))
+                                  : value.value;
       std::string refitted = "&ndash;";
       std::string declared = "&ndash;";
       if (was) {
@@ -151,24 +154,28 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
         const actuator::Term& nominal = trace.nominal.terms[t];
         declared = Short(linear ? nominal.linear[k].value : nominal.nonlinear[k].value);
       }
-      out += Row({"<code>" + Escape(info.name) + "." + Escape(ParameterKey(parameter, kind)) + "</code>",
-                  declared, refitted, Short(shown),
-                  value.fixed && !value.half_width_95
-                      ? "known"
-                      : value.half_width_95 ? Short(*value.half_width_95) : "&ndash;"});
+      out += Row(
+          {"<code>" + Escape(info.name) + "." + Escape(ParameterKey(parameter, kind)) + "</code>",
+           declared, refitted, Short(shown),
+           value.fixed && !value.half_width_95 ? "known"
+           : value.half_width_95               ? Short(*value.half_width_95)
+                                               : "&ndash;"});
     }
   }
   out += "</table>\n";
 
   if (!trace.shifts.empty()) {
-    out += "<h2>What the refit swallowed</h2>\n<p class=\"caption\">Declared parameters that moved by more than "
-           "their tolerance, and what would move them the same way.</p><table>" +
-           Row({"parameter", "declared", "refitted", "tolerance", "sigma", "causes that share the direction"},
-               "th");
+    out +=
+        "<h2>What the refit swallowed</h2>\n<p class=\"caption\">Declared parameters that moved by "
+        "more than "
+        "their tolerance, and what would move them the same way.</p><table>" +
+        Row({"parameter", "declared", "refitted", "tolerance", "sigma",
+             "causes that share the direction"},
+            "th");
     for (const trace::ParameterShift& shift : trace.shifts) {
       out += Row({"<code>" + Escape(shift.effect) + "." + Escape(shift.parameter) + "</code>",
-                  Short(shift.nominal), Short(shift.refit), Short(shift.tolerance), Short(shift.sigma),
-                  shift.causes.empty() ? "none known" : Join(shift.causes)});
+                  Short(shift.nominal), Short(shift.refit), Short(shift.tolerance),
+                  Short(shift.sigma), shift.causes.empty() ? "none known" : Join(shift.causes)});
     }
     out += "</table>\n";
   }
@@ -216,7 +223,8 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
          std::to_string(trace.units) + " units (" + Escape(trace.unit_kind) +
          (trace.unit_length_s > 0.0 ? " of " + Short(trace.unit_length_s) + " s" : "") +
          "), residual correlation time " + Short(trace.correlation_time_s) +
-         " s. An effect is accepted when its gain exceeds two standard errors, 5 % of the residual and of "
+         " s. An effect is accepted when its gain exceeds two standard errors, 5 % of the residual "
+         "and of "
          "what can be explained, the best false gain of the placebo (seed " +
          std::to_string(report.seed) +
          "), when its sign and size are physical and no quarter of the data contradicts it.</p>\n"

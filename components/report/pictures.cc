@@ -18,7 +18,6 @@ constexpr const char* kMeasured = "#4d4d4d";
 constexpr const char* kBefore = "#d95f02";
 constexpr const char* kAfter = "#1b7f9e";
 constexpr int kMostPoints = 2500;
-constexpr double kWindow_s = 12.0;
 
 std::string Number(double value) {
   char text[40];
@@ -66,7 +65,8 @@ Axis AxisFor(const std::string& variable, effects::JointKind kind) {
     return {variable, "rate of the drive input", [](const JointSample& x) { return x.drive_rate; }};
   }
   if (variable == "jerk_rad_s3") {
-    return {variable, "jerk, " + angle + "/s^3", [](const JointSample& x) { return x.jerk_rad_s3; }};
+    return {variable, "jerk, " + angle + "/s^3",
+            [](const JointSample& x) { return x.jerk_rad_s3; }};
   }
   if (variable.starts_with("acceleration") || variable.starts_with("motor_acceleration")) {
     return {variable, "acceleration, " + angle + "/s^2",
@@ -85,8 +85,13 @@ Axis AxisFor(const std::string& variable, effects::JointKind kind) {
           [](const JointSample& x) { return x.velocity_rad_s; }};
 }
 
+// Seconds that a picture can show line by line.
+double WindowLength(const Design& design) {
+  return std::clamp(700.0 / design.rows_per_s(), 3.0, 20.0);
+}
+
 // Start of the busiest window of a run's rows: most used rows and largest drive.
-Eigen::Index BusiestRow(const Design& design, const Eigen::VectorXd& torque) {
+Eigen::Index BusiestRow(const Design& design, const Eigen::VectorXd& torque, double window_s) {
   const identify::Rows& rows = design.rows();
   double best = -1.0;
   Eigen::Index start = 0;
@@ -94,13 +99,13 @@ Eigen::Index BusiestRow(const Design& design, const Eigen::VectorXd& torque) {
   for (Eigen::Index i = 0; i < rows.size(); i += step) {
     double sum = 0.0;
     Eigen::Index k = i;
-    for (; k < rows.size() && rows.segment[static_cast<std::size_t>(k)] ==
-                                  rows.segment[static_cast<std::size_t>(i)] &&
-           rows.time_s[k] < rows.time_s[i] + kWindow_s;
+    for (; k < rows.size() &&
+           rows.segment[static_cast<std::size_t>(k)] == rows.segment[static_cast<std::size_t>(i)] &&
+           rows.time_s[k] < rows.time_s[i] + window_s;
          ++k) {
       if (rows.used[static_cast<std::size_t>(k)]) sum += torque[k] * torque[k];
     }
-    if (rows.time_s[k - 1] - rows.time_s[i] > 0.8 * kWindow_s && sum > best) {
+    if (rows.time_s[k - 1] - rows.time_s[i] > 0.8 * window_s && sum > best) {
       best = sum;
       start = i;
     }
@@ -114,12 +119,13 @@ Picture MeasuredAgainstModel(const Report& report, const Design& sealed,
   const trace::TraceResult& trace = report.trace;
   const std::string unit = TorqueUnit(trace.corrected.kind);
   const bool changed = !trace.effects.empty();
-  const Eigen::Index first = BusiestRow(sealed, torque);
+  const double window_s = WindowLength(sealed);
+  const Eigen::Index first = BusiestRow(sealed, torque, window_s);
   std::string data = "$d << EOD\n";
   for (Eigen::Index i = first; i < rows.size() && rows.segment[static_cast<std::size_t>(i)] ==
                                                       rows.segment[static_cast<std::size_t>(first)];
        ++i) {
-    if (rows.time_s[i] > rows.time_s[first] + kWindow_s) break;
+    if (rows.time_s[i] > rows.time_s[first] + window_s) break;
     const bool used = rows.used[static_cast<std::size_t>(i)];
     data += Number(rows.time_s[i]) + " " + Number(torque[i]) + " " +
             (used ? Number(torque[i] - trace.before_sealed.residual[i]) : "NaN") + " " +
@@ -129,15 +135,15 @@ Picture MeasuredAgainstModel(const Report& report, const Design& sealed,
   Picture out;
   out.title = "Measured against model, sealed recording";
   out.caption =
-      "Drive torque at the output, busiest " + Number(kWindow_s) +
+      "Drive torque at the output, busiest " + Short(window_s) +
       " s. Gaps in the model are rest and reversals, which a moving model says nothing about.";
-  out.script = Head(340) + data + "set xlabel 'time, s'\nset ylabel 'drive, " + unit + "'\n" +
-               "plot $d u 1:2 w l lw 3 lc rgb '" + kMeasured + "' t 'measured', '' u 1:3 w l lw 1.6 lc rgb '" +
-               kBefore + "' t 'declared model, refitted'" +
-               (changed ? std::string(", '' u 1:4 w l lw 1.6 lc rgb '") + kAfter +
-                              "' t 'with the effect'"
-                        : "") +
-               "\n";
+  out.script =
+      Head(340) + data + "set xlabel 'time, s'\nset ylabel 'drive, " + unit + "'\n" +
+      "plot $d u 1:2 w l lw 3 lc rgb '" + kMeasured +
+      "' t 'measured', '' u 1:3 w l lw 1.6 lc rgb '" + kBefore + "' t 'declared model, refitted'" +
+      (changed ? std::string(", '' u 1:4 w l lw 1.6 lc rgb '") + kAfter + "' t 'with the effect'"
+               : "") +
+      "\n";
   return out;
 }
 
@@ -162,10 +168,10 @@ Picture ResidualOverTime(const Report& report, const Design& sealed) {
   out.caption = "What the balance of torques leaves while the joint moves: " +
                 Short(trace.before_sealed.rms) + " " + unit + " rms before, " +
                 Short(trace.after_sealed.rms) + " " + unit + " rms after.";
-  out.script = Head(300) + data + "set xlabel 'time, s'\nset ylabel 'residual, " + unit +
-               "'\nplot $d u 1:2 w l lw 1 lc rgb '" + kBefore + "' t 'before'" +
-               (changed ? std::string(", '' u 1:3 w l lw 1 lc rgb '") + kAfter + "' t 'after'" : "") +
-               "\n";
+  out.script =
+      Head(300) + data + "set xlabel 'time, s'\nset ylabel 'residual, " + unit +
+      "'\nplot $d u 1:2 w l lw 1 lc rgb '" + kBefore + "' t 'before'" +
+      (changed ? std::string(", '' u 1:3 w l lw 1 lc rgb '") + kAfter + "' t 'after'" : "") + "\n";
   return out;
 }
 
@@ -209,16 +215,19 @@ Picture ResidualOverVariable(const Report& report, const Design& design, const A
   const double limit = 1.3 * identify::Quantile(sizes, 0.995);
   Picture out;
   out.title = "Residual against " + axis.label.substr(0, axis.label.find(',')) + ", train";
-  out.caption = "Dots: residual of the refitted declared model; lines: means over equal numbers of rows.";
-  out.script = Head(340) + points + means + "set xlabel '" + axis.label + "'\nset ylabel 'residual, " +
-               unit + "'\nset yrange [" + Number(-limit) + ":" + Number(limit) +
-               "]\nplot $p u 1:2 w p pt 7 ps 0.18 lc rgb '#f3c9a5' t 'before, every row', $m u 1:2 w lp pt 7 "
-               "ps 0.4 lw 2 lc rgb '" +
-               kBefore + "' t 'before, mean'" +
-               (changed ? std::string(", '' u 1:3 w lp pt 7 ps 0.4 lw 2 lc rgb '") + kAfter +
-                              "' t 'after, mean'"
-                        : "") +
-               "\n";
+  out.caption =
+      "Dots: residual of the refitted declared model; lines: means over equal numbers of rows.";
+  out.script =
+      Head(340) + points + means + "set xlabel '" + axis.label + "'\nset ylabel 'residual, " +
+      unit + "'\nset yrange [" + Number(-limit) + ":" + Number(limit) +
+      "]\nplot $p u 1:2 w p pt 7 ps 0.28 lc rgb '#f0b98a' t 'before, every row', $m u 1:2 w lp pt "
+      "7 "
+      "ps 0.4 lw 2 lc rgb '" +
+      kBefore + "' t 'before, mean'" +
+      (changed
+           ? std::string(", '' u 1:3 w lp pt 7 ps 0.4 lw 2 lc rgb '") + kAfter + "' t 'after, mean'"
+           : "") +
+      "\n";
   return out;
 }
 
@@ -234,7 +243,10 @@ Picture Candidates(const trace::RoundReport& round, int number) {
     const trace::CandidateScore& score = shown[static_cast<std::size_t>(i)];
     data += Number(count - i) + " " + Number(std::max(-20.0, 100.0 * score.gain_share)) + " " +
             Number(100.0 * score.share_error) + " \"" + score.name + "\" " +
-            (score.name == round.added ? "2" : score.accepted ? "1" : "0") + "\n";
+            (score.name == round.added ? "2"
+             : score.accepted          ? "1"
+                                       : "0") +
+            "\n";
   }
   data += "EOD\n";
   const double placebo = 100.0 * round.placebo_99;
@@ -242,15 +254,18 @@ Picture Candidates(const trace::RoundReport& round, int number) {
   out.title = "Candidates of round " + std::to_string(number);
   out.caption =
       "Part of the left-out squared error that each candidate removes, with two standard errors. "
-      "Coloured: accepted. Dashed: best false gain in recordings without an effect (99th percentile).";
-  out.script = Head(70 + 30 * std::max(3, count)) + data +
-               "unset key\nset grid noy x\nset ytics textcolor rgb '#333333'\nset yrange [0.3:" +
-               Number(count + 0.7) + "]\nset xlabel 'squared error removed, %'\n" +
-               "set arrow from " + Number(placebo) + ",0.3 to " + Number(placebo) + "," +
-               Number(count + 0.7) + " nohead dt 2 lw 1.5 lc rgb '#777777'\n" +
-               "col(c) = c == 2 ? 0x1b7f9e : (c == 1 ? 0x8cc3d3 : 0xc9c9c9)\n" +
-               "plot $c u (0):1:(0):2:($1-0.3):($1+0.3):(col($5)):ytic(4) w boxxyerror fs solid 1 noborder lc "
-               "rgb variable, '' u 2:1:($2-2*$3):($2+2*$3) w xerrorbars pt 0 lw 1.3 lc rgb '#333333'\n";
+      "Coloured: accepted. Dashed: best false gain in recordings without an effect (99th "
+      "percentile).";
+  out.script =
+      Head(70 + 30 * std::max(3, count)) + data +
+      "unset key\nset grid noy x\nset ytics textcolor rgb '#333333'\nset yrange [0.3:" +
+      Number(count + 0.7) + "]\nset xlabel 'squared error removed, %'\n" + "set arrow from " +
+      Number(placebo) + ",0.3 to " + Number(placebo) + "," + Number(count + 0.7) +
+      " nohead dt 2 lw 1.5 lc rgb '#777777'\n" +
+      "col(c) = c == 2 ? 0x1b7f9e : (c == 1 ? 0x8cc3d3 : 0xc9c9c9)\n" +
+      "plot $c u (0):1:(0):2:($1-0.3):($1+0.3):(col($5)):ytic(4) w boxxyerror fs solid 1 noborder "
+      "lc "
+      "rgb variable, '' u 2:1:($2-2*$3):($2+2*$3) w xerrorbars pt 0 lw 1.3 lc rgb '#333333'\n";
   return out;
 }
 
@@ -269,16 +284,19 @@ Picture ErrorsByRound(const Report& report) {
   data += "EOD\n";
   Picture out;
   out.title = "Error, round by round";
-  out.caption = "Root mean square of the residual. Dashed: noise floor (" +
-                (trace.noise_floor_source.empty() ? std::string("unknown") : trace.noise_floor_source) +
-                ").";
+  out.caption =
+      "Root mean square of the residual. Dashed: noise floor (" +
+      (trace.noise_floor_source.empty() ? std::string("unknown") : trace.noise_floor_source) + ").";
   const double floor = trace.noise_floor_rms;
-  out.script = Head(300) + data + "set style fill solid 1 noborder\nset boxwidth 0.32\nset xrange [-0.6:" +
-               Number(at - 0.4) + "]\nset yrange [0:*]\nset grid nox\nset ylabel 'residual, " + unit +
-               "'\nset arrow from graph 0, first " + Number(floor) + " to graph 1, first " +
-               Number(floor) + " nohead dt 2 lw 1.5 lc rgb '#777777' front\n" +
-               "plot $e u ($1-0.17):3:xtic(2) w boxes lc rgb '#bdbdbd' t 'train', '' u ($1+0.17):4 w boxes lc rgb '" +
-               kAfter + "' t 'sealed'\n";
+  out.script =
+      Head(300) + data +
+      "set style fill solid 1 noborder\nset boxwidth 0.32\nset xrange [-0.6:" + Number(at - 0.4) +
+      "]\nset yrange [0:*]\nset grid nox\nset ylabel 'residual, " + unit +
+      "'\nset arrow from graph 0, first " + Number(floor) + " to graph 1, first " + Number(floor) +
+      " nohead dt 2 lw 1.5 lc rgb '#777777' front\n" +
+      "plot $e u ($1-0.17):3:xtic(2) w boxes lc rgb '#bdbdbd' t 'train', '' u ($1+0.17):4 w boxes "
+      "lc rgb '" +
+      kAfter + "' t 'sealed'\n";
   return out;
 }
 
@@ -290,7 +308,8 @@ std::vector<Picture> MakePictures(const Report& report, const Design& train, con
   const Eigen::VectorXd torque = balance.drive_factor * balance.drive_torque;
   std::string variable = trace.unexplained.variable;
   if (!trace.effects.empty()) {
-    variable = effects::MakeEffect(trace.effects.front().name, trace.corrected.constants)->info().variable;
+    variable =
+        effects::MakeEffect(trace.effects.front().name, trace.corrected.constants)->info().variable;
   }
   std::vector<Picture> out;
   out.push_back(MeasuredAgainstModel(report, sealed, torque));

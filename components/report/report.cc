@@ -59,8 +59,8 @@ std::string VerdictSentence(const Report& report) {
       for (const trace::FoundEffect& effect : trace.effects) names.push_back(effect.name);
       std::string out = "The recordings are consistent with " + Join(names, " and ") +
                         ": on the sealed recording the error falls from " +
-                        Short(trace.before_sealed.rms) + " to " + Short(trace.after_sealed.rms) + " " +
-                        unit + " rms.";
+                        Short(trace.before_sealed.rms) + " to " + Short(trace.after_sealed.rms) +
+                        " " + unit + " rms.";
       for (const trace::FoundEffect& effect : trace.effects) {
         if (effect.rivals.empty()) continue;
         out += " " + Join(effect.rivals, " and ") +

@@ -43,7 +43,8 @@ std::string EffectTitle(const std::string& name);
 
 // The verdict in one sentence.
 std::string VerdictSentence(const Report& report);
-// The experiment that would separate the effect from its rivals or show what is hidden; may be empty.
+// The experiment that would separate the effect from its rivals or show what is hidden; may be
+// empty.
 std::string NextExperiment(const Report& report);
 std::string VerdictWord(trace::Verdict verdict);
 
@@ -57,7 +58,8 @@ struct Picture {
   std::string script;
 };
 
-// Measured against model, residuals over time, residual over its variable, candidates, errors by round.
+// Measured against model, residuals over time, residual over its variable, candidates, errors by
+// round.
 std::vector<Picture> MakePictures(const Report& report, const identify::Design& train,
                                   const identify::Design& sealed);
 

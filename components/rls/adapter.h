@@ -1,12 +1,4 @@
-// When to learn, from what, and for which network.
-//
-// The target equation, with k the tick and a delay of one tick between features and target:
-//
-//     W phi(k - 1) = y(k)
-//
-// phi(k - 1): features with which the torque of tick k - 1 was predicted; y(k): drive torque at the output that the
-// motor put out in the period that followed. That torque is prediction plus feedback, so the innovation is what the
-// feedback had to add: learning stops where feedback has nothing left to do.
+// When to learn, and for which network; what from is said in target.h.
 //
 // Nothing is learnt (frozen) while
 //  - the robot is not armed, or the sample is not usable: no network counted, the command was not a torque

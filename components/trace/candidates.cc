@@ -8,9 +8,8 @@ std::vector<std::vector<double>> GridOf(const effects::EffectInfo& info) {
   std::vector<std::vector<double>> grid = {{}};
   for (const effects::ParameterInfo& parameter : info.nonlinear) {
     std::vector<std::vector<double>> next;
-    const std::vector<double> values = parameter.grid.empty()
-                                           ? std::vector<double>{parameter.default_value}
-                                           : parameter.grid;
+    const std::vector<double> values =
+        parameter.grid.empty() ? std::vector<double>{parameter.default_value} : parameter.grid;
     for (const std::vector<double>& point : grid) {
       for (const double value : values) {
         next.push_back(point);

@@ -69,8 +69,8 @@ double FromStandstill(const identify::Design& design, const Eigen::VectorXd& tor
   return freedom >= 30.0 ? std::sqrt(squares / freedom) : 0.0;
 }
 
-// Fourth differences of white noise have 70 times its variance; their median absolute value does not see
-// spikes and smooth motion.
+// Fourth differences of white noise have 70 times its variance; their median absolute value does
+// not see spikes and smooth motion.
 double FromDifferences(const identify::Design& design, double drive_gain) {
   double best = 0.0;
   for (const identify::StateSegment& segment : design.states().segments) {
@@ -142,8 +142,7 @@ Eigen::MatrixXd FlexibleColumns(const identify::Design& design, int count, std::
   for (const Getter get : kInputs) {
     const Eigen::VectorXd values = design.Variable(get);
     const double mean = values.mean();
-    const double deviation =
-        std::sqrt((values.array() - mean).square().mean());
+    const double deviation = std::sqrt((values.array() - mean).square().mean());
     if (deviation > 1e-9 * (1.0 + std::abs(mean))) inputs.push_back({get, mean, deviation});
   }
   std::mt19937_64 random(seed);

@@ -13,25 +13,27 @@
 namespace sinew::trace {
 
 struct NoiseFloor {
-  double rms = 0.0;      // torque at the output, after the parallel filter; 0: unknown
-  std::string source;    // "standstill", "sample-to-sample scatter", ""
+  double rms = 0.0;    // torque at the output, after the parallel filter; 0: unknown
+  std::string source;  // "standstill", "sample-to-sample scatter", ""
 };
 
-// From spells at rest (drive and known torques, straight line removed from each), and from the scatter
-// of the drive from sample to sample, taken as white: the lower one.
+// From spells at rest (drive and known torques, straight line removed from each), and from the
+// scatter of the drive from sample to sample, taken as white: the lower one.
 NoiseFloor EstimateNoiseFloor(const identify::Design& design, const identify::Balance& balance,
                               double drive_factor);
 
-// Columns of a flexible model: random tanh features of position, velocity and its sign, acceleration,
-// drive, pressure and load (Rahimi, Recht 2007), each standardised, through the parallel filter.
+// Columns of a flexible model: random tanh features of position, velocity and its sign,
+// acceleration, drive, pressure and load (Rahimi, Recht 2007), each standardised, through the
+// parallel filter.
 Eigen::MatrixXd FlexibleColumns(const identify::Design& design, int count, std::uint64_t seed);
 
 struct FlexibleFit {
-  double left_out_share = 0.0;   // of the residual variance, by cross-validation
-  Eigen::VectorXd remainder;     // target minus base and flexible part, fitted to the other folds
+  double left_out_share = 0.0;  // of the residual variance, by cross-validation
+  Eigen::VectorXd remainder;    // target minus base and flexible part, fitted to the other folds
 };
 
-// Base and flexible columns together, ridge on the flexible ones (best of four by cross-validation).
+// Base and flexible columns together, ridge on the flexible ones (best of four by
+// cross-validation).
 FlexibleFit FitFlexible(const std::vector<identify::Block>& blocks,
                         const Eigen::Ref<const Eigen::MatrixXd>& base,
                         const Eigen::Ref<const Eigen::MatrixXd>& flexible,

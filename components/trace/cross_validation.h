@@ -1,11 +1,10 @@
 // Blocked cross-validation of candidate columns beside a base model, by sums over blocks.
 //
-// Blocks are dealt to folds in turn (interleaved). For each fold the base columns and a candidate's columns
-// are fitted jointly to the other folds; a candidate with several nonlinear settings chooses its setting
-// there, too. The score of a block is how much less squared error the candidate leaves than the base.
-// The target is the residual of the base model, so that flipping the sign of whole blocks gives
-// recordings with the same noise and no effect (placebo).
-// Pure; allocates.
+// Blocks are dealt to folds in turn (interleaved). For each fold the base columns and a candidate's
+// columns are fitted jointly to the other folds; a candidate with several nonlinear settings
+// chooses its setting there, too. The score of a block is how much less squared error the candidate
+// leaves than the base. The target is the residual of the base model, so that flipping the sign of
+// whole blocks gives recordings with the same noise and no effect (placebo). Pure; allocates.
 #pragma once
 
 #include <Eigen/Core>
@@ -38,8 +37,8 @@ class Setting {
  private:
   int folds_;
   std::vector<identify::Moments> moments_;
-  Eigen::MatrixXd scores_;                    // column per block: m
-  std::vector<Eigen::MatrixXd> fold_inverse_; // of G without the fold
+  Eigen::MatrixXd scores_;                     // column per block: m
+  std::vector<Eigen::MatrixXd> fold_inverse_;  // of G without the fold
   std::vector<Eigen::MatrixXd> fold_gram_;
   double yy_ = 0.0;
   std::vector<double> fold_yy_;

@@ -7,7 +7,8 @@ namespace sinew::trace {
 
 namespace {
 
-// Shifts above this many tolerances call for a cause; a cause has to bring all it touches below the second.
+// Shifts above this many tolerances call for a cause; a cause has to bring all it touches below the
+// second.
 constexpr double kLoud = 2.5;
 constexpr double kQuiet = 1.5;
 // Part of a candidate's power that the declared terms must carry for it to be swallowed.
@@ -15,9 +16,9 @@ constexpr double kInSpan = 0.98;
 
 struct Declared {
   identify::ParameterRef ref;
-  Eigen::Index column;   // of the balance
+  Eigen::Index column;  // of the balance
   double shift = 0.0;
-  double unit = 0.0;     // tolerance and standard error together
+  double unit = 0.0;  // tolerance and standard error together
 };
 
 Eigen::MatrixXd RowsOf(const Eigen::MatrixXd& all, const std::vector<Eigen::Index>& rows) {
@@ -110,7 +111,7 @@ ShiftReport FindShifts(const identify::Design& design, const actuator::JointMode
       // Shares the direction when this parameter carries a good part of what it would shift.
       double largest = 0.0;
       for (const double value : direction.per_theta) largest = std::max(largest, std::abs(value));
-      if (largest > 0.0 && std::abs(direction.per_theta[j]) > 0.3 * largest) {
+      if (largest > 0.0 && std::abs(direction.per_theta[j]) > 0.05 * largest) {
         shift.causes.push_back(direction.candidate->name());
       }
     }

@@ -41,7 +41,8 @@ double SumSquares(const Eigen::VectorXd& x, const std::vector<Eigen::Index>& row
 
 Eigen::MatrixXd PickRows(const Eigen::MatrixXd& x, const std::vector<Eigen::Index>& rows) {
   Eigen::MatrixXd out(static_cast<Eigen::Index>(rows.size()), x.cols());
-  for (std::size_t i = 0; i < rows.size(); ++i) out.row(static_cast<Eigen::Index>(i)) = x.row(rows[i]);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    out.row(static_cast<Eigen::Index>(i)) = x.row(rows[i]);
   return out;
 }
 
@@ -56,8 +57,8 @@ struct Trial {
   Eigen::VectorXd coefficients;  // of that setting: base, then extra
   Eigen::VectorXd part;          // what it contributes, freed of the base, used rows
   CandidateScore score;
-  double detectable = 0.0;       // torque share that could hide
-  bool hidden = false;           // the declared terms carry it
+  double detectable = 0.0;  // torque share that could hide
+  bool hidden = false;      // the declared terms carry it
 };
 
 // What a parameter that is relative to the drive is divided by (as actuator::PhysicalValue).
@@ -128,7 +129,8 @@ class Tracer {
     used_ = train_.rows().UsedRows();
     // First blocks from the filter alone, for the intervals of the first fit.
     const double filter_time_s = 1.0 / train_.options().parallel_cutoff_Hz;
-    const int parameters = static_cast<int>(identify::MakeBalance(train_, declared_).columns.cols());
+    const int parameters =
+        static_cast<int>(identify::MakeBalance(train_, declared_).columns.cols());
     const int fewest_rows = std::max(8, parameters / 2);
     units_ = ChooseUnits(train_, filter_time_s, fewest_rows);
     FitResult fit = identify::FitModel(train_, declared_, units_.blocks);
@@ -136,8 +138,7 @@ class Tracer {
 
     // The noise's own correlation time: of what a flexible model leaves.
     const Eigen::MatrixXd flexible = FlexibleColumns(train_, kFlexibleColumns, options_.seed);
-    const Eigen::VectorXd target =
-        fit.balance.target - fit.balance.columns * fit.coefficients;
+    const Eigen::VectorXd target = fit.balance.target - fit.balance.columns * fit.coefficients;
     FlexibleFit ceiling = FitFlexible(units_.blocks, fit.balance.columns, flexible, target,
                                       Folds(units_.blocks.size()));
     const int last_lag = static_cast<int>(std::min<double>(
@@ -211,7 +212,8 @@ class Tracer {
         const double power = z.squaredNorm();
         const double visible = power > 0.0 ? free.squaredNorm() / power : 0.0;
         visible_best = std::max(visible_best, visible);
-        // Torque that could hide: three standard errors of the parameters times the largest regressor.
+        // Torque that could hide: three standard errors of the parameters times the largest
+        // regressor.
         if (power > 0.0 && visible > 1e-9) {
           const Eigen::MatrixXd covariance =
               identify::BlockCovariance(trial.settings.back().blocks(), b);
@@ -255,8 +257,8 @@ class Tracer {
       score.gain_share = score.gain.sum / base_sum;
       score.share_error = score.gain.standard_error / base_sum;
       score.explainable_share = score.gain_share * variance / explainable;
-      const Eigen::VectorXd extra = trial.coefficients.tail(
-          trial.coefficients.size() - balance.columns.cols());
+      const Eigen::VectorXd extra =
+          trial.coefficients.tail(trial.coefficients.size() - balance.columns.cols());
       for (Eigen::Index i = 0; i < extra.size(); ++i) {
         const effects::ParameterInfo& info =
             candidate.effect->info().linear[static_cast<std::size_t>(i)];
@@ -265,7 +267,8 @@ class Tracer {
             info.relative_to_drive ? scale * extra[i] / DriveShare(fit.model) : scale * extra[i];
         if (physical < info.lower || physical > info.upper) score.physical = false;
       }
-      if (score.name == "transport_delay") score.delay_s = score.theta.front() / DriveShare(fit.model);
+      if (score.name == "transport_delay")
+        score.delay_s = score.theta.front() / DriveShare(fit.model);
       score.stable = Stable(trial, balance.columns.cols());
       trials.push_back(std::move(trial));
     }
@@ -287,16 +290,14 @@ class Tracer {
     }
     report->placebo_99 = identify::Quantile(best_false, 0.99);
 
-    // A drive that acts late by less than a tenth of a sample is a skew between channels, whatever its
-    // name: it is a finding, no effect.
+    // A drive that acts late by less than a tenth of a sample is a skew between channels, whatever
+    // its name: it is a finding, no effect.
     const Trial* delay = nullptr;
     for (const Trial& trial : trials) {
       if (trial.score.name == "transport_delay") delay = &trial;
     }
     const double shortest_s = kShortestDelay / train_.states().rate_Hz;
-    const bool skew =
-        delay != nullptr &&
-        std::abs(delay->score.delay_s) < shortest_s;
+    const bool skew = delay != nullptr && std::abs(delay->score.delay_s) < shortest_s;
 
     const double quantile =
         identify::StudentQuantile(0.9772, std::max(1.0, static_cast<double>(blocks.size()) - 1.0)) /
@@ -313,7 +314,7 @@ class Tracer {
         score.refused = "gain below 5 % of the residual";
       } else if (score.gain_share <= report->placebo_99) {
         score.refused = "gain as in recordings without the effect";
-      } else if (skew && Correlation(trial.part, delay->part) > kSameClass) {
+      } else if (skew && Skewed(trial, *delay, balance, target, folds)) {
         score.refused = "a skew between channels below a tenth of a sample";
       } else if (!score.physical) {
         score.refused = "sign or size is not physical";
@@ -362,6 +363,23 @@ class Tracer {
     return true;
   }
 
+  // Does little of a candidate's gain stay when a skew between channels may be fitted as well?
+  bool Skewed(const Trial& trial, const Trial& delay, const Balance& balance,
+              const Eigen::VectorXd& target, int folds) const {
+    if (trial.candidate == delay.candidate) return true;
+    const Eigen::VectorXd ones =
+        Eigen::VectorXd::Ones(static_cast<Eigen::Index>(units_.blocks.size()));
+    Eigen::MatrixXd base(balance.columns.rows(), balance.columns.cols() + 1);
+    base << balance.columns, -delay.candidate->grid.front().columns;
+    const std::vector<Setting> without = {
+        Setting(units_.blocks, base, Eigen::MatrixXd(target.size(), 0), target, folds)};
+    const std::vector<Setting> with = {
+        Setting(units_.blocks, base, -trial.candidate->grid[trial.best].columns, target, folds)};
+    const double kept =
+        (LeftOutErrors(without, ones, folds) - LeftOutErrors(with, ones, folds)).sum();
+    return kept < 0.5 * trial.score.gain.sum;
+  }
+
   static double Correlation(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
     const double power = a.squaredNorm() * b.squaredNorm();
     return power > 0.0 ? std::abs(a.dot(b)) / std::sqrt(power) : 0.0;
@@ -376,7 +394,8 @@ class Tracer {
     std::vector<Trial> trials = Score(*fit, set, &report);
     if (result_.rounds.empty()) NoteWhatIsHidden(set, trials);
 
-    // The best one; among those that score the same within a quarter of a standard error the simplest.
+    // The best one; among those that score the same within a quarter of a standard error the
+    // simplest.
     std::size_t chosen = trials.size();
     for (std::size_t i = 0; i < trials.size(); ++i) {
       if (!trials[i].score.accepted) continue;
@@ -390,10 +409,10 @@ class Tracer {
         return info.linear.size() + info.nonlinear.size();
       };
       const bool same = behind.sum <= 0.25 * behind.standard_error;
-      if (same && (complexity(trials[i]) < complexity(trials[chosen]) ||
-                   (complexity(trials[i]) == complexity(trials[chosen]) &&
-                    trials[i].candidate->catalogue_order <
-                        trials[chosen].candidate->catalogue_order))) {
+      if (same &&
+          (complexity(trials[i]) < complexity(trials[chosen]) ||
+           (complexity(trials[i]) == complexity(trials[chosen]) &&
+            trials[i].candidate->catalogue_order < trials[chosen].candidate->catalogue_order))) {
         chosen = i;
       }
     }
@@ -458,7 +477,8 @@ class Tracer {
         balance.target - balance.columns * b + extra * trial.coefficients.tail(extra.cols());
     const double scale = balance.fits_scale ? 1.0 / b[0] : 1.0;
     const std::vector<Eigen::Index> rows = sealed_.rows().UsedRows();
-    return std::abs(scale) * std::sqrt(SumSquares(error, rows) / std::max<double>(1.0, static_cast<double>(rows.size())));
+    return std::abs(scale) * std::sqrt(SumSquares(error, rows) /
+                                       std::max<double>(1.0, static_cast<double>(rows.size())));
   }
 
   void NoteWhatIsHidden(const CandidateSet& set, const std::vector<Trial>& trials) {
@@ -468,10 +488,12 @@ class Tracer {
     for (const Trial& trial : trials) {
       if (std::isinf(trial.detectable)) {
         result_.not_excited.push_back(
-            {trial.score.name, "the declared terms carry all of it: only a shift of parameters shows"});
+            {trial.score.name,
+             "the declared terms carry all of it: only a shift of parameters shows"});
       } else if (trial.detectable > kHiddenShare) {
         result_.not_excited.push_back(
-            {trial.score.name, "up to " + std::to_string(static_cast<int>(100.0 * trial.detectable)) +
+            {trial.score.name, "up to " +
+                                   std::to_string(static_cast<int>(100.0 * trial.detectable)) +
                                    " % of the drive torque could hide in this motion"});
       }
     }
@@ -496,10 +518,9 @@ class Tracer {
           Eigen::VectorXd::Ones(static_cast<Eigen::Index>(units_.blocks.size()));
       const std::vector<Setting> base = {Setting(units_.blocks, less.balance.columns,
                                                  Eigen::MatrixXd(target.size(), 0), target, folds)};
-      const std::vector<Setting> with = {Setting(units_.blocks, less.balance.columns,
-                                                 -train_.Columns(*term.effect, psi), target, folds)};
-      const Gain gain =
-          GainOf(LeftOutErrors(base, ones, folds) - LeftOutErrors(with, ones, folds));
+      const std::vector<Setting> with = {Setting(
+          units_.blocks, less.balance.columns, -train_.Columns(*term.effect, psi), target, folds)};
+      const Gain gain = GainOf(LeftOutErrors(base, ones, folds) - LeftOutErrors(with, ones, folds));
       if (gain.t > options_.fewest_standard_errors) {
         ++e;
         continue;
@@ -532,10 +553,10 @@ class Tracer {
     }
     // The plain reading: the declared parameters are off by more than was stated.
     for (const ParameterShift& shift : result_.shifts) {
-      const bool shares = std::find(shift.causes.begin(), shift.causes.end(), found.name) !=
-                          shift.causes.end();
-      if (shares && std::find(found.rivals.begin(), found.rivals.end(), shift.effect) ==
-                        found.rivals.end()) {
+      const bool shares =
+          std::find(shift.causes.begin(), shift.causes.end(), found.name) != shift.causes.end();
+      if (shares &&
+          std::find(found.rivals.begin(), found.rivals.end(), shift.effect) == found.rivals.end()) {
         found.rivals.push_back(shift.effect);
       }
     }
@@ -550,7 +571,8 @@ class Tracer {
       result_.before_sealed = identify::ErrorOf(sealed_, held);
     }
 
-    // The effect joins the model with the size the shifts ask for; the declared terms are fitted again.
+    // The effect joins the model with the size the shifts ask for; the declared terms are fitted
+    // again.
     actuator::JointModel next = fit->model;
     actuator::Term term;
     term.effect = best.candidate.effect;
@@ -579,10 +601,11 @@ class Tracer {
     if (scan.scores.empty()) return;
     const VariableScore& best = scan.scores.front();
     const double variance = fit.rms * fit.rms;
-    const double explainable = std::max(
-        variance - result_.noise_floor_rms * result_.noise_floor_rms, 0.02 * variance);
-    const bool loud = best.gain.t > options_.fewest_standard_errors && best.share > scan.placebo_99 &&
-                      best.share > 0.10 && best.share * variance > 0.2 * explainable;
+    const double explainable =
+        std::max(variance - result_.noise_floor_rms * result_.noise_floor_rms, 0.02 * variance);
+    const bool loud = best.gain.t > options_.fewest_standard_errors &&
+                      best.share > scan.placebo_99 && best.share > 0.10 &&
+                      best.share * variance > 0.2 * explainable;
     if (!loud) return;
     result_.unexplained.variable = best.variable;
     result_.unexplained.order_per_turn = best.order_per_turn;

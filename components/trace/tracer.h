@@ -1,10 +1,10 @@
 // From the residual of a model to the effect it lacks.
 //
-// The steps are those of docs/closing-the-loop.md: refit of the declared terms, noise floor and ceiling,
-// blocked cross-validation of every candidate of the catalogue beside the declared terms, acceptance against
-// a placebo, rivals, at most three rounds, a try to remove; then what a refit swallowed
-// (parameter_shift), what stays unexplained and what the recording could not show.
-// Pure; allocates; reads no clock; the seed decides the placebo.
+// The steps are those of docs/closing-the-loop.md: refit of the declared terms, noise floor and
+// ceiling, blocked cross-validation of every candidate of the catalogue beside the declared terms,
+// acceptance against a placebo, rivals, at most three rounds, a try to remove; then what a refit
+// swallowed (parameter_shift), what stays unexplained and what the recording could not show. Pure;
+// allocates; reads no clock; the seed decides the placebo.
 #pragma once
 
 #include <Eigen/Core>
@@ -35,40 +35,40 @@ struct TraceOptions {
 // One candidate of one round.
 struct CandidateScore {
   std::string name;
-  std::vector<double> psi;        // setting that fits best
-  std::vector<double> theta;      // fitted linear parameters
-  Gain gain;                      // of left-out squared error
-  double gain_share = 0.0;        // gain / residual variance of the round
-  double share_error = 0.0;       // its standard error
-  double explainable_share = 0.0; // gain / explainable
-  double visible_share = 0.0;     // part of its power that the other terms do not carry
-  bool physical = true;           // sign and range
-  bool stable = true;             // no part of the data contradicts it
+  std::vector<double> psi;         // setting that fits best
+  std::vector<double> theta;       // fitted linear parameters
+  Gain gain;                       // of left-out squared error
+  double gain_share = 0.0;         // gain / residual variance of the round
+  double share_error = 0.0;        // its standard error
+  double explainable_share = 0.0;  // gain / explainable
+  double visible_share = 0.0;      // part of its power that the other terms do not carry
+  bool physical = true;            // sign and range
+  bool stable = true;              // no part of the data contradicts it
   bool accepted = false;
-  std::string refused;            // why not
-  double sealed_rms = 0.0;        // with it added alone
-  double delay_s = 0.0;           // transport_delay only: what it amounts to
+  std::string refused;      // why not
+  double sealed_rms = 0.0;  // with it added alone
+  double delay_s = 0.0;     // transport_delay only: what it amounts to
 };
 
 struct RoundReport {
-  double train_rms = 0.0;         // before the round
+  double train_rms = 0.0;  // before the round
   double sealed_rms = 0.0;
-  double placebo_99 = 0.0;        // best false gain, share of residual variance
+  double placebo_99 = 0.0;  // best false gain, share of residual variance
   double explainable_rms = 0.0;
   std::vector<CandidateScore> scores;  // best gain first
-  std::string added;              // empty: nothing
+  std::string added;                   // empty: nothing
 };
 
 struct FoundEffect {
   std::string name;
   effects::Balance balance = effects::Balance::kMotion;
-  int term = -1;                  // in the corrected model
+  int term = -1;  // in the corrected model
   std::vector<std::string> rivals;
-  double gain_share = 0.0;        // of the residual variance when it was found
+  double gain_share = 0.0;  // of the residual variance when it was found
   double gain_error = 0.0;
   double p = 1.0;
-  bool weak_evidence = false;     // fewer than six units
-  bool swallowed = false;         // found as a shift of declared parameters
+  bool weak_evidence = false;  // fewer than six units
+  bool swallowed = false;      // found as a shift of declared parameters
   // Errors before and after it, rms at the output.
   double train_before = 0.0, train_after = 0.0, sealed_before = 0.0, sealed_after = 0.0;
 };
@@ -78,17 +78,17 @@ struct ParameterShift {
   std::string parameter;
   double nominal = 0.0;
   double refit = 0.0;
-  double tolerance = 0.0;         // absolute
+  double tolerance = 0.0;  // absolute
   double half_width_95 = 0.0;
-  double sigma = 0.0;             // (refit - nominal) / sqrt(tolerance^2 + standard error^2)
+  double sigma = 0.0;               // (refit - nominal) / sqrt(tolerance^2 + standard error^2)
   std::vector<std::string> causes;  // effects that point the same way
 };
 
 struct Unexplained {
-  std::string variable;           // JointSample field; empty: nothing found
-  double order_per_turn = 0.0;    // 0: not periodic
+  std::string variable;         // JointSample field; empty: nothing found
+  double order_per_turn = 0.0;  // 0: not periodic
   double rms = 0.0;
-  double share = 0.0;             // of the residual variance that the variable predicts
+  double share = 0.0;  // of the residual variance that the variable predicts
   std::string experiment;
 };
 
@@ -101,9 +101,9 @@ enum class Verdict { kNone, kEffect, kUnexplained };
 
 struct TraceResult {
   Verdict verdict = Verdict::kNone;
-  actuator::JointModel nominal;      // as declared
-  actuator::JointModel declared;     // refitted, nothing added
-  actuator::JointModel corrected;    // with the effects
+  actuator::JointModel nominal;    // as declared
+  actuator::JointModel declared;   // refitted, nothing added
+  actuator::JointModel corrected;  // with the effects
   std::vector<FoundEffect> effects;
   std::vector<RoundReport> rounds;
   std::vector<NotExcited> not_excited;
@@ -121,7 +121,7 @@ struct TraceResult {
   double ceiling_rms = 0.0;
   double correlation_time_s = 0.0;
   int units = 0;
-  std::string unit_kind;             // run, cycle, block
+  std::string unit_kind;  // run, cycle, block
   double unit_length_s = 0.0;
 };
 

@@ -1,5 +1,5 @@
-// What is left out together in cross-validation: a run, else a motion cycle, else a block of at least five
-// correlation times of the residual (design.md, step 7).
+// What is left out together in cross-validation: a run, else a motion cycle, else a block of at
+// least five correlation times of the residual (design.md, step 7).
 #pragma once
 
 #include <Eigen/Core>
@@ -13,7 +13,7 @@ namespace sinew::trace {
 
 struct Units {
   std::vector<identify::Block> blocks;
-  std::string kind;        // "run", "cycle", "block"
+  std::string kind;  // "run", "cycle", "block"
   double length_s = 0.0;
   double gap_s = 0.0;
 };
@@ -21,7 +21,8 @@ struct Units {
 // correlation_time_s: of the residual. fewest_rows: of a unit.
 Units ChooseUnits(const identify::Design& design, double correlation_time_s, int fewest_rows);
 
-// Period of the motion by the autocorrelation of position, where it exceeds 0.9; 0 when there is none.
+// Period of the motion by the autocorrelation of position, where it exceeds 0.9; 0 when there is
+// none.
 double MotionPeriod(const identify::Design& design);
 
 }  // namespace sinew::trace

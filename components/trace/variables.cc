@@ -101,14 +101,17 @@ VariableScan ScanVariables(const identify::Design& design,
     entry.score.variable = name;
     for (int order = 1; order <= last; ++order) {
       Eigen::MatrixXd columns(design.rows().size(), 2);
-      columns.col(0) = design.Column([&](const JointSample& x) { return std::sin(order * get(x)); });
-      columns.col(1) = design.Column([&](const JointSample& x) { return std::cos(order * get(x)); });
+      columns.col(0) =
+          design.Column([&](const JointSample& x) { return std::sin(order * get(x)); });
+      columns.col(1) =
+          design.Column([&](const JointSample& x) { return std::cos(order * get(x)); });
       entry.settings.emplace_back(blocks, base, columns, target, folds);
       entry.orders.push_back(order);
     }
     entries.push_back(std::move(entry));
   };
-  add_orders("motor_position_rad", [](const JointSample& x) { return x.motor_position_rad; }, 42);
+  add_orders(
+      "motor_position_rad", [](const JointSample& x) { return x.motor_position_rad; }, 42);
 
   const double base_sum = base_errors.sum();
   if (!(base_sum > 0.0)) return out;
@@ -143,13 +146,15 @@ VariableScan ScanVariables(const identify::Design& design,
     const Eigen::VectorXd errors = LeftOutErrors(base_setting, signs, folds);
     double best = 0.0;
     for (const Entry& entry : entries) {
-      best = std::max(best, (errors - LeftOutErrors(entry.settings, signs, folds)).sum() / errors.sum());
+      best = std::max(best,
+                      (errors - LeftOutErrors(entry.settings, signs, folds)).sum() / errors.sum());
     }
     best_false.push_back(best);
   }
   out.placebo_99 = identify::Quantile(best_false, 0.99);
-  std::stable_sort(out.scores.begin(), out.scores.end(),
-                   [](const VariableScore& a, const VariableScore& b) { return a.share > b.share; });
+  std::stable_sort(
+      out.scores.begin(), out.scores.end(),
+      [](const VariableScore& a, const VariableScore& b) { return a.share > b.share; });
   return out;
 }
 

@@ -1,5 +1,6 @@
-// Which signal a residual follows, without naming an effect: a free curve (eight knots) of one variable, or one
-// harmonic of an angle, beside the model's own terms, by the same cross-validation and placebo.
+// Which signal a residual follows, without naming an effect: a free curve (eight knots) of one
+// variable, or one harmonic of an angle, beside the model's own terms, by the same cross-validation
+// and placebo.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,11 +15,11 @@
 namespace sinew::trace {
 
 struct VariableScore {
-  std::string variable;           // field of JointSample
+  std::string variable;  // field of JointSample
   double order_per_turn = 0.0;
   Gain gain;
-  double share = 0.0;             // of the left-out squared error
-  double rms = 0.0;               // of the part it predicts, in units of the target
+  double share = 0.0;  // of the left-out squared error
+  double rms = 0.0;    // of the part it predicts, in units of the target
 };
 
 struct VariableScan {
@@ -26,6 +27,7 @@ struct VariableScan {
   double placebo_99 = 0.0;            // best false share
 };
 
+// The design's drive must be predicted (Design::PredictDrive): the measured one is the target itself.
 VariableScan ScanVariables(const identify::Design& design,
                            const std::vector<identify::Block>& blocks,
                            const Eigen::Ref<const Eigen::MatrixXd>& base,

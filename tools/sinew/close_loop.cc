@@ -44,7 +44,8 @@ std::string NowUtc() {
   return text;
 }
 
-std::vector<identify::Run> ReadAll(const std::vector<fs::path>& files, const fs::path& map, int joint) {
+std::vector<identify::Run> ReadAll(const std::vector<fs::path>& files, const fs::path& map,
+                                   int joint) {
   std::vector<identify::Run> runs;
   for (const fs::path& file : files) {
     const bool csv = file.extension() != ".mcap";
@@ -59,14 +60,16 @@ std::vector<identify::Run> ReadAll(const std::vector<fs::path>& files, const fs:
 std::vector<report::Recording> Describe(const std::vector<identify::Run>& runs) {
   std::vector<report::Recording> out;
   for (const identify::Run& run : runs) {
-    out.push_back({run.name, run.content_hash, run.size(), run.time_s[run.size() - 1] - run.time_s[0]});
+    out.push_back(
+        {run.name, run.content_hash, run.size(), run.time_s[run.size() - 1] - run.time_s[0]});
   }
   return out;
 }
 
 std::string JoinNames(const std::vector<report::Recording>& recordings) {
   std::string out;
-  for (const report::Recording& recording : recordings) out += (out.empty() ? "" : ", ") + recording.name;
+  for (const report::Recording& recording : recordings)
+    out += (out.empty() ? "" : ", ") + recording.name;
   return out;
 }
 
@@ -107,8 +110,8 @@ void AddDelayFinding(const trace::TraceResult& trace, double rate_Hz,
     if (score.name != "transport_delay" || !(score.gain.t > 2.0)) continue;
     const double delay_s = score.delay_s;
     findings->push_back({"drive_delay",
-                         "the drive seems to act " + report::Short(1e3 * std::abs(delay_s)) + " ms " +
-                             (delay_s > 0.0 ? "late" : "early") + " (" +
+                         "the drive seems to act " + report::Short(1e3 * std::abs(delay_s)) +
+                             " ms " + (delay_s > 0.0 ? "late" : "early") + " (" +
                              report::Short(std::abs(delay_s) * rate_Hz) +
                              " samples) against the position; nothing was shifted",
                          delay_s, "s"});
@@ -176,9 +179,11 @@ CloseLoopResult CloseLoop(const CloseLoopOptions& options) {
     report.trace = trace::Trace(train_design, sealed_design, joint, trace_options);
     AddDelayFinding(report.trace, rate_Hz, &report.findings);
     if (published) {
-      report.as_published = identify::RunAsPublished(train.front(), sealed.front(), joint, *published);
+      report.as_published =
+          identify::RunAsPublished(train.front(), sealed.front(), joint, *published);
     }
-    report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    report.seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const std::vector<report::Picture> pictures =
         report::MakePictures(report, train_design, sealed_design);
     out.html = report::FormatHtml(report, pictures, report::DrawPictures(pictures));
@@ -194,7 +199,8 @@ CloseLoopResult CloseLoop(const CloseLoopOptions& options) {
   if (options.out.empty()) return out;
   std::error_code error;
   fs::create_directories(options.out, error);
-  if (error) throw UsageError(options.out.string() + ": " + error.message() + ", expected a folder");
+  if (error)
+    throw UsageError(options.out.string() + ": " + error.message() + ", expected a folder");
   actuator::SaveModelFile(options.out / "model.yaml", out.model);
   config::WriteFileAtomically(options.out / "report.json", out.json);
   config::WriteFileAtomically(options.out / "report.html", out.html);
@@ -216,7 +222,8 @@ void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options
     const effects::EffectInfo& info = term.effect->info();
     for (std::size_t i = 0; i < info.linear.size(); ++i) {
       std::cout << ' ' << report::ParameterKey(info.linear[i], trace.corrected.kind) << " = "
-                << Short(actuator::PhysicalValue(trace.corrected, effect.term, static_cast<int>(i)));
+                << Short(
+                       actuator::PhysicalValue(trace.corrected, effect.term, static_cast<int>(i)));
       const actuator::ParameterValue& value = term.linear[i];
       if (value.half_width_95 && value.value != 0.0) {
         std::cout << " +- "
@@ -252,8 +259,8 @@ void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options
     std::cout << "shift: " << shift.effect << '.' << shift.parameter << ' ' << Short(shift.nominal)
               << " -> " << Short(shift.refit) << " (" << Short(shift.sigma) << " tolerances)\n";
   }
-  std::cout << "written: " << (options.out / "report.html").string() << ", report.json, model.yaml ("
-            << Short(report.seconds) << " s)\n";
+  std::cout << "written: " << (options.out / "report.html").string()
+            << ", report.json, model.yaml (" << Short(report.seconds) << " s)\n";
 }
 
 }  // namespace
@@ -267,12 +274,14 @@ void AddCloseLoopCommand(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("close-loop", "Find the effect that a model lacks, from recordings");
   CloseLoopOptions& options = arguments->options;
-  command->add_option("--model", options.model,
-                      "Model file (sinew-model/1) or a laboratory's rig.json; the rig's by default");
+  command->add_option(
+      "--model", options.model,
+      "Model file (sinew-model/1) or a laboratory's rig.json; the rig's by default");
   command->add_option("--map", options.map,
                       "Mapping of CSV columns (sinew-csv-map/1); csv_map.yaml beside the model by "
                       "default, else the rig's");
-  command->add_option("--train", options.train, "Recordings to learn from: CSV or MCAP")->required();
+  command->add_option("--train", options.train, "Recordings to learn from: CSV or MCAP")
+      ->required();
   command->add_option("--sealed", options.sealed, "Recordings to judge by, never used for a choice")
       ->required();
   command->add_option("--out", options.out, "Folder for report.html, report.json and model.yaml")
@@ -282,8 +291,10 @@ void AddCloseLoopCommand(CLI::App& app) {
   command->add_option("--seed", options.seed, "Seed of the placebo")->capture_default_str();
   command->add_flag("--json", arguments->json, "Print the report as JSON");
   command->footer(
-      "The declared terms are fitted, the residual is traced over the catalogue (`sinew effects`), the "
-      "effect is\nadded and the error told before and after. model.yaml goes into world and control as it "
+      "The declared terms are fitted, the residual is traced over the catalogue (`sinew effects`), "
+      "the "
+      "effect is\nadded and the error told before and after. model.yaml goes into world and "
+      "control as it "
       "is.\n\nExamples:\n"
       "  sinew close-loop --train train_1.csv train_2.csv --sealed sealed.csv --out found\n"
       "  sinew close-loop --model robots/emps/model.yaml --map robots/emps/csv_map.yaml \\\n"

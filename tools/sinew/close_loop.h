@@ -21,7 +21,7 @@ struct CloseLoopOptions {
   std::filesystem::path map;    // empty: csv_map.yaml beside the model, else the rig's
   std::vector<std::filesystem::path> train;
   std::vector<std::filesystem::path> sealed;
-  std::filesystem::path out;    // folder; empty: nothing is written
+  std::filesystem::path out;  // folder; empty: nothing is written
   int joint = 0;
   std::uint64_t seed = 1;
   std::function<void(const std::string&, double)> progress;
@@ -33,8 +33,9 @@ struct CloseLoopResult {
   std::string html, json;
 };
 
-// Reads, traces, draws; then writes report.html, report.json and model.yaml into the folder, each as a whole,
-// after everything has succeeded. Throws UsageError (one line) for anything a user can mend.
+// Reads, traces, draws; then writes report.html, report.json and model.yaml into the folder, each
+// as a whole, after everything has succeeded. Throws UsageError (one line) for anything a user can
+// mend.
 CloseLoopResult CloseLoop(const CloseLoopOptions& options);
 
 void AddCloseLoopCommand(CLI::App& app);

@@ -158,6 +158,7 @@ void BusServer::Deliver(const Delivery& delivery) {
   for (const auto& [socket, client] : clients_) {
     const auto& senders = delivery.senders;
     if (std::find(senders.begin(), senders.end(), client.node) != senders.end()) continue;
+    if (model_.health(client.node) == NodeHealth::kBusOff) continue;  // neither sends nor hears
     Tell(socket, &packet, sizeof packet);
   }
 }

@@ -25,7 +25,7 @@ VirtualCan::VirtualCan(const VirtualCanOptions& options)
     : options_(options), path_(BusSocketPath(options.bus)) {
   const std::int64_t give_up_ns =
       MonotonicNow() + std::chrono::nanoseconds(options.connect_timeout).count();
-  while (!Connect()) {
+  while (!Connect() || !AwaitWelcome(give_up_ns)) {
     if (MonotonicNow() >= give_up_ns) {
       throw UsageError("bus '" + options.bus + "': nobody listens on " + path_ +
                        "; 'sinew-can-bus --bus " + options.bus + "' starts it");
@@ -50,6 +50,28 @@ bool VirtualCan::Connect() noexcept {
   }
   link_ = Link::kUp;
   return true;
+}
+
+// The server's first packet says that this node is on the bus: from then on it hears everything.
+bool VirtualCan::AwaitWelcome(std::int64_t give_up_ns) noexcept {
+  for (;;) {
+    Packet packet;
+    const ssize_t size = ::recv(socket_, &packet, sizeof packet, MSG_DONTWAIT);
+    if (size == sizeof packet && packet.magic == Packet::kMagic &&
+        packet.kind == PacketKind::kWelcome) {
+      bitrate_bit_s_ = packet.value;
+      return true;
+    }
+    const std::int64_t left_ns = give_up_ns - MonotonicNow();
+    if ((size < 0 && errno != EAGAIN && errno != EINTR) || size == 0 || left_ns <= 0) {
+      Close();
+      return false;
+    }
+    pollfd poll{socket_, POLLIN, 0};
+    const timespec wait{static_cast<time_t>(left_ns / 1'000'000'000),
+                        static_cast<long>(left_ns % 1'000'000'000)};
+    ::ppoll(&poll, 1, &wait, nullptr);
+  }
 }
 
 void VirtualCan::Close() noexcept {

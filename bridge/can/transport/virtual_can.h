@@ -30,10 +30,11 @@ class VirtualCan : public Transport {
   int descriptor() const noexcept override { return socket_; }
   const std::string& name() const noexcept override { return options_.bus; }
 
-  double bitrate_bit_s() const { return bitrate_bit_s_; }  // 0 until the bus has said so
+  double bitrate_bit_s() const { return bitrate_bit_s_; }  // as the bus says
 
  private:
   bool Connect() noexcept;
+  bool AwaitWelcome(std::int64_t give_up_ns) noexcept;
   void Close() noexcept;
   void TryConnect() noexcept;
 

@@ -130,7 +130,14 @@ Columns ColumnsOf(const UniformSegment& segment, const actuator::JointModel& mod
                   const std::string& run) {
   Columns columns;
   const Eigen::VectorXd& position = Need(segment, Measured::kPosition, run, "every network");
-  const Motion output = Differentiate(position, segment.period_s, config.smoothing_Hz);
+  Motion output = Differentiate(position, segment.period_s, config.smoothing_Hz);
+  if (config.derivatives_from_motor) {
+    const Eigen::VectorXd motor =
+        Need(segment, Measured::kMotorPosition, run, "derivatives_from: motor") / model.constants.gear_ratio;
+    const Motion geared = Differentiate(motor, segment.period_s, config.smoothing_Hz);
+    output.velocity = geared.velocity;
+    output.acceleration = geared.acceleration;
+  }
   if (segment.signals.count(Measured::kMotorPosition) != 0) {
     columns.play = segment.signals.at(Measured::kMotorPosition) / model.constants.gear_ratio - position;
   }

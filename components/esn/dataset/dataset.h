@@ -34,6 +34,9 @@ struct DatasetConfig {
   Region region = Region::kAll;
   double period_s = 1.0 / 240.0;        // of the network's step
   double smoothing_Hz = 12.0;           // cut-off of the zero-phase filter before differentiation, > 0
+  // Velocity and acceleration from the motor's angle / N instead of the output's: outside the backlash the two move
+  // as one, and the gear makes the motor's encoder N times finer.
+  bool derivatives_from_motor = false;
   std::optional<double> play_centre_rad = 0.0;  // nothing: midway between the extremes that were recorded
   double play_margin_rad = 8e-4;        // two counts of a 14 bit encoder
   int blocks = 10;                      // each starts with its share of training, the rest is test

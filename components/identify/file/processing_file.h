@@ -5,11 +5,11 @@
 //     state_order: 4
 //     parallel_cutoff_Hz: 5        # drive and every column of regressors
 //     parallel_order: 4
-//     rest_velocity_rad_s: 0.03    # rest_velocity_m_s for linear joints; slower is rest or reversal
-//     reversal_guard_s: 0.05       # left out on either side of rest and reversals
-//     settle_distance_rad: 0.005   # settle_distance_m for linear joints; left out after them until covered
-//     border_s: 0.5                # left out at both ends
-//     longest_gap_s: 0.25          # longer gaps cut a recording into pieces
+//     rest_velocity_rad_s: 0.03    # rest_velocity_m_s for linear joints; slower is rest or
+//     reversal reversal_guard_s: 0.05       # left out on either side of rest and reversals
+//     settle_distance_rad: 0.005   # settle_distance_m for linear joints; left out after them until
+//     covered border_s: 0.5                # left out at both ends longest_gap_s: 0.25          #
+//     longer gaps cut a recording into pieces
 //   as_published:                  # optional: a publication's own processing, for comparison
 //     filter_order: 4
 //     cutoff_Hz: 100

@@ -11,7 +11,8 @@ namespace {
 namespace process = boost::process;
 
 void ReplaceAll(std::string& text, const std::string& from, const std::string& to) {
-  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
+  for (std::size_t at = text.find(from); at != std::string::npos;
+       at = text.find(from, at + to.size())) {
     text.replace(at, from.size(), to);
   }
 }
@@ -44,8 +45,9 @@ std::vector<std::string> DrawPictures(const std::vector<Picture>& pictures) {
     boost::asio::io_context io;
     std::future<std::string> svg;
     std::future<std::string> words;
-    process::child child(program, process::std_in < boost::asio::buffer(pictures[i].script),
-                         process::std_out > svg, process::std_err > words, io);
+    process::child child(
+        program, process::std_in<boost::asio::buffer(pictures[i].script), process::std_out> svg,
+        process::std_err > words, io);
     io.run();
     child.wait();
     const std::string complaint = words.get();

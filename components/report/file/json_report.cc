@@ -90,19 +90,20 @@ std::string FormatJson(const Report& report) {
 
   out["effects"] = Json::array();
   for (const trace::FoundEffect& effect : trace.effects) {
-    Json entry = {{"name", effect.name},
-                  {"title", EffectTitle(effect.name)},
-                  {"balance", "M"},
-                  {"rivals", effect.rivals},
-                  {"parameters", Parameters(trace.corrected, static_cast<std::size_t>(effect.term))},
-                  {"gain", effect.gain_share},
-                  {"gain_standard_error", effect.gain_error},
-                  {"p", effect.p},
-                  {"weak_evidence", effect.weak_evidence},
-                  {"swallowed_by_refit", effect.swallowed},
-                  {"train", {{"unit", unit}, {"before", effect.train_before}, {"after", effect.train_after}}},
-                  {"sealed",
-                   {{"unit", unit}, {"before", effect.sealed_before}, {"after", effect.sealed_after}}}};
+    Json entry = {
+        {"name", effect.name},
+        {"title", EffectTitle(effect.name)},
+        {"balance", "M"},
+        {"rivals", effect.rivals},
+        {"parameters", Parameters(trace.corrected, static_cast<std::size_t>(effect.term))},
+        {"gain", effect.gain_share},
+        {"gain_standard_error", effect.gain_error},
+        {"p", effect.p},
+        {"weak_evidence", effect.weak_evidence},
+        {"swallowed_by_refit", effect.swallowed},
+        {"train", {{"unit", unit}, {"before", effect.train_before}, {"after", effect.train_after}}},
+        {"sealed",
+         {{"unit", unit}, {"before", effect.sealed_before}, {"after", effect.sealed_after}}}};
     switch (effect.balance) {
       case effects::Balance::kMotion:
         break;
@@ -125,16 +126,15 @@ std::string FormatJson(const Report& report) {
   out["train"] = Errors(trace.nominal_train, trace.before_train, trace.after_train, unit);
   out["sealed"] = Errors(trace.nominal_sealed, trace.before_sealed, trace.after_sealed, unit);
   const double floor = trace.noise_floor_rms;
-  const double explainable =
-      trace.before_sealed.rms * trace.before_sealed.rms - floor * floor;
+  const double explainable = trace.before_sealed.rms * trace.before_sealed.rms - floor * floor;
   out["sealed"]["noise_floor_rms"] = floor;
   out["sealed"]["noise_floor_source"] = trace.noise_floor_source;
   out["sealed"]["ceiling_rms"] = trace.ceiling_rms;
-  out["sealed"]["explainable_removed"] =
-      explainable > 0.0 ? (trace.before_sealed.rms * trace.before_sealed.rms -
-                           trace.after_sealed.rms * trace.after_sealed.rms) /
-                              explainable
-                        : 0.0;
+  out["sealed"]["explainable_removed"] = explainable > 0.0
+                                             ? (trace.before_sealed.rms * trace.before_sealed.rms -
+                                                trace.after_sealed.rms * trace.after_sealed.rms) /
+                                                   explainable
+                                             : 0.0;
 
   out["rounds"] = Json::array();
   for (const trace::RoundReport& round : trace.rounds) {
@@ -179,8 +179,8 @@ std::string FormatJson(const Report& report) {
       {"variable",
        trace.unexplained.variable.empty() ? Json(nullptr) : Json(trace.unexplained.variable)},
       {"order_per_turn", trace.unexplained.order_per_turn},
-      {"rms", trace.unexplained.variable.empty() ? std::sqrt(std::max(0.0, left))
-                                                 : trace.unexplained.rms},
+      {"rms",
+       trace.unexplained.variable.empty() ? std::sqrt(std::max(0.0, left)) : trace.unexplained.rms},
       {"share", trace.unexplained.share}};
   out["parameter_shift"] = Json::array();
   for (const trace::ParameterShift& shift : trace.shifts) {

@@ -37,8 +37,15 @@ RlsConfig LoadRlsConfig(const std::filesystem::path& path, const esn::WeightsPat
   config.robot = actuator::LoadRobotModel(s.ExistingPath("model"));
   CheckOutputs(s, "sea_weights", config.sea, config.robot);
   CheckOutputs(s, "pea_weights", config.pea, config.robot);
-  config.target = s.ChoiceOr("target", "measured", {"measured", "command"}) == "measured" ? TargetKind::kMeasured
-                                                                                           : TargetKind::kCommand;
+  config.torque_from = s.ChoiceOr("torque_from", "measured", {"measured", "command"}) == "measured"
+                           ? TorqueFrom::kMeasured
+                           : TorqueFrom::kCommand;
+  TargetConfig& target = config.target;
+  target.carry_over = s.BoolOr("carry_over", target.carry_over);
+  target.half_window_ticks =
+      static_cast<int>(s.IntegerOr("half_window_ticks", target.half_window_ticks, {1, 100}));
+  target.motion_from_motor = s.ChoiceOr("motion_from", "motor", {"motor", "output"}) == "motor";
+  target.smoothing_rad_s = s.NumberOr("smoothing_rad_s", target.smoothing_rad_s, config::kPositive);
   AdapterConfig& adapter = config.adapter;
   Config& rls = adapter.rls;
   constexpr double kNearlyOne = 1.0 - 1e-12;

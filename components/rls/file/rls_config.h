@@ -8,10 +8,12 @@
 #include "components/esn/file/esn_config.h"
 #include "components/esn/weights.h"
 #include "components/rls/adapter.h"
+#include "components/rls/target.h"
 
 namespace sinew::rls {
 
-enum class TargetKind {
+// Where the drive torque comes from.
+enum class TorqueFrom {
   kMeasured,  // the model's drive terms at the measured current (or voltage)
   kCommand,   // the same at the commanded motor torque: for drives whose current is not measured
 };
@@ -20,7 +22,8 @@ struct RlsConfig {
   std::optional<esn::Weights> sea;  // the same files as sinew-esn's
   std::optional<esn::Weights> pea;
   actuator::RobotModel robot;
-  TargetKind target = TargetKind::kMeasured;
+  TorqueFrom torque_from = TorqueFrom::kMeasured;
+  TargetConfig target;
   AdapterConfig adapter;
 };
 

@@ -14,25 +14,32 @@ std::optional<Eigen::MatrixXd> ReadoutOf(const std::optional<esn::Weights>& weig
   return weights->readout;
 }
 
-Adapter MakeAdapter(const RlsConfig& config) {
-  try {
-    return Adapter(config.adapter, ReadoutOf(config.sea), ReadoutOf(config.pea));
-  } catch (const std::invalid_argument& error) {
-    throw UsageError(error.what());
-  }
+Adapter MakeAdapter(const RlsConfig& config) try {
+  return Adapter(config.adapter, ReadoutOf(config.sea), ReadoutOf(config.pea));
+} catch (const std::invalid_argument& error) {
+  throw UsageError(error.what());
+}
+
+TargetEquation MakeEquation(const RlsConfig& config) try {
+  return TargetEquation(config.target, config.robot, config.sea, config.pea);
+} catch (const std::invalid_argument& error) {
+  throw UsageError(error.what());
 }
 
 }  // namespace
 
 Adaptation::Adaptation(const RlsConfig& config)
-    : robot_(config.robot), target_kind_(config.target), adapter_(MakeAdapter(config)) {}
+    : robot_(config.robot),
+      torque_from_(config.torque_from),
+      equation_(MakeEquation(config)),
+      adapter_(MakeAdapter(config)) {}
 
 double Adaptation::DriveTorque(std::size_t joint, const msg::ActuatorState& actuator,
                                const msg::JointCommand& command) const {
   const actuator::JointModel& model = robot_.joints[joint];
   const bool volts = model.Find("drive_voltage") >= 0;
   effects::JointSample sample;
-  if (target_kind_ == TargetKind::kMeasured) {
+  if (torque_from_ == TorqueFrom::kMeasured) {
     sample.drive_input = volts ? actuator.drive_voltage_V()[joint] : actuator.motor_current_A()[joint];
   } else {
     const double per_input = volts ? model.constants.force_constant_N_V : model.constants.torque_constant_Nm_A;
@@ -42,48 +49,69 @@ double Adaptation::DriveTorque(std::size_t joint, const msg::ActuatorState& actu
   return model.Torque(effects::Role::kDrive, sample, memory);
 }
 
-// Fills target_Nm_; false: there is none this tick.
-bool Adaptation::Target(const Inputs& inputs, int outputs) {
+// Features and command are those of the tick before; the rest is this tick's.
+TickData Adaptation::Read(const Inputs& inputs, const node::Tick& tick) {
   const msg::JointState& state = inputs.state.value();
+  const msg::ActuatorState& actuator = inputs.actuator.value();
+  const msg::ReservoirState& reservoir = inputs.reservoir.value();
   const msg::JointCommand& command = inputs.command.value();
-  if (!inputs.command.fresh() || command.stale()) return false;
-  if (outputs > state.joint_count() || outputs > command.joint_count()) return false;
-  const bool measured = target_kind_ == TargetKind::kMeasured;
-  if (measured && (!inputs.actuator.fresh() || outputs > inputs.actuator.value().joint_count())) return false;
-  target_Nm_.resize(outputs);
-  for (std::size_t j = 0; j < static_cast<std::size_t>(outputs); ++j) {
-    if (command.mode()[j] != msg::COMMAND_TORQUE || !state.valid()[j]) return false;
-    if (measured && !inputs.actuator.value().valid()[j]) return false;
-    target_Nm_(static_cast<Eigen::Index>(j)) = DriveTorque(j, inputs.actuator.value(), command);
+  const bool measured = torque_from_ == TorqueFrom::kMeasured;
+
+  const bool has_features = inputs.reservoir.fresh() && reservoir.feature_count() > 0 &&
+                            reservoir.feature().size() == reservoir.feature_count();
+  features_ = Eigen::Map<const Eigen::VectorXd>(reservoir.feature().data(),
+                                                has_features ? reservoir.feature_count() : 0);
+  TickData data{.features = features_};
+  data.tick = tick.tick;
+  data.period_s = tick.period_s;
+  data.network = reservoir.network();
+  const std::size_t outputs = reservoir.output_count();
+  data.usable = has_features && outputs > 0 && inputs.command.fresh() && !command.stale() &&
+                inputs.actuator.fresh() && outputs <= state.joint_count() && outputs <= command.joint_count() &&
+                outputs <= actuator.joint_count();
+  data.positions_valid = inputs.actuator.fresh();
+  for (std::size_t j = 0; j < robot_.joints.size(); ++j) {
+    data.position_rad[j] = state.position_rad()[j];
+    data.motor_position_rad[j] = actuator.motor_position_rad()[j];
+    data.drive_torque_Nm[j] = DriveTorque(j, actuator, command);
+    const int joint = static_cast<int>(j);
+    data.measured.Set(esn::Signal::kChamberPressure, joint, actuator.chamber_pressure_bar()[j]);
+    data.measured.Set(esn::Signal::kLoadForce, joint, actuator.load_force_N()[j]);
+    data.measured.Set(esn::Signal::kPayload, joint, actuator.declared_payload_kg()[j]);
+    data.measured.Set(esn::Signal::kTemperature, joint, actuator.motor_temperature_degC()[j]);
+    const bool valid = state.valid()[j] && actuator.valid()[j];
+    if (j < outputs) {
+      data.usable = data.usable && valid && command.mode()[j] == msg::COMMAND_TORQUE;
+      if (!measured && !std::isfinite(command.motor_torque_Nm()[j])) data.usable = false;
+    }
+    data.positions_valid = data.positions_valid && valid;
   }
-  return true;
+  return data;
 }
 
 Outputs Adaptation::Step(const Inputs& inputs, const node::Tick& tick) {
   if (session_id_ != tick.session_id) {
     session_id_ = tick.session_id;
+    equation_.Reset();
     adapter_.Reset();
     updates_ = 0;
   }
   const msg::JointState& state = inputs.state.value();
-  const msg::ReservoirState& reservoir = inputs.reservoir.value();
-  const int outputs = reservoir.output_count();
-  const bool has_features = inputs.reservoir.fresh() && reservoir.feature_count() > 0 &&
-                            reservoir.feature().size() == reservoir.feature_count();
-  features_ = Eigen::Map<const Eigen::VectorXd>(reservoir.feature().data(),
-                                                has_features ? reservoir.feature_count() : 0);
-  double fastest = 0.0;
+  double fastest_rad_s = 0.0;
   for (std::size_t j = 0; j < std::min<std::size_t>(state.joint_count(), state.velocity_rad_s().size()); ++j) {
-    fastest = std::max(fastest, std::abs(state.velocity_rad_s()[j]));
+    fastest_rad_s = std::max(fastest_rad_s, std::abs(state.velocity_rad_s()[j]));
   }
-  const bool usable = has_features && outputs > 0 && Target(inputs, outputs);
-  const Frozen frozen = adapter_.Step({.armed = state.robot_state() == msg::ROBOT_ARMED,
-                                       .usable = usable,
-                                       .fastest_velocity_rad_s = fastest,
-                                       .period_s = tick.period_s,
-                                       .network = reservoir.network(),
-                                       .features = features_,
-                                       .target_Nm = target_Nm_});
+  const std::optional<TargetEquation::Sample> sample = equation_.Push(Read(inputs, tick));
+  const Eigen::VectorXd empty;
+  const Eigen::Ref<const Eigen::VectorXd> none(empty);
+  const Frozen frozen = adapter_.Step(
+      {.armed = state.robot_state() == msg::ROBOT_ARMED,
+       .usable = sample.has_value(),
+       .fastest_velocity_rad_s = sample ? std::max(fastest_rad_s, sample->fastest_velocity_rad_s) : fastest_rad_s,
+       .period_s = tick.period_s,
+       .network = sample ? sample->network : 0,
+       .features = sample ? sample->features : none,
+       .target_Nm = sample ? sample->target_Nm : none});
   if (frozen == Frozen::kNo) ++updates_;
 
   const int network = adapter_.network();

@@ -40,14 +40,14 @@ class Adaptation {
   std::uint64_t updates() const { return updates_; }
 
  private:
-  bool Target(const Inputs& inputs, int outputs);
+  TickData Read(const Inputs& inputs, const node::Tick& tick);
   double DriveTorque(std::size_t joint, const msg::ActuatorState& actuator, const msg::JointCommand& command) const;
 
   actuator::RobotModel robot_;
-  TargetKind target_kind_;
+  TorqueFrom torque_from_;
+  TargetEquation equation_;
   Adapter adapter_;
   Eigen::VectorXd features_;
-  Eigen::VectorXd target_Nm_;
   std::uint64_t session_id_ = 0;
   std::uint64_t updates_ = 0;
 };

@@ -64,21 +64,16 @@ TEST(VirtualCan, FrameArrivesAtAllOthersAndNotAtItsSender) {
   const std::string path = Path("all");
   const RunningBus bus(path);
   VirtualCan a({path}), b({path}), c({path});
-  // Joining is known to the server once it has answered: a frame in each direction makes sure.
   const Frame frame = Data(0x123, {1, 2, 3});
   Received received;
-  while (!b.Receive(milliseconds(0), &received)) {
-    ASSERT_EQ(a.Send(frame), SendStatus::kOk);
-    if (b.Receive(milliseconds(20), &received)) break;
-  }
+  ASSERT_EQ(a.Send(frame), SendStatus::kOk);
+  ASSERT_TRUE(b.Receive(seconds(5), &received));
   EXPECT_EQ(received.frame, frame);
   ASSERT_TRUE(c.Receive(seconds(5), &received));
   EXPECT_EQ(received.frame, frame);
   EXPECT_LE(received.stamp_ns, c.now_ns());
   EXPECT_GT(received.stamp_ns, c.now_ns() - 5'000'000'000);
   EXPECT_FALSE(a.Receive(milliseconds(0), &received));
-  while (c.counters().received < a.counters().sent && c.Receive(seconds(5), &received)) {
-  }
   EXPECT_EQ(c.bitrate_bit_s(), 1e6);
   EXPECT_EQ(c.counters().received, a.counters().sent);
   EXPECT_EQ(c.counters().wire_bits, a.counters().wire_bits);
@@ -90,14 +85,6 @@ TEST(VirtualCan, FiltersLetOnlyTheWantedIdentifiersThrough) {
   VirtualCan a({path});
   VirtualCan b({path, {{0x60, 0x7E0, false}}});  // node 3
   Received received;
-  bool joined = false;
-  for (int i = 0; i < 250 && !joined; ++i) {
-    (void)a.Send(Encode(3, Heartbeat{}));
-    joined = b.Receive(milliseconds(20), &received);
-  }
-  ASSERT_TRUE(joined);
-  while (b.Receive(milliseconds(20), &received)) {
-  }
   ASSERT_EQ(a.Send(Encode(4, Heartbeat{})), SendStatus::kOk);
   ASSERT_EQ(a.Send(Encode(3, Iq{1, 2})), SendStatus::kOk);
   ASSERT_TRUE(b.Receive(seconds(5), &received));
@@ -109,14 +96,6 @@ TEST(VirtualCan, FramesKeepTheirDistanceInBitTimes) {
   const RunningBus bus(path, {.bitrate_bit_s = 125e3});
   VirtualCan a({path}), b({path});
   Received received;
-  bool joined = false;
-  for (int i = 0; i < 250 && !joined; ++i) {
-    (void)a.Send(Data(0x7FF, {}));
-    joined = b.Receive(milliseconds(20), &received);
-  }
-  ASSERT_TRUE(joined);
-  while (b.Receive(milliseconds(20), &received)) {
-  }
   const Frame frame = Data(0x100, {1, 2, 3, 4, 5, 6, 7, 8});
   for (int i = 0; i < 10; ++i) ASSERT_EQ(a.Send(frame), SendStatus::kOk);
   std::int64_t last = 0;

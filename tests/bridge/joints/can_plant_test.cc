@@ -84,6 +84,11 @@ class Bench {
   }
 
   void Start() {
+    Prepare();
+    plant->Reset(&sensors);
+  }
+  // All but hearing the axes for the first time.
+  void Prepare() {
     std::vector<can::Transport*> bridge_ends, axes_ends;
     for (std::size_t b = 0; b < buses.size(); ++b) {
       ends.push_back(buses[b]->Join("bridge", CanPlant::Filters(config, static_cast<int>(b))));
@@ -96,7 +101,6 @@ class Bench {
     buses[0]->AddAgent([this] { return axes->next_ns(); },
                        [this](std::int64_t now) { RunAxes(now); });
     plant = std::make_unique<CanPlant>(config, bridge_ends);
-    plant->Reset(&sensors);
   }
   // One cycle of the provider.
   void Step() {
@@ -398,6 +402,24 @@ TEST(CanPlant, SilentAxisIsNotValidAfterTwentyMillisecondsAndAFaultAfterSixty) {
   EXPECT_GT(bench.sensors.age_us[0], 60'000);
 }
 
+TEST(CanPlant, BusThatIsOffIsNamedInTheFault) {
+  Bench bench({.output_nodes = false});
+  bench.Start();
+  bench.Steps(5);
+  // An impostor with the bridge's identifiers and other content, until both are bus-off.
+  const auto impostor = bench.buses[0]->Join("impostor");
+  for (int i = 0; i < 600 && bench.plant->fault(0) == FaultKind::kNone; ++i) {
+    (void)impostor->Send(can::Trim(can::Encode(1, can::SetInputTorque{0.5})));
+    bench.Step();
+  }
+  EXPECT_EQ(bench.plant->fault(0), FaultKind::kEstimatesLost);
+  EXPECT_NE(bench.sensors.message.find("bus 'bridge' is bus-off"), std::string::npos)
+      << bench.sensors.message;
+  EXPECT_FALSE(bench.plant->bus_report()->up[0]);
+  EXPECT_GT(bench.plant->bus_report()->error_frames[0], 0U);
+  EXPECT_EQ(bench.rotors.angle_rad[0], 0.0);
+}
+
 TEST(CanPlant, LostHeartbeatIsAFaultEvenWhereEstimatesStillCome) {
   Bench bench;
   bench.axes_config.axes[0].rates.heartbeat_ms = 2000;  // one at the start, the next too late
@@ -482,6 +504,31 @@ TEST(CanPlant, MissingAxisIsNamedAtTheStart) {
     EXPECT_NE(text.find("node 9"), std::string::npos) << text;
     EXPECT_NE(text.find("5.0 s"), std::string::npos) << text;
   }
+}
+
+TEST(CanPlant, FramesFromBeforeTheStartAreNotTakenForNews) {
+  Bench bench;
+  bench.Prepare();
+  bench.buses[0]->AdvanceTo(253 * kMs_ns);  // heartbeats and estimates wait in the bridge's socket
+  bench.axes->Silence(0, true);
+  EXPECT_THROW(bench.plant->Reset(&bench.sensors), std::runtime_error);
+}
+
+TEST(CanPlant, HeartbeatThatCrossedTheClearingIsNoNewFault) {
+  Bench bench;
+  bench.Start();
+  bench.Steps(10);
+  const auto axis = bench.buses[0]->Join("axis");
+  const can::Frame error =
+      can::Encode(1, can::Heartbeat{can::axis_error::kWatchdogTimerExpired, can::AxisState::kIdle});
+  bench.plant->ClearFault();
+  ASSERT_EQ(axis->Send(error), can::SendStatus::kOk);  // before the axis took Clear_Errors
+  bench.Steps(2);
+  EXPECT_FALSE(bench.sensors.fault) << bench.sensors.message;
+  bench.Steps(3);
+  ASSERT_EQ(axis->Send(error), can::SendStatus::kOk);  // after it
+  bench.Steps(2);
+  EXPECT_TRUE(bench.sensors.fault);
 }
 
 TEST(CanPlant, ErrorsFromBeforeTheStartAreCleared) {

@@ -12,6 +12,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <memory>
@@ -267,6 +268,25 @@ TEST(CanBridgeSystem, KilledBridgeLeavesTheMotorIdleByTheControllersWatchdog) {
   EXPECT_NEAR(rig.last().torque_Nm()[0], 0.0, 0.3) << "noise of the current sensor, times the gear";
   EXPECT_NE(ReadText(rig.log()).find(" 061#00080000"), std::string::npos)
       << "the axis told the expiry of its watchdog";
+}
+
+// The whole deployment: the control test of the rig through frames. Domain 94.
+TEST(CanBridgeSystem, DeploymentOfTheRigBehindCanRunsToItsEnd) {
+  const testing::TemporaryFolder folder;
+  const std::string recording = (folder.path() / "run.mcap").string();
+  // A runtime folder of its own: the bus is found there by name.
+  const testing::Finished run =
+      testing::Run({"/usr/bin/env", "XDG_RUNTIME_DIR=" + folder.path().string(),
+                    std::string(SINEW_BIN_DIR) + "/sinew", "launch",
+                    std::string(SINEW_SOURCE_DIR) + "/robots/rig/deploy_can.yaml", "--set",
+                    "domain_id=94", "--set", "duration_s=4", "--record", recording},
+                   seconds(50));
+  EXPECT_EQ(run.exit_code, 0) << run.output << run.error;
+  const std::string text = run.output + run.error;
+  EXPECT_NE(text.find("armed"), std::string::npos) << text;
+  EXPECT_NE(text.find("959 ticks"), std::string::npos) << text;
+  EXPECT_NE(text.find("0 dropped, 0 error frames"), std::string::npos) << text;
+  EXPECT_GT(std::filesystem::file_size(recording), 10'000U);
 }
 
 struct BadFile {

@@ -56,6 +56,8 @@ TEST(Predictor, OneNetworkCountsInEveryRegime) {
     const Prediction p = predictor.Step(At(0.1), regime);
     EXPECT_TRUE(p.valid[0]);
     EXPECT_EQ(p.torque_Nm[0], -2.5);
+    EXPECT_EQ(p.sea_torque_Nm[0], -2.5);
+    EXPECT_EQ(p.pea_torque_Nm[0], -2.5);
     EXPECT_EQ(p.chosen, Which::kPea);
   }
 }

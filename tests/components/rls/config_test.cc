@@ -99,9 +99,10 @@ TEST_F(LearningConfig, EsnNamesEveryMistake) {
 TEST_F(LearningConfig, RlsReadsItsFigures) {
   const rls::RlsConfig config = rls::LoadRlsConfig(
       Write("schema: sinew-rls-participant/1\npea_weights: pea.json\n" + kModel +
-            "target: command\nforgetting: 0.995\nprior_precision: 0.1\nclip_sigmas: 0\ninitial_innovation_Nm: 0.2\n"
+            "torque_from: command\ncarry_over: false\nforgetting: 0.995\nprior_precision: 0.1\nclip_sigmas: 0\ninitial_innovation_Nm: 0.2\n"
             "slowest_velocity_rad_s: 0.1\nstill_after_s: 0.5\n"));
-  EXPECT_EQ(config.target, rls::TargetKind::kCommand);
+  EXPECT_EQ(config.torque_from, rls::TorqueFrom::kCommand);
+  EXPECT_FALSE(config.target.carry_over);
   EXPECT_EQ(config.adapter.rls.forgetting, 0.995);
   EXPECT_EQ(config.adapter.rls.prior_precision, 0.1);
   EXPECT_EQ(config.adapter.rls.clip_sigmas, 0.0);

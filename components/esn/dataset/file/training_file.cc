@@ -28,6 +28,7 @@ NetworkPlan ReadNetwork(const config::Section& s, double rate_Hz) {
   if (data.inputs.empty()) s.Fail("inputs", "missing, expected a list of " + std::string(SignalNames()));
   data.period_s = 1.0 / rate_Hz;
   data.smoothing_Hz = s.NumberOr("smoothing_Hz", data.smoothing_Hz, config::kPositive);
+  data.derivatives_from_motor = s.ChoiceOr("derivatives_from", "output", {"output", "motor"}) == "motor";
   if (s.BoolOr("play_centre_from_data", false)) {
     data.play_centre_rad.reset();
   } else {

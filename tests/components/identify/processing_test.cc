@@ -1,0 +1,126 @@
+#include "components/identify/processing.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/components/identify/synthetic.h"
+
+namespace sinew::identify {
+namespace {
+
+TEST(Processing, DerivativesOfASineAreItsClosedForm) {
+  const actuator::JointModel model = SyntheticModel();
+  identify::Run run = SyntheticRun(model, {});
+  const double w = 2.0 * M_PI * 0.5;
+  for (Eigen::Index i = 0; i < run.size(); ++i)
+    run.signals[Signal::kPosition][i] = std::sin(w * run.time_s[i]);
+  const StateSet states = MakeStates({run}, model, SyntheticProcessing());
+  ASSERT_EQ(states.segments.size(), 1u);
+  const StateSegment& segment = states.segments[0];
+  for (Eigen::Index i = 400; i < segment.size() - 400; i += 7) {
+    const effects::JointSample& x = segment.samples[static_cast<std::size_t>(i)];
+    EXPECT_NEAR(x.velocity_rad_s, w * std::cos(w * x.time_s), 1e-6 * w);
+    EXPECT_NEAR(x.acceleration_rad_s2, -w * w * std::sin(w * x.time_s), 1e-6 * w * w);
+    EXPECT_NEAR(x.jerk_rad_s3, -w * w * w * std::cos(w * x.time_s), 1e-5 * w * w * w);
+  }
+}
+
+TEST(Processing, RestReversalsBordersAndHolesAreNotUsed) {
+  const actuator::JointModel model = SyntheticModel();
+  identify::Run run = SyntheticRun(model, {});
+  for (Eigen::Index i = 4000; i < 5000; ++i)
+    run.signals[Signal::kPosition][i] = run.signals[Signal::kPosition][4000];
+  ProcessingOptions options = SyntheticProcessing();
+  options.border_s = 1.0;
+  const StateSet states = MakeStates({run}, model, options);
+  const StateSegment& segment = states.segments[0];
+  for (Eigen::Index i = 0; i < segment.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (i < 200 || i >= segment.size() - 200) EXPECT_FALSE(segment.usable[k]);
+    if (i > 4100 && i < 4900) EXPECT_FALSE(segment.usable[k]) << i;
+    if (std::abs(segment.samples[k].velocity_rad_s) < options.rest_velocity)
+      EXPECT_FALSE(segment.usable[k]);
+  }
+  // The guard: nothing within 0.05 s of a slow sample.
+  for (Eigen::Index i = 10; i + 10 < segment.size(); ++i) {
+    if (!segment.at_rest[static_cast<std::size_t>(i)]) continue;
+    for (Eigen::Index k = i - 10; k <= i + 10; ++k)
+      EXPECT_FALSE(segment.usable[static_cast<std::size_t>(k)]);
+  }
+}
+
+TEST(Processing, SettleDistanceKeepsPreslidingOut) {
+  const actuator::JointModel model = SyntheticModel();
+  const identify::Run run = SyntheticRun(model, {});
+  ProcessingOptions options = SyntheticProcessing();
+  options.settle_distance = 0.05;
+  const StateSegment segment = MakeStates({run}, model, options).segments[0];
+  double covered = 0.0;
+  for (std::size_t i = 0; i < segment.samples.size(); ++i) {
+    covered = segment.at_rest[i]
+                  ? 0.0
+                  : covered + std::abs(segment.samples[i].velocity_rad_s) * segment.period_s;
+    if (covered < 0.05) EXPECT_FALSE(segment.usable[i]);
+  }
+}
+
+TEST(Processing, TheDriveOfAModelIsNamed) {
+  actuator::JointModel model = SyntheticModel();
+  EXPECT_EQ(DriveSignal(model), Signal::kMotorCurrent);
+  model.terms[0] = actuator::MakeTerm("drive_voltage", model.constants);
+  EXPECT_EQ(DriveSignal(model), Signal::kDriveVoltage);
+  model.terms.push_back(actuator::MakeTerm("drive_current", model.constants));
+  EXPECT_THROW(DriveSignal(model), std::invalid_argument);
+  model.terms.clear();
+  EXPECT_THROW(DriveSignal(model), std::invalid_argument);
+}
+
+TEST(Processing, MissingSignalsAndWrongKindsAreRefused) {
+  const actuator::JointModel model = SyntheticModel();
+  identify::Run run = SyntheticRun(model, {.duration_s = 5.0});
+  identify::Run no_current = run;
+  no_current.signals.erase(Signal::kMotorCurrent);
+  EXPECT_THROW(MakeStates({no_current}, model, SyntheticProcessing()), std::invalid_argument);
+  identify::Run no_position = run;
+  no_position.signals.erase(Signal::kPosition);
+  EXPECT_THROW(MakeStates({no_position}, model, SyntheticProcessing()), std::invalid_argument);
+  identify::Run no_force = run;
+  no_force.signals.erase(Signal::kLoadForce);  // a term of the model reads it
+  EXPECT_THROW(MakeStates({no_force}, model, SyntheticProcessing()), std::invalid_argument);
+  identify::Run linear = run;
+  linear.kind = effects::JointKind::kLinear;
+  EXPECT_THROW(MakeStates({linear}, model, SyntheticProcessing()), std::invalid_argument);
+  EXPECT_THROW(MakeStates({}, model, SyntheticProcessing()), std::invalid_argument);
+}
+
+TEST(Processing, OnlyWhatEveryRecordingHasCounts) {
+  actuator::JointModel model = SyntheticModel();
+  model.terms.pop_back();  // no term reads the load cell
+  identify::Run with = SyntheticRun(model, {.duration_s = 5.0});
+  identify::Run without = with;
+  without.signals.erase(Signal::kLoadForce);
+  EXPECT_EQ(MakeStates({with}, model, SyntheticProcessing()).measured.count("load_force_N"), 1u);
+  EXPECT_EQ(
+      MakeStates({with, without}, model, SyntheticProcessing()).measured.count("load_force_N"), 0u);
+  // A rigid gear tells the motor's velocity, free play does not.
+  EXPECT_EQ(MakeStates({with}, model, SyntheticProcessing()).measured.count("motor_velocity_rad_s"),
+            1u);
+  actuator::JointModel loose = model;
+  loose.backlash_rad = 0.04;
+  EXPECT_EQ(MakeStates({with}, loose, SyntheticProcessing()).measured.count("motor_velocity_rad_s"),
+            0u);
+}
+
+TEST(Processing, OptionsLeftOpenComeFromTheData) {
+  const identify::Run run = SyntheticRun(SyntheticModel(), {});
+  const ProcessingOptions options = Resolve({}, {run});
+  EXPECT_GT(options.state_cutoff_Hz, 1.5);  // above the motion
+  EXPECT_LE(options.state_cutoff_Hz, 50.0);
+  EXPECT_DOUBLE_EQ(options.parallel_cutoff_Hz, 0.25 * options.state_cutoff_Hz);
+  EXPECT_GT(options.rest_velocity, 0.0);
+  EXPECT_DOUBLE_EQ(Resolve(SyntheticProcessing(), {run}).state_cutoff_Hz, 30.0);
+}
+
+}  // namespace
+}  // namespace sinew::identify

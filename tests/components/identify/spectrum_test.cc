@@ -1,0 +1,61 @@
+#include "components/identify/spectrum.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace sinew::identify {
+namespace {
+
+TEST(Spectrum, TransformAgreesWithItsDefinition) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  std::vector<std::complex<double>> x(16);
+  for (auto& value : x) value = {normal(random), normal(random)};
+  std::vector<std::complex<double>> fast = x;
+  FourierTransform(fast);
+  for (std::size_t k = 0; k < 16; ++k) {
+    std::complex<double> sum = 0.0;
+    for (std::size_t n = 0; n < 16; ++n) {
+      sum += x[n] * std::polar(1.0, -2.0 * M_PI * static_cast<double>(k * n) / 16.0);
+    }
+    EXPECT_NEAR(std::abs(fast[k] - sum), 0.0, 1e-12);
+  }
+}
+
+TEST(Spectrum, TransformRefusesOtherSizes) {
+  std::vector<std::complex<double>> x(12);
+  EXPECT_THROW(FourierTransform(x), std::invalid_argument);
+}
+
+TEST(Spectrum, DensityIntegratesToTheVariance) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal(2.0, 3.0);
+  Eigen::VectorXd x(65536);
+  for (double& value : x) value = normal(random);
+  const Spectrum spectrum = PowerDensity(x, 200.0, 512);
+  const double df = spectrum.frequency_Hz[1];
+  EXPECT_NEAR(spectrum.density.sum() * df, 9.0, 0.2);  // 256 pieces: 1 % of noise, Hann edges
+}
+
+TEST(Spectrum, BandEndsWhereMotionSinksIntoNoise) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal(0.0, 1e-4);
+  Eigen::VectorXd x(8192);
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    const double t = static_cast<double>(i) / 100.0;
+    x[i] = std::sin(2.0 * M_PI * 1.0 * t) + normal(random);
+  }
+  const double band_Hz = BandAboveNoise(x, 100.0);
+  EXPECT_GT(band_Hz, 1.0);
+  EXPECT_LT(band_Hz, 12.0);
+}
+
+TEST(Spectrum, ShortInputHasNoSpectrum) {
+  EXPECT_EQ(PowerDensity(Eigen::VectorXd::Zero(7), 10.0).density.size(), 0);
+  EXPECT_EQ(BandAboveNoise(Eigen::VectorXd::Zero(7), 10.0), 0.0);
+}
+
+}  // namespace
+}  // namespace sinew::identify
