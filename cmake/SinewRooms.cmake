@@ -26,6 +26,8 @@ function(sinew_add_room name)
   set_property(GLOBAL APPEND PROPERTY SINEW_ROOMS sinew_${name})
 endfunction()
 
+add_custom_target(programs)
+
 function(sinew_add_program target binary)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
   add_executable(${target} ${ARG_SOURCES})
@@ -34,6 +36,7 @@ function(sinew_add_program target binary)
   target_link_libraries(${target} PRIVATE ${ARG_DEPENDS} sinew_flags)
   install(TARGETS ${target} RUNTIME)
   set_property(GLOBAL APPEND PROPERTY SINEW_PROGRAMS ${target})
+  add_dependencies(programs ${target})
 endfunction()
 
 function(sinew_add_participant name)

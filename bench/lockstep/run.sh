@@ -11,20 +11,18 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 for run in $(seq "$repeats"); do
-  "$bin/sinew" launch "$root/robots/rig/deploy_rig_full.yaml" --set mode=lockstep --duration "$seconds" \
+  "$bin/sinew" launch "$root/robots/rig/deploy_rig.yaml" --set mode=lockstep --duration "$seconds" \
     --domain 230 --record "$work/run.mcap" >"$work/log" 2>&1 || { cat "$work/log"; exit 1; }
   grep -o '[0-9.]* s in [0-9.]* s ([0-9.]* x real time)' "$work/log" | sed "s/^/run $run: /"
 done
 echo "resident memory at the end:"
-"$bin/sinew" echo component_status --recording "$work/run.mcap" --json |
+"$bin/sinew" echo component_status --from "$work/run.mcap" --json |
   python3 -c '
 import json, sys
 resident = {}
 for line in sys.stdin:
     status = json.loads(line)
-    message = status.get("message", status)
-    message = status.get("value", status) if not isinstance(message, dict) else message
-    resident[message["name"]] = message["resident_MB"]
+    resident[status["name"]] = status["resident_MB"]
 for name, megabytes in sorted(resident.items()):
     print(f"  {name:12} {megabytes:6.1f} MB")
 total = sum(resident.values())

@@ -195,12 +195,18 @@ double JointController::FeedForward(const JointInput& input, const Point& target
     m.actuator_valid = input.measured->actuator_valid;
     wanted_Nm = compensator_->Step(target, m, input.period_s);
   } else if (config_.strategy == Strategy::kPidEsn && aim_ == Aim::kReference &&
-             input.reference_fresh && input.prediction_fresh && input.prediction.valid &&
-             input.regime != Regime::kUnknown) {
-    const bool sea = input.regime == Regime::kSea;
-    source = sea ? 2 : 3;
-    wanted_Nm = config_.shaft_per_output *
-                (sea ? input.prediction.sea_torque_Nm : input.prediction.pea_torque_Nm);
+             input.reference_fresh && input.prediction_fresh && input.prediction.valid) {
+    const JointPrediction& prediction = input.prediction;
+    if (!config_.by_regime) {
+      source = 4;
+      wanted_Nm = config_.shaft_per_output * prediction.torque_Nm;
+    } else if (input.regime == Regime::kSea) {
+      source = 2;
+      wanted_Nm = config_.shaft_per_output * prediction.sea_torque_Nm;
+    } else if (input.regime == Regime::kPea) {
+      source = 3;
+      wanted_Nm = config_.shaft_per_output * prediction.pea_torque_Nm;
+    }
   }
   if (source != source_) {
     fade_Nm_ = feed_forward_Nm_ - wanted_Nm;
@@ -323,7 +329,8 @@ JointController::Result JointController::Step(const JointInput& input) noexcept 
   }
   if (config_.strategy == Strategy::kPidEsn && input.prediction_fresh && input.prediction.valid &&
       !(std::isfinite(input.prediction.sea_torque_Nm) &&
-        std::isfinite(input.prediction.pea_torque_Nm))) {
+        std::isfinite(input.prediction.pea_torque_Nm) &&
+        std::isfinite(input.prediction.torque_Nm))) {
     now.prediction.valid = false;
     result.fault = Fault::kNonFinitePrediction;
     result.stale = true;

@@ -39,6 +39,7 @@ struct JointControlConfig {
   VelocityFrom velocity_from = VelocityFrom::kOutput;
   std::optional<actuator::JointModel> model;  // needed by kPidLinear
   CompensatorConfig compensator;              // kPidLinear only
+  bool by_regime = true;  // kPidEsn: SEA or PEA by regime; else the predictor's own choice
   double gear_ratio = 1.0;
   double shaft_per_output = 1.0;       // 1 / (N efficiency)
   double motor_torque_limit_Nm = 0.0;  // more than 0
@@ -112,7 +113,7 @@ class JointController {
   double last_position_rad_ = 0.0;
   bool last_position_known_ = false;
   JointMeasurement last_actuator_;  // last valid
-  int source_ = 0;                  // of the feed-forward: 0 none, 1 model, 2 SEA, 3 PEA
+  int source_ = 0;                  // of the feed-forward: 0 none, 1 model, 2 SEA, 3 PEA, 4 network
   double feed_forward_Nm_ = 0.0;    // applied in the last tick
   double fade_Nm_ = 0.0;
 };

@@ -49,8 +49,10 @@ RobotOutput RobotController::Step(const RobotInput& input) noexcept {
     output.joint[j] = result.output;
     output.stale = output.stale || result.stale;
     const bool esn = joints_[j].config().strategy == Strategy::kPidEsn;
-    if (esn && joint.reference_expected && !(input.prediction_fresh && input.regime_fresh))
+    const bool regime_known = input.regime_fresh || !joints_[j].config().by_regime;
+    if (esn && joint.reference_expected && !(input.prediction_fresh && regime_known)) {
       output.stale = true;
+    }
     if (result.fault != Fault::kNone &&
         (output.fault == Fault::kNone || result.fault <= Fault::kLastLatched)) {
       output.fault = result.fault;

@@ -37,6 +37,7 @@ struct JointPrediction {
   bool valid = false;
   double sea_torque_Nm = 0.0;
   double pea_torque_Nm = 0.0;
+  double torque_Nm = 0.0;  // of the network that the predictor chose
 };
 
 struct MotionOrder {

@@ -15,7 +15,11 @@ std::vector<Eigen::Index> Rows::UsedRows() const {
 }
 
 Design::Design(StateSet states, const ProcessingOptions& options)
-    : states_(std::move(states)), options_(options), rows_per_s_(4.0 * options.parallel_cutoff_Hz) {
+    : states_(std::move(states)), options_(options) {
+  if (!states_.segments.empty()) {
+    const StateSegment& first = states_.segments.front();
+    rows_per_s_ = 1.0 / (first.period_s * static_cast<double>(Step(first)));
+  }
   std::vector<double> time;
   for (std::size_t s = 0; s < states_.segments.size(); ++s) {
     const StateSegment& segment = states_.segments[s];
@@ -35,7 +39,8 @@ Design::Design(StateSet states, const ProcessingOptions& options)
 
 Eigen::Index Design::Step(const StateSegment& segment) const {
   return std::max<Eigen::Index>(
-      1, static_cast<Eigen::Index>(std::floor(1.0 / (segment.period_s * rows_per_s_) + 1e-9)));
+      1, static_cast<Eigen::Index>(
+             std::floor(0.25 / (segment.period_s * options_.parallel_cutoff_Hz) + 1e-9)));
 }
 
 Eigen::Index Design::Thin(const StateSegment& segment, const Eigen::VectorXd& full,

@@ -31,7 +31,7 @@ class Design {
   const Rows& rows() const { return rows_; }
   const StateSet& states() const { return states_; }
   const ProcessingOptions& options() const { return options_; }
-  double rows_per_s() const { return rows_per_s_; }
+  double rows_per_s() const { return rows_per_s_; }  // of the first piece
 
   // phi of an effect, a column per linear parameter.
   Eigen::MatrixXd Columns(const effects::Effect& effect, std::span<const double> psi) const;
@@ -76,7 +76,7 @@ class Design {
 
   StateSet states_;
   ProcessingOptions options_;
-  double rows_per_s_;
+  double rows_per_s_ = 1.0;
   Rows rows_;
 };
 

@@ -231,6 +231,15 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
       out.segments.push_back(std::move(segment));
     }
   }
+  for (const actuator::Term& term : model.terms) {
+    const effects::EffectInfo& info = term.effect->info();
+    for (const std::string& field : info.needs) {
+      if (out.measured.count(field) != 0) continue;
+      throw std::invalid_argument("recording " + runs.front().name + " does not give '" + field +
+                                  "', which the term '" + info.name + "' of joint '" + model.name +
+                                  "' reads");
+    }
+  }
   return out;
 }
 

@@ -111,7 +111,7 @@ ShiftReport FindShifts(const identify::Design& design, const actuator::JointMode
       // Shares the direction when this parameter carries a good part of what it would shift.
       double largest = 0.0;
       for (const double value : direction.per_theta) largest = std::max(largest, std::abs(value));
-      if (largest > 0.0 && std::abs(direction.per_theta[j]) > 0.3 * largest) {
+      if (largest > 0.0 && std::abs(direction.per_theta[j]) > 0.05 * largest) {
         shift.causes.push_back(direction.candidate->name());
       }
     }

@@ -31,7 +31,8 @@ TEST(Lockstep, TwoRunsWithOneSeedGiveIdenticalPayloadsPerTopic) {
   const auto first = RunRig(folder.path() / "first.mcap", 140, 7);
   const auto second = RunRig(folder.path() / "second.mcap", 141, 7);
   for (const char* topic : {"joint_state", "actuator_state", "joint_command", "valve_command",
-                            "pneumatic_state", "regime", "reference"}) {
+                            "pneumatic_state", "regime", "reference", "torque_prediction",
+                            "reservoir_state", "readout", "adaptation_state"}) {
     ASSERT_EQ(first.count(topic), 1u) << topic;
     EXPECT_EQ(first.at(topic).size(), kTicks) << topic;
   }
@@ -54,9 +55,9 @@ TEST(Lockstep, AnotherSeedGivesOtherMeasurements) {
 TEST(Lockstep, AMissingReplyEndsTheSessionAndIsNamed) {
   const Finished run =
       testing::Run({SINEW_BIN_DIR "/sinew-surrogate", "--config",
-           SINEW_SOURCE_DIR "/robots/rig/surrogate.yaml", "--lockstep", "--domain", "144",
-           "--duration", "1", "--await", "joint_command", "--await-timeout", "1"},
-          30s);
+                    SINEW_SOURCE_DIR "/robots/rig/surrogate.yaml", "--lockstep", "--domain", "144",
+                    "--duration", "1", "--await", "joint_command", "--await-timeout", "1"},
+                   30s);
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_NE(run.error.find("no joint_command for tick 0 within 1 s"), std::string::npos)
       << run.error;

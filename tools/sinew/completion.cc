@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <functional>
 #include <iostream>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -46,11 +47,13 @@ std::vector<std::string> Choices(const std::string& type_name) {
   return words;
 }
 
-bool NamesFile(const std::string& type_name) {
-  for (const char* mark : {"FILE", "DIR", "PATH"}) {
-    if (type_name.find(mark) != std::string::npos) return true;
-  }
-  return false;
+// By its type, or by what its help says of the value.
+bool NamesFile(const CLI::Option& option) {
+  static const std::regex kType("FILE|DIR|PATH");
+  static const std::regex kHelp("\\b(file|files|folder|recordings?|CSV|MCAP|URDF)\\b",
+                                std::regex::icase);
+  return std::regex_search(option.get_type_name(), kType) ||
+         std::regex_search(option.get_description(), kHelp);
 }
 
 Command Describe(const CLI::App& app, const std::string& path) {
@@ -66,7 +69,7 @@ Command Describe(const CLI::App& app, const std::string& path) {
     word.description = FirstLine(option->get_description());
     word.takes_value = option->get_items_expected_max() > 0;
     word.choices = Choices(option->get_type_name());
-    word.is_file = word.choices.empty() && NamesFile(option->get_type_name());
+    word.is_file = word.takes_value && word.choices.empty() && NamesFile(*option);
     (word.names.empty() ? command.positionals : command.options).push_back(std::move(word));
   }
   for (const CLI::App* child : app.get_subcommands([](const CLI::App*) { return true; })) {

@@ -135,7 +135,9 @@ void AddLaunchCommand(CLI::App& app) {
   command->add_option("--duration", options->duration, "Length of the session in s, 0: no end")
       ->type_name("SECONDS");
   command->add_option("--seed", options->seed, "Seed of everything random")->type_name("NUMBER");
-  command->add_option("--domain", options->domain, "DDS domain, 0 to 232")->type_name("NUMBER");
+  command->add_option("--domain", options->domain, "DDS domain, 0 to 232")
+      ->envname("SINEW_DOMAIN")
+      ->type_name("NUMBER");
   command->add_option("--record", options->record, "Record to this file (adds a logger if needed)")
       ->type_name("FILE.mcap");
   command

@@ -143,6 +143,7 @@ JointControlConfig ReadJoint(const Section& s, std::size_t index,
         s.NumberOr("pressure_filter_Hz", joint.compensator.pressure_filter_Hz, kNotNegative);
     joint.compensator.lead_s = s.NumberOr("lead_s", joint.compensator.lead_s, {0.0, 0.1});
   }
+  if (joint.strategy == Strategy::kPidEsn) joint.by_regime = s.BoolOr("by_regime", true);
   joint.takeover_s = s.NumberOr("takeover_s", joint.takeover_s, kNotNegative);
   joint.crossfade_s = s.NumberOr("crossfade_s", joint.crossfade_s, kNotNegative);
   joint.tracking_error_limit_rad =
@@ -164,6 +165,12 @@ JointControlConfig ReadJoint(const Section& s, std::size_t index,
 bool ControlConfig::needs_prediction() const {
   return std::any_of(joints.begin(), joints.end(), [](const JointControlConfig& joint) {
     return joint.strategy == Strategy::kPidEsn;
+  });
+}
+
+bool ControlConfig::needs_regime() const {
+  return std::any_of(joints.begin(), joints.end(), [](const JointControlConfig& joint) {
+    return joint.strategy == Strategy::kPidEsn && joint.by_regime;
   });
 }
 

@@ -25,6 +25,7 @@ struct ControlConfig {
   int strength = 10;  // ownership of joint_command
 
   bool needs_prediction() const;  // a joint uses pid_esn
+  bool needs_regime() const;      // and chooses by regime
 };
 
 // model_path: takes the place of every joint's `model`; empty: as the file says.

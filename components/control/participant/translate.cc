@@ -62,8 +62,8 @@ ControlInputs::ControlInputs(node::Node& node, node::TickLoop& loop, const Contr
   if (!AllPosition(config) || motion) actuator_ = &loop.AddInput(node::kActuatorState);
   if (config.needs_prediction()) {
     prediction_ = &loop.AddInput(node::kTorquePrediction);
-    regime_ = &loop.AddInput(node::kRegime);
   }
+  if (config.needs_regime()) regime_ = &loop.AddInput(node::kRegime);
   if (motion) {
     const bool every_tick = config.motion_requests == MotionRequests::kEveryTick;
     motion_ = &loop.AddInput(node::kMotionRequest,
@@ -115,7 +115,7 @@ RobotInput ControlInputs::Gather(const node::Tick& tick) {
     input.prediction_fresh = prediction_->fresh() && !prediction.stale();
     for (std::size_t j = 0; j < prediction.joint_count(); ++j) {
       input.prediction[j] = {prediction.valid()[j], prediction.sea_torque_Nm()[j],
-                             prediction.pea_torque_Nm()[j]};
+                             prediction.pea_torque_Nm()[j], prediction.torque_Nm()[j]};
     }
   }
   if (regime_ != nullptr && regime_->has_value()) {

@@ -160,7 +160,7 @@ TEST(RobotController, NetworkIsChosenByRegimeAndAnUnknownRegimeLeavesItOut) {
   RobotInput input = Still(0.0);
   input.reference_count = 1;
   input.prediction_fresh = input.regime_fresh = true;
-  input.prediction[0] = {true, 1.0, -2.0};
+  input.prediction[0] = {true, 1.0, -2.0, 0.0};
   const auto settle = [&](Regime regime) {
     input.regime[0] = regime;
     double torque_Nm = 0.0, largest_step_Nm = 0.0;
@@ -184,19 +184,33 @@ TEST(RobotController, NetworkIsChosenByRegimeAndAnUnknownRegimeLeavesItOut) {
   EXPECT_NEAR(settle(Regime::kPea), 0.0, 1e-6);
 }
 
+TEST(RobotController, WithoutPlayThePredictionsOwnChoiceIsUsed) {
+  JointControlConfig config = RigConfig(Strategy::kPidEsn);
+  config.by_regime = false;
+  config.crossfade_s = 0.0;
+  RobotController controller({config});
+  RobotInput input = Still(0.0);
+  input.reference_count = 1;
+  input.prediction_fresh = true;
+  input.prediction[0] = {true, 1.0, -2.0, 0.5};
+  const RobotOutput out = controller.Step(input);
+  EXPECT_NEAR(out.joint[0].motor_torque_Nm, 0.5 * config.shaft_per_output, 1e-12);
+  EXPECT_FALSE(out.stale) << "no regime is needed";
+}
+
 TEST(RobotController, ANetworkThatGivesNoNumberIsLeftOutAndTold) {
   RobotController controller({RigConfig(Strategy::kPidEsn)});
   RobotInput input = Still(0.0);
   input.reference_count = 1;
   input.prediction_fresh = input.regime_fresh = true;
   input.regime[0] = Regime::kPea;
-  input.prediction[0] = {true, 0.0, kNaN};
+  input.prediction[0] = {true, 0.0, kNaN, 0.0};
   const RobotOutput out = controller.Step(input);
   EXPECT_EQ(out.fault, Fault::kNonFinitePrediction);
   EXPECT_TRUE(out.stale);
   EXPECT_EQ(out.joint[0].mode, CommandMode::kTorque);
   EXPECT_EQ(out.joint[0].motor_torque_Nm, 0.0);
-  input.prediction[0] = {true, 0.0, 0.0};
+  input.prediction[0] = {true, 0.0, 0.0, 0.0};
   EXPECT_EQ(controller.Step(input).fault, Fault::kNone) << "not latched";
 }
 
@@ -493,7 +507,7 @@ TEST(RobotController, AMillionStepsAllocateNothingAndStayBounded) {
       input.joint[0].position_rad = 0.45 * std::sin(phase - 0.1);
       input.joint[0].velocity_rad_s = 1.08 * std::cos(phase - 0.1);
       input.regime[0] = static_cast<Regime>((k / 1000) % 3);
-      input.prediction[0] = {true, std::cos(phase), std::sin(phase)};
+      input.prediction[0] = {true, std::cos(phase), std::sin(phase), 0.0};
       input.reference_fresh = k % 5000 > 10;
       input.motion[0].kind = k % 7000 > 6000 ? Motion::kHold : Motion::kNone;
       const RobotOutput out = controller.Step(input);

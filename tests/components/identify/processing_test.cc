@@ -85,6 +85,9 @@ TEST(Processing, MissingSignalsAndWrongKindsAreRefused) {
   identify::Run no_position = run;
   no_position.signals.erase(Signal::kPosition);
   EXPECT_THROW(MakeStates({no_position}, model, SyntheticProcessing()), std::invalid_argument);
+  identify::Run no_force = run;
+  no_force.signals.erase(Signal::kLoadForce);  // a term of the model reads it
+  EXPECT_THROW(MakeStates({no_force}, model, SyntheticProcessing()), std::invalid_argument);
   identify::Run linear = run;
   linear.kind = effects::JointKind::kLinear;
   EXPECT_THROW(MakeStates({linear}, model, SyntheticProcessing()), std::invalid_argument);
@@ -92,7 +95,8 @@ TEST(Processing, MissingSignalsAndWrongKindsAreRefused) {
 }
 
 TEST(Processing, OnlyWhatEveryRecordingHasCounts) {
-  const actuator::JointModel model = SyntheticModel();
+  actuator::JointModel model = SyntheticModel();
+  model.terms.pop_back();  // no term reads the load cell
   identify::Run with = SyntheticRun(model, {.duration_s = 5.0});
   identify::Run without = with;
   without.signals.erase(Signal::kLoadForce);

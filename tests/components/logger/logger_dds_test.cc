@@ -312,5 +312,40 @@ TEST_F(LoggerDds, RecordDoesWhatTheLoggerDoes) {
   EXPECT_EQ(recording::ReadRuns(copy).at(0).size(), 1000);
 }
 
+// Measured data of another rig: straight from its CSV files, and imported, replayed over DDS and
+// recorded.
+TEST_F(LoggerDds, ClosingTheLoopOnARecordingGivesTheFiguresOfTheFilesItCameFrom) {
+  const std::filesystem::path data = std::filesystem::path(SINEW_SHARED_DIR) / "data/emps";
+  if (!std::filesystem::exists(data)) GTEST_SKIP() << "no " << data << ": shared data is not here";
+  const std::string robot = std::string(SINEW_SOURCE_DIR) + "/robots/emps/";
+  std::vector<std::string> csv, copies;
+  for (const std::string name : {"DATA_EMPS", "DATA_EMPS_PULSES"}) {
+    csv.push_back((data / (name + ".csv")).string());
+    const std::string imported = Path(name + "_imported.mcap");
+    copies.push_back(Path(name + ".mcap"));
+    const Finished import = testing::Run(
+        {kBin + "sinew", "import", csv.back(), "--map", robot + "csv_map.yaml", "--out", imported});
+    ASSERT_EQ(import.exit_code, 0) << import.error;
+    Program logger({kBin + "sinew-logger", "--lockstep", "--domain", "30", "--out", copies.back()});
+    Program replay({kBin + "sinew", "replay", imported, "--lockstep", "--domain", "30"});
+    ASSERT_EQ(replay.Wait(90s), 0) << replay.error();
+    ASSERT_EQ(logger.Wait(30s), 0) << logger.error();
+  }
+  const auto close_loop = [&](const std::vector<std::string>& files, const std::string& out) {
+    const Finished run = testing::Run(
+        {kBin + "sinew", "close-loop", "--model", robot + "model.yaml", "--map",
+         robot + "csv_map.yaml", "--train", files[0], "--sealed", files[1], "--out", Path(out)},
+        120s);
+    EXPECT_EQ(run.exit_code, 0) << run.error;
+    return nlohmann::json::parse(config::ReadFile(Path(out) + "/report.json"));
+  };
+  const nlohmann::json expected = close_loop(csv, "from_csv");
+  const nlohmann::json report = close_loop(copies, "from_recording");
+  for (const char* key : {"verdict", "effects", "sealed", "train", "as_published"}) {
+    EXPECT_TRUE(expected.contains(key)) << key;
+    EXPECT_EQ(report[key], expected[key]) << key;
+  }
+}
+
 }  // namespace
 }  // namespace sinew

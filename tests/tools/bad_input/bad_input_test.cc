@@ -116,6 +116,15 @@ constexpr char kMap[] =
     "  reference_position: {column: r_m, unit: m}\n";
 constexpr char kCsv[] = "t_s,x_m,r_m\n0,0,0\n0.1,0.01,0.01\n0.2,0.02,0.02\n";
 
+// Five seconds of a steady motion.
+std::string LongCsv(double speed_m_s) {
+  std::ostringstream csv("t_s,x_m,r_m\n", std::ios::ate);
+  for (int i = 0; i < 500; ++i) {
+    csv << 0.01 * i << ',' << 0.01 * i * speed_m_s << ',' << 0.01 * i * speed_m_s << '\n';
+  }
+  return csv.str();
+}
+
 std::vector<Row> CommandRows() {
   std::vector<Row> rows = {
       {"LaunchMissingFile", {"sinew", "launch", "no.yaml"}, {}, {"no.yaml", "No such file"}},
@@ -235,6 +244,43 @@ std::vector<Row> CommandRows() {
        {"sinew", "record", "--out", "no/o.mcap", "--domain", "40"},
        {},
        {"no/o.mcap"}},
+      {"CloseLoopMissingColumn",
+       {"sinew", "close-loop", "--model", "m.yaml", "--map", "c.yaml", "--train", "d.csv",
+        "--sealed", "d.csv", "--out", "found"},
+       {{"m.yaml", kModel}, {"c.yaml", Replaced(kMap, "x_m", "y_m")}, {"d.csv", kCsv}},
+       {"d.csv", "y_m"}},
+      {"CloseLoopNotANumber",
+       {"sinew", "close-loop", "--model", "m.yaml", "--map", "c.yaml", "--train", "d.csv",
+        "--sealed", "d.csv", "--out", "found"},
+       {{"m.yaml", kModel}, {"c.yaml", kMap}, {"d.csv", Replaced(kCsv, "0.01,0.01", "nan,0.01")}},
+       {"d.csv:3", "x_m"}},
+      {"CloseLoopBadModel",
+       {"sinew", "close-loop", "--model", "m.yaml", "--map", "c.yaml", "--train", "d.csv",
+        "--sealed", "d.csv", "--out", "found"},
+       {{"m.yaml", Replaced(kModel, "viscous_N_s_m", "viscous_Nm_s_rad")},
+        {"c.yaml", kMap},
+        {"d.csv", kCsv}},
+       {"m.yaml:13", "viscous_N_s_m"}},
+      {"CloseLoopBrokenMcap",
+       {"sinew", "close-loop", "--model", "m.yaml", "--train", "b.mcap", "--sealed", "b.mcap",
+        "--out", "found"},
+       {{"m.yaml", kModel}, {"b.mcap", "this is no recording at all, but it has some length"}},
+       {"b.mcap", "byte 0"}},
+      {"CloseLoopMissingRecording",
+       {"sinew", "close-loop", "--model", "m.yaml", "--map", "c.yaml", "--train", "no.csv",
+        "--sealed", "no.csv", "--out", "found"},
+       {{"m.yaml", kModel}, {"c.yaml", kMap}},
+       {"no.csv"}},
+      {"CloseLoopSealedIsTraining",
+       {"sinew", "close-loop", "--model", "m.yaml", "--map", "c.yaml", "--train", "d.csv",
+        "--sealed", "d.csv", "--out", "found"},
+       {{"m.yaml", kModel}, {"c.yaml", kMap}, {"d.csv", kCsv}},
+       {"d.csv", "same samples"}},
+      {"CloseLoopSignalThatTheModelNeedsIsNotThere",
+       {"sinew", "close-loop", "--model", "m.yaml", "--map", "c.yaml", "--train", "d.csv",
+        "--sealed", "e.csv", "--out", "found"},
+       {{"m.yaml", kModel}, {"c.yaml", kMap}, {"d.csv", LongCsv(0.1)}, {"e.csv", LongCsv(0.2)}},
+       {"drive_voltage"}},
       {"TrainMissingModel",
        {"sinew", "train", "--model", "no.yaml", "--recording", "d.csv", "--network", "sea",
         "--config", "c.yaml", "--out", "w.json"},

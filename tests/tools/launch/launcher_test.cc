@@ -268,6 +268,22 @@ TEST_F(LauncherTest, ADryRunStartsNothing) {
   EXPECT_FALSE(std::filesystem::exists(Path("touched")));
 }
 
+TEST_F(LauncherTest, TheDomainOfTheEnvironmentWinsOverTheFileAndTheOptionOverBoth) {
+  Add("any", "true");
+  const std::string file = Deployment("domain_id: 7\n");
+  const auto domain = [&file](const std::vector<std::string>& before,
+                              const std::vector<std::string>& after) {
+    std::vector<std::string> words = {"env", "-u", "SINEW_DOMAIN"};
+    words.insert(words.end(), before.begin(), before.end());
+    words.insert(words.end(), {kSinew, "launch", file, "--dry-run", "--json"});
+    words.insert(words.end(), after.begin(), after.end());
+    return nlohmann::json::parse(testing::Run(words, kLimit).output)["domain_id"].get<int>();
+  };
+  EXPECT_EQ(domain({}, {}), 7);
+  EXPECT_EQ(domain({"SINEW_DOMAIN=8"}, {}), 8);
+  EXPECT_EQ(domain({"SINEW_DOMAIN=8"}, {"--domain", "9"}), 9);
+}
+
 TEST_F(LauncherTest, AMissingProgramIsAUsageErrorBeforeAnythingStarts) {
   Add("toucher", "echo x > " + Path("touched"));
   processes_ += "  - {name: gone, program: no-such-program}\n";

@@ -81,6 +81,8 @@ TEST(BashCompletion, OffersFilesWhereAFileBelongs) {
   EXPECT_THAT(Offered({"launch", "--record", "dep"}, folder.path()),
               ElementsAre("deploy_rig.yaml"));
   EXPECT_THAT(Offered({"launch", "--seed", "dep"}, folder.path()), ElementsAre());
+  EXPECT_THAT(Offered({"close-loop", "--train", "dep"}, folder.path()),
+              ElementsAre("deploy_rig.yaml"));
 }
 
 TEST(ZshCompletion, TheScriptIsValidAndDefinesEachCommand) {

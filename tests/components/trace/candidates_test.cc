@@ -1,0 +1,66 @@
+#include "components/trace/candidates.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/components/identify/synthetic.h"
+
+namespace sinew::trace {
+namespace {
+
+using identify::MakeDesign;
+using identify::SyntheticModel;
+using identify::SyntheticRun;
+
+bool Has(const CandidateSet& set, const std::string& name) {
+  return std::any_of(set.candidates.begin(), set.candidates.end(),
+                     [&](const Candidate& candidate) { return candidate.name() == name; });
+}
+
+bool Missing(const CandidateSet& set, const std::string& name) {
+  return std::any_of(set.missing.begin(), set.missing.end(),
+                     [&](const MissingSignals& missing) { return missing.effect == name; });
+}
+
+TEST(Candidates, WhatTheModelHoldsAndDrivesAreNone) {
+  const auto design =
+      MakeDesign({SyntheticRun(SyntheticModel(), {.duration_s = 10.0})}, SyntheticModel());
+  const CandidateSet set = MakeCandidates(design, SyntheticModel());
+  EXPECT_FALSE(Has(set, "viscous"));
+  EXPECT_FALSE(Has(set, "drive_current"));
+  EXPECT_FALSE(Has(set, "drive_voltage"));
+  EXPECT_TRUE(Has(set, "stribeck"));
+  EXPECT_TRUE(Has(set, "quadratic_viscous"));
+}
+
+TEST(Candidates, EffectsWithoutTheirSignalAreNamed) {
+  const auto design =
+      MakeDesign({SyntheticRun(SyntheticModel(), {.duration_s = 10.0})}, SyntheticModel());
+  const CandidateSet set = MakeCandidates(design, SyntheticModel());
+  EXPECT_TRUE(Missing(set, "seal_hysteresis"));
+  EXPECT_FALSE(Has(set, "seal_hysteresis"));
+}
+
+TEST(Candidates, GridsAreAllCombinations) {
+  effects::EffectInfo info;
+  EXPECT_EQ(GridOf(info), (std::vector<std::vector<double>>{{}}));
+  info.nonlinear.push_back({.name = "a", .default_value = 5.0, .grid = {1.0, 2.0}});
+  info.nonlinear.push_back({.name = "b", .default_value = 5.0});
+  EXPECT_EQ(GridOf(info), (std::vector<std::vector<double>>{{1.0, 5.0}, {2.0, 5.0}}));
+}
+
+TEST(Candidates, LinearJointsHaveNoAngles) {
+  actuator::JointModel model = SyntheticModel();
+  model.kind = effects::JointKind::kLinear;
+  model.terms.erase(model.terms.begin() + 4);  // gravity
+  identify::Run run = SyntheticRun(SyntheticModel(), {.duration_s = 10.0});
+  run.kind = effects::JointKind::kLinear;
+  const CandidateSet set = MakeCandidates(MakeDesign({run}, model), model);
+  EXPECT_FALSE(Has(set, "gravity"));
+  EXPECT_FALSE(Has(set, "payload"));
+  EXPECT_FALSE(Has(set, "gear_eccentricity"));
+}
+
+}  // namespace
+}  // namespace sinew::trace
