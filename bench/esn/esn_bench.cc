@@ -1,7 +1,9 @@
-// Speed of the echo state network: a step beside the same step with a dense matrix, and ridge regression.
+// Speed of the echo state network: a step beside the same step with a dense matrix, and ridge
+// regression.
 //   cmake --preset release -DSINEW_BUILD_BENCH=ON && cmake --build build/release --target esn_bench
 //   build/release/bin/esn_bench
-// Goals on one core of a 3.5 GHz server processor: step of 470 neurons 6.5 us, ridge of 8000 samples 0.1 s.
+// Goals on one core of a 3.5 GHz server processor: step of 470 neurons 6.5 us, ridge of 8000
+// samples 0.1 s.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -40,8 +42,9 @@ void Step(benchmark::State& state) {
     state.SkipWithError("instruction set not available here");
     return;
   }
-  Network network(SomeWeights(static_cast<int>(state.range(0)), inputs, static_cast<int>(state.range(2))),
-                  instructions);
+  Network network(
+      SomeWeights(static_cast<int>(state.range(0)), inputs, static_cast<int>(state.range(2))),
+      instructions);
   const Eigen::MatrixXd u = SomeInputs(inputs, 1024);
   Eigen::Index t = 0;
   for (auto _ : state) {
@@ -58,7 +61,8 @@ BENCHMARK(Step)->Apply(StepArguments)->Unit(benchmark::kMicrosecond);
 
 void DenseStep(benchmark::State& state) {
   const int inputs = static_cast<int>(state.range(1));
-  const Weights weights = SomeWeights(static_cast<int>(state.range(0)), inputs, static_cast<int>(state.range(2)));
+  const Weights weights =
+      SomeWeights(static_cast<int>(state.range(0)), inputs, static_cast<int>(state.range(2)));
   const Eigen::MatrixXd w = weights.reservoir.Dense();
   const Eigen::MatrixXd u = SomeInputs(inputs, 1024);
   const int n = weights.neurons();
@@ -77,9 +81,14 @@ void DenseStep(benchmark::State& state) {
     benchmark::DoNotOptimize(y.data());
   }
 }
-BENCHMARK(DenseStep)->Args({470, 3, 1})->Args({78, 6, 1})->Args({76, 36, 12})->Unit(benchmark::kMicrosecond);
+BENCHMARK(DenseStep)
+    ->Args({470, 3, 1})
+    ->Args({78, 6, 1})
+    ->Args({76, 36, 12})
+    ->Unit(benchmark::kMicrosecond);
 
-// Argument: neurons. Normal equations of 8000 samples and their solution; the states are there already.
+// Argument: neurons. Normal equations of 8000 samples and their solution; the states are there
+// already.
 void Ridge(benchmark::State& state) {
   const int n = static_cast<int>(state.range(0));
   Network network(SomeWeights(n, 3, 1));
@@ -107,7 +116,8 @@ void Gcv(benchmark::State& state) {
   NormalEquations equations(network.feature_count(), 1);
   const Eigen::VectorXd target = Eigen::VectorXd::Constant(1, 0.3);
   for (Eigen::Index t = 0; t < 8000; ++t) {
-    if (network.Step(u.col(t)) == StepStatus::kOk && !equations.Add(network.features(), target)) return;
+    if (network.Step(u.col(t)) == StepStatus::kOk && !equations.Add(network.features(), target))
+      return;
   }
   for (auto _ : state) {
     benchmark::DoNotOptimize(GeneralisedCrossValidation(equations, LogarithmicGrid(1e-6, 1e4, 20)));

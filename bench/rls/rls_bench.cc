@@ -61,7 +61,11 @@ void TextbookUpdate(benchmark::State& state) {
     benchmark::DoNotOptimize(p.data());
   }
 }
-BENCHMARK(TextbookUpdate)->Args({76, 12})->Args({85, 1})->Args({474, 1})->Unit(benchmark::kMicrosecond);
+BENCHMARK(TextbookUpdate)
+    ->Args({76, 12})
+    ->Args({85, 1})
+    ->Args({474, 1})
+    ->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace sinew::rls

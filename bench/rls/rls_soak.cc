@@ -1,6 +1,6 @@
-// Ten million updates, of which most are at rest: 76 neurons move for 4000 samples, then stand for 10000, again
-// and again; the truth changes and changes back. Prints the errors and the covariance; exit code 1 when anything
-// left its bounds. About half a minute.
+// Ten million updates, of which most are at rest: 76 neurons move for 4000 samples, then stand for
+// 10000, again and again; the truth changes and changes back. Prints the errors and the covariance;
+// exit code 1 when anything left its bounds. About half a minute.
 //   build/release/bin/rls_soak [updates]
 #include <Eigen/Eigenvalues>
 #include <cmath>
@@ -31,7 +31,8 @@ int main(int argc, char** argv) {
   Eigen::MatrixXd features(n, kMoving);
   for (int pass = 0; pass < 2; ++pass) {
     for (long t = 0; t < kMoving; ++t) {
-      const double squat = 0.5 * (1.0 - std::cos(2.0 * 3.14159265358979 * static_cast<double>(t) / 2000.0));
+      const double squat =
+          0.5 * (1.0 - std::cos(2.0 * 3.14159265358979 * static_cast<double>(t) / 2000.0));
       Eigen::VectorXd u(kInputs);
       for (int m = 0; m < kInputs; ++m) u(m) = squat * std::cos(0.7 * m) + 0.1 * std::sin(m);
       if (network.Step(u) != esn::StepStatus::kOk) return 1;
@@ -73,18 +74,22 @@ int main(int argc, char** argv) {
       ++settled_count;
     }
     if (t % (updates / 20 + 1) == 0) {
-      const Eigen::VectorXd eigen = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(rls.Covariance()).eigenvalues();
+      const Eigen::VectorXd eigen =
+          Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(rls.Covariance()).eigenvalues();
       largest = std::max(largest, eigen.maxCoeff());
       smallest_relative = std::min(smallest_relative, eigen.minCoeff() / eigen.maxCoeff());
     }
   }
   const double settled_Nm = std::sqrt(settled / static_cast<double>(std::max(settled_count, 1L)));
   std::printf("%ld updates, %d features, %d outputs\n", updates, n, kOutputs);
-  std::printf("settled error %.5f Nm rms (noise of a sample %.3f), worst %.3f Nm\n", settled_Nm, kNoise_Nm, worst);
-  std::printf("largest eigenvalue of P %.4g (prior %.4g), smallest / largest %.3g, clipped %.3f %%\n", largest,
-              1.0 / config.prior_precision, smallest_relative,
-              100.0 * static_cast<double>(rls.clipped()) / static_cast<double>(rls.updates()));
-  const bool good = settled_Nm < kNoise_Nm && largest < 2.0 / config.prior_precision && smallest_relative > 0.0;
+  std::printf("settled error %.5f Nm rms (noise of a sample %.3f), worst %.3f Nm\n", settled_Nm,
+              kNoise_Nm, worst);
+  std::printf(
+      "largest eigenvalue of P %.4g (prior %.4g), smallest / largest %.3g, clipped %.3f %%\n",
+      largest, 1.0 / config.prior_precision, smallest_relative,
+      100.0 * static_cast<double>(rls.clipped()) / static_cast<double>(rls.updates()));
+  const bool good =
+      settled_Nm < kNoise_Nm && largest < 2.0 / config.prior_precision && smallest_relative > 0.0;
   std::printf("%s\n", good ? "bounded" : "OUT OF BOUNDS");
   return good ? 0 : 1;
 }

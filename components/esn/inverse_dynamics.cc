@@ -9,8 +9,8 @@ namespace {
 
 double Or(double value, double fallback) { return std::isfinite(value) ? value : fallback; }
 
-double TorqueAt(const actuator::JointModel& model, effects::JointSample sample, double velocity_rad_s,
-                const std::vector<double>& memory) noexcept {
+double TorqueAt(const actuator::JointModel& model, effects::JointSample sample,
+                double velocity_rad_s, const std::vector<double>& memory) noexcept {
   sample.velocity_rad_s = velocity_rad_s;
   sample.motor_velocity_rad_s = velocity_rad_s * model.constants.gear_ratio;
   return model.RequiredDriveTorque(sample, memory);
@@ -25,7 +25,8 @@ InverseDynamics::InverseDynamics(const actuator::RobotModel& robot, double smoot
                                 " joints, expected 1 .. " + std::to_string(kMaxJoints));
   }
   if (!(smoothing_rad_s > 0.0) || !std::isfinite(smoothing_rad_s)) {
-    throw std::invalid_argument("smoothing_rad_s: " + std::to_string(smoothing_rad_s) + ", expected above 0");
+    throw std::invalid_argument("smoothing_rad_s: " + std::to_string(smoothing_rad_s) +
+                                ", expected above 0");
   }
   for (const actuator::JointModel& model : robot.joints) {
     joints_.push_back({model, std::vector<double>(static_cast<std::size_t>(model.memory_size()))});

@@ -1,5 +1,5 @@
-// The loops of kernel.h, written once; kernel_*.cc include this file and are compiled for one instruction
-// set each.
+// The loops of kernel.h, written once; kernel_*.cc include this file and are compiled for one
+// instruction set each.
 #include "components/esn/kernel.h"
 #include "components/simd/lanes.h"
 
@@ -7,8 +7,9 @@ namespace {
 
 // tanh(x) = (e^y - 1) / (e^y + 1), y = 2|x|, with e^y - 1 computed without cancellation:
 // y = n ln2 + r, e^y - 1 = 2^n (e^r - 1) + (2^n - 1), and a Taylor polynomial of degree 13 for
-// |r| <= ln2 / 2 (its remainder is below 2e-17 relative). Beyond |x| = 20 the result is +-1 in double.
-// Largest error against std::tanh: 3 units in the last place (tests/components/esn/tanh_test.cc).
+// |r| <= ln2 / 2 (its remainder is below 2e-17 relative). Beyond |x| = 20 the result is +-1 in
+// double. Largest error against std::tanh: 5 units in the last place
+// (tests/components/esn/network_test.cc).
 SINEW_LANES_INLINE Lanes Tanh(const Lanes& x) {
   const Lanes y = Broadcast(2.0) * Min(Broadcast(20.0), Abs(x));
   const Lanes shifted = y * Broadcast(0x1.71547652b82fep0) + Broadcast(kShift);  // log2(e)

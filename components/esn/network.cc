@@ -23,7 +23,8 @@ int Padded(int count, int block) noexcept { return (count + block - 1) / block *
 
 }  // namespace internal
 
-Network::Network(const Weights& weights, simd::Instructions instructions) : instructions_(instructions) {
+Network::Network(const Weights& weights, simd::Instructions instructions)
+    : instructions_(instructions) {
   weights.Check();
   if (!simd::Runs(instructions)) {
     throw std::invalid_argument(std::string("instructions: ") + simd::Name(instructions) +
@@ -98,7 +99,8 @@ StepStatus Network::Step(Eigen::Ref<const Eigen::VectorXd> u) noexcept {
 }
 
 bool Network::SetReadout(Eigen::Ref<const Eigen::MatrixXd> readout) noexcept {
-  if (readout.rows() != readout_.rows() || readout.cols() != readout_.cols() || !readout.allFinite()) {
+  if (readout.rows() != readout_.rows() || readout.cols() != readout_.cols() ||
+      !readout.allFinite()) {
     return false;
   }
   readout_ = readout;
@@ -114,7 +116,8 @@ void Tanh(Eigen::Ref<Eigen::VectorXd> values, simd::Instructions instructions) {
     throw std::invalid_argument(std::string("instructions: ") + simd::Name(instructions) +
                                 " does not run on this machine");
   }
-  Eigen::VectorXd padded = Eigen::VectorXd::Zero(internal::Padded(static_cast<int>(values.size()), 8));
+  Eigen::VectorXd padded =
+      Eigen::VectorXd::Zero(internal::Padded(static_cast<int>(values.size()), 8));
   padded.head(values.size()) = values;
   internal::KernelFor(instructions).tanh(padded.data(), static_cast<int>(padded.size()));
   values = padded.head(values.size());

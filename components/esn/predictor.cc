@@ -11,10 +11,11 @@ namespace {
 constexpr std::string_view kTarget = "drive_torque_Nm";
 
 void CheckNetwork(const Weights& weights, const char* name) {
-  if (weights.inputs.empty()) throw std::invalid_argument(std::string(name) + ": the inputs have no names");
+  if (weights.inputs.empty())
+    throw std::invalid_argument(std::string(name) + ": the inputs have no names");
   if (weights.target != kTarget) {
-    throw std::invalid_argument(std::string(name) + ": target '" + weights.target + "', expected '" +
-                                std::string(kTarget) + "'");
+    throw std::invalid_argument(std::string(name) + ": target '" + weights.target +
+                                "', expected '" + std::string(kTarget) + "'");
   }
   if (weights.output_count() > kMaxJoints) {
     throw std::invalid_argument(std::string(name) + ": " + std::to_string(weights.output_count()) +
@@ -42,8 +43,10 @@ Predictor::Predictor(const std::optional<Weights>& sea, const std::optional<Weig
     const std::optional<Weights>& weights = *both[i];
     if (!weights) continue;
     CheckNetwork(*weights, i == 0 ? "sea" : "pea");
-    slots_[i].emplace(Slot{Network(*weights), weights->inputs, Eigen::VectorXd::Zero(weights->input_count())});
-    for (const Input& input : weights->inputs) needs_regime_ = needs_regime_ || input.signal == Signal::kPlayAngle;
+    slots_[i].emplace(
+        Slot{Network(*weights), weights->inputs, Eigen::VectorXd::Zero(weights->input_count())});
+    for (const Input& input : weights->inputs)
+      needs_regime_ = needs_regime_ || input.signal == Signal::kPlayAngle;
     period_s_ = weights->period_s;
     outputs_ = weights->output_count();
   }
@@ -65,10 +68,12 @@ Prediction Predictor::Step(const Frame& frame, Regime regime) noexcept {
     for (std::size_t m = 0; m < slot.inputs.size(); ++m) {
       slot.u(static_cast<Eigen::Index>(m)) = frame.Get(slot.inputs[m]);
     }
-    slot.good = slot.network.Step(slot.u) == StepStatus::kOk && slot.network.prediction().allFinite();
+    slot.good =
+        slot.network.Step(slot.u) == StepStatus::kOk && slot.network.prediction().allFinite();
     if (!slot.good) continue;
     auto& torque = i == 0 ? prediction.sea_torque_Nm : prediction.pea_torque_Nm;
-    for (int j = 0; j < outputs_; ++j) torque[static_cast<std::size_t>(j)] = slot.network.prediction()(j);
+    for (int j = 0; j < outputs_; ++j)
+      torque[static_cast<std::size_t>(j)] = slot.network.prediction()(j);
   }
 
   const bool both = slots_[0] && slots_[1];

@@ -1,10 +1,14 @@
 // The network chosen by regime: SEA inside the backlash, PEA outside.
 //
-// Both networks are stepped every tick, so that the one that takes over has run in. Which one counts:
-//  - two networks: the one of the regime; none while the regime is unknown (no prediction, never a guess);
-//  - one network: that one in every regime, known or not; it then speaks for both (sea_torque_Nm, pea_torque_Nm). It
-//    is meant for all of the motion, or for robots without free play, and needs no regime detector.
-// A network that lacks an input (a signal that is not a number) has no prediction in that tick and keeps its state.
+// Both networks are stepped every tick, so that the one that takes over has run in. Which counts:
+//  - two networks: the one of the regime; none while the regime is unknown (never a guess);
+//  - one network: that one in every regime, known or not; it then speaks for both (sea_torque_Nm,
+//    pea_torque_Nm). It is meant for all of the motion, or for robots without free play, and needs
+//    no regime detector.
+//
+// A network that lacks an input (a signal that is not a number) has no prediction in that tick and
+// keeps its state.
+//
 // One thread. No memory is taken in Step.
 #pragma once
 
@@ -27,13 +31,13 @@ struct Prediction {
   std::array<double, kMaxJoints> sea_torque_Nm{};  // of each, chosen or not; 0 where it has none
   std::array<double, kMaxJoints> pea_torque_Nm{};
   std::array<bool, kMaxJoints> valid{};
-  std::optional<Which> chosen;                     // nothing: no valid prediction
+  std::optional<Which> chosen;  // nothing: no valid prediction
 };
 
 class Predictor {
  public:
-  // Throws std::invalid_argument: no network; two networks that do not have one output each; periods that
-  // differ; inputs without names; a target that is not drive_torque_Nm.
+  // Throws std::invalid_argument: no network; two networks that do not have one output each;
+  // periods that differ; inputs without names; a target that is not drive_torque_Nm.
   Predictor(const std::optional<Weights>& sea, const std::optional<Weights>& pea);
 
   void Reset() noexcept;

@@ -35,7 +35,8 @@ NormalEquations::NormalEquations(int features, int outputs, simd::Instructions i
 
 bool NormalEquations::Add(Eigen::Ref<const Eigen::VectorXd> features,
                           Eigen::Ref<const Eigen::VectorXd> target) {
-  if (features.size() != features_ || target.size() != outputs_ || !features.allFinite() || !target.allFinite()) {
+  if (features.size() != features_ || target.size() != outputs_ || !features.allFinite() ||
+      !target.allFinite()) {
     return false;
   }
   double* sample = panels_.data() + buffered_ * kPanelColumns;
@@ -89,24 +90,28 @@ Eigen::VectorXd NormalEquations::TargetSquares() {
 
 Eigen::MatrixXd SolveRidge(NormalEquations& equations, double beta) {
   if (!std::isfinite(beta) || beta < 0.0) {
-    throw std::invalid_argument("ridge_beta: " + std::to_string(beta) + ", expected a finite number, at least 0");
+    throw std::invalid_argument("ridge_beta: " + std::to_string(beta) +
+                                ", expected a finite number, at least 0");
   }
   Eigen::MatrixXd left = equations.FeatureProducts();
   left.diagonal().array() += beta;
   const Eigen::LLT<Eigen::MatrixXd> factors(left);
   if (factors.info() != Eigen::Success) {
-    throw std::invalid_argument("ridge: " + std::to_string(equations.samples()) + " samples for " +
-                                std::to_string(equations.feature_count()) +
-                                " features leave the weights undetermined; take a larger ridge_beta");
+    throw std::invalid_argument(
+        "ridge: " + std::to_string(equations.samples()) + " samples for " +
+        std::to_string(equations.feature_count()) +
+        " features leave the weights undetermined; take a larger ridge_beta");
   }
   return factors.solve(equations.CrossProducts()).transpose();
 }
 
-std::vector<GcvPoint> GeneralisedCrossValidation(NormalEquations& equations, const std::vector<double>& betas) {
+std::vector<GcvPoint> GeneralisedCrossValidation(NormalEquations& equations,
+                                                 const std::vector<double>& betas) {
   if (betas.empty()) throw std::invalid_argument("gcv: no values of beta");
   for (const double beta : betas) {
     if (!std::isfinite(beta) || beta <= 0.0) {
-      throw std::invalid_argument("gcv: beta " + std::to_string(beta) + ", expected a number above 0");
+      throw std::invalid_argument("gcv: beta " + std::to_string(beta) +
+                                  ", expected a number above 0");
     }
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(equations.FeatureProducts());
@@ -140,8 +145,9 @@ std::vector<GcvPoint> GeneralisedCrossValidation(NormalEquations& equations, con
 
 std::vector<double> LogarithmicGrid(double lower, double upper, int count) {
   if (count < 2 || !(lower > 0.0) || !(upper > lower) || !std::isfinite(upper)) {
-    throw std::invalid_argument("grid: " + std::to_string(count) + " values from " + std::to_string(lower) +
-                                " to " + std::to_string(upper) + ", expected at least 2, 0 < lower < upper");
+    throw std::invalid_argument("grid: " + std::to_string(count) + " values from " +
+                                std::to_string(lower) + " to " + std::to_string(upper) +
+                                ", expected at least 2, 0 < lower < upper");
   }
   std::vector<double> grid;
   for (int i = 0; i < count; ++i) {

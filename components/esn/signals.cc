@@ -23,8 +23,10 @@ std::optional<Signal> SignalFromName(std::string_view name) {
 }
 
 std::string_view SignalNames() {
-  return "reference_position_rad, reference_velocity_rad_s, reference_acceleration_rad_s2, position_rad, "
-         "velocity_rad_s, motor_velocity_rad_s, chamber_pressure_bar, play_angle_rad, load_force_N, "
+  return "reference_position_rad, reference_velocity_rad_s, reference_acceleration_rad_s2, "
+         "position_rad, "
+         "velocity_rad_s, motor_velocity_rad_s, chamber_pressure_bar, play_angle_rad, "
+         "load_force_N, "
          "declared_payload_kg, motor_temperature_degC";
 }
 

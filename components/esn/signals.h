@@ -1,9 +1,9 @@
-// The signals a network may have as inputs: their names in configuration and weights files, and their values
-// at one tick.
+// The signals a network may have as inputs: their names in configuration and weights files, and
+// their values at one tick.
 //
-// Computed torque: a reference_* input is the reference in the loop, and the measured motion (differentiated
-// without phase shift) in training. Motor current, and anything that is a multiple of it, is no input: the
-// target of the rig's networks is drive torque.
+// Computed torque: a reference_* input is the reference in the loop, and the measured motion
+// (differentiated without phase shift) in training. Motor current, and anything that is a multiple
+// of it, is no input: the target of the rig's networks is drive torque.
 #pragma once
 
 #include <array>
@@ -23,10 +23,10 @@ enum class Signal {
   kVelocity,               // velocity_rad_s                measured, output
   kMotorVelocity,          // motor_velocity_rad_s          measured, motor shaft
   kChamberPressure,        // chamber_pressure_bar          gauge
-  kPlayAngle,              // play_angle_rad                motor / N - output, from the lower contact
-  kLoadForce,              // load_force_N                  positive presses the link down
-  kPayload,                // declared_payload_kg
-  kTemperature,            // motor_temperature_degC
+  kPlayAngle,    // play_angle_rad                motor / N - output, from the lower contact
+  kLoadForce,    // load_force_N                  positive presses the link down
+  kPayload,      // declared_payload_kg
+  kTemperature,  // motor_temperature_degC
 };
 inline constexpr int kSignalCount = 11;
 
@@ -42,7 +42,8 @@ struct Input {
   bool operator==(const Input&) const = default;
 };
 
-// All signals of one tick. What is not known is not a number; a network that reads it then has no prediction.
+// All signals of one tick. What is not known is not a number; a network that reads it then has no
+// prediction.
 class Frame {
  public:
   Frame() noexcept { Clear(); }

@@ -21,7 +21,8 @@ void CheckSequences(const std::vector<Sequence>& sequences) {
                                   std::to_string(q.targets.cols()) + " targets, expected " +
                                   std::to_string(inputs) + " and " + std::to_string(outputs));
     }
-    if (q.targets.rows() != q.inputs.rows() || static_cast<Eigen::Index>(q.use.size()) != q.inputs.rows()) {
+    if (q.targets.rows() != q.inputs.rows() ||
+        static_cast<Eigen::Index>(q.use.size()) != q.inputs.rows()) {
       throw std::invalid_argument(name + ": inputs, targets and use differ in length");
     }
     if (!q.inputs.allFinite() || !q.targets.allFinite()) {
@@ -43,7 +44,8 @@ Normalisation Normalise(const std::vector<Sequence>& sequences, Eigen::MatrixXd 
   const auto each = [&](const auto& visit) {
     for (const Sequence& q : sequences) {
       for (Eigen::Index t = washout; t < q.inputs.rows(); ++t) {
-        if (q.use[static_cast<std::size_t>(t)] == Use::kTrain) visit((q.*member).row(t).transpose());
+        if (q.use[static_cast<std::size_t>(t)] == Use::kTrain)
+          visit((q.*member).row(t).transpose());
       }
     }
   };
@@ -52,8 +54,9 @@ Normalisation Normalise(const std::vector<Sequence>& sequences, Eigen::MatrixXd 
     ++count;
   });
   if (count < kFewestSamples) {
-    throw std::invalid_argument(std::string("training: ") + std::to_string(count) + " samples of " + what +
-                                " after the washout, expected at least " + std::to_string(kFewestSamples));
+    throw std::invalid_argument(std::string("training: ") + std::to_string(count) + " samples of " +
+                                what + " after the washout, expected at least " +
+                                std::to_string(kFewestSamples));
   }
   Normalisation n;
   n.offset = sum / static_cast<double>(count);
@@ -95,7 +98,8 @@ TrainingResult Train(const std::vector<Sequence>& sequences, const TrainingConfi
       u = q.inputs.row(t);
       if (network.Step(u) != StepStatus::kOk) continue;  // cannot be: the inputs were checked
       if (t < washout || q.use[static_cast<std::size_t>(t)] != Use::kTrain) continue;
-      target = (q.targets.row(t).transpose() - weights.output.offset).cwiseQuotient(weights.output.scale);
+      target = (q.targets.row(t).transpose() - weights.output.offset)
+                   .cwiseQuotient(weights.output.scale);
       if (!equations.Add(network.features(), target)) {
         throw std::invalid_argument("training: a sample is not finite");
       }
@@ -108,8 +112,9 @@ TrainingResult Train(const std::vector<Sequence>& sequences, const TrainingConfi
   } else {
     result.gcv = GeneralisedCrossValidation(
         equations, LogarithmicGrid(config.beta_lower, config.beta_upper, config.beta_count));
-    const auto best = std::min_element(result.gcv.begin(), result.gcv.end(),
-                                       [](const GcvPoint& a, const GcvPoint& b) { return a.score < b.score; });
+    const auto best =
+        std::min_element(result.gcv.begin(), result.gcv.end(),
+                         [](const GcvPoint& a, const GcvPoint& b) { return a.score < b.score; });
     beta = best->beta;
     result.effective_parameters = best->effective_parameters;
   }
@@ -124,7 +129,8 @@ TrainingResult Train(const std::vector<Sequence>& sequences, const TrainingConfi
   return result;
 }
 
-Score Evaluate(const Weights& weights, const std::vector<Sequence>& sequences, Use use, double washout_s) {
+Score Evaluate(const Weights& weights, const std::vector<Sequence>& sequences, Use use,
+               double washout_s) {
   CheckSequences(sequences);
   Network network(weights);
   const Eigen::Index washout = WashoutSteps(washout_s, weights.period_s);
@@ -139,8 +145,8 @@ Score Evaluate(const Weights& weights, const std::vector<Sequence>& sequences, U
     for (Eigen::Index t = 0; t < q.inputs.rows(); ++t) {
       u = q.inputs.row(t);
       if (network.Step(u) != StepStatus::kOk) {
-        throw std::invalid_argument("evaluation: " + std::to_string(u.size()) + " inputs, expected " +
-                                    std::to_string(weights.input_count()));
+        throw std::invalid_argument("evaluation: " + std::to_string(u.size()) +
+                                    " inputs, expected " + std::to_string(weights.input_count()));
       }
       if (t < washout || q.use[static_cast<std::size_t>(t)] != use) continue;
       // Relative to the training mean, so that the variance below does not cancel.

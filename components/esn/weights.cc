@@ -22,7 +22,8 @@ std::string Shape(Eigen::Index rows, Eigen::Index columns) {
 void RequireShape(const Eigen::MatrixXd& matrix, Eigen::Index rows, Eigen::Index columns,
                   const std::string& name) {
   Require(matrix.rows() == rows && matrix.cols() == columns,
-          name + ": shape " + Shape(matrix.rows(), matrix.cols()) + ", expected " + Shape(rows, columns));
+          name + ": shape " + Shape(matrix.rows(), matrix.cols()) + ", expected " +
+              Shape(rows, columns));
   Require(matrix.allFinite(), name + ": holds a value that is not finite");
 }
 
@@ -36,12 +37,14 @@ void RequireNormalisation(const Normalisation& n, Eigen::Index size, const std::
 
 void Hyperparameters::Check() const {
   const auto number = [](double v) { return std::to_string(v); };
-  Require(neurons >= 1 && neurons <= 100000, "neurons: " + std::to_string(neurons) + ", expected 1 .. 100000");
+  Require(neurons >= 1 && neurons <= 100000,
+          "neurons: " + std::to_string(neurons) + ", expected 1 .. 100000");
   Require(std::isfinite(spectral_radius) && spectral_radius > 0.0,
           "spectral_radius: " + number(spectral_radius) + ", expected a number above 0");
   Require(std::isfinite(input_variance) && input_variance > 0.0,
           "input_variance: " + number(input_variance) + ", expected a number above 0");
-  Require(density > 0.0 && density <= 1.0, "density: " + number(density) + ", expected above 0, at most 1");
+  Require(density > 0.0 && density <= 1.0,
+          "density: " + number(density) + ", expected above 0, at most 1");
   Require(leak > 0.0 && leak <= 1.0, "leak: " + number(leak) + ", expected above 0, at most 1");
   Require(std::isfinite(input_limit) && input_limit > 0.0,
           "input_limit: " + number(input_limit) + ", expected a number above 0");
@@ -61,7 +64,8 @@ Eigen::MatrixXd EllMatrix::Dense() const {
 
 void Weights::Check() const {
   hyper.Check();
-  Require(std::isfinite(period_s) && period_s > 0.0, "period_s: " + std::to_string(period_s) + ", expected above 0");
+  Require(std::isfinite(period_s) && period_s > 0.0,
+          "period_s: " + std::to_string(period_s) + ", expected above 0");
   const Eigen::Index n = hyper.neurons;
   const Eigen::Index m = input_weight.cols();
   const Eigen::Index o = readout.rows();
@@ -71,7 +75,8 @@ void Weights::Check() const {
           "inputs: " + std::to_string(inputs.size()) + " names, expected " + std::to_string(m));
   for (const Input& signal : inputs) {
     Require(signal.joint >= 0 && signal.joint < kMaxJoints,
-            "inputs: joint " + std::to_string(signal.joint) + ", expected 0 .. " + std::to_string(kMaxJoints - 1));
+            "inputs: joint " + std::to_string(signal.joint) + ", expected 0 .. " +
+                std::to_string(kMaxJoints - 1));
   }
   RequireShape(input_weight, n, m, "input_weight");
   RequireShape(bias, n, 1, "bias");
@@ -84,11 +89,14 @@ void Weights::Check() const {
   Require(reservoir.entries >= 1 && reservoir.entries <= reservoir.rows,
           "reservoir: " + std::to_string(reservoir.entries) + " entries in a row, expected 1 .. " +
               std::to_string(reservoir.rows));
-  const std::size_t size = static_cast<std::size_t>(reservoir.rows) * static_cast<std::size_t>(reservoir.entries);
-  Require(reservoir.column.size() == size, "reservoir.column: " + std::to_string(reservoir.column.size()) +
-                                               " numbers, expected " + std::to_string(size));
-  Require(reservoir.value.size() == size, "reservoir.value: " + std::to_string(reservoir.value.size()) +
-                                              " numbers, expected " + std::to_string(size));
+  const std::size_t size =
+      static_cast<std::size_t>(reservoir.rows) * static_cast<std::size_t>(reservoir.entries);
+  Require(reservoir.column.size() == size,
+          "reservoir.column: " + std::to_string(reservoir.column.size()) + " numbers, expected " +
+              std::to_string(size));
+  Require(reservoir.value.size() == size,
+          "reservoir.value: " + std::to_string(reservoir.value.size()) + " numbers, expected " +
+              std::to_string(size));
   for (std::size_t i = 0; i < size; ++i) {
     Require(reservoir.column[i] >= 0 && reservoir.column[i] < reservoir.rows,
             "reservoir.column[" + std::to_string(i) + "]: " + std::to_string(reservoir.column[i]) +
@@ -96,13 +104,15 @@ void Weights::Check() const {
     const bool first = i % static_cast<std::size_t>(reservoir.entries) == 0;
     Require(first || reservoir.column[i] > reservoir.column[i - 1],
             "reservoir.column[" + std::to_string(i) + "]: not above the one before it in the row");
-    Require(std::isfinite(reservoir.value[i]), "reservoir.value[" + std::to_string(i) + "]: not finite");
+    Require(std::isfinite(reservoir.value[i]),
+            "reservoir.value[" + std::to_string(i) + "]: not finite");
   }
 }
 
 double SpectralRadius(const EllMatrix& matrix) {
   const Eigen::EigenSolver<Eigen::MatrixXd> solver(matrix.Dense(), false);
-  if (solver.info() != Eigen::Success) throw std::invalid_argument("reservoir: eigenvalues did not converge");
+  if (solver.info() != Eigen::Success)
+    throw std::invalid_argument("reservoir: eigenvalues did not converge");
   return solver.eigenvalues().cwiseAbs().maxCoeff();
 }
 
@@ -128,12 +138,15 @@ Weights MakeWeights(const Hyperparameters& hyper, int inputs, int outputs) {
       std::swap(shuffled[static_cast<std::size_t>(j)],
                 shuffled[static_cast<std::size_t>(j + random.Below(n - j))]);
     }
-    const auto first = w.column.insert(w.column.end(), shuffled.begin(), shuffled.begin() + w.entries);
+    const auto first =
+        w.column.insert(w.column.end(), shuffled.begin(), shuffled.begin() + w.entries);
     std::sort(first, w.column.end());
     for (int j = 0; j < w.entries; ++j) w.value.push_back(random.Next());
   }
   const double radius = SpectralRadius(w);
-  Require(radius > 1e-9, "reservoir: all eigenvalues are zero; take more neurons, a higher density or another seed");
+  Require(
+      radius > 1e-9,
+      "reservoir: all eigenvalues are zero; take more neurons, a higher density or another seed");
   for (double& value : w.value) value *= hyper.spectral_radius / radius;
 
   weights.input_weight.resize(n, inputs);

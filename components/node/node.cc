@@ -515,8 +515,7 @@ bool RawWriter::WaitAcknowledged(std::chrono::milliseconds timeout) const {
   const auto rest = std::chrono::duration_cast<std::chrono::nanoseconds>(timeout - seconds);
   const eprosima::fastrtps::Duration_t limit(static_cast<std::int32_t>(seconds.count()),
                                              static_cast<std::uint32_t>(rest.count()));
-  return impl_->writer->wait_for_acknowledgments(limit) ==
-         internal::ReturnCode_t::RETCODE_OK;
+  return impl_->writer->wait_for_acknowledgments(limit) == internal::ReturnCode_t::RETCODE_OK;
 }
 
 int Node::RawMatchedWriters(const std::string& topic) const {
@@ -551,7 +550,8 @@ void Node::SetCounts(const Counts& counts) {
   impl_->PublishStatusIfDue(false);
 }
 
-void Node::SetCycle(std::uint64_t session_id, std::uint64_t tick, std::int64_t stamp_ns, int origin) {
+void Node::SetCycle(std::uint64_t session_id, std::uint64_t tick, std::int64_t stamp_ns,
+                    int origin) {
   impl_->session_id = session_id;
   impl_->tick = tick;
   impl_->stamp_ns = stamp_ns;

@@ -86,7 +86,8 @@ class RawWriter {
  public:
   WriteStatus operator()(const std::byte* payload, std::size_t size) const;
   int matched_readers() const;
-  // True once every matched reliable reader has everything (best-effort readers are not waited for).
+  // True once every matched reliable reader has everything (best-effort readers are not waited
+  // for).
   bool WaitAcknowledged(std::chrono::milliseconds timeout) const;
 
  private:

@@ -33,7 +33,7 @@ RobotReferenceOutput RobotReference::Step(const RobotReferenceInput& input) noex
     moving_ = input.may_move;
     asked_ = running_ = false;
     allowed_tick_ = UINT64_MAX;  // stopped until it is armed or asked again
-      allowed_tick_ = UINT64_MAX;  // stopped for good
+    allowed_tick_ = UINT64_MAX;  // stopped for good
     return output;
   }
   if (!moving_) {

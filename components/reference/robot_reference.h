@@ -2,9 +2,9 @@
 // runs.
 //
 // Time is ticks since the start times the period, so that the same ticks give the same reference.
-// It starts start_delay_s after the robot is armed, or at the operator's word while it is armed, and
-// stops when the robot is no longer armed. Before and after it is idle: it asks for nothing, and the
-// points hold the measured positions. Thread: one. Step is noexcept and allocates nothing.
+// It starts start_delay_s after the robot is armed, or at the operator's word while it is armed,
+// and stops when the robot is no longer armed. Before and after it is idle: it asks for nothing,
+// and the points hold the measured positions. Thread: one. Step is noexcept and allocates nothing.
 #pragma once
 
 #include <array>

@@ -15,7 +15,8 @@ Adapter::Adapter(const AdapterConfig& config, const std::optional<Eigen::MatrixX
   }
   const auto require = [](double value, const char* name) {
     if (!std::isfinite(value) || value < 0.0) {
-      throw std::invalid_argument(std::string(name) + ": " + std::to_string(value) + ", expected at least 0");
+      throw std::invalid_argument(std::string(name) + ": " + std::to_string(value) +
+                                  ", expected at least 0");
     }
   };
   require(config.slowest_velocity_rad_s, "slowest_velocity_rad_s");
@@ -47,7 +48,8 @@ Frozen Adapter::Step(const Observation& o) noexcept {
   network_ = o.network;
   if (still_s_ > config_.still_after_s) return Frozen::kStandingStill;
   Slot& slot = *slots_[static_cast<std::size_t>(o.network)];
-  if (slot.estimator.Update(o.features, o.target_Nm) == UpdateStatus::kBadInput) return Frozen::kNoSample;
+  if (slot.estimator.Update(o.features, o.target_Nm) == UpdateStatus::kBadInput)
+    return Frozen::kNoSample;
   slot.version = ++updates_;
   return Frozen::kNo;
 }

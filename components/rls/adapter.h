@@ -1,10 +1,13 @@
 // When to learn, and for which network; what from is said in target.h.
 //
 // Nothing is learnt (frozen) while
-//  - the robot is not armed, or the sample is not usable: no network counted, the command was not a torque
-//    command or a safe one, something was lost or late;
+//  - the robot is not armed, or the sample is not usable: no network counted, the command was not a
+//    torque command or a safe one, something was lost or late;
 //  - the joints stand still for longer than still_after_s: rest teaches friction of unknown sign.
-// A readout's version is the number of updates of all networks when it last changed; 0 is the offline readout.
+//
+// A readout's version is the number of updates of all networks when it last changed; 0 is the
+// offline readout.
+//
 // One thread. No memory is taken in Step.
 #pragma once
 
@@ -19,7 +22,7 @@ namespace sinew::rls {
 
 struct AdapterConfig {
   Config rls;
-  double slowest_velocity_rad_s = 0.02;  // of the fastest joint; below it counts as standing still; >= 0
+  double slowest_velocity_rad_s = 0.02;  // slower counts as standing still; the fastest joint; >= 0
   double still_after_s = 0.25;           // >= 0
 };
 
@@ -49,11 +52,15 @@ class Adapter {
 
   // The network of the last usable sample; at the start one that is there.
   int network() const noexcept { return network_; }
-  bool has(int network) const noexcept { return slots_[static_cast<std::size_t>(network)].has_value(); }
+  bool has(int network) const noexcept {
+    return slots_[static_cast<std::size_t>(network)].has_value();
+  }
   const RecursiveLeastSquares& estimator(int network) const {
     return slots_[static_cast<std::size_t>(network)]->estimator;
   }
-  std::uint64_t version(int network) const { return slots_[static_cast<std::size_t>(network)]->version; }
+  std::uint64_t version(int network) const {
+    return slots_[static_cast<std::size_t>(network)]->version;
+  }
 
  private:
   struct Slot {

@@ -1,7 +1,8 @@
-// The inner loops of recursive least squares, each compiled for several instruction sets (components/simd).
+// The inner loops of recursive least squares, each compiled for several instruction sets
+// (components/simd).
 //
-// U is stored column by column, `stride` (a multiple of 8) apart: column j holds rows 0 .. j, the 1 of its
-// diagonal included, and zeros below.
+// U is stored column by column, `stride` (a multiple of 8) apart: column j holds rows 0 .. j, the 1
+// of its diagonal included, and zeros below.
 #pragma once
 
 namespace sinew::rls::internal {
@@ -9,12 +10,12 @@ namespace sinew::rls::internal {
 struct UpdateArguments {
   int size = 0;
   int stride = 0;
-  int first = 0;            // columns before it have f = 0 and do not change
+  int first = 0;  // columns before it have f = 0 and do not change
   double forgetting = 1.0;
   const double* f = nullptr;  // U' phi, stride
   double* u = nullptr;
-  double* d = nullptr;        // stride
-  double* gain = nullptr;     // stride; out: P phi, to be divided by the returned alpha
+  double* d = nullptr;     // stride
+  double* gain = nullptr;  // stride; out: P phi, to be divided by the returned alpha
 };
 
 struct Kernel {

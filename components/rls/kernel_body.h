@@ -1,5 +1,5 @@
-// The loops of kernel.h, written once; kernel_*.cc include this file and are compiled for one instruction
-// set each.
+// The loops of kernel.h, written once; kernel_*.cc include this file and are compiled for one
+// instruction set each.
 #include "components/rls/kernel.h"
 #include "components/simd/lanes.h"
 
@@ -14,9 +14,9 @@ void Project(const double* u, const double* phi, int size, int stride, double* f
   }
 }
 
-// Bierman 1977, section V.3, with b[j] = U's gain so far. Two columns at a time share the passes over b: since
-// the first of a pair is even, both end in the same lane block. Rows below the diagonal are zero in u and b and
-// stay so; the diagonal's 1 makes b[j] become g[j] by itself.
+// Bierman 1977, section V.3, with b[j] = U's gain so far. Two columns at a time share the passes
+// over b: since the first of a pair is even, both end in the same lane block. Rows below the
+// diagonal are zero in u and b and stay so; the diagonal's 1 makes b[j] become g[j] by itself.
 double Update(const sinew::rls::internal::UpdateArguments& a) noexcept {
   const int first = a.first & ~1;
   for (int r = 0; r < a.stride; r += kLanes) Store(a.gain + r, Broadcast(0.0));

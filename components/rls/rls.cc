@@ -21,7 +21,8 @@ const internal::Kernel& KernelFor(simd::Instructions instructions) noexcept {
 
 void Require(bool condition, const char* name, double value, const char* expected) {
   if (!condition) {
-    throw std::invalid_argument(std::string(name) + ": " + std::to_string(value) + ", expected " + expected);
+    throw std::invalid_argument(std::string(name) + ": " + std::to_string(value) + ", expected " +
+                                expected);
   }
 }
 
@@ -30,7 +31,8 @@ constexpr double kSmallestVariance = 1e-12;
 
 }  // namespace
 
-RecursiveLeastSquares::RecursiveLeastSquares(const Config& config, const Eigen::MatrixXd& offline_readout,
+RecursiveLeastSquares::RecursiveLeastSquares(const Config& config,
+                                             const Eigen::MatrixXd& offline_readout,
                                              simd::Instructions instructions)
     : config_(config),
       size_(static_cast<int>(offline_readout.cols())),
@@ -41,15 +43,17 @@ RecursiveLeastSquares::RecursiveLeastSquares(const Config& config, const Eigen::
           "above 0, at most 1");
   Require(std::isfinite(config.prior_precision) && config.prior_precision > 0.0, "prior_precision",
           config.prior_precision, "a number above 0");
-  Require(std::isfinite(config.leak) && config.leak >= 0.0, "leak", config.leak, "a number, at least 0");
-  Require(std::isfinite(config.clip_sigmas) && config.clip_sigmas >= 0.0, "clip_sigmas", config.clip_sigmas,
+  Require(std::isfinite(config.leak) && config.leak >= 0.0, "leak", config.leak,
           "a number, at least 0");
+  Require(std::isfinite(config.clip_sigmas) && config.clip_sigmas >= 0.0, "clip_sigmas",
+          config.clip_sigmas, "a number, at least 0");
   Require(config.innovation_memory > 0.0 && config.innovation_memory < 1.0, "innovation_memory",
           config.innovation_memory, "between 0 and 1");
-  Require(std::isfinite(config.initial_innovation) && config.initial_innovation > 0.0, "initial_innovation",
-          config.initial_innovation, "a number above 0");
+  Require(std::isfinite(config.initial_innovation) && config.initial_innovation > 0.0,
+          "initial_innovation", config.initial_innovation, "a number above 0");
   if (size_ < 1 || outputs_ < 1 || !offline_readout.allFinite()) {
-    throw std::invalid_argument("offline readout: " + std::to_string(outputs_) + " x " + std::to_string(size_) +
+    throw std::invalid_argument("offline readout: " + std::to_string(outputs_) + " x " +
+                                std::to_string(size_) +
                                 ", expected at least 1 x 1 and finite values");
   }
   if (!simd::Runs(instructions)) {
@@ -67,7 +71,8 @@ RecursiveLeastSquares::RecursiveLeastSquares(const Config& config, const Eigen::
   offline_.assign(stride * static_cast<std::size_t>(outputs_), 0.0);
   for (int o = 0; o < outputs_; ++o) {
     for (int i = 0; i < size_; ++i) {
-      offline_[static_cast<std::size_t>(o) * stride + static_cast<std::size_t>(i)] = offline_readout(o, i);
+      offline_[static_cast<std::size_t>(o) * stride + static_cast<std::size_t>(i)] =
+          offline_readout(o, i);
     }
   }
   weight_ = offline_;
@@ -92,7 +97,8 @@ void RecursiveLeastSquares::Reset() noexcept {
 
 UpdateStatus RecursiveLeastSquares::Update(Eigen::Ref<const Eigen::VectorXd> features,
                                            Eigen::Ref<const Eigen::VectorXd> target) noexcept {
-  if (features.size() != size_ || target.size() != outputs_ || !features.allFinite() || !target.allFinite()) {
+  if (features.size() != size_ || target.size() != outputs_ || !features.allFinite() ||
+      !target.allFinite()) {
     return UpdateStatus::kBadInput;
   }
   const internal::Kernel& kernel = KernelFor(instructions_);
@@ -109,8 +115,9 @@ UpdateStatus RecursiveLeastSquares::Update(Eigen::Ref<const Eigen::VectorXd> fea
       root_weight = std::pow(limit / mean_square, 0.25);  // w = sqrt(limit / mean_square)
       mean_square = limit;
     }
-    innovation_variance_ = std::max(kSmallestVariance, config_.innovation_memory * innovation_variance_ +
-                                                           (1.0 - config_.innovation_memory) * mean_square);
+    innovation_variance_ =
+        std::max(kSmallestVariance, config_.innovation_memory * innovation_variance_ +
+                                        (1.0 - config_.innovation_memory) * mean_square);
   }
 
   if (root_weight < 1.0) {
@@ -127,7 +134,8 @@ UpdateStatus RecursiveLeastSquares::Update(Eigen::Ref<const Eigen::VectorXd> fea
   arguments.gain = gain_.data();
   const double alpha = kernel.update(arguments);
   for (int o = 0; o < outputs_; ++o) {
-    kernel.add_scaled(root_weight * innovation_(o) / alpha, gain_.data(), stride_, weight_.data() + o * stride_);
+    kernel.add_scaled(root_weight * innovation_(o) / alpha, gain_.data(), stride_,
+                      weight_.data() + o * stride_);
   }
   if (pseudo_ > 0.0) LeakOneCoordinate();
   ++updates_;
@@ -143,7 +151,8 @@ void RecursiveLeastSquares::LeakOneCoordinate() noexcept {
   std::fill(f_.begin(), f_.begin() + i, 0.0);
   for (int j = i; j < size_; ++j) {
     f_[static_cast<std::size_t>(j)] =
-        pseudo_ * u_[static_cast<std::size_t>(j) * static_cast<std::size_t>(stride_) + static_cast<std::size_t>(i)];
+        pseudo_ * u_[static_cast<std::size_t>(j) * static_cast<std::size_t>(stride_) +
+                     static_cast<std::size_t>(i)];
   }
   internal::UpdateArguments arguments;
   arguments.size = size_;
@@ -156,7 +165,8 @@ void RecursiveLeastSquares::LeakOneCoordinate() noexcept {
   const double alpha = kernel.update(arguments);
   for (int o = 0; o < outputs_; ++o) {
     double* weight = weight_.data() + o * stride_;
-    const double error = pseudo_ * (offline_[static_cast<std::size_t>(o * stride_ + i)] - weight[i]);
+    const double error =
+        pseudo_ * (offline_[static_cast<std::size_t>(o * stride_ + i)] - weight[i]);
     kernel.add_scaled(error / alpha, gain_.data(), stride_, weight);
   }
 }

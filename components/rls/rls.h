@@ -5,20 +5,24 @@
 //   P     <- (P - k phi' P) / lambda
 //
 // All outputs share the covariance P. What keeps it in bounds:
-//  - P = U D U' with unit upper triangular U and positive diagonal D (Bierman 1977): positive definite by
-//    construction, where the plain recursion loses definiteness after some ten thousand updates at rest;
+//  - P = U D U' with unit upper triangular U and positive diagonal D (Bierman 1977): positive
+//    definite by construction, where the plain recursion loses definiteness after some ten thousand
+//    updates at rest;
 //  - a leak toward the offline readout W0: after each update one pseudo-observation
 //    sqrt(rho) W0[:, i] = sqrt(rho) W[:, i] of unit noise on a cycling coordinate i, with
-//    rho = leak n (1 - lambda) delta. With leak = 1 it puts back the information about a coordinate that
-//    forgetting takes: directions that are not excited return to the prior precision delta and to W0;
-//  - clipping: where the root mean square of an innovation over the outputs is beyond clip_sigmas standard deviations
-//    of the recent ones, the sample gets the weight w = limit / rms(e) (Huber 1964), else 1. A single wrong sample
-//    moves little, and since it counts less in P too, a lasting change is followed within some tens of samples.
+//    rho = leak n (1 - lambda) delta. With leak = 1 it puts back the information about a coordinate
+//    that forgetting takes: directions that are not excited return to the prior precision delta and
+//    to W0;
+//  - clipping: where the root mean square of an innovation over the outputs is beyond clip_sigmas
+//    standard deviations of the recent ones, the sample gets the weight w = limit / rms(e) (Huber
+//    1964), else 1. A single wrong sample moves little, and since it counts less in P too, a
+//    lasting change is followed within some tens of samples.
 //
 //   symbol  here
 //   lambda  forgetting
 //   delta   prior_precision; P starts as I / delta
 //   W, W0   readout(), offline readout; outputs x features
+//
 // One thread at a time. Memory is taken in the constructor and in Covariance() only.
 #pragma once
 
@@ -31,26 +35,28 @@
 namespace sinew::rls {
 
 struct Config {
-  double forgetting = 0.999;           // lambda in (0, 1]; 1: nothing is forgotten
-  double prior_precision = 0.01;       // delta > 0, of weights in target unit / feature unit
-  double leak = 1.0;                   // >= 0; 0: none. Without forgetting there is none either.
-  double clip_sigmas = 3.0;            // >= 0; 0: no clipping
-  double innovation_memory = 0.995;    // of the running innovation variance, in (0, 1)
-  double initial_innovation = 0.01;    // standard deviation at the start, > 0, target unit
+  double forgetting = 0.999;         // lambda in (0, 1]; 1: nothing is forgotten
+  double prior_precision = 0.01;     // delta > 0, of weights in target unit / feature unit
+  double leak = 1.0;                 // >= 0; 0: none. Without forgetting there is none either.
+  double clip_sigmas = 3.0;          // >= 0; 0: no clipping
+  double innovation_memory = 0.995;  // of the running innovation variance, in (0, 1)
+  double initial_innovation = 0.01;  // standard deviation at the start, > 0, target unit
 };
 
-enum class [[nodiscard]] UpdateStatus {
-  kOk,
-  kClipped,   // updated, with a weight below 1
-  kBadInput,  // not finite or of the wrong size: nothing changed
+enum class [[nodiscard]] UpdateStatus{
+    kOk,
+    kClipped,   // updated, with a weight below 1
+    kBadInput,  // not finite or of the wrong size: nothing changed
 };
 
 class RecursiveLeastSquares {
  public:
-  using Readout = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>,
-                             Eigen::Unaligned, Eigen::OuterStride<>>;
+  using Readout =
+      Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>,
+                 Eigen::Unaligned, Eigen::OuterStride<>>;
 
-  // offline_readout: outputs x features, at least 1 x 1, finite. Throws std::invalid_argument naming what is wrong.
+  // offline_readout: outputs x features, at least 1 x 1, finite. Throws std::invalid_argument
+  // naming what is wrong.
   RecursiveLeastSquares(const Config& config, const Eigen::MatrixXd& offline_readout,
                         simd::Instructions instructions = simd::BestInstructions());
 
@@ -82,12 +88,12 @@ class RecursiveLeastSquares {
   int outputs_;
   int stride_;
   simd::Instructions instructions_;
-  double pseudo_;                // sqrt(rho)
+  double pseudo_;  // sqrt(rho)
   double innovation_variance_ = 0.0;
   int coordinate_ = 0;
   std::uint64_t updates_ = 0;
   std::uint64_t clipped_ = 0;
-  std::vector<double> u_;        // stride x size
+  std::vector<double> u_;  // stride x size
   std::vector<double> d_;
   std::vector<double> phi_;
   std::vector<double> f_;

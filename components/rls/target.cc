@@ -8,14 +8,16 @@
 namespace sinew::rls {
 namespace {
 
-constexpr std::array<esn::Signal, 3> kReference = {esn::Signal::kReferencePosition, esn::Signal::kReferenceVelocity,
+constexpr std::array<esn::Signal, 3> kReference = {esn::Signal::kReferencePosition,
+                                                   esn::Signal::kReferenceVelocity,
                                                    esn::Signal::kReferenceAcceleration};
 
 int FeatureOf(const esn::Weights& weights, esn::Input input, const char* name) {
   const auto found = std::find(weights.inputs.begin(), weights.inputs.end(), input);
   if (found == weights.inputs.end()) {
-    throw std::invalid_argument(std::string(name) + ": no input " + std::string(esn::SignalName(input.signal)) +
-                                " of joint " + std::to_string(input.joint) +
+    throw std::invalid_argument(std::string(name) + ": no input " +
+                                std::string(esn::SignalName(input.signal)) + " of joint " +
+                                std::to_string(input.joint) +
                                 ", which carry_over needs; add it, or switch carry_over off");
   }
   return 1 + static_cast<int>(found - weights.inputs.begin());
@@ -24,7 +26,8 @@ int FeatureOf(const esn::Weights& weights, esn::Input input, const char* name) {
 }  // namespace
 
 TargetEquation::TargetEquation(const TargetConfig& config, const actuator::RobotModel& robot,
-                               const std::optional<esn::Weights>& sea, const std::optional<esn::Weights>& pea)
+                               const std::optional<esn::Weights>& sea,
+                               const std::optional<esn::Weights>& pea)
     : config_(config), half_(config.carry_over ? config.half_window_ticks : 0) {
   if (config.carry_over && (config.half_window_ticks < 1 || config.half_window_ticks > 100)) {
     throw std::invalid_argument("half_window_ticks: " + std::to_string(config.half_window_ticks) +
@@ -44,8 +47,8 @@ TargetEquation::TargetEquation(const TargetConfig& config, const actuator::Robot
     network.normalisation = weights.input;
     if (static_cast<std::size_t>(network.outputs) > robot.joints.size()) {
       throw std::invalid_argument(std::string(name) + ": " + std::to_string(network.outputs) +
-                                  " outputs, expected at most the model's " + std::to_string(robot.joints.size()) +
-                                  " joints");
+                                  " outputs, expected at most the model's " +
+                                  std::to_string(robot.joints.size()) + " joints");
     }
     if (config.carry_over) {
       for (int joint = 0; joint < network.outputs; ++joint) {
@@ -58,8 +61,10 @@ TargetEquation::TargetEquation(const TargetConfig& config, const actuator::Robot
     most_outputs = std::max(most_outputs, network.outputs);
     networks_[i] = std::move(network);
   }
-  if (most_features == 0) throw std::invalid_argument("weights: none, expected a SEA or a PEA network");
-  for (const actuator::JointModel& joint : robot.joints) gear_ratio_.push_back(joint.constants.gear_ratio);
+  if (most_features == 0)
+    throw std::invalid_argument("weights: none, expected a SEA or a PEA network");
+  for (const actuator::JointModel& joint : robot.joints)
+    gear_ratio_.push_back(joint.constants.gear_ratio);
   if (config.carry_over) {
     at_reference_.emplace(robot, config.smoothing_rad_s);
     at_motion_.emplace(robot, config.smoothing_rad_s);
@@ -81,13 +86,15 @@ const TargetEquation::Slot& TargetEquation::At(int ticks_ago) const noexcept {
 }
 
 std::optional<TargetEquation::Sample> TargetEquation::Push(const TickData& data) noexcept {
-  if (filled_ > 0 && data.tick != last_tick_ + 1) Reset();  // a hole: the positions are no longer even in time
+  if (filled_ > 0 && data.tick != last_tick_ + 1)
+    Reset();  // a hole: the positions are no longer even in time
   last_tick_ = data.tick;
   newest_ = (newest_ + 1) % ring_.size();
   filled_ = std::min(filled_ + 1, static_cast<int>(ring_.size()));
   Slot& slot = ring_[newest_];
   slot.network = data.network;
-  const bool known = data.network >= 0 && data.network <= 1 && networks_[static_cast<std::size_t>(data.network)];
+  const bool known =
+      data.network >= 0 && data.network <= 1 && networks_[static_cast<std::size_t>(data.network)];
   slot.usable = data.usable && known &&
                 data.features.size() == networks_[static_cast<std::size_t>(data.network)]->features;
   if (slot.usable) slot.features.head(data.features.size()) = data.features;
@@ -95,7 +102,8 @@ std::optional<TargetEquation::Sample> TargetEquation::Push(const TickData& data)
   slot.position_rad = data.position_rad;
   slot.drive_torque_Nm = data.drive_torque_Nm;
   slot.measured = data.measured;
-  for (std::size_t j = 0; j < gear_ratio_.size(); ++j) slot.motor_rad[j] = data.motor_position_rad[j] / gear_ratio_[j];
+  for (std::size_t j = 0; j < gear_ratio_.size(); ++j)
+    slot.motor_rad[j] = data.motor_position_rad[j] / gear_ratio_[j];
 
   if (filled_ < static_cast<int>(ring_.size())) return std::nullopt;
   const Slot& centre = At(half_);
@@ -109,8 +117,10 @@ std::optional<TargetEquation::Sample> TargetEquation::Push(const TickData& data)
     target_Nm_(o) = centre.drive_torque_Nm[static_cast<std::size_t>(o)];
   }
   double fastest_rad_s = 0.0;
-  if (config_.carry_over && !CarryOver(centre, network, data.period_s, &fastest_rad_s)) return std::nullopt;
-  return Sample{centre.network, features_.head(network.features), target_Nm_.head(network.outputs), fastest_rad_s};
+  if (config_.carry_over && !CarryOver(centre, network, data.period_s, &fastest_rad_s))
+    return std::nullopt;
+  return Sample{centre.network, features_.head(network.features), target_Nm_.head(network.outputs),
+                fastest_rad_s};
 }
 
 bool TargetEquation::CarryOver(const Slot& centre, const Network& network, double period_s,
@@ -145,9 +155,11 @@ bool TargetEquation::CarryOver(const Slot& centre, const Network& network, doubl
     for (std::size_t s = 0; s < kReference.size(); ++s) {
       const int feature = network.reference[j][s];
       const double normalised = centre.features(feature);
-      if (!(std::abs(normalised) < network.input_limit)) return false;  // clipped: the reference is not known
+      if (!(std::abs(normalised) < network.input_limit))
+        return false;  // clipped: the reference is not known
       reference.Set(kReference[s], joint,
-                    network.normalisation.offset(feature - 1) + network.normalisation.scale(feature - 1) * normalised);
+                    network.normalisation.offset(feature - 1) +
+                        network.normalisation.scale(feature - 1) * normalised);
     }
     *fastest_rad_s = std::max(*fastest_rad_s, std::abs(reference.Get({kReference[1], joint})));
   }

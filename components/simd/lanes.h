@@ -1,9 +1,10 @@
-// Eight doubles side by side, in as few registers as the instruction set of this source file allows.
+// Eight doubles side by side, in as few registers as the instruction set of this source file
+// allows.
 //
-// Include only from a kernel_*.cc; such a file includes nothing of the standard library but <cstdint>, so
-// that no inline function compiled for a wide instruction set can replace its ordinary twin at link time.
-// No operation is fused (kernels are compiled with -ffp-contract=off) and Sum() has a fixed order: the
-// result does not depend on the instruction set.
+// Include only from a kernel_*.cc; such a file includes nothing of the standard library but
+// <cstdint>, so that no inline function compiled for a wide instruction set can replace its
+// ordinary twin at link time. No operation is fused (kernels are compiled with -ffp-contract=off)
+// and Sum() has a fixed order: the result does not depend on the instruction set.
 #pragma once
 
 #include <cstdint>
@@ -54,8 +55,8 @@ SINEW_LANES_INLINE void Store(double* to, const Lanes& a) {
   }
 }
 
-// from[index[0]] .. from[index[7]]. The masked forms: the plain ones read an undefined register, which GCC 12
-// warns about.
+// from[index[0]] .. from[index[7]]. The masked forms: the plain ones read an undefined register,
+// which GCC 12 warns about.
 SINEW_LANES_INLINE Lanes Gather(const double* from, const std::int32_t* index) {
   Lanes result;
 #if defined(__AVX512F__)
@@ -77,11 +78,11 @@ SINEW_LANES_INLINE Lanes Gather(const double* from, const std::int32_t* index) {
   return result;
 }
 
-#define SINEW_LANES_OPERATOR(op)                                                    \
-  SINEW_LANES_INLINE Lanes operator op(const Lanes& a, const Lanes& b) {            \
-    Lanes result;                                                                   \
-    for (int p = 0; p < kPacks; ++p) result.pack[p] = a.pack[p] op b.pack[p];       \
-    return result;                                                                  \
+#define SINEW_LANES_OPERATOR(op)                                              \
+  SINEW_LANES_INLINE Lanes operator op(const Lanes& a, const Lanes& b) {      \
+    Lanes result;                                                             \
+    for (int p = 0; p < kPacks; ++p) result.pack[p] = a.pack[p] op b.pack[p]; \
+    return result;                                                            \
   }
 SINEW_LANES_OPERATOR(+)
 SINEW_LANES_OPERATOR(-)

@@ -27,7 +27,8 @@ struct VariableScan {
   double placebo_99 = 0.0;            // best false share
 };
 
-// The design's drive must be predicted (Design::PredictDrive): the measured one is the target itself.
+// The design's drive must be predicted (Design::PredictDrive): the measured one is the target
+// itself.
 VariableScan ScanVariables(const identify::Design& design,
                            const std::vector<identify::Block>& blocks,
                            const Eigen::Ref<const Eigen::MatrixXd>& base,

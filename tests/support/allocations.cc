@@ -14,7 +14,8 @@ long Allocations() noexcept { return allocations.load(); }
 }  // namespace sinew::test
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-// The C library's own names; defining malloc in the program takes precedence over the shared library's.
+// The C library's own names; defining malloc in the program takes precedence over the shared
+// library's.
 extern "C" {
 void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);

@@ -67,7 +67,8 @@ Json DescribeDomain(const ListOptions& options) {
   const auto end = Clock::now() + std::chrono::duration<double>(options.wait_s);
   while (Clock::now() < end) {
     while (auto status = statuses.TakeNext()) {
-      if (status->name().to_string() != options.node.name) components[status->name().to_string()] = *status;
+      if (status->name().to_string() != options.node.name)
+        components[status->name().to_string()] = *status;
     }
     node.WaitForData(milliseconds(50));
   }
@@ -93,8 +94,9 @@ Json DescribeDomain(const ListOptions& options) {
                                       {"resident_MB", status.resident_MB()},
                                       {"message", status.message().to_string()}});
     if (status.idl_hash().to_string() != own_hash) {
-      problems.push_back("'" + name + "' was built with other topics (hash " + status.idl_hash().to_string() +
-                         ", this build " + own_hash + "): rebuild one of them");
+      problems.push_back("'" + name + "' was built with other topics (hash " +
+                         status.idl_hash().to_string() + ", this build " + own_hash +
+                         "): rebuild one of them");
     }
     if (status.state() == msg::COMPONENT_FAULT) {
       problems.push_back("'" + name + "' is in fault: " + status.message().to_string());

@@ -35,10 +35,12 @@ struct TrainOptions {
   bool json = false;
 };
 
-std::vector<identify::Run> ReadAll(const std::vector<std::filesystem::path>& paths, const TrainOptions& options) {
+std::vector<identify::Run> ReadAll(const std::vector<std::filesystem::path>& paths,
+                                   const TrainOptions& options) {
   std::vector<identify::Run> runs;
   for (const std::filesystem::path& path : paths) {
-    for (identify::Run& run : recording::ReadRuns(path, options.map, path.extension() == ".csv" ? 0 : options.joint)) {
+    for (identify::Run& run :
+         recording::ReadRuns(path, options.map, path.extension() == ".csv" ? 0 : options.joint)) {
       runs.push_back(std::move(run));
     }
   }
@@ -63,8 +65,9 @@ Outcome TrainNetwork(const TrainOptions& options) {
   const esn::NetworkPlan plan = esn::LoadNetworkPlan(options.config, options.network);
   const actuator::RobotModel robot = actuator::LoadRobotModel(options.model);
   if (options.joint < 0 || options.joint >= static_cast<int>(robot.joints.size())) {
-    throw UsageError(options.model.string() + ": key 'joints': has " + std::to_string(robot.joints.size()) +
-                     " joints, expected joint " + std::to_string(options.joint) + " of --joint");
+    throw UsageError(options.model.string() + ": key 'joints': has " +
+                     std::to_string(robot.joints.size()) + " joints, expected joint " +
+                     std::to_string(options.joint) + " of --joint");
   }
   const actuator::JointModel& model = robot.joints[static_cast<std::size_t>(options.joint)];
   const std::vector<identify::Run> runs = ReadAll(options.recordings, options);
@@ -83,7 +86,8 @@ Outcome TrainNetwork(const TrainOptions& options) {
       // The play's centre is a fact of the rig, not of a recording.
       esn::DatasetConfig test_plan = plan.dataset;
       test_plan.play_centre_rad = outcome.data.play_centre_rad;
-      const esn::Dataset test = esn::MakeDataset(ReadAll(options.tests, options), model, test_plan, true);
+      const esn::Dataset test =
+          esn::MakeDataset(ReadAll(options.tests, options), model, test_plan, true);
       sequences.insert(sequences.end(), test.sequences.begin(), test.sequences.end());
     }
     outcome.result = esn::Train(sequences, plan.training);
@@ -105,13 +109,14 @@ void PrintScore(const char* name, const esn::Score& score) {
     std::printf("%-6s no samples\n", name);
     return;
   }
-  std::printf("%-6s MSE %.6f Nm^2, rms %.4f Nm, share of the variance %.4f %%, %ld samples\n", name, score.mse(0),
-              std::sqrt(score.mse(0)), 100.0 * score.normalised(0), score.samples);
+  std::printf("%-6s MSE %.6f Nm^2, rms %.4f Nm, share of the variance %.4f %%, %ld samples\n", name,
+              score.mse(0), std::sqrt(score.mse(0)), 100.0 * score.normalised(0), score.samples);
 }
 
 nlohmann::ordered_json ScoreJson(const esn::Score& score) {
   if (score.samples == 0) return nullptr;
-  return {{"samples", score.samples}, {"mse_Nm2", score.mse(0)}, {"normalised", score.normalised(0)}};
+  return {
+      {"samples", score.samples}, {"mse_Nm2", score.mse(0)}, {"normalised", score.normalised(0)}};
 }
 
 void Print(const TrainOptions& options, const Outcome& outcome) {
@@ -135,12 +140,13 @@ void Print(const TrainOptions& options, const Outcome& outcome) {
     std::cout << json.dump(2) << '\n';
     return;
   }
-  std::printf("network '%s': %d parameters (1 + %d inputs + %d neurons), target %s\n", weights.network.c_str(),
-              static_cast<int>(weights.readout.size()), weights.input_count(), weights.neurons(),
-              weights.target.c_str());
-  std::printf("data   %.1f s, %ld samples at %.0f Hz, %ld of them inside the backlash (centre %.5f rad)\n",
-              outcome.data.duration_s, outcome.data.samples, 1.0 / weights.period_s, outcome.data.inside,
-              outcome.data.play_centre_rad);
+  std::printf("network '%s': %d parameters (1 + %d inputs + %d neurons), target %s\n",
+              weights.network.c_str(), static_cast<int>(weights.readout.size()),
+              weights.input_count(), weights.neurons(), weights.target.c_str());
+  std::printf(
+      "data   %.1f s, %ld samples at %.0f Hz, %ld of them inside the backlash (centre %.5f rad)\n",
+      outcome.data.duration_s, outcome.data.samples, 1.0 / weights.period_s, outcome.data.inside,
+      outcome.data.play_centre_rad);
   std::printf("ridge  beta %.3g%s\n", weights.ridge_beta,
               result.gcv.empty() ? "" : " by generalised cross-validation");
   PrintScore("train", result.train);
@@ -157,15 +163,23 @@ void AddTrainCommand(CLI::App& app) {
       "  sinew train --model robots/rig/model.yaml --recording run.mcap --network pea \\\n"
       "    --config robots/rig/esn_train.yaml --out pea.json");
   auto options = std::make_shared<TrainOptions>();
-  command->add_option("--model", options->model, "Model file: gear ratio, backlash, drive")->required();
-  command->add_option("--recording", options->recordings, "MCAP, or CSV with --map; may be repeated")->required();
-  command->add_option("--test", options->tests, "Recording to test on, instead of blocks of the others");
-  command->add_option("--map", options->map, "Mapping file of CSV recordings");
-  command->add_option("--network", options->network, "Name of the network in the configuration, e.g. sea or pea")
+  command->add_option("--model", options->model, "Model file: gear ratio, backlash, drive")
       ->required();
-  command->add_option("--config", options->config, "What to train and how (sinew-esn-train/1)")->required();
+  command
+      ->add_option("--recording", options->recordings, "MCAP, or CSV with --map; may be repeated")
+      ->required();
+  command->add_option("--test", options->tests,
+                      "Recording to test on, instead of blocks of the others");
+  command->add_option("--map", options->map, "Mapping file of CSV recordings");
+  command
+      ->add_option("--network", options->network,
+                   "Name of the network in the configuration, e.g. sea or pea")
+      ->required();
+  command->add_option("--config", options->config, "What to train and how (sinew-esn-train/1)")
+      ->required();
   command->add_option("--out", options->out, "Weights file to write")->required();
-  command->add_option("--joint", options->joint, "Index of the joint in messages and model")->check(CLI::Range(0, 11));
+  command->add_option("--joint", options->joint, "Index of the joint in messages and model")
+      ->check(CLI::Range(0, 11));
   command->add_flag("--json", options->json, "Result as JSON");
   command->callback([options] { Print(*options, TrainNetwork(*options)); });
 }

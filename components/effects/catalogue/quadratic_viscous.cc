@@ -1,5 +1,5 @@
-// Quadratic viscous friction of the fast side of the gear: what turns in oil or grease is the rotor.
-// Without a motor encoder the gear is taken as rigid.
+// Quadratic viscous friction of the fast side of the gear: what turns in oil or grease is the
+// rotor. Without a motor encoder the gear is taken as rigid.
 #include "components/effects/define.h"
 
 namespace sinew::effects::quadratic_viscous {

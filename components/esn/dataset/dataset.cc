@@ -23,7 +23,8 @@ constexpr double kSamePeriod = 1e-6;
 void CheckConfig(const DatasetConfig& config) {
   const auto require = [](bool good, const char* name, double value, const char* expected) {
     if (!good) {
-      throw std::invalid_argument(std::string(name) + ": " + std::to_string(value) + ", expected " + expected);
+      throw std::invalid_argument(std::string(name) + ": " + std::to_string(value) + ", expected " +
+                                  expected);
     }
   };
   if (config.inputs.empty()) throw std::invalid_argument("inputs: none, expected at least one");
@@ -58,8 +59,8 @@ const Eigen::VectorXd& Need(const UniformSegment& segment, Measured signal, cons
                             std::string_view what) {
   const auto found = segment.signals.find(signal);
   if (found == segment.signals.end()) {
-    throw std::invalid_argument(run + ": no signal '" + std::string(identify::SignalName(signal)) + "', which " +
-                                std::string(what) + " needs");
+    throw std::invalid_argument(run + ": no signal '" + std::string(identify::SignalName(signal)) +
+                                "', which " + std::string(what) + " needs");
   }
   return found->second;
 }
@@ -96,7 +97,8 @@ Eigen::VectorXd DriveTorque(const UniformSegment& segment, const actuator::Joint
                             const std::string& run) {
   Measured input = Measured::kMotorCurrent;
   if (!HasDrive(model, &input)) {
-    throw std::invalid_argument("model " + model.name + ": no drive term, which the target drive_torque_Nm needs");
+    throw std::invalid_argument("model " + model.name +
+                                ": no drive term, which the target drive_torque_Nm needs");
   }
   const Eigen::VectorXd& drive = Need(segment, input, run, "the target drive_torque_Nm");
   std::vector<double> memory(static_cast<std::size_t>(model.memory_size()));
@@ -112,7 +114,8 @@ Eigen::VectorXd DriveTorque(const UniformSegment& segment, const actuator::Joint
 // Midway between the 1 % and the 99 % quantile.
 double MiddleOf(std::vector<double> values) {
   const auto quantile = [&](double q) {
-    const auto at = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
+    const auto at =
+        values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
     std::nth_element(values.begin(), at, values.end());
     return *at;
   };
@@ -123,23 +126,26 @@ double MiddleOf(std::vector<double> values) {
 struct Columns {
   std::vector<Eigen::VectorXd> inputs;
   Eigen::VectorXd target;
-  Eigen::VectorXd play;  // motor / N - output, without the centre; empty where there is no motor angle
+  Eigen::VectorXd
+      play;  // motor / N - output, without the centre; empty where there is no motor angle
 };
 
-Columns ColumnsOf(const UniformSegment& segment, const actuator::JointModel& model, const DatasetConfig& config,
-                  const std::string& run) {
+Columns ColumnsOf(const UniformSegment& segment, const actuator::JointModel& model,
+                  const DatasetConfig& config, const std::string& run) {
   Columns columns;
   const Eigen::VectorXd& position = Need(segment, Measured::kPosition, run, "every network");
   Motion output = Differentiate(position, segment.period_s, config.smoothing_Hz);
   if (config.derivatives_from_motor) {
     const Eigen::VectorXd motor =
-        Need(segment, Measured::kMotorPosition, run, "derivatives_from: motor") / model.constants.gear_ratio;
+        Need(segment, Measured::kMotorPosition, run, "derivatives_from: motor") /
+        model.constants.gear_ratio;
     const Motion geared = Differentiate(motor, segment.period_s, config.smoothing_Hz);
     output.velocity = geared.velocity;
     output.acceleration = geared.acceleration;
   }
   if (segment.signals.count(Measured::kMotorPosition) != 0) {
-    columns.play = segment.signals.at(Measured::kMotorPosition) / model.constants.gear_ratio - position;
+    columns.play =
+        segment.signals.at(Measured::kMotorPosition) / model.constants.gear_ratio - position;
   }
   for (const Signal input : config.inputs) {
     const Eigen::VectorXd& source =
@@ -157,7 +163,8 @@ Columns ColumnsOf(const UniformSegment& segment, const actuator::JointModel& mod
         columns.inputs.push_back(output.acceleration);
         break;
       case Signal::kMotorVelocity:
-        columns.inputs.push_back(Differentiate(source, segment.period_s, config.smoothing_Hz).velocity);
+        columns.inputs.push_back(
+            Differentiate(source, segment.period_s, config.smoothing_Hz).velocity);
         break;
       case Signal::kPlayAngle:
         columns.inputs.push_back(columns.play);
@@ -166,15 +173,17 @@ Columns ColumnsOf(const UniformSegment& segment, const actuator::JointModel& mod
         columns.inputs.push_back(source);
     }
   }
-  columns.target = config.target == Target::kDriveTorque
-                       ? DriveTorque(segment, model, run)
-                       : Eigen::VectorXd(Need(segment, Measured::kLoadForce, run, "the target load_torque_Nm") *
-                                         model.constants.link_length_m);
+  columns.target =
+      config.target == Target::kDriveTorque
+          ? DriveTorque(segment, model, run)
+          : Eigen::VectorXd(Need(segment, Measured::kLoadForce, run, "the target load_torque_Nm") *
+                            model.constants.link_length_m);
   return columns;
 }
 
 // The columns at the network's period; valid where both neighbours were.
-void Resample(const UniformSegment& segment, double period_s, Columns* columns, std::vector<char>* valid) {
+void Resample(const UniformSegment& segment, double period_s, Columns* columns,
+              std::vector<char>* valid) {
   *valid = segment.valid;
   if (std::abs(segment.period_s - period_s) < kSamePeriod * period_s) return;
   const Eigen::Index size = segment.size();
@@ -191,7 +200,8 @@ void Resample(const UniformSegment& segment, double period_s, Columns* columns, 
   onto(columns->play);
   valid->assign(static_cast<std::size_t>(count), 0);
   for (Eigen::Index t = 0; t < count; ++t) {
-    const Eigen::Index before = std::min(static_cast<Eigen::Index>(to(t) / segment.period_s), size - 1);
+    const Eigen::Index before =
+        std::min(static_cast<Eigen::Index>(to(t) / segment.period_s), size - 1);
     const Eigen::Index after = std::min(before + 1, size - 1);
     (*valid)[static_cast<std::size_t>(t)] = segment.valid[static_cast<std::size_t>(before)] != 0 &&
                                             segment.valid[static_cast<std::size_t>(after)] != 0;
@@ -214,12 +224,13 @@ Dataset MakeDataset(const std::vector<identify::Run>& runs, const actuator::Join
                     const DatasetConfig& config, bool test_only) {
   CheckConfig(config);
   if (runs.empty()) throw std::invalid_argument("training: no recording");
-  const bool reads_play = std::find(config.inputs.begin(), config.inputs.end(), Signal::kPlayAngle) !=
-                          config.inputs.end();
+  const bool reads_play = std::find(config.inputs.begin(), config.inputs.end(),
+                                    Signal::kPlayAngle) != config.inputs.end();
   const bool needs_play = config.region != Region::kAll || reads_play;
   if (needs_play && !(model.backlash_rad > 0.0)) {
-    throw std::invalid_argument("model " + model.name +
-                                ": backlash_rad is 0, but the network is told apart by the backlash");
+    throw std::invalid_argument(
+        "model " + model.name +
+        ": backlash_rad is 0, but the network is told apart by the backlash");
   }
 
   Dataset data;
@@ -230,7 +241,8 @@ Dataset MakeDataset(const std::vector<identify::Run>& runs, const actuator::Join
     for (const UniformSegment& segment : identify::MakeUniform(run).segments) {
       Columns columns = ColumnsOf(segment, model, config, run.name);
       if (needs_play && columns.play.size() == 0) {
-        throw std::invalid_argument(run.name + ": no signal 'motor_position', which tells the play");
+        throw std::invalid_argument(run.name +
+                                    ": no signal 'motor_position', which tells the play");
       }
       std::vector<char> good;
       Resample(segment, config.period_s, &columns, &good);
@@ -239,8 +251,10 @@ Dataset MakeDataset(const std::vector<identify::Run>& runs, const actuator::Join
       valid.push_back(std::move(good));
     }
   }
-  if (pieces.empty()) throw std::invalid_argument("training: the recordings hold no unbroken piece of 2 s");
-  if (needs_play) data.play_centre_rad = config.play_centre_rad ? *config.play_centre_rad : MiddleOf(play);
+  if (pieces.empty())
+    throw std::invalid_argument("training: the recordings hold no unbroken piece of 2 s");
+  if (needs_play)
+    data.play_centre_rad = config.play_centre_rad ? *config.play_centre_rad : MiddleOf(play);
 
   const double half_rad = 0.5 * model.backlash_rad - config.play_margin_rad;
   for (std::size_t p = 0; p < pieces.size(); ++p) {

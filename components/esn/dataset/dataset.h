@@ -1,10 +1,12 @@
 // Training sequences out of recordings of a joint.
 //
-// A recording goes onto an even grid of the network's period. Position is smoothed and differentiated without
-// phase shift; a reference_* input is this measured motion. The target is the torque that the drive put out, or
-// the load's. Which samples teach is decided by the play between motor and output:
+// A recording goes onto an even grid of the network's period. Position is smoothed and
+// differentiated without phase shift; a reference_* input is this measured motion. The target is
+// the torque that the drive put out, or the load's. Which samples teach is decided by the play
+// between motor and output:
 //
-//     alpha(t) = motor_position / N - position - centre          inside:  |alpha| < backlash / 2 - margin
+//     alpha(t) = motor_position / N - position - centre          inside:  |alpha| < backlash / 2 -
+//     margin
 //
 // and by the split into training and test. The network's state runs through all samples.
 #pragma once
@@ -21,7 +23,8 @@
 namespace sinew::esn {
 
 enum class Target {
-  kDriveTorque,  // drive_torque_Nm: the model's drive terms at the measured current (or voltage), at the output
+  kDriveTorque,  // drive_torque_Nm: the model's drive terms at the measured current (or voltage),
+                 // at the output
   kLoadTorque,   // load_torque_Nm: load_force * link length (5.3), positive presses the link down
 };
 std::string_view TargetName(Target target);
@@ -29,31 +32,33 @@ std::string_view TargetName(Target target);
 enum class Region { kAll, kInside, kOutside };
 
 struct DatasetConfig {
-  std::vector<Signal> inputs;           // all of the one joint
+  std::vector<Signal> inputs;  // all of the one joint
   Target target = Target::kDriveTorque;
   Region region = Region::kAll;
-  double period_s = 1.0 / 240.0;        // of the network's step
-  double smoothing_Hz = 12.0;           // cut-off of the zero-phase filter before differentiation, > 0
-  // Velocity and acceleration from the motor's angle / N instead of the output's: outside the backlash the two move
-  // as one, and the gear makes the motor's encoder N times finer.
+  double period_s = 1.0 / 240.0;  // of the network's step
+  double smoothing_Hz = 12.0;     // cut-off of the zero-phase filter before differentiation, > 0
+  // Velocity and acceleration from the motor's angle / N instead of the output's: outside the
+  // backlash the two move as one, and the gear makes the motor's encoder N times finer.
   bool derivatives_from_motor = false;
-  std::optional<double> play_centre_rad = 0.0;  // nothing: midway between the extremes that were recorded
-  double play_margin_rad = 8e-4;        // two counts of a 14 bit encoder
-  int blocks = 10;                      // each starts with its share of training, the rest is test
-  double train_share = 0.7;             // in (0, 1]
+  // Nothing: midway between the extremes that were recorded.
+  std::optional<double> play_centre_rad = 0.0;
+  double play_margin_rad = 8e-4;  // two counts of a 14 bit encoder
+  int blocks = 10;                // each starts with its share of training, the rest is test
+  double train_share = 0.7;       // in (0, 1]
 };
 
 struct Dataset {
   std::vector<Sequence> sequences;
-  long samples = 0;         // on the grid, lost rows left out
-  long inside = 0;          // the backlash
+  long samples = 0;  // on the grid, lost rows left out
+  long inside = 0;   // the backlash
   double play_centre_rad = 0.0;
   double duration_s = 0.0;
 };
 
-// runs: at least one, of this joint. `joint`: index in messages, for the inputs' names. test_only: everything is
-// test. Throws std::invalid_argument: a signal that an input or the target needs is missing (named with the
-// input), no backlash in the model though the region asks for one, or figures out of range.
+// runs: at least one, of this joint. `joint`: index in messages, for the inputs' names. test_only:
+// everything is test. Throws std::invalid_argument: a signal that an input or the target needs is
+// missing (named with the input), no backlash in the model though the region asks for one, or
+// figures out of range.
 Dataset MakeDataset(const std::vector<identify::Run>& runs, const actuator::JointModel& model,
                     const DatasetConfig& config, bool test_only = false);
 

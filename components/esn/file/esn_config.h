@@ -16,7 +16,7 @@ struct EsnConfig {
   // kNetwork: at least one.
   std::optional<Weights> sea;
   std::optional<Weights> pea;
-  bool adaptation = false;        // readouts are awaited from sinew-rls
+  bool adaptation = false;  // readouts are awaited from sinew-rls
   // kInverseDynamics
   actuator::RobotModel robot;
   double smoothing_rad_s = 0.05;

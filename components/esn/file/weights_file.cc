@@ -26,7 +26,9 @@ struct Place {
   Place operator[](std::string_view child) const {
     return {file, key.empty() ? std::string(child) : key + "." + std::string(child)};
   }
-  Place operator[](std::size_t index) const { return {file, key + "[" + std::to_string(index) + "]"}; }
+  Place operator[](std::size_t index) const {
+    return {file, key + "[" + std::to_string(index) + "]"};
+  }
   [[noreturn]] void Fail(const std::string& what) const {
     throw UsageError(file + ": key '" + key + "': " + what);
   }
@@ -44,11 +46,13 @@ const Json& Member(const Json& object, const Place& place, std::string_view key)
   return *found;
 }
 
-void RejectOtherKeys(const Json& object, const Place& place, std::initializer_list<std::string_view> known) {
+void RejectOtherKeys(const Json& object, const Place& place,
+                     std::initializer_list<std::string_view> known) {
   for (const auto& item : object.items()) {
     if (std::find(known.begin(), known.end(), item.key()) == known.end()) {
       std::string names;
-      for (const std::string_view name : known) names += (names.empty() ? "" : ", ") + std::string(name);
+      for (const std::string_view name : known)
+        names += (names.empty() ? "" : ", ") + std::string(name);
       place[item.key()].Fail("unknown, expected " + names);
     }
   }
@@ -82,14 +86,14 @@ std::string ReadText(const Json& json, const Place& place) {
 template <class Read>
 void ReadRows(const Json& json, const Place& place, int rows, int columns, const Read& read) {
   if (!json.is_array() || json.size() != static_cast<std::size_t>(rows)) {
-    place.Fail((json.is_array() ? std::to_string(json.size()) + " rows" : Shown(json)) + ", expected " +
-               std::to_string(rows) + " rows of " + std::to_string(columns));
+    place.Fail((json.is_array() ? std::to_string(json.size()) + " rows" : Shown(json)) +
+               ", expected " + std::to_string(rows) + " rows of " + std::to_string(columns));
   }
   for (std::size_t r = 0; r < json.size(); ++r) {
     const Json& row = json[r];
     if (!row.is_array() || row.size() != static_cast<std::size_t>(columns)) {
-      place[r].Fail((row.is_array() ? std::to_string(row.size()) + " numbers" : Shown(row)) + ", expected " +
-                    std::to_string(columns));
+      place[r].Fail((row.is_array() ? std::to_string(row.size()) + " numbers" : Shown(row)) +
+                    ", expected " + std::to_string(columns));
     }
     for (std::size_t c = 0; c < row.size(); ++c) read(row[c], place[r][c], r, c);
   }
@@ -97,16 +101,18 @@ void ReadRows(const Json& json, const Place& place, int rows, int columns, const
 
 Eigen::MatrixXd ReadMatrix(const Json& json, const Place& place, int rows, int columns) {
   Eigen::MatrixXd matrix(rows, columns);
-  ReadRows(json, place, rows, columns, [&](const Json& number, const Place& at, std::size_t r, std::size_t c) {
-    matrix(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c)) = ReadNumber(number, at);
-  });
+  ReadRows(json, place, rows, columns,
+           [&](const Json& number, const Place& at, std::size_t r, std::size_t c) {
+             matrix(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c)) =
+                 ReadNumber(number, at);
+           });
   return matrix;
 }
 
 Eigen::VectorXd ReadVector(const Json& json, const Place& place, int size) {
   if (!json.is_array() || json.size() != static_cast<std::size_t>(size)) {
-    place.Fail((json.is_array() ? std::to_string(json.size()) + " numbers" : Shown(json)) + ", expected " +
-               std::to_string(size));
+    place.Fail((json.is_array() ? std::to_string(json.size()) + " numbers" : Shown(json)) +
+               ", expected " + std::to_string(size));
   }
   Eigen::VectorXd vector(size);
   for (std::size_t i = 0; i < json.size(); ++i) {
@@ -126,24 +132,27 @@ Weights Read(const Json& json, const std::string& file) {
   const Place top{file, ""};
   if (!json.is_object()) throw UsageError(file + ": " + Shown(json) + ", expected a JSON object");
   const std::string schema = ReadText(Member(json, top, "schema"), top["schema"]);
-  if (schema != kSchema) top["schema"].Fail("'" + schema + "', expected '" + std::string(kSchema) + "'");
+  if (schema != kSchema)
+    top["schema"].Fail("'" + schema + "', expected '" + std::string(kSchema) + "'");
   RejectOtherKeys(json, top,
-                  {"schema", "network", "target", "period_s", "seed", "hyper", "shape", "inputs", "input", "output",
-                   "reservoir_column", "reservoir_value", "input_weight", "bias", "readout", "ridge_beta",
-                   "training_data_hash"});
+                  {"schema", "network", "target", "period_s", "seed", "hyper", "shape", "inputs",
+                   "input", "output", "reservoir_column", "reservoir_value", "input_weight", "bias",
+                   "readout", "ridge_beta", "training_data_hash"});
   const auto at = [&](std::string_view key) -> const Json& { return Member(json, top, key); };
 
   Weights w;
   w.network = ReadText(at("network"), top["network"]);
   w.target = ReadText(at("target"), top["target"]);
   w.period_s = ReadNumber(at("period_s"), top["period_s"]);
-  if (!at("seed").is_number_unsigned()) top["seed"].Fail(Shown(at("seed")) + ", expected a whole number, at least 0");
+  if (!at("seed").is_number_unsigned())
+    top["seed"].Fail(Shown(at("seed")) + ", expected a whole number, at least 0");
   w.hyper.seed = at("seed").get<std::uint64_t>();
 
   const Json& hyper = at("hyper");
   const Place hyper_place = top["hyper"];
   ExpectObject(hyper, hyper_place);
-  RejectOtherKeys(hyper, hyper_place, {"spectral_radius", "input_variance", "density", "leak", "input_limit"});
+  RejectOtherKeys(hyper, hyper_place,
+                  {"spectral_radius", "input_variance", "density", "leak", "input_limit"});
   const auto hyper_number = [&](std::string_view key) {
     return ReadNumber(Member(hyper, hyper_place, key), hyper_place[key]);
   };
@@ -159,7 +168,8 @@ Weights Read(const Json& json, const std::string& file) {
   RejectOtherKeys(shape, shape_place, {"neurons", "inputs", "outputs", "row_entries"});
   const auto count = [&](std::string_view key) {
     const int value = ReadInt(Member(shape, shape_place, key), shape_place[key]);
-    if (value < 1 || value > 100000) shape_place[key].Fail(std::to_string(value) + ", expected 1 .. 100000");
+    if (value < 1 || value > 100000)
+      shape_place[key].Fail(std::to_string(value) + ", expected 1 .. 100000");
     return value;
   };
   const int n = w.hyper.neurons = count("neurons");
@@ -178,10 +188,12 @@ Weights Read(const Json& json, const std::string& file) {
     RejectOtherKeys(inputs[i], place, {"signal", "joint"});
     const std::string name = ReadText(Member(inputs[i], place, "signal"), place["signal"]);
     const std::optional<Signal> signal = SignalFromName(name);
-    if (!signal) place["signal"].Fail("'" + name + "', expected one of " + std::string(SignalNames()));
+    if (!signal)
+      place["signal"].Fail("'" + name + "', expected one of " + std::string(SignalNames()));
     const int joint = ReadInt(Member(inputs[i], place, "joint"), place["joint"]);
     if (joint < 0 || joint >= kMaxJoints) {
-      place["joint"].Fail(std::to_string(joint) + ", expected 0 .. " + std::to_string(kMaxJoints - 1));
+      place["joint"].Fail(std::to_string(joint) + ", expected 0 .. " +
+                          std::to_string(kMaxJoints - 1));
     }
     w.inputs.push_back({*signal, joint});
   }
@@ -232,8 +244,9 @@ Json Rows(const std::vector<Number>& values, int columns) {
   Json json = Json::array();
   const std::size_t width = static_cast<std::size_t>(columns);
   for (std::size_t i = 0; i < values.size(); i += width) {
-    json.push_back(Json(std::vector<Number>(values.begin() + static_cast<std::ptrdiff_t>(i),
-                                            values.begin() + static_cast<std::ptrdiff_t>(i + width))));
+    json.push_back(
+        Json(std::vector<Number>(values.begin() + static_cast<std::ptrdiff_t>(i),
+                                 values.begin() + static_cast<std::ptrdiff_t>(i + width))));
   }
   return json;
 }
@@ -274,8 +287,8 @@ Weights ParseWeights(const std::string& text, const std::string& name) {
   try {
     json = Json::parse(text);
   } catch (const Json::exception& error) {
-    throw UsageError(name + LineOf(error.what()) + ": no valid JSON, expected a weights file of schema " +
-                     std::string(kSchema));
+    throw UsageError(name + LineOf(error.what()) +
+                     ": no valid JSON, expected a weights file of schema " + std::string(kSchema));
   }
   return Read(json, name);
 }

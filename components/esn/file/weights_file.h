@@ -10,8 +10,9 @@
 
 namespace sinew::esn {
 
-// Throws UsageError, one line with the file, the key and what was expected: file absent, no JSON (with its line),
-// a key missing or unknown, a shape that does not fit, a number that is not finite.
+// Throws UsageError, one line with the file, the key and what was expected: file absent, no JSON
+// (with its line), a key missing or unknown, a shape that does not fit, a number that is not
+// finite.
 Weights LoadWeights(const std::filesystem::path& path);
 
 // The same for text that is already here; `name` stands for the file.
@@ -19,7 +20,8 @@ Weights ParseWeights(const std::string& text, const std::string& name);
 
 std::string FormatWeights(const Weights& weights);
 
-// As a whole or not at all. Throws UsageError naming the path; std::invalid_argument as Weights::Check().
+// As a whole or not at all. Throws UsageError naming the path; std::invalid_argument as
+// Weights::Check().
 void SaveWeights(const std::filesystem::path& path, const Weights& weights);
 
 }  // namespace sinew::esn

@@ -17,7 +17,8 @@ constexpr int kMostFeatures = 640;
 constexpr double kSamePeriod = 0.02;
 
 bool Reads(const std::optional<Weights>& weights, std::initializer_list<Signal> signals) {
-  return weights && std::any_of(weights->inputs.begin(), weights->inputs.end(), [&](const Input& input) {
+  return weights &&
+         std::any_of(weights->inputs.begin(), weights->inputs.end(), [&](const Input& input) {
            return std::find(signals.begin(), signals.end(), input.signal) != signals.end();
          });
 }
@@ -50,11 +51,13 @@ Inference::Inference(const EsnConfig& config) {
   for (const Which which : {Which::kSea, Which::kPea}) {
     if (predictor_->has(which) && predictor_->network(which).feature_count() > kMostFeatures) {
       throw UsageError("weights: " + std::to_string(predictor_->network(which).feature_count()) +
-                       " features, expected at most " + std::to_string(kMostFeatures) + " (1 + inputs + neurons)");
+                       " features, expected at most " + std::to_string(kMostFeatures) +
+                       " (1 + inputs + neurons)");
     }
   }
-  needs_actuator_state_ = Reads(config, {Signal::kMotorVelocity, Signal::kChamberPressure, Signal::kLoadForce,
-                                         Signal::kPayload, Signal::kTemperature});
+  needs_actuator_state_ =
+      Reads(config, {Signal::kMotorVelocity, Signal::kChamberPressure, Signal::kLoadForce,
+                     Signal::kPayload, Signal::kTemperature});
   needs_reference_ = Reads(config, {Signal::kReferencePosition, Signal::kReferenceVelocity,
                                     Signal::kReferenceAcceleration});
   needs_regime_ = predictor_->needs_regime();
@@ -74,7 +77,9 @@ Outputs Inference::Step(const Inputs& inputs, const node::Tick& tick) {
     if (inverse_) inverse_->Reset();
   }
   if (inputs.readout != nullptr && inputs.readout->has_value()) {
-    const auto version = [&](Which which) { return predictor_->has(which) ? predictor_->readout_version(which) : 0; };
+    const auto version = [&](Which which) {
+      return predictor_->has(which) ? predictor_->readout_version(which) : 0;
+    };
     const std::uint64_t before = version(Which::kSea) + version(Which::kPea);
     if (!TakeReadout(inputs.readout->value(), &*predictor_)) {
       if (readouts_refused_++ == 0) spdlog::warn("readout refused: it does not fit the network");
@@ -88,9 +93,11 @@ Outputs Inference::Step(const Inputs& inputs, const node::Tick& tick) {
   good = Fill(inputs.actuator, &frame) && good;
   good = Fill(inputs.reference, &frame) && good;
   good = Fill(inputs.regime, &frame) && good;
-  const Regime regime = inputs.regime != nullptr && inputs.regime->has_value() ? RegimeOf(inputs.regime->value())
-                                                                                : Regime::kUnknown;
-  const Prediction prediction = inverse_ ? inverse_->Step(frame, tick.period_s) : predictor_->Step(frame, regime);
+  const Regime regime = inputs.regime != nullptr && inputs.regime->has_value()
+                            ? RegimeOf(inputs.regime->value())
+                            : Regime::kUnknown;
+  const Prediction prediction =
+      inverse_ ? inverse_->Step(frame, tick.period_s) : predictor_->Step(frame, regime);
 
   Outputs outputs;
   outputs.prediction = ToMessage(prediction);

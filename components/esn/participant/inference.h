@@ -64,8 +64,8 @@ class Inputs {
 
  private:
   template <class Message>
-  static node::TickInput<Message>* Add(node::TickLoop& loop, const node::Topic<Message>& topic, bool wanted,
-                                       int delay_ticks = 0) {
+  static node::TickInput<Message>* Add(node::TickLoop& loop, const node::Topic<Message>& topic,
+                                       bool wanted, int delay_ticks = 0) {
     return wanted ? &loop.AddInput(topic, {.delay_ticks = delay_ticks}) : nullptr;
   }
 };

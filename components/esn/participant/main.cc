@@ -1,5 +1,5 @@
-// sinew-esn: the drive torque that the reference motion needs, every tick, from the network the regime chooses
-// or from the grey-box model.
+// sinew-esn: the drive torque that the reference motion needs, every tick, from the network the
+// regime chooses or from the grey-box model.
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
@@ -27,11 +27,13 @@ int main(int argc, char** argv) {
       loop.Publish(prediction, outputs.prediction, *tick);
       loop.Publish(reservoir, outputs.reservoir, *tick);
     }
-    spdlog::info("{} readouts taken, {} refused", inference.readouts_taken(), inference.readouts_refused());
+    spdlog::info("{} readouts taken, {} refused", inference.readouts_taken(),
+                 inference.readouts_refused());
   };
-  return node::RunParticipant(argc, argv, "esn", "Torque prediction by echo state networks, or by the model", body,
-                              [&given](CLI::App& app) {
-                                app.add_option("--sea-weights", given.sea, "Weights of the network inside the backlash");
-                                app.add_option("--pea-weights", given.pea, "Weights of the network outside");
-                              });
+  return node::RunParticipant(
+      argc, argv, "esn", "Torque prediction by echo state networks, or by the model", body,
+      [&given](CLI::App& app) {
+        app.add_option("--sea-weights", given.sea, "Weights of the network inside the backlash");
+        app.add_option("--pea-weights", given.pea, "Weights of the network outside");
+      });
 }

@@ -98,7 +98,8 @@ msg::ReservoirState ReservoirMessage(const Prediction& prediction, const Predict
   message.network(static_cast<std::uint8_t>(*prediction.chosen));
   message.output_count(static_cast<std::uint8_t>(network.output_count()));
   message.feature_count(static_cast<std::uint16_t>(network.feature_count()));
-  message.feature().assign(network.features().data(), network.features().data() + network.feature_count());
+  message.feature().assign(network.features().data(),
+                           network.features().data() + network.feature_count());
   message.prediction_Nm(prediction.torque_Nm);
   message.readout_version(predictor.readout_version(*prediction.chosen));
   return message;

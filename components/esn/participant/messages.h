@@ -11,8 +11,8 @@
 
 namespace sinew::esn {
 
-// Signals of a message into the frame. Values of a joint that its message calls lost are its last known ones and
-// are taken; the caller marks the prediction stale. False: some joint was lost.
+// Signals of a message into the frame. Values of a joint that its message calls lost are its last
+// known ones and are taken; the caller marks the prediction stale. False: some joint was lost.
 bool FillFrom(const msg::JointState& message, Frame* frame);
 bool FillFrom(const msg::ActuatorState& message, Frame* frame);
 bool FillFrom(const msg::Reference& message, Frame* frame);

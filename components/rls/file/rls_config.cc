@@ -11,14 +11,15 @@ namespace {
 
 constexpr std::string_view kSchema = "sinew-rls-participant/1";
 
-void CheckOutputs(const config::Section& s, const char* key, const std::optional<esn::Weights>& weights,
-                  const actuator::RobotModel& robot) {
+void CheckOutputs(const config::Section& s, const char* key,
+                  const std::optional<esn::Weights>& weights, const actuator::RobotModel& robot) {
   if (!weights) return;
   if (weights->target != "drive_torque_Nm") {
     s.Fail(key, "target '" + weights->target + "', expected 'drive_torque_Nm'");
   }
   if (static_cast<std::size_t>(weights->output_count()) > robot.joints.size()) {
-    s.Fail(key, std::to_string(weights->output_count()) + " outputs, expected at most one for each of the " +
+    s.Fail(key, std::to_string(weights->output_count()) +
+                    " outputs, expected at most one for each of the " +
                     std::to_string(robot.joints.size()) + " joints of the model");
   }
 }
@@ -33,7 +34,8 @@ RlsConfig LoadRlsConfig(const std::filesystem::path& path, const esn::WeightsPat
   RlsConfig config;
   config.sea = esn::LoadWeightsFor(s, "sea_weights", given.sea);
   config.pea = esn::LoadWeightsFor(s, "pea_weights", given.pea);
-  if (!config.sea && !config.pea) s.Fail("pea_weights", "missing, expected sea_weights or pea_weights or both");
+  if (!config.sea && !config.pea)
+    s.Fail("pea_weights", "missing, expected sea_weights or pea_weights or both");
   config.robot = actuator::LoadRobotModel(s.ExistingPath("model"));
   CheckOutputs(s, "sea_weights", config.sea, config.robot);
   CheckOutputs(s, "pea_weights", config.pea, config.robot);
@@ -53,8 +55,10 @@ RlsConfig LoadRlsConfig(const std::filesystem::path& path, const esn::WeightsPat
   rls.prior_precision = s.NumberOr("prior_precision", rls.prior_precision, config::kPositive);
   rls.leak = s.NumberOr("leak", rls.leak, config::kNotNegative);
   rls.clip_sigmas = s.NumberOr("clip_sigmas", rls.clip_sigmas, config::kNotNegative);
-  rls.innovation_memory = s.NumberOr("innovation_memory", rls.innovation_memory, {1e-12, kNearlyOne});
-  rls.initial_innovation = s.NumberOr("initial_innovation_Nm", rls.initial_innovation, config::kPositive);
+  rls.innovation_memory =
+      s.NumberOr("innovation_memory", rls.innovation_memory, {1e-12, kNearlyOne});
+  rls.initial_innovation =
+      s.NumberOr("initial_innovation_Nm", rls.initial_innovation, config::kPositive);
   adapter.slowest_velocity_rad_s =
       s.NumberOr("slowest_velocity_rad_s", adapter.slowest_velocity_rad_s, config::kNotNegative);
   adapter.still_after_s = s.NumberOr("still_after_s", adapter.still_after_s, config::kNotNegative);

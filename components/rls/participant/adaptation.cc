@@ -40,9 +40,11 @@ double Adaptation::DriveTorque(std::size_t joint, const msg::ActuatorState& actu
   const bool volts = model.Find("drive_voltage") >= 0;
   effects::JointSample sample;
   if (torque_from_ == TorqueFrom::kMeasured) {
-    sample.drive_input = volts ? actuator.drive_voltage_V()[joint] : actuator.motor_current_A()[joint];
+    sample.drive_input =
+        volts ? actuator.drive_voltage_V()[joint] : actuator.motor_current_A()[joint];
   } else {
-    const double per_input = volts ? model.constants.force_constant_N_V : model.constants.torque_constant_Nm_A;
+    const double per_input =
+        volts ? model.constants.force_constant_N_V : model.constants.torque_constant_Nm_A;
     sample.drive_input = command.motor_torque_Nm()[joint] / per_input;
   }
   std::vector<double> memory(static_cast<std::size_t>(model.memory_size()));
@@ -67,8 +69,8 @@ TickData Adaptation::Read(const Inputs& inputs, const node::Tick& tick) {
   data.network = reservoir.network();
   const std::size_t outputs = reservoir.output_count();
   data.usable = has_features && outputs > 0 && inputs.command.fresh() && !command.stale() &&
-                inputs.actuator.fresh() && outputs <= state.joint_count() && outputs <= command.joint_count() &&
-                outputs <= actuator.joint_count();
+                inputs.actuator.fresh() && outputs <= state.joint_count() &&
+                outputs <= command.joint_count() && outputs <= actuator.joint_count();
   data.positions_valid = inputs.actuator.fresh();
   for (std::size_t j = 0; j < robot_.joints.size(); ++j) {
     data.position_rad[j] = state.position_rad()[j];
@@ -98,7 +100,8 @@ Outputs Adaptation::Step(const Inputs& inputs, const node::Tick& tick) {
   }
   const msg::JointState& state = inputs.state.value();
   double fastest_rad_s = 0.0;
-  for (std::size_t j = 0; j < std::min<std::size_t>(state.joint_count(), state.velocity_rad_s().size()); ++j) {
+  for (std::size_t j = 0;
+       j < std::min<std::size_t>(state.joint_count(), state.velocity_rad_s().size()); ++j) {
     fastest_rad_s = std::max(fastest_rad_s, std::abs(state.velocity_rad_s()[j]));
   }
   const std::optional<TargetEquation::Sample> sample = equation_.Push(Read(inputs, tick));
@@ -107,7 +110,8 @@ Outputs Adaptation::Step(const Inputs& inputs, const node::Tick& tick) {
   const Frozen frozen = adapter_.Step(
       {.armed = state.robot_state() == msg::ROBOT_ARMED,
        .usable = sample.has_value(),
-       .fastest_velocity_rad_s = sample ? std::max(fastest_rad_s, sample->fastest_velocity_rad_s) : fastest_rad_s,
+       .fastest_velocity_rad_s =
+           sample ? std::max(fastest_rad_s, sample->fastest_velocity_rad_s) : fastest_rad_s,
        .period_s = tick.period_s,
        .network = sample ? sample->network : 0,
        .features = sample ? sample->features : none,

@@ -11,8 +11,8 @@
 
 namespace sinew::rls {
 
-// joint_state is the trigger. Features and command are those of the tick before: the target is what the motor did
-// with that command.
+// joint_state is the trigger. Features and command are those of the tick before: the target is what
+// the motor did with that command.
 struct Inputs {
   explicit Inputs(node::TickLoop& loop)
       : state(loop.AddInput(node::kJointState)),
@@ -41,7 +41,8 @@ class Adaptation {
 
  private:
   TickData Read(const Inputs& inputs, const node::Tick& tick);
-  double DriveTorque(std::size_t joint, const msg::ActuatorState& actuator, const msg::JointCommand& command) const;
+  double DriveTorque(std::size_t joint, const msg::ActuatorState& actuator,
+                     const msg::JointCommand& command) const;
 
   actuator::RobotModel robot_;
   TorqueFrom torque_from_;

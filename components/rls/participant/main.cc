@@ -25,9 +25,10 @@ int main(int argc, char** argv) {
     }
     spdlog::info("{} updates", adaptation.updates());
   };
-  return node::RunParticipant(argc, argv, "rls", "Adaptation of the networks' readout by recursive least squares",
-                              body, [&given](CLI::App& app) {
-                                app.add_option("--sea-weights", given.sea, "Weights of the network inside the backlash");
-                                app.add_option("--pea-weights", given.pea, "Weights of the network outside");
-                              });
+  return node::RunParticipant(
+      argc, argv, "rls", "Adaptation of the networks' readout by recursive least squares", body,
+      [&given](CLI::App& app) {
+        app.add_option("--sea-weights", given.sea, "Weights of the network inside the backlash");
+        app.add_option("--pea-weights", given.pea, "Weights of the network outside");
+      });
 }

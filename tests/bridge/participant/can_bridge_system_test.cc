@@ -280,7 +280,7 @@ TEST(CanBridgeSystem, DeploymentOfTheRigBehindCanRunsToItsEnd) {
                     std::string(SINEW_BIN_DIR) + "/sinew", "launch",
                     std::string(SINEW_SOURCE_DIR) + "/robots/rig/deploy_rig_can.yaml", "--set",
                     "domain_id=94", "--set", "duration_s=4", "--record", recording},
-                   seconds(50));
+                   seconds(100));
   EXPECT_EQ(run.exit_code, 0) << run.output << run.error;
   const std::string text = run.output + run.error;
   EXPECT_NE(text.find("armed"), std::string::npos) << text;

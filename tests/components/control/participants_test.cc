@@ -7,6 +7,7 @@
 #include <sinew_idl/joint.h>
 #include <sinew_idl/operator.h>
 #include <sinew_idl/pneumatics.h>
+#include <sinew_idl/recording.h>
 #include <sinew_idl/reference.h>
 #include <sinew_idl/regime.h>
 
@@ -84,6 +85,8 @@ TEST(Participants, FindTheContactThenFollowTheBenchmark) {
   auto& regime = loop.AddInput(node::kRegime);
   auto& air = loop.AddInput(node::kPneumaticState);
   auto& command = loop.AddInput(node::kJointCommand);
+  // Flow control: the provider waits for the observer, too, so that it misses nothing.
+  auto progress = node.MakeWriter(node::kRecordingProgress);
 
   const auto reference_program = Start(deployment, "reference", {"--config", deployment.reference});
   const auto regime_program = Start(deployment, "regime", {"--config", deployment.regime});
@@ -91,14 +94,16 @@ TEST(Participants, FindTheContactThenFollowTheBenchmark) {
       Start(deployment, "pneumatics", {"--config", deployment.pneumatics});
   const auto control_program = Start(deployment, "control", {"--config", deployment.control});
   // It waits for every awaited answer of tick 0, so it may start before the others are there.
-  const auto provider = Start(deployment, "surrogate",
-                              {"--config", kRig + "/surrogate.yaml", "--arm", "--duration", "27",
-                               "--await", "joint_command", "--await", "valve_command"});
+  const auto provider =
+      Start(deployment, "surrogate",
+            {"--config", kRig + "/surrogate.yaml", "--arm", "--duration", "27", "--await",
+             "joint_command", "--await", "valve_command", "--await", "recording_progress:64"});
 
   bool saw_setup = false;
   double setup_done_s = -1.0, squares = 0.0, worst_air_bar = 0.0;
   int scored = 0, unknown_after = 0, stale = 0;
   while (const auto tick = loop.Next()) {
+    loop.Publish(progress, msg::RecordingProgress{}, *tick);
     const double time_s = static_cast<double>(tick->tick) * tick->period_s;
     saw_setup = saw_setup || regime.value().phase()[0] == msg::PHASE_SETUP;
     if (setup_done_s < 0.0 && regime.value().phase()[0] == msg::PHASE_EXECUTION) {
@@ -220,16 +225,19 @@ TEST(Participants, FollowAPrismaticAxisCommandedInNewtons) {
   auto& state = loop.AddInput(node::kJointState);
   auto& reference = loop.AddInput(node::kReference);
   auto& command = loop.AddInput(node::kJointCommand);
+  // Flow control: the provider waits for the observer, too, so that it misses nothing.
+  auto progress = node.MakeWriter(node::kRecordingProgress);
   const auto reference_program =
       Start(deployment, "reference", {"--config", emps + "/reference_sine.yaml"});
   const auto control =
       Start(deployment, "control", {"--config", emps + "/control_pid_linear.yaml"});
-  const auto provider = Start(
-      deployment, "world",
-      {"--config", emps + "/world.yaml", "--arm", "--duration", "10", "--await", "joint_command"});
+  const auto provider = Start(deployment, "world",
+                              {"--config", emps + "/world.yaml", "--arm", "--duration", "10",
+                               "--await", "joint_command", "--await", "recording_progress:64"});
   double worst_m = 0.0, largest_N = 0.0;
   int scored = 0;
   while (const auto tick = loop.Next()) {
+    loop.Publish(progress, msg::RecordingProgress{}, *tick);
     largest_N = std::max(largest_N, std::abs(command.value().motor_torque_Nm()[0]));
     if (static_cast<double>(tick->tick) * tick->period_s < 3.0) continue;
     EXPECT_EQ(state.value().joint_kind()[0], msg::JOINT_PRISMATIC);

@@ -34,8 +34,9 @@ actuator::JointModel RigModel() {
 
 constexpr double kTorquePerAmpere = 0.77 * 100.0 * 0.0159155;
 
-// A motion of three sines below 2 Hz; what drives it is a rigid link with gravity, viscous and smoothed dry
-// friction and a pressure that swings. The play is crossed with the sign of the torque.
+// A motion of three sines below 2 Hz; what drives it is a rigid link with gravity, viscous and
+// smoothed dry friction and a pressure that swings. The play is crossed with the sign of the
+// torque.
 struct Motion {
   double q, v, a, pressure, torque;
 };
@@ -50,8 +51,8 @@ Motion At(double t) {
     m.a -= amplitude[i] * w * w * std::sin(w * t + i);
   }
   m.pressure = 3.0 + std::sin(0.8 * t);
-  m.torque = 0.13 * m.a + 0.31 * m.v + 0.22 * std::tanh(m.v / 0.1) + 0.58 * std::cos(m.q) - 0.36 * m.pressure +
-             3.9 * m.pressure * (m.q - 0.15);
+  m.torque = 0.13 * m.a + 0.31 * m.v + 0.22 * std::tanh(m.v / 0.1) + 0.58 * std::cos(m.q) -
+             0.36 * m.pressure + 3.9 * m.pressure * (m.q - 0.15);
   return m;
 }
 
@@ -68,7 +69,8 @@ identify::Run Record(double seconds, double rate_Hz, double noise, double centre
     const Motion m = At(t);
     run.time_s(i) = t;
     q(i) = m.q + noise * 1e-4 * random.Next();
-    const double side = std::clamp(m.torque / 0.3, -1.0, 1.0);  // inside the play while the torque is small
+    const double side =
+        std::clamp(m.torque / 0.3, -1.0, 1.0);  // inside the play while the torque is small
     motor(i) = 100.0 * (m.q + centre_rad + 0.5 * kBacklash_rad * side);
     current(i) = m.torque / kTorquePerAmpere + noise * 0.03 * random.Next();
     pressure(i) = m.pressure;
@@ -85,15 +87,16 @@ identify::Run Record(double seconds, double rate_Hz, double noise, double centre
 
 DatasetConfig Config(Region region) {
   DatasetConfig config;
-  config.inputs = {Signal::kReferencePosition, Signal::kReferenceVelocity, Signal::kReferenceAcceleration,
-                   Signal::kChamberPressure, Signal::kPlayAngle};
+  config.inputs = {Signal::kReferencePosition, Signal::kReferenceVelocity,
+                   Signal::kReferenceAcceleration, Signal::kChamberPressure, Signal::kPlayAngle};
   config.region = region;
   return config;
 }
 
 TEST(Dataset, InputsAreTheMotionAndItsDerivativesAndTheTargetIsTheDriveTorque) {
   for (const double rate_Hz : {240.0, 80.0, 1000.0}) {
-    const Dataset data = MakeDataset({Record(20.0, rate_Hz, 0.0)}, RigModel(), Config(Region::kAll));
+    const Dataset data =
+        MakeDataset({Record(20.0, rate_Hz, 0.0)}, RigModel(), Config(Region::kAll));
     ASSERT_EQ(data.sequences.size(), 1u);
     const Sequence& s = data.sequences[0];
     EXPECT_NEAR(static_cast<double>(s.inputs.rows()), 20.0 * 240.0, 4.0);
@@ -106,8 +109,8 @@ TEST(Dataset, InputsAreTheMotionAndItsDerivativesAndTheTargetIsTheDriveTorque) {
       worst[3] = std::max(worst[3], std::abs(s.inputs(t, 3) - m.pressure));
       worst[4] = std::max(worst[4], std::abs(s.targets(t, 0) - m.torque));
     }
-    // The filter (order 4 at 12 Hz, twice) keeps all but (1.7 / 12)^8 = 2e-7 of the fastest sine; what is left
-    // are the ends' transients and, at 80 Hz, the spline.
+    // The filter (order 4 at 12 Hz, twice) keeps all but (1.7 / 12)^8 = 2e-7 of the fastest sine;
+    // what is left are the ends' transients and, at 80 Hz, the spline.
     EXPECT_LT(worst[0], 1e-4) << rate_Hz;
     EXPECT_LT(worst[1], 1e-3) << rate_Hz;
     EXPECT_LT(worst[2], 1e-2) << rate_Hz;
@@ -172,8 +175,8 @@ TEST(Dataset, ANetworkLearnsTheInverseDynamicsOfASyntheticRig) {
   Dataset data = MakeDataset({Record(60.0, 80.0, 1.0)}, RigModel(), Config(Region::kOutside));
   TrainingConfig config;
   const TrainingResult result = Train(data.sequences, config);
-  // The target has 2.5 Nm rms, its noise 0.037; the published size leaves 0.12, mostly at the turns of the dry
-  // friction. The inputs alone, without a reservoir, leave 0.63.
+  // The target has 2.5 Nm rms, its noise 0.037; the published size leaves 0.12, mostly at the turns
+  // of the dry friction. The inputs alone, without a reservoir, leave 0.63.
   EXPECT_LT(std::sqrt(result.test.mse(0)), 0.17);
   EXPECT_LT(result.test.normalised(0), 0.005);
   EXPECT_GT(result.test.samples, 1000);
@@ -219,7 +222,8 @@ TEST(Dataset, TheLoadTorqueIsForceTimesLength) {
   config.target = Target::kLoadTorque;
   const Dataset data = MakeDataset({Record(5.0, 240.0, 0.0)}, RigModel(), config);
   for (Eigen::Index t = 0; t < data.sequences[0].targets.rows(); t += 37) {
-    EXPECT_NEAR(data.sequences[0].targets(t, 0), 0.3 * 2.0 * std::sin(static_cast<double>(t) / 240.0), 1e-9);
+    EXPECT_NEAR(data.sequences[0].targets(t, 0),
+                0.3 * 2.0 * std::sin(static_cast<double>(t) / 240.0), 1e-9);
   }
 }
 
@@ -271,15 +275,19 @@ TEST(TrainingFile, ReadsThePlanOfANetwork) {
 }
 
 TEST(TrainingFile, NamesEveryMistakeWithItsLine) {
-  EXPECT_THAT(PlanMessage(kPlan, "[reference_position_rad]", "[motor_current_A]"),
-              testing::StartsWith("t.yaml:15: key 'networks[1].inputs': 'motor_current_A', expected "
-                                  "reference_position_rad, "));
+  EXPECT_THAT(
+      PlanMessage(kPlan, "[reference_position_rad]", "[motor_current_A]"),
+      testing::StartsWith("t.yaml:15: key 'networks[1].inputs': 'motor_current_A', expected "
+                          "reference_position_rad, "));
   EXPECT_THAT(PlanMessage(kPlan, "neurons: 78", "neurons: -3"), testing::StartsWith("t.yaml:16: "));
   EXPECT_THAT(PlanMessage(kPlan, "seed: 5", "sed: 5"), testing::StartsWith("t.yaml:17: "));
-  EXPECT_THAT(PlanMessage(kPlan, "leak: 0.13", "leak: .nan", "sea"), testing::StartsWith("t.yaml:10: "));
-  EXPECT_THAT(PlanMessage(kPlan, "region: inside", "region: within"), testing::StartsWith("t.yaml:6: "));
+  EXPECT_THAT(PlanMessage(kPlan, "leak: 0.13", "leak: .nan", "sea"),
+              testing::StartsWith("t.yaml:10: "));
+  EXPECT_THAT(PlanMessage(kPlan, "region: inside", "region: within"),
+              testing::StartsWith("t.yaml:6: "));
   EXPECT_THAT(PlanMessage(kPlan, "rate_Hz", "rate_hz"), testing::HasSubstr("rate_Hz"));
-  EXPECT_THAT(PlanMessage(kPlan, "pea", "peas"), testing::HasSubstr("no network 'pea', expected one of sea, peas"));
+  EXPECT_THAT(PlanMessage(kPlan, "pea", "peas"),
+              testing::HasSubstr("no network 'pea', expected one of sea, peas"));
 }
 
 }  // namespace

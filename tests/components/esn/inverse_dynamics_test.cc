@@ -10,7 +10,9 @@
 namespace sinew::esn {
 namespace {
 
-actuator::RobotModel Rig() { return actuator::LoadRobotModel(SINEW_SOURCE_DIR "/robots/rig/model.yaml"); }
+actuator::RobotModel Rig() {
+  return actuator::LoadRobotModel(SINEW_SOURCE_DIR "/robots/rig/model.yaml");
+}
 
 struct Point {
   double q, v, a, pressure, load, payload;
@@ -29,10 +31,13 @@ Frame FrameAt(const Point& p) {
 
 // The declared balance of the rig, written out.
 double Balance(const actuator::JointModel& m, const Point& p) {
-  const auto value = [&](const char* effect, const char* parameter) { return m.Parameter(effect, parameter); };
-  const double inertia = value("rotor_inertia", "rotor_inertia") + value("link_inertia", "link_inertia") +
-                         p.payload * 0.3 * 0.3;
-  return inertia * p.a + value("motor_viscous", "viscous") * p.v + value("coulomb", "coulomb") * (p.v > 0 ? 1 : -1) +
+  const auto value = [&](const char* effect, const char* parameter) {
+    return m.Parameter(effect, parameter);
+  };
+  const double inertia = value("rotor_inertia", "rotor_inertia") +
+                         value("link_inertia", "link_inertia") + p.payload * 0.3 * 0.3;
+  return inertia * p.a + value("motor_viscous", "viscous") * p.v +
+         value("coulomb", "coulomb") * (p.v > 0 ? 1 : -1) +
          (value("gravity", "gravity_torque") + p.payload * 9.81 * 0.3) * std::cos(p.q) -
          value("pneumatic_torque", "pneumatic_torque") * p.pressure +
          value("pneumatic_stiffness", "pneumatic_stiffness") * p.pressure *
@@ -43,7 +48,8 @@ double Balance(const actuator::JointModel& m, const Point& p) {
 TEST(InverseDynamics, IsTheDeclaredBalanceOfTheRig) {
   const actuator::RobotModel rig = Rig();
   InverseDynamics inverse(rig, 0.05);
-  for (const Point& p : {Point{0.0, 1.0, 0.0, 0.0, 0.0, 0.0}, {0.4, -1.2, 5.0, 4.0, 0.0, 0.0},
+  for (const Point& p : {Point{0.0, 1.0, 0.0, 0.0, 0.0, 0.0},
+                         {0.4, -1.2, 5.0, 4.0, 0.0, 0.0},
                          {-0.7, 0.3, -8.0, 2.5, 6.0, 0.5}}) {
     const Prediction prediction = inverse.Step(FrameAt(p), 1.0 / 240.0);
     ASSERT_TRUE(prediction.valid[0]);
@@ -54,7 +60,9 @@ TEST(InverseDynamics, IsTheDeclaredBalanceOfTheRig) {
 TEST(InverseDynamics, DryFrictionTurnsSmoothlyThroughZeroVelocity) {
   const actuator::RobotModel rig = Rig();
   InverseDynamics inverse(rig, 0.05);
-  const auto torque = [&](double v) { return inverse.Step(FrameAt({0.2, v, 0.0, 3.0, 0.0, 0.0}), 0.01).torque_Nm[0]; };
+  const auto torque = [&](double v) {
+    return inverse.Step(FrameAt({0.2, v, 0.0, 3.0, 0.0, 0.0}), 0.01).torque_Nm[0];
+  };
   const double up = torque(0.05);
   const double down = torque(-0.05);
   EXPECT_NEAR(torque(0.0), 0.5 * (up + down), 1e-12);

@@ -19,7 +19,8 @@ using simd::Instructions;
 
 std::vector<Instructions> InstructionsHere() {
   std::vector<Instructions> here;
-  for (const Instructions set : {Instructions::kPortable, Instructions::kAvx2, Instructions::kAvx512}) {
+  for (const Instructions set :
+       {Instructions::kPortable, Instructions::kAvx2, Instructions::kAvx512}) {
     if (simd::Runs(set)) here.push_back(set);
   }
   return here;
@@ -39,7 +40,8 @@ Weights SomeWeights(int neurons, int inputs, int outputs) {
   Weights weights = MakeWeights(Published(neurons), inputs, outputs);
   weights.period_s = 1.0 / 240.0;
   NormalGenerator random(99);
-  for (Eigen::Index i = 0; i < weights.readout.size(); ++i) weights.readout.data()[i] = 0.1 * random.Next();
+  for (Eigen::Index i = 0; i < weights.readout.size(); ++i)
+    weights.readout.data()[i] = 0.1 * random.Next();
   for (int m = 0; m < inputs; ++m) {
     weights.input.offset(m) = 0.3 * random.Next();
     weights.input.scale(m) = 0.5 + 0.1 * m;
@@ -49,7 +51,8 @@ Weights SomeWeights(int neurons, int inputs, int outputs) {
 
 Eigen::VectorXd Excitation(int inputs, int t) {
   Eigen::VectorXd u(inputs);
-  for (int m = 0; m < inputs; ++m) u(m) = std::sin(0.02 * t * (m + 1)) + 0.2 * std::cos(0.31 * t + m);
+  for (int m = 0; m < inputs; ++m)
+    u(m) = std::sin(0.02 * t * (m + 1)) + 0.2 * std::cos(0.31 * t + m);
   return u;
 }
 
@@ -57,12 +60,16 @@ Eigen::VectorXd Excitation(int inputs, int t) {
 class PlainNetwork {
  public:
   explicit PlainNetwork(const Weights& weights)
-      : weights_(weights), w_(weights.reservoir.Dense()), x_(Eigen::VectorXd::Zero(weights.neurons())) {}
+      : weights_(weights),
+        w_(weights.reservoir.Dense()),
+        x_(Eigen::VectorXd::Zero(weights.neurons())) {}
 
   Eigen::VectorXd Step(const Eigen::VectorXd& u) {
     const double limit = weights_.hyper.input_limit;
-    const Eigen::VectorXd n =
-        (u - weights_.input.offset).cwiseQuotient(weights_.input.scale).cwiseMax(-limit).cwiseMin(limit);
+    const Eigen::VectorXd n = (u - weights_.input.offset)
+                                  .cwiseQuotient(weights_.input.scale)
+                                  .cwiseMax(-limit)
+                                  .cwiseMin(limit);
     const Eigen::VectorXd z = w_ * x_ + weights_.input_weight * n + weights_.bias;
     const double tau = weights_.hyper.leak;
     x_ = (1.0 - tau) * x_ + tau * z.unaryExpr([](double v) { return std::tanh(v); });
@@ -81,7 +88,8 @@ class PlainNetwork {
 constexpr double kRounding = 1e-12;
 
 TEST(Network, StepEqualsTheDenseEquations) {
-  for (const auto& [neurons, inputs, outputs] : {std::tuple{1, 1, 1}, {16, 3, 1}, {78, 6, 2}, {470, 3, 1}}) {
+  for (const auto& [neurons, inputs, outputs] :
+       {std::tuple{1, 1, 1}, {16, 3, 1}, {78, 6, 2}, {470, 3, 1}}) {
     const Weights weights = SomeWeights(neurons, inputs, outputs);
     Network network(weights);
     PlainNetwork plain(weights);
@@ -89,7 +97,8 @@ TEST(Network, StepEqualsTheDenseEquations) {
       const Eigen::VectorXd u = Excitation(inputs, t);
       const Eigen::VectorXd expected = plain.Step(u);
       ASSERT_EQ(network.Step(u), StepStatus::kOk);
-      ASSERT_LT((network.prediction() - expected).cwiseAbs().maxCoeff(), kRounding) << neurons << " at " << t;
+      ASSERT_LT((network.prediction() - expected).cwiseAbs().maxCoeff(), kRounding)
+          << neurons << " at " << t;
     }
   }
 }
@@ -152,7 +161,8 @@ TEST(Network, AnInputThatIsNotFiniteChangesNothingAndPredictsZero) {
   for (int t = 0; t < 50; ++t) {
     ASSERT_EQ(network.Step(Excitation(2, t)), StepStatus::kOk);
     ASSERT_EQ(untouched.Step(Excitation(2, t)), StepStatus::kOk);
-    for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    for (const double bad :
+         {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
       EXPECT_EQ(network.Step(Eigen::Vector2d(0.0, bad)), StepStatus::kBadInput);
       EXPECT_EQ(network.prediction()(0), 0.0);
     }
@@ -228,14 +238,17 @@ TEST(Weights, EveryRowHasTheSameNumberOfEntriesAndTheNumbersAreNormal) {
   const auto expect_moments = [](const Eigen::VectorXd& v, double variance) {
     const double n = static_cast<double>(v.size());
     EXPECT_NEAR(v.mean(), 0.0, 4.0 * std::sqrt(variance / n));
-    EXPECT_NEAR((v.array() - v.mean()).square().mean(), variance, 4.0 * variance * std::sqrt(2.0 / n));
+    EXPECT_NEAR((v.array() - v.mean()).square().mean(), variance,
+                4.0 * variance * std::sqrt(2.0 / n));
   };
   expect_moments(weights.bias, 1.0);
   expect_moments(weights.input_weight.reshaped(), 0.1);
-  // Before scaling the entries had variance 1: density * N * variance = rho_raw^2 (circular law), within 15 %.
-  const Eigen::Map<const Eigen::VectorXd> values(weights.reservoir.value.data(),
-                                                 static_cast<Eigen::Index>(weights.reservoir.value.size()));
-  EXPECT_NEAR(std::sqrt(47.0 * values.squaredNorm() / static_cast<double>(values.size())), 0.95, 0.15 * 0.95);
+  // Before scaling the entries had variance 1: density * N * variance = rho_raw^2 (circular law),
+  // within 15 %.
+  const Eigen::Map<const Eigen::VectorXd> values(
+      weights.reservoir.value.data(), static_cast<Eigen::Index>(weights.reservoir.value.size()));
+  EXPECT_NEAR(std::sqrt(47.0 * values.squaredNorm() / static_cast<double>(values.size())), 0.95,
+              0.15 * 0.95);
 }
 
 TEST(Weights, ImpossibleHyperparametersAreNamed) {
@@ -249,13 +262,17 @@ TEST(Weights, ImpossibleHyperparametersAreNamed) {
     }
     return std::string();
   };
-  EXPECT_THAT(message([](Hyperparameters& h) { h.neurons = 0; }), testing::StartsWith("neurons: 0"));
+  EXPECT_THAT(message([](Hyperparameters& h) { h.neurons = 0; }),
+              testing::StartsWith("neurons: 0"));
   EXPECT_THAT(message([](Hyperparameters& h) { h.leak = 1.5; }), testing::StartsWith("leak: 1.5"));
-  EXPECT_THAT(message([](Hyperparameters& h) { h.density = 0.0; }), testing::StartsWith("density: 0"));
+  EXPECT_THAT(message([](Hyperparameters& h) { h.density = 0.0; }),
+              testing::StartsWith("density: 0"));
   EXPECT_THAT(message([](Hyperparameters& h) { h.spectral_radius = std::nan(""); }),
               testing::StartsWith("spectral_radius: "));
-  EXPECT_THAT(message([](Hyperparameters& h) { h.input_variance = -1.0; }), testing::StartsWith("input_variance: -1"));
-  EXPECT_THAT(message([](Hyperparameters& h) { h.input_limit = 0.0; }), testing::StartsWith("input_limit: 0"));
+  EXPECT_THAT(message([](Hyperparameters& h) { h.input_variance = -1.0; }),
+              testing::StartsWith("input_variance: -1"));
+  EXPECT_THAT(message([](Hyperparameters& h) { h.input_limit = 0.0; }),
+              testing::StartsWith("input_limit: 0"));
 }
 
 TEST(Weights, ShapesThatDoNotFitAreRefused) {
@@ -278,10 +295,12 @@ TEST(Weights, ShapesThatDoNotFitAreRefused) {
 
 TEST(Tanh, IsWithinThreeUnitsInTheLastPlaceOfTheLibrary) {
   // Dense near 0, where a naive formula cancels, and over the whole range to saturation.
-  std::vector<double> points = {0.0, -0.0, 1e-300, -1e-18, 1e-9, 19.0, 19.1, 20.0, 25.0, 1e6, -1e300};
+  std::vector<double> points = {0.0,  -0.0, 1e-300, -1e-18, 1e-9,  19.0,
+                                19.1, 20.0, 25.0,   1e6,    -1e300};
   for (int i = -200000; i <= 200000; ++i) points.push_back(i * 1.1e-4);
   for (double x = 1e-12; x < 1.0; x *= 1.0007) points.push_back(x);
-  const Eigen::Map<const Eigen::VectorXd> x(points.data(), static_cast<Eigen::Index>(points.size()));
+  const Eigen::Map<const Eigen::VectorXd> x(points.data(),
+                                            static_cast<Eigen::Index>(points.size()));
   for (const Instructions set : InstructionsHere()) {
     Eigen::VectorXd y = x;
     Tanh(y, set);
@@ -301,7 +320,8 @@ TEST(Tanh, IsWithinThreeUnitsInTheLastPlaceOfTheLibrary) {
 TEST(Tanh, HandlesWhatIsNotFinite) {
   for (const Instructions set : InstructionsHere()) {
     Eigen::VectorXd y(4);
-    y << std::nan(""), std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(), 0.5;
+    y << std::nan(""), std::numeric_limits<double>::infinity(),
+        -std::numeric_limits<double>::infinity(), 0.5;
     Tanh(y, set);
     EXPECT_TRUE(std::isnan(y(0)));
     EXPECT_EQ(y(1), 1.0);

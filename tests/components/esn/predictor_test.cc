@@ -12,7 +12,8 @@ namespace sinew::esn {
 namespace {
 
 // A readout that is zero but for its constant: the prediction says which network it is.
-Weights Constant(double torque_Nm, std::vector<Input> inputs = {{Signal::kReferencePosition, 0}}, int outputs = 1) {
+Weights Constant(double torque_Nm, std::vector<Input> inputs = {{Signal::kReferencePosition, 0}},
+                 int outputs = 1) {
   Hyperparameters hyper;
   hyper.neurons = 20;
   Weights weights = MakeWeights(hyper, static_cast<int>(inputs.size()), outputs);
@@ -69,8 +70,10 @@ TEST(Predictor, BothNetworksRunInWhicheverCounts) {
     switched.Step(At(0.01 * t), t % 2 == 0 ? Regime::kSea : Regime::kPea);
     steady.Step(At(0.01 * t), Regime::kPea);
   }
-  EXPECT_EQ(Eigen::VectorXd(switched.network(Which::kSea).state()), steady.network(Which::kSea).state());
-  EXPECT_EQ(Eigen::VectorXd(switched.network(Which::kPea).state()), steady.network(Which::kPea).state());
+  EXPECT_EQ(Eigen::VectorXd(switched.network(Which::kSea).state()),
+            steady.network(Which::kSea).state());
+  EXPECT_EQ(Eigen::VectorXd(switched.network(Which::kPea).state()),
+            steady.network(Which::kPea).state());
   EXPECT_GT(steady.network(Which::kSea).state().norm(), 0.0);
 }
 
@@ -119,7 +122,8 @@ TEST(Predictor, RefusesNetworksThatDoNotGoTogether) {
   Weights other = Constant(1.0);
   other.period_s = 0.01;
   EXPECT_THROW(Predictor(Constant(1.0), other), std::invalid_argument);
-  EXPECT_THROW(Predictor(Constant(1.0), Constant(1.0, {{Signal::kReferencePosition, 0}}, 2)), std::invalid_argument);
+  EXPECT_THROW(Predictor(Constant(1.0), Constant(1.0, {{Signal::kReferencePosition, 0}}, 2)),
+               std::invalid_argument);
   other = Constant(1.0);
   other.inputs.clear();
   EXPECT_THROW(Predictor(std::nullopt, other), std::invalid_argument);

@@ -47,7 +47,8 @@ TEST(Ridge, GathersTheSumsOfProductsForAnyNumberOfSamples) {
     // Sums of 1000 products of order 1.
     EXPECT_LT((equations.FeatureProducts() - p.x * p.x.transpose()).cwiseAbs().maxCoeff(), 1e-11);
     EXPECT_LT((equations.CrossProducts() - p.x * p.y.transpose()).cwiseAbs().maxCoeff(), 1e-10);
-    EXPECT_LT((equations.TargetSquares() - p.y.rowwise().squaredNorm()).cwiseAbs().maxCoeff(), 1e-9);
+    EXPECT_LT((equations.TargetSquares() - p.y.rowwise().squaredNorm()).cwiseAbs().maxCoeff(),
+              1e-9);
   }
 }
 
@@ -85,13 +86,15 @@ TEST(Ridge, RefusesWhatCannotBeSolved) {
   EXPECT_THROW(SolveRidge(equations, std::nan("")), std::invalid_argument);
   EXPECT_NO_THROW(SolveRidge(equations, 1e-3));
   EXPECT_THROW(NormalEquations(0, 1), std::invalid_argument);
-  EXPECT_FALSE(equations.Add(Eigen::VectorXd::Constant(10, std::nan("")), Eigen::VectorXd::Zero(1)));
+  EXPECT_FALSE(
+      equations.Add(Eigen::VectorXd::Constant(10, std::nan("")), Eigen::VectorXd::Zero(1)));
   EXPECT_FALSE(equations.Add(Eigen::VectorXd::Zero(9), Eigen::VectorXd::Zero(1)));
   EXPECT_EQ(equations.samples(), 5);
 }
 
-// Leave-one-out errors of ridge regression in closed form are e_i / (1 - h_ii); GCV puts the mean of h for
-// each h_ii. First the closed form is checked against really leaving one out, then GCV against the closed form.
+// Leave-one-out errors of ridge regression in closed form are e_i / (1 - h_ii); GCV puts the mean
+// of h for each h_ii. First the closed form is checked against really leaving one out, then GCV
+// against the closed form.
 TEST(Gcv, IsLeaveOneOutWithTheMeanLeverage) {
   const Problem p = SomeProblem(12, 1, 60, 0.5);
   const Eigen::Index samples = p.x.cols();
@@ -113,11 +116,13 @@ TEST(Gcv, IsLeaveOneOutWithTheMeanLeverage) {
       }
       NormalEquations without = Gather(rest);
       const double predicted = (SolveRidge(without, betas[b]) * p.x.col(left_out))(0);
-      EXPECT_NEAR(p.y(0, left_out) - predicted, error(left_out) / (1.0 - hat(left_out, left_out)), 1e-9);
+      EXPECT_NEAR(p.y(0, left_out) - predicted, error(left_out) / (1.0 - hat(left_out, left_out)),
+                  1e-9);
     }
 
     const double mean_leverage = hat.trace() / static_cast<double>(samples);
-    const double expected = (error / (1.0 - mean_leverage)).squaredNorm() / static_cast<double>(samples);
+    const double expected =
+        (error / (1.0 - mean_leverage)).squaredNorm() / static_cast<double>(samples);
     EXPECT_NEAR(points[b].score, expected, 1e-9 * expected) << betas[b];
     EXPECT_NEAR(points[b].effective_parameters, hat.trace(), 1e-9) << betas[b];
   }
@@ -128,7 +133,8 @@ TEST(Gcv, PrefersLittleRidgeWithoutNoiseAndMoreWithNoise) {
     NormalEquations equations = Gather(SomeProblem(30, 1, 60, noise));
     const auto points = GeneralisedCrossValidation(equations, LogarithmicGrid(1e-6, 1e4, 20));
     return std::min_element(points.begin(), points.end(),
-                            [](const auto& a, const auto& b) { return a.score < b.score; })->beta;
+                            [](const auto& a, const auto& b) { return a.score < b.score; })
+        ->beta;
   };
   EXPECT_LT(best(1e-4), 1e-3);
   EXPECT_GT(best(20.0), 1.0);
@@ -169,11 +175,12 @@ TEST(Training, LearnsNarma10) {
   config.hyper.leak = 1.0;
   config.period_s = 1.0;
   config.washout_s = 200.0;
-  const TrainingResult result = Train({Narma10(3000, 1, Use::kTrain), Narma10(2000, 2, Use::kTest)}, config);
+  const TrainingResult result =
+      Train({Narma10(3000, 1, Use::kTrain), Narma10(2000, 2, Use::kTest)}, config);
   EXPECT_EQ(result.train.samples, 3000 - 1 - 200);
   EXPECT_EQ(result.test.samples, 2000 - 1 - 200);
-  // Echo state networks of this size are reported between 0.15 and 0.4 (Rodan and Tino 2011, Fig. 5 as NMSE); a
-  // linear memory of ten inputs stays near 0.4, the mean has 1.
+  // Echo state networks of this size are reported between 0.15 and 0.4 (Rodan and Tino 2011, Fig. 5
+  // as NMSE); a linear memory of ten inputs stays near 0.4, the mean has 1.
   const double nrmse = std::sqrt(result.test.normalised(0));
   EXPECT_LT(nrmse, 0.35);
   EXPECT_GT(nrmse, 0.01);  // better would mean that the target leaks in

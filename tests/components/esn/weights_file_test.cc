@@ -22,7 +22,8 @@ Weights SomeWeights() {
   hyper.seed = 12345678901234567890u;
   Weights weights = MakeWeights(hyper, 2, 2);
   NormalGenerator random(1);
-  for (Eigen::Index i = 0; i < weights.readout.size(); ++i) weights.readout.data()[i] = random.Next() * 1e-7;
+  for (Eigen::Index i = 0; i < weights.readout.size(); ++i)
+    weights.readout.data()[i] = random.Next() * 1e-7;
   weights.inputs = {{Signal::kReferencePosition, 0}, {Signal::kChamberPressure, 3}};
   weights.network = "pea";
   weights.target = "drive_torque_Nm";
@@ -50,7 +51,8 @@ std::string Replaced(std::string text, const std::string& what, const std::strin
 
 TEST(WeightsFile, RoundTripGivesTheSameBits) {
   const Weights saved = SomeWeights();
-  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "sinew_weights_test.json";
+  const std::filesystem::path path =
+      std::filesystem::path(testing::TempDir()) / "sinew_weights_test.json";
   SaveWeights(path, saved);
   const Weights loaded = LoadWeights(path);
   EXPECT_EQ(loaded.network, saved.network);
@@ -81,13 +83,16 @@ TEST(WeightsFile, RoundTripGivesTheSameBits) {
 TEST(WeightsFile, NamesTheFileAndTheKeyOfEveryMistake) {
   const std::string good = FormatWeights(SomeWeights());
   EXPECT_EQ(Message(good), "accepted");
-  EXPECT_EQ(Message("{\n\"schema\": \n"), "w.json:3: no valid JSON, expected a weights file of schema sinew-esn/1");
+  EXPECT_EQ(Message("{\n\"schema\": \n"),
+            "w.json:3: no valid JSON, expected a weights file of schema sinew-esn/1");
   EXPECT_EQ(Message("[1]"), "w.json: an array, expected a JSON object");
   EXPECT_EQ(Message(Replaced(good, "sinew-esn/1", "sinew-esn/2")),
             "w.json: key 'schema': 'sinew-esn/2', expected 'sinew-esn/1'");
   EXPECT_EQ(Message(Replaced(good, "\"period_s\"", "\"period_ms\"")),
-            "w.json: key 'period_ms': unknown, expected schema, network, target, period_s, seed, hyper, shape, "
-            "inputs, input, output, reservoir_column, reservoir_value, input_weight, bias, readout, ridge_beta, "
+            "w.json: key 'period_ms': unknown, expected schema, network, target, period_s, seed, "
+            "hyper, shape, "
+            "inputs, input, output, reservoir_column, reservoir_value, input_weight, bias, "
+            "readout, ridge_beta, "
             "training_data_hash");
   EXPECT_EQ(Message(Replaced(good, "\"ridge_beta\": 0.01,\n", "")),
             "w.json: key 'ridge_beta': missing, expected by schema sinew-esn/1");

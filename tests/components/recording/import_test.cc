@@ -277,10 +277,10 @@ TEST(RunBuilder, LeavesInvalidRowsOutAndHoldsTheSetPoint) {
   EXPECT_EQ(run.time_s[4], 5e-6);
   EXPECT_EQ(run.At(Signal::kPosition)[3], 0.1 * 3);
   EXPECT_EQ(run.At(Signal::kMotorCurrent)[4], 25.0);
-  EXPECT_FALSE(run.Has(Signal::kVelocity));               // not measured
+  EXPECT_FALSE(run.Has(Signal::kVelocity));  // not measured
   EXPECT_EQ(run.At(Signal::kReferencePosition)[1], 2.0);
   EXPECT_EQ(run.At(Signal::kReferencePosition)[2], 0.1 * 2);  // where it is
-  EXPECT_EQ(run.At(Signal::kReferencePosition)[6], 8.0);  // tick 8 holds tick 7
+  EXPECT_EQ(run.At(Signal::kReferencePosition)[6], 8.0);      // tick 8 holds tick 7
   EXPECT_EQ(run.At(Signal::kReferencePosition)[7], 10.0);
   EXPECT_THROW(RunsOfRecording(reader, "memory", 2), std::invalid_argument);
   EXPECT_THROW(RunsOfRecording(reader, "memory", 0), std::invalid_argument);  // never valid

@@ -61,7 +61,8 @@ TEST(Report, JsonHoldsWhatProgramsAskFor) {
     EXPECT_LT(json[set]["after"].get<double>(), json[set]["before"].get<double>());
     EXPECT_EQ(json[set]["after"], json[set]["after_rms"]);
   }
-  for (const char* key : {"not_excited", "unexplained", "parameter_shift", "base_parameters", "findings", "rounds"}) {
+  for (const char* key :
+       {"not_excited", "unexplained", "parameter_shift", "base_parameters", "findings", "rounds"}) {
     EXPECT_TRUE(json.contains(key)) << key;
   }
   EXPECT_FALSE(json.contains("as_published"));

@@ -18,7 +18,8 @@ class Plant {
   Observation Next(int network = 1) {
     ++t_;
     for (Eigen::Index i = 0; i < features_.size(); ++i) {
-      features_(i) = std::sin(0.11 * t_ * (1.0 + 0.37 * static_cast<double>(i)) + static_cast<double>(i));
+      features_(i) =
+          std::sin(0.11 * t_ * (1.0 + 0.37 * static_cast<double>(i)) + static_cast<double>(i));
     }
     target_ = truth_ * features_;
     return {.armed = true,

@@ -1,4 +1,6 @@
 // Configuration of sinew-esn and sinew-rls.
+#include "components/config/config.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,7 +9,6 @@
 #include <functional>
 #include <string>
 
-#include "components/config/config.h"
 #include "components/esn/file/esn_config.h"
 #include "components/esn/file/weights_file.h"
 #include "components/rls/file/rls_config.h"
@@ -22,8 +23,9 @@ using testing::StartsWith;
 class LearningConfig : public testing::Test {
  protected:
   LearningConfig() {
-    folder_ = fs::path(testing::TempDir()) /
-              ("sinew_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    folder_ =
+        fs::path(testing::TempDir()) /
+        ("sinew_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     fs::create_directories(folder_);
     esn::Hyperparameters hyper;
     hyper.neurons = 10;
@@ -59,8 +61,9 @@ class LearningConfig : public testing::Test {
 const std::string kModel = std::string("model: ") + SINEW_SOURCE_DIR + "/robots/rig/model.yaml\n";
 
 TEST_F(LearningConfig, EsnReadsNetworksRelativeToItsFile) {
-  const esn::EsnConfig config = esn::LoadEsnConfig(
-      Write("schema: sinew-esn-participant/1\nsea_weights: sea.json\npea_weights: pea.json\nadaptation: true\n"));
+  const esn::EsnConfig config =
+      esn::LoadEsnConfig(Write("schema: sinew-esn-participant/1\nsea_weights: "
+                               "sea.json\npea_weights: pea.json\nadaptation: true\n"));
   EXPECT_EQ(config.mode, esn::EsnConfig::Mode::kNetwork);
   EXPECT_EQ(config.sea->network, "sea");
   EXPECT_EQ(config.pea->network, "pea");
@@ -69,37 +72,42 @@ TEST_F(LearningConfig, EsnReadsNetworksRelativeToItsFile) {
 
 TEST_F(LearningConfig, EsnTakesWeightsFromTheCommandLineFirst) {
   const esn::EsnConfig config = esn::LoadEsnConfig(
-      Write("schema: sinew-esn-participant/1\npea_weights: not_trained_yet.json\n"), {.sea = "", .pea = folder_ / "pea.json"});
+      Write("schema: sinew-esn-participant/1\npea_weights: not_trained_yet.json\n"),
+      {.sea = "", .pea = folder_ / "pea.json"});
   EXPECT_FALSE(config.sea.has_value());
   EXPECT_EQ(config.pea->network, "pea");
   EXPECT_EQ(esn::LoadEsnConfig("", {.sea = folder_ / "sea.json", .pea = ""}).sea->network, "sea");
 }
 
 TEST_F(LearningConfig, EsnStandsInWithInverseDynamics) {
-  const esn::EsnConfig config =
-      esn::LoadEsnConfig(Write("schema: sinew-esn-participant/1\nmode: inverse_dynamics\n" + kModel));
+  const esn::EsnConfig config = esn::LoadEsnConfig(
+      Write("schema: sinew-esn-participant/1\nmode: inverse_dynamics\n" + kModel));
   EXPECT_EQ(config.mode, esn::EsnConfig::Mode::kInverseDynamics);
   EXPECT_EQ(config.robot.joints.size(), 1u);
 }
 
 TEST_F(LearningConfig, EsnNamesEveryMistake) {
   const auto message = [&](const std::string& text) {
-    return MessageOf([&] { esn::LoadEsnConfig(Write("schema: sinew-esn-participant/1\n" + text)); });
+    return MessageOf(
+        [&] { esn::LoadEsnConfig(Write("schema: sinew-esn-participant/1\n" + text)); });
   };
   const std::string file = (folder_ / "c.yaml").string();
   EXPECT_THAT(MessageOf([] { esn::LoadEsnConfig(""); }), StartsWith("--config: missing"));
-  EXPECT_THAT(message("mode: network\n"), StartsWith(file + ":2: key 'mode': network, expected sea_weights"));
+  EXPECT_THAT(message("mode: network\n"),
+              StartsWith(file + ":2: key 'mode': network, expected sea_weights"));
   EXPECT_THAT(message("mode: guess\n"), StartsWith(file + ":2: key 'mode'"));
   EXPECT_THAT(message("pea_weights: nothing.json\n"), HasSubstr("nothing.json"));
   EXPECT_THAT(message("pea_weights: pea.json\nadaption: true\n"), StartsWith(file + ":3: "));
-  EXPECT_THAT(message("mode: inverse_dynamics\n" + kModel + "smoothing_rad_s: -1\n"), StartsWith(file + ":4: "));
+  EXPECT_THAT(message("mode: inverse_dynamics\n" + kModel + "smoothing_rad_s: -1\n"),
+              StartsWith(file + ":4: "));
   EXPECT_THAT(message("pea_weights: c.yaml\n"), HasSubstr("no valid JSON"));
 }
 
 TEST_F(LearningConfig, RlsReadsItsFigures) {
   const rls::RlsConfig config = rls::LoadRlsConfig(
       Write("schema: sinew-rls-participant/1\npea_weights: pea.json\n" + kModel +
-            "torque_from: command\ncarry_over: false\nforgetting: 0.995\nprior_precision: 0.1\nclip_sigmas: 0\ninitial_innovation_Nm: 0.2\n"
+            "torque_from: command\ncarry_over: false\nforgetting: 0.995\nprior_precision: "
+            "0.1\nclip_sigmas: 0\ninitial_innovation_Nm: 0.2\n"
             "slowest_velocity_rad_s: 0.1\nstill_after_s: 0.5\n"));
   EXPECT_EQ(config.torque_from, rls::TorqueFrom::kCommand);
   EXPECT_FALSE(config.target.carry_over);
@@ -114,15 +122,19 @@ TEST_F(LearningConfig, RlsReadsItsFigures) {
 
 TEST_F(LearningConfig, RlsNamesEveryMistake) {
   const auto message = [&](const std::string& text) {
-    return MessageOf([&] { rls::LoadRlsConfig(Write("schema: sinew-rls-participant/1\n" + text)); });
+    return MessageOf(
+        [&] { rls::LoadRlsConfig(Write("schema: sinew-rls-participant/1\n" + text)); });
   };
   const std::string file = (folder_ / "c.yaml").string();
   EXPECT_THAT(MessageOf([] { rls::LoadRlsConfig(""); }), StartsWith("--config: missing"));
   EXPECT_THAT(message(kModel), HasSubstr("expected sea_weights or pea_weights"));
   EXPECT_THAT(message("pea_weights: pea.json\n"), HasSubstr("'model'"));
-  EXPECT_THAT(message("pea_weights: pea.json\n" + kModel + "forgetting: 1.2\n"), StartsWith(file + ":4: "));
-  EXPECT_THAT(message("pea_weights: pea.json\n" + kModel + "forgetting: .nan\n"), StartsWith(file + ":4: "));
-  EXPECT_THAT(message("pea_weights: pea.json\n" + kModel + "forget: 0.9\n"), StartsWith(file + ":4: "));
+  EXPECT_THAT(message("pea_weights: pea.json\n" + kModel + "forgetting: 1.2\n"),
+              StartsWith(file + ":4: "));
+  EXPECT_THAT(message("pea_weights: pea.json\n" + kModel + "forgetting: .nan\n"),
+              StartsWith(file + ":4: "));
+  EXPECT_THAT(message("pea_weights: pea.json\n" + kModel + "forget: 0.9\n"),
+              StartsWith(file + ":4: "));
   EXPECT_THAT(message("pea_weights: load.json\n" + kModel), HasSubstr("target 'load_torque_Nm'"));
 }
 

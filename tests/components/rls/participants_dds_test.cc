@@ -1,4 +1,5 @@
-// sinew-esn and sinew-rls as processes in lockstep. The test plays state provider, reference, regime and control.
+// sinew-esn and sinew-rls as processes in lockstep. The test plays state provider, reference,
+// regime and control.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sinew_idl/actuator.h>
@@ -46,7 +47,9 @@ esn::Weights SomeWeights(const std::string& network, double constant_Nm, std::ui
 double ReferenceAt(std::uint64_t tick) { return 0.5 * std::sin(0.05 * static_cast<double>(tick)); }
 double PressureAt(std::uint64_t tick) { return 3.0 + std::cos(0.013 * static_cast<double>(tick)); }
 // What the motor really puts out, whatever was predicted.
-double TruthAt(std::uint64_t tick) { return 1.0 + 4.0 * ReferenceAt(tick) - 0.5 * PressureAt(tick); }
+double TruthAt(std::uint64_t tick) {
+  return 1.0 + 4.0 * ReferenceAt(tick) - 0.5 * PressureAt(tick);
+}
 
 template <class Message>
 Message Stamped(std::uint64_t tick) {
@@ -134,22 +137,24 @@ class LearningDds : public ::testing::Test {
   LearningDds() {
     esn::SaveWeights(folder_.path() / "sea.json", sea_);
     esn::SaveWeights(folder_.path() / "pea.json", pea_);
-    std::ofstream(folder_.path() / "esn.yaml") << "schema: sinew-esn-participant/1\nsea_weights: sea.json\n"
-                                                  "pea_weights: pea.json\nadaptation: true\n";
+    std::ofstream(folder_.path() / "esn.yaml")
+        << "schema: sinew-esn-participant/1\nsea_weights: sea.json\n"
+           "pea_weights: pea.json\nadaptation: true\n";
     std::ofstream(folder_.path() / "rls.yaml")
         << "schema: sinew-rls-participant/1\nsea_weights: sea.json\npea_weights: pea.json\nmodel: "
-        << SINEW_SOURCE_DIR << "/robots/rig/model.yaml\ncarry_over: false\ninitial_innovation_Nm: 0.5\n";
+        << SINEW_SOURCE_DIR
+        << "/robots/rig/model.yaml\ncarry_over: false\ninitial_innovation_Nm: 0.5\n";
   }
 
-
-  // A session of both programs; SEA for the first half, PEA for the second, unknown for the last ten ticks.
+  // A session of both programs; SEA for the first half, PEA for the second, unknown for the last
+  // ten ticks.
   void RunSession(int domain, std::uint64_t ticks, Lockstep* lockstep) {
-    Program esn({Program_("sinew-esn"), "--domain", std::to_string(domain), "--lockstep", "--log-level", "error",
-                 "--config", (folder_.path() / "esn.yaml").string()});
-    Program rls({Program_("sinew-rls"), "--domain", std::to_string(domain), "--lockstep", "--log-level", "error",
-                 "--config", (folder_.path() / "rls.yaml").string()});
+    Program esn({Program_("sinew-esn"), "--domain", std::to_string(domain), "--lockstep",
+                 "--log-level", "error", "--config", (folder_.path() / "esn.yaml").string()});
+    Program rls({Program_("sinew-rls"), "--domain", std::to_string(domain), "--lockstep",
+                 "--log-level", "error", "--config", (folder_.path() / "rls.yaml").string()});
     for (std::uint64_t tick = 0; tick < ticks; ++tick) {
-      const msg::RegimeKind regime = tick + 10 >= ticks     ? msg::REGIME_UNKNOWN
+      const msg::RegimeKind regime = tick + 10 >= ticks ? msg::REGIME_UNKNOWN
                                      : tick < ticks / 2 ? msg::REGIME_SEA
                                                         : msg::REGIME_PEA;
       lockstep->Tick(tick, regime, tick + 1 == ticks);
@@ -173,8 +178,10 @@ TEST_F(LearningDds, PredictionsAreThoseOfTheNetworksWithTheReadoutOfTheTickBefor
   for (std::uint64_t tick = 0; tick < kTicks; ++tick) {
     if (tick > 0) {
       const msg::Readout& readout = lockstep.readouts[tick - 1];
-      const Eigen::Map<const Eigen::RowVectorXd> weights(readout.weight().data(), readout.feature_count());
-      ASSERT_TRUE(expected.SetReadout(static_cast<esn::Which>(readout.network()), readout.version(), weights));
+      const Eigen::Map<const Eigen::RowVectorXd> weights(readout.weight().data(),
+                                                         readout.feature_count());
+      ASSERT_TRUE(expected.SetReadout(static_cast<esn::Which>(readout.network()), readout.version(),
+                                      weights));
     }
     esn::Frame frame;
     frame.Set(esn::Signal::kReferencePosition, 0, ReferenceAt(tick));
@@ -227,12 +234,14 @@ TEST_F(LearningDds, TheSameSessionTwiceGivesTheSameBits) {
 }
 
 TEST_F(LearningDds, BadConfigurationIsOneLineAndExitCodeTwo) {
-  std::ofstream(folder_.path() / "bad.yaml") << "schema: sinew-esn-participant/1\npea_weights: bad.json\n";
+  std::ofstream(folder_.path() / "bad.yaml")
+      << "schema: sinew-esn-participant/1\npea_weights: bad.json\n";
   std::string text = esn::FormatWeights(pea_);
   text.replace(text.find("\"bias\": [") + 9, 1, "x");
   std::ofstream(folder_.path() / "bad.json") << text;
   for (const char* program : {"sinew-esn", "sinew-rls"}) {
-    for (const std::string& config : {(folder_.path() / "bad.yaml").string(), std::string("/no/such.yaml")}) {
+    for (const std::string& config :
+         {(folder_.path() / "bad.yaml").string(), std::string("/no/such.yaml")}) {
       const auto result = sinew::testing::Run(
           {Program_(program), "--domain", "84", "--log-level", "error", "--config", config});
       EXPECT_EQ(result.exit_code, 2) << program << " " << result.error;

@@ -53,7 +53,8 @@ TEST(Rls, EqualsBatchLeastSquaresWithoutForgettingAndLeak) {
     const Config config = Plain();
     const Eigen::MatrixXd offline = random.Matrix(outputs, features);
     RecursiveLeastSquares rls(config, offline);
-    Eigen::MatrixXd information = config.prior_precision * Eigen::MatrixXd::Identity(features, features);
+    Eigen::MatrixXd information =
+        config.prior_precision * Eigen::MatrixXd::Identity(features, features);
     Eigen::MatrixXd right = config.prior_precision * offline;
     for (int t = 0; t < 400; ++t) {
       const Eigen::VectorXd phi = random.Vector(features);
@@ -80,7 +81,8 @@ TEST(Rls, EqualsWeightedBatchLeastSquaresWithForgettingAndLeak) {
   RecursiveLeastSquares rls(config, offline);
   // The same recursion on the information side: M <- lambda M + phi phi', then + rho e_i e_i'.
   const double rho = features * (1.0 - config.forgetting) * config.prior_precision;
-  Eigen::MatrixXd information = config.prior_precision * Eigen::MatrixXd::Identity(features, features);
+  Eigen::MatrixXd information =
+      config.prior_precision * Eigen::MatrixXd::Identity(features, features);
   Eigen::MatrixXd right = config.prior_precision * offline;
   for (int t = 0; t < 1000; ++t) {
     const Eigen::VectorXd phi = random.Vector(features);
@@ -112,7 +114,8 @@ TEST(Rls, EveryInstructionSetGivesTheSameBits) {
       const Eigen::VectorXd y = random.Vector(2);
       ASSERT_EQ(rls.Update(phi, y), reference.Update(phi, y));
     }
-    EXPECT_EQ(Eigen::MatrixXd(rls.readout()), Eigen::MatrixXd(reference.readout())) << simd::Name(set);
+    EXPECT_EQ(Eigen::MatrixXd(rls.readout()), Eigen::MatrixXd(reference.readout()))
+        << simd::Name(set);
     EXPECT_EQ(rls.Covariance(), reference.Covariance()) << simd::Name(set);
   }
 }
@@ -133,8 +136,9 @@ TEST(Rls, APerfectReadoutStaysAndTheCovarianceShrinks) {
   EXPECT_LT((rls.readout() - w).norm(), 1e-12);
 }
 
-// Features that stay the same: nothing is learnt about the other directions and forgetting takes all of it. The
-// plain recursion P <- (P - k phi' P) / lambda grows without bound here; its growth is the control of the test.
+// Features that stay the same: nothing is learnt about the other directions and forgetting takes
+// all of it. The plain recursion P <- (P - k phi' P) / lambda grows without bound here; its growth
+// is the control of the test.
 TEST(Rls, StaysBoundedWithoutExcitation) {
   const int features = 40;
   Random random(5);
@@ -152,9 +156,11 @@ TEST(Rls, StaysBoundedWithoutExcitation) {
       plain = ((plain - k * phi.transpose() * plain) / config.forgetting).eval();
     }
   }
-  const Eigen::VectorXd eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(rls.Covariance()).eigenvalues();
+  const Eigen::VectorXd eigenvalues =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(rls.Covariance()).eigenvalues();
   EXPECT_GT(eigenvalues.minCoeff(), 0.0);
-  // Between two visits a coordinate loses lambda^features of its information: 1 / (delta lambda^40) = 1.5 / delta.
+  // Between two visits a coordinate loses lambda^features of its information: 1 / (delta lambda^40)
+  // = 1.5 / delta.
   EXPECT_LT(eigenvalues.maxCoeff(), 2.0 / config.prior_precision);
   EXPECT_GT(plain.trace(), 1e6 / config.prior_precision);
   EXPECT_LT((rls.readout() - w).norm(), 0.1);
@@ -243,10 +249,12 @@ TEST(Rls, ResetForgetsEverything) {
   Random random(10);
   const Eigen::MatrixXd w = random.Matrix(1, 6);
   RecursiveLeastSquares rls(Config{}, w);
-  for (int t = 0; t < 50; ++t) ASSERT_NE(rls.Update(random.Vector(6), random.Vector(1)), UpdateStatus::kBadInput);
+  for (int t = 0; t < 50; ++t)
+    ASSERT_NE(rls.Update(random.Vector(6), random.Vector(1)), UpdateStatus::kBadInput);
   rls.Reset();
   EXPECT_EQ(Eigen::MatrixXd(rls.readout()), w);
-  EXPECT_EQ(rls.Covariance(), Eigen::MatrixXd(Eigen::MatrixXd::Identity(6, 6) / Config{}.prior_precision));
+  EXPECT_EQ(rls.Covariance(),
+            Eigen::MatrixXd(Eigen::MatrixXd::Identity(6, 6) / Config{}.prior_precision));
   EXPECT_EQ(rls.updates(), 0u);
 }
 
@@ -276,15 +284,21 @@ TEST(Rls, ImpossibleConfigurationIsNamed) {
     }
     return std::string();
   };
-  EXPECT_THAT(message([](Config& c) { c.forgetting = 1.01; }), testing::StartsWith("forgetting: 1.01"));
+  EXPECT_THAT(message([](Config& c) { c.forgetting = 1.01; }),
+              testing::StartsWith("forgetting: 1.01"));
   EXPECT_THAT(message([](Config& c) { c.forgetting = 0.0; }), testing::StartsWith("forgetting: 0"));
-  EXPECT_THAT(message([](Config& c) { c.prior_precision = 0.0; }), testing::StartsWith("prior_precision: 0"));
+  EXPECT_THAT(message([](Config& c) { c.prior_precision = 0.0; }),
+              testing::StartsWith("prior_precision: 0"));
   EXPECT_THAT(message([](Config& c) { c.leak = -1.0; }), testing::StartsWith("leak: -1"));
-  EXPECT_THAT(message([](Config& c) { c.clip_sigmas = std::nan(""); }), testing::StartsWith("clip_sigmas: "));
-  EXPECT_THAT(message([](Config& c) { c.innovation_memory = 1.0; }), testing::StartsWith("innovation_memory: 1"));
-  EXPECT_THAT(message([](Config& c) { c.initial_innovation = 0.0; }), testing::StartsWith("initial_innovation: 0"));
+  EXPECT_THAT(message([](Config& c) { c.clip_sigmas = std::nan(""); }),
+              testing::StartsWith("clip_sigmas: "));
+  EXPECT_THAT(message([](Config& c) { c.innovation_memory = 1.0; }),
+              testing::StartsWith("innovation_memory: 1"));
+  EXPECT_THAT(message([](Config& c) { c.initial_innovation = 0.0; }),
+              testing::StartsWith("initial_innovation: 0"));
   EXPECT_THROW(RecursiveLeastSquares(Config{}, Eigen::MatrixXd(0, 3)), std::invalid_argument);
-  EXPECT_THROW(RecursiveLeastSquares(Config{}, Eigen::MatrixXd::Constant(1, 2, std::nan(""))), std::invalid_argument);
+  EXPECT_THROW(RecursiveLeastSquares(Config{}, Eigen::MatrixXd::Constant(1, 2, std::nan(""))),
+               std::invalid_argument);
 }
 
 }  // namespace

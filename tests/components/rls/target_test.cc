@@ -20,7 +20,9 @@ using esn::Signal;
 constexpr double kPeriod_s = 1.0 / 240.0;
 constexpr double kGear = 100.0;
 
-actuator::RobotModel Rig() { return actuator::LoadRobotModel(SINEW_SOURCE_DIR "/robots/rig/model.yaml"); }
+actuator::RobotModel Rig() {
+  return actuator::LoadRobotModel(SINEW_SOURCE_DIR "/robots/rig/model.yaml");
+}
 
 esn::Weights RigWeights() {
   esn::Hyperparameters hyper;
@@ -63,7 +65,8 @@ double Needed(const actuator::RobotModel& rig, const Motion& m, double pressure_
 // Plays the rig and what was published about it.
 class Session {
  public:
-  Session(const esn::Weights& weights, double unknown_Nm) : weights_(weights), unknown_Nm_(unknown_Nm) {
+  Session(const esn::Weights& weights, double unknown_Nm)
+      : weights_(weights), unknown_Nm_(unknown_Nm) {
     features_ = Eigen::VectorXd::Zero(weights.feature_count());
   }
   TickData At(std::uint64_t tick) {
@@ -115,9 +118,11 @@ TEST(TargetEquation, AsksForTheTorqueOfTheReferenceWhateverTheMotionWas) {
         const double c_s = static_cast<double>(tick - 8) * kPeriod_s;
         const Motion motion = MotionAt(c_s);
         if (std::abs(motion.v) < 0.1) continue;  // the parabola rounds dry friction's turn
-        const double needed_Nm = Needed(rig, ReferenceAt(c_s - kPeriod_s), Session::kPressure_bar) + unknown_Nm;
+        const double needed_Nm =
+            Needed(rig, ReferenceAt(c_s - kPeriod_s), Session::kPressure_bar) + unknown_Nm;
         worst = std::max(worst, std::abs(sample->target_Nm(0) - needed_Nm));
-        without = std::max(without, std::abs(Needed(rig, motion, Session::kPressure_bar) + unknown_Nm - needed_Nm));
+        without = std::max(without, std::abs(Needed(rig, motion, Session::kPressure_bar) +
+                                             unknown_Nm - needed_Nm));
         ++samples;
       }
       EXPECT_GT(samples, 900);
@@ -153,8 +158,16 @@ TEST(TargetEquation, LearnsNothingFromHolesLostPositionsAndClippedReferences) {
     TickData first = session.At(++tick);
     Eigen::VectorXd features = first.features;
     change(first, features);
-    const TickData changed{first.tick, first.period_s, first.usable, first.positions_valid, first.network, features,
-                           first.position_rad, first.motor_position_rad, first.drive_torque_Nm, first.measured};
+    const TickData changed{first.tick,
+                           first.period_s,
+                           first.usable,
+                           first.positions_valid,
+                           first.network,
+                           features,
+                           first.position_rad,
+                           first.motor_position_rad,
+                           first.drive_torque_Nm,
+                           first.measured};
     tick = first.tick;
     int missing = 0;
     bool now = equation.Push(changed).has_value();
@@ -169,15 +182,18 @@ TEST(TargetEquation, LearnsNothingFromHolesLostPositionsAndClippedReferences) {
   for (int i = 0; i < 30; ++i) (void)equation.Push(session.At(++tick));
   EXPECT_EQ(ticks_until_sample([](TickData&, Eigen::VectorXd&) {}), 0);
   EXPECT_EQ(ticks_until_sample([](TickData& d, Eigen::VectorXd&) { d.tick += 1; }), 16);
-  EXPECT_EQ(ticks_until_sample([](TickData& d, Eigen::VectorXd&) { d.positions_valid = false; }), 17);
+  EXPECT_EQ(ticks_until_sample([](TickData& d, Eigen::VectorXd&) { d.positions_valid = false; }),
+            17);
   EXPECT_EQ(ticks_until_sample([](TickData& d, Eigen::VectorXd&) { d.usable = false; }), 1);
   EXPECT_EQ(ticks_until_sample([](TickData& d, Eigen::VectorXd&) { d.network = 0; }), 1);
   EXPECT_EQ(ticks_until_sample([](TickData&, Eigen::VectorXd& f) { f(3) = 6.0; }), 1);
-  EXPECT_EQ(ticks_until_sample([](TickData& d, Eigen::VectorXd&) { d.motor_position_rad[0] = std::nan(""); }), 17);
+  EXPECT_EQ(ticks_until_sample(
+                [](TickData& d, Eigen::VectorXd&) { d.motor_position_rad[0] = std::nan(""); }),
+            17);
 }
 
-// An axis of twice the inertia that the model declares, followed by PD and a feed-forward that is learnt. Returns the
-// error at the end, rms in rad.
+// An axis of twice the inertia that the model declares, followed by PD and a feed-forward that is
+// learnt. Returns the error at the end, rms in rad.
 double TrackingError(double* before) {
   actuator::RobotModel model = Rig();
   actuator::JointModel& joint = model.joints[0];
@@ -194,7 +210,9 @@ double TrackingError(double* before) {
   esn::Weights weights = esn::MakeWeights(hyper, 3, 1);
   weights.period_s = kPeriod_s;
   weights.target = "drive_torque_Nm";
-  weights.inputs = {{Signal::kReferencePosition, 0}, {Signal::kReferenceVelocity, 0}, {Signal::kReferenceAcceleration, 0}};
+  weights.inputs = {{Signal::kReferencePosition, 0},
+                    {Signal::kReferenceVelocity, 0},
+                    {Signal::kReferenceAcceleration, 0}};
   weights.input.scale << 0.5, 1.0, 4.0;
   weights.input.offset.setZero();
   // The offline readout is the declared model: linear in the inputs.
@@ -243,7 +261,8 @@ double TrackingError(double* before) {
     EXPECT_EQ(network.Step(Eigen::Vector3d(r.q, r.v, r.a)), esn::StepStatus::kOk);
     features = network.features();
     // The rig's PID without its integral.
-    torque_Nm = std::clamp(network.prediction()(0) + 12.0 * (r.q - q) + 1.0 * (r.v - v), -30.0, 30.0);
+    torque_Nm =
+        std::clamp(network.prediction()(0) + 12.0 * (r.q - q) + 1.0 * (r.v - v), -30.0, 30.0);
     for (int i = 0; i < kSubSteps; ++i) {
       v += (torque_Nm - viscous * v) / inertia * kPeriod_s / kSubSteps;
       q += v * kPeriod_s / kSubSteps;
@@ -295,18 +314,25 @@ TEST(TargetEquation, NamesWhatIsMissing) {
   using C = TargetConfig;
   using W = esn::Weights;
   EXPECT_EQ(message([](C&, W&) {}), "accepted");
-  EXPECT_THAT(message([](C&, W& w) { w.inputs[3] = {Signal::kTemperature, 0}; }),
-              testing::StartsWith("pea: no input reference_acceleration_rad_s2 of joint 0, which carry_over needs"));
+  EXPECT_THAT(
+      message([](C&, W& w) {
+        w.inputs[3] = {Signal::kTemperature, 0};
+      }),
+      testing::StartsWith(
+          "pea: no input reference_acceleration_rad_s2 of joint 0, which carry_over needs"));
   EXPECT_EQ(message([](C& c, W& w) {
               w.inputs[3] = {Signal::kTemperature, 0};
               c.carry_over = false;
             }),
             "accepted");
-  EXPECT_THAT(message([](C& c, W&) { c.half_window_ticks = 0; }), testing::StartsWith("half_window_ticks: 0"));
-  EXPECT_THAT(message([](C& c, W&) { c.smoothing_rad_s = 0.0; }), testing::StartsWith("smoothing_rad_s: 0"));
+  EXPECT_THAT(message([](C& c, W&) { c.half_window_ticks = 0; }),
+              testing::StartsWith("half_window_ticks: 0"));
+  EXPECT_THAT(message([](C& c, W&) { c.smoothing_rad_s = 0.0; }),
+              testing::StartsWith("smoothing_rad_s: 0"));
   EXPECT_THAT(message([](C&, W& w) { w.readout = Eigen::MatrixXd::Zero(2, w.feature_count()); }),
               testing::HasSubstr("2 outputs, expected at most"));
-  EXPECT_THROW(TargetEquation(TargetConfig{}, Rig(), std::nullopt, std::nullopt), std::invalid_argument);
+  EXPECT_THROW(TargetEquation(TargetConfig{}, Rig(), std::nullopt, std::nullopt),
+               std::invalid_argument);
 }
 
 }  // namespace

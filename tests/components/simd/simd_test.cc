@@ -23,13 +23,16 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const double kA[8] = {1.5, -2.0, 0.0, -0.0, 1e300, -1e-300, std::nan(""), kInfinity};
 const double kB[8] = {0.5, 3.0, -0.0, 7.0, -1e300, 1e-310, 1.0, -kInfinity};
 
-bool SameBits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0 || (std::isnan(a) && std::isnan(b)); }
+bool SameBits(double a, double b) {
+  return std::memcmp(&a, &b, sizeof a) == 0 || (std::isnan(a) && std::isnan(b));
+}
 
 template <class Lane, class Scalar>
 void ExpectLanewise(Lane lane, Scalar scalar) {
   double result[8];
   Store(result, lane(Load(kA), Load(kB)));
-  for (int i = 0; i < 8; ++i) EXPECT_TRUE(SameBits(result[i], scalar(kA[i], kB[i]))) << i << ": " << result[i];
+  for (int i = 0; i < 8; ++i)
+    EXPECT_TRUE(SameBits(result[i], scalar(kA[i], kB[i]))) << i << ": " << result[i];
 }
 
 TEST(Lanes, ArithmeticIsThatOfDoubles) {
@@ -37,8 +40,10 @@ TEST(Lanes, ArithmeticIsThatOfDoubles) {
   ExpectLanewise([](Lanes a, Lanes b) { return a - b; }, [](double a, double b) { return a - b; });
   ExpectLanewise([](Lanes a, Lanes b) { return a * b; }, [](double a, double b) { return a * b; });
   ExpectLanewise([](Lanes a, Lanes b) { return a / b; }, [](double a, double b) { return a / b; });
-  ExpectLanewise([](Lanes a, Lanes b) { return Min(a, b); }, [](double a, double b) { return a < b ? a : b; });
-  ExpectLanewise([](Lanes a, Lanes) { return Abs(a); }, [](double a, double) { return std::abs(a); });
+  ExpectLanewise([](Lanes a, Lanes b) { return Min(a, b); },
+                 [](double a, double b) { return a < b ? a : b; });
+  ExpectLanewise([](Lanes a, Lanes) { return Abs(a); },
+                 [](double a, double) { return std::abs(a); });
   ExpectLanewise([](Lanes a, Lanes b) { return WithSignOf(Abs(a), b); },
                  [](double a, double b) { return std::copysign(std::abs(a), b); });
   ExpectLanewise([](Lanes, Lanes) { return Broadcast(2.5); }, [](double, double) { return 2.5; });

@@ -376,6 +376,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Participant{"sinew-virtual-axes", "virtual_axes.yaml", {}},
                       Participant{"sinew-pneumatics", "pneumatics.yaml", {}},
                       Participant{"sinew-regime", "regime.yaml", {}},
+                      Participant{"sinew-esn", "esn_model.yaml", {}},
+                      Participant{"sinew-rls", "rls.yaml", {}},
                       Participant{"sinew-control", "control_pid_model.yaml", {}},
                       Participant{"sinew-reference", "reference_benchmark.yaml", {}}),
     ProgramOf);

@@ -1,4 +1,5 @@
-// close-loop as a whole: on measured data of another rig, on the example recordings of ours, on bad input.
+// close-loop as a whole: on measured data of another rig, on the example recordings of ours, on bad
+// input.
 #include "tools/sinew/close_loop.h"
 
 #include <gmock/gmock.h>
@@ -44,13 +45,15 @@ CloseLoopOptions ExampleOptions(const std::string& example) {
 }
 
 #define SKIP_WITHOUT_EMPS() \
-  if (!fs::exists(kEmps)) GTEST_SKIP() << kEmps << " is not here: measured data lies beside the project"
+  if (!fs::exists(kEmps))   \
+  GTEST_SKIP() << kEmps << " is not here: measured data lies beside the project"
 
 TEST(CloseLoopOnEmps, PublishedFiguresAreReached) {
   SKIP_WITHOUT_EMPS();
   const auto start = std::chrono::steady_clock::now();
   const CloseLoopResult result = CloseLoop(EmpsOptions());
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   ASSERT_TRUE(result.report.as_published.has_value());
   const identify::AsPublishedResult& published = *result.report.as_published;
   // Janot, Gautier, Brunot (2019): 4.0834 -> 3.1117 %, cross test 5.9824 %; within 0.1 points.
@@ -73,7 +76,8 @@ TEST(CloseLoopOnEmps, TheSameEffectIsFoundFirstAndASecondLowersTheCrossError) {
   ASSERT_GE(trace.effects.size(), 2u);
   EXPECT_EQ(trace.effects[0].name, "direction_dependent_viscous");
   EXPECT_THAT(trace.effects[0].rivals, Contains("direction_dependent_quadratic_viscous"));
-  EXPECT_TRUE(trace.effects[1].name == "flexible_link" || trace.effects[1].name == "transport_delay")
+  EXPECT_TRUE(trace.effects[1].name == "flexible_link" ||
+              trace.effects[1].name == "transport_delay")
       << trace.effects[1].name;
   EXPECT_LT(trace.effects[0].sealed_after, trace.effects[0].sealed_before);
   EXPECT_LT(trace.effects[1].sealed_after, 0.7 * trace.effects[1].sealed_before);
@@ -94,7 +98,8 @@ TEST(CloseLoopOnEmps, ARecordingGivesTheSameFiguresAsItsCsv) {
   options.train = {folder.path() / "train.mcap"};
   options.sealed = {folder.path() / "sealed.mcap"};
   const CloseLoopResult mcap = CloseLoop(options);
-  EXPECT_DOUBLE_EQ(mcap.report.as_published->before_percent, csv.report.as_published->before_percent);
+  EXPECT_DOUBLE_EQ(mcap.report.as_published->before_percent,
+                   csv.report.as_published->before_percent);
   EXPECT_DOUBLE_EQ(mcap.report.trace.after_sealed.rms, csv.report.trace.after_sealed.rms);
   EXPECT_EQ(mcap.report.train[0].content_hash, csv.report.train[0].content_hash);
 }
@@ -107,13 +112,17 @@ TEST(CloseLoopOnTheRig, TheHiddenEffectOfTheExampleIsNamed) {
   ASSERT_EQ(trace.verdict, trace::Verdict::kEffect);
   ASSERT_EQ(trace.effects.size(), 1u);
   EXPECT_EQ(trace.effects[0].name, truth["effects"][0]["name"].get<std::string>());
-  const auto& found = trace.corrected.terms[static_cast<std::size_t>(trace.effects[0].term)].linear[0];
+  const auto& found =
+      trace.corrected.terms[static_cast<std::size_t>(trace.effects[0].term)].linear[0];
   EXPECT_NEAR(found.value, truth["effects"][0]["value"].get<double>(), 1.5 * *found.half_width_95);
   // Declared parameters come back, too: within 3 % of the truth.
   const nlohmann::json& right = truth["true_parameters"];
-  EXPECT_NEAR(trace.corrected.Parameter("drive_current", "efficiency"), right["efficiency"].get<double>(), 0.01);
-  EXPECT_NEAR(trace.corrected.Parameter("motor_viscous", "viscous"), right["viscous_friction"].get<double>(), 0.01);
-  EXPECT_NEAR(trace.corrected.Parameter("gravity", "gravity_torque"), right["gravity_torque"].get<double>(), 0.01);
+  EXPECT_NEAR(trace.corrected.Parameter("drive_current", "efficiency"),
+              right["efficiency"].get<double>(), 0.01);
+  EXPECT_NEAR(trace.corrected.Parameter("motor_viscous", "viscous"),
+              right["viscous_friction"].get<double>(), 0.01);
+  EXPECT_NEAR(trace.corrected.Parameter("gravity", "gravity_torque"),
+              right["gravity_torque"].get<double>(), 0.01);
   // As good as physics allows: the effect-free twin leaves 0.0217 Nm through a wider filter.
   EXPECT_LT(trace.after_sealed.rms, 0.45 * trace.before_sealed.rms);
 }
@@ -163,8 +172,8 @@ void ExpectRefused(CloseLoopOptions options, const std::vector<std::string>& wor
 }
 
 // A changed copy of a text file.
-fs::path Changed(const testing::TemporaryFolder& folder, const fs::path& file, const std::string& from,
-                 const std::string& to) {
+fs::path Changed(const testing::TemporaryFolder& folder, const fs::path& file,
+                 const std::string& from, const std::string& to) {
   std::ifstream in(file);
   std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
   const std::size_t at = text.find(from);
@@ -179,14 +188,16 @@ TEST(CloseLoopBadInput, AnUnknownKeyOfTheModelIsNamed) {
   const testing::TemporaryFolder folder;
   CloseLoopOptions options = ExampleOptions("clean");
   fs::copy(kSource / "robots" / "rig" / "rig.urdf", folder.path() / "rig.urdf");
-  options.model = Changed(folder, kSource / "robots" / "rig" / "model.yaml", "parallel_cutoff_Hz", "paralel_cutoff_Hz");
+  options.model = Changed(folder, kSource / "robots" / "rig" / "model.yaml", "parallel_cutoff_Hz",
+                          "paralel_cutoff_Hz");
   ExpectRefused(options, {"model.yaml:", "paralel_cutoff_Hz"});
 }
 
 TEST(CloseLoopBadInput, AWrongUnitOfTheMapIsNamed) {
   const testing::TemporaryFolder folder;
   CloseLoopOptions options = ExampleOptions("clean");
-  options.map = Changed(folder, options.map, "column: motor_current_A, unit: A", "column: motor_current_A, unit: V");
+  options.map = Changed(folder, options.map, "column: motor_current_A, unit: A",
+                        "column: motor_current_A, unit: V");
   ExpectRefused(options, {"csv_map.yaml:", "unit"});
 }
 
@@ -207,7 +218,8 @@ TEST(CloseLoopBadInput, AMissingColumnIsNamed) {
 TEST(CloseLoopBadInput, ASignalTheModelNeedsIsNamed) {
   const testing::TemporaryFolder folder;
   CloseLoopOptions options = ExampleOptions("clean");
-  options.map = Changed(folder, options.map, "  motor_current: {column: motor_current_A, unit: A, sign: 1}\n", "");
+  options.map = Changed(folder, options.map,
+                        "  motor_current: {column: motor_current_A, unit: A, sign: 1}\n", "");
   ExpectRefused(options, {"train_1.csv", "motor_current"});
 }
 

@@ -17,18 +17,23 @@ NetworkPlan ReadNetwork(const config::Section& s, double rate_Hz) {
   TrainingConfig& training = plan.training;
 
   const std::vector<std::string> targets = {"drive_torque_Nm", "load_torque_Nm"};
-  data.target = s.Choice("target", targets) == targets[0] ? Target::kDriveTorque : Target::kLoadTorque;
+  data.target =
+      s.Choice("target", targets) == targets[0] ? Target::kDriveTorque : Target::kLoadTorque;
   const std::string region = s.Choice("region", {"inside", "outside", "all"});
-  data.region = region == "inside" ? Region::kInside : region == "outside" ? Region::kOutside : Region::kAll;
+  data.region = region == "inside"    ? Region::kInside
+                : region == "outside" ? Region::kOutside
+                                      : Region::kAll;
   for (const std::string& name : s.TextsOr("inputs", {})) {
     const std::optional<Signal> signal = SignalFromName(name);
     if (!signal) s.Fail("inputs", "'" + name + "', expected " + std::string(SignalNames()));
     data.inputs.push_back(*signal);
   }
-  if (data.inputs.empty()) s.Fail("inputs", "missing, expected a list of " + std::string(SignalNames()));
+  if (data.inputs.empty())
+    s.Fail("inputs", "missing, expected a list of " + std::string(SignalNames()));
   data.period_s = 1.0 / rate_Hz;
   data.smoothing_Hz = s.NumberOr("smoothing_Hz", data.smoothing_Hz, config::kPositive);
-  data.derivatives_from_motor = s.ChoiceOr("derivatives_from", "output", {"output", "motor"}) == "motor";
+  data.derivatives_from_motor =
+      s.ChoiceOr("derivatives_from", "output", {"output", "motor"}) == "motor";
   if (s.BoolOr("play_centre_from_data", false)) {
     data.play_centre_rad.reset();
   } else {
@@ -52,9 +57,11 @@ NetworkPlan ReadNetwork(const config::Section& s, double rate_Hz) {
   training.beta_lower = s.NumberOr("ridge_beta_lower", training.beta_lower, config::kPositive);
   training.beta_upper = s.NumberOr("ridge_beta_upper", training.beta_upper, config::kPositive);
   if (!(training.beta_upper > training.beta_lower)) {
-    s.Fail("ridge_beta_upper", std::to_string(training.beta_upper) + ", expected above ridge_beta_lower");
+    s.Fail("ridge_beta_upper",
+           std::to_string(training.beta_upper) + ", expected above ridge_beta_lower");
   }
-  training.beta_count = static_cast<int>(s.IntegerOr("ridge_beta_count", training.beta_count, {2, 1000}));
+  training.beta_count =
+      static_cast<int>(s.IntegerOr("ridge_beta_count", training.beta_count, {2, 1000}));
   s.RejectUnknownKeys();
   return plan;
 }
@@ -81,7 +88,8 @@ NetworkPlan LoadNetworkPlan(const std::filesystem::path& path, const std::string
   return Read(config::Section::Load(path, kSchema), network);
 }
 
-NetworkPlan ParseNetworkPlan(const std::string& text, const std::string& name, const std::string& network) {
+NetworkPlan ParseNetworkPlan(const std::string& text, const std::string& name,
+                             const std::string& network) {
   return Read(config::Section::Parse(text, name, kSchema), network);
 }
 

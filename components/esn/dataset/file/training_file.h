@@ -25,9 +25,10 @@ struct NetworkPlan {
   TrainingConfig training;
 };
 
-// The plan of a network. Throws UsageError: file, line, key, expected; for a network that is not there it
-// names those that are.
+// The plan of a network. Throws UsageError: file, line, key, expected; for a network that is not
+// there it names those that are.
 NetworkPlan LoadNetworkPlan(const std::filesystem::path& path, const std::string& network);
-NetworkPlan ParseNetworkPlan(const std::string& text, const std::string& name, const std::string& network);
+NetworkPlan ParseNetworkPlan(const std::string& text, const std::string& name,
+                             const std::string& network);
 
 }  // namespace sinew::esn
