@@ -12,11 +12,11 @@ trap 'rm -rf "$work"' EXIT
 
 for run in $(seq "$repeats"); do
   "$bin/sinew" launch "$root/robots/rig/deploy_rig.yaml" --set mode=lockstep --duration "$seconds" \
-    --domain 230 --record "$work/run.mcap" >"$work/log" 2>&1 || { cat "$work/log"; exit 1; }
+    --domain 230 --record "$work/run_$run.mcap" >"$work/log" 2>&1 || { cat "$work/log"; exit 1; }
   grep -o '[0-9.]* s in [0-9.]* s ([0-9.]* x real time)' "$work/log" | sed "s/^/run $run: /"
 done
 echo "resident memory at the end:"
-"$bin/sinew" echo component_status --from "$work/run.mcap" --json |
+"$bin/sinew" echo component_status --from "$work/run_$repeats.mcap" --json |
   python3 -c '
 import json, sys
 resident = {}
