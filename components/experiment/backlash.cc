@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "components/experiment/units.h"
+#include "components/identify/statistics.h"
 
 namespace sinew::experiment {
 namespace {
@@ -21,9 +22,27 @@ struct Half {
   int side = 0;
   double start_s = 0.0, end_s = 0.0;
   double sum_d_rad = 0.0, sum_torque_Nm = 0.0;
+  double sum_d2_rad2 = 0.0;
   int rows = 0;
   double largest_rad = -1e9, smallest_rad = 1e9;
 };
+
+// Half width, at 95 %, of what the rounding of the output's encoder leaves in the play.
+double Rounding_deg(const std::vector<double>& variance_rad2, double lowest_Nm, double highest_Nm,
+                    const RigConstants& rig) {
+  const double count_rad = kTwoPi / rig.encoder_counts;
+  const double noise_rad2 =
+      std::max(0.0, identify::Mean(variance_rad2) - count_rad * count_rad / 12.0);
+  const double largest_rad =
+      count_rad / std::numbers::pi *
+      std::exp(-0.5 * kTwoPi * kTwoPi * noise_rad2 / (count_rad * count_rad));
+  // Two contacts at each of two torques, each with a phase of its own; the play is extrapolated
+  // from both torques.
+  const double span_Nm = highest_Nm - lowest_Nm;
+  const double weight = std::hypot(highest_Nm / span_Nm, lowest_Nm / span_Nm);
+  const double deviation_rad = weight * std::sqrt(2.0) * largest_rad / std::sqrt(2.0);
+  return 1.96 * deviation_rad / kDegree;
+}
 
 }  // namespace
 
@@ -80,16 +99,21 @@ Result IdentifyBacklash(const Recording& rows, const RigConstants& rig) {
     const double share = (row.time_s - h.start_s) / std::max(1e-9, h.end_s - h.start_s);
     if (share < kSettledShare || share > 1.0 - kLeaveShare) continue;
     h.sum_d_rad += d_rad;
+    h.sum_d2_rad2 += d_rad * d_rad;
     h.sum_torque_Nm += to_output * row.motor_current_A;
     ++h.rows;
   }
-  std::vector<double> published_deg, width_deg, torque_Nm;
+  std::vector<double> published_deg, width_deg, torque_Nm, variance_rad2;
   for (std::size_t i = 0; i + 1 < halves.size(); i += 2) {
     const Half& up = halves[i];
     const Half& down = halves[i + 1];
     if (up.end_s - up.start_s < kShortestHalf_s || down.end_s - down.start_s < kShortestHalf_s ||
         up.rows < 5 || down.rows < 5) {
       continue;
+    }
+    for (const Half* h : {&up, &down}) {
+      const double mean_rad = h->sum_d_rad / h->rows;
+      variance_rad2.push_back(std::max(0.0, h->sum_d2_rad2 / h->rows - mean_rad * mean_rad));
     }
     published_deg.push_back((std::max(up.largest_rad, down.largest_rad) -
                              std::min(up.smallest_rad, down.smallest_rad)) /
@@ -118,12 +142,15 @@ Result IdentifyBacklash(const Recording& rows, const RigConstants& rig) {
     trial.push_back(static_cast<int>(i));
   }
   const TrialFit fit = FitTrials(X, y, trial);
+  Estimate play = fit.At(0);
+  play.half_width_95 =
+      std::hypot(play.half_width_95, Rounding_deg(variance_rad2, *lowest, *highest, rig));
 
   Result result{.experiment = "backlash", .title = "Play of the gear (5.1.1)"};
   result.quantities = {{.id = "backlash_deg",
                         .name = "backlash",
                         .unit = "degrees",
-                        .estimate = fit.At(0),
+                        .estimate = play,
                         .published = 2.66,
                         .source = "Fig 5.1, mean of 100",
                         .target_absolute = 0.05,

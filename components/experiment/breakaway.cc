@@ -1,6 +1,5 @@
 #include "components/experiment/breakaway.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -14,14 +13,14 @@ namespace sinew::experiment {
 namespace {
 
 constexpr double kLargestPress_N = 20.0;
-constexpr double kGone_rad = 0.012;    // the link has given way
-constexpr double kBreak_rad = 3.0e-3;  // eight counts of 14 bits: the contact has given way
-constexpr double kAfter_s = 0.3;       // the hand lets go
+constexpr double kGone_rad = 0.012;     // the link has given way
+constexpr double kGoneAfter_s = 0.035;  // of giving way
+constexpr double kAfter_s = 0.3;        // the hand lets go
 constexpr double kLiftSpeed_rad_s = 0.5;
 constexpr double kBackOff_s = 0.6;
 constexpr double kLongestPush_s = 20.0;
 constexpr double kCatch_s = 0.5;
-constexpr double kFitBefore_s = 0.35;
+constexpr double kFitBefore_s = 0.1;
 
 // The moving end of a soft hand, and the force it presses with.
 double HandForce_N(double stiffness_N_rad, double link_rad, double hand_rad) {
@@ -173,33 +172,21 @@ std::vector<Breakaway> FindBreakaways(const Recording& rows) {
       still = still && std::abs(rows[k].output_angle_rad - rest_rad) < kStill_rad;
     }
     if (!still) continue;
-    // The last row before the contact gave way, and a parabola through the force up to it: a soft
-    // hand gives way as the contact creeps, so that the force bends over. Its greatest value
-    // counts.
+    // The last row before the contact gave way: how far it had crept depends on how it came to
+    // rest, how long it then takes to be gone does not. A straight line through the last rows, at
+    // its end: a soft hand gives way as the contact creeps, so that the force bends over before.
     std::size_t at = i;
-    while (at > first && rest_rad - rows[at].output_angle_rad > kBreak_rad) --at;
+    while (at > first && now_s - rows[at].time_s < kGoneAfter_s) --at;
     std::vector<double> time_s, force_N;
     for (std::size_t k = at + 1; k-- > 0 && rows[at].time_s - rows[k].time_s < kFitBefore_s;) {
       time_s.push_back(rows[k].time_s - rows[at].time_s);
       force_N.push_back(rows[k].load_force_N);
     }
-    const auto n = static_cast<Eigen::Index>(time_s.size());
-    if (n < 8) continue;
-    Eigen::MatrixXd X(n, 3);
-    Eigen::VectorXd y(n);
-    for (Eigen::Index k = 0; k < n; ++k) {
-      const double t = time_s[static_cast<std::size_t>(k)];
-      X.row(k) << 1.0, t, t * t;
-      y(k) = force_N[static_cast<std::size_t>(k)];
-    }
-    const Eigen::Vector3d b = X.colPivHouseholderQr().solve(y);
-    double largest_N = b(0);
-    const double top_s = b(2) < 0.0 ? -0.5 * b(1) / b(2) : 0.0;
-    if (top_s < 0.0 && top_s > time_s.back()) largest_N = b(0) + 0.5 * b(1) * top_s;
+    if (time_s.size() < 6) continue;
     const Line line = FitLine(time_s, force_N);
-    if (largest_N < kLeastForce_N || line.slope <= 0.05) continue;
-    found.push_back(
-        {rest_rad, largest_N, line.slope, -time_s.back() / static_cast<double>(time_s.size() - 1)});
+    if (line.at_zero < kLeastForce_N) continue;
+    found.push_back({rest_rad, line.at_zero, line.slope,
+                     -time_s.back() / static_cast<double>(time_s.size() - 1)});
     last_s = now_s;
   }
   return found;
@@ -232,7 +219,7 @@ Result IdentifyBreakaway(const std::vector<Breakaway>& trials, const RigConstant
   const TrialFit fit = FitTrials(X, y, trial);
   Estimate friction = fit.At(0);
   // The instant of breaking away is known to one row: a bias of the force, not of its slope.
-  friction.half_width_95 = std::hypot(friction.half_width_95, rate_Nm_s * row_s);
+  friction.half_width_95 = std::hypot(friction.half_width_95, std::abs(rate_Nm_s) * row_s);
 
   Result result{.experiment = "breakaway", .title = "Torque to start moving (5.1.1)"};
   result.quantities = {{.id = "static_friction_Nm",

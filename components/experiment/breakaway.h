@@ -5,9 +5,9 @@
 //
 //     T_static = F l + T_gravity cos(angle)
 //
-// fitted over all trials. The greatest force is read from a parabola through the last rows before
-// the contact gives way, so that the extreme of noisy rows does not bias it. The instant is known
-// to one row: the interval of T_static gets that, times the rate of the force, on top of the
+// fitted over all trials. The force is read from a straight line through the last tenth of a second
+// before the contact gives way, so that the extreme of noisy rows does not bias it. The instant is
+// known to one row: the interval of T_static gets that, times the rate of the force, on top of the
 // statistical part (a bias that more trials do not remove).
 #pragma once
 
