@@ -9,6 +9,7 @@
 #include "tools/sinew/list.h"
 #include "tools/sinew/model.h"
 #include "tools/sinew/operator.h"
+#include "tools/sinew/paper.h"
 #include "tools/sinew/record.h"
 #include "tools/sinew/replay.h"
 #include "tools/sinew/score.h"
@@ -29,6 +30,7 @@ void AddAllCommands(CLI::App& app) {
   AddModelCommand(app);
   AddTrainCommand(app);
   AddScoreCommand(app);
+  AddPaperCommand(app);
   AddCompletionCommand(app);
 }
 
