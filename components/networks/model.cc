@@ -106,7 +106,13 @@ FitResult Fit(const PublishedModel& plan, const Samples& samples,
       model.ridge_beta = fitted.ridge_beta;
     }
   }
-  result.train_mse = MeanSquare(samples, result.predicted, samples.train);
+  // A reservoir's start from zero teaches nothing and is not judged.
+  std::vector<int> judged;
+  for (const int t : samples.train) {
+    const int age = t - samples.first[static_cast<std::size_t>(t)];
+    if (plan.method != Method::kReservoir || age >= plan.reservoir.washout) judged.push_back(t);
+  }
+  result.train_mse = MeanSquare(samples, result.predicted, judged);
   result.validation_mse = MeanSquare(samples, result.predicted, samples.validation);
   result.test_mse = MeanSquare(samples, result.predicted, samples.test);
   return result;
