@@ -1,7 +1,8 @@
 # The helpers that every room uses: one adds a room, one a participant, one a test.
 #
 #   sinew_add_room(rls SOURCES rls.cc rls.h DEPENDS sinew::esn Eigen3::Eigen)
-#     -> library target sinew_rls, alias sinew::rls. Includes start at the root of the project.
+#     -> library target sinew_rls, alias sinew::rls. Includes start at the root of the project. FRAME: it holds the
+#        frame of programs, no hot loops. PCH header.h: a precompiled header of its own.
 #   sinew_add_participant(rls SOURCES participant/main.cc DEPENDS sinew::rls)
 #     -> program sinew_rls_participant, installed and built as bin/sinew-rls; links sinew::node.
 #   sinew_add_test(rls_test SOURCES rls_test.cc DEPENDS sinew::rls [LABELS dds] [SERIAL] [TIMEOUT s])
@@ -13,8 +14,24 @@ set_property(GLOBAL PROPERTY SINEW_PROGRAMS "")
 # Mains, commands and tests hold no hot loops (these live in rooms): less optimisation halves their build.
 set(SINEW_LIGHT_OPTIMISATION $<$<CONFIG:Release>:-O1>)
 
+# Precompiled headers: of rooms, of the frames of programs, of programs. Tests have theirs in tests/support.
+set(frame_headers <CLI/CLI.hpp> <Eigen/Core> <filesystem> <nlohmann/json.hpp> <spdlog/spdlog.h> <string> <vector>)
+set(frame_libraries CLI11::CLI11 nlohmann_json::nlohmann_json spdlog::spdlog Eigen3::Eigen sinew_flags)
+add_library(sinew_room_pch STATIC ${CMAKE_CURRENT_LIST_DIR}/pch/room.cc)
+target_link_libraries(sinew_room_pch PRIVATE Eigen3::Eigen sinew_flags)
+target_precompile_headers(sinew_room_pch PRIVATE <Eigen/Dense> <algorithm> <array> <cmath> <cstdint> <functional>
+  <limits> <map> <memory> <numbers> <optional> <span> <stdexcept> <string> <string_view> <utility> <variant> <vector>)
+add_library(sinew_frame_pch STATIC ${CMAKE_CURRENT_LIST_DIR}/pch/room.cc)
+add_executable(sinew_program_pch ${CMAKE_CURRENT_LIST_DIR}/pch/program.cc)
+set_target_properties(sinew_program_pch PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib)
+foreach(target sinew_frame_pch sinew_program_pch)
+  target_compile_options(${target} PRIVATE ${SINEW_LIGHT_OPTIMISATION})
+  target_link_libraries(${target} PRIVATE ${frame_libraries})
+  target_precompile_headers(${target} PRIVATE ${frame_headers})
+endforeach()
+
 function(sinew_add_room name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;PRIVATE_DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "FRAME" "PCH" "SOURCES;DEPENDS;PRIVATE_DEPENDS" ${ARGN})
   add_library(sinew_${name} STATIC ${ARG_SOURCES})
   add_library(sinew::${name} ALIAS sinew_${name})
   set_target_properties(sinew_${name} PROPERTIES EXPORT_NAME ${name} OUTPUT_NAME sinew_${name})
@@ -23,6 +40,17 @@ function(sinew_add_room name)
   target_compile_features(sinew_${name} PUBLIC cxx_std_20)
   target_link_libraries(sinew_${name} PUBLIC ${ARG_DEPENDS}
     PRIVATE $<BUILD_INTERFACE:sinew_flags> ${ARG_PRIVATE_DEPENDS})
+  set_target_properties(sinew_${name} PROPERTIES UNITY_BUILD ${SINEW_UNITY})
+  if(ARG_FRAME)
+    target_link_libraries(sinew_${name} PRIVATE
+      $<BUILD_INTERFACE:CLI11::CLI11> $<BUILD_INTERFACE:nlohmann_json::nlohmann_json> spdlog::spdlog)
+    target_compile_options(sinew_${name} PRIVATE ${SINEW_LIGHT_OPTIMISATION})
+    target_precompile_headers(sinew_${name} REUSE_FROM sinew_frame_pch)
+  elseif(ARG_PCH)
+    target_precompile_headers(sinew_${name} PRIVATE ${ARG_PCH})
+  else()
+    target_precompile_headers(sinew_${name} REUSE_FROM sinew_room_pch)
+  endif()
   set_property(GLOBAL APPEND PROPERTY SINEW_ROOMS sinew_${name})
 endfunction()
 
@@ -33,7 +61,10 @@ function(sinew_add_program target binary)
   add_executable(${target} ${ARG_SOURCES})
   set_target_properties(${target} PROPERTIES OUTPUT_NAME ${binary})
   target_compile_options(${target} PRIVATE ${SINEW_LIGHT_OPTIMISATION})
-  target_link_libraries(${target} PRIVATE ${ARG_DEPENDS} sinew_flags)
+  target_link_libraries(${target} PRIVATE ${ARG_DEPENDS}
+    CLI11::CLI11 nlohmann_json::nlohmann_json spdlog::spdlog sinew_flags)
+  target_precompile_headers(${target} REUSE_FROM sinew_program_pch)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${SINEW_UNITY})
   install(TARGETS ${target} RUNTIME)
   set_property(GLOBAL APPEND PROPERTY SINEW_PROGRAMS ${target})
   add_dependencies(programs ${target})

@@ -83,6 +83,9 @@ struct ParameterInfo {
   bool relative_to_drive = false;
 };
 
+// The parameter's key in files: name and unit suffix, e.g. "viscous_Nm_s_rad".
+std::string ParameterKey(const ParameterInfo& info, JointKind kind);
+
 // Which body a torque acts on. Outside the free play they move as one; a simulation keeps them
 // apart.
 enum class Side { kMotor, kOutput };

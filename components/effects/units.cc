@@ -61,4 +61,9 @@ std::string_view UnitSuffix(Dimension dimension, JointKind kind) {
   return "";
 }
 
+std::string ParameterKey(const ParameterInfo& info, JointKind kind) {
+  const std::string_view unit = UnitSuffix(info.dimension, kind);
+  return unit.empty() ? info.name : info.name + "_" + std::string(unit);
+}
+
 }  // namespace sinew::effects

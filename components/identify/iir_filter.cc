@@ -57,7 +57,7 @@ IirFilter FromPoles(const std::vector<Complex>& poles, double cutoff_Hz, double 
 }
 
 // Transposed direct form II, in place; z holds two states per section.
-void Run(const IirFilter& filter, std::vector<double>& z, Eigen::VectorXd& x) {
+void RunFilter(const IirFilter& filter, std::vector<double>& z, Eigen::VectorXd& x) {
   for (std::size_t s = 0; s < filter.sections.size(); ++s) {
     const Biquad& q = filter.sections[s];
     double z0 = z[2 * s];
@@ -91,7 +91,7 @@ void RunFromSteadyState(const IirFilter& filter, const std::vector<double>& stea
                         Eigen::VectorXd& x) {
   std::vector<double> z(steady);
   for (double& state : z) state *= x[0];
-  Run(filter, z, x);
+  RunFilter(filter, z, x);
 }
 
 }  // namespace
@@ -135,7 +135,7 @@ IirFilter ChebyshevLowPass(int order, double ripple_dB, double cutoff_Hz, double
 Eigen::VectorXd Filter(const IirFilter& filter, const Eigen::Ref<const Eigen::VectorXd>& x) {
   Eigen::VectorXd y = x;
   std::vector<double> z(2 * filter.sections.size(), 0.0);
-  Run(filter, z, y);
+  RunFilter(filter, z, y);
   return y;
 }
 

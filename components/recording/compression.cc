@@ -4,6 +4,7 @@
 #include <zstd.h>
 
 #include <algorithm>
+#include <boost/crc.hpp>
 #include <memory>
 #include <new>
 #include <stdexcept>
@@ -124,6 +125,12 @@ std::string Decompress(std::string_view compression, std::span<const std::byte> 
   if (compression == "zstd") return Unzstd(bytes, size, out);
   if (compression == "lz4") return Unlz4(bytes, size, out);
   return "compression '" + std::string(compression) + "', expected zstd, lz4 or none";
+}
+
+std::uint32_t Crc32(std::span<const std::byte> bytes) {
+  boost::crc_32_type crc;
+  crc.process_bytes(bytes.data(), bytes.size());
+  return crc.checksum();
 }
 
 }  // namespace sinew::recording

@@ -1,4 +1,4 @@
-// Compressed parts of a recording: zstd and LZ4 frames.
+// Compressed parts of a recording: zstd and LZ4 frames; checksums.
 #pragma once
 
 #include <cstddef>
@@ -23,5 +23,8 @@ void Compress(Compression compression, std::span<const std::byte> bytes,
 // only with what the data really holds, whatever `size` says.
 std::string Decompress(std::string_view compression, std::span<const std::byte> bytes,
                        std::uint64_t size, std::vector<std::byte>* out);
+
+// CRC-32 (IEEE 802.3), as MCAP has it.
+std::uint32_t Crc32(std::span<const std::byte> bytes);
 
 }  // namespace sinew::recording

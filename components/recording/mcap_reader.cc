@@ -1,7 +1,6 @@
 #include "components/recording/mcap_reader.h"
 
 #include <algorithm>
-#include <boost/crc.hpp>
 #include <cstring>
 #include <deque>
 #include <queue>
@@ -15,12 +14,6 @@ namespace {
 constexpr std::uint64_t kMagicSize = kMcapMagic.size();
 constexpr std::uint64_t kFooterSize = 9 + 8 + 8 + 4;
 constexpr std::uint64_t kHeadSize = 9;  // opcode and length
-
-std::uint32_t Crc(std::span<const std::byte> bytes) {
-  boost::crc_32_type crc;
-  crc.process_bytes(bytes.data(), bytes.size());
-  return crc.checksum();
-}
 
 bool IsMagic(std::span<const std::byte> bytes) {
   return bytes.size() == kMagicSize &&
@@ -159,7 +152,7 @@ bool McapReader::ReadSummary(std::uint64_t end) {
       (offsets_start != 0 && (offsets_start < summary_start || offsets_start > footer_offset))) {
     throw McapError(footer_offset, "the footer points outside the file");
   }
-  if (crc != 0 && Crc(ReadBytes(summary_start, end - 4 - summary_start)) != crc) {
+  if (crc != 0 && Crc32(ReadBytes(summary_start, end - 4 - summary_start)) != crc) {
     throw McapError(summary_start, "the checksum of the summary is wrong");
   }
   const std::uint64_t summary_end = offsets_start == 0 ? footer_offset : offsets_start;
@@ -304,7 +297,7 @@ Bytes McapReader::OpenChunk(std::uint64_t offset, const Bytes& content,
   const std::string problem =
       Decompress(index->compression, compressed, index->uncompressed_size, &records);
   if (!problem.empty()) throw McapError(offset, "chunk: " + problem);
-  if (crc != 0 && Crc(records) != crc)
+  if (crc != 0 && Crc32(records) != crc)
     throw McapError(offset, "the checksum of the chunk is wrong");
   return records;
 }
@@ -445,7 +438,7 @@ std::vector<McapAttachment> McapReader::ReadAttachments() const {
     const std::size_t checked = cursor.position();
     const auto crc = cursor.Get<std::uint32_t>();
     CheckFields(cursor, offset, record.opcode);
-    if (crc != 0 && Crc(std::span(content).first(checked)) != crc) {
+    if (crc != 0 && Crc32(std::span(content).first(checked)) != crc) {
       throw McapError(offset, "the checksum of the attachment is wrong");
     }
     all.push_back(std::move(attachment));

@@ -47,12 +47,6 @@ void PutChannel(Bytes* out, const McapChannel& channel) {
   FinishRecord(out, start);
 }
 
-std::uint32_t Crc(std::span<const std::byte> bytes) {
-  boost::crc_32_type crc;
-  crc.process_bytes(bytes.data(), bytes.size());
-  return crc.checksum();
-}
-
 void PutChunkIndex(Bytes* out, const McapChunkIndex& chunk) {
   const std::size_t start = StartRecord(out, Opcode::kChunkIndex);
   Put(out, static_cast<std::uint64_t>(chunk.start_time_ns));
@@ -180,7 +174,7 @@ IoStatus McapWriter::CloseChunk() {
   Put(&scratch_, static_cast<std::uint64_t>(chunk_start_ns_));
   Put(&scratch_, static_cast<std::uint64_t>(chunk_end_ns_));
   Put(&scratch_, static_cast<std::uint64_t>(chunk_.size()));
-  Put(&scratch_, Crc(chunk_));
+  Put(&scratch_, Crc32(chunk_));
   PutText(&scratch_, index.compression);
   const std::size_t size_at = scratch_.size();
   Put(&scratch_, std::uint64_t{0});
@@ -236,7 +230,7 @@ IoStatus McapWriter::WriteAttachment(const McapAttachment& attachment) {
   PutText(&scratch_, attachment.media_type);
   Put(&scratch_, static_cast<std::uint64_t>(attachment.data.size()));
   PutRaw(&scratch_, attachment.data);
-  Put(&scratch_, Crc(std::span(scratch_).subspan(start)));
+  Put(&scratch_, Crc32(std::span(scratch_).subspan(start)));
   FinishRecord(&scratch_, start);
   Located located{offset_, scratch_.size(), {}};
   Put(&located.rest, static_cast<std::uint64_t>(attachment.log_time_ns));
@@ -324,7 +318,7 @@ IoStatus McapWriter::Close() {
   Put(&out, std::uint32_t{0});
   FinishRecord(&out, start);
   // The checksum covers everything before itself.
-  PutAt(&out, out.size() - 4, Crc(std::span(out).first(out.size() - 4)));
+  PutAt(&out, out.size() - 4, Crc32(std::span(out).first(out.size() - 4)));
   for (const unsigned char byte : kMcapMagic) out.push_back(std::byte{byte});
   const IoStatus status = Emit(out);
   open_ = false;

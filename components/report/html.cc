@@ -1,33 +1,11 @@
 #include <cstdio>
 
 #include "components/report/report.h"
+#include "components/report/section.h"
 
 namespace sinew::report {
 
 namespace {
-
-std::string Escape(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
 
 std::string Percent(double share) {
   char text[32];
@@ -41,36 +19,11 @@ std::string Probability(double p) {
   return text;
 }
 
-std::string Row(const std::vector<std::string>& cells, const char* tag = "td") {
-  std::string out = "<tr>";
-  for (const std::string& cell : cells)
-    out += std::string("<") + tag + ">" + cell + "</" + tag + ">";
-  return out + "</tr>\n";
-}
-
 std::string Join(const std::vector<std::string>& words) {
   std::string out;
   for (const std::string& word : words) out += (out.empty() ? "" : ", ") + Escape(word);
   return out;
 }
-
-constexpr const char* kStyle = R"(
-:root{--ink:#1f2933;--soft:#5f6b76;--line:#e1e5e9;--accent:#1b7f9e}
-body{font:15px/1.5 "DejaVu Sans","Segoe UI",system-ui,sans-serif;color:var(--ink);margin:0;background:#f5f6f8}
-main{max-width:960px;margin:0 auto;padding:28px 20px 60px}
-h1{font-size:21px;margin:0 0 4px}h2{font-size:16px;margin:34px 0 8px}
-.verdict{background:#fff;border-left:6px solid var(--accent);padding:16px 20px;margin:14px 0 18px;font-size:17px}
-.verdict.none{border-color:#7a9a5b}.verdict.unexplained{border-color:#d95f02}
-.meta,.caption{color:var(--soft);font-size:13px}.caption{margin:2px 0 0}
-figure{background:#fff;margin:0 0 18px;padding:14px 16px 12px}figure h3{font-size:14px;margin:0 0 4px}
-figure svg{width:100%;height:auto;display:block}
-table{border-collapse:collapse;width:100%;background:#fff;font-size:13.5px}
-th,td{padding:6px 10px;border-bottom:1px solid var(--line);text-align:left;vertical-align:top}
-th{font-weight:600;color:var(--soft);font-size:12.5px}td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}
-ul{margin:6px 0;padding-left:20px}.big{display:flex;gap:14px;flex-wrap:wrap;margin:0 0 18px}
-.big div{background:#fff;padding:12px 18px;flex:1 1 190px}.big b{display:block;font-size:20px}
-.big span{color:var(--soft);font-size:12.5px}code{font-size:12.5px}
-)";
 
 }  // namespace
 
@@ -79,10 +32,7 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
   const trace::TraceResult& trace = report.trace;
   const effects::JointKind kind = trace.corrected.kind;
   const std::string unit = TorqueUnit(kind);
-  std::string out =
-      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
-      "<meta name=\"viewport\" content=\"width=device-width\"><title>Closing the loop: " +
-      Escape(report.robot) + "</title><style>" + kStyle + "</style></head><body><main>\n";
+  std::string out = HtmlHead("Closing the loop: " + report.robot);
   out += "<h1>Closing the loop: " + Escape(report.robot) + ", " + Escape(trace.corrected.name) +
          "</h1>\n";
   std::vector<std::string> train;
@@ -115,16 +65,17 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
 
   if (!trace.effects.empty()) {
     out += "<h2>What was found</h2>\n<table>" +
-           Row({"effect", "removes", "p", "sealed error, " + unit, "what predicts the same"}, "th");
+           HtmlRow({"effect", "removes", "p", "sealed error, " + unit, "what predicts the same"},
+                   "th");
     for (const trace::FoundEffect& effect : trace.effects) {
-      out +=
-          Row({"<code>" + Escape(effect.name) + "</code><br>" + Escape(EffectTitle(effect.name)) +
-                   (effect.swallowed ? "<br>seen as a shift of declared parameters" : ""),
-               Percent(effect.gain_share) +
-                   (effect.gain_error > 0.0 ? " &plusmn; " + Percent(effect.gain_error) : ""),
-               Probability(effect.p),
-               Short(effect.sealed_before) + " &rarr; " + Short(effect.sealed_after),
-               effect.rivals.empty() ? "nothing known" : Join(effect.rivals)});
+      out += HtmlRow(
+          {"<code>" + Escape(effect.name) + "</code><br>" + Escape(EffectTitle(effect.name)) +
+               (effect.swallowed ? "<br>seen as a shift of declared parameters" : ""),
+           Percent(effect.gain_share) +
+               (effect.gain_error > 0.0 ? " &plusmn; " + Percent(effect.gain_error) : ""),
+           Probability(effect.p),
+           Short(effect.sealed_before) + " &rarr; " + Short(effect.sealed_after),
+           effect.rivals.empty() ? "nothing known" : Join(effect.rivals)});
     }
     out += "</table>\n";
     if (!next.empty()) out += "<p>" + Escape(next) + "</p>\n";
@@ -133,7 +84,7 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
   }
 
   out += "<h2>Parameters</h2>\n<table>" +
-         Row({"parameter", "declared", "refitted", "with the effect", "&plusmn; 95 %"}, "th");
+         HtmlRow({"parameter", "declared", "refitted", "with the effect", "&plusmn; 95 %"}, "th");
   for (std::size_t t = 0; t < trace.corrected.terms.size(); ++t) {
     const actuator::Term& term = trace.corrected.terms[t];
     const effects::EffectInfo& info = term.effect->info();
@@ -154,12 +105,12 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
         const actuator::Term& nominal = trace.nominal.terms[t];
         declared = Short(linear ? nominal.linear[k].value : nominal.nonlinear[k].value);
       }
-      out += Row(
-          {"<code>" + Escape(info.name) + "." + Escape(ParameterKey(parameter, kind)) + "</code>",
-           declared, refitted, Short(shown),
-           value.fixed && !value.half_width_95 ? "known"
-           : value.half_width_95               ? Short(*value.half_width_95)
-                                               : "&ndash;"});
+      out += HtmlRow({"<code>" + Escape(info.name) + "." +
+                          Escape(effects::ParameterKey(parameter, kind)) + "</code>",
+                      declared, refitted, Short(shown),
+                      value.fixed && !value.half_width_95 ? "known"
+                      : value.half_width_95               ? Short(*value.half_width_95)
+                                                          : "&ndash;"});
     }
   }
   out += "</table>\n";
@@ -169,35 +120,37 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
         "<h2>What the refit swallowed</h2>\n<p class=\"caption\">Declared parameters that moved by "
         "more than "
         "their tolerance, and what would move them the same way.</p><table>" +
-        Row({"parameter", "declared", "refitted", "tolerance", "sigma",
-             "causes that share the direction"},
-            "th");
+        HtmlRow({"parameter", "declared", "refitted", "tolerance", "sigma",
+                 "causes that share the direction"},
+                "th");
     for (const trace::ParameterShift& shift : trace.shifts) {
-      out += Row({"<code>" + Escape(shift.effect) + "." + Escape(shift.parameter) + "</code>",
-                  Short(shift.nominal), Short(shift.refit), Short(shift.tolerance),
-                  Short(shift.sigma), shift.causes.empty() ? "none known" : Join(shift.causes)});
+      out +=
+          HtmlRow({"<code>" + Escape(shift.effect) + "." + Escape(shift.parameter) + "</code>",
+                   Short(shift.nominal), Short(shift.refit), Short(shift.tolerance),
+                   Short(shift.sigma), shift.causes.empty() ? "none known" : Join(shift.causes)});
     }
     out += "</table>\n";
   }
 
   if (report.as_published) {
     const identify::AsPublishedResult& published = *report.as_published;
-    out += "<h2>With the publication's own processing</h2>\n<table>" +
-           Row({"relative error of the drive", "declared model", "with the effect"}, "th") +
-           Row({"training recording", Short(published.before_percent) + " %",
-                Short(published.after_percent) + " %"}) +
-           Row({"cross test on the sealed recording", Short(published.cross_before_percent) + " %",
-                Short(published.cross_after_percent) + " %"}) +
-           "</table>\n";
+    out +=
+        "<h2>With the publication's own processing</h2>\n<table>" +
+        HtmlRow({"relative error of the drive", "declared model", "with the effect"}, "th") +
+        HtmlRow({"training recording", Short(published.before_percent) + " %",
+                 Short(published.after_percent) + " %"}) +
+        HtmlRow({"cross test on the sealed recording", Short(published.cross_before_percent) + " %",
+                 Short(published.cross_after_percent) + " %"}) +
+        "</table>\n";
   }
 
   out += "<h2>What could not be seen</h2>\n";
   if (trace.not_excited.empty()) {
     out += "<p>Every effect of the catalogue would have shown.</p>\n";
   } else {
-    out += "<table>" + Row({"effect", "why"}, "th");
+    out += "<table>" + HtmlRow({"effect", "why"}, "th");
     for (const trace::NotExcited& hidden : trace.not_excited) {
-      out += Row({"<code>" + Escape(hidden.effect) + "</code>", Escape(hidden.reason)});
+      out += HtmlRow({"<code>" + Escape(hidden.effect) + "</code>", Escape(hidden.reason)});
     }
     out += "</table>\n";
   }

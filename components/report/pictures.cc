@@ -6,6 +6,7 @@
 #include "components/identify/balance.h"
 #include "components/identify/statistics.h"
 #include "components/report/report.h"
+#include "components/report/section.h"
 
 namespace sinew::report {
 
@@ -14,25 +15,7 @@ namespace {
 using effects::JointSample;
 using identify::Design;
 
-constexpr const char* kMeasured = "#4d4d4d";
-constexpr const char* kBefore = "#d95f02";
-constexpr const char* kAfter = "#1b7f9e";
 constexpr int kMostPoints = 2500;
-
-std::string Number(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.5g", value);
-  return text;
-}
-
-std::string Head(int height) {
-  return "set terminal svg size 920," + std::to_string(height) +
-         " font 'DejaVu Sans,12' background '#ffffff' noenhanced\n"
-         "set border 3 lc rgb '#888888'\n"
-         "set tics nomirror out scale 0.5 textcolor rgb '#333333'\n"
-         "set grid lc rgb '#e4e4e4' lw 0.8\n"
-         "set key outside top right horizontal samplen 2\n";
-}
 
 struct Axis {
   std::string name;
@@ -127,9 +110,9 @@ Picture MeasuredAgainstModel(const Report& report, const Design& sealed,
        ++i) {
     if (rows.time_s[i] > rows.time_s[first] + window_s) break;
     const bool used = rows.used[static_cast<std::size_t>(i)];
-    data += Number(rows.time_s[i]) + " " + Number(torque[i]) + " " +
-            (used ? Number(torque[i] - trace.before_sealed.residual[i]) : "NaN") + " " +
-            (used ? Number(torque[i] - trace.after_sealed.residual[i]) : "NaN") + "\n";
+    data += PictureNumber(rows.time_s[i]) + " " + PictureNumber(torque[i]) + " " +
+            (used ? PictureNumber(torque[i] - trace.before_sealed.residual[i]) : "NaN") + " " +
+            (used ? PictureNumber(torque[i] - trace.after_sealed.residual[i]) : "NaN") + "\n";
   }
   data += "EOD\n";
   Picture out;
@@ -137,13 +120,14 @@ Picture MeasuredAgainstModel(const Report& report, const Design& sealed,
   out.caption =
       "Drive torque at the output, busiest " + Short(window_s) +
       " s. Gaps in the model are rest and reversals, which a moving model says nothing about.";
-  out.script =
-      Head(340) + data + "set xlabel 'time, s'\nset ylabel 'drive, " + unit + "'\n" +
-      "plot $d u 1:2 w l lw 3 lc rgb '" + kMeasured +
-      "' t 'measured', '' u 1:3 w l lw 1.6 lc rgb '" + kBefore + "' t 'declared model, refitted'" +
-      (changed ? std::string(", '' u 1:4 w l lw 1.6 lc rgb '") + kAfter + "' t 'with the effect'"
-               : "") +
-      "\n";
+  out.script = PictureHead(340) + data + "set xlabel 'time, s'\nset ylabel 'drive, " + unit +
+               "'\n" + "plot $d u 1:2 w l lw 3 lc rgb '" + kMeasuredColour +
+               "' t 'measured', '' u 1:3 w l lw 1.6 lc rgb '" + kBeforeColour +
+               "' t 'declared model, refitted'" +
+               (changed ? std::string(", '' u 1:4 w l lw 1.6 lc rgb '") + kAfterColour +
+                              "' t 'with the effect'"
+                        : "") +
+               "\n";
   return out;
 }
 
@@ -156,8 +140,8 @@ Picture ResidualOverTime(const Report& report, const Design& sealed) {
   std::string data = "$d << EOD\n";
   for (Eigen::Index i = 0; i < rows.size(); i += step) {
     if (rows.used[static_cast<std::size_t>(i)]) {
-      data += Number(rows.time_s[i]) + " " + Number(trace.before_sealed.residual[i]) + " " +
-              Number(trace.after_sealed.residual[i]) + "\n";
+      data += PictureNumber(rows.time_s[i]) + " " + PictureNumber(trace.before_sealed.residual[i]) +
+              " " + PictureNumber(trace.after_sealed.residual[i]) + "\n";
     } else {
       data += "\n";
     }
@@ -169,9 +153,10 @@ Picture ResidualOverTime(const Report& report, const Design& sealed) {
                 Short(trace.before_sealed.rms) + " " + unit + " rms before, " +
                 Short(trace.after_sealed.rms) + " " + unit + " rms after.";
   out.script =
-      Head(300) + data + "set xlabel 'time, s'\nset ylabel 'residual, " + unit +
-      "'\nplot $d u 1:2 w l lw 1 lc rgb '" + kBefore + "' t 'before'" +
-      (changed ? std::string(", '' u 1:3 w l lw 1 lc rgb '") + kAfter + "' t 'after'" : "") + "\n";
+      PictureHead(300) + data + "set xlabel 'time, s'\nset ylabel 'residual, " + unit +
+      "'\nplot $d u 1:2 w l lw 1 lc rgb '" + kBeforeColour + "' t 'before'" +
+      (changed ? std::string(", '' u 1:3 w l lw 1 lc rgb '") + kAfterColour + "' t 'after'" : "") +
+      "\n";
   return out;
 }
 
@@ -185,7 +170,7 @@ Picture ResidualOverVariable(const Report& report, const Design& design, const A
   const std::size_t step = std::max<std::size_t>(1, used.size() / kMostPoints);
   std::string points = "$p << EOD\n";
   for (std::size_t k = 0; k < used.size(); k += step) {
-    points += Number(x[used[k]]) + " " + Number(before[used[k]]) + "\n";
+    points += PictureNumber(x[used[k]]) + " " + PictureNumber(before[used[k]]) + "\n";
   }
   points += "EOD\n";
   // Means over bins with equal numbers of rows.
@@ -207,7 +192,8 @@ Picture ResidualOverVariable(const Report& report, const Design& design, const A
       ma += after[sorted[k].second];
     }
     const double n = static_cast<double>(to - from);
-    means += Number(mx / n) + " " + Number(mb / n) + " " + Number(ma / n) + "\n";
+    means +=
+        PictureNumber(mx / n) + " " + PictureNumber(mb / n) + " " + PictureNumber(ma / n) + "\n";
   }
   means += "EOD\n";
   std::vector<double> sizes;
@@ -218,15 +204,16 @@ Picture ResidualOverVariable(const Report& report, const Design& design, const A
   out.caption =
       "Dots: residual of the refitted declared model; lines: means over equal numbers of rows.";
   out.script =
-      Head(340) + points + means + "set xlabel '" + axis.label + "'\nset ylabel 'residual, " +
-      unit + "'\nset yrange [" + Number(-limit) + ":" + Number(limit) +
+      PictureHead(340) + points + means + "set xlabel '" + axis.label +
+      "'\nset ylabel 'residual, " + unit + "'\nset yrange [" + PictureNumber(-limit) + ":" +
+      PictureNumber(limit) +
       "]\nplot $p u 1:2 w p pt 7 ps 0.28 lc rgb '#f0b98a' t 'before, every row', $m u 1:2 w lp pt "
       "7 "
       "ps 0.4 lw 2 lc rgb '" +
-      kBefore + "' t 'before, mean'" +
-      (changed
-           ? std::string(", '' u 1:3 w lp pt 7 ps 0.4 lw 2 lc rgb '") + kAfter + "' t 'after, mean'"
-           : "") +
+      kBeforeColour + "' t 'before, mean'" +
+      (changed ? std::string(", '' u 1:3 w lp pt 7 ps 0.4 lw 2 lc rgb '") + kAfterColour +
+                     "' t 'after, mean'"
+               : "") +
       "\n";
   return out;
 }
@@ -241,8 +228,9 @@ Picture Candidates(const trace::RoundReport& round, int number) {
   const auto count = static_cast<int>(shown.size());
   for (int i = 0; i < count; ++i) {
     const trace::CandidateScore& score = shown[static_cast<std::size_t>(i)];
-    data += Number(count - i) + " " + Number(std::max(-20.0, 100.0 * score.gain_share)) + " " +
-            Number(100.0 * score.share_error) + " \"" + score.name + "\" " +
+    data += PictureNumber(count - i) + " " +
+            PictureNumber(std::max(-20.0, 100.0 * score.gain_share)) + " " +
+            PictureNumber(100.0 * score.share_error) + " \"" + score.name + "\" " +
             (score.name == round.added ? "2"
              : score.accepted          ? "1"
                                        : "0") +
@@ -257,11 +245,11 @@ Picture Candidates(const trace::RoundReport& round, int number) {
       "Coloured: accepted. Dashed: best false gain in recordings without an effect (99th "
       "percentile).";
   out.script =
-      Head(70 + 30 * std::max(3, count)) + data +
+      PictureHead(70 + 30 * std::max(3, count)) + data +
       "unset key\nset grid noy x\nset ytics textcolor rgb '#333333'\nset yrange [0.3:" +
-      Number(count + 0.7) + "]\nset xlabel 'squared error removed, %'\n" + "set arrow from " +
-      Number(placebo) + ",0.3 to " + Number(placebo) + "," + Number(count + 0.7) +
-      " nohead dt 2 lw 1.5 lc rgb '#777777'\n" +
+      PictureNumber(count + 0.7) + "]\nset xlabel 'squared error removed, %'\n" +
+      "set arrow from " + PictureNumber(placebo) + ",0.3 to " + PictureNumber(placebo) + "," +
+      PictureNumber(count + 0.7) + " nohead dt 2 lw 1.5 lc rgb '#777777'\n" +
       "col(c) = c == 2 ? 0x1b7f9e : (c == 1 ? 0x8cc3d3 : 0xc9c9c9)\n" +
       "plot $c u (0):1:(0):2:($1-0.3):($1+0.3):(col($5)):ytic(4) w boxxyerror fs solid 1 noborder "
       "lc "
@@ -275,7 +263,8 @@ Picture ErrorsByRound(const Report& report) {
   std::string data = "$e << EOD\n";
   int at = 0;
   const auto add = [&](const std::string& name, double train, double sealed) {
-    data += Number(at++) + " \"" + name + "\" " + Number(train) + " " + Number(sealed) + "\n";
+    data += PictureNumber(at++) + " \"" + name + "\" " + PictureNumber(train) + " " +
+            PictureNumber(sealed) + "\n";
   };
   add("declared, refitted", trace.before_train.rms, trace.before_sealed.rms);
   for (const trace::FoundEffect& effect : trace.effects) {
@@ -289,14 +278,14 @@ Picture ErrorsByRound(const Report& report) {
       (trace.noise_floor_source.empty() ? std::string("unknown") : trace.noise_floor_source) + ").";
   const double floor = trace.noise_floor_rms;
   out.script =
-      Head(300) + data +
-      "set style fill solid 1 noborder\nset boxwidth 0.32\nset xrange [-0.6:" + Number(at - 0.4) +
-      "]\nset yrange [0:*]\nset grid nox\nset ylabel 'residual, " + unit +
-      "'\nset arrow from graph 0, first " + Number(floor) + " to graph 1, first " + Number(floor) +
-      " nohead dt 2 lw 1.5 lc rgb '#777777' front\n" +
+      PictureHead(300) + data +
+      "set style fill solid 1 noborder\nset boxwidth 0.32\nset xrange [-0.6:" +
+      PictureNumber(at - 0.4) + "]\nset yrange [0:*]\nset grid nox\nset ylabel 'residual, " + unit +
+      "'\nset arrow from graph 0, first " + PictureNumber(floor) + " to graph 1, first " +
+      PictureNumber(floor) + " nohead dt 2 lw 1.5 lc rgb '#777777' front\n" +
       "plot $e u ($1-0.17):3:xtic(2) w boxes lc rgb '#bdbdbd' t 'train', '' u ($1+0.17):4 w boxes "
       "lc rgb '" +
-      kAfter + "' t 'sealed'\n";
+      kAfterColour + "' t 'sealed'\n";
   return out;
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "components/report/section.h"
+
 namespace sinew::report {
 
 namespace {
@@ -23,11 +25,6 @@ std::string TorqueUnit(effects::JointKind kind) {
   return kind == effects::JointKind::kRotary ? "Nm" : "N";
 }
 
-std::string ParameterKey(const effects::ParameterInfo& info, effects::JointKind kind) {
-  const std::string_view unit = effects::UnitSuffix(info.dimension, kind);
-  return unit.empty() ? info.name : info.name + "_" + std::string(unit);
-}
-
 std::string EffectTitle(const std::string& name) {
   return effects::MakeEffect(name, {})->info().title;
 }
@@ -42,12 +39,6 @@ std::string VerdictWord(trace::Verdict verdict) {
       break;
   }
   return "none";
-}
-
-std::string Short(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
 }
 
 std::string VerdictSentence(const Report& report) {

@@ -10,6 +10,7 @@
 #include "components/identify/as_published.h"
 #include "components/identify/data_gate.h"
 #include "components/identify/design.h"
+#include "components/report/picture.h"
 #include "components/trace/tracer.h"
 
 namespace sinew::report {
@@ -36,8 +37,6 @@ struct Report {
 
 // "Nm" or "N".
 std::string TorqueUnit(effects::JointKind kind);
-// A parameter's key as in model files, e.g. "viscous_Nm_s_rad".
-std::string ParameterKey(const effects::ParameterInfo& info, effects::JointKind kind);
 // Words for an effect's name, e.g. "Stribeck friction".
 std::string EffectTitle(const std::string& name);
 
@@ -47,16 +46,6 @@ std::string VerdictSentence(const Report& report);
 // empty.
 std::string NextExperiment(const Report& report);
 std::string VerdictWord(trace::Verdict verdict);
-
-// A number for people: four significant digits.
-std::string Short(double value);
-
-// One picture as a gnuplot script that prints SVG; the data stand in the script.
-struct Picture {
-  std::string title;
-  std::string caption;
-  std::string script;
-};
 
 // Measured against model, residuals over time, residual over its variable, candidates, errors by
 // round.

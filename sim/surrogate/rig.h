@@ -3,9 +3,11 @@
 // Rotor angle m, output angle q (0 = link horizontal, positive up), N the ratio:
 //
 //     Jr dw/dt = share Kt iq - Br w - friction_r - T_tooth / N + undeclared_r
-//     Jl dv/dt = T_tooth - friction_l - Bl v - (Tg + m g l) cos q + (p - p_atm) dV/dq - F l +
-//     undeclared_l T_tooth  = k (x -+ play/2) + c dx/dt while |x| > play/2, x = m/N - q; never
-//     pulls
+//
+//     Jl dv/dt = T_tooth - friction_l - Bl v - (Tg + m g l) cos q + (p - p_atm) dV/dq - F l
+//                + undeclared_l
+//
+//     T_tooth  = k (x -+ play/2) + c dx/dt while |x| > play/2, x = m/N - q; never pulls
 //
 // share: of the air-gap torque that reaches the teeth, by direction of power (parameters.h).
 // Integration: drift-kick-drift (second order, symplectic for the conservative part) at 24 kHz,

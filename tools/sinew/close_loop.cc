@@ -221,7 +221,7 @@ void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options
     const actuator::Term& term = trace.corrected.terms[static_cast<std::size_t>(effect.term)];
     const effects::EffectInfo& info = term.effect->info();
     for (std::size_t i = 0; i < info.linear.size(); ++i) {
-      std::cout << ' ' << report::ParameterKey(info.linear[i], trace.corrected.kind) << " = "
+      std::cout << ' ' << effects::ParameterKey(info.linear[i], trace.corrected.kind) << " = "
                 << Short(
                        actuator::PhysicalValue(trace.corrected, effect.term, static_cast<int>(i)));
       const actuator::ParameterValue& value = term.linear[i];
@@ -234,7 +234,7 @@ void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options
       }
     }
     for (std::size_t i = 0; i < info.nonlinear.size(); ++i) {
-      std::cout << ' ' << report::ParameterKey(info.nonlinear[i], trace.corrected.kind) << " = "
+      std::cout << ' ' << effects::ParameterKey(info.nonlinear[i], trace.corrected.kind) << " = "
                 << Short(term.nonlinear[i].value);
     }
     std::cout << "; sealed " << Short(effect.sealed_before) << " -> " << Short(effect.sealed_after)

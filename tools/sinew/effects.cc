@@ -54,15 +54,10 @@ std::string_view RoleName(effects::Role role) {
 }
 
 // As in a model file: name and unit.
-std::string Key(const ParameterInfo& parameter, JointKind kind) {
-  const std::string_view unit = effects::UnitSuffix(parameter.dimension, kind);
-  return parameter.name + (unit.empty() ? "" : "_" + std::string(unit));
-}
-
 nlohmann::ordered_json ToJson(const std::vector<ParameterInfo>& parameters, JointKind kind) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const ParameterInfo& parameter : parameters) {
-    list.push_back({{"key", Key(parameter, kind)},
+    list.push_back({{"key", effects::ParameterKey(parameter, kind)},
                     {"meaning", parameter.meaning},
                     {"lower", parameter.lower},
                     {"upper", parameter.upper},
@@ -92,7 +87,7 @@ void PrintParameters(const char* title, const std::vector<ParameterInfo>& parame
   if (parameters.empty()) return;
   std::cout << title << ":\n";
   for (const ParameterInfo& parameter : parameters) {
-    std::cout << "  " << Key(parameter, kind) << "  " << parameter.lower << " to "
+    std::cout << "  " << effects::ParameterKey(parameter, kind) << "  " << parameter.lower << " to "
               << parameter.upper << ", default " << parameter.default_value << "  "
               << parameter.meaning << '\n';
   }

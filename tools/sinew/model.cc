@@ -27,20 +27,15 @@ struct ModelOptions {
   bool json = false;
 };
 
-std::string Key(const effects::ParameterInfo& info, effects::JointKind kind) {
-  const std::string_view unit = effects::UnitSuffix(info.dimension, kind);
-  return info.name + (unit.empty() ? "" : "_" + std::string(unit));
-}
-
 using Visit = std::function<void(const std::string& key, const ParameterValue& value)>;
 
 void ForEachParameter(const Term& term, effects::JointKind kind, const Visit& visit) {
   const effects::EffectInfo& info = term.effect->info();
   for (std::size_t i = 0; i < info.linear.size(); ++i) {
-    visit(Key(info.linear[i], kind), term.linear[i]);
+    visit(effects::ParameterKey(info.linear[i], kind), term.linear[i]);
   }
   for (std::size_t i = 0; i < info.nonlinear.size(); ++i) {
-    visit(Key(info.nonlinear[i], kind), term.nonlinear[i]);
+    visit(effects::ParameterKey(info.nonlinear[i], kind), term.nonlinear[i]);
   }
 }
 

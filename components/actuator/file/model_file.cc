@@ -15,18 +15,14 @@ using config::Section;
 
 constexpr std::string_view kSchema = "sinew-model/1";
 
-std::string KeyOf(const effects::ParameterInfo& info, effects::JointKind kind) {
-  const std::string_view unit = effects::UnitSuffix(info.dimension, kind);
-  return unit.empty() ? info.name : info.name + "_" + std::string(unit);
-}
-
 ParameterValue ReadParameter(const Section& term, const effects::EffectInfo& effect,
                              const effects::ParameterInfo& info, effects::JointKind kind) {
-  const std::string key = KeyOf(info, kind);
+  const std::string key = effects::ParameterKey(info, kind);
   if (!term.Has(key)) {
     std::set<std::string> right_keys;
-    for (const auto& other : effect.linear) right_keys.insert(KeyOf(other, kind));
-    for (const auto& other : effect.nonlinear) right_keys.insert(KeyOf(other, kind));
+    for (const auto& other : effect.linear) right_keys.insert(effects::ParameterKey(other, kind));
+    for (const auto& other : effect.nonlinear)
+      right_keys.insert(effects::ParameterKey(other, kind));
     for (const std::string& other : term.Keys()) {
       const bool same_name = other == info.name || other.starts_with(info.name + "_");
       if (same_name && right_keys.count(other) == 0) {
@@ -118,7 +114,7 @@ std::string Quoted(const std::string& text) {
 
 void WriteParameter(std::string& out, const effects::ParameterInfo& info,
                     const ParameterValue& parameter, effects::JointKind kind) {
-  out += "        " + KeyOf(info, kind) + ": {value: " + Number(parameter.value);
+  out += "        " + effects::ParameterKey(info, kind) + ": {value: " + Number(parameter.value);
   if (parameter.tolerance > 0.0) out += ", tolerance: " + Number(parameter.tolerance);
   if (parameter.fixed) out += ", fixed: true";
   if (parameter.half_width_95) out += ", half_width_95: " + Number(*parameter.half_width_95);

@@ -1,7 +1,8 @@
 #include <boost/process.hpp>
+#include <functional>
 #include <stdexcept>
 
-#include "components/report/file/report_file.h"
+#include "components/report/file/section_file.h"
 
 namespace sinew::report {
 
@@ -16,12 +17,12 @@ void ReplaceAll(std::string& text, const std::string& from, const std::string& t
   }
 }
 
-// Several pictures in one page must not share names.
-std::string Inline(std::string svg, std::size_t number) {
+// Several pictures in one page must not share names: theirs come from what they show.
+std::string Inline(std::string svg, const std::string& script) {
   const std::size_t start = svg.find("<svg");
   if (start == std::string::npos) throw std::runtime_error("gnuplot wrote no SVG");
   svg.erase(0, start);
-  const std::string prefix = "p" + std::to_string(number) + "_";
+  const std::string prefix = "p" + std::to_string(std::hash<std::string>{}(script)) + "_";
   for (const char quote : {'\'', '"'}) {
     const std::string q(1, quote);
     ReplaceAll(svg, "id=" + q + "gp", "id=" + q + prefix + "gp");
@@ -55,7 +56,7 @@ std::vector<std::string> DrawPictures(const std::vector<Picture>& pictures) {
     if (child.exit_code() != 0 || complaint.find("error") != std::string::npos) {
       throw std::runtime_error("gnuplot refused '" + pictures[i].title + "': " + complaint);
     }
-    out.push_back(Inline(svg.get(), i + 1));
+    out.push_back(Inline(svg.get(), pictures[i].script));
   }
   return out;
 }

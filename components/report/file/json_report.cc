@@ -41,11 +41,12 @@ Json Parameters(const actuator::JointModel& model, std::size_t t) {
     const actuator::ParameterValue& value = term.linear[i];
     std::optional<double> half_width = value.half_width_95;
     if (half_width && value.value != 0.0) *half_width *= std::abs(physical / value.value);
-    out[ParameterKey(info.linear[i], model.kind)] = Value(physical, half_width, value.fixed);
+    out[effects::ParameterKey(info.linear[i], model.kind)] =
+        Value(physical, half_width, value.fixed);
   }
   for (std::size_t i = 0; i < info.nonlinear.size(); ++i) {
     const actuator::ParameterValue& value = term.nonlinear[i];
-    out[ParameterKey(info.nonlinear[i], model.kind)] =
+    out[effects::ParameterKey(info.nonlinear[i], model.kind)] =
         Value(value.value, value.half_width_95, value.fixed);
   }
   return out;

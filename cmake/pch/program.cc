@@ -1,0 +1,2 @@
+// Carries the precompiled header of the programs.
+int main() {}
