@@ -1,6 +1,7 @@
 #include "tools/sinew/commands.h"
 
 #include "tools/sinew/close_loop.h"
+#include "tools/sinew/compare.h"
 #include "tools/sinew/completion.h"
 #include "tools/sinew/echo.h"
 #include "tools/sinew/effects.h"
@@ -29,6 +30,7 @@ void AddAllCommands(CLI::App& app) {
   AddEffectsCommand(app);
   AddModelCommand(app);
   AddTrainCommand(app);
+  AddCompareCommand(app);
   AddScoreCommand(app);
   AddPaperCommand(app);
   AddCompletionCommand(app);

@@ -1,0 +1,274 @@
+#include "tools/networks/comparison_text.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+namespace sinew::tools {
+namespace {
+
+using networks::Method;
+using networks::Task;
+
+__attribute__((format(printf, 1, 2))) std::string Text(const char* format, ...) {
+  char text[512];
+  va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  return text;
+}
+
+double TestMean(const Runs& runs) { return runs.Mean(runs.test_mse); }
+double TestDeviation(const Runs& runs) { return runs.Deviation(runs.test_mse); }
+
+std::string Order(const std::vector<const ComparedModel*>& models) {
+  std::string text;
+  for (const ComparedModel* model : models) text += (text.empty() ? "" : " < ") + model->plan.name;
+  return text;
+}
+
+template <typename Value>
+std::vector<const ComparedModel*> Sorted(const ComparisonResult& result, Value value) {
+  std::vector<const ComparedModel*> models;
+  for (const ComparedModel& model : result.models) {
+    if (!model.extra) models.push_back(&model);
+  }
+  std::stable_sort(models.begin(), models.end(),
+                   [&](const auto* a, const auto* b) { return value(*a) < value(*b); });
+  return models;
+}
+
+const char* TableName(Task task) {
+  return task == Task::kSea ? "table 6.2" : task == Task::kPea ? "table 6.4" : "cylinder";
+}
+
+void AppendOrders(const std::vector<PairedOrder>& orders, std::string* text) {
+  for (const PairedOrder& o : orders) {
+    *text += Text("  %-15s - %-15s published %+.4f   ours %+.5f (%+.5f .. %+.5f)   %s\n",
+                  o.worse.c_str(), o.better.c_str(), o.published_difference, o.mean, o.low, o.high,
+                  o.verdict.c_str());
+  }
+}
+
+nlohmann::ordered_json RunsJson(const Runs& runs) {
+  return {{"train_mse_mean", runs.Mean(runs.train_mse)},
+          {"train_mse_sd", runs.Deviation(runs.train_mse)},
+          {"test_mse_mean", TestMean(runs)},
+          {"test_mse_sd", TestDeviation(runs)},
+          {"test_mse", runs.test_mse},
+          {"train_time_s", runs.Mean(runs.seconds)},
+          {"epochs", runs.epochs}};
+}
+
+nlohmann::ordered_json OrdersJson(const std::vector<PairedOrder>& orders) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const PairedOrder& o : orders) {
+    list.push_back({{"better_published", o.better},
+                    {"worse_published", o.worse},
+                    {"published_difference", o.published_difference},
+                    {"difference", o.mean},
+                    {"low_95", o.low},
+                    {"high_95", o.high},
+                    {"pairs", o.pairs},
+                    {"verdict", o.verdict}});
+  }
+  return list;
+}
+
+// What the runs show of a difference in order, each from figures of this very comparison.
+std::vector<std::string> Reasons(const ComparisonResult& result) {
+  std::vector<std::string> reasons;
+  std::vector<const ComparedModel*> nets;
+  for (const ComparedModel& model : result.models) {
+    if (!model.extra && model.plan.method == Method::kNet && model.as_published) {
+      nets.push_back(&model);
+    }
+  }
+  // Too few updates: how much the same nets gain from a validation stop.
+  std::string gains;
+  for (const ComparedModel* model : nets) {
+    const double from = TestMean(*model->as_published), to = TestMean(model->fair);
+    if (from > 1.2 * to) {
+      gains +=
+          (gains.empty() ? "" : ", ") + Text("%s %.4f -> %.4f", model->plan.name.c_str(), from, to);
+    }
+  }
+  if (!gains.empty()) {
+    reasons.push_back(
+        "Unfinished training: with the published epochs, batch and rate these networks had not "
+        "converged; trained until the validation error stops falling they reach (test MSE): " +
+        gains + ".");
+  }
+  std::string parts;
+  for (const ComparedModel& model : result.models) {
+    const double sum = model.quiet_mse + model.busy_mse;
+    if (!(sum > 0.0)) continue;
+    parts += (parts.empty() ? "" : ", ") +
+             Text("%s %.0f %%", model.plan.name.c_str(), 100.0 * model.quiet_mse / sum);
+  }
+  reasons.push_back(Text("Where the fair error is: %s, which is %.0f %% of the test samples, holds "
+                         "this share of it: ",
+                         result.quiet.c_str(), 100.0 * result.quiet_share) +
+                    parts + ".");
+  return reasons;
+}
+
+}  // namespace
+
+std::vector<std::string> ComparisonParagraphs(const ComparisonResult& result) {
+  const Task task = result.options.task;
+  const networks::TaskInfo& info = networks::InfoOf(task);
+  std::vector<std::string> paragraphs;
+  std::string inputs;
+  for (const std::string_view name : info.inputs) {
+    inputs += (inputs.empty() ? "" : ", ") + std::string(name);
+  }
+  std::string data =
+      result.options.runs.empty()
+          ? Text(
+                "Data: the surrogate's %s set, %.0f s, %ld training and %ld test samples at %.0f "
+                "Hz (the first set; every further one is of another specimen). ",
+                std::string(info.name).c_str(), result.duration_s, result.train_samples,
+                result.test_samples, 1.0 / result.options.period_s)
+          : Text("Data: %zu recordings, %.0f s, %ld training and %ld test samples at %.0f Hz. ",
+                 result.options.runs.size(), result.duration_s, result.train_samples,
+                 result.test_samples, 1.0 / result.options.period_s);
+  data += "Inputs: " + inputs + "; target: " + std::string(info.target) + ". ";
+  if (task == Task::kSea) {
+    data += "The angle is that of the play; gravity is neither input nor target. ";
+  }
+  if (task == Task::kPea) {
+    data +=
+        "The target is told by the motor current, so neither it nor a multiple of it is an input. "
+        "The linear block reads acceleration, velocity and load force. ";
+  }
+  data +=
+      "Split: ten consecutive blocks, the first 70 % of each for training, the rest for testing.";
+  paragraphs.push_back(data);
+  paragraphs.push_back(
+      Text("Every MSE is of the target normalised by mean and standard deviation of the training "
+           "samples (%.4g %s): a share of its variance. The source does not say its unit, so "
+           "published values are beside ours for order and ratio, not for size.",
+           result.target_deviation, std::string(info.unit).c_str()));
+  if (task == Task::kPea && result.constant_torque_noise_share > 0.0) {
+    paragraphs.push_back(Text(
+        "The motor's torque level changes every second or so in these sets. With one constant set "
+        "point in torque mode, as the experiment can also be read, %.0f %% of the target's "
+        "variance would be noise of the current sensor, and there would be nothing to learn.",
+        std::min(100.0, 100.0 * result.constant_torque_noise_share)));
+  }
+  if (!result.order_fair.empty()) {
+    const auto published = Sorted(result, [](const ComparedModel& m) { return m.plan.test_mse; });
+    const auto ours =
+        Sorted(result, [](const ComparedModel& m) { return TestMean(*m.as_published); });
+    const auto fair = Sorted(result, [](const ComparedModel& m) { return TestMean(m.fair); });
+    paragraphs.push_back("Published order: " + Order(published) + ".");
+    paragraphs.push_back("Ours, trained as published: " + Order(ours) + ".");
+    paragraphs.push_back("Ours, trained fairly: " + Order(fair) + ".");
+    int reversed = 0, same = 0;
+    for (const PairedOrder& o : result.order_published) {
+      if (o.verdict == "reversed") ++reversed;
+      if (o.verdict == "as published") ++same;
+    }
+    paragraphs.push_back(
+        Text("Of %zu neighbours in the published order %d are so here too, %d are reversed and %zu "
+             "are not told apart (paired 95 %% intervals over %d seeds, each with a data set of "
+             "its own, trained as published).",
+             result.order_published.size(), same, reversed,
+             result.order_published.size() - static_cast<std::size_t>(same + reversed),
+             result.options.seeds));
+  }
+  for (const std::string& reason : Reasons(result)) paragraphs.push_back(reason);
+  return paragraphs;
+}
+
+std::string FormatComparison(const ComparisonResult& result) {
+  std::string text;
+  const bool published = !result.order_fair.empty();
+  if (published) {
+    text +=
+        Text("%s as published: same sizes, epochs, batches and rate; %d seeds on one data set\n",
+             TableName(result.options.task), result.options.seeds);
+    text +=
+        "model              parameters      test MSE published      test MSE ours           "
+        "train ours   time s   step us\n";
+    for (const ComparedModel& m : result.models) {
+      if (!m.as_published) continue;
+      const Runs& runs = *m.as_published;
+      text += Text("%-18s %4d", m.plan.name.c_str(), m.parameters);
+      text += m.extra ? "                                    "
+                      : Text(" (%4d)    %.4f +- %.4f     ", m.plan.published_parameters,
+                             m.plan.test_mse, m.plan.test_sd);
+      text += Text("    %.5f +- %.5f     %.5f   %7.3f", TestMean(runs), TestDeviation(runs),
+                   runs.Mean(runs.train_mse), runs.Mean(runs.seconds));
+      text += m.extra ? "         -\n" : Text("   %7.3f\n", m.step_us);
+    }
+    text += Text("%-18s %41s %.5f\n", "noise floor", "", result.noise_floor);
+    text += "order, paired by seed and data set (worse - better as published, 95 %):\n";
+    AppendOrders(result.order_published, &text);
+    text += '\n';
+  }
+  text += Text("fair: %d trials of hyper-parameters each, validation stop, a data set %s\n",
+               result.options.trials, published ? "for every seed" : "for all seeds");
+  text +=
+      "model              parameters  test MSE               train      time s   step us  chosen\n";
+  for (const ComparedModel& m : result.models) {
+    text += Text("%-18s %4d        %.5f +- %.5f    %.5f   %7.3f", m.plan.name.c_str(), m.parameters,
+                 TestMean(m.fair), TestDeviation(m.fair), m.fair.Mean(m.fair.train_mse),
+                 m.fair.Mean(m.fair.seconds));
+    text += (m.extra ? std::string("         -") : Text("   %7.3f", m.step_us)) + "  " +
+            m.fair_hyper + "\n";
+  }
+  text += Text("%-18s             %.5f\n", "noise floor", result.noise_floor);
+  if (published) {
+    text += "order, paired (worse - better as published, 95 %):\n";
+    AppendOrders(result.order_fair, &text);
+  }
+  text += '\n';
+  for (const std::string& paragraph : ComparisonParagraphs(result)) text += paragraph + "\n";
+  for (const ComparedModel& m : result.models) {
+    if (!m.plan.remark.empty()) text += m.plan.name + ": " + m.plan.remark + ".\n";
+  }
+  text += Text("%.0f s\n", result.seconds);
+  return text;
+}
+
+nlohmann::ordered_json ComparisonJson(const ComparisonResult& result) {
+  nlohmann::ordered_json json = {{"task", std::string(networks::InfoOf(result.options.task).name)},
+                                 {"seeds", result.options.seeds},
+                                 {"trials", result.options.trials},
+                                 {"train_samples", result.train_samples},
+                                 {"test_samples", result.test_samples},
+                                 {"normalised_by", result.target_deviation},
+                                 {"unit", std::string(networks::InfoOf(result.options.task).unit)},
+                                 {"noise_floor", result.noise_floor}};
+  for (const ComparedModel& m : result.models) {
+    nlohmann::ordered_json model = {{"name", m.plan.name}, {"parameters", m.parameters}};
+    if (!m.extra && m.plan.test_mse > 0.0) {
+      model["published"] = {{"parameters", m.plan.published_parameters},
+                            {"train_mse", m.plan.train_mse},
+                            {"test_mse", m.plan.test_mse},
+                            {"train_sd", m.plan.train_sd},
+                            {"test_sd", m.plan.test_sd}};
+    }
+    if (m.as_published) model["as_published"] = RunsJson(*m.as_published);
+    if (m.published_pairs) model["as_published_pairs"] = RunsJson(*m.published_pairs);
+    model["fair"] = RunsJson(m.fair);
+    model["fair"]["chosen"] = m.fair_hyper;
+    model["fair"]["quiet_mse"] = m.quiet_mse;
+    model["fair"]["busy_mse"] = m.busy_mse;
+    if (!m.extra) model["step_us"] = m.step_us;
+    if (!m.plan.remark.empty()) model["remark"] = m.plan.remark;
+    json["models"].push_back(std::move(model));
+  }
+  json["order_as_published"] = OrdersJson(result.order_published);
+  json["order_fair"] = OrdersJson(result.order_fair);
+  json["notes"] = ComparisonParagraphs(result);
+  json["time_s"] = result.seconds;
+  return json;
+}
+
+}  // namespace sinew::tools
