@@ -29,6 +29,10 @@ using Clock = std::chrono::steady_clock;
 constexpr std::uint64_t kSearchSet = 1000;
 constexpr double kValidationShare = 0.2;
 constexpr int kGap = 12;  // samples between what teaches and what stops
+// A recording of the cylinder is about ten cycles: ten blocks would keep the same part of every
+// cycle for testing. Two blocks teach four cycles each, and a quarter of that is a whole cycle.
+constexpr int kCylinderBlocks = 2;
+constexpr double kCylinderValidationShare = 0.25;
 
 struct Set {
   Samples published;      // all training samples teach
@@ -39,11 +43,13 @@ struct Set {
 };
 
 Set MakeSet(const std::vector<identify::Run>& runs, Task task, double period_s) {
-  const std::vector<esn::Sequence> sequences =
-      networks::MakeTable(runs, {.task = task, .period_s = period_s});
+  const bool cylinder = task == Task::kForce;
+  const std::vector<esn::Sequence> sequences = networks::MakeTable(
+      runs, {.task = task, .period_s = period_s, .blocks = cylinder ? kCylinderBlocks : 10});
   Set set;
   set.published = networks::MakeSamples(sequences);
-  set.fair = networks::MakeSamples(sequences, kValidationShare, kGap);
+  set.fair = networks::MakeSamples(
+      sequences, cylinder ? kCylinderValidationShare : kValidationShare, cylinder ? 1 : kGap);
   set.deviation = set.published.output.scale(0);
   set.duration_s = set.published.count() * period_s;
   const Samples& s = set.published;
