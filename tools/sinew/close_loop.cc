@@ -13,27 +13,13 @@
 #include "components/recording/file/run_reader.h"
 #include "components/report/file/report_file.h"
 #include "tools/sinew/progress.h"
+#include "tools/sinew/shipped.h"
 
 namespace sinew::tools {
 
 namespace {
 
 namespace fs = std::filesystem;
-
-// robots/FILE beside the installed program (../share/sinew) or in the tree that built it.
-fs::path ShippedRobotFile(const fs::path& file) {
-  std::error_code error;
-  const fs::path self = fs::read_symlink("/proc/self/exe", error);
-  for (fs::path folder = self.parent_path(); folder.has_relative_path();
-       folder = folder.parent_path()) {
-    for (const fs::path& candidate :
-         {folder / "share" / "sinew" / "robots" / file, folder / "robots" / file}) {
-      if (fs::exists(candidate, error)) return candidate;
-    }
-  }
-  throw UsageError("robots/" + file.string() +
-                   ": not found beside the program, expected --model and --map");
-}
 
 std::string NowUtc() {
   const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());

@@ -10,6 +10,7 @@
 #include "tools/sinew/list.h"
 #include "tools/sinew/model.h"
 #include "tools/sinew/operator.h"
+#include "tools/sinew/paper.h"
 #include "tools/sinew/record.h"
 #include "tools/sinew/replay.h"
 #include "tools/sinew/score.h"
@@ -33,6 +34,7 @@ void AddAllCommands(CLI::App& app) {
   AddCompareCommand(app);
   AddSearchCommand(app);
   AddScoreCommand(app);
+  AddPaperCommand(app);
   AddCompletionCommand(app);
 }
 
