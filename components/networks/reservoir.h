@@ -19,7 +19,10 @@ namespace sinew::networks {
 
 struct ReservoirConfig {
   esn::Hyperparameters hyper;
-  std::optional<double> ridge_beta;  // nothing: by generalised cross-validation
+  std::optional<double> ridge_beta;  // nothing: the best of beta_count by the choice below
+  // By the error on validation samples, as the gradient nets stop, instead of generalised
+  // cross-validation, which takes neighbouring samples for independent ones.
+  bool beta_by_validation = false;
   double beta_lower = 1e-6;
   double beta_upper = 1e4;
   int beta_count = 20;
@@ -30,7 +33,7 @@ struct ReservoirModel {
   esn::Weights weights;     // without a readout of its own
   Eigen::MatrixXd readout;  // O x N
   double ridge_beta = 0.0;
-  std::vector<esn::GcvPoint> gcv;  // empty when ridge_beta was given
+  std::vector<esn::GcvPoint> gcv;  // empty without cross-validation
 
   int parameter_count() const { return static_cast<int>(readout.size()); }
 };

@@ -29,6 +29,10 @@ using Clock = std::chrono::steady_clock;
 constexpr std::uint64_t kSearchSet = 1000;
 constexpr double kValidationShare = 0.2;
 constexpr int kGap = 12;  // samples between what teaches and what stops
+// A recording of the cylinder is about ten cycles: ten blocks would keep the same part of every
+// cycle for testing. Two blocks teach four cycles each, and a quarter of that is a whole cycle.
+constexpr int kCylinderBlocks = 2;
+constexpr double kCylinderValidationShare = 0.25;
 
 struct Set {
   Samples published;      // all training samples teach
@@ -39,11 +43,13 @@ struct Set {
 };
 
 Set MakeSet(const std::vector<identify::Run>& runs, Task task, double period_s) {
-  const std::vector<esn::Sequence> sequences =
-      networks::MakeTable(runs, {.task = task, .period_s = period_s});
+  const bool cylinder = task == Task::kForce;
+  const std::vector<esn::Sequence> sequences = networks::MakeTable(
+      runs, {.task = task, .period_s = period_s, .blocks = cylinder ? kCylinderBlocks : 10});
   Set set;
   set.published = networks::MakeSamples(sequences);
-  set.fair = networks::MakeSamples(sequences, kValidationShare, kGap);
+  set.fair = networks::MakeSamples(
+      sequences, cylinder ? kCylinderValidationShare : kValidationShare, cylinder ? 1 : kGap);
   set.deviation = set.published.output.scale(0);
   set.duration_s = set.published.count() * period_s;
   const Samples& s = set.published;
@@ -82,6 +88,7 @@ PublishedModel Vary(PublishedModel plan, int trial, std::uint64_t seed,
   plan.training.patience = options.patience;
   plan.training.batch = 64;
   plan.reservoir.ridge_beta.reset();
+  plan.reservoir.beta_by_validation = true;
   if (trial == 0) return plan;
   plan.training.adam.rate = LogUniform(bits, 5e-4, 1e-2);
   plan.training.batch = Pick(bits, {64, 128, 256, 512});
@@ -99,7 +106,7 @@ std::string HyperText(const PublishedModel& plan) {
     case Method::kLinear:
       return "none";
     case Method::kReservoir:
-      std::snprintf(text, sizeof text, "rho %.3f, tau %.3f, alpha %.3f, beta by GCV",
+      std::snprintf(text, sizeof text, "rho %.3f, tau %.3f, alpha %.3f, beta by validation",
                     plan.reservoir.hyper.spectral_radius, plan.reservoir.hyper.leak,
                     plan.reservoir.hyper.input_variance);
       return text;
@@ -280,7 +287,10 @@ ComparisonResult Compare(const ComparisonOptions& options, const Progress& progr
   const std::size_t set_jobs = surrogate ? n + 1 : 1;
   const std::size_t published_jobs = as_published ? models * (2 * n - 1) : 0;
   const std::size_t search_jobs = models * static_cast<std::size_t>(options.trials);
-  const std::size_t fair_jobs = models * n;
+  std::size_t fair_jobs = 0;
+  for (const ComparedModel& model : result.models) {
+    fair_jobs += model.plan.method == Method::kReservoir ? 2 * n : n;
+  }
   const std::size_t total = set_jobs + published_jobs + search_jobs + fair_jobs;
   std::size_t before = 0;
   const auto run = [&](const std::vector<std::function<void()>>& jobs) {
@@ -363,6 +373,20 @@ ComparisonResult Compare(const ComparisonOptions& options, const Progress& progr
   }
   run(jobs);
 
+  // The same reservoirs with the ridge's strength by generalised cross-validation.
+  std::vector<std::size_t> twin(models, 0);
+  for (std::size_t m = 0; m < models; ++m) {
+    if (result.models[m].plan.method != Method::kReservoir) continue;
+    ComparedModel by_gcv;
+    by_gcv.extra = true;
+    by_gcv.plan.name = result.models[m].plan.name + " (GCV)";
+    by_gcv.fair = Empty(seeds);
+    by_gcv.fair_hyper = "the same, beta by GCV";
+    by_gcv.parameters = result.models[m].parameters;
+    twin[m] = result.models.size();
+    result.models.push_back(std::move(by_gcv));
+  }
+
   std::mutex mutex;
   jobs.clear();
   for (const std::size_t m : dear) {
@@ -384,6 +408,21 @@ ComparisonResult Compare(const ComparisonOptions& options, const Progress& progr
         model.quiet_mse += quiet / seeds;
         model.busy_mse += busy / seeds;
         if (s == 0 && !as_published) first[m] = timed.fit.model;
+      });
+      if (twin[m] == 0) continue;
+      jobs.push_back([&, m, s, plan] {
+        PublishedModel by_gcv = plan;
+        by_gcv.reservoir.beta_by_validation = false;
+        const Set& set = set_of(s);
+        const Timed timed =
+            FitTimed(by_gcv, set.fair, task, options.seed + static_cast<std::uint64_t>(s));
+        ComparedModel& model = result.models[twin[m]];
+        Keep(&model.fair, s, timed);
+        double quiet = 0.0, busy = 0.0;
+        AddParts(set, timed.fit.predicted, set.fair, &quiet, &busy);
+        const std::lock_guard lock(mutex);
+        model.quiet_mse += quiet / seeds;
+        model.busy_mse += busy / seeds;
       });
     }
   }

@@ -27,10 +27,10 @@ namespace sinew::tools {
 struct ComparisonOptions {
   networks::Task task = networks::Task::kSea;
   int seeds = 10;
-  int trials = 8;  // of hyper-parameters a model, in the fair table
-  int epochs = 0;  // as published; above 0: at most these (the quick form)
-  int fair_epochs = 400;
-  int patience = 25;
+  int trials = 16;  // of hyper-parameters a model, in the fair table
+  int epochs = 0;   // as published; above 0: at most these (the quick form)
+  int fair_epochs = 1500;
+  int patience = 50;
   double duration_s = 0.0;  // of a surrogate set; 0: the whole experiment
   int threads = 2;
   std::uint64_t seed = 1;  // of the first data set

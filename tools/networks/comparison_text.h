@@ -5,11 +5,14 @@
 #include <string>
 #include <vector>
 
+#include "components/report/section.h"
 #include "tools/networks/comparison.h"
 
 namespace sinew::tools {
 
 std::string FormatComparison(const ComparisonResult& result);
+// The tables, the order and a picture (Figs 6.6, 6.8) for a page of results.
+report::Section ComparisonSection(const ComparisonResult& result);
 nlohmann::ordered_json ComparisonJson(const ComparisonResult& result);
 
 // Sentences: data, normalisation, inputs; where our order is another one than the published, and

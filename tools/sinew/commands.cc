@@ -14,6 +14,7 @@
 #include "tools/sinew/record.h"
 #include "tools/sinew/replay.h"
 #include "tools/sinew/score.h"
+#include "tools/sinew/search.h"
 #include "tools/sinew/train.h"
 
 namespace sinew::tools {
@@ -31,6 +32,7 @@ void AddAllCommands(CLI::App& app) {
   AddModelCommand(app);
   AddTrainCommand(app);
   AddCompareCommand(app);
+  AddSearchCommand(app);
   AddScoreCommand(app);
   AddPaperCommand(app);
   AddCompletionCommand(app);

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "components/config/config.h"
+#include "components/report/file/section_file.h"
 #include "tools/networks/comparison.h"
 #include "tools/networks/comparison_text.h"
 #include "tools/networks/cylinder.h"
@@ -23,7 +24,7 @@ struct CompareOptions {
   std::filesystem::path folder;
   std::filesystem::path out;
   int seeds = 10;
-  int trials = 8;
+  int trials = 16;
   int threads = 2;
   std::uint64_t seed = 1;
   bool quick = false;
@@ -90,6 +91,7 @@ void Run(const CompareOptions& options) {
   config::WriteFileAtomically(options.out / (name + ".txt"), FormatComparison(result));
   config::WriteFileAtomically(options.out / (name + ".json"),
                               ComparisonJson(result).dump(2) + "\n");
+  report::WriteSection(options.out, ComparisonSection(result));
 }
 
 }  // namespace
