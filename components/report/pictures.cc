@@ -177,7 +177,9 @@ Picture ResidualOverVariable(const Report& report, const Design& design, const A
   std::vector<std::pair<double, Eigen::Index>> sorted;
   for (const Eigen::Index i : used) sorted.emplace_back(x[i], i);
   std::sort(sorted.begin(), sorted.end());
-  const std::size_t bins = std::min<std::size_t>(24, sorted.size() / 20 + 1);
+  // Within a motor turn there may be many periods.
+  const std::size_t most = axis.name == "motor_position_rad" ? 180 : 24;
+  const std::size_t bins = std::min<std::size_t>(most, sorted.size() / 20 + 1);
   std::string means = "$m << EOD\n";
   for (std::size_t b = 0; b < bins; ++b) {
     const std::size_t from = b * sorted.size() / bins;
