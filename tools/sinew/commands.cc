@@ -5,6 +5,7 @@
 #include "tools/sinew/completion.h"
 #include "tools/sinew/echo.h"
 #include "tools/sinew/effects.h"
+#include "tools/sinew/experiment.h"
 #include "tools/sinew/import.h"
 #include "tools/sinew/launch.h"
 #include "tools/sinew/list.h"
@@ -26,6 +27,7 @@ void AddAllCommands(CLI::App& app) {
   AddReplayCommand(app);
   AddImportCommand(app);
   AddCloseLoopCommand(app);
+  AddExperimentCommand(app);
   AddListCommand(app);
   AddEchoCommand(app);
   AddEffectsCommand(app);
