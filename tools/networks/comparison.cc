@@ -27,8 +27,6 @@ using Clock = std::chrono::steady_clock;
 
 // The data set on which hyper-parameters are chosen is none of those that are scored.
 constexpr std::uint64_t kSearchSet = 1000;
-constexpr double kValidationShare = 0.2;
-constexpr int kGap = 12;  // samples between what teaches and what stops
 // A recording of the cylinder is about ten cycles: ten blocks would keep the same part of every
 // cycle for testing. Two blocks teach four cycles each, and a quarter of that is a whole cycle.
 constexpr int kCylinderBlocks = 2;

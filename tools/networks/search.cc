@@ -22,8 +22,6 @@ using networks::ReservoirConfig;
 constexpr int kFewest = 100, kMost = 550;
 constexpr double kLowestRadius = 0.75, kHighestRadius = 1.25;
 constexpr double kLowestLeak = 0.05, kHighestLeak = 0.15;
-constexpr double kValidationShare = 0.2;
-constexpr int kGap = 12;
 
 double Between(double low, double high, int step, int steps) {
   return low + (high - low) * step / (steps - 1);

@@ -15,6 +15,10 @@
 
 namespace sinew::tools {
 
+// Of the training samples: what stops a training, and the samples between it and what teaches.
+inline constexpr double kValidationShare = 0.2;
+inline constexpr int kGap = 12;
+
 struct SetOptions {
   networks::Task task = networks::Task::kSea;  // sea or pea
   double duration_s = 0.0;                     // 0: as above

@@ -21,9 +21,6 @@
 namespace sinew::tools {
 namespace {
 
-constexpr double kValidationShare = 0.2;
-constexpr int kGap = 12;
-
 // Where the published settings are taken from: table 6.2 or 6.4, and the model's name there.
 struct Place {
   const char* name;
