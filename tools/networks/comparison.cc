@@ -251,7 +251,11 @@ double StepTime_us(const networks::Model& model) {
   return std::isnan(sum) ? sum : identify::Quantile(times, 0.5);
 }
 
-ComparisonResult Compare(const ComparisonOptions& options, const Progress& progress) {
+ComparisonResult Compare(const ComparisonOptions& given, const Progress& progress) {
+  ComparisonOptions options = given;
+  if (options.fair_epochs == 0) {
+    options.fair_epochs = given.task == Task::kSea ? 1500 : given.task == Task::kPea ? 200 : 400;
+  }
   if (options.seeds < 2 || options.trials < 1 || options.fair_epochs < 1 || options.patience < 1) {
     throw std::invalid_argument(
         "comparison: expected at least 2 seeds, 1 trial, 1 epoch, patience 1");
@@ -289,7 +293,13 @@ ComparisonResult Compare(const ComparisonOptions& options, const Progress& progr
   for (const ComparedModel& model : result.models) {
     fair_jobs += model.plan.method == Method::kReservoir ? 2 * n : n;
   }
-  const std::size_t total = set_jobs + published_jobs + search_jobs + fair_jobs;
+  std::vector<int> curve_sizes;
+  if (as_published && task == Task::kSea) {
+    for (int size = 1; size <= options.curve_sets; size *= 2) curve_sizes.push_back(size);
+  }
+  const std::size_t curve_jobs =
+      2 * curve_sizes.size() * static_cast<std::size_t>(options.curve_seeds);
+  const std::size_t total = set_jobs + published_jobs + search_jobs + fair_jobs + curve_jobs;
   std::size_t before = 0;
   const auto run = [&](const std::vector<std::function<void()>>& jobs) {
     RunJobs(jobs, options.threads, [&](std::size_t done) {
@@ -425,6 +435,60 @@ ComparisonResult Compare(const ComparisonOptions& options, const Progress& progr
     }
   }
   run(jobs);
+
+  if (!curve_sizes.empty()) {
+    std::vector<std::size_t> order(models);
+    for (std::size_t m = 0; m < models; ++m) order[m] = m;
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return result.models[a].plan.test_mse < result.models[b].plan.test_mse;
+    });
+    result.curve_best = result.models[order[0]].plan.name;
+    result.curve_second = result.models[order[1]].plan.name;
+    std::vector<identify::Run> sets_of_one(static_cast<std::size_t>(curve_sizes.back()));
+    jobs.clear();
+    for (std::size_t s = 0; s < sets_of_one.size(); ++s) {
+      jobs.push_back([&, s] {
+        sets_of_one[s] = MakeSurrogateRun({.task = task,
+                                           .duration_s = options.duration_s,
+                                           .seed = options.seed + 2 * kSearchSet + s,
+                                           .specimen_seed = options.seed});
+      });
+    }
+    RunJobs(jobs, options.threads);
+    const std::size_t curve_seeds = static_cast<std::size_t>(options.curve_seeds);
+    std::vector<Samples> samples;
+    std::vector<std::vector<double>> first_mse, second_mse;
+    for (const int size : curve_sizes) {
+      samples.push_back(networks::MakeSamples(
+          networks::MakeTable({sets_of_one.begin(), sets_of_one.begin() + size},
+                              {.task = task, .period_s = options.period_s})));
+      first_mse.emplace_back(curve_seeds);
+      second_mse.emplace_back(curve_seeds);
+    }
+    jobs.clear();
+    for (std::size_t k = curve_sizes.size(); k-- > 0;) {
+      for (std::size_t s = 0; s < curve_seeds; ++s) {
+        for (const bool second : {false, true}) {
+          jobs.push_back([&, k, s, second] {
+            (second ? second_mse : first_mse)[k][s] =
+                FitTimed(result.models[order[second ? 1 : 0]].plan, samples[k], task,
+                         options.seed + s)
+                    .fit.test_mse;
+          });
+        }
+      }
+    }
+    run(jobs);
+    for (std::size_t k = 0; k < curve_sizes.size(); ++k) {
+      CurvePoint point;
+      point.sets = curve_sizes[k];
+      point.train_samples = static_cast<long>(samples[k].train.size());
+      point.best_mse = identify::Mean(first_mse[k]);
+      point.second_mse = identify::Mean(second_mse[k]);
+      point.order = ComparePaired(first_mse[k], second_mse[k]);
+      result.curve.push_back(point);
+    }
+  }
 
   for (std::size_t m = 0; m < models; ++m) {
     result.models[m].step_us = StepTime_us(first[m]);

@@ -27,11 +27,13 @@ namespace sinew::tools {
 struct ComparisonOptions {
   networks::Task task = networks::Task::kSea;
   int seeds = 10;
-  int trials = 16;  // of hyper-parameters a model, in the fair table
-  int epochs = 0;   // as published; above 0: at most these (the quick form)
-  int fair_epochs = 1500;
+  int trials = 16;      // of hyper-parameters a model, in the fair table
+  int epochs = 0;       // as published; above 0: at most these (the quick form)
+  int fair_epochs = 0;  // 0: 1500 inside, 200 outside (eight times the samples), 400 for a cylinder
   int patience = 50;
   double duration_s = 0.0;  // of a surrogate set; 0: the whole experiment
+  int curve_sets = 8;       // most sets of the learning curve; 0: none
+  int curve_seeds = 5;
   int threads = 2;
   std::uint64_t seed = 1;  // of the first data set
   // Instead of the surrogate's sets: one data set for all seeds (then only the fair table).
@@ -70,6 +72,15 @@ struct PairedOrder {          // of two models that follow each other in the pub
   std::string verdict;  // "as published", "reversed", "not told apart"
 };
 
+// The two best of the published order, trained as published on more and more sets of one specimen.
+struct CurvePoint {
+  int sets = 0;
+  long train_samples = 0;
+  double best_mse = 0.0;  // test, mean over the seeds
+  double second_mse = 0.0;
+  PairedOrder order;
+};
+
 struct ComparisonResult {
   ComparisonOptions options;
   std::vector<ComparedModel> models;
@@ -82,6 +93,8 @@ struct ComparisonResult {
   double constant_torque_noise_share = 0.0;  // pea: of the target's variance when constant
   std::vector<PairedOrder> order_published;  // from the as-published runs
   std::vector<PairedOrder> order_fair;
+  std::string curve_best, curve_second;
+  std::vector<CurvePoint> curve;  // inside the backlash only
   double seconds = 0.0;
 };
 

@@ -102,6 +102,50 @@ std::vector<std::string> Reasons(const ComparisonResult& result) {
         "converged; trained until the validation error stops falling they reach (test MSE): " +
         gains + ".");
   }
+  if (!result.curve.empty()) {
+    std::string curve;
+    for (const CurvePoint& point : result.curve) {
+      curve += (curve.empty() ? "" : "; ") + Text("%ld samples: %.4f and %.4f (%s)",
+                                                  point.train_samples, point.best_mse,
+                                                  point.second_mse, point.order.verdict.c_str());
+    }
+    reasons.push_back("Amount of data: test MSE of " + result.curve_best + " and " +
+                      result.curve_second +
+                      ", trained as published on more and more sets of one specimen: " + curve +
+                      ". The published batch of 6600 was the whole training set.");
+  }
+  for (const ComparedModel& model : result.models) {
+    if (model.plan.name != "ESN (GCV)") continue;
+    for (const ComparedModel& twin : result.models) {
+      if (twin.plan.name != "ESN" || TestMean(model.fair) < TestMean(twin.fair)) continue;
+      reasons.push_back(Text(
+          "Ridge strength: with the strength by generalised cross-validation the same reservoirs "
+          "have a test MSE of %.4f instead of %.4f by the validation error; cross-validation takes "
+          "neighbouring samples for independent ones and regularises too little.",
+          TestMean(model.fair), TestMean(twin.fair)));
+    }
+  }
+  if (result.options.task == Task::kPea) {
+    std::string pairs;
+    for (const char* kind : {"ESN", "LSTM"}) {
+      const ComparedModel* pure = nullptr;
+      const ComparedModel* wiener = nullptr;
+      for (const ComparedModel& model : result.models) {
+        if (model.plan.name == std::string("Pure ") + kind) pure = &model;
+        if (model.plan.name == std::string("Wiener ") + kind) wiener = &model;
+      }
+      if (pure == nullptr || wiener == nullptr) continue;
+      const PairedOrder order =
+          ComparePaired(pure->published_pairs->test_mse, wiener->published_pairs->test_mse);
+      pairs += (pairs.empty() ? "" : ", ") +
+               Text("%s %+.5f (%+.5f .. %+.5f)", kind, order.mean, order.low, order.high);
+    }
+    reasons.push_back(
+        "The Wiener form: with three coefficients (N = 0 in (4.45)) the linear block's output is a "
+        "sum of inputs that the network has anyway, so it brings no information. Wiener - pure, "
+        "test MSE as published, paired: " +
+        pairs + ".");
+  }
   std::string parts;
   for (const ComparedModel& model : result.models) {
     const double sum = model.quiet_mse + model.busy_mse;
@@ -390,6 +434,15 @@ nlohmann::ordered_json ComparisonJson(const ComparisonResult& result) {
     if (!m.extra) model["step_us"] = m.step_us;
     if (!m.plan.remark.empty()) model["remark"] = m.plan.remark;
     json["models"].push_back(std::move(model));
+  }
+  for (const CurvePoint& point : result.curve) {
+    json["learning_curve"].push_back({{"sets", point.sets},
+                                      {"train_samples", point.train_samples},
+                                      {result.curve_best, point.best_mse},
+                                      {result.curve_second, point.second_mse},
+                                      {"low_95", point.order.low},
+                                      {"high_95", point.order.high},
+                                      {"verdict", point.order.verdict}});
   }
   json["order_as_published"] = OrdersJson(result.order_published);
   json["order_fair"] = OrdersJson(result.order_fair);

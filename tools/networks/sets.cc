@@ -86,8 +86,9 @@ identify::Run MakeSurrogateRun(const SetOptions& options) {
   const double duration_s = options.duration_s > 0.0 ? options.duration_s : sea ? kSea_s : kPea_s;
   surrogate::RigParameters rig;
   rig.spread = options.spread;
-  rig.seed = options.seed;
+  rig.seed = options.specimen_seed != 0 ? options.specimen_seed : options.seed;
   rig = surrogate::Specimen(rig);
+  rig.seed = options.seed;
   const surrogate::Excitation excitation(
       {.kind = sea ? surrogate::ExcitationKind::kSea : surrogate::ExcitationKind::kPea,
        .duration_s = duration_s,

@@ -25,7 +25,8 @@ struct SetOptions {
   // Every set is of another specimen, its parameters off by up to this share.
   double spread = 0.05;
   std::uint64_t seed = 1;
-  bool constant_torque = false;  // pea with one set point, as it could also be read
+  std::uint64_t specimen_seed = 0;  // 0: seed; else several sets are of one specimen
+  bool constant_torque = false;     // pea with one set point, as it could also be read
 };
 
 identify::Run RunOf(const std::vector<surrogate::LogRow>& rows, const std::string& name);

@@ -60,6 +60,7 @@ ComparisonOptions ToComparison(const CompareOptions& options) {
     comparison.epochs = 200;
     comparison.fair_epochs = 30;
     comparison.patience = 10;
+    comparison.curve_sets = 0;
     if (comparison.task == networks::Task::kPea) comparison.duration_s = 100.0;
     if (comparison.task == networks::Task::kForce) comparison.period_s = 0.16;
   }
