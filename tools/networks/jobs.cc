@@ -47,6 +47,7 @@ void RunJobs(const std::vector<std::function<void()>>& jobs, int threads,
   }
   lock.unlock();
   workers.clear();
+  if (progress) progress(done);  // the workers may have ended before anyone waited for them
   if (failure) std::rethrow_exception(failure);
 }
 
