@@ -1,6 +1,7 @@
 #include "tools/sinew/commands.h"
 
 #include "tools/sinew/close_loop.h"
+#include "tools/sinew/compare.h"
 #include "tools/sinew/completion.h"
 #include "tools/sinew/echo.h"
 #include "tools/sinew/effects.h"
@@ -10,9 +11,11 @@
 #include "tools/sinew/list.h"
 #include "tools/sinew/model.h"
 #include "tools/sinew/operator.h"
+#include "tools/sinew/paper.h"
 #include "tools/sinew/record.h"
 #include "tools/sinew/replay.h"
 #include "tools/sinew/score.h"
+#include "tools/sinew/search.h"
 #include "tools/sinew/train.h"
 
 namespace sinew::tools {
@@ -30,7 +33,10 @@ void AddAllCommands(CLI::App& app) {
   AddEffectsCommand(app);
   AddModelCommand(app);
   AddTrainCommand(app);
+  AddCompareCommand(app);
+  AddSearchCommand(app);
   AddScoreCommand(app);
+  AddPaperCommand(app);
   AddCompletionCommand(app);
 }
 
