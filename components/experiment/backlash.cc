@@ -27,21 +27,23 @@ struct Half {
   double largest_rad = -1e9, smallest_rad = 1e9;
 };
 
-// Half width, at 95 %, of what the rounding of the output's encoder leaves in the play.
-double Rounding_deg(const std::vector<double>& variance_rad2, double lowest_Nm, double highest_Nm,
+// Half widths, at 95 %, of what the rounding of the output's encoder leaves in the play and in the
+// compliance.
+struct Rounding {
+  double play_deg = 0.0;
+  double compliance_deg_Nm = 0.0;
+};
+Rounding RoundingOf(const std::vector<double>& variance_rad2, double lowest_Nm, double highest_Nm,
                     const RigConstants& rig) {
-  const double count_rad = kTwoPi / rig.encoder_counts;
-  const double noise_rad2 =
-      std::max(0.0, identify::Mean(variance_rad2) - count_rad * count_rad / 12.0);
-  const double largest_rad =
-      count_rad / std::numbers::pi *
-      std::exp(-0.5 * kTwoPi * kTwoPi * noise_rad2 / (count_rad * count_rad));
-  // Two contacts at each of two torques, each with a phase of its own; the play is extrapolated
-  // from both torques.
+  const double largest_deg =
+      LargestRounding(identify::Mean(variance_rad2), kTwoPi / rig.encoder_counts) / kDegree;
+  // Each contact at each torque rests at a phase of its own of the count: a sine of that amplitude,
+  // so that the difference of two contacts has it as its standard deviation. The play is
+  // extrapolated from two torques, the compliance is their difference.
   const double span_Nm = highest_Nm - lowest_Nm;
-  const double weight = std::hypot(highest_Nm / span_Nm, lowest_Nm / span_Nm);
-  const double deviation_rad = weight * std::sqrt(2.0) * largest_rad / std::sqrt(2.0);
-  return 1.96 * deviation_rad / kDegree;
+  constexpr double kNormal = 1.96;
+  return {kNormal * largest_deg * std::hypot(highest_Nm, lowest_Nm) / span_Nm,
+          kNormal * largest_deg * std::numbers::sqrt2 / span_Nm};
 }
 
 }  // namespace
@@ -142,9 +144,10 @@ Result IdentifyBacklash(const Recording& rows, const RigConstants& rig) {
     trial.push_back(static_cast<int>(i));
   }
   const TrialFit fit = FitTrials(X, y, trial);
-  Estimate play = fit.At(0);
-  play.half_width_95 =
-      std::hypot(play.half_width_95, Rounding_deg(variance_rad2, *lowest, *highest, rig));
+  const Rounding rounding = RoundingOf(variance_rad2, *lowest, *highest, rig);
+  Estimate play = fit.At(0), compliance = fit.At(1);
+  play.half_width_95 = std::hypot(play.half_width_95, rounding.play_deg);
+  compliance.half_width_95 = std::hypot(compliance.half_width_95, rounding.compliance_deg_Nm);
 
   Result result{.experiment = "backlash", .title = "Play of the gear (5.1.1)"};
   result.quantities = {{.id = "backlash_deg",
@@ -167,7 +170,7 @@ Result IdentifyBacklash(const Recording& rows, const RigConstants& rig) {
                        {.id = "contact_compliance_deg_Nm",
                         .name = "compliance of the contact",
                         .unit = "degrees/Nm",
-                        .estimate = fit.At(1)}};
+                        .estimate = compliance}};
   Figure figure{.title = "Difference of motor angle / N and link angle (Fig 5.1)",
                 .caption = "The first trials. Plateaus are the two contacts.",
                 .x_label = "time, s",

@@ -10,9 +10,8 @@
 //     w = play + c * (|torque up| + |torque down|),  torque = efficiency N Kt Iq
 //
 // The link rests at much the same angle in every trial, so that the rounding of its encoder does
-// not average out over trials. With noise sigma and counts c, the mean of rounded rows is off by at
-// most (c / pi) exp(-2 pi^2 sigma^2 / c^2) (Widrow, Kollar: Quantization noise, ch. 4); the
-// interval has that, with the phase of each contact unknown, beside the statistical part.
+// not average out over trials (LargestRounding in statistics.h): the intervals have it, with the
+// phase of each contact unknown, beside the statistical part.
 //
 // Trials are told apart by the sign of the current, so that any recording of the protocol will do.
 #pragma once
