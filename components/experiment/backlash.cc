@@ -105,14 +105,14 @@ Result IdentifyBacklash(const Recording& rows, const RigConstants& rig) {
     h.sum_torque_Nm += to_output * row.motor_current_A;
     ++h.rows;
   }
+  // A trial is a half up and the half down after it; what held the link before is neither.
+  std::erase_if(halves, [](const Half& h) { return h.end_s - h.start_s < kShortestHalf_s; });
   std::vector<double> published_deg, width_deg, torque_Nm, variance_rad2;
-  for (std::size_t i = 0; i + 1 < halves.size(); i += 2) {
+  for (std::size_t i = 0; i + 1 < halves.size(); ++i) {
     const Half& up = halves[i];
     const Half& down = halves[i + 1];
-    if (up.end_s - up.start_s < kShortestHalf_s || down.end_s - down.start_s < kShortestHalf_s ||
-        up.rows < 5 || down.rows < 5) {
-      continue;
-    }
+    if (up.side < 0 || down.side > 0 || up.rows < 5 || down.rows < 5) continue;
+    ++i;
     for (const Half* h : {&up, &down}) {
       const double mean_rad = h->sum_d_rad / h->rows;
       variance_rad2.push_back(std::max(0.0, h->sum_d2_rad2 / h->rows - mean_rad * mean_rad));
