@@ -1,7 +1,6 @@
 // sinew-virtual-axes: motor controllers and sensor nodes on a bus, with the surrogate behind them.
 #include <spdlog/spdlog.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 #include <stdexcept>
@@ -66,7 +65,7 @@ int main(int argc, char** argv) {
       argc, argv, "virtual-axes", "Motor controllers and sensor nodes on a CAN bus, simulated",
       [&](const node::Options& options, node::StopFlag& stop) { Run(options, stop, effects); },
       [&](CLI::App& app) {
-        app.add_option("--effect", effects,
-                       "Undeclared effect of the surrogate, instead of the file's");
+        node::AddOption(app, "--effect", &effects,
+                        "Undeclared effect of the surrogate, instead of the file's");
       });
 }
