@@ -2,7 +2,8 @@
 #
 #   sinew_add_room(rls SOURCES rls.cc rls.h DEPENDS sinew::esn Eigen3::Eigen)
 #     -> library target sinew_rls, alias sinew::rls. Includes start at the root of the project. FRAME: it holds the
-#        frame of programs, no hot loops. PCH header.h: a precompiled header of its own.
+#        frame of programs, no hot loops. PCH header.h: a precompiled header of its own. Rooms named *_file and
+#        *_config read and write files: like mains they are compiled with less optimisation.
 #   sinew_add_participant(rls SOURCES participant/main.cc DEPENDS sinew::rls)
 #     -> program sinew_rls_participant, installed and built as bin/sinew-rls; links sinew::node.
 #   sinew_add_test(rls_test SOURCES rls_test.cc DEPENDS sinew::rls [LABELS dds] [SERIAL] [TIMEOUT s])
@@ -21,14 +22,15 @@ add_library(sinew_room_pch STATIC ${CMAKE_CURRENT_LIST_DIR}/pch/room.cc)
 target_link_libraries(sinew_room_pch PRIVATE Eigen3::Eigen sinew_flags)
 target_precompile_headers(sinew_room_pch PRIVATE <Eigen/Dense> <algorithm> <array> <cmath> <cstdint> <functional>
   <limits> <map> <memory> <numbers> <optional> <span> <stdexcept> <string> <string_view> <utility> <variant> <vector>)
+add_library(sinew_file_pch STATIC ${CMAKE_CURRENT_LIST_DIR}/pch/room.cc)
+target_compile_options(sinew_file_pch PRIVATE ${SINEW_LIGHT_OPTIMISATION})
+target_link_libraries(sinew_file_pch PRIVATE Eigen3::Eigen nlohmann_json::nlohmann_json sinew_flags)
+target_precompile_headers(sinew_file_pch PRIVATE <Eigen/Dense> <algorithm> <array> <cmath> <filesystem> <fstream>
+  <functional> <map> <memory> <nlohmann/json.hpp> <optional> <sstream> <stdexcept> <string> <string_view> <vector>)
 add_library(sinew_frame_pch STATIC ${CMAKE_CURRENT_LIST_DIR}/pch/room.cc)
-add_executable(sinew_program_pch ${CMAKE_CURRENT_LIST_DIR}/pch/program.cc)
-set_target_properties(sinew_program_pch PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib)
-foreach(target sinew_frame_pch sinew_program_pch)
-  target_compile_options(${target} PRIVATE ${SINEW_LIGHT_OPTIMISATION})
-  target_link_libraries(${target} PRIVATE ${frame_libraries})
-  target_precompile_headers(${target} PRIVATE ${frame_headers})
-endforeach()
+target_compile_options(sinew_frame_pch PRIVATE ${SINEW_LIGHT_OPTIMISATION})
+target_link_libraries(sinew_frame_pch PRIVATE ${frame_libraries})
+target_precompile_headers(sinew_frame_pch PRIVATE ${frame_headers} ${CMAKE_CURRENT_LIST_DIR}/pch/fmt_once.h)
 
 function(sinew_add_room name)
   cmake_parse_arguments(ARG "FRAME" "PCH" "SOURCES;DEPENDS;PRIVATE_DEPENDS" ${ARGN})
@@ -46,6 +48,10 @@ function(sinew_add_room name)
       $<BUILD_INTERFACE:CLI11::CLI11> $<BUILD_INTERFACE:nlohmann_json::nlohmann_json> spdlog::spdlog)
     target_compile_options(sinew_${name} PRIVATE ${SINEW_LIGHT_OPTIMISATION})
     target_precompile_headers(sinew_${name} REUSE_FROM sinew_frame_pch)
+  elseif(name MATCHES "(^|_)(file|config)$")
+    target_link_libraries(sinew_${name} PRIVATE $<BUILD_INTERFACE:nlohmann_json::nlohmann_json>)
+    target_compile_options(sinew_${name} PRIVATE ${SINEW_LIGHT_OPTIMISATION})
+    target_precompile_headers(sinew_${name} REUSE_FROM sinew_file_pch)
   elseif(ARG_PCH)
     target_precompile_headers(sinew_${name} PRIVATE ${ARG_PCH})
   else()
@@ -63,8 +69,8 @@ function(sinew_add_program target binary)
   target_compile_options(${target} PRIVATE ${SINEW_LIGHT_OPTIMISATION})
   target_link_libraries(${target} PRIVATE ${ARG_DEPENDS}
     CLI11::CLI11 nlohmann_json::nlohmann_json spdlog::spdlog sinew_flags)
-  target_precompile_headers(${target} REUSE_FROM sinew_program_pch)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ${SINEW_UNITY})
+  target_precompile_headers(${target} REUSE_FROM sinew_frame_pch)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${SINEW_UNITY} UNITY_BUILD_BATCH_SIZE 15)
   install(TARGETS ${target} RUNTIME)
   set_property(GLOBAL APPEND PROPERTY SINEW_PROGRAMS ${target})
   add_dependencies(programs ${target})

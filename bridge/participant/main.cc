@@ -1,7 +1,6 @@
 // sinew-can-bridge: the state provider of a robot whose joints are on CAN.
 #include <spdlog/spdlog.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 
 #include "bridge/joints/can_plant.h"

@@ -60,6 +60,24 @@ StopFlag::StopFlag() {
 bool StopFlag::requested() const noexcept { return g_stop.load(std::memory_order_relaxed); }
 void StopFlag::Request() noexcept { g_stop.store(true); }
 
+void AddOption(CLI::App& app, const std::string& name, std::string* value,
+               const std::string& help) {
+  app.add_option(name, *value, help);
+}
+
+void AddOption(CLI::App& app, const std::string& name, std::filesystem::path* value,
+               const std::string& help) {
+  app.add_option(name, *value, help);
+}
+
+void AddOption(CLI::App& app, const std::string& name, std::vector<std::string>* values,
+               const std::string& help) {
+  app.add_option(name, *values, help);
+}
+void AddFlag(CLI::App& app, const std::string& name, bool* value, const std::string& help) {
+  app.add_flag(name, *value, help);
+}
+
 int RunParticipant(int argc, char** argv, const std::string& component,
                    const std::string& description, const Body& body,
                    const AddOptions& add_options) {

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "components/config/config.h"
 
@@ -40,6 +41,14 @@ class StopFlag {
 // What a participant adds to the common options; called before parsing.
 using AddOptions = std::function<void(CLI::App&)>;
 using Body = std::function<void(const Options&, StopFlag&)>;
+
+// Adds an option without CLI11's header, whose inline code every program would compile again.
+void AddOption(CLI::App& app, const std::string& name, std::string* value, const std::string& help);
+void AddOption(CLI::App& app, const std::string& name, std::filesystem::path* value,
+               const std::string& help);
+void AddOption(CLI::App& app, const std::string& name, std::vector<std::string>* values,
+               const std::string& help);  // may be repeated
+void AddFlag(CLI::App& app, const std::string& name, bool* value, const std::string& help);
 
 // Parses, starts the log, runs the body, logs the end. Exit code: 0, 2 for UsageError (one line on
 // stderr), 1 for any other exception.

@@ -18,9 +18,9 @@
 
 namespace sinew::node {
 
-namespace {
-
 using Clock = std::chrono::steady_clock;
+
+namespace internal {
 
 // An input without its type: a queue of samples with their ticks.
 class InputBase {
@@ -97,7 +97,9 @@ class InputBase {
   std::uint64_t accepted_tick_ = 0;
 };
 
-}  // namespace
+}  // namespace internal
+
+using internal::InputBase;
 
 template <class Message>
 struct TickInput<Message>::State final : public InputBase {

@@ -2,7 +2,6 @@
 #include <sinew_idl/simulation.h>
 #include <spdlog/spdlog.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 #include <optional>
@@ -100,9 +99,9 @@ int main(int argc, char** argv) {
         Run(options, stop, effects, with_hand);
       },
       [&](CLI::App& app) {
-        app.add_option("--effect", effects,
-                       "Undeclared effect of the surrogate, instead of the file's");
-        app.add_flag("--hand", with_hand,
-                     "A person at the link: takes sim_disturbance from the domain (experiments)");
+        node::AddOption(app, "--effect", &effects,
+                        "Undeclared effect of the surrogate, instead of the file's");
+        node::AddFlag(app, "--hand", &with_hand,
+                      "A person at the link: takes sim_disturbance from the domain (experiments)");
       });
 }

@@ -2,8 +2,6 @@
 // regime.
 #include <spdlog/spdlog.h>
 
-#include <CLI/CLI.hpp>
-
 #include "components/control/participant/translate.h"
 #include "components/node/options.h"
 
@@ -54,7 +52,8 @@ int main(int argc, char** argv) {
       argc, argv, "control", "Makes the joints follow their references.",
       [&](const auto& options, auto& stop) { Run(options, stop, model_path); },
       [&](CLI::App& app) {
-        app.add_option("--model", model_path,
-                       "Model file that takes the place of the one the configuration names");
+        sinew::node::AddOption(
+            app, "--model", &model_path,
+            "Model file that takes the place of the one the configuration names");
       });
 }

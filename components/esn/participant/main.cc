@@ -2,7 +2,6 @@
 // regime chooses or from the grey-box model.
 #include <spdlog/spdlog.h>
 
-#include <CLI/CLI.hpp>
 #include <stdexcept>
 
 #include "components/esn/file/esn_config.h"
@@ -33,7 +32,8 @@ int main(int argc, char** argv) {
   return node::RunParticipant(
       argc, argv, "esn", "Torque prediction by echo state networks, or by the model", body,
       [&given](CLI::App& app) {
-        app.add_option("--sea-weights", given.sea, "Weights of the network inside the backlash");
-        app.add_option("--pea-weights", given.pea, "Weights of the network outside");
+        node::AddOption(app, "--sea-weights", &given.sea,
+                        "Weights of the network inside the backlash");
+        node::AddOption(app, "--pea-weights", &given.pea, "Weights of the network outside");
       });
 }

@@ -1,8 +1,6 @@
 // sinew-rls: adapts the readout of sinew-esn's networks while the robot moves.
 #include <spdlog/spdlog.h>
 
-#include <CLI/CLI.hpp>
-
 #include "components/node/node.h"
 #include "components/node/tick_loop.h"
 #include "components/rls/participant/adaptation.h"
@@ -28,7 +26,8 @@ int main(int argc, char** argv) {
   return node::RunParticipant(
       argc, argv, "rls", "Adaptation of the networks' readout by recursive least squares", body,
       [&given](CLI::App& app) {
-        app.add_option("--sea-weights", given.sea, "Weights of the network inside the backlash");
-        app.add_option("--pea-weights", given.pea, "Weights of the network outside");
+        node::AddOption(app, "--sea-weights", &given.sea,
+                        "Weights of the network inside the backlash");
+        node::AddOption(app, "--pea-weights", &given.pea, "Weights of the network outside");
       });
 }

@@ -1,5 +1,4 @@
 // sinew-world: the simulated robot as a state provider.
-#include <CLI/CLI.hpp>
 #include <filesystem>
 
 #include "components/provider/participant/run_provider.h"
@@ -23,7 +22,8 @@ int main(int argc, char** argv) {
       "actuators from a model file",
       body, [&](CLI::App& app) {
         provider::AddProviderOptions(app, &provider_options);
-        app.add_option("--model", model_path, "Model file instead of the one in the configuration");
-        app.add_option("--urdf", urdf_path, "URDF instead of the one in the configuration");
+        node::AddOption(app, "--model", &model_path,
+                        "Model file instead of the one in the configuration");
+        node::AddOption(app, "--urdf", &urdf_path, "URDF instead of the one in the configuration");
       });
 }

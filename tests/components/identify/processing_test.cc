@@ -37,10 +37,10 @@ TEST(Processing, RestReversalsBordersAndHolesAreNotUsed) {
   const StateSegment& segment = states.segments[0];
   for (Eigen::Index i = 0; i < segment.size(); ++i) {
     const auto k = static_cast<std::size_t>(i);
-    if (i < 200 || i >= segment.size() - 200) EXPECT_FALSE(segment.usable[k]);
-    if (i > 4100 && i < 4900) EXPECT_FALSE(segment.usable[k]) << i;
-    if (std::abs(segment.samples[k].velocity_rad_s) < options.rest_velocity)
-      EXPECT_FALSE(segment.usable[k]);
+    const bool edge = i < 200 || i >= segment.size() - 200;
+    const bool gap = i > 4100 && i < 4900;
+    const bool rests = std::abs(segment.samples[k].velocity_rad_s) < options.rest_velocity;
+    EXPECT_FALSE(segment.usable[k] && (edge || gap || rests)) << i;
   }
   // The guard: nothing within 0.05 s of a slow sample.
   for (Eigen::Index i = 10; i + 10 < segment.size(); ++i) {
@@ -61,7 +61,7 @@ TEST(Processing, SettleDistanceKeepsPreslidingOut) {
     covered = segment.at_rest[i]
                   ? 0.0
                   : covered + std::abs(segment.samples[i].velocity_rad_s) * segment.period_s;
-    if (covered < 0.05) EXPECT_FALSE(segment.usable[i]);
+    EXPECT_FALSE(segment.usable[i] && covered < 0.05) << i;
   }
 }
 

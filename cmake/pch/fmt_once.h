@@ -1,0 +1,12 @@
+// libfmt holds fmt's formatter; without this declaration every program compiles it again.
+#pragma once
+
+#include <fmt/format.h>
+
+FMT_BEGIN_NAMESPACE
+namespace detail {
+extern template void vformat_to<char>(buffer<char>&, basic_string_view<char>,
+                                      basic_format_args<FMT_BUFFER_CONTEXT(type_identity_t<char>)>,
+                                      locale_ref);
+}  // namespace detail
+FMT_END_NAMESPACE

@@ -1,2 +1,0 @@
-// Carries the precompiled header of the programs.
-int main() {}
