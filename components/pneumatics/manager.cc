@@ -272,7 +272,8 @@ ManagerOutput PressureManager::Step(const ManagerInput& input) noexcept {
     output.valve_open = valve_.on();
   } else {
     Correct(input.period_s);
-    output = Drive(input.period_s);
+    output = fault_ == Fault::kNone ? Drive(input.period_s)
+                                    : AllOff(Mode::kSafe, config_.vent_when_safe);
   }
   output.fault = fault_;
   output.target_bar = target_bar_;
