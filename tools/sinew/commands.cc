@@ -1,7 +1,9 @@
 #include "tools/sinew/commands.h"
 
+#include "tools/sinew/check.h"
 #include "tools/sinew/close_loop.h"
 #include "tools/sinew/completion.h"
+#include "tools/sinew/control_test.h"
 #include "tools/sinew/echo.h"
 #include "tools/sinew/effects.h"
 #include "tools/sinew/import.h"
@@ -29,6 +31,8 @@ void AddAllCommands(CLI::App& app) {
   AddModelCommand(app);
   AddTrainCommand(app);
   AddScoreCommand(app);
+  AddControlTestCommand(app);
+  AddCheckCommand(app);
   AddCompletionCommand(app);
 }
 
