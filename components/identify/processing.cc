@@ -95,6 +95,19 @@ ProcessingOptions Resolve(const ProcessingOptions& options, const std::vector<Ru
   return out;
 }
 
+ProcessingOptions SlowMotion(const ProcessingOptions& main, const actuator::JointModel& model,
+                             double rate_Hz) {
+  constexpr double kTwoPi = 6.283185307179586;
+  constexpr double kPeriodsPerTurn = 7.0;
+  ProcessingOptions out = main;
+  out.state_cutoff_Hz = std::max(main.state_cutoff_Hz, 0.25 * rate_Hz);
+  out.parallel_cutoff_Hz = 0.2 * rate_Hz;
+  out.fastest_velocity =
+      kTwoPi * out.parallel_cutoff_Hz / (kPeriodsPerTurn * model.constants.gear_ratio);
+  out.rest_velocity = out.fastest_velocity / 15.0;
+  return out;
+}
+
 StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& model,
                     const ProcessingOptions& options) {
   if (runs.empty()) throw std::invalid_argument("no recording given");
@@ -210,6 +223,12 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
         segment.at_rest[static_cast<std::size_t>(i)] = std::abs(v[i]) < options.rest_velocity;
       }
       std::vector<char> out_of_use = segment.at_rest;
+      if (options.fastest_velocity > 0.0) {
+        for (Eigen::Index i = 0; i < piece.size(); ++i) {
+          if (std::abs(v[i]) > options.fastest_velocity)
+            out_of_use[static_cast<std::size_t>(i)] = 1;
+        }
+      }
       Spread(out_of_use, static_cast<Eigen::Index>(std::lround(options.reversal_guard_s * rate)));
       // Presliding: the teeth and seals turn over before friction has its moving value.
       if (options.settle_distance > 0.0) {

@@ -23,6 +23,7 @@ struct ProcessingOptions {
   double parallel_cutoff_Hz = 0.0;  // low-pass of both sides of the balance; 0: from the data
   int parallel_order = 4;
   double rest_velocity = 0.0;      // rad/s or m/s; slower is rest or reversal; 0: from the data
+  double fastest_velocity = 0.0;   // rad/s or m/s; faster is left out; 0: nothing is
   double reversal_guard_s = 0.05;  // left out on either side of rest and reversals
   double settle_distance = 0.0;  // rad or m; left out after rest and reversals until it is covered
   double border_s = 0.5;         // left out at both ends of a piece
@@ -58,6 +59,13 @@ Signal DriveSignal(const actuator::JointModel& model);
 // four times its level near the Nyquist frequency (between 1/50 and 1/4 of the rate), parallel
 // cut-off at a quarter of that, rest velocity at 3 % of the velocity's rms.
 ProcessingOptions Resolve(const ProcessingOptions& options, const std::vector<Run>& runs);
+
+// The same recordings seen where they creep: torque that repeats with the motor's angle (cogging)
+// passes a filter only there. Both sides of the balance keep everything up to a fifth of the rate,
+// samples count while up to 20 periods per motor turn stay below that, and a twelfth of this
+// velocity is rest. `main` must be resolved; rate_Hz of the recordings.
+ProcessingOptions SlowMotion(const ProcessingOptions& main, const actuator::JointModel& model,
+                             double rate_Hz);
 
 // Runs may differ in rate and length; options must be resolved.
 StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& model,

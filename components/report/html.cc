@@ -50,7 +50,8 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
   };
   out += "<div class=\"big\">\n";
   box(Short(trace.before_sealed.rms) + " &rarr; " + Short(trace.after_sealed.rms) + " " + unit,
-      "error on the sealed recording, before and after");
+      trace.slow_motion ? "error where the sealed recording creeps, before and after"
+                        : "error on the sealed recording, before and after");
   box(Short(trace.before_sealed.percent) + " &rarr; " + Short(trace.after_sealed.percent) + " %",
       "of the drive torque");
   box(Short(trace.noise_floor_rms) + " " + unit,
@@ -69,8 +70,9 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
                    "th");
     for (const trace::FoundEffect& effect : trace.effects) {
       out += HtmlRow(
-          {"<code>" + Escape(effect.name) + "</code><br>" + Escape(EffectTitle(effect.name)) +
-               (effect.swallowed ? "<br>seen as a shift of declared parameters" : ""),
+          {"<code>" + Escape(EffectLabel(trace, effect)) + "</code><br>" + Escape(EffectTitle(effect.name)) +
+               (effect.swallowed ? "<br>seen as a shift of declared parameters" : "") +
+               (effect.slow_motion ? "<br>seen where the recordings creep; errors of there" : ""),
            Percent(effect.gain_share) +
                (effect.gain_error > 0.0 ? " &plusmn; " + Percent(effect.gain_error) : ""),
            Probability(effect.p),
@@ -172,8 +174,13 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
   }
   out += "</ul>\n<h2>How it was judged</h2>\n<p class=\"meta\">Zero-phase filters: states " +
          Short(report.processing.state_cutoff_Hz) + " Hz, both sides of the balance " +
-         Short(report.processing.parallel_cutoff_Hz) + " Hz. Cross-validation over " +
-         std::to_string(trace.units) + " units (" + Escape(trace.unit_kind) +
+         Short(report.processing.parallel_cutoff_Hz) + " Hz" +
+         (report.processing.fastest_velocity > 0.0
+              ? "; only what is slower than " + Short(report.processing.fastest_velocity) +
+                    (kind == effects::JointKind::kRotary ? " rad/s" : " m/s")
+              : "") +
+         ". Cross-validation over " + std::to_string(trace.units) + " units (" +
+         Escape(trace.unit_kind) +
          (trace.unit_length_s > 0.0 ? " of " + Short(trace.unit_length_s) + " s" : "") +
          "), residual correlation time " + Short(trace.correlation_time_s) +
          " s. An effect is accepted when its gain exceeds two standard errors, 5 % of the residual "

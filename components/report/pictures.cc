@@ -177,7 +177,9 @@ Picture ResidualOverVariable(const Report& report, const Design& design, const A
   std::vector<std::pair<double, Eigen::Index>> sorted;
   for (const Eigen::Index i : used) sorted.emplace_back(x[i], i);
   std::sort(sorted.begin(), sorted.end());
-  const std::size_t bins = std::min<std::size_t>(24, sorted.size() / 20 + 1);
+  // Within a motor turn there may be many periods.
+  const std::size_t most = axis.name == "motor_position_rad" ? 180 : 24;
+  const std::size_t bins = std::min<std::size_t>(most, sorted.size() / 20 + 1);
   std::string means = "$m << EOD\n";
   for (std::size_t b = 0; b < bins; ++b) {
     const std::size_t from = b * sorted.size() / bins;
@@ -239,7 +241,9 @@ Picture Candidates(const trace::RoundReport& round, int number) {
   data += "EOD\n";
   const double placebo = 100.0 * round.placebo_99;
   Picture out;
-  out.title = "Candidates of round " + std::to_string(number);
+  out.title = (round.slow_motion ? "Where the recordings creep: candidates of round "
+                                 : "Candidates of round ") +
+              std::to_string(number);
   out.caption =
       "Part of the left-out squared error that each candidate removes, with two standard errors. "
       "Coloured: accepted. Dashed: best false gain in recordings without an effect (99th "
@@ -268,7 +272,8 @@ Picture ErrorsByRound(const Report& report) {
   };
   add("declared, refitted", trace.before_train.rms, trace.before_sealed.rms);
   for (const trace::FoundEffect& effect : trace.effects) {
-    if (!effect.swallowed) add("+ " + effect.name, effect.train_after, effect.sealed_after);
+    if (effect.swallowed || effect.slow_motion != trace.slow_motion) continue;
+    add("+ " + EffectLabel(trace, effect), effect.train_after, effect.sealed_after);
   }
   data += "EOD\n";
   Picture out;
@@ -305,9 +310,12 @@ std::vector<Picture> MakePictures(const Report& report, const Design& train, con
   out.push_back(ResidualOverTime(report, sealed));
   out.push_back(ResidualOverVariable(report, train, AxisFor(variable, trace.corrected.kind),
                                      trace.before_train.residual, trace.after_train.residual));
+  int number = 0;
   for (std::size_t i = 0; i < trace.rounds.size(); ++i) {
-    if (i > 0 && trace.rounds[i].added.empty()) continue;
-    out.push_back(Candidates(trace.rounds[i], static_cast<int>(i) + 1));
+    const trace::RoundReport& round = trace.rounds[i];
+    if (i > 0 && round.slow_motion != trace.rounds[i - 1].slow_motion) number = 0;
+    ++number;
+    if (i == 0 || !round.added.empty()) out.push_back(Candidates(round, number));
   }
   out.push_back(ErrorsByRound(report));
   return out;

@@ -29,6 +29,16 @@ std::string EffectTitle(const std::string& name) {
   return effects::MakeEffect(name, {})->info().title;
 }
 
+std::string EffectLabel(const trace::TraceResult& trace, const trace::FoundEffect& effect) {
+  int alike = 0;
+  for (const trace::FoundEffect& other : trace.effects) alike += other.name == effect.name ? 1 : 0;
+  const actuator::Term& term = trace.corrected.terms[static_cast<std::size_t>(effect.term)];
+  const auto& nonlinear = term.effect->info().nonlinear;
+  if (alike < 2 || nonlinear.empty()) return effect.name;
+  return effect.name + " (" + effects::ParameterKey(nonlinear.front(), trace.corrected.kind) + " " +
+         Short(term.nonlinear.front().value) + ")";
+}
+
 std::string VerdictWord(trace::Verdict verdict) {
   switch (verdict) {
     case trace::Verdict::kEffect:
@@ -47,11 +57,14 @@ std::string VerdictSentence(const Report& report) {
   switch (trace.verdict) {
     case trace::Verdict::kEffect: {
       std::vector<std::string> names;
-      for (const trace::FoundEffect& effect : trace.effects) names.push_back(effect.name);
-      std::string out = "The recordings are consistent with " + Join(names, " and ") +
-                        ": on the sealed recording the error falls from " +
-                        Short(trace.before_sealed.rms) + " to " + Short(trace.after_sealed.rms) +
-                        " " + unit + " rms.";
+      for (const trace::FoundEffect& effect : trace.effects)
+        names.push_back(EffectLabel(trace, effect));
+      std::string out =
+          "The recordings are consistent with " + Join(names, " and ") +
+          (trace.slow_motion ? ": where the sealed recording creeps the error falls from "
+                             : ": on the sealed recording the error falls from ") +
+          Short(trace.before_sealed.rms) + " to " + Short(trace.after_sealed.rms) + " " + unit +
+          " rms.";
       for (const trace::FoundEffect& effect : trace.effects) {
         if (effect.rivals.empty()) continue;
         out += " " + Join(effect.rivals, " and ") +

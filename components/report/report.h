@@ -40,6 +40,9 @@ std::string TorqueUnit(effects::JointKind kind);
 // Words for an effect's name, e.g. "Stribeck friction".
 std::string EffectTitle(const std::string& name);
 
+// The effect's name; with its first nonlinear parameter when it was found more than once.
+std::string EffectLabel(const trace::TraceResult& trace, const trace::FoundEffect& effect);
+
 // The verdict in one sentence.
 std::string VerdictSentence(const Report& report);
 // The experiment that would separate the effect from its rivals or show what is hidden; may be

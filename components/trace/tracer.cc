@@ -30,7 +30,7 @@ constexpr double kHiddenShare = 0.25;
 constexpr double kSwallowed = 1e-3;
 // Less than this beside one declared term alone: it is that term seen from another side.
 constexpr double kVariant = 0.02;
-constexpr double kFewestUnits = 6;
+constexpr double kConvincingUnits = 6;
 constexpr double kShortestDelay = 0.1;  // of a sample
 
 double SumSquares(const Eigen::VectorXd& x, const std::vector<Eigen::Index>& rows) {
@@ -102,12 +102,16 @@ class Tracer {
     TryToRemove(&model, &fit);
     result_.corrected = fit.model;
     result_.corrected_fit = fit;
-    Progress("what a refit swallowed", 0.86);
-    FindSwallowed(&fit);
+    if (options_.only.empty()) {
+      Progress("what a refit swallowed", 0.86);
+      FindSwallowed(&fit);
+    }
     result_.after_train = identify::ErrorOf(train_, result_.corrected);
     result_.after_sealed = identify::ErrorOf(sealed_, result_.corrected);
-    Progress("what stays unexplained", 0.9);
-    FindUnexplained(fit);
+    if (options_.only.empty()) {
+      Progress("what stays unexplained", 0.9);
+      FindUnexplained(fit);
+    }
     result_.verdict = !result_.effects.empty()                ? Verdict::kEffect
                       : !result_.unexplained.variable.empty() ? Verdict::kUnexplained
                                                               : Verdict::kNone;
@@ -387,7 +391,13 @@ class Tracer {
 
   bool Round(actuator::JointModel* model, FitResult* fit) {
     PredictDrive(fit->model);
-    const CandidateSet set = MakeCandidates(train_, *model);
+    CandidateSet set = MakeCandidates(train_, *model);
+    if (!options_.only.empty()) {
+      std::erase_if(set.candidates, [&](const Candidate& candidate) {
+        return std::count(options_.only.begin(), options_.only.end(), candidate.name()) == 0;
+      });
+      set.missing.clear();
+    }
     RoundReport report;
     report.train_rms = fit->rms;
     report.sealed_rms = identify::ErrorOf(sealed_, fit->model).rms;
@@ -429,7 +439,7 @@ class Tracer {
     found.gain_share = winner.score.gain_share;
     found.gain_error = winner.score.share_error;
     found.p = winner.score.gain.p;
-    found.weak_evidence = result_.units < kFewestUnits;
+    found.weak_evidence = result_.units < kConvincingUnits;
     found.train_before = fit->rms;
     found.sealed_before = report.sealed_rms;
     for (std::size_t i = 0; i < trials.size(); ++i) {
@@ -545,7 +555,7 @@ class Tracer {
     found.name = best.candidate.name();
     found.balance = best.candidate.effect->info().balance;
     found.swallowed = true;
-    found.weak_evidence = result_.units < kFewestUnits;
+    found.weak_evidence = result_.units < kConvincingUnits;
     for (std::size_t i = 1; i < report.causes.size(); ++i) {
       if (report.causes[i].after < best.after + 1.0) {
         found.rivals.push_back(report.causes[i].candidate.name());

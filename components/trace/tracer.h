@@ -28,6 +28,7 @@ struct TraceOptions {
   double fewest_standard_errors = 2.0;
   double smallest_explainable_share = 0.05;  // gain / explainable variance
   double smallest_residual_share = 0.05;     // gain / residual variance
+  std::vector<std::string> only;             // candidates by name; empty: the whole catalogue
   // Called with a line of progress and the share done, 0 to 1.
   std::function<void(const std::string&, double)> progress;
 };
@@ -57,6 +58,7 @@ struct RoundReport {
   double explainable_rms = 0.0;
   std::vector<CandidateScore> scores;  // best gain first
   std::string added;                   // empty: nothing
+  bool slow_motion = false;            // of the second look (slow_motion.h)
 };
 
 struct FoundEffect {
@@ -69,6 +71,7 @@ struct FoundEffect {
   double p = 1.0;
   bool weak_evidence = false;  // fewer than six units
   bool swallowed = false;      // found as a shift of declared parameters
+  bool slow_motion = false;    // found where the recordings creep; its errors are of there
   // Errors before and after it, rms at the output.
   double train_before = 0.0, train_after = 0.0, sealed_before = 0.0, sealed_after = 0.0;
 };
@@ -101,6 +104,7 @@ enum class Verdict { kNone, kEffect, kUnexplained };
 
 struct TraceResult {
   Verdict verdict = Verdict::kNone;
+  bool slow_motion = false;        // errors, floor and ceiling are of slow motion (slow_motion.h)
   actuator::JointModel nominal;    // as declared
   actuator::JointModel declared;   // refitted, nothing added
   actuator::JointModel corrected;  // with the effects

@@ -39,6 +39,7 @@ std::vector<LogRow> RunExperiment(const RigParameters& parameters, const Experim
   rows.reserve(static_cast<std::size_t>(cycles / options.log_every + 1));
   double instant_s = 0.0;
   for (std::int64_t cycle = 0; cycle < cycles; ++cycle) {
+    if (options.done && options.done()) break;
     const double nominal_s = static_cast<double>(cycle) * cycle_s;
     plant_command = provider::PlantCommand{};
     command(nominal_s, sensors, &plant_command);
@@ -65,6 +66,7 @@ std::vector<LogRow> RunExperiment(const RigParameters& parameters, const Experim
     row.valve_open = sensors.valve_open[0];
     row.payload_kg = sensors.declared_payload_kg[0];
     row.motor_temperature_degC = sensors.motor_temperature_degC[0];
+    row.reservoir_pressure_bar = sensors.reservoir_pressure_bar[0];
     rows.push_back(row);
   }
   return rows;

@@ -26,6 +26,7 @@ struct LogRow {
   bool valve_open = false;
   double payload_kg = 0.0;
   double motor_temperature_degC = 0.0;
+  double reservoir_pressure_bar = 0.0;
 };
 
 struct ExperimentOptions {
@@ -36,6 +37,7 @@ struct ExperimentOptions {
   double stamp_error_s = 1e-4;  // of a row's stamp, standard deviation, cut at 3e-4 s
   double lost_share = 0.004;    // of rows
   std::uint64_t seed = 1;
+  std::function<bool()> done = {};  // ends the run early, asked before every cycle; may be empty
 };
 
 // Called at the start of every cycle with the newest readings. nominal_time_s counts whole cycles.

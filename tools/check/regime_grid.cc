@@ -107,9 +107,9 @@ RegimeScore RunRegimeCase(const RegimeCase& at) {
   const auto size = truth.size();
   score.samples = static_cast<long>(size);
   std::vector<char> wrong(size, 0);
-  for (std::size_t k = 2; k + 1 < size; ++k) {
-    const bool at_transition =
-        truth[k] != truth[k - 1] || truth[k] != truth[k + 1] || truth[k] != truth[k - 2];
+  for (std::size_t k = 1; k + 1 < size; ++k) {
+    // It lies between two samples: one is the last before it, the other the first after it.
+    const bool at_transition = truth[k] != truth[k - 1] || truth[k] != truth[k + 1];
     const bool hardly_open =
         truth[k] == Contact::kNone && std::min(open_rad[k], open_rad[k - 1]) < kOpen_rad;
     wrong[k] = !at_transition && !hardly_open && found[k] != truth[k];
@@ -117,12 +117,12 @@ RegimeScore RunRegimeCase(const RegimeCase& at) {
     score.made_up += wrong[k] && found[k] != found[k - 1];
   }
   // A state that lasts; it is found when the first sample that must be right is.
-  for (std::size_t k = 2; k < size; ++k) {
+  for (std::size_t k = 1; k < size; ++k) {
     if (truth[k] == truth[k - 1]) continue;
     std::size_t end = k;
     while (end < size && truth[end] == truth[k]) ++end;
     // The first sample after the deadline: one sample, or two counts of opening.
-    std::size_t due = k + 2;
+    std::size_t due = k + 1;
     while (due < end && truth[k] == Contact::kNone &&
            std::min(open_rad[due], open_rad[due - 1]) < kOpen_rad) {
       ++due;

@@ -14,6 +14,7 @@
 #include "tools/check/rls_check.h"
 #include "tools/sinew/print_section.h"
 #include "tools/sinew/progress.h"
+#include "tools/sinew/shipped.h"
 
 namespace sinew::tools {
 namespace {
@@ -22,11 +23,12 @@ namespace fs = std::filesystem;
 
 struct CheckOptions {
   fs::path out;
-  fs::path pneumatics = "robots/rig/pneumatics.yaml";
+  fs::path pneumatics;
   std::uint64_t seed = 1;
   long updates = 10'000'000;
   bool quick = false;
   bool json = false;
+  bool strict = false;
 };
 
 report::Section CheckRegime(const CheckOptions& options) {
@@ -50,8 +52,9 @@ report::Section CheckRegime(const CheckOptions& options) {
 }
 
 report::Section CheckPressure(const CheckOptions& options) {
-  const pneumatics::ManagerConfig config =
-      pneumatics::LoadPneumatics(options.pneumatics).joints.at(0);
+  const fs::path file =
+      options.pneumatics.empty() ? ShippedRobotFile("rig/pneumatics.yaml") : options.pneumatics;
+  const pneumatics::ManagerConfig config = pneumatics::LoadPneumatics(file).joints.at(0);
   check::PressureCheck all;
   std::vector<check::HoldCase> cases = check::HoldCases(options.quick);
   const std::vector<check::Breakage> breakages = check::Breakages();
@@ -87,17 +90,19 @@ void AddRoom(CLI::App* check, const std::shared_ptr<CheckOptions>& options, cons
       ->capture_default_str();
   command->add_flag("--quick", options->quick, "A part of the grid: a few seconds");
   command->add_flag("--json", options->json, "As JSON");
+  command->add_flag("--strict", options->strict, "Exit code 1 when a target was missed");
   const std::string word = name;
   if (word == "pneumatics") {
-    command->add_option("--config", options->pneumatics, "Pressure manager, sinew-pneumatics/1")
-        ->capture_default_str();
+    command
+        ->add_option("--config", options->pneumatics,
+                     "Pressure manager, sinew-pneumatics/1; default: the rig's")
+        ->check(CLI::ExistingFile);
   } else if (word == "rls") {
     command->add_option("--updates", options->updates, "Updates of the soak")
         ->check(CLI::PositiveNumber)
         ->capture_default_str();
   }
-  command->footer("Exit code 1 when a target was missed.\n\nExample:\n  sinew check " + word +
-                  " --quick --out results/" + word);
+  command->footer("Example:\n  sinew check " + word + " --quick --out results/" + word);
   command->callback([options, run] {
     const auto start = std::chrono::steady_clock::now();
     report::Section section = run(*options);
@@ -105,7 +110,7 @@ void AddRoom(CLI::App* check, const std::shared_ptr<CheckOptions>& options, cons
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (!options->out.empty()) report::WriteSection(options->out, section);
     options->json ? PrintSectionJson(section) : PrintSection(section);
-    if (!AllMet(section)) throw CLI::RuntimeError(1);
+    if (options->strict && !AllMet(section)) throw CLI::RuntimeError(1);
   });
 }
 

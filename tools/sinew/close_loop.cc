@@ -12,28 +12,15 @@
 #include "components/identify/file/processing_file.h"
 #include "components/recording/file/run_reader.h"
 #include "components/report/file/report_file.h"
+#include "components/trace/slow_motion.h"
 #include "tools/sinew/progress.h"
+#include "tools/sinew/shipped.h"
 
 namespace sinew::tools {
 
 namespace {
 
 namespace fs = std::filesystem;
-
-// robots/FILE beside the installed program (../share/sinew) or in the tree that built it.
-fs::path ShippedRobotFile(const fs::path& file) {
-  std::error_code error;
-  const fs::path self = fs::read_symlink("/proc/self/exe", error);
-  for (fs::path folder = self.parent_path(); folder.has_relative_path();
-       folder = folder.parent_path()) {
-    for (const fs::path& candidate :
-         {folder / "share" / "sinew" / "robots" / file, folder / "robots" / file}) {
-      if (fs::exists(candidate, error)) return candidate;
-    }
-  }
-  throw UsageError("robots/" + file.string() +
-                   ": not found beside the program, expected --model and --map");
-}
 
 std::string NowUtc() {
   const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
@@ -118,6 +105,27 @@ void AddDelayFinding(const trace::TraceResult& trace, double rate_Hz,
   }
 }
 
+// The second look, where the recordings creep; empty when they do not.
+struct SlowLook {
+  identify::ProcessingOptions processing;
+  std::optional<identify::Design> train, sealed;
+  std::optional<trace::TraceResult> result;
+};
+
+SlowLook LookAtSlowMotion(const std::vector<identify::Run>& train,
+                          const std::vector<identify::Run>& sealed, const report::Report& report,
+                          double rate_Hz, trace::TraceOptions options) {
+  SlowLook out;
+  const actuator::JointModel held = trace::HeldForSlowMotion(report.trace.corrected);
+  out.processing = identify::SlowMotion(report.processing, held, rate_Hz);
+  out.train.emplace(identify::MakeStates(train, held, out.processing), out.processing);
+  out.sealed.emplace(identify::MakeStates(sealed, held, out.processing), out.processing);
+  options.only = trace::EffectsOfMotorAngle(held);
+  if (!trace::ShowsSlowMotion(*out.train, *out.sealed)) return out;
+  out.result = trace::Trace(*out.train, *out.sealed, held, options);
+  return out;
+}
+
 }  // namespace
 
 CloseLoopResult CloseLoop(const CloseLoopOptions& options) {
@@ -178,6 +186,15 @@ CloseLoopResult CloseLoop(const CloseLoopOptions& options) {
     trace_options.progress = progress;
     report.trace = trace::Trace(train_design, sealed_design, joint, trace_options);
     AddDelayFinding(report.trace, rate_Hz, &report.findings);
+    SlowLook slow = LookAtSlowMotion(train, sealed, report, rate_Hz, trace_options);
+    if (slow.result) {
+      report.trace = trace::WithSlowMotion(std::move(report.trace), std::move(*slow.result));
+      if (report.trace.slow_motion) {
+        report.processing = slow.processing;
+        train_design = std::move(*slow.train);
+        sealed_design = std::move(*slow.sealed);
+      }
+    }
     if (published) {
       report.as_published =
           identify::RunAsPublished(train.front(), sealed.front(), joint, *published);
@@ -238,7 +255,7 @@ void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options
                 << Short(term.nonlinear[i].value);
     }
     std::cout << "; sealed " << Short(effect.sealed_before) << " -> " << Short(effect.sealed_after)
-              << ' ' << unit << '\n';
+              << ' ' << unit << (effect.slow_motion ? " where it creeps" : "") << '\n';
   }
   const auto line = [&](const char* what, const identify::ModelError& before,
                         const identify::ModelError& after) {

@@ -2,18 +2,22 @@
 
 #include "tools/sinew/check.h"
 #include "tools/sinew/close_loop.h"
+#include "tools/sinew/compare.h"
 #include "tools/sinew/completion.h"
 #include "tools/sinew/control_test.h"
 #include "tools/sinew/echo.h"
 #include "tools/sinew/effects.h"
+#include "tools/sinew/experiment.h"
 #include "tools/sinew/import.h"
 #include "tools/sinew/launch.h"
 #include "tools/sinew/list.h"
 #include "tools/sinew/model.h"
 #include "tools/sinew/operator.h"
+#include "tools/sinew/paper.h"
 #include "tools/sinew/record.h"
 #include "tools/sinew/replay.h"
 #include "tools/sinew/score.h"
+#include "tools/sinew/search.h"
 #include "tools/sinew/train.h"
 
 namespace sinew::tools {
@@ -25,14 +29,18 @@ void AddAllCommands(CLI::App& app) {
   AddReplayCommand(app);
   AddImportCommand(app);
   AddCloseLoopCommand(app);
+  AddExperimentCommand(app);
   AddListCommand(app);
   AddEchoCommand(app);
   AddEffectsCommand(app);
   AddModelCommand(app);
   AddTrainCommand(app);
+  AddCompareCommand(app);
+  AddSearchCommand(app);
   AddScoreCommand(app);
   AddControlTestCommand(app);
   AddCheckCommand(app);
+  AddPaperCommand(app);
   AddCompletionCommand(app);
 }
 

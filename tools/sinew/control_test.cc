@@ -15,6 +15,7 @@
 #include "tools/control_test/section.h"
 #include "tools/sinew/print_section.h"
 #include "tools/sinew/progress.h"
+#include "tools/sinew/shipped.h"
 
 namespace sinew::tools {
 namespace {
@@ -26,7 +27,7 @@ using control_test::Outcome;
 using control_test::Trial;
 
 struct ControlTestOptions {
-  fs::path rig = "robots/rig";
+  fs::path rig;
   fs::path model;
   fs::path out;
   int domain_id = 0;
@@ -91,9 +92,9 @@ void RunControlTest(const ControlTestOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   const WorkFolder work(options.out);
   control_test::RunnerConfig config;
-  config.rig = options.rig;
+  config.rig = options.rig.empty() ? ShippedRobotFile("rig") : options.rig;
   config.model =
-      options.model.empty() ? options.rig / "surrogate_model_identified.yaml" : options.model;
+      options.model.empty() ? config.rig / "surrogate_model_identified.yaml" : options.model;
   config.folder = work.path() / "runs";
   config.domain_id = options.domain_id;
   if (!fs::exists(config.rig / "control_test")) {
@@ -149,9 +150,10 @@ void AddControlTestCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "control-test",
       "Compare control strategies as in Figs 7.2 and 7.3, over DDS on the surrogate");
-  command->add_option("--rig", options->rig, "Folder of the rig's files")
-      ->check(CLI::ExistingDirectory)
-      ->capture_default_str();
+  command
+      ->add_option("--rig", options->rig,
+                   "Folder of the rig's files; default: robots/rig that comes with the program")
+      ->check(CLI::ExistingDirectory);
   command
       ->add_option("--model", options->model,
                    "Model with identified parameters for (7.1); default: "

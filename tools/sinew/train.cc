@@ -19,6 +19,7 @@
 #include "components/esn/file/weights_file.h"
 #include "components/esn/training.h"
 #include "components/recording/file/run_reader.h"
+#include "tools/sinew/train_net.h"
 
 namespace sinew::tools {
 namespace {
@@ -157,31 +158,76 @@ void Print(const TrainOptions& options, const Outcome& outcome) {
 }  // namespace
 
 void AddTrainCommand(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("train", "Train an echo state network on recordings");
+  CLI::App* command = app.add_subcommand("train", "Train a network on recordings");
   command->footer(
+      "Without --net: an echo state network as the configuration says, for sinew-esn. With --net:\n"
+      "one of the published models, from recordings or, without them, from the surrogate.\n"
       "Example:\n"
       "  sinew train --model robots/rig/model.yaml --recording run.mcap --network pea \\\n"
-      "    --config robots/rig/esn_train.yaml --out pea.json");
+      "    --config robots/rig/esn_train.yaml --out pea.json\n"
+      "  sinew train --net wiener-esn --task pea --out wiener_esn.json\n"
+      "  sinew train --net lstm --task sea --recording run.mcap --patience 50 --out lstm.json");
   auto options = std::make_shared<TrainOptions>();
-  command->add_option("--model", options->model, "Model file: gear ratio, backlash, drive")
-      ->required();
-  command
-      ->add_option("--recording", options->recordings, "MCAP, or CSV with --map; may be repeated")
-      ->required();
+  auto net = std::make_shared<TrainNetOptions>();
+  CLI::Option* model =
+      command->add_option("--model", options->model, "Model file: gear ratio, backlash, drive");
+  CLI::Option* recording = command->add_option("--recording", options->recordings,
+                                               "MCAP, or CSV with --map; may be repeated");
   command->add_option("--test", options->tests,
                       "Recording to test on, instead of blocks of the others");
   command->add_option("--map", options->map, "Mapping file of CSV recordings");
-  command
-      ->add_option("--network", options->network,
-                   "Name of the network in the configuration, e.g. sea or pea")
-      ->required();
-  command->add_option("--config", options->config, "What to train and how (sinew-esn-train/1)")
-      ->required();
+  CLI::Option* network = command->add_option(
+      "--network", options->network, "Name of the network in the configuration, e.g. sea or pea");
+  CLI::Option* config =
+      command->add_option("--config", options->config, "What to train and how (sinew-esn-train/1)");
   command->add_option("--out", options->out, "Weights file to write")->required();
   command->add_option("--joint", options->joint, "Index of the joint in messages and model")
       ->check(CLI::Range(0, 11));
+  CLI::Option* kind = command->add_option("--net", net->net, "One of the published models")
+                          ->check(CLI::IsMember(NetNames()));
+  CLI::Option* task =
+      command->add_option("--task", net->task, "With --net: inputs, target and data set")
+          ->check(CLI::IsMember({"sea", "pea", "force"}));
+  const auto with_net = [&](CLI::Option* option) { return option->needs(kind); };
+  task->needs(kind);
+  with_net(command->add_option("--epochs", net->epochs, "Instead of the published ones"))
+      ->check(CLI::Range(1, 1000000));
+  with_net(command->add_option("--batch", net->batch, "Samples an update, instead of as published"))
+      ->check(CLI::Range(1, 10000000));
+  with_net(command->add_option("--rate", net->rate, "Of Adam, instead of 0.001"))
+      ->check(CLI::Range(1e-9, 1.0));
+  with_net(command->add_option("--patience", net->patience,
+                               "Stop after so many epochs without a better validation error"))
+      ->check(CLI::Range(1, 1000000));
+  with_net(command->add_option("--period", net->period_s, "Of a sample, s"))
+      ->check(CLI::Range(1e-4, 10.0))
+      ->capture_default_str();
+  with_net(command->add_flag("--gcv", net->gcv, "Ridge strength by cross-validation"));
+  with_net(command->add_option("--seed", net->seed, "Of weights, batches and the surrogate"));
   command->add_flag("--json", options->json, "Result as JSON");
-  command->callback([options] { Print(*options, TrainNetwork(*options)); });
+  command->callback([options, net, model, recording, network, config, kind, task] {
+    if (kind->count() == 0) {
+      for (const CLI::Option* needed : {model, recording, network, config}) {
+        if (needed->count() == 0) throw CLI::RequiredError(needed->get_name());
+      }
+      Print(*options, TrainNetwork(*options));
+      return;
+    }
+    if (task->count() == 0) throw CLI::RequiredError("--task");
+    if (net->task == "force" && options->recordings.empty()) {
+      throw CLI::RequiredError("--recording (the surrogate has no cylinder)");
+    }
+    if (!options->tests.empty() || network->count() > 0 || config->count() > 0) {
+      throw CLI::ExcludesError("--net", "--test, --network, --config");
+    }
+    net->recordings = options->recordings;
+    net->map = options->map;
+    net->model = options->model;
+    net->out = options->out;
+    net->joint = options->joint;
+    net->json = options->json;
+    TrainNet(*net);
+  });
 }
 
 }  // namespace sinew::tools

@@ -55,7 +55,11 @@ Json Parameters(const actuator::JointModel& model, std::size_t t) {
 Json ModelParameters(const actuator::JointModel& model) {
   Json out = Json::object();
   for (std::size_t t = 0; t < model.terms.size(); ++t) {
-    const std::string& name = model.terms[t].effect->info().name;
+    std::string name = model.terms[t].effect->info().name;
+    int before = 0;  // the same effect with another setting
+    for (std::size_t k = 0; k < t; ++k)
+      before += model.terms[k].effect->info().name == name ? 1 : 0;
+    if (before > 0) name += "#" + std::to_string(before + 1);
     const Json parameters = Parameters(model, t);
     for (const auto& [key, value] : parameters.items()) out[name + "." + key] = value;
   }
@@ -102,6 +106,7 @@ std::string FormatJson(const Report& report) {
         {"p", effect.p},
         {"weak_evidence", effect.weak_evidence},
         {"swallowed_by_refit", effect.swallowed},
+        {"slow_motion", effect.slow_motion},
         {"train", {{"unit", unit}, {"before", effect.train_before}, {"after", effect.train_after}}},
         {"sealed",
          {{"unit", unit}, {"before", effect.sealed_before}, {"after", effect.sealed_after}}}};
@@ -137,6 +142,7 @@ std::string FormatJson(const Report& report) {
                                                    explainable
                                              : 0.0;
 
+  out["slow_motion"] = trace.slow_motion;
   out["rounds"] = Json::array();
   for (const trace::RoundReport& round : trace.rounds) {
     Json candidates = Json::array();
@@ -150,7 +156,8 @@ std::string FormatJson(const Report& report) {
                             {"refused", score.refused},
                             {"sealed_rms", score.sealed_rms}});
     }
-    out["rounds"].push_back({{"train_rms", round.train_rms},
+    out["rounds"].push_back({{"slow_motion", round.slow_motion},
+                             {"train_rms", round.train_rms},
                              {"sealed_rms", round.sealed_rms},
                              {"explainable_rms", round.explainable_rms},
                              {"placebo_99", round.placebo_99},
@@ -214,6 +221,7 @@ std::string FormatJson(const Report& report) {
                        {"parallel_cutoff_Hz", report.processing.parallel_cutoff_Hz},
                        {"parallel_order", report.processing.parallel_order},
                        {"rest_velocity", report.processing.rest_velocity},
+                       {"fastest_velocity", report.processing.fastest_velocity},
                        {"reversal_guard_s", report.processing.reversal_guard_s},
                        {"settle_distance", report.processing.settle_distance},
                        {"border_s", report.processing.border_s}};

@@ -76,7 +76,7 @@ void ReadMotor(const Section& s, MotorParameters* p, DriveParameters* drive,
 
 void ReadGear(const Section& s, GearParameters* p) {
   p->ratio = s.NumberOr("ratio_1", p->ratio, kPositive);
-  p->play_rad = s.NumberOr("play_rad", p->play_rad, {0.0, 1.0});
+  p->play_rad = s.NumberOr("play_rad", p->play_rad, {0.0, 1e6});  // huge: uncoupled
   p->contact_stiffness_Nm_rad =
       s.NumberOr("contact_stiffness_Nm_rad", p->contact_stiffness_Nm_rad, kPositive);
   p->contact_damping_Nm_s_rad =

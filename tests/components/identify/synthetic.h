@@ -47,8 +47,10 @@ struct Recipe {
   double rate_Hz = 200.0;
   double duration_s = 60.0;
   std::uint64_t seed = 1;
-  double noise_A = 0.02;      // standard deviation of the current's noise
-  double noise_memory = 0.0;  // autoregression of the noise, 0: white
+  double noise_A = 0.02;        // standard deviation of the current's noise
+  double noise_memory = 0.0;    // autoregression of the noise, 0: white
+  double slowness = 1.0;        // of the motion: its frequencies are divided by it
+  bool motor_position = false;  // recorded as well
 };
 
 inline Run SyntheticRun(const actuator::JointModel& truth, const Recipe& recipe) {
@@ -73,7 +75,7 @@ inline Run SyntheticRun(const actuator::JointModel& truth, const Recipe& recipe)
     effects::JointSample x;
     x.time_s = t;
     for (int k = 0; k < 6; ++k) {
-      const double w = 2.0 * M_PI * kFrequency_Hz[k];
+      const double w = 2.0 * M_PI * kFrequency_Hz[k] / recipe.slowness;
       const double a = kAmplitude_rad[k];
       x.position_rad += a * std::sin(w * t + phases[k]);
       x.velocity_rad_s += a * w * std::cos(w * t + phases[k]);
@@ -98,6 +100,9 @@ inline Run SyntheticRun(const actuator::JointModel& truth, const Recipe& recipe)
     current[i] = truth.RequiredDriveInput(x, memory) + noise;
   }
   run.signals[Signal::kPosition] = q;
+  if (recipe.motor_position) {
+    run.signals[Signal::kMotorPosition] = truth.constants.gear_ratio * q;
+  }
   run.signals[Signal::kLoadForce] = force;
   run.signals[Signal::kMotorCurrent] = current;
   run.content_hash = run.name;

@@ -1,0 +1,104 @@
+// Pushes through the play: the motor stands still, the chamber holds the link against the upper
+// contact, a hand presses it slowly down to the lower one and lets it come back, while the pressure
+// falls (5.1.2). Two experiments are read from it.
+//
+// Moving friction (5.4): while the link moves inside the play, with s = +1 down and -1 up,
+//
+//     F l = K P - T_gravity cos q + s T_dyn - J d2q/dt2
+//
+// Means over windows of each stroke give K, T_dyn, T_gravity and J; a stroke is a trial. The means
+// are weighted with a Hann window w: w and dw/dt vanish at its ends, so that the mean of d2q/dt2
+// is that of q with d2w/dt2, and nothing is differentiated (modulating functions: Shinbrot, Trans.
+// ASME 79 (1957) 547). Published: strokes down only, with T_gravity known from `breakaway`.
+//
+// Stiffness (5.5): the secant of a push is the torque that takes the link through the play, over
+// the play. A push whose link had not come back passes nothing, and its secant is 0: the chamber no
+// longer overcomes friction. The differential stiffness of the gas is the slope of F l over the
+// angle inside the strokes, chamber shut or joined to the reservoir: several windows a stroke, with
+// acceleration and time (a falling pressure) as further columns, each stroke its own level.
+#pragma once
+
+#include "components/experiment/protocol.h"
+#include "components/experiment/result.h"
+
+namespace sinew::experiment {
+
+struct PushPlan {
+  double first_bar = 6.0;
+  double last_bar = 2.5;
+  double duration_s = 120.0;
+  int shut_every = 0;  // every n-th push has the chamber shut; 0: none
+  double hand_N_rad = 60.0;
+  double hand_N_s_rad = 2.0;
+  double hand_speed_rad_s = 0.15;  // of the hand's own motion
+  double largest_hand_N = 12.0;
+  double pause_s = 0.25;
+};
+
+class PushProtocol : public Protocol {
+ public:
+  explicit PushProtocol(const PushPlan& plan);  // throws std::invalid_argument
+  Start start() const override;
+  Command Step(const Reading& reading) noexcept override;
+  bool done() const noexcept override { return done_; }
+  double expected_s() const override { return plan_.duration_s; }
+  std::string instruction() const override {
+    return "press the link slowly through the play and let it come back, every three seconds";
+  }
+
+ private:
+  enum class Phase { kPause, kDown, kUp };
+  PushPlan plan_;
+  Phase phase_ = Phase::kPause;
+  double phase_s_ = 0.0;
+  double last_s_ = 0.0;
+  double hand_rad_ = 0.0;
+  double moving_force_N_ = 0.0;
+  double moved_s_ = 0.0;
+  double start_rad_ = 0.0;
+  int pushes_ = 0;
+  bool done_ = false;
+};
+
+// Means under a Hann window over some rows.
+struct WindowMean {
+  double time_s = 0.0;
+  double force_N = 0.0;
+  double pressure_bar = 0.0;
+  double cosine = 1.0;
+  double angle_rad = 0.0;
+  double acceleration_rad_s2 = 0.0;
+};
+WindowMean HannMean(const Recording& rows, std::size_t first, std::size_t last);
+
+// One way through the play.
+struct Stroke {
+  int direction = 0;  // -1 down, +1 up
+  std::size_t first = 0, last = 0;
+  double start_s = 0.0;
+  bool valve_open = true;
+  WindowMean mean{};
+};
+struct Play {
+  double lower_rad = 0.0, upper_rad = 0.0;
+  std::vector<Stroke> strokes;
+  struct Push {
+    double start_s = 0.0;
+    double pressure_bar = 0.0;
+    bool passed = false;  // the link went through the play
+    bool valve_open = true;
+    WindowMean mean{};  // of the stroke down, if it passed
+  };
+  std::vector<Push> pushes;
+};
+Play FindStrokes(const Recording& rows);
+
+Result IdentifyMovingFriction(const Recording& rows, const RigConstants& rig);
+Result IdentifyStiffness(const Recording& rows, const RigConstants& rig);
+
+// Slope of a torque over the angle inside the shut (or open) strokes, scaled to 6 bar like the gas
+// stiffness: for a true value. One torque a row.
+double MeanSlope(const Recording& rows, const Play& play, bool valve_open,
+                 const std::vector<double>& torque_Nm);
+
+}  // namespace sinew::experiment

@@ -1,0 +1,29 @@
+// From the instruction set to its kernel. Private to this room.
+#pragma once
+
+#include <type_traits>
+
+#include "components/networks/kernel.h"
+#include "components/simd/instructions.h"
+
+namespace sinew::networks::internal {
+
+template <typename S>
+const Kernel<S>& KernelFor(simd::Instructions instructions) noexcept {
+  (void)instructions;
+  if constexpr (std::is_same_v<S, float>) {
+#if defined(__x86_64__)
+    if (instructions == simd::Instructions::kAvx512) return kAvx512Float;
+    if (instructions == simd::Instructions::kAvx2) return kAvx2Float;
+#endif
+    return kPortableFloat;
+  } else {
+#if defined(__x86_64__)
+    if (instructions == simd::Instructions::kAvx512) return kAvx512Double;
+    if (instructions == simd::Instructions::kAvx2) return kAvx2Double;
+#endif
+    return kPortableDouble;
+  }
+}
+
+}  // namespace sinew::networks::internal

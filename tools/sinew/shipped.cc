@@ -1,0 +1,29 @@
+#include "tools/sinew/shipped.h"
+
+#include "components/config/config.h"
+
+namespace sinew::tools {
+
+namespace fs = std::filesystem;
+
+fs::path RobotsFolder() {
+  std::error_code error;
+  const fs::path self = fs::read_symlink("/proc/self/exe", error);
+  for (fs::path folder = self.parent_path(); folder.has_relative_path();
+       folder = folder.parent_path()) {
+    for (const fs::path& candidate : {folder / "share" / "sinew" / "robots", folder / "robots"}) {
+      if (fs::is_directory(candidate, error)) return candidate;
+    }
+  }
+  return {};
+}
+
+fs::path ShippedRobotFile(const fs::path& file) {
+  const fs::path folder = RobotsFolder();
+  std::error_code error;
+  if (!folder.empty() && fs::exists(folder / file, error)) return folder / file;
+  throw UsageError("robots/" + file.string() +
+                   ": not found beside the program, expected the file's path");
+}
+
+}  // namespace sinew::tools
