@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/program.h"
+#include "tests/support/sinew_program.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/system/recording_payloads.h"
 
@@ -10,7 +11,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-const std::string kSinew = SINEW_BIN_DIR "/sinew";
 const std::string kDeployment = SINEW_SOURCE_DIR "/robots/rig/deploy_rig.yaml";
 constexpr std::size_t kTicks = 5 * 240;
 

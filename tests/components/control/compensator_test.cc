@@ -6,10 +6,12 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "tests/components/control/terms.h"
+#include "tests/support/rig_constants.h"
+
 namespace sinew::control {
 namespace {
 
-constexpr double kPeriod_s = 1.0 / 240.0;
 constexpr double kTolerance = 1e-12;  // rounding of a dozen operations on numbers near 1
 
 constexpr double kN = 100.0, kEta = 0.77, kKt = 0.0159155;
@@ -17,29 +19,21 @@ constexpr double kJm = 0.115, kJl = 0.0132, kB = 0.31, kTc = 0.22, kTg = 0.58, k
                  kK1 = 4.0;
 constexpr double kQ0 = 0.16, kL = 0.3, kG = 9.81;
 
-void Add(actuator::JointModel* model, const char* effect, std::vector<double> linear,
-         std::vector<double> nonlinear = {}) {
-  actuator::Term term = actuator::MakeTerm(effect, model->constants);
-  for (std::size_t i = 0; i < linear.size(); ++i) term.linear.at(i).value = linear[i];
-  for (std::size_t i = 0; i < nonlinear.size(); ++i) term.nonlinear.at(i).value = nonlinear[i];
-  model->terms.push_back(term);
-}
-
 actuator::JointModel Rig() {
   actuator::JointModel model;
   model.name = "joint";
   model.constants = {
       .gear_ratio = kN, .link_length_m = kL, .gravity_m_s2 = kG, .torque_constant_Nm_A = kKt};
-  Add(&model, "drive_current", {kEta});
-  Add(&model, "rotor_inertia", {kJm});
-  Add(&model, "link_inertia", {kJl});
-  Add(&model, "declared_payload", {1.0});
-  Add(&model, "motor_viscous", {kB});
-  Add(&model, "coulomb", {kTc});
-  Add(&model, "gravity", {kTg});
-  Add(&model, "pneumatic_torque", {kK});
-  Add(&model, "pneumatic_stiffness", {kK1}, {kQ0});
-  Add(&model, "load_force", {1.0});
+  AddTerm(&model, "drive_current", {kEta});
+  AddTerm(&model, "rotor_inertia", {kJm});
+  AddTerm(&model, "link_inertia", {kJl});
+  AddTerm(&model, "declared_payload", {1.0});
+  AddTerm(&model, "motor_viscous", {kB});
+  AddTerm(&model, "coulomb", {kTc});
+  AddTerm(&model, "gravity", {kTg});
+  AddTerm(&model, "pneumatic_torque", {kK});
+  AddTerm(&model, "pneumatic_stiffness", {kK1}, {kQ0});
+  AddTerm(&model, "load_force", {1.0});
   return model;
 }
 
@@ -66,7 +60,7 @@ TEST(Compensator, LinearIsEquation71AtTheMotorShaft) {
   const double theta = kN * (kMoving.position_rad - kQ0);
   const double tau_c = j_total * dw + b_total * w + k_total * theta - kK * m.pressure_bar / kN +
                        m.load_force_N * kL / kN;
-  EXPECT_NEAR(compensator.Step(kMoving, m, kPeriod_s), tau_c / kEta, kTolerance);
+  EXPECT_NEAR(compensator.Step(kMoving, m, kCycle_s), tau_c / kEta, kTolerance);
 }
 
 double Balance(const Point& p, const JointMeasurement& m, double sign_v) {
@@ -78,7 +72,7 @@ double Balance(const Point& p, const JointMeasurement& m, double sign_v) {
 TEST(Compensator, ModelIsTheWholeDeclaredBalance) {
   const JointMeasurement m = Measured();
   Compensator compensator(Rig(), {.kind = CompensatorKind::kModel});
-  EXPECT_NEAR(compensator.Step(kMoving, m, kPeriod_s), Balance(kMoving, m, 1.0) / (kN * kEta),
+  EXPECT_NEAR(compensator.Step(kMoving, m, kCycle_s), Balance(kMoving, m, 1.0) / (kN * kEta),
               kTolerance);
 }
 
@@ -89,7 +83,7 @@ TEST(Compensator, SmoothsTheSignOfVelocityByAStraightLine) {
   for (double v = -0.1; v <= 0.1; v += 0.01) {
     const Point p{0.3, v, 0.0};
     const double sign = std::clamp(v / v_s, -1.0, 1.0);
-    EXPECT_NEAR(compensator.Step(p, m, kPeriod_s), Balance(p, m, sign) / (kN * kEta), kTolerance)
+    EXPECT_NEAR(compensator.Step(p, m, kCycle_s), Balance(p, m, sign) / (kN * kEta), kTolerance)
         << v;
   }
 }
@@ -99,7 +93,7 @@ TEST(Compensator, CompensatesAnEffectThatWasAddedToTheModel) {
   for (const char* name :
        {"stribeck", "direction_dependent_viscous", "quadratic_viscous", "cogging", "offset"}) {
     actuator::JointModel more = Rig();
-    Add(&more, name, {0.2});
+    AddTerm(&more, name, {0.2});
     Compensator declared(Rig(), {.kind = CompensatorKind::kModel});
     Compensator corrected(more, {.kind = CompensatorKind::kModel});
     effects::JointSample x;
@@ -110,7 +104,7 @@ TEST(Compensator, CompensatesAnEffectThatWasAddedToTheModel) {
     x.motor_velocity_rad_s = kN * kMoving.velocity_rad_s;
     const double torque_Nm = more.TermTorque(static_cast<int>(more.terms.size()) - 1, x, {});
     EXPECT_NE(torque_Nm, 0.0) << name;
-    EXPECT_NEAR(corrected.Step(kMoving, m, kPeriod_s) - declared.Step(kMoving, m, kPeriod_s),
+    EXPECT_NEAR(corrected.Step(kMoving, m, kCycle_s) - declared.Step(kMoving, m, kCycle_s),
                 -torque_Nm / (kN * kEta), kTolerance)
         << name;
   }
@@ -118,7 +112,7 @@ TEST(Compensator, CompensatesAnEffectThatWasAddedToTheModel) {
 
 TEST(Compensator, HysteresisFollowsTheReference) {
   actuator::JointModel more = Rig();
-  Add(&more, "seal_hysteresis", {0.1}, {0.01});
+  AddTerm(&more, "seal_hysteresis", {0.1}, {0.01});
   const JointMeasurement m = Measured();
   Compensator declared(Rig(), {.kind = CompensatorKind::kModel});
   Compensator corrected(more, {.kind = CompensatorKind::kModel});
@@ -126,7 +120,7 @@ TEST(Compensator, HysteresisFollowsTheReference) {
   for (int k = 0; k < 240;
        ++k) {  // up by 0.2 rad: twenty times the length over which the seal turns
     const Point p{0.2 * k / 240.0, 0.2, 0.0};
-    extra = corrected.Step(p, m, kPeriod_s) - declared.Step(p, m, kPeriod_s);
+    extra = corrected.Step(p, m, kCycle_s) - declared.Step(p, m, kCycle_s);
   }
   EXPECT_NEAR(extra, 0.1 * m.pressure_bar / (kN * kEta), 1e-9);
 }
@@ -135,10 +129,10 @@ TEST(Compensator, APrismaticAxisGetsForceAtTheOutput) {
   actuator::JointModel axis;
   axis.kind = effects::JointKind::kLinear;
   axis.constants.force_constant_N_V = 35.15;
-  Add(&axis, "drive_voltage", {35.15});
-  Add(&axis, "inertia", {95.0});
-  Add(&axis, "viscous", {200.0});
-  Add(&axis, "coulomb", {20.0});
+  AddTerm(&axis, "drive_voltage", {35.15});
+  AddTerm(&axis, "inertia", {95.0});
+  AddTerm(&axis, "viscous", {200.0});
+  AddTerm(&axis, "coulomb", {20.0});
   EXPECT_NEAR(ShaftPerOutput(axis), 1.0, kTolerance);
   Compensator compensator(axis, {.kind = CompensatorKind::kModel, .smoothing_rad_s = 0.001});
   const Point p{0.1, 0.2, 0.5};
@@ -152,12 +146,12 @@ TEST(Compensator, LeadLooksAlongTheReference) {
   const Point later{
       kMoving.position_rad + 0.01 * kMoving.velocity_rad_s + 0.5e-4 * kMoving.acceleration_rad_s2,
       kMoving.velocity_rad_s + 0.01 * kMoving.acceleration_rad_s2, kMoving.acceleration_rad_s2};
-  EXPECT_NEAR(ahead.Step(kMoving, m, kPeriod_s), now.Step(later, m, kPeriod_s), kTolerance);
+  EXPECT_NEAR(ahead.Step(kMoving, m, kCycle_s), now.Step(later, m, kCycle_s), kTolerance);
 }
 
 TEST(Compensator, WithoutAKindItAddsNothing) {
   Compensator compensator(Rig(), {});
-  EXPECT_EQ(compensator.Step(kMoving, Measured(), kPeriod_s), 0.0);
+  EXPECT_EQ(compensator.Step(kMoving, Measured(), kCycle_s), 0.0);
 }
 
 TEST(Compensator, BadConfigurationIsRefused) {

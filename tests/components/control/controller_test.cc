@@ -8,33 +8,28 @@
 
 #include "components/control/robot_controller.h"
 #include "components/reference/generator.h"
+#include "tests/components/control/terms.h"
 #include "tests/components/control/test_plant.h"
 #include "tests/support/allocations.h"
+#include "tests/support/rig_constants.h"
 
 namespace sinew::control {
 namespace {
 
-constexpr double kPeriod_s = 1.0 / 240.0;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-void Add(actuator::JointModel* model, const char* effect, std::vector<double> linear) {
-  actuator::Term term = actuator::MakeTerm(effect, model->constants);
-  for (std::size_t i = 0; i < linear.size(); ++i) term.linear.at(i).value = linear[i];
-  model->terms.push_back(term);
-}
 
 // The model of TestRig as close-loop would know it.
 actuator::JointModel ModelOf(const TestRig& rig) {
   actuator::JointModel model;
   model.constants = {
       .gear_ratio = rig.gear_ratio, .link_length_m = 0.3, .torque_constant_Nm_A = 0.0159155};
-  Add(&model, "drive_current", {rig.efficiency});
-  Add(&model, "rotor_inertia", {rig.rotor_inertia_kg_m2});
-  Add(&model, "link_inertia", {rig.link_inertia_kg_m2});
-  Add(&model, "motor_viscous", {rig.viscous_Nm_s_rad});
-  Add(&model, "coulomb", {rig.coulomb_Nm});
-  Add(&model, "gravity", {rig.gravity_Nm});
-  Add(&model, "pneumatic_torque", {rig.pneumatic_Nm / 4.0});
+  AddTerm(&model, "drive_current", {rig.efficiency});
+  AddTerm(&model, "rotor_inertia", {rig.rotor_inertia_kg_m2});
+  AddTerm(&model, "link_inertia", {rig.link_inertia_kg_m2});
+  AddTerm(&model, "motor_viscous", {rig.viscous_Nm_s_rad});
+  AddTerm(&model, "coulomb", {rig.coulomb_Nm});
+  AddTerm(&model, "gravity", {rig.gravity_Nm});
+  AddTerm(&model, "pneumatic_torque", {rig.pneumatic_Nm / 4.0});
   return model;
 }
 
@@ -58,7 +53,7 @@ JointControlConfig RigConfig(Strategy strategy) {
 RobotInput InputOf(const TestRig& rig) {
   RobotInput input;
   input.session_id = 7;
-  input.period_s = kPeriod_s;
+  input.period_s = kCycle_s;
   input.armed = true;
   input.joint_count = 1;
   JointMeasurement& m = input.joint[0];
@@ -107,7 +102,7 @@ TEST(RobotController, ArmedWithoutReferenceHoldsWhereTheJointStands) {
   const JointControlConfig config = RigConfig(Strategy::kPid);
   const RobotOutput out = controller.Step(Still(0.5));
   EXPECT_NEAR(out.joint[0].motor_torque_Nm,
-              -0.1 * (12.0 + 10.0 * kPeriod_s) * config.shaft_per_output, 1e-12);
+              -0.1 * (12.0 + 10.0 * kCycle_s) * config.shaft_per_output, 1e-12);
 }
 
 TEST(RobotController, TakesOverWithoutAJumpEvenWhenTheReferenceIsElsewhere) {
@@ -121,7 +116,7 @@ TEST(RobotController, TakesOverWithoutAJumpEvenWhenTheReferenceIsElsewhere) {
       const RobotOutput out = controller.Step(input);
       const double position_rad = out.joint[0].position_rad;
       // Peak speed of the quintic: 1.875 way / time.
-      EXPECT_LE(std::abs(position_rad - before_rad), 1.001 * 1.875 * 0.5 / 0.3 * kPeriod_s) << k;
+      EXPECT_LE(std::abs(position_rad - before_rad), 1.001 * 1.875 * 0.5 / 0.3 * kCycle_s) << k;
       before_rad = position_rad;
       if (k == 0) {
         EXPECT_NEAR(position_rad, 0.4, 1e-12);
@@ -366,7 +361,7 @@ TEST(RobotController, AStandbyGoesOnFromTheOwnersCommand) {
   }
   const double next_Nm = standby.Step(Still(-0.05)).joint[0].motor_torque_Nm;
   const double integral_step_Nm =
-      10.0 * 0.05 * kPeriod_s * RigConfig(Strategy::kPid).shaft_per_output;
+      10.0 * 0.05 * kCycle_s * RigConfig(Strategy::kPid).shaft_per_output;
   EXPECT_NEAR(next_Nm, applied_Nm + integral_step_Nm, 1e-12);
 }
 
@@ -403,7 +398,7 @@ TEST(RobotController, MovesSlowlyOnRequestAndOnlyWithoutAReference) {
     input.motion[0] = {Motion::kMoveSlowly, 0.3, 0.1, 0.0};
     const RobotOutput out = controller.Step(input);
     fastest_rad_s = std::max(fastest_rad_s, out.joint[0].velocity_rad_s);
-    rig.Step(out.joint[0].motor_torque_Nm, kPeriod_s);
+    rig.Step(out.joint[0].motor_torque_Nm, kCycle_s);
   }
   EXPECT_NEAR(fastest_rad_s, 0.1, 1e-9);
   EXPECT_NEAR(rig.link_rad, 0.3, 0.02);
@@ -426,7 +421,7 @@ TEST(RobotController, PushesAgainstTheChamberAtTheAskedSpeedAndTorque) {
     input.motion[0] = {Motion::kPushAgainstChamber, -0.3, 0.1, 0.1};
     const RobotOutput out = controller.Step(input);
     largest_Nm = std::max(largest_Nm, std::abs(out.joint[0].motor_torque_Nm));
-    rig.Step(out.joint[0].motor_torque_Nm, kPeriod_s);
+    rig.Step(out.joint[0].motor_torque_Nm, kCycle_s);
     if (k > 240) fastest_rad_s = std::max(fastest_rad_s, std::abs(rig.motor_rad_s));
   }
   EXPECT_LE(largest_Nm, 0.1);
@@ -462,13 +457,13 @@ double BenchmarkMse(const JointControlConfig& config, TestRig rig) {
   for (int k = 0; k < 12 * 240; ++k) {
     RobotInput input = InputOf(rig);
     input.reference_count = 1;
-    input.reference[0] = generator.At(k * kPeriod_s);
+    input.reference[0] = generator.At(k * kCycle_s);
     if (k >= 2 * 240) {
       const double error = input.reference[0].position_rad - rig.link_rad;
       sum += error * error;
       ++count;
     }
-    rig.Step(controller.Step(input).joint[0].motor_torque_Nm, kPeriod_s);
+    rig.Step(controller.Step(input).joint[0].motor_torque_Nm, kCycle_s);
   }
   return sum / count;
 }
@@ -514,7 +509,7 @@ TEST(ClosedLoop, AnEffectAddedToTheModelFileImprovesTracking) {
   const double c = -0.6 / (gain_up + gain_down);
   const double share = -c * gain_down;
   corrected.model->terms[index].linear[0].value = c;
-  Add(&*corrected.model, "viscous", {share});
+  AddTerm(&*corrected.model, "viscous", {share});
   EXPECT_LT(BenchmarkMse(corrected, rig), 0.6 * BenchmarkMse(declared, rig));
 }
 

@@ -8,11 +8,10 @@
 #include <random>
 #include <stdexcept>
 
+#include "tests/support/rig_constants.h"
+
 namespace sinew::experiment {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kCount_rad = 2.0 * std::numbers::pi / 16384.0;
 
 Recording Synthetic(double play_deg, double compliance_rad_Nm, int trials, bool two_torques) {
   std::mt19937 random(3);

@@ -9,11 +9,10 @@
 #include <random>
 #include <stdexcept>
 
+#include "tests/support/rig_constants.h"
+
 namespace sinew::experiment {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kCount_rad = 2.0 * std::numbers::pi / 16384.0;
 
 // A force that grows at 1 N/s; the link creeps by 2 mrad and then falls.
 Recording Trial(double angle_rad, double breakaway_N, unsigned seed, double start_s = 0.0) {

@@ -10,11 +10,10 @@
 #include "components/experiment/breakaway.h"
 #include "components/experiment/catalogue.h"
 #include "tests/support/allocations.h"
+#include "tests/support/rig_constants.h"
 
 namespace sinew::experiment {
 namespace {
-
-constexpr double kCycle_s = 1.0 / 240.0;
 
 // Position follows at once; pressure follows compressor and vent.
 struct Toy {

@@ -8,11 +8,12 @@
 #include <random>
 #include <stdexcept>
 
+#include "tests/support/rig_constants.h"
+
 namespace sinew::experiment {
 namespace {
 
 constexpr double kHalf_rad = 0.0232;
-constexpr double kCount_rad = 2.0 * std::numbers::pi / 16384.0;
 constexpr double kInertia_kg_m2 = 0.019;
 
 struct Truth {

@@ -10,13 +10,13 @@
 #include <stdexcept>
 
 #include "tests/support/allocations.h"
+#include "tests/support/rig_constants.h"
 
 namespace sinew::regime {
 namespace {
 
 constexpr double kPeriod_s = 1.0 / 240.0;
 constexpr double kBacklash_rad = 0.0464258;
-constexpr double kCount_rad = 2.0 * 3.14159265358979323846 / 16384.0;
 constexpr double kN = 100.0;
 
 DetectorConfig Active() {

@@ -11,12 +11,12 @@
 #include <vector>
 
 #include "tests/support/allocations.h"
+#include "tests/support/rig_constants.h"
 
 namespace sinew::regime {
 namespace {
 
-constexpr double kBacklash_rad = 0.0464258;
-constexpr double kCount_rad = 2.0 * 3.14159265358979323846 / 16384.0;
+constexpr double kPlay_rad = 0.0464258;
 
 class Encoder {
  public:
@@ -37,7 +37,7 @@ class Encoder {
 
 Contact TruthOf(double alpha_rad) {
   if (alpha_rad <= 0.0) return Contact::kLower;
-  return alpha_rad >= kBacklash_rad ? Contact::kUpper : Contact::kNone;
+  return alpha_rad >= kPlay_rad ? Contact::kUpper : Contact::kNone;
 }
 
 // Rest in a contact, through the play at one speed, rest in the other, and back, several times.
@@ -48,10 +48,10 @@ std::vector<double> Crossings(double step_rad, double penetration_rad, int times
   for (int i = 0; i <= times; ++i) {
     const bool up = i % 2 == 0;
     for (int k = 0; k < 200; ++k)
-      alpha.push_back(up ? -penetration_rad : kBacklash_rad + penetration_rad);
+      alpha.push_back(up ? -penetration_rad : kPlay_rad + penetration_rad);
     if (i == times) break;
-    for (double way = step_rad * part(random); way < kBacklash_rad; way += step_rad) {
-      alpha.push_back(up ? way : kBacklash_rad - way);
+    for (double way = step_rad * part(random); way < kPlay_rad; way += step_rad) {
+      alpha.push_back(up ? way : kPlay_rad - way);
     }
   }
   return alpha;
@@ -67,7 +67,7 @@ struct Score {
 // not yet.
 Score Judge(const std::vector<double>& alpha, double noise_rad, unsigned seed) {
   PlayConfig config;
-  config.backlash_rad = kBacklash_rad;
+  config.backlash_rad = kPlay_rad;
   config.output_noise_rad = noise_rad;
   PlayDetector detector(config);
   Encoder encoder(noise_rad, seed);
@@ -84,7 +84,7 @@ Score Judge(const std::vector<double>& alpha, double noise_rad, unsigned seed) {
                                truth != TruthOf(alpha[k + 1]) ||
                                (k > 1 && truth != TruthOf(alpha[k - 2]));
     const bool hardly_open =
-        truth == Contact::kNone && std::min(alpha[k], kBacklash_rad - alpha[k]) < 2.0 * kCount_rad;
+        truth == Contact::kNone && std::min(alpha[k], kPlay_rad - alpha[k]) < 2.0 * kCount_rad;
     EXPECT_EQ(decision.regime, decision.contact == Contact::kNone ? Regime::kSea : Regime::kPea);
     if (!at_transition && !hardly_open && decision.contact != truth) ++wrong;
   }
@@ -131,21 +131,21 @@ TEST(PlayDetector, RestingAnywhereNearAContactItDoesNotChatter) {
 
 TEST(PlayDetector, FindsAFastTransitionOnTheFirstSample) {
   PlayConfig config;
-  config.backlash_rad = kBacklash_rad;
+  config.backlash_rad = kPlay_rad;
   PlayDetector detector(config);
   for (int k = 0; k < 50; ++k) EXPECT_EQ(detector.Step(0.0, 0.0).contact, Contact::kLower);
   EXPECT_EQ(detector.Step(0.01, 0.0).contact, Contact::kNone);
   EXPECT_EQ(detector.Step(0.02, 0.0).contact, Contact::kNone);
   EXPECT_EQ(detector.Step(0.03, 0.0).contact, Contact::kNone);
   EXPECT_EQ(detector.Step(0.04, 0.0).contact, Contact::kNone);
-  EXPECT_EQ(detector.Step(kBacklash_rad, 0.0).contact, Contact::kUpper);
+  EXPECT_EQ(detector.Step(kPlay_rad, 0.0).contact, Contact::kUpper);
 }
 
 TEST(PlayDetector, ConfidenceIsOneHalfAtTheThresholdAndNearOneAwayFromIt) {
   PlayConfig config;
-  config.backlash_rad = kBacklash_rad;
+  config.backlash_rad = kPlay_rad;
   PlayDetector inside(config);
-  EXPECT_GT(inside.Step(0.5 * kBacklash_rad, 0.0).confidence, 0.999999);
+  EXPECT_GT(inside.Step(0.5 * kPlay_rad, 0.0).confidence, 0.999999);
   PlayDetector contact(config);
   EXPECT_GT(contact.Step(-5.0 * kCount_rad, 0.0).confidence, 0.999999);
   PlayDetector edge(config);
@@ -155,7 +155,7 @@ TEST(PlayDetector, ConfidenceIsOneHalfAtTheThresholdAndNearOneAwayFromIt) {
 
 TEST(PlayDetector, SamplingSkewMakesItMoreCarefulInFastMotion) {
   PlayConfig config;
-  config.backlash_rad = kBacklash_rad;
+  config.backlash_rad = kPlay_rad;
   config.sampling_skew_s = 0.001;
   PlayDetector detector(config);
   for (int k = 0; k < 10; ++k) static_cast<void>(detector.Step(0.0, 2.0));
@@ -166,12 +166,12 @@ TEST(PlayDetector, SamplingSkewMakesItMoreCarefulInFastMotion) {
 
 TEST(PlayDetector, AMillionStepsAllocateNothing) {
   PlayConfig config;
-  config.backlash_rad = kBacklash_rad;
+  config.backlash_rad = kPlay_rad;
   PlayDetector detector(config);
   const long before = test::Allocations();
   int inside = 0;
   for (int k = 0; k < 1000000; ++k) {
-    inside += detector.Step(0.5 * kBacklash_rad * (1.0 + 1.5 * std::sin(1e-3 * k)), 0.0).regime ==
+    inside += detector.Step(0.5 * kPlay_rad * (1.0 + 1.5 * std::sin(1e-3 * k)), 0.0).regime ==
               Regime::kSea;
   }
   EXPECT_EQ(test::Allocations() - before, 0);

@@ -11,12 +11,12 @@
 
 #include "components/regime/detector.h"
 #include "sim/surrogate/rig.h"
+#include "tests/support/rig_constants.h"
 
 namespace sinew::regime {
 namespace {
 
 constexpr double kPeriod_s = 1.0 / 240.0;
-constexpr double kCount_rad = 2.0 * std::numbers::pi / 16384.0;
 
 struct Score {
   long samples = 0, wrong = 0, transitions = 0, flips = 0, unknown = 0;

@@ -8,7 +8,7 @@
 namespace sinew::plant {
 namespace {
 
-constexpr double kDt_s = 1e-4;
+constexpr double kGasStep_s = 1e-4;
 
 PneumaticConfig Rig() {
   PneumaticConfig config;
@@ -20,8 +20,8 @@ PneumaticConfig Rig() {
 }
 
 void RunFor(PneumaticElement& element, const Relays& relays, double position_rad, double seconds) {
-  for (long k = 0; k < std::lround(seconds / kDt_s); ++k) {
-    element.Step(relays, position_rad, kDt_s);
+  for (long k = 0; k < std::lround(seconds / kGasStep_s); ++k) {
+    element.Step(relays, position_rad, kGasStep_s);
   }
 }
 
@@ -32,7 +32,7 @@ TEST(Pneumatics, KeepsItsGasWhenEverythingIsShut) {
   element.Reset(0.16);
   const double amount = (4.0 + kAmbientPressure_bar) * element.chamber_volume_m3(0.16);
   double q = 0.16;
-  for (int k = 0; k < 6600; ++k) element.Step({}, q -= 1e-4, kDt_s);
+  for (int k = 0; k < 6600; ++k) element.Step({}, q -= 1e-4, kGasStep_s);
   EXPECT_NEAR((element.pressure_bar() + kAmbientPressure_bar) * element.chamber_volume_m3(q),
               amount, 1e-15);
   EXPECT_NEAR(element.reservoir_pressure_bar(), 6.0, 1e-12);

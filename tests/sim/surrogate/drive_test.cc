@@ -8,11 +8,11 @@
 namespace sinew::surrogate {
 namespace {
 
-constexpr double kStep_s = 1.0 / 8000.0;
+constexpr double kDriveStep_s = 1.0 / 8000.0;
 
 TEST(TrackingObserver, FollowsARampWithoutALastingError) {
   TrackingObserver observer(100.0);
-  for (int i = 0; i <= 8000; ++i) observer.Step(3.0 * i * kStep_s, kStep_s);
+  for (int i = 0; i <= 8000; ++i) observer.Step(3.0 * i * kDriveStep_s, kDriveStep_s);
   EXPECT_NEAR(observer.velocity_rad_s(), 3.0, 1e-6);
   EXPECT_NEAR(observer.angle_rad(), 3.0, 1e-6);
 }
@@ -22,7 +22,7 @@ TEST(TrackingObserver, LagsLikeACriticallyDampedSecondOrderSystem) {
   TrackingObserver observer(100.0);
   double largest = 0.0;
   for (int i = 0; i < 800; ++i) {
-    observer.Step(1.0, kStep_s);
+    observer.Step(1.0, kDriveStep_s);
     largest = std::max(largest, observer.velocity_rad_s());
   }
   EXPECT_NEAR(largest, 100.0 / std::exp(1.0), 0.03 * 100.0 / std::exp(1.0));
@@ -31,14 +31,14 @@ TEST(TrackingObserver, LagsLikeACriticallyDampedSecondOrderSystem) {
 TEST(Drive, IdleAsksForNoTorque) {
   Drive drive{DriveParameters{}};
   DriveCommand command{DriveMode::kIdle, 0.3, 5.0, 2.0};
-  EXPECT_EQ(drive.Step(command, 1.0, kStep_s), 0.0);
+  EXPECT_EQ(drive.Step(command, 1.0, kDriveStep_s), 0.0);
 }
 
 TEST(Drive, TorqueModePassesTheTorqueUpToItsLimit) {
   Drive drive{DriveParameters{}};
-  EXPECT_EQ(drive.Step({DriveMode::kTorque, 0.1}, 0.0, kStep_s), 0.1);
-  EXPECT_EQ(drive.Step({DriveMode::kTorque, 9.0}, 0.0, kStep_s), 0.398);
-  EXPECT_EQ(drive.Step({DriveMode::kTorque, -9.0}, 0.0, kStep_s), -0.398);
+  EXPECT_EQ(drive.Step({DriveMode::kTorque, 0.1}, 0.0, kDriveStep_s), 0.1);
+  EXPECT_EQ(drive.Step({DriveMode::kTorque, 9.0}, 0.0, kDriveStep_s), 0.398);
+  EXPECT_EQ(drive.Step({DriveMode::kTorque, -9.0}, 0.0, kDriveStep_s), -0.398);
 }
 
 TEST(Drive, PositionAndVelocityModesBringAFreeRotorThere) {
@@ -48,8 +48,9 @@ TEST(Drive, PositionAndVelocityModesBringAFreeRotorThere) {
     double angle_rad = 0.0, velocity_rad_s = 0.0;
     for (int i = 0; i < 16000; ++i) {
       const DriveCommand command{mode, 0.0, 10.0, mode == DriveMode::kVelocity ? 40.0 : 0.0};
-      velocity_rad_s += kStep_s * drive.Step(command, angle_rad, kStep_s) / kInertia_kg_m2;
-      angle_rad += kStep_s * velocity_rad_s;
+      velocity_rad_s +=
+          kDriveStep_s * drive.Step(command, angle_rad, kDriveStep_s) / kInertia_kg_m2;
+      angle_rad += kDriveStep_s * velocity_rad_s;
     }
     if (mode == DriveMode::kPosition) {
       EXPECT_NEAR(angle_rad, 10.0, 1e-3);

@@ -8,12 +8,10 @@
 #include <vector>
 
 #include "sim/surrogate/rig.h"
+#include "tests/support/rig_constants.h"
 
 namespace sinew::surrogate {
 namespace {
-
-constexpr double kCycle_s = 1.0 / 240.0;
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 TEST(Published, PlayMeasuredWithSmallTorquesIs2p66Degrees) {
   // +-0.02 N·m at the motor, 2.5 s period, link horizontal, a counter torque on the link, 80 Hz

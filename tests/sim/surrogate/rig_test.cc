@@ -8,10 +8,10 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "tests/support/rig_constants.h"
+
 namespace sinew::surrogate {
 namespace {
-
-constexpr double kCycle_s = 1.0 / 240.0;
 
 RigParameters Lossless() {
   RigParameters p;

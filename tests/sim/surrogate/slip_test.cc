@@ -11,7 +11,7 @@
 namespace sinew::surrogate {
 namespace {
 
-constexpr double kStep_s = 1.0 / 24000.0;
+constexpr double kSlipStep_s = 1.0 / 24000.0;
 constexpr double kInertia_kg_m2 = 0.019;
 
 // A body of the link's inertia on the bank, pushed with a constant torque.
@@ -20,17 +20,17 @@ struct Body {
   double angle_rad = 0.0;
   double velocity_rad_s = 0.0;
   void Push(double torque_Nm, double seconds) {
-    for (int i = 0; i < static_cast<int>(seconds / kStep_s); ++i) {
-      const double friction_Nm = bank.Step(velocity_rad_s, kStep_s);
-      velocity_rad_s += kStep_s * (torque_Nm + friction_Nm) / kInertia_kg_m2;
-      angle_rad += kStep_s * velocity_rad_s;
+    for (int i = 0; i < static_cast<int>(seconds / kSlipStep_s); ++i) {
+      const double friction_Nm = bank.Step(velocity_rad_s, kSlipStep_s);
+      velocity_rad_s += kSlipStep_s * (torque_Nm + friction_Nm) / kInertia_kg_m2;
+      angle_rad += kSlipStep_s * velocity_rad_s;
     }
   }
 };
 
 TEST(SlipBank, NoMotionGivesNoTorque) {
   SlipBank bank{SlipParameters{}};
-  for (int i = 0; i < 1000; ++i) EXPECT_EQ(bank.Step(0.0, kStep_s), 0.0);
+  for (int i = 0; i < 1000; ++i) EXPECT_EQ(bank.Step(0.0, kSlipStep_s), 0.0);
 }
 
 TEST(SlipBank, HoldsWithoutCreepingUnderATorqueBelowBreakaway) {
@@ -47,7 +47,7 @@ TEST(SlipBank, SlidingTorqueIsTheKineticOneAtAnySpeed) {
   for (const double speed_rad_s : {0.02, 0.2, 2.0, -0.02, -2.0}) {
     SlipBank bank{SlipParameters{}};
     double torque_Nm = 0.0;
-    for (int i = 0; i < 24000; ++i) torque_Nm = bank.Step(speed_rad_s, kStep_s);
+    for (int i = 0; i < 24000; ++i) torque_Nm = bank.Step(speed_rad_s, kSlipStep_s);
     // The contacts' age while sliding is D/v = 0.05 s at 0.02 rad/s: 0.0004 N·m.
     EXPECT_NEAR(torque_Nm, std::copysign(0.22, -speed_rad_s), 5e-4) << speed_rad_s;
   }
@@ -58,7 +58,7 @@ TEST(SlipBank, YieldTorqueGrowsWithTheTimeAtRest) {
   for (const double rest_s : {0.0, 0.25, 2.0, 10.0, 60.0}) {
     SlipBank bank{parameters};
     bank.Reset(rest_s);
-    bank.Step(0.0, kStep_s);
+    bank.Step(0.0, kSlipStep_s);
     const double expected_Nm =
         parameters.kinetic_Nm +
         parameters.rest_growth_Nm *
@@ -70,9 +70,9 @@ TEST(SlipBank, YieldTorqueGrowsWithTheTimeAtRest) {
 TEST(SlipBank, ContactsAgeASecondPerSecondOfRestAndWearToDistanceOverSpeed) {
   const SlipParameters parameters;
   SlipBank bank{parameters};
-  for (int i = 0; i < 3 * 24000; ++i) bank.Step(0.0, kStep_s);
+  for (int i = 0; i < 3 * 24000; ++i) bank.Step(0.0, kSlipStep_s);
   EXPECT_NEAR(bank.age_s(), 3.0, 1e-6);
-  for (int i = 0; i < 24000; ++i) bank.Step(0.1, kStep_s);
+  for (int i = 0; i < 24000; ++i) bank.Step(0.1, kSlipStep_s);
   EXPECT_NEAR(bank.age_s(), parameters.renewal_distance_rad / 0.1, 1e-4);
 }
 
@@ -96,7 +96,7 @@ TEST(SlipBank, OnlyTakesEnergyWhateverTheMotion) {
   for (int i = 0; i < 400000; ++i) {
     if (i % 300 == 0)
       velocity_rad_s = random.Gaussian() * std::pow(10.0, random.Uniform(-4.0, 0.5));
-    given_J += -bank.Step(velocity_rad_s, kStep_s) * velocity_rad_s * kStep_s;
+    given_J += -bank.Step(velocity_rad_s, kSlipStep_s) * velocity_rad_s * kSlipStep_s;
     // What was given is at least what the springs hold: nothing comes back that was not put in. The
     // torque is that at the end of the step, so a spring is charged in steps: the tolerance is one
     // step's error.
@@ -108,7 +108,7 @@ TEST(SlipBank, OnlyTakesEnergyWhateverTheMotion) {
 TEST(SlipBank, StaysFiniteOverALongRun) {
   SlipBank bank{SlipParameters{}};
   double torque_Nm = 0.0;
-  for (int i = 0; i < 3000000; ++i) torque_Nm = bank.Step(std::sin(1e-3 * i), kStep_s);
+  for (int i = 0; i < 3000000; ++i) torque_Nm = bank.Step(std::sin(1e-3 * i), kSlipStep_s);
   EXPECT_TRUE(std::isfinite(torque_Nm));
   EXPECT_LE(std::abs(torque_Nm), 1.3);
 }

@@ -14,7 +14,7 @@
 namespace sinew::surrogate {
 namespace {
 
-constexpr double kStep_s = 1e-4;
+constexpr double kEffectStep_s = 1e-4;
 
 Undeclared Make(const std::string& name, double size, double from_s = 0.0) {
   return Undeclared({{name, size, from_s}}, 100.0);
@@ -24,7 +24,7 @@ TEST(Undeclared, NoneDoesNothing) {
   Undeclared none({}, 100.0);
   const EffectState state{1.0, 50.0, 0.5, 4.0};
   EXPECT_EQ(none.ExtraFriction_Nm(0.0), 0.0);
-  EXPECT_EQ(none.OutputTorque_Nm(state, kStep_s), 0.0);
+  EXPECT_EQ(none.OutputTorque_Nm(state, kEffectStep_s), 0.0);
   EXPECT_EQ(none.RotorTorque_Nm(state), 0.0);
   EXPECT_EQ(none.payload_kg(), 0.0);
 }
@@ -51,8 +51,8 @@ TEST(Undeclared, StribeckFrictionIsWholeAtCreepAndGoneAtSpeed) {
 
 TEST(Undeclared, ViscousFrictionDiffersByItsSizeBetweenTheDirections) {
   Undeclared effect = Make("direction_dependent_viscous", 0.2);
-  const double up_Nm = effect.OutputTorque_Nm({0.0, 0.0, 1.0, 0.0}, kStep_s);
-  const double down_Nm = effect.OutputTorque_Nm({0.0, 0.0, -1.0, 0.0}, kStep_s);
+  const double up_Nm = effect.OutputTorque_Nm({0.0, 0.0, 1.0, 0.0}, kEffectStep_s);
+  const double down_Nm = effect.OutputTorque_Nm({0.0, 0.0, -1.0, 0.0}, kEffectStep_s);
   // Coefficients: torque / -velocity.
   EXPECT_DOUBLE_EQ(-up_Nm - down_Nm, 0.2);
   EXPECT_DOUBLE_EQ(up_Nm - down_Nm, 0.0);
@@ -94,8 +94,8 @@ TEST(Undeclared, SealLoopIsAsWideAsPressureAndSizeSay) {
     Undeclared effect = Make("seal_hysteresis", 0.02);
     const auto sweep = [&](double velocity_rad_s, double seconds) {
       double torque_Nm = 0.0;
-      for (int i = 0; i < static_cast<int>(seconds / kStep_s); ++i) {
-        torque_Nm = effect.OutputTorque_Nm({0.0, 0.0, velocity_rad_s, pressure_bar}, kStep_s);
+      for (int i = 0; i < static_cast<int>(seconds / kEffectStep_s); ++i) {
+        torque_Nm = effect.OutputTorque_Nm({0.0, 0.0, velocity_rad_s, pressure_bar}, kEffectStep_s);
       }
       return torque_Nm;
     };
@@ -115,9 +115,9 @@ TEST(Undeclared, SealTakesEnergyOverEveryClosedLoop) {
   Undeclared effect = Make("seal_hysteresis", 0.02);
   double work_J = 0.0;
   for (int i = 0; i < 200000; ++i) {
-    const double velocity_rad_s = 0.5 * std::cos(2.0 * std::numbers::pi * i * kStep_s);
-    work_J +=
-        effect.OutputTorque_Nm({0.0, 0.0, velocity_rad_s, 4.0}, kStep_s) * velocity_rad_s * kStep_s;
+    const double velocity_rad_s = 0.5 * std::cos(2.0 * std::numbers::pi * i * kEffectStep_s);
+    work_J += effect.OutputTorque_Nm({0.0, 0.0, velocity_rad_s, 4.0}, kEffectStep_s) *
+              velocity_rad_s * kEffectStep_s;
   }
   EXPECT_LT(work_J, 0.0);
 }

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "tests/support/program.h"
+#include "tests/support/sinew_program.h"
 #include "tests/support/temporary_folder.h"
 
 namespace sinew {
@@ -23,7 +24,6 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 constexpr auto kLimit = 20s;  // for what takes well under a second on an idle machine
-const std::string kSinew = std::string(SINEW_BIN_DIR) + "/sinew";
 // Waits without a child process of its own, and ends by SIGINT, SIGTERM or after a minute.
 const std::string kWaits = "exec sleep 60";
 

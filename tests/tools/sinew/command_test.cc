@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/support/program.h"
+#include "tests/support/sinew_program.h"
 
 namespace sinew {
 namespace {
@@ -16,8 +17,6 @@ namespace {
 using sinew::testing::Finished;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
-
-const std::string kSinew = std::string(SINEW_BIN_DIR) + "/sinew";
 
 // As the program's own help lists them.
 std::vector<std::string> Subcommands() {

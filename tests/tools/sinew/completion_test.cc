@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/support/program.h"
+#include "tests/support/sinew_program.h"
 #include "tests/support/temporary_folder.h"
 
 namespace sinew {
@@ -24,8 +25,6 @@ using ::testing::IsSupersetOf;
 using ::testing::Not;
 using ::testing::StartsWith;
 using ::testing::UnorderedElementsAre;
-
-const std::string kSinew = std::string(SINEW_BIN_DIR) + "/sinew";
 
 std::vector<std::string> Lines(const std::string& text) {
   std::vector<std::string> lines;
