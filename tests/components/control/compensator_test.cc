@@ -162,11 +162,11 @@ TEST(Compensator, BadConfigurationIsRefused) {
 
 TEST(Compensator, ARecordedTorqueIsPlayedFromTheFirstStepOnAndHeldAtItsEnd) {
   CompensatorConfig config{.kind = CompensatorKind::kRecorded};
-  config.recorded = {2.0 * kPeriod_s, {0.1, 0.3, -0.1}};
+  config.recorded = {2.0 * kCycle_s, {0.1, 0.3, -0.1}};
   Compensator compensator(Rig(), config);
   for (int repeat = 0; repeat < 2; ++repeat) {
     for (const double expected_Nm : {0.1, 0.2, 0.3, 0.1, -0.1, -0.1, -0.1}) {
-      EXPECT_NEAR(compensator.Step(kMoving, Measured(), kPeriod_s), expected_Nm, kTolerance);
+      EXPECT_NEAR(compensator.Step(kMoving, Measured(), kCycle_s), expected_Nm, kTolerance);
     }
     compensator.Reset();
   }
@@ -175,9 +175,9 @@ TEST(Compensator, ARecordedTorqueIsPlayedFromTheFirstStepOnAndHeldAtItsEnd) {
 TEST(Compensator, ARecordedTorqueThatCannotBePlayedIsRefused) {
   CompensatorConfig config{.kind = CompensatorKind::kRecorded};
   EXPECT_THROW(Compensator(Rig(), config), std::invalid_argument);
-  config.recorded = {kPeriod_s, {}};
+  config.recorded = {kCycle_s, {}};
   EXPECT_THROW(Compensator(Rig(), config), std::invalid_argument);
-  config.recorded = {kPeriod_s, {0.0, NAN}};
+  config.recorded = {kCycle_s, {0.0, NAN}};
   EXPECT_THROW(Compensator(Rig(), config), std::invalid_argument);
 }
 
