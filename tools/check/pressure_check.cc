@@ -376,9 +376,8 @@ report::Section MakePressureSection(const PressureCheck& check, const ManagerCon
   compare("fillings that follow a venting and the other way, a minute", "",
           Text("%.1f", most_reversals), "no hunting: at most 1",
           most_reversals <= kMostReversals_per_min);
-  section.comparisons.back().remark =
-      Text("at most %.0f switches of all relays a minute, where the air still cools after filling",
-           most_switches);
+  section.comparisons.back().remark = Text(
+      "at most %.0f switches of relays a minute, while the air cools after filling", most_switches);
   compare("least margin to the relays' least times", "s", margin(least_margin_s), "not below 0",
           !(least_margin_s < -0.5 * kPeriod_s));
   compare("false alarms", "", false_alarm ? "some" : "none", "none", !false_alarm);
