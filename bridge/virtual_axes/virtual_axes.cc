@@ -487,6 +487,11 @@ std::uint32_t VirtualAxes::axis_error(int axis) const {
 double VirtualAxes::input_torque_Nm(int axis) const {
   return axes_.at(static_cast<std::size_t>(axis)).input_torque_Nm;
 }
+void VirtualAxes::SetHand(int joint, double force_N) {
+  command_.hand_force_N.at(static_cast<std::size_t>(joint)) =
+      std::isfinite(force_N) ? force_N : 0.0;
+}
+
 bool VirtualAxes::valve_open(int node) const {
   return nodes_.at(static_cast<std::size_t>(node)).valves.valve_open;
 }

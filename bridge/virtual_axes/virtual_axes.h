@@ -95,6 +95,9 @@ class VirtualAxes {
   // steps.
   void Answer(std::int64_t now_ns);
 
+  // The hand at the end of a joint's link, positive presses down; what is not finite is no hand.
+  void SetHand(int joint, double force_N);
+
   // For tests and for tools that stage failures.
   void SetAxisError(int axis, std::uint32_t error);
   void Silence(int axis, bool silent);

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "components/experiment/units.h"
+#include "components/identify/statistics.h"
 
 namespace sinew::experiment {
 namespace {
@@ -21,9 +22,29 @@ struct Half {
   int side = 0;
   double start_s = 0.0, end_s = 0.0;
   double sum_d_rad = 0.0, sum_torque_Nm = 0.0;
+  double sum_d2_rad2 = 0.0;
   int rows = 0;
   double largest_rad = -1e9, smallest_rad = 1e9;
 };
+
+// Half widths, at 95 %, of what the rounding of the output's encoder leaves in the play and in the
+// compliance.
+struct Rounding {
+  double play_deg = 0.0;
+  double compliance_deg_Nm = 0.0;
+};
+Rounding RoundingOf(const std::vector<double>& variance_rad2, double lowest_Nm, double highest_Nm,
+                    const RigConstants& rig) {
+  const double largest_deg =
+      LargestRounding(identify::Mean(variance_rad2), kTwoPi / rig.encoder_counts) / kDegree;
+  // Each contact at each torque rests at a phase of its own of the count: a sine of that amplitude,
+  // so that the difference of two contacts has it as its standard deviation. The play is
+  // extrapolated from two torques, the compliance is their difference.
+  const double span_Nm = highest_Nm - lowest_Nm;
+  constexpr double kNormal = 1.96;
+  return {kNormal * largest_deg * std::hypot(highest_Nm, lowest_Nm) / span_Nm,
+          kNormal * largest_deg * std::numbers::sqrt2 / span_Nm};
+}
 
 }  // namespace
 
@@ -80,16 +101,21 @@ Result IdentifyBacklash(const Recording& rows, const RigConstants& rig) {
     const double share = (row.time_s - h.start_s) / std::max(1e-9, h.end_s - h.start_s);
     if (share < kSettledShare || share > 1.0 - kLeaveShare) continue;
     h.sum_d_rad += d_rad;
+    h.sum_d2_rad2 += d_rad * d_rad;
     h.sum_torque_Nm += to_output * row.motor_current_A;
     ++h.rows;
   }
-  std::vector<double> published_deg, width_deg, torque_Nm;
-  for (std::size_t i = 0; i + 1 < halves.size(); i += 2) {
+  // A trial is a half up and the half down after it; what held the link before is neither.
+  std::erase_if(halves, [](const Half& h) { return h.end_s - h.start_s < kShortestHalf_s; });
+  std::vector<double> published_deg, width_deg, torque_Nm, variance_rad2;
+  for (std::size_t i = 0; i + 1 < halves.size(); ++i) {
     const Half& up = halves[i];
     const Half& down = halves[i + 1];
-    if (up.end_s - up.start_s < kShortestHalf_s || down.end_s - down.start_s < kShortestHalf_s ||
-        up.rows < 5 || down.rows < 5) {
-      continue;
+    if (up.side < 0 || down.side > 0 || up.rows < 5 || down.rows < 5) continue;
+    ++i;
+    for (const Half* h : {&up, &down}) {
+      const double mean_rad = h->sum_d_rad / h->rows;
+      variance_rad2.push_back(std::max(0.0, h->sum_d2_rad2 / h->rows - mean_rad * mean_rad));
     }
     published_deg.push_back((std::max(up.largest_rad, down.largest_rad) -
                              std::min(up.smallest_rad, down.smallest_rad)) /
@@ -118,12 +144,16 @@ Result IdentifyBacklash(const Recording& rows, const RigConstants& rig) {
     trial.push_back(static_cast<int>(i));
   }
   const TrialFit fit = FitTrials(X, y, trial);
+  const Rounding rounding = RoundingOf(variance_rad2, *lowest, *highest, rig);
+  Estimate play = fit.At(0), compliance = fit.At(1);
+  play.half_width_95 = std::hypot(play.half_width_95, rounding.play_deg);
+  compliance.half_width_95 = std::hypot(compliance.half_width_95, rounding.compliance_deg_Nm);
 
   Result result{.experiment = "backlash", .title = "Play of the gear (5.1.1)"};
   result.quantities = {{.id = "backlash_deg",
                         .name = "backlash",
                         .unit = "degrees",
-                        .estimate = fit.At(0),
+                        .estimate = play,
                         .published = 2.66,
                         .source = "Fig 5.1, mean of 100",
                         .target_absolute = 0.05,
@@ -140,7 +170,7 @@ Result IdentifyBacklash(const Recording& rows, const RigConstants& rig) {
                        {.id = "contact_compliance_deg_Nm",
                         .name = "compliance of the contact",
                         .unit = "degrees/Nm",
-                        .estimate = fit.At(1)}};
+                        .estimate = compliance}};
   Figure figure{.title = "Difference of motor angle / N and link angle (Fig 5.1)",
                 .caption = "The first trials. Plateaus are the two contacts.",
                 .x_label = "time, s",

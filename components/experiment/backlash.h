@@ -9,6 +9,10 @@
 //
 //     w = play + c * (|torque up| + |torque down|),  torque = efficiency N Kt Iq
 //
+// The link rests at much the same angle in every trial, so that the rounding of its encoder does
+// not average out over trials (LargestRounding in statistics.h): the intervals have it, with the
+// phase of each contact unknown, beside the statistical part.
+//
 // Trials are told apart by the sign of the current, so that any recording of the protocol will do.
 #pragma once
 

@@ -14,18 +14,34 @@ namespace sinew::experiment {
 namespace {
 
 constexpr double kLargestPress_N = 20.0;
-constexpr double kGone_rad = 0.012;    // the link has given way
-constexpr double kBreak_rad = 3.0e-3;  // eight counts of 14 bits: the contact has given way
-constexpr double kAfter_s = 0.3;       // the hand lets go
+constexpr double kGone_rad = 0.012;  // the link has given way
+constexpr double kAfter_s = 0.3;     // the hand lets go
 constexpr double kLiftSpeed_rad_s = 0.5;
 constexpr double kBackOff_s = 0.6;
 constexpr double kLongestPush_s = 20.0;
 constexpr double kCatch_s = 0.5;
-constexpr double kFitBefore_s = 0.35;
+constexpr double kFitFrom_s = 0.3, kFitTo_s = 0.02;  // before the link is gone
 
 // The moving end of a soft hand, and the force it presses with.
 double HandForce_N(double stiffness_N_rad, double link_rad, double hand_rad) {
   return std::clamp(stiffness_N_rad * (link_rad - hand_rad), 0.0, kLargestPress_N);
+}
+
+// The greatest value, over the times given, of the parabola fitted to the points.
+double LargestOfParabola(const std::vector<double>& time_s, const std::vector<double>& force_N) {
+  const auto n = static_cast<Eigen::Index>(time_s.size());
+  const auto [first_s, last_s] = std::minmax_element(time_s.begin(), time_s.end());
+  Eigen::MatrixXd X(n, 3);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const double t = time_s[static_cast<std::size_t>(k)];
+    X.row(k) << 1.0, t, t * t;
+  }
+  const Eigen::Vector3d b =
+      X.colPivHouseholderQr().solve(Eigen::Map<const Eigen::VectorXd>(force_N.data(), n));
+  const auto value = [&b](double t) { return b(0) + t * (b(1) + t * b(2)); };
+  double largest_N = std::max(value(*first_s), value(*last_s));
+  if (b(2) < 0.0) largest_N = value(std::clamp(-0.5 * b(1) / b(2), *first_s, *last_s));
+  return largest_N;
 }
 
 }  // namespace
@@ -73,7 +89,7 @@ Start BreakawayTour::start() const {
 }
 
 double BreakawayTour::expected_s() const {
-  return static_cast<double>(angles_rad_.size()) * (plan_.rest_s + 6.0);
+  return static_cast<double>(angles_rad_.size()) * (1.5 * plan_.rest_s + 6.0);
 }
 
 std::string BreakawayTour::instruction() const {
@@ -109,11 +125,11 @@ Command BreakawayTour::Step(const Reading& reading) noexcept {
         const double target_rad = angles_rad_[next_] + half_play_rad;
         const double step_rad = kLiftSpeed_rad_s * dt_s;
         wanted_rad_ += std::clamp(target_rad - wanted_rad_, -step_rad, step_rad);
-        if (std::abs(target_rad - wanted_rad_) < 1e-9) Enter(Phase::kRest, reading.time_s);
+        if (std::abs(target_rad - wanted_rad_) < 1e-9) Enter(Phase::kSettle, reading.time_s);
         break;
       }
-      case Phase::kRest:
-        if (in_phase_s >= plan_.rest_s) {
+      case Phase::kSettle:
+        if (in_phase_s >= 0.5 * plan_.rest_s) {
           held_rad_ = reading.output_angle_rad;
           Enter(Phase::kBackOff, reading.time_s);
         }
@@ -121,12 +137,15 @@ Command BreakawayTour::Step(const Reading& reading) noexcept {
       case Phase::kBackOff: {
         const double step_rad = half_play_rad / (0.5 * kBackOff_s) * dt_s;
         wanted_rad_ += std::clamp(held_rad_ - wanted_rad_, -step_rad, step_rad);
-        if (in_phase_s >= kBackOff_s) {
+        if (in_phase_s >= kBackOff_s) Enter(Phase::kRest, reading.time_s);
+        break;
+      }
+      case Phase::kRest:
+        if (in_phase_s >= plan_.rest_s) {
           held_rad_ = hand_rad_ = reading.output_angle_rad;
           Enter(Phase::kPush, reading.time_s);
         }
         break;
-      }
       case Phase::kPush:
         hand_rad_ -= plan_.rate_N_s / plan_.hand_N_rad * dt_s;
         command.hand_force_N = HandForce_N(plan_.hand_N_rad, reading.output_angle_rad, hand_rad_);
@@ -173,33 +192,20 @@ std::vector<Breakaway> FindBreakaways(const Recording& rows) {
       still = still && std::abs(rows[k].output_angle_rad - rest_rad) < kStill_rad;
     }
     if (!still) continue;
-    // The last row before the contact gave way, and a parabola through the force up to it: a soft
-    // hand gives way as the contact creeps, so that the force bends over. Its greatest value
-    // counts.
-    std::size_t at = i;
-    while (at > first && rest_rad - rows[at].output_angle_rad > kBreak_rad) --at;
+    // The greatest value of a parabola through the last rows: a soft hand gives way as the contact
+    // creeps, so that the force bends over before the link goes, and the largest of noisy rows
+    // would be too large. The very last rows have the link's acceleration in them.
     std::vector<double> time_s, force_N;
-    for (std::size_t k = at + 1; k-- > 0 && rows[at].time_s - rows[k].time_s < kFitBefore_s;) {
-      time_s.push_back(rows[k].time_s - rows[at].time_s);
+    for (std::size_t k = i + 1; k-- > 0 && now_s - rows[k].time_s < kFitFrom_s;) {
+      if (now_s - rows[k].time_s < kFitTo_s) continue;
+      time_s.push_back(rows[k].time_s - now_s);
       force_N.push_back(rows[k].load_force_N);
     }
-    const auto n = static_cast<Eigen::Index>(time_s.size());
-    if (n < 8) continue;
-    Eigen::MatrixXd X(n, 3);
-    Eigen::VectorXd y(n);
-    for (Eigen::Index k = 0; k < n; ++k) {
-      const double t = time_s[static_cast<std::size_t>(k)];
-      X.row(k) << 1.0, t, t * t;
-      y(k) = force_N[static_cast<std::size_t>(k)];
-    }
-    const Eigen::Vector3d b = X.colPivHouseholderQr().solve(y);
-    double largest_N = b(0);
-    const double top_s = b(2) < 0.0 ? -0.5 * b(1) / b(2) : 0.0;
-    if (top_s < 0.0 && top_s > time_s.back()) largest_N = b(0) + 0.5 * b(1) * top_s;
-    const Line line = FitLine(time_s, force_N);
-    if (largest_N < kLeastForce_N || line.slope <= 0.05) continue;
-    found.push_back(
-        {rest_rad, largest_N, line.slope, -time_s.back() / static_cast<double>(time_s.size() - 1)});
+    if (time_s.size() < 8) continue;
+    const double largest_N = LargestOfParabola(time_s, force_N);
+    if (largest_N < kLeastForce_N) continue;
+    found.push_back({rest_rad, largest_N, FitLine(time_s, force_N).slope,
+                     (time_s.front() - time_s.back()) / static_cast<double>(time_s.size() - 1)});
     last_s = now_s;
   }
   return found;
@@ -232,7 +238,7 @@ Result IdentifyBreakaway(const std::vector<Breakaway>& trials, const RigConstant
   const TrialFit fit = FitTrials(X, y, trial);
   Estimate friction = fit.At(0);
   // The instant of breaking away is known to one row: a bias of the force, not of its slope.
-  friction.half_width_95 = std::hypot(friction.half_width_95, rate_Nm_s * row_s);
+  friction.half_width_95 = std::hypot(friction.half_width_95, std::abs(rate_Nm_s) * row_s);
 
   Result result{.experiment = "breakaway", .title = "Torque to start moving (5.1.1)"};
   result.quantities = {{.id = "static_friction_Nm",

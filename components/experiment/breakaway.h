@@ -5,8 +5,8 @@
 //
 //     T_static = F l + T_gravity cos(angle)
 //
-// fitted over all trials. The greatest force is read from a parabola through the last rows before
-// the contact gives way, so that the extreme of noisy rows does not bias it. The instant is known
+// fitted over all trials. The force is the greatest value of a parabola through the last 0.3 s
+// before the link is gone, so that the extreme of noisy rows does not bias it. The instant is known
 // to one row: the interval of T_static gets that, times the rate of the force, on top of the
 // statistical part (a bias that more trials do not remove).
 #pragma once
@@ -50,7 +50,8 @@ class BreakawayProtocol : public Protocol {
 };
 
 // Nine (or more) trials in one go, for a robot: the motor carries the link from angle to angle,
-// lets it rest, backs out of the teeth, and the hand presses.
+// lets it rest half of rest_s on the teeth until friction holds it, backs out of them (which slips
+// the contacts a little), lets it rest, and the hand presses.
 class BreakawayTour : public Protocol {
  public:
   // rest_s: at each angle.
@@ -62,7 +63,7 @@ class BreakawayTour : public Protocol {
   std::string instruction() const override;
 
  private:
-  enum class Phase { kLift, kRest, kBackOff, kPush, kCatch };
+  enum class Phase { kLift, kSettle, kBackOff, kRest, kPush, kCatch };
   void Enter(Phase phase, double time_s) noexcept;
 
   std::vector<double> angles_rad_;

@@ -109,23 +109,35 @@ WindowMean HannMean(const Recording& rows, std::size_t first, std::size_t last) 
     const double before_s = k > first ? rows[k - 1].time_s : row.time_s;
     const double after_s = k < last ? rows[k + 1].time_s : row.time_s;
     const double step_s = 0.5 * (after_s - before_s);
-    const double phase = 2.0 * std::numbers::pi * (row.time_s - start_s) / length_s;
-    const double weight = (1.0 - std::cos(phase)) * step_s;
-    const double bend = std::pow(2.0 * std::numbers::pi / length_s, 2) * std::cos(phase) * step_s;
+    const double weight = (1.0 - std::cos(kTwoPi * (row.time_s - start_s) / length_s)) * step_s;
     sum += weight;
     mean.time_s += weight * row.time_s;
     mean.force_N += weight * row.load_force_N;
     mean.pressure_bar += weight * row.chamber_pressure_bar;
     mean.cosine += weight * std::cos(row.output_angle_rad);
     mean.angle_rad += weight * row.output_angle_rad;
-    mean.acceleration_rad_s2 += bend * (row.output_angle_rad - rows[first].output_angle_rad);
   }
   mean.time_s /= sum;
   mean.force_N /= sum;
   mean.pressure_bar /= sum;
   mean.cosine /= sum;
   mean.angle_rad /= sum;
-  mean.acceleration_rad_s2 /= sum;
+  // A straight line has no acceleration, and its integral with d2w/dt2 is 0: what is left after the
+  // chord is small, and so is the error of summing it.
+  const double chord_rad_s =
+      (rows[last].output_angle_rad - rows[first].output_angle_rad) / length_s;
+  const double bend_1_s2 = std::pow(kTwoPi / length_s, 2) / length_s;
+  for (const std::size_t half : {0u, 1u}) {
+    double sum_rad_s2 = 0.0;
+    for (std::size_t k = first + 1 + half; k < last; k += 2) {
+      const std::size_t before = k >= first + 2 ? k - 2 : first, after = std::min(k + 2, last);
+      const double step_s = 0.5 * (rows[after].time_s - rows[before].time_s);
+      const double in_s = rows[k].time_s - start_s;
+      sum_rad_s2 += bend_1_s2 * std::cos(kTwoPi * in_s / length_s) * step_s *
+                    (rows[k].output_angle_rad - rows[first].output_angle_rad - chord_rad_s * in_s);
+    }
+    (half == 0 ? mean.acceleration_a_rad_s2 : mean.acceleration_b_rad_s2) = sum_rad_s2;
+  }
   return mean;
 }
 
@@ -170,12 +182,9 @@ Play FindStrokes(const Recording& rows) {
   }
   // The contacts, from counts of the encoder averaged over rows in which the link surely rests on
   // them: let go above; below, pressed harder than what brought it there.
-  double upper_rad = 0.0, lower_rad = 0.0;
-  int upper_rows = 0, lower_rows = 0;
-  for (const Row& row : rows) {
-    if (row.output_angle_rad > top_rad && row.load_force_N < kReleased_N) {
-      upper_rad += row.output_angle_rad;
-      ++upper_rows;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i].output_angle_rad > top_rad && rows[i].load_force_N < kReleased_N) {
+      play.upper_rows.push_back(i);
     }
   }
   for (const Stroke& stroke : play.strokes) {
@@ -185,12 +194,17 @@ Play FindStrokes(const Recording& rows) {
       if (row.output_angle_rad > bottom_rad) break;
       if (std::abs(row.output_velocity_rad_s) > kRest_rad_s) continue;
       if (row.load_force_N < stroke.mean.force_N + 0.2) break;
-      lower_rad += row.output_angle_rad;
-      ++lower_rows;
+      play.lower_rows.push_back(i);
     }
   }
-  if (upper_rows > 0) play.upper_rad = upper_rad / upper_rows;
-  if (lower_rows > 0) play.lower_rad = lower_rad / lower_rows;
+  const auto mean_of = [&rows](const std::vector<std::size_t>& in, double* variance_rad2) {
+    std::vector<double> angles_rad;
+    for (const std::size_t i : in) angles_rad.push_back(rows[i].output_angle_rad);
+    *variance_rad2 = std::pow(identify::StandardDeviation(angles_rad), 2);
+    return identify::Mean(angles_rad);
+  };
+  if (!play.upper_rows.empty()) play.upper_rad = mean_of(play.upper_rows, &play.upper_rad2);
+  if (!play.lower_rows.empty()) play.lower_rad = mean_of(play.lower_rows, &play.lower_rad2);
   // Pushes: the force rises above 1 N and falls below 0.3 N again.
   bool pushing = false;
   for (const Row& row : rows) {
@@ -240,53 +254,48 @@ std::vector<Window> WindowsOf(const Stroke& stroke) {
 }
 
 // Windows inside the strokes, each stroke's own level taken away: X = angle (scaled to 6 bar),
-// acceleration, time.
+// acceleration, time. Every window twice: the acceleration of one half of its rows is the
+// instrument for that of the other.
 struct SlopeRows {
-  Eigen::MatrixXd X;
+  Eigen::MatrixXd X, Z;
   Eigen::VectorXd y;
   std::vector<int> stroke;
 };
-SlopeRows MakeSlopeRows(const Recording& rows, const Play& play, bool valve_open,
-                        const std::vector<double>* torque_Nm, double length_m) {
-  std::vector<Eigen::Vector4d> all;  // angle, acceleration, time, torque
+SlopeRows MakeSlopeRows(const Recording& rows, const Play& play, bool valve_open, double length_m) {
+  using Vector5 = Eigen::Matrix<double, 5, 1>;
+  std::vector<Vector5> all;  // angle, acceleration of both halves, time, torque
   SlopeRows result;
   int number = 0;
   for (const Stroke& stroke : play.strokes) {
     const std::vector<Window> windows = WindowsOf(stroke);
     if (stroke.valve_open != valve_open || windows.empty()) continue;
-    Eigen::Vector4d level = Eigen::Vector4d::Zero();
-    std::vector<Eigen::Vector4d> here;
+    Vector5 level = Vector5::Zero();
+    std::vector<Vector5> here;
     for (const auto& [first, last] : windows) {
-      WindowMean mean = HannMean(rows, first, last);
-      double torque = mean.force_N * length_m;
-      if (torque_Nm != nullptr) {
-        Recording of_torque(rows.begin() + static_cast<std::ptrdiff_t>(first),
-                            rows.begin() + static_cast<std::ptrdiff_t>(last) + 1);
-        for (std::size_t i = first; i <= last; ++i) {
-          of_torque[i - first].load_force_N = (*torque_Nm)[i];
-        }
-        torque = HannMean(of_torque, 0, of_torque.size() - 1).force_N;
-        mean.acceleration_rad_s2 = 0.0;
-      }
-      here.emplace_back(mean.angle_rad, mean.acceleration_rad_s2, mean.time_s, torque);
+      const WindowMean mean = HannMean(rows, first, last);
+      here.push_back({mean.angle_rad, mean.acceleration_a_rad_s2, mean.acceleration_b_rad_s2,
+                      mean.time_s, mean.force_N * length_m});
       level += here.back() / kWindows;
     }
     const double scale = (stroke.mean.pressure_bar + kAtmosphere_bar) / (6.0 + kAtmosphere_bar);
-    for (Eigen::Vector4d& row : here) {
+    for (Vector5& row : here) {
       row -= level;
       row(0) *= scale;
       all.push_back(row);
-      result.stroke.push_back(number);
+      result.stroke.insert(result.stroke.end(), 2, number);
     }
     ++number;
   }
-  const auto rows_n = static_cast<Eigen::Index>(all.size());
-  result.X.resize(rows_n, 3);
-  result.y.resize(rows_n);
-  for (Eigen::Index i = 0; i < rows_n; ++i) {
-    const Eigen::Vector4d& row = all[static_cast<std::size_t>(i)];
-    result.X.row(i) << row(0), row(1), row(2);
-    result.y(i) = row(3);
+  const auto windows_n = static_cast<Eigen::Index>(all.size());
+  result.X.resize(2 * windows_n, 3);
+  result.Z.resize(2 * windows_n, 3);
+  result.y.resize(2 * windows_n);
+  for (Eigen::Index i = 0; i < windows_n; ++i) {
+    const Vector5& row = all[static_cast<std::size_t>(i)];
+    const Eigen::RowVector3d a(row(0), row(1), row(3)), b(row(0), row(2), row(3));
+    result.X.row(2 * i) = result.Z.row(2 * i + 1) = a;
+    result.Z.row(2 * i) = result.X.row(2 * i + 1) = b;
+    result.y(2 * i) = result.y(2 * i + 1) = row(4);
   }
   return result;
 }
@@ -299,29 +308,37 @@ Result IdentifyMovingFriction(const Recording& rows, const RigConstants& rig) {
     throw std::invalid_argument("moving-friction: " + std::to_string(play.strokes.size()) +
                                 " strokes through the play, expected at least 8");
   }
-  std::vector<Eigen::Vector4d> x;
+  std::vector<Eigen::Vector4d> x, z;
   std::vector<double> torque;
   std::vector<int> trial;
   std::vector<double> pressure, torque_down, acceleration_down, pressure_up, torque_up;
   int number = 0;
   for (const Stroke& s : play.strokes) {
     (s.direction < 0 ? pressure : pressure_up).push_back(s.mean.pressure_bar);
-    if (s.direction < 0) acceleration_down.push_back(s.mean.acceleration_rad_s2);
+    if (s.direction < 0) acceleration_down.push_back(s.mean.acceleration_rad_s2());
     (s.direction < 0 ? torque_down : torque_up)
         .push_back(s.mean.force_N * rig.link_length_m + rig.gravity_torque_Nm * s.mean.cosine);
     const std::vector<Window> windows = WindowsOf(s);
     for (const auto& [first, last] : windows) {
       const WindowMean mean = HannMean(rows, first, last);
-      x.emplace_back(mean.pressure_bar, -s.direction, -mean.cosine, -mean.acceleration_rad_s2);
-      torque.push_back(mean.force_N * rig.link_length_m);
-      trial.push_back(number);
+      // Twice, each half of the rows being the instrument of the other.
+      const Eigen::Vector4d a(mean.pressure_bar, -s.direction, -mean.cosine,
+                              -mean.acceleration_a_rad_s2);
+      const Eigen::Vector4d b(a(0), a(1), a(2), -mean.acceleration_b_rad_s2);
+      x.insert(x.end(), {a, b});
+      z.insert(z.end(), {b, a});
+      torque.insert(torque.end(), 2, mean.force_N * rig.link_length_m);
+      trial.insert(trial.end(), 2, number);
     }
     if (!windows.empty()) ++number;
   }
-  Eigen::MatrixXd X(static_cast<Eigen::Index>(x.size()), 4);
-  for (std::size_t i = 0; i < x.size(); ++i) X.row(static_cast<Eigen::Index>(i)) = x[i];
+  Eigen::MatrixXd X(static_cast<Eigen::Index>(x.size()), 4), Z(X.rows(), 4);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    X.row(static_cast<Eigen::Index>(i)) = x[i];
+    Z.row(static_cast<Eigen::Index>(i)) = z[i];
+  }
   const TrialFit fit = FitTrials(
-      X, Eigen::Map<Eigen::VectorXd>(torque.data(), static_cast<Eigen::Index>(torque.size())),
+      X, Z, Eigen::Map<Eigen::VectorXd>(torque.data(), static_cast<Eigen::Index>(torque.size())),
       trial);
 
   // As published: strokes down, gravity from another experiment.
@@ -400,11 +417,9 @@ Result IdentifyMovingFriction(const Recording& rows, const RigConstants& rig) {
   return result;
 }
 
-double MeanSlope(const Recording& rows, const Play& play, bool valve_open,
-                 const std::vector<double>& torque_Nm) {
-  SlopeRows slope = MakeSlopeRows(rows, play, valve_open, &torque_Nm, 1.0);
-  slope.X.col(1) = slope.X.col(2);
-  return -FitTrials(slope.X.leftCols(2), slope.y, slope.stroke).b(0);
+double MeanSlope(const Recording& rows, const Play& play, bool valve_open, double length_m) {
+  const SlopeRows slope = MakeSlopeRows(rows, play, valve_open, length_m);
+  return -FitTrials(slope.X, slope.Z, slope.y, slope.stroke).b(0);
 }
 
 Result IdentifyStiffness(const Recording& rows, const RigConstants& rig) {
@@ -418,7 +433,7 @@ Result IdentifyStiffness(const Recording& rows, const RigConstants& rig) {
       if (!push.valve_open) continue;
       pressure.push_back(push.pressure_bar);
       secant.push_back(push.mean.force_N * rig.link_length_m / width_rad);
-      acceleration.push_back(push.mean.acceleration_rad_s2);
+      acceleration.push_back(push.mean.acceleration_rad_s2());
     } else {
       none_pressure.push_back(push.pressure_bar);
       none.push_back(0.0);
@@ -439,18 +454,31 @@ Result IdentifyStiffness(const Recording& rows, const RigConstants& rig) {
     trial.push_back(static_cast<int>(i));
   }
   const TrialFit fit = FitTrials(X, y, trial);
+  // The way through the play is the same number in every push: its error, from the rounding of the
+  // encoder at two contacts, does not average out.
+  const double count_rad = kTwoPi / rig.encoder_counts;
+  constexpr double kNormal = 1.96;
+  const double rounding_share = kNormal *
+                                std::hypot(LargestRounding(play.upper_rad2, count_rad),
+                                           LargestRounding(play.lower_rad2, count_rad)) /
+                                (std::numbers::sqrt2 * width_rad);
+  const auto with_rounding = [rounding_share](Estimate estimate) {
+    estimate.half_width_95 =
+        std::hypot(estimate.half_width_95, rounding_share * std::abs(estimate.value));
+    return estimate;
+  };
   result.quantities.push_back(
       {.id = "secant_6bar_Nm_rad",
        .name = "secant of a push cycle at 6 bar",
        .unit = "Nm/rad",
-       .estimate = fit.Of(fit.b(0) + 6.0 * fit.b(1), Eigen::Vector3d(1.0, 6.0, 0.0)),
+       .estimate = with_rounding(fit.Of(fit.b(0) + 6.0 * fit.b(1), Eigen::Vector3d(1.0, 6.0, 0.0))),
        .published = 100.0,
        .source = "Fig 5.9",
        .remark = "100 over 2.66 degrees is 4.6 Nm, K x 6 bar is 2.15: both cannot hold"});
   result.quantities.push_back({.id = "secant_slope_Nm_rad_bar",
                                .name = "secant per bar",
                                .unit = "Nm/rad/bar",
-                               .estimate = fit.At(1)});
+                               .estimate = with_rounding(fit.At(1))});
 
   // Where the chamber no longer brings the link back: the force of the way up, extrapolated to 0.
   std::vector<Stroke> up;
@@ -464,7 +492,7 @@ Result IdentifyStiffness(const Recording& rows, const RigConstants& rig) {
     std::vector<int> up_trial;
     for (Eigen::Index i = 0; i < m; ++i) {
       const Stroke& s = up[static_cast<std::size_t>(i)];
-      U.row(i) << 1.0, s.mean.pressure_bar, -s.mean.acceleration_rad_s2;
+      U.row(i) << 1.0, s.mean.pressure_bar, -s.mean.acceleration_rad_s2();
       f(i) = s.mean.force_N * rig.link_length_m;
       up_trial.push_back(static_cast<int>(i));
     }
@@ -491,9 +519,9 @@ Result IdentifyStiffness(const Recording& rows, const RigConstants& rig) {
 
   // Differential stiffness of the gas, scaled to 6 bar by absolute pressure: -d(torque)/dq.
   for (const bool open : {false, true}) {
-    const SlopeRows slope = MakeSlopeRows(rows, play, open, nullptr, rig.link_length_m);
+    const SlopeRows slope = MakeSlopeRows(rows, play, open, rig.link_length_m);
     if (slope.stroke.empty() || slope.stroke.back() < 6) continue;
-    TrialFit gas = FitTrials(slope.X, slope.y, slope.stroke);
+    TrialFit gas = FitTrials(slope.X, slope.Z, slope.y, slope.stroke);
     gas.b(0) = -gas.b(0);
     result.quantities.push_back({.id = open ? "gas_open_Nm_rad" : "gas_shut_Nm_rad",
                                  .name = open ? "gas stiffness, reservoir joined, at 6 bar"

@@ -9,7 +9,9 @@
 // Means over windows of each stroke give K, T_dyn, T_gravity and J; a stroke is a trial. The means
 // are weighted with a Hann window w: w and dw/dt vanish at its ends, so that the mean of d2q/dt2
 // is that of q with d2w/dt2, and nothing is differentiated (modulating functions: Shinbrot, Trans.
-// ASME 79 (1957) 547). Published: strokes down only, with T_gravity known from `breakaway`.
+// ASME 79 (1957) 547). What noise of the angle leaves in it would bias J, and with J the gas
+// stiffness, so that two halves of the rows are each other's instruments. Published: strokes down
+// only, with T_gravity known from `breakaway`.
 //
 // Stiffness (5.5): the secant of a push is the torque that takes the link through the play, over
 // the play. A push whose link had not come back passes nothing, and its secant is 0: the chamber no
@@ -67,7 +69,11 @@ struct WindowMean {
   double pressure_bar = 0.0;
   double cosine = 1.0;
   double angle_rad = 0.0;
-  double acceleration_rad_s2 = 0.0;
+  // From every second row, and from the others: their noises are independent.
+  double acceleration_a_rad_s2 = 0.0, acceleration_b_rad_s2 = 0.0;
+  double acceleration_rad_s2() const {
+    return 0.5 * (acceleration_a_rad_s2 + acceleration_b_rad_s2);
+  }
 };
 WindowMean HannMean(const Recording& rows, std::size_t first, std::size_t last);
 
@@ -81,6 +87,8 @@ struct Stroke {
 };
 struct Play {
   double lower_rad = 0.0, upper_rad = 0.0;
+  double lower_rad2 = 0.0, upper_rad2 = 0.0;        // variance of the rows at each contact
+  std::vector<std::size_t> lower_rows, upper_rows;  // in which the link rests on a contact
   std::vector<Stroke> strokes;
   struct Push {
     double start_s = 0.0;
@@ -96,9 +104,9 @@ Play FindStrokes(const Recording& rows);
 Result IdentifyMovingFriction(const Recording& rows, const RigConstants& rig);
 Result IdentifyStiffness(const Recording& rows, const RigConstants& rig);
 
-// Slope of a torque over the angle inside the shut (or open) strokes, scaled to 6 bar like the gas
-// stiffness: for a true value. One torque a row.
-double MeanSlope(const Recording& rows, const Play& play, bool valve_open,
-                 const std::vector<double>& torque_Nm);
+// Slope of F l over the angle inside the shut (or open) strokes, scaled to 6 bar like the gas
+// stiffness, at equal acceleration and time. Of rows without noise, whose force is only what the
+// gas bears: the true value.
+double MeanSlope(const Recording& rows, const Play& play, bool valve_open, double length_m);
 
 }  // namespace sinew::experiment

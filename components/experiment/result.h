@@ -15,6 +15,7 @@ struct RigConstants {
   double gear_ratio = 100.0;
   double link_length_m = 0.3;
   double torque_constant_Nm_A = 0.0159155;  // 60 / (2 pi KV)
+  int encoder_counts = 16384;               // a turn of the output's encoder
   double efficiency = 0.77;                 // of the gear, by its data sheet
   double gravity_torque_Nm = 0.58;          // (5.4) as published takes it from `breakaway`
 };

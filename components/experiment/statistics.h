@@ -20,7 +20,13 @@ struct Estimate {
 Estimate MeanOfTrials(const std::vector<double>& values);
 
 // Least squares y = X b. Rows of one trial may be correlated in any way, trials are independent:
-// cluster-robust covariance (identify/block_regression.h) and Student's quantile at trials - p.
+// the covariance is that of leaving out one trial after the other,
+//
+//     V = (n - 1) / n sum (b_without_i - b)(b_without_i - b)'
+//
+// which holds for few trials of unequal weight too, where the usual sandwich is too narrow
+// (MacKinnon, Nielsen, Webb: J. Econometrics 232 (2023) 272, CV3); Student's quantile at trials -
+// p.
 struct TrialFit {
   Eigen::VectorXd b;
   Eigen::MatrixXd covariance;
@@ -34,6 +40,18 @@ struct TrialFit {
 // trial: number of the trial of each row, 0 .. n-1.
 TrialFit FitTrials(const Eigen::Ref<const Eigen::MatrixXd>& X,
                    const Eigen::Ref<const Eigen::VectorXd>& y, const std::vector<int>& trial);
+// Columns that are measured with noise of their own bias least squares toward 0. Instruments Z, a
+// second measurement of the columns whose noise is independent of the first, do not: (Z'X) b = Z'y
+// (Soderstrom, Stoica: System Identification, ch. 8). Z is X where a column has no noise.
+TrialFit FitTrials(const Eigen::Ref<const Eigen::MatrixXd>& X,
+                   const Eigen::Ref<const Eigen::MatrixXd>& Z,
+                   const Eigen::Ref<const Eigen::VectorXd>& y, const std::vector<int>& trial);
+
+// What rounding to counts leaves in the mean of many rows of a value that stands still, at most:
+// with noise of variance sigma^2 and a count c, (c / pi) exp(-2 pi^2 sigma^2 / c^2) (Widrow,
+// Kollar: Quantization Noise, ch. 4). variance: of the rounded rows, from which sigma^2 is told
+// (Sheppard).
+double LargestRounding(double variance, double count);
 
 // Straight line y = a + b x through points; b first for slopes is at index 1.
 struct Line {

@@ -48,6 +48,7 @@ void AddOption(CLI::App& app, const std::string& name, std::filesystem::path* va
                const std::string& help);
 void AddOption(CLI::App& app, const std::string& name, std::vector<std::string>* values,
                const std::string& help);  // may be repeated
+void AddFlag(CLI::App& app, const std::string& name, bool* value, const std::string& help);
 
 // Parses, starts the log, runs the body, logs the end. Exit code: 0, 2 for UsageError (one line on
 // stderr), 1 for any other exception.

@@ -109,11 +109,6 @@ Recording RunProtocol(const RigParameters& specimen, experiment::Protocol& proto
   return rows;
 }
 
-// A sensor row every 4 ms is enough; the truth of the same instants, for the slopes of strokes.
-struct TruthRows {
-  std::vector<double> torque_Nm, time_s;
-};
-
 int Trials(const Plan& plan, int full, int coverage, int quick) {
   if (plan.trials > 0) return plan.trials;
   return plan.size == Size::kFull ? full : plan.size == Size::kCoverage ? coverage : quick;
@@ -144,10 +139,20 @@ double BorneFriction_Nm(const RigParameters& specimen) {
   return largest_Nm;
 }
 
+// What a run bore itself, told before, stays.
 void SetTruth(Result* result, const std::string& id, double truth) {
   for (experiment::Quantity& quantity : result->quantities) {
-    if (quantity.id == id) quantity.truth = truth;
+    if (quantity.id == id && !quantity.truth) quantity.truth = truth;
   }
+}
+
+void SetSecants(const RigParameters& specimen, double travel_rad, Result* result) {
+  const double slope_Nm_bar = SlopeAtLevel_Nm_bar(specimen);
+  SetTruth(
+      result, "secant_6bar_Nm_rad",
+      (6.0 * slope_Nm_bar + specimen.link.friction.kinetic_Nm - specimen.link.gravity_torque_Nm) /
+          travel_rad);
+  SetTruth(result, "secant_slope_Nm_rad_bar", slope_Nm_bar / travel_rad);
 }
 
 Outcome RunBreakaway(const RigParameters& specimen, const Plan& plan,
@@ -183,26 +188,33 @@ Outcome RunStiffness(const RigParameters& specimen, const Plan& plan,
                                      .last_bar = 1.2,
                                      .duration_s = Duration_s(plan, 180.0, 90.0),
                                      .shut_every = 3});
-  TruthRows truth;
+  std::vector<RigTruth> truth;
   outcome.recordings.push_back(RunProtocol(
-      specimen, protocol, plan.seed,
-      [&](const RigTruth& t) {
-        truth.time_s.push_back(t.time_s);
-        truth.torque_Nm.push_back(t.pneumatic_torque_Nm);
-      },
+      specimen, protocol, plan.seed, [&](const RigTruth& t) { truth.push_back(t); },
       &outcome.simulated_s, progress));
   const Recording& rows = outcome.recordings[0];
   outcome.result = experiment::IdentifyStiffness(rows, plan.constants);
-  // What the gas really did in the same strokes: truth at the rows' instants.
-  std::vector<double> torque_Nm;
+  // The same rows without noise, with nothing but the gas on the load cell.
+  Recording exact = rows;
   std::size_t k = 0;
-  for (const Row& row : rows) {
-    while (k + 1 < truth.time_s.size() && truth.time_s[k] < row.time_s) ++k;
-    torque_Nm.push_back(truth.torque_Nm[k]);
+  for (Row& row : exact) {
+    while (k + 1 < truth.size() && truth[k].time_s < row.time_s) ++k;
+    row.output_angle_rad = truth[k].output_angle_rad;
+    row.load_force_N = truth[k].pneumatic_torque_Nm / plan.constants.link_length_m;
   }
   const experiment::Play play = experiment::FindStrokes(rows);
-  SetTruth(&outcome.result, "gas_shut_Nm_rad", experiment::MeanSlope(rows, play, false, torque_Nm));
-  SetTruth(&outcome.result, "gas_open_Nm_rad", experiment::MeanSlope(rows, play, true, torque_Nm));
+  const double length_m = plan.constants.link_length_m;
+  SetTruth(&outcome.result, "gas_shut_Nm_rad", experiment::MeanSlope(exact, play, false, length_m));
+  SetTruth(&outcome.result, "gas_open_Nm_rad", experiment::MeanSlope(exact, play, true, length_m));
+  // The way from contact to contact that the link really went.
+  const auto mean_rad = [&exact](const std::vector<std::size_t>& in) {
+    double sum_rad = 0.0;
+    for (const std::size_t i : in) sum_rad += exact[i].output_angle_rad;
+    return sum_rad / static_cast<double>(in.size());
+  };
+  if (!play.upper_rows.empty() && !play.lower_rows.empty()) {
+    SetSecants(specimen, mean_rad(play.upper_rows) - mean_rad(play.lower_rows), &outcome.result);
+  }
   return outcome;
 }
 
@@ -243,9 +255,7 @@ void FillTruth(const RigParameters& specimen, Result* result) {
       specimen.gear.play_rad +
       (4.0 * slope_Nm_bar - gravity_Nm - friction_Nm + kPush_N * specimen.link.length_m) /
           contact_Nm_rad;
-  SetTruth(result, "secant_6bar_Nm_rad",
-           (6.0 * slope_Nm_bar + friction_Nm - gravity_Nm) / travel_rad);
-  SetTruth(result, "secant_slope_Nm_rad_bar", slope_Nm_bar / travel_rad);
+  SetSecants(specimen, travel_rad, result);
   SetTruth(result, "return_limit_bar", (friction_Nm + gravity_Nm) / slope_Nm_bar);
   SetTruth(result, "rotor_inertia_kg_m2", specimen.rotor.inertia_kg_m2);
   SetTruth(result, "rotor_inertia_published_kg_m2", specimen.rotor.inertia_kg_m2);

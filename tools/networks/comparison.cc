@@ -544,7 +544,7 @@ ComparisonResult Compare(const ComparisonOptions& given, const Progress& progres
   result.busy = task == Task::kSea ? "link moving between the stops" : "moving";
   if (surrogate && task == Task::kPea) {
     const identify::Run constant = MakeSurrogateRun(
-        {.task = task, .duration_s = 40.0, .seed = options.seed, .constant_torque = true});
+        {.task = task, .duration_s = 20.0, .seed = options.seed, .constant_torque = true});
     const Set flat = MakeSet({constant}, task, options.period_s);
     result.constant_torque_noise_share = NoiseFloor(task) / (flat.deviation * flat.deviation);
   }

@@ -369,10 +369,12 @@ report::Section ComparisonSection(const ComparisonResult& result) {
   picture.title = published ? "Test MSE, published and ours" : "Test MSE";
   picture.caption = "Normalised, logarithmic; the bars are standard deviations over the seeds.";
   std::string data = "$d << EOD\n";
+  std::string names;
   int row = 0;
   for (const ComparedModel& m : result.models) {
     const auto value = [](double x) { return report::PictureNumber(x); };
     const Runs& first = m.as_published ? *m.as_published : m.fair;
+    names += (row > 0 ? ", '" : "'") + m.plan.name + "' " + std::to_string(row);
     data += std::to_string(row++) + " \"" + m.plan.name + "\" " +
             (m.plan.test_mse > 0.0 && !m.extra && published ? value(m.plan.test_mse) : "NaN") +
             " " + (m.as_published ? value(TestMean(first)) : "NaN") + " " +
@@ -383,11 +385,11 @@ report::Section ComparisonSection(const ComparisonResult& result) {
   picture.script =
       report::PictureHead(360) + data +
       "set logscale y\nset ylabel 'test MSE'\nset xrange [-0.6:" + std::to_string(row) +
-      "-0.4]\nset xtics rotate by -20\n" +
+      "-0.4]\nset xtics rotate by -20 (" + names + ")\n" +
       "set bars small\nfloor = " + report::PictureNumber(result.noise_floor) + "\n" + "plot ";
   if (published) {
     picture.script += std::string(
-                          "$d using ($1-0.2):3:xtic(2) with points pointtype 5 pointsize 1 "
+                          "$d using ($1-0.2):3 with points pointtype 5 pointsize 1 "
                           "linecolor rgb '") +
                       report::kMeasuredColour +
                       "' title 'published', '' using 1:4:5 with yerrorbars pointtype 7 pointsize "
@@ -397,7 +399,7 @@ report::Section ComparisonSection(const ComparisonResult& result) {
     picture.script += "$d ";
   }
   picture.script += std::string(
-                        "using ($1+0.2):6:7:xtic(2) with yerrorbars pointtype 7 pointsize "
+                        "using ($1+0.2):6:7 with yerrorbars pointtype 7 pointsize "
                         "0.9 linewidth 1.6 linecolor rgb '") +
                     report::kAfterColour +
                     "' title 'ours, fair', floor with lines linewidth 1.5 dashtype 2 linecolor rgb "

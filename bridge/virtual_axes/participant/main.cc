@@ -1,12 +1,15 @@
 // sinew-virtual-axes: motor controllers and sensor nodes on a bus, with the surrogate behind them.
+#include <sinew_idl/simulation.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 
 #include "bridge/virtual_axes/file/virtual_axes_config.h"
 #include "bridge/virtual_axes/virtual_axes.h"
+#include "components/node/node.h"
 #include "components/node/options.h"
 #include "sim/surrogate/file/surrogate_file.h"
 #include "sim/surrogate/surrogate.h"
@@ -15,8 +18,33 @@ namespace {
 
 using namespace sinew;
 
+// The person at the link: pushes as sim_disturbance says, which a robot on a bus would not hear,
+// and lets go when it falls silent.
+class Hand {
+ public:
+  explicit Hand(const node::Options& options)
+      : node_(options), reader_(node_.MakeReader(node::kSimDisturbance)) {}
+
+  void Push(virtual_axes::VirtualAxes& axes, int joints, std::int64_t now_ns) {
+    if (const auto said = reader_.TakeLatest()) {
+      heard_ns_ = now_ns;
+      for (int j = 0; j < std::min<int>(joints, said->joint_count()); ++j) {
+        axes.SetHand(j, said->load_force_N()[static_cast<std::size_t>(j)]);
+      }
+    } else if (now_ns - heard_ns_ > kSilence_ns) {
+      for (int j = 0; j < joints; ++j) axes.SetHand(j, 0.0);
+    }
+  }
+
+ private:
+  static constexpr std::int64_t kSilence_ns = 100'000'000;
+  node::Node node_;
+  node::Reader<msg::SimDisturbance> reader_;
+  std::int64_t heard_ns_ = 0;
+};
+
 void Run(const node::Options& options, node::StopFlag& stop,
-         const std::vector<std::string>& effects) {
+         const std::vector<std::string>& effects, bool with_hand) {
   if (options.config_path.empty()) {
     throw UsageError("--config: the axes are needed, e.g. robots/rig/virtual_axes.yaml");
   }
@@ -44,10 +72,13 @@ void Run(const node::Options& options, node::StopFlag& stop,
   virtual_axes::VirtualAxes axes(file.axes, plant, pointers);
   spdlog::info("{} axes, {} sensor nodes on {} buses", file.axes.axes.size(),
                file.axes.nodes.size(), file.buses.size());
+  std::optional<Hand> hand;
+  if (with_hand) hand.emplace(options);
   axes.Start(can::MonotonicNow());
   while (!stop.requested()) {
     const std::int64_t now_ns = can::MonotonicNow();
     if (now_ns >= axes.next_ns()) {
+      if (hand) hand->Push(axes, plant.joint_count(), now_ns);
       axes.Run(now_ns);
     } else {
       can::WaitForAny(pointers, std::chrono::nanoseconds(axes.next_ns() - now_ns));
@@ -61,11 +92,16 @@ void Run(const node::Options& options, node::StopFlag& stop,
 
 int main(int argc, char** argv) {
   std::vector<std::string> effects;
+  bool with_hand = false;
   return node::RunParticipant(
       argc, argv, "virtual-axes", "Motor controllers and sensor nodes on a CAN bus, simulated",
-      [&](const node::Options& options, node::StopFlag& stop) { Run(options, stop, effects); },
+      [&](const node::Options& options, node::StopFlag& stop) {
+        Run(options, stop, effects, with_hand);
+      },
       [&](CLI::App& app) {
         node::AddOption(app, "--effect", &effects,
                         "Undeclared effect of the surrogate, instead of the file's");
+        node::AddFlag(app, "--hand", &with_hand,
+                      "A person at the link: takes sim_disturbance from the domain (experiments)");
       });
 }

@@ -51,6 +51,21 @@ TEST(Backlash, ExtremesAreWiderThanTheContacts) {
   EXPECT_GT(result.Find("backlash_extremes_deg")->estimate.value, 2.68);
 }
 
+TEST(Backlash, WhatHeldTheLinkBeforeIsNoTrial) {
+  Recording rows(48);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    rows[i].time_s = static_cast<double>(i) / 240.0;
+    rows[i].motor_current_A = -0.9;
+  }
+  for (Row row : Synthetic(2.66, 5e-5, 20, true)) {
+    row.time_s += 0.2;
+    rows.push_back(row);
+  }
+  const Estimate play = IdentifyBacklash(rows, {}).Find("backlash_deg")->estimate;
+  EXPECT_EQ(play.trials, 20);
+  EXPECT_NEAR(play.value, 2.66, 0.005);
+}
+
 TEST(Backlash, AGearWithoutPlayHasNone) {
   const Result result = IdentifyBacklash(Synthetic(0.0, 0.0, 20, true), {});
   EXPECT_NEAR(result.Find("backlash_deg")->estimate.value, 0.0, 0.01);

@@ -42,8 +42,8 @@ TEST(Breakaway, ForceOfATrialIsFoundWithinTheNoiseOfItsRows) {
   const std::vector<Breakaway> found = FindBreakaways(Trial(0.5, 3.0, 1));
   ASSERT_EQ(found.size(), 1u);
   EXPECT_NEAR(found[0].angle_rad, 0.5, 1e-3);
-  EXPECT_NEAR(found[0].force_N, 3.0, 0.06);  // 0.05 N a row, a parabola through 80
-  EXPECT_NEAR(found[0].rate_N_s, 1.0, 0.15);
+  EXPECT_NEAR(found[0].force_N, 3.0, 0.06);  // 0.05 N a row, a parabola through 67
+  EXPECT_NEAR(found[0].row_s, 1.0 / 240.0, 1e-6);
 }
 
 TEST(Breakaway, SeveralTrialsInOneRecordingAreTold) {

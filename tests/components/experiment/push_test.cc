@@ -78,7 +78,7 @@ TEST(HannWindow, MeanAccelerationOfAParabolaIsItsOwn) {
     rows.push_back(row);
   }
   const WindowMean mean = HannMean(rows, 0, rows.size() - 1);
-  EXPECT_NEAR(mean.acceleration_rad_s2, 1.7, 1e-3);
+  EXPECT_NEAR(mean.acceleration_rad_s2(), 1.7, 1e-3);
   EXPECT_NEAR(mean.force_N, 4.0, 1e-12);
   EXPECT_NEAR(mean.time_s, 0.5, 1e-12);
 }

@@ -134,6 +134,30 @@ TEST(Reservoir, CrossValidationTriesTwentyStrengths) {
   }
 }
 
+TEST(Reservoir, ChoiceByValidationIsThatOfTryingEveryStrength) {
+  const Samples samples = MakeSamples(SomeSequences(3, 300, 5), 0.25, 2);
+  ReservoirConfig config;
+  config.hyper.neurons = 60;
+  config.beta_by_validation = true;
+  const ReservoirModel chosen = FitReservoir(samples, config, nullptr);
+  double least = std::numeric_limits<double>::infinity();
+  double best = 0.0;
+  for (const double beta : esn::LogarithmicGrid(config.beta_lower, config.beta_upper, 20)) {
+    ReservoirConfig fixed = config;
+    fixed.ridge_beta = beta;
+    Eigen::MatrixXd predicted;
+    (void)FitReservoir(samples, fixed, &predicted);
+    const double error = MeanSquare(samples, predicted, samples.validation);
+    if (error < least) {
+      least = error;
+      best = beta;
+    }
+  }
+  EXPECT_EQ(chosen.ridge_beta, best);
+  const Samples none = MakeSamples(SomeSequences(3, 300, 5));
+  EXPECT_THROW((void)FitReservoir(none, config, nullptr), std::invalid_argument);
+}
+
 TEST(Training, EveryNetOfTheTablesLearnsASystemWithMemory) {
   const Samples samples = MakeSamples(SomeSequences(3, 600, 6));
   for (PublishedModel plan : Table62()) {

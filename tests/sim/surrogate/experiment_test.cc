@@ -40,6 +40,14 @@ TEST(Experiment, RowsComeAtEightyHertzWithJitterAndALittleLoss) {
   EXPECT_NEAR(std::sqrt(sum2 / counted), std::sqrt(2.0) * std::hypot(4e-4 * 0.71, 1e-4), 2e-4);
 }
 
+TEST(Experiment, RowsComeAtTwoHundredAndFortyHertzWhenEveryCycleIsLogged) {
+  const std::vector<LogRow> rows =
+      RunExperiment(RigParameters{}, {.duration_s = 20.0, .log_every = 1, .seed = 2},
+                    [](double, const provider::PlantSensors&, provider::PlantCommand*) {});
+  EXPECT_NEAR(static_cast<double>(rows.size()), 4800.0 * (1.0 - 0.004), 20.0);
+  for (std::size_t i = 1; i < rows.size(); ++i) ASSERT_GT(rows[i].time_s, rows[i - 1].time_s);
+}
+
 TEST(Experiment, SameSeedGivesTheSameRowsAndAnotherOneAnotherPlan) {
   const std::vector<LogRow> a = Record(3, 10.0), b = Record(3, 10.0), c = Record(4, 10.0);
   ASSERT_EQ(a.size(), b.size());

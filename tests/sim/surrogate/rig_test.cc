@@ -152,6 +152,80 @@ TEST(Rig, ShareOfTheTorqueDependsOnTheDirectionOfPowerWhenToldSo) {
   }
 }
 
+TEST(Rig, LoadFrictionTakesItsShareOfTheToothTorque) {
+  // At the output: N T = J_rotor a + (1 + share) J_link a + the rotor's own dry friction.
+  RigParameters p = Lossless();
+  p.gear.contact_damping_Nm_s_rad = 10.0;
+  p.link.gravity_torque_Nm = 0.0;
+  p.link.inertia_kg_m2 = 0.1;
+  p.pneumatics.displacement_m3_rad = 0.0;
+  p.rotor.friction.kinetic_Nm = 2e-5;
+  const double rotor_kg_m2 = p.rotor.inertia_kg_m2 * 1e4;
+  for (const double share : {0.0, 0.4}) {
+    p.gear.load_friction = share;
+    Rig rig{p};
+    rig.SetState(0.5 * p.gear.play_rad * 100.0, 200.0, 0.0, 2.0);  // in contact, turning up
+    RigInput input;
+    input.drive = {DriveMode::kTorque, 0.02};
+    for (int i = 0; i < 24; ++i) rig.Advance(input, kCycle_s);
+    const double from_rad_s = rig.truth().output_velocity_rad_s;
+    for (int i = 0; i < 24; ++i) rig.Advance(input, kCycle_s);
+    const double expected_rad_s2 =
+        (100.0 * 0.02 - 100.0 * 2e-5) / (rotor_kg_m2 + (1.0 + share) * p.link.inertia_kg_m2);
+    EXPECT_NEAR((rig.truth().output_velocity_rad_s - from_rad_s) / 0.1, expected_rad_s2,
+                0.01 * expected_rad_s2)
+        << share;
+  }
+}
+
+TEST(Rig, ValveCompressorAndVentActAfterTheDeadTimeOfTheirRelays) {
+  constexpr double kShort_s = 1e-3;
+  RigParameters p;
+  p.pneumatics.initial_valve_open = false;
+  // What is switched, whose pressure shows it, and which way.
+  struct Switch {
+    bool RigInput::*on;
+    double RigTruth::*pressure_bar;
+    double sign;
+    double delay_s;
+  };
+  const Switch switches[] = {{&RigInput::valve_open, &RigTruth::chamber_pressure_bar, 1.0,
+                              p.pneumatics.valve_relay.on_delay_s},
+                             {&RigInput::compressor_on, &RigTruth::reservoir_pressure_bar, 1.0,
+                              p.pneumatics.compressor_relay.on_delay_s},
+                             {&RigInput::vent_open, &RigTruth::reservoir_pressure_bar, -1.0,
+                              p.pneumatics.vent_relay.on_delay_s}};
+  for (const Switch& s : switches) {
+    Rig rig{p};
+    rig.SetPressure(1.0, 4.0);
+    RigInput input;
+    input.*s.on = true;
+    const auto change_bar = [&, from_bar = rig.truth().*s.pressure_bar] {
+      return s.sign * (rig.truth().*s.pressure_bar - from_bar);
+    };
+    const int delay = static_cast<int>(std::lround(s.delay_s / kShort_s));
+    for (int i = 0; i < delay - 1; ++i) rig.Advance(input, kShort_s);
+    EXPECT_LT(std::abs(change_bar()), 1e-3);  // the link settles, and its chamber with it
+    for (int i = 0; i < 300; ++i) rig.Advance(input, kShort_s);
+    EXPECT_GT(change_bar(), 0.01);
+  }
+}
+
+TEST(Rig, AShutChamberLosesItsAirThroughTheSeal) {
+  RigParameters p;
+  p.pneumatics.initial_valve_open = false;
+  const auto after_a_minute_bar = [&p] {
+    Rig rig{p};
+    for (int i = 0; i < 60 * 240; ++i) rig.Advance(Idle(), kCycle_s);
+    return rig.truth().chamber_pressure_bar;
+  };
+  const double leaking_bar = after_a_minute_bar();
+  p.pneumatics.seal_leak.conductance_m3_sPa = 0.0;
+  const double tight_bar = after_a_minute_bar();
+  EXPECT_LT(leaking_bar, tight_bar - 0.01);
+  EXPECT_GT(leaking_bar, 0.5 * tight_bar);  // a seal, not a hole
+}
+
 TEST(Rig, CurrentStaysInsideItsLimitWhateverIsAsked) {
   Rig rig{RigParameters{}};
   RigInput input;

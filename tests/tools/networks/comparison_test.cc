@@ -35,7 +35,7 @@ ComparisonOptions Small() {
   options.epochs = 1;
   options.fair_epochs = 2;
   options.patience = 2;
-  options.duration_s = 25.0;
+  options.duration_s = 12.0;
   return options;
 }
 
