@@ -92,7 +92,7 @@ function(sinew_add_test name)
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_DEPENDS} Eigen3::Eigen GTest::gtest GTest::gmock GTest::gtest_main sinew_flags)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
-  target_compile_options(${name} PRIVATE ${SINEW_LIGHT_OPTIMISATION})
+  target_compile_options(${name} PRIVATE ${SINEW_LIGHT_OPTIMISATION} -Wno-missing-field-initializers)
   target_compile_definitions(${name} PRIVATE
     SINEW_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
     SINEW_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}"

@@ -595,6 +595,13 @@ void CanPlant::Judge(std::int64_t now_ns) {
   const BridgeTiming& timing = config_.timing;
   for (Joint& joint : joints_) {
     const JointLimits& limits = joint.config.limits;
+    if (joint.phase == Phase::kIdle && joint.fault == FaultKind::kNone &&
+        joint.heartbeat.axis_error == can::axis_error::kWatchdogTimerExpired) {
+      // Nobody fed an axis that held nothing, as between the start and the first cycle: no fault.
+      joint.heartbeat.axis_error = 0;
+      joint.cleared_ns = now_ns + kClearing_ns;
+      Send(joint, can::ClearErrors{});
+    }
     if (joint.heartbeat.axis_error != 0) {
       if (joint.fault == FaultKind::kNone) {
         Fail(joint, FaultKind::kAxisError, AxisErrorText(joint.heartbeat.axis_error).c_str());

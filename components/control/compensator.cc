@@ -1,5 +1,6 @@
 #include "components/control/compensator.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -48,6 +49,19 @@ Compensator::Compensator(const actuator::JointModel& model, const CompensatorCon
     if (!(value >= 0.0) || !std::isfinite(value)) {
       throw std::invalid_argument(std::string(what) + " is " + std::to_string(value) +
                                   ", expected a finite number of at least 0");
+    }
+  }
+  if (config.kind == CompensatorKind::kRecorded) {
+    const RecordedTorque& recorded = config.recorded;
+    if (!(recorded.period_s > 0.0) || !std::isfinite(recorded.period_s)) {
+      throw std::invalid_argument("period of the recorded torque is " +
+                                  std::to_string(recorded.period_s) + " s, expected more than 0");
+    }
+    if (recorded.motor_torque_Nm.empty()) throw std::invalid_argument("recorded torque is empty");
+    for (const double torque_Nm : recorded.motor_torque_Nm) {
+      if (!std::isfinite(torque_Nm)) {
+        throw std::invalid_argument("recorded torque holds a value that is not finite");
+      }
     }
   }
   inertia_kg_m2_ = Value(model, "inertia", "inertia") +
@@ -117,6 +131,16 @@ double Compensator::Model(const Point& reference, const JointMeasurement& m,
   return shaft_per_input_ * ((1.0 - share) * at_velocity(-v_s) + share * at_velocity(v_s));
 }
 
+double Compensator::Recorded() const noexcept {
+  const std::vector<double>& torque_Nm = config_.recorded.motor_torque_Nm;
+  const double last = static_cast<double>(torque_Nm.size() - 1);
+  const double at = std::min(time_s_ / config_.recorded.period_s, last);
+  const auto before = static_cast<std::size_t>(at);
+  const std::size_t after = std::min(before + 1, torque_Nm.size() - 1);
+  const double share = at - static_cast<double>(before);
+  return (1.0 - share) * torque_Nm[before] + share * torque_Nm[after];
+}
+
 double Compensator::Step(const Point& reference, const JointMeasurement& m,
                          double period_s) noexcept {
   if (config_.kind == CompensatorKind::kNone) return 0.0;
@@ -135,6 +159,10 @@ double Compensator::Step(const Point& reference, const JointMeasurement& m,
     pressure_bar_ += step_bar;
     pressure_rate_bar_s_ += share * (step_bar / period_s - pressure_rate_bar_s_);
     load_force_N_ += share * (m.load_force_N - load_force_N_);
+  }
+  if (config_.kind == CompensatorKind::kRecorded) {
+    started_ = true;
+    return Recorded();
   }
   Point ahead = reference;
   ahead.position_rad += config_.lead_s * (reference.velocity_rad_s +

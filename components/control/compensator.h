@@ -14,6 +14,11 @@
 // velocity are smoothed: below smoothing_rad_s the torque is the straight line between those at -v
 // and +v.
 //
+// kRecorded: a torque over time, found beforehand for this very reference (tools/control_test makes
+// one by iterative inversion of the surrogate); straight lines between its points, held at its
+// ends. Time counts from the first step with a reference. It knows nothing of the joint: a bound
+// for comparisons, not a way to run one.
+//
 // Angle-dependent motor terms (cogging) read the measured motor angle: the free play hides it from
 // the reference. Thread: one. Step is noexcept and allocates nothing.
 #pragma once
@@ -25,13 +30,19 @@
 
 namespace sinew::control {
 
-enum class CompensatorKind { kNone, kLinear, kModel };
+enum class CompensatorKind { kNone, kLinear, kModel, kRecorded };
+
+struct RecordedTorque {
+  double period_s = 0.0;
+  std::vector<double> motor_torque_Nm;  // at the shaft, from the start of the reference
+};
 
 struct CompensatorConfig {
   CompensatorKind kind = CompensatorKind::kNone;
   double smoothing_rad_s = 0.05;
   double pressure_filter_Hz = 5.0;  // measured pressure and load force are smoothed; 0: as they are
   double lead_s = 0.0;              // the reference this much later: delay of the drive
+  RecordedTorque recorded = {};     // kRecorded only
 };
 
 // Motor torque per output torque: 1 / (N * efficiency); for a prismatic axis force per force.
@@ -42,7 +53,8 @@ double ShaftPerDriveInput(const actuator::JointModel& model);
 
 class Compensator {
  public:
-  // Throws std::invalid_argument for a model without a drive, or negative figures.
+  // Throws std::invalid_argument for a model without a drive, negative figures, or a recorded
+  // torque that is empty, not finite or without a period.
   Compensator(const actuator::JointModel& model, const CompensatorConfig& config);
 
   void Reset() noexcept;
@@ -51,6 +63,7 @@ class Compensator {
   double Step(const Point& reference, const JointMeasurement& m, double period_s) noexcept;
 
  private:
+  double Recorded() const noexcept;
   double Linear(const Point& reference, const JointMeasurement& m) const noexcept;
   double Model(const Point& reference, const JointMeasurement& m, double period_s) noexcept;
   effects::JointSample Sample(const Point& reference, const JointMeasurement& m) const noexcept;

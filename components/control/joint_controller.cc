@@ -189,7 +189,8 @@ Point JointController::Target(const JointInput& input) noexcept {
 double JointController::FeedForward(const JointInput& input, const Point& target) noexcept {
   int source = 0;
   double wanted_Nm = 0.0;
-  if (config_.strategy == Strategy::kPidLinear) {
+  const bool recorded = config_.compensator.kind == CompensatorKind::kRecorded;
+  if (config_.strategy == Strategy::kPidLinear && (!recorded || aim_ == Aim::kReference)) {
     source = 1;
     JointMeasurement m = last_actuator_;
     m.actuator_valid = input.measured->actuator_valid;
@@ -210,6 +211,13 @@ double JointController::FeedForward(const JointInput& input, const Point& target
   }
   if (source != source_) {
     fade_Nm_ = feed_forward_Nm_ - wanted_Nm;
+    if (source_ == 0) {  // what the integral held in the feed-forward's place, it gives up
+      const double instead_Nm = wanted_Nm / config_.shaft_per_output;
+      const double held_Nm =
+          std::clamp(pid_.integral_Nm(), std::min(0.0, instead_Nm), std::max(0.0, instead_Nm));
+      pid_.Shift(-held_Nm);
+      fade_Nm_ += config_.shaft_per_output * held_Nm;
+    }
     source_ = source;
   }
   fade_Nm_ *= config_.crossfade_s > 0.0 ? std::exp(-input.period_s / config_.crossfade_s) : 0.0;
@@ -336,13 +344,13 @@ JointController::Result JointController::Step(const JointInput& input) noexcept 
     result.stale = true;
   }
 
+  output.compensation_Nm = FeedForward(now, target_);
   const Pid before = pid_;
   const double rate_rad_s =
       (config_.derivative_of == DerivativeOf::kError ? target_.velocity_rad_s : 0.0) -
       velocity_rad_s;
   const double feedback_Nm =
       config_.shaft_per_output * pid_.Step(error_rad, rate_rad_s, input.period_s);
-  output.compensation_Nm = FeedForward(now, target_);
   double limit_Nm = config_.motor_torque_limit_Nm;
   if (aim_ == Aim::kMove && motion_.motor_torque_limit_Nm > 0.0) {
     limit_Nm = std::min(limit_Nm, motion_.motor_torque_limit_Nm);

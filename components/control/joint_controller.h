@@ -3,7 +3,7 @@
 // What it follows, in this order: the reference; else a motion order; else it holds. Whenever that
 // changes (arming included) it goes on from where it is: the difference to the new target fades out
 // over takeover_s (quintic), and a jump of the feed-forward fades out with the time constant
-// crossfade_s.
+// crossfade_s. Where a feed-forward begins, the integral gives up what it held in its place.
 //
 // Command, torque strategies: limit(PID / (N efficiency) + feed-forward) at the motor shaft; the
 // cut part goes back into the integral. kPosition gives the target to the drive's own loops.

@@ -61,4 +61,11 @@ void Pid::Track(double applied_Nm) noexcept {
   output_Nm_ = applied_Nm;
 }
 
+void Pid::Shift(double torque_Nm) noexcept {
+  integral_Nm_ += torque_Nm;
+  if (config_.integral_limit_Nm > 0.0) {
+    integral_Nm_ = std::clamp(integral_Nm_, -config_.integral_limit_Nm, config_.integral_limit_Nm);
+  }
+}
+
 }  // namespace sinew::control

@@ -37,6 +37,10 @@ class Pid {
   // Another controller's command is applied: the integral takes what makes u_k equal to it.
   void Track(double applied_Nm) noexcept;
 
+  // The integral gets this much more: what another part of the command gives from now on, or no
+  // longer.
+  void Shift(double torque_Nm) noexcept;
+
   double integral_Nm() const noexcept { return integral_Nm_; }
   double output_Nm() const noexcept { return output_Nm_; }
 

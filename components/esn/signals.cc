@@ -1,5 +1,6 @@
 #include "components/esn/signals.h"
 
+#include <cmath>
 #include <limits>
 
 namespace sinew::esn {
@@ -9,9 +10,13 @@ constexpr std::array<std::string_view, kSignalCount> kNames = {
     "reference_position_rad", "reference_velocity_rad_s", "reference_acceleration_rad_s2",
     "position_rad",           "velocity_rad_s",           "motor_velocity_rad_s",
     "chamber_pressure_bar",   "play_angle_rad",           "load_force_N",
-    "declared_payload_kg",    "motor_temperature_degC"};
+    "declared_payload_kg",    "motor_temperature_degC",   "reference_direction_1"};
 
 }  // namespace
+
+double ReferenceDirection(double reference_velocity_rad_s) noexcept {
+  return std::tanh(reference_velocity_rad_s / kDirectionWidth_rad_s);
+}
 
 std::string_view SignalName(Signal signal) { return kNames[static_cast<std::size_t>(signal)]; }
 
@@ -27,7 +32,7 @@ std::string_view SignalNames() {
          "position_rad, "
          "velocity_rad_s, motor_velocity_rad_s, chamber_pressure_bar, play_angle_rad, "
          "load_force_N, "
-         "declared_payload_kg, motor_temperature_degC";
+         "declared_payload_kg, motor_temperature_degC, reference_direction_1";
 }
 
 void Frame::Clear() noexcept {

@@ -4,6 +4,9 @@
 // Computed torque: a reference_* input is the reference in the loop, and the measured motion
 // (differentiated without phase shift) in training. Motor current, and anything that is a multiple
 // of it, is no input: the target of the rig's networks is drive torque.
+//
+// reference_direction is the way of dry friction, tanh(v_ref / 0.02 rad/s): smooth neurons need
+// many units to turn as sharply, and an input that the readout sees needs one weight.
 #pragma once
 
 #include <array>
@@ -15,6 +18,10 @@ namespace sinew::esn {
 
 inline constexpr int kMaxJoints = 12;
 
+// Velocity over which reference_direction turns.
+inline constexpr double kDirectionWidth_rad_s = 0.02;
+double ReferenceDirection(double reference_velocity_rad_s) noexcept;
+
 enum class Signal {
   kReferencePosition,      // reference_position_rad        output, rad
   kReferenceVelocity,      // reference_velocity_rad_s
@@ -23,12 +30,13 @@ enum class Signal {
   kVelocity,               // velocity_rad_s                measured, output
   kMotorVelocity,          // motor_velocity_rad_s          measured, motor shaft
   kChamberPressure,        // chamber_pressure_bar          gauge
-  kPlayAngle,    // play_angle_rad                motor / N - output, from the lower contact
-  kLoadForce,    // load_force_N                  positive presses the link down
-  kPayload,      // declared_payload_kg
-  kTemperature,  // motor_temperature_degC
+  kPlayAngle,           // play_angle_rad                motor / N - output, from the lower contact
+  kLoadForce,           // load_force_N                  positive presses the link down
+  kPayload,             // declared_payload_kg
+  kTemperature,         // motor_temperature_degC
+  kReferenceDirection,  // reference_direction_1         -1 down, 1 up
 };
-inline constexpr int kSignalCount = 11;
+inline constexpr int kSignalCount = 12;
 
 std::string_view SignalName(Signal signal);
 std::optional<Signal> SignalFromName(std::string_view name);

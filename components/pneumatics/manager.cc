@@ -60,6 +60,7 @@ PressureManager::PressureManager(const ManagerConfig& config)
           "band at which a correction starts", config.start_band_bar);
   require(config.lead_s >= 0.0, "lead", config.lead_s);
   require(config.settle_s >= 0.0, "settling time", config.settle_s);
+  require(config.calm_s >= 0.0, "calm time", config.calm_s);
   require(config.filter_Hz > 0.0, "filter", config.filter_Hz);
   require(config.sensor_lower_bar < config.sensor_upper_bar, "range of the sensor",
           config.sensor_lower_bar);
@@ -83,6 +84,7 @@ void PressureManager::Restart() noexcept {
       leaking_s_ = 0.0;
   rest_change_bar_ = rest_time_s_ = 0.0;
   stage_ = Stage::kDirect;
+  joined_ = false;
 }
 
 bool PressureManager::RequestPressure(double pressure_bar) noexcept {
@@ -149,7 +151,7 @@ void PressureManager::Watch(const ManagerInput& input) noexcept {
   const bool moves_air = stage_ == Stage::kDirect || stage_ == Stage::kPrepare;
   if ((mode_ == Mode::kFill || mode_ == Mode::kVent) && moves_air) {
     correcting_s_ += h;
-    const double now_bar = uses_reservoir_ ? reservoir_.value_bar : chamber_.value_bar;
+    const double now_bar = Moved().value_bar;
     const double moved_bar =
         mode_ == Mode::kFill ? now_bar - progress_bar_ : progress_bar_ - now_bar;
     const bool nearly_empty = mode_ == Mode::kVent && now_bar < kNearlyEmpty_bar;
@@ -162,6 +164,10 @@ void PressureManager::Watch(const ManagerInput& input) noexcept {
   }
 }
 
+const PressureManager::Filtered& PressureManager::Moved() const noexcept {
+  return uses_reservoir_ && !joined_ ? reservoir_ : chamber_;
+}
+
 double PressureManager::Filtered::Step(double sample_bar, double share, double period_s) noexcept {
   const double step_bar = share * (sample_bar - value_bar);
   value_bar += step_bar;
@@ -171,13 +177,13 @@ double PressureManager::Filtered::Step(double sample_bar, double share, double p
 
 // The chamber is off its target: which way, and by which steps.
 void PressureManager::StartCorrection() noexcept {
-  const Filtered& moved = uses_reservoir_ ? reservoir_ : chamber_;
+  const Filtered& moved = Moved();
   const double error_bar = target_bar_ - moved.value_bar;
   mode_ = error_bar > 0.0 ? Mode::kFill : Mode::kVent;
-  stage_ = uses_reservoir_ ? Stage::kPrepare : Stage::kDirect;
+  stage_ = uses_reservoir_ && !joined_ ? Stage::kPrepare : Stage::kDirect;
   stage_s_ = correcting_s_ = 0.0;
   progress_bar_ = moved.value_bar;
-  if (uses_reservoir_ && std::abs(error_bar) < 0.5 * config_.start_band_bar) {
+  if (stage_ == Stage::kPrepare && std::abs(error_bar) < 0.5 * config_.start_band_bar) {
     stage_ = Stage::kEqualise;  // the reservoir is where the chamber should be
   }
 }
@@ -188,6 +194,7 @@ void PressureManager::Correct(double period_s) noexcept {
     still_s_ = config_.settle_s;  // may correct at once
   } else if (mode_ == Mode::kHold) {
     still_s_ += period_s;
+    joined_ = joined_ && still_s_ < config_.calm_s;
   }
   if (mode_ == Mode::kHold) {
     const bool off = std::abs(target_bar_ - chamber_.value_bar) > config_.start_band_bar;
@@ -197,7 +204,7 @@ void PressureManager::Correct(double period_s) noexcept {
   stage_s_ += period_s;
   bool done = false;
   if (stage_ == Stage::kDirect || stage_ == Stage::kPrepare) {
-    const Filtered& moved = uses_reservoir_ ? reservoir_ : chamber_;
+    const Filtered& moved = Moved();
     const double expected_bar = moved.value_bar + config_.lead_s * moved.rate_bar_s;
     const bool reached = mode_ == Mode::kFill ? expected_bar >= target_bar_
                                               : expected_bar <= std::max(target_bar_, kEmpty_bar);
@@ -210,7 +217,7 @@ void PressureManager::Correct(double period_s) noexcept {
     stage_ = Stage::kEqualise;
     stage_s_ = 0.0;
   } else if (stage_ == Stage::kEqualise && stage_s_ >= kEqualise_s) {
-    done = true;
+    done = joined_ = true;
     // Joined, they have one pressure; where they have not, the valve did not open.
     if (std::abs(chamber_.value_bar - reservoir_.value_bar) > 2.0 * config_.response_bar) {
       fault_ = Fault::kNoResponse;
@@ -218,13 +225,15 @@ void PressureManager::Correct(double period_s) noexcept {
   }
   if (done) {
     mode_ = Mode::kHold;
+    // Coming to rest and joining was rest enough.
+    still_s_ = stage_ == Stage::kEqualise ? config_.settle_s : 0.0;
     stage_ = Stage::kDirect;
-    still_s_ = 0.0;
   }
 }
 
 ManagerOutput PressureManager::AllOff(Mode mode, bool let_out) noexcept {
   mode_ = mode;
+  joined_ = false;
   compressor_.Force(false);
   valve_.Force(let_out);
   vent_.Force(let_out);
@@ -239,7 +248,7 @@ ManagerOutput PressureManager::Drive(double period_s) noexcept {
   const bool fill = mode_ == Mode::kFill && moves_air;
   const bool vent = mode_ == Mode::kVent && moves_air;
   const bool valve = config_.hold_with == HoldWith::kReservoir ||
-                     (uses_reservoir_ ? stage_ == Stage::kEqualise : fill || vent);
+                     (uses_reservoir_ ? joined_ || stage_ == Stage::kEqualise : fill || vent);
   ManagerOutput output;
   output.mode = mode_;
   output.compressor_on = compressor_.Step(fill && !vent_.on(), period_s);
@@ -272,7 +281,8 @@ ManagerOutput PressureManager::Step(const ManagerInput& input) noexcept {
     output.valve_open = valve_.on();
   } else {
     Correct(input.period_s);
-    output = Drive(input.period_s);
+    output = fault_ == Fault::kNone ? Drive(input.period_s)
+                                    : AllOff(Mode::kSafe, config_.vent_when_safe);
   }
   output.fault = fault_;
   output.target_bar = target_bar_;

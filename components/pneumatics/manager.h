@@ -6,7 +6,9 @@
 // so that the reservoir's volume smooths what the motion does. kChamber shuts it between
 // corrections (the source's experiment inside the backlash); the chamber is so small that it takes
 // the reservoir's pressure at once, so a correction brings the reservoir to the target first (where
-// it has a sensor), lets it come to rest and then opens the valve for a moment.
+// it has a sensor), lets it come to rest and then opens the valve. It stays open, and corrections
+// go on as in kReservoir, until none was needed for calm_s: air that was just pumped is warm, and
+// would cool in a shut chamber.
 //
 // A correction starts when the filtered pressure is start_band_bar off its target, and ends when
 // the pressure expected lead_s later (dead time of relays, filter) has reached it. Between a
@@ -46,6 +48,7 @@ struct ManagerConfig {
   double start_band_bar = 0.035;  // a correction starts outside it
   double lead_s = 0.12;
   double settle_s = 1.0;
+  double calm_s = 3.0;  // kChamber: before the valve shuts
   double filter_Hz = 5.0;
   RelayTimes valve{0.2, 0.2};
   RelayTimes compressor{0.2, 0.5};
@@ -113,10 +116,19 @@ class PressureManager {
   }
 
  private:
+  struct Filtered {
+    double value_bar = 0.0;
+    double rate_bar_s = 0.0;
+    // Moves toward a sample; returns by how much.
+    double Step(double sample_bar, double share, double period_s) noexcept;
+  };
+
   void Watch(const ManagerInput& input) noexcept;
   // How far a correction of a shut chamber has come.
   enum class Stage { kDirect, kPrepare, kComeToRest, kEqualise };
 
+  // What compressor and vent act on.
+  const Filtered& Moved() const noexcept;
   void Correct(double period_s) noexcept;
   void StartCorrection() noexcept;
   ManagerOutput Drive(double period_s) noexcept;
@@ -130,16 +142,11 @@ class PressureManager {
   Mode mode_ = Mode::kIdle;
   bool known_ = false;
   bool uses_reservoir_ = false;
-  struct Filtered {
-    double value_bar = 0.0;
-    double rate_bar_s = 0.0;
-    // Moves toward a sample; returns by how much.
-    double Step(double sample_bar, double share, double period_s) noexcept;
-  };
   Filtered chamber_;
   Filtered reservoir_;
   Stage stage_ = Stage::kDirect;
   double stage_s_ = 0.0;
+  bool joined_ = false;  // the valve of kChamber stays open after a correction
   double bad_sensor_s_ = 0.0;
   double bad_reservoir_s_ = 0.0;
   double overpressure_s_ = 0.0;

@@ -1,8 +1,10 @@
 #include "tools/sinew/commands.h"
 
+#include "tools/sinew/check.h"
 #include "tools/sinew/close_loop.h"
 #include "tools/sinew/compare.h"
 #include "tools/sinew/completion.h"
+#include "tools/sinew/control_test.h"
 #include "tools/sinew/echo.h"
 #include "tools/sinew/effects.h"
 #include "tools/sinew/experiment.h"
@@ -36,6 +38,8 @@ void AddAllCommands(CLI::App& app) {
   AddCompareCommand(app);
   AddSearchCommand(app);
   AddScoreCommand(app);
+  AddControlTestCommand(app);
+  AddCheckCommand(app);
   AddPaperCommand(app);
   AddCompletionCommand(app);
 }

@@ -10,7 +10,7 @@
 
 #include "components/config/config.h"
 #include "components/recording/file/run_reader.h"
-#include "tools/sinew/tracking.h"
+#include "tools/tracking/tracking.h"
 
 namespace sinew::tools {
 

@@ -23,7 +23,8 @@ provider::Mode ToMode(control::CommandMode mode) {
 
 }  // namespace
 
-ClosedLoopScore RunClosedLoop(const ClosedLoopConfig& config, provider::Plant& plant) {
+ClosedLoopScore RunClosedLoop(const ClosedLoopConfig& config, provider::Plant& plant,
+                              std::vector<ClosedLoopTick>* trace) {
   const double period_s = 1.0 / config.rate_Hz;
   const int joints = plant.joint_count();
   control::RobotController controller(config.control);
@@ -76,6 +77,10 @@ ClosedLoopScore RunClosedLoop(const ClosedLoopConfig& config, provider::Plant& p
     score.faulted = score.faulted || output.fault != control::Fault::kNone || sensors.fault;
 
     const double time_s = static_cast<double>(tick) * period_s;
+    if (trace != nullptr) {
+      trace->push_back({time_s, wanted.idle, wanted.joint[0].position_rad, sensors.position_rad[0],
+                        output.joint[0].motor_torque_Nm, output.joint[0].compensation_Nm});
+    }
     if (!wanted.idle && time_s >= config.score_from_s && time_s < config.score_to_s) {
       const double error_rad = wanted.joint[0].position_rad - sensors.position_rad[0];
       const double torque_Nm = output.joint[0].motor_torque_Nm;

@@ -25,6 +25,16 @@ struct ClosedLoopConfig {
   double score_to_s = 1e9;
 };
 
+// The first joint in one tick.
+struct ClosedLoopTick {
+  double time_s = 0.0;  // from arming
+  bool idle = true;     // no reference
+  double reference_rad = 0.0;
+  double position_rad = 0.0;     // measured
+  double motor_torque_Nm = 0.0;  // commanded, at the shaft
+  double compensation_Nm = 0.0;  // its feed-forward part
+};
+
 // Of the first joint.
 struct ClosedLoopScore {
   double mse_rad2 = 0.0;  // reference against measured output
@@ -35,6 +45,8 @@ struct ClosedLoopScore {
   bool faulted = false;
 };
 
-ClosedLoopScore RunClosedLoop(const ClosedLoopConfig& config, provider::Plant& plant);
+// trace: a row a tick; may be null.
+ClosedLoopScore RunClosedLoop(const ClosedLoopConfig& config, provider::Plant& plant,
+                              std::vector<ClosedLoopTick>* trace = nullptr);
 
 }  // namespace sinew::tune

@@ -1,7 +1,11 @@
 #include "components/control/file/control_file.h"
 
 #include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <locale>
 #include <map>
+#include <sstream>
 
 #include "components/actuator/file/model_file.h"
 
@@ -53,6 +57,48 @@ PidConfig ReadPid(const Section& s, const Units& units) {
   pid.integral_limit_Nm = s.NumberOr(units.Torque("integral_limit"), 0.0, kNotNegative);
   s.RejectUnknownKeys();
   return pid;
+}
+
+// CSV: a header line `time_s,motor_torque_Nm`, then rows at one period from time 0.
+RecordedTorque ReadRecordedTorque(const Section& s) {
+  const std::filesystem::path path = s.ExistingPath("recorded_torque");
+  std::ifstream in(path);
+  std::string line;
+  long row = 0;
+  const auto fail = [&](const std::string& what) {
+    throw UsageError(path.string() + ":" + std::to_string(row) + ": " + what);
+  };
+  const auto next = [&] {
+    ++row;
+    return static_cast<bool>(std::getline(in, line));
+  };
+  if (!next() || line != "time_s,motor_torque_Nm") {
+    fail("'" + line + "', expected the header time_s,motor_torque_Nm");
+  }
+  RecordedTorque recorded;
+  std::vector<double> time_s;
+  while (next()) {
+    double at_s = 0.0, torque_Nm = 0.0;
+    char comma = 0;
+    std::istringstream text(line);
+    text.imbue(std::locale::classic());
+    if (!(text >> at_s >> comma >> torque_Nm) || comma != ',' || !(text >> std::ws).eof()) {
+      fail("'" + line + "', expected two numbers");
+    }
+    time_s.push_back(at_s);
+    recorded.motor_torque_Nm.push_back(torque_Nm);
+  }
+  if (time_s.size() < 2) fail("the table ends here, expected two rows at least");
+  recorded.period_s = (time_s.back() - time_s.front()) / static_cast<double>(time_s.size() - 1);
+  // A row may be written with few digits.
+  const double same_s = 1e-3 * recorded.period_s;
+  for (std::size_t i = 0; i < time_s.size(); ++i) {
+    row = static_cast<long>(i) + 2;
+    if (!(std::abs(time_s[i] - static_cast<double>(i) * recorded.period_s) <= same_s)) {
+      fail("time_s " + std::to_string(time_s[i]) + ", expected rows at one period from 0 on");
+    }
+  }
+  return recorded;
 }
 
 JointControlConfig ReadJoint(const Section& s, std::size_t index,
@@ -134,9 +180,13 @@ JointControlConfig ReadJoint(const Section& s, std::size_t index,
                           {"output", VelocityFrom::kOutput},
                           {"output_difference", VelocityFrom::kOutputDifference}});
   if (joint.strategy == Strategy::kPidLinear) {
-    joint.compensator.kind = Word<CompensatorKind>(
-        s, "compensate", "model",
-        {{"linear", CompensatorKind::kLinear}, {"model", CompensatorKind::kModel}});
+    joint.compensator.kind = Word<CompensatorKind>(s, "compensate", "model",
+                                                   {{"linear", CompensatorKind::kLinear},
+                                                    {"model", CompensatorKind::kModel},
+                                                    {"recorded", CompensatorKind::kRecorded}});
+    if (joint.compensator.kind == CompensatorKind::kRecorded) {
+      joint.compensator.recorded = ReadRecordedTorque(s);
+    }
     joint.compensator.smoothing_rad_s =
         s.NumberOr(units.Velocity("smoothing"), joint.compensator.smoothing_rad_s, kNotNegative);
     joint.compensator.pressure_filter_Hz =

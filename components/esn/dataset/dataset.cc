@@ -31,6 +31,7 @@ void CheckConfig(const DatasetConfig& config) {
   require(config.period_s > 0.0, "period_s", config.period_s, "above 0");
   require(config.smoothing_Hz > 0.0, "smoothing_Hz", config.smoothing_Hz, "above 0");
   require(config.play_margin_rad >= 0.0, "play_margin_rad", config.play_margin_rad, "at least 0");
+  require(config.region_guard_s >= 0.0, "region_guard_s", config.region_guard_s, "at least 0");
   require(config.blocks >= 1, "blocks", config.blocks, "at least 1");
   require(config.train_share > 0.0 && config.train_share <= 1.0, "train_share", config.train_share,
           "above 0, at most 1");
@@ -162,6 +163,9 @@ Columns ColumnsOf(const UniformSegment& segment, const actuator::JointModel& mod
       case Signal::kReferenceAcceleration:
         columns.inputs.push_back(output.acceleration);
         break;
+      case Signal::kReferenceDirection:
+        columns.inputs.push_back(output.velocity.unaryExpr(&ReferenceDirection));
+        break;
       case Signal::kMotorVelocity:
         columns.inputs.push_back(
             Differentiate(source, segment.period_s, config.smoothing_Hz).velocity);
@@ -206,6 +210,20 @@ void Resample(const UniformSegment& segment, double period_s, Columns* columns,
     (*valid)[static_cast<std::size_t>(t)] = segment.valid[static_cast<std::size_t>(before)] != 0 &&
                                             segment.valid[static_cast<std::size_t>(after)] != 0;
   }
+}
+
+// Samples at most `guard` away from a sample of the other region.
+template <class InsideFunction>
+std::vector<char> NearABorder(Eigen::Index count, const InsideFunction& inside,
+                              Eigen::Index guard) {
+  std::vector<char> near_border(static_cast<std::size_t>(count), 0);
+  for (Eigen::Index t = 1; t < count && guard > 0; ++t) {
+    if (inside(t) == inside(t - 1)) continue;
+    const Eigen::Index first = std::max<Eigen::Index>(0, t - guard);
+    const Eigen::Index last = std::min(count, t + guard);
+    for (Eigen::Index i = first; i < last; ++i) near_border[static_cast<std::size_t>(i)] = 1;
+  }
+  return near_border;
 }
 
 }  // namespace
@@ -256,6 +274,8 @@ Dataset MakeDataset(const std::vector<identify::Run>& runs, const actuator::Join
   if (needs_play)
     data.play_centre_rad = config.play_centre_rad ? *config.play_centre_rad : MiddleOf(play);
 
+  const auto guard =
+      static_cast<Eigen::Index>(std::lround(config.region_guard_s / config.period_s));
   const double half_rad = 0.5 * model.backlash_rad - config.play_margin_rad;
   for (std::size_t p = 0; p < pieces.size(); ++p) {
     const Columns& columns = pieces[p];
@@ -271,13 +291,18 @@ Dataset MakeDataset(const std::vector<identify::Run>& runs, const actuator::Join
     }
     sequence.targets = columns.target;
     sequence.use.assign(static_cast<std::size_t>(count), Use::kNone);
+    const auto is_inside = [&](Eigen::Index t) {
+      return needs_play && std::abs(columns.play(t) - data.play_centre_rad) < half_rad;
+    };
+    const std::vector<char> guarded = NearABorder(count, is_inside, guard);
     for (Eigen::Index t = 0; t < count; ++t) {
       if (!valid[p][static_cast<std::size_t>(t)]) continue;
       ++data.samples;
-      const bool inside = needs_play && std::abs(columns.play(t) - data.play_centre_rad) < half_rad;
+      const bool inside = is_inside(t);
       if (inside) ++data.inside;
       if (config.region == Region::kInside && !inside) continue;
       if (config.region == Region::kOutside && inside) continue;
+      if (config.region != Region::kAll && guarded[static_cast<std::size_t>(t)]) continue;
       // Position within its block, 0 .. 1.
       const double block = static_cast<double>(t) * config.blocks / static_cast<double>(count);
       const bool train = !test_only && block - std::floor(block) < config.train_share;

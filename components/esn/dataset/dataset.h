@@ -43,6 +43,7 @@ struct DatasetConfig {
   // Nothing: midway between the extremes that were recorded.
   std::optional<double> play_centre_rad = 0.0;
   double play_margin_rad = 8e-4;  // two counts of a 14 bit encoder
+  double region_guard_s = 0.0;    // samples this near to one of the other region teach nothing
   int blocks = 10;                // each starts with its share of training, the rest is test
   double train_share = 0.7;       // in (0, 1]
 };

@@ -59,7 +59,7 @@ Inference::Inference(const EsnConfig& config) {
       Reads(config, {Signal::kMotorVelocity, Signal::kChamberPressure, Signal::kLoadForce,
                      Signal::kPayload, Signal::kTemperature});
   needs_reference_ = Reads(config, {Signal::kReferencePosition, Signal::kReferenceVelocity,
-                                    Signal::kReferenceAcceleration});
+                                    Signal::kReferenceAcceleration, Signal::kReferenceDirection});
   needs_regime_ = predictor_->needs_regime();
   needs_readout_ = config.adaptation;
 }

@@ -41,6 +41,7 @@ bool FillFrom(const msg::Reference& message, Frame* frame) {
     frame->Set(Signal::kReferencePosition, j, message.position_rad()[at]);
     frame->Set(Signal::kReferenceVelocity, j, message.velocity_rad_s()[at]);
     frame->Set(Signal::kReferenceAcceleration, j, message.acceleration_rad_s2()[at]);
+    frame->Set(Signal::kReferenceDirection, j, ReferenceDirection(message.velocity_rad_s()[at]));
   }
   return !message.stale();
 }

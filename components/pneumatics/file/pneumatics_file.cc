@@ -28,6 +28,7 @@ ManagerConfig ReadJoint(const Section& s) {
   c.start_band_bar = s.NumberOr("start_band_bar", 0.7 * c.band_bar, kPositive);
   c.lead_s = s.NumberOr("lead_s", c.lead_s, kNotNegative);
   c.settle_s = s.NumberOr("settle_s", c.settle_s, kNotNegative);
+  c.calm_s = s.NumberOr("calm_s", c.calm_s, kNotNegative);
   c.filter_Hz = s.NumberOr("filter_Hz", c.filter_Hz, kPositive);
   c.valve = ReadRelay(s, "valve", c.valve);
   c.compressor = ReadRelay(s, "compressor", c.compressor);

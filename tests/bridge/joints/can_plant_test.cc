@@ -523,7 +523,7 @@ TEST(CanPlant, HeartbeatThatCrossedTheClearingIsNoNewFault) {
   bench.Steps(10);
   const auto axis = bench.buses[0]->Join("axis");
   const can::Frame error =
-      can::Encode(1, can::Heartbeat{can::axis_error::kWatchdogTimerExpired, can::AxisState::kIdle});
+      can::Encode(1, can::Heartbeat{can::axis_error::kMotorFailed, can::AxisState::kIdle});
   bench.plant->ClearFault();
   ASSERT_EQ(axis->Send(error), can::SendStatus::kOk);  // before the axis took Clear_Errors
   bench.Steps(2);
@@ -531,6 +531,21 @@ TEST(CanPlant, HeartbeatThatCrossedTheClearingIsNoNewFault) {
   bench.Steps(3);
   ASSERT_EQ(axis->Send(error), can::SendStatus::kOk);  // after it
   bench.Steps(2);
+  EXPECT_TRUE(bench.sensors.fault);
+}
+
+TEST(CanPlant, ExpiredWatchdogOfAnIdleAxisIsClearedAndOfAnActiveOneAFault) {
+  Bench bench({.watchdog_s = 0.02});
+  bench.Start();
+  bench.Steps(10);
+  bench.buses[0]->AdvanceTo(bench.buses[0]->now_ns() + 300 * kMs_ns);  // the bridge is kept waiting
+  EXPECT_NE(bench.axes->axis_error(0), 0U);
+  bench.Steps(60);
+  EXPECT_FALSE(bench.sensors.fault) << bench.sensors.message;
+  EXPECT_EQ(bench.axes->axis_error(0), 0U);
+  bench.Arm();
+  bench.buses[0]->AdvanceTo(bench.buses[0]->now_ns() + 30 * kMs_ns);
+  bench.Steps(60);
   EXPECT_TRUE(bench.sensors.fault);
 }
 

@@ -68,8 +68,8 @@ class Rig {
     axes_config_ = folder_.Write(
         "virtual_axes.yaml",
         Replaced(on_our_bus("virtual_axes.yaml"), "watchdog_ms: 100", "watchdog_ms: 500"));
-    std::string bridge =
-        Replaced(on_our_bus("can_bridge.yaml"), "lost_after_ms: 60", "lost_after_ms: 1000");
+    std::string bridge = Replaced(on_our_bus("can_bridge.yaml"), "lost_after_ms: 60",
+                                  "lost_after_ms: 1000\n  closed_loop_timeout_ms: 5000");
     bridge = Replaced(bridge, "heartbeat_timeout_ms: 350", "heartbeat_timeout_ms: 3000");
     bridge = Replaced(bridge, "fault_after_ms: 60", "fault_after_ms: 1000");
     bridge_config_ = folder_.Write("can_bridge.yaml", bridge);

@@ -160,5 +160,26 @@ TEST(Compensator, BadConfigurationIsRefused) {
   EXPECT_THROW(Compensator(Rig(), {.pressure_filter_Hz = std::nan("")}), std::invalid_argument);
 }
 
+TEST(Compensator, ARecordedTorqueIsPlayedFromTheFirstStepOnAndHeldAtItsEnd) {
+  CompensatorConfig config{.kind = CompensatorKind::kRecorded};
+  config.recorded = {2.0 * kCycle_s, {0.1, 0.3, -0.1}};
+  Compensator compensator(Rig(), config);
+  for (int repeat = 0; repeat < 2; ++repeat) {
+    for (const double expected_Nm : {0.1, 0.2, 0.3, 0.1, -0.1, -0.1, -0.1}) {
+      EXPECT_NEAR(compensator.Step(kMoving, Measured(), kCycle_s), expected_Nm, kTolerance);
+    }
+    compensator.Reset();
+  }
+}
+
+TEST(Compensator, ARecordedTorqueThatCannotBePlayedIsRefused) {
+  CompensatorConfig config{.kind = CompensatorKind::kRecorded};
+  EXPECT_THROW(Compensator(Rig(), config), std::invalid_argument);
+  config.recorded = {kCycle_s, {}};
+  EXPECT_THROW(Compensator(Rig(), config), std::invalid_argument);
+  config.recorded = {kCycle_s, {0.0, NAN}};
+  EXPECT_THROW(Compensator(Rig(), config), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace sinew::control

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 namespace sinew::control {
 namespace {
 
@@ -48,6 +50,26 @@ TEST(ControlFile, ReadsTheRigsModelForFeedForward) {
   EXPECT_EQ(config.joints[0].compensator.kind, CompensatorKind::kLinear);
   EXPECT_EQ(config.joints[0].motor_torque_limit_Nm, 0.3);
   EXPECT_EQ(config.joints[0].gear_ratio, 100.0);
+}
+
+TEST(ControlFile, ReadsATorqueOverTimeAndNamesTheRowThatIsWrong) {
+  const std::string path = ::testing::TempDir() + "recorded_torque.csv";
+  const auto write = [&path](const std::string& text) { std::ofstream(path) << text; };
+  const std::string yaml = "joints:\n  - strategy: pid_linear\n    model: " + kRig +
+                           "\n    compensate: recorded\n    recorded_torque: " + path +
+                           "\n    pid: {proportional_Nm_rad: 12}\n";
+  write("time_s,motor_torque_Nm\n0,0.01\n0.0041667,-0.02\n0.0083333,0.03\n");
+  const RecordedTorque recorded = Parse(yaml).joints[0].compensator.recorded;
+  EXPECT_NEAR(recorded.period_s, 1.0 / 240.0, 1e-7);
+  EXPECT_EQ(recorded.motor_torque_Nm, (std::vector<double>{0.01, -0.02, 0.03}));
+  write("time_s,torque\n0,0.01\n");
+  EXPECT_THAT(ErrorOf(yaml), HasSubstr("recorded_torque.csv:1: 'time_s,torque', expected"));
+  write("time_s,motor_torque_Nm\n0,0.01\n0.004;0.02\n");
+  EXPECT_THAT(ErrorOf(yaml), HasSubstr("recorded_torque.csv:3: '0.004;0.02', expected"));
+  write("time_s,motor_torque_Nm\n0,0.01\n0.004,0.02\n0.012,0.02\n");
+  EXPECT_THAT(ErrorOf(yaml), HasSubstr("expected rows at one period"));
+  write("time_s,motor_torque_Nm\n0,0.01\n");
+  EXPECT_THAT(ErrorOf(yaml), HasSubstr("expected two rows"));
 }
 
 TEST(ControlFile, AnotherModelMayTakeThePlaceOfTheNamedOne) {

@@ -179,6 +179,31 @@ TEST(RobotController, NetworkIsChosenByRegimeAndAnUnknownRegimeLeavesItOut) {
   EXPECT_NEAR(settle(Regime::kPea), 0.0, 1e-6);
 }
 
+TEST(RobotController, AFeedForwardThatBeginsTakesTheIntegralsPlace) {
+  JointControlConfig config = RigConfig(Strategy::kPidEsn);
+  config.pid.integral_Nm_rad_s = 10.0;
+  RobotController controller({config});
+  RobotInput input = Still(0.0);
+  input.reference_count = 1;
+  input.reference[0].position_rad = 0.1;  // held off its reference: the integral fills
+  double before_Nm = 0.0;
+  for (int k = 0; k < 480; ++k) before_Nm = controller.Step(input).joint[0].motor_torque_Nm;
+  const double proportional_Nm = 0.1 * config.pid.proportional_Nm_rad * config.shaft_per_output;
+  ASSERT_GT(before_Nm, proportional_Nm + 0.5 * config.shaft_per_output);
+  // The network gives what the integral had: the command goes on, and the integral is empty.
+  input.prediction_fresh = input.regime_fresh = true;
+  input.regime[0] = Regime::kPea;
+  const double held_Nm = before_Nm - proportional_Nm;
+  input.prediction[0] = {true, 0.0, 2.0 * held_Nm / config.shaft_per_output, 0.0};
+  const JointOutput first = controller.Step(input).joint[0];
+  // One tick of integration and a fifth of the fade.
+  EXPECT_NEAR(first.motor_torque_Nm, before_Nm, 0.25 * held_Nm);
+  input.reference[0].position_rad = 0.0;  // no error: the integral stays as it is
+  JointOutput last;
+  for (int k = 0; k < 240; ++k) last = controller.Step(input).joint[0];
+  EXPECT_NEAR(last.motor_torque_Nm, 2.0 * held_Nm, 0.05 * held_Nm);
+}
+
 TEST(RobotController, WithoutPlayThePredictionsOwnChoiceIsUsed) {
   JointControlConfig config = RigConfig(Strategy::kPidEsn);
   config.by_regime = false;

@@ -146,6 +146,37 @@ TEST(Dataset, SamplesInsideAndOutsideThePlayShareTheRecording) {
   EXPECT_NEAR(inside.sequences[0].inputs.col(4).maxCoeff(), kBacklash_rad, 1e-9);
 }
 
+TEST(Dataset, SamplesNearTheOtherRegionTeachNothingWhenGuarded) {
+  const std::vector<identify::Run> runs = {Record(20.0, 240.0, 0.0)};
+  DatasetConfig config = Config(Region::kOutside);
+  const Sequence open = MakeDataset(runs, RigModel(), config).sequences.at(0);
+  constexpr int kGuard = 36;
+  config.region_guard_s = kGuard / 240.0;
+  const Sequence guarded = MakeDataset(runs, RigModel(), config).sequences.at(0);
+  const auto count = static_cast<long>(open.use.size());
+  long left_out = 0;
+  for (long t = 1; t + 1 < count; ++t) {
+    bool near_inside = false;
+    for (long i = std::max(0L, t - kGuard); i <= std::min(count - 1, t + kGuard); ++i) {
+      near_inside = near_inside || open.use[static_cast<std::size_t>(i)] == Use::kNone;
+    }
+    const auto at = static_cast<std::size_t>(t);
+    EXPECT_EQ(guarded.use[at], near_inside ? Use::kNone : open.use[at]) << t;
+    left_out += near_inside && open.use[at] != Use::kNone;
+  }
+  EXPECT_GT(left_out, 100);
+}
+
+TEST(Dataset, TheDirectionIsThatOfTheMeasuredMotion) {
+  DatasetConfig config = Config(Region::kAll);
+  config.inputs = {Signal::kReferenceVelocity, Signal::kReferenceDirection};
+  const Dataset data = MakeDataset({Record(10.0, 240.0, 0.0)}, RigModel(), config);
+  const Eigen::MatrixXd& inputs = data.sequences.at(0).inputs;
+  for (Eigen::Index t = 0; t < inputs.rows(); ++t) {
+    EXPECT_EQ(inputs(t, 1), std::tanh(inputs(t, 0) / kDirectionWidth_rad_s));
+  }
+}
+
 TEST(Dataset, FindsTheCentreOfThePlayWhenAsked) {
   DatasetConfig config = Config(Region::kInside);
   config.play_centre_rad.reset();

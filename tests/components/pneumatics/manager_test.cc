@@ -87,6 +87,24 @@ TEST(PressureManager, FillsAndHoldsWithinItsBandWithoutHunting) {
   }
 }
 
+TEST(PressureManager, AShutChambersValveShutsOnceNoCorrectionWasNeededForTheCalmTime) {
+  ManagerConfig config = RigConfig(HoldWith::kChamber);
+  config.calm_s = 5.0;
+  Bench bench(config);
+  double joined_s = -1.0, shut_s = -1.0, last_correction_s = 0.0;
+  bench.Run(60.0, [&] {
+    if (bench.out.mode != Mode::kHold) last_correction_s = bench.time_s;
+    if (joined_s < 0.0 && bench.out.settled) joined_s = bench.time_s;
+    if (joined_s < 0.0 || shut_s >= 0.0) return;
+    if (!bench.out.valve_open) shut_s = bench.time_s;
+  });
+  ASSERT_GE(joined_s, 0.0);
+  ASSERT_GE(shut_s, 0.0) << "never shut";
+  // What coming to rest and joining took counts: settle_s.
+  EXPECT_GE(shut_s - last_correction_s, config.calm_s - config.settle_s - 2.0 * kPeriod_s);
+  EXPECT_FALSE(bench.out.valve_open);
+}
+
 TEST(PressureManager, FollowsTargetsUpAndDown) {
   for (const HoldWith hold_with : {HoldWith::kReservoir, HoldWith::kChamber}) {
     Bench bench(RigConfig(hold_with));

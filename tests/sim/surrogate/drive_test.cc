@@ -42,14 +42,13 @@ TEST(Drive, TorqueModePassesTheTorqueUpToItsLimit) {
 }
 
 TEST(Drive, PositionAndVelocityModesBringAFreeRotorThere) {
-  constexpr double kInertia_kg_m2 = 1.15e-5;
+  constexpr double kRotor_kg_m2 = 1.15e-5;
   for (const DriveMode mode : {DriveMode::kPosition, DriveMode::kVelocity}) {
     Drive drive{DriveParameters{}};
     double angle_rad = 0.0, velocity_rad_s = 0.0;
     for (int i = 0; i < 16000; ++i) {
       const DriveCommand command{mode, 0.0, 10.0, mode == DriveMode::kVelocity ? 40.0 : 0.0};
-      velocity_rad_s +=
-          kDriveStep_s * drive.Step(command, angle_rad, kDriveStep_s) / kInertia_kg_m2;
+      velocity_rad_s += kDriveStep_s * drive.Step(command, angle_rad, kDriveStep_s) / kRotor_kg_m2;
       angle_rad += kDriveStep_s * velocity_rad_s;
     }
     if (mode == DriveMode::kPosition) {

@@ -108,13 +108,13 @@ TEST(Orifice, FlowTurnsWithTheSides) {
 
 TEST(Relay, ActsAfterItsDeadTimeAndForgetsShortPulses) {
   Relay relay({0.015, 0.010, 0.0});
-  constexpr double kStep_s = 0.001;
+  constexpr double kHeatStep_s = 0.001;
   int steps = 0;
-  while (relay.Step(true, kStep_s) == 0.0) ++steps;
-  EXPECT_NEAR(steps * kStep_s, 0.015, 0.0011);
-  for (int i = 0; i < 9; ++i) EXPECT_EQ(relay.Step(false, kStep_s), 1.0);  // 9 ms off: not seen
-  EXPECT_EQ(relay.Step(true, kStep_s), 1.0);
-  for (int i = 0; i < 20; ++i) relay.Step(false, kStep_s);
+  while (relay.Step(true, kHeatStep_s) == 0.0) ++steps;
+  EXPECT_NEAR(steps * kHeatStep_s, 0.015, 0.0011);
+  for (int i = 0; i < 9; ++i) EXPECT_EQ(relay.Step(false, kHeatStep_s), 1.0);  // 9 ms off: not seen
+  EXPECT_EQ(relay.Step(true, kHeatStep_s), 1.0);
+  for (int i = 0; i < 20; ++i) relay.Step(false, kHeatStep_s);
   EXPECT_EQ(relay.opening(), 0.0);
 }
 

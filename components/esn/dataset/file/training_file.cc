@@ -40,6 +40,7 @@ NetworkPlan ReadNetwork(const config::Section& s, double rate_Hz) {
     data.play_centre_rad = s.NumberOr("play_centre_rad", 0.0);
   }
   data.play_margin_rad = s.NumberOr("play_margin_rad", data.play_margin_rad, config::kNotNegative);
+  data.region_guard_s = s.NumberOr("region_guard_s", data.region_guard_s, config::kNotNegative);
   data.blocks = static_cast<int>(s.IntegerOr("blocks", data.blocks, {1, 1000}));
   data.train_share = s.NumberOr("train_share", data.train_share, {1e-3, 1.0});
 

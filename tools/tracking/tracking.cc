@@ -1,4 +1,4 @@
-#include "tools/sinew/tracking.h"
+#include "tools/tracking/tracking.h"
 
 #include <algorithm>
 #include <cmath>

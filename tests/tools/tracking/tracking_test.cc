@@ -1,5 +1,5 @@
 // Oracles: closed forms of sines.
-#include "tools/sinew/tracking.h"
+#include "tools/tracking/tracking.h"
 
 #include <gtest/gtest.h>
 

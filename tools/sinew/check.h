@@ -1,0 +1,12 @@
+// `sinew check ROOM`: what a room must reach, measured on the surrogate.
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace sinew::tools {
+
+void AddCheckCommand(CLI::App& app);
+
+}  // namespace sinew::tools

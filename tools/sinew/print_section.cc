@@ -1,0 +1,60 @@
+#include "tools/sinew/print_section.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+namespace sinew::tools {
+
+void PrintSection(const report::Section& section) {
+  for (const report::Comparison& line : section.comparisons) {
+    std::printf("%-54s %10s", line.name.c_str(), line.ours.c_str());
+    if (!line.published.empty()) std::printf("   published %s", line.published.c_str());
+    if (!line.target.empty()) {
+      std::printf("   reach: %s, %s", line.target.c_str(), *line.met ? "met" : "MISSED");
+    }
+    std::printf("\n");
+  }
+  for (const report::Table& table : section.tables) {
+    std::printf("\n%s\n", table.title.c_str());
+    std::vector<std::size_t> width(table.header.size());
+    for (std::size_t c = 0; c < width.size(); ++c) {
+      width[c] = table.header[c].size();
+      for (const auto& row : table.rows) width[c] = std::max(width[c], row[c].size());
+    }
+    const auto print = [&width](const std::vector<std::string>& row) {
+      for (std::size_t c = 0; c < row.size(); ++c) {
+        std::printf(c == 0 ? "%-*s" : "  %*s", static_cast<int>(width[c]), row[c].c_str());
+      }
+      std::printf("\n");
+    };
+    print(table.header);
+    for (const auto& row : table.rows) print(row);
+  }
+}
+
+void PrintSectionJson(const report::Section& section) {
+  nlohmann::ordered_json lines = nlohmann::ordered_json::array();
+  for (const report::Comparison& c : section.comparisons) {
+    nlohmann::ordered_json line = {{"name", c.name},           {"unit", c.unit},
+                                   {"published", c.published}, {"ours", c.ours},
+                                   {"target", c.target},       {"remark", c.remark}};
+    if (c.met) line["met"] = *c.met;
+    lines.push_back(std::move(line));
+  }
+  nlohmann::ordered_json tables = nlohmann::ordered_json::array();
+  for (const report::Table& table : section.tables) {
+    tables.push_back({{"title", table.title}, {"header", table.header}, {"rows", table.rows}});
+  }
+  const nlohmann::ordered_json all = {
+      {"id", section.id}, {"comparisons", lines}, {"tables", tables}};
+  std::cout << all.dump(2) << '\n';
+}
+
+bool AllMet(const report::Section& section) {
+  return std::all_of(section.comparisons.begin(), section.comparisons.end(),
+                     [](const report::Comparison& c) { return c.met.value_or(true); });
+}
+
+}  // namespace sinew::tools

@@ -1,0 +1,13 @@
+// A section of results as text and JSON on the standard output.
+#pragma once
+
+#include "components/report/section.h"
+
+namespace sinew::tools {
+
+void PrintSection(const report::Section& section);
+void PrintSectionJson(const report::Section& section);
+// True when every target that there is was met.
+bool AllMet(const report::Section& section);
+
+}  // namespace sinew::tools
