@@ -153,7 +153,8 @@ void Launch(const RunnerConfig& config, const Trial& trial, const TrialFiles& fi
                         "control.config=" + files.control.string()};
   overrides.record = part;
   const launch::Deployment deployment =
-      launch::LoadDeployment(config.rig / "control_test" / DeploymentName(trial.arm), overrides);
+      launch::LoadDeployment(config.rig / "control_test" / DeploymentName(trial.arm), overrides,
+                             config.programs.empty() ? launch::ProgramFolder() : config.programs);
   std::vector<std::string> names;
   for (const launch::Process& process : deployment.processes) names.push_back(process.name);
   std::ofstream log(files.log);
@@ -227,7 +228,14 @@ Outcome Runner::Run(const Trial& trial) {
       fs::exists(files.recording) && fs::exists(files.key) && ReadText(files.key) == key;
   if (!there) {
     fs::remove(files.recording);
-    Launch(config_, trial, files);
+    try {
+      Launch(config_, trial, files);
+    } catch (const std::runtime_error& error) {
+      // Nothing has moved yet: processes of a busy machine that did not find each other.
+      if (std::string(error.what()).find("for tick 0 within") == std::string::npos) throw;
+      std::fprintf(stderr, "%s\nstarted once more\n", error.what());
+      Launch(config_, trial, files);
+    }
     WriteText(files.key, key);
   }
   const surrogate::MotorParameters motor = surrogate::LoadRig(files.surrogate).motor;

@@ -1,6 +1,7 @@
 // One trial of each kind over DDS, each participant a process.
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <filesystem>
 
 #include "tools/control_test/runner.h"
@@ -11,10 +12,13 @@ namespace {
 namespace fs = std::filesystem;
 
 RunnerConfig Config(const std::string& name) {
+  const char* path = std::getenv("PATH");
+  setenv("PATH", (std::string(SINEW_BIN_DIR ":") + (path != nullptr ? path : "")).c_str(), 1);
   RunnerConfig config;
   config.rig = fs::path(SINEW_SOURCE_DIR) / "robots/rig";
   config.model = config.rig / "surrogate_model_identified.yaml";
   config.folder = fs::path(::testing::TempDir()) / ("control_test_" + name);
+  config.programs = SINEW_BIN_DIR;
   config.domain_id = 161;
   config.inverse_rounds = 5;
   fs::remove_all(config.folder);
