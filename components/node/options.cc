@@ -74,6 +74,7 @@ void AddOption(CLI::App& app, const std::string& name, std::vector<std::string>*
                const std::string& help) {
   app.add_option(name, *values, help);
 }
+
 void AddFlag(CLI::App& app, const std::string& name, bool* value, const std::string& help) {
   app.add_flag(name, *value, help);
 }

@@ -153,7 +153,8 @@ void Launch(const RunnerConfig& config, const Trial& trial, const TrialFiles& fi
                         "control.config=" + files.control.string()};
   overrides.record = part;
   const launch::Deployment deployment =
-      launch::LoadDeployment(config.rig / "control_test" / DeploymentName(trial.arm), overrides);
+      launch::LoadDeployment(config.rig / "control_test" / DeploymentName(trial.arm), overrides,
+                             config.programs.empty() ? launch::ProgramFolder() : config.programs);
   std::vector<std::string> names;
   for (const launch::Process& process : deployment.processes) names.push_back(process.name);
   std::ofstream log(files.log);

@@ -16,9 +16,10 @@
 namespace sinew::control_test {
 
 struct RunnerConfig {
-  std::filesystem::path rig;     // robots/rig
-  std::filesystem::path model;   // with identified parameters, for (7.1)
-  std::filesystem::path folder;  // of the trials
+  std::filesystem::path rig;       // robots/rig
+  std::filesystem::path model;     // with identified parameters, for (7.1)
+  std::filesystem::path folder;    // of the trials
+  std::filesystem::path programs;  // folder of the participants; empty: that of this program
   int domain_id = 0;
   int inverse_rounds = 12;
 };

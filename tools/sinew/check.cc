@@ -120,6 +120,7 @@ void AddCheckCommand(CLI::App& app) {
   CLI::App* check =
       app.add_subcommand("check", "What a room must reach, measured on the surrogate");
   check->require_subcommand(1);
+  check->footer("Example:\n  sinew check regime --quick --out results/regime");
   const auto options = std::make_shared<CheckOptions>();
   AddRoom(check, options, "regime", "The regime detector against the truth", CheckRegime);
   AddRoom(check, options, "pneumatics", "Pressures held, faults told", CheckPressure);

@@ -18,6 +18,7 @@ RunnerConfig Config(const std::string& name) {
   config.rig = fs::path(SINEW_SOURCE_DIR) / "robots/rig";
   config.model = config.rig / "surrogate_model_identified.yaml";
   config.folder = fs::path(::testing::TempDir()) / ("control_test_" + name);
+  config.programs = SINEW_BIN_DIR;
   config.domain_id = 161;
   config.inverse_rounds = 5;
   fs::remove_all(config.folder);
