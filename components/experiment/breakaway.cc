@@ -20,28 +20,23 @@ constexpr double kLiftSpeed_rad_s = 0.5;
 constexpr double kBackOff_s = 0.6;
 constexpr double kLongestPush_s = 20.0;
 constexpr double kCatch_s = 0.5;
-constexpr double kFitFrom_s = 0.3, kFitTo_s = 0.02;  // before the link is gone
+constexpr double kFitFrom_s = 0.2, kFitTo_s = 0.02, kRead_s = 0.06;  // before the link is gone
 
 // The moving end of a soft hand, and the force it presses with.
 double HandForce_N(double stiffness_N_rad, double link_rad, double hand_rad) {
   return std::clamp(stiffness_N_rad * (link_rad - hand_rad), 0.0, kLargestPress_N);
 }
 
-// The greatest value, over the times given, of the parabola fitted to the points.
-double LargestOfParabola(const std::vector<double>& time_s, const std::vector<double>& force_N) {
+// The value at a time of the parabola fitted to the points.
+double ParabolaAt(const std::vector<double>& time_s, const std::vector<double>& force_N,
+                  double at_s) {
   const auto n = static_cast<Eigen::Index>(time_s.size());
-  const auto [first_s, last_s] = std::minmax_element(time_s.begin(), time_s.end());
   Eigen::MatrixXd X(n, 3);
   for (Eigen::Index k = 0; k < n; ++k) {
-    const double t = time_s[static_cast<std::size_t>(k)];
+    const double t = time_s[static_cast<std::size_t>(k)] - at_s;
     X.row(k) << 1.0, t, t * t;
   }
-  const Eigen::Vector3d b =
-      X.colPivHouseholderQr().solve(Eigen::Map<const Eigen::VectorXd>(force_N.data(), n));
-  const auto value = [&b](double t) { return b(0) + t * (b(1) + t * b(2)); };
-  double largest_N = std::max(value(*first_s), value(*last_s));
-  if (b(2) < 0.0) largest_N = value(std::clamp(-0.5 * b(1) / b(2), *first_s, *last_s));
-  return largest_N;
+  return X.colPivHouseholderQr().solve(Eigen::Map<const Eigen::VectorXd>(force_N.data(), n))(0);
 }
 
 }  // namespace
@@ -192,9 +187,10 @@ std::vector<Breakaway> FindBreakaways(const Recording& rows) {
       still = still && std::abs(rows[k].output_angle_rad - rest_rad) < kStill_rad;
     }
     if (!still) continue;
-    // The greatest value of a parabola through the last rows: a soft hand gives way as the contact
-    // creeps, so that the force bends over before the link goes, and the largest of noisy rows
-    // would be too large. The very last rows have the link's acceleration in them.
+    // A parabola through the last rows, where the force is greatest: a soft hand gives way as the
+    // contact creeps, so that the force bends over before the link goes. At a fixed time: the
+    // largest of noisy rows, or of a parabola through them, would be too large. The very last rows
+    // have the link's acceleration in them.
     std::vector<double> time_s, force_N;
     for (std::size_t k = i + 1; k-- > 0 && now_s - rows[k].time_s < kFitFrom_s;) {
       if (now_s - rows[k].time_s < kFitTo_s) continue;
@@ -202,7 +198,7 @@ std::vector<Breakaway> FindBreakaways(const Recording& rows) {
       force_N.push_back(rows[k].load_force_N);
     }
     if (time_s.size() < 8) continue;
-    const double largest_N = LargestOfParabola(time_s, force_N);
+    const double largest_N = ParabolaAt(time_s, force_N, -kRead_s);
     if (largest_N < kLeastForce_N) continue;
     found.push_back({rest_rad, largest_N, FitLine(time_s, force_N).slope,
                      (time_s.front() - time_s.back()) / static_cast<double>(time_s.size() - 1)});

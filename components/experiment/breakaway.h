@@ -5,10 +5,10 @@
 //
 //     T_static = F l + T_gravity cos(angle)
 //
-// fitted over all trials. The force is the greatest value of a parabola through the last 0.3 s
-// before the link is gone, so that the extreme of noisy rows does not bias it. The instant is known
-// to one row: the interval of T_static gets that, times the rate of the force, on top of the
-// statistical part (a bias that more trials do not remove).
+// fitted over all trials. The force is read from a parabola through the last 0.2 s, 60 ms before
+// the link is gone, where it is greatest; the extreme of noisy rows would be too large. The instant
+// is known to one row: the interval of T_static gets that, times the rate of the force, on top of
+// the statistical part (a bias that more trials do not remove).
 #pragma once
 
 #include "components/experiment/protocol.h"
