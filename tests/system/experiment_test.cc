@@ -1,6 +1,6 @@
 // The experiments of the rig between processes: `sinew experiment NAME --dds` on each state
 // provider that has the topics: surrogate, world, and the CAN bridge with virtual axes and a person
-// at the link. Oracle: what the provider is made of. Domains 150 to 159.
+// at the link. Oracle: what the provider is made of. Domains 150 to 160.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -88,6 +88,19 @@ TEST(ExperimentOverTopics, StiffnessFallsWithPressureUntilFrictionWins) {
   EXPECT_NEAR(ValueOf(result, "return_limit_bar"), (0.22 + 0.58) / 0.3587, 0.1);
   EXPECT_GT(ValueOf(result, "secant_6bar_Nm_rad"), 35.0);
   EXPECT_LT(ValueOf(result, "secant_6bar_Nm_rad"), 42.0);
+}
+
+TEST(ExperimentOverTopics, DataInsideTheBacklashArePushesOfAPersonAtTwoHertz) {
+  const json result = Measure("sinew-surrogate", "surrogate.yaml", 159, "sea-data");
+  EXPECT_NEAR(ValueOf(result, "pushes_Hz"), 2.0, 0.1);
+  EXPECT_NEAR(ValueOf(result, "set_end_bar"), (0.22 + 0.58) / 0.3587, 0.15);
+}
+
+TEST(ExperimentOverTopics, DataOutsideTheBacklashKeepTheTeethInContact) {
+  const json result = Measure("sinew-surrogate", "surrogate.yaml", 160, "pea-data");
+  EXPECT_GT(ValueOf(result, "outside_share"), 0.95);
+  EXPECT_LT(ValueOf(result, "lowest_deg"), -75.0);
+  EXPECT_GT(ValueOf(result, "highest_deg"), 80.0);
 }
 
 TEST(ExperimentOverTopics, WhatIsRecordedIsWhatIsIdentifiedAndTheModelIsUpdated) {
