@@ -64,5 +64,7 @@ std::string HtmlRow(const std::vector<std::string>& cells, const char* tag = "td
 std::string HtmlHead(const std::string& title);
 // A number for people: four significant digits.
 std::string Short(double value);
+// As std::printf, into a string of whatever length it needs.
+__attribute__((format(printf, 1, 2))) std::string Text(const char* format, ...);
 
 }  // namespace sinew::report

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "sim/surrogate/rig.h"
+#include "tools/check/section_parts.h"
 
 namespace sinew::check {
 namespace {
@@ -17,6 +18,7 @@ using pneumatics::ManagerConfig;
 using pneumatics::ManagerInput;
 using pneumatics::ManagerOutput;
 using pneumatics::PressureManager;
+using report::Text;
 
 constexpr double kPeriod_s = 1.0 / 240.0;
 constexpr double kAfterSettling_s = 0.5;
@@ -57,10 +59,20 @@ class Stopwatch {
   long switches_ = 0;
 };
 
-std::string Text(const char* format, double a) {
-  char text[80];
-  std::snprintf(text, sizeof text, format, a);
-  return text;
+// What the manager senses of the rig, and what the rig's relays are told.
+ManagerInput Sense(const surrogate::RigReading& reading) {
+  ManagerInput sensed;
+  sensed.period_s = kPeriod_s;
+  sensed.active = sensed.valid = true;
+  sensed.chamber_bar = reading.chamber_pressure_bar;
+  sensed.reservoir_bar = reading.reservoir_pressure_bar;
+  sensed.valve_is_open = reading.valve_open;
+  return sensed;
+}
+void Obey(const ManagerOutput& out, surrogate::RigInput* input) {
+  input->valve_open = out.valve_open;
+  input->compressor_on = out.compressor_on;
+  input->vent_open = out.vent_open;
 }
 
 bool IsRight(Breakage breakage, Fault fault) {
@@ -111,13 +123,7 @@ HoldScore RunHoldCase(const ManagerConfig& config, const HoldCase& at) {
   const auto count = static_cast<long>(at.seconds / kPeriod_s);
   for (long k = 0; k < count; ++k) {
     const double time_s = static_cast<double>(k) * kPeriod_s;
-    const surrogate::RigReading reading = rig.Read();
-    ManagerInput sensed;
-    sensed.period_s = kPeriod_s;
-    sensed.active = sensed.valid = true;
-    sensed.chamber_bar = reading.chamber_pressure_bar;
-    sensed.reservoir_bar = reading.reservoir_pressure_bar;
-    sensed.valve_is_open = reading.valve_open;
+    ManagerInput sensed = Sense(rig.Read());
     const ManagerOutput out = manager.Step(sensed);
     score.fault = out.fault;
     if (out.settled && !score.settled) {
@@ -137,9 +143,7 @@ HoldScore RunHoldCase(const ManagerConfig& config, const HoldCase& at) {
     relays[0].Step(out.valve_open, own.valve.min_on_s, own.valve.min_off_s);
     relays[1].Step(out.compressor_on, own.compressor.min_on_s, own.compressor.min_off_s);
     relays[2].Step(out.vent_open, own.vent.min_on_s, own.vent.min_off_s);
-    input.valve_open = out.valve_open;
-    input.compressor_on = out.compressor_on;
-    input.vent_open = out.vent_open;
+    Obey(out, &input);
     if (at.moving) {
       const double rise = std::min(1.0, time_s / 5.0);
       input.drive.position_rad = parameters.gear.ratio * rise * std::numbers::pi / 6.0 *
@@ -218,13 +222,7 @@ FaultScore RunFaultCase(const ManagerConfig& config, Breakage breakage) {
   for (long k = 0; k < static_cast<long>(kFaultRun_s / kPeriod_s); ++k) {
     const double time_s = static_cast<double>(k) * kPeriod_s;
     const bool broken = time_s >= breaks_at_s;
-    const surrogate::RigReading reading = rig.Read();
-    ManagerInput sensed;
-    sensed.period_s = kPeriod_s;
-    sensed.active = sensed.valid = true;
-    sensed.chamber_bar = reading.chamber_pressure_bar;
-    sensed.reservoir_bar = reading.reservoir_pressure_bar;
-    sensed.valve_is_open = reading.valve_open;
+    ManagerInput sensed = Sense(rig.Read());
     if (broken && breakage == Breakage::kSensorHigh) sensed.chamber_bar = 9.99;
     if (broken && breakage == Breakage::kSensorLow) sensed.chamber_bar = -0.5;
     if (broken && breakage == Breakage::kSensorBroken) sensed.chamber_bar = NAN;
@@ -251,9 +249,7 @@ FaultScore RunFaultCase(const ManagerConfig& config, Breakage breakage) {
                    out.valve_open == own.vent_when_safe && out.vent_open == own.vent_when_safe;
     }
     if (broken) score.highest_bar = std::max(score.highest_bar, rig.truth().chamber_pressure_bar);
-    input.valve_open = out.valve_open;
-    input.compressor_on = out.compressor_on;
-    input.vent_open = out.vent_open;
+    Obey(out, &input);
     surrogate::RigInput real = input;
     if (broken) {
       if (breakage == Breakage::kValveStuckShut || breakage == Breakage::kValveStuckMute) {
@@ -361,27 +357,18 @@ report::Section MakePressureSection(const PressureCheck& check, const ManagerCon
   }
   section.tables.push_back(faults);
 
-  const auto compare = [&section](std::string name, std::string unit, std::string ours,
-                                  std::string target, bool met) {
-    report::Comparison c;
-    c.name = std::move(name);
-    c.unit = std::move(unit);
-    c.ours = std::move(ours);
-    c.target = std::move(target);
-    c.met = met;
-    section.comparisons.push_back(c);
-  };
-  compare("worst pressure error while held", "bar", Text("%.3f", worst_bar), "within 0.05",
-          settled && worst_bar <= kBand_bar);
-  compare("fillings that follow a venting and the other way, a minute", "",
+  Compare(&section, "worst pressure error while held", "bar", Text("%.3f", worst_bar),
+          "within 0.05", settled && worst_bar <= kBand_bar);
+  Compare(&section, "fillings that follow a venting and the other way, a minute", "",
           Text("%.1f", most_reversals), "no hunting: at most 1",
-          most_reversals <= kMostReversals_per_min);
-  section.comparisons.back().remark = Text(
-      "at most %.0f switches of relays a minute, while the air cools after filling", most_switches);
-  compare("least margin to the relays' least times", "s", margin(least_margin_s), "not below 0",
-          !(least_margin_s < -0.5 * kPeriod_s));
-  compare("false alarms", "", false_alarm ? "some" : "none", "none", !false_alarm);
-  compare("breakages told rightly, and safe", "", all_told ? "all" : "not all", "all", all_told);
+          most_reversals <= kMostReversals_per_min,
+          Text("at most %.0f switches of relays a minute, while the air cools after filling",
+               most_switches));
+  Compare(&section, "least margin to the relays' least times", "s", margin(least_margin_s),
+          "not below 0", !(least_margin_s < -0.5 * kPeriod_s));
+  Compare(&section, "false alarms", "", false_alarm ? "some" : "none", "none", !false_alarm);
+  Compare(&section, "breakages told rightly, and safe", "", all_told ? "all" : "not all", "all",
+          all_told);
   return section;
 }
 

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "sim/surrogate/rig.h"
+#include "tools/check/section_parts.h"
 
 namespace sinew::check {
 namespace {
@@ -15,6 +16,7 @@ using regime::DetectorConfig;
 using regime::DetectorInput;
 using regime::DetectorOutput;
 using regime::RegimeDetector;
+using report::Text;
 
 constexpr double kPeriod_s = 1.0 / 240.0;
 constexpr double kCount_rad = 2.0 * std::numbers::pi / 16384.0;
@@ -73,12 +75,6 @@ surrogate::RigInput Drive(const RegimeCase& at, double gear_ratio, double time_s
   // The load goes through zero: from the hand's side of the play to the chamber's and back.
   input.hand_force_N = 8.0 * std::sin(2.0 * std::numbers::pi * 0.37 * time_s);
   return input;
-}
-
-std::string Text(const char* format, double a, double b = 0.0) {
-  char text[80];
-  std::snprintf(text, sizeof text, format, a, b);
-  return text;
 }
 
 }  // namespace
@@ -335,17 +331,6 @@ report::Section MakeRegimeSection(const RegimeGrid& grid) {
   }
   section.tables.push_back(table);
 
-  const auto compare = [&section](std::string name, std::string unit, std::string ours,
-                                  std::string target, bool met, std::string remark = "") {
-    report::Comparison c;
-    c.name = std::move(name);
-    c.unit = std::move(unit);
-    c.ours = std::move(ours);
-    c.target = std::move(target);
-    c.met = met;
-    c.remark = std::move(remark);
-    section.comparisons.push_back(c);
-  };
   struct Level {
     double noise_rad = 0.0;
     RegimeScore sum;
@@ -371,22 +356,22 @@ report::Section MakeRegimeSection(const RegimeGrid& grid) {
   for (const Level& level : levels) {
     const RegimeScore& sum = level.sum;
     const std::string noise = Text(", noise %.2f counts", level.noise_rad / kCount_rad);
-    compare("right samples, worst case" + noise, "%", Text("%.3f", 100.0 * level.worst),
+    Compare(&section, "right samples, worst case" + noise, "%", Text("%.3f", 100.0 * level.worst),
             "at least 99.5", level.worst >= kRightShare,
             std::to_string(level.cases) + " cases, " + std::to_string(sum.samples) +
                 " samples; all together " + Text("%.4f %%", 100.0 * sum.right_share()));
     const double found = static_cast<double>(sum.found);
     const double transitions = static_cast<double>(std::max(sum.transitions, 1L));
-    compare("transitions found in time" + noise, "%", Text("%.2f", 100.0 * found / transitions),
-            "all", sum.found == sum.transitions,
+    Compare(&section, "transitions found in time" + noise, "%",
+            Text("%.2f", 100.0 * found / transitions), "all", sum.found == sum.transitions,
             std::to_string(sum.found) + " of " + std::to_string(sum.transitions) +
                 " within one sample or two counts; of the others the latest came " +
                 std::to_string(sum.latest) + " samples after its time, " +
                 std::to_string(sum.never) + " ended before");
-    compare("changes made up (chatter)" + noise, "", std::to_string(sum.made_up), "0",
+    Compare(&section, "changes made up (chatter)" + noise, "", std::to_string(sum.made_up), "0",
             sum.made_up == 0);
   }
-  compare("unknown while the setup is right", "samples", std::to_string(unknown), "0",
+  Compare(&section, "unknown while the setup is right", "samples", std::to_string(unknown), "0",
           unknown == 0);
   if (!grid.setups.empty()) {
     double largest_rad = 0.0;
@@ -409,8 +394,8 @@ report::Section MakeRegimeSection(const RegimeGrid& grid) {
            Text("%.2f", s.told_error_rad / kCount_rad), Text("%.1f", s.seconds)});
     }
     section.tables.push_back(setups);
-    compare("encoder offset, largest error", "counts", Text("%.2f", largest_rad / kCount_rad),
-            "one count", done && largest_rad <= kCount_rad,
+    Compare(&section, "encoder offset, largest error", "counts",
+            Text("%.2f", largest_rad / kCount_rad), "one count", done && largest_rad <= kCount_rad,
             std::to_string(grid.setups.size()) + " setups");
   }
   if (!grid.unknowns.empty()) {
@@ -426,8 +411,8 @@ report::Section MakeRegimeSection(const RegimeGrid& grid) {
     unknowns.caption =
         "A wrong setup shows when the play angle leaves the backlash: until then nothing can tell.";
     section.tables.push_back(unknowns);
-    compare("wrong or missing setup told as unknown", "", all_told ? "all" : "not all", "all",
-            all_told, std::to_string(grid.unknowns.size()) + " cases");
+    Compare(&section, "wrong or missing setup told as unknown", "", all_told ? "all" : "not all",
+            "all", all_told, std::to_string(grid.unknowns.size()) + " cases");
   }
   return section;
 }

@@ -10,10 +10,12 @@
 #include <random>
 
 #include "components/rls/rls.h"
+#include "tools/check/section_parts.h"
 
 namespace sinew::check {
 namespace {
 
+using report::Text;
 constexpr double kSame = 1e-9;       // relative; two ways of rounding
 constexpr double kUpdate_us = 1.8;   // reach: 76 x 12 on an idle core
 constexpr double kMostGrowth = 2.0;  // of P, over the prior
@@ -33,12 +35,6 @@ class Random {
   std::mt19937_64 bits_;
   std::normal_distribution<double> normal_;
 };
-
-std::string Text(const char* format, double a) {
-  char text[80];
-  std::snprintf(text, sizeof text, format, a);
-  return text;
-}
 
 // Smooth features of a squat: some are nearly multiples of each other, as a reservoir's are.
 Eigen::VectorXd Features(int count, double phase) {
@@ -194,25 +190,13 @@ report::Section MakeRlsSection(const BatchScore& batch, const SoakScore& soak,
       "step "
       "leaks toward the offline readout. The soak moves for 4000 samples and stands still for 10 "
       "000, again and again, while the truth changes and changes back."};
-  const auto compare = [&section](std::string name, std::string unit, std::string ours,
-                                  std::string target, std::optional<bool> met,
-                                  std::string remark = "") {
-    report::Comparison c;
-    c.name = std::move(name);
-    c.unit = std::move(unit);
-    c.ours = std::move(ours);
-    c.target = std::move(target);
-    c.met = met;
-    c.remark = std::move(remark);
-    section.comparisons.push_back(c);
-  };
-  compare("difference to batch least squares, readout", "relative",
+  Compare(&section, "difference to batch least squares, readout", "relative",
           Text("%.1e", batch.readout_difference), "below 1e-9", batch.readout_difference < kSame,
           "76 x 12, " + std::to_string(batch.updates) + " updates without forgetting and leak");
-  compare("difference to batch least squares, covariance", "relative",
+  Compare(&section, "difference to batch least squares, covariance", "relative",
           Text("%.1e", batch.covariance_difference), "below 1e-9",
           batch.covariance_difference < kSame);
-  compare("updates, most of them without excitation, bounded", "",
+  Compare(&section, "updates, most of them without excitation, bounded", "",
           Text("%.1e", static_cast<double>(soak.updates)),
           "largest eigenvalue of P below 2 priors, error below the noise", soak.bounded(),
           Text("%.0f %% at rest; ", 100.0 * static_cast<double>(soak.at_rest) /
@@ -221,7 +205,7 @@ report::Section MakeRlsSection(const BatchScore& batch, const SoakScore& soak,
               Text("smallest %.1e; ", soak.smallest_eigenvalue) +
               Text("settled error %.4f Nm ", soak.settled_Nm) +
               Text("(noise of a sample %.3f)", soak.noise_Nm));
-  compare("the plain recursion on the same samples", "",
+  Compare(&section, "the plain recursion on the same samples", "",
           soak.plain_lost_after > 0
               ? "out of bounds after " + std::to_string(soak.plain_lost_after) + " updates"
               : "in bounds as long as it ran",
@@ -237,7 +221,7 @@ report::Section MakeRlsSection(const BatchScore& batch, const SoakScore& soak,
                           Text("%.2f", t.update_us), Text("%.2f", t.median_us),
                           Text("%.2f", t.textbook_us), Text("%.2f", t.update_us / t.textbook_us)});
     if (t.features == 76 && t.outputs == 12) {
-      compare("update of 76 x 12", "us", Text("%.2f", t.update_us), "at most 1.8",
+      Compare(&section, "update of 76 x 12", "us", Text("%.2f", t.update_us), "at most 1.8",
               t.update_us <= kUpdate_us, Text("textbook recursion %.2f us", t.textbook_us));
     }
   }

@@ -4,8 +4,6 @@
 
 #include <cstdio>
 #include <fstream>
-#include <iterator>
-#include <sstream>
 #include <stdexcept>
 
 #include "components/config/config.h"
@@ -24,22 +22,9 @@ namespace fs = std::filesystem;
 
 constexpr int kScoredDigits = 17;
 
-std::string ReadText(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw UsageError(path.string() + ": cannot be read");
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-void WriteText(const fs::path& path, const std::string& text) {
-  std::ofstream out(path, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw UsageError(path.string() + ": cannot be written");
-}
-
 YAML::Node LoadYaml(const fs::path& path) {
   try {
-    return YAML::Load(ReadText(path));
+    return YAML::Load(config::ReadFile(path));
   } catch (const YAML::Exception& error) {
     throw UsageError(path.string() + ": " + error.what());
   }
@@ -203,7 +188,7 @@ Outcome Runner::Run(const Trial& trial) {
   // Everything that the run depends on, but for the programs.
   std::string key = trial.name() + "\n";
   const auto put = [&key](const fs::path& path, const std::string& text) {
-    WriteText(path, text);
+    config::WriteFileAtomically(path, text);
     key += text;
   };
   put(files.surrogate, SurrogateText(config_.rig, trial));
@@ -217,15 +202,15 @@ Outcome Runner::Run(const Trial& trial) {
     put(files.recorded_torque, TorqueText(inverse.torque));
   }
   put(files.control, ControlText(config_, trial, files));
-  if (trial.arm == Arm::kLinear) key += ReadText(config_.model);
+  if (trial.arm == Arm::kLinear) key += config::ReadFile(config_.model);
   if (trial.arm == Arm::kNetwork || trial.arm == Arm::kAdapted) {
     for (const char* name : {"esn_sea.json", "esn_pea.json", "esn.yaml", "esn_adaptive.yaml",
                              "rls.yaml", "regime.yaml"}) {
-      key += ReadText(config_.rig / name);
+      key += config::ReadFile(config_.rig / name);
     }
   }
   const bool there =
-      fs::exists(files.recording) && fs::exists(files.key) && ReadText(files.key) == key;
+      fs::exists(files.recording) && fs::exists(files.key) && config::ReadFile(files.key) == key;
   if (!there) {
     fs::remove(files.recording);
     try {
@@ -236,7 +221,7 @@ Outcome Runner::Run(const Trial& trial) {
       std::fprintf(stderr, "%s\nstarted once more\n", error.what());
       Launch(config_, trial, files);
     }
-    WriteText(files.key, key);
+    config::WriteFileAtomically(files.key, key);
   }
   const surrogate::MotorParameters motor = surrogate::LoadRig(files.surrogate).motor;
   const auto runs = recording::ReadRuns(files.recording);

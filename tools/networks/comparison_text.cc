@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -11,15 +10,7 @@ namespace {
 
 using networks::Method;
 using networks::Task;
-
-__attribute__((format(printf, 1, 2))) std::string Text(const char* format, ...) {
-  char text[512];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(text, sizeof text, format, arguments);
-  va_end(arguments);
-  return text;
-}
+using report::Text;
 
 double TestMean(const Runs& runs) { return runs.Mean(runs.test_mse); }
 double TestDeviation(const Runs& runs) { return runs.Deviation(runs.test_mse); }
