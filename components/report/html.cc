@@ -70,7 +70,8 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
                    "th");
     for (const trace::FoundEffect& effect : trace.effects) {
       out += HtmlRow(
-          {"<code>" + Escape(EffectLabel(trace, effect)) + "</code><br>" + Escape(EffectTitle(effect.name)) +
+          {"<code>" + Escape(EffectLabel(trace, effect)) + "</code><br>" +
+               Escape(EffectTitle(effect.name)) +
                (effect.swallowed ? "<br>seen as a shift of declared parameters" : "") +
                (effect.slow_motion ? "<br>seen where the recordings creep; errors of there" : ""),
            Percent(effect.gain_share) +
