@@ -8,9 +8,9 @@
 namespace sinew::effects {
 
 struct JointSample {
-  double time_s = 0.0;
-  double position_rad = 0.0;               // output
-  double velocity_rad_s = 0.0;             // output
+  double time_s = 0.0;          // clock of the recording or of the participant; events start on it
+  double position_rad = 0.0;    // output
+  double velocity_rad_s = 0.0;  // output
   double acceleration_rad_s2 = 0.0;        // output
   double jerk_rad_s3 = 0.0;                // output
   double snap_rad_s4 = 0.0;                // output

@@ -350,6 +350,7 @@ void JointPlant::End(double position_rad, double velocity_rad_s, double dt_s) no
     filtered_acceleration_ += share * (acceleration - filtered_acceleration_);
     filtered_jerk_ += share * (jerk - filtered_jerk_);
   }
+  sample_.time_s += dt_s;
   sample_.position_rad = position_rad;
   sample_.velocity_rad_s = velocity_rad_s;
   sample_.motor_position_rad = gear_ratio_ * rotor_position_rad_;
