@@ -107,6 +107,7 @@ class Tracer {
       Progress("what a refit swallowed", 0.86);
       FindSwallowed(&fit);
     }
+    result_.corrected = identify::WithinPhysicalRange(train_, result_.corrected, units_.blocks);
     result_.after_train = identify::ErrorOf(train_, result_.corrected);
     result_.after_sealed = identify::ErrorOf(sealed_, result_.corrected);
     if (options_.only.empty()) {
