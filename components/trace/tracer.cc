@@ -25,6 +25,10 @@ using identify::FitResult;
 constexpr int kFlexibleColumns = 120;
 // Two candidates whose fitted parts, freed of the other terms, correlate above this are one class.
 constexpr double kSameClass = 0.9;
+// Look-alikes that gain less than this share of what the chosen one gains are no rivals.
+constexpr double kSameGain = 0.85;
+// A declared basic (offset, inertia) that is the chosen effect under another name.
+constexpr double kTwin = 0.9999;
 // An effect that could hide this share of the drive torque without being seen is "not excited".
 constexpr double kHiddenShare = 0.25;
 // Less of a candidate's power than this beside all declared terms: a refit swallows it.
@@ -60,6 +64,9 @@ struct Trial {
   CandidateScore score;
   double detectable = 0.0;  // torque share that could hide
   bool hidden = false;      // the declared terms carry it
+  // Squared shifts of the declared parameters from their nominal values, in tolerances, when it is
+  // fitted beside them.
+  double surprise = 0.0;
 };
 
 // What a parameter that is relative to the drive is divided by (as actuator::PhysicalValue).
@@ -312,6 +319,8 @@ class Tracer {
       }
       if (score.name == "transport_delay")
         score.delay_s = score.theta.front() / DriveShare(fit.model);
+      trial.surprise =
+          Surprise(balance, fit.coefficients + trial.coefficients.head(balance.columns.cols()));
       score.stable = passing || Stable(trial, balance.columns.cols());
       trials.push_back(std::move(trial));
     }
@@ -352,10 +361,46 @@ class Tracer {
         score.accepted = true;
       }
     }
+    StepBack(&trials);
     std::stable_sort(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) {
       return a.score.gain.sum > b.score.gain.sum;
     });
     return trials;
+  }
+
+  double Surprise(const Balance& balance, const Eigen::VectorXd& coefficients) const {
+    const Eigen::VectorXd values = balance.Physical(coefficients);
+    double sum = 0.0;
+    const auto add = [&](const identify::ParameterRef& ref, double value) {
+      if (ref.term >= static_cast<int>(declared_.terms.size())) return;
+      const actuator::ParameterValue& nominal = declared_.terms[static_cast<std::size_t>(ref.term)]
+                                                    .linear[static_cast<std::size_t>(ref.linear)];
+      const double tolerance = nominal.tolerance * std::abs(nominal.value);
+      if (!(tolerance > 0.0)) return;
+      sum += (value - nominal.value) * (value - nominal.value) / (tolerance * tolerance);
+    };
+    const Eigen::Index first = balance.fits_scale ? 1 : 0;
+    if (balance.fits_scale) add(balance.drive, values[0]);
+    for (std::size_t i = 0; i < balance.parameters.size(); ++i) {
+      add(balance.parameters[i], values[first + static_cast<Eigen::Index>(i)]);
+    }
+    return sum;
+  }
+
+  // A declared basic (offset, inertia) that is another candidate under another name steps back.
+  static void StepBack(std::vector<Trial>* trials) {
+    for (Trial& basic : *trials) {
+      if (!basic.candidate->effect->info().basic || !basic.score.accepted) continue;
+      for (const Trial& other : *trials) {
+        if (other.candidate->effect->info().basic || !other.score.accepted ||
+            Correlation(basic.part, other.part) < kTwin) {
+          continue;
+        }
+        basic.score.accepted = false;
+        basic.score.refused = "the same as " + other.score.name;
+        break;
+      }
+    }
   }
 
   // 99th percentile of the best gain of the whole catalogue where there is none: whole blocks of
@@ -536,12 +581,13 @@ class Tracer {
     std::vector<Trial> trials = Score(*fit, set, &report);
     if (result_.rounds.empty()) NoteWhatIsHidden(set, trials);
 
-    // The simplest of those within one standard error of the best (Breiman et al. 1984, section
-    // 3.4.3); of equally simple ones the best, and the first of the catalogue where they are the
-    // same within a quarter of a standard error.
-    const auto complexity = [](const Trial& trial) {
+    // Of those that predict the same, within one standard error of the best (Breiman et al. 1984,
+    // section 3.4.3), the one that asks least: parameters of its own count as in Akaike's
+    // criterion, and so do shifts of the declared parameters, in their tolerances. Of those that
+    // ask the same the first of the catalogue.
+    const auto asks = [](const Trial& trial) {
       const effects::EffectInfo& info = trial.candidate->effect->info();
-      return info.linear.size() + info.nonlinear.size();
+      return trial.surprise + 2.0 * static_cast<double>(info.linear.size() + info.nonlinear.size());
     };
     std::size_t best = 0;
     while (best < trials.size() && !trials[best].score.accepted) ++best;
@@ -549,15 +595,14 @@ class Tracer {
     for (std::size_t i = best + 1; i < trials.size(); ++i) {
       if (!trials[i].score.accepted) continue;
       const Gain behind = GainOf(trials[best].gains - trials[i].gains);
-      if (behind.sum > behind.standard_error) continue;
-      const Gain behind_chosen = GainOf(trials[chosen].gains - trials[i].gains);
-      const bool simpler = complexity(trials[i]) < complexity(trials[chosen]);
-      const bool same = complexity(trials[i]) == complexity(trials[chosen]) &&
-                        behind_chosen.sum <= 0.25 * behind_chosen.standard_error;
-      if (simpler || (same && trials[i].candidate->catalogue_order <
-                                  trials[chosen].candidate->catalogue_order)) {
-        chosen = i;
+      const bool alike = Correlation(trials[best].part, trials[i].part) > kSameClass;
+      if (behind.sum > (alike ? trials[best].score.gain.standard_error : behind.standard_error)) {
+        continue;
       }
+      const double more = asks(trials[i]) - asks(trials[chosen]);
+      const bool first =
+          trials[i].candidate->catalogue_order < trials[chosen].candidate->catalogue_order;
+      if (more < -0.1 || (more < 0.1 && first)) chosen = i;
     }
     for (Trial& trial : trials) {
       trial.score.sealed_rms = SealedWith(*fit, trial);
@@ -583,9 +628,11 @@ class Tracer {
       if (i == chosen || trials[i].hidden || !trials[i].score.physical) continue;
       const Gain behind = GainOf(winner.gains - trials[i].gains);
       const bool close = trials[i].score.accepted && behind.sum <= behind.standard_error;
-      const bool same_class = trials[i].score.gain_share > 0.5 * winner.score.gain_share &&
+      const bool same_class = trials[i].score.gain_share > kSameGain * winner.score.gain_share &&
                               Correlation(winner.part, trials[i].part) > kSameClass;
-      if (close || same_class) found.rivals.push_back(trials[i].score.name);
+      const bool twin = trials[i].candidate->effect->info().basic &&
+                        Correlation(winner.part, trials[i].part) > kTwin;
+      if ((close || same_class) && !twin) found.rivals.push_back(trials[i].score.name);
     }
     report.added = found.name;
 
