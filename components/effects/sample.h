@@ -25,6 +25,9 @@ struct JointSample {
   double payload_kg = 0.0;         // declared by the operator
   double temperature_degC = 25.0;  // motor
   bool valve_open = false;
+  // From the model and the measured motion, not measured themselves (identify/kinematic.h).
+  double tooth_torque_Nm = 0.0;  // from the motor on the link through the teeth
+  double tooth_side = 0.0;       // 1: teeth surely touch driving up, -1: down, 0: not known
 };
 
 // What the joint is, exactly known. Given to an effect when it is made.

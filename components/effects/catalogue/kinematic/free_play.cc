@@ -1,0 +1,30 @@
+// The declared free play: teeth in contact stand half of its width from the middle.
+#include "components/effects/define.h"
+
+namespace sinew::effects::kinematic::free_play {
+
+std::unique_ptr<Effect> Make(const JointConstants& constants) {
+  EffectInfo info;
+  info.name = "free_play";
+  info.title = "Free play";
+  info.formula = "- s * b / 2, s = 1 where the teeth drive up, -1 where they drive down";
+  info.source = "Nordin, Gutman: Controlling mechanical systems with backlash - a survey (2002), "
+                "section 2; thesis Fig 5.1";
+  info.balance = Balance::kKinematic;
+  info.linear = {{.name = "width",
+                  .dimension = Dimension::kAngle,
+                  .lower = 0.0,
+                  .upper = 1.0,
+                  .default_value = 0.0,
+                  .meaning = "full width at the output, as backlash_rad"}};
+  info.signature = "the difference of the encoders jumps by b when the torque reverses";
+  info.variable = "tooth_side";
+  info.look_alikes = {"backlash_width"};
+  info.separating_excitation = "none: only what was declared tells them apart";
+  info.needs = {"tooth_side"};
+  return Memoryless(constants, std::move(info),
+                    [](const JointSample& x, const JointConstants&, std::span<const double>,
+                       std::span<double> phi) { phi[0] = -0.5 * x.tooth_side; });
+}
+
+}  // namespace sinew::effects::kinematic::free_play
