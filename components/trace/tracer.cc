@@ -65,7 +65,7 @@ struct Trial {
 double DriveShare(const actuator::JointModel& model) {
   for (const actuator::Term& term : model.terms) {
     const effects::EffectInfo& info = term.effect->info();
-    if (info.role != effects::Role::kDrive) continue;
+    if (info.role != effects::Role::kDrive || !model.Counts(term)) continue;
     const double ideal = info.linear.front().dimension == effects::Dimension::kNone
                              ? 1.0
                              : model.constants.force_constant_N_V;
@@ -292,7 +292,7 @@ class Tracer {
       }
       best_false.push_back(best);
     }
-    report->placebo_99 = identify::Quantile(best_false, 0.99);
+    report->placebo_99 = identify::Quantile(best_false, options_.placebo_quantile);
 
     // A drive that acts late by less than a tenth of a sample is a skew between channels, whatever
     // its name: it is a finding, no effect.
@@ -502,9 +502,13 @@ class Tracer {
              "the declared terms carry all of it: only a shift of parameters shows"});
       } else if (trial.detectable > kHiddenShare) {
         result_.not_excited.push_back(
-            {trial.score.name, "up to " +
-                                   std::to_string(static_cast<int>(100.0 * trial.detectable)) +
-                                   " % of the drive torque could hide in this motion"});
+            {trial.score.name,
+             "up to " + std::to_string(static_cast<int>(100.0 * trial.detectable)) + " % of the " +
+                 (declared_.balance == effects::Balance::kMotion ? "drive torque"
+                                                                 : "measured side") +
+                 " could hide in this motion"});
+      } else {
+        result_.judged.push_back(trial.score.name);
       }
     }
     std::sort(result_.not_excited.begin(), result_.not_excited.end(),
@@ -617,6 +621,7 @@ class Tracer {
                       best.share > scan.placebo_99 && best.share > 0.10 &&
                       best.share * variance > 0.2 * explainable;
     if (!loud) return;
+    result_.unexplained.balance = declared_.balance;
     result_.unexplained.variable = best.variable;
     result_.unexplained.order_per_turn = best.order_per_turn;
     result_.unexplained.rms = scale * best.rms;

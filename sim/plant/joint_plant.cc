@@ -66,6 +66,7 @@ JointPlant::JointPlant(const actuator::JointModel& model, const JointPlantConfig
     compiled.memory_at = memory_at;
     compiled.memory_size = static_cast<std::size_t>(term.effect->memory_size());
     memory_at += compiled.memory_size;
+    if (!model_.Counts(term)) continue;
     if (compiled.memory_size > 0) with_memory_.push_back(compiled);
     if (info.role == effects::Role::kDrive) drive_.push_back(compiled);
     if (info.name == "transport_delay") {

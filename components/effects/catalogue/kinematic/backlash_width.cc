@@ -8,8 +8,9 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   info.name = "backlash_width";
   info.title = "Free play of another width";
   info.formula = "- s * db / 2";
-  info.source = "Nordin, Gutman: Controlling mechanical systems with backlash - a survey (2002), "
-                "section 2";
+  info.source =
+      "Nordin, Gutman: Controlling mechanical systems with backlash - a survey (2002), "
+      "section 2";
   info.balance = Balance::kKinematic;
   info.linear = {{.name = "extra_width",
                   .dimension = Dimension::kAngle,

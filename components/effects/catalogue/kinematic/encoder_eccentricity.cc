@@ -11,8 +11,9 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   info.title = "Eccentric encoder";
   info.formula = "+ A * sin(n q) + B * cos(n q), q = motor angle / N";
   info.rotary_only = true;
-  info.source = "Kavanagh: Errors in quadrature encoders, IEEE Trans. Instrum. Meas. 49 (2000) "
-                "1346; one period per turn from an offset, two from a tilt";
+  info.source =
+      "Kavanagh: Errors in quadrature encoders, IEEE Trans. Instrum. Meas. 49 (2000) "
+      "1346; one period per turn from an offset, two from a tilt";
   info.balance = Balance::kKinematic;
   info.linear = {{.name = "sine",
                   .dimension = Dimension::kAngle,

@@ -8,8 +8,9 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   info.name = "free_play";
   info.title = "Free play";
   info.formula = "- s * b / 2, s = 1 where the teeth drive up, -1 where they drive down";
-  info.source = "Nordin, Gutman: Controlling mechanical systems with backlash - a survey (2002), "
-                "section 2; thesis Fig 5.1";
+  info.source =
+      "Nordin, Gutman: Controlling mechanical systems with backlash - a survey (2002), "
+      "section 2; thesis Fig 5.1";
   info.balance = Balance::kKinematic;
   info.linear = {{.name = "width",
                   .dimension = Dimension::kAngle,
