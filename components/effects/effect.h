@@ -100,6 +100,11 @@ std::string ParameterKey(const ParameterInfo& info, JointKind kind);
 // apart.
 enum class Side { kMotor, kOutput };
 
+// An idealisation that every set-up breaks a little: a skew between channels of less than a tenth
+// of a sample, teeth that give less than the encoder rounds. So small it is no effect, and nothing
+// else is one that explains no more than it.
+enum class Smallest { kAny, kTenthOfSample, kRounding };
+
 struct EffectInfo {
   std::string name;     // as in model files, e.g. "direction_dependent_viscous"
   std::string title;    // for people
@@ -108,6 +113,7 @@ struct EffectInfo {
   Role role = Role::kPassive;
   Balance balance = Balance::kMotion;
   Side side = Side::kOutput;
+  Smallest smallest = Smallest::kAny;
   bool rotary_only = false;  // reads an angle as an angle: means nothing on a linear joint
   std::vector<ParameterInfo> linear;
   std::vector<ParameterInfo> nonlinear;

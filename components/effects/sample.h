@@ -37,6 +37,7 @@ struct JointConstants {
   double gravity_m_s2 = 9.81;
   double torque_constant_Nm_A = 0.0;  // motor side
   double force_constant_N_V = 0.0;    // linear drives commanded in volts
+  double encoder_counts_per_turn = 0.0;  // of the coarser encoder at the output; 0: not stated
 };
 
 }  // namespace sinew::effects

@@ -32,6 +32,7 @@ constexpr double kSwallowed = 1e-3;
 constexpr double kVariant = 0.02;
 constexpr double kConvincingUnits = 6;
 constexpr double kShortestDelay = 0.1;  // of a sample
+constexpr double kTwoPi = 6.283185307179586;
 
 double SumSquares(const Eigen::VectorXd& x, const std::vector<Eigen::Index>& rows) {
   double sum = 0.0;
@@ -131,6 +132,7 @@ class Tracer {
 
   void Prepare() {
     used_ = train_.rows().UsedRows();
+    rounding_.resize(train_.rows().size(), 0);
     // First blocks from the filter alone, for the intervals of the first fit.
     const double filter_time_s = 1.0 / train_.options().parallel_cutoff_Hz;
     const int parameters =
@@ -271,7 +273,7 @@ class Tracer {
             info.relative_to_drive ? scale * extra[i] / DriveShare(fit.model) : scale * extra[i];
         if (physical < info.lower || physical > info.upper) score.physical = false;
       }
-      if (score.name == "transport_delay")
+      if (candidate.effect->info().smallest == effects::Smallest::kTenthOfSample)
         score.delay_s = score.theta.front() / DriveShare(fit.model);
       score.stable = Stable(trial, balance.columns.cols());
       trials.push_back(std::move(trial));
@@ -295,13 +297,17 @@ class Tracer {
     report->placebo_99 = identify::Quantile(best_false, options_.placebo_quantile);
 
     // A drive that acts late by less than a tenth of a sample is a skew between channels, whatever
-    // its name: it is a finding, no effect.
+    // its name, and teeth that give less than an encoder rounds are rigid: findings, no effects.
     const Trial* delay = nullptr;
+    const Trial* rounding = nullptr;
     for (const Trial& trial : trials) {
-      if (trial.score.name == "transport_delay") delay = &trial;
+      const effects::Smallest smallest = trial.candidate->effect->info().smallest;
+      if (smallest == effects::Smallest::kTenthOfSample) delay = &trial;
+      if (smallest == effects::Smallest::kRounding && BelowRounding(trial)) rounding = &trial;
     }
     const double shortest_s = kShortestDelay / train_.states().rate_Hz;
     const bool skew = delay != nullptr && std::abs(delay->score.delay_s) < shortest_s;
+    if (rounding != nullptr) rounding_ = rounding->candidate->grid[rounding->best].columns;
 
     const double quantile =
         identify::StudentQuantile(0.9772, std::max(1.0, static_cast<double>(blocks.size()) - 1.0)) /
@@ -320,6 +326,9 @@ class Tracer {
         score.refused = "gain as in recordings without the effect";
       } else if (skew && Skewed(trial, *delay, balance, target, folds)) {
         score.refused = "a skew between channels below a tenth of a sample";
+      } else if (rounding != nullptr && NoBetter(trial, *rounding)) {
+        score.refused =
+            "explains no more than " + rounding->score.name + " below the encoder's rounding";
       } else if (!score.physical) {
         score.refused = "sign or size is not physical";
       } else if (!score.stable) {
@@ -365,6 +374,24 @@ class Tracer {
       if (b[p - 1] < -2.0 * error) return false;
     }
     return true;
+  }
+
+  // Is its rms below that of the encoder's rounding?
+  bool BelowRounding(const Trial& trial) const {
+    const double counts = declared_.constants.encoder_counts_per_turn;
+    if (!(counts > 0.0)) return false;
+    const Eigen::MatrixXd columns = PickRows(trial.candidate->grid[trial.best].columns, used_);
+    const Eigen::VectorXd theta = Eigen::Map<const Eigen::VectorXd>(
+        trial.score.theta.data(), static_cast<Eigen::Index>(trial.score.theta.size()));
+    const double rounding = kTwoPi / counts / std::sqrt(12.0);
+    return (columns * theta).squaredNorm() <
+           rounding * rounding * static_cast<double>(used_.size());
+  }
+
+  static bool NoBetter(const Trial& trial, const Trial& than) {
+    if (trial.candidate == than.candidate) return true;
+    const Gain ahead = GainOf(trial.gains - than.gains);
+    return ahead.sum <= ahead.standard_error;
   }
 
   // Does little of a candidate's gain stay when a skew between channels may be fitted as well?
@@ -609,8 +636,10 @@ class Tracer {
     PredictDrive(fit.model);
     const Balance& balance = fit.balance;
     const double scale = balance.fits_scale ? balance.Scale(fit.coefficients) : 1.0;
+    Eigen::MatrixXd base(balance.columns.rows(), balance.columns.cols() + rounding_.cols());
+    base << balance.columns, rounding_;
     const VariableScan scan = ScanVariables(
-        train_, units_.blocks, balance.columns, balance.target - balance.columns * fit.coefficients,
+        train_, units_.blocks, base, balance.target - balance.columns * fit.coefficients,
         Folds(units_.blocks.size()), std::min(100, options_.placebo_rounds), options_.seed);
     if (scan.scores.empty()) return;
     const VariableScore& best = scan.scores.front();
@@ -634,6 +663,7 @@ class Tracer {
   const TraceOptions& options_;
   TraceResult result_;
   Units units_;
+  Eigen::MatrixXd rounding_;  // columns of what stays below the encoder's rounding; may have none
   std::vector<Eigen::Index> used_;
 };
 

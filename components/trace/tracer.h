@@ -50,7 +50,7 @@ struct CandidateScore {
   bool accepted = false;
   std::string refused;      // why not
   double sealed_rms = 0.0;  // with it added alone
-  double delay_s = 0.0;     // transport_delay only: what it amounts to
+  double delay_s = 0.0;     // effects that are a skew: what it amounts to
 };
 
 struct RoundReport {

@@ -95,6 +95,8 @@ JointModel ReadJoint(const Section& section) {
       constants.NumberOr("torque_constant_Nm_A", 0.0, config::kNotNegative);
   joint.constants.force_constant_N_V =
       constants.NumberOr("force_constant_N_V", 0.0, config::kNotNegative);
+  joint.constants.encoder_counts_per_turn =
+      constants.NumberOr("encoder_counts_per_turn", 0.0, config::kNotNegative);
   joint.backlash_rad = section.NumberOr(
       joint.kind == effects::JointKind::kRotary ? "backlash_rad" : "backlash_m", 0.0, {0.0, 6.3});
   joint.motor_torque_limit_Nm =
@@ -146,6 +148,10 @@ void WriteJoint(std::string& out, const JointModel& joint) {
   out += "      gravity_m_s2: " + Number(joint.constants.gravity_m_s2) + "\n";
   out += "      torque_constant_Nm_A: " + Number(joint.constants.torque_constant_Nm_A) + "\n";
   out += "      force_constant_N_V: " + Number(joint.constants.force_constant_N_V) + "\n";
+  if (joint.constants.encoder_counts_per_turn > 0.0) {
+    out +=
+        "      encoder_counts_per_turn: " + Number(joint.constants.encoder_counts_per_turn) + "\n";
+  }
   out += std::string("    ") + (rotary ? "backlash_rad: " : "backlash_m: ") +
          Number(joint.backlash_rad) + "\n";
   out += "    motor_torque_limit_Nm: " + Number(joint.motor_torque_limit_Nm) + "\n";
@@ -269,6 +275,7 @@ RobotModel LoadRigJson(const std::filesystem::path& path) {
   joint.constants.link_length_m = constant("link_length", "m");
   joint.constants.gravity_m_s2 = constant("gravity", "m/s^2");
   joint.constants.torque_constant_Nm_A = constant("torque_constant", "N m/A");
+  joint.constants.encoder_counts_per_turn = constant("encoder_counts_per_turn", "1");
   joint.backlash_rad = constant("free_play_full_width", "rad");
   joint.motor_torque_limit_Nm =
       constant("current_limit", "A") * joint.constants.torque_constant_Nm_A;
@@ -299,7 +306,7 @@ RobotModel LoadRigJson(const std::filesystem::path& path) {
         .value = value, .tolerance = 0.0, .fixed = true, .half_width_95 = std::nullopt};
   };
   add("encoder_difference", {exactly(1.0)});
-  add("free_play", {exactly(joint.backlash_rad)});
+  add("free_play", {exactly(joint.backlash_rad), exactly(0.0)});
   add("encoder_offset", {{.value = 0.0, .half_width_95 = std::nullopt}});
 
   RobotModel robot;

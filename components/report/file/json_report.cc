@@ -152,7 +152,7 @@ std::string FormatJson(const Report& report) {
 
   out["effects"] = Json::array();
   for (const trace::FoundEffect& effect : trace.effects) {
-    const std::string unit(effects::BalanceUnit(effect.balance, trace.corrected.kind));
+    const std::string own_unit(effects::BalanceUnit(effect.balance, trace.corrected.kind));
     Json entry = {
         {"name", effect.name},
         {"title", EffectTitle(effect.name)},
@@ -165,9 +165,9 @@ std::string FormatJson(const Report& report) {
         {"weak_evidence", effect.weak_evidence},
         {"swallowed_by_refit", effect.swallowed},
         {"slow_motion", effect.slow_motion},
-        {"train", {{"unit", unit}, {"before", effect.train_before}, {"after", effect.train_after}}},
+        {"train", {{"unit", own_unit}, {"before", effect.train_before}, {"after", effect.train_after}}},
         {"sealed",
-         {{"unit", unit}, {"before", effect.sealed_before}, {"after", effect.sealed_after}}}};
+         {{"unit", own_unit}, {"before", effect.sealed_before}, {"after", effect.sealed_after}}}};
     out["effects"].push_back(std::move(entry));
   }
 

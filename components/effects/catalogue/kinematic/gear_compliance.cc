@@ -12,6 +12,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
       "series spring: Spong, Modeling and Control of Elastic Joint Robots (1987); "
       "twist = torque / stiffness";
   info.balance = Balance::kKinematic;
+  info.smallest = Smallest::kRounding;
   info.linear = {{.name = "compliance",
                   .dimension = Dimension::kAnglePerTorque,
                   .lower = 0.0,

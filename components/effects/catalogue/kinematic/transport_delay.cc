@@ -10,6 +10,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   info.formula = "+ T * v";
   info.source = "first order of q(t - T)";
   info.balance = Balance::kKinematic;
+  info.smallest = Smallest::kTenthOfSample;
   info.linear = {{.name = "delay",
                   .dimension = Dimension::kTime,
                   .lower = -0.1,
