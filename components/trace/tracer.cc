@@ -37,6 +37,7 @@ constexpr double kSwallowed = 1e-3;
 constexpr double kVariant = 0.02;
 constexpr double kConvincingUnits = 6;
 constexpr double kShortestDelay = 0.1;  // of a sample
+constexpr double kTwoPi = 6.283185307179586;
 
 double SumSquares(const Eigen::VectorXd& x, const std::vector<Eigen::Index>& rows) {
   double sum = 0.0;
@@ -73,7 +74,7 @@ struct Trial {
 double DriveShare(const actuator::JointModel& model) {
   for (const actuator::Term& term : model.terms) {
     const effects::EffectInfo& info = term.effect->info();
-    if (info.role != effects::Role::kDrive) continue;
+    if (info.role != effects::Role::kDrive || !model.Counts(term)) continue;
     const double ideal = info.linear.front().dimension == effects::Dimension::kNone
                              ? 1.0
                              : model.constants.force_constant_N_V;
@@ -140,6 +141,7 @@ class Tracer {
 
   void Prepare() {
     used_ = train_.rows().UsedRows();
+    rounding_.resize(train_.rows().size(), 0);
     // First blocks from the filter alone, for the intervals of the first fit.
     const double filter_time_s = 1.0 / train_.options().parallel_cutoff_Hz;
     const int parameters =
@@ -186,6 +188,7 @@ class Tracer {
   // it would be taken for noise that is correlated over minutes.
   Eigen::MatrixXd WithLastingEvent(const FitResult& fit, const Eigen::VectorXd& target) {
     Eigen::MatrixXd columns = fit.balance.columns;
+    if (declared_.balance != effects::Balance::kMotion) return columns;
     for (const std::string& name : effects::EffectNames()) {
       std::shared_ptr<const effects::Effect> effect =
           effects::MakeEffect(name, declared_.constants);
@@ -317,7 +320,7 @@ class Tracer {
             info.relative_to_drive ? scale * extra[i] / DriveShare(fit.model) : scale * extra[i];
         if (physical < info.lower || physical > info.upper) score.physical = false;
       }
-      if (score.name == "transport_delay")
+      if (candidate.effect->info().smallest == effects::Smallest::kTenthOfSample)
         score.delay_s = score.theta.front() / DriveShare(fit.model);
       trial.surprise =
           Surprise(balance, fit.coefficients + trial.coefficients.head(balance.columns.cols()));
@@ -328,13 +331,17 @@ class Tracer {
     report->placebo_99 = BestFalseGain(trials, base, balance, target, folds) / base_sum;
 
     // A drive that acts late by less than a tenth of a sample is a skew between channels, whatever
-    // its name: it is a finding, no effect.
+    // its name, and teeth that give less than an encoder rounds are rigid: findings, no effects.
     const Trial* delay = nullptr;
+    const Trial* rounding = nullptr;
     for (const Trial& trial : trials) {
-      if (trial.score.name == "transport_delay") delay = &trial;
+      const effects::Smallest smallest = trial.candidate->effect->info().smallest;
+      if (smallest == effects::Smallest::kTenthOfSample) delay = &trial;
+      if (smallest == effects::Smallest::kRounding && BelowRounding(trial)) rounding = &trial;
     }
     const double shortest_s = kShortestDelay / train_.states().rate_Hz;
     const bool skew = delay != nullptr && std::abs(delay->score.delay_s) < shortest_s;
+    if (rounding != nullptr) rounding_ = rounding->candidate->grid[rounding->best].columns;
 
     const double quantile =
         identify::StudentQuantile(0.9772, std::max(1.0, static_cast<double>(blocks.size()) - 1.0)) /
@@ -353,6 +360,9 @@ class Tracer {
         score.refused = "gain as in recordings without the effect";
       } else if (skew && !IsPassing(trial) && Skewed(trial, *delay, balance, target, folds)) {
         score.refused = "a skew between channels below a tenth of a sample";
+      } else if (rounding != nullptr && NoBetter(trial, *rounding)) {
+        score.refused =
+            "explains no more than " + rounding->score.name + " below the encoder's rounding";
       } else if (!score.physical) {
         score.refused = "sign or size is not physical";
       } else if (!score.stable) {
@@ -444,7 +454,7 @@ class Tracer {
       }
       best_false.push_back(gain);
     }
-    return identify::Quantile(best_false, 0.99);
+    return identify::Quantile(best_false, options_.placebo_quantile);
   }
 
   static bool IsPassing(const Trial& trial) {
@@ -543,6 +553,24 @@ class Tracer {
     return true;
   }
 
+  // Is its rms below that of the encoder's rounding?
+  bool BelowRounding(const Trial& trial) const {
+    const double counts = declared_.constants.encoder_counts_per_turn;
+    if (!(counts > 0.0)) return false;
+    const Eigen::MatrixXd columns = PickRows(trial.candidate->grid[trial.best].columns, used_);
+    const Eigen::VectorXd theta = Eigen::Map<const Eigen::VectorXd>(
+        trial.score.theta.data(), static_cast<Eigen::Index>(trial.score.theta.size()));
+    const double rounding = kTwoPi / counts / std::sqrt(12.0);
+    return (columns * theta).squaredNorm() <
+           rounding * rounding * static_cast<double>(used_.size());
+  }
+
+  static bool NoBetter(const Trial& trial, const Trial& than) {
+    if (trial.candidate == than.candidate) return true;
+    const Gain ahead = GainOf(trial.gains - than.gains);
+    return ahead.sum <= ahead.standard_error;
+  }
+
   // Does little of a candidate's gain stay when a skew between channels may be fitted as well?
   bool Skewed(const Trial& trial, const Trial& delay, const Balance& balance,
               const Eigen::VectorXd& target, int folds) const {
@@ -577,7 +605,9 @@ class Tracer {
     RoundReport report;
     report.train_rms = fit->rms;
     report.sealed_rms = identify::ErrorOf(sealed_, fit->model).rms;
-    if (options_.only.empty()) AddEvents(*fit, *model, &set, &report);
+    if (options_.only.empty() && declared_.balance == effects::Balance::kMotion) {
+      AddEvents(*fit, *model, &set, &report);
+    }
     std::vector<Trial> trials = Score(*fit, set, &report);
     if (result_.rounds.empty()) NoteWhatIsHidden(set, trials);
 
@@ -698,9 +728,13 @@ class Tracer {
              "the declared terms carry all of it: only a shift of parameters shows"});
       } else if (trial.detectable > kHiddenShare) {
         result_.not_excited.push_back(
-            {trial.score.name, "up to " +
-                                   std::to_string(static_cast<int>(100.0 * trial.detectable)) +
-                                   " % of the drive torque could hide in this motion"});
+            {trial.score.name,
+             "up to " + std::to_string(static_cast<int>(100.0 * trial.detectable)) + " % of the " +
+                 (declared_.balance == effects::Balance::kMotion ? "drive torque"
+                                                                 : "measured side") +
+                 " could hide in this motion"});
+      } else {
+        result_.judged.push_back(trial.score.name);
       }
     }
     std::sort(result_.not_excited.begin(), result_.not_excited.end(),
@@ -801,8 +835,10 @@ class Tracer {
     PredictDrive(fit.model);
     const Balance& balance = fit.balance;
     const double scale = balance.fits_scale ? balance.Scale(fit.coefficients) : 1.0;
+    Eigen::MatrixXd base(balance.columns.rows(), balance.columns.cols() + rounding_.cols());
+    base << balance.columns, rounding_;
     const VariableScan scan = ScanVariables(
-        train_, units_.blocks, balance.columns, balance.target - balance.columns * fit.coefficients,
+        train_, units_.blocks, base, balance.target - balance.columns * fit.coefficients,
         Folds(units_.blocks.size()), std::min(100, options_.placebo_rounds), options_.seed);
     if (scan.scores.empty()) return;
     const VariableScore& best = scan.scores.front();
@@ -813,6 +849,7 @@ class Tracer {
                       best.share > scan.placebo_99 && best.share > 0.10 &&
                       best.share * variance > 0.2 * explainable;
     if (!loud) return;
+    result_.unexplained.balance = declared_.balance;
     result_.unexplained.variable = best.variable;
     result_.unexplained.order_per_turn = best.order_per_turn;
     result_.unexplained.rms = scale * best.rms;
@@ -825,6 +862,7 @@ class Tracer {
   const TraceOptions& options_;
   TraceResult result_;
   Units units_;
+  Eigen::MatrixXd rounding_;  // columns of what stays below the encoder's rounding; may have none
   std::vector<Eigen::Index> used_;
   std::optional<Event> event_;  // of this round
   std::vector<EventTime> event_times_;

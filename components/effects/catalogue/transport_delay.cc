@@ -10,6 +10,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   info.formula = "- T * N Kt dI/dt";
   info.source = "first order of I(t - T)";
   info.side = Side::kMotor;
+  info.smallest = Smallest::kTenthOfSample;
   info.linear = {{.name = "delay",
                   .dimension = Dimension::kTime,
                   .lower = -0.1,
