@@ -35,6 +35,8 @@ constexpr double kHiddenShare = 0.25;
 constexpr double kSwallowed = 1e-3;
 // Less than this beside one declared term alone: it is that term seen from another side.
 constexpr double kVariant = 0.02;
+// Less than this above the noise floor is not worth a variable's name.
+constexpr double kLoudRest = 0.12;
 constexpr double kConvincingUnits = 6;
 constexpr double kShortestDelay = 0.1;  // of a sample
 constexpr double kTwoPi = 6.283185307179586;
@@ -847,6 +849,7 @@ class Tracer {
         std::max(variance - result_.noise_floor_rms * result_.noise_floor_rms, 0.02 * variance);
     const bool loud = best.gain.t > options_.fewest_standard_errors &&
                       best.share > scan.placebo_99 && best.share > 0.10 &&
+                      explainable > kLoudRest * variance &&
                       best.share * variance > 0.2 * explainable;
     if (!loud) return;
     result_.unexplained.balance = declared_.balance;
