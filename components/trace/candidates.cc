@@ -29,6 +29,7 @@ CandidateSet MakeCandidates(const identify::Design& design, const actuator::Join
     std::shared_ptr<const effects::Effect> effect = effects::MakeEffect(name, model.constants);
     const effects::EffectInfo& info = effect->info();
     if (info.role == effects::Role::kDrive || info.balance != effects::Balance::kMotion) continue;
+    if (info.event) continue;
     if (info.rotary_only && model.kind != effects::JointKind::kRotary) continue;
     const int present = model.Find(name);
     if (present >= 0 && info.nonlinear.empty()) continue;

@@ -12,7 +12,7 @@
 #include "components/identify/file/processing_file.h"
 #include "components/recording/file/run_reader.h"
 #include "components/report/file/report_file.h"
-#include "components/trace/slow_motion.h"
+#include "components/trace/close_loop.h"
 #include "tools/sinew/progress.h"
 #include "tools/sinew/shipped.h"
 
@@ -90,42 +90,6 @@ void AddHistory(const report::Report& report, actuator::JointModel* joint) {
   }
 }
 
-void AddDelayFinding(const trace::TraceResult& trace, double rate_Hz,
-                     std::vector<identify::Finding>* findings) {
-  if (trace.rounds.empty()) return;
-  for (const trace::CandidateScore& score : trace.rounds.front().scores) {
-    if (score.name != "transport_delay" || !(score.gain.t > 2.0)) continue;
-    const double delay_s = score.delay_s;
-    findings->push_back({"drive_delay",
-                         "the drive seems to act " + report::Short(1e3 * std::abs(delay_s)) +
-                             " ms " + (delay_s > 0.0 ? "late" : "early") + " (" +
-                             report::Short(std::abs(delay_s) * rate_Hz) +
-                             " samples) against the position; nothing was shifted",
-                         delay_s, "s"});
-  }
-}
-
-// The second look, where the recordings creep; empty when they do not.
-struct SlowLook {
-  identify::ProcessingOptions processing;
-  std::optional<identify::Design> train, sealed;
-  std::optional<trace::TraceResult> result;
-};
-
-SlowLook LookAtSlowMotion(const std::vector<identify::Run>& train,
-                          const std::vector<identify::Run>& sealed, const report::Report& report,
-                          double rate_Hz, trace::TraceOptions options) {
-  SlowLook out;
-  const actuator::JointModel held = trace::HeldForSlowMotion(report.trace.corrected);
-  out.processing = identify::SlowMotion(report.processing, held, rate_Hz);
-  out.train.emplace(identify::MakeStates(train, held, out.processing), out.processing);
-  out.sealed.emplace(identify::MakeStates(sealed, held, out.processing), out.processing);
-  options.only = trace::EffectsOfMotorAngle(held);
-  if (!trace::ShowsSlowMotion(*out.train, *out.sealed)) return out;
-  out.result = trace::Trace(*out.train, *out.sealed, held, options);
-  return out;
-}
-
 }  // namespace
 
 CloseLoopResult CloseLoop(const CloseLoopOptions& options) {
@@ -159,14 +123,6 @@ CloseLoopResult CloseLoop(const CloseLoopOptions& options) {
     throw UsageError("no recording of joint " + std::to_string(options.joint) +
                      ", expected at least one to train on and one sealed");
   }
-  for (const identify::Run& a : sealed) {
-    for (const identify::Run& b : train) {
-      if (!a.content_hash.empty() && a.content_hash == b.content_hash) {
-        throw UsageError(a.name + ": sealed recording holds the same samples as " + b.name +
-                         ", expected one that was not trained on");
-      }
-    }
-  }
   report::Report& report = out.report;
   report.robot = out.model.robot.name;
   report.model_file = model_path.string();
@@ -174,27 +130,14 @@ CloseLoopResult CloseLoop(const CloseLoopOptions& options) {
   report.sealed = Describe(sealed);
   report.seed = options.seed;
   try {
-    report.processing = identify::Resolve(wished, train);
-    identify::StateSet states = identify::MakeStates(train, joint, report.processing);
-    const double rate_Hz = states.rate_Hz;
-    report.findings = identify::ExamineData(train, states, joint);
-    identify::Design train_design(std::move(states), report.processing);
-    identify::Design sealed_design(identify::MakeStates(sealed, joint, report.processing),
-                                   report.processing);
+    trace::RequireSealed(train, sealed);
     trace::TraceOptions trace_options;
     trace_options.seed = options.seed;
     trace_options.progress = progress;
-    report.trace = trace::Trace(train_design, sealed_design, joint, trace_options);
-    AddDelayFinding(report.trace, rate_Hz, &report.findings);
-    SlowLook slow = LookAtSlowMotion(train, sealed, report, rate_Hz, trace_options);
-    if (slow.result) {
-      report.trace = trace::WithSlowMotion(std::move(report.trace), std::move(*slow.result));
-      if (report.trace.slow_motion) {
-        report.processing = slow.processing;
-        train_design = std::move(*slow.train);
-        sealed_design = std::move(*slow.sealed);
-      }
-    }
+    trace::LoopResult loop = trace::CloseLoop(train, sealed, joint, wished, trace_options);
+    report.processing = loop.processing;
+    report.findings = std::move(loop.findings);
+    report.trace = std::move(loop.trace);
     if (published) {
       report.as_published =
           identify::RunAsPublished(train.front(), sealed.front(), joint, *published);
@@ -202,7 +145,7 @@ CloseLoopResult CloseLoop(const CloseLoopOptions& options) {
     report.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const std::vector<report::Picture> pictures =
-        report::MakePictures(report, train_design, sealed_design);
+        report::MakePictures(report, *loop.train, *loop.sealed);
     out.html = report::FormatHtml(report, pictures, report::DrawPictures(pictures));
     out.json = report::FormatJson(report);
   } catch (const std::invalid_argument& error) {

@@ -1,0 +1,85 @@
+#include "components/trace/close_loop.h"
+
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+
+#include "components/trace/slow_motion.h"
+
+namespace sinew::trace {
+
+namespace {
+
+std::string ShortNumber(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+void AddDelayFinding(const TraceResult& trace, double rate_Hz,
+                     std::vector<identify::Finding>* findings) {
+  if (trace.rounds.empty()) return;
+  for (const CandidateScore& score : trace.rounds.front().scores) {
+    if (score.name != "transport_delay" || !(score.gain.t > 2.0)) continue;
+    const double delay_s = score.delay_s;
+    findings->push_back({"drive_delay",
+                         "the drive seems to act " + ShortNumber(1e3 * std::abs(delay_s)) + " ms " +
+                             (delay_s > 0.0 ? "late" : "early") + " (" +
+                             ShortNumber(std::abs(delay_s) * rate_Hz) +
+                             " samples) against the position; nothing was shifted",
+                         delay_s, "s"});
+  }
+}
+
+// The second look, where the recordings creep; changes nothing when they do not.
+void LookAtSlowMotion(const std::vector<identify::Run>& train,
+                      const std::vector<identify::Run>& sealed, double rate_Hz,
+                      TraceOptions options, LoopResult* loop) {
+  const actuator::JointModel held = HeldForSlowMotion(loop->trace.corrected);
+  const identify::ProcessingOptions processing =
+      identify::SlowMotion(loop->processing, held, rate_Hz);
+  identify::Design train_design(identify::MakeStates(train, held, processing), processing);
+  identify::Design sealed_design(identify::MakeStates(sealed, held, processing), processing);
+  for (const auto& [run, offset_s] : loop->train->clocks()) train_design.SetClock(run, offset_s);
+  for (const auto& [run, offset_s] : loop->sealed->clocks()) sealed_design.SetClock(run, offset_s);
+  options.only = EffectsOfMotorAngle(held);
+  if (!ShowsSlowMotion(train_design, sealed_design)) return;
+  TraceResult slow = Trace(train_design, sealed_design, held, options);
+  loop->trace = WithSlowMotion(std::move(loop->trace), std::move(slow));
+  if (!loop->trace.slow_motion) return;
+  loop->processing = processing;
+  loop->train = std::move(train_design);
+  loop->sealed = std::move(sealed_design);
+}
+
+}  // namespace
+
+LoopResult CloseLoop(const std::vector<identify::Run>& train,
+                     const std::vector<identify::Run>& sealed, const actuator::JointModel& joint,
+                     const identify::ProcessingOptions& wished, const TraceOptions& options) {
+  LoopResult loop;
+  loop.processing = identify::Resolve(wished, train);
+  identify::StateSet states = identify::MakeStates(train, joint, loop.processing);
+  const double rate_Hz = states.rate_Hz;
+  loop.findings = identify::ExamineData(train, states, joint);
+  loop.train.emplace(std::move(states), loop.processing);
+  loop.sealed.emplace(identify::MakeStates(sealed, joint, loop.processing), loop.processing);
+  loop.trace = Trace(*loop.train, *loop.sealed, joint, options);
+  AddDelayFinding(loop.trace, rate_Hz, &loop.findings);
+  LookAtSlowMotion(train, sealed, rate_Hz, options, &loop);
+  return loop;
+}
+
+void RequireSealed(const std::vector<identify::Run>& train,
+                   const std::vector<identify::Run>& sealed) {
+  for (const identify::Run& a : sealed) {
+    for (const identify::Run& b : train) {
+      if (!a.content_hash.empty() && a.content_hash == b.content_hash) {
+        throw std::invalid_argument(a.name + ": sealed recording holds the same samples as " +
+                                    b.name + ", expected one that was not trained on");
+      }
+    }
+  }
+}
+
+}  // namespace sinew::trace
