@@ -37,7 +37,7 @@ struct Nonlinear {
 std::vector<Nonlinear> FreeNonlinear(const actuator::JointModel& model) {
   std::vector<Nonlinear> out;
   for (std::size_t t = 0; t < model.terms.size(); ++t) {
-    if (model.terms[t].declared) continue;
+    if (model.terms[t].declared || !model.Counts(model.terms[t])) continue;
     for (std::size_t i = 0; i < model.terms[t].nonlinear.size(); ++i) {
       if (!model.terms[t].nonlinear[i].fixed) out.push_back({t, i});
     }

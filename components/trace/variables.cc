@@ -28,6 +28,8 @@ constexpr Variable kVariables[] = {
     {"pressure_bar", [](const JointSample& x) { return x.pressure_bar; }},
     {"pressure_rate_bar_s", [](const JointSample& x) { return x.pressure_rate_bar_s; }},
     {"load_force_N", [](const JointSample& x) { return x.load_force_N; }},
+    {"tooth_torque_Nm", [](const JointSample& x) { return x.tooth_torque_Nm; }},
+    {"tooth_side", [](const JointSample& x) { return x.tooth_side; }},
     {"temperature_degC", [](const JointSample& x) { return x.temperature_degC; }},
     {"time_s", [](const JointSample& x) { return x.time_s; }},
 };

@@ -81,7 +81,8 @@ void AddHistory(const report::Report& report, actuator::JointModel* joint) {
   }
   for (const trace::FoundEffect& effect : trace.effects) {
     std::string note = "sealed error " + report::Short(effect.sealed_before) + " -> " +
-                       report::Short(effect.sealed_after) + " " + unit + " on " +
+                       report::Short(effect.sealed_after) + " " +
+                       std::string(effects::BalanceUnit(effect.balance, joint->kind)) + " on " +
                        JoinNames(report.sealed);
     for (std::size_t i = 0; i < effect.rivals.size(); ++i) {
       note += (i == 0 ? "; rivals: " : ", ") + effect.rivals[i];
@@ -198,7 +199,8 @@ void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options
                 << Short(term.nonlinear[i].value);
     }
     std::cout << "; sealed " << Short(effect.sealed_before) << " -> " << Short(effect.sealed_after)
-              << ' ' << unit << (effect.slow_motion ? " where it creeps" : "") << '\n';
+              << ' ' << effects::BalanceUnit(effect.balance, trace.corrected.kind)
+              << (effect.slow_motion ? " where it creeps" : "") << '\n';
   }
   const auto line = [&](const char* what, const identify::ModelError& before,
                         const identify::ModelError& after) {
@@ -208,6 +210,15 @@ void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options
   };
   line("train error", trace.before_train, trace.after_train);
   line("sealed error", trace.before_sealed, trace.after_sealed);
+  for (const trace::BalanceSummary& summary : trace.balances) {
+    std::cout << effects::BalanceName(summary.balance) << " balance: ";
+    if (summary.unseen.empty()) {
+      std::cout << "sealed error " << Short(summary.before_sealed.rms) << " -> "
+                << Short(summary.after_sealed.rms) << ' ' << summary.unit << " rms\n";
+    } else {
+      std::cout << summary.unseen << '\n';
+    }
+  }
   if (report.as_published) {
     const identify::AsPublishedResult& published = *report.as_published;
     std::cout << "as published: " << Short(published.before_percent) << " -> "
