@@ -115,6 +115,9 @@ struct EffectInfo {
   Side side = Side::kOutput;
   Smallest smallest = Smallest::kAny;
   bool rotary_only = false;  // reads an angle as an angle: means nothing on a linear joint
+  // Begins at an instant that differs from recording to recording: the first nonlinear parameter is
+  // its start, on the clock time_s.
+  bool event = false;
   std::vector<ParameterInfo> linear;
   std::vector<ParameterInfo> nonlinear;
   std::string signature;                 // what its residual looks like

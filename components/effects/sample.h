@@ -8,9 +8,9 @@
 namespace sinew::effects {
 
 struct JointSample {
-  double time_s = 0.0;
-  double position_rad = 0.0;               // output
-  double velocity_rad_s = 0.0;             // output
+  double time_s = 0.0;          // clock of the recording or of the participant; events start on it
+  double position_rad = 0.0;    // output
+  double velocity_rad_s = 0.0;  // output
   double acceleration_rad_s2 = 0.0;        // output
   double jerk_rad_s3 = 0.0;                // output
   double snap_rad_s4 = 0.0;                // output
@@ -38,6 +38,7 @@ struct JointConstants {
   double torque_constant_Nm_A = 0.0;  // motor side
   double force_constant_N_V = 0.0;    // linear drives commanded in volts
   double encoder_counts_per_turn = 0.0;  // of the coarser encoder at the output; 0: not stated
+  double back_emf_V_s_rad = 0.0;      // motor side; drives whose voltage lies on the winding
 };
 
 }  // namespace sinew::effects

@@ -117,4 +117,15 @@ void Design::PredictDrive(const actuator::JointModel& model) {
   }
 }
 
+void Design::SetClock(int run, double offset_s) {
+  clocks_[run] = offset_s;
+  for (StateSegment& segment : states_.segments) {
+    if (segment.run != run) continue;
+    for (Eigen::Index i = 0; i < segment.size(); ++i) {
+      segment.samples[static_cast<std::size_t>(i)].time_s =
+          segment.start_s + segment.period_s * static_cast<double>(i) + offset_s;
+    }
+  }
+}
+
 }  // namespace sinew::identify

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -68,6 +69,13 @@ class Design {
   // measured.
   void PredictDrive(const actuator::JointModel& model);
 
+  // Moves the clock that effects see in one recording (JointSample::time_s, not Rows::time_s), so
+  // that something that began at different instants begins at one instant of it. Replaces an
+  // earlier offset.
+  void SetClock(int run, double offset_s);
+  // Offsets set so far; runs that are not named have none.
+  const std::map<int, double>& clocks() const { return clocks_; }
+
  private:
   Eigen::Index Step(const StateSegment& segment) const;
   // Filters a full-rate column of a segment; returns the number of rows written.
@@ -78,6 +86,7 @@ class Design {
   ProcessingOptions options_;
   double rows_per_s_ = 1.0;
   Rows rows_;
+  std::map<int, double> clocks_;
 };
 
 }  // namespace sinew::identify

@@ -81,6 +81,15 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
            effect.rivals.empty() ? "nothing known" : Join(effect.rivals)});
     }
     out += "</table>\n";
+    if (!trace.events.empty()) {
+      out += "<table>" + HtmlRow({"event", "recording", "began at, s"}, "th");
+      for (const trace::EventTime& event : trace.events) {
+        out += HtmlRow({"<code>" + Escape(event.effect) + "</code>",
+                        Escape(event.recording) + (event.sealed ? " (sealed)" : ""),
+                        Short(event.start_s)});
+      }
+      out += "</table>\n";
+    }
     if (!next.empty()) out += "<p>" + Escape(next) + "</p>\n";
   } else if (!next.empty()) {
     out += "<h2>Next experiment</h2><p>" + Escape(next) + "</p>\n";

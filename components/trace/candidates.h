@@ -17,8 +17,11 @@ struct GridPoint {
   Eigen::MatrixXd columns;  // phi, every row of the design
 };
 
+struct Event;  // events.h
+
 struct Candidate {
   std::shared_ptr<const effects::Effect> effect;
+  const Event* event = nullptr;  // of an effect that begins at an instant; the tracer's
   std::vector<GridPoint> grid;
   int catalogue_order = 0;
   const std::string& name() const { return effect->info().name; }
@@ -35,7 +38,8 @@ struct CandidateSet {
 };
 
 // Every passive or inertia effect of the model's balance that the model does not hold (effects with
-// nonlinear parameters may come again with another setting). Drive terms are no candidates.
+// nonlinear parameters may come again with another setting). Drive terms are no candidates; events
+// are none before their instants are known (events.h).
 CandidateSet MakeCandidates(const identify::Design& design, const actuator::JointModel& model);
 
 // All combinations of the grids of an effect's nonlinear parameters; one empty setting without any.

@@ -41,6 +41,8 @@ void LookAtSlowMotion(const std::vector<identify::Run>& train,
       identify::SlowMotion(loop->processing, held, rate_Hz);
   identify::Design train_design(identify::MakeStates(train, held, processing), processing);
   identify::Design sealed_design(identify::MakeStates(sealed, held, processing), processing);
+  for (const auto& [run, offset_s] : loop->train->clocks()) train_design.SetClock(run, offset_s);
+  for (const auto& [run, offset_s] : loop->sealed->clocks()) sealed_design.SetClock(run, offset_s);
   options.only = EffectsOfMotorAngle(held);
   if (!ShowsSlowMotion(train_design, sealed_design)) return;
   TraceResult slow = Trace(train_design, sealed_design, held, options);

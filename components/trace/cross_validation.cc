@@ -1,5 +1,6 @@
 #include "components/trace/cross_validation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -35,6 +36,35 @@ Setting::Setting(const std::vector<identify::Block>& blocks,
     fold_gram_.push_back(std::move(rest));
     fold_yy_.push_back(yy);
   }
+}
+
+Setting Setting::Retarget(const std::vector<identify::Block>& blocks,
+                          const Eigen::Ref<const Eigen::MatrixXd>& base,
+                          const Eigen::Ref<const Eigen::MatrixXd>& extra,
+                          const Eigen::Ref<const Eigen::VectorXd>& target) const {
+  Setting out = *this;
+  out.yy_ = 0.0;
+  std::fill(out.fold_yy_.begin(), out.fold_yy_.end(), 0.0);
+  const Eigen::Index k = base.cols();
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    identify::Moments& sums = out.moments_[b];
+    sums.m.setZero();
+    sums.yy = 0.0;
+    for (const Eigen::Index i : blocks[b]) {
+      sums.m.head(k) += target[i] * base.row(i).transpose();
+      sums.m.tail(extra.cols()) += target[i] * extra.row(i).transpose();
+      sums.yy += target[i] * target[i];
+    }
+    out.scores_.col(static_cast<Eigen::Index>(b)) = sums.m;
+    out.yy_ += sums.yy;
+  }
+  for (std::size_t f = 0; f < out.fold_yy_.size(); ++f) {
+    out.fold_yy_[f] = out.yy_;
+    for (std::size_t b = f; b < blocks.size(); b += out.fold_yy_.size()) {
+      out.fold_yy_[f] -= out.moments_[b].yy;
+    }
+  }
+  return out;
 }
 
 Setting::FoldFit Setting::FitWithout(int fold, const Eigen::VectorXd& signs) const {

@@ -4,7 +4,10 @@
 // columns are fitted jointly to the other folds; a candidate with several nonlinear settings
 // chooses its setting there, too. The score of a block is how much less squared error the candidate
 // leaves than the base. The target is the residual of the base model, so that flipping the sign of
-// whole blocks gives recordings with the same noise and no effect (placebo). Pure; allocates.
+// whole blocks gives recordings with the same noise and no effect (placebo). What is flipped is the
+// residual with the best candidate in the model (ter Braak 1992: Permutation versus bootstrap
+// significance tests in multiple regression and ANOVA): a strong effect would be its own noise.
+// Pure; allocates.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,6 +24,12 @@ class Setting {
   Setting(const std::vector<identify::Block>& blocks, const Eigen::Ref<const Eigen::MatrixXd>& base,
           const Eigen::Ref<const Eigen::MatrixXd>& extra,
           const Eigen::Ref<const Eigen::VectorXd>& target, int folds);
+
+  // The same columns with another target: blocks, base and extra as given to the constructor.
+  Setting Retarget(const std::vector<identify::Block>& blocks,
+                   const Eigen::Ref<const Eigen::MatrixXd>& base,
+                   const Eigen::Ref<const Eigen::MatrixXd>& extra,
+                   const Eigen::Ref<const Eigen::VectorXd>& target) const;
 
   struct FoldFit {
     double train_error = 0.0;

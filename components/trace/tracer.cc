@@ -8,6 +8,7 @@
 #include "components/identify/statistics.h"
 #include "components/trace/candidates.h"
 #include "components/trace/ceiling.h"
+#include "components/trace/events.h"
 #include "components/trace/shift.h"
 #include "components/trace/units.h"
 #include "components/trace/variables.h"
@@ -107,6 +108,7 @@ class Tracer {
       Progress("what a refit swallowed", 0.86);
       FindSwallowed(&fit);
     }
+    result_.corrected = identify::WithinPhysicalRange(train_, result_.corrected, units_.blocks);
     result_.after_train = identify::ErrorOf(train_, result_.corrected);
     result_.after_sealed = identify::ErrorOf(sealed_, result_.corrected);
     if (options_.only.empty()) {
@@ -145,8 +147,8 @@ class Tracer {
     // The noise's own correlation time: of what a flexible model leaves.
     const Eigen::MatrixXd flexible = FlexibleColumns(train_, kFlexibleColumns, options_.seed);
     const Eigen::VectorXd target = fit.balance.target - fit.balance.columns * fit.coefficients;
-    FlexibleFit ceiling = FitFlexible(units_.blocks, fit.balance.columns, flexible, target,
-                                      Folds(units_.blocks.size()));
+    FlexibleFit ceiling = FitFlexible(units_.blocks, WithLastingEvent(fit, target), flexible,
+                                      target, Folds(units_.blocks.size()));
     const int last_lag = static_cast<int>(std::min<double>(
         20.0 * train_.rows_per_s(), static_cast<double>(train_.rows().size()) / 4.0));
     const Eigen::VectorXd rho = identify::Autocorrelation(
@@ -173,6 +175,30 @@ class Tracer {
     result_.nominal_sealed = identify::ErrorOf(sealed_, declared_);
     result_.before_train = identify::ErrorOf(train_, result_.declared);
     result_.before_sealed = identify::ErrorOf(sealed_, result_.declared);
+  }
+
+  // The columns of a fit, and that of a lasting event whose instant stands out: what goes on after
+  // it would be taken for noise that is correlated over minutes.
+  Eigen::MatrixXd WithLastingEvent(const FitResult& fit, const Eigen::VectorXd& target) {
+    Eigen::MatrixXd columns = fit.balance.columns;
+    for (const auto& [name, of] : effects::EffectForms()) {
+      if (of != declared_.balance) continue;
+      std::shared_ptr<const effects::Effect> effect =
+          effects::MakeEffect(name, declared_.constants, of);
+      const effects::EffectInfo& info = effect->info();
+      if (!info.event || info.nonlinear.size() > 1 ||
+          (info.rotary_only && declared_.kind != effects::JointKind::kRotary)) {
+        continue;
+      }
+      const Event event = FindEvent(train_, effect, units_.blocks, columns, target,
+                                    options_.placebo_rounds, options_.seed);
+      if (!event.significant) continue;
+      SetClocks(event.start_s, event.clock_s, &train_);
+      const Eigen::MatrixXd extra = train_.Columns(*effect, std::vector<double>{event.clock_s});
+      columns.conservativeResize(Eigen::NoChange, columns.cols() + extra.cols());
+      columns.rightCols(extra.cols()) = -extra;
+    }
+    return columns;
   }
 
   std::vector<Trial> Score(const FitResult& fit, const CandidateSet& set, RoundReport* report) {
@@ -255,11 +281,25 @@ class Tracer {
       }
       trial.hidden = visible_best < kSwallowed || beside_one < kVariant;
       if (trial.hidden) trial.detectable = std::numeric_limits<double>::infinity();
-      trial.gains = base_errors - LeftOutErrors(trial.settings, ones, folds);
+      const bool passing = candidate.event != nullptr && candidate.event->passing();
+      if (passing) {  // no other part of the data can foretell it
+        trial.gains.resize(ones.size());
+        const std::vector<identify::Moments>& sums = trial.settings[trial.best].blocks();
+        for (std::size_t b = 0; b < sums.size(); ++b) {
+          trial.gains[static_cast<Eigen::Index>(b)] =
+              sums[b].yy - sums[b].SquaredError(trial.coefficients);
+        }
+      } else {
+        trial.gains = base_errors - LeftOutErrors(trial.settings, ones, folds);
+      }
       CandidateScore& score = trial.score;
       score.name = candidate.name();
       score.psi = candidate.grid[trial.best].psi;
       score.gain = GainOf(trial.gains);
+      if (passing) {  // normal noise, as many tries as rows
+        score.gain.t = candidate.event->statistic;
+        score.gain.p = std::min(1.0, rows * std::erfc(score.gain.t / std::sqrt(2.0)));
+      }
       score.gain_share = score.gain.sum / base_sum;
       score.share_error = score.gain.standard_error / base_sum;
       score.explainable_share = score.gain_share * variance / explainable;
@@ -275,26 +315,11 @@ class Tracer {
       }
       if (candidate.effect->info().smallest == effects::Smallest::kTenthOfSample)
         score.delay_s = score.theta.front() / DriveShare(fit.model);
-      score.stable = Stable(trial, balance.columns.cols());
+      score.stable = passing || Stable(trial, balance.columns.cols());
       trials.push_back(std::move(trial));
     }
 
-    // Placebo: whole blocks of the residual with random sign carry the same noise and no effect.
-    std::mt19937_64 random(options_.seed);
-    std::vector<double> best_false;
-    for (int round = 0; round < options_.placebo_rounds; ++round) {
-      Eigen::VectorXd signs(ones.size());
-      for (double& sign : signs) sign = (random() & 1) != 0 ? 1.0 : -1.0;
-      const Eigen::VectorXd errors = LeftOutErrors(base, signs, folds);
-      double best = 0.0;
-      for (const Trial& trial : trials) {
-        if (trial.hidden) continue;
-        const double gain = (errors - LeftOutErrors(trial.settings, signs, folds)).sum();
-        best = std::max(best, gain / errors.sum());
-      }
-      best_false.push_back(best);
-    }
-    report->placebo_99 = identify::Quantile(best_false, options_.placebo_quantile);
+    report->placebo_99 = BestFalseGain(trials, base, balance, target, folds) / base_sum;
 
     // A drive that acts late by less than a tenth of a sample is a skew between channels, whatever
     // its name, and teeth that give less than an encoder rounds are rigid: findings, no effects.
@@ -322,9 +347,9 @@ class Tracer {
         score.refused = "gain below 5 % of what can be explained";
       } else if (score.gain_share < options_.smallest_residual_share) {
         score.refused = "gain below 5 % of the residual";
-      } else if (score.gain_share <= report->placebo_99) {
+      } else if (!IsPassing(trial) && score.gain_share <= report->placebo_99) {
         score.refused = "gain as in recordings without the effect";
-      } else if (skew && Skewed(trial, *delay, balance, target, folds)) {
+      } else if (skew && !IsPassing(trial) && Skewed(trial, *delay, balance, target, folds)) {
         score.refused = "a skew between channels below a tenth of a sample";
       } else if (rounding != nullptr && NoBetter(trial, *rounding)) {
         score.refused =
@@ -341,6 +366,115 @@ class Tracer {
       return a.score.gain.sum > b.score.gain.sum;
     });
     return trials;
+  }
+
+  // 99th percentile of the best gain of the whole catalogue where there is none: whole blocks of
+  // what the best candidate leaves, with random signs, carry the same noise and no effect.
+  double BestFalseGain(const std::vector<Trial>& trials, const std::vector<Setting>& base,
+                       const Balance& balance, const Eigen::VectorXd& target, int folds) const {
+    const std::vector<Block>& blocks = units_.blocks;
+    const Trial* best = nullptr;
+    for (const Trial& trial : trials) {
+      if (trial.hidden || trial.score.gain.sum <= 0.0) continue;
+      if (best == nullptr || trial.score.gain.sum > best->score.gain.sum) best = &trial;
+    }
+    Eigen::VectorXd noise = target;
+    if (best != nullptr) {
+      const Eigen::MatrixXd& columns = best->candidate->grid[best->best].columns;
+      noise -= balance.columns * best->coefficients.head(balance.columns.cols()) -
+               columns * best->coefficients.tail(columns.cols());
+    }
+    const Eigen::MatrixXd none(target.size(), 0);
+    const std::vector<Setting> plain = {
+        base.front().Retarget(blocks, balance.columns, none, noise)};
+    std::vector<std::vector<Setting>> settings;
+    for (const Trial& trial : trials) {
+      settings.emplace_back();
+      if (trial.hidden || IsPassing(trial)) continue;
+      for (std::size_t k = 0; k < trial.settings.size(); ++k) {
+        settings.back().push_back(trial.settings[k].Retarget(
+            blocks, balance.columns, -trial.candidate->grid[k].columns, noise));
+      }
+    }
+    std::mt19937_64 random(options_.seed);
+    std::vector<double> best_false;
+    for (int round = 0; round < options_.placebo_rounds; ++round) {
+      Eigen::VectorXd signs(static_cast<Eigen::Index>(blocks.size()));
+      for (double& sign : signs) sign = (random() & 1) != 0 ? 1.0 : -1.0;
+      const double errors = LeftOutErrors(plain, signs, folds).sum();
+      double gain = 0.0;
+      for (const std::vector<Setting>& trial : settings) {
+        if (trial.empty()) continue;
+        gain = std::max(gain, errors - LeftOutErrors(trial, signs, folds).sum());
+      }
+      best_false.push_back(gain);
+    }
+    return identify::Quantile(best_false, options_.placebo_quantile);
+  }
+
+  static bool IsPassing(const Trial& trial) {
+    return trial.candidate->event != nullptr && trial.candidate->event->passing();
+  }
+
+  // Events whose instants stand out join the candidates, and the clocks are set by the one that
+  // explains most: there is one clock. A model that holds an event already has it.
+  void AddEvents(const FitResult& fit, const actuator::JointModel& model, CandidateSet* set,
+                 RoundReport* report) {
+    event_.reset();
+    for (const actuator::Term& term : model.terms) {
+      if (model.Counts(term) && term.effect->info().event) return;
+    }
+    const Eigen::VectorXd target = fit.balance.target - fit.balance.columns * fit.coefficients;
+    int order = 0;
+    int event_order = 0;
+    for (const auto& [name, of] : effects::EffectForms()) {
+      ++order;
+      if (of != model.balance) continue;
+      std::shared_ptr<const effects::Effect> effect =
+          effects::MakeEffect(name, model.constants, of);
+      const effects::EffectInfo& info = effect->info();
+      if (!info.event || (info.rotary_only && model.kind != effects::JointKind::kRotary)) continue;
+      Event event = FindEvent(train_, effect, units_.blocks, fit.balance.columns, target,
+                              options_.placebo_rounds, options_.seed);
+      if (!event.significant) {
+        CandidateScore score;
+        score.name = name;
+        score.refused = "no instant stands out";
+        report->scores.push_back(std::move(score));
+      } else if (!event_ || event.explained > event_->explained) {
+        event_ = std::move(event);
+        event_order = order;
+      }
+    }
+    if (!event_) return;
+    SetClocks(event_->start_s, event_->clock_s, &train_);
+    Candidate candidate;
+    candidate.effect = event_->effect;
+    candidate.event = &*event_;
+    candidate.catalogue_order = event_order;
+    GridPoint point;
+    point.psi = {event_->clock_s};
+    if (event_->passing()) point.psi.push_back(event_->length_s);
+    point.columns = train_.Columns(*event_->effect, point.psi);
+    candidate.grid.push_back(std::move(point));
+    set->candidates.push_back(std::move(candidate));
+  }
+
+  // Where the event happened in the sealed recordings is looked for with the size that the others
+  // gave: when it happens is no property of the robot.
+  void SetSealedClocks(double theta, const Eigen::VectorXd& residual) {
+    const std::vector<double> start_s = LocateEvent(sealed_, *event_, theta, residual);
+    SetClocks(start_s, event_->clock_s, &sealed_);
+    event_times_.clear();
+    const auto note = [&](const Design& design, const std::vector<double>& starts, bool sealed) {
+      for (std::size_t run = 0; run < starts.size(); ++run) {
+        if (!std::isfinite(starts[run])) continue;
+        event_times_.push_back(
+            {event_->effect->info().name, design.states().run_names[run], sealed, starts[run]});
+      }
+    };
+    note(train_, event_->start_s, false);
+    note(sealed_, start_s, true);
   }
 
   // No quarter of the blocks asks for the opposite of what all together ask for.
@@ -428,33 +562,39 @@ class Tracer {
     RoundReport report;
     report.train_rms = fit->rms;
     report.sealed_rms = identify::ErrorOf(sealed_, fit->model).rms;
+    if (options_.only.empty()) AddEvents(*fit, *model, &set, &report);
     std::vector<Trial> trials = Score(*fit, set, &report);
     if (result_.rounds.empty()) NoteWhatIsHidden(set, trials);
 
-    // The best one; among those that score the same within a quarter of a standard error the
-    // simplest.
-    std::size_t chosen = trials.size();
-    for (std::size_t i = 0; i < trials.size(); ++i) {
+    // The simplest of those within one standard error of the best (Breiman et al. 1984, section
+    // 3.4.3); of equally simple ones the best, and the first of the catalogue where they are the
+    // same within a quarter of a standard error.
+    const auto complexity = [](const Trial& trial) {
+      const effects::EffectInfo& info = trial.candidate->effect->info();
+      return info.linear.size() + info.nonlinear.size();
+    };
+    std::size_t best = 0;
+    while (best < trials.size() && !trials[best].score.accepted) ++best;
+    std::size_t chosen = best;
+    for (std::size_t i = best + 1; i < trials.size(); ++i) {
       if (!trials[i].score.accepted) continue;
-      if (chosen == trials.size()) {
-        chosen = i;
-        continue;
-      }
-      const Gain behind = GainOf(trials[chosen].gains - trials[i].gains);
-      const auto complexity = [&](const Trial& trial) {
-        const effects::EffectInfo& info = trial.candidate->effect->info();
-        return info.linear.size() + info.nonlinear.size();
-      };
-      const bool same = behind.sum <= 0.25 * behind.standard_error;
-      if (same &&
-          (complexity(trials[i]) < complexity(trials[chosen]) ||
-           (complexity(trials[i]) == complexity(trials[chosen]) &&
-            trials[i].candidate->catalogue_order < trials[chosen].candidate->catalogue_order))) {
+      const Gain behind = GainOf(trials[best].gains - trials[i].gains);
+      if (behind.sum > behind.standard_error) continue;
+      const Gain behind_chosen = GainOf(trials[chosen].gains - trials[i].gains);
+      const bool simpler = complexity(trials[i]) < complexity(trials[chosen]);
+      const bool same = complexity(trials[i]) == complexity(trials[chosen]) &&
+                        behind_chosen.sum <= 0.25 * behind_chosen.standard_error;
+      if (simpler || (same && trials[i].candidate->catalogue_order <
+                                  trials[chosen].candidate->catalogue_order)) {
         chosen = i;
       }
     }
-    for (Trial& trial : trials) trial.score.sealed_rms = SealedWith(*fit, trial);
-    for (const Trial& trial : trials) report.scores.push_back(trial.score);
+    for (Trial& trial : trials) {
+      trial.score.sealed_rms = SealedWith(*fit, trial);
+    }
+    std::vector<CandidateScore> scores;
+    for (const Trial& trial : trials) scores.push_back(trial.score);
+    report.scores.insert(report.scores.begin(), scores.begin(), scores.end());
     if (chosen == trials.size()) {
       result_.rounds.push_back(std::move(report));
       return false;
@@ -489,7 +629,8 @@ class Tracer {
     const auto& infos = term.effect->info().nonlinear;
     for (std::size_t i = 0; i < winner.score.psi.size(); ++i) {
       actuator::ParameterValue value{.value = winner.score.psi[i], .half_width_95 = std::nullopt};
-      value.fixed = infos[i].dimension == effects::Dimension::kNone;  // counts stay whole
+      value.fixed = infos[i].dimension == effects::Dimension::kNone     // counts stay whole
+                    || (i == 0 && winner.candidate->event != nullptr);  // the clocks are set by it
       term.nonlinear.push_back(value);
     }
     next.terms.push_back(std::move(term));
@@ -500,19 +641,30 @@ class Tracer {
     *model = fit->model;
     found.train_after = fit->rms;
     found.sealed_after = identify::ErrorOf(sealed_, fit->model).rms;
+    if (winner.candidate->event != nullptr) {
+      actuator::JointModel without = fit->model;
+      const double theta = without.terms.back().linear.front().value;
+      without.terms.pop_back();
+      SetSealedClocks(theta, identify::ResidualTorque(sealed_, without));
+      found.sealed_after = identify::ErrorOf(sealed_, fit->model).rms;
+      result_.events.insert(result_.events.end(), event_times_.begin(), event_times_.end());
+    }
     result_.effects.push_back(std::move(found));
     result_.rounds.push_back(std::move(report));
     return true;
   }
 
-  double SealedWith(const FitResult& fit, const Trial& trial) const {
+  double SealedWith(const FitResult& fit, const Trial& trial) {
     const Balance balance = identify::MakeBalance(sealed_, fit.model, fit.keep_scale);
-    const Eigen::MatrixXd extra = sealed_.Columns(*trial.candidate->effect, trial.score.psi);
     const Eigen::Index p = balance.columns.cols();
     const Eigen::VectorXd b = fit.coefficients + trial.coefficients.head(p);
-    const Eigen::VectorXd error =
-        balance.target - balance.columns * b + extra * trial.coefficients.tail(extra.cols());
     const double scale = balance.fits_scale ? 1.0 / b[0] : 1.0;
+    const Eigen::VectorXd without = balance.target - balance.columns * b;
+    if (trial.candidate->event != nullptr) {
+      SetSealedClocks(scale * trial.coefficients[p], scale * without);
+    }
+    const Eigen::MatrixXd extra = sealed_.Columns(*trial.candidate->effect, trial.score.psi);
+    const Eigen::VectorXd error = without + extra * trial.coefficients.tail(extra.cols());
     const std::vector<Eigen::Index> rows = sealed_.rows().UsedRows();
     return std::abs(scale) * std::sqrt(SumSquares(error, rows) /
                                        std::max<double>(1.0, static_cast<double>(rows.size())));
@@ -665,6 +817,8 @@ class Tracer {
   Units units_;
   Eigen::MatrixXd rounding_;  // columns of what stays below the encoder's rounding; may have none
   std::vector<Eigen::Index> used_;
+  std::optional<Event> event_;  // of this round
+  std::vector<EventTime> event_times_;
 };
 
 }  // namespace

@@ -78,6 +78,14 @@ struct FoundEffect {
   double train_before = 0.0, train_after = 0.0, sealed_before = 0.0, sealed_after = 0.0;
 };
 
+// When an event (a payload put on, a push) began in a recording.
+struct EventTime {
+  std::string effect;
+  std::string recording;
+  bool sealed = false;
+  double start_s = 0.0;
+};
+
 struct ParameterShift {
   std::string effect;
   std::string parameter;
@@ -132,6 +140,7 @@ struct TraceResult {
   actuator::JointModel declared;   // refitted, nothing added
   actuator::JointModel corrected;  // with the effects
   std::vector<FoundEffect> effects;
+  std::vector<EventTime> events;
   std::vector<RoundReport> rounds;
   std::vector<NotExcited> not_excited;
   std::vector<std::string> judged;  // candidates whose presence or absence the data shows

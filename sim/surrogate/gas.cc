@@ -63,9 +63,11 @@ void Vessel::AddMass(double mass_kg, double upstream_temperature_K) noexcept {
   Update();
 }
 
-void Vessel::ExchangeHeat(double wall_temperature_K, double dt_s) noexcept {
+void Vessel::ExchangeHeat(double wall_temperature_K, double dt_s, double resistance_K_W) noexcept {
   // Exact for constant mass over the step: cannot overshoot the wall.
-  const double rate_1_s = wall_conductance_W_K_ / (mass_kg_ * Air::kCv_J_kgK);
+  const double conductance_W_K =
+      wall_conductance_W_K_ / (1.0 + wall_conductance_W_K_ * resistance_K_W);
+  const double rate_1_s = conductance_W_K / (mass_kg_ * Air::kCv_J_kgK);
   const double x = rate_1_s * dt_s;
   const double share = x < 1e-3 ? x * (1.0 - 0.5 * x) : -std::expm1(-x);
   energy_J_ += (wall_temperature_K - temperature_K_) * share * mass_kg_ * Air::kCv_J_kgK;
@@ -108,12 +110,12 @@ void Relay::Reset(bool on) noexcept {
   opening_ = on ? 1.0 : 0.0;
 }
 
-double Relay::Step(bool command, double dt_s) noexcept {
+double Relay::Step(bool command, double dt_s, double late_s) noexcept {
   if (command == on_) {
     waited_s_ = 0.0;
   } else {
     waited_s_ += dt_s;
-    if (waited_s_ > (command ? parameters_.on_delay_s : parameters_.off_delay_s)) {
+    if (waited_s_ > (command ? parameters_.on_delay_s : parameters_.off_delay_s) + late_s) {
       on_ = command;
       waited_s_ = 0.0;
     }

@@ -38,7 +38,8 @@ class Vessel {
   // Air coming in (upstream temperature given) or, negative, going out (at its own temperature),
   // kg.
   void AddMass(double mass_kg, double upstream_temperature_K) noexcept;
-  void ExchangeHeat(double wall_temperature_K, double dt_s) noexcept;
+  // resistance_K_W: between gas and wall, on top of the wall's own.
+  void ExchangeHeat(double wall_temperature_K, double dt_s, double resistance_K_W = 0.0) noexcept;
 
   double pressure_Pa() const noexcept { return pressure_Pa_; }
   double temperature_K() const noexcept { return temperature_K_; }
@@ -78,8 +79,8 @@ class Relay {
  public:
   explicit Relay(const RelayParameters& parameters);  // throws std::invalid_argument
   void Reset(bool on) noexcept;
-  // Returns the opening, 0 to 1.
-  double Step(bool command, double dt_s) noexcept;
+  // Returns the opening, 0 to 1. late_s: on top of both delays.
+  double Step(bool command, double dt_s, double late_s = 0.0) noexcept;
   double opening() const noexcept { return opening_; }
 
  private:

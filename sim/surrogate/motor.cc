@@ -10,7 +10,7 @@ namespace sinew::surrogate {
 Motor::Motor(const MotorParameters& parameters)
     : parameters_(parameters),
       flux_linkage_Wb_(parameters.torque_constant_Nm_A / (1.5 * parameters.pole_pairs)),
-      temperature_degC_(parameters.ambient_degC) {
+      temperature_degC_(parameters.ambient_degC + parameters.initial_rise_K) {
   const MotorParameters& p = parameters;
   if (!(p.torque_constant_Nm_A > 0.0) || p.pole_pairs < 1 || !(p.resistance_ohm > 0.0) ||
       !(p.inductance_H > 0.0) || !(p.bus_voltage_V > 0.0) || !(p.current_limit_A > 0.0) ||
@@ -23,7 +23,8 @@ Motor::Motor(const MotorParameters& parameters)
 void Motor::Reset() noexcept {
   phase_A_.fill(0.0);
   iq_A_ = id_A_ = vq_V_ = integral_q_V_ = integral_d_V_ = 0.0;
-  temperature_degC_ = parameters_.ambient_degC;
+  temperature_degC_ = parameters_.ambient_degC + parameters_.initial_rise_K;
+  supply_share_ = 1.0;
 }
 
 double Motor::EmfShape(double electrical_rad) const noexcept {
@@ -78,7 +79,7 @@ double Motor::Step(double torque_reference_Nm, double rotor_angle_rad, double ro
   const double speed_voltage_d_V = -electrical_rad_s * p.inductance_H * iq_A_;
   double vq_V = gain_V_A * error_q_A + integral_q_V_ + speed_voltage_q_V;
   double vd_V = gain_V_A * error_d_A + integral_d_V_ + speed_voltage_d_V;
-  const double limit_V = p.bus_voltage_V / std::numbers::sqrt3;
+  const double limit_V = supply_share_ * p.bus_voltage_V / std::numbers::sqrt3;
   const double squared_V2 = vq_V * vq_V + vd_V * vd_V;
   if (squared_V2 > limit_V * limit_V) {
     const double scale = limit_V / std::sqrt(squared_V2);

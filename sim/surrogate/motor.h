@@ -27,6 +27,7 @@ struct MotorParameters {
   bool three_phase = false;
   double emf_flatness = 0.0;
   double ambient_degC = 23.0;
+  double initial_rise_K = 0.0;  // of the winding over the surroundings at the start
   double heat_capacity_J_K = 35.0;
   double thermal_resistance_K_W = 3.0;
 };
@@ -39,6 +40,8 @@ class Motor {
   double Step(double torque_reference_Nm, double rotor_angle_rad, double rotor_velocity_rad_s,
               double dt_s) noexcept;
   void Reset() noexcept;
+  // Bus voltage over the nominal one, from now on; > 0.
+  void SetSupply(double share) noexcept { supply_share_ = share; }
 
   double iq_A() const noexcept { return iq_A_; }
   double id_A() const noexcept { return id_A_; }
@@ -59,6 +62,7 @@ class Motor {
   std::array<double, 3> phase_A_{};
   double integral_q_V_ = 0.0;
   double integral_d_V_ = 0.0;
+  double supply_share_ = 1.0;
   double temperature_degC_;
 };
 

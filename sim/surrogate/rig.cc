@@ -24,6 +24,10 @@ enum Stream : std::uint64_t {
 
 constexpr double kPaPerBar = 1e5;
 constexpr double kPowerBlend_W = 0.02;
+// A flexible link: this much of it is the outer part; damper of its spring over the spring.
+constexpr double kOuterShare = 0.6;
+constexpr double kOuterDamping_s = 4e-3;
+constexpr double kLongestMemory_s = 0.04;  // of late telegrams
 
 const RigParameters& Checked(const RigParameters& p) {
   const auto require = [](bool good, const char* what) {
@@ -144,6 +148,11 @@ Rig::Rig(const RigParameters& parameters)
       throw std::invalid_argument("the displacement shape leaves the chamber no volume");
     }
   }
+  for (const EffectSpec& effect : parameters_.effects) {
+    if (effect.name == "transport_delay" && past_.empty()) {
+      past_.resize(static_cast<std::size_t>(2.0 * kLongestMemory_s / parameters_.step_s));
+    }
+  }
   Reset();
 }
 
@@ -161,6 +170,7 @@ void Rig::Reset() {
   temperature_noise_ = RandomStream(seed, kStreamTemperature);
   motor_.Reset();
   undeclared_.Reset();
+  dry_share_ = viscous_share_ = 1.0;
   SetState(parameters_.initial_angle_rad * parameters_.gear.ratio, 0.0,
            parameters_.initial_angle_rad, 0.0);
   SetRest(parameters_.initial_rest_s);
@@ -180,6 +190,10 @@ void Rig::SetState(double motor_angle_rad, double motor_velocity_rad_s, double o
   motor_rad_s_ = motor_velocity_rad_s;
   output_rad_ = output_angle_rad;
   output_rad_s_ = output_velocity_rad_s;
+  tip_rad_ = output_angle_rad;
+  tip_rad_s_ = output_velocity_rad_s;
+  std::fill(past_.begin(), past_.end(),
+            Past{time_s_, motor_rad_, output_rad_, motor_velocity_rad_s, output_velocity_rad_s});
   rotor_friction_.Reset(0.0);
   output_friction_.Reset(0.0);
   drive_.Reset(motor_angle_rad);
@@ -196,6 +210,12 @@ void Rig::SetPressure(double chamber_bar, double reservoir_bar) noexcept {
                  air.wall_temperature_K);
   reservoir_.Reset(air.reservoir_volume_m3, air.atmosphere_Pa + reservoir_bar * kPaPerBar,
                    air.wall_temperature_K);
+  lagged_gauge_Pa_ = chamber_bar * kPaPerBar;
+}
+
+void Rig::Wear(double dry_share, double viscous_share) noexcept {
+  dry_share_ = std::max(0.0, dry_share);
+  viscous_share_ = std::max(0.0, viscous_share);
 }
 
 void Rig::SetRest(double rest_s) noexcept {
@@ -238,8 +258,28 @@ double Rig::MotorCount() noexcept {
 
 double Rig::OutputCount() noexcept {
   const double seen_rad =
-      output_rad_ + parameters_.sensors.output_encoder_noise_rad * output_encoder_noise_.Gaussian();
+      undeclared_.OutputEncoder_rad(output_rad_) +
+      parameters_.sensors.output_encoder_noise_rad * output_encoder_noise_.Gaussian();
   return std::floor(seen_rad / count_rad_ + 0.5) * count_rad_;
+}
+
+void Rig::Remember() noexcept {
+  past_[past_next_] = {time_s_, motor_rad_, output_rad_, drive_.velocity_estimate_rad_s(),
+                       output_observer_.velocity_rad_s()};
+  past_next_ = (past_next_ + 1) % past_.size();
+}
+
+Rig::Past Rig::Seen() const noexcept {
+  const double late_s = undeclared_.size(Effect::kTransportDelay);
+  if (late_s > 0.0 && !past_.empty()) {
+    for (std::size_t back = 1; back <= past_.size(); ++back) {
+      const Past& then = past_[(past_next_ + past_.size() - back) % past_.size()];
+      if (then.time_s <= time_s_ - late_s) return then;
+    }
+    return past_[past_next_];
+  }
+  return {time_s_, motor_rad_, output_rad_, drive_.velocity_estimate_rad_s(),
+          output_observer_.velocity_rad_s()};
 }
 
 void Rig::Advance(const RigInput& input, double duration_s) noexcept {
@@ -266,16 +306,23 @@ void Rig::Substep(const RigInput& input, double dt_s) noexcept {
     torque_reference_Nm_ = drive_.Step(input.drive, MotorCount(), sensor_step_s_);
     output_observer_.Step(OutputCount(), sensor_step_s_);
   }
-  const double air_gap_Nm = motor_.Step(torque_reference_Nm_, motor_rad_, motor_rad_s_, dt_s);
+  // The current loop trusts its sensor: what that reads too much, the windings get too little.
+  motor_.SetSupply(undeclared_.SupplyShare());
+  const double asked_Nm = torque_reference_Nm_ - parameters_.motor.torque_constant_Nm_A *
+                                                     undeclared_.size(Effect::kCurrentOffset);
+  const double by_current_Nm = motor_.Step(asked_Nm, motor_rad_, motor_rad_s_, dt_s);
+  const double air_gap_Nm = by_current_Nm * undeclared_.TorqueShare(motor_.iq_A());
 
   // First half of the motion.
   const double half_s = 0.5 * dt_s;
   output_rad_ += half_s * output_rad_s_;
   motor_rad_ += half_s * motor_rad_s_;
+  undeclared_.MoveMagnet(output_rad_s_, dt_s);
 
   // Air.
   chamber_.SetVolume(ChamberVolume_m3(output_rad_));
-  const double opening = valve_relay_.Step(input.valve_open, dt_s);
+  const double opening =
+      valve_relay_.Step(input.valve_open, dt_s, undeclared_.size(Effect::kValveDeadTime));
   const double compressor = compressor_relay_.Step(input.compressor_on, dt_s);
   const double vent = vent_relay_.Step(input.vent_open, dt_s);
   if (opening > 0.0) {
@@ -288,9 +335,11 @@ void Rig::Substep(const RigInput& input, double dt_s) noexcept {
     chamber_.AddMass(moved_kg, from_reservoir_K);
     reservoir_.AddMass(-moved_kg, from_chamber_K);
   }
-  if (air.seal_leak.conductance_m3_sPa > 0.0) {
+  const Orifice seal_leak{air.seal_leak.conductance_m3_sPa + undeclared_.size(Effect::kLeak),
+                          air.seal_leak.critical_ratio};
+  if (seal_leak.conductance_m3_sPa > 0.0) {
     chamber_.AddMass(
-        -dt_s * MassFlow_kg_s(air.seal_leak, chamber_.pressure_Pa(), chamber_.temperature_K(),
+        -dt_s * MassFlow_kg_s(seal_leak, chamber_.pressure_Pa(), chamber_.temperature_K(),
                               air.atmosphere_Pa, air.wall_temperature_K),
         air.wall_temperature_K);
   }
@@ -306,45 +355,77 @@ void Rig::Substep(const RigInput& input, double dt_s) noexcept {
     const double share = std::clamp(1.0 - gauge_bar / air.compressor_limit_bar, 0.0, 1.0);
     reservoir_.AddMass(dt_s * compressor * share * air.compressor_kg_s, air.wall_temperature_K);
   }
-  chamber_.ExchangeHeat(air.wall_temperature_K, dt_s);
+  chamber_.ExchangeHeat(air.wall_temperature_K, dt_s, undeclared_.size(Effect::kGasHeatExchange));
   reservoir_.ExchangeHeat(air.wall_temperature_K, dt_s);
   const double gauge_Pa = chamber_.pressure_Pa() - air.atmosphere_Pa;
-  pneumatic_Nm_ = gauge_Pa * Displacement_m3_rad(output_rad_);
+  pneumatic_Nm_ = gauge_Pa * Displacement_m3_rad(output_rad_) *
+                  undeclared_.PneumaticShare(gauge_Pa / kPaPerBar);
+  const double lag_s = undeclared_.size(Effect::kPressureLag);
+  lagged_gauge_Pa_ += (gauge_Pa - lagged_gauge_Pa_) * (lag_s > 0.0 ? dt_s / (lag_s + dt_s) : 1.0);
 
   // Teeth.
   const double twist_rad = motor_rad_ / gear.ratio - output_rad_;
   const double twist_rad_s = motor_rad_s_ / gear.ratio - output_rad_s_;
-  const double half_play_rad = 0.5 * gear.play_rad;
+  const double half_play_rad =
+      0.5 * std::max(0.0, gear.play_rad + undeclared_.size(Effect::kBacklashWidth));
+  // Shafts in series with the teeth take the same share off spring and damper.
+  const double stiff =
+      1.0 / (1.0 + gear.contact_stiffness_Nm_rad * undeclared_.size(Effect::kGearCompliance));
   tooth_Nm_ = 0.0;
   if (std::abs(twist_rad) > half_play_rad) {
     const double side = twist_rad > 0.0 ? 1.0 : -1.0;
     const double depth_rad = std::abs(twist_rad) - half_play_rad;
     const double damping_Nm_s_rad =
-        gear.contact_damping_Nm_s_rad * depth_rad / (depth_rad + gear.damping_depth_rad);
-    tooth_Nm_ = side * std::max(0.0, gear.contact_stiffness_Nm_rad * depth_rad +
+        stiff * gear.contact_damping_Nm_s_rad * depth_rad / (depth_rad + gear.damping_depth_rad);
+    tooth_Nm_ = side * std::max(0.0, stiff * gear.contact_stiffness_Nm_rad * depth_rad +
                                          side * damping_Nm_s_rad * twist_rad_s);
   }
 
   // Output.
-  const double extra_Nm = undeclared_.ExtraFriction_Nm(output_rad_s_);
+  const EffectState effect_state{motor_rad_,           motor_rad_s_, output_rad_s_,
+                                 gauge_Pa / kPaPerBar, output_rad_,  motor_.temperature_degC()};
+  const double extra_Nm = undeclared_.ExtraFriction_Nm(effect_state);
   const double kinetic_Nm = link.friction.kinetic_Nm;
-  const double scale = kinetic_Nm > 0.0 ? 1.0 + extra_Nm / kinetic_Nm : 1.0;
-  friction_Nm_ = output_friction_.Step(output_rad_s_, dt_s, scale);
-  const EffectState effect_state{motor_rad_, motor_rad_s_, output_rad_s_, gauge_Pa / kPaPerBar};
+  const double scale = kinetic_Nm > 0.0 ? std::max(0.05, 1.0 + extra_Nm / kinetic_Nm) : 1.0;
+  friction_Nm_ = output_friction_.Step(output_rad_s_, dt_s, dry_share_ * scale);
   undeclared_output_Nm_ = undeclared_.OutputTorque_Nm(effect_state, dt_s);
   undeclared_rotor_Nm_ = undeclared_.RotorTorque_Nm(effect_state);
   const double arm_kg_m = payload_kg_ * link.length_m;
-  double output_Nm =
-      tooth_Nm_ + friction_Nm_ + undeclared_output_Nm_ + pneumatic_Nm_ -
-      input.hand_force_N * link.length_m -
-      (link.gravity_torque_Nm + arm_kg_m * link.gravity_m_s2) * std::cos(output_rad_);
+  const double pushed_Nm = (input.hand_force_N + undeclared_.Bump_N()) * link.length_m;
+  const double tilt_rad = undeclared_.Tilt_rad();
+  const double ring_kg_m2 = undeclared_.size(Effect::kLinkInertia);
+  double output_Nm = tooth_Nm_ + friction_Nm_ + undeclared_output_Nm_ + pneumatic_Nm_;
+  double output_inertia_kg_m2 = link.inertia_kg_m2 + ring_kg_m2;
+  const double compliance_rad_Nm = undeclared_.size(Effect::kFlexibleLink);
+  if (compliance_rad_Nm > 0.0) {
+    // The outer part, the payload and the hand hang on a spring.
+    const double outer_kg_m2 = kOuterShare * link.inertia_kg_m2 + arm_kg_m * link.length_m;
+    output_inertia_kg_m2 -= kOuterShare * link.inertia_kg_m2;
+    tip_rad_ += half_s * tip_rad_s_;
+    const double bent_Nm =
+        (tip_rad_ - output_rad_ + kOuterDamping_s * (tip_rad_s_ - output_rad_s_)) /
+        compliance_rad_Nm;
+    const double outer_Nm = -bent_Nm - pushed_Nm -
+                            (kOuterShare * link.gravity_torque_Nm + arm_kg_m * link.gravity_m_s2) *
+                                std::cos(tip_rad_ + tilt_rad);
+    tip_rad_s_ += dt_s * outer_Nm / outer_kg_m2;
+    tip_rad_ += half_s * tip_rad_s_;
+    output_Nm +=
+        bent_Nm - (1.0 - kOuterShare) * link.gravity_torque_Nm * std::cos(output_rad_ + tilt_rad);
+  } else {
+    output_Nm =
+        output_Nm - pushed_Nm -
+        (link.gravity_torque_Nm + arm_kg_m * link.gravity_m_s2) * std::cos(output_rad_ + tilt_rad);
+    output_inertia_kg_m2 += arm_kg_m * link.length_m;
+    tip_rad_ = output_rad_;
+    tip_rad_s_ = output_rad_s_;
+  }
   const double beyond_rad = std::abs(output_rad_) - link.end_stop_rad;
   if (beyond_rad > 0.0) {
     const double side = output_rad_ > 0.0 ? 1.0 : -1.0;
     output_Nm -= side * std::max(0.0, link.end_stop_stiffness_Nm_rad * beyond_rad +
                                           side * link.end_stop_damping_Nm_s_rad * output_rad_s_);
   }
-  const double output_inertia_kg_m2 = link.inertia_kg_m2 + arm_kg_m * link.length_m;
   output_rad_s_ = (output_rad_s_ + dt_s * output_Nm / output_inertia_kg_m2) /
                   (1.0 + dt_s * link.viscous_Nm_s_rad / output_inertia_kg_m2);
 
@@ -353,21 +434,26 @@ void Rig::Substep(const RigInput& input, double dt_s) noexcept {
     motor_rad_s_ = 0.0;
   } else {
     double share = gear.share_drive;
-    if (gear.share_back != gear.share_drive) {
+    const double share_back =
+        gear.share_back * (1.0 + undeclared_.size(Effect::kDriveEfficiencyDirection));
+    if (share_back != gear.share_drive) {
       const double power_W = air_gap_Nm * motor_rad_s_;
       const double forward = 0.5 * (1.0 + std::tanh(power_W / kPowerBlend_W));
-      share = forward * gear.share_drive + (1.0 - forward) * gear.share_back;
+      share = forward * gear.share_drive + (1.0 - forward) * share_back;
     }
     const double rotor_kinetic_Nm = parameters_.rotor.friction.kinetic_Nm;
     double rotor_scale = 1.0;
-    if (gear.load_friction > 0.0 && rotor_kinetic_Nm > 0.0) {
-      rotor_scale += gear.load_friction * std::abs(tooth_Nm_) / gear.ratio / rotor_kinetic_Nm;
+    const double load_friction =
+        gear.load_friction + undeclared_.size(Effect::kLoadDependentFriction);
+    if (load_friction > 0.0 && rotor_kinetic_Nm > 0.0) {
+      rotor_scale += load_friction * std::abs(tooth_Nm_) / gear.ratio / rotor_kinetic_Nm;
     }
     const double rotor_Nm = share * air_gap_Nm + undeclared_rotor_Nm_ - tooth_Nm_ / gear.ratio +
                             rotor_friction_.Step(motor_rad_s_, dt_s, rotor_scale);
     const double inertia_kg_m2 = parameters_.rotor.inertia_kg_m2;
-    motor_rad_s_ = (motor_rad_s_ + dt_s * rotor_Nm / inertia_kg_m2) /
-                   (1.0 + dt_s * parameters_.rotor.viscous_Nm_s_rad / inertia_kg_m2);
+    motor_rad_s_ =
+        (motor_rad_s_ + dt_s * rotor_Nm / inertia_kg_m2) /
+        (1.0 + dt_s * viscous_share_ * parameters_.rotor.viscous_Nm_s_rad / inertia_kg_m2);
   }
 
   // Second half of the motion.
@@ -375,6 +461,7 @@ void Rig::Substep(const RigInput& input, double dt_s) noexcept {
   motor_rad_ += half_s * motor_rad_s_;
   chamber_.SetVolume(ChamberVolume_m3(output_rad_));
   time_s_ += dt_s;
+  if (!past_.empty()) Remember();
 }
 
 RigReading Rig::Read() noexcept {
@@ -382,22 +469,26 @@ RigReading Rig::Read() noexcept {
   const auto count = [this](double angle_rad) {
     return std::floor(angle_rad / count_rad_ + 0.5) * count_rad_;
   };
-  const auto pressure_bar = [&](const Vessel& vessel, RandomStream* noise) {
+  const auto pressure_bar = [&](double true_bar, RandomStream* noise) {
     const double lsb_bar = s.pressure_range_bar / s.pressure_counts;
-    const double gauge_bar =
-        (vessel.pressure_Pa() - parameters_.pneumatics.atmosphere_Pa) / kPaPerBar +
-        s.pressure_noise_bar * noise->Gaussian();
+    const double gauge_bar = true_bar + s.pressure_noise_bar * noise->Gaussian();
     return std::clamp(std::floor(gauge_bar / lsb_bar + 0.5), 0.0, s.pressure_counts - 1.0) *
            lsb_bar;
   };
+  const double atmosphere_Pa = parameters_.pneumatics.atmosphere_Pa;
+  const double chamber_gauge_Pa = undeclared_.size(Effect::kPressureLag) > 0.0
+                                      ? lagged_gauge_Pa_
+                                      : chamber_.pressure_Pa() - atmosphere_Pa;
+  const Past seen = Seen();
   RigReading reading;
   reading.motor_angle_rad =
-      count(motor_rad_ + s.motor_encoder_noise_rad * row_noise_motor_.Gaussian());
-  reading.motor_velocity_rad_s = drive_.velocity_estimate_rad_s();
-  reading.output_angle_rad =
-      count(output_rad_ + s.output_encoder_noise_rad * row_noise_output_.Gaussian());
-  reading.output_velocity_rad_s = output_observer_.velocity_rad_s();
-  reading.motor_current_A = motor_.iq_A() + s.current_noise_A * current_noise_.Gaussian();
+      count(seen.motor_rad + s.motor_encoder_noise_rad * row_noise_motor_.Gaussian());
+  reading.motor_velocity_rad_s = seen.motor_estimate_rad_s;
+  reading.output_angle_rad = count(undeclared_.OutputEncoder_rad(seen.output_rad) +
+                                   s.output_encoder_noise_rad * row_noise_output_.Gaussian());
+  reading.output_velocity_rad_s = seen.output_estimate_rad_s;
+  reading.motor_current_A = motor_.iq_A() + undeclared_.size(Effect::kCurrentOffset) +
+                            s.current_noise_A * current_noise_.Gaussian();
   reading.output_torque_Nm = s.torque_efficiency * parameters_.gear.ratio *
                              parameters_.motor.torque_constant_Nm_A * reading.motor_current_A;
   reading.drive_voltage_V = motor_.vq_V();
@@ -407,9 +498,14 @@ RigReading Rig::Read() noexcept {
       s.temperature_step_degC > 0.0
           ? std::floor(temperature_degC / s.temperature_step_degC + 0.5) * s.temperature_step_degC
           : temperature_degC;
-  reading.chamber_pressure_bar = pressure_bar(chamber_, &pressure_noise_);
-  reading.reservoir_pressure_bar = pressure_bar(reservoir_, &reservoir_noise_);
-  reading.load_force_N = hand_force_N_ + s.load_cell_noise_N * load_cell_noise_.Gaussian();
+  reading.chamber_pressure_bar =
+      pressure_bar(chamber_gauge_Pa / kPaPerBar * (1.0 + undeclared_.size(Effect::kPressureGain)) +
+                       undeclared_.size(Effect::kPressureOffset),
+                   &pressure_noise_);
+  reading.reservoir_pressure_bar =
+      pressure_bar((reservoir_.pressure_Pa() - atmosphere_Pa) / kPaPerBar, &reservoir_noise_);
+  reading.load_force_N = undeclared_.LoadCell_N(hand_force_N_, output_rad_) +
+                         s.load_cell_noise_N * load_cell_noise_.Gaussian();
   reading.declared_payload_kg = parameters_.link.declared_payload_kg;
   reading.valve_open = valve_command_;
   return reading;

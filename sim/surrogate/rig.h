@@ -92,6 +92,9 @@ class Rig {
   // Puts the given gauge pressure, at wall temperature, into chamber and reservoir.
   void SetPressure(double chamber_bar, double reservoir_bar) noexcept;
   void SetRest(double rest_s) noexcept;
+  // Bearings run dry, grease goes: from now on the output's dry friction and the rotor's viscous
+  // one are these shares of the specimen's own. Not below 0. Reset takes it back.
+  void Wear(double dry_share, double viscous_share) noexcept;
 
   // Holds the input for the given time. Non-finite or absurd inputs must not come here: see
   // Surrogate.
@@ -109,6 +112,7 @@ class Rig {
   double Displacement_m3_rad(double angle_rad) const noexcept;
   double ChamberVolume_m3(double angle_rad) const noexcept;
   double MotorCount() noexcept;
+  void Remember() noexcept;
   double OutputCount() noexcept;
 
   RigParameters parameters_;
@@ -137,6 +141,8 @@ class Rig {
   double sensor_step_s_ = 0.0;
   double count_rad_ = 0.0;
 
+  double dry_share_ = 1.0;
+  double viscous_share_ = 1.0;
   double time_s_ = 0.0;
   double motor_rad_ = 0.0;
   double motor_rad_s_ = 0.0;
@@ -152,6 +158,20 @@ class Rig {
   double hand_force_N_ = 0.0;
   double payload_kg_ = 0.0;
   bool valve_command_ = false;
+  // Of undeclared effects only.
+  double tip_rad_ = 0.0;  // flexible link: its outer part
+  double tip_rad_s_ = 0.0;
+  double lagged_gauge_Pa_ = 0.0;  // in a lagging pressure sensor
+  struct Past {
+    double time_s = 0.0;
+    double motor_rad = 0.0;
+    double output_rad = 0.0;
+    double motor_estimate_rad_s = 0.0;
+    double output_estimate_rad_s = 0.0;
+  };
+  Past Seen() const noexcept;  // what the encoders' telegrams tell now
+  std::vector<Past> past_;     // ring; empty: telegrams are not late
+  std::size_t past_next_ = 0;
 };
 
 }  // namespace sinew::surrogate

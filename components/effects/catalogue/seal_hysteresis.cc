@@ -2,9 +2,8 @@
 //
 //     dz/dt = v / xs * (1 - z sign v),   tau = -c P z,   |z| <= 1
 //
-// Between two samples the motion is taken as one stroke dq, for which the equation has the closed
-// form z1 = s + (z0 - s) exp(-|dq| / xs) with s = sign dq. Memory: z and the position it belongs
-// to.
+// Between two samples the motion is taken as one stroke (DahlStroke). Memory: z and the position it
+// belongs to.
 #include "components/effects/define.h"
 
 namespace sinew::effects::seal_hysteresis {
@@ -56,9 +55,7 @@ class SealHysteresis final : public Effect {
 
   void Advance(const JointSample& x, double /*dt_s*/, std::span<const double> psi,
                std::span<double> memory) const noexcept override {
-    const double stroke = x.position_rad - memory[1];
-    const double s = Sign(stroke);
-    memory[0] = s == 0.0 ? memory[0] : s + (memory[0] - s) * std::exp(-std::abs(stroke) / psi[0]);
+    memory[0] = DahlStroke(memory[0], x.position_rad - memory[1], psi[0]);
     memory[1] = x.position_rad;
   }
 

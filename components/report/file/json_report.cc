@@ -171,6 +171,13 @@ std::string FormatJson(const Report& report) {
     out["effects"].push_back(std::move(entry));
   }
 
+  out["events"] = Json::array();
+  for (const trace::EventTime& event : trace.events) {
+    out["events"].push_back({{"effect", event.effect},
+                             {"recording", event.recording},
+                             {"sealed", event.sealed},
+                             {"start_s", event.start_s}});
+  }
   out["train"] = Errors(trace.nominal_train, trace.before_train, trace.after_train, unit);
   out["sealed"] = Sealed(trace, unit);
   out["balances"] = Json::array();

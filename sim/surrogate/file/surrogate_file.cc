@@ -51,6 +51,7 @@ void ReadMotor(const Section& s, MotorParameters* p, DriveParameters* drive,
   p->three_phase = s.BoolOr("three_phase", p->three_phase);
   p->emf_flatness = s.NumberOr("emf_flatness_1", p->emf_flatness, {0.0, 1.0});
   p->ambient_degC = s.NumberOr("ambient_degC", p->ambient_degC);
+  p->initial_rise_K = s.NumberOr("initial_rise_K", p->initial_rise_K, {0.0, 150.0});
   p->heat_capacity_J_K = s.NumberOr("heat_capacity_J_K", p->heat_capacity_J_K, kPositive);
   p->thermal_resistance_K_W =
       s.NumberOr("thermal_resistance_K_W", p->thermal_resistance_K_W, kPositive);

@@ -26,6 +26,7 @@ JointConstants RigConstants() {
 
 // Field of a sample by its name in EffectInfo::needs; nullptr: no such field.
 double* Field(JointSample& x, const std::string& name) {
+  if (name == "time_s") return &x.time_s;
   if (name == "position_rad") return &x.position_rad;
   if (name == "velocity_rad_s") return &x.velocity_rad_s;
   if (name == "acceleration_rad_s2") return &x.acceleration_rad_s2;
@@ -47,12 +48,24 @@ double* Field(JointSample& x, const std::string& name) {
 }
 
 const std::vector<std::string>& AllFields() {
-  static const std::vector<std::string> kFields = {
-      "position_rad", "velocity_rad_s",     "acceleration_rad_s2",  "jerk_rad_s3",
-      "snap_rad_s4",  "motor_position_rad", "motor_velocity_rad_s", "motor_acceleration_rad_s2",
-      "drive_input",  "drive_rate",         "pressure_bar",         "pressure_rate_bar_s",
-      "load_force_N", "payload_kg",         "temperature_degC",     "tooth_torque_Nm",
-      "tooth_side"};
+  static const std::vector<std::string> kFields = {"time_s",
+                                                   "position_rad",
+                                                   "velocity_rad_s",
+                                                   "acceleration_rad_s2",
+                                                   "jerk_rad_s3",
+                                                   "snap_rad_s4",
+                                                   "motor_position_rad",
+                                                   "motor_velocity_rad_s",
+                                                   "motor_acceleration_rad_s2",
+                                                   "drive_input",
+                                                   "drive_rate",
+                                                   "pressure_bar",
+                                                   "pressure_rate_bar_s",
+                                                   "load_force_N",
+                                                   "payload_kg",
+                                                   "temperature_degC",
+                                                   "tooth_torque_Nm",
+                                                   "tooth_side"};
   return kFields;
 }
 
@@ -322,6 +335,77 @@ TEST(SealHysteresis, FollowsTheDahlEquation) {
   }
   effect->Advance(x, 1.0, evaluate.psi, whole);
   EXPECT_NEAR(evaluate.memory[0], whole[0], 1e-12);
+}
+
+TEST(Presliding, ReplacesTheStepOfCoulombFrictionByDahlsCurve) {
+  const auto presliding = MakeEffect("presliding", RigConstants());
+  const auto coulomb = MakeEffect("coulomb", RigConstants());
+  Evaluator evaluate(*presliding), evaluate_coulomb(*coulomb);
+  JointSample x;
+  x.velocity_rad_s = 0.1;
+  presliding->ResetMemory(x, evaluate.psi, evaluate.memory);
+  const double xs = evaluate.psi[0];
+  double before = 0.0;
+  for (int i = 1; i <= 50; ++i) {
+    x.position_rad = 0.1 * i * xs;
+    presliding->Advance(x, 1e-3, evaluate.psi, evaluate.memory);
+    const double friction = evaluate(x)[0] + evaluate_coulomb(x)[0];
+    EXPECT_NEAR(friction, -(1.0 - std::exp(-0.1 * i)), 1e-12);
+    EXPECT_LT(friction, before);
+    before = friction;
+  }
+}
+
+TEST(PayloadStep, IsAPayloadFromItsStartOn) {
+  const auto step = MakeEffect("payload_step", RigConstants());
+  const auto payload = MakeEffect("payload", RigConstants());
+  Evaluator evaluate_step(*step), evaluate_payload(*payload);
+  evaluate_step.psi[0] = 12.0;
+  JointSample x;
+  x.position_rad = 0.4;
+  x.acceleration_rad_s2 = -2.0;
+  x.time_s = 11.999;
+  EXPECT_EQ(evaluate_step(x)[0], 0.0);
+  x.time_s = 12.0;
+  EXPECT_EQ(evaluate_step(x)[0], evaluate_payload(x)[0]);
+}
+
+TEST(ExternalBump, PeaksInItsMiddleAndIsOverAtItsEnd) {
+  const auto effect = MakeEffect("external_bump", RigConstants());
+  Evaluator evaluate(*effect);
+  evaluate.psi = {3.0, 0.5};
+  JointSample x;
+  x.time_s = 3.25;
+  EXPECT_NEAR(evaluate(x)[0], 1.0, 1e-12);
+  for (const double outside : {2.9, 3.0, 3.5, 4.0}) {
+    x.time_s = outside;
+    EXPECT_NEAR(evaluate(x)[0], 0.0, 1e-12) << outside;
+  }
+}
+
+TEST(LoadCellMisalignment, AForceThatKeepsItsDirectionHasTheArmOfTheCosine) {
+  const auto effect = MakeEffect("load_cell_misalignment", RigConstants());
+  const auto declared = MakeEffect("load_force", RigConstants());
+  Evaluator evaluate(*effect), evaluate_declared(*declared);
+  JointSample x;
+  x.load_force_N = 7.0;
+  x.position_rad = 0.6;
+  // F l cos(q - d) = cos d (F l - F l (1 - cos q)) + sin d F l sin q.
+  const double tilt = 0.2;
+  const double torque =
+      std::cos(tilt) * (evaluate_declared(x)[0] - evaluate(x)[1]) + std::sin(tilt) * evaluate(x)[0];
+  EXPECT_NEAR(torque, -7.0 * 0.3 * std::cos(0.6 - tilt), 1e-12);
+}
+
+TEST(StiffnessCollapse, IsGoneAtHighPressureAndTakesTheStiffnessAtLow) {
+  const auto effect = MakeEffect("stiffness_collapse", RigConstants());
+  Evaluator evaluate(*effect);
+  JointSample x;
+  x.position_rad = 0.5;
+  x.pressure_bar = 1e-3;
+  EXPECT_NEAR(evaluate(x)[0] / (x.pressure_bar * x.position_rad), 1.0, 2e-3);
+  x.pressure_bar = 20.0;
+  EXPECT_LT(evaluate(x)[0], 1e-8);
 }
 
 TEST(DriveEfficiencyDirection, ActsOnlyWhileTheLoadDrivesTheMotor) {

@@ -23,27 +23,41 @@ Undeclared Make(const std::string& name, double size, double from_s = 0.0) {
 TEST(Undeclared, NoneDoesNothing) {
   Undeclared none({}, 100.0);
   const EffectState state{1.0, 50.0, 0.5, 4.0};
-  EXPECT_EQ(none.ExtraFriction_Nm(0.0), 0.0);
+  EXPECT_EQ(none.ExtraFriction_Nm(state), 0.0);
   EXPECT_EQ(none.OutputTorque_Nm(state, kEffectStep_s), 0.0);
   EXPECT_EQ(none.RotorTorque_Nm(state), 0.0);
   EXPECT_EQ(none.payload_kg(), 0.0);
 }
 
-TEST(Undeclared, NamesAreThoseOfTheCatalogue) {
-  std::vector<std::string> names;
-  for (const EffectInfo& info : UndeclaredEffects()) names.emplace_back(info.name);
-  EXPECT_EQ(names, (std::vector<std::string>{"stribeck", "direction_dependent_viscous", "cogging",
-                                             "seal_hysteresis", "payload", "quadratic_viscous"}));
+TEST(Undeclared, FiveNamesAreOutsideOfTheCatalogue) {
+  std::vector<std::string> outside;
+  for (const EffectInfo& info : UndeclaredEffects()) {
+    if (!info.in_catalogue) outside.emplace_back(info.name);
+    EXPECT_LE(info.smallest_size, 0.0) << info.name;
+    EXPECT_GT(info.default_size, 0.0) << info.name;
+    EXPECT_LE(info.default_size, info.largest_size) << info.name;
+  }
+  EXPECT_EQ(outside, (std::vector<std::string>{"cable_drag", "bad_tooth", "supply_sag", "slow_tilt",
+                                               "slipping_magnet"}));
+  // The list and the enumeration have the same order.
+  ASSERT_EQ(UndeclaredEffects().size(), static_cast<std::size_t>(Effect::kCount));
+  for (std::size_t i = 0; i < UndeclaredEffects().size(); ++i) {
+    const EffectInfo& info = UndeclaredEffects()[i];
+    const Undeclared one = Make(std::string(info.name), info.default_size);
+    EXPECT_EQ(one.size(static_cast<Effect>(i)), info.default_size) << info.name;
+  }
+  EXPECT_EQ(UndeclaredEffects()[static_cast<std::size_t>(Effect::kLeak)].name, "leak");
+  EXPECT_EQ(UndeclaredEffects()[static_cast<std::size_t>(Effect::kCableDrag)].name, "cable_drag");
 }
 
 TEST(Undeclared, StribeckFrictionIsWholeAtCreepAndGoneAtSpeed) {
   const Undeclared effect = Make("stribeck", 0.1);
-  EXPECT_EQ(effect.ExtraFriction_Nm(0.0), 0.1);
+  EXPECT_EQ(effect.ExtraFriction_Nm({}), 0.1);
   double before_Nm = 0.1;
   for (double speed_rad_s = 0.005; speed_rad_s < 1.0; speed_rad_s += 0.005) {
-    const double now_Nm = effect.ExtraFriction_Nm(speed_rad_s);
+    const double now_Nm = effect.ExtraFriction_Nm({.output_velocity_rad_s = speed_rad_s});
     ASSERT_LE(now_Nm, before_Nm);
-    ASSERT_EQ(now_Nm, effect.ExtraFriction_Nm(-speed_rad_s));
+    ASSERT_EQ(now_Nm, effect.ExtraFriction_Nm({.output_velocity_rad_s = -speed_rad_s}));
     before_Nm = now_Nm;
   }
   EXPECT_EQ(before_Nm, 0.0);
