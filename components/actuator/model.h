@@ -61,10 +61,10 @@ class JointModel {
   double motor_torque_limit_Nm = 0.0;  // at the motor shaft; 0: none
   std::vector<Term> terms;             // of every balance
   std::vector<HistoryEntry> history;
+  std::optional<Servo> controller;
   // The balance that fitting and tracing are about, and whose terms the sums below are of. Model
   // files hold all balances and give the motion's.
   effects::Balance balance = effects::Balance::kMotion;
-  std::optional<Servo> controller;
 
   // Index of a term, or -1; of any balance unless one is given.
   int Find(std::string_view effect_name, std::optional<effects::Balance> of = std::nullopt) const;

@@ -30,8 +30,7 @@ CandidateSet MakeCandidates(const identify::Design& design, const actuator::Join
     std::shared_ptr<const effects::Effect> effect =
         effects::MakeEffect(name, model.constants, balance);
     const effects::EffectInfo& info = effect->info();
-    if (info.role == effects::Role::kDrive) continue;
-    if (info.event) continue;
+    if (info.role == effects::Role::kDrive || info.event) continue;
     if (info.rotary_only && model.kind != effects::JointKind::kRotary) continue;
     const int present = model.Find(name, balance);
     if (present >= 0 && info.nonlinear.empty()) continue;

@@ -133,8 +133,8 @@ Eigen::MatrixXd FlexibleColumns(const identify::Design& design, int count, std::
       [](const JointSample& x) { return x.pressure_bar; },
       [](const JointSample& x) { return x.load_force_N; },
       [](const JointSample& x) { return x.payload_kg; },
-      [](const JointSample& x) { return x.tooth_torque_Nm; },
       [](const JointSample& x) { return x.temperature_degC; },
+      [](const JointSample& x) { return x.tooth_torque_Nm; },
   };
   struct Input {
     Getter get;

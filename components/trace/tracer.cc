@@ -25,6 +25,10 @@ using identify::FitResult;
 constexpr int kFlexibleColumns = 120;
 // Two candidates whose fitted parts, freed of the other terms, correlate above this are one class.
 constexpr double kSameClass = 0.9;
+// Look-alikes that gain less than this share of what the chosen one gains are no rivals.
+constexpr double kSameGain = 0.85;
+// A declared basic (offset, inertia) that is the chosen effect under another name.
+constexpr double kTwin = 0.9999;
 // An effect that could hide this share of the drive torque without being seen is "not excited".
 constexpr double kHiddenShare = 0.25;
 // Less of a candidate's power than this beside all declared terms: a refit swallows it.
@@ -61,6 +65,9 @@ struct Trial {
   CandidateScore score;
   double detectable = 0.0;  // torque share that could hide
   bool hidden = false;      // the declared terms carry it
+  // Squared shifts of the declared parameters from their nominal values, in tolerances, when it is
+  // fitted beside them.
+  double surprise = 0.0;
 };
 
 // What a parameter that is relative to the drive is divided by (as actuator::PhysicalValue).
@@ -181,10 +188,10 @@ class Tracer {
   // it would be taken for noise that is correlated over minutes.
   Eigen::MatrixXd WithLastingEvent(const FitResult& fit, const Eigen::VectorXd& target) {
     Eigen::MatrixXd columns = fit.balance.columns;
-    for (const auto& [name, of] : effects::EffectForms()) {
-      if (of != declared_.balance) continue;
+    if (declared_.balance != effects::Balance::kMotion) return columns;
+    for (const std::string& name : effects::EffectNames()) {
       std::shared_ptr<const effects::Effect> effect =
-          effects::MakeEffect(name, declared_.constants, of);
+          effects::MakeEffect(name, declared_.constants);
       const effects::EffectInfo& info = effect->info();
       if (!info.event || info.nonlinear.size() > 1 ||
           (info.rotary_only && declared_.kind != effects::JointKind::kRotary)) {
@@ -315,6 +322,8 @@ class Tracer {
       }
       if (candidate.effect->info().smallest == effects::Smallest::kTenthOfSample)
         score.delay_s = score.theta.front() / DriveShare(fit.model);
+      trial.surprise =
+          Surprise(balance, fit.coefficients + trial.coefficients.head(balance.columns.cols()));
       score.stable = passing || Stable(trial, balance.columns.cols());
       trials.push_back(std::move(trial));
     }
@@ -362,10 +371,46 @@ class Tracer {
         score.accepted = true;
       }
     }
+    StepBack(&trials);
     std::stable_sort(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) {
       return a.score.gain.sum > b.score.gain.sum;
     });
     return trials;
+  }
+
+  double Surprise(const Balance& balance, const Eigen::VectorXd& coefficients) const {
+    const Eigen::VectorXd values = balance.Physical(coefficients);
+    double sum = 0.0;
+    const auto add = [&](const identify::ParameterRef& ref, double value) {
+      if (ref.term >= static_cast<int>(declared_.terms.size())) return;
+      const actuator::ParameterValue& nominal = declared_.terms[static_cast<std::size_t>(ref.term)]
+                                                    .linear[static_cast<std::size_t>(ref.linear)];
+      const double tolerance = nominal.tolerance * std::abs(nominal.value);
+      if (!(tolerance > 0.0)) return;
+      sum += (value - nominal.value) * (value - nominal.value) / (tolerance * tolerance);
+    };
+    const Eigen::Index first = balance.fits_scale ? 1 : 0;
+    if (balance.fits_scale) add(balance.drive, values[0]);
+    for (std::size_t i = 0; i < balance.parameters.size(); ++i) {
+      add(balance.parameters[i], values[first + static_cast<Eigen::Index>(i)]);
+    }
+    return sum;
+  }
+
+  // A declared basic (offset, inertia) that is another candidate under another name steps back.
+  static void StepBack(std::vector<Trial>* trials) {
+    for (Trial& basic : *trials) {
+      if (!basic.candidate->effect->info().basic || !basic.score.accepted) continue;
+      for (const Trial& other : *trials) {
+        if (other.candidate->effect->info().basic || !other.score.accepted ||
+            Correlation(basic.part, other.part) < kTwin) {
+          continue;
+        }
+        basic.score.accepted = false;
+        basic.score.refused = "the same as " + other.score.name;
+        break;
+      }
+    }
   }
 
   // 99th percentile of the best gain of the whole catalogue where there is none: whole blocks of
@@ -422,16 +467,14 @@ class Tracer {
                  RoundReport* report) {
     event_.reset();
     for (const actuator::Term& term : model.terms) {
-      if (model.Counts(term) && term.effect->info().event) return;
+      if (term.effect->info().event) return;
     }
     const Eigen::VectorXd target = fit.balance.target - fit.balance.columns * fit.coefficients;
     int order = 0;
     int event_order = 0;
-    for (const auto& [name, of] : effects::EffectForms()) {
+    for (const std::string& name : effects::EffectNames()) {
       ++order;
-      if (of != model.balance) continue;
-      std::shared_ptr<const effects::Effect> effect =
-          effects::MakeEffect(name, model.constants, of);
+      std::shared_ptr<const effects::Effect> effect = effects::MakeEffect(name, model.constants);
       const effects::EffectInfo& info = effect->info();
       if (!info.event || (info.rotary_only && model.kind != effects::JointKind::kRotary)) continue;
       Event event = FindEvent(train_, effect, units_.blocks, fit.balance.columns, target,
@@ -562,16 +605,19 @@ class Tracer {
     RoundReport report;
     report.train_rms = fit->rms;
     report.sealed_rms = identify::ErrorOf(sealed_, fit->model).rms;
-    if (options_.only.empty()) AddEvents(*fit, *model, &set, &report);
+    if (options_.only.empty() && declared_.balance == effects::Balance::kMotion) {
+      AddEvents(*fit, *model, &set, &report);
+    }
     std::vector<Trial> trials = Score(*fit, set, &report);
     if (result_.rounds.empty()) NoteWhatIsHidden(set, trials);
 
-    // The simplest of those within one standard error of the best (Breiman et al. 1984, section
-    // 3.4.3); of equally simple ones the best, and the first of the catalogue where they are the
-    // same within a quarter of a standard error.
-    const auto complexity = [](const Trial& trial) {
+    // Of those that predict the same, within one standard error of the best (Breiman et al. 1984,
+    // section 3.4.3), the one that asks least: parameters of its own count as in Akaike's
+    // criterion, and so do shifts of the declared parameters, in their tolerances. Of those that
+    // ask the same the first of the catalogue.
+    const auto asks = [](const Trial& trial) {
       const effects::EffectInfo& info = trial.candidate->effect->info();
-      return info.linear.size() + info.nonlinear.size();
+      return trial.surprise + 2.0 * static_cast<double>(info.linear.size() + info.nonlinear.size());
     };
     std::size_t best = 0;
     while (best < trials.size() && !trials[best].score.accepted) ++best;
@@ -579,15 +625,14 @@ class Tracer {
     for (std::size_t i = best + 1; i < trials.size(); ++i) {
       if (!trials[i].score.accepted) continue;
       const Gain behind = GainOf(trials[best].gains - trials[i].gains);
-      if (behind.sum > behind.standard_error) continue;
-      const Gain behind_chosen = GainOf(trials[chosen].gains - trials[i].gains);
-      const bool simpler = complexity(trials[i]) < complexity(trials[chosen]);
-      const bool same = complexity(trials[i]) == complexity(trials[chosen]) &&
-                        behind_chosen.sum <= 0.25 * behind_chosen.standard_error;
-      if (simpler || (same && trials[i].candidate->catalogue_order <
-                                  trials[chosen].candidate->catalogue_order)) {
-        chosen = i;
+      const bool alike = Correlation(trials[best].part, trials[i].part) > kSameClass;
+      if (behind.sum > (alike ? trials[best].score.gain.standard_error : behind.standard_error)) {
+        continue;
       }
+      const double more = asks(trials[i]) - asks(trials[chosen]);
+      const bool first =
+          trials[i].candidate->catalogue_order < trials[chosen].candidate->catalogue_order;
+      if (more < -0.1 || (more < 0.1 && first)) chosen = i;
     }
     for (Trial& trial : trials) {
       trial.score.sealed_rms = SealedWith(*fit, trial);
@@ -613,9 +658,11 @@ class Tracer {
       if (i == chosen || trials[i].hidden || !trials[i].score.physical) continue;
       const Gain behind = GainOf(winner.gains - trials[i].gains);
       const bool close = trials[i].score.accepted && behind.sum <= behind.standard_error;
-      const bool same_class = trials[i].score.gain_share > 0.5 * winner.score.gain_share &&
+      const bool same_class = trials[i].score.gain_share > kSameGain * winner.score.gain_share &&
                               Correlation(winner.part, trials[i].part) > kSameClass;
-      if (close || same_class) found.rivals.push_back(trials[i].score.name);
+      const bool twin = trials[i].candidate->effect->info().basic &&
+                        Correlation(winner.part, trials[i].part) > kTwin;
+      if ((close || same_class) && !twin) found.rivals.push_back(trials[i].score.name);
     }
     report.added = found.name;
 

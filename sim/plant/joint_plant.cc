@@ -370,8 +370,11 @@ void JointPlant::End(double position_rad, double velocity_rad_s, double dt_s) no
   sample_.velocity_rad_s = velocity_rad_s;
   sample_.motor_position_rad = gear_ratio_ * rotor_position_rad_;
   sample_.motor_velocity_rad_s = gear_ratio_ * rotor_velocity_rad_s_;
+  effects::JointSample moved = sample_;
+  moved.acceleration_rad_s2 = (velocity_rad_s - last_velocity_) / dt_s;
+  moved.motor_acceleration_rad_s2 = gear_ratio_ * moved.acceleration_rad_s2;
   for (const CompiledTerm& term : with_memory_) {
-    term.effect->Advance(sample_, dt_s, {term.psi.data(), term.nonlinear},
+    term.effect->Advance(moved, dt_s, {term.psi.data(), term.nonlinear},
                          std::span(memory_).subspan(term.memory_at, term.memory_size));
   }
 }

@@ -118,10 +118,10 @@ JointModel ReadJoint(const Section& section) {
       constants.NumberOr("torque_constant_Nm_A", 0.0, config::kNotNegative);
   joint.constants.force_constant_N_V =
       constants.NumberOr("force_constant_N_V", 0.0, config::kNotNegative);
-  joint.constants.encoder_counts_per_turn =
-      constants.NumberOr("encoder_counts_per_turn", 0.0, config::kNotNegative);
   joint.constants.back_emf_V_s_rad =
       constants.NumberOr("back_emf_V_s_rad", 0.0, config::kNotNegative);
+  joint.constants.encoder_counts_per_turn =
+      constants.NumberOr("encoder_counts_per_turn", 0.0, config::kNotNegative);
   joint.backlash_rad = section.NumberOr(
       joint.kind == effects::JointKind::kRotary ? "backlash_rad" : "backlash_m", 0.0, {0.0, 6.3});
   joint.motor_torque_limit_Nm =
@@ -174,12 +174,12 @@ void WriteJoint(std::string& out, const JointModel& joint) {
   out += "      gravity_m_s2: " + Number(joint.constants.gravity_m_s2) + "\n";
   out += "      torque_constant_Nm_A: " + Number(joint.constants.torque_constant_Nm_A) + "\n";
   out += "      force_constant_N_V: " + Number(joint.constants.force_constant_N_V) + "\n";
+  if (joint.constants.back_emf_V_s_rad > 0.0) {
+    out += "      back_emf_V_s_rad: " + Number(joint.constants.back_emf_V_s_rad) + "\n";
+  }
   if (joint.constants.encoder_counts_per_turn > 0.0) {
     out +=
         "      encoder_counts_per_turn: " + Number(joint.constants.encoder_counts_per_turn) + "\n";
-  }
-  if (joint.constants.back_emf_V_s_rad > 0.0) {
-    out += "      back_emf_V_s_rad: " + Number(joint.constants.back_emf_V_s_rad) + "\n";
   }
   out += std::string("    ") + (rotary ? "backlash_rad: " : "backlash_m: ") +
          Number(joint.backlash_rad) + "\n";
