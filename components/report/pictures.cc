@@ -301,9 +301,10 @@ std::vector<Picture> MakePictures(const Report& report, const Design& train, con
   const identify::Balance balance = identify::MakeBalance(sealed, trace.corrected);
   const Eigen::VectorXd torque = balance.drive_factor * balance.drive_torque;
   std::string variable = trace.unexplained.variable;
-  if (!trace.effects.empty()) {
-    variable =
-        effects::MakeEffect(trace.effects.front().name, trace.corrected.constants)->info().variable;
+  for (const trace::FoundEffect& effect : trace.effects) {
+    if (effect.balance != effects::Balance::kMotion) continue;
+    variable = effects::MakeEffect(effect.name, trace.corrected.constants)->info().variable;
+    break;
   }
   std::vector<Picture> out;
   out.push_back(MeasuredAgainstModel(report, sealed, torque));

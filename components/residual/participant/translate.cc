@@ -81,6 +81,7 @@ void RobotResidual::Begin(const node::Tick& tick, const msg::JointState& state,
     };
     for (const actuator::Term& term : joint.terms) {
       const effects::EffectInfo& info = term.effect->info();
+      if (!joint.Counts(term)) continue;
       if (info.role == effects::Role::kDrive) {
         need(HasVoltageDrive(joint) ? identify::Signal::kDriveVoltage
                                     : identify::Signal::kMotorCurrent,
