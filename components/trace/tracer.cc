@@ -103,8 +103,8 @@ class Tracer {
   TraceResult Run() {
     Progress("refit of the declared terms", 0.02);
     Prepare();
-    actuator::JointModel model = result_.declared;
     FitResult fit = result_.declared_fit;
+    actuator::JointModel model = fit.model;
     for (int round = 0; round < options_.max_rounds; ++round) {
       Progress("round " + std::to_string(round + 1) + ": candidates",
                0.1 + 0.25 * static_cast<double>(round));
@@ -170,7 +170,8 @@ class Tracer {
                           Folds(units_.blocks.size()));
 
     result_.nominal = declared_;
-    result_.declared = fit.model;
+    // What is compared and written stays within the physical range, before and after alike.
+    result_.declared = identify::WithinPhysicalRange(train_, fit.model, units_.blocks);
     result_.declared_fit = fit;
     result_.units = static_cast<int>(units_.blocks.size());
     result_.unit_kind = units_.kind;
