@@ -30,7 +30,7 @@ constexpr double kSameGain = 0.85;
 // A declared basic (offset, inertia) that is the chosen effect under another name.
 constexpr double kTwin = 0.9999;
 // An effect that could hide this share of the drive torque without being seen is "not excited".
-constexpr double kHiddenShare = 0.25;
+constexpr double kHiddenShare = 0.05;
 // Less of a candidate's power than this beside all declared terms: a refit swallows it.
 constexpr double kSwallowed = 1e-3;
 // Less than this beside one declared term alone: it is that term seen from another side.
@@ -38,6 +38,8 @@ constexpr double kVariant = 0.02;
 // Less than this above the noise floor is not worth a variable's name.
 constexpr double kLoudRest = 0.12;
 constexpr double kConvincingUnits = 6;
+// Standard errors by which a quarter of the data must ask for the opposite to contradict.
+constexpr double kContradicts = 3.0;
 constexpr double kShortestDelay = 0.1;  // of a sample
 constexpr double kTwoPi = 6.283185307179586;
 
@@ -366,6 +368,8 @@ class Tracer {
       } else if (rounding != nullptr && NoBetter(trial, *rounding)) {
         score.refused =
             "explains no more than " + rounding->score.name + " below the encoder's rounding";
+      } else if (trial.candidate->event != nullptr && score.gain.sum < drift_gain_) {
+        score.refused = "a drift explains more than an instant";
       } else if (!score.physical) {
         score.refused = "sign or size is not physical";
       } else if (!score.stable) {
@@ -493,6 +497,19 @@ class Tracer {
       }
     }
     if (!event_) return;
+    drift_gain_ = 0.0;
+    const Eigen::MatrixXd drift = DriftColumns(train_);
+    if (!event_->passing() && drift.cols() > 0) {
+      const int folds = Folds(units_.blocks.size());
+      const Eigen::VectorXd ones =
+          Eigen::VectorXd::Ones(static_cast<Eigen::Index>(units_.blocks.size()));
+      const Eigen::MatrixXd none(target.size(), 0);
+      const std::vector<Setting> without = {
+          Setting(units_.blocks, fit.balance.columns, none, target, folds)};
+      const std::vector<Setting> with = {
+          Setting(units_.blocks, fit.balance.columns, drift, target, folds)};
+      drift_gain_ = (LeftOutErrors(without, ones, folds) - LeftOutErrors(with, ones, folds)).sum();
+    }
     SetClocks(event_->start_s, event_->clock_s, &train_);
     Candidate candidate;
     candidate.effect = event_->effect;
@@ -551,7 +568,7 @@ class Tracer {
       }
       const Eigen::VectorXd b = identify::Solve(G, m);
       const double error = std::sqrt(identify::BlockCovariance(part, b)(p - 1, p - 1));
-      if (b[p - 1] < -2.0 * error) return false;
+      if (b[p - 1] < -kContradicts * error) return false;
     }
     return true;
   }
@@ -620,7 +637,11 @@ class Tracer {
     // ask the same the first of the catalogue.
     const auto asks = [](const Trial& trial) {
       const effects::EffectInfo& info = trial.candidate->effect->info();
-      return trial.surprise + 2.0 * static_cast<double>(info.linear.size() + info.nonlinear.size());
+      double parameters = static_cast<double>(info.linear.size() + info.nonlinear.size());
+      if (trial.candidate->event != nullptr) {  // an instant of its own in every recording
+        parameters += static_cast<double>(trial.candidate->event->start_s.size()) - 1.0;
+      }
+      return trial.surprise + 2.0 * parameters;
     };
     std::size_t best = 0;
     while (best < trials.size() && !trials[best].score.accepted) ++best;
@@ -869,6 +890,7 @@ class Tracer {
   Eigen::MatrixXd rounding_;  // columns of what stays below the encoder's rounding; may have none
   std::vector<Eigen::Index> used_;
   std::optional<Event> event_;  // of this round
+  double drift_gain_ = 0.0;     // what a free drift would gain in its place
   std::vector<EventTime> event_times_;
 };
 

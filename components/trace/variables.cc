@@ -43,7 +43,8 @@ constexpr Variable kVariables[] = {
 };
 
 constexpr int kKnots = 8;
-constexpr int kWheelOrders = 40;  // per turn of the output
+constexpr int kWheelOrders = 20;  // turns of a wheel per turn of the output
+constexpr int kToothHarmonics = 8;
 
 // Hat functions on quantiles of the variable over the used rows, and the same times another signal.
 Eigen::MatrixXd Curve(const identify::Design& design, const Variable& variable,
@@ -86,6 +87,11 @@ struct Entry {
 };
 
 }  // namespace
+
+Eigen::MatrixXd DriftColumns(const identify::Design& design) {
+  return Curve(design, {"time_s", [](const JointSample& x) { return x.time_s; }, Angle},
+               design.rows().UsedRows());
+}
 
 VariableScan ScanVariables(const identify::Design& design,
                            const std::vector<identify::Block>& blocks,
@@ -133,7 +139,7 @@ VariableScan ScanVariables(const identify::Design& design,
   add_orders(
       "motor_position_rad", [](const JointSample& x) { return x.motor_position_rad; }, 42, 1);
   // A fault of one tooth comes once per turn of its wheel, and is short.
-  add_orders("position_rad", Angle, kWheelOrders, 3);
+  add_orders("position_rad", Angle, kWheelOrders, kToothHarmonics);
 
   const double base_sum = base_errors.sum();
   if (!(base_sum > 0.0)) return out;
