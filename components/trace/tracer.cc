@@ -621,6 +621,7 @@ class Tracer {
         return std::count(options_.only.begin(), options_.only.end(), candidate.name()) == 0;
       });
       set.missing.clear();
+      set.silent.clear();
     }
     RoundReport report;
     report.train_rms = fit->rms;
@@ -744,6 +745,10 @@ class Tracer {
   void NoteWhatIsHidden(const CandidateSet& set, const std::vector<Trial>& trials) {
     for (const MissingSignals& missing : set.missing) {
       result_.not_excited.push_back({missing.effect, "not recorded: " + missing.fields});
+    }
+    for (const MissingSignals& silent : set.silent) {
+      result_.not_excited.push_back(
+          {silent.effect, silent.fields + " tells nothing but its noise"});
     }
     for (const Trial& trial : trials) {
       if (std::isinf(trial.detectable)) {

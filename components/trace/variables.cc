@@ -43,7 +43,8 @@ constexpr Variable kVariables[] = {
 };
 
 constexpr int kKnots = 8;
-constexpr int kWheelOrders = 20;  // turns of a wheel per turn of the output
+constexpr double kMostNoise = 0.3;  // share of a signal's power
+constexpr int kWheelOrders = 20;    // turns of a wheel per turn of the output
 constexpr int kToothHarmonics = 8;
 
 // Hat functions on quantiles of the variable over the used rows, and the same times another signal.
@@ -111,6 +112,7 @@ VariableScan ScanVariables(const identify::Design& design,
   };
   for (const Variable& variable : kVariables) {
     if (!measured(variable.name)) continue;
+    if (design.NoiseShare(variable.get) > kMostNoise) continue;
     const Eigen::MatrixXd columns = Curve(design, variable, used);
     if (columns.cols() == 0 || !columns.allFinite()) continue;
     Entry entry;
