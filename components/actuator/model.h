@@ -31,6 +31,19 @@ struct Term {
 // (MakeEffect).
 Term MakeTerm(std::string_view effect_name, const effects::JointConstants& constants);
 
+// The servo that moved the joint while it was recorded; identify and simulation need it only to
+// repeat the motion (free_run).
+//
+//     command = clamp(gain (reference - q) - velocity_gain v, -limit, limit)
+//
+// and the drive signal is the command, or the command times the supply voltage.
+struct Servo {
+  double gain_per_rad = 0.0;  // 0: differs from recording to recording and is read from each
+  double velocity_gain_s_rad = 0.0;
+  double limit = 0.0;            // of the command; 0: none
+  bool share_of_supply = false;  // command is a duty: times supply_voltage
+};
+
 struct HistoryEntry {
   std::string when;       // ISO 8601, UTC
   std::string effect;     // what was added
@@ -47,6 +60,7 @@ class JointModel {
   double motor_torque_limit_Nm = 0.0;  // at the motor shaft; 0: none
   std::vector<Term> terms;
   std::vector<HistoryEntry> history;
+  std::optional<Servo> controller;
 
   // Index of a term, or -1.
   int Find(std::string_view effect_name) const;

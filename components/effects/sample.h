@@ -34,6 +34,7 @@ struct JointConstants {
   double gravity_m_s2 = 9.81;
   double torque_constant_Nm_A = 0.0;  // motor side
   double force_constant_N_V = 0.0;    // linear drives commanded in volts
+  double back_emf_V_s_rad = 0.0;      // motor side; drives whose voltage lies on the winding
 };
 
 }  // namespace sinew::effects

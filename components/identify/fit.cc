@@ -218,6 +218,35 @@ FitResult RefineModel(const Design& design, const actuator::JointModel& model,
   return best;
 }
 
+actuator::JointModel WithinPhysicalRange(const Design& design, const actuator::JointModel& model,
+                                         const std::vector<Block>& blocks) {
+  actuator::JointModel at = model;
+  for (bool held = true; held;) {
+    held = false;
+    for (actuator::Term& term : at.terms) {
+      const effects::EffectInfo& info = term.effect->info();
+      if (info.role == effects::Role::kDrive) continue;
+      for (std::size_t i = 0; i < term.linear.size(); ++i) {
+        actuator::ParameterValue& value = term.linear[i];
+        // Values relative to the drive have their range for another scale.
+        if (value.fixed || info.linear[i].relative_to_drive) continue;
+        const double bound = std::clamp(value.value, info.linear[i].lower, info.linear[i].upper);
+        if (bound == value.value) continue;
+        value.value = bound;
+        value.fixed = held = true;
+      }
+    }
+    if (held) at = FitModel(design, at, blocks).model;
+  }
+  for (std::size_t t = 0; t < at.terms.size(); ++t) {
+    for (std::size_t i = 0; i < at.terms[t].linear.size(); ++i) {
+      at.terms[t].linear[i].fixed = model.terms[t].linear[i].fixed;
+      at.terms[t].linear[i].half_width_95 = model.terms[t].linear[i].half_width_95;
+    }
+  }
+  return at;
+}
+
 actuator::JointModel FitWithinTolerances(const Design& design, const actuator::JointModel& model) {
   const Balance balance = MakeBalance(design, model);
   const Moments total = TotalMoments(design, balance);

@@ -62,7 +62,8 @@ Signal DriveSignal(const actuator::JointModel& model) {
   }
   if (drive == nullptr) {
     throw std::invalid_argument("joint '" + model.name +
-                                "' has no drive term, expected drive_current or drive_voltage");
+                                "' has no drive term, expected drive_current, drive_voltage or "
+                                "drive_torque");
   }
   const std::string& name = drive->effect->info().name;
   if (name.find("voltage") != std::string::npos) return Signal::kDriveVoltage;
@@ -184,7 +185,21 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
           motor ? WideDifference(motor_q, dt) : Eigen::VectorXd(ratio * v);
       const Eigen::VectorXd motor_a =
           motor ? WideDifference(motor_v, dt) : Eigen::VectorXd(ratio * a);
-      const Eigen::VectorXd input = piece.signals.at(drive);
+      const auto recorded = [&](Signal signal) -> Eigen::VectorXd {
+        const auto found = piece.signals.find(signal);
+        return found == piece.signals.end() ? Eigen::VectorXd() : found->second;
+      };
+      const Eigen::VectorXd signal = piece.signals.at(drive);
+      const Eigen::VectorXd supply = recorded(Signal::kSupplyVoltage);
+      // A voltage on the winding drives only what the turning motor leaves of it; an open bridge
+      // nothing.
+      Eigen::VectorXd input = signal;
+      if (drive == Signal::kDriveVoltage && model.constants.back_emf_V_s_rad > 0.0) {
+        input -= model.constants.back_emf_V_s_rad * motor_v;
+        for (Eigen::Index i = 0; i < supply.size(); ++i) {
+          if (supply[i] == 0.0) input[i] = 0.0;
+        }
+      }
       const Eigen::VectorXd input_smooth = smooth(input);
       const Eigen::VectorXd input_rate = WideDifference(input_smooth, dt);
       const Eigen::VectorXd pressure = filtered(Signal::kChamberPressure, 0.0);
@@ -199,6 +214,10 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
       segment.start_s = piece.start_s;
       segment.period_s = dt;
       segment.drive_input = input;
+      segment.drive_signal = signal;
+      segment.reference_position = recorded(Signal::kReferencePosition);
+      segment.supply_voltage = supply;
+      segment.valid = piece.valid;
       segment.samples.resize(piece.valid.size());
       segment.at_rest.assign(piece.valid.size(), 0);
       for (Eigen::Index i = 0; i < piece.size(); ++i) {

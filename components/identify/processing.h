@@ -36,9 +36,13 @@ struct StateSegment {
   double start_s = 0.0;
   double period_s = 0.0;
   std::vector<effects::JointSample> samples;
-  Eigen::VectorXd drive_input;  // as measured, not filtered
-  std::vector<char> usable;     // moving, away from reversals, borders and holes
-  std::vector<char> at_rest;    // slower than the rest velocity
+  Eigen::VectorXd drive_input;   // as measured, not filtered; back-EMF taken off
+  Eigen::VectorXd drive_signal;  // what the recording holds: drive_input without that
+  // What a servo saw, row by row; empty where it was not recorded.
+  Eigen::VectorXd reference_position, supply_voltage;
+  std::vector<char> valid;    // 0: inside a hole of lost rows
+  std::vector<char> usable;   // moving, away from reversals, borders and holes
+  std::vector<char> at_rest;  // slower than the rest velocity
   Eigen::Index size() const { return static_cast<Eigen::Index>(samples.size()); }
 };
 

@@ -27,6 +27,7 @@ constexpr SignalRow kRows[] = {
     {Signal::kPayload, "payload", "kg", "kg"},
     {Signal::kTemperature, "temperature", "degC", "degC"},
     {Signal::kReferencePosition, "reference_position", "rad", "m"},
+    {Signal::kSupplyVoltage, "supply_voltage", "V", "V"},
 };
 
 const SignalRow& Row(Signal signal) {

@@ -28,6 +28,7 @@ enum class Signal {
   kPayload,            // payload             kg           declared
   kTemperature,        // temperature         degC         motor
   kReferencePosition,  // reference_position  rad / m
+  kSupplyVoltage,  // supply_voltage      V            what the drive can put on the motor; 0: off
 };
 
 std::string_view SignalName(Signal signal);

@@ -15,7 +15,11 @@ double Median(Eigen::VectorXd values) {
   return values[middle];
 }
 
-bool IsSwitch(Signal signal) { return signal == Signal::kValveOpen || signal == Signal::kPayload; }
+// Signals that keep their value until the next row.
+bool IsSwitch(Signal signal) {
+  return signal == Signal::kValveOpen || signal == Signal::kPayload ||
+         signal == Signal::kReferencePosition || signal == Signal::kSupplyVoltage;
+}
 
 // Row numbers on the grid: steps are whole periods.
 std::vector<Eigen::Index> RowNumbers(const Eigen::VectorXd& time, Eigen::Index first,
@@ -151,18 +155,41 @@ UniformRun MakeUniform(const Run& run, double longest_gap_s, double shortest_s) 
       rows = RowNumbers(time, from, count, line.period);
       line = FitLine(time, from, rows);
     }
-    const Eigen::Index size = rows.back() + 1;
     double worst = 0.0;
-    for (Eigen::Index i = 0; i < count; ++i) {
-      const double error =
-          time[from + i] -
-          (line.start + line.period * static_cast<double>(rows[static_cast<std::size_t>(i)]));
-      jitter_squares += error * error;
-      worst = std::max(worst, std::abs(error));
+    double squares = 0.0;
+    const auto measure = [&] {
+      worst = squares = 0.0;
+      for (Eigen::Index i = 0; i < count; ++i) {
+        const double error =
+            time[from + i] -
+            (line.start + line.period * static_cast<double>(rows[static_cast<std::size_t>(i)]));
+        squares += error * error;
+        worst = std::max(worst, std::abs(error));
+      }
+    };
+    measure();
+    // Rows that no even count explains (the logger changed its rate, or never had one): stamps
+    // alone tell the instants, and a row's number is that of the nearest grid point.
+    const bool stamps_only =
+        squares > 0.25 * line.period * line.period * static_cast<double>(count);
+    if (stamps_only) {
+      line = {time[from], median};
+      for (Eigen::Index i = 0; i < count; ++i) {
+        rows[static_cast<std::size_t>(i)] =
+            static_cast<Eigen::Index>(std::llround((time[from + i] - line.start) / line.period));
+      }
+      measure();
     }
+    jitter_squares += squares;
+    const Eigen::Index size = rows.back() + 1;
     rate_sum += static_cast<double>(count) / line.period;
     rate_rows += static_cast<double>(count);
-    out.sampling.lost_rows += size - count;
+    // Between two rows; where only stamps count, one grid point without a row is no loss.
+    const Eigen::Index hole = stamps_only ? 3 : 2;
+    for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
+      const Eigen::Index step = rows[i + 1] - rows[i];
+      if (step >= hole) out.sampling.lost_rows += step - 1;
+    }
 
     UniformSegment segment;
     segment.start_s = line.start;
@@ -184,7 +211,9 @@ UniformRun MakeUniform(const Run& run, double longest_gap_s, double shortest_s) 
     for (Eigen::Index i = 0; i < count; ++i) {
       numbered[i] = segment.Time(rows[static_cast<std::size_t>(i)]);
     }
-    if (!decided) {
+    if (stamps_only) {
+      out.sampling.stamps_used = decided = true;
+    } else if (!decided) {
       decided = true;
       for (const Signal signal : {Signal::kMotorPosition, Signal::kPosition}) {
         if (!run.Has(signal)) continue;
@@ -201,7 +230,7 @@ UniformRun MakeUniform(const Run& run, double longest_gap_s, double shortest_s) 
           IsSwitch(signal) ? HoldAt(at, piece, grid) : SplineAt(at, piece, grid);
     }
     for (std::size_t i = 0; i + 1 < rows.size(); ++i) {  // holes and their rims
-      if (rows[i + 1] - rows[i] < 2) continue;
+      if (rows[i + 1] - rows[i] < hole) continue;
       for (Eigen::Index k = rows[i]; k <= rows[i + 1]; ++k) {
         segment.valid[static_cast<std::size_t>(k)] = 0;
       }

@@ -1,5 +1,6 @@
 #include "components/recording/csv_map.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -7,6 +8,7 @@
 #include <stdexcept>
 
 #include "components/recording/csv.h"
+#include "components/recording/signal_fields.h"
 
 namespace sinew::recording {
 
@@ -17,54 +19,102 @@ double ColumnMap::ToSi(double cell) const noexcept {
   return sign == 1.0 ? cell : sign * cell;
 }
 
-identify::Run ReadCsvRun(std::string_view text, const std::string& name, const CsvMap& map) {
+namespace {
+
+constexpr std::string_view kJointMark = "{joint}";
+
+std::string ColumnName(const std::string& pattern, int joint) {
+  const std::size_t at = pattern.find(kJointMark);
+  if (at == std::string::npos) return pattern;
+  return std::string(pattern).replace(at, kJointMark.size(), std::to_string(joint + 1));
+}
+
+// Where each column of the mapping is in the table; `names` grows by those that are new.
+std::vector<std::size_t> FindColumns(const ColumnMap& map, int joint,
+                                     const std::vector<std::string>& header,
+                                     const std::string& file, std::vector<std::string>* names) {
+  std::vector<std::string> wanted = {map.column};
+  wanted.insert(wanted.end(), map.times.begin(), map.times.end());
+  std::vector<std::size_t> at;
+  for (const std::string& pattern : wanted) {
+    const std::string column = ColumnName(pattern, joint);
+    if (std::find(header.begin(), header.end(), column) == header.end()) {
+      std::string list;
+      for (const std::string& candidate : header) list += (list.empty() ? "" : ", ") + candidate;
+      throw std::invalid_argument(map.where + ": no column '" + column + "' in " + file +
+                                  ", expected one of: " + list);
+    }
+    const auto known = std::find(names->begin(), names->end(), column);
+    at.push_back(static_cast<std::size_t>(known - names->begin()));
+    if (known == names->end()) names->push_back(column);
+  }
+  return at;
+}
+
+double Cell(const CsvTable& table, const std::vector<std::size_t>& columns, Eigen::Index row) {
+  double cell = table.values[columns.front()][row];
+  for (std::size_t i = 1; i < columns.size(); ++i) cell *= table.values[columns[i]][row];
+  return cell;
+}
+
+}  // namespace
+
+identify::Run ReadCsvRun(std::string_view text, const std::string& name, const CsvMap& map,
+                         int joint) {
+  if (joint < 0 || joint >= map.joints) {
+    throw std::invalid_argument(name + ": joint " + std::to_string(joint) +
+                                " is asked for, the mapping " + map.name +
+                                " describes joints 0 to " + std::to_string(map.joints - 1));
+  }
   const std::vector<std::string> header = CsvHeader(text, name, map.delimiter);
-  std::vector<const ColumnMap*> columns = {&map.time};
-  for (const SignalColumn& signal : map.signals) columns.push_back(&signal.map);
   std::vector<std::string> names;
-  for (const ColumnMap* column : columns) {
-    bool found = false;
-    std::string list;
-    for (const std::string& candidate : header) {
-      found = found || candidate == column->column;
-      list += (list.empty() ? "" : ", ") + candidate;
-    }
-    if (!found) {
-      throw std::invalid_argument(column->where + ": no column '" + column->column + "' in " +
-                                  name + ", expected one of: " + list);
-    }
-    names.push_back(column->column);
+  std::vector<std::size_t> time_columns;
+  const bool numbered = map.row_period_s > 0.0;
+  if (!numbered) time_columns = FindColumns(map.time, joint, header, name, &names);
+  std::vector<std::vector<std::size_t>> signal_columns;
+  for (const SignalColumn& signal : map.signals) {
+    signal_columns.push_back(FindColumns(signal.map, joint, header, name, &names));
   }
 
   const CsvTable table = ReadCsv(text, name, names, map.delimiter);
-  const Eigen::Index rows = table.values.front().size();
+  const Eigen::Index all = table.values.front().size();
+  const auto line = [&](Eigen::Index row) {
+    return name + ":" + std::to_string(table.lines[static_cast<std::size_t>(row)]);
+  };
+  Eigen::VectorXd time(all);
+  for (Eigen::Index row = 0; row < all; ++row) {
+    time[row] = numbered ? map.row_period_s * static_cast<double>(row)
+                         : map.time.ToSi(Cell(table, time_columns, row));
+    if (row > 0 && !(time[row] > time[row - 1])) {
+      throw std::invalid_argument(
+          line(row) + ": column '" + map.time.column + "': time " + std::to_string(time[row]) +
+          " s follows " + std::to_string(time[row - 1]) + " s, expected strictly rising time");
+    }
+  }
+  Eigen::Index first = std::min(map.skipped_rows, all);
+  while (first < all && time[first] < time[0] + map.skipped_s) ++first;
+  const Eigen::Index rows = all - first;
+  if (rows < 1) {
+    throw std::invalid_argument(name + ": has " + std::to_string(all) + " rows and the mapping " +
+                                map.name + " leaves all of them out, expected a longer recording");
+  }
   identify::Run run;
   run.name = name;
   run.kind = map.kind;
-  run.time_s.resize(rows);
-  for (Eigen::Index row = 0; row < rows; ++row) {
-    run.time_s[row] = map.time.ToSi(table.values.front()[row]);
-    if (row > 0 && !(run.time_s[row] > run.time_s[row - 1])) {
-      throw std::invalid_argument(
-          name + ":" + std::to_string(table.lines[static_cast<std::size_t>(row)]) + ": column '" +
-          map.time.column + "': time " + std::to_string(run.time_s[row]) + " s follows " +
-          std::to_string(run.time_s[row - 1]) + " s, expected strictly rising time");
-    }
-  }
+  run.time_s = time.tail(rows);
   for (std::size_t i = 0; i < map.signals.size(); ++i) {
-    const Eigen::VectorXd& cells = table.values[i + 1];
+    const SignalColumn& signal = map.signals[i];
     Eigen::VectorXd values(rows);
     for (Eigen::Index row = 0; row < rows; ++row) {
-      values[row] = map.signals[i].map.ToSi(cells[row]);
-      const bool flag = map.signals[i].signal == identify::Signal::kValveOpen;
+      values[row] = signal.map.ToSi(Cell(table, signal_columns[i], first + row));
+      const bool flag = signal.signal == identify::Signal::kValveOpen;
       if (flag && values[row] != 0.0 && values[row] != 1.0) {
-        throw std::invalid_argument(name + ":" +
-                                    std::to_string(table.lines[static_cast<std::size_t>(row)]) +
-                                    ": column '" + map.signals[i].map.column + "': the value is " +
-                                    std::to_string(values[row]) + ", expected 0 or 1");
+        throw std::invalid_argument(line(first + row) + ": column '" + signal.map.column +
+                                    "': the value is " + std::to_string(values[row]) +
+                                    ", expected 0 or 1");
       }
     }
-    run.signals[map.signals[i].signal] = std::move(values);
+    run.signals[signal.signal] = std::move(values);
   }
   run.content_hash = ContentHash(run);
   return run;
@@ -82,6 +132,7 @@ std::string ContentHash(const identify::Run& run) {
     add(static_cast<std::uint64_t>(std::llround(run.time_s[row] * 1e9)));
   }
   for (const auto& [signal, values] : run.signals) {
+    if (!OnTopics(signal)) continue;
     add(static_cast<std::uint64_t>(signal));
     for (Eigen::Index row = 0; row < values.size(); ++row)
       add(std::bit_cast<std::uint64_t>(values[row]));

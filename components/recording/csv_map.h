@@ -2,7 +2,9 @@
 //
 //     value_SI = sign * unit(scale * cell + offset)
 //
-// with scale and offset in the column's unit. Reading of the YAML file: file/csv_map_file.h.
+// with scale and offset in the column's unit; a cell may be the product of several columns (a duty
+// and a bus voltage). "{joint}" in a column's name is the joint's number from 1 on, so that one
+// mapping reads an arm. Reading of the YAML file: file/csv_map_file.h.
 #pragma once
 
 #include <string>
@@ -17,6 +19,7 @@ namespace sinew::recording {
 
 struct ColumnMap {
   std::string column;
+  std::vector<std::string> times;  // columns that the cell is multiplied by
   Unit unit;
   double scale = 1.0;
   double offset = 0.0;
@@ -35,16 +38,24 @@ struct CsvMap {
   std::string name;  // of the mapping file
   effects::JointKind kind = effects::JointKind::kRotary;
   char delimiter = ',';
+  int joints = 1;  // that "{joint}" counts
+  // Rows at the start of a file that are left out, and those earlier than this after the first.
+  Eigen::Index skipped_rows = 0;
+  double skipped_s = 0.0;
+  // > 0: rows have no stamps, they are this long apart, from 0 on; `time` is not read.
+  double row_period_s = 0.0;
   ColumnMap time;
   std::vector<SignalColumn> signals;
 };
 
-// The run that a CSV text holds. Time must rise strictly. Throws std::invalid_argument with one
-// line that names file, line and column.
-identify::Run ReadCsvRun(std::string_view text, const std::string& name, const CsvMap& map);
+// The run of one joint (from 0 on) that a CSV text holds. Time must rise strictly. Throws
+// std::invalid_argument with one line that names file, line and column.
+identify::Run ReadCsvRun(std::string_view text, const std::string& name, const CsvMap& map,
+                         int joint = 0);
 
 // Names the samples of a run: 16 hex digits of FNV-1a over time in whole nanoseconds and the bits
-// of every signal, in the order of the signals. Equal for a CSV file and a recording made of it.
+// of every signal that topics carry, in the order of the signals. Equal for a CSV file and a
+// recording made of it.
 std::string ContentHash(const identify::Run& run);
 
 }  // namespace sinew::recording

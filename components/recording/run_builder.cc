@@ -17,7 +17,7 @@ namespace {
 
 using identify::Signal;
 
-constexpr std::size_t kSignals = 14;
+constexpr std::size_t kSignals = 15;
 constexpr std::uint32_t kWithoutActuator =
     SignalBit(Signal::kPosition) | SignalBit(Signal::kVelocity) | SignalBit(Signal::kTorque);
 constexpr auto kPositionIndex = static_cast<std::size_t>(Signal::kPosition);
@@ -150,7 +150,7 @@ std::optional<identify::Run> MakeRun(Session* session) {
   flags &= ~SignalBit(Signal::kReferencePosition);
   if (has_reference) flags |= SignalBit(Signal::kReferencePosition);
   for (const Signal signal : identify::AllSignals()) {
-    if ((flags & SignalBit(signal)) == 0) continue;
+    if (!OnTopics(signal) || (flags & SignalBit(signal)) == 0) continue;
     Eigen::VectorXd values(size);
     for (Eigen::Index i = 0; i < size; ++i) {
       values[i] = rows[static_cast<std::size_t>(i)]->values[static_cast<std::size_t>(signal)];

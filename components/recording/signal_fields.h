@@ -18,6 +18,11 @@ struct SignalField {
 
 const std::vector<SignalField>& SignalFields();
 
+// Signals that only CSV files have: no topic carries the supply.
+inline constexpr bool OnTopics(identify::Signal signal) {
+  return signal != identify::Signal::kSupplyVoltage;
+}
+
 inline constexpr std::uint32_t SignalBit(identify::Signal signal) {
   return std::uint32_t{1} << static_cast<unsigned>(signal);
 }

@@ -109,6 +109,7 @@ Quantity QuantityOf(identify::Signal signal, effects::JointKind kind) {
     case identify::Signal::kMotorCurrent:
       return Quantity::kCurrent;
     case identify::Signal::kDriveVoltage:
+    case identify::Signal::kSupplyVoltage:
       return Quantity::kVoltage;
     case identify::Signal::kTorque:
       return linear ? Quantity::kForce : Quantity::kTorque;

@@ -8,7 +8,11 @@
 namespace sinew::trace {
 
 namespace {
-constexpr int kFewestUnits = 6;
+// The placebo gives whole units random signs: below this many, two of its patterns (all signs
+// alike) come so often that the real gain is among the best false ones, and nothing could ever be
+// accepted.
+constexpr int kFewestUnits = 9;
+constexpr int kFewestPeriods = 6;  // of a motion that counts as periodic
 constexpr int kMostUnits = 120;
 }  // namespace
 
@@ -26,7 +30,7 @@ double MotionPeriod(const identify::Design& design) {
     ++length[s];
   }
   const auto longest = *std::max_element(length.begin(), length.end());
-  const int last_lag = static_cast<int>(std::min<Eigen::Index>(longest / kFewestUnits, 4000));
+  const int last_lag = static_cast<int>(std::min<Eigen::Index>(longest / kFewestPeriods, 4000));
   if (last_lag < 8) return 0.0;
   const Eigen::VectorXd rho = identify::Autocorrelation(position, all, rows.segment, last_lag);
   bool fell = false;

@@ -1,5 +1,6 @@
 // What is left out together in cross-validation: a run, else a motion cycle, else a block of at
-// least five correlation times of the residual (design.md, step 7).
+// least five correlation times of the residual (design.md, step 7). Runs and cycles only where
+// there are nine or more: fewer cannot be told from their placebo.
 #pragma once
 
 #include <Eigen/Core>

@@ -169,6 +169,20 @@ void JointPlant::SetMotorTemperature(double temperature_degC) noexcept {
   sample_.temperature_degC = temperature_degC;
 }
 
+void JointPlant::SetSurroundings(const effects::JointSample& x) noexcept {
+  sample_.time_s = x.time_s;
+  sample_.pressure_bar = x.pressure_bar;
+  sample_.pressure_rate_bar_s = x.pressure_rate_bar_s;
+  sample_.load_force_N = adds_load_force_ ? 0.0 : x.load_force_N;
+  sample_.payload_kg = adds_payload_ ? 0.0 : x.payload_kg;
+  sample_.temperature_degC = x.temperature_degC;
+  sample_.valve_open = x.valve_open;
+}
+
+void JointPlant::SetMemory(std::span<const double> memory) noexcept {
+  std::copy_n(memory.begin(), std::min(memory.size(), memory_.size()), memory_.begin());
+}
+
 double JointPlant::Evaluate(const CompiledTerm& term,
                             const effects::JointSample& x) const noexcept {
   std::array<double, effects::kMaxParameters> phi{};

@@ -24,6 +24,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "components/actuator/model.h"
@@ -77,6 +78,12 @@ class JointPlant {
   void SetLoad(double hand_force_N, double payload_kg) noexcept;
   void SetPressure(double pressure_bar, double rate_bar_s) noexcept;
   void SetMotorTemperature(double temperature_degC) noexcept;
+  // Everything around the joint as a recording says: time, pressure, load force, payload,
+  // temperature and valve of x; the rest of x is not read. A payload or load force for which the
+  // model has no term is left out, as in its balance.
+  void SetSurroundings(const effects::JointSample& x) noexcept;
+  // Memory of the terms, as of actuator::JointModel (same size and order).
+  void SetMemory(std::span<const double> memory) noexcept;
 
   // First half of a step: the output is at `position_rad` (half a step on) with the velocity of its
   // start.

@@ -65,6 +65,29 @@ Term ReadTerm(const Section& section, const JointModel& joint) {
   return term;
 }
 
+std::string GainKey(effects::JointKind kind) {
+  return kind == effects::JointKind::kRotary ? "gain_per_rad" : "gain_per_m";
+}
+std::string VelocityGainKey(effects::JointKind kind) {
+  return kind == effects::JointKind::kRotary ? "velocity_gain_s_rad" : "velocity_gain_s_m";
+}
+
+Servo ReadServo(const Section& section, const JointModel& joint) {
+  Servo servo;
+  section.Choice("law", {"proportional"});
+  servo.gain_per_rad = section.NumberOr(GainKey(joint.kind), 0.0, config::kPositive);
+  servo.velocity_gain_s_rad =
+      section.NumberOr(VelocityGainKey(joint.kind), 0.0, config::kNotNegative);
+  servo.limit = section.NumberOr("limit", 0.0, config::kPositive);
+  servo.share_of_supply =
+      section.ChoiceOr("command", "drive", {"drive", "share_of_supply"}) == "share_of_supply";
+  if (servo.gain_per_rad == 0.0 && servo.velocity_gain_s_rad > 0.0) {
+    section.Fail(VelocityGainKey(joint.kind),
+                 "without '" + GainKey(joint.kind) + "', expected both or none");
+  }
+  return servo;
+}
+
 JointModel ReadJoint(const Section& section) {
   JointModel joint;
   joint.name = section.Text("name");
@@ -79,6 +102,8 @@ JointModel ReadJoint(const Section& section) {
       constants.NumberOr("torque_constant_Nm_A", 0.0, config::kNotNegative);
   joint.constants.force_constant_N_V =
       constants.NumberOr("force_constant_N_V", 0.0, config::kNotNegative);
+  joint.constants.back_emf_V_s_rad =
+      constants.NumberOr("back_emf_V_s_rad", 0.0, config::kNotNegative);
   joint.backlash_rad = section.NumberOr(
       joint.kind == effects::JointKind::kRotary ? "backlash_rad" : "backlash_m", 0.0, {0.0, 6.3});
   joint.motor_torque_limit_Nm =
@@ -92,6 +117,7 @@ JointModel ReadJoint(const Section& section) {
     }
   }
   if (joint.terms.empty()) section.Fail("terms", "empty, expected at least one effect");
+  if (section.Has("controller")) joint.controller = ReadServo(section.Child("controller"), joint);
   for (const Section& entry : section.ListOrEmpty("history")) {
     joint.history.push_back({entry.TextOr("when", ""), entry.TextOr("effect", ""),
                              entry.TextOr("recording", ""), entry.TextOr("note", "")});
@@ -131,9 +157,24 @@ void WriteJoint(std::string& out, const JointModel& joint) {
   out += "      gravity_m_s2: " + Number(joint.constants.gravity_m_s2) + "\n";
   out += "      torque_constant_Nm_A: " + Number(joint.constants.torque_constant_Nm_A) + "\n";
   out += "      force_constant_N_V: " + Number(joint.constants.force_constant_N_V) + "\n";
+  if (joint.constants.back_emf_V_s_rad > 0.0) {
+    out += "      back_emf_V_s_rad: " + Number(joint.constants.back_emf_V_s_rad) + "\n";
+  }
   out += std::string("    ") + (rotary ? "backlash_rad: " : "backlash_m: ") +
          Number(joint.backlash_rad) + "\n";
   out += "    motor_torque_limit_Nm: " + Number(joint.motor_torque_limit_Nm) + "\n";
+  if (joint.controller) {
+    const Servo& servo = *joint.controller;
+    out += "    controller: {law: proportional, command: ";
+    out += servo.share_of_supply ? "share_of_supply" : "drive";
+    const auto add = [&](const std::string& key, double value) {
+      if (value > 0.0) out += ", " + key + ": " + Number(value);
+    };
+    add(GainKey(joint.kind), servo.gain_per_rad);
+    add(VelocityGainKey(joint.kind), servo.velocity_gain_s_rad);
+    add("limit", servo.limit);
+    out += "}\n";
+  }
   out += "    terms:\n";
   for (const Term& term : joint.terms) {
     const effects::EffectInfo& info = term.effect->info();

@@ -10,6 +10,7 @@ constexpr std::string_view kSchema = "sinew-csv-map/1";
 ColumnMap ReadColumn(const config::Section& section, const std::string& path, Quantity quantity) {
   ColumnMap map;
   map.column = section.Text("column");
+  map.times = section.TextsOr("times", {});
   map.where = section.file().string() + ":" + std::to_string(section.line()) + ": key '" + path +
               ".column'";
   const std::string unit = section.Text("unit");
@@ -40,7 +41,19 @@ CsvMap Read(const config::Section& section) {
                   : delimiter == "tab"     ? '\t'
                   : delimiter == "space"   ? ' '
                                            : ',';
-  map.time = ReadColumn(section.Child("time"), "time", Quantity::kTime);
+  map.joints = static_cast<int>(section.IntegerOr("joints", 1, {1.0, 64.0}));
+  const config::Section rows = section.ChildOrEmpty("rows");
+  map.skipped_rows = rows.IntegerOr("skip", 0, config::kNotNegative);
+  map.skipped_s = rows.NumberOr("skip_s", 0.0, config::kNotNegative);
+  const config::Section time = section.Child("time");
+  if (time.Has("row_period_s")) {
+    if (time.Has("column")) {
+      time.Fail("row_period_s", "beside 'column', expected stamps or a period, not both");
+    }
+    map.row_period_s = time.Number("row_period_s", config::kPositive);
+  } else {
+    map.time = ReadColumn(time, "time", Quantity::kTime);
+  }
   const config::Section signals = section.Child("signals");
   for (const std::string& name : signals.Keys()) {
     const auto signal = identify::SignalFromName(name);

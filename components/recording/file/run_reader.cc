@@ -21,11 +21,7 @@ std::vector<identify::Run> ReadRuns(const std::filesystem::path& path,
       throw UsageError(path.string() +
                        ": no recording (.mcap), expected a mapping file to read it as CSV");
     }
-    if (joint != 0) {
-      throw UsageError(path.string() + ": joint " + std::to_string(joint) +
-                       " is asked for, a CSV mapping describes joint 0 only");
-    }
-    return {ReadCsvRun(config::ReadFile(path), path.string(), LoadCsvMap(map))};
+    return {ReadCsvRun(config::ReadFile(path), path.string(), LoadCsvMap(map), joint)};
   } catch (const McapError& error) {
     throw UsageError(path.string() + ": " + error.what());
   } catch (const std::invalid_argument& error) {

@@ -126,6 +126,27 @@ TEST_F(ModelFileTest, KeepsTheBlocksOfOthers) {
   EXPECT_FALSE(again.root.Has("as_published"));
 }
 
+TEST_F(ModelFileTest, KeepsTheServoAndTheBackEmf) {
+  const std::string text =
+      "schema: sinew-model/1\nname: r\njoints:\n  - name: j\n    kind: rotary\n"
+      "    constants: {force_constant_N_V: 0.07, back_emf_V_s_rad: 0.32}\n"
+      "    controller: {law: proportional, command: share_of_supply, limit: 1}\n"
+      "    terms:\n      - {effect: coulomb, coulomb_Nm: 0.2}\n";
+  SaveRobotModel(folder_ / "out.yaml", LoadRobotModel(Write(text)));
+  const JointModel joint = LoadRobotModel(folder_ / "out.yaml").joints[0];
+  EXPECT_EQ(joint.constants.back_emf_V_s_rad, 0.32);
+  ASSERT_TRUE(joint.controller.has_value());
+  EXPECT_TRUE(joint.controller->share_of_supply);
+  EXPECT_EQ(joint.controller->limit, 1.0);
+  EXPECT_EQ(joint.controller->gain_per_rad, 0.0);
+  EXPECT_THAT(ErrorOf(Joint("      - {effect: coulomb, coulomb_Nm: 1}\n",
+                            "    controller: {law: fuzzy}\n")),
+              HasSubstr("proportional"));
+  EXPECT_THAT(ErrorOf(Joint("      - {effect: coulomb, coulomb_Nm: 1}\n",
+                            "    controller: {law: proportional, gain_per_m: 3}\n")),
+              HasSubstr("gain_per_m"));
+}
+
 TEST_F(ModelFileTest, TellsWhatIsWrongInOneLine) {
   EXPECT_THAT(ErrorOf(Joint("      - {effect: strybeck}\n")),
               ::testing::AllOf(HasSubstr("model.yaml:7"), HasSubstr("strybeck"),

@@ -23,6 +23,23 @@ actuator::JointModel Detuned() {
   return model;
 }
 
+TEST(Fit, AParameterOutsideItsPhysicalRangeIsHeldAtTheBoundAndTheOthersFittedAgain) {
+  // No Coulomb friction, and noise that makes least squares see a negative one.
+  actuator::JointModel truth = SyntheticModel();
+  const auto coulomb = static_cast<std::size_t>(truth.Find("coulomb"));
+  truth.terms[coulomb].linear[0].value = -0.05;
+  const Design design = MakeDesign({SyntheticRun(truth, {.noise_A = 0.0})}, truth);
+  const FitResult fit = FitModel(design, Detuned(), BlocksOf(design));
+  ASSERT_LT(fit.model.terms[coulomb].linear[0].value, -0.01);
+  const actuator::JointModel inside = WithinPhysicalRange(design, fit.model, BlocksOf(design));
+  EXPECT_EQ(inside.terms[coulomb].linear[0].value, 0.0);
+  EXPECT_FALSE(inside.terms[coulomb].linear[0].fixed);
+  EXPECT_NE(inside.Parameter("viscous", "viscous"), fit.model.Parameter("viscous", "viscous"));
+  // Inside already: the same model.
+  const actuator::JointModel same = WithinPhysicalRange(design, inside, BlocksOf(design));
+  EXPECT_EQ(same.Parameter("viscous", "viscous"), inside.Parameter("viscous", "viscous"));
+}
+
 TEST(Fit, NoiseFreeRecordingsGiveTheParametersBack) {
   const actuator::JointModel truth = SyntheticModel();
   const Design design = MakeDesign({SyntheticRun(truth, {.noise_A = 0.0})}, truth);

@@ -46,6 +46,26 @@ TEST(Uniform, AnEvenRecordingIsCopiedBitByBit) {
   EXPECT_TRUE(out.segments[0].signals.at(Signal::kPosition) == run.At(Signal::kPosition));
 }
 
+TEST(Uniform, ARateThatChangesOnTheWayLosesNoRowAndNoTime) {
+  // 190 Hz for 2 s, then 250 Hz for 4 s, stamps scattered: no even count of rows explains them.
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> jitter(0.0, 2e-4);
+  std::vector<double> stamps;
+  for (double t = 0.0; t < 6.0; t += t < 2.0 ? 0.0053 : 0.004) stamps.push_back(t + jitter(random));
+  const Eigen::VectorXd time =
+      Eigen::Map<const Eigen::VectorXd>(stamps.data(), static_cast<Eigen::Index>(stamps.size()));
+  const UniformRun out = MakeUniform(MakeRun(time, Sine));
+  ASSERT_EQ(out.segments.size(), 1u);
+  const UniformSegment& segment = out.segments[0];
+  EXPECT_TRUE(out.sampling.stamps_used);
+  EXPECT_EQ(out.sampling.lost_rows, 0);
+  EXPECT_NEAR(segment.Time(segment.size() - 1), stamps.back(), 0.005);
+  const Eigen::VectorXd& q = segment.signals.at(Signal::kPosition);
+  for (Eigen::Index i = 0; i < segment.size(); ++i) {
+    EXPECT_NEAR(q[i], Sine(segment.Time(i)), 2e-3) << i;  // the half step at either end
+  }
+}
+
 TEST(Uniform, JitterAndLostRowsAreBroughtOntoTheGrid) {
   std::mt19937_64 random(11);
   std::normal_distribution<double> jitter(0.0, 4e-4);

@@ -115,6 +115,72 @@ TEST(CsvMap, AppliesUnitScaleOffsetAndSign) {
   EXPECT_EQ(run.content_hash.size(), 16u);
 }
 
+TEST(CsvMap, ACellMayBeAProductOfColumns) {
+  const CsvMap map = ParseCsvMap(R"(schema: sinew-csv-map/1
+kind: rotary
+time: {column: t, unit: s}
+signals:
+  drive_voltage: {column: duty, times: [bus, on], unit: V, scale: 0.5, offset: 1, sign: -1}
+)",
+                                 "map.yaml");
+  const std::string text = "t,duty,bus,on\n0,0.5,8,1\n1,0.5,8,0\n";
+  const identify::Run run = ReadCsvRun(text, "data.csv", map);
+  EXPECT_DOUBLE_EQ(run.At(Signal::kDriveVoltage)[0], -3.0);  // -(0.5 * (0.5 * 8 * 1) + 1)
+  EXPECT_DOUBLE_EQ(run.At(Signal::kDriveVoltage)[1], -1.0);
+  try {
+    ReadCsvRun("t,duty,bus\n0,1,1\n", "data.csv", map);
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(),
+                 "map.yaml:5: key 'signals.drive_voltage.column': no column 'on' in data.csv, "
+                 "expected one of: t, duty, bus");
+  }
+}
+
+TEST(CsvMap, OneMappingReadsEveryJointOfAnArm) {
+  const CsvMap map = ParseCsvMap(R"(schema: sinew-csv-map/1
+kind: rotary
+joints: 2
+time: {column: t, unit: s}
+signals:
+  position: {column: "q{joint}_rad", unit: rad}
+)",
+                                 "map.yaml");
+  const std::string text = "t,q1_rad,q2_rad\n0,1,2\n1,3,4\n";
+  EXPECT_EQ(ReadCsvRun(text, "data.csv", map, 0).At(Signal::kPosition)[1], 3.0);
+  EXPECT_EQ(ReadCsvRun(text, "data.csv", map, 1).At(Signal::kPosition)[1], 4.0);
+  try {
+    ReadCsvRun(text, "data.csv", map, 2);
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(),
+                 "data.csv: joint 2 is asked for, the mapping map.yaml describes joints 0 to 1");
+  }
+}
+
+TEST(CsvMap, RowsWithoutStampsAreNumberedAndTheFirstOnesLeftOut) {
+  const auto map = [](const std::string& rows) {
+    return ParseCsvMap("schema: sinew-csv-map/1\nkind: rotary\ntime: {row_period_s: 3}\n" + rows +
+                           "signals:\n  position: {column: q, unit: rad}\n",
+                       "map.yaml");
+  };
+  const std::string text = "q\n5\n6\n7\n8\n";
+  const identify::Run all = ReadCsvRun(text, "data.csv", map(""));
+  EXPECT_EQ(all.time_s[3], 9.0);
+  const identify::Run later = ReadCsvRun(text, "data.csv", map("rows: {skip: 2}\n"));
+  ASSERT_EQ(later.size(), 2);
+  EXPECT_EQ(later.time_s[0], 6.0);
+  EXPECT_EQ(later.At(Signal::kPosition)[0], 7.0);
+  EXPECT_EQ(ReadCsvRun(text, "data.csv", map("rows: {skip_s: 3}\n")).size(), 3);
+  EXPECT_THROW(ReadCsvRun(text, "data.csv", map("rows: {skip: 9}\n")), std::invalid_argument);
+  EXPECT_EQ(
+      MapError("schema: sinew-csv-map/1\nkind: rotary\n"
+               "time: {row_period_s: 3, column: t, unit: s}\n"
+               "signals:\n  position: {column: q, unit: rad}\n"),
+      "map.yaml:3: key 'time.row_period_s': beside 'column', expected stamps or a period, not "
+      "both");
+}
+
 TEST(CsvMap, NamesTheMappingLineOfAMissingColumn) {
   EXPECT_EQ(RunError("t,current\n0,1\n"),
             "map.yaml:5: key 'signals.position.column': no column 'angle' in data.csv, expected "

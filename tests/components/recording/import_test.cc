@@ -71,10 +71,17 @@ void ExpectSame(const identify::Run& a, const identify::Run& b) {
   }
 }
 
-// Every signal there is, with odd numbers, two files.
+// Signals that topics carry.
+std::vector<Signal> RecordedSignals() {
+  std::vector<Signal> signals = identify::AllSignals();
+  std::erase_if(signals, [](Signal signal) { return !OnTopics(signal); });
+  return signals;
+}
+
+// Every signal of a recording, with odd numbers, two files.
 std::string AllSignalsMap() {
   std::string map = "schema: sinew-csv-map/1\nkind: rotary\ntime: {column: t, unit: s}\nsignals:\n";
-  for (const Signal signal : identify::AllSignals()) {
+  for (const Signal signal : RecordedSignals()) {
     const std::string name(identify::SignalName(signal));
     map += "  " + name + ": {column: " + name +
            ", unit: " + std::string(identify::SignalUnit(signal, effects::JointKind::kRotary)) +
@@ -86,7 +93,7 @@ std::string AllSignalsMap() {
 std::string AllSignalsCsv(int rows, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::string csv = "t";
-  for (const Signal signal : identify::AllSignals())
+  for (const Signal signal : RecordedSignals())
     csv += "," + std::string(identify::SignalName(signal));
   csv += "\n";
   char text[64];
@@ -95,7 +102,7 @@ std::string AllSignalsCsv(int rows, std::uint64_t seed) {
     time_s += 0.001 + 1e-4 * static_cast<double>(random() % 10);
     std::snprintf(text, sizeof(text), "%.5f", time_s);
     csv += text;
-    for (const Signal signal : identify::AllSignals()) {
+    for (const Signal signal : RecordedSignals()) {
       const double value = static_cast<double>(random() % 2000001) / 1e3 - 1000.0;
       std::snprintf(text, sizeof(text), signal == Signal::kValveOpen ? ",%.0f" : ",%.17g",
                     signal == Signal::kValveOpen ? static_cast<double>(row % 2) : value / 3.0);
@@ -127,6 +134,18 @@ TEST_F(Import, KeepsEverySignalBitByBitAndEveryFileASession) {
   ExpectSame(ReadRuns(b, map).at(0), runs[1]);
   // Nothing is left beside the file.
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 4);
+}
+
+TEST_F(Import, LeavesOutASignalThatNoTopicCarriesAndTheContentIsTheSame) {
+  const std::string map =
+      "schema: sinew-csv-map/1\nkind: rotary\ntime: {column: t, unit: s}\nsignals:\n"
+      "  position: {column: q, unit: rad}\n";
+  const fs::path with = Write("with.yaml", map + "  supply_voltage: {column: u, unit: V}\n");
+  const fs::path csv = Write("a.csv", "t,q,u\n0,1,7\n1,2,8\n2,3,7\n");
+  ImportCsv({csv}, with, folder_ / "run.mcap", SchemaOf);
+  const identify::Run run = ReadRuns(folder_ / "run.mcap").at(0);
+  EXPECT_FALSE(run.Has(Signal::kSupplyVoltage));
+  EXPECT_EQ(run.content_hash, ReadRuns(csv, with).at(0).content_hash);
 }
 
 TEST_F(Import, StampsAreExactNanosecondsAndHeadersSayReplay) {
@@ -287,7 +306,7 @@ TEST(RunBuilder, LeavesInvalidRowsOutAndHoldsTheSetPoint) {
 }
 
 TEST(SignalFields, HaveARowForEverySignalAndFieldsThatExist) {
-  ASSERT_EQ(SignalFields().size(), identify::AllSignals().size());
+  ASSERT_EQ(SignalFields().size(), RecordedSignals().size());
   for (const SignalField& field : SignalFields()) {
     const TopicSchema schema = SchemaOf(field.topic);
     const IdlSchema idl = IdlSchema::Parse(schema.idl);

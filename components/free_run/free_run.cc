@@ -1,0 +1,306 @@
+#include "components/free_run/free_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "sim/plant/single_joint.h"
+
+namespace sinew::free_run {
+
+namespace {
+
+using identify::StateSegment;
+
+constexpr double kInsideLimit = 0.98;  // of the servo's limit: beyond it the command says nothing
+constexpr int kFewestGainRows = 50;
+
+// A model with everything that its simulation needs.
+class Simulation {
+ public:
+  Simulation(const actuator::JointModel& model, const FreeRunOptions& options)
+      : model_(Unlimited(model)),
+        joint_(model_, plant::JointPlantConfig{}),
+        memory_(static_cast<std::size_t>(model.memory_size())),
+        step_s_(model.backlash_rad > 0.0 ? 0.5 * options.step_s : options.step_s) {
+    const double constant = model.constants.torque_constant_Nm_A;
+    const double ideal =
+        constant > 0.0 ? constant * model.constants.gear_ratio : model.constants.force_constant_N_V;
+    shaft_per_input_ = (ideal > 0.0 ? ideal : 1.0) / model.constants.gear_ratio;
+    back_emf_ = model.constants.back_emf_V_s_rad;
+  }
+
+  // Memory as the recording leaves it at its sample `until`, from `from` on.
+  void WarmUp(const StateSegment& segment, Eigen::Index from, Eigen::Index until) {
+    if (memory_.empty()) return;
+    if (from == 0) model_.ResetMemory(segment.samples.front(), memory_);
+    for (Eigen::Index i = std::max<Eigen::Index>(1, from + 1); i <= until; ++i) {
+      model_.Advance(segment.samples[static_cast<std::size_t>(i)], segment.period_s, memory_);
+    }
+  }
+
+  void Start(const effects::JointSample& x) {
+    joint_.Reset(x.position_rad, x.velocity_rad_s);
+    plant::JointPlant& plant = joint_.plant();
+    const double ratio = model_.constants.gear_ratio;
+    const double play = 0.5 * model_.backlash_rad;
+    // Teeth that would overlap by an encoder's zero do not.
+    const double gap = std::clamp(x.motor_position_rad / ratio - x.position_rad, -play, play);
+    plant.SetRotor(ratio * (x.position_rad + gap), x.motor_velocity_rad_s);
+    plant.SetMemory(memory_);
+  }
+
+  // From sample i to the next. drive: signal of the drive (A, V or Nm) at a state of the joint;
+  // driven: false while the bridge is open.
+  template <class Drive>
+  void Advance(const StateSegment& segment, Eigen::Index i, bool driven, Drive drive) {
+    const int steps = std::max(1, static_cast<int>(std::ceil(segment.period_s / step_s_ - 1e-9)));
+    const double dt = segment.period_s / steps;
+    plant::JointPlant& plant = joint_.plant();
+    plant.SetSurroundings(segment.samples[static_cast<std::size_t>(i)]);
+    for (int k = 0; k < steps; ++k) {
+      double input = 0.0;
+      if (driven) {
+        input = drive(joint_.position_rad(), joint_.velocity_rad_s());
+        input -= back_emf_ * plant.motor_velocity_rad_s();
+      }
+      plant::DriveCommand command;
+      command.mode = plant::DriveMode::kTorque;
+      command.motor_torque_Nm = input * shaft_per_input_;
+      plant.SetCommand(command);
+      joint_.Step(dt);
+    }
+  }
+
+  double position_rad() const { return joint_.position_rad(); }
+
+ private:
+  static actuator::JointModel Unlimited(actuator::JointModel model) {
+    model.motor_torque_limit_Nm = 0.0;  // the recorded drive is what it was
+    return model;
+  }
+
+  actuator::JointModel model_;
+  plant::SingleJoint joint_;
+  std::vector<double> memory_;
+  double step_s_;
+  double shaft_per_input_ = 1.0;
+  double back_emf_ = 0.0;  // V per motor rad/s; 0 for drives that are no winding
+};
+
+bool Driven(const StateSegment& segment, Eigen::Index i) {
+  return segment.supply_voltage.size() == 0 || segment.supply_voltage[i] != 0.0;
+}
+
+struct Range {
+  double lower = std::numeric_limits<double>::infinity();
+  double upper = -std::numeric_limits<double>::infinity();
+  // Further away than the motion is wide: gone.
+  bool Lost(double position) const {
+    const double width = upper - lower;
+    return !(position > lower - width && position < upper + width);
+  }
+};
+
+Range RangeOf(const StateSegment& segment) {
+  Range range;
+  for (const effects::JointSample& x : segment.samples) {
+    range.lower = std::min(range.lower, x.position_rad);
+    range.upper = std::max(range.upper, x.position_rad);
+  }
+  return range;
+}
+
+// Positions of a simulated piece: NaN behind the sample where it was lost or where nothing was
+// simulated.
+struct Path {
+  std::vector<double> position;
+  int pieces = 0, diverged = 0;
+};
+
+constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+
+Path ClosedLoop(Simulation& simulation, const StateSegment& segment, const actuator::Servo& servo,
+                double gain) {
+  Path path;
+  path.pieces = 1;
+  path.position.assign(segment.samples.size(), kNothing);
+  const Range range = RangeOf(segment);
+  simulation.WarmUp(segment, 0, 0);
+  simulation.Start(segment.samples.front());
+  path.position.front() = segment.samples.front().position_rad;
+  for (Eigen::Index i = 0; i + 1 < segment.size(); ++i) {
+    const double reference = segment.reference_position[i];
+    const double supply = servo.share_of_supply ? segment.supply_voltage[i] : 1.0;
+    simulation.Advance(segment, i, Driven(segment, i), [&](double position, double velocity) {
+      const double command = gain * (reference - position) - servo.velocity_gain_s_rad * velocity;
+      return supply *
+             (servo.limit > 0.0 ? std::clamp(command, -servo.limit, servo.limit) : command);
+    });
+    if (range.Lost(simulation.position_rad())) {
+      path.diverged = 1;
+      std::fill(path.position.begin(), path.position.end(), kNothing);
+      return path;
+    }
+    path.position[static_cast<std::size_t>(i + 1)] = simulation.position_rad();
+  }
+  return path;
+}
+
+Path Horizons(Simulation& simulation, const StateSegment& segment, double horizon_s) {
+  Path path;
+  path.position.assign(segment.samples.size(), kNothing);
+  const Range range = RangeOf(segment);
+  const auto length = std::max<Eigen::Index>(
+      2, static_cast<Eigen::Index>(std::lround(horizon_s / segment.period_s)));
+  Eigen::Index warm = 0;
+  for (Eigen::Index from = 0; from + length <= segment.size(); from += length) {
+    const auto first = segment.valid.begin() + from;
+    if (std::count(first, first + length, 0) != 0) continue;  // rows were lost inside
+    ++path.pieces;
+    simulation.WarmUp(segment, warm, from);
+    warm = from;
+    simulation.Start(segment.samples[static_cast<std::size_t>(from)]);
+    for (Eigen::Index i = from; i + 1 < from + length; ++i) {
+      simulation.Advance(segment, i, Driven(segment, i),
+                         [&](double, double) { return segment.drive_signal[i]; });
+      if (range.Lost(simulation.position_rad())) {
+        ++path.diverged;
+        std::fill(path.position.begin() + from, path.position.begin() + i + 1, kNothing);
+        break;
+      }
+      path.position[static_cast<std::size_t>(i + 1)] = simulation.position_rad();
+    }
+  }
+  return path;
+}
+
+// Sums over samples that count for both models, so that they are compared on the same ones.
+struct Sums {
+  double absolute = 0.0, squared = 0.0, count = 0.0;
+  void Add(double error) {
+    absolute += std::abs(error);
+    squared += error * error;
+    count += 1.0;
+  }
+  void Add(const Sums& other) {
+    absolute += other.absolute;
+    squared += other.squared;
+    count += other.count;
+  }
+  double mean() const { return count > 0.0 ? absolute / count : 0.0; }
+  double rms() const { return count > 0.0 ? std::sqrt(squared / count) : 0.0; }
+};
+
+}  // namespace
+
+double ServoGain(const StateSegment& segment, const actuator::Servo& servo) {
+  double xy = 0.0, xx = 0.0;
+  int rows = 0;
+  for (Eigen::Index i = 0; i < segment.size(); ++i) {
+    double command = segment.drive_signal[i];
+    if (servo.share_of_supply) {
+      if (segment.supply_voltage[i] == 0.0) continue;
+      command /= segment.supply_voltage[i];
+    }
+    if (servo.limit > 0.0 && std::abs(command) > kInsideLimit * servo.limit) continue;
+    const effects::JointSample& x = segment.samples[static_cast<std::size_t>(i)];
+    const double error = segment.reference_position[i] - x.position_rad;
+    xy += error * command;
+    xx += error * error;
+    ++rows;
+  }
+  return rows >= kFewestGainRows && xx > 0.0 ? std::max(0.0, xy / xx) : 0.0;
+}
+
+FreeRunResult Compare(const std::vector<identify::Run>& runs, const actuator::JointModel& before,
+                      const actuator::JointModel& after,
+                      const identify::ProcessingOptions& processing,
+                      const FreeRunOptions& options) {
+  FreeRunResult out;
+  const identify::StateSet states = identify::MakeStates(runs, after, processing);
+  std::optional<Simulation> simulations[2];
+  try {
+    simulations[0].emplace(before, options);
+    simulations[1].emplace(after, options);
+  } catch (const std::invalid_argument& error) {
+    out.why_not = std::string("the model cannot be simulated: ") + error.what();
+    return out;
+  }
+  FreeRun free;
+  // The servo, when it is declared and every piece holds what it saw.
+  std::vector<double> gains;
+  const std::optional<actuator::Servo>& servo = after.controller;
+  if (servo) {
+    for (const StateSegment& segment : states.segments) {
+      if (segment.reference_position.size() == 0) break;
+      if (servo->share_of_supply && segment.supply_voltage.size() == 0) break;
+      const double gain =
+          servo->gain_per_rad > 0.0 ? servo->gain_per_rad : ServoGain(segment, *servo);
+      if (gain == 0.0) break;
+      gains.push_back(gain);
+    }
+  }
+  const bool closed = servo && gains.size() == states.segments.size();
+  free.method = closed ? Method::kClosedLoop : Method::kHorizons;
+  free.horizon_s = closed ? 0.0 : options.horizon_s;
+  free.before.resize(states.run_names.size());
+  free.after.resize(states.run_names.size());
+  std::vector<Sums> sums[2];
+  for (std::vector<Sums>& of_runs : sums) of_runs.resize(states.run_names.size());
+  for (std::size_t r = 0; r < states.run_names.size(); ++r) {
+    free.before[r].run = free.after[r].run = states.run_names[r];
+  }
+  for (std::size_t s = 0; s < states.segments.size(); ++s) {
+    const StateSegment& segment = states.segments[s];
+    const auto run = static_cast<std::size_t>(segment.run);
+    Path paths[2];
+    for (int m = 0; m < 2; ++m) {
+      paths[m] = closed ? ClosedLoop(*simulations[m], segment, *servo, gains[s])
+                        : Horizons(*simulations[m], segment, options.horizon_s);
+      RunError& error = m == 0 ? free.before[run] : free.after[run];
+      error.pieces += paths[m].pieces;
+      error.diverged += paths[m].diverged;
+      if (closed) error.servo_gain = gains[s];
+    }
+    Trace trace;
+    trace.run = segment.run;
+    trace.start_s = segment.start_s;
+    trace.period_s = segment.period_s;
+    for (std::size_t i = 0; i < segment.samples.size(); ++i) {
+      const double measured = segment.samples[i].position_rad;
+      trace.measured.push_back(measured);
+      for (int m = 0; m < 2; ++m) {
+        // Both or none: a model is not the better for the samples it lost.
+        if (!std::isfinite(paths[0].position[i]) || !std::isfinite(paths[1].position[i])) continue;
+        sums[m][run].Add(paths[m].position[i] - measured);
+      }
+    }
+    trace.before = std::move(paths[0].position);
+    trace.after = std::move(paths[1].position);
+    out.traces.push_back(std::move(trace));
+  }
+  Sums all[2];
+  for (std::size_t r = 0; r < states.run_names.size(); ++r) {
+    for (int m = 0; m < 2; ++m) {
+      RunError& error = m == 0 ? free.before[r] : free.after[r];
+      error.mean_abs = sums[m][r].mean();
+      error.rms = sums[m][r].rms();
+      all[m].Add(sums[m][r]);
+      (m == 0 ? free.before_diverged : free.after_diverged) += error.diverged;
+    }
+  }
+  if (!(all[0].count > 0.0)) {
+    out.why_not = "no piece of the recording could be followed by both models";
+    return out;
+  }
+  free.before_mean_abs = all[0].mean();
+  free.after_mean_abs = all[1].mean();
+  free.before_rms = all[0].rms();
+  free.after_rms = all[1].rms();
+  out.errors = std::move(free);
+  return out;
+}
+
+}  // namespace sinew::free_run

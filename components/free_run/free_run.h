@@ -1,0 +1,78 @@
+// Does the model move as the joint did? A joint model integrated beside a recording.
+//
+// Two ways, chosen by what is known of the recording (design.md, "Closing the loop", step 10):
+//
+// - closed loop: where the model declares the servo (actuator::Servo) and the recording holds the
+//   set point, the servo moves the model along the set point from the recording's first state on.
+// - horizons: else the recorded drive moves the model for `horizon_s`, again and again from the
+//   recorded state. A joint with a load, driven by effort for long, falls over and proves nothing.
+//
+// The plant is sim/plant: friction as an impulse, so that a joint that sticks stands exactly still;
+// terms with memory are brought up to each start along the recording. Pressure, load force, payload
+// and temperature are the recorded ones. Errors are simulated minus measured (state-filtered)
+// position, in rad, in m for a linear joint. Pure; allocates; one thread.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "components/actuator/model.h"
+#include "components/identify/processing.h"
+#include "components/identify/run.h"
+
+namespace sinew::free_run {
+
+struct FreeRunOptions {
+  double horizon_s = 0.5;
+  double step_s = 2.0e-4;  // halved for joints with free play
+};
+
+enum class Method { kClosedLoop, kHorizons };
+
+// One model along one recording.
+struct RunError {
+  std::string run;
+  double mean_abs = 0.0;  // rad or m, over all samples that did not diverge
+  double rms = 0.0;
+  int pieces = 0;           // pieces of the recording (closed loop) or horizons
+  int diverged = 0;         // of them: left the range of the recorded motion by more than its width
+  double servo_gain = 0.0;  // closed loop: as declared, or as read from the recording
+};
+
+struct FreeRun {
+  Method method = Method::kHorizons;
+  double horizon_s = 0.0;  // horizons only
+  std::vector<RunError> before, after;
+  // Over all recordings, samples weighted equally.
+  double before_mean_abs = 0.0, after_mean_abs = 0.0;
+  double before_rms = 0.0, after_rms = 0.0;
+  int before_diverged = 0, after_diverged = 0;
+};
+
+// Simulated positions at the samples of one piece of a recording, empty when it diverged; for
+// plots.
+struct Trace {
+  int run = 0;
+  double start_s = 0.0, period_s = 0.0;
+  std::vector<double> measured, before, after;  // rad or m
+};
+
+struct FreeRunResult {
+  std::optional<FreeRun> errors;  // empty: see why
+  std::string why_not;            // one sentence, e.g. a model without inertia
+  std::vector<Trace> traces;      // closed loop: whole pieces; horizons: one after the other
+};
+
+// before and after: models of the same joint. options of processing must be resolved. Throws
+// std::invalid_argument as identify::MakeStates for recordings that cannot be used.
+FreeRunResult Compare(const std::vector<identify::Run>& runs, const actuator::JointModel& before,
+                      const actuator::JointModel& after,
+                      const identify::ProcessingOptions& processing,
+                      const FreeRunOptions& options = {});
+
+// Gain of a proportional servo by least squares of command against (reference - position), over
+// rows inside the limit; 0 when fewer than 50 rows show it.
+double ServoGain(const identify::StateSegment& segment, const actuator::Servo& servo);
+
+}  // namespace sinew::free_run
