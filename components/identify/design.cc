@@ -8,6 +8,11 @@
 
 namespace sinew::identify {
 
+namespace {
+// A signal of which more than this share is noise says nothing.
+constexpr double kMostNoise = 0.3;
+}  // namespace
+
 std::vector<Eigen::Index> Rows::UsedRows() const {
   std::vector<Eigen::Index> out;
   for (Eigen::Index i = 0; i < size(); ++i) {
@@ -37,6 +42,16 @@ Design::Design(StateSet states, const ProcessingOptions& options)
   }
   rows_.time_s =
       Eigen::Map<const Eigen::VectorXd>(time.data(), static_cast<Eigen::Index>(time.size()));
+  // A load cell that nobody touches would add its noise to the balance: its mean is what it tells.
+  silent_load_ =
+      NoiseShare([](const effects::JointSample& x) { return x.load_force_N; }) > kMostNoise;
+  if (!silent_load_) return;
+  for (StateSegment& segment : states_.segments) {
+    double mean = 0.0;
+    for (const effects::JointSample& x : segment.samples) mean += x.load_force_N;
+    mean /= static_cast<double>(segment.size());
+    for (effects::JointSample& x : segment.samples) x.load_force_N = mean;
+  }
 }
 
 Eigen::Index Design::Step(const StateSegment& segment) const {

@@ -32,6 +32,8 @@ class Design {
   const Rows& rows() const { return rows_; }
   const StateSet& states() const { return states_; }
   const ProcessingOptions& options() const { return options_; }
+  // The load cell told nothing but its noise, and its mean stands for it.
+  bool silent_load() const { return silent_load_; }
   double rows_per_s() const { return rows_per_s_; }  // of the first piece
 
   // phi of an effect, a column per linear parameter.
@@ -104,6 +106,7 @@ class Design {
   double rows_per_s_ = 1.0;
   Rows rows_;
   std::map<int, double> clocks_;
+  bool silent_load_ = false;
 };
 
 }  // namespace sinew::identify

@@ -37,6 +37,8 @@ constexpr double kSwallowed = 1e-3;
 constexpr double kVariant = 0.02;
 // Less than this above the noise floor is not worth a variable's name.
 constexpr double kLoudRest = 0.12;
+// A variable has to predict this share of what remains to be named.
+constexpr double kNamedShare = 0.16;
 constexpr double kConvincingUnits = 6;
 // Standard errors by which a quarter of the data must ask for the opposite to contradict.
 constexpr double kContradicts = 3.0;
@@ -657,7 +659,9 @@ class Tracer {
       const double more = asks(trials[i]) - asks(trials[chosen]);
       const bool first =
           trials[i].candidate->catalogue_order < trials[chosen].candidate->catalogue_order;
-      if (more < -0.1 || (more < 0.1 && first)) chosen = i;
+      // What cannot be told apart at all is told apart by nothing.
+      const bool twin = Correlation(trials[chosen].part, trials[i].part) > kTwin;
+      if (twin ? first : more < -1.0 || (more < 1.0 && first)) chosen = i;
     }
     for (Trial& trial : trials) {
       trial.score.sealed_rms = SealedWith(*fit, trial);
@@ -875,7 +879,7 @@ class Tracer {
     const double explainable =
         std::max(variance - result_.noise_floor_rms * result_.noise_floor_rms, 0.02 * variance);
     const bool loud = best.gain.t > options_.fewest_standard_errors &&
-                      best.share > scan.placebo_99 && best.share > 0.10 &&
+                      best.share > scan.placebo_99 && best.share > kNamedShare &&
                       explainable > kLoudRest * variance &&
                       best.share * variance > 0.2 * explainable;
     if (!loud) return;
