@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <random>
 
@@ -42,7 +43,7 @@ constexpr double kNamedShare = 0.16;
 constexpr double kConvincingUnits = 6;
 // Standard errors by which a quarter of the data must ask for the opposite to contradict.
 constexpr double kContradicts = 3.0;
-constexpr double kShortestDelay = 0.1;  // of a sample
+constexpr double kShortestDelay = 0.07;  // of a sample
 constexpr double kTwoPi = 6.283185307179586;
 
 double SumSquares(const Eigen::VectorXd& x, const std::vector<Eigen::Index>& rows) {
@@ -160,8 +161,9 @@ class Tracer {
     // The noise's own correlation time: of what a flexible model leaves.
     const Eigen::MatrixXd flexible = FlexibleColumns(train_, kFlexibleColumns, options_.seed);
     const Eigen::VectorXd target = fit.balance.target - fit.balance.columns * fit.coefficients;
-    FlexibleFit ceiling = FitFlexible(units_.blocks, WithLastingEvent(fit, target), flexible,
-                                      target, Folds(units_.blocks.size()));
+    FlexibleFit ceiling =
+        FitFlexible(units_.blocks, WithBestCandidate(fit, WithLastingEvent(fit, target), target),
+                    flexible, target, Folds(units_.blocks.size()));
     const int last_lag = static_cast<int>(std::min<double>(
         20.0 * train_.rows_per_s(), static_cast<double>(train_.rows().size()) / 4.0));
     const Eigen::VectorXd rho = identify::Autocorrelation(
@@ -213,6 +215,36 @@ class Tracer {
       columns.rightCols(extra.cols()) = -extra;
     }
     return columns;
+  }
+
+  // The same for what one candidate explains, and the flexible model cannot: memory, rates, orders.
+  Eigen::MatrixXd WithBestCandidate(const FitResult& fit, const Eigen::MatrixXd& base,
+                                    const Eigen::VectorXd& target) {
+    const CandidateSet set = MakeCandidates(train_, fit.model);
+    const Eigen::MatrixXd used = PickRows(base, used_);
+    const Eigen::MatrixXd inverse = identify::Inverse(used.transpose() * used);
+    Eigen::VectorXd y(static_cast<Eigen::Index>(used_.size()));
+    for (std::size_t i = 0; i < used_.size(); ++i)
+      y[static_cast<Eigen::Index>(i)] = target[used_[i]];
+    y -= used * (inverse * (used.transpose() * y));
+    double most = 0.05 * y.squaredNorm();
+    const Eigen::MatrixXd* best = nullptr;
+    for (const Candidate& candidate : set.candidates) {
+      for (const GridPoint& point : candidate.grid) {
+        const Eigen::MatrixXd z = PickRows(point.columns, used_);
+        const Eigen::MatrixXd free = z - used * (inverse * (used.transpose() * z));
+        if (!(free.squaredNorm() > kSwallowed * z.squaredNorm())) continue;
+        const Eigen::VectorXd b = identify::Solve(free.transpose() * free, free.transpose() * y);
+        const double explained = b.dot(free.transpose() * y);
+        if (!(explained > most)) continue;
+        most = explained;
+        best = &point.columns;
+      }
+    }
+    if (best == nullptr) return base;
+    Eigen::MatrixXd out(base.rows(), base.cols() + best->cols());
+    out << base, *best;
+    return out;
   }
 
   std::vector<Trial> Score(const FitResult& fit, const CandidateSet& set, RoundReport* report) {
@@ -357,7 +389,8 @@ class Tracer {
       CandidateScore& score = trial.score;
       if (trial.hidden) {
         score.refused = "a declared term carries it";
-      } else if (!(score.gain.t > options_.fewest_standard_errors * quantile)) {
+      } else if (!(score.gain.t > options_.fewest_standard_errors * quantile) &&
+                 !StandsWithoutTwo(trial, base_sum, report->placebo_99)) {
         score.refused = "gain within its error";
       } else if (score.explainable_share < options_.smallest_explainable_share) {
         score.refused = "gain below 5 % of what can be explained";
@@ -464,6 +497,16 @@ class Tracer {
       best_false.push_back(gain);
     }
     return identify::Quantile(best_false, options_.placebo_quantile);
+  }
+
+  // Units differ in how much they excite an effect, and that is no doubt about it: a gain that few
+  // units give is believed when what all but the best two give is still above the placebo.
+  bool StandsWithoutTwo(const Trial& trial, double base_sum, double placebo) const {
+    if (trial.gains.size() < 20) return false;
+    std::vector<double> gains(trial.gains.data(), trial.gains.data() + trial.gains.size());
+    std::partial_sort(gains.begin(), gains.begin() + 2, gains.end(), std::greater<>());
+    const double rest = trial.score.gain.sum - gains[0] - gains[1];
+    return rest > std::max(placebo, options_.smallest_residual_share) * base_sum;
   }
 
   static bool IsPassing(const Trial& trial) {
