@@ -66,7 +66,8 @@ LoopResult CloseLoop(const std::vector<identify::Run>& train,
   loop.sealed.emplace(identify::MakeStates(sealed, joint, loop.processing), loop.processing);
   loop.trace = Trace(*loop.train, *loop.sealed, joint, options);
   AddDelayFinding(loop.trace, rate_Hz, &loop.findings);
-  LookAtSlowMotion(train, sealed, rate_Hz, options, &loop);
+  // Rows that are holds creep already.
+  if (!train.front().held) LookAtSlowMotion(train, sealed, rate_Hz, options, &loop);
   return loop;
 }
 
