@@ -9,6 +9,7 @@
 #include <sinew_idl/recordingPubSubTypes.h>
 #include <sinew_idl/referencePubSubTypes.h>
 #include <sinew_idl/regimePubSubTypes.h>
+#include <sinew_idl/residualPubSubTypes.h>
 #include <sinew_idl/sensorsPubSubTypes.h>
 #include <sinew_idl/simulationPubSubTypes.h>
 #include <sinew_idl/statusPubSubTypes.h>

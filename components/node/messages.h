@@ -16,6 +16,7 @@
   X(ReservoirState)               \
   X(Readout)                      \
   X(AdaptationState)              \
+  X(ResidualState)                \
   X(Reference)                    \
   X(OperatorCommand)              \
   X(MotionRequest)                \

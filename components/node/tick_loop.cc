@@ -9,6 +9,7 @@
 #include <sinew_idl/recording.h>
 #include <sinew_idl/reference.h>
 #include <sinew_idl/regime.h>
+#include <sinew_idl/residual.h>
 #include <sinew_idl/sensors.h>
 #include <sinew_idl/simulation.h>
 #include <sinew_idl/status.h>

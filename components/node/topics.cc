@@ -65,6 +65,7 @@ const std::vector<TopicInfo>& AllTopics() {
     Add(kReservoirState, &topics);
     Add(kReadout, &topics);
     Add(kAdaptationState, &topics);
+    Add(kResidual, &topics);
     Add(kReference, &topics);
     Add(kOperatorCommand, &topics);
     Add(kMotionRequest, &topics);

@@ -21,6 +21,7 @@ class TorquePrediction;
 class ReservoirState;
 class Readout;
 class AdaptationState;
+class ResidualState;
 class Reference;
 class OperatorCommand;
 class MotionRequest;
@@ -65,6 +66,7 @@ inline constexpr Topic<msg::TorquePrediction> kTorquePrediction{"torque_predicti
 inline constexpr Topic<msg::ReservoirState> kReservoirState{"reservoir_state", Profile::kState};
 inline constexpr Topic<msg::Readout> kReadout{"readout", Profile::kLatched};
 inline constexpr Topic<msg::AdaptationState> kAdaptationState{"adaptation_state", Profile::kState};
+inline constexpr Topic<msg::ResidualState> kResidual{"residual", Profile::kState};
 inline constexpr Topic<msg::Reference> kReference{"reference", Profile::kState};
 inline constexpr Topic<msg::OperatorCommand> kOperatorCommand{"operator_command", Profile::kEvent};
 inline constexpr Topic<msg::MotionRequest> kMotionRequest{"motion_request", Profile::kEvent};

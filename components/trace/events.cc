@@ -18,9 +18,10 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kFewestRows = 30;
 // A change in another recording is the same event when its size is within this factor.
 constexpr double kAlike = 2.0;
-// Passing events: rows that must be used for the filter to say anything; events per recording.
-constexpr double kSeenShare = 0.6;
-constexpr int kMostPushes = 3;
+// Passing events: share of a push's rows that must be used for the filter to say anything; how loud
+// the next one in the same recording may be.
+constexpr double kSeenShare = 0.35;
+constexpr double kNextLoudest = 0.5;
 
 std::vector<std::vector<Eigen::Index>> UsedByRun(const identify::Design& design) {
   std::vector<std::vector<Eigen::Index>> out(design.states().run_names.size());
@@ -168,27 +169,30 @@ struct Push {
   double power = 0.0;
 };
 
-// Responses of the pulse of one length at every row of a recording; NaN where too little is seen.
-std::vector<Push> MatchedFilter(const identify::Design& design,
-                                const std::vector<Eigen::Index>& used, double length_s,
+// Responses of the pulse of one length, beginning at every row of a recording, used or not; none
+// where too little of it is seen.
+std::vector<Push> MatchedFilter(const identify::Design& design, int run, double length_s,
                                 const Eigen::Ref<const Eigen::VectorXd>& target) {
-  const Eigen::VectorXd& time_s = design.rows().time_s;
+  const identify::Rows& rows = design.rows();
   const double expected = length_s * design.rows_per_s();
   std::vector<Push> out;
-  for (std::size_t k = 0; k < used.size(); ++k) {
-    const double start = time_s[used[k]];
+  for (Eigen::Index k = 0; k < rows.size(); ++k) {
+    if (rows.run[static_cast<std::size_t>(k)] != run) continue;
+    const double start = rows.time_s[k];
     double zr = 0.0;
     double zz = 0.0;
     double seen = 0.0;
-    for (std::size_t j = k; j < used.size(); ++j) {
-      const double s = (time_s[used[j]] - start) / length_s;
-      if (s >= 1.0) break;
+    for (Eigen::Index j = k; j < rows.size(); ++j) {
+      const auto at = static_cast<std::size_t>(j);
+      const double s = (rows.time_s[j] - start) / length_s;
+      if (s >= 1.0 || rows.run[at] != run) break;
+      if (!rows.used[at]) continue;
       const double z = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * s);
-      zr += z * target[used[j]];
+      zr += z * target[j];
       zz += z * z;
       seen += 1.0;
     }
-    if (seen < kSeenShare * expected || seen < 3.0) continue;
+    if (seen < kSeenShare * expected || seen < 4.0 || !(zz > 0.1 * expected)) continue;
     out.push_back({start, zr / std::sqrt(zz), zz});
   }
   return out;
@@ -198,8 +202,8 @@ Event FindPassing(const identify::Design& design, std::shared_ptr<const effects:
                   const Eigen::Ref<const Eigen::VectorXd>& target) {
   Event out;
   out.threshold = kLoudest;
-  const auto runs = UsedByRun(design);
-  out.start_s.assign(runs.size(), kNaN);
+  const std::size_t runs = design.states().run_names.size();
+  out.start_s.assign(runs, kNaN);
   const effects::ParameterInfo& length = effect->info().nonlinear[1];
   std::size_t first = 0;
   double response = 0.0;
@@ -208,8 +212,8 @@ Event FindPassing(const identify::Design& design, std::shared_ptr<const effects:
     if (length_s * design.rows_per_s() < 4.0) continue;
     std::vector<std::vector<Push>> all;
     std::vector<double> sizes;
-    for (const auto& used : runs) {
-      all.push_back(MatchedFilter(design, used, length_s, target));
+    for (std::size_t run = 0; run < runs; ++run) {
+      all.push_back(MatchedFilter(design, static_cast<int>(run), length_s, target));
       for (const Push& push : all.back()) sizes.push_back(std::abs(push.response));
     }
     if (sizes.size() < 100) continue;
@@ -231,30 +235,29 @@ Event FindPassing(const identify::Design& design, std::shared_ptr<const effects:
   if (!(out.length_s > 0.0)) return out;
 
   // In the other recordings: the loudest of the same sign and size. And it may not come often.
-  int loud = 0;
-  for (std::size_t run = 0; run < runs.size(); ++run) {
-    const std::vector<Push> pushes = MatchedFilter(design, runs[run], out.length_s, target);
+  double next_loudest = 0.0;
+  for (std::size_t run = 0; run < runs; ++run) {
+    const std::vector<Push> pushes =
+        MatchedFilter(design, static_cast<int>(run), out.length_s, target);
     Push best;
-    double last_s = -std::numeric_limits<double>::infinity();
     for (const Push& push : pushes) {
-      const double size = push.response / std::sqrt(push.power);
-      if (std::abs(push.response) > 0.6 * out.statistic * scale &&
-          push.start_s > last_s + 2.0 * out.length_s) {
-        ++loud;
-        last_s = push.start_s;
-      }
-      if (size * response <= 0.0) continue;
+      if (push.response * response <= 0.0) continue;
       if (std::abs(push.response) > std::abs(best.response)) best = push;
     }
     const double ratio = best.power > 0.0 ? best.response / std::sqrt(best.power) / response : 0.0;
-    if (run != first && (std::abs(best.response) < 0.6 * kLoudest * scale || ratio < 1.0 / kAlike ||
-                         ratio > kAlike)) {
-      continue;
+    const bool here = run == first || (std::abs(best.response) > 0.6 * kLoudest * scale &&
+                                       ratio > 1.0 / kAlike && ratio < kAlike);
+    if (here) {
+      out.start_s[run] = best.start_s;
+      out.explained += best.response * best.response;
     }
-    out.start_s[run] = best.start_s;
-    out.explained += best.response * best.response;
+    for (const Push& push : pushes) {
+      if (here && std::abs(push.start_s - best.start_s) < 2.0 * out.length_s) continue;
+      next_loudest = std::max(next_loudest, std::abs(push.response) / scale);
+    }
   }
-  out.significant = out.statistic > kLoudest && loud <= kMostPushes * static_cast<int>(runs.size());
+  out.significant = out.statistic > kLoudest &&
+                    next_loudest < std::max(kNextLoudest * out.statistic, 0.75 * kLoudest);
   return out;
 }
 
@@ -292,7 +295,8 @@ std::vector<double> LocateEvent(const identify::Design& design, const Event& eve
   }
   for (std::size_t run = 0; run < runs.size(); ++run) {
     double best = 0.0;
-    for (const Push& push : MatchedFilter(design, runs[run], event.length_s, residual)) {
+    for (const Push& push :
+         MatchedFilter(design, static_cast<int>(run), event.length_s, residual)) {
       const double gain =
           -theta * (2.0 * push.response * std::sqrt(push.power) + theta * push.power);
       if (gain <= best) continue;

@@ -60,6 +60,32 @@ ShiftReport FindShifts(const identify::Design& design, const actuator::JointMode
   const Eigen::MatrixXd phi = -RowsOf(balance.columns.rightCols(count), used);
   const Eigen::MatrixXd gram = phi.transpose() * phi;
   const Eigen::VectorXd drive = RowsOf(balance.drive_torque, used);
+  // Parameters that are held but stated with a tolerance (a rest angle): what they may be off by
+  // shifts the fitted ones, and that is no surprise either.
+  for (const actuator::Term& term : nominal.terms) {
+    for (std::size_t k = 0; k < term.nonlinear.size(); ++k) {
+      const double off = term.nonlinear[k].tolerance * std::abs(term.nonlinear[k].value);
+      if (!term.nonlinear[k].fixed || !(off > 0.0)) continue;
+      const auto torque = [&](double value) {
+        std::vector<double> psi;
+        for (const actuator::ParameterValue& parameter : term.nonlinear) {
+          psi.push_back(parameter.value);
+        }
+        psi[k] = value;
+        Eigen::VectorXd theta(static_cast<Eigen::Index>(term.linear.size()));
+        for (std::size_t i = 0; i < term.linear.size(); ++i) {
+          theta[static_cast<Eigen::Index>(i)] = term.linear[i].value;
+        }
+        return Eigen::VectorXd(RowsOf(design.Columns(*term.effect, psi), used) * theta);
+      };
+      const double value = term.nonlinear[k].value;
+      const Eigen::VectorXd z = 0.5 * (torque(value + off) - torque(value - off));
+      const Eigen::VectorXd a = identify::Solve(gram, phi.transpose() * z);
+      for (Declared& item : declared) {
+        if (item.column >= first) item.unit = std::hypot(item.unit, a[item.column - first]);
+      }
+    }
+  }
   struct Direction {
     const Candidate* candidate;
     std::vector<double> per_theta;  // in declared units

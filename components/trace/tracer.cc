@@ -551,25 +551,26 @@ class Tracer {
     std::vector<Trial> trials = Score(*fit, set, &report);
     if (result_.rounds.empty()) NoteWhatIsHidden(set, trials);
 
-    // The best one; among those that score the same within a quarter of a standard error the
-    // simplest.
-    std::size_t chosen = trials.size();
-    for (std::size_t i = 0; i < trials.size(); ++i) {
+    // The simplest of those within one standard error of the best (Breiman et al. 1984, section
+    // 3.4.3); of equally simple ones the best, and the first of the catalogue where they are the
+    // same within a quarter of a standard error.
+    const auto complexity = [](const Trial& trial) {
+      const effects::EffectInfo& info = trial.candidate->effect->info();
+      return info.linear.size() + info.nonlinear.size();
+    };
+    std::size_t best = 0;
+    while (best < trials.size() && !trials[best].score.accepted) ++best;
+    std::size_t chosen = best;
+    for (std::size_t i = best + 1; i < trials.size(); ++i) {
       if (!trials[i].score.accepted) continue;
-      if (chosen == trials.size()) {
-        chosen = i;
-        continue;
-      }
-      const Gain behind = GainOf(trials[chosen].gains - trials[i].gains);
-      const auto complexity = [&](const Trial& trial) {
-        const effects::EffectInfo& info = trial.candidate->effect->info();
-        return info.linear.size() + info.nonlinear.size();
-      };
-      const bool same = behind.sum <= 0.25 * behind.standard_error;
-      if (same &&
-          (complexity(trials[i]) < complexity(trials[chosen]) ||
-           (complexity(trials[i]) == complexity(trials[chosen]) &&
-            trials[i].candidate->catalogue_order < trials[chosen].candidate->catalogue_order))) {
+      const Gain behind = GainOf(trials[best].gains - trials[i].gains);
+      if (behind.sum > behind.standard_error) continue;
+      const Gain behind_chosen = GainOf(trials[chosen].gains - trials[i].gains);
+      const bool simpler = complexity(trials[i]) < complexity(trials[chosen]);
+      const bool same = complexity(trials[i]) == complexity(trials[chosen]) &&
+                        behind_chosen.sum <= 0.25 * behind_chosen.standard_error;
+      if (simpler || (same && trials[i].candidate->catalogue_order <
+                                  trials[chosen].candidate->catalogue_order)) {
         chosen = i;
       }
     }

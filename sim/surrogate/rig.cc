@@ -170,6 +170,7 @@ void Rig::Reset() {
   temperature_noise_ = RandomStream(seed, kStreamTemperature);
   motor_.Reset();
   undeclared_.Reset();
+  dry_share_ = viscous_share_ = 1.0;
   SetState(parameters_.initial_angle_rad * parameters_.gear.ratio, 0.0,
            parameters_.initial_angle_rad, 0.0);
   SetRest(parameters_.initial_rest_s);
@@ -210,6 +211,11 @@ void Rig::SetPressure(double chamber_bar, double reservoir_bar) noexcept {
   reservoir_.Reset(air.reservoir_volume_m3, air.atmosphere_Pa + reservoir_bar * kPaPerBar,
                    air.wall_temperature_K);
   lagged_gauge_Pa_ = chamber_bar * kPaPerBar;
+}
+
+void Rig::Wear(double dry_share, double viscous_share) noexcept {
+  dry_share_ = std::max(0.0, dry_share);
+  viscous_share_ = std::max(0.0, viscous_share);
 }
 
 void Rig::SetRest(double rest_s) noexcept {
@@ -381,7 +387,7 @@ void Rig::Substep(const RigInput& input, double dt_s) noexcept {
   const double extra_Nm = undeclared_.ExtraFriction_Nm(effect_state);
   const double kinetic_Nm = link.friction.kinetic_Nm;
   const double scale = kinetic_Nm > 0.0 ? std::max(0.05, 1.0 + extra_Nm / kinetic_Nm) : 1.0;
-  friction_Nm_ = output_friction_.Step(output_rad_s_, dt_s, scale);
+  friction_Nm_ = output_friction_.Step(output_rad_s_, dt_s, dry_share_ * scale);
   undeclared_output_Nm_ = undeclared_.OutputTorque_Nm(effect_state, dt_s);
   undeclared_rotor_Nm_ = undeclared_.RotorTorque_Nm(effect_state);
   const double arm_kg_m = payload_kg_ * link.length_m;
@@ -445,8 +451,9 @@ void Rig::Substep(const RigInput& input, double dt_s) noexcept {
     const double rotor_Nm = share * air_gap_Nm + undeclared_rotor_Nm_ - tooth_Nm_ / gear.ratio +
                             rotor_friction_.Step(motor_rad_s_, dt_s, rotor_scale);
     const double inertia_kg_m2 = parameters_.rotor.inertia_kg_m2;
-    motor_rad_s_ = (motor_rad_s_ + dt_s * rotor_Nm / inertia_kg_m2) /
-                   (1.0 + dt_s * parameters_.rotor.viscous_Nm_s_rad / inertia_kg_m2);
+    motor_rad_s_ =
+        (motor_rad_s_ + dt_s * rotor_Nm / inertia_kg_m2) /
+        (1.0 + dt_s * viscous_share_ * parameters_.rotor.viscous_Nm_s_rad / inertia_kg_m2);
   }
 
   // Second half of the motion.

@@ -92,6 +92,9 @@ class Rig {
   // Puts the given gauge pressure, at wall temperature, into chamber and reservoir.
   void SetPressure(double chamber_bar, double reservoir_bar) noexcept;
   void SetRest(double rest_s) noexcept;
+  // Bearings run dry, grease goes: from now on the output's dry friction and the rotor's viscous
+  // one are these shares of the specimen's own. Not below 0. Reset takes it back.
+  void Wear(double dry_share, double viscous_share) noexcept;
 
   // Holds the input for the given time. Non-finite or absurd inputs must not come here: see
   // Surrogate.
@@ -138,6 +141,8 @@ class Rig {
   double sensor_step_s_ = 0.0;
   double count_rad_ = 0.0;
 
+  double dry_share_ = 1.0;
+  double viscous_share_ = 1.0;
   double time_s_ = 0.0;
   double motor_rad_ = 0.0;
   double motor_rad_s_ = 0.0;

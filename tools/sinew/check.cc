@@ -11,6 +11,7 @@
 #include "components/report/file/section_file.h"
 #include "tools/check/pressure_check.h"
 #include "tools/check/regime_grid.h"
+#include "tools/check/residual_check.h"
 #include "tools/check/rls_check.h"
 #include "tools/sinew/print_section.h"
 #include "tools/sinew/progress.h"
@@ -72,6 +73,27 @@ report::Section CheckPressure(const CheckOptions& options) {
   return check::MakePressureSection(all, config);
 }
 
+report::Section CheckResidual(const CheckOptions& options) {
+  const check::ResidualBench bench =
+      check::LoadResidualBench(ShippedRobotFile("rig/surrogate_model.yaml").parent_path());
+  std::vector<check::ResidualCase> changes = check::ResidualChanges(options.quick);
+  std::vector<check::ResidualCase> hours = check::ResidualHours(options.quick);
+  std::vector<check::ResidualScore> change_scores, hour_scores;
+  ProgressBar bar("check residual", "runs", changes.size() + hours.size());
+  std::uint64_t done = 0;
+  for (check::ResidualCase& at : changes) {
+    at.seed += 1000000 * (options.seed - 1);
+    change_scores.push_back(check::RunResidualCase(bench, at));
+    bar.Update(++done);
+  }
+  for (check::ResidualCase& at : hours) {
+    at.seed += 1000000 * (options.seed - 1);
+    hour_scores.push_back(check::RunResidualCase(bench, at));
+    bar.Update(++done);
+  }
+  return check::MakeResidualSection(bench, change_scores, hour_scores);
+}
+
 report::Section CheckRls(const CheckOptions& options) {
   const long updates = options.quick ? std::min(options.updates, 300'000L) : options.updates;
   const check::BatchScore batch = check::CompareWithBatch(options.quick ? 500 : 5000, options.seed);
@@ -123,6 +145,7 @@ void AddCheckCommand(CLI::App& app) {
   check->footer("Example:\n  sinew check regime --quick --out results/regime");
   const auto options = std::make_shared<CheckOptions>();
   AddRoom(check, options, "regime", "The regime detector against the truth", CheckRegime);
+  AddRoom(check, options, "residual", "Changes told in time, none told that is not", CheckResidual);
   AddRoom(check, options, "pneumatics", "Pressures held, faults told", CheckPressure);
   AddRoom(check, options, "rls", "Recursive least squares: batch, soak, time", CheckRls);
 }

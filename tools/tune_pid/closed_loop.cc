@@ -42,6 +42,7 @@ ClosedLoopScore RunClosedLoop(const ClosedLoopConfig& config, provider::Plant& p
   double squares = 0.0, torque_squares = 0.0, change_squares = 0.0;
   const auto ticks = static_cast<std::uint64_t>(std::llround(config.duration_s * config.rate_Hz));
   for (std::uint64_t tick = 0; tick < ticks; ++tick) {
+    if (config.each_tick) config.each_tick(static_cast<double>(tick) * period_s, sensors);
     reference::RobotReferenceInput asked;
     asked.session_id = 1;
     asked.tick = tick;

@@ -5,6 +5,7 @@
 // k + 1, as in lockstep.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "components/control/robot_controller.h"
@@ -23,6 +24,8 @@ struct ClosedLoopConfig {
   double duration_s = 0.0;    // from arming
   double score_from_s = 0.0;  // earlier samples do not count
   double score_to_s = 1e9;
+  // Sees what the sensors say at every tick, before the command; may be empty.
+  std::function<void(double time_s, const provider::PlantSensors&)> each_tick = {};
 };
 
 // The first joint in one tick.

@@ -1,0 +1,41 @@
+// Messages to and from the residual monitors of all joints.
+#pragma once
+
+#include <sinew_idl/actuator.h>
+#include <sinew_idl/joint.h>
+#include <sinew_idl/residual.h>
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "components/node/tick_loop.h"
+#include "components/residual/file/residual_file.h"
+
+namespace sinew::residual {
+
+class RobotResidual {
+ public:
+  explicit RobotResidual(ResidualConfig config) : config_(std::move(config)) {}
+
+  // A new session learns anew; ticks that never came are lost samples. Throws UsageError when the
+  // robot does not measure what the model reads, or has fewer joints.
+  void Step(const node::Tick& tick, const msg::JointState& state,
+            const node::TickInput<msg::ActuatorState>& actuator);
+  msg::ResidualState ToMessage(const node::Tick& tick) const;
+  // What is to be told, one line: a joint that learns, an alarm. Empty: watching.
+  std::string Line() const;
+
+ private:
+  void Begin(const node::Tick& tick, const msg::JointState& state,
+             const msg::ActuatorState& actuator);
+
+  ResidualConfig config_;
+  std::vector<Monitor> monitors_;
+  std::array<MonitorOutput, 12> output_{};
+  std::uint64_t session_id_ = 0, first_tick_ = 0, last_tick_ = 0;
+  double period_s_ = 0.0, time_s_ = 0.0;
+  bool stale_ = false, has_motor_ = true;
+};
+
+}  // namespace sinew::residual

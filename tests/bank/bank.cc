@@ -1,0 +1,359 @@
+#include "tests/bank/bank.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+
+#include "components/identify/fit.h"
+#include "components/trace/candidates.h"
+#include "components/trace/close_loop.h"
+#include "components/trace/slow_motion.h"
+#include "components/trace/units.h"
+#include "sim/surrogate/undeclared.h"
+
+namespace sinew::bank {
+namespace {
+
+using surrogate::ExcitationKind;
+
+constexpr double kColouredNoise_A = 0.05;
+constexpr double kShort_s = 25.0;  // recordings without an effect are short ones
+
+// Effects that act either way: odd seeds take the other sign.
+constexpr std::array<std::string_view, 10> kEitherWay = {"direction_dependent_viscous",
+                                                         "direction_dependent_coulomb",
+                                                         "torque_constant_gain",
+                                                         "current_offset",
+                                                         "gear_eccentricity",
+                                                         "encoder_eccentricity",
+                                                         "external_bump",
+                                                         "gravity_phase",
+                                                         "load_cell_gain",
+                                                         "pressure_offset"};
+
+constexpr std::array<std::array<std::string_view, 2>, 20> kPairs = {{
+    {"stribeck", "quadratic_viscous"},
+    {"stribeck", "gear_eccentricity"},
+    {"quadratic_viscous", "direction_dependent_viscous"},
+    {"quadratic_viscous", "seal_hysteresis"},
+    {"direction_dependent_viscous", "seal_hysteresis"},
+    {"direction_dependent_viscous", "load_dependent_friction"},
+    {"cogging", "quadratic_viscous"},
+    {"cogging", "seal_hysteresis"},
+    {"load_dependent_friction", "gear_eccentricity"},
+    {"drive_efficiency_direction", "quadratic_viscous"},
+    {"temperature_friction", "gravity_phase"},
+    {"transport_delay", "quadratic_viscous"},
+    {"transport_delay", "seal_hysteresis"},
+    {"flexible_link", "direction_dependent_viscous"},
+    {"pressure_lag", "quadratic_viscous"},
+    {"stiffness_collapse", "stribeck"},
+    {"presliding", "direction_dependent_viscous"},
+    {"payload_step", "quadratic_viscous"},
+    {"external_bump", "stribeck"},
+    {"torque_constant_saturation", "gravity_phase"},
+}};
+
+// Terms of the true structure; several where one mechanism has several orders.
+std::vector<std::vector<double>> OracleSettings(const std::string& effect) {
+  if (effect == "cogging") return {{14.0}, {7.0}, {28.0}};
+  if (effect == "gear_eccentricity") return {{2.0}, {1.0}};
+  return {};
+}
+
+struct Oracle {
+  actuator::JointModel model;
+  double sealed = 0.0;
+  bool significant = false;
+  double value = std::numeric_limits<double>::quiet_NaN();  // main parameter of the first term
+};
+
+struct Designs {
+  identify::Design train, sealed;
+};
+
+Designs MakeDesigns(const Recorded& recorded, const actuator::JointModel& model,
+                    const identify::ProcessingOptions& processing) {
+  return {identify::Design(identify::MakeStates(recorded.train, model, processing), processing),
+          identify::Design(identify::MakeStates(recorded.sealed, model, processing), processing)};
+}
+
+double Rate_Hz(const Recorded& recorded) {
+  const Eigen::VectorXd& time_s = recorded.train.front().time_s;
+  return static_cast<double>(time_s.size() - 1) / (time_s[time_s.size() - 1] - time_s[0]);
+}
+
+// Where an effect shows: torque that repeats with the motor's angle does where the motion creeps.
+bool ShowsInSlowMotion(const std::vector<std::string>& names, const actuator::JointModel& model) {
+  const std::vector<std::string> slow = trace::EffectsOfMotorAngle(model);
+  return names.size() == 1 && std::find(slow.begin(), slow.end(), names.front()) != slow.end();
+}
+
+bool KnownToMotion(const std::string& effect, const actuator::JointModel& model) {
+  const std::vector<std::string> names = effects::EffectNames();
+  if (std::find(names.begin(), names.end(), effect) == names.end()) return false;
+  return effects::MakeEffect(effect, model.constants)->info().balance == effects::Balance::kMotion;
+}
+
+// The linear parameter that says how large a term is: the largest one.
+const actuator::ParameterValue& MainParameter(const actuator::Term& term) {
+  return *std::max_element(
+      term.linear.begin(), term.linear.end(),
+      [](const actuator::ParameterValue& a, const actuator::ParameterValue& b) {
+        return std::abs(a.value) < std::abs(b.value);
+      });
+}
+
+// True structure, refitted: every setting of the grid tried, the best one refined.
+Oracle FitOracle(Designs* designs, const actuator::JointModel& declared,
+                 const std::vector<std::string>& names) {
+  const std::vector<identify::Block> blocks = trace::ChooseUnits(designs->train, 0.5, 20).blocks;
+  actuator::JointModel model = identify::FitModel(designs->train, declared, blocks).model;
+  designs->train.PredictDrive(model);
+  const std::size_t first = model.terms.size();
+  for (const std::string& name : names) {
+    actuator::Term term = actuator::MakeTerm(name, model.constants);
+    term.declared = false;
+    std::vector<std::vector<double>> settings = OracleSettings(name);
+    const bool all = !settings.empty();
+    if (!all) settings = trace::GridOf(term.effect->info());
+    actuator::JointModel best;
+    double least = std::numeric_limits<double>::infinity();
+    for (const std::vector<double>& psi : settings) {
+      for (std::size_t i = 0; i < psi.size(); ++i) term.nonlinear[i].value = psi[i];
+      for (actuator::ParameterValue& value : term.nonlinear) value.fixed = all;
+      if (all) {
+        model.terms.push_back(term);
+        continue;
+      }
+      actuator::JointModel trial = model;
+      trial.terms.push_back(term);
+      const identify::FitResult fit = identify::FitModel(designs->train, trial, blocks);
+      if (fit.rms < least) {
+        least = fit.rms;
+        best = fit.model;
+      }
+    }
+    if (!all) model = std::move(best);
+  }
+  identify::FitResult fit = identify::RefineModel(designs->train, model, blocks);
+  designs->train.PredictDrive(fit.model);
+  fit = identify::RefineModel(designs->train, fit.model, blocks);
+  designs->sealed.PredictDrive(fit.model);
+  Oracle oracle{.model = fit.model, .sealed = identify::ErrorOf(designs->sealed, fit.model).rms};
+  for (std::size_t t = first; t < fit.model.terms.size(); ++t) {
+    for (const actuator::ParameterValue& value : fit.model.terms[t].linear) {
+      if (value.half_width_95 && std::abs(value.value) > *value.half_width_95) {
+        oracle.significant = true;
+      }
+    }
+  }
+  oracle.value = MainParameter(fit.model.terms[first]).value;
+  return oracle;
+}
+
+double SignOf(const std::string& effect, std::uint64_t seed) {
+  const bool either = std::find(kEitherWay.begin(), kEitherWay.end(), effect) != kEitherWay.end();
+  return either && seed % 2 == 1 ? -1.0 : 1.0;
+}
+
+Scene SceneOf(const Case& what) {
+  Scene scene{.excitation = what.excitation, .seed = what.seed};
+  if (what.kind == Kind::kNone) scene.seconds = kShort_s;
+  if (what.coloured) scene.coloured_noise_A = kColouredNoise_A;
+  for (const std::string& name : what.effects) {
+    const SizeOf& size = FindSize(name, what.excitation);
+    scene.effects.push_back(
+        {name,
+         SignOf(name, what.seed) * (what.strength == Strength::kWeak ? size.weak : size.strong),
+         0.0});
+  }
+  return scene;
+}
+
+void JudgeAgainstOracle(const Case& what, const Scene& scene, const Recorded& recorded,
+                        const trace::LoopResult& loop, bool parameters, Outcome* out) {
+  for (const std::string& name : what.effects) {
+    if (!KnownToMotion(name, recorded.declared)) return;
+  }
+  actuator::JointModel declared = recorded.declared;
+  identify::ProcessingOptions processing = recorded.processing;
+  if (ShowsInSlowMotion(what.effects, declared)) {
+    declared = trace::HeldForSlowMotion(loop.trace.declared);
+    processing = identify::SlowMotion(processing, declared, Rate_Hz(recorded));
+  }
+  Designs designs = MakeDesigns(recorded, declared, processing);
+  const Oracle oracle = FitOracle(&designs, declared, what.effects);
+  out->sealed_oracle = oracle.sealed;
+  out->oracle_significant = oracle.significant;
+  designs.sealed.PredictDrive(loop.trace.declared);
+  out->sealed_before = identify::ErrorOf(designs.sealed, loop.trace.declared).rms;
+  designs.sealed.PredictDrive(loop.trace.corrected);
+  out->sealed_after = identify::ErrorOf(designs.sealed, loop.trace.corrected).rms;
+
+  if (!parameters || what.kind != Kind::kEffect || loop.trace.effects.empty() ||
+      loop.trace.effects.front().swallowed ||
+      loop.trace.effects.front().name != what.effects.front()) {
+    return;
+  }
+  Scene silent = scene;
+  silent.silent = true;
+  const Recorded clean = Record(silent);
+  Designs clean_designs = MakeDesigns(clean, declared, processing);
+  const trace::FoundEffect& found = loop.trace.effects.front();
+  const actuator::Term& term = loop.trace.corrected.terms[static_cast<std::size_t>(found.term)];
+  const Oracle truth = FitOracle(&clean_designs, declared, what.effects);
+  const actuator::ParameterValue& value = MainParameter(term);
+  out->value = value.value;
+  out->half_width = value.half_width_95.value_or(std::numeric_limits<double>::quiet_NaN());
+  out->truth = truth.value;
+}
+
+}  // namespace
+
+std::vector<std::string> CatalogueNames() {
+  std::vector<std::string> names;
+  for (const surrogate::EffectInfo& info : surrogate::UndeclaredEffects()) {
+    if (info.in_catalogue) names.emplace_back(info.name);
+  }
+  return names;
+}
+
+std::vector<std::string> OutsideNames() {
+  std::vector<std::string> names;
+  for (const surrogate::EffectInfo& info : surrogate::UndeclaredEffects()) {
+    if (!info.in_catalogue) names.emplace_back(info.name);
+  }
+  return names;
+}
+
+std::vector<Case> MakeCases(const Plan& plan) {
+  std::vector<Case> cases;
+  const auto wanted = [&](const std::string& name) {
+    return plan.effects.empty() ||
+           std::find(plan.effects.begin(), plan.effects.end(), name) != plan.effects.end();
+  };
+  for (const std::string& name : plan.effects) {
+    const std::vector<std::string> in = CatalogueNames(), outside = OutsideNames();
+    if (std::find(in.begin(), in.end(), name) == in.end() &&
+        std::find(outside.begin(), outside.end(), name) == outside.end() && name != "none" &&
+        name != "pairs") {
+      throw std::invalid_argument("effect '" + name +
+                                  "' is not known, expected one of the surrogate's, none or pairs");
+    }
+  }
+  const auto seed_of = [&](int k) { return plan.first_seed + static_cast<std::uint64_t>(k); };
+  std::vector<ExcitationKind> excitations = {ExcitationKind::kDesigned};
+  if (plan.task) excitations.push_back(ExcitationKind::kTask);
+  // Seeds outermost: the first part of a run already has every effect once.
+  for (int k = 0; k < plan.seeds; ++k) {
+    for (const ExcitationKind excitation : excitations) {
+      for (const Strength strength : {Strength::kStrong, Strength::kWeak}) {
+        for (const std::string& name : CatalogueNames()) {
+          if (wanted(name)) {
+            cases.push_back({Kind::kEffect, {name}, strength, excitation, seed_of(k)});
+          }
+        }
+      }
+    }
+    for (const std::string& name : OutsideNames()) {
+      if (wanted(name))
+        cases.push_back({.kind = Kind::kOutside, .effects = {name}, .seed = seed_of(k)});
+    }
+  }
+  if (wanted("pairs")) {
+    for (int k = 0; k < plan.pair_seeds; ++k) {
+      for (const auto& pair : kPairs) {
+        cases.push_back({.kind = Kind::kPair,
+                         .effects = {std::string(pair[0]), std::string(pair[1])},
+                         .seed = seed_of(k)});
+      }
+    }
+  }
+  if (wanted("none")) {
+    for (int k = 0; k < plan.without; ++k) {
+      cases.push_back({.kind = Kind::kNone,
+                       .effects = {},
+                       .excitation = k % 4 < 2 || !plan.task ? ExcitationKind::kDesigned
+                                                             : ExcitationKind::kTask,
+                       .seed = 10000 + seed_of(k),
+                       .coloured = k % 2 == 1});
+    }
+  }
+  return cases;
+}
+
+Outcome RunCase(const Case& what, bool parameters) {
+  const auto start = std::chrono::steady_clock::now();
+  Outcome out;
+  out.what = what;
+  out.value = out.truth = out.half_width = std::numeric_limits<double>::quiet_NaN();
+  const Scene scene = SceneOf(what);
+  const Recorded recorded = Record(scene);
+  trace::TraceOptions options;
+  options.seed = what.seed;
+  const trace::LoopResult loop = trace::CloseLoop(recorded.train, recorded.sealed,
+                                                  recorded.declared, recorded.processing, options);
+  const trace::TraceResult& result = loop.trace;
+  out.verdict = result.verdict == trace::Verdict::kEffect        ? "effect"
+                : result.verdict == trace::Verdict::kUnexplained ? "unexplained"
+                                                                 : "none";
+  for (const trace::FoundEffect& effect : result.effects) {
+    out.found.push_back({effect.name, effect.rivals, effect.swallowed});
+  }
+  out.variable = result.unexplained.variable;
+  for (const trace::NotExcited& hidden : result.not_excited) {
+    out.not_excited.push_back(hidden.effect);
+  }
+  for (const trace::ParameterShift& shift : result.shifts) {
+    for (const std::string& cause : shift.causes) {
+      if (std::find(out.shift_causes.begin(), out.shift_causes.end(), cause) ==
+          out.shift_causes.end()) {
+        out.shift_causes.push_back(cause);
+      }
+    }
+  }
+  out.sealed_before = result.before_sealed.rms;
+  out.sealed_after = result.after_sealed.rms;
+  if (!what.effects.empty()) {
+    JudgeAgainstOracle(what, scene, recorded, loop, parameters, &out);
+  }
+  out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return out;
+}
+
+std::vector<Outcome> RunCases(const std::vector<Case>& cases, int threads, bool parameters,
+                              const std::function<void(const Outcome&)>& done) {
+  std::vector<Outcome> outcomes(cases.size());
+  std::atomic<std::size_t> next{0};
+  std::mutex telling;
+  std::exception_ptr failed;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < cases.size(); i = next++) {
+      try {
+        outcomes[i] = RunCase(cases[i], parameters);
+        const std::lock_guard<std::mutex> lock(telling);
+        if (done) done(outcomes[i]);
+      } catch (...) {
+        const std::lock_guard<std::mutex> lock(telling);
+        if (!failed) failed = std::current_exception();
+        next = cases.size();
+      }
+    }
+  };
+  std::vector<std::thread> workers;
+  for (int i = 1; i < threads; ++i) workers.emplace_back(work);
+  work();
+  for (std::thread& worker : workers) worker.join();
+  if (failed) std::rethrow_exception(failed);
+  return outcomes;
+}
+
+}  // namespace sinew::bank

@@ -1,0 +1,40 @@
+// What the bank records: the lab's rig as the surrogate plays it, with or without undeclared
+// effects, and what a laboratory would declare of it. In process, no files, everything from the
+// seed.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "components/actuator/model.h"
+#include "components/identify/processing.h"
+#include "components/identify/run.h"
+#include "sim/surrogate/excitation.h"
+#include "sim/surrogate/undeclared.h"
+
+namespace sinew::bank {
+
+struct Scene {
+  surrogate::ExcitationKind excitation = surrogate::ExcitationKind::kDesigned;
+  std::uint64_t seed = 1;  // of specimen, motion, noise and what the laboratory declares
+  int trains = 3;
+  double seconds = 60.0;          // of each recording
+  double coloured_noise_A = 0.0;  // on the current, standard deviation; 0.1 s of memory
+  bool silent = false;            // sensors neither round nor scatter, no jitter, no lost rows
+  std::vector<surrogate::EffectSpec> effects;
+};
+
+struct Recorded {
+  std::vector<identify::Run> train, sealed;
+  actuator::JointModel declared;  // nominal values 5 to 15 % off, tolerances of 15 %
+  actuator::JointModel specimen;  // the same terms at their true values
+  identify::ProcessingOptions processing;
+};
+
+// Training runs carry 0 and 0.5 kg by turns and start at different temperatures when the motion is
+// designed. An effect that comes during a run (payload_step, external_bump) comes at a time of the
+// run's own.
+Recorded Record(const Scene& scene);
+
+}  // namespace sinew::bank
