@@ -25,6 +25,7 @@ struct JointSample {
   double payload_kg = 0.0;         // declared by the operator
   double temperature_degC = 25.0;  // motor
   bool valve_open = false;
+  double rigid_torque_Nm = 0.0;  // that the arm's rigid bodies need of this joint
 };
 
 // What the joint is, exactly known. Given to an effect when it is made.

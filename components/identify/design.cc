@@ -89,6 +89,15 @@ Eigen::MatrixXd Design::Columns(const effects::Effect& effect, std::span<const d
   return out;
 }
 
+Eigen::VectorXd Design::ThroughFilter(const std::vector<Eigen::VectorXd>& per_segment) const {
+  Eigen::VectorXd out(rows_.size());
+  Eigen::Index at = 0;
+  for (std::size_t s = 0; s < states_.segments.size(); ++s) {
+    at += Thin(states_.segments[s], per_segment.at(s), out.segment(at, rows_.size() - at));
+  }
+  return out;
+}
+
 Eigen::VectorXd Design::MeasuredDrive(const effects::Effect& drive) const {
   Eigen::VectorXd out(rows_.size());
   Eigen::Index at = 0;

@@ -145,6 +145,7 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
     if (run.Has(Signal::kPayload)) fields.insert("payload_kg");
     if (run.Has(Signal::kTemperature)) fields.insert("temperature_degC");
     if (run.Has(Signal::kValveOpen)) fields.insert("valve_open");
+    if (!run.rigid_torque.empty() || run.rigid_torque_later) fields.insert("rigid_torque_Nm");
     if (first) {
       out.measured.insert(fields.begin(), fields.end());
     } else {
@@ -162,7 +163,10 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
     if (first) out.rate_Hz = uniform.sampling.rate_Hz;
     first = false;
 
-    for (const UniformSegment& piece : uniform.segments) {
+    for (std::size_t number = 0; number < uniform.segments.size(); ++number) {
+      const UniformSegment& piece = uniform.segments[number];
+      const Eigen::VectorXd rigid = run.rigid_torque.empty() ? Eigen::VectorXd::Zero(piece.size())
+                                                             : run.rigid_torque.at(number);
       const double rate = piece.rate_Hz();
       const double dt = piece.period_s;
       // Rows that are holds have no neighbours: neither filters nor derivatives.
@@ -193,10 +197,8 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
       const bool motor = piece.signals.count(Signal::kMotorPosition) != 0;
       const Eigen::VectorXd motor_q =
           motor ? smooth(piece.signals.at(Signal::kMotorPosition)) : Eigen::VectorXd(ratio * q);
-      const Eigen::VectorXd motor_v =
-          motor ? rate_of(motor_q) : Eigen::VectorXd(ratio * v);
-      const Eigen::VectorXd motor_a =
-          motor ? rate_of(motor_v) : Eigen::VectorXd(ratio * a);
+      const Eigen::VectorXd motor_v = motor ? rate_of(motor_q) : Eigen::VectorXd(ratio * v);
+      const Eigen::VectorXd motor_a = motor ? rate_of(motor_v) : Eigen::VectorXd(ratio * a);
       const auto recorded = [&](Signal signal) -> Eigen::VectorXd {
         const auto found = piece.signals.find(signal);
         return found == piece.signals.end() ? Eigen::VectorXd() : found->second;
@@ -252,6 +254,7 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
         x.payload_kg = payload[i];
         x.temperature_degC = temperature[i];
         x.valve_open = valve[i] > 0.5;
+        x.rigid_torque_Nm = rigid[i];
         segment.at_rest[static_cast<std::size_t>(i)] =
             !run.held && std::abs(v[i]) < options.rest_velocity;
       }
@@ -272,8 +275,9 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
           if (covered < options.settle_distance) out_of_use[k] = 1;
         }
       }
-      const auto border = run.held ? Eigen::Index{0}
-                                   : static_cast<Eigen::Index>(std::lround(options.border_s * rate));
+      const auto border = run.held
+                              ? Eigen::Index{0}
+                              : static_cast<Eigen::Index>(std::lround(options.border_s * rate));
       for (Eigen::Index i = 0; i < piece.size(); ++i) {
         const auto k = static_cast<std::size_t>(i);
         if (!piece.valid[k] || i < border || i >= piece.size() - border) out_of_use[k] = 1;

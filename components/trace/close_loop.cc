@@ -58,7 +58,9 @@ LoopResult CloseLoop(const std::vector<identify::Run>& train,
                      const std::vector<identify::Run>& sealed, const actuator::JointModel& joint,
                      const identify::ProcessingOptions& wished, const TraceOptions& options) {
   LoopResult loop;
-  loop.processing = identify::Resolve(wished, train);
+  // Holds are not filtered: where only those are trained on, the sealed recordings fill in what is
+  // theirs alone.
+  loop.processing = identify::Resolve(wished, train.front().held ? sealed : train);
   identify::StateSet states = identify::MakeStates(train, joint, loop.processing);
   const double rate_Hz = states.rate_Hz;
   loop.findings = identify::ExamineData(train, states, joint);

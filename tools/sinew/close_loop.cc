@@ -118,7 +118,8 @@ CloseLoopResult CloseLoop(const CloseLoopOptions& options) {
 
   progress("reading recordings", 0.0);
   const std::vector<identify::Run> train = ReadAll(options.train, map_path, options.joint);
-  const std::vector<identify::Run> sealed = ReadAll(options.sealed, map_path, options.joint);
+  const std::vector<identify::Run> sealed = ReadAll(
+      options.sealed, options.sealed_map.empty() ? map_path : options.sealed_map, options.joint);
   if (train.empty() || sealed.empty()) {
     throw UsageError("no recording of joint " + std::to_string(options.joint) +
                      ", expected at least one to train on and one sealed");
@@ -240,6 +241,8 @@ void AddCloseLoopCommand(CLI::App& app) {
   command->add_option("--map", options.map,
                       "Mapping of CSV columns (sinew-csv-map/1); csv_map.yaml beside the model by "
                       "default, else the rig's");
+  command->add_option("--sealed-map", options.sealed_map,
+                      "Mapping of the sealed CSV files where it is another one");
   command->add_option("--train", options.train, "Recordings to learn from: CSV or MCAP")
       ->required();
   command->add_option("--sealed", options.sealed, "Recordings to judge by, never used for a choice")

@@ -17,8 +17,9 @@ class App;
 namespace sinew::tools {
 
 struct CloseLoopOptions {
-  std::filesystem::path model;  // empty: robots/rig/model.yaml
-  std::filesystem::path map;    // empty: csv_map.yaml beside the model, else the rig's
+  std::filesystem::path model;       // empty: robots/rig/model.yaml
+  std::filesystem::path map;         // empty: csv_map.yaml beside the model, else the rig's
+  std::filesystem::path sealed_map;  // of the sealed CSV files; empty: `map`
   std::vector<std::filesystem::path> train;
   std::vector<std::filesystem::path> sealed;
   std::filesystem::path out;  // folder; empty: nothing is written

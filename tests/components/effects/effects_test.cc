@@ -42,6 +42,7 @@ double* Field(JointSample& x, const std::string& name) {
   if (name == "load_force_N") return &x.load_force_N;
   if (name == "payload_kg") return &x.payload_kg;
   if (name == "temperature_degC") return &x.temperature_degC;
+  if (name == "rigid_torque_Nm") return &x.rigid_torque_Nm;
   return nullptr;
 }
 
@@ -61,7 +62,8 @@ const std::vector<std::string>& AllFields() {
                                                    "pressure_rate_bar_s",
                                                    "load_force_N",
                                                    "payload_kg",
-                                                   "temperature_degC"};
+                                                   "temperature_degC",
+                                                   "rigid_torque_Nm"};
   return kFields;
 }
 
