@@ -13,12 +13,6 @@ namespace {
 
 constexpr double kBlock_s = 2.0;  // of the scores behind the intervals
 
-// A parameter of a joint's model that is fitted with the rigid bodies.
-struct FreeParameter {
-  std::size_t term = 0;
-  std::size_t index = 0;
-};
-
 bool IsRigid(const actuator::Term& term) { return term.effect->info().name == "rigid_body"; }
 bool IsDrive(const actuator::Term& term) {
   return term.effect->info().role == effects::Role::kDrive;
@@ -27,6 +21,7 @@ bool IsDrive(const actuator::Term& term) {
 std::vector<FreeParameter> FreeParameters(const actuator::JointModel& joint) {
   std::vector<FreeParameter> out;
   for (std::size_t t = 0; t < joint.terms.size(); ++t) {
+    if (!joint.Counts(joint.terms[t])) continue;
     if (IsDrive(joint.terms[t]) || IsRigid(joint.terms[t])) continue;
     for (std::size_t i = 0; i < joint.terms[t].linear.size(); ++i) {
       if (!joint.terms[t].linear[i].fixed) out.push_back({t, i});
@@ -152,6 +147,7 @@ Arm::Data Arm::Prepare(const ArmRuns& runs, const actuator::RobotModel& robot,
     joint.friction.resize(design.rows().size(), static_cast<Eigen::Index>(joint.free.size()));
     for (std::size_t t = 0; t < model.terms.size(); ++t) {
       const actuator::Term& term = model.terms[t];
+      if (!model.Counts(term)) continue;
       if (IsDrive(term)) {
         joint.torque = term.linear.front().value * design.MeasuredDrive(*term.effect);
         continue;

@@ -47,6 +47,12 @@ struct ArmFit {
   ArmError train;
 };
 
+// A parameter of a joint's model that is fitted with the rigid bodies.
+struct FreeParameter {
+  std::size_t term = 0;
+  std::size_t index = 0;  // of the term's linear parameters
+};
+
 // Joints of the model and joints of the dynamics by name; effort limits from the chain.
 class Arm {
  public:

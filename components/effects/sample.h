@@ -26,6 +26,9 @@ struct JointSample {
   double temperature_degC = 25.0;  // motor
   bool valve_open = false;
   double rigid_torque_Nm = 0.0;  // that the arm's rigid bodies need of this joint
+  // From the model and the measured motion, not measured themselves (identify/kinematic.h).
+  double tooth_torque_Nm = 0.0;  // from the motor on the link through the teeth
+  double tooth_side = 0.0;       // 1: teeth surely touch driving up, -1: down, 0: not known
 };
 
 // What the joint is, exactly known. Given to an effect when it is made.
@@ -36,6 +39,7 @@ struct JointConstants {
   double torque_constant_Nm_A = 0.0;  // motor side
   double force_constant_N_V = 0.0;    // linear drives commanded in volts
   double back_emf_V_s_rad = 0.0;      // motor side; drives whose voltage lies on the winding
+  double encoder_counts_per_turn = 0.0;  // of the coarser encoder at the output; 0: not stated
 };
 
 }  // namespace sinew::effects

@@ -54,7 +54,8 @@ void Spread(std::vector<char>& flags, Eigen::Index reach) {
 Signal DriveSignal(const actuator::JointModel& model) {
   const actuator::Term* drive = nullptr;
   for (const actuator::Term& term : model.terms) {
-    if (term.effect->info().role != effects::Role::kDrive) continue;
+    const effects::EffectInfo& info = term.effect->info();
+    if (info.role != effects::Role::kDrive || info.balance != effects::Balance::kMotion) continue;
     if (drive != nullptr) {
       throw std::invalid_argument("joint '" + model.name + "' has more than one drive term");
     }
@@ -290,6 +291,7 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
   }
   for (const actuator::Term& term : model.terms) {
     const effects::EffectInfo& info = term.effect->info();
+    if (info.balance != effects::Balance::kMotion) continue;  // not every recording shows those
     for (const std::string& field : info.needs) {
       if (out.measured.count(field) != 0) continue;
       throw std::invalid_argument("recording " + runs.front().name + " does not give '" + field +

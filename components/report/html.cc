@@ -66,8 +66,7 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
 
   if (!trace.effects.empty()) {
     out += "<h2>What was found</h2>\n<table>" +
-           HtmlRow({"effect", "removes", "p", "sealed error, " + unit, "what predicts the same"},
-                   "th");
+           HtmlRow({"effect", "removes", "p", "sealed error", "what predicts the same"}, "th");
     for (const trace::FoundEffect& effect : trace.effects) {
       out += HtmlRow(
           {"<code>" + Escape(EffectLabel(trace, effect)) + "</code><br>" +
@@ -77,7 +76,8 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
            Percent(effect.gain_share) +
                (effect.gain_error > 0.0 ? " &plusmn; " + Percent(effect.gain_error) : ""),
            Probability(effect.p),
-           Short(effect.sealed_before) + " &rarr; " + Short(effect.sealed_after),
+           Short(effect.sealed_before) + " &rarr; " + Short(effect.sealed_after) + " " +
+               std::string(effects::BalanceUnit(effect.balance, trace.corrected.kind)),
            effect.rivals.empty() ? "nothing known" : Join(effect.rivals)});
     }
     out += "</table>\n";

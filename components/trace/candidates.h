@@ -37,7 +37,7 @@ struct CandidateSet {
   std::vector<MissingSignals> missing;
 };
 
-// Every passive or inertia effect of the catalogue that the model does not hold (effects with
+// Every passive or inertia effect of the model's balance that the model does not hold (effects with
 // nonlinear parameters may come again with another setting). Drive terms are no candidates; events
 // are none before their instants are known (events.h).
 CandidateSet MakeCandidates(const identify::Design& design, const actuator::JointModel& model);

@@ -18,6 +18,8 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kFewestRows = 30;
 // A change in another recording is the same event when its size is within this factor.
 constexpr double kAlike = 2.0;
+// Shorter is an impact of teeth, not a push.
+constexpr double kShortestPush_s = 0.15;
 // Passing events: share of a push's rows that must be used for the filter to say anything; how loud
 // the next one in the same recording may be.
 constexpr double kSeenShare = 0.35;
@@ -204,7 +206,7 @@ Event FindPassing(const identify::Design& design, std::shared_ptr<const effects:
   out.threshold = kLoudest;
   const std::size_t runs = design.states().run_names.size();
   out.start_s.assign(runs, kNaN);
-  const effects::ParameterInfo& length = effect->info().nonlinear[1];
+  const effects::ParameterInfo length = effect->info().nonlinear[1];
   std::size_t first = 0;
   double response = 0.0;
   double scale = 0.0;
@@ -256,7 +258,30 @@ Event FindPassing(const identify::Design& design, std::shared_ptr<const effects:
       next_loudest = std::max(next_loudest, std::abs(push.response) / scale);
     }
   }
-  out.significant = out.statistic > kLoudest &&
+  // Pulses of several lengths about its middle, filtered like everything else: an impact is best
+  // told by the shortest.
+  const double middle = out.clock_s + 0.5 * out.length_s;
+  double most = 0.0;
+  double told_s = 0.0;
+  std::vector<double> lengths = {0.04, 0.08, 0.12};
+  lengths.insert(lengths.end(), length.grid.begin(), length.grid.end());
+  const identify::Rows& rows = design.rows();
+  for (const double length_s : lengths) {
+    const std::vector<double> psi = {middle - 0.5 * length_s, length_s};
+    const Eigen::VectorXd z = design.Columns(*out.effect, psi).col(0);
+    double zr = 0.0;
+    double zz = 0.0;
+    for (Eigen::Index i = 0; i < rows.size(); ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      if (rows.run[k] != static_cast<int>(first) || !rows.used[k]) continue;
+      zr += z[i] * target[i];
+      zz += z[i] * z[i];
+    }
+    if (!(zz > 0.0) || zr * zr / zz <= most) continue;
+    most = zr * zr / zz;
+    told_s = length_s;
+  }
+  out.significant = told_s > kShortestPush_s && out.statistic > kLoudest &&
                     next_loudest < std::max(kNextLoudest * out.statistic, 0.75 * kLoudest);
   return out;
 }

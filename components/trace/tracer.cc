@@ -25,6 +25,10 @@ using identify::FitResult;
 constexpr int kFlexibleColumns = 120;
 // Two candidates whose fitted parts, freed of the other terms, correlate above this are one class.
 constexpr double kSameClass = 0.9;
+// Look-alikes that gain less than this share of what the chosen one gains are no rivals.
+constexpr double kSameGain = 0.85;
+// A declared basic (offset, inertia) that is the chosen effect under another name.
+constexpr double kTwin = 0.9999;
 // An effect that could hide this share of the drive torque without being seen is "not excited".
 constexpr double kHiddenShare = 0.25;
 // Less of a candidate's power than this beside all declared terms: a refit swallows it.
@@ -32,8 +36,11 @@ constexpr double kSwallowed = 1e-3;
 // Less than this beside one declared term alone: it is that term seen from another side.
 constexpr double kVariant = 0.02;
 constexpr int kMostOrders = 8;  // of one periodic effect beyond its first
+// Less than this above the noise floor is not worth a variable's name.
+constexpr double kLoudRest = 0.12;
 constexpr double kConvincingUnits = 6;
 constexpr double kShortestDelay = 0.1;  // of a sample
+constexpr double kTwoPi = 6.283185307179586;
 
 double SumSquares(const Eigen::VectorXd& x, const std::vector<Eigen::Index>& rows) {
   double sum = 0.0;
@@ -61,13 +68,16 @@ struct Trial {
   CandidateScore score;
   double detectable = 0.0;  // torque share that could hide
   bool hidden = false;      // the declared terms carry it
+  // Squared shifts of the declared parameters from their nominal values, in tolerances, when it is
+  // fitted beside them.
+  double surprise = 0.0;
 };
 
 // What a parameter that is relative to the drive is divided by (as actuator::PhysicalValue).
 double DriveShare(const actuator::JointModel& model) {
   for (const actuator::Term& term : model.terms) {
     const effects::EffectInfo& info = term.effect->info();
-    if (info.role != effects::Role::kDrive) continue;
+    if (info.role != effects::Role::kDrive || !model.Counts(term)) continue;
     const double ideal = info.linear.front().dimension == effects::Dimension::kNone
                              ? 1.0
                              : model.constants.force_constant_N_V;
@@ -148,6 +158,7 @@ class Tracer {
 
   void Prepare() {
     used_ = train_.rows().UsedRows();
+    rounding_.resize(train_.rows().size(), 0);
     // First blocks from the filter alone, for the intervals of the first fit.
     const double filter_time_s = 1.0 / train_.options().parallel_cutoff_Hz;
     const int parameters =
@@ -194,6 +205,7 @@ class Tracer {
   // it would be taken for noise that is correlated over minutes.
   Eigen::MatrixXd WithLastingEvent(const FitResult& fit, const Eigen::VectorXd& target) {
     Eigen::MatrixXd columns = fit.balance.columns;
+    if (declared_.balance != effects::Balance::kMotion) return columns;
     for (const std::string& name : effects::EffectNames()) {
       std::shared_ptr<const effects::Effect> effect =
           effects::MakeEffect(name, declared_.constants);
@@ -325,8 +337,10 @@ class Tracer {
             info.relative_to_drive ? scale * extra[i] / DriveShare(fit.model) : scale * extra[i];
         if (physical < info.lower || physical > info.upper) score.physical = false;
       }
-      if (score.name == "transport_delay")
+      if (candidate.effect->info().smallest == effects::Smallest::kTenthOfSample)
         score.delay_s = score.theta.front() / DriveShare(fit.model);
+      trial.surprise =
+          Surprise(balance, fit.coefficients + trial.coefficients.head(balance.columns.cols()));
       score.stable = passing || Stable(trial, balance.columns.cols());
       trials.push_back(std::move(trial));
     }
@@ -334,13 +348,17 @@ class Tracer {
     report->placebo_99 = BestFalseGain(trials, base, balance, target, folds) / base_sum;
 
     // A drive that acts late by less than a tenth of a sample is a skew between channels, whatever
-    // its name: it is a finding, no effect.
+    // its name, and teeth that give less than an encoder rounds are rigid: findings, no effects.
     const Trial* delay = nullptr;
+    const Trial* rounding = nullptr;
     for (const Trial& trial : trials) {
-      if (trial.score.name == "transport_delay") delay = &trial;
+      const effects::Smallest smallest = trial.candidate->effect->info().smallest;
+      if (smallest == effects::Smallest::kTenthOfSample) delay = &trial;
+      if (smallest == effects::Smallest::kRounding && BelowRounding(trial)) rounding = &trial;
     }
     const double shortest_s = kShortestDelay / train_.states().rate_Hz;
     const bool skew = delay != nullptr && std::abs(delay->score.delay_s) < shortest_s;
+    if (rounding != nullptr) rounding_ = rounding->candidate->grid[rounding->best].columns;
 
     const double quantile =
         identify::StudentQuantile(0.9772, std::max(1.0, static_cast<double>(blocks.size()) - 1.0)) /
@@ -359,6 +377,9 @@ class Tracer {
         score.refused = "gain as in recordings without the effect";
       } else if (skew && !IsPassing(trial) && Skewed(trial, *delay, balance, target, folds)) {
         score.refused = "a skew between channels below a tenth of a sample";
+      } else if (rounding != nullptr && NoBetter(trial, *rounding)) {
+        score.refused =
+            "explains no more than " + rounding->score.name + " below the encoder's rounding";
       } else if (!score.physical) {
         score.refused = "sign or size is not physical";
       } else if (!score.stable) {
@@ -367,10 +388,46 @@ class Tracer {
         score.accepted = true;
       }
     }
+    StepBack(&trials);
     std::stable_sort(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) {
       return a.score.gain.sum > b.score.gain.sum;
     });
     return trials;
+  }
+
+  double Surprise(const Balance& balance, const Eigen::VectorXd& coefficients) const {
+    const Eigen::VectorXd values = balance.Physical(coefficients);
+    double sum = 0.0;
+    const auto add = [&](const identify::ParameterRef& ref, double value) {
+      if (ref.term >= static_cast<int>(declared_.terms.size())) return;
+      const actuator::ParameterValue& nominal = declared_.terms[static_cast<std::size_t>(ref.term)]
+                                                    .linear[static_cast<std::size_t>(ref.linear)];
+      const double tolerance = nominal.tolerance * std::abs(nominal.value);
+      if (!(tolerance > 0.0)) return;
+      sum += (value - nominal.value) * (value - nominal.value) / (tolerance * tolerance);
+    };
+    const Eigen::Index first = balance.fits_scale ? 1 : 0;
+    if (balance.fits_scale) add(balance.drive, values[0]);
+    for (std::size_t i = 0; i < balance.parameters.size(); ++i) {
+      add(balance.parameters[i], values[first + static_cast<Eigen::Index>(i)]);
+    }
+    return sum;
+  }
+
+  // A declared basic (offset, inertia) that is another candidate under another name steps back.
+  static void StepBack(std::vector<Trial>* trials) {
+    for (Trial& basic : *trials) {
+      if (!basic.candidate->effect->info().basic || !basic.score.accepted) continue;
+      for (const Trial& other : *trials) {
+        if (other.candidate->effect->info().basic || !other.score.accepted ||
+            Correlation(basic.part, other.part) < kTwin) {
+          continue;
+        }
+        basic.score.accepted = false;
+        basic.score.refused = "the same as " + other.score.name;
+        break;
+      }
+    }
   }
 
   // 99th percentile of the best gain of the whole catalogue where there is none: whole blocks of
@@ -414,7 +471,7 @@ class Tracer {
       }
       best_false.push_back(gain);
     }
-    return identify::Quantile(best_false, 0.99);
+    return identify::Quantile(best_false, options_.placebo_quantile);
   }
 
   static bool IsPassing(const Trial& trial) {
@@ -513,6 +570,24 @@ class Tracer {
     return true;
   }
 
+  // Is its rms below that of the encoder's rounding?
+  bool BelowRounding(const Trial& trial) const {
+    const double counts = declared_.constants.encoder_counts_per_turn;
+    if (!(counts > 0.0)) return false;
+    const Eigen::MatrixXd columns = PickRows(trial.candidate->grid[trial.best].columns, used_);
+    const Eigen::VectorXd theta = Eigen::Map<const Eigen::VectorXd>(
+        trial.score.theta.data(), static_cast<Eigen::Index>(trial.score.theta.size()));
+    const double rounding = kTwoPi / counts / std::sqrt(12.0);
+    return (columns * theta).squaredNorm() <
+           rounding * rounding * static_cast<double>(used_.size());
+  }
+
+  static bool NoBetter(const Trial& trial, const Trial& than) {
+    if (trial.candidate == than.candidate) return true;
+    const Gain ahead = GainOf(trial.gains - than.gains);
+    return ahead.sum <= ahead.standard_error;
+  }
+
   // Does little of a candidate's gain stay when a skew between channels may be fitted as well?
   bool Skewed(const Trial& trial, const Trial& delay, const Balance& balance,
               const Eigen::VectorXd& target, int folds) const {
@@ -547,16 +622,19 @@ class Tracer {
     RoundReport report;
     report.train_rms = fit->rms;
     report.sealed_rms = identify::ErrorOf(sealed_, fit->model).rms;
-    if (options_.only.empty()) AddEvents(*fit, *model, &set, &report);
+    if (options_.only.empty() && declared_.balance == effects::Balance::kMotion) {
+      AddEvents(*fit, *model, &set, &report);
+    }
     std::vector<Trial> trials = Score(*fit, set, &report);
     if (result_.rounds.empty()) NoteWhatIsHidden(set, trials);
 
-    // The simplest of those within one standard error of the best (Breiman et al. 1984, section
-    // 3.4.3); of equally simple ones the best, and the first of the catalogue where they are the
-    // same within a quarter of a standard error.
-    const auto complexity = [](const Trial& trial) {
+    // Of those that predict the same, within one standard error of the best (Breiman et al. 1984,
+    // section 3.4.3), the one that asks least: parameters of its own count as in Akaike's
+    // criterion, and so do shifts of the declared parameters, in their tolerances. Of those that
+    // ask the same the first of the catalogue.
+    const auto asks = [](const Trial& trial) {
       const effects::EffectInfo& info = trial.candidate->effect->info();
-      return info.linear.size() + info.nonlinear.size();
+      return trial.surprise + 2.0 * static_cast<double>(info.linear.size() + info.nonlinear.size());
     };
     std::size_t best = 0;
     while (best < trials.size() && !trials[best].score.accepted) ++best;
@@ -564,15 +642,14 @@ class Tracer {
     for (std::size_t i = best + 1; i < trials.size(); ++i) {
       if (!trials[i].score.accepted) continue;
       const Gain behind = GainOf(trials[best].gains - trials[i].gains);
-      if (behind.sum > behind.standard_error) continue;
-      const Gain behind_chosen = GainOf(trials[chosen].gains - trials[i].gains);
-      const bool simpler = complexity(trials[i]) < complexity(trials[chosen]);
-      const bool same = complexity(trials[i]) == complexity(trials[chosen]) &&
-                        behind_chosen.sum <= 0.25 * behind_chosen.standard_error;
-      if (simpler || (same && trials[i].candidate->catalogue_order <
-                                  trials[chosen].candidate->catalogue_order)) {
-        chosen = i;
+      const bool alike = Correlation(trials[best].part, trials[i].part) > kSameClass;
+      if (behind.sum > (alike ? trials[best].score.gain.standard_error : behind.standard_error)) {
+        continue;
       }
+      const double more = asks(trials[i]) - asks(trials[chosen]);
+      const bool first =
+          trials[i].candidate->catalogue_order < trials[chosen].candidate->catalogue_order;
+      if (more < -0.1 || (more < 0.1 && first)) chosen = i;
     }
     for (Trial& trial : trials) {
       trial.score.sealed_rms = SealedWith(*fit, trial);
@@ -598,9 +675,11 @@ class Tracer {
       if (i == chosen || trials[i].hidden || !trials[i].score.physical) continue;
       const Gain behind = GainOf(winner.gains - trials[i].gains);
       const bool close = trials[i].score.accepted && behind.sum <= behind.standard_error;
-      const bool same_class = trials[i].score.gain_share > 0.5 * winner.score.gain_share &&
+      const bool same_class = trials[i].score.gain_share > kSameGain * winner.score.gain_share &&
                               Correlation(winner.part, trials[i].part) > kSameClass;
-      if (close || same_class) found.rivals.push_back(trials[i].score.name);
+      const bool twin = trials[i].candidate->effect->info().basic &&
+                        Correlation(winner.part, trials[i].part) > kTwin;
+      if ((close || same_class) && !twin) found.rivals.push_back(trials[i].score.name);
     }
     report.added = found.name;
 
@@ -666,9 +745,13 @@ class Tracer {
              "the declared terms carry all of it: only a shift of parameters shows"});
       } else if (trial.detectable > kHiddenShare) {
         result_.not_excited.push_back(
-            {trial.score.name, "up to " +
-                                   std::to_string(static_cast<int>(100.0 * trial.detectable)) +
-                                   " % of the drive torque could hide in this motion"});
+            {trial.score.name,
+             "up to " + std::to_string(static_cast<int>(100.0 * trial.detectable)) + " % of the " +
+                 (declared_.balance == effects::Balance::kMotion ? "drive torque"
+                                                                 : "measured side") +
+                 " could hide in this motion"});
+      } else {
+        result_.judged.push_back(trial.score.name);
       }
     }
     std::sort(result_.not_excited.begin(), result_.not_excited.end(),
@@ -769,8 +852,10 @@ class Tracer {
     PredictDrive(fit.model);
     const Balance& balance = fit.balance;
     const double scale = balance.fits_scale ? balance.Scale(fit.coefficients) : 1.0;
+    Eigen::MatrixXd base(balance.columns.rows(), balance.columns.cols() + rounding_.cols());
+    base << balance.columns, rounding_;
     const VariableScan scan = ScanVariables(
-        train_, units_.blocks, balance.columns, balance.target - balance.columns * fit.coefficients,
+        train_, units_.blocks, base, balance.target - balance.columns * fit.coefficients,
         Folds(units_.blocks.size()), std::min(100, options_.placebo_rounds), options_.seed);
     if (scan.scores.empty()) return;
     const VariableScore& best = scan.scores.front();
@@ -779,8 +864,10 @@ class Tracer {
         std::max(variance - result_.noise_floor_rms * result_.noise_floor_rms, 0.02 * variance);
     const bool loud = best.gain.t > options_.fewest_standard_errors &&
                       best.share > scan.placebo_99 && best.share > 0.10 &&
+                      explainable > kLoudRest * variance &&
                       best.share * variance > 0.2 * explainable;
     if (!loud) return;
+    result_.unexplained.balance = declared_.balance;
     result_.unexplained.variable = best.variable;
     result_.unexplained.order_per_turn = best.order_per_turn;
     result_.unexplained.rms = scale * best.rms;
@@ -793,6 +880,7 @@ class Tracer {
   const TraceOptions& options_;
   TraceResult result_;
   Units units_;
+  Eigen::MatrixXd rounding_;  // columns of what stays below the encoder's rounding; may have none
   std::vector<Eigen::Index> used_;
   std::optional<Event> event_;  // of this round
   std::vector<EventTime> event_times_;

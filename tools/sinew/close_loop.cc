@@ -31,8 +31,10 @@ std::string NowUtc() {
   return text;
 }
 
-std::vector<identify::Run> ReadAll(const std::vector<fs::path>& files, const fs::path& map,
-                                   int joint) {
+}  // namespace
+
+std::vector<identify::Run> ReadJoint(const std::vector<fs::path>& files, const fs::path& map,
+                                     int joint) {
   std::vector<identify::Run> runs;
   for (const fs::path& file : files) {
     const bool csv = file.extension() != ".mcap";
@@ -43,6 +45,8 @@ std::vector<identify::Run> ReadAll(const std::vector<fs::path>& files, const fs:
   }
   return runs;
 }
+
+namespace {
 
 std::vector<report::Recording> Describe(const std::vector<identify::Run>& runs) {
   std::vector<report::Recording> out;
@@ -81,7 +85,8 @@ void AddHistory(const report::Report& report, actuator::JointModel* joint) {
   }
   for (const trace::FoundEffect& effect : trace.effects) {
     std::string note = "sealed error " + report::Short(effect.sealed_before) + " -> " +
-                       report::Short(effect.sealed_after) + " " + unit + " on " +
+                       report::Short(effect.sealed_after) + " " +
+                       std::string(effects::BalanceUnit(effect.balance, joint->kind)) + " on " +
                        JoinNames(report.sealed);
     for (std::size_t i = 0; i < effect.rivals.size(); ++i) {
       note += (i == 0 ? "; rivals: " : ", ") + effect.rivals[i];
@@ -92,34 +97,39 @@ void AddHistory(const report::Report& report, actuator::JointModel* joint) {
 
 }  // namespace
 
-CloseLoopResult CloseLoop(const CloseLoopOptions& options) {
+LoopInput LoadLoopInput(const CloseLoopOptions& options) {
+  LoopInput out;
+  out.model_path = options.model.empty() ? ShippedRobotFile("rig/model.yaml") : options.model;
+  out.map = options.map;
+  if (out.map.empty()) {
+    const fs::path beside = out.model_path.parent_path() / "csv_map.yaml";
+    out.map = fs::exists(beside) ? beside : ShippedRobotFile("rig/csv_map.yaml");
+  }
+  out.sealed_map = options.sealed_map.empty() ? out.map : options.sealed_map;
+  out.model = actuator::LoadModelFile(out.model_path);
+  CompleteRigJson(&out.model, out.model_path);
+  if (options.joint < 0 || options.joint >= static_cast<int>(out.model.robot.joints.size())) {
+    throw UsageError("--joint " + std::to_string(options.joint) + ": model " +
+                     out.model_path.string() + " has joints 0 to " +
+                     std::to_string(out.model.robot.joints.size() - 1));
+  }
+  return out;
+}
+
+CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& input,
+                            const std::vector<identify::Run>& train,
+                            const std::vector<identify::Run>& sealed) {
   const auto start = std::chrono::steady_clock::now();
   const auto progress = [&](const std::string& what, double share) {
     if (options.progress) options.progress(what, share);
   };
   CloseLoopResult out;
-  const fs::path model_path =
-      options.model.empty() ? ShippedRobotFile("rig/model.yaml") : options.model;
-  fs::path map_path = options.map;
-  if (map_path.empty()) {
-    const fs::path beside = model_path.parent_path() / "csv_map.yaml";
-    map_path = fs::exists(beside) ? beside : ShippedRobotFile("rig/csv_map.yaml");
-  }
-  out.model = actuator::LoadModelFile(model_path);
-  CompleteRigJson(&out.model, model_path);
-  if (options.joint < 0 || options.joint >= static_cast<int>(out.model.robot.joints.size())) {
-    throw UsageError("--joint " + std::to_string(options.joint) + ": model " + model_path.string() +
-                     " has joints 0 to " + std::to_string(out.model.robot.joints.size() - 1));
-  }
+  out.model = input.model;
+  const fs::path& model_path = input.model_path;
   actuator::JointModel& joint = out.model.robot.joints[static_cast<std::size_t>(options.joint)];
   const identify::ProcessingOptions wished = identify::ReadProcessing(out.model.root, joint.kind);
   const std::optional<identify::AsPublishedOptions> published =
       identify::ReadAsPublished(out.model.root);
-
-  progress("reading recordings", 0.0);
-  const std::vector<identify::Run> train = ReadAll(options.train, map_path, options.joint);
-  const std::vector<identify::Run> sealed = ReadAll(
-      options.sealed, options.sealed_map.empty() ? map_path : options.sealed_map, options.joint);
   if (train.empty() || sealed.empty()) {
     throw UsageError("no recording of joint " + std::to_string(options.joint) +
                      ", expected at least one to train on and one sealed");
@@ -156,12 +166,29 @@ CloseLoopResult CloseLoop(const CloseLoopOptions& options) {
   joint = report.trace.corrected;
   joint.history = history;
   AddHistory(report, &joint);
+  return out;
+}
 
-  if (options.out.empty()) return out;
+void MakeFolder(const fs::path& folder) {
   std::error_code error;
-  fs::create_directories(options.out, error);
-  if (error)
-    throw UsageError(options.out.string() + ": " + error.message() + ", expected a folder");
+  fs::create_directories(folder, error);
+  if (error) throw UsageError(folder.string() + ": " + error.message() + ", expected a folder");
+}
+
+CloseLoopResult CloseLoop(const CloseLoopOptions& options) {
+  const LoopInput input = LoadLoopInput(options);
+  const actuator::JointModel& joint =
+      input.model.robot.joints[static_cast<std::size_t>(options.joint)];
+  if (joint.Find("rigid_body") >= 0) {
+    throw UsageError(input.model_path.string() + ": joint '" + joint.name +
+                     "' is part of an arm, expected all its joints to be fitted together");
+  }
+  if (options.progress) options.progress("reading recordings", 0.0);
+  CloseLoopResult out =
+      CloseLoopOn(options, input, ReadJoint(options.train, input.map, options.joint),
+                  ReadJoint(options.sealed, input.sealed_map, options.joint));
+  if (options.out.empty()) return out;
+  MakeFolder(options.out);
   actuator::SaveModelFile(options.out / "model.yaml", out.model);
   config::WriteFileAtomically(options.out / "report.json", out.json);
   config::WriteFileAtomically(options.out / "report.html", out.html);
@@ -199,7 +226,8 @@ void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options
                 << Short(term.nonlinear[i].value);
     }
     std::cout << "; sealed " << Short(effect.sealed_before) << " -> " << Short(effect.sealed_after)
-              << ' ' << unit << (effect.slow_motion ? " where it creeps" : "") << '\n';
+              << ' ' << effects::BalanceUnit(effect.balance, trace.corrected.kind)
+              << (effect.slow_motion ? " where it creeps" : "") << '\n';
   }
   const auto line = [&](const char* what, const identify::ModelError& before,
                         const identify::ModelError& after) {
@@ -209,6 +237,15 @@ void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options
   };
   line("train error", trace.before_train, trace.after_train);
   line("sealed error", trace.before_sealed, trace.after_sealed);
+  for (const trace::BalanceSummary& summary : trace.balances) {
+    std::cout << effects::BalanceName(summary.balance) << " balance: ";
+    if (summary.unseen.empty()) {
+      std::cout << "sealed error " << Short(summary.before_sealed.rms) << " -> "
+                << Short(summary.after_sealed.rms) << ' ' << summary.unit << " rms\n";
+    } else {
+      std::cout << summary.unseen << '\n';
+    }
+  }
   if (report.as_published) {
     const identify::AsPublishedResult& published = *report.as_published;
     std::cout << "as published: " << Short(published.before_percent) << " -> "

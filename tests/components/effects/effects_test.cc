@@ -43,6 +43,8 @@ double* Field(JointSample& x, const std::string& name) {
   if (name == "payload_kg") return &x.payload_kg;
   if (name == "temperature_degC") return &x.temperature_degC;
   if (name == "rigid_torque_Nm") return &x.rigid_torque_Nm;
+  if (name == "tooth_torque_Nm") return &x.tooth_torque_Nm;
+  if (name == "tooth_side") return &x.tooth_side;
   return nullptr;
 }
 
@@ -63,7 +65,9 @@ const std::vector<std::string>& AllFields() {
                                                    "load_force_N",
                                                    "payload_kg",
                                                    "temperature_degC",
-                                                   "rigid_torque_Nm"};
+                                                   "rigid_torque_Nm",
+                                                   "tooth_torque_Nm",
+                                                   "tooth_side"};
   return kFields;
 }
 
@@ -99,14 +103,15 @@ JointSample RandomSample(std::mt19937& random) {
   return x;
 }
 
-class EveryEffect : public ::testing::TestWithParam<std::string> {
+class EveryEffect : public ::testing::TestWithParam<EffectForm> {
  protected:
-  std::unique_ptr<Effect> effect_ = MakeEffect(GetParam(), RigConstants());
+  std::unique_ptr<Effect> effect_ = MakeEffect(GetParam().name, RigConstants(), GetParam().balance);
 };
 
 TEST_P(EveryEffect, IsDescribedWholly) {
   const EffectInfo& info = effect_->info();
-  EXPECT_EQ(info.name, GetParam());
+  EXPECT_EQ(info.name, GetParam().name);
+  EXPECT_EQ(info.balance, GetParam().balance);
   EXPECT_FALSE(info.title.empty());
   EXPECT_FALSE(info.formula.empty());
   EXPECT_FALSE(info.source.empty());
@@ -218,8 +223,26 @@ TEST_P(EveryEffect, AnswersNonFiniteInputWithNonFiniteOutput) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Catalogue, EveryEffect, ::testing::ValuesIn(EffectNames()),
-                         [](const auto& which) { return which.param; });
+INSTANTIATE_TEST_SUITE_P(Catalogue, EveryEffect, ::testing::ValuesIn(EffectForms()),
+                         [](const auto& which) {
+                           return which.param.name + "_" +
+                                  std::string(BalanceName(which.param.balance));
+                         });
+
+TEST(EffectForms, AreDifferentAndTheFirstOfANameIsTheDefault) {
+  std::set<std::pair<std::string, Balance>> seen;
+  std::set<std::string> names;
+  for (const EffectForm& form : EffectForms()) {
+    EXPECT_TRUE(seen.insert({form.name, form.balance}).second) << form.name;
+    if (names.insert(form.name).second) {
+      EXPECT_EQ(MakeEffect(form.name, RigConstants())->info().balance, form.balance) << form.name;
+    }
+  }
+  EXPECT_EQ(names.size(), EffectNames().size());
+  EXPECT_EQ(MakeEffect("gear_compliance", {}, Balance::kKinematic)->info().balance,
+            Balance::kKinematic);
+  EXPECT_THROW(MakeEffect("coulomb", {}, Balance::kKinematic), std::invalid_argument);
+}
 
 // Effects whose torque never adds energy for non-negative parameters.
 class FrictionEffect : public ::testing::TestWithParam<std::string> {};
@@ -466,6 +489,7 @@ TEST(UnitSuffix, GivesTheYamlSuffixForBothKinds) {
       {Dimension::kViscousPerKelvin, "Nm_s_rad_K", "N_s_m_K"},
       {Dimension::kInertiaTimeSquared, "kg_m2_s2", "kg_s2"},
       {Dimension::kTorqueTimePerBar, "Nm_s_bar", "N_s_bar"},
+      {Dimension::kAnglePerTorque, "rad_Nm", "m_N"},
   };
   for (const Row& row : rows) {
     EXPECT_EQ(UnitSuffix(row.dimension, JointKind::kRotary), row.rotary);
