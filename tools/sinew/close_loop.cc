@@ -7,12 +7,14 @@
 #include <ctime>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "components/config/config.h"
 #include "components/identify/file/processing_file.h"
 #include "components/recording/file/run_reader.h"
 #include "components/report/file/report_file.h"
 #include "components/trace/close_loop.h"
+#include "tools/sinew/close_robot.h"
 #include "tools/sinew/progress.h"
 #include "tools/sinew/shipped.h"
 
@@ -195,8 +197,6 @@ CloseLoopResult CloseLoop(const CloseLoopOptions& options) {
   return out;
 }
 
-namespace {
-
 void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options) {
   const report::Report& report = result.report;
   const trace::TraceResult& trace = report.trace;
@@ -261,12 +261,11 @@ void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options
             << ", report.json, model.yaml (" << Short(report.seconds) << " s)\n";
 }
 
-}  // namespace
-
 void AddCloseLoopCommand(CLI::App& app) {
   struct Arguments {
     CloseLoopOptions options;
     bool json = false;
+    std::optional<int> joint;
   };
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command =
@@ -286,8 +285,11 @@ void AddCloseLoopCommand(CLI::App& app) {
       ->required();
   command->add_option("--out", options.out, "Folder for report.html, report.json and model.yaml")
       ->required();
-  command->add_option("--joint", options.joint, "Joint of the model and of an MCAP recording")
-      ->capture_default_str();
+  command->add_option("--joint", arguments->joint,
+                      "Joint of the model, of an MCAP recording and of the mapping's \"{joint}\", "
+                      "from 0 on; all joints of the model when left out");
+  command->add_option("--urdf", options.urdf,
+                      "Rigid bodies of an arm; what the model file names by default");
   command->add_option("--seed", options.seed, "Seed of the placebo")->capture_default_str();
   command->add_flag("--json", arguments->json, "Print the report as JSON");
   command->footer(
@@ -304,7 +306,24 @@ void AddCloseLoopCommand(CLI::App& app) {
     arguments->options.progress = [&bar](const std::string&, double share) {
       bar.Update(static_cast<std::uint64_t>(100.0 * share));
     };
-    const CloseLoopResult result = CloseLoop(arguments->options);
+    CloseLoopOptions& asked = arguments->options;
+    asked.joint = arguments->joint.value_or(0);
+    const actuator::RobotModel robot = LoadLoopInput(asked).model.robot;
+    const bool arm = std::any_of(
+        robot.joints.begin(), robot.joints.end(),
+        [](const actuator::JointModel& joint) { return joint.Find("rigid_body") >= 0; });
+    if (arm || (robot.joints.size() > 1 && !arguments->joint)) {
+      const CloseRobotResult result = CloseRobot(
+          asked, arguments->joint ? std::vector<int>{asked.joint} : std::vector<int>{});
+      bar.Finish();
+      if (arguments->json) {
+        std::cout << result.json;
+      } else {
+        PrintSummary(result, asked);
+      }
+      return;
+    }
+    const CloseLoopResult result = CloseLoop(asked);
     bar.Finish();
     if (arguments->json) {
       std::cout << result.json;
