@@ -43,7 +43,9 @@ constexpr Variable kVariables[] = {
 };
 
 constexpr int kKnots = 8;
-constexpr int kWheelOrders = 40;  // per turn of the output
+constexpr double kMostNoise = 0.3;  // share of a signal's power
+constexpr int kWheelOrders = 20;    // turns of a wheel per turn of the output
+constexpr int kToothHarmonics = 8;
 
 // Hat functions on quantiles of the variable over the used rows, and the same times another signal.
 Eigen::MatrixXd Curve(const identify::Design& design, const Variable& variable,
@@ -87,6 +89,11 @@ struct Entry {
 
 }  // namespace
 
+Eigen::MatrixXd DriftColumns(const identify::Design& design) {
+  return Curve(design, {"time_s", [](const JointSample& x) { return x.time_s; }, Angle},
+               design.rows().UsedRows());
+}
+
 VariableScan ScanVariables(const identify::Design& design,
                            const std::vector<identify::Block>& blocks,
                            const Eigen::Ref<const Eigen::MatrixXd>& base,
@@ -105,6 +112,7 @@ VariableScan ScanVariables(const identify::Design& design,
   };
   for (const Variable& variable : kVariables) {
     if (!measured(variable.name)) continue;
+    if (design.NoiseShare(variable.get) > kMostNoise) continue;
     const Eigen::MatrixXd columns = Curve(design, variable, used);
     if (columns.cols() == 0 || !columns.allFinite()) continue;
     Entry entry;
@@ -133,7 +141,7 @@ VariableScan ScanVariables(const identify::Design& design,
   add_orders(
       "motor_position_rad", [](const JointSample& x) { return x.motor_position_rad; }, 42, 1);
   // A fault of one tooth comes once per turn of its wheel, and is short.
-  add_orders("position_rad", Angle, kWheelOrders, 3);
+  add_orders("position_rad", Angle, kWheelOrders, kToothHarmonics);
 
   const double base_sum = base_errors.sum();
   if (!(base_sum > 0.0)) return out;
