@@ -25,6 +25,7 @@ struct JointSample {
   double payload_kg = 0.0;         // declared by the operator
   double temperature_degC = 25.0;  // motor
   bool valve_open = false;
+  double rigid_torque_Nm = 0.0;  // that the arm's rigid bodies need of this joint
   // From the model and the measured motion, not measured themselves (identify/kinematic.h).
   double tooth_torque_Nm = 0.0;  // from the motor on the link through the teeth
   double tooth_side = 0.0;       // 1: teeth surely touch driving up, -1: down, 0: not known

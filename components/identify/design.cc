@@ -55,6 +55,7 @@ Design::Design(StateSet states, const ProcessingOptions& options)
 }
 
 Eigen::Index Design::Step(const StateSegment& segment) const {
+  if (segment.held) return 1;
   return std::max<Eigen::Index>(
       1, static_cast<Eigen::Index>(
              std::floor(0.25 / (segment.period_s * options_.parallel_cutoff_Hz) + 1e-9)));
@@ -69,7 +70,7 @@ Eigen::Index Design::Thin(const StateSegment& segment, const Eigen::VectorXd& fu
     for (Eigen::Index i = step / 2; i < x.size(); i += step) out[row++] = x[i];
     return row;
   };
-  if (options_.parallel_cutoff_Hz >= 0.5 * rate) return thin(full);
+  if (segment.held || options_.parallel_cutoff_Hz >= 0.5 * rate) return thin(full);
   const int padding =
       std::max(3 * options_.parallel_order,
                static_cast<int>(std::ceil(2.0 * rate / options_.parallel_cutoff_Hz)));
@@ -101,6 +102,15 @@ Eigen::MatrixXd Design::Columns(const effects::Effect& effect, std::span<const d
       rows = Thin(segment, full.col(c), out.col(c).segment(at, rows_.size() - at));
     }
     at += rows;
+  }
+  return out;
+}
+
+Eigen::VectorXd Design::ThroughFilter(const std::vector<Eigen::VectorXd>& per_segment) const {
+  Eigen::VectorXd out(rows_.size());
+  Eigen::Index at = 0;
+  for (std::size_t s = 0; s < states_.segments.size(); ++s) {
+    at += Thin(states_.segments[s], per_segment.at(s), out.segment(at, rows_.size() - at));
   }
   return out;
 }

@@ -40,6 +40,8 @@ class Design {
   Eigen::MatrixXd Columns(const effects::Effect& effect, std::span<const double> psi) const;
   // phi of a drive effect with the drive input as it was measured.
   Eigen::VectorXd MeasuredDrive(const effects::Effect& drive) const;
+  // A full-rate column, given per segment of the states, filtered and thinned like the columns.
+  Eigen::VectorXd ThroughFilter(const std::vector<Eigen::VectorXd>& per_segment) const;
   // Any function of the sample, filtered and thinned like the columns.
   template <class Function>
   Eigen::VectorXd Column(Function f) const {

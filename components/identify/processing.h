@@ -43,6 +43,7 @@ struct StateSegment {
   std::vector<char> valid;    // 0: inside a hole of lost rows
   std::vector<char> usable;   // moving, away from reversals, borders and holes
   std::vector<char> at_rest;  // slower than the rest velocity
+  bool held = false;          // rows are holds: no motion between them, nothing to filter
   Eigen::Index size() const { return static_cast<Eigen::Index>(samples.size()); }
 };
 

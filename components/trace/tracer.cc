@@ -36,6 +36,7 @@ constexpr double kHiddenShare = 0.05;
 constexpr double kSwallowed = 1e-3;
 // Less than this beside one declared term alone: it is that term seen from another side.
 constexpr double kVariant = 0.02;
+constexpr int kMostOrders = 8;  // of one periodic effect beyond its first
 // Less than this above the noise floor is not worth a variable's name.
 constexpr double kLoudRest = 0.12;
 // A variable has to predict this share of what remains to be named.
@@ -99,6 +100,12 @@ bool LookAlike(const effects::EffectInfo& a, const effects::EffectInfo& b) {
   return lists(a, b.name) || lists(b, a.name);
 }
 
+// One order of several that a motor's turn may hold.
+bool IsPeriodic(const effects::Effect& effect) {
+  const auto& nonlinear = effect.info().nonlinear;
+  return nonlinear.size() == 1 && nonlinear.front().name == "order";
+}
+
 class Tracer {
  public:
   Tracer(Design& train, Design& sealed, const actuator::JointModel& model,
@@ -110,10 +117,18 @@ class Tracer {
     Prepare();
     FitResult fit = result_.declared_fit;
     actuator::JointModel model = fit.model;
-    for (int round = 0; round < options_.max_rounds; ++round) {
+    // Another order of an effect that is there already (cogging has several) is no round of its
+    // own.
+    for (int round = 0, again = 0; round < options_.max_rounds && again < kMostOrders;) {
       Progress("round " + std::to_string(round + 1) + ": candidates",
                0.1 + 0.25 * static_cast<double>(round));
       if (!Round(&model, &fit)) break;
+      const auto same = [&](const FoundEffect& effect) {
+        return effect.name == result_.effects.back().name;
+      };
+      const bool order = std::count_if(result_.effects.begin(), result_.effects.end(), same) > 1 &&
+                         IsPeriodic(*model.terms.back().effect);
+      ++(order ? again : round);
     }
     TryToRemove(&model, &fit);
     result_.corrected = fit.model;

@@ -42,6 +42,7 @@ double* Field(JointSample& x, const std::string& name) {
   if (name == "load_force_N") return &x.load_force_N;
   if (name == "payload_kg") return &x.payload_kg;
   if (name == "temperature_degC") return &x.temperature_degC;
+  if (name == "rigid_torque_Nm") return &x.rigid_torque_Nm;
   if (name == "tooth_torque_Nm") return &x.tooth_torque_Nm;
   if (name == "tooth_side") return &x.tooth_side;
   return nullptr;
@@ -64,6 +65,7 @@ const std::vector<std::string>& AllFields() {
                                                    "load_force_N",
                                                    "payload_kg",
                                                    "temperature_degC",
+                                                   "rigid_torque_Nm",
                                                    "tooth_torque_Nm",
                                                    "tooth_side"};
   return kFields;
