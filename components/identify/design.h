@@ -66,6 +66,20 @@ class Design {
     return out;
   }
 
+  // Share of a signal's power behind the parallel filter (about its mean, used rows) that is noise,
+  // taken as white and told by fourth differences from sample to sample. 1 for a constant.
+  template <class Function>
+  double NoiseShare(Function f) const {
+    std::vector<Eigen::VectorXd> full;
+    for (const StateSegment& segment : states_.segments) {
+      full.emplace_back(segment.size());
+      for (Eigen::Index i = 0; i < segment.size(); ++i) {
+        full.back()[i] = f(segment.samples[static_cast<std::size_t>(i)]);
+      }
+    }
+    return NoiseShare(full, Column(f));
+  }
+
   // From now on effects that read the drive see the drive that the model needs, not the measured
   // one: noise of the measured drive would stand on both sides of the equation. Its rate stays
   // measured.
@@ -85,6 +99,9 @@ class Design {
                     Eigen::Ref<Eigen::VectorXd> out) const;
   // Takes the mean over its used rows from every window.
   void Centre(Eigen::Ref<Eigen::VectorXd> column) const;
+
+  double NoiseShare(const std::vector<Eigen::VectorXd>& full,
+                    const Eigen::VectorXd& filtered) const;
 
   StateSet states_;
   ProcessingOptions options_;

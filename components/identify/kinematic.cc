@@ -72,7 +72,13 @@ StateSet MakeKinematicStates(const std::vector<Run>& runs, const actuator::Joint
           const double link = -model.SideTorque(effects::Side::kOutput, x, memory);
           // The link's side is told by sensors and load, the motor's by the current: both count.
           const double torque = 0.5 * (motor + link);
-          const double sure = kSureContact * residual;
+          // What was found, not declared, may sit on the other side of the teeth.
+          double doubt = 0.0;
+          for (std::size_t t = 0; t < model.terms.size(); ++t) {
+            if (model.terms[t].declared || !model.Counts(model.terms[t])) continue;
+            doubt += std::abs(model.TermTorque(static_cast<int>(t), x, memory));
+          }
+          const double sure = kSureContact * residual + doubt;
           effects::JointSample& sample = states.segments[s].samples[k];
           sample.tooth_torque_Nm = torque;
           const bool touches =

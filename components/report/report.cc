@@ -116,9 +116,23 @@ std::string NextExperiment(const Report& report) {
     return "To tell " + effect.name + " from " + Join(effect.rivals, " and ") + ": " +
            effects::MakeEffect(effect.name, {}, effect.balance)->info().separating_excitation + ".";
   }
+  for (const trace::ParameterShift& shift : trace.shifts) {
+    if (shift.causes.empty() || !trace.effects.empty()) continue;
+    return "To tell why " + shift.effect + "." + shift.parameter + " is not what was declared (" +
+           Join(shift.causes, " or ") +
+           "): " + effects::MakeEffect(shift.causes.front(), {})->info().separating_excitation +
+           ".";
+  }
   if (trace.verdict == trace::Verdict::kUnexplained) {
     return "Move " + trace.unexplained.variable +
            " alone, slowly, over its whole range, in both directions.";
+  }
+  // What could hide here, and what would show it: the first that is no matter of declared terms.
+  for (const trace::NotExcited& hidden : trace.not_excited) {
+    const std::string how = effects::MakeEffect(hidden.effect, {})->info().separating_excitation;
+    if (hidden.reason.starts_with("up to") && !how.empty()) {
+      return "To see whether there is " + hidden.effect + ": " + how + ".";
+    }
   }
   return "";
 }

@@ -35,6 +35,7 @@ struct MissingSignals {
 struct CandidateSet {
   std::vector<Candidate> candidates;
   std::vector<MissingSignals> missing;
+  std::vector<MissingSignals> silent;  // recorded, but nothing but noise
 };
 
 // Every passive or inertia effect of the model's balance that the model does not hold (effects with

@@ -99,14 +99,33 @@ Event FindLasting(const identify::Design& design, std::shared_ptr<const effects:
     if (changes[run].explained > changes[first].explained) first = run;
   }
   if (changes.empty() || !(changes[first].explained > 0.0)) return out;
-  out.statistic = changes[first].explained;
+
+  // All changes together beside the base: each run's was found while the base had taken up a part
+  // of the others.
+  const auto count = static_cast<Eigen::Index>(runs.size());
+  Eigen::MatrixXd all(target.size(), base.cols() + count);
+  all.leftCols(base.cols()) = base;
+  all.rightCols(count).setZero();
+  std::vector<Eigen::Index> used;
+  for (std::size_t run = 0; run < runs.size(); ++run) {
+    used.insert(used.end(), runs[run].begin(), runs[run].end());
+    if (!std::isfinite(changes[run].start_s)) continue;
+    for (const Eigen::Index i : runs[run]) {
+      if (time_s[i] > changes[run].start_s) {
+        all(i, base.cols() + static_cast<Eigen::Index>(run)) = g[i];
+      }
+    }
+  }
+  const identify::Moments total = identify::MomentsOf(used, all, target);
+  const Eigen::VectorXd joint = identify::Solve(total.G, total.m);
+  out.statistic = total.yy - total.SquaredError(joint);
+  for (std::size_t run = 0; run < runs.size(); ++run) {
+    changes[run].theta = joint[base.cols() + static_cast<Eigen::Index>(run)];
+  }
 
   // What the same search finds in the rest, where there is no change: sums over blocks, signs of
   // whole blocks at random, changes at the borders of blocks.
-  Eigen::VectorXd noise = target;
-  for (const Eigen::Index i : runs[first]) {
-    if (time_s[i] > changes[first].start_s) noise[i] -= changes[first].theta * g[i];
-  }
+  const Eigen::VectorXd noise = target - all * joint;
   struct BlockSums {
     int run;
     double gr, gg;
@@ -140,14 +159,19 @@ Event FindLasting(const identify::Design& design, std::shared_ptr<const effects:
   std::mt19937_64 random(seed);
   std::vector<double> best_false;
   for (int round = 0; round < placebo_rounds; ++round) {
+    double sum = 0.0;  // over recordings, of the best in each
     double best = 0.0;
     double gr = 0.0;
     for (std::size_t b = sums.size(); b-- > 0;) {
-      if (b + 1 < sums.size() && sums[b].run != sums[b + 1].run) gr = 0.0;
+      if (b + 1 < sums.size() && sums[b].run != sums[b + 1].run) {
+        gr = 0.0;
+        sum += best;
+        best = 0.0;
+      }
       gr += (random() & 1) != 0 ? sums[b].gr : -sums[b].gr;
       if (power[b] > 0.0) best = std::max(best, gr * gr / power[b]);
     }
-    best_false.push_back(best);
+    best_false.push_back(sum + best);
   }
   out.threshold = identify::Quantile(best_false, 0.99);
   out.significant = out.statistic > out.threshold;
@@ -156,7 +180,8 @@ Event FindLasting(const identify::Design& design, std::shared_ptr<const effects:
   for (std::size_t run = 0; run < runs.size(); ++run) {
     const double ratio = changes[run].theta / changes[first].theta;
     // Less than a tenth of the threshold is no sign of a change here.
-    if (changes[run].explained < 0.1 * out.threshold || ratio < 1.0 / kAlike || ratio > kAlike) {
+    if (changes[run].explained < 0.1 * out.threshold / static_cast<double>(count) ||
+        ratio < 1.0 / kAlike || ratio > kAlike) {
       continue;
     }
     out.start_s[run] = changes[run].start_s;

@@ -36,7 +36,7 @@ struct Event {
   double length_s = 0.0;        // passing events; 0: it lasts
   double clock_s = 0.0;         // where it begins once the clocks are set
   double explained = 0.0;       // squared error of the target, all recordings
-  double statistic = 0.0;       // explained in the recording that shows it best, or robust sigmas
+  double statistic = 0.0;       // squared error explained by all changes, or robust sigmas
   double threshold = 0.0;       // that the statistic had to exceed
   bool significant = false;
   bool passing() const { return length_s > 0.0; }

@@ -30,12 +30,16 @@ constexpr double kSameGain = 0.85;
 // A declared basic (offset, inertia) that is the chosen effect under another name.
 constexpr double kTwin = 0.9999;
 // An effect that could hide this share of the drive torque without being seen is "not excited".
-constexpr double kHiddenShare = 0.25;
+constexpr double kHiddenShare = 0.05;
 // Less of a candidate's power than this beside all declared terms: a refit swallows it.
 constexpr double kSwallowed = 1e-3;
 // Less than this beside one declared term alone: it is that term seen from another side.
 constexpr double kVariant = 0.02;
+// Less than this above the noise floor is not worth a variable's name.
+constexpr double kLoudRest = 0.12;
 constexpr double kConvincingUnits = 6;
+// Standard errors by which a quarter of the data must ask for the opposite to contradict.
+constexpr double kContradicts = 3.0;
 constexpr double kShortestDelay = 0.1;  // of a sample
 constexpr double kTwoPi = 6.283185307179586;
 
@@ -101,8 +105,8 @@ class Tracer {
   TraceResult Run() {
     Progress("refit of the declared terms", 0.02);
     Prepare();
-    actuator::JointModel model = result_.declared;
     FitResult fit = result_.declared_fit;
+    actuator::JointModel model = fit.model;
     for (int round = 0; round < options_.max_rounds; ++round) {
       Progress("round " + std::to_string(round + 1) + ": candidates",
                0.1 + 0.25 * static_cast<double>(round));
@@ -168,7 +172,8 @@ class Tracer {
                           Folds(units_.blocks.size()));
 
     result_.nominal = declared_;
-    result_.declared = fit.model;
+    // What is compared and written stays within the physical range, before and after alike.
+    result_.declared = identify::WithinPhysicalRange(train_, fit.model, units_.blocks);
     result_.declared_fit = fit;
     result_.units = static_cast<int>(units_.blocks.size());
     result_.unit_kind = units_.kind;
@@ -368,6 +373,8 @@ class Tracer {
       } else if (rounding != nullptr && NoBetter(trial, *rounding)) {
         score.refused =
             "explains no more than " + rounding->score.name + " below the encoder's rounding";
+      } else if (trial.candidate->event != nullptr && score.gain.sum < drift_gain_) {
+        score.refused = "a drift explains more than an instant";
       } else if (!score.physical) {
         score.refused = "sign or size is not physical";
       } else if (!score.stable) {
@@ -495,6 +502,19 @@ class Tracer {
       }
     }
     if (!event_) return;
+    drift_gain_ = 0.0;
+    const Eigen::MatrixXd drift = DriftColumns(train_);
+    if (!event_->passing() && drift.cols() > 0) {
+      const int folds = Folds(units_.blocks.size());
+      const Eigen::VectorXd ones =
+          Eigen::VectorXd::Ones(static_cast<Eigen::Index>(units_.blocks.size()));
+      const Eigen::MatrixXd none(target.size(), 0);
+      const std::vector<Setting> without = {
+          Setting(units_.blocks, fit.balance.columns, none, target, folds)};
+      const std::vector<Setting> with = {
+          Setting(units_.blocks, fit.balance.columns, drift, target, folds)};
+      drift_gain_ = (LeftOutErrors(without, ones, folds) - LeftOutErrors(with, ones, folds)).sum();
+    }
     SetClocks(event_->start_s, event_->clock_s, &train_);
     Candidate candidate;
     candidate.effect = event_->effect;
@@ -553,7 +573,7 @@ class Tracer {
       }
       const Eigen::VectorXd b = identify::Solve(G, m);
       const double error = std::sqrt(identify::BlockCovariance(part, b)(p - 1, p - 1));
-      if (b[p - 1] < -2.0 * error) return false;
+      if (b[p - 1] < -kContradicts * error) return false;
     }
     return true;
   }
@@ -618,6 +638,7 @@ class Tracer {
         return std::count(options_.only.begin(), options_.only.end(), candidate.name()) == 0;
       });
       set.missing.clear();
+      set.silent.clear();
     }
     RoundReport report;
     report.train_rms = fit->rms;
@@ -634,7 +655,11 @@ class Tracer {
     // ask the same the first of the catalogue.
     const auto asks = [](const Trial& trial) {
       const effects::EffectInfo& info = trial.candidate->effect->info();
-      return trial.surprise + 2.0 * static_cast<double>(info.linear.size() + info.nonlinear.size());
+      double parameters = static_cast<double>(info.linear.size() + info.nonlinear.size());
+      if (trial.candidate->event != nullptr) {  // an instant of its own in every recording
+        parameters += static_cast<double>(trial.candidate->event->start_s.size()) - 1.0;
+      }
+      return trial.surprise + 2.0 * parameters;
     };
     std::size_t best = 0;
     while (best < trials.size() && !trials[best].score.accepted) ++best;
@@ -737,6 +762,10 @@ class Tracer {
   void NoteWhatIsHidden(const CandidateSet& set, const std::vector<Trial>& trials) {
     for (const MissingSignals& missing : set.missing) {
       result_.not_excited.push_back({missing.effect, "not recorded: " + missing.fields});
+    }
+    for (const MissingSignals& silent : set.silent) {
+      result_.not_excited.push_back(
+          {silent.effect, silent.fields + " tells nothing but its noise"});
     }
     for (const Trial& trial : trials) {
       if (std::isinf(trial.detectable)) {
@@ -864,6 +893,7 @@ class Tracer {
         std::max(variance - result_.noise_floor_rms * result_.noise_floor_rms, 0.02 * variance);
     const bool loud = best.gain.t > options_.fewest_standard_errors &&
                       best.share > scan.placebo_99 && best.share > 0.10 &&
+                      explainable > kLoudRest * variance &&
                       best.share * variance > 0.2 * explainable;
     if (!loud) return;
     result_.unexplained.balance = declared_.balance;
@@ -882,6 +912,7 @@ class Tracer {
   Eigen::MatrixXd rounding_;  // columns of what is too small to be an effect; may have none
   std::vector<Eigen::Index> used_;
   std::optional<Event> event_;  // of this round
+  double drift_gain_ = 0.0;     // what a free drift would gain in its place
   std::vector<EventTime> event_times_;
 };
 

@@ -12,11 +12,10 @@
 #include <utility>
 
 #include "components/identify/fit.h"
-#include "components/trace/candidates.h"
 #include "components/trace/close_loop.h"
 #include "components/trace/slow_motion.h"
-#include "components/trace/units.h"
 #include "sim/surrogate/undeclared.h"
+#include "tests/bank/oracle.h"
 
 namespace sinew::bank {
 namespace {
@@ -61,20 +60,6 @@ constexpr std::array<std::array<std::string_view, 2>, 20> kPairs = {{
     {"torque_constant_saturation", "gravity_phase"},
 }};
 
-// Terms of the true structure; several where one mechanism has several orders.
-std::vector<std::vector<double>> OracleSettings(const std::string& effect) {
-  if (effect == "cogging") return {{14.0}, {7.0}, {28.0}};
-  if (effect == "gear_eccentricity") return {{2.0}, {1.0}};
-  return {};
-}
-
-struct Oracle {
-  actuator::JointModel model;
-  double sealed = 0.0;
-  bool significant = false;
-  double value = std::numeric_limits<double>::quiet_NaN();  // main parameter of the first term
-};
-
 struct Designs {
   identify::Design train, sealed;
 };
@@ -94,69 +79,6 @@ double Rate_Hz(const Recorded& recorded) {
 bool ShowsInSlowMotion(const std::vector<std::string>& names, const actuator::JointModel& model) {
   const std::vector<std::string> slow = trace::EffectsOfMotorAngle(model);
   return names.size() == 1 && std::find(slow.begin(), slow.end(), names.front()) != slow.end();
-}
-
-bool KnownToMotion(const std::string& effect, const actuator::JointModel& model) {
-  const std::vector<std::string> names = effects::EffectNames();
-  if (std::find(names.begin(), names.end(), effect) == names.end()) return false;
-  return effects::MakeEffect(effect, model.constants)->info().balance == effects::Balance::kMotion;
-}
-
-// The linear parameter that says how large a term is: the largest one.
-const actuator::ParameterValue& MainParameter(const actuator::Term& term) {
-  return *std::max_element(
-      term.linear.begin(), term.linear.end(),
-      [](const actuator::ParameterValue& a, const actuator::ParameterValue& b) {
-        return std::abs(a.value) < std::abs(b.value);
-      });
-}
-
-// True structure, refitted: every setting of the grid tried, the best one refined.
-Oracle FitOracle(Designs* designs, const actuator::JointModel& declared,
-                 const std::vector<std::string>& names) {
-  const std::vector<identify::Block> blocks = trace::ChooseUnits(designs->train, 0.5, 20).blocks;
-  actuator::JointModel model = identify::FitModel(designs->train, declared, blocks).model;
-  designs->train.PredictDrive(model);
-  const std::size_t first = model.terms.size();
-  for (const std::string& name : names) {
-    actuator::Term term = actuator::MakeTerm(name, model.constants);
-    term.declared = false;
-    std::vector<std::vector<double>> settings = OracleSettings(name);
-    const bool all = !settings.empty();
-    if (!all) settings = trace::GridOf(term.effect->info());
-    actuator::JointModel best;
-    double least = std::numeric_limits<double>::infinity();
-    for (const std::vector<double>& psi : settings) {
-      for (std::size_t i = 0; i < psi.size(); ++i) term.nonlinear[i].value = psi[i];
-      for (actuator::ParameterValue& value : term.nonlinear) value.fixed = all;
-      if (all) {
-        model.terms.push_back(term);
-        continue;
-      }
-      actuator::JointModel trial = model;
-      trial.terms.push_back(term);
-      const identify::FitResult fit = identify::FitModel(designs->train, trial, blocks);
-      if (fit.rms < least) {
-        least = fit.rms;
-        best = fit.model;
-      }
-    }
-    if (!all) model = std::move(best);
-  }
-  identify::FitResult fit = identify::RefineModel(designs->train, model, blocks);
-  designs->train.PredictDrive(fit.model);
-  fit = identify::RefineModel(designs->train, fit.model, blocks);
-  designs->sealed.PredictDrive(fit.model);
-  Oracle oracle{.model = fit.model, .sealed = identify::ErrorOf(designs->sealed, fit.model).rms};
-  for (std::size_t t = first; t < fit.model.terms.size(); ++t) {
-    for (const actuator::ParameterValue& value : fit.model.terms[t].linear) {
-      if (value.half_width_95 && std::abs(value.value) > *value.half_width_95) {
-        oracle.significant = true;
-      }
-    }
-  }
-  oracle.value = MainParameter(fit.model.terms[first]).value;
-  return oracle;
 }
 
 double SignOf(const std::string& effect, std::uint64_t seed) {
@@ -190,8 +112,9 @@ void JudgeAgainstOracle(const Case& what, const Scene& scene, const Recorded& re
     processing = identify::SlowMotion(processing, declared, Rate_Hz(recorded));
   }
   Designs designs = MakeDesigns(recorded, declared, processing);
-  const Oracle oracle = FitOracle(&designs, declared, what.effects);
-  out->sealed_oracle = oracle.sealed;
+  const Oracle oracle = FitOracle(&designs.train, declared, what.effects);
+  designs.sealed.PredictDrive(oracle.model);
+  out->sealed_oracle = identify::ErrorOf(designs.sealed, oracle.model).rms;
   out->oracle_significant = oracle.significant;
   designs.sealed.PredictDrive(loop.trace.declared);
   out->sealed_before = identify::ErrorOf(designs.sealed, loop.trace.declared).rms;
@@ -209,7 +132,7 @@ void JudgeAgainstOracle(const Case& what, const Scene& scene, const Recorded& re
   Designs clean_designs = MakeDesigns(clean, declared, processing);
   const trace::FoundEffect& found = loop.trace.effects.front();
   const actuator::Term& term = loop.trace.corrected.terms[static_cast<std::size_t>(found.term)];
-  const Oracle truth = FitOracle(&clean_designs, declared, what.effects);
+  const Oracle truth = FitOracle(&clean_designs.train, declared, what.effects);
   const actuator::ParameterValue& value = MainParameter(term);
   out->value = value.value;
   out->half_width = value.half_width_95.value_or(std::numeric_limits<double>::quiet_NaN());

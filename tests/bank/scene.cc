@@ -154,6 +154,7 @@ Recorded Record(const Scene& scene) {
   const surrogate::PneumaticLine line = surrogate::LinePneumatics(rig);
   for (int k = 0; k <= scene.trains; ++k) {
     const bool sealed = k == scene.trains;
+    if (sealed && !scene.sealed) break;
     const std::uint64_t seed = 1000 * scene.seed + static_cast<std::uint64_t>(k);
     RigParameters run_rig = rig;
     run_rig.seed = seed;

@@ -22,6 +22,7 @@ struct Scene {
   double seconds = 60.0;          // of each recording
   double coloured_noise_A = 0.0;  // on the current, standard deviation; 0.1 s of memory
   bool silent = false;            // sensors neither round nor scatter, no jitter, no lost rows
+  bool sealed = true;             // false: training recordings only
   std::vector<surrogate::EffectSpec> effects;
 };
 

@@ -8,6 +8,7 @@
 #include "components/identify/fit.h"
 #include "components/trace/candidates.h"
 #include "components/trace/units.h"
+#include "tests/bank/oracle.h"
 
 namespace sinew::bank {
 namespace {
@@ -57,16 +58,22 @@ std::vector<identify::Block> PlainBlocks(const identify::Design& design) {
 
 struct Refit {
   double variance = 0.0;
+  double explained = 0.0;  // share of it that the true structure takes away on the same recording
   actuator::JointModel model;
 };
 
-Refit RefitOf(const Recorded& recorded) {
+Refit RefitOf(const Recorded& recorded, const std::string& effect) {
   identify::ProcessingOptions wide = recorded.processing;
   wide.parallel_cutoff_Hz = kWide_Hz;
-  const identify::Design design = MakeTrainDesign(recorded, wide);
+  identify::Design design = MakeTrainDesign(recorded, wide);
   const identify::FitResult fit =
       identify::FitModel(design, recorded.declared, PlainBlocks(design));
-  return {fit.rms * fit.rms, fit.model};
+  Refit out{fit.rms * fit.rms, 0.0, fit.model};
+  if (KnownToMotion(effect, recorded.declared)) {
+    const double left = FitOracle(&design, recorded.declared, {effect}).rms / fit.rms;
+    out.explained = std::max(0.0, 1.0 - left * left);
+  }
+  return out;
 }
 
 // Largest change of a declared parameter, in its tolerances.
@@ -95,11 +102,17 @@ class Calibration {
  public:
   Calibration(const std::string& effect, ExcitationKind excitation)
       : effect_(effect), excitation_(excitation) {
-    for (const std::uint64_t seed : kSeeds) twins_.push_back(RefitOf(RecordAt(seed, 0.0, false)));
+    for (const std::uint64_t seed : kSeeds) {
+      twins_.push_back(RefitOf(RecordAt(seed, 0.0, false), effect));
+    }
   }
 
   Recorded RecordAt(std::uint64_t seed, double size, bool silent) const {
-    Scene scene{.excitation = excitation_, .seed = seed, .silent = silent};
+    Scene scene{.excitation = excitation_,
+                .seed = seed,
+                .seconds = 60.0,
+                .silent = silent,
+                .sealed = false};
     if (size != 0.0) scene.effects = {{effect_, size, 0.0}};
     return Record(scene);
   }
@@ -108,8 +121,13 @@ class Calibration {
     Reached sum;
     for (std::size_t i = 0; i < twins_.size(); ++i) {
       const Recorded recorded = RecordAt(kSeeds[i], size, false);
-      const Refit with = RefitOf(recorded);
-      sum.share += std::max(0.0, 1.0 - twins_[i].variance / with.variance) / twins_.size();
+      const Refit with = RefitOf(recorded, effect_);
+      // Against the twin an effect's own share drowns in the other impacts of another motion; so
+      // the twin serves only where there is no structure to fit.
+      const double share = KnownToMotion(effect_, recorded.declared)
+                               ? with.explained
+                               : std::max(0.0, 1.0 - twins_[i].variance / with.variance);
+      sum.share += share / twins_.size();
       sum.shift += ShiftBetween(with.model, twins_[i].model, recorded.declared) / twins_.size();
     }
     return sum;
@@ -178,6 +196,10 @@ identify::Design MakeTrainDesign(const Recorded& recorded,
 const SizeOf& FindSize(const std::string& effect, ExcitationKind excitation) {
   for (const SizeOf& size : Table()) {
     if (size.effect == effect && size.excitation == excitation) return size;
+  }
+  // Not made for the task: the designed motion's.
+  for (const SizeOf& size : Table()) {
+    if (size.effect == effect) return size;
   }
   throw std::out_of_range("the bank has no size of effect '" + effect + "', run --calibrate");
 }

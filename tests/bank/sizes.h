@@ -33,8 +33,10 @@ struct SizeOf {
 // The table in sizes.inc. Throws std::out_of_range for what is not in it.
 const SizeOf& FindSize(const std::string& effect, surrogate::ExcitationKind excitation);
 
-// Makes one row of it: residual variance with the effect against its twin without, both refitted,
-// same seeds, two iterations of size^2 ~ variance; classes from recordings without noise.
+// Makes one row of it, by a few iterations of size^2 ~ variance: the share of the refitted declared
+// model's residual variance that the true structure takes away on the same recordings (where there
+// is none to fit, that is missing in the twin of the same seeds without the effect); classes from
+// recordings without noise.
 SizeOf Calibrate(const std::string& effect, surrogate::ExcitationKind excitation);
 
 // The row as it stands in sizes.inc.

@@ -139,6 +139,9 @@ CloseLoopResult CloseLoop(const CloseLoopOptions& options) {
     report.processing = loop.processing;
     report.findings = std::move(loop.findings);
     report.trace = std::move(loop.trace);
+    progress("simulation beside the sealed recording", 0.97);
+    report.free_run =
+        free_run::Compare(sealed, report.trace.declared, report.trace.corrected, report.processing);
     if (published) {
       report.as_published =
           identify::RunAsPublished(train.front(), sealed.front(), joint, *published);
@@ -218,6 +221,16 @@ void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options
     } else {
       std::cout << summary.unseen << '\n';
     }
+  }
+  if (report.free_run.errors) {
+    const free_run::FreeRun& run = *report.free_run.errors;
+    std::cout << "simulated position error: " << Short(run.before_rms) << " -> "
+              << Short(run.after_rms)
+              << (trace.corrected.kind == effects::JointKind::kRotary ? " rad" : " m") << " rms ("
+              << (run.method == free_run::Method::kClosedLoop
+                      ? "closed loop"
+                      : "over " + Short(run.horizon_s) + " s from measured states")
+              << ")\n";
   }
   if (report.as_published) {
     const identify::AsPublishedResult& published = *report.as_published;

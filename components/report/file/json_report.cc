@@ -165,7 +165,8 @@ std::string FormatJson(const Report& report) {
         {"weak_evidence", effect.weak_evidence},
         {"swallowed_by_refit", effect.swallowed},
         {"slow_motion", effect.slow_motion},
-        {"train", {{"unit", own_unit}, {"before", effect.train_before}, {"after", effect.train_after}}},
+        {"train",
+         {{"unit", own_unit}, {"before", effect.train_before}, {"after", effect.train_after}}},
         {"sealed",
          {{"unit", own_unit}, {"before", effect.sealed_before}, {"after", effect.sealed_after}}}};
     out["effects"].push_back(std::move(entry));
@@ -223,6 +224,24 @@ std::string FormatJson(const Report& report) {
                              {"after", ModelParameters(published.after)}}}};
   }
 
+  if (report.free_run.errors) {
+    const free_run::FreeRun& run = *report.free_run.errors;
+    const bool closed = run.method == free_run::Method::kClosedLoop;
+    out["free_run"] = {{"unit", trace.corrected.kind == effects::JointKind::kRotary ? "rad" : "m"},
+                       {"method", closed ? "closed_loop" : "horizons"},
+                       {"horizon_s", closed ? Json(nullptr) : Json(run.horizon_s)},
+                       {"before", run.before_rms},
+                       {"after", run.after_rms},
+                       {"before_rms", run.before_rms},
+                       {"after_rms", run.after_rms},
+                       {"before_mean_abs", run.before_mean_abs},
+                       {"after_mean_abs", run.after_mean_abs},
+                       {"before_diverged", run.before_diverged},
+                       {"after_diverged", run.after_diverged}};
+  } else {
+    out["free_run"] = {
+        {"before", nullptr}, {"after", nullptr}, {"why_not", report.free_run.why_not}};
+  }
   out["not_excited"] = Json::array();
   out["not_excited_why"] = Json::object();
   for (const trace::NotExcited& hidden : trace.not_excited) {
