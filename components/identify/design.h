@@ -20,6 +20,7 @@ struct Rows {
   std::vector<int> segment;
   std::vector<char> used;            // moving samples only
   std::vector<Eigen::Index> sample;  // index in its segment
+  std::vector<int> window;           // empty, or as StateSegment::window
   Eigen::Index size() const { return time_s.size(); }
   std::vector<Eigen::Index> UsedRows() const;
 };
@@ -54,6 +55,7 @@ class Design {
       }
       at += Thin(segment, full, out.segment(at, rows_.size() - at));
     }
+    Centre(out);
     return out;
   }
   // The same without the filter: for plots and for variables.
@@ -99,6 +101,8 @@ class Design {
   // Filters a full-rate column of a segment; returns the number of rows written.
   Eigen::Index Thin(const StateSegment& segment, const Eigen::VectorXd& full,
                     Eigen::Ref<Eigen::VectorXd> out) const;
+  // Takes the mean over its used rows from every window.
+  void Centre(Eigen::Ref<Eigen::VectorXd> column) const;
 
   double NoiseShare(const std::vector<Eigen::VectorXd>& full,
                     const Eigen::VectorXd& filtered) const;

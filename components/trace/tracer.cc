@@ -374,7 +374,7 @@ class Tracer {
             info.relative_to_drive ? scale * extra[i] / DriveShare(fit.model) : scale * extra[i];
         if (physical < info.lower || physical > info.upper) score.physical = false;
       }
-      if (candidate.effect->info().smallest == effects::Smallest::kTenthOfSample)
+      if (ShortestDelay(candidate.effect->info()) > 0.0)
         score.delay_s = score.theta.front() / DriveShare(fit.model);
       trial.surprise =
           Surprise(balance, fit.coefficients + trial.coefficients.head(balance.columns.cols()));
@@ -390,12 +390,15 @@ class Tracer {
     const Trial* rounding = nullptr;
     for (const Trial& trial : trials) {
       const effects::Smallest smallest = trial.candidate->effect->info().smallest;
-      if (smallest == effects::Smallest::kTenthOfSample) delay = &trial;
+      const double shortest_s = ShortestDelay(trial.candidate->effect->info());
+      if (delay == nullptr && std::abs(trial.score.delay_s) < shortest_s) delay = &trial;
       if (smallest == effects::Smallest::kRounding && BelowRounding(trial)) rounding = &trial;
     }
-    const double shortest_s = kShortestDelay / train_.states().rate_Hz;
-    const bool skew = delay != nullptr && std::abs(delay->score.delay_s) < shortest_s;
+    const bool skew = delay != nullptr;
     if (rounding != nullptr) rounding_ = rounding->candidate->grid[rounding->best].columns;
+    if (skew && delay->candidate->effect->info().smallest == effects::Smallest::kHalfSample) {
+      rounding_ = delay->candidate->grid[delay->best].columns;
+    }
 
     const double quantile =
         identify::StudentQuantile(0.9772, std::max(1.0, static_cast<double>(blocks.size()) - 1.0)) /
@@ -414,7 +417,9 @@ class Tracer {
       } else if (!IsPassing(trial) && score.gain_share <= report->placebo_99) {
         score.refused = "gain as in recordings without the effect";
       } else if (skew && !IsPassing(trial) && Skewed(trial, *delay, balance, target, folds)) {
-        score.refused = "a skew between channels below a tenth of a sample";
+        score.refused = declared_.balance == effects::Balance::kGas
+                            ? "a delay below half a sample"
+                            : "a skew between channels below a tenth of a sample";
       } else if (rounding != nullptr && NoBetter(trial, *rounding)) {
         score.refused =
             "explains no more than " + rounding->score.name + " below the encoder's rounding";
@@ -649,6 +654,18 @@ class Tracer {
     if (trial.candidate == than.candidate) return true;
     const Gain ahead = GainOf(trial.gains - than.gains);
     return ahead.sum <= ahead.standard_error;
+  }
+
+  // Delays below this are findings, no effects; 0: the effect is no delay.
+  double ShortestDelay(const effects::EffectInfo& info) const {
+    switch (info.smallest) {
+      case effects::Smallest::kTenthOfSample:
+        return kShortestDelay / train_.states().rate_Hz;
+      case effects::Smallest::kHalfSample:
+        return 0.5 / train_.states().rate_Hz;
+      default:
+        return 0.0;
+    }
   }
 
   // Does little of a candidate's gain stay when a skew between channels may be fitted as well?
@@ -954,7 +971,7 @@ class Tracer {
   const TraceOptions& options_;
   TraceResult result_;
   Units units_;
-  Eigen::MatrixXd rounding_;  // columns of what stays below the encoder's rounding; may have none
+  Eigen::MatrixXd rounding_;  // columns of what is too small to be an effect; may have none
   std::vector<Eigen::Index> used_;
   std::optional<Event> event_;  // of this round
   double drift_gain_ = 0.0;     // what a free drift would gain in its place
