@@ -44,7 +44,7 @@ constexpr double kNamedShare = 0.16;
 constexpr double kConvincingUnits = 6;
 // Standard errors by which a quarter of the data must ask for the opposite to contradict.
 constexpr double kContradicts = 3.0;
-constexpr double kShortestDelay = 0.07;  // of a sample
+constexpr double kShortestDelay = 0.085;  // of a sample
 constexpr double kTwoPi = 6.283185307179586;
 
 double SumSquares(const Eigen::VectorXd& x, const std::vector<Eigen::Index>& rows) {
@@ -549,6 +549,8 @@ class Tracer {
       std::shared_ptr<const effects::Effect> effect = effects::MakeEffect(name, model.constants);
       const effects::EffectInfo& info = effect->info();
       if (!info.event || (info.rotary_only && model.kind != effects::JointKind::kRotary)) continue;
+      // What another effect leaves of its own transients looks like pushes.
+      if (info.nonlinear.size() > 1 && !result_.rounds.empty()) continue;
       Event event = FindEvent(train_, effect, units_.blocks, fit.balance.columns, target,
                               options_.placebo_rounds, options_.seed);
       if (!event.significant) {

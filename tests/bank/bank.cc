@@ -275,6 +275,7 @@ Outcome RunCase(const Case& what, bool parameters) {
     out.not_excited.push_back(hidden.effect);
   }
   for (const trace::ParameterShift& shift : result.shifts) {
+    out.shift_causes.push_back(shift.effect);
     for (const std::string& cause : shift.causes) {
       if (std::find(out.shift_causes.begin(), out.shift_causes.end(), cause) ==
           out.shift_causes.end()) {
