@@ -106,8 +106,8 @@ GasWindows MakeGasStates(const std::vector<Run>& runs, const actuator::JointMode
       for (effects::JointSample& x : segment.samples) {
         const double from_rest = x.position_rad - rest_rad;
         const double slope = slope_at_rest + bend * from_rest;
-        const double volume = model.constants.gas_volume_m3 +
-                              (slope_at_rest + 0.5 * bend * from_rest) * from_rest;
+        const double volume =
+            model.constants.gas_volume_m3 + (slope_at_rest + 0.5 * bend * from_rest) * from_rest;
         x.volume_rate_1_s = slope * x.velocity_rad_s / volume;
       }
       const auto open = [&](Eigen::Index i) {
@@ -136,7 +136,8 @@ GasWindows MakeGasStates(const std::vector<Run>& runs, const actuator::JointMode
         Eigen::Index to = last;
         Eigen::Index stays = last;
         while (stays + 1 < piece.size() && open(stays + 1)) ++stays;
-        if (opens && stays - last >= rows(kAfterOpening_s) && last - from >= rows(kBeforeOpening_s)) {
+        if (opens && stays - last >= rows(kAfterOpening_s) &&
+            last - from >= rows(kBeforeOpening_s)) {
           const Eigen::Index begin = last - rows(kBeforeOpening_s) + 1;
           const Eigen::Index end = last + rows(kAfterOpening_s);
           // Thrown somewhere between two rows.
@@ -159,7 +160,8 @@ GasWindows MakeGasStates(const std::vector<Run>& runs, const actuator::JointMode
         if (span >= kShortestWindow_s) {
           const auto pieces = static_cast<Eigen::Index>(std::ceil(span / kLongestWindow_s));
           for (Eigen::Index p = 0; p < pieces; ++p) {
-            mark(from + p * (to - from + 1) / pieces, from + (p + 1) * (to - from + 1) / pieces - 1);
+            mark(from + p * (to - from + 1) / pieces,
+                 from + (p + 1) * (to - from + 1) / pieces - 1);
             ++out.shut;
           }
         }

@@ -3,12 +3,12 @@
 //
 // Differentiated pressure of ten bits is noise, so the balance is its integral: pressure against
 // integrals of what the effects say of its rate, within windows, each with a level of its own
-// (Design takes the mean from every window). A window is a spell with the valve shut, cut into pieces
-// of at most kLongestWindow_s; the last kBeforeOpening_s of a spell and the first kAfterOpening_s of
-// what follows are one, too. There the declared model says that the flow begins with the command and
-// the stated delay; the flow's curve F is a parabola fitted to that opening, the instant of its
-// beginning with it, and then played from the command on. Windows are what cross-validation leaves
-// out together. Nothing is filtered: the noise of the pressure is white.
+// (Design takes the mean from every window). A window is a spell with the valve shut, cut into
+// pieces of at most kLongestWindow_s; the last kBeforeOpening_s of a spell and the first
+// kAfterOpening_s of what follows are one, too. There the declared model says that the flow begins
+// with the command and the stated delay; the flow's curve F is a parabola fitted to that opening,
+// the instant of its beginning with it, and then played from the command on. Windows are what
+// cross-validation leaves out together. Nothing is filtered: the noise of the pressure is white.
 //
 // The volume follows from the model of motion: dV/dq is the pneumatic torque per pressure (virtual
 // work), 1e-5 m3/rad per Nm/bar. Pure; allocates; throws std::invalid_argument as MakeStates.

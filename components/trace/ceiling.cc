@@ -112,7 +112,8 @@ NoiseFloor EstimateNoiseFloor(const identify::Design& design, const identify::Ba
   }
   const double gain =
       !design.rows().window.empty() ? drive_factor  // levels are taken off: sizes tell nothing
-      : input > 0.0 ? drive_factor * std::sqrt(balance.drive_torque.squaredNorm() / input) : 0.0;
+      : input > 0.0 ? drive_factor * std::sqrt(balance.drive_torque.squaredNorm() / input)
+                    : 0.0;
   const double high = FromDifferences(design, gain);
   if (still > 0.0 && (still <= high || high == 0.0)) return {still, "standstill"};
   if (high > 0.0) return {high, "sample-to-sample scatter"};

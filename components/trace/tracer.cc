@@ -282,9 +282,13 @@ class Tracer {
 
     const Eigen::MatrixXd base_used = PickRows(balance.columns, used_);
     const Eigen::MatrixXd base_gram = base_used.transpose() * base_used;
-    const double drive_rms =
-        std::abs(balance.Scale(fit.coefficients)) *
-        std::sqrt(SumSquares(balance.drive_torque, used_) / static_cast<double>(used_.size()));
+    // What could hide is told beside the size of the measured side: its largest value where its
+    // level means nothing.
+    const double drive_rms = std::abs(balance.Scale(fit.coefficients)) *
+                             (train_.rows().window.empty()
+                                  ? std::sqrt(SumSquares(balance.drive_torque, used_) /
+                                              static_cast<double>(used_.size()))
+                                  : PickRows(balance.drive_torque, used_).cwiseAbs().maxCoeff());
     std::vector<Trial> trials;
     for (const Candidate& candidate : set.candidates) {
       Trial trial;

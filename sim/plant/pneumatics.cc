@@ -50,8 +50,10 @@ void PneumaticElement::Reset(double position_rad) {
       (reservoir_pressure_bar_ + kAmbientPressure_bar) * config_.reservoir_volume_m3;
 }
 
-void PneumaticElement::Step(const Relays& relays, double position_rad, double dt_s) noexcept {
+void PneumaticElement::Step(const Relays& relays, double position_rad, double dt_s,
+                            double extra_rate_bar_s) noexcept {
   const double volume = chamber_volume_m3(position_rad);
+  chamber_bar_m3_ += volume * extra_rate_bar_s * dt_s;
   const double reservoir_volume = config_.reservoir_volume_m3;
   double chamber = chamber_bar_m3_ / volume;  // absolute, after the motion
   double reservoir = reservoir_pressure_bar_ + kAmbientPressure_bar;

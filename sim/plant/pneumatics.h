@@ -45,7 +45,9 @@ class PneumaticElement {
 
   void Reset(double position_rad);
   // One step at the output angle; explicit in time, exact for the exchange through the valve.
-  void Step(const Relays& relays, double position_rad, double dt_s) noexcept;
+  // extra_rate: what else moves the chamber's pressure, bar/s (gas_effects.h).
+  void Step(const Relays& relays, double position_rad, double dt_s,
+            double extra_rate_bar_s = 0.0) noexcept;
 
   double pressure_bar() const { return pressure_bar_; }
   double pressure_rate_bar_s() const { return pressure_rate_bar_s_; }

@@ -95,6 +95,7 @@ World::World(const WorldConfig& config)
                 .current_drive = model.Find("drive_voltage") < 0,
                 .lower = described.lower,
                 .upper = described.upper,
+                .gas = plant::GasEffects(model),
                 .relays = {}};
     if (!(settings.position_rad >= joint.lower && settings.position_rad <= joint.upper)) {
       throw std::invalid_argument("joint '" + model.name + "' starts at " +
@@ -157,6 +158,7 @@ void World::Reset(provider::PlantSensors* sensors) {
     joint.pneumatics.Reset(joint.config.position_rad);
     if (joint.config.has_pneumatics) joint.plant.SetPressure(joint.pneumatics.pressure_bar(), 0.0);
     joint.relays = {};
+    joint.gas.Reset();
     joint.load_force_N = 0.0;
   }
   ReadSensors(sensors);
@@ -241,7 +243,14 @@ void World::Substep(double dt_s) noexcept {
     position_[j] += 0.5 * dt_s * velocity_[j];
     joint.plant.End(position_[j], velocity_[j], dt_s);
     if (joint.config.has_pneumatics) {
-      joint.pneumatics.Step(joint.relays, position_[j], dt_s);
+      plant::Relays relays = joint.relays;
+      relays.valve_open = joint.gas.Valve(relays.valve_open, dt_s);
+      const double volume = joint.pneumatics.chamber_volume_m3(position_[j]);
+      const double before = joint.pneumatics.chamber_volume_m3(position_[j] - dt_s * velocity_[j]);
+      const double extra = joint.gas.Rate_bar_s(
+          joint.pneumatics.pressure_bar(), joint.pneumatics.pressure_rate_bar_s(),
+          (volume - before) / (dt_s * volume), relays.valve_open, dt_s);
+      joint.pneumatics.Step(relays, position_[j], dt_s, extra);
       joint.plant.SetPressure(joint.pneumatics.pressure_bar(),
                               joint.pneumatics.pressure_rate_bar_s());
     }

@@ -21,6 +21,7 @@
 #include "components/actuator/model.h"
 #include "components/provider/plant.h"
 #include "sim/plant/joint_plant.h"
+#include "sim/plant/gas_effects.h"
 #include "sim/plant/pneumatics.h"
 #include "sim/world/chain.h"
 
@@ -70,6 +71,7 @@ class World final : public provider::Plant {
     WorldJointConfig config;
     bool prismatic = false, current_drive = true;
     double lower = 0.0, upper = 0.0;
+    plant::GasEffects gas;
     plant::Relays relays;
     double load_force_N = 0.0;
   };

@@ -63,18 +63,18 @@ identify::Run ToRun(const std::vector<surrogate::LogRow>& rows, const std::strin
   return run;
 }
 
-// Of the chamber at the rest angle, the valve shut, m3.
-double GasVolume(const RigParameters& rig) {
+// Of the chamber with its dead volume, by the table of its displacement.
+double ChamberVolume_m3(const RigParameters& rig, double angle_rad) {
   const std::vector<double>& shape = rig.pneumatics.displacement_shape;
-  const double step = 2.0 * rig.link.end_stop_rad / static_cast<double>(shape.size() - 1);
-  double volume = rig.pneumatics.dead_volume_m3;
-  double at = -rig.link.end_stop_rad;
-  for (std::size_t i = 1; i < shape.size() && at < kRestAngle_rad; ++i, at += step) {
-    const double share = std::min(1.0, (kRestAngle_rad - at) / step);
-    const double end = shape[i - 1] + share * (shape[i] - shape[i - 1]);
-    volume += rig.pneumatics.displacement_m3_rad * share * step * 0.5 * (shape[i - 1] + end);
+  const double step_rad = 2.0 * rig.link.end_stop_rad / static_cast<double>(shape.size() - 1);
+  double volume_m3 = rig.pneumatics.dead_volume_m3;
+  double at_rad = -rig.link.end_stop_rad;
+  for (std::size_t i = 0; i + 1 < shape.size() && at_rad < angle_rad; ++i, at_rad += step_rad) {
+    const double part = std::min(1.0, (angle_rad - at_rad) / step_rad);
+    const double end = shape[i] + part * (shape[i + 1] - shape[i]);
+    volume_m3 += rig.pneumatics.displacement_m3_rad * 0.5 * (shape[i] + end) * part * step_rad;
   }
-  return volume;
+  return volume_m3;
 }
 
 // The declared balance of docs/model.md with the specimen's own values.
@@ -85,8 +85,11 @@ actuator::JointModel TrueModel(const RigParameters& rig) {
   model.constants.link_length_m = rig.link.length_m;
   model.constants.gravity_m_s2 = rig.link.gravity_m_s2;
   model.constants.torque_constant_Nm_A = rig.motor.torque_constant_Nm_A;
-  model.constants.gas_volume_m3 = GasVolume(rig);
   model.constants.encoder_counts_per_turn = rig.sensors.encoder_counts;
+  model.constants.gas_volume_m3 = ChamberVolume_m3(rig, kRestAngle_rad);
+  model.constants.atmosphere_bar = 1e-5 * rig.pneumatics.atmosphere_Pa;
+  model.constants.valve_delay_s =
+      rig.pneumatics.valve_relay.on_delay_s + 0.5 * rig.pneumatics.valve_relay.travel_s;
   model.backlash_rad = rig.gear.play_rad;
   model.motor_torque_limit_Nm = rig.drive.torque_limit_Nm;
   const auto add = [&](const char* effect, double value) {
@@ -113,11 +116,13 @@ actuator::JointModel TrueModel(const RigParameters& rig) {
   model.terms.back().nonlinear.front().value = kRestAngle_rad;
   model.terms.back().nonlinear.front().fixed = true;
   add_exact("load_force");
-  // Both encoders, and the gas while the valve is shut.
+  // Both encoders, and the gas: chamber and reservoir at one temperature.
   add_exact("encoder_difference");
-  add("free_play", rig.gear.play_rad);
-  model.terms.back().linear[1].value = 1.0 / rig.gear.contact_stiffness_Nm_rad;
-  for (actuator::ParameterValue& value : model.terms.back().linear) value.fixed = true;
+  add_exact("free_play");
+  model.terms.back().linear[0].value = rig.gear.play_rad;
+  model.terms.back().linear[1] = {.value = 1.0 / rig.gear.contact_stiffness_Nm_rad,
+                                  .fixed = true,
+                                  .half_width_95 = std::nullopt};
   add("encoder_offset", 0.0);
   add_exact("chamber_pressure");
   add("gas_compression", 1.0);

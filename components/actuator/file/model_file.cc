@@ -362,9 +362,10 @@ RobotModel LoadRigJson(const std::filesystem::path& path) {
   add("encoder_difference", {exactly(1.0)});
   add("free_play", {exactly(joint.backlash_rad), exactly(0.0)});
   add("encoder_offset", {{.value = 0.0, .half_width_95 = std::nullopt}});
-  // Pressure: the gas is compressed while the valve is shut. Rigs without a stated volume have none.
-  const bool has_gas = rig.contains("nominal_parameters") &&
-                       rig["nominal_parameters"].contains("gas_volume");
+  // Pressure: the gas is compressed while the valve is shut. Rigs without a stated volume have
+  // none.
+  const bool has_gas =
+      rig.contains("nominal_parameters") && rig["nominal_parameters"].contains("gas_volume");
   if (has_gas) {
     const ParameterValue volume = nominal("gas_volume", "m^3");
     if (!(volume.value > 0.0)) {
