@@ -12,7 +12,8 @@
 // so friction is negative for positive velocity, inertia is -J * acceleration, the drive is +.
 //
 // The other balances read the same way, each in its own unit; what takes the drive's place there is
-// the measured side (docs/model.md): motor angle / N - output angle (rad) in the kinematic balance.
+// the measured side (docs/model.md): motor angle / N - output angle (rad) in the kinematic balance,
+// the pressure (bar) in the gas balance.
 // Thread: an Effect is immutable after construction; memory belongs to the caller.
 #pragma once
 
@@ -74,6 +75,7 @@ enum class Dimension {
   kInertiaTimeSquared,
   kTorqueTimePerBar,
   kAnglePerTorque,
+  kRate,
 };
 
 // Suffix of a YAML key, e.g. {kViscous, kRotary} -> "Nm_s_rad", {kViscous, kLinear} -> "N_s_m";
@@ -101,9 +103,9 @@ std::string ParameterKey(const ParameterInfo& info, JointKind kind);
 enum class Side { kMotor, kOutput };
 
 // An idealisation that every set-up breaks a little: a skew between channels of less than a tenth
-// of a sample, teeth that give less than the encoder rounds. So small it is no effect, and nothing
+// of a sample (half a one where rows alone tell when a switch was thrown), teeth that give less than the encoder rounds. So small it is no effect, and nothing
 // else is one that explains no more than it.
-enum class Smallest { kAny, kTenthOfSample, kRounding };
+enum class Smallest { kAny, kTenthOfSample, kHalfSample, kRounding };
 
 struct EffectInfo {
   std::string name;     // as in model files, e.g. "direction_dependent_viscous"
@@ -114,6 +116,7 @@ struct EffectInfo {
   Balance balance = Balance::kMotion;
   Side side = Side::kOutput;
   Smallest smallest = Smallest::kAny;
+  bool rate = false;  // phi is a rate of what the balance is about: fitting integrates it
   bool rotary_only = false;  // reads an angle as an angle: means nothing on a linear joint
   // Begins at an instant that differs from recording to recording: the first nonlinear parameter is
   // its start, on the clock time_s.

@@ -59,6 +59,8 @@ std::string_view UnitSuffix(Dimension dimension, JointKind kind) {
       return rotary ? "Nm_s_bar" : "N_s_bar";
     case Dimension::kAnglePerTorque:
       return rotary ? "rad_Nm" : "m_N";
+    case Dimension::kRate:
+      return "1_s";
   }
   return "";
 }

@@ -8,6 +8,24 @@
 
 namespace sinew::identify {
 
+namespace {
+// A signal of which more than this share is noise says nothing.
+constexpr double kMostNoise = 0.3;
+
+// Its running integral by the trapezoid rule, 0 at the first row.
+void Integrate(double period_s, Eigen::Ref<Eigen::VectorXd> rate) {
+  double sum = 0.0;
+  double before = rate[0];
+  for (Eigen::Index i = 0; i < rate.size(); ++i) {
+    const double now = rate[i];
+    sum += i > 0 ? 0.5 * period_s * (before + now) : 0.0;
+    before = now;
+    rate[i] = sum;
+  }
+}
+
+}  // namespace
+
 std::vector<Eigen::Index> Rows::UsedRows() const {
   std::vector<Eigen::Index> out;
   for (Eigen::Index i = 0; i < size(); ++i) {
@@ -33,10 +51,21 @@ Design::Design(StateSet states, const ProcessingOptions& options)
       rows_.segment.push_back(static_cast<int>(s));
       rows_.used.push_back(segment.usable[k]);
       rows_.sample.push_back(i);
+      if (!segment.window.empty()) rows_.window.push_back(segment.window[k]);
     }
   }
   rows_.time_s =
       Eigen::Map<const Eigen::VectorXd>(time.data(), static_cast<Eigen::Index>(time.size()));
+  // A load cell that nobody touches would add its noise to the balance: its mean is what it tells.
+  silent_load_ =
+      NoiseShare([](const effects::JointSample& x) { return x.load_force_N; }) > kMostNoise;
+  if (!silent_load_) return;
+  for (StateSegment& segment : states_.segments) {
+    double mean = 0.0;
+    for (const effects::JointSample& x : segment.samples) mean += x.load_force_N;
+    mean /= static_cast<double>(segment.size());
+    for (effects::JointSample& x : segment.samples) x.load_force_N = mean;
+  }
 }
 
 Eigen::Index Design::Step(const StateSegment& segment) const {
@@ -84,10 +113,12 @@ Eigen::MatrixXd Design::Columns(const effects::Effect& effect, std::span<const d
     }
     Eigen::Index rows = 0;
     for (Eigen::Index c = 0; c < count; ++c) {
+      if (effect.info().rate) Integrate(segment.period_s, full.col(c));
       rows = Thin(segment, full.col(c), out.col(c).segment(at, rows_.size() - at));
     }
     at += rows;
   }
+  for (Eigen::Index c = 0; c < count; ++c) Centre(out.col(c));
   return out;
 }
 
@@ -114,7 +145,29 @@ Eigen::VectorXd Design::MeasuredDrive(const effects::Effect& drive) const {
     }
     at += Thin(segment, full, out.segment(at, rows_.size() - at));
   }
+  Centre(out);
   return out;
+}
+
+void Design::Centre(Eigen::Ref<Eigen::VectorXd> column) const {
+  if (rows_.window.empty()) return;
+  std::vector<double> sum, count;
+  const auto in = [&](Eigen::Index i) { return rows_.window[static_cast<std::size_t>(i)]; };
+  for (Eigen::Index i = 0; i < rows_.size(); ++i) {
+    if (in(i) < 0 || !rows_.used[static_cast<std::size_t>(i)]) continue;
+    const auto w = static_cast<std::size_t>(in(i));
+    if (sum.size() <= w) {
+      sum.resize(w + 1, 0.0);
+      count.resize(w + 1, 0.0);
+    }
+    sum[w] += column[i];
+    count[w] += 1.0;
+  }
+  for (Eigen::Index i = 0; i < rows_.size(); ++i) {
+    if (in(i) < 0) continue;
+    const auto w = static_cast<std::size_t>(in(i));
+    if (w < sum.size() && count[w] > 0.0) column[i] -= sum[w] / count[w];
+  }
 }
 
 void Design::PredictDrive(const actuator::JointModel& model) {

@@ -20,6 +20,7 @@ struct Rows {
   std::vector<int> segment;
   std::vector<char> used;            // moving samples only
   std::vector<Eigen::Index> sample;  // index in its segment
+  std::vector<int> window;           // empty, or as StateSegment::window
   Eigen::Index size() const { return time_s.size(); }
   std::vector<Eigen::Index> UsedRows() const;
 };
@@ -32,6 +33,8 @@ class Design {
   const Rows& rows() const { return rows_; }
   const StateSet& states() const { return states_; }
   const ProcessingOptions& options() const { return options_; }
+  // The load cell told nothing but its noise, and its mean stands for it.
+  bool silent_load() const { return silent_load_; }
   double rows_per_s() const { return rows_per_s_; }  // of the first piece
 
   // phi of an effect, a column per linear parameter.
@@ -52,6 +55,7 @@ class Design {
       }
       at += Thin(segment, full, out.segment(at, rows_.size() - at));
     }
+    Centre(out);
     return out;
   }
   // The same without the filter: for plots and for variables.
@@ -97,6 +101,8 @@ class Design {
   // Filters a full-rate column of a segment; returns the number of rows written.
   Eigen::Index Thin(const StateSegment& segment, const Eigen::VectorXd& full,
                     Eigen::Ref<Eigen::VectorXd> out) const;
+  // Takes the mean over its used rows from every window.
+  void Centre(Eigen::Ref<Eigen::VectorXd> column) const;
 
   double NoiseShare(const std::vector<Eigen::VectorXd>& full,
                     const Eigen::VectorXd& filtered) const;
@@ -106,6 +112,7 @@ class Design {
   double rows_per_s_ = 1.0;
   Rows rows_;
   std::map<int, double> clocks_;
+  bool silent_load_ = false;
 };
 
 }  // namespace sinew::identify

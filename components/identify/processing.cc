@@ -7,6 +7,7 @@
 #include "components/identify/differentiate.h"
 #include "components/identify/iir_filter.h"
 #include "components/identify/spectrum.h"
+#include "components/identify/statistics.h"
 
 namespace sinew::identify {
 
@@ -47,6 +48,29 @@ void Spread(std::vector<char>& flags, Eigen::Index reach) {
     if (i >= until) out[static_cast<std::size_t>(i)] = 1;
   }
   flags = std::move(out);
+}
+
+// Instants at which teeth that were apart touch again: what an impact does to the drive is over
+// before a recording of some 100 Hz has seen it. gap: motor / N - output, rad.
+void MarkTouches(const Eigen::VectorXd& gap, double play, std::vector<char>* flags) {
+  // Teeth are apart for sure when the gap is this share of the half play away from both sides.
+  constexpr double kApart = 0.7;
+  constexpr double kTouch = 0.9;
+  std::vector<double> sorted(gap.data(), gap.data() + gap.size());
+  // Encoders are set to zero anywhere: the middle of the extreme gaps is the middle of the play.
+  const double low = Quantile(sorted, 0.005);
+  const double high = Quantile(sorted, 0.995);
+  const double middle = high - low > 0.8 * play ? 0.5 * (low + high) : 0.0;
+  bool apart = false;
+  for (Eigen::Index i = 0; i < gap.size(); ++i) {
+    const double share = std::abs(gap[i] - middle) / (0.5 * play);
+    if (apart && share > kTouch) {
+      (*flags)[static_cast<std::size_t>(i)] = 1;
+      apart = false;
+    } else if (share < kApart) {
+      apart = true;
+    }
+  }
 }
 
 }  // namespace
@@ -265,6 +289,9 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
           if (std::abs(v[i]) > options.fastest_velocity)
             out_of_use[static_cast<std::size_t>(i)] = 1;
         }
+      }
+      if (motor && model.backlash_rad > 0.0) {
+        MarkTouches(motor_q / ratio - q, model.backlash_rad, &out_of_use);
       }
       Spread(out_of_use, static_cast<Eigen::Index>(std::lround(options.reversal_guard_s * rate)));
       // Presliding: the teeth and seals turn over before friction has its moving value.

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "components/identify/design.h"
+#include "components/identify/gas.h"
 #include "components/identify/kinematic.h"
 
 namespace sinew::trace {
@@ -51,11 +52,31 @@ Sight KinematicSight(const std::vector<identify::Run>& train,
   return out;
 }
 
+Sight GasSight(const std::vector<identify::Run>& train, const std::vector<identify::Run>& sealed,
+               const actuator::JointModel& model, const identify::ProcessingOptions& motion) {
+  constexpr int kFewestWindows = 4;
+  Sight out;
+  for (const auto* runs : {&train, &sealed}) {
+    out.why_not = identify::WhyNoGas(*runs, model);
+    if (!out.why_not.empty()) return out;
+  }
+  identify::GasWindows of_train = identify::MakeGasStates(train, model, motion);
+  identify::GasWindows of_sealed = identify::MakeGasStates(sealed, model, motion);
+  if (of_train.shut < kFewestWindows) out.why_not = "the valve is hardly ever shut in training";
+  if (of_sealed.shut < 1) out.why_not = "the valve is never shut in the sealed recordings";
+  if (!out.why_not.empty()) return out;
+  const identify::ProcessingOptions options =
+      identify::GasProcessing(motion, of_train.states.rate_Hz);
+  out.train.emplace(std::move(of_train.states), options);
+  out.sealed.emplace(std::move(of_sealed.states), options);
+  return out;
+}
+
 Sight Look(effects::Balance balance, const std::vector<identify::Run>& train,
            const std::vector<identify::Run>& sealed, const actuator::JointModel& model,
            const identify::ProcessingOptions& motion) {
   if (balance == effects::Balance::kKinematic) return KinematicSight(train, sealed, model, motion);
-  return {.train = {}, .sealed = {}, .why_not = "this balance is not judged"};
+  return GasSight(train, sealed, model, motion);
 }
 
 }  // namespace

@@ -111,7 +111,8 @@ NoiseFloor EstimateNoiseFloor(const identify::Design& design, const identify::Ba
     input += segment.drive_input.squaredNorm() * segment.period_s * design.rows_per_s();
   }
   const double gain =
-      input > 0.0 ? drive_factor * std::sqrt(balance.drive_torque.squaredNorm() / input) : 0.0;
+      !design.rows().window.empty() ? drive_factor  // levels are taken off: sizes tell nothing
+      : input > 0.0 ? drive_factor * std::sqrt(balance.drive_torque.squaredNorm() / input) : 0.0;
   const double high = FromDifferences(design, gain);
   if (still > 0.0 && (still <= high || high == 0.0)) return {still, "standstill"};
   if (high > 0.0) return {high, "sample-to-sample scatter"};
@@ -134,6 +135,7 @@ Eigen::MatrixXd FlexibleColumns(const identify::Design& design, int count, std::
       [](const JointSample& x) { return x.load_force_N; },
       [](const JointSample& x) { return x.payload_kg; },
       [](const JointSample& x) { return x.temperature_degC; },
+      [](const JointSample& x) { return x.pressure_rate_bar_s; },
       [](const JointSample& x) { return x.tooth_torque_Nm; },
   };
   struct Input {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <random>
 
@@ -38,10 +39,12 @@ constexpr double kVariant = 0.02;
 constexpr int kMostOrders = 8;  // of one periodic effect beyond its first
 // Less than this above the noise floor is not worth a variable's name.
 constexpr double kLoudRest = 0.12;
+// A variable has to predict this share of what remains to be named.
+constexpr double kNamedShare = 0.16;
 constexpr double kConvincingUnits = 6;
 // Standard errors by which a quarter of the data must ask for the opposite to contradict.
 constexpr double kContradicts = 3.0;
-constexpr double kShortestDelay = 0.1;  // of a sample
+constexpr double kShortestDelay = 0.085;  // of a sample
 constexpr double kTwoPi = 6.283185307179586;
 
 double SumSquares(const Eigen::VectorXd& x, const std::vector<Eigen::Index>& rows) {
@@ -178,8 +181,9 @@ class Tracer {
     // The noise's own correlation time: of what a flexible model leaves.
     const Eigen::MatrixXd flexible = FlexibleColumns(train_, kFlexibleColumns, options_.seed);
     const Eigen::VectorXd target = fit.balance.target - fit.balance.columns * fit.coefficients;
-    FlexibleFit ceiling = FitFlexible(units_.blocks, WithLastingEvent(fit, target), flexible,
-                                      target, Folds(units_.blocks.size()));
+    FlexibleFit ceiling =
+        FitFlexible(units_.blocks, WithBestCandidate(fit, WithLastingEvent(fit, target), target),
+                    flexible, target, Folds(units_.blocks.size()));
     const int last_lag = static_cast<int>(std::min<double>(
         20.0 * train_.rows_per_s(), static_cast<double>(train_.rows().size()) / 4.0));
     const Eigen::VectorXd rho = identify::Autocorrelation(
@@ -231,6 +235,36 @@ class Tracer {
       columns.rightCols(extra.cols()) = -extra;
     }
     return columns;
+  }
+
+  // The same for what one candidate explains, and the flexible model cannot: memory, rates, orders.
+  Eigen::MatrixXd WithBestCandidate(const FitResult& fit, const Eigen::MatrixXd& base,
+                                    const Eigen::VectorXd& target) {
+    const CandidateSet set = MakeCandidates(train_, fit.model);
+    const Eigen::MatrixXd used = PickRows(base, used_);
+    const Eigen::MatrixXd inverse = identify::Inverse(used.transpose() * used);
+    Eigen::VectorXd y(static_cast<Eigen::Index>(used_.size()));
+    for (std::size_t i = 0; i < used_.size(); ++i)
+      y[static_cast<Eigen::Index>(i)] = target[used_[i]];
+    y -= used * (inverse * (used.transpose() * y));
+    double most = 0.05 * y.squaredNorm();
+    const Eigen::MatrixXd* best = nullptr;
+    for (const Candidate& candidate : set.candidates) {
+      for (const GridPoint& point : candidate.grid) {
+        const Eigen::MatrixXd z = PickRows(point.columns, used_);
+        const Eigen::MatrixXd free = z - used * (inverse * (used.transpose() * z));
+        if (!(free.squaredNorm() > kSwallowed * z.squaredNorm())) continue;
+        const Eigen::VectorXd b = identify::Solve(free.transpose() * free, free.transpose() * y);
+        const double explained = b.dot(free.transpose() * y);
+        if (!(explained > most)) continue;
+        most = explained;
+        best = &point.columns;
+      }
+    }
+    if (best == nullptr) return base;
+    Eigen::MatrixXd out(base.rows(), base.cols() + best->cols());
+    out << base, *best;
+    return out;
   }
 
   std::vector<Trial> Score(const FitResult& fit, const CandidateSet& set, RoundReport* report) {
@@ -345,7 +379,7 @@ class Tracer {
             info.relative_to_drive ? scale * extra[i] / DriveShare(fit.model) : scale * extra[i];
         if (physical < info.lower || physical > info.upper) score.physical = false;
       }
-      if (candidate.effect->info().smallest == effects::Smallest::kTenthOfSample)
+      if (ShortestDelay(candidate.effect->info()) > 0.0)
         score.delay_s = score.theta.front() / DriveShare(fit.model);
       trial.surprise =
           Surprise(balance, fit.coefficients + trial.coefficients.head(balance.columns.cols()));
@@ -362,12 +396,15 @@ class Tracer {
     const Trial* rounding = nullptr;
     for (const Trial& trial : trials) {
       const effects::Smallest smallest = trial.candidate->effect->info().smallest;
-      if (smallest == effects::Smallest::kTenthOfSample) delay = &trial;
+      const double shortest_s = ShortestDelay(trial.candidate->effect->info());
+      if (delay == nullptr && std::abs(trial.score.delay_s) < shortest_s) delay = &trial;
       if (smallest == effects::Smallest::kRounding && BelowRounding(trial)) rounding = &trial;
     }
-    const double shortest_s = kShortestDelay / train_.states().rate_Hz;
-    const bool skew = delay != nullptr && std::abs(delay->score.delay_s) < shortest_s;
+    const bool skew = delay != nullptr;
     if (rounding != nullptr) rounding_ = rounding->candidate->grid[rounding->best].columns;
+    if (skew && delay->candidate->effect->info().smallest == effects::Smallest::kHalfSample) {
+      rounding_ = delay->candidate->grid[delay->best].columns;
+    }
 
     const double quantile =
         identify::StudentQuantile(0.9772, std::max(1.0, static_cast<double>(blocks.size()) - 1.0)) /
@@ -376,7 +413,8 @@ class Tracer {
       CandidateScore& score = trial.score;
       if (trial.hidden) {
         score.refused = "a declared term carries it";
-      } else if (!(score.gain.t > options_.fewest_standard_errors * quantile)) {
+      } else if (!(score.gain.t > options_.fewest_standard_errors * quantile) &&
+                 !StandsWithoutTwo(trial, base_sum, report->placebo_99)) {
         score.refused = "gain within its error";
       } else if (score.explainable_share < options_.smallest_explainable_share) {
         score.refused = "gain below 5 % of what can be explained";
@@ -385,7 +423,9 @@ class Tracer {
       } else if (!IsPassing(trial) && score.gain_share <= report->placebo_99) {
         score.refused = "gain as in recordings without the effect";
       } else if (skew && !IsPassing(trial) && Skewed(trial, *delay, balance, target, folds)) {
-        score.refused = "a skew between channels below a tenth of a sample";
+        score.refused = declared_.balance == effects::Balance::kGas
+                            ? "a delay below half a sample"
+                            : "a skew between channels below a tenth of a sample";
       } else if (rounding != nullptr && NoBetter(trial, *rounding)) {
         score.refused =
             "explains no more than " + rounding->score.name + " below the encoder's rounding";
@@ -485,6 +525,16 @@ class Tracer {
     return identify::Quantile(best_false, options_.placebo_quantile);
   }
 
+  // Units differ in how much they excite an effect, and that is no doubt about it: a gain that few
+  // units give is believed when what all but the best two give is still above the placebo.
+  bool StandsWithoutTwo(const Trial& trial, double base_sum, double placebo) const {
+    if (trial.gains.size() < 20) return false;
+    std::vector<double> gains(trial.gains.data(), trial.gains.data() + trial.gains.size());
+    std::partial_sort(gains.begin(), gains.begin() + 2, gains.end(), std::greater<>());
+    const double rest = trial.score.gain.sum - gains[0] - gains[1];
+    return rest > std::max(placebo, options_.smallest_residual_share) * base_sum;
+  }
+
   static bool IsPassing(const Trial& trial) {
     return trial.candidate->event != nullptr && trial.candidate->event->passing();
   }
@@ -505,6 +555,8 @@ class Tracer {
       std::shared_ptr<const effects::Effect> effect = effects::MakeEffect(name, model.constants);
       const effects::EffectInfo& info = effect->info();
       if (!info.event || (info.rotary_only && model.kind != effects::JointKind::kRotary)) continue;
+      // What another effect leaves of its own transients looks like pushes.
+      if (info.nonlinear.size() > 1 && !result_.rounds.empty()) continue;
       Event event = FindEvent(train_, effect, units_.blocks, fit.balance.columns, target,
                               options_.placebo_rounds, options_.seed);
       if (!event.significant) {
@@ -612,6 +664,18 @@ class Tracer {
     return ahead.sum <= ahead.standard_error;
   }
 
+  // Delays below this are findings, no effects; 0: the effect is no delay.
+  double ShortestDelay(const effects::EffectInfo& info) const {
+    switch (info.smallest) {
+      case effects::Smallest::kTenthOfSample:
+        return kShortestDelay / train_.states().rate_Hz;
+      case effects::Smallest::kHalfSample:
+        return 0.5 / train_.states().rate_Hz;
+      default:
+        return 0.0;
+    }
+  }
+
   // Does little of a candidate's gain stay when a skew between channels may be fitted as well?
   bool Skewed(const Trial& trial, const Trial& delay, const Balance& balance,
               const Eigen::VectorXd& target, int folds) const {
@@ -678,7 +742,9 @@ class Tracer {
       const double more = asks(trials[i]) - asks(trials[chosen]);
       const bool first =
           trials[i].candidate->catalogue_order < trials[chosen].candidate->catalogue_order;
-      if (more < -0.1 || (more < 0.1 && first)) chosen = i;
+      // What cannot be told apart at all is told apart by nothing.
+      const bool twin = Correlation(trials[chosen].part, trials[i].part) > kTwin;
+      if (twin ? first : more < -1.0 || (more < 1.0 && first)) chosen = i;
     }
     for (Trial& trial : trials) {
       trial.score.sealed_rms = SealedWith(*fit, trial);
@@ -896,7 +962,7 @@ class Tracer {
     const double explainable =
         std::max(variance - result_.noise_floor_rms * result_.noise_floor_rms, 0.02 * variance);
     const bool loud = best.gain.t > options_.fewest_standard_errors &&
-                      best.share > scan.placebo_99 && best.share > 0.10 &&
+                      best.share > scan.placebo_99 && best.share > kNamedShare &&
                       explainable > kLoudRest * variance &&
                       best.share * variance > 0.2 * explainable;
     if (!loud) return;
@@ -913,7 +979,7 @@ class Tracer {
   const TraceOptions& options_;
   TraceResult result_;
   Units units_;
-  Eigen::MatrixXd rounding_;  // columns of what stays below the encoder's rounding; may have none
+  Eigen::MatrixXd rounding_;  // columns of what is too small to be an effect; may have none
   std::vector<Eigen::Index> used_;
   std::optional<Event> event_;  // of this round
   double drift_gain_ = 0.0;     // what a free drift would gain in its place

@@ -1,5 +1,6 @@
 #include "tests/bank/scene.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "sim/surrogate/experiment.h"
@@ -62,6 +63,20 @@ identify::Run ToRun(const std::vector<surrogate::LogRow>& rows, const std::strin
   return run;
 }
 
+// Of the chamber at the rest angle, the valve shut, m3.
+double GasVolume(const RigParameters& rig) {
+  const std::vector<double>& shape = rig.pneumatics.displacement_shape;
+  const double step = 2.0 * rig.link.end_stop_rad / static_cast<double>(shape.size() - 1);
+  double volume = rig.pneumatics.dead_volume_m3;
+  double at = -rig.link.end_stop_rad;
+  for (std::size_t i = 1; i < shape.size() && at < kRestAngle_rad; ++i, at += step) {
+    const double share = std::min(1.0, (kRestAngle_rad - at) / step);
+    const double end = shape[i - 1] + share * (shape[i] - shape[i - 1]);
+    volume += rig.pneumatics.displacement_m3_rad * share * step * 0.5 * (shape[i - 1] + end);
+  }
+  return volume;
+}
+
 // The declared balance of docs/model.md with the specimen's own values.
 actuator::JointModel TrueModel(const RigParameters& rig) {
   actuator::JointModel model;
@@ -70,6 +85,8 @@ actuator::JointModel TrueModel(const RigParameters& rig) {
   model.constants.link_length_m = rig.link.length_m;
   model.constants.gravity_m_s2 = rig.link.gravity_m_s2;
   model.constants.torque_constant_Nm_A = rig.motor.torque_constant_Nm_A;
+  model.constants.gas_volume_m3 = GasVolume(rig);
+  model.constants.encoder_counts_per_turn = rig.sensors.encoder_counts;
   model.backlash_rad = rig.gear.play_rad;
   model.motor_torque_limit_Nm = rig.drive.torque_limit_Nm;
   const auto add = [&](const char* effect, double value) {
@@ -96,6 +113,15 @@ actuator::JointModel TrueModel(const RigParameters& rig) {
   model.terms.back().nonlinear.front().value = kRestAngle_rad;
   model.terms.back().nonlinear.front().fixed = true;
   add_exact("load_force");
+  // Both encoders, and the gas while the valve is shut.
+  add_exact("encoder_difference");
+  add("free_play", rig.gear.play_rad);
+  model.terms.back().linear[1].value = 1.0 / rig.gear.contact_stiffness_Nm_rad;
+  for (actuator::ParameterValue& value : model.terms.back().linear) value.fixed = true;
+  add("encoder_offset", 0.0);
+  add_exact("chamber_pressure");
+  add("gas_compression", 1.0);
+  add_exact("valve_flow");
   return model;
 }
 
@@ -149,6 +175,7 @@ Recorded Record(const Scene& scene) {
   out.processing.parallel_cutoff_Hz = 5.0;
   out.processing.rest_velocity = 0.04;
   out.processing.settle_distance = 0.005;
+  out.processing.reversal_guard_s = 0.16;
 
   const bool designed = scene.excitation == ExcitationKind::kDesigned;
   const surrogate::PneumaticLine line = surrogate::LinePneumatics(rig);

@@ -61,8 +61,9 @@ Term ReadTerm(const Section& section, const JointModel& joint) {
   Term term;
   std::optional<effects::Balance> balance;
   if (section.Has("balance")) {
-    const std::string given = section.Choice("balance", {"motion", "kinematic"});
-    for (const effects::Balance known : {effects::Balance::kMotion, effects::Balance::kKinematic}) {
+    const std::string given = section.Choice("balance", {"motion", "kinematic", "gas"});
+    for (const effects::Balance known :
+         {effects::Balance::kMotion, effects::Balance::kKinematic, effects::Balance::kGas}) {
       if (given == effects::BalanceName(known)) balance = known;
     }
   }
@@ -122,6 +123,10 @@ JointModel ReadJoint(const Section& section) {
       constants.NumberOr("back_emf_V_s_rad", 0.0, config::kNotNegative);
   joint.constants.encoder_counts_per_turn =
       constants.NumberOr("encoder_counts_per_turn", 0.0, config::kNotNegative);
+  joint.constants.gas_volume_m3 = constants.NumberOr("gas_volume_m3", 0.0, config::kNotNegative);
+  joint.constants.atmosphere_bar =
+      constants.NumberOr("atmosphere_bar", joint.constants.atmosphere_bar, config::kPositive);
+  joint.constants.valve_delay_s = constants.NumberOr("valve_delay_s", 0.0, config::kNotNegative);
   joint.backlash_rad = section.NumberOr(
       joint.kind == effects::JointKind::kRotary ? "backlash_rad" : "backlash_m", 0.0, {0.0, 6.3});
   joint.motor_torque_limit_Nm =
@@ -133,6 +138,9 @@ JointModel ReadJoint(const Section& section) {
     if (!repeatable &&
         joint.Find(info.name, info.balance) != static_cast<int>(joint.terms.size()) - 1) {
       term.Fail("effect", "'" + info.name + "' is given twice");
+    }
+    if (info.name == "gas_compression" && !(joint.constants.gas_volume_m3 > 0.0)) {
+      term.Fail("effect", "'gas_compression' needs constants.gas_volume_m3, more than 0");
     }
     if (info.name == "free_play" &&
         std::abs(joint.terms.back().linear[0].value - joint.backlash_rad) > 1e-9) {
@@ -180,6 +188,11 @@ void WriteJoint(std::string& out, const JointModel& joint) {
   if (joint.constants.encoder_counts_per_turn > 0.0) {
     out +=
         "      encoder_counts_per_turn: " + Number(joint.constants.encoder_counts_per_turn) + "\n";
+  }
+  if (joint.constants.gas_volume_m3 > 0.0) {
+    out += "      gas_volume_m3: " + Number(joint.constants.gas_volume_m3) + "\n";
+    out += "      atmosphere_bar: " + Number(joint.constants.atmosphere_bar) + "\n";
+    out += "      valve_delay_s: " + Number(joint.constants.valve_delay_s) + "\n";
   }
   out += std::string("    ") + (rotary ? "backlash_rad: " : "backlash_m: ") +
          Number(joint.backlash_rad) + "\n";
@@ -349,6 +362,26 @@ RobotModel LoadRigJson(const std::filesystem::path& path) {
   add("encoder_difference", {exactly(1.0)});
   add("free_play", {exactly(joint.backlash_rad), exactly(0.0)});
   add("encoder_offset", {{.value = 0.0, .half_width_95 = std::nullopt}});
+  // Pressure: the gas is compressed while the valve is shut. Rigs without a stated volume have none.
+  const bool has_gas = rig.contains("nominal_parameters") &&
+                       rig["nominal_parameters"].contains("gas_volume");
+  if (has_gas) {
+    const ParameterValue volume = nominal("gas_volume", "m^3");
+    if (!(volume.value > 0.0)) {
+      throw UsageError(where + ": key 'nominal_parameters.gas_volume.value': expected more than 0");
+    }
+    joint.constants.gas_volume_m3 = volume.value;
+    ParameterValue share = exactly(1.0);
+    share.tolerance = volume.tolerance;
+    share.fixed = volume.fixed;
+    for (Term& term : joint.terms) {  // effects know the constants from when they were made
+      term.effect = effects::MakeEffect(term.effect->info().name, joint.constants,
+                                        term.effect->info().balance);
+    }
+    add("chamber_pressure", {exactly(1.0)});
+    add("gas_compression", {share});
+    add("valve_flow", {exactly(1.0)});
+  }
 
   RobotModel robot;
   robot.name = "rig";
