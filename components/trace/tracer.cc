@@ -137,7 +137,12 @@ class Tracer {
       Progress("what a refit swallowed", 0.86);
       FindSwallowed(&fit);
     }
-    result_.corrected = identify::WithinPhysicalRange(train_, result_.corrected, units_.blocks);
+    // The second time with the drive that the model inside the range needs.
+    const actuator::JointModel free = result_.corrected;
+    for (int pass = 0; pass < 2; ++pass) {
+      result_.corrected = identify::WithinPhysicalRange(train_, free, units_.blocks);
+      PredictDrive(result_.corrected);
+    }
     result_.after_train = identify::ErrorOf(train_, result_.corrected);
     result_.after_sealed = identify::ErrorOf(sealed_, result_.corrected);
     if (options_.only.empty()) {
@@ -382,6 +387,7 @@ class Tracer {
         score.delay_s = score.theta.front() / DriveShare(fit.model);
       trial.surprise =
           Surprise(balance, fit.coefficients + trial.coefficients.head(balance.columns.cols()));
+
       score.stable = passing || Stable(trial, balance.columns.cols());
       trials.push_back(std::move(trial));
     }
