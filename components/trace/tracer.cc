@@ -41,6 +41,8 @@ constexpr int kMostOrders = 8;  // of one periodic effect beyond its first
 constexpr double kLoudRest = 0.12;
 // A variable has to predict this share of what remains to be named.
 constexpr double kNamedShare = 0.16;
+// A candidate that gains this share is surely no noise.
+constexpr double kClearGain = 0.2;
 constexpr double kConvincingUnits = 6;
 // Standard errors by which a quarter of the data must ask for the opposite to contradict.
 constexpr double kContradicts = 3.0;
@@ -495,6 +497,8 @@ class Tracer {
       if (trial.hidden || trial.score.gain.sum <= 0.0) continue;
       if (best == nullptr || trial.score.gain.sum > best->score.gain.sum) best = &trial;
     }
+    // A small gain may be none: taking it out would make the noise too tame.
+    if (best != nullptr && best->score.gain_share < kClearGain) best = nullptr;
     Eigen::VectorXd noise = target;
     if (best != nullptr) {
       const Eigen::MatrixXd& columns = best->candidate->grid[best->best].columns;
@@ -532,7 +536,7 @@ class Tracer {
   // Units differ in how much they excite an effect, and that is no doubt about it: a gain that few
   // units give is believed when what all but the best two give is still above the placebo.
   bool StandsWithoutTwo(const Trial& trial, double base_sum, double placebo) const {
-    if (trial.gains.size() < 20) return false;
+    if (trial.gains.size() < 10) return false;
     std::vector<double> gains(trial.gains.data(), trial.gains.data() + trial.gains.size());
     std::partial_sort(gains.begin(), gains.begin() + 2, gains.end(), std::greater<>());
     const double rest = trial.score.gain.sum - gains[0] - gains[1];
@@ -957,9 +961,10 @@ class Tracer {
     const double scale = balance.fits_scale ? balance.Scale(fit.coefficients) : 1.0;
     Eigen::MatrixXd base(balance.columns.rows(), balance.columns.cols() + rounding_.cols());
     base << balance.columns, rounding_;
-    const VariableScan scan = ScanVariables(
-        train_, units_.blocks, base, balance.target - balance.columns * fit.coefficients,
-        Folds(units_.blocks.size()), std::min(100, options_.placebo_rounds), options_.seed);
+    const VariableScan scan = ScanVariables(train_, units_.blocks, base,
+                                            balance.target - balance.columns * fit.coefficients,
+                                            Folds(units_.blocks.size()), options_.placebo_rounds,
+                                            options_.placebo_quantile, options_.seed);
     if (scan.scores.empty()) return;
     const VariableScore& best = scan.scores.front();
     const double variance = fit.rms * fit.rms;

@@ -98,7 +98,7 @@ VariableScan ScanVariables(const identify::Design& design,
                            const std::vector<identify::Block>& blocks,
                            const Eigen::Ref<const Eigen::MatrixXd>& base,
                            const Eigen::Ref<const Eigen::VectorXd>& target, int folds,
-                           int placebo_rounds, std::uint64_t seed) {
+                           int placebo_rounds, double placebo_quantile, std::uint64_t seed) {
   VariableScan out;
   const std::vector<Eigen::Index> used = design.rows().UsedRows();
   const Eigen::MatrixXd none(base.rows(), 0);
@@ -181,7 +181,7 @@ VariableScan ScanVariables(const identify::Design& design,
     }
     best_false.push_back(best);
   }
-  out.placebo_99 = identify::Quantile(best_false, 0.99);
+  out.placebo_99 = identify::Quantile(best_false, placebo_quantile);
   std::stable_sort(
       out.scores.begin(), out.scores.end(),
       [](const VariableScore& a, const VariableScore& b) { return a.share > b.share; });

@@ -24,7 +24,7 @@ struct VariableScore {
 
 struct VariableScan {
   std::vector<VariableScore> scores;  // best first
-  double placebo_99 = 0.0;            // best false share
+  double placebo_99 = 0.0;            // quantile of the best false share
 };
 
 // Free curves over time, and the same times the angle: what drifts. No columns without motion in
@@ -37,6 +37,6 @@ VariableScan ScanVariables(const identify::Design& design,
                            const std::vector<identify::Block>& blocks,
                            const Eigen::Ref<const Eigen::MatrixXd>& base,
                            const Eigen::Ref<const Eigen::VectorXd>& target, int folds,
-                           int placebo_rounds, std::uint64_t seed);
+                           int placebo_rounds, double placebo_quantile, std::uint64_t seed);
 
 }  // namespace sinew::trace

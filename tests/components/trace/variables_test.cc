@@ -20,7 +20,8 @@ VariableScan Scan(const identify::Run& run) {
   const auto fit = identify::FitModel(design, model, blocks);
   design.PredictDrive(fit.model);
   return ScanVariables(design, blocks, fit.balance.columns,
-                       fit.balance.target - fit.balance.columns * fit.coefficients, 10, 50, 1);
+                       fit.balance.target - fit.balance.columns * fit.coefficients, 10, 50, 0.99,
+                       1);
 }
 
 TEST(Variables, ATorqueThatBeginsPastAnAngleFollowsPosition) {
