@@ -25,6 +25,7 @@ struct JointSample {
   double payload_kg = 0.0;         // declared by the operator
   double temperature_degC = 25.0;  // motor
   bool valve_open = false;
+  double rigid_torque_Nm = 0.0;  // that the arm's rigid bodies need of this joint
   // From the model and the measured motion, not measured themselves (identify/kinematic.h).
   double volume_rate_1_s = 0.0;  // of the gas: dV/dt / V (identify/gas.h)
   double valve_flow_bar = 0.0;   // what came in since the valve was opened, as pressure

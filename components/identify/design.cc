@@ -9,6 +9,8 @@
 namespace sinew::identify {
 
 namespace {
+// A signal of which more than this share is noise says nothing.
+constexpr double kMostNoise = 0.3;
 
 // Its running integral by the trapezoid rule, 0 at the first row.
 void Integrate(double period_s, Eigen::Ref<Eigen::VectorXd> rate) {
@@ -54,9 +56,20 @@ Design::Design(StateSet states, const ProcessingOptions& options)
   }
   rows_.time_s =
       Eigen::Map<const Eigen::VectorXd>(time.data(), static_cast<Eigen::Index>(time.size()));
+  // A load cell that nobody touches would add its noise to the balance: its mean is what it tells.
+  silent_load_ =
+      NoiseShare([](const effects::JointSample& x) { return x.load_force_N; }) > kMostNoise;
+  if (!silent_load_) return;
+  for (StateSegment& segment : states_.segments) {
+    double mean = 0.0;
+    for (const effects::JointSample& x : segment.samples) mean += x.load_force_N;
+    mean /= static_cast<double>(segment.size());
+    for (effects::JointSample& x : segment.samples) x.load_force_N = mean;
+  }
 }
 
 Eigen::Index Design::Step(const StateSegment& segment) const {
+  if (segment.held) return 1;
   return std::max<Eigen::Index>(
       1, static_cast<Eigen::Index>(
              std::floor(0.25 / (segment.period_s * options_.parallel_cutoff_Hz) + 1e-9)));
@@ -71,7 +84,7 @@ Eigen::Index Design::Thin(const StateSegment& segment, const Eigen::VectorXd& fu
     for (Eigen::Index i = step / 2; i < x.size(); i += step) out[row++] = x[i];
     return row;
   };
-  if (options_.parallel_cutoff_Hz >= 0.5 * rate) return thin(full);
+  if (segment.held || options_.parallel_cutoff_Hz >= 0.5 * rate) return thin(full);
   const int padding =
       std::max(3 * options_.parallel_order,
                static_cast<int>(std::ceil(2.0 * rate / options_.parallel_cutoff_Hz)));
@@ -106,6 +119,15 @@ Eigen::MatrixXd Design::Columns(const effects::Effect& effect, std::span<const d
     at += rows;
   }
   for (Eigen::Index c = 0; c < count; ++c) Centre(out.col(c));
+  return out;
+}
+
+Eigen::VectorXd Design::ThroughFilter(const std::vector<Eigen::VectorXd>& per_segment) const {
+  Eigen::VectorXd out(rows_.size());
+  Eigen::Index at = 0;
+  for (std::size_t s = 0; s < states_.segments.size(); ++s) {
+    at += Thin(states_.segments[s], per_segment.at(s), out.segment(at, rows_.size() - at));
+  }
   return out;
 }
 

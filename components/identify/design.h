@@ -33,12 +33,16 @@ class Design {
   const Rows& rows() const { return rows_; }
   const StateSet& states() const { return states_; }
   const ProcessingOptions& options() const { return options_; }
+  // The load cell told nothing but its noise, and its mean stands for it.
+  bool silent_load() const { return silent_load_; }
   double rows_per_s() const { return rows_per_s_; }  // of the first piece
 
   // phi of an effect, a column per linear parameter.
   Eigen::MatrixXd Columns(const effects::Effect& effect, std::span<const double> psi) const;
   // phi of a drive effect with the drive input as it was measured.
   Eigen::VectorXd MeasuredDrive(const effects::Effect& drive) const;
+  // A full-rate column, given per segment of the states, filtered and thinned like the columns.
+  Eigen::VectorXd ThroughFilter(const std::vector<Eigen::VectorXd>& per_segment) const;
   // Any function of the sample, filtered and thinned like the columns.
   template <class Function>
   Eigen::VectorXd Column(Function f) const {
@@ -108,6 +112,7 @@ class Design {
   double rows_per_s_ = 1.0;
   Rows rows_;
   std::map<int, double> clocks_;
+  bool silent_load_ = false;
 };
 
 }  // namespace sinew::identify

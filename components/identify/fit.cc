@@ -225,7 +225,7 @@ actuator::JointModel WithinPhysicalRange(const Design& design, const actuator::J
     held = false;
     for (actuator::Term& term : at.terms) {
       const effects::EffectInfo& info = term.effect->info();
-      if (info.role == effects::Role::kDrive) continue;
+      if (info.role == effects::Role::kDrive || !term.declared || !at.Counts(term)) continue;
       for (std::size_t i = 0; i < term.linear.size(); ++i) {
         actuator::ParameterValue& value = term.linear[i];
         // Values relative to the drive have their range for another scale.

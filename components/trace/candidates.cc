@@ -5,11 +5,6 @@
 
 namespace sinew::trace {
 
-namespace {
-// A signal of which more than this is noise says nothing.
-constexpr double kMostNoise = 0.3;
-}  // namespace
-
 std::vector<std::vector<double>> GridOf(const effects::EffectInfo& info) {
   std::vector<std::vector<double>> grid = {{}};
   for (const effects::ParameterInfo& parameter : info.nonlinear) {
@@ -29,10 +24,6 @@ std::vector<std::vector<double>> GridOf(const effects::EffectInfo& info) {
 
 CandidateSet MakeCandidates(const identify::Design& design, const actuator::JointModel& model) {
   CandidateSet out;
-  const double load_noise =
-      design.states().measured.count("load_force_N") == 0
-          ? 1.0
-          : design.NoiseShare([](const effects::JointSample& x) { return x.load_force_N; });
   int order = 0;
   for (const auto& [name, balance] : effects::EffectForms()) {
     ++order;
@@ -56,7 +47,7 @@ CandidateSet MakeCandidates(const identify::Design& design, const actuator::Join
     }
     // A load cell that nobody touches tells its own noise; "its gain is -1" would be that.
     const bool reads_load = std::count(info.needs.begin(), info.needs.end(), "load_force_N") != 0;
-    if (reads_load && load_noise > kMostNoise) {
+    if (reads_load && design.silent_load()) {
       out.silent.push_back({name, "load_force_N"});
       continue;
     }

@@ -136,6 +136,7 @@ Eigen::MatrixXd FlexibleColumns(const identify::Design& design, int count, std::
       [](const JointSample& x) { return x.load_force_N; },
       [](const JointSample& x) { return x.payload_kg; },
       [](const JointSample& x) { return x.temperature_degC; },
+      [](const JointSample& x) { return x.pressure_rate_bar_s; },
       [](const JointSample& x) { return x.tooth_torque_Nm; },
   };
   struct Input {

@@ -65,7 +65,9 @@ LoopResult CloseLoop(const std::vector<identify::Run>& train,
   options.placebo_quantile = 1.0 - (1.0 - given.placebo_quantile) / traces;
   options.placebo_rounds = given.placebo_rounds * static_cast<int>(traces);
   LoopResult loop;
-  loop.processing = identify::Resolve(wished, train);
+  // Holds are not filtered: where only those are trained on, the sealed recordings fill in what is
+  // theirs alone.
+  loop.processing = identify::Resolve(wished, train.front().held ? sealed : train);
   identify::StateSet states = identify::MakeStates(train, joint, loop.processing);
   const double rate_Hz = states.rate_Hz;
   loop.findings = identify::ExamineData(train, states, joint);
@@ -74,6 +76,8 @@ LoopResult CloseLoop(const std::vector<identify::Run>& train,
   loop.trace = Trace(*loop.train, *loop.sealed, joint, options);
   AddDelayFinding(loop.trace, rate_Hz, &loop.findings);
   const identify::ProcessingOptions motion = loop.processing;
+  // Rows that are holds creep already, and have no other balance.
+  if (train.front().held) return loop;
   LookAtSlowMotion(train, sealed, rate_Hz, options, &loop);
   for (const effects::Balance balance : others) {
     loop.trace =

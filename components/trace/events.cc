@@ -18,6 +18,8 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kFewestRows = 30;
 // A change in another recording is the same event when its size is within this factor.
 constexpr double kAlike = 2.0;
+// The search took the best instants out of what the placebo flips: its false finds come out small.
+constexpr double kMargin = 2.0;
 // Shorter is an impact of teeth, not a push.
 constexpr double kShortestPush_s = 0.15;
 // Passing events: share of a push's rows that must be used for the filter to say anything; how loud
@@ -173,7 +175,7 @@ Event FindLasting(const identify::Design& design, std::shared_ptr<const effects:
     }
     best_false.push_back(sum + best);
   }
-  out.threshold = identify::Quantile(best_false, 0.99);
+  out.threshold = kMargin * identify::Quantile(best_false, 0.99);
   out.significant = out.statistic > out.threshold;
 
   out.clock_s = changes[first].start_s;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <random>
 
@@ -35,12 +36,15 @@ constexpr double kHiddenShare = 0.05;
 constexpr double kSwallowed = 1e-3;
 // Less than this beside one declared term alone: it is that term seen from another side.
 constexpr double kVariant = 0.02;
+constexpr int kMostOrders = 8;  // of one periodic effect beyond its first
 // Less than this above the noise floor is not worth a variable's name.
 constexpr double kLoudRest = 0.12;
+// A variable has to predict this share of what remains to be named.
+constexpr double kNamedShare = 0.16;
 constexpr double kConvincingUnits = 6;
 // Standard errors by which a quarter of the data must ask for the opposite to contradict.
 constexpr double kContradicts = 3.0;
-constexpr double kShortestDelay = 0.1;  // of a sample
+constexpr double kShortestDelay = 0.085;  // of a sample
 constexpr double kTwoPi = 6.283185307179586;
 
 double SumSquares(const Eigen::VectorXd& x, const std::vector<Eigen::Index>& rows) {
@@ -96,6 +100,12 @@ bool LookAlike(const effects::EffectInfo& a, const effects::EffectInfo& b) {
   return lists(a, b.name) || lists(b, a.name);
 }
 
+// One order of several that a motor's turn may hold.
+bool IsPeriodic(const effects::Effect& effect) {
+  const auto& nonlinear = effect.info().nonlinear;
+  return nonlinear.size() == 1 && nonlinear.front().name == "order";
+}
+
 class Tracer {
  public:
   Tracer(Design& train, Design& sealed, const actuator::JointModel& model,
@@ -107,10 +117,18 @@ class Tracer {
     Prepare();
     FitResult fit = result_.declared_fit;
     actuator::JointModel model = fit.model;
-    for (int round = 0; round < options_.max_rounds; ++round) {
+    // Another order of an effect that is there already (cogging has several) is no round of its
+    // own.
+    for (int round = 0, again = 0; round < options_.max_rounds && again < kMostOrders;) {
       Progress("round " + std::to_string(round + 1) + ": candidates",
                0.1 + 0.25 * static_cast<double>(round));
       if (!Round(&model, &fit)) break;
+      const auto same = [&](const FoundEffect& effect) {
+        return effect.name == result_.effects.back().name;
+      };
+      const bool order = std::count_if(result_.effects.begin(), result_.effects.end(), same) > 1 &&
+                         IsPeriodic(*model.terms.back().effect);
+      ++(order ? again : round);
     }
     TryToRemove(&model, &fit);
     result_.corrected = fit.model;
@@ -119,7 +137,12 @@ class Tracer {
       Progress("what a refit swallowed", 0.86);
       FindSwallowed(&fit);
     }
-    result_.corrected = identify::WithinPhysicalRange(train_, result_.corrected, units_.blocks);
+    // The second time with the drive that the model inside the range needs.
+    const actuator::JointModel free = result_.corrected;
+    for (int pass = 0; pass < 2; ++pass) {
+      result_.corrected = identify::WithinPhysicalRange(train_, free, units_.blocks);
+      PredictDrive(result_.corrected);
+    }
     result_.after_train = identify::ErrorOf(train_, result_.corrected);
     result_.after_sealed = identify::ErrorOf(sealed_, result_.corrected);
     if (options_.only.empty()) {
@@ -158,8 +181,9 @@ class Tracer {
     // The noise's own correlation time: of what a flexible model leaves.
     const Eigen::MatrixXd flexible = FlexibleColumns(train_, kFlexibleColumns, options_.seed);
     const Eigen::VectorXd target = fit.balance.target - fit.balance.columns * fit.coefficients;
-    FlexibleFit ceiling = FitFlexible(units_.blocks, WithLastingEvent(fit, target), flexible,
-                                      target, Folds(units_.blocks.size()));
+    FlexibleFit ceiling =
+        FitFlexible(units_.blocks, WithBestCandidate(fit, WithLastingEvent(fit, target), target),
+                    flexible, target, Folds(units_.blocks.size()));
     const int last_lag = static_cast<int>(std::min<double>(
         20.0 * train_.rows_per_s(), static_cast<double>(train_.rows().size()) / 4.0));
     const Eigen::VectorXd rho = identify::Autocorrelation(
@@ -211,6 +235,36 @@ class Tracer {
       columns.rightCols(extra.cols()) = -extra;
     }
     return columns;
+  }
+
+  // The same for what one candidate explains, and the flexible model cannot: memory, rates, orders.
+  Eigen::MatrixXd WithBestCandidate(const FitResult& fit, const Eigen::MatrixXd& base,
+                                    const Eigen::VectorXd& target) {
+    const CandidateSet set = MakeCandidates(train_, fit.model);
+    const Eigen::MatrixXd used = PickRows(base, used_);
+    const Eigen::MatrixXd inverse = identify::Inverse(used.transpose() * used);
+    Eigen::VectorXd y(static_cast<Eigen::Index>(used_.size()));
+    for (std::size_t i = 0; i < used_.size(); ++i)
+      y[static_cast<Eigen::Index>(i)] = target[used_[i]];
+    y -= used * (inverse * (used.transpose() * y));
+    double most = 0.05 * y.squaredNorm();
+    const Eigen::MatrixXd* best = nullptr;
+    for (const Candidate& candidate : set.candidates) {
+      for (const GridPoint& point : candidate.grid) {
+        const Eigen::MatrixXd z = PickRows(point.columns, used_);
+        const Eigen::MatrixXd free = z - used * (inverse * (used.transpose() * z));
+        if (!(free.squaredNorm() > kSwallowed * z.squaredNorm())) continue;
+        const Eigen::VectorXd b = identify::Solve(free.transpose() * free, free.transpose() * y);
+        const double explained = b.dot(free.transpose() * y);
+        if (!(explained > most)) continue;
+        most = explained;
+        best = &point.columns;
+      }
+    }
+    if (best == nullptr) return base;
+    Eigen::MatrixXd out(base.rows(), base.cols() + best->cols());
+    out << base, *best;
+    return out;
   }
 
   std::vector<Trial> Score(const FitResult& fit, const CandidateSet& set, RoundReport* report) {
@@ -333,6 +387,7 @@ class Tracer {
         score.delay_s = score.theta.front() / DriveShare(fit.model);
       trial.surprise =
           Surprise(balance, fit.coefficients + trial.coefficients.head(balance.columns.cols()));
+
       score.stable = passing || Stable(trial, balance.columns.cols());
       trials.push_back(std::move(trial));
     }
@@ -362,7 +417,8 @@ class Tracer {
       CandidateScore& score = trial.score;
       if (trial.hidden) {
         score.refused = "a declared term carries it";
-      } else if (!(score.gain.t > options_.fewest_standard_errors * quantile)) {
+      } else if (!(score.gain.t > options_.fewest_standard_errors * quantile) &&
+                 !StandsWithoutTwo(trial, base_sum, report->placebo_99)) {
         score.refused = "gain within its error";
       } else if (score.explainable_share < options_.smallest_explainable_share) {
         score.refused = "gain below 5 % of what can be explained";
@@ -473,6 +529,16 @@ class Tracer {
     return identify::Quantile(best_false, options_.placebo_quantile);
   }
 
+  // Units differ in how much they excite an effect, and that is no doubt about it: a gain that few
+  // units give is believed when what all but the best two give is still above the placebo.
+  bool StandsWithoutTwo(const Trial& trial, double base_sum, double placebo) const {
+    if (trial.gains.size() < 20) return false;
+    std::vector<double> gains(trial.gains.data(), trial.gains.data() + trial.gains.size());
+    std::partial_sort(gains.begin(), gains.begin() + 2, gains.end(), std::greater<>());
+    const double rest = trial.score.gain.sum - gains[0] - gains[1];
+    return rest > std::max(placebo, options_.smallest_residual_share) * base_sum;
+  }
+
   static bool IsPassing(const Trial& trial) {
     return trial.candidate->event != nullptr && trial.candidate->event->passing();
   }
@@ -493,6 +559,8 @@ class Tracer {
       std::shared_ptr<const effects::Effect> effect = effects::MakeEffect(name, model.constants);
       const effects::EffectInfo& info = effect->info();
       if (!info.event || (info.rotary_only && model.kind != effects::JointKind::kRotary)) continue;
+      // What another effect leaves of its own transients looks like pushes.
+      if (info.nonlinear.size() > 1 && !result_.rounds.empty()) continue;
       Event event = FindEvent(train_, effect, units_.blocks, fit.balance.columns, target,
                               options_.placebo_rounds, options_.seed);
       if (!event.significant) {
@@ -678,7 +746,9 @@ class Tracer {
       const double more = asks(trials[i]) - asks(trials[chosen]);
       const bool first =
           trials[i].candidate->catalogue_order < trials[chosen].candidate->catalogue_order;
-      if (more < -0.1 || (more < 0.1 && first)) chosen = i;
+      // What cannot be told apart at all is told apart by nothing.
+      const bool twin = Correlation(trials[chosen].part, trials[i].part) > kTwin;
+      if (twin ? first : more < -1.0 || (more < 1.0 && first)) chosen = i;
     }
     for (Trial& trial : trials) {
       trial.score.sealed_rms = SealedWith(*fit, trial);
@@ -896,7 +966,7 @@ class Tracer {
     const double explainable =
         std::max(variance - result_.noise_floor_rms * result_.noise_floor_rms, 0.02 * variance);
     const bool loud = best.gain.t > options_.fewest_standard_errors &&
-                      best.share > scan.placebo_99 && best.share > 0.10 &&
+                      best.share > scan.placebo_99 && best.share > kNamedShare &&
                       explainable > kLoudRest * variance &&
                       best.share * variance > 0.2 * explainable;
     if (!loud) return;

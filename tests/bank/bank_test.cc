@@ -152,7 +152,9 @@ TEST(Figures, ACellWhoseTruthIsNotSignificantIsHidden) {
       EXPECT_EQ(share.hits, 2);
       EXPECT_EQ(share.trials, 3);
     }
-    if (share.name == "right effect first, strong") EXPECT_EQ(share.trials, 0);
+    if (share.name == "right effect first, strong") {
+      EXPECT_EQ(share.trials, 0);
+    }
   }
 }
 

@@ -43,6 +43,7 @@ double* Field(JointSample& x, const std::string& name) {
   if (name == "load_force_N") return &x.load_force_N;
   if (name == "payload_kg") return &x.payload_kg;
   if (name == "temperature_degC") return &x.temperature_degC;
+  if (name == "rigid_torque_Nm") return &x.rigid_torque_Nm;
   if (name == "volume_rate_1_s") return &x.volume_rate_1_s;
   if (name == "valve_flow_bar") return &x.valve_flow_bar;
   if (name == "valve_flow_rate_bar_s") return &x.valve_flow_rate_bar_s;
@@ -68,6 +69,7 @@ const std::vector<std::string>& AllFields() {
                                                    "load_force_N",
                                                    "payload_kg",
                                                    "temperature_degC",
+                                                   "rigid_torque_Nm",
                                                    "volume_rate_1_s",
                                                    "valve_flow_bar",
                                                    "valve_flow_rate_bar_s",
