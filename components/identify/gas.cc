@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "components/identify/statistics.h"
 #include "components/identify/uniform.h"
 
 namespace sinew::identify {
@@ -12,8 +13,7 @@ namespace sinew::identify {
 namespace {
 
 constexpr double kBar_Pa = 1e5;
-constexpr double kSmallestStep_bar = 0.1;   // an opening that moves the pressure less shows nothing
-constexpr double kLongestDeadTime_s = 0.1;  // that the curve of an opening is searched for
+constexpr double kSmallestStep_bar = 0.1;  // an opening that moves the pressure less shows nothing
 
 bool Reads(const effects::EffectInfo& info, const char* field) {
   return std::find(info.needs.begin(), info.needs.end(), field) != info.needs.end();
@@ -21,32 +21,67 @@ bool Reads(const effects::EffectInfo& info, const char* field) {
 
 // How the pressure went after an opening: level + slope s + bend s^2, s = time since it began.
 struct Opening {
+  std::size_t segment = 0;
+  Eigen::Index begin = 0, end = 0, stays = 0;  // rows: of the window, and the last one open
+  double command_s = 0.0, dead_s = 0.0;        // when the flow should begin, how much later it did
   double slope = 0.0, bend = 0.0;
   double Flow(double s) const { return s > 0.0 ? (slope + bend * s) * s : 0.0; }
   double Rate(double s) const { return s > 0.0 ? slope + 2.0 * bend * s : 0.0; }
 };
 
-// first .. last: rows of the window; command_s: when the flow should begin.
-Opening FitOpening(const UniformSegment& piece, const Eigen::VectorXd& pressure, Eigen::Index first,
-                   Eigen::Index last, double command_s) {
-  const Eigen::Index n = last - first + 1;
-  Opening best;
+// Fits the curve and ends the window kAfterOpening_s after its beginning.
+void FitOpening(const UniformSegment& piece, const Eigen::VectorXd& pressure, Eigen::Index last,
+                Opening* opening) {
+  const double period_s = piece.period_s;
+  const Eigen::Index before = last - opening->begin + 1;
+  const double level = pressure.segment(opening->begin, before).mean();
+  // The flow has surely begun where the pressure has left its level by half of the smallest step.
+  Eigen::Index moved = last + 1;
+  while (moved < opening->stays && std::abs(pressure[moved] - level) < 0.5 * kSmallestStep_bar) {
+    ++moved;
+  }
+  const double latest_s =
+      std::min(kLongestDeadTime_s, piece.Time(moved) - opening->command_s + period_s);
+  opening->end = std::min(
+      opening->stays, moved + static_cast<Eigen::Index>(std::lround(kAfterOpening_s / period_s)));
+  const Eigen::Index n = opening->end - opening->begin + 1;
+  const Eigen::VectorXd y = pressure.segment(opening->begin, n);
   double least = std::numeric_limits<double>::infinity();
-  for (double dead = 0.0; dead <= kLongestDeadTime_s; dead += 0.1 * piece.period_s) {
+  for (double dead = -0.5 * period_s; dead <= latest_s; dead += 0.1 * period_s) {
     Eigen::MatrixXd columns(n, 3);
     for (Eigen::Index i = 0; i < n; ++i) {
-      const double s = std::max(0.0, piece.Time(first + i) - command_s - dead);
+      const double s = std::max(0.0, piece.Time(opening->begin + i) - opening->command_s - dead);
       columns.row(i) << 1.0, s, s * s;
     }
-    const Eigen::VectorXd y = pressure.segment(first, n);
     const Eigen::VectorXd b = columns.colPivHouseholderQr().solve(y);
     const double error = (y - columns * b).squaredNorm();
-    if (error < least) {
-      least = error;
-      best = {b[1], b[2]};
+    if (error >= least) continue;
+    least = error;
+    opening->slope = b[1];
+    opening->bend = b[2];
+    opening->dead_s = dead;
+  }
+}
+
+// Writes the flow into the samples, each opening's from its command on.
+void PlayOpenings(const std::vector<Opening>& openings, StateSet* states) {
+  if (openings.empty()) return;
+  std::vector<double> dead;
+  for (const Opening& opening : openings) dead.push_back(opening.dead_s);
+  const double middle_s = Quantile(std::move(dead), 0.5);
+  for (const Opening& opening : openings) {
+    StateSegment& segment = states->segments[opening.segment];
+    // What all have in common is a dead time only where rows can tell it.
+    const double common_s = std::abs(middle_s) < 0.5 * segment.period_s ? 0.0 : middle_s;
+    const double between_rows_s =
+        std::clamp(opening.dead_s - common_s, -segment.period_s, segment.period_s);
+    for (Eigen::Index i = opening.begin; i <= opening.stays; ++i) {
+      effects::JointSample& x = segment.samples[static_cast<std::size_t>(i)];
+      const double since = x.time_s - opening.command_s - between_rows_s;
+      x.valve_flow_bar = opening.Flow(since);
+      x.valve_flow_rate_bar_s = opening.Rate(since);
     }
   }
-  return best;
 }
 
 }  // namespace
@@ -94,6 +129,7 @@ GasWindows MakeGasStates(const std::vector<Run>& runs, const actuator::JointMode
 
   int window = 0;
   std::size_t s = 0;
+  std::vector<Opening> openings;
   for (const Run& run : runs) {
     const UniformRun uniform = MakeUniform(run, motion.longest_gap_s);
     for (const UniformSegment& piece : uniform.segments) {
@@ -136,24 +172,20 @@ GasWindows MakeGasStates(const std::vector<Run>& runs, const actuator::JointMode
         Eigen::Index to = last;
         Eigen::Index stays = last;
         while (stays + 1 < piece.size() && open(stays + 1)) ++stays;
-        if (opens && stays - last >= rows(kAfterOpening_s) &&
+        if (opens && stays - last >= rows(kAfterOpening_s + kLongestDeadTime_s) &&
             last - from >= rows(kBeforeOpening_s)) {
-          const Eigen::Index begin = last - rows(kBeforeOpening_s) + 1;
-          const Eigen::Index end = last + rows(kAfterOpening_s);
+          Opening opening;
+          opening.segment = s - 1;
+          opening.begin = last - rows(kBeforeOpening_s) + 1;
+          opening.stays = stays;
           // Thrown somewhere between two rows.
-          const double command_s =
+          opening.command_s =
               piece.Time(last) + 0.5 * piece.period_s + model.constants.valve_delay_s;
-          const Opening opening = FitOpening(piece, pressure, begin, end, command_s);
+          FitOpening(piece, pressure, last, &opening);
           if (std::abs(opening.Flow(kAfterOpening_s)) > kSmallestStep_bar) {
-            for (Eigen::Index i = begin; i <= stays; ++i) {
-              effects::JointSample& x = segment.samples[static_cast<std::size_t>(i)];
-              const double since = piece.Time(i) - command_s;
-              x.valve_flow_bar = opening.Flow(since);
-              x.valve_flow_rate_bar_s = opening.Rate(since);
-            }
-            mark(begin, end);
-            ++out.openings;
-            to = begin - 1;
+            mark(opening.begin, opening.end);
+            to = opening.begin - 1;
+            openings.push_back(opening);
           }
         }
         const double span = piece.period_s * static_cast<double>(to - from);
@@ -169,6 +201,8 @@ GasWindows MakeGasStates(const std::vector<Run>& runs, const actuator::JointMode
       }
     }
   }
+  PlayOpenings(openings, &out.states);
+  out.openings = static_cast<int>(openings.size());
   return out;
 }
 

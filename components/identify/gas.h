@@ -5,10 +5,12 @@
 // integrals of what the effects say of its rate, within windows, each with a level of its own
 // (Design takes the mean from every window). A window is a spell with the valve shut, cut into
 // pieces of at most kLongestWindow_s; the last kBeforeOpening_s of a spell and the first
-// kAfterOpening_s of what follows are one, too. There the declared model says that the flow begins
-// with the command and the stated delay; the flow's curve F is a parabola fitted to that opening,
-// the instant of its beginning with it, and then played from the command on. Windows are what
-// cross-validation leaves out together. Nothing is filtered: the noise of the pressure is white.
+// kAfterOpening_s of flow are one, too. There the declared model says that the flow begins with the
+// command and the stated delay; the flow's curve F is a parabola fitted to that opening, the
+// instant of its beginning with it, and then played from the command on. A command falls anywhere
+// between two rows: openings may differ by up to a sample either way from what they have in
+// common. Windows are what cross-validation leaves out together. Nothing is filtered: the noise of
+// the pressure is white.
 //
 // The volume follows from the model of motion: dV/dq is the pneumatic torque per pressure (virtual
 // work), 1e-5 m3/rad per Nm/bar. Pure; allocates; throws std::invalid_argument as MakeStates.
@@ -26,7 +28,8 @@ namespace sinew::identify {
 inline constexpr double kLongestWindow_s = 10.0;
 inline constexpr double kShortestWindow_s = 1.0;
 inline constexpr double kBeforeOpening_s = 0.5;
-inline constexpr double kAfterOpening_s = 0.15;
+inline constexpr double kAfterOpening_s = 0.15;  // of flow
+inline constexpr double kLongestDeadTime_s = 0.3;
 inline constexpr double kAfterShutting_s = 0.1;  // the valve travels
 
 struct GasWindows {
