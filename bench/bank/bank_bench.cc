@@ -22,6 +22,7 @@ struct Arguments {
   bank::Plan plan;
   std::string part = "1/1";
   int threads = 2;
+  bool explain = false;
   bool no_task = false, no_parameters = false, calibrate = false, list = false;
   std::filesystem::path out;
   std::filesystem::path json;
@@ -93,13 +94,17 @@ void Run(Arguments& arguments) {
       if (!lines) throw UsageError(arguments.out.string() + ": cannot be written");
     }
     std::size_t done = 0;
-    outcomes = bank::RunCases(cases, arguments.threads, arguments.plan.parameters,
-                              [&](const bank::Outcome& outcome) {
-                                if (lines) lines << bank::ToJson(outcome) << std::endl;
-                                if (++done % 20 == 0) {
-                                  std::cerr << done << " of " << cases.size() << '\n';
-                                }
-                              });
+    outcomes = bank::RunCases(
+        cases, arguments.threads, arguments.plan.parameters, [&](const bank::Outcome& outcome) {
+          if (lines) lines << bank::ToJson(outcome) << std::endl;
+          if (arguments.explain) {
+            std::cout << bank::CaseName(outcome.what) << ": " << outcome.verdict << '\n'
+                      << outcome.explanation;
+          }
+          if (++done % 20 == 0) {
+            std::cerr << done << " of " << cases.size() << '\n';
+          }
+        });
   }
   const bank::Figures figures = bank::CountFigures(outcomes);
   std::cout << bank::FormatConfusion(outcomes) << '\n' << bank::FormatFigures(figures);
@@ -128,6 +133,7 @@ int main(int argc, char** argv) try {
   app.add_option("--threads", arguments.threads, "cases at a time")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
+  app.add_flag("--explain", arguments.explain, "print the best candidates of every case");
   app.add_flag("--no-task", arguments.no_task, "designed excitation only");
   app.add_flag("--no-parameters", arguments.no_parameters,
                "do not compare parameters with recordings without noise");

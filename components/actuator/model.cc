@@ -1,5 +1,6 @@
 #include "components/actuator/model.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>
@@ -38,9 +39,10 @@ void ForEach(const std::vector<Term>& terms, Memory memory, Function f) {
 
 }  // namespace
 
-Term MakeTerm(std::string_view effect_name, const effects::JointConstants& constants) {
+Term MakeTerm(std::string_view effect_name, const effects::JointConstants& constants,
+              std::optional<effects::Balance> balance) {
   Term term;
-  term.effect = effects::MakeEffect(effect_name, constants);
+  term.effect = effects::MakeEffect(effect_name, constants, balance);
   for (const effects::ParameterInfo& info : term.effect->info().linear) {
     term.linear.push_back({.value = info.default_value, .half_width_95 = std::nullopt});
   }
@@ -50,11 +52,18 @@ Term MakeTerm(std::string_view effect_name, const effects::JointConstants& const
   return term;
 }
 
-int JointModel::Find(std::string_view effect_name) const {
+int JointModel::Find(std::string_view effect_name, std::optional<effects::Balance> of) const {
   for (std::size_t i = 0; i < terms.size(); ++i) {
-    if (terms[i].effect->info().name == effect_name) return static_cast<int>(i);
+    const effects::EffectInfo& info = terms[i].effect->info();
+    if (info.name == effect_name && (!of || info.balance == *of)) return static_cast<int>(i);
   }
   return -1;
+}
+
+bool JointModel::Declares(effects::Balance of) const {
+  return std::any_of(terms.begin(), terms.end(), [of](const Term& term) {
+    return term.effect->info().balance == of && term.effect->info().role == effects::Role::kDrive;
+  });
 }
 
 double JointModel::Parameter(std::string_view effect_name, std::string_view parameter) const {
@@ -113,7 +122,7 @@ double JointModel::Torque(effects::Role role, const effects::JointSample& x,
                           std::span<const double> memory) const noexcept {
   double torque = 0.0;
   ForEach(terms, memory, [&](const Term& term, std::span<const double> part) {
-    if (term.effect->info().role == role) torque += Evaluate(term, x, part);
+    if (Counts(term) && term.effect->info().role == role) torque += Evaluate(term, x, part);
   });
   return torque;
 }
@@ -122,7 +131,7 @@ double JointModel::SideTorque(effects::Side side, const effects::JointSample& x,
                               std::span<const double> memory) const noexcept {
   double torque = 0.0;
   ForEach(terms, memory, [&](const Term& term, std::span<const double> part) {
-    if (term.effect->info().side == side) torque += Evaluate(term, x, part);
+    if (Counts(term) && term.effect->info().side == side) torque += Evaluate(term, x, part);
   });
   return torque;
 }
@@ -158,7 +167,7 @@ double JointModel::Residual(const effects::JointSample& x,
                             std::span<const double> memory) const noexcept {
   double torque = 0.0;
   ForEach(terms, memory, [&](const Term& term, std::span<const double> part) {
-    torque += Evaluate(term, x, part);
+    if (Counts(term)) torque += Evaluate(term, x, part);
   });
   return torque;
 }
@@ -170,7 +179,9 @@ double PhysicalValue(const JointModel& model, int term, int linear_parameter) {
   if (!of.effect->info().linear[at].relative_to_drive) return value;
   for (const Term& drive : model.terms) {
     const effects::EffectInfo& info = drive.effect->info();
-    if (info.role != effects::Role::kDrive) continue;
+    if (info.role != effects::Role::kDrive || !(info.balance == of.effect->info().balance)) {
+      continue;
+    }
     const double ideal = info.linear[0].dimension == effects::Dimension::kNone
                              ? 1.0
                              : model.constants.force_constant_N_V;

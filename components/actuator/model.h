@@ -29,7 +29,8 @@ struct Term {
 
 // A term with every parameter at the catalogue's default. Throws std::invalid_argument
 // (MakeEffect).
-Term MakeTerm(std::string_view effect_name, const effects::JointConstants& constants);
+Term MakeTerm(std::string_view effect_name, const effects::JointConstants& constants,
+              std::optional<effects::Balance> balance = std::nullopt);
 
 // The servo that moved the joint while it was recorded; identify and simulation need it only to
 // repeat the motion (free_run).
@@ -58,12 +59,19 @@ class JointModel {
   effects::JointConstants constants;
   double backlash_rad = 0.0;           // full width of the play at the output; 0: none
   double motor_torque_limit_Nm = 0.0;  // at the motor shaft; 0: none
-  std::vector<Term> terms;
+  std::vector<Term> terms;             // of every balance
   std::vector<HistoryEntry> history;
   std::optional<Servo> controller;
+  // The balance that fitting and tracing are about, and whose terms the sums below are of. Model
+  // files hold all balances and give the motion's.
+  effects::Balance balance = effects::Balance::kMotion;
 
-  // Index of a term, or -1.
-  int Find(std::string_view effect_name) const;
+  // Index of a term, or -1; of any balance unless one is given.
+  int Find(std::string_view effect_name, std::optional<effects::Balance> of = std::nullopt) const;
+  // Does the term belong to the balance that the model is about?
+  bool Counts(const Term& term) const { return term.effect->info().balance == balance; }
+  // Has the model anything to say in a balance: a term that is its measured side?
+  bool Declares(effects::Balance of) const;
   // Value of a linear or nonlinear parameter; throws std::invalid_argument when the model lacks it.
   double Parameter(std::string_view effect_name, std::string_view parameter) const;
 

@@ -10,10 +10,15 @@
 //     sum over all effects of tau(x) = 0        (drive and inertia are effects too)
 //
 // so friction is negative for positive velocity, inertia is -J * acceleration, the drive is +.
+//
+// The other balances read the same way, each in its own unit; what takes the drive's place there is
+// the measured side (docs/model.md): motor angle / N - output angle (rad) in the kinematic balance,
+// the pressure (bar) in the gas balance.
 // Thread: an Effect is immutable after construction; memory belongs to the caller.
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -34,6 +39,11 @@ enum class Role {
 
 // The balances of the actuator (docs/model.md). Effects of the torque equation are kMotion.
 enum class Balance { kMotion, kLink, kPlay, kGas, kKinematic };
+
+// As in model files: "motion", "link", "play", "gas", "kinematic".
+std::string_view BalanceName(Balance balance);
+// Unit of a balance's sum, e.g. "Nm", "N" of a linear joint, "rad".
+std::string_view BalanceUnit(Balance balance, JointKind kind);
 
 // Physical dimension of a parameter; with the joint's kind it gives the unit suffix of the YAML
 // key.
@@ -64,6 +74,8 @@ enum class Dimension {
   kViscousPerKelvin,
   kInertiaTimeSquared,
   kTorqueTimePerBar,
+  kAnglePerTorque,
+  kRate,
 };
 
 // Suffix of a YAML key, e.g. {kViscous, kRotary} -> "Nm_s_rad", {kViscous, kLinear} -> "N_s_m";
@@ -90,6 +102,11 @@ std::string ParameterKey(const ParameterInfo& info, JointKind kind);
 // apart.
 enum class Side { kMotor, kOutput };
 
+// An idealisation that every set-up breaks a little: a skew between channels of less than a tenth
+// of a sample (half a one where rows alone tell when a switch was thrown), teeth that give less than the encoder rounds. So small it is no effect, and nothing
+// else is one that explains no more than it.
+enum class Smallest { kAny, kTenthOfSample, kHalfSample, kRounding };
+
 struct EffectInfo {
   std::string name;     // as in model files, e.g. "direction_dependent_viscous"
   std::string title;    // for people
@@ -98,10 +115,15 @@ struct EffectInfo {
   Role role = Role::kPassive;
   Balance balance = Balance::kMotion;
   Side side = Side::kOutput;
+  Smallest smallest = Smallest::kAny;
+  bool rate = false;  // phi is a rate of what the balance is about: fitting integrates it
   bool rotary_only = false;  // reads an angle as an angle: means nothing on a linear joint
   // Begins at an instant that differs from recording to recording: the first nonlinear parameter is
   // its start, on the clock time_s.
   bool event = false;
+  // A term that models declare rather than a cause: an effect of the catalogue that looks the same
+  // is named in its place.
+  bool basic = false;
   std::vector<ParameterInfo> linear;
   std::vector<ParameterInfo> nonlinear;
   std::string signature;                 // what its residual looks like
@@ -130,8 +152,12 @@ class Effect {
                        std::span<double> /*memory*/) const noexcept {}
 };
 
-// Throws std::invalid_argument naming the effect and the known ones when there is no such effect.
-std::unique_ptr<Effect> MakeEffect(std::string_view name, const JointConstants& constants);
+// An effect may have a form in more than one balance (a compliant gear shows in the torque at high
+// frequency and in the difference of the encoders). Without a balance: the first form.
+// Throws std::invalid_argument naming the effect and the known ones when there is no such effect,
+// or the balances that it has.
+std::unique_ptr<Effect> MakeEffect(std::string_view name, const JointConstants& constants,
+                                   std::optional<Balance> balance = std::nullopt);
 
 // No effect has more linear parameters, nonlinear parameters or memory than this: callers may keep
 // them in arrays on the stack.
@@ -139,5 +165,12 @@ inline constexpr int kMaxParameters = 8;
 
 // Every effect of the catalogue, in the order of the documentation: the declared basics first.
 std::vector<std::string> EffectNames();
+
+struct EffectForm {
+  std::string name;
+  Balance balance = Balance::kMotion;
+};
+// The same with every form of each, those of the torque balance first.
+std::vector<EffectForm> EffectForms();
 
 }  // namespace sinew::effects

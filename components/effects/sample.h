@@ -25,6 +25,13 @@ struct JointSample {
   double payload_kg = 0.0;         // declared by the operator
   double temperature_degC = 25.0;  // motor
   bool valve_open = false;
+  double rigid_torque_Nm = 0.0;  // that the arm's rigid bodies need of this joint
+  // From the model and the measured motion, not measured themselves (identify/kinematic.h).
+  double volume_rate_1_s = 0.0;  // of the gas: dV/dt / V (identify/gas.h)
+  double valve_flow_bar = 0.0;   // what came in since the valve was opened, as pressure
+  double valve_flow_rate_bar_s = 0.0;
+  double tooth_torque_Nm = 0.0;  // from the motor on the link through the teeth
+  double tooth_side = 0.0;       // 1: teeth surely touch driving up, -1: down, 0: not known
 };
 
 // What the joint is, exactly known. Given to an effect when it is made.
@@ -32,9 +39,13 @@ struct JointConstants {
   double gear_ratio = 1.0;     // motor turns per output turn
   double link_length_m = 0.0;  // joint axis to load cell and payload
   double gravity_m_s2 = 9.81;
-  double torque_constant_Nm_A = 0.0;  // motor side
-  double force_constant_N_V = 0.0;    // linear drives commanded in volts
-  double back_emf_V_s_rad = 0.0;      // motor side; drives whose voltage lies on the winding
+  double torque_constant_Nm_A = 0.0;     // motor side
+  double force_constant_N_V = 0.0;       // linear drives commanded in volts
+  double back_emf_V_s_rad = 0.0;         // motor side; drives whose voltage lies on the winding
+  double gas_volume_m3 = 0.0;            // chamber and all it is joined to; 0: not stated
+  double atmosphere_bar = 1.01325;       // absolute
+  double valve_delay_s = 0.0;            // from the command to the flow, as the valve's maker says
+  double encoder_counts_per_turn = 0.0;  // of the coarser encoder at the output; 0: not stated
 };
 
 }  // namespace sinew::effects

@@ -57,8 +57,40 @@ std::string_view UnitSuffix(Dimension dimension, JointKind kind) {
       return rotary ? "kg_m2_s2" : "kg_s2";
     case Dimension::kTorqueTimePerBar:
       return rotary ? "Nm_s_bar" : "N_s_bar";
+    case Dimension::kAnglePerTorque:
+      return rotary ? "rad_Nm" : "m_N";
+    case Dimension::kRate:
+      return "1_s";
   }
   return "";
+}
+
+std::string_view BalanceName(Balance balance) {
+  switch (balance) {
+    case Balance::kMotion:
+      return "motion";
+    case Balance::kLink:
+      return "link";
+    case Balance::kPlay:
+      return "play";
+    case Balance::kGas:
+      return "gas";
+    case Balance::kKinematic:
+      return "kinematic";
+  }
+  return "";
+}
+
+std::string_view BalanceUnit(Balance balance, JointKind kind) {
+  const bool rotary = kind == JointKind::kRotary;
+  switch (balance) {
+    case Balance::kGas:
+      return "bar";
+    case Balance::kKinematic:
+      return rotary ? "rad" : "m";
+    default:
+      return rotary ? "Nm" : "N";
+  }
 }
 
 std::string ParameterKey(const ParameterInfo& info, JointKind kind) {

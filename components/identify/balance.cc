@@ -55,6 +55,7 @@ Balance MakeBalance(const Design& design, const actuator::JointModel& model, boo
   double drive_tolerance = 0.0;
   for (std::size_t t = 0; t < model.terms.size(); ++t) {
     const actuator::Term& term = model.terms[t];
+    if (!model.Counts(term)) continue;
     if (IsDrive(term)) {
       out.drive = {static_cast<int>(t), 0};
       out.drive_factor = term.linear.front().value;

@@ -4,7 +4,27 @@
 #include <array>
 #include <cmath>
 
+#include "components/identify/statistics.h"
+
 namespace sinew::identify {
+
+namespace {
+// A signal of which more than this share is noise says nothing.
+constexpr double kMostNoise = 0.3;
+
+// Its running integral by the trapezoid rule, 0 at the first row.
+void Integrate(double period_s, Eigen::Ref<Eigen::VectorXd> rate) {
+  double sum = 0.0;
+  double before = rate[0];
+  for (Eigen::Index i = 0; i < rate.size(); ++i) {
+    const double now = rate[i];
+    sum += i > 0 ? 0.5 * period_s * (before + now) : 0.0;
+    before = now;
+    rate[i] = sum;
+  }
+}
+
+}  // namespace
 
 std::vector<Eigen::Index> Rows::UsedRows() const {
   std::vector<Eigen::Index> out;
@@ -31,13 +51,25 @@ Design::Design(StateSet states, const ProcessingOptions& options)
       rows_.segment.push_back(static_cast<int>(s));
       rows_.used.push_back(segment.usable[k]);
       rows_.sample.push_back(i);
+      if (!segment.window.empty()) rows_.window.push_back(segment.window[k]);
     }
   }
   rows_.time_s =
       Eigen::Map<const Eigen::VectorXd>(time.data(), static_cast<Eigen::Index>(time.size()));
+  // A load cell that nobody touches would add its noise to the balance: its mean is what it tells.
+  silent_load_ =
+      NoiseShare([](const effects::JointSample& x) { return x.load_force_N; }) > kMostNoise;
+  if (!silent_load_) return;
+  for (StateSegment& segment : states_.segments) {
+    double mean = 0.0;
+    for (const effects::JointSample& x : segment.samples) mean += x.load_force_N;
+    mean /= static_cast<double>(segment.size());
+    for (effects::JointSample& x : segment.samples) x.load_force_N = mean;
+  }
 }
 
 Eigen::Index Design::Step(const StateSegment& segment) const {
+  if (segment.held) return 1;
   return std::max<Eigen::Index>(
       1, static_cast<Eigen::Index>(
              std::floor(0.25 / (segment.period_s * options_.parallel_cutoff_Hz) + 1e-9)));
@@ -52,7 +84,7 @@ Eigen::Index Design::Thin(const StateSegment& segment, const Eigen::VectorXd& fu
     for (Eigen::Index i = step / 2; i < x.size(); i += step) out[row++] = x[i];
     return row;
   };
-  if (options_.parallel_cutoff_Hz >= 0.5 * rate) return thin(full);
+  if (segment.held || options_.parallel_cutoff_Hz >= 0.5 * rate) return thin(full);
   const int padding =
       std::max(3 * options_.parallel_order,
                static_cast<int>(std::ceil(2.0 * rate / options_.parallel_cutoff_Hz)));
@@ -81,9 +113,20 @@ Eigen::MatrixXd Design::Columns(const effects::Effect& effect, std::span<const d
     }
     Eigen::Index rows = 0;
     for (Eigen::Index c = 0; c < count; ++c) {
+      if (effect.info().rate) Integrate(segment.period_s, full.col(c));
       rows = Thin(segment, full.col(c), out.col(c).segment(at, rows_.size() - at));
     }
     at += rows;
+  }
+  for (Eigen::Index c = 0; c < count; ++c) Centre(out.col(c));
+  return out;
+}
+
+Eigen::VectorXd Design::ThroughFilter(const std::vector<Eigen::VectorXd>& per_segment) const {
+  Eigen::VectorXd out(rows_.size());
+  Eigen::Index at = 0;
+  for (std::size_t s = 0; s < states_.segments.size(); ++s) {
+    at += Thin(states_.segments[s], per_segment.at(s), out.segment(at, rows_.size() - at));
   }
   return out;
 }
@@ -102,7 +145,29 @@ Eigen::VectorXd Design::MeasuredDrive(const effects::Effect& drive) const {
     }
     at += Thin(segment, full, out.segment(at, rows_.size() - at));
   }
+  Centre(out);
   return out;
+}
+
+void Design::Centre(Eigen::Ref<Eigen::VectorXd> column) const {
+  if (rows_.window.empty()) return;
+  std::vector<double> sum, count;
+  const auto in = [&](Eigen::Index i) { return rows_.window[static_cast<std::size_t>(i)]; };
+  for (Eigen::Index i = 0; i < rows_.size(); ++i) {
+    if (in(i) < 0 || !rows_.used[static_cast<std::size_t>(i)]) continue;
+    const auto w = static_cast<std::size_t>(in(i));
+    if (sum.size() <= w) {
+      sum.resize(w + 1, 0.0);
+      count.resize(w + 1, 0.0);
+    }
+    sum[w] += column[i];
+    count[w] += 1.0;
+  }
+  for (Eigen::Index i = 0; i < rows_.size(); ++i) {
+    if (in(i) < 0) continue;
+    const auto w = static_cast<std::size_t>(in(i));
+    if (w < sum.size() && count[w] > 0.0) column[i] -= sum[w] / count[w];
+  }
 }
 
 void Design::PredictDrive(const actuator::JointModel& model) {
@@ -115,6 +180,31 @@ void Design::PredictDrive(const actuator::JointModel& model) {
       x.drive_input = model.RequiredDriveInput(x, memory);
     }
   }
+}
+
+double Design::NoiseShare(const std::vector<Eigen::VectorXd>& full,
+                          const Eigen::VectorXd& filtered) const {
+  const std::vector<Eigen::Index> used = rows_.UsedRows();
+  if (used.empty()) return 1.0;
+  double mean = 0.0;
+  for (const Eigen::Index i : used) mean += filtered[i] / static_cast<double>(used.size());
+  double power = 0.0;
+  for (const Eigen::Index i : used) {
+    power += (filtered[i] - mean) * (filtered[i] - mean) / static_cast<double>(used.size());
+  }
+  if (!(power > 0.0)) return 1.0;
+  // Fourth differences of white noise have 70 times its variance.
+  std::vector<double> size;
+  for (const Eigen::VectorXd& x : full) {
+    for (Eigen::Index i = 0; i + 4 < x.size(); ++i) {
+      size.push_back(std::abs(x[i] - 4.0 * x[i + 1] + 6.0 * x[i + 2] - 4.0 * x[i + 3] + x[i + 4]));
+    }
+  }
+  if (size.empty()) return 0.0;
+  const double sigma = 1.4826 * Quantile(std::move(size), 0.5) / std::sqrt(70.0);
+  const double nyquist_Hz = 0.5 / states_.segments.front().period_s;
+  const double passed = std::min(1.0, options_.parallel_cutoff_Hz / nyquist_Hz);
+  return std::min(1.0, sigma * sigma * passed / power);
 }
 
 void Design::SetClock(int run, double offset_s) {

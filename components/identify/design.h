@@ -20,6 +20,7 @@ struct Rows {
   std::vector<int> segment;
   std::vector<char> used;            // moving samples only
   std::vector<Eigen::Index> sample;  // index in its segment
+  std::vector<int> window;           // empty, or as StateSegment::window
   Eigen::Index size() const { return time_s.size(); }
   std::vector<Eigen::Index> UsedRows() const;
 };
@@ -32,12 +33,16 @@ class Design {
   const Rows& rows() const { return rows_; }
   const StateSet& states() const { return states_; }
   const ProcessingOptions& options() const { return options_; }
+  // The load cell told nothing but its noise, and its mean stands for it.
+  bool silent_load() const { return silent_load_; }
   double rows_per_s() const { return rows_per_s_; }  // of the first piece
 
   // phi of an effect, a column per linear parameter.
   Eigen::MatrixXd Columns(const effects::Effect& effect, std::span<const double> psi) const;
   // phi of a drive effect with the drive input as it was measured.
   Eigen::VectorXd MeasuredDrive(const effects::Effect& drive) const;
+  // A full-rate column, given per segment of the states, filtered and thinned like the columns.
+  Eigen::VectorXd ThroughFilter(const std::vector<Eigen::VectorXd>& per_segment) const;
   // Any function of the sample, filtered and thinned like the columns.
   template <class Function>
   Eigen::VectorXd Column(Function f) const {
@@ -50,6 +55,7 @@ class Design {
       }
       at += Thin(segment, full, out.segment(at, rows_.size() - at));
     }
+    Centre(out);
     return out;
   }
   // The same without the filter: for plots and for variables.
@@ -62,6 +68,20 @@ class Design {
                      .samples[static_cast<std::size_t>(rows_.sample[k])]);
     }
     return out;
+  }
+
+  // Share of a signal's power behind the parallel filter (about its mean, used rows) that is noise,
+  // taken as white and told by fourth differences from sample to sample. 1 for a constant.
+  template <class Function>
+  double NoiseShare(Function f) const {
+    std::vector<Eigen::VectorXd> full;
+    for (const StateSegment& segment : states_.segments) {
+      full.emplace_back(segment.size());
+      for (Eigen::Index i = 0; i < segment.size(); ++i) {
+        full.back()[i] = f(segment.samples[static_cast<std::size_t>(i)]);
+      }
+    }
+    return NoiseShare(full, Column(f));
   }
 
   // From now on effects that read the drive see the drive that the model needs, not the measured
@@ -81,12 +101,18 @@ class Design {
   // Filters a full-rate column of a segment; returns the number of rows written.
   Eigen::Index Thin(const StateSegment& segment, const Eigen::VectorXd& full,
                     Eigen::Ref<Eigen::VectorXd> out) const;
+  // Takes the mean over its used rows from every window.
+  void Centre(Eigen::Ref<Eigen::VectorXd> column) const;
+
+  double NoiseShare(const std::vector<Eigen::VectorXd>& full,
+                    const Eigen::VectorXd& filtered) const;
 
   StateSet states_;
   ProcessingOptions options_;
   double rows_per_s_ = 1.0;
   Rows rows_;
   std::map<int, double> clocks_;
+  bool silent_load_ = false;
 };
 
 }  // namespace sinew::identify

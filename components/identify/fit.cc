@@ -37,7 +37,7 @@ struct Nonlinear {
 std::vector<Nonlinear> FreeNonlinear(const actuator::JointModel& model) {
   std::vector<Nonlinear> out;
   for (std::size_t t = 0; t < model.terms.size(); ++t) {
-    if (model.terms[t].declared) continue;
+    if (model.terms[t].declared || !model.Counts(model.terms[t])) continue;
     for (std::size_t i = 0; i < model.terms[t].nonlinear.size(); ++i) {
       if (!model.terms[t].nonlinear[i].fixed) out.push_back({t, i});
     }
@@ -225,7 +225,7 @@ actuator::JointModel WithinPhysicalRange(const Design& design, const actuator::J
     held = false;
     for (actuator::Term& term : at.terms) {
       const effects::EffectInfo& info = term.effect->info();
-      if (info.role == effects::Role::kDrive) continue;
+      if (info.role == effects::Role::kDrive || !term.declared || !at.Counts(term)) continue;
       for (std::size_t i = 0; i < term.linear.size(); ++i) {
         actuator::ParameterValue& value = term.linear[i];
         // Values relative to the drive have their range for another scale.

@@ -41,10 +41,10 @@ FitResult FitModel(const Design& design, const actuator::JointModel& model,
 FitResult RefineModel(const Design& design, const actuator::JointModel& model,
                       const std::vector<Block>& blocks);
 
-// The model with every free linear parameter inside the physical range of its effect: those that
-// least squares left outside (a Coulomb friction of -0.006 +- 0.013 Nm would drive the joint in a
-// simulation) are held at their bound and the others fitted again. Unchanged when all are inside.
-// Half widths stay those of the model that came in.
+// The model with every free linear parameter of its declared terms inside the physical range of its
+// effect: those that least squares left outside (a Coulomb friction of -0.006 +- 0.013 Nm would
+// drive the joint in a simulation) are held at their bound and the others fitted again. Unchanged
+// when all are inside. Half widths stay those of the model that came in.
 actuator::JointModel WithinPhysicalRange(const Design& design, const actuator::JointModel& model,
                                          const std::vector<Block>& blocks);
 

@@ -7,6 +7,7 @@
 #include "components/identify/differentiate.h"
 #include "components/identify/iir_filter.h"
 #include "components/identify/spectrum.h"
+#include "components/identify/statistics.h"
 
 namespace sinew::identify {
 
@@ -49,12 +50,36 @@ void Spread(std::vector<char>& flags, Eigen::Index reach) {
   flags = std::move(out);
 }
 
+// Instants at which teeth that were apart touch again: what an impact does to the drive is over
+// before a recording of some 100 Hz has seen it. gap: motor / N - output, rad.
+void MarkTouches(const Eigen::VectorXd& gap, double play, std::vector<char>* flags) {
+  // Teeth are apart for sure when the gap is this share of the half play away from both sides.
+  constexpr double kApart = 0.7;
+  constexpr double kTouch = 0.9;
+  std::vector<double> sorted(gap.data(), gap.data() + gap.size());
+  // Encoders are set to zero anywhere: the middle of the extreme gaps is the middle of the play.
+  const double low = Quantile(sorted, 0.005);
+  const double high = Quantile(sorted, 0.995);
+  const double middle = high - low > 0.8 * play ? 0.5 * (low + high) : 0.0;
+  bool apart = false;
+  for (Eigen::Index i = 0; i < gap.size(); ++i) {
+    const double share = std::abs(gap[i] - middle) / (0.5 * play);
+    if (apart && share > kTouch) {
+      (*flags)[static_cast<std::size_t>(i)] = 1;
+      apart = false;
+    } else if (share < kApart) {
+      apart = true;
+    }
+  }
+}
+
 }  // namespace
 
 Signal DriveSignal(const actuator::JointModel& model) {
   const actuator::Term* drive = nullptr;
   for (const actuator::Term& term : model.terms) {
-    if (term.effect->info().role != effects::Role::kDrive) continue;
+    const effects::EffectInfo& info = term.effect->info();
+    if (info.role != effects::Role::kDrive || info.balance != effects::Balance::kMotion) continue;
     if (drive != nullptr) {
       throw std::invalid_argument("joint '" + model.name + "' has more than one drive term");
     }
@@ -75,6 +100,12 @@ ProcessingOptions Resolve(const ProcessingOptions& options, const std::vector<Ru
   ProcessingOptions out = options;
   if (runs.empty()) throw std::invalid_argument("no recording given");
   if (out.state_cutoff_Hz > 0.0 && out.parallel_cutoff_Hz > 0.0 && out.rest_velocity > 0.0) {
+    return out;
+  }
+  if (runs.front().held) {  // nothing is filtered: any settled values do
+    if (!(out.state_cutoff_Hz > 0.0)) out.state_cutoff_Hz = 1.0;
+    if (!(out.parallel_cutoff_Hz > 0.0)) out.parallel_cutoff_Hz = 0.25;
+    if (!(out.rest_velocity > 0.0)) out.rest_velocity = 1e-3;
     return out;
   }
   const UniformRun uniform = MakeUniform(runs.front(), out.longest_gap_s);
@@ -139,6 +170,7 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
     if (run.Has(Signal::kPayload)) fields.insert("payload_kg");
     if (run.Has(Signal::kTemperature)) fields.insert("temperature_degC");
     if (run.Has(Signal::kValveOpen)) fields.insert("valve_open");
+    if (!run.rigid_torque.empty() || run.rigid_torque_later) fields.insert("rigid_torque_Nm");
     if (first) {
       out.measured.insert(fields.begin(), fields.end());
     } else {
@@ -156,11 +188,20 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
     if (first) out.rate_Hz = uniform.sampling.rate_Hz;
     first = false;
 
-    for (const UniformSegment& piece : uniform.segments) {
+    for (std::size_t number = 0; number < uniform.segments.size(); ++number) {
+      const UniformSegment& piece = uniform.segments[number];
+      const Eigen::VectorXd rigid = run.rigid_torque.empty() ? Eigen::VectorXd::Zero(piece.size())
+                                                             : run.rigid_torque.at(number);
       const double rate = piece.rate_Hz();
       const double dt = piece.period_s;
+      // Rows that are holds have no neighbours: neither filters nor derivatives.
       const auto smooth = [&](const Eigen::VectorXd& x) {
+        if (run.held) return x;
         return Smooth(x, options.state_order, options.state_cutoff_Hz, rate);
+      };
+      const auto rate_of = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
+        if (run.held) return Eigen::VectorXd::Zero(x.size());
+        return WideDifference(x, dt);
       };
       const auto filtered = [&](Signal signal, double fallback) -> Eigen::VectorXd {
         const auto found = piece.signals.find(signal);
@@ -174,17 +215,15 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
       };
       const double ratio = model.constants.gear_ratio;
       const Eigen::VectorXd q = smooth(OutputPosition(piece, ratio, run.name));
-      const Eigen::VectorXd v = WideDifference(q, dt);
-      const Eigen::VectorXd a = WideDifference(v, dt);
-      const Eigen::VectorXd jerk = WideDifference(a, dt);
-      const Eigen::VectorXd snap = WideDifference(jerk, dt);
+      const Eigen::VectorXd v = rate_of(q);
+      const Eigen::VectorXd a = rate_of(v);
+      const Eigen::VectorXd jerk = rate_of(a);
+      const Eigen::VectorXd snap = rate_of(jerk);
       const bool motor = piece.signals.count(Signal::kMotorPosition) != 0;
       const Eigen::VectorXd motor_q =
           motor ? smooth(piece.signals.at(Signal::kMotorPosition)) : Eigen::VectorXd(ratio * q);
-      const Eigen::VectorXd motor_v =
-          motor ? WideDifference(motor_q, dt) : Eigen::VectorXd(ratio * v);
-      const Eigen::VectorXd motor_a =
-          motor ? WideDifference(motor_v, dt) : Eigen::VectorXd(ratio * a);
+      const Eigen::VectorXd motor_v = motor ? rate_of(motor_q) : Eigen::VectorXd(ratio * v);
+      const Eigen::VectorXd motor_a = motor ? rate_of(motor_v) : Eigen::VectorXd(ratio * a);
       const auto recorded = [&](Signal signal) -> Eigen::VectorXd {
         const auto found = piece.signals.find(signal);
         return found == piece.signals.end() ? Eigen::VectorXd() : found->second;
@@ -201,9 +240,9 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
         }
       }
       const Eigen::VectorXd input_smooth = smooth(input);
-      const Eigen::VectorXd input_rate = WideDifference(input_smooth, dt);
+      const Eigen::VectorXd input_rate = rate_of(input_smooth);
       const Eigen::VectorXd pressure = filtered(Signal::kChamberPressure, 0.0);
-      const Eigen::VectorXd pressure_rate = WideDifference(pressure, dt);
+      const Eigen::VectorXd pressure_rate = rate_of(pressure);
       const Eigen::VectorXd force = raw(Signal::kLoadForce, 0.0);
       const Eigen::VectorXd payload = raw(Signal::kPayload, 0.0);
       const Eigen::VectorXd temperature = raw(Signal::kTemperature, 25.0);
@@ -213,6 +252,7 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
       segment.run = index;
       segment.start_s = piece.start_s;
       segment.period_s = dt;
+      segment.held = run.held;
       segment.drive_input = input;
       segment.drive_signal = signal;
       segment.reference_position = recorded(Signal::kReferencePosition);
@@ -239,7 +279,9 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
         x.payload_kg = payload[i];
         x.temperature_degC = temperature[i];
         x.valve_open = valve[i] > 0.5;
-        segment.at_rest[static_cast<std::size_t>(i)] = std::abs(v[i]) < options.rest_velocity;
+        x.rigid_torque_Nm = rigid[i];
+        segment.at_rest[static_cast<std::size_t>(i)] =
+            !run.held && std::abs(v[i]) < options.rest_velocity;
       }
       std::vector<char> out_of_use = segment.at_rest;
       if (options.fastest_velocity > 0.0) {
@@ -248,9 +290,12 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
             out_of_use[static_cast<std::size_t>(i)] = 1;
         }
       }
+      if (motor && model.backlash_rad > 0.0) {
+        MarkTouches(motor_q / ratio - q, model.backlash_rad, &out_of_use);
+      }
       Spread(out_of_use, static_cast<Eigen::Index>(std::lround(options.reversal_guard_s * rate)));
       // Presliding: the teeth and seals turn over before friction has its moving value.
-      if (options.settle_distance > 0.0) {
+      if (options.settle_distance > 0.0 && !run.held) {
         double covered = 0.0;
         for (Eigen::Index i = 0; i < piece.size(); ++i) {
           const auto k = static_cast<std::size_t>(i);
@@ -258,7 +303,9 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
           if (covered < options.settle_distance) out_of_use[k] = 1;
         }
       }
-      const auto border = static_cast<Eigen::Index>(std::lround(options.border_s * rate));
+      const auto border = run.held
+                              ? Eigen::Index{0}
+                              : static_cast<Eigen::Index>(std::lround(options.border_s * rate));
       for (Eigen::Index i = 0; i < piece.size(); ++i) {
         const auto k = static_cast<std::size_t>(i);
         if (!piece.valid[k] || i < border || i >= piece.size() - border) out_of_use[k] = 1;
@@ -271,6 +318,7 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
   }
   for (const actuator::Term& term : model.terms) {
     const effects::EffectInfo& info = term.effect->info();
+    if (info.balance != effects::Balance::kMotion) continue;  // not every recording shows those
     for (const std::string& field : info.needs) {
       if (out.measured.count(field) != 0) continue;
       throw std::invalid_argument("recording " + runs.front().name + " does not give '" + field +

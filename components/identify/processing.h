@@ -43,6 +43,10 @@ struct StateSegment {
   std::vector<char> valid;    // 0: inside a hole of lost rows
   std::vector<char> usable;   // moving, away from reversals, borders and holes
   std::vector<char> at_rest;  // slower than the rest velocity
+  bool held = false;          // rows are holds: no motion between them, nothing to filter
+  // Windows within which only changes count (gas.h), numbered over all segments; -1: in none.
+  // Empty: there are no windows.
+  std::vector<int> window;
   Eigen::Index size() const { return static_cast<Eigen::Index>(samples.size()); }
 };
 

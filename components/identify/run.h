@@ -42,6 +42,12 @@ struct Run {
   Eigen::VectorXd time_s;                     // strictly increasing, not necessarily uniform
   std::map<Signal, Eigen::VectorXd> signals;  // each as long as time_s
   std::string content_hash;                   // of the samples, for the history of a model
+  // Every row is a hold of its own: the joint stood there, nothing happens between two rows.
+  bool held = false;
+  // What the rigid bodies of the arm need of this joint (arm::Arm), per piece of MakeStates and
+  // sample; empty for a joint that is no part of an arm.
+  std::vector<Eigen::VectorXd> rigid_torque;
+  bool rigid_torque_later = false;  // it is being computed: not missing
 
   Eigen::Index size() const { return time_s.size(); }
   bool Has(Signal signal) const { return signals.count(signal) != 0; }

@@ -101,6 +101,7 @@ identify::Run ReadCsvRun(std::string_view text, const std::string& name, const C
   identify::Run run;
   run.name = name;
   run.kind = map.kind;
+  run.held = map.held;
   run.time_s = time.tail(rows);
   for (std::size_t i = 0; i < map.signals.size(); ++i) {
     const SignalColumn& signal = map.signals[i];

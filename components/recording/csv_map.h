@@ -42,6 +42,7 @@ struct CsvMap {
   // Rows at the start of a file that are left out, and those earlier than this after the first.
   Eigen::Index skipped_rows = 0;
   double skipped_s = 0.0;
+  bool held = false;  // every row is a position held (identify::Run)
   // > 0: rows have no stamps, they are this long apart, from 0 on; `time` is not read.
   double row_period_s = 0.0;
   ColumnMap time;

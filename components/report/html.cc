@@ -57,6 +57,21 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
   box(Short(trace.noise_floor_rms) + " " + unit,
       "noise floor" + (trace.noise_floor_source.empty() ? std::string()
                                                         : ", " + Escape(trace.noise_floor_source)));
+  box(Short(trace.ceiling_rms) + " " + unit, "left by a flexible model without physics (ceiling)");
+  if (report.free_run.errors) {
+    const free_run::FreeRun& run = *report.free_run.errors;
+    const bool closed = run.method == free_run::Method::kClosedLoop;
+    std::string text = closed ? "position error, simulated in closed loop with the declared servo"
+                              : "position error, simulated over " + Short(run.horizon_s) +
+                                    " s from measured states";
+    if (run.before_diverged + run.after_diverged > 0) {
+      text += "; diverged " + std::to_string(run.before_diverged) + " &rarr; " +
+              std::to_string(run.after_diverged);
+    }
+    box(Short(run.before_rms) + " &rarr; " + Short(run.after_rms) +
+            (kind == effects::JointKind::kRotary ? " rad" : " m"),
+        text);
+  }
   out += "</div>\n";
 
   for (std::size_t i = 0; i < pictures.size() && i < svgs.size(); ++i) {
@@ -66,8 +81,7 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
 
   if (!trace.effects.empty()) {
     out += "<h2>What was found</h2>\n<table>" +
-           HtmlRow({"effect", "removes", "p", "sealed error, " + unit, "what predicts the same"},
-                   "th");
+           HtmlRow({"effect", "removes", "p", "sealed error", "what predicts the same"}, "th");
     for (const trace::FoundEffect& effect : trace.effects) {
       out += HtmlRow(
           {"<code>" + Escape(EffectLabel(trace, effect)) + "</code><br>" +
@@ -77,7 +91,8 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
            Percent(effect.gain_share) +
                (effect.gain_error > 0.0 ? " &plusmn; " + Percent(effect.gain_error) : ""),
            Probability(effect.p),
-           Short(effect.sealed_before) + " &rarr; " + Short(effect.sealed_after),
+           Short(effect.sealed_before) + " &rarr; " + Short(effect.sealed_after) + " " +
+               std::string(effects::BalanceUnit(effect.balance, trace.corrected.kind)),
            effect.rivals.empty() ? "nothing known" : Join(effect.rivals)});
     }
     out += "</table>\n";

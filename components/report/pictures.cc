@@ -220,6 +220,57 @@ Picture ResidualOverVariable(const Report& report, const Design& design, const A
   return out;
 }
 
+// Amplitude of the residual at every order of the motor's (or output's) angle: sine and cosine by
+// least squares over the used rows, one order at a time.
+Picture SpectrumByAngle(const Report& report, const Design& design, const Eigen::VectorXd& before,
+                        const Eigen::VectorXd& after) {
+  const trace::TraceResult& trace = report.trace;
+  const bool motor = design.states().measured.count("motor_position_rad") != 0;
+  const Eigen::VectorXd angle = design.Variable(
+      [&](const JointSample& x) { return motor ? x.motor_position_rad : x.position_rad; });
+  const std::vector<Eigen::Index> used = design.rows().UsedRows();
+  constexpr int kOrders = 45;
+  constexpr int kParts = 2;  // of an order
+  const auto amplitude = [&](const Eigen::VectorXd& residual, double order) {
+    double ss = 0.0, cc = 0.0, sc = 0.0, sy = 0.0, cy = 0.0;
+    for (const Eigen::Index i : used) {
+      const double s = std::sin(order * angle[i]);
+      const double c = std::cos(order * angle[i]);
+      ss += s * s;
+      cc += c * c;
+      sc += s * c;
+      sy += s * residual[i];
+      cy += c * residual[i];
+    }
+    const double determinant = ss * cc - sc * sc;
+    if (!(determinant > 1e-9 * ss * cc)) return 0.0;
+    return std::hypot((cc * sy - sc * cy) / determinant, (ss * cy - sc * sy) / determinant);
+  };
+  std::string data = "$d << EOD\n";
+  for (int k = 1; k <= kOrders * kParts; ++k) {
+    const double order = static_cast<double>(k) / kParts;
+    data += PictureNumber(order) + " " + PictureNumber(amplitude(before, order)) + " " +
+            PictureNumber(amplitude(after, order)) + "\n";
+  }
+  data += "EOD\n";
+  Picture out;
+  const std::string turn = motor ? "motor" : "output";
+  out.title = "Spectrum of the residual by angle, train";
+  out.caption =
+      "Amplitude at every order of the " + turn +
+      "'s turn: what repeats with the angle (cogging, teeth, an oval wheel) stands out as "
+      "a line.";
+  out.script =
+      PictureHead(300) + data + "set xlabel 'periods per turn of the " + turn +
+      "'\nset ylabel 'amplitude, " + TorqueUnit(trace.corrected.kind) +
+      "'\nset yrange [0:*]\nplot $d u 1:2 w l lw 1.6 lc rgb '" + kBeforeColour + "' t 'before'" +
+      (trace.effects.empty()
+           ? ""
+           : std::string(", '' u 1:3 w l lw 1.6 lc rgb '") + kAfterColour + "' t 'after'") +
+      "\n";
+  return out;
+}
+
 Picture Candidates(const trace::RoundReport& round, int number) {
   std::vector<trace::CandidateScore> shown;
   for (const trace::CandidateScore& score : round.scores) {
@@ -301,15 +352,20 @@ std::vector<Picture> MakePictures(const Report& report, const Design& train, con
   const identify::Balance balance = identify::MakeBalance(sealed, trace.corrected);
   const Eigen::VectorXd torque = balance.drive_factor * balance.drive_torque;
   std::string variable = trace.unexplained.variable;
-  if (!trace.effects.empty()) {
-    variable =
-        effects::MakeEffect(trace.effects.front().name, trace.corrected.constants)->info().variable;
+  for (const trace::FoundEffect& effect : trace.effects) {
+    if (effect.balance != effects::Balance::kMotion) continue;
+    variable = effects::MakeEffect(effect.name, trace.corrected.constants)->info().variable;
+    break;
   }
   std::vector<Picture> out;
   out.push_back(MeasuredAgainstModel(report, sealed, torque));
   out.push_back(ResidualOverTime(report, sealed));
   out.push_back(ResidualOverVariable(report, train, AxisFor(variable, trace.corrected.kind),
                                      trace.before_train.residual, trace.after_train.residual));
+  if (trace.corrected.kind == effects::JointKind::kRotary) {
+    out.push_back(
+        SpectrumByAngle(report, train, trace.before_train.residual, trace.after_train.residual));
+  }
   int number = 0;
   for (std::size_t i = 0; i < trace.rounds.size(); ++i) {
     const trace::RoundReport& round = trace.rounds[i];

@@ -57,14 +57,29 @@ std::string VerdictSentence(const Report& report) {
   switch (trace.verdict) {
     case trace::Verdict::kEffect: {
       std::vector<std::string> names;
-      for (const trace::FoundEffect& effect : trace.effects)
+      bool in_motion = false;
+      for (const trace::FoundEffect& effect : trace.effects) {
         names.push_back(EffectLabel(trace, effect));
+        in_motion = in_motion || effect.balance == effects::Balance::kMotion;
+      }
+      std::vector<std::string> falls;
+      const auto fall = [&](const identify::ModelError& before, const identify::ModelError& after,
+                            const std::string& what) {
+        falls.push_back("from " + Short(before.rms) + " to " + Short(after.rms) + " " + what +
+                        " rms");
+      };
+      if (in_motion) fall(trace.before_sealed, trace.after_sealed, unit);
+      for (const trace::BalanceSummary& summary : trace.balances) {
+        if (summary.verdict != trace::Verdict::kEffect) continue;
+        fall(summary.before_sealed, summary.after_sealed,
+             summary.unit + " of the " + std::string(effects::BalanceName(summary.balance)) +
+                 " balance");
+      }
       std::string out =
           "The recordings are consistent with " + Join(names, " and ") +
-          (trace.slow_motion ? ": where the sealed recording creeps the error falls from "
-                             : ": on the sealed recording the error falls from ") +
-          Short(trace.before_sealed.rms) + " to " + Short(trace.after_sealed.rms) + " " + unit +
-          " rms.";
+          (trace.slow_motion && in_motion ? ": where the sealed recording creeps the error falls "
+                                          : ": on the sealed recording the error falls ") +
+          Join(falls, " and ") + ".";
       for (const trace::FoundEffect& effect : trace.effects) {
         if (effect.rivals.empty()) continue;
         out += " " + Join(effect.rivals, " and ") +
@@ -81,7 +96,8 @@ std::string VerdictSentence(const Report& report) {
              (trace.unexplained.order_per_turn > 0.0
                   ? " with order " + Short(trace.unexplained.order_per_turn) + " per turn"
                   : "") +
-             " (" + Short(trace.unexplained.rms) + " " + unit +
+             " (" + Short(trace.unexplained.rms) + " " +
+             std::string(effects::BalanceUnit(trace.unexplained.balance, trace.corrected.kind)) +
              " rms), and no effect of the catalogue explains it.";
     case trace::Verdict::kNone:
       break;
@@ -98,11 +114,25 @@ std::string NextExperiment(const Report& report) {
   for (const trace::FoundEffect& effect : trace.effects) {
     if (effect.rivals.empty()) continue;
     return "To tell " + effect.name + " from " + Join(effect.rivals, " and ") + ": " +
-           effects::MakeEffect(effect.name, {})->info().separating_excitation + ".";
+           effects::MakeEffect(effect.name, {}, effect.balance)->info().separating_excitation + ".";
+  }
+  for (const trace::ParameterShift& shift : trace.shifts) {
+    if (shift.causes.empty() || !trace.effects.empty()) continue;
+    return "To tell why " + shift.effect + "." + shift.parameter + " is not what was declared (" +
+           Join(shift.causes, " or ") +
+           "): " + effects::MakeEffect(shift.causes.front(), {})->info().separating_excitation +
+           ".";
   }
   if (trace.verdict == trace::Verdict::kUnexplained) {
     return "Move " + trace.unexplained.variable +
            " alone, slowly, over its whole range, in both directions.";
+  }
+  // What could hide here, and what would show it: the first that is no matter of declared terms.
+  for (const trace::NotExcited& hidden : trace.not_excited) {
+    const std::string how = effects::MakeEffect(hidden.effect, {})->info().separating_excitation;
+    if (hidden.reason.starts_with("up to") && !how.empty()) {
+      return "To see whether there is " + hidden.effect + ": " + how + ".";
+    }
   }
   return "";
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "components/free_run/free_run.h"
 #include "components/identify/as_published.h"
 #include "components/identify/data_gate.h"
 #include "components/identify/design.h"
@@ -31,6 +32,7 @@ struct Report {
   std::vector<identify::Finding> findings;
   trace::TraceResult trace;
   std::optional<identify::AsPublishedResult> as_published;
+  free_run::FreeRunResult free_run;  // of the sealed recordings
   std::uint64_t seed = 1;
   double seconds = 0.0;  // it took
 };

@@ -100,6 +100,7 @@ Monitor::Monitor(const actuator::JointModel& model, const MonitorConfig& config,
   for (std::size_t t = 0; t < model.terms.size(); ++t) {
     const actuator::Term& term = model.terms[t];
     const effects::EffectInfo& info = term.effect->info();
+    if (!model.Counts(term)) continue;
     has_drive = has_drive || info.role == Role::kDrive;
     Cause cause = Cause::kNothing;
     if (info.name == "offset") cause = Cause::kOffset;
@@ -175,7 +176,7 @@ void Monitor::Evaluate(const effects::JointSample& x, Sample* sample) noexcept {
                             std::span<const double>(memory_).subspan(at, size),
                             {phi.data(), term.linear.size()});
     at += size;
-    if (t < model_.terms.size()) {
+    if (t < model_.terms.size() && model_.Counts(term)) {
       double torque = 0.0;
       for (std::size_t i = 0; i < term.linear.size(); ++i) torque += term.linear[i].value * phi[i];
       sample->residual_Nm += torque;

@@ -1,5 +1,6 @@
 #include "components/trace/candidates.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace sinew::trace {
@@ -24,14 +25,15 @@ std::vector<std::vector<double>> GridOf(const effects::EffectInfo& info) {
 CandidateSet MakeCandidates(const identify::Design& design, const actuator::JointModel& model) {
   CandidateSet out;
   int order = 0;
-  for (const std::string& name : effects::EffectNames()) {
+  for (const auto& [name, balance] : effects::EffectForms()) {
     ++order;
-    std::shared_ptr<const effects::Effect> effect = effects::MakeEffect(name, model.constants);
+    if (balance != model.balance) continue;
+    std::shared_ptr<const effects::Effect> effect =
+        effects::MakeEffect(name, model.constants, balance);
     const effects::EffectInfo& info = effect->info();
-    if (info.role == effects::Role::kDrive || info.balance != effects::Balance::kMotion) continue;
-    if (info.event) continue;
+    if (info.role == effects::Role::kDrive || info.event) continue;
     if (info.rotary_only && model.kind != effects::JointKind::kRotary) continue;
-    const int present = model.Find(name);
+    const int present = model.Find(name, balance);
     if (present >= 0 && info.nonlinear.empty()) continue;
     if (present >= 0 && model.terms[static_cast<std::size_t>(present)].declared) continue;
     std::string missing;
@@ -43,12 +45,18 @@ CandidateSet MakeCandidates(const identify::Design& design, const actuator::Join
       out.missing.push_back({name, missing});
       continue;
     }
+    // A load cell that nobody touches tells its own noise; "its gain is -1" would be that.
+    const bool reads_load = std::count(info.needs.begin(), info.needs.end(), "load_force_N") != 0;
+    if (reads_load && design.silent_load()) {
+      out.silent.push_back({name, "load_force_N"});
+      continue;
+    }
     Candidate candidate;
     candidate.catalogue_order = order;
     for (std::vector<double>& psi : GridOf(info)) {
       bool taken = false;
       for (const actuator::Term& term : model.terms) {
-        if (term.effect->info().name != name) continue;
+        if (!model.Counts(term) || term.effect->info().name != name) continue;
         bool same = true;
         for (std::size_t i = 0; i < psi.size(); ++i) {
           same = same && std::abs(term.nonlinear[i].value - psi[i]) <= 1e-9 * std::abs(psi[i]);

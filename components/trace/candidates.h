@@ -35,9 +35,10 @@ struct MissingSignals {
 struct CandidateSet {
   std::vector<Candidate> candidates;
   std::vector<MissingSignals> missing;
+  std::vector<MissingSignals> silent;  // recorded, but nothing but noise
 };
 
-// Every passive or inertia effect of the catalogue that the model does not hold (effects with
+// Every passive or inertia effect of the model's balance that the model does not hold (effects with
 // nonlinear parameters may come again with another setting). Drive terms are no candidates; events
 // are none before their instants are known (events.h).
 CandidateSet MakeCandidates(const identify::Design& design, const actuator::JointModel& model);

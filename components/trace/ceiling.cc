@@ -76,14 +76,15 @@ double FromDifferences(const identify::Design& design, double drive_gain) {
   for (const identify::StateSegment& segment : design.states().segments) {
     const Eigen::VectorXd& x = segment.drive_input;
     const double rate = 1.0 / segment.period_s;
-    if (x.size() < 100 || design.options().parallel_cutoff_Hz > 0.4 * rate) continue;
+    const double cutoff = design.options().parallel_cutoff_Hz;
+    const bool filtered = cutoff < 0.5 * rate;
+    if (x.size() < 100 || (filtered && cutoff > 0.4 * rate)) continue;
     std::vector<double> size;
     for (Eigen::Index i = 0; i + 4 < x.size(); ++i) {
       size.push_back(std::abs(x[i] - 4.0 * x[i + 1] + 6.0 * x[i + 2] - 4.0 * x[i + 3] + x[i + 4]));
     }
     const double sigma = 1.4826 * identify::Quantile(std::move(size), 0.5) / std::sqrt(70.0);
-    const double rms =
-        drive_gain * sigma * std::sqrt(design.options().parallel_cutoff_Hz / (0.5 * rate));
+    const double rms = drive_gain * sigma * (filtered ? std::sqrt(cutoff / (0.5 * rate)) : 1.0);
     best = best > 0.0 ? std::min(best, rms) : rms;
   }
   return best;
@@ -110,7 +111,8 @@ NoiseFloor EstimateNoiseFloor(const identify::Design& design, const identify::Ba
     input += segment.drive_input.squaredNorm() * segment.period_s * design.rows_per_s();
   }
   const double gain =
-      input > 0.0 ? drive_factor * std::sqrt(balance.drive_torque.squaredNorm() / input) : 0.0;
+      !design.rows().window.empty() ? drive_factor  // levels are taken off: sizes tell nothing
+      : input > 0.0 ? drive_factor * std::sqrt(balance.drive_torque.squaredNorm() / input) : 0.0;
   const double high = FromDifferences(design, gain);
   if (still > 0.0 && (still <= high || high == 0.0)) return {still, "standstill"};
   if (high > 0.0) return {high, "sample-to-sample scatter"};
@@ -133,6 +135,8 @@ Eigen::MatrixXd FlexibleColumns(const identify::Design& design, int count, std::
       [](const JointSample& x) { return x.load_force_N; },
       [](const JointSample& x) { return x.payload_kg; },
       [](const JointSample& x) { return x.temperature_degC; },
+      [](const JointSample& x) { return x.pressure_rate_bar_s; },
+      [](const JointSample& x) { return x.tooth_torque_Nm; },
   };
   struct Input {
     Getter get;

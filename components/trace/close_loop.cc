@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <stdexcept>
 
+#include "components/trace/balances.h"
 #include "components/trace/slow_motion.h"
 
 namespace sinew::trace {
@@ -56,9 +57,17 @@ void LookAtSlowMotion(const std::vector<identify::Run>& train,
 
 LoopResult CloseLoop(const std::vector<identify::Run>& train,
                      const std::vector<identify::Run>& sealed, const actuator::JointModel& joint,
-                     const identify::ProcessingOptions& wished, const TraceOptions& options) {
+                     const identify::ProcessingOptions& wished, const TraceOptions& given) {
+  // Every balance may give a false alarm: all of them together as seldom as one alone.
+  const std::vector<effects::Balance> others = OtherBalances(joint);
+  const auto traces = static_cast<double>(1 + others.size());
+  TraceOptions options = given;
+  options.placebo_quantile = 1.0 - (1.0 - given.placebo_quantile) / traces;
+  options.placebo_rounds = given.placebo_rounds * static_cast<int>(traces);
   LoopResult loop;
-  loop.processing = identify::Resolve(wished, train);
+  // Holds are not filtered: where only those are trained on, the sealed recordings fill in what is
+  // theirs alone.
+  loop.processing = identify::Resolve(wished, train.front().held ? sealed : train);
   identify::StateSet states = identify::MakeStates(train, joint, loop.processing);
   const double rate_Hz = states.rate_Hz;
   loop.findings = identify::ExamineData(train, states, joint);
@@ -66,7 +75,15 @@ LoopResult CloseLoop(const std::vector<identify::Run>& train,
   loop.sealed.emplace(identify::MakeStates(sealed, joint, loop.processing), loop.processing);
   loop.trace = Trace(*loop.train, *loop.sealed, joint, options);
   AddDelayFinding(loop.trace, rate_Hz, &loop.findings);
+  const identify::ProcessingOptions motion = loop.processing;
+  // Rows that are holds creep already, and have no other balance.
+  if (train.front().held) return loop;
   LookAtSlowMotion(train, sealed, rate_Hz, options, &loop);
+  for (const effects::Balance balance : others) {
+    loop.trace =
+        WithBalance(std::move(loop.trace),
+                    TraceBalance(balance, train, sealed, loop.trace.corrected, motion, options));
+  }
   return loop;
 }
 

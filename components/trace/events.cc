@@ -18,6 +18,10 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kFewestRows = 30;
 // A change in another recording is the same event when its size is within this factor.
 constexpr double kAlike = 2.0;
+// The search took the best instants out of what the placebo flips: its false finds come out small.
+constexpr double kMargin = 2.0;
+// Shorter is an impact of teeth, not a push.
+constexpr double kShortestPush_s = 0.15;
 // Passing events: share of a push's rows that must be used for the filter to say anything; how loud
 // the next one in the same recording may be.
 constexpr double kSeenShare = 0.35;
@@ -97,14 +101,33 @@ Event FindLasting(const identify::Design& design, std::shared_ptr<const effects:
     if (changes[run].explained > changes[first].explained) first = run;
   }
   if (changes.empty() || !(changes[first].explained > 0.0)) return out;
-  out.statistic = changes[first].explained;
+
+  // All changes together beside the base: each run's was found while the base had taken up a part
+  // of the others.
+  const auto count = static_cast<Eigen::Index>(runs.size());
+  Eigen::MatrixXd all(target.size(), base.cols() + count);
+  all.leftCols(base.cols()) = base;
+  all.rightCols(count).setZero();
+  std::vector<Eigen::Index> used;
+  for (std::size_t run = 0; run < runs.size(); ++run) {
+    used.insert(used.end(), runs[run].begin(), runs[run].end());
+    if (!std::isfinite(changes[run].start_s)) continue;
+    for (const Eigen::Index i : runs[run]) {
+      if (time_s[i] > changes[run].start_s) {
+        all(i, base.cols() + static_cast<Eigen::Index>(run)) = g[i];
+      }
+    }
+  }
+  const identify::Moments total = identify::MomentsOf(used, all, target);
+  const Eigen::VectorXd joint = identify::Solve(total.G, total.m);
+  out.statistic = total.yy - total.SquaredError(joint);
+  for (std::size_t run = 0; run < runs.size(); ++run) {
+    changes[run].theta = joint[base.cols() + static_cast<Eigen::Index>(run)];
+  }
 
   // What the same search finds in the rest, where there is no change: sums over blocks, signs of
   // whole blocks at random, changes at the borders of blocks.
-  Eigen::VectorXd noise = target;
-  for (const Eigen::Index i : runs[first]) {
-    if (time_s[i] > changes[first].start_s) noise[i] -= changes[first].theta * g[i];
-  }
+  const Eigen::VectorXd noise = target - all * joint;
   struct BlockSums {
     int run;
     double gr, gg;
@@ -138,23 +161,29 @@ Event FindLasting(const identify::Design& design, std::shared_ptr<const effects:
   std::mt19937_64 random(seed);
   std::vector<double> best_false;
   for (int round = 0; round < placebo_rounds; ++round) {
+    double sum = 0.0;  // over recordings, of the best in each
     double best = 0.0;
     double gr = 0.0;
     for (std::size_t b = sums.size(); b-- > 0;) {
-      if (b + 1 < sums.size() && sums[b].run != sums[b + 1].run) gr = 0.0;
+      if (b + 1 < sums.size() && sums[b].run != sums[b + 1].run) {
+        gr = 0.0;
+        sum += best;
+        best = 0.0;
+      }
       gr += (random() & 1) != 0 ? sums[b].gr : -sums[b].gr;
       if (power[b] > 0.0) best = std::max(best, gr * gr / power[b]);
     }
-    best_false.push_back(best);
+    best_false.push_back(sum + best);
   }
-  out.threshold = identify::Quantile(best_false, 0.99);
+  out.threshold = kMargin * identify::Quantile(best_false, 0.99);
   out.significant = out.statistic > out.threshold;
 
   out.clock_s = changes[first].start_s;
   for (std::size_t run = 0; run < runs.size(); ++run) {
     const double ratio = changes[run].theta / changes[first].theta;
     // Less than a tenth of the threshold is no sign of a change here.
-    if (changes[run].explained < 0.1 * out.threshold || ratio < 1.0 / kAlike || ratio > kAlike) {
+    if (changes[run].explained < 0.1 * out.threshold / static_cast<double>(count) ||
+        ratio < 1.0 / kAlike || ratio > kAlike) {
       continue;
     }
     out.start_s[run] = changes[run].start_s;
@@ -204,7 +233,7 @@ Event FindPassing(const identify::Design& design, std::shared_ptr<const effects:
   out.threshold = kLoudest;
   const std::size_t runs = design.states().run_names.size();
   out.start_s.assign(runs, kNaN);
-  const effects::ParameterInfo& length = effect->info().nonlinear[1];
+  const effects::ParameterInfo length = effect->info().nonlinear[1];
   std::size_t first = 0;
   double response = 0.0;
   double scale = 0.0;
@@ -256,7 +285,30 @@ Event FindPassing(const identify::Design& design, std::shared_ptr<const effects:
       next_loudest = std::max(next_loudest, std::abs(push.response) / scale);
     }
   }
-  out.significant = out.statistic > kLoudest &&
+  // Pulses of several lengths about its middle, filtered like everything else: an impact is best
+  // told by the shortest.
+  const double middle = out.clock_s + 0.5 * out.length_s;
+  double most = 0.0;
+  double told_s = 0.0;
+  std::vector<double> lengths = {0.04, 0.08, 0.12};
+  lengths.insert(lengths.end(), length.grid.begin(), length.grid.end());
+  const identify::Rows& rows = design.rows();
+  for (const double length_s : lengths) {
+    const std::vector<double> psi = {middle - 0.5 * length_s, length_s};
+    const Eigen::VectorXd z = design.Columns(*out.effect, psi).col(0);
+    double zr = 0.0;
+    double zz = 0.0;
+    for (Eigen::Index i = 0; i < rows.size(); ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      if (rows.run[k] != static_cast<int>(first) || !rows.used[k]) continue;
+      zr += z[i] * target[i];
+      zz += z[i] * z[i];
+    }
+    if (!(zz > 0.0) || zr * zr / zz <= most) continue;
+    most = zr * zr / zz;
+    told_s = length_s;
+  }
+  out.significant = told_s > kShortestPush_s && out.statistic > kLoudest &&
                     next_loudest < std::max(kNextLoudest * out.statistic, 0.75 * kLoudest);
   return out;
 }

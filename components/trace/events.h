@@ -6,7 +6,7 @@
 //
 // A lasting event (one nonlinear parameter: start) is a change point: for every instant the
 // generalised likelihood ratio of the effect acting from there on, beside the model's own terms
-// (Basseville, Nikiforov 1993, section 2.4). It has to exceed the 99th percentile of what the same
+// (Basseville, Nikiforov 1993, section 2.4). It has to exceed twice the 99th percentile of what the same
 // search finds in the residual with random signs of whole blocks.
 //
 // A passing event (start and length) cannot be predicted from other parts of the data, and signs of
@@ -36,7 +36,7 @@ struct Event {
   double length_s = 0.0;        // passing events; 0: it lasts
   double clock_s = 0.0;         // where it begins once the clocks are set
   double explained = 0.0;       // squared error of the target, all recordings
-  double statistic = 0.0;       // explained in the recording that shows it best, or robust sigmas
+  double statistic = 0.0;       // squared error explained by all changes, or robust sigmas
   double threshold = 0.0;       // that the statistic had to exceed
   bool significant = false;
   bool passing() const { return length_s > 0.0; }

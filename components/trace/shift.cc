@@ -9,7 +9,7 @@ namespace {
 
 // Shifts above this many tolerances call for a cause; a cause has to bring all it touches below the
 // second.
-constexpr double kLoud = 2.5;
+constexpr double kLoud = 3.0;
 constexpr double kQuiet = 1.5;
 // Part of a candidate's power that the declared terms must carry for it to be swallowed.
 constexpr double kInSpan = 0.98;

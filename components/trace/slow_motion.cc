@@ -17,8 +17,9 @@ constexpr std::array<std::string_view, 3> kShownByCreeping = {"coulomb", "gravit
 
 std::vector<std::string> EffectsOfMotorAngle(const actuator::JointModel& model) {
   std::vector<std::string> out;
-  for (const std::string& name : effects::EffectNames()) {
-    const auto effect = effects::MakeEffect(name, model.constants);
+  for (const auto& [name, balance] : effects::EffectForms()) {
+    if (balance != model.balance) continue;
+    const auto effect = effects::MakeEffect(name, model.constants, balance);
     if (effect->info().variable == "motor_position_rad") out.push_back(name);
   }
   return out;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <random>
 
@@ -25,14 +26,26 @@ using identify::FitResult;
 constexpr int kFlexibleColumns = 120;
 // Two candidates whose fitted parts, freed of the other terms, correlate above this are one class.
 constexpr double kSameClass = 0.9;
+// Look-alikes that gain less than this share of what the chosen one gains are no rivals.
+constexpr double kSameGain = 0.85;
+// A declared basic (offset, inertia) that is the chosen effect under another name.
+constexpr double kTwin = 0.9999;
 // An effect that could hide this share of the drive torque without being seen is "not excited".
-constexpr double kHiddenShare = 0.25;
+constexpr double kHiddenShare = 0.05;
 // Less of a candidate's power than this beside all declared terms: a refit swallows it.
 constexpr double kSwallowed = 1e-3;
 // Less than this beside one declared term alone: it is that term seen from another side.
 constexpr double kVariant = 0.02;
+constexpr int kMostOrders = 8;  // of one periodic effect beyond its first
+// Less than this above the noise floor is not worth a variable's name.
+constexpr double kLoudRest = 0.12;
+// A variable has to predict this share of what remains to be named.
+constexpr double kNamedShare = 0.16;
 constexpr double kConvincingUnits = 6;
-constexpr double kShortestDelay = 0.1;  // of a sample
+// Standard errors by which a quarter of the data must ask for the opposite to contradict.
+constexpr double kContradicts = 3.0;
+constexpr double kShortestDelay = 0.07;  // of a sample
+constexpr double kTwoPi = 6.283185307179586;
 
 double SumSquares(const Eigen::VectorXd& x, const std::vector<Eigen::Index>& rows) {
   double sum = 0.0;
@@ -60,13 +73,16 @@ struct Trial {
   CandidateScore score;
   double detectable = 0.0;  // torque share that could hide
   bool hidden = false;      // the declared terms carry it
+  // Squared shifts of the declared parameters from their nominal values, in tolerances, when it is
+  // fitted beside them.
+  double surprise = 0.0;
 };
 
 // What a parameter that is relative to the drive is divided by (as actuator::PhysicalValue).
 double DriveShare(const actuator::JointModel& model) {
   for (const actuator::Term& term : model.terms) {
     const effects::EffectInfo& info = term.effect->info();
-    if (info.role != effects::Role::kDrive) continue;
+    if (info.role != effects::Role::kDrive || !model.Counts(term)) continue;
     const double ideal = info.linear.front().dimension == effects::Dimension::kNone
                              ? 1.0
                              : model.constants.force_constant_N_V;
@@ -84,6 +100,12 @@ bool LookAlike(const effects::EffectInfo& a, const effects::EffectInfo& b) {
   return lists(a, b.name) || lists(b, a.name);
 }
 
+// One order of several that a motor's turn may hold.
+bool IsPeriodic(const effects::Effect& effect) {
+  const auto& nonlinear = effect.info().nonlinear;
+  return nonlinear.size() == 1 && nonlinear.front().name == "order";
+}
+
 class Tracer {
  public:
   Tracer(Design& train, Design& sealed, const actuator::JointModel& model,
@@ -93,12 +115,20 @@ class Tracer {
   TraceResult Run() {
     Progress("refit of the declared terms", 0.02);
     Prepare();
-    actuator::JointModel model = result_.declared;
     FitResult fit = result_.declared_fit;
-    for (int round = 0; round < options_.max_rounds; ++round) {
+    actuator::JointModel model = fit.model;
+    // Another order of an effect that is there already (cogging has several) is no round of its
+    // own.
+    for (int round = 0, again = 0; round < options_.max_rounds && again < kMostOrders;) {
       Progress("round " + std::to_string(round + 1) + ": candidates",
                0.1 + 0.25 * static_cast<double>(round));
       if (!Round(&model, &fit)) break;
+      const auto same = [&](const FoundEffect& effect) {
+        return effect.name == result_.effects.back().name;
+      };
+      const bool order = std::count_if(result_.effects.begin(), result_.effects.end(), same) > 1 &&
+                         IsPeriodic(*model.terms.back().effect);
+      ++(order ? again : round);
     }
     TryToRemove(&model, &fit);
     result_.corrected = fit.model;
@@ -133,6 +163,7 @@ class Tracer {
 
   void Prepare() {
     used_ = train_.rows().UsedRows();
+    rounding_.resize(train_.rows().size(), 0);
     // First blocks from the filter alone, for the intervals of the first fit.
     const double filter_time_s = 1.0 / train_.options().parallel_cutoff_Hz;
     const int parameters =
@@ -145,8 +176,9 @@ class Tracer {
     // The noise's own correlation time: of what a flexible model leaves.
     const Eigen::MatrixXd flexible = FlexibleColumns(train_, kFlexibleColumns, options_.seed);
     const Eigen::VectorXd target = fit.balance.target - fit.balance.columns * fit.coefficients;
-    FlexibleFit ceiling = FitFlexible(units_.blocks, WithLastingEvent(fit, target), flexible,
-                                      target, Folds(units_.blocks.size()));
+    FlexibleFit ceiling =
+        FitFlexible(units_.blocks, WithBestCandidate(fit, WithLastingEvent(fit, target), target),
+                    flexible, target, Folds(units_.blocks.size()));
     const int last_lag = static_cast<int>(std::min<double>(
         20.0 * train_.rows_per_s(), static_cast<double>(train_.rows().size()) / 4.0));
     const Eigen::VectorXd rho = identify::Autocorrelation(
@@ -159,7 +191,8 @@ class Tracer {
                           Folds(units_.blocks.size()));
 
     result_.nominal = declared_;
-    result_.declared = fit.model;
+    // What is compared and written stays within the physical range, before and after alike.
+    result_.declared = identify::WithinPhysicalRange(train_, fit.model, units_.blocks);
     result_.declared_fit = fit;
     result_.units = static_cast<int>(units_.blocks.size());
     result_.unit_kind = units_.kind;
@@ -179,6 +212,7 @@ class Tracer {
   // it would be taken for noise that is correlated over minutes.
   Eigen::MatrixXd WithLastingEvent(const FitResult& fit, const Eigen::VectorXd& target) {
     Eigen::MatrixXd columns = fit.balance.columns;
+    if (declared_.balance != effects::Balance::kMotion) return columns;
     for (const std::string& name : effects::EffectNames()) {
       std::shared_ptr<const effects::Effect> effect =
           effects::MakeEffect(name, declared_.constants);
@@ -196,6 +230,36 @@ class Tracer {
       columns.rightCols(extra.cols()) = -extra;
     }
     return columns;
+  }
+
+  // The same for what one candidate explains, and the flexible model cannot: memory, rates, orders.
+  Eigen::MatrixXd WithBestCandidate(const FitResult& fit, const Eigen::MatrixXd& base,
+                                    const Eigen::VectorXd& target) {
+    const CandidateSet set = MakeCandidates(train_, fit.model);
+    const Eigen::MatrixXd used = PickRows(base, used_);
+    const Eigen::MatrixXd inverse = identify::Inverse(used.transpose() * used);
+    Eigen::VectorXd y(static_cast<Eigen::Index>(used_.size()));
+    for (std::size_t i = 0; i < used_.size(); ++i)
+      y[static_cast<Eigen::Index>(i)] = target[used_[i]];
+    y -= used * (inverse * (used.transpose() * y));
+    double most = 0.05 * y.squaredNorm();
+    const Eigen::MatrixXd* best = nullptr;
+    for (const Candidate& candidate : set.candidates) {
+      for (const GridPoint& point : candidate.grid) {
+        const Eigen::MatrixXd z = PickRows(point.columns, used_);
+        const Eigen::MatrixXd free = z - used * (inverse * (used.transpose() * z));
+        if (!(free.squaredNorm() > kSwallowed * z.squaredNorm())) continue;
+        const Eigen::VectorXd b = identify::Solve(free.transpose() * free, free.transpose() * y);
+        const double explained = b.dot(free.transpose() * y);
+        if (!(explained > most)) continue;
+        most = explained;
+        best = &point.columns;
+      }
+    }
+    if (best == nullptr) return base;
+    Eigen::MatrixXd out(base.rows(), base.cols() + best->cols());
+    out << base, *best;
+    return out;
   }
 
   std::vector<Trial> Score(const FitResult& fit, const CandidateSet& set, RoundReport* report) {
@@ -310,8 +374,10 @@ class Tracer {
             info.relative_to_drive ? scale * extra[i] / DriveShare(fit.model) : scale * extra[i];
         if (physical < info.lower || physical > info.upper) score.physical = false;
       }
-      if (score.name == "transport_delay")
+      if (ShortestDelay(candidate.effect->info()) > 0.0)
         score.delay_s = score.theta.front() / DriveShare(fit.model);
+      trial.surprise =
+          Surprise(balance, fit.coefficients + trial.coefficients.head(balance.columns.cols()));
       score.stable = passing || Stable(trial, balance.columns.cols());
       trials.push_back(std::move(trial));
     }
@@ -319,13 +385,20 @@ class Tracer {
     report->placebo_99 = BestFalseGain(trials, base, balance, target, folds) / base_sum;
 
     // A drive that acts late by less than a tenth of a sample is a skew between channels, whatever
-    // its name: it is a finding, no effect.
+    // its name, and teeth that give less than an encoder rounds are rigid: findings, no effects.
     const Trial* delay = nullptr;
+    const Trial* rounding = nullptr;
     for (const Trial& trial : trials) {
-      if (trial.score.name == "transport_delay") delay = &trial;
+      const effects::Smallest smallest = trial.candidate->effect->info().smallest;
+      const double shortest_s = ShortestDelay(trial.candidate->effect->info());
+      if (delay == nullptr && std::abs(trial.score.delay_s) < shortest_s) delay = &trial;
+      if (smallest == effects::Smallest::kRounding && BelowRounding(trial)) rounding = &trial;
     }
-    const double shortest_s = kShortestDelay / train_.states().rate_Hz;
-    const bool skew = delay != nullptr && std::abs(delay->score.delay_s) < shortest_s;
+    const bool skew = delay != nullptr;
+    if (rounding != nullptr) rounding_ = rounding->candidate->grid[rounding->best].columns;
+    if (skew && delay->candidate->effect->info().smallest == effects::Smallest::kHalfSample) {
+      rounding_ = delay->candidate->grid[delay->best].columns;
+    }
 
     const double quantile =
         identify::StudentQuantile(0.9772, std::max(1.0, static_cast<double>(blocks.size()) - 1.0)) /
@@ -334,7 +407,8 @@ class Tracer {
       CandidateScore& score = trial.score;
       if (trial.hidden) {
         score.refused = "a declared term carries it";
-      } else if (!(score.gain.t > options_.fewest_standard_errors * quantile)) {
+      } else if (!(score.gain.t > options_.fewest_standard_errors * quantile) &&
+                 !StandsWithoutTwo(trial, base_sum, report->placebo_99)) {
         score.refused = "gain within its error";
       } else if (score.explainable_share < options_.smallest_explainable_share) {
         score.refused = "gain below 5 % of what can be explained";
@@ -343,7 +417,14 @@ class Tracer {
       } else if (!IsPassing(trial) && score.gain_share <= report->placebo_99) {
         score.refused = "gain as in recordings without the effect";
       } else if (skew && !IsPassing(trial) && Skewed(trial, *delay, balance, target, folds)) {
-        score.refused = "a skew between channels below a tenth of a sample";
+        score.refused = declared_.balance == effects::Balance::kGas
+                            ? "a delay below half a sample"
+                            : "a skew between channels below a tenth of a sample";
+      } else if (rounding != nullptr && NoBetter(trial, *rounding)) {
+        score.refused =
+            "explains no more than " + rounding->score.name + " below the encoder's rounding";
+      } else if (trial.candidate->event != nullptr && score.gain.sum < drift_gain_) {
+        score.refused = "a drift explains more than an instant";
       } else if (!score.physical) {
         score.refused = "sign or size is not physical";
       } else if (!score.stable) {
@@ -352,10 +433,46 @@ class Tracer {
         score.accepted = true;
       }
     }
+    StepBack(&trials);
     std::stable_sort(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) {
       return a.score.gain.sum > b.score.gain.sum;
     });
     return trials;
+  }
+
+  double Surprise(const Balance& balance, const Eigen::VectorXd& coefficients) const {
+    const Eigen::VectorXd values = balance.Physical(coefficients);
+    double sum = 0.0;
+    const auto add = [&](const identify::ParameterRef& ref, double value) {
+      if (ref.term >= static_cast<int>(declared_.terms.size())) return;
+      const actuator::ParameterValue& nominal = declared_.terms[static_cast<std::size_t>(ref.term)]
+                                                    .linear[static_cast<std::size_t>(ref.linear)];
+      const double tolerance = nominal.tolerance * std::abs(nominal.value);
+      if (!(tolerance > 0.0)) return;
+      sum += (value - nominal.value) * (value - nominal.value) / (tolerance * tolerance);
+    };
+    const Eigen::Index first = balance.fits_scale ? 1 : 0;
+    if (balance.fits_scale) add(balance.drive, values[0]);
+    for (std::size_t i = 0; i < balance.parameters.size(); ++i) {
+      add(balance.parameters[i], values[first + static_cast<Eigen::Index>(i)]);
+    }
+    return sum;
+  }
+
+  // A declared basic (offset, inertia) that is another candidate under another name steps back.
+  static void StepBack(std::vector<Trial>* trials) {
+    for (Trial& basic : *trials) {
+      if (!basic.candidate->effect->info().basic || !basic.score.accepted) continue;
+      for (const Trial& other : *trials) {
+        if (other.candidate->effect->info().basic || !other.score.accepted ||
+            Correlation(basic.part, other.part) < kTwin) {
+          continue;
+        }
+        basic.score.accepted = false;
+        basic.score.refused = "the same as " + other.score.name;
+        break;
+      }
+    }
   }
 
   // 99th percentile of the best gain of the whole catalogue where there is none: whole blocks of
@@ -399,7 +516,17 @@ class Tracer {
       }
       best_false.push_back(gain);
     }
-    return identify::Quantile(best_false, 0.99);
+    return identify::Quantile(best_false, options_.placebo_quantile);
+  }
+
+  // Units differ in how much they excite an effect, and that is no doubt about it: a gain that few
+  // units give is believed when what all but the best two give is still above the placebo.
+  bool StandsWithoutTwo(const Trial& trial, double base_sum, double placebo) const {
+    if (trial.gains.size() < 20) return false;
+    std::vector<double> gains(trial.gains.data(), trial.gains.data() + trial.gains.size());
+    std::partial_sort(gains.begin(), gains.begin() + 2, gains.end(), std::greater<>());
+    const double rest = trial.score.gain.sum - gains[0] - gains[1];
+    return rest > std::max(placebo, options_.smallest_residual_share) * base_sum;
   }
 
   static bool IsPassing(const Trial& trial) {
@@ -435,6 +562,19 @@ class Tracer {
       }
     }
     if (!event_) return;
+    drift_gain_ = 0.0;
+    const Eigen::MatrixXd drift = DriftColumns(train_);
+    if (!event_->passing() && drift.cols() > 0) {
+      const int folds = Folds(units_.blocks.size());
+      const Eigen::VectorXd ones =
+          Eigen::VectorXd::Ones(static_cast<Eigen::Index>(units_.blocks.size()));
+      const Eigen::MatrixXd none(target.size(), 0);
+      const std::vector<Setting> without = {
+          Setting(units_.blocks, fit.balance.columns, none, target, folds)};
+      const std::vector<Setting> with = {
+          Setting(units_.blocks, fit.balance.columns, drift, target, folds)};
+      drift_gain_ = (LeftOutErrors(without, ones, folds) - LeftOutErrors(with, ones, folds)).sum();
+    }
     SetClocks(event_->start_s, event_->clock_s, &train_);
     Candidate candidate;
     candidate.effect = event_->effect;
@@ -493,9 +633,39 @@ class Tracer {
       }
       const Eigen::VectorXd b = identify::Solve(G, m);
       const double error = std::sqrt(identify::BlockCovariance(part, b)(p - 1, p - 1));
-      if (b[p - 1] < -2.0 * error) return false;
+      if (b[p - 1] < -kContradicts * error) return false;
     }
     return true;
+  }
+
+  // Is its rms below that of the encoder's rounding?
+  bool BelowRounding(const Trial& trial) const {
+    const double counts = declared_.constants.encoder_counts_per_turn;
+    if (!(counts > 0.0)) return false;
+    const Eigen::MatrixXd columns = PickRows(trial.candidate->grid[trial.best].columns, used_);
+    const Eigen::VectorXd theta = Eigen::Map<const Eigen::VectorXd>(
+        trial.score.theta.data(), static_cast<Eigen::Index>(trial.score.theta.size()));
+    const double rounding = kTwoPi / counts / std::sqrt(12.0);
+    return (columns * theta).squaredNorm() <
+           rounding * rounding * static_cast<double>(used_.size());
+  }
+
+  static bool NoBetter(const Trial& trial, const Trial& than) {
+    if (trial.candidate == than.candidate) return true;
+    const Gain ahead = GainOf(trial.gains - than.gains);
+    return ahead.sum <= ahead.standard_error;
+  }
+
+  // Delays below this are findings, no effects; 0: the effect is no delay.
+  double ShortestDelay(const effects::EffectInfo& info) const {
+    switch (info.smallest) {
+      case effects::Smallest::kTenthOfSample:
+        return kShortestDelay / train_.states().rate_Hz;
+      case effects::Smallest::kHalfSample:
+        return 0.5 / train_.states().rate_Hz;
+      default:
+        return 0.0;
+    }
   }
 
   // Does little of a candidate's gain stay when a skew between channels may be fitted as well?
@@ -528,20 +698,28 @@ class Tracer {
         return std::count(options_.only.begin(), options_.only.end(), candidate.name()) == 0;
       });
       set.missing.clear();
+      set.silent.clear();
     }
     RoundReport report;
     report.train_rms = fit->rms;
     report.sealed_rms = identify::ErrorOf(sealed_, fit->model).rms;
-    if (options_.only.empty()) AddEvents(*fit, *model, &set, &report);
+    if (options_.only.empty() && declared_.balance == effects::Balance::kMotion) {
+      AddEvents(*fit, *model, &set, &report);
+    }
     std::vector<Trial> trials = Score(*fit, set, &report);
     if (result_.rounds.empty()) NoteWhatIsHidden(set, trials);
 
-    // The simplest of those within one standard error of the best (Breiman et al. 1984, section
-    // 3.4.3); of equally simple ones the best, and the first of the catalogue where they are the
-    // same within a quarter of a standard error.
-    const auto complexity = [](const Trial& trial) {
+    // Of those that predict the same, within one standard error of the best (Breiman et al. 1984,
+    // section 3.4.3), the one that asks least: parameters of its own count as in Akaike's
+    // criterion, and so do shifts of the declared parameters, in their tolerances. Of those that
+    // ask the same the first of the catalogue.
+    const auto asks = [](const Trial& trial) {
       const effects::EffectInfo& info = trial.candidate->effect->info();
-      return info.linear.size() + info.nonlinear.size();
+      double parameters = static_cast<double>(info.linear.size() + info.nonlinear.size());
+      if (trial.candidate->event != nullptr) {  // an instant of its own in every recording
+        parameters += static_cast<double>(trial.candidate->event->start_s.size()) - 1.0;
+      }
+      return trial.surprise + 2.0 * parameters;
     };
     std::size_t best = 0;
     while (best < trials.size() && !trials[best].score.accepted) ++best;
@@ -549,15 +727,16 @@ class Tracer {
     for (std::size_t i = best + 1; i < trials.size(); ++i) {
       if (!trials[i].score.accepted) continue;
       const Gain behind = GainOf(trials[best].gains - trials[i].gains);
-      if (behind.sum > behind.standard_error) continue;
-      const Gain behind_chosen = GainOf(trials[chosen].gains - trials[i].gains);
-      const bool simpler = complexity(trials[i]) < complexity(trials[chosen]);
-      const bool same = complexity(trials[i]) == complexity(trials[chosen]) &&
-                        behind_chosen.sum <= 0.25 * behind_chosen.standard_error;
-      if (simpler || (same && trials[i].candidate->catalogue_order <
-                                  trials[chosen].candidate->catalogue_order)) {
-        chosen = i;
+      const bool alike = Correlation(trials[best].part, trials[i].part) > kSameClass;
+      if (behind.sum > (alike ? trials[best].score.gain.standard_error : behind.standard_error)) {
+        continue;
       }
+      const double more = asks(trials[i]) - asks(trials[chosen]);
+      const bool first =
+          trials[i].candidate->catalogue_order < trials[chosen].candidate->catalogue_order;
+      // What cannot be told apart at all is told apart by nothing.
+      const bool twin = Correlation(trials[chosen].part, trials[i].part) > kTwin;
+      if (twin ? first : more < -1.0 || (more < 1.0 && first)) chosen = i;
     }
     for (Trial& trial : trials) {
       trial.score.sealed_rms = SealedWith(*fit, trial);
@@ -583,9 +762,11 @@ class Tracer {
       if (i == chosen || trials[i].hidden || !trials[i].score.physical) continue;
       const Gain behind = GainOf(winner.gains - trials[i].gains);
       const bool close = trials[i].score.accepted && behind.sum <= behind.standard_error;
-      const bool same_class = trials[i].score.gain_share > 0.5 * winner.score.gain_share &&
+      const bool same_class = trials[i].score.gain_share > kSameGain * winner.score.gain_share &&
                               Correlation(winner.part, trials[i].part) > kSameClass;
-      if (close || same_class) found.rivals.push_back(trials[i].score.name);
+      const bool twin = trials[i].candidate->effect->info().basic &&
+                        Correlation(winner.part, trials[i].part) > kTwin;
+      if ((close || same_class) && !twin) found.rivals.push_back(trials[i].score.name);
     }
     report.added = found.name;
 
@@ -644,6 +825,10 @@ class Tracer {
     for (const MissingSignals& missing : set.missing) {
       result_.not_excited.push_back({missing.effect, "not recorded: " + missing.fields});
     }
+    for (const MissingSignals& silent : set.silent) {
+      result_.not_excited.push_back(
+          {silent.effect, silent.fields + " tells nothing but its noise"});
+    }
     for (const Trial& trial : trials) {
       if (std::isinf(trial.detectable)) {
         result_.not_excited.push_back(
@@ -651,9 +836,13 @@ class Tracer {
              "the declared terms carry all of it: only a shift of parameters shows"});
       } else if (trial.detectable > kHiddenShare) {
         result_.not_excited.push_back(
-            {trial.score.name, "up to " +
-                                   std::to_string(static_cast<int>(100.0 * trial.detectable)) +
-                                   " % of the drive torque could hide in this motion"});
+            {trial.score.name,
+             "up to " + std::to_string(static_cast<int>(100.0 * trial.detectable)) + " % of the " +
+                 (declared_.balance == effects::Balance::kMotion ? "drive torque"
+                                                                 : "measured side") +
+                 " could hide in this motion"});
+      } else {
+        result_.judged.push_back(trial.score.name);
       }
     }
     std::sort(result_.not_excited.begin(), result_.not_excited.end(),
@@ -754,8 +943,10 @@ class Tracer {
     PredictDrive(fit.model);
     const Balance& balance = fit.balance;
     const double scale = balance.fits_scale ? balance.Scale(fit.coefficients) : 1.0;
+    Eigen::MatrixXd base(balance.columns.rows(), balance.columns.cols() + rounding_.cols());
+    base << balance.columns, rounding_;
     const VariableScan scan = ScanVariables(
-        train_, units_.blocks, balance.columns, balance.target - balance.columns * fit.coefficients,
+        train_, units_.blocks, base, balance.target - balance.columns * fit.coefficients,
         Folds(units_.blocks.size()), std::min(100, options_.placebo_rounds), options_.seed);
     if (scan.scores.empty()) return;
     const VariableScore& best = scan.scores.front();
@@ -763,9 +954,11 @@ class Tracer {
     const double explainable =
         std::max(variance - result_.noise_floor_rms * result_.noise_floor_rms, 0.02 * variance);
     const bool loud = best.gain.t > options_.fewest_standard_errors &&
-                      best.share > scan.placebo_99 && best.share > 0.10 &&
+                      best.share > scan.placebo_99 && best.share > kNamedShare &&
+                      explainable > kLoudRest * variance &&
                       best.share * variance > 0.2 * explainable;
     if (!loud) return;
+    result_.unexplained.balance = declared_.balance;
     result_.unexplained.variable = best.variable;
     result_.unexplained.order_per_turn = best.order_per_turn;
     result_.unexplained.rms = scale * best.rms;
@@ -778,8 +971,10 @@ class Tracer {
   const TraceOptions& options_;
   TraceResult result_;
   Units units_;
+  Eigen::MatrixXd rounding_;  // columns of what is too small to be an effect; may have none
   std::vector<Eigen::Index> used_;
   std::optional<Event> event_;  // of this round
+  double drift_gain_ = 0.0;     // what a free drift would gain in its place
   std::vector<EventTime> event_times_;
 };
 

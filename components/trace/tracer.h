@@ -24,6 +24,8 @@ namespace sinew::trace {
 struct TraceOptions {
   std::uint64_t seed = 1;
   int placebo_rounds = 200;
+  double placebo_quantile =
+      0.99;  // of the best false gain; higher when more than one trace decides
   int max_rounds = 3;
   double fewest_standard_errors = 2.0;
   double smallest_explainable_share = 0.05;  // gain / explainable variance
@@ -48,7 +50,7 @@ struct CandidateScore {
   bool accepted = false;
   std::string refused;      // why not
   double sealed_rms = 0.0;  // with it added alone
-  double delay_s = 0.0;     // transport_delay only: what it amounts to
+  double delay_s = 0.0;     // effects that are a skew: what it amounts to
 };
 
 struct RoundReport {
@@ -96,6 +98,7 @@ struct ParameterShift {
 };
 
 struct Unexplained {
+  effects::Balance balance = effects::Balance::kMotion;
   std::string variable;         // JointSample field; empty: nothing found
   double order_per_turn = 0.0;  // 0: not periodic
   double rms = 0.0;
@@ -110,6 +113,26 @@ struct NotExcited {
 
 enum class Verdict { kNone, kEffect, kUnexplained };
 
+// What a balance beside the motion's showed, in its own unit.
+struct BalanceSummary {
+  effects::Balance balance = effects::Balance::kKinematic;
+  std::string unit;    // of the errors
+  std::string unseen;  // why the recordings show nothing of it; empty: they do
+  Verdict verdict = Verdict::kNone;
+  identify::ModelError nominal_train, nominal_sealed;
+  identify::ModelError before_train, before_sealed;
+  identify::ModelError after_train, after_sealed;
+  double noise_floor_rms = 0.0;
+  std::string noise_floor_source;
+  double ceiling_rms = 0.0;
+  double correlation_time_s = 0.0;
+  int units = 0;
+  std::string unit_kind;
+  double unit_length_s = 0.0;
+  std::vector<RoundReport> rounds;
+  Unexplained unexplained;
+};
+
 struct TraceResult {
   Verdict verdict = Verdict::kNone;
   bool slow_motion = false;        // errors, floor and ceiling are of slow motion (slow_motion.h)
@@ -120,8 +143,11 @@ struct TraceResult {
   std::vector<EventTime> events;
   std::vector<RoundReport> rounds;
   std::vector<NotExcited> not_excited;
+  std::vector<std::string> judged;  // candidates whose presence or absence the data shows
   Unexplained unexplained;
   std::vector<ParameterShift> shifts;
+  std::string unseen;                    // why there was nothing to judge; empty: there was
+  std::vector<BalanceSummary> balances;  // beside the motion's (balances.h)
 
   identify::FitResult declared_fit;
   identify::FitResult corrected_fit;

@@ -46,6 +46,11 @@ double MotionPeriod(const identify::Design& design) {
 Units ChooseUnits(const identify::Design& design, double correlation_time_s, int fewest_rows) {
   Units out;
   const identify::Rows& rows = design.rows();
+  if (!rows.window.empty()) {
+    out.blocks = identify::MakeWindowBlocks(rows, fewest_rows);
+    out.kind = "window";
+    return out;
+  }
   if (design.states().run_names.size() >= kFewestUnits) {
     out.blocks = identify::MakeRunBlocks(rows);
     if (static_cast<int>(out.blocks.size()) >= kFewestUnits) {

@@ -1,4 +1,4 @@
-// What is left out together in cross-validation: a run, else a motion cycle, else a block of at
+// What is left out together in cross-validation: a window where the rows have any, a run, else a motion cycle, else a block of at
 // least five correlation times of the residual (design.md, step 7). Runs and cycles only where
 // there are nine or more: fewer cannot be told from their placebo.
 #pragma once
@@ -14,7 +14,7 @@ namespace sinew::trace {
 
 struct Units {
   std::vector<identify::Block> blocks;
-  std::string kind;  // "run", "cycle", "block"
+  std::string kind;  // "window", "run", "cycle", "block"
   double length_s = 0.0;
   double gap_s = 0.0;
 };

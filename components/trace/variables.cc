@@ -16,27 +16,41 @@ using Getter = double (*)(const JointSample&);
 struct Variable {
   const char* name;
   Getter get;
+  // What the curve may also be multiplied by: friction follows the direction, a base that moves the
+  // angle.
+  Getter times = nullptr;
 };
 
+double Direction(const JointSample& x) {
+  return static_cast<double>(x.velocity_rad_s > 0.0) - static_cast<double>(x.velocity_rad_s < 0.0);
+}
+double Angle(const JointSample& x) { return x.position_rad; }
+
 constexpr Variable kVariables[] = {
-    {"position_rad", [](const JointSample& x) { return x.position_rad; }},
+    {"position_rad", [](const JointSample& x) { return x.position_rad; }, Direction},
     {"velocity_rad_s", [](const JointSample& x) { return x.velocity_rad_s; }},
     {"acceleration_rad_s2", [](const JointSample& x) { return x.acceleration_rad_s2; }},
     {"jerk_rad_s3", [](const JointSample& x) { return x.jerk_rad_s3; }},
     {"drive_input", [](const JointSample& x) { return x.drive_input; }},
     {"drive_rate", [](const JointSample& x) { return x.drive_rate; }},
-    {"pressure_bar", [](const JointSample& x) { return x.pressure_bar; }},
+    {"pressure_bar", [](const JointSample& x) { return x.pressure_bar; }, Direction},
     {"pressure_rate_bar_s", [](const JointSample& x) { return x.pressure_rate_bar_s; }},
-    {"load_force_N", [](const JointSample& x) { return x.load_force_N; }},
-    {"temperature_degC", [](const JointSample& x) { return x.temperature_degC; }},
-    {"time_s", [](const JointSample& x) { return x.time_s; }},
+    {"load_force_N", [](const JointSample& x) { return x.load_force_N; }, Direction},
+    {"tooth_torque_Nm", [](const JointSample& x) { return x.tooth_torque_Nm; }},
+    {"tooth_side", [](const JointSample& x) { return x.tooth_side; }},
+    {"temperature_degC", [](const JointSample& x) { return x.temperature_degC; }, Direction},
+    {"time_s", [](const JointSample& x) { return x.time_s; }, Angle},
 };
 
 constexpr int kKnots = 8;
+constexpr double kMostNoise = 0.3;  // share of a signal's power
+constexpr int kWheelOrders = 20;    // turns of a wheel per turn of the output
+constexpr int kToothHarmonics = 8;
 
-// Hat functions on quantiles of the variable over the used rows.
-Eigen::MatrixXd Curve(const identify::Design& design, Getter get,
+// Hat functions on quantiles of the variable over the used rows, and the same times another signal.
+Eigen::MatrixXd Curve(const identify::Design& design, const Variable& variable,
                       const std::vector<Eigen::Index>& used) {
+  const Getter get = variable.get;
   const Eigen::VectorXd values = design.Variable(get);
   std::vector<double> sorted;
   for (const Eigen::Index i : used) sorted.push_back(values[i]);
@@ -46,17 +60,22 @@ Eigen::MatrixXd Curve(const identify::Design& design, Getter get,
     if (knots.empty() || knot > knots.back() + 1e-9 * (1.0 + std::abs(knot))) knots.push_back(knot);
   }
   if (knots.size() < 3) return {};
-  Eigen::MatrixXd out(design.rows().size(), static_cast<Eigen::Index>(knots.size()));
-  for (std::size_t k = 0; k < knots.size(); ++k) {
-    out.col(static_cast<Eigen::Index>(k)) = design.Column([&](const JointSample& x) {
-      const double v = std::clamp(get(x), knots.front(), knots.back());
-      if (k > 0 && v < knots[k]) {
-        return std::max(0.0, (v - knots[k - 1]) / (knots[k] - knots[k - 1]));
-      }
-      if (k + 1 < knots.size() && v > knots[k]) {
-        return std::max(0.0, (knots[k + 1] - v) / (knots[k + 1] - knots[k]));
-      }
-      return v == knots[k] ? 1.0 : 0.0;
+  const auto hat = [&](const JointSample& x, std::size_t k) {
+    const double v = std::clamp(get(x), knots.front(), knots.back());
+    if (k > 0 && v < knots[k]) {
+      return std::max(0.0, (v - knots[k - 1]) / (knots[k] - knots[k - 1]));
+    }
+    if (k + 1 < knots.size() && v > knots[k]) {
+      return std::max(0.0, (knots[k + 1] - v) / (knots[k + 1] - knots[k]));
+    }
+    return v == knots[k] ? 1.0 : 0.0;
+  };
+  const std::size_t count = knots.size() * (variable.times != nullptr ? 2 : 1);
+  Eigen::MatrixXd out(design.rows().size(), static_cast<Eigen::Index>(count));
+  for (std::size_t c = 0; c < count; ++c) {
+    const bool times = c >= knots.size();
+    out.col(static_cast<Eigen::Index>(c)) = design.Column([&](const JointSample& x) {
+      return hat(x, c % knots.size()) * (times ? variable.times(x) : 1.0);
     });
   }
   return out;
@@ -69,6 +88,11 @@ struct Entry {
 };
 
 }  // namespace
+
+Eigen::MatrixXd DriftColumns(const identify::Design& design) {
+  return Curve(design, {"time_s", [](const JointSample& x) { return x.time_s; }, Angle},
+               design.rows().UsedRows());
+}
 
 VariableScan ScanVariables(const identify::Design& design,
                            const std::vector<identify::Block>& blocks,
@@ -88,30 +112,36 @@ VariableScan ScanVariables(const identify::Design& design,
   };
   for (const Variable& variable : kVariables) {
     if (!measured(variable.name)) continue;
-    const Eigen::MatrixXd columns = Curve(design, variable.get, used);
+    if (design.NoiseShare(variable.get) > kMostNoise) continue;
+    const Eigen::MatrixXd columns = Curve(design, variable, used);
     if (columns.cols() == 0 || !columns.allFinite()) continue;
     Entry entry;
     entry.score.variable = variable.name;
     entry.settings.emplace_back(blocks, base, columns, target, folds);
     entries.push_back(std::move(entry));
   }
-  const auto add_orders = [&](const char* name, Getter get, int last) {
+  const auto add_orders = [&](const char* name, Getter get, int last, int harmonics) {
     if (!measured(name)) return;
     Entry entry;
     entry.score.variable = name;
     for (int order = 1; order <= last; ++order) {
-      Eigen::MatrixXd columns(design.rows().size(), 2);
-      columns.col(0) =
-          design.Column([&](const JointSample& x) { return std::sin(order * get(x)); });
-      columns.col(1) =
-          design.Column([&](const JointSample& x) { return std::cos(order * get(x)); });
+      Eigen::MatrixXd columns(design.rows().size(), 2 * harmonics);
+      for (int h = 0; h < harmonics; ++h) {
+        const double times = order * (h + 1);
+        columns.col(2 * h) =
+            design.Column([&](const JointSample& x) { return std::sin(times * get(x)); });
+        columns.col(2 * h + 1) =
+            design.Column([&](const JointSample& x) { return std::cos(times * get(x)); });
+      }
       entry.settings.emplace_back(blocks, base, columns, target, folds);
       entry.orders.push_back(order);
     }
     entries.push_back(std::move(entry));
   };
   add_orders(
-      "motor_position_rad", [](const JointSample& x) { return x.motor_position_rad; }, 42);
+      "motor_position_rad", [](const JointSample& x) { return x.motor_position_rad; }, 42, 1);
+  // A fault of one tooth comes once per turn of its wheel, and is short.
+  add_orders("position_rad", Angle, kWheelOrders, kToothHarmonics);
 
   const double base_sum = base_errors.sum();
   if (!(base_sum > 0.0)) return out;

@@ -27,6 +27,10 @@ struct VariableScan {
   double placebo_99 = 0.0;            // best false share
 };
 
+// Free curves over time, and the same times the angle: what drifts. No columns without motion in
+// time.
+Eigen::MatrixXd DriftColumns(const identify::Design& design);
+
 // The design's drive must be predicted (Design::PredictDrive): the measured one is the target
 // itself.
 VariableScan ScanVariables(const identify::Design& design,

@@ -44,6 +44,18 @@ JointPlant::JointPlant(const actuator::JointModel& model, const JointPlantConfig
   gear_ratio_ = model_.constants.gear_ratio;
   positive("gear_ratio", gear_ratio_);
   play_rad_ = model_.backlash_rad;
+  double compliance_rad_Nm = 0.0;
+  for (const actuator::Term& term : model_.terms) {
+    const effects::EffectInfo& info = term.effect->info();
+    if (info.balance != effects::Balance::kKinematic) continue;
+    if (info.name == "backlash_width") play_rad_ += term.linear[0].value;
+    if (info.name == "gear_compliance") compliance_rad_Nm += term.linear[0].value;
+    if (info.name == "free_play") compliance_rad_Nm += term.linear[1].value;
+  }
+  Require(compliance_rad_Nm >= 0.0, "compliance of the teeth in rad/Nm", compliance_rad_Nm);
+  stiffest_contact_Nm_rad_ =
+      compliance_rad_Nm > 0.0 ? std::min(config.contact_stiffness_Nm_rad, 1.0 / compliance_rad_Nm)
+                              : config.contact_stiffness_Nm_rad;
   Require(play_rad_ >= 0.0, "backlash_rad", play_rad_);
   ideal_drive_gain_ = model_.constants.torque_constant_Nm_A > 0.0
                           ? gear_ratio_ * model_.constants.torque_constant_Nm_A
@@ -66,6 +78,8 @@ JointPlant::JointPlant(const actuator::JointModel& model, const JointPlantConfig
     compiled.memory_at = memory_at;
     compiled.memory_size = static_cast<std::size_t>(term.effect->memory_size());
     memory_at += compiled.memory_size;
+    if (info.name == "encoder_eccentricity") encoder_.push_back(compiled);
+    if (!model_.Counts(term)) continue;
     if (compiled.memory_size > 0) with_memory_.push_back(compiled);
     if (info.role == effects::Role::kDrive) drive_.push_back(compiled);
     if (info.name == "transport_delay") {
@@ -263,6 +277,8 @@ void JointPlant::UpdateDrive(double dt_s) noexcept {
   }
 }
 
+double JointPlant::encoder_error_rad() const noexcept { return Sum(encoder_, sample_); }
+
 LinkLoad JointPlant::Begin(double position_rad, double velocity_rad_s, double dt_s) noexcept {
   if (has_play()) {
     rotor_position_rad_ += 0.5 * dt_s * rotor_velocity_rad_s_;
@@ -311,8 +327,7 @@ LinkLoad JointPlant::Begin(double position_rad, double velocity_rad_s, double dt
     const double reduced =
         rotor_inertia_kg_m2_ * link_inertia / (rotor_inertia_kg_m2_ + link_inertia);
     // A quarter of the stability bound of the step.
-    const double stiffness =
-        std::min(config_.contact_stiffness_Nm_rad, 0.25 * reduced / (dt_s * dt_s));
+    const double stiffness = std::min(stiffest_contact_Nm_rad_, 0.25 * reduced / (dt_s * dt_s));
     const double damping = 2.0 * config_.contact_damping_ratio * std::sqrt(stiffness * reduced);
     contact_stiffness_Nm_rad_ = stiffness;
     const double gap = rotor_position_rad_ - position_rad;
@@ -355,8 +370,11 @@ void JointPlant::End(double position_rad, double velocity_rad_s, double dt_s) no
   sample_.velocity_rad_s = velocity_rad_s;
   sample_.motor_position_rad = gear_ratio_ * rotor_position_rad_;
   sample_.motor_velocity_rad_s = gear_ratio_ * rotor_velocity_rad_s_;
+  effects::JointSample moved = sample_;
+  moved.acceleration_rad_s2 = (velocity_rad_s - last_velocity_) / dt_s;
+  moved.motor_acceleration_rad_s2 = gear_ratio_ * moved.acceleration_rad_s2;
   for (const CompiledTerm& term : with_memory_) {
-    term.effect->Advance(sample_, dt_s, {term.psi.data(), term.nonlinear},
+    term.effect->Advance(moved, dt_s, {term.psi.data(), term.nonlinear},
                          std::span(memory_).subspan(term.memory_at, term.memory_size));
   }
 }

@@ -20,6 +20,10 @@
 // Position and velocity mode are the motor controller's cascade: position gain -> velocity,
 // velocity gain and integrator -> torque, at the motor, each step.
 //
+// Of the kinematic terms, backlash_width widens the play, compliance (of the teeth or added) makes
+// the teeth softer, and encoder_eccentricity is what the output's encoder reads too much
+// (encoder_error_rad).
+//
 // Units: SI, a linear joint reads m for rad and N for Nm. Thread: one. Steps allocate nothing.
 #pragma once
 
@@ -96,6 +100,8 @@ class JointPlant {
   double drive_input() const { return sample_.drive_input; }  // A or V
   double drive_torque_Nm() const noexcept;  // at the output, as the drive terms say
   double tooth_torque_Nm() const { return tooth_torque_Nm_; }
+  // Output encoder's reading minus the angle, as the model's kinematic terms say.
+  double encoder_error_rad() const noexcept;
   double motor_temperature_degC() const { return sample_.temperature_degC; }
   // Kinetic energy of the rotor and elastic energy of the teeth.
   double stored_energy_J() const noexcept;
@@ -133,6 +139,7 @@ class JointPlant {
   double ideal_drive_gain_ = 1.0;  // torque at the output per drive input
   Body motor_, output_;
   std::vector<CompiledTerm> drive_;
+  std::vector<CompiledTerm> encoder_;
   std::vector<CompiledTerm> with_memory_;
   std::vector<double> memory_;
   effects::JointSample sample_;
@@ -142,6 +149,7 @@ class JointPlant {
   double rotor_position_rad_ = 0.0, rotor_velocity_rad_s_ = 0.0;  // motor / N
   double rotor_inertia_kg_m2_ = 0.0, controlled_inertia_kg_m2_ = 0.0, body_inertia_kg_m2_ = 0.0;
   double tooth_torque_Nm_ = 0.0, contact_stiffness_Nm_rad_ = 0.0;
+  double stiffest_contact_Nm_rad_ = 0.0;
   double integrator_Nm_ = 0.0;
   double lagged_drive_ = 0.0, drive_lag_s_ = 0.0;
   double motion_filter_s_ = 1e-3;

@@ -18,6 +18,7 @@ struct Body {
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();                      // unit, in the link's frame
   double lower = -std::numeric_limits<double>::infinity();
   double upper = std::numeric_limits<double>::infinity();
+  double effort = 0.0;  // limit of the URDF, Nm or N; 0: not stated
   double mass_kg = 0.0;
   Eigen::Vector3d com_m = Eigen::Vector3d::Zero();          // in the link's frame
   Eigen::Matrix3d inertia_kg_m2 = Eigen::Matrix3d::Zero();  // about the centre of mass, link's axes

@@ -253,9 +253,9 @@ void World::ReadSensors(provider::PlantSensors* sensors) const {
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     const Joint& joint = joints_[j];
     const auto at = static_cast<Eigen::Index>(j);
-    sensors->position_rad[j] = joint.prismatic
-                                   ? position_[at]
-                                   : Quantised(position_[at], joint.config.output_encoder_counts);
+    const double reading = position_[at] + joint.plant.encoder_error_rad();
+    sensors->position_rad[j] =
+        joint.prismatic ? reading : Quantised(reading, joint.config.output_encoder_counts);
     sensors->velocity_rad_s[j] = velocity_[at];
     sensors->torque_Nm[j] = joint.plant.drive_torque_Nm();
     sensors->motor_position_rad[j] =

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <mutex>
 #include <stdexcept>
@@ -139,6 +140,35 @@ void JudgeAgainstOracle(const Case& what, const Scene& scene, const Recorded& re
   out->truth = truth.value;
 }
 
+std::string Explain(const trace::TraceResult& result) {
+  std::string out;
+  const auto add = [&](const std::vector<trace::RoundReport>& rounds, const char* where) {
+    for (const trace::RoundReport& round : rounds) {
+      for (std::size_t i = 0; i < round.scores.size() && i < 5; ++i) {
+        const trace::CandidateScore& score = round.scores[i];
+        char line[240];
+        std::snprintf(
+            line, sizeof line,
+            "  %s%s %-32s gain %6.3f +- %.3f (placebo %.3f) theta %.3g delay %.5f s  %s\n", where,
+            round.slow_motion ? " slow" : "", score.name.c_str(), score.gain_share,
+            score.share_error, round.placebo_99, score.theta.empty() ? 0.0 : score.theta.front(),
+            score.delay_s, score.name == round.added ? "ADDED" : score.refused.c_str());
+        out += line;
+      }
+    }
+  };
+  add(result.rounds, "M");
+  for (const trace::BalanceSummary& balance : result.balances) add(balance.rounds, "other");
+  char line[160];
+  std::snprintf(
+      line, sizeof line,
+      "  train %.4f -> %.4f, floor %.4f, ceiling %.4f, units %d of %.2f s, rest follows %s %.3f\n",
+      result.before_train.rms, result.after_train.rms, result.noise_floor_rms, result.ceiling_rms,
+      result.units, result.unit_length_s, result.unexplained.variable.c_str(),
+      result.unexplained.share);
+  return out + line;
+}
+
 }  // namespace
 
 std::vector<std::string> CatalogueNames() {
@@ -213,6 +243,15 @@ std::vector<Case> MakeCases(const Plan& plan) {
   return cases;
 }
 
+std::string CaseName(const Case& what) {
+  std::string out;
+  for (const std::string& effect : what.effects) out += (out.empty() ? "" : "+") + effect;
+  if (out.empty()) out = what.coloured ? "none/coloured" : "none/white";
+  if (!what.effects.empty()) out += what.strength == Strength::kStrong ? "/strong" : "/weak";
+  out += what.excitation == surrogate::ExcitationKind::kDesigned ? "/designed" : "/task";
+  return out + ", seed " + std::to_string(what.seed);
+}
+
 Outcome RunCase(const Case& what, bool parameters) {
   const auto start = std::chrono::steady_clock::now();
   Outcome out;
@@ -243,6 +282,7 @@ Outcome RunCase(const Case& what, bool parameters) {
       }
     }
   }
+  out.explanation = Explain(result);
   out.sealed_before = result.before_sealed.rms;
   out.sealed_after = result.after_sealed.rms;
   if (!what.effects.empty()) {

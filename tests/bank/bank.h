@@ -47,6 +47,7 @@ struct Outcome {
   // Parameter of the effect where it was named first: found, of the true structure on the same
   // recordings without noise, and the half width told. NaN: none.
   double value = 0.0, truth = 0.0, half_width = 0.0;
+  std::string explanation;  // the first candidates of every round, a line each
   double seconds = 0.0;
 };
 
@@ -60,6 +61,9 @@ struct Plan {
   bool parameters = true;            // compare parameters with recordings without noise
 };
 std::vector<Case> MakeCases(const Plan& plan);
+
+// E.g. "stribeck/strong/designed, seed 3".
+std::string CaseName(const Case& what);
 
 // Recorded, traced, judged. May be called from several threads.
 Outcome RunCase(const Case& what, bool parameters);

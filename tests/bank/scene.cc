@@ -149,6 +149,7 @@ Recorded Record(const Scene& scene) {
   out.processing.parallel_cutoff_Hz = 5.0;
   out.processing.rest_velocity = 0.04;
   out.processing.settle_distance = 0.005;
+  out.processing.reversal_guard_s = 0.16;
 
   const bool designed = scene.excitation == ExcitationKind::kDesigned;
   const surrogate::PneumaticLine line = surrogate::LinePneumatics(rig);

@@ -7,12 +7,14 @@
 #include <ctime>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "components/config/config.h"
 #include "components/identify/file/processing_file.h"
 #include "components/recording/file/run_reader.h"
 #include "components/report/file/report_file.h"
 #include "components/trace/close_loop.h"
+#include "tools/sinew/close_robot.h"
 #include "tools/sinew/progress.h"
 #include "tools/sinew/shipped.h"
 
@@ -31,8 +33,10 @@ std::string NowUtc() {
   return text;
 }
 
-std::vector<identify::Run> ReadAll(const std::vector<fs::path>& files, const fs::path& map,
-                                   int joint) {
+}  // namespace
+
+std::vector<identify::Run> ReadJoint(const std::vector<fs::path>& files, const fs::path& map,
+                                     int joint) {
   std::vector<identify::Run> runs;
   for (const fs::path& file : files) {
     const bool csv = file.extension() != ".mcap";
@@ -43,6 +47,8 @@ std::vector<identify::Run> ReadAll(const std::vector<fs::path>& files, const fs:
   }
   return runs;
 }
+
+namespace {
 
 std::vector<report::Recording> Describe(const std::vector<identify::Run>& runs) {
   std::vector<report::Recording> out;
@@ -81,7 +87,8 @@ void AddHistory(const report::Report& report, actuator::JointModel* joint) {
   }
   for (const trace::FoundEffect& effect : trace.effects) {
     std::string note = "sealed error " + report::Short(effect.sealed_before) + " -> " +
-                       report::Short(effect.sealed_after) + " " + unit + " on " +
+                       report::Short(effect.sealed_after) + " " +
+                       std::string(effects::BalanceUnit(effect.balance, joint->kind)) + " on " +
                        JoinNames(report.sealed);
     for (std::size_t i = 0; i < effect.rivals.size(); ++i) {
       note += (i == 0 ? "; rivals: " : ", ") + effect.rivals[i];
@@ -92,33 +99,39 @@ void AddHistory(const report::Report& report, actuator::JointModel* joint) {
 
 }  // namespace
 
-CloseLoopResult CloseLoop(const CloseLoopOptions& options) {
+LoopInput LoadLoopInput(const CloseLoopOptions& options) {
+  LoopInput out;
+  out.model_path = options.model.empty() ? ShippedRobotFile("rig/model.yaml") : options.model;
+  out.map = options.map;
+  if (out.map.empty()) {
+    const fs::path beside = out.model_path.parent_path() / "csv_map.yaml";
+    out.map = fs::exists(beside) ? beside : ShippedRobotFile("rig/csv_map.yaml");
+  }
+  out.sealed_map = options.sealed_map.empty() ? out.map : options.sealed_map;
+  out.model = actuator::LoadModelFile(out.model_path);
+  CompleteRigJson(&out.model, out.model_path);
+  if (options.joint < 0 || options.joint >= static_cast<int>(out.model.robot.joints.size())) {
+    throw UsageError("--joint " + std::to_string(options.joint) + ": model " +
+                     out.model_path.string() + " has joints 0 to " +
+                     std::to_string(out.model.robot.joints.size() - 1));
+  }
+  return out;
+}
+
+CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& input,
+                            const std::vector<identify::Run>& train,
+                            const std::vector<identify::Run>& sealed) {
   const auto start = std::chrono::steady_clock::now();
   const auto progress = [&](const std::string& what, double share) {
     if (options.progress) options.progress(what, share);
   };
   CloseLoopResult out;
-  const fs::path model_path =
-      options.model.empty() ? ShippedRobotFile("rig/model.yaml") : options.model;
-  fs::path map_path = options.map;
-  if (map_path.empty()) {
-    const fs::path beside = model_path.parent_path() / "csv_map.yaml";
-    map_path = fs::exists(beside) ? beside : ShippedRobotFile("rig/csv_map.yaml");
-  }
-  out.model = actuator::LoadModelFile(model_path);
-  CompleteRigJson(&out.model, model_path);
-  if (options.joint < 0 || options.joint >= static_cast<int>(out.model.robot.joints.size())) {
-    throw UsageError("--joint " + std::to_string(options.joint) + ": model " + model_path.string() +
-                     " has joints 0 to " + std::to_string(out.model.robot.joints.size() - 1));
-  }
+  out.model = input.model;
+  const fs::path& model_path = input.model_path;
   actuator::JointModel& joint = out.model.robot.joints[static_cast<std::size_t>(options.joint)];
   const identify::ProcessingOptions wished = identify::ReadProcessing(out.model.root, joint.kind);
   const std::optional<identify::AsPublishedOptions> published =
       identify::ReadAsPublished(out.model.root);
-
-  progress("reading recordings", 0.0);
-  const std::vector<identify::Run> train = ReadAll(options.train, map_path, options.joint);
-  const std::vector<identify::Run> sealed = ReadAll(options.sealed, map_path, options.joint);
   if (train.empty() || sealed.empty()) {
     throw UsageError("no recording of joint " + std::to_string(options.joint) +
                      ", expected at least one to train on and one sealed");
@@ -138,6 +151,9 @@ CloseLoopResult CloseLoop(const CloseLoopOptions& options) {
     report.processing = loop.processing;
     report.findings = std::move(loop.findings);
     report.trace = std::move(loop.trace);
+    progress("simulation beside the sealed recording", 0.97);
+    report.free_run =
+        free_run::Compare(sealed, report.trace.declared, report.trace.corrected, report.processing);
     if (published) {
       report.as_published =
           identify::RunAsPublished(train.front(), sealed.front(), joint, *published);
@@ -155,19 +171,34 @@ CloseLoopResult CloseLoop(const CloseLoopOptions& options) {
   joint = report.trace.corrected;
   joint.history = history;
   AddHistory(report, &joint);
+  return out;
+}
 
-  if (options.out.empty()) return out;
+void MakeFolder(const fs::path& folder) {
   std::error_code error;
-  fs::create_directories(options.out, error);
-  if (error)
-    throw UsageError(options.out.string() + ": " + error.message() + ", expected a folder");
+  fs::create_directories(folder, error);
+  if (error) throw UsageError(folder.string() + ": " + error.message() + ", expected a folder");
+}
+
+CloseLoopResult CloseLoop(const CloseLoopOptions& options) {
+  const LoopInput input = LoadLoopInput(options);
+  const actuator::JointModel& joint =
+      input.model.robot.joints[static_cast<std::size_t>(options.joint)];
+  if (joint.Find("rigid_body") >= 0) {
+    throw UsageError(input.model_path.string() + ": joint '" + joint.name +
+                     "' is part of an arm, expected all its joints to be fitted together");
+  }
+  if (options.progress) options.progress("reading recordings", 0.0);
+  CloseLoopResult out =
+      CloseLoopOn(options, input, ReadJoint(options.train, input.map, options.joint),
+                  ReadJoint(options.sealed, input.sealed_map, options.joint));
+  if (options.out.empty()) return out;
+  MakeFolder(options.out);
   actuator::SaveModelFile(options.out / "model.yaml", out.model);
   config::WriteFileAtomically(options.out / "report.json", out.json);
   config::WriteFileAtomically(options.out / "report.html", out.html);
   return out;
 }
-
-namespace {
 
 void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options) {
   const report::Report& report = result.report;
@@ -198,7 +229,8 @@ void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options
                 << Short(term.nonlinear[i].value);
     }
     std::cout << "; sealed " << Short(effect.sealed_before) << " -> " << Short(effect.sealed_after)
-              << ' ' << unit << (effect.slow_motion ? " where it creeps" : "") << '\n';
+              << ' ' << effects::BalanceUnit(effect.balance, trace.corrected.kind)
+              << (effect.slow_motion ? " where it creeps" : "") << '\n';
   }
   const auto line = [&](const char* what, const identify::ModelError& before,
                         const identify::ModelError& after) {
@@ -208,6 +240,25 @@ void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options
   };
   line("train error", trace.before_train, trace.after_train);
   line("sealed error", trace.before_sealed, trace.after_sealed);
+  for (const trace::BalanceSummary& summary : trace.balances) {
+    std::cout << effects::BalanceName(summary.balance) << " balance: ";
+    if (summary.unseen.empty()) {
+      std::cout << "sealed error " << Short(summary.before_sealed.rms) << " -> "
+                << Short(summary.after_sealed.rms) << ' ' << summary.unit << " rms\n";
+    } else {
+      std::cout << summary.unseen << '\n';
+    }
+  }
+  if (report.free_run.errors) {
+    const free_run::FreeRun& run = *report.free_run.errors;
+    std::cout << "simulated position error: " << Short(run.before_rms) << " -> "
+              << Short(run.after_rms)
+              << (trace.corrected.kind == effects::JointKind::kRotary ? " rad" : " m") << " rms ("
+              << (run.method == free_run::Method::kClosedLoop
+                      ? "closed loop"
+                      : "over " + Short(run.horizon_s) + " s from measured states")
+              << ")\n";
+  }
   if (report.as_published) {
     const identify::AsPublishedResult& published = *report.as_published;
     std::cout << "as published: " << Short(published.before_percent) << " -> "
@@ -223,12 +274,11 @@ void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options
             << ", report.json, model.yaml (" << Short(report.seconds) << " s)\n";
 }
 
-}  // namespace
-
 void AddCloseLoopCommand(CLI::App& app) {
   struct Arguments {
     CloseLoopOptions options;
     bool json = false;
+    std::optional<int> joint;
   };
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command =
@@ -240,14 +290,19 @@ void AddCloseLoopCommand(CLI::App& app) {
   command->add_option("--map", options.map,
                       "Mapping of CSV columns (sinew-csv-map/1); csv_map.yaml beside the model by "
                       "default, else the rig's");
+  command->add_option("--sealed-map", options.sealed_map,
+                      "Mapping of the sealed CSV files where it is another one");
   command->add_option("--train", options.train, "Recordings to learn from: CSV or MCAP")
       ->required();
   command->add_option("--sealed", options.sealed, "Recordings to judge by, never used for a choice")
       ->required();
   command->add_option("--out", options.out, "Folder for report.html, report.json and model.yaml")
       ->required();
-  command->add_option("--joint", options.joint, "Joint of the model and of an MCAP recording")
-      ->capture_default_str();
+  command->add_option("--joint", arguments->joint,
+                      "Joint of the model, of an MCAP recording and of the mapping's \"{joint}\", "
+                      "from 0 on; all joints of the model when left out");
+  command->add_option("--urdf", options.urdf,
+                      "Rigid bodies of an arm; what the model file names by default");
   command->add_option("--seed", options.seed, "Seed of the placebo")->capture_default_str();
   command->add_flag("--json", arguments->json, "Print the report as JSON");
   command->footer(
@@ -264,7 +319,24 @@ void AddCloseLoopCommand(CLI::App& app) {
     arguments->options.progress = [&bar](const std::string&, double share) {
       bar.Update(static_cast<std::uint64_t>(100.0 * share));
     };
-    const CloseLoopResult result = CloseLoop(arguments->options);
+    CloseLoopOptions& asked = arguments->options;
+    asked.joint = arguments->joint.value_or(0);
+    const actuator::RobotModel robot = LoadLoopInput(asked).model.robot;
+    const bool arm = std::any_of(
+        robot.joints.begin(), robot.joints.end(),
+        [](const actuator::JointModel& joint) { return joint.Find("rigid_body") >= 0; });
+    if (arm || (robot.joints.size() > 1 && !arguments->joint)) {
+      const CloseRobotResult result = CloseRobot(
+          asked, arguments->joint ? std::vector<int>{asked.joint} : std::vector<int>{});
+      bar.Finish();
+      if (arguments->json) {
+        std::cout << result.json;
+      } else {
+        PrintSummary(result, asked);
+      }
+      return;
+    }
+    const CloseLoopResult result = CloseLoop(asked);
     bar.Finish();
     if (arguments->json) {
       std::cout << result.json;

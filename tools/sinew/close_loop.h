@@ -17,12 +17,14 @@ class App;
 namespace sinew::tools {
 
 struct CloseLoopOptions {
-  std::filesystem::path model;  // empty: robots/rig/model.yaml
-  std::filesystem::path map;    // empty: csv_map.yaml beside the model, else the rig's
+  std::filesystem::path model;       // empty: robots/rig/model.yaml
+  std::filesystem::path map;         // empty: csv_map.yaml beside the model, else the rig's
+  std::filesystem::path sealed_map;  // of the sealed CSV files; empty: `map`
   std::vector<std::filesystem::path> train;
   std::vector<std::filesystem::path> sealed;
   std::filesystem::path out;  // folder; empty: nothing is written
   int joint = 0;
+  std::filesystem::path urdf;  // of an arm; empty: what the model file names
   std::uint64_t seed = 1;
   std::function<void(const std::string&, double)> progress;
 };
@@ -37,6 +39,27 @@ struct CloseLoopResult {
 // as a whole, after everything has succeeded. Throws UsageError (one line) for anything a user can
 // mend.
 CloseLoopResult CloseLoop(const CloseLoopOptions& options);
+
+// Model and mappings that the options name, the shipped ones where they name none.
+struct LoopInput {
+  actuator::ModelFile model;
+  std::filesystem::path model_path, map, sealed_map;
+};
+LoopInput LoadLoopInput(const CloseLoopOptions& options);
+
+// Recordings of one joint; mcap files need no mapping.
+std::vector<identify::Run> ReadJoint(const std::vector<std::filesystem::path>& files,
+                                     const std::filesystem::path& map, int joint);
+
+// The joint `options.joint` on recordings that are read already; nothing is written.
+CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& input,
+                            const std::vector<identify::Run>& train,
+                            const std::vector<identify::Run>& sealed);
+
+// Throws UsageError.
+void MakeFolder(const std::filesystem::path& folder);
+
+void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options);
 
 void AddCloseLoopCommand(CLI::App& app);
 

@@ -25,22 +25,6 @@ struct EffectsOptions {
   bool json = false;
 };
 
-std::string_view BalanceName(effects::Balance balance) {
-  switch (balance) {
-    case effects::Balance::kMotion:
-      return "motion";
-    case effects::Balance::kLink:
-      return "link";
-    case effects::Balance::kPlay:
-      return "play";
-    case effects::Balance::kGas:
-      return "gas";
-    case effects::Balance::kKinematic:
-      return "kinematic";
-  }
-  return "";
-}
-
 std::string_view RoleName(effects::Role role) {
   switch (role) {
     case effects::Role::kDrive:
@@ -120,16 +104,20 @@ void RunEffects(const EffectsOptions& options) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   std::size_t width = 0;
   for (const std::string& name : names) width = std::max(width, name.size());
-  for (const std::string& name : names) {
+  for (const auto& [name, balance] : effects::EffectForms()) {
     if (!options.name.empty() && name != options.name) continue;
-    const auto effect = effects::MakeEffect(name, {});
+    const auto effect = effects::MakeEffect(name, {}, balance);
     if (options.json) {
       list.push_back(ToJson(effect->info(), kind));
     } else if (!options.name.empty()) {
       PrintOne(effect->info(), kind);
     } else {
       std::cout << std::left << std::setw(static_cast<int>(width) + 2) << name
-                << effect->info().title << '\n';
+                << effect->info().title
+                << (balance == effects::Balance::kMotion
+                        ? std::string()
+                        : " (" + std::string(BalanceName(balance)) + " balance)")
+                << '\n';
     }
   }
   if (options.json) std::cout << list.dump(2) << '\n';

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 
 namespace sinew::actuator {
@@ -14,6 +16,13 @@ namespace {
 using config::Section;
 
 constexpr std::string_view kSchema = "sinew-model/1";
+
+// Shortest text that reads back as the same number.
+std::string Number(double value) {
+  char text[40];
+  const auto result = std::to_chars(text, text + sizeof text, value);
+  return std::string(text, result.ptr);
+}
 
 ParameterValue ReadParameter(const Section& term, const effects::EffectInfo& effect,
                              const effects::ParameterInfo& info, effects::JointKind kind) {
@@ -50,8 +59,16 @@ ParameterValue ReadParameter(const Section& term, const effects::EffectInfo& eff
 Term ReadTerm(const Section& section, const JointModel& joint) {
   const std::string name = section.Text("effect");
   Term term;
+  std::optional<effects::Balance> balance;
+  if (section.Has("balance")) {
+    const std::string given = section.Choice("balance", {"motion", "kinematic", "gas"});
+    for (const effects::Balance known :
+         {effects::Balance::kMotion, effects::Balance::kKinematic, effects::Balance::kGas}) {
+      if (given == effects::BalanceName(known)) balance = known;
+    }
+  }
   try {
-    term.effect = effects::MakeEffect(name, joint.constants);
+    term.effect = effects::MakeEffect(name, joint.constants, balance);
   } catch (const std::invalid_argument& error) {
     section.Fail("effect", error.what());
   }
@@ -104,16 +121,31 @@ JointModel ReadJoint(const Section& section) {
       constants.NumberOr("force_constant_N_V", 0.0, config::kNotNegative);
   joint.constants.back_emf_V_s_rad =
       constants.NumberOr("back_emf_V_s_rad", 0.0, config::kNotNegative);
+  joint.constants.encoder_counts_per_turn =
+      constants.NumberOr("encoder_counts_per_turn", 0.0, config::kNotNegative);
+  joint.constants.gas_volume_m3 = constants.NumberOr("gas_volume_m3", 0.0, config::kNotNegative);
+  joint.constants.atmosphere_bar =
+      constants.NumberOr("atmosphere_bar", joint.constants.atmosphere_bar, config::kPositive);
+  joint.constants.valve_delay_s = constants.NumberOr("valve_delay_s", 0.0, config::kNotNegative);
   joint.backlash_rad = section.NumberOr(
       joint.kind == effects::JointKind::kRotary ? "backlash_rad" : "backlash_m", 0.0, {0.0, 6.3});
   joint.motor_torque_limit_Nm =
       section.NumberOr("motor_torque_limit_Nm", 0.0, config::kNotNegative);
   for (const Section& term : section.List("terms")) {
     joint.terms.push_back(ReadTerm(term, joint));
-    const std::string& name = joint.terms.back().effect->info().name;
+    const effects::EffectInfo& info = joint.terms.back().effect->info();
     const bool repeatable = !joint.terms.back().nonlinear.empty();  // two orders of cogging, say
-    if (!repeatable && joint.Find(name) != static_cast<int>(joint.terms.size()) - 1) {
-      term.Fail("effect", "'" + name + "' is given twice");
+    if (!repeatable &&
+        joint.Find(info.name, info.balance) != static_cast<int>(joint.terms.size()) - 1) {
+      term.Fail("effect", "'" + info.name + "' is given twice");
+    }
+    if (info.name == "gas_compression" && !(joint.constants.gas_volume_m3 > 0.0)) {
+      term.Fail("effect", "'gas_compression' needs constants.gas_volume_m3, more than 0");
+    }
+    if (info.name == "free_play" &&
+        std::abs(joint.terms.back().linear[0].value - joint.backlash_rad) > 1e-9) {
+      term.Fail(effects::ParameterKey(info.linear[0], joint.kind),
+                "expected the joint's backlash, " + Number(joint.backlash_rad));
     }
   }
   if (joint.terms.empty()) section.Fail("terms", "empty, expected at least one effect");
@@ -123,13 +155,6 @@ JointModel ReadJoint(const Section& section) {
                              entry.TextOr("recording", ""), entry.TextOr("note", "")});
   }
   return joint;
-}
-
-// Shortest text that reads back as the same number.
-std::string Number(double value) {
-  char text[40];
-  const auto result = std::to_chars(text, text + sizeof text, value);
-  return std::string(text, result.ptr);
 }
 
 std::string Quoted(const std::string& text) {
@@ -160,6 +185,15 @@ void WriteJoint(std::string& out, const JointModel& joint) {
   if (joint.constants.back_emf_V_s_rad > 0.0) {
     out += "      back_emf_V_s_rad: " + Number(joint.constants.back_emf_V_s_rad) + "\n";
   }
+  if (joint.constants.encoder_counts_per_turn > 0.0) {
+    out +=
+        "      encoder_counts_per_turn: " + Number(joint.constants.encoder_counts_per_turn) + "\n";
+  }
+  if (joint.constants.gas_volume_m3 > 0.0) {
+    out += "      gas_volume_m3: " + Number(joint.constants.gas_volume_m3) + "\n";
+    out += "      atmosphere_bar: " + Number(joint.constants.atmosphere_bar) + "\n";
+    out += "      valve_delay_s: " + Number(joint.constants.valve_delay_s) + "\n";
+  }
   out += std::string("    ") + (rotary ? "backlash_rad: " : "backlash_m: ") +
          Number(joint.backlash_rad) + "\n";
   out += "    motor_torque_limit_Nm: " + Number(joint.motor_torque_limit_Nm) + "\n";
@@ -179,6 +213,9 @@ void WriteJoint(std::string& out, const JointModel& joint) {
   for (const Term& term : joint.terms) {
     const effects::EffectInfo& info = term.effect->info();
     out += "      - effect: " + info.name + "\n";
+    if (info.balance != effects::Balance::kMotion) {
+      out += "        balance: " + std::string(effects::BalanceName(info.balance)) + "\n";
+    }
     if (!term.declared) out += "        declared: false\n";
     for (std::size_t i = 0; i < info.linear.size(); ++i) {
       WriteParameter(out, info.linear[i], term.linear[i], joint.kind);
@@ -292,6 +329,7 @@ RobotModel LoadRigJson(const std::filesystem::path& path) {
   joint.constants.link_length_m = constant("link_length", "m");
   joint.constants.gravity_m_s2 = constant("gravity", "m/s^2");
   joint.constants.torque_constant_Nm_A = constant("torque_constant", "N m/A");
+  joint.constants.encoder_counts_per_turn = constant("encoder_counts_per_turn", "1");
   joint.backlash_rad = constant("free_play_full_width", "rad");
   joint.motor_torque_limit_Nm =
       constant("current_limit", "A") * joint.constants.torque_constant_Nm_A;
@@ -316,6 +354,34 @@ RobotModel LoadRigJson(const std::filesystem::path& path) {
   rest_angle.fixed = true;  // K - k1 q0 is one direction of the data: K takes what q0 is off
   add("pneumatic_stiffness", {nominal("pneumatic_stiffness_slope", "N m/(rad bar)")}, {rest_angle});
   add("load_force", {exactly_one});
+  // Both encoders: their difference is half of the play where the teeth touch.
+  const auto exactly = [](double value) {
+    return ParameterValue{
+        .value = value, .tolerance = 0.0, .fixed = true, .half_width_95 = std::nullopt};
+  };
+  add("encoder_difference", {exactly(1.0)});
+  add("free_play", {exactly(joint.backlash_rad), exactly(0.0)});
+  add("encoder_offset", {{.value = 0.0, .half_width_95 = std::nullopt}});
+  // Pressure: the gas is compressed while the valve is shut. Rigs without a stated volume have none.
+  const bool has_gas = rig.contains("nominal_parameters") &&
+                       rig["nominal_parameters"].contains("gas_volume");
+  if (has_gas) {
+    const ParameterValue volume = nominal("gas_volume", "m^3");
+    if (!(volume.value > 0.0)) {
+      throw UsageError(where + ": key 'nominal_parameters.gas_volume.value': expected more than 0");
+    }
+    joint.constants.gas_volume_m3 = volume.value;
+    ParameterValue share = exactly(1.0);
+    share.tolerance = volume.tolerance;
+    share.fixed = volume.fixed;
+    for (Term& term : joint.terms) {  // effects know the constants from when they were made
+      term.effect = effects::MakeEffect(term.effect->info().name, joint.constants,
+                                        term.effect->info().balance);
+    }
+    add("chamber_pressure", {exactly(1.0)});
+    add("gas_compression", {share});
+    add("valve_flow", {exactly(1.0)});
+  }
 
   RobotModel robot;
   robot.name = "rig";

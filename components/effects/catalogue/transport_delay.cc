@@ -10,6 +10,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   info.formula = "- T * N Kt dI/dt";
   info.source = "first order of I(t - T)";
   info.side = Side::kMotor;
+  info.smallest = Smallest::kTenthOfSample;
   info.linear = {{.name = "delay",
                   .dimension = Dimension::kTime,
                   .lower = -0.1,
@@ -19,7 +20,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .relative_to_drive = true}};
   info.signature = "residual follows the rate of the drive input";
   info.variable = "drive_rate";
-  info.look_alikes = {"flexible_link", "gear_compliance"};
+  info.look_alikes = {"elastic_joint", "flexible_link", "gear_compliance"};
   info.separating_excitation =
       "fast reversals; the delay stays when the load changes, flexibility does not";
   info.needs = {"drive_rate"};

@@ -87,7 +87,7 @@ Motion Differentiate(const Eigen::VectorXd& measured, double period_s, double sm
 bool HasDrive(const actuator::JointModel& model, Measured* input) {
   for (const actuator::Term& term : model.terms) {
     const effects::EffectInfo& info = term.effect->info();
-    if (info.role != effects::Role::kDrive) continue;
+    if (info.role != effects::Role::kDrive || !model.Counts(term)) continue;
     *input = info.name == "drive_voltage" ? Measured::kDriveVoltage : Measured::kMotorCurrent;
     return true;
   }

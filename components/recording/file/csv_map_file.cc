@@ -44,6 +44,7 @@ CsvMap Read(const config::Section& section) {
   map.joints = static_cast<int>(section.IntegerOr("joints", 1, {1.0, 64.0}));
   const config::Section rows = section.ChildOrEmpty("rows");
   map.skipped_rows = rows.IntegerOr("skip", 0, config::kNotNegative);
+  map.held = rows.BoolOr("held", false);
   map.skipped_s = rows.NumberOr("skip_s", 0.0, config::kNotNegative);
   const config::Section time = section.Child("time");
   if (time.Has("row_period_s")) {

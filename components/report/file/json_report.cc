@@ -66,6 +66,23 @@ Json ModelParameters(const actuator::JointModel& model) {
   return out;
 }
 
+// M, L, S, Q, K as in docs/model.md.
+std::string BalanceLetter(effects::Balance balance) {
+  switch (balance) {
+    case effects::Balance::kLink:
+      return "L";
+    case effects::Balance::kPlay:
+      return "S";
+    case effects::Balance::kGas:
+      return "Q";
+    case effects::Balance::kKinematic:
+      return "K";
+    case effects::Balance::kMotion:
+      break;
+  }
+  return "M";
+}
+
 Json Errors(const identify::ModelError& nominal, const identify::ModelError& before,
             const identify::ModelError& after, const std::string& unit) {
   return {{"unit", unit},
@@ -77,6 +94,46 @@ Json Errors(const identify::ModelError& nominal, const identify::ModelError& bef
           {"before_percent", before.percent},
           {"after_percent", after.percent},
           {"nominal_percent", nominal.percent}};
+}
+
+// Of a trace or of the summary of a balance.
+template <class Result>
+Json Sealed(const Result& result, const std::string& unit) {
+  Json out = Errors(result.nominal_sealed, result.before_sealed, result.after_sealed, unit);
+  const double floor = result.noise_floor_rms;
+  const double before = result.before_sealed.rms * result.before_sealed.rms;
+  const double after = result.after_sealed.rms * result.after_sealed.rms;
+  const double explainable = before - floor * floor;
+  out["noise_floor_rms"] = floor;
+  out["noise_floor_source"] = result.noise_floor_source;
+  out["ceiling_rms"] = result.ceiling_rms;
+  out["explainable_removed"] = explainable > 0.0 ? (before - after) / explainable : 0.0;
+  return out;
+}
+
+Json Rounds(const std::vector<trace::RoundReport>& rounds) {
+  Json out = Json::array();
+  for (const trace::RoundReport& round : rounds) {
+    Json candidates = Json::array();
+    for (const trace::CandidateScore& score : round.scores) {
+      candidates.push_back({{"name", score.name},
+                            {"gain", score.gain_share},
+                            {"standard_error", score.share_error},
+                            {"t", score.gain.t},
+                            {"p", score.gain.p},
+                            {"accepted", score.accepted},
+                            {"refused", score.refused},
+                            {"sealed_rms", score.sealed_rms}});
+    }
+    out.push_back({{"slow_motion", round.slow_motion},
+                   {"train_rms", round.train_rms},
+                   {"sealed_rms", round.sealed_rms},
+                   {"explainable_rms", round.explainable_rms},
+                   {"placebo_99", round.placebo_99},
+                   {"added", round.added.empty() ? Json(nullptr) : Json(round.added)},
+                   {"candidates", std::move(candidates)}});
+  }
+  return out;
 }
 
 }  // namespace
@@ -95,10 +152,11 @@ std::string FormatJson(const Report& report) {
 
   out["effects"] = Json::array();
   for (const trace::FoundEffect& effect : trace.effects) {
+    const std::string own_unit(effects::BalanceUnit(effect.balance, trace.corrected.kind));
     Json entry = {
         {"name", effect.name},
         {"title", EffectTitle(effect.name)},
-        {"balance", "M"},
+        {"balance", BalanceLetter(effect.balance)},
         {"rivals", effect.rivals},
         {"parameters", Parameters(trace.corrected, static_cast<std::size_t>(effect.term))},
         {"gain", effect.gain_share},
@@ -107,25 +165,10 @@ std::string FormatJson(const Report& report) {
         {"weak_evidence", effect.weak_evidence},
         {"swallowed_by_refit", effect.swallowed},
         {"slow_motion", effect.slow_motion},
-        {"train", {{"unit", unit}, {"before", effect.train_before}, {"after", effect.train_after}}},
+        {"train",
+         {{"unit", own_unit}, {"before", effect.train_before}, {"after", effect.train_after}}},
         {"sealed",
-         {{"unit", unit}, {"before", effect.sealed_before}, {"after", effect.sealed_after}}}};
-    switch (effect.balance) {
-      case effects::Balance::kMotion:
-        break;
-      case effects::Balance::kLink:
-        entry["balance"] = "L";
-        break;
-      case effects::Balance::kPlay:
-        entry["balance"] = "S";
-        break;
-      case effects::Balance::kGas:
-        entry["balance"] = "Q";
-        break;
-      case effects::Balance::kKinematic:
-        entry["balance"] = "K";
-        break;
-    }
+         {{"unit", own_unit}, {"before", effect.sealed_before}, {"after", effect.sealed_after}}}};
     out["effects"].push_back(std::move(entry));
   }
 
@@ -137,40 +180,38 @@ std::string FormatJson(const Report& report) {
                              {"start_s", event.start_s}});
   }
   out["train"] = Errors(trace.nominal_train, trace.before_train, trace.after_train, unit);
-  out["sealed"] = Errors(trace.nominal_sealed, trace.before_sealed, trace.after_sealed, unit);
-  const double floor = trace.noise_floor_rms;
-  const double explainable = trace.before_sealed.rms * trace.before_sealed.rms - floor * floor;
-  out["sealed"]["noise_floor_rms"] = floor;
-  out["sealed"]["noise_floor_source"] = trace.noise_floor_source;
-  out["sealed"]["ceiling_rms"] = trace.ceiling_rms;
-  out["sealed"]["explainable_removed"] = explainable > 0.0
-                                             ? (trace.before_sealed.rms * trace.before_sealed.rms -
-                                                trace.after_sealed.rms * trace.after_sealed.rms) /
-                                                   explainable
-                                             : 0.0;
+  out["sealed"] = Sealed(trace, unit);
+  out["balances"] = Json::array();
+  for (const trace::BalanceSummary& summary : trace.balances) {
+    Json entry = {{"balance", BalanceLetter(summary.balance)},
+                  {"name", effects::BalanceName(summary.balance)},
+                  {"unit", summary.unit},
+                  {"verdict", VerdictWord(summary.verdict)},
+                  {"unseen", summary.unseen.empty() ? Json(nullptr) : Json(summary.unseen)}};
+    if (summary.unseen.empty()) {
+      entry["train"] =
+          Errors(summary.nominal_train, summary.before_train, summary.after_train, summary.unit);
+      entry["sealed"] = Sealed(summary, summary.unit);
+      entry["unexplained"] = {
+          {"variable", summary.unexplained.variable.empty() ? Json(nullptr)
+                                                            : Json(summary.unexplained.variable)},
+          {"order_per_turn", summary.unexplained.order_per_turn},
+          {"rms", summary.unexplained.rms}};
+      entry["rounds"] = Rounds(summary.rounds);
+      entry["cross_validation"] = {{"unit", summary.unit_kind},
+                                   {"units", summary.units},
+                                   {"unit_length_s", summary.unit_length_s},
+                                   {"correlation_time_s", summary.correlation_time_s}};
+    }
+    entry["effects"] = Json::array();
+    for (const trace::FoundEffect& effect : trace.effects) {
+      if (effect.balance == summary.balance) entry["effects"].push_back(effect.name);
+    }
+    out["balances"].push_back(std::move(entry));
+  }
 
   out["slow_motion"] = trace.slow_motion;
-  out["rounds"] = Json::array();
-  for (const trace::RoundReport& round : trace.rounds) {
-    Json candidates = Json::array();
-    for (const trace::CandidateScore& score : round.scores) {
-      candidates.push_back({{"name", score.name},
-                            {"gain", score.gain_share},
-                            {"standard_error", score.share_error},
-                            {"t", score.gain.t},
-                            {"p", score.gain.p},
-                            {"accepted", score.accepted},
-                            {"refused", score.refused},
-                            {"sealed_rms", score.sealed_rms}});
-    }
-    out["rounds"].push_back({{"slow_motion", round.slow_motion},
-                             {"train_rms", round.train_rms},
-                             {"sealed_rms", round.sealed_rms},
-                             {"explainable_rms", round.explainable_rms},
-                             {"placebo_99", round.placebo_99},
-                             {"added", round.added.empty() ? Json(nullptr) : Json(round.added)},
-                             {"candidates", std::move(candidates)}});
-  }
+  out["rounds"] = Rounds(trace.rounds);
 
   if (report.as_published) {
     const identify::AsPublishedResult& published = *report.as_published;
@@ -183,17 +224,37 @@ std::string FormatJson(const Report& report) {
                              {"after", ModelParameters(published.after)}}}};
   }
 
+  if (report.free_run.errors) {
+    const free_run::FreeRun& run = *report.free_run.errors;
+    const bool closed = run.method == free_run::Method::kClosedLoop;
+    out["free_run"] = {{"unit", trace.corrected.kind == effects::JointKind::kRotary ? "rad" : "m"},
+                       {"method", closed ? "closed_loop" : "horizons"},
+                       {"horizon_s", closed ? Json(nullptr) : Json(run.horizon_s)},
+                       {"before", run.before_rms},
+                       {"after", run.after_rms},
+                       {"before_rms", run.before_rms},
+                       {"after_rms", run.after_rms},
+                       {"before_mean_abs", run.before_mean_abs},
+                       {"after_mean_abs", run.after_mean_abs},
+                       {"before_diverged", run.before_diverged},
+                       {"after_diverged", run.after_diverged}};
+  } else {
+    out["free_run"] = {
+        {"before", nullptr}, {"after", nullptr}, {"why_not", report.free_run.why_not}};
+  }
   out["not_excited"] = Json::array();
   out["not_excited_why"] = Json::object();
   for (const trace::NotExcited& hidden : trace.not_excited) {
     out["not_excited"].push_back(hidden.effect);
     out["not_excited_why"][hidden.effect] = hidden.reason;
   }
+  const double floor = trace.noise_floor_rms;
   const double left = trace.after_train.rms * trace.after_train.rms - floor * floor;
   out["unexplained"] = {
       {"variable",
        trace.unexplained.variable.empty() ? Json(nullptr) : Json(trace.unexplained.variable)},
       {"order_per_turn", trace.unexplained.order_per_turn},
+      {"balance", BalanceLetter(trace.unexplained.balance)},
       {"rms",
        trace.unexplained.variable.empty() ? std::sqrt(std::max(0.0, left)) : trace.unexplained.rms},
       {"share", trace.unexplained.share}};

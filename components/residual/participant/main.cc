@@ -21,14 +21,17 @@ void Run(const sinew::node::Options& options, sinew::node::StopFlag& stop,
   auto& state = loop.AddInput(node::kJointState);
   auto& actuator = loop.AddInput(node::kActuatorState);
   auto output = node.MakeWriter(node::kResidual);
-  std::string told;
+  std::string told, logged;
   while (const auto tick = loop.Next()) {
     robot.Step(*tick, state.value(), actuator);
     loop.Publish(output, robot.ToMessage(*tick), *tick);
-    if (const std::string line = robot.Line(); line != told) {
-      spdlog::info("{}", line.empty() ? "watching" : line);
+    if (const std::string line = robot.Line(true); line != told) {
       told = line;
       node.SetState(node::Node::State::kActive, told);
+    }
+    if (const std::string line = robot.Line(false); line != logged) {
+      logged = line;
+      spdlog::info("{}", told.empty() ? "watching" : told);
     }
   }
 }

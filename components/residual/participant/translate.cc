@@ -81,6 +81,7 @@ void RobotResidual::Begin(const node::Tick& tick, const msg::JointState& state,
     };
     for (const actuator::Term& term : joint.terms) {
       const effects::EffectInfo& info = term.effect->info();
+      if (!joint.Counts(term)) continue;
       if (info.role == effects::Role::kDrive) {
         need(HasVoltageDrive(joint) ? identify::Signal::kDriveVoltage
                                     : identify::Signal::kMotorCurrent,
@@ -166,13 +167,17 @@ msg::ResidualState RobotResidual::ToMessage(const node::Tick& tick) const {
   return message;
 }
 
-std::string RobotResidual::Line() const {
+std::string RobotResidual::Line(bool with_cause) const {
   for (std::size_t j = 0; j < monitors_.size(); ++j) {
     const MonitorOutput& out = output_[j];
     if (!out.alarm) continue;
-    return "joint '" + config_.robot.joints[j].name +
-           "': what the model leaves changed, it follows " + std::string(CauseName(out.follows)) +
-           (out.rival == Cause::kNothing ? "" : " or " + std::string(CauseName(out.rival)));
+    std::string line =
+        "joint '" + config_.robot.joints[j].name + "': what the model leaves changed";
+    if (with_cause) {
+      line += ", it follows " + std::string(CauseName(out.follows));
+      if (out.rival != Cause::kNothing) line += " or " + std::string(CauseName(out.rival));
+    }
+    return line;
   }
   const auto learns = [](const MonitorOutput& out) { return out.learnt < 1.0; };
   const auto end = output_.begin() + static_cast<std::ptrdiff_t>(monitors_.size());

@@ -23,8 +23,9 @@ class RobotResidual {
   void Step(const node::Tick& tick, const msg::JointState& state,
             const node::TickInput<msg::ActuatorState>& actuator);
   msg::ResidualState ToMessage(const node::Tick& tick) const;
-  // What is to be told, one line: a joint that learns, an alarm. Empty: watching.
-  std::string Line() const;
+  // What is to be told, one line: a joint that learns, an alarm (and what it follows, which is
+  // known better by the second). Empty: watching.
+  std::string Line(bool with_cause) const;
 
  private:
   void Begin(const node::Tick& tick, const msg::JointState& state,

@@ -114,6 +114,7 @@ void ReadJoint(const urdf::Joint& joint, const Where& where, Body* body) {
     where.Fail("joint", joint.name, "axis has no direction");
   }
   body->axis /= length;
+  if (joint.limits) body->effort = joint.limits->effort;
   if (joint.limits && joint.type != Joint::CONTINUOUS) {
     if (!(joint.limits->lower <= joint.limits->upper)) {
       where.Fail("joint", joint.name, "lower limit above upper limit");

@@ -198,6 +198,9 @@ TEST_F(ModelFileTest, ReadsALaboratorysRigJson) {
   EXPECT_EQ(joint.constants.torque_constant_Nm_A, 0.0159155);
   EXPECT_EQ(joint.backlash_rad, 0.0464258);
   EXPECT_NEAR(joint.motor_torque_limit_Nm, 0.3979, 1e-4);
+  EXPECT_EQ(joint.constants.encoder_counts_per_turn, 16384.0);
+  EXPECT_TRUE(joint.Declares(effects::Balance::kKinematic));
+  EXPECT_EQ(joint.Parameter("free_play", "width"), joint.backlash_rad);
   // It becomes a model file like any other.
   SaveRobotModel(folder_ / "model.yaml", robot);
   EXPECT_EQ(LoadRobotModel(folder_ / "model.yaml").joints[0].terms.size(), joint.terms.size());

@@ -8,6 +8,7 @@
 #include <limits>
 #include <random>
 #include <set>
+#include <utility>
 
 #include "components/effects/effect.h"
 
@@ -42,6 +43,12 @@ double* Field(JointSample& x, const std::string& name) {
   if (name == "load_force_N") return &x.load_force_N;
   if (name == "payload_kg") return &x.payload_kg;
   if (name == "temperature_degC") return &x.temperature_degC;
+  if (name == "rigid_torque_Nm") return &x.rigid_torque_Nm;
+  if (name == "volume_rate_1_s") return &x.volume_rate_1_s;
+  if (name == "valve_flow_bar") return &x.valve_flow_bar;
+  if (name == "valve_flow_rate_bar_s") return &x.valve_flow_rate_bar_s;
+  if (name == "tooth_torque_Nm") return &x.tooth_torque_Nm;
+  if (name == "tooth_side") return &x.tooth_side;
   return nullptr;
 }
 
@@ -61,7 +68,13 @@ const std::vector<std::string>& AllFields() {
                                                    "pressure_rate_bar_s",
                                                    "load_force_N",
                                                    "payload_kg",
-                                                   "temperature_degC"};
+                                                   "temperature_degC",
+                                                   "rigid_torque_Nm",
+                                                   "volume_rate_1_s",
+                                                   "valve_flow_bar",
+                                                   "valve_flow_rate_bar_s",
+                                                   "tooth_torque_Nm",
+                                                   "tooth_side"};
   return kFields;
 }
 
@@ -97,14 +110,15 @@ JointSample RandomSample(std::mt19937& random) {
   return x;
 }
 
-class EveryEffect : public ::testing::TestWithParam<std::string> {
+class EveryEffect : public ::testing::TestWithParam<EffectForm> {
  protected:
-  std::unique_ptr<Effect> effect_ = MakeEffect(GetParam(), RigConstants());
+  std::unique_ptr<Effect> effect_ = MakeEffect(GetParam().name, RigConstants(), GetParam().balance);
 };
 
 TEST_P(EveryEffect, IsDescribedWholly) {
   const EffectInfo& info = effect_->info();
-  EXPECT_EQ(info.name, GetParam());
+  EXPECT_EQ(info.name, GetParam().name);
+  EXPECT_EQ(info.balance, GetParam().balance);
   EXPECT_FALSE(info.title.empty());
   EXPECT_FALSE(info.formula.empty());
   EXPECT_FALSE(info.source.empty());
@@ -185,15 +199,22 @@ TEST_P(EveryEffect, ReadsWhatItNeedsAndNothingElse) {
     for (int trial = 0; trial < 20; ++trial) {
       JointSample x = RandomSample(random);
       effect_->ResetMemory(x, evaluate.psi, evaluate.memory);
-      // A stroke first, so that memory is not at rest.
+      // A stroke first, so that memory is not at rest; the valve may be open for it.
       x.position_rad += 0.01;
+      x.valve_open = trial % 4 < 2;
       effect_->Advance(x, 1e-3, evaluate.psi, evaluate.memory);
       const std::vector<double> memory_before = evaluate.memory;
-      const std::vector<double> before = evaluate(x);
+      const auto a_step_on = [&] {
+        evaluate.memory = memory_before;
+        effect_->Advance(x, 1e-3, evaluate.psi, evaluate.memory);
+        const bool open = std::exchange(x.valve_open, false);
+        const std::vector<double> phi = evaluate(x);
+        x.valve_open = open;
+        return phi;
+      };
+      const std::vector<double> before = a_step_on();
       *Field(x, field) = trial % 2 == 0 ? 0.0 : -1.3 * *Field(x, field) + 0.1;
-      effect_->Advance(x, 1e-3, evaluate.psi, evaluate.memory);
-      changed |= evaluate(x) != before;
-      evaluate.memory = memory_before;
+      changed |= a_step_on() != before;
     }
     EXPECT_EQ(changed, needed) << field;
   }
@@ -216,8 +237,26 @@ TEST_P(EveryEffect, AnswersNonFiniteInputWithNonFiniteOutput) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Catalogue, EveryEffect, ::testing::ValuesIn(EffectNames()),
-                         [](const auto& which) { return which.param; });
+INSTANTIATE_TEST_SUITE_P(Catalogue, EveryEffect, ::testing::ValuesIn(EffectForms()),
+                         [](const auto& which) {
+                           return which.param.name + "_" +
+                                  std::string(BalanceName(which.param.balance));
+                         });
+
+TEST(EffectForms, AreDifferentAndTheFirstOfANameIsTheDefault) {
+  std::set<std::pair<std::string, Balance>> seen;
+  std::set<std::string> names;
+  for (const EffectForm& form : EffectForms()) {
+    EXPECT_TRUE(seen.insert({form.name, form.balance}).second) << form.name;
+    if (names.insert(form.name).second) {
+      EXPECT_EQ(MakeEffect(form.name, RigConstants())->info().balance, form.balance) << form.name;
+    }
+  }
+  EXPECT_EQ(names.size(), EffectNames().size());
+  EXPECT_EQ(MakeEffect("gear_compliance", {}, Balance::kKinematic)->info().balance,
+            Balance::kKinematic);
+  EXPECT_THROW(MakeEffect("coulomb", {}, Balance::kKinematic), std::invalid_argument);
+}
 
 // Effects whose torque never adds energy for non-negative parameters.
 class FrictionEffect : public ::testing::TestWithParam<std::string> {};
@@ -464,6 +503,8 @@ TEST(UnitSuffix, GivesTheYamlSuffixForBothKinds) {
       {Dimension::kViscousPerKelvin, "Nm_s_rad_K", "N_s_m_K"},
       {Dimension::kInertiaTimeSquared, "kg_m2_s2", "kg_s2"},
       {Dimension::kTorqueTimePerBar, "Nm_s_bar", "N_s_bar"},
+      {Dimension::kAnglePerTorque, "rad_Nm", "m_N"},
+      {Dimension::kRate, "1_s", "1_s"},
   };
   for (const Row& row : rows) {
     EXPECT_EQ(UnitSuffix(row.dimension, JointKind::kRotary), row.rotary);

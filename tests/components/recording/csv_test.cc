@@ -173,6 +173,8 @@ TEST(CsvMap, RowsWithoutStampsAreNumberedAndTheFirstOnesLeftOut) {
   EXPECT_EQ(later.At(Signal::kPosition)[0], 7.0);
   EXPECT_EQ(ReadCsvRun(text, "data.csv", map("rows: {skip_s: 3}\n")).size(), 3);
   EXPECT_THROW(ReadCsvRun(text, "data.csv", map("rows: {skip: 9}\n")), std::invalid_argument);
+  EXPECT_TRUE(ReadCsvRun(text, "data.csv", map("rows: {held: true}\n")).held);
+  EXPECT_FALSE(all.held);
   EXPECT_EQ(
       MapError("schema: sinew-csv-map/1\nkind: rotary\n"
                "time: {row_period_s: 3, column: t, unit: s}\n"

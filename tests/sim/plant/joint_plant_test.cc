@@ -308,7 +308,7 @@ TEST(JointPlant, AnswersASineAsItsElasticTermsSay) {
     const char* effect;
     double value;
   };
-  for (const Case& c : {Case{"flexible_link", 2e-4}, Case{"flexible_link", -2e-4},
+  for (const Case& c : {Case{"elastic_joint", 2e-4}, Case{"elastic_joint", -2e-4},
                         Case{"gear_compliance", 2e-6}, Case{"gear_compliance", -2e-6}}) {
     JointModel model = Empty();
     Set(model, "drive_current", 1.0);
@@ -332,7 +332,7 @@ TEST(JointPlant, AnswersASineAsItsElasticTermsSay) {
       sine += 2.0 / static_cast<double>(whole) * joint.velocity_rad_s() * std::sin(kOmega * end);
     }
     // 1 = (J i w + B + c (i w)^2 or d (i w)^3) V, torque amplitude 1 Nm.
-    const bool jerk = std::string(c.effect) == "flexible_link";
+    const bool jerk = std::string(c.effect) == "elastic_joint";
     const double real = 0.5 - (jerk ? c.value * kOmega * kOmega : 0.0);
     const double imaginary = 0.1 * kOmega - (jerk ? 0.0 : c.value * kOmega * kOmega * kOmega);
     const double size = real * real + imaginary * imaginary;
@@ -347,6 +347,41 @@ TEST(JointPlant, AnswersASineAsItsElasticTermsSay) {
     EXPECT_NEAR(cosine, real / size, turned * term + 2e-4) << c.effect << c.value;
     EXPECT_NEAR(sine, imaginary / size, turned * term + 2e-4) << c.effect << c.value;
   }
+}
+
+// 0.04 of 0.1 kg m2 on a spring: 0.06 a + 0.04 p'' = torque, p'' = w^2 (q - p) + 2 z w (v - p').
+TEST(JointPlant, MovesALinkOnASpringAsTwoMasses) {
+  JointModel model = Empty();
+  Set(model, "drive_current", 1.0);
+  Set(model, "inertia", 0.1);
+  Set(model, "flexible_link", 0.04);
+  SingleJoint joint(model, {});
+  joint.Reset(0.0);
+  const double w = 2.0 * M_PI * 10.0;
+  const double z = 0.05;
+  double q = 0.0, v = 0.0, p = 0.0, u = 0.0;
+  double largest = 0.0;
+  double apart = 0.0;
+  for (long k = 0; k < 40000; ++k) {
+    const double t = (static_cast<double>(k) + 0.5) * kDt_s;
+    const double torque = 0.01 * std::cos(30.0 * t);
+    joint.plant().SetCommand({.mode = DriveMode::kTorque, .motor_torque_Nm = torque});
+    joint.Step(kDt_s);
+    constexpr int kParts = 10;
+    for (int i = 0; i < kParts; ++i) {
+      const double h = kDt_s / kParts;
+      const double spring = 0.04 * (w * w * (p - q) + 2.0 * z * w * (u - v));
+      const double ratio = model.constants.gear_ratio;
+      v += h * (ratio * torque + spring) / 0.06;
+      u -= h * spring / 0.04;
+      q += h * v;
+      p += h * u;
+    }
+    largest = std::max(largest, std::abs(v));
+    apart = std::max(apart, std::abs(v - joint.velocity_rad_s()));
+  }
+  EXPECT_GT(largest, 1e-3);
+  EXPECT_LT(apart, 0.03 * largest);
 }
 
 TEST(JointPlant, DelaysTheDriveByTheTransportDelay) {

@@ -48,6 +48,31 @@ TEST(Rig, EnergyIsKeptWithoutLosses) {
   EXPECT_LT(largest_J, 0.01 * largest_kinetic_J);
 }
 
+TEST(Rig, WearChangesDryAndViscousFrictionDuringARunAndResetTakesItBack) {
+  RigParameters p;
+  p.initial_rest_s = 0.0;
+  p.pneumatics.initial_pressure_bar = 0.0;
+  Rig rig{p};
+  const auto friction_Nm = [&] {
+    rig.SetState(0.0, 100.0, 0.0, 1.0);
+    rig.Advance(Idle(), 0.01);
+    return -rig.truth().friction_torque_Nm;
+  };
+  const auto slowing_rad_s = [&] {  // of the rotor by its own friction, inside the play
+    rig.SetState(-2.0, 200.0, 0.0, 0.0);
+    rig.Advance(Idle(), 0.01);
+    return 200.0 - rig.truth().motor_velocity_rad_s;
+  };
+  const double dry_Nm = friction_Nm();
+  const double slowing = slowing_rad_s();
+  rig.Wear(1.5, 1.4);
+  EXPECT_NEAR(friction_Nm() / dry_Nm, 1.5, 0.01);
+  EXPECT_GT(slowing_rad_s(), 1.3 * slowing);
+  EXPECT_LT(slowing_rad_s(), 1.41 * slowing);
+  rig.Reset();
+  EXPECT_NEAR(friction_Nm() / dry_Nm, 1.0, 0.01);
+}
+
 TEST(Rig, EnergyOnlyFallsWithFrictionAndTheMotorOff) {
   RigParameters p = Lossless();
   const RigParameters lossy;

@@ -76,7 +76,7 @@ TEST(CloseLoopOnEmps, TheSameEffectIsFoundFirstAndASecondLowersTheCrossError) {
   ASSERT_GE(trace.effects.size(), 2u);
   EXPECT_EQ(trace.effects[0].name, "direction_dependent_viscous");
   EXPECT_THAT(trace.effects[0].rivals, Contains("direction_dependent_quadratic_viscous"));
-  EXPECT_TRUE(trace.effects[1].name == "flexible_link" ||
+  EXPECT_TRUE(trace.effects[1].name == "elastic_joint" ||
               trace.effects[1].name == "transport_delay")
       << trace.effects[1].name;
   EXPECT_LT(trace.effects[0].sealed_after, trace.effects[0].sealed_before);

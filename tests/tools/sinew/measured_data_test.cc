@@ -79,5 +79,114 @@ TEST(PendulumServo, LoadDependentGearFrictionIsFoundAndTheSimulationFollows) {
   EXPECT_EQ(run.errors->after_diverged, 0);
 }
 
+// --- 3D-printed pneumatic cylinder -------------------------------------------------------------
+
+class Cylinder : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(Cylinder, FrictionThatGrowsWithPressureIsFoundFirst) {
+  const fs::path folder = kMeasured / "pneumatic_cylinder_3dprinted";
+  SKIP_WITHOUT(folder);
+  const std::string seal = GetParam();
+  CloseLoopOptions options;
+  options.model = kRobots / "pneumatic_cylinder/model.yaml";
+  options.map = kRobots / "pneumatic_cylinder/csv_map.yaml";
+  options.train = Paths(folder, {seal + "_1bar", seal + "_7bar"});
+  options.sealed = Paths(folder, {seal + "_3bar"});
+  const trace::TraceResult trace = CloseLoop(options).report.trace;
+  ASSERT_FALSE(trace.effects.empty());
+  const trace::FoundEffect& first = trace.effects[0];
+  EXPECT_TRUE(first.name == "pressure_dependent_friction" || first.name == "seal_hysteresis")
+      << first.name;
+  // At a pressure that was not trained on.
+  EXPECT_LT(first.sealed_after, 0.7 * first.sealed_before);
+  // Published half differences of the force at 1 and 7 bar: O-ring 4.0 and 8.0 N, NAPN 3.4 and
+  // 11.9 N, so 0.67 and 1.42 N/bar at mid-stroke.
+  const double published_N_bar = seal == "NAPN" ? 1.42 : 0.67;
+  const double found_N_bar =
+      trace.corrected.terms[static_cast<std::size_t>(first.term)].linear[0].value;
+  EXPECT_NEAR(found_N_bar, published_N_bar, 0.2 * published_N_bar);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seals, Cylinder, ::testing::Values("O-ring", "NAPN"),
+                         [](const auto& seal) { return seal.index == 0 ? "ORing" : "NAPN"; });
+
+// --- Motor on an ODrive --------------------------------------------------------------------------
+
+const fs::path kMotor = kMeasured / "odrive_cogging";
+
+CloseLoopResult OnMotor(const std::string& sealed, const std::string& map) {
+  CloseLoopOptions options;
+  options.model = kRobots / "odrive_motor/model.yaml";
+  options.map = kRobots / "odrive_motor/csv_map.yaml";
+  options.sealed_map = kRobots / "odrive_motor" / map;
+  options.train = Paths(kMotor, {"map_a_step4"});
+  options.sealed = Paths(kMotor, {sealed});
+  return CloseLoop(options);
+}
+
+TEST(CoggingMap, TheOrdersOfTheMapAreFoundAndTheRepeatConfirmsThem) {
+  SKIP_WITHOUT(kMotor);
+  const trace::TraceResult trace = OnMotor("map_b_step16_repeat", "csv_map.yaml").report.trace;
+  std::vector<double> orders;
+  for (const trace::FoundEffect& effect : trace.effects) {
+    ASSERT_EQ(effect.name, "cogging");
+    orders.push_back(
+        trace.corrected.terms[static_cast<std::size_t>(effect.term)].nonlinear[0].value);
+  }
+  // Largest harmonics per turn of an own look at the data: 7, 28, 14, 36, 12.
+  ASSERT_GE(orders.size(), 5u);
+  orders.resize(5);
+  EXPECT_THAT(orders, ::testing::ElementsAre(7, 28, 14, 36, 12));
+  EXPECT_LT(trace.after_sealed.rms, 0.15 * trace.before_sealed.rms);
+}
+
+// Correlation of x[i] with y[i + lag] over rows that are used on both sides.
+double Correlation(const identify::Rows& rows, const Eigen::VectorXd& x, const Eigen::VectorXd& y,
+                   Eigen::Index lag) {
+  double xx = 0.0, yy = 0.0, xy = 0.0, sx = 0.0, sy = 0.0, n = 0.0;
+  for (const Eigen::Index i : rows.UsedRows()) {
+    const Eigen::Index k = i + lag;
+    if (k < 0 || k >= rows.size() || !rows.used[static_cast<std::size_t>(k)]) continue;
+    sx += x[i];
+    sy += y[k];
+    xx += x[i] * x[i];
+    yy += y[k] * y[k];
+    xy += x[i] * y[k];
+    n += 1.0;
+  }
+  return (xy - sx * sy / n) / std::sqrt((xx - sx * sx / n) * (yy - sy * sy / n));
+}
+
+TEST(CoggingMap, TheMapPredictsTheCurrentOfASlowTurn) {
+  SKIP_WITHOUT(kMotor);
+  const CloseLoopResult result = OnMotor("slow_0.10rev_s_nocomp_0", "csv_map_slow.yaml");
+  const auto slow = recording::ReadRuns(kMotor / "slow_0.10rev_s_nocomp_0.csv",
+                                        kRobots / "odrive_motor/csv_map_slow.yaml");
+  const actuator::JointModel& model = result.report.trace.corrected;
+  const identify::ProcessingOptions& processing = result.report.processing;
+  identify::Design design(identify::MakeStates(slow, model, processing), processing);
+  const effects::Effect& drive = *model.terms[0].effect;
+  const Eigen::VectorXd measured = design.MeasuredDrive(drive);
+  design.PredictDrive(model);
+  const Eigen::VectorXd predicted = design.Columns(drive, {});
+  // As it is; and where the current may come late against the angle (an index found anew, or
+  // friction that turns over): told, not mended.
+  const double plain = Correlation(design.rows(), predicted, measured, 0);
+  double best = plain;
+  Eigen::Index lag = 0;
+  for (Eigen::Index k = -5; k <= 5; ++k) {
+    const double at = Correlation(design.rows(), predicted, measured, k);
+    if (at > best) {
+      best = at;
+      lag = k;
+    }
+  }
+  RecordProperty("correlation", std::to_string(plain));
+  RecordProperty("correlation_with_lag", std::to_string(best));
+  EXPECT_GT(plain, 0.75);
+  EXPECT_GT(best, 0.9) << "lag " << static_cast<double>(lag) / design.rows_per_s() << " s";
+  EXPECT_NEAR(static_cast<double>(lag) / design.rows_per_s(), 0.045, 0.03);
+}
+
 }  // namespace
 }  // namespace sinew::tools

@@ -1,0 +1,28 @@
+// The whole path of `sinew close-loop` for an arm: rigid bodies and friction of all joints
+// together, then each joint's own residual over the catalogue, then all together again with what
+// was found. Pure; allocates; reads no clock. Throws std::invalid_argument for recordings that
+// cannot be used.
+#pragma once
+
+#include "components/arm/arm_fit.h"
+
+namespace sinew::arm {
+
+struct ArmLoop {
+  identify::ProcessingOptions processing;  // of all joints
+  ArmFit before;                           // declared friction
+  ArmFit after;                            // with the effects that were found
+  ArmError sealed_nominal, sealed_before, sealed_after;
+};
+
+// First half: the joint fit; train and sealed get the rigid torque of each joint, and the model
+// that comes back has the fitted friction. Cut-offs that `wished` leaves to the data are those of
+// the first joint.
+ArmLoop FitArm(const Arm& arm, const actuator::RobotModel& robot,
+               const identify::ProcessingOptions& wished, ArmRuns* train, ArmRuns* sealed);
+
+// Second half: corrected holds what tracing each joint found.
+void FinishArm(const Arm& arm, const actuator::RobotModel& corrected, const ArmRuns& train,
+               const ArmRuns& sealed, ArmLoop* loop);
+
+}  // namespace sinew::arm

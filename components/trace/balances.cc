@@ -1,0 +1,166 @@
+#include "components/trace/balances.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "components/identify/design.h"
+#include "components/identify/gas.h"
+#include "components/identify/kinematic.h"
+
+namespace sinew::trace {
+
+namespace {
+
+constexpr std::size_t kFewestTrainRows = 200;
+constexpr std::size_t kFewestSealedRows = 50;
+
+struct Sight {
+  std::optional<identify::Design> train, sealed;
+  std::string why_not;  // empty: there is something to see
+};
+
+Sight KinematicSight(const std::vector<identify::Run>& train,
+                     const std::vector<identify::Run>& sealed, const actuator::JointModel& model,
+                     const identify::ProcessingOptions& motion) {
+  Sight out;
+  for (const auto* runs : {&train, &sealed}) {
+    out.why_not = identify::WhyNoKinematics(*runs, model);
+    if (!out.why_not.empty()) return out;
+  }
+  identify::StateSet states = identify::MakeKinematicStates(train, model, motion);
+  const identify::ProcessingOptions options = identify::KinematicProcessing(motion, states.rate_Hz);
+  // What is surely more than the torque balance's error is told by the training recordings.
+  const double residual = identify::RawResidualTorque(states, model);
+  out.train.emplace(std::move(states), options);
+  out.sealed.emplace(identify::MakeKinematicStates(sealed, model, motion, residual), options);
+  bool up = false, down = false;
+  for (const Eigen::Index i : out.train->rows().UsedRows()) {
+    const auto k = static_cast<std::size_t>(i);
+    const identify::StateSegment& segment =
+        out.train->states().segments[static_cast<std::size_t>(out.train->rows().segment[k])];
+    const double side =
+        segment.samples[static_cast<std::size_t>(out.train->rows().sample[k])].tooth_side;
+    up = up || side > 0.0;
+    down = down || side < 0.0;
+  }
+  if (out.train->rows().UsedRows().size() < kFewestTrainRows ||
+      out.sealed->rows().UsedRows().size() < kFewestSealedRows) {
+    out.why_not = "the teeth are hardly ever surely in contact";
+  } else if (!up || !down) {
+    out.why_not = "the teeth touch on one side only";
+  }
+  return out;
+}
+
+Sight GasSight(const std::vector<identify::Run>& train, const std::vector<identify::Run>& sealed,
+               const actuator::JointModel& model, const identify::ProcessingOptions& motion) {
+  constexpr int kFewestWindows = 4;
+  Sight out;
+  for (const auto* runs : {&train, &sealed}) {
+    out.why_not = identify::WhyNoGas(*runs, model);
+    if (!out.why_not.empty()) return out;
+  }
+  identify::GasWindows of_train = identify::MakeGasStates(train, model, motion);
+  identify::GasWindows of_sealed = identify::MakeGasStates(sealed, model, motion);
+  if (of_train.shut < kFewestWindows) out.why_not = "the valve is hardly ever shut in training";
+  if (of_sealed.shut < 1) out.why_not = "the valve is never shut in the sealed recordings";
+  if (!out.why_not.empty()) return out;
+  const identify::ProcessingOptions options =
+      identify::GasProcessing(motion, of_train.states.rate_Hz);
+  out.train.emplace(std::move(of_train.states), options);
+  out.sealed.emplace(std::move(of_sealed.states), options);
+  return out;
+}
+
+Sight Look(effects::Balance balance, const std::vector<identify::Run>& train,
+           const std::vector<identify::Run>& sealed, const actuator::JointModel& model,
+           const identify::ProcessingOptions& motion) {
+  if (balance == effects::Balance::kKinematic) return KinematicSight(train, sealed, model, motion);
+  return GasSight(train, sealed, model, motion);
+}
+
+}  // namespace
+
+std::vector<effects::Balance> OtherBalances(const actuator::JointModel& model) {
+  std::vector<effects::Balance> out;
+  for (const effects::Balance balance : {effects::Balance::kKinematic, effects::Balance::kGas}) {
+    if (model.Declares(balance)) out.push_back(balance);
+  }
+  return out;
+}
+
+TraceResult TraceBalance(effects::Balance balance, const std::vector<identify::Run>& train,
+                         const std::vector<identify::Run>& sealed,
+                         const actuator::JointModel& corrected,
+                         const identify::ProcessingOptions& motion, const TraceOptions& options) {
+  actuator::JointModel model = corrected;
+  model.balance = balance;
+  Sight sight = Look(balance, train, sealed, model, motion);
+  if (sight.why_not.empty()) return Trace(*sight.train, *sight.sealed, model, options);
+  TraceResult out;
+  out.nominal = out.declared = out.corrected = std::move(model);
+  for (const auto& form : effects::EffectForms()) {
+    if (form.balance != balance || out.corrected.Find(form.name, balance) >= 0) continue;
+    out.not_excited.push_back({form.name, sight.why_not});
+  }
+  out.unseen = sight.why_not;
+  return out;
+}
+
+TraceResult WithBalance(TraceResult motion, TraceResult other) {
+  const effects::Balance balance = other.corrected.balance;
+  BalanceSummary summary;
+  summary.balance = balance;
+  summary.unit = effects::BalanceUnit(balance, other.corrected.kind);
+  summary.unseen = std::move(other.unseen);
+  summary.verdict = other.verdict;
+  summary.nominal_train = std::move(other.nominal_train);
+  summary.nominal_sealed = std::move(other.nominal_sealed);
+  summary.before_train = std::move(other.before_train);
+  summary.before_sealed = std::move(other.before_sealed);
+  summary.after_train = std::move(other.after_train);
+  summary.after_sealed = std::move(other.after_sealed);
+  summary.noise_floor_rms = other.noise_floor_rms;
+  summary.noise_floor_source = std::move(other.noise_floor_source);
+  summary.ceiling_rms = other.ceiling_rms;
+  summary.correlation_time_s = other.correlation_time_s;
+  summary.units = other.units;
+  summary.unit_kind = std::move(other.unit_kind);
+  summary.unit_length_s = other.unit_length_s;
+  summary.rounds = std::move(other.rounds);
+  summary.unexplained = other.unexplained;
+
+  // Declared terms stand at the same places in all models.
+  for (auto [mine, theirs] : {std::pair{&motion.declared, &other.declared}}) {
+    for (std::size_t t = 0; t < mine->terms.size() && t < theirs->terms.size(); ++t) {
+      if (mine->terms[t].effect->info().balance == balance) mine->terms[t] = theirs->terms[t];
+    }
+  }
+  other.corrected.balance = motion.corrected.balance;
+  motion.corrected = std::move(other.corrected);
+  for (FoundEffect& effect : other.effects) motion.effects.push_back(std::move(effect));
+  for (ParameterShift& shift : other.shifts) motion.shifts.push_back(std::move(shift));
+  // An effect with a form in both balances is seen when either shows it.
+  for (NotExcited& hidden : other.not_excited) {
+    const bool form_elsewhere =
+        std::any_of(motion.judged.begin(), motion.judged.end(),
+                    [&](const std::string& name) { return name == hidden.effect; });
+    if (!form_elsewhere) motion.not_excited.push_back(std::move(hidden));
+  }
+  for (const std::string& name : other.judged) {
+    std::erase_if(motion.not_excited,
+                  [&](const NotExcited& hidden) { return hidden.effect == name; });
+    motion.judged.push_back(name);
+  }
+  std::stable_sort(motion.not_excited.begin(), motion.not_excited.end(),
+                   [](const NotExcited& a, const NotExcited& b) { return a.effect < b.effect; });
+  if (other.verdict == Verdict::kEffect) motion.verdict = Verdict::kEffect;
+  if (motion.verdict == Verdict::kNone && other.verdict == Verdict::kUnexplained) {
+    motion.verdict = Verdict::kUnexplained;
+    motion.unexplained = other.unexplained;
+  }
+  motion.balances.push_back(std::move(summary));
+  return motion;
+}
+
+}  // namespace sinew::trace

@@ -1,0 +1,30 @@
+// The other balances beside the torque balance, and one result of all. Pure; allocates.
+#pragma once
+
+#include <vector>
+
+#include "components/actuator/model.h"
+#include "components/identify/processing.h"
+#include "components/identify/run.h"
+#include "components/trace/tracer.h"
+
+namespace sinew::trace {
+
+// Balances beside the motion's that the model declares, in the order in which they are judged.
+std::vector<effects::Balance> OtherBalances(const actuator::JointModel& model);
+
+// Judges one of them with the model as the motion left it: its rows, its declared terms, its part
+// of the catalogue. motion: options of the torque balance, resolved. When the recordings show
+// nothing of it, the result has no effect and not_excited says why for every effect of that
+// balance.
+TraceResult TraceBalance(effects::Balance balance, const std::vector<identify::Run>& train,
+                         const std::vector<identify::Run>& sealed,
+                         const actuator::JointModel& corrected,
+                         const identify::ProcessingOptions& motion, const TraceOptions& options);
+
+// Adds what another balance found to the motion's result: effects, shifts and what could not be
+// seen, the model's terms, and a summary with errors in that balance's unit. The motion's own
+// errors stay.
+TraceResult WithBalance(TraceResult motion, TraceResult other);
+
+}  // namespace sinew::trace

@@ -1,0 +1,178 @@
+#include "tools/sinew/close_robot.h"
+
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <numeric>
+
+#include "components/config/config.h"
+#include "components/identify/file/processing_file.h"
+#include "components/report/section.h"
+#include "components/trace/close_loop.h"
+#include "sim/world/file/urdf_file.h"
+
+namespace sinew::tools {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+// As named, else beside the model file, else from where the command runs.
+fs::path FindUrdf(const CloseLoopOptions& options, const LoopInput& input) {
+  const fs::path wanted =
+      options.urdf.empty() ? fs::path(input.model.robot.urdf_path) : options.urdf;
+  if (wanted.empty()) {
+    throw UsageError(input.model_path.string() +
+                     ": joints with a term rigid_body need the arm's URDF, expected 'urdf' in the "
+                     "model file or --urdf");
+  }
+  const fs::path beside = input.model_path.parent_path() / wanted;
+  if (wanted.is_relative() && fs::exists(beside)) return beside;
+  if (!fs::exists(wanted)) {
+    throw UsageError(wanted.string() + ": no such file, expected the arm's URDF");
+  }
+  return wanted;
+}
+
+Json ErrorJson(const arm::ArmError& error) {
+  return {{"nrms_percent", error.nrms_percent},
+          {"relative_percent", error.all_relative_percent},
+          {"joints_rms", error.rms_Nm},
+          {"joints_relative_percent", error.relative_percent}};
+}
+
+Json ArmJson(const arm::ArmLoop& loop) {
+  Json base = Json::array();
+  for (std::size_t i = 0; i < loop.before.base.size(); ++i) {
+    const arm::BaseParameter& before = loop.before.base[i];
+    const arm::BaseParameter& after = loop.after.base[i];
+    base.push_back({{"name", before.name},
+                    {"nominal", before.nominal},
+                    {"before", before.value},
+                    {"before_half_width_95", before.half_width_95},
+                    {"after", after.value},
+                    {"after_half_width_95", after.half_width_95}});
+  }
+  return {
+      {"train", {{"before", ErrorJson(loop.before.train)}, {"after", ErrorJson(loop.after.train)}}},
+      {"sealed",
+       {{"nominal", ErrorJson(loop.sealed_nominal)},
+        {"before", ErrorJson(loop.sealed_before)},
+        {"after", ErrorJson(loop.sealed_after)}}},
+      {"base_parameters", base}};
+}
+
+std::string RobotJson(const CloseRobotResult& result) {
+  Json out;
+  std::string verdict = "none";
+  Json joints = Json::array();
+  for (std::size_t i = 0; i < result.joints.size(); ++i) {
+    Json joint = Json::parse(result.joints[i].json);
+    const std::string one = joint["verdict"];
+    if (one == "effect" || (one == "unexplained" && verdict == "none")) verdict = one;
+    Json entry;
+    entry["joint"] =
+        result.model.robot.joints[static_cast<std::size_t>(result.joint_numbers[i])].name;
+    entry.update(joint);
+    joints.push_back(std::move(entry));
+  }
+  out["robot"] = result.model.robot.name;
+  out["verdict"] = verdict;
+  if (result.arm) out["arm"] = ArmJson(*result.arm);
+  out["joints"] = std::move(joints);
+  return out.dump(2) + "\n";
+}
+
+}  // namespace
+
+CloseRobotResult CloseRobot(const CloseLoopOptions& options, std::vector<int> joints) {
+  LoopInput input = LoadLoopInput(options);
+  actuator::RobotModel& robot = input.model.robot;
+  if (joints.empty()) {
+    joints.resize(robot.joints.size());
+    std::iota(joints.begin(), joints.end(), 0);
+  }
+  CloseRobotResult out;
+  out.joint_numbers = joints;
+  if (options.progress) options.progress("reading recordings", 0.0);
+  arm::ArmRuns train, sealed;
+  bool is_arm = false;
+  for (std::size_t j = 0; j < robot.joints.size(); ++j) {
+    train.push_back(ReadJoint(options.train, input.map, static_cast<int>(j)));
+    sealed.push_back(ReadJoint(options.sealed, input.sealed_map, static_cast<int>(j)));
+    is_arm = is_arm || robot.joints[j].Find("rigid_body") >= 0;
+  }
+  std::optional<arm::Arm> arm;
+  try {
+    trace::RequireSealed(train.front(), sealed.front());
+    if (is_arm) {
+      const fs::path urdf = FindUrdf(options, input);
+      arm.emplace(world::ParseUrdf(config::ReadFile(urdf), urdf.string()), robot);
+      out.arm =
+          arm::FitArm(*arm, robot, identify::ReadProcessing(input.model.root, robot.joints[0].kind),
+                      &train, &sealed);
+      robot = out.arm->before.robot;
+    }
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what());
+  }
+  out.model = input.model;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    CloseLoopOptions one = options;
+    one.joint = joints[i];
+    if (options.progress) {
+      one.progress = [&](const std::string& what, double share) {
+        options.progress(what,
+                         (static_cast<double>(i) + share) / static_cast<double>(joints.size()));
+      };
+    }
+    const auto j = static_cast<std::size_t>(joints[i]);
+    out.joints.push_back(CloseLoopOn(one, input, train[j], sealed[j]));
+    out.model.robot.joints[j] = out.joints.back().model.robot.joints[j];
+  }
+  if (arm) {
+    try {
+      arm::FinishArm(*arm, out.model.robot, train, sealed, &*out.arm);
+    } catch (const std::invalid_argument& error) {
+      throw UsageError(error.what());
+    }
+    out.model.robot = out.arm->after.robot;
+  }
+  out.json = RobotJson(out);
+  if (options.out.empty()) return out;
+  MakeFolder(options.out);
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const fs::path folder =
+        options.out / out.model.robot.joints[static_cast<std::size_t>(joints[i])].name;
+    MakeFolder(folder);
+    config::WriteFileAtomically(folder / "report.json", out.joints[i].json);
+    config::WriteFileAtomically(folder / "report.html", out.joints[i].html);
+  }
+  actuator::SaveModelFile(options.out / "model.yaml", out.model);
+  config::WriteFileAtomically(options.out / "report.json", out.json);
+  return out;
+}
+
+void PrintSummary(const CloseRobotResult& result, const CloseLoopOptions& options) {
+  using report::Short;
+  for (std::size_t i = 0; i < result.joints.size(); ++i) {
+    const report::Report& report = result.joints[i].report;
+    std::cout << result.model.robot.joints[static_cast<std::size_t>(result.joint_numbers[i])].name
+              << ": " << report::VerdictSentence(report) << '\n';
+  }
+  if (result.arm) {
+    const arm::ArmLoop& loop = *result.arm;
+    std::cout << "arm, sealed: " << Short(loop.sealed_nominal.all_relative_percent)
+              << " % as declared, " << Short(loop.sealed_before.all_relative_percent)
+              << " % refitted, " << Short(loop.sealed_after.all_relative_percent)
+              << " % with the effects; rms over twice the effort limit "
+              << Short(loop.sealed_nominal.nrms_percent) << " -> "
+              << Short(loop.sealed_before.nrms_percent) << " -> "
+              << Short(loop.sealed_after.nrms_percent) << " % (" << loop.before.base.size()
+              << " base parameters)\n";
+  }
+  std::cout << "written: " << (options.out / "report.json").string()
+            << ", model.yaml, and a report of each joint in a folder of its name\n";
+}
+
+}  // namespace sinew::tools
