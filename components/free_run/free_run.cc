@@ -16,12 +16,46 @@ using identify::StateSegment;
 constexpr double kInsideLimit = 0.98;  // of the servo's limit: beyond it the command says nothing
 constexpr int kFewestGainRows = 50;
 
+// The joint alone.
+class JointBody final : public Body {
+ public:
+  explicit JointBody(const actuator::JointModel& model)
+      : joint_(model, plant::JointPlantConfig{}) {}
+
+  void Start(const effects::JointSample& x, std::span<const double> memory) override {
+    joint_.Reset(x.position_rad, x.velocity_rad_s);
+    plant::JointPlant& plant = joint_.plant();
+    const double ratio = plant.model().constants.gear_ratio;
+    const double play = 0.5 * plant.model().backlash_rad;
+    // Teeth that would overlap by an encoder's zero do not.
+    const double gap = std::clamp(x.motor_position_rad / ratio - x.position_rad, -play, play);
+    plant.SetRotor(ratio * (x.position_rad + gap), x.motor_velocity_rad_s);
+    plant.SetMemory(memory);
+  }
+  void SetSurroundings(const effects::JointSample& x) override {
+    joint_.plant().SetSurroundings(x);
+  }
+  void Step(double motor_torque_Nm, double dt_s) override {
+    plant::DriveCommand command;
+    command.mode = plant::DriveMode::kTorque;
+    command.motor_torque_Nm = motor_torque_Nm;
+    joint_.plant().SetCommand(command);
+    joint_.Step(dt_s);
+  }
+  double position_rad() const override { return joint_.position_rad(); }
+  double velocity_rad_s() const override { return joint_.velocity_rad_s(); }
+  double motor_velocity_rad_s() const override { return joint_.plant().motor_velocity_rad_s(); }
+
+ private:
+  plant::SingleJoint joint_;
+};
+
 // A model with everything that its simulation needs.
 class Simulation {
  public:
   Simulation(const actuator::JointModel& model, const FreeRunOptions& options)
       : model_(Unlimited(model)),
-        joint_(model_, plant::JointPlantConfig{}),
+        body_(options.make_body ? options.make_body(model_) : std::make_unique<JointBody>(model_)),
         memory_(static_cast<std::size_t>(model.memory_size())),
         step_s_(model.backlash_rad > 0.0 ? 0.5 * options.step_s : options.step_s) {
     const double constant = model.constants.torque_constant_Nm_A;
@@ -40,16 +74,7 @@ class Simulation {
     }
   }
 
-  void Start(const effects::JointSample& x) {
-    joint_.Reset(x.position_rad, x.velocity_rad_s);
-    plant::JointPlant& plant = joint_.plant();
-    const double ratio = model_.constants.gear_ratio;
-    const double play = 0.5 * model_.backlash_rad;
-    // Teeth that would overlap by an encoder's zero do not.
-    const double gap = std::clamp(x.motor_position_rad / ratio - x.position_rad, -play, play);
-    plant.SetRotor(ratio * (x.position_rad + gap), x.motor_velocity_rad_s);
-    plant.SetMemory(memory_);
-  }
+  void Start(const effects::JointSample& x) { body_->Start(x, memory_); }
 
   // From sample i to the next. drive: signal of the drive (A, V or Nm) at a state of the joint;
   // driven: false while the bridge is open.
@@ -57,23 +82,18 @@ class Simulation {
   void Advance(const StateSegment& segment, Eigen::Index i, bool driven, Drive drive) {
     const int steps = std::max(1, static_cast<int>(std::ceil(segment.period_s / step_s_ - 1e-9)));
     const double dt = segment.period_s / steps;
-    plant::JointPlant& plant = joint_.plant();
-    plant.SetSurroundings(segment.samples[static_cast<std::size_t>(i)]);
+    body_->SetSurroundings(segment.samples[static_cast<std::size_t>(i)]);
     for (int k = 0; k < steps; ++k) {
       double input = 0.0;
       if (driven) {
-        input = drive(joint_.position_rad(), joint_.velocity_rad_s());
-        input -= back_emf_ * plant.motor_velocity_rad_s();
+        input = drive(body_->position_rad(), body_->velocity_rad_s());
+        input -= back_emf_ * body_->motor_velocity_rad_s();
       }
-      plant::DriveCommand command;
-      command.mode = plant::DriveMode::kTorque;
-      command.motor_torque_Nm = input * shaft_per_input_;
-      plant.SetCommand(command);
-      joint_.Step(dt);
+      body_->Step(input * shaft_per_input_, dt);
     }
   }
 
-  double position_rad() const { return joint_.position_rad(); }
+  double position_rad() const { return body_->position_rad(); }
 
  private:
   static actuator::JointModel Unlimited(actuator::JointModel model) {
@@ -82,7 +102,7 @@ class Simulation {
   }
 
   actuator::JointModel model_;
-  plant::SingleJoint joint_;
+  std::unique_ptr<Body> body_;
   std::vector<double> memory_;
   double step_s_;
   double shaft_per_input_ = 1.0;

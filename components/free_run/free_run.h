@@ -13,7 +13,10 @@
 // position, in rad, in m for a linear joint. Pure; allocates; one thread.
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -23,9 +26,27 @@
 
 namespace sinew::free_run {
 
+// What a model moves in. The default is its joint alone (plant::SingleJoint); whoever has more of
+// the robot gives its own.
+class Body {
+ public:
+  virtual ~Body() = default;
+  // At the state of x: position, velocity, motor_position_rad within the play, motor's velocity.
+  virtual void Start(const effects::JointSample& x, std::span<const double> memory) = 0;
+  virtual void SetSurroundings(const effects::JointSample& x) = 0;
+  virtual void Step(double motor_torque_Nm, double dt_s) = 0;
+  virtual double position_rad() const = 0;
+  virtual double velocity_rad_s() const = 0;
+  virtual double motor_velocity_rad_s() const = 0;
+};
+// The model comes without its torque limit: the recorded drive is what it was. Throws
+// std::invalid_argument: a model that cannot be simulated.
+using MakeBody = std::function<std::unique_ptr<Body>(const actuator::JointModel& model)>;
+
 struct FreeRunOptions {
   double horizon_s = 0.5;
-  double step_s = 2.0e-4;  // halved for joints with free play
+  double step_s = 2.0e-4;   // halved for joints with free play
+  MakeBody make_body = {};  // empty: the joint alone
 };
 
 enum class Method { kClosedLoop, kHorizons };

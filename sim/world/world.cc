@@ -1,6 +1,7 @@
 #include "sim/world/world.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -160,8 +161,37 @@ void World::Reset(provider::PlantSensors* sensors) {
     joint.relays = {};
     joint.gas.Reset();
     joint.load_force_N = 0.0;
+    joint.follows = false;
   }
   ReadSensors(sensors);
+}
+
+void World::Start(int index, const effects::JointSample& x, std::span<const double> memory) {
+  Joint& joint = joints_.at(static_cast<std::size_t>(index));
+  position_[index] = x.position_rad;
+  velocity_[index] = x.velocity_rad_s;
+  for (Eigen::Index j = 0; j < position_.size(); ++j) {
+    const int c = chain_joint_[static_cast<std::size_t>(j)];
+    chain_position_[c] = position_[j];
+    chain_velocity_[c] = velocity_[j];
+  }
+  chain_.SetState(chain_position_, chain_velocity_);
+  chain_.Solve(&acceleration_, &inverse_);
+  const int c = chain_joint_[static_cast<std::size_t>(index)];
+  joint.plant.Reset(x.position_rad, 1.0 / inverse_(c, c));
+  // Teeth that would overlap by an encoder's zero do not.
+  const actuator::JointModel& model = joint.plant.model();
+  const double ratio = model.constants.gear_ratio;
+  const double play = 0.5 * model.backlash_rad;
+  const double gap = std::clamp(x.motor_position_rad / ratio - x.position_rad, -play, play);
+  joint.plant.SetRotor(ratio * (x.position_rad + gap), x.motor_velocity_rad_s);
+  joint.plant.SetMemory(memory);
+}
+
+void World::SetSurroundings(int index, const effects::JointSample& x) {
+  Joint& joint = joints_.at(static_cast<std::size_t>(index));
+  joint.follows = true;
+  joint.plant.SetSurroundings(x);
 }
 
 void World::Step(const provider::PlantCommand& command, double period_s,
@@ -190,7 +220,9 @@ void World::Step(const provider::PlantCommand& command, double period_s,
     const double extra = std::isfinite(command.extra_payload_kg[j])
                              ? std::max(0.0, command.extra_payload_kg[j])
                              : 0.0;
-    joint.plant.SetLoad(joint.load_force_N, joint.config.declared_payload_kg + extra);
+    if (!joint.follows) {
+      joint.plant.SetLoad(joint.load_force_N, joint.config.declared_payload_kg + extra);
+    }
     joint.relays = {.valve_open = command.valve_open[j],
                     .compressor_on = command.compressor_on[j],
                     .vent_open = command.vent_open[j]};
@@ -242,7 +274,7 @@ void World::Substep(double dt_s) noexcept {
     velocity_[j] = chain_velocity_[chain_joint_[static_cast<std::size_t>(j)]];
     position_[j] += 0.5 * dt_s * velocity_[j];
     joint.plant.End(position_[j], velocity_[j], dt_s);
-    if (joint.config.has_pneumatics) {
+    if (joint.config.has_pneumatics && !joint.follows) {
       plant::Relays relays = joint.relays;
       relays.valve_open = joint.gas.Valve(relays.valve_open, dt_s);
       const double volume = joint.pneumatics.chamber_volume_m3(position_[j]);

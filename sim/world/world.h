@@ -15,6 +15,7 @@
 // (OverrideLink).
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -57,6 +58,13 @@ class World final : public provider::Plant {
   void Step(const provider::PlantCommand& command, double period_s,
             provider::PlantSensors* sensors) override;
 
+  // Following a recording: puts one joint where it says, at its velocity, the rotor within the play
+  // of motor_position_rad (shaft), the terms' memory as given (actuator::JointModel's order).
+  void Start(int joint, const effects::JointSample& x, std::span<const double> memory);
+  // From now on pressure, load force, payload, temperature and valve of the joint are those of x
+  // (JointPlant::SetSurroundings) instead of the command's and the pneumatics'.
+  void SetSurroundings(int joint, const effects::JointSample& x);
+
   // Truth, for tests and experiments.
   double position_rad(int joint) const { return position_[joint]; }
   double velocity_rad_s(int joint) const { return velocity_[joint]; }
@@ -74,6 +82,7 @@ class World final : public provider::Plant {
     plant::GasEffects gas;
     plant::Relays relays;
     double load_force_N = 0.0;
+    bool follows = false;  // a recording's surroundings
   };
 
   void Substep(double dt_s) noexcept;

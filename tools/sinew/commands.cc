@@ -19,6 +19,7 @@
 #include "tools/sinew/score.h"
 #include "tools/sinew/search.h"
 #include "tools/sinew/train.h"
+#include "tools/sinew/verify.h"
 
 namespace sinew::tools {
 
@@ -29,6 +30,7 @@ void AddAllCommands(CLI::App& app) {
   AddReplayCommand(app);
   AddImportCommand(app);
   AddCloseLoopCommand(app);
+  AddVerifyCommand(app);
   AddExperimentCommand(app);
   AddListCommand(app);
   AddEchoCommand(app);

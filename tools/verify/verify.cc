@@ -1,0 +1,294 @@
+#include "tools/verify/verify.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "components/config/config.h"
+#include "sim/surrogate/surrogate.h"
+#include "sim/world/file/urdf_file.h"
+#include "sim/world/world.h"
+
+namespace sinew::verify {
+namespace {
+
+using report::Text;
+
+constexpr double kShown_s = 10.0;  // of a recording in the picture
+
+// One link on a fixed base whose inertia and gravity the model describes.
+world::Chain PointChain(const actuator::JointModel& joint) {
+  world::Body body;
+  body.link_name = "link";
+  body.joint_name = joint.name;
+  body.moves = true;
+  body.prismatic = joint.kind == effects::JointKind::kLinear;
+  body.axis = body.prismatic ? Eigen::Vector3d::UnitX() : Eigen::Vector3d(0.0, -1.0, 0.0);
+  body.mass_kg = 1e-3;
+  body.inertia_kg_m2 = 1e-6 * Eigen::Matrix3d::Identity();
+  body.weightless = true;
+  return {.name = joint.name, .bodies = {body}};
+}
+
+class WorldBody final : public free_run::Body {
+ public:
+  WorldBody(const actuator::JointModel& model, const world::Chain& chain)
+      : world_(Config(model, chain)) {}
+
+  void Start(const effects::JointSample& x, std::span<const double> memory) override {
+    world_.Start(0, x, memory);
+    sensors_.motor_velocity_rad_s[0] = x.motor_velocity_rad_s;
+  }
+  void SetSurroundings(const effects::JointSample& x) override { world_.SetSurroundings(0, x); }
+  void Step(double motor_torque_Nm, double dt_s) override {
+    command_.mode[0] = provider::Mode::kTorque;
+    command_.motor_torque_Nm[0] = motor_torque_Nm;
+    world_.Step(command_, dt_s, &sensors_);
+  }
+  double position_rad() const override { return world_.position_rad(0); }
+  double velocity_rad_s() const override { return world_.velocity_rad_s(0); }
+  double motor_velocity_rad_s() const override { return sensors_.motor_velocity_rad_s[0]; }
+
+ private:
+  static world::WorldConfig Config(const actuator::JointModel& model, const world::Chain& chain) {
+    world::WorldConfig config;
+    config.chain = chain;
+    // A recording's motion is its own: stops would hold a simulation that leaves it.
+    for (world::Body& body : config.chain.bodies) {
+      body.lower = -std::numeric_limits<double>::infinity();
+      body.upper = std::numeric_limits<double>::infinity();
+    }
+    config.model.name = model.name;
+    config.model.joints = {model};
+    config.substep_s = 1e-4;
+    return config;
+  }
+
+  world::World world_;
+  provider::PlantCommand command_;
+  provider::PlantSensors sensors_;
+};
+
+std::string Angle(effects::JointKind kind) {
+  return kind == effects::JointKind::kRotary ? "mrad" : "mm";
+}
+
+report::Picture PathPicture(const free_run::FreeRunResult& following, effects::JointKind kind) {
+  const bool rotary = kind == effects::JointKind::kRotary;
+  const free_run::Trace& trace = following.traces.front();
+  const auto rows =
+      std::min(trace.measured.size(), static_cast<std::size_t>(kShown_s / trace.period_s) + 1);
+  std::string data = "$d << EOD\n";
+  for (std::size_t i = 0; i < rows; ++i) {
+    const auto number = [](double value) {
+      return std::isfinite(value) ? report::PictureNumber(value) : std::string("NaN");
+    };
+    data += report::PictureNumber(trace.period_s * static_cast<double>(i)) + " " +
+            number(trace.measured[i]) + " " + number(trace.before[i]) + " " +
+            number(trace.after[i]) + " " + number(1e3 * (trace.before[i] - trace.measured[i])) +
+            " " + number(1e3 * (trace.after[i] - trace.measured[i])) + "\n";
+  }
+  data += "EOD\n";
+  report::Picture out;
+  out.title = "Simulated beside measured";
+  out.caption =
+      "The first seconds; where a line begins anew the simulation started from the "
+      "measured state again. Below: simulated less measured, " +
+      Angle(kind) + ".";
+  const auto line = [](const char* columns, const char* colour, const char* title) {
+    return std::string("$d u ") + columns + " w l lw 1.6 lc rgb '" + colour + "' t '" + title + "'";
+  };
+  out.script = report::PictureHead(520) + data +
+               "set multiplot layout 2,1\nset ylabel 'position, " + (rotary ? "rad" : "m") +
+               "'\nplot " + line("1:2", report::kMeasuredColour, "measured") + ", " +
+               line("1:3", report::kBeforeColour, "before") + ", " +
+               line("1:4", report::kAfterColour, "after") + "\nset xlabel 'time, s'\nset ylabel '" +
+               Angle(kind) + "'\nplot " + line("1:5", report::kBeforeColour, "before") + ", " +
+               line("1:6", report::kAfterColour, "after") + "\nunset multiplot\n";
+  return out;
+}
+
+double Mean(const std::vector<TrackingRun>& runs, bool after) {
+  double sum = 0.0;
+  for (const TrackingRun& run : runs) sum += (after ? run.after : run.before).mse_rad2;
+  return std::sqrt(sum / static_cast<double>(runs.size()));
+}
+
+}  // namespace
+
+free_run::MakeBody InWorld(const actuator::RobotModel& robot) {
+  if (robot.joints.size() != 1) {
+    throw std::invalid_argument("the model has " + std::to_string(robot.joints.size()) +
+                                " joints, expected 1: a recording of one joint does not say what "
+                                "the others did");
+  }
+  const world::Chain chain =
+      robot.urdf_path.empty()
+          ? PointChain(robot.joints.front())
+          : world::ParseUrdf(config::ReadFile(robot.urdf_path), robot.urdf_path);
+  return [chain](const actuator::JointModel& model) {
+    return std::make_unique<WorldBody>(model, chain);
+  };
+}
+
+free_run::FreeRunResult FollowRecordings(const std::vector<identify::Run>& runs,
+                                         const actuator::RobotModel& before,
+                                         const actuator::RobotModel& after,
+                                         const identify::ProcessingOptions& processing,
+                                         double horizon_s) {
+  free_run::FreeRunOptions options;
+  options.horizon_s = horizon_s;
+  options.make_body = InWorld(after);
+  static_cast<void>(InWorld(before));  // says what is wrong with it
+  if (before.joints[0].kind != after.joints[0].kind ||
+      before.joints[0].name != after.joints[0].name) {
+    throw std::invalid_argument("the models describe '" + before.joints[0].name + "' and '" +
+                                after.joints[0].name + "', expected the same joint");
+  }
+  return free_run::Compare(runs, before.joints[0], after.joints[0], processing, options);
+}
+
+actuator::RobotModel WithoutAdded(actuator::RobotModel robot) {
+  for (actuator::JointModel& joint : robot.joints) {
+    std::erase_if(joint.terms, [](const actuator::Term& term) { return !term.declared; });
+  }
+  return robot;
+}
+
+TrackingRun Track(const TrackingSetup& setup, std::uint64_t seed) {
+  TrackingRun run;
+  run.seed = seed;
+  surrogate::RigParameters rig = setup.rig;
+  rig.seed = seed;
+  surrogate::Surrogate before(rig), after(rig);
+  run.before = tune::RunClosedLoop(setup.before, before);
+  run.after = tune::RunClosedLoop(setup.after, after);
+  return run;
+}
+
+report::Section MakeSection(const Names& names, effects::JointKind kind,
+                            const free_run::FreeRunResult* following,
+                            const std::vector<TrackingRun>& tracking) {
+  report::Section section;
+  section.id = "verify";
+  section.title = "The corrected model where it is used";
+  std::string added;
+  for (const std::string& effect : names.added) added += (added.empty() ? "" : ", ") + effect;
+  section.paragraphs.push_back(
+      "Before: " + names.before + ". After: " + names.after +
+      (added.empty() ? ", which has no added effect." : ", with " + added + "."));
+  const std::string unit = Angle(kind);
+  const auto compare = [&](const std::string& name, double before, double after,
+                           const std::string& remark) {
+    report::Comparison c;
+    c.name = name;
+    c.unit = unit;
+    c.ours = Text("%.3f -> %.3f %s", 1e3 * before, 1e3 * after, unit.c_str());
+    c.target = "smaller after";
+    c.met = after < before;
+    c.remark = remark;
+    section.comparisons.push_back(std::move(c));
+  };
+  if (following != nullptr && following->errors) {
+    const free_run::FreeRun& free = *following->errors;
+    const bool closed = free.method == free_run::Method::kClosedLoop;
+    section.paragraphs.push_back(
+        closed
+            ? "The world followed the recorded set point under the servo that the model declares."
+            : Text("The recorded drive moved the world for %.2g s from the measured state, again "
+                   "and again: driven by effort for longer, a joint with a load falls over and "
+                   "proves nothing. Pressure, load force, payload and temperature are the "
+                   "recorded ones.",
+                   free.horizon_s));
+    compare("simulated less measured, rms", free.before_rms, free.after_rms,
+            "samples that both models reached");
+    compare("simulated less measured, mean magnitude", free.before_mean_abs, free.after_mean_abs,
+            "");
+    report::Table table;
+    table.title = "Simulated beside the recordings";
+    table.caption =
+        closed ? "A piece is a stretch of the recording without a gap." : "A piece is a horizon.";
+    table.header = {"recording",           "pieces", "diverged before", "after",
+                    "rms before, " + unit, "after"};
+    for (std::size_t r = 0; r < free.before.size(); ++r) {
+      table.rows.push_back(
+          {free.before[r].run, std::to_string(free.before[r].pieces),
+           std::to_string(free.before[r].diverged), std::to_string(free.after[r].diverged),
+           Text("%.3f", 1e3 * free.before[r].rms), Text("%.3f", 1e3 * free.after[r].rms)});
+    }
+    section.tables.push_back(table);
+    if (!following->traces.empty()) section.pictures.push_back(PathPicture(*following, kind));
+  }
+  if (!tracking.empty()) {
+    section.paragraphs.push_back(
+        "The surrogate followed its reference under PID with the model's torque fed forward; its "
+        "undeclared effects: " +
+        names.effects + ".");
+    compare("tracking error in control, rms", Mean(tracking, false), Mean(tracking, true),
+            std::to_string(tracking.size()) + " seeds");
+    report::Table table;
+    table.title = "Tracking error in control";
+    table.caption = "Reference less measured position, without the soft start.";
+    table.header = {"seed", "rms before, " + unit, "after", "largest before, " + unit, "after"};
+    for (const TrackingRun& run : tracking) {
+      table.rows.push_back(
+          {std::to_string(run.seed), Text("%.3f", 1e3 * std::sqrt(run.before.mse_rad2)),
+           Text("%.3f", 1e3 * std::sqrt(run.after.mse_rad2)),
+           Text("%.3f", 1e3 * run.before.worst_rad), Text("%.3f", 1e3 * run.after.worst_rad)});
+    }
+    section.tables.push_back(table);
+  }
+  return section;
+}
+
+std::string FormatJson(const Names& names, effects::JointKind kind,
+                       const free_run::FreeRunResult* following,
+                       const std::vector<TrackingRun>& tracking) {
+  using nlohmann::ordered_json;
+  const std::string unit = kind == effects::JointKind::kRotary ? "rad" : "m";
+  ordered_json root = {{"before", names.before}, {"after", names.after}, {"added", names.added}};
+  if (following != nullptr && following->errors) {
+    const free_run::FreeRun& free = *following->errors;
+    const auto all = [](double rms, double mean_abs, int diverged) {
+      return ordered_json{{"rms", rms}, {"mean_abs", mean_abs}, {"diverged", diverged}};
+    };
+    ordered_json runs = ordered_json::array();
+    for (std::size_t r = 0; r < free.before.size(); ++r) {
+      const auto one = [](const free_run::RunError& e) {
+        return ordered_json{{"rms", e.rms}, {"mean_abs", e.mean_abs}, {"diverged", e.diverged}};
+      };
+      runs.push_back({{"recording", free.before[r].run},
+                      {"pieces", free.before[r].pieces},
+                      {"before", one(free.before[r])},
+                      {"after", one(free.after[r])}});
+    }
+    root["simulation"] = {
+        {"method", free.method == free_run::Method::kClosedLoop ? "closed_loop" : "horizons"},
+        {"horizon_s", free.horizon_s},
+        {"unit", unit},
+        {"before", all(free.before_rms, free.before_mean_abs, free.before_diverged)},
+        {"after", all(free.after_rms, free.after_mean_abs, free.after_diverged)},
+        {"recordings", runs}};
+  }
+  if (!tracking.empty()) {
+    ordered_json runs = ordered_json::array();
+    const auto one = [](const tune::ClosedLoopScore& score) {
+      return ordered_json{{"rms", std::sqrt(score.mse_rad2)},
+                          {"largest", score.worst_rad},
+                          {"motor_torque_rms_Nm", score.torque_rms_Nm},
+                          {"faulted", score.faulted}};
+    };
+    for (const TrackingRun& run : tracking) {
+      runs.push_back({{"seed", run.seed}, {"before", one(run.before)}, {"after", one(run.after)}});
+    }
+    root["tracking"] = {{"effects", names.effects},
+                        {"unit", unit},
+                        {"before_rms", Mean(tracking, false)},
+                        {"after_rms", Mean(tracking, true)},
+                        {"runs", runs}};
+  }
+  return root.dump(2) + "\n";
+}
+
+}  // namespace sinew::verify
