@@ -149,8 +149,11 @@ void JointPlant::Reset(double position_rad, double body_inertia_kg_m2) {
   moving = sample_;
   moving.snap_rad_s4 = 1.0;
   const double d = Sum(output_.snap, sample_) - Sum(output_.snap, moving);
+  // With free play the link rings on its teeth, and there the filter's phase turns a positive term
+  // into negative damping; at these times what is left of it is small beside that of the teeth.
   motion_filter_s_ =
-      std::max({motion_filter_s_, -2.0 * c / total, std::sqrt(std::max(0.0, -4.0 * d / total))});
+      std::max({motion_filter_s_, 2.0 * (has_play() ? std::abs(c) : -c) / total,
+                std::sqrt(4.0 * std::max(0.0, has_play() ? std::abs(d) : -d) / total)});
 }
 
 void JointPlant::SetRotor(double motor_position_rad, double motor_velocity_rad_s) noexcept {
