@@ -77,8 +77,8 @@ std::string VerdictSentence(const Report& report) {
       }
       std::string out =
           "The recordings are consistent with " + Join(names, " and ") +
-          (trace.slow_motion && in_motion ? ": where the sealed recording creeps the error falls "
-                                          : ": on the sealed recording the error falls ") +
+          (trace.slow_motion && in_motion ? ": where the sealed recording creeps the error goes "
+                                          : ": on the sealed recording the error goes ") +
           Join(falls, " and ") + ".";
       for (const trace::FoundEffect& effect : trace.effects) {
         if (effect.rivals.empty()) continue;

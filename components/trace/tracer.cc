@@ -140,13 +140,16 @@ class Tracer {
       FindSwallowed(&fit);
     }
     // The second time with the drive that the model inside the range needs.
+    // Errors are those of the fits, before and after alike; what is written has to be simulated too
+    // and stays within the physical range.
     const actuator::JointModel free = result_.corrected;
+    PredictDrive(free);
+    result_.after_train = identify::ErrorOf(train_, free);
+    result_.after_sealed = identify::ErrorOf(sealed_, free);
     for (int pass = 0; pass < 2; ++pass) {
       result_.corrected = identify::WithinPhysicalRange(train_, free, units_.blocks);
       PredictDrive(result_.corrected);
     }
-    result_.after_train = identify::ErrorOf(train_, result_.corrected);
-    result_.after_sealed = identify::ErrorOf(sealed_, result_.corrected);
     if (options_.only.empty()) {
       Progress("what stays unexplained", 0.9);
       FindUnexplained(fit);
@@ -198,7 +201,6 @@ class Tracer {
                           Folds(units_.blocks.size()));
 
     result_.nominal = declared_;
-    // What is compared and written stays within the physical range, before and after alike.
     result_.declared = identify::WithinPhysicalRange(train_, fit.model, units_.blocks);
     result_.declared_fit = fit;
     result_.units = static_cast<int>(units_.blocks.size());
@@ -211,8 +213,8 @@ class Tracer {
     result_.ceiling_rms = fit.rms * std::sqrt(std::max(0.0, 1.0 - ceiling.left_out_share));
     result_.nominal_train = identify::ErrorOf(train_, declared_);
     result_.nominal_sealed = identify::ErrorOf(sealed_, declared_);
-    result_.before_train = identify::ErrorOf(train_, result_.declared);
-    result_.before_sealed = identify::ErrorOf(sealed_, result_.declared);
+    result_.before_train = identify::ErrorOf(train_, fit.model);
+    result_.before_sealed = identify::ErrorOf(sealed_, fit.model);
   }
 
   // The columns of a fit, and that of a lasting event whose instant stands out: what goes on after
