@@ -1,4 +1,5 @@
-// Delay between the recorded drive input and its torque: T > 0 when the drive acts late.
+// Delay between the recorded drive input and its torque: T > 0 when the drive acts late. Nothing acts
+// before its cause: a little below zero is a record that is filtered.
 #include "components/effects/define.h"
 
 namespace sinew::effects::transport_delay {
@@ -13,7 +14,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   info.smallest = Smallest::kTenthOfSample;
   info.linear = {{.name = "delay",
                   .dimension = Dimension::kTime,
-                  .lower = -0.1,
+                  .lower = -0.01,
                   .upper = 0.1,
                   .default_value = 0.0,
                   .meaning = "the drive acts this much later than its record says",
