@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "tests/components/identify/synthetic.h"
 
@@ -48,6 +50,67 @@ TEST(Processing, RestReversalsBordersAndHolesAreNotUsed) {
     for (Eigen::Index k = i - 10; k <= i + 10; ++k)
       EXPECT_FALSE(segment.usable[static_cast<std::size_t>(k)]);
   }
+}
+
+TEST(Processing, InstantsAtWhichTeethTouchAgainAreNotUsed) {
+  actuator::JointModel model = SyntheticModel();
+  model.backlash_rad = 0.04;
+  identify::Run run = SyntheticRun(model, {.motor_position = true});
+  // The teeth lie on one side, cross the play within 0.2 s at 20 s and back at 40 s.
+  const auto gap = [](double t) {
+    const double over =
+        std::clamp((t - 20.0) / 0.2, 0.0, 1.0) - std::clamp((t - 40.0) / 0.2, 0.0, 1.0);
+    return 0.02 * (2.0 * over - 1.0);
+  };
+  for (Eigen::Index i = 0; i < run.size(); ++i) {
+    run.signals[Signal::kMotorPosition][i] =
+        model.constants.gear_ratio * (run.signals[Signal::kPosition][i] + gap(run.time_s[i]));
+  }
+  ProcessingOptions options = SyntheticProcessing();
+  options.reversal_guard_s = 0.1;
+  const StateSegment with = MakeStates({run}, model, options).segments[0];
+  model.backlash_rad = 0.0;
+  const StateSegment without = MakeStates({run}, model, options).segments[0];
+  for (std::size_t i = 0; i < with.samples.size(); ++i) {
+    const double t = with.samples[i].time_s;
+    // The touch is where nine tenths of the half play are reached again, within the last 0.01 s.
+    const bool touch = std::abs(t - 20.195) < 0.09 || std::abs(t - 40.195) < 0.09;
+    const bool far = std::abs(t - 20.195) > 0.14 && std::abs(t - 40.195) > 0.14;
+    if (touch) {
+      EXPECT_FALSE(with.usable[i]) << t;
+    }
+    if (far) {
+      EXPECT_EQ(with.usable[i], without.usable[i]) << t;
+    }
+  }
+}
+
+TEST(Processing, ALoadCellThatTellsOnlyItsNoiseIsItsMean) {
+  const actuator::JointModel model = SyntheticModel();
+  identify::Run run = SyntheticRun(model, {});
+  EXPECT_FALSE(MakeDesign({run}, model).silent_load());
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> noise(0.4, 0.05);
+  for (double& force : run.signals[Signal::kLoadForce]) force = noise(random);
+  const Design design = MakeDesign({run}, model);
+  EXPECT_TRUE(design.silent_load());
+  for (const effects::JointSample& x : design.states().segments[0].samples) {
+    // The mean of 12000 rows.
+    ASSERT_NEAR(x.load_force_N, 0.4, 5.0 * 0.05 / std::sqrt(12000.0));
+  }
+}
+
+TEST(Processing, NoiseIsToldFromASlowSignal) {
+  const actuator::JointModel model = SyntheticModel();
+  const Design design = MakeDesign({SyntheticRun(model, {})}, model);
+  const auto slow = [](const effects::JointSample& x) { return x.position_rad; };
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  const auto noise = [&](const effects::JointSample&) { return normal(random); };
+  EXPECT_LT(design.NoiseShare(slow), 1e-3);
+  // Told from the scatter at the full rate, against the power that passes the filter.
+  EXPECT_GT(design.NoiseShare(noise), 0.7);
+  EXPECT_EQ(design.NoiseShare([](const effects::JointSample&) { return 0.0; }), 1.0);
 }
 
 TEST(Processing, SettleDistanceKeepsPreslidingOut) {
