@@ -102,10 +102,11 @@ std::string ParameterKey(const ParameterInfo& info, JointKind kind);
 // apart.
 enum class Side { kMotor, kOutput };
 
-// An idealisation that every set-up breaks a little: a skew between channels of less than a tenth
-// of a sample (half a one where rows alone tell when a switch was thrown), teeth that give less than the encoder rounds. So small it is no effect, and nothing
+// An idealisation that every set-up breaks a little: a skew between channels of less than about a
+// tenth of a sample, a valve whose opening takes some samples (rows alone tell when it was
+// commanded), teeth that give less than the encoder rounds. So small it is no effect, and nothing
 // else is one that explains no more than it.
-enum class Smallest { kAny, kTenthOfSample, kHalfSample, kRounding };
+enum class Smallest { kAny, kTenthOfSample, kOpening, kRounding };
 
 struct EffectInfo {
   std::string name;     // as in model files, e.g. "direction_dependent_viscous"
@@ -116,7 +117,7 @@ struct EffectInfo {
   Balance balance = Balance::kMotion;
   Side side = Side::kOutput;
   Smallest smallest = Smallest::kAny;
-  bool rate = false;  // phi is a rate of what the balance is about: fitting integrates it
+  bool rate = false;         // phi is a rate of what the balance is about: fitting integrates it
   bool rotary_only = false;  // reads an angle as an angle: means nothing on a linear joint
   // Begins at an instant that differs from recording to recording: the first nonlinear parameter is
   // its start, on the clock time_s.

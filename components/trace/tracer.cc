@@ -41,6 +41,9 @@ constexpr int kMostOrders = 8;  // of one periodic effect beyond its first
 constexpr double kLoudRest = 0.12;
 // A variable has to predict this share of what remains to be named.
 constexpr double kNamedShare = 0.16;
+// A valve that seems late by fewer samples than this: relays, ports that open gradually and the
+// commands' own instants take that long in every rig.
+constexpr double kOpeningSamples = 2.5;
 // A candidate that gains this share is surely no noise.
 constexpr double kClearGain = 0.2;
 constexpr double kConvincingUnits = 6;
@@ -410,7 +413,7 @@ class Tracer {
     }
     const bool skew = delay != nullptr;
     if (rounding != nullptr) rounding_ = rounding->candidate->grid[rounding->best].columns;
-    if (skew && delay->candidate->effect->info().smallest == effects::Smallest::kHalfSample) {
+    if (skew && delay->candidate->effect->info().smallest == effects::Smallest::kOpening) {
       rounding_ = delay->candidate->grid[delay->best].columns;
     }
 
@@ -679,8 +682,8 @@ class Tracer {
     switch (info.smallest) {
       case effects::Smallest::kTenthOfSample:
         return kShortestDelay / train_.states().rate_Hz;
-      case effects::Smallest::kHalfSample:
-        return 0.5 / train_.states().rate_Hz;
+      case effects::Smallest::kOpening:
+        return kOpeningSamples / train_.states().rate_Hz;
       default:
         return 0.0;
     }

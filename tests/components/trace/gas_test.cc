@@ -203,14 +203,18 @@ INSTANTIATE_TEST_SUITE_P(Gas, GasEffect,
                                                "heat", "gas_heat_exchange", {1.0, 1.0}, {1.0}}),
                          [](const auto& which) { return which.param.name; });
 
-// 30 ms within 5: the curve of the flow and its instant are fitted to the same few rows.
+// 60 ms within a sample: the curve of the flow and its instant are fitted to the same few rows.
 TEST(GasBalance, AValveThatOpensLateIsFoundWithItsRival) {
-  const TraceResult result = TraceGas(GasRig(), 40, 0.03);
+  const TraceResult result = TraceGas(GasRig(), 40, 0.06);
   ASSERT_EQ(result.verdict, Verdict::kEffect);
   const FoundEffect& found = result.effects.front();
   EXPECT_EQ(found.name, "valve_dead_time");
   EXPECT_EQ(found.rivals, std::vector<std::string>{"pressure_lag"});
-  EXPECT_NEAR(result.corrected.Parameter("valve_dead_time", "dead_time"), 0.03, 0.005);
+  EXPECT_NEAR(result.corrected.Parameter("valve_dead_time", "dead_time"), 0.06, 1.0 / kGasRate_Hz);
+}
+
+TEST(GasBalance, AnOpeningOfAFewMillisecondsIsNoDeadTime) {
+  EXPECT_EQ(TraceGas(GasRig(), 41, 0.015).verdict, Verdict::kNone);
 }
 
 TEST(GasBalance, AValveThatIsNeverToldLeavesNothingToSee) {

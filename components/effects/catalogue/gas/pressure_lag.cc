@@ -11,7 +11,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   info.formula = "+ T * (dF/dt - (P + Pa) dV/dt / V)";
   info.source = "first order of P(t - T)";
   info.balance = Balance::kGas;
-  info.smallest = Smallest::kHalfSample;
+  info.smallest = Smallest::kOpening;
   info.linear = {{.name = "delay",
                   .dimension = Dimension::kTime,
                   .lower = 0.0,

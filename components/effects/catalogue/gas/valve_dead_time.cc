@@ -10,7 +10,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   info.formula = "+ T * dF/dt (t - t_open)";
   info.source = "first order of F(t - T); dead times of solenoid valves: ISO 12238";
   info.balance = Balance::kGas;
-  info.smallest = Smallest::kHalfSample;
+  info.smallest = Smallest::kOpening;
   info.linear = {{.name = "dead_time",
                   .dimension = Dimension::kTime,
                   .lower = 0.0,
