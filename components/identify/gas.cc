@@ -71,10 +71,11 @@ void PlayOpenings(const std::vector<Opening>& openings, StateSet* states) {
   const double middle_s = Quantile(std::move(dead), 0.5);
   for (const Opening& opening : openings) {
     StateSegment& segment = states->segments[opening.segment];
-    // What all have in common is a dead time only where rows can tell it.
-    const double common_s = std::abs(middle_s) < 0.5 * segment.period_s ? 0.0 : middle_s;
+    // What all have in common is a dead time only where it is longer than any opening takes.
+    const bool late = std::abs(middle_s) > kOpeningSamples * segment.period_s;
+    const double shared_s = late ? 0.0 : middle_s;
     const double between_rows_s =
-        std::clamp(opening.dead_s - common_s, -segment.period_s, segment.period_s);
+        shared_s + std::clamp(opening.dead_s - middle_s, -segment.period_s, segment.period_s);
     for (Eigen::Index i = opening.begin; i <= opening.stays; ++i) {
       effects::JointSample& x = segment.samples[static_cast<std::size_t>(i)];
       const double since = x.time_s - opening.command_s - between_rows_s;

@@ -9,8 +9,9 @@
 // command and the stated delay; the flow's curve F is a parabola fitted to that opening, the
 // instant of its beginning with it, and then played from the command on. A command falls anywhere
 // between two rows: openings may differ by up to a sample either way from what they have in
-// common. Windows are what cross-validation leaves out together. Nothing is filtered: the noise of
-// the pressure is white.
+// common, and what they have in common is the rig's own way to open up to kOpeningSamples. Windows
+// are what cross-validation leaves out together. Nothing is filtered: the noise of the pressure is
+// white.
 //
 // The volume follows from the model of motion: dV/dq is the pneumatic torque per pressure (virtual
 // work), 1e-5 m3/rad per Nm/bar. Pure; allocates; throws std::invalid_argument as MakeStates.
@@ -31,6 +32,9 @@ inline constexpr double kBeforeOpening_s = 0.5;
 inline constexpr double kAfterOpening_s = 0.15;  // of flow
 inline constexpr double kLongestDeadTime_s = 0.3;
 inline constexpr double kAfterShutting_s = 0.1;  // the valve travels
+// A flow that begins late by fewer rows than this has no dead time: relays, ports that open
+// gradually and the commands' own instants take that long in every rig.
+inline constexpr double kOpeningSamples = 3.2;
 
 struct GasWindows {
   StateSet states;

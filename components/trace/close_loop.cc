@@ -53,6 +53,21 @@ void LookAtSlowMotion(const std::vector<identify::Run>& train,
   loop->sealed = std::move(sealed_design);
 }
 
+// As if nothing had been found.
+void DropEffects(LoopResult* loop) {
+  TraceResult& trace = loop->trace;
+  trace.effects.clear();
+  trace.events.clear();
+  trace.shifts.clear();
+  trace.verdict = trace.unexplained.variable.empty() ? Verdict::kNone : Verdict::kUnexplained;
+  trace.corrected = trace.declared;
+  trace.corrected_fit = trace.declared_fit;
+  trace.after_train = trace.before_train;
+  trace.after_sealed = trace.before_sealed;
+  loop->train->PredictDrive(trace.corrected);
+  loop->sealed->PredictDrive(trace.corrected);
+}
+
 }  // namespace
 
 LoopResult CloseLoop(const std::vector<identify::Run>& train,
@@ -80,9 +95,14 @@ LoopResult CloseLoop(const std::vector<identify::Run>& train,
   if (train.front().held) return loop;
   LookAtSlowMotion(train, sealed, rate_Hz, options, &loop);
   for (const effects::Balance balance : others) {
-    loop.trace =
-        WithBalance(std::move(loop.trace),
-                    TraceBalance(balance, train, sealed, loop.trace.corrected, motion, options));
+    TraceResult other = TraceBalance(balance, train, sealed, loop.trace.corrected, motion, options);
+    // Encoders that come apart as time goes on tell no torques.
+    if (balance == effects::Balance::kKinematic && other.unexplained.variable == "time_s" &&
+        !loop.trace.effects.empty()) {
+      DropEffects(&loop);
+      other = TraceBalance(balance, train, sealed, loop.trace.corrected, motion, options);
+    }
+    loop.trace = WithBalance(std::move(loop.trace), std::move(other));
   }
   return loop;
 }

@@ -128,4 +128,38 @@ Gain GainOf(const Eigen::Ref<const Eigen::VectorXd>& block_gains) {
   return out;
 }
 
+std::vector<identify::Moments> Joined(const std::vector<identify::Moments>& blocks,
+                                      const Eigen::Ref<const Eigen::VectorXd>& b,
+                                      Eigen::Index base_columns) {
+  Eigen::MatrixXd join = Eigen::MatrixXd::Zero(b.size(), base_columns + 1);
+  join.topLeftCorner(base_columns, base_columns).setIdentity();
+  join.col(base_columns).tail(b.size() - base_columns) = b.tail(b.size() - base_columns);
+  std::vector<identify::Moments> out;
+  out.reserve(blocks.size());
+  for (const identify::Moments& block : blocks) {
+    out.push_back({.G = join.transpose() * block.G * join,
+                   .m = join.transpose() * block.m,
+                   .yy = block.yy,
+                   .rows = block.rows});
+  }
+  return out;
+}
+
+double SizeInErrors(const std::vector<identify::Moments>& joined) {
+  const Eigen::Index p = joined.front().G.cols();
+  Eigen::MatrixXd G = Eigen::MatrixXd::Zero(p, p);
+  Eigen::VectorXd m = Eigen::VectorXd::Zero(p);
+  for (const identify::Moments& block : joined) {
+    G += block.G;
+    m += block.m;
+  }
+  const double size = identify::Solve(G, m)[p - 1];
+  double squares = 0.0;
+  for (const identify::Moments& block : joined) {
+    const double without = identify::Solve(G - block.G, m - block.m)[p - 1];
+    squares += (without - size) * (without - size);
+  }
+  return size / std::sqrt(squares * (1.0 - 1.0 / static_cast<double>(joined.size())));
+}
+
 }  // namespace sinew::trace

@@ -65,4 +65,16 @@ struct Gain {
 };
 Gain GainOf(const Eigen::Ref<const Eigen::VectorXd>& block_gains);
 
+// Sums of the blocks with the extra columns (those behind the base's) joined in the proportions of
+// their coefficients b: the size of the whole effect is the last coefficient, 1 on all blocks
+// together.
+std::vector<identify::Moments> Joined(const std::vector<identify::Moments>& blocks,
+                                      const Eigen::Ref<const Eigen::VectorXd>& b,
+                                      Eigen::Index base_columns);
+
+// That size over its standard error when every block is left out once (Efron 1982: The jackknife,
+// the bootstrap and other resampling plans, eq. 3.6): blocks that alone excite an effect count for
+// what they are, however much blocks differ in what they gain by it.
+double SizeInErrors(const std::vector<identify::Moments>& joined);
+
 }  // namespace sinew::trace

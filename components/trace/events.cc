@@ -23,9 +23,9 @@ constexpr double kMargin = 2.0;
 // Shorter is an impact of teeth, not a push.
 constexpr double kShortestPush_s = 0.15;
 // Passing events: share of a push's rows that must be used for the filter to say anything; how loud
-// the next one in the same recording may be.
+// the next one may be: of the loudest, and of kLoudest where that is more.
 constexpr double kSeenShare = 0.35;
-constexpr double kNextLoudest = 0.5;
+constexpr double kNextLoudest = 0.45, kNextLoudestOrdinary = 0.6;
 
 std::vector<std::vector<Eigen::Index>> UsedByRun(const identify::Design& design) {
   std::vector<std::vector<Eigen::Index>> out(design.states().run_names.size());
@@ -308,8 +308,9 @@ Event FindPassing(const identify::Design& design, std::shared_ptr<const effects:
     most = zr * zr / zz;
     told_s = length_s;
   }
-  out.significant = told_s > kShortestPush_s && out.statistic > kLoudest &&
-                    next_loudest < std::max(kNextLoudest * out.statistic, 0.75 * kLoudest);
+  out.significant =
+      told_s > kShortestPush_s && out.statistic > kLoudest &&
+      next_loudest < std::max(kNextLoudest * out.statistic, kNextLoudestOrdinary * kLoudest);
   return out;
 }
 

@@ -6,8 +6,8 @@
 //
 // A lasting event (one nonlinear parameter: start) is a change point: for every instant the
 // generalised likelihood ratio of the effect acting from there on, beside the model's own terms
-// (Basseville, Nikiforov 1993, section 2.4). It has to exceed twice the 99th percentile of what the same
-// search finds in the residual with random signs of whole blocks.
+// (Basseville, Nikiforov 1993, section 2.4). It has to exceed twice the 99th percentile of what the
+// same search finds in the residual with random signs of whole blocks.
 //
 // A passing event (start and length) cannot be predicted from other parts of the data, and signs of
 // blocks do not change its size. It is told by a matched filter: its peak has to exceed kLoudest

@@ -6,6 +6,7 @@
 #include <limits>
 #include <random>
 
+#include "components/identify/gas.h"
 #include "components/identify/statistics.h"
 #include "components/trace/candidates.h"
 #include "components/trace/ceiling.h"
@@ -41,12 +42,15 @@ constexpr int kMostOrders = 8;  // of one periodic effect beyond its first
 constexpr double kLoudRest = 0.12;
 // A variable has to predict this share of what remains to be named.
 constexpr double kNamedShare = 0.16;
-// A valve that seems late by fewer samples than this: relays, ports that open gradually and the
-// commands' own instants take that long in every rig.
-constexpr double kOpeningSamples = 2.5;
 // A candidate that gains this share is surely no noise.
 constexpr double kClearGain = 0.2;
 constexpr double kConvincingUnits = 6;
+// An effect whose size is so many standard errors (every unit left out once) is believed though the
+// units differ much in what they gain by it.
+constexpr double kClearSize = 6.0;
+constexpr double kClearCurve = 5.0;  // the same for the curve over a variable
+// A level that carries this share of a residual this many times the noise's power wanders.
+constexpr double kWanders = 0.8, kFarAbove = 25.0;
 // Standard errors by which a quarter of the data must ask for the opposite to contradict.
 constexpr double kContradicts = 3.0;
 constexpr double kShortestDelay = 0.085;  // of a sample
@@ -213,6 +217,10 @@ class Tracer {
     const NoiseFloor floor = EstimateNoiseFloor(train_, fit.balance, factor);
     result_.noise_floor_rms = std::min(floor.rms, fit.rms);
     result_.noise_floor_source = floor.source;
+    if (floor.rms == 0.0 && declared_.balance == effects::Balance::kKinematic) {
+      result_.noise_floor_rms = std::min(EncoderRounding_rad(), fit.rms);
+      result_.noise_floor_source = "encoder's rounding";
+    }
     result_.ceiling_rms = fit.rms * std::sqrt(std::max(0.0, 1.0 - ceiling.left_out_share));
     result_.nominal_train = identify::ErrorOf(train_, declared_);
     result_.nominal_sealed = identify::ErrorOf(sealed_, declared_);
@@ -380,15 +388,23 @@ class Tracer {
       score.gain_share = score.gain.sum / base_sum;
       score.share_error = score.gain.standard_error / base_sum;
       score.explainable_share = score.gain_share * variance / explainable;
-      const Eigen::VectorXd extra =
-          trial.coefficients.tail(trial.coefficients.size() - balance.columns.cols());
+      const Eigen::Index own = balance.columns.cols();
+      const Eigen::VectorXd extra = trial.coefficients.tail(trial.coefficients.size() - own);
+      const Eigen::MatrixXd covariance =
+          identify::BlockCovariance(trial.settings[trial.best].blocks(), trial.coefficients);
+      const double share = DriveShare(fit.model);
       for (Eigen::Index i = 0; i < extra.size(); ++i) {
         const effects::ParameterInfo& info =
             candidate.effect->info().linear[static_cast<std::size_t>(i)];
         score.theta.push_back(scale * extra[i]);
-        const double physical =
-            info.relative_to_drive ? scale * extra[i] / DriveShare(fit.model) : scale * extra[i];
-        if (physical < info.lower || physical > info.upper) score.physical = false;
+        const double unit = info.relative_to_drive ? scale / share : scale;
+        // One of several may be hardly excited.
+        const double slack =
+            extra.size() > 1 ? 2.0 * unit * std::sqrt(std::max(0.0, covariance(own + i, own + i)))
+                             : 0.0;
+        if (unit * extra[i] < info.lower - slack || unit * extra[i] > info.upper + slack) {
+          score.physical = false;
+        }
       }
       if (ShortestDelay(candidate.effect->info()) > 0.0)
         score.delay_s = score.theta.front() / DriveShare(fit.model);
@@ -396,6 +412,8 @@ class Tracer {
           Surprise(balance, fit.coefficients + trial.coefficients.head(balance.columns.cols()));
 
       score.stable = passing || Stable(trial, balance.columns.cols());
+      score.size_in_errors = SizeInErrors(
+          Joined(trial.settings[trial.best].blocks(), trial.coefficients, balance.columns.cols()));
       trials.push_back(std::move(trial));
     }
 
@@ -417,6 +435,11 @@ class Tracer {
       rounding_ = delay->candidate->grid[delay->best].columns;
     }
 
+    // So is what drifts, whatever happens to drift with it.
+    const Eigen::MatrixXd drift = DriftColumns(train_);
+    double drift_gain = drift.cols() > 0 ? LeftOutGain(balance.columns, drift, target, folds) : 0.0;
+    if (drift_gain < kClearGain * base_sum) drift_gain = 0.0;
+
     const double quantile =
         identify::StudentQuantile(0.9772, std::max(1.0, static_cast<double>(blocks.size()) - 1.0)) /
         2.0;  // two standard errors of a normal become this much wider
@@ -425,7 +448,8 @@ class Tracer {
       if (trial.hidden) {
         score.refused = "a declared term carries it";
       } else if (!(score.gain.t > options_.fewest_standard_errors * quantile) &&
-                 !StandsWithoutTwo(trial, base_sum, report->placebo_99)) {
+                 !StandsWithoutTwo(trial, base_sum, report->placebo_99) &&
+                 !(score.size_in_errors > kClearSize)) {
         score.refused = "gain within its error";
       } else if (score.explainable_share < options_.smallest_explainable_share) {
         score.refused = "gain below 5 % of what can be explained";
@@ -433,15 +457,20 @@ class Tracer {
         score.refused = "gain below 5 % of the residual";
       } else if (!IsPassing(trial) && score.gain_share <= report->placebo_99) {
         score.refused = "gain as in recordings without the effect";
-      } else if (skew && !IsPassing(trial) && Skewed(trial, *delay, balance, target, folds)) {
+      } else if (skew && !IsPassing(trial) &&
+                 (trial.candidate == delay->candidate ||
+                  GoesWith(trial, -delay->candidate->grid.front().columns, balance, target,
+                           folds))) {
         score.refused = declared_.balance == effects::Balance::kGas
                             ? "a delay below half a sample"
                             : "a skew between channels below a tenth of a sample";
       } else if (rounding != nullptr && NoBetter(trial, *rounding)) {
         score.refused =
             "explains no more than " + rounding->score.name + " below the encoder's rounding";
-      } else if (trial.candidate->event != nullptr && score.gain.sum < drift_gain_) {
-        score.refused = "a drift explains more than an instant";
+      } else if (!IsPassing(trial) && score.gain.sum < drift_gain &&
+                 (trial.candidate->event != nullptr ||
+                  GoesWith(trial, drift, balance, target, folds))) {
+        score.refused = "a drift explains more";
       } else if (!score.physical) {
         score.refused = "sign or size is not physical";
       } else if (!score.stable) {
@@ -539,7 +568,8 @@ class Tracer {
   }
 
   // Units differ in how much they excite an effect, and that is no doubt about it: a gain that few
-  // units give is believed when what all but the best two give is still above the placebo.
+  // units give is believed when what all but the best two give is still above the
+  // placebo.
   bool StandsWithoutTwo(const Trial& trial, double base_sum, double placebo) const {
     if (trial.gains.size() < 10) return false;
     std::vector<double> gains(trial.gains.data(), trial.gains.data() + trial.gains.size());
@@ -583,19 +613,6 @@ class Tracer {
       }
     }
     if (!event_) return;
-    drift_gain_ = 0.0;
-    const Eigen::MatrixXd drift = DriftColumns(train_);
-    if (!event_->passing() && drift.cols() > 0) {
-      const int folds = Folds(units_.blocks.size());
-      const Eigen::VectorXd ones =
-          Eigen::VectorXd::Ones(static_cast<Eigen::Index>(units_.blocks.size()));
-      const Eigen::MatrixXd none(target.size(), 0);
-      const std::vector<Setting> without = {
-          Setting(units_.blocks, fit.balance.columns, none, target, folds)};
-      const std::vector<Setting> with = {
-          Setting(units_.blocks, fit.balance.columns, drift, target, folds)};
-      drift_gain_ = (LeftOutErrors(without, ones, folds) - LeftOutErrors(with, ones, folds)).sum();
-    }
     SetClocks(event_->start_s, event_->clock_s, &train_);
     Candidate candidate;
     candidate.effect = event_->effect;
@@ -626,47 +643,48 @@ class Tracer {
     note(sealed_, start_s, true);
   }
 
+  struct Size {
+    double value = 0.0, standard_error = 0.0;
+  };
+  static Size SizeOn(const std::vector<identify::Moments>& joined) {
+    const Eigen::Index p = joined.front().G.cols();
+    Eigen::MatrixXd G = Eigen::MatrixXd::Zero(p, p);
+    Eigen::VectorXd m = Eigen::VectorXd::Zero(p);
+    for (const identify::Moments& block : joined) {
+      G += block.G;
+      m += block.m;
+    }
+    const Eigen::VectorXd b = identify::Solve(G, m);
+    return {b[p - 1], std::sqrt(identify::BlockCovariance(joined, b)(p - 1, p - 1))};
+  }
+
   // No quarter of the blocks asks for the opposite of what all together ask for.
   static bool Stable(const Trial& trial, Eigen::Index base_columns) {
-    const Setting& setting = trial.settings[trial.best];
-    const auto& blocks = setting.blocks();
-    if (blocks.size() < 8) return true;
-    const Eigen::VectorXd extra = trial.coefficients.tail(trial.coefficients.size() - base_columns);
-    const Eigen::Index p = base_columns + 1;
-    Eigen::MatrixXd join = Eigen::MatrixXd::Zero(trial.coefficients.size(), p);
-    join.topLeftCorner(base_columns, base_columns).setIdentity();
-    join.col(base_columns).tail(extra.size()) = extra;
+    const std::vector<identify::Moments> joined =
+        Joined(trial.settings[trial.best].blocks(), trial.coefficients, base_columns);
+    if (joined.size() < 8) return true;
     for (std::size_t quarter = 0; quarter < 4; ++quarter) {
-      const std::size_t from = quarter * blocks.size() / 4;
-      const std::size_t to = (quarter + 1) * blocks.size() / 4;
-      std::vector<identify::Moments> part;
-      Eigen::MatrixXd G = Eigen::MatrixXd::Zero(p, p);
-      Eigen::VectorXd m = Eigen::VectorXd::Zero(p);
-      for (std::size_t b = from; b < to; ++b) {
-        identify::Moments sums;
-        sums.G = join.transpose() * blocks[b].G * join;
-        sums.m = join.transpose() * blocks[b].m;
-        sums.yy = blocks[b].yy;
-        sums.rows = blocks[b].rows;
-        G += sums.G;
-        m += sums.m;
-        part.push_back(std::move(sums));
-      }
-      const Eigen::VectorXd b = identify::Solve(G, m);
-      const double error = std::sqrt(identify::BlockCovariance(part, b)(p - 1, p - 1));
-      if (b[p - 1] < -kContradicts * error) return false;
+      const auto at = [&](std::size_t q) {
+        return joined.begin() + static_cast<std::ptrdiff_t>(q * joined.size() / 4);
+      };
+      const Size size = SizeOn({at(quarter), at(quarter + 1)});
+      if (size.value < -kContradicts * size.standard_error) return false;
     }
     return true;
   }
 
+  // rms; 0 where the counts are not known.
+  double EncoderRounding_rad() const {
+    const double counts = declared_.constants.encoder_counts_per_turn;
+    return counts > 0.0 ? kTwoPi / counts / std::sqrt(12.0) : 0.0;
+  }
+
   // Is its rms below that of the encoder's rounding?
   bool BelowRounding(const Trial& trial) const {
-    const double counts = declared_.constants.encoder_counts_per_turn;
-    if (!(counts > 0.0)) return false;
     const Eigen::MatrixXd columns = PickRows(trial.candidate->grid[trial.best].columns, used_);
     const Eigen::VectorXd theta = Eigen::Map<const Eigen::VectorXd>(
         trial.score.theta.data(), static_cast<Eigen::Index>(trial.score.theta.size()));
-    const double rounding = kTwoPi / counts / std::sqrt(12.0);
+    const double rounding = EncoderRounding_rad();
     return (columns * theta).squaredNorm() <
            rounding * rounding * static_cast<double>(used_.size());
   }
@@ -683,27 +701,31 @@ class Tracer {
       case effects::Smallest::kTenthOfSample:
         return kShortestDelay / train_.states().rate_Hz;
       case effects::Smallest::kOpening:
-        return kOpeningSamples / train_.states().rate_Hz;
+        return identify::kOpeningSamples / train_.states().rate_Hz;
       default:
         return 0.0;
     }
   }
 
-  // Does little of a candidate's gain stay when a skew between channels may be fitted as well?
-  bool Skewed(const Trial& trial, const Trial& delay, const Balance& balance,
-              const Eigen::VectorXd& target, int folds) const {
-    if (trial.candidate == delay.candidate) return true;
+  // Does little of a candidate's gain stay when these columns may be fitted as well?
+  bool GoesWith(const Trial& trial, const Eigen::MatrixXd& columns, const Balance& balance,
+                const Eigen::VectorXd& target, int folds) const {
+    Eigen::MatrixXd base(balance.columns.rows(), balance.columns.cols() + columns.cols());
+    base << balance.columns, columns;
+    const double kept =
+        LeftOutGain(base, -trial.candidate->grid[trial.best].columns, target, folds);
+    return kept < 0.5 * trial.score.gain.sum;
+  }
+
+  // How much less squared error the columns leave beside the base.
+  double LeftOutGain(const Eigen::MatrixXd& base, const Eigen::MatrixXd& columns,
+                     const Eigen::VectorXd& target, int folds) const {
     const Eigen::VectorXd ones =
         Eigen::VectorXd::Ones(static_cast<Eigen::Index>(units_.blocks.size()));
-    Eigen::MatrixXd base(balance.columns.rows(), balance.columns.cols() + 1);
-    base << balance.columns, -delay.candidate->grid.front().columns;
-    const std::vector<Setting> without = {
-        Setting(units_.blocks, base, Eigen::MatrixXd(target.size(), 0), target, folds)};
-    const std::vector<Setting> with = {
-        Setting(units_.blocks, base, -trial.candidate->grid[trial.best].columns, target, folds)};
-    const double kept =
-        (LeftOutErrors(without, ones, folds) - LeftOutErrors(with, ones, folds)).sum();
-    return kept < 0.5 * trial.score.gain.sum;
+    const Eigen::MatrixXd none(target.size(), 0);
+    const std::vector<Setting> without = {Setting(units_.blocks, base, none, target, folds)};
+    const std::vector<Setting> with = {Setting(units_.blocks, base, columns, target, folds)};
+    return (LeftOutErrors(without, ones, folds) - LeftOutErrors(with, ones, folds)).sum();
   }
 
   static double Correlation(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
@@ -736,7 +758,8 @@ class Tracer {
     // ask the same the first of the catalogue.
     const auto asks = [](const Trial& trial) {
       const effects::EffectInfo& info = trial.candidate->effect->info();
-      double parameters = static_cast<double>(info.linear.size() + info.nonlinear.size());
+      double parameters = static_cast<double>(info.nonlinear.size());
+      for (const double theta : trial.score.theta) parameters += theta != 0.0 ? 1.0 : 0.0;
       if (trial.candidate->event != nullptr) {  // an instant of its own in every recording
         parameters += static_cast<double>(trial.candidate->event->start_s.size()) - 1.0;
       }
@@ -966,25 +989,35 @@ class Tracer {
     const double scale = balance.fits_scale ? balance.Scale(fit.coefficients) : 1.0;
     Eigen::MatrixXd base(balance.columns.rows(), balance.columns.cols() + rounding_.cols());
     base << balance.columns, rounding_;
-    const VariableScan scan = ScanVariables(train_, units_.blocks, base,
-                                            balance.target - balance.columns * fit.coefficients,
-                                            Folds(units_.blocks.size()), options_.placebo_rounds,
-                                            options_.placebo_quantile, options_.seed);
+    const Eigen::VectorXd residual = balance.target - balance.columns * fit.coefficients;
+    const double variance = fit.rms * fit.rms;
+    const double floor = result_.noise_floor_rms * result_.noise_floor_rms;
+    const auto name = [&](const std::string& variable, double order, double rms, double share) {
+      result_.unexplained = {.balance = declared_.balance,
+                             .variable = variable,
+                             .order_per_turn = order,
+                             .rms = scale * rms,
+                             .share = share};
+    };
+    const bool kinematic = declared_.balance == effects::Balance::kKinematic;
+    if (kinematic && variance > kFarAbove * floor) {
+      // Encoders that come apart wander too slowly for units to foretell each other.
+      const double share = LevelShare(train_, residual);
+      if (share > kWanders) return name("time_s", 0.0, fit.rms * std::sqrt(share) / scale, share);
+    }
+    const VariableScan scan =
+        ScanVariables(train_, units_.blocks, base, residual, Folds(units_.blocks.size()),
+                      options_.placebo_rounds, options_.placebo_quantile, options_.seed);
     if (scan.scores.empty()) return;
     const VariableScore& best = scan.scores.front();
-    const double variance = fit.rms * fit.rms;
-    const double explainable =
-        std::max(variance - result_.noise_floor_rms * result_.noise_floor_rms, 0.02 * variance);
-    const bool loud = best.gain.t > options_.fewest_standard_errors &&
-                      best.share > scan.placebo_99 && best.share > kNamedShare &&
+    const double explainable = std::max(variance - floor, 0.02 * variance);
+    const bool clear =
+        best.gain.t > options_.fewest_standard_errors || best.size_in_errors > kClearCurve;
+    const bool loud = clear && best.share > scan.placebo_99 && best.share > kNamedShare &&
                       explainable > kLoudRest * variance &&
-                      best.share * variance > 0.2 * explainable;
-    if (!loud) return;
-    result_.unexplained.balance = declared_.balance;
-    result_.unexplained.variable = best.variable;
-    result_.unexplained.order_per_turn = best.order_per_turn;
-    result_.unexplained.rms = scale * best.rms;
-    result_.unexplained.share = best.share;
+                      best.share * variance > 0.2 * explainable &&
+                      (!kinematic || scale * best.rms > EncoderRounding_rad());
+    if (loud) name(best.variable, best.order_per_turn, best.rms, best.share);
   }
 
   Design& train_;
@@ -996,7 +1029,6 @@ class Tracer {
   Eigen::MatrixXd rounding_;  // columns of what is too small to be an effect; may have none
   std::vector<Eigen::Index> used_;
   std::optional<Event> event_;  // of this round
-  double drift_gain_ = 0.0;     // what a free drift would gain in its place
   std::vector<EventTime> event_times_;
 };
 

@@ -41,6 +41,7 @@ struct CandidateScore {
   std::vector<double> psi;         // setting that fits best
   std::vector<double> theta;       // fitted linear parameters
   Gain gain;                       // of left-out squared error
+  double size_in_errors = 0.0;     // jackknife over units (cross_validation.h)
   double gain_share = 0.0;         // gain / residual variance of the round
   double share_error = 0.0;        // its standard error
   double explainable_share = 0.0;  // gain / explainable

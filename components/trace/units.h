@@ -1,6 +1,6 @@
-// What is left out together in cross-validation: a window where the rows have any, a run, else a motion cycle, else a block of at
-// least five correlation times of the residual (design.md, step 7). Runs and cycles only where
-// there are nine or more: fewer cannot be told from their placebo.
+// What is left out together in cross-validation: a window where the rows have any, a run, else a
+// motion cycle, else a block of at least five correlation times of the residual (design.md, step
+// 7). Runs and cycles only where there are nine or more: fewer cannot be told from their placebo.
 #pragma once
 
 #include <Eigen/Core>

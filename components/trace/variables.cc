@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
+#include <map>
 #include <random>
+#include <utility>
 
 #include "components/identify/statistics.h"
 
@@ -43,8 +47,10 @@ constexpr Variable kVariables[] = {
 };
 
 constexpr int kKnots = 8;
-constexpr double kMostNoise = 0.3;  // share of a signal's power
-constexpr int kWheelOrders = 20;    // turns of a wheel per turn of the output
+constexpr double kMostNoise = 0.3;   // share of a signal's power
+constexpr double kClearShare = 0.2;  // of the left-out error: surely no noise
+constexpr int kLevels = 20;          // of a recording
+constexpr int kWheelOrders = 20;     // turns of a wheel per turn of the output
 constexpr int kToothHarmonics = 8;
 
 // Hat functions on quantiles of the variable over the used rows, and the same times another signal.
@@ -85,13 +91,69 @@ struct Entry {
   VariableScore score;
   std::vector<Setting> settings;
   std::vector<double> orders;
+  std::function<Eigen::MatrixXd(std::size_t)> columns;  // of a setting
+
+  // The setting with the least error on everything.
+  std::size_t Best() const {
+    std::size_t best = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < settings.size(); ++k) {
+      const Eigen::VectorXd b = settings[k].Coefficients();
+      double error = 0.0;
+      for (const identify::Moments& sums : settings[k].blocks()) error += sums.SquaredError(b);
+      if (error >= least) continue;
+      least = error;
+      best = k;
+    }
+    return best;
+  }
 };
 
 }  // namespace
 
 Eigen::MatrixXd DriftColumns(const identify::Design& design) {
-  return Curve(design, {"time_s", [](const JointSample& x) { return x.time_s; }, Angle},
-               design.rows().UsedRows());
+  const std::vector<Eigen::Index> used = design.rows().UsedRows();
+  Eigen::MatrixXd out =
+      Curve(design, {"time_s", [](const JointSample& x) { return x.time_s; }, Angle}, used);
+  const Eigen::Index curves = out.cols() / 2;
+  const Eigen::VectorXd always = design.Column([](const JointSample&) { return 1.0; });
+  const Eigen::VectorXd angle = design.Column(Angle);
+  for (Eigen::Index c = 0; c < curves; ++c) {
+    double mean = 0.0;
+    for (const Eigen::Index i : used) mean += out(i, c) / static_cast<double>(used.size());
+    out.col(c) -= mean * always;
+    out.col(curves + c) -= mean * angle;
+  }
+  return out;
+}
+
+double LevelShare(const identify::Design& design,
+                  const Eigen::Ref<const Eigen::VectorXd>& residual) {
+  struct Level {
+    double sum = 0.0, rows = 0.0;
+  };
+  const identify::Rows& rows = design.rows();
+  const std::vector<Eigen::Index> used = rows.UsedRows();
+  const auto run_of = [&](Eigen::Index i) { return rows.run[static_cast<std::size_t>(i)]; };
+  std::map<int, std::pair<double, double>> span;  // first and last instant
+  for (const Eigen::Index i : used) {
+    auto [at, fresh] = span.try_emplace(run_of(i), rows.time_s[i], rows.time_s[i]);
+    at->second.first = std::min(at->second.first, rows.time_s[i]);
+    at->second.second = std::max(at->second.second, rows.time_s[i]);
+  }
+  std::map<std::pair<int, int>, Level> levels;
+  double power = 0.0;
+  for (const Eigen::Index i : used) {
+    const auto [first, last] = span.at(run_of(i));
+    const double part = last > first ? (rows.time_s[i] - first) / (last - first) : 0.0;
+    Level& level = levels[{run_of(i), std::min(kLevels - 1, static_cast<int>(kLevels * part))}];
+    level.sum += residual[i];
+    level.rows += 1.0;
+    power += residual[i] * residual[i];
+  }
+  double carried = 0.0;
+  for (const auto& [where, level] : levels) carried += level.sum * level.sum / level.rows;
+  return power > 0.0 ? carried / power : 0.0;
 }
 
 VariableScan ScanVariables(const identify::Design& design,
@@ -103,7 +165,7 @@ VariableScan ScanVariables(const identify::Design& design,
   const std::vector<Eigen::Index> used = design.rows().UsedRows();
   const Eigen::MatrixXd none(base.rows(), 0);
   const Eigen::VectorXd ones = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(blocks.size()));
-  const std::vector<Setting> base_setting = {Setting(blocks, base, none, target, folds)};
+  std::vector<Setting> base_setting = {Setting(blocks, base, none, target, folds)};
   const Eigen::VectorXd base_errors = LeftOutErrors(base_setting, ones, folds);
 
   std::vector<Entry> entries;
@@ -113,10 +175,13 @@ VariableScan ScanVariables(const identify::Design& design,
   for (const Variable& variable : kVariables) {
     if (!measured(variable.name)) continue;
     if (design.NoiseShare(variable.get) > kMostNoise) continue;
-    const Eigen::MatrixXd columns = Curve(design, variable, used);
-    if (columns.cols() == 0 || !columns.allFinite()) continue;
     Entry entry;
     entry.score.variable = variable.name;
+    entry.columns = [&design, &variable, &used](std::size_t) {
+      return Curve(design, variable, used);
+    };
+    const Eigen::MatrixXd columns = entry.columns(0);
+    if (columns.cols() == 0 || !columns.allFinite()) continue;
     entry.settings.emplace_back(blocks, base, columns, target, folds);
     entries.push_back(std::move(entry));
   }
@@ -124,7 +189,8 @@ VariableScan ScanVariables(const identify::Design& design,
     if (!measured(name)) return;
     Entry entry;
     entry.score.variable = name;
-    for (int order = 1; order <= last; ++order) {
+    entry.columns = [&design, get, harmonics](std::size_t k) {
+      const auto order = static_cast<int>(k) + 1;
       Eigen::MatrixXd columns(design.rows().size(), 2 * harmonics);
       for (int h = 0; h < harmonics; ++h) {
         const double times = order * (h + 1);
@@ -133,7 +199,10 @@ VariableScan ScanVariables(const identify::Design& design,
         columns.col(2 * h + 1) =
             design.Column([&](const JointSample& x) { return std::cos(times * get(x)); });
       }
-      entry.settings.emplace_back(blocks, base, columns, target, folds);
+      return columns;
+    };
+    for (int order = 1; order <= last; ++order) {
+      entry.settings.emplace_back(blocks, base, entry.columns(entry.orders.size()), target, folds);
       entry.orders.push_back(order);
     }
     entries.push_back(std::move(entry));
@@ -152,21 +221,28 @@ VariableScan ScanVariables(const identify::Design& design,
     double rows = 0.0;
     for (const identify::Block& block : blocks) rows += static_cast<double>(block.size());
     entry.score.rms = std::sqrt(std::max(0.0, entry.score.gain.sum / rows));
-    if (!entry.orders.empty()) {
-      double least = 0.0;
-      for (std::size_t k = 0; k < entry.settings.size(); ++k) {
-        double error = 0.0;
-        const Eigen::VectorXd b = entry.settings[k].Coefficients();
-        for (const identify::Moments& sums : entry.settings[k].blocks()) {
-          error += sums.SquaredError(b);
-        }
-        if (k == 0 || error < least) {
-          least = error;
-          entry.score.order_per_turn = entry.orders[k];
-        }
+    const std::size_t best = entry.Best();
+    if (!entry.orders.empty()) entry.score.order_per_turn = entry.orders[best];
+    const Setting& setting = entry.settings[best];
+    entry.score.size_in_errors =
+        SizeInErrors(Joined(setting.blocks(), setting.Coefficients(), base.cols()));
+    out.scores.push_back(entry.score);
+  }
+  // A clear curve would be its own noise: it goes first, as in the placebo of candidates.
+  const auto clearest = std::max_element(
+      entries.begin(), entries.end(),
+      [](const Entry& a, const Entry& b) { return a.score.share < b.score.share; });
+  if (clearest != entries.end() && clearest->score.share > kClearShare) {
+    const std::size_t k = clearest->Best();
+    const Eigen::VectorXd b = clearest->settings[k].Coefficients();
+    const Eigen::VectorXd noise =
+        target - base * b.head(base.cols()) - clearest->columns(k) * b.tail(b.size() - base.cols());
+    base_setting = {Setting(blocks, base, none, noise, folds)};
+    for (Entry& entry : entries) {
+      for (std::size_t i = 0; i < entry.settings.size(); ++i) {
+        entry.settings[i] = entry.settings[i].Retarget(blocks, base, entry.columns(i), noise);
       }
     }
-    out.scores.push_back(entry.score);
   }
   std::mt19937_64 random(seed);
   std::vector<double> best_false;
@@ -176,8 +252,8 @@ VariableScan ScanVariables(const identify::Design& design,
     const Eigen::VectorXd errors = LeftOutErrors(base_setting, signs, folds);
     double best = 0.0;
     for (const Entry& entry : entries) {
-      best = std::max(best,
-                      (errors - LeftOutErrors(entry.settings, signs, folds)).sum() / errors.sum());
+      best =
+          std::max(best, (errors - LeftOutErrors(entry.settings, signs, folds)).sum() / base_sum);
     }
     best_false.push_back(best);
   }

@@ -18,8 +18,9 @@ struct VariableScore {
   std::string variable;  // field of JointSample
   double order_per_turn = 0.0;
   Gain gain;
-  double share = 0.0;  // of the left-out squared error
-  double rms = 0.0;    // of the part it predicts, in units of the target
+  double size_in_errors = 0.0;  // of the curve, jackknife over units
+  double share = 0.0;           // of the left-out squared error
+  double rms = 0.0;             // of the part it predicts, in units of the target
 };
 
 struct VariableScan {
@@ -27,9 +28,13 @@ struct VariableScan {
   double placebo_99 = 0.0;            // quantile of the best false share
 };
 
-// Free curves over time, and the same times the angle: what drifts. No columns without motion in
-// time.
+// Free curves over time, and the same times the angle, both without what is there all the time:
+// what drifts. No columns without motion in time.
 Eigen::MatrixXd DriftColumns(const identify::Design& design);
+
+// Share of a residual's power that its level carries, twenty levels per recording.
+double LevelShare(const identify::Design& design,
+                  const Eigen::Ref<const Eigen::VectorXd>& residual);
 
 // The design's drive must be predicted (Design::PredictDrive): the measured one is the target
 // itself.
