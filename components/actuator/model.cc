@@ -39,6 +39,12 @@ void ForEach(const std::vector<Term>& terms, Memory memory, Function f) {
 
 }  // namespace
 
+std::vector<double> NonlinearValues(const Term& term) {
+  std::vector<double> psi;
+  for (const ParameterValue& value : term.nonlinear) psi.push_back(value.value);
+  return psi;
+}
+
 Term MakeTerm(std::string_view effect_name, const effects::JointConstants& constants,
               std::optional<effects::Balance> balance) {
   Term term;

@@ -27,6 +27,9 @@ struct Term {
   bool declared = true;                   // false: added by close-loop
 };
 
+// Values of a term's nonlinear parameters: psi of its effect.
+std::vector<double> NonlinearValues(const Term& term);
+
 // A term with every parameter at the catalogue's default. Throws std::invalid_argument
 // (MakeEffect).
 Term MakeTerm(std::string_view effect_name, const effects::JointConstants& constants,
