@@ -109,26 +109,8 @@ TraceResult TraceBalance(effects::Balance balance, const std::vector<identify::R
 
 TraceResult WithBalance(TraceResult motion, TraceResult other) {
   const effects::Balance balance = other.corrected.balance;
-  BalanceSummary summary;
-  summary.balance = balance;
-  summary.unit = effects::BalanceUnit(balance, other.corrected.kind);
-  summary.unseen = std::move(other.unseen);
-  summary.verdict = other.verdict;
-  summary.nominal_train = std::move(other.nominal_train);
-  summary.nominal_sealed = std::move(other.nominal_sealed);
-  summary.before_train = std::move(other.before_train);
-  summary.before_sealed = std::move(other.before_sealed);
-  summary.after_train = std::move(other.after_train);
-  summary.after_sealed = std::move(other.after_sealed);
-  summary.noise_floor_rms = other.noise_floor_rms;
-  summary.noise_floor_source = std::move(other.noise_floor_source);
-  summary.ceiling_rms = other.ceiling_rms;
-  summary.correlation_time_s = other.correlation_time_s;
-  summary.units = other.units;
-  summary.unit_kind = std::move(other.unit_kind);
-  summary.unit_length_s = other.unit_length_s;
-  summary.rounds = std::move(other.rounds);
-  summary.unexplained = other.unexplained;
+  BalanceSummary summary{std::move(static_cast<Judgement&>(other)), balance,
+                         std::string(effects::BalanceUnit(balance, other.corrected.kind))};
 
   // Declared terms stand at the same places in all models.
   for (auto [mine, theirs] : {std::pair{&motion.declared, &other.declared}}) {
@@ -154,10 +136,10 @@ TraceResult WithBalance(TraceResult motion, TraceResult other) {
   }
   std::stable_sort(motion.not_excited.begin(), motion.not_excited.end(),
                    [](const NotExcited& a, const NotExcited& b) { return a.effect < b.effect; });
-  if (other.verdict == Verdict::kEffect) motion.verdict = Verdict::kEffect;
-  if (motion.verdict == Verdict::kNone && other.verdict == Verdict::kUnexplained) {
+  if (summary.verdict == Verdict::kEffect) motion.verdict = Verdict::kEffect;
+  if (motion.verdict == Verdict::kNone && summary.verdict == Verdict::kUnexplained) {
     motion.verdict = Verdict::kUnexplained;
-    motion.unexplained = other.unexplained;
+    motion.unexplained = summary.unexplained;
   }
   motion.balances.push_back(std::move(summary));
   return motion;
