@@ -113,10 +113,10 @@ TraceResult WithBalance(TraceResult motion, TraceResult other) {
                          std::string(effects::BalanceUnit(balance, other.corrected.kind))};
 
   // Declared terms stand at the same places in all models.
-  for (auto [mine, theirs] : {std::pair{&motion.declared, &other.declared}}) {
-    for (std::size_t t = 0; t < mine->terms.size() && t < theirs->terms.size(); ++t) {
-      if (mine->terms[t].effect->info().balance == balance) mine->terms[t] = theirs->terms[t];
-    }
+  std::vector<actuator::Term>& mine = motion.declared.terms;
+  const std::vector<actuator::Term>& theirs = other.declared.terms;
+  for (std::size_t t = 0; t < mine.size() && t < theirs.size(); ++t) {
+    if (mine[t].effect->info().balance == balance) mine[t] = theirs[t];
   }
   other.corrected.balance = motion.corrected.balance;
   motion.corrected = std::move(other.corrected);
