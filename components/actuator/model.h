@@ -105,8 +105,11 @@ class JointModel {
   double Residual(const effects::JointSample& x, std::span<const double> memory) const noexcept;
 };
 
+// The drive term's factor in a balance as a share of the ideal drive's; 1 without a drive term.
+double DriveShare(const JointModel& model, effects::Balance balance);
+
 // Value of a linear parameter in its own unit: one that is relative to the drive (ParameterInfo) is
-// divided by the drive term's factor. Throws std::out_of_range.
+// divided by the drive's share. Throws std::out_of_range.
 double PhysicalValue(const JointModel& model, int term, int linear_parameter);
 
 struct RobotModel {

@@ -83,20 +83,6 @@ struct Trial {
   double surprise = 0.0;
 };
 
-// What a parameter that is relative to the drive is divided by (as actuator::PhysicalValue).
-double DriveShare(const actuator::JointModel& model) {
-  for (const actuator::Term& term : model.terms) {
-    const effects::EffectInfo& info = term.effect->info();
-    if (info.role != effects::Role::kDrive || !model.Counts(term)) continue;
-    const double ideal = info.linear.front().dimension == effects::Dimension::kNone
-                             ? 1.0
-                             : model.constants.force_constant_N_V;
-    const double share = term.linear.front().value / (ideal > 0.0 ? ideal : 1.0);
-    return share != 0.0 ? share : 1.0;
-  }
-  return 1.0;
-}
-
 bool LookAlike(const effects::EffectInfo& a, const effects::EffectInfo& b) {
   const auto lists = [](const effects::EffectInfo& info, const std::string& name) {
     return std::find(info.look_alikes.begin(), info.look_alikes.end(), name) !=
@@ -387,11 +373,13 @@ class Tracer {
             candidate.effect->info().linear[static_cast<std::size_t>(i)];
         score.theta.push_back(scale * extra[i]);
         const double physical =
-            info.relative_to_drive ? scale * extra[i] / DriveShare(fit.model) : scale * extra[i];
+            info.relative_to_drive
+                ? scale * extra[i] / actuator::DriveShare(fit.model, fit.model.balance)
+                : scale * extra[i];
         if (physical < info.lower || physical > info.upper) score.physical = false;
       }
       if (ShortestDelay(candidate.effect->info()) > 0.0)
-        score.delay_s = score.theta.front() / DriveShare(fit.model);
+        score.delay_s = score.theta.front() / actuator::DriveShare(fit.model, fit.model.balance);
       trial.surprise =
           Surprise(balance, fit.coefficients + trial.coefficients.head(balance.columns.cols()));
 
