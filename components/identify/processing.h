@@ -70,7 +70,7 @@ ProcessingOptions Resolve(const ProcessingOptions& options, const std::vector<Ru
 
 // The same recordings seen where they creep: torque that repeats with the motor's angle (cogging)
 // passes a filter only there. Both sides of the balance keep everything up to a fifth of the rate,
-// samples count while up to 20 periods per motor turn stay below that, and a twelfth of this
+// samples count while up to 7 periods per motor turn stay below that, and a fifteenth of this
 // velocity is rest. `main` must be resolved; rate_Hz of the recordings.
 ProcessingOptions SlowMotion(const ProcessingOptions& main, const actuator::JointModel& model,
                              double rate_Hz);

@@ -128,13 +128,13 @@ class Tracer {
       Progress("what a refit swallowed", 0.86);
       FindSwallowed(&fit);
     }
-    // The second time with the drive that the model inside the range needs.
-    // Errors are those of the fits, before and after alike; what is written has to be simulated too
-    // and stays within the physical range.
+    // Errors are those of the fits, before and after alike.
     const actuator::JointModel free = result_.corrected;
     PredictDrive(free);
     result_.after_train = identify::ErrorOf(train_, free);
     result_.after_sealed = identify::ErrorOf(sealed_, free);
+    // What is written has to be simulated too and stays within the physical range. The second time
+    // with the drive that the model inside the range needs.
     for (int pass = 0; pass < 2; ++pass) {
       result_.corrected = identify::WithinPhysicalRange(train_, free, units_.blocks);
       PredictDrive(result_.corrected);
@@ -382,7 +382,6 @@ class Tracer {
         score.delay_s = score.theta.front() / actuator::DriveShare(fit.model, fit.model.balance);
       trial.surprise =
           Surprise(balance, fit.coefficients + trial.coefficients.head(balance.columns.cols()));
-
       score.stable = passing || Stable(trial, balance.columns.cols());
       trials.push_back(std::move(trial));
     }
@@ -423,7 +422,7 @@ class Tracer {
         score.refused = "gain as in recordings without the effect";
       } else if (skew && !IsPassing(trial) && Skewed(trial, *delay, balance, target, folds)) {
         score.refused = declared_.balance == effects::Balance::kGas
-                            ? "a delay below half a sample"
+                            ? "a delay as short as every valve's opening"
                             : "a skew between channels below a tenth of a sample";
       } else if (rounding != nullptr && NoBetter(trial, *rounding)) {
         score.refused =
