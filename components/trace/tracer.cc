@@ -211,19 +211,14 @@ class Tracer {
   Eigen::MatrixXd WithLastingEvent(const FitResult& fit, const Eigen::VectorXd& target) {
     Eigen::MatrixXd columns = fit.balance.columns;
     if (declared_.balance != effects::Balance::kMotion) return columns;
-    for (const std::string& name : effects::EffectNames()) {
-      std::shared_ptr<const effects::Effect> effect =
-          effects::MakeEffect(name, declared_.constants);
-      const effects::EffectInfo& info = effect->info();
-      if (!info.event || info.nonlinear.size() > 1 ||
-          (info.rotary_only && declared_.kind != effects::JointKind::kRotary)) {
-        continue;
-      }
-      const Event event = FindEvent(train_, effect, units_.blocks, columns, target,
+    for (const Candidate& candidate : EventCandidates(declared_)) {
+      if (candidate.effect->info().nonlinear.size() > 1) continue;
+      const Event event = FindEvent(train_, candidate.effect, units_.blocks, columns, target,
                                     options_.placebo_rounds, options_.seed);
       if (!event.significant) continue;
       SetClocks(event.start_s, event.clock_s, &train_);
-      const Eigen::MatrixXd extra = train_.Columns(*effect, std::vector<double>{event.clock_s});
+      const Eigen::MatrixXd extra =
+          train_.Columns(*candidate.effect, std::vector<double>{event.clock_s});
       columns.conservativeResize(Eigen::NoChange, columns.cols() + extra.cols());
       columns.rightCols(extra.cols()) = -extra;
     }
@@ -420,7 +415,7 @@ class Tracer {
         score.refused = "gain below 5 % of the residual";
       } else if (!IsPassing(trial) && score.gain_share <= report->placebo_99) {
         score.refused = "gain as in recordings without the effect";
-      } else if (skew && !IsPassing(trial) && Skewed(trial, *delay, balance, target, folds)) {
+      } else if (skew && !IsPassing(trial) && Skewed(trial, *delay, balance, target)) {
         score.refused = declared_.balance == effects::Balance::kGas
                             ? "a delay as short as every valve's opening"
                             : "a skew between channels below a tenth of a sample";
@@ -548,52 +543,48 @@ class Tracer {
       if (term.effect->info().event) return;
     }
     const Eigen::VectorXd target = fit.balance.target - fit.balance.columns * fit.coefficients;
-    int order = 0;
-    int event_order = 0;
-    for (const std::string& name : effects::EffectNames()) {
-      ++order;
-      std::shared_ptr<const effects::Effect> effect = effects::MakeEffect(name, model.constants);
-      const effects::EffectInfo& info = effect->info();
-      if (!info.event || (info.rotary_only && model.kind != effects::JointKind::kRotary)) continue;
+    Candidate candidate;
+    for (Candidate& trial : EventCandidates(model)) {
       // What another effect leaves of its own transients looks like pushes.
-      if (info.nonlinear.size() > 1 && !result_.rounds.empty()) continue;
-      Event event = FindEvent(train_, effect, units_.blocks, fit.balance.columns, target,
+      if (trial.effect->info().nonlinear.size() > 1 && !result_.rounds.empty()) continue;
+      Event event = FindEvent(train_, trial.effect, units_.blocks, fit.balance.columns, target,
                               options_.placebo_rounds, options_.seed);
       if (!event.significant) {
         CandidateScore score;
-        score.name = name;
+        score.name = trial.name();
         score.refused = "no instant stands out";
         report->scores.push_back(std::move(score));
       } else if (!event_ || event.explained > event_->explained) {
         event_ = std::move(event);
-        event_order = order;
+        candidate = std::move(trial);
       }
     }
     if (!event_) return;
     drift_gain_ = 0.0;
     const Eigen::MatrixXd drift = DriftColumns(train_);
     if (!event_->passing() && drift.cols() > 0) {
-      const int folds = Folds(units_.blocks.size());
-      const Eigen::VectorXd ones =
-          Eigen::VectorXd::Ones(static_cast<Eigen::Index>(units_.blocks.size()));
-      const Eigen::MatrixXd none(target.size(), 0);
-      const std::vector<Setting> without = {
-          Setting(units_.blocks, fit.balance.columns, none, target, folds)};
-      const std::vector<Setting> with = {
-          Setting(units_.blocks, fit.balance.columns, drift, target, folds)};
-      drift_gain_ = (LeftOutErrors(without, ones, folds) - LeftOutErrors(with, ones, folds)).sum();
+      drift_gain_ = GainBeside(fit.balance.columns, drift, target).sum;
     }
     SetClocks(event_->start_s, event_->clock_s, &train_);
-    Candidate candidate;
-    candidate.effect = event_->effect;
     candidate.event = &*event_;
-    candidate.catalogue_order = event_order;
     GridPoint point;
     point.psi = {event_->clock_s};
     if (event_->passing()) point.psi.push_back(event_->length_s);
     point.columns = train_.Columns(*event_->effect, point.psi);
     candidate.grid.push_back(std::move(point));
     set->candidates.push_back(std::move(candidate));
+  }
+
+  // What extra columns beside a base gain, left out.
+  Gain GainBeside(const Eigen::MatrixXd& base, const Eigen::MatrixXd& extra,
+                  const Eigen::VectorXd& target) const {
+    const std::vector<Block>& blocks = units_.blocks;
+    const int folds = Folds(blocks.size());
+    const Eigen::VectorXd ones = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(blocks.size()));
+    const auto errors = [&](const Eigen::MatrixXd& columns) {
+      return LeftOutErrors({Setting(blocks, base, columns, target, folds)}, ones, folds);
+    };
+    return GainOf(errors(Eigen::MatrixXd(target.size(), 0)) - errors(extra));
   }
 
   // Where the event happened in the sealed recordings is looked for with the size that the others
@@ -678,19 +669,12 @@ class Tracer {
 
   // Does little of a candidate's gain stay when a skew between channels may be fitted as well?
   bool Skewed(const Trial& trial, const Trial& delay, const Balance& balance,
-              const Eigen::VectorXd& target, int folds) const {
+              const Eigen::VectorXd& target) const {
     if (trial.candidate == delay.candidate) return true;
-    const Eigen::VectorXd ones =
-        Eigen::VectorXd::Ones(static_cast<Eigen::Index>(units_.blocks.size()));
     Eigen::MatrixXd base(balance.columns.rows(), balance.columns.cols() + 1);
     base << balance.columns, -delay.candidate->grid.front().columns;
-    const std::vector<Setting> without = {
-        Setting(units_.blocks, base, Eigen::MatrixXd(target.size(), 0), target, folds)};
-    const std::vector<Setting> with = {
-        Setting(units_.blocks, base, -trial.candidate->grid[trial.best].columns, target, folds)};
-    const double kept =
-        (LeftOutErrors(without, ones, folds) - LeftOutErrors(with, ones, folds)).sum();
-    return kept < 0.5 * trial.score.gain.sum;
+    const Gain kept = GainBeside(base, -trial.candidate->grid[trial.best].columns, target);
+    return kept.sum < 0.5 * trial.score.gain.sum;
   }
 
   static double Correlation(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
@@ -866,17 +850,9 @@ class Tracer {
       const actuator::Term term = without.terms[at];
       without.terms.erase(without.terms.begin() + static_cast<std::ptrdiff_t>(at));
       const FitResult less = identify::FitModel(train_, without, units_.blocks);
-      std::vector<double> psi;
-      for (const auto& value : term.nonlinear) psi.push_back(value.value);
-      const int folds = Folds(units_.blocks.size());
-      const Eigen::VectorXd target = less.balance.target - less.balance.columns * less.coefficients;
-      const Eigen::VectorXd ones =
-          Eigen::VectorXd::Ones(static_cast<Eigen::Index>(units_.blocks.size()));
-      const std::vector<Setting> base = {Setting(units_.blocks, less.balance.columns,
-                                                 Eigen::MatrixXd(target.size(), 0), target, folds)};
-      const std::vector<Setting> with = {Setting(
-          units_.blocks, less.balance.columns, -train_.Columns(*term.effect, psi), target, folds)};
-      const Gain gain = GainOf(LeftOutErrors(base, ones, folds) - LeftOutErrors(with, ones, folds));
+      const Gain gain = GainBeside(less.balance.columns,
+                                   -train_.Columns(*term.effect, actuator::NonlinearValues(term)),
+                                   less.balance.target - less.balance.columns * less.coefficients);
       if (gain.t > options_.fewest_standard_errors) {
         ++e;
         continue;
