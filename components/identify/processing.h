@@ -75,6 +75,10 @@ ProcessingOptions Resolve(const ProcessingOptions& options, const std::vector<Ru
 ProcessingOptions SlowMotion(const ProcessingOptions& main, const actuator::JointModel& model,
                              double rate_Hz);
 
+// The balances beside the motion's (kinematic.h, gas.h): neither states nor rows are filtered a
+// second time, no velocity is too fast. `motion` must be resolved; rate_Hz of the recordings.
+ProcessingOptions Unfiltered(const ProcessingOptions& motion, double rate_Hz);
+
 // Runs may differ in rate and length; options must be resolved.
 StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& model,
                     const ProcessingOptions& options);

@@ -28,7 +28,7 @@ Sight KinematicSight(const std::vector<identify::Run>& train,
     if (!out.why_not.empty()) return out;
   }
   identify::StateSet states = identify::MakeKinematicStates(train, model, motion);
-  const identify::ProcessingOptions options = identify::KinematicProcessing(motion, states.rate_Hz);
+  const identify::ProcessingOptions options = identify::Unfiltered(motion, states.rate_Hz);
   // What is surely more than the torque balance's error is told by the training recordings.
   const double residual = identify::RawResidualTorque(states, model);
   out.train.emplace(std::move(states), options);
@@ -65,8 +65,7 @@ Sight GasSight(const std::vector<identify::Run>& train, const std::vector<identi
   if (of_train.shut < kFewestWindows) out.why_not = "the valve is hardly ever shut in training";
   if (of_sealed.shut < 1) out.why_not = "the valve is never shut in the sealed recordings";
   if (!out.why_not.empty()) return out;
-  const identify::ProcessingOptions options =
-      identify::GasProcessing(motion, of_train.states.rate_Hz);
+  const identify::ProcessingOptions options = identify::Unfiltered(motion, of_train.states.rate_Hz);
   out.train.emplace(std::move(of_train.states), options);
   out.sealed.emplace(std::move(of_sealed.states), options);
   return out;
