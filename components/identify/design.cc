@@ -9,9 +9,6 @@
 namespace sinew::identify {
 
 namespace {
-// A signal of which more than this share is noise says nothing.
-constexpr double kMostNoise = 0.3;
-
 // Its running integral by the trapezoid rule, 0 at the first row.
 void Integrate(double period_s, Eigen::Ref<Eigen::VectorXd> rate) {
   double sum = 0.0;

@@ -26,6 +26,7 @@ double Direction(const JointSample& x) {
 }
 double Angle(const JointSample& x) { return x.position_rad; }
 
+constexpr Variable kTime = {"time_s", [](const JointSample& x) { return x.time_s; }, Angle};
 constexpr Variable kVariables[] = {
     {"position_rad", [](const JointSample& x) { return x.position_rad; }, Direction},
     {"velocity_rad_s", [](const JointSample& x) { return x.velocity_rad_s; }},
@@ -39,12 +40,11 @@ constexpr Variable kVariables[] = {
     {"tooth_torque_Nm", [](const JointSample& x) { return x.tooth_torque_Nm; }},
     {"tooth_side", [](const JointSample& x) { return x.tooth_side; }},
     {"temperature_degC", [](const JointSample& x) { return x.temperature_degC; }, Direction},
-    {"time_s", [](const JointSample& x) { return x.time_s; }, Angle},
+    kTime,
 };
 
 constexpr int kKnots = 8;
-constexpr double kMostNoise = 0.3;  // share of a signal's power
-constexpr int kWheelOrders = 20;    // turns of a wheel per turn of the output
+constexpr int kWheelOrders = 20;  // turns of a wheel per turn of the output
 constexpr int kToothHarmonics = 8;
 
 // Hat functions on quantiles of the variable over the used rows, and the same times another signal.
@@ -90,8 +90,7 @@ struct Entry {
 }  // namespace
 
 Eigen::MatrixXd DriftColumns(const identify::Design& design) {
-  return Curve(design, {"time_s", [](const JointSample& x) { return x.time_s; }, Angle},
-               design.rows().UsedRows());
+  return Curve(design, kTime, design.rows().UsedRows());
 }
 
 VariableScan ScanVariables(const identify::Design& design,
@@ -112,7 +111,7 @@ VariableScan ScanVariables(const identify::Design& design,
   };
   for (const Variable& variable : kVariables) {
     if (!measured(variable.name)) continue;
-    if (design.NoiseShare(variable.get) > kMostNoise) continue;
+    if (design.NoiseShare(variable.get) > identify::kMostNoise) continue;
     const Eigen::MatrixXd columns = Curve(design, variable, used);
     if (columns.cols() == 0 || !columns.allFinite()) continue;
     Entry entry;
