@@ -19,13 +19,6 @@ inline double Sign(double value) noexcept {
   return static_cast<double>(value > 0.0) - static_cast<double>(value < 0.0) + 0.0 * value;
 }
 
-// Dahl's friction state after one stroke: dz/dq = (1 - z s) / xs with s = sign of the stroke, in
-// closed form. Strokes of one sign compose exactly.
-inline double DahlStroke(double z, double stroke, double displacement) noexcept {
-  const double s = Sign(stroke);
-  return s == 0.0 ? z : s + (z - s) * std::exp(-std::abs(stroke) / displacement);
-}
-
 // phi of an effect without memory.
 using RegressorFunction = void (*)(const JointSample& x, const JointConstants& constants,
                                    std::span<const double> psi, std::span<double> phi);
