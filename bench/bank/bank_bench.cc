@@ -1,7 +1,6 @@
 // bank-bench: the whole test bank, its figures, and the sizes that it uses.
-//   cmake --preset release -DSINEW_BUILD_BENCH=ON
-//   cmake --build build/release --target bank_bench && build/release/bin/bank_bench --out
-//   bank.jsonl
+//   cmake --build build/release --target bank_bench
+//   build/release/bin/bank_bench --out bank.jsonl
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>

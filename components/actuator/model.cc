@@ -39,6 +39,12 @@ void ForEach(const std::vector<Term>& terms, Memory memory, Function f) {
 
 }  // namespace
 
+std::vector<double> NonlinearValues(const Term& term) {
+  std::vector<double> psi;
+  for (const ParameterValue& value : term.nonlinear) psi.push_back(value.value);
+  return psi;
+}
+
 Term MakeTerm(std::string_view effect_name, const effects::JointConstants& constants,
               std::optional<effects::Balance> balance) {
   Term term;
@@ -172,23 +178,25 @@ double JointModel::Residual(const effects::JointSample& x,
   return torque;
 }
 
+double DriveShare(const JointModel& model, effects::Balance balance) {
+  for (const Term& term : model.terms) {
+    const effects::EffectInfo& info = term.effect->info();
+    if (info.role != effects::Role::kDrive || info.balance != balance) continue;
+    const double ideal = info.linear[0].dimension == effects::Dimension::kNone
+                             ? 1.0
+                             : model.constants.force_constant_N_V;
+    const double share = term.linear[0].value / (ideal > 0.0 ? ideal : 1.0);
+    return share != 0.0 ? share : 1.0;
+  }
+  return 1.0;
+}
+
 double PhysicalValue(const JointModel& model, int term, int linear_parameter) {
   const Term& of = model.terms.at(static_cast<std::size_t>(term));
   const auto at = static_cast<std::size_t>(linear_parameter);
   const double value = of.linear.at(at).value;
-  if (!of.effect->info().linear[at].relative_to_drive) return value;
-  for (const Term& drive : model.terms) {
-    const effects::EffectInfo& info = drive.effect->info();
-    if (info.role != effects::Role::kDrive || !(info.balance == of.effect->info().balance)) {
-      continue;
-    }
-    const double ideal = info.linear[0].dimension == effects::Dimension::kNone
-                             ? 1.0
-                             : model.constants.force_constant_N_V;
-    const double factor = drive.linear[0].value / (ideal > 0.0 ? ideal : 1.0);
-    return factor != 0.0 ? value / factor : value;
-  }
-  return value;
+  const effects::EffectInfo& info = of.effect->info();
+  return info.linear[at].relative_to_drive ? value / DriveShare(model, info.balance) : value;
 }
 
 }  // namespace sinew::actuator

@@ -27,6 +27,9 @@ struct Term {
   bool declared = true;                   // false: added by close-loop
 };
 
+// Values of a term's nonlinear parameters: psi of its effect.
+std::vector<double> NonlinearValues(const Term& term);
+
 // A term with every parameter at the catalogue's default. Throws std::invalid_argument
 // (MakeEffect).
 Term MakeTerm(std::string_view effect_name, const effects::JointConstants& constants,
@@ -102,8 +105,11 @@ class JointModel {
   double Residual(const effects::JointSample& x, std::span<const double> memory) const noexcept;
 };
 
+// The drive term's factor in a balance as a share of the ideal drive's; 1 without a drive term.
+double DriveShare(const JointModel& model, effects::Balance balance);
+
 // Value of a linear parameter in its own unit: one that is relative to the drive (ParameterInfo) is
-// divided by the drive term's factor. Throws std::out_of_range.
+// divided by the drive's share. Throws std::out_of_range.
 double PhysicalValue(const JointModel& model, int term, int linear_parameter);
 
 struct RobotModel {

@@ -30,12 +30,6 @@ std::vector<FreeParameter> FreeParameters(const actuator::JointModel& joint) {
   return out;
 }
 
-std::vector<double> NonlinearOf(const actuator::Term& term) {
-  std::vector<double> psi;
-  for (const actuator::ParameterValue& value : term.nonlinear) psi.push_back(value.value);
-  return psi;
-}
-
 }  // namespace
 
 // One joint's part of the regression.
@@ -153,7 +147,7 @@ Arm::Data Arm::Prepare(const ArmRuns& runs, const actuator::RobotModel& robot,
         continue;
       }
       if (IsRigid(term)) continue;
-      const Eigen::MatrixXd phi = design.Columns(*term.effect, NonlinearOf(term));
+      const Eigen::MatrixXd phi = design.Columns(*term.effect, actuator::NonlinearValues(term));
       for (std::size_t i = 0; i < term.linear.size(); ++i) {
         const auto of = [&](const FreeParameter& f) { return f.term == t && f.index == i; };
         const auto found = std::find_if(joint.free.begin(), joint.free.end(), of);

@@ -19,22 +19,6 @@ inline double Sign(double value) noexcept {
   return static_cast<double>(value > 0.0) - static_cast<double>(value < 0.0) + 0.0 * value;
 }
 
-// Torque at the output of an ideal drive with the drive input 1: N Kt of a current drive (Nm/A),
-// the force constant of a voltage drive (N/V), 1 where neither is known.
-inline double IdealDriveGain(const JointConstants& constants) noexcept {
-  if (constants.torque_constant_Nm_A > 0.0) {
-    return constants.gear_ratio * constants.torque_constant_Nm_A;
-  }
-  return constants.force_constant_N_V > 0.0 ? constants.force_constant_N_V : 1.0;
-}
-
-// Dahl's friction state after one stroke: dz/dq = (1 - z s) / xs with s = sign of the stroke, in
-// closed form. Strokes of one sign compose exactly.
-inline double DahlStroke(double z, double stroke, double displacement) noexcept {
-  const double s = Sign(stroke);
-  return s == 0.0 ? z : s + (z - s) * std::exp(-std::abs(stroke) / displacement);
-}
-
 // phi of an effect without memory.
 using RegressorFunction = void (*)(const JointSample& x, const JointConstants& constants,
                                    std::span<const double> psi, std::span<double> phi);

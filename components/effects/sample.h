@@ -48,4 +48,13 @@ struct JointConstants {
   double encoder_counts_per_turn = 0.0;  // of the coarser encoder at the output; 0: not stated
 };
 
+// Torque at the output of an ideal drive with the drive input 1: N Kt of a current drive (Nm/A),
+// the force constant of a voltage drive (N/V), 1 where neither is known.
+inline double IdealDriveGain(const JointConstants& constants) noexcept {
+  if (constants.torque_constant_Nm_A > 0.0) {
+    return constants.gear_ratio * constants.torque_constant_Nm_A;
+  }
+  return constants.force_constant_N_V > 0.0 ? constants.force_constant_N_V : 1.0;
+}
+
 }  // namespace sinew::effects

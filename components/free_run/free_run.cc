@@ -58,10 +58,7 @@ class Simulation {
         body_(options.make_body ? options.make_body(model_) : std::make_unique<JointBody>(model_)),
         memory_(static_cast<std::size_t>(model.memory_size())),
         step_s_(model.backlash_rad > 0.0 ? 0.5 * options.step_s : options.step_s) {
-    const double constant = model.constants.torque_constant_Nm_A;
-    const double ideal =
-        constant > 0.0 ? constant * model.constants.gear_ratio : model.constants.force_constant_N_V;
-    shaft_per_input_ = (ideal > 0.0 ? ideal : 1.0) / model.constants.gear_ratio;
+    shaft_per_input_ = effects::IdealDriveGain(model.constants) / model.constants.gear_ratio;
     back_emf_ = model.constants.back_emf_V_s_rad;
   }
 

@@ -6,12 +6,6 @@ namespace sinew::identify {
 
 namespace {
 
-std::vector<double> Nonlinear(const actuator::Term& term) {
-  std::vector<double> psi;
-  for (const actuator::ParameterValue& value : term.nonlinear) psi.push_back(value.value);
-  return psi;
-}
-
 bool IsDrive(const actuator::Term& term) {
   return term.effect->info().role == effects::Role::kDrive;
 }
@@ -64,8 +58,7 @@ Balance MakeBalance(const Design& design, const actuator::JointModel& model, boo
       drive_tolerance = term.linear.front().tolerance;
       continue;
     }
-    const std::vector<double> psi = Nonlinear(term);
-    const Eigen::MatrixXd phi = design.Columns(*term.effect, psi);
+    const Eigen::MatrixXd phi = design.Columns(*term.effect, actuator::NonlinearValues(term));
     for (std::size_t i = 0; i < term.linear.size(); ++i) {
       const actuator::ParameterValue& parameter = term.linear[i];
       const auto column = phi.col(static_cast<Eigen::Index>(i));

@@ -9,9 +9,6 @@
 namespace sinew::identify {
 
 namespace {
-// A signal of which more than this share is noise says nothing.
-constexpr double kMostNoise = 0.3;
-
 // Its running integral by the trapezoid rule, 0 at the first row.
 void Integrate(double period_s, Eigen::Ref<Eigen::VectorXd> rate) {
   double sum = 0.0;
@@ -193,15 +190,7 @@ double Design::NoiseShare(const std::vector<Eigen::VectorXd>& full,
     power += (filtered[i] - mean) * (filtered[i] - mean) / static_cast<double>(used.size());
   }
   if (!(power > 0.0)) return 1.0;
-  // Fourth differences of white noise have 70 times its variance.
-  std::vector<double> size;
-  for (const Eigen::VectorXd& x : full) {
-    for (Eigen::Index i = 0; i + 4 < x.size(); ++i) {
-      size.push_back(std::abs(x[i] - 4.0 * x[i + 1] + 6.0 * x[i + 2] - 4.0 * x[i + 3] + x[i + 4]));
-    }
-  }
-  if (size.empty()) return 0.0;
-  const double sigma = 1.4826 * Quantile(std::move(size), 0.5) / std::sqrt(70.0);
+  const double sigma = WhiteNoise(full);
   const double nyquist_Hz = 0.5 / states_.segments.front().period_s;
   const double passed = std::min(1.0, options_.parallel_cutoff_Hz / nyquist_Hz);
   return std::min(1.0, sigma * sigma * passed / power);

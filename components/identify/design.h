@@ -13,6 +13,9 @@
 
 namespace sinew::identify {
 
+// A signal of which more than this share is noise (Design::NoiseShare) says nothing.
+inline constexpr double kMostNoise = 0.3;
+
 // What every row of the regression is.
 struct Rows {
   Eigen::VectorXd time_s;

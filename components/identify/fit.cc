@@ -184,13 +184,11 @@ FitResult RefineModel(const Design& design, const actuator::JointModel& model,
     const auto torque = [&](double psi) -> Eigen::VectorXd {
       actuator::Term term = best.model.terms[which.term];
       term.nonlinear[which.index].value = psi;
-      std::vector<double> all;
-      for (const auto& value : term.nonlinear) all.push_back(value.value);
       Eigen::VectorXd theta(static_cast<Eigen::Index>(term.linear.size()));
       for (std::size_t i = 0; i < term.linear.size(); ++i) {
         theta[static_cast<Eigen::Index>(i)] = term.linear[i].value;
       }
-      return design.Columns(*term.effect, all) * theta;
+      return design.Columns(*term.effect, actuator::NonlinearValues(term)) * theta;
     };
     columns.col(p + k) = -(torque(now + h) - torque(now - h)) / (2.0 * h) / scale;
   }

@@ -87,13 +87,6 @@ void PlayOpenings(const std::vector<Opening>& openings, StateSet* states) {
 
 }  // namespace
 
-ProcessingOptions GasProcessing(const ProcessingOptions& motion, double rate_Hz) {
-  ProcessingOptions out = motion;
-  out.parallel_cutoff_Hz = 0.5 * rate_Hz;
-  out.fastest_velocity = 0.0;
-  return out;
-}
-
 double ChamberSlope_m3_rad(const actuator::JointModel& model, double position_rad) {
   effects::JointSample x;
   x.position_rad = position_rad;

@@ -42,8 +42,7 @@ struct GasWindows {
   int openings = 0;  // windows around an opening that moved the pressure
 };
 
-// motion: options of the motion balance, resolved. model: fitted in the motion balance.
-ProcessingOptions GasProcessing(const ProcessingOptions& motion, double rate_Hz);
+// motion: options of the motion balance, resolved. model: fitted in it.
 GasWindows MakeGasStates(const std::vector<Run>& runs, const actuator::JointModel& model,
                          const ProcessingOptions& motion);
 

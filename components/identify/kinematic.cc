@@ -32,13 +32,6 @@ void Along(const StateSet& states, const actuator::JointModel& model, Function f
 
 }  // namespace
 
-ProcessingOptions KinematicProcessing(const ProcessingOptions& motion, double rate_Hz) {
-  ProcessingOptions out = motion;
-  out.parallel_cutoff_Hz = 0.5 * rate_Hz;
-  out.fastest_velocity = 0.0;
-  return out;
-}
-
 double RawResidualTorque(const StateSet& states, const actuator::JointModel& fitted) {
   const actuator::JointModel model = OfMotion(fitted);
   double squares = 0.0;

@@ -25,12 +25,8 @@ namespace sinew::identify {
 
 inline constexpr double kSureContact = 4.0;
 
-// motion: options of the motion balance, resolved. Neither states nor rows of the kinematic balance
-// are filtered a second time.
-ProcessingOptions KinematicProcessing(const ProcessingOptions& motion, double rate_Hz);
-
-// model: fitted in the motion balance. residual_rms: of the torque balance before filtering;
-// 0: taken from these recordings.
+// motion: options of the motion balance, resolved. model: fitted in it. residual_rms: of the torque
+// balance before filtering; 0: taken from these recordings.
 StateSet MakeKinematicStates(const std::vector<Run>& runs, const actuator::JointModel& model,
                              const ProcessingOptions& motion, double residual_rms_Nm = 0.0);
 

@@ -140,6 +140,13 @@ ProcessingOptions SlowMotion(const ProcessingOptions& main, const actuator::Join
   return out;
 }
 
+ProcessingOptions Unfiltered(const ProcessingOptions& motion, double rate_Hz) {
+  ProcessingOptions out = motion;
+  out.parallel_cutoff_Hz = 0.5 * rate_Hz;
+  out.fastest_velocity = 0.0;
+  return out;
+}
+
 StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& model,
                     const ProcessingOptions& options) {
   if (runs.empty()) throw std::invalid_argument("no recording given");

@@ -70,10 +70,14 @@ ProcessingOptions Resolve(const ProcessingOptions& options, const std::vector<Ru
 
 // The same recordings seen where they creep: torque that repeats with the motor's angle (cogging)
 // passes a filter only there. Both sides of the balance keep everything up to a fifth of the rate,
-// samples count while up to 20 periods per motor turn stay below that, and a twelfth of this
+// samples count while up to 7 periods per motor turn stay below that, and a fifteenth of this
 // velocity is rest. `main` must be resolved; rate_Hz of the recordings.
 ProcessingOptions SlowMotion(const ProcessingOptions& main, const actuator::JointModel& model,
                              double rate_Hz);
+
+// The balances beside the motion's (kinematic.h, gas.h): neither states nor rows are filtered a
+// second time, no velocity is too fast. `motion` must be resolved; rate_Hz of the recordings.
+ProcessingOptions Unfiltered(const ProcessingOptions& motion, double rate_Hz);
 
 // Runs may differ in rate and length; options must be resolved.
 StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& model,

@@ -91,6 +91,16 @@ double Quantile(std::vector<double> values, double p) {
   return values[low] + (at - static_cast<double>(low)) * (values[high] - values[low]);
 }
 
+double WhiteNoise(std::span<const Eigen::VectorXd> signals) {
+  std::vector<double> size;
+  for (const Eigen::VectorXd& x : signals) {
+    for (Eigen::Index i = 0; i + 4 < x.size(); ++i) {
+      size.push_back(std::abs(x[i] - 4.0 * x[i + 1] + 6.0 * x[i + 2] - 4.0 * x[i + 3] + x[i + 4]));
+    }
+  }
+  return 1.4826 * Quantile(std::move(size), 0.5) / std::sqrt(70.0);
+}
+
 Eigen::VectorXd Autocorrelation(const Eigen::Ref<const Eigen::VectorXd>& x,
                                 const std::vector<char>& used, const std::vector<int>& segment,
                                 int last_lag) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 #include <vector>
 
 namespace sinew::identify {
@@ -17,6 +18,10 @@ double Mean(const std::vector<double>& values);
 double StandardDeviation(const std::vector<double>& values);
 // The value below which a share p of the values lies (linear between order statistics).
 double Quantile(std::vector<double> values, double p);
+
+// Standard deviation of white noise on signals, from the median absolute value of their fourth
+// differences (70 times its variance): smooth motion and spikes are not seen.
+double WhiteNoise(std::span<const Eigen::VectorXd> signals);
 
 // Autocorrelation of x (mean not removed) at lags 0 .. last_lag, over pairs of rows that are both
 // used and in the same segment.

@@ -28,7 +28,7 @@ Sight KinematicSight(const std::vector<identify::Run>& train,
     if (!out.why_not.empty()) return out;
   }
   identify::StateSet states = identify::MakeKinematicStates(train, model, motion);
-  const identify::ProcessingOptions options = identify::KinematicProcessing(motion, states.rate_Hz);
+  const identify::ProcessingOptions options = identify::Unfiltered(motion, states.rate_Hz);
   // What is surely more than the torque balance's error is told by the training recordings.
   const double residual = identify::RawResidualTorque(states, model);
   out.train.emplace(std::move(states), options);
@@ -65,8 +65,7 @@ Sight GasSight(const std::vector<identify::Run>& train, const std::vector<identi
   if (of_train.shut < kFewestWindows) out.why_not = "the valve is hardly ever shut in training";
   if (of_sealed.shut < 1) out.why_not = "the valve is never shut in the sealed recordings";
   if (!out.why_not.empty()) return out;
-  const identify::ProcessingOptions options =
-      identify::GasProcessing(motion, of_train.states.rate_Hz);
+  const identify::ProcessingOptions options = identify::Unfiltered(motion, of_train.states.rate_Hz);
   out.train.emplace(std::move(of_train.states), options);
   out.sealed.emplace(std::move(of_sealed.states), options);
   return out;
@@ -109,32 +108,14 @@ TraceResult TraceBalance(effects::Balance balance, const std::vector<identify::R
 
 TraceResult WithBalance(TraceResult motion, TraceResult other) {
   const effects::Balance balance = other.corrected.balance;
-  BalanceSummary summary;
-  summary.balance = balance;
-  summary.unit = effects::BalanceUnit(balance, other.corrected.kind);
-  summary.unseen = std::move(other.unseen);
-  summary.verdict = other.verdict;
-  summary.nominal_train = std::move(other.nominal_train);
-  summary.nominal_sealed = std::move(other.nominal_sealed);
-  summary.before_train = std::move(other.before_train);
-  summary.before_sealed = std::move(other.before_sealed);
-  summary.after_train = std::move(other.after_train);
-  summary.after_sealed = std::move(other.after_sealed);
-  summary.noise_floor_rms = other.noise_floor_rms;
-  summary.noise_floor_source = std::move(other.noise_floor_source);
-  summary.ceiling_rms = other.ceiling_rms;
-  summary.correlation_time_s = other.correlation_time_s;
-  summary.units = other.units;
-  summary.unit_kind = std::move(other.unit_kind);
-  summary.unit_length_s = other.unit_length_s;
-  summary.rounds = std::move(other.rounds);
-  summary.unexplained = other.unexplained;
+  BalanceSummary summary{std::move(static_cast<Judgement&>(other)), balance,
+                         std::string(effects::BalanceUnit(balance, other.corrected.kind))};
 
   // Declared terms stand at the same places in all models.
-  for (auto [mine, theirs] : {std::pair{&motion.declared, &other.declared}}) {
-    for (std::size_t t = 0; t < mine->terms.size() && t < theirs->terms.size(); ++t) {
-      if (mine->terms[t].effect->info().balance == balance) mine->terms[t] = theirs->terms[t];
-    }
+  std::vector<actuator::Term>& mine = motion.declared.terms;
+  const std::vector<actuator::Term>& theirs = other.declared.terms;
+  for (std::size_t t = 0; t < mine.size() && t < theirs.size(); ++t) {
+    if (mine[t].effect->info().balance == balance) mine[t] = theirs[t];
   }
   other.corrected.balance = motion.corrected.balance;
   motion.corrected = std::move(other.corrected);
@@ -154,10 +135,10 @@ TraceResult WithBalance(TraceResult motion, TraceResult other) {
   }
   std::stable_sort(motion.not_excited.begin(), motion.not_excited.end(),
                    [](const NotExcited& a, const NotExcited& b) { return a.effect < b.effect; });
-  if (other.verdict == Verdict::kEffect) motion.verdict = Verdict::kEffect;
-  if (motion.verdict == Verdict::kNone && other.verdict == Verdict::kUnexplained) {
+  if (summary.verdict == Verdict::kEffect) motion.verdict = Verdict::kEffect;
+  if (motion.verdict == Verdict::kNone && summary.verdict == Verdict::kUnexplained) {
     motion.verdict = Verdict::kUnexplained;
-    motion.unexplained = other.unexplained;
+    motion.unexplained = summary.unexplained;
   }
   motion.balances.push_back(std::move(summary));
   return motion;

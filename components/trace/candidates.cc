@@ -75,4 +75,19 @@ CandidateSet MakeCandidates(const identify::Design& design, const actuator::Join
   return out;
 }
 
+std::vector<Candidate> EventCandidates(const actuator::JointModel& model) {
+  std::vector<Candidate> out;
+  int order = 0;
+  for (const std::string& name : effects::EffectNames()) {
+    ++order;
+    Candidate candidate;
+    candidate.effect = effects::MakeEffect(name, model.constants);
+    candidate.catalogue_order = order;
+    const effects::EffectInfo& info = candidate.effect->info();
+    if (!info.event || (info.rotary_only && model.kind != effects::JointKind::kRotary)) continue;
+    out.push_back(std::move(candidate));
+  }
+  return out;
+}
+
 }  // namespace sinew::trace

@@ -43,6 +43,9 @@ struct CandidateSet {
 // are none before their instants are known (events.h).
 CandidateSet MakeCandidates(const identify::Design& design, const actuator::JointModel& model);
 
+// The effects of the motion's balance that begin at an instant, without a grid.
+std::vector<Candidate> EventCandidates(const actuator::JointModel& model);
+
 // All combinations of the grids of an effect's nonlinear parameters; one empty setting without any.
 std::vector<std::vector<double>> GridOf(const effects::EffectInfo& info);
 

@@ -69,8 +69,6 @@ double FromStandstill(const identify::Design& design, const Eigen::VectorXd& tor
   return freedom >= 30.0 ? std::sqrt(squares / freedom) : 0.0;
 }
 
-// Fourth differences of white noise have 70 times its variance; their median absolute value does
-// not see spikes and smooth motion.
 double FromDifferences(const identify::Design& design, double drive_gain) {
   double best = 0.0;
   for (const identify::StateSegment& segment : design.states().segments) {
@@ -79,11 +77,7 @@ double FromDifferences(const identify::Design& design, double drive_gain) {
     const double cutoff = design.options().parallel_cutoff_Hz;
     const bool filtered = cutoff < 0.5 * rate;
     if (x.size() < 100 || (filtered && cutoff > 0.4 * rate)) continue;
-    std::vector<double> size;
-    for (Eigen::Index i = 0; i + 4 < x.size(); ++i) {
-      size.push_back(std::abs(x[i] - 4.0 * x[i + 1] + 6.0 * x[i + 2] - 4.0 * x[i + 3] + x[i + 4]));
-    }
-    const double sigma = 1.4826 * identify::Quantile(std::move(size), 0.5) / std::sqrt(70.0);
+    const double sigma = identify::WhiteNoise({&x, 1});
     const double rms = drive_gain * sigma * (filtered ? std::sqrt(cutoff / (0.5 * rate)) : 1.0);
     best = best > 0.0 ? std::min(best, rms) : rms;
   }

@@ -67,10 +67,7 @@ ShiftReport FindShifts(const identify::Design& design, const actuator::JointMode
       const double off = term.nonlinear[k].tolerance * std::abs(term.nonlinear[k].value);
       if (!term.nonlinear[k].fixed || !(off > 0.0)) continue;
       const auto torque = [&](double value) {
-        std::vector<double> psi;
-        for (const actuator::ParameterValue& parameter : term.nonlinear) {
-          psi.push_back(parameter.value);
-        }
+        std::vector<double> psi = actuator::NonlinearValues(term);
         psi[k] = value;
         Eigen::VectorXd theta(static_cast<Eigen::Index>(term.linear.size()));
         for (std::size_t i = 0; i < term.linear.size(); ++i) {

@@ -61,23 +61,13 @@ TraceResult WithSlowMotion(TraceResult first, TraceResult slow) {
                   [&](const NotExcited& hidden) { return hidden.effect == effect.name; });
     first.effects.push_back(std::move(effect));
   }
+  if (alone) {
+    first.slow_motion = true;
+    slow.rounds = std::move(first.rounds);
+    static_cast<Judgement&>(first) = std::move(static_cast<Judgement&>(slow));
+  }
   first.verdict = Verdict::kEffect;
   first.unexplained = {};
-  if (!alone) return first;
-  first.slow_motion = true;
-  first.nominal_train = std::move(slow.nominal_train);
-  first.nominal_sealed = std::move(slow.nominal_sealed);
-  first.before_train = std::move(slow.before_train);
-  first.before_sealed = std::move(slow.before_sealed);
-  first.after_train = std::move(slow.after_train);
-  first.after_sealed = std::move(slow.after_sealed);
-  first.noise_floor_rms = slow.noise_floor_rms;
-  first.noise_floor_source = std::move(slow.noise_floor_source);
-  first.ceiling_rms = slow.ceiling_rms;
-  first.correlation_time_s = slow.correlation_time_s;
-  first.units = slow.units;
-  first.unit_kind = std::move(slow.unit_kind);
-  first.unit_length_s = slow.unit_length_s;
   return first;
 }
 

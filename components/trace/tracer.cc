@@ -87,20 +87,6 @@ struct Trial {
   double surprise = 0.0;
 };
 
-// What a parameter that is relative to the drive is divided by (as actuator::PhysicalValue).
-double DriveShare(const actuator::JointModel& model) {
-  for (const actuator::Term& term : model.terms) {
-    const effects::EffectInfo& info = term.effect->info();
-    if (info.role != effects::Role::kDrive || !model.Counts(term)) continue;
-    const double ideal = info.linear.front().dimension == effects::Dimension::kNone
-                             ? 1.0
-                             : model.constants.force_constant_N_V;
-    const double share = term.linear.front().value / (ideal > 0.0 ? ideal : 1.0);
-    return share != 0.0 ? share : 1.0;
-  }
-  return 1.0;
-}
-
 bool LookAlike(const effects::EffectInfo& a, const effects::EffectInfo& b) {
   const auto lists = [](const effects::EffectInfo& info, const std::string& name) {
     return std::find(info.look_alikes.begin(), info.look_alikes.end(), name) !=
@@ -146,13 +132,13 @@ class Tracer {
       Progress("what a refit swallowed", 0.86);
       FindSwallowed(&fit);
     }
-    // The second time with the drive that the model inside the range needs.
-    // Errors are those of the fits, before and after alike; what is written has to be simulated too
-    // and stays within the physical range.
+    // Errors are those of the fits, before and after alike.
     const actuator::JointModel free = result_.corrected;
     PredictDrive(free);
     result_.after_train = identify::ErrorOf(train_, free);
     result_.after_sealed = identify::ErrorOf(sealed_, free);
+    // What is written has to be simulated too and stays within the physical range. The second time
+    // with the drive that the model inside the range needs.
     for (int pass = 0; pass < 2; ++pass) {
       result_.corrected = identify::WithinPhysicalRange(train_, free, units_.blocks);
       PredictDrive(result_.corrected);
@@ -233,19 +219,14 @@ class Tracer {
   Eigen::MatrixXd WithLastingEvent(const FitResult& fit, const Eigen::VectorXd& target) {
     Eigen::MatrixXd columns = fit.balance.columns;
     if (declared_.balance != effects::Balance::kMotion) return columns;
-    for (const std::string& name : effects::EffectNames()) {
-      std::shared_ptr<const effects::Effect> effect =
-          effects::MakeEffect(name, declared_.constants);
-      const effects::EffectInfo& info = effect->info();
-      if (!info.event || info.nonlinear.size() > 1 ||
-          (info.rotary_only && declared_.kind != effects::JointKind::kRotary)) {
-        continue;
-      }
-      const Event event = FindEvent(train_, effect, units_.blocks, columns, target,
+    for (const Candidate& candidate : EventCandidates(declared_)) {
+      if (candidate.effect->info().nonlinear.size() > 1) continue;
+      const Event event = FindEvent(train_, candidate.effect, units_.blocks, columns, target,
                                     options_.placebo_rounds, options_.seed);
       if (!event.significant) continue;
       SetClocks(event.start_s, event.clock_s, &train_);
-      const Eigen::MatrixXd extra = train_.Columns(*effect, std::vector<double>{event.clock_s});
+      const Eigen::MatrixXd extra =
+          train_.Columns(*candidate.effect, std::vector<double>{event.clock_s});
       columns.conservativeResize(Eigen::NoChange, columns.cols() + extra.cols());
       columns.rightCols(extra.cols()) = -extra;
     }
@@ -392,7 +373,7 @@ class Tracer {
       const Eigen::VectorXd extra = trial.coefficients.tail(trial.coefficients.size() - own);
       const Eigen::MatrixXd covariance =
           identify::BlockCovariance(trial.settings[trial.best].blocks(), trial.coefficients);
-      const double share = DriveShare(fit.model);
+      const double share = actuator::DriveShare(fit.model, fit.model.balance);
       for (Eigen::Index i = 0; i < extra.size(); ++i) {
         const effects::ParameterInfo& info =
             candidate.effect->info().linear[static_cast<std::size_t>(i)];
@@ -407,10 +388,9 @@ class Tracer {
         }
       }
       if (ShortestDelay(candidate.effect->info()) > 0.0)
-        score.delay_s = score.theta.front() / DriveShare(fit.model);
+        score.delay_s = score.theta.front() / actuator::DriveShare(fit.model, fit.model.balance);
       trial.surprise =
           Surprise(balance, fit.coefficients + trial.coefficients.head(balance.columns.cols()));
-
       score.stable = passing || Stable(trial, balance.columns.cols());
       score.size_in_errors = SizeInErrors(
           Joined(trial.settings[trial.best].blocks(), trial.coefficients, balance.columns.cols()));
@@ -437,7 +417,7 @@ class Tracer {
 
     // So is what drifts, whatever happens to drift with it.
     const Eigen::MatrixXd drift = DriftColumns(train_);
-    double drift_gain = drift.cols() > 0 ? LeftOutGain(balance.columns, drift, target, folds) : 0.0;
+    double drift_gain = drift.cols() > 0 ? GainBeside(balance.columns, drift, target).sum : 0.0;
     if (drift_gain < kClearGain * base_sum) drift_gain = 0.0;
 
     const double quantile =
@@ -459,17 +439,15 @@ class Tracer {
         score.refused = "gain as in recordings without the effect";
       } else if (skew && !IsPassing(trial) &&
                  (trial.candidate == delay->candidate ||
-                  GoesWith(trial, -delay->candidate->grid.front().columns, balance, target,
-                           folds))) {
+                  GoesWith(trial, -delay->candidate->grid.front().columns, balance, target))) {
         score.refused = declared_.balance == effects::Balance::kGas
-                            ? "a delay below half a sample"
+                            ? "a delay as short as every valve's opening"
                             : "a skew between channels below a tenth of a sample";
       } else if (rounding != nullptr && NoBetter(trial, *rounding)) {
         score.refused =
             "explains no more than " + rounding->score.name + " below the encoder's rounding";
       } else if (!IsPassing(trial) && score.gain.sum < drift_gain &&
-                 (trial.candidate->event != nullptr ||
-                  GoesWith(trial, drift, balance, target, folds))) {
+                 (trial.candidate->event != nullptr || GoesWith(trial, drift, balance, target))) {
         score.refused = "a drift explains more";
       } else if (!score.physical) {
         score.refused = "sign or size is not physical";
@@ -591,39 +569,43 @@ class Tracer {
       if (term.effect->info().event) return;
     }
     const Eigen::VectorXd target = fit.balance.target - fit.balance.columns * fit.coefficients;
-    int order = 0;
-    int event_order = 0;
-    for (const std::string& name : effects::EffectNames()) {
-      ++order;
-      std::shared_ptr<const effects::Effect> effect = effects::MakeEffect(name, model.constants);
-      const effects::EffectInfo& info = effect->info();
-      if (!info.event || (info.rotary_only && model.kind != effects::JointKind::kRotary)) continue;
+    Candidate candidate;
+    for (Candidate& trial : EventCandidates(model)) {
       // What another effect leaves of its own transients looks like pushes.
-      if (info.nonlinear.size() > 1 && !result_.rounds.empty()) continue;
-      Event event = FindEvent(train_, effect, units_.blocks, fit.balance.columns, target,
+      if (trial.effect->info().nonlinear.size() > 1 && !result_.rounds.empty()) continue;
+      Event event = FindEvent(train_, trial.effect, units_.blocks, fit.balance.columns, target,
                               options_.placebo_rounds, options_.seed);
       if (!event.significant) {
         CandidateScore score;
-        score.name = name;
+        score.name = trial.name();
         score.refused = "no instant stands out";
         report->scores.push_back(std::move(score));
       } else if (!event_ || event.explained > event_->explained) {
         event_ = std::move(event);
-        event_order = order;
+        candidate = std::move(trial);
       }
     }
     if (!event_) return;
     SetClocks(event_->start_s, event_->clock_s, &train_);
-    Candidate candidate;
-    candidate.effect = event_->effect;
     candidate.event = &*event_;
-    candidate.catalogue_order = event_order;
     GridPoint point;
     point.psi = {event_->clock_s};
     if (event_->passing()) point.psi.push_back(event_->length_s);
     point.columns = train_.Columns(*event_->effect, point.psi);
     candidate.grid.push_back(std::move(point));
     set->candidates.push_back(std::move(candidate));
+  }
+
+  // What extra columns beside a base gain, left out.
+  Gain GainBeside(const Eigen::MatrixXd& base, const Eigen::MatrixXd& extra,
+                  const Eigen::VectorXd& target) const {
+    const std::vector<Block>& blocks = units_.blocks;
+    const int folds = Folds(blocks.size());
+    const Eigen::VectorXd ones = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(blocks.size()));
+    const auto errors = [&](const Eigen::MatrixXd& columns) {
+      return LeftOutErrors({Setting(blocks, base, columns, target, folds)}, ones, folds);
+    };
+    return GainOf(errors(Eigen::MatrixXd(target.size(), 0)) - errors(extra));
   }
 
   // Where the event happened in the sealed recordings is looked for with the size that the others
@@ -709,23 +691,11 @@ class Tracer {
 
   // Does little of a candidate's gain stay when these columns may be fitted as well?
   bool GoesWith(const Trial& trial, const Eigen::MatrixXd& columns, const Balance& balance,
-                const Eigen::VectorXd& target, int folds) const {
+                const Eigen::VectorXd& target) const {
     Eigen::MatrixXd base(balance.columns.rows(), balance.columns.cols() + columns.cols());
     base << balance.columns, columns;
-    const double kept =
-        LeftOutGain(base, -trial.candidate->grid[trial.best].columns, target, folds);
-    return kept < 0.5 * trial.score.gain.sum;
-  }
-
-  // How much less squared error the columns leave beside the base.
-  double LeftOutGain(const Eigen::MatrixXd& base, const Eigen::MatrixXd& columns,
-                     const Eigen::VectorXd& target, int folds) const {
-    const Eigen::VectorXd ones =
-        Eigen::VectorXd::Ones(static_cast<Eigen::Index>(units_.blocks.size()));
-    const Eigen::MatrixXd none(target.size(), 0);
-    const std::vector<Setting> without = {Setting(units_.blocks, base, none, target, folds)};
-    const std::vector<Setting> with = {Setting(units_.blocks, base, columns, target, folds)};
-    return (LeftOutErrors(without, ones, folds) - LeftOutErrors(with, ones, folds)).sum();
+    const Gain kept = GainBeside(base, -trial.candidate->grid[trial.best].columns, target);
+    return kept.sum < 0.5 * trial.score.gain.sum;
   }
 
   static double Correlation(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
@@ -902,17 +872,9 @@ class Tracer {
       const actuator::Term term = without.terms[at];
       without.terms.erase(without.terms.begin() + static_cast<std::ptrdiff_t>(at));
       const FitResult less = identify::FitModel(train_, without, units_.blocks);
-      std::vector<double> psi;
-      for (const auto& value : term.nonlinear) psi.push_back(value.value);
-      const int folds = Folds(units_.blocks.size());
-      const Eigen::VectorXd target = less.balance.target - less.balance.columns * less.coefficients;
-      const Eigen::VectorXd ones =
-          Eigen::VectorXd::Ones(static_cast<Eigen::Index>(units_.blocks.size()));
-      const std::vector<Setting> base = {Setting(units_.blocks, less.balance.columns,
-                                                 Eigen::MatrixXd(target.size(), 0), target, folds)};
-      const std::vector<Setting> with = {Setting(
-          units_.blocks, less.balance.columns, -train_.Columns(*term.effect, psi), target, folds)};
-      const Gain gain = GainOf(LeftOutErrors(base, ones, folds) - LeftOutErrors(with, ones, folds));
+      const Gain gain = GainBeside(less.balance.columns,
+                                   -train_.Columns(*term.effect, actuator::NonlinearValues(term)),
+                                   less.balance.target - less.balance.columns * less.coefficients);
       if (gain.t > options_.fewest_standard_errors) {
         ++e;
         continue;
@@ -997,7 +959,8 @@ class Tracer {
                              .variable = variable,
                              .order_per_turn = order,
                              .rms = scale * rms,
-                             .share = share};
+                             .share = share,
+                             .experiment = ""};
     };
     const bool kinematic = declared_.balance == effects::Balance::kKinematic;
     if (kinematic && variance > kFarAbove * floor) {

@@ -24,8 +24,7 @@ namespace sinew::trace {
 struct TraceOptions {
   std::uint64_t seed = 1;
   int placebo_rounds = 200;
-  double placebo_quantile =
-      0.99;  // of the best false gain; higher when more than one trace decides
+  double placebo_quantile = 0.99;  // of the best false gain; higher when several traces decide
   int max_rounds = 3;
   double fewest_standard_errors = 2.0;
   double smallest_explainable_share = 0.05;  // gain / explainable variance
@@ -114,44 +113,10 @@ struct NotExcited {
 
 enum class Verdict { kNone, kEffect, kUnexplained };
 
-// What a balance beside the motion's showed, in its own unit.
-struct BalanceSummary {
-  effects::Balance balance = effects::Balance::kKinematic;
-  std::string unit;    // of the errors
-  std::string unseen;  // why the recordings show nothing of it; empty: they do
+// How well a balance holds without and with what was found, in its own unit.
+struct Judgement {
   Verdict verdict = Verdict::kNone;
-  identify::ModelError nominal_train, nominal_sealed;
-  identify::ModelError before_train, before_sealed;
-  identify::ModelError after_train, after_sealed;
-  double noise_floor_rms = 0.0;
-  std::string noise_floor_source;
-  double ceiling_rms = 0.0;
-  double correlation_time_s = 0.0;
-  int units = 0;
-  std::string unit_kind;
-  double unit_length_s = 0.0;
-  std::vector<RoundReport> rounds;
-  Unexplained unexplained;
-};
-
-struct TraceResult {
-  Verdict verdict = Verdict::kNone;
-  bool slow_motion = false;        // errors, floor and ceiling are of slow motion (slow_motion.h)
-  actuator::JointModel nominal;    // as declared
-  actuator::JointModel declared;   // refitted, nothing added
-  actuator::JointModel corrected;  // with the effects
-  std::vector<FoundEffect> effects;
-  std::vector<EventTime> events;
-  std::vector<RoundReport> rounds;
-  std::vector<NotExcited> not_excited;
-  std::vector<std::string> judged;  // candidates whose presence or absence the data shows
-  Unexplained unexplained;
-  std::vector<ParameterShift> shifts;
-  std::string unseen;                    // why there was nothing to judge; empty: there was
-  std::vector<BalanceSummary> balances;  // beside the motion's (balances.h)
-
-  identify::FitResult declared_fit;
-  identify::FitResult corrected_fit;
+  std::string unseen;  // why there was nothing to judge; empty: there was
   identify::ModelError nominal_train, nominal_sealed;
   // Declared model, refitted; within its tolerances when the effects are shifts of its parameters.
   identify::ModelError before_train, before_sealed;
@@ -163,6 +128,29 @@ struct TraceResult {
   int units = 0;
   std::string unit_kind;  // run, cycle, block
   double unit_length_s = 0.0;
+  std::vector<RoundReport> rounds;
+  Unexplained unexplained;
+};
+
+// Of a balance beside the motion's.
+struct BalanceSummary : Judgement {
+  effects::Balance balance = effects::Balance::kKinematic;
+  std::string unit;  // of the errors
+};
+
+struct TraceResult : Judgement {
+  bool slow_motion = false;        // the judgement is of slow motion (slow_motion.h)
+  actuator::JointModel nominal;    // as declared
+  actuator::JointModel declared;   // refitted, nothing added
+  actuator::JointModel corrected;  // with the effects
+  std::vector<FoundEffect> effects;
+  std::vector<EventTime> events;
+  std::vector<NotExcited> not_excited;
+  std::vector<std::string> judged;  // candidates whose presence or absence the data shows
+  std::vector<ParameterShift> shifts;
+  std::vector<BalanceSummary> balances;  // beside the motion's (balances.h)
+  identify::FitResult declared_fit;
+  identify::FitResult corrected_fit;
 };
 
 // train and sealed are changed: their predicted drive follows the model.

@@ -30,6 +30,7 @@ double Direction(const JointSample& x) {
 }
 double Angle(const JointSample& x) { return x.position_rad; }
 
+constexpr Variable kTime = {"time_s", [](const JointSample& x) { return x.time_s; }, Angle};
 constexpr Variable kVariables[] = {
     {"position_rad", [](const JointSample& x) { return x.position_rad; }, Direction},
     {"velocity_rad_s", [](const JointSample& x) { return x.velocity_rad_s; }},
@@ -43,11 +44,10 @@ constexpr Variable kVariables[] = {
     {"tooth_torque_Nm", [](const JointSample& x) { return x.tooth_torque_Nm; }},
     {"tooth_side", [](const JointSample& x) { return x.tooth_side; }},
     {"temperature_degC", [](const JointSample& x) { return x.temperature_degC; }, Direction},
-    {"time_s", [](const JointSample& x) { return x.time_s; }, Angle},
+    kTime,
 };
 
 constexpr int kKnots = 8;
-constexpr double kMostNoise = 0.3;   // share of a signal's power
 constexpr double kClearShare = 0.2;  // of the left-out error: surely no noise
 constexpr int kLevels = 20;          // of a recording
 constexpr int kWheelOrders = 20;     // turns of a wheel per turn of the output
@@ -113,8 +113,7 @@ struct Entry {
 
 Eigen::MatrixXd DriftColumns(const identify::Design& design) {
   const std::vector<Eigen::Index> used = design.rows().UsedRows();
-  Eigen::MatrixXd out =
-      Curve(design, {"time_s", [](const JointSample& x) { return x.time_s; }, Angle}, used);
+  Eigen::MatrixXd out = Curve(design, kTime, used);
   const Eigen::Index curves = out.cols() / 2;
   const Eigen::VectorXd always = design.Column([](const JointSample&) { return 1.0; });
   const Eigen::VectorXd angle = design.Column(Angle);
@@ -174,7 +173,7 @@ VariableScan ScanVariables(const identify::Design& design,
   };
   for (const Variable& variable : kVariables) {
     if (!measured(variable.name)) continue;
-    if (design.NoiseShare(variable.get) > kMostNoise) continue;
+    if (design.NoiseShare(variable.get) > identify::kMostNoise) continue;
     Entry entry;
     entry.score.variable = variable.name;
     entry.columns = [&design, &variable, &used](std::size_t) {

@@ -57,10 +57,7 @@ JointPlant::JointPlant(const actuator::JointModel& model, const JointPlantConfig
       compliance_rad_Nm > 0.0 ? std::min(config.contact_stiffness_Nm_rad, 1.0 / compliance_rad_Nm)
                               : config.contact_stiffness_Nm_rad;
   Require(play_rad_ >= 0.0, "backlash_rad", play_rad_);
-  ideal_drive_gain_ = model_.constants.torque_constant_Nm_A > 0.0
-                          ? gear_ratio_ * model_.constants.torque_constant_Nm_A
-                          : model_.constants.force_constant_N_V;
-  if (!(ideal_drive_gain_ > 0.0)) ideal_drive_gain_ = 1.0;
+  ideal_drive_gain_ = effects::IdealDriveGain(model_.constants);
 
   std::size_t memory_at = 0;
   bool has_payload = false, has_load_force = false;

@@ -102,11 +102,7 @@ void AddHistory(const report::Report& report, actuator::JointModel* joint) {
 LoopInput LoadLoopInput(const CloseLoopOptions& options) {
   LoopInput out;
   out.model_path = options.model.empty() ? ShippedRobotFile("rig/model.yaml") : options.model;
-  out.map = options.map;
-  if (out.map.empty()) {
-    const fs::path beside = out.model_path.parent_path() / "csv_map.yaml";
-    out.map = fs::exists(beside) ? beside : ShippedRobotFile("rig/csv_map.yaml");
-  }
+  out.map = options.map.empty() ? DefaultCsvMap(out.model_path) : options.map;
   out.sealed_map = options.sealed_map.empty() ? out.map : options.sealed_map;
   out.model = actuator::LoadModelFile(out.model_path);
   CompleteRigJson(&out.model, out.model_path);

@@ -26,4 +26,9 @@ fs::path ShippedRobotFile(const fs::path& file) {
                    ": not found beside the program, expected the file's path");
 }
 
+fs::path DefaultCsvMap(const fs::path& model) {
+  const fs::path beside = model.parent_path() / "csv_map.yaml";
+  return fs::exists(beside) ? beside : ShippedRobotFile("rig/csv_map.yaml");
+}
+
 }  // namespace sinew::tools

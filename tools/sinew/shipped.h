@@ -12,4 +12,7 @@ std::filesystem::path RobotsFolder();
 // robots/FILE. Throws UsageError when it is not there.
 std::filesystem::path ShippedRobotFile(const std::filesystem::path& file);
 
+// A CSV mapping that was not given: csv_map.yaml beside the model, else the rig's.
+std::filesystem::path DefaultCsvMap(const std::filesystem::path& model);
+
 }  // namespace sinew::tools

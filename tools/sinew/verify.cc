@@ -57,11 +57,7 @@ BothModels LoadBoth(const VerifyOptions& options) {
 }
 
 free_run::FreeRunResult Follow(const VerifyOptions& options, const BothModels& models) {
-  fs::path map = options.map;
-  if (map.empty()) {
-    const fs::path beside = options.model.parent_path() / "csv_map.yaml";
-    map = fs::exists(beside) ? beside : ShippedRobotFile("rig/csv_map.yaml");
-  }
+  const fs::path map = options.map.empty() ? DefaultCsvMap(options.model) : options.map;
   std::vector<identify::Run> runs;
   for (const std::string& file : options.recordings) {
     std::vector<identify::Run> some = recording::ReadRuns(file, map);

@@ -3,15 +3,14 @@
 //
 //     dz/dt = v / xs * (1 - z sign v),   tau = -F (z - sign v)
 //
-// With F equal to the Coulomb friction the step is replaced by the Dahl curve. Between two samples
-// the motion is one stroke, as in seal_hysteresis.
-#include "components/effects/define.h"
+// With F equal to the Coulomb friction the step is replaced by the Dahl curve.
+#include "components/effects/dahl.h"
 
 namespace sinew::effects::presliding {
 
 namespace {
 
-class Presliding final : public Effect {
+class Presliding final : public Dahl {
  public:
   Presliding() {
     info_.name = "presliding";
@@ -39,29 +38,10 @@ class Presliding final : public Effect {
     info_.needs = {"position_rad", "velocity_rad_s"};
   }
 
-  const EffectInfo& info() const override { return info_; }
-
   void Regressors(const JointSample& x, std::span<const double> /*psi*/,
                   std::span<const double> memory, std::span<double> phi) const noexcept override {
     phi[0] = Sign(x.velocity_rad_s) - memory[0];
   }
-
-  int memory_size() const noexcept override { return 2; }
-
-  void ResetMemory(const JointSample& x, std::span<const double> /*psi*/,
-                   std::span<double> memory) const noexcept override {
-    memory[0] = 0.0;
-    memory[1] = x.position_rad;
-  }
-
-  void Advance(const JointSample& x, double /*dt_s*/, std::span<const double> psi,
-               std::span<double> memory) const noexcept override {
-    memory[0] = DahlStroke(memory[0], x.position_rad - memory[1], psi[0]);
-    memory[1] = x.position_rad;
-  }
-
- private:
-  EffectInfo info_;
 };
 
 }  // namespace

@@ -1,16 +1,13 @@
 // Hysteresis of a pressurised seal: the Dahl model, scaled by pressure.
 //
-//     dz/dt = v / xs * (1 - z sign v),   tau = -c P z,   |z| <= 1
-//
-// Between two samples the motion is taken as one stroke (DahlStroke). Memory: z and the position it
-// belongs to.
-#include "components/effects/define.h"
+//     dz/dt = v / xs * (1 - z sign v),   tau = -c P z
+#include "components/effects/dahl.h"
 
 namespace sinew::effects::seal_hysteresis {
 
 namespace {
 
-class SealHysteresis final : public Effect {
+class SealHysteresis final : public Dahl {
  public:
   SealHysteresis() {
     info_.name = "seal_hysteresis";
@@ -38,29 +35,10 @@ class SealHysteresis final : public Effect {
     info_.needs = {"pressure_bar", "position_rad"};
   }
 
-  const EffectInfo& info() const override { return info_; }
-
   void Regressors(const JointSample& x, std::span<const double> /*psi*/,
                   std::span<const double> memory, std::span<double> phi) const noexcept override {
     phi[0] = -x.pressure_bar * memory[0];
   }
-
-  int memory_size() const noexcept override { return 2; }
-
-  void ResetMemory(const JointSample& x, std::span<const double> /*psi*/,
-                   std::span<double> memory) const noexcept override {
-    memory[0] = 0.0;
-    memory[1] = x.position_rad;
-  }
-
-  void Advance(const JointSample& x, double /*dt_s*/, std::span<const double> psi,
-               std::span<double> memory) const noexcept override {
-    memory[0] = DahlStroke(memory[0], x.position_rad - memory[1], psi[0]);
-    memory[1] = x.position_rad;
-  }
-
- private:
-  EffectInfo info_;
 };
 
 }  // namespace

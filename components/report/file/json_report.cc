@@ -96,9 +96,11 @@ Json Errors(const identify::ModelError& nominal, const identify::ModelError& bef
           {"nominal_percent", nominal.percent}};
 }
 
-// Of a trace or of the summary of a balance.
-template <class Result>
-Json Sealed(const Result& result, const std::string& unit) {
+Json Train(const trace::Judgement& result, const std::string& unit) {
+  return Errors(result.nominal_train, result.before_train, result.after_train, unit);
+}
+
+Json Sealed(const trace::Judgement& result, const std::string& unit) {
   Json out = Errors(result.nominal_sealed, result.before_sealed, result.after_sealed, unit);
   const double floor = result.noise_floor_rms;
   const double before = result.before_sealed.rms * result.before_sealed.rms;
@@ -111,9 +113,9 @@ Json Sealed(const Result& result, const std::string& unit) {
   return out;
 }
 
-Json Rounds(const std::vector<trace::RoundReport>& rounds) {
+Json Rounds(const trace::Judgement& result) {
   Json out = Json::array();
-  for (const trace::RoundReport& round : rounds) {
+  for (const trace::RoundReport& round : result.rounds) {
     Json candidates = Json::array();
     for (const trace::CandidateScore& score : round.scores) {
       candidates.push_back({{"name", score.name},
@@ -134,6 +136,17 @@ Json Rounds(const std::vector<trace::RoundReport>& rounds) {
                    {"candidates", std::move(candidates)}});
   }
   return out;
+}
+
+Json CrossValidation(const trace::Judgement& result) {
+  return {{"unit", result.unit_kind},
+          {"units", result.units},
+          {"unit_length_s", result.unit_length_s},
+          {"correlation_time_s", result.correlation_time_s}};
+}
+
+Json VariableOf(const trace::Unexplained& unexplained) {
+  return unexplained.variable.empty() ? Json(nullptr) : Json(unexplained.variable);
 }
 
 }  // namespace
@@ -179,7 +192,7 @@ std::string FormatJson(const Report& report) {
                              {"sealed", event.sealed},
                              {"start_s", event.start_s}});
   }
-  out["train"] = Errors(trace.nominal_train, trace.before_train, trace.after_train, unit);
+  out["train"] = Train(trace, unit);
   out["sealed"] = Sealed(trace, unit);
   out["balances"] = Json::array();
   for (const trace::BalanceSummary& summary : trace.balances) {
@@ -189,19 +202,13 @@ std::string FormatJson(const Report& report) {
                   {"verdict", VerdictWord(summary.verdict)},
                   {"unseen", summary.unseen.empty() ? Json(nullptr) : Json(summary.unseen)}};
     if (summary.unseen.empty()) {
-      entry["train"] =
-          Errors(summary.nominal_train, summary.before_train, summary.after_train, summary.unit);
+      entry["train"] = Train(summary, summary.unit);
       entry["sealed"] = Sealed(summary, summary.unit);
-      entry["unexplained"] = {
-          {"variable", summary.unexplained.variable.empty() ? Json(nullptr)
-                                                            : Json(summary.unexplained.variable)},
-          {"order_per_turn", summary.unexplained.order_per_turn},
-          {"rms", summary.unexplained.rms}};
-      entry["rounds"] = Rounds(summary.rounds);
-      entry["cross_validation"] = {{"unit", summary.unit_kind},
-                                   {"units", summary.units},
-                                   {"unit_length_s", summary.unit_length_s},
-                                   {"correlation_time_s", summary.correlation_time_s}};
+      entry["unexplained"] = {{"variable", VariableOf(summary.unexplained)},
+                              {"order_per_turn", summary.unexplained.order_per_turn},
+                              {"rms", summary.unexplained.rms}};
+      entry["rounds"] = Rounds(summary);
+      entry["cross_validation"] = CrossValidation(summary);
     }
     entry["effects"] = Json::array();
     for (const trace::FoundEffect& effect : trace.effects) {
@@ -211,7 +218,7 @@ std::string FormatJson(const Report& report) {
   }
 
   out["slow_motion"] = trace.slow_motion;
-  out["rounds"] = Rounds(trace.rounds);
+  out["rounds"] = Rounds(trace);
 
   if (report.as_published) {
     const identify::AsPublishedResult& published = *report.as_published;
@@ -250,14 +257,12 @@ std::string FormatJson(const Report& report) {
   }
   const double floor = trace.noise_floor_rms;
   const double left = trace.after_train.rms * trace.after_train.rms - floor * floor;
-  out["unexplained"] = {
-      {"variable",
-       trace.unexplained.variable.empty() ? Json(nullptr) : Json(trace.unexplained.variable)},
-      {"order_per_turn", trace.unexplained.order_per_turn},
-      {"balance", BalanceLetter(trace.unexplained.balance)},
-      {"rms",
-       trace.unexplained.variable.empty() ? std::sqrt(std::max(0.0, left)) : trace.unexplained.rms},
-      {"share", trace.unexplained.share}};
+  out["unexplained"] = {{"variable", VariableOf(trace.unexplained)},
+                        {"order_per_turn", trace.unexplained.order_per_turn},
+                        {"balance", BalanceLetter(trace.unexplained.balance)},
+                        {"rms", trace.unexplained.variable.empty() ? std::sqrt(std::max(0.0, left))
+                                                                   : trace.unexplained.rms},
+                        {"share", trace.unexplained.share}};
   out["parameter_shift"] = Json::array();
   for (const trace::ParameterShift& shift : trace.shifts) {
     out["parameter_shift"].push_back({{"name", shift.effect + "." + shift.parameter},
@@ -280,10 +285,7 @@ std::string FormatJson(const Report& report) {
   }
   const std::string next = NextExperiment(report);
   out["next_experiment"] = next.empty() ? Json(nullptr) : Json(next);
-  out["cross_validation"] = {{"unit", trace.unit_kind},
-                             {"units", trace.units},
-                             {"unit_length_s", trace.unit_length_s},
-                             {"correlation_time_s", trace.correlation_time_s}};
+  out["cross_validation"] = CrossValidation(trace);
   out["processing"] = {{"state_cutoff_Hz", report.processing.state_cutoff_Hz},
                        {"state_order", report.processing.state_order},
                        {"parallel_cutoff_Hz", report.processing.parallel_cutoff_Hz},

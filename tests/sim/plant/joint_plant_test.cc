@@ -225,8 +225,8 @@ TEST_P(TermInSimulation, IsGivenBackByRegression) {
     effects::JointSample x;
     x.position_rad = -0.4;
     model.ResetMemory(x, memory);
-    std::vector<double> psi, phi(added.linear.size());
-    for (const auto& value : added.nonlinear) psi.push_back(value.value);
+    const std::vector<double> psi = actuator::NonlinearValues(added);
+    std::vector<double> phi(added.linear.size());
     Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(parameters, parameters);
     Eigen::VectorXd right = Eigen::VectorXd::Zero(parameters);
     double worst = 0.0;
