@@ -132,6 +132,7 @@ struct EffectInfo {
   std::vector<std::string> look_alikes;  // names of effects it is easily mistaken for
   std::string separating_excitation;     // what tells them apart
   std::vector<std::string> needs;        // signals it reads, field names of JointSample
+  std::vector<std::string> may_read;     // more of them: 0 where they are not recorded
 };
 
 class Effect {

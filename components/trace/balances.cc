@@ -14,15 +14,11 @@ namespace {
 constexpr std::size_t kFewestTrainRows = 200;
 constexpr std::size_t kFewestSealedRows = 50;
 
-struct Sight {
-  std::optional<identify::Design> train, sealed;
-  std::string why_not;  // empty: there is something to see
-};
-
-Sight KinematicSight(const std::vector<identify::Run>& train,
-                     const std::vector<identify::Run>& sealed, const actuator::JointModel& model,
-                     const identify::ProcessingOptions& motion) {
-  Sight out;
+BalanceDesigns KinematicSight(const std::vector<identify::Run>& train,
+                              const std::vector<identify::Run>& sealed,
+                              const actuator::JointModel& model,
+                              const identify::ProcessingOptions& motion) {
+  BalanceDesigns out;
   for (const auto* runs : {&train, &sealed}) {
     out.why_not = identify::WhyNoKinematics(*runs, model);
     if (!out.why_not.empty()) return out;
@@ -52,10 +48,11 @@ Sight KinematicSight(const std::vector<identify::Run>& train,
   return out;
 }
 
-Sight GasSight(const std::vector<identify::Run>& train, const std::vector<identify::Run>& sealed,
-               const actuator::JointModel& model, const identify::ProcessingOptions& motion) {
+BalanceDesigns GasSight(const std::vector<identify::Run>& train,
+                        const std::vector<identify::Run>& sealed, const actuator::JointModel& model,
+                        const identify::ProcessingOptions& motion) {
   constexpr int kFewestWindows = 4;
-  Sight out;
+  BalanceDesigns out;
   for (const auto* runs : {&train, &sealed}) {
     out.why_not = identify::WhyNoGas(*runs, model);
     if (!out.why_not.empty()) return out;
@@ -71,13 +68,6 @@ Sight GasSight(const std::vector<identify::Run>& train, const std::vector<identi
   return out;
 }
 
-Sight Look(effects::Balance balance, const std::vector<identify::Run>& train,
-           const std::vector<identify::Run>& sealed, const actuator::JointModel& model,
-           const identify::ProcessingOptions& motion) {
-  if (balance == effects::Balance::kKinematic) return KinematicSight(train, sealed, model, motion);
-  return GasSight(train, sealed, model, motion);
-}
-
 }  // namespace
 
 std::vector<effects::Balance> OtherBalances(const actuator::JointModel& model) {
@@ -88,13 +78,21 @@ std::vector<effects::Balance> OtherBalances(const actuator::JointModel& model) {
   return out;
 }
 
+BalanceDesigns MakeBalanceDesigns(effects::Balance balance, const std::vector<identify::Run>& train,
+                                  const std::vector<identify::Run>& sealed,
+                                  const actuator::JointModel& model,
+                                  const identify::ProcessingOptions& motion) {
+  if (balance == effects::Balance::kKinematic) return KinematicSight(train, sealed, model, motion);
+  return GasSight(train, sealed, model, motion);
+}
+
 TraceResult TraceBalance(effects::Balance balance, const std::vector<identify::Run>& train,
                          const std::vector<identify::Run>& sealed,
                          const actuator::JointModel& corrected,
                          const identify::ProcessingOptions& motion, const TraceOptions& options) {
   actuator::JointModel model = corrected;
   model.balance = balance;
-  Sight sight = Look(balance, train, sealed, model, motion);
+  BalanceDesigns sight = MakeBalanceDesigns(balance, train, sealed, model, motion);
   if (sight.why_not.empty()) return Trace(*sight.train, *sight.sealed, model, options);
   TraceResult out;
   out.nominal = out.declared = out.corrected = std::move(model);

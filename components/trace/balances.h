@@ -1,9 +1,12 @@
 // The other balances beside the torque balance, and one result of all. Pure; allocates.
 #pragma once
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "components/actuator/model.h"
+#include "components/identify/design.h"
 #include "components/identify/processing.h"
 #include "components/identify/run.h"
 #include "components/trace/tracer.h"
@@ -12,6 +15,17 @@ namespace sinew::trace {
 
 // Balances beside the motion's that the model declares, in the order in which they are judged.
 std::vector<effects::Balance> OtherBalances(const actuator::JointModel& model);
+
+// The rows of one of them; none, and why, where the recordings show nothing of it.
+struct BalanceDesigns {
+  std::optional<identify::Design> train, sealed;
+  std::string why_not;  // empty: there is something to see
+};
+// model: fitted in the motion balance. motion: options of the torque balance, resolved.
+BalanceDesigns MakeBalanceDesigns(effects::Balance balance, const std::vector<identify::Run>& train,
+                                  const std::vector<identify::Run>& sealed,
+                                  const actuator::JointModel& model,
+                                  const identify::ProcessingOptions& motion);
 
 // Judges one of them with the model as the motion left it: its rows, its declared terms, its part
 // of the catalogue. motion: options of the torque balance, resolved. When the recordings show

@@ -48,6 +48,7 @@ constexpr double kConvincingUnits = 6;
 // An effect whose size is so many standard errors (every unit left out once) is believed though the
 // units differ much in what they gain by it.
 constexpr double kClearSize = 6.0;
+constexpr std::size_t kFewestToJackknife = 10, kFewestWindowsToJackknife = 5;
 constexpr double kClearCurve = 5.0;  // the same for the curve over a variable
 // A level that carries this share of a residual this many times the noise's power wanders.
 constexpr double kWanders = 0.8, kFarAbove = 25.0;
@@ -420,6 +421,8 @@ class Tracer {
     double drift_gain = drift.cols() > 0 ? GainBeside(balance.columns, drift, target).sum : 0.0;
     if (drift_gain < kClearGain * base_sum) drift_gain = 0.0;
 
+    const std::size_t fewest_to_jackknife =
+        train_.rows().window.empty() ? kFewestToJackknife : kFewestWindowsToJackknife;
     const double quantile =
         identify::StudentQuantile(0.9772, std::max(1.0, static_cast<double>(blocks.size()) - 1.0)) /
         2.0;  // two standard errors of a normal become this much wider
@@ -429,7 +432,7 @@ class Tracer {
         score.refused = "a declared term carries it";
       } else if (!(score.gain.t > options_.fewest_standard_errors * quantile) &&
                  !StandsWithoutTwo(trial, base_sum, report->placebo_99) &&
-                 !(score.size_in_errors > kClearSize)) {
+                 !(blocks.size() >= fewest_to_jackknife && score.size_in_errors > kClearSize)) {
         score.refused = "gain within its error";
       } else if (score.explainable_share < options_.smallest_explainable_share) {
         score.refused = "gain below 5 % of what can be explained";
@@ -800,9 +803,22 @@ class Tracer {
     }
     next.terms.push_back(std::move(term));
     found.term = static_cast<int>(next.terms.size()) - 1;
+    const FitResult before = *fit;
     *fit = identify::RefineModel(train_, next, units_.blocks);
     PredictDrive(fit->model);
     *fit = identify::RefineModel(train_, fit->model, units_.blocks);
+    if (!std::isfinite(fit->rms)) {
+      report.added.clear();
+      for (CandidateScore& score : report.scores) {
+        if (score.name != found.name) continue;
+        score.accepted = false;
+        score.refused = "no drive gives the torque with it";
+      }
+      *fit = before;
+      PredictDrive(fit->model);
+      result_.rounds.push_back(std::move(report));
+      return false;
+    }
     *model = fit->model;
     found.train_after = fit->rms;
     found.sealed_after = identify::ErrorOf(sealed_, fit->model).rms;

@@ -8,11 +8,13 @@
 #include <cstdio>
 #include <limits>
 #include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <thread>
 #include <utility>
 
 #include "components/identify/fit.h"
+#include "components/trace/balances.h"
 #include "components/trace/close_loop.h"
 #include "components/trace/slow_motion.h"
 #include "sim/surrogate/undeclared.h"
@@ -101,39 +103,73 @@ Scene SceneOf(const Case& what) {
   return scene;
 }
 
-void JudgeAgainstOracle(const Case& what, const Scene& scene, const Recorded& recorded,
-                        const trace::LoopResult& loop, bool parameters, Outcome* out) {
-  for (const std::string& name : what.effects) {
-    if (!KnownToMotion(name, recorded.declared)) return;
+// What the oracle is fitted to, and beside what it is judged.
+struct Ground {
+  identify::Design train, sealed;
+  actuator::JointModel declared;
+  const trace::Judgement* judged = nullptr;
+};
+
+Ground GroundOf(effects::Balance balance, const std::vector<std::string>& names,
+                const Recorded& recorded, const trace::LoopResult& loop) {
+  actuator::JointModel declared = loop.trace.declared;
+  if (balance != effects::Balance::kMotion) {
+    declared.balance = balance;
+    trace::BalanceDesigns designs =
+        trace::MakeBalanceDesigns(balance, recorded.train, recorded.sealed, declared,
+                                  identify::Resolve(recorded.processing, recorded.train));
+    if (!designs.why_not.empty()) throw std::logic_error("bank: " + designs.why_not);
+    const auto& all = loop.trace.balances;
+    const auto judged = std::find_if(
+        all.begin(), all.end(), [&](const auto& summary) { return summary.balance == balance; });
+    return {std::move(*designs.train), std::move(*designs.sealed), std::move(declared), &*judged};
   }
-  actuator::JointModel declared = recorded.declared;
   identify::ProcessingOptions processing = recorded.processing;
-  if (ShowsInSlowMotion(what.effects, declared)) {
-    declared = trace::HeldForSlowMotion(loop.trace.declared);
+  if (ShowsInSlowMotion(names, recorded.declared)) {
+    declared = trace::HeldForSlowMotion(declared);
     processing = identify::SlowMotion(processing, declared, Rate_Hz(recorded));
+  } else {
+    declared = recorded.declared;
   }
   Designs designs = MakeDesigns(recorded, declared, processing);
-  const Oracle oracle = FitOracle(&designs.train, declared, what.effects);
-  designs.sealed.PredictDrive(oracle.model);
-  out->sealed_oracle = identify::ErrorOf(designs.sealed, oracle.model).rms;
-  out->oracle_significant = oracle.significant;
-  designs.sealed.PredictDrive(loop.trace.declared);
-  out->sealed_before = identify::ErrorOf(designs.sealed, loop.trace.declared).rms;
-  designs.sealed.PredictDrive(loop.trace.corrected);
-  out->sealed_after = identify::ErrorOf(designs.sealed, loop.trace.corrected).rms;
+  return {std::move(designs.train), std::move(designs.sealed), std::move(declared), nullptr};
+}
 
-  if (!parameters || what.kind != Kind::kEffect || loop.trace.effects.empty() ||
-      loop.trace.effects.front().swallowed ||
-      loop.trace.effects.front().name != what.effects.front()) {
-    return;
+void JudgeAgainstOracle(const Case& what, const Scene& scene, const Recorded& recorded,
+                        const trace::LoopResult& loop, bool parameters, Outcome* out) {
+  std::optional<effects::Balance> balance;
+  for (const std::string& name : what.effects) {
+    const std::optional<effects::Balance> shown = BalanceOf(name, recorded.declared);
+    if (!shown || (balance && shown != balance)) return;
+    balance = shown;
   }
+  Ground ground = GroundOf(*balance, what.effects, recorded, loop);
+  const Oracle oracle = FitOracle(&ground.train, ground.declared, what.effects);
+  const auto error_of = [&](actuator::JointModel model) {
+    model.balance = *balance;
+    ground.sealed.PredictDrive(model);
+    return identify::ErrorOf(ground.sealed, model).rms;
+  };
+  out->sealed_oracle = error_of(oracle.model);
+  out->oracle_significant = oracle.significant;
+  out->sealed_before =
+      ground.judged ? ground.judged->before_sealed.rms : error_of(loop.trace.declared);
+  out->sealed_after =
+      ground.judged ? ground.judged->after_sealed.rms : error_of(loop.trace.corrected);
+
+  if (!parameters || what.kind != Kind::kEffect) return;
+  const auto found = std::find_if(loop.trace.effects.begin(), loop.trace.effects.end(),
+                                  [&](const trace::FoundEffect& effect) {
+                                    return effect.name == what.effects.front() &&
+                                           effect.balance == *balance && !effect.swallowed;
+                                  });
+  if (found == loop.trace.effects.end()) return;
   Scene silent = scene;
   silent.silent = true;
   const Recorded clean = Record(silent);
-  Designs clean_designs = MakeDesigns(clean, declared, processing);
-  const trace::FoundEffect& found = loop.trace.effects.front();
-  const actuator::Term& term = loop.trace.corrected.terms[static_cast<std::size_t>(found.term)];
-  const Oracle truth = FitOracle(&clean_designs.train, declared, what.effects);
+  Ground clean_ground = GroundOf(*balance, what.effects, clean, loop);
+  const actuator::Term& term = loop.trace.corrected.terms[static_cast<std::size_t>(found->term)];
+  const Oracle truth = FitOracle(&clean_ground.train, clean_ground.declared, what.effects);
   const actuator::ParameterValue& value = MainParameter(term);
   out->value = value.value;
   out->half_width = value.half_width_95.value_or(std::numeric_limits<double>::quiet_NaN());

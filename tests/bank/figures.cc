@@ -134,6 +134,7 @@ Figures CountFigures(const std::vector<Outcome>& outcomes) {
 
   Share strong{.name = "right effect first, strong", .goal = "95 %"};
   Share weak{.name = "right effect first, weak", .goal = "88 %"};
+  Share first_of_all{.name = "  of all, with rivals in the design", .goal = ""};
   Share same_class{.name = "right class", .goal = "97 %"};
   Share alarm{.name = "alarm without an effect", .goal = "at most 1 %", .low_is_good = true};
   Share coloured{.name = "  of these with coloured noise", .goal = "", .low_is_good = true};
@@ -183,9 +184,16 @@ Figures CountFigures(const std::vector<Outcome>& outcomes) {
       task.hits += right_class ? 1 : 0;
       continue;
     }
-    Share& first = outcome.what.strength == Strength::kWeak ? weak : strong;
-    ++first.trials;
-    first.hits += NamedFirst(outcome) ? 1 : 0;
+    // Where another effect predicts the same in the design without noise, only the class can be
+    // told.
+    const bool named_first = NamedFirst(outcome);
+    if (FindSize(outcome.what.effects.front(), outcome.what.excitation).rivals.empty()) {
+      Share& first = outcome.what.strength == Strength::kWeak ? weak : strong;
+      ++first.trials;
+      first.hits += named_first ? 1 : 0;
+    }
+    ++first_of_all.trials;
+    first_of_all.hits += named_first ? 1 : 0;
     ++same_class.trials;
     same_class.hits += right_class ? 1 : 0;
     if (outcome.sealed_oracle > 0.0 && !IsSwallowed(outcome)) {
@@ -203,8 +211,8 @@ Figures CountFigures(const std::vector<Outcome>& outcomes) {
       }
     }
   }
-  out.shares = {strong,  weak,   same_class, alarm,   coloured, wrong,
-                outside, hidden, both,       covered, task};
+  out.shares = {strong, weak,    first_of_all, same_class, alarm,   coloured,
+                wrong,  outside, hidden,       both,       covered, task};
   const auto quantile = [](const std::vector<double>& values, double p) {
     return values.empty() ? std::numeric_limits<double>::quiet_NaN()
                           : identify::Quantile(values, p);

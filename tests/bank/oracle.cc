@@ -20,10 +20,18 @@ std::vector<std::vector<double>> OracleSettings(const std::string& effect) {
 
 }  // namespace
 
-bool KnownToMotion(const std::string& effect, const actuator::JointModel& model) {
-  const std::vector<std::string> names = effects::EffectNames();
-  if (std::find(names.begin(), names.end(), effect) == names.end()) return false;
-  return effects::MakeEffect(effect, model.constants)->info().balance == effects::Balance::kMotion;
+std::optional<effects::Balance> BalanceOf(const std::string& effect,
+                                          const actuator::JointModel& model) {
+  std::optional<effects::Balance> out;
+  for (const auto& [name, balance] : effects::EffectForms()) {
+    if (name != effect || effects::MakeEffect(name, model.constants, balance)->info().event) {
+      continue;
+    }
+    // What bends between the encoders shows between the encoders.
+    const bool better = balance == effects::Balance::kKinematic && effect == "gear_compliance";
+    if (!out || better) out = balance;
+  }
+  return out;
 }
 
 const actuator::ParameterValue& MainParameter(const actuator::Term& term) {
@@ -41,7 +49,7 @@ Oracle FitOracle(identify::Design* design, const actuator::JointModel& declared,
   design->PredictDrive(model);
   const std::size_t first = model.terms.size();
   for (const std::string& name : names) {
-    actuator::Term term = actuator::MakeTerm(name, model.constants);
+    actuator::Term term = actuator::MakeTerm(name, model.constants, declared.balance);
     term.declared = false;
     std::vector<std::vector<double>> settings = OracleSettings(name);
     const bool all = !settings.empty();

@@ -1,6 +1,7 @@
 // The true structure, refitted on the same data: what the best tracer could reach.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,14 +17,16 @@ struct Oracle {
   double value = 0.0;        // main parameter of the first term
 };
 
-// Has a true structure that a fit can be given: an effect of the balance of torques, and no event,
-// whose instants would have to be found.
-bool KnownToMotion(const std::string& effect, const actuator::JointModel& model);
+// The balance that shows an effect, when a fit can be given its true structure there; none for
+// events, whose instants would have to be found, and for what is outside the catalogue.
+std::optional<effects::Balance> BalanceOf(const std::string& effect,
+                                          const actuator::JointModel& model);
 
 // The linear parameter that says how large a term is: the largest one.
 const actuator::ParameterValue& MainParameter(const actuator::Term& term);
 
-// Every setting of the grid tried, the best one refined; the design's drive is predicted by it.
+// In the balance of the declared model. Every setting of the grid tried, the best one refined; the
+// design's drive is predicted by it.
 Oracle FitOracle(identify::Design* train, const actuator::JointModel& declared,
                  const std::vector<std::string>& names);
 

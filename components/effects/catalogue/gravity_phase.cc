@@ -36,6 +36,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   info.look_alikes = {"gear_eccentricity", "offset"};
   info.separating_excitation = "slow motion over the whole angle range";
   info.needs = {"position_rad"};
+  info.may_read = {"payload_kg"};
   return Memoryless(constants, std::move(info),
                     [](const JointSample& x, const JointConstants& c, std::span<const double>,
                        std::span<double> phi) {

@@ -195,7 +195,8 @@ TEST_P(EveryEffect, GivesBackItsParametersByLeastSquares) {
 TEST_P(EveryEffect, ReadsWhatItNeedsAndNothingElse) {
   std::mt19937 random(3);
   Evaluator evaluate(*effect_);
-  const auto needs = effect_->info().needs;
+  std::vector<std::string> needs = effect_->info().needs;
+  for (const std::string& field : effect_->info().may_read) needs.push_back(field);
   for (const std::string& field : AllFields()) {
     const bool needed = std::find(needs.begin(), needs.end(), field) != needs.end();
     bool changed = false;

@@ -236,7 +236,8 @@ TEST_P(TermInSimulation, IsGivenBackByRegression) {
       joint.plant().SetCommand(
           {.mode = DriveMode::kTorque,
            .motor_torque_Nm = 0.02 * std::sin(5.0 * t) + 0.012 * std::sin(17.0 * t)});
-      joint.plant().SetLoad(0.5 * std::sin(3.0 * t), 0.3);
+      const double payload_kg = k % 2000 < 1000 ? 0.3 : 0.1;
+      joint.plant().SetLoad(0.5 * std::sin(3.0 * t), payload_kg);
       x.pressure_bar = 3.0 + std::sin(2.0 * t);
       x.pressure_rate_bar_s = 2.0 * std::cos(2.0 * t);
       joint.plant().SetPressure(x.pressure_bar, x.pressure_rate_bar_s);
@@ -254,7 +255,7 @@ TEST_P(TermInSimulation, IsGivenBackByRegression) {
       x.motor_acceleration_rad_s2 = (joint.plant().motor_velocity_rad_s() - w0) / kDt_s;
       x.drive_input = joint.plant().drive_input();
       x.load_force_N = 0.5 * std::sin(3.0 * t);
-      x.payload_kg = 0.3;
+      x.payload_kg = payload_kg;
       x.temperature_degC = 25.0 + 3.0 * t;
       const bool slides = v0 * joint.velocity_rad_s() > 0.0 &&
                           (play == 0.0 || w0 * joint.plant().motor_velocity_rad_s() > 0.0);
