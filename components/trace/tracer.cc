@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <limits>
 #include <random>
@@ -32,7 +33,7 @@ constexpr double kSameGain = 0.85;
 // A declared basic (offset, inertia) that is the chosen effect under another name.
 constexpr double kTwin = 0.9999;
 // An effect that could hide this share of the drive torque without being seen is "not excited".
-constexpr double kHiddenShare = 0.05;
+constexpr double kHiddenShare = 0.01;
 // Less of a candidate's power than this beside all declared terms: a refit swallows it.
 constexpr double kSwallowed = 1e-3;
 // Less than this beside one declared term alone: it is that term seen from another side.
@@ -147,6 +148,10 @@ class Tracer {
     if (options_.only.empty()) {
       Progress("what stays unexplained", 0.9);
       FindUnexplained(fit);
+    }
+    for (const FoundEffect& found : result_.effects) {
+      std::erase_if(result_.not_excited,
+                    [&](const NotExcited& hidden) { return hidden.effect == found.name; });
     }
     result_.verdict = !result_.effects.empty()                ? Verdict::kEffect
                       : !result_.unexplained.variable.empty() ? Verdict::kUnexplained
@@ -851,6 +856,16 @@ class Tracer {
                                        std::max<double>(1.0, static_cast<double>(rows.size())));
   }
 
+  // The common filter's cut-off, for effects that may swing faster; 0: the effect is none of them.
+  double FilteredAbove_Hz(const effects::EffectInfo& info) const {
+    const double cutoff_Hz = train_.options().parallel_cutoff_Hz;
+    for (const effects::ParameterInfo& parameter : info.nonlinear) {
+      if (parameter.dimension != effects::Dimension::kFrequency) continue;
+      if (parameter.upper > cutoff_Hz) return cutoff_Hz;
+    }
+    return 0.0;
+  }
+
   void NoteWhatIsHidden(const CandidateSet& set, const std::vector<Trial>& trials) {
     for (const MissingSignals& missing : set.missing) {
       result_.not_excited.push_back({missing.effect, "not recorded: " + missing.fields});
@@ -860,7 +875,12 @@ class Tracer {
           {silent.effect, silent.fields + " tells nothing but its noise"});
     }
     for (const Trial& trial : trials) {
-      if (std::isinf(trial.detectable)) {
+      if (const double above_Hz = FilteredAbove_Hz(trial.candidate->effect->info());
+          above_Hz > 0.0) {
+        char text[80];
+        std::snprintf(text, sizeof text, "a resonance above %.3g Hz is filtered out", above_Hz);
+        result_.not_excited.push_back({trial.score.name, text});
+      } else if (std::isinf(trial.detectable)) {
         result_.not_excited.push_back(
             {trial.score.name,
              "the declared terms carry all of it: only a shift of parameters shows"});
