@@ -55,6 +55,8 @@ constexpr double kClearCurve = 5.0;  // the same for the curve over a variable
 constexpr double kWanders = 0.8, kFarAbove = 25.0;
 // Standard errors by which a quarter of the data must ask for the opposite to contradict.
 constexpr double kContradicts = 3.0;
+// A quarter that holds less of a candidate's power than this tells its noise.
+constexpr double kSilent = 1e-3;
 constexpr double kShortestDelay = 0.085;  // of a sample
 constexpr double kTwoPi = 6.283185307179586;
 
@@ -397,9 +399,10 @@ class Tracer {
         score.delay_s = score.theta.front() / actuator::DriveShare(fit.model, fit.model.balance);
       trial.surprise =
           Surprise(balance, fit.coefficients + trial.coefficients.head(balance.columns.cols()));
-      score.stable = passing || Stable(trial, balance.columns.cols());
-      score.size_in_errors = SizeInErrors(
-          Joined(trial.settings[trial.best].blocks(), trial.coefficients, balance.columns.cols()));
+      const std::vector<identify::Moments> joined =
+          Joined(trial.settings[trial.best].blocks(), trial.coefficients, own);
+      score.size_in_errors = SizeInErrors(joined);
+      score.stable = passing || Stable(joined);
       trials.push_back(std::move(trial));
     }
 
@@ -633,32 +636,23 @@ class Tracer {
     note(sealed_, start_s, true);
   }
 
-  struct Size {
-    double value = 0.0, standard_error = 0.0;
-  };
-  static Size SizeOn(const std::vector<identify::Moments>& joined) {
-    const Eigen::Index p = joined.front().G.cols();
-    Eigen::MatrixXd G = Eigen::MatrixXd::Zero(p, p);
-    Eigen::VectorXd m = Eigen::VectorXd::Zero(p);
-    for (const identify::Moments& block : joined) {
-      G += block.G;
-      m += block.m;
-    }
-    const Eigen::VectorXd b = identify::Solve(G, m);
-    return {b[p - 1], std::sqrt(identify::BlockCovariance(joined, b)(p - 1, p - 1))};
-  }
-
   // No quarter of the blocks asks for the opposite of what all together ask for.
-  static bool Stable(const Trial& trial, Eigen::Index base_columns) {
-    const std::vector<identify::Moments> joined =
-        Joined(trial.settings[trial.best].blocks(), trial.coefficients, base_columns);
+  static bool Stable(const std::vector<identify::Moments>& joined) {
     if (joined.size() < 8) return true;
+    const auto power_of = [](const std::vector<identify::Moments>& blocks) {
+      double sum = 0.0;
+      for (const identify::Moments& block : blocks)
+        sum += block.G(block.G.rows() - 1, block.G.rows() - 1);
+      return sum;
+    };
+    const double power = power_of(joined);
     for (std::size_t quarter = 0; quarter < 4; ++quarter) {
       const auto at = [&](std::size_t q) {
         return joined.begin() + static_cast<std::ptrdiff_t>(q * joined.size() / 4);
       };
-      const Size size = SizeOn({at(quarter), at(quarter + 1)});
-      if (size.value < -kContradicts * size.standard_error) return false;
+      const std::vector<identify::Moments> part(at(quarter), at(quarter + 1));
+      if (power_of(part) < kSilent * power) continue;
+      if (SizeInErrors(part) < -kContradicts) return false;
     }
     return true;
   }

@@ -110,29 +110,34 @@ struct Ground {
   const trace::Judgement* judged = nullptr;
 };
 
-Ground GroundOf(effects::Balance balance, const std::vector<std::string>& names,
-                const Recorded& recorded, const trace::LoopResult& loop) {
+// None where the recordings show nothing of the balance.
+std::optional<Ground> GroundOf(effects::Balance balance, const std::vector<std::string>& names,
+                               const Recorded& recorded, const trace::LoopResult& loop) {
   actuator::JointModel declared = loop.trace.declared;
   if (balance != effects::Balance::kMotion) {
     declared.balance = balance;
     trace::BalanceDesigns designs =
         trace::MakeBalanceDesigns(balance, recorded.train, recorded.sealed, declared,
                                   identify::Resolve(recorded.processing, recorded.train));
-    if (!designs.why_not.empty()) throw std::logic_error("bank: " + designs.why_not);
+    if (!designs.why_not.empty()) return std::nullopt;
     const auto& all = loop.trace.balances;
     const auto judged = std::find_if(
         all.begin(), all.end(), [&](const auto& summary) { return summary.balance == balance; });
-    return {std::move(*designs.train), std::move(*designs.sealed), std::move(declared), &*judged};
+    return Ground{std::move(*designs.train), std::move(*designs.sealed), std::move(declared),
+                  &*judged};
   }
-  identify::ProcessingOptions processing = recorded.processing;
   if (ShowsInSlowMotion(names, recorded.declared)) {
     declared = trace::HeldForSlowMotion(declared);
-    processing = identify::SlowMotion(processing, declared, Rate_Hz(recorded));
-  } else {
-    declared = recorded.declared;
+    Designs slow =
+        MakeDesigns(recorded, declared,
+                    identify::SlowMotion(identify::Resolve(recorded.processing, recorded.train),
+                                         declared, Rate_Hz(recorded)));
+    if (trace::ShowsSlowMotion(slow.train, slow.sealed)) {
+      return Ground{std::move(slow.train), std::move(slow.sealed), std::move(declared), nullptr};
+    }
   }
-  Designs designs = MakeDesigns(recorded, declared, processing);
-  return {std::move(designs.train), std::move(designs.sealed), std::move(declared), nullptr};
+  Designs designs = MakeDesigns(recorded, recorded.declared, recorded.processing);
+  return Ground{std::move(designs.train), std::move(designs.sealed), recorded.declared, nullptr};
 }
 
 void JudgeAgainstOracle(const Case& what, const Scene& scene, const Recorded& recorded,
@@ -143,7 +148,9 @@ void JudgeAgainstOracle(const Case& what, const Scene& scene, const Recorded& re
     if (!shown || (balance && shown != balance)) return;
     balance = shown;
   }
-  Ground ground = GroundOf(*balance, what.effects, recorded, loop);
+  std::optional<Ground> seen = GroundOf(*balance, what.effects, recorded, loop);
+  if (!seen) return;
+  Ground& ground = *seen;
   const Oracle oracle = FitOracle(&ground.train, ground.declared, what.effects);
   const auto error_of = [&](actuator::JointModel model) {
     model.balance = *balance;
@@ -167,9 +174,10 @@ void JudgeAgainstOracle(const Case& what, const Scene& scene, const Recorded& re
   Scene silent = scene;
   silent.silent = true;
   const Recorded clean = Record(silent);
-  Ground clean_ground = GroundOf(*balance, what.effects, clean, loop);
+  std::optional<Ground> clean_ground = GroundOf(*balance, what.effects, clean, loop);
+  if (!clean_ground) return;
   const actuator::Term& term = loop.trace.corrected.terms[static_cast<std::size_t>(found->term)];
-  const Oracle truth = FitOracle(&clean_ground.train, clean_ground.declared, what.effects);
+  const Oracle truth = FitOracle(&clean_ground->train, clean_ground->declared, what.effects);
   const actuator::ParameterValue& value = MainParameter(term);
   out->value = value.value;
   out->half_width = value.half_width_95.value_or(std::numeric_limits<double>::quiet_NaN());

@@ -1,5 +1,6 @@
 // Tilted base or angle zero: everything that hangs on the link pulls at another angle, the payload
-// that the operator declared as well. Of the link, what stays in phase the gravity term carries.
+// that the operator declared as well. What stays in phase, 1 - cos tilt, the gravity term carries
+// of the link, and is left out of the payload: a free part would be a load cell's gain.
 #include "components/effects/define.h"
 
 namespace sinew::effects::gravity_phase {
@@ -8,9 +9,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   EffectInfo info;
   info.name = "gravity_phase";
   info.title = "Tilted base or angle zero";
-  info.formula =
-      "+ Tq * sin q + m * g * l * (s * sin q + c * cos q), Tq = Tg * sin(tilt), s = sin(tilt), "
-      "c = 1 - cos(tilt)";
+  info.formula = "+ (Tq + s * m * g * l) * sin q, Tq = Tg * sin(tilt), s = sin(tilt)";
   info.rotary_only = true;
   info.source = "cos(q + tilt) expanded";
   info.linear = {{.name = "quadrature",
@@ -24,13 +23,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .lower = -1.0,
                   .upper = 1.0,
                   .default_value = 0.0,
-                  .meaning = "s, as the declared payload tells it"},
-                 {.name = "payload_in_phase",
-                  .dimension = Dimension::kNone,
-                  .lower = 0.0,
-                  .upper = 1.0,
-                  .default_value = 0.0,
-                  .meaning = "c, as the declared payload tells it"}};
+                  .meaning = "s, as the declared payload tells it"}};
   info.signature = "residual follows sin q";
   info.variable = "position_rad";
   info.look_alikes = {"gear_eccentricity", "offset"};
@@ -41,9 +34,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                     [](const JointSample& x, const JointConstants& c, std::span<const double>,
                        std::span<double> phi) {
                       phi[0] = std::sin(x.position_rad);
-                      const double payload_Nm = x.payload_kg * c.gravity_m_s2 * c.link_length_m;
-                      phi[1] = payload_Nm * phi[0];
-                      phi[2] = payload_Nm * std::cos(x.position_rad);
+                      phi[1] = x.payload_kg * c.gravity_m_s2 * c.link_length_m * phi[0];
                     });
 }
 
