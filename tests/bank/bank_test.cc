@@ -207,5 +207,22 @@ TEST(Bank, TheSameCaseIsJudgedTheSameOnAnyThread) {
   }
 }
 
+TEST(Bank, EncodersThatComeApartTellNoTorques) {
+  const Outcome outcome =
+      RunCase({.kind = Kind::kOutside, .effects = {"slipping_magnet"}, .seed = 31}, false);
+  EXPECT_EQ(outcome.verdict, "unexplained") << ToJson(outcome);
+  EXPECT_EQ(outcome.variable, "time_s");
+  EXPECT_TRUE(outcome.found.empty());
+}
+
+TEST(Bank, ALeakAndATiltedPayloadAreNamed) {
+  for (const std::string name : {"leak", "gravity_phase"}) {
+    const Outcome outcome = RunCase({.effects = {name}, .seed = 31}, false);
+    EXPECT_TRUE(NamedFirst(outcome)) << ToJson(outcome);
+    EXPECT_TRUE(outcome.oracle_significant) << name;
+    EXPECT_LT(outcome.sealed_after, 1.2 * outcome.sealed_oracle) << name;
+  }
+}
+
 }  // namespace
 }  // namespace sinew::bank

@@ -131,5 +131,37 @@ TEST(CrossValidation, GainIsTheSumWithTheErrorOfTheMean) {
   EXPECT_EQ(GainOf(Eigen::VectorXd::Zero(5)).p, 1.0);
 }
 
+// An effect that acts in some of thirty blocks, always by the same amount, in much noise elsewhere.
+double SizeWhereBlocksExcite(int exciting, double size) {
+  Problem problem = MakeProblem(30, 40, 0.0, 5);
+  for (int b = exciting; b < 30; ++b) problem.extra.middleRows(b * 40, 40).setZero();
+  problem.target += size * problem.extra.col(0);
+  const Setting setting(problem.blocks, problem.base, problem.extra, problem.target, 10);
+  return SizeInErrors(Joined(setting.blocks(), setting.Coefficients(), problem.base.cols()));
+}
+
+TEST(SizeInErrors, FewBlocksThatAgreeAreCertain) {
+  EXPECT_GT(SizeWhereBlocksExcite(30, 1.0), 20.0);
+  EXPECT_GT(SizeWhereBlocksExcite(4, 1.0), 6.0);
+}
+
+TEST(SizeInErrors, OneBlockIsNot) { EXPECT_LT(SizeWhereBlocksExcite(1, 1.0), 2.0); }
+
+TEST(SizeInErrors, NoiseIsFewErrorsLarge) { EXPECT_LT(SizeWhereBlocksExcite(30, 0.0), 4.0); }
+
+TEST(Joined, TheWholeEffectHasSizeOne) {
+  const Problem problem = MakeProblem(12, 30, 0.7, 9);
+  Eigen::MatrixXd extra(problem.target.size(), 2);
+  extra << problem.extra, problem.base.col(0).cwiseAbs();
+  const Setting setting(problem.blocks, problem.base, extra, problem.target, 6);
+  Eigen::MatrixXd G = Eigen::MatrixXd::Zero(4, 4);
+  Eigen::VectorXd m = Eigen::VectorXd::Zero(4);
+  for (const auto& block : Joined(setting.blocks(), setting.Coefficients(), 3)) {
+    G += block.G;
+    m += block.m;
+  }
+  EXPECT_NEAR(identify::Solve(G, m)[3], 1.0, 1e-6);
+}
+
 }  // namespace
 }  // namespace sinew::trace

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "components/trace/tracer.h"
 #include "tests/components/identify/synthetic.h"
@@ -112,6 +113,25 @@ TEST(Events, ClocksMoveWhatEventsSeeAndNothingElse) {
     }
   }
   EXPECT_EQ(design.rows().time_s, time_before);
+}
+
+TEST(Events, WhatPushesOftenIsNoPush) {
+  const actuator::JointModel model = SyntheticModel();
+  identify::Run run = RunWith("", 0.0, {}, 51);
+  for (Eigen::Index i = 0; i < run.size(); ++i) {
+    const double since_s = std::fmod(run.time_s[i], 9.0) - 4.0;
+    if (since_s < 0.0 || since_s > 0.8) continue;
+    run.signals[identify::Signal::kMotorCurrent][i] +=
+        0.8 * (0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * since_s / 0.8));
+  }
+  const Design design = MakeDesign({run, RunWith("", 0.0, {}, 52)}, model);
+  const std::vector<identify::Block> blocks = identify::MakeBlocks(design.rows(), 2.0, 0.1, 8);
+  const identify::FitResult fit = identify::FitModel(design, model, blocks);
+  const Event event = FindEvent(
+      design, effects::MakeEffect("external_bump", model.constants), blocks, fit.balance.columns,
+      fit.balance.target - fit.balance.columns * fit.coefficients, 100, 1);
+  EXPECT_GT(event.statistic, kLoudest);
+  EXPECT_FALSE(event.significant);
 }
 
 }  // namespace
