@@ -119,12 +119,13 @@ TraceResult WithBalance(TraceResult motion, TraceResult other) {
   motion.corrected = std::move(other.corrected);
   for (FoundEffect& effect : other.effects) motion.effects.push_back(std::move(effect));
   for (ParameterShift& shift : other.shifts) motion.shifts.push_back(std::move(shift));
-  // An effect with a form in both balances is seen when either shows it.
+  // An effect with a form in both balances is seen when either shows it, and told once.
   for (NotExcited& hidden : other.not_excited) {
-    const bool form_elsewhere =
-        std::any_of(motion.judged.begin(), motion.judged.end(),
-                    [&](const std::string& name) { return name == hidden.effect; });
-    if (!form_elsewhere) motion.not_excited.push_back(std::move(hidden));
+    const bool known =
+        std::count(motion.judged.begin(), motion.judged.end(), hidden.effect) != 0 ||
+        std::any_of(motion.not_excited.begin(), motion.not_excited.end(),
+                    [&](const NotExcited& told) { return told.effect == hidden.effect; });
+    if (!known) motion.not_excited.push_back(std::move(hidden));
   }
   for (const std::string& name : other.judged) {
     std::erase_if(motion.not_excited,

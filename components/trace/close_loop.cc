@@ -54,12 +54,13 @@ void LookAtSlowMotion(const std::vector<identify::Run>& train,
 }
 
 // As if nothing had been found.
-void DropEffects(LoopResult* loop) {
+void DropFindings(LoopResult* loop) {
   TraceResult& trace = loop->trace;
   trace.effects.clear();
   trace.events.clear();
   trace.shifts.clear();
-  trace.verdict = trace.unexplained.variable.empty() ? Verdict::kNone : Verdict::kUnexplained;
+  trace.unexplained = {};
+  trace.verdict = Verdict::kNone;
   trace.corrected = trace.declared;
   trace.corrected_fit = trace.declared_fit;
   trace.after_train = trace.before_train;
@@ -98,9 +99,12 @@ LoopResult CloseLoop(const std::vector<identify::Run>& train,
     TraceResult other = TraceBalance(balance, train, sealed, loop.trace.corrected, motion, options);
     // Encoders that come apart as time goes on tell no torques.
     if (balance == effects::Balance::kKinematic && other.unexplained.variable == "time_s" &&
-        !loop.trace.effects.empty()) {
-      DropEffects(&loop);
-      other = TraceBalance(balance, train, sealed, loop.trace.corrected, motion, options);
+        loop.trace.verdict != Verdict::kNone) {
+      const bool corrected = !loop.trace.effects.empty();
+      DropFindings(&loop);
+      if (corrected) {
+        other = TraceBalance(balance, train, sealed, loop.trace.corrected, motion, options);
+      }
     }
     loop.trace = WithBalance(std::move(loop.trace), std::move(other));
   }

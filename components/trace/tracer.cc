@@ -460,6 +460,8 @@ class Tracer {
       } else if (!IsPassing(trial) && score.gain.sum < drift_gain &&
                  (trial.candidate->event != nullptr || GoesWith(trial, drift, balance, target))) {
         score.refused = "a drift explains more";
+      } else if (IsPassing(trial) && AsMuch(trials, trial)) {
+        score.refused = "what is there all the time explains as much";
       } else if (!score.physical) {
         score.refused = "sign or size is not physical";
       } else if (!score.stable) {
@@ -569,6 +571,14 @@ class Tracer {
 
   static bool IsPassing(const Trial& trial) {
     return trial.candidate->event != nullptr && trial.candidate->event->passing();
+  }
+
+  // Does an effect that needs no push from outside gain nearly as much as one?
+  static bool AsMuch(const std::vector<Trial>& trials, const Trial& push) {
+    return std::any_of(trials.begin(), trials.end(), [&](const Trial& other) {
+      return other.candidate->event == nullptr && !other.hidden && other.score.physical &&
+             other.score.gain.sum > kSameGain * push.score.gain.sum;
+    });
   }
 
   // Events whose instants stand out join the candidates, and the clocks are set by the one that

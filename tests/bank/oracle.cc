@@ -58,7 +58,10 @@ Oracle FitOracle(identify::Design* design, const actuator::JointModel& declared,
     double least = std::numeric_limits<double>::infinity();
     for (const std::vector<double>& psi : settings) {
       for (std::size_t i = 0; i < psi.size(); ++i) term.nonlinear[i].value = psi[i];
-      for (actuator::ParameterValue& value : term.nonlinear) value.fixed = all;
+      for (std::size_t i = 0; i < psi.size(); ++i) {  // counts stay whole
+        term.nonlinear[i].fixed =
+            all || term.effect->info().nonlinear[i].dimension == effects::Dimension::kNone;
+      }
       if (all) {
         model.terms.push_back(term);
         continue;
