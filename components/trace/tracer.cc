@@ -40,9 +40,9 @@ constexpr double kSwallowed = 1e-3;
 constexpr double kVariant = 0.02;
 constexpr int kMostOrders = 8;  // of one periodic effect beyond its first
 // Less than this above the noise floor is not worth a variable's name.
-constexpr double kLoudRest = 0.12;
+constexpr double kLoudRest = 0.4;
 // A variable has to predict this share of what remains to be named.
-constexpr double kNamedShare = 0.16;
+constexpr double kNamedShare = 0.24;
 // A candidate that gains this share is surely no noise.
 constexpr double kClearGain = 0.2;
 constexpr double kConvincingUnits = 6;
