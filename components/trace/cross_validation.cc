@@ -90,6 +90,12 @@ Eigen::VectorXd Setting::Coefficients() const {
   return identify::Solve(total, scores_.rowwise().sum());
 }
 
+double Setting::SquaredError(const Eigen::VectorXd& b) const {
+  double error = 0.0;
+  for (const identify::Moments& block : moments_) error += block.SquaredError(b);
+  return error;
+}
+
 Eigen::VectorXd LeftOutErrors(const std::vector<Setting>& settings, const Eigen::VectorXd& signs,
                               int folds) {
   const Eigen::Index count = signs.size();

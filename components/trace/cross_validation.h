@@ -18,6 +18,9 @@
 
 namespace sinew::trace {
 
+// A gain of this share of the left-out error is surely no noise.
+inline constexpr double kClearGain = 0.2;
+
 // Sums of one setting of a candidate, ready to be scored for any signs of the blocks.
 class Setting {
  public:
@@ -40,8 +43,9 @@ class Setting {
   double BlockError(std::size_t block, double sign, const Eigen::VectorXd& b) const;
 
   const std::vector<identify::Moments>& blocks() const { return moments_; }
-  // Coefficients and their covariance on all blocks.
+  // Of all blocks.
   Eigen::VectorXd Coefficients() const;
+  double SquaredError(const Eigen::VectorXd& b) const;
 
  private:
   int folds_;

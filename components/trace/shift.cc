@@ -21,14 +21,6 @@ struct Declared {
   double unit = 0.0;  // tolerance and standard error together
 };
 
-Eigen::MatrixXd RowsOf(const Eigen::MatrixXd& all, const std::vector<Eigen::Index>& rows) {
-  Eigen::MatrixXd out(static_cast<Eigen::Index>(rows.size()), all.cols());
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    out.row(static_cast<Eigen::Index>(i)) = all.row(rows[i]);
-  }
-  return out;
-}
-
 }  // namespace
 
 ShiftReport FindShifts(const identify::Design& design, const actuator::JointModel& nominal,
@@ -57,9 +49,9 @@ ShiftReport FindShifts(const identify::Design& design, const actuator::JointMode
   // Direction in which each candidate would shift the parameters: its regressor in terms of theirs.
   const std::vector<Eigen::Index> used = design.rows().UsedRows();
   const Eigen::Index count = balance.columns.cols() - first;
-  const Eigen::MatrixXd phi = -RowsOf(balance.columns.rightCols(count), used);
+  const Eigen::MatrixXd phi = -balance.columns.rightCols(count)(used, Eigen::all);
   const Eigen::MatrixXd gram = phi.transpose() * phi;
-  const Eigen::VectorXd drive = RowsOf(balance.drive_torque, used);
+  const Eigen::VectorXd drive = balance.drive_torque(used);
   // Parameters that are held but stated with a tolerance (a rest angle): what they may be off by
   // shifts the fitted ones, and that is no surprise either.
   for (const actuator::Term& term : nominal.terms) {
@@ -73,7 +65,7 @@ ShiftReport FindShifts(const identify::Design& design, const actuator::JointMode
         for (std::size_t i = 0; i < term.linear.size(); ++i) {
           theta[static_cast<Eigen::Index>(i)] = term.linear[i].value;
         }
-        return Eigen::VectorXd(RowsOf(design.Columns(*term.effect, psi), used) * theta);
+        return Eigen::VectorXd((design.Columns(*term.effect, psi) * theta)(used));
       };
       const double value = term.nonlinear[k].value;
       const Eigen::VectorXd z = 0.5 * (torque(value + off) - torque(value - off));
@@ -90,7 +82,7 @@ ShiftReport FindShifts(const identify::Design& design, const actuator::JointMode
   std::vector<Direction> directions;
   for (const Candidate& candidate : candidates) {
     if (candidate.grid.size() != 1 || candidate.grid.front().columns.cols() != 1) continue;
-    const Eigen::VectorXd z = RowsOf(candidate.grid.front().columns, used);
+    const Eigen::VectorXd z = candidate.grid.front().columns(used, 0);
     const double power = z.squaredNorm();
     if (!(power > 0.0)) continue;
     Direction direction{&candidate, std::vector<double>(declared.size(), 0.0)};

@@ -43,8 +43,6 @@ constexpr int kMostOrders = 8;  // of one periodic effect beyond its first
 constexpr double kLoudRest = 0.4;
 // A variable has to predict this share of what remains to be named.
 constexpr double kNamedShare = 0.24;
-// A candidate that gains this share is surely no noise.
-constexpr double kClearGain = 0.2;
 constexpr double kConvincingUnits = 6;
 // An effect whose size is so many standard errors (every unit left out once) is believed though the
 // units differ much in what they gain by it.
@@ -64,13 +62,6 @@ double SumSquares(const Eigen::VectorXd& x, const std::vector<Eigen::Index>& row
   double sum = 0.0;
   for (const Eigen::Index i : rows) sum += x[i] * x[i];
   return sum;
-}
-
-Eigen::MatrixXd PickRows(const Eigen::MatrixXd& x, const std::vector<Eigen::Index>& rows) {
-  Eigen::MatrixXd out(static_cast<Eigen::Index>(rows.size()), x.cols());
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    out.row(static_cast<Eigen::Index>(i)) = x.row(rows[i]);
-  return out;
 }
 
 int Folds(std::size_t blocks) { return static_cast<int>(std::min<std::size_t>(10, blocks)); }
@@ -245,17 +236,15 @@ class Tracer {
   Eigen::MatrixXd WithBestCandidate(const FitResult& fit, const Eigen::MatrixXd& base,
                                     const Eigen::VectorXd& target) {
     const CandidateSet set = MakeCandidates(train_, fit.model);
-    const Eigen::MatrixXd used = PickRows(base, used_);
+    const Eigen::MatrixXd used = base(used_, Eigen::all);
     const Eigen::MatrixXd inverse = identify::Inverse(used.transpose() * used);
-    Eigen::VectorXd y(static_cast<Eigen::Index>(used_.size()));
-    for (std::size_t i = 0; i < used_.size(); ++i)
-      y[static_cast<Eigen::Index>(i)] = target[used_[i]];
+    Eigen::VectorXd y = target(used_);
     y -= used * (inverse * (used.transpose() * y));
     double most = 0.05 * y.squaredNorm();
     const Eigen::MatrixXd* best = nullptr;
     for (const Candidate& candidate : set.candidates) {
       for (const GridPoint& point : candidate.grid) {
-        const Eigen::MatrixXd z = PickRows(point.columns, used_);
+        const Eigen::MatrixXd z = point.columns(used_, Eigen::all);
         const Eigen::MatrixXd free = z - used * (inverse * (used.transpose() * z));
         if (!(free.squaredNorm() > kSwallowed * z.squaredNorm())) continue;
         const Eigen::VectorXd b = identify::Solve(free.transpose() * free, free.transpose() * y);
@@ -289,15 +278,16 @@ class Tracer {
     const double explainable = std::max(variance - floor, 0.02 * variance);
     report->explainable_rms = std::sqrt(explainable);
 
-    const Eigen::MatrixXd base_used = PickRows(balance.columns, used_);
+    const Eigen::MatrixXd base_used = balance.columns(used_, Eigen::all);
     const Eigen::MatrixXd base_gram = base_used.transpose() * base_used;
     // What could hide is told beside the size of the measured side: its largest value where its
     // level means nothing.
-    const double drive_rms = std::abs(balance.Scale(fit.coefficients)) *
-                             (train_.rows().window.empty()
-                                  ? std::sqrt(SumSquares(balance.drive_torque, used_) /
-                                              static_cast<double>(used_.size()))
-                                  : PickRows(balance.drive_torque, used_).cwiseAbs().maxCoeff());
+    const double drive_rms =
+        std::abs(balance.Scale(fit.coefficients)) *
+        (train_.rows().window.empty() ? std::sqrt(SumSquares(balance.drive_torque, used_) /
+                                                  static_cast<double>(used_.size()))
+                                      : balance.drive_torque(used_).cwiseAbs().maxCoeff());
+    const double drive_share = actuator::DriveShare(fit.model, fit.model.balance);
     std::vector<Trial> trials;
     for (const Candidate& candidate : set.candidates) {
       Trial trial;
@@ -308,11 +298,8 @@ class Tracer {
       for (const GridPoint& point : candidate.grid) {
         trial.settings.emplace_back(blocks, balance.columns, -point.columns, target, folds);
         const Eigen::VectorXd b = trial.settings.back().Coefficients();
-        double error = 0.0;
-        for (const identify::Moments& sums : trial.settings.back().blocks()) {
-          error += sums.SquaredError(b);
-        }
-        const Eigen::MatrixXd z = PickRows(point.columns, used_);
+        const double error = trial.settings.back().SquaredError(b);
+        const Eigen::MatrixXd z = point.columns(used_, Eigen::all);
         const Eigen::MatrixXd free =
             z - base_used * identify::Inverse(base_gram) * (base_used.transpose() * z);
         const double power = z.squaredNorm();
@@ -342,7 +329,7 @@ class Tracer {
       // A look-alike of a declared term in other clothes: nothing but that term's own flaws shows.
       double beside_one = 1.0;
       if (candidate.grid.size() == 1 && candidate.grid.front().columns.cols() == 1) {
-        const Eigen::VectorXd z = PickRows(candidate.grid.front().columns, used_);
+        const Eigen::VectorXd z = candidate.grid.front().columns(used_, 0);
         const Eigen::Index first = balance.fits_scale ? 1 : 0;
         for (Eigen::Index c = first; c < base_used.cols(); ++c) {
           const auto term = static_cast<std::size_t>(
@@ -379,24 +366,26 @@ class Tracer {
       score.explainable_share = score.gain_share * variance / explainable;
       const Eigen::Index own = balance.columns.cols();
       const Eigen::VectorXd extra = trial.coefficients.tail(trial.coefficients.size() - own);
-      const Eigen::MatrixXd covariance =
-          identify::BlockCovariance(trial.settings[trial.best].blocks(), trial.coefficients);
-      const double share = actuator::DriveShare(fit.model, fit.model.balance);
+      // One of several may be hardly excited.
+      Eigen::VectorXd slack = Eigen::VectorXd::Zero(extra.size());
+      if (extra.size() > 1) {
+        const Eigen::MatrixXd covariance =
+            identify::BlockCovariance(trial.settings[trial.best].blocks(), trial.coefficients);
+        slack = 2.0 * covariance.diagonal().tail(extra.size()).cwiseMax(0.0).cwiseSqrt();
+      }
       for (Eigen::Index i = 0; i < extra.size(); ++i) {
         const effects::ParameterInfo& info =
             candidate.effect->info().linear[static_cast<std::size_t>(i)];
         score.theta.push_back(scale * extra[i]);
-        const double unit = info.relative_to_drive ? scale / share : scale;
-        // One of several may be hardly excited.
-        const double slack =
-            extra.size() > 1 ? 2.0 * unit * std::sqrt(std::max(0.0, covariance(own + i, own + i)))
-                             : 0.0;
-        if (unit * extra[i] < info.lower - slack || unit * extra[i] > info.upper + slack) {
+        const double unit = info.relative_to_drive ? scale / drive_share : scale;
+        const double off = unit * slack[i];
+        if (unit * extra[i] < info.lower - off || unit * extra[i] > info.upper + off) {
           score.physical = false;
         }
       }
-      if (ShortestDelay(candidate.effect->info()) > 0.0)
-        score.delay_s = score.theta.front() / actuator::DriveShare(fit.model, fit.model.balance);
+      if (ShortestDelay(candidate.effect->info()) > 0.0) {
+        score.delay_s = score.theta.front() / drive_share;
+      }
       trial.surprise =
           Surprise(balance, fit.coefficients + trial.coefficients.head(balance.columns.cols()));
       const std::vector<identify::Moments> joined =
@@ -559,8 +548,7 @@ class Tracer {
   }
 
   // Units differ in how much they excite an effect, and that is no doubt about it: a gain that few
-  // units give is believed when what all but the best two give is still above the
-  // placebo.
+  // units give is believed when what all but the best two give is still above the placebo.
   bool StandsWithoutTwo(const Trial& trial, double base_sum, double placebo) const {
     if (trial.gains.size() < 10) return false;
     std::vector<double> gains(trial.gains.data(), trial.gains.data() + trial.gains.size());
@@ -675,7 +663,7 @@ class Tracer {
 
   // Is its rms below that of the encoder's rounding?
   bool BelowRounding(const Trial& trial) const {
-    const Eigen::MatrixXd columns = PickRows(trial.candidate->grid[trial.best].columns, used_);
+    const Eigen::MatrixXd columns = trial.candidate->grid[trial.best].columns(used_, Eigen::all);
     const Eigen::VectorXd theta = Eigen::Map<const Eigen::VectorXd>(
         trial.score.theta.data(), static_cast<Eigen::Index>(trial.score.theta.size()));
     const double rounding = EncoderRounding_rad();
@@ -732,7 +720,7 @@ class Tracer {
       AddEvents(*fit, *model, &set, &report);
     }
     std::vector<Trial> trials = Score(*fit, set, &report);
-    if (result_.rounds.empty()) NoteWhatIsHidden(set, trials);
+    result_.rounds.empty() ? NoteWhatIsHidden(set, trials) : NoteWhatShows(trials);
 
     // Of those that predict the same, within one standard error of the best (Breiman et al. 1984,
     // section 3.4.3), the one that asks least: parameters of its own count as in Akaike's
@@ -901,6 +889,18 @@ class Tracer {
     }
     std::sort(result_.not_excited.begin(), result_.not_excited.end(),
               [](const NotExcited& a, const NotExcited& b) { return a.effect < b.effect; });
+  }
+
+  // What a strong effect hid may show beside it.
+  void NoteWhatShows(const std::vector<Trial>& trials) {
+    for (const Trial& trial : trials) {
+      if (trial.detectable > kHiddenShare) continue;
+      if (FilteredAbove_Hz(trial.candidate->effect->info()) > 0.0) continue;
+      const auto hidden = std::erase_if(result_.not_excited, [&](const NotExcited& told) {
+        return told.effect == trial.score.name;
+      });
+      if (hidden > 0) result_.judged.push_back(trial.score.name);
+    }
   }
 
   // An effect that the later ones made superfluous goes.

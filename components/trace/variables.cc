@@ -48,9 +48,8 @@ constexpr Variable kVariables[] = {
 };
 
 constexpr int kKnots = 8;
-constexpr double kClearShare = 0.2;  // of the left-out error: surely no noise
-constexpr int kLevels = 20;          // of a recording
-constexpr int kWheelOrders = 20;     // turns of a wheel per turn of the output
+constexpr int kLevels = 20;       // of a recording
+constexpr int kWheelOrders = 20;  // turns of a wheel per turn of the output
 constexpr int kToothHarmonics = 8;
 
 // Hat functions on quantiles of the variable over the used rows, and the same times another signal.
@@ -98,9 +97,7 @@ struct Entry {
     std::size_t best = 0;
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < settings.size(); ++k) {
-      const Eigen::VectorXd b = settings[k].Coefficients();
-      double error = 0.0;
-      for (const identify::Moments& sums : settings[k].blocks()) error += sums.SquaredError(b);
+      const double error = settings[k].SquaredError(settings[k].Coefficients());
       if (error >= least) continue;
       least = error;
       best = k;
@@ -112,6 +109,7 @@ struct Entry {
 }  // namespace
 
 Eigen::MatrixXd DriftColumns(const identify::Design& design) {
+  if (!design.rows().window.empty()) return {};
   const std::vector<Eigen::Index> used = design.rows().UsedRows();
   Eigen::MatrixXd out = Curve(design, kTime, used);
   const Eigen::Index curves = out.cols() / 2;
@@ -231,7 +229,7 @@ VariableScan ScanVariables(const identify::Design& design,
   const auto clearest = std::max_element(
       entries.begin(), entries.end(),
       [](const Entry& a, const Entry& b) { return a.score.share < b.score.share; });
-  if (clearest != entries.end() && clearest->score.share > kClearShare) {
+  if (clearest != entries.end() && clearest->score.share > kClearGain) {
     const std::size_t k = clearest->Best();
     const Eigen::VectorXd b = clearest->settings[k].Coefficients();
     const Eigen::VectorXd noise =

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <stdexcept>
 
 #include "components/identify/fit.h"
@@ -43,16 +44,28 @@ const surrogate::EffectInfo& InfoOf(const std::string& effect) {
   throw std::invalid_argument("the surrogate has no effect '" + effect + "'");
 }
 
-Eigen::MatrixXd UsedOf(const Eigen::MatrixXd& all, const std::vector<Eigen::Index>& rows) {
-  Eigen::MatrixXd out(static_cast<Eigen::Index>(rows.size()), all.cols());
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    out.row(static_cast<Eigen::Index>(i)) = all.row(rows[i]);
-  }
-  return out;
-}
-
 std::vector<identify::Block> PlainBlocks(const identify::Design& design) {
   return trace::ChooseUnits(design, 0.5, 10).blocks;
+}
+
+// The balance that shows an effect, with the declared model fitted to it.
+struct Sight {
+  trace::BalanceDesigns designs;
+  actuator::JointModel declared;
+  identify::FitResult fit;
+};
+
+// Of a balance beside the motion's, whose fit gives the model; nothing where the motion shows none
+// of it.
+std::optional<Sight> SightOf(effects::Balance balance, const Recorded& recorded,
+                             const actuator::JointModel& fitted) {
+  Sight out{.designs = {}, .declared = fitted, .fit = {}};
+  out.declared.balance = balance;
+  out.designs = trace::MakeBalanceDesigns(balance, recorded.train, recorded.train, out.declared,
+                                          identify::Resolve(recorded.processing, recorded.train));
+  if (!out.designs.train) return std::nullopt;
+  out.fit = identify::FitModel(*out.designs.train, out.declared, PlainBlocks(*out.designs.train));
+  return out;
 }
 
 struct Refit {
@@ -69,21 +82,17 @@ Refit RefitOf(const Recorded& recorded, const std::string& effect) {
   Refit out{fit.rms * fit.rms, 0.0, fit.model};
   const auto balance = BalanceOf(effect, recorded.declared);
   if (!balance) return out;
-  identify::Design* design = &motion;
-  trace::BalanceDesigns others;
-  actuator::JointModel declared = recorded.declared;
-  if (*balance != effects::Balance::kMotion) {
-    declared = fit.model;
-    declared.balance = *balance;
-    others = trace::MakeBalanceDesigns(*balance, recorded.train, recorded.train, declared,
-                                       identify::Resolve(recorded.processing, recorded.train));
-    if (!others.train) return out;  // the motion shows nothing of it
-    design = &*others.train;
-    fit = identify::FitModel(*design, declared, PlainBlocks(*design));
+  const auto explained = [&](identify::Design* design, const actuator::JointModel& declared) {
+    const double left = FitOracle(design, declared, {effect}).rms / fit.rms;
+    return std::max(0.0, 1.0 - left * left);
+  };
+  if (*balance == effects::Balance::kMotion) {
+    out.explained = explained(&motion, recorded.declared);
+  } else if (auto sight = SightOf(*balance, recorded, fit.model)) {
+    fit = sight->fit;
     out.variance = fit.rms * fit.rms;
+    out.explained = explained(&*sight->designs.train, sight->declared);
   }
-  const double left = FitOracle(design, declared, {effect}).rms / fit.rms;
-  out.explained = std::max(0.0, 1.0 - left * left);
   return out;
 }
 
@@ -158,7 +167,7 @@ Eigen::VectorXd PartOf(const trace::Candidate& candidate, const Eigen::MatrixXd&
   const Eigen::MatrixXd inverse = identify::Inverse(gram);
   Eigen::VectorXd best = Eigen::VectorXd::Zero(residual.size());
   for (const trace::GridPoint& point : candidate.grid) {
-    const Eigen::MatrixXd z = UsedOf(point.columns, rows);
+    const Eigen::MatrixXd z = point.columns(rows, Eigen::all);
     const Eigen::MatrixXd free = z - base * (inverse * (base.transpose() * z));
     if (free.squaredNorm() < 1e-6 * z.squaredNorm()) continue;
     const Eigen::VectorXd theta =
@@ -176,19 +185,17 @@ std::vector<std::string> ClassOf(const std::string& effect, const Recorded& sile
   motion.PredictDrive(fit.model);
   fit = identify::FitModel(motion, declared, PlainBlocks(motion));
   const auto balance = BalanceOf(effect, declared).value_or(effects::Balance::kMotion);
-  trace::BalanceDesigns others;
+  std::optional<Sight> sight;
   if (balance != effects::Balance::kMotion) {
-    declared = fit.model;
-    declared.balance = balance;
-    others = trace::MakeBalanceDesigns(balance, silent.train, silent.train, declared,
-                                       identify::Resolve(silent.processing, silent.train));
-    fit = identify::FitModel(others.train.value(), declared, PlainBlocks(*others.train));
+    sight = SightOf(balance, silent, fit.model);
+    declared = sight.value().declared;
+    fit = sight->fit;
   }
-  const identify::Design& design = others.train ? *others.train : motion;
+  const identify::Design& design = sight ? *sight->designs.train : motion;
   const std::vector<Eigen::Index> rows = design.rows().UsedRows();
-  const Eigen::MatrixXd base = UsedOf(fit.balance.columns, rows);
+  const Eigen::MatrixXd base = fit.balance.columns(rows, Eigen::all);
   const Eigen::VectorXd residual =
-      UsedOf(fit.balance.target - fit.balance.columns * fit.coefficients, rows);
+      (fit.balance.target - fit.balance.columns * fit.coefficients)(rows);
   const trace::CandidateSet set = trace::MakeCandidates(design, declared);
   Eigen::VectorXd own;
   for (const trace::Candidate& candidate : set.candidates) {
