@@ -105,8 +105,9 @@ enum class Side { kMotor, kOutput };
 // An idealisation that every set-up breaks a little: a skew between channels of less than about a
 // tenth of a sample, a valve whose opening takes some samples (rows alone tell when it was
 // commanded), teeth that give less than the encoder rounds. So small it is no effect, and nothing
-// else is one that explains no more than it.
-enum class Smallest { kAny, kTenthOfSample, kOpening, kRounding };
+// else is one that explains no more than it. And friction that builds up over less than a few
+// counts of the encoder, which tell no direction: every contact yields a little before it slides.
+enum class Smallest { kAny, kTenthOfSample, kOpening, kRounding, kCounts };
 
 struct EffectInfo {
   std::string name;     // as in model files, e.g. "direction_dependent_viscous"

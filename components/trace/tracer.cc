@@ -56,6 +56,8 @@ constexpr double kContradicts = 3.0;
 // A quarter that holds less of a candidate's power than this tells its noise.
 constexpr double kSilent = 1e-3;
 constexpr double kShortestDelay = 0.085;  // of a sample
+// Counts of the encoder over which friction may build up without being an effect.
+constexpr double kFewCounts = 8.0;
 constexpr double kTwoPi = 6.283185307179586;
 
 double SumSquares(const Eigen::VectorXd& x, const std::vector<Eigen::Index>& rows) {
@@ -443,6 +445,8 @@ class Tracer {
         score.refused = declared_.balance == effects::Balance::kGas
                             ? "a delay as short as every valve's opening"
                             : "a skew between channels below a tenth of a sample";
+      } else if (WithinCounts(trial, fit.model)) {
+        score.refused = "builds up within a few counts of the encoder";
       } else if (rounding != nullptr && NoBetter(trial, *rounding)) {
         score.refused =
             "explains no more than " + rounding->score.name + " below the encoder's rounding";
@@ -669,6 +673,28 @@ class Tracer {
     const double rounding = EncoderRounding_rad();
     return (columns * theta).squaredNorm() <
            rounding * rounding * static_cast<double>(used_.size());
+  }
+
+  // Does friction build up over a stroke that the encoder hardly resolves? The stroke is that over
+  // which all of the model's dry friction would have to build up to leave out the same work.
+  bool WithinCounts(const Trial& trial, const actuator::JointModel& model) const {
+    const double counts = declared_.constants.encoder_counts_per_turn;
+    if (trial.candidate->effect->info().smallest != effects::Smallest::kCounts || counts <= 0.0) {
+      return false;
+    }
+    const std::vector<double> memory(static_cast<std::size_t>(model.memory_size()));
+    effects::JointSample forth, back;
+    forth.velocity_rad_s = 1e-9;
+    back.velocity_rad_s = -1e-9;
+    double dry_Nm = 0.0;
+    for (std::size_t t = 0; t < model.terms.size(); ++t) {
+      if (model.terms[t].effect->memory_size() > 0) continue;  // builds up itself
+      const auto term = static_cast<int>(t);
+      dry_Nm +=
+          (model.TermTorque(term, back, memory) - model.TermTorque(term, forth, memory)) / 2.0;
+    }
+    const double work_J = trial.score.theta.front() * trial.score.psi.front();
+    return work_J < kFewCounts * kTwoPi / counts * dry_Nm;
   }
 
   static bool NoBetter(const Trial& trial, const Trial& than) {

@@ -193,10 +193,11 @@ std::string Explain(const trace::TraceResult& result) {
         char line[240];
         std::snprintf(
             line, sizeof line,
-            "  %s%s %-32s gain %6.3f +- %.3f (placebo %.3f) theta %.3g size/se %.1f  %s\n", where,
-            round.slow_motion ? " slow" : "", score.name.c_str(), score.gain_share,
+            "  %s%s %-32s gain %6.3f +- %.3f (placebo %.3f) theta %.3g psi %.3g size/se %.1f  %s\n",
+            where, round.slow_motion ? " slow" : "", score.name.c_str(), score.gain_share,
             score.share_error, round.placebo_99, score.theta.empty() ? 0.0 : score.theta.front(),
-            score.size_in_errors, score.name == round.added ? "ADDED" : score.refused.c_str());
+            score.psi.empty() ? 0.0 : score.psi.front(), score.size_in_errors,
+            score.name == round.added ? "ADDED" : score.refused.c_str());
         out += line;
       }
     }

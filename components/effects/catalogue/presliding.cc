@@ -30,6 +30,7 @@ class Presliding final : public Dahl {
                         .default_value = 0.02,
                         .grid = {0.005, 0.01, 0.02, 0.04, 0.08},
                         .meaning = "xs, the stroke over which it builds up"}};
+    info_.smallest = Smallest::kCounts;
     info_.signature = "less friction than declared after each reversal, growing with the stroke";
     info_.variable = "position_rad";
     info_.look_alikes = {"seal_hysteresis", "stribeck", "coulomb"};

@@ -130,6 +130,38 @@ TEST(Tracer, WhatTheMotionHidesIsSaid) {
   EXPECT_FALSE(hidden("quadratic_viscous"));
 }
 
+std::vector<std::string> NotExcitedOf(const TraceResult& result) {
+  std::vector<std::string> out;
+  for (const NotExcited& hidden : result.not_excited) out.push_back(hidden.effect);
+  return out;
+}
+
+TEST(Tracer, WhatAStrongEffectHidIsJudgedBesideIt) {
+  const Recipe recipe{.noise_A = 0.005};
+  const TraceResult without = TraceOf(SyntheticModel(), recipe);
+  const TraceResult strong = TraceOf(With("quadratic_viscous", 4.0), recipe);
+  ASSERT_EQ(strong.effects.size(), 1u);
+  EXPECT_EQ(NotExcitedOf(strong), NotExcitedOf(without));
+}
+
+TEST(Tracer, FrictionThatBuildsUpWithinTheEncodersCountsIsNoEffect) {
+  const auto trace = [](double counts) {
+    actuator::JointModel truth = SyntheticModel();
+    actuator::Term term = TermOf("presliding", {0.4}, truth.constants);
+    term.nonlinear[0].value = 0.02;
+    truth.terms.push_back(std::move(term));
+    actuator::JointModel model = SyntheticModel();
+    model.constants.encoder_counts_per_turn = counts;
+    return TraceOf(truth, {.noise_A = 0.05}, model);
+  };
+  const TraceResult fine = trace(16384.0);
+  ASSERT_EQ(fine.verdict, Verdict::kEffect);
+  EXPECT_EQ(fine.effects.front().name, "presliding");
+  const TraceResult coarse = trace(1000.0);
+  EXPECT_TRUE(std::none_of(coarse.effects.begin(), coarse.effects.end(),
+                           [](const FoundEffect& found) { return found.name == "presliding"; }));
+}
+
 TEST(Tracer, TheSameSeedGivesTheSameResult) {
   const TraceResult a =
       TraceOf(With("quadratic_viscous", 0.15), {.duration_s = 30.0, .noise_A = 0.15});
