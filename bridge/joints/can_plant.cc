@@ -82,7 +82,7 @@ can::ControlMode ToControlMode(Mode mode) {
 }  // namespace
 
 double CanPlant::Joint::motor_position_rad() const {
-  return config.direction * kTurn_rad * (estimates.position_rev - config.zero_rev);
+  return config.direction * kTurn_rad * (estimates.position_rev - config.zero_rev - home_rev);
 }
 double CanPlant::Joint::motor_velocity_rad_s() const {
   return config.direction * kTurn_rad * estimates.velocity_rev_s;
@@ -128,6 +128,20 @@ void CanPlant::Check(const BridgeConfig& config) {
     Require(
         c.limits.motor_torque_Nm > 0.0 && c.limits.current_A > 0.0 && c.limits.velocity_rad_s > 0.0,
         who + "limits of torque, current and velocity must be positive");
+    if (c.home_by_whole_turns) Require(c.zero_check.has_value(), who + "homing needs a zero_check");
+    if (c.zero_check) {
+      Require(c.output.has_value(), who + "zero_check needs a sensor node");
+      Require(c.zero_check->play_rad >= 0.0 && c.zero_check->tolerance_rad > 0.0,
+              who + "zero_check needs play_rad >= 0 and tolerance_rad > 0");
+      const double most_rev =
+          (0.5 * c.zero_check->play_rad + c.zero_check->tolerance_rad) * c.gear_ratio / kTurn_rad;
+      char text[96];
+      std::snprintf(text, sizeof text,
+                    "whole turns cannot be told: play and tolerance are %.2f of a "
+                    "motor turn, expected below 0.5",
+                    most_rev);
+      Require(!c.home_by_whole_turns || most_rev < 0.5, who + text);
+    }
     Require(
         c.limits.lower_rad < c.limits.upper_rad && c.limits.margin_rad >= 0.0,
         who + "position limits must have lower_rad < upper_rad and a margin that is not negative");
@@ -223,7 +237,10 @@ void CanPlant::Reset(provider::PlantSensors* sensors) {
   }
   ClearFault();
   const std::int64_t now_ns = clock.now_ns();
-  for (Joint& joint : joints_) joint.iq_ns = now_ns;
+  for (Joint& joint : joints_) {
+    joint.iq_ns = now_ns;
+    CheckZero(joint);
+  }
   Fill(now_ns, sensors);
   report_ns_ = now_ns;
 }
@@ -237,6 +254,7 @@ void CanPlant::ClearFault() {
     joint.heartbeat.axis_error = 0;  // until a later heartbeat says otherwise
     joint.cleared_ns = cleared_ns;
     Send(joint, can::ClearErrors{});
+    Home(joint);
   }
 }
 
@@ -467,6 +485,8 @@ void CanPlant::CommandJoint(Joint& joint, Mode mode, double torque_Nm, double po
   }
   switch (joint.phase) {
     case Phase::kIdle:
+      CheckZero(joint);
+      if (joint.fault != FaultKind::kNone) break;
       joint.phase = Phase::kArming;
       joint.phase_ns = now_ns;
       joint.mode = mode;
@@ -533,7 +553,29 @@ void CanPlant::SendNeutral(Joint& joint) {
 
 double CanPlant::Revolutions(const Joint& joint, double position_rad) const {
   return joint.config.direction * position_rad * joint.config.gear_ratio / kTurn_rad +
-         joint.config.zero_rev;
+         joint.config.zero_rev + joint.home_rev;
+}
+
+void CanPlant::Home(Joint& joint) {
+  if (!joint.config.home_by_whole_turns) return;
+  joint.home_rev = 0.0;
+  const double off_rad =
+      joint.motor_position_rad() - joint.config.gear_ratio * joint.position_rad();
+  joint.home_rev = joint.config.direction * std::round(off_rad / kTurn_rad);
+}
+
+void CanPlant::CheckZero(Joint& joint) {
+  if (!joint.config.zero_check) return;
+  const double motor_rad = joint.motor_position_rad() / joint.config.gear_ratio;
+  const double most_rad =
+      0.5 * joint.config.zero_check->play_rad + joint.config.zero_check->tolerance_rad;
+  if (std::abs(motor_rad - joint.position_rad()) <= most_rad) return;
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "zero check: the output is at %.4f rad by the motor and at %.4f rad by its own "
+                "encoder, expected within %.4f rad",
+                motor_rad, joint.position_rad(), most_rad);
+  Fail(joint, FaultKind::kZero, text);
 }
 
 double CanPlant::LimitedTorque(const Joint& joint, double torque_Nm) const {
@@ -667,7 +709,7 @@ void CanPlant::FailSilent(Joint& joint, FaultKind kind, const char* what) {
 }
 
 void CanPlant::Fill(std::int64_t now_ns, provider::PlantSensors* sensors) const {
-  sensors->fault = false;
+  const std::string* first = nullptr;  // fault's text
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     const Joint& joint = joints_[j];
     const JointConfig& c = joint.config;
@@ -691,13 +733,15 @@ void CanPlant::Fill(std::int64_t now_ns, provider::PlantSensors* sensors) const 
     const std::int64_t age_us =
         std::clamp<std::int64_t>((now_ns - oldest_ns) / 1000, 0, 2'000'000'000);
     sensors->age_us[j] = static_cast<std::int32_t>(age_us);
+    sensors->joint_fault[j] = joint.fault != FaultKind::kNone;
     sensors->valid[j] = age_us * 1000 <= Ns(config_.timing.estimate_timeout_s);
-    if (joint.fault != FaultKind::kNone && !sensors->fault) {
-      sensors->fault = true;
-      if (sensors->message != joint.fault_text) sensors->message = joint.fault_text;
-    }
+    if (sensors->joint_fault[j] && first == nullptr) first = &joint.fault_text;
   }
-  if (!sensors->fault && !sensors->message.empty()) sensors->message.clear();
+  if (first == nullptr) {
+    sensors->message.clear();
+  } else if (sensors->message != *first) {
+    sensors->message = *first;
+  }
 }
 
 void CanPlant::Report(std::int64_t now_ns, double work_us) {

@@ -4,8 +4,9 @@
 // A joint is a motor controller (ODrive CANSimple) and, where there is one, a sensor node at its
 // output. Output angle q, motor angle m (at the shaft), controller's revolutions r:
 //
-//     m = direction * 2 pi * (r - zero_rev)             q = node direction * (angle - zero_rad), or
-//     m / gear_ratio torque setpoint = direction * T * controller_torque_constant / torque_constant
+//     m = direction * 2 pi * (r - zero_rev - home_rev)
+//     q = node direction * (angle - zero_rad), or m / gear_ratio
+//     torque setpoint = direction * T * controller_torque_constant / torque_constant
 //
 // so that the current is T / torque_constant whatever the controller was told its constant is.
 // Joint torque is told as torque_efficiency * gear_ratio * torque_constant * Iq * direction.
@@ -15,12 +16,19 @@
 // more than the velocity limit. Every cycle carries a setpoint, so that the controllers' watchdogs
 // are fed while the bridge lives.
 //
+// Homing by whole turns: a controller that knows its angle within one turn only counts from
+// anywhere after power-up. home_rev is the number of whole turns that the output encoder tells at
+// the start and at every reset; that is certain while half the play and the tolerance are less than
+// half a motor turn. Zero check: at the start and whenever a joint is armed |m / gear_ratio - q|
+// must be within half the play and the tolerance, else it is a fault: a wrong zero_rev, a slipped
+// magnet, a missing homing.
+//
 // Limits, whatever is commanded: torque and current; no torque in the direction of motion near the
 // velocity limit (tapered over its last tenth), none outwards beyond the position limits. Faults
 // are latched until ClearFault: axis error, lost heartbeat, lost estimates, lost sensor node,
 // encoder jump, over-temperature, overspeed (1.5 times the limit), too far outside (margin), no
-// closed loop, a setpoint that is not finite. One joint's fault stops the robot: the provider idles
-// all.
+// closed loop, a failed zero check, a setpoint that is not finite. A joint with a fault idles; what
+// the others do is the provider's (Rest in guard.h).
 //
 // One thread. Step allocates only when a fault's message is written.
 #pragma once
@@ -55,6 +63,12 @@ struct OutputNode {
   double zero_rad = 0.0;
 };
 
+// Motor encoder against output encoder.
+struct ZeroCheck {
+  double play_rad = 0.0;  // full width, output
+  double tolerance_rad = 0.0;
+};
+
 struct JointConfig {
   std::string name;
   int bus = 0;
@@ -69,6 +83,8 @@ struct JointConfig {
   double declared_payload_kg = 0.0;
   JointLimits limits;
   std::optional<OutputNode> output;
+  std::optional<ZeroCheck> zero_check;  // needs the output node
+  bool home_by_whole_turns = false;     // needs the zero check
 };
 
 enum class Estimates { kCyclic, kRequested };
@@ -105,6 +121,7 @@ enum class FaultKind {
   kOverspeed,
   kOutOfRange,
   kNoClosedLoop,
+  kZero,
   kNotFinite,
 };
 
@@ -162,6 +179,7 @@ class CanPlant : public provider::Plant {
     std::uint8_t valve_sequence = 0;
     std::int64_t cleared_ns = 0;
     bool asked_errors = false;
+    double home_rev = 0.0;
     FaultKind fault = FaultKind::kNone;
     std::string fault_text;
 
@@ -188,6 +206,8 @@ class CanPlant : public provider::Plant {
   void SendIdle(Joint& joint, std::int64_t now_ns);
   double LimitedTorque(const Joint& joint, double torque_Nm) const;
   double Revolutions(const Joint& joint, double position_rad) const;
+  static void Home(Joint& joint);
+  void CheckZero(Joint& joint);
   template <class Message>
   void Send(const Joint& joint, const Message& message);
 

@@ -38,18 +38,31 @@ bool CommandGuard::Arm(std::uint64_t session_id, std::uint64_t tick) {
 }
 
 void CommandGuard::Disarm() {
+  rest_acts_ = false;
   if (state_ == RobotState::kArmed || state_ == RobotState::kDamped) state_ = RobotState::kDisarmed;
 }
 
-void CommandGuard::Estop() { state_ = RobotState::kEstopped; }
+void CommandGuard::Estop() {
+  rest_acts_ = false;
+  state_ = RobotState::kEstopped;
+}
+
+void CommandGuard::JointFault() {
+  if (config_.on_joint_fault == Rest::kContinue) return;
+  const bool moved = rest_acts_ || state_ == RobotState::kArmed || state_ == RobotState::kDamped;
+  Fault();
+  if (moved) rest_acts_ = config_.on_joint_fault != Rest::kIdle;
+}
 
 void CommandGuard::Fault() {
+  rest_acts_ = false;
   if (state_ == RobotState::kEstopped || state_ == RobotState::kFault) return;
   state_ = RobotState::kFault;
   ++faults_;
 }
 
 bool CommandGuard::Reset() {
+  rest_acts_ = false;
   if (state_ != RobotState::kFault && state_ != RobotState::kEstopped) return false;
   state_ = RobotState::kDisarmed;
   return true;
@@ -72,6 +85,9 @@ bool CommandGuard::Offer(const CommandHead& head, std::uint64_t tick) {
 }
 
 Verdict CommandGuard::Step(std::uint64_t tick, std::chrono::nanoseconds period) {
+  if (rest_acts_) {
+    return config_.on_joint_fault == Rest::kHold ? Verdict::kHold : Verdict::kDamp;
+  }
   if (state_ != RobotState::kArmed && state_ != RobotState::kDamped) return Verdict::kIdle;
   const std::uint64_t age = tick - last_tick_;
   if (static_cast<std::int64_t>(age) * period > config_.fault_after) {
@@ -81,7 +97,7 @@ Verdict CommandGuard::Step(std::uint64_t tick, std::chrono::nanoseconds period) 
   if (age > static_cast<std::uint64_t>(config_.missed_periods)) {
     state_ = RobotState::kDamped;
     ++bridged_;
-    return Verdict::kBridge;
+    return config_.bridging == Bridging::kHold ? Verdict::kHold : Verdict::kDamp;
   }
   state_ = RobotState::kArmed;
   if (!has_command_) return Verdict::kIdle;

@@ -4,7 +4,8 @@
 // between the provider's tick and the tick it echoes; foreign clocks never matter. After
 // missed_periods the guard damps or holds (unlatched: a fresh command ends it), after fault_after
 // it latches a fault. Everything starts disarmed; a fault or an estop ends only by Reset, and then
-// by Arm. Thread: one. Allocates nothing.
+// by Arm. A joint's own fault idles that joint; what the others do is declared (Rest). Thread: one.
+// Allocates nothing.
 #pragma once
 
 #include <chrono>
@@ -17,13 +18,17 @@ namespace sinew::provider {
 enum class RobotState { kDisarmed, kArmed, kDamped, kFault, kEstopped };
 enum class Origin { kLive, kSim, kReplay };
 enum class Bridging { kDamp, kHold };
+// What the other joints do when one has a fault of its own. All but kContinue latch the robot's
+// fault: no command counts until Reset and Arm. Damping and holding end by Disarm, Estop or Reset.
+enum class Rest { kIdle, kDamp, kHold, kContinue };
 
 struct GuardConfig {
   int missed_periods = 3;                     // older than this: bridge the gap
   std::chrono::milliseconds fault_after{60};  // older than this: latched fault
   Bridging bridging = Bridging::kDamp;
   double damping_Nm_s_rad = 2e-5;  // motor side, per motor rad/s
-  bool live = false;               // hardware: only live commands count
+  Rest on_joint_fault = Rest::kIdle;
+  bool live = false;  // hardware: only live commands count
 };
 
 // What the guard must know of a command message.
@@ -34,9 +39,10 @@ struct CommandHead {
 };
 
 enum class Verdict {
-  kPass,    // the last accepted command is fresh: use it
-  kIdle,    // motors off
-  kBridge,  // damp or hold
+  kPass,  // the last accepted command is fresh: use it
+  kIdle,  // motors off
+  kDamp,
+  kHold,
 };
 
 class CommandGuard {
@@ -51,8 +57,9 @@ class CommandGuard {
   bool Arm(std::uint64_t session_id, std::uint64_t tick);
   void Disarm();
   void Estop();
-  void Fault();  // of the plant
-  bool Reset();  // from fault or estop to disarmed
+  void Fault();       // of the plant
+  void JointFault();  // of a joint: what the others do is declared
+  bool Reset();       // from fault or estop to disarmed
 
   // True when the command counts: own session, allowed origin, not from the future, newer than the
   // last.
@@ -72,6 +79,7 @@ class CommandGuard {
   std::uint64_t session_id_ = 0;
   std::uint64_t last_tick_ = 0;  // of the last accepted command, or of arming
   bool has_command_ = false;     // since arming
+  bool rest_acts_ = false;       // joints damp or hold although the robot has a fault
   std::uint64_t refused_ = 0, bridged_ = 0, faults_ = 0;
 };
 

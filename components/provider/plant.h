@@ -42,8 +42,10 @@ struct PlantSensors {
   std::array<bool, kMaxJoints> valve_open{};
   std::array<std::int32_t, kMaxJoints> age_us{};
   std::array<bool, kMaxJoints> valid{};
-  bool fault = false;  // of the plant itself; message says why
-  std::string message;
+  // A joint's own fault: it idles until the operator's reset; the others do as declared.
+  std::array<bool, kMaxJoints> joint_fault{};
+  bool fault = false;   // of the whole plant
+  std::string message;  // why
 };
 
 // Health of field buses; only a bridge has it.

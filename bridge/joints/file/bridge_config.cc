@@ -51,6 +51,14 @@ JointConfig ReadJoint(const config::Section& section, const std::vector<can::Bus
     joint.output = OutputNode{ReadNode(node), ReadDirection(node), node.NumberOr("zero_rad", 0.0)};
     node.RejectUnknownKeys();
   }
+  if (section.Has("zero_check")) {
+    const config::Section check = section.Child("zero_check");
+    joint.zero_check = ZeroCheck{check.Number("play_rad", config::kNotNegative),
+                                 check.Number("tolerance_rad", config::kPositive)};
+    check.RejectUnknownKeys();
+  }
+  joint.home_by_whole_turns =
+      section.ChoiceOr("homing", "none", {"none", "whole_turns"}) == "whole_turns";
   section.RejectUnknownKeys();
   return joint;
 }

@@ -11,6 +11,7 @@
 #include <time.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <random>
@@ -155,7 +156,7 @@ class Provider {
       TakeCommands();
       if (lockstep_ || !plant_.acts_at_once()) Judge();
       plant_.Step(command_, period_s_, &sensors_);
-      if (sensors_.fault) guard_.Fault();
+      JudgeFaults();
       Report();
       if (tick_ == last_tick_) break;
     }
@@ -321,7 +322,13 @@ class Provider {
           guard_.Estop();
           break;
         case msg::OPERATOR_RESET:
+          if (guard_.state() == RobotState::kArmed || guard_.state() == RobotState::kDamped) {
+            // A joint that had dropped out would join in at once.
+            spdlog::warn("reset refused: disarm first");
+            break;
+          }
           plant_.ClearFault();
+          faulty_joints_ = 0;
           guard_.Reset();
           break;
         case msg::OPERATOR_START:
@@ -358,12 +365,27 @@ class Provider {
     }
   }
 
+  // A joint's fault is told once; the robot's ends what moves.
+  void JudgeFaults() {
+    const auto joints = static_cast<std::size_t>(plant_.joint_count());
+    const auto begin = sensors_.joint_fault.begin();
+    const auto end = begin + static_cast<std::ptrdiff_t>(joints);
+    const auto faulty = std::count(begin, end, true);
+    if (sensors_.fault || faulty == plant_.joint_count()) {
+      guard_.Fault();
+    } else if (faulty > faulty_joints_) {
+      guard_.JointFault();
+      spdlog::warn("tick {}: {}", tick_, sensors_.message);
+    }
+    faulty_joints_ = faulty;
+  }
+
   const PlantCommand& Judge() {
     const Verdict verdict = guard_.Step(tick_, period_);
     const auto joints = static_cast<std::size_t>(plant_.joint_count());
     for (std::size_t j = 0; j < joints; ++j) {
       command_.motor_torque_Nm[j] = 0.0;
-      switch (verdict) {
+      switch (sensors_.joint_fault[j] ? Verdict::kIdle : verdict) {
         case Verdict::kIdle:
           command_.mode[j] = Mode::kIdle;
           break;
@@ -381,16 +403,15 @@ class Provider {
             command_.motor_torque_Nm[j] = 0.0;
           }
           break;
-        case Verdict::kBridge:
-          if (guard_config_.bridging == Bridging::kHold) {
-            if (!bridging_) command_.position_rad[j] = sensors_.position_rad[j];
-            command_.mode[j] = Mode::kPosition;
-            command_.velocity_rad_s[j] = 0.0;
-          } else {
-            command_.mode[j] = Mode::kTorque;
-            command_.motor_torque_Nm[j] =
-                -guard_config_.damping_Nm_s_rad * sensors_.motor_velocity_rad_s[j];
-          }
+        case Verdict::kHold:
+          if (!holding_) command_.position_rad[j] = sensors_.position_rad[j];
+          command_.mode[j] = Mode::kPosition;
+          command_.velocity_rad_s[j] = 0.0;
+          break;
+        case Verdict::kDamp:
+          command_.mode[j] = Mode::kTorque;
+          command_.motor_torque_Nm[j] =
+              -guard_config_.damping_Nm_s_rad * sensors_.motor_velocity_rad_s[j];
           break;
       }
       // Relays follow their manager only while it is heard; their safe state is off.
@@ -399,7 +420,7 @@ class Provider {
       command_.compressor_on[j] = heard && valves_.compressor_on()[j];
       command_.vent_open[j] = heard && valves_.vent_open()[j];
     }
-    bridging_ = verdict == Verdict::kBridge;
+    holding_ = verdict == Verdict::kHold;
     return command_;
   }
 
@@ -483,8 +504,9 @@ class Provider {
   void Report() {
     ++counts_.cycles;
     const RobotState state = guard_.state();
-    if (state != reported_state_) {
+    if (state != reported_state_ || sensors_.message != reported_message_) {
       reported_state_ = state;
+      reported_message_ = sensors_.message;
       static constexpr const char* kNames[] = {"disarmed", "armed", "damped", "fault", "estopped"};
       const char* name = kNames[static_cast<int>(state)];
       spdlog::info("tick {}: {}{}{}", tick_, name, sensors_.message.empty() ? "" : ": ",
@@ -492,7 +514,7 @@ class Provider {
       node_.SetState(state == RobotState::kFault || state == RobotState::kEstopped
                          ? node::Node::State::kFault
                          : node::Node::State::kActive,
-                     name);
+                     sensors_.message.empty() ? name : sensors_.message);
     }
     if (!lockstep_ || (counts_.cycles & 63u) == 0) node_.SetCounts(counts_);
   }
@@ -532,10 +554,12 @@ class Provider {
   msg::JointCommand accepted_;
   msg::ValveCommand valves_;
   std::uint64_t valve_tick_ = kNever;
-  bool bridging_ = false;
+  bool holding_ = false;
+  std::ptrdiff_t faulty_joints_ = 0;
   std::uint64_t overruns_ = 0;
   node::Node::Counts counts_;
   RobotState reported_state_ = RobotState::kDisarmed;
+  std::string reported_message_;
 };
 
 }  // namespace
@@ -565,6 +589,12 @@ GuardConfig LoadGuardConfig(const config::Section& guard) {
   config.bridging = guard.ChoiceOr("bridging", "damp", {"damp", "hold"}) == "hold"
                         ? Bridging::kHold
                         : Bridging::kDamp;
+  const std::string rest =
+      guard.ChoiceOr("on_joint_fault", "idle", {"idle", "damp", "hold", "continue"});
+  config.on_joint_fault = rest == "continue" ? Rest::kContinue
+                          : rest == "hold"   ? Rest::kHold
+                          : rest == "damp"   ? Rest::kDamp
+                                             : Rest::kIdle;
   config.damping_Nm_s_rad =
       guard.NumberOr("damping_Nm_s_rad", config.damping_Nm_s_rad, config::kNotNegative);
   return config;

@@ -29,6 +29,11 @@ constexpr std::int64_t kMs_ns = 1'000'000;
 constexpr double kPeriod_s = 1.0 / 240.0;
 constexpr std::int64_t kPeriod_ns = 4'166'667;
 
+bool AnyFault(const provider::PlantSensors& sensors) {
+  return sensors.fault || std::any_of(sensors.joint_fault.begin(), sensors.joint_fault.end(),
+                                      [](bool fault) { return fault; });
+}
+
 // Robot of `joints` joints on `buses` buses, and everything around it.
 struct Setup {
   int joints = 1;
@@ -125,6 +130,8 @@ class Bench {
     FAIL() << "not armed";
   }
 
+  bool faulty() const { return AnyFault(sensors); }
+
   Setup setup_;
   test::Rotors rotors;
   std::vector<std::unique_ptr<can::MemoryBus>> buses;
@@ -156,7 +163,7 @@ TEST(CanPlant, SensorsAreThePlantsThroughFrames) {
   EXPECT_NEAR(bench.sensors.chamber_pressure_bar[0], 4.2, 1e-9);
   EXPECT_NEAR(bench.sensors.motor_temperature_degC[0], 31.4, 1e-9);
   EXPECT_TRUE(bench.sensors.valid[0]);
-  EXPECT_FALSE(bench.sensors.fault) << bench.sensors.message;
+  EXPECT_FALSE(bench.faulty()) << bench.sensors.message;
   EXPECT_LT(bench.sensors.age_us[0], 10'000);
 }
 
@@ -179,7 +186,7 @@ TEST_P(Conventions, MotorFeelsTheCommandedTorque) {
   EXPECT_NEAR(bench.sensors.motor_current_A[0], 0.0011 / test::Rotors::kTorqueConstant_Nm_A, 1e-6);
   EXPECT_NEAR(bench.sensors.torque_Nm[0], 100 * 0.0011, 1e-6);
   EXPECT_GT(bench.sensors.position_rad[0], 0.0);
-  EXPECT_FALSE(bench.sensors.fault) << bench.sensors.message;
+  EXPECT_FALSE(bench.faulty()) << bench.sensors.message;
 }
 
 INSTANTIATE_TEST_SUITE_P(Directions, Conventions, ::testing::Values(1, -1));
@@ -274,7 +281,7 @@ TEST(CanPlant, VelocityStaysBelowItsLimitUnderFullTorque) {
   // The taper closes over the last tenth; one cycle (4.2 ms) of full torque adds 0.04 rad/s.
   EXPECT_LT(fastest_rad_s, 1.05);
   EXPECT_GT(fastest_rad_s, 0.85);
-  EXPECT_FALSE(bench.sensors.fault) << bench.sensors.message;
+  EXPECT_FALSE(bench.faulty()) << bench.sensors.message;
 }
 
 TEST(CanPlant, NoTorqueOutwardsBeyondAPositionLimitButInwardsYes) {
@@ -327,7 +334,7 @@ TEST(CanPlant, PositionModeLeavesTheMeasuredPositionWithoutAJumpAndNoFasterThanT
   bench.Steps(240 * 6);
   EXPECT_FALSE(first);
   EXPECT_NEAR(bench.rotors.angle_rad[0] / 100.0, -1.5, 0.01) << "held at lower_rad";
-  EXPECT_FALSE(bench.sensors.fault) << bench.sensors.message;
+  EXPECT_FALSE(bench.faulty()) << bench.sensors.message;
 }
 
 TEST(CanPlant, VelocityModeIsLimited) {
@@ -349,7 +356,7 @@ TEST(CanPlant, ModeChangesWithoutPassingThroughATorqueStep) {
   bench.command.position_rad[0] = 0.2;
   bench.Steps(120);
   EXPECT_NEAR(bench.rotors.angle_rad[0], 20.0, 0.5);
-  EXPECT_FALSE(bench.sensors.fault) << bench.sensors.message;
+  EXPECT_FALSE(bench.faulty()) << bench.sensors.message;
 }
 
 TEST(CanPlant, AxisErrorIsAFaultWithItsNameAndItsCauseAndClearsByReset) {
@@ -358,18 +365,18 @@ TEST(CanPlant, AxisErrorIsAFaultWithItsNameAndItsCauseAndClearsByReset) {
   bench.Arm();
   bench.axes->SetAxisError(0, can::axis_error::kOverTemp);
   bench.Steps(40);
-  EXPECT_TRUE(bench.sensors.fault);
+  EXPECT_TRUE(bench.faulty());
   EXPECT_EQ(bench.plant->fault(0), FaultKind::kAxisError);
   EXPECT_NE(bench.sensors.message.find("joint0"), std::string::npos) << bench.sensors.message;
   EXPECT_NE(bench.sensors.message.find("0x40000"), std::string::npos) << bench.sensors.message;
   EXPECT_NE(bench.sensors.message.find("over-temperature"), std::string::npos)
       << bench.sensors.message;
   bench.Steps(100);
-  EXPECT_TRUE(bench.sensors.fault) << "latched";
+  EXPECT_TRUE(bench.faulty()) << "latched";
   bench.plant->ClearFault();
   bench.command.mode[0] = Mode::kIdle;
   bench.Steps(60);
-  EXPECT_FALSE(bench.sensors.fault) << bench.sensors.message;
+  EXPECT_FALSE(bench.faulty()) << bench.sensors.message;
   EXPECT_TRUE(bench.sensors.message.empty());
   bench.Arm();
   EXPECT_EQ(bench.axes->axis_state(0), can::AxisState::kClosedLoopControl);
@@ -381,12 +388,12 @@ TEST(CanPlant, ErrorThatStaysIsAFaultAgainAfterTheReset) {
   bench.Steps(5);  // the start's own Clear_Errors has been taken
   bench.axes->SetAxisError(0, can::axis_error::kEncoderFailed);
   bench.Steps(40);
-  ASSERT_TRUE(bench.sensors.fault);
+  ASSERT_TRUE(bench.faulty());
   bench.plant->ClearFault();
   bench.Steps(2);
   bench.axes->SetAxisError(0, can::axis_error::kEncoderFailed);
   bench.Steps(40);
-  EXPECT_TRUE(bench.sensors.fault);
+  EXPECT_TRUE(bench.faulty());
 }
 
 TEST(CanPlant, SilentAxisIsNotValidAfterTwentyMillisecondsAndAFaultAfterSixty) {
@@ -398,9 +405,9 @@ TEST(CanPlant, SilentAxisIsNotValidAfterTwentyMillisecondsAndAFaultAfterSixty) {
   EXPECT_TRUE(bench.sensors.valid[0]);
   bench.Steps(3);
   EXPECT_FALSE(bench.sensors.valid[0]);
-  EXPECT_FALSE(bench.sensors.fault);
+  EXPECT_FALSE(bench.faulty());
   bench.Steps(12);
-  EXPECT_TRUE(bench.sensors.fault);
+  EXPECT_TRUE(bench.faulty());
   EXPECT_EQ(bench.plant->fault(0), FaultKind::kEstimatesLost) << bench.sensors.message;
   EXPECT_GT(bench.sensors.age_us[0], 60'000);
 }
@@ -428,7 +435,7 @@ TEST(CanPlant, LostHeartbeatIsAFaultEvenWhereEstimatesStillCome) {
   bench.axes_config.axes[0].rates.heartbeat_ms = 2000;  // one at the start, the next too late
   bench.Start();
   bench.Steps(240 * 1);
-  EXPECT_TRUE(bench.sensors.fault);
+  EXPECT_TRUE(bench.faulty());
   EXPECT_EQ(bench.plant->fault(0), FaultKind::kHeartbeatLost) << bench.sensors.message;
 }
 
@@ -440,7 +447,71 @@ TEST(CanPlant, JumpOfTheMotorEncoderIsAFaultOfThatJoint) {
   bench.Steps(3);
   EXPECT_EQ(bench.plant->fault(1), FaultKind::kEncoderJump) << bench.sensors.message;
   EXPECT_EQ(bench.plant->fault(0), FaultKind::kNone);
-  EXPECT_TRUE(bench.sensors.fault);
+  EXPECT_TRUE(bench.faulty());
+}
+
+// The controller woke up some turns beside where it was calibrated.
+Bench Displaced(double rev, bool home) {
+  Bench bench;
+  bench.config.joints[0].zero_check = ZeroCheck{0.04, 0.005};
+  bench.config.joints[0].home_by_whole_turns = home;
+  bench.axes_config.axes[0].zero_rev = rev;
+  return bench;
+}
+
+TEST(CanPlant, ZeroCheckRefusesToArmAJointWhoseEncodersDisagree) {
+  Bench bench = Displaced(0.7, false);
+  bench.Start();
+  EXPECT_EQ(bench.plant->fault(0), FaultKind::kZero);
+  EXPECT_NE(bench.sensors.message.find("zero check"), std::string::npos) << bench.sensors.message;
+  bench.plant->ClearFault();
+  bench.command.mode[0] = Mode::kTorque;
+  bench.command.motor_torque_Nm[0] = 0.1;
+  bench.Steps(60);
+  EXPECT_EQ(bench.plant->fault(0), FaultKind::kZero) << "a reset is no homing";
+  EXPECT_EQ(bench.axes->axis_state(0), can::AxisState::kIdle);
+}
+
+TEST(CanPlant, ZeroCheckAllowsTheTeethTheirPlay) {
+  Bench bench = Displaced(0.3, false);  // 0.019 rad of half 0.04 and 0.005
+  bench.Start();
+  EXPECT_FALSE(bench.faulty()) << bench.sensors.message;
+  bench.Arm();
+  EXPECT_FALSE(bench.faulty()) << bench.sensors.message;
+}
+
+TEST(CanPlant, HomingFindsTheWholeTurnsByTheOutputEncoder) {
+  for (const double rev : {7.0, -23.0, 4.3}) {
+    Bench bench = Displaced(rev, true);
+    bench.Start();
+    EXPECT_FALSE(bench.faulty()) << bench.sensors.message;
+    const double within_a_turn_rad = kTurn_rad * (rev - std::round(rev));
+    EXPECT_NEAR(bench.sensors.motor_position_rad[0],
+                100.0 * bench.sensors.position_rad[0] + within_a_turn_rad, 1e-3);
+    // A position command means the output's position, whatever the controller counts.
+    bench.Arm(Mode::kPosition);
+    bench.command.position_rad[0] = 0.3;
+    bench.Steps(480);
+    EXPECT_FALSE(bench.faulty()) << bench.sensors.message;
+    EXPECT_NEAR(bench.sensors.motor_position_rad[0] / 100.0, 0.3, 0.01);
+  }
+}
+
+TEST(CanPlant, AJointsFaultIdlesThatJointOnly) {
+  Bench bench({.joints = 3});
+  bench.Start();
+  bench.Arm();
+  for (int j = 0; j < 3; ++j) bench.command.motor_torque_Nm[j] = 0.001;
+  bench.Steps(4);
+  bench.axes->SetAxisError(1, can::axis_error::kMotorFailed);
+  bench.Steps(60);
+  EXPECT_FALSE(bench.sensors.fault);
+  EXPECT_FALSE(bench.sensors.joint_fault[0]);
+  EXPECT_TRUE(bench.sensors.joint_fault[1]);
+  EXPECT_FALSE(bench.sensors.joint_fault[2]);
+  EXPECT_EQ(bench.axes->axis_state(0), can::AxisState::kClosedLoopControl);
+  EXPECT_EQ(bench.axes->input_torque_Nm(1), 0.0);
+  EXPECT_NEAR(bench.axes->input_torque_Nm(2), 0.001 * (8.27 / 600) / 0.0159155, 1e-6);
 }
 
 TEST(CanPlant, HotMotorIsAFault) {
@@ -527,11 +598,11 @@ TEST(CanPlant, HeartbeatThatCrossedTheClearingIsNoNewFault) {
   bench.plant->ClearFault();
   ASSERT_EQ(axis->Send(error), can::SendStatus::kOk);  // before the axis took Clear_Errors
   bench.Steps(2);
-  EXPECT_FALSE(bench.sensors.fault) << bench.sensors.message;
+  EXPECT_FALSE(bench.faulty()) << bench.sensors.message;
   bench.Steps(3);
   ASSERT_EQ(axis->Send(error), can::SendStatus::kOk);  // after it
   bench.Steps(2);
-  EXPECT_TRUE(bench.sensors.fault);
+  EXPECT_TRUE(bench.faulty());
 }
 
 TEST(CanPlant, ExpiredWatchdogOfAnIdleAxisIsClearedAndOfAnActiveOneAFault) {
@@ -541,12 +612,12 @@ TEST(CanPlant, ExpiredWatchdogOfAnIdleAxisIsClearedAndOfAnActiveOneAFault) {
   bench.buses[0]->AdvanceTo(bench.buses[0]->now_ns() + 300 * kMs_ns);  // the bridge is kept waiting
   EXPECT_NE(bench.axes->axis_error(0), 0U);
   bench.Steps(60);
-  EXPECT_FALSE(bench.sensors.fault) << bench.sensors.message;
+  EXPECT_FALSE(bench.faulty()) << bench.sensors.message;
   EXPECT_EQ(bench.axes->axis_error(0), 0U);
   bench.Arm();
   bench.buses[0]->AdvanceTo(bench.buses[0]->now_ns() + 30 * kMs_ns);
   bench.Steps(60);
-  EXPECT_TRUE(bench.sensors.fault);
+  EXPECT_TRUE(bench.faulty());
 }
 
 TEST(CanPlant, ErrorsFromBeforeTheStartAreCleared) {
@@ -554,7 +625,7 @@ TEST(CanPlant, ErrorsFromBeforeTheStartAreCleared) {
   bench.buses[0]->AdvanceTo(500 * kMs_ns);
   bench.Start();
   bench.Steps(30);
-  EXPECT_FALSE(bench.sensors.fault) << bench.sensors.message;
+  EXPECT_FALSE(bench.faulty()) << bench.sensors.message;
   EXPECT_EQ(bench.axes->axis_error(0), 0U);
 }
 
@@ -727,7 +798,7 @@ TEST(CanPlant, ActAndStepTakeNothingFromTheHeap) {
     plant.Step(command, kPeriod_s, &sensors);
   }
   EXPECT_EQ(test::Allocations() - before, 0);
-  EXPECT_FALSE(sensors.fault) << sensors.message;
+  EXPECT_FALSE(AnyFault(sensors)) << sensors.message;
 }
 
 TEST(CanPlant, OldFirmwareWorksAsWell) {
@@ -738,7 +809,7 @@ TEST(CanPlant, OldFirmwareWorksAsWell) {
   bench.command.motor_torque_Nm[0] = 0.001;
   bench.Steps(5);
   EXPECT_NEAR(bench.rotors.torque_Nm[0], 0.001, 1e-9);
-  EXPECT_FALSE(bench.sensors.fault) << bench.sensors.message;
+  EXPECT_FALSE(bench.faulty()) << bench.sensors.message;
 }
 
 TEST(CanPlant, TwelveJointsOnTwoBusesRunFaultlessAndEachMovesItsOwn) {
@@ -752,7 +823,7 @@ TEST(CanPlant, TwelveJointsOnTwoBusesRunFaultlessAndEachMovesItsOwn) {
   for (std::size_t j = 0; j < 12; ++j)
     bench.command.motor_torque_Nm[j] = 1e-4 * (static_cast<double>(j) - 5.5);
   bench.Steps(240);
-  EXPECT_FALSE(bench.sensors.fault) << bench.sensors.message;
+  EXPECT_FALSE(bench.faulty()) << bench.sensors.message;
   for (std::size_t j = 0; j < 12; ++j) {
     EXPECT_NEAR(bench.rotors.torque_Nm[j], bench.command.motor_torque_Nm[j], 1e-9) << j;
     EXPECT_NEAR(bench.sensors.position_rad[j], bench.rotors.angle_rad[j] / 100.0, 0.02) << j;
@@ -801,7 +872,7 @@ TEST(CanPlant, NoiseOfForeignAndBrokenFramesMovesNoJointAndIsNoFault) {
     }
     bench.Step();
   }
-  EXPECT_FALSE(bench.sensors.fault) << bench.sensors.message;
+  EXPECT_FALSE(bench.faulty()) << bench.sensors.message;
   EXPECT_EQ(bench.rotors.angle_rad[0], 0.0);
 }
 
@@ -819,7 +890,7 @@ TEST(CanPlant, TruncatedAndNonFiniteAnswersAreCountedAndNotBelieved) {
   bench.Steps(2);
   EXPECT_EQ(bench.plant->malformed(), 2U);
   EXPECT_NEAR(bench.sensors.motor_position_rad[0], 0.0, 1e-9);
-  EXPECT_FALSE(bench.sensors.fault) << bench.sensors.message;
+  EXPECT_FALSE(bench.faulty()) << bench.sensors.message;
 }
 
 TEST(CanPlant, FiltersLetThroughExactlyWhatIsRead) {
@@ -847,7 +918,7 @@ TEST(CanPlant, LongRunKeepsStepAndFaultless) {
                                        5e-4 * std::sin(0.01 * i) -
                                        1e-4 * bench.sensors.motor_velocity_rad_s[0];
     bench.Step();
-    ASSERT_FALSE(bench.sensors.fault) << i << " " << bench.sensors.message;
+    ASSERT_FALSE(bench.faulty()) << i << " " << bench.sensors.message;
     ASSERT_TRUE(bench.sensors.valid[0]) << i;
   }
   EXPECT_EQ(bench.plant->malformed(), 0U);
@@ -880,6 +951,16 @@ TEST(CanPlantConfig, BadValuesAreRefusedWithTheJointsName) {
   refuse([](BridgeConfig& c) { c.joints[0].limits.motor_torque_Nm = 0.0; });
   refuse([](BridgeConfig& c) { c.joints[0].limits.lower_rad = 2.0; });
   refuse([](BridgeConfig& c) { c.joints[0].output->node = c.joints[0].node; });
+  refuse([](BridgeConfig& c) { c.joints[0].zero_check = ZeroCheck{0.04, 0.0}; });
+  refuse([](BridgeConfig& c) { c.joints[0].home_by_whole_turns = true; });
+  refuse([](BridgeConfig& c) {  // 0.72 of a turn
+    c.joints[0].zero_check = ZeroCheck{0.08, 0.005};
+    c.joints[0].home_by_whole_turns = true;
+  });
+  refuse([](BridgeConfig& c) {
+    c.joints[0].zero_check = ZeroCheck{0.04, 0.005};
+    c.joints[0].output.reset();
+  });
 }
 
 }  // namespace

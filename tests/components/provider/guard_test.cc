@@ -59,10 +59,10 @@ TEST(Guard, BridgesAfterThreeMissedPeriodsAndFaultsAfterSixtyMilliseconds) {
   CommandGuard guard = Armed();
   ASSERT_TRUE(guard.Offer(Head(10), 10));
   EXPECT_EQ(guard.Step(13, kPeriod), Verdict::kPass);
-  EXPECT_EQ(guard.Step(14, kPeriod), Verdict::kBridge);
+  EXPECT_EQ(guard.Step(14, kPeriod), Verdict::kDamp);
   EXPECT_EQ(guard.state(), RobotState::kDamped);
-  EXPECT_EQ(guard.Step(24, kPeriod), Verdict::kBridge);  // 58.3 ms
-  EXPECT_EQ(guard.Step(25, kPeriod), Verdict::kIdle);    // 62.5 ms
+  EXPECT_EQ(guard.Step(24, kPeriod), Verdict::kDamp);  // 58.3 ms
+  EXPECT_EQ(guard.Step(25, kPeriod), Verdict::kIdle);  // 62.5 ms
   EXPECT_EQ(guard.state(), RobotState::kFault);
   EXPECT_EQ(guard.faults(), 1u);
 }
@@ -70,7 +70,7 @@ TEST(Guard, BridgesAfterThreeMissedPeriodsAndFaultsAfterSixtyMilliseconds) {
 TEST(Guard, AFreshCommandEndsTheBridgeButNotTheFault) {
   CommandGuard guard = Armed();
   ASSERT_TRUE(guard.Offer(Head(10), 10));
-  ASSERT_EQ(guard.Step(14, kPeriod), Verdict::kBridge);
+  ASSERT_EQ(guard.Step(14, kPeriod), Verdict::kDamp);
   ASSERT_TRUE(guard.Offer(Head(15), 15));
   EXPECT_EQ(guard.Step(15, kPeriod), Verdict::kPass);
   EXPECT_EQ(guard.state(), RobotState::kArmed);
@@ -90,6 +90,43 @@ TEST(Guard, AFaultNeedsResetAndThenArming) {
   EXPECT_EQ(guard.Step(51, kPeriod), Verdict::kIdle) << "commands from before arming do not count";
   EXPECT_TRUE(guard.Offer(Head(51), 51));
   EXPECT_EQ(guard.Step(51, kPeriod), Verdict::kPass);
+}
+
+TEST(Guard, AJointsFaultIdlesTheRestUnlessDeclaredOtherwise) {
+  const auto after = [](Rest rest) {
+    CommandGuard guard = Armed({.on_joint_fault = rest});
+    EXPECT_TRUE(guard.Offer(Head(1), 1));
+    EXPECT_EQ(guard.Step(1, kPeriod), Verdict::kPass);
+    guard.JointFault();
+    EXPECT_EQ(guard.state() == RobotState::kFault, rest != Rest::kContinue);
+    EXPECT_TRUE(guard.Offer(Head(2), 2));  // counted, and used only while armed
+    return guard.Step(2, kPeriod);
+  };
+  EXPECT_EQ(after(Rest::kIdle), Verdict::kIdle);
+  EXPECT_EQ(after(Rest::kDamp), Verdict::kDamp);
+  EXPECT_EQ(after(Rest::kHold), Verdict::kHold);
+  EXPECT_EQ(after(Rest::kContinue), Verdict::kPass);
+}
+
+TEST(Guard, WhatTheRestHoldsEndsByDisarmEstopResetOrAFaultOfAll) {
+  const auto after = [](void (*end)(CommandGuard*)) {
+    CommandGuard guard = Armed({.on_joint_fault = Rest::kHold});
+    guard.JointFault();
+    EXPECT_EQ(guard.Step(500, kPeriod), Verdict::kHold) << "no command is waited for";
+    end(&guard);
+    return guard.Step(501, kPeriod);
+  };
+  EXPECT_EQ(after([](CommandGuard* guard) { guard->Disarm(); }), Verdict::kIdle);
+  EXPECT_EQ(after([](CommandGuard* guard) { guard->Estop(); }), Verdict::kIdle);
+  EXPECT_EQ(after([](CommandGuard* guard) { guard->Fault(); }), Verdict::kIdle);
+  EXPECT_EQ(after([](CommandGuard* guard) { EXPECT_TRUE(guard->Reset()); }), Verdict::kIdle);
+}
+
+TEST(Guard, AJointsFaultWhileDisarmedHoldsNothing) {
+  CommandGuard guard({.on_joint_fault = Rest::kHold});
+  guard.StartSession(kSession);
+  guard.JointFault();
+  EXPECT_EQ(guard.Step(1, kPeriod), Verdict::kIdle);
 }
 
 TEST(Guard, EstopIsLatchedAndStrongerThanAFault) {
