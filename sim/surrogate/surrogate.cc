@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
+#include <string>
 
 namespace sinew::surrogate {
 namespace {
@@ -29,7 +31,14 @@ enum SignalBit : std::uint32_t {
 
 }  // namespace
 
-Surrogate::Surrogate(const RigParameters& parameters) : rig_(parameters) {}
+Surrogate::Surrogate(const RigParameters& parameters, int joints) {
+  if (joints < 1 || joints > provider::kMaxJoints) {
+    throw std::invalid_argument(std::to_string(joints) + " joints, expected 1 to " +
+                                std::to_string(provider::kMaxJoints));
+  }
+  RigParameters next = parameters;
+  for (int j = 0; j < joints; ++j, ++next.seed) rigs_.emplace_back(next);
+}
 
 std::uint32_t Surrogate::measured_flags() const {
   return kPosition | kVelocity | kMotorPosition | kMotorVelocity | kMotorCurrent |
@@ -37,25 +46,43 @@ std::uint32_t Surrogate::measured_flags() const {
 }
 
 void Surrogate::Reset(provider::PlantSensors* sensors) {
-  rig_.Reset();
   refused_commands_ = 0;
   *sensors = provider::PlantSensors{};
-  Fill(rig_.Read(), 0.0, sensors);
+  for (std::size_t j = 0; j < rigs_.size(); ++j) {
+    rigs_[j].Reset();
+    Fill(j, rigs_[j].Read(), 0.0, sensors);
+  }
 }
 
 void Surrogate::Step(const provider::PlantCommand& command, double period_s,
                      provider::PlantSensors* sensors) {
-  const double ratio = rig_.parameters().gear.ratio;
+  bool finite = true;
+  for (std::size_t j = 0; j < rigs_.size(); ++j) {
+    finite = StepRig(j, command, period_s, &rigs_[j], sensors) && finite;
+  }
+  if (!finite) {
+    ++refused_commands_;
+    sensors->fault = true;
+    sensors->message = "command with a value that is not finite: drive idles";
+  } else if (sensors->fault) {
+    sensors->fault = false;
+    sensors->message.clear();
+  }
+}
+
+bool Surrogate::StepRig(std::size_t joint, const provider::PlantCommand& command, double period_s,
+                        Rig* rig, provider::PlantSensors* sensors) {
+  const double ratio = rig->parameters().gear.ratio;
   const bool finite =
-      std::isfinite(command.motor_torque_Nm[0]) && std::isfinite(command.position_rad[0]) &&
-      std::isfinite(command.velocity_rad_s[0]) && std::isfinite(command.hand_force_N[0]) &&
-      std::isfinite(command.extra_payload_kg[0]);
+      std::isfinite(command.motor_torque_Nm[joint]) && std::isfinite(command.position_rad[joint]) &&
+      std::isfinite(command.velocity_rad_s[joint]) && std::isfinite(command.hand_force_N[joint]) &&
+      std::isfinite(command.extra_payload_kg[joint]);
   RigInput input;
-  input.valve_open = command.valve_open[0];
-  input.compressor_on = command.compressor_on[0];
-  input.vent_open = command.vent_open[0];
+  input.valve_open = command.valve_open[joint];
+  input.compressor_on = command.compressor_on[joint];
+  input.vent_open = command.vent_open[joint];
   if (finite) {
-    switch (command.mode[0]) {
+    switch (command.mode[joint]) {
       case provider::Mode::kIdle:
         input.drive.mode = DriveMode::kIdle;
         break;
@@ -69,47 +96,41 @@ void Surrogate::Step(const provider::PlantCommand& command, double period_s,
         input.drive.mode = DriveMode::kVelocity;
         break;
     }
-    input.drive.torque_Nm = command.motor_torque_Nm[0];
+    input.drive.torque_Nm = command.motor_torque_Nm[joint];
     input.drive.position_rad =
-        ratio * std::clamp(command.position_rad[0], -kLargestAngle_rad, kLargestAngle_rad);
+        ratio * std::clamp(command.position_rad[joint], -kLargestAngle_rad, kLargestAngle_rad);
     input.drive.velocity_rad_s =
         ratio *
-        std::clamp(command.velocity_rad_s[0], -kLargestVelocity_rad_s, kLargestVelocity_rad_s);
-    input.hand_force_N = std::clamp(command.hand_force_N[0], -kLargestForce_N, kLargestForce_N);
-    input.extra_payload_kg = std::clamp(command.extra_payload_kg[0], 0.0, kLargestPayload_kg);
-    if (sensors->fault) {
-      sensors->fault = false;
-      sensors->message.clear();
-    }
-  } else {
-    ++refused_commands_;
-    sensors->fault = true;
-    sensors->message = "command with a value that is not finite: drive idles";
+        std::clamp(command.velocity_rad_s[joint], -kLargestVelocity_rad_s, kLargestVelocity_rad_s);
+    input.hand_force_N = std::clamp(command.hand_force_N[joint], -kLargestForce_N, kLargestForce_N);
+    input.extra_payload_kg = std::clamp(command.extra_payload_kg[joint], 0.0, kLargestPayload_kg);
   }
-  if (!(period_s > 0.0) || !std::isfinite(period_s)) return;
-  const double until_latch_s = rig_.parameters().sensors.latch_phase * period_s;
-  rig_.Advance(input, until_latch_s);
-  const RigReading reading = rig_.Read();
-  rig_.Advance(input, period_s - until_latch_s);
-  Fill(reading, period_s - until_latch_s, sensors);
+  if (!(period_s > 0.0) || !std::isfinite(period_s)) return finite;
+  const double until_latch_s = rig->parameters().sensors.latch_phase * period_s;
+  rig->Advance(input, until_latch_s);
+  const RigReading reading = rig->Read();
+  rig->Advance(input, period_s - until_latch_s);
+  Fill(joint, reading, period_s - until_latch_s, sensors);
+  return finite;
 }
 
-void Surrogate::Fill(const RigReading& reading, double age_s, provider::PlantSensors* sensors) {
-  sensors->position_rad[0] = reading.output_angle_rad;
-  sensors->velocity_rad_s[0] = reading.output_velocity_rad_s;
-  sensors->torque_Nm[0] = reading.output_torque_Nm;
-  sensors->motor_position_rad[0] = reading.motor_angle_rad;
-  sensors->motor_velocity_rad_s[0] = reading.motor_velocity_rad_s;
-  sensors->motor_current_A[0] = reading.motor_current_A;
-  sensors->drive_voltage_V[0] = reading.drive_voltage_V;
-  sensors->motor_temperature_degC[0] = reading.motor_temperature_degC;
-  sensors->chamber_pressure_bar[0] = reading.chamber_pressure_bar;
-  sensors->reservoir_pressure_bar[0] = reading.reservoir_pressure_bar;
-  sensors->load_force_N[0] = reading.load_force_N;
-  sensors->declared_payload_kg[0] = reading.declared_payload_kg;
-  sensors->valve_open[0] = reading.valve_open;
-  sensors->age_us[0] = static_cast<std::int32_t>(std::lround(1e6 * age_s));
-  sensors->valid[0] = true;
+void Surrogate::Fill(std::size_t joint, const RigReading& reading, double age_s,
+                     provider::PlantSensors* sensors) {
+  sensors->position_rad[joint] = reading.output_angle_rad;
+  sensors->velocity_rad_s[joint] = reading.output_velocity_rad_s;
+  sensors->torque_Nm[joint] = reading.output_torque_Nm;
+  sensors->motor_position_rad[joint] = reading.motor_angle_rad;
+  sensors->motor_velocity_rad_s[joint] = reading.motor_velocity_rad_s;
+  sensors->motor_current_A[joint] = reading.motor_current_A;
+  sensors->drive_voltage_V[joint] = reading.drive_voltage_V;
+  sensors->motor_temperature_degC[joint] = reading.motor_temperature_degC;
+  sensors->chamber_pressure_bar[joint] = reading.chamber_pressure_bar;
+  sensors->reservoir_pressure_bar[joint] = reading.reservoir_pressure_bar;
+  sensors->load_force_N[joint] = reading.load_force_N;
+  sensors->declared_payload_kg[joint] = reading.declared_payload_kg;
+  sensors->valve_open[joint] = reading.valve_open;
+  sensors->age_us[joint] = static_cast<std::int32_t>(std::lround(1e6 * age_s));
+  sensors->valid[joint] = true;
 }
 
 }  // namespace sinew::surrogate

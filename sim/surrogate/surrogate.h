@@ -1,4 +1,5 @@
-// The surrogate as a state provider's plant: one joint of the rig behind the topics.
+// The surrogate as a state provider's plant: one joint of the rig behind the topics, or several
+// rigs side by side that know nothing of each other.
 //
 // Commands are at the output (position, velocity) or at the motor shaft (torque), as everywhere;
 // the drive gets them at the motor shaft. A command with a value that is not finite is not
@@ -7,7 +8,7 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
+#include <vector>
 
 #include "components/provider/plant.h"
 #include "sim/surrogate/rig.h"
@@ -16,22 +17,27 @@ namespace sinew::surrogate {
 
 class Surrogate : public provider::Plant {
  public:
-  explicit Surrogate(const RigParameters& parameters);  // throws std::invalid_argument
+  // The second rig has the seed after the first's, and so on. Throws std::invalid_argument.
+  explicit Surrogate(const RigParameters& parameters, int joints = 1);
 
-  int joint_count() const override { return 1; }
+  int joint_count() const override { return static_cast<int>(rigs_.size()); }
   std::uint32_t measured_flags() const override;
   void Reset(provider::PlantSensors* sensors) override;
   void Step(const provider::PlantCommand& command, double period_s,
             provider::PlantSensors* sensors) override;
 
-  const Rig& rig() const { return rig_; }
-  Rig& rig() { return rig_; }
+  const Rig& rig(int joint = 0) const { return rigs_[static_cast<std::size_t>(joint)]; }
+  Rig& rig(int joint = 0) { return rigs_[static_cast<std::size_t>(joint)]; }
   std::uint64_t refused_commands() const { return refused_commands_; }
 
  private:
-  static void Fill(const RigReading& reading, double age_s, provider::PlantSensors* sensors);
+  // False: a value was not finite, and the drive idles.
+  static bool StepRig(std::size_t joint, const provider::PlantCommand& command, double period_s,
+                      Rig* rig, provider::PlantSensors* sensors);
+  static void Fill(std::size_t joint, const RigReading& reading, double age_s,
+                   provider::PlantSensors* sensors);
 
-  Rig rig_;
+  std::vector<Rig> rigs_;
   std::uint64_t refused_commands_ = 0;
 };
 

@@ -1,5 +1,7 @@
 #include "bridge/virtual_axes/file/virtual_axes_config.h"
 
+#include <algorithm>
+
 namespace sinew::virtual_axes {
 namespace {
 
@@ -66,6 +68,14 @@ VirtualAxesFile ReadVirtualAxes(const config::Section& section) {
     file.axes.nodes.push_back(ReadNode(node, file.buses));
   }
   file.axes.step_s = 1e-3 * section.NumberOr("step_ms", 1.0, {0.01, 100.0});
+  for (const AxisConfig& axis : file.axes.axes) file.joints = std::max(file.joints, axis.joint + 1);
+  for (const SensorNodeConfig& node : file.axes.nodes) {
+    file.joints = std::max(file.joints, node.joint + 1);
+  }
+  if (section.Has("world")) {
+    if (section.Has("surrogate")) section.Fail("world", "and surrogate, expected one of them");
+    file.world_path = section.ExistingPath("world");
+  }
   if (section.Has("surrogate")) file.surrogate_path = section.ExistingPath("surrogate");
   section.RejectUnknownKeys();
   return file;

@@ -13,6 +13,7 @@
 #include "components/node/options.h"
 #include "sim/surrogate/file/surrogate_file.h"
 #include "sim/surrogate/surrogate.h"
+#include "sim/world/file/world_file.h"
 
 namespace {
 
@@ -43,6 +44,20 @@ class Hand {
   std::int64_t heard_ns_ = 0;
 };
 
+// What moves behind the axes: rigs side by side, or a world.
+std::unique_ptr<provider::Plant> MakePlant(const virtual_axes::VirtualAxesFile& file,
+                                           const node::Options& options,
+                                           const std::vector<std::string>& effects) {
+  if (!file.world_path.empty()) {
+    if (!effects.empty()) throw UsageError("--effect: only the surrogate has undeclared effects");
+    return world::MakeWorld(world::LoadWorldFile(file.world_path), file.world_path);
+  }
+  surrogate::RigParameters rig = surrogate::LoadRig(file.surrogate_path);
+  rig.seed = options.seed;
+  if (!effects.empty()) rig.effects = surrogate::ParseEffects(effects);
+  return std::make_unique<surrogate::Surrogate>(rig, file.joints);
+}
+
 void Run(const node::Options& options, node::StopFlag& stop,
          const std::vector<std::string>& effects, bool with_hand) {
   if (options.config_path.empty()) {
@@ -51,10 +66,8 @@ void Run(const node::Options& options, node::StopFlag& stop,
   const config::Section section =
       config::Section::Load(options.config_path, "sinew-virtual-axes/1");
   const virtual_axes::VirtualAxesFile file = virtual_axes::ReadVirtualAxes(section);
-  surrogate::RigParameters rig = surrogate::LoadRig(file.surrogate_path);
-  rig.seed = options.seed;
-  if (!effects.empty()) rig.effects = surrogate::ParseEffects(effects);
-  surrogate::Surrogate plant(rig);
+  const std::unique_ptr<provider::Plant> simulated = MakePlant(file, options, effects);
+  provider::Plant& plant = *simulated;
 
   try {
     virtual_axes::VirtualAxes::Check(file.axes, plant.joint_count(),

@@ -1,5 +1,5 @@
 // Real processes: sinew-can-bus, sinew-virtual-axes with the surrogate behind them,
-// sinew-can-bridge; this test plays control and operator over DDS. Domains 90-93.
+// sinew-can-bridge; this test plays control and operator over DDS. Domains 90-95.
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sinew_idl/actuator.h>
@@ -19,6 +19,8 @@
 #include <optional>
 #include <sstream>
 
+#include "bridge/can/codec.h"
+#include "bridge/can/transport/virtual_can.h"
 #include "components/node/node.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
@@ -53,10 +55,25 @@ std::string Setpoint(double torque_Nm) {
   return text;
 }
 
+// A list entry of a YAML text once more, from `from` up to `to`, with the next node numbers.
+std::string Twice(const std::string& text, const std::string& from, const std::string& to) {
+  const std::size_t begin = text.find(from), end = text.find(to, begin);
+  EXPECT_NE(end, std::string::npos) << from;
+  std::string entry = text.substr(begin, end - begin);
+  for (const auto& [number, next] :
+       {std::pair("node: 33", "node: 34"), std::pair("node: 3\n", "node: 4\n"),
+        std::pair("joint: 0", "joint: 1"), std::pair("name: joint\n", "name: second\n")}) {
+    if (entry.find(number) != std::string::npos) entry = Replaced(entry, number, next);
+  }
+  return text.substr(0, end) + entry + text.substr(end);
+}
+
 class Rig {
  public:
-  explicit Rig(int domain) : domain_(domain), node_(NodeOptions(domain)) {
+  explicit Rig(int domain, bool second_joint = false, const std::string& rest = "idle")
+      : domain_(domain), node_(NodeOptions(domain)) {
     const std::string bus_path = (folder_.path() / "bus").string();
+    bus_path_ = bus_path;
     const std::string rig = std::string(SINEW_SOURCE_DIR) + "/robots/rig/";
     const auto on_our_bus = [&](const std::string& file) {
       return Replaced(ReadText(rig + file), "transport: virtual",
@@ -68,13 +85,17 @@ class Rig {
                            "initial_pressure_bar: 2.0"));
     // A loaded machine stalls a process for 100 ms now and then: what is tested here is what
     // follows, not when.
-    axes_config_ = folder_.Write(
-        "virtual_axes.yaml",
-        Replaced(on_our_bus("virtual_axes.yaml"), "watchdog_ms: 100", "watchdog_ms: 500"));
+    std::string axes =
+        Replaced(on_our_bus("virtual_axes.yaml"), "watchdog_ms: 100", "watchdog_ms: 500");
+    if (second_joint)
+      axes = Twice(Twice(axes + "#\n", "  - node: 33", "#\n"), "  - node: 3\n", "sensor_nodes");
+    axes_config_ = folder_.Write("virtual_axes.yaml", axes);
     std::string bridge = Replaced(on_our_bus("can_bridge.yaml"), "lost_after_ms: 60",
                                   "lost_after_ms: 1000\n  closed_loop_timeout_ms: 5000");
     bridge = Replaced(bridge, "heartbeat_timeout_ms: 350", "heartbeat_timeout_ms: 3000");
     bridge = Replaced(bridge, "fault_after_ms: 60", "fault_after_ms: 1000");
+    bridge = Replaced(bridge, "on_joint_fault: idle", "on_joint_fault: " + rest);
+    if (second_joint) bridge = Twice(bridge, "  - name: joint\n", "timing:");
     bridge_config_ = folder_.Write("can_bridge.yaml", bridge);
     log_ = (folder_.path() / "bus.log").string();
     bus_ = Start({"sinew-can-bus", "--bus", bus_path, "--log", log_});
@@ -90,6 +111,7 @@ class Rig {
   Program& axes() { return *axes_; }
   Program& bridge() { return *bridge_; }
   const std::string& log() const { return log_; }
+  const std::string& bus_path() const { return bus_path_; }
 
   // Reads states and answers each with this torque until `done` or the time is over.
   bool Run(double motor_torque_Nm, seconds limit,
@@ -101,9 +123,11 @@ class Rig {
       last_ = *state;
       msg::JointCommand command;
       command.header(state->header());
-      command.joint_count(1);
-      command.mode()[0] = msg::COMMAND_TORQUE;
-      command.motor_torque_Nm()[0] = motor_torque_Nm;
+      command.joint_count(state->joint_count());
+      for (int j = 0; j < state->joint_count(); ++j) {
+        command.mode()[static_cast<std::size_t>(j)] = msg::COMMAND_TORQUE;
+        command.motor_torque_Nm()[static_cast<std::size_t>(j)] = motor_torque_Nm;
+      }
       (void)commands_.Write(command);
       msg::ValveCommand valves;
       valves.header(state->header());
@@ -149,7 +173,7 @@ class Rig {
 
   int domain_;
   testing::TemporaryFolder folder_;
-  std::string axes_config_, bridge_config_, log_;
+  std::string axes_config_, bridge_config_, log_, bus_path_;
   node::Node node_;
   node::Reader<msg::JointState> states_ = node_.MakeReader(node::kJointState);
   node::Reader<msg::ActuatorState> actuators_ = node_.MakeReader(node::kActuatorState);
@@ -272,6 +296,48 @@ TEST(CanBridgeSystem, KilledBridgeLeavesTheMotorIdleByTheControllersWatchdog) {
   EXPECT_NEAR(rig.last().torque_Nm()[0], 0.0, 0.3) << "noise of the current sensor, times the gear";
   EXPECT_NE(ReadText(rig.log()).find(" 061#00080000"), std::string::npos)
       << "the axis told the expiry of its watchdog";
+}
+
+TEST(CanBridgeSystem, WhenOneJointFailsTheOtherHoldsAsDeclared) {
+  Rig rig(95, true, "hold");
+  ASSERT_TRUE(rig.Run(0.0, seconds(20),
+                      [](const msg::JointState& s) {
+                        return s.joint_count() == 2 && s.valid()[0] && s.valid()[1];
+                      }))
+      << rig.bridge().error() << rig.axes().error();
+  ASSERT_TRUE(rig.Arm());
+  // Both follow: their setpoints are of this torque.
+  const std::string follows = "#" + Setpoint(0.001 * 0.0137833 / 0.0159155);
+  ASSERT_TRUE(rig.Run(0.001, seconds(10), [&](const msg::JointState&) {
+    const std::string frames = ReadText(rig.log());
+    return frames.find(" 06E" + follows) != std::string::npos &&
+           frames.find(" 08E" + follows) != std::string::npos;
+  })) << rig.bridge().error();
+
+  can::VirtualCan other({.bus = rig.bus_path()});
+  ASSERT_EQ(other.Send(can::Encode(4, can::Estop{}, can::Firmware::k0_5_6)), can::SendStatus::kOk);
+  ASSERT_TRUE(rig.Run(0.001, seconds(10), [](const msg::JointState& s) {
+    return s.robot_state() == msg::ROBOT_FAULT;
+  }));
+  EXPECT_TRUE(rig.bridge().WaitForText("joint 'second' (node 4): axis error", seconds(5)))
+      << rig.bridge().error();
+  // From here on the first gets positions, the second nothing but a torque of nothing.
+  const std::size_t then = ReadText(rig.log()).size();
+  std::uint64_t until = rig.last().header().tick() + 60;
+  ASSERT_TRUE(rig.Run(0.001, seconds(10),
+                      [&](const msg::JointState& s) { return s.header().tick() > until; }));
+  std::string since = ReadText(rig.log()).substr(then);
+  EXPECT_NE(since.find(" 06C#"), std::string::npos) << "positions of the first";
+  EXPECT_EQ(since.find(" 06E#"), std::string::npos) << "no torque of the first";
+  EXPECT_EQ(since.find(" 08C#"), std::string::npos) << "no position of the second";
+  EXPECT_NE(since.find(" 08E#00000000"), std::string::npos);
+  EXPECT_EQ(since.find(follows), std::string::npos);
+
+  // The operator lets go.
+  rig.Operator(msg::OPERATOR_DISARM);
+  EXPECT_TRUE(rig.Run(0.001, seconds(10), [&](const msg::JointState&) {
+    return ReadText(rig.log()).substr(then).find(" 067#01000000") != std::string::npos;
+  })) << "the first is told to idle";
 }
 
 // The whole deployment: the control test of the rig through frames. Domain 94.

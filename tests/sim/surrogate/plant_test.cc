@@ -61,6 +61,28 @@ TEST(Surrogate, ReadingsAreLatchedInMidCycleAndTellTheirAge) {
   EXPECT_EQ(sensors.age_us[0], 2083);
 }
 
+TEST(Surrogate, RigsSideBySideAreEachTheirOwn) {
+  Surrogate one{RigParameters{}};
+  Surrogate three{RigParameters{}, 3};
+  ASSERT_EQ(three.joint_count(), 3);
+  provider::PlantSensors alone, sensors;
+  one.Reset(&alone);
+  three.Reset(&sensors);
+  provider::PlantCommand command, still;
+  command.mode[2] = provider::Mode::kPosition;
+  command.position_rad[2] = 0.4;
+  for (int i = 0; i < 720; ++i) {
+    one.Step(still, kPeriod_s, &alone);
+    three.Step(command, kPeriod_s, &sensors);
+    ASSERT_EQ(sensors.position_rad[0], alone.position_rad[0]);
+    ASSERT_EQ(sensors.motor_current_A[0], alone.motor_current_A[0]);
+  }
+  EXPECT_NEAR(sensors.motor_position_rad[2], 40.0, 0.2);
+  EXPECT_NE(sensors.motor_current_A[1], sensors.motor_current_A[0]) << "noise of its own seed";
+  EXPECT_THROW(Surrogate(RigParameters{}, 0), std::invalid_argument);
+  EXPECT_THROW(Surrogate(RigParameters{}, 13), std::invalid_argument);
+}
+
 TEST(Surrogate, ACommandThatIsNotFiniteIdlesTheDriveAndIsTold) {
   Surrogate surrogate{RigParameters{}};
   provider::PlantSensors sensors;
