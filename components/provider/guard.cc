@@ -84,6 +84,10 @@ bool CommandGuard::Offer(const CommandHead& head, std::uint64_t tick) {
   return true;
 }
 
+bool CommandGuard::Overdue(std::uint64_t tick) const {
+  return tick - last_tick_ > static_cast<std::uint64_t>(config_.missed_periods);
+}
+
 Verdict CommandGuard::Step(std::uint64_t tick, std::chrono::nanoseconds period) {
   if (rest_acts_) {
     return config_.on_joint_fault == Rest::kHold ? Verdict::kHold : Verdict::kDamp;
@@ -94,7 +98,7 @@ Verdict CommandGuard::Step(std::uint64_t tick, std::chrono::nanoseconds period) 
     Fault();
     return Verdict::kIdle;
   }
-  if (age > static_cast<std::uint64_t>(config_.missed_periods)) {
+  if (Overdue(tick)) {
     state_ = RobotState::kDamped;
     ++bridged_;
     return config_.bridging == Bridging::kHold ? Verdict::kHold : Verdict::kDamp;

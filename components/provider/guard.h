@@ -65,6 +65,9 @@ class CommandGuard {
   // last.
   bool Offer(const CommandHead& head, std::uint64_t tick);
 
+  // So many periods were missed that this one is bridged unless a command is there.
+  bool Overdue(std::uint64_t tick) const;
+
   // Once a cycle, after Offer.
   Verdict Step(std::uint64_t tick, std::chrono::nanoseconds period);
 

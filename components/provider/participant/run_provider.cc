@@ -148,7 +148,10 @@ class Provider {
       } else {
         deadline_ns += period_.count();
         if (plant_.acts_at_once()) {
-          AwaitJointCommand(deadline_ns - period_.count() / 2);
+          // What is overdue is waited for no longer: the gap is bridged on time.
+          const std::int64_t wait_ns =
+              guard_.Overdue(tick_) ? period_.count() : period_.count() / 2;
+          AwaitJointCommand(deadline_ns - wait_ns);
           plant_.Act(Judge(), period_s_);
         }
         SleepUntil(&deadline_ns);

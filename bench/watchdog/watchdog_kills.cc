@@ -1,0 +1,284 @@
+// What a controller's sudden death does on the bus: the whole path as processes (sinew-can-bus,
+// sinew-virtual-axes, sinew-can-bridge), a controller that is killed with SIGKILL again and again,
+// and the frames that follow. Measured on the bus, by its own stamps:
+//   last command -> first damping setpoint,   last command -> the axis is told to idle (fault).
+// Says after each kill how long it took, and at the end median, 99th percentile and worst beside
+// the goals.
+//   watchdog_kills [--kills N] [--rate HZ] [--domain N]
+#include <signal.h>
+#include <sinew_idl/joint.h>
+#include <sinew_idl/operator.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <mutex>
+#include <random>
+#include <sstream>
+#include <stdexcept>
+#include <thread>
+
+#include "bridge/can/codec.h"
+#include "bridge/can/transport/virtual_can.h"
+#include "components/node/node.h"
+#include "tests/support/program.h"
+#include "tests/support/temporary_folder.h"
+
+namespace sinew {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using testing::Program;
+
+constexpr int kNode = 3;
+// Commands change every tick, so that a repeated one is told from a fresh one.
+constexpr double kTorque_Nm = 1e-3, kStep_Nm = 1e-6;
+constexpr int kPattern = 64;
+constexpr double kScale = 0.0137833 / 0.0159155;  // controller's torque over the motor's
+
+node::Options NodeOptions(int domain, const char* name) {
+  node::Options options;
+  options.component = options.name = name;
+  options.domain_id = domain;
+  return options;
+}
+
+// The controller that will be killed: answers every joint_state.
+int Command(int domain) {
+  node::Node node(NodeOptions(domain, "commander"));
+  auto states = node.MakeReader(node::kJointState);
+  auto commands = node.MakeWriter(node::kJointCommand);
+  while (::getppid() != 1) {
+    const auto state = states.WaitNext(milliseconds(200));
+    if (!state) continue;
+    msg::JointCommand command;
+    command.header(state->header());
+    command.joint_count(1);
+    command.mode()[0] = msg::COMMAND_TORQUE;
+    command.motor_torque_Nm()[0] =
+        kTorque_Nm + kStep_Nm * static_cast<double>(state->header().tick() % kPattern);
+    (void)commands.Write(command);
+  }
+  return 0;
+}
+
+// What the bus says about the axis since the last Clear.
+class Watcher {
+ public:
+  explicit Watcher(const std::string& bus) : bus_({.bus = bus}), thread_([this] { Watch(); }) {}
+  ~Watcher() {
+    stop_ = true;
+    thread_.join();
+  }
+
+  struct Seen {
+    std::int64_t fresh_ns = 0;    // last setpoint that was a new command
+    std::int64_t damping_ns = 0;  // first setpoint after it that was no command's
+    std::int64_t idle_ns = 0;     // first idle state after it
+    int fresh = 0;
+  };
+  Seen seen() {
+    const std::lock_guard lock(mutex_);
+    return seen_;
+  }
+  void Clear() {
+    const std::lock_guard lock(mutex_);
+    seen_ = {};
+  }
+
+ private:
+  void Watch() {
+    double last_Nm = 0.0;
+    can::Received received;
+    while (!stop_) {
+      if (!bus_.Receive(milliseconds(20), &received)) continue;
+      const auto address = can::AddressOf(received.frame);
+      if (!address || address->node != kNode) continue;
+      const std::lock_guard lock(mutex_);
+      if (const auto input = can::Decode<can::SetInputTorque>(received.frame, kFirmware);
+          address->command == can::Command::kSetInputTorque && input) {
+        const double torque_Nm = input->torque_Nm / kScale;
+        if (torque_Nm > 0.5 * kTorque_Nm) {
+          if (torque_Nm == last_Nm) continue;  // the last command once more
+          last_Nm = torque_Nm;
+          seen_ = {.fresh_ns = received.stamp_ns, .fresh = seen_.fresh + 1};
+        } else if (seen_.fresh > 0 && seen_.damping_ns == 0) {
+          seen_.damping_ns = received.stamp_ns;
+        }
+      } else if (const auto state = can::Decode<can::SetAxisState>(received.frame, kFirmware);
+                 address->command == can::Command::kSetAxisState && state &&
+                 state->state == can::AxisState::kIdle && seen_.fresh > 0 && seen_.idle_ns == 0) {
+        seen_.idle_ns = received.stamp_ns;
+      }
+    }
+  }
+
+  static constexpr can::Firmware kFirmware = can::Firmware::k0_5_6;
+  can::VirtualCan bus_;
+  std::atomic<bool> stop_{false};
+  std::mutex mutex_;
+  Seen seen_;
+  std::thread thread_;
+};
+
+std::string WithBus(const std::string& file, const std::string& bus) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  std::string out = text.str();
+  const std::string key = "transport: virtual";
+  const std::size_t at = out.find(key);
+  if (at == std::string::npos) throw std::runtime_error(file + ": no '" + key + "'");
+  return out.replace(at, key.size(), key + "\n    bus: " + bus);
+}
+
+class Bench {
+ public:
+  Bench(const std::string& self, int domain, double rate_Hz)
+      : self_(self), domain_(domain), node_(NodeOptions(domain, "bench")) {
+    const std::string rig = std::string(SINEW_SOURCE_DIR) + "/robots/rig/";
+    const std::string bin = std::string(SINEW_BIN_DIR) + "/";
+    const std::string bus = (folder_.path() / "bus").string();
+    std::filesystem::copy_file(rig + "surrogate.yaml", folder_.path() / "surrogate.yaml");
+    const auto start = [&](std::vector<std::string> arguments) {
+      arguments[0] = bin + arguments[0];
+      programs_.push_back(std::make_unique<Program>(arguments));
+    };
+    start({"sinew-can-bus", "--bus", bus});
+    start({"sinew-virtual-axes", "--config",
+           folder_.Write("virtual_axes.yaml", WithBus(rig + "virtual_axes.yaml", bus))});
+    start({"sinew-can-bridge", "--config",
+           folder_.Write("can_bridge.yaml", WithBus(rig + "can_bridge.yaml", bus)), "--domain",
+           std::to_string(domain), "--rate", std::to_string(rate_Hz)});
+    watcher_ = std::make_unique<Watcher>(bus);
+  }
+
+  // Milliseconds from the last command to damping and to the fault.
+  struct Times {
+    double damping_ms = 0.0, fault_ms = 0.0;
+  };
+  Times Kill(milliseconds after) {
+    Program commander({self_, "--commander", "--domain", std::to_string(domain_)});
+    Await("commands on the topic", [&] {
+      while (commands_.TakeNext()) heard_ = true;
+      return heard_;
+    });
+    heard_ = false;
+    // The bridge may hear the commander later than we do: then arming ends in a fault once more.
+    watcher_->Clear();
+    Await("commands on the bus", [&] { return ArmedAndMoving(); });
+    std::this_thread::sleep_for(after);
+    commander.Signal(SIGKILL);
+    Await("the fault", [&] { return watcher_->seen().idle_ns != 0; });
+    const Watcher::Seen seen = watcher_->seen();
+    if (seen.damping_ns == 0) throw std::runtime_error("a fault without damping before it");
+    (void)commander.Wait(seconds(5));
+    while (commands_.TakeNext()) {
+    }
+    return {1e-6 * static_cast<double>(seen.damping_ns - seen.fresh_ns),
+            1e-6 * static_cast<double>(seen.idle_ns - seen.fresh_ns)};
+  }
+
+ private:
+  bool ArmedAndMoving() {
+    while (const auto state = states_.TakeNext()) last_ = *state;
+    const bool fault = last_.robot_state() == msg::ROBOT_FAULT;
+    if (fault) watcher_->Clear();
+    if (fault || last_.robot_state() == msg::ROBOT_DISARMED) {
+      if (++asked_ % 20 == 1) {
+        msg::OperatorCommand command;
+        command.header(last_.header());
+        command.action(fault ? msg::OPERATOR_RESET : msg::OPERATOR_ARM);
+        (void)operator_.Write(command);
+      }
+      return false;
+    }
+    asked_ = 0;
+    return watcher_->seen().fresh > 5;
+  }
+
+  template <class Done>
+  void Await(const char* what, Done done) {
+    asked_ = 0;
+    const auto give_up = std::chrono::steady_clock::now() + seconds(20);
+    while (!done()) {
+      if (std::chrono::steady_clock::now() > give_up) {
+        throw std::runtime_error(std::string("waited 20 s in vain for ") + what + "\n" +
+                                 programs_.back()->error());
+      }
+      node_.WaitForData(milliseconds(5));
+    }
+  }
+
+  std::string self_;
+  int domain_;
+  testing::TemporaryFolder folder_;
+  std::vector<std::unique_ptr<Program>> programs_;
+  std::unique_ptr<Watcher> watcher_;
+  node::Node node_;
+  node::Reader<msg::JointState> states_ = node_.MakeReader(node::kJointState);
+  node::Reader<msg::JointCommand> commands_ = node_.MakeReader(node::kJointCommand);
+  node::Writer<msg::OperatorCommand> operator_ = node_.MakeWriter(node::kOperatorCommand);
+  msg::JointState last_;
+  bool heard_ = false;
+  int asked_ = 0;
+};
+
+void Tell(const char* what, std::vector<double> values_ms, double goal_ms) {
+  std::sort(values_ms.begin(), values_ms.end());
+  const auto at = [&](double share) {
+    return values_ms[static_cast<std::size_t>(share * static_cast<double>(values_ms.size() - 1))];
+  };
+  const auto late = std::count_if(values_ms.begin(), values_ms.end(),
+                                  [&](double value) { return value > goal_ms; });
+  std::printf("%-28s median %7.2f  99 %% %7.2f  worst %7.2f ms   goal %6.2f ms, later %ld of %zu\n",
+              what, at(0.5), at(0.99), values_ms.back(), goal_ms, static_cast<long>(late),
+              values_ms.size());
+}
+
+int Main(int argc, char** argv) {
+  int kills = 1000, domain = 97;
+  double rate_Hz = 240.0;
+  bool commander = false;
+  CLI::App app("Kills the controller and measures what the bridge does on the bus");
+  app.add_option("--kills", kills, "How often")->capture_default_str();
+  app.add_option("--rate", rate_Hz, "Cycles per second of the bridge")->capture_default_str();
+  app.add_option("--domain", domain, "DDS domain")->capture_default_str();
+  app.add_flag("--commander", commander, "Be the controller that is killed");
+  CLI11_PARSE(app, argc, argv);
+  if (commander) return Command(domain);
+
+  Bench bench(std::filesystem::read_symlink("/proc/self/exe").string(), domain, rate_Hz);
+  std::mt19937 random(1);
+  std::vector<double> damping_ms, fault_ms;
+  for (int k = 0; k < kills; ++k) {
+    const Bench::Times times = bench.Kill(milliseconds(20 + static_cast<int>(random() % 100)));
+    damping_ms.push_back(times.damping_ms);
+    fault_ms.push_back(times.fault_ms);
+    if ((k + 1) % 100 == 0) std::fprintf(stderr, "%d of %d\n", k + 1, kills);
+  }
+  const double period_ms = 1e3 / rate_Hz;
+  std::printf("%d kills at %g Hz\n", kills, rate_Hz);
+  Tell("last command to damping", damping_ms, 4.0 * period_ms);
+  Tell("last command to the fault", fault_ms, 60.0 + period_ms);
+  return 0;
+}
+
+}  // namespace
+}  // namespace sinew
+
+int main(int argc, char** argv) {
+  try {
+    return sinew::Main(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "watchdog_kills: %s\n", error.what());
+    return 1;
+  }
+}
