@@ -5,7 +5,15 @@ namespace {
 
 constexpr int kFixedBits = 13;  // CRC delimiter 1, acknowledge 2, end of frame 7, intermission 3
 constexpr int kCrcBits = 15;
+constexpr int kStuffCountBits = 4;
 constexpr std::uint16_t kCrcPolynomial = 0x4599;
+
+// 0 to 8 stand for themselves, 9 to 15 for 12, 16, 20, 24, 32, 48, 64.
+std::uint32_t FdLengthCode(int length) {
+  if (length <= 8) return static_cast<std::uint32_t>(length);
+  if (length <= 24) return static_cast<std::uint32_t>(6 + length / 4);
+  return length == 32 ? 13 : length == 48 ? 14 : 15;
+}
 
 // Calls sink(bit) for every bit from start of frame to the last data bit.
 template <class Sink>
@@ -19,11 +27,19 @@ void ForEachBit(const Frame& frame, const Sink& sink) {
     put(3, 2);  // SRR, IDE recessive
     put(frame.id & 0x3FFFF, 18);
     put(frame.remote ? 1 : 0, 1);
-    put(0, 2);  // r1, r0
+    if (!frame.fd) put(0, 2);  // r1, r0
   } else {
     put(frame.id, 11);
     put(frame.remote ? 1 : 0, 1);
-    put(0, 2);  // IDE, r0
+    put(0, 1);                 // IDE
+    if (!frame.fd) put(0, 1);  // r0
+  }
+  if (frame.fd) {
+    put(2, 2);                              // FDF recessive, res
+    put(frame.bit_rate_switch ? 2 : 0, 2);  // BRS, ESI (error active)
+    put(FdLengthCode(frame.length), 4);
+    for (int i = 0; i < frame.length; ++i) put(frame.data[static_cast<std::size_t>(i)], 8);
+    return;
   }
   const int length = frame.length > kMaxDataBytes ? kMaxDataBytes : frame.length;
   put(static_cast<std::uint32_t>(length), 4);
@@ -47,17 +63,24 @@ int FrameBits(const Frame& frame) noexcept {
   int bits = 0;
   int run = 0;
   bool last = true;  // the idle bus is recessive, but does not count into a run
+  bool stuffed = false;
   const auto count = [&](bool bit) {
     ++bits;
     run = bit == last && run > 0 ? run + 1 : 1;
     last = bit;
-    if (run == 5) {  // the stuff bit starts a run of its own
+    stuffed = run == 5;
+    if (stuffed) {  // the stuff bit starts a run of its own
       ++bits;
       last = !bit;
       run = 1;
     }
   };
   ForEachBit(frame, count);
+  if (frame.fd) {
+    if (stuffed) --bits;  // the fixed stuff bit stands in its place
+    const int guarded = kStuffCountBits + (frame.length <= 16 ? 17 : 21);
+    return bits + guarded + (guarded + 3) / 4 + kFixedBits;
+  }
   const std::uint16_t crc = FrameCrc(frame);
   for (int i = kCrcBits - 1; i >= 0; --i) count((crc >> i & 1) != 0);
   return bits + kFixedBits;

@@ -4,6 +4,10 @@
 // bits one of the opposite value, which counts in turn); CRC delimiter, acknowledge (2), end of
 // frame (7) and intermission (3) are not. CRC-15 generator 0x4599. Standard frames: 34 + 8 n
 // stuffed bits, 13 fixed; extended ones: 54 + 8 n.
+//
+// FD frames (ISO 11898-1:2015): from the start to the data stuffed as above; then stuff count (4)
+// and CRC (17 bits up to 16 bytes, 21 beyond) with a fixed stuff bit in front and after every four
+// bits; the same 13 bits behind.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +20,7 @@ namespace sinew::can {
 std::uint16_t FrameCrc(const Frame& frame) noexcept;
 
 // Bits from start of frame to the end of the intermission, stuff bits of exactly this content
-// included.
+// included. Of an FD frame with bit_rate_switch most of them are sent at the data rate.
 int FrameBits(const Frame& frame) noexcept;
 
 // The same for the worst content of this length: a stuff bit after the first five bits and every

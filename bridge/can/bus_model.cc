@@ -58,7 +58,8 @@ int BusModel::node_count() const {
 }
 
 bool BusModel::Offer(int node, const Frame& frame, std::int64_t now_ns) {
-  if (node < 0 || node >= static_cast<int>(nodes_.size()) || frame.error || !IsValid(frame)) {
+  if (node < 0 || node >= static_cast<int>(nodes_.size()) || frame.error || frame.fd ||
+      !IsValid(frame)) {
     ++counters_.refused;
     return false;
   }

@@ -1,6 +1,6 @@
 // One CAN bus as a model in time: arbitration by identifier, bit-true duration of every frame,
-// transmit queues, collisions, bus-off. Pure: time comes in; the server between processes
-// (bridge/can/transport) and tests both drive it. One thread.
+// transmit queues, collisions, bus-off. Classic frames only. Pure: time comes in; the server
+// between processes (bridge/can/transport) and tests both drive it. One thread.
 //
 // Every node has a queue that it sends in order. When the bus is free, the heads offered by then
 // arbitrate: the lowest ArbitrationKey wins and keeps the bus for FrameBits(frame) bit times; the

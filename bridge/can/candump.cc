@@ -6,6 +6,7 @@
 namespace sinew::can {
 namespace {
 
+constexpr std::uint32_t kBitRateSwitch = 1;       // CANFD_BRS
 constexpr std::uint32_t kErrorFlag = 0x20000000;  // CAN_ERR_FLAG of linux/can.h
 
 // Takes `count` hexadecimal digits off the front.
@@ -32,8 +33,14 @@ bool Take(std::string_view& text, char c) {
   return true;
 }
 
-// Data bytes, or R and the length of a remote frame.
+// Data bytes; of an FD frame a second # and its flags first; or R and the length of a remote frame.
 bool TakePayload(std::string_view& text, Frame& frame) {
+  if (Take(text, '#')) {
+    const auto flags = TakeHex(text, 1);
+    if (!flags) return false;
+    frame.fd = true;
+    frame.bit_rate_switch = (*flags & kBitRateSwitch) != 0;
+  }
   if (Take(text, 'R')) {
     frame.remote = true;
     if (text.empty()) return true;
@@ -42,7 +49,7 @@ bool TakePayload(std::string_view& text, Frame& frame) {
     return true;
   }
   while (!text.empty()) {
-    if (frame.length == kMaxDataBytes) return false;
+    if (frame.length == kMaxFdDataBytes) return false;
     const auto byte = TakeHex(text, 2);
     if (!byte) return false;
     frame.data[frame.length++] = static_cast<std::uint8_t>(*byte);
@@ -68,7 +75,8 @@ std::string FormatCandump(const LogLine& line) {
     if (frame.length > 0) result += static_cast<char>('0' + frame.length);
     return result;
   }
-  for (std::size_t i = 0; i < frame.length && i < kMaxDataBytes; ++i) {
+  if (frame.fd) result += frame.bit_rate_switch ? "#1" : "#0";
+  for (std::size_t i = 0; i < frame.length && i < frame.data.size(); ++i) {
     std::snprintf(text, sizeof text, "%02X", frame.data[i]);
     result += text;
   }

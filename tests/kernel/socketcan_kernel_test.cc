@@ -112,6 +112,23 @@ TEST(SocketCanOnAKernel, EveryKindOfFrameArrivesByteForByte) {
   EXPECT_FALSE(a.Receive(milliseconds(0), &own)) << "own frames do not come back";
 }
 
+TEST(SocketCanOnAKernel, FdFramesArriveWhereTheInterfaceCarriesThem) {
+  // vcan's MTU is that of CAN FD.
+  SocketCan a({Interface(), {}, 0}), b({Interface(), {}, 0});
+  for (const int length : {0, 8, 12, 20, 32, 48, 64}) {
+    Frame frame;
+    frame.fd = true;
+    frame.bit_rate_switch = length > 8;
+    frame.id = 0x123;
+    frame.length = static_cast<std::uint8_t>(length);
+    for (std::size_t k = 0; k < frame.length; ++k) frame.data[k] = static_cast<std::uint8_t>(k + 1);
+    ASSERT_EQ(a.Send(frame), SendStatus::kOk);
+    Received received;
+    ASSERT_TRUE(b.Receive(seconds(2), &received)) << length;
+    EXPECT_EQ(received.frame, frame) << length;
+  }
+}
+
 TEST(SocketCanOnAKernel, KernelFiltersLetThroughExactlyTheWantedIdentifiers) {
   const std::vector<IdFilter> filters = {{0x60, 0x7E0, false}, {0x429, 0x7FF, false}};
   SocketCan all({Interface(), {}, 0}), some({Interface(), filters, 0});

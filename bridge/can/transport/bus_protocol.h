@@ -1,7 +1,9 @@
 // What travels between sinew-can-bus and the processes that join it: one packet of 32 bytes per
-// event, over Unix-domain sequenced-packet sockets of one machine (host byte order).
+// event (classic frames), over Unix-domain sequenced-packet sockets of one machine (host byte
+// order).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstring>
@@ -39,7 +41,7 @@ inline Packet FramePacket(const Frame& frame, std::int64_t stamp_ns) {
   packet.flags = static_cast<std::uint8_t>((frame.extended ? 1 : 0) | (frame.remote ? 2 : 0));
   packet.id = frame.id;
   packet.length = frame.length;
-  packet.data = frame.data;
+  std::copy_n(frame.data.begin(), packet.data.size(), packet.data.begin());
   packet.stamp_ns = stamp_ns;
   return packet;
 }
@@ -50,7 +52,7 @@ inline Frame FrameOf(const Packet& packet) {
   frame.extended = (packet.flags & 1) != 0;
   frame.remote = (packet.flags & 2) != 0;
   frame.length = packet.length;
-  frame.data = packet.data;
+  std::copy(packet.data.begin(), packet.data.end(), frame.data.begin());
   return frame;
 }
 

@@ -26,23 +26,27 @@ constexpr std::int64_t kReopenEvery_ns = 100'000'000;
 // Lost arbitration is daily life; everything else is worth knowing.
 constexpr can_err_mask_t kErrors = CAN_ERR_MASK & ~static_cast<unsigned>(CAN_ERR_LOSTARB);
 
-can_frame ToKernel(const Frame& frame) {
-  can_frame result{};
+// Classic frames are the front of a canfd_frame (linux/can.h).
+canfd_frame ToKernel(const Frame& frame) {
+  canfd_frame result{};
   result.can_id = frame.id;
   if (frame.extended) result.can_id |= CAN_EFF_FLAG;
   if (frame.remote) result.can_id |= CAN_RTR_FLAG;
-  result.can_dlc = std::min<std::uint8_t>(frame.length, CAN_MAX_DLEN);
-  if (!frame.remote) std::memcpy(result.data, frame.data.data(), result.can_dlc);
+  if (frame.bit_rate_switch) result.flags |= CANFD_BRS;
+  result.len = std::min<std::uint8_t>(frame.length, frame.fd ? CANFD_MAX_DLEN : CAN_MAX_DLEN);
+  if (!frame.remote) std::memcpy(result.data, frame.data.data(), result.len);
   return result;
 }
 
-Frame FromKernel(const can_frame& frame) {
+Frame FromKernel(const canfd_frame& frame, bool fd) {
   Frame result;
   result.error = (frame.can_id & CAN_ERR_FLAG) != 0;
   result.extended = !result.error && (frame.can_id & CAN_EFF_FLAG) != 0;
   result.remote = !result.error && (frame.can_id & CAN_RTR_FLAG) != 0;
   result.id = frame.can_id & (result.extended || result.error ? CAN_EFF_MASK : CAN_SFF_MASK);
-  result.length = std::min<std::uint8_t>(frame.can_dlc, CAN_MAX_DLEN);
+  result.fd = fd;
+  result.bit_rate_switch = fd && (frame.flags & CANFD_BRS) != 0;
+  result.length = std::min<std::uint8_t>(frame.len, fd ? CANFD_MAX_DLEN : CAN_MAX_DLEN);
   if (!result.remote) std::memcpy(result.data.data(), frame.data, result.length);
   return result;
 }
@@ -148,6 +152,10 @@ std::string SocketCan::Open() noexcept {
                    sizeof options_.send_buffer_bytes) != 0) {
     return fail(interface + ": send buffer refused: " + std::strerror(errno));
   }
+  // Where the interface carries them; a kernel that refuses leaves us with classic frames.
+  const int on = 1;
+  fd_ = ::ioctl(socket_, SIOCGIFMTU, &request) == 0 && request.ifr_mtu == CANFD_MTU &&
+        ::setsockopt(socket_, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, &on, sizeof on) == 0;
   sockaddr_can address{};
   address.can_family = AF_CAN;
   address.can_ifindex = index;
@@ -192,8 +200,13 @@ SendStatus SocketCan::Send(const Frame& frame) noexcept {
     ++counters_.dropped;
     return SendStatus::kDown;
   }
-  const can_frame out = ToKernel(frame);
-  if (::send(socket_, &out, sizeof out, MSG_DONTWAIT | MSG_NOSIGNAL) == sizeof out) {
+  if (frame.fd && !fd_) {
+    ++counters_.dropped;
+    return SendStatus::kDropped;
+  }
+  const canfd_frame out = ToKernel(frame);
+  const ssize_t size = frame.fd ? CANFD_MTU : CAN_MTU;
+  if (::send(socket_, &out, static_cast<std::size_t>(size), MSG_DONTWAIT | MSG_NOSIGNAL) == size) {
     if (link_ == Link::kDown) link_ = Link::kUp;
     ++counters_.sent;
     counters_.wire_bits += static_cast<std::uint64_t>(FrameBits(frame));
@@ -210,7 +223,7 @@ bool SocketCan::Receive(std::chrono::nanoseconds timeout, Received* received) no
   for (;;) {
     if (socket_ < 0) TryReopen();
     if (socket_ >= 0) {
-      can_frame in{};
+      canfd_frame in{};
       iovec data{&in, sizeof in};
       alignas(cmsghdr) char control[256];
       msghdr message{};
@@ -219,8 +232,8 @@ bool SocketCan::Receive(std::chrono::nanoseconds timeout, Received* received) no
       message.msg_control = control;
       message.msg_controllen = sizeof control;
       const ssize_t size = ::recvmsg(socket_, &message, MSG_DONTWAIT);
-      if (size == sizeof in) {
-        received->frame = FromKernel(in);
+      if (size == CAN_MTU || size == CANFD_MTU) {
+        received->frame = FromKernel(in, size == CANFD_MTU);
         received->stamp_ns = MonotonicStamp(message);
         ReadLost(message, &counters_.lost);
         if (received->frame.error) {

@@ -3,8 +3,10 @@
 // Kernel filters for exactly the identifiers asked for, reports of the controller as error frames,
 // receive stamps by SO_TIMESTAMPING (hardware's where the driver has them) turned into
 // CLOCK_MONOTONIC, writes that never block: a full queue (ENOBUFS, EAGAIN) drops the frame and
-// counts it. Bus-off and restart come from error frames; an interface that goes down and comes up
-// again is used again, one that vanishes and returns is opened again.
+// counts it. On an interface set up for CAN FD (its MTU says so) FD frames are sent and received,
+// too; elsewhere an FD frame is dropped and counted. Bus-off and restart come from error frames; an
+// interface that goes down and comes up again is used again, one that vanishes and returns is
+// opened again.
 #pragma once
 
 #include <memory>
@@ -47,6 +49,7 @@ class SocketCan : public Transport {
 
   SocketCanOptions options_;
   int socket_ = -1;
+  bool fd_ = false;  // the interface carries FD frames
   Link link_ = Link::kDown;
   TransportCounters counters_;
   std::int64_t next_reopen_ns_ = 0;

@@ -93,6 +93,10 @@ SendStatus VirtualCan::Send(const Frame& frame) noexcept {
     ++counters_.dropped;
     return SendStatus::kDown;
   }
+  if (frame.fd) {  // a classic bus
+    ++counters_.dropped;
+    return SendStatus::kDropped;
+  }
   const Packet packet = FramePacket(frame, 0);
   if (::send(socket_, &packet, sizeof packet, MSG_DONTWAIT | MSG_NOSIGNAL) == sizeof packet) {
     ++counters_.sent;

@@ -70,6 +70,35 @@ std::string SlowHeader(const Frame& frame) {
   return bits;
 }
 
+// Fields of ISO 11898-1:2015, counted by hand: no five equal bits in front of the CRC field.
+TEST(BitTiming, FdFramesTakeTheirFixedStuffBits) {
+  Frame frame;
+  frame.id = 0x555;
+  frame.fd = frame.bit_rate_switch = true;
+  frame.length = 8;
+  std::fill_n(frame.data.begin(), 8, 0x55);
+  ASSERT_TRUE(IsValid(frame));
+  EXPECT_EQ(FrameBits(frame), 22 + 64 + (4 + 17 + 6) + 13);
+  frame.length = 64;
+  frame.data.fill(0x55);
+  EXPECT_EQ(FrameBits(frame), 22 + 512 + (4 + 21 + 7) + 13);
+  // Four zero bytes behind the three of the length: a stuff bit after each five, but none at the
+  // end.
+  frame.data.fill(0);
+  frame.length = 4;
+  EXPECT_EQ(FrameBits(frame), 22 + 32 + 6 + (4 + 17 + 6) + 13);
+}
+
+TEST(BusModel, AClassicBusRefusesFdFrames) {
+  BusModel bus({});
+  const int node = bus.Attach();
+  Frame frame = Data(1, {1, 2, 3});
+  EXPECT_TRUE(bus.Offer(node, frame, 0));
+  frame.fd = true;
+  EXPECT_FALSE(bus.Offer(node, frame, 0));
+  EXPECT_EQ(bus.counters().refused, 1U);
+}
+
 TEST(BitTiming, FrameBitsAgreeWithASlowImplementationOnText) {
   std::mt19937 random(3);
   for (int i = 0; i < 20000; ++i) {

@@ -38,6 +38,20 @@ TEST(Candump, LinesOfTheRealProgramAreRead) {
   EXPECT_TRUE(ParseCandump("(0000000001.000000) can0 123#00 R\r"));
 }
 
+TEST(Candump, FdFramesHaveASecondHashAndFlags) {
+  const auto line = ParseCandump("(1436509052.249713) vcan0 123##1000102030405060708090A0B");
+  ASSERT_TRUE(line);
+  EXPECT_TRUE(line->frame.fd);
+  EXPECT_TRUE(line->frame.bit_rate_switch);
+  EXPECT_EQ(line->frame.length, 12);
+  EXPECT_EQ(line->frame.data[11], 0x0B);
+  EXPECT_EQ(FormatCandump(*line), "(1436509052.249713) vcan0 123##1000102030405060708090A0B");
+  EXPECT_TRUE(ParseCandump("(1436509052.249713) vcan0 123##0"));
+  EXPECT_FALSE(ParseCandump("(1436509052.249713) vcan0 123##")) << "flags are missing";
+  EXPECT_FALSE(ParseCandump("(1436509052.249713) vcan0 123##0010203040506070809"))
+      << "no frame has nine bytes";
+}
+
 TEST(Candump, ExactTextIsWritten) {
   EXPECT_EQ(FormatCandump({1436509052249713999, "vcan0", Encode(1, SetInputTorque{0.1})}),
             "(1436509052.249713) vcan0 02E#CDCCCC3D00000000");
@@ -69,7 +83,7 @@ TEST(Candump, BrokenLinesAreRefused) {
        {"", "(", "()", "123#00", "(1.0) can0 123#00", "(1.000000) can0 123",
         "(1.000000) can0 12#00", "(1.000000) can0 123#0", "(1.000000) can0 123#0G",
         "(1.000000) can0 123#001122334455667788", "(1.000000) can0 FFF#00",
-        "(1.000000) can0 123#R9", "(1.000000) can0 123##100", "(1.000000)can0 123#00",
+        "(1.000000) can0 123#R9", "(1.000000) can0 123##G00", "(1.000000)can0 123#00",
         "(-1.000000) can0 123#00", "(1.000000) can0 ZZZ#00", "(1.000000)  123#00",
         "(99999999999999999999.000000) can0 123#00"}) {
     EXPECT_FALSE(ParseCandump(text)) << text;

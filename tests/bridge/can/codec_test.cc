@@ -252,7 +252,9 @@ TEST(Codec, RandomBytesDecodeToWhatTheyEncodeOrToNothing) {
     frame.extended = frame.id > kMaxStandardId;
     frame.remote = (random() & 15) == 0;
     frame.length = static_cast<std::uint8_t>(random() % 12);
-    for (auto& byte : frame.data) byte = static_cast<std::uint8_t>(random());
+    for (std::size_t k = 0; k < kMaxDataBytes; ++k) {
+      frame.data[k] = static_cast<std::uint8_t>(random());
+    }
     const auto firmware = static_cast<Firmware>(random() % 3);
     if (const auto m = Decode<EncoderEstimates>(frame, firmware)) {
       const Frame again = Encode(AddressOf(frame)->node, *m, firmware);

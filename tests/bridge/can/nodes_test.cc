@@ -15,7 +15,7 @@
 namespace sinew::can {
 namespace {
 
-using Bytes = std::array<std::uint8_t, kMaxDataBytes>;
+using Bytes = decltype(Frame::data);
 
 TEST(SensorNode, OutputEncoderHasExactlyTheseBytes) {
   OutputEncoder m{0.5, -1.5, 200, true, true, false, true, false, true, true};
