@@ -21,6 +21,7 @@ constexpr std::int64_t kClearing_ns = 5'000'000;  // until Clear_Errors has been
 constexpr double kTaper = 0.1;                    // of the velocity limit
 constexpr double kOverspeed = 1.5;                // of the velocity limit
 constexpr double kJump_rev = 0.25;
+constexpr double kWaited_s = 0.01;  // of a measurement for its frame
 
 // Bits of identify::Signal.
 constexpr std::uint32_t kMotorSignals = 1u << 2 | 1u << 3 | 1u << 4;
@@ -384,7 +385,9 @@ void CanPlant::TakeFromAxis(Joint& joint, const can::Received& received) {
           const double fastest_rev_s =
               kOverspeed * joint.config.limits.velocity_rad_s * joint.config.gear_ratio / kTurn_rad;
           const double step_rev = std::abs(m->position_rev - joint.estimates.position_rev);
-          if (step_rev > fastest_rev_s * dt_s + kJump_rev) {
+          // The stamp is the frame's; the measurement may have waited for the bus.
+          const double waited_rev = std::abs(joint.estimates.velocity_rev_s) * (dt_s + kWaited_s);
+          if (step_rev > std::max(fastest_rev_s * dt_s, waited_rev) + kJump_rev) {
             char text[96];
             std::snprintf(text, sizeof text,
                           "the motor encoder jumped by %.2f revolutions in %.1f ms", step_rev,
