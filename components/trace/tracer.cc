@@ -47,8 +47,7 @@ constexpr double kConvincingUnits = 6;
 // An effect whose size is so many standard errors (every unit left out once) is believed though the
 // units differ much in what they gain by it.
 constexpr double kClearSize = 6.0;
-// Of few windows: an effect of such a size is no part of the placebo's noise.
-constexpr double kSureSize = 8.0;
+constexpr double kSureSize = 8.0;  // the same for taking it out of the placebo's noise
 constexpr std::size_t kFewestToJackknife = 10, kFewestWindowsToJackknife = 5;
 constexpr double kClearCurve = 5.0;  // the same for the curve over a variable
 // A level that carries this share of a residual this many times the noise's power wanders.
@@ -517,11 +516,9 @@ class Tracer {
       if (trial.hidden || trial.score.gain.sum <= 0.0) continue;
       if (best == nullptr || trial.score.gain.sum > best->score.gain.sum) best = &trial;
     }
-    // A small gain may be none: taking it out would make the noise too tame. Of few windows one may
-    // hold most of a gain; there a clear size tells.
-    const bool windows = !train_.rows().window.empty();
+    // A small gain of no clear size may be none: taking it out would make the noise too tame.
     if (best != nullptr && best->score.gain_share < kClearGain &&
-        !(windows && best->score.size_in_errors > kSureSize)) {
+        best->score.size_in_errors < kSureSize) {
       best = nullptr;
     }
     Eigen::VectorXd noise = target;
