@@ -1,0 +1,80 @@
+// The honest part of a fuzzed bus: controllers and sensor nodes that say what they should, so that
+// there is a robot to move. Joints swing past their limits in position and up to those in velocity;
+// controllers are in closed loop from the moment they were told.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <vector>
+
+#include "bridge/can/codec.h"
+#include "bridge/can/sensor_node.h"
+#include "bridge/joints/can_plant.h"
+
+namespace sinew::fuzz {
+
+class LiveRobot {
+ public:
+  explicit LiveRobot(const bridge::BridgeConfig& config)
+      : config_(config), closed_loop_(config.joints.size(), false) {}
+
+  double amplitude_rad = 1.6;
+  double frequency_rad_s = 2.4;
+  bool closes_loop = true;  // false: takes no orders
+
+  // What the bridge sent.
+  void Take(int bus, const can::Frame& frame) {
+    const auto state = can::Decode<can::SetAxisState>(frame);
+    if (!state) return;
+    const int node = can::AddressOf(frame)->node;
+    for (std::size_t j = 0; j < closed_loop_.size(); ++j) {
+      if (config_.joints[j].bus != bus || config_.joints[j].node != node) continue;
+      closed_loop_[j] = closes_loop && state->state == can::AxisState::kClosedLoopControl;
+    }
+  }
+
+  // Frames of this moment on this bus: estimates and output encoders always, the rest every fifth
+  // time and when `all`.
+  void Speak(int bus, double time_s, bool all, std::vector<can::Frame>* frames) {
+    ++sequence_;
+    const bool slow = all || sequence_ % 5 == 0;
+    for (std::size_t j = 0; j < closed_loop_.size(); ++j) {
+      const bridge::JointConfig& c = config_.joints[j];
+      if (c.bus != bus) continue;
+      const double phase = frequency_rad_s * time_s + static_cast<double>(j);
+      const double angle_rad = amplitude_rad * std::sin(phase);
+      const double velocity_rad_s = amplitude_rad * frequency_rad_s * std::cos(phase);
+      const double rev_per_rad = c.direction * c.gear_ratio / (2.0 * std::numbers::pi);
+      if (slow) {
+        frames->push_back(
+            can::Encode(c.node,
+                        can::Heartbeat{0, closed_loop_[j] ? can::AxisState::kClosedLoopControl
+                                                          : can::AxisState::kIdle},
+                        c.firmware));
+        frames->push_back(can::Encode(c.node, can::Iq{0.5, 0.5}, c.firmware));
+      }
+      frames->push_back(can::Encode(
+          c.node,
+          can::EncoderEstimates{angle_rad * rev_per_rad + c.zero_rev, velocity_rad_s * rev_per_rad},
+          c.firmware));
+      if (!c.output) continue;
+      can::OutputEncoder output;
+      output.angle_rad = c.output->direction * angle_rad + c.output->zero_rad;
+      output.velocity_rad_s = c.output->direction * velocity_rad_s;
+      output.sequence = sequence_;
+      output.encoder_valid = output.pressure_valid = output.load_valid = true;
+      frames->push_back(can::Encode(c.output->node, output));
+      if (slow) {
+        frames->push_back(can::Encode(c.output->node, can::JointSensors{4.0, 6.0, 12.0, 31.0}));
+      }
+    }
+  }
+
+ private:
+  bridge::BridgeConfig config_;
+  std::vector<bool> closed_loop_;
+  std::uint8_t sequence_ = 0;
+};
+
+}  // namespace sinew::fuzz

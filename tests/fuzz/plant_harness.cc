@@ -1,0 +1,237 @@
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "tests/fuzz/harness.h"
+#include "tests/fuzz/live_robot.h"
+#include "tests/fuzz/plant_watch.h"
+#include "tests/fuzz/property.h"
+
+namespace sinew::fuzz {
+namespace {
+
+using provider::Mode;
+
+constexpr int kJoints = 4;
+constexpr double kPeriod_s = 1.0 / 240.0;
+constexpr std::int64_t kPeriod_ns = 4'166'667;
+constexpr int kMostCycles = 400;
+
+// What the bytes choose. kAimed is a frame of a chosen length to a node of ours, in its kinds.
+enum class Op : std::uint8_t {
+  kAnyFrame,
+  kAimed,
+  kCommand,
+  kCycle,
+  kCycleInSilence,
+  kArmAll,
+  kFlood,
+  kClearFault,
+};
+constexpr std::uint8_t kOps = 8;
+constexpr std::array<std::uint32_t, 8> kAimedKinds = {0x01, 0x03, 0x04, 0x09,
+                                                      0x14, 0x1D, 0x0A, 0x00};
+
+class Bench {
+ public:
+  Bench()
+      : config_(FuzzedRobot(kJoints)),
+        watch_(config_),
+        robot_(config_),
+        buses_{FedBus(0, now_ns_, &watch_), FedBus(1, now_ns_, &watch_)},
+        plant_(config_, {&buses_[0], &buses_[1]}) {
+    buses_[0].on_wait = [this] { Speak(true); };
+    plant_.Reset(&sensors_);
+    buses_[0].on_wait = nullptr;
+  }
+
+  void Feed(int bus, const can::Frame& frame) { buses_[std::size_t(bus)].feed.push_back(frame); }
+  void Speak(bool all) {
+    for (int bus = 0; bus < 2; ++bus) {
+      robot_.Speak(bus, 1e-9 * static_cast<double>(now_ns_), all, &buses_[std::size_t(bus)].feed);
+    }
+  }
+  void Cycle(bool with_robot) {
+    now_ns_ += kPeriod_ns;
+    if (with_robot) Speak(false);
+    watch_.Begin(plant_, command, kPeriod_s);
+    plant_.Act(command, kPeriod_s);
+    watch_.End();
+    plant_.Step(command, kPeriod_s, &sensors_);
+    if (watch_.counts().violations > 0) throw Violation(watch_.first_violation());
+    for (int bus = 0; bus < 2; ++bus) {
+      FedBus& fed = buses_[std::size_t(bus)];
+      for (const can::Frame& frame : fed.sent) robot_.Take(bus, frame);
+      fed.sent.clear();
+      fed.Clear();
+    }
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      Check(std::isfinite(sensors_.position_rad[j]) && std::isfinite(sensors_.velocity_rad_s[j]) &&
+                std::isfinite(sensors_.torque_Nm[j]) &&
+                std::isfinite(sensors_.motor_position_rad[j]) &&
+                std::isfinite(sensors_.load_force_N[j]),
+            "a sensor value that is not finite");
+      Check(sensors_.age_us[j] >= 0, "a negative age");
+    }
+  }
+  void ClearFault() { plant_.ClearFault(); }
+  const bridge::BridgeConfig& config() const { return config_; }
+
+  provider::PlantCommand command;
+
+ private:
+  bridge::BridgeConfig config_;
+  PlantWatch watch_;
+  LiveRobot robot_;
+  std::int64_t now_ns_ = 1'000'000'000;
+  std::array<FedBus, 2> buses_;
+  bridge::CanPlant plant_;
+  provider::PlantSensors sensors_;
+};
+
+double Value(std::uint8_t choice, std::int16_t number) {
+  switch (choice % 16) {
+    case 0:
+      return std::numeric_limits<double>::quiet_NaN();
+    case 1:
+      return -std::numeric_limits<double>::infinity();
+    case 2:
+      return 1e300;
+    case 3:
+      return -1e-300;
+    default:
+      return 1e-4 * number;
+  }
+}
+
+}  // namespace
+
+void RunPlant(std::span<const std::uint8_t> input) {
+  Bench bench;
+  Bytes bytes(input);
+  can::Frame last;
+  int last_bus = 0;
+  for (int cycles = 0; !bytes.empty() && cycles < kMostCycles;) {
+    const std::uint8_t op = bytes.Byte();
+    switch (static_cast<Op>(op % kOps)) {
+      case Op::kAnyFrame:
+        last = bytes.Frame();
+        last_bus = op >> 3 & 1;
+        bench.Feed(last_bus, last);
+        break;
+      case Op::kAimed: {
+        const std::uint8_t choice = bytes.Byte();
+        const bridge::JointConfig& c = bench.config().joints[choice % kJoints];
+        const bool to_node = c.output && (choice & 4) != 0;
+        last = can::Frame{};
+        last.id = static_cast<std::uint32_t>(to_node ? c.output->node : c.node) << 5 |
+                  kAimedKinds[choice >> 3 & 7];
+        last.length = static_cast<std::uint8_t>((op >> 3) == 0 ? 8 : (op >> 3) % 10);
+        for (auto& byte : last.data) byte = bytes.Byte();
+        last_bus = c.bus;
+        bench.Feed(last_bus, last);
+        break;
+      }
+      case Op::kCommand: {
+        const std::uint8_t choice = bytes.Byte();
+        const std::size_t j = choice % kJoints;
+        bench.command.mode[j] = static_cast<Mode>(choice >> 2 & 3);
+        const std::uint8_t which = bytes.Byte();
+        bench.command.motor_torque_Nm[j] = Value(which, bytes.Take<std::int16_t>());
+        bench.command.position_rad[j] = Value(which >> 4, bytes.Take<std::int16_t>());
+        bench.command.velocity_rad_s[j] = Value(choice >> 4, bytes.Take<std::int16_t>());
+        bench.command.valve_open[j] = (op & 8) != 0;
+        bench.command.compressor_on[j] = (op & 16) != 0;
+        bench.command.vent_open[j] = (op & 32) != 0;
+        break;
+      }
+      case Op::kCycle:
+        bench.Cycle(true);
+        ++cycles;
+        break;
+      case Op::kCycleInSilence:
+        bench.Cycle(false);
+        ++cycles;
+        break;
+      case Op::kArmAll:  // the way to moving joints is long for chance
+        for (std::size_t j = 0; j < kJoints; ++j) {
+          bench.command.mode[j] = static_cast<Mode>(1 + (j + (op >> 3)) % 3);
+          bench.command.motor_torque_Nm[j] = 0.01;
+          bench.command.position_rad[j] = 0.3;
+          bench.command.velocity_rad_s[j] = -0.5;
+        }
+        for (int i = 0; i < 12; ++i, ++cycles) bench.Cycle(true);
+        break;
+      case Op::kFlood:
+        for (int i = 0; i < 64 * (op >> 3); ++i) bench.Feed(last_bus, last);
+        break;
+      case Op::kClearFault:
+        bench.ClearFault();
+        break;
+    }
+  }
+  bench.Cycle(true);
+}
+
+std::vector<Input> PlantSeeds() {
+  constexpr auto op = [](Op o, int more = 0) {
+    return static_cast<std::uint8_t>(static_cast<int>(o) + kOps * more);
+  };
+  const auto cycles = [&](Input& seed, int count) {
+    seed.insert(seed.end(), static_cast<std::size_t>(count), op(Op::kCycle));
+  };
+  std::vector<Input> seeds;
+  for (int shift = 0; shift < 3; ++shift) {  // every joint in every mode
+    Input seed{op(Op::kArmAll, shift)};
+    cycles(seed, 20);
+    seeds.push_back(seed);
+  }
+  const auto aimed = [&](Input& seed, std::uint8_t joint, int kind, bool node, int length,
+                         std::initializer_list<int> data) {
+    seed.push_back(op(Op::kAimed, length == 8 ? 0 : length == 0 ? 10 : length));
+    seed.push_back(static_cast<std::uint8_t>(joint | (node ? 4 : 0) | kind << 3));
+    for (const int byte : data) seed.push_back(static_cast<std::uint8_t>(byte));
+    for (std::size_t i = data.size(); i < 8; ++i) seed.push_back(0);
+  };
+  for (std::uint8_t joint = 0; joint < kJoints; ++joint) {
+    for (int kind = 0; kind < 8; ++kind) {
+      for (const bool node : {false, true}) {
+        Input seed{op(Op::kArmAll, joint)};
+        aimed(seed, joint, kind, node, 8, {1, 0, 0, 0, 8, 0, 0x80, 0x3F});
+        cycles(seed, 2);
+        aimed(seed, joint, kind, node, 5, {0xFF, 0xFF, 0x7F, 0x7F, 0xFF});
+        seed.push_back(op(Op::kFlood, 8));
+        cycles(seed, 2);
+        seed.push_back(op(Op::kClearFault));
+        cycles(seed, 5);
+        seeds.push_back(seed);
+      }
+    }
+  }
+  Input silence{op(Op::kArmAll)};
+  silence.insert(silence.end(), 20, op(Op::kCycleInSilence));
+  silence.push_back(op(Op::kClearFault));
+  cycles(silence, 20);
+  seeds.push_back(silence);
+  Input commands{op(Op::kArmAll)};
+  for (int i = 0; i < 32; ++i) {
+    commands.push_back(op(Op::kCommand, i));
+    for (const int byte : {i * 37, 0x40 + 5 * i, i, 3 * i, 5 * i, 7 * i, 11 * i, i})
+      commands.push_back(static_cast<std::uint8_t>(byte));
+    cycles(commands, 3);
+  }
+  seeds.push_back(commands);
+  Input any{op(Op::kArmAll)};
+  can::Frame odd;
+  odd.id = 0x3FFFFFFF;
+  odd.length = 255;
+  odd.extended = odd.remote = true;
+  any.push_back(op(Op::kAnyFrame));
+  Append(any, odd);
+  cycles(any, 2);
+  seeds.push_back(any);
+  return seeds;
+}
+
+}  // namespace sinew::fuzz

@@ -1,0 +1,376 @@
+#include "tests/fuzz/plant_watch.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+
+namespace sinew::fuzz {
+namespace {
+
+using bridge::FaultKind;
+using provider::Mode;
+
+constexpr double kTurn_rad = 2.0 * std::numbers::pi;
+constexpr double kTaper = 0.1;         // of the velocity limit, can_bridge.md
+constexpr double kFloatStep = 2.5e-7;  // relative: twice the step of float32
+constexpr double kSmallest = 1e-30;    // below it the float on the wire may be 0
+
+double FloatAt(const can::Frame& frame, std::size_t byte) {
+  float value = 0.0F;
+  std::memcpy(&value, frame.data.data() + byte, sizeof value);  // little-endian, as this machine
+  return static_cast<double>(value);
+}
+std::uint32_t WordAt(const can::Frame& frame, std::size_t byte) {
+  std::uint32_t value = 0;
+  std::memcpy(&value, frame.data.data() + byte, sizeof value);
+  return value;
+}
+static_assert(std::endian::native == std::endian::little);
+
+bool Near(double a, double b) {
+  return std::abs(a - b) <= kFloatStep * std::max(std::abs(a), std::abs(b)) + kSmallest;
+}
+
+}  // namespace
+
+PlantWatch::PlantWatch(const bridge::BridgeConfig& config) : config_(config) {
+  for (auto& bus : axis_of_) bus.fill(-1);
+  for (auto& bus : node_of_) bus.fill(-1);
+  joints_.resize(config.joints.size());
+  for (std::size_t j = 0; j < config.joints.size(); ++j) {
+    const bridge::JointConfig& c = config.joints[j];
+    axis_of_[std::size_t(c.bus)][std::size_t(c.node)] = static_cast<int>(j);
+    if (c.output) node_of_[std::size_t(c.bus)][std::size_t(c.output->node)] = static_cast<int>(j);
+  }
+}
+
+void PlantWatch::Heard(int bus, const can::Frame& frame, std::int64_t now_ns) {
+  ++counts_.heard;
+  if (frame.extended || frame.error || frame.remote || frame.id > 0x7FF || frame.length != 8)
+    return;
+  const std::size_t node = frame.id >> 5;
+  const std::uint32_t kind = frame.id & 31;
+  if (const int axis = axis_of_[std::size_t(bus)][node]; axis >= 0) {
+    Joint& joint = joints_[std::size_t(axis)];
+    if (kind == 0x01) {
+      joint.closed_loop = frame.data[4] == 8;
+      joint.heartbeat_ns = now_ns;
+    } else if (kind == 0x09) {
+      const double position_rev = FloatAt(frame, 0);
+      const double velocity_rev_s = FloatAt(frame, 4);
+      if (!std::isfinite(position_rev) || !std::isfinite(velocity_rev_s)) return;
+      joint.position_rev = position_rev;
+      joint.velocity_rev_s = velocity_rev_s;
+      joint.measured = true;
+    }
+  } else if (const int owner = node_of_[std::size_t(bus)][node]; owner >= 0 && kind == 0x09) {
+    Joint& joint = joints_[std::size_t(owner)];
+    joint.output_rad = 1e-6 * static_cast<std::int32_t>(WordAt(frame, 0));
+    if ((frame.data[7] & 1) != 0) joint.valid_output_rad = joint.output_rad;
+  }
+}
+
+void PlantWatch::Begin(const bridge::CanPlant& plant, const provider::PlantCommand& command,
+                       double period_s) {
+  plant_ = &plant;
+  command_ = command;
+  period_s_ = period_s;
+  in_cycle_ = true;
+  for (Joint& joint : joints_) {
+    joint.looked_at = false;
+    joint.setpoints = 0;
+    joint.as_commanded = false;
+  }
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    if (command.mode[j] != Mode::kPosition) joints_[j].has_last_position = false;
+  }
+}
+
+void PlantWatch::End() {
+  in_cycle_ = false;
+  for (const Joint& joint : joints_) {
+    if (joint.setpoints > 0) continue;
+    Break("a joint without a setpoint in a cycle", 0, can::Frame{});
+  }
+}
+
+// At the first frame to a joint in a cycle the plant has decided whether it holds, arms or moves
+// it.
+void PlantWatch::LookAt(std::size_t j, std::int64_t now_ns) {
+  Joint& joint = joints_[j];
+  if (joint.looked_at) return;
+  joint.looked_at = true;
+  if (command_.mode[j] == Mode::kIdle) {
+    joint.armed = false;
+    return;
+  }
+  if (plant_->fault(static_cast<int>(j)) != FaultKind::kNone) return;
+  if (!joint.armed) {
+    joint.armed = true;
+    joint.closed_since_armed = false;
+    joint.armed_ns = now_ns;
+    joint.has_last_position = false;
+  } else if (joint.closed_loop && joint.heartbeat_ns > joint.armed_ns) {
+    joint.closed_since_armed = true;
+  }
+}
+
+bool PlantWatch::MayMove(std::size_t j) const {
+  return joints_[j].armed && joints_[j].closed_since_armed &&
+         plant_->fault(static_cast<int>(j)) == FaultKind::kNone;
+}
+
+double PlantWatch::OutputPosition(std::size_t j, bool valid_only) const {
+  const bridge::JointConfig& c = config_.joints[j];
+  const Joint& joint = joints_[j];
+  if (c.output) {
+    return c.output->direction *
+           ((valid_only ? joint.valid_output_rad : joint.output_rad) - c.output->zero_rad);
+  }
+  return c.direction * kTurn_rad * (joint.position_rev - c.zero_rev) / c.gear_ratio;
+}
+
+void PlantWatch::Break(const char* rule, int bus, const can::Frame& frame) {
+  if (counts_.violations++ == 0) {
+    first_violation_ = std::string(rule) + ": bus " + std::to_string(bus) + ", " + Text(frame);
+  }
+}
+
+void PlantWatch::Sent(int bus, const can::Frame& frame, std::int64_t now_ns) {
+  ++counts_.sent;
+  if (!can::IsValid(frame) || frame.extended || frame.error) {
+    return Break("an impossible frame", bus, frame);
+  }
+  const std::size_t node = frame.id >> 5;
+  const std::uint32_t kind = frame.id & 31;
+  if (const int owner = node_of_[std::size_t(bus)][node]; owner >= 0) {
+    if (frame.remote || kind != 0x0B || frame.length != 4) {
+      return Break("not a frame for a sensor node", bus, frame);
+    }
+    if (in_cycle_) JudgeValves(static_cast<std::size_t>(owner), bus, frame);
+    return;
+  }
+  const int axis = axis_of_[std::size_t(bus)][node];
+  if (axis < 0) return Break("a frame to a node that is not ours", bus, frame);
+  const auto j = static_cast<std::size_t>(axis);
+  if (frame.remote) {
+    const bool known = kind == 0x03 || kind == 0x04 || kind == 0x09 || kind == 0x14 || kind == 0x1D;
+    if (!known) Break("asks for what the bridge has no use for", bus, frame);
+    return;
+  }
+  if (kind == 0x18) {  // Clear_Errors moves nothing
+    if (frame.length != 0) Break("Clear_Errors with data", bus, frame);
+    return;
+  }
+  // Outside a cycle (start, reset): idle and neutral only.
+  if (in_cycle_) LookAt(j, now_ns);
+  const bridge::JointConfig& c = config_.joints[j];
+  const bool armed = in_cycle_ && joints_[j].armed;
+  const Mode mode = command_.mode[j];
+  switch (kind) {
+    case 0x07: {
+      const std::uint32_t state = frame.length >= 4 ? WordAt(frame, 0) : 0;
+      if (state == 1) joints_[j].armed = false;
+      if (state != 1 && !(state == 8 && armed)) Break("an axis state not asked for", bus, frame);
+      return;
+    }
+    case 0x0B: {
+      const std::uint32_t wanted = mode == Mode::kPosition ? 3U : mode == Mode::kVelocity ? 2U : 1U;
+      if (!armed || frame.length != 8 || WordAt(frame, 0) != wanted || WordAt(frame, 4) != 1U) {
+        Break("a control mode not asked for", bus, frame);
+      }
+      return;
+    }
+    case 0x0F: {
+      const double velocity_rev_s = c.limits.velocity_rad_s * c.gear_ratio / kTurn_rad;
+      const bool with_current = c.firmware != can::Firmware::k0_5_1;
+      if (!armed || frame.length != 8 || !Near(FloatAt(frame, 0), velocity_rev_s) ||
+          (with_current && !Near(FloatAt(frame, 4), c.limits.current_A))) {
+        Break("limits that are not the joint's", bus, frame);
+      }
+      return;
+    }
+    case 0x0C:
+      return JudgePosition(j, bus, frame);
+    case 0x0D:
+      return JudgeVelocity(j, bus, frame);
+    case 0x0E:
+      return JudgeTorque(j, bus, frame);
+    default:
+      Break("a kind of frame the bridge does not have", bus, frame);
+  }
+}
+
+void PlantWatch::JudgeTorque(std::size_t j, int bus, const can::Frame& frame) {
+  const bridge::JointConfig& c = config_.joints[j];
+  Joint& joint = joints_[j];
+  ++counts_.setpoints;
+  ++joint.setpoints;
+  if (frame.length < 4) return Break("a short setpoint", bus, frame);
+  const double wire_Nm = FloatAt(frame, 0);
+  const bool may = in_cycle_ && MayMove(j) && command_.mode[j] == Mode::kTorque;
+  double held_Nm = 0.0;
+  if (may) {
+    const double most_Nm =
+        std::min(c.limits.motor_torque_Nm, c.limits.current_A * c.torque_constant_Nm_A);
+    held_Nm = std::clamp(command_.motor_torque_Nm[j], -most_Nm, most_Nm);
+    const double speed_rad_s = c.direction * kTurn_rad * joint.velocity_rev_s / c.gear_ratio;
+    const double forward_rad_s = held_Nm > 0.0 ? speed_rad_s : -speed_rad_s;
+    held_Nm *= std::clamp(
+        (c.limits.velocity_rad_s - forward_rad_s) / (kTaper * c.limits.velocity_rad_s), 0.0, 1.0);
+  }
+  const double expected_Nm =
+      c.direction * held_Nm * c.controller_torque_constant_Nm_A / c.torque_constant_Nm_A;
+  const auto outwards = [&](double position_rad) {
+    return (held_Nm > 0.0 && position_rad > c.limits.upper_rad) ||
+           (held_Nm < 0.0 && position_rad < c.limits.lower_rad);
+  };
+  joint.as_commanded = may && Near(wire_Nm, outwards(OutputPosition(j, false)) ? 0.0 : expected_Nm);
+  if (wire_Nm == 0.0) return;
+  ++counts_.moving;
+  if (!may) return Break("a torque for a joint that must not move", bus, frame);
+  if (!Near(wire_Nm, expected_Nm)) return Break("another torque than commanded", bus, frame);
+  if (outwards(OutputPosition(j, false)) && outwards(OutputPosition(j, true)))
+    Break("a torque outwards beyond a position limit", bus, frame);
+}
+
+void PlantWatch::JudgeVelocity(std::size_t j, int bus, const can::Frame& frame) {
+  const bridge::JointConfig& c = config_.joints[j];
+  Joint& joint = joints_[j];
+  ++counts_.setpoints;
+  ++joint.setpoints;
+  if (!in_cycle_ || command_.mode[j] != Mode::kVelocity) {
+    return Break("a velocity for a joint in another mode", bus, frame);
+  }
+  if (frame.length != 8 || !(FloatAt(frame, 4) == 0.0)) {
+    return Break("a velocity with a torque nobody asked for", bus, frame);
+  }
+  const double wire_rev_s = FloatAt(frame, 0);
+  const bool may = MayMove(j);
+  const double most_rad_s = c.limits.velocity_rad_s;
+  const double held_rad_s =
+      may ? std::clamp(command_.velocity_rad_s[j], -most_rad_s, most_rad_s) : 0.0;
+  const double expected_rev_s = c.direction * held_rad_s * c.gear_ratio / kTurn_rad;
+  const auto outwards = [&](double position_rad) {
+    return (held_rad_s > 0.0 && position_rad > c.limits.upper_rad) ||
+           (held_rad_s < 0.0 && position_rad < c.limits.lower_rad);
+  };
+  joint.as_commanded =
+      may && Near(wire_rev_s, outwards(OutputPosition(j, false)) ? 0.0 : expected_rev_s);
+  if (wire_rev_s == 0.0) return;
+  ++counts_.moving;
+  if (!may) return Break("a velocity for a joint that must not move", bus, frame);
+  if (!Near(wire_rev_s, expected_rev_s)) {
+    return Break("another velocity than commanded", bus, frame);
+  }
+  if (outwards(OutputPosition(j, false)) && outwards(OutputPosition(j, true)))
+    Break("a velocity outwards beyond a position limit", bus, frame);
+}
+
+void PlantWatch::JudgePosition(std::size_t j, int bus, const can::Frame& frame) {
+  const bridge::JointConfig& c = config_.joints[j];
+  Joint& joint = joints_[j];
+  ++counts_.setpoints;
+  ++joint.setpoints;
+  if (!in_cycle_ || command_.mode[j] != Mode::kPosition) {
+    return Break("a position for a joint in another mode", bus, frame);
+  }
+  const double wire_rev = FloatAt(frame, 0);
+  const auto ahead = static_cast<std::int16_t>(WordAt(frame, 4) & 0xFFFF);
+  const auto torque = static_cast<std::int16_t>(WordAt(frame, 4) >> 16);
+  if (frame.length != 8 || torque != 0 || !std::isfinite(wire_rev)) {
+    return Break("a position that is not finite, or with a torque", bus, frame);
+  }
+  const double most_rev_s = c.limits.velocity_rad_s * c.gear_ratio / kTurn_rad;
+  if (std::abs(0.001 * ahead) > most_rev_s + 0.001) {
+    return Break("a feed-forward above the velocity limit", bus, frame);
+  }
+  const bool neutral = joint.measured && wire_rev == joint.position_rev && ahead == 0;
+  if (!MayMove(j)) {
+    if (!neutral) Break("a position for a joint that must not move", bus, frame);
+    return;
+  }
+  joint.as_commanded = true;
+  const double step_rev = most_rev_s * period_s_;
+  const double slack_rev = 4.0 * kFloatStep * std::abs(wire_rev) + 1e-5;
+  const auto within_a_step = [&](double from_rev) {
+    return std::abs(wire_rev - from_rev) <= step_rev + slack_rev;
+  };
+  const bool from_measured = within_a_step(joint.position_rev);
+  const bool from_last = joint.has_last_position && within_a_step(joint.last_position_rev);
+  const double base_rev = from_last ? joint.last_position_rev : joint.position_rev;
+  if (!from_measured && !from_last) Break("a position too far in one cycle", bus, frame);
+  // Beyond a limit it may only come back.
+  const double limits_rev[2] = {
+      c.direction * c.limits.lower_rad * c.gear_ratio / kTurn_rad + c.zero_rev,
+      c.direction * c.limits.upper_rad * c.gear_ratio / kTurn_rad + c.zero_rev};
+  const double lower_rev = std::min(limits_rev[0], limits_rev[1]);
+  const double upper_rev = std::max(limits_rev[0], limits_rev[1]);
+  const auto outside = [&](double rev) {
+    return std::max({rev - upper_rev, lower_rev - rev, 0.0});
+  };
+  const double before = std::max(outside(base_rev), outside(joint.position_rev));
+  if (outside(wire_rev) > before + slack_rev) {
+    Break("a position outwards beyond a limit", bus, frame);
+  }
+  if (wire_rev != joint.position_rev) ++counts_.moving;
+  joint.last_position_rev = wire_rev;
+  joint.has_last_position = true;
+}
+
+void PlantWatch::JudgeValves(std::size_t j, int bus, const can::Frame& frame) {
+  const unsigned wanted = (command_.valve_open[j] ? 1U : 0U) |
+                          (command_.compressor_on[j] ? 2U : 0U) | (command_.vent_open[j] ? 4U : 0U);
+  const std::uint32_t timeout_ms = WordAt(frame, 0) >> 16;
+  if (frame.data[0] != wanted ||
+      timeout_ms != static_cast<std::uint32_t>(config_.timing.valve_timeout_ms)) {
+    Break("relays other than commanded", bus, frame);
+  }
+}
+
+bridge::BridgeConfig FuzzedRobot(int joints) {
+  bridge::BridgeConfig config;
+  config.bitrate_bit_s = {1e6, 1e6};
+  const int per_bus = (joints + 1) / 2;
+  for (int j = 0; j < joints; ++j) {
+    bridge::JointConfig joint;
+    joint.name = "joint" + std::to_string(j);
+    joint.bus = j / per_bus;
+    joint.node = 1 + j % per_bus;
+    joint.firmware = static_cast<can::Firmware>(j % 3);
+    joint.direction = j % 2 == 0 ? 1 : -1;
+    joint.gear_ratio = j % 4 == 3 ? 1.0 : 50.0;
+    joint.zero_rev = 0.5 * j;
+    joint.torque_constant_Nm_A = 0.0159155;
+    joint.controller_torque_constant_Nm_A = 8.27 / 600;
+    joint.limits = {0.2 + 0.01 * j, 25.0, 4.0, -1.5, 1.5, 0.2, 90.0};
+    if (j % 2 == 0) joint.output = bridge::OutputNode{joint.node + 32, j % 4 == 0 ? 1 : -1, 0.25};
+    config.joints.push_back(joint);
+  }
+  return config;
+}
+
+can::SendStatus FedBus::Send(const can::Frame& frame) noexcept {
+  ++counters_.sent;
+  sent.push_back(frame);
+  if (watch_ != nullptr) watch_->Sent(bus_, frame, now_ns_);
+  return can::SendStatus::kOk;
+}
+
+bool FedBus::Receive(std::chrono::nanoseconds timeout, can::Received* received) noexcept {
+  if (next >= feed.size()) {
+    if (timeout.count() <= 0) return false;
+    now_ns_ += timeout.count();
+    if (on_wait) on_wait();
+    if (next >= feed.size()) return false;
+  }
+  const can::Frame& frame = feed[next++];
+  ++counters_.received;
+  if (watch_ != nullptr) watch_->Heard(bus_, frame, now_ns_);
+  *received = {frame, now_ns_};
+  return true;
+}
+
+}  // namespace sinew::fuzz

@@ -1,0 +1,142 @@
+// Watches what the bridge's plant hears and sends, and holds every frame that leaves against what
+// the commands allow. For the fuzz harness, the soak run and the speed measurement; allocates
+// nothing after its setup.
+//
+// The rules, from docs/participants/can_bridge.md ("What may move a joint") and by hand from bytes,
+// not with the codec:
+//   - a frame goes only to a node of the joint map, on that joint's bus, and is of a kind the
+//   bridge
+//     has;
+//   - a joint that is idle, has a fault, or has not said closed loop since it was armed gets only
+//     neutral setpoints: no torque, no velocity, the position it measured last;
+//   - a torque is the commanded one within torque and current limit, tapered near the velocity
+//     limit, nothing outwards beyond the position limits; or nothing;
+//   - a velocity is the commanded one within the limit, nothing outwards; or nothing;
+//   - a position leaves the measured or the last one by no more than the velocity limit allows, and
+//     ends within the limits;
+//   - relays are the commanded ones;
+//   - every joint gets a setpoint in every cycle.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bridge/joints/can_plant.h"
+#include "tests/fuzz/property.h"
+
+namespace sinew::fuzz {
+
+struct WatchCounts {
+  std::uint64_t heard = 0;       // frames the plant took from a bus
+  std::uint64_t sent = 0;        // frames the plant sent
+  std::uint64_t setpoints = 0;   // of these, setpoints
+  std::uint64_t moving = 0;      // setpoints that ask for a torque, a velocity, a new position
+  std::uint64_t violations = 0;  // frames or cycles that break a rule
+};
+
+class PlantWatch {
+ public:
+  explicit PlantWatch(const bridge::BridgeConfig& config);
+
+  // The plant takes this frame from this bus now.
+  void Heard(int bus, const can::Frame& frame, std::int64_t now_ns);
+  // Call before and after each Act (or Step that sends).
+  void Begin(const bridge::CanPlant& plant, const provider::PlantCommand& command, double period_s);
+  void End();
+  // The plant sends this frame.
+  void Sent(int bus, const can::Frame& frame, std::int64_t now_ns);
+
+  const WatchCounts& counts() const { return counts_; }
+  const std::string& first_violation() const { return first_violation_; }
+  // The joint got, in its last setpoint, exactly what was commanded: a torque or velocity within
+  // limits.
+  bool moved_as_commanded(int joint) const { return joints_[std::size_t(joint)].as_commanded; }
+
+ private:
+  struct Joint {
+    // Heard.
+    double position_rev = 0.0;
+    double velocity_rev_s = 0.0;
+    bool measured = false;
+    double output_rad = 0.0;        // the node's angle, as it came
+    double valid_output_rad = 0.0;  // the last that the node called valid
+    bool closed_loop = false;
+    std::int64_t heartbeat_ns = 0;
+    // The plant's arming, followed from outside.
+    bool armed = false;
+    bool closed_since_armed = false;
+    bool looked_at = false;  // in this cycle
+    std::int64_t armed_ns = 0;
+    double last_position_rev = 0.0;  // of the setpoints since armed
+    bool has_last_position = false;
+    int setpoints = 0;  // in this cycle
+    bool as_commanded = false;
+  };
+
+  void Break(const char* rule, int bus, const can::Frame& frame);
+  void LookAt(std::size_t joint, std::int64_t now_ns);
+  bool MayMove(std::size_t joint) const;
+  void JudgeTorque(std::size_t joint, int bus, const can::Frame& frame);
+  void JudgeVelocity(std::size_t joint, int bus, const can::Frame& frame);
+  void JudgePosition(std::size_t joint, int bus, const can::Frame& frame);
+  void JudgeValves(std::size_t joint, int bus, const can::Frame& frame);
+  // Position at the output, from the last frame or from the last one that was valid.
+  double OutputPosition(std::size_t joint, bool valid_only) const;
+
+  bridge::BridgeConfig config_;
+  std::vector<Joint> joints_;
+  std::array<std::array<int, 64>, provider::BusReport::kMaxBuses> axis_of_{};
+  std::array<std::array<int, 64>, provider::BusReport::kMaxBuses> node_of_{};
+  const bridge::CanPlant* plant_ = nullptr;
+  provider::PlantCommand command_;
+  double period_s_ = 0.0;
+  bool in_cycle_ = false;
+  WatchCounts counts_;
+  std::string first_violation_;
+};
+
+// A robot for it: joints on two buses with the same node numbers on both, so that a frame on the
+// wrong bus would reach a joint; all three firmwares, both directions, with and without sensor
+// nodes.
+bridge::BridgeConfig FuzzedRobot(int joints);
+
+// A bus that hands out what was fed and tells the watch of both directions. Time is the owner's;
+// only a Receive that waits lets it pass.
+class FedBus : public can::Transport {
+ public:
+  FedBus(int bus, std::int64_t& now_ns, PlantWatch* watch)
+      : bus_(bus), now_ns_(now_ns), watch_(watch) {
+    feed.reserve(8192);
+    sent.reserve(256);
+  }
+
+  can::SendStatus Send(const can::Frame& frame) noexcept override;
+  bool Receive(std::chrono::nanoseconds timeout, can::Received* received) noexcept override;
+  can::Link link() const noexcept override { return can::Link::kUp; }
+  can::TransportCounters counters() const noexcept override { return counters_; }
+  std::int64_t now_ns() const noexcept override { return now_ns_; }
+  const std::string& name() const noexcept override { return name_; }
+
+  // Forgets what was not read: a full socket does, too.
+  void Clear() {
+    feed.clear();
+    next = 0;
+  }
+
+  std::vector<can::Frame> feed;
+  std::size_t next = 0;
+  std::vector<can::Frame> sent;   // since the owner cleared it
+  std::function<void()> on_wait;  // the plant waits and nothing is there: the owner may feed
+
+ private:
+  int bus_;
+  std::int64_t& now_ns_;
+  PlantWatch* watch_;
+  can::TransportCounters counters_;
+  std::string name_ = "fed";
+};
+
+}  // namespace sinew::fuzz
