@@ -1,0 +1,408 @@
+// Malformed, unknown and flooding frames into the bridge's plant of twelve joints on two buses: no
+// crash, and no joint moved that must not or otherwise than commanded. Every frame that leaves is
+// judged (tests/fuzz/plant_watch.h). Exit code 1 when a rule was broken.
+//   build/release/bin/can_fuzz_soak [frames] [seed]       100000000 frames unless told
+//
+// The buses are in memory and hand out what they are fed, without the filters that a real transport
+// has: the plant sees everything. Episodes of 120 cycles at 240 Hz, each with commands of its own
+// (about a third of the joints idle) and one kind of trouble:
+//   noise    unknown identifiers, extended, remote and error frames, impossible lengths, wrong
+//            lengths in the names of our nodes: nobody may notice; no fault, every setpoint as
+//            commanded
+//   flood    the same as bursts of up to 1500 frames a cycle on each bus, many times what 1 Mbit/s
+//            carries: nobody may notice either
+//   forged   whole answers with any content in the names of some joints, also as bursts: these may
+//            have faults, and move only as they may; the others may not notice
+//   mutated  what our nodes really said, with bits turned, bytes changed, cut or repeated
+//   storm    all of it, with commands that are not finite and resets of faults at any time
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "tests/fuzz/live_robot.h"
+#include "tests/fuzz/plant_watch.h"
+
+namespace {
+
+using namespace sinew;
+using provider::Mode;
+
+constexpr int kJoints = 12;
+constexpr int kBuses = 2;
+constexpr double kPeriod_s = 1.0 / 240.0;
+constexpr std::int64_t kPeriod_ns = 4'166'667;
+constexpr int kCycles = 120;       // of an episode
+constexpr int kArmingCycles = 15;  // until every joint that shall move does
+
+enum class Trouble { kNoise, kFlood, kForged, kMutated, kStorm };
+constexpr std::array kNames = {"noise", "flood", "forged", "mutated", "storm"};
+
+// xorshift64*: the generator must not be what takes the time.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : state_(seed * 2654435761U + 1) {}
+  std::uint64_t operator()() {
+    state_ ^= state_ >> 12;
+    state_ ^= state_ << 25;
+    state_ ^= state_ >> 27;
+    return state_ * 0x2545F4914F6CDD1DU;
+  }
+  std::uint32_t Below(std::uint32_t n) {
+    return static_cast<std::uint32_t>(((*this)() >> 32) * n >> 32);
+  }
+  double Within(double most) {
+    return most * (static_cast<double>((*this)() >> 11) * 0x1p-52 - 1.0);
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+void FillData(Random& random, can::Frame* frame) {
+  std::uint64_t bits = random();
+  if (random.Below(4) == 0) bits &= random() & random();  // many zeros
+  if (random.Below(8) == 0) bits = 0x7F8000007F800000U;   // infinities
+  if (random.Below(8) == 0) bits |= 0x7FC000007FC00000U;  // NaN
+  for (std::size_t i = 0; i < 8; ++i) frame->data[i] = static_cast<std::uint8_t>(bits >> (8 * i));
+}
+
+class Soak {
+ public:
+  explicit Soak(std::uint64_t seed)
+      : random_(seed),
+        config_(fuzz::FuzzedRobot(kJoints)),
+        watch_(config_),
+        robot_(config_),
+        buses_{fuzz::FedBus(0, now_ns_, &watch_), fuzz::FedBus(1, now_ns_, &watch_)},
+        plant_(config_, {&buses_[0], &buses_[1]}) {
+    for (const bridge::JointConfig& c : config_.joints) {
+      ours_[std::size_t(c.bus)][std::size_t(c.node)] = true;
+      nodes_[std::size_t(c.bus)].push_back(static_cast<std::uint32_t>(c.node));
+      if (c.output) {
+        ours_[std::size_t(c.bus)][std::size_t(c.output->node)] = true;
+        nodes_[std::size_t(c.bus)].push_back(static_cast<std::uint32_t>(c.output->node));
+      }
+    }
+    robot_.frequency_rad_s = 2.3;  // 3.68 rad/s at most: into the taper, not beyond the limit
+    buses_[0].on_wait = [this] { Speak(true); };
+    plant_.Reset(&sensors_);
+    buses_[0].on_wait = nullptr;
+  }
+
+  bool Run(std::uint64_t frames) {
+    const auto began = std::chrono::steady_clock::now();
+    for (std::uint64_t episode = 0; fuzzed_ < frames && bad_ == 0; ++episode) {
+      Episode(static_cast<Trouble>(episode % kNames.size()));
+      if (fuzzed_ / 10'000'000 != told_) {
+        told_ = fuzzed_ / 10'000'000;
+        std::printf("%llu frames\n", static_cast<unsigned long long>(fuzzed_));
+        std::fflush(stdout);
+      }
+    }
+    const double seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    Report(seconds);
+    return bad_ == 0 && watch_.counts().violations == 0 && moved_as_commanded_ > 0;
+  }
+
+ private:
+  void Speak(bool all) {
+    for (int bus = 0; bus < kBuses; ++bus) {
+      robot_.Speak(bus, 1e-9 * static_cast<double>(now_ns_), all, &buses_[std::size_t(bus)].feed);
+    }
+  }
+
+  void Command(bool wild) {
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const std::uint32_t choice = random_.Below(6);
+      command_.mode[j] = choice < 2 ? Mode::kIdle : static_cast<Mode>(choice - 2);
+      Demand(j, wild);
+      command_.valve_open[j] = random_.Below(2) == 0;
+      command_.compressor_on[j] = random_.Below(2) == 0;
+      command_.vent_open[j] = random_.Below(2) == 0;
+    }
+  }
+  void Demand(std::size_t j, bool wild) {
+    command_.motor_torque_Nm[j] = random_.Within(0.5);
+    command_.position_rad[j] = random_.Within(2.0);
+    command_.velocity_rad_s[j] = random_.Within(6.0);
+    if (!wild || random_.Below(64) != 0) return;
+    constexpr std::array kWild = {std::numeric_limits<double>::quiet_NaN(),
+                                  std::numeric_limits<double>::infinity(), 1e300, -1e300, 1e-300};
+    command_.motor_torque_Nm[j] = kWild[random_.Below(kWild.size())];
+    command_.position_rad[j] = kWild[random_.Below(kWild.size())];
+    command_.velocity_rad_s[j] = kWild[random_.Below(kWild.size())];
+  }
+
+  void Episode(Trouble trouble) {
+    const bool harmless = trouble == Trouble::kNoise || trouble == Trouble::kFlood;
+    ++episodes_[std::size_t(trouble)];
+    // All idle, all well.
+    command_ = {};
+    for (int i = 0; i < 4; ++i) Cycle(trouble, 0);
+    plant_.ClearFault();
+    for (int i = 0; i < 4; ++i) Cycle(trouble, 0);
+    plant_.ClearFault();
+    Command(trouble == Trouble::kStorm);
+    ChooseVictims(trouble);
+    for (int cycle = 0; cycle < kCycles && bad_ == 0; ++cycle) {
+      for (std::size_t j = 0; j < kJoints; ++j) Demand(j, trouble == Trouble::kStorm);
+      if (!harmless && random_.Below(16) == 0) plant_.ClearFault();
+      if (trouble == Trouble::kStorm && random_.Below(16) == 0) Command(true);
+      Cycle(trouble, Burst(trouble));
+      if (!harmless) {
+        for (int j = 0; j < kJoints; ++j) ++faults_[std::size_t(plant_.fault(j))];
+      }
+      if (!harmless && trouble != Trouble::kForged) continue;
+      for (int j = 0; j < kJoints; ++j) {
+        if (trouble == Trouble::kForged && victim_[std::size_t(j)]) continue;
+        if (plant_.fault(j) != bridge::FaultKind::kNone) {
+          return Bad("a fault though nothing was wrong: " + sensors_.message);
+        }
+        const bool moves = command_.mode[std::size_t(j)] != Mode::kIdle;
+        if (!moves || cycle < kArmingCycles) continue;
+        if (!watch_.moved_as_commanded(j)) return Bad("a joint did not get its command");
+        ++moved_as_commanded_;
+      }
+    }
+  }
+
+  void ChooseVictims(Trouble trouble) {
+    for (auto& nodes : forged_) nodes.clear();
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      victim_[j] = trouble != Trouble::kForged || random_.Below(3) == 0;
+      if (!victim_[j]) continue;
+      const bridge::JointConfig& c = config_.joints[j];
+      forged_[std::size_t(c.bus)].push_back(static_cast<std::uint32_t>(c.node));
+      if (c.output) {
+        forged_[std::size_t(c.bus)].push_back(static_cast<std::uint32_t>(c.output->node));
+      }
+    }
+  }
+
+  std::uint32_t Burst(Trouble trouble) {
+    switch (trouble) {
+      case Trouble::kFlood:
+        return random_.Below(4) == 0 ? 1500 : 20;
+      case Trouble::kForged:
+      case Trouble::kStorm:
+        return random_.Below(200) == 0 ? 3000 : 5 + random_.Below(60);
+      case Trouble::kNoise:
+      case Trouble::kMutated:
+        break;
+    }
+    return 100;
+  }
+
+  void Cycle(Trouble trouble, std::uint32_t frames) {
+    now_ns_ += kPeriod_ns;
+    Speak(false);
+    for (std::size_t bus = 0; frames > 0 && bus < kBuses; ++bus) {
+      honest_ = buses_[bus].feed;
+      std::vector<can::Frame>& feed = buses_[bus].feed;
+      const bool before = random_.Below(2) == 0;  // the trouble comes before or after the truth
+      if (before) feed.clear();
+      const bool same = frames >= 1000;  // a flood is one frame again and again, or two
+      can::Frame frame = Make(trouble, bus);
+      for (std::uint32_t i = 0; i < frames; ++i) {
+        feed.push_back(frame);
+        if (!same || random_.Below(700) == 0) frame = Make(trouble, bus);
+      }
+      if (before) feed.insert(feed.end(), honest_.begin(), honest_.end());
+      fuzzed_ += frames;
+      by_trouble_[std::size_t(trouble)] += frames;
+    }
+    watch_.Begin(plant_, command_, kPeriod_s);
+    plant_.Act(command_, kPeriod_s);
+    watch_.End();
+    plant_.Step(command_, kPeriod_s, &sensors_);
+    ++cycles_;
+    longest_message_ = std::max(longest_message_, sensors_.message.size());
+    for (int bus = 0; bus < kBuses; ++bus) {
+      fuzz::FedBus& fed = buses_[std::size_t(bus)];
+      for (const can::Frame& frame : fed.sent) robot_.Take(bus, frame);
+      fed.sent.clear();
+      unread_ += fed.feed.size() - fed.next;
+      fed.Clear();
+    }
+    if (watch_.counts().violations > 0) Bad(watch_.first_violation());
+  }
+
+  can::Frame Make(Trouble trouble, std::size_t bus) {
+    switch (trouble) {
+      case Trouble::kNoise:
+      case Trouble::kFlood:
+        return Noise(bus);
+      case Trouble::kForged:
+        return Forged(bus);
+      case Trouble::kMutated:
+        return Mutated(bus);
+      case Trouble::kStorm:
+        break;
+    }
+    switch (random_.Below(3)) {
+      case 0:
+        return Noise(bus);
+      case 1:
+        return Forged(bus);
+      default:
+        return Mutated(bus);
+    }
+  }
+
+  // Nothing that a node of ours could have said.
+  can::Frame Noise(std::size_t bus) {
+    can::Frame frame;
+    FillData(random_, &frame);
+    const std::uint64_t bits = random_();
+    frame.length = static_cast<std::uint8_t>(bits % 16 < 9 ? bits % 16 : bits >> 8);
+    frame.id = static_cast<std::uint32_t>(bits >> 32);
+    switch (bits >> 16 & 7) {
+      case 0:  // extended, possible or not
+        frame.extended = true;
+        break;
+      case 1:
+        frame.error = true;
+        frame.id = OurId(bus);
+        break;
+      case 2:  // somebody asks our nodes
+        frame.remote = true;
+        frame.id = OurId(bus);
+        break;
+      case 3:
+      case 4:  // in our nodes' names, too short or too long for any message the bridge reads
+        frame.id = OurId(bus);
+        if (frame.length >= 4 && frame.length <= 8) frame.length = frame.length % 2 == 0 ? 3 : 9;
+        break;
+      case 5:  // an identifier that no bus can carry
+        frame.id |= 0x800;
+        break;
+      default:
+        frame.id &= 0x7FF;
+        if (ours_[bus][frame.id >> 5]) frame.id = (frame.id & 31) | 0x7E0;  // node 63: nobody
+        break;
+    }
+    return frame;
+  }
+
+  std::uint32_t OurId(std::size_t bus) {
+    const auto& nodes = nodes_[bus];
+    return nodes[random_.Below(static_cast<std::uint32_t>(nodes.size()))] << 5 | random_.Below(32);
+  }
+
+  can::Frame Forged(std::size_t bus) {
+    const auto& nodes = forged_[bus];
+    if (nodes.empty()) return Noise(bus);
+    static constexpr std::array<std::uint32_t, 8> kKinds = {0x01, 0x03, 0x04, 0x09,
+                                                            0x0A, 0x14, 0x1D, 0x01};
+    can::Frame frame;
+    frame.id = nodes[random_.Below(static_cast<std::uint32_t>(nodes.size()))] << 5 |
+               kKinds[random_.Below(8)];
+    frame.length = random_.Below(8) == 0 ? static_cast<std::uint8_t>(random_.Below(10)) : 8;
+    FillData(random_, &frame);
+    if ((frame.id & 31) == 0x01 && random_.Below(2) == 0) {  // a heartbeat that could be true
+      frame.data = {};
+      frame.data[4] = static_cast<std::uint8_t>(random_.Below(2) == 0 ? 8 : random_.Below(14));
+      if (random_.Below(4) == 0) frame.data[random_.Below(3)] = 1 << random_.Below(8);
+    }
+    return frame;
+  }
+
+  can::Frame Mutated(std::size_t bus) {
+    if (honest_.empty()) return Noise(bus);
+    can::Frame frame = honest_[random_.Below(static_cast<std::uint32_t>(honest_.size()))];
+    for (std::uint32_t n = random_.Below(3); n-- > 0;) {
+      const std::uint32_t where = random_.Below(88);
+      if (where < 64) {
+        frame.data[where / 8] ^= static_cast<std::uint8_t>(1U << where % 8);
+      } else if (where < 75) {
+        frame.id ^= 1U << (where - 64);
+      } else if (where < 80) {
+        frame.length = static_cast<std::uint8_t>(random_.Below(10));
+      } else if (where < 82) {
+        frame.remote = !frame.remote;
+      } else if (where < 83) {
+        frame.extended = !frame.extended;
+      } else {
+        frame.data[where - 80] = static_cast<std::uint8_t>(random_());
+      }
+    }
+    return frame;
+  }
+
+  void Bad(const std::string& what) {
+    if (bad_++ == 0) std::printf("BROKEN in cycle %ld: %s\n", cycles_, what.c_str());
+  }
+
+  void Report(double seconds) const {
+    const fuzz::WatchCounts& counts = watch_.counts();
+    const auto number = [](const char* name, std::uint64_t value) {
+      std::printf("%-34s %12llu\n", name, static_cast<unsigned long long>(value));
+    };
+    number("fuzzed frames", fuzzed_);
+    for (std::size_t i = 0; i < kNames.size(); ++i) {
+      std::printf("  %-8s %8ld episodes %16llu\n", kNames[i], episodes_[i],
+                  static_cast<unsigned long long>(by_trouble_[i]));
+    }
+    number("frames the plant took", counts.heard);
+    number("never read, a flood's rest", unread_);
+    number("told as malformed", plant_.malformed());
+    number("cycles of 12 joints", static_cast<std::uint64_t>(cycles_));
+    number("frames sent, every one judged", counts.sent);
+    number("setpoints", counts.setpoints);
+    number("  that ask for motion", counts.moving);
+    number("  checked to be the command", moved_as_commanded_);
+    static constexpr std::array kFaults = {
+        "none",    "axis error", "heartbeat lost", "estimates lost", "node lost", "encoder jump",
+        "too hot", "overspeed",  "out of range",   "no closed loop", "not finite"};
+    std::printf("joint-cycles by fault, where trouble can make one:");
+    for (std::size_t i = 0; i < kFaults.size(); ++i) {
+      std::printf("%s %s %llu", i == 0 ? "" : ",", kFaults[i],
+                  static_cast<unsigned long long>(faults_[i]));
+    }
+    std::printf("\nlongest message of a fault: %zu characters\n", longest_message_);
+    std::printf("%.1f s, %.0f ns per frame\n", seconds,
+                1e9 * seconds / static_cast<double>(std::max<std::uint64_t>(fuzzed_, 1)));
+    std::printf("%llu rules broken: %s\n", static_cast<unsigned long long>(counts.violations),
+                bad_ == 0 ? "no wrong joint moved" : "FAILED");
+  }
+
+  Random random_;
+  bridge::BridgeConfig config_;
+  fuzz::PlantWatch watch_;
+  fuzz::LiveRobot robot_;
+  std::int64_t now_ns_ = 1'000'000'000;
+  std::array<fuzz::FedBus, kBuses> buses_;
+  bridge::CanPlant plant_;
+  provider::PlantCommand command_;
+  provider::PlantSensors sensors_;
+  std::array<std::array<bool, 64>, kBuses> ours_{};
+  std::array<std::vector<std::uint32_t>, kBuses> nodes_;
+  std::array<std::vector<std::uint32_t>, kBuses> forged_;  // nodes that are forged in an episode
+  std::array<bool, kJoints> victim_{};
+  std::vector<can::Frame> honest_;
+
+  std::uint64_t fuzzed_ = 0;
+  std::uint64_t told_ = 0;
+  std::uint64_t unread_ = 0;
+  std::uint64_t moved_as_commanded_ = 0;
+  std::array<std::uint64_t, kNames.size()> by_trouble_{};
+  std::array<long, kNames.size()> episodes_{};
+  std::array<std::uint64_t, 11> faults_{};
+  std::size_t longest_message_ = 0;
+  long cycles_ = 0;
+  int bad_ = 0;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::uint64_t frames = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 100'000'000;
+  const std::uint64_t seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
+  std::printf("seed %llu\n", static_cast<unsigned long long>(seed));
+  return std::make_unique<Soak>(seed)->Run(frames) ? 0 : 1;
+}
