@@ -418,6 +418,20 @@ double ResidentMegabytes() {
   return static_cast<double>(resident) * static_cast<double>(::sysconf(_SC_PAGESIZE)) / 1e6;
 }
 
+const char* Word(Node::State state) {
+  switch (state) {
+    case Node::State::kConfigured:
+      return "configured";
+    case Node::State::kActive:
+      return "active";
+    case Node::State::kFault:
+      return "fault";
+    case Node::State::kStopped:
+      return "stopped";
+  }
+  return "fault";
+}
+
 msg::ComponentState ToMessage(Node::State state) {
   switch (state) {
     case Node::State::kConfigured:
@@ -435,6 +449,7 @@ msg::ComponentState ToMessage(Node::State state) {
 }  // namespace
 
 void NodeImpl::PublishStatusIfDue(bool now) {
+  systemd.Beat();
   const auto time = std::chrono::steady_clock::now();
   if (!now && time - last_status < std::chrono::seconds(1)) return;
   if (status_writer == nullptr) return;
@@ -464,6 +479,13 @@ void NodeImpl::PublishStatusIfDue(bool now) {
   }
 }
 
+// The first state that a component sets means that it is configured.
+void NodeImpl::TellSystemd() {
+  told_systemd = true;
+  systemd.SetStatus(Word(state) + (state_message.empty() ? "" : ": " + state_message));
+  if (state == Node::State::kStopped) systemd.SetStopping();
+}
+
 }  // namespace internal
 
 Node::Node(const Options& options) : impl_(std::make_shared<internal::NodeImpl>(options)) {
@@ -473,6 +495,7 @@ Node::Node(const Options& options) : impl_(std::make_shared<internal::NodeImpl>(
 }
 
 Node::~Node() {
+  impl_->systemd.SetStopping();
   if (impl_->state != State::kFault) impl_->state = State::kStopped;
   impl_->PublishStatusIfDue(true);
   impl_->raw_readers.clear();
@@ -544,6 +567,7 @@ void Node::SetState(State state, const std::string& message) {
   impl_->state = state;
   impl_->state_message = message;
   impl_->PublishStatusIfDue(changed);
+  if (changed || !impl_->told_systemd) impl_->TellSystemd();
 }
 
 void Node::SetCounts(const Counts& counts) {
@@ -557,6 +581,7 @@ void Node::SetCycle(std::uint64_t session_id, std::uint64_t tick, std::int64_t s
   impl_->tick = tick;
   impl_->stamp_ns = stamp_ns;
   impl_->origin = origin;
+  impl_->systemd.Beat();
 }
 
 bool Node::WaitForData(std::chrono::microseconds timeout) {

@@ -4,6 +4,7 @@
 #include "components/node/codec.h"
 #include "components/node/dds_pch.h"
 #include "components/node/node.h"
+#include "components/node/systemd_link.h"
 
 namespace sinew::node::internal {
 
@@ -104,6 +105,7 @@ struct NodeImpl final : public dds::DomainParticipantListener {
   std::string ProfileFor(const TopicInfo& info) const;
   void AddProblem(const std::string& problem);
   void PublishStatusIfDue(bool now);
+  void TellSystemd();
 
   void on_participant_discovery(dds::DomainParticipant*,
                                 eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) override;
@@ -114,6 +116,7 @@ struct NodeImpl final : public dds::DomainParticipantListener {
 
   Options options;
   Signal signal;
+  SystemdLink systemd;
   dds::DomainParticipant* participant = nullptr;
   dds::Publisher* publisher = nullptr;
   dds::Subscriber* subscriber = nullptr;
@@ -121,6 +124,7 @@ struct NodeImpl final : public dds::DomainParticipantListener {
   // Status; the owner's thread only.
   Node::State state = Node::State::kConfigured;
   std::string state_message;
+  bool told_systemd = false;
   Node::Counts counts;
   std::uint64_t session_id = 0, tick = 0;
   std::int64_t stamp_ns = 0;
