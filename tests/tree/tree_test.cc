@@ -323,6 +323,7 @@ TEST(Tree, PackagesAreExactlyWhatTheBuildAndTheProgramsNeed) {
                                      "libgmock-dev",
                                      "gnuplot-nox",
                                      "procps",
+                                     "systemd",
                                      "fonts-dejavu-core",
                                      "cyclonedds-tools",
                                      "qemu-system-x86",
