@@ -160,6 +160,11 @@ class Bench {
     watcher_ = std::make_unique<Watcher>(bus);
   }
 
+  ~Bench() {
+    programs_.back()->Signal(SIGTERM);
+    (void)programs_.back()->Wait(seconds(10));
+  }
+
   // Milliseconds from the last command to damping and to the fault.
   struct Times {
     double damping_ms = 0.0, fault_ms = 0.0;

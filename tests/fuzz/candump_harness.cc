@@ -12,7 +12,8 @@ bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 bool IsHex(char c) { return IsDigit(c) || (c >= 'A' && c <= 'F') || (c >= 'a' && c <= 'f'); }
 
 // The format, read a second time by hand: "(seconds.microseconds) interface identifier#payload",
-// and what newer versions append.
+// with a second # and a digit of flags in front of an FD frame's bytes, and what newer versions
+// append.
 bool IsOfTheFormat(std::string_view text) {
   while (!text.empty() && (text.back() == '\r' || text.back() == ' ')) text.remove_suffix(1);
   if (text.ends_with(" T") || text.ends_with(" R")) text.remove_suffix(2);
@@ -36,6 +37,12 @@ bool IsOfTheFormat(std::string_view text) {
   if ((id != 3 && id != 8) || !is('#')) return false;
   if (is('R')) {
     return text.empty() || (text.size() == 1 && text.front() >= '0' && text.front() <= '8');
+  }
+  if (is('#')) {
+    if (text.empty() || !IsHex(text.front())) return false;
+    text.remove_prefix(1);
+    return text.size() % 2 == 0 && can::IsFdLength(static_cast<int>(text.size() / 2)) &&
+           std::all_of(text.begin(), text.end(), IsHex);
   }
   return text.size() <= 16 && text.size() % 2 == 0 && std::all_of(text.begin(), text.end(), IsHex);
 }

@@ -38,7 +38,7 @@ class Bytes {
       value |= static_cast<std::uint64_t>(Byte()) << (8 * i);
     return static_cast<Integer>(value);
   }
-  // Any frame at all, impossible ones included: flags, length, identifier, data; 14 bytes.
+  // Any classic frame, impossible ones included: flags, length, identifier, data; 14 bytes.
   can::Frame Frame() {
     can::Frame frame;
     const std::uint8_t flags = Byte();
@@ -47,7 +47,7 @@ class Bytes {
     frame.error = (flags & 4) != 0;
     frame.length = Byte();
     frame.id = Take<std::uint32_t>();
-    for (auto& byte : frame.data) byte = Byte();
+    for (std::size_t i = 0; i < can::kMaxDataBytes; ++i) frame.data[i] = Byte();
     return frame;
   }
 

@@ -103,6 +103,12 @@ class Rig {
     StartBridge();
   }
 
+  // Fast DDS 2.9 may crash in a participant that ends after a peer was killed: an orderly end.
+  ~Rig() {
+    bridge_->Signal(SIGTERM);
+    (void)bridge_->Wait(seconds(10));
+  }
+
   void StartAxes() { axes_ = Start({"sinew-virtual-axes", "--config", axes_config_}); }
   void StartBridge() {
     bridge_ = Start(
