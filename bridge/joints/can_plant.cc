@@ -640,9 +640,10 @@ void CanPlant::Judge(std::int64_t now_ns) {
   const BridgeTiming& timing = config_.timing;
   for (Joint& joint : joints_) {
     const JointLimits& limits = joint.config.limits;
-    if (joint.phase == Phase::kIdle && joint.fault == FaultKind::kNone &&
+    if (joint.phase != Phase::kActive && joint.fault == FaultKind::kNone &&
         joint.heartbeat.axis_error == can::axis_error::kWatchdogTimerExpired) {
       // Nobody fed an axis that held nothing, as between the start and the first cycle: no fault.
+      // One that is just being armed is asked for closed loop again.
       joint.heartbeat.axis_error = 0;
       joint.cleared_ns = now_ns + kClearing_ns;
       Send(joint, can::ClearErrors{});

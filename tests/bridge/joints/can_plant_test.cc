@@ -588,6 +588,17 @@ TEST(CanPlant, FramesFromBeforeTheStartAreNotTakenForNews) {
   EXPECT_THROW(bench.plant->Reset(&bench.sensors), std::runtime_error);
 }
 
+TEST(CanPlant, ExpiredWatchdogOfAnAxisThatIsJustBeingArmedIsClearedToo) {
+  Bench bench({.watchdog_s = 0.02});
+  bench.Start();
+  bench.buses[0]->AdvanceTo(bench.buses[0]->now_ns() + 300 * kMs_ns);  // the bridge is kept waiting
+  EXPECT_NE(bench.axes->axis_error(0), 0U);
+  bench.Arm();  // in the first cycle
+  bench.Steps(120);
+  EXPECT_FALSE(bench.faulty()) << bench.sensors.message;
+  EXPECT_EQ(bench.axes->axis_state(0), can::AxisState::kClosedLoopControl);
+}
+
 TEST(CanPlant, HeartbeatThatCrossedTheClearingIsNoNewFault) {
   Bench bench;
   bench.Start();
