@@ -33,8 +33,6 @@ using provider::Mode;
 
 constexpr int kJoints = 12;
 constexpr int kBuses = 2;
-constexpr double kPeriod_s = 1.0 / 240.0;
-constexpr std::int64_t kPeriod_ns = 4'166'667;
 constexpr int kCycles = 120;       // of an episode
 constexpr int kArmingCycles = 15;  // until every joint that shall move does
 
@@ -199,7 +197,7 @@ class Soak {
   }
 
   void Cycle(Trouble trouble, std::uint32_t frames) {
-    now_ns_ += kPeriod_ns;
+    now_ns_ += fuzz::kPeriod_ns;
     Speak(false);
     for (std::size_t bus = 0; frames > 0 && bus < kBuses; ++bus) {
       honest_ = buses_[bus].feed;
@@ -216,10 +214,10 @@ class Soak {
       fuzzed_ += frames;
       by_trouble_[std::size_t(trouble)] += frames;
     }
-    watch_.Begin(plant_, command_, kPeriod_s);
-    plant_.Act(command_, kPeriod_s);
+    watch_.Begin(plant_, command_, fuzz::kPeriod_s);
+    plant_.Act(command_, fuzz::kPeriod_s);
     watch_.End();
-    plant_.Step(command_, kPeriod_s, &sensors_);
+    plant_.Step(command_, fuzz::kPeriod_s, &sensors_);
     ++cycles_;
     longest_message_ = std::max(longest_message_, sensors_.message.size());
     for (int bus = 0; bus < kBuses; ++bus) {

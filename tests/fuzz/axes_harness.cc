@@ -24,6 +24,7 @@ virtual_axes::VirtualAxesConfig Config() {
     axis.joint = j;
     axis.firmware = static_cast<can::Firmware>(j);
     axis.gear_ratio = 100.0;
+    axis.encoder_counts_rev = j == 1 ? 4000.0 : 16384.0;
     axis.rates = {20, 2, 5, 10, 10, 10, 10};
     axis.watchdog_s = j == 0 ? 0.05 : 0.0;
     config.axes.push_back(axis);
@@ -112,6 +113,12 @@ std::vector<Input> AxesSeeds() {
       seeds.push_back(each);
     }
   }
+  Input far;  // a setpoint at the end of the world, and the question where that is
+  to(far, can::Encode(2, can::SetControllerMode{can::ControlMode::kPosition}));
+  to(far, can::Encode(2, can::SetAxisState{can::AxisState::kClosedLoopControl}));
+  to(far, can::Encode(2, can::SetInputPos{1e30, 0.0, 0.0}));
+  for (int i = 0; i < 20; ++i) to(far, can::EncodeRequest(2, can::Command::kGetEncoderCount));
+  seeds.push_back(far);
   Input valve;
   to(valve, can::Encode(33, can::ValveCommand{true, true, false, 1, 60}));
   valve.insert(valve.end(), 20, 0xE0);

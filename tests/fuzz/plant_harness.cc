@@ -14,8 +14,6 @@ namespace {
 using provider::Mode;
 
 constexpr int kJoints = 4;
-constexpr double kPeriod_s = 1.0 / 240.0;
-constexpr std::int64_t kPeriod_ns = 4'166'667;
 constexpr int kMostCycles = 400;
 
 // What the bytes choose. kAimed is a frame of a chosen length to a node of ours, in its kinds.

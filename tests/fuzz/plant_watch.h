@@ -29,6 +29,10 @@
 
 namespace sinew::fuzz {
 
+// Of the cycles that everything here runs in.
+inline constexpr double kPeriod_s = 1.0 / 240.0;
+inline constexpr std::int64_t kPeriod_ns = 4'166'667;
+
 struct WatchCounts {
   std::uint64_t heard = 0;       // frames the plant took from a bus
   std::uint64_t sent = 0;        // frames the plant sent

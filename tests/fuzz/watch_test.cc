@@ -1,0 +1,123 @@
+// The watch itself: it must see every kind of frame that may not leave, else the fuzzing proves
+// nothing. And the harness must reach joints that move.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <string>
+
+#include "tests/fuzz/live_robot.h"
+#include "tests/fuzz/plant_watch.h"
+
+namespace sinew::fuzz {
+namespace {
+
+using provider::Mode;
+
+// A robot of four joints in motion; joint 3 is idle. Joints 0 and 1 are on bus 0 with nodes 1 and
+// 2, joints 2 and 3 on bus 1 with the same ones.
+class Watched : public ::testing::Test {
+ protected:
+  Watched()
+      : config(FuzzedRobot(4)),
+        watch(config),
+        robot(config),
+        buses{FedBus(0, now_ns, &watch), FedBus(1, now_ns, &watch)},
+        plant(config, {&buses[0], &buses[1]}) {
+    robot.amplitude_rad = 0.5;
+    buses[0].on_wait = [this] { Speak(true); };
+    plant.Reset(&sensors);
+    buses[0].on_wait = nullptr;
+    command.mode = {Mode::kTorque, Mode::kPosition, Mode::kVelocity, Mode::kIdle};
+    command.motor_torque_Nm[0] = 0.05;
+    command.position_rad[1] = 0.2;
+    command.velocity_rad_s[2] = 0.5;
+    command.valve_open[0] = true;
+    for (int i = 0; i < 30; ++i) Cycle();
+  }
+
+  void Speak(bool all) {
+    for (int bus = 0; bus < 2; ++bus)
+      robot.Speak(bus, 1e-9 * static_cast<double>(now_ns), all, &buses[std::size_t(bus)].feed);
+  }
+  void Cycle(const std::function<void()>& inside = {}) {
+    now_ns += kPeriod_ns;
+    Speak(false);
+    watch.Begin(plant, command, kPeriod_s);
+    plant.Act(command, kPeriod_s);
+    if (inside) inside();
+    watch.End();
+    plant.Step(command, kPeriod_s, &sensors);
+    for (int bus = 0; bus < 2; ++bus) {
+      for (const can::Frame& frame : buses[std::size_t(bus)].sent) robot.Take(bus, frame);
+      buses[std::size_t(bus)].sent.clear();
+      buses[std::size_t(bus)].Clear();
+    }
+  }
+  // The rule that one more frame in a cycle breaks; empty when none.
+  template <class Message>
+  std::string Breaks(int bus, int node, const Message& message) {
+    const can::Frame frame = can::Encode(node, message);
+    Cycle([&] { watch.Sent(bus, frame, now_ns); });
+    return watch.first_violation();
+  }
+
+  bridge::BridgeConfig config;
+  PlantWatch watch;
+  LiveRobot robot;
+  std::int64_t now_ns = 1'000'000'000;
+  std::array<FedBus, 2> buses;
+  bridge::CanPlant plant;
+  provider::PlantCommand command;
+  provider::PlantSensors sensors;
+};
+
+TEST_F(Watched, ARobotInMotionBreaksNoRuleAndGetsItsCommands) {
+  EXPECT_EQ(watch.counts().violations, 0U) << watch.first_violation();
+  EXPECT_FALSE(sensors.fault) << sensors.message;
+  EXPECT_GT(watch.counts().moving, 40U);
+  for (int j = 0; j < 3; ++j) EXPECT_TRUE(watch.moved_as_commanded(j)) << j;
+  EXPECT_FALSE(watch.moved_as_commanded(3));
+}
+
+TEST_F(Watched, TorqueForAnIdleJointIsSeen) {
+  EXPECT_NE(Breaks(1, 2, can::SetInputTorque{0.001}).find("must not move"), std::string::npos);
+}
+TEST_F(Watched, NeighboursTorqueOnTheOtherBusIsSeen) {
+  // Joint 0's own setpoint, on joint 2's bus.
+  const double wire_Nm = 0.05 * (8.27 / 600) / 0.0159155;
+  EXPECT_NE(Breaks(1, 1, can::SetInputTorque{wire_Nm}), "");
+  EXPECT_GT(watch.counts().violations, 0U);
+}
+TEST_F(Watched, TorqueAboveTheCommandIsSeen) {
+  EXPECT_NE(Breaks(0, 1, can::SetInputTorque{0.1}).find("another torque"), std::string::npos);
+}
+TEST_F(Watched, TorqueThatIsNotFiniteIsSeen) {
+  EXPECT_NE(Breaks(0, 1, can::SetInputTorque{std::nan("")}), "");
+}
+TEST_F(Watched, PositionThatJumpsIsSeen) {
+  EXPECT_NE(Breaks(0, 2, can::SetInputPos{5.0, 0.0, 0.0}).find("too far"), std::string::npos);
+}
+TEST_F(Watched, VelocityAboveTheCommandIsSeen) {
+  EXPECT_NE(Breaks(1, 1, can::SetInputVel{9.0, 0.0}).find("another velocity"), std::string::npos);
+}
+TEST_F(Watched, ArmingAnIdleJointIsSeen) {
+  EXPECT_NE(Breaks(1, 2, can::SetAxisState{can::AxisState::kClosedLoopControl}), "");
+}
+TEST_F(Watched, FrameToAStrangerIsSeen) {
+  EXPECT_NE(Breaks(0, 40, can::SetInputTorque{0.0}).find("not ours"), std::string::npos);
+}
+TEST_F(Watched, ReconfiguringAControllerIsSeen) {
+  EXPECT_NE(Breaks(0, 1, can::SetAxisNodeId{3}).find("kind"), std::string::npos);
+}
+TEST_F(Watched, RelaysOtherThanCommandedAreSeen) {
+  EXPECT_NE(Breaks(0, 33, can::ValveCommand{false, true, false, 0, 60}).find("relays"),
+            std::string::npos);
+}
+TEST_F(Watched, CycleWithoutASetpointIsSeen) {
+  watch.Begin(plant, command, kPeriod_s);
+  watch.End();
+  EXPECT_EQ(watch.counts().violations, 4U);
+}
+
+}  // namespace
+}  // namespace sinew::fuzz
