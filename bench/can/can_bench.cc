@@ -130,7 +130,7 @@ class Bench {
       command_.mode[j] = static_cast<provider::Mode>(1 + j % 3);
     }
     for (int i = 0; i < 60; ++i) Cycle();
-    return !sensors_.fault;
+    return !sensors_.any_fault();
   }
 
   // The time that the plant took.
@@ -160,7 +160,7 @@ class Bench {
     return std::chrono::duration<double>(end - start).count();
   }
 
-  bool fault() const { return sensors_.fault; }
+  bool fault() const { return sensors_.any_fault(); }
   const std::string& message() const { return sensors_.message; }
   double frames_per_cycle() const {
     double frames = 0.0;

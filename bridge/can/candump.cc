@@ -20,6 +20,7 @@ std::optional<std::uint32_t> TakeHex(std::string_view& text, std::size_t count) 
 }
 
 std::optional<std::int64_t> TakeDecimal(std::string_view& text) {
+  if (text.empty() || text.front() == '-') return std::nullopt;  // from_chars takes a sign
   std::int64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end == text.data() || value < 0) return std::nullopt;

@@ -249,9 +249,12 @@ void CanPlant::Reset(provider::PlantSensors* sensors) {
 void CanPlant::ClearFault() {
   const std::int64_t cleared_ns = transports_.front()->now_ns() + kClearing_ns;
   for (Joint& joint : joints_) {
-    joint.fault = FaultKind::kNone;
-    joint.fault_text.clear();
+    if (joint.fault_told) {
+      joint.fault = FaultKind::kNone;
+      joint.fault_text.clear();
+    }
     joint.asked_errors = false;
+    joint.answered = 0;
     joint.heartbeat.axis_error = 0;  // until a later heartbeat says otherwise
     joint.cleared_ns = cleared_ns;
     Send(joint, can::ClearErrors{});
@@ -409,27 +412,19 @@ void CanPlant::TakeFromAxis(Joint& joint, const can::Received& received) {
       break;
     case Command::kGetMotorError:
       if (const auto m = can::Decode<can::MotorError>(frame, firmware)) {
-        if (m->error != 0 && joint.fault == FaultKind::kAxisError) {
-          char text[40];
-          std::snprintf(text, sizeof text, ", motor 0x%llX",
-                        static_cast<unsigned long long>(m->error));
-          joint.fault_text += text;
-        }
+        AppendError(joint, Command::kGetMotorError, "motor", m->error);
         return;
       }
       break;
     case Command::kGetEncoderError:
     case Command::kGetControllerError:
       if (frame.length >= 4) {
-        const bool encoder = can::AddressOf(frame)->command == Command::kGetEncoderError;
+        const Command command = can::AddressOf(frame)->command;
         const auto e = can::Decode<can::EncoderError>(frame, firmware);
         const auto c = can::Decode<can::ControllerError>(frame, firmware);
         const std::uint32_t error = e ? e->error : c ? c->error : 0;
-        if (error != 0 && joint.fault == FaultKind::kAxisError) {
-          char text[40];
-          std::snprintf(text, sizeof text, ", %s 0x%X", encoder ? "encoder" : "controller", error);
-          joint.fault_text += text;
-        }
+        AppendError(joint, command, command == Command::kGetEncoderError ? "encoder" : "controller",
+                    error);
         return;
       }
       break;
@@ -445,7 +440,12 @@ void CanPlant::TakeFromNode(Joint& joint, const can::Received& received) {
       if (const auto m = can::DecodeOutputEncoder(received.frame)) {
         // A sequence number that stands still is an old measurement in a new frame.
         const bool fresh = joint.output_ns == 0 || m->sequence != joint.output.sequence;
+        const can::OutputEncoder before = joint.output;
         joint.output = *m;
+        if (!m->encoder_valid && joint.output_ns != 0) {  // the relays are told, the angle is not
+          joint.output.angle_rad = before.angle_rad;
+          joint.output.velocity_rad_s = before.velocity_rad_s;
+        }
         if (fresh && m->encoder_valid) joint.output_ns = received.stamp_ns;
         return;
       }
@@ -699,8 +699,18 @@ void CanPlant::Judge(std::int64_t now_ns) {
 void CanPlant::Fail(Joint& joint, FaultKind kind, const char* what) {
   if (joint.fault != FaultKind::kNone) return;  // the first one is the cause
   joint.fault = kind;
+  joint.fault_told = false;
   joint.fault_text =
       "joint '" + joint.config.name + "' (node " + std::to_string(joint.config.node) + "): " + what;
+}
+
+void CanPlant::AppendError(Joint& joint, Command command, const char* who, std::uint64_t error) {
+  const std::uint32_t bit = 1u << static_cast<unsigned>(command);
+  if (error == 0 || joint.fault != FaultKind::kAxisError || (joint.answered & bit) != 0) return;
+  joint.answered |= bit;
+  char text[40];
+  std::snprintf(text, sizeof text, ", %s 0x%llX", who, static_cast<unsigned long long>(error));
+  joint.fault_text += text;
 }
 
 void CanPlant::FailSilent(Joint& joint, FaultKind kind, const char* what) {
@@ -712,10 +722,10 @@ void CanPlant::FailSilent(Joint& joint, FaultKind kind, const char* what) {
   }
 }
 
-void CanPlant::Fill(std::int64_t now_ns, provider::PlantSensors* sensors) const {
+void CanPlant::Fill(std::int64_t now_ns, provider::PlantSensors* sensors) {
   const std::string* first = nullptr;  // fault's text
   for (std::size_t j = 0; j < joints_.size(); ++j) {
-    const Joint& joint = joints_[j];
+    Joint& joint = joints_[j];
     const JointConfig& c = joint.config;
     sensors->position_rad[j] = joint.position_rad();
     sensors->velocity_rad_s[j] = joint.velocity_rad_s();
@@ -737,7 +747,7 @@ void CanPlant::Fill(std::int64_t now_ns, provider::PlantSensors* sensors) const 
     const std::int64_t age_us =
         std::clamp<std::int64_t>((now_ns - oldest_ns) / 1000, 0, 2'000'000'000);
     sensors->age_us[j] = static_cast<std::int32_t>(age_us);
-    sensors->joint_fault[j] = joint.fault != FaultKind::kNone;
+    sensors->joint_fault[j] = joint.fault_told = joint.fault != FaultKind::kNone;
     sensors->valid[j] = age_us * 1000 <= Ns(config_.timing.estimate_timeout_s);
     if (sensors->joint_fault[j] && first == nullptr) first = &joint.fault_text;
   }

@@ -179,8 +179,10 @@ class CanPlant : public provider::Plant {
     std::uint8_t valve_sequence = 0;
     std::int64_t cleared_ns = 0;
     bool asked_errors = false;
+    std::uint32_t answered = 0;  // bit per command whose error is in fault_text
     double home_rev = 0.0;
     FaultKind fault = FaultKind::kNone;
+    bool fault_told = false;  // to the provider: a reset clears only what was
     std::string fault_text;
 
     double motor_position_rad() const;
@@ -213,8 +215,9 @@ class CanPlant : public provider::Plant {
 
   void Judge(std::int64_t now_ns);
   void Fail(Joint& joint, FaultKind kind, const char* what);
+  static void AppendError(Joint& joint, can::Command command, const char* who, std::uint64_t error);
   void FailSilent(Joint& joint, FaultKind kind, const char* what);  // says so when the bus is down
-  void Fill(std::int64_t now_ns, provider::PlantSensors* sensors) const;
+  void Fill(std::int64_t now_ns, provider::PlantSensors* sensors);
   void Report(std::int64_t now_ns, double work_us);
 
   BridgeConfig config_;

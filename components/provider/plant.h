@@ -1,6 +1,7 @@
 // What a state provider drives: world, surrogate, or hardware behind the CAN bridge.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string>
@@ -46,6 +47,10 @@ struct PlantSensors {
   std::array<bool, kMaxJoints> joint_fault{};
   bool fault = false;   // of the whole plant
   std::string message;  // why
+
+  bool any_fault() const {
+    return fault || std::find(joint_fault.begin(), joint_fault.end(), true) != joint_fault.end();
+  }
 };
 
 // Health of field buses; only a bridge has it.

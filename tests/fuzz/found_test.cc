@@ -103,7 +103,7 @@ TEST(Found, FaultThatRoseInActIsToldEvenWhenAResetComesBeforeTheStep) {
   ASSERT_EQ(joint.plant.fault(0), FaultKind::kEncoderJump);
   joint.plant.ClearFault();
   joint.Step();
-  EXPECT_TRUE(joint.sensors.fault);
+  EXPECT_TRUE(joint.sensors.joint_fault[0]);
 }
 
 TEST(Found, MinusZeroIsNoTimeOfALog) {

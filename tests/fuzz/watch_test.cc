@@ -73,7 +73,7 @@ class Watched : public ::testing::Test {
 
 TEST_F(Watched, ARobotInMotionBreaksNoRuleAndGetsItsCommands) {
   EXPECT_EQ(watch.counts().violations, 0U) << watch.first_violation();
-  EXPECT_FALSE(sensors.fault) << sensors.message;
+  EXPECT_FALSE(sensors.any_fault()) << sensors.message;
   EXPECT_GT(watch.counts().moving, 40U);
   for (int j = 0; j < 3; ++j) EXPECT_TRUE(watch.moved_as_commanded(j)) << j;
   EXPECT_FALSE(watch.moved_as_commanded(3));

@@ -29,11 +29,6 @@ constexpr std::int64_t kMs_ns = 1'000'000;
 constexpr double kPeriod_s = 1.0 / 240.0;
 constexpr std::int64_t kPeriod_ns = 4'166'667;
 
-bool AnyFault(const provider::PlantSensors& sensors) {
-  return sensors.fault || std::any_of(sensors.joint_fault.begin(), sensors.joint_fault.end(),
-                                      [](bool fault) { return fault; });
-}
-
 // Robot of `joints` joints on `buses` buses, and everything around it.
 struct Setup {
   int joints = 1;
@@ -130,7 +125,7 @@ class Bench {
     FAIL() << "not armed";
   }
 
-  bool faulty() const { return AnyFault(sensors); }
+  bool faulty() const { return sensors.any_fault(); }
 
   Setup setup_;
   test::Rotors rotors;
@@ -809,7 +804,7 @@ TEST(CanPlant, ActAndStepTakeNothingFromTheHeap) {
     plant.Step(command, kPeriod_s, &sensors);
   }
   EXPECT_EQ(test::Allocations() - before, 0);
-  EXPECT_FALSE(AnyFault(sensors)) << sensors.message;
+  EXPECT_FALSE(sensors.any_fault()) << sensors.message;
 }
 
 TEST(CanPlant, OldFirmwareWorksAsWell) {
