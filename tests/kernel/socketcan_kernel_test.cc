@@ -5,9 +5,6 @@
 #include <linux/can.h>
 #include <linux/can/error.h>
 #include <linux/can/raw.h>
-#include <net/if.h>
-#include <sys/ioctl.h>
-#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -31,17 +28,13 @@
 #include "bridge/virtual_axes/virtual_axes.h"
 #include "components/config/config.h"
 #include "tests/bridge/virtual_axes/rotors.h"
+#include "tests/kernel/raw_socket.h"
 
 namespace sinew::can {
 namespace {
 
 using std::chrono::milliseconds;
 using std::chrono::seconds;
-
-std::string Interface() {
-  const char* name = std::getenv("SINEW_CAN_INTERFACE");
-  return name == nullptr ? "vcan0" : name;
-}
 
 int Shell(const std::string& command) {
   const int status = std::system(command.c_str());
@@ -54,33 +47,6 @@ Frame Data(std::uint32_t id, std::initializer_list<int> bytes) {
   for (const int byte : bytes) frame.data[frame.length++] = static_cast<std::uint8_t>(byte);
   return frame;
 }
-
-// A raw socket of its own, to see and to inject what our transport does not send.
-class RawSocket {
- public:
-  RawSocket() {
-    socket_ = ::socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC, CAN_RAW);
-    ifreq request{};
-    std::strncpy(request.ifr_name, Interface().c_str(), IFNAMSIZ - 1);
-    EXPECT_EQ(::ioctl(socket_, SIOCGIFINDEX, &request), 0);
-    sockaddr_can address{};
-    address.can_family = AF_CAN;
-    address.can_ifindex = request.ifr_ifindex;
-    EXPECT_EQ(::bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-  }
-  ~RawSocket() { ::close(socket_); }
-  void Send(canid_t id, std::initializer_list<int> bytes) const {
-    can_frame frame{};
-    frame.can_id = id;
-    frame.can_dlc = CAN_ERR_DLC;
-    std::size_t i = 0;
-    for (const int byte : bytes) frame.data[i++] = static_cast<std::uint8_t>(byte);
-    EXPECT_EQ(::write(socket_, &frame, sizeof frame), static_cast<ssize_t>(sizeof frame));
-  }
-
- private:
-  int socket_ = -1;
-};
 
 TEST(SocketCanOnAKernel, EveryKindOfFrameArrivesByteForByte) {
   SocketCan a({Interface(), {}, 0}), b({Interface(), {}, 0});
@@ -176,17 +142,17 @@ TEST(SocketCanOnAKernel, ErrorFramesTellBusOffRestartAndPassive) {
   SocketCan a({Interface(), {{0x1, 0x7FF, false}}, 0});  // filters for data do not hide errors
   const RawSocket injector;
   Received received;
-  injector.Send(CAN_ERR_FLAG | CAN_ERR_CRTL, {0, CAN_ERR_CRTL_TX_PASSIVE});
+  ASSERT_TRUE(injector.SendError(CAN_ERR_CRTL, {0, CAN_ERR_CRTL_TX_PASSIVE}));
   ASSERT_TRUE(a.Receive(seconds(2), &received));
   EXPECT_TRUE(received.frame.error);
   EXPECT_EQ(a.link(), Link::kPassive);
-  injector.Send(CAN_ERR_FLAG | CAN_ERR_BUSOFF, {});
+  ASSERT_TRUE(injector.SendError(CAN_ERR_BUSOFF));
   ASSERT_TRUE(a.Receive(seconds(2), &received));
   EXPECT_EQ(a.link(), Link::kBusOff);
-  injector.Send(CAN_ERR_FLAG | CAN_ERR_RESTARTED, {});
+  ASSERT_TRUE(injector.SendError(CAN_ERR_RESTARTED));
   ASSERT_TRUE(a.Receive(seconds(2), &received));
   EXPECT_EQ(a.link(), Link::kUp);
-  injector.Send(CAN_ERR_FLAG | CAN_ERR_LOSTARB, {});
+  ASSERT_TRUE(injector.SendError(CAN_ERR_LOSTARB));
   EXPECT_FALSE(a.Receive(milliseconds(20), &received))
       << "lost arbitration is no error worth telling";
   EXPECT_EQ(a.counters().error_frames, 3U);
