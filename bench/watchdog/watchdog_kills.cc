@@ -4,7 +4,8 @@
 //   last command -> first damping setpoint,   last command -> the axis is told to idle (fault).
 // Says after each kill how long it took, and at the end median, 99th percentile and worst beside
 // the goals.
-//   watchdog_kills [--kills N] [--rate HZ] [--domain N]
+// Also how long a controller that is started anew takes to be heard.
+//   watchdog_kills [--kills N] [--rate HZ] [--domain N] [--qos FILE]
 #include <signal.h>
 #include <sinew_idl/joint.h>
 #include <sinew_idl/operator.h>
@@ -44,16 +45,29 @@ constexpr double kTorque_Nm = 1e-3, kStep_Nm = 1e-6;
 constexpr int kPattern = 64;
 constexpr double kScale = 0.0137833 / 0.0159155;  // controller's torque over the motor's
 
-node::Options NodeOptions(int domain, const char* name) {
+// Where on DDS all of it runs.
+struct Place {
+  int domain = 97;
+  std::string qos;  // a file of profiles instead of the built-in ones
+};
+
+node::Options NodeOptions(const Place& place, const char* name) {
   node::Options options;
   options.component = options.name = name;
-  options.domain_id = domain;
+  options.domain_id = place.domain;
+  options.qos_path = place.qos;
   return options;
 }
 
+std::vector<std::string> Arguments(std::vector<std::string> program, const Place& place) {
+  program.insert(program.end(), {"--domain", std::to_string(place.domain)});
+  if (!place.qos.empty()) program.insert(program.end(), {"--qos", place.qos});
+  return program;
+}
+
 // The controller that will be killed: answers every joint_state.
-int Command(int domain) {
-  node::Node node(NodeOptions(domain, "commander"));
+int Command(const Place& place) {
+  node::Node node(NodeOptions(place, "commander"));
   auto states = node.MakeReader(node::kJointState);
   auto commands = node.MakeWriter(node::kJointCommand);
   while (::getppid() != 1) {
@@ -141,8 +155,8 @@ std::string WithBus(const std::string& file, const std::string& bus) {
 
 class Bench {
  public:
-  Bench(const std::string& self, int domain, double rate_Hz)
-      : self_(self), domain_(domain), node_(NodeOptions(domain, "bench")) {
+  Bench(const std::string& self, const Place& place, double rate_Hz)
+      : self_(self), place_(place), node_(NodeOptions(place, "bench")) {
     const std::string rig = std::string(SINEW_SOURCE_DIR) + "/robots/rig/";
     const std::string bin = std::string(SINEW_BIN_DIR) + "/";
     const std::string bus = (folder_.path() / "bus").string();
@@ -154,9 +168,10 @@ class Bench {
     start({"sinew-can-bus", "--bus", bus});
     start({"sinew-virtual-axes", "--config",
            folder_.Write("virtual_axes.yaml", WithBus(rig + "virtual_axes.yaml", bus))});
-    start({"sinew-can-bridge", "--config",
-           folder_.Write("can_bridge.yaml", WithBus(rig + "can_bridge.yaml", bus)), "--domain",
-           std::to_string(domain), "--rate", std::to_string(rate_Hz)});
+    start(Arguments({"sinew-can-bridge", "--config",
+                     folder_.Write("can_bridge.yaml", WithBus(rig + "can_bridge.yaml", bus)),
+                     "--rate", std::to_string(rate_Hz)},
+                    place));
     watcher_ = std::make_unique<Watcher>(bus);
   }
 
@@ -165,17 +180,20 @@ class Bench {
     (void)programs_.back()->Wait(seconds(10));
   }
 
-  // Milliseconds from the last command to damping and to the fault.
+  // Milliseconds from the last command to damping and to the fault, and from the start of the
+  // controller to the first command that we hear.
   struct Times {
-    double damping_ms = 0.0, fault_ms = 0.0;
+    double damping_ms = 0.0, fault_ms = 0.0, start_ms = 0.0;
   };
   Times Kill(milliseconds after) {
-    Program commander({self_, "--commander", "--domain", std::to_string(domain_)});
+    const std::int64_t start_ns = can::MonotonicNow();
+    Program commander(Arguments({self_, "--commander"}, place_));
     Await("commands on the topic", [&] {
       while (commands_.TakeNext()) heard_ = true;
       return heard_;
     });
     heard_ = false;
+    const double start_ms = 1e-6 * static_cast<double>(can::MonotonicNow() - start_ns);
     // The bridge may hear the commander later than we do: then arming ends in a fault once more.
     watcher_->Clear();
     Await("commands on the bus", [&] { return ArmedAndMoving(); });
@@ -188,7 +206,7 @@ class Bench {
     while (commands_.TakeNext()) {
     }
     return {1e-6 * static_cast<double>(seen.damping_ns - seen.fresh_ns),
-            1e-6 * static_cast<double>(seen.idle_ns - seen.fresh_ns)};
+            1e-6 * static_cast<double>(seen.idle_ns - seen.fresh_ns), start_ms};
   }
 
  private:
@@ -223,7 +241,7 @@ class Bench {
   }
 
   std::string self_;
-  int domain_;
+  Place place_;
   testing::TemporaryFolder folder_;
   std::vector<std::unique_ptr<Program>> programs_;
   std::unique_ptr<Watcher> watcher_;
@@ -236,43 +254,51 @@ class Bench {
   int asked_ = 0;
 };
 
-void Tell(const char* what, std::vector<double> values_ms, double goal_ms) {
+void Tell(const char* what, std::vector<double> values_ms, double goal_ms = 0.0) {
   std::sort(values_ms.begin(), values_ms.end());
   const auto at = [&](double share) {
     return values_ms[static_cast<std::size_t>(share * static_cast<double>(values_ms.size() - 1))];
   };
   const auto late = std::count_if(values_ms.begin(), values_ms.end(),
                                   [&](double value) { return value > goal_ms; });
-  std::printf("%-28s median %7.2f  99 %% %7.2f  worst %7.2f ms   goal %6.2f ms, later %ld of %zu\n",
-              what, at(0.5), at(0.99), values_ms.back(), goal_ms, static_cast<long>(late),
-              values_ms.size());
+  std::printf("%-28s median %7.2f  99 %% %7.2f  worst %7.2f ms", what, at(0.5), at(0.99),
+              values_ms.back());
+  if (goal_ms > 0.0) {
+    std::printf("   goal %6.2f ms, later %ld of %zu", goal_ms, static_cast<long>(late),
+                values_ms.size());
+  }
+  std::printf("\n");
 }
 
 int Main(int argc, char** argv) {
-  int kills = 1000, domain = 97;
+  int kills = 1000;
+  Place place;
   double rate_Hz = 240.0;
   bool commander = false;
   CLI::App app("Kills the controller and measures what the bridge does on the bus");
   app.add_option("--kills", kills, "How often")->capture_default_str();
   app.add_option("--rate", rate_Hz, "Cycles per second of the bridge")->capture_default_str();
-  app.add_option("--domain", domain, "DDS domain")->capture_default_str();
+  app.add_option("--domain", place.domain, "DDS domain")->capture_default_str();
+  app.add_option("--qos", place.qos, "XML file with QoS profiles instead of the built-in ones");
   app.add_flag("--commander", commander, "Be the controller that is killed");
   CLI11_PARSE(app, argc, argv);
-  if (commander) return Command(domain);
+  if (commander) return Command(place);
 
-  Bench bench(std::filesystem::read_symlink("/proc/self/exe").string(), domain, rate_Hz);
+  Bench bench(std::filesystem::read_symlink("/proc/self/exe").string(), place, rate_Hz);
   std::mt19937 random(1);
-  std::vector<double> damping_ms, fault_ms;
+  std::vector<double> damping_ms, fault_ms, start_ms;
   for (int k = 0; k < kills; ++k) {
     const Bench::Times times = bench.Kill(milliseconds(20 + static_cast<int>(random() % 100)));
     damping_ms.push_back(times.damping_ms);
     fault_ms.push_back(times.fault_ms);
+    start_ms.push_back(times.start_ms);
     if ((k + 1) % 100 == 0) std::fprintf(stderr, "%d of %d\n", k + 1, kills);
   }
   const double period_ms = 1e3 / rate_Hz;
   std::printf("%d kills at %g Hz\n", kills, rate_Hz);
   Tell("last command to damping", damping_ms, 4.0 * period_ms);
   Tell("last command to the fault", fault_ms, 60.0 + period_ms);
+  Tell("start to the first command", start_ms);
   return 0;
 }
 

@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 
@@ -65,23 +66,60 @@ void ReadLost(msghdr& message, std::uint64_t* lost) {
   }
 }
 
+struct Clocks {
+  std::int64_t monotonic_ns = 0;
+  std::int64_t epoch_ns = 0;
+};
+
+Clocks ReadClocks() {
+  timespec epoch{};
+  ::clock_gettime(CLOCK_REALTIME, &epoch);
+  return {MonotonicNow(), ToNs(epoch)};
+}
+
 // The kernel stamps in epoch time; ours is monotonic. What counts is how long ago it was.
-std::int64_t MonotonicStamp(msghdr& message) {
-  const std::int64_t monotonic_ns = MonotonicNow();
+std::int64_t MonotonicStamp(msghdr& message, const Clocks& now) {
   for (cmsghdr* c = CMSG_FIRSTHDR(&message); c != nullptr; c = CMSG_NXTHDR(&message, c)) {
     if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SO_TIMESTAMPING) continue;
     timespec stamps[3];  // software, (unused), raw hardware
     std::memcpy(stamps, CMSG_DATA(c), sizeof stamps);
     if (stamps[0].tv_sec == 0 && stamps[0].tv_nsec == 0) break;
-    timespec epoch{};
-    ::clock_gettime(CLOCK_REALTIME, &epoch);
-    const std::int64_t age_ns = ToNs(epoch) - ToNs(stamps[0]);
+    const std::int64_t age_ns = now.epoch_ns - ToNs(stamps[0]);
     // A clock that was set in between must not make a frame older than a second, or younger than
     // now.
-    return monotonic_ns - std::clamp<std::int64_t>(age_ns, 0, 1'000'000'000);
+    return now.monotonic_ns - std::clamp<std::int64_t>(age_ns, 0, 1'000'000'000);
   }
-  return monotonic_ns;
+  return now.monotonic_ns;
 }
+
+// Room for what the kernel writes of one or several frames.
+template <std::size_t kCount>
+class Messages {
+ public:
+  Messages() {
+    for (std::size_t i = 0; i < kCount; ++i) {
+      data_[i] = {&frames[i], sizeof frames[i]};
+      headers[i].msg_hdr = {};
+      headers[i].msg_hdr.msg_iov = &data_[i];
+      headers[i].msg_hdr.msg_iovlen = 1;
+    }
+  }
+  void WithControl() {
+    for (std::size_t i = 0; i < kCount; ++i) {
+      headers[i].msg_hdr.msg_control = control_[i].data();
+      headers[i].msg_hdr.msg_controllen = control_[i].size();
+    }
+  }
+  void SetSize(std::size_t i, std::size_t bytes) { data_[i].iov_len = bytes; }
+
+  std::array<canfd_frame, kCount> frames;
+  std::array<mmsghdr, kCount> headers;
+
+ private:
+  struct alignas(cmsghdr) Control : std::array<char, 128> {};
+  std::array<iovec, kCount> data_;
+  std::array<Control, kCount> control_;
+};
 
 }  // namespace
 
@@ -194,6 +232,19 @@ void SocketCan::OnErrno(int error) noexcept {
   }
 }
 
+SendStatus SocketCan::OnSent(const Frame& frame) noexcept {
+  if (link_ == Link::kDown) link_ = Link::kUp;
+  ++counters_.sent;
+  counters_.wire_bits += static_cast<std::uint64_t>(FrameBits(frame));
+  return SendStatus::kOk;
+}
+
+SendStatus SocketCan::OnNotSent(int error) noexcept {
+  ++counters_.dropped;
+  OnErrno(error);
+  return error == ENOBUFS || error == EAGAIN ? SendStatus::kDropped : SendStatus::kDown;
+}
+
 SendStatus SocketCan::Send(const Frame& frame) noexcept {
   if (socket_ < 0) TryReopen();
   if (socket_ < 0) {
@@ -206,47 +257,45 @@ SendStatus SocketCan::Send(const Frame& frame) noexcept {
   }
   const canfd_frame out = ToKernel(frame);
   const ssize_t size = frame.fd ? CANFD_MTU : CAN_MTU;
-  if (::send(socket_, &out, static_cast<std::size_t>(size), MSG_DONTWAIT | MSG_NOSIGNAL) == size) {
-    if (link_ == Link::kDown) link_ = Link::kUp;
-    ++counters_.sent;
-    counters_.wire_bits += static_cast<std::uint64_t>(FrameBits(frame));
-    return SendStatus::kOk;
+  const ssize_t sent =
+      ::send(socket_, &out, static_cast<std::size_t>(size), MSG_DONTWAIT | MSG_NOSIGNAL);
+  return sent == size ? OnSent(frame) : OnNotSent(errno);
+}
+
+void SocketCan::SendAll(std::span<const Frame> frames) noexcept {
+  Messages<kFramesAtOnce> out;
+  while (!frames.empty()) {
+    if (socket_ < 0) TryReopen();
+    std::size_t count = 0;
+    while (socket_ >= 0 && count < std::min(frames.size(), kFramesAtOnce) &&
+           (fd_ || !frames[count].fd)) {
+      out.frames[count] = ToKernel(frames[count]);
+      out.SetSize(count, frames[count].fd ? CANFD_MTU : CAN_MTU);
+      ++count;
+    }
+    const int sent = count == 0 ? 0
+                                : ::sendmmsg(socket_, out.headers.data(),
+                                             static_cast<unsigned>(count),
+                                             MSG_DONTWAIT | MSG_NOSIGNAL);
+    if (sent > 0) {
+      for (int i = 0; i < sent; ++i) (void)OnSent(frames[static_cast<std::size_t>(i)]);
+      frames = frames.subspan(static_cast<std::size_t>(sent));
+      continue;
+    }
+    // The first one has no room, no bus, or cannot be carried: the next may.
+    if (count == 0) {
+      ++counters_.dropped;
+    } else {
+      (void)OnNotSent(errno);
+    }
+    frames = frames.subspan(1);
   }
-  const int error = errno;
-  ++counters_.dropped;
-  OnErrno(error);
-  return error == ENOBUFS || error == EAGAIN ? SendStatus::kDropped : SendStatus::kDown;
 }
 
 bool SocketCan::Receive(std::chrono::nanoseconds timeout, Received* received) noexcept {
   const std::int64_t give_up_ns = MonotonicNow() + std::max<std::int64_t>(timeout.count(), 0);
   for (;;) {
-    if (socket_ < 0) TryReopen();
-    if (socket_ >= 0) {
-      canfd_frame in{};
-      iovec data{&in, sizeof in};
-      alignas(cmsghdr) char control[256];
-      msghdr message{};
-      message.msg_iov = &data;
-      message.msg_iovlen = 1;
-      message.msg_control = control;
-      message.msg_controllen = sizeof control;
-      const ssize_t size = ::recvmsg(socket_, &message, MSG_DONTWAIT);
-      if (size == CAN_MTU || size == CANFD_MTU) {
-        received->frame = FromKernel(in, size == CANFD_MTU);
-        received->stamp_ns = MonotonicStamp(message);
-        ReadLost(message, &counters_.lost);
-        if (received->frame.error) {
-          OnErrorFrame(received->frame);
-        } else {
-          if (link_ == Link::kDown || link_ == Link::kBusOff) link_ = Link::kUp;
-          ++counters_.received;
-          counters_.wire_bits += static_cast<std::uint64_t>(FrameBits(received->frame));
-        }
-        return true;
-      }
-      if (size < 0 && errno != EAGAIN && errno != EINTR) OnErrno(errno);
-    }
+    if (TakeWaiting({received, 1}) > 0) return true;
     const std::int64_t left_ns = give_up_ns - MonotonicNow();
     if (left_ns <= 0) return false;
     // Without a socket: look for the interface again now and then.
@@ -256,6 +305,38 @@ bool SocketCan::Receive(std::chrono::nanoseconds timeout, Received* received) no
                         static_cast<long>(wait_ns % 1'000'000'000)};
     ::ppoll(&poll, 1, &wait, nullptr);
   }
+}
+
+std::size_t SocketCan::TakeWaiting(std::span<Received> received) noexcept {
+  if (socket_ < 0) TryReopen();
+  Messages<kFramesAtOnce> in;
+  std::size_t taken = 0;
+  while (socket_ >= 0 && taken < received.size()) {
+    in.WithControl();
+    const std::size_t room = std::min(received.size() - taken, kFramesAtOnce);
+    const int count = ::recvmmsg(socket_, in.headers.data(), static_cast<unsigned>(room),
+                                 MSG_DONTWAIT, nullptr);
+    if (count < 0 && errno != EAGAIN && errno != EINTR) OnErrno(errno);
+    if (count <= 0) break;
+    const Clocks now = ReadClocks();
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+      const unsigned size = in.headers[i].msg_len;
+      if (size != CAN_MTU && size != CANFD_MTU) continue;
+      Received& next = received[taken++];
+      next.frame = FromKernel(in.frames[i], size == CANFD_MTU);
+      next.stamp_ns = MonotonicStamp(in.headers[i].msg_hdr, now);
+      ReadLost(in.headers[i].msg_hdr, &counters_.lost);
+      if (next.frame.error) {
+        OnErrorFrame(next.frame);
+      } else {
+        if (link_ == Link::kDown || link_ == Link::kBusOff) link_ = Link::kUp;
+        ++counters_.received;
+        counters_.wire_bits += static_cast<std::uint64_t>(FrameBits(next.frame));
+      }
+    }
+    if (static_cast<std::size_t>(count) < room) break;  // none was left
+  }
+  return taken;
 }
 
 void SocketCan::OnErrorFrame(const Frame& frame) noexcept {

@@ -32,7 +32,9 @@ class SocketCan : public Transport {
   SocketCan& operator=(const SocketCan&) = delete;
 
   SendStatus Send(const Frame& frame) noexcept override;
+  void SendAll(std::span<const Frame> frames) noexcept override;  // sendmmsg
   bool Receive(std::chrono::nanoseconds timeout, Received* received) noexcept override;
+  std::size_t TakeWaiting(std::span<Received> received) noexcept override;  // recvmmsg
   Link link() const noexcept override { return link_; }
   TransportCounters counters() const noexcept override { return counters_; }
   std::int64_t now_ns() const noexcept override { return MonotonicNow(); }
@@ -44,6 +46,8 @@ class SocketCan : public Transport {
   std::string Open() noexcept;
   void Close() noexcept;
   void OnErrno(int error) noexcept;
+  SendStatus OnSent(const Frame& frame) noexcept;
+  SendStatus OnNotSent(int error) noexcept;
   void OnErrorFrame(const Frame& frame) noexcept;
   void TryReopen() noexcept;
 

@@ -43,6 +43,16 @@ void WaitForAny(std::span<Transport* const> transports, std::chrono::nanoseconds
   ::ppoll(descriptors.data(), count, &wait, nullptr);
 }
 
+void Transport::SendAll(std::span<const Frame> frames) noexcept {
+  for (const Frame& frame : frames) (void)Send(frame);
+}
+
+std::size_t Transport::TakeWaiting(std::span<Received> received) noexcept {
+  std::size_t count = 0;
+  while (count < received.size() && Receive(std::chrono::nanoseconds(0), &received[count])) ++count;
+  return count;
+}
+
 std::int64_t MonotonicNow() noexcept {
   timespec now{};
   ::clock_gettime(CLOCK_MONOTONIC, &now);

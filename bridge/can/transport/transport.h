@@ -6,6 +6,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <stdexcept>
@@ -40,6 +41,8 @@ struct TransportCounters {
   std::uint64_t wire_bits = 0;     // of all frames sent and seen here, with their stuff bits
 };
 
+inline constexpr std::size_t kFramesAtOnce = 32;  // most of a system call
+
 // Frames whose identifier agrees with `id` in the bits of `mask`; standard or extended ones.
 struct IdFilter {
   std::uint32_t id = 0;
@@ -53,8 +56,14 @@ class Transport {
   virtual ~Transport() = default;
 
   virtual SendStatus Send(const Frame& frame) noexcept = 0;
+  // One after the other, with few system calls where the transport can; what finds no room is
+  // counted and forgotten, what stands behind it is still tried.
+  virtual void SendAll(std::span<const Frame> frames) noexcept;
   // The oldest waiting frame; waits at most `timeout` for one. Error frames are handed on, too.
   virtual bool Receive(std::chrono::nanoseconds timeout, Received* received) noexcept = 0;
+  // The oldest that wait, as many as there is room for, with few system calls where the transport
+  // can. Returns how many; 0: none waits. Never waits.
+  virtual std::size_t TakeWaiting(std::span<Received> received) noexcept;
 
   virtual Link link() const noexcept = 0;
   virtual TransportCounters counters() const noexcept = 0;

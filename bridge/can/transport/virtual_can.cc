@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 
@@ -87,70 +88,77 @@ void VirtualCan::TryConnect() noexcept {
   (void)Connect();
 }
 
-SendStatus VirtualCan::Send(const Frame& frame) noexcept {
+// Whether a frame can be tried; else it is counted as dropped.
+bool VirtualCan::Usable(const Frame& frame, SendStatus* why) noexcept {
   if (socket_ < 0) TryConnect();
   if (socket_ < 0 || link_ == Link::kBusOff) {
-    ++counters_.dropped;
-    return SendStatus::kDown;
+    *why = SendStatus::kDown;
+  } else if (frame.fd) {  // a classic bus
+    *why = SendStatus::kDropped;
+  } else {
+    return true;
   }
-  if (frame.fd) {  // a classic bus
-    ++counters_.dropped;
-    return SendStatus::kDropped;
-  }
-  const Packet packet = FramePacket(frame, 0);
-  if (::send(socket_, &packet, sizeof packet, MSG_DONTWAIT | MSG_NOSIGNAL) == sizeof packet) {
-    ++counters_.sent;
-    counters_.wire_bits += static_cast<std::uint64_t>(FrameBits(frame));
-    return SendStatus::kOk;
-  }
-  const int error = errno;
+  ++counters_.dropped;
+  return false;
+}
+
+SendStatus VirtualCan::OnNotSent(int error) noexcept {
   ++counters_.dropped;
   if (error == EAGAIN || error == ENOBUFS) return SendStatus::kDropped;
   Close();
   return SendStatus::kDown;
 }
 
+SendStatus VirtualCan::Send(const Frame& frame) noexcept {
+  SendStatus why{};
+  if (!Usable(frame, &why)) return why;
+  const Packet packet = FramePacket(frame, 0);
+  if (::send(socket_, &packet, sizeof packet, MSG_DONTWAIT | MSG_NOSIGNAL) != sizeof packet) {
+    return OnNotSent(errno);
+  }
+  ++counters_.sent;
+  counters_.wire_bits += static_cast<std::uint64_t>(FrameBits(frame));
+  return SendStatus::kOk;
+}
+
+void VirtualCan::SendAll(std::span<const Frame> frames) noexcept {
+  std::array<Packet, kFramesAtOnce> packets;
+  std::array<iovec, kFramesAtOnce> data;
+  std::array<mmsghdr, kFramesAtOnce> headers;
+  while (!frames.empty()) {
+    SendStatus why{};
+    if (!Usable(frames.front(), &why)) {
+      frames = frames.subspan(1);
+      continue;
+    }
+    std::size_t count = 0;
+    while (count < std::min(frames.size(), kFramesAtOnce) && !frames[count].fd) {
+      packets[count] = FramePacket(frames[count], 0);
+      data[count] = {&packets[count], sizeof(Packet)};
+      headers[count] = {};
+      headers[count].msg_hdr.msg_iov = &data[count];
+      headers[count].msg_hdr.msg_iovlen = 1;
+      ++count;
+    }
+    const int sent = ::sendmmsg(socket_, headers.data(), static_cast<unsigned>(count),
+                                MSG_DONTWAIT | MSG_NOSIGNAL);
+    if (sent <= 0) {
+      (void)OnNotSent(errno);
+      frames = frames.subspan(1);
+      continue;
+    }
+    for (const Frame& frame : frames.first(static_cast<std::size_t>(sent))) {
+      ++counters_.sent;
+      counters_.wire_bits += static_cast<std::uint64_t>(FrameBits(frame));
+    }
+    frames = frames.subspan(static_cast<std::size_t>(sent));
+  }
+}
+
 bool VirtualCan::Receive(std::chrono::nanoseconds timeout, Received* received) noexcept {
   const std::int64_t give_up_ns = MonotonicNow() + std::max<std::int64_t>(timeout.count(), 0);
   for (;;) {
-    if (socket_ < 0) TryConnect();
-    while (socket_ >= 0) {
-      Packet packet;
-      const ssize_t size = ::recv(socket_, &packet, sizeof packet, MSG_DONTWAIT);
-      if (size < 0 && (errno == EAGAIN || errno == EINTR)) break;
-      if (size <= 0) {
-        Close();
-        break;
-      }
-      if (size != sizeof packet || packet.magic != Packet::kMagic) continue;
-      switch (packet.kind) {
-        case PacketKind::kWelcome:
-          bitrate_bit_s_ = packet.value;
-          break;
-        case PacketKind::kDropped:
-          --counters_.sent;
-          ++counters_.dropped;
-          break;
-        case PacketKind::kError:
-          ++counters_.error_frames;
-          break;
-        case PacketKind::kHealth:
-          link_ = packet.value == static_cast<std::uint32_t>(NodeHealth::kBusOff) ? Link::kBusOff
-                  : packet.value == static_cast<std::uint32_t>(NodeHealth::kPassive)
-                      ? Link::kPassive
-                      : Link::kUp;
-          break;
-        case PacketKind::kFrame: {
-          const Frame frame = FrameOf(packet);
-          if (!IsValid(frame)) break;
-          counters_.wire_bits += static_cast<std::uint64_t>(FrameBits(frame));
-          if (!Passes(options_.filters, frame)) break;
-          ++counters_.received;
-          *received = {frame, packet.stamp_ns};
-          return true;
-        }
-      }
-    }
+    if (TakeWaiting({received, 1}) > 0) return true;
     const std::int64_t left_ns = give_up_ns - MonotonicNow();
     if (left_ns <= 0) return false;
     const std::int64_t wait_ns = socket_ < 0 ? std::min(left_ns, kTryEvery_ns) : left_ns;
@@ -159,6 +167,69 @@ bool VirtualCan::Receive(std::chrono::nanoseconds timeout, Received* received) n
                         static_cast<long>(wait_ns % 1'000'000'000)};
     ::ppoll(&poll, 1, &wait, nullptr);
   }
+}
+
+std::size_t VirtualCan::TakeWaiting(std::span<Received> received) noexcept {
+  if (socket_ < 0) TryConnect();
+  std::array<Packet, kFramesAtOnce> packets;
+  std::array<iovec, kFramesAtOnce> data;
+  std::array<mmsghdr, kFramesAtOnce> headers;
+  for (std::size_t i = 0; i < kFramesAtOnce; ++i) data[i] = {&packets[i], sizeof(Packet)};
+  std::size_t taken = 0;
+  while (socket_ >= 0 && taken < received.size()) {
+    const std::size_t room = std::min(received.size() - taken, kFramesAtOnce);
+    for (std::size_t i = 0; i < room; ++i) {
+      headers[i] = {};
+      headers[i].msg_hdr.msg_iov = &data[i];
+      headers[i].msg_hdr.msg_iovlen = 1;
+    }
+    const int count = ::recvmmsg(socket_, headers.data(), static_cast<unsigned>(room),
+                                 MSG_DONTWAIT, nullptr);
+    if (count < 0 && (errno == EAGAIN || errno == EINTR)) break;
+    if (count <= 0) {
+      Close();
+      break;
+    }
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+      if (headers[i].msg_len == 0) {  // the bus has gone
+        Close();
+        return taken;
+      }
+      if (headers[i].msg_len != sizeof(Packet) || packets[i].magic != Packet::kMagic) continue;
+      if (Take(packets[i], &received[taken])) ++taken;
+    }
+  }
+  return taken;
+}
+
+bool VirtualCan::Take(const Packet& packet, Received* received) noexcept {
+  switch (packet.kind) {
+    case PacketKind::kWelcome:
+      bitrate_bit_s_ = packet.value;
+      return false;
+    case PacketKind::kDropped:
+      --counters_.sent;
+      ++counters_.dropped;
+      return false;
+    case PacketKind::kError:
+      ++counters_.error_frames;
+      return false;
+    case PacketKind::kHealth:
+      link_ = packet.value == static_cast<std::uint32_t>(NodeHealth::kBusOff)    ? Link::kBusOff
+              : packet.value == static_cast<std::uint32_t>(NodeHealth::kPassive) ? Link::kPassive
+                                                                                 : Link::kUp;
+      return false;
+    case PacketKind::kFrame:
+      break;
+  }
+  if (packet.kind != PacketKind::kFrame) return false;
+  const Frame frame = FrameOf(packet);
+  if (!IsValid(frame)) return false;
+  counters_.wire_bits += static_cast<std::uint64_t>(FrameBits(frame));
+  if (!Passes(options_.filters, frame)) return false;
+  ++counters_.received;
+  *received = {frame, packet.stamp_ns};
+  return true;
 }
 
 }  // namespace sinew::can

@@ -8,6 +8,8 @@
 
 namespace sinew::can {
 
+struct Packet;
+
 struct VirtualCanOptions {
   std::string bus;                     // name or path of the socket
   std::vector<IdFilter> filters = {};  // empty: everything
@@ -23,7 +25,9 @@ class VirtualCan : public Transport {
   VirtualCan& operator=(const VirtualCan&) = delete;
 
   SendStatus Send(const Frame& frame) noexcept override;
+  void SendAll(std::span<const Frame> frames) noexcept override;  // sendmmsg
   bool Receive(std::chrono::nanoseconds timeout, Received* received) noexcept override;
+  std::size_t TakeWaiting(std::span<Received> received) noexcept override;  // recvmmsg
   Link link() const noexcept override { return link_; }
   TransportCounters counters() const noexcept override { return counters_; }
   std::int64_t now_ns() const noexcept override { return MonotonicNow(); }
@@ -37,6 +41,9 @@ class VirtualCan : public Transport {
   bool AwaitWelcome(std::int64_t give_up_ns) noexcept;
   void Close() noexcept;
   void TryConnect() noexcept;
+  bool Usable(const Frame& frame, SendStatus* why) noexcept;
+  SendStatus OnNotSent(int error) noexcept;
+  bool Take(const Packet& packet, Received* received) noexcept;  // false: no frame for us
 
   VirtualCanOptions options_;
   std::string path_;
