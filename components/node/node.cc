@@ -16,7 +16,10 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <fstream>
+#include <random>
 #include <sstream>
 
 #include "components/node/builtin_qos.h"
@@ -299,6 +302,37 @@ void WriterImpl::on_offered_incompatible_qos(dds::DataWriter*,
                    " than this writer offers (does one side run in lockstep and the other not?)");
 }
 
+namespace {
+
+// Unicast ports that no other process had. Fast DDS would give the successor of a killed process
+// the same ports, and who has opened a port in shared memory goes on writing to the dead one for
+// seconds, sometimes for good. Ports are told by discovery, so that nobody has to know them; a port
+// that is taken is moved by Fast DDS. Left alone: a user's own ports and unicast peers, and the
+// last domains, above which there is no room.
+void UseFreshPorts(int domain, dds::DomainParticipantQos* qos) {
+  auto& ports = qos->wire_protocol().port;
+  const rtps::PortParameters standard;
+  const auto& builtin = qos->wire_protocol().builtin;
+  if (ports.portBase != standard.portBase || ports.domainIDGain != standard.domainIDGain ||
+      ports.offsetd1 != standard.offsetd1 || ports.offsetd3 != standard.offsetd3 ||
+      !builtin.initialPeersList.empty() || !builtin.metatrafficUnicastLocatorList.empty()) {
+    return;
+  }
+  // A place where a participant of a following domain could be: never that domain's multicast ports.
+  constexpr int kHighestPort = 65535, kMostBlocks = 80, kPlaces = 100;
+  const int domain_port = standard.portBase + standard.domainIDGain * domain;
+  const int blocks = std::min((kHighestPort - domain_port) / standard.domainIDGain - 1, kMostBlocks);
+  if (blocks < 2) return;
+  std::random_device device;
+  const int block = std::uniform_int_distribution<int>(1, blocks)(device);
+  const int place = std::uniform_int_distribution<int>(0, kPlaces - 1)(device);
+  const int offset = standard.domainIDGain * block + standard.participantIDGain * place;
+  ports.offsetd1 = static_cast<std::uint16_t>(standard.offsetd1 + offset);
+  ports.offsetd3 = static_cast<std::uint16_t>(standard.offsetd3 + offset);
+}
+
+}  // namespace
+
 NodeImpl::NodeImpl(const Options& node_options) : options(node_options) {
   LoadProfiles(options);
   auto* factory = dds::DomainParticipantFactory::get_instance();
@@ -308,6 +342,7 @@ NodeImpl::NodeImpl(const Options& node_options) : options(node_options) {
     throw UsageError(options.qos_path.string() + ": profile '" + profile + "' is missing");
   }
   qos.name(options.name.c_str());
+  UseFreshPorts(options.domain_id, &qos);
   participant = factory->create_participant(static_cast<std::uint32_t>(options.domain_id), qos,
                                             this, dds::StatusMask::none());
   if (participant == nullptr) {
