@@ -1,7 +1,6 @@
 #include "bridge/can/compact.h"
 
 #include "bridge/can/bytes.h"
-#include "bridge/can/codec.h"
 
 namespace sinew::can {
 namespace {
@@ -101,5 +100,15 @@ bool DecodeState(int gateway_node, const Frame& frame, CompactState* state) noex
   if (last) state->sequence = frame.data[2];
   return true;
 }
+
+int StateFrameNumber(int gateway_node, const Frame& frame) noexcept {
+  return Number(gateway_node, frame, kFirstState, kCompactStateFrames);
+}
+
+int ReferenceFrameNumber(int gateway_node, const Frame& frame) noexcept {
+  return Number(gateway_node, frame, kFirstReference, kCompactReferenceFrames);
+}
+
+Command StateCommand(int number) { return static_cast<Command>(kFirstState + number); }
 
 }  // namespace sinew::can

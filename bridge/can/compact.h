@@ -21,6 +21,7 @@
 #include <cstdint>
 #include <span>
 
+#include "bridge/can/codec.h"
 #include "bridge/can/frame.h"
 
 namespace sinew::can {
@@ -55,5 +56,10 @@ std::array<Frame, kCompactStateFrames> EncodeState(int gateway_node,
 // Takes in one frame; false when it is none of this gateway's (or too short), and nothing changes.
 bool DecodeReferences(int gateway_node, const Frame& frame, CompactReferences* references) noexcept;
 bool DecodeState(int gateway_node, const Frame& frame, CompactState* state) noexcept;
+
+// Which of the state's (references') frames it is by its identifier, counted from 0; -1: none.
+int StateFrameNumber(int gateway_node, const Frame& frame) noexcept;
+int ReferenceFrameNumber(int gateway_node, const Frame& frame) noexcept;
+Command StateCommand(int number);
 
 }  // namespace sinew::can

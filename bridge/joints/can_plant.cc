@@ -22,6 +22,8 @@ constexpr double kTaper = 0.1;                    // of the velocity limit
 constexpr double kOverspeed = 1.5;                // of the velocity limit
 constexpr double kJump_rev = 0.25;
 constexpr double kWaited_s = 0.01;  // of a measurement for its frame
+constexpr int kMostBatches = 64;    // taken from a bus at once
+constexpr std::size_t kMostFrames = 256;  // of a cycle, without allocating
 
 // Bits of identify::Signal.
 constexpr std::uint32_t kMotorSignals = 1u << 2 | 1u << 3 | 1u << 4;
@@ -107,17 +109,18 @@ void CanPlant::Check(const BridgeConfig& config) {
           std::to_string(config.joints.size()) + " joints, expected 1 to " +
               std::to_string(provider::kMaxJoints));
   std::set<std::pair<int, int>> used;
+  std::string who;
+  const auto claim = [&](int bus, int node) {
+    Require(bus >= 0 && bus < buses, who + "no bus " + std::to_string(bus));
+    Require(node >= 0 && node <= can::kMaxNode,
+            who + "node " + std::to_string(node) + ", expected 0 to 63");
+    Require(used.emplace(bus, node).second,
+            who + "node " + std::to_string(node) + " is used twice");
+  };
   for (const JointConfig& c : config.joints) {
-    const std::string who = "joint '" + c.name + "': ";
-    Require(c.bus >= 0 && c.bus < buses, who + "no bus " + std::to_string(c.bus));
-    const auto claim = [&](int node) {
-      Require(node >= 0 && node <= can::kMaxNode,
-              who + "node " + std::to_string(node) + ", expected 0 to 63");
-      Require(used.emplace(c.bus, node).second,
-              who + "node " + std::to_string(node) + " is used twice");
-    };
-    claim(c.node);
-    if (c.output) claim(c.output->node);
+    who = "joint '" + c.name + "': ";
+    claim(c.bus, c.node);
+    if (c.output) claim(c.bus, c.output->node);
     const auto unit = [](int direction) { return direction == 1 || direction == -1; };
     Require(unit(c.direction) && (!c.output || unit(c.output->direction)),
             who + "direction must be 1 or -1");
@@ -147,6 +150,21 @@ void CanPlant::Check(const BridgeConfig& config) {
         c.limits.lower_rad < c.limits.upper_rad && c.limits.margin_rad >= 0.0,
         who + "position limits must have lower_rad < upper_rad and a margin that is not negative");
   }
+  std::set<int> behind;
+  for (const GatewayConfig& g : config.gateways) {
+    who = "gateway of node " + std::to_string(g.node) + ": ";
+    claim(g.bus, g.node);
+    Require(!g.joints.empty() && g.joints.size() <= std::size_t{can::kCompactJoints},
+            who + std::to_string(g.joints.size()) + " joints, expected 1 to " +
+                std::to_string(can::kCompactJoints));
+    for (const int j : g.joints) {
+      Require(j >= 0 && static_cast<std::size_t>(j) < config.joints.size(),
+              who + "no joint " + std::to_string(j));
+      const JointConfig& c = config.joints[static_cast<std::size_t>(j)];
+      Require(c.bus == g.bus, who + "joint '" + c.name + "' is on another bus");
+      Require(behind.insert(j).second, who + "joint '" + c.name + "' is behind a gateway already");
+    }
+  }
 }
 
 CanPlant::CanPlant(const BridgeConfig& config, std::vector<can::Transport*> transports)
@@ -157,12 +175,27 @@ CanPlant::CanPlant(const BridgeConfig& config, std::vector<can::Transport*> tran
   none.fill(-1);
   axis_of_.assign(transports_.size(), none);
   node_of_.assign(transports_.size(), none);
+  gateway_of_.assign(transports_.size(), none);
+  outbox_.resize(transports_.size());
+  for (auto& frames : outbox_) frames.reserve(kMostFrames);
+  std::vector<int> on_bus(transports_.size(), 0);
   for (const JointConfig& c : config.joints) {
     const auto b = static_cast<std::size_t>(c.bus);
     const int index = static_cast<int>(joints_.size());
     axis_of_[b][static_cast<std::size_t>(c.node)] = index;
     if (c.output) node_of_[b][static_cast<std::size_t>(c.output->node)] = index;
     joints_.emplace_back().config = c;
+    joints_.back().turn = on_bus[b]++;
+  }
+  for (const GatewayConfig& g : config.gateways) {
+    const int index = static_cast<int>(links_.size());
+    gateway_of_[static_cast<std::size_t>(g.bus)][static_cast<std::size_t>(g.node)] = index;
+    links_.emplace_back(g.node);
+    for (std::size_t field = 0; field < g.joints.size(); ++field) {
+      Joint& joint = joints_[static_cast<std::size_t>(g.joints[field])];
+      joint.gateway = index;
+      joint.field = static_cast<int>(field);
+    }
   }
   report_.bus_count = static_cast<int>(transports_.size());
 }
@@ -177,6 +210,13 @@ std::vector<can::IdFilter> CanPlant::Filters(const BridgeConfig& config, int bus
     if (!joint.output) continue;
     for (const can::NodeCommand command : kNodeCommands) {
       filters.push_back({can::Identifier(joint.output->node, command), can::kMaxStandardId, false});
+    }
+  }
+  for (const GatewayConfig& gateway : config.gateways) {
+    if (gateway.bus != bus) continue;
+    for (int k = 0; k < can::kCompactStateFrames; ++k) {
+      filters.push_back(
+          {can::Identifier(gateway.node, can::StateCommand(k)), can::kMaxStandardId, false});
     }
   }
   return filters;
@@ -195,12 +235,16 @@ void CanPlant::Reset(provider::PlantSensors* sensors) {
   std::int64_t next_request_ns = 0;
   Drain();  // what waited in the sockets since they were opened is old
   for (Joint& joint : joints_) {
-    JointConfig kept = joint.config;
-    joint = Joint{};
-    joint.config = std::move(kept);
+    Joint fresh;
+    fresh.config = std::move(joint.config);
+    fresh.turn = joint.turn;
+    fresh.gateway = joint.gateway;
+    fresh.field = joint.field;
+    joint = std::move(fresh);
     Send(joint, can::SetAxisState{can::AxisState::kIdle});
     Send(joint, can::ClearErrors{});
   }
+  Flush();
   const auto missing = [](const Joint& joint) -> std::string {
     const std::string axis = "axis node " + std::to_string(joint.config.node);
     if (joint.heartbeat_ns == 0) return "no heartbeat of " + axis;
@@ -229,9 +273,10 @@ void CanPlant::Reset(provider::PlantSensors* sensors) {
       next_request_ns = now_ns + 20'000'000;
       for (Joint& joint : joints_) {
         SendNeutral(joint);  // feeds watchdogs
-        (void)transports_[static_cast<std::size_t>(joint.config.bus)]->Send(
-            can::EncodeRequest(joint.config.node, Command::kGetEncoderEstimates));
+        if (joint.gateway < 0) Ask(joint, Command::kGetEncoderEstimates);
       }
+      PostReferences();
+      Flush();
     }
     can::Received received;
     if (clock.Receive(std::chrono::milliseconds(2), &received)) Take(0, received);
@@ -247,11 +292,17 @@ void CanPlant::Reset(provider::PlantSensors* sensors) {
 }
 
 void CanPlant::ClearFault() {
-  const std::int64_t cleared_ns = transports_.front()->now_ns() + kClearing_ns;
+  const std::int64_t now_ns = transports_.front()->now_ns();
+  const std::int64_t cleared_ns = now_ns + kClearing_ns;
   for (Joint& joint : joints_) {
     if (joint.fault_told) {
       joint.fault = FaultKind::kNone;
       joint.fault_text.clear();
+      if (joint.phase != Phase::kIdle) {  // it goes on only after arming
+        joint.phase = Phase::kIdle;
+        joint.phase_ns = now_ns;
+        SendIdle(joint, now_ns);
+      }
     }
     joint.asked_errors = false;
     joint.answered = 0;
@@ -260,14 +311,16 @@ void CanPlant::ClearFault() {
     Send(joint, can::ClearErrors{});
     Home(joint);
   }
+  Flush();
 }
 
 void CanPlant::Act(const provider::PlantCommand& command, double period_s) {
   acted_ = true;
   const std::int64_t start_ns = transports_.front()->now_ns();
   Drain();  // what came in since: phases and limits judge by the newest
+  Judge(transports_.front()->now_ns());  // no setpoint for an axis that has just told an error
   // Cyclic estimates: the answer is there by the end of the cycle. Requested ones: Step asks.
-  const bool ask_iq = config_.timing.estimates == Estimates::kCyclic && AsksIq();
+  const bool cyclic = config_.timing.estimates == Estimates::kCyclic;
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     Joint& joint = joints_[j];
     Mode mode = command.mode[j];
@@ -279,16 +332,18 @@ void CanPlant::Act(const provider::PlantCommand& command, double period_s) {
     if (joint.fault != FaultKind::kNone) mode = Mode::kIdle;
     CommandJoint(joint, mode, command.motor_torque_Nm[j], command.position_rad[j],
                  command.velocity_rad_s[j], period_s, start_ns);
-    can::Transport& bus = *transports_[static_cast<std::size_t>(joint.config.bus)];
-    if (ask_iq) (void)bus.Send(can::EncodeRequest(joint.config.node, Command::kGetIq));
+    if (cyclic && AsksIq(joint)) Ask(joint, Command::kGetIq);
     if (joint.config.output) {
-      (void)bus.Send(can::Encode(
-          joint.config.output->node,
-          can::ValveCommand{command.valve_open[j], command.compressor_on[j], command.vent_open[j],
-                            joint.valve_sequence++,
-                            static_cast<std::uint16_t>(config_.timing.valve_timeout_ms)}));
+      Post(joint.config.bus,
+           can::Encode(joint.config.output->node,
+                       can::ValveCommand{
+                           command.valve_open[j], command.compressor_on[j], command.vent_open[j],
+                           joint.valve_sequence++,
+                           static_cast<std::uint16_t>(config_.timing.valve_timeout_ms)}));
     }
   }
+  PostReferences();
+  Flush();
   acted_us_ = 1e-3 * static_cast<double>(transports_.front()->now_ns() - start_ns);
 }
 
@@ -298,54 +353,76 @@ void CanPlant::Step(const provider::PlantCommand& command, double period_s,
   if (!acted_) Act(command, period_s);
   acted_ = false;
   if (config_.timing.estimates == Estimates::kRequested) {
-    const bool ask_iq = AsksIq();
     const std::int64_t asked_ns = clock.now_ns();
     for (const Joint& joint : joints_) {
-      can::Transport& bus = *transports_[static_cast<std::size_t>(joint.config.bus)];
-      (void)bus.Send(can::EncodeRequest(joint.config.node, Command::kGetEncoderEstimates));
-      if (ask_iq) (void)bus.Send(can::EncodeRequest(joint.config.node, Command::kGetIq));
+      if (joint.gateway < 0) Ask(joint, Command::kGetEncoderEstimates);
+      if (AsksIq(joint)) Ask(joint, Command::kGetIq);
     }
-    Collect(asked_ns, ask_iq);
+    Flush();
+    Collect(asked_ns);
   }
   const std::int64_t start_ns = clock.now_ns();
   Drain();
   Judge(clock.now_ns());
+  Flush();
   Fill(clock.now_ns(), sensors);
   ++cycle_;
   const std::int64_t end_ns = clock.now_ns();
   Report(end_ns, acted_us_ + 1e-3 * static_cast<double>(end_ns - start_ns));
 }
 
-bool CanPlant::AsksIq() const {
-  return config_.timing.iq_every_cycles > 0 &&
-         cycle_ % static_cast<std::uint64_t>(config_.timing.iq_every_cycles) == 0;
+// In turn: the answers of all in one cycle would be more than its share of the bus.
+bool CanPlant::AsksIq(const Joint& joint) const {
+  const auto every = static_cast<std::uint64_t>(config_.timing.iq_every_cycles);
+  return joint.gateway < 0 && every > 0 &&
+         (cycle_ + static_cast<std::uint64_t>(joint.turn)) % every == 0;
+}
+
+void CanPlant::Ask(const Joint& joint, Command command) {
+  Post(joint.config.bus, can::EncodeRequest(joint.config.node, command));
+}
+
+void CanPlant::PostReferences() {
+  for (std::size_t g = 0; g < links_.size(); ++g) {
+    for (const can::Frame& frame : links_[g].References()) Post(config_.gateways[g].bus, frame);
+  }
+}
+
+// Frames that find no room are counted by the transport; the next cycle's are newer.
+void CanPlant::Flush() {
+  for (std::size_t b = 0; b < transports_.size(); ++b) {
+    if (!outbox_[b].empty()) transports_[b]->SendAll(outbox_[b]);
+    outbox_[b].clear();
+  }
 }
 
 void CanPlant::Drain() {
-  can::Received received;
+  std::array<can::Received, can::kFramesAtOnce> waiting;
   for (std::size_t b = 0; b < transports_.size(); ++b) {
     // Bounded: a flooded bus must not keep the cycle.
-    for (int i = 0; i < 2000 && transports_[b]->Receive(std::chrono::nanoseconds(0), &received);
-         ++i) {
-      Take(static_cast<int>(b), received);
+    for (int i = 0; i < kMostBatches; ++i) {
+      const std::size_t count = transports_[b]->TakeWaiting(waiting);
+      for (std::size_t k = 0; k < count; ++k) Take(static_cast<int>(b), waiting[k]);
+      if (count < waiting.size()) break;
     }
   }
 }
 
-bool CanPlant::AllAnswered(std::int64_t cycle_start_ns, bool with_iq) const {
+bool CanPlant::AllAnswered(std::int64_t cycle_start_ns) const {
   return std::all_of(joints_.begin(), joints_.end(), [&](const Joint& j) {
-    return j.estimates_ns >= cycle_start_ns && (!with_iq || j.iq_ns >= cycle_start_ns);
+    return j.gateway >= 0 || (j.estimates_ns >= cycle_start_ns &&
+                              (!AsksIq(j) || j.iq_ns >= cycle_start_ns));
   });
 }
 
-void CanPlant::Collect(std::int64_t cycle_start_ns, bool with_iq) {
+void CanPlant::Collect(std::int64_t cycle_start_ns) {
   can::Transport& clock = *transports_.front();
   const std::int64_t give_up_ns = cycle_start_ns + Ns(config_.timing.answer_window_s);
   can::Received received;
   for (;;) {
     Drain();
     const std::int64_t left_ns = give_up_ns - clock.now_ns();
-    if (left_ns <= 0 || AllAnswered(cycle_start_ns, with_iq)) return;
+    if (left_ns <= 0 || AllAnswered(cycle_start_ns)) return;
     if (transports_.size() == 1 || clock.descriptor() < 0) {
       if (clock.Receive(std::chrono::nanoseconds(left_ns), &received)) Take(0, received);
     } else {
@@ -363,6 +440,8 @@ void CanPlant::Take(int bus, const can::Received& received) {
     TakeFromAxis(joints_[static_cast<std::size_t>(axis)], received);
   } else if (const int node = node_of_[b][n]; node >= 0) {
     TakeFromNode(joints_[static_cast<std::size_t>(node)], received);
+  } else if (const int gateway = gateway_of_[b][n]; gateway >= 0) {
+    TakeFromGateway(static_cast<std::size_t>(gateway), received);
   }
 }
 
@@ -382,24 +461,7 @@ void CanPlant::TakeFromAxis(Joint& joint, const can::Received& received) {
     case Command::kGetEncoderEstimates:
       if (const auto m = can::Decode<can::EncoderEstimates>(frame, firmware);
           m && std::isfinite(m->position_rev) && std::isfinite(m->velocity_rev_s)) {
-        if (joint.estimates_ns != 0) {
-          const double dt_s = 1e-9 * static_cast<double>(std::max<std::int64_t>(
-                                         received.stamp_ns - joint.estimates_ns, 0));
-          const double fastest_rev_s =
-              kOverspeed * joint.config.limits.velocity_rad_s * joint.config.gear_ratio / kTurn_rad;
-          const double step_rev = std::abs(m->position_rev - joint.estimates.position_rev);
-          // The stamp is the frame's; the measurement may have waited for the bus.
-          const double waited_rev = std::abs(joint.estimates.velocity_rev_s) * (dt_s + kWaited_s);
-          if (step_rev > std::max(fastest_rev_s * dt_s, waited_rev) + kJump_rev) {
-            char text[96];
-            std::snprintf(text, sizeof text,
-                          "the motor encoder jumped by %.2f revolutions in %.1f ms", step_rev,
-                          1e3 * dt_s);
-            Fail(joint, FaultKind::kEncoderJump, text);
-          }
-        }
-        joint.estimates = *m;
-        joint.estimates_ns = received.stamp_ns;
+        TakeEstimates(joint, *m, received.stamp_ns);
         return;
       }
       break;
@@ -417,14 +479,14 @@ void CanPlant::TakeFromAxis(Joint& joint, const can::Received& received) {
       }
       break;
     case Command::kGetEncoderError:
+      if (const auto m = can::Decode<can::EncoderError>(frame, firmware)) {
+        AppendError(joint, Command::kGetEncoderError, "encoder", m->error);
+        return;
+      }
+      break;
     case Command::kGetControllerError:
-      if (frame.length >= 4) {
-        const Command command = can::AddressOf(frame)->command;
-        const auto e = can::Decode<can::EncoderError>(frame, firmware);
-        const auto c = can::Decode<can::ControllerError>(frame, firmware);
-        const std::uint32_t error = e ? e->error : c ? c->error : 0;
-        AppendError(joint, command, command == Command::kGetEncoderError ? "encoder" : "controller",
-                    error);
+      if (const auto m = can::Decode<can::ControllerError>(frame, firmware)) {
+        AppendError(joint, Command::kGetControllerError, "controller", m->error);
         return;
       }
       break;
@@ -432,6 +494,54 @@ void CanPlant::TakeFromAxis(Joint& joint, const can::Received& received) {
       return;  // not one we use
   }
   ++malformed_;
+}
+
+void CanPlant::TakeEstimates(Joint& joint, const can::EncoderEstimates& estimates,
+                             std::int64_t stamp_ns) {
+  if (joint.estimates_ns != 0) {
+    const double dt_s =
+        1e-9 * static_cast<double>(std::max<std::int64_t>(stamp_ns - joint.estimates_ns, 0));
+    const double fastest_rev_s =
+        kOverspeed * joint.config.limits.velocity_rad_s * joint.config.gear_ratio / kTurn_rad;
+    const double step_rev = std::abs(estimates.position_rev - joint.estimates.position_rev);
+    // The stamp is the frame's; the measurement may have waited for the bus.
+    const double waited_rev = std::abs(joint.estimates.velocity_rev_s) * (dt_s + kWaited_s);
+    if (step_rev > std::max(fastest_rev_s * dt_s, waited_rev) + kJump_rev) {
+      char text[96];
+      std::snprintf(text, sizeof text, "the motor encoder jumped by %.2f revolutions in %.1f ms",
+                    step_rev, 1e3 * dt_s);
+      Fail(joint, FaultKind::kEncoderJump, text);
+    }
+  }
+  joint.estimates = estimates;
+  joint.estimates_ns = stamp_ns;
+}
+
+void CanPlant::TakeFromGateway(std::size_t gateway, const can::Received& received) {
+  CompactLink& link = links_[gateway];
+  switch (link.Take(received)) {
+    case CompactLink::Taken::kComplete:
+      break;
+    case CompactLink::Taken::kRefused:
+      ++malformed_;
+      return;
+    case CompactLink::Taken::kPart:
+    case CompactLink::Taken::kNotOurs:
+      return;
+  }
+  const can::CompactState& state = link.state();
+  const std::vector<int>& fields = config_.gateways[gateway].joints;
+  for (std::size_t field = 0; field < fields.size(); ++field) {
+    Joint& joint = joints_[static_cast<std::size_t>(fields[field])];
+    if (!CompactLink::Fits(state.position_turns[field])) {
+      // Held at the end of its field: it may be anywhere beyond.
+      Fail(joint, FaultKind::kOutOfRange, "its position is beyond what the compact exchange tells");
+    }
+    TakeEstimates(joint, {state.position_turns[field], state.velocity_turns_s[field]},
+                  link.stamp_ns());
+    joint.iq_A = state.iq_A[field];
+    joint.iq_ns = link.stamp_ns();
+  }
 }
 
 void CanPlant::TakeFromNode(Joint& joint, const can::Received& received) {
@@ -466,9 +576,7 @@ void CanPlant::TakeFromNode(Joint& joint, const can::Received& received) {
 template <class Message>
 void CanPlant::Send(const Joint& joint, const Message& message) {
   const can::Frame frame = can::Encode(joint.config.node, message, joint.config.firmware);
-  // A frame that finds no room is counted by the transport; the next cycle's is newer.
-  (void)transports_[static_cast<std::size_t>(joint.config.bus)]->Send(
-      config_.short_frames ? can::Trim(frame) : frame);
+  Post(joint.config.bus, config_.short_frames ? can::Trim(frame) : frame);
 }
 
 void CanPlant::CommandJoint(Joint& joint, Mode mode, double torque_Nm, double position_rad,
@@ -545,6 +653,12 @@ void CanPlant::SendIdle(Joint& joint, std::int64_t now_ns) {
 
 // Moves nothing in any mode, and feeds the watchdog.
 void CanPlant::SendNeutral(Joint& joint) {
+  if (joint.gateway >= 0) {
+    const bool closed_loop = joint.heartbeat.axis_state == can::AxisState::kClosedLoopControl;
+    links_[static_cast<std::size_t>(joint.gateway)].SetReference(joint.field,
+                                                                 joint.estimates.position_rev);
+    if (joint.phase == Phase::kIdle ? !closed_loop : joint.mode == Mode::kPosition) return;
+  }
   if (joint.phase == Phase::kIdle || joint.mode == Mode::kTorque) {
     Send(joint, can::SetInputTorque{0.0});
   } else if (joint.mode == Mode::kPosition) {
@@ -618,8 +732,13 @@ void CanPlant::SendSetpoint(Joint& joint, double torque_Nm, double position_rad,
       const bool free = wanted_rad == position_rad && joint.sent_position_rad == wanted_rad;
       const double ahead_rad_s =
           free ? std::clamp(velocity_rad_s, -fastest_rad_s, fastest_rad_s) : 0.0;
-      Send(joint, can::SetInputPos{Revolutions(joint, joint.sent_position_rad),
-                                   ahead_rad_s * rev_per_rad, 0.0});
+      const double wanted_rev = Revolutions(joint, joint.sent_position_rad);
+      if (joint.gateway < 0) {
+        Send(joint, can::SetInputPos{wanted_rev, ahead_rad_s * rev_per_rad, 0.0});
+      } else if (!links_[static_cast<std::size_t>(joint.gateway)].SetReference(joint.field,
+                                                                               wanted_rev)) {
+        Fail(joint, FaultKind::kOutOfRange, "the reference is beyond the compact exchange");
+      }
       break;
     }
     case Mode::kVelocity: {
@@ -654,12 +773,9 @@ void CanPlant::Judge(std::int64_t now_ns) {
       }
       if (!joint.asked_errors) {
         joint.asked_errors = true;
-        can::Transport& bus = *transports_[static_cast<std::size_t>(joint.config.bus)];
         for (const auto command :
              {Command::kGetMotorError, Command::kGetEncoderError, Command::kGetControllerError}) {
-          if (can::Knows(joint.config.firmware, command)) {
-            (void)bus.Send(can::EncodeRequest(joint.config.node, command));
-          }
+          if (can::Knows(joint.config.firmware, command)) Ask(joint, command);
         }
       }
     }
@@ -751,11 +867,25 @@ void CanPlant::Fill(std::int64_t now_ns, provider::PlantSensors* sensors) {
     sensors->valid[j] = age_us * 1000 <= Ns(config_.timing.estimate_timeout_s);
     if (sensors->joint_fault[j] && first == nullptr) first = &joint.fault_text;
   }
+  if (!links_.empty()) FillBody(now_ns);
   if (first == nullptr) {
     sensors->message.clear();
   } else if (sensors->message != *first) {
     sensors->message = *first;
   }
+}
+
+void CanPlant::FillBody(std::int64_t now_ns) {
+  const CompactLink& link = links_.front();
+  const can::CompactState& state = link.state();
+  const bool fresh = link.stamp_ns() != 0 &&
+                     now_ns - link.stamp_ns() <= Ns(config_.timing.estimate_timeout_s);
+  body_.foot_force_N = state.force_N;
+  body_.foot_valid.fill(fresh);
+  body_.acceleration_m_s2 = state.acceleration_m_s2;
+  body_.angular_velocity_rad_s = state.angular_velocity_rad_s;
+  body_.orientation_wxyz = QuaternionOf(state.roll_pitch_yaw_rad);
+  body_.imu_valid = fresh;
 }
 
 void CanPlant::Report(std::int64_t now_ns, double work_us) {

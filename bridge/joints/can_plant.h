@@ -16,6 +16,10 @@
 // more than the velocity limit. Every cycle carries a setpoint, so that the controllers' watchdogs
 // are fed while the bridge lives.
 //
+// Through a gateway the cyclic part is the compact exchange (bridge/can/compact.h): position
+// setpoints leave as references, estimates and Iq come in states; everything else stays CANSimple.
+// References are of 0.01 motor turns. A joint in torque or velocity mode has a setpoint of its own.
+//
 // Homing by whole turns: a controller that knows its angle within one turn only counts from
 // anywhere after power-up. home_rev is the number of whole turns that the output encoder tells at
 // the start and at every reset; that is certain while half the play and the tolerance are less than
@@ -43,6 +47,7 @@
 #include "bridge/can/codec.h"
 #include "bridge/can/sensor_node.h"
 #include "bridge/can/transport/transport.h"
+#include "bridge/joints/compact_link.h"
 #include "components/provider/plant.h"
 
 namespace sinew::bridge {
@@ -87,12 +92,20 @@ struct JointConfig {
   bool home_by_whole_turns = false;     // needs the zero check
 };
 
+// One for the joints of a bus or a part of them; the first one tells feet and IMU, too.
+struct GatewayConfig {
+  int bus = 0;
+  int node = 0;
+  std::vector<int> joints;  // in the order of its fields, at most can::kCompactJoints
+};
+
 enum class Estimates { kCyclic, kRequested };
 
 struct BridgeTiming {
   Estimates estimates = Estimates::kCyclic;
-  int iq_every_cycles =
-      1;  // asked for every so many cycles; 0: the controllers send it by themselves
+  // Each joint is asked every so many cycles, the joints of a bus in turn; 0: the controllers send it
+  // by themselves.
+  int iq_every_cycles = 1;
   double answer_window_s = 0.0015;    // requested estimates are awaited so long within a cycle
   double estimate_timeout_s = 0.02;   // older: the joint is not valid
   double lost_after_s = 0.06;         // older: fault
@@ -105,6 +118,7 @@ struct BridgeTiming {
 struct BridgeConfig {
   bool live = false;  // hardware: only live commands count
   std::vector<JointConfig> joints;
+  std::vector<GatewayConfig> gateways;
   std::vector<double> bitrate_bit_s;  // per bus, for the load
   bool short_frames = true;           // setpoints of 4 bytes: 95 bit times instead of 135
   BridgeTiming timing;
@@ -147,6 +161,9 @@ class CanPlant : public provider::Plant {
   // Sends the cycle's frames; the next Step then only reads. Without it, Step sends them.
   void Act(const provider::PlantCommand& command, double period_s) override;
   const provider::BusReport* bus_report() const override { return &report_; }
+  const provider::BodySensors* body_sensors() const override {
+    return links_.empty() ? nullptr : &body_;
+  }
 
   // The operator's reset: errors of the controllers cleared, latched faults forgotten. What is
   // still wrong is a fault again at the next Step.
@@ -159,6 +176,9 @@ class CanPlant : public provider::Plant {
   enum class Phase { kIdle, kArming, kActive };
   struct Joint {
     JointConfig config;
+    int turn = 0;      // among the joints of its bus
+    int gateway = -1;  // index, or -1
+    int field = 0;     // of the gateway
     // Heard.
     std::int64_t heartbeat_ns = 0;
     std::int64_t estimates_ns = 0;
@@ -194,10 +214,12 @@ class CanPlant : public provider::Plant {
   void Take(int bus, const can::Received& received);
   void TakeFromAxis(Joint& joint, const can::Received& received);
   void TakeFromNode(Joint& joint, const can::Received& received);
-  bool AsksIq() const;
+  void TakeFromGateway(std::size_t gateway, const can::Received& received);
+  void TakeEstimates(Joint& joint, const can::EncoderEstimates& estimates, std::int64_t stamp_ns);
+  bool AsksIq(const Joint& joint) const;
   void Drain();
-  void Collect(std::int64_t cycle_start_ns, bool with_iq);
-  bool AllAnswered(std::int64_t cycle_start_ns, bool with_iq) const;
+  void Collect(std::int64_t cycle_start_ns);
+  bool AllAnswered(std::int64_t cycle_start_ns) const;
 
   void CommandJoint(Joint& joint, provider::Mode mode, double torque_Nm, double position_rad,
                     double velocity_rad_s, double period_s, std::int64_t now_ns);
@@ -210,14 +232,22 @@ class CanPlant : public provider::Plant {
   double Revolutions(const Joint& joint, double position_rad) const;
   static void Home(Joint& joint);
   void CheckZero(Joint& joint);
+  // Frames leave with the next Flush.
   template <class Message>
   void Send(const Joint& joint, const Message& message);
+  void Ask(const Joint& joint, can::Command command);
+  void Post(int bus, const can::Frame& frame) {
+    outbox_[static_cast<std::size_t>(bus)].push_back(frame);
+  }
+  void PostReferences();
+  void Flush();
 
   void Judge(std::int64_t now_ns);
   void Fail(Joint& joint, FaultKind kind, const char* what);
   static void AppendError(Joint& joint, can::Command command, const char* who, std::uint64_t error);
   void FailSilent(Joint& joint, FaultKind kind, const char* what);  // says so when the bus is down
   void Fill(std::int64_t now_ns, provider::PlantSensors* sensors);
+  void FillBody(std::int64_t now_ns);
   void Report(std::int64_t now_ns, double work_us);
 
   BridgeConfig config_;
@@ -225,6 +255,10 @@ class CanPlant : public provider::Plant {
   std::vector<Joint> joints_;
   std::vector<std::array<int, 64>> axis_of_;  // per bus and node: joint, or -1
   std::vector<std::array<int, 64>> node_of_;
+  std::vector<std::array<int, 64>> gateway_of_;
+  std::vector<CompactLink> links_;  // per gateway
+  provider::BodySensors body_;
+  std::vector<std::vector<can::Frame>> outbox_;  // per bus
   std::uint64_t cycle_ = 0;
   bool acted_ = false;
   double acted_us_ = 0.0;  // work of Act, for the report
