@@ -11,29 +11,35 @@
 // of all, Iq of all in every fourth, heartbeats at 10 Hz, and with sensor nodes output encoder and
 // sensors of all. Two transports:
 //   memory   hands out what it has: CanPlant alone
-//   sockets  a pair of local sockets per bus: a system call per frame and the count of its bits on
-//            the wire, as transport/socketcan.cc has them; not the kernel's CAN layer and driver
+//   sockets  a virtual bus per bus (transport/virtual_can.cc): real system calls, up to 32 frames
+//            in one, and the count of their bits, as transport/socketcan.cc has them; not the
+//            kernel's CAN layer and driver
 // "paced" sleeps to the next period of 240 Hz in between, so that caches are as cold as they are in
 // the running bridge, and the scheduler takes part.
 #include <benchmark/benchmark.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <functional>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "bridge/can/bit_timing.h"
 #include "bridge/can/candump.h"
 #include "bridge/can/codec.h"
 #include "bridge/can/sensor_node.h"
+#include "bridge/can/transport/bus_protocol.h"
+#include "bridge/can/transport/virtual_can.h"
 #include "bridge/joints/can_plant.h"
 #include "tests/fuzz/live_robot.h"
 #include "tests/fuzz/plant_watch.h"
@@ -44,66 +50,57 @@ namespace {
 constexpr int kJoints = 12;
 constexpr int kBuses = 2;
 
-class Socket : public can::Transport {
+// The other end of a virtual bus: what sinew-can-bus would be, without a wire's time.
+class BusEnd {
  public:
-  Socket() {
-    if (::socketpair(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0, ends_.data()) != 0)
+  explicit BusEnd(int bus)
+      : path_("/tmp/sinew-can-bench-" + std::to_string(::getpid()) + "-" + std::to_string(bus)) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::copy(path_.begin(), path_.end(), address.sun_path);
+    listener_ = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
+    ::unlink(path_.c_str());
+    if (::bind(listener_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
+        ::listen(listener_, 1) != 0) {
       std::abort();
-    const int bytes = 1 << 20;
-    for (const int end : ends_) ::setsockopt(end, SOL_SOCKET, SO_SNDBUF, &bytes, sizeof bytes);
-  }
-  ~Socket() override {
-    for (const int end : ends_) ::close(end);
-  }
-  Socket(const Socket&) = delete;
-  Socket& operator=(const Socket&) = delete;
-
-  can::SendStatus Send(const can::Frame& frame) noexcept override {
-    if (::send(ends_[0], &frame, sizeof frame, MSG_DONTWAIT | MSG_NOSIGNAL) != sizeof frame)
-      return can::SendStatus::kDropped;
-    ++counters_.sent;
-    counters_.wire_bits += static_cast<std::uint64_t>(can::FrameBits(frame));
-    return can::SendStatus::kOk;
-  }
-  bool Receive(std::chrono::nanoseconds timeout, can::Received* received) noexcept override {
-    if (timeout.count() > 0 && on_wait) on_wait();
-    const std::int64_t give_up_ns = can::MonotonicNow() + timeout.count();
-    can::Frame frame;
-    iovec data{&frame, sizeof frame};
-    alignas(cmsghdr) char control[256];
-    msghdr message{};
-    message.msg_iov = &data;
-    message.msg_iovlen = 1;
-    message.msg_control = control;
-    message.msg_controllen = sizeof control;
-    if (::recvmsg(ends_[0], &message, MSG_DONTWAIT) != sizeof frame) {
-      benchmark::DoNotOptimize(give_up_ns);
-      return false;
     }
-    *received = {frame, can::MonotonicNow()};
-    ++counters_.received;
-    counters_.wire_bits += static_cast<std::uint64_t>(can::FrameBits(frame));
-    return true;
+    std::thread accept([this] {
+      socket_ = ::accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
+      can::Packet welcome;
+      welcome.kind = can::PacketKind::kWelcome;
+      welcome.value = 1'000'000;
+      Tell(welcome);
+    });
+    transport_ = std::make_unique<can::VirtualCan>(can::VirtualCanOptions{.bus = path_});
+    accept.join();
+    const int bytes = 1 << 20;
+    ::setsockopt(socket_, SOL_SOCKET, SO_SNDBUF, &bytes, sizeof bytes);
   }
-  can::Link link() const noexcept override { return can::Link::kUp; }
-  can::TransportCounters counters() const noexcept override { return counters_; }
-  std::int64_t now_ns() const noexcept override { return can::MonotonicNow(); }
-  const std::string& name() const noexcept override { return name_; }
+  ~BusEnd() {
+    ::close(socket_);
+    ::close(listener_);
+    ::unlink(path_.c_str());
+  }
+  BusEnd(const BusEnd&) = delete;
+  BusEnd& operator=(const BusEnd&) = delete;
 
-  std::function<void()> on_wait;
-  // The other end.
-  void Feed(const can::Frame& frame) {
-    if (::send(ends_[1], &frame, sizeof frame, MSG_DONTWAIT | MSG_NOSIGNAL) != sizeof frame)
-      std::abort();
-  }
+  can::VirtualCan& transport() { return *transport_; }
+  void Feed(const can::Frame& frame) { Tell(can::FramePacket(frame, can::MonotonicNow())); }
   bool Take(can::Frame* frame) {
-    return ::recv(ends_[1], frame, sizeof *frame, MSG_DONTWAIT) == sizeof *frame;
+    can::Packet packet;
+    if (::recv(socket_, &packet, sizeof packet, MSG_DONTWAIT) != sizeof packet) return false;
+    *frame = can::FrameOf(packet);
+    return true;
   }
 
  private:
-  std::array<int, 2> ends_{};
-  can::TransportCounters counters_;
-  std::string name_ = "sockets";
+  void Tell(const can::Packet& packet) {
+    if (::send(socket_, &packet, sizeof packet, MSG_NOSIGNAL) != sizeof packet) std::abort();
+  }
+
+  std::string path_;
+  int listener_ = -1, socket_ = -1;
+  std::unique_ptr<can::VirtualCan> transport_;
 };
 
 // One robot and both kinds of buses; `sockets` chooses.
@@ -114,8 +111,8 @@ class Bench {
     std::vector<can::Transport*> ends;
     for (int bus = 0; bus < kBuses; ++bus) {
       memory_.push_back(std::make_unique<fuzz::FedBus>(bus, now_ns_, nullptr));
-      socket_.push_back(std::make_unique<Socket>());
-      ends.push_back(sockets ? static_cast<can::Transport*>(socket_.back().get())
+      socket_.push_back(std::make_unique<BusEnd>(bus));
+      ends.push_back(sockets ? static_cast<can::Transport*>(&socket_.back()->transport())
                              : memory_.back().get());
     }
     plant_ = std::make_unique<bridge::CanPlant>(config_, ends);
@@ -123,9 +120,22 @@ class Bench {
 
   bool Start() {
     // Reset throws away what waits, then listens: it is fed while it waits.
-    memory_[0]->on_wait = socket_[0]->on_wait = [this] { Speak(true); };
-    plant_->Reset(&sensors_);
-    memory_[0]->on_wait = socket_[0]->on_wait = nullptr;
+    if (sockets_) {
+      std::atomic<bool> heard{false};
+      std::thread speaker([&] {
+        while (!heard) {
+          Speak(true);
+          std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        }
+      });
+      plant_->Reset(&sensors_);
+      heard = true;
+      speaker.join();
+    } else {
+      memory_[0]->on_wait = [this] { Speak(true); };
+      plant_->Reset(&sensors_);
+      memory_[0]->on_wait = nullptr;
+    }
     for (std::size_t j = 0; j < kJoints; ++j) {
       command_.mode[j] = static_cast<provider::Mode>(1 + j % 3);
     }
@@ -166,7 +176,7 @@ class Bench {
     double frames = 0.0;
     for (int bus = 0; bus < kBuses; ++bus) {
       const can::TransportCounters c =
-          sockets_ ? socket_[std::size_t(bus)]->counters() : memory_[std::size_t(bus)]->counters();
+          sockets_ ? socket_[std::size_t(bus)]->transport().counters() : memory_[std::size_t(bus)]->counters();
       frames += static_cast<double>(c.sent + c.received);
     }
     return frames / static_cast<double>(cycle_);
@@ -201,7 +211,7 @@ class Bench {
   fuzz::LiveRobot robot_;
   std::int64_t now_ns_ = 1'000'000'000;
   std::vector<std::unique_ptr<fuzz::FedBus>> memory_;
-  std::vector<std::unique_ptr<Socket>> socket_;
+  std::vector<std::unique_ptr<BusEnd>> socket_;
   std::unique_ptr<bridge::CanPlant> plant_;
   provider::PlantCommand command_;
   provider::PlantSensors sensors_;

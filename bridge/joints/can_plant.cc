@@ -314,6 +314,24 @@ void CanPlant::ClearFault() {
   Flush();
 }
 
+void CanPlant::Rest() {
+  const std::int64_t now_ns = transports_.front()->now_ns();
+  for (Joint& joint : joints_) {
+    joint.phase = Phase::kIdle;
+    joint.phase_ns = now_ns;
+    SendNeutral(joint);
+    SendIdle(joint, now_ns);
+    if (joint.config.output) {
+      can::ValveCommand off;
+      off.sequence = joint.valve_sequence++;
+      off.timeout_ms = static_cast<std::uint16_t>(config_.timing.valve_timeout_ms);
+      Post(joint.config.bus, can::Encode(joint.config.output->node, off));
+    }
+  }
+  PostReferences();
+  Flush();
+}
+
 void CanPlant::Act(const provider::PlantCommand& command, double period_s) {
   acted_ = true;
   const std::int64_t start_ns = transports_.front()->now_ns();

@@ -169,6 +169,9 @@ class CanPlant : public provider::Plant {
   // still wrong is a fault again at the next Step.
   void ClearFault() override;
 
+  // The last frames of a bridge that ends in order: neutral setpoints, axes idle, relays off.
+  void Rest();
+
   FaultKind fault(int joint) const { return joints_[static_cast<std::size_t>(joint)].fault; }
   std::uint64_t malformed() const { return malformed_; }  // frames of ours that could not be read
 

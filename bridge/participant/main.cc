@@ -35,7 +35,13 @@ void Run(const node::Options& options, node::StopFlag& stop,
   bridge::CanPlant plant(file.bridge, pointers);
   spdlog::info("{} joints on {} buses, {}", file.bridge.joints.size(), file.buses.size(),
                file.bridge.live ? "live" : "simulated");
-  provider::RunProvider(options, stop, provider_options, guard, plant);
+  try {
+    provider::RunProvider(options, stop, provider_options, guard, plant);
+  } catch (...) {
+    plant.Rest();
+    throw;
+  }
+  plant.Rest();
   for (const can::Transport* bus : pointers) {
     const can::TransportCounters counters = bus->counters();
     spdlog::info("bus '{}': {} frames sent, {} received, {} dropped, {} error frames", bus->name(),

@@ -19,7 +19,7 @@ constexpr std::int64_t kReboot_ns = 300 * kMs_ns;
 constexpr double kOverspeedFactor = 1.2;             // vel_limit_tolerance of the firmware
 constexpr std::uint32_t kControllerOverspeed = 0x1;  // bits of the controller error
 constexpr std::uint32_t kControllerInvalidMode = 0x2;
-constexpr int kMostFramesAtOnce = 256;
+constexpr int kMostBatches = 8;  // taken from a bus at once
 
 // Order of Axis::due.
 constexpr std::array<Command, 7> kCyclic = {Command::kHeartbeat,
@@ -35,6 +35,18 @@ void Require(bool holds, const std::string& message) {
 }
 
 double FiniteOrZero(double value) { return std::isfinite(value) ? value : 0.0; }
+
+std::int32_t ToInt32(double value) {
+  return static_cast<std::int32_t>(std::clamp(FiniteOrZero(value), -2147483648.0, 2147483647.0));
+}
+
+// Of a unit quaternion, body to world: about x, then y, then z of the world.
+std::array<double, 3> RollPitchYaw(const std::array<double, 4>& q) {
+  const auto [w, x, y, z] = q;
+  return {std::atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y)),
+          std::asin(std::clamp(2.0 * (w * y - z * x), -1.0, 1.0)),
+          std::atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))};
+}
 
 }  // namespace
 
@@ -66,6 +78,21 @@ void VirtualAxes::Check(const VirtualAxesConfig& config, int joints, int buses) 
   for (const SensorNodeConfig& n : config.nodes) {
     check("sensor node", n.bus, n.node, n.joint, n.direction);
   }
+  std::set<std::pair<int, int>> behind;
+  for (const GatewayConfig& g : config.gateways) {
+    check("gateway", g.bus, g.node, 0, 1);
+    const std::string who = "gateway of node " + std::to_string(g.node) + ": ";
+    Require(!g.axes.empty() && g.axes.size() <= std::size_t{can::kCompactJoints},
+            who + std::to_string(g.axes.size()) + " axes, expected 1 to " +
+                std::to_string(can::kCompactJoints));
+    for (const int node : g.axes) {
+      Require(std::any_of(config.axes.begin(), config.axes.end(),
+                          [&](const AxisConfig& a) { return a.bus == g.bus && a.node == node; }),
+              who + "no axis of node " + std::to_string(node) + " on its bus");
+      Require(behind.emplace(g.bus, node).second,
+              who + "axis of node " + std::to_string(node) + " is behind a gateway already");
+    }
+  }
 }
 
 VirtualAxes::VirtualAxes(const VirtualAxesConfig& config, provider::Plant& plant,
@@ -91,6 +118,17 @@ VirtualAxes::VirtualAxes(const VirtualAxesConfig& config, provider::Plant& plant
     node.due[1].every_ms = n.encoder_ms;
     node.due[2].every_ms = n.sensors_ms;
     nodes_.push_back(node);
+  }
+  for (const GatewayConfig& g : config.gateways) {
+    Gateway gateway;
+    gateway.config = g;
+    for (const int node : g.axes) {
+      const auto axis = std::find_if(axes_.begin(), axes_.end(), [&](const Axis& a) {
+        return a.config.bus == g.bus && a.config.node == node;
+      });
+      gateway.axes.push_back(static_cast<std::size_t>(axis - axes_.begin()));
+    }
+    gateways_.push_back(gateway);
   }
   step_ns_ = std::llround(1e9 * config.step_s);
   plant_.Reset(&sensors_);
@@ -131,10 +169,13 @@ void VirtualAxes::Run(std::int64_t now_ns) {
 
 void VirtualAxes::Answer(std::int64_t now_ns) {
   for (std::size_t bus = 0; bus < transports_.size(); ++bus) {
-    can::Received received;
-    for (int i = 0; i < kMostFramesAtOnce; ++i) {
-      if (!transports_[bus]->Receive(std::chrono::nanoseconds(0), &received)) break;
-      Take(static_cast<int>(bus), received.frame, now_ns);
+    std::array<can::Received, can::kFramesAtOnce> waiting;
+    for (int batch = 0; batch < kMostBatches; ++batch) {
+      const std::size_t count = transports_[bus]->TakeWaiting(waiting);
+      for (std::size_t i = 0; i < count; ++i) {
+        Take(static_cast<int>(bus), waiting[i].frame, now_ns);
+      }
+      if (count < waiting.size()) break;
     }
   }
 }
@@ -157,6 +198,50 @@ void VirtualAxes::Take(int bus, const can::Frame& frame, std::int64_t now_ns) {
       node.watchdog_expired = false;
     }
     return;
+  }
+  for (Gateway& gateway : gateways_) {
+    if (gateway.config.bus == bus && gateway.config.node == address->node) {
+      TakeReferences(gateway, frame, now_ns);
+      return;
+    }
+  }
+}
+
+void VirtualAxes::TakeReferences(Gateway& gateway, const can::Frame& frame, std::int64_t now_ns) {
+  if (!can::DecodeReferences(gateway.config.node, frame, &gateway.references)) return;
+  const int number = can::ReferenceFrameNumber(gateway.config.node, frame);
+  constexpr std::size_t kFields = can::kCompactJoints / can::kCompactReferenceFrames;
+  const std::size_t first = kFields * static_cast<std::size_t>(number);
+  for (std::size_t i = first; i < std::min(first + kFields, gateway.axes.size()); ++i) {
+    Axis& axis = axes_[gateway.axes[i]];
+    if (now_ns < axis.silent_until_ns) continue;
+    axis.fed_ns = now_ns;
+    if (axis.mode != can::ControlMode::kPosition) continue;
+    axis.input_position_rev = gateway.references.position_turns[i];
+    axis.input_velocity_rev_s = axis.input_torque_Nm = 0.0;
+  }
+  if (number == can::kCompactReferenceFrames - 1) SendState(gateway, now_ns);
+}
+
+// An axis that is silent stands still in the state, as one whose last answer is kept.
+void VirtualAxes::SendState(Gateway& gateway, std::int64_t now_ns) {
+  can::CompactState& state = gateway.state;
+  for (std::size_t i = 0; i < gateway.axes.size(); ++i) {
+    const Axis& axis = axes_[gateway.axes[i]];
+    if (axis.silenced || now_ns < axis.silent_until_ns) continue;
+    state.position_turns[i] = PositionRev(axis);
+    state.velocity_turns_s[i] = VelocityRevS(axis);
+    state.iq_A[i] = IqA(axis);
+  }
+  if (const provider::BodySensors* body = plant_.body_sensors()) {
+    state.force_N = body->foot_force_N;
+    state.acceleration_m_s2 = body->acceleration_m_s2;
+    state.angular_velocity_rad_s = body->angular_velocity_rad_s;
+    state.roll_pitch_yaw_rad = RollPitchYaw(body->orientation_wxyz);
+  }
+  state.sequence = ++gateway.sequence;
+  for (const can::Frame& sent : can::EncodeState(gateway.config.node, state)) {
+    SendOn(gateway.config.bus, sent);
   }
 }
 
@@ -322,9 +407,7 @@ void VirtualAxes::SendAxis(Axis& axis, Command command) {
     case Command::kGetEncoderCount: {
       const double within = counts - axis.config.encoder_counts_rev *
                                          std::floor(counts / axis.config.encoder_counts_rev);
-      send(can::EncoderCount{
-          static_cast<std::int32_t>(std::clamp(std::floor(counts), -2147483648.0, 2147483647.0)),
-          static_cast<std::int32_t>(within)});
+      send(can::EncoderCount{ToInt32(std::floor(counts)), ToInt32(within)});
       break;
     }
     case Command::kGetIq:

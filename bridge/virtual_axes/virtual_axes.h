@@ -4,6 +4,9 @@
 // (Firmware/communication/can/can_simple.cpp, MotorControl/axis.cpp): heartbeat, cyclic and
 // requested messages, idle and closed-loop control, errors, limits, watchdog, estop, reboot. Each
 // sensor node sends output encoder, pressures, load cell and relays and has a watchdog of its own.
+// A gateway takes the references of the compact exchange for the axes behind it and answers the last
+// frame of them with a state; all else reaches the axes as it is. A reference moves an axis that is
+// in position control and feeds the watchdog of every axis. Forces and IMU are the plant's.
 // What moves is a provider::Plant (the surrogate, or a test's), stepped at a fixed period.
 //
 // The controller's own cascade (position, velocity) is the plant's: gains that arrive over the bus
@@ -20,6 +23,7 @@
 #include <vector>
 
 #include "bridge/can/codec.h"
+#include "bridge/can/compact.h"
 #include "bridge/can/sensor_node.h"
 #include "bridge/can/transport/transport.h"
 #include "components/provider/plant.h"
@@ -68,8 +72,15 @@ struct SensorNodeConfig {
   int heartbeat_ms = 100;
 };
 
+struct GatewayConfig {
+  int bus = 0;
+  int node = 0;
+  std::vector<int> axes;  // node numbers on its bus, in the order of its fields
+};
+
 struct VirtualAxesConfig {
   std::vector<AxisConfig> axes;
+  std::vector<GatewayConfig> gateways;
   std::vector<SensorNodeConfig> nodes;
   double step_s = 0.001;  // of the plant; also how often frames are looked at
 };
@@ -144,7 +155,17 @@ class VirtualAxes {
     std::array<Due, 3> due;
   };
 
+  struct Gateway {
+    GatewayConfig config;
+    std::vector<std::size_t> axes;  // indices
+    can::CompactReferences references;
+    can::CompactState state;
+    std::uint8_t sequence = 0;
+  };
+
   void Take(int bus, const can::Frame& frame, std::int64_t now_ns);
+  void TakeReferences(Gateway& gateway, const can::Frame& frame, std::int64_t now_ns);
+  void SendState(Gateway& gateway, std::int64_t now_ns);
   void TakeForAxis(Axis& axis, const can::Frame& frame, std::int64_t now_ns);
   void SendDue(std::int64_t now_ns);
   void SendAxis(Axis& axis, can::Command command);
@@ -163,6 +184,7 @@ class VirtualAxes {
   std::vector<can::Transport*> transports_;
   std::vector<Axis> axes_;
   std::vector<Node> nodes_;
+  std::vector<Gateway> gateways_;
   std::int64_t step_ns_ = 0;
   std::int64_t next_step_ns_ = 0;
   provider::PlantCommand command_;

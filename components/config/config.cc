@@ -177,7 +177,10 @@ double Section::NumberOr(std::string_view key, double fallback, Range range) con
 }
 
 std::int64_t Section::Integer(std::string_view key, Range range) const {
-  const double number = Number(key, range);
+  return ToInteger(key, Number(key, range));
+}
+
+std::int64_t Section::ToInteger(std::string_view key, double number) const {
   if (number != std::floor(number) || std::abs(number) > 9.0e15) {
     Fail(key, "'" + FormatNumber(number) + "', expected a whole number");
   }
@@ -231,6 +234,12 @@ std::vector<double> Section::Numbers(std::string_view key, Range range) const {
 std::vector<double> Section::NumbersOr(std::string_view key, std::vector<double> fallback,
                                        Range range) const {
   return Has(key) ? Numbers(key, range) : fallback;
+}
+
+std::vector<std::int64_t> Section::Integers(std::string_view key, Range range) const {
+  std::vector<std::int64_t> integers;
+  for (const double number : Numbers(key, range)) integers.push_back(ToInteger(key, number));
+  return integers;
 }
 
 std::vector<std::string> Section::TextsOr(std::string_view key,

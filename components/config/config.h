@@ -58,6 +58,7 @@ class Section {
   std::vector<double> Numbers(std::string_view key, Range range = {}) const;
   std::vector<double> NumbersOr(std::string_view key, std::vector<double> fallback,
                                 Range range = {}) const;
+  std::vector<std::int64_t> Integers(std::string_view key, Range range = {}) const;
   std::vector<std::string> TextsOr(std::string_view key, std::vector<std::string> fallback) const;
   // A path; relative ones are relative to this file. Must exist.
   std::filesystem::path ExistingPath(std::string_view key) const;
@@ -82,6 +83,7 @@ class Section {
  private:
   struct Impl;
   explicit Section(std::shared_ptr<Impl> impl);
+  std::int64_t ToInteger(std::string_view key, double number) const;
   std::shared_ptr<Impl> impl_;
 };
 

@@ -1,5 +1,6 @@
 #include "bridge/joints/file/bridge_config.h"
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace sinew::bridge {
@@ -63,6 +64,21 @@ JointConfig ReadJoint(const config::Section& section, const std::vector<can::Bus
   return joint;
 }
 
+GatewayConfig ReadGateway(const config::Section& section, const std::vector<can::BusEntry>& buses,
+                          const std::vector<JointConfig>& joints) {
+  GatewayConfig gateway;
+  gateway.bus = can::ReadBusOf(section, buses);
+  gateway.node = ReadNode(section);
+  for (const std::string& name : section.TextsOr("joints", {})) {
+    const auto joint = std::find_if(joints.begin(), joints.end(),
+                                    [&](const JointConfig& j) { return j.name == name; });
+    if (joint == joints.end()) section.Fail("joints", "has '" + name + "', which is no joint's name");
+    gateway.joints.push_back(static_cast<int>(joint - joints.begin()));
+  }
+  section.RejectUnknownKeys();
+  return gateway;
+}
+
 BridgeTiming ReadTiming(const config::Section& section) {
   BridgeTiming timing;
   timing.estimates = section.ChoiceOr("estimates", "cyclic", {"cyclic", "requested"}) == "requested"
@@ -105,6 +121,9 @@ BridgeFile ReadBridge(const config::Section& section) {
       file.bridge.joints.size() > static_cast<std::size_t>(provider::kMaxJoints)) {
     section.Fail("joints", "has " + std::to_string(file.bridge.joints.size()) +
                                " entries, expected 1 to " + std::to_string(provider::kMaxJoints));
+  }
+  for (const config::Section& gateway : section.ListOrEmpty("gateways")) {
+    file.bridge.gateways.push_back(ReadGateway(gateway, file.buses, file.bridge.joints));
   }
   file.bridge.timing = ReadTiming(section.ChildOrEmpty("timing"));
   try {

@@ -57,6 +57,17 @@ SensorNodeConfig ReadNode(const config::Section& section, const std::vector<can:
   return node;
 }
 
+GatewayConfig ReadGateway(const config::Section& section, const std::vector<can::BusEntry>& buses) {
+  GatewayConfig gateway;
+  gateway.bus = can::ReadBusOf(section, buses);
+  gateway.node = static_cast<int>(section.Integer("node", {0, can::kMaxNode}));
+  for (const std::int64_t node : section.Integers("axes", {0, can::kMaxNode})) {
+    gateway.axes.push_back(static_cast<int>(node));
+  }
+  section.RejectUnknownKeys();
+  return gateway;
+}
+
 }  // namespace
 
 VirtualAxesFile ReadVirtualAxes(const config::Section& section) {
@@ -66,6 +77,9 @@ VirtualAxesFile ReadVirtualAxes(const config::Section& section) {
     file.axes.axes.push_back(ReadAxis(axis, file.buses));
   for (const config::Section& node : section.ListOrEmpty("sensor_nodes")) {
     file.axes.nodes.push_back(ReadNode(node, file.buses));
+  }
+  for (const config::Section& gateway : section.ListOrEmpty("gateways")) {
+    file.axes.gateways.push_back(ReadGateway(gateway, file.buses));
   }
   file.axes.step_s = 1e-3 * section.NumberOr("step_ms", 1.0, {0.01, 100.0});
   for (const AxisConfig& axis : file.axes.axes) file.joints = std::max(file.joints, axis.joint + 1);
@@ -91,6 +105,7 @@ std::vector<can::IdFilter> Filters(const VirtualAxesConfig& config, int bus) {
   };
   for (const AxisConfig& axis : config.axes) add(axis.bus, axis.node);
   for (const SensorNodeConfig& node : config.nodes) add(node.bus, node.node);
+  for (const GatewayConfig& gateway : config.gateways) add(gateway.bus, gateway.node);
   return filters;
 }
 

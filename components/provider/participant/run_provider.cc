@@ -18,6 +18,7 @@
 
 #include "components/node/codec.h"
 #include "components/node/node.h"
+#include "components/provider/work_time.h"
 
 namespace sinew::provider {
 
@@ -141,6 +142,7 @@ class Provider {
     const auto start = Clock::now();
     std::int64_t deadline_ns = MonotonicNow();
     for (tick_ = 0; !stop_.requested(); ++tick_) {
+      work_.Resume();
       TakeOperatorCommands();
       Publish();
       if (lockstep_) {
@@ -154,13 +156,17 @@ class Provider {
           AwaitJointCommand(deadline_ns - wait_ns);
           plant_.Act(Judge(), period_s_);
         }
+        work_.Pause();
         SleepUntil(&deadline_ns);
+        work_.Resume();
       }
       TakeCommands();
       if (lockstep_ || !plant_.acts_at_once()) Judge();
       plant_.Step(command_, period_s_, &sensors_);
       JudgeFaults();
       Report();
+      work_.Pause();
+      work_.EndCycle();
       if (tick_ == last_tick_) break;
     }
     if (lockstep_ && tick_ == last_tick_) AwaitRecorders();
@@ -170,6 +176,10 @@ class Provider {
         "{} ticks, {:.1f} s in {:.1f} s ({:.1f} x real time), {} overruns, {} commands refused",
         tick_, simulated, seconds, simulated / std::max(seconds, 1e-9), overruns_,
         guard_.refused());
+    if (!lockstep_ && work_.cycles() > 0) {
+      spdlog::info("work of a cycle, topics included: median {:.0f} us, 99.9 % {:.0f} us",
+                   work_.Quantile_us(0.5), work_.Quantile_us(0.999));
+    }
   }
 
  private:
@@ -471,7 +481,9 @@ class Provider {
       if (joint_answered_->load() >= tick_ + 1) return;
       const std::int64_t left_ns = give_up_ns - MonotonicNow();
       if (left_ns <= 0) return;
+      work_.Pause();
       node_.WaitForData(std::chrono::microseconds(left_ns / 1000 + 1));
+      work_.Resume();
     }
   }
 
@@ -550,6 +562,7 @@ class Provider {
   std::uint64_t tick_ = 0;
   std::uint64_t last_tick_ = kNever;
   std::int64_t stamp_ns_ = 0;
+  WorkTime work_;  // of real-time cycles
   PlantSensors sensors_;
   PlantCommand command_;
   msg::JointState state_;

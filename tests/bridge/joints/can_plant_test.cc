@@ -13,9 +13,7 @@
 #include <stdexcept>
 
 #include "bridge/can/bit_timing.h"
-#include "bridge/can/transport/memory_can.h"
-#include "bridge/virtual_axes/virtual_axes.h"
-#include "tests/bridge/virtual_axes/rotors.h"
+#include "tests/bridge/joints/plant_bench.h"
 #include "tests/support/allocations.h"
 
 namespace sinew::bridge {
@@ -23,129 +21,6 @@ namespace {
 
 using provider::Mode;
 using std::chrono::milliseconds;
-
-constexpr double kTurn_rad = 2.0 * std::numbers::pi;
-constexpr std::int64_t kMs_ns = 1'000'000;
-constexpr double kPeriod_s = 1.0 / 240.0;
-constexpr std::int64_t kPeriod_ns = 4'166'667;
-
-// Robot of `joints` joints on `buses` buses, and everything around it.
-struct Setup {
-  int joints = 1;
-  int buses = 1;
-  bool output_nodes = true;
-  Estimates estimates = Estimates::kCyclic;
-  int direction = 1;
-  double zero_rev = 0.0;
-  double watchdog_s = 0.1;
-  double bitrate_bit_s = 1e6;
-};
-
-class Bench {
- public:
-  explicit Bench(const Setup& setup = {}) : setup_(setup), rotors(setup.joints) {
-    for (int b = 0; b < setup.buses; ++b) {
-      buses.push_back(
-          std::make_unique<can::MemoryBus>(can::BusConfig{.bitrate_bit_s = setup.bitrate_bit_s}));
-    }
-    config.bitrate_bit_s.assign(static_cast<std::size_t>(setup.buses), setup.bitrate_bit_s);
-    config.timing.estimates = setup.estimates;
-    const int per_bus = (setup.joints + setup.buses - 1) / setup.buses;
-    for (int j = 0; j < setup.joints; ++j) {
-      JointConfig joint;
-      joint.name = "joint" + std::to_string(j);
-      joint.bus = j / per_bus;
-      joint.node = j + 1;
-      joint.direction = setup.direction;
-      joint.zero_rev = setup.zero_rev;
-      joint.gear_ratio = 100.0;
-      joint.torque_constant_Nm_A = test::Rotors::kTorqueConstant_Nm_A;
-      joint.controller_torque_constant_Nm_A = 8.27 / 600;
-      joint.limits = {0.398, 25.0, 4.0, -1.5, 1.5, 0.2, 90.0};
-      if (setup.output_nodes) joint.output = OutputNode{j + 33, 1, 0.25};
-      config.joints.push_back(joint);
-
-      virtual_axes::AxisConfig axis;
-      axis.bus = joint.bus;
-      axis.node = joint.node;
-      axis.joint = j;
-      axis.direction = setup.direction;
-      axis.zero_rev = setup.zero_rev;
-      axis.gear_ratio = 100.0;
-      axis.watchdog_s = setup.watchdog_s;
-      axis.rates.encoder_ms = setup.estimates == Estimates::kCyclic ? 2 : 0;
-      axes_config.axes.push_back(axis);
-      if (setup.output_nodes) {
-        virtual_axes::SensorNodeConfig node;
-        node.bus = joint.bus;
-        node.node = j + 33;
-        node.joint = j;
-        node.zero_rad = 0.25;
-        axes_config.nodes.push_back(node);
-      }
-    }
-  }
-
-  void Start() {
-    Prepare();
-    plant->Reset(&sensors);
-  }
-  // All but hearing the axes for the first time.
-  void Prepare() {
-    std::vector<can::Transport*> bridge_ends, axes_ends;
-    for (std::size_t b = 0; b < buses.size(); ++b) {
-      ends.push_back(buses[b]->Join("bridge", CanPlant::Filters(config, static_cast<int>(b))));
-      bridge_ends.push_back(ends.back().get());
-      ends.push_back(buses[b]->Join("axes"));
-      axes_ends.push_back(ends.back().get());
-    }
-    axes = std::make_unique<virtual_axes::VirtualAxes>(axes_config, rotors, axes_ends);
-    axes->Start(0);
-    buses[0]->AddAgent([this] { return axes->next_ns(); },
-                       [this](std::int64_t now) { RunAxes(now); });
-    plant = std::make_unique<CanPlant>(config, bridge_ends);
-  }
-  // One cycle of the provider.
-  void Step() {
-    plant->Step(command, kPeriod_s, &sensors);
-    next_ns_ = std::max(next_ns_ + kPeriod_ns, buses[0]->now_ns());
-    for (auto& bus : buses) bus->AdvanceTo(next_ns_);
-  }
-  void Steps(int count) {
-    for (int i = 0; i < count; ++i) Step();
-  }
-  // Until the joints are in closed loop.
-  void Arm(Mode mode = Mode::kTorque) {
-    next_ns_ = buses[0]->now_ns();
-    for (std::size_t j = 0; j < config.joints.size(); ++j) command.mode[j] = mode;
-    for (int i = 0; i < 100; ++i) {
-      Step();
-      if (axes->axis_state(0) == can::AxisState::kClosedLoopControl && i > 40) return;
-    }
-    FAIL() << "not armed";
-  }
-
-  bool faulty() const { return sensors.any_fault(); }
-
-  Setup setup_;
-  test::Rotors rotors;
-  std::vector<std::unique_ptr<can::MemoryBus>> buses;
-  std::vector<std::unique_ptr<can::Transport>> ends;
-  BridgeConfig config;
-  virtual_axes::VirtualAxesConfig axes_config;
-  std::unique_ptr<virtual_axes::VirtualAxes> axes;
-  std::unique_ptr<CanPlant> plant;
-  provider::PlantCommand command;
-  provider::PlantSensors sensors;
-
- private:
-  // Time is the first bus'; the others follow it.
-  void RunAxes(std::int64_t now_ns) {
-    for (std::size_t b = 1; b < buses.size(); ++b) buses[b]->AdvanceTo(now_ns);
-    axes->Run(now_ns);
-  }
-  std::int64_t next_ns_ = 0;
-};
 
 TEST(CanPlant, SensorsAreThePlantsThroughFrames) {
   Bench bench;
@@ -228,6 +103,68 @@ TEST(CanPlant, IdleEndsTheTorqueWithinTwoCyclesAndTheAxisGoesIdle) {
   bench.Steps(2);
   EXPECT_EQ(bench.rotors.torque_Nm[0], 0.0);
   EXPECT_EQ(bench.axes->axis_state(0), can::AxisState::kIdle);
+}
+
+TEST(CanPlant, RestLeavesTheAxesIdleAndTheRelaysOff) {
+  Bench bench({.joints = 2});
+  bench.Start();
+  bench.Arm();
+  bench.command.motor_torque_Nm = {0.001, 0.001};
+  bench.command.valve_open = {true, true};
+  bench.Steps(5);
+  ASSERT_TRUE(bench.axes->valve_open(1));
+  bench.plant->Rest();
+  bench.buses[0]->AdvanceTo(bench.buses[0]->now_ns() + 5 * kMs_ns);
+  for (int j = 0; j < 2; ++j) {
+    EXPECT_EQ(bench.axes->axis_state(j), can::AxisState::kIdle);
+    EXPECT_EQ(bench.rotors.torque_Nm[static_cast<std::size_t>(j)], 0.0);
+    EXPECT_FALSE(bench.axes->valve_open(j));
+  }
+}
+
+// A reset that comes between a fault and the cycle that would have idled the axis must not let the
+// joint go on.
+TEST(CanPlant, AfterAResetAJointGoesOnOnlyThroughArming) {
+  Bench bench;
+  bench.Start();
+  bench.Arm();
+  bench.command.motor_torque_Nm[0] = 0.001;
+  bench.Steps(5);
+  bench.command.motor_torque_Nm[0] = std::nan("");
+  bench.Step();
+  ASSERT_EQ(bench.plant->fault(0), FaultKind::kNotFinite);
+  bench.plant->ClearFault();
+  bench.command.motor_torque_Nm[0] = 0.001;
+  bool arming = false;
+  bench.buses[0]->OnFrame([&](const can::Delivery& d) {
+    const auto state = can::Decode<can::SetAxisState>(d.frame);
+    if (state && state->state == can::AxisState::kClosedLoopControl) arming = true;
+    const auto torque = can::Decode<can::SetInputTorque>(d.frame);
+    if (torque && torque->torque_Nm != 0.0) {
+      EXPECT_TRUE(arming);
+    }
+  });
+  bench.Steps(60);
+  EXPECT_TRUE(arming);
+}
+
+TEST(CanPlant, NoSetpointLeavesForAnAxisThatHasJustToldAnError) {
+  Bench bench;
+  bench.Start();
+  bench.Arm();
+  bench.command.motor_torque_Nm[0] = 0.001;
+  bench.Steps(5);
+  bench.axes->SetAxisError(0, can::axis_error::kOverTemp);
+  bool told = false;
+  int moving = 0;
+  bench.buses[0]->OnFrame([&](const can::Delivery& d) {
+    if (const auto h = can::Decode<can::Heartbeat>(d.frame); h && h->axis_error != 0) told = true;
+    const auto torque = can::Decode<can::SetInputTorque>(d.frame);
+    if (told && torque && torque->torque_Nm != 0.0) ++moving;
+  });
+  bench.Steps(60);
+  EXPECT_TRUE(told);
+  EXPECT_EQ(moving, 0);
 }
 
 TEST(CanPlant, WatchdogsAreFedWhileTheBridgeLivesAndStopTheMotorWhenItDies) {
@@ -681,37 +618,6 @@ TEST(CanPlant, ActSendsAtOnceAndTheStepAfterItOnlyReads) {
   bench.Step();
   EXPECT_EQ(setpoints, 2) << "without Act, Step sends";
 }
-
-// A bus without others: it hands out `frames` once per cycle and keeps nothing of what is sent but
-// `on_send`.
-class Deaf : public can::Transport {
- public:
-  can::SendStatus Send(const can::Frame& frame) noexcept override {
-    if (on_send) on_send(frame);
-    return can::SendStatus::kOk;
-  }
-  bool Receive(std::chrono::nanoseconds timeout, can::Received* received) noexcept override {
-    if (next >= frames.size()) {
-      now += timeout.count();
-      if (timeout.count() > 0) next = 0;
-      return false;
-    }
-    *received = {frames[next++], now};
-    return true;
-  }
-  can::Link link() const noexcept override { return can::Link::kUp; }
-  can::TransportCounters counters() const noexcept override { return {}; }
-  std::int64_t now_ns() const noexcept override { return now; }
-  const std::string& name() const noexcept override { return name_; }
-
-  std::vector<can::Frame> frames;
-  std::size_t next = 0;
-  std::int64_t now = 1'000'000;
-  std::function<void(const can::Frame&)> on_send;
-
- private:
-  std::string name_ = "deaf";
-};
 
 // Whatever comes over the bus, forged answers of our own axes included: no setpoint beyond the
 // limits, none that is not finite, none to a joint that was not told to move.

@@ -1,5 +1,5 @@
 // Real processes: sinew-can-bus, sinew-virtual-axes with the surrogate behind them,
-// sinew-can-bridge; this test plays control and operator over DDS. Domains 90-95.
+// sinew-can-bridge; this test plays control and operator over DDS. Domains 90-97.
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sinew_idl/actuator.h>
@@ -7,6 +7,7 @@
 #include <sinew_idl/joint.h>
 #include <sinew_idl/operator.h>
 #include <sinew_idl/pneumatics.h>
+#include <sinew_idl/sensors.h>
 
 #include <algorithm>
 #include <chrono>
@@ -68,9 +69,16 @@ std::string Twice(const std::string& text, const std::string& from, const std::s
   return text.substr(0, end) + entry + text.substr(end);
 }
 
+struct RigOptions {
+  bool second_joint = false;
+  std::string rest = "idle";  // what the other joint does
+  bool gateway = false;       // the compact exchange through the gateway of node 48
+  bool world = false;         // behind the axes, instead of the surrogate
+};
+
 class Rig {
  public:
-  explicit Rig(int domain, bool second_joint = false, const std::string& rest = "idle")
+  explicit Rig(int domain, const RigOptions& rig_options = {})
       : domain_(domain), node_(NodeOptions(domain)) {
     const std::string bus_path = (folder_.path() / "bus").string();
     bus_path_ = bus_path;
@@ -87,15 +95,23 @@ class Rig {
     // follows, not when.
     std::string axes =
         Replaced(on_our_bus("virtual_axes.yaml"), "watchdog_ms: 100", "watchdog_ms: 500");
-    if (second_joint)
+    if (rig_options.second_joint)
       axes = Twice(Twice(axes + "#\n", "  - node: 33", "#\n"), "  - node: 3\n", "sensor_nodes");
+    if (rig_options.gateway) {
+      axes = Replaced(axes, "encoder_ms: 2", "encoder_ms: 0");  // the state carries it
+      axes += "gateways:\n  - {node: 48, axes: [3]}\n";
+    }
+    if (rig_options.world)
+      axes = Replaced(axes, "surrogate: surrogate.yaml", "world: " + rig + "world.yaml");
     axes_config_ = folder_.Write("virtual_axes.yaml", axes);
     std::string bridge = Replaced(on_our_bus("can_bridge.yaml"), "lost_after_ms: 60",
                                   "lost_after_ms: 1000\n  closed_loop_timeout_ms: 5000");
     bridge = Replaced(bridge, "heartbeat_timeout_ms: 350", "heartbeat_timeout_ms: 3000");
     bridge = Replaced(bridge, "fault_after_ms: 60", "fault_after_ms: 1000");
-    bridge = Replaced(bridge, "on_joint_fault: idle", "on_joint_fault: " + rest);
-    if (second_joint) bridge = Twice(bridge, "  - name: joint\n", "timing:");
+    bridge = Replaced(bridge, "on_joint_fault: idle", "on_joint_fault: " + rig_options.rest);
+    if (rig_options.gateway)
+      bridge = Replaced(bridge, "timing:", "gateways:\n  - {node: 48, joints: [joint]}\ntiming:");
+    if (rig_options.second_joint) bridge = Twice(bridge, "  - name: joint\n", "timing:");
     bridge_config_ = folder_.Write("can_bridge.yaml", bridge);
     log_ = (folder_.path() / "bus.log").string();
     bus_ = Start({"sinew-can-bus", "--bus", bus_path, "--log", log_});
@@ -131,8 +147,10 @@ class Rig {
       command.header(state->header());
       command.joint_count(state->joint_count());
       for (int j = 0; j < state->joint_count(); ++j) {
-        command.mode()[static_cast<std::size_t>(j)] = msg::COMMAND_TORQUE;
-        command.motor_torque_Nm()[static_cast<std::size_t>(j)] = motor_torque_Nm;
+        const auto i = static_cast<std::size_t>(j);
+        command.mode()[i] = position_rad ? msg::COMMAND_POSITION : msg::COMMAND_TORQUE;
+        command.position_rad()[i] = position_rad.value_or(0.0);
+        command.motor_torque_Nm()[i] = motor_torque_Nm;
       }
       (void)commands_.Write(command);
       msg::ValveCommand valves;
@@ -164,6 +182,7 @@ class Rig {
   const std::optional<msg::ActuatorState>& actuator() const { return actuator_; }
   const std::optional<msg::BusStatus>& status() const { return status_; }
   bool valve_open = true;
+  std::optional<double> position_rad;  // commanded instead of the torque
 
  private:
   static node::Options NodeOptions(int domain) {
@@ -305,7 +324,7 @@ TEST(CanBridgeSystem, KilledBridgeLeavesTheMotorIdleByTheControllersWatchdog) {
 }
 
 TEST(CanBridgeSystem, WhenOneJointFailsTheOtherHoldsAsDeclared) {
-  Rig rig(95, true, "hold");
+  Rig rig(95, {.second_joint = true, .rest = "hold"});
   ASSERT_TRUE(rig.Run(0.0, seconds(20),
                       [](const msg::JointState& s) {
                         return s.joint_count() == 2 && s.valid()[0] && s.valid()[1];
@@ -348,6 +367,57 @@ TEST(CanBridgeSystem, WhenOneJointFailsTheOtherHoldsAsDeclared) {
     const std::string frames = ReadText(rig.log());
     return frames.find(" 067#01000000", frames.find(" 06C#")) != std::string::npos;
   })) << "the first is told to idle";
+}
+
+// The compact exchange as a way to run the bridge: references out, states in, forces and IMU as
+// topics.
+TEST(CanBridgeSystem, GatewayCarriesReferencesAndStates) {
+  Rig rig(96, {.gateway = true});
+  node::Options options;
+  options.component = options.name = "listener";
+  options.domain_id = 96;
+  node::Node listener(options);
+  auto feet = listener.MakeReader(node::kFootForce);
+  auto imu = listener.MakeReader(node::kImu);
+  ASSERT_TRUE(rig.Run(0.0, seconds(20), [](const msg::JointState& s) { return s.valid()[0]; }))
+      << rig.bridge().error() << rig.axes().error();
+  const double start_rad = rig.last().position_rad()[0];
+  rig.position_rad = start_rad;
+  ASSERT_TRUE(rig.Arm()) << rig.bridge().error();
+  rig.position_rad = start_rad + 0.3;
+  EXPECT_TRUE(rig.Run(0.0, seconds(15),
+                      [&](const msg::JointState& s) {
+                        return std::abs(s.position_rad()[0] - start_rad - 0.3) < 0.05;
+                      }))
+      << rig.last().position_rad()[0] << rig.bridge().error();
+  EXPECT_EQ(rig.last().robot_state(), msg::ROBOT_ARMED) << rig.bridge().error();
+  bool forces = false, body = false;
+  EXPECT_TRUE(rig.Run(0.0, seconds(10), [&](const msg::JointState&) {
+    while (const auto message = feet.TakeNext()) forces = forces || message->valid()[0];
+    while (const auto message = imu.TakeNext()) body = body || message->valid();
+    return forces && body;
+  })) << "foot_force and imu";
+  // On the bus: references 0x601-0x603, states 0x604-0x611, and no setpoint of the axis itself.
+  const std::string frames = ReadText(rig.log());
+  EXPECT_NE(frames.find(" 601#"), std::string::npos);
+  EXPECT_NE(frames.find(" 611#"), std::string::npos);
+  EXPECT_EQ(frames.find(" 06C#"), std::string::npos) << "a position setpoint of its own";
+  EXPECT_EQ(frames.find(" 069#"), std::string::npos) << "estimates of its own";
+}
+
+// The world instead of the surrogate behind the same axes.
+TEST(CanBridgeSystem, AWorldBehindTheAxesMovesAsThroughTheWorldItself) {
+  Rig rig(97, {.world = true});
+  ASSERT_TRUE(rig.Run(0.0, seconds(20), [](const msg::JointState& s) { return s.valid()[0]; }))
+      << rig.bridge().error() << rig.axes().error();
+  ASSERT_TRUE(rig.Arm()) << rig.bridge().error();
+  const double start_rad = rig.last().position_rad()[0];
+  EXPECT_TRUE(rig.Run(0.06, seconds(10),
+                      [&](const msg::JointState& s) {
+                        return s.position_rad()[0] > start_rad + 0.1 && s.torque_Nm()[0] > 1.0;
+                      }))
+      << rig.last().position_rad()[0] << rig.bridge().error();
+  EXPECT_EQ(rig.last().robot_state(), msg::ROBOT_ARMED) << rig.bridge().error();
 }
 
 // The whole deployment: the control test of the rig through frames. Domain 94.
@@ -404,6 +474,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadFile{"node: 33", "node: 3", "used twice"},
         BadFile{"upper_rad: 1.9", "upper_rad: -2.0", "upper_rad"},
         BadFile{"missed_periods", "missed_period", "missed_period"},
+        BadFile{"timing:", "gateways:\n  - {node: 48, joints: [knee]}\ntiming:", "'knee'"},
+        BadFile{"timing:", "gateways:\n  - {node: 33, joints: [joint]}\ntiming:", "used twice"},
         BadFile{"transport: virtual",
                 "transport: virtual\n    bus: nobody-is-here\n    connect_timeout_ms: 50",
                 "sinew-can-bus --bus"},

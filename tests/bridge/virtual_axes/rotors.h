@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "components/provider/plant.h"
 
@@ -20,6 +21,7 @@ class Rotors : public provider::Plant {
 
   int joint_count() const override { return joints_; }
   std::uint32_t measured_flags() const override { return 0; }
+  const provider::BodySensors* body_sensors() const override { return body ? &*body : nullptr; }
   void Reset(provider::PlantSensors* sensors) override { Read(sensors); }
   void Step(const provider::PlantCommand& command, double period_s,
             provider::PlantSensors* sensors) override {
@@ -57,6 +59,7 @@ class Rotors : public provider::Plant {
   std::array<double, provider::kMaxJoints> torque_Nm{};
   std::array<double, provider::kMaxJoints> pressure_bar{};
   std::array<double, provider::kMaxJoints> temperature_degC{};
+  std::optional<provider::BodySensors> body;
   provider::PlantCommand last_command;
 
  private:

@@ -27,10 +27,11 @@ std::string ErrorOf(Call call) {
 
 TEST(Config, ReadsNumbersTextsAndLists) {
   const Section section =
-      Make("gain_Nm_rad: 2.5\nname: rig\nlist_s: [1, 2e-3]\nchild: {on: true}\n");
+      Make("gain_Nm_rad: 2.5\nname: rig\nlist_s: [1, 2e-3]\nnodes: [3, 7]\nchild: {on: true}\n");
   EXPECT_EQ(section.Number("gain_Nm_rad"), 2.5);
   EXPECT_EQ(section.Text("name"), "rig");
   EXPECT_EQ(section.Numbers("list_s"), (std::vector<double>{1.0, 0.002}));
+  EXPECT_EQ(section.Integers("nodes"), (std::vector<std::int64_t>{3, 7}));
   EXPECT_TRUE(section.Child("child").BoolOr("on", false));
   EXPECT_NO_THROW(section.RejectUnknownKeys());
 }
@@ -60,6 +61,7 @@ TEST(Config, RefusesWhatIsNoFiniteNumberInRange) {
         << bad;
   }
   EXPECT_THAT(ErrorOf([&] { Make("n: 1.5\n").Integer("n"); }), HasSubstr("whole number"));
+  EXPECT_THAT(ErrorOf([&] { Make("n: [1, 1.5]\n").Integers("n"); }), HasSubstr("whole number"));
 }
 
 TEST(Config, NamesTheWholePathOfANestedKey) {

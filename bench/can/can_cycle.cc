@@ -1,0 +1,168 @@
+// The bridge's own time per cycle in the running system: twelve joints on two virtual buses, as
+// processes (two sinew-can-bus, sinew-virtual-axes, sinew-can-bridge), and this program as the
+// controller that answers every joint_state. Frames to topics and back, without the wire and
+// without waiting: what the bridge itself says at its end.
+//   can_cycle [--seconds N] [--rate HZ] [--nodes] [--domain N]
+// Goal: 50 us at the median, 500 us at 99.9 %.
+#include <signal.h>
+#include <sinew_idl/joint.h>
+#include <sinew_idl/operator.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <sstream>
+#include <stdexcept>
+
+#include "components/node/node.h"
+#include "tests/support/program.h"
+#include "tests/support/temporary_folder.h"
+
+namespace sinew {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using testing::Program;
+
+constexpr int kJoints = 12;
+
+std::string Buses(const std::string& folder) {
+  std::string text = "buses:\n";
+  for (const char* name : {"a", "b"}) {
+    text += std::string("  - {name: ") + name + ", transport: virtual, bus: " + folder + "/" + name +
+            "}\n";
+  }
+  return text;
+}
+
+const char* BusOf(int joint) { return joint < kJoints / 2 ? "a" : "b"; }
+
+std::string BridgeText(const std::string& folder, bool nodes) {
+  std::ostringstream text;
+  text << "schema: sinew-can-bridge/1\norigin: sim\n" << Buses(folder) << "joints:\n";
+  for (int j = 0; j < kJoints; ++j) {
+    text << "  - {name: joint" << j << ", bus: " << BusOf(j) << ", node: " << j + 1
+         << ", gear_ratio: 100, torque_constant_Nm_A: 0.0159155"
+         << ", controller_torque_constant_Nm_A: 0.0137833, limits: {motor_torque_Nm: 0.398"
+         << ", current_A: 25, velocity_rad_s: 25, lower_rad: -1000, upper_rad: 1000}";
+    if (nodes) text << ", sensor_node: {node: " << j + 33 << "}";
+    text << "}\n";
+  }
+  // Starved moments are told by the times, not by a fault.
+  text << "timing: {iq_every_cycles: 4, lost_after_ms: 1000, heartbeat_timeout_ms: 2000}\n"
+          "guard: {missed_periods: 50, fault_after_ms: 2000}\n";
+  return text.str();
+}
+
+std::string AxesText(const std::string& folder, bool nodes) {
+  std::ostringstream text;
+  text << "schema: sinew-virtual-axes/1\n"
+       << Buses(folder) << "surrogate: surrogate.yaml\nstep_ms: 1\naxes:\n";
+  for (int j = 0; j < kJoints; ++j) {
+    text << "  - {bus: " << BusOf(j) << ", node: " << j + 1 << ", joint: " << j
+         << ", gear_ratio: 100, velocity_limit_rev_s: 500, watchdog_ms: 1000, encoder_ms: 4}\n";
+  }
+  if (nodes) text << "sensor_nodes:\n";
+  for (int j = 0; nodes && j < kJoints; ++j) {
+    text << "  - {bus: " << BusOf(j) << ", node: " << j + 33 << ", joint: " << j
+         << ", encoder_ms: 4, sensors_ms: 8}\n";
+  }
+  return text.str();
+}
+
+// Motors alone: physics must not be what keeps the machine busy.
+const char* const kSurrogateText =
+    "schema: sinew-surrogate/1\ninitial_rest_s: 0.0\nstep_s: 1.0e-4\n"
+    "motor: {viscous_Nm_s_rad: 3.0e-4,"
+    " drive: {rate_Hz: 500, estimator_bandwidth_rad_s: 200}}\n"
+    "gear: {play_rad: 1000000.0, torque_share_drive_1: 1.0, torque_share_back_1: 1.0}\n"
+    "link: {gravity_torque_Nm: 0.0}\npneumatics: {initial_pressure_bar: 0.0}\n";
+
+int Main(int argc, char** argv) {
+  double duration_s = 20.0, rate_Hz = 240.0;
+  bool nodes = false;
+  int domain = 98;
+  CLI::App app("The bridge's own time per cycle in the running system");
+  app.add_option("--seconds", duration_s, "Armed for so long")->capture_default_str();
+  app.add_option("--rate", rate_Hz, "Cycles per second")->capture_default_str();
+  app.add_flag("--nodes", nodes, "With a sensor node at each joint");
+  app.add_option("--domain", domain, "DDS domain")->capture_default_str();
+  CLI11_PARSE(app, argc, argv);
+
+  const testing::TemporaryFolder folder;
+  const std::string place = folder.path().string(), bin = std::string(SINEW_BIN_DIR) + "/";
+  folder.Write("surrogate.yaml", kSurrogateText);
+  std::vector<std::unique_ptr<Program>> programs;
+  const auto start = [&](std::vector<std::string> arguments) {
+    arguments[0] = bin + arguments[0];
+    programs.push_back(std::make_unique<Program>(arguments));
+  };
+  for (const char* name : {"a", "b"}) start({"sinew-can-bus", "--bus", place + "/" + name});
+  start({"sinew-virtual-axes", "--config", folder.Write("axes.yaml", AxesText(place, nodes))});
+  start({"sinew-can-bridge", "--config", folder.Write("bridge.yaml", BridgeText(place, nodes)),
+         "--rate", std::to_string(rate_Hz), "--domain", std::to_string(domain)});
+  Program& bridge = *programs.back();
+
+  node::Options options;
+  options.component = options.name = "commander";
+  options.domain_id = domain;
+  node::Node node(options);
+  auto states = node.MakeReader(node::kJointState);
+  auto commands = node.MakeWriter(node::kJointCommand);
+  auto operators = node.MakeWriter(node::kOperatorCommand);
+  const auto give_up = std::chrono::steady_clock::now() +
+                       std::chrono::duration<double>(60.0 + 2.0 * duration_s);
+  const auto cycles = static_cast<std::uint64_t>(duration_s * rate_Hz);
+  std::uint64_t armed = 0;
+  while (armed < cycles) {
+    if (std::chrono::steady_clock::now() > give_up) {
+      throw std::runtime_error("the robot was not armed for long enough\n" + bridge.error());
+    }
+    const auto state = states.WaitNext(milliseconds(200));
+    if (!state) continue;
+    const std::uint64_t tick = state->header().tick();
+    if (state->robot_state() == msg::ROBOT_ARMED) {
+      ++armed;
+    } else if (tick % 60 == 0) {
+      msg::OperatorCommand command;
+      command.header(state->header());
+      command.action(state->robot_state() == msg::ROBOT_FAULT ? msg::OPERATOR_RESET
+                                                              : msg::OPERATOR_ARM);
+      (void)operators.Write(command);
+    }
+    msg::JointCommand command;
+    command.header(state->header());
+    command.joint_count(kJoints);
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      command.mode()[j] = msg::COMMAND_TORQUE;
+      command.motor_torque_Nm()[j] = 2e-3 * std::sin(0.02 * static_cast<double>(tick + 20 * j));
+    }
+    (void)commands.Write(command);
+  }
+  bridge.Signal(SIGTERM);
+  if (bridge.Wait(seconds(10)) != 0) throw std::runtime_error(bridge.error());
+  std::printf("12 joints on two buses%s, %g Hz, %g s armed\n",
+              nodes ? ", a sensor node at each" : "", rate_Hz, duration_s);
+  std::istringstream log(bridge.error());
+  for (std::string line; std::getline(log, line);) {
+    for (const char* word : {"ticks, ", "work of a cycle", "frames sent", "fault"}) {
+      if (line.find(word) != std::string::npos) std::printf("  %s\n", line.c_str());
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace sinew
+
+int main(int argc, char** argv) {
+  try {
+    return sinew::Main(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "can_cycle: %s\n", error.what());
+    return 1;
+  }
+}

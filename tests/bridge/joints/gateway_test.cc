@@ -1,0 +1,328 @@
+// The compact exchange through a gateway: the bridge's plant, virtual axes, and the bus between
+// them at its bit times.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <stdexcept>
+
+#include "bridge/joints/compact_link.h"
+#include "tests/bridge/joints/plant_bench.h"
+#include "tests/support/allocations.h"
+
+namespace sinew::bridge {
+namespace {
+
+// Half a step of 0.01 motor turns.
+constexpr double kRounding_rad = 0.005 * kTurn_rad;
+
+BenchSetup Twelve() { return {.joints = 12, .output_nodes = false, .gateway = true, .rate_Hz = 400.0}; }
+
+TEST(Gateway, SensorsAreThePlantsRoundedToTheirSteps) {
+  Bench bench(Twelve());
+  for (std::size_t j = 0; j < 12; ++j) bench.rotors.angle_rad[j] = 7.0 * static_cast<double>(j) - 30.0;
+  bench.Start();
+  for (std::size_t j = 0; j < 12; ++j) {
+    EXPECT_NEAR(bench.sensors.motor_position_rad[j], bench.rotors.angle_rad[j],
+                kRounding_rad * 1.001)
+        << j;
+    EXPECT_TRUE(bench.sensors.valid[j]);
+  }
+  EXPECT_FALSE(bench.faulty()) << bench.sensors.message;
+}
+
+// The exchange that 400 Hz was asked of: references of twelve joints out, their state, forces and
+// IMU in, heartbeats of all axes beside it, on one bus of 1 Mbit/s.
+TEST(Gateway, TwelveJointsFollowTheirReferencesAt400HzOnOneBus) {
+  Bench bench(Twelve());
+  bench.Start();
+  bench.Arm(Mode::kPosition);
+  int late = 0;
+  double oldest_us = 0.0;
+  for (int i = 0; i < 1200; ++i) {
+    for (std::size_t j = 0; j < 12; ++j) {
+      bench.command.position_rad[j] =
+          0.3 * std::sin(0.005 * static_cast<double>(i) + 0.5 * static_cast<double>(j));
+    }
+    bench.Step();
+    const double age_us = bench.sensors.age_us[0];
+    oldest_us = std::max(oldest_us, age_us);
+    if (age_us > 2500.0) ++late;
+  }
+  EXPECT_FALSE(bench.faulty()) << bench.sensors.message;
+  for (std::size_t j = 0; j < 12; ++j) {
+    EXPECT_NEAR(bench.rotors.angle_rad[j] / 100.0, bench.command.position_rad[j], 0.05) << j;
+    EXPECT_NEAR(bench.sensors.position_rad[j], bench.rotors.angle_rad[j] / 100.0, 0.02) << j;
+  }
+  // A state in each cycle, but where the heartbeats of all axes come at once, ten times a second:
+  // there it is one later.
+  EXPECT_LE(late, 2 * 1200 / 40);
+  EXPECT_LT(oldest_us, 5000.0);
+  const provider::BusReport& report = *bench.plant->bus_report();
+  EXPECT_EQ(report.frames_dropped[0], 0U);
+  EXPECT_LT(report.load_percent[0], 100.0);
+  EXPECT_EQ(bench.plant->malformed(), 0U);
+}
+
+TEST(Gateway, ArmingInPositionModeMovesNothing) {
+  Bench bench(Twelve());
+  for (double& angle : bench.rotors.angle_rad) angle = 41.7;
+  bench.Start();
+  for (double& position : bench.command.position_rad) position = 0.417;
+  bench.Arm(Mode::kPosition);
+  bench.Steps(100);
+  for (std::size_t j = 0; j < 12; ++j) {
+    EXPECT_NEAR(bench.rotors.angle_rad[j], 41.7, 2.0 * kRounding_rad) << j;
+  }
+  EXPECT_FALSE(bench.faulty()) << bench.sensors.message;
+}
+
+// A reference must not overwrite the torque of a joint that is not in position control.
+TEST(Gateway, AJointInTorqueModeHasASetpointOfItsOwn) {
+  Bench bench(Twelve());
+  bench.Start();
+  bench.Arm(Mode::kPosition);
+  bench.command.mode[5] = Mode::kTorque;
+  bench.command.motor_torque_Nm[5] = 0.0007;
+  bench.Steps(5);
+  for (int i = 0; i < 40; ++i) {
+    bench.Step();
+    EXPECT_NEAR(bench.rotors.torque_Nm[5], 0.0007, 1e-9);
+  }
+  EXPECT_GT(bench.rotors.velocity_rad_s[5], 1.0);
+  EXPECT_NEAR(bench.rotors.angle_rad[4], 0.0, 2.0 * kRounding_rad) << "its neighbour stands";
+  EXPECT_NEAR(bench.sensors.motor_current_A[5], 0.0007 / Rotors::kTorqueConstant_Nm_A, 0.0051);
+  EXPECT_FALSE(bench.faulty()) << bench.sensors.message;
+}
+
+TEST(Gateway, ReferencesFeedTheWatchdogsAlsoWhileDisarmed) {
+  BenchSetup setup = Twelve();
+  setup.watchdog_s = 0.05;
+  Bench bench(setup);
+  bench.Start();
+  bench.Steps(400);
+  for (int j = 0; j < 12; ++j) EXPECT_EQ(bench.axes->axis_error(j), 0U) << j;
+  bench.Arm(Mode::kPosition);
+  bench.Steps(200);
+  for (int j = 0; j < 12; ++j) EXPECT_EQ(bench.axes->axis_error(j), 0U) << j;
+  bench.buses[0]->AdvanceTo(bench.buses[0]->now_ns() + 60 * kMs_ns);  // the bridge is killed
+  for (int j = 0; j < 12; ++j) EXPECT_EQ(bench.axes->axis_state(j), can::AxisState::kIdle) << j;
+}
+
+TEST(Gateway, RestLeavesTheAxesIdle) {
+  Bench bench(Twelve());
+  bench.Start();
+  bench.Arm(Mode::kPosition);
+  bench.plant->Rest();
+  bench.buses[0]->AdvanceTo(bench.buses[0]->now_ns() + 10 * kMs_ns);
+  for (int j = 0; j < 12; ++j) EXPECT_EQ(bench.axes->axis_state(j), can::AxisState::kIdle) << j;
+}
+
+TEST(Gateway, FeetAndImuAreTold) {
+  Bench bench(Twelve());
+  bench.rotors.body.emplace();
+  provider::BodySensors& body = *bench.rotors.body;
+  for (std::size_t i = 0; i < 8; ++i) body.foot_force_N[i] = 12.3 * static_cast<double>(i);
+  body.acceleration_m_s2 = {0.5, -1.25, 9.81};
+  body.angular_velocity_rad_s = {0.125, -2.5, 0.003};
+  const double half_rad = 0.5 * 0.4;
+  body.orientation_wxyz = {std::cos(half_rad), 0.0, std::sin(half_rad), 0.0};  // 0.4 rad of pitch
+  bench.Start();
+  bench.Steps(3);
+  const provider::BodySensors* told = bench.plant->body_sensors();
+  ASSERT_NE(told, nullptr);
+  for (std::size_t i = 0; i < 8; ++i) {
+    EXPECT_NEAR(told->foot_force_N[i], body.foot_force_N[i], 0.051);
+    EXPECT_TRUE(told->foot_valid[i]);
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(told->acceleration_m_s2[i], body.acceleration_m_s2[i], 0.0051);
+    EXPECT_NEAR(told->angular_velocity_rad_s[i], body.angular_velocity_rad_s[i], 0.00051);
+  }
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_NEAR(told->orientation_wxyz[i], body.orientation_wxyz[i], 1e-4) << i;
+  }
+  EXPECT_TRUE(told->imu_valid);
+  Bench without({.joints = 1});
+  without.Start();
+  EXPECT_EQ(without.plant->body_sensors(), nullptr);
+}
+
+TEST(Gateway, ASilentGatewayIsAFaultOfEveryJointBehindIt) {
+  Bench bench(Twelve());
+  bench.Start();
+  // The axes' heartbeats go on, the states end.
+  bench.axes_config.gateways.clear();
+  bench.ends.push_back(bench.buses[0]->Join("axes without gateway"));
+  bench.axes = std::make_unique<virtual_axes::VirtualAxes>(
+      bench.axes_config, bench.rotors, std::vector<can::Transport*>{bench.ends.back().get()});
+  bench.axes->Start(bench.buses[0]->now_ns());
+  bench.Steps(40);
+  for (int j = 0; j < 12; ++j) EXPECT_EQ(bench.plant->fault(j), FaultKind::kEstimatesLost) << j;
+}
+
+TEST(Gateway, APositionBeyondTheFieldIsAFaultNotAWrongAngle) {
+  Bench bench(Twelve());
+  bench.config.joints[3].limits.upper_rad = bench.config.joints[3].limits.lower_rad + 1000.0;
+  bench.rotors.angle_rad[3] = 328.0 * kTurn_rad;
+  bench.Start();
+  EXPECT_EQ(bench.plant->fault(3), FaultKind::kOutOfRange) << bench.sensors.message;
+  EXPECT_EQ(bench.plant->fault(2), FaultKind::kNone);
+}
+
+TEST(Gateway, AReferenceBeyondTheFieldIsAFaultAndMovesNothing) {
+  Bench bench(Twelve());
+  JointLimits& limits = bench.config.joints[3].limits;
+  limits = {0.398, 25.0, 500.0, -100.0, 100.0, 0.2, 90.0};
+  bench.rotors.angle_rad[3] = 320.0 * kTurn_rad;
+  bench.Start();
+  bench.command.position_rad[3] = 320.0 * kTurn_rad / 100.0;
+  bench.Arm(Mode::kPosition);
+  ASSERT_FALSE(bench.faulty()) << bench.sensors.message;
+  bench.command.position_rad[3] = 330.0 * kTurn_rad / 100.0;
+  bench.Steps(3);
+  EXPECT_EQ(bench.plant->fault(3), FaultKind::kOutOfRange) << bench.sensors.message;
+  bench.Steps(50);
+  EXPECT_EQ(bench.axes->axis_state(3), can::AxisState::kIdle);
+  EXPECT_LT(bench.rotors.angle_rad[3], 328.0 * kTurn_rad);
+}
+
+TEST(Gateway, ActAndStepTakeNothingFromTheHeap) {
+  const Bench bench({.joints = 1, .output_nodes = false, .gateway = true});
+  Deaf bus;
+  bus.frames = {can::Encode(1, can::Heartbeat{0, can::AxisState::kClosedLoopControl})};
+  for (const can::Frame& frame : can::EncodeState(Bench::kGatewayNode, {})) {
+    bus.frames.push_back(frame);
+  }
+  CanPlant plant(bench.config, {&bus});
+  provider::PlantSensors sensors;
+  plant.Reset(&sensors);
+  provider::PlantCommand command;
+  command.mode[0] = Mode::kPosition;
+  const long before = test::Allocations();
+  for (int i = 0; i < 500; ++i) {
+    bus.now += kPeriod_ns;
+    bus.next = 0;
+    plant.Act(command, kPeriod_s);
+    plant.Step(command, kPeriod_s, &sensors);
+  }
+  EXPECT_EQ(test::Allocations() - before, 0);
+  EXPECT_FALSE(sensors.any_fault()) << sensors.message;
+}
+
+TEST(Gateway, ConfigurationThatCannotBeIsRefused) {
+  const auto refused = [](auto change) {
+    Bench bench({.joints = 2, .buses = 2, .output_nodes = false});
+    bench.config.gateways.push_back({0, 48, {0}});
+    change(bench.config);
+    try {
+      CanPlant::Check(bench.config);
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_EQ(refused([](BridgeConfig&) {}), "accepted");
+  EXPECT_EQ(refused([](BridgeConfig& c) { c.gateways[0].node = 1; }),
+            "gateway of node 1: node 1 is used twice");
+  EXPECT_EQ(refused([](BridgeConfig& c) { c.gateways[0].bus = 7; }), "gateway of node 48: no bus 7");
+  EXPECT_EQ(refused([](BridgeConfig& c) { c.gateways[0].joints = {1}; }),
+            "gateway of node 48: joint 'joint1' is on another bus");
+  EXPECT_EQ(refused([](BridgeConfig& c) { c.gateways[0].joints = {0, 0}; }),
+            "gateway of node 48: joint 'joint0' is behind a gateway already");
+  EXPECT_EQ(refused([](BridgeConfig& c) { c.gateways[0].joints.clear(); }),
+            "gateway of node 48: 0 joints, expected 1 to 12");
+  EXPECT_EQ(refused([](BridgeConfig& c) { c.gateways[0].joints = {9}; }),
+            "gateway of node 48: no joint 9");
+}
+
+// --- the link alone
+
+std::array<can::Frame, can::kCompactStateFrames> State(double turns, std::uint8_t sequence) {
+  can::CompactState state;
+  state.position_turns.fill(turns);
+  state.sequence = sequence;
+  return can::EncodeState(5, state);
+}
+
+TEST(CompactLink, AStateCountsWhenAllItsFramesCameInTheirOrder) {
+  CompactLink link(5);
+  const auto first = State(1.0, 1);
+  for (std::size_t k = 0; k + 1 < first.size(); ++k) {
+    EXPECT_EQ(link.Take({first[k], 100 + static_cast<std::int64_t>(k)}), CompactLink::Taken::kPart);
+    EXPECT_EQ(link.stamp_ns(), 0);
+  }
+  EXPECT_EQ(link.Take({first.back(), 200}), CompactLink::Taken::kComplete);
+  EXPECT_EQ(link.stamp_ns(), 100) << "of the first frame";
+  EXPECT_EQ(link.state().position_turns[11], 1.0);
+}
+
+TEST(CompactLink, ALostFrameNeverMixesTwoStates) {
+  std::mt19937 random(1);
+  CompactLink link(5);
+  int complete = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const double turns = 0.01 * (i % 30000);
+    for (const can::Frame& frame : State(turns, static_cast<std::uint8_t>(i))) {
+      if (random() % 20 == 0) continue;  // lost
+      if (link.Take({frame, i + 1}) != CompactLink::Taken::kComplete) continue;
+      ++complete;
+      EXPECT_EQ(link.stamp_ns(), i + 1);
+      for (const double told : link.state().position_turns) EXPECT_NEAR(told, turns, 1e-9);
+    }
+  }
+  EXPECT_GT(complete, 500);
+  EXPECT_LT(complete, 1500);
+}
+
+TEST(CompactLink, OtherFramesAndShortOnesChangeNothing) {
+  CompactLink link(5);
+  for (const can::Frame& frame : State(1.0, 1)) (void)link.Take({frame, 1});
+  can::Frame other = State(2.0, 2)[0];
+  other.id = can::Identifier(6, can::StateCommand(0));
+  EXPECT_EQ(link.Take({other, 2}), CompactLink::Taken::kNotOurs);
+  can::Frame remote = State(2.0, 2)[0];
+  remote.remote = true;
+  EXPECT_EQ(link.Take({remote, 2}), CompactLink::Taken::kNotOurs);
+  auto cut = State(2.0, 2);
+  cut[3].length = 7;
+  int refused = 0;
+  for (const can::Frame& frame : cut) {
+    if (link.Take({frame, 2}) == CompactLink::Taken::kRefused) ++refused;
+  }
+  EXPECT_EQ(refused, 11) << "the short one and all behind it";
+  EXPECT_EQ(link.state().position_turns[0], 1.0);
+  EXPECT_EQ(link.stamp_ns(), 1);
+}
+
+TEST(CompactLink, RefusesAReferenceThatDoesNotFit) {
+  CompactLink link(5);
+  EXPECT_TRUE(link.SetReference(2, 12.34));
+  EXPECT_FALSE(link.SetReference(2, 327.68));
+  EXPECT_FALSE(link.SetReference(2, std::nan("")));
+  can::CompactReferences back;
+  for (const can::Frame& frame : link.References()) {
+    EXPECT_TRUE(can::DecodeReferences(5, frame, &back));
+  }
+  EXPECT_NEAR(back.position_turns[2], 12.34, 1e-9);
+}
+
+// Rotation matrices of the three angles, multiplied: another way to the same.
+TEST(CompactLink, QuaternionTurnsAsRollThenPitchThenYaw) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> angle(-1.5, 1.5);
+  for (int i = 0; i < 100; ++i) {
+    const double r = angle(random), p = angle(random), y = angle(random);
+    const auto [w, qx, qy, qz] = QuaternionOf({r, p, y});
+    EXPECT_NEAR(w * w + qx * qx + qy * qy + qz * qz, 1.0, 1e-12);
+    // Of the body's x axis, and the z row: -sin p, cos p sin r, cos p cos r.
+    EXPECT_NEAR(1.0 - 2.0 * (qy * qy + qz * qz), std::cos(y) * std::cos(p), 1e-12);
+    EXPECT_NEAR(2.0 * (qx * qy + w * qz), std::sin(y) * std::cos(p), 1e-12);
+    EXPECT_NEAR(2.0 * (qx * qz - w * qy), -std::sin(p), 1e-12);
+    EXPECT_NEAR(2.0 * (qy * qz + w * qx), std::cos(p) * std::sin(r), 1e-12);
+    EXPECT_NEAR(1.0 - 2.0 * (qx * qx + qy * qy), std::cos(p) * std::cos(r), 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace sinew::bridge
