@@ -2,6 +2,7 @@
 // crash, and no joint moved that must not or otherwise than commanded. Every frame that leaves is
 // judged (tests/fuzz/plant_watch.h). Exit code 1 when a rule was broken.
 //   build/release/bin/can_fuzz_soak [frames] [seed]       100000000 frames unless told
+// Half of them with the joints of one bus behind a gateway.
 //
 // The buses are in memory and hand out what they are fed, without the filters that a real transport
 // has: the plant sees everything. Episodes of 120 cycles at 240 Hz, each with commands of its own
@@ -33,6 +34,7 @@ using provider::Mode;
 
 constexpr int kJoints = 12;
 constexpr int kBuses = 2;
+constexpr std::uint32_t kGatewayNode = 48;  // of fuzz::FuzzedRobot
 constexpr int kCycles = 120;       // of an episode
 constexpr int kArmingCycles = 15;  // until every joint that shall move does
 
@@ -70,9 +72,9 @@ void FillData(Random& random, can::Frame* frame) {
 
 class Soak {
  public:
-  explicit Soak(std::uint64_t seed)
+  Soak(std::uint64_t seed, bool gateway)
       : random_(seed),
-        config_(fuzz::FuzzedRobot(kJoints)),
+        config_(fuzz::FuzzedRobot(kJoints, gateway)),
         watch_(config_),
         robot_(config_),
         buses_{fuzz::FedBus(0, now_ns_, &watch_), fuzz::FedBus(1, now_ns_, &watch_)},
@@ -84,6 +86,10 @@ class Soak {
         ours_[std::size_t(c.bus)][std::size_t(c.output->node)] = true;
         nodes_[std::size_t(c.bus)].push_back(static_cast<std::uint32_t>(c.output->node));
       }
+    }
+    for (const bridge::GatewayConfig& c : config_.gateways) {
+      ours_[std::size_t(c.bus)][std::size_t(c.node)] = true;
+      nodes_[std::size_t(c.bus)].push_back(static_cast<std::uint32_t>(c.node));
     }
     robot_.frequency_rad_s = 2.3;  // 3.68 rad/s at most: into the taper, not beyond the limit
     buses_[0].on_wait = [this] { Speak(true); };
@@ -173,6 +179,13 @@ class Soak {
     for (auto& nodes : forged_) nodes.clear();
     for (std::size_t j = 0; j < kJoints; ++j) {
       victim_[j] = trouble != Trouble::kForged || random_.Below(3) == 0;
+    }
+    for (const bridge::GatewayConfig& gateway : config_.gateways) {
+      if (trouble == Trouble::kForged && random_.Below(2) == 0) continue;
+      forged_[std::size_t(gateway.bus)].push_back(static_cast<std::uint32_t>(gateway.node));
+      for (const int j : gateway.joints) victim_[std::size_t(j)] = true;
+    }
+    for (std::size_t j = 0; j < kJoints; ++j) {
       if (!victim_[j]) continue;
       const bridge::JointConfig& c = config_.joints[j];
       forged_[std::size_t(c.bus)].push_back(static_cast<std::uint32_t>(c.node));
@@ -300,6 +313,7 @@ class Soak {
     can::Frame frame;
     frame.id = nodes[random_.Below(static_cast<std::uint32_t>(nodes.size()))] << 5 |
                kKinds[random_.Below(8)];
+    if (frame.id >> 5 == kGatewayNode) frame.id = kGatewayNode << 5 | (1 + random_.Below(18));
     frame.length = random_.Below(8) == 0 ? static_cast<std::uint8_t>(random_.Below(10)) : 8;
     FillData(random_, &frame);
     if ((frame.id & 31) == 0x01 && random_.Below(2) == 0) {  // a heartbeat that could be true
@@ -356,7 +370,7 @@ class Soak {
     number("  checked to be the command", moved_as_commanded_);
     static constexpr std::array kFaults = {
         "none",    "axis error", "heartbeat lost", "estimates lost", "node lost", "encoder jump",
-        "too hot", "overspeed",  "out of range",   "no closed loop", "not finite"};
+        "too hot", "overspeed",  "out of range",   "no closed loop", "zero check", "not finite"};
     std::printf("joint-cycles by fault, where trouble can make one:");
     for (std::size_t i = 0; i < kFaults.size(); ++i) {
       std::printf("%s %s %llu", i == 0 ? "" : ",", kFaults[i],
@@ -390,7 +404,7 @@ class Soak {
   std::uint64_t moved_as_commanded_ = 0;
   std::array<std::uint64_t, kNames.size()> by_trouble_{};
   std::array<long, kNames.size()> episodes_{};
-  std::array<std::uint64_t, 11> faults_{};
+  std::array<std::uint64_t, 12> faults_{};
   std::size_t longest_message_ = 0;
   long cycles_ = 0;
   int bad_ = 0;
@@ -402,5 +416,10 @@ int main(int argc, char** argv) {
   const std::uint64_t frames = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 100'000'000;
   const std::uint64_t seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
   std::printf("seed %llu\n", static_cast<unsigned long long>(seed));
-  return std::make_unique<Soak>(seed)->Run(frames) ? 0 : 1;
+  bool good = true;
+  for (const bool gateway : {false, true}) {
+    std::printf("\n%s\n", gateway ? "six of the joints behind a gateway" : "every joint for itself");
+    good = std::make_unique<Soak>(seed, gateway)->Run(frames / 2) && good;
+  }
+  return good ? 0 : 1;
 }

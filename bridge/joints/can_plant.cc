@@ -22,6 +22,7 @@ constexpr double kTaper = 0.1;                    // of the velocity limit
 constexpr double kOverspeed = 1.5;                // of the velocity limit
 constexpr double kJump_rev = 0.25;
 constexpr double kWaited_s = 0.01;  // of a measurement for its frame
+constexpr const char* kBeyondCompact = "its position is beyond what the compact exchange tells";
 constexpr int kMostBatches = 64;    // taken from a bus at once
 constexpr std::size_t kMostFrames = 256;  // of a cycle, without allocating
 
@@ -553,7 +554,7 @@ void CanPlant::TakeFromGateway(std::size_t gateway, const can::Received& receive
     Joint& joint = joints_[static_cast<std::size_t>(fields[field])];
     if (!CompactLink::Fits(state.position_turns[field])) {
       // Held at the end of its field: it may be anywhere beyond.
-      Fail(joint, FaultKind::kOutOfRange, "its position is beyond what the compact exchange tells");
+      Fail(joint, FaultKind::kOutOfRange, kBeyondCompact);
     }
     TakeEstimates(joint, {state.position_turns[field], state.velocity_turns_s[field]},
                   link.stamp_ns());
@@ -641,6 +642,7 @@ void CanPlant::CommandJoint(Joint& joint, Mode mode, double torque_Nm, double po
       if (joint.mode != mode) {
         joint.mode = mode;
         joint.sent_position_rad = joint.motor_position_rad() / joint.config.gear_ratio;
+        if (mode == Mode::kPosition) SendMeasuredPosition(joint);
         SendNeutral(joint);
         Send(joint, can::SetControllerMode{ToControlMode(mode), can::InputMode::kPassthrough});
       }
@@ -658,10 +660,16 @@ void CanPlant::CommandJoint(Joint& joint, Mode mode, double torque_Nm, double po
 void CanPlant::SendArming(Joint& joint, std::int64_t now_ns) {
   const JointConfig& c = joint.config;
   joint.told_ns = now_ns;
+  if (joint.mode == Mode::kPosition) SendMeasuredPosition(joint);
   Send(joint, can::SetControllerMode{ToControlMode(joint.mode), can::InputMode::kPassthrough});
   Send(joint,
        can::SetLimits{c.limits.velocity_rad_s * c.gear_ratio / kTurn_rad, c.limits.current_A});
   Send(joint, can::SetAxisState{can::AxisState::kClosedLoopControl});
+}
+
+// In front of position control: an axis goes to the setpoint it has, however old.
+void CanPlant::SendMeasuredPosition(const Joint& joint) {
+  Send(joint, can::SetInputPos{joint.estimates.position_rev, 0.0, 0.0});
 }
 
 void CanPlant::SendIdle(Joint& joint, std::int64_t now_ns) {
@@ -673,14 +681,16 @@ void CanPlant::SendIdle(Joint& joint, std::int64_t now_ns) {
 void CanPlant::SendNeutral(Joint& joint) {
   if (joint.gateway >= 0) {
     const bool closed_loop = joint.heartbeat.axis_state == can::AxisState::kClosedLoopControl;
-    links_[static_cast<std::size_t>(joint.gateway)].SetReference(joint.field,
-                                                                 joint.estimates.position_rev);
+    if (!links_[static_cast<std::size_t>(joint.gateway)].SetReference(
+            joint.field, joint.estimates.position_rev)) {
+      Fail(joint, FaultKind::kOutOfRange, kBeyondCompact);
+    }
     if (joint.phase == Phase::kIdle ? !closed_loop : joint.mode == Mode::kPosition) return;
   }
   if (joint.phase == Phase::kIdle || joint.mode == Mode::kTorque) {
     Send(joint, can::SetInputTorque{0.0});
   } else if (joint.mode == Mode::kPosition) {
-    Send(joint, can::SetInputPos{joint.estimates.position_rev, 0.0, 0.0});
+    SendMeasuredPosition(joint);
   } else {
     Send(joint, can::SetInputVel{0.0, 0.0});
   }

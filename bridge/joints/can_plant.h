@@ -231,6 +231,7 @@ class CanPlant : public provider::Plant {
   void SendNeutral(Joint& joint);
   void SendArming(Joint& joint, std::int64_t now_ns);
   void SendIdle(Joint& joint, std::int64_t now_ns);
+  void SendMeasuredPosition(const Joint& joint);
   double LimitedTorque(const Joint& joint, double torque_Nm) const;
   double Revolutions(const Joint& joint, double position_rad) const;
   static void Home(Joint& joint);

@@ -15,11 +15,12 @@ bool CompactLink::SetReference(int field, double turns) {
 CompactLink::Taken CompactLink::Take(const can::Received& received) {
   const int number = can::StateFrameNumber(node_, received.frame);
   if (number < 0) return Taken::kNotOurs;
+  if (!can::DecodeState(node_, received.frame, &coming_)) return Taken::kRefused;
   if (number == 0) {
     next_frame_ = 0;
     coming_ns_ = received.stamp_ns;
   }
-  if (number != next_frame_ || !can::DecodeState(node_, received.frame, &coming_)) {
+  if (number != next_frame_) {
     next_frame_ = can::kCompactStateFrames;  // none fits until the next state begins
     return Taken::kRefused;
   }

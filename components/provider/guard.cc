@@ -98,7 +98,7 @@ Verdict CommandGuard::Step(std::uint64_t tick, std::chrono::nanoseconds period) 
     Fault();
     return Verdict::kIdle;
   }
-  if (Overdue(tick)) {
+  if (age >= static_cast<std::uint64_t>(config_.missed_periods)) {
     state_ = RobotState::kDamped;
     ++bridged_;
     return config_.bridging == Bridging::kHold ? Verdict::kHold : Verdict::kDamp;

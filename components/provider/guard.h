@@ -1,8 +1,8 @@
 // Who may move the robot: the state provider's judgement of arming and of each command's age.
 //
 // Pure and deterministic: time is the provider's own tick. A command is as old as the distance
-// between the provider's tick and the tick it echoes; foreign clocks never matter. After
-// missed_periods the guard damps or holds (unlatched: a fresh command ends it), after fault_after
+// between the provider's tick and the tick it echoes; foreign clocks never matter. When
+// missed_periods have passed without their commands the guard damps or holds (unlatched: a fresh command ends it), after fault_after
 // it latches a fault. Everything starts disarmed; a fault or an estop ends only by Reset, and then
 // by Arm. A joint's own fault idles that joint; what the others do is declared (Rest). Thread: one.
 // Allocates nothing.
@@ -23,7 +23,7 @@ enum class Bridging { kDamp, kHold };
 enum class Rest { kIdle, kDamp, kHold, kContinue };
 
 struct GuardConfig {
-  int missed_periods = 3;                     // older than this: bridge the gap
+  int missed_periods = 3;                     // without their commands: bridge the gap
   std::chrono::milliseconds fault_after{60};  // older than this: latched fault
   Bridging bridging = Bridging::kDamp;
   double damping_Nm_s_rad = 2e-5;  // motor side, per motor rad/s
@@ -65,7 +65,7 @@ class CommandGuard {
   // last.
   bool Offer(const CommandHead& head, std::uint64_t tick);
 
-  // So many periods were missed that this one is bridged unless a command is there.
+  // The gap is being bridged: this period's command is waited for no longer.
   bool Overdue(std::uint64_t tick) const;
 
   // Once a cycle, after Offer.

@@ -70,6 +70,10 @@ TEST(Fuzz, LinesOfCandumpComeBackFromTheirText) { Drive("candump", 50'000, 64); 
 
 TEST(Fuzz, NoFramesMakeTheBridgeMoveAJointBeyondItsCommand) { Drive("plant", 3'000, 512); }
 
+TEST(Fuzz, NoFramesMakeTheBridgeMoveAJointBehindAGatewayBeyondItsCommand) {
+  Drive("gateway", 3'000, 512);
+}
+
 TEST(Fuzz, NoFramesMoveAVirtualAxisThatTheyDoNotName) { Drive("axes", 3'000, 512); }
 
 TEST(Fuzz, TheBusModelDeliversWhatWasOfferedOnceAndInOrder) { Drive("bus_model", 5'000, 512); }

@@ -30,6 +30,8 @@ std::vector<Input> CandumpSeeds();
 // Frames into the bridge: whatever comes, what leaves is what the commands allow (plant_watch.h).
 void RunPlant(std::span<const std::uint8_t> input);
 std::vector<Input> PlantSeeds();
+// The same with the joints of one bus behind a gateway.
+void RunGatewayPlant(std::span<const std::uint8_t> input);
 
 // Frames into the virtual axes: an axis is moved only by frames of its own number.
 void RunAxes(std::span<const std::uint8_t> input);
@@ -46,6 +48,7 @@ std::vector<Input> BusServerSeeds();
 inline constexpr Harness kHarnesses[] = {
     {"codec", RunCodec, CodecSeeds},           {"candump", RunCandump, CandumpSeeds},
     {"plant", RunPlant, PlantSeeds},           {"axes", RunAxes, AxesSeeds},
+    {"gateway", RunGatewayPlant, PlantSeeds},
     {"bus_model", RunBusModel, BusModelSeeds}, {"bus_server", RunBusServer, BusServerSeeds},
 };
 

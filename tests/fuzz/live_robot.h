@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bridge/can/codec.h"
+#include "bridge/can/compact.h"
 #include "bridge/can/sensor_node.h"
 #include "bridge/joints/can_plant.h"
 
@@ -54,10 +55,14 @@ class LiveRobot {
                         c.firmware));
         frames->push_back(can::Encode(c.node, can::Iq{0.5, 0.5}, c.firmware));
       }
-      frames->push_back(can::Encode(
-          c.node,
-          can::EncoderEstimates{angle_rad * rev_per_rad + c.zero_rev, velocity_rad_s * rev_per_rad},
-          c.firmware));
+      const can::EncoderEstimates estimates{angle_rad * rev_per_rad + c.zero_rev,
+                                            velocity_rad_s * rev_per_rad};
+      if (const int field = FieldOf(j); field >= 0) {
+        state_.position_turns[std::size_t(field)] = estimates.position_rev;
+        state_.velocity_turns_s[std::size_t(field)] = estimates.velocity_rev_s;
+      } else {
+        frames->push_back(can::Encode(c.node, estimates, c.firmware));
+      }
       if (!c.output) continue;
       can::OutputEncoder output;
       output.angle_rad = c.output->direction * angle_rad + c.output->zero_rad;
@@ -69,12 +74,29 @@ class LiveRobot {
         frames->push_back(can::Encode(c.output->node, can::JointSensors{4.0, 6.0, 12.0, 31.0}));
       }
     }
+    for (const bridge::GatewayConfig& gateway : config_.gateways) {
+      if (gateway.bus != bus) continue;
+      for (const can::Frame& frame : can::EncodeState(gateway.node, state_)) {
+        frames->push_back(frame);
+      }
+    }
   }
 
  private:
+  // Of a joint behind the one gateway; -1: it is behind none.
+  int FieldOf(std::size_t joint) const {
+    for (const bridge::GatewayConfig& gateway : config_.gateways) {
+      for (std::size_t field = 0; field < gateway.joints.size(); ++field) {
+        if (std::size_t(gateway.joints[field]) == joint) return static_cast<int>(field);
+      }
+    }
+    return -1;
+  }
+
   bridge::BridgeConfig config_;
   std::vector<bool> closed_loop_;
   std::uint8_t sequence_ = 0;
+  can::CompactState state_;
 };
 
 }  // namespace sinew::fuzz

@@ -3,6 +3,7 @@
 #include <limits>
 #include <vector>
 
+#include "bridge/can/compact.h"
 #include "tests/fuzz/harness.h"
 #include "tests/fuzz/live_robot.h"
 #include "tests/fuzz/plant_watch.h"
@@ -33,8 +34,8 @@ constexpr std::array<std::uint32_t, 8> kAimedKinds = {0x01, 0x03, 0x04, 0x09,
 
 class Bench {
  public:
-  Bench()
-      : config_(FuzzedRobot(kJoints)),
+  explicit Bench(bool gateway)
+      : config_(FuzzedRobot(kJoints, gateway)),
         watch_(config_),
         robot_(config_),
         buses_{FedBus(0, now_ns_, &watch_), FedBus(1, now_ns_, &watch_)},
@@ -103,10 +104,8 @@ double Value(std::uint8_t choice, std::int16_t number) {
   }
 }
 
-}  // namespace
-
-void RunPlant(std::span<const std::uint8_t> input) {
-  Bench bench;
+void Run(std::span<const std::uint8_t> input, bool gateway) {
+  Bench bench(gateway);
   Bytes bytes(input);
   can::Frame last;
   int last_bus = 0;
@@ -172,6 +171,11 @@ void RunPlant(std::span<const std::uint8_t> input) {
   bench.Cycle(true);
 }
 
+}  // namespace
+
+void RunPlant(std::span<const std::uint8_t> input) { Run(input, false); }
+void RunGatewayPlant(std::span<const std::uint8_t> input) { Run(input, true); }
+
 std::vector<Input> PlantSeeds() {
   constexpr auto op = [](Op o, int more = 0) {
     return static_cast<std::uint8_t>(static_cast<int>(o) + kOps * more);
@@ -229,6 +233,20 @@ std::vector<Input> PlantSeeds() {
   Append(any, odd);
   cycles(any, 2);
   seeds.push_back(any);
+  // In a gateway's name, on its bus: a state of its own, whole and with a hole.
+  for (const int missing : {-1, 5}) {
+    Input state{op(Op::kArmAll, 1)};
+    int number = 0;
+    can::CompactState content;
+    content.position_turns.fill(3.25);
+    for (const can::Frame& frame : can::EncodeState(48, content)) {
+      if (number++ == missing) continue;
+      state.push_back(op(Op::kAnyFrame, 1));
+      Append(state, frame);
+    }
+    cycles(state, 5);
+    seeds.push_back(state);
+  }
   return seeds;
 }
 

@@ -15,6 +15,7 @@ using provider::Mode;
 constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 constexpr double kTaper = 0.1;         // of the velocity limit, can_bridge.md
 constexpr double kFloatStep = 2.5e-7;  // relative: twice the step of float32
+constexpr double kReferenceRounding_rev = 0.00501;
 constexpr double kSmallest = 1e-30;    // below it the float on the wire may be 0
 
 double FloatAt(const can::Frame& frame, std::size_t byte) {
@@ -39,6 +40,7 @@ PlantWatch::PlantWatch(const bridge::BridgeConfig& config) : config_(config) {
   for (auto& bus : axis_of_) bus.fill(-1);
   for (auto& bus : node_of_) bus.fill(-1);
   joints_.resize(config.joints.size());
+  gateways_.resize(config.gateways.size());
   for (std::size_t j = 0; j < config.joints.size(); ++j) {
     const bridge::JointConfig& c = config.joints[j];
     axis_of_[std::size_t(c.bus)][std::size_t(c.node)] = static_cast<int>(j);
@@ -48,10 +50,14 @@ PlantWatch::PlantWatch(const bridge::BridgeConfig& config) : config_(config) {
 
 void PlantWatch::Heard(int bus, const can::Frame& frame, std::int64_t now_ns) {
   ++counts_.heard;
-  if (frame.extended || frame.error || frame.remote || frame.id > 0x7FF || frame.length != 8)
-    return;
+  if (frame.extended || frame.error || frame.remote || frame.id > 0x7FF || frame.length > 8) return;
   const std::size_t node = frame.id >> 5;
   const std::uint32_t kind = frame.id & 31;
+  for (std::size_t g = 0; g < gateways_.size(); ++g) {
+    const bridge::GatewayConfig& c = config_.gateways[g];
+    if (c.bus == bus && std::size_t(c.node) == node) return HeardState(g, frame);
+  }
+  if (frame.length != 8) return;
   if (const int axis = axis_of_[std::size_t(bus)][node]; axis >= 0) {
     Joint& joint = joints_[std::size_t(axis)];
     if (kind == 0x01) {
@@ -69,6 +75,32 @@ void PlantWatch::Heard(int bus, const can::Frame& frame, std::int64_t now_ns) {
     Joint& joint = joints_[std::size_t(owner)];
     joint.output_rad = 1e-6 * static_cast<std::int32_t>(WordAt(frame, 0));
     if ((frame.data[7] & 1) != 0) joint.valid_output_rad = joint.output_rad;
+  }
+}
+
+// Kinds 4 to 6 positions, 7 to 9 velocities, four fields each; all of 4 to 17 in their order.
+void PlantWatch::HeardState(std::size_t g, const can::Frame& frame) {
+  Gateway& gateway = gateways_[g];
+  const std::uint32_t kind = frame.id & 31;
+  if (kind < 4 || kind > 17 || frame.length < (kind == 17 ? 4 : 8)) return;
+  if (kind == 4) gateway.next_kind = 4;
+  for (std::size_t i = 0; i < 4 && kind <= 9; ++i) {
+    const auto count = static_cast<std::int16_t>(frame.data[2 * i] | frame.data[2 * i + 1] << 8);
+    const std::size_t field = (kind - 4) % 3 * 4 + i;
+    (kind <= 6 ? gateway.position_rev[field] : gateway.velocity_rev_s[field]) =
+        (kind <= 6 ? 0.01 : 0.1) * count;
+  }
+  if (kind != gateway.next_kind) {
+    gateway.next_kind = 0;
+    return;
+  }
+  if (++gateway.next_kind <= 17) return;
+  const std::vector<int>& fields = config_.gateways[g].joints;
+  for (std::size_t field = 0; field < fields.size(); ++field) {
+    Joint& joint = joints_[std::size_t(fields[field])];
+    joint.position_rev = gateway.position_rev[field];
+    joint.velocity_rev_s = gateway.velocity_rev_s[field];
+    joint.measured = true;
   }
 }
 
@@ -151,6 +183,10 @@ void PlantWatch::Sent(int bus, const can::Frame& frame, std::int64_t now_ns) {
     }
     if (in_cycle_) JudgeValves(static_cast<std::size_t>(owner), bus, frame);
     return;
+  }
+  for (std::size_t g = 0; g < gateways_.size(); ++g) {
+    const bridge::GatewayConfig& c = config_.gateways[g];
+    if (c.bus == bus && std::size_t(c.node) == node) return JudgeReferences(g, bus, frame, now_ns);
   }
   const int axis = axis_of_[std::size_t(bus)][node];
   if (axis < 0) return Break("a frame to a node that is not ours", bus, frame);
@@ -287,14 +323,60 @@ void PlantWatch::JudgePosition(std::size_t j, int bus, const can::Frame& frame) 
   if (std::abs(0.001 * ahead) > most_rev_s + 0.001) {
     return Break("a feed-forward above the velocity limit", bus, frame);
   }
-  const bool neutral = joint.measured && wire_rev == joint.position_rev && ahead == 0;
+  // What a gateway told is no float32.
+  const bool neutral = joint.measured && Near(wire_rev, joint.position_rev) && ahead == 0;
   if (!MayMove(j)) {
     if (!neutral) Break("a position for a joint that must not move", bus, frame);
     return;
   }
+  JudgeStep(j, wire_rev, 0.0, bus, frame);
+}
+
+// Four fields of 0.01 turns, for the joints of a gateway.
+void PlantWatch::JudgeReferences(std::size_t g, int bus, const can::Frame& frame,
+                                 std::int64_t now_ns) {
+  const std::uint32_t kind = frame.id & 31;
+  if (frame.remote || kind < 1 || kind > 3 || frame.length != 8) {
+    return Break("not a frame for a gateway", bus, frame);
+  }
+  const std::vector<int>& fields = config_.gateways[g].joints;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const std::size_t field = (kind - 1) * 4 + i;
+    const auto count = static_cast<std::int16_t>(frame.data[2 * i] | frame.data[2 * i + 1] << 8);
+    if (field >= fields.size()) {
+      if (count != 0) Break("a reference for nobody", bus, frame);
+      continue;
+    }
+    const auto j = static_cast<std::size_t>(fields[field]);
+    Joint& joint = joints_[j];
+    if (in_cycle_) LookAt(j, now_ns);
+    ++counts_.setpoints;
+    ++joint.setpoints;
+    const double wire_rev = 0.01 * count;
+    const bool still = wire_rev == joint.last_reference_rev;
+    const bool where_it_is =
+        joint.measured && std::abs(wire_rev - joint.position_rev) <= kReferenceRounding_rev;
+    if (in_cycle_ && MayMove(j) && command_.mode[j] == Mode::kPosition) {
+      JudgeStep(j, wire_rev, 2.0 * kReferenceRounding_rev, bus, frame);
+    } else if (!where_it_is && !still) {
+      Break("a reference for a joint that must not move", bus, frame);
+    } else if (!where_it_is && joint.armed && command_.mode[j] == Mode::kPosition &&
+               plant_->fault(static_cast<int>(j)) == FaultKind::kNone) {
+      Break("an old reference for a joint that is being armed", bus, frame);
+    }
+    joint.last_reference_rev = wire_rev;
+  }
+}
+
+// A position for a joint that may move.
+void PlantWatch::JudgeStep(std::size_t j, double wire_rev, double rounding_rev, int bus,
+                           const can::Frame& frame) {
+  const bridge::JointConfig& c = config_.joints[j];
+  Joint& joint = joints_[j];
+  const double most_rev_s = c.limits.velocity_rad_s * c.gear_ratio / kTurn_rad;
   joint.as_commanded = true;
   const double step_rev = most_rev_s * period_s_;
-  const double slack_rev = 4.0 * kFloatStep * std::abs(wire_rev) + 1e-5;
+  const double slack_rev = 4.0 * kFloatStep * std::abs(wire_rev) + 1e-5 + rounding_rev;
   const auto within_a_step = [&](double from_rev) {
     return std::abs(wire_rev - from_rev) <= step_rev + slack_rev;
   };
@@ -330,7 +412,7 @@ void PlantWatch::JudgeValves(std::size_t j, int bus, const can::Frame& frame) {
   }
 }
 
-bridge::BridgeConfig FuzzedRobot(int joints) {
+bridge::BridgeConfig FuzzedRobot(int joints, bool gateway) {
   bridge::BridgeConfig config;
   config.bitrate_bit_s = {1e6, 1e6};
   const int per_bus = (joints + 1) / 2;
@@ -348,6 +430,11 @@ bridge::BridgeConfig FuzzedRobot(int joints) {
     joint.limits = {0.2 + 0.01 * j, 25.0, 4.0, -1.5, 1.5, 0.2, 90.0};
     if (j % 2 == 0) joint.output = bridge::OutputNode{joint.node + 32, j % 4 == 0 ? 1 : -1, 0.25};
     config.joints.push_back(joint);
+  }
+  if (gateway) {
+    bridge::GatewayConfig behind{1, 48, {}};
+    for (int j = per_bus; j < joints; ++j) behind.joints.push_back(j);
+    config.gateways.push_back(behind);
   }
   return config;
 }

@@ -14,6 +14,8 @@
 //   - a velocity is the commanded one within the limit, nothing outwards; or nothing;
 //   - a position leaves the measured or the last one by no more than the velocity limit allows, and
 //     ends within the limits;
+//   - a reference through a gateway is the same as a position, rounded to 0.01 turns; that of a joint
+//     that is not in position mode is where it is, or was when that was last told;
 //   - relays are the commanded ones;
 //   - every joint gets a setpoint in every cycle.
 #pragma once
@@ -76,6 +78,7 @@ class PlantWatch {
     std::int64_t armed_ns = 0;
     double last_position_rev = 0.0;  // of the setpoints since armed
     bool has_last_position = false;
+    double last_reference_rev = 0.0;
     int setpoints = 0;  // in this cycle
     bool as_commanded = false;
   };
@@ -86,6 +89,10 @@ class PlantWatch {
   void JudgeTorque(std::size_t joint, int bus, const can::Frame& frame);
   void JudgeVelocity(std::size_t joint, int bus, const can::Frame& frame);
   void JudgePosition(std::size_t joint, int bus, const can::Frame& frame);
+  void JudgeReferences(std::size_t gateway, int bus, const can::Frame& frame, std::int64_t now_ns);
+  void JudgeStep(std::size_t joint, double wire_rev, double rounding_rev, int bus,
+                 const can::Frame& frame);
+  void HeardState(std::size_t gateway, const can::Frame& frame);
   void JudgeValves(std::size_t joint, int bus, const can::Frame& frame);
   // Position at the output, from the last frame or from the last one that was valid.
   double OutputPosition(std::size_t joint, bool valid_only) const;
@@ -94,6 +101,12 @@ class PlantWatch {
   std::vector<Joint> joints_;
   std::array<std::array<int, 64>, provider::BusReport::kMaxBuses> axis_of_{};
   std::array<std::array<int, 64>, provider::BusReport::kMaxBuses> node_of_{};
+  struct Gateway {
+    std::array<double, 12> position_rev{};
+    std::array<double, 12> velocity_rev_s{};
+    std::uint32_t next_kind = 0;  // of the state that is coming
+  };
+  std::vector<Gateway> gateways_;
   const bridge::CanPlant* plant_ = nullptr;
   provider::PlantCommand command_;
   double period_s_ = 0.0;
@@ -105,7 +118,8 @@ class PlantWatch {
 // A robot for it: joints on two buses with the same node numbers on both, so that a frame on the
 // wrong bus would reach a joint; all three firmwares, both directions, with and without sensor
 // nodes.
-bridge::BridgeConfig FuzzedRobot(int joints);
+// With a gateway those of the second bus are behind it, node 48.
+bridge::BridgeConfig FuzzedRobot(int joints, bool gateway = false);
 
 // A bus that hands out what was fed and tells the watch of both directions. Time is the owner's;
 // only a Receive that waits lets it pass.

@@ -44,7 +44,7 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 using testing::Program;
 
-constexpr int kCycles = 1600;       // armed, nothing else happening
+constexpr int kCycles = 2400;       // armed, nothing else happening
 constexpr int kQuietCycles = 60;    // how long it is watched that nothing moves
 constexpr double kRest_rad = 0.03;  // at the motor's shaft: noise of its encoder
 constexpr double kMoves_rad = 5.0;

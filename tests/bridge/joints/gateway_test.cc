@@ -95,6 +95,31 @@ TEST(Gateway, AJointInTorqueModeHasASetpointOfItsOwn) {
   EXPECT_FALSE(bench.faulty()) << bench.sensors.message;
 }
 
+// It has moved since its last position setpoint; references come behind the change of mode.
+TEST(Gateway, FromTorqueToPositionModeNothingJumps) {
+  Bench bench(Twelve());
+  bench.Start();
+  bench.Arm(Mode::kPosition);
+  bench.command.mode[5] = Mode::kTorque;
+  bench.command.motor_torque_Nm[5] = 0.002;
+  bench.Steps(80);
+  ASSERT_GT(bench.rotors.angle_rad[5], 3.0);
+  bench.command.motor_torque_Nm[5] = 0.0;
+  bench.Steps(1500);  // it runs out
+  ASSERT_LT(bench.rotors.velocity_rad_s[5], 0.05);
+  const double rest_rad = bench.rotors.angle_rad[5];
+  bench.command.mode[5] = Mode::kPosition;
+  bench.command.position_rad[5] = rest_rad / 100.0;
+  double strongest_Nm = 0.0;
+  bench.on_frame = [&](const can::Delivery&) {
+    strongest_Nm = std::max(strongest_Nm, std::abs(bench.rotors.torque_Nm[5]));
+  };
+  bench.Steps(40);
+  EXPECT_LT(strongest_Nm, 5e-4) << "that of the rounding is 1.6e-4, of an old setpoint above 1e-2";
+  EXPECT_NEAR(bench.rotors.angle_rad[5], rest_rad, 2.0 * kRounding_rad);
+  EXPECT_FALSE(bench.faulty()) << bench.sensors.message;
+}
+
 TEST(Gateway, ReferencesFeedTheWatchdogsAlsoWhileDisarmed) {
   BenchSetup setup = Twelve();
   setup.watchdog_s = 0.05;

@@ -58,8 +58,8 @@ TEST(Guard, OnLiveHardwareOnlyLiveCommandsCount) {
 TEST(Guard, BridgesAfterThreeMissedPeriodsAndFaultsAfterSixtyMilliseconds) {
   CommandGuard guard = Armed();
   ASSERT_TRUE(guard.Offer(Head(10), 10));
-  EXPECT_EQ(guard.Step(13, kPeriod), Verdict::kPass);
-  EXPECT_EQ(guard.Step(14, kPeriod), Verdict::kDamp);
+  EXPECT_EQ(guard.Step(12, kPeriod), Verdict::kPass) << "two missed";
+  EXPECT_EQ(guard.Step(13, kPeriod), Verdict::kDamp) << "three";
   EXPECT_EQ(guard.state(), RobotState::kDamped);
   EXPECT_EQ(guard.Step(24, kPeriod), Verdict::kDamp);  // 58.3 ms
   EXPECT_EQ(guard.Step(25, kPeriod), Verdict::kIdle);  // 62.5 ms
