@@ -175,8 +175,8 @@ class Bench {
   double frames_per_cycle() const {
     double frames = 0.0;
     for (int bus = 0; bus < kBuses; ++bus) {
-      const can::TransportCounters c =
-          sockets_ ? socket_[std::size_t(bus)]->transport().counters() : memory_[std::size_t(bus)]->counters();
+      const can::TransportCounters c = sockets_ ? socket_[std::size_t(bus)]->transport().counters()
+                                                : memory_[std::size_t(bus)]->counters();
       frames += static_cast<double>(c.sent + c.received);
     }
     return frames / static_cast<double>(cycle_);

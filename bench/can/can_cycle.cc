@@ -34,8 +34,8 @@ constexpr int kJoints = 12;
 std::string Buses(const std::string& folder) {
   std::string text = "buses:\n";
   for (const char* name : {"a", "b"}) {
-    text += std::string("  - {name: ") + name + ", transport: virtual, bus: " + folder + "/" + name +
-            "}\n";
+    text += std::string("  - {name: ") + name + ", transport: virtual, bus: " + folder + "/" +
+            name + "}\n";
   }
   return text;
 }
@@ -108,8 +108,13 @@ int Main(int argc, char** argv) {
   for (const char* name : {"a", "b"}) start({"sinew-can-bus", "--bus", place + "/" + name});
   start({"sinew-virtual-axes", "--config", folder.Write("axes.yaml", AxesText(place, nodes))});
   std::vector<std::string> bridge_arguments = {
-      "sinew-can-bridge", "--config", folder.Write("bridge.yaml", BridgeText(place, nodes)),
-      "--rate", std::to_string(rate_Hz), "--domain", std::to_string(domain)};
+      "sinew-can-bridge",
+      "--config",
+      folder.Write("bridge.yaml", BridgeText(place, nodes)),
+      "--rate",
+      std::to_string(rate_Hz),
+      "--domain",
+      std::to_string(domain)};
   if (!qos.empty()) bridge_arguments.insert(bridge_arguments.end(), {"--qos", qos});
   if (realtime) bridge_arguments.push_back("--realtime");
   start(bridge_arguments);
@@ -123,8 +128,8 @@ int Main(int argc, char** argv) {
   auto states = node.MakeReader(node::kJointState);
   auto commands = node.MakeWriter(node::kJointCommand);
   auto operators = node.MakeWriter(node::kOperatorCommand);
-  const auto give_up = std::chrono::steady_clock::now() +
-                       std::chrono::duration<double>(60.0 + 2.0 * duration_s);
+  const auto give_up =
+      std::chrono::steady_clock::now() + std::chrono::duration<double>(60.0 + 2.0 * duration_s);
   const auto cycles = static_cast<std::uint64_t>(duration_s * rate_Hz);
   std::uint64_t armed = 0;
   while (armed < cycles) {

@@ -35,8 +35,8 @@ using provider::Mode;
 constexpr int kJoints = 12;
 constexpr int kBuses = 2;
 constexpr std::uint32_t kGatewayNode = 48;  // of fuzz::FuzzedRobot
-constexpr int kCycles = 120;       // of an episode
-constexpr int kArmingCycles = 15;  // until every joint that shall move does
+constexpr int kCycles = 120;                // of an episode
+constexpr int kArmingCycles = 15;           // until every joint that shall move does
 
 enum class Trouble { kNoise, kFlood, kForged, kMutated, kStorm };
 constexpr std::array kNames = {"noise", "flood", "forged", "mutated", "storm"};
@@ -369,7 +369,7 @@ class Soak {
     number("  that ask for motion", counts.moving);
     number("  checked to be the command", moved_as_commanded_);
     static constexpr std::array kFaults = {
-        "none",    "axis error", "heartbeat lost", "estimates lost", "node lost", "encoder jump",
+        "none",    "axis error", "heartbeat lost", "estimates lost", "node lost",  "encoder jump",
         "too hot", "overspeed",  "out of range",   "no closed loop", "zero check", "not finite"};
     std::printf("joint-cycles by fault, where trouble can make one:");
     for (std::size_t i = 0; i < kFaults.size(); ++i) {
@@ -418,7 +418,8 @@ int main(int argc, char** argv) {
   std::printf("seed %llu\n", static_cast<unsigned long long>(seed));
   bool good = true;
   for (const bool gateway : {false, true}) {
-    std::printf("\n%s\n", gateway ? "six of the joints behind a gateway" : "every joint for itself");
+    std::printf("\n%s\n",
+                gateway ? "six of the joints behind a gateway" : "every joint for itself");
     good = std::make_unique<Soak>(seed, gateway)->Run(frames / 2) && good;
   }
   return good ? 0 : 1;

@@ -125,9 +125,8 @@ class Watcher {
         if (torque_Nm > 0.5 * kTorque_Nm) {
           if (torque_Nm == last_Nm) continue;  // the last command once more
           last_Nm = torque_Nm;
-          seen_ = {.fresh_ns = received.stamp_ns,
-                   .fresh = seen_.fresh + 1,
-                   .watchdog = seen_.watchdog};
+          seen_ = {
+              .fresh_ns = received.stamp_ns, .fresh = seen_.fresh + 1, .watchdog = seen_.watchdog};
         } else if (seen_.fresh > 0 && seen_.damping_ns == 0) {
           seen_.damping_ns = received.stamp_ns;
         }
@@ -182,10 +181,10 @@ class Bench {
     // Pushed a thousand times one way, the link comes to its end stop: no fault here.
     const std::string map =
         folder_.Write("map.yaml", With(rig + "can_bridge.yaml", "upper_rad: 1.9", "upper_rad: 3"));
-    start(Arguments({"sinew-can-bridge", "--config",
-                     folder_.Write("can_bridge.yaml", WithBus(map, bus)),
-                     "--rate", std::to_string(rate_Hz)},
-                    place));
+    start(Arguments(
+        {"sinew-can-bridge", "--config", folder_.Write("can_bridge.yaml", WithBus(map, bus)),
+         "--rate", std::to_string(rate_Hz)},
+        place));
     watcher_ = std::make_unique<Watcher>(bus);
   }
 
@@ -311,7 +310,8 @@ int Main(int argc, char** argv) {
   for (int k = 0; k < kills;) {
     const auto times = bench.Kill(milliseconds(20 + static_cast<int>(random() % 100)));
     if (!times) {
-      if (++stood_still > kills / 10 + 1) throw std::runtime_error("the machine stands still too often");
+      if (++stood_still > kills / 10 + 1)
+        throw std::runtime_error("the machine stands still too often");
       continue;
     }
     damping_ms.push_back(times->damping_ms);
@@ -320,8 +320,8 @@ int Main(int argc, char** argv) {
     if (++k % 100 == 0) std::fprintf(stderr, "%d of %d\n", k, kills);
   }
   const double period_ms = 1e3 / rate_Hz;
-  std::printf("%d kills at %g Hz; %d more in which the axis' own watchdog was first\n", kills, rate_Hz,
-              stood_still);
+  std::printf("%d kills at %g Hz; %d more in which the axis' own watchdog was first\n", kills,
+              rate_Hz, stood_still);
   Tell("last command to damping", damping_ms, 4.0 * period_ms);
   Tell("last command to the fault", fault_ms, 60.0 + period_ms);
   Tell("start to the first command", start_ms);

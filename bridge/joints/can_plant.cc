@@ -23,7 +23,7 @@ constexpr double kOverspeed = 1.5;                // of the velocity limit
 constexpr double kJump_rev = 0.25;
 constexpr double kWaited_s = 0.01;  // of a measurement for its frame
 constexpr const char* kBeyondCompact = "its position is beyond what the compact exchange tells";
-constexpr int kMostBatches = 64;    // taken from a bus at once
+constexpr int kMostBatches = 64;          // taken from a bus at once
 constexpr std::size_t kMostFrames = 256;  // of a cycle, without allocating
 
 // Bits of identify::Signal.
@@ -199,6 +199,8 @@ CanPlant::CanPlant(const BridgeConfig& config, std::vector<can::Transport*> tran
     }
   }
   report_.bus_count = static_cast<int>(transports_.size());
+  answers_.resize(transports_.size());
+  references_ns_.assign(links_.size(), 0);
 }
 
 std::vector<can::IdFilter> CanPlant::Filters(const BridgeConfig& config, int bus) {
@@ -354,11 +356,11 @@ void CanPlant::Act(const provider::PlantCommand& command, double period_s) {
     if (cyclic && AsksIq(joint)) Ask(joint, Command::kGetIq);
     if (joint.config.output) {
       Post(joint.config.bus,
-           can::Encode(joint.config.output->node,
-                       can::ValveCommand{
-                           command.valve_open[j], command.compressor_on[j], command.vent_open[j],
-                           joint.valve_sequence++,
-                           static_cast<std::uint16_t>(config_.timing.valve_timeout_ms)}));
+           can::Encode(
+               joint.config.output->node,
+               can::ValveCommand{command.valve_open[j], command.compressor_on[j],
+                                 command.vent_open[j], joint.valve_sequence++,
+                                 static_cast<std::uint16_t>(config_.timing.valve_timeout_ms)}));
     }
   }
   PostReferences();
@@ -373,7 +375,7 @@ void CanPlant::Step(const provider::PlantCommand& command, double period_s,
   acted_ = false;
   if (config_.timing.estimates == Estimates::kRequested) {
     const std::int64_t asked_ns = clock.now_ns();
-    for (const Joint& joint : joints_) {
+    for (Joint& joint : joints_) {
       if (joint.gateway < 0) Ask(joint, Command::kGetEncoderEstimates);
       if (AsksIq(joint)) Ask(joint, Command::kGetIq);
     }
@@ -397,13 +399,18 @@ bool CanPlant::AsksIq(const Joint& joint) const {
          (cycle_ + static_cast<std::uint64_t>(joint.turn)) % every == 0;
 }
 
-void CanPlant::Ask(const Joint& joint, Command command) {
+void CanPlant::Ask(Joint& joint, Command command) {
+  if (command == Command::kGetIq) joint.iq_asked_ns = transports_.front()->now_ns();
+  if (command == Command::kGetEncoderEstimates) {
+    joint.estimates_asked_ns = transports_.front()->now_ns();
+  }
   Post(joint.config.bus, can::EncodeRequest(joint.config.node, command));
 }
 
 void CanPlant::PostReferences() {
   for (std::size_t g = 0; g < links_.size(); ++g) {
     for (const can::Frame& frame : links_[g].References()) Post(config_.gateways[g].bus, frame);
+    references_ns_[g] = transports_.front()->now_ns();
   }
 }
 
@@ -427,10 +434,16 @@ void CanPlant::Drain() {
   }
 }
 
+void CanPlant::Answered(int bus, std::int64_t* asked_ns, std::int64_t stamp_ns) {
+  if (*asked_ns == 0 || stamp_ns < *asked_ns) return;
+  answers_[static_cast<std::size_t>(bus)].Add(1e-3 * static_cast<double>(stamp_ns - *asked_ns));
+  *asked_ns = 0;
+}
+
 bool CanPlant::AllAnswered(std::int64_t cycle_start_ns) const {
   return std::all_of(joints_.begin(), joints_.end(), [&](const Joint& j) {
-    return j.gateway >= 0 || (j.estimates_ns >= cycle_start_ns &&
-                              (!AsksIq(j) || j.iq_ns >= cycle_start_ns));
+    return j.gateway >= 0 ||
+           (j.estimates_ns >= cycle_start_ns && (!AsksIq(j) || j.iq_ns >= cycle_start_ns));
   });
 }
 
@@ -481,6 +494,7 @@ void CanPlant::TakeFromAxis(Joint& joint, const can::Received& received) {
       if (const auto m = can::Decode<can::EncoderEstimates>(frame, firmware);
           m && std::isfinite(m->position_rev) && std::isfinite(m->velocity_rev_s)) {
         TakeEstimates(joint, *m, received.stamp_ns);
+        Answered(joint.config.bus, &joint.estimates_asked_ns, received.stamp_ns);
         return;
       }
       break;
@@ -488,6 +502,7 @@ void CanPlant::TakeFromAxis(Joint& joint, const can::Received& received) {
       if (const auto m = can::Decode<can::Iq>(frame, firmware); m && std::isfinite(m->measured_A)) {
         joint.iq_A = m->measured_A;
         joint.iq_ns = received.stamp_ns;
+        Answered(joint.config.bus, &joint.iq_asked_ns, received.stamp_ns);
         return;
       }
       break;
@@ -548,6 +563,7 @@ void CanPlant::TakeFromGateway(std::size_t gateway, const can::Received& receive
     case CompactLink::Taken::kNotOurs:
       return;
   }
+  Answered(config_.gateways[gateway].bus, &references_ns_[gateway], received.stamp_ns);
   const can::CompactState& state = link.state();
   const std::vector<int>& fields = config_.gateways[gateway].joints;
   for (std::size_t field = 0; field < fields.size(); ++field) {
@@ -906,8 +922,8 @@ void CanPlant::Fill(std::int64_t now_ns, provider::PlantSensors* sensors) {
 void CanPlant::FillBody(std::int64_t now_ns) {
   const CompactLink& link = links_.front();
   const can::CompactState& state = link.state();
-  const bool fresh = link.stamp_ns() != 0 &&
-                     now_ns - link.stamp_ns() <= Ns(config_.timing.estimate_timeout_s);
+  const bool fresh =
+      link.stamp_ns() != 0 && now_ns - link.stamp_ns() <= Ns(config_.timing.estimate_timeout_s);
   body_.foot_force_N = state.force_N;
   body_.foot_valid.fill(fresh);
   body_.acceleration_m_s2 = state.acceleration_m_s2;
@@ -917,7 +933,7 @@ void CanPlant::FillBody(std::int64_t now_ns) {
 }
 
 void CanPlant::Report(std::int64_t now_ns, double work_us) {
-  work_us_[work_count_++ % work_us_.size()] = work_us;
+  work_.Add(work_us);
   for (std::size_t b = 0; b < transports_.size(); ++b) {
     const can::TransportCounters counters = transports_[b]->counters();
     const can::Link link = transports_[b]->link();
@@ -925,6 +941,7 @@ void CanPlant::Report(std::int64_t now_ns, double work_us) {
     report_.frames_sent[b] = counters.sent;
     report_.frames_received[b] = counters.received;
     report_.frames_dropped[b] = counters.dropped;
+    report_.frames_lost[b] = counters.lost;
     report_.error_frames[b] = counters.error_frames;
   }
   const std::int64_t span_ns = now_ns - report_ns_;
@@ -935,14 +952,20 @@ void CanPlant::Report(std::int64_t now_ns, double work_us) {
     report_.load_percent[b] = 100.0 * static_cast<double>(bits - reported_bits_[b]) /
                               (config_.bitrate_bit_s[b] * 1e-9 * static_cast<double>(span_ns));
     reported_bits_[b] = bits;
+    answers_[b].Tell(&report_.answer_p50_us[b], &report_.answer_max_us[b]);
   }
-  const auto count = static_cast<std::ptrdiff_t>(std::min(work_count_, work_us_.size()));
-  std::array<double, 512> sorted = work_us_;
-  const auto middle = sorted.begin() + count / 2;
-  std::nth_element(sorted.begin(), middle, sorted.begin() + count);
-  report_.cycle_p50_us = *middle;
-  report_.cycle_max_us = *std::max_element(sorted.begin(), sorted.begin() + count);
-  work_count_ = 0;
+  work_.Tell(&report_.cycle_p50_us, &report_.cycle_max_us);
+}
+
+void CanPlant::Recent::Tell(double* median_us, double* most_us) {
+  const auto end = static_cast<std::ptrdiff_t>(std::min(count, values_us.size()));
+  count = 0;
+  *median_us = *most_us = 0.0;
+  if (end == 0) return;
+  const auto begin = values_us.begin();  // the order they came in is of no use any more
+  std::nth_element(begin, begin + end / 2, begin + end);
+  *median_us = *(begin + end / 2);
+  *most_us = *std::max_element(begin, begin + end);
 }
 
 }  // namespace sinew::bridge

@@ -103,8 +103,8 @@ enum class Estimates { kCyclic, kRequested };
 
 struct BridgeTiming {
   Estimates estimates = Estimates::kCyclic;
-  // Each joint is asked every so many cycles, the joints of a bus in turn; 0: the controllers send it
-  // by themselves.
+  // Each joint is asked every so many cycles, the joints of a bus in turn; 0: the controllers send
+  // it by themselves.
   int iq_every_cycles = 1;
   double answer_window_s = 0.0015;    // requested estimates are awaited so long within a cycle
   double estimate_timeout_s = 0.02;   // older: the joint is not valid
@@ -188,6 +188,8 @@ class CanPlant : public provider::Plant {
     std::int64_t iq_ns = 0;
     std::int64_t output_ns = 0;
     std::int64_t sensors_ns = 0;
+    std::int64_t estimates_asked_ns = 0;  // 0: no answer is awaited
+    std::int64_t iq_asked_ns = 0;
     can::Heartbeat heartbeat;
     can::EncoderEstimates estimates;
     double iq_A = 0.0;
@@ -239,7 +241,8 @@ class CanPlant : public provider::Plant {
   // Frames leave with the next Flush.
   template <class Message>
   void Send(const Joint& joint, const Message& message);
-  void Ask(const Joint& joint, can::Command command);
+  void Ask(Joint& joint, can::Command command);
+  void Answered(int bus, std::int64_t* asked_ns, std::int64_t stamp_ns);
   void Post(int bus, const can::Frame& frame) {
     outbox_[static_cast<std::size_t>(bus)].push_back(frame);
   }
@@ -270,8 +273,16 @@ class CanPlant : public provider::Plant {
   provider::BusReport report_;
   std::int64_t report_ns_ = 0;
   std::array<std::uint64_t, provider::BusReport::kMaxBuses> reported_bits_{};
-  std::array<double, 512> work_us_{};
-  std::size_t work_count_ = 0;
+  // The newest times since they were last told.
+  struct Recent {
+    std::array<double, 512> values_us{};
+    std::size_t count = 0;
+    void Add(double value_us) { values_us[count++ % values_us.size()] = value_us; }
+    void Tell(double* median_us, double* most_us);  // 0 where there were none
+  };
+  Recent work_;
+  std::vector<Recent> answers_;              // per bus
+  std::vector<std::int64_t> references_ns_;  // per gateway: sent, no state since
 };
 
 }  // namespace sinew::bridge

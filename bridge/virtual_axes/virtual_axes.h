@@ -4,9 +4,9 @@
 // (Firmware/communication/can/can_simple.cpp, MotorControl/axis.cpp): heartbeat, cyclic and
 // requested messages, idle and closed-loop control, errors, limits, watchdog, estop, reboot. Each
 // sensor node sends output encoder, pressures, load cell and relays and has a watchdog of its own.
-// A gateway takes the references of the compact exchange for the axes behind it and answers the last
-// frame of them with a state; all else reaches the axes as it is. A reference moves an axis that is
-// in position control and feeds the watchdog of every axis. Forces and IMU are the plant's.
+// A gateway takes the references of the compact exchange for the axes behind it and answers the
+// last frame of them with a state; all else reaches the axes as it is. A reference moves an axis
+// that is in position control and feeds the watchdog of every axis. Forces and IMU are the plant's.
 // What moves is a provider::Plant (the surrogate, or a test's), stepped at a fixed period.
 //
 // The controller's own cascade (position, velocity) is the plant's: gains that arrive over the bus

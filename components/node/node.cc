@@ -318,10 +318,12 @@ void UseFreshPorts(int domain, dds::DomainParticipantQos* qos) {
       !builtin.initialPeersList.empty() || !builtin.metatrafficUnicastLocatorList.empty()) {
     return;
   }
-  // A place where a participant of a following domain could be: never that domain's multicast ports.
+  // A place where a participant of a following domain could be: never that domain's multicast
+  // ports.
   constexpr int kHighestPort = 65535, kMostBlocks = 80, kPlaces = 100;
   const int domain_port = standard.portBase + standard.domainIDGain * domain;
-  const int blocks = std::min((kHighestPort - domain_port) / standard.domainIDGain - 1, kMostBlocks);
+  const int blocks =
+      std::min((kHighestPort - domain_port) / standard.domainIDGain - 1, kMostBlocks);
   if (blocks < 2) return;
   std::random_device device;
   const int block = std::uniform_int_distribution<int>(1, blocks)(device);

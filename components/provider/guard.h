@@ -2,10 +2,10 @@
 //
 // Pure and deterministic: time is the provider's own tick. A command is as old as the distance
 // between the provider's tick and the tick it echoes; foreign clocks never matter. When
-// missed_periods have passed without their commands the guard damps or holds (unlatched: a fresh command ends it), after fault_after
-// it latches a fault. Everything starts disarmed; a fault or an estop ends only by Reset, and then
-// by Arm. A joint's own fault idles that joint; what the others do is declared (Rest). Thread: one.
-// Allocates nothing.
+// missed_periods have passed without their commands the guard damps or holds (unlatched: a fresh
+// command ends it), after fault_after it latches a fault. Everything starts disarmed; a fault or an
+// estop ends only by Reset, and then by Arm. A joint's own fault idles that joint; what the others
+// do is declared (Rest). Thread: one. Allocates nothing.
 #pragma once
 
 #include <chrono>

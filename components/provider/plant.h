@@ -61,8 +61,11 @@ struct BusReport {
   std::array<std::uint64_t, kMaxBuses> frames_sent{};
   std::array<std::uint64_t, kMaxBuses> frames_received{};
   std::array<std::uint64_t, kMaxBuses> frames_dropped{};
+  std::array<std::uint64_t, kMaxBuses> frames_lost{};
   std::array<std::uint64_t, kMaxBuses> error_frames{};
   std::array<double, kMaxBuses> load_percent{};
+  std::array<double, kMaxBuses> answer_p50_us{};
+  std::array<double, kMaxBuses> answer_max_us{};
   double cycle_p50_us = 0.0;
   double cycle_max_us = 0.0;
 };

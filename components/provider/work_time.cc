@@ -5,10 +5,9 @@
 namespace sinew::provider {
 
 void WorkTime::EndCycle() {
-  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(cycle_).count();
-  ++count_[static_cast<std::size_t>(std::clamp<std::int64_t>(us, 0, kBins - 1))];
+  ++count_[static_cast<std::size_t>(std::clamp<std::int64_t>(cycle_ns_ / 1000, 0, kBins - 1))];
   ++cycles_;
-  cycle_ = {};
+  cycle_ns_ = 0;
 }
 
 double WorkTime::Quantile_us(double share) const {

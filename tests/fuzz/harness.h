@@ -46,10 +46,13 @@ void RunBusServer(std::span<const std::uint8_t> input);
 std::vector<Input> BusServerSeeds();
 
 inline constexpr Harness kHarnesses[] = {
-    {"codec", RunCodec, CodecSeeds},           {"candump", RunCandump, CandumpSeeds},
-    {"plant", RunPlant, PlantSeeds},           {"axes", RunAxes, AxesSeeds},
+    {"codec", RunCodec, CodecSeeds},
+    {"candump", RunCandump, CandumpSeeds},
+    {"plant", RunPlant, PlantSeeds},
+    {"axes", RunAxes, AxesSeeds},
     {"gateway", RunGatewayPlant, PlantSeeds},
-    {"bus_model", RunBusModel, BusModelSeeds}, {"bus_server", RunBusServer, BusServerSeeds},
+    {"bus_model", RunBusModel, BusModelSeeds},
+    {"bus_server", RunBusServer, BusServerSeeds},
 };
 
 }  // namespace sinew::fuzz

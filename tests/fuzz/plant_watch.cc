@@ -16,7 +16,7 @@ constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 constexpr double kTaper = 0.1;         // of the velocity limit, can_bridge.md
 constexpr double kFloatStep = 2.5e-7;  // relative: twice the step of float32
 constexpr double kReferenceRounding_rev = 0.00501;
-constexpr double kSmallest = 1e-30;    // below it the float on the wire may be 0
+constexpr double kSmallest = 1e-30;  // below it the float on the wire may be 0
 
 double FloatAt(const can::Frame& frame, std::size_t byte) {
   float value = 0.0F;

@@ -14,7 +14,8 @@
 //   - a velocity is the commanded one within the limit, nothing outwards; or nothing;
 //   - a position leaves the measured or the last one by no more than the velocity limit allows, and
 //     ends within the limits;
-//   - a reference through a gateway is the same as a position, rounded to 0.01 turns; that of a joint
+//   - a reference through a gateway is the same as a position, rounded to 0.01 turns; that of a
+//   joint
 //     that is not in position mode is where it is, or was when that was last told;
 //   - relays are the commanded ones;
 //   - every joint gets a setpoint in every cycle.

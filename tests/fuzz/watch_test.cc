@@ -17,8 +17,9 @@ using provider::Mode;
 // 2, joints 2 and 3 on bus 1 with the same ones.
 class Watched : public ::testing::Test {
  protected:
-  Watched()
-      : config(FuzzedRobot(4)),
+  Watched() : Watched(false) {}
+  explicit Watched(bool gateway)
+      : config(FuzzedRobot(4, gateway)),
         watch(config),
         robot(config),
         buses{FedBus(0, now_ns, &watch), FedBus(1, now_ns, &watch)},
@@ -117,6 +118,51 @@ TEST_F(Watched, CycleWithoutASetpointIsSeen) {
   watch.Begin(plant, command, kPeriod_s);
   watch.End();
   EXPECT_EQ(watch.counts().violations, 4U);
+}
+
+// Joints 2 and 3 behind the gateway, 2 in position mode.
+class WatchedGateway : public Watched {
+ protected:
+  WatchedGateway() : Watched(true) {
+    command.mode[2] = Mode::kPosition;
+    command.position_rad[2] = 0.3;
+    for (int i = 0; i < 30; ++i) Cycle();
+  }
+  // The rule that this cycle's first references break when a field is changed by so many counts.
+  std::string Breaks(std::size_t field, int counts) {
+    Cycle([&] {
+      for (can::Frame frame : std::vector<can::Frame>(buses[1].sent)) {
+        if (frame.id != (48U << 5 | 1U)) continue;
+        const int value =
+            static_cast<std::int16_t>(frame.data[2 * field] | frame.data[2 * field + 1] << 8) +
+            counts;
+        frame.data[2 * field] = static_cast<std::uint8_t>(value);
+        frame.data[2 * field + 1] = static_cast<std::uint8_t>(value >> 8);
+        watch.Sent(1, frame, now_ns);
+      }
+    });
+    return watch.first_violation();
+  }
+};
+
+TEST_F(WatchedGateway, ARobotInMotionBreaksNoRuleAndGetsItsCommands) {
+  EXPECT_EQ(watch.counts().violations, 0U) << watch.first_violation();
+  EXPECT_FALSE(sensors.any_fault()) << sensors.message;
+  for (int j = 0; j < 3; ++j) EXPECT_TRUE(watch.moved_as_commanded(j)) << j;
+  EXPECT_EQ(Breaks(0, 0), "") << "the same once more is none";
+}
+TEST_F(WatchedGateway, ReferenceThatJumpsIsSeen) {
+  EXPECT_NE(Breaks(0, 300).find("too far"), std::string::npos);
+}
+TEST_F(WatchedGateway, ReferenceThatMovesAnIdleJointIsSeen) {
+  EXPECT_NE(Breaks(1, 3).find("must not move"), std::string::npos);
+}
+TEST_F(WatchedGateway, ReferenceForNobodyIsSeen) {
+  EXPECT_NE(Breaks(2, 1).find("nobody"), std::string::npos);
+}
+TEST_F(WatchedGateway, AnswerInTheGatewaysNameIsSeen) {
+  watch.Sent(1, can::EncodeState(48, {})[0], now_ns);
+  EXPECT_NE(watch.first_violation().find("gateway"), std::string::npos);
 }
 
 }  // namespace

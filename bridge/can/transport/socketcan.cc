@@ -273,10 +273,10 @@ void SocketCan::SendAll(std::span<const Frame> frames) noexcept {
       out.SetSize(count, frames[count].fd ? CANFD_MTU : CAN_MTU);
       ++count;
     }
-    const int sent = count == 0 ? 0
-                                : ::sendmmsg(socket_, out.headers.data(),
-                                             static_cast<unsigned>(count),
-                                             MSG_DONTWAIT | MSG_NOSIGNAL);
+    const int sent = count == 0
+                         ? 0
+                         : ::sendmmsg(socket_, out.headers.data(), static_cast<unsigned>(count),
+                                      MSG_DONTWAIT | MSG_NOSIGNAL);
     if (sent > 0) {
       for (int i = 0; i < sent; ++i) (void)OnSent(frames[static_cast<std::size_t>(i)]);
       frames = frames.subspan(static_cast<std::size_t>(sent));
@@ -314,8 +314,8 @@ std::size_t SocketCan::TakeWaiting(std::span<Received> received) noexcept {
   while (socket_ >= 0 && taken < received.size()) {
     in.WithControl();
     const std::size_t room = std::min(received.size() - taken, kFramesAtOnce);
-    const int count = ::recvmmsg(socket_, in.headers.data(), static_cast<unsigned>(room),
-                                 MSG_DONTWAIT, nullptr);
+    const int count =
+        ::recvmmsg(socket_, in.headers.data(), static_cast<unsigned>(room), MSG_DONTWAIT, nullptr);
     if (count < 0 && errno != EAGAIN && errno != EINTR) OnErrno(errno);
     if (count <= 0) break;
     const Clocks now = ReadClocks();

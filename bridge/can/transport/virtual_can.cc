@@ -183,8 +183,8 @@ std::size_t VirtualCan::TakeWaiting(std::span<Received> received) noexcept {
       headers[i].msg_hdr.msg_iov = &data[i];
       headers[i].msg_hdr.msg_iovlen = 1;
     }
-    const int count = ::recvmmsg(socket_, headers.data(), static_cast<unsigned>(room),
-                                 MSG_DONTWAIT, nullptr);
+    const int count =
+        ::recvmmsg(socket_, headers.data(), static_cast<unsigned>(room), MSG_DONTWAIT, nullptr);
     if (count < 0 && (errno == EAGAIN || errno == EINTR)) break;
     if (count <= 0) {
       Close();

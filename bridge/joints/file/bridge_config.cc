@@ -72,7 +72,8 @@ GatewayConfig ReadGateway(const config::Section& section, const std::vector<can:
   for (const std::string& name : section.TextsOr("joints", {})) {
     const auto joint = std::find_if(joints.begin(), joints.end(),
                                     [&](const JointConfig& j) { return j.name == name; });
-    if (joint == joints.end()) section.Fail("joints", "has '" + name + "', which is no joint's name");
+    if (joint == joints.end())
+      section.Fail("joints", "has '" + name + "', which is no joint's name");
     gateway.joints.push_back(static_cast<int>(joint - joints.begin()));
   }
   section.RejectUnknownKeys();

@@ -142,7 +142,7 @@ class Provider {
     const auto start = Clock::now();
     std::int64_t deadline_ns = MonotonicNow();
     for (tick_ = 0; !stop_.requested(); ++tick_) {
-      work_.Resume();
+      work_.Resume(MonotonicNow());
       TakeOperatorCommands();
       Publish();
       if (lockstep_) {
@@ -156,16 +156,16 @@ class Provider {
           AwaitJointCommand(deadline_ns - wait_ns);
           plant_.Act(Judge(), period_s_);
         }
-        work_.Pause();
+        work_.Pause(MonotonicNow());
         SleepUntil(&deadline_ns);
-        work_.Resume();
+        work_.Resume(MonotonicNow());
       }
       TakeCommands();
       if (lockstep_ || !plant_.acts_at_once()) Judge();
       plant_.Step(command_, period_s_, &sensors_);
       JudgeFaults();
       Report();
-      work_.Pause();
+      work_.Pause(MonotonicNow());
       work_.EndCycle();
       if (tick_ == last_tick_) break;
     }
@@ -306,8 +306,11 @@ class Provider {
     status.frames_sent(report.frames_sent);
     status.frames_received(report.frames_received);
     status.frames_dropped(report.frames_dropped);
+    status.frames_lost(report.frames_lost);
     status.error_frames(report.error_frames);
     status.load_percent(report.load_percent);
+    status.answer_p50_us(report.answer_p50_us);
+    status.answer_max_us(report.answer_max_us);
     status.cycle_p50_us(report.cycle_p50_us);
     status.cycle_max_us(report.cycle_max_us);
     Count(bus_status_->Write(status));
@@ -481,9 +484,9 @@ class Provider {
       if (joint_answered_->load() >= tick_ + 1) return;
       const std::int64_t left_ns = give_up_ns - MonotonicNow();
       if (left_ns <= 0) return;
-      work_.Pause();
+      work_.Pause(MonotonicNow());
       node_.WaitForData(std::chrono::microseconds(left_ns / 1000 + 1));
-      work_.Resume();
+      work_.Resume(MonotonicNow());
     }
   }
 

@@ -751,6 +751,24 @@ TEST(CanPlant, TwelveJointsOnTwoBusesRunFaultlessAndEachMovesItsOwn) {
   }
 }
 
+// One axis, an idle bus: the question's and the answer's bit times, and up to a step of the axis.
+TEST(CanPlant, AnswersAreTimedFromTheirQuestion) {
+  Bench bench({.output_nodes = false});
+  bench.Start();
+  EXPECT_EQ(bench.plant->bus_report()->answer_max_us[0], 0.0);
+  bench.Steps(500);
+  const provider::BusReport& report = *bench.plant->bus_report();
+  const int question = can::FrameBits(can::EncodeRequest(1, can::Command::kGetIq));
+  EXPECT_GT(report.answer_p50_us[0], question + 8 * 8 + 47);
+  EXPECT_LT(report.answer_max_us[0], 1000.0 + 4 * 135.0);
+  EXPECT_GE(report.answer_max_us[0], report.answer_p50_us[0]);
+  Bench quiet({.output_nodes = false});
+  quiet.config.timing.iq_every_cycles = 0;
+  quiet.Start();
+  quiet.Steps(600);  // beyond the start, which asks for estimates
+  EXPECT_EQ(quiet.plant->bus_report()->answer_p50_us[0], 0.0) << "nothing was asked";
+}
+
 TEST(CanPlant, LoadIsTheBusTimeOfTheFrames) {
   Bench bench;
   bench.Start();

@@ -16,11 +16,14 @@ namespace {
 // Half a step of 0.01 motor turns.
 constexpr double kRounding_rad = 0.005 * kTurn_rad;
 
-BenchSetup Twelve() { return {.joints = 12, .output_nodes = false, .gateway = true, .rate_Hz = 400.0}; }
+BenchSetup Twelve() {
+  return {.joints = 12, .output_nodes = false, .gateway = true, .rate_Hz = 400.0};
+}
 
 TEST(Gateway, SensorsAreThePlantsRoundedToTheirSteps) {
   Bench bench(Twelve());
-  for (std::size_t j = 0; j < 12; ++j) bench.rotors.angle_rad[j] = 7.0 * static_cast<double>(j) - 30.0;
+  for (std::size_t j = 0; j < 12; ++j)
+    bench.rotors.angle_rad[j] = 7.0 * static_cast<double>(j) - 30.0;
   bench.Start();
   for (std::size_t j = 0; j < 12; ++j) {
     EXPECT_NEAR(bench.sensors.motor_position_rad[j], bench.rotors.angle_rad[j],
@@ -62,6 +65,10 @@ TEST(Gateway, TwelveJointsFollowTheirReferencesAt400HzOnOneBus) {
   EXPECT_EQ(report.frames_dropped[0], 0U);
   EXPECT_LT(report.load_percent[0], 100.0);
   EXPECT_EQ(bench.plant->malformed(), 0U);
+  // References to the state's last frame: the bits of 17 frames, heartbeats in between.
+  EXPECT_GT(report.answer_p50_us[0], 1700.0);
+  EXPECT_LT(report.answer_p50_us[0], 2400.0);
+  EXPECT_LT(report.answer_max_us[0], 4500.0);
 }
 
 TEST(Gateway, ArmingInPositionModeMovesNothing) {
@@ -250,10 +257,13 @@ TEST(Gateway, ConfigurationThatCannotBeIsRefused) {
   EXPECT_EQ(refused([](BridgeConfig&) {}), "accepted");
   EXPECT_EQ(refused([](BridgeConfig& c) { c.gateways[0].node = 1; }),
             "gateway of node 1: node 1 is used twice");
-  EXPECT_EQ(refused([](BridgeConfig& c) { c.gateways[0].bus = 7; }), "gateway of node 48: no bus 7");
+  EXPECT_EQ(refused([](BridgeConfig& c) { c.gateways[0].bus = 7; }),
+            "gateway of node 48: no bus 7");
   EXPECT_EQ(refused([](BridgeConfig& c) { c.gateways[0].joints = {1}; }),
             "gateway of node 48: joint 'joint1' is on another bus");
-  EXPECT_EQ(refused([](BridgeConfig& c) { c.gateways[0].joints = {0, 0}; }),
+  EXPECT_EQ(refused([](BridgeConfig& c) {
+              c.gateways[0].joints = {0, 0};
+            }),
             "gateway of node 48: joint 'joint0' is behind a gateway already");
   EXPECT_EQ(refused([](BridgeConfig& c) { c.gateways[0].joints.clear(); }),
             "gateway of node 48: 0 joints, expected 1 to 12");

@@ -132,7 +132,8 @@ class Bench {
   // One cycle of the provider.
   void Step() {
     plant->Step(command, 1.0 / setup_.rate_Hz, &sensors);
-    next_ns_ = std::max<std::int64_t>(next_ns_ + std::llround(1e9 / setup_.rate_Hz), buses[0]->now_ns());
+    next_ns_ =
+        std::max<std::int64_t>(next_ns_ + std::llround(1e9 / setup_.rate_Hz), buses[0]->now_ns());
     for (auto& bus : buses) bus->AdvanceTo(next_ns_);
   }
   void Steps(int count) {

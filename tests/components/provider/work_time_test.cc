@@ -2,38 +2,33 @@
 
 #include <gtest/gtest.h>
 
-#include <thread>
-
 namespace sinew::provider {
 namespace {
 
 TEST(WorkTime, SumsWhatIsBetweenResumeAndPause) {
   WorkTime work;
   EXPECT_EQ(work.Quantile_us(0.5), 0.0) << "no cycle yet";
-  for (int i = 0; i < 3; ++i) {
-    work.Resume();
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    work.Pause();
-    std::this_thread::sleep_for(std::chrono::milliseconds(30));  // a wait does not count
-    work.Resume();
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    work.Pause();
-    work.EndCycle();
-  }
-  EXPECT_EQ(work.cycles(), 3U);
-  EXPECT_GE(work.Quantile_us(0.0), 4000.0) << "both parts, of the shortest";
-  EXPECT_LT(work.Quantile_us(0.0), 20000.0) << "and not the wait";
+  work.Resume(1'000'000);
+  work.Pause(1'020'000);
+  work.Resume(4'000'000);  // the wait in between does not count
+  work.Pause(4'015'999);
+  work.EndCycle();
+  EXPECT_EQ(work.cycles(), 1U);
+  EXPECT_EQ(work.Quantile_us(0.5), 36.0) << "35.999 us";
 }
 
 TEST(WorkTime, QuantilesAreOfCycles) {
   WorkTime work;
-  for (int i = 0; i < 99; ++i) work.EndCycle();
-  work.Resume();
-  std::this_thread::sleep_for(std::chrono::milliseconds(3));
-  work.Pause();
-  work.EndCycle();
-  EXPECT_EQ(work.Quantile_us(0.5), 1.0);
-  EXPECT_GE(work.Quantile_us(1.0), 3000.0);
+  for (int i = 1; i <= 1000; ++i) {
+    work.Resume(0);
+    work.Pause(i == 1000 ? 3'000'500'000 : 1000 * (i % 10) + 500);
+    work.EndCycle();
+  }
+  EXPECT_EQ(work.Quantile_us(0.0), 1.0);
+  EXPECT_EQ(work.Quantile_us(0.499), 5.0) << "0.5 to 4.5 us";
+  EXPECT_EQ(work.Quantile_us(0.5), 6.0);
+  EXPECT_EQ(work.Quantile_us(0.999), 10.0);
+  EXPECT_EQ(work.Quantile_us(1.0), 20'000.0) << "the end of the scale";
 }
 
 }  // namespace
