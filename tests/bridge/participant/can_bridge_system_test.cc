@@ -264,6 +264,8 @@ TEST(CanBridgeSystem, TorqueMovesTheLinkThroughFramesAndTheStateComesBack) {
   EXPECT_EQ(rig.status()->error_frames()[0], 0U);
   EXPECT_GT(rig.status()->load_percent()[0], 5.0);
   EXPECT_LT(rig.status()->load_percent()[0], 60.0);
+  EXPECT_GT(rig.status()->answer_p50_us()[0], 150.0) << "two frames at 1 Mbit/s";
+  EXPECT_GE(rig.status()->answer_max_us()[0], rig.status()->answer_p50_us()[0]);
   RecordProperty("bus_load_percent", std::to_string(rig.status()->load_percent()[0]));
   RecordProperty("cycle_p50_us", std::to_string(rig.status()->cycle_p50_us()));
 
