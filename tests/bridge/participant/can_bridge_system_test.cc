@@ -288,7 +288,9 @@ TEST(CanBridgeSystem, DeadControllersAreAFaultThatOnlyAnOperatorEnds) {
   EXPECT_TRUE(rig.Run(0.0, seconds(10), [](const msg::JointState& s) {
     return s.robot_state() == msg::ROBOT_FAULT && !s.valid()[0];
   })) << rig.bridge().error();
-  EXPECT_TRUE(rig.bridge().WaitForText("no encoder estimates", seconds(5))) << rig.bridge().error();
+  // Estimates or the sensor node, whichever fell silent first.
+  EXPECT_TRUE(rig.bridge().WaitForText("fault: joint 'joint' (node 3): no", seconds(5)))
+      << rig.bridge().error();
 
   // They come back, and nothing moves until it was reset and armed.
   rig.StartAxes();
@@ -401,7 +403,7 @@ TEST(CanBridgeSystem, GatewayCarriesReferencesAndStates) {
     return forces && body;
   })) << "foot_force and imu";
   // On the bus: references 0x601-0x603, states 0x604-0x611; of the axis itself only the measured
-  // position in front of each arming.
+  // position in front of each change to position control (a late command damps in between).
   const std::string frames = ReadText(rig.log());
   EXPECT_NE(frames.find(" 611#"), std::string::npos);
   const auto count = [&frames](const std::string& text) {
@@ -411,9 +413,10 @@ TEST(CanBridgeSystem, GatewayCarriesReferencesAndStates) {
       ++found;
     return found;
   };
-  EXPECT_EQ(count(" 06C#"), count(" 067#08000000"))
-      << "position setpoints, orders to close the loop";
-  EXPECT_GT(count(" 601#"), 5 * count(" 067#08000000"));
+  const int to_position_control = count(" 06B#0300000001000000");
+  EXPECT_GE(to_position_control, 1);
+  EXPECT_NEAR(count(" 06C#"), to_position_control, 1) << "one in front of each; the log goes on";
+  EXPECT_GT(count(" 601#"), 5 * to_position_control);
   EXPECT_EQ(frames.find(" 069#"), std::string::npos) << "estimates of its own";
 }
 
