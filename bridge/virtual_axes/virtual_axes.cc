@@ -239,7 +239,7 @@ void VirtualAxes::SendState(Gateway& gateway, std::int64_t now_ns) {
     state.angular_velocity_rad_s = body->angular_velocity_rad_s;
     state.roll_pitch_yaw_rad = RollPitchYaw(body->orientation_wxyz);
   }
-  state.sequence = ++gateway.sequence;
+  ++state.sequence;
   for (const can::Frame& sent : can::EncodeState(gateway.config.node, state)) {
     SendOn(gateway.config.bus, sent);
   }

@@ -159,8 +159,7 @@ class VirtualAxes {
     GatewayConfig config;
     std::vector<std::size_t> axes;  // indices
     can::CompactReferences references;
-    can::CompactState state;
-    std::uint8_t sequence = 0;
+    can::CompactState state;  // the last that was sent
   };
 
   void Take(int bus, const can::Frame& frame, std::int64_t now_ns);
