@@ -19,6 +19,7 @@
 #include <stdexcept>
 
 #include "components/node/node.h"
+#include "tests/support/motors_alone.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
 
@@ -75,14 +76,6 @@ std::string AxesText(const std::string& folder, bool nodes) {
   return text.str();
 }
 
-// Motors alone: physics must not be what keeps the machine busy.
-const char* const kSurrogateText =
-    "schema: sinew-surrogate/1\ninitial_rest_s: 0.0\nstep_s: 1.0e-4\n"
-    "motor: {viscous_Nm_s_rad: 3.0e-4,"
-    " drive: {rate_Hz: 500, estimator_bandwidth_rad_s: 200}}\n"
-    "gear: {play_rad: 1000000.0, torque_share_drive_1: 1.0, torque_share_back_1: 1.0}\n"
-    "link: {gravity_torque_Nm: 0.0}\npneumatics: {initial_pressure_bar: 0.0}\n";
-
 int Main(int argc, char** argv) {
   double duration_s = 20.0, rate_Hz = 240.0;
   bool nodes = false, realtime = false;
@@ -99,7 +92,7 @@ int Main(int argc, char** argv) {
 
   const testing::TemporaryFolder folder;
   const std::string place = folder.path().string(), bin = std::string(SINEW_BIN_DIR) + "/";
-  folder.Write("surrogate.yaml", kSurrogateText);
+  folder.Write("surrogate.yaml", testing::kMotorsAlone);
   std::vector<std::unique_ptr<Program>> programs;
   const auto start = [&](std::vector<std::string> arguments) {
     arguments[0] = bin + arguments[0];

@@ -34,6 +34,7 @@
 
 #include "components/node/node.h"
 #include "tests/kernel/raw_socket.h"
+#include "tests/support/motors_alone.h"
 #include "tests/support/program.h"
 
 namespace sinew::can_system {
@@ -118,15 +119,6 @@ std::string AxesText() {
   return text.str();
 }
 
-// Twelve motors alone; viscous enough to rest soon after their torque has gone. Steps as long as
-// the surrogate allows, for the emulated machine's sake.
-const char* const kSurrogateText =
-    "schema: sinew-surrogate/1\ninitial_rest_s: 0.0\nstep_s: 1.0e-4\n"
-    "motor: {viscous_Nm_s_rad: 3.0e-4,"
-    " drive: {rate_Hz: 500, estimator_bandwidth_rad_s: 200}}\n"
-    "gear: {play_rad: 1000000.0, torque_share_drive_1: 1.0, torque_share_back_1: 1.0}\n"
-    "link: {gravity_torque_Nm: 0.0}\npneumatics: {initial_pressure_bar: 0.0}\n";
-
 using Angles = std::array<double, kJoints>;  // of the motors' shafts
 
 // How far the joints have moved from there: that which moved least, and most.
@@ -143,7 +135,7 @@ std::pair<double, double> Moved(const Angles& from_rad, const Angles& to_rad) {
 class System {
  public:
   System() {
-    std::ofstream(results_ + "surrogate.yaml") << kSurrogateText;
+    std::ofstream(results_ + "surrogate.yaml") << testing::kMotorsAlone;
     std::ofstream(results_ + "bridge.yaml") << BridgeText();
     std::ofstream(results_ + "axes.yaml") << AxesText();
     // Sockets that keep the frames of seconds: every frame is counted, also while a reader is held.
