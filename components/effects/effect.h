@@ -107,7 +107,8 @@ enum class Side { kMotor, kOutput };
 // commanded), teeth that give less than the encoder rounds. So small it is no effect, and nothing
 // else is one that explains no more than it. And friction that builds up over less than a few
 // counts of the encoder, which tell no direction: every contact yields a little before it slides.
-enum class Smallest { kAny, kTenthOfSample, kOpening, kRounding, kCounts };
+// Torque that follows the snap is what a low-pass of the angles takes from an acceleration, too.
+enum class Smallest { kAny, kTenthOfSample, kOpening, kRounding, kCounts, kBandwidth };
 
 struct EffectInfo {
   std::string name;     // as in model files, e.g. "direction_dependent_viscous"

@@ -53,10 +53,11 @@ Design::Design(StateSet states, const ProcessingOptions& options)
   }
   rows_.time_s =
       Eigen::Map<const Eigen::VectorXd>(time.data(), static_cast<Eigen::Index>(time.size()));
+  if (options_.raw) return;
   // A load cell that nobody touches would add its noise to the balance: its mean is what it tells.
-  silent_load_ =
+  states_.silent_load =
       NoiseShare([](const effects::JointSample& x) { return x.load_force_N; }) > kMostNoise;
-  if (!silent_load_) return;
+  if (!states_.silent_load) return;
   for (StateSegment& segment : states_.segments) {
     double mean = 0.0;
     for (const effects::JointSample& x : segment.samples) mean += x.load_force_N;

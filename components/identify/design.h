@@ -13,9 +13,6 @@
 
 namespace sinew::identify {
 
-// A signal of which more than this share is noise (Design::NoiseShare) says nothing.
-inline constexpr double kMostNoise = 0.3;
-
 // What every row of the regression is.
 struct Rows {
   Eigen::VectorXd time_s;
@@ -36,8 +33,8 @@ class Design {
   const Rows& rows() const { return rows_; }
   const StateSet& states() const { return states_; }
   const ProcessingOptions& options() const { return options_; }
-  // The load cell told nothing but its noise, and its mean stands for it.
-  bool silent_load() const { return silent_load_; }
+  // The load cell measured nothing but its noise, and its mean stands for it.
+  bool silent_load() const { return states_.silent_load; }
   double rows_per_s() const { return rows_per_s_; }  // of the first piece
 
   // phi of an effect, a column per linear parameter.
@@ -115,7 +112,6 @@ class Design {
   double rows_per_s_ = 1.0;
   Rows rows_;
   std::map<int, double> clocks_;
-  bool silent_load_ = false;
 };
 
 }  // namespace sinew::identify

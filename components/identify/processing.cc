@@ -13,6 +13,8 @@ namespace sinew::identify {
 
 namespace {
 
+constexpr double kTwoPi = 6.283185307179586;
+
 // Padding that lets a filter's start-up die out inside the reflected part.
 int Padding(int order, double cutoff_Hz, double rate_Hz) {
   return std::max(3 * order, static_cast<int>(std::ceil(2.0 * rate_Hz / cutoff_Hz)));
@@ -50,6 +52,13 @@ void Spread(std::vector<char>& flags, Eigen::Index reach) {
   flags = std::move(out);
 }
 
+// A motor that stands while the output moves (inside its play): the balance is the output's alone.
+bool IsLocked(const Eigen::VectorXd& motor_at_output, const Eigen::VectorXd& output) {
+  constexpr double kStandsStill = 0.05;  // of the output's range
+  const auto range = [](const Eigen::VectorXd& x) { return x.maxCoeff() - x.minCoeff(); };
+  return range(motor_at_output) < kStandsStill * range(output);
+}
+
 // Instants at which teeth that were apart touch again: what an impact does to the drive is over
 // before a recording of some 100 Hz has seen it. gap: motor / N - output, rad.
 void MarkTouches(const Eigen::VectorXd& gap, double play, std::vector<char>* flags) {
@@ -74,6 +83,31 @@ void MarkTouches(const Eigen::VectorXd& gap, double play, std::vector<char>* fla
 }
 
 }  // namespace
+
+// Share of the 75th percentile of speed that counts as rest.
+constexpr double kRestShare = 0.03;
+// Periods of the angles' low-pass that a reversal is kept away from: what friction does there rings
+// for as long in the derivatives.
+constexpr double kGuardPeriods = 2.0;
+
+double NominalDriveGain(const actuator::JointModel& model) {
+  for (const actuator::Term& term : model.terms) {
+    if (term.effect->info().role != effects::Role::kDrive || !model.Counts(term)) continue;
+    return term.linear.front().value * effects::IdealDriveGain(model.constants);
+  }
+  return 1.0;
+}
+
+double NominalInertia(const actuator::JointModel& model, effects::Side side) {
+  double sum = 0.0;
+  for (const actuator::Term& term : model.terms) {
+    const effects::EffectInfo& info = term.effect->info();
+    if (info.role == effects::Role::kInertia && info.side == side && model.Counts(term)) {
+      sum += term.linear.front().value;
+    }
+  }
+  return sum;
+}
 
 Signal DriveSignal(const actuator::JointModel& model) {
   const actuator::Term* drive = nullptr;
@@ -127,9 +161,66 @@ ProcessingOptions Resolve(const ProcessingOptions& options, const std::vector<Ru
   return out;
 }
 
+ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::JointModel& model,
+                             double longest_gap_s) {
+  ProcessingOptions out;
+  out.longest_gap_s = longest_gap_s;
+  if (runs.empty()) throw std::invalid_argument("no recording given");
+  if (runs.front().held) return Resolve(out, runs);
+  const Signal drive_signal = DriveSignal(model);
+  const double drive_gain = NominalDriveGain(model);
+  const double output_inertia = NominalInertia(model, effects::Side::kOutput);
+  const double motor_inertia = NominalInertia(model, effects::Side::kMotor);
+  double output_Hz = 0.0, motor_Hz = 0.0, nyquist_Hz = 0.0;
+  std::vector<double> speeds;
+  for (const Run& run : runs) {
+    for (const UniformSegment& segment : MakeUniform(run, longest_gap_s).segments) {
+      const double rate = segment.rate_Hz();
+      nyquist_Hz = std::max(nyquist_Hz, 0.5 * rate);
+      const auto drive = segment.signals.find(drive_signal);
+      const double drive_noise =
+          drive == segment.signals.end()
+              ? 0.0
+              : drive_gain * drive_gain * NoiseDensity(drive->second, rate);
+      // The band of an angle, as far as the torque noise that its acceleration brings,
+      // J^2 (2 pi f)^4 S, stays below that of the drive.
+      const auto band = [&](const Eigen::VectorXd& angle, double inertia) {
+        const double above_noise = HighestBandAboveNoise(angle, rate);
+        const double density = inertia * inertia * NoiseDensity(angle, rate);
+        if (!(density > 0.0) || !(drive_noise > 0.0)) return above_noise;
+        return std::min(above_noise, std::pow(drive_noise / density, 0.25) / kTwoPi);
+      };
+      const Eigen::VectorXd position = OutputPosition(segment, model.constants.gear_ratio, run.name);
+      output_Hz = std::max(output_Hz, band(position, output_inertia));
+      const auto motor = segment.signals.find(Signal::kMotorPosition);
+      if (motor != segment.signals.end()) {
+        motor_Hz = std::max(
+            motor_Hz, band(motor->second / model.constants.gear_ratio, motor_inertia));
+      }
+      const Eigen::VectorXd velocity = WideDifference(
+          Smooth(position, out.state_order, std::max(output_Hz, 1e-3 * rate), rate),
+          segment.period_s);
+      for (const double v : velocity) speeds.push_back(std::abs(v));
+    }
+  }
+  // The wide difference is exact within a per cent up to this part of the Nyquist frequency.
+  const double widest_Hz = 0.6 * nyquist_Hz;
+  const auto within = [&](double frequency_Hz) {
+    return std::clamp(frequency_Hz, 0.005 * nyquist_Hz, widest_Hz);
+  };
+  out.state_cutoff_Hz = within(output_Hz);
+  out.motor_cutoff_Hz = motor_Hz > 0.0 ? within(motor_Hz) : 0.0;
+  out.parallel_cutoff_Hz = nyquist_Hz;  // none
+  out.raw = true;
+  // What moves slower than this part of the motion's quick half is a reversal or rest.
+  out.rest_velocity = kRestShare * Quantile(speeds, 0.75);
+  out.reversal_guard_s = kGuardPeriods / out.state_cutoff_Hz;
+  out.border_s = 2.0 / out.state_cutoff_Hz;
+  return out;
+}
+
 ProcessingOptions SlowMotion(const ProcessingOptions& main, const actuator::JointModel& model,
                              double rate_Hz) {
-  constexpr double kTwoPi = 6.283185307179586;
   constexpr double kPeriodsPerTurn = 7.0;
   ProcessingOptions out = main;
   out.state_cutoff_Hz = std::max(main.state_cutoff_Hz, 0.25 * rate_Hz);
@@ -227,9 +318,17 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
       const Eigen::VectorXd jerk = rate_of(a);
       const Eigen::VectorXd snap = rate_of(jerk);
       const bool motor = piece.signals.count(Signal::kMotorPosition) != 0;
+      const bool locked = options.raw && motor && IsLocked(piece.signals.at(Signal::kMotorPosition) / ratio, q);
+      out.locked = out.locked || locked;
+      const Eigen::VectorXd motor_raw =
+          motor ? piece.signals.at(Signal::kMotorPosition) : Eigen::VectorXd(ratio * q);
+      const double motor_cutoff_Hz =
+          options.motor_cutoff_Hz > 0.0 ? options.motor_cutoff_Hz : options.state_cutoff_Hz;
       const Eigen::VectorXd motor_q =
-          motor ? smooth(piece.signals.at(Signal::kMotorPosition)) : Eigen::VectorXd(ratio * q);
-      const Eigen::VectorXd motor_v = motor ? rate_of(motor_q) : Eigen::VectorXd(ratio * v);
+          motor && !run.held ? Smooth(motor_raw, options.state_order, motor_cutoff_Hz, rate)
+                             : motor_raw;
+      Eigen::VectorXd motor_v = motor ? rate_of(motor_q) : Eigen::VectorXd(ratio * v);
+      if (locked) motor_v.setZero();
       const Eigen::VectorXd motor_a = motor ? rate_of(motor_v) : Eigen::VectorXd(ratio * a);
       const auto recorded = [&](Signal signal) -> Eigen::VectorXd {
         const auto found = piece.signals.find(signal);
@@ -246,11 +345,26 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
           if (supply[i] == 0.0) input[i] = 0.0;
         }
       }
+      // Teeth that a locked motor holds hand nothing on inside the play: its current is noise.
+      if (locked) input.setZero();
       const Eigen::VectorXd input_smooth = smooth(input);
       const Eigen::VectorXd input_rate = rate_of(input_smooth);
       const Eigen::VectorXd pressure = filtered(Signal::kChamberPressure, 0.0);
       const Eigen::VectorXd pressure_rate = rate_of(pressure);
-      const Eigen::VectorXd force = raw(Signal::kLoadForce, 0.0);
+      Eigen::VectorXd force =
+          options.raw ? filtered(Signal::kLoadForce, 0.0) : raw(Signal::kLoadForce, 0.0);
+      if (options.raw && run.Has(Signal::kLoadForce)) {
+        // A load cell that nobody touches would add its noise to the balance: its mean is what it
+        // measures.
+        const Eigen::VectorXd measured = raw(Signal::kLoadForce, 0.0);
+        const double sigma = WhiteNoise(std::span(&measured, 1));
+        const double variance = (measured.array() - measured.mean()).square().mean();
+        if (sigma * sigma > kMostNoise * variance) {
+          force.setConstant(measured.mean());
+        } else {
+          out.silent_load = false;
+        }
+      }
       const Eigen::VectorXd payload = raw(Signal::kPayload, 0.0);
       const Eigen::VectorXd temperature = raw(Signal::kTemperature, 25.0);
       const Eigen::VectorXd valve = raw(Signal::kValveOpen, 0.0);
@@ -275,7 +389,8 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
         x.acceleration_rad_s2 = a[i];
         x.jerk_rad_s3 = jerk[i];
         x.snap_rad_s4 = snap[i];
-        x.motor_position_rad = motor_q[i];
+        // Torque that repeats with an angle belongs to the very angle of its row.
+        x.motor_position_rad = options.raw ? motor_raw[i] : motor_q[i];
         x.motor_velocity_rad_s = motor_v[i];
         x.motor_acceleration_rad_s2 = motor_a[i];
         x.drive_input = input_smooth[i];
@@ -297,7 +412,7 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
             out_of_use[static_cast<std::size_t>(i)] = 1;
         }
       }
-      if (motor && model.backlash_rad > 0.0) {
+      if (motor && !locked && model.backlash_rad > 0.0) {
         MarkTouches(motor_q / ratio - q, model.backlash_rad, &out_of_use);
       }
       Spread(out_of_use, static_cast<Eigen::Index>(std::lround(options.reversal_guard_s * rate)));

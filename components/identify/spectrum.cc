@@ -68,14 +68,40 @@ Spectrum PowerDensity(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz
   return out;
 }
 
+namespace {
+
+// Four times the median level in the top third of the band.
+double NoiseLevel(const Spectrum& spectrum) {
+  const Eigen::Index n = spectrum.density.size();
+  std::vector<double> top(spectrum.density.begin() + 2 * n / 3, spectrum.density.end());
+  std::nth_element(top.begin(), top.begin() + static_cast<std::ptrdiff_t>(top.size() / 2),
+                   top.end());
+  return 4.0 * top[top.size() / 2];
+}
+
+}  // namespace
+
+double NoiseDensity(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz) {
+  const Spectrum spectrum = PowerDensity(x, rate_Hz, 1024);
+  return spectrum.density.size() < 12 ? 0.0 : NoiseLevel(spectrum) / 4.0;
+}
+
+double HighestBandAboveNoise(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz) {
+  const Spectrum spectrum = PowerDensity(x, rate_Hz, 1024);
+  const Eigen::Index n = spectrum.density.size();
+  if (n < 12) return 0.0;
+  const double level = NoiseLevel(spectrum);
+  for (Eigen::Index i = n - 3; i >= 3; --i) {
+    if (spectrum.density.segment(i - 2, 5).mean() > level) return spectrum.frequency_Hz[i];
+  }
+  return spectrum.frequency_Hz[1];
+}
+
 double BandAboveNoise(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz) {
   const Spectrum spectrum = PowerDensity(x, rate_Hz, 1024);
   const Eigen::Index n = spectrum.density.size();
   if (n < 12) return 0.0;
-  std::vector<double> top(spectrum.density.begin() + 2 * n / 3, spectrum.density.end());
-  std::nth_element(top.begin(), top.begin() + static_cast<std::ptrdiff_t>(top.size() / 2),
-                   top.end());
-  const double level = 4.0 * top[top.size() / 2];
+  const double level = NoiseLevel(spectrum);
   for (Eigen::Index i = 1; i < n; ++i) {
     if (spectrum.density[i] < level) return spectrum.frequency_Hz[i];
   }

@@ -23,6 +23,13 @@ Spectrum PowerDensity(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz
 
 // The lowest frequency at which the spectrum sinks to four times its median level in the top third
 // of its band: above it there is more noise than motion.
+// Median density in the top third of the band, per Hz: noise, if anything is.
+double NoiseDensity(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz);
+
+// The same as BandAboveNoise from above: the highest frequency at which the spectrum, averaged over
+// five lines, still stands above that level. Motion made of ramps or of one frequency has gaps below.
+double HighestBandAboveNoise(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz);
+
 double BandAboveNoise(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz);
 
 }  // namespace sinew::identify

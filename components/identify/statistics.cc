@@ -69,6 +69,12 @@ double StudentQuantile(double p, double freedom) {
   return 0.5 * (low + high);
 }
 
+double Rms(const Eigen::Ref<const Eigen::VectorXd>& values) {
+  return values.size() > 0
+             ? std::sqrt(values.squaredNorm() / static_cast<double>(values.size()))
+             : 0.0;
+}
+
 double Mean(const std::vector<double>& values) {
   if (values.empty()) return 0.0;
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());

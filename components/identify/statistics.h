@@ -13,6 +13,8 @@ double StudentCdf(double t, double freedom);
 // The t below which a share p in (0, 1) lies.
 double StudentQuantile(double p, double freedom);
 
+// Root mean square; 0 for none.
+double Rms(const Eigen::Ref<const Eigen::VectorXd>& values);
 double Mean(const std::vector<double>& values);
 // Standard deviation with n - 1; 0 for fewer than 2 values.
 double StandardDeviation(const std::vector<double>& values);

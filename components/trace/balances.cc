@@ -6,6 +6,7 @@
 #include "components/identify/design.h"
 #include "components/identify/gas.h"
 #include "components/identify/kinematic.h"
+#include "components/trace/likelihood_tracer.h"
 
 namespace sinew::trace {
 
@@ -93,6 +94,9 @@ TraceResult TraceBalance(effects::Balance balance, const std::vector<identify::R
   actuator::JointModel model = corrected;
   model.balance = balance;
   BalanceDesigns sight = MakeBalanceDesigns(balance, train, sealed, model, motion);
+  if (sight.why_not.empty() && options.engine == Engine::kLikelihood) {
+    return TraceByLikelihood(*sight.train, *sight.sealed, model, options);
+  }
   if (sight.why_not.empty()) return Trace(*sight.train, *sight.sealed, model, options);
   TraceResult out;
   out.nominal = out.declared = out.corrected = std::move(model);
@@ -118,6 +122,7 @@ TraceResult WithBalance(TraceResult motion, TraceResult other) {
   other.corrected.balance = motion.corrected.balance;
   motion.corrected = std::move(other.corrected);
   for (FoundEffect& effect : other.effects) motion.effects.push_back(std::move(effect));
+  for (FoundEffect& effect : other.refuted) motion.refuted.push_back(std::move(effect));
   for (ParameterShift& shift : other.shifts) motion.shifts.push_back(std::move(shift));
   // An effect with a form in both balances is seen when either shows it, and told once.
   for (NotExcited& hidden : other.not_excited) {

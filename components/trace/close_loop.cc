@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "components/trace/balances.h"
+#include "components/trace/likelihood_tracer.h"
 #include "components/trace/slow_motion.h"
 
 namespace sinew::trace {
@@ -83,18 +84,25 @@ LoopResult CloseLoop(const std::vector<identify::Run>& train,
   LoopResult loop;
   // Holds are not filtered: where only those are trained on, the sealed recordings fill in what is
   // theirs alone.
-  loop.processing = identify::Resolve(wished, train.front().held ? sealed : train);
+  const bool raw = options.engine == Engine::kLikelihood;
+  const std::vector<identify::Run>& shape = train.front().held ? sealed : train;
+  loop.processing = raw ? identify::FromMotion(shape, joint, wished.longest_gap_s)
+                        : identify::Resolve(wished, shape);
+  const identify::ProcessingOptions motion = loop.processing;
   identify::StateSet states = identify::MakeStates(train, joint, loop.processing);
   const double rate_Hz = states.rate_Hz;
   loop.findings = identify::ExamineData(train, states, joint);
   loop.train.emplace(std::move(states), loop.processing);
   loop.sealed.emplace(identify::MakeStates(sealed, joint, loop.processing), loop.processing);
-  loop.trace = Trace(*loop.train, *loop.sealed, joint, options);
+  if (raw) {
+    loop.trace = TraceByLikelihood(*loop.train, *loop.sealed, joint, options);
+  } else {
+    loop.trace = Trace(*loop.train, *loop.sealed, joint, options);
+  }
   AddDelayFinding(loop.trace, rate_Hz, &loop.findings);
-  const identify::ProcessingOptions motion = loop.processing;
   // Rows that are holds creep already, and have no other balance.
   if (train.front().held) return loop;
-  LookAtSlowMotion(train, sealed, rate_Hz, options, &loop);
+  if (!raw) LookAtSlowMotion(train, sealed, rate_Hz, options, &loop);
   for (const effects::Balance balance : others) {
     TraceResult other = TraceBalance(balance, train, sealed, loop.trace.corrected, motion, options);
     // Encoders that come apart as time goes on tell no torques.

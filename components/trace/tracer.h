@@ -17,11 +17,17 @@
 #include "components/actuator/model.h"
 #include "components/identify/design.h"
 #include "components/identify/fit.h"
+#include "components/trace/confirmation.h"
 #include "components/trace/cross_validation.h"
 
 namespace sinew::trace {
 
+// Two engines while one replaces the other: blocked cross-validation behind a common filter, and one
+// likelihood at the raw rate.
+enum class Engine { kBlocks, kLikelihood };
+
 struct TraceOptions {
+  Engine engine = Engine::kBlocks;
   std::uint64_t seed = 1;
   int placebo_rounds = 200;
   double placebo_quantile = 0.99;  // of the best false gain; higher when several traces decide
@@ -74,6 +80,7 @@ struct FoundEffect {
   bool weak_evidence = false;  // fewer than six units
   bool swallowed = false;      // found as a shift of declared parameters
   bool slow_motion = false;    // found where the recordings creep; its errors are of there
+  Confirmation confirmation;     // on the held-out recordings
   // Errors before and after it, rms at the output.
   double train_before = 0.0, train_after = 0.0, sealed_before = 0.0, sealed_after = 0.0;
 };
@@ -117,6 +124,7 @@ enum class Verdict { kNone, kEffect, kUnexplained };
 struct Judgement {
   Verdict verdict = Verdict::kNone;
   std::string unseen;  // why there was nothing to judge; empty: there was
+  double p_global = 1.0;  // of the largest statistic of the whole search
   identify::ModelError nominal_train, nominal_sealed;
   // Declared model, refitted; within its tolerances when the effects are shifts of its parameters.
   identify::ModelError before_train, before_sealed;
@@ -144,6 +152,7 @@ struct TraceResult : Judgement {
   actuator::JointModel declared;   // refitted, nothing added
   actuator::JointModel corrected;  // with the effects
   std::vector<FoundEffect> effects;
+  std::vector<FoundEffect> refuted;  // selected in training, refuted on the held-out recordings
   std::vector<EventTime> events;
   std::vector<NotExcited> not_excited;
   std::vector<std::string> judged;  // candidates whose presence or absence the data shows

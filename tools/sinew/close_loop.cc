@@ -142,6 +142,7 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
     trace::RequireSealed(train, sealed);
     trace::TraceOptions trace_options;
     trace_options.seed = options.seed;
+    trace_options.engine = options.engine;
     trace_options.progress = progress;
     trace::LoopResult loop = trace::CloseLoop(train, sealed, joint, wished, trace_options);
     report.processing = loop.processing;
@@ -300,6 +301,12 @@ void AddCloseLoopCommand(CLI::App& app) {
   command->add_option("--urdf", options.urdf,
                       "Rigid bodies of an arm; what the model file names by default");
   command->add_option("--seed", options.seed, "Seed of the placebo")->capture_default_str();
+  command
+      ->add_option("--engine", options.engine,
+                   "blocks: cross-validation behind a common filter; likelihood: at the raw rate")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, trace::Engine>{{"blocks", trace::Engine::kBlocks},
+                                               {"likelihood", trace::Engine::kLikelihood}}));
   command->add_flag("--json", arguments->json, "Print the report as JSON");
   command->footer(
       "The declared terms are fitted, the residual is traced over the catalogue (`sinew effects`), "

@@ -26,6 +26,7 @@ struct CloseLoopOptions {
   int joint = 0;
   std::filesystem::path urdf;  // of an arm; empty: what the model file names
   std::uint64_t seed = 1;
+  trace::Engine engine = trace::Engine::kBlocks;
   std::function<void(const std::string&, double)> progress;
 };
 

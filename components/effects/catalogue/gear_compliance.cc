@@ -11,6 +11,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   info.source =
       "series spring: Spong, Modeling and Control of Elastic Joint Robots (1987); c = Jm Jl / k, "
       "negative when the encoder sits on the motor side";
+  info.smallest = Smallest::kBandwidth;
   info.linear = {{.name = "compliance",
                   .dimension = Dimension::kInertiaTimeSquared,
                   .lower = -10.0,

@@ -163,18 +163,25 @@ std::string FormatJson(const Report& report) {
   out["model"] = report.model_file;
   out["recordings"] = {{"train", Recordings(report.train)}, {"sealed", Recordings(report.sealed)}};
 
-  out["effects"] = Json::array();
-  for (const trace::FoundEffect& effect : trace.effects) {
+  out["p_global"] = trace.p_global;
+  const auto entry_of = [&](const trace::FoundEffect& effect) {
     const std::string own_unit(effects::BalanceUnit(effect.balance, trace.corrected.kind));
     Json entry = {
         {"name", effect.name},
         {"title", EffectTitle(effect.name)},
         {"balance", BalanceLetter(effect.balance)},
         {"rivals", effect.rivals},
-        {"parameters", Parameters(trace.corrected, static_cast<std::size_t>(effect.term))},
+        {"parameters", effect.term < 0
+                           ? Json::object()
+                           : Parameters(trace.corrected, static_cast<std::size_t>(effect.term))},
         {"gain", effect.gain_share},
         {"gain_standard_error", effect.gain_error},
         {"p", effect.p},
+        {"confirmation",
+         {{"verdict", trace::ConfirmationWord(effect.confirmation.verdict)},
+          {"slope", effect.confirmation.slope},
+          {"interval_95", {effect.confirmation.lower, effect.confirmation.upper}},
+          {"blocks", effect.confirmation.blocks}}},
         {"weak_evidence", effect.weak_evidence},
         {"swallowed_by_refit", effect.swallowed},
         {"slow_motion", effect.slow_motion},
@@ -182,8 +189,12 @@ std::string FormatJson(const Report& report) {
          {{"unit", own_unit}, {"before", effect.train_before}, {"after", effect.train_after}}},
         {"sealed",
          {{"unit", own_unit}, {"before", effect.sealed_before}, {"after", effect.sealed_after}}}};
-    out["effects"].push_back(std::move(entry));
-  }
+    return entry;
+  };
+  out["effects"] = Json::array();
+  for (const trace::FoundEffect& effect : trace.effects) out["effects"].push_back(entry_of(effect));
+  out["refuted"] = Json::array();
+  for (const trace::FoundEffect& effect : trace.refuted) out["refuted"].push_back(entry_of(effect));
 
   out["events"] = Json::array();
   for (const trace::EventTime& event : trace.events) {

@@ -1,0 +1,221 @@
+#include "components/trace/hypotheses.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "components/identify/statistics.h"
+#include "components/trace/nuisances.h"
+#include "components/trace/order_spectrum.h"
+
+namespace sinew::trace {
+
+namespace {
+
+using effects::EffectInfo;
+using identify::Rms;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Misfit a free parameter takes from white noise alone, twice over: Akaike's criterion.
+constexpr double kChargePerParameter = 2.0;
+// Lines of one effect that are looked for.
+constexpr int kMostLines = 8;
+// Cogging repeats with the common multiples of slots and poles: no machine has fewer than 4 a turn.
+// What comes once to three times a turn belongs to the shaft and its wheel.
+constexpr double kLowestCogging = 3.5;
+constexpr double kHighestOrder = 400.0;
+// A line is worth looking at when noise alone would show one as strong among all independent orders
+// in fewer than one of a thousand recordings: chi^2 with two degrees of freedom.
+constexpr double kRarest = 1e-3;
+
+class Builder {
+ public:
+  Builder(const identify::Design& design, const UsedRows& used, const actuator::JointModel& model,
+          const identify::Balance& balance, Bank* bank)
+      : design_(design), used_(used), model_(model), bank_(*bank) {
+    scale_ = balance.fits_scale ? balance.Scale(balance.nominal) : 1.0;
+    drive_share_ = actuator::DriveShare(model, model.balance);
+    target_rms_ = Rms(bank_.target);
+    target_peak_ = bank_.target.size() > 0 ? bank_.target.cwiseAbs().maxCoeff() : 0.0;
+  }
+
+  void AddEffect(const Candidate& candidate) {
+    const int family = NextFamily();
+    for (const GridPoint& point : candidate.grid) {
+      Hypothesis h;
+      h.name = candidate.name();
+      h.variable = candidate.effect->info().variable;
+      h.effect = candidate.effect;
+      h.family = family;
+      AddSetting(point.psi, point.columns, &h);
+      h.charge = kChargePerParameter *
+                 (static_cast<double>(h.columns.size()) + (candidate.grid.size() > 1 ? 1.0 : 0.0));
+      if (!h.columns.empty()) bank_.hypotheses.push_back(std::move(h));
+    }
+  }
+
+  void AddSetting(const std::vector<double>& psi, const Eigen::MatrixXd& phi, Hypothesis* h) {
+    const Columns columns = AddColumns(-used_.Of(phi));
+    const EffectInfo& info = h->effect->info();
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      const effects::ParameterInfo& parameter = info.linear[i];
+      const double unit = parameter.relative_to_drive ? scale_ / drive_share_ : scale_;
+      // Whatever the catalogue allows, no effect is stronger than what the machine was seen to do.
+      const double peak = bank_.columns.col(columns[i]).cwiseAbs().maxCoeff();
+      const double largest = peak > 0.0 ? target_peak_ / peak : 0.0;
+      const bool bounded = parameter.dimension == effects::Dimension::kNone;
+      const auto bound = [&](double limit, double own) {
+        return bounded ? std::clamp(limit / unit, -largest, largest) : own;
+      };
+      h->lower.push_back(parameter.lower >= 0.0 ? 0.0 : bound(parameter.lower, -largest));
+      h->upper.push_back(parameter.upper <= 0.0 ? 0.0 : bound(parameter.upper, largest));
+    }
+    h->columns.insert(h->columns.end(), columns.begin(), columns.end());
+    h->settings.push_back({psi, columns});
+  }
+
+  void AddCurve(const std::string& name, const std::string& variable, double order,
+                const Eigen::MatrixXd& columns, double charge) {
+    Hypothesis h;
+    h.name = name;
+    h.variable = variable;
+    h.order_per_turn = order;
+    h.family = NextFamily();
+    h.columns = AddColumns(columns);
+    h.charge = kChargePerParameter * static_cast<double>(h.columns.size()) + charge;
+    h.lower.assign(h.columns.size(), -kInfinity);
+    h.upper.assign(h.columns.size(), kInfinity);
+    bank_.hypotheses.push_back(std::move(h));
+  }
+
+  int NextFamily() const {
+    int last = -1;
+    for (const Hypothesis& h : bank_.hypotheses) last = std::max(last, h.family);
+    return last + 1;
+  }
+
+ private:
+  Columns AddColumns(const Eigen::MatrixXd& columns) {
+    Columns out;
+    const Eigen::Index before = bank_.columns.cols();
+    bank_.columns.conservativeResize(used_.size(), before + columns.cols());
+    bank_.spread.conservativeResize(before + columns.cols());
+    for (Eigen::Index c = 0; c < columns.cols(); ++c) {
+      bank_.columns.col(before + c) = columns.col(c);
+      const double rms = Rms(columns.col(c));
+      bank_.spread[before + c] = rms > 0.0 ? kPlausibleShare * target_rms_ / rms : 0.0;
+      out.push_back(before + c);
+    }
+    return out;
+  }
+
+  const identify::Design& design_;
+  const UsedRows& used_;
+  const actuator::JointModel& model_;
+  Bank& bank_;
+  double scale_ = 1.0, drive_share_ = 1.0, target_rms_ = 0.0, target_peak_ = 0.0;
+};
+
+}  // namespace
+
+Bank MakeBank(const identify::Design& design, const Likelihood& likelihood,
+              const actuator::JointModel& model, const identify::Balance& balance) {
+  const UsedRows& used = likelihood.used;
+  Bank bank;
+  bank.target = balance.target(used.rows);
+  bank.parameters = balance.columns.cols();
+  bank.columns.resize(used.size(), 0);
+
+  const Nuisances nuisances = MakeNuisances(design, used, model, likelihood.no_nuisance);
+  const Eigen::Index extra = nuisances.columns.cols();
+  bank.declared.resize(used.size(), bank.parameters + extra);
+  bank.declared << used.Of(balance.columns), nuisances.columns;
+  bank.prior = PriorOf(balance, model, used, nuisances);
+
+  Builder builder(design, used, model, balance, &bank);
+  const bool spectrum = design.states().measured.count("motor_position_rad") != 0;
+  CandidateSet set = MakeCandidates(design, model);
+  for (const Candidate& candidate : set.candidates) {
+    if (spectrum && candidate.name() == "cogging") continue;  // AddOrders
+    builder.AddEffect(candidate);
+  }
+  for (const Curve& curve : FreeCurves(design)) {
+    builder.AddCurve(curve.description, curve.variable, 0.0, used.Of(curve.columns), 0.0);
+  }
+  bank.missing = std::move(set.missing);
+  bank.silent = std::move(set.silent);
+  return bank;
+}
+
+void AddOrders(const identify::Design& design, const Likelihood& likelihood,
+               const actuator::JointModel& model, const identify::Balance& balance,
+               const Eigen::VectorXd& whitened_residual, Bank* bank) {
+  const UsedRows& used = likelihood.used;
+  const NoiseModel& noise = likelihood.noise;
+  if (design.states().measured.count("motor_position_rad") == 0) return;
+  if (model.balance != effects::Balance::kMotion || model.kind != effects::JointKind::kRotary) {
+    return;
+  }
+  const Eigen::VectorXd all =
+      design.Variable([](const effects::JointSample& x) { return x.motor_position_rad; });
+  const Eigen::VectorXd angle = all(used.rows);
+  const double turns = TurnsCovered(angle);
+  if (turns < 0.5) return;
+  // An angle known to sigma shows a line of order n damped by exp(-(n sigma)^2 / 2).
+  const double counts = model.constants.encoder_counts_per_turn;
+  const double sigma = counts > 0.0 ? 2.0 * std::numbers::pi / counts / std::sqrt(12.0) : 0.0;
+  const double highest = sigma > 0.0 ? std::min(kHighestOrder, 1.0 / sigma) : kHighestOrder;
+  const double lowest = std::max(0.5, 1.0 / turns);
+  if (!(highest > lowest)) return;
+  const double independent = IndependentOrders(turns, lowest, highest);
+  const double limit = 2.0 * std::log(independent / kRarest);
+
+  Builder builder(design, used, model, balance, bank);
+  Eigen::VectorXd e = whitened_residual;
+  Hypothesis cogging;
+  const std::shared_ptr<const effects::Effect> effect =
+      effects::MakeEffect("cogging", model.constants, effects::Balance::kMotion);
+  cogging.name = "cogging";
+  cogging.variable = effect->info().variable;
+  cogging.effect = effect;
+  Eigen::MatrixXd found(used.size(), 0);
+  double first = 0.0;
+  for (int k = 0; k < kMostLines; ++k) {
+    const OrderLine line =
+        StrongestOrder(noise.Transpose(e, used.stretches), angle, lowest, highest);
+    if (!(line.order > 0.0)) break;
+    // A whole order within the resolution is that order.
+    const double whole_order = std::round(line.order);
+    const bool integer = whole_order >= 1.0 && std::abs(line.order - whole_order) < 0.5 / turns;
+    const double order = integer ? whole_order : line.order;
+    const std::vector<double> psi = {order};
+    const Eigen::MatrixXd phi = design.Columns(*effect, psi);
+    const Eigen::MatrixXd z = noise.Whiten(-used.Of(phi), used.stretches);
+    const Eigen::MatrixXd before = found;
+    found.conservativeResize(used.size(), before.cols() + 2);
+    found.rightCols(2) = z;
+    const Eigen::VectorXd c =
+        (found.transpose() * found).ldlt().solve(found.transpose() * whitened_residual);
+    const Eigen::VectorXd rest = whitened_residual - found * c;
+    const double gain = e.squaredNorm() - rest.squaredNorm();
+    if (!(gain > limit) || (k > 0 && gain < 0.02 * first)) break;
+    if (k == 0) first = gain;
+    e = rest;
+    const double charge = limit - 2.0 * std::log(1.0 / kRarest);
+    if (integer && order > kLowestCogging) {
+      builder.AddSetting(psi, phi, &cogging);
+      cogging.charge += 2.0 * kChargePerParameter + charge;
+    } else if (!integer) {
+      builder.AddCurve("line of the motor's angle", "motor_position_rad", order, -used.Of(phi),
+                       charge);
+    }
+  }
+  if (!cogging.settings.empty()) {
+    cogging.family = builder.NextFamily();
+    cogging.order_per_turn = cogging.settings.front().psi.front();
+    bank->hypotheses.push_back(std::move(cogging));
+  }
+}
+
+}  // namespace sinew::trace

@@ -1,0 +1,34 @@
+// Torque that repeats with an angle, at any order: a continuous spectrum over the orders.
+//
+//     P(n) = |sum_i g_i exp(j n a_i)|^2,   g = A' e
+//
+// a: the angle of each row as it was measured, e: the whitened residual, A: the whitening filter, so
+// that the sum is the exact inner product of the whitened residual with a whitened sine or cosine.
+// Angle and torque of a row belong to the same instant, so a line far above the Nyquist frequency is
+// still a plain regressor of the angle. Orders lie on a grid of a quarter of the resolution, one over
+// the turns that were covered. Pure; allocates.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace sinew::trace {
+
+struct OrderLine {
+  double order = 0.0;  // periods per turn of the angle
+  double power = 0.0;  // |sum|^2: strongest of the grid
+};
+
+// The strongest order between the lowest that the covered range shows (one period in it) and
+// `highest`. angle in radians, per row.
+OrderLine StrongestOrder(const Eigen::Ref<const Eigen::VectorXd>& g,
+                         const Eigen::Ref<const Eigen::VectorXd>& angle, double lowest,
+                         double highest);
+
+// Turns that the angle covered, max - min.
+double TurnsCovered(const Eigen::Ref<const Eigen::VectorXd>& angle);
+
+// Number of independent orders between two: what a search over them is charged for.
+double IndependentOrders(double turns, double lowest, double highest);
+
+}  // namespace sinew::trace

@@ -1,0 +1,44 @@
+// A model fitted to recordings by its whitened likelihood with the priors of its declared
+// parameters, and intervals that hold for whatever correlation is left inside blocks. Pure;
+// allocates.
+#pragma once
+
+#include "components/identify/fit.h"
+#include "components/trace/evidence.h"
+#include "components/trace/noise_model.h"
+#include "components/trace/nuisances.h"
+#include "components/trace/used_rows.h"
+
+namespace sinew::trace {
+
+// Priors of a balance's coefficients: declared tolerances as standard deviations, none = flat; terms
+// that close-loop added are expected around 0 within kPlausibleShare of the measured side.
+Prior PriorOf(const identify::Balance& balance, const actuator::JointModel& model,
+              const UsedRows& used, const Nuisances& nuisances);
+
+// Prior of an effect: its rms is of the order of this share of the measured side's rms, or less.
+inline constexpr double kPlausibleShare = 0.5;
+
+// What a balance is judged by: rows, noise, and how the declared terms are fitted.
+struct Likelihood {
+  UsedRows used;
+  NoiseModel noise;
+  bool keep_scale = false;  // the drive's factor stays at its nominal value
+  std::vector<std::string> no_nuisance;  // imperfections too large to be one (ImplausibleNuisances)
+};
+
+// Linear parameters at the present nonlinear ones; nuisances are fitted and forgotten.
+identify::FitResult FitWhitened(const identify::Design& design, const Likelihood& likelihood,
+                                const actuator::JointModel& model);
+
+// The same with the continuous nonlinear parameters of added terms refined from where they are.
+identify::FitResult RefineWhitened(const identify::Design& design, const Likelihood& likelihood,
+                                   const actuator::JointModel& model);
+
+// Nuisances whose fitted size is no small imperfection any more: what they stand for is asked for as
+// an effect.
+std::vector<std::string> ImplausibleNuisances(const identify::Design& design,
+                                              const Likelihood& likelihood,
+                                              const actuator::JointModel& model);
+
+}  // namespace sinew::trace
