@@ -1,15 +1,27 @@
 #!/usr/bin/env python3
 """Feeds every flattened idl file to other people's parsers. Exit code 77: skipped, with the reason."""
 import argparse
+import base64
+import hashlib
 import importlib.util
-import os
+import io
+import json
 import pathlib
 import re
 import shutil
 import subprocess
 import sys
+import tarfile
+import urllib.error
+import urllib.request
 
-SKIPPED = 77
+REGISTRY = "https://registry.npmjs.org"
+
+
+def skip(reason):
+    """The reason begins with what is missing, as those of tests/support/skip.h."""
+    print(f"SKIPPED: {reason}")
+    sys.exit(77)
 
 
 def flattened(idl, work):
@@ -57,8 +69,7 @@ def check_fastddsgen(arguments):
 def check_cyclone(arguments):
     program = shutil.which("idlc")
     if program is None:
-        print("skipped: no idlc; install it with: apt-get install cyclonedds-tools")
-        sys.exit(SKIPPED)
+        skip("package: no idlc; apt-get install cyclonedds-tools")
     work = fresh(arguments.work / "cyclone")
     files = flattened(arguments.idl, work / "idl")
     out = fresh(work / "out")
@@ -99,11 +110,41 @@ def check_subset(arguments):
     print(f"{len(files)} files keep to the subset")
 
 
+def fetch_package(place, package):
+    """The archive of one package of package-lock.json, checked."""
+    name = place.split("node_modules/")[-1]
+    url = f"{REGISTRY}/{name}/-/{name.split('/')[-1]}-{package['version']}.tgz"
+    with urllib.request.urlopen(url, timeout=60) as answer:
+        content = answer.read()
+    algorithm, digest = package["integrity"].split("-", 1)
+    if hashlib.new(algorithm, content).digest() != base64.b64decode(digest):
+        sys.exit(f"{url} is not what package-lock.json names")
+    return tarfile.open(fileobj=io.BytesIO(content), mode="r:gz")
+
+
+def fetch_packages(lock, work):
+    """Into work/node_modules, once for a lock file: `npm ci` without npm, which is 400 packages of Debian."""
+    modules, complete = work / "node_modules", work / "node_modules" / "complete"
+    if complete.exists() and complete.read_bytes() == lock.read_bytes():
+        return
+    fresh(modules)
+    for place, package in json.loads(lock.read_text(encoding="utf-8"))["packages"].items():
+        if not place:
+            continue  # ourselves
+        with fetch_package(place, package) as archive:
+            for member in archive.getmembers():
+                inner = pathlib.PurePosixPath(member.name).parts[1:]  # without "package/"
+                if member.isfile() and ".." not in inner:
+                    target = work.joinpath(place, *inner)
+                    target.parent.mkdir(parents=True, exist_ok=True)
+                    target.write_bytes(archive.extractfile(member).read())
+    shutil.copy(lock, complete)
+
+
 def check_viewer(arguments):
-    npm, node = shutil.which("npm"), shutil.which("node")
-    if npm is None or node is None:
-        print("skipped: no npm and node; install them with: apt-get install npm")
-        sys.exit(SKIPPED)
+    node = shutil.which("node")
+    if node is None:
+        skip("package: no node; apt-get install nodejs")
     work = arguments.work / "viewer"
     work.mkdir(parents=True, exist_ok=True)
     for name in ("package.json", "check.mjs"):
@@ -113,12 +154,10 @@ def check_viewer(arguments):
     done = run([str(arguments.sample), str(sample), str(expected)])
     if done.returncode != 0:
         sys.exit(done.stdout)
-    if not (work / "node_modules" / "@mcap" / "core").exists():
-        done = run([npm, "install", "--prefix", str(work), "--no-audit", "--no-fund", "--ignore-scripts"],
-                   timeout=150, cwd=work)
-        if done.returncode != 0:
-            print(f"skipped: the npm registry gave nothing:\n{done.stdout}")
-            sys.exit(SKIPPED)
+    try:
+        fetch_packages(arguments.package / "package-lock.json", work)
+    except (urllib.error.URLError, OSError) as error:
+        skip(f"package: {REGISTRY} gave nothing: {error}")
     done = run([node, str(work / "check.mjs"), str(sample), str(expected)] + [str(file) for file in files], cwd=work)
     print(done.stdout)
     sys.exit(done.returncode)
@@ -136,7 +175,6 @@ def main():
     viewer.add_argument("--sample", type=pathlib.Path, required=True)
     viewer.add_argument("--package", type=pathlib.Path, required=True)
     arguments = parser.parse_args()
-    os.environ["npm_config_update_notifier"] = "false"
     globals()["check_" + arguments.check](arguments)
 
 

@@ -1,7 +1,7 @@
 #!/bin/bash
 # Runs a test program where SocketCAN is real: on this kernel if it has vcan, else under qemu (software emulation) with
 # Debian's kernel, its CAN modules and the program in an initramfs. Ends with the program's exit code; 77 means skipped,
-# and the last line says why.
+# and the last line says why (tests/support/skip.h has the words it begins with), as does FOLDER/skipped.
 #   run_on_kernel.sh [--with PROGRAM]... [--results FOLDER] PROGRAM CACHE_FOLDER
 # The program finds the interface in SINEW_CAN_INTERFACE, the programs of --with in the folder SINEW_PROGRAMS; what it
 # writes to the folder SINEW_RESULTS is in FOLDER afterwards.
@@ -21,7 +21,11 @@ while [ $# -gt 2 ]; do
 done
 program=$(realpath "$1")
 cache=$2
-skip() { echo "SKIPPED: $*"; exit 77; }
+skip() {
+  echo "$*" > "$results/skipped"
+  echo "SKIPPED: $*"
+  exit 77
+}
 
 work=$(mktemp -d)
 # shellcheck disable=SC2317  # called by the trap
@@ -50,22 +54,22 @@ fi
 
 for tool in qemu-system-x86_64 busybox cpio candump cangen; do
   command -v $tool > /dev/null ||
-    skip "no $tool; apt-get install --no-install-recommends qemu-system-x86 busybox-static cpio can-utils"
+    skip "package: no $tool; apt-get install --no-install-recommends qemu-system-x86 busybox-static cpio can-utils"
 done
-[ "$(uname -m)" = x86_64 ] || skip "the programs are of $(uname -m), the emulated machine of x86_64"
+[ "$(uname -m)" = x86_64 ] || skip "kernel: no vcan, and the emulated machine is of x86_64, not of $(uname -m)"
 
 # The kernel package is fetched once and unpacked, never installed. Modules are in the order in which they are loaded;
 # virtio_blk is the disk on which the results leave the machine.
 modules=(can can-raw can-dev vcan
   virtio_ring virtio virtio_pci_legacy_dev virtio_pci_modern_dev virtio_pci virtio_blk)
 package=$(apt-cache depends linux-image-amd64 2> /dev/null | awk '/Depends/{print $2; exit}') || true
-[ -n "$package" ] || skip "apt knows no linux-image-amd64; apt-get update"
+[ -n "$package" ] || skip "package: apt knows no linux-image-amd64; apt-get update"
 kernel=$cache/$package
 if [ "$(cat "$kernel/complete" 2> /dev/null)" != "${modules[*]}" ]; then
   rm -rf "$kernel"
   mkdir -p "$kernel"
   (cd "$kernel" && apt-get download -q -o APT::Sandbox::User=root "$package") > "$kernel/download.log" 2>&1 ||
-    skip "$package cannot be downloaded: $(tail -1 "$kernel/download.log")"
+    skip "package: $package cannot be downloaded: $(tail -1 "$kernel/download.log")"
   wanted=('./boot/vmlinuz-*')
   for module in "${modules[@]}"; do wanted+=("*/$module.ko*"); done
   dpkg-deb --fsys-tarfile "$kernel"/*.deb | tar -x -C "$kernel" --wildcards "${wanted[@]}"

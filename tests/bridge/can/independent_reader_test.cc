@@ -13,6 +13,7 @@
 #include "bridge/can/compact.h"
 #include "bridge/can/sensor_node.h"
 #include "tests/support/program.h"
+#include "tests/support/skip.h"
 
 namespace sinew::can {
 namespace {
@@ -38,10 +39,10 @@ using Signals = std::map<std::string, double>;
 class IndependentReader : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (!std::filesystem::exists(kPython) ||
-        testing::Run({kPython, "-c", "import canmatrix.formats"}).exit_code != 0) {
-      GTEST_SKIP() << "python3-canmatrix is not installed";
-    }
+    SKIP_WITHOUT_PACKAGE(
+        std::filesystem::exists(kPython) &&
+            testing::Run({kPython, "-c", "import canmatrix.formats"}).exit_code == 0,
+        "python3-canmatrix");
   }
   // What the reader makes of the frames: message name and its signals, in order.
   static std::vector<std::pair<std::string, Signals>> Read(const std::string& dbc,
@@ -79,7 +80,7 @@ class IndependentReader : public ::testing::Test {
 constexpr double kFloat = 1e-5;  // float32 of values up to 100
 
 TEST_F(IndependentReader, ReadsOurControllerFramesWithODrivesOwnFile) {
-  if (!std::filesystem::exists(kODrive)) GTEST_SKIP() << "no " << kODrive;
+  SKIP_WITHOUT_DATA(kODrive);
   const std::vector<Frame> frames = {
       Encode(3, Heartbeat{0x800, AxisState::kIdle, true, false, false, false}),
       Encode(0, EncoderEstimates{-12.5, 3.25}),

@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "tests/support/skip.h"
+
 namespace sinew::actuator {
 namespace {
 
@@ -188,7 +190,7 @@ TEST_F(ModelFileTest, LeavesNothingHalfWritten) {
 
 TEST_F(ModelFileTest, ReadsALaboratorysRigJson) {
   const std::filesystem::path path = SINEW_SHARED_DIR "/data/rig_examples/clean/rig.json";
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << "no shared data: " << path;
+  SKIP_WITHOUT_DATA(path);
   const RobotModel robot = LoadRobotModel(path);
   const JointModel& joint = robot.joints.at(0);
   EXPECT_EQ(joint.Parameter("drive_current", "efficiency"), 0.704938);

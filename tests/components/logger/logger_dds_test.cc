@@ -18,6 +18,7 @@
 #include "components/recording/run_import.h"
 #include "tests/components/logger/messages.h"
 #include "tests/support/program.h"
+#include "tests/support/skip.h"
 #include "tests/support/temporary_folder.h"
 
 namespace sinew {
@@ -168,7 +169,7 @@ TEST_F(LoggerDds, StopsCleanlyOnSignals) {
 }
 
 TEST_F(LoggerDds, AFullDiskEndsTheRecordingAtOnce) {
-  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
+  SKIP_WITHOUT_KERNEL(std::filesystem::exists("/dev/full"), "/dev/full");
   const Finished run = testing::Run(
       {kBin + "sinew-logger", "--domain", "24", "--out", "/dev/full", "--overwrite"}, 20s);
   EXPECT_EQ(run.exit_code, 1);
@@ -316,7 +317,7 @@ TEST_F(LoggerDds, RecordDoesWhatTheLoggerDoes) {
 // recorded.
 TEST_F(LoggerDds, ClosingTheLoopOnARecordingGivesTheFiguresOfTheFilesItCameFrom) {
   const std::filesystem::path data = std::filesystem::path(SINEW_SHARED_DIR) / "data/emps";
-  if (!std::filesystem::exists(data)) GTEST_SKIP() << "no " << data << ": shared data is not here";
+  SKIP_WITHOUT_DATA(data);
   const std::string robot = std::string(SINEW_SOURCE_DIR) + "/robots/emps/";
   std::vector<std::string> csv, copies;
   for (const std::string name : {"DATA_EMPS", "DATA_EMPS_PULSES"}) {

@@ -6,6 +6,7 @@
 
 #include "components/config/config.h"
 #include "components/recording/mcap_writer.h"
+#include "tests/support/skip.h"
 
 namespace sinew::recording {
 namespace {
@@ -13,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 TEST(FileSink, TellsAFullDisk) {
-  if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
+  SKIP_WITHOUT_KERNEL(fs::exists("/dev/full"), "/dev/full");
   FileSink sink("/dev/full", Existing::kReplace);
   McapWriter writer(sink);
   const IoStatus status = writer.Open();

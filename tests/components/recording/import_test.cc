@@ -17,6 +17,7 @@
 #include "components/recording/run_builder.h"
 #include "components/recording/signal_fields.h"
 #include "idl/embedded_idl.h"
+#include "tests/support/skip.h"
 
 namespace sinew::recording {
 namespace {
@@ -178,7 +179,7 @@ TEST_F(Import, StampsAreExactNanosecondsAndHeadersSayReplay) {
 
 TEST_F(Import, KeepsMeasuredDataOfAnotherRig) {
   const fs::path data = fs::path(SINEW_SHARED_DIR) / "data/emps/DATA_EMPS.csv";
-  if (!fs::exists(data)) GTEST_SKIP() << "no " << data << ": shared data is not beside the project";
+  SKIP_WITHOUT_DATA(data);
   const fs::path map =
       Write("map.yaml",
             "schema: sinew-csv-map/1\nkind: linear\ntime: {column: time_s, unit: s}\n"

@@ -6,6 +6,7 @@
 
 #include "components/config/config.h"
 #include "components/report/file/section_file.h"
+#include "tests/support/skip.h"
 #include "tests/support/temporary_folder.h"
 
 namespace sinew::report {
@@ -59,7 +60,7 @@ TEST(Section, PicturesOfOnePageShareNoNames) {
   const auto svgs = DrawPictures(Example().pictures);
   ASSERT_EQ(svgs.size(), 2u);
   const std::size_t at = svgs[0].find("id='p");
-  if (at == std::string::npos) GTEST_SKIP() << "gnuplot is missing";
+  SKIP_WITHOUT_PACKAGE(at != std::string::npos, "gnuplot-nox");
   const std::string name = svgs[0].substr(at, svgs[0].find('_', at) - at);
   EXPECT_EQ(svgs[1].find(name), std::string::npos);
 }

@@ -6,6 +6,7 @@
 #include "components/config/config.h"
 #include "sim/world/chain.h"
 #include "sim/world/file/urdf_file.h"
+#include "tests/support/skip.h"
 
 namespace sinew::world {
 namespace {
@@ -122,7 +123,7 @@ TEST(OverrideLink, RefusesAnInertiaThatTheMassCannotHave) {
 
 TEST(ParseUrdf, LoadsRobotsOfOthers) {
   const std::filesystem::path folder = SINEW_SHARED_DIR "/data";
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no shared data: " << folder;
+  SKIP_WITHOUT_DATA(folder);
   struct Case {
     const char* file;
     int joints;

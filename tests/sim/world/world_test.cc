@@ -16,6 +16,7 @@
 #include "sim/plant/single_joint.h"
 #include "sim/world/file/urdf_file.h"
 #include "sim/world/file/world_file.h"
+#include "tests/support/skip.h"
 
 namespace sinew::world {
 namespace {
@@ -257,7 +258,7 @@ TEST(World, LoadsAModelWithAnAddedEffectAsItIs) {
 TEST(World, TakesAnArmOfSevenJoints) {
   const std::filesystem::path urdf =
       SINEW_SHARED_DIR "/data/kuka_lwr4_inverse_dynamics/kuka_lwr4.urdf";
-  if (!std::filesystem::exists(urdf)) GTEST_SKIP() << "no shared data: " << urdf;
+  SKIP_WITHOUT_DATA(urdf);
   WorldConfig config;
   config.chain = ParseUrdf(config::ReadFile(urdf), urdf.string());
   for (const Body& body : config.chain.bodies) {
@@ -406,7 +407,7 @@ TEST_F(WorldFileTest, TellsWhatIsWrongInOneLine) {
 
 TEST_F(WorldFileTest, TakesALaboratorysRigJsonAsTheModel) {
   const std::filesystem::path path = SINEW_SHARED_DIR "/data/rig_examples/clean/rig.json";
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << "no shared data: " << path;
+  SKIP_WITHOUT_DATA(path);
   const WorldFile file = LoadWorldFile(SINEW_SOURCE_DIR "/robots/rig/world.yaml", path);
   World world(file.config);
   EXPECT_EQ(world.joint_count(), 1);

@@ -10,6 +10,7 @@
 #include "components/esn/normal.h"
 #include "components/networks/grey_box.h"
 #include "components/networks/samples.h"
+#include "tests/support/skip.h"
 #include "tests/support/temporary_folder.h"
 #include "tools/networks/cylinder.h"
 #include "tools/networks/jobs.h"
@@ -92,9 +93,7 @@ TEST(Cylinder, AFolderWithoutRecordingsIsRefusedWithItsName) {
 TEST(Cylinder, TheGreyBoxFindsTheAreaOfThePistonInMeasuredData) {
   const std::filesystem::path folder =
       std::filesystem::path(SINEW_SHARED_DIR) / "data" / "pneumatic_cylinder_3dprinted";
-  if (!std::filesystem::exists(folder)) {
-    GTEST_SKIP() << "the recordings of the cylinder are not here: " << folder;
-  }
+  SKIP_WITHOUT_DATA(folder);
   const std::vector<identify::Run> runs = ReadCylinder(folder);
   ASSERT_GE(runs.size(), 6U);
   const networks::Samples samples = networks::MakeSamples(

@@ -11,6 +11,7 @@
 
 #include "components/node/topics.h"
 #include "components/recording/file/import.h"
+#include "tests/support/skip.h"
 #include "tests/support/temporary_folder.h"
 
 namespace sinew::tools {
@@ -43,12 +44,8 @@ CloseLoopOptions ExampleOptions(const std::string& example) {
   return options;
 }
 
-#define SKIP_WITHOUT_EMPS() \
-  if (!fs::exists(kEmps))   \
-  GTEST_SKIP() << kEmps << " is not here: measured data lies beside the project"
-
 TEST(CloseLoopOnEmps, PublishedFiguresAreReached) {
-  SKIP_WITHOUT_EMPS();
+  SKIP_WITHOUT_DATA(kEmps);
   const CloseLoopResult result = CloseLoop(EmpsOptions());
   ASSERT_TRUE(result.report.as_published.has_value());
   const identify::AsPublishedResult& published = *result.report.as_published;
@@ -65,7 +62,7 @@ TEST(CloseLoopOnEmps, PublishedFiguresAreReached) {
 }
 
 TEST(CloseLoopOnEmps, TheSameEffectIsFoundFirstAndASecondLowersTheCrossError) {
-  SKIP_WITHOUT_EMPS();
+  SKIP_WITHOUT_DATA(kEmps);
   const CloseLoopResult result = CloseLoop(EmpsOptions());
   const trace::TraceResult& trace = result.report.trace;
   ASSERT_GE(trace.effects.size(), 2u);
@@ -79,7 +76,7 @@ TEST(CloseLoopOnEmps, TheSameEffectIsFoundFirstAndASecondLowersTheCrossError) {
 }
 
 TEST(CloseLoopOnEmps, ARecordingGivesTheSameFiguresAsItsCsv) {
-  SKIP_WITHOUT_EMPS();
+  SKIP_WITHOUT_DATA(kEmps);
   const testing::TemporaryFolder folder;
   const auto find_schema = [](std::string_view name) {
     const node::TopicInfo* topic = node::FindTopic(name);

@@ -9,6 +9,7 @@
 
 #include "tests/support/program.h"
 #include "tests/support/sinew_program.h"
+#include "tests/support/skip.h"
 #include "tests/support/temporary_folder.h"
 
 namespace sinew {
@@ -85,7 +86,7 @@ TEST(BashCompletion, OffersFilesWhereAFileBelongs) {
 }
 
 TEST(ZshCompletion, TheScriptIsValidAndDefinesEachCommand) {
-  if (testing::Run({"zsh", "--version"}).exit_code != 0) GTEST_SKIP() << "zsh is not installed";
+  SKIP_WITHOUT_PACKAGE(testing::Run({"zsh", "--version"}).exit_code == 0, "zsh");
   const Finished script = testing::Run({kSinew, "completion", "zsh"});
   ASSERT_EQ(script.exit_code, 0);
   EXPECT_THAT(script.output, StartsWith("#compdef sinew\n"));

@@ -9,6 +9,7 @@
 
 #include "components/free_run/free_run.h"
 #include "components/recording/file/run_reader.h"
+#include "tests/support/skip.h"
 #include "tools/sinew/close_loop.h"
 #include "tools/sinew/close_robot.h"
 
@@ -26,10 +27,6 @@ std::vector<fs::path> Paths(const fs::path& folder, const std::vector<std::strin
   for (const std::string& name : names) paths.push_back(folder / (name + ".csv"));
   return paths;
 }
-
-#define SKIP_WITHOUT(folder) \
-  if (!fs::exists(folder))   \
-  GTEST_SKIP() << (folder) << " is not here: measured data lies beside the project"
 
 // --- XL330 servo with a pendulum ---------------------------------------------------------------
 
@@ -66,7 +63,7 @@ free_run::FreeRunResult FreeRunOnPendulum(const CloseLoopResult& result, int sea
 class PendulumServo : public ::testing::TestWithParam<std::pair<std::vector<int>, int>> {};
 
 TEST_P(PendulumServo, LoadDependentGearFrictionIsFoundAndNoStribeck) {
-  SKIP_WITHOUT(kPendulum);
+  SKIP_WITHOUT_DATA(kPendulum);
   const auto& [train, sealed] = GetParam();
   const CloseLoopResult result = OnPendulum(train, sealed);
   const trace::TraceResult& trace = result.report.trace;
@@ -103,7 +100,7 @@ class Cylinder : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(Cylinder, FrictionThatGrowsWithPressureIsFoundFirst) {
   const fs::path folder = kMeasured / "pneumatic_cylinder_3dprinted";
-  SKIP_WITHOUT(folder);
+  SKIP_WITHOUT_DATA(folder);
   const std::string seal = GetParam();
   CloseLoopOptions options;
   options.model = kRobots / "pneumatic_cylinder/model.yaml";
@@ -147,7 +144,7 @@ CloseLoopResult OnMotor(const std::string& sealed, const std::string& map) {
 }
 
 TEST(CoggingMap, TheOrdersOfTheMapAreFoundAndTheRepeatConfirmsThem) {
-  SKIP_WITHOUT(kMotor);
+  SKIP_WITHOUT_DATA(kMotor);
   const trace::TraceResult trace = OnMotor("map_b_step16_repeat", "csv_map.yaml").report.trace;
   std::vector<double> orders;
   for (const trace::FoundEffect& effect : trace.effects) {
@@ -180,7 +177,7 @@ double Correlation(const identify::Rows& rows, const Eigen::VectorXd& x, const E
 }
 
 TEST(CoggingMap, TheMapPredictsTheCurrentOfASlowTurn) {
-  SKIP_WITHOUT(kMotor);
+  SKIP_WITHOUT_DATA(kMotor);
   const CloseLoopResult result = OnMotor("slow_0.10rev_s_nocomp_0", "csv_map_slow.yaml");
   const auto slow = recording::ReadRuns(kMotor / "slow_0.10rev_s_nocomp_0.csv",
                                         kRobots / "odrive_motor/csv_map_slow.yaml");
@@ -225,7 +222,7 @@ CloseRobotResult OnArm(const std::string& sealed, std::vector<int> joints = {}) 
 }
 
 TEST(SevenJoints, RigidBodiesAndFrictionReachThePublishedError) {
-  SKIP_WITHOUT(kArm);
+  SKIP_WITHOUT_DATA(kArm);
   const CloseRobotResult repeat = OnArm("measurements_2", {0});
   ASSERT_TRUE(repeat.arm.has_value());
   // Published on the repeat: 0.176 to 0.211 %; an own check reached 0.126 %.

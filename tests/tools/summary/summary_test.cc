@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
@@ -21,15 +22,27 @@ const std::string kBad =
 const std::string kSkipped =
     "<testcase name=\"skipped\" status=\"notrun\">"
     "<skipped message=\"SKIP_REGULAR_EXPRESSION_MATCHED\"/>"
-    "<system-out>x.cc:3: Skipped\nzsh is not installed\n</system-out></testcase>";
+    "<system-out>x.cc:3: Skipped\npackage: zsh is not installed\n</system-out></testcase>";
+const std::string kSkippedByAScript =
+    "<testcase name=\"script\" status=\"notrun\"><skipped message=\"SKIP_RETURN_CODE=77\"/>"
+    "<system-out>SKIPPED: data: no recording\n</system-out></testcase>";
+const std::string kSkippedByTheKernel =
+    "<testcase name=\"device\" status=\"notrun\">"
+    "<skipped message=\"SKIP_REGULAR_EXPRESSION_MATCHED\"/>"
+    "<system-out>x.cc:5: Skipped\nkernel: no /dev/full\n</system-out></testcase>";
+const std::string kSkippedSilently =
+    "<testcase name=\"silent\" status=\"notrun\"><skipped message=\"SKIP_RETURN_CODE=77\"/>"
+    "<system-out/></testcase>";
 const std::string kGone =
     "<testcase name=\"gone\" status=\"notrun\">"
     "<skipped message=\"Unable to find executable\"/></testcase>";
 
-Finished Summarize(const std::string& cases) {
+Finished Summarize(const std::string& cases, const std::vector<std::string>& options = {}) {
   const TemporaryFolder folder;
-  const std::string file = folder.Write("r.xml", "<testsuite>" + cases + "</testsuite>");
-  return testing::Run({"python3", SINEW_SOURCE_DIR "/tools/test_summary.py", file});
+  std::vector<std::string> command = {"python3", SINEW_SOURCE_DIR "/tools/test_summary.py"};
+  command.insert(command.end(), options.begin(), options.end());
+  command.push_back(folder.Write("r.xml", "<testsuite>" + cases + "</testsuite>"));
+  return testing::Run(command);
 }
 
 TEST(Summary, CountsWhatPassed) {
@@ -47,7 +60,30 @@ TEST(Summary, NamesFailuresAndFails) {
 TEST(Summary, TellsWhyATestWasSkipped) {
   const Finished run = Summarize(kGood + kSkipped);
   EXPECT_EQ(run.exit_code, 0);
-  EXPECT_EQ(run.output, "skipped: skipped: zsh is not installed\n1 passed, 0 failed, 1 skipped\n");
+  EXPECT_EQ(run.output,
+            "skipped: skipped: package: zsh is not installed\n1 passed, 0 failed, 1 skipped\n");
+}
+
+TEST(Summary, WhereSkipsFailATestWithoutItsPackageOrDataHasFailedAndSaysWhy) {
+  const Finished run = Summarize(kGood + kSkipped + kSkippedByAScript, {"--skips-fail"});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_EQ(run.output,
+            "FAILED: skipped: skipped: package: zsh is not installed\n"
+            "FAILED: script: skipped: data: no recording\n"
+            "1 passed, 2 failed, 0 skipped\n");
+}
+
+TEST(Summary, WhereSkipsFailAKernelWithoutAFeatureIsExcused) {
+  const Finished run = Summarize(kGood + kSkippedByTheKernel, {"--skips-fail"});
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_EQ(run.output, "skipped: device: kernel: no /dev/full\n1 passed, 0 failed, 1 skipped\n");
+}
+
+TEST(Summary, WhereSkipsFailASkipWithoutAReasonHasFailed) {
+  const Finished run = Summarize(kGood + kSkippedSilently, {"--skips-fail"});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_EQ(run.output,
+            "FAILED: silent: skipped: no reason given\n1 passed, 1 failed, 0 skipped\n");
 }
 
 TEST(Summary, ATestWhoseProgramIsMissingHasFailed) {

@@ -19,7 +19,7 @@ done
 grep -q "^ExecStart=$prefix/bin/sinew-%i " "$units/sinew@.service" || fail "sinew@.service starts no program of the prefix"
 
 command -v systemd-analyze > /dev/null ||
-  { echo "SKIPPED: no systemd-analyze; apt-get install --no-install-recommends systemd"; exit 77; }
+  { echo "SKIPPED: package: no systemd-analyze; apt-get install --no-install-recommends systemd"; exit 77; }
 # What the drop-in names, too: a name that is no program would never be waited for, silently.
 names=$(grep -oh 'sinew@[a-z-]*\.service' "$units/sinew@can-bridge.service.d/order.conf" "$units/sinew-can@.service" | sort -u)
 mkdir -p "$prefix/bin"
