@@ -91,6 +91,10 @@ identify::Run ReadCsvRun(std::string_view text, const std::string& name, const C
     signal_columns.push_back(FindColumns(signal.map, joint, header, name, &names));
   }
 
+  if (names.empty()) {
+    throw std::invalid_argument(map.name + ": key 'signals': no column of " + name +
+                                " is read, expected at least one");
+  }
   const CsvTable table = ReadCsv(text, name, names, map.delimiter);
   const Eigen::Index all = table.values.front().size();
   const auto line = [&](Eigen::Index row) {

@@ -186,6 +186,20 @@ TEST(CsvMap, ASumNamesTheLineOfItsMissingColumn) {
             std::string::npos);
 }
 
+TEST(CsvMap, AMappingOfConstantsAloneReadsNothing) {
+  const CsvMap map = ParseCsvMap(
+      "schema: sinew-csv-map/1\nkind: rotary\ntime: {row_period_s: 1}\n"
+      "signals:\n  payload: {constant: 1, unit: kg}\n",
+      "map.yaml");
+  try {
+    ReadCsvRun("t\n1\n", "data.csv", map);
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(),
+                 "map.yaml: key 'signals': no column of data.csv is read, expected at least one");
+  }
+}
+
 TEST(CsvMap, AnEncodersZeroMayDifferByRecording) {
   const std::string text = "t,a\n0,1\n1,2\n";
   const auto zero = [&](const std::string& signal) {
