@@ -39,6 +39,11 @@ void ForEach(const std::vector<Term>& terms, Memory memory, Function f) {
 
 }  // namespace
 
+double PriorSpread(const ParameterValue& declared) {
+  if (declared.tolerance_absolute > 0.0) return declared.tolerance_absolute;
+  return declared.tolerance * std::abs(declared.value);
+}
+
 std::vector<double> NonlinearValues(const Term& term) {
   std::vector<double> psi;
   for (const ParameterValue& value : term.nonlinear) psi.push_back(value.value);

@@ -13,12 +13,20 @@
 
 namespace sinew::actuator {
 
+// A declared value with what is known of it beforehand: a Gaussian prior about the value, whose one
+// standard deviation is the tolerance, stated relative to the value or absolute (never both).
 struct ParameterValue {
   double value = 0.0;
   double tolerance = 0.0;               // relative, of the declared nominal value; 0: not stated
+  double tolerance_absolute = 0.0;      // in the parameter's unit; 0: not stated
   bool fixed = false;                   // known exactly: never refitted
   std::optional<double> half_width_95;  // of the last fit
 };
+
+// Standard deviation of the prior, in the parameter's unit; 0: flat, nothing is known. Of a
+// declared value: a relative tolerance of a fitted one is another width, and of 0 it says nothing.
+// A fixed parameter has no prior, ask for `fixed` first.
+double PriorSpread(const ParameterValue& declared);
 
 struct Term {
   std::shared_ptr<const effects::Effect> effect;

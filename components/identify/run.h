@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -44,6 +45,11 @@ struct Run {
   std::string content_hash;                   // of the samples, for the history of a model
   // Every row is a hold of its own: the joint stood there, nothing happens between two rows.
   bool held = false;
+  // Angles whose encoder begins each recording at a zero of its own: such an angle is the reading
+  // plus a constant that nobody knows and that is another one in the next recording. Its changes
+  // and derivatives are what they are; the phase of gravity, rest angles, the offset between two
+  // encoders and any curve over the angle belong to this recording alone.
+  std::set<Signal> zero_unknown;
   // What the rigid bodies of the arm need of this joint (arm::Arm), per piece of MakeStates and
   // sample; empty for a joint that is no part of an arm.
   std::vector<Eigen::VectorXd> rigid_torque;

@@ -19,6 +19,12 @@ double ColumnMap::ToSi(double cell) const noexcept {
   return sign == 1.0 ? cell : sign * cell;
 }
 
+std::string ColumnMap::Names() const {
+  std::string names;
+  for (const Summand& summand : sum) names += (names.empty() ? "" : " + ") + summand.column;
+  return names;
+}
+
 namespace {
 
 constexpr std::string_view kJointMark = "{joint}";
@@ -33,7 +39,8 @@ std::string ColumnName(const std::string& pattern, int joint) {
 std::vector<std::size_t> FindColumns(const ColumnMap& map, int joint,
                                      const std::vector<std::string>& header,
                                      const std::string& file, std::vector<std::string>* names) {
-  std::vector<std::string> wanted = {map.column};
+  std::vector<std::string> wanted;
+  for (const Summand& summand : map.sum) wanted.push_back(summand.column);
   wanted.insert(wanted.end(), map.times.begin(), map.times.end());
   std::vector<std::size_t> at;
   for (const std::string& pattern : wanted) {
@@ -51,9 +58,17 @@ std::vector<std::size_t> FindColumns(const ColumnMap& map, int joint,
   return at;
 }
 
-double Cell(const CsvTable& table, const std::vector<std::size_t>& columns, Eigen::Index row) {
-  double cell = table.values[columns.front()][row];
-  for (std::size_t i = 1; i < columns.size(); ++i) cell *= table.values[columns[i]][row];
+double Cell(const CsvTable& table, const ColumnMap& map, const std::vector<std::size_t>& columns,
+            Eigen::Index row) {
+  double cell = map.constant;
+  std::size_t at = 0;
+  for (const Summand& summand : map.sum) {
+    const double value = table.values[columns[at++]][row];
+    // One column stays bit by bit what it was, also a negative 0.
+    const double part = summand.factor == 1.0 ? value : summand.factor * value;
+    cell = at == 1 && map.constant == 0.0 ? part : cell + part;
+  }
+  for (; at < columns.size(); ++at) cell *= table.values[columns[at]][row];
   return cell;
 }
 
@@ -76,6 +91,10 @@ identify::Run ReadCsvRun(std::string_view text, const std::string& name, const C
     signal_columns.push_back(FindColumns(signal.map, joint, header, name, &names));
   }
 
+  if (names.empty()) {
+    throw std::invalid_argument(map.name + ": key 'signals': no column of " + name +
+                                " is read, expected at least one");
+  }
   const CsvTable table = ReadCsv(text, name, names, map.delimiter);
   const Eigen::Index all = table.values.front().size();
   const auto line = [&](Eigen::Index row) {
@@ -84,10 +103,10 @@ identify::Run ReadCsvRun(std::string_view text, const std::string& name, const C
   Eigen::VectorXd time(all);
   for (Eigen::Index row = 0; row < all; ++row) {
     time[row] = numbered ? map.row_period_s * static_cast<double>(row)
-                         : map.time.ToSi(Cell(table, time_columns, row));
+                         : map.time.ToSi(Cell(table, map.time, time_columns, row));
     if (row > 0 && !(time[row] > time[row - 1])) {
       throw std::invalid_argument(
-          line(row) + ": column '" + map.time.column + "': time " + std::to_string(time[row]) +
+          line(row) + ": column '" + map.time.Names() + "': time " + std::to_string(time[row]) +
           " s follows " + std::to_string(time[row - 1]) + " s, expected strictly rising time");
     }
   }
@@ -107,15 +126,16 @@ identify::Run ReadCsvRun(std::string_view text, const std::string& name, const C
     const SignalColumn& signal = map.signals[i];
     Eigen::VectorXd values(rows);
     for (Eigen::Index row = 0; row < rows; ++row) {
-      values[row] = signal.map.ToSi(Cell(table, signal_columns[i], first + row));
+      values[row] = signal.map.ToSi(Cell(table, signal.map, signal_columns[i], first + row));
       const bool flag = signal.signal == identify::Signal::kValveOpen;
       if (flag && values[row] != 0.0 && values[row] != 1.0) {
-        throw std::invalid_argument(line(first + row) + ": column '" + signal.map.column +
+        throw std::invalid_argument(line(first + row) + ": column '" + signal.map.Names() +
                                     "': the value is " + std::to_string(values[row]) +
                                     ", expected 0 or 1");
       }
     }
     run.signals[signal.signal] = std::move(values);
+    if (signal.zero_per_recording) run.zero_unknown.insert(signal.signal);
   }
   run.content_hash = ContentHash(run);
   return run;

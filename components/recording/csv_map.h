@@ -1,10 +1,12 @@
 // Which column of a CSV file is which signal, in which unit and with which sign.
 //
 //     value_SI = sign * unit(scale * cell + offset)
+//     cell = (sum of factor * column + constant) * product of other columns
 //
-// with scale and offset in the column's unit; a cell may be the product of several columns (a duty
-// and a bus voltage). "{joint}" in a column's name is the joint's number from 1 on, so that one
-// mapping reads an arm. Reading of the YAML file: file/csv_map_file.h.
+// with constant, scale and offset in the column's unit. Most cells are one column; a sum is a loss
+// between two sensors, a product a duty of a bus voltage. "{joint}" in a column's name is the
+// joint's number from 1 on, so that one mapping reads an arm. Reading of the YAML file:
+// file/csv_map_file.h.
 #pragma once
 
 #include <string>
@@ -17,8 +19,14 @@
 
 namespace sinew::recording {
 
-struct ColumnMap {
+struct Summand {
   std::string column;
+  double factor = 1.0;
+};
+
+struct ColumnMap {
+  std::vector<Summand> sum;        // empty: the constant alone
+  double constant = 0.0;           // added to the sum
   std::vector<std::string> times;  // columns that the cell is multiplied by
   Unit unit;
   double scale = 1.0;
@@ -26,12 +34,15 @@ struct ColumnMap {
   double sign = 1.0;
   std::string where;  // "map.yaml:7: key 'signals.position.column'", for messages
 
+  // The column, or all of a sum with " + " between them: for messages.
+  std::string Names() const;
   double ToSi(double cell) const noexcept;
 };
 
 struct SignalColumn {
   identify::Signal signal{};
   ColumnMap map;
+  bool zero_per_recording = false;  // identify::Run::zero_unknown
 };
 
 struct CsvMap {

@@ -113,8 +113,8 @@ Monitor::Monitor(const actuator::JointModel& model, const MonitorConfig& config,
       const actuator::ParameterValue& value = term.linear[i];
       if (value.fixed && cause == Cause::kNothing) continue;
       AddColumn(static_cast<int>(t), static_cast<int>(i),
-                std::max(value.tolerance, kLeastTolerance) * std::abs(value.value), cause,
-                &columns);
+                std::max(actuator::PriorSpread(value), kLeastTolerance * std::abs(value.value)),
+                cause, &columns);
     }
   }
   if (!has_drive) {

@@ -11,6 +11,7 @@
 
 #include "components/config/config.h"
 #include "components/identify/file/processing_file.h"
+#include "components/recording/file/recording_path.h"
 #include "components/recording/file/run_reader.h"
 #include "components/report/file/report_file.h"
 #include "components/trace/close_loop.h"
@@ -33,19 +34,51 @@ std::string NowUtc() {
   return text;
 }
 
+// Everything that follows the angle needs the angle.
+void RequireAngle(const identify::Run& run) {
+  using identify::Signal;
+  if (run.Has(Signal::kPosition) || run.Has(Signal::kMotorPosition)) return;
+  const bool velocity = run.Has(Signal::kVelocity) || run.Has(Signal::kMotorVelocity);
+  throw UsageError(run.name +
+                   (velocity
+                        ? ": velocity without an angle: its integral drifts and has no zero, so "
+                          "that gravity, springs and lines of the gear cannot be told"
+                        : ": no angle") +
+                   ", expected position or motor_position among the signals of the mapping");
+}
+
 }  // namespace
 
 std::vector<identify::Run> ReadJoint(const std::vector<fs::path>& files, const fs::path& map,
                                      int joint) {
   std::vector<identify::Run> runs;
   for (const fs::path& file : files) {
-    const bool csv = file.extension() != ".mcap";
+    const bool csv = !recording::ParseRecordingPath(file).IsMcap();
     for (identify::Run& run : recording::ReadRuns(file, csv ? map : fs::path(), joint)) {
       run.name = fs::path(run.name).filename().string();
+      RequireAngle(run);
       runs.push_back(std::move(run));
     }
   }
   return runs;
+}
+
+void RequireOtherRows(const std::vector<fs::path>& train, const std::vector<fs::path>& held_out) {
+  for (const fs::path& a : held_out) {
+    const recording::RecordingPath one = recording::ParseRecordingPath(a);
+    for (const fs::path& b : train) {
+      const recording::RecordingPath other = recording::ParseRecordingPath(b);
+      std::error_code error;
+      if (!one.range && !other.range) continue;  // whole files are compared by their samples
+      if (!fs::equivalent(one.file, other.file, error) || error) continue;
+      if (!one.range.value_or(recording::TimeRange{})
+               .Overlaps(other.range.value_or(recording::TimeRange{}))) {
+        continue;
+      }
+      throw UsageError(a.string() + ": held-out range shares rows with " + b.string() +
+                       ", expected one that was not trained on");
+    }
+  }
 }
 
 namespace {
@@ -185,6 +218,7 @@ CloseLoopResult CloseLoop(const CloseLoopOptions& options) {
     throw UsageError(input.model_path.string() + ": joint '" + joint.name +
                      "' is part of an arm, expected all its joints to be fitted together");
   }
+  RequireOtherRows(options.train, options.sealed);
   if (options.progress) options.progress("reading recordings", 0.0);
   CloseLoopResult out =
       CloseLoopOn(options, input, ReadJoint(options.train, input.map, options.joint),
@@ -287,11 +321,15 @@ void AddCloseLoopCommand(CLI::App& app) {
   command->add_option("--map", options.map,
                       "Mapping of CSV columns (sinew-csv-map/1); csv_map.yaml beside the model by "
                       "default, else the rig's");
-  command->add_option("--sealed-map", options.sealed_map,
-                      "Mapping of the sealed CSV files where it is another one");
-  command->add_option("--train", options.train, "Recordings to learn from: CSV or MCAP")
+  command->add_option("--held-out-map,--sealed-map", options.sealed_map,
+                      "Mapping of the held-out CSV files where it is another one");
+  command
+      ->add_option("--train", options.train,
+                   "Recordings to learn from: CSV or MCAP, FILE or FILE@START:END (seconds)")
       ->required();
-  command->add_option("--sealed", options.sealed, "Recordings to judge by, never used for a choice")
+  command
+      ->add_option("--held-out,--sealed", options.sealed,
+                   "Recordings to judge by, never used for a choice; FILE or FILE@START:END")
       ->required();
   command->add_option("--out", options.out, "Folder for report.html, report.json and model.yaml")
       ->required();
@@ -315,6 +353,7 @@ void AddCloseLoopCommand(CLI::App& app) {
       "control as it "
       "is.\n\nExamples:\n"
       "  sinew close-loop --train train_1.csv train_2.csv --sealed sealed.csv --out found\n"
+      "  sinew close-loop --train day.csv@:60 --held-out day.csv@60: --out found\n"
       "  sinew close-loop --model robots/emps/model.yaml --map robots/emps/csv_map.yaml \\\n"
       "    --train DATA_EMPS.csv --sealed DATA_EMPS_PULSES.csv --out found");
   command->callback([arguments] {
@@ -329,8 +368,8 @@ void AddCloseLoopCommand(CLI::App& app) {
         robot.joints.begin(), robot.joints.end(),
         [](const actuator::JointModel& joint) { return joint.Find("rigid_body") >= 0; });
     if (arm || (robot.joints.size() > 1 && !arguments->joint)) {
-      const CloseRobotResult result = CloseRobot(
-          asked, arguments->joint ? std::vector<int>{asked.joint} : std::vector<int>{});
+      const CloseRobotResult result =
+          CloseRobot(asked, arguments->joint ? std::vector<int>{asked.joint} : std::vector<int>{});
       bar.Finish();
       if (arguments->json) {
         std::cout << result.json;

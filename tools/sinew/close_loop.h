@@ -48,9 +48,14 @@ struct LoopInput {
 };
 LoopInput LoadLoopInput(const CloseLoopOptions& options);
 
-// Recordings of one joint; mcap files need no mapping.
+// Recordings of one joint, FILE or FILE@START:END; mcap files need no mapping. Throws UsageError,
+// also for a recording without an angle.
 std::vector<identify::Run> ReadJoint(const std::vector<std::filesystem::path>& files,
                                      const std::filesystem::path& map, int joint);
+
+// Throws UsageError naming both when ranges of one file share rows.
+void RequireOtherRows(const std::vector<std::filesystem::path>& train,
+                      const std::vector<std::filesystem::path>& held_out);
 
 // The joint `options.joint` on recordings that are read already; nothing is written.
 CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& input,

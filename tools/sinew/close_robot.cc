@@ -94,6 +94,7 @@ CloseRobotResult CloseRobot(const CloseLoopOptions& options, std::vector<int> jo
   }
   CloseRobotResult out;
   out.joint_numbers = joints;
+  RequireOtherRows(options.train, options.sealed);
   if (options.progress) options.progress("reading recordings", 0.0);
   arm::ArmRuns train, sealed;
   bool is_arm = false;

@@ -52,6 +52,8 @@ void PrintText(const RobotModel& robot) {
         if (value.half_width_95) std::cout << " +- " << *value.half_width_95 << " (95 %)";
         if (value.tolerance > 0.0)
           std::cout << ", declared within " << 100.0 * value.tolerance << " %";
+        if (value.tolerance_absolute > 0.0)
+          std::cout << ", declared within " << value.tolerance_absolute;
         std::cout << (value.fixed ? ", fixed" : "") << '\n';
       });
     }
@@ -70,6 +72,8 @@ nlohmann::ordered_json ToJson(const JointModel& joint) {
         term, joint.kind, [&parameters](const std::string& key, const ParameterValue& value) {
           nlohmann::ordered_json entry = {
               {"value", value.value}, {"tolerance", value.tolerance}, {"fixed", value.fixed}};
+          if (value.tolerance_absolute > 0.0)
+            entry["tolerance_absolute"] = value.tolerance_absolute;
           if (value.half_width_95) entry["half_width_95"] = *value.half_width_95;
           parameters[key] = std::move(entry);
         });

@@ -18,6 +18,7 @@
 #include "components/esn/dataset/file/training_file.h"
 #include "components/esn/file/weights_file.h"
 #include "components/esn/training.h"
+#include "components/recording/file/recording_path.h"
 #include "components/recording/file/run_reader.h"
 #include "tools/sinew/train_net.h"
 
@@ -40,8 +41,8 @@ std::vector<identify::Run> ReadAll(const std::vector<std::filesystem::path>& pat
                                    const TrainOptions& options) {
   std::vector<identify::Run> runs;
   for (const std::filesystem::path& path : paths) {
-    for (identify::Run& run :
-         recording::ReadRuns(path, options.map, path.extension() == ".csv" ? 0 : options.joint)) {
+    for (identify::Run& run : recording::ReadRuns(
+             path, options.map, recording::ParseRecordingPath(path).IsMcap() ? options.joint : 0)) {
       runs.push_back(std::move(run));
     }
   }

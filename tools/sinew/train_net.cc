@@ -14,6 +14,7 @@
 #include "components/networks/dataset/dataset.h"
 #include "components/networks/file/model_file.h"
 #include "components/networks/model.h"
+#include "components/recording/file/recording_path.h"
 #include "components/recording/file/run_reader.h"
 #include "tools/networks/sets.h"
 #include "tools/sinew/progress.h"
@@ -65,8 +66,8 @@ std::vector<identify::Run> RunsOf(const TrainNetOptions& options, networks::Task
   }
   std::vector<identify::Run> runs;
   for (const std::filesystem::path& path : options.recordings) {
-    for (identify::Run& run :
-         recording::ReadRuns(path, options.map, path.extension() == ".mcap" ? options.joint : 0)) {
+    for (identify::Run& run : recording::ReadRuns(
+             path, options.map, recording::ParseRecordingPath(path).IsMcap() ? options.joint : 0)) {
       runs.push_back(std::move(run));
     }
   }

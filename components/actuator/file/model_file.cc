@@ -17,6 +17,10 @@ using config::Section;
 
 constexpr std::string_view kSchema = "sinew-model/1";
 
+// "About 5-15 % off": the rms of what lies evenly between the two, sqrt((15^3 - 5^3) / 30) = 10.4
+// %.
+constexpr double kRigTolerance = 0.10;
+
 // Shortest text that reads back as the same number.
 std::string Number(double value) {
   char text[40];
@@ -48,7 +52,11 @@ ParameterValue ReadParameter(const Section& term, const effects::EffectInfo& eff
   }
   const Section child = term.Child(key);
   parameter.value = child.Number("value");
-  parameter.tolerance = child.NumberOr("tolerance", 0.0, {0.0, 10.0});
+  if (child.Has("tolerance") && !child.IsScalar("tolerance")) {
+    parameter.tolerance_absolute = child.Child("tolerance").Number("absolute", config::kPositive);
+  } else {
+    parameter.tolerance = child.NumberOr("tolerance", 0.0, {0.0, 10.0});
+  }
   parameter.fixed = child.BoolOr("fixed", false);
   if (child.Has("half_width_95")) {
     parameter.half_width_95 = child.Number("half_width_95", config::kNotNegative);
@@ -105,6 +113,21 @@ Servo ReadServo(const Section& section, const JointModel& joint) {
   return servo;
 }
 
+// A spring's preload and an offset are the same torque: no recording tells them apart.
+void RefuseSameTorque(const Section& section, const JointModel& joint) {
+  int free_terms = 0;
+  for (const Term& term : joint.terms) {
+    const std::string& name = term.effect->info().name;
+    if (!term.declared || (name != "spring" && name != "offset")) continue;
+    if (!term.linear.back().fixed) ++free_terms;  // the preload, the offset
+  }
+  if (free_terms < 2) return;
+  section.Fail(
+      "terms",
+      "the preload of 'spring' and 'offset' are the same torque, expected one of them with "
+      "fixed: true");
+}
+
 JointModel ReadJoint(const Section& section) {
   JointModel joint;
   joint.name = section.Text("name");
@@ -148,6 +171,7 @@ JointModel ReadJoint(const Section& section) {
                 "expected the joint's backlash, " + Number(joint.backlash_rad));
     }
   }
+  RefuseSameTorque(section, joint);
   if (joint.terms.empty()) section.Fail("terms", "empty, expected at least one effect");
   if (section.Has("controller")) joint.controller = ReadServo(section.Child("controller"), joint);
   for (const Section& entry : section.ListOrEmpty("history")) {
@@ -167,6 +191,9 @@ void WriteParameter(std::string& out, const effects::ParameterInfo& info,
                     const ParameterValue& parameter, effects::JointKind kind) {
   out += "        " + effects::ParameterKey(info, kind) + ": {value: " + Number(parameter.value);
   if (parameter.tolerance > 0.0) out += ", tolerance: " + Number(parameter.tolerance);
+  if (parameter.tolerance_absolute > 0.0) {
+    out += ", tolerance: {absolute: " + Number(parameter.tolerance_absolute) + "}";
+  }
   if (parameter.fixed) out += ", fixed: true";
   if (parameter.half_width_95) out += ", half_width_95: " + Number(*parameter.half_width_95);
   out += "}\n";
@@ -318,8 +345,8 @@ RobotModel LoadRigJson(const std::filesystem::path& path) {
                                   : "";
     ParameterValue value;
     value.value = found["value"].get<double>();
-    value.tolerance = trust.find("exact") == std::string::npos ? 0.15 : 0.0;
-    value.fixed = value.tolerance == 0.0;
+    value.fixed = trust.find("exact") != std::string::npos;
+    value.tolerance = value.fixed ? 0.0 : kRigTolerance;
     return value;
   };
 

@@ -15,6 +15,8 @@
 //           efficiency: {value: 0.77, tolerance: 0.15}
 //         - effect: coulomb
 //           coulomb_Nm: 0.22             # short for {value: 0.22}
+//         - effect: viscous              # an absolute tolerance, in the key's unit
+//           viscous_Nm_s_rad: {value: 0, tolerance: {absolute: 0.05}}
 //         - effect: stribeck             # added by close-loop
 //           declared: false
 //           stribeck_Nm: {value: 0.1, half_width_95: 0.02}
@@ -54,7 +56,7 @@ ModelFile LoadModelFile(const std::filesystem::path& path);
 RobotModel LoadRobotModel(const std::filesystem::path& path);
 
 // A laboratory's declaration (constants, nominal parameters, the balance of the SEA-PEA rig) as a
-// model. Parameters whose trust is "about ... off" get a tolerance of 15 %.
+// model. Parameters whose trust is not "exact" ("about 5-15 % off") get a tolerance of 10 %.
 RobotModel LoadRigJson(const std::filesystem::path& path);
 
 // The text of a model file. `folder`: where it will be, for the relative path of the URDF.

@@ -7,12 +7,32 @@ namespace {
 
 constexpr std::string_view kSchema = "sinew-csv-map/1";
 
-ColumnMap ReadColumn(const config::Section& section, const std::string& path, Quantity quantity) {
+ColumnMap ReadColumn(const config::Section& section, const std::string& path, Quantity quantity,
+                     bool may_be_constant) {
   ColumnMap map;
-  map.column = section.Text("column");
+  const auto where = [&](const config::Section& at, const char* key) {
+    return section.file().string() + ":" + std::to_string(at.line()) + ": key '" + path + "." +
+           key + "'";
+  };
+  map.where = where(section, "column");
+  if (section.Has("columns")) {
+    if (section.Has("column")) {
+      section.Fail("columns", "beside 'column', expected one column or a sum, not both");
+    }
+    const config::Section columns = section.Child("columns");
+    map.where = where(columns, "columns");
+    for (const std::string& column : columns.Keys()) {
+      map.sum.push_back({column, columns.Number(column)});
+      if (map.sum.back().factor == 0.0) columns.Fail(column, "is 0, expected another factor");
+    }
+    if (map.sum.empty()) {
+      section.Fail("columns", "is empty, expected {COLUMN: FACTOR, ...}, such as {a: 1, b: -1}");
+    }
+  } else if (section.Has("column") || !may_be_constant || !section.Has("constant")) {
+    map.sum.push_back({section.Text("column"), 1.0});
+  }
+  if (may_be_constant) map.constant = section.NumberOr("constant", 0.0);
   map.times = section.TextsOr("times", {});
-  map.where = section.file().string() + ":" + std::to_string(section.line()) + ": key '" + path +
-              ".column'";
   const std::string unit = section.Text("unit");
   const auto found = FindUnit(quantity, unit);
   if (!found)
@@ -28,6 +48,16 @@ double ReadSign(const config::Section& section) {
   const double sign = section.NumberOr("sign", 1.0);
   if (sign != 1.0 && sign != -1.0) section.Fail("sign", "is neither 1 nor -1, expected 1 or -1");
   return sign;
+}
+
+// Only an encoder has a zero that a recording may begin with.
+bool ReadZero(const config::Section& section, identify::Signal signal) {
+  if (!section.Has("zero_per_recording")) return false;
+  if (signal != identify::Signal::kPosition && signal != identify::Signal::kMotorPosition) {
+    section.Fail("zero_per_recording",
+                 "beside a signal without an encoder, expected it at position or motor_position");
+  }
+  return section.BoolOr("zero_per_recording", false);
 }
 
 CsvMap Read(const config::Section& section) {
@@ -53,7 +83,7 @@ CsvMap Read(const config::Section& section) {
     }
     map.row_period_s = time.Number("row_period_s", config::kPositive);
   } else {
-    map.time = ReadColumn(time, "time", Quantity::kTime);
+    map.time = ReadColumn(time, "time", Quantity::kTime, false);
   }
   const config::Section signals = section.Child("signals");
   for (const std::string& name : signals.Keys()) {
@@ -67,8 +97,9 @@ CsvMap Read(const config::Section& section) {
     }
     const config::Section entry = signals.Child(name);
     SignalColumn column{*signal,
-                        ReadColumn(entry, "signals." + name, QuantityOf(*signal, map.kind))};
+                        ReadColumn(entry, "signals." + name, QuantityOf(*signal, map.kind), true)};
     column.map.sign = ReadSign(entry);
+    column.zero_per_recording = ReadZero(entry, *signal);
     map.signals.push_back(std::move(column));
   }
   if (map.signals.empty()) section.Fail("signals", "is empty, expected at least one signal");

@@ -4,26 +4,49 @@
 #include "components/recording/csv_map.h"
 #include "components/recording/file/csv_map_file.h"
 #include "components/recording/file/file_io.h"
+#include "components/recording/file/recording_path.h"
 #include "components/recording/mcap_reader.h"
 #include "components/recording/run_builder.h"
 
 namespace sinew::recording {
 
+namespace {
+
+std::vector<identify::Run> ReadWhole(const RecordingPath& path, const std::filesystem::path& map,
+                                     int joint) {
+  const std::string name = path.file.string();
+  if (path.IsMcap()) {
+    FileSource source(path.file);
+    const McapReader reader(source);
+    return RunsOfRecording(reader, name, joint);
+  }
+  if (map.empty()) {
+    throw UsageError(name + ": no recording (.mcap), expected a mapping file to read it as CSV");
+  }
+  return {ReadCsvRun(config::ReadFile(path.file), name, LoadCsvMap(map), joint)};
+}
+
+}  // namespace
+
 std::vector<identify::Run> ReadRuns(const std::filesystem::path& path,
                                     const std::filesystem::path& map, int joint) {
+  const RecordingPath given = ParseRecordingPath(path);
   try {
-    if (path.extension() == ".mcap") {
-      FileSource source(path);
-      const McapReader reader(source);
-      return RunsOfRecording(reader, path.string(), joint);
+    std::vector<identify::Run> runs = ReadWhole(given, map, joint);
+    if (!given.range) return runs;
+    std::vector<identify::Run> cut;
+    std::string nothing;
+    for (const identify::Run& run : runs) {
+      try {
+        cut.push_back(CutRun(run, *given.range));
+      } catch (const std::invalid_argument& error) {
+        nothing = error.what();
+      }
     }
-    if (map.empty()) {
-      throw UsageError(path.string() +
-                       ": no recording (.mcap), expected a mapping file to read it as CSV");
-    }
-    return {ReadCsvRun(config::ReadFile(path), path.string(), LoadCsvMap(map), joint)};
+    if (cut.empty()) throw UsageError(nothing);
+    return cut;
   } catch (const McapError& error) {
-    throw UsageError(path.string() + ": " + error.what());
+    throw UsageError(given.file.string() + ": " + error.what());
   } catch (const std::invalid_argument& error) {
     throw UsageError(error.what());
   }

@@ -15,6 +15,9 @@ namespace sinew::recording {
 // measured_flags names and, when recorded throughout, the reference position. A recording that was
 // cut off is read as far as it goes.
 //
+// FILE@START:END reads the rows of that time alone (recording_path.h); of several sessions those
+// that have any.
+//
 // joint: index of the joint in a recording; CSV mappings describe one joint, so it must be 0 there.
 // Throws UsageError naming the file and line, key or byte.
 std::vector<identify::Run> ReadRuns(const std::filesystem::path& path,

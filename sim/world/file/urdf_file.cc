@@ -72,6 +72,8 @@ void ReadInertial(const urdf::Link& link, const Where& where, Body* body) {
   if (!std::all_of(std::begin(all), std::end(all), [](double v) { return std::isfinite(v); })) {
     where.Fail("link", link.name, "mass or inertia is not finite");
   }
+  // A frame that weighs nothing, as exporters write it: the same as no inertial element.
+  if (std::all_of(std::begin(all), std::end(all), [](double v) { return v == 0.0; })) return;
   if (!(in.mass > 0.0)) {
     where.Fail("link", link.name, "mass " + std::to_string(in.mass) + ", expected kg above 0");
   }
@@ -127,10 +129,8 @@ void ReadJoint(const urdf::Joint& joint, const Where& where, Body* body) {
 }
 
 // True when `body` is `root` or fixed to it.
-bool MovesWith(const Chain& chain, int body, int root) {
-  while (body > root && !chain.bodies[static_cast<std::size_t>(body)].moves) {
-    body = chain.bodies[static_cast<std::size_t>(body)].parent;
-  }
+bool IsCarried(const Chain& chain, int body, int root) {
+  while (body > root) body = chain.bodies[static_cast<std::size_t>(body)].parent;
   return body == root;
 }
 
@@ -189,10 +189,11 @@ Chain ParseUrdf(const std::string& xml, const std::string& file_name) {
     any_moves = true;
     double mass = 0.0;
     for (int k = i; k < static_cast<int>(chain.bodies.size()); ++k) {
-      if (MovesWith(chain, k, i)) mass += chain.bodies[static_cast<std::size_t>(k)].mass_kg;
+      if (IsCarried(chain, k, i)) mass += chain.bodies[static_cast<std::size_t>(k)].mass_kg;
     }
     if (!(mass > 0.0)) {
-      where.Fail("link", body.link_name, "moves but has no inertial element with a mass");
+      where.Fail("link", body.link_name,
+                 "moves but neither it nor what it carries has an inertial element with a mass");
     }
   }
   if (!any_moves) throw UsageError(file_name + ": no joint moves");

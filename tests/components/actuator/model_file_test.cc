@@ -94,7 +94,8 @@ TEST_F(ModelFileTest, SavesAndReadsBackTheSame) {
     EXPECT_EQ(read.terms[i].effect->info().name, joint.terms[i].effect->info().name);
     EXPECT_EQ(read.terms[i].declared, joint.terms[i].declared);
     const auto same = [](const ParameterValue& a, const ParameterValue& b) {
-      return a.value == b.value && a.tolerance == b.tolerance && a.fixed == b.fixed &&
+      return a.value == b.value && a.tolerance == b.tolerance &&
+             a.tolerance_absolute == b.tolerance_absolute && a.fixed == b.fixed &&
              a.half_width_95 == b.half_width_95;
     };
     for (std::size_t k = 0; k < joint.terms[i].linear.size(); ++k) {
@@ -113,6 +114,43 @@ TEST_F(ModelFileTest, SavesAndReadsBackTheSame) {
   // Written a second time it is the same text.
   EXPECT_EQ(FormatModel(again.robot, again.foreign_text, path.parent_path()),
             config::ReadFile(path));
+}
+
+TEST_F(ModelFileTest, AToleranceIsRelativeOrAbsolute) {
+  const auto path = Write(
+      Joint("      - {effect: viscous, viscous_Nm_s_rad: {value: 0, tolerance: {absolute: 0.05}}}\n"
+            "      - {effect: coulomb, coulomb_Nm: {value: -2, tolerance: 0.1}}\n"
+            "      - {effect: offset, offset_Nm: 1}\n"));
+  const RobotModel robot = LoadRobotModel(path);
+  const auto& terms = robot.joints[0].terms;
+  EXPECT_EQ(terms[0].linear[0].tolerance_absolute, 0.05);
+  EXPECT_EQ(terms[0].linear[0].tolerance, 0.0);
+  EXPECT_EQ(PriorSpread(terms[0].linear[0]), 0.05);
+  EXPECT_EQ(PriorSpread(terms[1].linear[0]), 0.2);
+  EXPECT_EQ(PriorSpread(terms[2].linear[0]), 0.0);  // flat
+  const std::string text = FormatModel(robot, {}, folder_);
+  EXPECT_THAT(text, HasSubstr("viscous_Nm_s_rad: {value: 0, tolerance: {absolute: 0.05}}"));
+  EXPECT_THAT(text, HasSubstr("coulomb_Nm: {value: -2, tolerance: 0.1}"));
+  SaveRobotModel(folder_ / "out.yaml", robot);
+  EXPECT_EQ(FormatModel(LoadRobotModel(folder_ / "out.yaml"), {}, folder_), text);
+  const auto error = [&](const std::string& tolerance) {
+    return ErrorOf(
+        Joint("      - {effect: offset, offset_Nm: {value: 1, tolerance: " + tolerance + "}}\n"));
+  };
+  EXPECT_THAT(error("{absolute: 0}"), HasSubstr("offset_Nm.tolerance.absolute"));
+  EXPECT_THAT(error("{absolut: 1}"), HasSubstr("absolute"));
+  EXPECT_THAT(error("{absolute: 1, relative: 1}"), HasSubstr("relative"));
+  EXPECT_THAT(error("-0.1"), HasSubstr("offset_Nm.tolerance"));
+}
+
+TEST_F(ModelFileTest, ASpringsPreloadAndAnOffsetAreNotBothFree) {
+  const auto with = [](const std::string& preload, const std::string& offset) {
+    return Joint("      - {effect: spring, stiffness_Nm_rad: 2, preload_Nm: " + preload +
+                 "}\n      - {effect: offset, offset_Nm: " + offset + "}\n");
+  };
+  EXPECT_THAT(ErrorOf(with("0.1", "0")), HasSubstr("same torque"));
+  EXPECT_EQ(ErrorOf(with("{value: 0, fixed: true}", "0")), "no error");
+  EXPECT_EQ(ErrorOf(with("0.1", "{value: 0, fixed: true}")), "no error");
 }
 
 TEST_F(ModelFileTest, KeepsTheBlocksOfOthers) {
@@ -194,7 +232,7 @@ TEST_F(ModelFileTest, ReadsALaboratorysRigJson) {
   const RobotModel robot = LoadRobotModel(path);
   const JointModel& joint = robot.joints.at(0);
   EXPECT_EQ(joint.Parameter("drive_current", "efficiency"), 0.704938);
-  EXPECT_EQ(joint.terms[0].linear[0].tolerance, 0.15);
+  EXPECT_EQ(joint.terms[0].linear[0].tolerance, 0.10);  // "about 5-15 % off"
   EXPECT_EQ(joint.Parameter("rotor_inertia", "rotor_inertia"), 0.115034);
   EXPECT_EQ(joint.Parameter("pneumatic_stiffness", "rest_angle"), 0.158334);
   EXPECT_EQ(joint.constants.torque_constant_Nm_A, 0.0159155);

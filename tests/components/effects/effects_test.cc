@@ -450,6 +450,28 @@ TEST(Cogging, RepeatsAfterOneOrderOfAMotorTurn) {
   EXPECT_NEAR(evaluate(x)[1], before[1], 1e-12);
 }
 
+TEST(Spring, RestsAtItsRestAngleAndKeepsItsEnergyInACycle) {
+  const auto effect = MakeEffect("spring", RigConstants());
+  Evaluator evaluate(*effect);
+  constexpr double kStiffness = 3.0, kRest = 0.4;
+  const auto torque = [&](double position) {
+    JointSample x;
+    x.position_rad = position;
+    const std::vector<double>& phi = evaluate(x);
+    return kStiffness * phi[0] + kStiffness * kRest * phi[1];
+  };
+  EXPECT_DOUBLE_EQ(torque(kRest), 0.0);
+  EXPECT_DOUBLE_EQ(torque(kRest + 0.5), -1.5);
+  double work = 0.0;
+  constexpr int kSteps = 1000;
+  for (int k = 0; k < kSteps; ++k) {
+    const double a = std::sin(2.0 * M_PI * k / kSteps);
+    const double b = std::sin(2.0 * M_PI * (k + 1) / kSteps);
+    work += 0.5 * (torque(a) + torque(b)) * (b - a);
+  }
+  EXPECT_NEAR(work, 0.0, 1e-12);
+}
+
 TEST(Payload, EqualsADeclaredPayloadOfTheSameMass) {
   const auto hidden = MakeEffect("payload", RigConstants());
   const auto declared = MakeEffect("declared_payload", RigConstants());

@@ -137,6 +137,82 @@ signals:
   }
 }
 
+std::string OneSignal(const std::string& signal) {
+  return "schema: sinew-csv-map/1\nkind: rotary\njoints: 2\ntime: {column: t, unit: s}\nsignals:\n "
+         " " +
+         signal + "\n";
+}
+
+TEST(CsvMap, ACellMayBeASumOfColumnsAndAConstant) {
+  const auto read = [](const std::string& signal, int joint = 0) {
+    return ReadCsvRun("t,a1,b1,a2,b2,g\n0,10,4,1,7,2\n1,20,-4,2,8,3\n", "data.csv",
+                      ParseCsvMap(OneSignal(signal), "map.yaml"), joint);
+  };
+  // The loss of a gear: what the motor gives less what arrives.
+  const std::string loss = R"(torque: {columns: {"a{joint}": 1, "b{joint}": -1}, unit: Nm})";
+  EXPECT_EQ(read(loss).At(Signal::kTorque), Eigen::Vector2d(6.0, 24.0));
+  EXPECT_EQ(read(loss, 1).At(Signal::kTorque), Eigen::Vector2d(-6.0, -6.0));
+  const identify::Run all = read(
+      "torque: {columns: {a1: 2, b1: -0.5}, constant: 3, times: [g], scale: 10, offset: 1, "
+      "unit: mNm, sign: -1}");
+  EXPECT_DOUBLE_EQ(all.At(Signal::kTorque)[0], -1e-3 * (10.0 * (2 * 10 - 0.5 * 4 + 3) * 2 + 1));
+  EXPECT_EQ(read("payload: {constant: 500, unit: g}").At(Signal::kPayload),
+            Eigen::Vector2d(0.5, 0.5));
+  EXPECT_EQ(read("torque: {column: a1, constant: -1, unit: Nm}").At(Signal::kTorque)[0], 9.0);
+}
+
+TEST(CsvMap, ASumNamesTheLineOfItsMissingColumn) {
+  const CsvMap map =
+      ParseCsvMap(OneSignal("torque:\n    unit: Nm\n    columns: {a: 1, none: -1}"), "map.yaml");
+  try {
+    ReadCsvRun("t,a\n0,1\n", "data.csv", map);
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(),
+                 "map.yaml:8: key 'signals.torque.columns': no column 'none' in data.csv, expected "
+                 "one of: t, a");
+  }
+  EXPECT_EQ(MapError(OneSignal("torque: {columns: {a: 1}, column: a, unit: Nm}")),
+            "map.yaml:6: key 'signals.torque.columns': beside 'column', expected one column or a "
+            "sum, not both");
+  EXPECT_EQ(MapError(OneSignal("torque: {columns: {a: 0}, unit: Nm}")),
+            "map.yaml:6: key 'signals.torque.columns.a': is 0, expected another factor");
+  EXPECT_EQ(MapError(OneSignal("torque: {columns: {}, unit: Nm}")),
+            "map.yaml:6: key 'signals.torque.columns': is empty, expected {COLUMN: FACTOR, ...}, "
+            "such as {a: 1, b: -1}");
+  EXPECT_NE(MapError(OneSignal("torque: {columns: {a: x}, unit: Nm}")).find("columns.a"),
+            std::string::npos);
+  EXPECT_NE(MapError(OneSignal("torque: {unit: Nm}")).find("'signals.torque.column'"),
+            std::string::npos);
+}
+
+TEST(CsvMap, AMappingOfConstantsAloneReadsNothing) {
+  const CsvMap map = ParseCsvMap(
+      "schema: sinew-csv-map/1\nkind: rotary\ntime: {row_period_s: 1}\n"
+      "signals:\n  payload: {constant: 1, unit: kg}\n",
+      "map.yaml");
+  try {
+    ReadCsvRun("t\n1\n", "data.csv", map);
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(),
+                 "map.yaml: key 'signals': no column of data.csv is read, expected at least one");
+  }
+}
+
+TEST(CsvMap, AnEncodersZeroMayDifferByRecording) {
+  const std::string text = "t,a\n0,1\n1,2\n";
+  const auto zero = [&](const std::string& signal) {
+    return ReadCsvRun(text, "data.csv", ParseCsvMap(OneSignal(signal), "map.yaml")).zero_unknown;
+  };
+  EXPECT_EQ(zero("position: {column: a, unit: rad, zero_per_recording: true}"),
+            std::set<Signal>{Signal::kPosition});
+  EXPECT_TRUE(zero("position: {column: a, unit: rad, zero_per_recording: false}").empty());
+  EXPECT_EQ(MapError(OneSignal("torque: {column: a, unit: Nm, zero_per_recording: true}")),
+            "map.yaml:6: key 'signals.torque.zero_per_recording': beside a signal without an "
+            "encoder, expected it at position or motor_position");
+}
+
 TEST(CsvMap, OneMappingReadsEveryJointOfAnArm) {
   const CsvMap map = ParseCsvMap(R"(schema: sinew-csv-map/1
 kind: rotary

@@ -137,6 +137,29 @@ TEST_F(Import, KeepsEverySignalBitByBitAndEveryFileASession) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 4);
 }
 
+TEST_F(Import, ARangeOfARecordingIsThatOfItsCsvAndSessionsOutsideAreLeftOut) {
+  const fs::path map = Write("map.yaml",
+                             "schema: sinew-csv-map/1\nkind: linear\ntime: {column: t, unit: s}\n"
+                             "signals:\n  position: {column: x, unit: m}\n");
+  const fs::path a = Write("a.csv", "t,x\n0,1\n1,2\n2,3\n3,4\n");
+  const fs::path b = Write("b.csv", "t,x\n100,1\n101,2\n102,3\n");
+  const std::string out = folder_ / "run.mcap";
+  ImportCsv({a, b}, map, out, SchemaOf);
+  const std::vector<identify::Run> runs = ReadRuns(out + "@1:3");
+  ASSERT_EQ(runs.size(), 1u);
+  ExpectSame(ReadRuns(a.string() + "@1:3", map).at(0), runs[0]);
+  EXPECT_EQ(runs[0].size(), 2);
+  try {
+    ReadRuns(out + "@10:20");
+    FAIL();
+  } catch (const UsageError& error) {
+    EXPECT_EQ(std::string(error.what()),
+              out +
+                  "#2: no row in the range '10:20' (s), the recording's clock goes from 100 to 102 "
+                  "s");
+  }
+}
+
 TEST_F(Import, LeavesOutASignalThatNoTopicCarriesAndTheContentIsTheSame) {
   const std::string map =
       "schema: sinew-csv-map/1\nkind: rotary\ntime: {column: t, unit: s}\nsignals:\n"

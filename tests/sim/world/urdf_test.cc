@@ -70,6 +70,10 @@ TEST(ParseUrdf, TellsWhatIsWrongInOneLine) {
                             "iyy=\"1\" iyz=\"0\" izz=\"1\"/></inertial>",
                             kRevolute)),
               HasSubstr("expected kg above 0"));
+  EXPECT_THAT(ErrorOf(Robot("<inertial><mass value=\"0\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" "
+                            "iyy=\"1\" iyz=\"0\" izz=\"1\"/></inertial>",
+                            kRevolute)),
+              HasSubstr("expected kg above 0"));
   EXPECT_THAT(ErrorOf(Robot("<inertial><mass value=\"1\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" "
                             "iyy=\"1\" iyz=\"0\" izz=\"3\"/></inertial>",
                             kRevolute)),
@@ -88,6 +92,34 @@ TEST(ParseUrdf, TellsWhatIsWrongInOneLine) {
               ::testing::AllOf(HasSubstr("no valid URDF"), HasSubstr("ghost")));
   EXPECT_THAT(ErrorOf("<robot name=\"r\"><link name=\"base\"/></robot>"),
               HasSubstr("no joint moves"));
+}
+
+// Two crossed axes in one point, the link between them without mass: each turns the last link
+// alone.
+TEST(ParseUrdf, ALinkWithoutMassMayCarryOneThatHasSome) {
+  for (const std::string& nothing :
+       {std::string(),
+        std::string("<inertial><mass value=\"0\"/><inertia ixx=\"0\" ixy=\"0\" ixz=\"0\" "
+                    "iyy=\"0\" iyz=\"0\" izz=\"0\"/></inertial>")}) {
+    const Chain chain = ParseUrdf(
+        Robot(
+            nothing, "type=\"continuous\"><axis xyz=\"0 0 1\"/>",
+            "<link name=\"tip\"><inertial><origin xyz=\"0.5 0 0\"/><mass value=\"2\"/><inertia "
+            "ixx=\"0.1\" ixy=\"0\" ixz=\"0\" iyy=\"0.1\" iyz=\"0\" izz=\"0.1\"/></inertial></link>"
+            "<joint name=\"k\" type=\"continuous\"><parent link=\"arm\"/><child link=\"tip\"/>"
+            "<axis xyz=\"0 1 0\"/></joint>"),
+        "r.urdf");
+    EXPECT_EQ(chain.bodies[0].mass_kg, 0.0);
+    RigidChain rigid(chain);
+    JointVector q = JointVector::Zero(2), v = JointVector::Zero(2), a(2);
+    JointMatrix inverse(2, 2);
+    rigid.SetState(q, v);
+    rigid.Solve(&a, &inverse);
+    EXPECT_NEAR(inverse(0, 0), 1.0 / 0.6, 1e-12);  // 0.1 + 2 x 0.5^2
+    EXPECT_NEAR(inverse(1, 1), 1.0 / 0.6, 1e-12);
+    EXPECT_NEAR(inverse(0, 1), 0.0, 1e-12);
+    EXPECT_NEAR(a[1], 2.0 * 9.81 * 0.5 / 0.6, 1e-12);
+  }
 }
 
 TEST(OverrideLink, GivesTheJointTheInertiaOfTheModel) {

@@ -1,0 +1,170 @@
+// What close-loop accepts as input, and what it refuses with the reason.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+
+#include "components/actuator/file/model_file.h"
+#include "components/config/config.h"
+#include "components/identify/file/processing_file.h"
+#include "components/identify/fit.h"
+#include "tests/support/temporary_folder.h"
+#include "tools/sinew/close_loop.h"
+#include "tools/sinew/close_robot.h"
+
+namespace sinew::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+std::string ErrorOf(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const UsageError& error) {
+    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+    return error.what();
+  }
+  return "no error";
+}
+
+constexpr double kStiffness = 2.5, kRest = 0.3, kCoulomb = 0.4;
+
+// A spring without inertia moved slowly, 100 Hz, 20 s, told to 1e-6 Nm.
+std::string SpringCsv() {
+  std::string csv = "t,q,v,tau\n";
+  char row[128];
+  for (int k = 0; k < 2000; ++k) {
+    const double t = 0.01 * k;
+    const double q = 0.8 * std::sin(0.9 * t) + 0.3 * std::sin(2.3 * t + 0.4);
+    const double v = 0.72 * std::cos(0.9 * t) + 0.69 * std::cos(2.3 * t + 0.4);
+    const double tau = kStiffness * (q - kRest) + kCoulomb * (v > 0.0 ? 1.0 : -1.0);
+    std::snprintf(row, sizeof row, "%.3f,%.9f,%.9f,%.6f\n", t, q, v, tau);
+    csv += row;
+  }
+  return csv;
+}
+
+const char* const kSpringModel = R"(schema: sinew-model/1
+name: spring
+joints:
+  - name: j
+    kind: rotary
+    terms:
+      - {effect: drive_torque, gain: {value: 1, fixed: true}}
+      - {effect: spring, stiffness_Nm_rad: {value: 2, tolerance: 0.5}, preload_Nm: 0}
+      - {effect: coulomb, coulomb_Nm: {value: 0, tolerance: {absolute: 0.5}}}
+    history: []
+)";
+
+class Input : public ::testing::Test {
+ protected:
+  fs::path Write(const std::string& name, const std::string& text) {
+    std::ofstream(folder_.path() / name) << text;
+    return folder_.path() / name;
+  }
+  CloseLoopOptions SpringOptions() {
+    CloseLoopOptions options;
+    options.model = Write("model.yaml", kSpringModel);
+    options.map = Write("csv_map.yaml",
+                        "schema: sinew-csv-map/1\nkind: rotary\ntime: {column: t, unit: s}\n"
+                        "signals:\n  position: {column: q, unit: rad}\n"
+                        "  torque: {column: tau, unit: Nm}\n");
+    const std::string csv = Write("day.csv", SpringCsv());
+    options.train = {csv + "@:12"};
+    options.sealed = {csv + "@12:"};
+    return options;
+  }
+  testing::TemporaryFolder folder_;
+};
+
+TEST_F(Input, ASpringAndAJointWithoutInertiaAreFitted) {
+  const CloseLoopOptions options = SpringOptions();
+  const LoopInput input = LoadLoopInput(options);
+  const actuator::JointModel& joint = input.model.robot.joints[0];
+  const std::vector<identify::Run> train = ReadJoint(options.train, input.map, 0);
+  const std::vector<identify::Run> held_out = ReadJoint(options.sealed, input.map, 0);
+  EXPECT_EQ(train[0].size() + held_out[0].size(), 2000);
+  EXPECT_EQ(train[0].name, "day.csv@:12");
+  const identify::ProcessingOptions processing =
+      identify::Resolve(identify::ReadProcessing(input.model.root, joint.kind), train);
+  const identify::Design design(identify::MakeStates(train, joint, processing), processing);
+  const std::vector<Eigen::Index> used = design.rows().UsedRows();
+  const auto half = used.begin() + static_cast<std::ptrdiff_t>(used.size() / 2);
+  const identify::FitResult fit =
+      identify::FitModel(design, joint, {{used.begin(), half}, {half, used.end()}});
+  // The parallel filter rounds the step of dry friction off, which costs a per mille.
+  EXPECT_NEAR(fit.model.Parameter("spring", "stiffness"), kStiffness, 0.01);
+  EXPECT_NEAR(fit.model.Parameter("spring", "preload"), kStiffness * kRest, 0.01);
+  EXPECT_NEAR(fit.model.Parameter("coulomb", "coulomb"), kCoulomb, 0.01);
+  const CloseLoopResult result = CloseLoopOn(options, input, train, held_out);
+  EXPECT_LT(result.report.trace.before_sealed.percent, 1.0);
+}
+
+TEST_F(Input, RangesOfOneFileMayNotShareRows) {
+  CloseLoopOptions options = SpringOptions();
+  const std::string csv = folder_.path() / "day.csv";
+  options.sealed = {csv + "@11:"};
+  EXPECT_THAT(ErrorOf([&] { CloseLoop(options); }),
+              AllOf(HasSubstr("day.csv@11:"), HasSubstr("day.csv@:12"), HasSubstr("shares rows")));
+  options.sealed = {csv};
+  EXPECT_THAT(ErrorOf([&] { CloseLoop(options); }), HasSubstr("shares rows"));
+  EXPECT_THAT(ErrorOf([&] { CloseRobot(options, {0}); }), HasSubstr("shares rows"));
+  options.sealed = {csv + "@30:60"};
+  EXPECT_THAT(ErrorOf([&] { CloseLoop(options); }),
+              AllOf(HasSubstr("day.csv"), HasSubstr("'30:60'"), HasSubstr("0 to 19.99 s")));
+  options.sealed = {csv + "@60:30"};
+  EXPECT_THAT(ErrorOf([&] { CloseLoop(options); }),
+              AllOf(HasSubstr("day.csv"), HasSubstr("'60:30'"), HasSubstr("START:END")));
+}
+
+TEST_F(Input, AVelocityWithoutAnAngleIsRefusedWithTheReason) {
+  CloseLoopOptions options = SpringOptions();
+  options.map = Write("velocity.yaml",
+                      "schema: sinew-csv-map/1\nkind: rotary\ntime: {column: t, unit: s}\n"
+                      "signals:\n  velocity: {column: v, unit: rad/s}\n"
+                      "  torque: {column: tau, unit: Nm}\n");
+  EXPECT_THAT(ErrorOf([&] { CloseLoop(options); }),
+              AllOf(HasSubstr("day.csv"), HasSubstr("velocity without an angle"),
+                    HasSubstr("drifts"), HasSubstr("position or motor_position")));
+}
+
+TEST_F(Input, TheZeroOfAnEncoderGoesWithTheRecording) {
+  CloseLoopOptions options = SpringOptions();
+  options.map = Write("zero.yaml",
+                      "schema: sinew-csv-map/1\nkind: rotary\ntime: {column: t, unit: s}\n"
+                      "signals:\n  position: {column: q, unit: rad, zero_per_recording: true}\n"
+                      "  torque: {column: tau, unit: Nm}\n");
+  const std::vector<identify::Run> runs = ReadJoint(options.train, options.map, 0);
+  EXPECT_EQ(runs[0].zero_unknown, std::set<identify::Signal>{identify::Signal::kPosition});
+}
+
+TEST_F(Input, AnArmWithoutItsUrdfIsRefusedWithTheReason) {
+  for (const char* robot : {"franka_panda", "schunk_arm", "kuka_lwr4"}) {
+    const fs::path folder = fs::path(SINEW_SOURCE_DIR) / "robots" / robot;
+    CloseLoopOptions options;
+    const bool alone = !fs::exists(folder / "model_arm.yaml");
+    options.model = folder / (alone ? "model.yaml" : "model_arm.yaml");
+    options.map = Write("map.yaml",
+                        "schema: sinew-csv-map/1\nkind: rotary\njoints: 7\n"
+                        "time: {column: t, unit: s}\n"
+                        "signals:\n  position: {column: q, unit: rad}\n"
+                        "  torque: {column: tau, unit: Nm}\n");
+    const std::string csv = Write("day.csv", SpringCsv());
+    options.train = {csv + "@:12"};
+    options.sealed = {csv + "@12:"};
+    EXPECT_THAT(ErrorOf([&] { CloseRobot(options, {}); }),
+                AllOf(HasSubstr(options.model.filename().string()), HasSubstr("rigid_body"),
+                      HasSubstr("--urdf")))
+        << robot;
+    EXPECT_THAT(ErrorOf([&] { CloseLoop(options); }), HasSubstr("part of an arm")) << robot;
+  }
+}
+
+}  // namespace
+}  // namespace sinew::tools
