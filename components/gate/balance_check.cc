@@ -14,6 +14,7 @@
 #include <optional>
 
 #include "components/gate/checks.h"
+#include "components/gate/rules.h"
 #include "components/identify/processing.h"
 
 namespace sinew::gate {
@@ -352,7 +353,11 @@ std::vector<Measurement> CheckBalance(const std::vector<Run>& runs, const JointM
       out.push_back(std::move(at));
     }
   }
-  if (states.size() > 1) {
+  // All together only where none of them says it alone.
+  const bool said = std::any_of(out.begin(), out.end(), [](const Measurement& at) {
+    return at.statistic > FindRule(at.rule).limit;
+  });
+  if (states.size() > 1 && !said) {
     std::vector<const States*> all;
     for (const States& part : states) all.push_back(&part);
     for (Measurement& at : Compare(all, model, runs, drive, nullptr)) out.push_back(std::move(at));

@@ -26,11 +26,13 @@ struct CloseLoopOptions {
   int joint = 0;
   std::filesystem::path urdf;  // of an arm; empty: what the model file names
   std::uint64_t seed = 1;
+  std::vector<std::string> accepted_faults;  // rules of the data gate that do not stop
   std::function<void(const std::string&, double)> progress;
 };
 
 struct CloseLoopResult {
   report::Report report;
+  gate::GateReport gate;      // where it stops nothing was traced and the model is as it was
   actuator::ModelFile model;  // corrected, as written
   std::string html, json;
 };
@@ -55,6 +57,11 @@ std::vector<identify::Run> ReadJoint(const std::vector<std::filesystem::path>& f
 CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& input,
                             const std::vector<identify::Run>& train,
                             const std::vector<identify::Run>& sealed);
+
+std::vector<report::Recording> Describe(const std::vector<identify::Run>& runs);
+
+// What --accept-fault takes.
+std::vector<std::string> FaultNames();
 
 // Throws UsageError.
 void MakeFolder(const std::filesystem::path& folder);

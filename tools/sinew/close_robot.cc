@@ -6,6 +6,7 @@
 
 #include "components/config/config.h"
 #include "components/identify/file/processing_file.h"
+#include "components/report/gate_page.h"
 #include "components/report/section.h"
 #include "components/trace/close_loop.h"
 #include "sim/world/file/urdf_file.h"
@@ -69,7 +70,8 @@ std::string RobotJson(const CloseRobotResult& result) {
   for (std::size_t i = 0; i < result.joints.size(); ++i) {
     Json joint = Json::parse(result.joints[i].json);
     const std::string one = joint["verdict"];
-    if (one == "effect" || (one == "unexplained" && verdict == "none")) verdict = one;
+    const bool says_more = one == "effect" || (one == "unexplained" && verdict == "none");
+    if (one == "data_fault" || (says_more && verdict != "data_fault")) verdict = one;
     Json entry;
     entry["joint"] =
         result.model.robot.joints[static_cast<std::size_t>(result.joint_numbers[i])].name;
@@ -156,9 +158,15 @@ CloseRobotResult CloseRobot(const CloseLoopOptions& options, std::vector<int> jo
 void PrintSummary(const CloseRobotResult& result, const CloseLoopOptions& options) {
   using report::Short;
   for (std::size_t i = 0; i < result.joints.size(); ++i) {
-    const report::Report& report = result.joints[i].report;
+    const CloseLoopResult& joint = result.joints[i];
+    for (const gate::Fault& fault : joint.gate.faults) {
+      std::cout << gate::FormatFault(fault) << '\n';
+    }
     std::cout << result.model.robot.joints[static_cast<std::size_t>(result.joint_numbers[i])].name
-              << ": " << report::VerdictSentence(report) << '\n';
+              << ": "
+              << (joint.gate.stops() ? report::VerdictSentence(joint.gate)
+                                     : report::VerdictSentence(joint.report))
+              << '\n';
   }
   if (result.arm) {
     const arm::ArmLoop& loop = *result.arm;

@@ -163,6 +163,7 @@ std::string FormatJson(const Report& report) {
   out["model"] = report.model_file;
   out["recordings"] = {{"train", Recordings(report.train)}, {"sealed", Recordings(report.sealed)}};
 
+  out["faults"] = FaultsJson(report.faults);
   out["effects"] = Json::array();
   for (const trace::FoundEffect& effect : trace.effects) {
     const std::string own_unit(effects::BalanceUnit(effect.balance, trace.corrected.kind));
