@@ -286,6 +286,7 @@ struct Best {
   double statistic = 0.0, as_declared = 0.0, otherwise = 0.0;
 };
 
+constexpr double kHalf = 0.5;   // a reading that leaves more explains nothing
 constexpr double kTenth = 0.1;  // of the drive: less than this no declared model need leave
 
 std::vector<Measurement> Compare(const std::vector<const States*>& parts, const JointModel& model,
@@ -296,7 +297,7 @@ std::vector<Measurement> Compare(const std::vector<const States*>& parts, const 
     if (!Reads(model, runs, reading.channel)) continue;
     if (reading.rotary_only && model.kind == effects::JointKind::kLinear) continue;
     const double left = LeftShare(parts, model, reading.channel, reading.factor);
-    const double statistic = declared / (left + kTenth);
+    const double statistic = left > kHalf ? 0.0 : declared / (left + kTenth);
     Best& at = best[std::string_view(reading.rule) == "units"];
     if (statistic > at.statistic) at = {&reading, statistic, declared, left};
   }

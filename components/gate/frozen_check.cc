@@ -29,7 +29,8 @@ double RangeOver(const Eigen::VectorXd& x, Span rows) {
 // `suspect` is equal to the bit over spans; a and b measure the same displacement, one of them by
 // the suspect.
 Measurement ComparePair(const Run& run, Signal suspect, const Eigen::VectorXd& a,
-                        const Eigen::VectorXd& b, double allowance, const std::string& other) {
+                        const Eigen::VectorXd& b, double fixed_allowance, double allowance_per_s,
+                        const std::string& other) {
   const Eigen::VectorXd difference = a - b;
   const std::vector<Span> spans = EqualSpans(run.At(suspect), kLeastRows);
   std::vector<char> equal(static_cast<std::size_t>(run.size()), 0);
@@ -41,6 +42,9 @@ Measurement ComparePair(const Run& run, Signal suspect, const Eigen::VectorXd& a
   Measurement worst = Measure("frozen", suspect, run, {0, 0}, 0.0);
   for (Span span : spans) {
     if (span.last + 1 < run.size()) ++span.last;  // where it lets go
+    // A speed that rounds to other than zero at rest moves on paper.
+    const double allowance =
+        fixed_allowance + allowance_per_s * (run.time_s[span.last] - run.time_s[span.first]);
     const double apart = RangeOver(difference, {span.first, span.last - 1});
     if (!(apart > allowance)) continue;
     double elsewhere = 0.0;
@@ -165,8 +169,8 @@ std::vector<Measurement> CheckFrozen(const Run& run, const actuator::JointModel&
     if (!has(angle) || !has(rate)) return;
     const Eigen::VectorXd moved = Integral(run, run.At(rate));
     const double allowance = 10.0 * step(angle);
-    out.push_back(ComparePair(run, angle, run.At(angle), moved, allowance, name(rate)));
-    out.push_back(ComparePair(run, rate, moved, run.At(angle), allowance, name(angle)));
+    out.push_back(ComparePair(run, angle, run.At(angle), moved, allowance, step(rate), name(rate)));
+    out.push_back(ComparePair(run, rate, moved, run.At(angle), allowance, step(rate), name(angle)));
   };
   by_rate(Signal::kPosition, Signal::kVelocity);
   by_rate(Signal::kMotorPosition, Signal::kMotorVelocity);
@@ -175,9 +179,9 @@ std::vector<Measurement> CheckFrozen(const Run& run, const actuator::JointModel&
     const double allowance = model.backlash_rad + 10.0 * (step(Signal::kPosition) +
                                                           step(Signal::kMotorPosition) / ratio);
     out.push_back(ComparePair(run, Signal::kPosition, run.At(Signal::kPosition), output, allowance,
-                              name(Signal::kMotorPosition)));
+                              0.0, name(Signal::kMotorPosition)));
     out.push_back(ComparePair(run, Signal::kMotorPosition, output, run.At(Signal::kPosition),
-                              allowance, name(Signal::kPosition)));
+                              allowance, 0.0, name(Signal::kPosition)));
   }
   for (const Signal signal : {Signal::kPosition, Signal::kMotorPosition}) {
     if (has(signal)) out.push_back(JumpAtEnd(run, signal));

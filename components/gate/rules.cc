@@ -41,15 +41,16 @@ constexpr Rule kRules[] = {
      "half of the variance"},
     {"drive_sign",
      "share of the drive that the declared model leaves with parameters within half an order of "
-     "magnitude, over the share it leaves with the drive reversed plus a tenth",
+     "magnitude, over the share it leaves with the drive reversed (if below half) plus a tenth",
      3.0, "gate_bench: recordings with effects of the catalogue stay below half of it"},
     {"units", "the same, over the share left with one channel in another unit plus a tenth", 3.0,
      "gate_bench, as drive_sign"},
     {"recording_differs",
-     "resolution (or noise) and range of a channel in one recording over those in the others, or "
-     "the "
-     "inverse: the smaller of the two",
-     5.0, "below the smallest factor between units of one kind, 2 pi"},
+     "resolution and range of a channel in one recording over those in the others, or the inverse: "
+     "the smaller of the two, where the resolutions stand as units of one kind do within 2 %",
+     5.0,
+     "between another motion with the same converter, 1, and 2 pi; recordings of measured arms "
+     "stay at 1"},
 };
 
 }  // namespace

@@ -54,6 +54,17 @@ Distance FromParabola(const Run& run, const Eigen::VectorXd& x, Eigen::Index row
   return out;
 }
 
+// The step of a converter also where the channel rests: the low end of all changes, their middle
+// where most rows repeat the one before.
+double SmallSteps(const Eigen::VectorXd& x) {
+  std::vector<double> steps;
+  for (Eigen::Index i = 1; i < x.size(); ++i) {
+    if (x[i] != x[i - 1]) steps.push_back(std::abs(x[i] - x[i - 1]));
+  }
+  const bool rests = 2 * static_cast<Eigen::Index>(steps.size()) < x.size();
+  return QuantileOf(std::move(steps), rests ? 0.5 : 0.05);
+}
+
 }  // namespace
 
 std::vector<Measurement> CheckSpikes(const Run& run) {
@@ -69,7 +80,7 @@ std::vector<Measurement> CheckSpikes(const Run& run) {
       all.push_back(FromParabola(run, x, i));
       own.push_back(all.back().own);
     }
-    const double usual = std::max(QuantileOf(own, 0.99), SmallestStep(x));
+    const double usual = std::max({QuantileOf(own, 0.99), SmallestStep(x), SmallSteps(x)});
     double most = 0.0;
     std::size_t where = 0, count = 0;
     const auto statistic = [&](const Distance& at) {

@@ -137,6 +137,27 @@ void CheckDuplicates(const Run& run, const actuator::JointModel& model,
   }
 }
 
+// Speeds are compared with their angles (units_speed).
+constexpr Signal kCompared[] = {
+    Signal::kPosition,          Signal::kMotorPosition, Signal::kMotorCurrent,
+    Signal::kDriveVoltage,      Signal::kTorque,        Signal::kChamberPressure,
+    Signal::kReservoirPressure, Signal::kLoadForce,     Signal::kTemperature};
+
+struct Scale {
+  std::size_t run = 0;
+  double step = 0.0, range = 0.0;
+};
+
+// Between units of one kind: degrees, turns, thousandths, hundredths, psi, kgf, pound.
+bool IsUnitFactor(double ratio) {
+  const double factor = ratio > 1.0 ? ratio : 1.0 / ratio;
+  for (const double unit :
+       {57.29578, 6.283185, 360.0, 1e3, 100.0, 1e5, 14.50377, 6.894757, 9.80665, 4.448222}) {
+    if (std::abs(factor / unit - 1.0) < 0.02) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 std::vector<Measurement> CheckStructure(const std::vector<Run>& runs,
@@ -157,45 +178,30 @@ std::vector<Measurement> CheckStructure(const std::vector<Run>& runs,
 
 std::vector<Measurement> CheckRecordings(const std::vector<Run>& runs) {
   std::vector<Measurement> out;
-  if (runs.size() < 2) return out;
-  struct Scale {
-    std::size_t run = 0;
-    double resolution = 0.0, noise = 0.0, range = 0.0;
-  };
-  for (const Signal signal : identify::AllSignals()) {
-    if (signal == Signal::kValveOpen || signal == Signal::kReferencePosition ||
-        signal == Signal::kSupplyVoltage || signal == Signal::kPayload) {
-      continue;
-    }
+  for (const Signal signal : kCompared) {
     std::vector<Scale> scales;
     for (std::size_t k = 0; k < runs.size(); ++k) {
-      if (!runs[k].Has(signal) || runs[k].held || !Changes(runs[k].At(signal))) continue;
+      if (!runs[k].Has(signal) || runs[k].held) continue;
       const Eigen::VectorXd& x = runs[k].At(signal);
-      scales.push_back({k, Resolution(x), identify::WhiteNoise(std::span(&x, 1)), Range(x)});
+      const double step = Changes(x) ? Resolution(x) : 0.0;
+      if (step > 0.0) scales.push_back({k, step, Range(x)});
     }
-    if (scales.size() < 2) continue;
     for (const Scale& one : scales) {
-      std::vector<double> resolution, noise, range;
+      std::vector<double> steps, ranges;
       for (const Scale& other : scales) {
         if (other.run == one.run) continue;
-        if (other.resolution > 0.0) resolution.push_back(other.resolution);
-        noise.push_back(other.noise);
-        range.push_back(other.range);
+        steps.push_back(other.step);
+        ranges.push_back(other.range);
       }
-      const auto ratio = [](double a, double b) { return a > 0.0 && b > 0.0 ? a / b : 1.0; };
-      const double by_range = ratio(one.range, Median(range));
-      double factor = 1.0;
-      if (one.resolution > 0.0 && !resolution.empty()) {
-        factor = ratio(one.resolution, Median(resolution));
-      } else if (one.resolution <= 0.0 && resolution.empty()) {
-        factor = ratio(one.noise, Median(noise));
-      }
-      // Both must say so, in the same direction.
+      if (steps.empty()) continue;
+      const double factor = one.step / Median(steps);
+      const double by_range = one.range / Median(ranges);
+      // Steps of a converter stand in the ratio of the units to the last digit; noise does not.
       const double both =
           factor > 1.0 ? std::min(factor, by_range) : std::min(1.0 / factor, 1.0 / by_range);
       const Run& run = runs[one.run];
-      Measurement at =
-          Measure("recording_differs", signal, run, WholeRun(run), std::max(both, 1.0));
+      Measurement at = Measure("recording_differs", signal, run, WholeRun(run),
+                               IsUnitFactor(factor) ? std::max(both, 1.0) : 1.0);
       at.reason = "its steps are " + Number(factor) + " times as large as in the other recordings.";
       at.remedy = "Give this file a mapping of its own, with the unit of its column.";
       out.push_back(std::move(at));
