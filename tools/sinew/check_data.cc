@@ -34,9 +34,7 @@ void CheckData(const CheckDataOptions& options) {
                           .model_file = input.model_path.string(),
                           .train = Describe(runs)};
   try {
-    check.gate = gate::ExamineData(
-        runs, joint,
-        {.accepted = {options.loop.accepted_faults.begin(), options.loop.accepted_faults.end()}});
+    check.gate = AskGate(options.loop, runs, joint);
   } catch (const std::invalid_argument& error) {
     throw UsageError(error.what());
   }

@@ -99,13 +99,12 @@ void AddHistory(const report::Report& report, actuator::JointModel* joint) {
 }
 
 // The data gate over all recordings; true: it stopped, and the result's pages say so.
-bool AskGate(const CloseLoopOptions& options, const std::vector<identify::Run>& train,
-             const std::vector<identify::Run>& sealed, const actuator::JointModel& joint,
-             CloseLoopResult* out) {
+bool StopsAtGate(const CloseLoopOptions& options, const std::vector<identify::Run>& train,
+                 const std::vector<identify::Run>& sealed, const actuator::JointModel& joint,
+                 CloseLoopResult* out) {
   std::vector<identify::Run> runs = train;
   runs.insert(runs.end(), sealed.begin(), sealed.end());
-  out->gate = gate::ExamineData(
-      runs, joint, {.accepted = {options.accepted_faults.begin(), options.accepted_faults.end()}});
+  out->gate = AskGate(options, runs, joint);
   report::Report& report = out->report;
   report.faults = out->gate.faults;
   report.findings = out->gate.findings;
@@ -177,7 +176,7 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
   try {
     trace::RequireSealed(train, sealed);
     progress("looking at the data", 0.01);
-    if (AskGate(options, train, sealed, joint, &out)) return out;
+    if (StopsAtGate(options, train, sealed, joint, &out)) return out;
     trace::TraceOptions trace_options;
     trace_options.seed = options.seed;
     trace_options.progress = progress;
@@ -206,6 +205,12 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
   joint.history = history;
   AddHistory(report, &joint);
   return out;
+}
+
+gate::GateReport AskGate(const CloseLoopOptions& options, const std::vector<identify::Run>& runs,
+                         const actuator::JointModel& joint) {
+  return gate::ExamineData(
+      runs, joint, {.accepted = {options.accepted_faults.begin(), options.accepted_faults.end()}});
 }
 
 std::vector<std::string> FaultNames() {

@@ -60,6 +60,10 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
 
 std::vector<report::Recording> Describe(const std::vector<identify::Run>& runs);
 
+// The data gate with the options' accepted faults. Throws std::invalid_argument.
+gate::GateReport AskGate(const CloseLoopOptions& options, const std::vector<identify::Run>& runs,
+                         const actuator::JointModel& joint);
+
 // What --accept-fault takes.
 std::vector<std::string> FaultNames();
 

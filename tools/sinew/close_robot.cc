@@ -85,6 +85,17 @@ std::string RobotJson(const CloseRobotResult& result) {
   return out.dump(2) + "\n";
 }
 
+std::vector<int> JointsThatStop(const CloseLoopOptions& options, const actuator::RobotModel& robot,
+                                const arm::ArmRuns& train, const arm::ArmRuns& sealed) {
+  std::vector<int> out;
+  for (std::size_t j = 0; j < robot.joints.size(); ++j) {
+    std::vector<identify::Run> runs = train[j];
+    runs.insert(runs.end(), sealed[j].begin(), sealed[j].end());
+    if (AskGate(options, runs, robot.joints[j]).stops()) out.push_back(static_cast<int>(j));
+  }
+  return out;
+}
+
 }  // namespace
 
 CloseRobotResult CloseRobot(const CloseLoopOptions& options, std::vector<int> joints) {
@@ -104,10 +115,14 @@ CloseRobotResult CloseRobot(const CloseLoopOptions& options, std::vector<int> jo
     sealed.push_back(ReadJoint(options.sealed, input.sealed_map, static_cast<int>(j)));
     is_arm = is_arm || robot.joints[j].Find("rigid_body") >= 0;
   }
+  // One fit of all joints: a fault of one is a fault of all, and only joints with one are reported.
+  const std::vector<int> faulty =
+      is_arm ? JointsThatStop(options, robot, train, sealed) : std::vector<int>{};
+  if (!faulty.empty()) out.joint_numbers = joints = faulty;
   std::optional<arm::Arm> arm;
   try {
     trace::RequireSealed(train.front(), sealed.front());
-    if (is_arm) {
+    if (is_arm && faulty.empty()) {
       const fs::path urdf = FindUrdf(options, input);
       arm.emplace(world::ParseUrdf(config::ReadFile(urdf), urdf.string()), robot);
       out.arm =
@@ -150,7 +165,7 @@ CloseRobotResult CloseRobot(const CloseLoopOptions& options, std::vector<int> jo
     config::WriteFileAtomically(folder / "report.json", out.joints[i].json);
     config::WriteFileAtomically(folder / "report.html", out.joints[i].html);
   }
-  actuator::SaveModelFile(options.out / "model.yaml", out.model);
+  if (faulty.empty()) actuator::SaveModelFile(options.out / "model.yaml", out.model);
   config::WriteFileAtomically(options.out / "report.json", out.json);
   return out;
 }
@@ -180,7 +195,8 @@ void PrintSummary(const CloseRobotResult& result, const CloseLoopOptions& option
               << " base parameters)\n";
   }
   std::cout << "written: " << (options.out / "report.json").string()
-            << ", model.yaml, and a report of each joint in a folder of its name\n";
+            << (fs::exists(options.out / "model.yaml") ? ", model.yaml" : "")
+            << ", and a report of each joint in a folder of its name\n";
 }
 
 }  // namespace sinew::tools
