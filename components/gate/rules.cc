@@ -25,7 +25,7 @@ constexpr Rule kRules[] = {
     {"spike",
      "distance of one row from a parabola through four rows on either side, and from the two rows "
      "beside it, over the larger of the others' distance and of its own 99 % quantile",
-     12.0, "gate_bench: between recordings without fault and spikes of a tenth of the range"},
+     12.0, "gate_bench: above everything without fault, below spikes of a third of the range"},
     {"frozen",
      "disagreement with a second channel while one is equal to the bit, over the larger of that "
      "elsewhere and of play and resolution; or equal rows while the joint moves, or the jump at "

@@ -12,8 +12,8 @@ namespace {
 using identify::Run;
 using identify::Signal;
 
-constexpr Signal kWatched[] = {Signal::kPosition,        Signal::kVelocity,
-                               Signal::kMotorPosition,   Signal::kMotorVelocity,
+// Not the speeds: an impact turns them within a row, and they are not what is differentiated.
+constexpr Signal kWatched[] = {Signal::kPosition,        Signal::kMotorPosition,
                                Signal::kMotorCurrent,    Signal::kTorque,
                                Signal::kChamberPressure, Signal::kReservoirPressure,
                                Signal::kLoadForce,       Signal::kTemperature};
