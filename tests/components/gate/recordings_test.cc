@@ -10,6 +10,7 @@
 #include "components/gate/gate.h"
 #include "components/recording/file/run_reader.h"
 #include "tests/components/gate/plant.h"
+#include "tests/support/temporary_folder.h"
 
 namespace sinew::gate {
 namespace {
@@ -89,10 +90,14 @@ void ExpectFound(Set set, const std::string& planted, const std::string& what) {
   }
 
 TEST(GateRecordings, TheRigExamplesPassAndPlantedFaultsAreFound) {
-  for (const char* name : {"clean", "one_effect"}) {
-    const Set set = LoadRig(fs::path(SINEW_SOURCE_DIR) / "tests/data/rig_examples" / name);
-    ExpectNoStop(set, name);
-    for (const FaultKind& kind : FaultKinds()) ExpectFound(set, kind.name, name);
+  const fs::path folder = fs::path(SINEW_SOURCE_DIR) / "tests/data/rig_examples";
+  const Set clean = LoadRig(folder / "clean"), effect = LoadRig(folder / "one_effect");
+  ExpectNoStop(clean, "clean");
+  ExpectNoStop(effect, "one_effect");
+  bool turn = false;  // each fault in one of them
+  for (const FaultKind& kind : FaultKinds()) {
+    turn = !turn;
+    ExpectFound(turn ? clean : effect, kind.name, turn ? "clean" : "one_effect");
   }
 }
 
@@ -155,6 +160,27 @@ TEST(GateRecordings, EveryJointOfTheArmPasses) {
   for (std::size_t joint = 0; joint < 7; ++joint) {
     ExpectNoStop(LoadRobot("kuka_lwr4", "kuka_lwr4_inverse_dynamics", "", "csv_map.yaml", joint),
                  "joint " + std::to_string(joint));
+  }
+}
+
+// Arms that nothing was chosen on; channels only, their rigid bodies are not declared here.
+TEST(GateRecordings, OtherMeasuredArmsPass) {
+  NEEDS_SHARED("franka_panda_inverse_dynamics");
+  NEEDS_SHARED("schunk_6dof_arm");
+  const testing::TemporaryFolder folder;
+  for (const auto& [name, joints] :
+       {std::pair{"franka_panda_inverse_dynamics", 7}, std::pair{"schunk_6dof_arm", 6}}) {
+    const fs::path map =
+        folder.Write(std::string(name) + ".yaml",
+                     "schema: sinew-csv-map/1\nkind: rotary\njoints: " + std::to_string(joints) +
+                         "\ntime: {column: time_s, unit: s}\nsignals:\n"
+                         "  position: {column: \"q{joint}_rad\", unit: rad}\n"
+                         "  velocity: {column: \"qd{joint}_rad_s\", unit: rad/s}\n"
+                         "  torque: {column: \"tau{joint}_Nm\", unit: Nm}\n");
+    for (std::size_t joint = 0; joint < static_cast<std::size_t>(joints); ++joint) {
+      ExpectNoStop(Load(kRobots / "kuka_lwr4/model.yaml", map, CsvFiles(kShared / name), joint),
+                   name + std::string(", joint ") + std::to_string(joint));
+    }
   }
 }
 
