@@ -1,5 +1,6 @@
 #include <cstdio>
 
+#include "components/report/gate_page.h"
 #include "components/report/report.h"
 #include "components/report/section.h"
 
@@ -193,7 +194,7 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
            " predicts another " + Percent(trace.unexplained.share) + " of the residual (" +
            Short(trace.unexplained.rms) + " " + unit + " rms).";
   }
-  out += "</p>\n<h2>The data</h2>\n<ul>";
+  out += "</p>\n" + FormatFaultTable(report.faults) + "<h2>The data</h2>\n<ul>";
   for (const identify::Finding& finding : report.findings) {
     out += "<li>" + Escape(finding.text) + "</li>\n";
   }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "components/free_run/free_run.h"
+#include "components/gate/gate.h"
 #include "components/identify/as_published.h"
 #include "components/identify/data_gate.h"
 #include "components/identify/design.h"
@@ -29,6 +30,7 @@ struct Report {
   std::vector<Recording> train;
   std::vector<Recording> sealed;
   identify::ProcessingOptions processing;
+  std::vector<gate::Fault> faults;  // of the data, all of them accepted
   std::vector<identify::Finding> findings;
   trace::TraceResult trace;
   std::optional<identify::AsPublishedResult> as_published;

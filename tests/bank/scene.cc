@@ -211,7 +211,10 @@ Recorded Record(const Scene& scene) {
          .pneumatic_stiffness_Nm_rad_bar = line.stiffness_Nm_rad_bar,
          .seed = seed});
     excitation.Prepare(&run_rig);
-    surrogate::ExperimentOptions options{.duration_s = scene.seconds, .seed = seed};
+    surrogate::ExperimentOptions options{.duration_s = scene.seconds,
+                                         .cycle_Hz = scene.cycle_Hz,
+                                         .log_every = scene.log_every,
+                                         .seed = seed};
     if (scene.silent) options.jitter_s = options.stamp_error_s = options.lost_share = 0.0;
     identify::Run run = ToRun(surrogate::RunExperiment(run_rig, options, excitation),
                               (sealed ? "sealed" : "train_" + std::to_string(k + 1)) +

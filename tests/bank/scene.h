@@ -21,6 +21,8 @@ struct Scene {
   int trains = 3;
   double seconds = 60.0;          // of each recording
   double coloured_noise_A = 0.0;  // on the current, standard deviation; 0.1 s of memory
+  double cycle_Hz = 240.0;        // of the controller
+  int log_every = 3;              // cycles per row
   bool silent = false;            // sensors neither round nor scatter, no jitter, no lost rows
   bool sealed = true;             // false: training recordings only
   std::vector<surrogate::EffectSpec> effects;

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "components/config/config.h"
+#include "components/gate/rules.h"
 #include "components/identify/file/processing_file.h"
 #include "components/recording/file/recording_path.h"
 #include "components/recording/file/run_reader.h"
@@ -81,8 +82,6 @@ void RequireOtherRows(const std::vector<fs::path>& train, const std::vector<fs::
   }
 }
 
-namespace {
-
 std::vector<report::Recording> Describe(const std::vector<identify::Run>& runs) {
   std::vector<report::Recording> out;
   for (const identify::Run& run : runs) {
@@ -91,6 +90,8 @@ std::vector<report::Recording> Describe(const std::vector<identify::Run>& runs) 
   }
   return out;
 }
+
+namespace {
 
 std::string JoinNames(const std::vector<report::Recording>& recordings) {
   std::string out;
@@ -127,6 +128,40 @@ void AddHistory(const report::Report& report, actuator::JointModel* joint) {
       note += (i == 0 ? "; rivals: " : ", ") + effect.rivals[i];
     }
     joint->history.push_back({when, effect.name, from, note});
+  }
+}
+
+// The data gate over all recordings; true: it stopped, and the result's pages say so.
+bool StopsAtGate(const CloseLoopOptions& options, const std::vector<identify::Run>& train,
+                 const std::vector<identify::Run>& sealed, const actuator::JointModel& joint,
+                 CloseLoopResult* out) {
+  std::vector<identify::Run> runs = train;
+  runs.insert(runs.end(), sealed.begin(), sealed.end());
+  out->gate = AskGate(options, runs, joint);
+  report::Report& report = out->report;
+  report.faults = out->gate.faults;
+  report.findings = out->gate.findings;
+  if (!out->gate.stops()) return false;
+  const report::DataCheck check{.robot = report.robot,
+                                .joint = joint.name,
+                                .model_file = report.model_file,
+                                .train = report.train,
+                                .sealed = report.sealed,
+                                .gate = out->gate,
+                                .seed = report.seed};
+  const std::vector<report::Picture> pictures = report::MakePictures(out->gate, runs, joint);
+  out->html = report::FormatHtml(check, pictures, report::DrawPictures(pictures));
+  out->json = report::FormatDataFaultJson(check);
+  return true;
+}
+
+// What the trace says of the data beyond the gate.
+void AddNewFindings(std::vector<identify::Finding> more, std::vector<identify::Finding>* all) {
+  for (identify::Finding& finding : more) {
+    const bool known = std::any_of(all->begin(), all->end(), [&](const identify::Finding& at) {
+      return at.name == finding.name;
+    });
+    if (!known) all->push_back(std::move(finding));
   }
 }
 
@@ -173,13 +208,15 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
   report.seed = options.seed;
   try {
     trace::RequireSealed(train, sealed);
+    progress("looking at the data", 0.01);
+    if (StopsAtGate(options, train, sealed, joint, &out)) return out;
     trace::TraceOptions trace_options;
     trace_options.seed = options.seed;
     trace_options.engine = options.engine;
     trace_options.progress = progress;
     trace::LoopResult loop = trace::CloseLoop(train, sealed, joint, wished, trace_options);
     report.processing = loop.processing;
-    report.findings = std::move(loop.findings);
+    AddNewFindings(std::move(loop.findings), &report.findings);
     report.trace = std::move(loop.trace);
     progress("simulation beside the sealed recording", 0.97);
     report.free_run =
@@ -204,6 +241,18 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
   return out;
 }
 
+gate::GateReport AskGate(const CloseLoopOptions& options, const std::vector<identify::Run>& runs,
+                         const actuator::JointModel& joint) {
+  return gate::ExamineData(
+      runs, joint, {.accepted = {options.accepted_faults.begin(), options.accepted_faults.end()}});
+}
+
+std::vector<std::string> FaultNames() {
+  std::vector<std::string> names;
+  for (const gate::Rule& rule : gate::Rules()) names.emplace_back(rule.id);
+  return names;
+}
+
 void MakeFolder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
@@ -225,7 +274,7 @@ CloseLoopResult CloseLoop(const CloseLoopOptions& options) {
                   ReadJoint(options.sealed, input.sealed_map, options.joint));
   if (options.out.empty()) return out;
   MakeFolder(options.out);
-  actuator::SaveModelFile(options.out / "model.yaml", out.model);
+  if (!out.gate.stops()) actuator::SaveModelFile(options.out / "model.yaml", out.model);
   config::WriteFileAtomically(options.out / "report.json", out.json);
   config::WriteFileAtomically(options.out / "report.html", out.html);
   return out;
@@ -236,6 +285,14 @@ void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options
   const trace::TraceResult& trace = report.trace;
   const std::string unit = report::TorqueUnit(trace.corrected.kind);
   using report::Short;
+  for (const gate::Fault& fault : result.gate.faults) {
+    std::cout << gate::FormatFault(fault) << '\n';
+  }
+  if (result.gate.stops()) {
+    std::cout << "verdict: " << report::VerdictWord(result.gate)
+              << "\nwritten: " << (options.out / "report.html").string() << ", report.json\n";
+    return;
+  }
   std::cout << "verdict: " << report::VerdictWord(trace.verdict) << '\n'
             << report::VerdictSentence(report) << '\n';
   for (const trace::FoundEffect& effect : trace.effects) {
@@ -345,6 +402,11 @@ void AddCloseLoopCommand(CLI::App& app) {
       ->transform(CLI::CheckedTransformer(
           std::map<std::string, trace::Engine>{{"blocks", trace::Engine::kBlocks},
                                                {"likelihood", trace::Engine::kLikelihood}}));
+  command
+      ->add_option("--accept-fault", options.accepted_faults,
+                   "Go on in spite of this fault of the data (docs/data-gate.md); repeatable")
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(FaultNames()));
   command->add_flag("--json", arguments->json, "Print the report as JSON");
   command->footer(
       "The declared terms are fitted, the residual is traced over the catalogue (`sinew effects`), "

@@ -27,11 +27,13 @@ struct CloseLoopOptions {
   std::filesystem::path urdf;  // of an arm; empty: what the model file names
   std::uint64_t seed = 1;
   trace::Engine engine = trace::Engine::kBlocks;
+  std::vector<std::string> accepted_faults;  // rules of the data gate that do not stop
   std::function<void(const std::string&, double)> progress;
 };
 
 struct CloseLoopResult {
   report::Report report;
+  gate::GateReport gate;      // where it stops nothing was traced and the model is as it was
   actuator::ModelFile model;  // corrected, as written
   std::string html, json;
 };
@@ -61,6 +63,15 @@ void RequireOtherRows(const std::vector<std::filesystem::path>& train,
 CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& input,
                             const std::vector<identify::Run>& train,
                             const std::vector<identify::Run>& sealed);
+
+std::vector<report::Recording> Describe(const std::vector<identify::Run>& runs);
+
+// The data gate with the options' accepted faults. Throws std::invalid_argument.
+gate::GateReport AskGate(const CloseLoopOptions& options, const std::vector<identify::Run>& runs,
+                         const actuator::JointModel& joint);
+
+// What --accept-fault takes.
+std::vector<std::string> FaultNames();
 
 // Throws UsageError.
 void MakeFolder(const std::filesystem::path& folder);

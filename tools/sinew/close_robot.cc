@@ -6,6 +6,7 @@
 
 #include "components/config/config.h"
 #include "components/identify/file/processing_file.h"
+#include "components/report/gate_page.h"
 #include "components/report/section.h"
 #include "components/trace/close_loop.h"
 #include "sim/world/file/urdf_file.h"
@@ -69,7 +70,8 @@ std::string RobotJson(const CloseRobotResult& result) {
   for (std::size_t i = 0; i < result.joints.size(); ++i) {
     Json joint = Json::parse(result.joints[i].json);
     const std::string one = joint["verdict"];
-    if (one == "effect" || (one == "unexplained" && verdict == "none")) verdict = one;
+    const bool says_more = one == "effect" || (one == "unexplained" && verdict == "none");
+    if (one == "data_fault" || (says_more && verdict != "data_fault")) verdict = one;
     Json entry;
     entry["joint"] =
         result.model.robot.joints[static_cast<std::size_t>(result.joint_numbers[i])].name;
@@ -81,6 +83,17 @@ std::string RobotJson(const CloseRobotResult& result) {
   if (result.arm) out["arm"] = ArmJson(*result.arm);
   out["joints"] = std::move(joints);
   return out.dump(2) + "\n";
+}
+
+std::vector<int> JointsThatStop(const CloseLoopOptions& options, const actuator::RobotModel& robot,
+                                const arm::ArmRuns& train, const arm::ArmRuns& sealed) {
+  std::vector<int> out;
+  for (std::size_t j = 0; j < robot.joints.size(); ++j) {
+    std::vector<identify::Run> runs = train[j];
+    runs.insert(runs.end(), sealed[j].begin(), sealed[j].end());
+    if (AskGate(options, runs, robot.joints[j]).stops()) out.push_back(static_cast<int>(j));
+  }
+  return out;
 }
 
 }  // namespace
@@ -103,10 +116,14 @@ CloseRobotResult CloseRobot(const CloseLoopOptions& options, std::vector<int> jo
     sealed.push_back(ReadJoint(options.sealed, input.sealed_map, static_cast<int>(j)));
     is_arm = is_arm || robot.joints[j].Find("rigid_body") >= 0;
   }
+  // One fit of all joints: a fault of one is a fault of all, and only joints with one are reported.
+  const std::vector<int> faulty =
+      is_arm ? JointsThatStop(options, robot, train, sealed) : std::vector<int>{};
+  if (!faulty.empty()) out.joint_numbers = joints = faulty;
   std::optional<arm::Arm> arm;
   try {
     trace::RequireSealed(train.front(), sealed.front());
-    if (is_arm) {
+    if (is_arm && faulty.empty()) {
       const fs::path urdf = FindUrdf(options, input);
       arm.emplace(world::ParseUrdf(config::ReadFile(urdf), urdf.string()), robot);
       out.arm =
@@ -149,7 +166,7 @@ CloseRobotResult CloseRobot(const CloseLoopOptions& options, std::vector<int> jo
     config::WriteFileAtomically(folder / "report.json", out.joints[i].json);
     config::WriteFileAtomically(folder / "report.html", out.joints[i].html);
   }
-  actuator::SaveModelFile(options.out / "model.yaml", out.model);
+  if (faulty.empty()) actuator::SaveModelFile(options.out / "model.yaml", out.model);
   config::WriteFileAtomically(options.out / "report.json", out.json);
   return out;
 }
@@ -157,9 +174,15 @@ CloseRobotResult CloseRobot(const CloseLoopOptions& options, std::vector<int> jo
 void PrintSummary(const CloseRobotResult& result, const CloseLoopOptions& options) {
   using report::Short;
   for (std::size_t i = 0; i < result.joints.size(); ++i) {
-    const report::Report& report = result.joints[i].report;
+    const CloseLoopResult& joint = result.joints[i];
+    for (const gate::Fault& fault : joint.gate.faults) {
+      std::cout << gate::FormatFault(fault) << '\n';
+    }
     std::cout << result.model.robot.joints[static_cast<std::size_t>(result.joint_numbers[i])].name
-              << ": " << report::VerdictSentence(report) << '\n';
+              << ": "
+              << (joint.gate.stops() ? report::VerdictSentence(joint.gate)
+                                     : report::VerdictSentence(joint.report))
+              << '\n';
   }
   if (result.arm) {
     const arm::ArmLoop& loop = *result.arm;
@@ -173,7 +196,8 @@ void PrintSummary(const CloseRobotResult& result, const CloseLoopOptions& option
               << " base parameters)\n";
   }
   std::cout << "written: " << (options.out / "report.json").string()
-            << ", model.yaml, and a report of each joint in a folder of its name\n";
+            << (fs::exists(options.out / "model.yaml") ? ", model.yaml" : "")
+            << ", and a report of each joint in a folder of its name\n";
 }
 
 }  // namespace sinew::tools

@@ -1,6 +1,7 @@
 #include "tools/sinew/commands.h"
 
 #include "tools/sinew/check.h"
+#include "tools/sinew/check_data.h"
 #include "tools/sinew/close_loop.h"
 #include "tools/sinew/compare.h"
 #include "tools/sinew/completion.h"
@@ -29,6 +30,7 @@ void AddAllCommands(CLI::App& app) {
   AddRecordCommand(app);
   AddReplayCommand(app);
   AddImportCommand(app);
+  AddCheckDataCommand(app);
   AddCloseLoopCommand(app);
   AddVerifyCommand(app);
   AddExperimentCommand(app);

@@ -164,6 +164,7 @@ std::string FormatJson(const Report& report) {
   out["recordings"] = {{"train", Recordings(report.train)}, {"sealed", Recordings(report.sealed)}};
 
   out["p_global"] = trace.p_global;
+  out["faults"] = FaultsJson(report.faults);
   const auto entry_of = [&](const trace::FoundEffect& effect) {
     const std::string own_unit(effects::BalanceUnit(effect.balance, trace.corrected.kind));
     Json entry = {

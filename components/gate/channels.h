@@ -1,0 +1,50 @@
+// What the checks share: quantities of one channel, and local polynomials on uneven stamps.
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "components/gate/gate.h"
+#include "components/identify/run.h"
+
+namespace sinew::gate {
+
+double Median(std::vector<double> values);                // 0 of none
+double QuantileOf(std::vector<double> values, double p);  // 0 of none
+double Range(const Eigen::VectorXd& x);
+double StandardDeviationOf(const Eigen::VectorXd& x);
+double MedianPeriod(const identify::Run& run);
+// The step that nearly all differences are whole multiples of; else 0.
+double Resolution(const Eigen::VectorXd& x);
+// Resolution, else the white noise: differences below it are none.
+double SmallestStep(const Eigen::VectorXd& x);
+
+struct Span {
+  Eigen::Index first = 0, last = 0;
+  Eigen::Index rows() const { return last - first + 1; }
+};
+// Spans of at least `rows` equal values.
+std::vector<Span> EqualSpans(const Eigen::VectorXd& x, Eigen::Index rows);
+
+// A local cubic with tricube weights at every instant of `at`: value, first and second derivative.
+struct Local {
+  Eigen::VectorXd value, rate, acceleration;
+};
+std::map<identify::Signal, Local> LocalCubics(const identify::Run& run,
+                                              const std::vector<identify::Signal>& signals,
+                                              double half_width_s, const std::vector<double>& at);
+
+// A quarter of the time in which the channel moves by its standard deviation, at least five rows.
+double HalfWidth_s(const identify::Run& run, identify::Signal signal);
+// Instants half a half width apart, away from both ends and from gaps.
+std::vector<double> Centres(const identify::Run& run, double half_width_s, std::size_t most);
+
+// Fills rule, signal, recording, rows and instants.
+Measurement Measure(std::string_view rule, identify::Signal signal, const identify::Run& run,
+                    Span rows, double statistic);
+Span WholeRun(const identify::Run& run);
+std::string Number(double value);  // four significant digits
+
+}  // namespace sinew::gate

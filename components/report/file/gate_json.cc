@@ -1,0 +1,106 @@
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "components/gate/rules.h"
+#include "components/report/file/report_file.h"
+
+namespace sinew::report {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json FindingsJson(const std::vector<identify::Finding>& findings) {
+  Json out = Json::array();
+  for (const identify::Finding& finding : findings) {
+    out.push_back({{"name", finding.name},
+                   {"text", finding.text},
+                   {"value", finding.value},
+                   {"unit", finding.unit}});
+  }
+  return out;
+}
+
+Json RecordingList(const std::vector<Recording>& recordings) {
+  Json out = Json::array();
+  for (const Recording& recording : recordings) {
+    out.push_back({{"name", recording.name},
+                   {"content_hash", recording.content_hash},
+                   {"rows", recording.rows},
+                   {"duration_s", recording.duration_s}});
+  }
+  return out;
+}
+
+Json OrNull(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
+
+}  // namespace
+
+nlohmann::ordered_json FaultsJson(const std::vector<gate::Fault>& faults) {
+  Json out = Json::array();
+  for (const gate::Fault& fault : faults) {
+    Json entry = {{"rule", fault.rule},
+                  {"signal", OrNull(fault.signal)},
+                  {"recording", OrNull(fault.recording)},
+                  {"accepted", fault.accepted},
+                  {"statistic", fault.statistic},
+                  {"limit", fault.limit},
+                  {"reason", fault.reason},
+                  {"remedy", fault.remedy}};
+    if (fault.last_row >= fault.first_row && !fault.recording.empty()) {
+      entry["rows"] = {fault.first_row, fault.last_row};
+      entry["time_s"] = {fault.from_s, fault.to_s};
+    }
+    out.push_back(std::move(entry));
+  }
+  return out;
+}
+
+std::string FormatCheckJson(const DataCheck& check) {
+  Json out;
+  out["schema"] = "sinew-check-data/1";
+  out["verdict"] = VerdictWord(check.gate);
+  out["sentence"] = VerdictSentence(check.gate);
+  out["robot"] = check.robot;
+  out["joint"] = check.joint;
+  out["model"] = check.model_file;
+  out["recordings"] = RecordingList(check.train);
+  out["faults"] = FaultsJson(check.gate.faults);
+  out["findings"] = FindingsJson(check.gate.findings);
+  out["rules"] = Json::array();
+  for (const gate::Measurement& at : check.gate.largest) {
+    out["rules"].push_back({{"rule", at.rule},
+                            {"statistic", at.statistic},
+                            {"limit", at.limit},
+                            {"signal", OrNull(at.signal)},
+                            {"recording", OrNull(at.recording)}});
+  }
+  out["seconds"] = check.seconds;
+  return out.dump(2) + "\n";
+}
+
+std::string FormatDataFaultJson(const DataCheck& check) {
+  Json out;
+  out["schema"] = "sinew-close-loop/1";
+  out["verdict"] = VerdictWord(check.gate);
+  out["sentence"] = VerdictSentence(check.gate);
+  out["robot"] = check.robot;
+  out["joint"] = check.joint;
+  out["model"] = check.model_file;
+  out["recordings"] = {{"train", RecordingList(check.train)},
+                       {"sealed", RecordingList(check.sealed)}};
+  out["faults"] = FaultsJson(check.gate.faults);
+  for (const char* key : {"effects", "events", "balances", "rounds", "not_excited"}) {
+    out[key] = Json::array();
+  }
+  out["not_excited_why"] = Json::object();
+  out["unexplained"] = {{"variable", nullptr}};
+  out["parameter_shift"] = Json::array();
+  out["findings"] = FindingsJson(check.gate.findings);
+  out["next_experiment"] = nullptr;
+  out["seed"] = check.seed;
+  out["seconds"] = check.seconds;
+  return out.dump(2) + "\n";
+}
+
+}  // namespace sinew::report

@@ -1,0 +1,12 @@
+// `sinew check-data`: are recordings fit to be judged by a model?
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace sinew::tools {
+
+void AddCheckDataCommand(CLI::App& app);
+
+}  // namespace sinew::tools
