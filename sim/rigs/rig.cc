@@ -234,11 +234,11 @@ Rig DrawRig(std::uint64_t number) {
 
   // A slow log is not asked for fast motion. Durations stay within 10 to 300 s.
   rig.frequency_Hz = std::min(rig.frequency_Hz, rig.rate_Hz / 100.0);
-  const double wanted = random.LogUniform(5000.0, 16000.0);
+  const double wanted = random.LogUniform(4000.0, 14000.0);
   const double shortest_s = std::max(10.0, 12.0 / rig.frequency_Hz);
-  const double duration_s = std::clamp(wanted / rig.rate_Hz, shortest_s, 180.0);
+  const double duration_s = std::clamp(wanted / rig.rate_Hz, shortest_s, 100.0);
   rig.rows = std::min(40000, static_cast<int>(duration_s * rig.rate_Hz));
-  rig.steps_per_row = std::max(10, static_cast<int>(std::ceil(8000.0 / rig.rate_Hz)));
+  rig.steps_per_row = std::max(10, static_cast<int>(std::ceil(5000.0 / rig.rate_Hz)));
 
   rig.pole_pairs = random.Integer(5, 21);
   rig.efficiency = rig.coupling == Coupling::kRigid ? 1.0 : random.Uniform(0.6, 0.9);

@@ -106,16 +106,31 @@ Sizer::Signature Sizer::SignatureOf(const Balance& with, const Balance& without)
   return out;
 }
 
+const Balance& Sizer::TwinBalance(Shows shows, bool noisy) const {
+  const auto key = std::make_pair(static_cast<int>(shows), noisy);
+  const auto found = twins_.find(key);
+  if (found != twins_.end()) return found->second;
+  return twins_
+      .emplace(key, noisy ? Noisy(twin_, shows, kTraining) : Clean(twin_, shows, kTraining))
+      .first->second;
+}
+
+double Sizer::Share(const Run& run, Shows asked) const {
+  const Shows shows = Within(excitation_, asked);
+  const double own = MeanSquare(RefitResidual(Noisy(run, shows, kTraining)));
+  return own > 0.0 ? 1.0 - MeanSquare(RefitResidual(TwinBalance(shows, true))) / own : 0.0;
+}
+
 Measured Sizer::Measure(const Run& run, Shows asked, bool swallowed) const {
   const Shows shows = Within(excitation_, asked);
   Measured out;
-  const Balance noisy = Noisy(run, shows, kTraining), twin = Noisy(twin_, shows, kTraining);
-  const double own = MeanSquare(RefitResidual(noisy)), without = MeanSquare(RefitResidual(twin));
+  const Balance noisy = Noisy(run, shows, kTraining);
+  const double own = MeanSquare(RefitResidual(noisy));
+  const double without = MeanSquare(RefitResidual(TwinBalance(shows, true)));
   out.residual_rms = std::sqrt(own);
   out.twin_rms = std::sqrt(without);
   out.share = own > 0.0 ? 1.0 - without / own : 0.0;
-  const Signature signature =
-      SignatureOf(Clean(run, shows, kTraining), Clean(twin_, shows, kTraining));
+  const Signature signature = SignatureOf(Clean(run, shows, kTraining), TwinBalance(shows, false));
   const Common common = CommonRows(noisy.row, signature.row);
   Eigen::VectorXd d(static_cast<Eigen::Index>(common.left.size()));
   for (std::size_t k = 0; k < common.left.size(); ++k) {
@@ -142,12 +157,16 @@ Sizer::Sized Sizer::Size(const Effect& effect, double share) const {
   double low = 0.0, high = 0.0;  // sizes on either side
   double size = 0.1 * largest;
   const double sign = effect.size < 0.0 ? -1.0 : 1.0;
-  for (int round = 0; round < 9; ++round) {
+  for (int round = 0; round < 8; ++round) {
     out.effect.size = sign * size;
-    out.measured =
-        Measure(Play(rig_, {out.effect}, excitation_, kTraining), info.shows, info.swallowed);
-    const double odds =
-        info.swallowed ? out.measured.lambda : out.measured.share / (1.0 - out.measured.share);
+    const Run run = Play(rig_, {out.effect}, excitation_, kTraining);
+    double odds = 0.0;
+    if (info.swallowed) {
+      odds = Measure(run, info.shows, true).lambda;
+    } else {
+      const double now = Share(run, info.shows);
+      odds = now / (1.0 - now);
+    }
     out.reached = odds > 0.8 * wanted && odds < 1.25 * wanted;
     if (out.reached) break;
     (odds < wanted ? low : high) = size;
@@ -159,6 +178,8 @@ Sizer::Sized Sizer::Size(const Effect& effect, double share) const {
     else
       size = low > 0.0 ? std::sqrt(low * high) : 0.3 * high;
   }
+  out.measured =
+      Measure(Play(rig_, {out.effect}, excitation_, kTraining), info.shows, info.swallowed);
   return out;
 }
 

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sim/rigs/likelihood.h"
@@ -56,10 +57,13 @@ class Sizer {
   Balance Noisy(const Run& run, Shows shows, int recordings) const;
   Signature SignatureOf(const Balance& with, const Balance& without) const;
 
+  double Share(const Run& run, Shows shows) const;
+  const Balance& TwinBalance(Shows shows, bool noisy) const;
   const Signature& RivalOf(const std::string& name, Shows shows) const;
 
   const Rig& rig_;
   mutable std::map<std::string, Signature> rivals_;
+  mutable std::map<std::pair<int, bool>, Balance> twins_;
   Excitation excitation_;
   Run twin_;
   double width_ = 3.0;
