@@ -115,18 +115,25 @@ const Balance& Sizer::TwinBalance(Shows shows, bool noisy) const {
       .first->second;
 }
 
+// Mean squares of the residuals of a run and its twin, each refitted to itself, on rows of both.
+std::pair<double, double> Sizer::Residuals(const Balance& noisy, Shows shows) const {
+  const Balance& twin = TwinBalance(shows, true);
+  const Common common = CommonRows(noisy.row, twin.row);
+  return {MeanSquare(RefitResidual(Restrict(noisy, common.left))),
+          MeanSquare(RefitResidual(Restrict(twin, common.right)))};
+}
+
 double Sizer::Share(const Run& run, Shows asked) const {
   const Shows shows = Within(excitation_, asked);
-  const double own = MeanSquare(RefitResidual(Noisy(run, shows, kTraining)));
-  return own > 0.0 ? 1.0 - MeanSquare(RefitResidual(TwinBalance(shows, true))) / own : 0.0;
+  const auto [own, without] = Residuals(Noisy(run, shows, kTraining), shows);
+  return own > 0.0 ? 1.0 - without / own : 0.0;
 }
 
 Measured Sizer::Measure(const Run& run, Shows asked, bool swallowed) const {
   const Shows shows = Within(excitation_, asked);
   Measured out;
   const Balance noisy = Noisy(run, shows, kTraining);
-  const double own = MeanSquare(RefitResidual(noisy));
-  const double without = MeanSquare(RefitResidual(TwinBalance(shows, true)));
+  const auto [own, without] = Residuals(noisy, shows);
   out.residual_rms = std::sqrt(own);
   out.twin_rms = std::sqrt(without);
   out.share = own > 0.0 ? 1.0 - without / own : 0.0;

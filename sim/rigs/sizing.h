@@ -58,6 +58,7 @@ class Sizer {
   Signature SignatureOf(const Balance& with, const Balance& without) const;
 
   double Share(const Run& run, Shows shows) const;
+  std::pair<double, double> Residuals(const Balance& noisy, Shows shows) const;
   const Balance& TwinBalance(Shows shows, bool noisy) const;
   const Signature& RivalOf(const std::string& name, Shows shows) const;
 
