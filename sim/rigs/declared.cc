@@ -147,7 +147,14 @@ std::vector<bool> Usable(const Rig& rig, const std::vector<TrueRow>& rows, Shows
     const bool still = std::abs(rows[i].velocity) < rest;
     if (still || (reverses && shows != Shows::kLocked)) {
       for (int k = std::max(0, i - guard); k <= i; ++k) use[k] = false;
-      blocked = i + guard;
+      blocked = std::max(blocked, i + guard);
+    }
+    // Teeth that part or touch again.
+    if (rig.play > 0.0 && i > 0 && shows != Shows::kLocked &&
+        (rows[i].tooth_force == 0.0) != (rows[i - 1].tooth_force == 0.0)) {
+      const int knock = std::max(3, static_cast<int>(0.015 * rig.rate_Hz));
+      for (int k = std::max(0, i - knock); k <= i; ++k) use[k] = false;
+      blocked = std::max(blocked, i + knock);
     }
     if (i <= blocked) use[i] = false;
     if (shows == Shows::kKinematic && std::abs(rows[i].tooth_force) < 0.05 * rig.force_scale()) {

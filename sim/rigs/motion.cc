@@ -33,6 +33,7 @@ Motion::Motion(const Rig& rig, Excitation excitation, int recording) {
   duration_s_ = rig.rows / rig.rate_Hz;
   ambient_degC_ = random.Uniform(20.0, 25.0);
   start_degC_ = ambient_degC_ + random.Uniform(0.0, 12.0);
+  fade_s_ = 0.7 / rig.frequency_Hz;
   const double T = duration_s_;
   const bool held_out = recording == kRecordings - 1;
   if (locked_) {
@@ -47,10 +48,10 @@ Motion::Motion(const Rig& rig, Excitation excitation, int recording) {
   if (excitation == Excitation::kDesigned) {
     // Shares of the time; the held-out recording has them in another order and proportion.
     enum { kFast, kSweep, kSlow, kCreep, kStop, kAgain };
-    std::vector<std::pair<int, double>> plan = {{kFast, 0.28},  {kSweep, 0.14}, {kSlow, 0.22},
-                                                {kCreep, 0.12}, {kStop, 0.06},  {kAgain, 0.18}};
+    std::vector<std::pair<int, double>> plan = {{kFast, 0.24},  {kSweep, 0.14}, {kSlow, 0.22},
+                                                {kCreep, 0.12}, {kStop, 0.10},  {kAgain, 0.18}};
     if (held_out) {
-      plan = {{kSlow, 0.25}, {kAgain, 0.30}, {kCreep, 0.10}, {kStop, 0.05}, {kFast, 0.30}};
+      plan = {{kSlow, 0.25}, {kAgain, 0.30}, {kCreep, 0.10}, {kStop, 0.09}, {kFast, 0.26}};
     }
     double t = 0.0;
     for (const auto& [what, share] : plan) {
@@ -75,9 +76,9 @@ Motion::Motion(const Rig& rig, Excitation excitation, int recording) {
         part.high = 3.0 * f;
       } else if (what == kStop) {
         part.kind = Part::kPoints;
-        for (int i = 0; i < 4; ++i) part.points.push_back(random.Uniform(-0.7, 0.7));
-        part.move = 0.4 * (part.end - part.begin) / 4.0;
-        part.dwell = part.move * 1.5;
+        for (int i = 0; i < 3; ++i) part.points.push_back(random.Uniform(-0.7, 0.7));
+        part.move = std::min(0.5 / rig.frequency_Hz, 0.4 * (part.end - part.begin) / 3.0);
+        part.dwell = (part.end - part.begin) / 3.0 - part.move;
       } else {
         part.kind = Part::kRamps;
         part.low = -random.Uniform(0.6, 0.95);
@@ -142,8 +143,11 @@ double Motion::Of(const Part& part, double t) const {
              std::sin(phase);
     }
     case Part::kRamps: {
-      const double cycle = std::fmod(s / part.period, 1.0);
-      const double up = cycle < 0.5 ? 2.0 * cycle : 2.0 - 2.0 * cycle;
+      // A triangle with its corners rounded.
+      constexpr double kRound = 0.99;
+      const double wave =
+          std::asin(-kRound * std::cos(2.0 * kPi * s / part.period)) / std::asin(kRound);
+      const double up = 0.5 + 0.5 * wave;
       return amplitude_ * (part.low + (part.high - part.low) * up);
     }
     case Part::kPoints: {
@@ -170,11 +174,19 @@ double Motion::Of(const Part& part, double t) const {
   return 0.0;
 }
 
+// Every part is faded into from the one before, which goes on meanwhile: no jumps.
 double Motion::Reference(double t) const {
-  for (const Part& part : parts_) {
-    if (t < part.end) return centre_ + Of(part, t);
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const Part& part = parts_[i];
+    if (t >= part.end && i + 1 < parts_.size()) continue;
+    const double s = (t - part.begin) / fade_s_;
+    const double now = Of(part, t);
+    if (s >= 1.0) return centre_ + now;
+    const double before = i > 0 ? Of(parts_[i - 1], t) : 0.0;
+    const double share = s * s * s * (10.0 + s * (6.0 * s - 15.0));
+    return centre_ + before + share * (now - before);
   }
-  return parts_.empty() ? centre_ : centre_ + Of(parts_.back(), t);
+  return centre_;
 }
 
 double Motion::Pressure(double t) const {

@@ -50,7 +50,7 @@ class Motion {
 
   bool locked_ = false;
   int recording_ = 0;
-  double centre_ = 0.0, amplitude_ = 1.0, duration_s_ = 0.0;
+  double centre_ = 0.0, amplitude_ = 1.0, duration_s_ = 0.0, fade_s_ = 1.0;
   double payload_kg_ = 0.0, ambient_degC_ = 22.0, start_degC_ = 22.0;
   std::vector<Part> parts_;
   std::vector<double> pressures_;  // equal spells

@@ -68,7 +68,7 @@ class Plant {
     const double inertia = rig.total_inertia() + rig.payload_kg * arm * arm;
     position_gain_ = inertia * omega * omega;
     velocity_gain_ = 1.4 * inertia * omega;
-    reference_rate_ = 2.0 * omega;
+    reference_rate_ = 4.0 * kPi * rig.reference_Hz;
     typical_current_ = rig.force_scale() / Unit();
   }
 

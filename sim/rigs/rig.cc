@@ -243,9 +243,12 @@ Rig DrawRig(std::uint64_t number) {
   rig.pole_pairs = random.Integer(5, 21);
   rig.efficiency = rig.coupling == Coupling::kRigid ? 1.0 : random.Uniform(0.6, 0.9);
   rig.current_limit_A = random.LogUniform(2.0, 40.0);
-  rig.bandwidth_Hz = rig.family == Family::kCylinder
-                         ? 8.0
-                         : std::clamp(5.0 * rig.frequency_Hz, 2.0, rig.rate_Hz / 25.0);
+  // The set point is smoothed to what the log can show; the servo behind it is faster.
+  rig.reference_Hz = std::clamp(5.0 * rig.frequency_Hz, 2.0, rig.rate_Hz / 25.0);
+  const double faster = random.LogUniform(1.5, 5.0);
+  rig.bandwidth_Hz = rig.family == Family::kCylinder ? 8.0
+                     : rig.family == Family::kServo  ? rig.reference_Hz
+                                                     : faster * rig.reference_Hz;
   rig.centre = rig.linear || rig.gravity_torque == 0.0 ? 0.0 : random.Uniform(-0.25, 0.25);
   if (rig.payloads) {
     const double arm = kGravity * rig.link_length_m;

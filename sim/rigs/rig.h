@@ -95,6 +95,7 @@ struct Rig {
   double centre = 0.0;
   double amplitude = 0.8;
   double frequency_Hz = 0.7;  // of fast motion
+  double reference_Hz = 5.0;  // smoothing of the set point
   double bandwidth_Hz = 5.0;  // of the servo
   double payload_kg = 0.0;    // that the designed excitation puts on
   double hand_N = 0.0;        // push at the load cell
