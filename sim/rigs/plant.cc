@@ -281,7 +281,7 @@ void Plant::Step() {
   }
   if (rig_.pressure) {
     gas_.Step(q_, regulator_, open_, dt_);
-    const double lag = u_.pressure_lag_s + 1e-3;
+    const double lag = u_.pressure_lag_s + 3e-4;  // of the sensor itself
     pressure_reading_ += (gas_.gauge_bar() - pressure_reading_) * std::min(1.0, dt_ / lag);
   }
 }
