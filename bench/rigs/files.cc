@@ -71,7 +71,9 @@ bool OneEncoder(const Rig& rig) {
 
 json EffectJson(const Rig& rig, const Made& made, Excitation excitation) {
   const EffectInfo& info = FindEffect(made.sized.effect.name);
-  std::string balance = info.shows == Shows::kKinematic ? "K" : "M";
+  std::string balance = info.shows == Shows::kKinematic ? "K"
+                        : info.shows == Shows::kGas     ? "Q"
+                                                        : "M";
   if (excitation == Excitation::kLocked) balance = "S";
   return {{"name", info.name},
           {"value", made.sized.effect.size},
@@ -144,6 +146,15 @@ std::string ModelOf(const Rig& rig, const std::string& fault) {
   if (!rig.linear) {
     add("link_length_m", rig.link_length_m);
     add("gravity_m_s2", 9.81);
+  }
+  if (rig.gas_balance) {
+    // The share of gas_compression is stated volume / volume, and the model states 1.
+    for (const Term& term : Declare(rig)) {
+      if (term.effect == "gas_compression")
+        add("gas_volume_m3", rig.gas_volume_m3 * term.parameters[0].truth);
+    }
+    add("atmosphere_bar", 1.01325);
+    add("valve_delay_s", 0.0);
   }
   if (rig.kinematic) add("encoder_counts_per_turn", std::exp2(rig.output_bits));
   std::string out = "schema: sinew-model/1\nname: rig\njoints:\n  - name: joint\n    kind: " +

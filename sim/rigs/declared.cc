@@ -11,6 +11,9 @@ namespace {
 
 constexpr double kGravity = 9.81;
 constexpr double kTolerance = 0.15;
+constexpr double kAtmosphere_bar = 1.01325;
+constexpr double kGasWindow_s = 10.0;
+constexpr double kAfterShutting_s = 0.3;
 
 // A nominal value 5 to 15 % off.
 Parameter About(Random& random, std::string key, double truth) {
@@ -96,6 +99,13 @@ std::vector<Term> Declare(const Rig& rig) {
     }
   }
   if (rig.load_cell) terms.push_back({"load_force", "", {Exactly("share", 1.0)}});
+  if (rig.gas_balance) {
+    terms.push_back({"chamber_pressure", "gas", {Exactly("share", 1.0)}});
+    Parameter p = About(random, "share", 1.0);  // the volume is stated 5 to 15 % off: gas_volume_m3
+    std::swap(p.truth, p.nominal);
+    terms.push_back({"gas_compression", "gas", {p}});
+    terms.push_back({"valve_flow", "gas", {Exactly("share", 1.0)}});
+  }
   if (rig.kinematic) {
     terms.push_back({"encoder_difference", "kinematic", {Exactly("share", 1.0)}});
     terms.push_back(
@@ -142,6 +152,15 @@ std::vector<bool> Usable(const Rig& rig, const std::vector<TrueRow>& rows, Shows
   const double rest = shows == Shows::kLocked ? 0.0 : 0.012 * rig.speed();
   const int guard = std::max(2, static_cast<int>(0.02 / rig.frequency_Hz * rig.rate_Hz));
   int blocked = -1;
+  if (shows == Shows::kGas) {
+    int shut_since = 0;
+    for (int i = 0; i < n; ++i) {
+      if (rows[i].valve_open) shut_since = i + 1;
+      use[i] = i - shut_since > kAfterShutting_s * rig.rate_Hz;
+    }
+    for (int i = 0; i < std::min(n, 60); ++i) use[i] = use[n - 1 - i] = false;
+    return use;
+  }
   for (int i = 0; i < n; ++i) {
     const bool reverses = i > 0 && rows[i].velocity * rows[i - 1].velocity < 0.0;
     const bool still = std::abs(rows[i].velocity) < rest;
@@ -192,7 +211,7 @@ Balance MakeBalance(const Rig& rig, const std::vector<Reading>& readings,
   std::vector<std::string> columns;
   bool known = false;
   for (const Term& term : terms) {
-    if (term.balance == "kinematic") continue;
+    if (!term.balance.empty()) continue;
     const Parameter& p = term.parameters[0];
     if (term.effect.rfind("drive", 0) == 0) {
       drive_sd = p.fixed ? 0.0 : p.tolerance;
@@ -222,6 +241,37 @@ Balance MakeBalance(const Rig& rig, const std::vector<Reading>& readings,
       const double side = r.tooth_force > 0.0 ? 1.0 : -1.0;
       out.response[k] = r.motor_rad / rig.gear_ratio - r.position -
                         (0.5 * side * rig.play + r.tooth_force / rig.stiffness);
+    }
+    return out;
+  }
+
+  if (shows == Shows::kGas) {
+    // Pressure against the integral of isothermal compression, each freed of its window's mean.
+    Eigen::VectorXd compressed = Eigen::VectorXd::Zero(n);
+    auto volume = [&rig, &link](int i) {
+      const double s = link.value[i] - rig.rest_position;
+      return rig.gas_volume_m3 +
+             1e-5 * (rig.pneumatic_slope * s - 0.5 * rig.pneumatic_stiffness * s * s);
+    };
+    for (int i = 1; i < n; ++i) {
+      const double change = (volume(i) - volume(i - 1)) / volume(i);
+      compressed[i] = compressed[i - 1] - (gas.value[i] + kAtmosphere_bar) * change;
+    }
+    out.response.resize(count);
+    out.columns.resize(count, 1);
+    out.prior_sd.setConstant(1, infinite);
+    for (Eigen::Index first = 0, k = 0; k < count; ++k) {
+      const int i = rows[static_cast<std::size_t>(k)];
+      out.response[k] = at[static_cast<std::size_t>(i)]->pressure_bar;
+      out.columns(k, 0) = compressed[i];
+      const bool last = k + 1 == count || rows[static_cast<std::size_t>(k + 1)] - i > 10 ||
+                        i - rows[static_cast<std::size_t>(first)] > kGasWindow_s * rig.rate_Hz;
+      if (!last) continue;
+      out.response.segment(first, k + 1 - first).array() -=
+          out.response.segment(first, k + 1 - first).mean();
+      out.columns.col(0).segment(first, k + 1 - first).array() -=
+          out.columns.col(0).segment(first, k + 1 - first).mean();
+      first = k + 1;
     }
     return out;
   }

@@ -22,7 +22,7 @@ struct Parameter {
 
 struct Term {
   std::string effect;
-  std::string balance;  // "kinematic" or empty
+  std::string balance;  // "kinematic", "gas" or empty
   std::vector<Parameter> parameters;
 };
 
@@ -30,7 +30,8 @@ struct Term {
 std::vector<Term> Declare(const Rig& rig);
 
 // Rows of a balance: response = columns * theta + rest. The response is the raw drive in units of
-// force (M, S) or the raw difference of the encoders (K); columns are made of smoothed angles.
+// force (M, S), the raw difference of the encoders (K) or the pressure while the valve is shut (Q);
+// columns are made of smoothed angles.
 struct Balance {
   Eigen::VectorXd response;
   Eigen::MatrixXd columns;

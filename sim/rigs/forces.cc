@@ -46,6 +46,8 @@ Undeclared Resolve(const Rig& rig, const std::vector<Effect>& effects, const Mot
       {"pressure_lag", &Undeclared::pressure_lag_s},
       {"seal_hysteresis", &Undeclared::seal},
       {"stiffness_collapse", &Undeclared::collapse},
+      {"leak", &Undeclared::leak_m2},
+      {"gas_heat_exchange", &Undeclared::gas_wall_s},
       {"cable_drag", &Undeclared::cable},
       {"bad_tooth", &Undeclared::tooth_defect},
       {"supply_sag", &Undeclared::sag},

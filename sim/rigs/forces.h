@@ -19,7 +19,8 @@ struct Undeclared {
          current_offset = 0, payload_kg = 0, step_kg = 0, bump = 0, cell_gain = 0, cell_angle = 0,
          tilt = 0, pressure_friction = 0, pressure_gain = 0, pressure_offset = 0,
          pressure_lag_s = 0, seal = 0, collapse = 0, cable = 0, tooth_defect = 0, sag = 0,
-         slow_tilt = 0, slip = 0, rest_stiction = 0, impacts = 0, warm_up = 0;
+         slow_tilt = 0, slip = 0, rest_stiction = 0, impacts = 0, warm_up = 0, leak_m2 = 0,
+         gas_wall_s = 0;
   std::array<double, 4> cogging_shape{}, eccentricity_shape{}, encoder_shape{}, flexible_shape{},
       seal_shape{}, collapse_shape{}, cable_shape{}, defect_shape{}, rest_shape{}, warm_shape{};
   // Instants of this recording.

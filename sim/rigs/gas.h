@@ -10,8 +10,9 @@ namespace sinew::rigs {
 
 class Gas {
  public:
-  // Filled to a gauge pressure at rest.
-  Gas(const Rig& rig, double position, double gauge_bar);
+  // Filled to a gauge pressure at rest; a hole to the outside, more time for the wall to take heat.
+  Gas(const Rig& rig, double position, double gauge_bar, double leak_m2 = 0.0,
+      double wall_time_s = 0.0);
 
   // Position at the end of the step; regulator's gauge pressure; whether the valve joins the two.
   void Step(double position, double regulator_bar, bool open, double step_s) noexcept;
@@ -23,7 +24,7 @@ class Gas {
  private:
   double Volume(double position) const;
 
-  double slope_, stiffness_, rest_, volume_at_rest_, wall_time_s_, area_m2_;
+  double slope_, stiffness_, rest_, volume_at_rest_, wall_time_s_, area_m2_, leak_m2_;
   double volume_m3_, mass_kg_, temperature_K_, gauge_bar_;
 };
 

@@ -41,7 +41,7 @@ class Plant {
         u_(u),
         motion_(motion),
         dt_(rig.step_s()),
-        gas_(rig, rig.centre, motion.Pressure(0.0)),
+        gas_(rig, rig.centre, motion.Pressure(0.0), u.leak_m2, u.gas_wall_s),
         delay_(u.delay_s, dt_) {
     x_ = q_ = p_ = reference_ = motion.locked() ? 0.0 : rig.centre;
     temperature_ = motion.start_degC();

@@ -278,6 +278,7 @@ Rig DrawRig(std::uint64_t number) {
   const double body = rig.coupling == Coupling::kRigid ? rig.total_inertia() : rig.link_inertia;
   rig.bristle = std::max(rig.amplitude * random.LogUniform(5e-5, 5e-4),
                          rig.coulomb / (body * fastest * fastest));
+  rig.gas_balance = rig.valve && Random(number, 55).Chance(0.6);
   DrawSensors(rig, random);
   return rig;
 }

@@ -70,8 +70,9 @@ struct Rig {
   bool load_cell = false;
   bool payloads = false;
   bool temperature = false;
-  bool velocities = false;  // columns of the controller's observer
-  bool kinematic = false;   // the model declares the balance of the encoders
+  bool velocities = false;   // columns of the controller's observer
+  bool gas_balance = false;  // the model declares the gas
+  bool kinematic = false;    // the model declares the balance of the encoders
 
   // Gas: torque = K P - k1 P (q - q0).
   double pneumatic_slope = 0.0;      // K, Nm/bar

@@ -11,9 +11,9 @@
 namespace sinew::rigs {
 
 enum class Kind { kCatalogue, kOutside, kIgnorance };
-// The balance of the declared model in which an effect shows: torque (M), encoders (K), or torque
-// with the motor locked (S).
-enum class Shows { kTorque, kKinematic, kLocked };
+// The balance of the declared model in which an effect shows: torque (M), encoders (K), gas (Q), or
+// torque with the motor locked (S).
+enum class Shows { kTorque, kKinematic, kGas, kLocked };
 
 struct Effect {
   std::string name;
