@@ -266,6 +266,11 @@ CaseFiles MakeCase(const Rig& rig, const Case& what, const Sizer& sizer) {
   out.together = sizer.Measure(run, shows);
   for (int i = 0; i < kRecordings; ++i) {
     out.recordings.push_back(ReadWithNoise(rig, run.rows[static_cast<std::size_t>(i)], i));
+    for (const Reading& reading : out.recordings.back()) {
+      if (!std::isfinite(reading.position + reading.drive + reading.pressure_bar)) {
+        throw std::runtime_error(what.name + ": the simulation diverged");
+      }
+    }
   }
   if (!what.fault.empty()) out.fault_rows = PlantFault(rig, what.fault, out.recordings);
   return out;

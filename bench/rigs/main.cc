@@ -67,8 +67,12 @@ void Make(const fs::path& out, int first, int count, const std::string& only, co
       }
       auto& sizer = sizers[static_cast<int>(what.excitation)];
       if (!sizer) sizer = std::make_unique<rigs::Sizer>(rig, what.excitation);
-      WriteCase(folder, rig, MakeCase(rig, what, *sizer));
-      ++made;
+      try {
+        WriteCase(folder, rig, MakeCase(rig, what, *sizer));
+        ++made;
+      } catch (const std::runtime_error& error) {  // one case less, said and counted
+        std::cerr << error.what() << ", left out\n";
+      }
     }
     std::printf("rig %d (%s): %d cases made, %d were there, %.1f s a case\n", first + i,
                 rigs::WordOf(rig.family), made, kept, made > 0 ? Since(start) / made : 0.0);

@@ -159,6 +159,7 @@ std::vector<Outcome> ReadOutcomes(const std::filesystem::path& cases,
   for (const auto& folder : folders) {
     const auto report = reports / folder.filename() / "report.json";
     const auto run = reports / folder.filename() / "run.json";
+    if (!std::filesystem::exists(report) && !std::filesystem::exists(run)) continue;
     out.push_back(MakeOutcome(Read(folder / "truth.json"),
                               std::filesystem::exists(report) ? Read(report) : json()));
     if (std::filesystem::exists(run)) {

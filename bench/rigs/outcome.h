@@ -41,7 +41,8 @@ Outcome MakeOutcome(const nlohmann::json& truth, const nlohmann::json& report);
 nlohmann::json ToJson(const Outcome& outcome);
 Outcome FromJson(const nlohmann::json& line);
 
-// DIR/CASE/truth.json beside OUTDIR/CASE/report.json; a case without a report is "missing".
+// DIR/CASE/truth.json beside OUTDIR/CASE/report.json; a case that was asked and has no report
+// is "missing", one that was not asked is left out.
 std::vector<Outcome> ReadOutcomes(const std::filesystem::path& cases,
                                   const std::filesystem::path& reports);
 

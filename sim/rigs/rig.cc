@@ -129,7 +129,7 @@ void DrawCylinder(Rig& rig, Random& random, double scale) {
   rig.gear_ratio = 2.0 * kPi / random.LogUniform(0.002, 0.01);
   rig.gravity_torque = 0.0;
   const double area_N_bar = 49.0 * scale;
-  rig.link_inertia = 0.2 * scale;
+  rig.link_inertia = 2.0 * scale;
   rig.coulomb = area_N_bar * random.Uniform(0.05, 0.2);
   rig.pressure = true;
   rig.motor_encoder = false;
@@ -276,7 +276,7 @@ Rig DrawRig(std::uint64_t number) {
   rig.stiffness = reduced * omega * omega;
   rig.damping = 2.0 * random.Uniform(0.1, 0.3) * reduced * omega;
   const double body = rig.coupling == Coupling::kRigid ? rig.total_inertia() : rig.link_inertia;
-  rig.bristle = std::max(rig.amplitude * random.LogUniform(5e-5, 5e-4),
+  rig.bristle = std::max(rig.amplitude * random.LogUniform(3e-6, 3e-5),
                          rig.coulomb / (body * fastest * fastest));
   rig.gas_balance = rig.valve && Random(number, 55).Chance(0.6);
   DrawSensors(rig, random);

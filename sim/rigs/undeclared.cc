@@ -134,6 +134,7 @@ std::vector<std::string> EffectsOf(const Rig& rig, Kind kind) {
 
 double LargestSize(const Rig& rig, const std::string& name) {
   const double force = rig.force_scale();
+  const double viscous = rig.link_viscous + (Measures(rig.drive) ? 0.0 : rig.motor_viscous);
   const double cap_K = rig.play > 0.0 ? 0.2 * rig.play : 0.01;
   struct Limit {
     const char* name;
@@ -141,7 +142,7 @@ double LargestSize(const Rig& rig, const std::string& name) {
   };
   const Limit limits[] = {
       {"direction_dependent_coulomb", 0.8 * rig.coulomb},
-      {"direction_dependent_viscous", 0.5 * force / rig.speed()},
+      {"direction_dependent_viscous", 0.9 * viscous},  // never against the motion
       {"stribeck", std::max(2.0 * rig.coulomb, 0.3 * force)},
       {"presliding", 0.3 * rig.amplitude},
       {"load_dependent_friction", 0.3},
