@@ -1,0 +1,41 @@
+// Files of a case: recordings, what the laboratory declares, the truth.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "sim/rigs/cases.h"
+#include "sim/rigs/sizing.h"
+
+namespace sinew::rig_bank {
+
+// An effect as it was made.
+struct Made {
+  rigs::Sizer::Sized sized;
+  std::vector<std::string> same_class;
+};
+
+// All of a case, ready to be written.
+struct CaseFiles {
+  rigs::Case what;
+  std::vector<Made> effects;
+  std::vector<std::string> too_small;  // candidates that did not reach the share, left out
+  rigs::Measured together;             // all effects at once
+  std::vector<std::vector<rigs::Reading>> recordings;
+  std::vector<rigs::FaultRows> fault_rows;
+};
+
+std::string CsvOf(const rigs::Rig& rig, const std::vector<rigs::Reading>& rows);
+std::string MapOf(const rigs::Rig& rig);
+std::string ModelOf(const rigs::Rig& rig, const std::string& fault);
+nlohmann::json TruthOf(const rigs::Rig& rig, const CaseFiles& files);
+
+// truth.json last, so that a folder without it is one that is not finished.
+void WriteCase(const std::filesystem::path& folder, const rigs::Rig& rig, const CaseFiles& files);
+
+// Makes one case; sizers are shared between the cases of a rig.
+CaseFiles MakeCase(const rigs::Rig& rig, const rigs::Case& what, const rigs::Sizer& sizer);
+
+}  // namespace sinew::rig_bank

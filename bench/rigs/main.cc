@@ -1,0 +1,217 @@
+// The bank of rigs: `rig_bank make`, `run`, `score`, `merge`. See bench/rigs/README.md.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "bench/rigs/figures.h"
+#include "bench/rigs/files.h"
+#include "bench/rigs/outcome.h"
+
+namespace sinew::rig_bank {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+double Since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+struct Shard {
+  int part = 1, of = 1;
+  bool Has(std::size_t i) const { return static_cast<int>(i) % of == part - 1; }
+};
+
+Shard ParseShard(const std::string& text) {
+  Shard out;
+  if (std::sscanf(text.c_str(), "%d/%d", &out.part, &out.of) != 2 || out.part < 1 ||
+      out.part > out.of) {
+    throw CLI::ValidationError("--shard", "'" + text + "', expected K/N with K from 1 to N");
+  }
+  return out;
+}
+
+bool Matches(const rigs::Case& c, const rigs::Rig& rig, const std::string& pattern) {
+  if (pattern.empty()) return true;
+  std::string text = c.name + " " + rigs::WordOf(rig.family);
+  for (const std::string& effect : c.effects) text += " " + effect;
+  return text.find(pattern) != std::string::npos;
+}
+
+void Make(const fs::path& out, int first, int count, const std::string& only, const Shard& shard) {
+  fs::create_directories(out);
+  int made = 0, kept = 0;
+  const auto start = Clock::now();
+  for (int i = 0; i < count; ++i) {
+    if (!shard.Has(static_cast<std::size_t>(i))) continue;
+    const rigs::Rig rig = rigs::DrawRig(static_cast<std::uint64_t>(first + i));
+    std::unique_ptr<rigs::Sizer> sizers[3];
+    for (const rigs::Case& what : rigs::DrawCases(rig)) {
+      if (!Matches(what, rig, only)) continue;
+      const fs::path folder = out / what.name;
+      if (fs::exists(folder / "truth.json")) {
+        ++kept;
+        continue;
+      }
+      auto& sizer = sizers[static_cast<int>(what.excitation)];
+      if (!sizer) sizer = std::make_unique<rigs::Sizer>(rig, what.excitation);
+      try {
+        WriteCase(folder, rig, MakeCase(rig, what, *sizer));
+        ++made;
+      } catch (const std::runtime_error& error) {  // one case less, said and counted
+        std::cerr << error.what() << ", left out\n";
+      }
+    }
+    std::printf("rig %d (%s): %d cases made, %d were there, %.1f s a case\n", first + i,
+                rigs::WordOf(rig.family), made, kept, made > 0 ? Since(start) / made : 0.0);
+    std::fflush(stdout);
+  }
+}
+
+std::string Quoted(const fs::path& path) {
+  std::string out = "'";
+  for (const char c : path.string()) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
+// One subprocess; run.json says how it went.
+void RunCase(const fs::path& sinew, const fs::path& folder, const fs::path& out, int limit_s) {
+  fs::create_directories(out);
+  const std::string command =
+      "timeout " + std::to_string(limit_s) + " " + Quoted(sinew) + " close-loop --model " +
+      Quoted(folder / "model.yaml") + " --map " + Quoted(folder / "csv_map.yaml") + " --train " +
+      Quoted(folder / "train_1.csv") + " " + Quoted(folder / "train_2.csv") + " " +
+      Quoted(folder / "train_3.csv") + " --sealed " + Quoted(folder / "sealed.csv") + " --out " +
+      Quoted(out) + " > " + Quoted(out / "log.txt") + " 2>&1";
+  const auto start = Clock::now();
+  const int status = std::system(command.c_str());
+  const int code = status < 0 ? -1 : (status >> 8) & 0xff;
+  const bool report = fs::exists(out / "report.json");
+  // A program that stops with a message, neither a crash (128 and more) nor out of time (124).
+  const bool refused = !report && code > 0 && code < 124;
+  std::ofstream(out / "run.json")
+      << nlohmann::json{{"seconds", Since(start)}, {"exit", code}, {"refused", refused}}.dump()
+      << "\n";
+}
+
+void Run(const fs::path& cases, const fs::path& sinew, const fs::path& reports,
+         const std::string& only, int jobs, int limit_s, const Shard& shard) {
+  std::vector<fs::path> folders;
+  for (const auto& entry : fs::directory_iterator(cases)) {
+    const std::string name = entry.path().filename().string();
+    if (fs::exists(entry.path() / "truth.json") && name.find(only) != std::string::npos) {
+      folders.push_back(entry.path());
+    }
+  }
+  std::sort(folders.begin(), folders.end());
+  std::atomic<std::size_t> next{0};
+  std::atomic<int> done{0};
+  auto work = [&] {
+    for (std::size_t i = next++; i < folders.size(); i = next++) {
+      const fs::path out = reports / folders[i].filename();
+      if (!shard.Has(i) || fs::exists(out / "report.json") || fs::exists(out / "run.json"))
+        continue;
+      RunCase(sinew, folders[i], out, limit_s);
+      std::printf("%d: %s\n", ++done, folders[i].filename().c_str());
+      std::fflush(stdout);
+    }
+  };
+  std::vector<std::thread> threads;
+  for (int i = 0; i < jobs; ++i) threads.emplace_back(work);
+  for (std::thread& thread : threads) thread.join();
+}
+
+void Print(const std::vector<Outcome>& outcomes, const fs::path& json, bool confusion) {
+  const Figures figures = CountFigures(outcomes);
+  std::cout << outcomes.size() << " cases\n" << TableOf(figures);
+  if (confusion) std::cout << "\n" << ConfusionOf(outcomes);
+  if (!json.empty()) std::ofstream(json) << ToJson(figures).dump(1) << "\n";
+}
+
+int Main(int argc, char** argv) {
+  CLI::App app{"The bank of rigs: draws rigs, hides effects in them, asks a tracer, counts"};
+  app.require_subcommand(1);
+  fs::path out, cases, sinew, reports, jsonl, json;
+  std::vector<fs::path> lines;
+  std::string only, shard = "1/1";
+  int first = 1, count = 20, jobs = 1, limit_s = 900;
+  bool confusion = false;
+
+  auto* make = app.add_subcommand("make", "draw rigs and write their cases");
+  make->add_option("--out", out, "folder of the cases")->required();
+  make->add_option("--first", first, "first rig's number")->check(CLI::PositiveNumber);
+  make->add_option("--count", count, "number of rigs")->check(CLI::PositiveNumber);
+  make->add_option("--only", only, "cases whose name, family or candidates hold this text");
+  make->add_option("--shard", shard, "K/N: every N-th rig, from the K-th on");
+
+  auto* run = app.add_subcommand("run", "ask the program of every case that has no report yet");
+  run->add_option("cases", cases, "folder of the cases")->required();
+  run->add_option("--sinew", sinew, "the program")->required()->check(CLI::ExistingFile);
+  run->add_option("--out", reports, "folder of the reports")->required();
+  run->add_option("--only", only, "cases whose name holds this text");
+  run->add_option("--jobs", jobs, "processes at a time")->check(CLI::PositiveNumber);
+  run->add_option("--limit", limit_s, "seconds after which a case is given up");
+  run->add_option("--shard", shard, "K/N: every N-th case, from the K-th on");
+
+  auto* score = app.add_subcommand("score", "count what the reports say");
+  score->add_option("cases", cases, "folder of the cases")->required();
+  score->add_option("--reports", reports, "folder of the reports")->required();
+  score->add_option("--jsonl", jsonl, "outcomes, one a line, for `merge`");
+  score->add_option("--json", json, "the figures");
+  score->add_flag("--confusion", confusion, "also who was taken for whom");
+
+  auto* merge = app.add_subcommand("merge", "count the outcomes of several runs together");
+  merge->add_option("files", lines, "outcomes that `score --jsonl` wrote")->required();
+  merge->add_option("--json", json, "the figures");
+  merge->add_flag("--confusion", confusion, "also who was taken for whom");
+  CLI11_PARSE(app, argc, argv);
+
+  if (*make) {
+    Make(out, first, count, only, ParseShard(shard));
+  } else if (*run) {
+    Run(cases, sinew, reports, only, jobs, limit_s, ParseShard(shard));
+  } else if (*score) {
+    const std::vector<Outcome> outcomes = ReadOutcomes(cases, reports);
+    if (!jsonl.empty()) {
+      std::ofstream file(jsonl);
+      for (const Outcome& outcome : outcomes) file << ToJson(outcome).dump() << "\n";
+    }
+    Print(outcomes, json, confusion);
+  } else {
+    std::vector<Outcome> outcomes;
+    for (const fs::path& path : lines) {
+      std::ifstream file(path);
+      if (!file) throw std::runtime_error(path.string() + ": cannot be read");
+      for (std::string line; std::getline(file, line);) {
+        if (!line.empty()) outcomes.push_back(FromJson(nlohmann::json::parse(line)));
+      }
+    }
+    Print(outcomes, json, confusion);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace sinew::rig_bank
+
+int main(int argc, char** argv) try {
+  return sinew::rig_bank::Main(argc, argv);
+} catch (const CLI::Error& error) {
+  std::cerr << error.what() << '\n';
+  return 2;
+} catch (const std::exception& error) {
+  std::cerr << error.what() << '\n';
+  return 1;
+}

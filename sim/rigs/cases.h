@@ -1,0 +1,44 @@
+// The cases of a rig: what is hidden in its recordings, drawn from its number.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim/rigs/declared.h"
+#include "sim/rigs/motion.h"
+#include "sim/rigs/sensors.h"
+#include "sim/rigs/undeclared.h"
+
+namespace sinew::rigs {
+
+enum class CaseKind { kPlain, kEffect, kPair, kOutside, kIgnorance, kFault };
+const char* WordOf(CaseKind kind);
+
+struct Case {
+  std::string name;  // of its folder: 000123-2-effect-strong-designed
+  CaseKind kind = CaseKind::kPlain;
+  Excitation excitation = Excitation::kDesigned;
+  double share = 0.0;                // requested of each effect; 0: none
+  std::vector<std::string> effects;  // names; of one effect: the first that reaches the share
+  std::string fault;
+};
+
+// In a fixed order; the same for the same number.
+std::vector<Case> DrawCases(const Rig& rig);
+
+// Faults of the log. Some are of the model file: `missing_constant` leaves the gear ratio out.
+std::vector<std::string> FaultsOf(const Rig& rig);
+struct FaultRows {
+  std::string recording;    // train_1, ..., sealed
+  int first = 0, last = 0;  // rows of the file, from 0, both included
+};
+// Plants the fault into the readings of the four recordings; which rows it spoilt.
+std::vector<FaultRows> PlantFault(const Rig& rig, const std::string& fault,
+                                  std::vector<std::vector<Reading>>& recordings);
+
+const char* RecordingName(int recording);
+
+// Names that say the same of a moving joint by definition, whatever the rig: rows of names.
+const std::vector<std::vector<std::string>>& SameByDefinition();
+
+}  // namespace sinew::rigs
