@@ -169,6 +169,7 @@ void Design::Centre(Eigen::Ref<Eigen::VectorXd> column) const {
 }
 
 void Design::PredictDrive(const actuator::JointModel& model) {
+  if (states_.locked) return;  // the drive has no part in that balance
   std::vector<double> memory(static_cast<std::size_t>(model.memory_size()));
   for (StateSegment& segment : states_.segments) {
     model.ResetMemory(segment.samples.front(), memory);

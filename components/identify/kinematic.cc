@@ -85,8 +85,11 @@ StateSet MakeKinematicStates(const std::vector<Run>& runs, const actuator::Joint
     const UniformRun uniform = MakeUniform(runs[r], motion.longest_gap_s);
     for (const UniformSegment& piece : uniform.segments) {
       StateSegment& segment = states.segments[s];
-      segment.drive_input = piece.signals.at(Signal::kMotorPosition) / model.constants.gear_ratio -
-                            piece.signals.at(Signal::kPosition);
+      const auto measured = [&](Signal signal) -> Eigen::VectorXd {
+        return motion.raw ? AsMeasured(runs[r], piece, signal) : piece.signals.at(signal);
+      };
+      segment.drive_input = measured(Signal::kMotorPosition) / model.constants.gear_ratio -
+                            measured(Signal::kPosition);
       // The model's torque is smoothed: a side has to hold for longer than the filter sees.
       const double rate = piece.rate_Hz();
       const auto guard = static_cast<Eigen::Index>(

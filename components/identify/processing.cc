@@ -320,8 +320,18 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
       const bool motor = piece.signals.count(Signal::kMotorPosition) != 0;
       const bool locked = options.raw && motor && IsLocked(piece.signals.at(Signal::kMotorPosition) / ratio, q);
       out.locked = out.locked || locked;
+      // Smooth signals at the very instants of the rows, measured ones as they were recorded: a
+      // spline through jittering stamps would take away what is fast.
+      const auto at_rows = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
+        return options.raw ? AtRows(piece, x) : x;
+      };
+      const auto measured = [&](Signal signal) -> Eigen::VectorXd {
+        return options.raw ? AsMeasured(run, piece, signal) : piece.signals.at(signal);
+      };
       const Eigen::VectorXd motor_raw =
           motor ? piece.signals.at(Signal::kMotorPosition) : Eigen::VectorXd(ratio * q);
+      const Eigen::VectorXd motor_rows =
+          motor ? measured(Signal::kMotorPosition) : at_rows(ratio * q);
       const double motor_cutoff_Hz =
           options.motor_cutoff_Hz > 0.0 ? options.motor_cutoff_Hz : options.state_cutoff_Hz;
       const Eigen::VectorXd motor_q =
@@ -334,13 +344,13 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
         const auto found = piece.signals.find(signal);
         return found == piece.signals.end() ? Eigen::VectorXd() : found->second;
       };
-      const Eigen::VectorXd signal = piece.signals.at(drive);
+      const Eigen::VectorXd signal = measured(drive);
       const Eigen::VectorXd supply = recorded(Signal::kSupplyVoltage);
       // A voltage on the winding drives only what the turning motor leaves of it; an open bridge
       // nothing.
       Eigen::VectorXd input = signal;
       if (drive == Signal::kDriveVoltage && model.constants.back_emf_V_s_rad > 0.0) {
-        input -= model.constants.back_emf_V_s_rad * motor_v;
+        input -= model.constants.back_emf_V_s_rad * at_rows(motor_v);
         for (Eigen::Index i = 0; i < supply.size(); ++i) {
           if (supply[i] == 0.0) input[i] = 0.0;
         }
@@ -369,6 +379,12 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
       const Eigen::VectorXd temperature = raw(Signal::kTemperature, 25.0);
       const Eigen::VectorXd valve = raw(Signal::kValveOpen, 0.0);
 
+      const Eigen::VectorXd row_q = at_rows(q), row_v = at_rows(v), row_a = at_rows(a),
+                            row_jerk = at_rows(jerk), row_snap = at_rows(snap),
+                            row_motor_v = at_rows(motor_v), row_motor_a = at_rows(motor_a),
+                            row_input = at_rows(input_smooth), row_input_rate = at_rows(input_rate),
+                            row_pressure = at_rows(pressure),
+                            row_pressure_rate = at_rows(pressure_rate), row_force = at_rows(force);
       StateSegment segment;
       segment.run = index;
       segment.start_s = piece.start_s;
@@ -384,20 +400,20 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
       for (Eigen::Index i = 0; i < piece.size(); ++i) {
         effects::JointSample& x = segment.samples[static_cast<std::size_t>(i)];
         x.time_s = piece.Time(i);
-        x.position_rad = q[i];
-        x.velocity_rad_s = v[i];
-        x.acceleration_rad_s2 = a[i];
-        x.jerk_rad_s3 = jerk[i];
-        x.snap_rad_s4 = snap[i];
+        x.position_rad = row_q[i];
+        x.velocity_rad_s = row_v[i];
+        x.acceleration_rad_s2 = row_a[i];
+        x.jerk_rad_s3 = row_jerk[i];
+        x.snap_rad_s4 = row_snap[i];
         // Torque that repeats with an angle belongs to the very angle of its row.
-        x.motor_position_rad = options.raw ? motor_raw[i] : motor_q[i];
-        x.motor_velocity_rad_s = motor_v[i];
-        x.motor_acceleration_rad_s2 = motor_a[i];
-        x.drive_input = input_smooth[i];
-        x.drive_rate = input_rate[i];
-        x.pressure_bar = pressure[i];
-        x.pressure_rate_bar_s = pressure_rate[i];
-        x.load_force_N = force[i];
+        x.motor_position_rad = options.raw ? motor_rows[i] : motor_q[i];
+        x.motor_velocity_rad_s = row_motor_v[i];
+        x.motor_acceleration_rad_s2 = row_motor_a[i];
+        x.drive_input = row_input[i];
+        x.drive_rate = row_input_rate[i];
+        x.pressure_bar = row_pressure[i];
+        x.pressure_rate_bar_s = row_pressure_rate[i];
+        x.load_force_N = row_force[i];
         x.payload_kg = payload[i];
         x.temperature_degC = temperature[i];
         x.valve_open = valve[i] > 0.5;

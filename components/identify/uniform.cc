@@ -229,6 +229,13 @@ UniformRun MakeUniform(const Run& run, double longest_gap_s, double shortest_s) 
       segment.signals[signal] =
           IsSwitch(signal) ? HoldAt(at, piece, grid) : SplineAt(at, piece, grid);
     }
+    segment.row.assign(static_cast<std::size_t>(size), -1);
+    segment.sampled_s = grid;
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const auto k = static_cast<std::size_t>(rows[static_cast<std::size_t>(i)]);
+      segment.row[k] = from + i;
+      segment.sampled_s[static_cast<Eigen::Index>(k)] = at[i];
+    }
     for (std::size_t i = 0; i + 1 < rows.size(); ++i) {  // holes and their rims
       if (rows[i + 1] - rows[i] < hole) continue;
       for (Eigen::Index k = rows[i]; k <= rows[i + 1]; ++k) {
@@ -244,6 +251,24 @@ UniformRun MakeUniform(const Run& run, double longest_gap_s, double shortest_s) 
   out.sampling.rate_Hz = rate_sum / rate_rows;
   out.sampling.jitter_rms_s = std::sqrt(jitter_squares / rate_rows);
   return out;
+}
+
+Eigen::VectorXd AsMeasured(const Run& run, const UniformSegment& segment, Signal signal) {
+  Eigen::VectorXd out = segment.signals.at(signal);
+  if (segment.row.empty()) return out;
+  const Eigen::VectorXd& rows = run.At(signal);
+  for (Eigen::Index i = 0; i < out.size(); ++i) {
+    const Eigen::Index row = segment.row[static_cast<std::size_t>(i)];
+    if (row >= 0) out[i] = rows[row];
+  }
+  return out;
+}
+
+Eigen::VectorXd AtRows(const UniformSegment& segment, const Eigen::VectorXd& smooth) {
+  if (segment.row.empty() || smooth.size() == 0) return smooth;
+  Eigen::VectorXd grid(segment.size());
+  for (Eigen::Index i = 0; i < grid.size(); ++i) grid[i] = segment.Time(i);
+  return SplineAt(grid, smooth, segment.sampled_s);
 }
 
 }  // namespace sinew::identify

@@ -23,11 +23,20 @@ struct UniformSegment {
   double period_s = 0.0;
   std::map<Signal, Eigen::VectorXd> signals;
   std::vector<char> valid;  // 0: inside a hole of lost rows
+  // Of every grid point the row of the recording that belongs to it (-1: none) and the instant at
+  // which that was sampled, as far as is known; both empty where rows lie on the grid already.
+  std::vector<Eigen::Index> row;
+  Eigen::VectorXd sampled_s;
 
   Eigen::Index size() const { return static_cast<Eigen::Index>(valid.size()); }
   double Time(Eigen::Index i) const { return start_s + period_s * static_cast<double>(i); }
   double rate_Hz() const { return 1.0 / period_s; }
 };
+
+// A signal as its rows were recorded, in the order of the grid; lost rows from the spline.
+Eigen::VectorXd AsMeasured(const Run& run, const UniformSegment& segment, Signal signal);
+// A smooth signal of the grid at the instants of the rows.
+Eigen::VectorXd AtRows(const UniformSegment& segment, const Eigen::VectorXd& smooth);
 
 struct SamplingReport {
   double rate_Hz = 0.0;

@@ -47,7 +47,8 @@ CandidateSet MakeCandidates(const identify::Design& design, const actuator::Join
     }
     // A load cell that nobody touches tells its own noise; "its gain is -1" would be that.
     const bool reads_load = std::count(info.needs.begin(), info.needs.end(), "load_force_N") != 0;
-    if (reads_load && design.silent_load()) {
+    // Where the motor is locked the load cell is the measured side itself.
+    if (reads_load && (design.silent_load() || design.states().locked)) {
       out.silent.push_back({name, "load_force_N"});
       continue;
     }

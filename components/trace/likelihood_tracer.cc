@@ -24,6 +24,8 @@ using identify::Rms;
 constexpr double kLargestP = 0.01;
 // Net gain over the misfit of the refitted model: what a set must explain to be named.
 constexpr double kFewestShare = 0.015;
+// The same for a free curve, which fits whatever small structure every machine has.
+constexpr double kFewestCurveShare = 0.04;
 // A further effect must explain more than the approximate shape of the first may leave.
 constexpr double kShapeMisfit = 0.10;
 // A free curve explains clearly more.
@@ -217,7 +219,7 @@ class LikelihoodTracer {
     const EffectSet with_curve = WithBestCurve(evidence, bank_.hypotheses, chosen_);
     if (result_.p_global <= kLargestP && !with_curve.empty()) {
       const double more = with_curve.net - chosen_.net;
-      const bool clear = more > kFewestShare * misfit &&
+      const bool clear = more > kFewestCurveShare * misfit &&
                          more > kClearlyMore * with_curve.net;
       if (clear && P(evidence, chosen_, with_curve, StatisticOf(chosen_, with_curve)) <= kLargestP) {
         Unexplain(evidence, found.curve.net > chosen_.net ? found.curve : with_curve, misfit);
