@@ -264,9 +264,9 @@ Balance MakeBalance(const Rig& rig, const std::vector<Reading>& readings,
       const int i = rows[static_cast<std::size_t>(k)];
       out.response[k] = at[static_cast<std::size_t>(i)]->pressure_bar;
       out.columns(k, 0) = compressed[i];
-      const bool last = k + 1 == count || rows[static_cast<std::size_t>(k + 1)] - i > 10 ||
+      const bool ends = k + 1 == count || rows[static_cast<std::size_t>(k + 1)] - i > 10 ||
                         i - rows[static_cast<std::size_t>(first)] > kGasWindow_s * rig.rate_Hz;
-      if (!last) continue;
+      if (!ends) continue;
       out.response.segment(first, k + 1 - first).array() -=
           out.response.segment(first, k + 1 - first).mean();
       out.columns.col(0).segment(first, k + 1 - first).array() -=

@@ -190,17 +190,27 @@ Sizer::Sized Sizer::Size(const Effect& effect, double share) const {
   return out;
 }
 
-// Signatures of all other effects in the first recording, each at a sixth of its largest size.
-const Sizer::Signature& Sizer::RivalOf(const std::string& name, Shows shows) const {
+// Signatures of another effect in the first recording: at a sixth of its largest size and, where it
+// has a shape that is no factor, at a third and thrice that shape.
+const std::vector<Sizer::Signature>& Sizer::RivalsOf(const std::string& name, Shows shows) const {
   const auto found = rivals_.find(name);
   if (found != rivals_.end()) return found->second;
-  Effect rival = DrawEffect(rig_, name);
-  rival.size = std::copysign(LargestSize(rig_, name) / 6.0, rival.size);
+  const bool by_size =
+      name == "presliding" || name == "elastic_joint" || name == "gas_heat_exchange";
+  const bool by_shape =
+      name == "stribeck" || name == "seal_hysteresis" || name == "stiffness_collapse";
   const Run first{{twin_.rows.front()}};
-  return rivals_
-      .emplace(name, SignatureOf(Clean(Play(rig_, {rival}, excitation_, 1), shows, 1),
-                                 Clean(first, shows, 1)))
-      .first->second;
+  const Balance without = Clean(first, shows, 1);
+  std::vector<Signature> out;
+  for (const double factor : {1.0, 1.0 / 3.0, 3.0}) {
+    Effect rival = DrawEffect(rig_, name);
+    rival.size = std::copysign(LargestSize(rig_, name) / 6.0, rival.size);
+    if (by_size) rival.size *= factor;
+    if (by_shape) rival.shape[0] *= factor;
+    out.push_back(SignatureOf(Clean(Play(rig_, {rival}, excitation_, 1), shows, 1), without));
+    if (!by_size && !by_shape) break;
+  }
+  return rivals_.emplace(name, std::move(out)).first->second;
 }
 
 std::vector<std::string> Sizer::ClassOf(const Effect& effect) const {
@@ -215,22 +225,25 @@ std::vector<std::string> Sizer::ClassOf(const Effect& effect) const {
   for (const std::string& name : EffectsOf(rig_, Kind::kCatalogue)) {
     const EffectInfo& other = FindEffect(name);
     if (name == effect.name || other.shows != info.shows || other.swallowed) continue;
-    const Signature& theirs = RivalOf(name, shows);
-    const Common common = CommonRows(own.row, theirs.row);
-    const auto n = static_cast<Eigen::Index>(common.left.size());
-    if (n < 100) continue;
-    Eigen::VectorXd d(n);
-    Eigen::MatrixXd e(n, 1);
-    std::vector<int> row;
-    for (Eigen::Index k = 0; k < n; ++k) {
-      const auto at = static_cast<std::size_t>(k);
-      d[k] = own.values[common.left[at]];
-      e(k, 0) = theirs.values[common.right[at]];
-      row.push_back(own.row[static_cast<std::size_t>(common.left[at])]);
+    double loss = 1.0;
+    for (const Signature& theirs : RivalsOf(name, shows)) {
+      const Common common = CommonRows(own.row, theirs.row);
+      const auto n = static_cast<Eigen::Index>(common.left.size());
+      if (n < 100) continue;
+      Eigen::VectorXd d(n);
+      Eigen::MatrixXd e(n, 1);
+      std::vector<int> row;
+      for (Eigen::Index k = 0; k < n; ++k) {
+        const auto at = static_cast<std::size_t>(k);
+        d[k] = own.values[common.left[at]];
+        e(k, 0) = theirs.values[common.right[at]];
+        row.push_back(own.row[static_cast<std::size_t>(common.left[at])]);
+      }
+      const Common place = CommonRows(without.row, row);
+      if (place.left.size() != row.size()) continue;
+      loss = std::min(loss, LossOfFit(Restrict(without, place.left), d, e, ar));
     }
-    const Common place = CommonRows(without.row, row);
-    if (place.left.size() != row.size()) continue;
-    if (LossOfFit(Restrict(without, place.left), d, e, ar) < kClassMargin) names.push_back(name);
+    if (loss < kClassMargin) names.push_back(name);
   }
   return names;
 }

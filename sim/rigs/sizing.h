@@ -60,10 +60,10 @@ class Sizer {
   double Share(const Run& run, Shows shows) const;
   std::pair<double, double> Residuals(const Balance& noisy, Shows shows) const;
   const Balance& TwinBalance(Shows shows, bool noisy) const;
-  const Signature& RivalOf(const std::string& name, Shows shows) const;
+  const std::vector<Signature>& RivalsOf(const std::string& name, Shows shows) const;
 
   const Rig& rig_;
-  mutable std::map<std::string, Signature> rivals_;
+  mutable std::map<std::string, std::vector<Signature>> rivals_;
   mutable std::map<std::pair<int, bool>, Balance> twins_;
   Excitation excitation_;
   Run twin_;
