@@ -84,8 +84,13 @@ void MarkTouches(const Eigen::VectorXd& gap, double play, std::vector<char>* fla
 
 }  // namespace
 
+// Standard deviations of its noise from which on the sign of a velocity is sure: one wrong sign in
+// two million rows.
+constexpr double kSureVelocity = 5.0;
 // Share of the 75th percentile of speed that counts as rest.
 constexpr double kRestShare = 0.03;
+// How much lower the low-pass of slow motion is: its velocity has a fifteenth of the noise.
+constexpr double kSlower = 6.0;
 // Periods of the angles' low-pass that a reversal is kept away from: what friction does there rings
 // for as long in the derivatives.
 constexpr double kGuardPeriods = 2.0;
@@ -172,16 +177,16 @@ ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::Joint
   const double output_inertia = NominalInertia(model, effects::Side::kOutput);
   const double motor_inertia = NominalInertia(model, effects::Side::kMotor);
   double output_Hz = 0.0, motor_Hz = 0.0, nyquist_Hz = 0.0;
+  double density = 0.0;  // of the position's noise
   std::vector<double> speeds;
   for (const Run& run : runs) {
     for (const UniformSegment& segment : MakeUniform(run, longest_gap_s).segments) {
       const double rate = segment.rate_Hz();
       nyquist_Hz = std::max(nyquist_Hz, 0.5 * rate);
       const auto drive = segment.signals.find(drive_signal);
-      const double drive_noise =
-          drive == segment.signals.end()
-              ? 0.0
-              : drive_gain * drive_gain * NoiseDensity(drive->second, rate);
+      const double drive_noise = drive == segment.signals.end()
+                                     ? 0.0
+                                     : drive_gain * drive_gain * NoiseDensity(drive->second, rate);
       // The band of an angle, as far as the torque noise that its acceleration brings,
       // J^2 (2 pi f)^4 S, stays below that of the drive.
       const auto band = [&](const Eigen::VectorXd& angle, double inertia) {
@@ -190,16 +195,18 @@ ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::Joint
         if (!(density > 0.0) || !(drive_noise > 0.0)) return above_noise;
         return std::min(above_noise, std::pow(drive_noise / density, 0.25) / kTwoPi);
       };
-      const Eigen::VectorXd position = OutputPosition(segment, model.constants.gear_ratio, run.name);
+      const Eigen::VectorXd position =
+          OutputPosition(segment, model.constants.gear_ratio, run.name);
       output_Hz = std::max(output_Hz, band(position, output_inertia));
       const auto motor = segment.signals.find(Signal::kMotorPosition);
       if (motor != segment.signals.end()) {
-        motor_Hz = std::max(
-            motor_Hz, band(motor->second / model.constants.gear_ratio, motor_inertia));
+        motor_Hz =
+            std::max(motor_Hz, band(motor->second / model.constants.gear_ratio, motor_inertia));
       }
-      const Eigen::VectorXd velocity = WideDifference(
-          Smooth(position, out.state_order, std::max(output_Hz, 1e-3 * rate), rate),
-          segment.period_s);
+      density = std::max(density, NoiseDensity(position, rate));
+      const Eigen::VectorXd velocity =
+          WideDifference(Smooth(position, out.state_order, std::max(output_Hz, 1e-3 * rate), rate),
+                         segment.period_s);
       for (const double v : velocity) speeds.push_back(std::abs(v));
     }
   }
@@ -212,8 +219,15 @@ ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::Joint
   out.motor_cutoff_Hz = motor_Hz > 0.0 ? within(motor_Hz) : 0.0;
   out.parallel_cutoff_Hz = nyquist_Hz;  // none
   out.raw = true;
-  // What moves slower than this part of the motion's quick half is a reversal or rest.
-  out.rest_velocity = kRestShare * Quantile(speeds, 0.75);
+  // Noise of a velocity behind a low-pass at f: (2 pi)^2 S f^3 / 3.
+  const auto velocity_noise = [&](double cutoff_Hz) {
+    return kTwoPi * std::sqrt(density * cutoff_Hz * cutoff_Hz * cutoff_Hz / 3.0);
+  };
+  out.slow_cutoff_Hz = out.state_cutoff_Hz / kSlower;
+  out.doubtful_velocity = kSureVelocity * velocity_noise(out.state_cutoff_Hz);
+  // What moves slower than this part of the motion's quick half sticks and slips.
+  out.rest_velocity = std::max(kSureVelocity * velocity_noise(out.slow_cutoff_Hz),
+                               kRestShare * Quantile(speeds, 0.75));
   out.reversal_guard_s = kGuardPeriods / out.state_cutoff_Hz;
   out.border_s = 2.0 / out.state_cutoff_Hz;
   return out;
@@ -313,12 +327,19 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
       };
       const double ratio = model.constants.gear_ratio;
       const Eigen::VectorXd q = smooth(OutputPosition(piece, ratio, run.name));
-      const Eigen::VectorXd v = rate_of(q);
+      Eigen::VectorXd v = rate_of(q);
       const Eigen::VectorXd a = rate_of(v);
+      if (options.doubtful_velocity > 0.0 && !run.held) {
+        const Eigen::VectorXd slow =
+            rate_of(Smooth(OutputPosition(piece, ratio, run.name), options.state_order,
+                           options.slow_cutoff_Hz, rate));
+        v = (v.array().abs() < options.doubtful_velocity).select(slow, v);
+      }
       const Eigen::VectorXd jerk = rate_of(a);
       const Eigen::VectorXd snap = rate_of(jerk);
       const bool motor = piece.signals.count(Signal::kMotorPosition) != 0;
-      const bool locked = options.raw && motor && IsLocked(piece.signals.at(Signal::kMotorPosition) / ratio, q);
+      const bool locked =
+          options.raw && motor && IsLocked(piece.signals.at(Signal::kMotorPosition) / ratio, q);
       out.locked = out.locked || locked;
       // Smooth signals at the very instants of the rows, measured ones as they were recorded: a
       // spline through jittering stamps would take away what is fast.

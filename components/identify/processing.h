@@ -35,6 +35,10 @@ struct ProcessingOptions {
   // Rows at the recording's own rate (FromMotion): the motor's angle stays as it was measured, the
   // load cell goes through the low-pass of the output's angle.
   bool raw = false;
+  // Where the velocity is below the first of these it is taken from a low-pass at the second: slow
+  // ramps would drown in the noise of a quick derivative. 0: it is not.
+  double doubtful_velocity = 0.0;  // rad/s or m/s
+  double slow_cutoff_Hz = 0.0;
 };
 
 // The states of one piece of a recording, at the full rate.
@@ -77,8 +81,8 @@ Signal DriveSignal(const actuator::JointModel& model);
 // cut-off at a quarter of that, rest velocity at 3 % of the velocity's rms.
 ProcessingOptions Resolve(const ProcessingOptions& options, const std::vector<Run>& runs);
 
-// Settings from the motion alone: the low-pass of each angle where its spectrum meets its noise, rest
-// and no wider than the noise of its acceleration allows beside that of the drive, rest from
+// Settings from the motion alone: the low-pass of each angle where its spectrum meets its noise,
+// rest and no wider than the noise of its acceleration allows beside that of the drive, rest from
 // quantiles of the speed, guards from the filters. No second filter.
 ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::JointModel& model,
                              double longest_gap_s);

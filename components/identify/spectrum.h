@@ -27,7 +27,8 @@ Spectrum PowerDensity(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz
 double NoiseDensity(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz);
 
 // The same as BandAboveNoise from above: the highest frequency at which the spectrum, averaged over
-// five lines, still stands above that level. Motion made of ramps or of one frequency has gaps below.
+// five lines, still stands above that level. Motion made of ramps or of one frequency has gaps
+// below.
 double HighestBandAboveNoise(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz);
 
 double BandAboveNoise(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz);

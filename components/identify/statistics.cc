@@ -70,9 +70,8 @@ double StudentQuantile(double p, double freedom) {
 }
 
 double Rms(const Eigen::Ref<const Eigen::VectorXd>& values) {
-  return values.size() > 0
-             ? std::sqrt(values.squaredNorm() / static_cast<double>(values.size()))
-             : 0.0;
+  return values.size() > 0 ? std::sqrt(values.squaredNorm() / static_cast<double>(values.size()))
+                           : 0.0;
 }
 
 double Mean(const std::vector<double>& values) {

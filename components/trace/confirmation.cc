@@ -37,7 +37,8 @@ Confirmation ConfirmSlope(const Eigen::Ref<const Eigen::VectorXd>& left_over,
   for (const identify::Block& block : blocks) {
     const auto rows = static_cast<Eigen::Index>(block.size());
     const auto d = change.segment(block.front(), rows);
-    const double score = d.dot(left_over.segment(block.front(), rows)) - out.slope * d.squaredNorm();
+    const double score =
+        d.dot(left_over.segment(block.front(), rows)) - out.slope * d.squaredNorm();
     meat += score * score;
   }
   const auto count = static_cast<double>(blocks.size());
@@ -53,19 +54,17 @@ Confirmation ConfirmSlope(const Eigen::Ref<const Eigen::VectorXd>& left_over,
   return out;
 }
 
-Confirmation Confirm(const identify::Design& held_out, const UsedRows& used,
-                     const NoiseModel& noise, const identify::FitResult& without,
-                     const identify::FitResult& with) {
+Confirmation Confirm(const identify::Design& held_out, const Likelihood& likelihood,
+                     const identify::FitResult& without, const identify::FitResult& with) {
+  const UsedRows& used = likelihood.used;
   const auto left = [&](const identify::FitResult& fit) -> Eigen::VectorXd {
-    const identify::Balance balance =
-        identify::MakeBalance(held_out, fit.model, fit.keep_scale);
+    const identify::Balance balance = identify::MakeBalance(held_out, fit.model, fit.keep_scale);
     if (balance.columns.cols() != fit.coefficients.size()) return {};
     return balance.target(used.rows) - used.Of(balance.columns) * fit.coefficients;
   };
   const Eigen::VectorXd before = left(without), after = left(with);
   if (before.size() == 0 || before.size() != after.size()) return {};
-  return ConfirmSlope(noise.Whiten(before, used.stretches),
-                      noise.Whiten(before - after, used.stretches), used.blocks);
+  return ConfirmSlope(Whiten(likelihood, before), Whiten(likelihood, before - after), used.blocks);
 }
 
 }  // namespace sinew::trace

@@ -1,21 +1,20 @@
 // Held-out confirmation of an effect, by a test that is fixed before it is run.
 //
 // The model without the effect and the model with it are fitted to the training recordings. On the
-// held-out ones r is what the first leaves and d the change that the second predicts, both whitened.
-// The slope of r on d is 1 for an effect that is there with the size that training gave it, 0 for one
-// that is not, negative for one that makes the prediction worse:
+// held-out ones r is what the first leaves and d the change that the second predicts, both
+// whitened. The slope of r on d is 1 for an effect that is there with the size that training gave
+// it, 0 for one that is not, negative for one that makes the prediction worse:
 //
 //     s = d'r / d'd,   standard error from the scores d_b'(r_b - s d_b) of blocks b
 //
-// A fixed share of the training gain would be wrong: the held-out motion may excite the effect less.
-// Pure; allocates.
+// A fixed share of the training gain would be wrong: the held-out motion may excite the effect
+// less. Pure; allocates.
 #pragma once
 
 #include <string_view>
 
 #include "components/identify/fit.h"
-#include "components/trace/noise_model.h"
-#include "components/trace/used_rows.h"
+#include "components/trace/whitened_fit.h"
 
 namespace sinew::trace {
 
@@ -38,9 +37,8 @@ struct Confirmation {
 
 // without, with: fitted to the training recordings, of the same declared terms; the drive of
 // held_out must be predicted by `with`.
-Confirmation Confirm(const identify::Design& held_out, const UsedRows& used,
-                     const NoiseModel& noise, const identify::FitResult& without,
-                     const identify::FitResult& with);
+Confirmation Confirm(const identify::Design& held_out, const Likelihood& likelihood,
+                     const identify::FitResult& without, const identify::FitResult& with);
 
 // The same from whitened left-over and predicted change.
 Confirmation ConfirmSlope(const Eigen::Ref<const Eigen::VectorXd>& left_over,

@@ -44,7 +44,8 @@ constexpr Variable kVariables[] = {
     {"drive_input", [](const JointSample& x) { return x.drive_input; }, 8},
     {"drive_input", [](const JointSample& x) { return x.drive_input; }, 8, Direction, kByDirection},
     {"pressure_bar", [](const JointSample& x) { return x.pressure_bar; }, 6},
-    {"pressure_bar", [](const JointSample& x) { return x.pressure_bar; }, 6, Direction, kByDirection},
+    {"pressure_bar", [](const JointSample& x) { return x.pressure_bar; }, 6, Direction,
+     kByDirection},
     {"pressure_bar", [](const JointSample& x) { return x.pressure_bar; }, 6, Position,
      " times the angle"},
     {"load_force_N", [](const JointSample& x) { return x.load_force_N; }, 6},
@@ -75,9 +76,10 @@ std::vector<double> Knots(const Eigen::VectorXd& values, const std::vector<Eigen
   std::vector<double> knots;
   const double span = sorted.empty() ? 0.0 : sorted.back() - sorted.front();
   for (int k = 0; k < count && !sorted.empty(); ++k) {
-    const auto at = static_cast<std::size_t>(std::lround(
-        static_cast<double>(k) / (count - 1) * static_cast<double>(sorted.size() - 1)));
-    if (knots.empty() || sorted[at] > knots.back() + 1e-3 * span / count) knots.push_back(sorted[at]);
+    const auto at = static_cast<std::size_t>(
+        std::lround(static_cast<double>(k) / (count - 1) * static_cast<double>(sorted.size() - 1)));
+    if (knots.empty() || sorted[at] > knots.back() + 1e-3 * span / count)
+      knots.push_back(sorted[at]);
   }
   return knots;
 }
@@ -89,9 +91,8 @@ Curve Over(const identify::Design& design, const Variable& variable,
   if (knots.size() < 3) return out;
   out.columns.resize(design.rows().size(), static_cast<Eigen::Index>(knots.size()));
   for (std::size_t k = 0; k < knots.size(); ++k) {
-    out.columns.col(static_cast<Eigen::Index>(k)) = design.Column([&](const JointSample& x) {
-      return Hat(knots, k, variable.get(x)) * variable.times(x);
-    });
+    out.columns.col(static_cast<Eigen::Index>(k)) = design.Column(
+        [&](const JointSample& x) { return Hat(knots, k, variable.get(x)) * variable.times(x); });
   }
   return out;
 }

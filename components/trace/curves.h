@@ -1,7 +1,7 @@
 // Alternatives to the catalogue that need no physics: free curves over one signal, over time, and
-// over an angle. They compete with the effects in one likelihood; where one of them explains clearly
-// more than the best physical set, the honest answer is "unexplained: depends on X" (design.md,
-// "Closing the loop", steps 6 and 8).
+// over an angle. They compete with the effects in one likelihood; where one of them explains
+// clearly more than the best physical set, the honest answer is "unexplained: depends on X"
+// (design.md, "Closing the loop", steps 6 and 8).
 //
 // A curve is a sum of hat functions over knots at quantiles of its signal, alone or times another
 // signal (friction follows the direction of motion, a tilting base the cosine of the angle).

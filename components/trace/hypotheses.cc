@@ -152,7 +152,6 @@ void AddOrders(const identify::Design& design, const Likelihood& likelihood,
                const actuator::JointModel& model, const identify::Balance& balance,
                const Eigen::VectorXd& whitened_residual, Bank* bank) {
   const UsedRows& used = likelihood.used;
-  const NoiseModel& noise = likelihood.noise;
   if (design.states().measured.count("motor_position_rad") == 0) return;
   if (model.balance != effects::Balance::kMotion || model.kind != effects::JointKind::kRotary) {
     return;
@@ -182,8 +181,7 @@ void AddOrders(const identify::Design& design, const Likelihood& likelihood,
   Eigen::MatrixXd found(used.size(), 0);
   double first = 0.0;
   for (int k = 0; k < kMostLines; ++k) {
-    const OrderLine line =
-        StrongestOrder(noise.Transpose(e, used.stretches), angle, lowest, highest);
+    const OrderLine line = StrongestOrder(WhitenTransposed(likelihood, e), angle, lowest, highest);
     if (!(line.order > 0.0)) break;
     // A whole order within the resolution is that order.
     const double whole_order = std::round(line.order);
@@ -191,7 +189,7 @@ void AddOrders(const identify::Design& design, const Likelihood& likelihood,
     const double order = integer ? whole_order : line.order;
     const std::vector<double> psi = {order};
     const Eigen::MatrixXd phi = design.Columns(*effect, psi);
-    const Eigen::MatrixXd z = noise.Whiten(-used.Of(phi), used.stretches);
+    const Eigen::MatrixXd z = Whiten(likelihood, -used.Of(phi));
     const Eigen::MatrixXd before = found;
     found.conservativeResize(used.size(), before.cols() + 2);
     found.rightCols(2) = z;

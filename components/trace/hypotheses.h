@@ -29,7 +29,7 @@ struct Hypothesis {
   std::shared_ptr<const effects::Effect> effect;  // null: a free curve
   std::vector<Setting1> settings;                 // more than one: several orders of one effect
   Columns columns;                                // of all settings
-  int family = 0;      // hypotheses of one family are settings of one thing
+  int family = 0;       // hypotheses of one family are settings of one thing
   double charge = 0.0;  // misfit that its parameters, shapes and searches are charged
   // Range of each coefficient, in units of the balance.
   std::vector<double> lower, upper;
@@ -41,8 +41,8 @@ struct Bank {
   Eigen::MatrixXd declared;  // used rows, not whitened
   Prior prior;               // of the declared columns, before whitening by sigma
   Eigen::VectorXd target;
-  Eigen::MatrixXd columns;     // used rows, not whitened
-  Eigen::VectorXd spread;      // prior standard deviation of each coefficient
+  Eigen::MatrixXd columns;  // used rows, not whitened
+  Eigen::VectorXd spread;   // prior standard deviation of each coefficient
   std::vector<Hypothesis> hypotheses;
   std::vector<MissingSignals> missing, silent;
   Eigen::Index parameters = 0;  // declared ones; columns behind them are nuisances

@@ -36,6 +36,8 @@ constexpr double kConstancy = 0.15;
 constexpr double kHiddenShare = 0.01;
 constexpr double kAbsorbed = 1e-3;
 constexpr double kOutlier = 6.0;
+// Periods of the angles' low-pass over which the noise's scale is taken.
+constexpr double kScalePeriods = 3.0;
 constexpr int kFewestRowsPerBlock = 20;
 
 double RobustDeviation(const Eigen::VectorXd& x) {
@@ -75,7 +77,8 @@ class LikelihoodTracer {
   void FitDeclared() {
     likelihood_.used = MakeUsedRows(train_, kFewestRowsPerBlock);
     sealed_used_ = MakeUsedRows(sealed_, kFewestRowsPerBlock);
-    const Eigen::VectorXd nominal = identify::ErrorOf(train_, declared_).residual(likelihood_.used.rows);
+    const Eigen::VectorXd nominal =
+        identify::ErrorOf(train_, declared_).residual(likelihood_.used.rows);
     likelihood_.noise = NoiseModel(nominal, likelihood_.used.stretches, 0);
     fit_ = FitWhitened(train_, likelihood_, declared_);
     if (fit_.balance.fits_scale) {
@@ -94,11 +97,13 @@ class LikelihoodTracer {
     const double rate = train_.states().rate_Hz;
     const int longest = static_cast<int>(std::clamp(
         std::ceil(2.0 * rate / std::max(1e-9, train_.options().state_cutoff_Hz)), 6.0, 40.0));
+    const auto window = static_cast<Eigen::Index>(
+        std::ceil(kScalePeriods * rate / train_.options().state_cutoff_Hz));
     for (int pass = 0; pass < 2; ++pass) {
       likelihood_.no_nuisance = ImplausibleNuisances(train_, likelihood_, declared_);
       fit_ = FitWhitened(train_, likelihood_, declared_);
       bank_ = MakeBank(train_, likelihood_, declared_, fit_.balance);
-      if (pass == 0) likelihood_.noise = NoiseModel(Residual(fit_), likelihood_.used.stretches, longest);
+      if (pass == 0) SetNoise(Residual(fit_), window, longest, &likelihood_);
       Whiten();
       const Eigen::VectorXd plain = y_ - X_ * DeclaredAlone();
       AddOrders(train_, likelihood_, declared_, fit_.balance, plain, &bank_);
@@ -110,9 +115,9 @@ class LikelihoodTracer {
       const Eigen::VectorXd b = evidence.Declared(all, c);
       const Eigen::VectorXd rest = bank_.target - bank_.declared * b - bank_.columns * c;
       result_.ceiling_rms = Scale() * Rms(rest);
-      likelihood_.noise = NoiseModel(rest, likelihood_.used.stretches, longest);
+      SetNoise(rest, window, longest, &likelihood_);
       if (pass == 0 && declared_.balance == effects::Balance::kMotion) {
-        const Eigen::VectorXd e = likelihood_.noise.Whiten(rest, likelihood_.used.stretches);
+        const Eigen::VectorXd e = trace::Whiten(likelihood_, rest);
         const double limit = kOutlier * RobustDeviation(e);
         std::vector<char> marked(likelihood_.used.rows.size(), 0);
         for (Eigen::Index i = 0; i < e.size(); ++i) {
@@ -125,7 +130,7 @@ class LikelihoodTracer {
           if (!marked[static_cast<std::size_t>(i)]) kept.push_back(i);
         }
         const Eigen::VectorXd clean = rest(kept);
-        likelihood_.noise = NoiseModel(clean, likelihood_.used.stretches, longest);
+        SetNoise(clean, window, longest, &likelihood_);
       }
     }
     likelihood_.no_nuisance.clear();
@@ -149,13 +154,13 @@ class LikelihoodTracer {
     return fit_.balance.fits_scale ? fit_.balance.Scale(fit_.coefficients) : 1.0;
   }
   void Whiten() {
-    X_ = likelihood_.noise.Whiten(bank_.declared, likelihood_.used.stretches);
-    y_ = likelihood_.noise.Whiten(bank_.target, likelihood_.used.stretches);
-    Z_ = likelihood_.noise.Whiten(bank_.columns, likelihood_.used.stretches);
+    X_ = trace::Whiten(likelihood_, bank_.declared);
+    y_ = trace::Whiten(likelihood_, bank_.target);
+    Z_ = trace::Whiten(likelihood_, bank_.columns);
   }
   Evidence MakeEvidence() const {
-    const Eigen::VectorXd precision = (bank_.spread.array() > 0.0)
-                                          .select(bank_.spread.array().square().inverse(), 1e300);
+    const Eigen::VectorXd precision =
+        (bank_.spread.array() > 0.0).select(bank_.spread.array().square().inverse(), 1e300);
     return Evidence(X_, bank_.prior, Z_, precision, y_);
   }
 
@@ -183,8 +188,8 @@ class LikelihoodTracer {
   void Search() {
     const Evidence evidence = MakeEvidence();
     const double misfit = evidence.misfit();
-    const SetSearch found = SearchSets(evidence, bank_.hypotheses,
-                                       static_cast<std::size_t>(options_.max_rounds));
+    const SetSearch found =
+        SearchSets(evidence, bank_.hypotheses, static_cast<std::size_t>(options_.max_rounds));
     const EffectSet none;
     // One p-value of the whole search: its largest statistic, physical or not.
     EffectSet loudest = found.curve;
@@ -219,9 +224,9 @@ class LikelihoodTracer {
     const EffectSet with_curve = WithBestCurve(evidence, bank_.hypotheses, chosen_);
     if (result_.p_global <= kLargestP && !with_curve.empty()) {
       const double more = with_curve.net - chosen_.net;
-      const bool clear = more > kFewestCurveShare * misfit &&
-                         more > kClearlyMore * with_curve.net;
-      if (clear && P(evidence, chosen_, with_curve, StatisticOf(chosen_, with_curve)) <= kLargestP) {
+      const bool clear = more > kFewestCurveShare * misfit && more > kClearlyMore * with_curve.net;
+      if (clear &&
+          P(evidence, chosen_, with_curve, StatisticOf(chosen_, with_curve)) <= kLargestP) {
         Unexplain(evidence, found.curve.net > chosen_.net ? found.curve : with_curve, misfit);
         if (found.curve.net > (1.0 - kShapeMisfit) * chosen_.net) chosen_ = none;
       }
@@ -295,11 +300,12 @@ class LikelihoodTracer {
         Eigen::MatrixXd::Zero(likelihood_.used.size(), 1 + static_cast<Eigen::Index>(span.size()));
     for (Eigen::Index k = 0; k < likelihood_.used.size(); ++k) {
       const auto& [first, last] = span.at(run(k));
-      changing(k, 0) = last > first ? part[k] * (2.0 * (time(k) - first) / (last - first) - 1.0) : 0.0;
+      changing(k, 0) =
+          last > first ? part[k] * (2.0 * (time(k) - first) / (last - first) - 1.0) : 0.0;
       const auto number = static_cast<Eigen::Index>(std::distance(span.begin(), span.find(run(k))));
       if (span.size() > 1) changing(k, 1 + number) = part[k];
     }
-    const Eigen::MatrixXd z = likelihood_.noise.Whiten(changing, likelihood_.used.stretches);
+    const Eigen::MatrixXd z = trace::Whiten(likelihood_, changing);
     Eigen::MatrixXd base(X_.rows(), X_.cols() + static_cast<Eigen::Index>(chosen_.columns.size()));
     base << X_, Z_(Eigen::all, chosen_.columns);
     Prior prior = bank_.prior;
@@ -362,7 +368,8 @@ class LikelihoodTracer {
       CandidateScore score;
       score.name = h.name;
       score.psi = h.settings.front().psi;
-      for (Eigen::Index i = 0; i < single.c.size(); ++i) score.theta.push_back(Scale() * single.c[i]);
+      for (Eigen::Index i = 0; i < single.c.size(); ++i)
+        score.theta.push_back(Scale() * single.c[i]);
       score.gain.sum = single.net;
       score.gain.t = StatisticOf({}, single);
       score.gain_share = single.net / misfit;
@@ -380,7 +387,8 @@ class LikelihoodTracer {
     const double limit = kFewestShare * misfit;
     // Gain that is expected to exceed the limit in 80 % of recordings (noncentral chi-square).
     const double expected = limit + 0.84 * 2.0 * std::sqrt(limit);
-    std::map<std::string, double> smallest;  // detectable torque, rms, as a share of the measured side
+    std::map<std::string, double>
+        smallest;  // detectable torque, rms, as a share of the measured side
     std::map<std::string, double> free;
     for (const Hypothesis& h : bank_.hypotheses) {
       if (!h.physical() || h.name == "cogging") continue;
@@ -401,7 +409,8 @@ class LikelihoodTracer {
             {name, "the declared terms carry all of it: only a shift of parameters shows"});
       } else if (share > kHiddenShare) {
         char text[120];
-        std::snprintf(text, sizeof text, "up to %.2g %% of the measured side could hide in this motion",
+        std::snprintf(text, sizeof text,
+                      "up to %.2g %% of the measured side could hide in this motion",
                       100.0 * share);
         result_.not_excited.push_back({name, text});
       } else {
@@ -512,6 +521,21 @@ class LikelihoodTracer {
                                                               : Verdict::kNone;
   }
 
+  // The held-out rows with the noise that the model leaves there.
+  Likelihood HeldOut(const FitResult& with) const {
+    Likelihood out;
+    out.used = sealed_used_;
+    const identify::Balance balance = identify::MakeBalance(sealed_, with.model, with.keep_scale);
+    const Eigen::VectorXd rest =
+        (balance.target - balance.columns * with.coefficients)(sealed_used_.rows);
+    const double rate = sealed_.states().rate_Hz;
+    SetNoise(rest,
+             static_cast<Eigen::Index>(
+                 std::ceil(kScalePeriods * rate / sealed_.options().state_cutoff_Hz)),
+             likelihood_.noise.order(), &out);
+    return out;
+  }
+
   FoundEffect Describe(std::size_t k, const FitResult& with,
                        const std::vector<std::vector<int>>& terms) {
     const Hypothesis& h = bank_.hypotheses[chosen_.members[k]];
@@ -528,13 +552,12 @@ class LikelihoodTracer {
       without_model.terms.erase(without_model.terms.begin() + *at);
     }
     PredictDrive(with.model);
-    const FitResult without =
-        FitWhitened(train_, likelihood_, without_model);
+    const FitResult without = FitWhitened(train_, likelihood_, without_model);
     found.train_before = without.rms;
     found.train_after = with.rms;
     found.sealed_before = identify::ErrorOf(sealed_, without.model).rms;
     found.sealed_after = identify::ErrorOf(sealed_, with.model).rms;
-    found.confirmation = Confirm(sealed_, sealed_used_, likelihood_.noise, without, with);
+    found.confirmation = Confirm(sealed_, HeldOut(with), without, with);
     return found;
   }
 

@@ -3,12 +3,12 @@
 //     e_t = x_t + a_1 x_{t-1} + ... + a_p x_{t-p},   e white with standard deviation sigma
 //
 // The coefficients come from Burg's method over all stretches of used rows together (Burg 1975:
-// Maximum entropy spectral analysis; several segments: Haykin, Kesler 1979), the order from Akaike's
-// criterion. The first rows of a stretch use the lower orders of the same recursion, scaled to the
-// same innovation, so that the whitened rows have the exact Gaussian likelihood of the process and no
-// row is lost. A share of white noise (kWhiteFloor of the variance) is added to the recursion's
-// denominators: a band that holds no noise at all, as in interpolated recordings, is not amplified
-// without bound. Pure; allocates.
+// Maximum entropy spectral analysis; several segments: Haykin, Kesler 1979), the order from
+// Akaike's criterion. The first rows of a stretch use the lower orders of the same recursion,
+// scaled to the same innovation, so that the whitened rows have the exact Gaussian likelihood of
+// the process and no row is lost. A share of white noise (kWhiteFloor of the variance) is added to
+// the recursion's denominators: a band that holds no noise at all, as in interpolated recordings,
+// is not amplified without bound. Pure; allocates.
 #pragma once
 
 #include <Eigen/Core>

@@ -27,8 +27,9 @@ constexpr double kFewCounts = 8.0;
 // Declared friction that only knows the direction of motion.
 double DryFriction(const actuator::JointModel& model) {
   const int coulomb = model.Find("coulomb", model.balance);
-  return coulomb < 0 ? 0.0
-                     : std::abs(model.terms[static_cast<std::size_t>(coulomb)].linear.front().value);
+  return coulomb < 0
+             ? 0.0
+             : std::abs(model.terms[static_cast<std::size_t>(coulomb)].linear.front().value);
 }
 
 double Spread(const identify::Design& design, const actuator::JointModel& model,
@@ -49,9 +50,10 @@ double Spread(const identify::Design& design, const actuator::JointModel& model,
       return DryFriction(model);
     case Smallest::kRounding: {
       const double counts = model.constants.encoder_counts_per_turn;
-      const double rms =
-          std::sqrt(column.squaredNorm() / std::max<double>(1.0, static_cast<double>(column.size())));
-      return counts > 0.0 && rms > 0.0 ? kGivingCounts * 2.0 * std::numbers::pi / counts / rms : 0.0;
+      const double rms = std::sqrt(column.squaredNorm() /
+                                   std::max<double>(1.0, static_cast<double>(column.size())));
+      return counts > 0.0 && rms > 0.0 ? kGivingCounts * 2.0 * std::numbers::pi / counts / rms
+                                       : 0.0;
     }
     default:
       return 0.0;

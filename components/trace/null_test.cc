@@ -65,8 +65,7 @@ NullTest::NullTest(const Eigen::Ref<const Eigen::MatrixXd>& X,
     Hypothesis plain = h;
     plain.charge = 0.0;  // the search's columns are fixed here
     for (Eigen::Index r = 0; r < rounds; ++r) {
-      largest[r] =
-          std::max(largest[r], GainStatistic(mine.col(r).dot(solved.col(r)), plain));
+      largest[r] = std::max(largest[r], GainStatistic(mine.col(r).dot(solved.col(r)), plain));
     }
   }
   largest_.assign(largest.data(), largest.data() + largest.size());

@@ -1,10 +1,10 @@
 // How often a search over the whole bank finds as much where there is nothing.
 //
-// Wild bootstrap with Rademacher weights of whole blocks (Cameron, Gelbach, Miller 2008): the scores
-// that the noise of a block has with every column get a random sign, and the same search is scored
-// again. The noise is the residual of the best model found (ter Braak 1992: a strong effect would be
-// its own noise). Hypotheses of different size are compared by the normal quantile of their gain
-// (Wilson, Hilferty 1931: the distribution of chi-square). Pure; allocates.
+// Wild bootstrap with Rademacher weights of whole blocks (Cameron, Gelbach, Miller 2008): the
+// scores that the noise of a block has with every column get a random sign, and the same search is
+// scored again. The noise is the residual of the best model found (ter Braak 1992: a strong effect
+// would be its own noise). Hypotheses of different size are compared by the normal quantile of
+// their gain (Wilson, Hilferty 1931: the distribution of chi-square). Pure; allocates.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,8 +22,8 @@ double GainStatistic(double gain, const Hypothesis& hypothesis);
 
 class NullTest {
  public:
-  // X, Z: whitened declared columns and bank; noise: whitened residual of the best model; given: the
-  // columns of Z that are in the model already.
+  // X, Z: whitened declared columns and bank; noise: whitened residual of the best model; given:
+  // the columns of Z that are in the model already.
   NullTest(const Eigen::Ref<const Eigen::MatrixXd>& X, const Eigen::Ref<const Eigen::MatrixXd>& Z,
            const Eigen::Ref<const Eigen::VectorXd>& noise, const Evidence& evidence,
            const std::vector<Hypothesis>& hypotheses, const Columns& given,

@@ -2,11 +2,11 @@
 //
 //     P(n) = |sum_i g_i exp(j n a_i)|^2,   g = A' e
 //
-// a: the angle of each row as it was measured, e: the whitened residual, A: the whitening filter, so
-// that the sum is the exact inner product of the whitened residual with a whitened sine or cosine.
-// Angle and torque of a row belong to the same instant, so a line far above the Nyquist frequency is
-// still a plain regressor of the angle. Orders lie on a grid of a quarter of the resolution, one over
-// the turns that were covered. Pure; allocates.
+// a: the angle of each row as it was measured, e: the whitened residual, A: the whitening filter,
+// so that the sum is the exact inner product of the whitened residual with a whitened sine or
+// cosine. Angle and torque of a row belong to the same instant, so a line far above the Nyquist
+// frequency is still a plain regressor of the angle. Orders lie on a grid of a quarter of the
+// resolution, one over the turns that were covered. Pure; allocates.
 #pragma once
 
 #include <Eigen/Core>

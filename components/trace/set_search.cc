@@ -87,10 +87,9 @@ SetSearch SearchSets(const Evidence& evidence, const std::vector<Hypothesis>& hy
   if (out.singles.empty() || largest < 1) return out;
   out.best.push_back(out.singles.front());
 
-  std::vector<EffectSet> leading(
-      out.singles.begin(),
-      out.singles.begin() +
-          static_cast<std::ptrdiff_t>(std::min(kLeadingFamilies, out.singles.size())));
+  std::vector<EffectSet> leading(out.singles.begin(),
+                                 out.singles.begin() + static_cast<std::ptrdiff_t>(std::min(
+                                                           kLeadingFamilies, out.singles.size())));
   for (std::size_t size = 2; size <= largest; ++size) {
     std::vector<EffectSet> next;
     for (const EffectSet& set : leading) {

@@ -22,8 +22,8 @@
 
 namespace sinew::trace {
 
-// Two engines while one replaces the other: blocked cross-validation behind a common filter, and one
-// likelihood at the raw rate.
+// Two engines while one replaces the other: blocked cross-validation behind a common filter, and
+// one likelihood at the raw rate.
 enum class Engine { kBlocks, kLikelihood };
 
 struct TraceOptions {
@@ -80,7 +80,7 @@ struct FoundEffect {
   bool weak_evidence = false;  // fewer than six units
   bool swallowed = false;      // found as a shift of declared parameters
   bool slow_motion = false;    // found where the recordings creep; its errors are of there
-  Confirmation confirmation;     // on the held-out recordings
+  Confirmation confirmation;   // on the held-out recordings
   // Errors before and after it, rms at the output.
   double train_before = 0.0, train_after = 0.0, sealed_before = 0.0, sealed_after = 0.0;
 };
@@ -123,7 +123,7 @@ enum class Verdict { kNone, kEffect, kUnexplained };
 // How well a balance holds without and with what was found, in its own unit.
 struct Judgement {
   Verdict verdict = Verdict::kNone;
-  std::string unseen;  // why there was nothing to judge; empty: there was
+  std::string unseen;     // why there was nothing to judge; empty: there was
   double p_global = 1.0;  // of the largest statistic of the whole search
   identify::ModelError nominal_train, nominal_sealed;
   // Declared model, refitted; within its tolerances when the effects are shifts of its parameters.

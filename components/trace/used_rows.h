@@ -12,8 +12,8 @@
 namespace sinew::trace {
 
 struct UsedRows {
-  std::vector<Eigen::Index> rows;  // of the design
-  std::vector<Stretch> stretches;  // in numbers of `rows`
+  std::vector<Eigen::Index> rows;       // of the design
+  std::vector<Stretch> stretches;       // in numbers of `rows`
   std::vector<identify::Block> blocks;  // in numbers of `rows`
   double block_s = 0.0;                 // length of a block in time
 

@@ -15,8 +15,8 @@ using identify::Balance;
 using identify::ParameterRef;
 using identify::Rms;
 
-// Prior standard deviations of a nuisance: one in eighty set-ups is worse.
-constexpr double kImplausible = 2.5;
+// Prior standard deviations of a nuisance: half a period either way is 1.72 of a uniform's.
+constexpr double kImplausible = 1.75;
 
 const actuator::Term& TermOf(const actuator::JointModel& model, const ParameterRef& ref) {
   return model.terms[static_cast<std::size_t>(ref.term)];
@@ -46,13 +46,12 @@ struct Regression {
 Regression MakeRegression(const identify::Design& design, const Likelihood& likelihood,
                           const actuator::JointModel& model, const Balance& balance) {
   const UsedRows& used = likelihood.used;
-  const NoiseModel& noise = likelihood.noise;
   const Nuisances nuisances = MakeNuisances(design, used, model, likelihood.no_nuisance);
   Eigen::MatrixXd columns(used.size(), balance.columns.cols() + nuisances.columns.cols());
   columns << used.Of(balance.columns), nuisances.columns;
   Regression out;
-  out.X = noise.Whiten(columns, used.stretches);
-  out.y = noise.Whiten(balance.target(used.rows), used.stretches);
+  out.X = Whiten(likelihood, columns);
+  out.y = Whiten(likelihood, balance.target(used.rows));
   out.prior = PriorOf(balance, model, used, nuisances);
   return out;
 }
@@ -61,8 +60,8 @@ Regression MakeRegression(const identify::Design& design, const Likelihood& like
 // factor of block_regression.h.
 Eigen::MatrixXd Covariance(const Regression& regression, const Eigen::VectorXd& b,
                            const std::vector<identify::Block>& blocks) {
-  const Eigen::MatrixXd inverse = regression.Hessian().ldlt().solve(
-      Eigen::MatrixXd::Identity(b.size(), b.size()));
+  const Eigen::MatrixXd inverse =
+      regression.Hessian().ldlt().solve(Eigen::MatrixXd::Identity(b.size(), b.size()));
   const Eigen::VectorXd e = regression.y - regression.X * b;
   Eigen::MatrixXd meat = Eigen::MatrixXd::Zero(b.size(), b.size());
   for (const identify::Block& block : blocks) {
@@ -95,6 +94,47 @@ std::vector<Free> FreeShapes(const actuator::JointModel& model) {
 }
 
 }  // namespace
+
+Eigen::MatrixXd Whiten(const Likelihood& likelihood,
+                       const Eigen::Ref<const Eigen::MatrixXd>& columns) {
+  if (likelihood.weight.size() == 0) {
+    return likelihood.noise.Whiten(columns, likelihood.used.stretches);
+  }
+  return likelihood.noise.Whiten(likelihood.weight.asDiagonal() * columns,
+                                 likelihood.used.stretches);
+}
+
+Eigen::VectorXd WhitenTransposed(const Likelihood& likelihood,
+                                 const Eigen::Ref<const Eigen::VectorXd>& whitened) {
+  const Eigen::VectorXd out = likelihood.noise.Transpose(whitened, likelihood.used.stretches);
+  if (likelihood.weight.size() == 0) return out;
+  return likelihood.weight.cwiseProduct(out);
+}
+
+void SetNoise(const Eigen::Ref<const Eigen::VectorXd>& residual, Eigen::Index window,
+              int longest_order, Likelihood* likelihood) {
+  const Eigen::Index n = residual.size();
+  Eigen::VectorXd sum(n + 1);
+  sum[0] = 0.0;
+  for (Eigen::Index i = 0; i < n; ++i) sum[i + 1] = sum[i] + residual[i] * residual[i];
+  Eigen::VectorXd scale(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Eigen::Index from = std::max<Eigen::Index>(0, i - window);
+    const Eigen::Index to = std::min<Eigen::Index>(n, i + window + 1);
+    scale[i] = std::sqrt((sum[to] - sum[from]) / static_cast<double>(to - from));
+  }
+  const double middle =
+      n > 0 ? identify::Quantile(std::vector<double>(scale.begin(), scale.end()), 0.5) : 0.0;
+  if (middle > 0.0) {
+    // Quiet places are not believed to be quieter than half of the ordinary.
+    likelihood->weight = (scale.array() / middle).max(0.5).inverse();
+    const Eigen::VectorXd even = likelihood->weight.cwiseProduct(residual);
+    likelihood->noise = NoiseModel(even, likelihood->used.stretches, longest_order);
+  } else {
+    likelihood->weight = Eigen::VectorXd();
+    likelihood->noise = NoiseModel(residual, likelihood->used.stretches, longest_order);
+  }
+}
 
 Prior PriorOf(const Balance& balance, const actuator::JointModel& model, const UsedRows& used,
               const Nuisances& nuisances) {
@@ -218,8 +258,7 @@ std::vector<std::string> ImplausibleNuisances(const identify::Design& design,
                                               const Likelihood& likelihood,
                                               const actuator::JointModel& model) {
   const Balance balance = identify::MakeBalance(design, model, likelihood.keep_scale);
-  const Nuisances nuisances =
-      MakeNuisances(design, likelihood.used, model, likelihood.no_nuisance);
+  const Nuisances nuisances = MakeNuisances(design, likelihood.used, model, likelihood.no_nuisance);
   const Eigen::VectorXd b = MakeRegression(design, likelihood, model, balance).Solve();
   std::vector<std::string> out;
   for (std::size_t k = 0; k < nuisances.names.size(); ++k) {

@@ -11,8 +11,8 @@
 
 namespace sinew::trace {
 
-// Priors of a balance's coefficients: declared tolerances as standard deviations, none = flat; terms
-// that close-loop added are expected around 0 within kPlausibleShare of the measured side.
+// Priors of a balance's coefficients: declared tolerances as standard deviations, none = flat;
+// terms that close-loop added are expected around 0 within kPlausibleShare of the measured side.
 Prior PriorOf(const identify::Balance& balance, const actuator::JointModel& model,
               const UsedRows& used, const Nuisances& nuisances);
 
@@ -23,9 +23,23 @@ inline constexpr double kPlausibleShare = 0.5;
 struct Likelihood {
   UsedRows used;
   NoiseModel noise;
-  bool keep_scale = false;  // the drive's factor stays at its nominal value
+  // One over the noise's scale at each used row: reversals, impacts and fast motion are noisier
+  // than a slow ramp. Empty: the same everywhere.
+  Eigen::VectorXd weight;
+  bool keep_scale = false;               // the drive's factor stays at its nominal value
   std::vector<std::string> no_nuisance;  // imperfections too large to be one (ImplausibleNuisances)
 };
+
+// Columns of the used rows, weighted and whitened; and the transposed operation.
+Eigen::MatrixXd Whiten(const Likelihood& likelihood,
+                       const Eigen::Ref<const Eigen::MatrixXd>& columns);
+Eigen::VectorXd WhitenTransposed(const Likelihood& likelihood,
+                                 const Eigen::Ref<const Eigen::VectorXd>& whitened);
+
+// Noise of a residual at the used rows: its local scale over `window` rows either way, then its
+// colour. Stretches and blocks stay.
+void SetNoise(const Eigen::Ref<const Eigen::VectorXd>& residual, Eigen::Index window,
+              int longest_order, Likelihood* likelihood);
 
 // Linear parameters at the present nonlinear ones; nuisances are fitted and forgotten.
 identify::FitResult FitWhitened(const identify::Design& design, const Likelihood& likelihood,
@@ -35,8 +49,8 @@ identify::FitResult FitWhitened(const identify::Design& design, const Likelihood
 identify::FitResult RefineWhitened(const identify::Design& design, const Likelihood& likelihood,
                                    const actuator::JointModel& model);
 
-// Nuisances whose fitted size is no small imperfection any more: what they stand for is asked for as
-// an effect.
+// Nuisances whose fitted size is no small imperfection any more: what they stand for is asked for
+// as an effect.
 std::vector<std::string> ImplausibleNuisances(const identify::Design& design,
                                               const Likelihood& likelihood,
                                               const actuator::JointModel& model);

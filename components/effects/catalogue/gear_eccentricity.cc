@@ -12,7 +12,8 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   info.formula = "+ (a + c T) * sin(n q) + (b + d T) * cos(n q), T = N Kt I";
   info.rotary_only = true;
   info.source =
-      "Smith: Gear Noise and Vibration; transmission error of an eccentric wheel: the ratio, and so "
+      "Smith: Gear Noise and Vibration; transmission error of an eccentric wheel: the ratio, and "
+      "so "
       "the torque that is handed on, varies once a turn of that wheel";
   const auto torque = [](const char* name, const char* meaning) {
     return ParameterInfo{.name = name,
@@ -31,7 +32,8 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                          .meaning = meaning,
                          .relative_to_drive = true};
   };
-  info.linear = {torque("sine", "amplitude of the sine"), torque("cosine", "amplitude of the cosine"),
+  info.linear = {torque("sine", "amplitude of the sine"),
+                 torque("cosine", "amplitude of the cosine"),
                  share("load_sine", "the same, per drive torque"),
                  share("load_cosine", "the same, per drive torque")};
   // Wheels on the output turn once or twice a period, those on the motor's shaft N times.
@@ -53,19 +55,19 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   info.separating_excitation = "slow constant speed over the whole angle range, at two loads";
   info.needs = {"position_rad"};
   info.may_read = {"motor_position_rad", "drive_input"};
-  return Memoryless(
-      constants, std::move(info),
-      [](const JointSample& x, const JointConstants& c, std::span<const double> psi,
-         std::span<double> phi) {
-        // A wheel of the motor's side is seen best by the motor's encoder.
-        const bool fast = c.gear_ratio > 2.0 && psi[0] > 0.75 * c.gear_ratio;
-        const double angle = psi[0] * (fast ? x.motor_position_rad / c.gear_ratio : x.position_rad);
-        const double load = IdealDriveGain(c) * x.drive_input;
-        phi[0] = std::sin(angle);
-        phi[1] = std::cos(angle);
-        phi[2] = load * phi[0];
-        phi[3] = load * phi[1];
-      });
+  return Memoryless(constants, std::move(info),
+                    [](const JointSample& x, const JointConstants& c, std::span<const double> psi,
+                       std::span<double> phi) {
+                      // A wheel of the motor's side is seen best by the motor's encoder.
+                      const bool fast = c.gear_ratio > 2.0 && psi[0] > 0.75 * c.gear_ratio;
+                      const double angle =
+                          psi[0] * (fast ? x.motor_position_rad / c.gear_ratio : x.position_rad);
+                      const double load = IdealDriveGain(c) * x.drive_input;
+                      phi[0] = std::sin(angle);
+                      phi[1] = std::cos(angle);
+                      phi[2] = load * phi[0];
+                      phi[3] = load * phi[1];
+                    });
 }
 
 }  // namespace sinew::effects::gear_eccentricity

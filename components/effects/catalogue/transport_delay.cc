@@ -1,5 +1,5 @@
-// Delay between the recorded drive input and its torque: T > 0 when the drive acts late. Nothing acts
-// before its cause: a little below zero is a record that is filtered.
+// Delay between the recorded drive input and its torque: T > 0 when the drive acts late. Nothing
+// acts before its cause: a little below zero is a record that is filtered.
 #include "components/effects/define.h"
 
 namespace sinew::effects::transport_delay {

@@ -75,7 +75,8 @@ TEST(NoiseModel, StretchesDoNotSeeEachOther) {
 }
 
 TEST(NoiseModel, ABandWithoutNoiseIsNotAmplifiedWithoutBound) {
-  // Every tenth row measured, the rest interpolated: nothing above a tenth of the Nyquist frequency.
+  // Every tenth row measured, the rest interpolated: nothing above a tenth of the Nyquist
+  // frequency.
   const Eigen::VectorXd coarse = White(kRows / 10 + 1, 5);
   Eigen::VectorXd x(kRows);
   for (Eigen::Index i = 0; i < kRows; ++i) {
