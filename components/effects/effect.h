@@ -135,6 +135,7 @@ struct EffectInfo {
   std::string separating_excitation;     // what tells them apart
   std::vector<std::string> needs;        // signals it reads, field names of JointSample
   std::vector<std::string> may_read;     // more of them: 0 where they are not recorded
+  std::vector<std::string> hardware;     // signals that show that the machine can have it at all
 };
 
 class Effect {

@@ -37,9 +37,11 @@ CandidateSet MakeCandidates(const identify::Design& design, const actuator::Join
     if (present >= 0 && info.nonlinear.empty()) continue;
     if (present >= 0 && model.terms[static_cast<std::size_t>(present)].declared) continue;
     std::string missing;
-    for (const std::string& field : info.needs) {
-      if (design.states().measured.count(field) != 0) continue;
-      missing += (missing.empty() ? "" : ", ") + field;
+    for (const auto* fields : {&info.needs, &info.hardware}) {
+      for (const std::string& field : *fields) {
+        if (design.states().measured.count(field) != 0) continue;
+        missing += (missing.empty() ? "" : ", ") + field;
+      }
     }
     if (!missing.empty()) {
       out.missing.push_back({name, missing});

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <numbers>
 
 #include "components/identify/statistics.h"
 #include "components/trace/ceiling.h"
@@ -269,10 +270,17 @@ class LikelihoodTracer {
     // What the declared terms would take of it is no part of what is unexplained.
     const Eigen::MatrixXd gram = bank_.declared.transpose() * bank_.declared;
     part -= bank_.declared * identify::Solve(gram, bank_.declared.transpose() * part);
+    const double rms = Scale() * Rms(part);
+    // What the encoders round away has no variable worth a name.
+    const double counts = declared_.constants.encoder_counts_per_turn;
+    if (declared_.balance == effects::Balance::kKinematic && counts > 0.0 &&
+        rms < 2.0 * std::numbers::pi / counts / std::sqrt(12.0)) {
+      return;
+    }
     result_.unexplained = {.balance = declared_.balance,
                            .variable = curve->variable,
                            .order_per_turn = curve->order_per_turn,
-                           .rms = Scale() * Rms(part),
+                           .rms = rms,
                            .share = set.gain / misfit,
                            .experiment = ""};
   }

@@ -54,7 +54,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   info.look_alikes = {"gravity", "gravity_phase", "cogging"};
   info.separating_excitation = "slow constant speed over the whole angle range, at two loads";
   info.needs = {"position_rad"};
-  info.may_read = {"motor_position_rad", "drive_input"};
+  info.may_read = {"drive_input"};  // and the motor's angle for wheels on its shaft
   return Memoryless(constants, std::move(info),
                     [](const JointSample& x, const JointConstants& c, std::span<const double> psi,
                        std::span<double> phi) {

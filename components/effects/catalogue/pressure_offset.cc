@@ -25,7 +25,8 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   info.variable = "position_rad";
   info.look_alikes = {"offset", "pneumatic_stiffness"};
   info.separating_excitation = "the vented chamber, over the whole angle range";
-  info.needs = {"position_rad", "pressure_bar"};
+  info.needs = {"position_rad"};
+  info.hardware = {"pressure_bar"};
   return Memoryless(constants, std::move(info),
                     [](const JointSample& x, const JointConstants&, std::span<const double>,
                        std::span<double> phi) {
