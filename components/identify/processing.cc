@@ -191,9 +191,9 @@ ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::Joint
       // J^2 (2 pi f)^4 S, stays below that of the drive.
       const auto band = [&](const Eigen::VectorXd& angle, double inertia) {
         const double above_noise = HighestBandAboveNoise(angle, rate);
-        const double density = inertia * inertia * NoiseDensity(angle, rate);
-        if (!(density > 0.0) || !(drive_noise > 0.0)) return above_noise;
-        return std::min(above_noise, std::pow(drive_noise / density, 0.25) / kTwoPi);
+        const double of_angle = inertia * inertia * NoiseDensity(angle, rate);
+        if (!(of_angle > 0.0) || !(drive_noise > 0.0)) return above_noise;
+        return std::min(above_noise, std::pow(drive_noise / of_angle, 0.25) / kTwoPi);
       };
       const Eigen::VectorXd position =
           OutputPosition(segment, model.constants.gear_ratio, run.name);
@@ -387,11 +387,11 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
       if (options.raw && run.Has(Signal::kLoadForce)) {
         // A load cell that nobody touches would add its noise to the balance: its mean is what it
         // measures.
-        const Eigen::VectorXd measured = raw(Signal::kLoadForce, 0.0);
-        const double sigma = WhiteNoise(std::span(&measured, 1));
-        const double variance = (measured.array() - measured.mean()).square().mean();
+        const Eigen::VectorXd force_rows = raw(Signal::kLoadForce, 0.0);
+        const double sigma = WhiteNoise(std::span(&force_rows, 1));
+        const double variance = (force_rows.array() - force_rows.mean()).square().mean();
         if (sigma * sigma > kMostNoise * variance) {
-          force.setConstant(measured.mean());
+          force.setConstant(force_rows.mean());
         } else {
           out.silent_load = false;
         }
@@ -441,6 +441,12 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
         x.rigid_torque_Nm = rigid[i];
         segment.at_rest[static_cast<std::size_t>(i)] =
             !run.held && std::abs(v[i]) < options.rest_velocity;
+      }
+      // A quick reversal may have no row that is slow enough.
+      for (Eigen::Index i = 1; options.raw && !run.held && i < piece.size(); ++i) {
+        if (row_v[i - 1] * row_v[i] > 0.0) continue;
+        segment.at_rest[static_cast<std::size_t>(i - 1)] = 1;
+        segment.at_rest[static_cast<std::size_t>(i)] = 1;
       }
       std::vector<char> out_of_use = segment.at_rest;
       if (options.fastest_velocity > 0.0) {

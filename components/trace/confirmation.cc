@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "components/identify/statistics.h"
+#include "components/trace/rules.h"
 
 namespace sinew::trace {
 
@@ -46,9 +47,10 @@ Confirmation ConfirmSlope(const Eigen::Ref<const Eigen::VectorXd>& left_over,
   const double half = identify::StudentQuantile(0.975, count - 1.0) * error;
   out.lower = out.slope - half;
   out.upper = out.slope + half;
-  if (out.lower > 0.0 && out.lower < 1.0 + kSlopeBand && out.upper > 1.0 - kSlopeBand) {
+  const double band = rules::kSlopeBand.limit;
+  if (out.lower > 0.0 && out.lower < 1.0 + band && out.upper > 1.0 - band) {
     out.verdict = ConfirmationVerdict::kConfirmed;
-  } else if (out.upper < kRefutedBelow) {
+  } else if (out.upper < rules::kRefutedBelow.limit) {
     out.verdict = ConfirmationVerdict::kRefuted;
   }
   return out;

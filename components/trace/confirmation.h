@@ -23,11 +23,7 @@ enum class ConfirmationVerdict { kNotConfirmed, kConfirmed, kRefuted };
 // "confirmed", "not confirmed", "refuted".
 std::string_view ConfirmationWord(ConfirmationVerdict verdict);
 
-// Confirmed: lower bound above 0, and 1 no further outside the interval than this.
-inline constexpr double kSlopeBand = 0.2;
-// Refuted: upper bound below this.
-inline constexpr double kRefutedBelow = 0.5;
-
+// Confirmed and refuted by rules::kSlopeBand and rules::kRefutedBelow.
 struct Confirmation {
   ConfirmationVerdict verdict = ConfirmationVerdict::kNotConfirmed;
   double slope = 0.0;

@@ -17,7 +17,7 @@
 namespace sinew::trace {
 
 // A term of the model with its setting; several for an effect of several orders.
-struct Setting1 {
+struct TermSetting {
   std::vector<double> psi;
   Columns columns;  // of the bank, a column per linear parameter
 };
@@ -27,7 +27,7 @@ struct Hypothesis {
   std::string variable;  // signal it follows
   double order_per_turn = 0.0;
   std::shared_ptr<const effects::Effect> effect;  // null: a free curve
-  std::vector<Setting1> settings;                 // more than one: several orders of one effect
+  std::vector<TermSetting> settings;              // more than one: several orders of one effect
   Columns columns;                                // of all settings
   int family = 0;       // hypotheses of one family are settings of one thing
   double charge = 0.0;  // misfit that its parameters, shapes and searches are charged

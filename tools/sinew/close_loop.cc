@@ -208,6 +208,10 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
   report.seed = options.seed;
   try {
     trace::RequireSealed(train, sealed);
+    // A mapping without the drive is a mistake of the command, no fault of the data.
+    for (const auto* runs : {&train, &sealed}) {
+      for (const identify::Run& run : *runs) run.At(identify::DriveSignal(joint));
+    }
     progress("looking at the data", 0.01);
     if (StopsAtGate(options, train, sealed, joint, &out)) return out;
     trace::TraceOptions trace_options;

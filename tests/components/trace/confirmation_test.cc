@@ -8,11 +8,11 @@
 namespace sinew::trace {
 namespace {
 
-constexpr Eigen::Index kRows = 3000;
+constexpr Eigen::Index kSlopeRows = 3000;
 
 std::vector<identify::Block> Blocks(int count) {
   std::vector<identify::Block> out;
-  const Eigen::Index length = kRows / count;
+  const Eigen::Index length = kSlopeRows / count;
   for (int b = 0; b < count; ++b) {
     out.emplace_back(static_cast<std::size_t>(length));
     std::iota(out.back().begin(), out.back().end(), b * length);
@@ -20,17 +20,17 @@ std::vector<identify::Block> Blocks(int count) {
   return out;
 }
 
-Eigen::VectorXd Normal(unsigned seed) {
+Eigen::VectorXd NormalRows(unsigned seed) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
-  Eigen::VectorXd out(kRows);
+  Eigen::VectorXd out(kSlopeRows);
   for (double& value : out) value = normal(random);
   return out;
 }
 
 Confirmation Of(double slope, unsigned seed, int blocks = 30) {
-  const Eigen::VectorXd change = 0.3 * Normal(seed);
-  return ConfirmSlope(slope * change + Normal(seed + 1000), change, Blocks(blocks));
+  const Eigen::VectorXd change = 0.3 * NormalRows(seed);
+  return ConfirmSlope(slope * change + NormalRows(seed + 1000), change, Blocks(blocks));
 }
 
 TEST(Confirmation, AnEffectOfTheTrainedSizeIsConfirmed) {
@@ -55,8 +55,9 @@ TEST(Confirmation, TooFewBlocksConfirmNothing) {
 }
 
 TEST(Confirmation, AChangeThatTheHeldOutMotionDoesNotExciteConfirmsNothing) {
-  const Eigen::VectorXd none = Eigen::VectorXd::Zero(kRows);
-  EXPECT_EQ(ConfirmSlope(Normal(6), none, Blocks(30)).verdict, ConfirmationVerdict::kNotConfirmed);
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(kSlopeRows);
+  EXPECT_EQ(ConfirmSlope(NormalRows(6), none, Blocks(30)).verdict,
+            ConfirmationVerdict::kNotConfirmed);
 }
 
 TEST(Confirmation, IntervalsHoldTheTrueSlope) {

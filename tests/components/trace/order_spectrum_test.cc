@@ -9,12 +9,12 @@
 namespace sinew::trace {
 namespace {
 
-constexpr Eigen::Index kRows = 8000;
+constexpr Eigen::Index kTurnRows = 8000;
 
 // A motor that turns to and fro over 30 turns, seen at uneven instants.
 Eigen::VectorXd Angle() {
-  Eigen::VectorXd out(kRows);
-  for (Eigen::Index i = 0; i < kRows; ++i) {
+  Eigen::VectorXd out(kTurnRows);
+  for (Eigen::Index i = 0; i < kTurnRows; ++i) {
     const double t = 0.0125 * static_cast<double>(i);
     out[i] = 2.0 * std::numbers::pi * 15.0 * std::sin(0.3 * t) + 3.0 * std::sin(1.7 * t);
   }
@@ -45,7 +45,7 @@ TEST(OrderSpectrum, PowerIsThatOfTheExactSum) {
   const Eigen::VectorXd g = Line(angle, 11.0, 0.0);
   const OrderLine line = StrongestOrder(g, angle, 0.5, 40.0);
   double c = 0.0, s = 0.0;
-  for (Eigen::Index i = 0; i < kRows; ++i) {
+  for (Eigen::Index i = 0; i < kTurnRows; ++i) {
     c += g[i] * std::cos(line.order * angle[i]);
     s += g[i] * std::sin(line.order * angle[i]);
   }

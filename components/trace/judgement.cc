@@ -1,0 +1,271 @@
+#include "components/trace/judgement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "components/identify/statistics.h"
+#include "components/trace/null_test.h"
+#include "components/trace/rules.h"
+
+namespace sinew::trace {
+
+namespace {
+
+EffectSet Without(const Problem& problem, const EffectSet& set, std::size_t k) {
+  std::vector<std::size_t> others = set.members;
+  others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
+  return FitSet(problem.evidence, problem.hypotheses(), std::move(others));
+}
+
+class Judge {
+ public:
+  Judge(const Problem& problem, const Likelihood& likelihood, const identify::Design& design,
+        const actuator::JointModel& declared, const BootstrapOptions& bootstrap)
+      : problem_(problem),
+        likelihood_(likelihood),
+        design_(design),
+        declared_(declared),
+        bootstrap_(bootstrap),
+        misfit_(problem.evidence.misfit()) {}
+
+  SetJudgement Run(std::size_t largest_set) {
+    const SetSearch found = SearchSets(problem_.evidence, problem_.hypotheses(), largest_set);
+    out_.p_global = GlobalP(found);
+    const bool open = out_.p_global <= rules::kGlobalP.limit;
+    if (open) Grow(found);
+    if (open) CompareCurves(found);
+    if (!out_.chosen.empty() && !Constant()) Refuse(rules::kConstancy);
+    FindRivals();
+    NoteScores(found, open);
+    return std::move(out_);
+  }
+
+ private:
+  double Statistic(double gain, std::size_t hypothesis) const {
+    return GainStatistic(gain, problem_.hypotheses()[hypothesis]);
+  }
+
+  // p of a statistic beside `base`; noise: what `grown` leaves.
+  double P(const EffectSet& base, const EffectSet& grown, double statistic) const {
+    return NullTest(problem_.X, problem_.Z, problem_.Left(grown), problem_.evidence,
+                    problem_.hypotheses(), base.columns, likelihood_.used.blocks, bootstrap_.rounds,
+                    bootstrap_.seed)
+        .P(statistic);
+  }
+
+  // Of the largest statistic of the whole search, an effect's or a curve's.
+  double GlobalP(const SetSearch& found) const {
+    EffectSet loudest = found.curve;
+    const auto statistic = [&](const EffectSet& single) {
+      return single.empty() ? -1e300 : Statistic(single.gain, single.members.front());
+    };
+    for (const EffectSet& single : found.singles) {
+      if (statistic(single) > statistic(loudest)) loudest = single;
+    }
+    return loudest.empty() ? 1.0 : P({}, loudest, statistic(loudest));
+  }
+
+  bool EnoughMore(const EffectSet& without, const EffectSet& with) const {
+    return with.net - without.net > std::max(rules::kExplainedShare.limit * misfit_,
+                                             rules::kShapeMisfit.limit * without.net);
+  }
+
+  void Grow(const SetSearch& found) {
+    for (std::size_t size = 1; size < found.best.size(); ++size) {
+      const EffectSet& grown = found.best[size];
+      if (EnoughMore(out_.chosen, grown) && EveryMemberIsMissed(grown)) {
+        out_.chosen = grown;
+      } else if (size >= 2) {
+        return;  // where no single will do, a pair may
+      }
+    }
+  }
+
+  bool EveryMemberIsMissed(const EffectSet& set) const {
+    for (std::size_t k = 0; k < set.members.size(); ++k) {
+      const EffectSet without = Without(problem_, set, k);
+      if (!EnoughMore(without, set)) return false;
+      const double statistic = Statistic(set.gain - without.gain, set.members[k]);
+      if (P(without, set, statistic) > rules::kMemberP.limit) return false;
+    }
+    return true;
+  }
+
+  void CompareCurves(const SetSearch& found) {
+    const EffectSet with = WithBestCurve(problem_.evidence, problem_.hypotheses(), out_.chosen);
+    if (with.empty()) return;
+    const double more = with.net - out_.chosen.net;
+    if (!(more > rules::kCurveShare.limit * misfit_) ||
+        !(more > rules::kClearlyMore.limit * with.net)) {
+      return;
+    }
+    const double statistic = Statistic(with.gain - out_.chosen.gain, with.members.back());
+    if (P(out_.chosen, with, statistic) > rules::kMemberP.limit) return;
+    NoteUnexplained(found.curve.net > out_.chosen.net ? found.curve : with);
+    if (found.curve.net > (1.0 - rules::kShapeMisfit.limit) * out_.chosen.net) {
+      Refuse(rules::kClearlyMore);
+    }
+  }
+
+  void Refuse(const Rule& rule) {
+    for (const std::size_t member : out_.chosen.members) {
+      refused_[problem_.hypotheses()[member].name] = rule.id;
+    }
+    out_.chosen = {};
+  }
+
+  // set: its last member is a curve.
+  void NoteUnexplained(const EffectSet& set) {
+    const Hypothesis& curve = problem_.hypotheses()[set.members.back()];
+    const auto first = static_cast<Eigen::Index>(set.columns.size() - curve.columns.size());
+    EffectSet own;
+    own.columns = curve.columns;
+    own.c = set.c.tail(set.c.size() - first);
+    Eigen::VectorXd part = problem_.Part(own);
+    // What the declared terms would take of it is no part of what is unexplained.
+    const Eigen::MatrixXd& X = problem_.bank.declared;
+    part -= X * identify::Solve(X.transpose() * X, X.transpose() * part);
+    const double rms = problem_.scale * identify::Rms(part);
+    // What the encoders round away has no variable worth a name.
+    const double counts = declared_.constants.encoder_counts_per_turn;
+    const double rounding = counts > 0.0 ? 2.0 * std::numbers::pi / counts / std::sqrt(12.0) : 0.0;
+    if (declared_.balance == effects::Balance::kKinematic && rms < rounding) return;
+    out_.unexplained = {.balance = declared_.balance,
+                        .variable = curve.variable,
+                        .order_per_turn = curve.order_per_turn,
+                        .rms = rms,
+                        .share = set.gain / misfit_,
+                        .experiment = ""};
+  }
+
+  // The set's contribution times the time in its recording (-1 to 1), and in each recording alone.
+  Eigen::MatrixXd Changing(const Eigen::VectorXd& part) const {
+    const identify::Rows& rows = design_.rows();
+    const UsedRows& used = likelihood_.used;
+    const auto row = [&](Eigen::Index k) { return used.rows[static_cast<std::size_t>(k)]; };
+    const auto run = [&](Eigen::Index k) { return rows.run[static_cast<std::size_t>(row(k))]; };
+    std::map<int, std::pair<double, double>> span;
+    for (Eigen::Index k = 0; k < used.size(); ++k) {
+      const double time_s = rows.time_s[row(k)];
+      auto [at, fresh] = span.try_emplace(run(k), time_s, time_s);
+      at->second.first = std::min(at->second.first, time_s);
+      at->second.second = std::max(at->second.second, time_s);
+    }
+    const auto count = static_cast<Eigen::Index>(span.size());
+    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(used.size(), 1 + (count > 1 ? count : 0));
+    for (Eigen::Index k = 0; k < used.size(); ++k) {
+      const auto [first, last] = span.at(run(k));
+      const double time_s = rows.time_s[row(k)];
+      if (last > first) out(k, 0) = part[k] * (2.0 * (time_s - first) / (last - first) - 1.0);
+      const auto number = static_cast<Eigen::Index>(std::distance(span.begin(), span.find(run(k))));
+      if (count > 1) out(k, 1 + number) = part[k];
+    }
+    return out;
+  }
+
+  bool Constant() {
+    const EffectSet& set = out_.chosen;
+    const Eigen::MatrixXd changing = Changing(problem_.Part(set));
+    const Eigen::MatrixXd z = Whiten(likelihood_, changing);
+    const Eigen::Index declared = problem_.X.cols();
+    const auto own = static_cast<Eigen::Index>(set.columns.size());
+    Eigen::MatrixXd base(problem_.X.rows(), declared + own);
+    base << problem_.X, problem_.Z(Eigen::all, set.columns);
+    Prior prior = problem_.bank.prior;
+    prior.mean.conservativeResize(declared + own);
+    prior.precision.conservativeResize(declared + own);
+    prior.mean.tail(own).setZero();
+    prior.precision.tail(own) = problem_.evidence.precision()(set.columns);
+    // A size that changes by as much as itself is plausible.
+    const Evidence interaction(base, prior, z, Eigen::VectorXd::Ones(z.cols()), problem_.y);
+    Columns all;
+    for (Eigen::Index j = 0; j < z.cols(); ++j) all.push_back(j);
+    const double net = interaction.Gain(all) - 2.0 * static_cast<double>(z.cols());
+    if (net < rules::kConstancy.limit * set.net || net < rules::kExplainedShare.limit * misfit_) {
+      return true;
+    }
+    out_.unexplained = {.balance = declared_.balance,
+                        .variable = "time_s",
+                        .order_per_turn = 0.0,
+                        .rms = problem_.scale * identify::Rms(changing * interaction.Solve(all)),
+                        .share = net / misfit_,
+                        .experiment = ""};
+    return false;
+  }
+
+  // Effects that would do nearly as well in the place of a member.
+  void FindRivals() {
+    const EffectSet& set = out_.chosen;
+    const std::vector<Hypothesis>& hypotheses = problem_.hypotheses();
+    for (std::size_t k = 0; k < set.members.size(); ++k) {
+      const double own = set.net - Without(problem_, set, k).net;
+      std::map<std::string, double> lost;  // net gain, by the best setting of each
+      for (std::size_t h = 0; h < hypotheses.size(); ++h) {
+        if (!hypotheses[h].physical() || hypotheses[h].name == hypotheses[set.members[k]].name) {
+          continue;
+        }
+        std::vector<std::size_t> members = set.members;
+        members[k] = h;
+        const EffectSet other = FitSet(problem_.evidence, hypotheses, std::move(members));
+        const double less = set.net - other.net;
+        if (less > rules::kSameClass.limit * own ||
+            !Physical(problem_.evidence, hypotheses, other)) {
+          continue;
+        }
+        const auto [at, fresh] = lost.try_emplace(hypotheses[h].name, less);
+        at->second = std::min(at->second, less);
+      }
+      std::vector<std::pair<double, std::string>> sorted;
+      for (const auto& [name, less] : lost) sorted.emplace_back(less, name);
+      std::sort(sorted.begin(), sorted.end());
+      out_.rivals.emplace_back();
+      for (const auto& [less, name] : sorted) out_.rivals.back().push_back(name);
+    }
+  }
+
+  void NoteScores(const SetSearch& found, bool open) {
+    for (const EffectSet& single : found.singles) {
+      const Hypothesis& h = problem_.hypotheses()[single.members.front()];
+      CandidateScore score;
+      score.name = h.name;
+      score.psi = h.settings.front().psi;
+      for (const double c : single.c) score.theta.push_back(problem_.scale * c);
+      score.gain.sum = single.net;
+      score.gain.t = Statistic(single.gain, single.members.front());
+      score.gain_share = single.net / misfit_;
+      const auto refused = refused_.find(h.name);
+      score.accepted = std::any_of(
+          out_.chosen.members.begin(), out_.chosen.members.end(),
+          [&](std::size_t member) { return problem_.hypotheses()[member].name == h.name; });
+      if (!score.accepted) {
+        score.refused = !open                       ? rules::kGlobalP.id
+                        : refused != refused_.end() ? refused->second
+                        : score.gain_share < rules::kExplainedShare.limit
+                            ? rules::kExplainedShare.id
+                            : rules::kShapeMisfit.id;
+      }
+      out_.scores.push_back(std::move(score));
+    }
+  }
+
+  const Problem& problem_;
+  const Likelihood& likelihood_;
+  const identify::Design& design_;
+  const actuator::JointModel& declared_;
+  const BootstrapOptions bootstrap_;
+  const double misfit_;
+  std::map<std::string, const char*> refused_;
+  SetJudgement out_;
+};
+
+}  // namespace
+
+SetJudgement JudgeSets(const Problem& problem, const Likelihood& likelihood,
+                       const identify::Design& design, const actuator::JointModel& declared,
+                       std::size_t largest_set, const BootstrapOptions& bootstrap) {
+  return Judge(problem, likelihood, design, declared, bootstrap).Run(largest_set);
+}
+
+}  // namespace sinew::trace

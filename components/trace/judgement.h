@@ -1,0 +1,42 @@
+// Which set of effects a problem asks for, or what it depends on without a name.
+//
+// The search opens with one p-value. A set grows while what is added is more than what the shape of
+// the effects so far may leave, and while every member is missed by the others. A free curve that
+// explains clearly more, or a size that changes with time, ends as "unexplained" over its variable.
+// The limits are those of rules.h. Pure; allocates.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "components/trace/problem.h"
+#include "components/trace/tracer.h"
+
+namespace sinew::trace {
+
+struct SetJudgement {
+  double p_global = 1.0;
+  EffectSet chosen;                              // may be empty
+  std::vector<std::vector<std::string>> rivals;  // of every member, best first
+  Unexplained unexplained;                       // variable empty: nothing
+  std::vector<CandidateScore> scores;            // best first; refused: the rule's id
+};
+
+struct BootstrapOptions {
+  int rounds = 999;
+  std::uint64_t seed = 1;
+};
+
+SetJudgement JudgeSets(const Problem& problem, const Likelihood& likelihood,
+                       const identify::Design& design, const actuator::JointModel& declared,
+                       std::size_t largest_set, const BootstrapOptions& bootstrap);
+
+// What the recordings could not have shown, and what they could (effect names).
+struct Sensitivity {
+  std::vector<NotExcited> not_excited;
+  std::vector<std::string> judged;
+};
+Sensitivity FindSensitivity(const Problem& problem);
+
+}  // namespace sinew::trace

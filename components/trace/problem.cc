@@ -1,0 +1,146 @@
+#include "components/trace/problem.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "components/identify/statistics.h"
+
+namespace sinew::trace {
+
+namespace {
+
+constexpr int kFewestRowsPerBlock = 20;
+// Periods of the angles' low-pass over which the noise's scale is taken.
+constexpr double kScalePeriods = 3.0;
+// Standard deviations: one of a thousand million normal rows is further out.
+constexpr double kOutlier = 6.0;
+// Without a stated tolerance the known torques alone set the drive's scale: to this accuracy.
+constexpr double kScaleKnown = 0.05;
+
+double RobustDeviation(const Eigen::VectorXd& x) {
+  std::vector<double> sizes(static_cast<std::size_t>(x.size()));
+  for (Eigen::Index i = 0; i < x.size(); ++i) sizes[static_cast<std::size_t>(i)] = std::abs(x[i]);
+  return sizes.empty() ? 0.0 : identify::Quantile(std::move(sizes), 0.5) / 0.6745;
+}
+
+Eigen::Index ScaleWindow(const identify::Design& design) {
+  return static_cast<Eigen::Index>(
+      std::ceil(kScalePeriods * design.states().rate_Hz / design.options().state_cutoff_Hz));
+}
+
+// The noise may be coloured over two periods of the angles' low-pass.
+int LongestOrder(const identify::Design& design) {
+  const double rows = design.states().rate_Hz / std::max(1e-9, design.options().state_cutoff_Hz);
+  return static_cast<int>(std::clamp(std::ceil(2.0 * rows), 6.0, 40.0));
+}
+
+Eigen::VectorXd Residual(const identify::FitResult& fit, const UsedRows& used) {
+  return (fit.balance.target - fit.balance.columns * fit.coefficients)(used.rows);
+}
+
+Eigen::VectorXd Richest(const Problem& problem) {
+  Columns all;
+  for (Eigen::Index j = 0; j < problem.bank.columns.cols(); ++j) all.push_back(j);
+  const Eigen::VectorXd c = problem.evidence.Solve(all);
+  return problem.bank.target - problem.bank.declared * problem.evidence.Declared(all, c) -
+         problem.bank.columns * c;
+}
+
+// Leaves out the rows that lie far outside of what the richest model leaves, and learns the noise
+// of the others.
+void LeaveOutliers(const identify::Design& design, const Eigen::VectorXd& rest,
+                   Likelihood* likelihood) {
+  const Eigen::VectorXd e = Whiten(*likelihood, rest);
+  const double limit = kOutlier * RobustDeviation(e);
+  std::vector<char> marked(likelihood->used.rows.size(), 0);
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index i = 0; i < e.size(); ++i) {
+    marked[static_cast<std::size_t>(i)] = std::abs(e[i]) > limit;
+    if (!marked[static_cast<std::size_t>(i)]) kept.push_back(i);
+  }
+  likelihood->used = Without(design, likelihood->used, marked, kFewestRowsPerBlock);
+  const Eigen::VectorXd clean = rest(kept);
+  SetNoise(clean, ScaleWindow(design), LongestOrder(design), likelihood);
+}
+
+}  // namespace
+
+Eigen::VectorXd Problem::Left(const EffectSet& set) const {
+  Eigen::VectorXd e = y - X * evidence.Declared(set.columns, set.c);
+  for (std::size_t k = 0; k < set.columns.size(); ++k) {
+    e -= Z.col(set.columns[k]) * set.c[static_cast<Eigen::Index>(k)];
+  }
+  return e;
+}
+
+Eigen::VectorXd Problem::Part(const EffectSet& set) const {
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(bank.target.size());
+  for (std::size_t k = 0; k < set.columns.size(); ++k) {
+    out += bank.columns.col(set.columns[k]) * set.c[static_cast<Eigen::Index>(k)];
+  }
+  return out;
+}
+
+Problem MakeProblem(const identify::Design& design, const Likelihood& likelihood,
+                    const actuator::JointModel& declared, const identify::FitResult& fit) {
+  Bank bank = MakeBank(design, likelihood, declared, fit.balance);
+  Eigen::MatrixXd X = Whiten(likelihood, bank.declared);
+  Eigen::VectorXd y = Whiten(likelihood, bank.target);
+  const Evidence alone(X, bank.prior, Eigen::MatrixXd(X.rows(), 0), Eigen::VectorXd(), y);
+  AddOrders(design, likelihood, declared, fit.balance, y - X * alone.Declared({}, {}), &bank);
+  Eigen::MatrixXd Z = Whiten(likelihood, bank.columns);
+  const Eigen::VectorXd precision =
+      (bank.spread.array() > 0.0).select(bank.spread.array().square().inverse(), 1e300);
+  Evidence evidence(X, bank.prior, Z, precision, y);
+  const double scale = fit.balance.fits_scale ? fit.balance.Scale(fit.coefficients) : 1.0;
+  return {std::move(bank), std::move(X), std::move(Z), std::move(y), scale, std::move(evidence)};
+}
+
+LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::JointModel& declared) {
+  LikelihoodFit out;
+  Likelihood& likelihood = out.likelihood;
+  likelihood.used = MakeUsedRows(*design, kFewestRowsPerBlock);
+  const Eigen::VectorXd nominal =
+      identify::ErrorOf(*design, declared).residual(likelihood.used.rows);
+  likelihood.noise = NoiseModel(nominal, likelihood.used.stretches, 0);
+  out.fit = FitWhitened(*design, likelihood, declared);
+  if (out.fit.balance.fits_scale) {
+    const double error = std::sqrt(std::max(0.0, out.fit.covariance(0, 0))) /
+                         std::abs(out.fit.balance.Scale(out.fit.coefficients));
+    likelihood.keep_scale =
+        out.fit.coefficients[0] <= 0.0 || (out.fit.balance.spread[0] == 0.0 && error > kScaleKnown);
+    if (likelihood.keep_scale) out.fit = FitWhitened(*design, likelihood, declared);
+  }
+  design->PredictDrive(out.fit.model);
+
+  const Eigen::Index window = ScaleWindow(*design);
+  const int longest = LongestOrder(*design);
+  for (int pass = 0; pass < 2; ++pass) {
+    likelihood.no_nuisance = ImplausibleNuisances(*design, likelihood, declared);
+    out.fit = FitWhitened(*design, likelihood, declared);
+    if (pass == 0) SetNoise(Residual(out.fit, likelihood.used), window, longest, &likelihood);
+    const Problem problem = MakeProblem(*design, likelihood, declared, out.fit);
+    const Eigen::VectorXd rest = Richest(problem);
+    out.richest_rms = problem.scale * identify::Rms(rest);
+    SetNoise(rest, window, longest, &likelihood);
+    if (pass == 0 && declared.balance == effects::Balance::kMotion) {
+      LeaveOutliers(*design, rest, &likelihood);
+    }
+  }
+  likelihood.no_nuisance.clear();
+  likelihood.no_nuisance = ImplausibleNuisances(*design, likelihood, declared);
+  out.fit = FitWhitened(*design, likelihood, declared);
+  design->PredictDrive(out.fit.model);
+  return out;
+}
+
+Likelihood LikelihoodOf(const identify::Design& design, const identify::FitResult& fit, int order) {
+  Likelihood out;
+  out.used = MakeUsedRows(design, kFewestRowsPerBlock);
+  const identify::Balance balance = identify::MakeBalance(design, fit.model, fit.keep_scale);
+  const Eigen::VectorXd rest = (balance.target - balance.columns * fit.coefficients)(out.used.rows);
+  SetNoise(rest, ScaleWindow(design), order, &out);
+  return out;
+}
+
+}  // namespace sinew::trace

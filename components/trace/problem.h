@@ -1,0 +1,45 @@
+// A balance ready to be judged: its rows, whitened, with everything that may explain what the
+// declared terms leave. Made once; nothing changes it. Pure; allocates.
+#pragma once
+
+#include "components/identify/fit.h"
+#include "components/trace/evidence.h"
+#include "components/trace/hypotheses.h"
+#include "components/trace/set_search.h"
+#include "components/trace/whitened_fit.h"
+
+namespace sinew::trace {
+
+struct Problem {
+  Bank bank;
+  Eigen::MatrixXd X, Z;  // declared columns and bank, whitened
+  Eigen::VectorXd y;
+  double scale = 1.0;  // torque per unit of the balance
+  Evidence evidence;
+
+  const std::vector<Hypothesis>& hypotheses() const { return bank.hypotheses; }
+  // Whitened residual with a set in the model.
+  Eigen::VectorXd Left(const EffectSet& set) const;
+  // What a set contributes, not whitened.
+  Eigen::VectorXd Part(const EffectSet& set) const;
+};
+
+// fit: of the declared terms; the design's drive must be predicted by it.
+Problem MakeProblem(const identify::Design& design, const Likelihood& likelihood,
+                    const actuator::JointModel& declared, const identify::FitResult& fit);
+
+// Rows and noise of a balance, and the declared terms fitted with them.
+struct LikelihoodFit {
+  Likelihood likelihood;
+  identify::FitResult fit;
+  double richest_rms = 0.0;  // what the richest model leaves
+};
+
+// The noise is that of the richest model: two passes, and rows far outside of it are left out. The
+// design's predicted drive follows the fit.
+LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::JointModel& declared);
+
+// A residual of other recordings as the noise of theirs.
+Likelihood LikelihoodOf(const identify::Design& design, const identify::FitResult& fit, int order);
+
+}  // namespace sinew::trace

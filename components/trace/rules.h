@@ -1,0 +1,63 @@
+// Every limit that decides a verdict of the likelihood engine, in the order in which they are
+// asked. A refusal in report.json names its rule; docs/closing-the-loop.md has the same table (a
+// test). Pure.
+#pragma once
+
+#include <span>
+#include <string>
+
+namespace sinew::trace {
+
+struct Rule {
+  const char* id;
+  const char* statistic;
+  double limit;
+  const char* source;  // derivation, or the command that calibrates it
+};
+
+namespace rules {
+
+inline constexpr Rule kGlobalP = {"p_global",
+                                  "p of the largest statistic of the whole search (null_test.h)",
+                                  0.01, "one alarm in a hundred recordings without an effect"};
+inline constexpr Rule kExplainedShare = {
+    "explained_share", "net gain of a set, share of the refitted model's misfit", 0.015,
+    "provisional, to be calibrated on rigs 1-200 (rig_bank)"};
+inline constexpr Rule kShapeMisfit = {
+    "shape_misfit", "net gain of a further effect, share of the set's before it", 0.10,
+    "twice the margin of a class (bench/rigs): what an approximate shape leaves"};
+inline constexpr Rule kMemberP = {"p_member", "p of a member beside the others", 0.01,
+                                  "as p_global"};
+inline constexpr Rule kCurveShare = {
+    "curve_share", "net gain of a free curve, share of the refitted model's misfit", 0.04,
+    "provisional, to be calibrated on rigs 1-200 (rig_bank)"};
+inline constexpr Rule kClearlyMore = {
+    "clearly_more", "net gain of a free curve beside the set, share of both", 0.25,
+    "provisional, to be calibrated on rigs 1-200 (rig_bank)"};
+inline constexpr Rule kConstancy = {
+    "constancy", "net gain of the set's size changing with time, share of the set's", 0.15,
+    "provisional, to be calibrated on rigs 1-200 (rig_bank)"};
+inline constexpr Rule kSameClass = {
+    "same_class", "net gain lost when a rival takes a member's place, share of the member's", 0.10,
+    "as shape_misfit"};
+inline constexpr Rule kDetectable = {
+    "not_excited", "size found in 80 % of recordings, rms as share of the measured side", 0.01,
+    "a hundredth of the drive torque is what identification of robots reaches"};
+inline constexpr Rule kAbsorbed = {
+    "absorbed", "part of a column's power that the declared terms do not carry", 1e-3,
+    "three per cent of the amplitude, below the accuracy of the columns"};
+inline constexpr Rule kSlopeBand = {
+    "confirmed", "distance of 1 from the interval of the held-out slope, lower bound above 0", 0.2,
+    "the held-out motion excites another part of an approximate shape"};
+inline constexpr Rule kRefutedBelow = {"refuted", "upper bound of the held-out slope", 0.5,
+                                       "half of the trained size is another effect"};
+
+}  // namespace rules
+
+// All of them, in order.
+std::span<const Rule> AllRules();
+
+// The table in Markdown, as in docs/closing-the-loop.md.
+std::string FormatRules();
+
+}  // namespace sinew::trace
