@@ -110,6 +110,9 @@ TraceResult TraceBalance(effects::Balance balance, const std::vector<identify::R
 
 TraceResult WithBalance(TraceResult motion, TraceResult other) {
   const effects::Balance balance = other.corrected.balance;
+  if (motion.p_global && other.p_global) {
+    motion.p_global = std::min(*motion.p_global, *other.p_global);
+  }
   BalanceSummary summary{std::move(static_cast<Judgement&>(other)), balance,
                          std::string(effects::BalanceUnit(balance, other.corrected.kind))};
 

@@ -116,6 +116,8 @@ LoopResult CloseLoop(const std::vector<identify::Run>& train,
     }
     loop.trace = WithBalance(std::move(loop.trace), std::move(other));
   }
+  // The smallest p of several balances, each of which may give a false alarm (Bonferroni).
+  if (loop.trace.p_global) loop.trace.p_global = std::min(1.0, traces * *loop.trace.p_global);
   return loop;
 }
 

@@ -124,7 +124,8 @@ enum class Verdict { kNone, kEffect, kUnexplained };
 struct Judgement {
   Verdict verdict = Verdict::kNone;
   std::string unseen;     // why there was nothing to judge; empty: there was
-  double p_global = 1.0;  // of the largest statistic of the whole search
+  // Of the largest statistic of the whole search, all balances together; none: the engine of blocks.
+  std::optional<double> p_global;
   identify::ModelError nominal_train, nominal_sealed;
   // Declared model, refitted; within its tolerances when the effects are shifts of its parameters.
   identify::ModelError before_train, before_sealed;

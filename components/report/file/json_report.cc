@@ -163,7 +163,7 @@ std::string FormatJson(const Report& report) {
   out["model"] = report.model_file;
   out["recordings"] = {{"train", Recordings(report.train)}, {"sealed", Recordings(report.sealed)}};
 
-  out["p_global"] = trace.p_global;
+  out["p_global"] = trace.p_global ? Json(*trace.p_global) : Json(nullptr);
   out["faults"] = FaultsJson(report.faults);
   const auto entry_of = [&](const trace::FoundEffect& effect) {
     const std::string own_unit(effects::BalanceUnit(effect.balance, trace.corrected.kind));
