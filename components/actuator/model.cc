@@ -44,6 +44,10 @@ double PriorSpread(const ParameterValue& declared) {
   return declared.tolerance * std::abs(declared.value);
 }
 
+double RelativeSpread(const ParameterValue& declared) {
+  return declared.value != 0.0 ? PriorSpread(declared) / std::abs(declared.value) : 0.0;
+}
+
 std::vector<double> NonlinearValues(const Term& term) {
   std::vector<double> psi;
   for (const ParameterValue& value : term.nonlinear) psi.push_back(value.value);

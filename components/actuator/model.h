@@ -27,6 +27,8 @@ struct ParameterValue {
 // declared value: a relative tolerance of a fitted one is another width, and of 0 it says nothing.
 // A fixed parameter has no prior, ask for `fixed` first.
 double PriorSpread(const ParameterValue& declared);
+// The same as a share of the value; 0: flat, or a value of 0.
+double RelativeSpread(const ParameterValue& declared);
 
 struct Term {
   std::shared_ptr<const effects::Effect> effect;

@@ -96,6 +96,21 @@ Measurement JumpAtEnd(const Run& run, Signal signal) {
   return worst;
 }
 
+// Does the channel step by single counts? Then a level that stays is one that the noise does not
+// carry over the edge of a count, and only a jump by more shows that the channel had stopped.
+bool StepsByCounts(const Eigen::VectorXd& x) {
+  std::vector<double> steps;
+  for (Eigen::Index i = 0; i + 1 < x.size(); ++i) {
+    if (x[i + 1] != x[i]) steps.push_back(std::abs(x[i + 1] - x[i]));
+  }
+  return !steps.empty() && QuantileOf(steps, 0.9) < 1.5 * Resolution(x);
+}
+
+bool JumpsByCounts(const Eigen::VectorXd& x, const Span& span) {
+  return span.last + 1 < x.size() &&
+         std::abs(x[span.last + 1] - x[span.last]) > 1.5 * Resolution(x);
+}
+
 // Channels whose noise changes them with every row, over rows in which the joint moves.
 Measurement LongRun(const Run& run, Signal signal, const std::vector<char>& moving) {
   const Eigen::VectorXd& x = run.At(signal);
@@ -129,8 +144,10 @@ Measurement LongRun(const Run& run, Signal signal, const std::vector<char>& movi
   const double share = std::clamp(repeats / std::max(rows, 1.0), 1.0 / std::max(rows, 2.0), 0.999);
   const double chance = 1.0 + std::log(static_cast<double>(lengths.size())) / std::log(1.0 / share);
   const double usual = std::max(chance, 3.0 * QuantileOf(sorted, 0.99));
+  const bool counts = StepsByCounts(x);
   for (std::size_t i = 0; i < runs.size(); ++i) {
     if (lengths[i] < static_cast<double>(kLeastRows)) continue;
+    if (counts && !JumpsByCounts(x, runs[i])) continue;
     const double statistic = lengths[i] / usual;
     if (statistic > worst.statistic) worst = Measure("frozen", signal, run, runs[i], statistic);
   }

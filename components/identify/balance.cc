@@ -55,7 +55,7 @@ Balance MakeBalance(const Design& design, const actuator::JointModel& model, boo
       out.drive_factor = term.linear.front().value;
       out.drive_torque = design.MeasuredDrive(*term.effect);
       drive_fixed = term.linear.front().fixed;
-      drive_tolerance = term.linear.front().tolerance;
+      drive_tolerance = actuator::RelativeSpread(term.linear.front());
       continue;
     }
     const Eigen::MatrixXd phi = design.Columns(*term.effect, actuator::NonlinearValues(term));
@@ -69,7 +69,7 @@ Balance MakeBalance(const Design& design, const actuator::JointModel& model, boo
       out.parameters.push_back({static_cast<int>(t), static_cast<int>(i)});
       columns.emplace_back(-column);
       values.push_back(parameter.value);
-      tolerances.push_back(parameter.tolerance * std::abs(parameter.value));
+      tolerances.push_back(actuator::PriorSpread(parameter));
     }
   }
   // Is there anything known that sets the scale? At least 1 % of the drive's size.

@@ -209,4 +209,24 @@ void Design::SetClock(int run, double offset_s) {
   }
 }
 
+void Design::SetClock(int run, const std::vector<double>& instants_s, double clock_s) {
+  constexpr double kLongBefore = -1e9;
+  if (instants_s.size() < 2) {
+    SetClock(run, instants_s.empty() ? kLongBefore : clock_s - instants_s.front());
+    return;
+  }
+  for (StateSegment& segment : states_.segments) {
+    if (segment.run != run) continue;
+    std::size_t next = 0;
+    for (Eigen::Index i = 0; i < segment.size(); ++i) {
+      const double time_s = segment.start_s + segment.period_s * static_cast<double>(i);
+      while (next + 1 < instants_s.size() &&
+             time_s > 0.5 * (instants_s[next] + instants_s[next + 1])) {
+        ++next;
+      }
+      segment.samples[static_cast<std::size_t>(i)].time_s = time_s + clock_s - instants_s[next];
+    }
+  }
+}
+
 }  // namespace sinew::identify

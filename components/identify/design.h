@@ -93,6 +93,9 @@ class Design {
   // that something that began at different instants begins at one instant of it. Replaces an
   // earlier offset.
   void SetClock(int run, double offset_s);
+  // The same for something that comes several times: the clock shows clock_s at each of the instants
+  // (rising, on the recording's stamps) and jumps halfway between two of them; none: long before.
+  void SetClock(int run, const std::vector<double>& instants_s, double clock_s);
   // Offsets set so far; runs that are not named have none.
   const std::map<int, double>& clocks() const { return clocks_; }
 

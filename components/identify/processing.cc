@@ -87,6 +87,9 @@ void MarkTouches(const Eigen::VectorXd& gap, double play, std::vector<char>* fla
 // Standard deviations of its noise from which on the sign of a velocity is sure: one wrong sign in
 // two million rows.
 constexpr double kSureVelocity = 5.0;
+// Share of the velocity's power that the low-pass of an angle lets pass in any case: what it takes
+// shows as an oscillator in the residual.
+constexpr double kMotionShare = 0.999;
 // Share of the 75th percentile of speed that counts as rest.
 constexpr double kRestShare = 0.03;
 // How much lower the low-pass of slow motion is: its velocity has a fifteenth of the noise.
@@ -94,6 +97,9 @@ constexpr double kSlower = 6.0;
 // Periods of the angles' low-pass that a reversal is kept away from: what friction does there rings
 // for as long in the derivatives.
 constexpr double kGuardPeriods = 2.0;
+// Share of the moving time that guards leave at least: where a motion reverses quickly, rows near
+// reversals are better than none.
+constexpr double kLeastKept = 1.0 / 3.0;
 
 double NominalDriveGain(const actuator::JointModel& model) {
   for (const actuator::Term& term : model.terms) {
@@ -166,6 +172,35 @@ ProcessingOptions Resolve(const ProcessingOptions& options, const std::vector<Ru
   return out;
 }
 
+// Times between reversals, s: the velocity passes a fifth of its quick size on the other side.
+void AppendStrokes(const Eigen::VectorXd& velocity, double period_s, std::vector<double>* out) {
+  const Eigen::VectorXd speed = velocity.cwiseAbs();
+  const double swing = 0.2 * Quantile(std::vector<double>(speed.begin(), speed.end()), 0.75);
+  int side = 0;
+  Eigen::Index since = 0;
+  for (Eigen::Index i = 0; i < velocity.size(); ++i) {
+    const int now = velocity[i] > swing ? 1 : velocity[i] < -swing ? -1 : side;
+    if (now == side) continue;
+    if (side != 0) out->push_back(static_cast<double>(i - since) * period_s);
+    side = now;
+    since = i;
+  }
+  if (side != 0) out->push_back(static_cast<double>(velocity.size() - since) * period_s);
+}
+
+// The longest guard, up to `wished`, that leaves the least share of the strokes.
+double GuardFor(const std::vector<double>& strokes_s, double wished) {
+  double all = 0.0;
+  for (const double stroke : strokes_s) all += stroke;
+  double guard = wished;
+  for (int i = 0; i < 20; ++i, guard *= 0.8) {
+    double kept = 0.0;
+    for (const double stroke : strokes_s) kept += std::max(0.0, stroke - 2.0 * guard);
+    if (kept >= kLeastKept * all) break;
+  }
+  return guard;
+}
+
 ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::JointModel& model,
                              double longest_gap_s) {
   ProcessingOptions out;
@@ -178,7 +213,7 @@ ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::Joint
   const double motor_inertia = NominalInertia(model, effects::Side::kMotor);
   double output_Hz = 0.0, motor_Hz = 0.0, nyquist_Hz = 0.0;
   double density = 0.0;  // of the position's noise
-  std::vector<double> speeds;
+  std::vector<double> speeds, strokes_s;
   for (const Run& run : runs) {
     for (const UniformSegment& segment : MakeUniform(run, longest_gap_s).segments) {
       const double rate = segment.rate_Hz();
@@ -188,12 +223,13 @@ ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::Joint
                                      ? 0.0
                                      : drive_gain * drive_gain * NoiseDensity(drive->second, rate);
       // The band of an angle, as far as the torque noise that its acceleration brings,
-      // J^2 (2 pi f)^4 S, stays below that of the drive.
+      // J^2 (2 pi f)^4 S, stays below that of the drive; the motion itself passes.
       const auto band = [&](const Eigen::VectorXd& angle, double inertia) {
         const double above_noise = HighestBandAboveNoise(angle, rate);
         const double of_angle = inertia * inertia * NoiseDensity(angle, rate);
         if (!(of_angle > 0.0) || !(drive_noise > 0.0)) return above_noise;
-        return std::min(above_noise, std::pow(drive_noise / of_angle, 0.25) / kTwoPi);
+        const double quiet = std::pow(drive_noise / of_angle, 0.25) / kTwoPi;
+        return std::min(above_noise, std::max(quiet, BandOfMotion(angle, rate, kMotionShare)));
       };
       const Eigen::VectorXd position =
           OutputPosition(segment, model.constants.gear_ratio, run.name);
@@ -208,6 +244,7 @@ ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::Joint
           WideDifference(Smooth(position, out.state_order, std::max(output_Hz, 1e-3 * rate), rate),
                          segment.period_s);
       for (const double v : velocity) speeds.push_back(std::abs(v));
+      AppendStrokes(velocity, segment.period_s, &strokes_s);
     }
   }
   // The wide difference is exact within a per cent up to this part of the Nyquist frequency.
@@ -228,7 +265,7 @@ ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::Joint
   // What moves slower than this part of the motion's quick half sticks and slips.
   out.rest_velocity = std::max(kSureVelocity * velocity_noise(out.slow_cutoff_Hz),
                                kRestShare * Quantile(speeds, 0.75));
-  out.reversal_guard_s = kGuardPeriods / out.state_cutoff_Hz;
+  out.reversal_guard_s = GuardFor(strokes_s, kGuardPeriods / out.state_cutoff_Hz);
   out.border_s = 2.0 / out.state_cutoff_Hz;
   return out;
 }
@@ -262,6 +299,7 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
   std::set<std::string> always = out.measured;
   if (model.backlash_rad == 0.0) {  // a rigid gear: the motor's motion is known from the output's
     always.insert({"motor_velocity_rad_s", "motor_acceleration_rad_s2"});
+    if (options.raw) always.insert("motor_position_rad");
     out.measured = always;
   }
   bool first = true;
@@ -352,7 +390,10 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
       const Eigen::VectorXd motor_raw =
           motor ? piece.signals.at(Signal::kMotorPosition) : Eigen::VectorXd(ratio * q);
       const Eigen::VectorXd motor_rows =
-          motor ? measured(Signal::kMotorPosition) : at_rows(ratio * q);
+          motor ? measured(Signal::kMotorPosition)
+          : options.raw && piece.signals.count(Signal::kPosition) != 0
+              ? Eigen::VectorXd(ratio * measured(Signal::kPosition))
+              : at_rows(ratio * q);
       const double motor_cutoff_Hz =
           options.motor_cutoff_Hz > 0.0 ? options.motor_cutoff_Hz : options.state_cutoff_Hz;
       const Eigen::VectorXd motor_q =
@@ -382,8 +423,9 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
       const Eigen::VectorXd input_rate = rate_of(input_smooth);
       const Eigen::VectorXd pressure = filtered(Signal::kChamberPressure, 0.0);
       const Eigen::VectorXd pressure_rate = rate_of(pressure);
+      // The load cell is the response where the motor is locked, a regressor elsewhere.
       Eigen::VectorXd force =
-          options.raw ? filtered(Signal::kLoadForce, 0.0) : raw(Signal::kLoadForce, 0.0);
+          options.raw && !locked ? filtered(Signal::kLoadForce, 0.0) : raw(Signal::kLoadForce, 0.0);
       if (options.raw && run.Has(Signal::kLoadForce)) {
         // A load cell that nobody touches would add its noise to the balance: its mean is what it
         // measures.
@@ -405,7 +447,10 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
                             row_motor_v = at_rows(motor_v), row_motor_a = at_rows(motor_a),
                             row_input = at_rows(input_smooth), row_input_rate = at_rows(input_rate),
                             row_pressure = at_rows(pressure),
-                            row_pressure_rate = at_rows(pressure_rate), row_force = at_rows(force);
+                            row_pressure_rate = at_rows(pressure_rate),
+                            row_force = locked && run.Has(Signal::kLoadForce)
+                                            ? measured(Signal::kLoadForce)
+                                            : at_rows(force);
       StateSegment segment;
       segment.run = index;
       segment.start_s = piece.start_s;

@@ -97,6 +97,20 @@ double HighestBandAboveNoise(const Eigen::Ref<const Eigen::VectorXd>& x, double 
   return spectrum.frequency_Hz[1];
 }
 
+double BandOfMotion(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz, double share) {
+  const Spectrum spectrum = PowerDensity(x, rate_Hz, 1024);
+  if (spectrum.density.size() < 12) return 0.0;
+  const Eigen::ArrayXd above = (spectrum.density.array() - NoiseLevel(spectrum)).max(0.0) *
+                               spectrum.frequency_Hz.array().square();
+  const double wanted = share * above.sum();
+  double sum = 0.0;
+  for (Eigen::Index i = 0; i < above.size(); ++i) {
+    sum += above[i];
+    if (sum >= wanted) return spectrum.frequency_Hz[i];
+  }
+  return spectrum.frequency_Hz[1];
+}
+
 double BandAboveNoise(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz) {
   const Spectrum spectrum = PowerDensity(x, rate_Hz, 1024);
   const Eigen::Index n = spectrum.density.size();

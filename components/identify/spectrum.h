@@ -31,6 +31,9 @@ double NoiseDensity(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz);
 // below.
 double HighestBandAboveNoise(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz);
 
+// The lowest frequency below which this share of the velocity's power above the noise lies.
+double BandOfMotion(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz, double share);
+
 double BandAboveNoise(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz);
 
 }  // namespace sinew::identify

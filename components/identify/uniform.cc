@@ -122,7 +122,7 @@ Eigen::VectorXd SplineAt(const Eigen::Ref<const Eigen::VectorXd>& x,
   return out;
 }
 
-UniformRun MakeUniform(const Run& run, double longest_gap_s, double shortest_s) {
+UniformRun MakeUniform(const Run& run, double longest_gap_s, int fewest_rows) {
   const Eigen::VectorXd& time = run.time_s;
   if (time.size() < 20) {
     throw std::invalid_argument("recording " + run.name + " has " + std::to_string(time.size()) +
@@ -145,7 +145,7 @@ UniformRun MakeUniform(const Run& run, double longest_gap_s, double shortest_s) 
     const Eigen::Index count = last - first + 1;
     const Eigen::Index from = first;
     first = last + 1;
-    if (count < 20 || time[last] - time[from] < shortest_s) {
+    if (count < fewest_rows) {
       out.sampling.dropped_rows += count;
       continue;
     }
@@ -246,7 +246,7 @@ UniformRun MakeUniform(const Run& run, double longest_gap_s, double shortest_s) 
   }
   if (out.segments.empty()) {
     throw std::invalid_argument("recording " + run.name + " has no piece of " +
-                                std::to_string(shortest_s) + " s without a gap");
+                                std::to_string(fewest_rows) + " rows without a gap");
   }
   out.sampling.rate_Hz = rate_sum / rate_rows;
   out.sampling.jitter_rms_s = std::sqrt(jitter_squares / rate_rows);

@@ -53,8 +53,8 @@ struct UniformRun {
   SamplingReport sampling;
 };
 
-// shortest_s: pieces shorter than this are dropped.
-UniformRun MakeUniform(const Run& run, double longest_gap_s = 0.25, double shortest_s = 2.0);
+// fewest_rows: shorter pieces are dropped; filters and derivatives need some to settle.
+UniformRun MakeUniform(const Run& run, double longest_gap_s = 0.25, int fewest_rows = 100);
 
 // Natural cubic spline through (x, y), x strictly increasing, evaluated at the rising points `at`;
 // outside of x it continues with the end values. At least 3 points.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <set>
+#include <string_view>
 
 #include "components/identify/statistics.h"
 
@@ -155,7 +156,10 @@ std::vector<Curve> FreeCurves(const identify::Design& design) {
     if (curve.columns.cols() > 0 && curve.columns.allFinite()) out.push_back(std::move(curve));
   };
   for (const Variable& variable : kVariables) {
-    if (design.states().measured.count(variable.name) != 0) add(Over(design, variable, used));
+    if (design.states().measured.count(variable.name) == 0) continue;
+    // Where the motor is locked the load cell is the measured side itself.
+    if (design.states().locked && std::string_view(variable.name) == "load_force_N") continue;
+    add(Over(design, variable, used));
   }
   if (design.states().measured.count("motor_position_rad") != 0) add(OverMotorTurn(design));
   if (!design.rows().window.empty()) return out;  // every window has a level of its own already

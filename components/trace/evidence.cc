@@ -22,7 +22,7 @@ Evidence::Evidence(const Eigen::Ref<const Eigen::MatrixXd>& X, const Prior& prio
                    const Eigen::Ref<const Eigen::MatrixXd>& Z,
                    const Eigen::VectorXd& precision_of_Z,
                    const Eigen::Ref<const Eigen::VectorXd>& y)
-    : precision_(precision_of_Z) {
+    : prior_(prior_of_X), precision_(precision_of_Z) {
   Eigen::MatrixXd A = X.transpose() * X;
   A.diagonal() += prior_of_X.precision;
   for (Eigen::Index i = 0; i < A.rows(); ++i) A(i, i) += kRidge * A(i, i) + 1e-300;
@@ -80,6 +80,11 @@ Eigen::VectorXd Evidence::Declared(const Columns& columns, const Eigen::VectorXd
     out -= B_.col(columns[k]) * c[static_cast<Eigen::Index>(k)];
   }
   return out;
+}
+
+double Evidence::PriorMisfit(const Columns& columns, const Eigen::VectorXd& c) const {
+  const Eigen::VectorXd deviation = Declared(columns, c) - prior_.mean;
+  return (prior_.precision.array() * deviation.array().square()).sum();
 }
 
 double Evidence::FreeShare(Eigen::Index j) const {

@@ -33,6 +33,8 @@ class Evidence {
   double misfit() const { return misfit_; }
   // Part of it that is the rows', not the priors'.
   double squared_error() const { return squared_error_; }
+  // Part of the misfit that is the priors' of the declared terms, with those columns of Z.
+  double PriorMisfit(const Columns& columns, const Eigen::VectorXd& c) const;
   // Misfit that the columns of Z take away; >= 0.
   double Gain(const Columns& columns) const;
   // Their coefficients where the misfit is least, and the covariance of white noise.
@@ -54,6 +56,7 @@ class Evidence {
   Eigen::VectorXd m_;  // reduced Z' y
   Eigen::MatrixXd B_;  // (X'X + P)^-1 X'Z
   Eigen::VectorXd b_;  // declared alone
+  Prior prior_;        // of the declared columns
   Eigen::VectorXd precision_, power_;
   double misfit_ = 0.0, squared_error_ = 0.0;
 };

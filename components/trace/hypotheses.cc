@@ -29,6 +29,9 @@ constexpr double kHighestOrder = 400.0;
 // in fewer than one of a thousand recordings: chi^2 with two degrees of freedom.
 constexpr double kRarest = 1e-3;
 
+// Less of a wave than this is any smooth curve.
+constexpr double kLeastPeriods = 0.5;
+
 class Builder {
  public:
   Builder(const identify::Design& design, const UsedRows& used, const actuator::JointModel& model,
@@ -43,6 +46,7 @@ class Builder {
   void AddEffect(const Candidate& candidate) {
     const int family = NextFamily();
     for (const GridPoint& point : candidate.grid) {
+      if (!CoversPeriod(*candidate.effect, point.psi)) continue;
       Hypothesis h;
       h.name = candidate.name();
       h.variable = candidate.effect->info().variable;
@@ -53,6 +57,14 @@ class Builder {
                  (static_cast<double>(h.columns.size()) + (candidate.grid.size() > 1 ? 1.0 : 0.0));
       if (!h.columns.empty()) bank_.hypotheses.push_back(std::move(h));
     }
+  }
+
+  void AddEvent(const TimedEffect& event) {
+    Candidate candidate;
+    candidate.effect = event.effect;
+    candidate.grid.push_back({event.Psi(), design_.Columns(*event.effect, event.Psi())});
+    AddEffect(candidate);
+    bank_.hypotheses.back().charge += event.charge;
   }
 
   void AddSetting(const std::vector<double>& psi, const Eigen::MatrixXd& phi, Hypothesis* h) {
@@ -96,6 +108,14 @@ class Builder {
   }
 
  private:
+  bool CoversPeriod(const effects::Effect& effect, const std::vector<double>& psi) const {
+    if (effect.info().name != "gear_eccentricity") return true;
+    const Eigen::VectorXd all =
+        design_.Variable([](const effects::JointSample& x) { return x.position_rad; });
+    const Eigen::VectorXd angle = all(used_.rows);
+    return psi.front() * TurnsCovered(angle) >= kLeastPeriods;
+  }
+
   Columns AddColumns(const Eigen::MatrixXd& columns) {
     Columns out;
     const Eigen::Index before = bank_.columns.cols();
@@ -140,6 +160,7 @@ Bank MakeBank(const identify::Design& design, const Likelihood& likelihood,
     if (spectrum && candidate.name() == "cogging") continue;  // AddOrders
     builder.AddEffect(candidate);
   }
+  if (likelihood.event) builder.AddEvent(*likelihood.event);
   for (const Curve& curve : FreeCurves(design)) {
     builder.AddCurve(curve.description, curve.variable, 0.0, used.Of(curve.columns), 0.0);
   }
@@ -153,14 +174,12 @@ void AddOrders(const identify::Design& design, const Likelihood& likelihood,
                const Eigen::VectorXd& whitened_residual, Bank* bank) {
   const UsedRows& used = likelihood.used;
   if (design.states().measured.count("motor_position_rad") == 0) return;
-  if (model.balance != effects::Balance::kMotion || model.kind != effects::JointKind::kRotary) {
-    return;
-  }
+  if (model.balance != effects::Balance::kMotion) return;
   const Eigen::VectorXd all =
       design.Variable([](const effects::JointSample& x) { return x.motor_position_rad; });
   const Eigen::VectorXd angle = all(used.rows);
   const double turns = TurnsCovered(angle);
-  if (turns < 0.5) return;
+  if (!(turns > 0.0)) return;
   // An angle known to sigma shows a line of order n damped by exp(-(n sigma)^2 / 2).
   const double counts = model.constants.encoder_counts_per_turn;
   const double sigma = counts > 0.0 ? 2.0 * std::numbers::pi / counts / std::sqrt(12.0) : 0.0;
@@ -185,8 +204,9 @@ void AddOrders(const identify::Design& design, const Likelihood& likelihood,
     if (!(line.order > 0.0)) break;
     // A whole order within the resolution is that order.
     const double whole_order = std::round(line.order);
-    const bool integer = whole_order >= 1.0 && std::abs(line.order - whole_order) < 0.5 / turns;
-    const double order = integer ? whole_order : line.order;
+    const double resolution = 0.5 / turns;
+    const bool integer = whole_order >= 1.0 && std::abs(line.order - whole_order) < resolution;
+    const double order = integer && resolution < 0.5 ? whole_order : line.order;
     const std::vector<double> psi = {order};
     const Eigen::MatrixXd phi = design.Columns(*effect, psi);
     const Eigen::MatrixXd z = Whiten(likelihood, -used.Of(phi));

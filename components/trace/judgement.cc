@@ -69,7 +69,26 @@ class Judge {
 
   bool EnoughMore(const EffectSet& without, const EffectSet& with) const {
     return with.net - without.net > std::max(rules::kExplainedShare.limit * misfit_,
-                                             rules::kShapeMisfit.limit * without.net);
+                                             rules::kShapeMisfit.limit * without.net) ||
+           Relief(without, with) > rules::kSurprise.limit;
+  }
+
+  EffectSet MostRelief(const SetSearch& found) const {
+    EffectSet best;
+    for (const EffectSet& single : found.singles) {
+      if (Relief({}, single) > std::max(rules::kSurprise.limit, Relief({}, best)) &&
+          EveryMemberIsMissed(single)) {
+        best = single;
+      }
+    }
+    return best;
+  }
+
+  // An effect that a refit swallows shows in declared values far outside of their tolerances.
+  double Relief(const EffectSet& without, const EffectSet& with) const {
+    const double now = problem_.evidence.PriorMisfit(with.columns, with.c);
+    const double before = problem_.evidence.PriorMisfit(without.columns, without.c);
+    return std::min(before - now, with.net - without.net);
   }
 
   void Grow(const SetSearch& found) {
@@ -77,7 +96,9 @@ class Judge {
       const EffectSet& grown = found.best[size];
       if (EnoughMore(out_.chosen, grown) && EveryMemberIsMissed(grown)) {
         out_.chosen = grown;
-      } else if (size >= 2) {
+      } else if (size == 1) {
+        out_.chosen = MostRelief(found);
+      } else {
         return;  // where no single will do, a pair may
       }
     }
@@ -128,16 +149,28 @@ class Judge {
     const Eigen::MatrixXd& X = problem_.bank.declared;
     part -= X * identify::Solve(X.transpose() * X, X.transpose() * part);
     const double rms = problem_.scale * identify::Rms(part);
-    // What the encoders round away has no variable worth a name.
-    const double counts = declared_.constants.encoder_counts_per_turn;
-    const double rounding = counts > 0.0 ? 2.0 * std::numbers::pi / counts / std::sqrt(12.0) : 0.0;
-    if (declared_.balance == effects::Balance::kKinematic && rms < rounding) return;
+    if (rms < Floor()) return;
     out_.unexplained = {.balance = declared_.balance,
                         .variable = curve.variable,
                         .order_per_turn = curve.order_per_turn,
                         .rms = rms,
                         .share = set.gain / misfit_,
                         .experiment = ""};
+  }
+
+  // Encoders and gas are fitted down to their noise, where no machine is as its model says: less
+  // than a count of the encoder, or than a hundredth of the pressure's changes, has no variable
+  // worth a name.
+  double Floor() const {
+    const double counts = declared_.constants.encoder_counts_per_turn;
+    switch (declared_.balance) {
+      case effects::Balance::kKinematic:
+        return counts > 0.0 ? 2.0 * std::numbers::pi / counts : 0.0;
+      case effects::Balance::kGas:
+        return rules::kDetectable.limit * identify::Rms(problem_.bank.target);
+      default:
+        return 0.0;
+    }
   }
 
   // The set's contribution times the time in its recording (-1 to 1), and in each recording alone.

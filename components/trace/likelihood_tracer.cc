@@ -35,7 +35,8 @@ actuator::JointModel ModelWith(const actuator::JointModel& fitted, const Problem
       const auto& infos = h.effect->info().nonlinear;
       for (std::size_t i = 0; i < setting.psi.size(); ++i) {
         actuator::ParameterValue value{.value = setting.psi[i], .half_width_95 = std::nullopt};
-        value.fixed = infos[i].dimension == effects::Dimension::kNone;  // counts stay whole
+        // Counts stay whole, instants were searched.
+        value.fixed = infos[i].dimension == effects::Dimension::kNone || h.effect->info().event;
         term.nonlinear.push_back(value);
       }
       terms->back().push_back(static_cast<int>(model.terms.size()));
@@ -56,6 +57,7 @@ class Correction {
     corrected_ = base_.fit;
     if (judged_.chosen.empty()) return;
     Fit(judged_.chosen);
+    LocateEvent(result);
     std::vector<std::size_t> kept;
     for (std::size_t k = 0; k < judged_.chosen.members.size(); ++k) {
       FoundEffect found = Describe(k);
@@ -94,6 +96,32 @@ class Correction {
       model = corrected_.model;
       PredictDrive(model);
     }
+  }
+
+  // When it happens is no property of the robot: held-out recordings are searched for it with the
+  // size that training gave.
+  void LocateEvent(TraceResult* result) {
+    const std::optional<TimedEffect>& event = base_.likelihood.event;
+    if (!event) return;
+    const int at = corrected_.model.Find(event->effect->info().name, corrected_.model.balance);
+    if (at < 0) return;
+    actuator::JointModel without = corrected_.model;
+    const double theta = without.terms[static_cast<std::size_t>(at)].linear.front().value;
+    without.terms.erase(without.terms.begin() + at);
+    const std::vector<std::vector<double>> sealed_start_s =
+        LocateTimedEffect(sealed_, *event, theta, identify::ErrorOf(sealed_, without).residual);
+    SetClocksBy(*event, sealed_start_s, &sealed_);
+    const auto note = [&](const Design& design, const std::vector<std::vector<double>>& start_s,
+                          bool sealed) {
+      for (std::size_t run = 0; run < start_s.size(); ++run) {
+        for (const double start : start_s[run]) {
+          result->events.push_back(
+              {event->effect->info().name, design.states().run_names[run], sealed, start});
+        }
+      }
+    };
+    note(train_, event->start_s, false);
+    note(sealed_, sealed_start_s, true);
   }
 
   FoundEffect Describe(std::size_t k) const {

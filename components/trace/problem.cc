@@ -17,6 +17,8 @@ constexpr double kOutlier = 6.0;
 // Without a stated tolerance the known torques alone set the drive's scale: to this accuracy.
 constexpr double kScaleKnown = 0.05;
 
+constexpr std::uint64_t kEventSeed = 1;
+
 double RobustDeviation(const Eigen::VectorXd& x) {
   std::vector<double> sizes(static_cast<std::size_t>(x.size()));
   for (Eigen::Index i = 0; i < x.size(); ++i) sizes[static_cast<std::size_t>(i)] = std::abs(x[i]);
@@ -112,6 +114,10 @@ LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::Joint
     if (likelihood.keep_scale) out.fit = FitWhitened(*design, likelihood, declared);
   }
   design->PredictDrive(out.fit.model);
+
+  // What begins at an instant must be known before the noise is: it would count as loud noise.
+  likelihood.event = FindTimedEffect(*design, likelihood, declared, out.fit, kEventSeed);
+  if (likelihood.event) SetClocksBy(*likelihood.event, likelihood.event->start_s, design);
 
   const Eigen::Index window = ScaleWindow(*design);
   const int longest = LongestOrder(*design);

@@ -7,9 +7,10 @@ namespace sinew::trace {
 
 std::span<const Rule> AllRules() {
   static constexpr std::array kAll = {
-      rules::kGlobalP,    rules::kExplainedShare, rules::kShapeMisfit, rules::kMemberP,
-      rules::kCurveShare, rules::kClearlyMore,    rules::kConstancy,   rules::kSameClass,
-      rules::kDetectable, rules::kAbsorbed,       rules::kSlopeBand,   rules::kRefutedBelow};
+      rules::kGlobalP,      rules::kExplainedShare, rules::kSurprise,    rules::kShapeMisfit,
+      rules::kMemberP,      rules::kCurveShare,     rules::kClearlyMore, rules::kConstancy,
+      rules::kSameClass,    rules::kDetectable,     rules::kAbsorbed,    rules::kSlopeBand,
+      rules::kRefutedBelow, rules::kEventPeak,      rules::kEventAlone};
   return kAll;
 }
 

@@ -23,6 +23,11 @@ inline constexpr Rule kGlobalP = {"p_global",
 inline constexpr Rule kExplainedShare = {
     "explained_share", "net gain of a set, share of the refitted model's misfit", 0.015,
     "provisional, to be calibrated on rigs 1-200 (rig_bank)"};
+inline constexpr Rule kSurprise = {
+    "surprise", "misfit of declared values against their tolerances that an effect takes away",
+    16.0,
+    "chi-square with one degree of freedom at 1 % for one of 100 candidates: 2 ln(100 / 0.01) less "
+    "its tail"};
 inline constexpr Rule kShapeMisfit = {
     "shape_misfit", "net gain of a further effect, share of the set's before it", 0.10,
     "twice the margin of a class (bench/rigs): what an approximate shape leaves"};
@@ -51,6 +56,13 @@ inline constexpr Rule kSlopeBand = {
     "the held-out motion excites another part of an approximate shape"};
 inline constexpr Rule kRefutedBelow = {"refuted", "upper bound of the held-out slope", 0.5,
                                        "half of the trained size is another effect"};
+
+inline constexpr Rule kEventPeak = {
+    "event_peak", "matched filter for a push, robust standard deviations of its output", 6.0,
+    "one of a thousand million normal values is further out"};
+inline constexpr Rule kEventAlone = {"event_alone",
+                                     "the next loudest place, share of the faintest push", 0.5,
+                                     "provisional, to be calibrated on rigs 1-200 (rig_bank)"};
 
 }  // namespace rules
 

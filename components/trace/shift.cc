@@ -35,7 +35,7 @@ ShiftReport FindShifts(const identify::Design& design, const actuator::JointMode
     const auto i = static_cast<std::size_t>(ref.linear);
     const actuator::ParameterValue& before = nominal.terms[t].linear[i];
     const actuator::ParameterValue& after = fit.model.terms[t].linear[i];
-    const double tolerance = before.tolerance * std::abs(before.value);
+    const double tolerance = actuator::PriorSpread(before);
     if (!(tolerance > 0.0)) return;
     const double error = after.half_width_95.value_or(0.0) / 2.0;
     declared.push_back({ref, column, after.value - before.value,
@@ -56,7 +56,7 @@ ShiftReport FindShifts(const identify::Design& design, const actuator::JointMode
   // shifts the fitted ones, and that is no surprise either.
   for (const actuator::Term& term : nominal.terms) {
     for (std::size_t k = 0; k < term.nonlinear.size(); ++k) {
-      const double off = term.nonlinear[k].tolerance * std::abs(term.nonlinear[k].value);
+      const double off = actuator::PriorSpread(term.nonlinear[k]);
       if (!term.nonlinear[k].fixed || !(off > 0.0)) continue;
       const auto torque = [&](double value) {
         std::vector<double> psi = actuator::NonlinearValues(term);
@@ -118,7 +118,7 @@ ShiftReport FindShifts(const identify::Design& design, const actuator::JointMode
     shift.parameter = info.linear[i].name;
     shift.nominal = nominal.terms[t].linear[i].value;
     shift.refit = fit.model.terms[t].linear[i].value;
-    shift.tolerance = nominal.terms[t].linear[i].tolerance * std::abs(shift.nominal);
+    shift.tolerance = actuator::PriorSpread(nominal.terms[t].linear[i]);
     shift.half_width_95 = fit.model.terms[t].linear[i].half_width_95.value_or(0.0);
     shift.sigma = sigma;
     const auto j = static_cast<std::size_t>(&item - declared.data());

@@ -478,7 +478,7 @@ class Tracer {
       if (ref.term >= static_cast<int>(declared_.terms.size())) return;
       const actuator::ParameterValue& nominal = declared_.terms[static_cast<std::size_t>(ref.term)]
                                                     .linear[static_cast<std::size_t>(ref.linear)];
-      const double tolerance = nominal.tolerance * std::abs(nominal.value);
+      const double tolerance = actuator::PriorSpread(nominal);
       if (!(tolerance > 0.0)) return;
       sum += (value - nominal.value) * (value - nominal.value) / (tolerance * tolerance);
     };

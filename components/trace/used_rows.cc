@@ -4,9 +4,8 @@
 
 namespace sinew::trace {
 
-namespace {
-
-UsedRows FromRows(const identify::Design& design, std::vector<Eigen::Index> rows, int fewest_rows) {
+UsedRows MakeUsedRows(const identify::Design& design, std::vector<Eigen::Index> rows,
+                      int fewest_rows) {
   UsedRows out;
   out.rows = std::move(rows);
   const identify::Rows& all = design.rows();
@@ -44,10 +43,8 @@ UsedRows FromRows(const identify::Design& design, std::vector<Eigen::Index> rows
   return out;
 }
 
-}  // namespace
-
 UsedRows MakeUsedRows(const identify::Design& design, int fewest_rows) {
-  return FromRows(design, design.rows().UsedRows(), fewest_rows);
+  return MakeUsedRows(design, design.rows().UsedRows(), fewest_rows);
 }
 
 UsedRows Without(const identify::Design& design, const UsedRows& used,
@@ -56,7 +53,7 @@ UsedRows Without(const identify::Design& design, const UsedRows& used,
   for (std::size_t k = 0; k < used.rows.size(); ++k) {
     if (!marked[k]) rows.push_back(used.rows[k]);
   }
-  return FromRows(design, std::move(rows), fewest_rows);
+  return MakeUsedRows(design, std::move(rows), fewest_rows);
 }
 
 }  // namespace sinew::trace

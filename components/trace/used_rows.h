@@ -29,6 +29,9 @@ inline constexpr int kMostBlocks = 60;
 
 // Blocks never cross a segment or a window; every one holds at least fewest_rows used rows.
 UsedRows MakeUsedRows(const identify::Design& design, int fewest_rows);
+// The same of any rows, in rising order.
+UsedRows MakeUsedRows(const identify::Design& design, std::vector<Eigen::Index> rows,
+                      int fewest_rows);
 
 // Without the rows (in numbers of `used.rows`) that are marked.
 UsedRows Without(const identify::Design& design, const UsedRows& used,

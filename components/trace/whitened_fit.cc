@@ -143,7 +143,8 @@ Prior PriorOf(const Balance& balance, const actuator::JointModel& model, const U
   out.mean = Eigen::VectorXd::Zero(p + extra);
   out.precision = Eigen::VectorXd::Zero(p + extra);
   const auto precision = [](double spread) { return spread > 0.0 ? 1.0 / (spread * spread) : 0.0; };
-  const double drive_tolerance = TermOf(model, balance.drive).linear.front().tolerance;
+  const double drive_tolerance =
+      actuator::RelativeSpread(TermOf(model, balance.drive).linear.front());
   const double target_rms = Rms(balance.target(used.rows));
   const Eigen::Index first = balance.fits_scale ? 1 : 0;
   if (balance.fits_scale) {

@@ -3,7 +3,10 @@
 // allocates.
 #pragma once
 
+#include <optional>
+
 #include "components/identify/fit.h"
+#include "components/trace/event_search.h"
 #include "components/trace/evidence.h"
 #include "components/trace/noise_model.h"
 #include "components/trace/nuisances.h"
@@ -28,6 +31,7 @@ struct Likelihood {
   Eigen::VectorXd weight;
   bool keep_scale = false;               // the drive's factor stays at its nominal value
   std::vector<std::string> no_nuisance;  // imperfections too large to be one (ImplausibleNuisances)
+  std::optional<TimedEffect> event;      // the design's clocks are set by it
 };
 
 // Columns of the used rows, weighted and whitened; and the transposed operation.

@@ -103,7 +103,7 @@ double ShiftBetween(const actuator::JointModel& with, const actuator::JointModel
   for (std::size_t t = 0; t < declared.terms.size(); ++t) {
     for (std::size_t i = 0; i < declared.terms[t].linear.size(); ++i) {
       const actuator::ParameterValue& nominal = declared.terms[t].linear[i];
-      const double tolerance = nominal.tolerance * std::abs(nominal.value);
+      const double tolerance = actuator::PriorSpread(nominal);
       if (nominal.fixed || !(tolerance > 0.0)) continue;
       largest = std::max(
           largest,

@@ -52,6 +52,17 @@ TEST(Spectrum, BandEndsWhereMotionSinksIntoNoise) {
   EXPECT_LT(band_Hz, 12.0);
 }
 
+TEST(Spectrum, BandOfMotionHoldsTheShareOfTheVelocityThatWasAskedFor) {
+  Eigen::VectorXd x(8192);
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    const double t = static_cast<double>(i) / 100.0;
+    // Velocities of 1 at 1 Hz and of 0.1 at 8 Hz: a hundredth of the power.
+    x[i] = std::sin(2.0 * M_PI * 1.0 * t) + 0.1 / 8.0 * std::sin(2.0 * M_PI * 8.0 * t);
+  }
+  EXPECT_NEAR(BandOfMotion(x, 100.0, 0.95), 1.0, 0.3);
+  EXPECT_NEAR(BandOfMotion(x, 100.0, 0.999), 8.0, 0.5);
+}
+
 TEST(Spectrum, ShortInputHasNoSpectrum) {
   EXPECT_EQ(PowerDensity(Eigen::VectorXd::Zero(7), 10.0).density.size(), 0);
   EXPECT_EQ(BandAboveNoise(Eigen::VectorXd::Zero(7), 10.0), 0.0);

@@ -58,6 +58,16 @@ TEST(Evidence, CoefficientsAreThoseOfTheJointFit) {
   EXPECT_NEAR((problem.evidence.Declared({1, 3}, c) - b.head(3)).norm(), 0.0, 1e-6);
 }
 
+TEST(Evidence, PriorMisfitIsWhatTheDeclaredValuesMissTheirTolerancesBy) {
+  const Problem problem;
+  Eigen::VectorXd b;
+  problem.Misfit({1, 3}, &b);
+  const double expected =
+      ((b.head(3) - problem.prior.mean).array().square() * problem.prior.precision.array()).sum();
+  EXPECT_NEAR(problem.evidence.PriorMisfit({1, 3}, problem.evidence.Solve({1, 3})), expected,
+              1e-6 * expected);
+}
+
 TEST(Evidence, NothingIsGainedByNoColumn) {
   const Problem problem;
   EXPECT_EQ(problem.evidence.Gain({}), 0.0);
