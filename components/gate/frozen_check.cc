@@ -106,9 +106,14 @@ bool StepsByCounts(const Eigen::VectorXd& x) {
   return !steps.empty() && QuantileOf(steps, 0.9) < 1.5 * Resolution(x);
 }
 
-bool JumpsByCounts(const Eigen::VectorXd& x, const Span& span) {
+// Further than the channel ever moves within a row.
+bool Jumps(const Eigen::VectorXd& x, const Span& span) {
+  std::vector<double> steps;
+  for (Eigen::Index i = 0; i + 1 < x.size(); ++i) {
+    if (x[i + 1] != x[i] && i != span.last) steps.push_back(std::abs(x[i + 1] - x[i]));
+  }
   return span.last + 1 < x.size() &&
-         std::abs(x[span.last + 1] - x[span.last]) > 1.5 * Resolution(x);
+         std::abs(x[span.last + 1] - x[span.last]) > QuantileOf(steps, 0.999) + 0.5 * Resolution(x);
 }
 
 // Channels whose noise changes them with every row, over rows in which the joint moves.
@@ -147,7 +152,7 @@ Measurement LongRun(const Run& run, Signal signal, const std::vector<char>& movi
   const bool counts = StepsByCounts(x);
   for (std::size_t i = 0; i < runs.size(); ++i) {
     if (lengths[i] < static_cast<double>(kLeastRows)) continue;
-    if (counts && !JumpsByCounts(x, runs[i])) continue;
+    if (counts && !Jumps(x, runs[i])) continue;
     const double statistic = lengths[i] / usual;
     if (statistic > worst.statistic) worst = Measure("frozen", signal, run, runs[i], statistic);
   }

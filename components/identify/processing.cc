@@ -90,6 +90,9 @@ constexpr double kSureVelocity = 5.0;
 // Share of the velocity's power that the low-pass of an angle lets pass in any case: what it takes
 // shows as an oscillator in the residual.
 constexpr double kMotionShare = 0.999;
+// Torque noise that the acceleration may bring, share of the drive torque: three times what
+// identification of robots reaches, most of it beyond the motion's band and so whitened away.
+constexpr double kNoiseShare = 0.03;
 // Share of the 75th percentile of speed that counts as rest.
 constexpr double kRestShare = 0.03;
 // How much lower the low-pass of slow motion is: its velocity has a fifteenth of the noise.
@@ -172,6 +175,10 @@ ProcessingOptions Resolve(const ProcessingOptions& options, const std::vector<Ru
   return out;
 }
 
+double RootMeanSquare(const Eigen::VectorXd& x) {
+  return x.size() > 0 ? std::sqrt(x.squaredNorm() / static_cast<double>(x.size())) : 0.0;
+}
+
 // Times between reversals, s: the velocity passes a fifth of its quick size on the other side.
 void AppendStrokes(const Eigen::VectorXd& velocity, double period_s, std::vector<double>* out) {
   const Eigen::VectorXd speed = velocity.cwiseAbs();
@@ -225,11 +232,17 @@ ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::Joint
       // The band of an angle, as far as the torque noise that its acceleration brings,
       // J^2 (2 pi f)^4 S, stays below that of the drive; the motion itself passes.
       const auto band = [&](const Eigen::VectorXd& angle, double inertia) {
-        const double above_noise = HighestBandAboveNoise(angle, rate);
+        const double above_noise =
+            std::min(HighestBandAboveNoise(angle, rate), BandOfLeastError(angle, rate, 2));
         const double of_angle = inertia * inertia * NoiseDensity(angle, rate);
         if (!(of_angle > 0.0) || !(drive_noise > 0.0)) return above_noise;
         const double quiet = std::pow(drive_noise / of_angle, 0.25) / kTwoPi;
-        return std::min(above_noise, std::max(quiet, BandOfMotion(angle, rate, kMotionShare)));
+        // All of it together stays below a share of the drive torque as well: a servo's command
+        // repeats the noise of its angle, and would allow too much.
+        const double torque = kNoiseShare * drive_gain * RootMeanSquare(drive->second);
+        const double all = std::pow(5.0 * torque * torque / of_angle, 0.2) / std::pow(kTwoPi, 0.8);
+        return std::min(
+            {above_noise, all, std::max(quiet, BandOfMotion(angle, rate, kMotionShare))});
       };
       const Eigen::VectorXd position =
           OutputPosition(segment, model.constants.gear_ratio, run.name);

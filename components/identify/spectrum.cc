@@ -97,6 +97,23 @@ double HighestBandAboveNoise(const Eigen::Ref<const Eigen::VectorXd>& x, double 
   return spectrum.frequency_Hz[1];
 }
 
+double BandOfLeastError(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz,
+                        int derivative) {
+  const Spectrum spectrum = PowerDensity(x, rate_Hz, 1024);
+  if (spectrum.density.size() < 12) return 0.0;
+  const double noise = NoiseLevel(spectrum) / 4.0;
+  double error = 0.0, least = 0.0;  // less that of no signal at all
+  double best = spectrum.frequency_Hz[1];
+  for (Eigen::Index i = 1; i < spectrum.density.size(); ++i) {
+    error +=
+        std::pow(spectrum.frequency_Hz[i], 2 * derivative) * (2.0 * noise - spectrum.density[i]);
+    if (error >= least) continue;
+    least = error;
+    best = spectrum.frequency_Hz[i];
+  }
+  return best;
+}
+
 double BandOfMotion(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz, double share) {
   const Spectrum spectrum = PowerDensity(x, rate_Hz, 1024);
   if (spectrum.density.size() < 12) return 0.0;

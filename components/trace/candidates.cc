@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "components/identify/statistics.h"
+
 namespace sinew::trace {
 
 std::vector<std::vector<double>> GridOf(const effects::EffectInfo& info) {
@@ -20,6 +22,62 @@ std::vector<std::vector<double>> GridOf(const effects::EffectInfo& info) {
     grid = std::move(next);
   }
   return grid;
+}
+
+namespace {
+
+// The catalogue's grids are those of a joint that turns a radian either way, at half a radian per
+// second: lengths and speeds of another motion are as much longer and quicker.
+constexpr double kSpeedOfGrid = 0.5;  // rad/s
+// Sliding lengths, share of half of the motion's range: from what no encoder sees to all of it.
+constexpr double kShortest = 0.003, kLongest = 2.0;
+
+// Resonances within the band of the angles; the fit finds the very frequency from the nearest.
+constexpr double kLowestResonance = 0.2, kHighestResonance = 1.3, kDensity = 1.6;
+
+}  // namespace
+
+std::vector<std::vector<double>> GridFor(const identify::Design& design,
+                                         const effects::EffectInfo& info) {
+  if (!design.options().raw) return GridOf(info);
+  using effects::JointSample;
+  const std::vector<Eigen::Index> used = design.rows().UsedRows();
+  if (used.empty()) return GridOf(info);
+  const auto of_used = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd { return x(used); };
+  effects::EffectInfo scaled = info;
+  for (effects::ParameterInfo& parameter : scaled.nonlinear) {
+    double scale = 1.0;
+    if (parameter.dimension == effects::Dimension::kAngle) {
+      const Eigen::VectorXd q =
+          of_used(design.Variable([](const JointSample& x) { return x.position_rad; }));
+      scale = 0.5 * (q.maxCoeff() - q.minCoeff());
+      if (parameter.lower > 0.0) {  // a length, not a place
+        parameter.grid.clear();
+        for (double share = kShortest; share < kLongest; share *= 2.0) {
+          parameter.grid.push_back(share);
+        }
+      }
+    } else if (parameter.dimension == effects::Dimension::kVelocity) {
+      const Eigen::VectorXd v =
+          of_used(design.Variable([](const JointSample& x) { return x.velocity_rad_s; }));
+      const Eigen::VectorXd speed = v.cwiseAbs();
+      scale =
+          identify::Quantile(std::vector<double>(speed.begin(), speed.end()), 0.75) / kSpeedOfGrid;
+    } else if (parameter.dimension == effects::Dimension::kFrequency) {
+      parameter.grid.clear();
+      const double band_Hz = design.options().state_cutoff_Hz;
+      for (double f = kLowestResonance; f < kHighestResonance; f *= kDensity) {
+        parameter.grid.push_back(f * band_Hz);
+      }
+    }
+    for (double& value : parameter.grid) {
+      value = std::clamp(scale * value, parameter.lower, parameter.upper);
+    }
+    std::sort(parameter.grid.begin(), parameter.grid.end());
+    parameter.grid.erase(std::unique(parameter.grid.begin(), parameter.grid.end()),
+                         parameter.grid.end());
+  }
+  return GridOf(scaled);
 }
 
 CandidateSet MakeCandidates(const identify::Design& design, const actuator::JointModel& model) {
@@ -56,7 +114,7 @@ CandidateSet MakeCandidates(const identify::Design& design, const actuator::Join
     }
     Candidate candidate;
     candidate.catalogue_order = order;
-    for (std::vector<double>& psi : GridOf(info)) {
+    for (std::vector<double>& psi : GridFor(design, info)) {
       bool taken = false;
       for (const actuator::Term& term : model.terms) {
         if (!model.Counts(term) || term.effect->info().name != name) continue;

@@ -49,4 +49,8 @@ std::vector<Candidate> EventCandidates(const actuator::JointModel& model);
 // All combinations of the grids of an effect's nonlinear parameters; one empty setting without any.
 std::vector<std::vector<double>> GridOf(const effects::EffectInfo& info);
 
+// The same with lengths, speeds and frequencies of the motion's size, inside their ranges.
+std::vector<std::vector<double>> GridFor(const identify::Design& design,
+                                         const effects::EffectInfo& info);
+
 }  // namespace sinew::trace

@@ -250,7 +250,7 @@ struct StepScan {
       ge += g[i] * e[i] * sign[static_cast<std::size_t>(i)];
       gg += g[i] * g[i];
       xg += g[i] * X.row(i).transpose();
-      // Instants a twentieth of the rows apart would do; every eighth row costs nothing.
+      // Every eighth row is dense enough.
       if (rows.size() - k < kRowsAside || k % 8 != 0) continue;
       const double power = gg - xg.dot(inverse * xg);
       if (!(power > 1e-6 * gg)) continue;

@@ -30,7 +30,7 @@ constexpr double kHighestOrder = 400.0;
 constexpr double kRarest = 1e-3;
 
 // Less of a wave than this is any smooth curve.
-constexpr double kLeastPeriods = 0.5;
+constexpr double kLeastPeriods = 1.0;
 
 class Builder {
  public:
@@ -184,7 +184,8 @@ void AddOrders(const identify::Design& design, const Likelihood& likelihood,
   const double counts = model.constants.encoder_counts_per_turn;
   const double sigma = counts > 0.0 ? 2.0 * std::numbers::pi / counts / std::sqrt(12.0) : 0.0;
   const double highest = sigma > 0.0 ? std::min(kHighestOrder, 1.0 / sigma) : kHighestOrder;
-  const double lowest = std::max(0.5, 1.0 / turns);
+  // Fewer than three periods in the whole range are a smooth curve.
+  const double lowest = std::max(0.5, 3.0 / turns);
   if (!(highest > lowest)) return;
   const double independent = IndependentOrders(turns, lowest, highest);
   const double limit = 2.0 * std::log(independent / kRarest);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 
 #include "components/identify/statistics.h"
 #include "components/trace/null_test.h"
@@ -104,12 +103,17 @@ class Judge {
     }
   }
 
+  // p of a member. A free curve beside the set takes what goes on beside it out of the noise.
+  double MemberP(const EffectSet& without, const EffectSet& set, std::size_t member) const {
+    const EffectSet with = WithBestCurve(problem_.evidence, problem_.hypotheses(), set);
+    return P(without, with.net > set.net ? with : set, Statistic(set.gain - without.gain, member));
+  }
+
   bool EveryMemberIsMissed(const EffectSet& set) const {
     for (std::size_t k = 0; k < set.members.size(); ++k) {
       const EffectSet without = Without(problem_, set, k);
       if (!EnoughMore(without, set)) return false;
-      const double statistic = Statistic(set.gain - without.gain, set.members[k]);
-      if (P(without, set, statistic) > rules::kMemberP.limit) return false;
+      if (MemberP(without, set, set.members[k]) > rules::kMemberP.limit) return false;
     }
     return true;
   }
@@ -125,7 +129,11 @@ class Judge {
     const double statistic = Statistic(with.gain - out_.chosen.gain, with.members.back());
     if (P(out_.chosen, with, statistic) > rules::kMemberP.limit) return;
     NoteUnexplained(found.curve.net > out_.chosen.net ? found.curve : with);
-    if (found.curve.net > (1.0 - rules::kShapeMisfit.limit) * out_.chosen.net) {
+    // Is the set but a part of the curve?
+    std::vector<std::size_t> both = out_.chosen.members;
+    both.push_back(found.curve.members.back());
+    const EffectSet beside = FitSet(problem_.evidence, problem_.hypotheses(), std::move(both));
+    if (beside.net - found.curve.net < rules::kClearlyMore.limit * out_.chosen.net) {
       Refuse(rules::kClearlyMore);
     }
   }
@@ -158,19 +166,11 @@ class Judge {
                         .experiment = ""};
   }
 
-  // Encoders and gas are fitted down to their noise, where no machine is as its model says: less
-  // than a count of the encoder, or than a hundredth of the pressure's changes, has no variable
-  // worth a name.
+  // Encoders and gas are fitted down to their noise, where no machine is as its model says: what
+  // stays within the noise of a row has no variable worth a name.
   double Floor() const {
-    const double counts = declared_.constants.encoder_counts_per_turn;
-    switch (declared_.balance) {
-      case effects::Balance::kKinematic:
-        return counts > 0.0 ? 2.0 * std::numbers::pi / counts : 0.0;
-      case effects::Balance::kGas:
-        return rules::kDetectable.limit * identify::Rms(problem_.bank.target);
-      default:
-        return 0.0;
-    }
+    if (declared_.balance == effects::Balance::kMotion) return 0.0;
+    return problem_.scale * identify::Rms(Richest(problem_));
   }
 
   // The set's contribution times the time in its recording (-1 to 1), and in each recording alone.

@@ -1,9 +1,11 @@
 #include "components/trace/likelihood_tracer.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "components/trace/ceiling.h"
 #include "components/trace/judgement.h"
+#include "components/trace/rules.h"
 #include "components/trace/shift.h"
 
 namespace sinew::trace {
@@ -52,31 +54,35 @@ class Correction {
              const SetJudgement& judged)
       : train_(train), sealed_(sealed), base_(base), problem_(problem), judged_(judged) {}
 
-  // Fits the set, confirms every member, and once more without those that were refuted.
+  // Fits the set and confirms every member. A member that is wrong spoils the prediction of the
+  // others: the refuted one that training misses least leaves, and the rest is confirmed anew.
   void Run(TraceResult* result) {
     corrected_ = base_.fit;
-    if (judged_.chosen.empty()) return;
-    Fit(judged_.chosen);
-    LocateEvent(result);
-    std::vector<std::size_t> kept;
-    for (std::size_t k = 0; k < judged_.chosen.members.size(); ++k) {
-      FoundEffect found = Describe(k);
-      const bool refuted = found.confirmation.verdict == ConfirmationVerdict::kRefuted;
-      if (refuted) {
-        found.term = -1;
-        result->refuted.push_back(std::move(found));
-      } else {
-        kept.push_back(judged_.chosen.members[k]);
-        result->effects.push_back(std::move(found));
+    set_ = judged_.chosen;
+    rivals_ = judged_.rivals;
+    while (!set_.empty()) {
+      Fit();
+      LocateEvent(result);
+      std::vector<FoundEffect> found;
+      std::optional<std::size_t> leaves;
+      for (std::size_t k = 0; k < set_.members.size(); ++k) {
+        found.push_back(Describe(k));
+        if (found[k].confirmation.verdict != ConfirmationVerdict::kRefuted) continue;
+        if (!leaves || found[k].gain_share < found[*leaves].gain_share) leaves = k;
       }
-    }
-    if (result->refuted.empty()) return;
-    corrected_ = base_.fit;
-    PredictDrive(base_.fit.model);
-    if (kept.empty()) return;
-    Fit(FitSet(problem_.evidence, problem_.hypotheses(), std::move(kept)));
-    for (std::size_t k = 0; k < result->effects.size(); ++k) {
-      result->effects[k].term = terms_[k].front();
+      if (!leaves) {
+        result->effects = std::move(found);
+        return;
+      }
+      found[*leaves].term = -1;
+      result->refuted.push_back(std::move(found[*leaves]));
+      result->events.clear();
+      std::vector<std::size_t> kept = set_.members;
+      kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(*leaves));
+      rivals_.erase(rivals_.begin() + static_cast<std::ptrdiff_t>(*leaves));
+      set_ = FitSet(problem_.evidence, problem_.hypotheses(), std::move(kept));
+      corrected_ = base_.fit;
+      PredictDrive(base_.fit.model);
     }
   }
 
@@ -89,8 +95,8 @@ class Correction {
   }
 
   // Twice: effects that read the drive see the one that the corrected model needs.
-  void Fit(const EffectSet& set) {
-    actuator::JointModel model = ModelWith(base_.fit.model, problem_, set, &terms_);
+  void Fit() {
+    actuator::JointModel model = ModelWith(base_.fit.model, problem_, set_, &terms_);
     for (int pass = 0; pass < 2; ++pass) {
       corrected_ = RefineWhitened(train_, base_.likelihood, model);
       model = corrected_.model;
@@ -125,17 +131,16 @@ class Correction {
   }
 
   FoundEffect Describe(std::size_t k) const {
-    const EffectSet& set = judged_.chosen;
     FoundEffect found;
-    found.name = problem_.hypotheses()[set.members[k]].name;
+    found.name = problem_.hypotheses()[set_.members[k]].name;
     found.balance = corrected_.model.balance;
     found.term = terms_[k].front();
-    found.rivals = judged_.rivals[k];
-    std::vector<std::size_t> others = set.members;
+    found.rivals = rivals_[k];
+    std::vector<std::size_t> others = set_.members;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
     const double without_it =
         FitSet(problem_.evidence, problem_.hypotheses(), std::move(others)).net;
-    found.gain_share = (set.net - without_it) / problem_.evidence.misfit();
+    found.gain_share = (set_.net - without_it) / problem_.evidence.misfit();
     found.p = judged_.p_global;
     found.weak_evidence = base_.likelihood.used.blocks.size() < kConvincingBlocks;
     actuator::JointModel reduced = corrected_.model;
@@ -150,6 +155,13 @@ class Correction {
     const int order = base_.likelihood.noise.order();
     found.confirmation =
         Confirm(sealed_, LikelihoodOf(sealed_, corrected_, order), without, corrected_);
+    // Not finite where the drive that the effect asks for runs away. A slope that is confirmed
+    // weighs more than a plain error, which a few rows near reversals may decide.
+    const bool raises = found.sealed_after > rules::kRaises.limit * found.sealed_before;
+    const bool confirmed = found.confirmation.verdict == ConfirmationVerdict::kConfirmed;
+    if (!std::isfinite(found.sealed_after) || (raises && !confirmed)) {
+      found.confirmation.verdict = ConfirmationVerdict::kRefuted;
+    }
     return found;
   }
 
@@ -158,6 +170,8 @@ class Correction {
   const LikelihoodFit& base_;
   const Problem& problem_;
   const SetJudgement& judged_;
+  EffectSet set_;  // what is left of the chosen one
+  std::vector<std::vector<std::string>> rivals_;
   FitResult corrected_;
   std::vector<std::vector<int>> terms_;  // of the corrected model, by member
 };

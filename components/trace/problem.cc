@@ -40,14 +40,6 @@ Eigen::VectorXd Residual(const identify::FitResult& fit, const UsedRows& used) {
   return (fit.balance.target - fit.balance.columns * fit.coefficients)(used.rows);
 }
 
-Eigen::VectorXd Richest(const Problem& problem) {
-  Columns all;
-  for (Eigen::Index j = 0; j < problem.bank.columns.cols(); ++j) all.push_back(j);
-  const Eigen::VectorXd c = problem.evidence.Solve(all);
-  return problem.bank.target - problem.bank.declared * problem.evidence.Declared(all, c) -
-         problem.bank.columns * c;
-}
-
 // Leaves out the rows that lie far outside of what the richest model leaves, and learns the noise
 // of the others.
 void LeaveOutliers(const identify::Design& design, const Eigen::VectorXd& rest,
@@ -66,6 +58,14 @@ void LeaveOutliers(const identify::Design& design, const Eigen::VectorXd& rest,
 }
 
 }  // namespace
+
+Eigen::VectorXd Richest(const Problem& problem) {
+  Columns all;
+  for (Eigen::Index j = 0; j < problem.bank.columns.cols(); ++j) all.push_back(j);
+  const Eigen::VectorXd c = problem.evidence.Solve(all);
+  return problem.bank.target - problem.bank.declared * problem.evidence.Declared(all, c) -
+         problem.bank.columns * c;
+}
 
 Eigen::VectorXd Problem::Left(const EffectSet& set) const {
   Eigen::VectorXd e = y - X * evidence.Declared(set.columns, set.c);

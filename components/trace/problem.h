@@ -24,6 +24,9 @@ struct Problem {
   Eigen::VectorXd Part(const EffectSet& set) const;
 };
 
+// What is left with everything in the model, not whitened: noise.
+Eigen::VectorXd Richest(const Problem& problem);
+
 // fit: of the declared terms; the design's drive must be predicted by it.
 Problem MakeProblem(const identify::Design& design, const Likelihood& likelihood,
                     const actuator::JointModel& declared, const identify::FitResult& fit);

@@ -57,6 +57,9 @@ inline constexpr Rule kSlopeBand = {
 inline constexpr Rule kRefutedBelow = {"refuted", "upper bound of the held-out slope", 0.5,
                                        "half of the trained size is another effect"};
 
+inline constexpr Rule kRaises = {
+    "raises", "held-out error with an effect that is not confirmed over that without it", 1.01,
+    "what makes a prediction worse by more than a hundredth is no correction"};
 inline constexpr Rule kEventPeak = {
     "event_peak", "matched filter for a push, robust standard deviations of its output", 6.0,
     "one of a thousand million normal values is further out"};

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "components/identify/statistics.h"
+#include "components/trace/candidates.h"
 
 namespace sinew::trace {
 
@@ -81,6 +82,19 @@ Eigen::MatrixXd Covariance(const Regression& regression, const Eigen::VectorXd& 
 struct Free {
   std::size_t term, index;
 };
+
+// Twice as far as the grid: beyond, a column may vanish, and its coefficient means nothing.
+std::pair<double, double> RangeOfSearch(const identify::Design& design, const actuator::Term& term,
+                                        std::size_t index) {
+  const effects::ParameterInfo& info = term.effect->info().nonlinear[index];
+  double least = info.upper, largest = info.lower;
+  for (const std::vector<double>& psi : GridFor(design, term.effect->info())) {
+    least = std::min(least, psi[index]);
+    largest = std::max(largest, psi[index]);
+  }
+  if (!(info.lower > 0.0)) return {info.lower, info.upper};
+  return {std::max(info.lower, 0.5 * least), std::min(info.upper, 2.0 * largest)};
+}
 
 std::vector<Free> FreeShapes(const actuator::JointModel& model) {
   std::vector<Free> out;
@@ -241,7 +255,8 @@ identify::FitResult RefineWhitened(const identify::Design& design, const Likelih
         double& value = trial.terms[which.term].nonlinear[which.index].value;
         value = info.lower > 0.0 ? value * std::exp(direction * step)
                                  : value + direction * step * 0.1 * (info.upper - info.lower);
-        value = std::clamp(value, info.lower, info.upper);
+        const auto [lower, upper] = RangeOfSearch(design, at.terms[which.term], which.index);
+        value = std::clamp(value, lower, upper);
         const double error = misfit(trial);
         if (!(error < least)) continue;
         least = error;

@@ -63,6 +63,21 @@ TEST(Spectrum, BandOfMotionHoldsTheShareOfTheVelocityThatWasAskedFor) {
   EXPECT_NEAR(BandOfMotion(x, 100.0, 0.999), 8.0, 0.5);
 }
 
+TEST(Spectrum, BandOfLeastErrorEndsWhereSignalAndNoiseAreAlike) {
+  // A random walk has the spectrum 1 / (2 sin(pi f / rate))^2, white noise of standard deviation s
+  // s^2: alike at f = rate / pi * asin(1 / (2 s)).
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> normal;
+  Eigen::VectorXd x(1 << 17);
+  double walk = 0.0;
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    walk += normal(random);
+    x[i] = walk + 5.0 * normal(random);
+  }
+  const double expected_Hz = 100.0 / M_PI * std::asin(1.0 / 10.0);
+  EXPECT_NEAR(BandOfLeastError(x, 100.0, 1), expected_Hz, 0.35 * expected_Hz);
+}
+
 TEST(Spectrum, ShortInputHasNoSpectrum) {
   EXPECT_EQ(PowerDensity(Eigen::VectorXd::Zero(7), 10.0).density.size(), 0);
   EXPECT_EQ(BandAboveNoise(Eigen::VectorXd::Zero(7), 10.0), 0.0);
