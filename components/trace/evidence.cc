@@ -31,14 +31,17 @@ Evidence::Evidence(const Eigen::Ref<const Eigen::MatrixXd>& X, const Prior& prio
   const Eigen::VectorXd target = y - X * prior_of_X.mean;
   const Eigen::VectorXd deviation = factor.solve(X.transpose() * target);
   b_ = prior_of_X.mean + deviation;
-  const Eigen::MatrixXd cross = X.transpose() * Z;
-  B_ = factor.solve(cross);
-  G_ = Eigen::MatrixXd::Zero(Z.cols(), Z.cols());
-  G_.selfadjointView<Eigen::Lower>().rankUpdate(Z.transpose());
-  G_.triangularView<Eigen::StrictlyUpper>() = G_.transpose();
-  power_ = G_.diagonal();
-  G_.noalias() -= cross.transpose() * B_;
-  m_ = Z.transpose() * target - cross.transpose() * deviation;
+  B_ = Eigen::MatrixXd::Zero(X.cols(), Z.cols());
+  if (Z.cols() > 0) {  // Eigen's products and solvers refuse matrices without columns
+    const Eigen::MatrixXd cross = X.transpose() * Z;
+    B_ = factor.solve(cross);
+    G_ = Eigen::MatrixXd::Zero(Z.cols(), Z.cols());
+    G_.selfadjointView<Eigen::Lower>().rankUpdate(Z.transpose());
+    G_.triangularView<Eigen::StrictlyUpper>() = G_.transpose();
+    power_ = G_.diagonal();
+    G_.noalias() -= cross.transpose() * B_;
+    m_ = Z.transpose() * target - cross.transpose() * deviation;
+  }
   const Eigen::VectorXd e = target - X * deviation;
   squared_error_ = e.squaredNorm();
   misfit_ = squared_error_ + (prior_of_X.precision.array() * deviation.array().square()).sum();
