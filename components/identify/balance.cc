@@ -10,6 +10,48 @@ bool IsDrive(const actuator::Term& term) {
   return term.effect->info().role == effects::Role::kDrive;
 }
 
+// A declared shape that may be off by its tolerance (a rest angle) is not fitted: the column that
+// its derivative is a multiple of takes it, and may be off by as much more.
+void WidenByShapes(const Design& design, const actuator::JointModel& model, Balance* balance) {
+  constexpr double kSameColumn = 0.99;  // squared cosine
+  const Eigen::Index first = balance->fits_scale ? 1 : 0;
+  const double scale = balance->fits_scale ? balance->drive_factor : 1.0;
+  const std::vector<Eigen::Index> used = design.rows().UsedRows();
+  for (const actuator::Term& term : model.terms) {
+    if (!model.Counts(term) || !term.declared || term.nonlinear.empty()) continue;
+    Eigen::VectorXd theta(static_cast<Eigen::Index>(term.linear.size()));
+    for (std::size_t i = 0; i < term.linear.size(); ++i) {
+      theta[static_cast<Eigen::Index>(i)] = term.linear[i].value;
+    }
+    for (std::size_t k = 0; k < term.nonlinear.size(); ++k) {
+      const double spread =
+          term.nonlinear[k].fixed ? 0.0 : actuator::PriorSpread(term.nonlinear[k]);
+      if (!(spread > 0.0)) continue;
+      const auto torque = [&](double shape) -> Eigen::VectorXd {
+        std::vector<double> psi = actuator::NonlinearValues(term);
+        psi[k] = shape;
+        return (design.Columns(*term.effect, psi) * theta)(used);
+      };
+      const double at = term.nonlinear[k].value;
+      const Eigen::VectorXd change = torque(at + spread) - torque(at);
+      Eigen::Index nearest = -1;
+      double best = kSameColumn, share = 0.0;
+      for (Eigen::Index i = first; i < balance->columns.cols(); ++i) {
+        const Eigen::VectorXd column = balance->columns.col(i)(used);
+        const double both = column.dot(change), power = column.squaredNorm();
+        const double same = both * both / std::max(1e-300, power * change.squaredNorm());
+        if (!(same > best)) continue;
+        best = same;
+        nearest = i;
+        share = both / power;
+      }
+      if (nearest >= 0 && balance->spread[nearest] > 0.0) {
+        balance->spread[nearest] = std::hypot(balance->spread[nearest], share / scale);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 Eigen::VectorXd Balance::Physical(const Eigen::Ref<const Eigen::VectorXd>& coefficients) const {
@@ -102,6 +144,7 @@ Balance MakeBalance(const Design& design, const actuator::JointModel& model, boo
     out.nominal[i] = values[k] / scale;
     out.spread[i] = tolerances[k] / scale;
   }
+  WidenByShapes(design, model, &out);
   return out;
 }
 

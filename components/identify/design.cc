@@ -210,7 +210,6 @@ void Design::SetClock(int run, double offset_s) {
 }
 
 void Design::SetClock(int run, const std::vector<double>& instants_s, double clock_s) {
-  constexpr double kLongBefore = -1e9;
   if (instants_s.size() < 2) {
     SetClock(run, instants_s.empty() ? kLongBefore : clock_s - instants_s.front());
     return;

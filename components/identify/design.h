@@ -14,6 +14,9 @@
 namespace sinew::identify {
 
 // What every row of the regression is.
+// Clock of a recording in which nothing began yet, s.
+inline constexpr double kLongBefore = -1e9;
+
 struct Rows {
   Eigen::VectorXd time_s;
   std::vector<int> run;
@@ -23,6 +26,10 @@ struct Rows {
   std::vector<int> window;           // empty, or as StateSegment::window
   Eigen::Index size() const { return time_s.size(); }
   std::vector<Eigen::Index> UsedRows() const;
+  // Recording of a row.
+  std::size_t RunOf(Eigen::Index row) const {
+    return static_cast<std::size_t>(run[static_cast<std::size_t>(row)]);
+  }
 };
 
 class Design {
@@ -93,8 +100,9 @@ class Design {
   // that something that began at different instants begins at one instant of it. Replaces an
   // earlier offset.
   void SetClock(int run, double offset_s);
-  // The same for something that comes several times: the clock shows clock_s at each of the instants
-  // (rising, on the recording's stamps) and jumps halfway between two of them; none: long before.
+  // The same for something that comes several times: the clock shows clock_s at each of the
+  // instants (rising, on the recording's stamps) and jumps halfway between two of them; none: long
+  // before.
   void SetClock(int run, const std::vector<double>& instants_s, double clock_s);
   // Offsets set so far; runs that are not named have none.
   const std::map<int, double>& clocks() const { return clocks_; }

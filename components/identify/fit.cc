@@ -60,6 +60,17 @@ ModelError ErrorOf(const Design& design, const actuator::JointModel& model) {
   return out;
 }
 
+ModelError ErrorOf(const Design& design, const actuator::JointModel& model,
+                   const actuator::JointModel& reference) {
+  ModelError out = ErrorOf(design, model);
+  const double own = MakeBalance(design, model).drive_factor;
+  const double other = MakeBalance(design, reference).drive_factor;
+  if (own == 0.0 || other == 0.0) return out;
+  out.residual *= other / own;
+  out.rms *= std::abs(other / own);
+  return out;
+}
+
 FitResult FitModel(const Design& design, const actuator::JointModel& model,
                    const std::vector<Block>& blocks) {
   FitResult out;

@@ -30,6 +30,10 @@ struct ModelError {
   Eigen::VectorXd residual;
 };
 ModelError ErrorOf(const Design& design, const actuator::JointModel& model);
+// The same in torques of the reference's drive factor. Models that differ in it are told apart by
+// the drive signal that they predict; a larger factor makes the same error a larger torque.
+ModelError ErrorOf(const Design& design, const actuator::JointModel& model,
+                   const actuator::JointModel& reference);
 
 // Linear parameters by least squares over used rows; half widths from block scores with the t
 // quantile of blocks - 1. Nonlinear parameters stay.

@@ -158,6 +158,13 @@ Eigen::VectorXd FilterZeroPhase(const IirFilter& filter, const Eigen::Ref<const 
   return y.segment(pad, n);
 }
 
+Eigen::VectorXd Smooth(const Eigen::Ref<const Eigen::VectorXd>& x, int order, double cutoff_Hz,
+                       double rate_Hz) {
+  if (cutoff_Hz >= 0.5 * rate_Hz) return x;
+  const int padding = std::max(3 * order, static_cast<int>(std::ceil(2.0 * rate_Hz / cutoff_Hz)));
+  return FilterZeroPhase(ButterworthLowPass(order, cutoff_Hz, rate_Hz), x, padding);
+}
+
 Eigen::VectorXd Decimate(const Eigen::Ref<const Eigen::VectorXd>& x, int factor) {
   if (factor < 1) {
     throw std::invalid_argument("decimation factor " + std::to_string(factor) +

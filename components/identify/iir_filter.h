@@ -40,6 +40,11 @@ Eigen::VectorXd Filter(const IirFilter& filter, const Eigen::Ref<const Eigen::Ve
 Eigen::VectorXd FilterZeroPhase(const IirFilter& filter, const Eigen::Ref<const Eigen::VectorXd>& x,
                                 int padding = -1);
 
+// Butterworth low-pass without phase, padded so far that its start-up dies out inside the reflected
+// part; x itself from the Nyquist frequency on.
+Eigen::VectorXd Smooth(const Eigen::Ref<const Eigen::VectorXd>& x, int order, double cutoff_Hz,
+                       double rate_Hz);
+
 // MATLAB's decimate(x, factor): Chebyshev type I of order 8, 0.05 dB, cut-off at 0.8 of the new
 // Nyquist frequency, zero phase; then every factor-th sample, so that the last sample of x is kept.
 Eigen::VectorXd Decimate(const Eigen::Ref<const Eigen::VectorXd>& x, int factor);

@@ -87,6 +87,12 @@ double StandardDeviation(const std::vector<double>& values) {
   return std::sqrt(sum / static_cast<double>(values.size() - 1));
 }
 
+double RobustDeviation(std::vector<double> values) {
+  constexpr double kMedianSize = 0.67448975;  // of a standard normal value
+  for (double& value : values) value = std::abs(value);
+  return values.empty() ? 0.0 : Quantile(std::move(values), 0.5) / kMedianSize;
+}
+
 double Quantile(std::vector<double> values, double p) {
   if (values.empty()) return 0.0;
   std::sort(values.begin(), values.end());
@@ -100,10 +106,10 @@ double WhiteNoise(std::span<const Eigen::VectorXd> signals) {
   std::vector<double> size;
   for (const Eigen::VectorXd& x : signals) {
     for (Eigen::Index i = 0; i + 4 < x.size(); ++i) {
-      size.push_back(std::abs(x[i] - 4.0 * x[i + 1] + 6.0 * x[i + 2] - 4.0 * x[i + 3] + x[i + 4]));
+      size.push_back(x[i] - 4.0 * x[i + 1] + 6.0 * x[i + 2] - 4.0 * x[i + 3] + x[i + 4]);
     }
   }
-  return 1.4826 * Quantile(std::move(size), 0.5) / std::sqrt(70.0);
+  return RobustDeviation(std::move(size)) / std::sqrt(70.0);
 }
 
 Eigen::VectorXd Autocorrelation(const Eigen::Ref<const Eigen::VectorXd>& x,

@@ -18,6 +18,8 @@ double Rms(const Eigen::Ref<const Eigen::VectorXd>& values);
 double Mean(const std::vector<double>& values);
 // Standard deviation with n - 1; 0 for fewer than 2 values.
 double StandardDeviation(const std::vector<double>& values);
+// Standard deviation of Gaussian values around 0, from the median of their sizes; 0 for none.
+double RobustDeviation(std::vector<double> values);
 // The value below which a share p of the values lies (linear between order statistics).
 double Quantile(std::vector<double> values, double p);
 

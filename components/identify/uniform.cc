@@ -122,6 +122,15 @@ Eigen::VectorXd SplineAt(const Eigen::Ref<const Eigen::VectorXd>& x,
   return out;
 }
 
+Eigen::VectorXd OutputPosition(const UniformSegment& segment, double gear_ratio,
+                               const std::string& name) {
+  const auto output = segment.signals.find(Signal::kPosition);
+  if (output != segment.signals.end()) return output->second;
+  const auto motor = segment.signals.find(Signal::kMotorPosition);
+  if (motor != segment.signals.end()) return motor->second / gear_ratio;
+  throw std::invalid_argument("recording " + name + " has no signal 'position'");
+}
+
 UniformRun MakeUniform(const Run& run, double longest_gap_s, int fewest_rows) {
   const Eigen::VectorXd& time = run.time_s;
   if (time.size() < 20) {

@@ -12,6 +12,7 @@
 
 #include <Eigen/Core>
 #include <map>
+#include <string>
 #include <vector>
 
 #include "components/identify/run.h"
@@ -37,6 +38,11 @@ struct UniformSegment {
 Eigen::VectorXd AsMeasured(const Run& run, const UniformSegment& segment, Signal signal);
 // A smooth signal of the grid at the instants of the rows.
 Eigen::VectorXd AtRows(const UniformSegment& segment, const Eigen::VectorXd& smooth);
+
+// The position of the output, from the motor where only that was recorded; throws
+// std::invalid_argument with the recording's name where neither was.
+Eigen::VectorXd OutputPosition(const UniformSegment& segment, double gear_ratio,
+                               const std::string& name);
 
 struct SamplingReport {
   double rate_Hz = 0.0;

@@ -38,6 +38,11 @@ struct TimedEffect {
   std::vector<double> Psi() const;
 };
 
+struct FoundEvent {
+  TimedEffect event;
+  double explained = 0.0;  // misfit
+};
+
 // What stands out most, if anything does. fit: of the declared terms, with this likelihood; clocks
 // are not touched.
 std::optional<TimedEffect> FindTimedEffect(const identify::Design& design,

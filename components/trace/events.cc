@@ -246,7 +246,7 @@ Event FindPassing(const identify::Design& design, std::shared_ptr<const effects:
       for (const Push& push : all.back()) sizes.push_back(std::abs(push.response));
     }
     if (sizes.size() < 100) continue;
-    const double ordinary = 1.4826 * identify::Quantile(sizes, 0.5);
+    const double ordinary = identify::RobustDeviation(sizes);
     if (!(ordinary > 0.0)) continue;
     for (std::size_t run = 0; run < all.size(); ++run) {
       for (const Push& push : all[run]) {

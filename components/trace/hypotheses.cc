@@ -39,6 +39,9 @@ class Builder {
       : design_(design), used_(used), model_(model), bank_(*bank) {
     scale_ = balance.fits_scale ? balance.Scale(balance.nominal) : 1.0;
     drive_share_ = actuator::DriveShare(model, model.balance);
+    const Eigen::VectorXd angle =
+        design.Variable([](const effects::JointSample& x) { return x.position_rad; });
+    turns_ = TurnsCovered(angle(used.rows));
     target_rms_ = Rms(bank_.target);
     target_peak_ = bank_.target.size() > 0 ? bank_.target.cwiseAbs().maxCoeff() : 0.0;
   }
@@ -110,10 +113,7 @@ class Builder {
  private:
   bool CoversPeriod(const effects::Effect& effect, const std::vector<double>& psi) const {
     if (effect.info().name != "gear_eccentricity") return true;
-    const Eigen::VectorXd all =
-        design_.Variable([](const effects::JointSample& x) { return x.position_rad; });
-    const Eigen::VectorXd angle = all(used_.rows);
-    return psi.front() * TurnsCovered(angle) >= kLeastPeriods;
+    return psi.front() * turns_ >= kLeastPeriods;
   }
 
   Columns AddColumns(const Eigen::MatrixXd& columns) {
@@ -135,6 +135,7 @@ class Builder {
   const actuator::JointModel& model_;
   Bank& bank_;
   double scale_ = 1.0, drive_share_ = 1.0, target_rms_ = 0.0, target_peak_ = 0.0;
+  double turns_ = 0.0;  // of the output that the rows cover
 };
 
 }  // namespace

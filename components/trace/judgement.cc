@@ -21,16 +21,19 @@ EffectSet Without(const Problem& problem, const EffectSet& set, std::size_t k) {
 class Judge {
  public:
   Judge(const Problem& problem, const Likelihood& likelihood, const identify::Design& design,
-        const actuator::JointModel& declared, const BootstrapOptions& bootstrap)
+        const actuator::JointModel& declared, const BootstrapOptions& bootstrap,
+        const std::set<std::string>& refuted)
       : problem_(problem),
         likelihood_(likelihood),
         design_(design),
         declared_(declared),
         bootstrap_(bootstrap),
+        refuted_(refuted),
         misfit_(problem.evidence.misfit()) {}
 
   SetJudgement Run(std::size_t largest_set) {
-    const SetSearch found = SearchSets(problem_.evidence, problem_.hypotheses(), largest_set);
+    const SetSearch found =
+        SearchSets(problem_.evidence, problem_.hypotheses(), largest_set, refuted_);
     out_.p_global = GlobalP(found);
     const bool open = out_.p_global <= rules::kGlobalP.limit;
     if (open) Grow(found);
@@ -103,17 +106,16 @@ class Judge {
     }
   }
 
-  // p of a member. A free curve beside the set takes what goes on beside it out of the noise.
-  double MemberP(const EffectSet& without, const EffectSet& set, std::size_t member) const {
-    const EffectSet with = WithBestCurve(problem_.evidence, problem_.hypotheses(), set);
-    return P(without, with.net > set.net ? with : set, Statistic(set.gain - without.gain, member));
-  }
-
+  // By the p of each beside the others. A free curve beside the set takes what goes on beside it
+  // out of the noise.
   bool EveryMemberIsMissed(const EffectSet& set) const {
+    const EffectSet with = WithBestCurve(problem_.evidence, problem_.hypotheses(), set);
+    const EffectSet& richer = with.net > set.net ? with : set;
     for (std::size_t k = 0; k < set.members.size(); ++k) {
       const EffectSet without = Without(problem_, set, k);
       if (!EnoughMore(without, set)) return false;
-      if (MemberP(without, set, set.members[k]) > rules::kMemberP.limit) return false;
+      const double statistic = Statistic(set.gain - without.gain, set.members[k]);
+      if (P(without, richer, statistic) > rules::kMemberP.limit) return false;
     }
     return true;
   }
@@ -236,7 +238,9 @@ class Judge {
       const double own = set.net - Without(problem_, set, k).net;
       std::map<std::string, double> lost;  // net gain, by the best setting of each
       for (std::size_t h = 0; h < hypotheses.size(); ++h) {
-        if (!hypotheses[h].physical() || hypotheses[h].name == hypotheses[set.members[k]].name) {
+        const std::string& name = hypotheses[h].name;
+        if (!hypotheses[h].physical() || name == hypotheses[set.members[k]].name ||
+            refuted_.count(name) != 0) {
           continue;
         }
         std::vector<std::size_t> members = set.members;
@@ -247,7 +251,7 @@ class Judge {
             !Physical(problem_.evidence, hypotheses, other)) {
           continue;
         }
-        const auto [at, fresh] = lost.try_emplace(hypotheses[h].name, less);
+        const auto [at, fresh] = lost.try_emplace(name, less);
         at->second = std::min(at->second, less);
       }
       std::vector<std::pair<double, std::string>> sorted;
@@ -288,6 +292,7 @@ class Judge {
   const identify::Design& design_;
   const actuator::JointModel& declared_;
   const BootstrapOptions bootstrap_;
+  const std::set<std::string>& refuted_;
   const double misfit_;
   std::map<std::string, const char*> refused_;
   SetJudgement out_;
@@ -297,8 +302,9 @@ class Judge {
 
 SetJudgement JudgeSets(const Problem& problem, const Likelihood& likelihood,
                        const identify::Design& design, const actuator::JointModel& declared,
-                       std::size_t largest_set, const BootstrapOptions& bootstrap) {
-  return Judge(problem, likelihood, design, declared, bootstrap).Run(largest_set);
+                       std::size_t largest_set, const BootstrapOptions& bootstrap,
+                       const std::set<std::string>& refuted) {
+  return Judge(problem, likelihood, design, declared, bootstrap, refuted).Run(largest_set);
 }
 
 }  // namespace sinew::trace

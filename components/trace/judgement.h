@@ -28,9 +28,11 @@ struct BootstrapOptions {
   std::uint64_t seed = 1;
 };
 
+// refuted: names of effects that are not asked for any more.
 SetJudgement JudgeSets(const Problem& problem, const Likelihood& likelihood,
                        const identify::Design& design, const actuator::JointModel& declared,
-                       std::size_t largest_set, const BootstrapOptions& bootstrap);
+                       std::size_t largest_set, const BootstrapOptions& bootstrap,
+                       const std::set<std::string>& refuted = {});
 
 // What the recordings could not have shown, and what they could (effect names).
 struct Sensitivity {

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <set>
+#include <string>
 
 #include "components/trace/ceiling.h"
 #include "components/trace/judgement.h"
@@ -17,11 +20,14 @@ using identify::FitResult;
 
 // Fewer independent blocks than this are weak evidence (Cameron, Miller 2015, section VI).
 constexpr std::size_t kConvincingBlocks = 6;
+// Every further set that is tried on the held-out recordings is another chance to be confirmed by
+// accident.
+constexpr int kMostJudgements = 3;
 
-// The declared model, fitted, with the terms of a set; terms: those of each member.
-actuator::JointModel ModelWith(const actuator::JointModel& fitted, const Problem& problem,
+// The declared model with the terms of a set; terms: those of each member.
+actuator::JointModel ModelWith(const actuator::JointModel& declared, const Problem& problem,
                                const EffectSet& set, std::vector<std::vector<int>>* terms) {
-  actuator::JointModel model = fitted;
+  actuator::JointModel model = declared;
   terms->clear();
   Eigen::Index k = 0;
   for (const std::size_t member : set.members) {
@@ -48,16 +54,57 @@ actuator::JointModel ModelWith(const actuator::JointModel& fitted, const Problem
   return model;
 }
 
+// Judges the sets without the effects of these names.
+using JudgeBy = std::function<SetJudgement(const std::set<std::string>& refuted)>;
+
 class Correction {
  public:
   Correction(Design& train, Design& sealed, const LikelihoodFit& base, const Problem& problem,
-             const SetJudgement& judged)
-      : train_(train), sealed_(sealed), base_(base), problem_(problem), judged_(judged) {}
+             const actuator::JointModel& declared)
+      : train_(train),
+        sealed_(sealed),
+        base_(base),
+        problem_(problem),
+        declared_(declared),
+        corrected_(base.fit) {}
 
   // Fits the set and confirms every member. A member that is wrong spoils the prediction of the
-  // others: the refuted one that training misses least leaves, and the rest is confirmed anew.
-  void Run(TraceResult* result) {
-    corrected_ = base_.fit;
+  // others: the refuted one that training misses least leaves, and the rest is confirmed anew. It
+  // may have stood in the way of better ones: when none is left, the sets are judged anew without
+  // those that were refuted.
+  void Run(const JudgeBy& judge, TraceResult* result) {
+    std::set<std::string> refuted;
+    for (int round = 0; round < kMostJudgements; ++round) {
+      judged_ = judge(refuted);
+      if (round == 0) {
+        result->p_global = judged_.p_global;
+        result->rounds.front().scores = judged_.scores;
+      }
+      result->unexplained = judged_.unexplained;
+      if (judged_.chosen.empty()) return;
+      Confirm(result);
+      if (!result->effects.empty()) return;
+      for (const FoundEffect& found : result->refuted) refuted.insert(found.name);
+    }
+  }
+
+  const FitResult& corrected() const { return corrected_; }
+
+ private:
+  // Priors are those of what was declared, not of an earlier fit.
+  actuator::JointModel WithDeclaredValues(actuator::JointModel model) const {
+    for (std::size_t t = 0; t < declared_.terms.size(); ++t) {
+      model.terms[t].linear = declared_.terms[t].linear;
+    }
+    return model;
+  }
+
+  void PredictDrive(const actuator::JointModel& model) {
+    train_.PredictDrive(model);
+    sealed_.PredictDrive(model);
+  }
+
+  void Confirm(TraceResult* result) {
     set_ = judged_.chosen;
     rivals_ = judged_.rivals;
     while (!set_.empty()) {
@@ -86,21 +133,13 @@ class Correction {
     }
   }
 
-  const FitResult& corrected() const { return corrected_; }
-
- private:
-  void PredictDrive(const actuator::JointModel& model) {
-    train_.PredictDrive(model);
-    sealed_.PredictDrive(model);
-  }
-
   // Twice: effects that read the drive see the one that the corrected model needs.
   void Fit() {
-    actuator::JointModel model = ModelWith(base_.fit.model, problem_, set_, &terms_);
+    actuator::JointModel model = ModelWith(declared_, problem_, set_, &terms_);
     for (int pass = 0; pass < 2; ++pass) {
       corrected_ = RefineWhitened(train_, base_.likelihood, model);
-      model = corrected_.model;
-      PredictDrive(model);
+      model = WithDeclaredValues(corrected_.model);
+      PredictDrive(corrected_.model);
     }
   }
 
@@ -143,45 +182,70 @@ class Correction {
     found.gain_share = (set_.net - without_it) / problem_.evidence.misfit();
     found.p = judged_.p_global;
     found.weak_evidence = base_.likelihood.used.blocks.size() < kConvincingBlocks;
-    actuator::JointModel reduced = corrected_.model;
+    actuator::JointModel reduced = WithDeclaredValues(corrected_.model);
     for (auto at = terms_[k].rbegin(); at != terms_[k].rend(); ++at) {
       reduced.terms.erase(reduced.terms.begin() + *at);
     }
     const FitResult without = FitWhitened(train_, base_.likelihood, reduced);
-    found.train_before = without.rms;
-    found.train_after = corrected_.rms;
-    found.sealed_before = identify::ErrorOf(sealed_, without.model).rms;
-    found.sealed_after = identify::ErrorOf(sealed_, corrected_.model).rms;
+    const auto error = [&](const Design& design, const FitResult& fit) {
+      return identify::ErrorOf(design, fit.model, declared_).rms;
+    };
+    found.train_before = error(train_, without);
+    found.train_after = error(train_, corrected_);
+    found.sealed_before = error(sealed_, without);
+    found.sealed_after = error(sealed_, corrected_);
     const int order = base_.likelihood.noise.order();
     found.confirmation =
-        Confirm(sealed_, LikelihoodOf(sealed_, corrected_, order), without, corrected_);
+        trace::Confirm(sealed_, LikelihoodOf(sealed_, corrected_, order), without, corrected_);
     // Not finite where the drive that the effect asks for runs away. A slope that is confirmed
     // weighs more than a plain error, which a few rows near reversals may decide.
     const bool raises = found.sealed_after > rules::kRaises.limit * found.sealed_before;
     const bool confirmed = found.confirmation.verdict == ConfirmationVerdict::kConfirmed;
-    if (!std::isfinite(found.sealed_after) || (raises && !confirmed)) {
+    if (!std::isfinite(found.sealed_after) || (raises && !confirmed) || !DiffersFromZero(k)) {
       found.confirmation.verdict = ConfirmationVerdict::kRefuted;
     }
     return found;
+  }
+
+  // Does the interval of any size of a member leave zero out?
+  bool DiffersFromZero(std::size_t k) const {
+    return std::any_of(terms_[k].begin(), terms_[k].end(), [&](int term) {
+      const auto& sizes = corrected_.model.terms[static_cast<std::size_t>(term)].linear;
+      return std::any_of(sizes.begin(), sizes.end(), [](const actuator::ParameterValue& size) {
+        return std::abs(size.value) > rules::kInterval.limit * size.half_width_95.value_or(0.0);
+      });
+    });
   }
 
   Design& train_;
   Design& sealed_;
   const LikelihoodFit& base_;
   const Problem& problem_;
-  const SetJudgement& judged_;
-  EffectSet set_;  // what is left of the chosen one
+  SetJudgement judged_;
+  const actuator::JointModel& declared_;  // its drive factor is the unit of errors
+  EffectSet set_;                         // what is left of the chosen one
   std::vector<std::vector<std::string>> rivals_;
   FitResult corrected_;
   std::vector<std::vector<int>> terms_;  // of the corrected model, by member
 };
 
+// The declared terms as they are reported (Unweighted).
+LikelihoodFit Reported(const Design& train, const LikelihoodFit& base,
+                       const actuator::JointModel& declared) {
+  LikelihoodFit out = base;
+  const Eigen::VectorXd residual =
+      base.fit.balance.target - base.fit.balance.columns * base.fit.coefficients;
+  out.likelihood = Unweighted(base.likelihood, residual(base.likelihood.used.rows));
+  out.fit = FitWhitened(train, out.likelihood, declared);
+  return out;
+}
+
 void NoteErrors(const Design& train, const Design& sealed, const LikelihoodFit& base,
                 TraceResult* result) {
   result->nominal_train = identify::ErrorOf(train, result->nominal);
   result->nominal_sealed = identify::ErrorOf(sealed, result->nominal);
-  result->before_train = identify::ErrorOf(train, base.fit.model);
-  result->before_sealed = identify::ErrorOf(sealed, base.fit.model);
+  result->before_train = identify::ErrorOf(train, base.fit.model, result->nominal);
+  result->before_sealed = identify::ErrorOf(sealed, base.fit.model, result->nominal);
   const double scale =
       base.fit.balance.fits_scale ? base.fit.balance.Scale(base.fit.coefficients) : 1.0;
   const NoiseFloor floor = EstimateNoiseFloor(train, base.fit.balance, scale);
@@ -202,41 +266,41 @@ TraceResult TraceByLikelihood(Design& train, Design& sealed, const actuator::Joi
   sealed.PredictDrive(base.fit.model);
   progress("columns", 0.4);
   const Problem problem = MakeProblem(train, base.likelihood, model, base.fit);
-  progress("sets of effects", 0.5);
-  SetJudgement judged = JudgeSets(problem, base.likelihood, train, model,
-                                  static_cast<std::size_t>(options.max_rounds),
-                                  {.rounds = options.placebo_rounds, .seed = options.seed});
-
   TraceResult result;
   result.nominal = model;
-  result.declared = base.fit.model;
-  result.declared_fit = base.fit;
+  const LikelihoodFit reported = Reported(train, base, model);
+  result.declared = reported.fit.model;
+  result.declared_fit = reported.fit;
   result.units = static_cast<int>(base.likelihood.used.blocks.size());
   result.unit_kind = "block";
   result.unit_length_s = base.likelihood.used.block_s;
-  result.p_global = judged.p_global;
-  result.unexplained = judged.unexplained;
-  NoteErrors(train, sealed, base, &result);
+  NoteErrors(train, sealed, reported, &result);
   Sensitivity sensitivity = FindSensitivity(problem);
   result.not_excited = std::move(sensitivity.not_excited);
   result.judged = std::move(sensitivity.judged);
 
-  progress("confirmation", 0.8);
-  Correction correction(train, sealed, base, problem, judged);
-  correction.Run(&result);
   RoundReport round;
-  round.train_rms = base.fit.rms;
+  round.train_rms = reported.fit.rms;
   round.sealed_rms = result.before_sealed.rms;
   round.explainable_rms = base.richest_rms;
-  round.scores = std::move(judged.scores);
   result.rounds.push_back(std::move(round));
+
+  progress("sets of effects and their confirmation", 0.5);
+  Correction correction(train, sealed, reported, problem, model);
+  const BootstrapOptions bootstrap{.rounds = options.placebo_rounds, .seed = options.seed};
+  correction.Run(
+      [&](const std::set<std::string>& refuted) {
+        return JudgeSets(problem, base.likelihood, train, model,
+                         static_cast<std::size_t>(options.max_rounds), bootstrap, refuted);
+      },
+      &result);
 
   result.corrected = correction.corrected().model;
   result.corrected_fit = correction.corrected();
   train.PredictDrive(result.corrected);
   sealed.PredictDrive(result.corrected);
-  result.after_train = identify::ErrorOf(train, result.corrected);
-  result.after_sealed = identify::ErrorOf(sealed, result.corrected);
+  result.after_train = identify::ErrorOf(train, result.corrected, model);
+  result.after_sealed = identify::ErrorOf(sealed, result.corrected, model);
   const CandidateSet all = MakeCandidates(train, result.corrected);
   result.shifts = FindShifts(train, model, result.corrected_fit, all.candidates).shifts;
   for (const FoundEffect& found : result.effects) {

@@ -19,12 +19,6 @@ constexpr double kScaleKnown = 0.05;
 
 constexpr std::uint64_t kEventSeed = 1;
 
-double RobustDeviation(const Eigen::VectorXd& x) {
-  std::vector<double> sizes(static_cast<std::size_t>(x.size()));
-  for (Eigen::Index i = 0; i < x.size(); ++i) sizes[static_cast<std::size_t>(i)] = std::abs(x[i]);
-  return sizes.empty() ? 0.0 : identify::Quantile(std::move(sizes), 0.5) / 0.6745;
-}
-
 Eigen::Index ScaleWindow(const identify::Design& design) {
   return static_cast<Eigen::Index>(
       std::ceil(kScalePeriods * design.states().rate_Hz / design.options().state_cutoff_Hz));
@@ -45,7 +39,7 @@ Eigen::VectorXd Residual(const identify::FitResult& fit, const UsedRows& used) {
 void LeaveOutliers(const identify::Design& design, const Eigen::VectorXd& rest,
                    Likelihood* likelihood) {
   const Eigen::VectorXd e = Whiten(*likelihood, rest);
-  const double limit = kOutlier * RobustDeviation(e);
+  const double limit = kOutlier * identify::RobustDeviation({e.begin(), e.end()});
   std::vector<char> marked(likelihood->used.rows.size(), 0);
   std::vector<Eigen::Index> kept;
   for (Eigen::Index i = 0; i < e.size(); ++i) {

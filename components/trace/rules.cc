@@ -10,7 +10,8 @@ std::span<const Rule> AllRules() {
       rules::kGlobalP,      rules::kExplainedShare, rules::kSurprise,    rules::kShapeMisfit,
       rules::kMemberP,      rules::kCurveShare,     rules::kClearlyMore, rules::kConstancy,
       rules::kSameClass,    rules::kDetectable,     rules::kAbsorbed,    rules::kSlopeBand,
-      rules::kRefutedBelow, rules::kRaises,         rules::kEventPeak,   rules::kEventAlone};
+      rules::kRefutedBelow, rules::kInterval,       rules::kRaises,      rules::kEventPeak,
+      rules::kEventAlone};
   return kAll;
 }
 

@@ -26,8 +26,9 @@ inline constexpr Rule kExplainedShare = {
 inline constexpr Rule kSurprise = {
     "surprise", "misfit of declared values against their tolerances that an effect takes away",
     16.0,
-    "chi-square with one degree of freedom at 1 % for one of 100 candidates: 2 ln(100 / 0.01) less "
-    "its tail"};
+    "chi-square with one degree of freedom at 1 % for one of 100 candidates: its quantile at 1e-4 "
+    "is "
+    "15.1, rounded up"};
 inline constexpr Rule kShapeMisfit = {
     "shape_misfit", "net gain of a further effect, share of the set's before it", 0.10,
     "twice the margin of a class (bench/rigs): what an approximate shape leaves"};
@@ -57,6 +58,9 @@ inline constexpr Rule kSlopeBand = {
 inline constexpr Rule kRefutedBelow = {"refuted", "upper bound of the held-out slope", 0.5,
                                        "half of the trained size is another effect"};
 
+inline constexpr Rule kInterval = {
+    "interval", "largest size of an effect over the half width of its 95 % interval", 1.0,
+    "what may as well be zero is no correction"};
 inline constexpr Rule kRaises = {
     "raises", "held-out error with an effect that is not confirmed over that without it", 1.01,
     "what makes a prediction worse by more than a hundredth is no correction"};

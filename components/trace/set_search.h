@@ -7,6 +7,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "components/trace/evidence.h"
@@ -39,9 +41,9 @@ struct SetSearch {
   EffectSet curve;                 // best free curve alone; may be empty
 };
 
-// largest: of a set, at most 3.
+// largest: of a set, at most 3. refuted: names of effects that are not asked for any more.
 SetSearch SearchSets(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
-                     std::size_t largest);
+                     std::size_t largest, const std::set<std::string>& refuted = {});
 
 // The free curve that gains most beside a set; the set with it.
 EffectSet WithBestCurve(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,

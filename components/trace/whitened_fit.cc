@@ -19,6 +19,9 @@ using identify::Rms;
 // Prior standard deviations of a nuisance: half a period either way is 1.72 of a uniform's.
 constexpr double kImplausible = 1.75;
 
+// Precision that holds a coefficient, as a multiple of what its rows say.
+constexpr double kHeld = 1e12;
+
 const actuator::Term& TermOf(const actuator::JointModel& model, const ParameterRef& ref) {
   return model.terms[static_cast<std::size_t>(ref.term)];
 }
@@ -57,6 +60,36 @@ Regression MakeRegression(const identify::Design& design, const Likelihood& like
   return out;
 }
 
+// Coefficients of declared terms within their physical range (friction does not drive): one that
+// would leave it is held at its bound.
+Eigen::VectorXd SolveWithinRange(const Balance& balance, const actuator::JointModel& model,
+                                 Regression* regression) {
+  const Eigen::Index first = balance.fits_scale ? 1 : 0;
+  const Eigen::Index p = balance.columns.cols();
+  Eigen::VectorXd b = regression->Solve();
+  std::vector<char> is_held(static_cast<std::size_t>(p), 0);
+  for (bool held = true; held;) {
+    held = false;
+    const double scale = balance.fits_scale ? balance.Scale(b.head(p)) : 1.0;
+    for (Eigen::Index i = first; i < p; ++i) {
+      const ParameterRef& ref = balance.parameters[static_cast<std::size_t>(i - first)];
+      const actuator::Term& term = TermOf(model, ref);
+      const effects::ParameterInfo& info =
+          term.effect->info().linear[static_cast<std::size_t>(ref.linear)];
+      char& mark = is_held[static_cast<std::size_t>(i)];
+      if (mark != 0 || !term.declared || info.relative_to_drive) continue;
+      const double bound = std::clamp(scale * b[i], info.lower, info.upper) / scale;
+      if (bound == b[i]) continue;
+      regression->prior.mean[i] = bound;
+      regression->prior.precision[i] = kHeld * std::max(1e-300, regression->X.col(i).squaredNorm());
+      mark = 1;
+      held = true;
+    }
+    if (held) b = regression->Solve();
+  }
+  return b;
+}
+
 // Cluster-robust covariance of coefficients with priors: H^-1 (sum s_b s_b' + P) H^-1 with the
 // factor of block_regression.h.
 Eigen::MatrixXd Covariance(const Regression& regression, const Eigen::VectorXd& b,
@@ -81,27 +114,29 @@ Eigen::MatrixXd Covariance(const Regression& regression, const Eigen::VectorXd& 
 
 struct Free {
   std::size_t term, index;
+  double lower, upper;  // of the search
 };
 
 // Twice as far as the grid: beyond, a column may vanish, and its coefficient means nothing.
-std::pair<double, double> RangeOfSearch(const identify::Design& design, const actuator::Term& term,
-                                        std::size_t index) {
-  const effects::ParameterInfo& info = term.effect->info().nonlinear[index];
+Free MakeFree(const identify::Design& design, const actuator::JointModel& model, std::size_t term,
+              std::size_t index) {
+  const effects::EffectInfo& effect = model.terms[term].effect->info();
+  const effects::ParameterInfo& info = effect.nonlinear[index];
+  if (!(info.lower > 0.0)) return {term, index, info.lower, info.upper};
   double least = info.upper, largest = info.lower;
-  for (const std::vector<double>& psi : GridFor(design, term.effect->info())) {
+  for (const std::vector<double>& psi : GridFor(design, effect)) {
     least = std::min(least, psi[index]);
     largest = std::max(largest, psi[index]);
   }
-  if (!(info.lower > 0.0)) return {info.lower, info.upper};
-  return {std::max(info.lower, 0.5 * least), std::min(info.upper, 2.0 * largest)};
+  return {term, index, std::max(info.lower, 0.5 * least), std::min(info.upper, 2.0 * largest)};
 }
 
-std::vector<Free> FreeShapes(const actuator::JointModel& model) {
+std::vector<Free> FreeShapes(const identify::Design& design, const actuator::JointModel& model) {
   std::vector<Free> out;
   for (std::size_t t = 0; t < model.terms.size(); ++t) {
     if (model.terms[t].declared || !model.Counts(model.terms[t])) continue;
     for (std::size_t i = 0; i < model.terms[t].nonlinear.size(); ++i) {
-      if (!model.terms[t].nonlinear[i].fixed) out.push_back({t, i});
+      if (!model.terms[t].nonlinear[i].fixed) out.push_back(MakeFree(design, model, t, i));
     }
   }
   return out;
@@ -150,6 +185,19 @@ void SetNoise(const Eigen::Ref<const Eigen::VectorXd>& residual, Eigen::Index wi
   }
 }
 
+Likelihood Unweighted(Likelihood likelihood, const Eigen::Ref<const Eigen::VectorXd>& residual) {
+  double of_rows = 0.0, of_blocks = 0.0;
+  for (const identify::Block& block : likelihood.used.blocks) {
+    const auto e = residual.segment(block.front(), static_cast<Eigen::Index>(block.size()));
+    of_rows += e.squaredNorm();
+    of_blocks += e.sum() * e.sum();
+  }
+  const double louder = of_rows > 0.0 ? std::sqrt(std::max(1.0, of_blocks / of_rows)) : 1.0;
+  likelihood.weight = Eigen::VectorXd();
+  likelihood.noise = NoiseModel(louder * residual, likelihood.used.stretches, 0);
+  return likelihood;
+}
+
 Prior PriorOf(const Balance& balance, const actuator::JointModel& model, const UsedRows& used,
               const Nuisances& nuisances) {
   const Eigen::Index p = balance.columns.cols(), extra = nuisances.columns.cols();
@@ -196,8 +244,8 @@ identify::FitResult FitWhitened(const identify::Design& design, const Likelihood
                                 " moving rows, too few to fit " + std::to_string(p) +
                                 " parameters");
   }
-  const Regression regression = MakeRegression(design, likelihood, model, out.balance);
-  const Eigen::VectorXd b = regression.Solve();
+  Regression regression = MakeRegression(design, likelihood, model, out.balance);
+  const Eigen::VectorXd b = SolveWithinRange(out.balance, model, &regression);
   const Eigen::MatrixXd covariance = Covariance(regression, b, used.blocks).topLeftCorner(p, p);
   out.coefficients = b.head(p);
   // d physical / d coefficients.
@@ -237,7 +285,7 @@ identify::FitResult FitWhitened(const identify::Design& design, const Likelihood
 identify::FitResult RefineWhitened(const identify::Design& design, const Likelihood& likelihood,
                                    const actuator::JointModel& model) {
   actuator::JointModel at = model;
-  const std::vector<Free> free = FreeShapes(model);
+  const std::vector<Free> free = FreeShapes(design, model);
   const auto misfit = [&](const actuator::JointModel& trial) {
     const Balance balance = identify::MakeBalance(design, trial, likelihood.keep_scale);
     const Regression regression = MakeRegression(design, likelihood, trial, balance);
@@ -255,8 +303,7 @@ identify::FitResult RefineWhitened(const identify::Design& design, const Likelih
         double& value = trial.terms[which.term].nonlinear[which.index].value;
         value = info.lower > 0.0 ? value * std::exp(direction * step)
                                  : value + direction * step * 0.1 * (info.upper - info.lower);
-        const auto [lower, upper] = RangeOfSearch(design, at.terms[which.term], which.index);
-        value = std::clamp(value, lower, upper);
+        value = std::clamp(value, which.lower, which.upper);
         const double error = misfit(trial);
         if (!(error < least)) continue;
         least = error;

@@ -45,6 +45,11 @@ Eigen::VectorXd WhitenTransposed(const Likelihood& likelihood,
 void SetNoise(const Eigen::Ref<const Eigen::VectorXd>& residual, Eigen::Index window,
               int longest_order, Likelihood* likelihood);
 
+// The same rows with one white noise for all of them, as loud as `residual` (of the used rows) is
+// over whole blocks. For models that are reported, simulated and controlled with: their plain error
+// counts, and what no model of the catalogue follows must not decide which rows do.
+Likelihood Unweighted(Likelihood likelihood, const Eigen::Ref<const Eigen::VectorXd>& residual);
+
 // Linear parameters at the present nonlinear ones; nuisances are fitted and forgotten.
 identify::FitResult FitWhitened(const identify::Design& design, const Likelihood& likelihood,
                                 const actuator::JointModel& model);

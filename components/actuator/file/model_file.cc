@@ -377,9 +377,8 @@ RobotModel LoadRigJson(const std::filesystem::path& path) {
   add("coulomb", {nominal("coulomb_friction", "N m")});
   add("gravity", {nominal("gravity_torque", "N m")});
   add("pneumatic_torque", {nominal("pneumatic_torque_slope", "N m/bar")});
-  ParameterValue rest_angle = nominal("pneumatic_rest_angle", "rad");
-  rest_angle.fixed = true;  // K - k1 q0 is one direction of the data: K takes what q0 is off
-  add("pneumatic_stiffness", {nominal("pneumatic_stiffness_slope", "N m/(rad bar)")}, {rest_angle});
+  add("pneumatic_stiffness", {nominal("pneumatic_stiffness_slope", "N m/(rad bar)")},
+      {nominal("pneumatic_rest_angle", "rad")});
   add("load_force", {exactly_one});
   // Both encoders: their difference is half of the play where the teeth touch.
   const auto exactly = [](double value) {

@@ -1,0 +1,240 @@
+#include "components/identify/processing_settings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "components/identify/differentiate.h"
+#include "components/identify/iir_filter.h"
+#include "components/identify/spectrum.h"
+#include "components/identify/statistics.h"
+#include "components/identify/uniform.h"
+
+namespace sinew::identify {
+
+namespace {
+
+constexpr double kTurn = 2.0 * std::numbers::pi;
+// Standard deviations of its noise from which on the sign of a velocity is sure: one wrong sign in
+// two million rows.
+constexpr double kSureVelocity = 5.0;
+// Share of the velocity's power that the low-pass of an angle lets pass in any case: what it takes
+// shows as an oscillator in the residual.
+constexpr double kMotionShare = 0.999;
+// Torque noise that the acceleration may bring, share of the drive torque: three times what
+// identification of robots reaches, most of it beyond the motion's band and so whitened away.
+constexpr double kNoiseShare = 0.03;
+// The same as a share of the drive's own noise: a motion that nearly repeats lets other columns
+// stand for the acceleration, and what they gain is its noise. Less than what counts as explained
+// (1.5 %).
+constexpr double kUnseenShare = 0.01;
+// Share of the 75th percentile of speed that counts as rest.
+constexpr double kRestShare = 0.03;
+// How much lower the low-pass of slow motion is: its velocity has a fifteenth of the noise.
+constexpr double kSlower = 6.0;
+// Periods of the angles' low-pass that a reversal is kept away from: what friction does there rings
+// for as long in the derivatives.
+constexpr double kGuardPeriods = 2.0;
+// Share of the moving time that guards leave at least: where a motion reverses quickly, rows near
+// reversals are better than none.
+constexpr double kLeastKept = 1.0 / 3.0;
+
+// Times between reversals, s: the velocity passes a fifth of its quick size on the other side.
+void AppendStrokes(const Eigen::VectorXd& velocity, double period_s, std::vector<double>* out) {
+  const Eigen::VectorXd speed = velocity.cwiseAbs();
+  const double swing = 0.2 * Quantile(std::vector<double>(speed.begin(), speed.end()), 0.75);
+  int side = 0;
+  Eigen::Index since = 0;
+  for (Eigen::Index i = 0; i < velocity.size(); ++i) {
+    const int now = velocity[i] > swing ? 1 : velocity[i] < -swing ? -1 : side;
+    if (now == side) continue;
+    if (side != 0) out->push_back(static_cast<double>(i - since) * period_s);
+    side = now;
+    since = i;
+  }
+  if (side != 0) out->push_back(static_cast<double>(velocity.size() - since) * period_s);
+}
+
+// The longest guard, up to `wished`, that leaves the least share of the strokes.
+double GuardFor(const std::vector<double>& strokes_s, double wished) {
+  double all = 0.0;
+  for (const double stroke : strokes_s) all += stroke;
+  double guard = wished;
+  for (int i = 0; i < 20; ++i, guard *= 0.8) {
+    double kept = 0.0;
+    for (const double stroke : strokes_s) kept += std::max(0.0, stroke - 2.0 * guard);
+    if (kept >= kLeastKept * all) break;
+  }
+  return guard;
+}
+
+}  // namespace
+
+double NominalDriveGain(const actuator::JointModel& model) {
+  for (const actuator::Term& term : model.terms) {
+    if (term.effect->info().role != effects::Role::kDrive || !model.Counts(term)) continue;
+    return term.linear.front().value * effects::IdealDriveGain(model.constants);
+  }
+  return 1.0;
+}
+
+double NominalInertia(const actuator::JointModel& model, effects::Side side) {
+  double sum = 0.0;
+  for (const actuator::Term& term : model.terms) {
+    const effects::EffectInfo& info = term.effect->info();
+    if (info.role == effects::Role::kInertia && info.side == side && model.Counts(term)) {
+      sum += term.linear.front().value;
+    }
+  }
+  return sum;
+}
+
+Signal DriveSignal(const actuator::JointModel& model) {
+  const actuator::Term* drive = nullptr;
+  for (const actuator::Term& term : model.terms) {
+    const effects::EffectInfo& info = term.effect->info();
+    if (info.role != effects::Role::kDrive || info.balance != effects::Balance::kMotion) continue;
+    if (drive != nullptr) {
+      throw std::invalid_argument("joint '" + model.name + "' has more than one drive term");
+    }
+    drive = &term;
+  }
+  if (drive == nullptr) {
+    throw std::invalid_argument("joint '" + model.name +
+                                "' has no drive term, expected drive_current, drive_voltage or "
+                                "drive_torque");
+  }
+  const std::string& name = drive->effect->info().name;
+  if (name.find("voltage") != std::string::npos) return Signal::kDriveVoltage;
+  if (name.find("torque") != std::string::npos) return Signal::kTorque;
+  return Signal::kMotorCurrent;
+}
+
+ProcessingOptions Resolve(const ProcessingOptions& options, const std::vector<Run>& runs) {
+  ProcessingOptions out = options;
+  if (runs.empty()) throw std::invalid_argument("no recording given");
+  if (out.state_cutoff_Hz > 0.0 && out.parallel_cutoff_Hz > 0.0 && out.rest_velocity > 0.0) {
+    return out;
+  }
+  if (runs.front().held) {  // nothing is filtered: any settled values do
+    if (!(out.state_cutoff_Hz > 0.0)) out.state_cutoff_Hz = 1.0;
+    if (!(out.parallel_cutoff_Hz > 0.0)) out.parallel_cutoff_Hz = 0.25;
+    if (!(out.rest_velocity > 0.0)) out.rest_velocity = 1e-3;
+    return out;
+  }
+  const UniformRun uniform = MakeUniform(runs.front(), out.longest_gap_s);
+  const UniformSegment& segment = *std::max_element(
+      uniform.segments.begin(), uniform.segments.end(),
+      [](const UniformSegment& a, const UniformSegment& b) { return a.size() < b.size(); });
+  const double rate = segment.rate_Hz();
+  const Eigen::VectorXd position = OutputPosition(segment, 1.0, runs.front().name);
+  const Eigen::VectorXd velocity =
+      WideDifference(Smooth(position, 4, 0.1 * rate, rate), segment.period_s);
+  if (!(out.state_cutoff_Hz > 0.0)) {
+    out.state_cutoff_Hz = std::clamp(BandAboveNoise(position, rate), 0.02 * rate, 0.25 * rate);
+  }
+  if (!(out.parallel_cutoff_Hz > 0.0)) out.parallel_cutoff_Hz = 0.25 * out.state_cutoff_Hz;
+  if (!(out.rest_velocity > 0.0)) {
+    out.rest_velocity =
+        0.03 * std::sqrt(velocity.squaredNorm() / static_cast<double>(velocity.size()));
+  }
+  return out;
+}
+
+ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::JointModel& model,
+                             double longest_gap_s) {
+  ProcessingOptions out;
+  out.longest_gap_s = longest_gap_s;
+  if (runs.empty()) throw std::invalid_argument("no recording given");
+  if (runs.front().held) return Resolve(out, runs);
+  const Signal drive_signal = DriveSignal(model);
+  const double drive_gain = NominalDriveGain(model);
+  const double output_inertia = NominalInertia(model, effects::Side::kOutput);
+  const double motor_inertia = NominalInertia(model, effects::Side::kMotor);
+  double output_Hz = 0.0, motor_Hz = 0.0, nyquist_Hz = 0.0;
+  double density = 0.0;  // of the position's noise
+  std::vector<double> speeds, strokes_s;
+  for (const Run& run : runs) {
+    for (const UniformSegment& segment : MakeUniform(run, longest_gap_s).segments) {
+      const double rate = segment.rate_Hz();
+      nyquist_Hz = std::max(nyquist_Hz, 0.5 * rate);
+      const auto drive = segment.signals.find(drive_signal);
+      const double drive_noise = drive == segment.signals.end()
+                                     ? 0.0
+                                     : drive_gain * drive_gain * NoiseDensity(drive->second, rate);
+      // The band of an angle, as far as the torque noise that its acceleration brings,
+      // J^2 (2 pi f)^4 S, stays below that of the drive; the motion itself passes.
+      const auto band = [&](const Eigen::VectorXd& angle, double inertia) {
+        const double above_noise =
+            std::min(HighestBandAboveNoise(angle, rate), BandOfLeastError(angle, rate, 2));
+        const double of_angle = inertia * inertia * NoiseDensity(angle, rate);
+        if (!(of_angle > 0.0) || !(drive_noise > 0.0)) return above_noise;
+        const double unseen = kUnseenShare * drive_noise * 0.5 * rate;
+        const double quiet = std::pow(5.0 * unseen / of_angle, 0.2) / std::pow(kTurn, 0.8);
+        // All of it together stays below a share of the drive torque as well: a servo's command
+        // repeats the noise of its angle, and would allow too much.
+        const double torque = kNoiseShare * drive_gain * Rms(drive->second);
+        const double all = std::pow(5.0 * torque * torque / of_angle, 0.2) / std::pow(kTurn, 0.8);
+        return std::min(
+            {above_noise, all, std::max(quiet, BandOfMotion(angle, rate, kMotionShare))});
+      };
+      const Eigen::VectorXd position =
+          OutputPosition(segment, model.constants.gear_ratio, run.name);
+      output_Hz = std::max(output_Hz, band(position, output_inertia));
+      const auto motor = segment.signals.find(Signal::kMotorPosition);
+      if (motor != segment.signals.end()) {
+        motor_Hz =
+            std::max(motor_Hz, band(motor->second / model.constants.gear_ratio, motor_inertia));
+      }
+      density = std::max(density, NoiseDensity(position, rate));
+      const Eigen::VectorXd velocity =
+          WideDifference(Smooth(position, out.state_order, std::max(output_Hz, 1e-3 * rate), rate),
+                         segment.period_s);
+      for (const double v : velocity) speeds.push_back(std::abs(v));
+      AppendStrokes(velocity, segment.period_s, &strokes_s);
+    }
+  }
+  // The wide difference is exact within a per cent up to this part of the Nyquist frequency.
+  const double widest_Hz = 0.6 * nyquist_Hz;
+  const auto within = [&](double frequency_Hz) {
+    return std::clamp(frequency_Hz, 0.005 * nyquist_Hz, widest_Hz);
+  };
+  out.state_cutoff_Hz = within(output_Hz);
+  out.motor_cutoff_Hz = motor_Hz > 0.0 ? within(motor_Hz) : 0.0;
+  out.parallel_cutoff_Hz = nyquist_Hz;  // none
+  out.raw = true;
+  // Noise of a velocity behind a low-pass at f: (2 pi)^2 S f^3 / 3.
+  const auto velocity_noise = [&](double cutoff_Hz) {
+    return kTurn * std::sqrt(density * cutoff_Hz * cutoff_Hz * cutoff_Hz / 3.0);
+  };
+  out.slow_cutoff_Hz = out.state_cutoff_Hz / kSlower;
+  out.doubtful_velocity = kSureVelocity * velocity_noise(out.state_cutoff_Hz);
+  // What moves slower than this part of the motion's quick half sticks and slips.
+  out.rest_velocity = std::max(kSureVelocity * velocity_noise(out.slow_cutoff_Hz),
+                               kRestShare * Quantile(speeds, 0.75));
+  out.reversal_guard_s = GuardFor(strokes_s, kGuardPeriods / out.state_cutoff_Hz);
+  out.border_s = 2.0 / out.state_cutoff_Hz;
+  return out;
+}
+
+ProcessingOptions SlowMotion(const ProcessingOptions& main, const actuator::JointModel& model,
+                             double rate_Hz) {
+  constexpr double kPeriodsPerTurn = 7.0;
+  ProcessingOptions out = main;
+  out.state_cutoff_Hz = std::max(main.state_cutoff_Hz, 0.25 * rate_Hz);
+  out.parallel_cutoff_Hz = 0.2 * rate_Hz;
+  out.fastest_velocity =
+      kTurn * out.parallel_cutoff_Hz / (kPeriodsPerTurn * model.constants.gear_ratio);
+  out.rest_velocity = out.fastest_velocity / 15.0;
+  return out;
+}
+
+ProcessingOptions Unfiltered(const ProcessingOptions& motion, double rate_Hz) {
+  ProcessingOptions out = motion;
+  out.parallel_cutoff_Hz = 0.5 * rate_Hz;
+  out.fastest_velocity = 0.0;
+  return out;
+}
+
+}  // namespace sinew::identify
