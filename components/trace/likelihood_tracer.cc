@@ -82,7 +82,7 @@ class Correction {
       }
       result->unexplained = judged_.unexplained;
       if (judged_.chosen.empty()) return;
-      Confirm(result);
+      Confirm(round > 0, result);
       if (!result->effects.empty()) return;
       for (const FoundEffect& found : result->refuted) refuted.insert(found.name);
     }
@@ -104,7 +104,9 @@ class Correction {
     sealed_.PredictDrive(model);
   }
 
-  void Confirm(TraceResult* result) {
+  // second: another look at the held-out recordings, which may confirm something by accident; what
+  // they do not confirm leaves, too.
+  void Confirm(bool second, TraceResult* result) {
     set_ = judged_.chosen;
     rivals_ = judged_.rivals;
     while (!set_.empty()) {
@@ -114,7 +116,11 @@ class Correction {
       std::optional<std::size_t> leaves;
       for (std::size_t k = 0; k < set_.members.size(); ++k) {
         found.push_back(Describe(k));
-        if (found[k].confirmation.verdict != ConfirmationVerdict::kRefuted) continue;
+        const ConfirmationVerdict verdict = found[k].confirmation.verdict;
+        if (verdict != ConfirmationVerdict::kRefuted &&
+            (!second || verdict == ConfirmationVerdict::kConfirmed)) {
+          continue;
+        }
         if (!leaves || found[k].gain_share < found[*leaves].gain_share) leaves = k;
       }
       if (!leaves) {
@@ -197,11 +203,9 @@ class Correction {
     const int order = base_.likelihood.noise.order();
     found.confirmation =
         trace::Confirm(sealed_, LikelihoodOf(sealed_, corrected_, order), without, corrected_);
-    // Not finite where the drive that the effect asks for runs away. A slope that is confirmed
-    // weighs more than a plain error, which a few rows near reversals may decide.
+    // Not finite where the drive that the effect asks for runs away.
     const bool raises = found.sealed_after > rules::kRaises.limit * found.sealed_before;
-    const bool confirmed = found.confirmation.verdict == ConfirmationVerdict::kConfirmed;
-    if (!std::isfinite(found.sealed_after) || (raises && !confirmed) || !DiffersFromZero(k)) {
+    if (!std::isfinite(found.sealed_after) || raises || !DiffersFromZero(k)) {
       found.confirmation.verdict = ConfirmationVerdict::kRefuted;
     }
     return found;

@@ -402,7 +402,8 @@ void AddCloseLoopCommand(CLI::App& app) {
   command->add_option("--seed", options.seed, "Seed of the placebo")->capture_default_str();
   command
       ->add_option("--engine", options.engine,
-                   "blocks: cross-validation behind a common filter; likelihood: at the raw rate")
+                   "likelihood: at the raw rate (default); blocks: cross-validation behind a common "
+                   "filter; arms and held positions always take blocks")
       ->transform(CLI::CheckedTransformer(
           std::map<std::string, trace::Engine>{{"blocks", trace::Engine::kBlocks},
                                                {"likelihood", trace::Engine::kLikelihood}}));

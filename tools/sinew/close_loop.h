@@ -26,7 +26,7 @@ struct CloseLoopOptions {
   int joint = 0;
   std::filesystem::path urdf;  // of an arm; empty: what the model file names
   std::uint64_t seed = 1;
-  trace::Engine engine = trace::Engine::kBlocks;
+  trace::Engine engine = trace::Engine::kLikelihood;
   std::vector<std::string> accepted_faults;  // rules of the data gate that do not stop
   std::function<void(const std::string&, double)> progress;
 };

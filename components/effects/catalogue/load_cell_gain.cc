@@ -11,8 +11,8 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   info.source = "sensor calibration put into - F l";
   info.linear = {{.name = "gain",
                   .dimension = Dimension::kNone,
-                  .lower = -1.0,
-                  .upper = 1.0,
+                  .lower = -0.5,
+                  .upper = 0.5,  // wrong by more than half, it is another sensor or drive
                   .default_value = 0.0,
                   .meaning = "true force over indicated force, minus 1"}};
   info.signature = "residual follows the load cell";

@@ -12,8 +12,8 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   info.side = Side::kMotor;
   info.linear = {{.name = "gain",
                   .dimension = Dimension::kNone,
-                  .lower = -1.0,
-                  .upper = 1.0,
+                  .lower = -0.5,
+                  .upper = 0.5,  // wrong by more than half, it is another sensor or drive
                   .default_value = 0.0,
                   .meaning = "relative error of the torque constant",
                   .relative_to_drive = true}};

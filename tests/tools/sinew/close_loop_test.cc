@@ -20,6 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::IsSupersetOf;
 
 const fs::path kSource = SINEW_SOURCE_DIR;
 const fs::path kEmps = fs::path(SINEW_SHARED_DIR) / "data" / "emps";
@@ -66,13 +67,19 @@ TEST(CloseLoopOnEmps, TheSameEffectIsFoundFirstAndASecondLowersTheCrossError) {
   const CloseLoopResult result = CloseLoop(EmpsOptions());
   const trace::TraceResult& trace = result.report.trace;
   ASSERT_GE(trace.effects.size(), 2u);
-  EXPECT_EQ(trace.effects[0].name, "direction_dependent_viscous");
-  EXPECT_THAT(trace.effects[0].rivals, Contains("direction_dependent_quadratic_viscous"));
+  // One trapezoidal speed in either direction: asymmetry of the first or of the second power.
+  std::vector<std::string> first = trace.effects[0].rivals;
+  first.push_back(trace.effects[0].name);
+  EXPECT_THAT(first, IsSupersetOf(
+                         {"direction_dependent_viscous", "direction_dependent_quadratic_viscous"}));
   EXPECT_TRUE(trace.effects[1].name == "elastic_joint" ||
               trace.effects[1].name == "transport_delay")
       << trace.effects[1].name;
-  EXPECT_LT(trace.effects[0].sealed_after, trace.effects[0].sealed_before);
-  EXPECT_LT(trace.effects[1].sealed_after, 0.7 * trace.effects[1].sealed_before);
+  for (const trace::FoundEffect& effect : trace.effects) {
+    EXPECT_EQ(effect.confirmation.verdict, trace::ConfirmationVerdict::kConfirmed) << effect.name;
+    EXPECT_LT(effect.sealed_after, effect.sealed_before) << effect.name;
+  }
+  EXPECT_LT(trace.after_sealed.rms, 0.8 * trace.before_sealed.rms);
 }
 
 TEST(CloseLoopOnEmps, ARecordingGivesTheSameFiguresAsItsCsv) {
@@ -115,8 +122,12 @@ TEST(CloseLoopOnTheRig, TheHiddenEffectOfTheExampleIsNamed) {
               right["viscous_friction"].get<double>(), 0.01);
   EXPECT_NEAR(trace.corrected.Parameter("gravity", "gravity_torque"),
               right["gravity_torque"].get<double>(), 0.01);
-  // As good as physics allows: the effect-free twin leaves 0.0217 Nm through a wider filter.
-  EXPECT_LT(trace.after_sealed.rms, 0.45 * trace.before_sealed.rms);
+  // What the effect left, by the example's effect-free twin, is gone from the sealed recording.
+  const nlohmann::json& left = truth["residual_rms"]["M"];
+  const auto square = [](double x) { return x * x; };
+  EXPECT_GT(square(trace.before_sealed.rms) - square(trace.after_sealed.rms),
+            0.9 * (square(left["sealed_declared"].get<double>()) -
+                   square(left["sealed_oracle"].get<double>())));
 }
 
 TEST(CloseLoopOnTheRig, TheCleanExampleRaisesNoAlarm) {
