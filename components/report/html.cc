@@ -20,6 +20,58 @@ std::string Probability(double p) {
   return text;
 }
 
+// What the held-out recordings say of it, with the slope and its interval.
+std::string Confirmed(const trace::Confirmation& confirmation) {
+  if (confirmation.blocks == 0) return "not asked";
+  return std::string(trace::ConfirmationWord(confirmation.verdict)) + "<br>slope " +
+         Short(confirmation.slope) + " [" + Short(confirmation.lower) + ", " +
+         Short(confirmation.upper) + "]";
+}
+
+std::string Refuted(const trace::TraceResult& trace) {
+  if (trace.refuted.empty()) return "";
+  std::string out =
+      "<h2>What the sealed recording refuted</h2>\n<p class=\"caption\">The training recordings "
+      "asked "
+      "for these; the sealed one does not follow them, or its error rises, or their size may as "
+      "well "
+      "be zero. They are no part of the model.</p><table>" +
+      HtmlRow({"effect", "removes", "sealed recording", "sealed error without and with it"}, "th");
+  for (const trace::FoundEffect& effect : trace.refuted) {
+    out +=
+        HtmlRow({"<code>" + Escape(effect.name) + "</code><br>" + Escape(EffectTitle(effect.name)),
+                 Percent(effect.gain_share), Confirmed(effect.confirmation),
+                 Short(effect.sealed_before) + " &rarr; " + Short(effect.sealed_after) + " " +
+                     std::string(effects::BalanceUnit(effect.balance, trace.corrected.kind))});
+  }
+  return out + "</table>\n";
+}
+
+// The method in one sentence.
+std::string Method(const Report& report) {
+  const trace::TraceResult& trace = report.trace;
+  const std::string units =
+      std::to_string(trace.units) + " units (" + Escape(trace.unit_kind) +
+      (trace.unit_length_s > 0.0 ? " of " + Short(trace.unit_length_s) + " s" : std::string()) +
+      ")";
+  if (trace.p_global) {
+    return ". Sets of effects and free curves by their whitened likelihood, p of the whole "
+           "search " +
+           Probability(*trace.p_global) + " by random signs of " + units + ", seed " +
+           std::to_string(report.seed) +
+           "; what was chosen is confirmed by the slope of the sealed recording's left-over. The "
+           "rule "
+           "that refused a candidate is in report.json.";
+  }
+  return ". Cross-validation over " + units + ", residual correlation time " +
+         Short(trace.correlation_time_s) +
+         " s. An effect is accepted when its gain exceeds two standard errors, 5 % of the residual "
+         "and "
+         "of what can be explained, the best false gain of the placebo (seed " +
+         std::to_string(report.seed) +
+         "), when its sign and size are physical and no quarter of the data contradicts it.";
+}
+
 std::string Join(const std::vector<std::string>& words) {
   std::string out;
   for (const std::string& word : words) out += (out.empty() ? "" : ", ") + Escape(word);
@@ -81,8 +133,10 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
   }
 
   if (!trace.effects.empty()) {
-    out += "<h2>What was found</h2>\n<table>" +
-           HtmlRow({"effect", "removes", "p", "sealed error", "what predicts the same"}, "th");
+    out +=
+        "<h2>What was found</h2>\n<table>" + HtmlRow({"effect", "removes", "p", "sealed recording",
+                                                      "sealed error", "what predicts the same"},
+                                                     "th");
     for (const trace::FoundEffect& effect : trace.effects) {
       out += HtmlRow(
           {"<code>" + Escape(EffectLabel(trace, effect)) + "</code><br>" +
@@ -91,7 +145,7 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
                (effect.slow_motion ? "<br>seen where the recordings creep; errors of there" : ""),
            Percent(effect.gain_share) +
                (effect.gain_error > 0.0 ? " &plusmn; " + Percent(effect.gain_error) : ""),
-           Probability(effect.p),
+           Probability(effect.p), Confirmed(effect.confirmation),
            Short(effect.sealed_before) + " &rarr; " + Short(effect.sealed_after) + " " +
                std::string(effects::BalanceUnit(effect.balance, trace.corrected.kind)),
            effect.rivals.empty() ? "nothing known" : Join(effect.rivals)});
@@ -111,6 +165,7 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
     out += "<h2>Next experiment</h2><p>" + Escape(next) + "</p>\n";
   }
 
+  out += Refuted(trace);
   out += "<h2>Parameters</h2>\n<table>" +
          HtmlRow({"parameter", "declared", "refitted", "with the effect", "&plusmn; 95 %"}, "th");
   for (std::size_t t = 0; t < trace.corrected.terms.size(); ++t) {
@@ -205,15 +260,8 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
               ? "; only what is slower than " + Short(report.processing.fastest_velocity) +
                     (kind == effects::JointKind::kRotary ? " rad/s" : " m/s")
               : "") +
-         ". Cross-validation over " + std::to_string(trace.units) + " units (" +
-         Escape(trace.unit_kind) +
-         (trace.unit_length_s > 0.0 ? " of " + Short(trace.unit_length_s) + " s" : "") +
-         "), residual correlation time " + Short(trace.correlation_time_s) +
-         " s. An effect is accepted when its gain exceeds two standard errors, 5 % of the residual "
-         "and of "
-         "what can be explained, the best false gain of the placebo (seed " +
-         std::to_string(report.seed) +
-         "), when its sign and size are physical and no quarter of the data contradicts it.</p>\n"
+         Method(report) +
+         "</p>\n"
          "</main></body></html>\n";
   return out;
 }

@@ -271,7 +271,8 @@ Picture SpectrumByAngle(const Report& report, const Design& design, const Eigen:
   return out;
 }
 
-Picture Candidates(const trace::RoundReport& round, int number) {
+// jointly: judged as members of sets (no rounds).
+Picture Candidates(const trace::RoundReport& round, int number, bool jointly) {
   std::vector<trace::CandidateScore> shown;
   for (const trace::CandidateScore& score : round.scores) {
     if (score.refused == "a declared term carries it") continue;
@@ -292,13 +293,15 @@ Picture Candidates(const trace::RoundReport& round, int number) {
   data += "EOD\n";
   const double placebo = 100.0 * round.placebo_99;
   Picture out;
-  out.title = (round.slow_motion ? "Where the recordings creep: candidates of round "
-                                 : "Candidates of round ") +
-              std::to_string(number);
+  out.title = jointly ? std::string("Candidates")
+                      : (round.slow_motion ? "Where the recordings creep: candidates of round "
+                                           : "Candidates of round ") +
+                            std::to_string(number);
   out.caption =
-      "Part of the left-out squared error that each candidate removes, with two standard errors. "
-      "Coloured: accepted. Dashed: best false gain in recordings without an effect (99th "
-      "percentile).";
+      jointly ? "Part of the whitened misfit that each candidate alone removes. Coloured: chosen."
+              : "Part of the left-out squared error that each candidate removes, with two "
+                "standard errors. Coloured: accepted. Dashed: best false gain in recordings "
+                "without an effect (99th percentile).";
   out.script =
       PictureHead(70 + 30 * std::max(3, count)) + data +
       "unset key\nset grid noy x\nset ytics textcolor rgb '#333333'\nset yrange [0.3:" +
@@ -322,13 +325,21 @@ Picture ErrorsByRound(const Report& report) {
             PictureNumber(sealed) + "\n";
   };
   add("declared, refitted", trace.before_train.rms, trace.before_sealed.rms);
+  const bool jointly = trace.p_global.has_value();  // all effects in one set
   for (const trace::FoundEffect& effect : trace.effects) {
-    if (effect.swallowed || effect.slow_motion != trace.slow_motion) continue;
+    if (effect.swallowed || effect.slow_motion != trace.slow_motion || jointly) continue;
     add("+ " + EffectLabel(trace, effect), effect.train_after, effect.sealed_after);
+  }
+  if (jointly && !trace.effects.empty()) {
+    for (const trace::FoundEffect& effect : trace.effects) {
+      if (trace.effects.size() < 2 || effect.balance != effects::Balance::kMotion) continue;
+      add("without " + EffectLabel(trace, effect), effect.train_before, effect.sealed_before);
+    }
+    add("corrected", trace.after_train.rms, trace.after_sealed.rms);
   }
   data += "EOD\n";
   Picture out;
-  out.title = "Error, round by round";
+  out.title = jointly ? "Error, before and after" : "Error, round by round";
   out.caption =
       "Root mean square of the residual. Dashed: noise floor (" +
       (trace.noise_floor_source.empty() ? std::string("unknown") : trace.noise_floor_source) + ").";
@@ -371,7 +382,8 @@ std::vector<Picture> MakePictures(const Report& report, const Design& train, con
     const trace::RoundReport& round = trace.rounds[i];
     if (i > 0 && round.slow_motion != trace.rounds[i - 1].slow_motion) number = 0;
     ++number;
-    if (i == 0 || !round.added.empty()) out.push_back(Candidates(round, number));
+    if (i == 0 || !round.added.empty())
+      out.push_back(Candidates(round, number, trace.p_global.has_value()));
   }
   out.push_back(ErrorsByRound(report));
   return out;

@@ -24,6 +24,7 @@ void AddDelayFinding(const TraceResult& trace, double rate_Hz,
   for (const CandidateScore& score : trace.rounds.front().scores) {
     if (score.name != "transport_delay" || !(score.gain.t > 2.0)) continue;
     const double delay_s = score.delay_s;
+    if (delay_s == 0.0) continue;
     findings->push_back({"drive_delay",
                          "the drive seems to act " + ShortNumber(1e3 * std::abs(delay_s)) + " ms " +
                              (delay_s > 0.0 ? "late" : "early") + " (" +

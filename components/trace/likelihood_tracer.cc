@@ -244,6 +244,22 @@ LikelihoodFit Reported(const Design& train, const LikelihoodFit& base,
   return out;
 }
 
+// Accepted is what was confirmed or at least not refuted; the rest names its rule.
+void NoteOutcome(const TraceResult& result, std::vector<CandidateScore>* scores) {
+  const auto holds = [](const std::vector<FoundEffect>& found, const std::string& name) {
+    return std::any_of(found.begin(), found.end(),
+                       [&](const FoundEffect& effect) { return effect.name == name; });
+  };
+  for (CandidateScore& score : *scores) {
+    score.accepted = holds(result.effects, score.name);
+    if (score.accepted) {
+      score.refused.clear();
+    } else if (holds(result.refuted, score.name)) {
+      score.refused = rules::kRefutedBelow.id;
+    }
+  }
+}
+
 void NoteErrors(const Design& train, const Design& sealed, const LikelihoodFit& base,
                 TraceResult* result) {
   result->nominal_train = identify::ErrorOf(train, result->nominal);
@@ -298,6 +314,7 @@ TraceResult TraceByLikelihood(Design& train, Design& sealed, const actuator::Joi
                          static_cast<std::size_t>(options.max_rounds), bootstrap, refuted);
       },
       &result);
+  NoteOutcome(result, &result.rounds.front().scores);
 
   result.corrected = correction.corrected().model;
   result.corrected_fit = correction.corrected();

@@ -87,6 +87,9 @@ Eigen::VectorXd SolveWithinRange(const Balance& balance, const actuator::JointMo
     }
     if (held) b = regression->Solve();
   }
+  for (Eigen::Index i = first; i < p; ++i) {
+    if (is_held[static_cast<std::size_t>(i)] != 0) b[i] = regression->prior.mean[i];
+  }
   return b;
 }
 

@@ -322,7 +322,14 @@ void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options
     }
     std::cout << "; sealed " << Short(effect.sealed_before) << " -> " << Short(effect.sealed_after)
               << ' ' << effects::BalanceUnit(effect.balance, trace.corrected.kind)
-              << (effect.slow_motion ? " where it creeps" : "") << '\n';
+              << (effect.slow_motion ? " where it creeps" : "");
+    if (trace.p_global) std::cout << "; " << trace::ConfirmationWord(effect.confirmation.verdict);
+    std::cout << '\n';
+  }
+  for (const trace::FoundEffect& effect : trace.refuted) {
+    std::cout << "  refuted: " << effect.name << "; sealed " << Short(effect.sealed_before)
+              << " -> " << Short(effect.sealed_after) << ' '
+              << effects::BalanceUnit(effect.balance, trace.corrected.kind) << '\n';
   }
   const auto line = [&](const char* what, const identify::ModelError& before,
                         const identify::ModelError& after) {
@@ -401,12 +408,12 @@ void AddCloseLoopCommand(CLI::App& app) {
                       "Rigid bodies of an arm; what the model file names by default");
   command->add_option("--seed", options.seed, "Seed of the placebo")->capture_default_str();
   command
-      ->add_option("--engine", options.engine,
-                   "likelihood: at the raw rate (default); blocks: cross-validation behind a common "
-                   "filter; arms and held positions always take blocks")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, trace::Engine>{{"blocks", trace::Engine::kBlocks},
-                                               {"likelihood", trace::Engine::kLikelihood}}));
+      ->add_option(
+          "--engine", options.engine,
+          "likelihood: at the raw rate (default); blocks: cross-validation behind a common "
+          "filter; arms and held positions always take blocks")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, trace::Engine>{
+          {"blocks", trace::Engine::kBlocks}, {"likelihood", trace::Engine::kLikelihood}}));
   command
       ->add_option("--accept-fault", options.accepted_faults,
                    "Go on in spite of this fault of the data (docs/data-gate.md); repeatable")
