@@ -13,10 +13,10 @@
 
 namespace sinew::identify {
 
-// What every row of the regression is.
 // Clock of a recording in which nothing began yet, s.
 inline constexpr double kLongBefore = -1e9;
 
+// What every row of the regression is.
 struct Rows {
   Eigen::VectorXd time_s;
   std::vector<int> run;

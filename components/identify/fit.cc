@@ -63,11 +63,10 @@ ModelError ErrorOf(const Design& design, const actuator::JointModel& model) {
 ModelError ErrorOf(const Design& design, const actuator::JointModel& model,
                    const actuator::JointModel& reference) {
   ModelError out = ErrorOf(design, model);
-  const double own = MakeBalance(design, model).drive_factor;
-  const double other = MakeBalance(design, reference).drive_factor;
-  if (own == 0.0 || other == 0.0) return out;
-  out.residual *= other / own;
-  out.rms *= std::abs(other / own);
+  const double ratio = actuator::DriveShare(reference, reference.balance) /
+                       actuator::DriveShare(model, model.balance);
+  out.residual *= ratio;
+  out.rms *= std::abs(ratio);
   return out;
 }
 

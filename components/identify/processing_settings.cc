@@ -163,21 +163,22 @@ ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::Joint
       const double drive_noise = drive == segment.signals.end()
                                      ? 0.0
                                      : drive_gain * drive_gain * NoiseDensity(drive->second, rate);
-      // The band of an angle, as far as the torque noise that its acceleration brings,
-      // J^2 (2 pi f)^4 S, stays below that of the drive; the motion itself passes.
+      // The band of an angle, as far as the torque noise that its acceleration brings in all,
+      // J^2 (2 pi)^4 S f^5 / 5, stays a small share of the drive's; the motion itself passes.
       const auto band = [&](const Eigen::VectorXd& angle, double inertia) {
         const double above_noise =
             std::min(HighestBandAboveNoise(angle, rate), BandOfLeastError(angle, rate, 2));
         const double of_angle = inertia * inertia * NoiseDensity(angle, rate);
         if (!(of_angle > 0.0) || !(drive_noise > 0.0)) return above_noise;
-        const double unseen = kUnseenShare * drive_noise * 0.5 * rate;
-        const double quiet = std::pow(5.0 * unseen / of_angle, 0.2) / std::pow(kTurn, 0.8);
-        // All of it together stays below a share of the drive torque as well: a servo's command
-        // repeats the noise of its angle, and would allow too much.
+        const auto bringing = [&](double variance) {
+          return std::pow(5.0 * variance / of_angle, 0.2) / std::pow(kTurn, 0.8);
+        };
+        const double quiet = bringing(kUnseenShare * drive_noise * 0.5 * rate);
+        // It stays below a share of the drive torque as well: a servo's command repeats the noise
+        // of its angle, and would allow too much.
         const double torque = kNoiseShare * drive_gain * Rms(drive->second);
-        const double all = std::pow(5.0 * torque * torque / of_angle, 0.2) / std::pow(kTurn, 0.8);
-        return std::min(
-            {above_noise, all, std::max(quiet, BandOfMotion(angle, rate, kMotionShare))});
+        return std::min({above_noise, bringing(torque * torque),
+                         std::max(quiet, BandOfMotion(angle, rate, kMotionShare))});
       };
       const Eigen::VectorXd position =
           OutputPosition(segment, model.constants.gear_ratio, run.name);

@@ -32,10 +32,8 @@ std::string Refuted(const trace::TraceResult& trace) {
   if (trace.refuted.empty()) return "";
   std::string out =
       "<h2>What the sealed recording refuted</h2>\n<p class=\"caption\">The training recordings "
-      "asked "
-      "for these; the sealed one does not follow them, or its error rises, or their size may as "
-      "well "
-      "be zero. They are no part of the model.</p><table>" +
+      "asked for these; the sealed one does not follow them, or its error rises, or their size may "
+      "as well be zero. They are no part of the model.</p><table>" +
       HtmlRow({"effect", "removes", "sealed recording", "sealed error without and with it"}, "th");
   for (const trace::FoundEffect& effect : trace.refuted) {
     out +=
@@ -60,14 +58,12 @@ std::string Method(const Report& report) {
            Probability(*trace.p_global) + " by random signs of " + units + ", seed " +
            std::to_string(report.seed) +
            "; what was chosen is confirmed by the slope of the sealed recording's left-over. The "
-           "rule "
-           "that refused a candidate is in report.json.";
+           "rule that refused a candidate is in report.json.";
   }
   return ". Cross-validation over " + units + ", residual correlation time " +
          Short(trace.correlation_time_s) +
          " s. An effect is accepted when its gain exceeds two standard errors, 5 % of the residual "
-         "and "
-         "of what can be explained, the best false gain of the placebo (seed " +
+         "and of what can be explained, the best false gain of the placebo (seed " +
          std::to_string(report.seed) +
          "), when its sign and size are physical and no quarter of the data contradicts it.";
 }

@@ -93,8 +93,9 @@ std::string VerdictSentence(const Report& report) {
             open.push_back(effect.name);
           }
         }
-        if (!open.empty())
+        if (!open.empty()) {
           out += " The sealed recording does not confirm " + Join(open, " and ") + ".";
+        }
       }
       if (trace.effects.front().weak_evidence) {
         out += " This is weak evidence: the recording falls into fewer than six independent parts.";

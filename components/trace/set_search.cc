@@ -69,11 +69,12 @@ bool Physical(const Evidence& evidence, const std::vector<Hypothesis>& hypothese
 
 SetSearch SearchSets(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
                      std::size_t largest, const std::set<std::string>& refuted) {
+  const auto asked = [&](std::size_t h) { return refuted.count(hypotheses[h].name) == 0; };
   SetSearch out;
   out.best.emplace_back();
   std::map<int, EffectSet> by_family;
   for (std::size_t h = 0; h < hypotheses.size(); ++h) {
-    if (refuted.count(hypotheses[h].name) != 0) continue;
+    if (!asked(h)) continue;
     EffectSet single = FitSet(evidence, hypotheses, {h});
     if (!hypotheses[h].physical()) {
       if (out.curve.empty() || single.net > out.curve.net) out.curve = std::move(single);
@@ -95,10 +96,7 @@ SetSearch SearchSets(const Evidence& evidence, const std::vector<Hypothesis>& hy
     std::vector<EffectSet> next;
     for (const EffectSet& set : leading) {
       for (std::size_t h = 0; h < hypotheses.size(); ++h) {
-        if (!hypotheses[h].physical() || refuted.count(hypotheses[h].name) != 0 ||
-            !Joins(hypotheses, set, h)) {
-          continue;
-        }
+        if (!hypotheses[h].physical() || !asked(h) || !Joins(hypotheses, set, h)) continue;
         EffectSet joined = With(evidence, hypotheses, set, h);
         if (Physical(evidence, hypotheses, joined)) next.push_back(std::move(joined));
       }
@@ -121,10 +119,7 @@ SetSearch SearchSets(const Evidence& evidence, const std::vector<Hypothesis>& hy
     EffectSet best = distinct.front();
     for (std::size_t k = 0; k < best.members.size(); ++k) {
       for (std::size_t h = 0; h < hypotheses.size(); ++h) {
-        if (hypotheses[h].family != hypotheses[best.members[k]].family ||
-            refuted.count(hypotheses[h].name) != 0) {
-          continue;
-        }
+        if (hypotheses[h].family != hypotheses[best.members[k]].family || !asked(h)) continue;
         std::vector<std::size_t> members = best.members;
         members[k] = h;
         EffectSet other = FitSet(evidence, hypotheses, std::move(members));
