@@ -93,6 +93,7 @@ struct ParameterInfo {
   // Scales the ideal drive torque (N Kt I, or force constant x u): the physical value is this one
   // divided by the drive's own factor (efficiency), see actuator::PhysicalValue.
   bool relative_to_drive = false;
+  bool optional = false;  // model files may leave it out: default_value
 };
 
 // The parameter's key in files: name and unit suffix, e.g. "viscous_Nm_s_rad".
@@ -120,6 +121,12 @@ struct EffectInfo {
   Side side = Side::kOutput;
   Smallest smallest = Smallest::kAny;
   bool rate = false;         // phi is a rate of what the balance is about: fitting integrates it
+  // Follows the drive input as recorded, which leads the one that acts: fitting knows only the one
+  // that the model needs, and looks ahead instead of back (identify::Design::Columns).
+  bool follows_record = false;
+  // Repeats many times a turn: at speed it is faster than the low-pass of the angles, which fitting
+  // then applies to it, too (identify::Design::Columns).
+  bool ripple = false;
   bool rotary_only = false;  // reads an angle as an angle: means nothing on a linear joint
   // Begins at an instant that differs from recording to recording: the first nonlinear parameter is
   // its start, on the clock time_s.

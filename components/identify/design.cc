@@ -102,15 +102,23 @@ Eigen::MatrixXd Design::Columns(const effects::Effect& effect, std::span<const d
   Eigen::Index at = 0;
   for (const StateSegment& segment : states_.segments) {
     Eigen::MatrixXd full(segment.size(), count);
-    effect.ResetMemory(segment.samples.front(), psi, memory_span);
-    for (Eigen::Index i = 0; i < segment.size(); ++i) {
+    const bool ahead = options_.raw && effect.info().follows_record && psi.front() >= 0.0;
+    effect.ResetMemory(ahead ? segment.samples.back() : segment.samples.front(), psi, memory_span);
+    for (Eigen::Index k = 0; k < segment.size(); ++k) {
+      const Eigen::Index i = ahead ? segment.size() - 1 - k : k;
       const effects::JointSample& x = segment.samples[static_cast<std::size_t>(i)];
-      if (i > 0) effect.Advance(x, segment.period_s, psi, memory_span);
+      if (k > 0) effect.Advance(x, segment.period_s, psi, memory_span);
       effect.Regressors(x, psi, memory_span, phi_span);
       for (Eigen::Index c = 0; c < count; ++c) full(i, c) = phi[static_cast<std::size_t>(c)];
     }
     Eigen::Index rows = 0;
     for (Eigen::Index c = 0; c < count; ++c) {
+      // What repeats faster than the low-pass of the angles is answered by an acceleration that
+      // they do not show.
+      if (options_.raw && effect.info().ripple && !segment.held) {
+        full.col(c) = Smooth(full.col(c), options_.state_order, options_.state_cutoff_Hz,
+                             1.0 / segment.period_s);
+      }
       if (effect.info().rate) Integrate(segment.period_s, full.col(c));
       rows = Thin(segment, full.col(c), out.col(c).segment(at, rows_.size() - at));
     }
@@ -168,8 +176,12 @@ void Design::Centre(Eigen::Ref<Eigen::VectorXd> column) const {
   }
 }
 
-void Design::PredictDrive(const actuator::JointModel& model) {
+void Design::PredictDrive(actuator::JointModel model) {
   if (states_.locked) return;  // the drive has no part in that balance
+  if (options_.raw) {
+    std::erase_if(model.terms,
+                  [](const actuator::Term& term) { return term.effect->info().follows_record; });
+  }
   std::vector<double> memory(static_cast<std::size_t>(model.memory_size()));
   for (StateSegment& segment : states_.segments) {
     model.ResetMemory(segment.samples.front(), memory);
@@ -177,6 +189,15 @@ void Design::PredictDrive(const actuator::JointModel& model) {
       effects::JointSample& x = segment.samples[static_cast<std::size_t>(i)];
       if (i > 0) model.Advance(x, segment.period_s, memory);
       x.drive_input = model.RequiredDriveInput(x, memory);
+    }
+    if (!options_.raw) continue;
+    const auto last = segment.samples.size() - 1;
+    for (std::size_t i = 0; i <= last; ++i) {
+      const std::size_t before = i > 0 ? i - 1 : 0, after = std::min(i + 1, last);
+      if (after == before) break;
+      segment.samples[i].drive_rate =
+          (segment.samples[after].drive_input - segment.samples[before].drive_input) /
+          (static_cast<double>(after - before) * segment.period_s);
     }
   }
 }

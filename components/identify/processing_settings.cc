@@ -143,7 +143,7 @@ ProcessingOptions Resolve(const ProcessingOptions& options, const std::vector<Ru
 }
 
 ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::JointModel& model,
-                             double longest_gap_s) {
+                             double longest_gap_s, double wider) {
   ProcessingOptions out;
   out.longest_gap_s = longest_gap_s;
   if (runs.empty()) throw std::invalid_argument("no recording given");
@@ -201,8 +201,8 @@ ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::Joint
   const auto within = [&](double frequency_Hz) {
     return std::clamp(frequency_Hz, 0.005 * nyquist_Hz, widest_Hz);
   };
-  out.state_cutoff_Hz = within(output_Hz);
-  out.motor_cutoff_Hz = motor_Hz > 0.0 ? within(motor_Hz) : 0.0;
+  out.state_cutoff_Hz = within(wider * output_Hz);
+  out.motor_cutoff_Hz = motor_Hz > 0.0 ? within(wider * motor_Hz) : 0.0;
   out.parallel_cutoff_Hz = nyquist_Hz;  // none
   out.raw = true;
   // Noise of a velocity behind a low-pass at f: (2 pi)^2 S f^3 / 3.

@@ -45,9 +45,10 @@ ProcessingOptions Resolve(const ProcessingOptions& options, const std::vector<Ru
 
 // Settings from the motion alone: the low-pass of each angle where its spectrum meets its noise,
 // rest and no wider than the noise of its acceleration allows beside that of the drive, rest from
-// quantiles of the speed, guards from the filters. No second filter.
+// quantiles of the speed, guards from the filters. No second filter. wider: factor on the angles'
+// cut-offs.
 ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::JointModel& model,
-                             double longest_gap_s);
+                             double longest_gap_s, double wider = 1.0);
 
 // Torque per unit of the drive signal, as declared; sum of the declared inertias of one side.
 double NominalDriveGain(const actuator::JointModel& model);

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "components/trace/balances.h"
+#include "components/trace/band.h"
 #include "components/trace/likelihood_tracer.h"
 #include "components/trace/slow_motion.h"
 
@@ -88,7 +89,7 @@ LoopResult CloseLoop(const std::vector<identify::Run>& train,
   // Rows that are holds do not follow each other in time: their noise has no colour to learn.
   const bool raw = options.engine == Engine::kLikelihood && !train.front().held;
   const std::vector<identify::Run>& shape = train.front().held ? sealed : train;
-  loop.processing = raw ? identify::FromMotion(shape, joint, wished.longest_gap_s)
+  loop.processing = raw ? BandOfLeastResidual(shape, joint, wished.longest_gap_s)
                         : identify::Resolve(wished, shape);
   const identify::ProcessingOptions motion = loop.processing;
   identify::StateSet states = identify::MakeStates(train, joint, loop.processing);

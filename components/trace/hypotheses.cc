@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 
 #include "components/identify/statistics.h"
 #include "components/trace/nuisances.h"
@@ -32,23 +33,34 @@ constexpr double kRarest = 1e-3;
 // Less of a wave than this is any smooth curve.
 constexpr double kLeastPeriods = 1.0;
 
+// Settings of one effect that are asked for beside others: those of a resonance lie closer than
+// its shape differs, so the loudest stand for the rest.
+constexpr std::size_t kMostSettings = 12;
+
 class Builder {
  public:
-  Builder(const identify::Design& design, const UsedRows& used, const actuator::JointModel& model,
-          const identify::Balance& balance, Bank* bank)
-      : design_(design), used_(used), model_(model), bank_(*bank) {
+  Builder(const identify::Design& design, const Likelihood& likelihood,
+          const actuator::JointModel& model, const identify::Balance& balance, Bank* bank)
+      : design_(design),
+        likelihood_(likelihood),
+        used_(likelihood.used),
+        model_(model),
+        bank_(*bank),
+        X_(Whiten(likelihood, bank->declared)),
+        y_(Whiten(likelihood, bank->target)) {
     scale_ = balance.fits_scale ? balance.Scale(balance.nominal) : 1.0;
     drive_share_ = actuator::DriveShare(model, model.balance);
     const Eigen::VectorXd angle =
         design.Variable([](const effects::JointSample& x) { return x.position_rad; });
-    turns_ = TurnsCovered(angle(used.rows));
+    turns_ = TurnsCovered(angle(used_.rows));
     target_rms_ = Rms(bank_.target);
     target_peak_ = bank_.target.size() > 0 ? bank_.target.cwiseAbs().maxCoeff() : 0.0;
   }
 
   void AddEffect(const Candidate& candidate) {
     const int family = NextFamily();
-    for (const GridPoint& point : candidate.grid) {
+    for (const std::size_t k : Loudest(candidate)) {
+      const GridPoint& point = candidate.grid[k];
       if (!CoversPeriod(*candidate.effect, point.psi)) continue;
       Hypothesis h;
       h.name = candidate.name();
@@ -85,6 +97,13 @@ class Builder {
       };
       h->lower.push_back(parameter.lower >= 0.0 ? 0.0 : bound(parameter.lower, -largest));
       h->upper.push_back(parameter.upper <= 0.0 ? 0.0 : bound(parameter.upper, largest));
+      if (!info.follows_record) continue;
+      // The drive's rate counts over the delay itself, within a factor of two.
+      const double span_s = psi.front(), sample_s = 1.0 / design_.states().rate_Hz;
+      const double one = span_s == 0.0 ? -sample_s : 0.5 * span_s;
+      const double other = span_s == 0.0 ? sample_s : 2.0 * span_s;
+      h->lower.back() = std::min(one, other) / unit;
+      h->upper.back() = std::max(one, other) / unit;
     }
     h->columns.insert(h->columns.end(), columns.begin(), columns.end());
     h->settings.push_back({psi, columns});
@@ -111,6 +130,29 @@ class Builder {
   }
 
  private:
+  // The settings that gain most beside the declared terms, in their order.
+  std::vector<std::size_t> Loudest(const Candidate& candidate) const {
+    std::vector<std::size_t> out(candidate.grid.size());
+    std::iota(out.begin(), out.end(), std::size_t{0});
+    if (out.size() <= kMostSettings) return out;
+    std::vector<double> gain;
+    for (const GridPoint& point : candidate.grid) {
+      gain.push_back(GainOf(Whiten(likelihood_, used_.Of(point.columns))));
+    }
+    std::stable_sort(out.begin(), out.end(),
+                     [&](std::size_t a, std::size_t b) { return gain[a] > gain[b]; });
+    out.resize(kMostSettings);
+    std::sort(out.begin(), out.end());
+    return out;
+  }
+
+  double GainOf(const Eigen::MatrixXd& z) const {
+    const Evidence evidence(X_, bank_.prior, z, Eigen::VectorXd::Zero(z.cols()), y_);
+    Columns all(static_cast<std::size_t>(z.cols()));
+    std::iota(all.begin(), all.end(), Eigen::Index{0});
+    return evidence.Gain(all);
+  }
+
   bool CoversPeriod(const effects::Effect& effect, const std::vector<double>& psi) const {
     if (effect.info().name != "gear_eccentricity") return true;
     return psi.front() * turns_ >= kLeastPeriods;
@@ -131,9 +173,12 @@ class Builder {
   }
 
   const identify::Design& design_;
+  const Likelihood& likelihood_;
   const UsedRows& used_;
   const actuator::JointModel& model_;
   Bank& bank_;
+  const Eigen::MatrixXd X_;  // declared columns and the measured side, whitened
+  const Eigen::VectorXd y_;
   double scale_ = 1.0, drive_share_ = 1.0, target_rms_ = 0.0, target_peak_ = 0.0;
   double turns_ = 0.0;  // of the output that the rows cover
 };
@@ -154,7 +199,7 @@ Bank MakeBank(const identify::Design& design, const Likelihood& likelihood,
   bank.declared << used.Of(balance.columns), nuisances.columns;
   bank.prior = PriorOf(balance, model, used, nuisances);
 
-  Builder builder(design, used, model, balance, &bank);
+  Builder builder(design, likelihood, model, balance, &bank);
   const bool spectrum = design.states().measured.count("motor_position_rad") != 0;
   CandidateSet set = MakeCandidates(design, model);
   for (const Candidate& candidate : set.candidates) {
@@ -191,7 +236,10 @@ void AddOrders(const identify::Design& design, const Likelihood& likelihood,
   const double independent = IndependentOrders(turns, lowest, highest);
   const double limit = 2.0 * std::log(independent / kRarest);
 
-  Builder builder(design, used, model, balance, bank);
+  Builder builder(design, likelihood, model, balance, bank);
+  const Eigen::VectorXd speed = design.Variable(
+      [](const effects::JointSample& x) { return std::abs(x.motor_velocity_rad_s); })(used.rows);
+  const double band_rad_s = 2.0 * std::numbers::pi * design.options().state_cutoff_Hz;
   Eigen::VectorXd e = whitened_residual;
   Hypothesis cogging;
   const std::shared_ptr<const effects::Effect> effect =
@@ -202,7 +250,8 @@ void AddOrders(const identify::Design& design, const Likelihood& likelihood,
   Eigen::MatrixXd found(used.size(), 0);
   double first = 0.0;
   for (int k = 0; k < kMostLines; ++k) {
-    const OrderLine line = StrongestOrder(WhitenTransposed(likelihood, e), angle, lowest, highest);
+    const OrderLine line =
+        StrongestRipple(WhitenTransposed(likelihood, e), angle, speed, band_rad_s, lowest, highest);
     if (!(line.order > 0.0)) break;
     // A whole order within the resolution is that order.
     const double whole_order = std::round(line.order);

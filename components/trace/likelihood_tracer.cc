@@ -43,8 +43,9 @@ actuator::JointModel ModelWith(const actuator::JointModel& declared, const Probl
       const auto& infos = h.effect->info().nonlinear;
       for (std::size_t i = 0; i < setting.psi.size(); ++i) {
         actuator::ParameterValue value{.value = setting.psi[i], .half_width_95 = std::nullopt};
-        // Counts stay whole, instants were searched.
-        value.fixed = infos[i].dimension == effects::Dimension::kNone || h.effect->info().event;
+        // Counts stay whole, instants and spans were searched.
+        value.fixed = infos[i].dimension == effects::Dimension::kNone || h.effect->info().event ||
+                      h.effect->info().follows_record;
         term.nonlinear.push_back(value);
       }
       terms->back().push_back(static_cast<int>(model.terms.size()));

@@ -84,12 +84,14 @@ Nuisances MakeNuisances(const identify::Design& design, const UsedRows& used,
       continue;
     }
     std::vector<double> psi;
+    for (const effects::ParameterInfo& parameter : info.nonlinear) {
+      psi.push_back(parameter.default_value);
+    }
     if (info.smallest == Smallest::kCounts) {
       const double counts = model.constants.encoder_counts_per_turn;
       if (!(counts > 0.0)) continue;
       psi = {kFewCounts * 2.0 * std::numbers::pi / counts};
     }
-    if (psi.size() != info.nonlinear.size()) continue;
     const Eigen::VectorXd column = -design.Columns(*effect, psi).col(0)(used.rows);
     const double own = Spread(design, model, info, column);
     if (!(own > 0.0) || !column.allFinite()) continue;

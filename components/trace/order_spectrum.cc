@@ -59,4 +59,23 @@ OrderLine StrongestOrder(const Eigen::Ref<const Eigen::VectorXd>& g,
   return best;
 }
 
+OrderLine StrongestRipple(const Eigen::Ref<const Eigen::VectorXd>& g,
+                          const Eigen::Ref<const Eigen::VectorXd>& angle,
+                          const Eigen::Ref<const Eigen::VectorXd>& speed, double band,
+                          double lowest, double highest) {
+  if (!(band > 0.0)) return StrongestOrder(g, angle, lowest, highest);
+  OrderLine best;
+  for (double from = lowest; from < highest; from *= 2.0) {
+    const double to = std::min(highest, 2.0 * from);
+    const Eigen::VectorXd seen =
+        (speed.array() * std::sqrt(from * to) < band).select(g.array(), 0.0);
+    const double power = seen.squaredNorm();
+    if (!(power > 0.0)) continue;
+    OrderLine line = StrongestOrder(seen, angle, from, to);
+    line.power /= power;
+    if (line.power > best.power) best = line;
+  }
+  return best;
+}
+
 }  // namespace sinew::trace

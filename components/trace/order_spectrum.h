@@ -25,6 +25,14 @@ OrderLine StrongestOrder(const Eigen::Ref<const Eigen::VectorXd>& g,
                          const Eigen::Ref<const Eigen::VectorXd>& angle, double lowest,
                          double highest);
 
+// The same where the rows that pass an order faster than `band` (periods per second times 2 pi) do
+// not show it: every octave of orders is looked for in the rows that are slow enough for it, and
+// the power is a share of what chance gives them. speed: of the angle, rad/s, not negative.
+OrderLine StrongestRipple(const Eigen::Ref<const Eigen::VectorXd>& g,
+                          const Eigen::Ref<const Eigen::VectorXd>& angle,
+                          const Eigen::Ref<const Eigen::VectorXd>& speed, double band,
+                          double lowest, double highest);
+
 // Turns that the angle covered, max - min.
 double TurnsCovered(const Eigen::Ref<const Eigen::VectorXd>& angle);
 

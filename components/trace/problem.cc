@@ -34,6 +34,16 @@ Eigen::VectorXd Residual(const identify::FitResult& fit, const UsedRows& used) {
   return (fit.balance.target - fit.balance.columns * fit.coefficients)(used.rows);
 }
 
+// Without what began at an instant: it would count as loud noise there, and then be no more than
+// that noise.
+Eigen::VectorXd WithoutEvent(const identify::Design& design, const Likelihood& likelihood,
+                             Eigen::VectorXd residual) {
+  if (!likelihood.event) return residual;
+  const Eigen::MatrixXd part =
+      likelihood.used.Of(design.Columns(*likelihood.event->effect, likelihood.event->Psi()));
+  return residual - part * identify::Solve(part.transpose() * part, part.transpose() * residual);
+}
+
 // Leaves out the rows that lie far outside of what the richest model leaves, and learns the noise
 // of the others.
 void LeaveOutliers(const identify::Design& design, const Eigen::VectorXd& rest,
@@ -118,7 +128,10 @@ LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::Joint
   for (int pass = 0; pass < 2; ++pass) {
     likelihood.no_nuisance = ImplausibleNuisances(*design, likelihood, declared);
     out.fit = FitWhitened(*design, likelihood, declared);
-    if (pass == 0) SetNoise(Residual(out.fit, likelihood.used), window, longest, &likelihood);
+    if (pass == 0) {
+      const Eigen::VectorXd residual = Residual(out.fit, likelihood.used);
+      SetNoise(WithoutEvent(*design, likelihood, residual), window, longest, &likelihood);
+    }
     const Problem problem = MakeProblem(*design, likelihood, declared, out.fit);
     const Eigen::VectorXd rest = Richest(problem);
     out.richest_rms = problem.scale * identify::Rms(rest);

@@ -23,6 +23,7 @@ constexpr double kSameSize = 2.0;
 // Share of the limit for pushes that did not come as often in every recording.
 constexpr double kUneven = 0.6;
 constexpr std::size_t kMostPushes = 3;  // in a recording
+constexpr double kNormal95 = 1.96;      // 95 % of normal values lie within
 
 bool Moves(const identify::Design& design, Eigen::Index i) {
   const auto k = static_cast<std::size_t>(i);
@@ -46,7 +47,10 @@ Scan MakeScan(const identify::Design& design, const Eigen::VectorXd& residual) {
     if (!counts && Moves(design, i)) masked.push_back(std::abs(residual[i]));
   }
   const double of_used = identify::RobustDeviation(std::move(used));
-  const double of_masked = std::max(of_used, identify::RobustDeviation(std::move(masked)));
+  // A joint that hardly moves may be stuck: what is usual there is no measure of what may happen.
+  const double of_masked =
+      masked.empty() ? of_used
+                     : std::max(of_used, identify::Quantile(std::move(masked), 0.95) / kNormal95);
   Scan out{residual, Eigen::VectorXd::Zero(rows.size())};
   for (Eigen::Index i = 0; i < rows.size(); ++i) {
     const bool counts = rows.used[static_cast<std::size_t>(i)] != 0;

@@ -31,6 +31,9 @@ std::string Number(double value) {
 ParameterValue ReadParameter(const Section& term, const effects::EffectInfo& effect,
                              const effects::ParameterInfo& info, effects::JointKind kind) {
   const std::string key = effects::ParameterKey(info, kind);
+  if (!term.Has(key) && info.optional) {
+    return {.value = info.default_value, .half_width_95 = std::nullopt};
+  }
   if (!term.Has(key)) {
     std::set<std::string> right_keys;
     for (const auto& other : effect.linear) right_keys.insert(effects::ParameterKey(other, kind));

@@ -42,7 +42,7 @@ class FlexibleLink final : public Effect {
                         .lower = 0.001,
                         .upper = 0.9,
                         .default_value = 0.05,
-                        .grid = {0.05},
+                        .grid = {0.03, 0.15},
                         .meaning = "z"}};
     info_.signature = "residual follows acceleration through a resonance";
     info_.variable = "acceleration_rad_s2";

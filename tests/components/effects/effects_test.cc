@@ -485,15 +485,47 @@ TEST(Payload, EqualsADeclaredPayloadOfTheSameMass) {
 // A drive input sin(w t) that acts T late: first order of the difference. Error bound (w T)^2 / 2.
 TEST(TransportDelay, IsTheFirstOrderOfALateDrive) {
   const auto effect = MakeEffect("transport_delay", RigConstants());
-  Evaluator evaluate(*effect);
+  const std::vector<double> no_span = {0.0};
+  std::vector<double> memory(static_cast<std::size_t>(effect->memory_size()));
   constexpr double kOmega = 10.0, kDelay = 1e-3, kGain = 1.59155;
   for (double t = 0.0; t < 1.0; t += 0.01) {
     JointSample x;
     x.drive_rate = kOmega * std::cos(kOmega * t);
+    effect->Advance(x, 0.01, no_span, memory);
+    double phi = 0.0;
+    effect->Regressors(x, no_span, memory, {&phi, 1});
     const double late = kGain * std::sin(kOmega * (t - kDelay));
-    const double modelled = kGain * std::sin(kOmega * t) + kDelay * evaluate(x)[0];
+    const double modelled = kGain * std::sin(kOmega * t) + kDelay * phi;
     EXPECT_NEAR(modelled, late, kGain * 0.5 * kOmega * kDelay * kOmega * kDelay);
   }
+}
+
+// A step of the drive that acts late: its torque is that of the delayed step, except for the width
+// of the delay itself.
+TEST(TransportDelay, WithASpanIsTheDelayedDriveBeyondItsFirstOrder) {
+  const auto effect = MakeEffect("transport_delay", RigConstants());
+  constexpr double kDelay = 0.02, kStep = 1e-4, kGain = 1.59155, kOmega = 60.0;
+  const std::vector<double> psi = {kDelay};
+  std::vector<double> memory(static_cast<std::size_t>(effect->memory_size()));
+  JointSample x;
+  double phi = 0.0, worst = 0.0, first_order = 0.0;
+  for (double t = 0.0; t < 1.0; t += kStep) {
+    x.drive_rate = kOmega * std::cos(kOmega * t);
+    if (t == 0.0) {
+      effect->ResetMemory(x, psi, memory);
+    } else {
+      effect->Advance(x, kStep, psi, memory);
+    }
+    if (t < 5.0 * kDelay) continue;  // settled
+    effect->Regressors(x, psi, memory, {&phi, 1});
+    const double late = kGain * std::sin(kOmega * (t - kDelay));
+    const double now = kGain * std::sin(kOmega * t);
+    worst = std::max(worst, std::abs(now + kDelay * phi - late));
+    first_order = std::max(first_order, std::abs(now - kDelay * kGain * x.drive_rate - late));
+  }
+  // |(1 + s T / 4)^-4 - exp(-s T)| at s T = 1.2 j, and the first order's.
+  EXPECT_LT(worst, 0.2 * kGain);
+  EXPECT_GT(first_order, 0.6 * kGain);
 }
 
 TEST(UnitSuffix, GivesTheYamlSuffixForBothKinds) {

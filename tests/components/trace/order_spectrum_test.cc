@@ -53,6 +53,27 @@ TEST(OrderSpectrum, PowerIsThatOfTheExactSum) {
   EXPECT_NEAR(line.power, c * c + s * s, 0.1 * (c * c + s * s));
 }
 
+// Where the joint is quick, the inertia answers a ripple alone: the torque shows it only where the
+// angle creeps, and the quick rows are louder.
+TEST(OrderSpectrum, ARippleIsFoundInTheRowsThatAreSlowEnoughForIt) {
+  constexpr Eigen::Index kRows = 8000;
+  constexpr double kOrder = 30.0, kBand = 2.0 * M_PI * 10.0, kPeriod = 0.01;
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  Eigen::VectorXd angle(kRows), speed(kRows), g(kRows);
+  double at = 0.0;
+  for (Eigen::Index i = 0; i < kRows; ++i) {
+    speed[i] = i % 2000 < 400 ? 1.0 : 25.0;  // 4.8 and 119 periods per second
+    at += kPeriod * speed[i] * (i % 4000 < 2000 ? 1.0 : -1.0);
+    angle[i] = at;
+    const bool slow = kOrder * speed[i] < kBand;
+    g[i] = (slow ? std::sin(kOrder * at) : 0.0) + (slow ? 0.3 : 10.0) * normal(random);
+  }
+  const OrderLine line = StrongestRipple(g, angle, speed, kBand, 1.0, 200.0);
+  EXPECT_NEAR(line.order, kOrder, 0.1);  // the slow rows cover less of the angle
+  EXPECT_GT(std::abs(StrongestOrder(g, angle, 1.0, 200.0).order - kOrder), 1.0);
+}
+
 TEST(OrderSpectrum, AnAngleThatStandsHasNoOrders) {
   const Eigen::VectorXd angle = Eigen::VectorXd::Constant(100, 2.0);
   EXPECT_EQ(StrongestOrder(Eigen::VectorXd::Ones(100), angle, 0.5, 40.0).order, 0.0);
