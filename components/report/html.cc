@@ -1,5 +1,6 @@
 #include <cstdio>
 
+#include "components/report/errors.h"
 #include "components/report/gate_page.h"
 #include "components/report/report.h"
 #include "components/report/section.h"
@@ -36,13 +37,51 @@ std::string Refuted(const trace::TraceResult& trace) {
       "as well be zero. They are no part of the model.</p><table>" +
       HtmlRow({"effect", "removes", "sealed recording", "sealed error without and with it"}, "th");
   for (const trace::FoundEffect& effect : trace.refuted) {
-    out +=
-        HtmlRow({"<code>" + Escape(effect.name) + "</code><br>" + Escape(EffectTitle(effect.name)),
-                 Percent(effect.gain_share), Confirmed(effect.confirmation),
-                 Short(effect.sealed_before) + " &rarr; " + Short(effect.sealed_after) + " " +
-                     std::string(effects::BalanceUnit(effect.balance, trace.corrected.kind))});
+    out += HtmlRow(
+        {"<code>" + Escape(effect.name) + "</code><br>" + Escape(EffectTitle(effect.name)),
+         Percent(effect.gain_share), Confirmed(effect.confirmation),
+         ErrorText(effect.sealed_before) + " &rarr; " + ErrorText(effect.sealed_after) + " " +
+             std::string(effects::BalanceUnit(effect.balance, trace.corrected.kind))});
   }
   return out + "</table>\n";
+}
+
+std::string Errors(const Report& report) {
+  std::string out = "<h2>Errors</h2>\n<table>" +
+                    HtmlRow({"rms", "declared", "refitted", "corrected", "unit"}, "th");
+  for (const ErrorLine& line : ErrorTable(report)) {
+    out += HtmlRow({Escape(line.what), ErrorText(line.declared), ErrorText(line.refitted),
+                    ErrorText(line.corrected), line.unit});
+  }
+  const auto drive = [&](const char* what, const identify::ModelError& declared,
+                         const identify::ModelError& refitted,
+                         const identify::ModelError& corrected) {
+    out += HtmlRow({what, Short(declared.percent), Short(refitted.percent),
+                    Short(corrected.percent), "% of the drive"});
+  };
+  const trace::TraceResult& trace = report.trace;
+  drive("training recordings", trace.nominal_train, trace.before_train, trace.after_train);
+  drive("held-out recordings", trace.nominal_sealed, trace.before_sealed, trace.after_sealed);
+  out +=
+      "</table>\n<p class=\"caption\">Declared: the model file as it is. Refitted: its "
+      "parameters fitted to the training recordings. Corrected: with the effects that are part "
+      "of the model.";
+  if (report.free_run.errors) {
+    const std::vector<free_run::ModelError>& models = report.free_run.errors->models;
+    const auto pieces = [&](std::size_t model) {
+      return std::to_string(models.at(model).diverged);
+    };
+    if (models[0].diverged + models[1].diverged + models[2].diverged > 0) {
+      out += " Of " + std::to_string(models[0].pieces) + " simulated pieces " +
+             pieces(kDeclaredModel) + ", " + pieces(kRefittedModel) + " and " +
+             pieces(kCorrectedModel) +
+             " ran away; they count for none, and a model that loses more than half of them has no "
+             "error.";
+    }
+  } else {
+    out += " Not simulated: " + Escape(report.free_run.why_not) + ".";
+  }
+  return out + "</p>\n";
 }
 
 // The method in one sentence.
@@ -98,30 +137,15 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
     out += "<div><b>" + value + "</b><span>" + text + "</span></div>\n";
   };
   out += "<div class=\"big\">\n";
-  box(Short(trace.before_sealed.rms) + " &rarr; " + Short(trace.after_sealed.rms) + " " + unit,
-      trace.slow_motion ? "error where the sealed recording creeps, before and after"
-                        : "error on the sealed recording, before and after");
-  box(Short(trace.before_sealed.percent) + " &rarr; " + Short(trace.after_sealed.percent) + " %",
-      "of the drive torque");
+  box(Short(trace.nominal_sealed.rms) + " &rarr; " + Short(trace.before_sealed.rms) + " &rarr; " +
+          Short(trace.after_sealed.rms) + " " + unit,
+      std::string("held-out error") + (trace.slow_motion ? " where it creeps" : "") +
+          ": declared, refitted, corrected");
   box(Short(trace.noise_floor_rms) + " " + unit,
       "noise floor" + (trace.noise_floor_source.empty() ? std::string()
                                                         : ", " + Escape(trace.noise_floor_source)));
   box(Short(trace.ceiling_rms) + " " + unit, "left by a flexible model without physics (ceiling)");
-  if (report.free_run.errors) {
-    const free_run::FreeRun& run = *report.free_run.errors;
-    const bool closed = run.method == free_run::Method::kClosedLoop;
-    std::string text = closed ? "position error, simulated in closed loop with the declared servo"
-                              : "position error, simulated over " + Short(run.horizon_s) +
-                                    " s from measured states";
-    if (run.before_diverged + run.after_diverged > 0) {
-      text += "; diverged " + std::to_string(run.before_diverged) + " &rarr; " +
-              std::to_string(run.after_diverged);
-    }
-    box(Short(run.before_rms) + " &rarr; " + Short(run.after_rms) +
-            (kind == effects::JointKind::kRotary ? " rad" : " m"),
-        text);
-  }
-  out += "</div>\n";
+  out += "</div>\n" + Errors(report);
 
   for (std::size_t i = 0; i < pictures.size() && i < svgs.size(); ++i) {
     out += "<figure><h3>" + Escape(pictures[i].title) + "</h3>" + svgs[i] +
@@ -137,12 +161,13 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
       out += HtmlRow(
           {"<code>" + Escape(EffectLabel(trace, effect)) + "</code><br>" +
                Escape(EffectTitle(effect.name)) +
+               (effect.in_model() ? "" : "<br>no part of the model") +
                (effect.swallowed ? "<br>seen as a shift of declared parameters" : "") +
                (effect.slow_motion ? "<br>seen where the recordings creep; errors of there" : ""),
            Percent(effect.gain_share) +
                (effect.gain_error > 0.0 ? " &plusmn; " + Percent(effect.gain_error) : ""),
            Probability(effect.p), Confirmed(effect.confirmation),
-           Short(effect.sealed_before) + " &rarr; " + Short(effect.sealed_after) + " " +
+           ErrorText(effect.sealed_before) + " &rarr; " + ErrorText(effect.sealed_after) + " " +
                std::string(effects::BalanceUnit(effect.balance, trace.corrected.kind)),
            effect.rivals.empty() ? "nothing known" : Join(effect.rivals)});
     }
@@ -165,7 +190,10 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
   out += "<h2>Parameters</h2>\n<table>" +
          HtmlRow({"parameter", "declared", "refitted", "with the effect", "&plusmn; 95 %"}, "th");
   for (std::size_t t = 0; t < trace.corrected.terms.size(); ++t) {
-    const actuator::Term& term = trace.corrected.terms[t];
+    const auto physical = [&](const actuator::JointModel& model) {
+      return actuator::PhysicalTerm(model, static_cast<int>(t));
+    };
+    const actuator::Term term = physical(trace.corrected);
     const effects::EffectInfo& info = term.effect->info();
     const bool was = t < trace.declared.terms.size() && term.declared;
     for (std::size_t i = 0; i < info.linear.size() + info.nonlinear.size(); ++i) {
@@ -173,20 +201,17 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
       const std::size_t k = linear ? i : i - info.linear.size();
       const auto& parameter = linear ? info.linear[k] : info.nonlinear[k];
       const auto& value = linear ? term.linear[k] : term.nonlinear[k];
-      const double shown = linear ? actuator::PhysicalValue(trace.corrected, static_cast<int>(t),
-                                                            static_cast<int>(k))
-                                  : value.value;
       std::string refitted = "&ndash;";
       std::string declared = "&ndash;";
       if (was) {
-        const actuator::Term& before = trace.declared.terms[t];
+        const actuator::Term before = physical(trace.declared);
         refitted = Short(linear ? before.linear[k].value : before.nonlinear[k].value);
-        const actuator::Term& nominal = trace.nominal.terms[t];
+        const actuator::Term nominal = physical(trace.nominal);
         declared = Short(linear ? nominal.linear[k].value : nominal.nonlinear[k].value);
       }
       out += HtmlRow({"<code>" + Escape(info.name) + "." +
                           Escape(effects::ParameterKey(parameter, kind)) + "</code>",
-                      declared, refitted, Short(shown),
+                      declared, refitted, Short(value.value),
                       value.fixed && !value.half_width_95 ? "known"
                       : value.half_width_95               ? Short(*value.half_width_95)
                                                           : "&ndash;"});

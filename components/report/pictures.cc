@@ -101,7 +101,7 @@ Picture MeasuredAgainstModel(const Report& report, const Design& sealed,
   const identify::Rows& rows = sealed.rows();
   const trace::TraceResult& trace = report.trace;
   const std::string unit = TorqueUnit(trace.corrected.kind);
-  const bool changed = !trace.effects.empty();
+  const bool changed = HasCorrection(trace);
   const double window_s = WindowLength(sealed);
   const Eigen::Index first = BusiestRow(sealed, torque, window_s);
   std::string data = "$d << EOD\n";
@@ -134,7 +134,7 @@ Picture MeasuredAgainstModel(const Report& report, const Design& sealed,
 Picture ResidualOverTime(const Report& report, const Design& sealed) {
   const identify::Rows& rows = sealed.rows();
   const trace::TraceResult& trace = report.trace;
-  const bool changed = !trace.effects.empty();
+  const bool changed = HasCorrection(trace);
   const std::string unit = TorqueUnit(trace.corrected.kind);
   const Eigen::Index step = std::max<Eigen::Index>(1, rows.size() / kMostPoints);
   std::string data = "$d << EOD\n";
@@ -164,7 +164,7 @@ Picture ResidualOverVariable(const Report& report, const Design& design, const A
                              const Eigen::VectorXd& before, const Eigen::VectorXd& after) {
   const trace::TraceResult& trace = report.trace;
   const std::string unit = TorqueUnit(trace.corrected.kind);
-  const bool changed = !trace.effects.empty();
+  const bool changed = HasCorrection(trace);
   const std::vector<Eigen::Index> used = design.rows().UsedRows();
   const Eigen::VectorXd x = design.Variable(axis.get);
   const std::size_t step = std::max<std::size_t>(1, used.size() / kMostPoints);
@@ -264,7 +264,7 @@ Picture SpectrumByAngle(const Report& report, const Design& design, const Eigen:
       PictureHead(300) + data + "set xlabel 'periods per turn of the " + turn +
       "'\nset ylabel 'amplitude, " + TorqueUnit(trace.corrected.kind) +
       "'\nset yrange [0:*]\nplot $d u 1:2 w l lw 1.6 lc rgb '" + kBeforeColour + "' t 'before'" +
-      (trace.effects.empty()
+      (!HasCorrection(trace)
            ? ""
            : std::string(", '' u 1:3 w l lw 1.6 lc rgb '") + kAfterColour + "' t 'after'") +
       "\n";
@@ -330,9 +330,10 @@ Picture ErrorsByRound(const Report& report) {
     if (effect.swallowed || effect.slow_motion != trace.slow_motion || jointly) continue;
     add("+ " + EffectLabel(trace, effect), effect.train_after, effect.sealed_after);
   }
-  if (jointly && !trace.effects.empty()) {
+  if (jointly && HasCorrection(trace)) {
     for (const trace::FoundEffect& effect : trace.effects) {
-      if (trace.effects.size() < 2 || effect.balance != effects::Balance::kMotion) continue;
+      if (trace.effects.size() < 2 || !effect.in_model()) continue;
+      if (effect.balance != effects::Balance::kMotion) continue;
       add("without " + EffectLabel(trace, effect), effect.train_before, effect.sealed_before);
     }
     add("corrected", trace.after_train.rms, trace.after_sealed.rms);

@@ -36,6 +36,9 @@ struct TraceOptions {
   double smallest_explainable_share = 0.05;  // gain / explainable variance
   double smallest_residual_share = 0.05;     // gain / residual variance
   std::vector<std::string> only;             // candidates by name; empty: the whole catalogue
+  // Effects that the held-out recordings neither confirm nor refute stay in the corrected model
+  // (likelihood engine; the other one confirms none and keeps all).
+  bool keep_unconfirmed = false;
   // Called with a line of progress and the share done, 0 to 1.
   std::function<void(const std::string&, double)> progress;
 };
@@ -72,7 +75,10 @@ struct RoundReport {
 struct FoundEffect {
   std::string name;
   effects::Balance balance = effects::Balance::kMotion;
-  int term = -1;  // in the corrected model
+  int term = -1;  // first of its terms in the corrected model; -1: it is no part of that
+  // Its terms as fitted where it was judged, linear parameters in their own units
+  // (actuator::PhysicalTerm). Empty: the engine of blocks.
+  std::vector<actuator::Term> fitted;
   std::vector<std::string> rivals;
   double gain_share = 0.0;  // of the residual variance when it was found
   double gain_error = 0.0;
@@ -83,6 +89,8 @@ struct FoundEffect {
   Confirmation confirmation;   // on the held-out recordings
   // Errors before and after it, rms at the output.
   double train_before = 0.0, train_after = 0.0, sealed_before = 0.0, sealed_after = 0.0;
+
+  bool in_model() const { return term >= 0; }
 };
 
 // When an event (a payload put on, a push) began in a recording.
@@ -123,8 +131,9 @@ enum class Verdict { kNone, kEffect, kUnexplained };
 // How well a balance holds without and with what was found, in its own unit.
 struct Judgement {
   Verdict verdict = Verdict::kNone;
-  std::string unseen;     // why there was nothing to judge; empty: there was
-  // Of the largest statistic of the whole search, all balances together; none: the engine of blocks.
+  std::string unseen;  // why there was nothing to judge; empty: there was
+  // Of the largest statistic of the whole search, all balances together; none: the engine of
+  // blocks.
   std::optional<double> p_global;
   identify::ModelError nominal_train, nominal_sealed;
   // Declared model, refitted; within its tolerances when the effects are shifts of its parameters.
@@ -148,11 +157,11 @@ struct BalanceSummary : Judgement {
 };
 
 struct TraceResult : Judgement {
-  bool slow_motion = false;        // the judgement is of slow motion (slow_motion.h)
-  actuator::JointModel nominal;    // as declared
-  actuator::JointModel declared;   // refitted, nothing added
-  actuator::JointModel corrected;  // with the effects
-  std::vector<FoundEffect> effects;
+  bool slow_motion = false;          // the judgement is of slow motion (slow_motion.h)
+  actuator::JointModel nominal;      // as declared
+  actuator::JointModel declared;     // refitted, nothing added
+  actuator::JointModel corrected;    // with the effects that are in_model()
+  std::vector<FoundEffect> effects;  // selected and not refuted; those of the corrected model first
   std::vector<FoundEffect> refuted;  // selected in training, refuted on the held-out recordings
   std::vector<EventTime> events;
   std::vector<NotExcited> not_excited;

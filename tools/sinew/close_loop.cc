@@ -14,6 +14,7 @@
 #include "components/identify/file/processing_file.h"
 #include "components/recording/file/recording_path.h"
 #include "components/recording/file/run_reader.h"
+#include "components/report/errors.h"
 #include "components/report/file/report_file.h"
 #include "components/trace/close_loop.h"
 #include "tools/sinew/close_robot.h"
@@ -114,14 +115,15 @@ void AddHistory(const report::Report& report, actuator::JointModel* joint) {
   const std::string when = NowUtc();
   const std::string from = JoinNames(report.train);
   const std::string unit = report::TorqueUnit(joint->kind);
-  if (trace.effects.empty()) {
+  if (!report::HasCorrection(trace)) {
     joint->history.push_back({when, "refit", from,
                               "declared parameters refitted, no effect added; sealed error " +
                                   report::Short(trace.before_sealed.rms) + " " + unit});
   }
   for (const trace::FoundEffect& effect : trace.effects) {
-    std::string note = "sealed error " + report::Short(effect.sealed_before) + " -> " +
-                       report::Short(effect.sealed_after) + " " +
+    if (!effect.in_model()) continue;
+    std::string note = "sealed error " + report::ErrorText(effect.sealed_before) + " -> " +
+                       report::ErrorText(effect.sealed_after) + " " +
                        std::string(effects::BalanceUnit(effect.balance, joint->kind)) + " on " +
                        JoinNames(report.sealed);
     for (std::size_t i = 0; i < effect.rivals.size(); ++i) {
@@ -217,14 +219,16 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
     trace::TraceOptions trace_options;
     trace_options.seed = options.seed;
     trace_options.engine = options.engine;
+    trace_options.keep_unconfirmed = options.keep_unconfirmed;
     trace_options.progress = progress;
     trace::LoopResult loop = trace::CloseLoop(train, sealed, joint, wished, trace_options);
     report.processing = loop.processing;
     AddNewFindings(std::move(loop.findings), &report.findings);
     report.trace = std::move(loop.trace);
     progress("simulation beside the sealed recording", 0.97);
-    report.free_run =
-        free_run::Compare(sealed, report.trace.declared, report.trace.corrected, report.processing);
+    report.free_run = free_run::Compare(
+        sealed, {report.trace.nominal, report.trace.declared, report.trace.corrected},
+        report.processing);
     if (published) {
       report.as_published =
           identify::RunAsPublished(train.front(), sealed.front(), joint, *published);
@@ -287,7 +291,6 @@ CloseLoopResult CloseLoop(const CloseLoopOptions& options) {
 void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options) {
   const report::Report& report = result.report;
   const trace::TraceResult& trace = report.trace;
-  const std::string unit = report::TorqueUnit(trace.corrected.kind);
   using report::Short;
   for (const gate::Fault& fault : result.gate.faults) {
     std::cout << gate::FormatFault(fault) << '\n';
@@ -301,63 +304,43 @@ void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options
             << report::VerdictSentence(report) << '\n';
   for (const trace::FoundEffect& effect : trace.effects) {
     std::cout << "  " << effect.name << ':';
-    const actuator::Term& term = trace.corrected.terms[static_cast<std::size_t>(effect.term)];
+    const actuator::Term term = report::FittedTerm(trace, effect);
     const effects::EffectInfo& info = term.effect->info();
     for (std::size_t i = 0; i < info.linear.size(); ++i) {
-      std::cout << ' ' << effects::ParameterKey(info.linear[i], trace.corrected.kind) << " = "
-                << Short(
-                       actuator::PhysicalValue(trace.corrected, effect.term, static_cast<int>(i)));
       const actuator::ParameterValue& value = term.linear[i];
-      if (value.half_width_95 && value.value != 0.0) {
-        std::cout << " +- "
-                  << Short(*value.half_width_95 *
-                           std::abs(actuator::PhysicalValue(trace.corrected, effect.term,
-                                                            static_cast<int>(i)) /
-                                    value.value));
-      }
+      std::cout << ' ' << effects::ParameterKey(info.linear[i], trace.corrected.kind) << " = "
+                << Short(value.value);
+      if (value.half_width_95) std::cout << " +- " << Short(*value.half_width_95);
     }
     for (std::size_t i = 0; i < info.nonlinear.size(); ++i) {
       std::cout << ' ' << effects::ParameterKey(info.nonlinear[i], trace.corrected.kind) << " = "
                 << Short(term.nonlinear[i].value);
     }
-    std::cout << "; sealed " << Short(effect.sealed_before) << " -> " << Short(effect.sealed_after)
-              << ' ' << effects::BalanceUnit(effect.balance, trace.corrected.kind)
+    std::cout << "; held out " << report::ErrorText(effect.sealed_before) << " -> "
+              << report::ErrorText(effect.sealed_after) << ' '
+              << effects::BalanceUnit(effect.balance, trace.corrected.kind)
               << (effect.slow_motion ? " where it creeps" : "");
     if (trace.p_global) std::cout << "; " << trace::ConfirmationWord(effect.confirmation.verdict);
-    std::cout << '\n';
+    std::cout << (effect.in_model() ? "" : ", not in model.yaml") << '\n';
   }
   for (const trace::FoundEffect& effect : trace.refuted) {
-    std::cout << "  refuted: " << effect.name << "; sealed " << Short(effect.sealed_before)
-              << " -> " << Short(effect.sealed_after) << ' '
+    std::cout << "  refuted: " << effect.name << "; held out "
+              << report::ErrorText(effect.sealed_before) << " -> "
+              << report::ErrorText(effect.sealed_after) << ' '
               << effects::BalanceUnit(effect.balance, trace.corrected.kind) << '\n';
   }
-  const auto line = [&](const char* what, const identify::ModelError& before,
-                        const identify::ModelError& after) {
-    std::cout << what << ": " << Short(before.rms) << " -> " << Short(after.rms) << ' ' << unit
-              << " rms (" << Short(before.percent) << " -> " << Short(after.percent)
-              << " % of the drive)\n";
-  };
-  line("train error", trace.before_train, trace.after_train);
-  line("sealed error", trace.before_sealed, trace.after_sealed);
+  std::cout << "errors, rms:\n";
+  for (const report::ErrorLine& line : report::ErrorTable(report)) {
+    std::cout << "  " << line.what << ": " << report::ThreeErrors(line) << '\n';
+  }
+  std::cout << "  of the drive, held-out recordings: " << Short(trace.nominal_sealed.percent)
+            << " % declared, " << Short(trace.before_sealed.percent) << " % refitted, "
+            << Short(trace.after_sealed.percent) << " % corrected\n";
   for (const trace::BalanceSummary& summary : trace.balances) {
-    std::cout << effects::BalanceName(summary.balance) << " balance: ";
-    if (summary.unseen.empty()) {
-      std::cout << "sealed error " << Short(summary.before_sealed.rms) << " -> "
-                << Short(summary.after_sealed.rms) << ' ' << summary.unit << " rms\n";
-    } else {
-      std::cout << summary.unseen << '\n';
-    }
+    if (summary.unseen.empty()) continue;
+    std::cout << effects::BalanceName(summary.balance) << " balance: " << summary.unseen << '\n';
   }
-  if (report.free_run.errors) {
-    const free_run::FreeRun& run = *report.free_run.errors;
-    std::cout << "simulated position error: " << Short(run.before_rms) << " -> "
-              << Short(run.after_rms)
-              << (trace.corrected.kind == effects::JointKind::kRotary ? " rad" : " m") << " rms ("
-              << (run.method == free_run::Method::kClosedLoop
-                      ? "closed loop"
-                      : "over " + Short(run.horizon_s) + " s from measured states")
-              << ")\n";
-  }
+  if (!report.free_run.errors) std::cout << "not simulated: " << report.free_run.why_not << '\n';
   if (report.as_published) {
     const identify::AsPublishedResult& published = *report.as_published;
     std::cout << "as published: " << Short(published.before_percent) << " -> "
@@ -419,6 +402,9 @@ void AddCloseLoopCommand(CLI::App& app) {
                    "Go on in spite of this fault of the data (docs/data-gate.md); repeatable")
       ->allow_extra_args(false)
       ->check(CLI::IsMember(FaultNames()));
+  command->add_flag("--keep-unconfirmed", options.keep_unconfirmed,
+                    "Effects that the held-out recordings neither confirm nor refute go into "
+                    "model.yaml, too");
   command->add_flag("--json", arguments->json, "Print the report as JSON");
   command->footer(
       "The declared terms are fitted, the residual is traced over the catalogue (`sinew effects`), "

@@ -27,6 +27,7 @@ struct CloseLoopOptions {
   std::filesystem::path urdf;  // of an arm; empty: what the model file names
   std::uint64_t seed = 1;
   trace::Engine engine = trace::Engine::kLikelihood;
+  bool keep_unconfirmed = false;  // in the model, effects that are neither confirmed nor refuted
   std::vector<std::string> accepted_faults;  // rules of the data gate that do not stop
   std::function<void(const std::string&, double)> progress;
 };
