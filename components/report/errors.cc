@@ -16,11 +16,10 @@ void AddBalance(const trace::Judgement& judged, effects::Balance balance, const 
                     judged.nominal_sealed.rms, judged.before_sealed.rms, judged.after_sealed.rms});
 }
 
-// Is it worse in the digits that are printed? A model that runs away is worse than one that does
-// not.
+// Is it worse in three digits? A model that runs away is worse than one that does not.
 bool Worse(double after, double before) {
   if (!std::isfinite(after)) return std::isfinite(before);
-  return after > before && Short(after) != Short(before);
+  return after > before && Text("%.3g", after) != Text("%.3g", before);
 }
 
 }  // namespace

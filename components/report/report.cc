@@ -56,6 +56,8 @@ std::string VerdictWord(trace::Verdict verdict) {
       return "effect";
     case trace::Verdict::kUnexplained:
       return "unexplained";
+    case trace::Verdict::kTooLittleData:
+      return "too_little_data";
     case trace::Verdict::kNone:
       break;
   }
@@ -124,6 +126,9 @@ std::string Found(const Report& report) {
              " (" + Short(trace.unexplained.rms) + " " +
              std::string(effects::BalanceUnit(trace.unexplained.balance, trace.corrected.kind)) +
              " rms), and no effect of the catalogue explains it.";
+    case trace::Verdict::kTooLittleData:
+      return "There is too little data to judge: " + trace.too_little->reason +
+             ". Nothing was fitted.";
     case trace::Verdict::kNone:
       break;
   }
@@ -137,12 +142,18 @@ std::string Found(const Report& report) {
 }  // namespace
 
 std::string VerdictSentence(const Report& report) {
+  if (report.trace.too_little) return Found(report);
   const std::string rise = RiseSentence(report);
   return rise.empty() ? Found(report) : rise + " " + Found(report);
 }
 
 std::string NextExperiment(const Report& report) {
   const trace::TraceResult& trace = report.trace;
+  if (trace.too_little) {
+    return "Record the joint moving for longer: both directions, several speeds, over its range, "
+           "in "
+           "one recording to train on and another one to hold out.";
+  }
   for (const trace::FoundEffect& effect : trace.effects) {
     if (effect.rivals.empty()) continue;
     return "To tell " + effect.name + " from " + Join(effect.rivals, " and ") + ": " +

@@ -67,6 +67,9 @@ std::string VerdictWord(trace::Verdict verdict);
 std::vector<Picture> MakePictures(const Report& report, const identify::Design& train,
                                   const identify::Design& sealed);
 
+// The page where too little was recorded to judge (TraceResult::too_little).
+std::string FormatTooLittleHtml(const Report& report);
+
 // The page. svgs: one per picture, in order.
 std::string FormatHtml(const Report& report, const std::vector<Picture>& pictures,
                        const std::vector<std::string>& svgs);

@@ -19,6 +19,7 @@
 #include "components/identify/fit.h"
 #include "components/trace/confirmation.h"
 #include "components/trace/cross_validation.h"
+#include "components/trace/enough_data.h"
 
 namespace sinew::trace {
 
@@ -126,7 +127,7 @@ struct NotExcited {
   std::string reason;
 };
 
-enum class Verdict { kNone, kEffect, kUnexplained };
+enum class Verdict { kNone, kEffect, kUnexplained, kTooLittleData };
 
 // How well a balance holds without and with what was found, in its own unit.
 struct Judgement {
@@ -157,10 +158,11 @@ struct BalanceSummary : Judgement {
 };
 
 struct TraceResult : Judgement {
-  bool slow_motion = false;          // the judgement is of slow motion (slow_motion.h)
-  actuator::JointModel nominal;      // as declared
-  actuator::JointModel declared;     // refitted, nothing added
-  actuator::JointModel corrected;    // with the effects that are in_model()
+  std::optional<TooLittle> too_little;  // why nothing was judged; empty: it was
+  bool slow_motion = false;             // the judgement is of slow motion (slow_motion.h)
+  actuator::JointModel nominal;         // as declared
+  actuator::JointModel declared;        // refitted, nothing added
+  actuator::JointModel corrected;       // with the effects that are in_model()
   std::vector<FoundEffect> effects;  // selected and not refuted; those of the corrected model first
   std::vector<FoundEffect> refuted;  // selected in training, refuted on the held-out recordings
   std::vector<EventTime> events;

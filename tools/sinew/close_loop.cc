@@ -157,6 +157,18 @@ bool StopsAtGate(const CloseLoopOptions& options, const std::vector<identify::Ru
   return true;
 }
 
+// A recording with gaps or shorter than the published processing asks for has no such figures.
+void ReproducePublished(const identify::Run& train, const identify::Run& sealed,
+                        const actuator::JointModel& joint,
+                        const identify::AsPublishedOptions& published, report::Report* report) {
+  try {
+    report->as_published = identify::RunAsPublished(train, sealed, joint, published);
+  } catch (const std::invalid_argument& error) {
+    report->findings.push_back(
+        {"as_published", std::string("not processed as published: ") + error.what(), 0.0, ""});
+  }
+}
+
 // What the trace says of the data beyond the gate.
 void AddNewFindings(std::vector<identify::Finding> more, std::vector<identify::Finding>* all) {
   for (identify::Finding& finding : more) {
@@ -190,6 +202,9 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
   const auto start = std::chrono::steady_clock::now();
   const auto progress = [&](const std::string& what, double share) {
     if (options.progress) options.progress(what, share);
+  };
+  const auto since_start = [start] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };
   CloseLoopResult out;
   out.model = input.model;
@@ -225,16 +240,18 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
     report.processing = loop.processing;
     AddNewFindings(std::move(loop.findings), &report.findings);
     report.trace = std::move(loop.trace);
+    if (report.trace.too_little) {
+      report.seconds = since_start();
+      out.html = report::FormatTooLittleHtml(report);
+      out.json = report::FormatTooLittleJson(report);
+      return out;
+    }
     progress("simulation beside the sealed recording", 0.97);
     report.free_run = free_run::Compare(
         sealed, {report.trace.nominal, report.trace.declared, report.trace.corrected},
         report.processing);
-    if (published) {
-      report.as_published =
-          identify::RunAsPublished(train.front(), sealed.front(), joint, *published);
-    }
-    report.seconds =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (published) ReproducePublished(train.front(), sealed.front(), joint, *published, &report);
+    report.seconds = since_start();
     const std::vector<report::Picture> pictures =
         report::MakePictures(report, *loop.train, *loop.sealed);
     out.html = report::FormatHtml(report, pictures, report::DrawPictures(pictures));
@@ -282,7 +299,7 @@ CloseLoopResult CloseLoop(const CloseLoopOptions& options) {
                   ReadJoint(options.sealed, input.sealed_map, options.joint));
   if (options.out.empty()) return out;
   MakeFolder(options.out);
-  if (!out.gate.stops()) actuator::SaveModelFile(options.out / "model.yaml", out.model);
+  if (out.judged()) actuator::SaveModelFile(options.out / "model.yaml", out.model);
   config::WriteFileAtomically(options.out / "report.json", out.json);
   config::WriteFileAtomically(options.out / "report.html", out.html);
   return out;
@@ -302,6 +319,11 @@ void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options
   }
   std::cout << "verdict: " << report::VerdictWord(trace.verdict) << '\n'
             << report::VerdictSentence(report) << '\n';
+  if (!result.judged()) {
+    std::cout << report::NextExperiment(report)
+              << "\nwritten: " << (options.out / "report.html").string() << ", report.json\n";
+    return;
+  }
   for (const trace::FoundEffect& effect : trace.effects) {
     std::cout << "  " << effect.name << ':';
     const actuator::Term term = report::FittedTerm(trace, effect);

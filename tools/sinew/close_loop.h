@@ -37,11 +37,14 @@ struct CloseLoopResult {
   gate::GateReport gate;      // where it stops nothing was traced and the model is as it was
   actuator::ModelFile model;  // corrected, as written
   std::string html, json;
+
+  // False: the data stopped it (data_fault, too_little_data), and there is no corrected model.
+  bool judged() const { return !gate.stops() && !report.trace.too_little; }
 };
 
-// Reads, traces, draws; then writes report.html, report.json and model.yaml into the folder, each
-// as a whole, after everything has succeeded. Throws UsageError (one line) for anything a user can
-// mend.
+// Reads, traces, draws; then writes report.html, report.json and, when something was judged,
+// model.yaml into the folder, each as a whole, after everything has succeeded. Throws UsageError
+// (one line) for anything a user can mend.
 CloseLoopResult CloseLoop(const CloseLoopOptions& options);
 
 // Model and mappings that the options name, the shipped ones where they name none.

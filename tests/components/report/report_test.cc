@@ -105,7 +105,7 @@ TEST(Report, AnErrorThatRisesIsTheFirstSentence) {
                 ::testing::StartsWith("The refitted model raises an error: held-out recordings: " +
                                       ThreeErrors(Rises(report)[0]) + "."));
   }
-  // What four digits do not show is no rise.
+  // What three digits do not show is no rise.
   EXPECT_TRUE(Rises(WithErrors(2.0, 2.0, 2.00001)).empty());
   // Training may pay for the held-out recordings.
   Report report = WithErrors(3.0, 2.0, 1.0);
