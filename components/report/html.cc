@@ -4,6 +4,7 @@
 #include "components/report/gate_page.h"
 #include "components/report/report.h"
 #include "components/report/section.h"
+#include "components/trace/rules.h"
 
 namespace sinew::report {
 
@@ -82,6 +83,33 @@ std::string Errors(const Report& report) {
     out += " Not simulated: " + Escape(report.free_run.why_not) + ".";
   }
   return out + "</p>\n";
+}
+
+// The smallest sizes that would have been found, a row for each parameter.
+std::string Detectable(const trace::TraceResult& trace) {
+  if (trace.detectable.empty()) return "";
+  std::string out =
+      "<h2>What would have been found</h2>\n<p class=\"caption\">The smallest size of each effect "
+      "that this search finds in 80 % of recordings like these: alone, at the shape that shows "
+      "best, "
+      "with p of the whole search at most " +
+      Short(trace::rules::kGlobalP.limit) + " (rule p_global) and at least " +
+      Percent(trace::rules::kExplainedShare.limit) +
+      " of the refitted model's misfit (rule explained_share). Smaller ones may be there. Not "
+      "listed: effects that the declared terms absorb, which show as a shift of parameters, and "
+      "lines "
+      "and events, which have no size before they are found.</p><table>" +
+      HtmlRow({"effect", "parameter", "smallest size found", "share of the measured side"}, "th");
+  for (const trace::DetectableSize& size : trace.detectable) {
+    std::string shape;
+    for (const auto& [key, value] : size.shape) {
+      shape += "<br>" + Escape(key) + " = " + Short(value);
+    }
+    out += HtmlRow({"<code>" + Escape(size.effect) + "</code>" + shape,
+                    "<code>" + Escape(size.parameter) + "</code>", Text("%.2g", size.size),
+                    Text("%.2g %%", 100.0 * size.share)});
+  }
+  return out + "</table>\n";
 }
 
 // The method in one sentence.
@@ -259,7 +287,7 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
     out += "</table>\n";
   }
 
-  out += "<h2>What remains</h2>\n<p>";
+  out += Detectable(trace) + "<h2>What remains</h2>\n<p>";
   if (trace.unexplained.variable.empty()) {
     out += "Nothing that follows a single measured variable.";
   } else {

@@ -130,6 +130,7 @@ TraceResult WithBalance(TraceResult motion, TraceResult other) {
   motion.corrected = std::move(other.corrected);
   for (FoundEffect& effect : other.effects) motion.effects.push_back(std::move(effect));
   for (FoundEffect& effect : other.refuted) motion.refuted.push_back(std::move(effect));
+  for (DetectableSize& size : other.detectable) motion.detectable.push_back(std::move(size));
   for (ParameterShift& shift : other.shifts) motion.shifts.push_back(std::move(shift));
   // An effect with a form in both balances is seen when either shows it, and told once.
   for (NotExcited& hidden : other.not_excited) {

@@ -10,6 +10,7 @@
 #include "components/trace/ceiling.h"
 #include "components/trace/judgement.h"
 #include "components/trace/rules.h"
+#include "components/trace/sensitivity.h"
 #include "components/trace/shift.h"
 
 namespace sinew::trace {
@@ -80,6 +81,7 @@ class Correction {
       judged_ = judge(refuted);
       if (round == 0) {
         result->p_global = judged_.p_global;
+        least_statistic_ = judged_.least_statistic;
         result->rounds.front().scores = judged_.scores;
       }
       result->unexplained = judged_.unexplained;
@@ -94,6 +96,8 @@ class Correction {
   }
 
   const FitResult& corrected() const { return corrected_; }
+  // Of the first search, for the limit of p_global.
+  double least_statistic() const { return least_statistic_; }
 
  private:
   // Priors are those of what was declared, not of an earlier fit.
@@ -269,6 +273,7 @@ class Correction {
   EffectSet set_;  // what is left of the chosen one
   std::vector<std::vector<std::string>> rivals_;
   FitResult corrected_;
+  double least_statistic_ = 0.0;
   std::vector<std::vector<int>> terms_;  // of the corrected model, by member
 };
 
@@ -343,9 +348,6 @@ TraceResult TraceByLikelihood(Design& train, Design& sealed, const actuator::Joi
   result.unit_kind = "block";
   result.unit_length_s = base.likelihood.used.block_s;
   NoteErrors(reported, base.fit.model, &train, &sealed, &result);
-  Sensitivity sensitivity = FindSensitivity(problem);
-  result.not_excited = std::move(sensitivity.not_excited);
-  result.judged = std::move(sensitivity.judged);
 
   RoundReport round;
   round.train_rms = reported.fit.rms;
@@ -363,6 +365,10 @@ TraceResult TraceByLikelihood(Design& train, Design& sealed, const actuator::Joi
       },
       &result);
   NoteOutcome(result, &result.rounds.front().scores);
+  result.detectable = FindDetectable(problem, model, correction.least_statistic());
+  Sensitivity sensitivity = FindSensitivity(problem, result.detectable);
+  result.not_excited = std::move(sensitivity.not_excited);
+  result.judged = std::move(sensitivity.judged);
 
   result.corrected = correction.corrected().model;
   result.corrected_fit = correction.corrected();

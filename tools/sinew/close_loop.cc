@@ -8,6 +8,7 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include "components/config/config.h"
 #include "components/gate/rules.h"
@@ -373,6 +374,13 @@ void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options
   for (const trace::ParameterShift& shift : trace.shifts) {
     std::cout << "shift: " << shift.effect << '.' << shift.parameter << ' ' << Short(shift.nominal)
               << " -> " << Short(shift.refit) << " (" << Short(shift.sigma) << " tolerances)\n";
+  }
+  if (!trace.detectable.empty()) {
+    std::set<std::string> names;
+    for (const trace::DetectableSize& size : trace.detectable) names.insert(size.effect);
+    std::cout << "smallest sizes that would have been found, of " << names.size()
+              << " effects, are in the report; " << trace.not_excited.size()
+              << " effects could hide\n";
   }
   std::cout << "written: " << (options.out / "report.html").string()
             << ", report.json, model.yaml (" << Short(report.seconds) << " s)\n";

@@ -3,6 +3,7 @@
 
 #include "components/report/errors.h"
 #include "components/report/file/report_file.h"
+#include "components/trace/rules.h"
 
 namespace sinew::report {
 
@@ -180,6 +181,26 @@ Json Simulated(const Report& report) {
   return out;
 }
 
+// With 80 % power, by the rules of the search that are named.
+Json Detectable(const trace::TraceResult& trace) {
+  Json sizes = Json::array();
+  for (const trace::DetectableSize& size : trace.detectable) {
+    Json shape = Json::object();
+    for (const auto& [key, value] : size.shape) shape[key] = value;
+    sizes.push_back({{"effect", size.effect},
+                     {"balance", BalanceLetter(size.balance)},
+                     {"parameter", size.parameter},
+                     {"unit", size.unit.empty() ? "1" : size.unit},
+                     {"size", size.size},
+                     {"share_of_measured_side", size.share},
+                     {"shape", std::move(shape)}});
+  }
+  return {{"power", 0.8},
+          {"p_global", trace::rules::kGlobalP.limit},
+          {"explained_share", trace::rules::kExplainedShare.limit},
+          {"sizes", std::move(sizes)}};
+}
+
 Json VariableOf(const trace::Unexplained& unexplained) {
   return unexplained.variable.empty() ? Json(nullptr) : Json(unexplained.variable);
 }
@@ -286,6 +307,7 @@ std::string FormatJson(const Report& report) {
     out["not_excited"].push_back(hidden.effect);
     out["not_excited_why"][hidden.effect] = hidden.reason;
   }
+  out["detectable"] = Detectable(trace);
   const double floor = trace.noise_floor_rms;
   const double left = trace.after_train.rms * trace.after_train.rms - floor * floor;
   out["unexplained"] = {{"variable", VariableOf(trace.unexplained)},

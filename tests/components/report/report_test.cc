@@ -8,6 +8,7 @@
 
 #include "components/report/errors.h"
 #include "components/report/file/report_file.h"
+#include "components/trace/rules.h"
 #include "tests/components/identify/synthetic.h"
 
 namespace sinew::report {
@@ -142,6 +143,28 @@ TEST(Report, AnEffectThatIsNoPartOfTheModelIsToldWithItsSize) {
   EXPECT_THAT(json["sentence"].get<std::string>(),
               HasSubstr("Training asks for quadratic_viscous"));
   EXPECT_THAT(FormatHtml(made.report, {}, {}), HasSubstr("no part of the model"));
+}
+
+TEST(Report, TheSmallestSizesThatWouldHaveBeenFoundAreTold) {
+  Made made = Make(false);
+  made.report.trace.detectable = {{.effect = "stribeck",
+                                   .parameter = "stribeck_Nm",
+                                   .unit = "Nm",
+                                   .size = 0.0625,
+                                   .share = 0.03,
+                                   .shape = {{"stribeck_velocity_rad_s", 0.25}}}};
+  const nlohmann::json json = nlohmann::json::parse(FormatJson(made.report))["detectable"];
+  EXPECT_EQ(json["power"], 0.8);
+  EXPECT_EQ(json["p_global"], trace::rules::kGlobalP.limit);
+  EXPECT_EQ(json["explained_share"], trace::rules::kExplainedShare.limit);
+  ASSERT_EQ(json["sizes"].size(), 1u);
+  EXPECT_EQ(json["sizes"][0]["effect"], "stribeck");
+  EXPECT_EQ(json["sizes"][0]["size"], 0.0625);
+  EXPECT_EQ(json["sizes"][0]["unit"], "Nm");
+  EXPECT_EQ(json["sizes"][0]["shape"]["stribeck_velocity_rad_s"], 0.25);
+  const std::string html = FormatHtml(made.report, {}, {});
+  EXPECT_THAT(html, HasSubstr("What would have been found"));
+  EXPECT_THAT(html, HasSubstr("stribeck_velocity_rad_s = 0.25"));
 }
 
 TEST(Report, ThePageStandsAlone) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <random>
 
@@ -144,6 +145,18 @@ TEST(NullTest, PIsUniformWithoutAnEffect) {
   // Binomial, four standard errors: 30 +- 21 and 150 +- 35.
   EXPECT_NEAR(below_tenth, 30, 21);
   EXPECT_NEAR(below_half, 150, 35);
+}
+
+TEST(NullTest, TheLeastStatisticOfALimitReachesItAndNoSmallerOne) {
+  const Searched scene(Sizes({0, 0, 0, 0, 0, 0}));
+  const Evidence evidence = scene.evidence();
+  const NullTest test(scene.X, scene.Z, scene.y - scene.X * evidence.Declared({}, {}), evidence,
+                      scene.hypotheses, {}, BlocksOfFifty(), 199, 3);
+  for (const double p : {0.01, 0.05, 0.5}) {
+    EXPECT_LE(test.P(test.Least(p) + 1e-9), p);
+    EXPECT_GT(test.P(test.Least(p)), p);
+  }
+  EXPECT_TRUE(std::isinf(test.Least(0.001)));  // 199 rounds cannot
 }
 
 TEST(NullTest, WhatIsGivenIsNoNews) {
