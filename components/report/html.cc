@@ -33,10 +33,12 @@ std::string Confirmed(const trace::Confirmation& confirmation) {
 std::string Refuted(const trace::TraceResult& trace) {
   if (trace.refuted.empty()) return "";
   std::string out =
-      "<h2>What the sealed recording refuted</h2>\n<p class=\"caption\">The training recordings "
-      "asked for these; the sealed one does not follow them, or its error rises, or their size may "
+      "<h2>What the held-out recordings refuted</h2>\n<p class=\"caption\">The training recordings "
+      "asked for these; the held-out ones do not follow them, or their error rises, or the size "
+      "may "
       "as well be zero. They are no part of the model.</p><table>" +
-      HtmlRow({"effect", "removes", "sealed recording", "sealed error without and with it"}, "th");
+      HtmlRow({"effect", "removes", "held-out recordings", "held-out error without and with it"},
+              "th");
   for (const trace::FoundEffect& effect : trace.refuted) {
     out += HtmlRow(
         {"<code>" + Escape(effect.name) + "</code><br>" + Escape(EffectTitle(effect.name)),
@@ -124,7 +126,7 @@ std::string Method(const Report& report) {
            "search " +
            Probability(*trace.p_global) + " by random signs of " + units + ", seed " +
            std::to_string(report.seed) +
-           "; what was chosen is confirmed by the slope of the sealed recording's left-over. The "
+           "; what was chosen is confirmed by the slope of the held-out recordings' left-over. The "
            "rule that refused a candidate is in report.json.";
   }
   return ". Cross-validation over " + units + ", residual correlation time " +
@@ -155,7 +157,7 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
   for (const Recording& recording : report.train) train.push_back(recording.name);
   std::vector<std::string> sealed;
   for (const Recording& recording : report.sealed) sealed.push_back(recording.name);
-  out += "<div class=\"meta\">Trained on " + Join(train) + ". Sealed: " + Join(sealed) +
+  out += "<div class=\"meta\">Trained on " + Join(train) + ". Held out: " + Join(sealed) +
          ". Model " + Escape(report.model_file) + ".</div>\n";
   out += "<div class=\"verdict " + VerdictWord(trace.verdict) + "\">" +
          Escape(VerdictSentence(report)) + "</div>\n";
@@ -165,26 +167,21 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
     out += "<div><b>" + value + "</b><span>" + text + "</span></div>\n";
   };
   out += "<div class=\"big\">\n";
-  box(Short(trace.nominal_sealed.rms) + " &rarr; " + Short(trace.before_sealed.rms) + " &rarr; " +
-          Short(trace.after_sealed.rms) + " " + unit,
-      std::string("held-out error") + (trace.slow_motion ? " where it creeps" : "") +
-          ": declared, refitted, corrected");
+  box(Short(trace.after_sealed.rms) + " " + unit,
+      std::string("error of the corrected model on the held-out recordings") +
+          (trace.slow_motion ? " where they creep" : "") + " (" + Short(trace.before_sealed.rms) +
+          " refitted, " + Short(trace.nominal_sealed.rms) + " declared)");
   box(Short(trace.noise_floor_rms) + " " + unit,
       "noise floor" + (trace.noise_floor_source.empty() ? std::string()
                                                         : ", " + Escape(trace.noise_floor_source)));
   box(Short(trace.ceiling_rms) + " " + unit, "left by a flexible model without physics (ceiling)");
   out += "</div>\n" + Errors(report);
 
-  for (std::size_t i = 0; i < pictures.size() && i < svgs.size(); ++i) {
-    out += "<figure><h3>" + Escape(pictures[i].title) + "</h3>" + svgs[i] +
-           "<p class=\"caption\">" + Escape(pictures[i].caption) + "</p></figure>\n";
-  }
-
   if (!trace.effects.empty()) {
-    out +=
-        "<h2>What was found</h2>\n<table>" + HtmlRow({"effect", "removes", "p", "sealed recording",
-                                                      "sealed error", "what predicts the same"},
-                                                     "th");
+    out += "<h2>What was found</h2>\n<table>" +
+           HtmlRow({"effect", "removes", "p", "held-out recordings",
+                    "held-out error without and with it", "what predicts the same"},
+                   "th");
     for (const trace::FoundEffect& effect : trace.effects) {
       out += HtmlRow(
           {"<code>" + Escape(EffectLabel(trace, effect)) + "</code><br>" +
@@ -204,7 +201,7 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
       out += "<table>" + HtmlRow({"event", "recording", "began at, s"}, "th");
       for (const trace::EventTime& event : trace.events) {
         out += HtmlRow({"<code>" + Escape(event.effect) + "</code>",
-                        Escape(event.recording) + (event.sealed ? " (sealed)" : ""),
+                        Escape(event.recording) + (event.sealed ? " (held out)" : ""),
                         Short(event.start_s)});
       }
       out += "</table>\n";
@@ -215,6 +212,10 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
   }
 
   out += Refuted(trace);
+  for (std::size_t i = 0; i < pictures.size() && i < svgs.size(); ++i) {
+    out += "<figure><h3>" + Escape(pictures[i].title) + "</h3>" + svgs[i] +
+           "<p class=\"caption\">" + Escape(pictures[i].caption) + "</p></figure>\n";
+  }
   out += "<h2>Parameters</h2>\n<table>" +
          HtmlRow({"parameter", "declared", "refitted", "with the effect", "&plusmn; 95 %"}, "th");
   for (std::size_t t = 0; t < trace.corrected.terms.size(); ++t) {
@@ -266,14 +267,14 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
 
   if (report.as_published) {
     const identify::AsPublishedResult& published = *report.as_published;
-    out +=
-        "<h2>With the publication's own processing</h2>\n<table>" +
-        HtmlRow({"relative error of the drive", "declared model", "with the effect"}, "th") +
-        HtmlRow({"training recording", Short(published.before_percent) + " %",
-                 Short(published.after_percent) + " %"}) +
-        HtmlRow({"cross test on the sealed recording", Short(published.cross_before_percent) + " %",
-                 Short(published.cross_after_percent) + " %"}) +
-        "</table>\n";
+    out += "<h2>With the publication's own processing</h2>\n<table>" +
+           HtmlRow({"relative error of the drive", "declared model", "with the effect"}, "th") +
+           HtmlRow({"training recording", Short(published.before_percent) + " %",
+                    Short(published.after_percent) + " %"}) +
+           HtmlRow({"cross test on the held-out recording",
+                    Short(published.cross_before_percent) + " %",
+                    Short(published.cross_after_percent) + " %"}) +
+           "</table>\n";
   }
 
   out += "<h2>What could not be seen</h2>\n";
