@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <stdexcept>
 
@@ -271,6 +272,7 @@ void SumErrors(const std::vector<Trace>& traces, FreeRun* free) {
     for (std::size_t r = 0; r < model.runs.size(); ++r) {
       model.runs[r].mean_abs = sums[m][r].mean();
       model.runs[r].rms = sums[m][r].rms();
+      model.runs[r].samples = sums[m][r].count;
       all.Add(sums[m][r]);
     }
     model.mean_abs = all.count > 0.0 ? all.mean() : kNothing;
@@ -331,6 +333,36 @@ FreeRunResult Compare(const std::vector<identify::Run>& runs,
     return out;
   }
   out.errors = std::move(free);
+  return out;
+}
+
+FreeRunResult Join(std::vector<FreeRunResult> parts) {
+  FreeRunResult out = std::move(parts.front());
+  for (std::size_t p = 1; out.errors && p < parts.size(); ++p) {
+    if (!parts[p].errors) return std::move(parts[p]);
+    for (std::size_t m = 0; m < out.errors->models.size(); ++m) {
+      ModelError& model = out.errors->models[m];
+      const ModelError& more = parts[p].errors->models[m];
+      model.runs.insert(model.runs.end(), more.runs.begin(), more.runs.end());
+      model.pieces += more.pieces;
+      model.diverged += more.diverged;
+      // A model that ran away in one part has no error.
+      if (!std::isfinite(more.rms)) model.rms = model.mean_abs = kNothing;
+    }
+    std::move(parts[p].traces.begin(), parts[p].traces.end(), std::back_inserter(out.traces));
+  }
+  if (!out.errors) return out;
+  for (ModelError& model : out.errors->models) {
+    double absolute = 0.0, squared = 0.0, samples = 0.0;
+    for (const RunError& run : model.runs) {
+      absolute += run.samples * run.mean_abs;
+      squared += run.samples * run.rms * run.rms;
+      samples += run.samples;
+    }
+    if (!std::isfinite(model.rms) || !(samples > 0.0)) continue;
+    model.mean_abs = absolute / samples;
+    model.rms = std::sqrt(squared / samples);
+  }
   return out;
 }
 

@@ -56,6 +56,7 @@ struct RunError {
   std::string run;
   double mean_abs = 0.0;  // rad or m, over all samples that did not diverge
   double rms = 0.0;
+  double samples = 0.0;     // that counted
   int pieces = 0;           // pieces of the recording (closed loop) or horizons
   int diverged = 0;         // of them: left the range of the recorded motion by more than its width
   double servo_gain = 0.0;  // closed loop: as declared, or as read from the recording
@@ -99,6 +100,10 @@ FreeRunResult Compare(const std::vector<identify::Run>& runs,
                       const std::vector<actuator::JointModel>& models,
                       const identify::ProcessingOptions& processing,
                       const FreeRunOptions& options = {});
+
+// Results of the same models on different recordings, as one; a part without errors gives its
+// reason. Errors are weighted by the samples that counted.
+FreeRunResult Join(std::vector<FreeRunResult> parts);
 
 // Gain of a proportional servo by least squares of command against (reference - position), over
 // rows inside the limit; 0 when fewer than 50 rows show it.

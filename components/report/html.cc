@@ -87,6 +87,24 @@ std::string Errors(const Report& report) {
   return out + "</p>\n";
 }
 
+std::string Rotations(const Report& report) {
+  if (report.rotations.empty()) return "";
+  std::string out =
+      "<h2>Each recording held out once</h2>\n<p class=\"caption\">An effect is part of the model "
+      "when it is confirmed in all rotations but one, in two at least, and refuted in none; the "
+      "model is then fitted to all recordings. Held-out errors of this page are those of the "
+      "rotations.</p><table>" +
+      HtmlRow({"held out", "found in the others", "declared", "refitted", "corrected", "unit"},
+              "th");
+  for (const trace::Rotation& rotation : report.rotations) {
+    out +=
+        HtmlRow({Escape(rotation.held_out), Escape(RotationText(rotation)),
+                 Short(rotation.trace.nominal_sealed.rms), Short(rotation.trace.before_sealed.rms),
+                 Short(rotation.trace.after_sealed.rms), TorqueUnit(report.trace.corrected.kind)});
+  }
+  return out + "</table>\n";
+}
+
 // The smallest sizes that would have been found, a row for each parameter.
 std::string Detectable(const trace::TraceResult& trace) {
   if (trace.detectable.empty()) return "";
@@ -211,7 +229,7 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
     out += "<h2>Next experiment</h2><p>" + Escape(next) + "</p>\n";
   }
 
-  out += Refuted(trace);
+  out += Refuted(trace) + Rotations(report);
   for (std::size_t i = 0; i < pictures.size() && i < svgs.size(); ++i) {
     out += "<figure><h3>" + Escape(pictures[i].title) + "</h3>" + svgs[i] +
            "<p class=\"caption\">" + Escape(pictures[i].caption) + "</p></figure>\n";

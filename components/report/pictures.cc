@@ -385,7 +385,7 @@ std::vector<Picture> MakePictures(const Report& report, const Design& train, con
     const trace::RoundReport& round = trace.rounds[i];
     if (i > 0 && round.slow_motion != trace.rounds[i - 1].slow_motion) number = 0;
     ++number;
-    if (i == 0 || !round.added.empty()) {
+    if (!round.scores.empty() && (i == 0 || !round.added.empty())) {
       out.push_back(Candidates(round, number, trace.p_global.has_value()));
     }
   }

@@ -147,6 +147,17 @@ std::string VerdictSentence(const Report& report) {
   return rise.empty() ? Found(report) : rise + " " + Found(report);
 }
 
+std::string RotationText(const trace::Rotation& rotation) {
+  std::vector<std::string> out;
+  for (const auto* list : {&rotation.trace.effects, &rotation.trace.refuted}) {
+    for (const trace::FoundEffect& effect : *list) {
+      out.push_back(effect.name + " (" +
+                    std::string(trace::ConfirmationWord(effect.confirmation.verdict)) + ")");
+    }
+  }
+  return out.empty() ? VerdictWord(rotation.trace.verdict) : Join(out, ", ");
+}
+
 std::string NextExperiment(const Report& report) {
   const trace::TraceResult& trace = report.trace;
   if (trace.too_little) {

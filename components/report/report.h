@@ -13,6 +13,7 @@
 #include "components/identify/data_gate.h"
 #include "components/identify/design.h"
 #include "components/report/picture.h"
+#include "components/trace/rotation.h"
 #include "components/trace/tracer.h"
 
 namespace sinew::report {
@@ -38,6 +39,8 @@ struct Report {
   trace::TraceResult trace;
   std::optional<identify::AsPublishedResult> as_published;
   free_run::FreeRunResult free_run;  // declared, refitted, corrected on the held-out recordings
+  // Without held-out recordings each of the training ones was held out once.
+  std::vector<trace::Rotation> rotations;
   std::uint64_t seed = 1;
   double seconds = 0.0;  // it took
 };
@@ -54,6 +57,9 @@ actuator::Term FittedTerm(const trace::TraceResult& trace, const trace::FoundEff
 
 // The effect's name; with its first nonlinear parameter when it was found more than once.
 std::string EffectLabel(const trace::TraceResult& trace, const trace::FoundEffect& effect);
+
+// What a rotation found, e.g. "stribeck (confirmed)"; "refuted" ones as well.
+std::string RotationText(const trace::Rotation& rotation);
 
 // The verdict in words; an error that the model raises comes first.
 std::string VerdictSentence(const Report& report);

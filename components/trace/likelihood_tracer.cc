@@ -288,6 +288,16 @@ LikelihoodFit Reported(const Design& train, const LikelihoodFit& base,
   return out;
 }
 
+// Effects that are not to be asked for.
+std::set<std::string> Unasked(const Problem& problem, const TraceOptions& options) {
+  std::set<std::string> out;
+  if (!options.agreed) return out;
+  for (const Hypothesis& h : problem.hypotheses()) {
+    if (h.physical() && options.agreed->count(h.name) == 0) out.insert(h.name);
+  }
+  return out;
+}
+
 // Accepted is what was confirmed or at least not refuted; the rest names its rule.
 void NoteOutcome(const TraceResult& result, std::vector<CandidateScore>* scores) {
   const auto holds = [](const std::vector<FoundEffect>& found, const std::string& name) {
@@ -358,8 +368,10 @@ TraceResult TraceByLikelihood(Design& train, Design& sealed, const actuator::Joi
   progress("sets of effects and their confirmation", 0.5);
   Correction correction(train, sealed, reported, problem, model, options.keep_unconfirmed);
   const BootstrapOptions bootstrap{.rounds = options.placebo_rounds, .seed = options.seed};
+  const std::set<std::string> unasked = Unasked(problem, options);
   correction.Run(
-      [&](const std::set<std::string>& refuted) {
+      [&](std::set<std::string> refuted) {
+        refuted.insert(unasked.begin(), unasked.end());
         return JudgeSets(problem, base.likelihood, train, model,
                          static_cast<std::size_t>(options.max_rounds), bootstrap, refuted);
       },

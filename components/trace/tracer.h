@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -41,6 +42,8 @@ struct TraceOptions {
   // Effects that the held-out recordings neither confirm nor refute stay in the corrected model
   // (likelihood engine; the other one confirms none and keeps all).
   bool keep_unconfirmed = false;
+  // Nothing but these effects is asked for, by the likelihood engine (rotation.h).
+  std::optional<std::set<std::string>> agreed;
   // Called with a line of progress and the share done, 0 to 1.
   std::function<void(const std::string&, double)> progress;
 };

@@ -170,6 +170,34 @@ void ReproducePublished(const identify::Run& train, const identify::Run& sealed,
   }
 }
 
+// Recordings that can be held out in turn. Throws UsageError.
+void RequireRotation(const CloseLoopOptions& options, const std::vector<identify::Run>& runs) {
+  const bool raw = options.engine == trace::Engine::kLikelihood && !runs.front().held;
+  if (runs.size() > 1 && raw) return;
+  const std::string file = options.train.empty() ? runs.front().name : options.train[0].string();
+  if (!raw) throw UsageError(file + ": nothing is held out, expected --held-out FILE");
+  const Eigen::VectorXd& time_s = runs.front().time_s;
+  const std::string middle =
+      report::Short(std::floor(0.7 * (time_s[time_s.size() - 1] - time_s[0])));
+  const std::string whole = file.substr(0, file.find('@'));
+  throw UsageError(
+      "one recording and nothing held out, expected --held-out, further recordings to "
+      "train on (each is held out once), or parts: --train " +
+      whole + "@:" + middle + " --held-out " + whole + "@" + middle + ":");
+}
+
+// Each recording beside the models of the rotation that held it out.
+free_run::FreeRunResult FollowRotations(const std::vector<identify::Run>& runs,
+                                        const std::vector<trace::Rotation>& rotations) {
+  std::vector<free_run::FreeRunResult> parts;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const trace::TraceResult& trace = rotations[i].trace;
+    parts.push_back(free_run::Compare({runs[i]}, {trace.nominal, trace.declared, trace.corrected},
+                                      rotations[i].processing));
+  }
+  return free_run::Join(std::move(parts));
+}
+
 // What the trace says of the data beyond the gate.
 void AddNewFindings(std::vector<identify::Finding> more, std::vector<identify::Finding>* all) {
   for (identify::Finding& finding : more) {
@@ -214,15 +242,17 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
   const identify::ProcessingOptions wished = identify::ReadProcessing(out.model.root, joint.kind);
   const std::optional<identify::AsPublishedOptions> published =
       identify::ReadAsPublished(out.model.root);
-  if (train.empty() || sealed.empty()) {
+  const bool rotates = options.sealed.empty();
+  if (train.empty() || (sealed.empty() && !rotates)) {
     throw UsageError("no recording of joint " + std::to_string(options.joint) +
-                     ", expected at least one to train on and one sealed");
+                     ", expected at least one to train on and one held out");
   }
+  if (rotates) RequireRotation(options, train);
   report::Report& report = out.report;
   report.robot = out.model.robot.name;
   report.model_file = model_path.string();
   report.train = Describe(train);
-  report.sealed = Describe(sealed);
+  report.sealed = Describe(rotates ? train : sealed);
   report.seed = options.seed;
   try {
     trace::RequireSealed(train, sealed);
@@ -237,7 +267,14 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
     trace_options.engine = options.engine;
     trace_options.keep_unconfirmed = options.keep_unconfirmed;
     trace_options.progress = progress;
-    trace::LoopResult loop = trace::CloseLoop(train, sealed, joint, wished, trace_options);
+    trace::LoopResult loop;
+    if (rotates) {
+      trace::RotatedLoop rotated = trace::RotateLoop(train, joint, wished, trace_options);
+      loop = std::move(rotated.all);
+      report.rotations = std::move(rotated.rotations);
+    } else {
+      loop = trace::CloseLoop(train, sealed, joint, wished, trace_options);
+    }
     report.processing = loop.processing;
     AddNewFindings(std::move(loop.findings), &report.findings);
     report.trace = std::move(loop.trace);
@@ -247,11 +284,16 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
       out.json = report::FormatTooLittleJson(report);
       return out;
     }
-    progress("simulation beside the sealed recording", 0.97);
-    report.free_run = free_run::Compare(
-        sealed, {report.trace.nominal, report.trace.declared, report.trace.corrected},
-        report.processing);
-    if (published) ReproducePublished(train.front(), sealed.front(), joint, *published, &report);
+    progress("simulation beside the held-out recordings", 0.97);
+    if (rotates) {
+      report.free_run = FollowRotations(train, report.rotations);
+    } else {
+      report.free_run = free_run::Compare(
+          sealed, {report.trace.nominal, report.trace.declared, report.trace.corrected},
+          report.processing);
+    }
+    if (published && !rotates)
+      ReproducePublished(train.front(), sealed.front(), joint, *published, &report);
     report.seconds = since_start();
     const std::vector<report::Picture> pictures =
         report::MakePictures(report, *loop.train, *loop.sealed);
@@ -352,6 +394,12 @@ void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options
               << report::ErrorText(effect.sealed_after) << ' '
               << effects::BalanceUnit(effect.balance, trace.corrected.kind) << '\n';
   }
+  for (const trace::Rotation& rotation : report.rotations) {
+    std::cout << "  held out " << rotation.held_out << ": " << report::RotationText(rotation)
+              << "; " << Short(rotation.trace.nominal_sealed.rms) << " declared, "
+              << Short(rotation.trace.before_sealed.rms) << " refitted, "
+              << Short(rotation.trace.after_sealed.rms) << " corrected\n";
+  }
   std::cout << "errors, rms:\n";
   for (const report::ErrorLine& line : report::ErrorTable(report)) {
     std::cout << "  " << line.what << ": " << report::ThreeErrors(line) << '\n';
@@ -408,10 +456,10 @@ void AddCloseLoopCommand(CLI::App& app) {
       ->add_option("--train", options.train,
                    "Recordings to learn from: CSV or MCAP, FILE or FILE@START:END (seconds)")
       ->required();
-  command
-      ->add_option("--held-out,--sealed", options.sealed,
-                   "Recordings to judge by, never used for a choice; FILE or FILE@START:END")
-      ->required();
+  command->add_option(
+      "--held-out,--sealed", options.sealed,
+      "Recordings to judge by, never used for a fit; FILE or FILE@START:END. Without "
+      "any, each of several training recordings is held out once");
   command->add_option("--out", options.out, "Folder for report.html, report.json and model.yaml")
       ->required();
   command->add_option("--joint", arguments->joint,
@@ -443,6 +491,7 @@ void AddCloseLoopCommand(CLI::App& app) {
       "control as it "
       "is.\n\nExamples:\n"
       "  sinew close-loop --train train_1.csv train_2.csv --sealed sealed.csv --out found\n"
+      "  sinew close-loop --train monday.csv tuesday.csv wednesday.csv --out found\n"
       "  sinew close-loop --train day.csv@:60 --held-out day.csv@60: --out found\n"
       "  sinew close-loop --model robots/emps/model.yaml --map robots/emps/csv_map.yaml \\\n"
       "    --train DATA_EMPS.csv --sealed DATA_EMPS_PULSES.csv --out found");

@@ -21,8 +21,8 @@ struct CloseLoopOptions {
   std::filesystem::path map;         // empty: csv_map.yaml beside the model, else the rig's
   std::filesystem::path sealed_map;  // of the sealed CSV files; empty: `map`
   std::vector<std::filesystem::path> train;
-  std::vector<std::filesystem::path> sealed;
-  std::filesystem::path out;  // folder; empty: nothing is written
+  std::vector<std::filesystem::path> sealed;  // empty: each of `train` is held out once
+  std::filesystem::path out;                  // folder; empty: nothing is written
   int joint = 0;
   std::filesystem::path urdf;  // of an arm; empty: what the model file names
   std::uint64_t seed = 1;

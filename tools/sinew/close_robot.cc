@@ -131,6 +131,9 @@ CloseRobotResult CloseRobot(const CloseLoopOptions& options, std::vector<int> jo
   std::optional<arm::Arm> arm;
   try {
     trace::RequireSealed(train.front(), sealed.front());
+    if (is_arm && options.sealed.empty()) {
+      throw UsageError("an arm is fitted as a whole, expected --held-out FILE");
+    }
     if (is_arm && faulty.empty()) {
       const fs::path urdf = FindUrdf(options, input);
       arm.emplace(world::ParseUrdf(config::ReadFile(urdf), urdf.string()), robot);

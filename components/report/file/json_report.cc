@@ -201,6 +201,31 @@ Json Detectable(const trace::TraceResult& trace) {
           {"sizes", std::move(sizes)}};
 }
 
+Json Rotations(const Report& report, const std::string& unit) {
+  Json out = Json::array();
+  for (const trace::Rotation& rotation : report.rotations) {
+    Json effects = Json::array();
+    for (const auto* list : {&rotation.trace.effects, &rotation.trace.refuted}) {
+      for (const trace::FoundEffect& effect : *list) {
+        effects.push_back(
+            {{"name", effect.name},
+             {"rivals", effect.rivals},
+             {"confirmation", trace::ConfirmationWord(effect.confirmation.verdict)},
+             {"slope", effect.confirmation.slope},
+             {"interval_95", {effect.confirmation.lower, effect.confirmation.upper}}});
+      }
+    }
+    out.push_back({{"held_out", rotation.held_out},
+                   {"verdict", VerdictWord(rotation.trace.verdict)},
+                   {"effects", std::move(effects)},
+                   {"unit", unit},
+                   {"declared", rotation.trace.nominal_sealed.rms},
+                   {"refitted", rotation.trace.before_sealed.rms},
+                   {"corrected", rotation.trace.after_sealed.rms}});
+  }
+  return out;
+}
+
 Json VariableOf(const trace::Unexplained& unexplained) {
   return unexplained.variable.empty() ? Json(nullptr) : Json(unexplained.variable);
 }
@@ -259,6 +284,7 @@ std::string FormatJson(const Report& report) {
                              {"sealed", event.sealed},
                              {"start_s", event.start_s}});
   }
+  out["rotations"] = Rotations(report, unit);
   out["train"] = Train(trace, unit);
   out["sealed"] = Sealed(trace, unit);
   out["balances"] = Json::array();

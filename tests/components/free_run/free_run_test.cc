@@ -180,6 +180,27 @@ TEST(FreeRun, AModelThatRunsAwayForTheMostPartHasNoErrorAndTakesNoneFromTheOther
   EXPECT_GT(two.errors->models[0].rms, two.errors->models[1].rms);
 }
 
+TEST(FreeRun, PartsJoinToTheErrorOverAllSamples) {
+  const actuator::JointModel truth = SyntheticModel();
+  actuator::JointModel heavy = truth;
+  heavy.terms[1].linear[0].value *= 1.3;  // inertia
+  const identify::Run a = SyntheticRun(truth, {.duration_s = 20.0, .seed = 1});
+  const identify::Run b = SyntheticRun(truth, {.duration_s = 10.0, .seed = 2});
+  const auto compare = [&](const std::vector<identify::Run>& runs) {
+    return Compare(runs, {heavy, truth}, SyntheticProcessing());
+  };
+  const FreeRunResult joined = Join({compare({a}), compare({b})}), whole = compare({a, b});
+  ASSERT_TRUE(joined.errors.has_value());
+  for (const std::size_t model : {0u, 1u}) {
+    EXPECT_NEAR(joined.errors->models[model].rms, whole.errors->models[model].rms, 1e-12);
+    EXPECT_NEAR(joined.errors->models[model].mean_abs, whole.errors->models[model].mean_abs, 1e-12);
+    EXPECT_EQ(joined.errors->models[model].pieces, whole.errors->models[model].pieces);
+  }
+  FreeRunResult none;
+  none.why_not = "no inertia";
+  EXPECT_EQ(Join({compare({a}), none}).why_not, "no inertia");
+}
+
 TEST(FreeRun, AModelWithoutInertiaSaysWhyItCannotRun) {
   actuator::JointModel still = Without(SyntheticModel(), "inertia");
   const identify::Run run = SyntheticRun(SyntheticModel(), {.duration_s = 20.0});
