@@ -7,6 +7,7 @@
 #include <set>
 #include <string>
 
+#include "components/trace/agreed_set.h"
 #include "components/trace/ceiling.h"
 #include "components/trace/judgement.h"
 #include "components/trace/rules.h"
@@ -288,16 +289,6 @@ LikelihoodFit Reported(const Design& train, const LikelihoodFit& base,
   return out;
 }
 
-// Effects that are not to be asked for.
-std::set<std::string> Unasked(const Problem& problem, const TraceOptions& options) {
-  std::set<std::string> out;
-  if (!options.agreed) return out;
-  for (const Hypothesis& h : problem.hypotheses()) {
-    if (h.physical() && options.agreed->count(h.name) == 0) out.insert(h.name);
-  }
-  return out;
-}
-
 // Accepted is what was confirmed or at least not refuted; the rest names its rule.
 void NoteOutcome(const TraceResult& result, std::vector<CandidateScore>* scores) {
   const auto holds = [](const std::vector<FoundEffect>& found, const std::string& name) {
@@ -368,12 +359,15 @@ TraceResult TraceByLikelihood(Design& train, Design& sealed, const actuator::Joi
   progress("sets of effects and their confirmation", 0.5);
   Correction correction(train, sealed, reported, problem, model, options.keep_unconfirmed);
   const BootstrapOptions bootstrap{.rounds = options.placebo_rounds, .seed = options.seed};
-  const std::set<std::string> unasked = Unasked(problem, options);
+  const std::set<std::string> unasked = Unasked(problem, options.agreed);
   correction.Run(
       [&](std::set<std::string> refuted) {
         refuted.insert(unasked.begin(), unasked.end());
-        return JudgeSets(problem, base.likelihood, train, model,
-                         static_cast<std::size_t>(options.max_rounds), bootstrap, refuted);
+        SetJudgement judged =
+            JudgeSets(problem, base.likelihood, train, model,
+                      static_cast<std::size_t>(options.max_rounds), bootstrap, refuted);
+        if (options.agreed) ChooseAgreed(problem, *options.agreed, refuted, &judged);
+        return judged;
       },
       &result);
   NoteOutcome(result, &result.rounds.front().scores);

@@ -42,7 +42,8 @@ struct TraceOptions {
   // Effects that the held-out recordings neither confirm nor refute stay in the corrected model
   // (likelihood engine; the other one confirms none and keeps all).
   bool keep_unconfirmed = false;
-  // Nothing but these effects is asked for, by the likelihood engine (rotation.h).
+  // These effects and no others are fitted by the likelihood engine, whatever its rules
+  // (rotation.h).
   std::optional<std::set<std::string>> agreed;
   // Called with a line of progress and the share done, 0 to 1.
   std::function<void(const std::string&, double)> progress;

@@ -7,6 +7,7 @@
 #include <limits>
 #include <random>
 
+#include "components/trace/agreed_set.h"
 #include "components/trace/null_test.h"
 
 namespace sinew::trace {
@@ -74,6 +75,16 @@ TEST(SetSearch, ThePairThatIsThereIsTheBestPair) {
   std::vector<std::size_t> pair = found.best[2].members;
   std::sort(pair.begin(), pair.end());
   EXPECT_EQ(pair, (std::vector<std::size_t>{0, 4}));
+}
+
+TEST(AgreedSet, HoldsEveryNamedEffectAtTheShapeThatGainsMost) {
+  Searched scene(Sizes({0.3, 0, 0, 0, 0.2, 0}));
+  scene.hypotheses[0].name = scene.hypotheses[2].name = "two shapes";
+  scene.hypotheses[4].name = "one shape";
+  const EffectSet set =
+      FitAgreedSet(scene.evidence(), scene.hypotheses, {"one shape", "two shapes", "unknown"});
+  EXPECT_EQ(set.members, (std::vector<std::size_t>{4, 0}));
+  EXPECT_TRUE(FitAgreedSet(scene.evidence(), scene.hypotheses, {}).empty());
 }
 
 TEST(SetSearch, AnEffectOfImpossibleSignIsNoSet) {
