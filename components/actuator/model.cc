@@ -208,4 +208,17 @@ double PhysicalValue(const JointModel& model, int term, int linear_parameter) {
   return info.linear[at].relative_to_drive ? value / DriveShare(model, info.balance) : value;
 }
 
+Term PhysicalTerm(const JointModel& model, int term) {
+  Term out = model.terms.at(static_cast<std::size_t>(term));
+  for (std::size_t i = 0; i < out.linear.size(); ++i) {
+    ParameterValue& value = out.linear[i];
+    const double physical = PhysicalValue(model, term, static_cast<int>(i));
+    if (value.half_width_95 && value.value != 0.0) {
+      *value.half_width_95 *= std::abs(physical / value.value);
+    }
+    value.value = physical;
+  }
+  return out;
+}
+
 }  // namespace sinew::actuator

@@ -121,6 +121,9 @@ double DriveShare(const JointModel& model, effects::Balance balance);
 // Value of a linear parameter in its own unit: one that is relative to the drive (ParameterInfo) is
 // divided by the drive's share. Throws std::out_of_range.
 double PhysicalValue(const JointModel& model, int term, int linear_parameter);
+// The term with all its linear parameters and their half widths in their own units. Throws
+// std::out_of_range.
+Term PhysicalTerm(const JointModel& model, int term);
 
 struct RobotModel {
   std::string name;

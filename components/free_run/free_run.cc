@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <stdexcept>
 
@@ -193,7 +194,7 @@ Path Horizons(Simulation& simulation, const StateSegment& segment, double horizo
   return path;
 }
 
-// Sums over samples that count for both models, so that they are compared on the same ones.
+// Sums over samples that count for all models, so that they are compared on the same ones.
 struct Sums {
   double absolute = 0.0, squared = 0.0, count = 0.0;
   void Add(double error) {
@@ -231,92 +232,137 @@ double ServoGain(const StateSegment& segment, const actuator::Servo& servo) {
   return rows >= kFewestGainRows && xx > 0.0 ? std::max(0.0, xy / xx) : 0.0;
 }
 
-FreeRunResult Compare(const std::vector<identify::Run>& runs, const actuator::JointModel& before,
-                      const actuator::JointModel& after,
+namespace {
+
+// Gains of the servo for every piece; empty when it is not declared or a piece lacks what it saw.
+std::vector<double> ServoGains(const std::vector<StateSegment>& segments,
+                               const std::optional<actuator::Servo>& servo) {
+  if (!servo) return {};
+  std::vector<double> gains;
+  for (const StateSegment& segment : segments) {
+    if (segment.reference_position.size() == 0) return {};
+    if (servo->share_of_supply && segment.supply_voltage.size() == 0) return {};
+    gains.push_back(servo->gain_per_rad > 0.0 ? servo->gain_per_rad : ServoGain(segment, *servo));
+    if (gains.back() == 0.0) return {};
+  }
+  return gains;
+}
+
+// Errors over the samples that all models reached which did not run away for the most part: a model
+// is not the better for the samples that it lost.
+void SumErrors(const std::vector<Trace>& traces, FreeRun* free) {
+  const auto lost = [](const ModelError& model) { return 2 * model.diverged > model.pieces; };
+  const std::size_t count = free->models.size();
+  std::vector<std::vector<Sums>> sums(count, std::vector<Sums>(free->models.front().runs.size()));
+  for (const Trace& trace : traces) {
+    for (std::size_t i = 0; i < trace.measured.size(); ++i) {
+      bool reached = true;
+      for (std::size_t m = 0; m < count; ++m) {
+        reached = reached && (lost(free->models[m]) || std::isfinite(trace.simulated[m][i]));
+      }
+      for (std::size_t m = 0; reached && m < count; ++m) {
+        if (lost(free->models[m])) continue;
+        sums[m][static_cast<std::size_t>(trace.run)].Add(trace.simulated[m][i] - trace.measured[i]);
+      }
+    }
+  }
+  for (std::size_t m = 0; m < count; ++m) {
+    ModelError& model = free->models[m];
+    Sums all;
+    for (std::size_t r = 0; r < model.runs.size(); ++r) {
+      model.runs[r].mean_abs = sums[m][r].mean();
+      model.runs[r].rms = sums[m][r].rms();
+      model.runs[r].samples = sums[m][r].count;
+      all.Add(sums[m][r]);
+    }
+    model.mean_abs = all.count > 0.0 ? all.mean() : kNothing;
+    model.rms = all.count > 0.0 ? all.rms() : kNothing;
+  }
+}
+
+}  // namespace
+
+FreeRunResult Compare(const std::vector<identify::Run>& runs,
+                      const std::vector<actuator::JointModel>& models,
                       const identify::ProcessingOptions& processing,
                       const FreeRunOptions& options) {
   FreeRunResult out;
-  const identify::StateSet states = identify::MakeStates(runs, after, processing);
-  std::optional<Simulation> simulations[2];
+  const identify::StateSet states = identify::MakeStates(runs, models.back(), processing);
+  std::vector<Simulation> simulations;
   try {
-    simulations[0].emplace(before, options);
-    simulations[1].emplace(after, options);
+    for (const actuator::JointModel& model : models) simulations.emplace_back(model, options);
   } catch (const std::invalid_argument& error) {
     out.why_not = std::string("the model cannot be simulated: ") + error.what();
     return out;
   }
+  const std::optional<actuator::Servo>& servo = models.back().controller;
+  const std::vector<double> gains = ServoGains(states.segments, servo);
+  const bool closed = !gains.empty();
   FreeRun free;
-  // The servo, when it is declared and every piece holds what it saw.
-  std::vector<double> gains;
-  const std::optional<actuator::Servo>& servo = after.controller;
-  if (servo) {
-    for (const StateSegment& segment : states.segments) {
-      if (segment.reference_position.size() == 0) break;
-      if (servo->share_of_supply && segment.supply_voltage.size() == 0) break;
-      const double gain =
-          servo->gain_per_rad > 0.0 ? servo->gain_per_rad : ServoGain(segment, *servo);
-      if (gain == 0.0) break;
-      gains.push_back(gain);
-    }
-  }
-  const bool closed = servo && gains.size() == states.segments.size();
   free.method = closed ? Method::kClosedLoop : Method::kHorizons;
   free.horizon_s = closed ? 0.0 : options.horizon_s;
-  free.before.resize(states.run_names.size());
-  free.after.resize(states.run_names.size());
-  std::vector<Sums> sums[2];
-  for (std::vector<Sums>& of_runs : sums) of_runs.resize(states.run_names.size());
-  for (std::size_t r = 0; r < states.run_names.size(); ++r) {
-    free.before[r].run = free.after[r].run = states.run_names[r];
+  free.models.resize(models.size());
+  for (ModelError& model : free.models) {
+    for (const std::string& name : states.run_names) model.runs.push_back({.run = name});
   }
   for (std::size_t s = 0; s < states.segments.size(); ++s) {
     const StateSegment& segment = states.segments[s];
-    const auto run = static_cast<std::size_t>(segment.run);
-    Path paths[2];
-    for (int m = 0; m < 2; ++m) {
-      paths[m] = closed ? ClosedLoop(*simulations[m], segment, *servo, gains[s])
-                        : Horizons(*simulations[m], segment, options.horizon_s);
-      RunError& error = m == 0 ? free.before[run] : free.after[run];
-      error.pieces += paths[m].pieces;
-      error.diverged += paths[m].diverged;
-      if (closed) error.servo_gain = gains[s];
-    }
     Trace trace;
     trace.run = segment.run;
     trace.start_s = segment.start_s;
     trace.period_s = segment.period_s;
-    for (std::size_t i = 0; i < segment.samples.size(); ++i) {
-      const double measured = segment.samples[i].position_rad;
-      trace.measured.push_back(measured);
-      for (int m = 0; m < 2; ++m) {
-        // Both or none: a model is not the better for the samples it lost.
-        if (!std::isfinite(paths[0].position[i]) || !std::isfinite(paths[1].position[i])) continue;
-        sums[m][run].Add(paths[m].position[i] - measured);
-      }
+    for (const effects::JointSample& x : segment.samples) trace.measured.push_back(x.position_rad);
+    for (std::size_t m = 0; m < models.size(); ++m) {
+      Path path = closed ? ClosedLoop(simulations[m], segment, *servo, gains[s])
+                         : Horizons(simulations[m], segment, options.horizon_s);
+      ModelError& model = free.models[m];
+      RunError& error = model.runs[static_cast<std::size_t>(segment.run)];
+      error.pieces += path.pieces;
+      error.diverged += path.diverged;
+      model.pieces += path.pieces;
+      model.diverged += path.diverged;
+      if (closed) error.servo_gain = gains[s];
+      trace.simulated.push_back(std::move(path.position));
     }
-    trace.before = std::move(paths[0].position);
-    trace.after = std::move(paths[1].position);
     out.traces.push_back(std::move(trace));
   }
-  Sums all[2];
-  for (std::size_t r = 0; r < states.run_names.size(); ++r) {
-    for (int m = 0; m < 2; ++m) {
-      RunError& error = m == 0 ? free.before[r] : free.after[r];
-      error.mean_abs = sums[m][r].mean();
-      error.rms = sums[m][r].rms();
-      all[m].Add(sums[m][r]);
-      (m == 0 ? free.before_diverged : free.after_diverged) += error.diverged;
-    }
-  }
-  if (!(all[0].count > 0.0)) {
-    out.why_not = "no piece of the recording could be followed by both models";
+  SumErrors(out.traces, &free);
+  if (std::none_of(free.models.begin(), free.models.end(),
+                   [](const ModelError& model) { return std::isfinite(model.rms); })) {
+    out.why_not = "no piece of the recording could be followed by the models";
     return out;
   }
-  free.before_mean_abs = all[0].mean();
-  free.after_mean_abs = all[1].mean();
-  free.before_rms = all[0].rms();
-  free.after_rms = all[1].rms();
   out.errors = std::move(free);
+  return out;
+}
+
+FreeRunResult Join(std::vector<FreeRunResult> parts) {
+  FreeRunResult out = std::move(parts.front());
+  for (std::size_t p = 1; out.errors && p < parts.size(); ++p) {
+    if (!parts[p].errors) return std::move(parts[p]);
+    for (std::size_t m = 0; m < out.errors->models.size(); ++m) {
+      ModelError& model = out.errors->models[m];
+      const ModelError& more = parts[p].errors->models[m];
+      model.runs.insert(model.runs.end(), more.runs.begin(), more.runs.end());
+      model.pieces += more.pieces;
+      model.diverged += more.diverged;
+      // A model that ran away in one part has no error.
+      if (!std::isfinite(more.rms)) model.rms = model.mean_abs = kNothing;
+    }
+    std::move(parts[p].traces.begin(), parts[p].traces.end(), std::back_inserter(out.traces));
+  }
+  if (!out.errors) return out;
+  for (ModelError& model : out.errors->models) {
+    double absolute = 0.0, squared = 0.0, samples = 0.0;
+    for (const RunError& run : model.runs) {
+      absolute += run.samples * run.mean_abs;
+      squared += run.samples * run.rms * run.rms;
+      samples += run.samples;
+    }
+    if (!std::isfinite(model.rms) || !(samples > 0.0)) continue;
+    model.mean_abs = absolute / samples;
+    model.rms = std::sqrt(squared / samples);
+  }
   return out;
 }
 

@@ -56,27 +56,34 @@ struct RunError {
   std::string run;
   double mean_abs = 0.0;  // rad or m, over all samples that did not diverge
   double rms = 0.0;
+  double samples = 0.0;     // that counted
   int pieces = 0;           // pieces of the recording (closed loop) or horizons
   int diverged = 0;         // of them: left the range of the recorded motion by more than its width
   double servo_gain = 0.0;  // closed loop: as declared, or as read from the recording
 };
 
-struct FreeRun {
-  Method method = Method::kHorizons;
-  double horizon_s = 0.0;  // horizons only
-  std::vector<RunError> before, after;
-  // Over all recordings, samples weighted equally.
-  double before_mean_abs = 0.0, after_mean_abs = 0.0;
-  double before_rms = 0.0, after_rms = 0.0;
-  int before_diverged = 0, after_diverged = 0;
+// One model along all recordings.
+struct ModelError {
+  std::vector<RunError> runs;
+  // Over all recordings, samples weighted equally. NaN: it ran away in more than half of its pieces
+  // and is compared with nothing.
+  double mean_abs = 0.0, rms = 0.0;
+  int pieces = 0, diverged = 0;
 };
 
-// Simulated positions at the samples of one piece of a recording, empty when it diverged; for
+struct FreeRun {
+  Method method = Method::kHorizons;
+  double horizon_s = 0.0;          // horizons only
+  std::vector<ModelError> models;  // in the order given
+};
+
+// Simulated positions at the samples of one piece of a recording, NaN where a model ran away; for
 // plots.
 struct Trace {
   int run = 0;
   double start_s = 0.0, period_s = 0.0;
-  std::vector<double> measured, before, after;  // rad or m
+  std::vector<double> measured;                // rad or m
+  std::vector<std::vector<double>> simulated;  // by model
 };
 
 struct FreeRunResult {
@@ -85,12 +92,18 @@ struct FreeRunResult {
   std::vector<Trace> traces;      // closed loop: whole pieces; horizons: one after the other
 };
 
-// before and after: models of the same joint. options of processing must be resolved. Throws
-// std::invalid_argument as identify::MakeStates for recordings that cannot be used.
-FreeRunResult Compare(const std::vector<identify::Run>& runs, const actuator::JointModel& before,
-                      const actuator::JointModel& after,
+// models: of the same joint, at least one; the last one declares the servo. Errors are over the
+// samples that every model reached, those that ran away in more than half of their pieces apart.
+// options of processing must be resolved. Throws std::invalid_argument as identify::MakeStates for
+// recordings that cannot be used.
+FreeRunResult Compare(const std::vector<identify::Run>& runs,
+                      const std::vector<actuator::JointModel>& models,
                       const identify::ProcessingOptions& processing,
                       const FreeRunOptions& options = {});
+
+// Results of the same models on different recordings, as one; a part without errors gives its
+// reason. Errors are weighted by the samples that counted.
+FreeRunResult Join(std::vector<FreeRunResult> parts);
 
 // Gain of a proportional servo by least squares of command against (reference - position), over
 // rows inside the limit; 0 when fewer than 50 rows show it.

@@ -110,6 +110,14 @@ std::vector<Measurement> CheckKinematics(const Run& run, const actuator::JointMo
   return out;
 }
 
+namespace {
+
+// A wrap stands out: noise of a joint at rest jumps by most of its range, but so does every row.
+// One of 10^10 normal values is ten times as large as the median.
+constexpr double kStandsOut = 10.0;
+
+}  // namespace
+
 std::vector<Measurement> CheckWrapped(const Run& run) {
   std::vector<Measurement> out;
   if (run.held) return out;
@@ -133,9 +141,11 @@ std::vector<Measurement> CheckWrapped(const Run& run) {
     const Eigen::VectorXd sizes = jump.cwiseAbs();
     const double usual =
         std::max(QuantileOf(std::vector<double>(sizes.data(), sizes.data() + n), 0.99), resolution);
+    const double ordinary = Median(std::vector<double>(sizes.data(), sizes.data() + n));
     double most = 0.0;
     Eigen::Index where = 0;
     for (Eigen::Index i = 0; i < n; ++i) {
+      if (!(sizes[i] > kStandsOut * ordinary)) continue;
       // A spike comes back in the next row.
       const double back = std::min(i > 0 ? std::abs(jump[i] + jump[i - 1]) : sizes[i],
                                    i + 1 < n ? std::abs(jump[i] + jump[i + 1]) : sizes[i]);

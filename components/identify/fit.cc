@@ -79,9 +79,9 @@ FitResult FitModel(const Design& design, const actuator::JointModel& model,
     out.keep_scale = keep_scale;
     out.balance = MakeBalance(design, model, keep_scale);
     if (used < 3 * out.balance.columns.cols() || blocks.size() < 2) {
-      throw std::invalid_argument("recordings have " + std::to_string(used) +
-                                  " moving rows after filtering, too few to fit " +
-                                  std::to_string(out.balance.columns.cols()) + " parameters");
+      throw TooLittleData("recordings have " + std::to_string(used) +
+                          " moving rows after filtering, too few to fit " +
+                          std::to_string(out.balance.columns.cols()) + " parameters");
     }
     const Moments total = TotalMoments(design, out.balance);
     // The ridge shrinks toward the nominal values.

@@ -1,5 +1,5 @@
 // Fits the free parameters of a joint model to recordings and says how well each is known.
-// Pure; allocates; throws std::invalid_argument when there are fewer rows than parameters.
+// Pure; allocates; throws TooLittleData when there are fewer rows than parameters.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,6 +9,7 @@
 #include "components/identify/balance.h"
 #include "components/identify/block_regression.h"
 #include "components/identify/design.h"
+#include "components/identify/too_little_data.h"
 
 namespace sinew::identify {
 

@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "components/identify/too_little_data.h"
+
 namespace sinew::identify {
 
 namespace {
@@ -134,8 +136,8 @@ Eigen::VectorXd OutputPosition(const UniformSegment& segment, double gear_ratio,
 UniformRun MakeUniform(const Run& run, double longest_gap_s, int fewest_rows) {
   const Eigen::VectorXd& time = run.time_s;
   if (time.size() < 20) {
-    throw std::invalid_argument("recording " + run.name + " has " + std::to_string(time.size()) +
-                                " rows, expected at least 20");
+    throw TooLittleData("recording " + run.name + " has " + std::to_string(time.size()) +
+                        " rows, expected at least 20");
   }
   const Eigen::VectorXd steps = time.tail(time.size() - 1) - time.head(time.size() - 1);
   const double median = Median(steps);
@@ -254,8 +256,8 @@ UniformRun MakeUniform(const Run& run, double longest_gap_s, int fewest_rows) {
     out.segments.push_back(std::move(segment));
   }
   if (out.segments.empty()) {
-    throw std::invalid_argument("recording " + run.name + " has no piece of " +
-                                std::to_string(fewest_rows) + " rows without a gap");
+    throw TooLittleData("recording " + run.name + " has no piece of " +
+                        std::to_string(fewest_rows) + " rows without a gap");
   }
   out.sampling.rate_Hz = rate_sum / rate_rows;
   out.sampling.jitter_rms_s = std::sqrt(jitter_squares / rate_rows);

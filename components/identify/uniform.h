@@ -7,7 +7,7 @@
 // hole of lost rows are marked as not valid. Whether the stamps or the row numbers tell the true
 // sampling instants is decided by the position: the truth makes it smoother. Where no even count of
 // rows explains the stamps (a logger that changes its rate), the stamps alone count.
-// Pure; allocates; throws std::invalid_argument for a recording that is too short.
+// Pure; allocates; throws TooLittleData for a recording that is too short.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,8 +1,10 @@
 #include <cstdio>
 
+#include "components/report/errors.h"
 #include "components/report/gate_page.h"
 #include "components/report/report.h"
 #include "components/report/section.h"
+#include "components/trace/rules.h"
 
 namespace sinew::report {
 
@@ -31,16 +33,101 @@ std::string Confirmed(const trace::Confirmation& confirmation) {
 std::string Refuted(const trace::TraceResult& trace) {
   if (trace.refuted.empty()) return "";
   std::string out =
-      "<h2>What the sealed recording refuted</h2>\n<p class=\"caption\">The training recordings "
-      "asked for these; the sealed one does not follow them, or its error rises, or their size may "
+      "<h2>What the held-out recordings refuted</h2>\n<p class=\"caption\">The training recordings "
+      "asked for these; the held-out ones do not follow them, or their error rises, or the size "
+      "may "
       "as well be zero. They are no part of the model.</p><table>" +
-      HtmlRow({"effect", "removes", "sealed recording", "sealed error without and with it"}, "th");
+      HtmlRow({"effect", "removes", "held-out recordings", "held-out error without and with it"},
+              "th");
   for (const trace::FoundEffect& effect : trace.refuted) {
+    out += HtmlRow(
+        {"<code>" + Escape(effect.name) + "</code><br>" + Escape(EffectTitle(effect.name)),
+         Percent(effect.gain_share), Confirmed(effect.confirmation),
+         ErrorText(effect.sealed_before) + " &rarr; " + ErrorText(effect.sealed_after) + " " +
+             std::string(effects::BalanceUnit(effect.balance, trace.corrected.kind))});
+  }
+  return out + "</table>\n";
+}
+
+std::string Errors(const Report& report) {
+  std::string out = "<h2>Errors</h2>\n<table>" +
+                    HtmlRow({"rms", "declared", "refitted", "corrected", "unit"}, "th");
+  for (const ErrorLine& line : ErrorTable(report)) {
+    out += HtmlRow({Escape(line.what), ErrorText(line.declared), ErrorText(line.refitted),
+                    ErrorText(line.corrected), line.unit});
+  }
+  const auto drive = [&](const char* what, const identify::ModelError& declared,
+                         const identify::ModelError& refitted,
+                         const identify::ModelError& corrected) {
+    out += HtmlRow({what, Short(declared.percent), Short(refitted.percent),
+                    Short(corrected.percent), "% of the drive"});
+  };
+  const trace::TraceResult& trace = report.trace;
+  drive("training recordings", trace.nominal_train, trace.before_train, trace.after_train);
+  drive("held-out recordings", trace.nominal_sealed, trace.before_sealed, trace.after_sealed);
+  out +=
+      "</table>\n<p class=\"caption\">Declared: the model file as it is. Refitted: its "
+      "parameters fitted to the training recordings. Corrected: with the effects that are part "
+      "of the model.";
+  if (report.free_run.errors) {
+    const std::vector<free_run::ModelError>& models = report.free_run.errors->models;
+    const auto pieces = [&](std::size_t model) {
+      return std::to_string(models.at(model).diverged);
+    };
+    if (models[0].diverged + models[1].diverged + models[2].diverged > 0) {
+      out += " Of " + std::to_string(models[0].pieces) + " simulated pieces " +
+             pieces(kDeclaredModel) + ", " + pieces(kRefittedModel) + " and " +
+             pieces(kCorrectedModel) +
+             " ran away; they count for none, and a model that loses more than half of them has no "
+             "error.";
+    }
+  } else {
+    out += " Not simulated: " + Escape(report.free_run.why_not) + ".";
+  }
+  return out + "</p>\n";
+}
+
+std::string Rotations(const Report& report) {
+  if (report.rotations.empty()) return "";
+  std::string out =
+      "<h2>Each recording held out once</h2>\n<p class=\"caption\">An effect is part of the model "
+      "when it is confirmed in all rotations but one, in two at least, and refuted in none; the "
+      "model is then fitted to all recordings. Held-out errors of this page are those of the "
+      "rotations.</p><table>" +
+      HtmlRow({"held out", "found in the others", "declared", "refitted", "corrected", "unit"},
+              "th");
+  for (const trace::Rotation& rotation : report.rotations) {
     out +=
-        HtmlRow({"<code>" + Escape(effect.name) + "</code><br>" + Escape(EffectTitle(effect.name)),
-                 Percent(effect.gain_share), Confirmed(effect.confirmation),
-                 Short(effect.sealed_before) + " &rarr; " + Short(effect.sealed_after) + " " +
-                     std::string(effects::BalanceUnit(effect.balance, trace.corrected.kind))});
+        HtmlRow({Escape(rotation.held_out), Escape(RotationText(rotation)),
+                 Short(rotation.trace.nominal_sealed.rms), Short(rotation.trace.before_sealed.rms),
+                 Short(rotation.trace.after_sealed.rms), TorqueUnit(report.trace.corrected.kind)});
+  }
+  return out + "</table>\n";
+}
+
+// The smallest sizes that would have been found, a row for each parameter.
+std::string Detectable(const trace::TraceResult& trace) {
+  if (trace.detectable.empty()) return "";
+  std::string out =
+      "<h2>What would have been found</h2>\n<p class=\"caption\">The smallest size of each effect "
+      "that this search finds in 80 % of recordings like these: alone, at the shape that shows "
+      "best, "
+      "with p of the whole search at most " +
+      Short(trace::rules::kGlobalP.limit) + " (rule p_global) and at least " +
+      Percent(trace::rules::kExplainedShare.limit) +
+      " of the refitted model's misfit (rule explained_share). Smaller ones may be there. Not "
+      "listed: effects that the declared terms absorb, which show as a shift of parameters, and "
+      "lines "
+      "and events, which have no size before they are found.</p><table>" +
+      HtmlRow({"effect", "parameter", "smallest size found", "share of the measured side"}, "th");
+  for (const trace::DetectableSize& size : trace.detectable) {
+    std::string shape;
+    for (const auto& [key, value] : size.shape) {
+      shape += "<br>" + Escape(key) + " = " + Short(value);
+    }
+    out += HtmlRow({"<code>" + Escape(size.effect) + "</code>" + shape,
+                    "<code>" + Escape(size.parameter) + "</code>", Text("%.2g", size.size),
+                    Text("%.2g %%", 100.0 * size.share)});
   }
   return out + "</table>\n";
 }
@@ -57,7 +144,7 @@ std::string Method(const Report& report) {
            "search " +
            Probability(*trace.p_global) + " by random signs of " + units + ", seed " +
            std::to_string(report.seed) +
-           "; what was chosen is confirmed by the slope of the sealed recording's left-over. The "
+           "; what was chosen is confirmed by the slope of the held-out recordings' left-over. The "
            "rule that refused a candidate is in report.json.";
   }
   return ". Cross-validation over " + units + ", residual correlation time " +
@@ -88,7 +175,7 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
   for (const Recording& recording : report.train) train.push_back(recording.name);
   std::vector<std::string> sealed;
   for (const Recording& recording : report.sealed) sealed.push_back(recording.name);
-  out += "<div class=\"meta\">Trained on " + Join(train) + ". Sealed: " + Join(sealed) +
+  out += "<div class=\"meta\">Trained on " + Join(train) + ". Held out: " + Join(sealed) +
          ". Model " + Escape(report.model_file) + ".</div>\n";
   out += "<div class=\"verdict " + VerdictWord(trace.verdict) + "\">" +
          Escape(VerdictSentence(report)) + "</div>\n";
@@ -98,51 +185,32 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
     out += "<div><b>" + value + "</b><span>" + text + "</span></div>\n";
   };
   out += "<div class=\"big\">\n";
-  box(Short(trace.before_sealed.rms) + " &rarr; " + Short(trace.after_sealed.rms) + " " + unit,
-      trace.slow_motion ? "error where the sealed recording creeps, before and after"
-                        : "error on the sealed recording, before and after");
-  box(Short(trace.before_sealed.percent) + " &rarr; " + Short(trace.after_sealed.percent) + " %",
-      "of the drive torque");
+  box(Short(trace.after_sealed.rms) + " " + unit,
+      std::string("error of the corrected model on the held-out recordings") +
+          (trace.slow_motion ? " where they creep" : "") + " (" + Short(trace.before_sealed.rms) +
+          " refitted, " + Short(trace.nominal_sealed.rms) + " declared)");
   box(Short(trace.noise_floor_rms) + " " + unit,
       "noise floor" + (trace.noise_floor_source.empty() ? std::string()
                                                         : ", " + Escape(trace.noise_floor_source)));
   box(Short(trace.ceiling_rms) + " " + unit, "left by a flexible model without physics (ceiling)");
-  if (report.free_run.errors) {
-    const free_run::FreeRun& run = *report.free_run.errors;
-    const bool closed = run.method == free_run::Method::kClosedLoop;
-    std::string text = closed ? "position error, simulated in closed loop with the declared servo"
-                              : "position error, simulated over " + Short(run.horizon_s) +
-                                    " s from measured states";
-    if (run.before_diverged + run.after_diverged > 0) {
-      text += "; diverged " + std::to_string(run.before_diverged) + " &rarr; " +
-              std::to_string(run.after_diverged);
-    }
-    box(Short(run.before_rms) + " &rarr; " + Short(run.after_rms) +
-            (kind == effects::JointKind::kRotary ? " rad" : " m"),
-        text);
-  }
-  out += "</div>\n";
-
-  for (std::size_t i = 0; i < pictures.size() && i < svgs.size(); ++i) {
-    out += "<figure><h3>" + Escape(pictures[i].title) + "</h3>" + svgs[i] +
-           "<p class=\"caption\">" + Escape(pictures[i].caption) + "</p></figure>\n";
-  }
+  out += "</div>\n" + Errors(report);
 
   if (!trace.effects.empty()) {
-    out +=
-        "<h2>What was found</h2>\n<table>" + HtmlRow({"effect", "removes", "p", "sealed recording",
-                                                      "sealed error", "what predicts the same"},
-                                                     "th");
+    out += "<h2>What was found</h2>\n<table>" +
+           HtmlRow({"effect", "removes", "p", "held-out recordings",
+                    "held-out error without and with it", "what predicts the same"},
+                   "th");
     for (const trace::FoundEffect& effect : trace.effects) {
       out += HtmlRow(
           {"<code>" + Escape(EffectLabel(trace, effect)) + "</code><br>" +
                Escape(EffectTitle(effect.name)) +
+               (effect.in_model() ? "" : "<br>no part of the model") +
                (effect.swallowed ? "<br>seen as a shift of declared parameters" : "") +
                (effect.slow_motion ? "<br>seen where the recordings creep; errors of there" : ""),
            Percent(effect.gain_share) +
                (effect.gain_error > 0.0 ? " &plusmn; " + Percent(effect.gain_error) : ""),
            Probability(effect.p), Confirmed(effect.confirmation),
-           Short(effect.sealed_before) + " &rarr; " + Short(effect.sealed_after) + " " +
+           ErrorText(effect.sealed_before) + " &rarr; " + ErrorText(effect.sealed_after) + " " +
                std::string(effects::BalanceUnit(effect.balance, trace.corrected.kind)),
            effect.rivals.empty() ? "nothing known" : Join(effect.rivals)});
     }
@@ -151,7 +219,7 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
       out += "<table>" + HtmlRow({"event", "recording", "began at, s"}, "th");
       for (const trace::EventTime& event : trace.events) {
         out += HtmlRow({"<code>" + Escape(event.effect) + "</code>",
-                        Escape(event.recording) + (event.sealed ? " (sealed)" : ""),
+                        Escape(event.recording) + (event.sealed ? " (held out)" : ""),
                         Short(event.start_s)});
       }
       out += "</table>\n";
@@ -161,11 +229,18 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
     out += "<h2>Next experiment</h2><p>" + Escape(next) + "</p>\n";
   }
 
-  out += Refuted(trace);
+  out += Refuted(trace) + Rotations(report);
+  for (std::size_t i = 0; i < pictures.size() && i < svgs.size(); ++i) {
+    out += "<figure><h3>" + Escape(pictures[i].title) + "</h3>" + svgs[i] +
+           "<p class=\"caption\">" + Escape(pictures[i].caption) + "</p></figure>\n";
+  }
   out += "<h2>Parameters</h2>\n<table>" +
          HtmlRow({"parameter", "declared", "refitted", "with the effect", "&plusmn; 95 %"}, "th");
   for (std::size_t t = 0; t < trace.corrected.terms.size(); ++t) {
-    const actuator::Term& term = trace.corrected.terms[t];
+    const auto physical = [&](const actuator::JointModel& model) {
+      return actuator::PhysicalTerm(model, static_cast<int>(t));
+    };
+    const actuator::Term term = physical(trace.corrected);
     const effects::EffectInfo& info = term.effect->info();
     const bool was = t < trace.declared.terms.size() && term.declared;
     for (std::size_t i = 0; i < info.linear.size() + info.nonlinear.size(); ++i) {
@@ -173,20 +248,17 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
       const std::size_t k = linear ? i : i - info.linear.size();
       const auto& parameter = linear ? info.linear[k] : info.nonlinear[k];
       const auto& value = linear ? term.linear[k] : term.nonlinear[k];
-      const double shown = linear ? actuator::PhysicalValue(trace.corrected, static_cast<int>(t),
-                                                            static_cast<int>(k))
-                                  : value.value;
       std::string refitted = "&ndash;";
       std::string declared = "&ndash;";
       if (was) {
-        const actuator::Term& before = trace.declared.terms[t];
+        const actuator::Term before = physical(trace.declared);
         refitted = Short(linear ? before.linear[k].value : before.nonlinear[k].value);
-        const actuator::Term& nominal = trace.nominal.terms[t];
+        const actuator::Term nominal = physical(trace.nominal);
         declared = Short(linear ? nominal.linear[k].value : nominal.nonlinear[k].value);
       }
       out += HtmlRow({"<code>" + Escape(info.name) + "." +
                           Escape(effects::ParameterKey(parameter, kind)) + "</code>",
-                      declared, refitted, Short(shown),
+                      declared, refitted, Short(value.value),
                       value.fixed && !value.half_width_95 ? "known"
                       : value.half_width_95               ? Short(*value.half_width_95)
                                                           : "&ndash;"});
@@ -213,14 +285,14 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
 
   if (report.as_published) {
     const identify::AsPublishedResult& published = *report.as_published;
-    out +=
-        "<h2>With the publication's own processing</h2>\n<table>" +
-        HtmlRow({"relative error of the drive", "declared model", "with the effect"}, "th") +
-        HtmlRow({"training recording", Short(published.before_percent) + " %",
-                 Short(published.after_percent) + " %"}) +
-        HtmlRow({"cross test on the sealed recording", Short(published.cross_before_percent) + " %",
-                 Short(published.cross_after_percent) + " %"}) +
-        "</table>\n";
+    out += "<h2>With the publication's own processing</h2>\n<table>" +
+           HtmlRow({"relative error of the drive", "declared model", "with the effect"}, "th") +
+           HtmlRow({"training recording", Short(published.before_percent) + " %",
+                    Short(published.after_percent) + " %"}) +
+           HtmlRow({"cross test on the held-out recording",
+                    Short(published.cross_before_percent) + " %",
+                    Short(published.cross_after_percent) + " %"}) +
+           "</table>\n";
   }
 
   out += "<h2>What could not be seen</h2>\n";
@@ -234,7 +306,7 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
     out += "</table>\n";
   }
 
-  out += "<h2>What remains</h2>\n<p>";
+  out += Detectable(trace) + "<h2>What remains</h2>\n<p>";
   if (trace.unexplained.variable.empty()) {
     out += "Nothing that follows a single measured variable.";
   } else {

@@ -101,7 +101,7 @@ Picture MeasuredAgainstModel(const Report& report, const Design& sealed,
   const identify::Rows& rows = sealed.rows();
   const trace::TraceResult& trace = report.trace;
   const std::string unit = TorqueUnit(trace.corrected.kind);
-  const bool changed = !trace.effects.empty();
+  const bool changed = HasCorrection(trace);
   const double window_s = WindowLength(sealed);
   const Eigen::Index first = BusiestRow(sealed, torque, window_s);
   std::string data = "$d << EOD\n";
@@ -116,25 +116,24 @@ Picture MeasuredAgainstModel(const Report& report, const Design& sealed,
   }
   data += "EOD\n";
   Picture out;
-  out.title = "Measured against model, sealed recording";
+  out.title = "Measured against model, held-out recordings";
   out.caption =
       "Drive torque at the output, busiest " + Short(window_s) +
       " s. Gaps in the model are rest and reversals, which a moving model says nothing about.";
-  out.script = PictureHead(340) + data + "set xlabel 'time, s'\nset ylabel 'drive, " + unit +
-               "'\n" + "plot $d u 1:2 w l lw 3 lc rgb '" + kMeasuredColour +
-               "' t 'measured', '' u 1:3 w l lw 1.6 lc rgb '" + kBeforeColour +
-               "' t 'declared model, refitted'" +
-               (changed ? std::string(", '' u 1:4 w l lw 1.6 lc rgb '") + kAfterColour +
-                              "' t 'with the effect'"
-                        : "") +
-               "\n";
+  out.script =
+      PictureHead(340) + data + "set xlabel 'time, s'\nset ylabel 'drive, " + unit + "'\n" +
+      "plot $d u 1:2 w l lw 3 lc rgb '" + kMeasuredColour +
+      "' t 'measured', '' u 1:3 w l lw 1.6 lc rgb '" + kBeforeColour + "' t 'refitted'" +
+      (changed ? std::string(", '' u 1:4 w l lw 1.6 lc rgb '") + kAfterColour + "' t 'corrected'"
+               : "") +
+      "\n";
   return out;
 }
 
 Picture ResidualOverTime(const Report& report, const Design& sealed) {
   const identify::Rows& rows = sealed.rows();
   const trace::TraceResult& trace = report.trace;
-  const bool changed = !trace.effects.empty();
+  const bool changed = HasCorrection(trace);
   const std::string unit = TorqueUnit(trace.corrected.kind);
   const Eigen::Index step = std::max<Eigen::Index>(1, rows.size() / kMostPoints);
   std::string data = "$d << EOD\n";
@@ -148,14 +147,15 @@ Picture ResidualOverTime(const Report& report, const Design& sealed) {
   }
   data += "EOD\n";
   Picture out;
-  out.title = "Residual over time, sealed recording";
+  out.title = "Residual over time, held-out recordings";
   out.caption = "What the balance of torques leaves while the joint moves: " +
-                Short(trace.before_sealed.rms) + " " + unit + " rms before, " +
-                Short(trace.after_sealed.rms) + " " + unit + " rms after.";
+                Short(trace.before_sealed.rms) + " " + unit + " rms refitted, " +
+                Short(trace.after_sealed.rms) + " " + unit + " rms corrected.";
   out.script =
       PictureHead(300) + data + "set xlabel 'time, s'\nset ylabel 'residual, " + unit +
-      "'\nplot $d u 1:2 w l lw 1 lc rgb '" + kBeforeColour + "' t 'before'" +
-      (changed ? std::string(", '' u 1:3 w l lw 1 lc rgb '") + kAfterColour + "' t 'after'" : "") +
+      "'\nplot $d u 1:2 w l lw 1 lc rgb '" + kBeforeColour + "' t 'refitted'" +
+      (changed ? std::string(", '' u 1:3 w l lw 1 lc rgb '") + kAfterColour + "' t 'corrected'"
+               : "") +
       "\n";
   return out;
 }
@@ -164,7 +164,7 @@ Picture ResidualOverVariable(const Report& report, const Design& design, const A
                              const Eigen::VectorXd& before, const Eigen::VectorXd& after) {
   const trace::TraceResult& trace = report.trace;
   const std::string unit = TorqueUnit(trace.corrected.kind);
-  const bool changed = !trace.effects.empty();
+  const bool changed = HasCorrection(trace);
   const std::vector<Eigen::Index> used = design.rows().UsedRows();
   const Eigen::VectorXd x = design.Variable(axis.get);
   const std::size_t step = std::max<std::size_t>(1, used.size() / kMostPoints);
@@ -202,21 +202,22 @@ Picture ResidualOverVariable(const Report& report, const Design& design, const A
   for (const Eigen::Index i : used) sizes.push_back(std::abs(before[i]));
   const double limit = 1.3 * identify::Quantile(sizes, 0.995);
   Picture out;
-  out.title = "Residual against " + axis.label.substr(0, axis.label.find(',')) + ", train";
+  out.title =
+      "Residual against " + axis.label.substr(0, axis.label.find(',')) + ", training recordings";
   out.caption =
       "Dots: residual of the refitted declared model; lines: means over equal numbers of rows.";
-  out.script =
-      PictureHead(340) + points + means + "set xlabel '" + axis.label +
-      "'\nset ylabel 'residual, " + unit + "'\nset yrange [" + PictureNumber(-limit) + ":" +
-      PictureNumber(limit) +
-      "]\nplot $p u 1:2 w p pt 7 ps 0.28 lc rgb '#f0b98a' t 'before, every row', $m u 1:2 w lp pt "
-      "7 "
-      "ps 0.4 lw 2 lc rgb '" +
-      kBeforeColour + "' t 'before, mean'" +
-      (changed ? std::string(", '' u 1:3 w lp pt 7 ps 0.4 lw 2 lc rgb '") + kAfterColour +
-                     "' t 'after, mean'"
-               : "") +
-      "\n";
+  out.script = PictureHead(340) + points + means + "set xlabel '" + axis.label +
+               "'\nset ylabel 'residual, " + unit + "'\nset yrange [" + PictureNumber(-limit) +
+               ":" + PictureNumber(limit) +
+               "]\nplot $p u 1:2 w p pt 7 ps 0.28 lc rgb '#f0b98a' t 'refitted, every row', $m u "
+               "1:2 w lp pt "
+               "7 "
+               "ps 0.4 lw 2 lc rgb '" +
+               kBeforeColour + "' t 'refitted, mean'" +
+               (changed ? std::string(", '' u 1:3 w lp pt 7 ps 0.4 lw 2 lc rgb '") + kAfterColour +
+                              "' t 'corrected, mean'"
+                        : "") +
+               "\n";
   return out;
 }
 
@@ -255,7 +256,7 @@ Picture SpectrumByAngle(const Report& report, const Design& design, const Eigen:
   data += "EOD\n";
   Picture out;
   const std::string turn = motor ? "motor" : "output";
-  out.title = "Spectrum of the residual by angle, train";
+  out.title = "Spectrum of the residual by angle, training recordings";
   out.caption =
       "Amplitude at every order of the " + turn +
       "'s turn: what repeats with the angle (cogging, teeth, an oval wheel) stands out as "
@@ -263,10 +264,10 @@ Picture SpectrumByAngle(const Report& report, const Design& design, const Eigen:
   out.script =
       PictureHead(300) + data + "set xlabel 'periods per turn of the " + turn +
       "'\nset ylabel 'amplitude, " + TorqueUnit(trace.corrected.kind) +
-      "'\nset yrange [0:*]\nplot $d u 1:2 w l lw 1.6 lc rgb '" + kBeforeColour + "' t 'before'" +
-      (trace.effects.empty()
+      "'\nset yrange [0:*]\nplot $d u 1:2 w l lw 1.6 lc rgb '" + kBeforeColour + "' t 'refitted'" +
+      (!HasCorrection(trace)
            ? ""
-           : std::string(", '' u 1:3 w l lw 1.6 lc rgb '") + kAfterColour + "' t 'after'") +
+           : std::string(", '' u 1:3 w l lw 1.6 lc rgb '") + kAfterColour + "' t 'corrected'") +
       "\n";
   return out;
 }
@@ -324,35 +325,37 @@ Picture ErrorsByRound(const Report& report) {
     data += PictureNumber(at++) + " \"" + name + "\" " + PictureNumber(train) + " " +
             PictureNumber(sealed) + "\n";
   };
-  add("declared, refitted", trace.before_train.rms, trace.before_sealed.rms);
+  add("refitted", trace.before_train.rms, trace.before_sealed.rms);
   const bool jointly = trace.p_global.has_value();  // all effects in one set
   for (const trace::FoundEffect& effect : trace.effects) {
     if (effect.swallowed || effect.slow_motion != trace.slow_motion || jointly) continue;
     add("+ " + EffectLabel(trace, effect), effect.train_after, effect.sealed_after);
   }
-  if (jointly && !trace.effects.empty()) {
+  if (jointly && HasCorrection(trace)) {
     for (const trace::FoundEffect& effect : trace.effects) {
-      if (trace.effects.size() < 2 || effect.balance != effects::Balance::kMotion) continue;
+      if (trace.effects.size() < 2 || !effect.in_model()) continue;
+      if (effect.balance != effects::Balance::kMotion) continue;
       add("without " + EffectLabel(trace, effect), effect.train_before, effect.sealed_before);
     }
     add("corrected", trace.after_train.rms, trace.after_sealed.rms);
   }
   data += "EOD\n";
   Picture out;
-  out.title = jointly ? "Error, before and after" : "Error, round by round";
+  out.title = jointly ? "Error, refitted and corrected" : "Error, round by round";
   out.caption =
       "Root mean square of the residual. Dashed: noise floor (" +
       (trace.noise_floor_source.empty() ? std::string("unknown") : trace.noise_floor_source) + ").";
   const double floor = trace.noise_floor_rms;
-  out.script =
-      PictureHead(300) + data +
-      "set style fill solid 1 noborder\nset boxwidth 0.32\nset xrange [-0.6:" +
-      PictureNumber(at - 0.4) + "]\nset yrange [0:*]\nset grid nox\nset ylabel 'residual, " + unit +
-      "'\nset arrow from graph 0, first " + PictureNumber(floor) + " to graph 1, first " +
-      PictureNumber(floor) + " nohead dt 2 lw 1.5 lc rgb '#777777' front\n" +
-      "plot $e u ($1-0.17):3:xtic(2) w boxes lc rgb '#bdbdbd' t 'train', '' u ($1+0.17):4 w boxes "
-      "lc rgb '" +
-      kAfterColour + "' t 'sealed'\n";
+  out.script = PictureHead(300) + data +
+               "set style fill solid 1 noborder\nset boxwidth 0.32\nset xrange [-0.6:" +
+               PictureNumber(at - 0.4) +
+               "]\nset yrange [0:*]\nset grid nox\nset ylabel 'residual, " + unit +
+               "'\nset arrow from graph 0, first " + PictureNumber(floor) + " to graph 1, first " +
+               PictureNumber(floor) + " nohead dt 2 lw 1.5 lc rgb '#777777' front\n" +
+               "plot $e u ($1-0.17):3:xtic(2) w boxes lc rgb '#bdbdbd' t 'training', '' u "
+               "($1+0.17):4 w boxes "
+               "lc rgb '" +
+               kAfterColour + "' t 'held out'\n";
   return out;
 }
 
@@ -382,7 +385,7 @@ std::vector<Picture> MakePictures(const Report& report, const Design& train, con
     const trace::RoundReport& round = trace.rounds[i];
     if (i > 0 && round.slow_motion != trace.rounds[i - 1].slow_motion) number = 0;
     ++number;
-    if (i == 0 || !round.added.empty()) {
+    if (!round.scores.empty() && (i == 0 || !round.added.empty())) {
       out.push_back(Candidates(round, number, trace.p_global.has_value()));
     }
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "components/report/errors.h"
 #include "components/report/section.h"
 
 namespace sinew::report {
@@ -29,10 +30,20 @@ std::string EffectTitle(const std::string& name) {
   return effects::MakeEffect(name, {})->info().title;
 }
 
+bool HasCorrection(const trace::TraceResult& trace) {
+  return std::any_of(trace.effects.begin(), trace.effects.end(),
+                     [](const trace::FoundEffect& effect) { return effect.in_model(); });
+}
+
+actuator::Term FittedTerm(const trace::TraceResult& trace, const trace::FoundEffect& effect) {
+  if (!effect.fitted.empty()) return effect.fitted.front();
+  return actuator::PhysicalTerm(trace.corrected, effect.term);
+}
+
 std::string EffectLabel(const trace::TraceResult& trace, const trace::FoundEffect& effect) {
   int alike = 0;
   for (const trace::FoundEffect& other : trace.effects) alike += other.name == effect.name ? 1 : 0;
-  const actuator::Term& term = trace.corrected.terms[static_cast<std::size_t>(effect.term)];
+  const actuator::Term term = FittedTerm(trace, effect);
   const auto& nonlinear = term.effect->info().nonlinear;
   if (alike < 2 || nonlinear.empty()) return effect.name;
   return effect.name + " (" + effects::ParameterKey(nonlinear.front(), trace.corrected.kind) + " " +
@@ -45,41 +56,45 @@ std::string VerdictWord(trace::Verdict verdict) {
       return "effect";
     case trace::Verdict::kUnexplained:
       return "unexplained";
+    case trace::Verdict::kTooLittleData:
+      return "too_little_data";
     case trace::Verdict::kNone:
       break;
   }
   return "none";
 }
 
-std::string VerdictSentence(const Report& report) {
+namespace {
+
+// The verdict without what the model raises.
+std::string Found(const Report& report) {
   const trace::TraceResult& trace = report.trace;
   const std::string unit = TorqueUnit(trace.corrected.kind);
   switch (trace.verdict) {
     case trace::Verdict::kEffect: {
-      std::vector<std::string> names;
-      bool in_motion = false;
+      std::vector<std::string> names, left_out;
       for (const trace::FoundEffect& effect : trace.effects) {
-        names.push_back(EffectLabel(trace, effect));
-        in_motion = in_motion || effect.balance == effects::Balance::kMotion;
+        (effect.in_model() ? names : left_out).push_back(EffectLabel(trace, effect));
       }
-      std::vector<std::string> falls;
-      const auto fall = [&](const identify::ModelError& before, const identify::ModelError& after,
-                            const std::string& what) {
-        falls.push_back("from " + Short(before.rms) + " to " + Short(after.rms) + " " + what +
-                        " rms");
-      };
-      if (in_motion) fall(trace.before_sealed, trace.after_sealed, unit);
-      for (const trace::BalanceSummary& summary : trace.balances) {
-        if (summary.verdict != trace::Verdict::kEffect) continue;
-        fall(summary.before_sealed, summary.after_sealed,
-             summary.unit + " of the " + std::string(effects::BalanceName(summary.balance)) +
-                 " balance");
+      std::vector<std::string> errors;
+      for (const ErrorLine& line : ErrorTable(report)) {
+        const bool here = std::any_of(trace.effects.begin(), trace.effects.end(),
+                                      [&](const trace::FoundEffect& effect) {
+                                        return effect.in_model() && effect.balance == line.balance;
+                                      });
+        if (here && line.key == "held_out") errors.push_back(line.what + ": " + ThreeErrors(line));
       }
-      std::string out =
-          "The recordings are consistent with " + Join(names, " and ") +
-          (trace.slow_motion && in_motion ? ": where the sealed recording creeps the error goes "
-                                          : ": on the sealed recording the error goes ") +
-          Join(falls, " and ") + ".";
+      std::string out;
+      if (!names.empty()) {
+        out = "The recordings are consistent with " + Join(names, " and ") + ". Error of the " +
+              Join(errors, "; and of the ") + ".";
+      }
+      if (!left_out.empty()) {
+        out += (names.empty() ? "Training asks for " : " Training also asks for ") +
+               Join(left_out, " and ") +
+               ", which the held-out recording neither confirms nor refutes; " +
+               (left_out.size() == 1 ? "it is" : "they are") + " no part of the model.";
+      }
       for (const trace::FoundEffect& effect : trace.effects) {
         if (effect.rivals.empty()) continue;
         out += " " + Join(effect.rivals, " and ") +
@@ -89,12 +104,13 @@ std::string VerdictSentence(const Report& report) {
       if (trace.p_global) {
         std::vector<std::string> open;
         for (const trace::FoundEffect& effect : trace.effects) {
-          if (effect.confirmation.verdict != trace::ConfirmationVerdict::kConfirmed) {
+          if (effect.in_model() &&
+              effect.confirmation.verdict != trace::ConfirmationVerdict::kConfirmed) {
             open.push_back(effect.name);
           }
         }
         if (!open.empty()) {
-          out += " The sealed recording does not confirm " + Join(open, " and ") + ".";
+          out += " The held-out recording does not confirm " + Join(open, " and ") + ".";
         }
       }
       if (trace.effects.front().weak_evidence) {
@@ -110,18 +126,45 @@ std::string VerdictSentence(const Report& report) {
              " (" + Short(trace.unexplained.rms) + " " +
              std::string(effects::BalanceUnit(trace.unexplained.balance, trace.corrected.kind)) +
              " rms), and no effect of the catalogue explains it.";
+    case trace::Verdict::kTooLittleData:
+      return "There is too little data to judge: " + trace.too_little->reason +
+             ". Nothing was fitted.";
     case trace::Verdict::kNone:
       break;
   }
   return "No effect beyond the declared model can be shown: the refitted model leaves " +
-         Short(trace.before_sealed.rms) + " " + unit + " rms on the sealed recording" +
+         Short(trace.before_sealed.rms) + " " + unit + " rms on the held-out recordings" +
          (trace.noise_floor_rms > 0.0
               ? ", the noise floor is " + Short(trace.noise_floor_rms) + " " + unit + "."
               : ".");
 }
 
+}  // namespace
+
+std::string VerdictSentence(const Report& report) {
+  if (report.trace.too_little) return Found(report);
+  const std::string rise = RiseSentence(report);
+  return rise.empty() ? Found(report) : rise + " " + Found(report);
+}
+
+std::string RotationText(const trace::Rotation& rotation) {
+  std::vector<std::string> out;
+  for (const auto* list : {&rotation.trace.effects, &rotation.trace.refuted}) {
+    for (const trace::FoundEffect& effect : *list) {
+      out.push_back(effect.name + " (" +
+                    std::string(trace::ConfirmationWord(effect.confirmation.verdict)) + ")");
+    }
+  }
+  return out.empty() ? VerdictWord(rotation.trace.verdict) : Join(out, ", ");
+}
+
 std::string NextExperiment(const Report& report) {
   const trace::TraceResult& trace = report.trace;
+  if (trace.too_little) {
+    return "Record the joint moving for longer: both directions, several speeds, over its range, "
+           "in "
+           "one recording to train on and another one to hold out.";
+  }
   for (const trace::FoundEffect& effect : trace.effects) {
     if (effect.rivals.empty()) continue;
     return "To tell " + effect.name + " from " + Join(effect.rivals, " and ") + ": " +

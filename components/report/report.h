@@ -13,6 +13,7 @@
 #include "components/identify/data_gate.h"
 #include "components/identify/design.h"
 #include "components/report/picture.h"
+#include "components/trace/rotation.h"
 #include "components/trace/tracer.h"
 
 namespace sinew::report {
@@ -24,6 +25,9 @@ struct Recording {
   double duration_s = 0.0;
 };
 
+// The models of Report::free_run, in order.
+inline constexpr std::size_t kDeclaredModel = 0, kRefittedModel = 1, kCorrectedModel = 2;
+
 struct Report {
   std::string robot;
   std::string model_file;
@@ -34,7 +38,9 @@ struct Report {
   std::vector<identify::Finding> findings;
   trace::TraceResult trace;
   std::optional<identify::AsPublishedResult> as_published;
-  free_run::FreeRunResult free_run;  // of the sealed recordings
+  free_run::FreeRunResult free_run;  // declared, refitted, corrected on the held-out recordings
+  // Without held-out recordings each of the training ones was held out once.
+  std::vector<trace::Rotation> rotations;
   std::uint64_t seed = 1;
   double seconds = 0.0;  // it took
 };
@@ -44,10 +50,18 @@ std::string TorqueUnit(effects::JointKind kind);
 // Words for an effect's name, e.g. "Stribeck friction".
 std::string EffectTitle(const std::string& name);
 
+// Is any effect part of the corrected model?
+bool HasCorrection(const trace::TraceResult& trace);
+// The first term of an effect, linear parameters in their own units.
+actuator::Term FittedTerm(const trace::TraceResult& trace, const trace::FoundEffect& effect);
+
 // The effect's name; with its first nonlinear parameter when it was found more than once.
 std::string EffectLabel(const trace::TraceResult& trace, const trace::FoundEffect& effect);
 
-// The verdict in one sentence.
+// What a rotation found, e.g. "stribeck (confirmed)"; "refuted" ones as well.
+std::string RotationText(const trace::Rotation& rotation);
+
+// The verdict in words; an error that the model raises comes first.
 std::string VerdictSentence(const Report& report);
 // The experiment that would separate the effect from its rivals or show what is hidden; may be
 // empty.
@@ -58,6 +72,9 @@ std::string VerdictWord(trace::Verdict verdict);
 // round.
 std::vector<Picture> MakePictures(const Report& report, const identify::Design& train,
                                   const identify::Design& sealed);
+
+// The page where too little was recorded to judge (TraceResult::too_little).
+std::string FormatTooLittleHtml(const Report& report);
 
 // The page. svgs: one per picture, in order.
 std::string FormatHtml(const Report& report, const std::vector<Picture>& pictures,

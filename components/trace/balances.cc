@@ -94,10 +94,14 @@ TraceResult TraceBalance(effects::Balance balance, const std::vector<identify::R
   actuator::JointModel model = corrected;
   model.balance = balance;
   BalanceDesigns sight = MakeBalanceDesigns(balance, train, sealed, model, motion);
-  if (sight.why_not.empty() && options.engine == Engine::kLikelihood) {
-    return TraceByLikelihood(*sight.train, *sight.sealed, model, options);
+  try {
+    if (sight.why_not.empty() && options.engine == Engine::kLikelihood) {
+      return TraceByLikelihood(*sight.train, *sight.sealed, model, options);
+    }
+    if (sight.why_not.empty()) return Trace(*sight.train, *sight.sealed, model, options);
+  } catch (const identify::TooLittleData& error) {
+    sight.why_not = error.what();
   }
-  if (sight.why_not.empty()) return Trace(*sight.train, *sight.sealed, model, options);
   TraceResult out;
   out.nominal = out.declared = out.corrected = std::move(model);
   for (const auto& form : effects::EffectForms()) {
@@ -126,6 +130,7 @@ TraceResult WithBalance(TraceResult motion, TraceResult other) {
   motion.corrected = std::move(other.corrected);
   for (FoundEffect& effect : other.effects) motion.effects.push_back(std::move(effect));
   for (FoundEffect& effect : other.refuted) motion.refuted.push_back(std::move(effect));
+  for (DetectableSize& size : other.detectable) motion.detectable.push_back(std::move(size));
   for (ParameterShift& shift : other.shifts) motion.shifts.push_back(std::move(shift));
   // An effect with a form in both balances is seen when either shows it, and told once.
   for (NotExcited& hidden : other.not_excited) {

@@ -7,6 +7,7 @@
 #include "components/trace/balances.h"
 #include "components/trace/band.h"
 #include "components/trace/likelihood_tracer.h"
+#include "components/trace/rules.h"
 #include "components/trace/slow_motion.h"
 
 namespace sinew::trace {
@@ -72,11 +73,17 @@ void DropFindings(LoopResult* loop) {
   loop->sealed->PredictDrive(trace.corrected);
 }
 
-}  // namespace
+TraceResult NotJudged(const actuator::JointModel& joint, TooLittle why) {
+  TraceResult out;
+  out.verdict = Verdict::kTooLittleData;
+  out.nominal = out.declared = out.corrected = joint;
+  out.too_little = std::move(why);
+  return out;
+}
 
-LoopResult CloseLoop(const std::vector<identify::Run>& train,
-                     const std::vector<identify::Run>& sealed, const actuator::JointModel& joint,
-                     const identify::ProcessingOptions& wished, const TraceOptions& given) {
+LoopResult Judge(const std::vector<identify::Run>& train, const std::vector<identify::Run>& sealed,
+                 const actuator::JointModel& joint, const identify::ProcessingOptions& wished,
+                 const TraceOptions& given) {
   // Every balance may give a false alarm: all of them together as seldom as one alone.
   const std::vector<effects::Balance> others = OtherBalances(joint);
   const auto traces = static_cast<double>(1 + others.size());
@@ -98,6 +105,10 @@ LoopResult CloseLoop(const std::vector<identify::Run>& train,
   loop.train.emplace(std::move(states), loop.processing);
   loop.sealed.emplace(identify::MakeStates(sealed, joint, loop.processing), loop.processing);
   if (raw) {
+    if (auto too_little = FindTooLittle(*loop.train, *loop.sealed, joint)) {
+      loop.trace = NotJudged(joint, std::move(*too_little));
+      return loop;
+    }
     loop.trace = TraceByLikelihood(*loop.train, *loop.sealed, joint, options);
   } else {
     loop.trace = Trace(*loop.train, *loop.sealed, joint, options);
@@ -122,6 +133,21 @@ LoopResult CloseLoop(const std::vector<identify::Run>& train,
   // The smallest p of several balances, each of which may give a false alarm (Bonferroni).
   if (loop.trace.p_global) loop.trace.p_global = std::min(1.0, traces * *loop.trace.p_global);
   return loop;
+}
+
+}  // namespace
+
+LoopResult CloseLoop(const std::vector<identify::Run>& train,
+                     const std::vector<identify::Run>& sealed, const actuator::JointModel& joint,
+                     const identify::ProcessingOptions& wished, const TraceOptions& options) {
+  try {
+    return Judge(train, sealed, joint, wished, options);
+  } catch (const identify::TooLittleData& error) {
+    LoopResult out;
+    out.trace = NotJudged(
+        joint, {.rule = rules::kRows.id, .limit = rules::kRows.limit, .reason = error.what()});
+    return out;
+  }
 }
 
 void RequireSealed(const std::vector<identify::Run>& train,

@@ -1,6 +1,7 @@
 // The whole path of `sinew close-loop` between reading and writing: recordings in, what was found
 // out. The data gate, the states, the trace and the second look where the recordings creep. Pure;
-// allocates; reads no clock. Throws std::invalid_argument for recordings that cannot be used.
+// allocates; reads no clock. Recordings that are too short or too still end as kTooLittleData.
+// Throws std::invalid_argument for those that cannot be used: signals that the model needs.
 #pragma once
 
 #include <cstdint>
@@ -22,6 +23,7 @@ struct LoopResult {
   identify::ProcessingOptions processing;   // resolved; of slow motion when only that look found
   std::vector<identify::Finding> findings;  // of the training recordings
   TraceResult trace;
+  // Empty when nothing was judged.
   std::optional<identify::Design> train;  // with the processing that `trace` was judged by
   std::optional<identify::Design> sealed;
 };

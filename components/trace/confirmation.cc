@@ -7,13 +7,6 @@
 
 namespace sinew::trace {
 
-namespace {
-
-// Fewer give no interval worth the name.
-constexpr std::size_t kFewestBlocks = 4;
-
-}  // namespace
-
 std::string_view ConfirmationWord(ConfirmationVerdict verdict) {
   switch (verdict) {
     case ConfirmationVerdict::kConfirmed:
@@ -32,7 +25,8 @@ Confirmation ConfirmSlope(const Eigen::Ref<const Eigen::VectorXd>& left_over,
   Confirmation out;
   out.blocks = static_cast<int>(blocks.size());
   const double power = change.squaredNorm();
-  if (!(power > 0.0) || blocks.size() < kFewestBlocks) return out;
+  if (!(power > 0.0) || static_cast<double>(blocks.size()) < rules::kHeldOutBlocks.limit)
+    return out;
   out.slope = change.dot(left_over) / power;
   double meat = 0.0;
   for (const identify::Block& block : blocks) {

@@ -49,16 +49,18 @@ class Judge {
     return GainStatistic(gain, problem_.hypotheses()[hypothesis]);
   }
 
-  // p of a statistic beside `base`; noise: what `grown` leaves.
-  double P(const EffectSet& base, const EffectSet& grown, double statistic) const {
+  // Of what is added to `base`; noise: what `grown` leaves.
+  NullTest Test(const EffectSet& base, const EffectSet& grown) const {
     return NullTest(problem_.X, problem_.Z, problem_.Left(grown), problem_.evidence,
                     problem_.hypotheses(), base.columns, likelihood_.used.blocks, bootstrap_.rounds,
-                    bootstrap_.seed)
-        .P(statistic);
+                    bootstrap_.seed);
+  }
+  double P(const EffectSet& base, const EffectSet& grown, double statistic) const {
+    return Test(base, grown).P(statistic);
   }
 
   // Of the largest statistic of the whole search, an effect's or a curve's.
-  double GlobalP(const SetSearch& found) const {
+  double GlobalP(const SetSearch& found) {
     EffectSet loudest = found.curve;
     const auto statistic = [&](const EffectSet& single) {
       return single.empty() ? -1e300 : Statistic(single.gain, single.members.front());
@@ -66,7 +68,10 @@ class Judge {
     for (const EffectSet& single : found.singles) {
       if (statistic(single) > statistic(loudest)) loudest = single;
     }
-    return loudest.empty() ? 1.0 : P({}, loudest, statistic(loudest));
+    if (loudest.empty()) return 1.0;
+    const NullTest test = Test({}, loudest);
+    out_.least_statistic = test.Least(rules::kGlobalP.limit);
+    return test.P(statistic(loudest));
   }
 
   bool EnoughMore(const EffectSet& without, const EffectSet& with) const {

@@ -17,6 +17,7 @@ namespace sinew::trace {
 
 struct SetJudgement {
   double p_global = 1.0;
+  double least_statistic = 0.0;                  // whose p is at most the limit of p_global
   EffectSet chosen;                              // may be empty
   std::vector<std::vector<std::string>> rivals;  // of every member, best first
   Unexplained unexplained;                       // variable empty: nothing
@@ -33,12 +34,5 @@ SetJudgement JudgeSets(const Problem& problem, const Likelihood& likelihood,
                        const identify::Design& design, const actuator::JointModel& declared,
                        std::size_t largest_set, const BootstrapOptions& bootstrap,
                        const std::set<std::string>& refuted = {});
-
-// What the recordings could not have shown, and what they could (effect names).
-struct Sensitivity {
-  std::vector<NotExcited> not_excited;
-  std::vector<std::string> judged;
-};
-Sensitivity FindSensitivity(const Problem& problem);
 
 }  // namespace sinew::trace

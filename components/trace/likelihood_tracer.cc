@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <set>
 #include <string>
 
+#include "components/trace/agreed_set.h"
 #include "components/trace/ceiling.h"
 #include "components/trace/judgement.h"
 #include "components/trace/rules.h"
+#include "components/trace/sensitivity.h"
 #include "components/trace/shift.h"
 
 namespace sinew::trace {
@@ -61,12 +64,13 @@ using JudgeBy = std::function<SetJudgement(const std::set<std::string>& refuted)
 class Correction {
  public:
   Correction(Design& train, Design& sealed, const LikelihoodFit& base, const Problem& problem,
-             const actuator::JointModel& declared)
+             const actuator::JointModel& declared, bool keep_unconfirmed)
       : train_(train),
         sealed_(sealed),
         base_(base),
         problem_(problem),
         declared_(declared),
+        keep_unconfirmed_(keep_unconfirmed),
         corrected_(base.fit) {}
 
   // Fits the set and confirms every member. A member that is wrong spoils the prediction of the
@@ -79,17 +83,23 @@ class Correction {
       judged_ = judge(refuted);
       if (round == 0) {
         result->p_global = judged_.p_global;
+        least_statistic_ = judged_.least_statistic;
         result->rounds.front().scores = judged_.scores;
       }
       result->unexplained = judged_.unexplained;
       if (judged_.chosen.empty()) return;
       Confirm(round > 0, result);
-      if (!result->effects.empty()) return;
+      if (!result->effects.empty()) {
+        if (!keep_unconfirmed_) LeaveUnconfirmed(result);
+        return;
+      }
       for (const FoundEffect& found : result->refuted) refuted.insert(found.name);
     }
   }
 
   const FitResult& corrected() const { return corrected_; }
+  // Of the first search, for the limit of p_global.
+  double least_statistic() const { return least_statistic_; }
 
  private:
   // Priors are those of what was declared, not of an earlier fit.
@@ -131,13 +141,43 @@ class Correction {
       found[*leaves].term = -1;
       result->refuted.push_back(std::move(found[*leaves]));
       result->events.clear();
-      std::vector<std::size_t> kept = set_.members;
-      kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(*leaves));
-      rivals_.erase(rivals_.begin() + static_cast<std::ptrdiff_t>(*leaves));
-      set_ = FitSet(problem_.evidence, problem_.hypotheses(), std::move(kept));
-      corrected_ = base_.fit;
-      PredictDrive(base_.fit.model);
+      Leave(*leaves);
     }
+  }
+
+  // What the held-out recordings leave open is reported, but no part of the model: the weakest
+  // leaves, and the others are confirmed anew without it. Its events stay known.
+  void LeaveUnconfirmed(TraceResult* result) {
+    std::vector<FoundEffect>& found = result->effects;
+    std::vector<FoundEffect> open;
+    while (!found.empty()) {
+      std::optional<std::size_t> leaves;
+      for (std::size_t k = 0; k < found.size(); ++k) {
+        if (found[k].confirmation.verdict == ConfirmationVerdict::kConfirmed) continue;
+        if (!leaves || found[k].gain_share < found[*leaves].gain_share) leaves = k;
+      }
+      if (!leaves) break;
+      FoundEffect effect = std::move(found[*leaves]);
+      effect.term = -1;
+      // It was not refuted in the company in which it was chosen.
+      effect.confirmation.verdict = ConfirmationVerdict::kNotConfirmed;
+      open.push_back(std::move(effect));
+      Leave(*leaves);
+      found.clear();
+      if (!set_.empty()) Fit();
+      for (std::size_t k = 0; k < set_.members.size(); ++k) found.push_back(Describe(k));
+    }
+    std::move(open.begin(), open.end(), std::back_inserter(found));
+  }
+
+  // Takes a member out of the set; the model is that of the declared terms until the next Fit.
+  void Leave(std::size_t member) {
+    std::vector<std::size_t> kept = set_.members;
+    kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(member));
+    rivals_.erase(rivals_.begin() + static_cast<std::ptrdiff_t>(member));
+    set_ = FitSet(problem_.evidence, problem_.hypotheses(), std::move(kept));
+    corrected_ = base_.fit;
+    PredictDrive(base_.fit.model);
   }
 
   // Twice: effects that read the drive see the one that the corrected model needs.
@@ -181,6 +221,9 @@ class Correction {
     found.name = problem_.hypotheses()[set_.members[k]].name;
     found.balance = corrected_.model.balance;
     found.term = terms_[k].front();
+    for (const int term : terms_[k]) {
+      found.fitted.push_back(actuator::PhysicalTerm(corrected_.model, term));
+    }
     found.rivals = rivals_[k];
     std::vector<std::size_t> others = set_.members;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
@@ -228,9 +271,11 @@ class Correction {
   const Problem& problem_;
   SetJudgement judged_;
   const actuator::JointModel& declared_;  // its drive factor is the unit of errors
-  EffectSet set_;                         // what is left of the chosen one
+  const bool keep_unconfirmed_;
+  EffectSet set_;  // what is left of the chosen one
   std::vector<std::vector<std::string>> rivals_;
   FitResult corrected_;
+  double least_statistic_ = 0.0;
   std::vector<std::vector<int>> terms_;  // of the corrected model, by member
 };
 
@@ -261,12 +306,21 @@ void NoteOutcome(const TraceResult& result, std::vector<CandidateScore>* scores)
   }
 }
 
-void NoteErrors(const Design& train, const Design& sealed, const LikelihoodFit& base,
-                TraceResult* result) {
+// The drive that terms read is the one that each model predicts; at the end that of `drive`.
+void NoteErrors(const LikelihoodFit& base, const actuator::JointModel& drive,
+                Design* predicted_train, Design* predicted_sealed, TraceResult* result) {
+  const Design &train = *predicted_train, &sealed = *predicted_sealed;
+  const auto predict = [&](const actuator::JointModel& model) {
+    predicted_train->PredictDrive(model);
+    predicted_sealed->PredictDrive(model);
+  };
+  predict(result->nominal);
   result->nominal_train = identify::ErrorOf(train, result->nominal);
   result->nominal_sealed = identify::ErrorOf(sealed, result->nominal);
+  predict(base.fit.model);
   result->before_train = identify::ErrorOf(train, base.fit.model, result->nominal);
   result->before_sealed = identify::ErrorOf(sealed, base.fit.model, result->nominal);
+  predict(drive);
   const double scale =
       base.fit.balance.fits_scale ? base.fit.balance.Scale(base.fit.coefficients) : 1.0;
   const NoiseFloor floor = EstimateNoiseFloor(train, base.fit.balance, scale);
@@ -295,10 +349,7 @@ TraceResult TraceByLikelihood(Design& train, Design& sealed, const actuator::Joi
   result.units = static_cast<int>(base.likelihood.used.blocks.size());
   result.unit_kind = "block";
   result.unit_length_s = base.likelihood.used.block_s;
-  NoteErrors(train, sealed, reported, &result);
-  Sensitivity sensitivity = FindSensitivity(problem);
-  result.not_excited = std::move(sensitivity.not_excited);
-  result.judged = std::move(sensitivity.judged);
+  NoteErrors(reported, base.fit.model, &train, &sealed, &result);
 
   RoundReport round;
   round.train_rms = reported.fit.rms;
@@ -307,15 +358,24 @@ TraceResult TraceByLikelihood(Design& train, Design& sealed, const actuator::Joi
   result.rounds.push_back(std::move(round));
 
   progress("sets of effects and their confirmation", 0.5);
-  Correction correction(train, sealed, reported, problem, model);
+  Correction correction(train, sealed, reported, problem, model, options.keep_unconfirmed);
   const BootstrapOptions bootstrap{.rounds = options.placebo_rounds, .seed = options.seed};
+  const std::set<std::string> unasked = Unasked(problem, options.agreed);
   correction.Run(
-      [&](const std::set<std::string>& refuted) {
-        return JudgeSets(problem, base.likelihood, train, model,
-                         static_cast<std::size_t>(options.max_rounds), bootstrap, refuted);
+      [&](std::set<std::string> refuted) {
+        refuted.insert(unasked.begin(), unasked.end());
+        SetJudgement judged =
+            JudgeSets(problem, base.likelihood, train, model,
+                      static_cast<std::size_t>(options.max_rounds), bootstrap, refuted);
+        if (options.agreed) ChooseAgreed(problem, *options.agreed, refuted, &judged);
+        return judged;
       },
       &result);
   NoteOutcome(result, &result.rounds.front().scores);
+  result.detectable = FindDetectable(problem, model, correction.least_statistic());
+  Sensitivity sensitivity = FindSensitivity(problem, result.detectable);
+  result.not_excited = std::move(sensitivity.not_excited);
+  result.judged = std::move(sensitivity.judged);
 
   result.corrected = correction.corrected().model;
   result.corrected_fit = correction.corrected();

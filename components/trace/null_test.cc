@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 
 namespace sinew::trace {
@@ -12,6 +13,14 @@ double GainStatistic(double gain, const Hypothesis& hypothesis) {
   const double searched = std::max(0.0, hypothesis.charge - 2.0 * k);
   const double spread = 2.0 / (9.0 * k);
   return (std::cbrt(std::max(0.0, gain - searched) / k) - (1.0 - spread)) / std::sqrt(spread);
+}
+
+double GainOfStatistic(double statistic, const Hypothesis& hypothesis) {
+  const double k = static_cast<double>(hypothesis.columns.size());
+  const double searched = std::max(0.0, hypothesis.charge - 2.0 * k);
+  const double spread = 2.0 / (9.0 * k);
+  const double root = std::max(0.0, statistic * std::sqrt(spread) + 1.0 - spread);
+  return searched + k * root * root * root;
 }
 
 NullTest::NullTest(const Eigen::Ref<const Eigen::MatrixXd>& X,
@@ -75,6 +84,14 @@ NullTest::NullTest(const Eigen::Ref<const Eigen::MatrixXd>& X,
 double NullTest::P(double statistic) const {
   const auto reach = largest_.end() - std::lower_bound(largest_.begin(), largest_.end(), statistic);
   return (1.0 + static_cast<double>(reach)) / (1.0 + static_cast<double>(largest_.size()));
+}
+
+double NullTest::Least(double p) const {
+  const double rounds = static_cast<double>(largest_.size());
+  const double reach = std::floor(p * (1.0 + rounds) + 1e-9) - 1.0;  // that may reach it
+  if (reach < 0.0) return std::numeric_limits<double>::infinity();
+  if (reach >= rounds) return -std::numeric_limits<double>::infinity();
+  return largest_[largest_.size() - 1 - static_cast<std::size_t>(reach)];
 }
 
 }  // namespace sinew::trace

@@ -20,6 +20,9 @@ namespace sinew::trace {
 // Normal quantile of a gain by `parameters` columns, less what its search was charged.
 double GainStatistic(double gain, const Hypothesis& hypothesis);
 
+// Least gain with that statistic.
+double GainOfStatistic(double statistic, const Hypothesis& hypothesis);
+
 class NullTest {
  public:
   // X, Z: whitened declared columns and bank; noise: whitened residual of the best model; given:
@@ -32,6 +35,8 @@ class NullTest {
   // Share of searches without an effect whose largest statistic reaches this one; at least
   // 1 / (rounds + 1).
   double P(double statistic) const;
+  // What a statistic must exceed so that its P is at most p; infinite: no statistic does.
+  double Least(double p) const;
   // Largest statistic of every round.
   const std::vector<double>& largest() const { return largest_; }
 

@@ -9,7 +9,6 @@ namespace sinew::trace {
 
 namespace {
 
-constexpr int kFewestRowsPerBlock = 20;
 // Periods of the angles' low-pass over which the noise's scale is taken.
 constexpr double kScalePeriods = 3.0;
 // Standard deviations: one of a thousand million normal rows is further out.
@@ -22,12 +21,6 @@ constexpr std::uint64_t kEventSeed = 1;
 Eigen::Index ScaleWindow(const identify::Design& design) {
   return static_cast<Eigen::Index>(
       std::ceil(kScalePeriods * design.states().rate_Hz / design.options().state_cutoff_Hz));
-}
-
-// The noise may be coloured over two periods of the angles' low-pass.
-int LongestOrder(const identify::Design& design) {
-  const double rows = design.states().rate_Hz / std::max(1e-9, design.options().state_cutoff_Hz);
-  return static_cast<int>(std::clamp(std::ceil(2.0 * rows), 6.0, 40.0));
 }
 
 Eigen::VectorXd Residual(const identify::FitResult& fit, const UsedRows& used) {
@@ -62,6 +55,11 @@ void LeaveOutliers(const identify::Design& design, const Eigen::VectorXd& rest,
 }
 
 }  // namespace
+
+int LongestOrder(const identify::Design& design) {
+  const double rows = design.states().rate_Hz / std::max(1e-9, design.options().state_cutoff_Hz);
+  return static_cast<int>(std::clamp(std::ceil(2.0 * rows), 6.0, 40.0));
+}
 
 Eigen::VectorXd Richest(const Problem& problem) {
   Columns all;

@@ -24,6 +24,11 @@ struct Problem {
   Eigen::VectorXd Part(const EffectSet& set) const;
 };
 
+// Rows of a block at least.
+inline constexpr int kFewestRowsPerBlock = 20;
+// Rows over which the noise may be coloured: two periods of the angles' low-pass, 6 to 40.
+int LongestOrder(const identify::Design& design);
+
 // What is left with everything in the model, not whitened: noise.
 Eigen::VectorXd Richest(const Problem& problem);
 

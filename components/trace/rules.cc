@@ -7,11 +7,11 @@ namespace sinew::trace {
 
 std::span<const Rule> AllRules() {
   static constexpr std::array kAll = {
-      rules::kGlobalP,      rules::kExplainedShare, rules::kSurprise,    rules::kShapeMisfit,
-      rules::kMemberP,      rules::kCurveShare,     rules::kClearlyMore, rules::kConstancy,
-      rules::kSameClass,    rules::kDetectable,     rules::kAbsorbed,    rules::kSlopeBand,
-      rules::kRefutedBelow, rules::kInterval,       rules::kRaises,      rules::kEventPeak,
-      rules::kEventAlone};
+      rules::kBlocks,         rules::kRows,        rules::kHeldOutBlocks, rules::kGlobalP,
+      rules::kExplainedShare, rules::kSurprise,    rules::kShapeMisfit,   rules::kMemberP,
+      rules::kCurveShare,     rules::kClearlyMore, rules::kConstancy,     rules::kSameClass,
+      rules::kDetectable,     rules::kAbsorbed,    rules::kSlopeBand,     rules::kRefutedBelow,
+      rules::kInterval,       rules::kRaises,      rules::kEventPeak,     rules::kEventAlone};
   return kAll;
 }
 

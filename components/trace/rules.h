@@ -17,6 +17,15 @@ struct Rule {
 
 namespace rules {
 
+inline constexpr Rule kBlocks = {
+    "blocks", "independent blocks of the training recordings (enough_data.h)", 8.0,
+    "2^(blocks - 1) patterns of signs: fewer than 8 cannot reach p_global"};
+inline constexpr Rule kRows = {
+    "rows", "used rows of the training recordings for each fitted parameter", 10.0,
+    "fewer overfit (Harrell 2001, Regression Modeling Strategies, 4.4)"};
+inline constexpr Rule kHeldOutBlocks = {
+    "held_out_blocks", "independent blocks of the held-out recordings", 4.0,
+    "fewer give no interval of the slope: Student's t with 2 degrees of freedom is 4.3"};
 inline constexpr Rule kGlobalP = {"p_global",
                                   "p of the largest statistic of the whole search (null_test.h)",
                                   0.01, "one alarm in a hundred recordings without an effect"};

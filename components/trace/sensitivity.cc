@@ -1,3 +1,5 @@
+#include "components/trace/sensitivity.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -5,7 +7,7 @@
 #include <map>
 
 #include "components/identify/statistics.h"
-#include "components/trace/judgement.h"
+#include "components/trace/null_test.h"
 #include "components/trace/rules.h"
 
 namespace sinew::trace {
@@ -13,16 +15,75 @@ namespace sinew::trace {
 namespace {
 
 // Quantile of the normal distribution that 80 % lie below.
-constexpr double kPower = 0.8416;
+constexpr double kPowerQuantile = 0.8416;
 
-struct Shown {
-  double detectable = std::numeric_limits<double>::infinity();  // rms, share of the measured side
-  double free = 0.0;  // part of its power that the declared terms do not carry
-};
+// Lines are there when they are found.
+bool HasSize(const Hypothesis& h) { return h.physical() && h.settings.size() == 1; }
+
+std::vector<std::pair<std::string, double>> ShapeOf(const Hypothesis& h, effects::JointKind kind) {
+  std::vector<std::pair<std::string, double>> out;
+  const auto& infos = h.effect->info().nonlinear;
+  const std::vector<double>& psi = h.settings.front().psi;
+  for (std::size_t i = 0; i < infos.size() && i < psi.size(); ++i) {
+    if (i == 0 && h.effect->info().event) continue;  // an instant is no shape
+    out.emplace_back(effects::ParameterKey(infos[i], kind), psi[i]);
+  }
+  return out;
+}
 
 }  // namespace
 
-Sensitivity FindSensitivity(const Problem& problem) {
+double NeededGain(const Hypothesis& hypothesis, double misfit, double statistic) {
+  // The effect is part of the misfit that its share is taken of.
+  const double share = rules::kExplainedShare.limit;
+  const double by_share = (share * misfit + hypothesis.charge) / (1.0 - share);
+  return std::max(by_share, GainOfStatistic(statistic, hypothesis));
+}
+
+double GainForPower(double needed, int columns) {
+  // mean k + l, variance 2 k + 4 l = s^2; l + k - z s = needed.
+  const double k = columns;
+  const double inside =
+      4.0 * kPowerQuantile * kPowerQuantile - 2.0 * k + 4.0 * std::max(0.0, needed);
+  const double s = 2.0 * kPowerQuantile + std::sqrt(std::max(0.0, inside));
+  return std::max(0.0, 0.25 * (s * s - 2.0 * k));
+}
+
+std::vector<DetectableSize> FindDetectable(const Problem& problem,
+                                           const actuator::JointModel& declared, double statistic) {
+  const Evidence& evidence = problem.evidence;
+  const double target_rms = identify::Rms(problem.bank.target);
+  const double drive_share = actuator::DriveShare(declared, declared.balance);
+  std::map<std::pair<std::string, std::size_t>, DetectableSize> best;
+  for (const Hypothesis& h : problem.hypotheses()) {
+    if (!HasSize(h) || !(target_rms > 0.0)) continue;
+    const double gain = GainForPower(NeededGain(h, evidence.misfit(), statistic),
+                                     static_cast<int>(h.columns.size()));
+    const auto& infos = h.effect->info().linear;
+    for (std::size_t i = 0; i < h.columns.size() && i < infos.size(); ++i) {
+      const Eigen::Index j = h.columns[i];
+      const double reduced = evidence.reduced()(j, j);
+      if (!(evidence.FreeShare(j) >= rules::kAbsorbed.limit) || !(reduced > 0.0)) continue;
+      const double c = std::sqrt(gain / reduced);
+      const double share = c * identify::Rms(problem.bank.columns.col(j)) / target_rms;
+      const auto [at, fresh] = best.try_emplace({h.name, i});
+      if (!fresh && at->second.share <= share) continue;
+      at->second = {
+          .effect = h.name,
+          .balance = declared.balance,
+          .parameter = effects::ParameterKey(infos[i], declared.kind),
+          .unit = std::string(effects::UnitSuffix(infos[i].dimension, declared.kind)),
+          .size = std::abs(problem.scale) * c / (infos[i].relative_to_drive ? drive_share : 1.0),
+          .share = share,
+          .shape = ShapeOf(h, declared.kind)};
+    }
+  }
+  std::vector<DetectableSize> out;
+  for (auto& [key, size] : best) out.push_back(std::move(size));
+  return out;
+}
+
+Sensitivity FindSensitivity(const Problem& problem, const std::vector<DetectableSize>& detectable) {
   Sensitivity out;
   for (const MissingSignals& missing : problem.bank.missing) {
     out.not_excited.push_back({missing.effect, "not recorded: " + missing.fields});
@@ -30,34 +91,23 @@ Sensitivity FindSensitivity(const Problem& problem) {
   for (const MissingSignals& silent : problem.bank.silent) {
     out.not_excited.push_back({silent.effect, silent.fields + " contains only noise"});
   }
-  const Evidence& evidence = problem.evidence;
-  const double target_rms = identify::Rms(problem.bank.target);
-  const double limit = rules::kExplainedShare.limit * evidence.misfit();
-  // Gain that exceeds the limit in 80 % of recordings: it scatters by twice its square root
-  // (noncentral chi-square).
-  const double needed = limit + 2.0 * kPower * std::sqrt(limit);
-  std::map<std::string, Shown> shown;
+  // Smallest share of the measured side by effect; none: absorbed.
+  std::map<std::string, double> smallest;
   for (const Hypothesis& h : problem.hypotheses()) {
-    if (!h.physical() || h.settings.size() > 1) continue;  // lines are there when they are found
-    Shown& of = shown[h.name];
-    for (const Eigen::Index j : h.columns) {
-      of.free = std::max(of.free, evidence.FreeShare(j));
-      const double reduced = evidence.reduced()(j, j);
-      if (!(reduced > 0.0) || !(target_rms > 0.0)) continue;
-      const double size = std::sqrt(needed / reduced);
-      of.detectable =
-          std::min(of.detectable, size * identify::Rms(problem.bank.columns.col(j)) / target_rms);
-    }
+    if (HasSize(h)) smallest.try_emplace(h.name, std::numeric_limits<double>::infinity());
   }
-  for (const auto& [name, of] : shown) {
-    if (of.free < rules::kAbsorbed.limit) {
+  for (const DetectableSize& size : detectable) {
+    double& share = smallest[size.effect];
+    share = std::min(share, size.share);
+  }
+  for (const auto& [name, share] : smallest) {
+    if (!std::isfinite(share)) {
       out.not_excited.push_back(
           {name, "the declared terms carry all of it: only a shift of parameters shows"});
-    } else if (of.detectable > rules::kDetectable.limit) {
+    } else if (share > rules::kDetectable.limit) {
       char text[120];
       std::snprintf(text, sizeof text,
-                    "up to %.2g %% of the measured side could hide in this motion",
-                    100.0 * of.detectable);
+                    "up to %.2g %% of the measured side could hide in this motion", 100.0 * share);
       out.not_excited.push_back({name, text});
     } else {
       out.judged.push_back(name);

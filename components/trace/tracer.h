@@ -11,7 +11,9 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "components/actuator/model.h"
@@ -19,6 +21,7 @@
 #include "components/identify/fit.h"
 #include "components/trace/confirmation.h"
 #include "components/trace/cross_validation.h"
+#include "components/trace/enough_data.h"
 
 namespace sinew::trace {
 
@@ -36,6 +39,12 @@ struct TraceOptions {
   double smallest_explainable_share = 0.05;  // gain / explainable variance
   double smallest_residual_share = 0.05;     // gain / residual variance
   std::vector<std::string> only;             // candidates by name; empty: the whole catalogue
+  // Effects that the held-out recordings neither confirm nor refute stay in the corrected model
+  // (likelihood engine; the other one confirms none and keeps all).
+  bool keep_unconfirmed = false;
+  // These effects and no others are fitted by the likelihood engine, whatever its rules
+  // (rotation.h).
+  std::optional<std::set<std::string>> agreed;
   // Called with a line of progress and the share done, 0 to 1.
   std::function<void(const std::string&, double)> progress;
 };
@@ -72,7 +81,10 @@ struct RoundReport {
 struct FoundEffect {
   std::string name;
   effects::Balance balance = effects::Balance::kMotion;
-  int term = -1;  // in the corrected model
+  int term = -1;  // first of its terms in the corrected model; -1: it is no part of that
+  // Its terms as fitted where it was judged, linear parameters in their own units
+  // (actuator::PhysicalTerm). Empty: the engine of blocks.
+  std::vector<actuator::Term> fitted;
   std::vector<std::string> rivals;
   double gain_share = 0.0;  // of the residual variance when it was found
   double gain_error = 0.0;
@@ -83,6 +95,8 @@ struct FoundEffect {
   Confirmation confirmation;   // on the held-out recordings
   // Errors before and after it, rms at the output.
   double train_before = 0.0, train_after = 0.0, sealed_before = 0.0, sealed_after = 0.0;
+
+  bool in_model() const { return term >= 0; }
 };
 
 // When an event (a payload put on, a push) began in a recording.
@@ -118,13 +132,27 @@ struct NotExcited {
   std::string reason;
 };
 
-enum class Verdict { kNone, kEffect, kUnexplained };
+// The smallest size of an effect that the search of the likelihood engine would have found: in 80 %
+// of recordings like these the effect, alone, reaches p_global and explained_share (rules.h) at its
+// best shape.
+struct DetectableSize {
+  std::string effect;
+  effects::Balance balance = effects::Balance::kMotion;
+  std::string parameter;  // linear one, as in model files; the others of the effect are zero
+  std::string unit;       // suffix of the parameter's key; empty: a ratio
+  double size = 0.0;      // magnitude, in the parameter's own unit
+  double share = 0.0;     // rms of its contribution over that of the measured side
+  std::vector<std::pair<std::string, double>> shape;  // nonlinear parameters
+};
+
+enum class Verdict { kNone, kEffect, kUnexplained, kTooLittleData };
 
 // How well a balance holds without and with what was found, in its own unit.
 struct Judgement {
   Verdict verdict = Verdict::kNone;
-  std::string unseen;     // why there was nothing to judge; empty: there was
-  // Of the largest statistic of the whole search, all balances together; none: the engine of blocks.
+  std::string unseen;  // why there was nothing to judge; empty: there was
+  // Of the largest statistic of the whole search, all balances together; none: the engine of
+  // blocks.
   std::optional<double> p_global;
   identify::ModelError nominal_train, nominal_sealed;
   // Declared model, refitted; within its tolerances when the effects are shifts of its parameters.
@@ -148,14 +176,16 @@ struct BalanceSummary : Judgement {
 };
 
 struct TraceResult : Judgement {
-  bool slow_motion = false;        // the judgement is of slow motion (slow_motion.h)
-  actuator::JointModel nominal;    // as declared
-  actuator::JointModel declared;   // refitted, nothing added
-  actuator::JointModel corrected;  // with the effects
-  std::vector<FoundEffect> effects;
+  std::optional<TooLittle> too_little;  // why nothing was judged; empty: it was
+  bool slow_motion = false;             // the judgement is of slow motion (slow_motion.h)
+  actuator::JointModel nominal;         // as declared
+  actuator::JointModel declared;        // refitted, nothing added
+  actuator::JointModel corrected;       // with the effects that are in_model()
+  std::vector<FoundEffect> effects;  // selected and not refuted; those of the corrected model first
   std::vector<FoundEffect> refuted;  // selected in training, refuted on the held-out recordings
   std::vector<EventTime> events;
   std::vector<NotExcited> not_excited;
+  std::vector<DetectableSize> detectable;
   std::vector<std::string> judged;  // candidates whose presence or absence the data shows
   std::vector<ParameterShift> shifts;
   std::vector<BalanceSummary> balances;  // beside the motion's (balances.h)

@@ -243,9 +243,9 @@ identify::FitResult FitWhitened(const identify::Design& design, const Likelihood
   out.balance = identify::MakeBalance(design, model, likelihood.keep_scale);
   const Eigen::Index p = out.balance.columns.cols();
   if (used.size() < 3 * p || used.blocks.size() < 2) {
-    throw std::invalid_argument("recordings have " + std::to_string(used.size()) +
-                                " moving rows, too few to fit " + std::to_string(p) +
-                                " parameters");
+    throw identify::TooLittleData("recordings have " + std::to_string(used.size()) +
+                                  " moving rows, too few to fit " + std::to_string(p) +
+                                  " parameters");
   }
   Regression regression = MakeRegression(design, likelihood, model, out.balance);
   const Eigen::VectorXd b = SolveWithinRange(out.balance, model, &regression);

@@ -8,12 +8,14 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include "components/config/config.h"
 #include "components/gate/rules.h"
 #include "components/identify/file/processing_file.h"
 #include "components/recording/file/recording_path.h"
 #include "components/recording/file/run_reader.h"
+#include "components/report/errors.h"
 #include "components/report/file/report_file.h"
 #include "components/trace/close_loop.h"
 #include "tools/sinew/close_robot.h"
@@ -114,14 +116,15 @@ void AddHistory(const report::Report& report, actuator::JointModel* joint) {
   const std::string when = NowUtc();
   const std::string from = JoinNames(report.train);
   const std::string unit = report::TorqueUnit(joint->kind);
-  if (trace.effects.empty()) {
+  if (!report::HasCorrection(trace)) {
     joint->history.push_back({when, "refit", from,
                               "declared parameters refitted, no effect added; sealed error " +
                                   report::Short(trace.before_sealed.rms) + " " + unit});
   }
   for (const trace::FoundEffect& effect : trace.effects) {
-    std::string note = "sealed error " + report::Short(effect.sealed_before) + " -> " +
-                       report::Short(effect.sealed_after) + " " +
+    if (!effect.in_model()) continue;
+    std::string note = "sealed error " + report::ErrorText(effect.sealed_before) + " -> " +
+                       report::ErrorText(effect.sealed_after) + " " +
                        std::string(effects::BalanceUnit(effect.balance, joint->kind)) + " on " +
                        JoinNames(report.sealed);
     for (std::size_t i = 0; i < effect.rivals.size(); ++i) {
@@ -153,6 +156,46 @@ bool StopsAtGate(const CloseLoopOptions& options, const std::vector<identify::Ru
   out->html = report::FormatHtml(check, pictures, report::DrawPictures(pictures));
   out->json = report::FormatDataFaultJson(check);
   return true;
+}
+
+// A recording with gaps or shorter than the published processing asks for has no such figures.
+void ReproducePublished(const identify::Run& train, const identify::Run& sealed,
+                        const actuator::JointModel& joint,
+                        const identify::AsPublishedOptions& published, report::Report* report) {
+  try {
+    report->as_published = identify::RunAsPublished(train, sealed, joint, published);
+  } catch (const std::invalid_argument& error) {
+    report->findings.push_back(
+        {"as_published", std::string("not processed as published: ") + error.what(), 0.0, ""});
+  }
+}
+
+// Recordings that can be held out in turn. Throws UsageError.
+void RequireRotation(const CloseLoopOptions& options, const std::vector<identify::Run>& runs) {
+  const bool raw = options.engine == trace::Engine::kLikelihood && !runs.front().held;
+  if (runs.size() > 1 && raw) return;
+  const std::string file = options.train.empty() ? runs.front().name : options.train[0].string();
+  if (!raw) throw UsageError(file + ": nothing is held out, expected --held-out FILE");
+  const Eigen::VectorXd& time_s = runs.front().time_s;
+  const std::string middle =
+      report::Short(std::floor(0.7 * (time_s[time_s.size() - 1] - time_s[0])));
+  const std::string whole = file.substr(0, file.find('@'));
+  throw UsageError(
+      "one recording and nothing held out, expected --held-out, further recordings to "
+      "train on (each is held out once), or parts: --train " +
+      whole + "@:" + middle + " --held-out " + whole + "@" + middle + ":");
+}
+
+// Each recording beside the models of the rotation that held it out.
+free_run::FreeRunResult FollowRotations(const std::vector<identify::Run>& runs,
+                                        const std::vector<trace::Rotation>& rotations) {
+  std::vector<free_run::FreeRunResult> parts;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const trace::TraceResult& trace = rotations[i].trace;
+    parts.push_back(free_run::Compare({runs[i]}, {trace.nominal, trace.declared, trace.corrected},
+                                      rotations[i].processing));
+  }
+  return free_run::Join(std::move(parts));
 }
 
 // What the trace says of the data beyond the gate.
@@ -189,6 +232,9 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
   const auto progress = [&](const std::string& what, double share) {
     if (options.progress) options.progress(what, share);
   };
+  const auto since_start = [start] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
   CloseLoopResult out;
   out.model = input.model;
   const fs::path& model_path = input.model_path;
@@ -196,15 +242,17 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
   const identify::ProcessingOptions wished = identify::ReadProcessing(out.model.root, joint.kind);
   const std::optional<identify::AsPublishedOptions> published =
       identify::ReadAsPublished(out.model.root);
-  if (train.empty() || sealed.empty()) {
+  const bool rotates = options.sealed.empty();
+  if (train.empty() || (sealed.empty() && !rotates)) {
     throw UsageError("no recording of joint " + std::to_string(options.joint) +
-                     ", expected at least one to train on and one sealed");
+                     ", expected at least one to train on and one held out");
   }
+  if (rotates) RequireRotation(options, train);
   report::Report& report = out.report;
   report.robot = out.model.robot.name;
   report.model_file = model_path.string();
   report.train = Describe(train);
-  report.sealed = Describe(sealed);
+  report.sealed = Describe(rotates ? train : sealed);
   report.seed = options.seed;
   try {
     trace::RequireSealed(train, sealed);
@@ -217,20 +265,36 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
     trace::TraceOptions trace_options;
     trace_options.seed = options.seed;
     trace_options.engine = options.engine;
+    trace_options.keep_unconfirmed = options.keep_unconfirmed;
     trace_options.progress = progress;
-    trace::LoopResult loop = trace::CloseLoop(train, sealed, joint, wished, trace_options);
+    trace::LoopResult loop;
+    if (rotates) {
+      trace::RotatedLoop rotated = trace::RotateLoop(train, joint, wished, trace_options);
+      loop = std::move(rotated.all);
+      report.rotations = std::move(rotated.rotations);
+    } else {
+      loop = trace::CloseLoop(train, sealed, joint, wished, trace_options);
+    }
     report.processing = loop.processing;
     AddNewFindings(std::move(loop.findings), &report.findings);
     report.trace = std::move(loop.trace);
-    progress("simulation beside the sealed recording", 0.97);
-    report.free_run =
-        free_run::Compare(sealed, report.trace.declared, report.trace.corrected, report.processing);
-    if (published) {
-      report.as_published =
-          identify::RunAsPublished(train.front(), sealed.front(), joint, *published);
+    if (report.trace.too_little) {
+      report.seconds = since_start();
+      out.html = report::FormatTooLittleHtml(report);
+      out.json = report::FormatTooLittleJson(report);
+      return out;
     }
-    report.seconds =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    progress("simulation beside the held-out recordings", 0.97);
+    if (rotates) {
+      report.free_run = FollowRotations(train, report.rotations);
+    } else {
+      report.free_run = free_run::Compare(
+          sealed, {report.trace.nominal, report.trace.declared, report.trace.corrected},
+          report.processing);
+    }
+    if (published && !rotates)
+      ReproducePublished(train.front(), sealed.front(), joint, *published, &report);
+    report.seconds = since_start();
     const std::vector<report::Picture> pictures =
         report::MakePictures(report, *loop.train, *loop.sealed);
     out.html = report::FormatHtml(report, pictures, report::DrawPictures(pictures));
@@ -278,7 +342,7 @@ CloseLoopResult CloseLoop(const CloseLoopOptions& options) {
                   ReadJoint(options.sealed, input.sealed_map, options.joint));
   if (options.out.empty()) return out;
   MakeFolder(options.out);
-  if (!out.gate.stops()) actuator::SaveModelFile(options.out / "model.yaml", out.model);
+  if (out.judged()) actuator::SaveModelFile(options.out / "model.yaml", out.model);
   config::WriteFileAtomically(options.out / "report.json", out.json);
   config::WriteFileAtomically(options.out / "report.html", out.html);
   return out;
@@ -287,7 +351,6 @@ CloseLoopResult CloseLoop(const CloseLoopOptions& options) {
 void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options) {
   const report::Report& report = result.report;
   const trace::TraceResult& trace = report.trace;
-  const std::string unit = report::TorqueUnit(trace.corrected.kind);
   using report::Short;
   for (const gate::Fault& fault : result.gate.faults) {
     std::cout << gate::FormatFault(fault) << '\n';
@@ -299,65 +362,56 @@ void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options
   }
   std::cout << "verdict: " << report::VerdictWord(trace.verdict) << '\n'
             << report::VerdictSentence(report) << '\n';
+  if (!result.judged()) {
+    std::cout << report::NextExperiment(report)
+              << "\nwritten: " << (options.out / "report.html").string() << ", report.json\n";
+    return;
+  }
   for (const trace::FoundEffect& effect : trace.effects) {
     std::cout << "  " << effect.name << ':';
-    const actuator::Term& term = trace.corrected.terms[static_cast<std::size_t>(effect.term)];
+    const actuator::Term term = report::FittedTerm(trace, effect);
     const effects::EffectInfo& info = term.effect->info();
     for (std::size_t i = 0; i < info.linear.size(); ++i) {
-      std::cout << ' ' << effects::ParameterKey(info.linear[i], trace.corrected.kind) << " = "
-                << Short(
-                       actuator::PhysicalValue(trace.corrected, effect.term, static_cast<int>(i)));
       const actuator::ParameterValue& value = term.linear[i];
-      if (value.half_width_95 && value.value != 0.0) {
-        std::cout << " +- "
-                  << Short(*value.half_width_95 *
-                           std::abs(actuator::PhysicalValue(trace.corrected, effect.term,
-                                                            static_cast<int>(i)) /
-                                    value.value));
-      }
+      std::cout << ' ' << effects::ParameterKey(info.linear[i], trace.corrected.kind) << " = "
+                << Short(value.value);
+      if (value.half_width_95) std::cout << " +- " << Short(*value.half_width_95);
     }
     for (std::size_t i = 0; i < info.nonlinear.size(); ++i) {
       std::cout << ' ' << effects::ParameterKey(info.nonlinear[i], trace.corrected.kind) << " = "
                 << Short(term.nonlinear[i].value);
     }
-    std::cout << "; sealed " << Short(effect.sealed_before) << " -> " << Short(effect.sealed_after)
-              << ' ' << effects::BalanceUnit(effect.balance, trace.corrected.kind)
+    std::cout << "; held out " << report::ErrorText(effect.sealed_before) << " -> "
+              << report::ErrorText(effect.sealed_after) << ' '
+              << effects::BalanceUnit(effect.balance, trace.corrected.kind)
               << (effect.slow_motion ? " where it creeps" : "");
     if (trace.p_global) std::cout << "; " << trace::ConfirmationWord(effect.confirmation.verdict);
-    std::cout << '\n';
+    std::cout << (effect.in_model() ? "" : ", not in model.yaml") << '\n';
   }
   for (const trace::FoundEffect& effect : trace.refuted) {
-    std::cout << "  refuted: " << effect.name << "; sealed " << Short(effect.sealed_before)
-              << " -> " << Short(effect.sealed_after) << ' '
+    std::cout << "  refuted: " << effect.name << "; held out "
+              << report::ErrorText(effect.sealed_before) << " -> "
+              << report::ErrorText(effect.sealed_after) << ' '
               << effects::BalanceUnit(effect.balance, trace.corrected.kind) << '\n';
   }
-  const auto line = [&](const char* what, const identify::ModelError& before,
-                        const identify::ModelError& after) {
-    std::cout << what << ": " << Short(before.rms) << " -> " << Short(after.rms) << ' ' << unit
-              << " rms (" << Short(before.percent) << " -> " << Short(after.percent)
-              << " % of the drive)\n";
-  };
-  line("train error", trace.before_train, trace.after_train);
-  line("sealed error", trace.before_sealed, trace.after_sealed);
+  for (const trace::Rotation& rotation : report.rotations) {
+    std::cout << "  held out " << rotation.held_out << ": " << report::RotationText(rotation)
+              << "; " << Short(rotation.trace.nominal_sealed.rms) << " declared, "
+              << Short(rotation.trace.before_sealed.rms) << " refitted, "
+              << Short(rotation.trace.after_sealed.rms) << " corrected\n";
+  }
+  std::cout << "errors, rms:\n";
+  for (const report::ErrorLine& line : report::ErrorTable(report)) {
+    std::cout << "  " << line.what << ": " << report::ThreeErrors(line) << '\n';
+  }
+  std::cout << "  of the drive, held-out recordings: " << Short(trace.nominal_sealed.percent)
+            << " % declared, " << Short(trace.before_sealed.percent) << " % refitted, "
+            << Short(trace.after_sealed.percent) << " % corrected\n";
   for (const trace::BalanceSummary& summary : trace.balances) {
-    std::cout << effects::BalanceName(summary.balance) << " balance: ";
-    if (summary.unseen.empty()) {
-      std::cout << "sealed error " << Short(summary.before_sealed.rms) << " -> "
-                << Short(summary.after_sealed.rms) << ' ' << summary.unit << " rms\n";
-    } else {
-      std::cout << summary.unseen << '\n';
-    }
+    if (summary.unseen.empty()) continue;
+    std::cout << effects::BalanceName(summary.balance) << " balance: " << summary.unseen << '\n';
   }
-  if (report.free_run.errors) {
-    const free_run::FreeRun& run = *report.free_run.errors;
-    std::cout << "simulated position error: " << Short(run.before_rms) << " -> "
-              << Short(run.after_rms)
-              << (trace.corrected.kind == effects::JointKind::kRotary ? " rad" : " m") << " rms ("
-              << (run.method == free_run::Method::kClosedLoop
-                      ? "closed loop"
-                      : "over " + Short(run.horizon_s) + " s from measured states")
-              << ")\n";
-  }
+  if (!report.free_run.errors) std::cout << "not simulated: " << report.free_run.why_not << '\n';
   if (report.as_published) {
     const identify::AsPublishedResult& published = *report.as_published;
     std::cout << "as published: " << Short(published.before_percent) << " -> "
@@ -368,6 +422,13 @@ void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options
   for (const trace::ParameterShift& shift : trace.shifts) {
     std::cout << "shift: " << shift.effect << '.' << shift.parameter << ' ' << Short(shift.nominal)
               << " -> " << Short(shift.refit) << " (" << Short(shift.sigma) << " tolerances)\n";
+  }
+  if (!trace.detectable.empty()) {
+    std::set<std::string> names;
+    for (const trace::DetectableSize& size : trace.detectable) names.insert(size.effect);
+    std::cout << "smallest sizes that would have been found, of " << names.size()
+              << " effects, are in the report; " << trace.not_excited.size()
+              << " effects could hide\n";
   }
   std::cout << "written: " << (options.out / "report.html").string()
             << ", report.json, model.yaml (" << Short(report.seconds) << " s)\n";
@@ -395,10 +456,10 @@ void AddCloseLoopCommand(CLI::App& app) {
       ->add_option("--train", options.train,
                    "Recordings to learn from: CSV or MCAP, FILE or FILE@START:END (seconds)")
       ->required();
-  command
-      ->add_option("--held-out,--sealed", options.sealed,
-                   "Recordings to judge by, never used for a choice; FILE or FILE@START:END")
-      ->required();
+  command->add_option(
+      "--held-out,--sealed", options.sealed,
+      "Recordings to judge by, never used for a fit; FILE or FILE@START:END. Without "
+      "any, each of several training recordings is held out once");
   command->add_option("--out", options.out, "Folder for report.html, report.json and model.yaml")
       ->required();
   command->add_option("--joint", arguments->joint,
@@ -419,6 +480,9 @@ void AddCloseLoopCommand(CLI::App& app) {
                    "Go on in spite of this fault of the data (docs/data-gate.md); repeatable")
       ->allow_extra_args(false)
       ->check(CLI::IsMember(FaultNames()));
+  command->add_flag("--keep-unconfirmed", options.keep_unconfirmed,
+                    "Effects that the held-out recordings neither confirm nor refute go into "
+                    "model.yaml, too");
   command->add_flag("--json", arguments->json, "Print the report as JSON");
   command->footer(
       "The declared terms are fitted, the residual is traced over the catalogue (`sinew effects`), "
@@ -427,6 +491,7 @@ void AddCloseLoopCommand(CLI::App& app) {
       "control as it "
       "is.\n\nExamples:\n"
       "  sinew close-loop --train train_1.csv train_2.csv --sealed sealed.csv --out found\n"
+      "  sinew close-loop --train monday.csv tuesday.csv wednesday.csv --out found\n"
       "  sinew close-loop --train day.csv@:60 --held-out day.csv@60: --out found\n"
       "  sinew close-loop --model robots/emps/model.yaml --map robots/emps/csv_map.yaml \\\n"
       "    --train DATA_EMPS.csv --sealed DATA_EMPS_PULSES.csv --out found");

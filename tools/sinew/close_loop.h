@@ -21,12 +21,13 @@ struct CloseLoopOptions {
   std::filesystem::path map;         // empty: csv_map.yaml beside the model, else the rig's
   std::filesystem::path sealed_map;  // of the sealed CSV files; empty: `map`
   std::vector<std::filesystem::path> train;
-  std::vector<std::filesystem::path> sealed;
-  std::filesystem::path out;  // folder; empty: nothing is written
+  std::vector<std::filesystem::path> sealed;  // empty: each of `train` is held out once
+  std::filesystem::path out;                  // folder; empty: nothing is written
   int joint = 0;
   std::filesystem::path urdf;  // of an arm; empty: what the model file names
   std::uint64_t seed = 1;
   trace::Engine engine = trace::Engine::kLikelihood;
+  bool keep_unconfirmed = false;  // in the model, effects that are neither confirmed nor refuted
   std::vector<std::string> accepted_faults;  // rules of the data gate that do not stop
   std::function<void(const std::string&, double)> progress;
 };
@@ -36,11 +37,14 @@ struct CloseLoopResult {
   gate::GateReport gate;      // where it stops nothing was traced and the model is as it was
   actuator::ModelFile model;  // corrected, as written
   std::string html, json;
+
+  // False: the data stopped it (data_fault, too_little_data), and there is no corrected model.
+  bool judged() const { return !gate.stops() && !report.trace.too_little; }
 };
 
-// Reads, traces, draws; then writes report.html, report.json and model.yaml into the folder, each
-// as a whole, after everything has succeeded. Throws UsageError (one line) for anything a user can
-// mend.
+// Reads, traces, draws; then writes report.html, report.json and, when something was judged,
+// model.yaml into the folder, each as a whole, after everything has succeeded. Throws UsageError
+// (one line) for anything a user can mend.
 CloseLoopResult CloseLoop(const CloseLoopOptions& options);
 
 // Model and mappings that the options name, the shipped ones where they name none.

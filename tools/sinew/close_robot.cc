@@ -1,5 +1,6 @@
 #include "tools/sinew/close_robot.h"
 
+#include <algorithm>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <numeric>
@@ -63,6 +64,14 @@ Json ArmJson(const arm::ArmLoop& loop) {
       {"base_parameters", base}};
 }
 
+// The robot's verdict is that of the joint with the largest.
+std::size_t Weight(const std::string& verdict) {
+  static const std::vector<std::string> kRising = {"none", "too_little_data", "unexplained",
+                                                   "effect", "data_fault"};
+  return static_cast<std::size_t>(std::find(kRising.begin(), kRising.end(), verdict) -
+                                  kRising.begin());
+}
+
 std::string RobotJson(const CloseRobotResult& result) {
   Json out;
   std::string verdict = "none";
@@ -70,8 +79,7 @@ std::string RobotJson(const CloseRobotResult& result) {
   for (std::size_t i = 0; i < result.joints.size(); ++i) {
     Json joint = Json::parse(result.joints[i].json);
     const std::string one = joint["verdict"];
-    const bool says_more = one == "effect" || (one == "unexplained" && verdict == "none");
-    if (one == "data_fault" || (says_more && verdict != "data_fault")) verdict = one;
+    if (Weight(one) > Weight(verdict)) verdict = one;
     Json entry;
     entry["joint"] =
         result.model.robot.joints[static_cast<std::size_t>(result.joint_numbers[i])].name;
@@ -123,6 +131,9 @@ CloseRobotResult CloseRobot(const CloseLoopOptions& options, std::vector<int> jo
   std::optional<arm::Arm> arm;
   try {
     trace::RequireSealed(train.front(), sealed.front());
+    if (is_arm && options.sealed.empty()) {
+      throw UsageError("an arm is fitted as a whole, expected --held-out FILE");
+    }
     if (is_arm && faulty.empty()) {
       const fs::path urdf = FindUrdf(options, input);
       arm.emplace(world::ParseUrdf(config::ReadFile(urdf), urdf.string()), robot);

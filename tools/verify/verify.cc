@@ -85,9 +85,10 @@ report::Picture PathPicture(const free_run::FreeRunResult& following, effects::J
       return std::isfinite(value) ? report::PictureNumber(value) : std::string("NaN");
     };
     data += report::PictureNumber(trace.period_s * static_cast<double>(i)) + " " +
-            number(trace.measured[i]) + " " + number(trace.before[i]) + " " +
-            number(trace.after[i]) + " " + number(1e3 * (trace.before[i] - trace.measured[i])) +
-            " " + number(1e3 * (trace.after[i] - trace.measured[i])) + "\n";
+            number(trace.measured[i]) + " " + number(trace.simulated[0][i]) + " " +
+            number(trace.simulated[1][i]) + " " +
+            number(1e3 * (trace.simulated[0][i] - trace.measured[i])) + " " +
+            number(1e3 * (trace.simulated[1][i] - trace.measured[i])) + "\n";
   }
   data += "EOD\n";
   report::Picture out;
@@ -146,7 +147,7 @@ free_run::FreeRunResult FollowRecordings(const std::vector<identify::Run>& runs,
     throw std::invalid_argument("the models describe '" + before.joints[0].name + "' and '" +
                                 after.joints[0].name + "', expected the same joint");
   }
-  return free_run::Compare(runs, before.joints[0], after.joints[0], processing, options);
+  return free_run::Compare(runs, {before.joints[0], after.joints[0]}, processing, options);
 }
 
 actuator::RobotModel WithoutAdded(actuator::RobotModel robot) {
@@ -184,14 +185,18 @@ report::Section MakeSection(const Names& names, effects::JointKind kind,
     report::Comparison c;
     c.name = name;
     c.unit = unit;
-    c.ours = Text("%.3f -> %.3f %s", 1e3 * before, 1e3 * after, unit.c_str());
+    const auto text = [](double error) {
+      return std::isfinite(error) ? Text("%.3f", 1e3 * error) : std::string("ran away");
+    };
+    c.ours = text(before) + " -> " + text(after) + " " + unit;
     c.target = "smaller after";
-    c.met = after < before;
+    c.met = std::isfinite(after) && !(after >= before);
     c.remark = remark;
     section.comparisons.push_back(std::move(c));
   };
   if (following != nullptr && following->errors) {
     const free_run::FreeRun& free = *following->errors;
+    const free_run::ModelError &before = free.models[0], &after = free.models[1];
     const bool closed = free.method == free_run::Method::kClosedLoop;
     section.paragraphs.push_back(
         closed
@@ -201,21 +206,20 @@ report::Section MakeSection(const Names& names, effects::JointKind kind,
                    "proves nothing. Pressure, load force, payload and temperature are the "
                    "recorded ones.",
                    free.horizon_s));
-    compare("simulated less measured, rms", free.before_rms, free.after_rms,
+    compare("simulated less measured, rms", before.rms, after.rms,
             "samples that both models reached");
-    compare("simulated less measured, mean magnitude", free.before_mean_abs, free.after_mean_abs,
-            "");
+    compare("simulated less measured, mean magnitude", before.mean_abs, after.mean_abs, "");
     report::Table table;
     table.title = "Simulated beside the recordings";
     table.caption =
         closed ? "A piece is a stretch of the recording without a gap." : "A piece is a horizon.";
     table.header = {"recording",           "pieces", "diverged before", "after",
                     "rms before, " + unit, "after"};
-    for (std::size_t r = 0; r < free.before.size(); ++r) {
+    for (std::size_t r = 0; r < before.runs.size(); ++r) {
       table.rows.push_back(
-          {free.before[r].run, std::to_string(free.before[r].pieces),
-           std::to_string(free.before[r].diverged), std::to_string(free.after[r].diverged),
-           Text("%.3f", 1e3 * free.before[r].rms), Text("%.3f", 1e3 * free.after[r].rms)});
+          {before.runs[r].run, std::to_string(before.runs[r].pieces),
+           std::to_string(before.runs[r].diverged), std::to_string(after.runs[r].diverged),
+           Text("%.3f", 1e3 * before.runs[r].rms), Text("%.3f", 1e3 * after.runs[r].rms)});
     }
     section.tables.push_back(table);
     if (!following->traces.empty()) section.pictures.push_back(PathPicture(*following, kind));
@@ -250,25 +254,28 @@ std::string FormatJson(const Names& names, effects::JointKind kind,
   ordered_json root = {{"before", names.before}, {"after", names.after}, {"added", names.added}};
   if (following != nullptr && following->errors) {
     const free_run::FreeRun& free = *following->errors;
-    const auto all = [](double rms, double mean_abs, int diverged) {
-      return ordered_json{{"rms", rms}, {"mean_abs", mean_abs}, {"diverged", diverged}};
+    const free_run::ModelError &before = free.models[0], &after = free.models[1];
+    // rms and mean_abs are null of a model that ran away.
+    const auto all = [](const free_run::ModelError& model) {
+      return ordered_json{
+          {"rms", model.rms}, {"mean_abs", model.mean_abs}, {"diverged", model.diverged}};
     };
     ordered_json runs = ordered_json::array();
-    for (std::size_t r = 0; r < free.before.size(); ++r) {
+    for (std::size_t r = 0; r < before.runs.size(); ++r) {
       const auto one = [](const free_run::RunError& e) {
         return ordered_json{{"rms", e.rms}, {"mean_abs", e.mean_abs}, {"diverged", e.diverged}};
       };
-      runs.push_back({{"recording", free.before[r].run},
-                      {"pieces", free.before[r].pieces},
-                      {"before", one(free.before[r])},
-                      {"after", one(free.after[r])}});
+      runs.push_back({{"recording", before.runs[r].run},
+                      {"pieces", before.runs[r].pieces},
+                      {"before", one(before.runs[r])},
+                      {"after", one(after.runs[r])}});
     }
     root["simulation"] = {
         {"method", free.method == free_run::Method::kClosedLoop ? "closed_loop" : "horizons"},
         {"horizon_s", free.horizon_s},
         {"unit", unit},
-        {"before", all(free.before_rms, free.before_mean_abs, free.before_diverged)},
-        {"after", all(free.after_rms, free.after_mean_abs, free.after_diverged)},
+        {"before", all(before)},
+        {"after", all(after)},
         {"recordings", runs}};
   }
   if (!tracking.empty()) {

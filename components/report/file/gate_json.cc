@@ -79,27 +79,81 @@ std::string FormatCheckJson(const DataCheck& check) {
   return out.dump(2) + "\n";
 }
 
-std::string FormatDataFaultJson(const DataCheck& check) {
+namespace {
+
+// A close-loop report in which nothing was traced: the keys of one with nothing found.
+struct Untraced {
+  std::string verdict, sentence, next_experiment;
+  std::string robot, joint, model_file;
+  const std::vector<Recording>&train, &sealed;
+  const std::vector<gate::Fault>& faults;
+  const std::vector<identify::Finding>& findings;
+  std::uint64_t seed = 1;
+  double seconds = 0.0;
+};
+
+Json UntracedJson(const Untraced& report) {
   Json out;
   out["schema"] = "sinew-close-loop/1";
-  out["verdict"] = VerdictWord(check.gate);
-  out["sentence"] = VerdictSentence(check.gate);
-  out["robot"] = check.robot;
-  out["joint"] = check.joint;
-  out["model"] = check.model_file;
-  out["recordings"] = {{"train", RecordingList(check.train)},
-                       {"sealed", RecordingList(check.sealed)}};
-  out["faults"] = FaultsJson(check.gate.faults);
-  for (const char* key : {"effects", "events", "balances", "rounds", "not_excited"}) {
+  out["verdict"] = report.verdict;
+  out["sentence"] = report.sentence;
+  out["robot"] = report.robot;
+  out["joint"] = report.joint;
+  out["model"] = report.model_file;
+  out["recordings"] = {{"train", RecordingList(report.train)},
+                       {"sealed", RecordingList(report.sealed)}};
+  out["faults"] = FaultsJson(report.faults);
+  for (const char* key :
+       {"effects", "refuted", "events", "errors", "rises", "balances", "rounds", "not_excited"}) {
     out[key] = Json::array();
   }
   out["not_excited_why"] = Json::object();
   out["unexplained"] = {{"variable", nullptr}};
   out["parameter_shift"] = Json::array();
-  out["findings"] = FindingsJson(check.gate.findings);
-  out["next_experiment"] = nullptr;
-  out["seed"] = check.seed;
-  out["seconds"] = check.seconds;
+  out["findings"] = FindingsJson(report.findings);
+  out["next_experiment"] = OrNull(report.next_experiment);
+  out["seed"] = report.seed;
+  out["seconds"] = report.seconds;
+  return out;
+}
+
+}  // namespace
+
+std::string FormatDataFaultJson(const DataCheck& check) {
+  return UntracedJson({.verdict = VerdictWord(check.gate),
+                       .sentence = VerdictSentence(check.gate),
+                       .next_experiment = "",
+                       .robot = check.robot,
+                       .joint = check.joint,
+                       .model_file = check.model_file,
+                       .train = check.train,
+                       .sealed = check.sealed,
+                       .faults = check.gate.faults,
+                       .findings = check.gate.findings,
+                       .seed = check.seed,
+                       .seconds = check.seconds})
+             .dump(2) +
+         "\n";
+}
+
+std::string FormatTooLittleJson(const Report& report) {
+  const trace::TooLittle& too_little = report.trace.too_little.value();
+  Json out = UntracedJson({.verdict = VerdictWord(report.trace.verdict),
+                           .sentence = VerdictSentence(report),
+                           .next_experiment = NextExperiment(report),
+                           .robot = report.robot,
+                           .joint = report.trace.nominal.name,
+                           .model_file = report.model_file,
+                           .train = report.train,
+                           .sealed = report.sealed,
+                           .faults = report.faults,
+                           .findings = report.findings,
+                           .seed = report.seed,
+                           .seconds = report.seconds});
+  out["too_little_data"] = {{"rule", too_little.rule},
+                            {"statistic", too_little.statistic},
+                            {"limit", too_little.limit},
+                            {"reason", too_little.reason}};
   return out.dump(2) + "\n";
 }
 

@@ -1,7 +1,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "components/report/errors.h"
 #include "components/report/file/report_file.h"
+#include "components/trace/rules.h"
 
 namespace sinew::report {
 
@@ -30,25 +32,17 @@ Json Value(double value, const std::optional<double>& half_width, bool fixed) {
   return out;
 }
 
-// Parameters of a term in their own units.
-Json Parameters(const actuator::JointModel& model, std::size_t t) {
-  const actuator::Term& term = model.terms[t];
+// Parameters of a term, linear ones in their own units (actuator::PhysicalTerm).
+Json Parameters(const actuator::Term& term, effects::JointKind kind) {
   const effects::EffectInfo& info = term.effect->info();
   Json out = Json::object();
-  for (std::size_t i = 0; i < info.linear.size(); ++i) {
-    const double physical =
-        actuator::PhysicalValue(model, static_cast<int>(t), static_cast<int>(i));
-    const actuator::ParameterValue& value = term.linear[i];
-    std::optional<double> half_width = value.half_width_95;
-    if (half_width && value.value != 0.0) *half_width *= std::abs(physical / value.value);
-    out[effects::ParameterKey(info.linear[i], model.kind)] =
-        Value(physical, half_width, value.fixed);
-  }
-  for (std::size_t i = 0; i < info.nonlinear.size(); ++i) {
-    const actuator::ParameterValue& value = term.nonlinear[i];
-    out[effects::ParameterKey(info.nonlinear[i], model.kind)] =
+  const auto add = [&](const effects::ParameterInfo& parameter,
+                       const actuator::ParameterValue& value) {
+    out[effects::ParameterKey(parameter, kind)] =
         Value(value.value, value.half_width_95, value.fixed);
-  }
+  };
+  for (std::size_t i = 0; i < info.linear.size(); ++i) add(info.linear[i], term.linear[i]);
+  for (std::size_t i = 0; i < info.nonlinear.size(); ++i) add(info.nonlinear[i], term.nonlinear[i]);
   return out;
 }
 
@@ -60,7 +54,8 @@ Json ModelParameters(const actuator::JointModel& model) {
     for (std::size_t k = 0; k < t; ++k)
       before += model.terms[k].effect->info().name == name ? 1 : 0;
     if (before > 0) name += "#" + std::to_string(before + 1);
-    const Json parameters = Parameters(model, t);
+    const Json parameters =
+        Parameters(actuator::PhysicalTerm(model, static_cast<int>(t)), model.kind);
     for (const auto& [key, value] : parameters.items()) out[name + "." + key] = value;
   }
   return out;
@@ -86,14 +81,18 @@ std::string BalanceLetter(effects::Balance balance) {
 Json Errors(const identify::ModelError& nominal, const identify::ModelError& before,
             const identify::ModelError& after, const std::string& unit) {
   return {{"unit", unit},
+          {"declared_rms", nominal.rms},
+          {"refitted_rms", before.rms},
+          {"corrected_rms", after.rms},
+          {"declared_percent", nominal.percent},
+          {"refitted_percent", before.percent},
+          {"corrected_percent", after.percent},
           {"before", before.rms},
           {"after", after.rms},
           {"before_rms", before.rms},
           {"after_rms", after.rms},
-          {"nominal_rms", nominal.rms},
           {"before_percent", before.percent},
-          {"after_percent", after.percent},
-          {"nominal_percent", nominal.percent}};
+          {"after_percent", after.percent}};
 }
 
 Json Train(const trace::Judgement& result, const std::string& unit) {
@@ -145,6 +144,88 @@ Json CrossValidation(const trace::Judgement& result) {
           {"correlation_time_s", result.correlation_time_s}};
 }
 
+Json ErrorLines(const std::vector<ErrorLine>& lines) {
+  Json out = Json::array();
+  for (const ErrorLine& line : lines) {  // an error that is not finite is null
+    out.push_back({{"what", line.key},
+                   {"balance", BalanceLetter(line.balance)},
+                   {"unit", line.unit},
+                   {"declared", line.declared},
+                   {"refitted", line.refitted},
+                   {"corrected", line.corrected}});
+  }
+  return out;
+}
+
+Json Simulated(const Report& report) {
+  if (!report.free_run.errors) {
+    return {{"before", nullptr}, {"after", nullptr}, {"why_not", report.free_run.why_not}};
+  }
+  const free_run::FreeRun& run = *report.free_run.errors;
+  const bool closed = run.method == free_run::Method::kClosedLoop;
+  Json out = {{"unit", report.trace.corrected.kind == effects::JointKind::kRotary ? "rad" : "m"},
+              {"method", closed ? "closed_loop" : "horizons"},
+              {"horizon_s", closed ? Json(nullptr) : Json(run.horizon_s)},
+              {"before", run.models.at(kRefittedModel).rms},
+              {"after", run.models.at(kCorrectedModel).rms}};
+  const auto add = [&](const std::string& name, const free_run::ModelError& model) {
+    out[name + "_rms"] = model.rms;
+    out[name + "_mean_abs"] = model.mean_abs;
+    out[name + "_diverged"] = model.diverged;
+  };
+  add("declared", run.models.at(kDeclaredModel));
+  add("refitted", run.models.at(kRefittedModel));
+  add("corrected", run.models.at(kCorrectedModel));
+  add("before", run.models.at(kRefittedModel));
+  add("after", run.models.at(kCorrectedModel));
+  return out;
+}
+
+// With 80 % power, by the rules of the search that are named.
+Json Detectable(const trace::TraceResult& trace) {
+  Json sizes = Json::array();
+  for (const trace::DetectableSize& size : trace.detectable) {
+    Json shape = Json::object();
+    for (const auto& [key, value] : size.shape) shape[key] = value;
+    sizes.push_back({{"effect", size.effect},
+                     {"balance", BalanceLetter(size.balance)},
+                     {"parameter", size.parameter},
+                     {"unit", size.unit.empty() ? "1" : size.unit},
+                     {"size", size.size},
+                     {"share_of_measured_side", size.share},
+                     {"shape", std::move(shape)}});
+  }
+  return {{"power", 0.8},
+          {"p_global", trace::rules::kGlobalP.limit},
+          {"explained_share", trace::rules::kExplainedShare.limit},
+          {"sizes", std::move(sizes)}};
+}
+
+Json Rotations(const Report& report, const std::string& unit) {
+  Json out = Json::array();
+  for (const trace::Rotation& rotation : report.rotations) {
+    Json effects = Json::array();
+    for (const auto* list : {&rotation.trace.effects, &rotation.trace.refuted}) {
+      for (const trace::FoundEffect& effect : *list) {
+        effects.push_back(
+            {{"name", effect.name},
+             {"rivals", effect.rivals},
+             {"confirmation", trace::ConfirmationWord(effect.confirmation.verdict)},
+             {"slope", effect.confirmation.slope},
+             {"interval_95", {effect.confirmation.lower, effect.confirmation.upper}}});
+      }
+    }
+    out.push_back({{"held_out", rotation.held_out},
+                   {"verdict", VerdictWord(rotation.trace.verdict)},
+                   {"effects", std::move(effects)},
+                   {"unit", unit},
+                   {"declared", rotation.trace.nominal_sealed.rms},
+                   {"refitted", rotation.trace.before_sealed.rms},
+                   {"corrected", rotation.trace.after_sealed.rms}});
+  }
+  return out;
+}
+
 Json VariableOf(const trace::Unexplained& unexplained) {
   return unexplained.variable.empty() ? Json(nullptr) : Json(unexplained.variable);
 }
@@ -172,9 +253,8 @@ std::string FormatJson(const Report& report) {
         {"title", EffectTitle(effect.name)},
         {"balance", BalanceLetter(effect.balance)},
         {"rivals", effect.rivals},
-        {"parameters", effect.term < 0
-                           ? Json::object()
-                           : Parameters(trace.corrected, static_cast<std::size_t>(effect.term))},
+        {"in_model", effect.in_model()},
+        {"parameters", Parameters(FittedTerm(trace, effect), trace.corrected.kind)},
         {"gain", effect.gain_share},
         {"gain_standard_error", effect.gain_error},
         {"p", effect.p},
@@ -204,6 +284,7 @@ std::string FormatJson(const Report& report) {
                              {"sealed", event.sealed},
                              {"start_s", event.start_s}});
   }
+  out["rotations"] = Rotations(report, unit);
   out["train"] = Train(trace, unit);
   out["sealed"] = Sealed(trace, unit);
   out["balances"] = Json::array();
@@ -243,30 +324,16 @@ std::string FormatJson(const Report& report) {
                              {"after", ModelParameters(published.after)}}}};
   }
 
-  if (report.free_run.errors) {
-    const free_run::FreeRun& run = *report.free_run.errors;
-    const bool closed = run.method == free_run::Method::kClosedLoop;
-    out["free_run"] = {{"unit", trace.corrected.kind == effects::JointKind::kRotary ? "rad" : "m"},
-                       {"method", closed ? "closed_loop" : "horizons"},
-                       {"horizon_s", closed ? Json(nullptr) : Json(run.horizon_s)},
-                       {"before", run.before_rms},
-                       {"after", run.after_rms},
-                       {"before_rms", run.before_rms},
-                       {"after_rms", run.after_rms},
-                       {"before_mean_abs", run.before_mean_abs},
-                       {"after_mean_abs", run.after_mean_abs},
-                       {"before_diverged", run.before_diverged},
-                       {"after_diverged", run.after_diverged}};
-  } else {
-    out["free_run"] = {
-        {"before", nullptr}, {"after", nullptr}, {"why_not", report.free_run.why_not}};
-  }
+  out["errors"] = ErrorLines(ErrorTable(report));
+  out["rises"] = ErrorLines(Rises(report));
+  out["free_run"] = Simulated(report);
   out["not_excited"] = Json::array();
   out["not_excited_why"] = Json::object();
   for (const trace::NotExcited& hidden : trace.not_excited) {
     out["not_excited"].push_back(hidden.effect);
     out["not_excited_why"][hidden.effect] = hidden.reason;
   }
+  out["detectable"] = Detectable(trace);
   const double floor = trace.noise_floor_rms;
   const double left = trace.after_train.rms * trace.after_train.rms - floor * floor;
   out["unexplained"] = {{"variable", VariableOf(trace.unexplained)},

@@ -17,6 +17,8 @@ std::string FormatJson(const Report& report);
 // the same keys, with nothing found.
 std::string FormatCheckJson(const DataCheck& check);
 std::string FormatDataFaultJson(const DataCheck& check);
+// report.json where too little was recorded to judge (TraceResult::too_little).
+std::string FormatTooLittleJson(const Report& report);
 nlohmann::ordered_json FaultsJson(const std::vector<gate::Fault>& faults);
 
 }  // namespace sinew::report

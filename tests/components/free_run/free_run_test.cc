@@ -112,21 +112,21 @@ actuator::JointModel Without(actuator::JointModel model, const std::string& effe
 
 TEST(FreeRun, TheServoMovesTheTruthAsItWasRecorded) {
   const FreeRunResult result =
-      Compare({Recorded(8.0)}, Without(Pendulum(), "viscous"), Pendulum(), Wide());
+      Compare({Recorded(8.0)}, {Without(Pendulum(), "viscous"), Pendulum()}, Wide());
   ASSERT_TRUE(result.errors.has_value()) << result.why_not;
   EXPECT_EQ(result.errors->method, Method::kClosedLoop);
   // The plant takes steps of 0.2 ms and starts from filtered states: a milliradian.
-  EXPECT_LT(result.errors->after_mean_abs, 1e-3);
-  EXPECT_GT(result.errors->before_mean_abs, 5e-3);
-  EXPECT_EQ(result.errors->after_diverged, 0);
+  EXPECT_LT(result.errors->models[1].mean_abs, 1e-3);
+  EXPECT_GT(result.errors->models[0].mean_abs, 5e-3);
+  EXPECT_EQ(result.errors->models[1].diverged, 0);
   ASSERT_EQ(result.traces.size(), 1u);
-  EXPECT_EQ(result.traces[0].measured.size(), result.traces[0].after.size());
+  EXPECT_EQ(result.traces[0].measured.size(), result.traces[0].simulated[1].size());
 }
 
 TEST(FreeRun, AnOpenBridgeNeitherDrivesNorBrakes) {
-  const FreeRunResult result = Compare({Recorded(8.0, 3.0)}, Pendulum(), Pendulum(), Wide());
+  const FreeRunResult result = Compare({Recorded(8.0, 3.0)}, {Pendulum(), Pendulum()}, Wide());
   ASSERT_TRUE(result.errors.has_value());
-  EXPECT_LT(result.errors->after_rms, 5e-3);  // swings for 5 s on
+  EXPECT_LT(result.errors->models[1].rms, 5e-3);  // swings for 5 s on
   // With the winding closed it would be braked by its back-EMF.
   actuator::JointModel braked = Pendulum();
   for (actuator::Term& term : braked.terms) {
@@ -134,15 +134,16 @@ TEST(FreeRun, AnOpenBridgeNeitherDrivesNorBrakes) {
       term.linear[0].value += kGain_Nm_V * kBackEmf_V_s_rad;
     }
   }
-  EXPECT_GT(Compare({Recorded(8.0, 3.0)}, braked, Pendulum(), Wide()).errors->before_rms, 0.015);
+  EXPECT_GT(Compare({Recorded(8.0, 3.0)}, {braked, Pendulum()}, Wide()).errors->models[0].rms,
+            0.015);
 }
 
 TEST(FreeRun, TheGainOfTheServoIsReadFromTheRecording) {
   actuator::JointModel unknown = Pendulum();
   unknown.controller->gain_per_rad = 0.0;
-  const FreeRunResult result = Compare({Recorded(8.0)}, unknown, unknown, Wide());
+  const FreeRunResult result = Compare({Recorded(8.0)}, {unknown, unknown}, Wide());
   ASSERT_TRUE(result.errors.has_value());
-  EXPECT_NEAR(result.errors->after[0].servo_gain, kServo_per_rad, 0.01 * kServo_per_rad);
+  EXPECT_NEAR(result.errors->models[1].runs[0].servo_gain, kServo_per_rad, 0.01 * kServo_per_rad);
 }
 
 TEST(FreeRun, WithoutAServoTheRecordedDriveMovesItForHalfASecondAtATime) {
@@ -150,37 +151,60 @@ TEST(FreeRun, WithoutAServoTheRecordedDriveMovesItForHalfASecondAtATime) {
   actuator::JointModel heavy = truth;
   heavy.terms[4].linear[0].value *= 1.3;  // gravity
   const identify::Run run = SyntheticRun(truth, {.duration_s = 20.0, .noise_A = 0.0});
-  const FreeRunResult result = Compare({run}, heavy, truth, SyntheticProcessing());
+  const FreeRunResult result = Compare({run}, {heavy, truth}, SyntheticProcessing());
   ASSERT_TRUE(result.errors.has_value()) << result.why_not;
   EXPECT_EQ(result.errors->method, Method::kHorizons);
-  EXPECT_EQ(result.errors->after[0].pieces, 40);
+  EXPECT_EQ(result.errors->models[1].runs[0].pieces, 40);
   // Stick-slip at reversals and the held drive leave a milliradian; 0.45 Nm / 0.3 kg m^2 over half
   // a second leave up to 0.19 rad.
-  EXPECT_LT(result.errors->after_rms, 2e-3);
-  EXPECT_GT(result.errors->before_rms, 0.02);
-  EXPECT_EQ(result.errors->before_diverged + result.errors->after_diverged, 0);
+  EXPECT_LT(result.errors->models[1].rms, 2e-3);
+  EXPECT_GT(result.errors->models[0].rms, 0.02);
+  EXPECT_EQ(result.errors->models[0].diverged + result.errors->models[1].diverged, 0);
 }
 
-TEST(FreeRun, HorizonsThatRunAwayAreCountedAndLeftOutForBoth) {
+TEST(FreeRun, AModelThatRunsAwayForTheMostPartHasNoErrorAndTakesNoneFromTheOthers) {
   const actuator::JointModel truth = SyntheticModel();
-  actuator::JointModel light = truth;
+  actuator::JointModel light = truth, heavy = truth;
   light.terms[1].linear[0].value *= 0.05;  // inertia
   light.terms[0].linear[0].value *= 8.0;   // efficiency
+  heavy.terms[1].linear[0].value *= 1.3;
   const identify::Run run = SyntheticRun(truth, {.duration_s = 20.0, .noise_A = 0.0});
-  const FreeRunResult result = Compare({run}, light, truth, SyntheticProcessing());
-  if (result.errors) {
-    EXPECT_GT(result.errors->before_diverged, 5);
-    EXPECT_EQ(result.errors->after_diverged, 0);
-    EXPECT_TRUE(std::isfinite(result.errors->before_rms));
-  } else {
-    EXPECT_FALSE(result.why_not.empty());
+  const FreeRunResult three = Compare({run}, {light, heavy, truth}, SyntheticProcessing());
+  ASSERT_TRUE(three.errors.has_value()) << three.why_not;
+  EXPECT_GT(2 * three.errors->models[0].diverged, three.errors->models[0].pieces);
+  EXPECT_FALSE(std::isfinite(three.errors->models[0].rms));
+  const FreeRunResult two = Compare({run}, {heavy, truth}, SyntheticProcessing());
+  ASSERT_TRUE(two.errors.has_value()) << two.why_not;
+  EXPECT_DOUBLE_EQ(three.errors->models[1].rms, two.errors->models[0].rms);
+  EXPECT_DOUBLE_EQ(three.errors->models[2].rms, two.errors->models[1].rms);
+  EXPECT_GT(two.errors->models[0].rms, two.errors->models[1].rms);
+}
+
+TEST(FreeRun, PartsJoinToTheErrorOverAllSamples) {
+  const actuator::JointModel truth = SyntheticModel();
+  actuator::JointModel heavy = truth;
+  heavy.terms[1].linear[0].value *= 1.3;  // inertia
+  const identify::Run a = SyntheticRun(truth, {.duration_s = 20.0, .seed = 1});
+  const identify::Run b = SyntheticRun(truth, {.duration_s = 10.0, .seed = 2});
+  const auto compare = [&](const std::vector<identify::Run>& runs) {
+    return Compare(runs, {heavy, truth}, SyntheticProcessing());
+  };
+  const FreeRunResult joined = Join({compare({a}), compare({b})}), whole = compare({a, b});
+  ASSERT_TRUE(joined.errors.has_value());
+  for (const std::size_t model : {0u, 1u}) {
+    EXPECT_NEAR(joined.errors->models[model].rms, whole.errors->models[model].rms, 1e-12);
+    EXPECT_NEAR(joined.errors->models[model].mean_abs, whole.errors->models[model].mean_abs, 1e-12);
+    EXPECT_EQ(joined.errors->models[model].pieces, whole.errors->models[model].pieces);
   }
+  FreeRunResult none;
+  none.why_not = "no inertia";
+  EXPECT_EQ(Join({compare({a}), none}).why_not, "no inertia");
 }
 
 TEST(FreeRun, AModelWithoutInertiaSaysWhyItCannotRun) {
   actuator::JointModel still = Without(SyntheticModel(), "inertia");
   const identify::Run run = SyntheticRun(SyntheticModel(), {.duration_s = 20.0});
-  const FreeRunResult result = Compare({run}, still, still, SyntheticProcessing());
+  const FreeRunResult result = Compare({run}, {still, still}, SyntheticProcessing());
   EXPECT_FALSE(result.errors.has_value());
   EXPECT_NE(result.why_not.find("inertia"), std::string::npos) << result.why_not;
 }

@@ -66,6 +66,20 @@ TEST(Gate, EveryRuleIsExpectedByAPlantedFault) {
   }
 }
 
+TEST(Gate, TheNoiseOfAJointAtRestIsNoWrappedAngle) {
+  std::vector<identify::Run> runs = Recorded().train;
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> noise(0.0, 1e-4);
+  for (identify::Run& run : runs) {
+    for (const Signal signal : {Signal::kPosition, Signal::kMotorPosition}) {
+      for (double& value : run.signals.at(signal)) value = noise(random);
+    }
+  }
+  for (const Fault& fault : ExamineData(runs, Recorded().declared).faults) {
+    EXPECT_NE(fault.rule, "wrapped") << FormatFault(fault);
+  }
+}
+
 TEST(Gate, ASoundRecordingHasNoFaultAndItsRate) {
   const GateReport report = ExamineData(Recorded().train, Recorded().declared);
   EXPECT_TRUE(report.faults.empty()) << Told(report);

@@ -3,9 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "components/report/errors.h"
 #include "components/report/file/report_file.h"
+#include "components/trace/rules.h"
 #include "tests/components/identify/synthetic.h"
 
 namespace sinew::report {
@@ -61,6 +64,13 @@ TEST(Report, JsonHoldsWhatProgramsAskFor) {
     EXPECT_LT(json[set]["after"].get<double>(), json[set]["before"].get<double>());
     EXPECT_EQ(json[set]["after"], json[set]["after_rms"]);
   }
+  EXPECT_TRUE(effect["in_model"].get<bool>());
+  ASSERT_EQ(json["errors"].size(), 2u);
+  EXPECT_EQ(json["errors"][1]["what"], "held_out");
+  EXPECT_EQ(json["errors"][1]["declared"], json["sealed"]["declared_rms"]);
+  EXPECT_EQ(json["errors"][1]["refitted"], json["sealed"]["before"]);
+  EXPECT_EQ(json["errors"][1]["corrected"], json["sealed"]["after"]);
+  EXPECT_TRUE(json["rises"].empty());
   for (const char* key :
        {"not_excited", "unexplained", "parameter_shift", "base_parameters", "findings", "rounds"}) {
     EXPECT_TRUE(json.contains(key)) << key;
@@ -77,6 +87,86 @@ TEST(Report, WithoutAnEffectTheVerdictIsNone) {
   EXPECT_THAT(VerdictSentence(made.report), HasSubstr("No effect"));
 }
 
+// A report of figures that are set by hand: declared, refitted and corrected on held-out rows.
+Report WithErrors(double declared, double refitted, double corrected) {
+  Report report;
+  report.trace.verdict = trace::Verdict::kNone;
+  report.trace.nominal_sealed.rms = declared;
+  report.trace.before_sealed.rms = refitted;
+  report.trace.after_sealed.rms = corrected;
+  return report;
+}
+
+TEST(Report, AnErrorThatRisesIsTheFirstSentence) {
+  EXPECT_TRUE(Rises(WithErrors(3.0, 2.0, 2.0)).empty());
+  EXPECT_THAT(VerdictSentence(WithErrors(3.0, 2.0, 2.0)), ::testing::StartsWith("No effect"));
+  for (const Report& report : {WithErrors(3.0, 2.0, 2.5), WithErrors(1.5, 2.0, 1.75)}) {
+    EXPECT_EQ(Rises(report).size(), 1u);
+    EXPECT_THAT(VerdictSentence(report),
+                ::testing::StartsWith("The refitted model raises an error: held-out recordings: " +
+                                      ThreeErrors(Rises(report)[0]) + "."));
+  }
+  // What three digits do not show is no rise.
+  EXPECT_TRUE(Rises(WithErrors(2.0, 2.0, 2.00001)).empty());
+  // Training may pay for the held-out recordings.
+  Report report = WithErrors(3.0, 2.0, 1.0);
+  report.trace.after_train.rms = 1.0;
+  EXPECT_TRUE(Rises(report).empty());
+}
+
+TEST(Report, ASimulationThatRisesOrRunsAwayIsTold) {
+  Report report = WithErrors(3.0, 2.0, 1.0);
+  const auto simulated = [&](double declared, double refitted, double corrected) {
+    free_run::FreeRun run;
+    for (const double rms : {declared, refitted, corrected}) run.models.push_back({.rms = rms});
+    report.free_run.errors = run;
+    return Rises(report);
+  };
+  EXPECT_TRUE(simulated(3.0, 2.0, 1.0).empty());
+  EXPECT_EQ(simulated(3.0, 1.0, 2.0).size(), 1u);
+  const double ran_away = std::nan("");
+  EXPECT_TRUE(simulated(ran_away, 2.0, 1.0).empty());
+  ASSERT_EQ(simulated(3.0, 2.0, ran_away).size(), 1u);
+  EXPECT_THAT(ThreeErrors(Rises(report)[0]), HasSubstr("ran away rad corrected"));
+}
+
+TEST(Report, AnEffectThatIsNoPartOfTheModelIsToldWithItsSize) {
+  Made made = Make(true);
+  trace::TraceResult& trace = made.report.trace;
+  trace.effects[0].fitted = {actuator::PhysicalTerm(trace.corrected, trace.effects[0].term)};
+  trace.effects[0].term = -1;
+  const nlohmann::json json = nlohmann::json::parse(FormatJson(made.report));
+  EXPECT_EQ(json["verdict"], "effect");
+  EXPECT_FALSE(json["effects"][0]["in_model"].get<bool>());
+  EXPECT_NEAR(json["effects"][0]["parameters"]["quadratic_Nm_s2_rad2"]["value"].get<double>(), 0.4,
+              0.05);
+  EXPECT_THAT(json["sentence"].get<std::string>(),
+              HasSubstr("Training asks for quadratic_viscous"));
+  EXPECT_THAT(FormatHtml(made.report, {}, {}), HasSubstr("no part of the model"));
+}
+
+TEST(Report, TheSmallestSizesThatWouldHaveBeenFoundAreTold) {
+  Made made = Make(false);
+  made.report.trace.detectable = {{.effect = "stribeck",
+                                   .parameter = "stribeck_Nm",
+                                   .unit = "Nm",
+                                   .size = 0.0625,
+                                   .share = 0.03,
+                                   .shape = {{"stribeck_velocity_rad_s", 0.25}}}};
+  const nlohmann::json json = nlohmann::json::parse(FormatJson(made.report))["detectable"];
+  EXPECT_EQ(json["power"], 0.8);
+  EXPECT_EQ(json["p_global"], trace::rules::kGlobalP.limit);
+  EXPECT_EQ(json["explained_share"], trace::rules::kExplainedShare.limit);
+  ASSERT_EQ(json["sizes"].size(), 1u);
+  EXPECT_EQ(json["sizes"][0]["effect"], "stribeck");
+  EXPECT_EQ(json["sizes"][0]["size"], 0.0625);
+  EXPECT_EQ(json["sizes"][0]["unit"], "Nm");
+  EXPECT_EQ(json["sizes"][0]["shape"]["stribeck_velocity_rad_s"], 0.25);
+  const std::string html = FormatHtml(made.report, {}, {});
+  EXPECT_THAT(html, HasSubstr("What would have been found"));
+  EXPECT_THAT(html, HasSubstr("stribeck_velocity_rad_s = 0.25"));
+}
+
 TEST(Report, ThePageStandsAlone) {
   const Made made = Make(true);
   const std::vector<std::string> svgs = DrawPictures(made.pictures);
@@ -88,6 +178,7 @@ TEST(Report, ThePageStandsAlone) {
   const std::string html = FormatHtml(made.report, made.pictures, svgs);
   EXPECT_THAT(html, HasSubstr("quadratic_viscous"));
   EXPECT_THAT(html, HasSubstr("a &lt;robot&gt;"));
+  EXPECT_THAT(html, HasSubstr("<th>declared</th><th>refitted</th><th>corrected</th>"));
   EXPECT_THAT(html, HasSubstr("Measured against model"));
   EXPECT_THAT(html, HasSubstr("Residual over time"));
   EXPECT_THAT(html, HasSubstr("Residual against"));

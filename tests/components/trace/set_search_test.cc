@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <random>
 
+#include "components/trace/agreed_set.h"
 #include "components/trace/null_test.h"
 
 namespace sinew::trace {
@@ -73,6 +75,16 @@ TEST(SetSearch, ThePairThatIsThereIsTheBestPair) {
   std::vector<std::size_t> pair = found.best[2].members;
   std::sort(pair.begin(), pair.end());
   EXPECT_EQ(pair, (std::vector<std::size_t>{0, 4}));
+}
+
+TEST(AgreedSet, HoldsEveryNamedEffectAtTheShapeThatGainsMost) {
+  Searched scene(Sizes({0.3, 0, 0, 0, 0.2, 0}));
+  scene.hypotheses[0].name = scene.hypotheses[2].name = "two shapes";
+  scene.hypotheses[4].name = "one shape";
+  const EffectSet set =
+      FitAgreedSet(scene.evidence(), scene.hypotheses, {"one shape", "two shapes", "unknown"});
+  EXPECT_EQ(set.members, (std::vector<std::size_t>{4, 0}));
+  EXPECT_TRUE(FitAgreedSet(scene.evidence(), scene.hypotheses, {}).empty());
 }
 
 TEST(SetSearch, AnEffectOfImpossibleSignIsNoSet) {
@@ -144,6 +156,18 @@ TEST(NullTest, PIsUniformWithoutAnEffect) {
   // Binomial, four standard errors: 30 +- 21 and 150 +- 35.
   EXPECT_NEAR(below_tenth, 30, 21);
   EXPECT_NEAR(below_half, 150, 35);
+}
+
+TEST(NullTest, TheLeastStatisticOfALimitReachesItAndNoSmallerOne) {
+  const Searched scene(Sizes({0, 0, 0, 0, 0, 0}));
+  const Evidence evidence = scene.evidence();
+  const NullTest test(scene.X, scene.Z, scene.y - scene.X * evidence.Declared({}, {}), evidence,
+                      scene.hypotheses, {}, BlocksOfFifty(), 199, 3);
+  for (const double p : {0.01, 0.05, 0.5}) {
+    EXPECT_LE(test.P(test.Least(p) + 1e-9), p);
+    EXPECT_GT(test.P(test.Least(p)), p);
+  }
+  EXPECT_TRUE(std::isinf(test.Least(0.001)));  // 199 rounds cannot
 }
 
 TEST(NullTest, WhatIsGivenIsNoNews) {

@@ -159,6 +159,26 @@ TEST(CloseLoop, WritesThreeFilesAndAModelThatLoads) {
   EXPECT_EQ(CloseLoop(options).report.trace.verdict, trace::Verdict::kNone);
 }
 
+TEST(CloseLoop, TooLittleDataIsAVerdictWithAReport) {
+  const testing::TemporaryFolder folder;
+  for (const bool training : {true, false}) {
+    CloseLoopOptions options = ExampleOptions("one_effect");
+    options.out = folder.path() / (training ? "training" : "held_out");
+    std::vector<fs::path>& part = training ? options.train : options.sealed;
+    part = {part.front().string() + "@10:13"};
+    const CloseLoopResult result = CloseLoop(options);
+    EXPECT_FALSE(result.judged());
+    const nlohmann::json json = nlohmann::json::parse(std::ifstream(options.out / "report.json"));
+    EXPECT_EQ(json["verdict"], "too_little_data");
+    EXPECT_EQ(json["too_little_data"]["rule"], training ? "blocks" : "held_out_blocks");
+    EXPECT_TRUE(json["effects"].empty());
+    EXPECT_TRUE(fs::exists(options.out / "report.html"));
+    EXPECT_FALSE(fs::exists(options.out / "model.yaml"));  // nothing was fitted
+    EXPECT_THAT(result.html, HasSubstr("too little data"));
+    EXPECT_EQ(result.model.robot.joints[0].history.size(), 0u);
+  }
+}
+
 // One line, the reason in it, and nothing written.
 void ExpectRefused(CloseLoopOptions options, const std::vector<std::string>& words) {
   const testing::TemporaryFolder folder;

@@ -106,6 +106,29 @@ TEST_F(Input, ASpringAndAJointWithoutInertiaAreFitted) {
   EXPECT_LT(result.report.trace.before_sealed.percent, 1.0);
 }
 
+TEST_F(Input, OneRecordingAndNothingHeldOutIsRefusedWithTheWayToSplitIt) {
+  CloseLoopOptions options = SpringOptions();
+  options.train = {folder_.path() / "day.csv"};
+  options.sealed.clear();
+  const std::string csv = options.train[0].string();
+  EXPECT_THAT(ErrorOf([&] { CloseLoop(options); }),
+              HasSubstr("--train " + csv + "@:13 --held-out " + csv + "@13:"));
+}
+
+TEST_F(Input, WithoutHeldOutRecordingsEachIsHeldOutOnce) {
+  CloseLoopOptions options = SpringOptions();
+  const std::string csv = folder_.path() / "day.csv";
+  options.train = {csv + "@:10", csv + "@10:"};
+  options.sealed.clear();
+  const CloseLoopResult result = CloseLoop(options);
+  ASSERT_EQ(result.report.rotations.size(), 2u);
+  EXPECT_EQ(result.report.rotations[1].held_out, "day.csv@10:");
+  EXPECT_THAT(result.json, HasSubstr("\"held_out\": \"day.csv@:10\""));
+  EXPECT_THAT(result.html, HasSubstr("Each recording held out once"));
+  options.engine = trace::Engine::kBlocks;
+  EXPECT_THAT(ErrorOf([&] { CloseLoop(options); }), HasSubstr("expected --held-out"));
+}
+
 TEST_F(Input, RangesOfOneFileMayNotShareRows) {
   CloseLoopOptions options = SpringOptions();
   const std::string csv = folder_.path() / "day.csv";

@@ -49,6 +49,7 @@ CloseLoopResult OnPendulum(const std::vector<int>& train, int sealed) {
   options.map = kRobots / "bam_xl330/csv_map.yaml";
   options.train = PendulumRuns(train);
   options.sealed = PendulumRuns({sealed});
+  options.keep_unconfirmed = true;  // on gain 100 the friction is a third larger than trained
   return CloseLoop(options);
 }
 
@@ -58,7 +59,7 @@ free_run::FreeRunResult FreeRunOnPendulum(const CloseLoopResult& result, int sea
     runs.push_back(recording::ReadRuns(path, kRobots / "bam_xl330/csv_map.yaml").front());
   }
   const trace::TraceResult& trace = result.report.trace;
-  return free_run::Compare(runs, trace.declared, trace.corrected, result.report.processing);
+  return free_run::Compare(runs, {trace.declared, trace.corrected}, result.report.processing);
 }
 
 class PendulumServo : public ::testing::TestWithParam<std::pair<std::vector<int>, int>> {};
@@ -77,13 +78,13 @@ TEST_P(PendulumServo, LoadDependentGearFrictionIsFoundAndNoStribeck) {
   EXPECT_EQ(run.errors->method, free_run::Method::kClosedLoop);
   // The servo's gain is not given: duty = 4096 / 2 pi / (256 * 885) * kp * error.
   const double gain = 4096.0 / (2.0 * M_PI) / (256.0 * 885.0) * sealed;
-  EXPECT_NEAR(run.errors->after[0].servo_gain, gain, 0.02 * gain);
-  EXPECT_EQ(run.errors->after_diverged, 0);
+  EXPECT_NEAR(run.errors->models[1].runs[0].servo_gain, gain, 0.02 * gain);
+  EXPECT_EQ(run.errors->models[1].diverged, 0);
   // Mean absolute error of the angle over all four motions, torque off and swinging included. From
   // the two soft servos to the stiff one it does not get better, which the README says.
   if (sealed != 800) {
-    EXPECT_LT(run.errors->after_mean_abs, 0.95 * run.errors->before_mean_abs);
-    EXPECT_LT(run.errors->after_mean_abs, 0.064);
+    EXPECT_LT(run.errors->models[1].mean_abs, 0.95 * run.errors->models[0].mean_abs);
+    EXPECT_LT(run.errors->models[1].mean_abs, 0.064);
   }
 }
 

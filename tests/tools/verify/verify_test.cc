@@ -135,13 +135,14 @@ TEST(Verify, TheWorldOfTheRightModelFollowsTheRecordingBetter) {
   const free_run::FreeRunResult result = FollowRecordings(runs, wrong, right, processing, 0.5);
   ASSERT_TRUE(result.errors) << result.why_not;
   EXPECT_EQ(result.errors->method, free_run::Method::kHorizons);
-  EXPECT_GT(result.errors->after[0].pieces, 30);
-  EXPECT_LT(result.errors->after_rms, 0.7 * result.errors->before_rms);
+  EXPECT_GT(result.errors->models[1].runs[0].pieces, 30);
+  EXPECT_LT(result.errors->models[1].rms, 0.7 * result.errors->models[0].rms);
   // The world and the joint alone are the same physics.
   const free_run::FreeRunResult alone =
-      free_run::Compare(runs, wrong.joints[0], right.joints[0], processing);
+      free_run::Compare(runs, {wrong.joints[0], right.joints[0]}, processing);
   ASSERT_TRUE(alone.errors);
-  EXPECT_NEAR(result.errors->after_rms, alone.errors->after_rms, 0.1 * alone.errors->after_rms);
+  EXPECT_NEAR(result.errors->models[1].rms, alone.errors->models[1].rms,
+              0.1 * alone.errors->models[1].rms);
 
   const Names names{.before = "a", .after = "b", .added = {"quadratic_viscous"}, .effects = "none"};
   const report::Section section = MakeSection(names, effects::JointKind::kRotary, &result, {});

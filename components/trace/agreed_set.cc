@@ -1,0 +1,55 @@
+#include "components/trace/agreed_set.h"
+
+#include <utility>
+
+namespace sinew::trace {
+
+EffectSet FitAgreedSet(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
+                       const std::set<std::string>& effects) {
+  EffectSet out;
+  // The first pass adds, the second chooses every shape anew beside the others.
+  std::vector<std::string> added;
+  for (const std::string& name : effects) {
+    EffectSet best;
+    for (std::size_t h = 0; h < hypotheses.size(); ++h) {
+      if (!hypotheses[h].physical() || hypotheses[h].name != name) continue;
+      std::vector<std::size_t> members = out.members;
+      members.push_back(h);
+      EffectSet joined = FitSet(evidence, hypotheses, std::move(members));
+      if (!Physical(evidence, hypotheses, joined)) continue;
+      if (best.empty() || joined.net > best.net) best = std::move(joined);
+    }
+    if (best.empty()) continue;
+    out = std::move(best);
+    added.push_back(name);
+  }
+  for (std::size_t k = 0; k < added.size(); ++k) {
+    for (std::size_t h = 0; h < hypotheses.size(); ++h) {
+      if (!hypotheses[h].physical() || hypotheses[h].name != added[k]) continue;
+      std::vector<std::size_t> members = out.members;
+      members[k] = h;
+      EffectSet other = FitSet(evidence, hypotheses, std::move(members));
+      if (other.net > out.net && Physical(evidence, hypotheses, other)) out = std::move(other);
+    }
+  }
+  return out;
+}
+
+std::set<std::string> Unasked(const Problem& problem,
+                              const std::optional<std::set<std::string>>& agreed) {
+  std::set<std::string> out;
+  if (!agreed) return out;
+  for (const Hypothesis& h : problem.hypotheses()) {
+    if (h.physical() && agreed->count(h.name) == 0) out.insert(h.name);
+  }
+  return out;
+}
+
+void ChooseAgreed(const Problem& problem, std::set<std::string> agreed,
+                  const std::set<std::string>& refuted, SetJudgement* judged) {
+  for (const std::string& name : refuted) agreed.erase(name);
+  judged->chosen = FitAgreedSet(problem.evidence, problem.hypotheses(), agreed);
+  judged->rivals.assign(judged->chosen.members.size(), {});
+}
+
+}  // namespace sinew::trace

@@ -1,0 +1,26 @@
+// The set of effects that is given by name: no rule is asked, only shapes are chosen. Pure.
+#pragma once
+
+#include <optional>
+#include <set>
+#include <string>
+
+#include "components/trace/judgement.h"
+#include "components/trace/set_search.h"
+
+namespace sinew::trace {
+
+// The hypothesis of each effect, jointly the ones that gain most. Effects without a physical
+// hypothesis are left out.
+EffectSet FitAgreedSet(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
+                       const std::set<std::string>& effects);
+
+// Effects of the problem that were not agreed on; without an agreement: none.
+std::set<std::string> Unasked(const Problem& problem,
+                              const std::optional<std::set<std::string>>& agreed);
+
+// The judgement with what was agreed on chosen, but for what was refuted since.
+void ChooseAgreed(const Problem& problem, std::set<std::string> agreed,
+                  const std::set<std::string>& refuted, SetJudgement* judged);
+
+}  // namespace sinew::trace

@@ -1,0 +1,28 @@
+// Do the recordings hold enough to judge the torque balance? The limits are those of rules.h. Pure.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "components/actuator/model.h"
+#include "components/identify/design.h"
+
+namespace sinew::trace {
+
+// What is missing.
+struct TooLittle {
+  std::string rule;  // of rules.h
+  double statistic = 0.0, limit = 0.0;
+  std::string reason;  // one sentence
+};
+
+// Used rows over blocks of at least the length over which noise may be coloured (problem.h), and no
+// more blocks than inference makes of them (used_rows.h).
+int IndependentBlocks(const identify::Design& design);
+
+// The first rule that is broken; nothing: there is enough. train, sealed: raw rows.
+std::optional<TooLittle> FindTooLittle(const identify::Design& train,
+                                       const identify::Design& sealed,
+                                       const actuator::JointModel& model);
+
+}  // namespace sinew::trace

@@ -1,0 +1,182 @@
+#include "components/trace/rotation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+
+namespace sinew::trace {
+
+namespace {
+
+using identify::ModelError;
+
+// The effect of a rotation that is `name` or has it as a rival; null: none.
+const FoundEffect* FindClass(const std::vector<FoundEffect>& effects, const std::string& name) {
+  for (const FoundEffect& effect : effects) {
+    if (effect.name == name) return &effect;
+  }
+  for (const FoundEffect& effect : effects) {
+    if (std::count(effect.rivals.begin(), effect.rivals.end(), name) != 0) return &effect;
+  }
+  return nullptr;
+}
+
+// Root of the mean square, each weighted by the rows of its recording.
+class Pooled {
+ public:
+  void Add(double error, double rows) {
+    squares_ += rows * error * error;
+    rows_ += rows;
+  }
+  double rms() const { return rows_ > 0.0 ? std::sqrt(squares_ / rows_) : 0.0; }
+
+ private:
+  double squares_ = 0.0, rows_ = 0.0;
+};
+
+using ErrorMember = ModelError Judgement::*;
+
+// The residual becomes theirs where it has
+// as many rows as that of all recordings.
+void PoolError(const std::vector<const Judgement*>& rotations, ErrorMember member, Judgement* all) {
+  Pooled rms, percent;
+  Eigen::Index rows = 0;
+  for (const Judgement* judged : rotations) {
+    const ModelError& error = judged->*member;
+    const auto count = static_cast<double>(error.residual.size());
+    rms.Add(error.rms, count);
+    percent.Add(error.percent, count);
+    rows += error.residual.size();
+  }
+  ModelError& out = all->*member;
+  out.rms = rms.rms();
+  out.percent = percent.rms();
+  if (rows != out.residual.size()) return;
+  Eigen::Index at = 0;
+  for (const Judgement* judged : rotations) {
+    const Eigen::VectorXd& part = (judged->*member).residual;
+    out.residual.segment(at, part.size()) = part;
+    at += part.size();
+  }
+}
+
+void PoolErrors(const std::vector<const Judgement*>& rotations, Judgement* all) {
+  if (rotations.empty()) return;
+  for (const ErrorMember member :
+       {&Judgement::nominal_sealed, &Judgement::before_sealed, &Judgement::after_sealed}) {
+    PoolError(rotations, member, all);
+  }
+}
+
+// Figures of a found effect from the rotations that confirm it.
+void NoteConfirmations(const std::vector<Rotation>& rotations, FoundEffect* effect) {
+  Pooled before, after;
+  bool first = true;
+  for (const Rotation& rotation : rotations) {
+    const FoundEffect* found = FindClass(rotation.trace.effects, effect->name);
+    if (found == nullptr || found->confirmation.verdict != ConfirmationVerdict::kConfirmed) {
+      continue;
+    }
+    const auto rows = static_cast<double>(rotation.trace.after_sealed.residual.size());
+    before.Add(found->sealed_before, rows);
+    after.Add(found->sealed_after, rows);
+    if (first || found->confirmation.lower < effect->confirmation.lower) {
+      effect->confirmation = found->confirmation;
+    }
+    first = false;
+    for (std::string rival : found->rivals) {
+      if (found->name != effect->name && rival == effect->name) rival = found->name;
+      if (rival != effect->name &&
+          std::count(effect->rivals.begin(), effect->rivals.end(), rival) == 0) {
+        effect->rivals.push_back(rival);
+      }
+    }
+  }
+  effect->sealed_before = before.rms();
+  effect->sealed_after = after.rms();
+}
+
+}  // namespace
+
+std::set<std::string> AgreedEffects(const std::vector<Rotation>& rotations) {
+  const std::size_t needed = std::max<std::size_t>(2, rotations.size() - 1);
+  std::map<std::string, double> gain;  // of every effect that some rotation confirms
+  std::set<std::string> refuted;
+  for (const Rotation& rotation : rotations) {
+    for (const FoundEffect& effect : rotation.trace.refuted) refuted.insert(effect.name);
+    for (const FoundEffect& effect : rotation.trace.effects) gain[effect.name] += effect.gain_share;
+  }
+  const auto agreed = [&](const std::string& name) {
+    const auto confirming =
+        std::count_if(rotations.begin(), rotations.end(), [&](const Rotation& rotation) {
+          const FoundEffect* found = FindClass(rotation.trace.effects, name);
+          return found != nullptr && found->confirmation.verdict == ConfirmationVerdict::kConfirmed;
+        });
+    return static_cast<std::size_t>(confirming) >= needed && refuted.count(name) == 0;
+  };
+  std::set<std::string> out;
+  for (const auto& [name, own] : gain) {
+    if (!agreed(name)) continue;
+    // Of a class that goes by several names the one that gains most in all.
+    const bool other = std::any_of(gain.begin(), gain.end(), [&](const auto& entry) {
+      if (entry.first == name || entry.second <= own || !agreed(entry.first)) return false;
+      return std::any_of(rotations.begin(), rotations.end(), [&](const Rotation& rotation) {
+        const FoundEffect* found = FindClass(rotation.trace.effects, entry.first);
+        return found != nullptr && found == FindClass(rotation.trace.effects, name);
+      });
+    });
+    if (!other) out.insert(name);
+  }
+  return out;
+}
+
+RotatedLoop RotateLoop(const std::vector<identify::Run>& runs, const actuator::JointModel& joint,
+                       const identify::ProcessingOptions& wished, const TraceOptions& options) {
+  if (runs.size() < 2 || runs.front().held) {
+    throw std::invalid_argument(
+        "recordings rotate when there are two at least, none of them of held positions");
+  }
+  RotatedLoop out;
+  const auto loops = static_cast<double>(runs.size() + 1);
+  const auto part = [&](std::size_t done) {
+    TraceOptions own = options;
+    if (options.progress) {
+      own.progress = [&options, loops, done](const std::string& what, double share) {
+        options.progress(what, (static_cast<double>(done) + share) / loops);
+      };
+    }
+    return own;
+  };
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    std::vector<identify::Run> train = runs;
+    train.erase(train.begin() + static_cast<std::ptrdiff_t>(i));
+    RequireSealed(train, {runs[i]});
+    LoopResult loop = CloseLoop(train, {runs[i]}, joint, wished, part(i));
+    out.rotations.push_back({runs[i].name, loop.processing, std::move(loop.trace)});
+    if (out.rotations.back().trace.too_little) {
+      out.all = std::move(loop);
+      out.all.trace = out.rotations.back().trace;
+      return out;
+    }
+  }
+  TraceOptions agreed = part(runs.size());
+  agreed.agreed = AgreedEffects(out.rotations);
+  out.all = CloseLoop(runs, runs, joint, wished, agreed);
+  TraceResult& trace = out.all.trace;
+  if (trace.too_little) return out;
+  std::vector<const Judgement*> judged;
+  for (const Rotation& rotation : out.rotations) judged.push_back(&rotation.trace);
+  PoolErrors(judged, &trace);
+  for (std::size_t b = 0; b < trace.balances.size(); ++b) {
+    judged.clear();
+    for (const Rotation& rotation : out.rotations) {
+      if (rotation.trace.balances[b].unseen.empty()) judged.push_back(&rotation.trace.balances[b]);
+    }
+    PoolErrors(judged, &trace.balances[b]);
+  }
+  for (FoundEffect& effect : trace.effects) NoteConfirmations(out.rotations, &effect);
+  return out;
+}
+
+}  // namespace sinew::trace

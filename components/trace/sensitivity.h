@@ -1,0 +1,37 @@
+// What the recordings could have shown: the smallest size of every effect that the search would
+// have found, and the effects that could hide. Pure; allocates.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "components/trace/problem.h"
+#include "components/trace/tracer.h"
+
+namespace sinew::trace {
+
+// Misfit that a hypothesis has to take away before two rules of the search accept it alone:
+// p_global (`statistic`: the least one that reaches its limit, null_test.h) and explained_share.
+// misfit: of the declared terms, without the effect.
+double NeededGain(const Hypothesis& hypothesis, double misfit, double statistic);
+
+// Misfit that an effect takes away without noise, so that with noise it takes away `needed` in 80 %
+// of recordings: the gain of k columns is noncentral chi-square with k degrees of freedom, here by
+// its normal approximation.
+double GainForPower(double needed, int columns);
+
+// For every effect and each of its linear parameters, at the shape that shows best; effects that
+// the declared terms absorb apart, and those that are lines of a spectrum, which is searched and
+// has no size beforehand.
+std::vector<DetectableSize> FindDetectable(const Problem& problem,
+                                           const actuator::JointModel& declared, double statistic);
+
+// What the recordings could not have shown, and what they could (effect names).
+struct Sensitivity {
+  std::vector<NotExcited> not_excited;
+  std::vector<std::string> judged;
+};
+Sensitivity FindSensitivity(const Problem& problem, const std::vector<DetectableSize>& detectable);
+
+}  // namespace sinew::trace

@@ -1,0 +1,65 @@
+// Recordings that are too short or too still end as a verdict, whatever it is that they lack.
+#include "components/trace/enough_data.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "components/trace/close_loop.h"
+#include "components/trace/rules.h"
+#include "tests/components/identify/synthetic.h"
+
+namespace sinew::trace {
+namespace {
+
+identify::Run Lasting(double duration_s, std::uint64_t seed) {
+  return identify::SyntheticRun(
+      identify::SyntheticModel(),
+      {.rate_Hz = 200.0, .duration_s = duration_s, .seed = seed, .noise_A = 0.05});
+}
+
+// Every signal but the drive stays; that has noise.
+identify::Run AtRest(std::uint64_t seed) {
+  identify::Run run = Lasting(20.0, seed);
+  for (auto& [signal, values] : run.signals) {
+    if (signal != identify::Signal::kMotorCurrent) values.setConstant(values[0]);
+  }
+  return run;
+}
+
+TraceResult Judged(const identify::Run& train, const identify::Run& held_out) {
+  return CloseLoop({train}, {held_out}, identify::SyntheticModel(), identify::ProcessingOptions{},
+                   {.engine = Engine::kLikelihood})
+      .trace;
+}
+
+TEST(EnoughData, ShortOrStillRecordingsAreTooLittleToJudge) {
+  const identify::Run good = Lasting(60.0, 1);
+  for (const identify::Run& bad : {Lasting(0.05, 2), Lasting(0.3, 2), AtRest(2)}) {
+    const double seconds = bad.time_s[bad.size() - 1];
+    for (const bool training : {true, false}) {
+      const TraceResult result = training ? Judged(bad, good) : Judged(good, bad);
+      EXPECT_EQ(result.verdict, Verdict::kTooLittleData) << seconds << training;
+      ASSERT_TRUE(result.too_little.has_value());
+      EXPECT_FALSE(result.too_little->reason.empty());
+      EXPECT_LT(result.too_little->statistic, result.too_little->limit) << seconds;
+      EXPECT_TRUE(result.effects.empty());
+    }
+  }
+  EXPECT_EQ(Judged(Lasting(1.0, 2), good).verdict, Verdict::kTooLittleData);
+  EXPECT_EQ(Judged(good, Lasting(60.0, 2)).verdict, Verdict::kNone);
+}
+
+TEST(EnoughData, TheRulesNameWhatIsMissing) {
+  EXPECT_EQ(Judged(AtRest(1), Lasting(60.0, 2)).too_little->rule, rules::kBlocks.id);
+  EXPECT_EQ(Judged(Lasting(60.0, 1), AtRest(2)).too_little->rule, rules::kHeldOutBlocks.id);
+}
+
+// 2^(n - 1) patterns of signs, for a change of all of them changes no gain.
+TEST(EnoughData, AsManyBlocksAsASignTestNeeds) {
+  EXPECT_LE(std::exp2(1.0 - rules::kBlocks.limit), rules::kGlobalP.limit);
+  EXPECT_GT(std::exp2(2.0 - rules::kBlocks.limit), rules::kGlobalP.limit);
+}
+
+}  // namespace
+}  // namespace sinew::trace
