@@ -43,6 +43,8 @@ class Design {
   // The load cell measured nothing but its noise, and its mean stands for it.
   bool silent_load() const { return states_.silent_load; }
   double rows_per_s() const { return rows_per_s_; }  // of the first piece
+  // Rows are holds (Run::held): their order says nothing, and no time runs between them.
+  bool held() const { return !states_.segments.empty() && states_.segments.front().held; }
 
   // phi of an effect, a column per linear parameter.
   Eigen::MatrixXd Columns(const effects::Effect& effect, std::span<const double> psi) const;

@@ -85,8 +85,7 @@ LoopResult CloseLoop(const std::vector<identify::Run>& train,
   LoopResult loop;
   // Holds are not filtered: where only those are trained on, the sealed recordings fill in what is
   // theirs alone.
-  // Rows that are holds do not follow each other in time: their noise has no colour to learn.
-  const bool raw = options.engine == Engine::kLikelihood && !train.front().held;
+  const bool raw = options.engine == Engine::kLikelihood;
   const std::vector<identify::Run>& shape = train.front().held ? sealed : train;
   loop.processing = raw ? identify::FromMotion(shape, joint, wished.longest_gap_s)
                         : identify::Resolve(wished, shape);

@@ -175,7 +175,8 @@ class Judge {
     return problem_.scale * identify::Rms(Richest(problem_));
   }
 
-  // The set's contribution times the time in its recording (-1 to 1), and in each recording alone.
+  // The set's contribution times the time in its recording (-1 to 1; none runs between holds), and
+  // in each recording alone.
   Eigen::MatrixXd Changing(const Eigen::VectorXd& part) const {
     const identify::Rows& rows = design_.rows();
     const UsedRows& used = likelihood_.used;
@@ -193,7 +194,7 @@ class Judge {
     for (Eigen::Index k = 0; k < used.size(); ++k) {
       const auto [first, last] = span.at(run(k));
       const double time_s = rows.time_s[row(k)];
-      if (last > first) out(k, 0) = part[k] * (2.0 * (time_s - first) / (last - first) - 1.0);
+      if (last > first && !design_.held()) out(k, 0) = part[k] * (2.0 * (time_s - first) / (last - first) - 1.0);
       const auto number = static_cast<Eigen::Index>(std::distance(span.begin(), span.find(run(k))));
       if (count > 1) out(k, 1 + number) = part[k];
     }

@@ -19,7 +19,9 @@ constexpr double kScaleKnown = 0.05;
 
 constexpr std::uint64_t kEventSeed = 1;
 
+// Holds have no neighbours: one scale for all.
 Eigen::Index ScaleWindow(const identify::Design& design) {
+  if (design.held()) return design.rows().size();
   return static_cast<Eigen::Index>(
       std::ceil(kScalePeriods * design.states().rate_Hz / design.options().state_cutoff_Hz));
 }
@@ -110,7 +112,9 @@ LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::Joint
   design->PredictDrive(out.fit.model);
 
   // What begins at an instant must be known before the noise is: it would count as loud noise.
-  likelihood.event = FindTimedEffect(*design, likelihood, declared, out.fit, kEventSeed);
+  if (!design->held()) {
+    likelihood.event = FindTimedEffect(*design, likelihood, declared, out.fit, kEventSeed);
+  }
   if (likelihood.event) SetClocksBy(*likelihood.event, likelihood.event->start_s, design);
 
   const Eigen::Index window = ScaleWindow(*design);
