@@ -129,6 +129,18 @@ Eigen::VectorXd Design::ThroughFilter(const std::vector<Eigen::VectorXd>& per_se
   return out;
 }
 
+Eigen::MatrixXd Design::RigidColumns() const {
+  Eigen::MatrixXd out(rows_.size(), states_.rigid_spread.size());
+  std::vector<Eigen::VectorXd> column(states_.segments.size());
+  for (Eigen::Index c = 0; c < out.cols(); ++c) {
+    for (std::size_t s = 0; s < column.size(); ++s) {
+      column[s] = states_.segments[s].rigid_columns.col(c);
+    }
+    out.col(c) = ThroughFilter(column);
+  }
+  return out;
+}
+
 Eigen::VectorXd Design::MeasuredDrive(const effects::Effect& drive) const {
   Eigen::VectorXd out(rows_.size());
   Eigen::Index at = 0;

@@ -50,6 +50,9 @@ class Design {
   Eigen::MatrixXd Columns(const effects::Effect& effect, std::span<const double> psi) const;
   // phi of a drive effect with the drive input as it was measured.
   Eigen::VectorXd MeasuredDrive(const effects::Effect& drive) const;
+  // How the torque of an arm's rigid bodies changes with them (Run::rigid_columns), filtered and
+  // thinned; no columns where the joint is no part of an arm.
+  Eigen::MatrixXd RigidColumns() const;
   // A full-rate column, given per segment of the states, filtered and thinned like the columns.
   Eigen::VectorXd ThroughFilter(const std::vector<Eigen::VectorXd>& per_segment) const;
   // Any function of the sample, filtered and thinned like the columns.

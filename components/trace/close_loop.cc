@@ -78,10 +78,12 @@ LoopResult CloseLoop(const std::vector<identify::Run>& train,
                      const identify::ProcessingOptions& wished, const TraceOptions& given) {
   // Every balance may give a false alarm: all of them together as seldom as one alone.
   const std::vector<effects::Balance> others = OtherBalances(joint);
-  const auto traces = static_cast<double>(1 + others.size());
   TraceOptions options = given;
-  options.placebo_quantile = 1.0 - (1.0 - given.placebo_quantile) / traces;
-  options.placebo_rounds = given.placebo_rounds * static_cast<int>(traces);
+  options.searches = given.searches * static_cast<int>(1 + others.size());
+  if (options.engine == Engine::kBlocks) {
+    options.placebo_quantile = 1.0 - (1.0 - given.placebo_quantile) / options.searches;
+    options.placebo_rounds = given.placebo_rounds * options.searches;
+  }
   LoopResult loop;
   // Holds are not filtered: where only those are trained on, the sealed recordings fill in what is
   // theirs alone.
@@ -117,8 +119,6 @@ LoopResult CloseLoop(const std::vector<identify::Run>& train,
     }
     loop.trace = WithBalance(std::move(loop.trace), std::move(other));
   }
-  // The smallest p of several balances, each of which may give a false alarm (Bonferroni).
-  if (loop.trace.p_global) loop.trace.p_global = std::min(1.0, traces * *loop.trace.p_global);
   return loop;
 }
 

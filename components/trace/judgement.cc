@@ -34,7 +34,7 @@ class Judge {
   SetJudgement Run(std::size_t largest_set) {
     const SetSearch found =
         SearchSets(problem_.evidence, problem_.hypotheses(), largest_set, refuted_);
-    out_.p_global = GlobalP(found);
+    out_.p_global = std::min(1.0, bootstrap_.searches * GlobalP(found));
     const bool open = out_.p_global <= rules::kGlobalP.limit;
     if (open) Grow(found);
     if (open) CompareCurves(found);
@@ -194,7 +194,8 @@ class Judge {
     for (Eigen::Index k = 0; k < used.size(); ++k) {
       const auto [first, last] = span.at(run(k));
       const double time_s = rows.time_s[row(k)];
-      if (last > first && !design_.held()) out(k, 0) = part[k] * (2.0 * (time_s - first) / (last - first) - 1.0);
+      if (last > first && !design_.held())
+        out(k, 0) = part[k] * (2.0 * (time_s - first) / (last - first) - 1.0);
       const auto number = static_cast<Eigen::Index>(std::distance(span.begin(), span.find(run(k))));
       if (count > 1) out(k, 1 + number) = part[k];
     }

@@ -25,6 +25,7 @@ struct SetJudgement {
 
 struct BootstrapOptions {
   int rounds = 999;
+  int searches = 1;  // p_global is that of all of them together (Bonferroni)
   std::uint64_t seed = 1;
 };
 

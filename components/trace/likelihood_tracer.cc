@@ -54,18 +54,24 @@ actuator::JointModel ModelWith(const actuator::JointModel& declared, const Probl
   return model;
 }
 
+// What a fit leaves at the used rows, in units of the balance.
+Eigen::VectorXd LeftOver(const FitResult& fit, const UsedRows& used) {
+  return (fit.balance.target - fit.balance.columns * fit.coefficients)(used.rows);
+}
+
 // Judges the sets without the effects of these names.
 using JudgeBy = std::function<SetJudgement(const std::set<std::string>& refuted)>;
 
 class Correction {
  public:
   Correction(Design& train, Design& sealed, const LikelihoodFit& base, const Problem& problem,
-             const actuator::JointModel& declared)
+             const actuator::JointModel& declared, const TraceOptions& options)
       : train_(train),
         sealed_(sealed),
         base_(base),
         problem_(problem),
         declared_(declared),
+        options_(options),
         corrected_(base.fit) {}
 
   // Fits the set and confirms every member. A member that is wrong spoils the prediction of the
@@ -139,11 +145,14 @@ class Correction {
     }
   }
 
-  // Twice: effects that read the drive see the one that the corrected model needs.
+  // Twice: effects that read the drive see the one that the corrected model needs, and priors weigh
+  // against the noise that the set leaves, not against the set itself.
   void Fit() {
+    likelihood_ = base_.likelihood;
     actuator::JointModel model = ModelWith(declared_, problem_, set_, &terms_);
     for (int pass = 0; pass < 2; ++pass) {
-      corrected_ = RefineWhitened(train_, base_.likelihood, model);
+      corrected_ = RefineWhitened(train_, likelihood_, model);
+      likelihood_ = Unweighted(likelihood_, LeftOver(corrected_, likelihood_.used));
       model = WithDeclaredValues(corrected_.model);
       PredictDrive(corrected_.model);
     }
@@ -192,7 +201,7 @@ class Correction {
     for (auto at = terms_[k].rbegin(); at != terms_[k].rend(); ++at) {
       reduced.terms.erase(reduced.terms.begin() + *at);
     }
-    const FitResult without = FitWhitened(train_, base_.likelihood, reduced);
+    const FitResult without = FitWhitened(train_, likelihood_, reduced);
     const auto error = [&](const Design& design, const FitResult& fit) {
       return identify::ErrorOf(design, fit.model, declared_).rms;
     };
@@ -205,10 +214,18 @@ class Correction {
         trace::Confirm(sealed_, LikelihoodOf(sealed_, corrected_, order), without, corrected_);
     // Not finite where the drive that the effect asks for runs away.
     const bool raises = found.sealed_after > rules::kRaises.limit * found.sealed_before;
-    if (!std::isfinite(found.sealed_after) || raises || !DiffersFromZero(k)) {
+    if (!std::isfinite(found.sealed_after) || raises || !DiffersFromZero(k) ||
+        RaisesTheWhole(without.model, found.confirmation)) {
       found.confirmation.verdict = ConfirmationVerdict::kRefuted;
     }
     return found;
+  }
+
+  // Everything that the joint is part of may lose by what helps the joint alone.
+  bool RaisesTheWhole(const actuator::JointModel& without, const Confirmation& alone) const {
+    if (!options_.held_out_error || alone.verdict == ConfirmationVerdict::kRefuted) return false;
+    return options_.held_out_error(corrected_.model) >
+           rules::kRaises.limit * options_.held_out_error(without);
   }
 
   // Does the interval of any size of a member leave zero out?
@@ -227,19 +244,21 @@ class Correction {
   const Problem& problem_;
   SetJudgement judged_;
   const actuator::JointModel& declared_;  // its drive factor is the unit of errors
-  EffectSet set_;                         // what is left of the chosen one
+  const TraceOptions& options_;
+  EffectSet set_;  // what is left of the chosen one
   std::vector<std::vector<std::string>> rivals_;
+  Likelihood likelihood_;  // of the set's fit
   FitResult corrected_;
   std::vector<std::vector<int>> terms_;  // of the corrected model, by member
 };
 
-// The declared terms as they are reported (Unweighted).
+// The declared terms as they are reported (Unweighted). Rigid bodies of an arm stay as all joints
+// together gave them: what a refit of them would take is no part of a joint's model.
 LikelihoodFit Reported(const Design& train, const LikelihoodFit& base,
                        const actuator::JointModel& declared) {
   LikelihoodFit out = base;
-  const Eigen::VectorXd residual =
-      base.fit.balance.target - base.fit.balance.columns * base.fit.coefficients;
-  out.likelihood = Unweighted(base.likelihood, residual(base.likelihood.used.rows));
+  out.likelihood = Unweighted(base.likelihood, LeftOver(base.fit, base.likelihood.used));
+  out.likelihood.no_nuisance.emplace_back(kRigidBodies);
   out.fit = FitWhitened(train, out.likelihood, declared);
   return out;
 }
@@ -306,8 +325,10 @@ TraceResult TraceByLikelihood(Design& train, Design& sealed, const actuator::Joi
   result.rounds.push_back(std::move(round));
 
   progress("sets of effects and their confirmation", 0.5);
-  Correction correction(train, sealed, reported, problem, model);
-  const BootstrapOptions bootstrap{.rounds = options.placebo_rounds, .seed = options.seed};
+  Correction correction(train, sealed, reported, problem, model, options);
+  const BootstrapOptions bootstrap{.rounds = options.placebo_rounds * options.searches,
+                                   .searches = options.searches,
+                                   .seed = options.seed};
   correction.Run(
       [&](const std::set<std::string>& refuted) {
         return JudgeSets(problem, base.likelihood, train, model,

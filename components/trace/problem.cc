@@ -19,17 +19,22 @@ constexpr double kScaleKnown = 0.05;
 
 constexpr std::uint64_t kEventSeed = 1;
 
+// Rows per period of the lowest filter.
+double RowsPerPeriod(const identify::Design& design) {
+  const double cutoff_Hz =
+      std::min(design.options().state_cutoff_Hz, design.options().parallel_cutoff_Hz);
+  return design.rows_per_s() / std::max(1e-9, cutoff_Hz);
+}
+
 // Holds have no neighbours: one scale for all.
 Eigen::Index ScaleWindow(const identify::Design& design) {
   if (design.held()) return design.rows().size();
-  return static_cast<Eigen::Index>(
-      std::ceil(kScalePeriods * design.states().rate_Hz / design.options().state_cutoff_Hz));
+  return static_cast<Eigen::Index>(std::ceil(kScalePeriods * RowsPerPeriod(design)));
 }
 
 // The noise may be coloured over two periods of the angles' low-pass.
 int LongestOrder(const identify::Design& design) {
-  const double rows = design.states().rate_Hz / std::max(1e-9, design.options().state_cutoff_Hz);
-  return static_cast<int>(std::clamp(std::ceil(2.0 * rows), 6.0, 40.0));
+  return static_cast<int>(std::clamp(std::ceil(2.0 * RowsPerPeriod(design)), 6.0, 40.0));
 }
 
 Eigen::VectorXd Residual(const identify::FitResult& fit, const UsedRows& used) {

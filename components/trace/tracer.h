@@ -30,12 +30,18 @@ struct TraceOptions {
   Engine engine = Engine::kBlocks;
   std::uint64_t seed = 1;
   int placebo_rounds = 200;
+  // Balances and joints that are searched together: any of them may give a false alarm
+  // (Bonferroni).
+  int searches = 1;
   double placebo_quantile = 0.99;  // of the best false gain; higher when several traces decide
   int max_rounds = 3;
   double fewest_standard_errors = 2.0;
   double smallest_explainable_share = 0.05;  // gain / explainable variance
   double smallest_residual_share = 0.05;     // gain / residual variance
-  std::vector<std::string> only;             // candidates by name; empty: the whole catalogue
+  // Held-out error of the machine that the joint is part of, with this model of the joint and
+  // everything else refitted (an arm's other joints and its bodies); none: the joint is all.
+  std::function<double(const actuator::JointModel&)> held_out_error;
+  std::vector<std::string> only;  // candidates by name; empty: the whole catalogue
   // Called with a line of progress and the share done, 0 to 1.
   std::function<void(const std::string&, double)> progress;
 };
@@ -123,8 +129,9 @@ enum class Verdict { kNone, kEffect, kUnexplained };
 // How well a balance holds without and with what was found, in its own unit.
 struct Judgement {
   Verdict verdict = Verdict::kNone;
-  std::string unseen;     // why there was nothing to judge; empty: there was
-  // Of the largest statistic of the whole search, all balances together; none: the engine of blocks.
+  std::string unseen;  // why there was nothing to judge; empty: there was
+  // Of the largest statistic of the whole search, all balances together; none: the engine of
+  // blocks.
   std::optional<double> p_global;
   identify::ModelError nominal_train, nominal_sealed;
   // Declared model, refitted; within its tolerances when the effects are shifts of its parameters.

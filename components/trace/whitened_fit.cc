@@ -230,6 +230,7 @@ Prior PriorOf(const Balance& balance, const actuator::JointModel& model, const U
       out.precision[i] = rms > 0.0 ? precision(kPlausibleShare * target_rms / rms) : 0.0;
     }
   }
+  out.mean.tail(extra) = nuisances.mean;
   for (Eigen::Index k = 0; k < extra; ++k) out.precision[p + k] = precision(nuisances.spread[k]);
   return out;
 }

@@ -217,6 +217,8 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
     trace::TraceOptions trace_options;
     trace_options.seed = options.seed;
     trace_options.engine = options.engine;
+    trace_options.searches = options.searches;
+    trace_options.held_out_error = options.held_out_error;
     trace_options.progress = progress;
     trace::LoopResult loop = trace::CloseLoop(train, sealed, joint, wished, trace_options);
     report.processing = loop.processing;
@@ -319,6 +321,15 @@ void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options
     for (std::size_t i = 0; i < info.nonlinear.size(); ++i) {
       std::cout << ' ' << effects::ParameterKey(info.nonlinear[i], trace.corrected.kind) << " = "
                 << Short(term.nonlinear[i].value);
+    }
+    // Other orders of the same effect.
+    for (std::size_t t = static_cast<std::size_t>(effect.term) + 1;
+         t < trace.corrected.terms.size() &&
+         trace.corrected.terms[t].effect->info().name == effect.name;
+         ++t) {
+      for (const actuator::ParameterValue& value : trace.corrected.terms[t].nonlinear) {
+        std::cout << ", " << Short(value.value);
+      }
     }
     std::cout << "; sealed " << Short(effect.sealed_before) << " -> " << Short(effect.sealed_after)
               << ' ' << effects::BalanceUnit(effect.balance, trace.corrected.kind)

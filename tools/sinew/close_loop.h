@@ -24,6 +24,8 @@ struct CloseLoopOptions {
   std::vector<std::filesystem::path> sealed;
   std::filesystem::path out;  // folder; empty: nothing is written
   int joint = 0;
+  int searches = 1;  // joints that are traced together (trace::TraceOptions)
+  std::function<double(const actuator::JointModel&)> held_out_error;  // the same
   std::filesystem::path urdf;  // of an arm; empty: what the model file names
   std::uint64_t seed = 1;
   trace::Engine engine = trace::Engine::kLikelihood;
