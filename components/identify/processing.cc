@@ -269,12 +269,6 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
         segment.at_rest[static_cast<std::size_t>(i)] = 1;
       }
       std::vector<char> out_of_use = segment.at_rest;
-      if (options.fastest_velocity > 0.0) {
-        for (Eigen::Index i = 0; i < piece.size(); ++i) {
-          if (std::abs(v[i]) > options.fastest_velocity)
-            out_of_use[static_cast<std::size_t>(i)] = 1;
-        }
-      }
       if (motor && !locked && model.backlash_rad > 0.0) {
         MarkTouches(motor_q / ratio - q, model.backlash_rad, &out_of_use);
       }

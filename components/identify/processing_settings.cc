@@ -249,22 +249,9 @@ ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::Joint
   return out;
 }
 
-ProcessingOptions SlowMotion(const ProcessingOptions& main, const actuator::JointModel& model,
-                             double rate_Hz) {
-  constexpr double kPeriodsPerTurn = 7.0;
-  ProcessingOptions out = main;
-  out.state_cutoff_Hz = std::max(main.state_cutoff_Hz, 0.25 * rate_Hz);
-  out.parallel_cutoff_Hz = 0.2 * rate_Hz;
-  out.fastest_velocity =
-      kTurn * out.parallel_cutoff_Hz / (kPeriodsPerTurn * model.constants.gear_ratio);
-  out.rest_velocity = out.fastest_velocity / 15.0;
-  return out;
-}
-
 ProcessingOptions Unfiltered(const ProcessingOptions& motion, double rate_Hz) {
   ProcessingOptions out = motion;
   out.parallel_cutoff_Hz = 0.5 * rate_Hz;
-  out.fastest_velocity = 0.0;
   return out;
 }
 

@@ -75,27 +75,22 @@ std::string VerdictSentence(const Report& report) {
              summary.unit + " of the " + std::string(effects::BalanceName(summary.balance)) +
                  " balance");
       }
-      std::string out =
-          "The recordings are consistent with " + Join(names, " and ") +
-          (trace.slow_motion && in_motion ? ": where the sealed recording creeps the error goes "
-                                          : ": on the sealed recording the error goes ") +
-          Join(falls, " and ") + ".";
+      std::string out = "The recordings are consistent with " + Join(names, " and ") +
+                        ": on the sealed recording the error goes " + Join(falls, " and ") + ".";
       for (const trace::FoundEffect& effect : trace.effects) {
         if (effect.rivals.empty()) continue;
         out += " " + Join(effect.rivals, " and ") +
                (effect.rivals.size() == 1 ? " predicts" : " predict") + " the same here as " +
                effect.name + ".";
       }
-      if (trace.p_global) {
-        std::vector<std::string> open;
-        for (const trace::FoundEffect& effect : trace.effects) {
-          if (effect.confirmation.verdict != trace::ConfirmationVerdict::kConfirmed) {
-            open.push_back(effect.name);
-          }
+      std::vector<std::string> open;
+      for (const trace::FoundEffect& effect : trace.effects) {
+        if (effect.confirmation.verdict != trace::ConfirmationVerdict::kConfirmed) {
+          open.push_back(effect.name);
         }
-        if (!open.empty()) {
-          out += " The sealed recording does not confirm " + Join(open, " and ") + ".";
-        }
+      }
+      if (!open.empty()) {
+        out += " The sealed recording does not confirm " + Join(open, " and ") + ".";
       }
       if (trace.effects.front().weak_evidence) {
         out += " This is weak evidence: the recording falls into fewer than six independent parts.";

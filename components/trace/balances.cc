@@ -94,10 +94,9 @@ TraceResult TraceBalance(effects::Balance balance, const std::vector<identify::R
   actuator::JointModel model = corrected;
   model.balance = balance;
   BalanceDesigns sight = MakeBalanceDesigns(balance, train, sealed, model, motion);
-  if (sight.why_not.empty() && options.engine == Engine::kLikelihood) {
+  if (sight.why_not.empty()) {
     return TraceByLikelihood(*sight.train, *sight.sealed, model, options);
   }
-  if (sight.why_not.empty()) return Trace(*sight.train, *sight.sealed, model, options);
   TraceResult out;
   out.nominal = out.declared = out.corrected = std::move(model);
   for (const auto& form : effects::EffectForms()) {

@@ -271,8 +271,7 @@ class Judge {
       score.name = h.name;
       score.psi = h.settings.front().psi;
       for (const double c : single.c) score.theta.push_back(problem_.scale * c);
-      score.gain.sum = single.net;
-      score.gain.t = Statistic(single.gain, single.members.front());
+      score.statistic = Statistic(single.gain, single.members.front());
       score.gain_share = single.net / misfit_;
       const auto refused = refused_.find(h.name);
       score.accepted = std::any_of(

@@ -6,8 +6,8 @@
 #include <set>
 #include <string>
 
-#include "components/trace/ceiling.h"
 #include "components/trace/judgement.h"
+#include "components/trace/noise_floor.h"
 #include "components/trace/rules.h"
 #include "components/trace/shift.h"
 
@@ -311,7 +311,6 @@ TraceResult TraceByLikelihood(Design& train, Design& sealed, const actuator::Joi
   result.declared = reported.fit.model;
   result.declared_fit = reported.fit;
   result.units = static_cast<int>(base.likelihood.used.blocks.size());
-  result.unit_kind = "block";
   result.unit_length_s = base.likelihood.used.block_s;
   NoteErrors(train, sealed, reported, &result);
   Sensitivity sensitivity = FindSensitivity(problem);
@@ -344,7 +343,7 @@ TraceResult TraceByLikelihood(Design& train, Design& sealed, const actuator::Joi
   result.after_train = identify::ErrorOf(train, result.corrected, model);
   result.after_sealed = identify::ErrorOf(sealed, result.corrected, model);
   const CandidateSet all = MakeCandidates(train, result.corrected);
-  result.shifts = FindShifts(train, model, result.corrected_fit, all.candidates).shifts;
+  result.shifts = FindShifts(train, model, result.corrected_fit, all.candidates);
   for (const FoundEffect& found : result.effects) {
     std::erase_if(result.not_excited,
                   [&](const NotExcited& hidden) { return hidden.effect == found.name; });

@@ -155,16 +155,6 @@ bool StopsAtGate(const CloseLoopOptions& options, const std::vector<identify::Ru
   return true;
 }
 
-// What the trace says of the data beyond the gate.
-void AddNewFindings(std::vector<identify::Finding> more, std::vector<identify::Finding>* all) {
-  for (identify::Finding& finding : more) {
-    const bool known = std::any_of(all->begin(), all->end(), [&](const identify::Finding& at) {
-      return at.name == finding.name;
-    });
-    if (!known) all->push_back(std::move(finding));
-  }
-}
-
 }  // namespace
 
 LoopInput LoadLoopInput(const CloseLoopOptions& options) {
@@ -216,13 +206,12 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
     if (StopsAtGate(options, train, sealed, joint, &out)) return out;
     trace::TraceOptions trace_options;
     trace_options.seed = options.seed;
-    trace_options.engine = options.engine;
     trace_options.searches = options.searches;
     trace_options.held_out_error = options.held_out_error;
     trace_options.progress = progress;
-    trace::LoopResult loop = trace::CloseLoop(train, sealed, joint, wished, trace_options);
+    trace::LoopResult loop =
+        trace::CloseLoop(train, sealed, joint, wished.longest_gap_s, trace_options);
     report.processing = loop.processing;
-    AddNewFindings(std::move(loop.findings), &report.findings);
     report.trace = std::move(loop.trace);
     progress("simulation beside the sealed recording", 0.97);
     report.free_run =
@@ -332,10 +321,8 @@ void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options
       }
     }
     std::cout << "; sealed " << Short(effect.sealed_before) << " -> " << Short(effect.sealed_after)
-              << ' ' << effects::BalanceUnit(effect.balance, trace.corrected.kind)
-              << (effect.slow_motion ? " where it creeps" : "");
-    if (trace.p_global) std::cout << "; " << trace::ConfirmationWord(effect.confirmation.verdict);
-    std::cout << '\n';
+              << ' ' << effects::BalanceUnit(effect.balance, trace.corrected.kind) << "; "
+              << trace::ConfirmationWord(effect.confirmation.verdict) << '\n';
   }
   for (const trace::FoundEffect& effect : trace.refuted) {
     std::cout << "  refuted: " << effect.name << "; sealed " << Short(effect.sealed_before)
@@ -418,13 +405,6 @@ void AddCloseLoopCommand(CLI::App& app) {
   command->add_option("--urdf", options.urdf,
                       "Rigid bodies of an arm; what the model file names by default");
   command->add_option("--seed", options.seed, "Seed of the placebo")->capture_default_str();
-  command
-      ->add_option(
-          "--engine", options.engine,
-          "likelihood: at the raw rate (default); blocks: cross-validation behind a common "
-          "filter; arms and held positions always take blocks")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, trace::Engine>{
-          {"blocks", trace::Engine::kBlocks}, {"likelihood", trace::Engine::kLikelihood}}));
   command
       ->add_option("--accept-fault", options.accepted_faults,
                    "Go on in spite of this fault of the data (docs/data-gate.md); repeatable")

@@ -28,7 +28,6 @@ struct CloseLoopOptions {
   std::function<double(const actuator::JointModel&)> held_out_error;  // the same
   std::filesystem::path urdf;  // of an arm; empty: what the model file names
   std::uint64_t seed = 1;
-  trace::Engine engine = trace::Engine::kLikelihood;
   std::vector<std::string> accepted_faults;  // rules of the data gate that do not stop
   std::function<void(const std::string&, double)> progress;
 };

@@ -30,15 +30,15 @@ TEST(CloseLoop, RecordingsInEffectOut) {
   const auto run = [&](std::uint64_t seed) {
     return SyntheticRun(truth, {.rate_Hz = 100.0, .seed = seed, .noise_A = 0.1});
   };
-  const LoopResult loop = CloseLoop({run(1), run(2)}, {run(3)}, SyntheticModel(),
-                                    identify::ProcessingOptions{}, {.placebo_rounds = 60});
+  const LoopResult loop = CloseLoop({run(1), run(2)}, {run(3)}, SyntheticModel(), 0.25, {});
   ASSERT_EQ(loop.trace.verdict, Verdict::kEffect);
   EXPECT_EQ(loop.trace.effects.front().name, "quadratic_viscous");
   // What was left to the data is filled in, and the designs are those that the errors are of.
   EXPECT_GT(loop.processing.parallel_cutoff_Hz, 0.0);
   ASSERT_TRUE(loop.sealed.has_value());
-  EXPECT_DOUBLE_EQ(identify::ErrorOf(*loop.sealed, loop.trace.corrected).rms,
-                   loop.trace.after_sealed.rms);
+  EXPECT_DOUBLE_EQ(
+      identify::ErrorOf(*loop.sealed, loop.trace.corrected, loop.trace.nominal).rms,
+      loop.trace.after_sealed.rms);
 }
 
 // A map of cogging: one turn of positions that were held, in an order that says nothing.
@@ -73,8 +73,7 @@ TEST(CloseLoop, AllOrdersOfAMapOfHeldPositionsAreOneEffect) {
   motor.terms = {TermOf("drive_current", {1.0}, motor.constants),
                  TermOf("offset", {0.005}, motor.constants, 5.0)};
   motor.terms[0].linear[0].fixed = true;
-  const LoopResult loop = CloseLoop({Map(1000, 1)}, {Map(500, 2)}, motor,
-                                    identify::ProcessingOptions{}, {.engine = Engine::kLikelihood});
+  const LoopResult loop = CloseLoop({Map(1000, 1)}, {Map(500, 2)}, motor, 0.25, {});
   ASSERT_EQ(loop.trace.effects.size(), 1u);
   EXPECT_EQ(loop.trace.effects.front().name, "cogging");
   EXPECT_EQ(loop.trace.effects.front().confirmation.verdict, ConfirmationVerdict::kConfirmed);

@@ -1,16 +1,15 @@
-#include "components/trace/tracer.h"
+#include "components/trace/likelihood_tracer.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
+#include "components/trace/close_loop.h"
 #include "tests/components/identify/synthetic.h"
 
 namespace sinew::trace {
 namespace {
 
-using identify::Design;
-using identify::MakeDesign;
 using identify::Recipe;
 using identify::Signal;
 using identify::SyntheticModel;
@@ -28,11 +27,7 @@ TraceResult TraceOf(const actuator::JointModel& truth, Recipe recipe,
   }
   recipe.seed = 10 * seed + 5;
   const identify::Run sealed_run = SyntheticRun(truth, recipe);
-  Design design = MakeDesign(train, model);
-  Design sealed = MakeDesign({sealed_run}, model);
-  TraceOptions options;
-  options.placebo_rounds = 60;
-  return Trace(design, sealed, model, options);
+  return CloseLoop(train, {sealed_run}, model, 0.25, {}).trace;
 }
 
 actuator::JointModel With(const std::string& effect, double value) {
@@ -41,7 +36,7 @@ actuator::JointModel With(const std::string& effect, double value) {
   return truth;
 }
 
-TEST(Tracer, AKnownEffectIsFoundFirstAndLowersTheSealedError) {
+TEST(LikelihoodTracer, AKnownEffectIsFoundFirstAndLowersTheSealedError) {
   const TraceResult result =
       TraceOf(With("quadratic_viscous", 0.4), {.noise_A = 0.1, .noise_memory = 0.8});
   ASSERT_EQ(result.verdict, Verdict::kEffect);
@@ -53,7 +48,7 @@ TEST(Tracer, AKnownEffectIsFoundFirstAndLowersTheSealedError) {
   EXPECT_FALSE(result.corrected.terms.back().declared);
 }
 
-TEST(Tracer, RivalsThatPredictTheSameAreNamed) {
+TEST(LikelihoodTracer, RivalsThatPredictTheSameAreNamed) {
   const TraceResult result = TraceOf(With("direction_dependent_viscous", 0.12), {.noise_A = 0.2});
   ASSERT_EQ(result.verdict, Verdict::kEffect);
   std::vector<std::string> named = result.effects.front().rivals;
@@ -61,7 +56,7 @@ TEST(Tracer, RivalsThatPredictTheSameAreNamed) {
   EXPECT_NE(std::find(named.begin(), named.end(), "direction_dependent_viscous"), named.end());
 }
 
-TEST(Tracer, TwoEffectsAreFoundOneAfterTheOther) {
+TEST(LikelihoodTracer, TwoEffectsAreFoundTogether) {
   actuator::JointModel truth = With("quadratic_viscous", 0.4);
   truth.terms.push_back(TermOf("direction_dependent_viscous", {0.2}, truth.constants));
   const TraceResult result = TraceOf(truth, {.noise_A = 0.05});
@@ -71,36 +66,7 @@ TEST(Tracer, TwoEffectsAreFoundOneAfterTheOther) {
   EXPECT_EQ(names, (std::vector<std::string>{"direction_dependent_viscous", "quadratic_viscous"}));
 }
 
-TEST(Tracer, ALateDriveIsADelay) {
-  // The current's record runs two samples ahead of its torque.
-  const actuator::JointModel model = SyntheticModel();
-  std::vector<identify::Run> runs;
-  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    identify::Run run = SyntheticRun(model, {.rate_Hz = 100.0, .seed = seed, .noise_A = 0.02});
-    Eigen::VectorXd& current = run.signals[Signal::kMotorCurrent];
-    const Eigen::VectorXd copy = current;
-    current.head(current.size() - 2) = copy.tail(copy.size() - 2);
-    runs.push_back(std::move(run));
-  }
-  Design train = MakeDesign({runs[0], runs[1]}, model);
-  Design sealed = MakeDesign({runs[2]}, model);
-  const TraceResult result = Trace(train, sealed, model, {.placebo_rounds = 60});
-  ASSERT_EQ(result.verdict, Verdict::kEffect);
-  EXPECT_EQ(result.effects.front().name, "transport_delay");
-  EXPECT_NEAR(actuator::PhysicalValue(result.corrected, result.effects.front().term, 0), 0.02,
-              0.003);
-}
-
-TEST(Tracer, AnUndeclaredPayloadIsNamedAlthoughNoResidualIsLeft) {
-  const TraceResult result = TraceOf(With("payload", 0.8), {.noise_A = 0.05});
-  ASSERT_EQ(result.verdict, Verdict::kEffect);
-  ASSERT_EQ(result.effects.front().name, "payload");
-  EXPECT_TRUE(result.effects.front().swallowed);
-  EXPECT_LT(result.after_sealed.rms, 0.2 * result.before_sealed.rms);
-  EXPECT_FALSE(result.shifts.empty());
-}
-
-TEST(Tracer, RecordingsWithoutAnEffectRaiseNoAlarm) {
+TEST(LikelihoodTracer, RecordingsWithoutAnEffectRaiseNoAlarm) {
   int alarms = 0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const TraceResult result = TraceOf(
@@ -110,16 +76,14 @@ TEST(Tracer, RecordingsWithoutAnEffectRaiseNoAlarm) {
   EXPECT_LE(alarms, 1);
 }
 
-TEST(Tracer, WhatTheMotionHidesIsSaid) {
+TEST(LikelihoodTracer, WhatTheMotionHidesIsSaid) {
   // One temperature only: friction that drifts with it looks like friction.
   actuator::JointModel model = SyntheticModel();
   identify::Run a = SyntheticRun(model, {.rate_Hz = 100.0, .seed = 1});
   identify::Run b = SyntheticRun(model, {.rate_Hz = 100.0, .seed = 2});
   for (identify::Run* run : {&a, &b})
     run->signals[Signal::kTemperature] = Eigen::VectorXd::Constant(run->size(), 40.0);
-  Design train = MakeDesign({a}, model);
-  Design sealed = MakeDesign({b}, model);
-  const TraceResult result = Trace(train, sealed, model, {.placebo_rounds = 20});
+  const TraceResult result = CloseLoop({a}, {b}, model, 0.25, {}).trace;
   const auto hidden = [&](const std::string& name) {
     return std::any_of(result.not_excited.begin(), result.not_excited.end(),
                        [&](const NotExcited& entry) { return entry.effect == name; });
@@ -130,45 +94,13 @@ TEST(Tracer, WhatTheMotionHidesIsSaid) {
   EXPECT_FALSE(hidden("quadratic_viscous"));
 }
 
-std::vector<std::string> NotExcitedOf(const TraceResult& result) {
-  std::vector<std::string> out;
-  for (const NotExcited& hidden : result.not_excited) out.push_back(hidden.effect);
-  return out;
-}
-
-TEST(Tracer, WhatAStrongEffectHidIsJudgedBesideIt) {
-  const Recipe recipe{.noise_A = 0.005};
-  const TraceResult without = TraceOf(SyntheticModel(), recipe);
-  const TraceResult strong = TraceOf(With("quadratic_viscous", 4.0), recipe);
-  ASSERT_EQ(strong.effects.size(), 1u);
-  EXPECT_EQ(NotExcitedOf(strong), NotExcitedOf(without));
-}
-
-TEST(Tracer, FrictionThatBuildsUpWithinTheEncodersCountsIsNoEffect) {
-  const auto trace = [](double counts) {
-    actuator::JointModel truth = SyntheticModel();
-    actuator::Term term = TermOf("presliding", {0.4}, truth.constants);
-    term.nonlinear[0].value = 0.02;
-    truth.terms.push_back(std::move(term));
-    actuator::JointModel model = SyntheticModel();
-    model.constants.encoder_counts_per_turn = counts;
-    return TraceOf(truth, {.noise_A = 0.05}, model);
-  };
-  const TraceResult fine = trace(16384.0);
-  ASSERT_EQ(fine.verdict, Verdict::kEffect);
-  EXPECT_EQ(fine.effects.front().name, "presliding");
-  const TraceResult coarse = trace(1000.0);
-  EXPECT_TRUE(std::none_of(coarse.effects.begin(), coarse.effects.end(),
-                           [](const FoundEffect& found) { return found.name == "presliding"; }));
-}
-
-TEST(Tracer, TheSameSeedGivesTheSameResult) {
+TEST(LikelihoodTracer, TheSameSeedGivesTheSameResult) {
   const TraceResult a =
       TraceOf(With("quadratic_viscous", 0.15), {.duration_s = 30.0, .noise_A = 0.15});
   const TraceResult b =
       TraceOf(With("quadratic_viscous", 0.15), {.duration_s = 30.0, .noise_A = 0.15});
   EXPECT_EQ(a.after_sealed.rms, b.after_sealed.rms);
-  EXPECT_EQ(a.rounds.front().placebo_99, b.rounds.front().placebo_99);
+  EXPECT_EQ(a.p_global, b.p_global);
 }
 
 }  // namespace
