@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
+#include "bench/rigs/figures.h"
 #include "components/gate/gate.h"
 #include "components/gate/rules.h"
-#include "tests/bank/figures.h"
-#include "tests/bank/scene.h"
 #include "tests/components/gate/plant.h"
+#include "tests/components/gate/scene.h"
 
 namespace {
 
@@ -29,7 +29,7 @@ constexpr Rate kRates[] = {{250.0, 5}, {240.0, 3}, {400.0, 2}, {500.0, 1}, {1000
 
 // "38 of 40, 95 % [83, 99]": the exact interval of Clopper and Pearson (1934).
 std::string Share(int k, int n) {
-  const auto [low, high] = bank::ClopperPearson(k, n);
+  const auto [low, high] = rig_bank::ClopperPearson(k, n);
   char text[120];
   std::snprintf(text, sizeof text, "%d of %d, %.1f %% [%.1f, %.1f]", k, n,
                 n > 0 ? 100.0 * k / n : 0.0, 100.0 * low, 100.0 * high);
@@ -51,7 +51,7 @@ void Run(int seeds, int first_seed, double seconds, bool verbose, bool faults) {
     for (std::size_t s = 0; s < scenes.size(); ++s) {
       const auto number = static_cast<std::size_t>(k) * scenes.size() + s;
       const Rate& rate = kRates[number % std::size(kRates)];
-      bank::Scene scene;
+      scene::Scene scene;
       scene.seed = static_cast<std::uint64_t>(first_seed) + number;
       scene.excitation =
           number % 3 == 2 ? surrogate::ExcitationKind::kTask : surrogate::ExcitationKind::kDesigned;
@@ -64,7 +64,7 @@ void Run(int seeds, int first_seed, double seconds, bool verbose, bool faults) {
         const auto effect = surrogate::ParseEffect(scenes[s]);
         scene.effects = {*effect};
       }
-      const bank::Recorded recorded = bank::Record(scene);
+      const scene::Recorded recorded = scene::Record(scene);
       const std::string what =
           scenes[s] + " at " + std::to_string(static_cast<int>(rate.rate_Hz())) + " Hz" +
           (scene.excitation == surrogate::ExcitationKind::kTask ? ", task" : "") + ", seed " +
@@ -90,7 +90,7 @@ void Run(int seeds, int first_seed, double seconds, bool verbose, bool faults) {
       for (std::size_t f = number / 3 % 3; f < gate::FaultKinds().size(); f += 3) {
         const gate::FaultKind& kind = gate::FaultKinds()[f];
         if (kind.needs_hand && scene.excitation == surrogate::ExcitationKind::kTask) continue;
-        bank::Recorded faulty = recorded;
+        scene::Recorded faulty = recorded;
         gate::Plant(kind.name, 77 * number + f, &faulty.train, &faulty.declared);
         const gate::GateReport report = gate::ExamineData(faulty.train, faulty.declared);
         const bool right =

@@ -1,5 +1,6 @@
 #include "components/arm/arm_fit.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -26,6 +27,38 @@ std::vector<FreeParameter> FreeParameters(const actuator::JointModel& joint) {
     for (std::size_t i = 0; i < joint.terms[t].linear.size(); ++i) {
       if (!joint.terms[t].linear[i].fixed) out.push_back({t, i});
     }
+  }
+  return out;
+}
+
+// What normal equations say of their first `rigid` unknowns, against a fit b of all. scale: a size
+// of each unknown's information; louder: standard deviation of the rows' noise.
+RigidPrior PriorFrom(const identify::Moments& sums, const Eigen::VectorXd& b, Eigen::Index rigid,
+                     const Eigen::VectorXd& scale, double louder) {
+  // A direction about which others know less than this part of what all know is open.
+  constexpr double kOpen = 1e-6;
+  const Eigen::Index rest = b.size() - rigid;
+  const Eigen::MatrixXd cross = sums.G.topRightCorner(rigid, rest);
+  // Friction of the others is fitted as well (Schur complement).
+  const auto freed = [&](const Eigen::VectorXd& of_rest) {
+    return identify::Solve(sums.G.bottomRightCorner(rest, rest), of_rest);
+  };
+  Eigen::MatrixXd G = sums.G.topLeftCorner(rigid, rigid);
+  for (Eigen::Index c = 0; c < rigid; ++c) G.col(c) -= cross * freed(cross.row(c).transpose());
+  const Eigen::VectorXd m = sums.m.head(rigid) - cross * freed(sums.m.tail(rest));
+  const Eigen::VectorXd unit = (scale.array() > 0.0).select(scale.cwiseInverse(), 1.0);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(unit.asDiagonal() * G *
+                                                             unit.asDiagonal());
+  RigidPrior out;
+  out.directions = unit.asDiagonal() * eigen.eigenvectors();
+  out.mean = Eigen::VectorXd::Zero(rigid);
+  out.spread = Eigen::VectorXd::Zero(rigid);
+  const Eigen::VectorXd known = out.directions.transpose() * (m - G * b.head(rigid));
+  for (Eigen::Index k = 0; k < rigid; ++k) {
+    const double information = eigen.eigenvalues()[k];
+    if (information < kOpen) continue;
+    out.mean[k] = known[k] / information;
+    out.spread[k] = louder / std::sqrt(information);
   }
   return out;
 }
@@ -71,15 +104,16 @@ Arm::Arm(const world::Chain& chain, const actuator::RobotModel& robot)
   }
 }
 
-std::vector<identify::StateSet> Arm::States(const ArmRuns& runs, const actuator::RobotModel& robot,
-                                            const identify::ProcessingOptions& processing) const {
+std::vector<identify::StateSet> Arm::States(
+    const ArmRuns& runs, const actuator::RobotModel& robot,
+    const std::vector<identify::ProcessingOptions>& processing) const {
   std::vector<identify::StateSet> states;
   for (std::size_t j = 0; j < robot.joints.size(); ++j) {
     std::vector<identify::Run> bare = runs.at(j);
     for (identify::Run& run : bare) {
       if (run.rigid_torque.empty()) run.rigid_torque_later = true;
     }
-    states.push_back(identify::MakeStates(bare, robot.joints[j], processing));
+    states.push_back(identify::MakeStates(bare, robot.joints[j], processing[j]));
     const identify::StateSet& first = states.front();
     bool same = states[j].segments.size() == first.segments.size();
     for (std::size_t s = 0; same && s < first.segments.size(); ++s) {
@@ -109,7 +143,8 @@ void Arm::StateAt(const std::vector<identify::StateSet>& states, std::size_t seg
 
 Arm::Data Arm::Prepare(const ArmRuns& runs, const actuator::RobotModel& robot,
                        const identify::ProcessingOptions& processing) const {
-  std::vector<identify::StateSet> states = States(runs, robot, processing);
+  std::vector<identify::StateSet> states =
+      States(runs, robot, std::vector(robot.joints.size(), processing));
   const Eigen::Index n = dynamics_.joints();
   const Eigen::Index p = dynamics_.parameters();
   // Regressors of every sample, per joint: [joint][segment], samples x parameters.
@@ -231,10 +266,9 @@ ArmFit Arm::Fit(const ArmRuns& runs, const actuator::RobotModel& robot,
   // Blocks of time, all joints together.
   identify::Rows all = data.joints.front().rows;
   std::fill(all.used.begin(), all.used.end(), 1);
+  const std::vector<identify::Block> blocks = identify::MakeBlocks(all, kBlock_s, 0.0, 4);
   std::vector<identify::Moments> parts;
-  for (const identify::Block& block : identify::MakeBlocks(all, kBlock_s, 0.0, 4)) {
-    parts.push_back(sums_of(&block, weight));
-  }
+  for (const identify::Block& block : blocks) parts.push_back(sums_of(&block, weight));
   const Eigen::MatrixXd covariance = identify::BlockCovariance(parts, b);
   const double quantile =
       identify::StudentQuantile(0.975, std::max(1.0, static_cast<double>(parts.size()) - 1.0));
@@ -251,6 +285,29 @@ ArmFit Arm::Fit(const ArmRuns& runs, const actuator::RobotModel& robot,
     out.phi[at] += b[c];
     out.base.push_back({dynamics_.parameter_names()[static_cast<std::size_t>(at)], nominal[c],
                         nominal[c] + b[c], half_width(c)});
+  }
+  // Residuals come in waves: a row tells as much less as blocks of them are louder than single
+  // ones.
+  double of_rows = 0.0, of_blocks = 0.0;
+  for (std::size_t j = 0; j < X.size(); ++j) {
+    const Eigen::VectorXd e = weight[j] * (y[j] - X[j] * b);
+    for (const identify::Block& block : blocks) {
+      double sum = 0.0;
+      for (const Eigen::Index i : block) {
+        if (!data.joints[j].rows.used[static_cast<std::size_t>(i)]) continue;
+        sum += e[i];
+        of_rows += e[i] * e[i];
+      }
+      of_blocks += sum * sum;
+    }
+  }
+  const double louder = of_rows > 0.0 ? std::sqrt(std::max(1.0, of_blocks / of_rows)) : 1.0;
+  const identify::Moments total = sums_of(nullptr, weight);
+  for (std::size_t j = 0; j < data.joints.size(); ++j) {
+    std::vector<double> others = weight;
+    others[j] = 0.0;
+    out.by_others.push_back(PriorFrom(sums_of(nullptr, others), b, rigid,
+                                      total.G.diagonal().head(rigid).cwiseSqrt(), louder));
   }
   for (std::size_t j = 0; j < data.joints.size(); ++j) {
     for (std::size_t k = 0; k < data.joints[j].free.size(); ++k) {
@@ -304,25 +361,55 @@ ArmError Arm::ErrorOf(const ArmRuns& runs, const actuator::RobotModel& robot,
   return out;
 }
 
-void Arm::AddRigidTorque(const Eigen::VectorXd& phi, const identify::ProcessingOptions& processing,
+Eigen::VectorXd Arm::Inertia(const Eigen::VectorXd& phi, const ArmRuns& runs,
+                             const actuator::RobotModel& robot,
+                             const identify::ProcessingOptions& processing) const {
+  constexpr Eigen::Index kPoses = 100;
+  const std::vector<identify::StateSet> states =
+      States(runs, robot, std::vector(robot.joints.size(), processing));
+  const Eigen::Index n = dynamics_.joints(), rows = states.front().segments.front().size();
+  Eigen::VectorXd q(n), v(n), a(n), sum = Eigen::VectorXd::Zero(n);
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(n);
+  for (Eigen::Index k = 0; k < kPoses; ++k) {
+    StateAt(states, 0, k * (rows - 1) / kPoses, &q, &v, &a);
+    const Eigen::VectorXd gravity = dynamics_.Torque(q, zero, zero, phi);
+    for (std::size_t j = 0; j < states.size(); ++j) {
+      const auto row = static_cast<Eigen::Index>(row_[j]);
+      const Eigen::VectorXd torque = dynamics_.Torque(q, zero, Eigen::VectorXd::Unit(n, row), phi);
+      sum[static_cast<Eigen::Index>(j)] += std::pow(torque[row] - gravity[row], 2);
+    }
+  }
+  return (sum / static_cast<double>(kPoses)).cwiseSqrt();
+}
+
+void Arm::AddRigidTorque(const ArmFit& fit,
+                         const std::vector<identify::ProcessingOptions>& processing,
                          const actuator::RobotModel& robot, ArmRuns* runs) const {
   const std::vector<identify::StateSet> states = States(*runs, robot, processing);
-  for (auto& of_joint : *runs) {
-    for (identify::Run& run : of_joint) run.rigid_torque.clear();
+  for (std::size_t j = 0; j < states.size(); ++j) {
+    for (identify::Run& run : (*runs)[j]) {
+      run.rigid_torque.clear();
+      run.rigid_columns.clear();
+      run.rigid_mean = fit.by_others[j].mean;
+      run.rigid_spread = fit.by_others[j].spread;
+    }
   }
   const Eigen::Index n = dynamics_.joints();
   Eigen::VectorXd q(n), v(n), a(n);
   for (std::size_t s = 0; s < states.front().segments.size(); ++s) {
     const identify::StateSegment& segment = states.front().segments[s];
-    std::vector<Eigen::VectorXd> torque(states.size(), Eigen::VectorXd(segment.size()));
+    std::vector<Eigen::MatrixXd> Y(states.size(),
+                                   Eigen::MatrixXd(segment.size(), dynamics_.parameters()));
     for (Eigen::Index i = 0; i < segment.size(); ++i) {
       StateAt(states, s, i, &q, &v, &a);
-      const Eigen::VectorXd all = dynamics_.Torque(q, v, a, phi);
-      for (std::size_t j = 0; j < states.size(); ++j) torque[j][i] = all[row_[j]];
+      const Eigen::MatrixXd all = dynamics_.Regressor(q, v, a);
+      for (std::size_t j = 0; j < states.size(); ++j) Y[j].row(i) = all.row(row_[j]);
     }
     for (std::size_t j = 0; j < states.size(); ++j) {
-      (*runs)[j][static_cast<std::size_t>(segment.run)].rigid_torque.push_back(
-          std::move(torque[j]));
+      identify::Run& run = (*runs)[j][static_cast<std::size_t>(segment.run)];
+      run.rigid_torque.emplace_back(Y[j] * fit.phi);
+      run.rigid_columns.emplace_back(Y[j](Eigen::all, base_.independent) *
+                                     fit.by_others[j].directions);
     }
   }
 }

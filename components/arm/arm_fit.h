@@ -40,10 +40,19 @@ struct ArmError {
   double nrms_percent = 0.0;
 };
 
+// What the torques of all joints but one say of the base parameters, against the fit of all: along
+// each direction (base parameters x directions) their change is normal. A joint's own effects
+// compete with a refit of the bodies under this prior.
+struct RigidPrior {
+  Eigen::MatrixXd directions;
+  Eigen::VectorXd mean, spread;  // spread 0: nothing
+};
+
 struct ArmFit {
   actuator::RobotModel robot;  // friction as fitted
   Eigen::VectorXd phi;         // inertial parameters that give the fitted base parameters
   std::vector<BaseParameter> base;
+  std::vector<RigidPrior> by_others;  // per joint
   ArmError train;
 };
 
@@ -67,17 +76,25 @@ class Arm {
   ArmError ErrorOf(const ArmRuns& runs, const actuator::RobotModel& robot,
                    const Eigen::VectorXd& phi, const identify::ProcessingOptions& processing) const;
 
+  // Inertia of the bodies about each joint of the model with the others at rest, kg m^2 or kg, rms
+  // over the first recordings.
+  Eigen::VectorXd Inertia(const Eigen::VectorXd& phi, const ArmRuns& runs,
+                          const actuator::RobotModel& robot,
+                          const identify::ProcessingOptions& processing) const;
+
   // Writes into every run what the rigid bodies need of its joint (Run::rigid_torque), so that the
-  // term `rigid_body` of a joint's model knows it.
-  void AddRigidTorque(const Eigen::VectorXd& phi, const identify::ProcessingOptions& processing,
+  // term `rigid_body` of a joint's model knows it, and how a refit of them changes it
+  // (Run::rigid_columns). processing: of each joint, as its own balance is judged by.
+  void AddRigidTorque(const ArmFit& fit, const std::vector<identify::ProcessingOptions>& processing,
                       const actuator::RobotModel& robot, ArmRuns* runs) const;
 
  private:
   struct Data;
   Data Prepare(const ArmRuns& runs, const actuator::RobotModel& robot,
                const identify::ProcessingOptions& processing) const;
-  std::vector<identify::StateSet> States(const ArmRuns& runs, const actuator::RobotModel& robot,
-                                         const identify::ProcessingOptions& processing) const;
+  std::vector<identify::StateSet> States(
+      const ArmRuns& runs, const actuator::RobotModel& robot,
+      const std::vector<identify::ProcessingOptions>& processing) const;
   // States of all joints at one sample, in the order of the dynamics.
   void StateAt(const std::vector<identify::StateSet>& states, std::size_t segment, Eigen::Index i,
                Eigen::VectorXd* q, Eigen::VectorXd* v, Eigen::VectorXd* a) const;

@@ -21,6 +21,11 @@ struct ArmLoop {
 ArmLoop FitArm(const Arm& arm, const actuator::RobotModel& robot,
                const identify::ProcessingOptions& wished, ArmRuns* train, ArmRuns* sealed);
 
+// Of all joints fitted together to train, on the sealed recordings: mean of rms over twice the
+// effort limit, per cent; relative without limits.
+double HeldOutError(const Arm& arm, const actuator::RobotModel& robot, const ArmRuns& train,
+                    const ArmRuns& sealed, const identify::ProcessingOptions& processing);
+
 // Second half: corrected holds what tracing each joint found.
 void FinishArm(const Arm& arm, const actuator::RobotModel& corrected, const ArmRuns& train,
                const ArmRuns& sealed, ArmLoop* loop);

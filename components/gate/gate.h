@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "components/actuator/model.h"
-#include "components/identify/data_gate.h"
+#include "components/identify/finding.h"
 #include "components/identify/run.h"
 
 namespace sinew::gate {

@@ -31,19 +31,6 @@ Scaled Factor(const Eigen::Ref<const Eigen::MatrixXd>& G) {
 
 }  // namespace
 
-std::vector<Block> MakeWindowBlocks(const Rows& rows, int fewest_rows) {
-  std::map<int, Block> of;
-  for (Eigen::Index i = 0; i < rows.size(); ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    if (rows.used[k] && rows.window[k] >= 0) of[rows.window[k]].push_back(i);
-  }
-  std::vector<Block> blocks;
-  for (auto& [window, block] : of) {
-    if (static_cast<int>(block.size()) >= fewest_rows) blocks.push_back(std::move(block));
-  }
-  return blocks;
-}
-
 std::vector<Block> MakeBlocks(const Rows& rows, double length_s, double gap_s, int fewest_rows) {
   std::vector<Block> blocks;
   for (Eigen::Index first = 0; first < rows.size();) {
@@ -83,17 +70,6 @@ std::vector<Block> MakeBlocks(const Rows& rows, double length_s, double gap_s, i
     }
     first = last + 1;
   }
-  return blocks;
-}
-
-std::vector<Block> MakeRunBlocks(const Rows& rows) {
-  std::map<int, Block> by_run;
-  for (Eigen::Index i = 0; i < rows.size(); ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    if (rows.used[k]) by_run[rows.run[k]].push_back(i);
-  }
-  std::vector<Block> blocks;
-  for (auto& [run, block] : by_run) blocks.push_back(std::move(block));
   return blocks;
 }
 

@@ -16,10 +16,6 @@ using Block = std::vector<Eigen::Index>;  // row numbers
 // window's inner border are left out, windows with fewer than `fewest_rows` used rows are joined to
 // the next.
 std::vector<Block> MakeBlocks(const Rows& rows, double length_s, double gap_s, int fewest_rows);
-// One block per window of the rows that has at least `fewest_rows` used ones.
-std::vector<Block> MakeWindowBlocks(const Rows& rows, int fewest_rows);
-// One block per run.
-std::vector<Block> MakeRunBlocks(const Rows& rows);
 
 // Sums of one block: G = X'X, m = X'y, yy = y'y.
 struct Moments {

@@ -137,6 +137,18 @@ Eigen::VectorXd Design::ThroughFilter(const std::vector<Eigen::VectorXd>& per_se
   return out;
 }
 
+Eigen::MatrixXd Design::RigidColumns() const {
+  Eigen::MatrixXd out(rows_.size(), states_.rigid_spread.size());
+  std::vector<Eigen::VectorXd> column(states_.segments.size());
+  for (Eigen::Index c = 0; c < out.cols(); ++c) {
+    for (std::size_t s = 0; s < column.size(); ++s) {
+      column[s] = states_.segments[s].rigid_columns.col(c);
+    }
+    out.col(c) = ThroughFilter(column);
+  }
+  return out;
+}
+
 Eigen::VectorXd Design::MeasuredDrive(const effects::Effect& drive) const {
   Eigen::VectorXd out(rows_.size());
   Eigen::Index at = 0;
@@ -191,13 +203,18 @@ void Design::PredictDrive(actuator::JointModel model) {
       x.drive_input = model.RequiredDriveInput(x, memory);
     }
     if (!options_.raw) continue;
-    const auto last = segment.samples.size() - 1;
-    for (std::size_t i = 0; i <= last; ++i) {
-      const std::size_t before = i > 0 ? i - 1 : 0, after = std::min(i + 1, last);
-      if (after == before) break;
-      segment.samples[i].drive_rate =
-          (segment.samples[after].drive_input - segment.samples[before].drive_input) /
-          (static_cast<double>(after - before) * segment.period_s);
+    Eigen::VectorXd drive(segment.size());
+    for (Eigen::Index i = 0; i < segment.size(); ++i) {
+      drive[i] = segment.samples[static_cast<std::size_t>(i)].drive_input;
+    }
+    const double rate_Hz = 1.0 / segment.period_s;
+    // Dry friction turns over at an instant that the angles know within their low-pass.
+    drive = Smooth(drive, options_.state_order, options_.state_cutoff_Hz, rate_Hz);
+    const Eigen::Index last = segment.size() - 1;
+    for (Eigen::Index i = 0; i <= last && last > 0; ++i) {
+      const Eigen::Index before = std::max<Eigen::Index>(i - 1, 0), after = std::min(i + 1, last);
+      segment.samples[static_cast<std::size_t>(i)].drive_rate =
+          (drive[after] - drive[before]) / (static_cast<double>(after - before) * segment.period_s);
     }
   }
 }

@@ -43,11 +43,16 @@ class Design {
   // The load cell measured nothing but its noise, and its mean stands for it.
   bool silent_load() const { return states_.silent_load; }
   double rows_per_s() const { return rows_per_s_; }  // of the first piece
+  // Rows are holds (Run::held): their order says nothing, and no time runs between them.
+  bool held() const { return !states_.segments.empty() && states_.segments.front().held; }
 
   // phi of an effect, a column per linear parameter.
   Eigen::MatrixXd Columns(const effects::Effect& effect, std::span<const double> psi) const;
   // phi of a drive effect with the drive input as it was measured.
   Eigen::VectorXd MeasuredDrive(const effects::Effect& drive) const;
+  // How the torque of an arm's rigid bodies changes with them (Run::rigid_columns), filtered and
+  // thinned; no columns where the joint is no part of an arm.
+  Eigen::MatrixXd RigidColumns() const;
   // A full-rate column, given per segment of the states, filtered and thinned like the columns.
   Eigen::VectorXd ThroughFilter(const std::vector<Eigen::VectorXd>& per_segment) const;
   // Any function of the sample, filtered and thinned like the columns.

@@ -41,21 +41,4 @@ ModelError ErrorOf(const Design& design, const actuator::JointModel& model,
 FitResult FitModel(const Design& design, const actuator::JointModel& model,
                    const std::vector<Block>& blocks);
 
-// The same, with the nonlinear parameters of terms that close-loop added refined by a search over a
-// shrinking step (log scale for positive ranges), started where they are.
-FitResult RefineModel(const Design& design, const actuator::JointModel& model,
-                      const std::vector<Block>& blocks);
-
-// The model with every free linear parameter of its declared terms inside the physical range of its
-// effect: those that least squares left outside (a Coulomb friction of -0.006 +- 0.013 Nm would
-// drive the joint in a simulation) are held at their bound and the others fitted again. Unchanged
-// when all are inside. Half widths stay those of the model that came in.
-actuator::JointModel WithinPhysicalRange(const Design& design, const actuator::JointModel& model,
-                                         const std::vector<Block>& blocks);
-
-// Linear parameters by least squares with every declared one held inside nominal +- tolerance
-// (those without a tolerance are free). Bounds of ratios to the drive factor are taken at its
-// nominal value.
-actuator::JointModel FitWithinTolerances(const Design& design, const actuator::JointModel& model);
-
 }  // namespace sinew::identify

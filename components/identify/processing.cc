@@ -103,6 +103,8 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
     run.At(drive);  // says which signal is missing
 
     const UniformRun uniform = MakeUniform(run, options.longest_gap_s);
+    out.rigid_mean = run.rigid_mean;
+    out.rigid_spread = run.rigid_spread;
     const int index = static_cast<int>(out.run_names.size());
     out.run_names.push_back(run.name);
     out.run_hashes.push_back(run.content_hash);
@@ -228,6 +230,7 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
       segment.start_s = piece.start_s;
       segment.period_s = dt;
       segment.held = run.held;
+      if (!run.rigid_columns.empty()) segment.rigid_columns = run.rigid_columns.at(number);
       segment.drive_input = input;
       segment.drive_signal = signal;
       segment.reference_position = recorded(Signal::kReferencePosition);
@@ -266,12 +269,6 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
         segment.at_rest[static_cast<std::size_t>(i)] = 1;
       }
       std::vector<char> out_of_use = segment.at_rest;
-      if (options.fastest_velocity > 0.0) {
-        for (Eigen::Index i = 0; i < piece.size(); ++i) {
-          if (std::abs(v[i]) > options.fastest_velocity)
-            out_of_use[static_cast<std::size_t>(i)] = 1;
-        }
-      }
       if (motor && !locked && model.backlash_rad > 0.0) {
         MarkTouches(motor_q / ratio - q, model.backlash_rad, &out_of_use);
       }

@@ -28,10 +28,11 @@ struct StateSegment {
   Eigen::VectorXd drive_signal;  // what the recording holds: drive_input without that
   // What a servo saw, row by row; empty where it was not recorded.
   Eigen::VectorXd reference_position, supply_voltage;
-  std::vector<char> valid;    // 0: inside a hole of lost rows
-  std::vector<char> usable;   // moving, away from reversals, borders and holes
-  std::vector<char> at_rest;  // slower than the rest velocity
-  bool held = false;          // rows are holds: no motion between them, nothing to filter
+  std::vector<char> valid;        // 0: inside a hole of lost rows
+  std::vector<char> usable;       // moving, away from reversals, borders and holes
+  std::vector<char> at_rest;      // slower than the rest velocity
+  bool held = false;              // rows are holds: no motion between them, nothing to filter
+  Eigen::MatrixXd rigid_columns;  // Run::rigid_columns; may be empty
   // Windows within which only changes count (gas.h), numbered over all segments; -1: in none.
   // Empty: there are no windows.
   std::vector<int> window;
@@ -42,9 +43,10 @@ struct StateSet {
   std::vector<StateSegment> segments;
   std::vector<std::string> run_names;
   std::vector<std::string> run_hashes;
-  std::vector<SamplingReport> sampling;  // per run
-  std::set<std::string> measured;        // fields of JointSample that the recordings provide
-  double rate_Hz = 0.0;                  // of the first run
+  std::vector<SamplingReport> sampling;      // per run
+  std::set<std::string> measured;            // fields of JointSample that the recordings provide
+  double rate_Hz = 0.0;                      // of the first run
+  Eigen::VectorXd rigid_mean, rigid_spread;  // of segments' rigid_columns (Run)
   bool locked = false;      // in a recording the motor stood while the output was moved
   bool silent_load = true;  // no load cell, or it measured nothing but its noise: its mean stands
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <stdexcept>
 
 #include "components/identify/differentiate.h"
@@ -39,6 +40,27 @@ constexpr double kGuardPeriods = 2.0;
 // Share of the moving time that guards leave at least: where a motion reverses quickly, rows near
 // reversals are better than none.
 constexpr double kLeastKept = 1.0 / 3.0;
+
+// Measured torques and currents have white noise of this share of their rms, and more. One with
+// less than the second share was low-passed before it was recorded.
+constexpr double kQuietestDrive = 6e-4, kNoNoise = 1e-5;
+
+// The band of such recordings, as far as their drive stands above the noise that it lost; 0: they
+// were not low-passed.
+double BandOfEarlierFilter(const std::vector<Run>& runs, Signal drive, double longest_gap_s) {
+  double band_Hz = 0.0;
+  for (const Run& run : runs) {
+    for (const UniformSegment& segment : MakeUniform(run, longest_gap_s).segments) {
+      const Eigen::VectorXd x = AsMeasured(run, segment, drive);
+      const double rms = Rms(x.array() - x.mean());
+      if (!(rms > 0.0) || WhiteNoise(std::span(&x, 1)) > kNoNoise * rms) return 0.0;
+      const double rate_Hz = segment.rate_Hz();
+      const double level = std::pow(kQuietestDrive * rms, 2) / (0.5 * rate_Hz);
+      band_Hz = std::max(band_Hz, BandAbove(x, rate_Hz, level));
+    }
+  }
+  return band_Hz;
+}
 
 // Times between reversals, s: the velocity passes a fifth of its quick size on the other side.
 void AppendStrokes(const Eigen::VectorXd& velocity, double period_s, std::vector<double>* out) {
@@ -149,8 +171,16 @@ ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::Joint
   if (runs.empty()) throw std::invalid_argument("no recording given");
   if (runs.front().held) return Resolve(out, runs);
   const Signal drive_signal = DriveSignal(model);
+  for (const Run& run : runs) run.At(drive_signal);  // says which is missing
+  if (const double band_Hz = BandOfEarlierFilter(runs, drive_signal, longest_gap_s);
+      band_Hz > 0.0) {
+    // Half of it: what the earlier filter took from one side is gone from both.
+    out.parallel_cutoff_Hz = 0.5 * band_Hz;
+    return Resolve(out, runs);
+  }
   const double drive_gain = NominalDriveGain(model);
-  const double output_inertia = NominalInertia(model, effects::Side::kOutput);
+  const double output_inertia =
+      NominalInertia(model, effects::Side::kOutput) + runs.front().rigid_inertia;
   const double motor_inertia = NominalInertia(model, effects::Side::kMotor);
   double output_Hz = 0.0, motor_Hz = 0.0, nyquist_Hz = 0.0;
   double density = 0.0;  // of the position's noise
@@ -219,22 +249,9 @@ ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::Joint
   return out;
 }
 
-ProcessingOptions SlowMotion(const ProcessingOptions& main, const actuator::JointModel& model,
-                             double rate_Hz) {
-  constexpr double kPeriodsPerTurn = 7.0;
-  ProcessingOptions out = main;
-  out.state_cutoff_Hz = std::max(main.state_cutoff_Hz, 0.25 * rate_Hz);
-  out.parallel_cutoff_Hz = 0.2 * rate_Hz;
-  out.fastest_velocity =
-      kTurn * out.parallel_cutoff_Hz / (kPeriodsPerTurn * model.constants.gear_ratio);
-  out.rest_velocity = out.fastest_velocity / 15.0;
-  return out;
-}
-
 ProcessingOptions Unfiltered(const ProcessingOptions& motion, double rate_Hz) {
   ProcessingOptions out = motion;
   out.parallel_cutoff_Hz = 0.5 * rate_Hz;
-  out.fastest_velocity = 0.0;
   return out;
 }
 

@@ -20,7 +20,6 @@ struct ProcessingOptions {
   double parallel_cutoff_Hz = 0.0;  // low-pass of both sides of the balance; 0: from the data
   int parallel_order = 4;
   double rest_velocity = 0.0;      // rad/s or m/s; slower is rest or reversal; 0: from the data
-  double fastest_velocity = 0.0;   // rad/s or m/s; faster is left out; 0: nothing is
   double reversal_guard_s = 0.05;  // left out on either side of rest and reversals
   double settle_distance = 0.0;  // rad or m; left out after rest and reversals until it is covered
   double border_s = 0.5;         // left out at both ends of a piece
@@ -45,21 +44,15 @@ ProcessingOptions Resolve(const ProcessingOptions& options, const std::vector<Ru
 
 // Settings from the motion alone: the low-pass of each angle where its spectrum meets its noise,
 // rest and no wider than the noise of its acceleration allows beside that of the drive, rest from
-// quantiles of the speed, guards from the filters. No second filter. wider: factor on the angles'
-// cut-offs.
+// quantiles of the speed, guards from the filters. No second filter; but where the drive was
+// low-passed before it was recorded, no row is as it was measured, and both sides of the balance go
+// through a common filter below that one (Resolve). wider: factor on the angles' cut-offs.
 ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::JointModel& model,
                              double longest_gap_s, double wider = 1.0);
 
 // Torque per unit of the drive signal, as declared; sum of the declared inertias of one side.
 double NominalDriveGain(const actuator::JointModel& model);
 double NominalInertia(const actuator::JointModel& model, effects::Side side);
-
-// The same recordings seen where they creep: torque that repeats with the motor's angle (cogging)
-// passes a filter only there. Both sides of the balance keep everything up to a fifth of the rate,
-// samples count while up to 7 periods per motor turn stay below that, and a fifteenth of this
-// velocity is rest. `main` must be resolved; rate_Hz of the recordings.
-ProcessingOptions SlowMotion(const ProcessingOptions& main, const actuator::JointModel& model,
-                             double rate_Hz);
 
 // The balances beside the motion's (kinematic.h, gas.h): neither states nor rows are filtered a
 // second time, no velocity is too fast. `motion` must be resolved; rate_Hz of the recordings.

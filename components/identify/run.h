@@ -53,6 +53,12 @@ struct Run {
   // What the rigid bodies of the arm need of this joint (arm::Arm), per piece of MakeStates and
   // sample; empty for a joint that is no part of an arm.
   std::vector<Eigen::VectorXd> rigid_torque;
+  // How that changes with the bodies, samples x directions; may be empty. What the other joints of
+  // the arm say of each direction: its change is normal with this mean and standard deviation; 0:
+  // nothing.
+  std::vector<Eigen::MatrixXd> rigid_columns;
+  Eigen::VectorXd rigid_mean, rigid_spread;
+  double rigid_inertia = 0.0;       // of the bodies about the joint, rms over the motion
   bool rigid_torque_later = false;  // it is being computed: not missing
 
   Eigen::Index size() const { return time_s.size(); }

@@ -128,6 +128,14 @@ double BandOfMotion(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz, 
   return spectrum.frequency_Hz[1];
 }
 
+double BandAbove(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz, double level) {
+  const Spectrum spectrum = PowerDensity(x, rate_Hz, 1024);
+  for (Eigen::Index i = spectrum.density.size() - 1; i > 0; --i) {
+    if (spectrum.density[i] > level) return spectrum.frequency_Hz[i];
+  }
+  return 0.0;
+}
+
 double BandAboveNoise(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz) {
   const Spectrum spectrum = PowerDensity(x, rate_Hz, 1024);
   const Eigen::Index n = spectrum.density.size();

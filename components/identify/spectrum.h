@@ -33,11 +33,13 @@ double HighestBandAboveNoise(const Eigen::Ref<const Eigen::VectorXd>& x, double 
 
 // Cut-off of the low-pass behind which a derivative has the least squared error: what it lets pass
 // of white noise and what it takes from the signal (an ideal low-pass in the sense of Wiener).
-double BandOfLeastError(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz,
-                        int derivative);
+double BandOfLeastError(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz, int derivative);
 
 // The lowest frequency below which this share of the velocity's power above the noise lies.
 double BandOfMotion(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz, double share);
+
+// The highest frequency at which the density, per Hz, stands above a level.
+double BandAbove(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz, double level);
 
 double BandAboveNoise(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz);
 

@@ -112,39 +112,4 @@ double WhiteNoise(std::span<const Eigen::VectorXd> signals) {
   return RobustDeviation(std::move(size)) / std::sqrt(70.0);
 }
 
-Eigen::VectorXd Autocorrelation(const Eigen::Ref<const Eigen::VectorXd>& x,
-                                const std::vector<char>& used, const std::vector<int>& segment,
-                                int last_lag) {
-  Eigen::VectorXd out = Eigen::VectorXd::Zero(last_lag + 1);
-  double power = 0.0;
-  double power_count = 0.0;
-  for (int lag = 0; lag <= last_lag; ++lag) {
-    double sum = 0.0;
-    double count = 0.0;
-    for (Eigen::Index i = 0; i + lag < x.size(); ++i) {
-      const auto a = static_cast<std::size_t>(i);
-      const auto b = static_cast<std::size_t>(i + lag);
-      if (!used[a] || !used[b] || segment[a] != segment[b]) continue;
-      sum += x[i] * x[i + lag];
-      count += 1.0;
-    }
-    if (lag == 0) {
-      power = sum;
-      power_count = count;
-      if (!(power > 0.0)) return out;
-    }
-    if (count > 0.0) out[lag] = (sum / count) / (power / power_count);
-  }
-  return out;
-}
-
-double CorrelationTime(const Eigen::Ref<const Eigen::VectorXd>& autocorrelation) {
-  double time = 1.0;
-  for (Eigen::Index lag = 1; lag < autocorrelation.size(); ++lag) {
-    time += 2.0 * autocorrelation[lag];
-    if (static_cast<double>(lag) > 5.0 * time) break;
-  }
-  return std::max(time, 1.0);
-}
-
 }  // namespace sinew::identify

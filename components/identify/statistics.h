@@ -27,14 +27,4 @@ double Quantile(std::vector<double> values, double p);
 // differences (70 times its variance): smooth motion and spikes are not seen.
 double WhiteNoise(std::span<const Eigen::VectorXd> signals);
 
-// Autocorrelation of x (mean not removed) at lags 0 .. last_lag, over pairs of rows that are both
-// used and in the same segment.
-Eigen::VectorXd Autocorrelation(const Eigen::Ref<const Eigen::VectorXd>& x,
-                                const std::vector<char>& used, const std::vector<int>& segment,
-                                int last_lag);
-
-// Integrated correlation time in rows, 1 + 2 sum rho, summed up to five times itself (Sokal 1997:
-// Monte Carlo methods in statistical mechanics); at least 1.
-double CorrelationTime(const Eigen::Ref<const Eigen::VectorXd>& autocorrelation);
-
 }  // namespace sinew::identify

@@ -28,8 +28,7 @@ std::vector<ErrorLine> ErrorTable(const Report& report) {
   const trace::TraceResult& trace = report.trace;
   const effects::JointKind kind = trace.corrected.kind;
   std::vector<ErrorLine> out;
-  AddBalance(trace, effects::Balance::kMotion, TorqueUnit(kind),
-             trace.slow_motion ? " where they creep" : "", &out);
+  AddBalance(trace, effects::Balance::kMotion, TorqueUnit(kind), "", &out);
   for (const trace::BalanceSummary& summary : trace.balances) {
     if (!summary.unseen.empty()) continue;
     AddBalance(summary, summary.balance, summary.unit,

@@ -135,24 +135,12 @@ std::string Detectable(const trace::TraceResult& trace) {
 // The method in one sentence.
 std::string Method(const Report& report) {
   const trace::TraceResult& trace = report.trace;
-  const std::string units =
-      std::to_string(trace.units) + " units (" + Escape(trace.unit_kind) +
-      (trace.unit_length_s > 0.0 ? " of " + Short(trace.unit_length_s) + " s" : std::string()) +
-      ")";
-  if (trace.p_global) {
-    return ". Sets of effects and free curves by their whitened likelihood, p of the whole "
-           "search " +
-           Probability(*trace.p_global) + " by random signs of " + units + ", seed " +
-           std::to_string(report.seed) +
-           "; what was chosen is confirmed by the slope of the held-out recordings' left-over. The "
-           "rule that refused a candidate is in report.json.";
-  }
-  return ". Cross-validation over " + units + ", residual correlation time " +
-         Short(trace.correlation_time_s) +
-         " s. An effect is accepted when its gain exceeds two standard errors, 5 % of the residual "
-         "and of what can be explained, the best false gain of the placebo (seed " +
+  return ". Sets of effects and free curves by their whitened likelihood, p of the whole search " +
+         (trace.p_global ? Probability(*trace.p_global) : "unknown") + " by random signs of " +
+         std::to_string(trace.units) + " blocks of " + Short(trace.unit_length_s) + " s, seed " +
          std::to_string(report.seed) +
-         "), when its sign and size are physical and no quarter of the data contradicts it.";
+         "; what was chosen is confirmed by the slope of the sealed recording's left-over. The "
+         "rule that refused a candidate is in report.json.";
 }
 
 std::string Join(const std::vector<std::string>& words) {
@@ -186,13 +174,13 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
   };
   out += "<div class=\"big\">\n";
   box(Short(trace.after_sealed.rms) + " " + unit,
-      std::string("error of the corrected model on the held-out recordings") +
-          (trace.slow_motion ? " where they creep" : "") + " (" + Short(trace.before_sealed.rms) +
+      "error of the corrected model on the held-out recordings (" + Short(trace.before_sealed.rms) +
           " refitted, " + Short(trace.nominal_sealed.rms) + " declared)");
   box(Short(trace.noise_floor_rms) + " " + unit,
       "noise floor" + (trace.noise_floor_source.empty() ? std::string()
                                                         : ", " + Escape(trace.noise_floor_source)));
-  box(Short(trace.ceiling_rms) + " " + unit, "left by a flexible model without physics (ceiling)");
+  box(Short(trace.ceiling_rms) + " " + unit,
+      "left by the richest model: all effects, curves and lines together");
   out += "</div>\n" + Errors(report);
 
   if (!trace.effects.empty()) {
@@ -204,12 +192,8 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
       out += HtmlRow(
           {"<code>" + Escape(EffectLabel(trace, effect)) + "</code><br>" +
                Escape(EffectTitle(effect.name)) +
-               (effect.in_model() ? "" : "<br>no part of the model") +
-               (effect.swallowed ? "<br>seen as a shift of declared parameters" : "") +
-               (effect.slow_motion ? "<br>seen where the recordings creep; errors of there" : ""),
-           Percent(effect.gain_share) +
-               (effect.gain_error > 0.0 ? " &plusmn; " + Percent(effect.gain_error) : ""),
-           Probability(effect.p), Confirmed(effect.confirmation),
+               (effect.in_model() ? "" : "<br>no part of the model"),
+           Percent(effect.gain_share), Probability(effect.p), Confirmed(effect.confirmation),
            ErrorText(effect.sealed_before) + " &rarr; " + ErrorText(effect.sealed_after) + " " +
                std::string(effects::BalanceUnit(effect.balance, trace.corrected.kind)),
            effect.rivals.empty() ? "nothing known" : Join(effect.rivals)});
@@ -323,12 +307,7 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
   }
   out += "</ul>\n<h2>How it was judged</h2>\n<p class=\"meta\">Zero-phase filters: states " +
          Short(report.processing.state_cutoff_Hz) + " Hz, both sides of the balance " +
-         Short(report.processing.parallel_cutoff_Hz) + " Hz" +
-         (report.processing.fastest_velocity > 0.0
-              ? "; only what is slower than " + Short(report.processing.fastest_velocity) +
-                    (kind == effects::JointKind::kRotary ? " rad/s" : " m/s")
-              : "") +
-         Method(report) +
+         Short(report.processing.parallel_cutoff_Hz) + " Hz" + Method(report) +
          "</p>\n"
          "</main></body></html>\n";
   return out;

@@ -272,51 +272,32 @@ Picture SpectrumByAngle(const Report& report, const Design& design, const Eigen:
   return out;
 }
 
-// jointly: judged as members of sets (no rounds).
-Picture Candidates(const trace::RoundReport& round, int number, bool jointly) {
-  std::vector<trace::CandidateScore> shown;
-  for (const trace::CandidateScore& score : round.scores) {
-    if (score.refused == "a declared term carries it") continue;
-    if (shown.size() < 10) shown.push_back(score);
-  }
+Picture Candidates(const trace::RoundReport& round) {
+  std::vector<trace::CandidateScore> shown = round.scores;
+  if (shown.size() > 10) shown.resize(10);
   std::string data = "$c << EOD\n";
   const auto count = static_cast<int>(shown.size());
   for (int i = 0; i < count; ++i) {
     const trace::CandidateScore& score = shown[static_cast<std::size_t>(i)];
     data += PictureNumber(count - i) + " " +
-            PictureNumber(std::max(-20.0, 100.0 * score.gain_share)) + " " +
-            PictureNumber(100.0 * score.share_error) + " \"" + score.name + "\" " +
-            (score.name == round.added ? "2"
-             : score.accepted          ? "1"
-                                       : "0") +
-            "\n";
+            PictureNumber(std::max(-20.0, 100.0 * score.gain_share)) + " \"" + score.name + "\" " +
+            (score.accepted ? "1" : "0") + "\n";
   }
   data += "EOD\n";
-  const double placebo = 100.0 * round.placebo_99;
   Picture out;
-  out.title = jointly ? std::string("Candidates")
-                      : (round.slow_motion ? "Where the recordings creep: candidates of round "
-                                           : "Candidates of round ") +
-                            std::to_string(number);
-  out.caption =
-      jointly ? "Part of the whitened misfit that each candidate alone removes. Coloured: chosen."
-              : "Part of the left-out squared error that each candidate removes, with two "
-                "standard errors. Coloured: accepted. Dashed: best false gain in recordings "
-                "without an effect (99th percentile).";
-  out.script =
-      PictureHead(70 + 30 * std::max(3, count)) + data +
-      "unset key\nset grid noy x\nset ytics textcolor rgb '#333333'\nset yrange [0.3:" +
-      PictureNumber(count + 0.7) + "]\nset xlabel 'squared error removed, %'\n" +
-      "set arrow from " + PictureNumber(placebo) + ",0.3 to " + PictureNumber(placebo) + "," +
-      PictureNumber(count + 0.7) + " nohead dt 2 lw 1.5 lc rgb '#777777'\n" +
-      "col(c) = c == 2 ? 0x1b7f9e : (c == 1 ? 0x8cc3d3 : 0xc9c9c9)\n" +
-      "plot $c u (0):1:(0):2:($1-0.3):($1+0.3):(col($5)):ytic(4) w boxxyerror fs solid 1 noborder "
-      "lc "
-      "rgb variable, '' u 2:1:($2-2*$3):($2+2*$3) w xerrorbars pt 0 lw 1.3 lc rgb '#333333'\n";
+  out.title = "Candidates";
+  out.caption = "Part of the whitened misfit that each candidate alone removes. Coloured: chosen.";
+  out.script = PictureHead(70 + 30 * std::max(3, count)) + data +
+               "unset key\nset grid noy x\nset ytics textcolor rgb '#333333'\nset yrange [0.3:" +
+               PictureNumber(count + 0.7) +
+               "]\nset xlabel 'misfit removed, %'\n"
+               "col(c) = c == 1 ? 0x1b7f9e : 0xc9c9c9\n"
+               "plot $c u (0):1:(0):2:($1-0.3):($1+0.3):(col($4)):ytic(3) w boxxyerror fs solid 1 "
+               "noborder lc rgb variable\n";
   return out;
 }
 
-Picture ErrorsByRound(const Report& report) {
+Picture ErrorsBeforeAndAfter(const Report& report) {
   const trace::TraceResult& trace = report.trace;
   const std::string unit = TorqueUnit(trace.corrected.kind);
   std::string data = "$e << EOD\n";
@@ -326,12 +307,7 @@ Picture ErrorsByRound(const Report& report) {
             PictureNumber(sealed) + "\n";
   };
   add("refitted", trace.before_train.rms, trace.before_sealed.rms);
-  const bool jointly = trace.p_global.has_value();  // all effects in one set
-  for (const trace::FoundEffect& effect : trace.effects) {
-    if (effect.swallowed || effect.slow_motion != trace.slow_motion || jointly) continue;
-    add("+ " + EffectLabel(trace, effect), effect.train_after, effect.sealed_after);
-  }
-  if (jointly && HasCorrection(trace)) {
+  if (HasCorrection(trace)) {
     for (const trace::FoundEffect& effect : trace.effects) {
       if (trace.effects.size() < 2 || !effect.in_model()) continue;
       if (effect.balance != effects::Balance::kMotion) continue;
@@ -341,7 +317,7 @@ Picture ErrorsByRound(const Report& report) {
   }
   data += "EOD\n";
   Picture out;
-  out.title = jointly ? "Error, refitted and corrected" : "Error, round by round";
+  out.title = "Error, refitted and corrected";
   out.caption =
       "Root mean square of the residual. Dashed: noise floor (" +
       (trace.noise_floor_source.empty() ? std::string("unknown") : trace.noise_floor_source) + ").";
@@ -380,16 +356,8 @@ std::vector<Picture> MakePictures(const Report& report, const Design& train, con
     out.push_back(
         SpectrumByAngle(report, train, trace.before_train.residual, trace.after_train.residual));
   }
-  int number = 0;
-  for (std::size_t i = 0; i < trace.rounds.size(); ++i) {
-    const trace::RoundReport& round = trace.rounds[i];
-    if (i > 0 && round.slow_motion != trace.rounds[i - 1].slow_motion) number = 0;
-    ++number;
-    if (!round.scores.empty() && (i == 0 || !round.added.empty())) {
-      out.push_back(Candidates(round, number, trace.p_global.has_value()));
-    }
-  }
-  out.push_back(ErrorsByRound(report));
+  if (!trace.rounds.empty()) out.push_back(Candidates(trace.rounds.front()));
+  out.push_back(ErrorsBeforeAndAfter(report));
   return out;
 }
 

@@ -101,17 +101,15 @@ std::string Found(const Report& report) {
                (effect.rivals.size() == 1 ? " predicts" : " predict") + " the same here as " +
                effect.name + ".";
       }
-      if (trace.p_global) {
-        std::vector<std::string> open;
-        for (const trace::FoundEffect& effect : trace.effects) {
-          if (effect.in_model() &&
-              effect.confirmation.verdict != trace::ConfirmationVerdict::kConfirmed) {
-            open.push_back(effect.name);
-          }
+      std::vector<std::string> open;
+      for (const trace::FoundEffect& effect : trace.effects) {
+        if (effect.in_model() &&
+            effect.confirmation.verdict != trace::ConfirmationVerdict::kConfirmed) {
+          open.push_back(effect.name);
         }
-        if (!open.empty()) {
-          out += " The held-out recording does not confirm " + Join(open, " and ") + ".";
-        }
+      }
+      if (!open.empty()) {
+        out += " The sealed recording does not confirm " + Join(open, " and ") + ".";
       }
       if (trace.effects.front().weak_evidence) {
         out += " This is weak evidence: the recording falls into fewer than six independent parts.";

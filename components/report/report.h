@@ -10,11 +10,11 @@
 #include "components/free_run/free_run.h"
 #include "components/gate/gate.h"
 #include "components/identify/as_published.h"
-#include "components/identify/data_gate.h"
 #include "components/identify/design.h"
+#include "components/identify/finding.h"
 #include "components/report/picture.h"
 #include "components/trace/rotation.h"
-#include "components/trace/tracer.h"
+#include "components/trace/trace_result.h"
 
 namespace sinew::report {
 

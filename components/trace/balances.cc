@@ -95,10 +95,9 @@ TraceResult TraceBalance(effects::Balance balance, const std::vector<identify::R
   model.balance = balance;
   BalanceDesigns sight = MakeBalanceDesigns(balance, train, sealed, model, motion);
   try {
-    if (sight.why_not.empty() && options.engine == Engine::kLikelihood) {
+    if (sight.why_not.empty()) {
       return TraceByLikelihood(*sight.train, *sight.sealed, model, options);
     }
-    if (sight.why_not.empty()) return Trace(*sight.train, *sight.sealed, model, options);
   } catch (const identify::TooLittleData& error) {
     sight.why_not = error.what();
   }

@@ -9,7 +9,7 @@
 #include "components/identify/design.h"
 #include "components/identify/processing.h"
 #include "components/identify/run.h"
-#include "components/trace/tracer.h"
+#include "components/trace/trace_result.h"
 
 namespace sinew::trace {
 

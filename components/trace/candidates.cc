@@ -94,9 +94,7 @@ std::vector<std::vector<double>> GridFor(const identify::Design& design,
 
 CandidateSet MakeCandidates(const identify::Design& design, const actuator::JointModel& model) {
   CandidateSet out;
-  int order = 0;
   for (const auto& [name, balance] : effects::EffectForms()) {
-    ++order;
     if (balance != model.balance) continue;
     std::shared_ptr<const effects::Effect> effect =
         effects::MakeEffect(name, model.constants, balance);
@@ -125,7 +123,6 @@ CandidateSet MakeCandidates(const identify::Design& design, const actuator::Join
       continue;
     }
     Candidate candidate;
-    candidate.catalogue_order = order;
     for (std::vector<double>& psi : GridFor(design, info)) {
       bool taken = false;
       for (const actuator::Term& term : model.terms) {
@@ -150,12 +147,9 @@ CandidateSet MakeCandidates(const identify::Design& design, const actuator::Join
 
 std::vector<Candidate> EventCandidates(const actuator::JointModel& model) {
   std::vector<Candidate> out;
-  int order = 0;
   for (const std::string& name : effects::EffectNames()) {
-    ++order;
     Candidate candidate;
     candidate.effect = effects::MakeEffect(name, model.constants);
-    candidate.catalogue_order = order;
     const effects::EffectInfo& info = candidate.effect->info();
     if (!info.event || (info.rotary_only && model.kind != effects::JointKind::kRotary)) continue;
     out.push_back(std::move(candidate));

@@ -17,13 +17,9 @@ struct GridPoint {
   Eigen::MatrixXd columns;  // phi, every row of the design
 };
 
-struct Event;  // events.h
-
 struct Candidate {
   std::shared_ptr<const effects::Effect> effect;
-  const Event* event = nullptr;  // of an effect that begins at an instant; the tracer's
   std::vector<GridPoint> grid;
-  int catalogue_order = 0;
   const std::string& name() const { return effect->info().name; }
 };
 
@@ -40,7 +36,7 @@ struct CandidateSet {
 
 // Every passive or inertia effect of the model's balance that the model does not hold (effects with
 // nonlinear parameters may come again with another setting). Drive terms are no candidates; events
-// are none before their instants are known (events.h).
+// are none before their instants are known (event_search.h).
 CandidateSet MakeCandidates(const identify::Design& design, const actuator::JointModel& model);
 
 // The effects of the motion's balance that begin at an instant, without a grid.

@@ -1,61 +1,15 @@
 #include "components/trace/close_loop.h"
 
-#include <cmath>
-#include <cstdio>
 #include <stdexcept>
 
 #include "components/trace/balances.h"
 #include "components/trace/band.h"
 #include "components/trace/likelihood_tracer.h"
 #include "components/trace/rules.h"
-#include "components/trace/slow_motion.h"
 
 namespace sinew::trace {
 
 namespace {
-
-std::string ShortNumber(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
-
-void AddDelayFinding(const TraceResult& trace, double rate_Hz,
-                     std::vector<identify::Finding>* findings) {
-  if (trace.rounds.empty()) return;
-  for (const CandidateScore& score : trace.rounds.front().scores) {
-    if (score.name != "transport_delay" || !(score.gain.t > 2.0)) continue;
-    const double delay_s = score.delay_s;
-    if (delay_s == 0.0) continue;
-    findings->push_back({"drive_delay",
-                         "the drive seems to act " + ShortNumber(1e3 * std::abs(delay_s)) + " ms " +
-                             (delay_s > 0.0 ? "late" : "early") + " (" +
-                             ShortNumber(std::abs(delay_s) * rate_Hz) +
-                             " samples) against the position; nothing was shifted",
-                         delay_s, "s"});
-  }
-}
-
-// The second look, where the recordings creep; changes nothing when they do not.
-void LookAtSlowMotion(const std::vector<identify::Run>& train,
-                      const std::vector<identify::Run>& sealed, double rate_Hz,
-                      TraceOptions options, LoopResult* loop) {
-  const actuator::JointModel held = HeldForSlowMotion(loop->trace.corrected);
-  const identify::ProcessingOptions processing =
-      identify::SlowMotion(loop->processing, held, rate_Hz);
-  identify::Design train_design(identify::MakeStates(train, held, processing), processing);
-  identify::Design sealed_design(identify::MakeStates(sealed, held, processing), processing);
-  for (const auto& [run, offset_s] : loop->train->clocks()) train_design.SetClock(run, offset_s);
-  for (const auto& [run, offset_s] : loop->sealed->clocks()) sealed_design.SetClock(run, offset_s);
-  options.only = EffectsOfMotorAngle(held);
-  if (!ShowsSlowMotion(train_design, sealed_design)) return;
-  TraceResult slow = Trace(train_design, sealed_design, held, options);
-  loop->trace = WithSlowMotion(std::move(loop->trace), std::move(slow));
-  if (!loop->trace.slow_motion) return;
-  loop->processing = processing;
-  loop->train = std::move(train_design);
-  loop->sealed = std::move(sealed_design);
-}
 
 // As if nothing had been found.
 void DropFindings(LoopResult* loop) {
@@ -82,56 +36,44 @@ TraceResult NotJudged(const actuator::JointModel& joint, TooLittle why) {
 }
 
 LoopResult Judge(const std::vector<identify::Run>& train, const std::vector<identify::Run>& sealed,
-                 const actuator::JointModel& joint, const identify::ProcessingOptions& wished,
+                 const actuator::JointModel& joint, double longest_gap_s,
                  const TraceOptions& given) {
   // Every balance may give a false alarm: all of them together as seldom as one alone.
   const std::vector<effects::Balance> others = OtherBalances(joint);
-  const auto traces = static_cast<double>(1 + others.size());
   TraceOptions options = given;
-  options.placebo_quantile = 1.0 - (1.0 - given.placebo_quantile) / traces;
-  options.placebo_rounds = given.placebo_rounds * static_cast<int>(traces);
+  options.searches = given.searches * static_cast<int>(1 + others.size());
   LoopResult loop;
   // Holds are not filtered: where only those are trained on, the sealed recordings fill in what is
   // theirs alone.
-  // Rows that are holds do not follow each other in time: their noise has no colour to learn.
-  const bool raw = options.engine == Engine::kLikelihood && !train.front().held;
   const std::vector<identify::Run>& shape = train.front().held ? sealed : train;
-  loop.processing = raw ? BandOfLeastResidual(shape, joint, wished.longest_gap_s)
-                        : identify::Resolve(wished, shape);
-  const identify::ProcessingOptions motion = loop.processing;
-  identify::StateSet states = identify::MakeStates(train, joint, loop.processing);
-  const double rate_Hz = states.rate_Hz;
-  loop.findings = identify::ExamineData(train, states, joint);
-  loop.train.emplace(std::move(states), loop.processing);
+  const bool held = train.front().held;
+  loop.processing = held ? identify::FromMotion(shape, joint, longest_gap_s)
+                         : BandOfLeastResidual(shape, joint, longest_gap_s);
+  loop.train.emplace(identify::MakeStates(train, joint, loop.processing), loop.processing);
   loop.sealed.emplace(identify::MakeStates(sealed, joint, loop.processing), loop.processing);
-  if (raw) {
+  if (!held) {
     if (auto too_little = FindTooLittle(*loop.train, *loop.sealed, joint)) {
       loop.trace = NotJudged(joint, std::move(*too_little));
       return loop;
     }
-    loop.trace = TraceByLikelihood(*loop.train, *loop.sealed, joint, options);
-  } else {
-    loop.trace = Trace(*loop.train, *loop.sealed, joint, options);
   }
-  AddDelayFinding(loop.trace, rate_Hz, &loop.findings);
-  // Rows that are holds creep already, and have no other balance.
-  if (train.front().held) return loop;
-  if (!raw) LookAtSlowMotion(train, sealed, rate_Hz, options, &loop);
+  loop.trace = TraceByLikelihood(*loop.train, *loop.sealed, joint, options);
+  if (held) return loop;  // holds have no other balance
   for (const effects::Balance balance : others) {
-    TraceResult other = TraceBalance(balance, train, sealed, loop.trace.corrected, motion, options);
+    TraceResult other =
+        TraceBalance(balance, train, sealed, loop.trace.corrected, loop.processing, options);
     // Encoders that come apart as time goes on tell no torques.
     if (balance == effects::Balance::kKinematic && other.unexplained.variable == "time_s" &&
         loop.trace.verdict != Verdict::kNone) {
       const bool corrected = !loop.trace.effects.empty();
       DropFindings(&loop);
       if (corrected) {
-        other = TraceBalance(balance, train, sealed, loop.trace.corrected, motion, options);
+        other =
+            TraceBalance(balance, train, sealed, loop.trace.corrected, loop.processing, options);
       }
     }
     loop.trace = WithBalance(std::move(loop.trace), std::move(other));
   }
-  // The smallest p of several balances, each of which may give a false alarm (Bonferroni).
-  if (loop.trace.p_global) loop.trace.p_global = std::min(1.0, traces * *loop.trace.p_global);
   return loop;
 }
 
@@ -139,9 +81,9 @@ LoopResult Judge(const std::vector<identify::Run>& train, const std::vector<iden
 
 LoopResult CloseLoop(const std::vector<identify::Run>& train,
                      const std::vector<identify::Run>& sealed, const actuator::JointModel& joint,
-                     const identify::ProcessingOptions& wished, const TraceOptions& options) {
+                     double longest_gap_s, const TraceOptions& options) {
   try {
-    return Judge(train, sealed, joint, wished, options);
+    return Judge(train, sealed, joint, longest_gap_s, options);
   } catch (const identify::TooLittleData& error) {
     LoopResult out;
     out.trace = NotJudged(

@@ -162,7 +162,8 @@ std::vector<Curve> FreeCurves(const identify::Design& design) {
     add(Over(design, variable, used));
   }
   if (design.states().measured.count("motor_position_rad") != 0) add(OverMotorTurn(design));
-  if (!design.rows().window.empty()) return out;  // every window has a level of its own already
+  // Every window has a level of its own already, and no time runs between holds.
+  if (!design.rows().window.empty() || design.held()) return out;
   add(OverTime(design, One, "", used));
   add(OverTime(design, Direction, kByDirection, used));
   add(OverTime(design, CosineOfAngle, " times the cosine of the angle", used));

@@ -20,8 +20,11 @@ using identify::Rms;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Misfit a free parameter takes from white noise alone, twice over: Akaike's criterion.
 constexpr double kChargePerParameter = 2.0;
-// Lines of one effect that are looked for.
-constexpr int kMostLines = 8;
+// Lines of one effect that are looked for, and the share of the first one's gain that each needs:
+// an imperfect model leaves many. What is left of a map of held positions is noise: all lines
+// count.
+constexpr int kMostLines = 8, kMostLinesOfMap = 24;
+constexpr double kLeastLine = 0.02;
 // Cogging repeats with the common multiples of slots and poles: no machine has fewer than 4 a turn.
 // What comes once to three times a turn belongs to the shaft and its wheel.
 constexpr double kLowestCogging = 3.5;
@@ -29,6 +32,8 @@ constexpr double kHighestOrder = 400.0;
 // A line is worth looking at when noise alone would show one as strong among all independent orders
 // in fewer than one of a thousand recordings: chi^2 with two degrees of freedom.
 constexpr double kRarest = 1e-3;
+// Orders that whole ones are told by: one turn does, and a map ends one step before it.
+constexpr double kWholeTurn = 0.51;
 
 // Less of a wave than this is any smooth curve.
 constexpr double kLeastPeriods = 1.0;
@@ -229,7 +234,9 @@ void AddOrders(const identify::Design& design, const Likelihood& likelihood,
   // An angle known to sigma shows a line of order n damped by exp(-(n sigma)^2 / 2).
   const double counts = model.constants.encoder_counts_per_turn;
   const double sigma = counts > 0.0 ? 2.0 * std::numbers::pi / counts / std::sqrt(12.0) : 0.0;
-  const double highest = sigma > 0.0 ? std::min(kHighestOrder, 1.0 / sigma) : kHighestOrder;
+  double highest = sigma > 0.0 ? std::min(kHighestOrder, 1.0 / sigma) : kHighestOrder;
+  // Holds stand at even steps of the angle: faster lines look like slower ones.
+  if (design.held()) highest = std::min(highest, 0.5 * static_cast<double>(used.size()) / turns);
   // Fewer than three periods in the whole range are a smooth curve.
   const double lowest = std::max(0.5, 3.0 / turns);
   if (!(highest > lowest)) return;
@@ -249,15 +256,19 @@ void AddOrders(const identify::Design& design, const Likelihood& likelihood,
   cogging.effect = effect;
   Eigen::MatrixXd found(used.size(), 0);
   double first = 0.0;
-  for (int k = 0; k < kMostLines; ++k) {
-    const OrderLine line =
-        StrongestRipple(WhitenTransposed(likelihood, e), angle, speed, band_rad_s, lowest, highest);
+  const int most = design.held() ? kMostLinesOfMap : kMostLines;
+  const double least = design.held() ? 0.0 : kLeastLine;
+  for (int k = 0; k < most; ++k) {
+    const Eigen::VectorXd g = WhitenTransposed(likelihood, e);
+    const OrderLine line = design.held()
+                               ? StrongestOrder(g, angle, lowest, highest)
+                               : StrongestRipple(g, angle, speed, band_rad_s, lowest, highest);
     if (!(line.order > 0.0)) break;
     // A whole order within the resolution is that order.
     const double whole_order = std::round(line.order);
     const double resolution = 0.5 / turns;
     const bool integer = whole_order >= 1.0 && std::abs(line.order - whole_order) < resolution;
-    const double order = integer && resolution < 0.5 ? whole_order : line.order;
+    const double order = integer && resolution < kWholeTurn ? whole_order : line.order;
     const std::vector<double> psi = {order};
     const Eigen::MatrixXd phi = design.Columns(*effect, psi);
     const Eigen::MatrixXd z = Whiten(likelihood, -used.Of(phi));
@@ -268,7 +279,7 @@ void AddOrders(const identify::Design& design, const Likelihood& likelihood,
         (found.transpose() * found).ldlt().solve(found.transpose() * whitened_residual);
     const Eigen::VectorXd rest = whitened_residual - found * c;
     const double gain = e.squaredNorm() - rest.squaredNorm();
-    if (!(gain > limit) || (k > 0 && gain < 0.02 * first)) break;
+    if (!(gain > limit) || (k > 0 && gain < least * first)) break;
     if (k == 0) first = gain;
     e = rest;
     const double charge = limit - 2.0 * std::log(1.0 / kRarest);

@@ -34,7 +34,7 @@ class Judge {
   SetJudgement Run(std::size_t largest_set) {
     const SetSearch found =
         SearchSets(problem_.evidence, problem_.hypotheses(), largest_set, refuted_);
-    out_.p_global = GlobalP(found);
+    out_.p_global = std::min(1.0, bootstrap_.searches * GlobalP(found));
     const bool open = out_.p_global <= rules::kGlobalP.limit;
     if (open) Grow(found);
     if (open) CompareCurves(found);
@@ -180,7 +180,8 @@ class Judge {
     return problem_.scale * identify::Rms(Richest(problem_));
   }
 
-  // The set's contribution times the time in its recording (-1 to 1), and in each recording alone.
+  // The set's contribution times the time in its recording (-1 to 1; none runs between holds), and
+  // in each recording alone.
   Eigen::MatrixXd Changing(const Eigen::VectorXd& part) const {
     const identify::Rows& rows = design_.rows();
     const UsedRows& used = likelihood_.used;
@@ -198,7 +199,8 @@ class Judge {
     for (Eigen::Index k = 0; k < used.size(); ++k) {
       const auto [first, last] = span.at(run(k));
       const double time_s = rows.time_s[row(k)];
-      if (last > first) out(k, 0) = part[k] * (2.0 * (time_s - first) / (last - first) - 1.0);
+      if (last > first && !design_.held())
+        out(k, 0) = part[k] * (2.0 * (time_s - first) / (last - first) - 1.0);
       const auto number = static_cast<Eigen::Index>(std::distance(span.begin(), span.find(run(k))));
       if (count > 1) out(k, 1 + number) = part[k];
     }
@@ -274,8 +276,7 @@ class Judge {
       score.name = h.name;
       score.psi = h.settings.front().psi;
       for (const double c : single.c) score.theta.push_back(problem_.scale * c);
-      score.gain.sum = single.net;
-      score.gain.t = Statistic(single.gain, single.members.front());
+      score.statistic = Statistic(single.gain, single.members.front());
       score.gain_share = single.net / misfit_;
       const auto refused = refused_.find(h.name);
       score.accepted = std::any_of(

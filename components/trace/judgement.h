@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "components/trace/problem.h"
-#include "components/trace/tracer.h"
+#include "components/trace/trace_result.h"
 
 namespace sinew::trace {
 
@@ -26,6 +26,7 @@ struct SetJudgement {
 
 struct BootstrapOptions {
   int rounds = 999;
+  int searches = 1;  // p_global is that of all of them together (Bonferroni)
   std::uint64_t seed = 1;
 };
 

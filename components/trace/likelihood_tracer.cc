@@ -8,8 +8,8 @@
 #include <string>
 
 #include "components/trace/agreed_set.h"
-#include "components/trace/ceiling.h"
 #include "components/trace/judgement.h"
+#include "components/trace/reported.h"
 #include "components/trace/rules.h"
 #include "components/trace/sensitivity.h"
 #include "components/trace/shift.h"
@@ -64,13 +64,13 @@ using JudgeBy = std::function<SetJudgement(const std::set<std::string>& refuted)
 class Correction {
  public:
   Correction(Design& train, Design& sealed, const LikelihoodFit& base, const Problem& problem,
-             const actuator::JointModel& declared, bool keep_unconfirmed)
+             const actuator::JointModel& declared, const TraceOptions& options)
       : train_(train),
         sealed_(sealed),
         base_(base),
         problem_(problem),
         declared_(declared),
-        keep_unconfirmed_(keep_unconfirmed),
+        options_(options),
         corrected_(base.fit) {}
 
   // Fits the set and confirms every member. A member that is wrong spoils the prediction of the
@@ -90,7 +90,7 @@ class Correction {
       if (judged_.chosen.empty()) return;
       Confirm(round > 0, result);
       if (!result->effects.empty()) {
-        if (!keep_unconfirmed_) LeaveUnconfirmed(result);
+        if (!options_.keep_unconfirmed) LeaveUnconfirmed(result);
         return;
       }
       for (const FoundEffect& found : result->refuted) refuted.insert(found.name);
@@ -180,11 +180,14 @@ class Correction {
     PredictDrive(base_.fit.model);
   }
 
-  // Twice: effects that read the drive see the one that the corrected model needs.
+  // Twice: effects that read the drive see the one that the corrected model needs, and priors weigh
+  // against the noise that the set leaves, not against the set itself.
   void Fit() {
+    likelihood_ = base_.likelihood;
     actuator::JointModel model = ModelWith(declared_, problem_, set_, &terms_);
     for (int pass = 0; pass < 2; ++pass) {
-      corrected_ = RefineWhitened(train_, base_.likelihood, model);
+      corrected_ = RefineWhitened(train_, likelihood_, model);
+      likelihood_ = Unweighted(likelihood_, LeftOver(corrected_, likelihood_.used));
       model = WithDeclaredValues(corrected_.model);
       PredictDrive(corrected_.model);
     }
@@ -236,7 +239,7 @@ class Correction {
     for (auto at = terms_[k].rbegin(); at != terms_[k].rend(); ++at) {
       reduced.terms.erase(reduced.terms.begin() + *at);
     }
-    const FitResult without = FitWhitened(train_, base_.likelihood, reduced);
+    const FitResult without = FitWhitened(train_, likelihood_, reduced);
     const auto error = [&](const Design& design, const FitResult& fit) {
       return identify::ErrorOf(design, fit.model, declared_).rms;
     };
@@ -249,10 +252,18 @@ class Correction {
         trace::Confirm(sealed_, LikelihoodOf(sealed_, corrected_, order), without, corrected_);
     // Not finite where the drive that the effect asks for runs away.
     const bool raises = found.sealed_after > rules::kRaises.limit * found.sealed_before;
-    if (!std::isfinite(found.sealed_after) || raises || !DiffersFromZero(k)) {
+    if (!std::isfinite(found.sealed_after) || raises || !DiffersFromZero(k) ||
+        RaisesTheWhole(without.model, found.confirmation)) {
       found.confirmation.verdict = ConfirmationVerdict::kRefuted;
     }
     return found;
+  }
+
+  // Everything that the joint is part of may lose by what helps the joint alone.
+  bool RaisesTheWhole(const actuator::JointModel& without, const Confirmation& alone) const {
+    if (!options_.held_out_error || alone.verdict == ConfirmationVerdict::kRefuted) return false;
+    return options_.held_out_error(corrected_.model) >
+           rules::kRaises.limit * options_.held_out_error(without);
   }
 
   // Does the interval of any size of a member leave zero out?
@@ -271,24 +282,14 @@ class Correction {
   const Problem& problem_;
   SetJudgement judged_;
   const actuator::JointModel& declared_;  // its drive factor is the unit of errors
-  const bool keep_unconfirmed_;
+  const TraceOptions& options_;
   EffectSet set_;  // what is left of the chosen one
   std::vector<std::vector<std::string>> rivals_;
+  Likelihood likelihood_;  // of the set's fit
   FitResult corrected_;
   double least_statistic_ = 0.0;
   std::vector<std::vector<int>> terms_;  // of the corrected model, by member
 };
-
-// The declared terms as they are reported (Unweighted).
-LikelihoodFit Reported(const Design& train, const LikelihoodFit& base,
-                       const actuator::JointModel& declared) {
-  LikelihoodFit out = base;
-  const Eigen::VectorXd residual =
-      base.fit.balance.target - base.fit.balance.columns * base.fit.coefficients;
-  out.likelihood = Unweighted(base.likelihood, residual(base.likelihood.used.rows));
-  out.fit = FitWhitened(train, out.likelihood, declared);
-  return out;
-}
 
 // Accepted is what was confirmed or at least not refuted; the rest names its rule.
 void NoteOutcome(const TraceResult& result, std::vector<CandidateScore>* scores) {
@@ -304,29 +305,6 @@ void NoteOutcome(const TraceResult& result, std::vector<CandidateScore>* scores)
       score.refused = rules::kRefutedBelow.id;
     }
   }
-}
-
-// The drive that terms read is the one that each model predicts; at the end that of `drive`.
-void NoteErrors(const LikelihoodFit& base, const actuator::JointModel& drive,
-                Design* predicted_train, Design* predicted_sealed, TraceResult* result) {
-  const Design &train = *predicted_train, &sealed = *predicted_sealed;
-  const auto predict = [&](const actuator::JointModel& model) {
-    predicted_train->PredictDrive(model);
-    predicted_sealed->PredictDrive(model);
-  };
-  predict(result->nominal);
-  result->nominal_train = identify::ErrorOf(train, result->nominal);
-  result->nominal_sealed = identify::ErrorOf(sealed, result->nominal);
-  predict(base.fit.model);
-  result->before_train = identify::ErrorOf(train, base.fit.model, result->nominal);
-  result->before_sealed = identify::ErrorOf(sealed, base.fit.model, result->nominal);
-  predict(drive);
-  const double scale =
-      base.fit.balance.fits_scale ? base.fit.balance.Scale(base.fit.coefficients) : 1.0;
-  const NoiseFloor floor = EstimateNoiseFloor(train, base.fit.balance, scale);
-  result->noise_floor_rms = std::min(floor.rms, base.fit.rms);
-  result->noise_floor_source = floor.source;
-  result->ceiling_rms = base.richest_rms;
 }
 
 }  // namespace
@@ -347,7 +325,6 @@ TraceResult TraceByLikelihood(Design& train, Design& sealed, const actuator::Joi
   result.declared = reported.fit.model;
   result.declared_fit = reported.fit;
   result.units = static_cast<int>(base.likelihood.used.blocks.size());
-  result.unit_kind = "block";
   result.unit_length_s = base.likelihood.used.block_s;
   NoteErrors(reported, base.fit.model, &train, &sealed, &result);
 
@@ -358,8 +335,10 @@ TraceResult TraceByLikelihood(Design& train, Design& sealed, const actuator::Joi
   result.rounds.push_back(std::move(round));
 
   progress("sets of effects and their confirmation", 0.5);
-  Correction correction(train, sealed, reported, problem, model, options.keep_unconfirmed);
-  const BootstrapOptions bootstrap{.rounds = options.placebo_rounds, .seed = options.seed};
+  Correction correction(train, sealed, reported, problem, model, options);
+  const BootstrapOptions bootstrap{.rounds = options.placebo_rounds * options.searches,
+                                   .searches = options.searches,
+                                   .seed = options.seed};
   const std::set<std::string> unasked = Unasked(problem, options.agreed);
   correction.Run(
       [&](std::set<std::string> refuted) {
@@ -384,7 +363,7 @@ TraceResult TraceByLikelihood(Design& train, Design& sealed, const actuator::Joi
   result.after_train = identify::ErrorOf(train, result.corrected, model);
   result.after_sealed = identify::ErrorOf(sealed, result.corrected, model);
   const CandidateSet all = MakeCandidates(train, result.corrected);
-  result.shifts = FindShifts(train, model, result.corrected_fit, all.candidates).shifts;
+  result.shifts = FindShifts(train, model, result.corrected_fit, all.candidates);
   for (const FoundEffect& found : result.effects) {
     std::erase_if(result.not_excited,
                   [&](const NotExcited& hidden) { return hidden.effect == found.name; });

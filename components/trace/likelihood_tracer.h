@@ -7,7 +7,7 @@
 // Pure; allocates; reads no clock; the seed decides the signs of the bootstrap.
 #pragma once
 
-#include "components/trace/tracer.h"
+#include "components/trace/trace_result.h"
 
 namespace sinew::trace {
 

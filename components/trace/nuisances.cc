@@ -99,12 +99,22 @@ Nuisances MakeNuisances(const identify::Design& design, const UsedRows& used,
     columns.push_back(column);
     spread.push_back(own);
   }
+  const bool refit = model.balance == effects::Balance::kMotion &&
+                     std::find(left_out.begin(), left_out.end(), kRigidBodies) == left_out.end();
+  const identify::StateSet& states = design.states();
   const auto count = static_cast<Eigen::Index>(columns.size());
-  out.columns.resize(used.size(), count);
-  out.spread.resize(count);
+  const Eigen::Index rigid = refit ? states.rigid_spread.size() : 0;
+  out.columns.resize(used.size(), count + rigid);
+  out.mean = Eigen::VectorXd::Zero(count + rigid);
+  out.spread.resize(count + rigid);
   for (Eigen::Index k = 0; k < count; ++k) {
     out.columns.col(k) = columns[static_cast<std::size_t>(k)];
     out.spread[k] = spread[static_cast<std::size_t>(k)];
+  }
+  if (rigid > 0) {
+    out.columns.rightCols(rigid) = used.Of(design.RigidColumns());
+    out.mean.tail(rigid) = states.rigid_mean;
+    out.spread.tail(rigid) = states.rigid_spread;
   }
   return out;
 }

@@ -1,6 +1,7 @@
 // Small imperfections that every set-up has, as columns with priors: channels half a sample apart,
 // valves that take some samples to open, teeth that give less than the encoder rounds. Without them
-// every clean recording would be an alarm (effects::Smallest). Pure; allocates.
+// every clean recording would be an alarm (effects::Smallest). On a joint of an arm a refit of the
+// rigid bodies, as far as the other joints leave them open, is one, too. Pure; allocates.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,10 +15,13 @@
 namespace sinew::trace {
 
 struct Nuisances {
-  Eigen::MatrixXd columns;  // used rows, with the sign of a balance's columns
-  Eigen::VectorXd spread;   // prior standard deviation of each coefficient, around 0
-  std::vector<std::string> names;
+  Eigen::MatrixXd columns;         // used rows, with the sign of a balance's columns
+  Eigen::VectorXd mean, spread;    // prior of each coefficient; spread 0: flat
+  std::vector<std::string> names;  // of the first columns; those behind are of the rigid bodies
 };
+
+// Leaves the rigid bodies out (MakeNuisances).
+inline constexpr const char* kRigidBodies = "rigid_body";
 
 // Of the model's balance; what the model holds as a term is no nuisance, nor is what is left out by
 // name.

@@ -18,13 +18,17 @@ constexpr double kScaleKnown = 0.05;
 
 constexpr std::uint64_t kEventSeed = 1;
 
-Eigen::Index ScaleWindow(const identify::Design& design) {
-  return static_cast<Eigen::Index>(
-      std::ceil(kScalePeriods * design.states().rate_Hz / design.options().state_cutoff_Hz));
+// Rows per period of the lowest filter.
+double RowsPerPeriod(const identify::Design& design) {
+  const double cutoff_Hz =
+      std::min(design.options().state_cutoff_Hz, design.options().parallel_cutoff_Hz);
+  return design.rows_per_s() / std::max(1e-9, cutoff_Hz);
 }
 
-Eigen::VectorXd Residual(const identify::FitResult& fit, const UsedRows& used) {
-  return (fit.balance.target - fit.balance.columns * fit.coefficients)(used.rows);
+// Holds have no neighbours: one scale for all.
+Eigen::Index ScaleWindow(const identify::Design& design) {
+  if (design.held()) return design.rows().size();
+  return static_cast<Eigen::Index>(std::ceil(kScalePeriods * RowsPerPeriod(design)));
 }
 
 // Without what began at an instant: it would count as loud noise there, and then be no more than
@@ -57,8 +61,7 @@ void LeaveOutliers(const identify::Design& design, const Eigen::VectorXd& rest,
 }  // namespace
 
 int LongestOrder(const identify::Design& design) {
-  const double rows = design.states().rate_Hz / std::max(1e-9, design.options().state_cutoff_Hz);
-  return static_cast<int>(std::clamp(std::ceil(2.0 * rows), 6.0, 40.0));
+  return static_cast<int>(std::clamp(std::ceil(2.0 * RowsPerPeriod(design)), 6.0, 40.0));
 }
 
 Eigen::VectorXd Richest(const Problem& problem) {
@@ -118,7 +121,9 @@ LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::Joint
   design->PredictDrive(out.fit.model);
 
   // What begins at an instant must be known before the noise is: it would count as loud noise.
-  likelihood.event = FindTimedEffect(*design, likelihood, declared, out.fit, kEventSeed);
+  if (!design->held()) {
+    likelihood.event = FindTimedEffect(*design, likelihood, declared, out.fit, kEventSeed);
+  }
   if (likelihood.event) SetClocksBy(*likelihood.event, likelihood.event->start_s, design);
 
   const Eigen::Index window = ScaleWindow(*design);
@@ -127,7 +132,7 @@ LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::Joint
     likelihood.no_nuisance = ImplausibleNuisances(*design, likelihood, declared);
     out.fit = FitWhitened(*design, likelihood, declared);
     if (pass == 0) {
-      const Eigen::VectorXd residual = Residual(out.fit, likelihood.used);
+      const Eigen::VectorXd residual = LeftOver(out.fit, likelihood.used);
       SetNoise(WithoutEvent(*design, likelihood, residual), window, longest, &likelihood);
     }
     const Problem problem = MakeProblem(*design, likelihood, declared, out.fit);

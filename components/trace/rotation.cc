@@ -132,7 +132,7 @@ std::set<std::string> AgreedEffects(const std::vector<Rotation>& rotations) {
 }
 
 RotatedLoop RotateLoop(const std::vector<identify::Run>& runs, const actuator::JointModel& joint,
-                       const identify::ProcessingOptions& wished, const TraceOptions& options) {
+                       double longest_gap_s, const TraceOptions& options) {
   if (runs.size() < 2 || runs.front().held) {
     throw std::invalid_argument(
         "recordings rotate when there are two at least, none of them of held positions");
@@ -152,7 +152,7 @@ RotatedLoop RotateLoop(const std::vector<identify::Run>& runs, const actuator::J
     std::vector<identify::Run> train = runs;
     train.erase(train.begin() + static_cast<std::ptrdiff_t>(i));
     RequireSealed(train, {runs[i]});
-    LoopResult loop = CloseLoop(train, {runs[i]}, joint, wished, part(i));
+    LoopResult loop = CloseLoop(train, {runs[i]}, joint, longest_gap_s, part(i));
     out.rotations.push_back({runs[i].name, loop.processing, std::move(loop.trace)});
     if (out.rotations.back().trace.too_little) {
       out.all = std::move(loop);
@@ -162,7 +162,7 @@ RotatedLoop RotateLoop(const std::vector<identify::Run>& runs, const actuator::J
   }
   TraceOptions agreed = part(runs.size());
   agreed.agreed = AgreedEffects(out.rotations);
-  out.all = CloseLoop(runs, runs, joint, wished, agreed);
+  out.all = CloseLoop(runs, runs, joint, longest_gap_s, agreed);
   TraceResult& trace = out.all.trace;
   if (trace.too_little) return out;
   std::vector<const Judgement*> judged;

@@ -33,6 +33,6 @@ std::set<std::string> AgreedEffects(const std::vector<Rotation>& rotations);
 // runs: two at least, with different samples; of rows that follow each other. Throws
 // std::invalid_argument.
 RotatedLoop RotateLoop(const std::vector<identify::Run>& runs, const actuator::JointModel& joint,
-                       const identify::ProcessingOptions& wished, const TraceOptions& options);
+                       double longest_gap_s, const TraceOptions& options);
 
 }  // namespace sinew::trace

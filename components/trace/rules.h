@@ -1,4 +1,4 @@
-// Every limit that decides a verdict of the likelihood engine, in the order in which they are
+// Every limit that decides a verdict, in the order in which they are
 // asked. A refusal in report.json names its rule; docs/closing-the-loop.md has the same table (a
 // test). Pure.
 #pragma once

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "components/trace/problem.h"
-#include "components/trace/tracer.h"
+#include "components/trace/trace_result.h"
 
 namespace sinew::trace {
 

@@ -7,10 +7,6 @@ namespace sinew::trace {
 
 namespace {
 
-// Shifts above this many tolerances call for a cause; a cause has to bring all it touches below the
-// second.
-constexpr double kLoud = 3.0;
-constexpr double kQuiet = 1.5;
 // Part of a candidate's power that the declared terms must carry for it to be swallowed.
 constexpr double kInSpan = 0.98;
 
@@ -23,9 +19,11 @@ struct Declared {
 
 }  // namespace
 
-ShiftReport FindShifts(const identify::Design& design, const actuator::JointModel& nominal,
-                       const identify::FitResult& fit, const std::vector<Candidate>& candidates) {
-  ShiftReport out;
+std::vector<ParameterShift> FindShifts(const identify::Design& design,
+                                       const actuator::JointModel& nominal,
+                                       const identify::FitResult& fit,
+                                       const std::vector<Candidate>& candidates) {
+  std::vector<ParameterShift> out;
   const identify::Balance& balance = fit.balance;
   const Eigen::Index first = balance.fits_scale ? 1 : 0;
   std::vector<Declared> declared;
@@ -105,10 +103,8 @@ ShiftReport FindShifts(const identify::Design& design, const actuator::JointMode
     directions.push_back(std::move(direction));
   }
 
-  double loudest = 0.0;
   for (const Declared& item : declared) {
     const double sigma = item.shift / item.unit;
-    loudest = std::max(loudest, std::abs(sigma));
     if (std::abs(sigma) < 1.0) continue;
     const auto t = static_cast<std::size_t>(item.ref.term);
     const auto i = static_cast<std::size_t>(item.ref.linear);
@@ -130,42 +126,8 @@ ShiftReport FindShifts(const identify::Design& design, const actuator::JointMode
         shift.causes.push_back(direction.candidate->name());
       }
     }
-    out.shifts.push_back(std::move(shift));
+    out.push_back(std::move(shift));
   }
-  if (loudest < kLoud) return out;
-
-  for (const Direction& direction : directions) {
-    double dd = 0.0;
-    double ds = 0.0;
-    double before = 0.0;
-    for (std::size_t j = 0; j < declared.size(); ++j) {
-      const double sigma = declared[j].shift / declared[j].unit;
-      dd += direction.per_theta[j] * direction.per_theta[j];
-      ds += direction.per_theta[j] * sigma;
-      before += sigma * sigma;
-    }
-    if (!(dd > 0.0)) continue;
-    const double theta = ds / dd;
-    const effects::ParameterInfo& info = direction.candidate->effect->info().linear.front();
-    if (theta < info.lower || theta > info.upper) continue;
-    double after = 0.0;
-    int moved = 0;
-    bool explained = true;
-    bool loud = false;
-    for (std::size_t j = 0; j < declared.size(); ++j) {
-      const double sigma = declared[j].shift / declared[j].unit;
-      const double part = theta * direction.per_theta[j];
-      after += (sigma - part) * (sigma - part);
-      if (std::abs(part) < 1.0) continue;
-      ++moved;
-      loud = loud || std::abs(sigma) > kLoud;
-      explained = explained && std::abs(sigma - part) < std::max(kQuiet, 0.35 * std::abs(part));
-    }
-    if (moved < 2 || !loud || !explained) continue;
-    out.causes.push_back({*direction.candidate, theta, 1.96 / std::sqrt(dd), before, after});
-  }
-  std::sort(out.causes.begin(), out.causes.end(),
-            [](const SwallowedCause& a, const SwallowedCause& b) { return a.after < b.after; });
   return out;
 }
 

@@ -14,7 +14,7 @@ UsedRows MakeUsedRows(const identify::Design& design, std::vector<Eigen::Index> 
   const Eigen::Index n = out.size();
   for (Eigen::Index k = 0; k < n; ++k) {
     const Eigen::Index i = out.rows[at(k)];
-    const bool follows = k > 0 && out.rows[at(k - 1)] == i - 1 &&
+    const bool follows = k > 0 && !design.held() && out.rows[at(k - 1)] == i - 1 &&
                          all.segment[at(i - 1)] == all.segment[at(i)] && window(i - 1) == window(i);
     if (!follows) out.stretches.push_back({k, 0});
     ++out.stretches.back().count;

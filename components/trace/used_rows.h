@@ -1,5 +1,6 @@
 // The rows of a design that count, as stretches that follow each other in time, and the blocks of
-// time that inference treats as independent. Pure; allocates.
+// time that inference treats as independent. Rows that are holds follow no other: each is a stretch
+// of its own, and blocks are groups of neighbours. Pure; allocates.
 #pragma once
 
 #include <Eigen/Core>

@@ -230,8 +230,13 @@ Prior PriorOf(const Balance& balance, const actuator::JointModel& model, const U
       out.precision[i] = rms > 0.0 ? precision(kPlausibleShare * target_rms / rms) : 0.0;
     }
   }
+  out.mean.tail(extra) = nuisances.mean;
   for (Eigen::Index k = 0; k < extra; ++k) out.precision[p + k] = precision(nuisances.spread[k]);
   return out;
+}
+
+Eigen::VectorXd LeftOver(const identify::FitResult& fit, const UsedRows& used) {
+  return (fit.balance.target - fit.balance.columns * fit.coefficients)(used.rows);
 }
 
 identify::FitResult FitWhitened(const identify::Design& design, const Likelihood& likelihood,

@@ -50,6 +50,9 @@ void SetNoise(const Eigen::Ref<const Eigen::VectorXd>& residual, Eigen::Index wi
 // counts, and what no model of the catalogue follows must not decide which rows do.
 Likelihood Unweighted(Likelihood likelihood, const Eigen::Ref<const Eigen::VectorXd>& residual);
 
+// What a fit leaves at the used rows, in units of the balance.
+Eigen::VectorXd LeftOver(const identify::FitResult& fit, const UsedRows& used);
+
 // Linear parameters at the present nonlinear ones; nuisances are fitted and forgotten.
 identify::FitResult FitWhitened(const identify::Design& design, const Likelihood& likelihood,
                                 const actuator::JointModel& model);

@@ -172,10 +172,10 @@ void ReproducePublished(const identify::Run& train, const identify::Run& sealed,
 
 // Recordings that can be held out in turn. Throws UsageError.
 void RequireRotation(const CloseLoopOptions& options, const std::vector<identify::Run>& runs) {
-  const bool raw = options.engine == trace::Engine::kLikelihood && !runs.front().held;
-  if (runs.size() > 1 && raw) return;
+  const bool held = runs.front().held;
+  if (runs.size() > 1 && !held) return;
   const std::string file = options.train.empty() ? runs.front().name : options.train[0].string();
-  if (!raw) throw UsageError(file + ": nothing is held out, expected --held-out FILE");
+  if (held) throw UsageError(file + ": nothing is held out, expected --held-out FILE");
   const Eigen::VectorXd& time_s = runs.front().time_s;
   const std::string middle =
       report::Short(std::floor(0.7 * (time_s[time_s.size() - 1] - time_s[0])));
@@ -196,16 +196,6 @@ free_run::FreeRunResult FollowRotations(const std::vector<identify::Run>& runs,
                                       rotations[i].processing));
   }
   return free_run::Join(std::move(parts));
-}
-
-// What the trace says of the data beyond the gate.
-void AddNewFindings(std::vector<identify::Finding> more, std::vector<identify::Finding>* all) {
-  for (identify::Finding& finding : more) {
-    const bool known = std::any_of(all->begin(), all->end(), [&](const identify::Finding& at) {
-      return at.name == finding.name;
-    });
-    if (!known) all->push_back(std::move(finding));
-  }
 }
 
 }  // namespace
@@ -264,19 +254,20 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
     if (StopsAtGate(options, train, sealed, joint, &out)) return out;
     trace::TraceOptions trace_options;
     trace_options.seed = options.seed;
-    trace_options.engine = options.engine;
     trace_options.keep_unconfirmed = options.keep_unconfirmed;
+    trace_options.searches = options.searches;
+    trace_options.held_out_error = options.held_out_error;
     trace_options.progress = progress;
     trace::LoopResult loop;
     if (rotates) {
-      trace::RotatedLoop rotated = trace::RotateLoop(train, joint, wished, trace_options);
+      trace::RotatedLoop rotated =
+          trace::RotateLoop(train, joint, wished.longest_gap_s, trace_options);
       loop = std::move(rotated.all);
       report.rotations = std::move(rotated.rotations);
     } else {
-      loop = trace::CloseLoop(train, sealed, joint, wished, trace_options);
+      loop = trace::CloseLoop(train, sealed, joint, wished.longest_gap_s, trace_options);
     }
     report.processing = loop.processing;
-    AddNewFindings(std::move(loop.findings), &report.findings);
     report.trace = std::move(loop.trace);
     if (report.trace.too_little) {
       report.seconds = since_start();
@@ -381,12 +372,17 @@ void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options
       std::cout << ' ' << effects::ParameterKey(info.nonlinear[i], trace.corrected.kind) << " = "
                 << Short(term.nonlinear[i].value);
     }
+    // Other orders of the same effect.
+    for (std::size_t t = 1; t < effect.fitted.size(); ++t) {
+      for (const actuator::ParameterValue& value : effect.fitted[t].nonlinear) {
+        std::cout << ", " << Short(value.value);
+      }
+    }
     std::cout << "; held out " << report::ErrorText(effect.sealed_before) << " -> "
               << report::ErrorText(effect.sealed_after) << ' '
-              << effects::BalanceUnit(effect.balance, trace.corrected.kind)
-              << (effect.slow_motion ? " where it creeps" : "");
-    if (trace.p_global) std::cout << "; " << trace::ConfirmationWord(effect.confirmation.verdict);
-    std::cout << (effect.in_model() ? "" : ", not in model.yaml") << '\n';
+              << effects::BalanceUnit(effect.balance, trace.corrected.kind) << "; "
+              << trace::ConfirmationWord(effect.confirmation.verdict)
+              << (effect.in_model() ? "" : ", not in model.yaml") << '\n';
   }
   for (const trace::FoundEffect& effect : trace.refuted) {
     std::cout << "  refuted: " << effect.name << "; held out "
@@ -467,14 +463,8 @@ void AddCloseLoopCommand(CLI::App& app) {
                       "from 0 on; all joints of the model when left out");
   command->add_option("--urdf", options.urdf,
                       "Rigid bodies of an arm; what the model file names by default");
-  command->add_option("--seed", options.seed, "Seed of the placebo")->capture_default_str();
-  command
-      ->add_option(
-          "--engine", options.engine,
-          "likelihood: at the raw rate (default); blocks: cross-validation behind a common "
-          "filter; arms and held positions always take blocks")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, trace::Engine>{
-          {"blocks", trace::Engine::kBlocks}, {"likelihood", trace::Engine::kLikelihood}}));
+  command->add_option("--seed", options.seed, "Seed of the null test's random signs")
+      ->capture_default_str();
   command
       ->add_option("--accept-fault", options.accepted_faults,
                    "Go on in spite of this fault of the data (docs/data-gate.md); repeatable")

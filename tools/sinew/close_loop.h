@@ -24,9 +24,10 @@ struct CloseLoopOptions {
   std::vector<std::filesystem::path> sealed;  // empty: each of `train` is held out once
   std::filesystem::path out;                  // folder; empty: nothing is written
   int joint = 0;
+  int searches = 1;  // joints that are traced together (trace::TraceOptions)
+  std::function<double(const actuator::JointModel&)> held_out_error;  // the same
   std::filesystem::path urdf;  // of an arm; empty: what the model file names
   std::uint64_t seed = 1;
-  trace::Engine engine = trace::Engine::kLikelihood;
   bool keep_unconfirmed = false;  // in the model, effects that are neither confirmed nor refuted
   std::vector<std::string> accepted_faults;  // rules of the data gate that do not stop
   std::function<void(const std::string&, double)> progress;

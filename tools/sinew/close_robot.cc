@@ -149,6 +149,7 @@ CloseRobotResult CloseRobot(const CloseLoopOptions& options, std::vector<int> jo
   for (std::size_t i = 0; i < joints.size(); ++i) {
     CloseLoopOptions one = options;
     one.joint = joints[i];
+    one.searches = static_cast<int>(joints.size());
     if (options.progress) {
       one.progress = [&](const std::string& what, double share) {
         options.progress(what,
@@ -156,6 +157,13 @@ CloseRobotResult CloseRobot(const CloseLoopOptions& options, std::vector<int> jo
       };
     }
     const auto j = static_cast<std::size_t>(joints[i]);
+    if (arm) {
+      one.held_out_error = [&](const actuator::JointModel& joint) {
+        actuator::RobotModel with = out.model.robot;
+        with.joints[j] = joint;
+        return arm::HeldOutError(*arm, with, train, sealed, out.arm->processing);
+      };
+    }
     out.joints.push_back(CloseLoopOn(one, input, train[j], sealed[j]));
     out.model.robot.joints[j] = out.joints.back().model.robot.joints[j];
   }

@@ -119,29 +119,20 @@ Json Rounds(const trace::Judgement& result) {
     for (const trace::CandidateScore& score : round.scores) {
       candidates.push_back({{"name", score.name},
                             {"gain", score.gain_share},
-                            {"standard_error", score.share_error},
-                            {"t", score.gain.t},
-                            {"p", score.gain.p},
+                            {"statistic", score.statistic},
                             {"accepted", score.accepted},
-                            {"refused", score.refused},
-                            {"sealed_rms", score.sealed_rms}});
+                            {"refused", score.refused}});
     }
-    out.push_back({{"slow_motion", round.slow_motion},
-                   {"train_rms", round.train_rms},
+    out.push_back({{"train_rms", round.train_rms},
                    {"sealed_rms", round.sealed_rms},
                    {"explainable_rms", round.explainable_rms},
-                   {"placebo_99", round.placebo_99},
-                   {"added", round.added.empty() ? Json(nullptr) : Json(round.added)},
                    {"candidates", std::move(candidates)}});
   }
   return out;
 }
 
-Json CrossValidation(const trace::Judgement& result) {
-  return {{"unit", result.unit_kind},
-          {"units", result.units},
-          {"unit_length_s", result.unit_length_s},
-          {"correlation_time_s", result.correlation_time_s}};
+Json Blocks(const trace::Judgement& result) {
+  return {{"count", result.units}, {"length_s", result.unit_length_s}};
 }
 
 Json ErrorLines(const std::vector<ErrorLine>& lines) {
@@ -256,7 +247,6 @@ std::string FormatJson(const Report& report) {
         {"in_model", effect.in_model()},
         {"parameters", Parameters(FittedTerm(trace, effect), trace.corrected.kind)},
         {"gain", effect.gain_share},
-        {"gain_standard_error", effect.gain_error},
         {"p", effect.p},
         {"confirmation",
          {{"verdict", trace::ConfirmationWord(effect.confirmation.verdict)},
@@ -264,8 +254,6 @@ std::string FormatJson(const Report& report) {
           {"interval_95", {effect.confirmation.lower, effect.confirmation.upper}},
           {"blocks", effect.confirmation.blocks}}},
         {"weak_evidence", effect.weak_evidence},
-        {"swallowed_by_refit", effect.swallowed},
-        {"slow_motion", effect.slow_motion},
         {"train",
          {{"unit", own_unit}, {"before", effect.train_before}, {"after", effect.train_after}}},
         {"sealed",
@@ -301,7 +289,7 @@ std::string FormatJson(const Report& report) {
                               {"order_per_turn", summary.unexplained.order_per_turn},
                               {"rms", summary.unexplained.rms}};
       entry["rounds"] = Rounds(summary);
-      entry["cross_validation"] = CrossValidation(summary);
+      entry["blocks"] = Blocks(summary);
     }
     entry["effects"] = Json::array();
     for (const trace::FoundEffect& effect : trace.effects) {
@@ -310,7 +298,6 @@ std::string FormatJson(const Report& report) {
     out["balances"].push_back(std::move(entry));
   }
 
-  out["slow_motion"] = trace.slow_motion;
   out["rounds"] = Rounds(trace);
 
   if (report.as_published) {
@@ -364,13 +351,12 @@ std::string FormatJson(const Report& report) {
   }
   const std::string next = NextExperiment(report);
   out["next_experiment"] = next.empty() ? Json(nullptr) : Json(next);
-  out["cross_validation"] = CrossValidation(trace);
+  out["blocks"] = Blocks(trace);
   out["processing"] = {{"state_cutoff_Hz", report.processing.state_cutoff_Hz},
                        {"state_order", report.processing.state_order},
                        {"parallel_cutoff_Hz", report.processing.parallel_cutoff_Hz},
                        {"parallel_order", report.processing.parallel_order},
                        {"rest_velocity", report.processing.rest_velocity},
-                       {"fastest_velocity", report.processing.fastest_velocity},
                        {"reversal_guard_s", report.processing.reversal_guard_s},
                        {"settle_distance", report.processing.settle_distance},
                        {"border_s", report.processing.border_s}};

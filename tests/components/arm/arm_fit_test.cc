@@ -122,12 +122,61 @@ TEST(ArmFit, TheRigidTorqueReachesTheJointsOwnBalance) {
   const actuator::RobotModel robot = Model(0.3, 0.5);
   const Arm arm(Revolute(1.0), robot);
   ArmRuns runs = Recorded(20.0, 3);
-  arm.AddRigidTorque(arm.dynamics().nominal(), Options(), robot, &runs);
+  arm.AddRigidTorque(arm.Fit(runs, robot, Options()), std::vector(4, Options()), robot, &runs);
   for (std::size_t j = 0; j < 4; ++j) {
     const identify::Design design(identify::MakeStates(runs[j], robot.joints[j], Options()),
                                   Options());
     EXPECT_LT(identify::ErrorOf(design, robot.joints[j]).rms, 0.03) << j;
   }
+}
+
+TEST(ArmFit, TheOtherJointsSayHowFarARefitMayChangeTheBodies) {
+  const actuator::RobotModel robot = Model(0.3, 0.5);
+  const Arm arm(Revolute(1.0), robot);
+  // In standard deviations: how far the fit of all lies from what all but joint j say.
+  const auto farthest = [&](const ArmRuns& runs, std::size_t j) {
+    const RigidPrior prior = arm.Fit(runs, robot, Options()).by_others[j];
+    double most = 0.0;
+    for (Eigen::Index k = 0; k < prior.mean.size(); ++k) {
+      if (prior.spread[k] > 0.0) most = std::max(most, std::abs(prior.mean[k]) / prior.spread[k]);
+    }
+    return most;
+  };
+  ArmRuns runs = Recorded(40.0, 4);
+  const double clean = farthest(runs, 1);
+  EXPECT_LT(clean, 4.0);
+  // A drive that gives a fifth more on one joint alone: its bodies would be heavier, the others
+  // say that they are not.
+  runs[1][0].signals[Signal::kTorque] *= 1.2;
+  EXPECT_GT(farthest(runs, 1), std::max(4.0, 2.0 * clean));
+}
+
+TEST(ArmFit, ARefitOfTheBodiesIsInTheColumnsThatTheJointCarries) {
+  const actuator::RobotModel robot = Model(0.3, 0.5);
+  const Arm arm(Revolute(1.0), robot);
+  ArmRuns runs = Recorded(20.0, 3);
+  ArmFit fit = arm.Fit(runs, robot, Options());
+  const std::vector options(4, Options());
+  arm.AddRigidTorque(fit, options, robot, &runs);
+  const auto rows = [&](std::size_t j) {
+    return identify::Design(identify::MakeStates(runs[j], robot.joints[j], Options()), Options());
+  };
+  const identify::Design before = rows(2);
+  const Eigen::MatrixXd columns = before.RigidColumns();
+  ASSERT_EQ(columns.cols(), static_cast<Eigen::Index>(fit.base.size()));
+  // Bodies that change along a direction change the torque by its column.
+  const Eigen::Index direction = columns.cols() - 1;
+  const Eigen::VectorXd change = fit.by_others[2].directions.col(direction);
+  for (std::size_t i = 0; i < arm.base().independent.size(); ++i) {
+    fit.phi[arm.base().independent[i]] += change[static_cast<Eigen::Index>(i)];
+  }
+  arm.AddRigidTorque(fit, options, robot, &runs);
+  const auto torque = [](const identify::Design& design) {
+    return design.Column([](const effects::JointSample& x) { return x.rigid_torque_Nm; });
+  };
+  const Eigen::VectorXd difference = torque(rows(2)) - torque(before);
+  EXPECT_GT(difference.norm(), 0.0);
+  EXPECT_LT((difference - columns.col(direction)).norm(), 1e-9 * difference.norm());
 }
 
 TEST(ArmFit, JointsThatTheUrdfLacksAreNamed) {

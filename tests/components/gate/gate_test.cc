@@ -6,8 +6,8 @@
 #include <random>
 
 #include "components/gate/rules.h"
-#include "tests/bank/scene.h"
 #include "tests/components/gate/plant.h"
+#include "tests/components/gate/scene.h"
 
 namespace sinew::gate {
 namespace {
@@ -15,14 +15,14 @@ namespace {
 using identify::Signal;
 
 // Two recordings of the surrogate at 80 Hz; made once.
-const bank::Recorded& Recorded() {
-  static const bank::Recorded recorded = [] {
-    bank::Scene scene;
+const scene::Recorded& Recorded() {
+  static const scene::Recorded recorded = [] {
+    scene::Scene scene;
     scene.seed = 31;
     scene.trains = 2;
     scene.seconds = 25.0;
     scene.sealed = false;
-    return bank::Record(scene);
+    return scene::Record(scene);
   }();
   return recorded;
 }
@@ -39,7 +39,7 @@ std::string Told(const GateReport& report) {
 class PlantedFault : public testing::TestWithParam<FaultKind> {};
 
 TEST_P(PlantedFault, IsFoundByItsRuleWithReasonAndRemedy) {
-  bank::Recorded recorded = Recorded();
+  scene::Recorded recorded = Recorded();
   Plant(GetParam().name, 5, &recorded.train, &recorded.declared);
   const GateReport report = ExamineData(recorded.train, recorded.declared);
   EXPECT_TRUE(report.stops());
@@ -89,7 +89,7 @@ TEST(Gate, ASoundRecordingHasNoFaultAndItsRate) {
 }
 
 TEST(Gate, TemperatureInKelvinHundredthsInOneRecordingDiffersFromTheOthers) {
-  bank::Recorded recorded = Recorded();
+  scene::Recorded recorded = Recorded();
   recorded.train.back().signals[Signal::kTemperature] *= 100.0;
   const GateReport report = ExamineData(recorded.train, recorded.declared);
   EXPECT_TRUE(std::any_of(report.faults.begin(), report.faults.end(), [](const Fault& at) {
@@ -98,7 +98,7 @@ TEST(Gate, TemperatureInKelvinHundredthsInOneRecordingDiffersFromTheOthers) {
 }
 
 TEST(Gate, AnAcceptedFaultIsListedAndDoesNotStop) {
-  bank::Recorded recorded = Recorded();
+  scene::Recorded recorded = Recorded();
   Plant("spike_current", 5, &recorded.train, &recorded.declared);
   const GateReport report = ExamineData(recorded.train, recorded.declared, {.accepted = {"spike"}});
   ASSERT_EQ(report.faults.size(), 1u) << Told(report);
@@ -112,7 +112,7 @@ TEST(Gate, AnAcceptedFaultThatIsNoRuleIsRefused) {
 }
 
 TEST(Gate, ASpikeIsReportedWithItsRow) {
-  bank::Recorded recorded = Recorded();
+  scene::Recorded recorded = Recorded();
   Eigen::VectorXd& current = recorded.train.front().signals[Signal::kMotorCurrent];
   current[400] += 2.0 * (current.maxCoeff() - current.minCoeff());
   const GateReport report = ExamineData(recorded.train, recorded.declared);
@@ -123,7 +123,7 @@ TEST(Gate, ASpikeIsReportedWithItsRow) {
 
 // Statistics are ratios: the same recording in other units, declared in them, gives the same.
 TEST(Gate, OtherUnitsOfTheCurrentGiveTheSameStatistics) {
-  bank::Recorded recorded = Recorded();
+  scene::Recorded recorded = Recorded();
   const GateReport before = ExamineData(recorded.train, recorded.declared);
   for (identify::Run& run : recorded.train) run.signals[Signal::kMotorCurrent] *= 1000.0;
   recorded.declared.constants.torque_constant_Nm_A /= 1000.0;
@@ -145,7 +145,7 @@ TEST(Gate, OtherUnitsOfTheCurrentGiveTheSameStatistics) {
 
 // What happens on a sound rig and has to pass: findings and the tracer's business.
 TEST(Gate, ALateVelocityAWrongGainAndSaturationAreNoFaults) {
-  bank::Recorded recorded = Recorded();
+  scene::Recorded recorded = Recorded();
   for (identify::Run& run : recorded.train) {
     Eigen::VectorXd& current = run.signals[Signal::kMotorCurrent];
     current *= 1.25;
@@ -165,7 +165,7 @@ TEST(Gate, ALateVelocityAWrongGainAndSaturationAreNoFaults) {
 }
 
 TEST(Gate, AMissingConstantNamesTheLineToAdd) {
-  bank::Recorded recorded = Recorded();
+  scene::Recorded recorded = Recorded();
   recorded.declared.constants.torque_constant_Nm_A = 0.0;
   const GateReport report = ExamineData({}, recorded.declared);
   ASSERT_EQ(report.faults.size(), 1u) << Told(report);

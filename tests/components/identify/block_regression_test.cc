@@ -129,9 +129,5 @@ TEST(BlockRegression, RobustErrorsCoverTheTruthWhenNoiseIsCorrelatedInBlocks) {
   EXPECT_LE(covered, 297);
 }
 
-TEST(BlockRegression, RunsAreBlocksOfTheirOwn) {
-  EXPECT_EQ(MakeRunBlocks(EvenRows(4, 10, 0.1)).size(), 4u);
-}
-
 }  // namespace
 }  // namespace sinew::identify

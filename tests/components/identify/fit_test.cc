@@ -23,23 +23,6 @@ actuator::JointModel Detuned() {
   return model;
 }
 
-TEST(Fit, AParameterOutsideItsPhysicalRangeIsHeldAtTheBoundAndTheOthersFittedAgain) {
-  // No Coulomb friction, and noise that makes least squares see a negative one.
-  actuator::JointModel truth = SyntheticModel();
-  const auto coulomb = static_cast<std::size_t>(truth.Find("coulomb"));
-  truth.terms[coulomb].linear[0].value = -0.05;
-  const Design design = MakeDesign({SyntheticRun(truth, {.noise_A = 0.0})}, truth);
-  const FitResult fit = FitModel(design, Detuned(), BlocksOf(design));
-  ASSERT_LT(fit.model.terms[coulomb].linear[0].value, -0.01);
-  const actuator::JointModel inside = WithinPhysicalRange(design, fit.model, BlocksOf(design));
-  EXPECT_EQ(inside.terms[coulomb].linear[0].value, 0.0);
-  EXPECT_FALSE(inside.terms[coulomb].linear[0].fixed);
-  EXPECT_NE(inside.Parameter("viscous", "viscous"), fit.model.Parameter("viscous", "viscous"));
-  // Inside already: the same model.
-  const actuator::JointModel same = WithinPhysicalRange(design, inside, BlocksOf(design));
-  EXPECT_EQ(same.Parameter("viscous", "viscous"), inside.Parameter("viscous", "viscous"));
-}
-
 TEST(Fit, NoiseFreeRecordingsGiveTheParametersBack) {
   const actuator::JointModel truth = SyntheticModel();
   const Design design = MakeDesign({SyntheticRun(truth, {.noise_A = 0.0})}, truth);
@@ -99,35 +82,6 @@ TEST(Fit, ResidualOfTheTrueModelIsTheNoise) {
   // 0.05 A * 50 * 0.02 Nm/A * 0.8 through a filter that keeps 8 of 100 Hz (zero phase: 0.95 of it).
   const double expected = 0.05 * 50 * 0.02 * 0.8 * std::sqrt(0.08 * 0.95);
   EXPECT_NEAR(ErrorOf(design, truth).rms, expected, 0.15 * expected);
-}
-
-TEST(Fit, NonlinearParametersOfAddedTermsAreRefined) {
-  actuator::JointModel truth = SyntheticModel();
-  actuator::Term stribeck = actuator::MakeTerm("stribeck", truth.constants);
-  stribeck.declared = false;
-  stribeck.linear[0].value = 0.5;
-  stribeck.nonlinear[0].value = 0.2;
-  truth.terms.push_back(stribeck);
-  const Design design = MakeDesign({SyntheticRun(truth, {.noise_A = 0.01})}, truth);
-  actuator::JointModel start = truth;
-  start.terms.back().nonlinear[0].value = 0.12;
-  const FitResult fit = RefineModel(design, start, BlocksOf(design));
-  EXPECT_NEAR(fit.model.terms.back().nonlinear[0].value, 0.2, 0.01);
-  EXPECT_NEAR(fit.model.terms.back().linear[0].value, 0.5, 0.02);
-  ASSERT_TRUE(fit.model.terms.back().nonlinear[0].half_width_95.has_value());
-  EXPECT_LT(*fit.model.terms.back().nonlinear[0].half_width_95, 0.02);
-}
-
-TEST(Fit, HeldWithinTolerancesNoParameterLeavesThem) {
-  const actuator::JointModel truth = SyntheticModel();
-  actuator::JointModel model = truth;
-  model.terms[4].linear[0].value = 1.0;  // gravity 1.5 is far outside 1.0 +- 15 %
-  const Design design = MakeDesign({SyntheticRun(truth, {})}, truth);
-  const actuator::JointModel held = FitWithinTolerances(design, model);
-  EXPECT_NEAR(held.terms[4].linear[0].value, 1.15,
-              0.05);  // the bound of the ratio, at nominal scale
-  EXPECT_GT(ErrorOf(design, held).rms,
-            ErrorOf(design, FitModel(design, model, BlocksOf(design)).model).rms);
 }
 
 TEST(Fit, TooFewRowsAreRefused) {

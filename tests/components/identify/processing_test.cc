@@ -6,6 +6,8 @@
 #include <cmath>
 #include <random>
 
+#include "components/identify/differentiate.h"
+#include "components/identify/iir_filter.h"
 #include "tests/components/identify/synthetic.h"
 
 namespace sinew::identify {
@@ -26,6 +28,21 @@ TEST(Processing, DerivativesOfASineAreItsClosedForm) {
     EXPECT_NEAR(x.acceleration_rad_s2, -w * w * std::sin(w * x.time_s), 1e-6 * w * w);
     EXPECT_NEAR(x.jerk_rad_s3, -w * w * w * std::cos(w * x.time_s), 1e-5 * w * w * w);
   }
+}
+
+TEST(FromMotion, ARecordingThatWasLowPassedBeforeGoesThroughACommonFilterBelowIt) {
+  const actuator::JointModel model = SyntheticModel();
+  identify::Run run = SyntheticRun(model, {});
+  const ProcessingOptions as_measured = FromMotion({run}, model, 0.25);
+  EXPECT_TRUE(as_measured.raw);
+  EXPECT_DOUBLE_EQ(as_measured.parallel_cutoff_Hz, 100.0);  // none: half the rate
+  constexpr double kEarlier_Hz = 10.0;
+  Eigen::VectorXd& current = run.signals[Signal::kMotorCurrent];
+  current = Smooth(current, 4, kEarlier_Hz, 200.0);
+  const ProcessingOptions filtered = FromMotion({run}, model, 0.25);
+  EXPECT_FALSE(filtered.raw);
+  EXPECT_LT(filtered.parallel_cutoff_Hz, kEarlier_Hz);
+  EXPECT_GT(filtered.parallel_cutoff_Hz, 0.2 * kEarlier_Hz);
 }
 
 TEST(Processing, RestReversalsBordersAndHolesAreNotUsed) {

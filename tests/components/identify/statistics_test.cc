@@ -33,35 +33,5 @@ TEST(Statistics, QuantilesLieBetweenOrderStatistics) {
   EXPECT_DOUBLE_EQ(Quantile({}, 0.5), 0.0);
 }
 
-TEST(Statistics, CorrelationTimeOfAnAutoregressionIsItsClosedForm) {
-  // x[i] = r x[i-1] + e: 1 + 2 sum r^k = (1 + r) / (1 - r) = 9 for r = 0.8.
-  std::mt19937_64 random(7);
-  std::normal_distribution<double> normal;
-  const int n = 100000;
-  Eigen::VectorXd x(n);
-  double state = 0.0;
-  for (double& value : x) value = state = 0.8 * state + normal(random);
-  const std::vector<char> used(n, 1);
-  const std::vector<int> segment(n, 0);
-  const Eigen::VectorXd rho = Autocorrelation(x, used, segment, 200);
-  EXPECT_NEAR(rho[0], 1.0, 1e-12);
-  EXPECT_NEAR(rho[1], 0.8, 0.01);
-  EXPECT_NEAR(CorrelationTime(rho), 9.0, 0.6);  // standard error about 0.3
-}
-
-TEST(Statistics, CorrelationsDoNotCrossSegmentsOrUnusedRows) {
-  Eigen::VectorXd x(4);
-  x << 1.0, 1.0, -1.0, -1.0;
-  EXPECT_DOUBLE_EQ(Autocorrelation(x, {1, 1, 1, 1}, {0, 0, 1, 1}, 1)[1], 1.0);
-  EXPECT_DOUBLE_EQ(Autocorrelation(x, {1, 0, 1, 1}, {0, 0, 0, 0}, 1)[1], 1.0);
-}
-
-TEST(Statistics, NoPowerMeansNoCorrelation) {
-  const Eigen::VectorXd rho =
-      Autocorrelation(Eigen::VectorXd::Zero(5), {1, 1, 1, 1, 1}, {0, 0, 0, 0, 0}, 2);
-  EXPECT_EQ(rho.cwiseAbs().maxCoeff(), 0.0);
-  EXPECT_DOUBLE_EQ(CorrelationTime(rho), 1.0);
-}
-
 }  // namespace
 }  // namespace sinew::identify

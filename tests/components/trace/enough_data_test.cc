@@ -28,9 +28,7 @@ identify::Run AtRest(std::uint64_t seed) {
 }
 
 TraceResult Judged(const identify::Run& train, const identify::Run& held_out) {
-  return CloseLoop({train}, {held_out}, identify::SyntheticModel(), identify::ProcessingOptions{},
-                   {.engine = Engine::kLikelihood})
-      .trace;
+  return CloseLoop({train}, {held_out}, identify::SyntheticModel(), 0.25, {}).trace;
 }
 
 TEST(EnoughData, ShortOrStillRecordingsAreTooLittleToJudge) {

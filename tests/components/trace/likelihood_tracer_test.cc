@@ -1,73 +1,106 @@
-// What the likelihood engine hands over: which effects are part of the corrected model.
 #include "components/trace/likelihood_tracer.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "components/trace/close_loop.h"
 #include "tests/components/identify/synthetic.h"
 
 namespace sinew::trace {
 namespace {
 
-using identify::Design;
+using identify::Recipe;
+using identify::Signal;
+using identify::SyntheticModel;
+using identify::SyntheticRun;
+using identify::TermOf;
 
-constexpr double kQuadratic_Nm_s2_rad2 = 0.4;
-
-identify::Run RunWithDrag(const identify::Recipe& recipe, double drag = kQuadratic_Nm_s2_rad2) {
-  actuator::JointModel truth = identify::SyntheticModel();
-  truth.terms.push_back(identify::TermOf("quadratic_viscous", {drag}, truth.constants));
-  return identify::SyntheticRun(truth, recipe);
+TraceResult TraceOf(const actuator::JointModel& truth, Recipe recipe,
+                    const actuator::JointModel& model = SyntheticModel()) {
+  recipe.rate_Hz = 100.0;
+  const std::uint64_t seed = recipe.seed;
+  std::vector<identify::Run> train;
+  for (std::uint64_t k = 0; k < 2; ++k) {
+    recipe.seed = 10 * seed + k;
+    train.push_back(SyntheticRun(truth, recipe));
+  }
+  recipe.seed = 10 * seed + 5;
+  const identify::Run sealed_run = SyntheticRun(truth, recipe);
+  return CloseLoop(train, {sealed_run}, model, 0.25, {}).trace;
 }
 
-TraceResult TraceHeldOut(const identify::Run& held_out, bool keep_unconfirmed) {
-  const actuator::JointModel model = identify::SyntheticModel();
-  const std::vector<identify::Run> train = {
-      RunWithDrag({.rate_Hz = 100.0, .seed = 1, .noise_A = 0.05}),
-      RunWithDrag({.rate_Hz = 100.0, .seed = 2, .noise_A = 0.05})};
-  const identify::ProcessingOptions options = identify::FromMotion(train, model, 0.25);
-  Design design(identify::MakeStates(train, model, options), options);
-  Design sealed(identify::MakeStates({held_out}, model, options), options);
-  return TraceByLikelihood(design, sealed, model, {.keep_unconfirmed = keep_unconfirmed});
+actuator::JointModel With(const std::string& effect, double value) {
+  actuator::JointModel truth = SyntheticModel();
+  truth.terms.push_back(TermOf(effect, {value}, truth.constants));
+  return truth;
 }
 
-TEST(CorrectedModel, HoldsAnEffectThatTheHeldOutRecordingConfirms) {
+TEST(LikelihoodTracer, AKnownEffectIsFoundFirstAndLowersTheSealedError) {
   const TraceResult result =
-      TraceHeldOut(RunWithDrag({.rate_Hz = 100.0, .seed = 3, .noise_A = 0.05}), false);
+      TraceOf(With("quadratic_viscous", 0.4), {.noise_A = 0.1, .noise_memory = 0.8});
   ASSERT_EQ(result.verdict, Verdict::kEffect);
-  ASSERT_EQ(result.effects.size(), 1u);
-  const FoundEffect& found = result.effects[0];
-  EXPECT_EQ(found.confirmation.verdict, ConfirmationVerdict::kConfirmed);
-  ASSERT_TRUE(found.in_model());
-  EXPECT_EQ(found.term, result.corrected.Find("quadratic_viscous"));
-  ASSERT_EQ(found.fitted.size(), 1u);
-  EXPECT_DOUBLE_EQ(found.fitted[0].linear[0].value,
-                   actuator::PhysicalValue(result.corrected, found.term, 0));
-  EXPECT_LT(result.after_sealed.rms, result.before_sealed.rms);
+  EXPECT_EQ(result.effects.front().name, "quadratic_viscous");
+  EXPECT_LT(result.after_sealed.rms, 0.9 * result.before_sealed.rms);
+  const actuator::ParameterValue& value = result.corrected.terms.back().linear[0];
+  ASSERT_TRUE(value.half_width_95.has_value());
+  EXPECT_NEAR(value.value, 0.4, 1.5 * *value.half_width_95);
+  EXPECT_FALSE(result.corrected.terms.back().declared);
 }
 
-// The held-out joint has two and a half times the drag: it is there, but not as trained.
-TEST(CorrectedModel, LeavesOutWhatTheHeldOutRecordingDoesNotConfirmUnlessAsked) {
-  const identify::Run other =
-      RunWithDrag({.rate_Hz = 100.0, .seed = 3, .noise_A = 0.05}, 2.5 * kQuadratic_Nm_s2_rad2);
-  const TraceResult result = TraceHeldOut(other, false);
-  EXPECT_EQ(result.verdict, Verdict::kEffect);
-  ASSERT_EQ(result.effects.size(), 1u);
-  const FoundEffect& found = result.effects[0];
-  EXPECT_EQ(found.name, "quadratic_viscous");
-  EXPECT_EQ(found.confirmation.verdict, ConfirmationVerdict::kNotConfirmed);
-  EXPECT_FALSE(found.in_model());
-  ASSERT_EQ(found.fitted.size(), 1u);
-  const actuator::ParameterValue& size = found.fitted[0].linear[0];
-  EXPECT_NEAR(size.value, kQuadratic_Nm_s2_rad2, 2.0 * size.half_width_95.value());
-  EXPECT_EQ(result.corrected.Find("quadratic_viscous"), -1);
-  EXPECT_DOUBLE_EQ(result.after_train.rms, result.before_train.rms);
-  EXPECT_DOUBLE_EQ(result.after_sealed.rms, result.before_sealed.rms);
+TEST(LikelihoodTracer, RivalsThatPredictTheSameAreNamed) {
+  const TraceResult result = TraceOf(With("direction_dependent_viscous", 0.12), {.noise_A = 0.2});
+  ASSERT_EQ(result.verdict, Verdict::kEffect);
+  std::vector<std::string> named = result.effects.front().rivals;
+  named.push_back(result.effects.front().name);
+  EXPECT_NE(std::find(named.begin(), named.end(), "direction_dependent_viscous"), named.end());
+}
 
-  const TraceResult kept = TraceHeldOut(other, true);
-  ASSERT_EQ(kept.effects.size(), 1u);
-  EXPECT_EQ(kept.effects[0].confirmation.verdict, ConfirmationVerdict::kNotConfirmed);
-  EXPECT_TRUE(kept.effects[0].in_model());
-  EXPECT_GE(kept.corrected.Find("quadratic_viscous"), 0);
-  EXPECT_LT(kept.after_train.rms, kept.before_train.rms);
+TEST(LikelihoodTracer, TwoEffectsAreFoundTogether) {
+  actuator::JointModel truth = With("quadratic_viscous", 0.4);
+  truth.terms.push_back(TermOf("direction_dependent_viscous", {0.2}, truth.constants));
+  const TraceResult result = TraceOf(truth, {.noise_A = 0.05});
+  ASSERT_GE(result.effects.size(), 2u);
+  std::vector<std::string> names = {result.effects[0].name, result.effects[1].name};
+  std::sort(names.begin(), names.end());
+  EXPECT_EQ(names, (std::vector<std::string>{"direction_dependent_viscous", "quadratic_viscous"}));
+}
+
+TEST(LikelihoodTracer, RecordingsWithoutAnEffectRaiseNoAlarm) {
+  int alarms = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const TraceResult result = TraceOf(
+        SyntheticModel(), {.duration_s = 40.0, .seed = seed, .noise_A = 0.1, .noise_memory = 0.9});
+    alarms += result.verdict == Verdict::kNone ? 0 : 1;
+  }
+  EXPECT_LE(alarms, 1);
+}
+
+TEST(LikelihoodTracer, WhatTheMotionHidesIsSaid) {
+  // One temperature only: friction that drifts with it looks like friction.
+  actuator::JointModel model = SyntheticModel();
+  identify::Run a = SyntheticRun(model, {.rate_Hz = 100.0, .seed = 1});
+  identify::Run b = SyntheticRun(model, {.rate_Hz = 100.0, .seed = 2});
+  for (identify::Run* run : {&a, &b})
+    run->signals[Signal::kTemperature] = Eigen::VectorXd::Constant(run->size(), 40.0);
+  const TraceResult result = CloseLoop({a}, {b}, model, 0.25, {}).trace;
+  const auto hidden = [&](const std::string& name) {
+    return std::any_of(result.not_excited.begin(), result.not_excited.end(),
+                       [&](const NotExcited& entry) { return entry.effect == name; });
+  };
+  EXPECT_TRUE(hidden("temperature_friction"));
+  EXPECT_TRUE(hidden("seal_hysteresis"));  // no pressure recorded
+  EXPECT_TRUE(hidden("payload"));          // only a shift of gravity and inertia would show
+  EXPECT_FALSE(hidden("quadratic_viscous"));
+}
+
+TEST(LikelihoodTracer, TheSameSeedGivesTheSameResult) {
+  const TraceResult a =
+      TraceOf(With("quadratic_viscous", 0.15), {.duration_s = 30.0, .noise_A = 0.15});
+  const TraceResult b =
+      TraceOf(With("quadratic_viscous", 0.15), {.duration_s = 30.0, .noise_A = 0.15});
+  EXPECT_EQ(a.after_sealed.rms, b.after_sealed.rms);
+  EXPECT_EQ(a.p_global, b.p_global);
 }
 
 }  // namespace

@@ -67,8 +67,8 @@ TEST(RotateLoop, FitsAllRecordingsAndTellsTheErrorsOfThoseThatWereHeldOut) {
     runs.push_back(identify::SyntheticRun(
         truth, {.rate_Hz = 100.0, .duration_s = 30.0, .seed = seed, .noise_A = 0.1}));
   }
-  const TraceOptions options{.engine = Engine::kLikelihood};
-  const RotatedLoop loop = RotateLoop(runs, model, identify::ProcessingOptions{}, options);
+  const TraceOptions options{};
+  const RotatedLoop loop = RotateLoop(runs, model, 0.25, options);
   ASSERT_EQ(loop.rotations.size(), 3u);
   const TraceResult& all = loop.all.trace;
   EXPECT_EQ(all.verdict, Verdict::kEffect);

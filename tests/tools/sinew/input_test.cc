@@ -125,8 +125,6 @@ TEST_F(Input, WithoutHeldOutRecordingsEachIsHeldOutOnce) {
   EXPECT_EQ(result.report.rotations[1].held_out, "day.csv@10:");
   EXPECT_THAT(result.json, HasSubstr("\"held_out\": \"day.csv@:10\""));
   EXPECT_THAT(result.html, HasSubstr("Each recording held out once"));
-  options.engine = trace::Engine::kBlocks;
-  EXPECT_THAT(ErrorOf([&] { CloseLoop(options); }), HasSubstr("expected --held-out"));
 }
 
 TEST_F(Input, RangesOfOneFileMayNotShareRows) {

@@ -1,4 +1,4 @@
-// What the bank records: the lab's rig as the surrogate plays it, with or without undeclared
+// Recordings of the lab's rig as the surrogate plays it, with or without undeclared
 // effects, and what a laboratory would declare of it. In process, no files, everything from the
 // seed.
 #pragma once
@@ -13,7 +13,7 @@
 #include "sim/surrogate/excitation.h"
 #include "sim/surrogate/undeclared.h"
 
-namespace sinew::bank {
+namespace sinew::scene {
 
 struct Scene {
   surrogate::ExcitationKind excitation = surrogate::ExcitationKind::kDesigned;
@@ -40,4 +40,4 @@ struct Recorded {
 // run's own.
 Recorded Record(const Scene& scene);
 
-}  // namespace sinew::bank
+}  // namespace sinew::scene

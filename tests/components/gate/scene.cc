@@ -1,4 +1,4 @@
-#include "tests/bank/scene.h"
+#include "tests/components/gate/scene.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include "sim/surrogate/random.h"
 #include "sim/surrogate/rig.h"
 
-namespace sinew::bank {
+namespace sinew::scene {
 namespace {
 
 using identify::Signal;
@@ -225,4 +225,4 @@ Recorded Record(const Scene& scene) {
   return out;
 }
 
-}  // namespace sinew::bank
+}  // namespace sinew::scene

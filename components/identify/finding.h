@@ -1,0 +1,15 @@
+// What a recording is like that need not stop anything: reported, never silently mended.
+#pragma once
+
+#include <string>
+
+namespace sinew::identify {
+
+struct Finding {
+  std::string name;  // stable, e.g. "lost_rows"
+  std::string text;  // one sentence
+  double value = 0.0;
+  std::string unit;
+};
+
+}  // namespace sinew::identify
