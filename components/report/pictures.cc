@@ -356,7 +356,9 @@ std::vector<Picture> MakePictures(const Report& report, const Design& train, con
     out.push_back(
         SpectrumByAngle(report, train, trace.before_train.residual, trace.after_train.residual));
   }
-  if (!trace.rounds.empty()) out.push_back(Candidates(trace.rounds.front()));
+  if (!trace.rounds.empty() && !trace.rounds.front().scores.empty()) {
+    out.push_back(Candidates(trace.rounds.front()));
+  }
   out.push_back(ErrorsBeforeAndAfter(report));
   return out;
 }

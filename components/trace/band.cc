@@ -11,7 +11,7 @@ namespace sinew::trace {
 
 namespace {
 
-constexpr double kWorthIt = 0.9;  // of the residual before
+constexpr double kWorthIt = 0.7;  // of the residual before
 constexpr int kMostSteps = 6;     // eight times as wide
 
 double Left(const std::vector<identify::Run>& runs, const actuator::JointModel& joint,

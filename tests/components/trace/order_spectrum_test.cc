@@ -56,13 +56,13 @@ TEST(OrderSpectrum, PowerIsThatOfTheExactSum) {
 // Where the joint is quick, the inertia answers a ripple alone: the torque shows it only where the
 // angle creeps, and the quick rows are louder.
 TEST(OrderSpectrum, ARippleIsFoundInTheRowsThatAreSlowEnoughForIt) {
-  constexpr Eigen::Index kRows = 8000;
+  constexpr Eigen::Index kAll = 8000;
   constexpr double kOrder = 30.0, kBand = 2.0 * M_PI * 10.0, kPeriod = 0.01;
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
-  Eigen::VectorXd angle(kRows), speed(kRows), g(kRows);
+  Eigen::VectorXd angle(kAll), speed(kAll), g(kAll);
   double at = 0.0;
-  for (Eigen::Index i = 0; i < kRows; ++i) {
+  for (Eigen::Index i = 0; i < kAll; ++i) {
     speed[i] = i % 2000 < 400 ? 1.0 : 25.0;  // 4.8 and 119 periods per second
     at += kPeriod * speed[i] * (i % 4000 < 2000 ? 1.0 : -1.0);
     angle[i] = at;
