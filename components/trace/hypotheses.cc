@@ -95,7 +95,12 @@ class Builder {
       const double unit = parameter.relative_to_drive ? scale_ / drive_share_ : scale_;
       // Whatever the catalogue allows, no effect is stronger than what the machine was seen to do.
       const double peak = bank_.columns.col(columns[i]).cwiseAbs().maxCoeff();
-      const double largest = peak > 0.0 ? target_peak_ / peak : 0.0;
+      double largest = peak > 0.0 ? target_peak_ / peak : 0.0;
+      // A torque needs no column to be compared with it: friction of which the used rows are too
+      // fast to see more than a trace is no larger, either.
+      if (parameter.dimension == effects::Dimension::kTorque) {
+        largest = std::min(largest, target_peak_);
+      }
       const bool bounded = parameter.dimension == effects::Dimension::kNone;
       const auto bound = [&](double limit, double own) {
         return bounded ? std::clamp(limit / unit, -largest, largest) : own;

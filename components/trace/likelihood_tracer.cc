@@ -63,10 +63,13 @@ using JudgeBy = std::function<SetJudgement(const std::set<std::string>& refuted)
 
 class Correction {
  public:
-  Correction(Design& train, Design& sealed, const LikelihoodFit& base, const Problem& problem,
-             const actuator::JointModel& declared, const TraceOptions& options)
+  // judged: what the sets were chosen by; base: the declared terms as reported.
+  Correction(Design& train, Design& sealed, const Likelihood& judged, const LikelihoodFit& base,
+             const Problem& problem, const actuator::JointModel& declared,
+             const TraceOptions& options)
       : train_(train),
         sealed_(sealed),
+        whitened_(judged),
         base_(base),
         problem_(problem),
         declared_(declared),
@@ -182,15 +185,25 @@ class Correction {
 
   // Twice: effects that read the drive see the one that the corrected model needs, and priors weigh
   // against the noise that the set leaves, not against the set itself.
+  // What is reported is fitted to the plain error, where that shows it.
   void Fit() {
     likelihood_ = base_.likelihood;
     actuator::JointModel model = ModelWith(declared_, problem_, set_, &terms_);
+    chosen_ = RefineWhitened(train_, whitened_, model);
     for (int pass = 0; pass < 2; ++pass) {
       corrected_ = RefineWhitened(train_, likelihood_, model);
       likelihood_ = Unweighted(likelihood_, LeftOver(corrected_, likelihood_.used));
       model = WithDeclaredValues(corrected_.model);
       PredictDrive(corrected_.model);
     }
+    // Plain errors may hide what the weights show: then the size of an effect that is left alone,
+    // and what confirms it, are theirs.
+    plainly_shown_ =
+        terms_.size() != 1 || DiffersFromZero(corrected_, 0) || !DiffersFromZero(chosen_, 0);
+    if (plainly_shown_) return;
+    corrected_ = chosen_;
+    likelihood_ = whitened_;
+    PredictDrive(corrected_.model);
   }
 
   // When it happens is no property of the robot: held-out recordings are searched for it with the
@@ -235,30 +248,37 @@ class Correction {
     found.gain_share = (set_.net - without_it) / problem_.evidence.misfit();
     found.p = judged_.p_global;
     found.weak_evidence = base_.likelihood.used.blocks.size() < kConvincingBlocks;
-    actuator::JointModel reduced = WithDeclaredValues(corrected_.model);
-    for (auto at = terms_[k].rbegin(); at != terms_[k].rend(); ++at) {
-      reduced.terms.erase(reduced.terms.begin() + *at);
-    }
-    const FitResult without = FitWhitened(train_, likelihood_, reduced);
-    const auto error = [&](const Design& design, const FitResult& fit) {
-      return identify::ErrorOf(design, fit.model, declared_).rms;
-    };
-    found.train_before = error(train_, without);
-    found.train_after = error(train_, corrected_);
-    found.sealed_before = error(sealed_, without);
-    found.sealed_after = error(sealed_, corrected_);
-    const int order = base_.likelihood.noise.order();
+    const FitResult without = FitWhitened(train_, likelihood_, Without(corrected_.model, k));
+    found.train_before = identify::ErrorOf(train_, without.model, declared_).rms;
+    found.train_after = identify::ErrorOf(train_, corrected_.model, declared_).rms;
+    found.sealed_before = identify::ErrorOf(sealed_, without.model, declared_).rms;
+    found.sealed_after = identify::ErrorOf(sealed_, corrected_.model, declared_).rms;
     found.confirmation =
-        trace::Confirm(sealed_, LikelihoodOf(sealed_, corrected_, order), without, corrected_);
+        plainly_shown_
+            ? trace::Confirm(sealed_, LikelihoodOf(sealed_, corrected_, 0), without, corrected_)
+            : ConfirmAsChosen(k);
     // Not finite where the drive that the effect asks for runs away.
     const bool raises = found.sealed_after > rules::kRaises.limit * found.sealed_before;
-    if (!std::isfinite(found.sealed_after) || raises || !DiffersFromZero(k) ||
-        RaisesTheWhole(without.model, found.confirmation)) {
+    if (!std::isfinite(found.sealed_after) || raises || !DiffersFromZero(corrected_, k) ||
+        !DiffersFromZero(chosen_, k) || RaisesTheWhole(without.model, found.confirmation)) {
       found.confirmation.verdict = ConfirmationVerdict::kRefuted;
     }
     return found;
   }
 
+  // A member's terms taken out, priors of what was declared.
+  actuator::JointModel Without(const actuator::JointModel& model, std::size_t k) const {
+    actuator::JointModel out = WithDeclaredValues(model);
+    for (auto at = terms_[k].rbegin(); at != terms_[k].rend(); ++at) {
+      out.terms.erase(out.terms.begin() + *at);
+    }
+    return out;
+  }
+
+  Confirmation ConfirmAsChosen(std::size_t k) const {
+    return trace::Confirm(sealed_, LikelihoodOf(sealed_, chosen_, whitened_.noise.order()),
+                          FitWhitened(train_, whitened_, Without(chosen_.model, k)), chosen_);
+  }
   // Everything that the joint is part of may lose by what helps the joint alone.
   bool RaisesTheWhole(const actuator::JointModel& without, const Confirmation& alone) const {
     if (!options_.held_out_error || alone.verdict == ConfirmationVerdict::kRefuted) return false;
@@ -267,9 +287,9 @@ class Correction {
   }
 
   // Does the interval of any size of a member leave zero out?
-  bool DiffersFromZero(std::size_t k) const {
+  bool DiffersFromZero(const FitResult& fit, std::size_t k) const {
     return std::any_of(terms_[k].begin(), terms_[k].end(), [&](int term) {
-      const auto& sizes = corrected_.model.terms[static_cast<std::size_t>(term)].linear;
+      const auto& sizes = fit.model.terms[static_cast<std::size_t>(term)].linear;
       return std::any_of(sizes.begin(), sizes.end(), [](const actuator::ParameterValue& size) {
         return std::abs(size.value) > rules::kInterval.limit * size.half_width_95.value_or(0.0);
       });
@@ -278,6 +298,7 @@ class Correction {
 
   Design& train_;
   Design& sealed_;
+  const Likelihood& whitened_;
   const LikelihoodFit& base_;
   const Problem& problem_;
   SetJudgement judged_;
@@ -285,7 +306,9 @@ class Correction {
   const TraceOptions& options_;
   EffectSet set_;  // what is left of the chosen one
   std::vector<std::vector<std::string>> rivals_;
-  Likelihood likelihood_;  // of the set's fit
+  Likelihood likelihood_;      // of the set's fit
+  FitResult chosen_;           // the set by the weights that chose it
+  bool plainly_shown_ = true;  // by corrected_, not only by chosen_
   FitResult corrected_;
   double least_statistic_ = 0.0;
   std::vector<std::vector<int>> terms_;  // of the corrected model, by member
@@ -335,7 +358,7 @@ TraceResult TraceByLikelihood(Design& train, Design& sealed, const actuator::Joi
   result.rounds.push_back(std::move(round));
 
   progress("sets of effects and their confirmation", 0.5);
-  Correction correction(train, sealed, reported, problem, model, options);
+  Correction correction(train, sealed, base.likelihood, reported, problem, model, options);
   const BootstrapOptions bootstrap{.rounds = options.placebo_rounds * options.searches,
                                    .searches = options.searches,
                                    .seed = options.seed};

@@ -53,6 +53,8 @@ std::vector<DetectableSize> FindDetectable(const Problem& problem,
                                            const actuator::JointModel& declared, double statistic) {
   const Evidence& evidence = problem.evidence;
   const double target_rms = identify::Rms(problem.bank.target);
+  const double target_peak =
+      problem.bank.target.size() > 0 ? problem.bank.target.cwiseAbs().maxCoeff() : 0.0;
   const double drive_share = actuator::DriveShare(declared, declared.balance);
   std::map<std::pair<std::string, std::size_t>, DetectableSize> best;
   for (const Hypothesis& h : problem.hypotheses()) {
@@ -65,6 +67,8 @@ std::vector<DetectableSize> FindDetectable(const Problem& problem,
       const double reduced = evidence.reduced()(j, j);
       if (!(evidence.FreeShare(j) >= rules::kAbsorbed.limit) || !(reduced > 0.0)) continue;
       const double c = std::sqrt(gain / reduced);
+      // Larger than any torque that was measured: the rows show no more than a trace of it.
+      if (infos[i].dimension == effects::Dimension::kTorque && c > target_peak) continue;
       const double share = c * identify::Rms(problem.bank.columns.col(j)) / target_rms;
       const auto [at, fresh] = best.try_emplace({h.name, i});
       if (!fresh && at->second.share <= share) continue;
