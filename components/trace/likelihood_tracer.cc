@@ -185,7 +185,7 @@ class Correction {
 
   // Twice: effects that read the drive see the one that the corrected model needs, and priors weigh
   // against the noise that the set leaves, not against the set itself.
-  // What is reported is fitted to the plain error, where that shows it.
+  // What is reported is fitted to the plain error; what was chosen has to show by its own weights.
   void Fit() {
     likelihood_ = base_.likelihood;
     actuator::JointModel model = ModelWith(declared_, problem_, set_, &terms_);
@@ -196,14 +196,6 @@ class Correction {
       model = WithDeclaredValues(corrected_.model);
       PredictDrive(corrected_.model);
     }
-    // Plain errors may hide what the weights show: then the size of an effect that is left alone,
-    // and what confirms it, are theirs.
-    plainly_shown_ =
-        terms_.size() != 1 || DiffersFromZero(corrected_, 0) || !DiffersFromZero(chosen_, 0);
-    if (plainly_shown_) return;
-    corrected_ = chosen_;
-    likelihood_ = whitened_;
-    PredictDrive(corrected_.model);
   }
 
   // When it happens is no property of the robot: held-out recordings are searched for it with the
@@ -254,9 +246,7 @@ class Correction {
     found.sealed_before = identify::ErrorOf(sealed_, without.model, declared_).rms;
     found.sealed_after = identify::ErrorOf(sealed_, corrected_.model, declared_).rms;
     found.confirmation =
-        plainly_shown_
-            ? trace::Confirm(sealed_, LikelihoodOf(sealed_, corrected_, 0), without, corrected_)
-            : ConfirmAsChosen(k);
+        trace::Confirm(sealed_, LikelihoodOf(sealed_, corrected_, 0), without, corrected_);
     // Not finite where the drive that the effect asks for runs away.
     const bool raises = found.sealed_after > rules::kRaises.limit * found.sealed_before;
     if (!std::isfinite(found.sealed_after) || raises || !DiffersFromZero(corrected_, k) ||
@@ -275,10 +265,6 @@ class Correction {
     return out;
   }
 
-  Confirmation ConfirmAsChosen(std::size_t k) const {
-    return trace::Confirm(sealed_, LikelihoodOf(sealed_, chosen_, whitened_.noise.order()),
-                          FitWhitened(train_, whitened_, Without(chosen_.model, k)), chosen_);
-  }
   // Everything that the joint is part of may lose by what helps the joint alone.
   bool RaisesTheWhole(const actuator::JointModel& without, const Confirmation& alone) const {
     if (!options_.held_out_error || alone.verdict == ConfirmationVerdict::kRefuted) return false;
@@ -306,9 +292,8 @@ class Correction {
   const TraceOptions& options_;
   EffectSet set_;  // what is left of the chosen one
   std::vector<std::vector<std::string>> rivals_;
-  Likelihood likelihood_;      // of the set's fit
-  FitResult chosen_;           // the set by the weights that chose it
-  bool plainly_shown_ = true;  // by corrected_, not only by chosen_
+  Likelihood likelihood_;  // of the set's fit
+  FitResult chosen_;       // the set by the weights that chose it
   FitResult corrected_;
   double least_statistic_ = 0.0;
   std::vector<std::vector<int>> terms_;  // of the corrected model, by member
