@@ -121,8 +121,7 @@ struct EffectInfo {
   Side side = Side::kOutput;
   Smallest smallest = Smallest::kAny;
   bool rate = false;         // phi is a rate of what the balance is about: fitting integrates it
-  // Follows the drive input as recorded, which leads the one that acts: fitting knows only the one
-  // that the model needs, and looks ahead instead of back (identify::Design::Columns).
+  // Follows the drive input as recorded, over a span that is its first nonlinear parameter.
   bool follows_record = false;
   // Repeats many times a turn: at speed it is faster than the low-pass of the angles, which fitting
   // then applies to it, too (identify::Design::Columns).

@@ -102,12 +102,10 @@ Eigen::MatrixXd Design::Columns(const effects::Effect& effect, std::span<const d
   Eigen::Index at = 0;
   for (const StateSegment& segment : states_.segments) {
     Eigen::MatrixXd full(segment.size(), count);
-    const bool ahead = options_.raw && effect.info().follows_record && psi.front() >= 0.0;
-    effect.ResetMemory(ahead ? segment.samples.back() : segment.samples.front(), psi, memory_span);
-    for (Eigen::Index k = 0; k < segment.size(); ++k) {
-      const Eigen::Index i = ahead ? segment.size() - 1 - k : k;
+    effect.ResetMemory(segment.samples.front(), psi, memory_span);
+    for (Eigen::Index i = 0; i < segment.size(); ++i) {
       const effects::JointSample& x = segment.samples[static_cast<std::size_t>(i)];
-      if (k > 0) effect.Advance(x, segment.period_s, psi, memory_span);
+      if (i > 0) effect.Advance(x, segment.period_s, psi, memory_span);
       effect.Regressors(x, psi, memory_span, phi_span);
       for (Eigen::Index c = 0; c < count; ++c) full(i, c) = phi[static_cast<std::size_t>(c)];
     }
@@ -188,12 +186,8 @@ void Design::Centre(Eigen::Ref<Eigen::VectorXd> column) const {
   }
 }
 
-void Design::PredictDrive(actuator::JointModel model) {
+void Design::PredictDrive(const actuator::JointModel& model) {
   if (states_.locked) return;  // the drive has no part in that balance
-  if (options_.raw) {
-    std::erase_if(model.terms,
-                  [](const actuator::Term& term) { return term.effect->info().follows_record; });
-  }
   std::vector<double> memory(static_cast<std::size_t>(model.memory_size()));
   for (StateSegment& segment : states_.segments) {
     model.ResetMemory(segment.samples.front(), memory);
@@ -201,20 +195,6 @@ void Design::PredictDrive(actuator::JointModel model) {
       effects::JointSample& x = segment.samples[static_cast<std::size_t>(i)];
       if (i > 0) model.Advance(x, segment.period_s, memory);
       x.drive_input = model.RequiredDriveInput(x, memory);
-    }
-    if (!options_.raw) continue;
-    Eigen::VectorXd drive(segment.size());
-    for (Eigen::Index i = 0; i < segment.size(); ++i) {
-      drive[i] = segment.samples[static_cast<std::size_t>(i)].drive_input;
-    }
-    const double rate_Hz = 1.0 / segment.period_s;
-    // Dry friction turns over at an instant that the angles know within their low-pass.
-    drive = Smooth(drive, options_.state_order, options_.state_cutoff_Hz, rate_Hz);
-    const Eigen::Index last = segment.size() - 1;
-    for (Eigen::Index i = 0; i <= last && last > 0; ++i) {
-      const Eigen::Index before = std::max<Eigen::Index>(i - 1, 0), after = std::min(i + 1, last);
-      segment.samples[static_cast<std::size_t>(i)].drive_rate =
-          (drive[after] - drive[before]) / (static_cast<double>(after - before) * segment.period_s);
     }
   }
 }

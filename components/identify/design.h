@@ -97,10 +97,9 @@ class Design {
   }
 
   // From now on effects that read the drive see the drive that the model needs, not the measured
-  // one: noise of the measured drive would stand on both sides of the equation. With raw rows that
-  // is the drive which acts, before what follows the record (EffectInfo::follows_record), and its
-  // rate is its own; else the rate stays measured.
-  void PredictDrive(actuator::JointModel model);
+  // one: noise of the measured drive would stand on both sides of the equation. Its rate stays
+  // measured.
+  void PredictDrive(const actuator::JointModel& model);
 
   // Moves the clock that effects see in one recording (JointSample::time_s, not Rows::time_s), so
   // that something that began at different instants begins at one instant of it. Replaces an

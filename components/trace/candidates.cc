@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "components/identify/statistics.h"
 
@@ -37,9 +36,6 @@ constexpr double kShortest = 0.003, kLongest = 2.0;
 // as close as half the width of the sharpest (2 z of flexible_link's grid).
 constexpr double kLowestResonance = 0.1, kHighestResonance = 0.6, kDensity = 1.06;
 
-// Spans of time, in samples: from none to what a slow bus takes.
-constexpr double kLongestSpan = 64.0;
-
 }  // namespace
 
 std::vector<std::vector<double>> GridFor(const identify::Design& design,
@@ -73,13 +69,6 @@ std::vector<std::vector<double>> GridFor(const identify::Design& design,
       const double band_Hz = design.options().state_cutoff_Hz;
       for (double f = kLowestResonance; f < kHighestResonance; f *= kDensity) {
         parameter.grid.push_back(f * band_Hz);
-      }
-    } else if (parameter.dimension == effects::Dimension::kTime &&
-               info.smallest == effects::Smallest::kTenthOfSample) {
-      parameter.grid = {0.0};
-      for (double samples = 1.0; samples <= kLongestSpan; samples *= std::numbers::sqrt2) {
-        parameter.grid.push_back(samples / design.states().rate_Hz);
-        parameter.grid.push_back(-samples / design.states().rate_Hz);
       }
     }
     for (double& value : parameter.grid) {

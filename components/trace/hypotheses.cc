@@ -108,12 +108,11 @@ class Builder {
       h->lower.push_back(parameter.lower >= 0.0 ? 0.0 : bound(parameter.lower, -largest));
       h->upper.push_back(parameter.upper <= 0.0 ? 0.0 : bound(parameter.upper, largest));
       if (!info.follows_record) continue;
-      // The drive's rate counts over the delay itself, within a factor of two.
-      const double span_s = psi.front(), sample_s = 1.0 / design_.states().rate_Hz;
-      const double one = span_s == 0.0 ? -sample_s : 0.5 * span_s;
-      const double other = span_s == 0.0 ? sample_s : 2.0 * span_s;
-      h->lower.back() = std::min(one, other) / unit;
-      h->upper.back() = std::max(one, other) / unit;
+      // The drive's rate counts over the delay itself, within a factor of two; without a span up to
+      // two samples either way.
+      const double span_s = psi.front(), short_s = 2.0 / design_.states().rate_Hz;
+      h->lower.back() = (span_s == 0.0 ? -short_s : 0.5 * span_s) / unit;
+      h->upper.back() = (span_s == 0.0 ? short_s : 2.0 * span_s) / unit;
     }
     h->columns.insert(h->columns.end(), columns.begin(), columns.end());
     h->settings.push_back({psi, columns});
