@@ -101,6 +101,11 @@ Eigen::VectorXd Solve(const Eigen::Ref<const Eigen::MatrixXd>& G,
   return scaled.scale.cwiseProduct(scaled.factor.solve(right));
 }
 
+Eigen::VectorXd LeftBy(const Eigen::Ref<const Eigen::MatrixXd>& X,
+                       const Eigen::Ref<const Eigen::VectorXd>& y) {
+  return y - X * Solve(X.transpose() * X, X.transpose() * y);
+}
+
 Eigen::MatrixXd Inverse(const Eigen::Ref<const Eigen::MatrixXd>& G) {
   const Scaled scaled = Factor(G);
   const Eigen::MatrixXd unit = scaled.factor.solve(Eigen::MatrixXd::Identity(G.rows(), G.cols()));

@@ -34,6 +34,9 @@ Moments MomentsOf(const Block& block, const Eigen::Ref<const Eigen::MatrixXd>& X
 // cannot be told apart share their part and the rest is untouched.
 Eigen::VectorXd Solve(const Eigen::Ref<const Eigen::MatrixXd>& G,
                       const Eigen::Ref<const Eigen::VectorXd>& m);
+// What least squares with the columns of X leaves of y.
+Eigen::VectorXd LeftBy(const Eigen::Ref<const Eigen::MatrixXd>& X,
+                       const Eigen::Ref<const Eigen::VectorXd>& y);
 Eigen::MatrixXd Inverse(const Eigen::Ref<const Eigen::MatrixXd>& G);
 
 // Covariance of least-squares coefficients from the scores of blocks (cluster-robust sandwich;

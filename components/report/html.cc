@@ -30,6 +30,11 @@ std::string Confirmed(const trace::Confirmation& confirmation) {
          Short(confirmation.upper) + "]";
 }
 
+std::string HeldOutErrors(const trace::TraceResult& trace, const trace::FoundEffect& effect) {
+  return ErrorText(effect.sealed_before) + " &rarr; " + ErrorText(effect.sealed_after) + " " +
+         std::string(effects::BalanceUnit(effect.balance, trace.corrected.kind));
+}
+
 std::string Refuted(const trace::TraceResult& trace) {
   if (trace.refuted.empty()) return "";
   std::string out =
@@ -42,9 +47,7 @@ std::string Refuted(const trace::TraceResult& trace) {
   for (const trace::FoundEffect& effect : trace.refuted) {
     out += HtmlRow(
         {"<code>" + Escape(effect.name) + "</code><br>" + Escape(EffectTitle(effect.name)),
-         Percent(effect.gain_share), Confirmed(effect.confirmation),
-         ErrorText(effect.sealed_before) + " &rarr; " + ErrorText(effect.sealed_after) + " " +
-             std::string(effects::BalanceUnit(effect.balance, trace.corrected.kind))});
+         Percent(effect.gain_share), Confirmed(effect.confirmation), HeldOutErrors(trace, effect)});
   }
   return out + "</table>\n";
 }
@@ -189,14 +192,12 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
                     "held-out error without and with it", "what predicts the same"},
                    "th");
     for (const trace::FoundEffect& effect : trace.effects) {
-      out += HtmlRow(
-          {"<code>" + Escape(EffectLabel(trace, effect)) + "</code><br>" +
-               Escape(EffectTitle(effect.name)) +
-               (effect.in_model() ? "" : "<br>no part of the model"),
-           Percent(effect.gain_share), Probability(effect.p), Confirmed(effect.confirmation),
-           ErrorText(effect.sealed_before) + " &rarr; " + ErrorText(effect.sealed_after) + " " +
-               std::string(effects::BalanceUnit(effect.balance, trace.corrected.kind)),
-           effect.rivals.empty() ? "nothing known" : Join(effect.rivals)});
+      out += HtmlRow({"<code>" + Escape(EffectLabel(trace, effect)) + "</code><br>" +
+                          Escape(EffectTitle(effect.name)) +
+                          (effect.in_model() ? "" : "<br>no part of the model"),
+                      Percent(effect.gain_share), Probability(effect.p),
+                      Confirmed(effect.confirmation), HeldOutErrors(trace, effect),
+                      effect.rivals.empty() ? "nothing known" : Join(effect.rivals)});
     }
     out += "</table>\n";
     if (!trace.events.empty()) {

@@ -7,8 +7,6 @@ namespace sinew::trace {
 EffectSet FitAgreedSet(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
                        const std::set<std::string>& effects) {
   EffectSet out;
-  // The first pass adds, the second chooses every shape anew beside the others.
-  std::vector<std::string> added;
   for (const std::string& name : effects) {
     EffectSet best;
     for (std::size_t h = 0; h < hypotheses.size(); ++h) {
@@ -19,20 +17,9 @@ EffectSet FitAgreedSet(const Evidence& evidence, const std::vector<Hypothesis>& 
       if (!Physical(evidence, hypotheses, joined)) continue;
       if (best.empty() || joined.net > best.net) best = std::move(joined);
     }
-    if (best.empty()) continue;
-    out = std::move(best);
-    added.push_back(name);
+    if (!best.empty()) out = std::move(best);
   }
-  for (std::size_t k = 0; k < added.size(); ++k) {
-    for (std::size_t h = 0; h < hypotheses.size(); ++h) {
-      if (!hypotheses[h].physical() || hypotheses[h].name != added[k]) continue;
-      std::vector<std::size_t> members = out.members;
-      members[k] = h;
-      EffectSet other = FitSet(evidence, hypotheses, std::move(members));
-      if (other.net > out.net && Physical(evidence, hypotheses, other)) out = std::move(other);
-    }
-  }
-  return out;
+  return WithShapesBeside(evidence, hypotheses, std::move(out));
 }
 
 std::set<std::string> Unasked(const Problem& problem,

@@ -21,7 +21,7 @@ double Left(const std::vector<identify::Run>& runs, const actuator::JointModel& 
   const identify::Balance balance = identify::MakeBalance(design, joint);
   const Eigen::MatrixXd X = balance.columns(rows, Eigen::all);
   const Eigen::VectorXd y = balance.target(rows);
-  return identify::Rms(y - X * identify::Solve(X.transpose() * X, X.transpose() * y));
+  return identify::Rms(identify::LeftBy(X, y));
 }
 
 }  // namespace

@@ -50,9 +50,7 @@ class Builder {
         likelihood_(likelihood),
         used_(likelihood.used),
         model_(model),
-        bank_(*bank),
-        X_(Whiten(likelihood, bank->declared)),
-        y_(Whiten(likelihood, bank->target)) {
+        bank_(*bank) {
     scale_ = balance.fits_scale ? balance.Scale(balance.nominal) : 1.0;
     drive_share_ = actuator::DriveShare(model, model.balance);
     const Eigen::VectorXd angle =
@@ -144,22 +142,20 @@ class Builder {
     std::vector<std::size_t> out(candidate.grid.size());
     std::iota(out.begin(), out.end(), std::size_t{0});
     if (out.size() <= kMostSettings) return out;
+    const Eigen::MatrixXd X = Whiten(likelihood_, bank_.declared);
+    const Eigen::VectorXd y = Whiten(likelihood_, bank_.target);
     std::vector<double> gain;
     for (const GridPoint& point : candidate.grid) {
-      gain.push_back(GainOf(Whiten(likelihood_, used_.Of(point.columns))));
+      const Eigen::MatrixXd z = Whiten(likelihood_, used_.Of(point.columns));
+      Columns all(static_cast<std::size_t>(z.cols()));
+      std::iota(all.begin(), all.end(), Eigen::Index{0});
+      gain.push_back(Evidence(X, bank_.prior, z, Eigen::VectorXd::Zero(z.cols()), y).Gain(all));
     }
     std::stable_sort(out.begin(), out.end(),
                      [&](std::size_t a, std::size_t b) { return gain[a] > gain[b]; });
     out.resize(kMostSettings);
     std::sort(out.begin(), out.end());
     return out;
-  }
-
-  double GainOf(const Eigen::MatrixXd& z) const {
-    const Evidence evidence(X_, bank_.prior, z, Eigen::VectorXd::Zero(z.cols()), y_);
-    Columns all(static_cast<std::size_t>(z.cols()));
-    std::iota(all.begin(), all.end(), Eigen::Index{0});
-    return evidence.Gain(all);
   }
 
   bool CoversPeriod(const effects::Effect& effect, const std::vector<double>& psi) const {
@@ -186,8 +182,6 @@ class Builder {
   const UsedRows& used_;
   const actuator::JointModel& model_;
   Bank& bank_;
-  const Eigen::MatrixXd X_;  // declared columns and the measured side, whitened
-  const Eigen::VectorXd y_;
   double scale_ = 1.0, drive_share_ = 1.0, target_rms_ = 0.0, target_peak_ = 0.0;
   double turns_ = 0.0;  // of the output that the rows cover
 };

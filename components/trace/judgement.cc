@@ -161,8 +161,7 @@ class Judge {
     own.c = set.c.tail(set.c.size() - first);
     Eigen::VectorXd part = problem_.Part(own);
     // What the declared terms would take of it is no part of what is unexplained.
-    const Eigen::MatrixXd& X = problem_.bank.declared;
-    part -= X * identify::Solve(X.transpose() * X, X.transpose() * part);
+    part = identify::LeftBy(problem_.bank.declared, part);
     const double rms = problem_.scale * identify::Rms(part);
     if (rms < Floor()) return;
     out_.unexplained = {.balance = declared_.balance,

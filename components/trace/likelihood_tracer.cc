@@ -61,6 +61,17 @@ actuator::JointModel ModelWith(const actuator::JointModel& declared, const Probl
 // Judges the sets without the effects of these names.
 using JudgeBy = std::function<SetJudgement(const std::set<std::string>& refuted)>;
 
+// Of those whose verdict is `asked` for the one that training misses least.
+template <class Asked>
+std::optional<std::size_t> Weakest(const std::vector<FoundEffect>& found, Asked asked) {
+  std::optional<std::size_t> out;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    if (!asked(found[k].confirmation.verdict)) continue;
+    if (!out || found[k].gain_share < found[*out].gain_share) out = k;
+  }
+  return out;
+}
+
 class Correction {
  public:
   // judged: what the sets were chosen by; base: the declared terms as reported.
@@ -127,16 +138,11 @@ class Correction {
       Fit();
       LocateEvent(result);
       std::vector<FoundEffect> found;
-      std::optional<std::size_t> leaves;
-      for (std::size_t k = 0; k < set_.members.size(); ++k) {
-        found.push_back(Describe(k));
-        const ConfirmationVerdict verdict = found[k].confirmation.verdict;
-        if (verdict != ConfirmationVerdict::kRefuted &&
-            (!second || verdict == ConfirmationVerdict::kConfirmed)) {
-          continue;
-        }
-        if (!leaves || found[k].gain_share < found[*leaves].gain_share) leaves = k;
-      }
+      for (std::size_t k = 0; k < set_.members.size(); ++k) found.push_back(Describe(k));
+      const std::optional<std::size_t> leaves = Weakest(found, [&](ConfirmationVerdict verdict) {
+        return verdict == ConfirmationVerdict::kRefuted ||
+               (second && verdict != ConfirmationVerdict::kConfirmed);
+      });
       if (!leaves) {
         result->effects = std::move(found);
         return;
@@ -154,11 +160,9 @@ class Correction {
     std::vector<FoundEffect>& found = result->effects;
     std::vector<FoundEffect> open;
     while (!found.empty()) {
-      std::optional<std::size_t> leaves;
-      for (std::size_t k = 0; k < found.size(); ++k) {
-        if (found[k].confirmation.verdict == ConfirmationVerdict::kConfirmed) continue;
-        if (!leaves || found[k].gain_share < found[*leaves].gain_share) leaves = k;
-      }
+      const std::optional<std::size_t> leaves = Weakest(found, [](ConfirmationVerdict verdict) {
+        return verdict != ConfirmationVerdict::kConfirmed;
+      });
       if (!leaves) break;
       FoundEffect effect = std::move(found[*leaves]);
       effect.term = -1;

@@ -38,7 +38,7 @@ Eigen::VectorXd WithoutEvent(const identify::Design& design, const Likelihood& l
   if (!likelihood.event) return residual;
   const Eigen::MatrixXd part =
       likelihood.used.Of(design.Columns(*likelihood.event->effect, likelihood.event->Psi()));
-  return residual - part * identify::Solve(part.transpose() * part, part.transpose() * residual);
+  return identify::LeftBy(part, residual);
 }
 
 // Leaves out the rows that lie far outside of what the richest model leaves, and learns the noise

@@ -116,20 +116,25 @@ SetSearch SearchSets(const Evidence& evidence, const std::vector<Hypothesis>& hy
       if (distinct.size() >= kLeadingPairs) break;
     }
     // The first member's setting was the best alone: it is profiled again beside the others.
-    EffectSet best = distinct.front();
-    for (std::size_t k = 0; k < best.members.size(); ++k) {
-      for (std::size_t h = 0; h < hypotheses.size(); ++h) {
-        if (hypotheses[h].family != hypotheses[best.members[k]].family || !asked(h)) continue;
-        std::vector<std::size_t> members = best.members;
-        members[k] = h;
-        EffectSet other = FitSet(evidence, hypotheses, std::move(members));
-        if (other.net > best.net && Physical(evidence, hypotheses, other)) best = std::move(other);
-      }
-    }
+    EffectSet best = WithShapesBeside(evidence, hypotheses, distinct.front());
     out.best.push_back(std::move(best));
     leading = std::move(distinct);
   }
   return out;
+}
+
+EffectSet WithShapesBeside(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
+                           EffectSet set) {
+  for (std::size_t k = 0; k < set.members.size(); ++k) {
+    for (std::size_t h = 0; h < hypotheses.size(); ++h) {
+      if (hypotheses[h].family != hypotheses[set.members[k]].family) continue;
+      std::vector<std::size_t> members = set.members;
+      members[k] = h;
+      EffectSet other = FitSet(evidence, hypotheses, std::move(members));
+      if (other.net > set.net && Physical(evidence, hypotheses, other)) set = std::move(other);
+    }
+  }
+  return set;
 }
 
 EffectSet WithBestCurve(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,

@@ -45,6 +45,11 @@ struct SetSearch {
 SetSearch SearchSets(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
                      std::size_t largest, const std::set<std::string>& refuted = {});
 
+// The set with the shape of every member chosen anew beside the others, each among the settings of
+// its own family.
+EffectSet WithShapesBeside(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
+                           EffectSet set);
+
 // The free curve that gains most beside a set; the set with it.
 EffectSet WithBestCurve(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
                         const EffectSet& set);
