@@ -145,7 +145,10 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
         const Eigen::VectorXd slow =
             rate_of(Smooth(OutputPosition(piece, ratio, run.name), options.state_order,
                            options.slow_cutoff_Hz, rate));
-        v = (v.array().abs() < options.doubtful_velocity).select(slow, v);
+        // Where the two differ by more than noise the motion changes too fast for the lower one.
+        const auto doubtful = v.array().abs() < options.doubtful_velocity;
+        const auto agree = (slow - v).array().abs() < options.doubtful_velocity;
+        v = (doubtful && agree).select(slow, v).eval();
       }
       const Eigen::VectorXd jerk = rate_of(a);
       const Eigen::VectorXd snap = rate_of(jerk);

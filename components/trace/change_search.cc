@@ -128,24 +128,24 @@ std::optional<FoundEvent> FindChange(const identify::Design& design,
     }
     placebo.push_back(sum);
   }
-  const double noise = identify::Quantile(placebo, 0.99);
-  // One size in every recording is no accident, whatever else the residual holds.
-  const bool alike = std::all_of(changes.begin(), changes.end(), [&](const ChangePoint& change) {
-    const double ratio = change.theta / changes[first].theta;
-    return ratio > 1.0 / kSameChange && ratio < kSameChange;
-  });
-  if (!(all > (alike && runs > 1 ? identify::Quantile(placebo, 0.5) : noise))) return std::nullopt;
   FoundEvent out;
   out.event.effect = std::move(effect);
   out.event.clock_s = changes[first].start_s;
   out.event.start_s.resize(runs);
   out.event.charge = identify::Quantile(placebo, 0.5);
+  std::size_t alike = 0;
   for (std::size_t run = 0; run < runs; ++run) {
     const double ratio = changes[run].theta / changes[first].theta;
     if (!(ratio > 1.0 / kSameChange) || !(ratio < kSameChange)) continue;
     out.event.start_s[run].push_back(changes[run].start_s);
     out.explained += changes[run].explained;
+    ++alike;
   }
+  // One size in every recording is no accident, whatever else the residual holds. Where only some
+  // have it, they alone have to exceed what the search finds anywhere in all of them.
+  const bool found = alike == runs && runs > 1 ? all > identify::Quantile(placebo, 0.5)
+                                               : out.explained > identify::Quantile(placebo, 0.99);
+  if (!found) return std::nullopt;
   return out;
 }
 

@@ -117,7 +117,7 @@ Curve OverMotorTurn(const identify::Design& design) {
 // Time in every recording: drifts, alone or of what `times` stands for.
 Curve OverTime(const identify::Design& design, const Getter times, const std::string& of,
                const std::vector<Eigen::Index>& used) {
-  constexpr int kParts = 8;
+  constexpr int kParts = 6;
   Curve out{"time_s", "drift over time" + of, {}};
   const identify::Rows& rows = design.rows();
   std::set<int> runs;

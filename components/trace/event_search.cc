@@ -4,6 +4,7 @@
 
 #include "components/trace/candidates.h"
 #include "components/trace/change_search.h"
+#include "components/trace/nuisances.h"
 #include "components/trace/push_search.h"
 
 namespace sinew::trace {
@@ -23,22 +24,25 @@ std::optional<TimedEffect> FindTimedEffect(const identify::Design& design,
     return std::nullopt;
   }
   const Eigen::VectorXd residual = fit.balance.target - fit.balance.columns * fit.coefficients;
+  const double scale = fit.balance.fits_scale ? fit.balance.Scale(fit.coefficients) : 1.0;
+  const double dry_friction = DryFriction(fit.model);
   std::optional<FoundEvent> best;
   for (const Candidate& candidate : EventCandidates(declared)) {
     const bool passes = candidate.effect->info().nonlinear.size() > 1;
     std::optional<FoundEvent> found =
-        passes ? FindPush(design, candidate.effect, residual)
+        passes ? FindPush(design, candidate.effect, dry_friction / scale, residual)
                : FindChange(design, candidate.effect, likelihood, fit, residual, seed);
     if (found && (!best || found->explained > best->explained)) best = std::move(found);
   }
   if (!best) return std::nullopt;
+  best->event.dry_friction = dry_friction;
   return std::move(best->event);
 }
 
 std::vector<std::vector<double>> LocateTimedEffect(const identify::Design& design,
                                                    const TimedEffect& event, double theta,
                                                    const Eigen::VectorXd& residual) {
-  return event.passing() ? LocatePushes(design, event.length_s, theta, residual)
+  return event.passing() ? LocatePushes(design, event.length_s, theta, event.dry_friction, residual)
                          : LocateChanges(design, *event.effect, theta, residual);
 }
 

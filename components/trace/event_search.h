@@ -33,6 +33,7 @@ struct TimedEffect {
   std::vector<std::vector<double>> start_s;  // per recording, on its own stamps, rising
   double clock_s = 0.0;                      // where it begins once the clocks are set
   double length_s = 0.0;                     // of a push; 0: it lasts
+  double dry_friction = 0.0;                 // of the joint, torque or force
   double charge = 0.0;  // misfit that the search for the instants may take from noise
   bool passing() const { return length_s > 0.0; }
   std::vector<double> Psi() const;

@@ -12,6 +12,7 @@
 #include "components/trace/reported.h"
 #include "components/trace/rules.h"
 #include "components/trace/sensitivity.h"
+#include "components/trace/set_model.h"
 #include "components/trace/shift.h"
 
 namespace sinew::trace {
@@ -27,46 +28,15 @@ constexpr std::size_t kConvincingBlocks = 6;
 // accident.
 constexpr int kMostJudgements = 3;
 
-// The declared model with the terms of a set; terms: those of each member.
-actuator::JointModel ModelWith(const actuator::JointModel& declared, const Problem& problem,
-                               const EffectSet& set, std::vector<std::vector<int>>* terms) {
-  actuator::JointModel model = declared;
-  terms->clear();
-  Eigen::Index k = 0;
-  for (const std::size_t member : set.members) {
-    const Hypothesis& h = problem.hypotheses()[member];
-    terms->emplace_back();
-    for (const TermSetting& setting : h.settings) {
-      actuator::Term term;
-      term.effect = h.effect;
-      term.declared = false;
-      for (std::size_t i = 0; i < setting.columns.size(); ++i, ++k) {
-        term.linear.push_back({.value = problem.scale * set.c[k], .half_width_95 = std::nullopt});
-      }
-      const auto& infos = h.effect->info().nonlinear;
-      for (std::size_t i = 0; i < setting.psi.size(); ++i) {
-        actuator::ParameterValue value{.value = setting.psi[i], .half_width_95 = std::nullopt};
-        // Counts stay whole, instants and spans were searched.
-        value.fixed = infos[i].dimension == effects::Dimension::kNone || h.effect->info().event ||
-                      h.effect->info().follows_record;
-        term.nonlinear.push_back(value);
-      }
-      terms->back().push_back(static_cast<int>(model.terms.size()));
-      model.terms.push_back(std::move(term));
-    }
-  }
-  return model;
-}
-
 // Judges the sets without the effects of these names.
 using JudgeBy = std::function<SetJudgement(const std::set<std::string>& refuted)>;
 
-// Of those whose verdict is `asked` for the one that training misses least.
+// Of those that are asked for the one that training misses least.
 template <class Asked>
 std::optional<std::size_t> Weakest(const std::vector<FoundEffect>& found, Asked asked) {
   std::optional<std::size_t> out;
   for (std::size_t k = 0; k < found.size(); ++k) {
-    if (!asked(found[k].confirmation.verdict)) continue;
+    if (!asked(found[k])) continue;
     if (!out || found[k].gain_share < found[*out].gain_share) out = k;
   }
   return out;
@@ -139,10 +109,13 @@ class Correction {
       LocateEvent(result);
       std::vector<FoundEffect> found;
       for (std::size_t k = 0; k < set_.members.size(); ++k) found.push_back(Describe(k));
-      const std::optional<std::size_t> leaves = Weakest(found, [&](ConfirmationVerdict verdict) {
-        return verdict == ConfirmationVerdict::kRefuted ||
-               (second && verdict != ConfirmationVerdict::kConfirmed);
-      });
+      std::optional<std::size_t> leaves = RunningAway();
+      if (!leaves) {
+        leaves = Weakest(found, [&](const FoundEffect& effect) {
+          return effect.confirmation.verdict == ConfirmationVerdict::kRefuted ||
+                 (second && effect.confirmation.verdict != ConfirmationVerdict::kConfirmed);
+        });
+      }
       if (!leaves) {
         result->effects = std::move(found);
         return;
@@ -160,8 +133,8 @@ class Correction {
     std::vector<FoundEffect>& found = result->effects;
     std::vector<FoundEffect> open;
     while (!found.empty()) {
-      const std::optional<std::size_t> leaves = Weakest(found, [](ConfirmationVerdict verdict) {
-        return verdict != ConfirmationVerdict::kConfirmed;
+      const std::optional<std::size_t> leaves = Weakest(found, [](const FoundEffect& effect) {
+        return effect.confirmation.verdict != ConfirmationVerdict::kConfirmed;
       });
       if (!leaves) break;
       FoundEffect effect = std::move(found[*leaves]);
@@ -175,6 +148,28 @@ class Correction {
       for (std::size_t k = 0; k < set_.members.size(); ++k) found.push_back(Describe(k));
     }
     std::move(open.begin(), open.end(), std::back_inserter(found));
+  }
+
+  // Where the drive that the set asks for runs away on the held-out recordings: the first member
+  // without which it does not.
+  std::optional<std::size_t> RunningAway() {
+    const auto bounded = [&] {
+      return std::isfinite(identify::ErrorOf(sealed_, corrected_.model, declared_).rms);
+    };
+    if (bounded()) return std::nullopt;
+    const EffectSet all = set_;
+    std::optional<std::size_t> out;
+    for (std::size_t k = 0; k < all.members.size() && !out && all.members.size() > 1; ++k) {
+      std::vector<std::size_t> others = all.members;
+      others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
+      set_ = FitSet(problem_.evidence, problem_.hypotheses(), std::move(others));
+      corrected_ = base_.fit;
+      PredictDrive(base_.fit.model);
+      Fit();
+      if (bounded()) out = k;
+    }
+    set_ = all;
+    return out;
   }
 
   // Takes a member out of the set; the model is that of the declared terms until the next Fit.

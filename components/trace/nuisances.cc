@@ -24,14 +24,6 @@ constexpr double kGivingCounts = 1.0;
 // Every contact yields a little before it slides: over some counts of the encoder.
 constexpr double kFewCounts = 8.0;
 
-// Declared friction that only knows the direction of motion.
-double DryFriction(const actuator::JointModel& model) {
-  const int coulomb = model.Find("coulomb", model.balance);
-  return coulomb < 0
-             ? 0.0
-             : std::abs(model.terms[static_cast<std::size_t>(coulomb)].linear.front().value);
-}
-
 double Spread(const identify::Design& design, const actuator::JointModel& model,
               const EffectInfo& info, const Eigen::VectorXd& column) {
   const double period_s = 1.0 / design.states().rate_Hz;
@@ -68,6 +60,13 @@ bool Provides(const identify::Design& design, const EffectInfo& info) {
 }
 
 }  // namespace
+
+double DryFriction(const actuator::JointModel& model) {
+  const int coulomb = model.Find("coulomb", model.balance);
+  return coulomb < 0
+             ? 0.0
+             : std::abs(model.terms[static_cast<std::size_t>(coulomb)].linear.front().value);
+}
 
 Nuisances MakeNuisances(const identify::Design& design, const UsedRows& used,
                         const actuator::JointModel& model,

@@ -20,6 +20,9 @@ struct Nuisances {
   std::vector<std::string> names;  // of the first columns; those behind are of the rigid bodies
 };
 
+// Declared friction that only knows the direction of motion, Nm or N; 0 without.
+double DryFriction(const actuator::JointModel& model);
+
 // Leaves the rigid bodies out (MakeNuisances).
 inline constexpr const char* kRigidBodies = "rigid_body";
 

@@ -20,10 +20,11 @@ constexpr double kLongestShare = 0.1;  // of the shortest recording
 constexpr double kSeen = 0.35;
 // Pushes are the same when their sizes are within this factor.
 constexpr double kSameSize = 2.0;
-// Share of the limit for pushes that did not come as often in every recording.
-constexpr double kUneven = 0.6;
 constexpr std::size_t kMostPushes = 3;  // in a recording
-constexpr double kNormal95 = 1.96;      // 95 % of normal values lie within
+// Peaks below the pushes that tell how loud the rest is at most: half of the logarithm's digits of
+// their scale are certain (error 1 / sqrt(10)).
+constexpr std::size_t kBackground = 10;
+constexpr double kNormal95 = 1.96;  // 95 % of normal values lie within
 
 bool Moves(const identify::Design& design, Eigen::Index i) {
   const auto k = static_cast<std::size_t>(i);
@@ -33,12 +34,14 @@ bool Moves(const identify::Design& design, Eigen::Index i) {
   return segment.valid[sample] != 0 && segment.at_rest[sample] == 0;
 }
 
-// A residual with what each row of it weighs: one over its variance, 0 at rest.
+// A residual with what each row of it weighs: one over its variance, 0 at rest. Near standstill
+// friction is anything up to its moving value either way: the balance is not known better there.
 struct Scan {
   Eigen::VectorXd residual, weight;
 };
 
-Scan MakeScan(const identify::Design& design, const Eigen::VectorXd& residual) {
+Scan MakeScan(const identify::Design& design, double dry_friction,
+              const Eigen::VectorXd& residual) {
   const identify::Rows& rows = design.rows();
   std::vector<double> used, masked;
   for (Eigen::Index i = 0; i < rows.size(); ++i) {
@@ -48,9 +51,10 @@ Scan MakeScan(const identify::Design& design, const Eigen::VectorXd& residual) {
   }
   const double of_used = identify::RobustDeviation(std::move(used));
   // A joint that hardly moves may be stuck: what is usual there is no measure of what may happen.
-  const double of_masked =
+  const double of_masked = std::hypot(
       masked.empty() ? of_used
-                     : std::max(of_used, identify::Quantile(std::move(masked), 0.95) / kNormal95);
+                     : std::max(of_used, identify::Quantile(std::move(masked), 0.95) / kNormal95),
+      dry_friction);
   Scan out{residual, Eigen::VectorXd::Zero(rows.size())};
   for (Eigen::Index i = 0; i < rows.size(); ++i) {
     const bool counts = rows.used[static_cast<std::size_t>(i)] != 0;
@@ -114,19 +118,26 @@ double ShortestRun(const identify::Design& design) {
 // Pushes of one length, of one sign and size.
 struct Pushes {
   double length_s = 0.0;
-  double peak = 0.0;   // robust standard deviations of the filter's output
-  double alone = 1.0;  // loudest elsewhere, share of the faintest of them
+  double peak = 0.0;  // robust standard deviations of the filter's output
+  double p = 1.0;     // of the gap below the faintest of them
   std::vector<std::pair<std::size_t, Response>> all;  // by recording, loudest first
   double explained = 0.0;
   double positions = 0.0;  // that do not overlap
-
-  // As often in every recording.
-  bool Even(std::size_t runs) const {
-    std::vector<int> count(runs, 0);
-    for (const auto& [run, response] : all) ++count[run];
-    return std::count(count.begin(), count.end(), count.front()) == static_cast<int>(runs);
-  }
 };
+
+// p of the gap between the k loudest peaks and those behind them. Spacings of the logarithms of the
+// loudest values of any heavy tail, times their rank, are independent and exponential with one mean
+// (Renyi 1953; Hill 1975); that of the gap over the mean of m others has the distribution
+// F(2, 2 m). Light tails have smaller spacings at the top than behind it: p is then too large.
+double GapP(const std::vector<double>& loudness, std::size_t k) {
+  double others = 0.0;
+  for (std::size_t i = k + 1; i <= k + kBackground; ++i) {
+    others += static_cast<double>(i) * std::log(loudness[i - 1] / loudness[i]);
+  }
+  const auto m = static_cast<double>(kBackground);
+  const double gap = static_cast<double>(k) * std::log(loudness[k - 1] / loudness[k]);
+  return others > 0.0 ? std::pow(1.0 + gap / others, -m) : 0.0;
+}
 
 std::optional<Pushes> PushesOf(const identify::Design& design, const Scan& scan, double length_s) {
   const std::size_t runs = design.states().run_names.size();
@@ -155,20 +166,25 @@ std::optional<Pushes> PushesOf(const identify::Design& design, const Scan& scan,
              std::abs(other.second.start_s - response.start_s) < 2.0 * length_s;
     });
     if (!near) peaks.emplace_back(run, response);
-    if (peaks.size() > kMostPushes * runs) break;
+    if (peaks.size() > kMostPushes * runs + kBackground) break;
   }
+  if (peaks.size() < 2 + kBackground) return std::nullopt;
   out.peak = std::abs(peaks.front().second.projection) / usual;
-  std::size_t count = 0;
-  for (std::size_t m = 0; m + 1 < peaks.size(); ++m) {
-    const double ratio = peaks[m].second.size() / peaks.front().second.size();
-    if (!(ratio > 1.0 / kSameSize) || !(ratio < kSameSize)) break;
-    const double gap =
-        std::abs(peaks[m + 1].second.projection) / std::abs(peaks[m].second.projection);
-    if (gap >= out.alone) continue;
-    out.alone = gap;
-    count = m + 1;
+  std::vector<double> loudness;
+  for (const auto& [run, r] : peaks) loudness.push_back(std::abs(r.projection));
+  std::size_t apart = 0;  // from the rest, all of one sign
+  for (std::size_t k = 1; k + kBackground < peaks.size(); ++k) {
+    if (!(peaks[k - 1].second.projection * peaks.front().second.projection > 0.0)) break;
+    const double p = GapP(loudness, k);
+    if (p >= out.p) continue;
+    out.p = p;
+    apart = k;
   }
-  out.all.assign(peaks.begin(), peaks.begin() + static_cast<std::ptrdiff_t>(count));
+  // What reaches the drive depends on where the teeth are: fainter ones are no other size.
+  for (std::size_t k = 0; k < apart; ++k) {
+    const double ratio = peaks[k].second.size() / peaks.front().second.size();
+    if (ratio > 1.0 / kSameSize && ratio < kSameSize) out.all.push_back(peaks[k]);
+  }
   for (const auto& [run, r] : out.all) out.explained += r.projection * r.projection;
   return out;
 }
@@ -177,18 +193,18 @@ std::optional<Pushes> PushesOf(const identify::Design& design, const Scan& scan,
 
 std::optional<FoundEvent> FindPush(const identify::Design& design,
                                    std::shared_ptr<const effects::Effect> effect,
-                                   const Eigen::VectorXd& residual) {
-  const Scan scan = MakeScan(design, residual);
+                                   double dry_friction, const Eigen::VectorXd& residual) {
+  const Scan scan = MakeScan(design, dry_friction, residual);
   const std::size_t runs = design.states().run_names.size();
   const double shortest_s = kShortestPeriods / design.options().state_cutoff_Hz;
   const double longest_s = kLongestShare * ShortestRun(design);
   std::optional<Pushes> best;
+  // Lengths overlap; numbers of pushes do not.
+  const auto asked = static_cast<double>(kMostPushes * runs);
   for (double length_s = shortest_s; length_s <= longest_s; length_s *= std::numbers::sqrt2) {
     std::optional<Pushes> pushes = PushesOf(design, scan, length_s);
     if (!pushes || !(pushes->peak > rules::kEventPeak.limit)) continue;
-    // What comes as often in every recording, with one size, is less of a chance.
-    const double limit = (pushes->Even(runs) ? 1.0 : kUneven) * rules::kEventAlone.limit;
-    if (pushes->alone > limit) continue;
+    if (!(asked * pushes->p < rules::kEventAlone.limit)) continue;
     if (!best || pushes->explained > best->explained) best = std::move(pushes);
   }
   if (!best) return std::nullopt;
@@ -206,10 +222,11 @@ std::optional<FoundEvent> FindPush(const identify::Design& design,
 }
 
 std::vector<std::vector<double>> LocatePushes(const identify::Design& design, double length_s,
-                                              double theta, const Eigen::VectorXd& residual) {
+                                              double theta, double dry_friction,
+                                              const Eigen::VectorXd& residual) {
   const std::size_t runs = design.states().run_names.size();
   std::vector<std::vector<double>> out(runs);
-  const Scan scan = MakeScan(design, residual);
+  const Scan scan = MakeScan(design, dry_friction, residual);
   for (std::size_t run = 0; run < runs; ++run) {
     std::vector<std::pair<double, double>> gains;  // residual^2 - (residual + theta z)^2
     for (const Response& r : Responses(design, scan, run, length_s)) {

@@ -76,9 +76,9 @@ inline constexpr Rule kRaises = {
 inline constexpr Rule kEventPeak = {
     "event_peak", "matched filter for a push, robust standard deviations of its output", 6.0,
     "one of a thousand million normal values is further out"};
-inline constexpr Rule kEventAlone = {"event_alone",
-                                     "the next loudest place, share of the faintest push", 0.5,
-                                     "provisional, to be calibrated on rigs 1-200 (rig_bank)"};
+inline constexpr Rule kEventAlone = {
+    "event_alone", "p of the gap between pushes and the next loudest places (push_search.cc)", 0.01,
+    "as p_global, over all numbers of pushes that are asked for"};
 
 }  // namespace rules
 

@@ -130,6 +130,34 @@ TEST(Processing, NoiseIsToldFromASlowSignal) {
   EXPECT_EQ(design.NoiseShare([](const effects::JointSample&) { return 0.0; }), 1.0);
 }
 
+TEST(Processing, AShortStopIsNoSlowMotion) {
+  const actuator::JointModel model = SyntheticModel();
+  identify::Run run = SyntheticRun(model, {});
+  constexpr double kPeriod_s = 2.0, kStop_s = 0.05, kSpeed = 2.0;
+  const auto velocity = [&](double t) {
+    const double from_stop = std::remainder(t - 1.0, kPeriod_s) / kStop_s;
+    return -kSpeed * (1.0 - std::exp(-from_stop * from_stop));
+  };
+  double position = 0.0;
+  for (Eigen::Index i = 1; i < run.size(); ++i) {
+    constexpr int kSteps = 20;
+    const double step_s = (run.time_s[i] - run.time_s[i - 1]) / kSteps;
+    for (int k = 0; k < kSteps; ++k) {
+      position += step_s * velocity(run.time_s[i - 1] + (k + 0.5) * step_s);
+    }
+    run.signals[Signal::kPosition][i] = position;
+  }
+  ProcessingOptions options = SyntheticProcessing();
+  options.state_cutoff_Hz = 20.0;
+  options.slow_cutoff_Hz = options.state_cutoff_Hz / 6.0;
+  options.doubtful_velocity = 0.3;
+  const StateSet states = MakeStates({run}, model, options);
+  for (const effects::JointSample& x : states.segments[0].samples) {
+    if (x.time_s < 4.0 || std::abs(std::remainder(x.time_s - 1.0, kPeriod_s)) > 0.004) continue;
+    EXPECT_LT(std::abs(x.velocity_rad_s), options.doubtful_velocity) << x.time_s;
+  }
+}
+
 TEST(Processing, SettleDistanceKeepsPreslidingOut) {
   const actuator::JointModel model = SyntheticModel();
   const identify::Run run = SyntheticRun(model, {});

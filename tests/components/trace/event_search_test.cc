@@ -18,13 +18,19 @@ struct Happens {
   std::vector<std::vector<double>> psi;  // once or several times
 };
 
-identify::Run Recorded(const Happens& event, std::uint64_t seed) {
+identify::Run Recorded(const std::vector<Happens>& events, std::uint64_t seed) {
   actuator::JointModel truth = identify::SyntheticModel();
-  for (const std::vector<double>& psi : event.psi) {
-    truth.terms.push_back(identify::TermOf(event.effect, {event.size}, truth.constants));
-    for (std::size_t i = 0; i < psi.size(); ++i) truth.terms.back().nonlinear[i].value = psi[i];
+  for (const Happens& event : events) {
+    for (const std::vector<double>& psi : event.psi) {
+      truth.terms.push_back(identify::TermOf(event.effect, {event.size}, truth.constants));
+      for (std::size_t i = 0; i < psi.size(); ++i) truth.terms.back().nonlinear[i].value = psi[i];
+    }
   }
   return identify::SyntheticRun(truth, {.rate_Hz = 100.0, .seed = seed, .noise_A = 0.05});
+}
+
+identify::Run Recorded(const Happens& event, std::uint64_t seed) {
+  return Recorded(std::vector<Happens>{event}, seed);
 }
 
 Design RawDesign(const std::vector<identify::Run>& runs) {
@@ -83,17 +89,32 @@ TEST(EventSearch, PushesAreFoundAsOftenAsTheyCame) {
   EXPECT_NEAR(held_out[1], 51.0, 0.3);
 }
 
+TEST(EventSearch, PushesThatReachTheDriveInPartDoNotHideTheOthers) {
+  const std::vector<identify::Run> train = {
+      Recorded({{"external_bump", 1.2, {{20.0, 0.8}}}, {"external_bump", 0.45, {{44.0, 0.8}}}}, 24),
+      Recorded({{"external_bump", 1.2, {{9.0, 0.8}}}}, 25),
+      Recorded({{"external_bump", 0.45, {{31.0, 0.8}}}}, 26)};
+  const identify::Run sealed = Recorded({"external_bump", 1.2, {{33.0, 0.8}}}, 27);
+  const TraceResult result = TraceRaw(train, sealed);
+  ASSERT_EQ(result.verdict, Verdict::kEffect);
+  EXPECT_EQ(result.effects[0].name, "external_bump");
+  EXPECT_EQ(StartsIn(result, train[0].name).size(), 1u);
+  EXPECT_EQ(StartsIn(result, train[1].name).size(), 1u);
+  EXPECT_EQ(StartsIn(result, train[2].name).size(), 0u);
+}
+
 TEST(EventSearch, NothingStandsOutInNoise) {
   for (std::uint64_t seed = 31; seed < 36; ++seed) {
-    const TraceResult result = TraceRaw({Recorded({}, 10 * seed), Recorded({}, 10 * seed + 1)},
-                                        Recorded({}, 10 * seed + 2));
+    const TraceResult result =
+        TraceRaw({Recorded(Happens{}, 10 * seed), Recorded(Happens{}, 10 * seed + 1)},
+                 Recorded(Happens{}, 10 * seed + 2));
     EXPECT_EQ(result.verdict, Verdict::kNone) << seed;
     EXPECT_TRUE(result.events.empty()) << seed;
   }
 }
 
 TEST(EventSearch, TheClockJumpsHalfwayBetweenTwoInstants) {
-  Design design = RawDesign({Recorded({}, 41), Recorded({}, 42)});
+  Design design = RawDesign({Recorded(Happens{}, 41), Recorded(Happens{}, 42)});
   const Eigen::VectorXd stamps = design.rows().time_s;
   TimedEffect event;
   event.clock_s = 30.0;
