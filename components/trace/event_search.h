@@ -10,8 +10,8 @@
 // against the same search with random signs of whole blocks. A push is told by a matched filter
 // over all moving rows, also those that a reversal it caused has masked, which have a noise of
 // their own (what it explains is then counted on used rows alone); its peak is measured in robust
-// standard deviations of the filter's output. It may come several times, with one size; what comes
-// in all sizes is no push. Pure; allocates.
+// standard deviations of the filter's output, and it has to stand apart from the next loudest
+// places (push_search.cc). It may come several times, with one size. Pure; allocates.
 #pragma once
 
 #include <Eigen/Core>

@@ -13,9 +13,7 @@ namespace sinew::trace {
 namespace {
 
 EffectSet Without(const Problem& problem, const EffectSet& set, std::size_t k) {
-  std::vector<std::size_t> others = set.members;
-  others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
-  return FitSet(problem.evidence, problem.hypotheses(), std::move(others));
+  return WithoutMember(problem.evidence, problem.hypotheses(), set, k);
 }
 
 class Judge {

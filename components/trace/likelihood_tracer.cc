@@ -160,9 +160,7 @@ class Correction {
     const EffectSet all = set_;
     std::optional<std::size_t> out;
     for (std::size_t k = 0; k < all.members.size() && !out && all.members.size() > 1; ++k) {
-      std::vector<std::size_t> others = all.members;
-      others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
-      set_ = FitSet(problem_.evidence, problem_.hypotheses(), std::move(others));
+      set_ = WithoutMember(problem_.evidence, problem_.hypotheses(), all, k);
       corrected_ = base_.fit;
       PredictDrive(base_.fit.model);
       Fit();
@@ -174,10 +172,8 @@ class Correction {
 
   // Takes a member out of the set; the model is that of the declared terms until the next Fit.
   void Leave(std::size_t member) {
-    std::vector<std::size_t> kept = set_.members;
-    kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(member));
     rivals_.erase(rivals_.begin() + static_cast<std::ptrdiff_t>(member));
-    set_ = FitSet(problem_.evidence, problem_.hypotheses(), std::move(kept));
+    set_ = WithoutMember(problem_.evidence, problem_.hypotheses(), set_, member);
     corrected_ = base_.fit;
     PredictDrive(base_.fit.model);
   }
@@ -232,10 +228,7 @@ class Correction {
       found.fitted.push_back(actuator::PhysicalTerm(corrected_.model, term));
     }
     found.rivals = rivals_[k];
-    std::vector<std::size_t> others = set_.members;
-    others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
-    const double without_it =
-        FitSet(problem_.evidence, problem_.hypotheses(), std::move(others)).net;
+    const double without_it = WithoutMember(problem_.evidence, problem_.hypotheses(), set_, k).net;
     found.gain_share = (set_.net - without_it) / problem_.evidence.misfit();
     found.p = judged_.p_global;
     found.weak_evidence = base_.likelihood.used.blocks.size() < kConvincingBlocks;

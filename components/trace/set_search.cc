@@ -123,6 +123,13 @@ SetSearch SearchSets(const Evidence& evidence, const std::vector<Hypothesis>& hy
   return out;
 }
 
+EffectSet WithoutMember(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
+                        const EffectSet& set, std::size_t k) {
+  std::vector<std::size_t> others = set.members;
+  others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
+  return FitSet(evidence, hypotheses, std::move(others));
+}
+
 EffectSet WithShapesBeside(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
                            EffectSet set) {
   for (std::size_t k = 0; k < set.members.size(); ++k) {

@@ -30,6 +30,10 @@ struct EffectSet {
 EffectSet FitSet(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
                  std::vector<std::size_t> members);
 
+// The set refitted without its k-th member.
+EffectSet WithoutMember(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
+                        const EffectSet& set, std::size_t k);
+
 // Inside the physical range? Several parameters of one effect may leave it by two standard errors:
 // one of them may hardly be excited.
 bool Physical(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
