@@ -34,6 +34,10 @@ constexpr double kUnseenShare = 0.01;
 constexpr double kRestShare = 0.03;
 // How much lower the low-pass of slow motion is: its velocity has a fifteenth of the noise.
 constexpr double kSlower = 6.0;
+// The motor's low-pass is the smoother of least error for accelerations that are white beside white
+// noise (Wiener; the cubic smoothing spline): 1 / (1 + (f / f0)^4). Impacts of teeth stop the
+// motor, and a steeper one would ring long after each.
+constexpr int kMotorOrder = 2;
 // Periods of the angles' low-pass that a reversal is kept away from: what friction does there rings
 // for as long in the derivatives.
 constexpr double kGuardPeriods = 2.0;
@@ -233,6 +237,7 @@ ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::Joint
   };
   out.state_cutoff_Hz = within(wider * output_Hz);
   out.motor_cutoff_Hz = motor_Hz > 0.0 ? within(wider * motor_Hz) : 0.0;
+  out.motor_order = kMotorOrder;
   out.parallel_cutoff_Hz = nyquist_Hz;  // none
   out.raw = true;
   // Noise of a velocity behind a low-pass at f: (2 pi)^2 S f^3 / 3.
