@@ -174,11 +174,8 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
       const double motor_cutoff_Hz =
           options.motor_cutoff_Hz > 0.0 ? options.motor_cutoff_Hz : options.state_cutoff_Hz;
       const Eigen::VectorXd motor_q =
-          motor && !run.held
-              ? Smooth(motor_raw,
-                       options.motor_order > 0 ? options.motor_order : options.state_order,
-                       motor_cutoff_Hz, rate)
-              : motor_raw;
+          motor && !run.held ? Smooth(motor_raw, options.state_order, motor_cutoff_Hz, rate)
+                             : motor_raw;
       Eigen::VectorXd motor_v = motor ? rate_of(motor_q) : Eigen::VectorXd(ratio * v);
       if (locked) motor_v.setZero();
       const Eigen::VectorXd motor_a = motor ? rate_of(motor_v) : Eigen::VectorXd(ratio * a);

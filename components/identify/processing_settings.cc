@@ -34,13 +34,21 @@ constexpr double kUnseenShare = 0.01;
 constexpr double kRestShare = 0.03;
 // How much lower the low-pass of slow motion is: its velocity has a fifteenth of the noise.
 constexpr double kSlower = 6.0;
-// The motor's low-pass is the smoother of least error for accelerations that are white beside white
-// noise (Wiener; the cubic smoothing spline): 1 / (1 + (f / f0)^4). Impacts of teeth stop the
-// motor, and a steeper one would ring long after each.
-constexpr int kMotorOrder = 2;
-// Periods of the angles' low-pass that a reversal is kept away from: what friction does there rings
-// for as long in the derivatives.
-constexpr double kGuardPeriods = 2.0;
+// Low-pass of the angles, forward and backward. What it lets pass of white noise that is
+// differentiated once or twice, over f^3 or f^5; and its periods that a reversal is kept away from:
+// what friction does there rings for as long in the derivatives.
+struct LowPass {
+  int order;
+  double passed_once, passed_twice, guard_periods;
+};
+// Nearly an ideal one; e^(-4 pi sin 22.5 deg) = 0.008 of a transient is left behind the guard.
+constexpr LowPass kSteep = {4, 1.0 / 3.0, 1.0 / 5.0, 2.0};
+// The smoother of least error for accelerations that are white beside white noise (Wiener; the
+// cubic smoothing spline), 1 / (1 + (f / f0)^4); the integrals of x^2 and x^4 over (1 + x^4)^2 are
+// both pi / (8 sqrt 2), and e^(-2 pi sin 45 deg) = 0.012 is left. For a motor with an encoder of
+// its own: where teeth touch it stops within a row, and a steep filter rings long after each
+// impact.
+constexpr LowPass kSoft = {2, 0.2777, 0.2777, 1.0};
 // Share of the moving time that guards leave at least: where a motion reverses quickly, rows near
 // reversals are better than none.
 constexpr double kLeastKept = 1.0 / 3.0;
@@ -182,6 +190,8 @@ ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::Joint
     out.parallel_cutoff_Hz = 0.5 * band_Hz;
     return Resolve(out, runs);
   }
+  const LowPass low_pass = runs.front().Has(Signal::kMotorPosition) ? kSoft : kSteep;
+  out.state_order = low_pass.order;
   const double drive_gain = NominalDriveGain(model);
   const double output_inertia =
       NominalInertia(model, effects::Side::kOutput) + runs.front().rigid_inertia;
@@ -198,14 +208,15 @@ ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::Joint
                                      ? 0.0
                                      : drive_gain * drive_gain * NoiseDensity(drive->second, rate);
       // The band of an angle, as far as the torque noise that its acceleration brings in all,
-      // J^2 (2 pi)^4 S f^5 / 5, stays a small share of the drive's; the motion itself passes.
+      // J^2 (2 pi)^4 S passed f^5, stays a small share of the drive's; the motion itself passes.
       const auto band = [&](const Eigen::VectorXd& angle, double inertia) {
         const double above_noise =
             std::min(HighestBandAboveNoise(angle, rate), BandOfLeastError(angle, rate, 2));
         const double of_angle = inertia * inertia * NoiseDensity(angle, rate);
         if (!(of_angle > 0.0) || !(drive_noise > 0.0)) return above_noise;
         const auto bringing = [&](double variance) {
-          return std::pow(5.0 * variance / of_angle, 0.2) / std::pow(kTurn, 0.8);
+          return std::pow(variance / (low_pass.passed_twice * of_angle), 0.2) /
+                 std::pow(kTurn, 0.8);
         };
         const double quiet = bringing(kUnseenShare * drive_noise * 0.5 * rate);
         // It stays below a share of the drive torque as well: a servo's command repeats the noise
@@ -237,19 +248,18 @@ ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::Joint
   };
   out.state_cutoff_Hz = within(wider * output_Hz);
   out.motor_cutoff_Hz = motor_Hz > 0.0 ? within(wider * motor_Hz) : 0.0;
-  out.motor_order = kMotorOrder;
   out.parallel_cutoff_Hz = nyquist_Hz;  // none
   out.raw = true;
-  // Noise of a velocity behind a low-pass at f: (2 pi)^2 S f^3 / 3.
+  // Noise of a velocity behind a low-pass at f: (2 pi)^2 S passed f^3.
   const auto velocity_noise = [&](double cutoff_Hz) {
-    return kTurn * std::sqrt(density * cutoff_Hz * cutoff_Hz * cutoff_Hz / 3.0);
+    return kTurn * std::sqrt(low_pass.passed_once * density * std::pow(cutoff_Hz, 3));
   };
   out.slow_cutoff_Hz = out.state_cutoff_Hz / kSlower;
   out.doubtful_velocity = kSureVelocity * velocity_noise(out.state_cutoff_Hz);
   // What moves slower than this part of the motion's quick half sticks and slips.
   out.rest_velocity = std::max(kSureVelocity * velocity_noise(out.slow_cutoff_Hz),
                                kRestShare * Quantile(speeds, 0.75));
-  out.reversal_guard_s = GuardFor(strokes_s, kGuardPeriods / out.state_cutoff_Hz);
+  out.reversal_guard_s = GuardFor(strokes_s, low_pass.guard_periods / out.state_cutoff_Hz);
   out.border_s = 2.0 / out.state_cutoff_Hz;
   return out;
 }

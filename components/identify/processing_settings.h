@@ -17,7 +17,6 @@ struct ProcessingOptions {
   double state_cutoff_Hz = 0.0;  // low-pass of position and pressure; 0: from the data
   double motor_cutoff_Hz = 0.0;  // the same of the motor's angle; 0: as state_cutoff_Hz
   int state_order = 4;
-  int motor_order = 0;              // of that low-pass; 0: as state_order
   double parallel_cutoff_Hz = 0.0;  // low-pass of both sides of the balance; 0: from the data
   int parallel_order = 4;
   double rest_velocity = 0.0;      // rad/s or m/s; slower is rest or reversal; 0: from the data

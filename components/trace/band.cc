@@ -1,6 +1,5 @@
 #include "components/trace/band.h"
 
-#include <cmath>
 #include <numbers>
 
 #include "components/identify/balance.h"
@@ -52,26 +51,22 @@ bool Better(const Filtered& next, const Filtered& best, double share) {
 identify::ProcessingOptions BandOfLeastResidual(const std::vector<identify::Run>& runs,
                                                 const actuator::JointModel& joint,
                                                 double longest_gap_s) {
-  Filtered best(runs, joint, identify::FromMotion(runs, joint, longest_gap_s));
+  const auto at = [&](double wider) {
+    return Filtered(runs, joint, identify::FromMotion(runs, joint, longest_gap_s, wider));
+  };
+  Filtered best = at(1.0);
   // In at most so many steps, while each leaves less than that share of what the one before left.
-  const auto follow = [&](int most, double share, const auto& options_of) {
-    for (int k = 1; k <= most; ++k) {
-      Filtered next(runs, joint, options_of(std::pow(std::numbers::sqrt2, k)));
-      if (!Better(next, best, share)) return k > 1;
+  const auto follow = [&](double step, int most, double share) {
+    double wider = step;
+    for (int k = 0; k < most; ++k, wider *= step) {
+      Filtered next = at(wider);
+      if (!Better(next, best, share)) return k > 0;
       best = std::move(next);
     }
     return true;
   };
-  const bool wider = follow(kMostWider, kWorthIt, [&](double factor) {
-    return identify::FromMotion(runs, joint, longest_gap_s, factor);
-  });
-  const identify::ProcessingOptions motion = best.options();
-  if (!wider && motion.motor_cutoff_Hz > 0.0) {
-    follow(kMostNarrower, 1.0, [&](double factor) {
-      identify::ProcessingOptions options = motion;
-      options.motor_cutoff_Hz /= factor;
-      return options;
-    });
+  if (!follow(std::numbers::sqrt2, kMostWider, kWorthIt) && best.options().motor_cutoff_Hz > 0.0) {
+    follow(1.0 / std::numbers::sqrt2, kMostNarrower, 1.0);
   }
   return best.options();
 }

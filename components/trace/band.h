@@ -7,10 +7,10 @@
 // noise of an acceleration 2.4 times as loud, and where it was a third of the residual, the gain is
 // lost. A smaller gain may be a drive that answers to that noise (a servo's command does).
 //
-// Otherwise the motor's alone narrower, down to half, while the residual falls at all: where teeth
-// touch, its angle holds impacts that a wide low-pass spreads. Only rotor inertia and motor
-// friction read it, while the output's tells every effect, and a training that is slower than what
-// comes later would cut that off (EMPS's pulses were predicted a third worse). Pure; allocates.
+// Otherwise narrower, down to half, while the residual falls at all: where teeth touch, the motor's
+// angle holds impacts that a wide low-pass spreads. Only with an encoder on the motor: where one
+// encoder tells all of the motion, training that is slower than what comes later would cut that off
+// (the pulses of EMPS were predicted a third worse). Pure; allocates.
 #pragma once
 
 #include <vector>
