@@ -118,7 +118,9 @@ std::string Detectable(const trace::TraceResult& trace) {
       "with p of the whole search at most " +
       Short(trace::rules::kGlobalP.limit) + " (rule p_global) and at least " +
       Percent(trace::rules::kExplainedShare.limit) +
-      " of the refitted model's misfit (rule explained_share). Smaller ones may be there. Not "
+      " of the refitted model's misfit (rule explained_share; told by accelerations or rates: " +
+      Percent(trace::rules::kCurveShare.limit) +
+      ", rule curve_share). Smaller ones may be there. Not "
       "listed: effects that the declared terms absorb, which show as a shift of parameters, and "
       "lines "
       "and events, which have no size before they are found.</p><table>" +

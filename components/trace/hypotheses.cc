@@ -5,10 +5,12 @@
 #include <limits>
 #include <numbers>
 #include <numeric>
+#include <set>
 
 #include "components/identify/statistics.h"
 #include "components/trace/nuisances.h"
 #include "components/trace/order_spectrum.h"
+#include "components/trace/rules.h"
 
 namespace sinew::trace {
 
@@ -187,6 +189,17 @@ class Builder {
 };
 
 }  // namespace
+
+bool Hypothesis::told_by_rates() const {
+  static const std::set<std::string> kRates = {"acceleration_rad_s2", "motor_acceleration_rad_s2",
+                                               "jerk_rad_s3", "snap_rad_s4", "drive_rate"};
+  return physical() && effect->info().balance == effects::Balance::kMotion &&
+         kRates.count(variable) != 0;
+}
+
+double LeastShare(const Hypothesis& hypothesis) {
+  return (hypothesis.told_by_rates() ? rules::kCurveShare : rules::kExplainedShare).limit;
+}
 
 Bank MakeBank(const identify::Design& design, const Likelihood& likelihood,
               const actuator::JointModel& model, const identify::Balance& balance) {

@@ -35,7 +35,14 @@ struct Hypothesis {
   std::vector<double> lower, upper;
 
   bool physical() const { return effect != nullptr; }
+  // An effect of the motion that follows an acceleration, its derivatives or the drive's rate: what
+  // the low-pass of the angles gets wrong looks like it.
+  bool told_by_rates() const;
 };
+
+// Share of the misfit that it has to explain: rule explained_share, or curve_share where it is told
+// by rates.
+double LeastShare(const Hypothesis& hypothesis);
 
 struct Bank {
   Eigen::MatrixXd declared;  // used rows, not whitened

@@ -30,8 +30,10 @@ class Judge {
         misfit_(problem.evidence.misfit()) {}
 
   SetJudgement Run(std::size_t largest_set) {
-    const SetSearch found =
-        SearchSets(problem_.evidence, problem_.hypotheses(), largest_set, refuted_);
+    SetSearch found = SearchSets(problem_.evidence, problem_.hypotheses(), largest_set, refuted_);
+    if (found.best.size() > 1 && TooFaint(found.best[1])) {
+      found.best = WithoutRates(largest_set).best;
+    }
     out_.p_global = std::min(1.0, bootstrap_.searches * GlobalP(found));
     const bool open = out_.p_global <= rules::kGlobalP.limit;
     if (open) Grow(found);
@@ -72,9 +74,26 @@ class Judge {
     return test.P(statistic(loudest));
   }
 
-  bool EnoughMore(const EffectSet& without, const EffectSet& with) const {
-    return with.net - without.net > std::max(rules::kExplainedShare.limit * misfit_,
-                                             rules::kShapeMisfit.limit * without.net) ||
+  double LeastGain(std::size_t hypothesis) const {
+    return misfit_ * LeastShare(problem_.hypotheses()[hypothesis]);
+  }
+
+  // One that looks like an error of the low-pass would stand in the way of the others.
+  bool TooFaint(const EffectSet& single) const {
+    const std::size_t member = single.members.front();
+    return problem_.hypotheses()[member].told_by_rates() && !(single.net > LeastGain(member));
+  }
+
+  SetSearch WithoutRates(std::size_t largest_set) const {
+    std::set<std::string> unasked = refuted_;
+    for (const Hypothesis& h : problem_.hypotheses()) {
+      if (h.told_by_rates()) unasked.insert(h.name);
+    }
+    return SearchSets(problem_.evidence, problem_.hypotheses(), largest_set, unasked);
+  }
+
+  bool EnoughMore(const EffectSet& without, const EffectSet& with, double least_gain) const {
+    return with.net - without.net > std::max(least_gain, rules::kShapeMisfit.limit * without.net) ||
            Relief(without, with) > rules::kSurprise.limit;
   }
 
@@ -99,7 +118,8 @@ class Judge {
   void Grow(const SetSearch& found) {
     for (std::size_t size = 1; size < found.best.size(); ++size) {
       const EffectSet& grown = found.best[size];
-      if (EnoughMore(out_.chosen, grown) && EveryMemberIsMissed(grown)) {
+      if (EnoughMore(out_.chosen, grown, rules::kExplainedShare.limit * misfit_) &&
+          EveryMemberIsMissed(grown)) {
         out_.chosen = grown;
       } else if (size == 1) {
         out_.chosen = MostRelief(found);
@@ -116,7 +136,7 @@ class Judge {
     const EffectSet& richer = with.net > set.net ? with : set;
     for (std::size_t k = 0; k < set.members.size(); ++k) {
       const EffectSet without = Without(problem_, set, k);
-      if (!EnoughMore(without, set)) return false;
+      if (!EnoughMore(without, set, LeastGain(set.members[k]))) return false;
       const double statistic = Statistic(set.gain - without.gain, set.members[k]);
       if (P(without, richer, statistic) > rules::kMemberP.limit) return false;
     }
@@ -280,11 +300,11 @@ class Judge {
           out_.chosen.members.begin(), out_.chosen.members.end(),
           [&](std::size_t member) { return problem_.hypotheses()[member].name == h.name; });
       if (!score.accepted) {
-        score.refused = !open                       ? rules::kGlobalP.id
-                        : refused != refused_.end() ? refused->second
-                        : score.gain_share < rules::kExplainedShare.limit
-                            ? rules::kExplainedShare.id
-                            : rules::kShapeMisfit.id;
+        score.refused = !open                                  ? rules::kGlobalP.id
+                        : refused != refused_.end()            ? refused->second
+                        : single.net > misfit_ * LeastShare(h) ? rules::kShapeMisfit.id
+                        : h.told_by_rates()                    ? rules::kCurveShare.id
+                                                               : rules::kExplainedShare.id;
       }
       out_.scores.push_back(std::move(score));
     }

@@ -35,7 +35,7 @@ std::vector<std::pair<std::string, double>> ShapeOf(const Hypothesis& h, effects
 
 double NeededGain(const Hypothesis& hypothesis, double misfit, double statistic) {
   // The effect is part of the misfit that its share is taken of.
-  const double share = rules::kExplainedShare.limit;
+  const double share = LeastShare(hypothesis);
   const double by_share = (share * misfit + hypothesis.charge) / (1.0 - share);
   return std::max(by_share, GainOfStatistic(statistic, hypothesis));
 }

@@ -12,7 +12,8 @@
 namespace sinew::trace {
 
 // Misfit that a hypothesis has to take away before two rules of the search accept it alone:
-// p_global (`statistic`: the least one that reaches its limit, null_test.h) and explained_share.
+// p_global (`statistic`: the least one that reaches its limit, null_test.h) and explained_share or
+// curve_share (LeastShare of hypotheses.h).
 // misfit: of the declared terms, without the effect.
 double NeededGain(const Hypothesis& hypothesis, double misfit, double statistic);
 
