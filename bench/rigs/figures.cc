@@ -82,6 +82,12 @@ bool Abstains(const Outcome& o) {
   return (o.verdict == "unexplained" || o.verdict == "none") && !Names(o);
 }
 
+// One effect, and what is named first is to hold it with 90 % at least.
+bool SaysNinety(const Outcome& o) {
+  const std::vector<Named> found = Standing(o);
+  return OneEffect(o) && !found.empty() && found.front().probability >= 0.9;
+}
+
 const Rule kRules[] = {
     {"right class, strong, designed", false,
      [](const Outcome& o) { return Fair(o) && StrongDesigned(o); }, RightClass},
@@ -118,6 +124,7 @@ const Rule kRules[] = {
     {"verdict none on plain recordings", false,
      [](const Outcome& o) { return o.kind == "plain" && Moving(o); },
      [](const Outcome& o) { return o.verdict == "none"; }},
+    {"sets printed at 90 % and more hold the truth", false, SaysNinety, RightClass},
     {"structured ignorance named", true, [](const Outcome& o) { return o.kind == "ignorance"; },
      Names},
     {"outside: abstains", false,

@@ -25,6 +25,20 @@ std::vector<std::string> Names(const json& from, const char* key) {
   return out;
 }
 
+// Of the name and its rivals together.
+double NamedProbability(const json& effect) {
+  if (!effect.contains("posterior")) return 0.0;
+  const std::vector<std::string> rivals = Names(effect, "rivals");
+  double sum = 0.0;
+  for (const json& entry : effect.at("posterior")) {
+    const std::string name = entry.at("name");
+    const bool named =
+        name == effect.at("name") || std::find(rivals.begin(), rivals.end(), name) != rivals.end();
+    if (named) sum += entry.at("probability").get<double>();
+  }
+  return sum;
+}
+
 std::string Text(const json& from, const char* key) {
   return from.contains(key) && from.at(key).is_string() ? from.at(key).get<std::string>() : "";
 }
@@ -69,8 +83,10 @@ Outcome MakeOutcome(const json& truth, const json& report) {
   out.verdict = report.at("verdict");
   if (report.contains("effects")) {
     for (const json& effect : report.at("effects")) {
-      out.found.push_back(
-          {effect.at("name"), Names(effect, "rivals"), Text(effect, "confirmation")});
+      const json said = effect.value("confirmation", json());
+      out.found.push_back({effect.at("name"), Names(effect, "rivals"),
+                           said.is_object() ? Text(said, "verdict") : Text(effect, "confirmation"),
+                           NamedProbability(effect)});
     }
   }
   if (report.contains("unexplained") && report.at("unexplained").is_object()) {
@@ -99,7 +115,10 @@ json ToJson(const Outcome& o) {
                        {"swallowed", e.swallowed}});
   }
   for (const Named& n : o.found) {
-    found.push_back({{"name", n.name}, {"rivals", n.rivals}, {"confirmation", n.confirmation}});
+    found.push_back({{"name", n.name},
+                     {"rivals", n.rivals},
+                     {"confirmation", n.confirmation},
+                     {"probability", n.probability}});
   }
   json out = {{"case", o.name},
               {"rig", o.rig},
@@ -137,8 +156,8 @@ Outcome FromJson(const json& line) {
   }
   o.verdict = line.at("verdict");
   for (const json& n : line.at("found")) {
-    o.found.push_back(
-        {n.at("name"), n.at("rivals").get<std::vector<std::string>>(), n.at("confirmation")});
+    o.found.push_back({n.at("name"), n.at("rivals").get<std::vector<std::string>>(),
+                       n.at("confirmation"), n.value("probability", 0.0)});
   }
   o.variable = line.at("variable");
   o.not_excited = line.at("not_excited").get<std::vector<std::string>>();

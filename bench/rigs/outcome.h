@@ -13,6 +13,7 @@ struct Named {
   std::string name;
   std::vector<std::string> rivals;
   std::string confirmation;  // empty: the report has none
+  double probability = 0.0;  // of the name and its rivals together; 0: the report has none
 };
 
 struct TrueEffect {

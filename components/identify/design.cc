@@ -4,11 +4,15 @@
 #include <array>
 #include <cmath>
 
+#include "components/identify/differentiate.h"
 #include "components/identify/statistics.h"
 
 namespace sinew::identify {
 
 namespace {
+// Rows of a segment without which its drive keeps the rate that was measured.
+constexpr Eigen::Index kLeastForRate = 9;
+
 // Its running integral by the trapezoid rule, 0 at the first row.
 void Integrate(double period_s, Eigen::Ref<Eigen::VectorXd> rate) {
   double sum = 0.0;
@@ -191,10 +195,17 @@ void Design::PredictDrive(const actuator::JointModel& model) {
   std::vector<double> memory(static_cast<std::size_t>(model.memory_size()));
   for (StateSegment& segment : states_.segments) {
     model.ResetMemory(segment.samples.front(), memory);
+    Eigen::VectorXd drive(segment.size());
     for (Eigen::Index i = 0; i < segment.size(); ++i) {
       effects::JointSample& x = segment.samples[static_cast<std::size_t>(i)];
       if (i > 0) model.Advance(x, segment.period_s, memory);
-      x.drive_input = model.RequiredDriveInput(x, memory);
+      drive[i] = x.drive_input = model.RequiredDriveInput(x, memory);
+    }
+    const bool predicted = predicted_rate_ && !segment.held && segment.size() >= kLeastForRate;
+    const Eigen::VectorXd rate =
+        predicted ? WideDifference(drive, segment.period_s) : segment.drive_rate;
+    for (Eigen::Index i = 0; i < segment.size(); ++i) {
+      segment.samples[static_cast<std::size_t>(i)].drive_rate = rate[i];
     }
   }
 }

@@ -97,9 +97,12 @@ class Design {
   }
 
   // From now on effects that read the drive see the drive that the model needs, not the measured
-  // one: noise of the measured drive would stand on both sides of the equation. Its rate stays
-  // measured.
+  // one: noise of the measured drive would stand on both sides of the equation.
   void PredictDrive(const actuator::JointModel& model);
+  // Is the drive's rate that of the predicted drive, too, from the next prediction on? Else it is
+  // that of the measured one behind the low-pass, where noise and what dry friction changes at once
+  // is spread over the rows beside it; the predicted one has the noise of the jerk.
+  void UsePredictedRate(bool predicted) { predicted_rate_ = predicted; }
 
   // Moves the clock that effects see in one recording (JointSample::time_s, not Rows::time_s), so
   // that something that began at different instants begins at one instant of it. Replaces an
@@ -128,6 +131,7 @@ class Design {
   double rows_per_s_ = 1.0;
   Rows rows_;
   std::map<int, double> clocks_;
+  bool predicted_rate_ = false;
 };
 
 }  // namespace sinew::identify

@@ -235,6 +235,7 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
       segment.held = run.held;
       if (!run.rigid_columns.empty()) segment.rigid_columns = run.rigid_columns.at(number);
       segment.drive_input = input;
+      segment.drive_rate = row_input_rate;
       segment.drive_signal = signal;
       segment.reference_position = recorded(Signal::kReferencePosition);
       segment.supply_voltage = supply;

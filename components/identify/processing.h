@@ -25,6 +25,7 @@ struct StateSegment {
   double period_s = 0.0;
   std::vector<effects::JointSample> samples;
   Eigen::VectorXd drive_input;   // as measured, not filtered; back-EMF taken off
+  Eigen::VectorXd drive_rate;    // of drive_input behind the low-pass
   Eigen::VectorXd drive_signal;  // what the recording holds: drive_input without that
   // What a servo saw, row by row; empty where it was not recorded.
   Eigen::VectorXd reference_position, supply_voltage;

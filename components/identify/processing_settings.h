@@ -43,8 +43,9 @@ Signal DriveSignal(const actuator::JointModel& model);
 ProcessingOptions Resolve(const ProcessingOptions& options, const std::vector<Run>& runs);
 
 // Settings from the motion alone: the low-pass of each angle where its spectrum meets its noise,
-// rest and no wider than the noise of its acceleration allows beside that of the drive, rest from
-// quantiles of the speed, guards from the filters. No second filter; but where the drive was
+// and no wider than the noise of its acceleration allows beside that of the drive; a softer one,
+// with shorter guards, where the motor has an encoder of its own. Rest from quantiles of the speed,
+// guards from the filters. No second filter; but where the drive was
 // low-passed before it was recorded, no row is as it was measured, and both sides of the balance go
 // through a common filter below that one (Resolve). wider: factor on the angles' cut-offs.
 ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::JointModel& model,

@@ -116,10 +116,10 @@ std::string Detectable(const trace::TraceResult& trace) {
       "that this search finds in 80 % of recordings like these: alone, at the shape that shows "
       "best, "
       "with p of the whole search at most " +
-      Short(trace::rules::kGlobalP.limit) + " (rule p_global) and at least " +
-      Percent(trace::rules::kExplainedShare.limit) +
+      Short(trace::Limit(trace::rules::kGlobalP)) + " (rule p_global) and at least " +
+      Percent(trace::Limit(trace::rules::kExplainedShare)) +
       " of the refitted model's misfit (rule explained_share; told by accelerations or rates: " +
-      Percent(trace::rules::kCurveShare.limit) +
+      Percent(trace::Limit(trace::rules::kCurveShare)) +
       ", rule curve_share). Smaller ones may be there. Not "
       "listed: effects that the declared terms absorb, which show as a shift of parameters, and "
       "lines "
@@ -191,7 +191,7 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
   if (!trace.effects.empty()) {
     out += "<h2>What was found</h2>\n<table>" +
            HtmlRow({"effect", "removes", "p", "held-out recordings",
-                    "held-out error without and with it", "what predicts the same"},
+                    "held-out error without and with it", "or another of the catalogue"},
                    "th");
     for (const trace::FoundEffect& effect : trace.effects) {
       out += HtmlRow({"<code>" + Escape(EffectLabel(trace, effect)) + "</code><br>" +
@@ -199,7 +199,7 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
                           (effect.in_model() ? "" : "<br>no part of the model"),
                       Percent(effect.gain_share), Probability(effect.p),
                       Confirmed(effect.confirmation), HeldOutErrors(trace, effect),
-                      effect.rivals.empty() ? "nothing known" : Join(effect.rivals)});
+                      NamedSetText(effect)});
     }
     out += "</table>\n";
     if (!trace.events.empty()) {

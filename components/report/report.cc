@@ -50,6 +50,21 @@ std::string EffectLabel(const trace::TraceResult& trace, const trace::FoundEffec
          Short(term.nonlinear.front().value) + ")";
 }
 
+std::string NamedSetText(const trace::FoundEffect& effect) {
+  const auto percent = [](double probability) {
+    return std::to_string(static_cast<int>(std::lround(100.0 * probability)));
+  };
+  std::vector<std::string> names, alone;
+  for (std::size_t k = 0; k < trace::NamedCount(effect.posterior); ++k) {
+    names.push_back(effect.posterior[k].name);
+    alone.push_back(percent(effect.posterior[k].probability));
+  }
+  std::string out =
+      Join(names, " or ") + ": " + percent(trace::NamedProbability(effect.posterior)) + " %";
+  if (names.size() > 1) out += " together; each alone " + Join(alone, ", ") + " %";
+  return out;
+}
+
 std::string VerdictWord(trace::Verdict verdict) {
   switch (verdict) {
     case trace::Verdict::kEffect:
@@ -96,10 +111,7 @@ std::string Found(const Report& report) {
                (left_out.size() == 1 ? "it is" : "they are") + " no part of the model.";
       }
       for (const trace::FoundEffect& effect : trace.effects) {
-        if (effect.rivals.empty()) continue;
-        out += " " + Join(effect.rivals, " and ") +
-               (effect.rivals.size() == 1 ? " predicts" : " predict") + " the same here as " +
-               effect.name + ".";
+        if (!effect.rivals().empty()) out += " " + NamedSetText(effect) + ".";
       }
       std::vector<std::string> open;
       for (const trace::FoundEffect& effect : trace.effects) {
@@ -164,8 +176,8 @@ std::string NextExperiment(const Report& report) {
            "one recording to train on and another one to hold out.";
   }
   for (const trace::FoundEffect& effect : trace.effects) {
-    if (effect.rivals.empty()) continue;
-    return "To tell " + effect.name + " from " + Join(effect.rivals, " and ") + ": " +
+    if (effect.rivals().empty()) continue;
+    return "To tell " + effect.name + " from " + Join(effect.rivals(), " and ") + ": " +
            effects::MakeEffect(effect.name, {}, effect.balance)->info().separating_excitation + ".";
   }
   for (const trace::ParameterShift& shift : trace.shifts) {

@@ -58,6 +58,10 @@ actuator::Term FittedTerm(const trace::TraceResult& trace, const trace::FoundEff
 // The effect's name; with its first nonlinear parameter when it was found more than once.
 std::string EffectLabel(const trace::TraceResult& trace, const trace::FoundEffect& effect);
 
+// The effect and its rivals with their probabilities, e.g. "load_dependent_friction or
+// drive_efficiency_direction: 97 % together; each alone 49, 48 %".
+std::string NamedSetText(const trace::FoundEffect& effect);
+
 // What a rotation found, e.g. "stribeck (confirmed)"; "refuted" ones as well.
 std::string RotationText(const trace::Rotation& rotation);
 

@@ -36,7 +36,10 @@ void ChooseAgreed(const Problem& problem, std::set<std::string> agreed,
                   const std::set<std::string>& refuted, SetJudgement* judged) {
   for (const std::string& name : refuted) agreed.erase(name);
   judged->chosen = FitAgreedSet(problem.evidence, problem.hypotheses(), agreed);
-  judged->rivals.assign(judged->chosen.members.size(), {});
+  judged->posteriors.clear();  // the rotations have them
+  for (const std::size_t member : judged->chosen.members) {
+    judged->posteriors.push_back({{problem.hypotheses()[member].name, 1.0}});
+  }
 }
 
 }  // namespace sinew::trace

@@ -87,7 +87,7 @@ LoopResult CloseLoop(const std::vector<identify::Run>& train,
   } catch (const identify::TooLittleData& error) {
     LoopResult out;
     out.trace = NotJudged(
-        joint, {.rule = rules::kRows.id, .limit = rules::kRows.limit, .reason = error.what()});
+        joint, {.rule = rules::kRows.id, .limit = Limit(rules::kRows), .reason = error.what()});
     return out;
   }
 }

@@ -25,7 +25,7 @@ Confirmation ConfirmSlope(const Eigen::Ref<const Eigen::VectorXd>& left_over,
   Confirmation out;
   out.blocks = static_cast<int>(blocks.size());
   const double power = change.squaredNorm();
-  if (!(power > 0.0) || static_cast<double>(blocks.size()) < rules::kHeldOutBlocks.limit)
+  if (!(power > 0.0) || static_cast<double>(blocks.size()) < Limit(rules::kHeldOutBlocks))
     return out;
   out.slope = change.dot(left_over) / power;
   double meat = 0.0;
@@ -41,10 +41,10 @@ Confirmation ConfirmSlope(const Eigen::Ref<const Eigen::VectorXd>& left_over,
   const double half = identify::StudentQuantile(0.975, count - 1.0) * error;
   out.lower = out.slope - half;
   out.upper = out.slope + half;
-  const double band = rules::kSlopeBand.limit;
+  const double band = Limit(rules::kSlopeBand);
   if (out.lower > 0.0 && out.lower < 1.0 + band && out.upper > 1.0 - band) {
     out.verdict = ConfirmationVerdict::kConfirmed;
-  } else if (out.upper < rules::kRefutedBelow.limit) {
+  } else if (out.upper < Limit(rules::kRefutedBelow)) {
     out.verdict = ConfirmationVerdict::kRefuted;
   }
   return out;

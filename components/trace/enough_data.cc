@@ -40,7 +40,7 @@ std::optional<TooLittle> FindTooLittle(const identify::Design& train,
   const auto too_few = [&](const Rule& rule, double statistic, const char* of,
                            const identify::Design& design,
                            const char* counted) -> std::optional<TooLittle> {
-    if (statistic >= rule.limit) return std::nullopt;
+    if (statistic >= Limit(rule)) return std::nullopt;
     return TooLittle{rule.id, statistic, rule.limit,
                      Sentence(of, design, statistic, rule, counted)};
   };

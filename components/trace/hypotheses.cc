@@ -109,8 +109,8 @@ class Builder {
       h->upper.push_back(parameter.upper <= 0.0 ? 0.0 : bound(parameter.upper, largest));
       if (!info.follows_record) continue;
       // The drive's rate counts over the delay itself, within a factor of two; without a span up to
-      // two samples either way.
-      const double span_s = psi.front(), short_s = 2.0 / design_.states().rate_Hz;
+      // half a period of the fastest motion that the angles show.
+      const double span_s = psi.front(), short_s = 0.5 / design_.options().state_cutoff_Hz;
       h->lower.back() = (span_s == 0.0 ? -short_s : 0.5 * span_s) / unit;
       h->upper.back() = (span_s == 0.0 ? short_s : 2.0 * span_s) / unit;
     }
@@ -198,7 +198,12 @@ bool Hypothesis::told_by_rates() const {
 }
 
 double LeastShare(const Hypothesis& hypothesis) {
-  return (hypothesis.told_by_rates() ? rules::kCurveShare : rules::kExplainedShare).limit;
+  return Limit(hypothesis.told_by_rates() ? rules::kCurveShare : rules::kExplainedShare);
+}
+
+double LeastVariance(const Hypothesis& hypothesis) {
+  const double more = rules::kCurveShare.limit / rules::kExplainedShare.limit;
+  return (hypothesis.told_by_rates() ? more : 1.0) * Limit(rules::kVarianceShare);
 }
 
 Bank MakeBank(const identify::Design& design, const Likelihood& likelihood,

@@ -43,6 +43,9 @@ struct Hypothesis {
 // Share of the misfit that it has to explain: rule explained_share, or curve_share where it is told
 // by rates.
 double LeastShare(const Hypothesis& hypothesis);
+// The same of the residual's variance (rule variance_share), as much more where it is told by
+// rates.
+double LeastVariance(const Hypothesis& hypothesis);
 
 struct Bank {
   Eigen::MatrixXd declared;  // used rows, not whitened

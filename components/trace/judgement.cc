@@ -35,11 +35,11 @@ class Judge {
       found.best = WithoutRates(largest_set).best;
     }
     out_.p_global = std::min(1.0, bootstrap_.searches * GlobalP(found));
-    const bool open = out_.p_global <= rules::kGlobalP.limit;
+    const bool open = out_.p_global <= Limit(rules::kGlobalP);
     if (open) Grow(found);
     if (open) CompareCurves(found);
     if (!out_.chosen.empty() && !Constant()) Refuse(rules::kConstancy);
-    FindRivals();
+    RankNames();
     NoteScores(found, open);
     return std::move(out_);
   }
@@ -70,7 +70,7 @@ class Judge {
     }
     if (loudest.empty()) return 1.0;
     const NullTest test = Test({}, loudest);
-    out_.least_statistic = test.Least(rules::kGlobalP.limit);
+    out_.least_statistic = test.Least(Limit(rules::kGlobalP));
     return test.P(statistic(loudest));
   }
 
@@ -80,8 +80,15 @@ class Judge {
 
   // One that looks like an error of the low-pass would stand in the way of the others.
   bool TooFaint(const EffectSet& single) const {
-    const std::size_t member = single.members.front();
-    return problem_.hypotheses()[member].told_by_rates() && !(single.net > LeastGain(member));
+    const Hypothesis& h = problem_.hypotheses()[single.members.front()];
+    return h.told_by_rates() && !Adequate({}, single, LeastShare(h), LeastVariance(h));
+  }
+
+  // Does it explain so much more, of the misfit or of the variance?
+  bool Adequate(const EffectSet& without, const EffectSet& with, double share,
+                double variance) const {
+    return with.net - without.net > share * misfit_ ||
+           problem_.VarianceShare(with) - problem_.VarianceShare(without) > variance;
   }
 
   SetSearch WithoutRates(std::size_t largest_set) const {
@@ -92,15 +99,17 @@ class Judge {
     return SearchSets(problem_.evidence, problem_.hypotheses(), largest_set, unasked);
   }
 
-  bool EnoughMore(const EffectSet& without, const EffectSet& with, double least_gain) const {
-    return with.net - without.net > std::max(least_gain, rules::kShapeMisfit.limit * without.net) ||
-           Relief(without, with) > rules::kSurprise.limit;
+  bool EnoughMore(const EffectSet& without, const EffectSet& with, double share,
+                  double variance) const {
+    return (with.net - without.net > Limit(rules::kShapeMisfit) * without.net &&
+            Adequate(without, with, share, variance)) ||
+           Relief(without, with) > Limit(rules::kSurprise);
   }
 
   EffectSet MostRelief(const SetSearch& found) const {
     EffectSet best;
     for (const EffectSet& single : found.singles) {
-      if (Relief({}, single) > std::max(rules::kSurprise.limit, Relief({}, best)) &&
+      if (Relief({}, single) > std::max(Limit(rules::kSurprise), Relief({}, best)) &&
           EveryMemberIsMissed(single)) {
         best = single;
       }
@@ -118,7 +127,8 @@ class Judge {
   void Grow(const SetSearch& found) {
     for (std::size_t size = 1; size < found.best.size(); ++size) {
       const EffectSet& grown = found.best[size];
-      if (EnoughMore(out_.chosen, grown, rules::kExplainedShare.limit * misfit_) &&
+      if (EnoughMore(out_.chosen, grown, Limit(rules::kExplainedShare),
+                     Limit(rules::kVarianceShare)) &&
           EveryMemberIsMissed(grown)) {
         out_.chosen = grown;
       } else if (size == 1) {
@@ -136,9 +146,10 @@ class Judge {
     const EffectSet& richer = with.net > set.net ? with : set;
     for (std::size_t k = 0; k < set.members.size(); ++k) {
       const EffectSet without = Without(problem_, set, k);
-      if (!EnoughMore(without, set, LeastGain(set.members[k]))) return false;
+      const Hypothesis& h = problem_.hypotheses()[set.members[k]];
+      if (!EnoughMore(without, set, LeastShare(h), LeastVariance(h))) return false;
       const double statistic = Statistic(set.gain - without.gain, set.members[k]);
-      if (P(without, richer, statistic) > rules::kMemberP.limit) return false;
+      if (P(without, richer, statistic) > Limit(rules::kMemberP)) return false;
     }
     return true;
   }
@@ -147,18 +158,21 @@ class Judge {
     const EffectSet with = WithBestCurve(problem_.evidence, problem_.hypotheses(), out_.chosen);
     if (with.empty()) return;
     const double more = with.net - out_.chosen.net;
-    if (!(more > rules::kCurveShare.limit * misfit_) ||
-        !(more > rules::kClearlyMore.limit * with.net)) {
+    // Beside a set it has to explain as much as a set has to.
+    const Rule& least = out_.chosen.empty() ? rules::kCurveShare : rules::kExplainedShare;
+    if (!(more > Limit(least) * misfit_) || !(more > Limit(rules::kClearlyMore) * with.net)) {
       return;
     }
     const double statistic = Statistic(with.gain - out_.chosen.gain, with.members.back());
-    if (P(out_.chosen, with, statistic) > rules::kMemberP.limit) return;
+    if (P(out_.chosen, with, statistic) > Limit(rules::kMemberP)) return;
     NoteUnexplained(found.curve.net > out_.chosen.net ? found.curve : with);
-    // Is the set but a part of the curve?
+    if (out_.chosen.empty() || out_.unexplained.variable.empty()) return;
+    // Does it explain more than the set, or is the set but a part of the curve?
     std::vector<std::size_t> both = out_.chosen.members;
     both.push_back(found.curve.members.back());
     const EffectSet beside = FitSet(problem_.evidence, problem_.hypotheses(), std::move(both));
-    if (beside.net - found.curve.net < rules::kClearlyMore.limit * out_.chosen.net) {
+    if (more > out_.chosen.net ||
+        beside.net - found.curve.net < Limit(rules::kClearlyMore) * out_.chosen.net) {
       Refuse(rules::kClearlyMore);
     }
   }
@@ -242,7 +256,7 @@ class Judge {
     Columns all;
     for (Eigen::Index j = 0; j < z.cols(); ++j) all.push_back(j);
     const double net = interaction.Gain(all) - 2.0 * static_cast<double>(z.cols());
-    if (net < rules::kConstancy.limit * set.net || net < rules::kExplainedShare.limit * misfit_) {
+    if (net < Limit(rules::kConstancy) * set.net || net < Limit(rules::kExplainedShare) * misfit_) {
       return true;
     }
     out_.unexplained = {.balance = declared_.balance,
@@ -254,35 +268,49 @@ class Judge {
     return false;
   }
 
-  // Effects that would do nearly as well in the place of a member.
-  void FindRivals() {
+  // Every name at its best setting in a member's place, and what the set loses by it.
+  struct Replacement {
+    std::map<std::string, Alternative> possible;
+    std::map<std::string, EffectSet> sets;
+  };
+  Replacement Replace(std::size_t member) const {
     const EffectSet& set = out_.chosen;
+    const EffectSet without = Without(problem_, set, member);
     const std::vector<Hypothesis>& hypotheses = problem_.hypotheses();
-    for (std::size_t k = 0; k < set.members.size(); ++k) {
-      const double own = set.net - Without(problem_, set, k).net;
-      std::map<std::string, double> lost;  // net gain, by the best setting of each
-      for (std::size_t h = 0; h < hypotheses.size(); ++h) {
-        const std::string& name = hypotheses[h].name;
-        if (!hypotheses[h].physical() || name == hypotheses[set.members[k]].name ||
-            refuted_.count(name) != 0) {
-          continue;
-        }
-        std::vector<std::size_t> members = set.members;
-        members[k] = h;
-        const EffectSet other = FitSet(problem_.evidence, hypotheses, std::move(members));
-        const double less = set.net - other.net;
-        if (less > rules::kSameClass.limit * own ||
-            !Physical(problem_.evidence, hypotheses, other)) {
-          continue;
-        }
-        const auto [at, fresh] = lost.try_emplace(name, less);
-        at->second = std::min(at->second, less);
-      }
-      std::vector<std::pair<double, std::string>> sorted;
-      for (const auto& [name, less] : lost) sorted.emplace_back(less, name);
-      std::sort(sorted.begin(), sorted.end());
-      out_.rivals.emplace_back();
-      for (const auto& [less, name] : sorted) out_.rivals.back().push_back(name);
+    Replacement out;
+    for (std::size_t h = 0; h < hypotheses.size(); ++h) {
+      const std::string& name = hypotheses[h].name;
+      if (!hypotheses[h].physical() || refuted_.count(name) != 0) continue;
+      std::vector<std::size_t> members = set.members;
+      members[member] = h;
+      const bool twice = std::count_if(members.begin(), members.end(), [&](std::size_t other) {
+                           return hypotheses[other].name == name;
+                         }) > 1;
+      if (twice && h != set.members[member]) continue;
+      EffectSet other = FitSet(problem_.evidence, hypotheses, std::move(members));
+      if (h != set.members[member] && !Physical(problem_.evidence, hypotheses, other)) continue;
+      const auto at = out.sets.find(name);
+      if (at != out.sets.end() && at->second.net >= other.net) continue;
+      const effects::EffectInfo& info = hypotheses[h].effect->info();
+      out.possible[name] = {set.net - other.net, info.linear.size() + info.nonlinear.size()};
+      out.sets[name] = std::move(other);
+    }
+    std::erase_if(out.possible, [&](const auto& entry) {
+      const EffectSet& other = out.sets.at(entry.first);
+      const Hypothesis& h = hypotheses[other.members[member]];
+      return h.name != hypotheses[set.members[member]].name && h.told_by_rates() &&
+             !Adequate(without, other, LeastShare(h), LeastVariance(h));
+    });
+    return out;
+  }
+
+  // Of every member; the most probable name takes its place.
+  void RankNames() {
+    for (std::size_t k = 0; k < out_.chosen.members.size(); ++k) {
+      Replacement replacement = Replace(k);
+      const double gain = out_.chosen.net - Without(problem_, out_.chosen, k).net;
+      out_.posteriors.push_back(PosteriorOfNames(gain, replacement.possible));
+      out_.chosen = std::move(replacement.sets.at(out_.posteriors.back().front().name));
     }
   }
 
@@ -300,11 +328,11 @@ class Judge {
           out_.chosen.members.begin(), out_.chosen.members.end(),
           [&](std::size_t member) { return problem_.hypotheses()[member].name == h.name; });
       if (!score.accepted) {
-        score.refused = !open                                  ? rules::kGlobalP.id
-                        : refused != refused_.end()            ? refused->second
-                        : single.net > misfit_ * LeastShare(h) ? rules::kShapeMisfit.id
-                        : h.told_by_rates()                    ? rules::kCurveShare.id
-                                                               : rules::kExplainedShare.id;
+        score.refused = !open                                            ? rules::kGlobalP.id
+                        : refused != refused_.end()                      ? refused->second
+                        : single.net > LeastGain(single.members.front()) ? rules::kShapeMisfit.id
+                        : h.told_by_rates()                              ? rules::kCurveShare.id
+                                            : rules::kExplainedShare.id;
       }
       out_.scores.push_back(std::move(score));
     }

@@ -17,11 +17,11 @@ namespace sinew::trace {
 
 struct SetJudgement {
   double p_global = 1.0;
-  double least_statistic = 0.0;                  // whose p is at most the limit of p_global
-  EffectSet chosen;                              // may be empty
-  std::vector<std::vector<std::string>> rivals;  // of every member, best first
-  Unexplained unexplained;                       // variable empty: nothing
-  std::vector<CandidateScore> scores;            // best first; refused: the rule's id
+  double least_statistic = 0.0;        // whose p is at most the limit of p_global
+  EffectSet chosen;                    // may be empty
+  std::vector<Posterior> posteriors;   // of every member
+  Unexplained unexplained;             // variable empty: nothing
+  std::vector<CandidateScore> scores;  // best first; refused: the rule's id
 };
 
 struct BootstrapOptions {

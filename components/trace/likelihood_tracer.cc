@@ -103,7 +103,7 @@ class Correction {
   // they do not confirm leaves, too.
   void Confirm(bool second, TraceResult* result) {
     set_ = judged_.chosen;
-    rivals_ = judged_.rivals;
+    posteriors_ = judged_.posteriors;
     while (!set_.empty()) {
       Fit();
       LocateEvent(result);
@@ -172,7 +172,7 @@ class Correction {
 
   // Takes a member out of the set; the model is that of the declared terms until the next Fit.
   void Leave(std::size_t member) {
-    rivals_.erase(rivals_.begin() + static_cast<std::ptrdiff_t>(member));
+    posteriors_.erase(posteriors_.begin() + static_cast<std::ptrdiff_t>(member));
     set_ = WithoutMember(problem_.evidence, problem_.hypotheses(), set_, member);
     corrected_ = base_.fit;
     PredictDrive(base_.fit.model);
@@ -227,7 +227,7 @@ class Correction {
     for (const int term : terms_[k]) {
       found.fitted.push_back(actuator::PhysicalTerm(corrected_.model, term));
     }
-    found.rivals = rivals_[k];
+    found.posterior = posteriors_[k];
     const double without_it = WithoutMember(problem_.evidence, problem_.hypotheses(), set_, k).net;
     found.gain_share = (set_.net - without_it) / problem_.evidence.misfit();
     found.p = judged_.p_global;
@@ -240,7 +240,7 @@ class Correction {
     found.confirmation =
         trace::Confirm(sealed_, LikelihoodOf(sealed_, corrected_, 0), without, corrected_);
     // Not finite where the drive that the effect asks for runs away.
-    const bool raises = found.sealed_after > rules::kRaises.limit * found.sealed_before;
+    const bool raises = found.sealed_after > Limit(rules::kRaises) * found.sealed_before;
     if (!std::isfinite(found.sealed_after) || raises || !DiffersFromZero(corrected_, k) ||
         !DiffersFromZero(chosen_, k) || RaisesTheWhole(without.model, found.confirmation)) {
       found.confirmation.verdict = ConfirmationVerdict::kRefuted;
@@ -261,7 +261,7 @@ class Correction {
   bool RaisesTheWhole(const actuator::JointModel& without, const Confirmation& alone) const {
     if (!options_.held_out_error || alone.verdict == ConfirmationVerdict::kRefuted) return false;
     return options_.held_out_error(corrected_.model) >
-           rules::kRaises.limit * options_.held_out_error(without);
+           Limit(rules::kRaises) * options_.held_out_error(without);
   }
 
   // Does the interval of any size of a member leave zero out?
@@ -269,7 +269,7 @@ class Correction {
     return std::any_of(terms_[k].begin(), terms_[k].end(), [&](int term) {
       const auto& sizes = fit.model.terms[static_cast<std::size_t>(term)].linear;
       return std::any_of(sizes.begin(), sizes.end(), [](const actuator::ParameterValue& size) {
-        return std::abs(size.value) > rules::kInterval.limit * size.half_width_95.value_or(0.0);
+        return std::abs(size.value) > Limit(rules::kInterval) * size.half_width_95.value_or(0.0);
       });
     });
   }
@@ -283,7 +283,7 @@ class Correction {
   const actuator::JointModel& declared_;  // its drive factor is the unit of errors
   const TraceOptions& options_;
   EffectSet set_;  // what is left of the chosen one
-  std::vector<std::vector<std::string>> rivals_;
+  std::vector<Posterior> posteriors_;
   Likelihood likelihood_;  // of the set's fit
   FitResult chosen_;       // the set by the weights that chose it
   FitResult corrected_;
@@ -316,6 +316,7 @@ TraceResult TraceByLikelihood(Design& train, Design& sealed, const actuator::Joi
   };
   progress("refit of the declared terms, noise", 0.05);
   const LikelihoodFit base = EstimateLikelihood(&train, model);
+  sealed.UsePredictedRate(base.likelihood.predicted_rate);
   sealed.PredictDrive(base.fit.model);
   progress("columns", 0.4);
   const Problem problem = MakeProblem(train, base.likelihood, model, base.fit);

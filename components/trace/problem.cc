@@ -88,6 +88,11 @@ Eigen::VectorXd Problem::Part(const EffectSet& set) const {
   return out;
 }
 
+double Problem::VarianceShare(const EffectSet& set) const {
+  if (set.empty() || !(variance > 0.0)) return 0.0;
+  return 1.0 - identify::LeftBy(bank.declared, bank.target - Part(set)).squaredNorm() / variance;
+}
+
 Problem MakeProblem(const identify::Design& design, const Likelihood& likelihood,
                     const actuator::JointModel& declared, const identify::FitResult& fit) {
   Bank bank = MakeBank(design, likelihood, declared, fit.balance);
@@ -100,8 +105,34 @@ Problem MakeProblem(const identify::Design& design, const Likelihood& likelihood
       (bank.spread.array() > 0.0).select(bank.spread.array().square().inverse(), 1e300);
   Evidence evidence(X, bank.prior, Z, precision, y);
   const double scale = fit.balance.fits_scale ? fit.balance.Scale(fit.coefficients) : 1.0;
-  return {std::move(bank), std::move(X), std::move(Z), std::move(y), scale, std::move(evidence)};
+  const double variance = identify::LeftBy(bank.declared, bank.target).squaredNorm();
+  return {std::move(bank), std::move(X),        std::move(Z), std::move(y),
+          scale,           std::move(evidence), variance};
 }
+
+namespace {
+
+// A drive that acts late shows by its rate, measured or predicted; noise makes either too small
+// (errors in variables). The better one leaves less.
+bool PredictedRateTellsMore(identify::Design* design, const Likelihood& likelihood,
+                            const actuator::JointModel& declared, const identify::FitResult& fit) {
+  if (declared.balance != effects::Balance::kMotion || design->held()) return false;
+  const auto delay = effects::MakeEffect("transport_delay", declared.constants);
+  const std::vector<Eigen::Index>& rows = likelihood.used.rows;
+  const Eigen::MatrixXd known = likelihood.used.Of(fit.balance.columns);
+  const Eigen::VectorXd target = fit.balance.target(rows);
+  const auto gain = [&](bool predicted) {
+    design->UsePredictedRate(predicted);
+    design->PredictDrive(fit.model);
+    const Eigen::VectorXd column =
+        likelihood.used.Of(design->Columns(*delay, std::vector<double>{0.0})).col(0);
+    const Prior flat{Eigen::VectorXd::Zero(known.cols()), Eigen::VectorXd::Zero(known.cols())};
+    return Evidence(known, flat, column, Eigen::VectorXd::Zero(1), target).Gain({0});
+  };
+  return gain(true) > gain(false);
+}
+
+}  // namespace
 
 LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::JointModel& declared) {
   LikelihoodFit out;
@@ -118,6 +149,8 @@ LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::Joint
         out.fit.coefficients[0] <= 0.0 || (out.fit.balance.spread[0] == 0.0 && error > kScaleKnown);
     if (likelihood.keep_scale) out.fit = FitWhitened(*design, likelihood, declared);
   }
+  likelihood.predicted_rate = PredictedRateTellsMore(design, likelihood, declared, out.fit);
+  design->UsePredictedRate(likelihood.predicted_rate);
   design->PredictDrive(out.fit.model);
 
   // What begins at an instant must be known before the noise is: it would count as loud noise.

@@ -16,12 +16,16 @@ struct Problem {
   Eigen::VectorXd y;
   double scale = 1.0;  // torque per unit of the balance
   Evidence evidence;
+  double variance = 0.0;  // squares that the declared terms leave by least squares, not whitened
 
   const std::vector<Hypothesis>& hypotheses() const { return bank.hypotheses; }
   // Whitened residual with a set in the model.
   Eigen::VectorXd Left(const EffectSet& set) const;
   // What a set contributes, not whitened.
   Eigen::VectorXd Part(const EffectSet& set) const;
+  // Share of the raw residual's variance that a set takes away, the declared terms refitted by
+  // least squares with and without it. May be negative.
+  double VarianceShare(const EffectSet& set) const;
 };
 
 // Rows of a block at least.

@@ -203,8 +203,8 @@ std::optional<FoundEvent> FindPush(const identify::Design& design,
   const auto asked = static_cast<double>(kMostPushes * runs);
   for (double length_s = shortest_s; length_s <= longest_s; length_s *= std::numbers::sqrt2) {
     std::optional<Pushes> pushes = PushesOf(design, scan, length_s);
-    if (!pushes || !(pushes->peak > rules::kEventPeak.limit)) continue;
-    if (!(asked * pushes->p < rules::kEventAlone.limit)) continue;
+    if (!pushes || !(pushes->peak > Limit(rules::kEventPeak))) continue;
+    if (!(asked * pushes->p < Limit(rules::kEventAlone))) continue;
     if (!best || pushes->explained > best->explained) best = std::move(pushes);
   }
   if (!best) return std::nullopt;

@@ -11,13 +11,17 @@ namespace {
 
 using identify::ModelError;
 
+bool Names(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
 // The effect of a rotation that is `name` or has it as a rival; null: none.
 const FoundEffect* FindClass(const std::vector<FoundEffect>& effects, const std::string& name) {
   for (const FoundEffect& effect : effects) {
     if (effect.name == name) return &effect;
   }
   for (const FoundEffect& effect : effects) {
-    if (std::count(effect.rivals.begin(), effect.rivals.end(), name) != 0) return &effect;
+    if (Names(effect.rivals(), name)) return &effect;
   }
   return nullptr;
 }
@@ -72,6 +76,7 @@ void PoolErrors(const std::vector<const Judgement*>& rotations, Judgement* all) 
 // Figures of a found effect from the rotations that confirm it.
 void NoteConfirmations(const std::vector<Rotation>& rotations, FoundEffect* effect) {
   Pooled before, after;
+  std::vector<Posterior> posteriors;
   bool first = true;
   for (const Rotation& rotation : rotations) {
     const FoundEffect* found = FindClass(rotation.trace.effects, effect->name);
@@ -85,14 +90,9 @@ void NoteConfirmations(const std::vector<Rotation>& rotations, FoundEffect* effe
       effect->confirmation = found->confirmation;
     }
     first = false;
-    for (std::string rival : found->rivals) {
-      if (found->name != effect->name && rival == effect->name) rival = found->name;
-      if (rival != effect->name &&
-          std::count(effect->rivals.begin(), effect->rivals.end(), rival) == 0) {
-        effect->rivals.push_back(rival);
-      }
-    }
+    posteriors.push_back(found->posterior);
   }
+  effect->posterior = MeanPosterior(effect->name, posteriors);
   effect->sealed_before = before.rms();
   effect->sealed_after = after.rms();
 }

@@ -2,16 +2,45 @@
 
 #include <array>
 #include <cstdio>
+#include <set>
+#include <stdexcept>
 
 namespace sinew::trace {
 
+namespace {
+
+std::set<std::string, std::less<>>& Absent() {
+  static std::set<std::string, std::less<>> ids;
+  return ids;
+}
+
+}  // namespace
+
+double Limit(const Rule& rule) {
+  return Absent().count(std::string_view(rule.id)) == 0 ? rule.limit : rule.off;
+}
+
+void TakeOut(std::string_view id) {
+  std::string known;
+  for (const Rule& rule : AllRules()) {
+    if (rule.id == id) {
+      Absent().emplace(id);
+      return;
+    }
+    known += (known.empty() ? "" : ", ") + std::string(rule.id);
+  }
+  throw std::invalid_argument("no rule '" + std::string(id) + "', expected one of " + known);
+}
+
+std::vector<std::string> TakenOut() { return {Absent().begin(), Absent().end()}; }
+
 std::span<const Rule> AllRules() {
   static constexpr std::array kAll = {
-      rules::kBlocks,         rules::kRows,        rules::kHeldOutBlocks, rules::kGlobalP,
-      rules::kExplainedShare, rules::kSurprise,    rules::kShapeMisfit,   rules::kMemberP,
-      rules::kCurveShare,     rules::kClearlyMore, rules::kConstancy,     rules::kSameClass,
-      rules::kDetectable,     rules::kAbsorbed,    rules::kSlopeBand,     rules::kRefutedBelow,
-      rules::kInterval,       rules::kRaises,      rules::kEventPeak,     rules::kEventAlone};
+      rules::kBlocks,         rules::kRows,          rules::kHeldOutBlocks, rules::kGlobalP,
+      rules::kExplainedShare, rules::kVarianceShare, rules::kSurprise,      rules::kShapeMisfit,
+      rules::kMemberP,        rules::kCurveShare,    rules::kClearlyMore,   rules::kConstancy,
+      rules::kDetectable,     rules::kAbsorbed,      rules::kSlopeBand,     rules::kRefutedBelow,
+      rules::kInterval,       rules::kRaises,        rules::kEventPeak,     rules::kEventAlone};
   return kAll;
 }
 

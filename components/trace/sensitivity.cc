@@ -1,5 +1,6 @@
 #include "components/trace/sensitivity.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -33,11 +34,12 @@ std::vector<std::pair<std::string, double>> ShapeOf(const Hypothesis& h, effects
 
 }  // namespace
 
-double NeededGain(const Hypothesis& hypothesis, double misfit, double statistic) {
+double NeededGain(const Hypothesis& hypothesis, double misfit, double statistic,
+                  double by_variance) {
   // The effect is part of the misfit that its share is taken of.
   const double share = LeastShare(hypothesis);
   const double by_share = (share * misfit + hypothesis.charge) / (1.0 - share);
-  return std::max(by_share, GainOfStatistic(statistic, hypothesis));
+  return std::max(std::min(by_share, by_variance), GainOfStatistic(statistic, hypothesis));
 }
 
 double GainForPower(double needed, int columns) {
@@ -57,16 +59,28 @@ std::vector<DetectableSize> FindDetectable(const Problem& problem,
       problem.bank.target.size() > 0 ? problem.bank.target.cwiseAbs().maxCoeff() : 0.0;
   const double drive_share = actuator::DriveShare(declared, declared.balance);
   std::map<std::pair<std::string, std::size_t>, DetectableSize> best;
+  // What the declared terms carry of a column, not whitened.
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(problem.bank.declared);
+  const Eigen::MatrixXd Q =
+      qr.householderQ() *
+      Eigen::MatrixXd::Identity(problem.bank.declared.rows(), problem.bank.declared.cols());
   for (const Hypothesis& h : problem.hypotheses()) {
     if (!HasSize(h) || !(target_rms > 0.0)) continue;
-    const double gain = GainForPower(NeededGain(h, evidence.misfit(), statistic),
-                                     static_cast<int>(h.columns.size()));
     const auto& infos = h.effect->info().linear;
     for (std::size_t i = 0; i < h.columns.size() && i < infos.size(); ++i) {
       const Eigen::Index j = h.columns[i];
       const double reduced = evidence.reduced()(j, j);
-      if (!(evidence.FreeShare(j) >= rules::kAbsorbed.limit) || !(reduced > 0.0)) continue;
-      const double c = std::sqrt(gain / reduced);
+      if (!(evidence.FreeShare(j) >= Limit(rules::kAbsorbed)) || !(reduced > 0.0)) continue;
+      const Eigen::VectorXd column = problem.bank.columns.col(j);
+      const double power = column.squaredNorm() - (Q.transpose() * column).squaredNorm();
+      const double variance = std::min(LeastVariance(h), 1.0);
+      const double by_variance =
+          variance < 1.0 && power > 0.0
+              ? variance / (1.0 - variance) * problem.variance / power * reduced
+              : std::numeric_limits<double>::infinity();
+      const double needed = NeededGain(h, evidence.misfit(), statistic, by_variance);
+      const double c =
+          std::sqrt(GainForPower(needed, static_cast<int>(h.columns.size())) / reduced);
       // Larger than any torque that was measured: the rows show no more than a trace of it.
       if (infos[i].dimension == effects::Dimension::kTorque && c > target_peak) continue;
       const double share = c * identify::Rms(problem.bank.columns.col(j)) / target_rms;
@@ -108,7 +122,7 @@ Sensitivity FindSensitivity(const Problem& problem, const std::vector<Detectable
     if (!std::isfinite(share)) {
       out.not_excited.push_back(
           {name, "the declared terms carry all of it: only a shift of parameters shows"});
-    } else if (share > rules::kDetectable.limit) {
+    } else if (share > Limit(rules::kDetectable)) {
       char text[120];
       std::snprintf(text, sizeof text,
                     "up to %.2g %% of the measured side could hide in this motion", 100.0 * share);

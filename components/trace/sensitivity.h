@@ -12,10 +12,12 @@
 namespace sinew::trace {
 
 // Misfit that a hypothesis has to take away before two rules of the search accept it alone:
-// p_global (`statistic`: the least one that reaches its limit, null_test.h) and explained_share or
-// curve_share (LeastShare of hypotheses.h).
-// misfit: of the declared terms, without the effect.
-double NeededGain(const Hypothesis& hypothesis, double misfit, double statistic);
+// p_global (`statistic`: the least one that reaches its limit, null_test.h) and what it has to
+// explain, of the misfit (LeastShare of hypotheses.h) or, whichever is less, of the variance.
+// misfit: of the declared terms, without the effect; by_variance: misfit that goes with the
+// variance (LeastVariance).
+double NeededGain(const Hypothesis& hypothesis, double misfit, double statistic,
+                  double by_variance);
 
 // Misfit that an effect takes away without noise, so that with noise it takes away `needed` in 80 %
 // of recordings: the gain of k columns is noncentral chi-square with k degrees of freedom, here by

@@ -15,6 +15,7 @@
 #include "components/identify/fit.h"
 #include "components/trace/confirmation.h"
 #include "components/trace/enough_data.h"
+#include "components/trace/posterior.h"
 
 namespace sinew::trace {
 
@@ -61,7 +62,7 @@ struct FoundEffect {
   // Its terms as fitted where it was judged, linear parameters in their own units
   // (actuator::PhysicalTerm). Empty: the engine of blocks.
   std::vector<actuator::Term> fitted;
-  std::vector<std::string> rivals;
+  Posterior posterior;      // of its name and of others in its place
   double gain_share = 0.0;  // of the misfit, beside the others
   double p = 1.0;
   bool weak_evidence = false;  // fewer than six blocks
@@ -70,6 +71,7 @@ struct FoundEffect {
   double train_before = 0.0, train_after = 0.0, sealed_before = 0.0, sealed_after = 0.0;
 
   bool in_model() const { return term >= 0; }
+  std::vector<std::string> rivals() const { return RivalsOf(posterior); }
 };
 
 // When an event (a payload put on, a push) began in a recording.

@@ -18,6 +18,7 @@
 #include "components/report/errors.h"
 #include "components/report/file/report_file.h"
 #include "components/trace/close_loop.h"
+#include "components/trace/rules.h"
 #include "tools/sinew/close_robot.h"
 #include "tools/sinew/progress.h"
 #include "tools/sinew/shipped.h"
@@ -127,9 +128,7 @@ void AddHistory(const report::Report& report, actuator::JointModel* joint) {
                        report::ErrorText(effect.sealed_after) + " " +
                        std::string(effects::BalanceUnit(effect.balance, joint->kind)) + " on " +
                        JoinNames(report.sealed);
-    for (std::size_t i = 0; i < effect.rivals.size(); ++i) {
-      note += (i == 0 ? "; rivals: " : ", ") + effect.rivals[i];
-    }
+    note += "; " + report::NamedSetText(effect);
     joint->history.push_back({when, effect.name, from, note});
   }
 }
@@ -318,6 +317,12 @@ void MakeFolder(const fs::path& folder) {
   if (error) throw UsageError(folder.string() + ": " + error.message() + ", expected a folder");
 }
 
+std::vector<std::string> RuleNames() {
+  std::vector<std::string> names;
+  for (const trace::Rule& rule : trace::AllRules()) names.emplace_back(rule.id);
+  return names;
+}
+
 CloseLoopResult CloseLoop(const CloseLoopOptions& options) {
   const LoopInput input = LoadLoopInput(options);
   const actuator::JointModel& joint =
@@ -473,6 +478,15 @@ void AddCloseLoopCommand(CLI::App& app) {
   command->add_flag("--keep-unconfirmed", options.keep_unconfirmed,
                     "Effects that the held-out recordings neither confirm nor refute go into "
                     "model.yaml, too");
+  command
+      ->add_option_function<std::vector<std::string>>(
+          "--without-rule",
+          [](const std::vector<std::string>& ids) {
+            for (const std::string& id : ids) trace::TakeOut(id);
+          },
+          "Take a rule out (docs/closing-the-loop.md), to see what it is worth; repeatable")
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(RuleNames()));
   command->add_flag("--json", arguments->json, "Print the report as JSON");
   command->footer(
       "The declared terms are fitted, the residual is traced over the catalogue (`sinew effects`), "

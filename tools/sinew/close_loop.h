@@ -75,6 +75,9 @@ std::vector<report::Recording> Describe(const std::vector<identify::Run>& runs);
 gate::GateReport AskGate(const CloseLoopOptions& options, const std::vector<identify::Run>& runs,
                          const actuator::JointModel& joint);
 
+// What --without-rule takes.
+std::vector<std::string> RuleNames();
+
 // What --accept-fault takes.
 std::vector<std::string> FaultNames();
 

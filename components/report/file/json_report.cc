@@ -187,9 +187,17 @@ Json Detectable(const trace::TraceResult& trace) {
                      {"shape", std::move(shape)}});
   }
   return {{"power", 0.8},
-          {"p_global", trace::rules::kGlobalP.limit},
-          {"explained_share", trace::rules::kExplainedShare.limit},
+          {"p_global", trace::Limit(trace::rules::kGlobalP)},
+          {"explained_share", trace::Limit(trace::rules::kExplainedShare)},
           {"sizes", std::move(sizes)}};
+}
+
+Json PosteriorJson(const trace::Posterior& posterior) {
+  Json out = Json::array();
+  for (const trace::NameProbability& entry : posterior) {
+    out.push_back({{"name", entry.name}, {"probability", entry.probability}});
+  }
+  return out;
 }
 
 Json Rotations(const Report& report, const std::string& unit) {
@@ -200,7 +208,7 @@ Json Rotations(const Report& report, const std::string& unit) {
       for (const trace::FoundEffect& effect : *list) {
         effects.push_back(
             {{"name", effect.name},
-             {"rivals", effect.rivals},
+             {"rivals", effect.rivals()},
              {"confirmation", trace::ConfirmationWord(effect.confirmation.verdict)},
              {"slope", effect.confirmation.slope},
              {"interval_95", {effect.confirmation.lower, effect.confirmation.upper}}});
@@ -237,13 +245,15 @@ std::string FormatJson(const Report& report) {
 
   out["p_global"] = trace.p_global ? Json(*trace.p_global) : Json(nullptr);
   out["faults"] = FaultsJson(report.faults);
+  if (!trace::TakenOut().empty()) out["without_rules"] = trace::TakenOut();
   const auto entry_of = [&](const trace::FoundEffect& effect) {
     const std::string own_unit(effects::BalanceUnit(effect.balance, trace.corrected.kind));
     Json entry = {
         {"name", effect.name},
         {"title", EffectTitle(effect.name)},
         {"balance", BalanceLetter(effect.balance)},
-        {"rivals", effect.rivals},
+        {"rivals", effect.rivals()},
+        {"posterior", PosteriorJson(effect.posterior)},
         {"in_model", effect.in_model()},
         {"parameters", Parameters(FittedTerm(trace, effect), trace.corrected.kind)},
         {"gain", effect.gain_share},

@@ -86,6 +86,27 @@ TEST(Scorer, ExtraNamesAreWrongAndRefutedOnesDoNotCount) {
   EXPECT_TRUE(WrongName(MakeOutcome(Truth("effect", "cogging"), report)));
 }
 
+TEST(Scorer, SetsThatPromiseNinetyPercentAreHeldToIt) {
+  const auto said = [](double own, double rival) {
+    json report = Report("effect", {"stribeck"});
+    report["effects"][0]["rivals"] = {"cogging"};
+    report["effects"][0]["posterior"] = {{{"name", "stribeck"}, {"probability", own}},
+                                         {{"name", "cogging"}, {"probability", rival}},
+                                         {{"name", "spring"}, {"probability", 0.04}}};
+    return report;
+  };
+  const std::vector<Outcome> outcomes = {
+      MakeOutcome(Truth("effect", "cogging"), said(0.6, 0.36)),
+      MakeOutcome(Truth("effect", "spring", 2), said(0.6, 0.36)),
+      MakeOutcome(Truth("effect", "cogging", 3), said(0.5, 0.3)),
+      MakeOutcome(Truth("effect", "stribeck", 4), Report("effect", {"stribeck"}))};
+  EXPECT_NEAR(outcomes[0].found[0].probability, 0.96, 1e-12);
+  EXPECT_NEAR(FromJson(ToJson(outcomes[0])).found[0].probability, 0.96, 1e-12);
+  const Figure figure = FigureOf(outcomes, "sets printed at 90 % and more hold the truth");
+  EXPECT_EQ(figure.hits(), 1);
+  EXPECT_EQ(figure.trials(), 2);
+}
+
 TEST(Scorer, PlainRecordingsFaultsAndStopsAreCounted) {
   const std::vector<Outcome> outcomes = {
       MakeOutcome(Truth("plain"), Report("none")),

@@ -51,7 +51,7 @@ TEST(LikelihoodTracer, AKnownEffectIsFoundFirstAndLowersTheSealedError) {
 TEST(LikelihoodTracer, RivalsThatPredictTheSameAreNamed) {
   const TraceResult result = TraceOf(With("direction_dependent_viscous", 0.12), {.noise_A = 0.2});
   ASSERT_EQ(result.verdict, Verdict::kEffect);
-  std::vector<std::string> named = result.effects.front().rivals;
+  std::vector<std::string> named = result.effects.front().rivals();
   named.push_back(result.effects.front().name);
   EXPECT_NE(std::find(named.begin(), named.end(), "direction_dependent_viscous"), named.end());
 }

@@ -14,7 +14,9 @@ FoundEffect Found(const std::string& name, ConfirmationVerdict verdict, double g
   FoundEffect out;
   out.name = name;
   out.gain_share = gain;
-  out.rivals = std::move(rivals);
+  const double each = 1.0 / static_cast<double>(1 + rivals.size());
+  out.posterior.push_back({name, each});
+  for (const std::string& rival : rivals) out.posterior.push_back({rival, each});
   out.confirmation.verdict = verdict;
   return out;
 }

@@ -2,9 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <fstream>
 #include <set>
 #include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 namespace sinew::trace {
 namespace {
@@ -27,6 +31,23 @@ TEST(TraceRules, ThereAreAtMostTwentyEachWithANameAndASource) {
     EXPECT_FALSE(std::string(rule.statistic).empty()) << rule.id;
     EXPECT_FALSE(std::string(rule.source).empty()) << rule.id;
   }
+}
+
+TEST(TraceRules, OneThatIsTakenOutDecidesNothing) {
+  EXPECT_EQ(Limit(rules::kConstancy), rules::kConstancy.limit);
+  EXPECT_EXIT(
+      {
+        TakeOut("constancy");
+        const bool alone = TakenOut() == std::vector<std::string>{"constancy"};
+        const bool others = Limit(rules::kRaises) == rules::kRaises.limit;
+        std::exit(alone && others && Limit(rules::kConstancy) == rules::kConstancy.off ? 0 : 1);
+      },
+      ::testing::ExitedWithCode(0), "");
+  EXPECT_THROW(TakeOut("constance"), std::invalid_argument);
+}
+
+TEST(TraceRules, EachHasAnotherLimitWhenItIsTakenOut) {
+  for (const Rule& rule : AllRules()) EXPECT_NE(rule.limit, rule.off) << rule.id;
 }
 
 }  // namespace

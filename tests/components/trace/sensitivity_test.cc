@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "components/trace/likelihood_tracer.h"
@@ -37,10 +38,13 @@ TEST(Detectable, BothRulesAreAsked) {
   const double share = rules::kExplainedShare.limit;
   // A long recording is ruled by the share: what is left of the gain after its charge, of the
   // misfit with the effect in it.
-  const double gain = NeededGain(h, 1e5, 3.0);
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  const double gain = NeededGain(h, 1e5, 3.0, kNever);
   EXPECT_NEAR(gain - h.charge, share * (1e5 + gain), 1e-6 * gain);
   // A short one by the p of the whole search.
-  EXPECT_DOUBLE_EQ(NeededGain(h, 100.0, 5.0), GainOfStatistic(5.0, h));
+  EXPECT_DOUBLE_EQ(NeededGain(h, 100.0, 5.0, kNever), GainOfStatistic(5.0, h));
+  // Where noise is coloured, less of the misfit is enough.
+  EXPECT_DOUBLE_EQ(NeededGain(h, 1e5, 3.0, 500.0), 500.0);
 }
 
 // Gains of k columns with that noncentrality, by drawing them.

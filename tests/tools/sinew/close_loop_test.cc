@@ -71,7 +71,7 @@ TEST(CloseLoopOnEmps, TheSameEffectIsFoundAndASecondLowersTheCrossError) {
   EXPECT_EQ(trace.effects[delay_first ? 0 : 1].name, "transport_delay");
   // One trapezoidal speed in either direction: asymmetry of the first or of the second power.
   const trace::FoundEffect& asymmetry = trace.effects[delay_first ? 1 : 0];
-  std::vector<std::string> names = asymmetry.rivals;
+  std::vector<std::string> names = asymmetry.rivals();
   names.push_back(asymmetry.name);
   EXPECT_THAT(names, IsSupersetOf(
                          {"direction_dependent_viscous", "direction_dependent_quadratic_viscous"}));
