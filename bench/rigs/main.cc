@@ -18,6 +18,7 @@
 #include "bench/rigs/figures.h"
 #include "bench/rigs/files.h"
 #include "bench/rigs/outcome.h"
+#include "bench/rigs/variants.h"
 
 namespace sinew::rig_bank {
 namespace {
@@ -80,6 +81,20 @@ void Make(const fs::path& out, int first, int count, const std::string& only, co
   }
 }
 
+void Vary(const fs::path& cases, const fs::path& out, const std::string& only) {
+  int made = 0;
+  for (const auto& entry : fs::directory_iterator(cases)) {
+    const std::string name = entry.path().filename().string();
+    if (!fs::exists(entry.path() / "truth.json") || name.find(only) == std::string::npos) continue;
+    for (const Variant& variant : Variants()) {
+      const fs::path folder = out / (name + "-" + variant.name);
+      if (fs::exists(folder / "truth.json")) continue;
+      made += WriteVariant(entry.path(), variant, folder) ? 1 : 0;
+    }
+  }
+  std::printf("%d variants made\n", made);
+}
+
 std::string Quoted(const fs::path& path) {
   std::string out = "'";
   for (const char c : path.string()) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
@@ -87,14 +102,17 @@ std::string Quoted(const fs::path& path) {
 }
 
 // One subprocess; run.json says how it went.
-void RunCase(const fs::path& sinew, const fs::path& folder, const fs::path& out, int limit_s) {
+void RunCase(const fs::path& sinew, const fs::path& folder, const fs::path& out, int limit_s,
+             const std::vector<std::string>& without) {
   fs::create_directories(out);
+  std::string options;
+  for (const std::string& rule : without) options += " --without-rule " + Quoted(rule);
   const std::string command =
       "timeout " + std::to_string(limit_s) + " " + Quoted(sinew) + " close-loop --model " +
       Quoted(folder / "model.yaml") + " --map " + Quoted(folder / "csv_map.yaml") + " --train " +
       Quoted(folder / "train_1.csv") + " " + Quoted(folder / "train_2.csv") + " " +
       Quoted(folder / "train_3.csv") + " --sealed " + Quoted(folder / "sealed.csv") + " --out " +
-      Quoted(out) + " > " + Quoted(out / "log.txt") + " 2>&1";
+      Quoted(out) + options + " > " + Quoted(out / "log.txt") + " 2>&1";
   const auto start = Clock::now();
   const int status = std::system(command.c_str());
   const int code = status < 0 ? -1 : (status >> 8) & 0xff;
@@ -107,7 +125,8 @@ void RunCase(const fs::path& sinew, const fs::path& folder, const fs::path& out,
 }
 
 void Run(const fs::path& cases, const fs::path& sinew, const fs::path& reports,
-         const std::string& only, int jobs, int limit_s, const Shard& shard) {
+         const std::string& only, int jobs, int limit_s, const Shard& shard,
+         const std::vector<std::string>& without) {
   std::vector<fs::path> folders;
   for (const auto& entry : fs::directory_iterator(cases)) {
     const std::string name = entry.path().filename().string();
@@ -123,7 +142,7 @@ void Run(const fs::path& cases, const fs::path& sinew, const fs::path& reports,
       const fs::path out = reports / folders[i].filename();
       if (!shard.Has(i) || fs::exists(out / "report.json") || fs::exists(out / "run.json"))
         continue;
-      RunCase(sinew, folders[i], out, limit_s);
+      RunCase(sinew, folders[i], out, limit_s, without);
       std::printf("%d: %s\n", ++done, folders[i].filename().c_str());
       std::fflush(stdout);
     }
@@ -145,6 +164,7 @@ int Main(int argc, char** argv) {
   app.require_subcommand(1);
   fs::path out, cases, sinew, reports, jsonl, json;
   std::vector<fs::path> lines;
+  std::vector<std::string> without;
   std::string only, shard = "1/1";
   int first = 1, count = 20, jobs = 1, limit_s = 900;
   bool confusion = false;
@@ -164,6 +184,8 @@ int Main(int argc, char** argv) {
   run->add_option("--jobs", jobs, "processes at a time")->check(CLI::PositiveNumber);
   run->add_option("--limit", limit_s, "seconds after which a case is given up");
   run->add_option("--shard", shard, "K/N: every N-th case, from the K-th on");
+  run->add_option("--without", without,
+                  "rules of the tracer to take out, to see what they are worth");
 
   auto* score = app.add_subcommand("score", "count what the reports say");
   score->add_option("cases", cases, "folder of the cases")->required();
@@ -171,6 +193,15 @@ int Main(int argc, char** argv) {
   score->add_option("--jsonl", jsonl, "outcomes, one a line, for `merge`");
   score->add_option("--json", json, "the figures");
   score->add_flag("--confusion", confusion, "also who was taken for whom");
+
+  auto* vary = app.add_subcommand("vary", "write cases again in other units and at other rates");
+  vary->add_option("cases", cases, "folder of the cases")->required();
+  vary->add_option("--out", out, "folder of the variants")->required();
+  vary->add_option("--only", only, "cases whose name holds this text");
+
+  auto* compare = app.add_subcommand("compare", "what the variants' reports say otherwise");
+  compare->add_option("reports", cases, "folder of the cases' reports")->required();
+  compare->add_option("variants", reports, "folder of the variants' reports")->required();
 
   auto* merge = app.add_subcommand("merge", "count the outcomes of several runs together");
   merge->add_option("files", lines, "outcomes that `score --jsonl` wrote")->required();
@@ -181,7 +212,11 @@ int Main(int argc, char** argv) {
   if (*make) {
     Make(out, first, count, only, ParseShard(shard));
   } else if (*run) {
-    Run(cases, sinew, reports, only, jobs, limit_s, ParseShard(shard));
+    Run(cases, sinew, reports, only, jobs, limit_s, ParseShard(shard), without);
+  } else if (*vary) {
+    Vary(cases, out, only);
+  } else if (*compare) {
+    std::cout << TableOfVariants(cases, reports);
   } else if (*score) {
     const std::vector<Outcome> outcomes = ReadOutcomes(cases, reports);
     if (!jsonl.empty()) {
