@@ -151,24 +151,55 @@ double JointModel::SideTorque(effects::Side side, const effects::JointSample& x,
   return torque;
 }
 
-double JointModel::RequiredDriveInput(const effects::JointSample& x,
-                                      std::span<const double> memory) const noexcept {
+double JointModel::RequiredDriveInput(const effects::JointSample& x, std::span<const double> memory,
+                                      bool* reached) const noexcept {
   // Some passive terms follow the drive (load-dependent friction, saturation): the balance is
-  // implicit in the drive input. The dependence is weak, so the fixed point is reached in a few
+  // implicit in the drive input. Where the dependence is weak the fixed point is reached in a few
   // rounds; a model without such terms stops after the second.
+  constexpr double kReached = 1e-6;
+  if (reached != nullptr) *reached = true;
   effects::JointSample y = x;
   y.drive_input = 1.0;
   const double gain = Torque(effects::Role::kDrive, y, memory);
   y.drive_input = 0.0;
   if (!(gain > 0.0)) return 0.0;
   const double inertia = Torque(effects::Role::kInertia, y, memory);
+  const auto missing = [&](double input) {
+    y.drive_input = input;
+    return -(inertia + Torque(effects::Role::kPassive, y, memory)) / gain - input;
+  };
+  const double without = missing(0.0);
+  if (!std::isfinite(without)) return without;
+  double input = without, change = 0.0;
   for (int round = 0; round < 30; ++round) {
-    const double next = -(inertia + Torque(effects::Role::kPassive, y, memory)) / gain;
-    const double change = next - y.drive_input;
-    y.drive_input = next;
-    if (!(std::abs(change) > 1e-12 * (1.0 + std::abs(next)))) break;
+    change = missing(input);
+    input += change;
+    if (!(std::abs(change) > 1e-12 * (1.0 + std::abs(input)))) break;
   }
-  return y.drive_input;
+  if (std::isfinite(input) && std::abs(change) <= kReached * (1.0 + std::abs(input))) return input;
+
+  // A drive that saturates: its torque has a maximum. The smallest input that is enough, or the one
+  // that comes closest, up to four times the input without saturation.
+  constexpr int kSteps = 16, kTimes = 4, kHalvings = 50;
+  double closest = 0.0, least = std::abs(without);
+  for (int k = 1; k <= kSteps * kTimes; ++k) {
+    const double before = without * (k - 1) / kSteps, after = without * k / kSteps;
+    const double left = missing(after);
+    if (left * without <= 0.0) {
+      double low = before, high = after;
+      for (int i = 0; i < kHalvings; ++i) {
+        const double middle = 0.5 * (low + high);
+        (missing(middle) * without > 0.0 ? low : high) = middle;
+      }
+      return high;
+    }
+    if (std::abs(left) < least) {
+      least = std::abs(left);
+      closest = after;
+    }
+  }
+  if (reached != nullptr) *reached = false;
+  return closest;
 }
 
 double JointModel::RequiredDriveTorque(const effects::JointSample& x,

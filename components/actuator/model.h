@@ -104,9 +104,10 @@ class JointModel {
   double SideTorque(effects::Side side, const effects::JointSample& x,
                     std::span<const double> memory) const noexcept;
   // Drive input (A or V) at which the balance holds; x.drive_input is not read. 0 without a drive
-  // term.
-  double RequiredDriveInput(const effects::JointSample& x,
-                            std::span<const double> memory) const noexcept;
+  // term. Finite for finite x: where no input gives the torque (a drive that saturates), the one
+  // that comes closest, and reached, if asked for, is false.
+  double RequiredDriveInput(const effects::JointSample& x, std::span<const double> memory,
+                            bool* reached = nullptr) const noexcept;
   // Drive torque at the output that x needs: -(inertia + passive terms), terms that follow the
   // drive included; x.drive_input is not read. Feed-forward uses this.
   double RequiredDriveTorque(const effects::JointSample& x,

@@ -10,6 +10,23 @@
 namespace sinew::identify {
 
 namespace {
+// Drive input that the model needs for the motion of a segment; counts rows whose torque no input
+// gives.
+Eigen::VectorXd RequiredDrive(const actuator::JointModel& model, const StateSegment& segment,
+                              Eigen::Index* beyond) {
+  std::vector<double> memory(static_cast<std::size_t>(model.memory_size()));
+  Eigen::VectorXd out(segment.size());
+  model.ResetMemory(segment.samples.front(), memory);
+  for (Eigen::Index i = 0; i < segment.size(); ++i) {
+    const effects::JointSample& x = segment.samples[static_cast<std::size_t>(i)];
+    if (i > 0) model.Advance(x, segment.period_s, memory);
+    bool reached = true;
+    out[i] = model.RequiredDriveInput(x, memory, &reached);
+    *beyond += reached ? 0 : 1;
+  }
+  return out;
+}
+
 // Rows of a segment without which its drive keeps the rate that was measured.
 constexpr Eigen::Index kLeastForRate = 9;
 
@@ -192,22 +209,27 @@ void Design::Centre(Eigen::Ref<Eigen::VectorXd> column) const {
 
 void Design::PredictDrive(const actuator::JointModel& model) {
   if (states_.locked) return;  // the drive has no part in that balance
-  std::vector<double> memory(static_cast<std::size_t>(model.memory_size()));
+  // A drive that acts late acts at the rate of what is needed, not of what is asked for early.
+  actuator::JointModel prompt = model;
+  std::erase_if(prompt.terms,
+                [](const actuator::Term& term) { return term.effect->info().follows_record; });
+  Eigen::Index beyond = 0, rows = 0;
   for (StateSegment& segment : states_.segments) {
-    model.ResetMemory(segment.samples.front(), memory);
-    Eigen::VectorXd drive(segment.size());
-    for (Eigen::Index i = 0; i < segment.size(); ++i) {
-      effects::JointSample& x = segment.samples[static_cast<std::size_t>(i)];
-      if (i > 0) model.Advance(x, segment.period_s, memory);
-      drive[i] = x.drive_input = model.RequiredDriveInput(x, memory);
-    }
+    Eigen::Index unused = 0;
     const bool predicted = predicted_rate_ && !segment.held && segment.size() >= kLeastForRate;
     const Eigen::VectorXd rate =
-        predicted ? WideDifference(drive, segment.period_s) : segment.drive_rate;
+        predicted ? WideDifference(RequiredDrive(prompt, segment, &unused), segment.period_s)
+                  : segment.drive_rate;
     for (Eigen::Index i = 0; i < segment.size(); ++i) {
       segment.samples[static_cast<std::size_t>(i)].drive_rate = rate[i];
     }
+    const Eigen::VectorXd drive = RequiredDrive(model, segment, &beyond);
+    rows += segment.size();
+    for (Eigen::Index i = 0; i < segment.size(); ++i) {
+      segment.samples[static_cast<std::size_t>(i)].drive_input = drive[i];
+    }
   }
+  beyond_drive_ = rows > 0 ? static_cast<double>(beyond) / static_cast<double>(rows) : 0.0;
 }
 
 double Design::NoiseShare(const std::vector<Eigen::VectorXd>& full,

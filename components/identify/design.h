@@ -104,6 +104,9 @@ class Design {
   // is spread over the rows beside it; the predicted one has the noise of the jerk.
   void UsePredictedRate(bool predicted) { predicted_rate_ = predicted; }
 
+  // Share of the rows whose torque no input of the model's drive gives, at the last prediction.
+  double beyond_drive() const { return beyond_drive_; }
+
   // Moves the clock that effects see in one recording (JointSample::time_s, not Rows::time_s), so
   // that something that began at different instants begins at one instant of it. Replaces an
   // earlier offset.
@@ -132,6 +135,7 @@ class Design {
   Rows rows_;
   std::map<int, double> clocks_;
   bool predicted_rate_ = false;
+  double beyond_drive_ = 0.0;
 };
 
 }  // namespace sinew::identify

@@ -268,6 +268,15 @@ class Judge {
     return false;
   }
 
+  // Shapes and coefficients that the recordings show.
+  std::size_t Parameters(const Hypothesis& h) const {
+    const auto& columns = h.settings.front().columns;
+    const auto shown = std::count_if(columns.begin(), columns.end(), [&](Eigen::Index j) {
+      return problem_.evidence.reduced()(j, j) > 0.0;
+    });
+    return h.effect->info().nonlinear.size() + static_cast<std::size_t>(shown);
+  }
+
   // Every name at its best setting in a member's place, and what the set loses by it.
   struct Replacement {
     std::map<std::string, Alternative> possible;
@@ -291,8 +300,7 @@ class Judge {
       if (h != set.members[member] && !Physical(problem_.evidence, hypotheses, other)) continue;
       const auto at = out.sets.find(name);
       if (at != out.sets.end() && at->second.net >= other.net) continue;
-      const effects::EffectInfo& info = hypotheses[h].effect->info();
-      out.possible[name] = {set.net - other.net, info.linear.size() + info.nonlinear.size()};
+      out.possible[name] = {set.net - other.net, Parameters(hypotheses[h])};
       out.sets[name] = std::move(other);
     }
     std::erase_if(out.possible, [&](const auto& entry) {

@@ -89,6 +89,33 @@ TEST(JointModel, NeedsTheDriveTorqueAtWhichNothingRemains) {
   }
 }
 
+// N Kt (0.77 I - s I^3) has its maximum at I = sqrt(0.77 / 3 s).
+TEST(JointModel, ADriveThatSaturatesIsAskedForWhatItCanGive) {
+  JointModel model = Rig({"torque_constant_saturation"});
+  constexpr double kSaturation = 0.01;
+  model.terms.back().linear[0].value = kSaturation;
+  const double peak = std::sqrt(0.77 / (3.0 * kSaturation));
+  effects::JointSample x = Sample();
+  bool reached = false;
+  // Where the fixed point does not converge any more.
+  for (const double input : {0.5 * peak, 0.9 * peak, -0.99 * peak}) {
+    x.acceleration_rad_s2 = x.motor_acceleration_rad_s2 = 0.0;
+    x.drive_input = input;
+    x.load_force_N = 0.0;
+    const double alone = model.Residual(x, {});
+    x.load_force_N = 1.0;
+    x.load_force_N = alone / (alone - model.Residual(x, {}));  // the hand closes the balance
+    x.drive_input = 0.0;
+    EXPECT_NEAR(model.RequiredDriveInput(x, {}, &reached), input, 1e-5 * peak);
+    EXPECT_TRUE(reached);
+  }
+  x.load_force_N += 1000.0;
+  const double most = model.RequiredDriveInput(x, {}, &reached);
+  EXPECT_FALSE(reached);
+  EXPECT_TRUE(std::isfinite(most));
+  EXPECT_LT(std::abs(most), 1e3 * peak);
+}
+
 TEST(JointModel, KeepsTheMemoryOfEachTermApart) {
   JointModel model = Rig({"seal_hysteresis", "seal_hysteresis"});
   model.terms[10].linear[0].value = 0.1;

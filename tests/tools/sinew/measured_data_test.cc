@@ -87,14 +87,10 @@ TEST_P(PendulumServo, LoadDependentGearFrictionIsFoundAndNoStribeck) {
   const double gain = 4096.0 / (2.0 * M_PI) / (256.0 * 885.0) * sealed;
   EXPECT_NEAR(run.errors->models[1].runs[0].servo_gain, gain, 0.02 * gain);
   EXPECT_EQ(run.errors->models[1].diverged, 0);
-  // Mean absolute error of the angle over all four motions, torque off and swinging included. The
-  // compliance that is named beside the friction helps the torque (README), not this; a candidate
-  // that lets the drive run away stands between, and how far depends on the processor's rounding:
-  // below 0.064 rad on one, 0.0705 on another.
-  EXPECT_LT(run.errors->models[1].mean_abs, 0.08);
-  if (sealed == 100) {
-    EXPECT_LT(run.errors->models[1].mean_abs, run.errors->models[0].mean_abs);
-  }
+  // Mean absolute error of the angle over all four motions, torque off and swinging included. On
+  // 100 a compliance is named beside the friction, which helps the torque (README), not this.
+  EXPECT_LT(run.errors->models[1].mean_abs, 0.064);
+  EXPECT_LT(run.errors->models[1].mean_abs, run.errors->models[0].mean_abs);
 }
 
 INSTANTIATE_TEST_SUITE_P(Sealed, PendulumServo,
