@@ -10,19 +10,21 @@
 namespace sinew::identify {
 
 namespace {
-// Drive input that the model needs for the motion of a segment; counts rows whose torque no input
-// gives.
-Eigen::VectorXd RequiredDrive(const actuator::JointModel& model, const StateSegment& segment,
-                              Eigen::Index* beyond) {
+// Drive input that the model needs for the motion of a segment.
+struct Drive {
+  Eigen::VectorXd input;
+  Eigen::Index beyond = 0;  // rows whose torque no input gives
+};
+Drive RequiredDrive(const actuator::JointModel& model, const StateSegment& segment) {
   std::vector<double> memory(static_cast<std::size_t>(model.memory_size()));
-  Eigen::VectorXd out(segment.size());
+  Drive out{.input = Eigen::VectorXd(segment.size())};
   model.ResetMemory(segment.samples.front(), memory);
   for (Eigen::Index i = 0; i < segment.size(); ++i) {
     const effects::JointSample& x = segment.samples[static_cast<std::size_t>(i)];
     if (i > 0) model.Advance(x, segment.period_s, memory);
     bool reached = true;
-    out[i] = model.RequiredDriveInput(x, memory, &reached);
-    *beyond += reached ? 0 : 1;
+    out.input[i] = model.RequiredDriveInput(x, memory, &reached);
+    out.beyond += reached ? 0 : 1;
   }
   return out;
 }
@@ -211,23 +213,26 @@ void Design::PredictDrive(const actuator::JointModel& model) {
   if (states_.locked) return;  // the drive has no part in that balance
   // A drive that acts late acts at the rate of what is needed, not of what is asked for early.
   actuator::JointModel prompt = model;
-  std::erase_if(prompt.terms,
-                [](const actuator::Term& term) { return term.effect->info().follows_record; });
+  const bool late = std::erase_if(prompt.terms, [](const actuator::Term& term) {
+                      return term.effect->info().follows_record;
+                    }) > 0;
   Eigen::Index beyond = 0, rows = 0;
   for (StateSegment& segment : states_.segments) {
-    Eigen::Index unused = 0;
     const bool predicted = predicted_rate_ && !segment.held && segment.size() >= kLeastForRate;
+    // Nothing else reads the rate: without what follows it, one prediction gives both.
+    Drive drive;
+    if (predicted || !late) drive = RequiredDrive(prompt, segment);
     const Eigen::VectorXd rate =
-        predicted ? WideDifference(RequiredDrive(prompt, segment, &unused), segment.period_s)
-                  : segment.drive_rate;
+        predicted ? WideDifference(drive.input, segment.period_s) : segment.drive_rate;
     for (Eigen::Index i = 0; i < segment.size(); ++i) {
       segment.samples[static_cast<std::size_t>(i)].drive_rate = rate[i];
     }
-    const Eigen::VectorXd drive = RequiredDrive(model, segment, &beyond);
-    rows += segment.size();
+    if (late) drive = RequiredDrive(model, segment);
     for (Eigen::Index i = 0; i < segment.size(); ++i) {
-      segment.samples[static_cast<std::size_t>(i)].drive_input = drive[i];
+      segment.samples[static_cast<std::size_t>(i)].drive_input = drive.input[i];
     }
+    beyond += drive.beyond;
+    rows += segment.size();
   }
   beyond_drive_ = rows > 0 ? static_cast<double>(beyond) / static_cast<double>(rows) : 0.0;
 }

@@ -282,9 +282,8 @@ class Judge {
     std::map<std::string, Alternative> possible;
     std::map<std::string, EffectSet> sets;
   };
-  Replacement Replace(std::size_t member) const {
+  Replacement Replace(std::size_t member, const EffectSet& without) const {
     const EffectSet& set = out_.chosen;
-    const EffectSet without = Without(problem_, set, member);
     const std::vector<Hypothesis>& hypotheses = problem_.hypotheses();
     Replacement out;
     for (std::size_t h = 0; h < hypotheses.size(); ++h) {
@@ -315,9 +314,10 @@ class Judge {
   // Of every member; the most probable name takes its place.
   void RankNames() {
     for (std::size_t k = 0; k < out_.chosen.members.size(); ++k) {
-      Replacement replacement = Replace(k);
-      const double gain = out_.chosen.net - Without(problem_, out_.chosen, k).net;
-      out_.posteriors.push_back(PosteriorOfNames(gain, replacement.possible));
+      const EffectSet without = Without(problem_, out_.chosen, k);
+      Replacement replacement = Replace(k, without);
+      out_.posteriors.push_back(
+          PosteriorOfNames(out_.chosen.net - without.net, replacement.possible));
       out_.chosen = std::move(replacement.sets.at(out_.posteriors.back().front().name));
     }
   }

@@ -155,16 +155,17 @@ class Correction {
     std::move(open.begin(), open.end(), std::back_inserter(found));
   }
 
-  // Could the motion have been driven, had the fitted model been true?
-  bool Drivable() const {
+  double SealedError() const { return identify::ErrorOf(sealed_, corrected_.model, declared_).rms; }
+
+  // Could the motion have been driven, had the fitted model been true? sealed_error: its own.
+  bool Drivable(double sealed_error) const {
     return train_.beyond_drive() <= kMostBeyondDrive &&
-           sealed_.beyond_drive() <= kMostBeyondDrive &&
-           std::isfinite(identify::ErrorOf(sealed_, corrected_.model, declared_).rms);
+           sealed_.beyond_drive() <= kMostBeyondDrive && std::isfinite(sealed_error);
   }
 
   // Where the drive cannot give what the set asks of it: the first member without which it can.
   std::optional<std::size_t> RunningAway() {
-    if (Drivable()) return std::nullopt;
+    if (Drivable(SealedError())) return std::nullopt;
     const EffectSet all = set_;
     std::optional<std::size_t> out;
     for (std::size_t k = 0; k < all.members.size() && !out && all.members.size() > 1; ++k) {
@@ -172,7 +173,7 @@ class Correction {
       corrected_ = base_.fit;
       PredictDrive(base_.fit.model);
       Fit();
-      if (Drivable()) out = k;
+      if (Drivable(SealedError())) out = k;
     }
     set_ = all;
     return out;
@@ -244,12 +245,12 @@ class Correction {
     found.train_before = identify::ErrorOf(train_, without.model, declared_).rms;
     found.train_after = identify::ErrorOf(train_, corrected_.model, declared_).rms;
     found.sealed_before = identify::ErrorOf(sealed_, without.model, declared_).rms;
-    found.sealed_after = identify::ErrorOf(sealed_, corrected_.model, declared_).rms;
+    found.sealed_after = SealedError();
     found.confirmation =
         trace::Confirm(sealed_, LikelihoodOf(sealed_, corrected_, 0), without, corrected_);
     const bool raises = found.sealed_after > Limit(rules::kRaises) * found.sealed_before;
-    if (!Drivable() || raises || !DiffersFromZero(corrected_, k) || !DiffersFromZero(chosen_, k) ||
-        RaisesTheWhole(without.model, found.confirmation)) {
+    if (!Drivable(found.sealed_after) || raises || !DiffersFromZero(corrected_, k) ||
+        !DiffersFromZero(chosen_, k) || RaisesTheWhole(without.model, found.confirmation)) {
       found.confirmation.verdict = ConfirmationVerdict::kRefuted;
     }
     return found;

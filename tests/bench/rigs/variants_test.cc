@@ -5,7 +5,9 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "components/actuator/file/model_file.h"
 #include "tests/support/temporary_folder.h"
