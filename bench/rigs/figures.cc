@@ -78,6 +78,7 @@ bool Moving(const Outcome& o) { return o.excitation != "locked"; }
 bool StrongDesigned(const Outcome& o) {
   return OneEffect(o) && o.strength == "strong" && o.excitation == "designed";
 }
+bool Planted(const Outcome& o) { return o.kind == "planted"; }
 bool Abstains(const Outcome& o) {
   return (o.verdict == "unexplained" || o.verdict == "none") && !Names(o);
 }
@@ -125,6 +126,7 @@ const Rule kRules[] = {
      [](const Outcome& o) { return o.kind == "plain" && Moving(o); },
      [](const Outcome& o) { return o.verdict == "none"; }},
     {"sets printed at 90 % and more hold the truth", false, SaysNinety, RightClass},
+    {"planted at its detectable size: found", false, Planted, RightClass},
     {"structured ignorance named", true, [](const Outcome& o) { return o.kind == "ignorance"; },
      Names},
     {"outside: abstains", false,
@@ -257,12 +259,12 @@ Figures CountFigures(const std::vector<Outcome>& outcomes) {
   return out;
 }
 
-std::string TableOf(const Figures& figures) {
+std::string TableOfShares(const std::vector<Figure>& shares) {
   std::string out =
       "figure                                                        hits of cases     %    exact "
       "95 %   by rig 95 %\n";
   char line[240];
-  for (const Figure& figure : figures.shares) {
+  for (const Figure& figure : shares) {
     const int hits = figure.hits(), trials = figure.trials();
     if (trials == 0) continue;
     const auto [low, high] = ClopperPearson(hits, trials);
@@ -273,6 +275,30 @@ std::string TableOf(const Figures& figures) {
                   figure.low_is_good ? "  (low is good)" : "");
     out += line;
   }
+  return out;
+}
+
+std::string PlantedTableOf(const std::vector<Outcome>& outcomes) {
+  std::map<std::string, std::pair<int, int>> of_effect;  // found, trials
+  for (const Outcome& outcome : outcomes) {
+    if (!Planted(outcome)) continue;
+    auto& [found, trials] = of_effect[outcome.effects.front().name];
+    found += RightClass(outcome) ? 1 : 0;
+    ++trials;
+  }
+  std::string out;
+  char line[120];
+  for (const auto& [name, counts] : of_effect) {
+    std::snprintf(line, sizeof line, "  planted %-30s found %4d of %4d  %5.1f %%\n", name.c_str(),
+                  counts.first, counts.second, 100.0 * counts.first / counts.second);
+    out += line;
+  }
+  return out;
+}
+
+std::string TableOf(const Figures& figures) {
+  std::string out = TableOfShares(figures.shares);
+  char line[120];
   if (figures.p_count > 0) {
     std::snprintf(line, sizeof line,
                   "p_global on plain recordings: KS distance %.3f of %d (95 %% limit %.3f)\n",

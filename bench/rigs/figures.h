@@ -40,7 +40,10 @@ struct Figures {
   double seconds_median = 0.0, seconds_95 = 0.0;
 };
 Figures CountFigures(const std::vector<Outcome>& outcomes);
+std::string TableOfShares(const std::vector<Figure>& shares);
 std::string TableOf(const Figures& figures);
+// Cases of kind `planted`: by effect how many were found; empty: there are none.
+std::string PlantedTableOf(const std::vector<Outcome>& outcomes);
 // Who was taken for whom: a line per true effect.
 std::string ConfusionOf(const std::vector<Outcome>& outcomes);
 nlohmann::json ToJson(const Figures& figures);

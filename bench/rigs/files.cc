@@ -233,7 +233,21 @@ void WriteCase(const std::filesystem::path& folder, const Rig& rig, const CaseFi
   Write(folder / "truth.json", TruthOf(rig, files).dump(1) + "\n");
 }
 
-CaseFiles MakeCase(const Rig& rig, const Case& what, const Sizer& sizer) {
+std::vector<std::vector<Reading>> ReadRecordings(const Rig& rig, const Run& run,
+                                                 const std::string& name) {
+  std::vector<std::vector<Reading>> out;
+  for (int i = 0; i < kRecordings; ++i) {
+    out.push_back(ReadWithNoise(rig, run.rows[static_cast<std::size_t>(i)], i));
+    for (const Reading& reading : out.back()) {
+      if (!std::isfinite(reading.position + reading.drive + reading.pressure_bar)) {
+        throw std::runtime_error(name + ": the simulation diverged");
+      }
+    }
+  }
+  return out;
+}
+
+CaseFiles MakeCase(const Rig& rig, const Case& what, const Sizer& sizer, double noise_share) {
   CaseFiles out;
   out.what = what;
   const bool all = what.kind == CaseKind::kPair;
@@ -264,14 +278,9 @@ CaseFiles MakeCase(const Rig& rig, const Case& what, const Sizer& sizer) {
   }
   const Run run = Play(rig, effects, what.excitation);
   out.together = sizer.Measure(run, shows);
-  for (int i = 0; i < kRecordings; ++i) {
-    out.recordings.push_back(ReadWithNoise(rig, run.rows[static_cast<std::size_t>(i)], i));
-    for (const Reading& reading : out.recordings.back()) {
-      if (!std::isfinite(reading.position + reading.drive + reading.pressure_bar)) {
-        throw std::runtime_error(what.name + ": the simulation diverged");
-      }
-    }
-  }
+  Rig logged = rig;
+  logged.noise_share = noise_share;
+  out.recordings = ReadRecordings(logged, run, what.name);
   if (!what.fault.empty()) out.fault_rows = PlantFault(rig, what.fault, out.recordings);
   return out;
 }

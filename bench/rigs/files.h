@@ -35,7 +35,13 @@ nlohmann::json TruthOf(const rigs::Rig& rig, const CaseFiles& files);
 // truth.json last, so that a folder without it is one that is not finished.
 void WriteCase(const std::filesystem::path& folder, const rigs::Rig& rig, const CaseFiles& files);
 
-// Makes one case; sizers are shared between the cases of a rig.
-CaseFiles MakeCase(const rigs::Rig& rig, const rigs::Case& what, const rigs::Sizer& sizer);
+// What the log holds of a run; fails where the simulation diverged (std::runtime_error).
+std::vector<std::vector<rigs::Reading>> ReadRecordings(const rigs::Rig& rig, const rigs::Run& run,
+                                                       const std::string& name);
+
+// Makes one case; sizers are shared between the cases of a rig. noise_share: of the rig's noise in
+// the recordings; sizes are those with all of it.
+CaseFiles MakeCase(const rigs::Rig& rig, const rigs::Case& what, const rigs::Sizer& sizer,
+                   double noise_share = 1.0);
 
 }  // namespace sinew::rig_bank

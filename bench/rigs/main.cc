@@ -18,6 +18,8 @@
 #include "bench/rigs/figures.h"
 #include "bench/rigs/files.h"
 #include "bench/rigs/outcome.h"
+#include "bench/rigs/planting.h"
+#include "bench/rigs/true_set.h"
 #include "bench/rigs/variants.h"
 
 namespace sinew::rig_bank {
@@ -51,7 +53,8 @@ bool Matches(const rigs::Case& c, const rigs::Rig& rig, const std::string& patte
   return text.find(pattern) != std::string::npos;
 }
 
-void Make(const fs::path& out, int first, int count, const std::string& only, const Shard& shard) {
+void Make(const fs::path& out, int first, int count, const std::string& only, const Shard& shard,
+          double noise_share) {
   fs::create_directories(out);
   int made = 0, kept = 0;
   const auto start = Clock::now();
@@ -69,7 +72,7 @@ void Make(const fs::path& out, int first, int count, const std::string& only, co
       auto& sizer = sizers[static_cast<int>(what.excitation)];
       if (!sizer) sizer = std::make_unique<rigs::Sizer>(rig, what.excitation);
       try {
-        WriteCase(folder, rig, MakeCase(rig, what, *sizer));
+        WriteCase(folder, rig, MakeCase(rig, what, *sizer, noise_share));
         ++made;
       } catch (const std::runtime_error& error) {  // one case less, said and counted
         std::cerr << error.what() << ", left out\n";
@@ -101,12 +104,24 @@ std::string Quoted(const fs::path& path) {
   return out + "'";
 }
 
+// What the tracer is asked beside the recordings.
+struct Asked {
+  std::vector<std::string> without;  // rules
+  bool true_set = false;             // what is truly there is given
+};
+
 // One subprocess; run.json says how it went.
 void RunCase(const fs::path& sinew, const fs::path& folder, const fs::path& out, int limit_s,
-             const std::vector<std::string>& without) {
-  fs::create_directories(out);
+             const Asked& asked) {
   std::string options;
-  for (const std::string& rule : without) options += " --without-rule " + Quoted(rule);
+  for (const std::string& rule : asked.without) options += " --without-rule " + Quoted(rule);
+  if (asked.true_set) {
+    std::ifstream truth(folder / "truth.json");
+    const std::vector<std::string> given = TrueSetOptions(nlohmann::json::parse(truth));
+    if (given.empty()) return;
+    for (const std::string& word : given) options += " " + Quoted(word);
+  }
+  fs::create_directories(out);
   const std::string command =
       "timeout " + std::to_string(limit_s) + " " + Quoted(sinew) + " close-loop --model " +
       Quoted(folder / "model.yaml") + " --map " + Quoted(folder / "csv_map.yaml") + " --train " +
@@ -125,8 +140,7 @@ void RunCase(const fs::path& sinew, const fs::path& folder, const fs::path& out,
 }
 
 void Run(const fs::path& cases, const fs::path& sinew, const fs::path& reports,
-         const std::string& only, int jobs, int limit_s, const Shard& shard,
-         const std::vector<std::string>& without) {
+         const std::string& only, int jobs, int limit_s, const Shard& shard, const Asked& asked) {
   std::vector<fs::path> folders;
   for (const auto& entry : fs::directory_iterator(cases)) {
     const std::string name = entry.path().filename().string();
@@ -142,7 +156,7 @@ void Run(const fs::path& cases, const fs::path& sinew, const fs::path& reports,
       const fs::path out = reports / folders[i].filename();
       if (!shard.Has(i) || fs::exists(out / "report.json") || fs::exists(out / "run.json"))
         continue;
-      RunCase(sinew, folders[i], out, limit_s, without);
+      RunCase(sinew, folders[i], out, limit_s, asked);
       std::printf("%d: %s\n", ++done, folders[i].filename().c_str());
       std::fflush(stdout);
     }
@@ -155,6 +169,7 @@ void Run(const fs::path& cases, const fs::path& sinew, const fs::path& reports,
 void Print(const std::vector<Outcome>& outcomes, const fs::path& json, bool confusion) {
   const Figures figures = CountFigures(outcomes);
   std::cout << outcomes.size() << " cases\n" << TableOf(figures);
+  std::cout << PlantedTableOf(outcomes);
   if (confusion) std::cout << "\n" << ConfusionOf(outcomes);
   if (!json.empty()) std::ofstream(json) << ToJson(figures).dump(1) << "\n";
 }
@@ -162,11 +177,12 @@ void Print(const std::vector<Outcome>& outcomes, const fs::path& json, bool conf
 int Main(int argc, char** argv) {
   CLI::App app{"The bank of rigs: draws rigs, hides effects in them, asks a tracer, counts"};
   app.require_subcommand(1);
-  fs::path out, cases, sinew, reports, jsonl, json;
+  fs::path out, cases, sinew, reports, jsonl, json, true_sets, quiet;
   std::vector<fs::path> lines;
-  std::vector<std::string> without;
+  Asked asked;
   std::string only, shard = "1/1";
-  int first = 1, count = 20, jobs = 1, limit_s = 900;
+  int first = 1, count = 20, trials = 500, jobs = 1, limit_s = 900;
+  double noise_share = 1.0;
   bool confusion = false;
 
   auto* make = app.add_subcommand("make", "draw rigs and write their cases");
@@ -175,6 +191,8 @@ int Main(int argc, char** argv) {
   make->add_option("--count", count, "number of rigs")->check(CLI::PositiveNumber);
   make->add_option("--only", only, "cases whose name, family or candidates hold this text");
   make->add_option("--shard", shard, "K/N: every N-th rig, from the K-th on");
+  make->add_option("--noise", noise_share, "share of the rig's noise that the recordings have")
+      ->check(CLI::PositiveNumber);
 
   auto* run = app.add_subcommand("run", "ask the program of every case that has no report yet");
   run->add_option("cases", cases, "folder of the cases")->required();
@@ -184,8 +202,9 @@ int Main(int argc, char** argv) {
   run->add_option("--jobs", jobs, "processes at a time")->check(CLI::PositiveNumber);
   run->add_option("--limit", limit_s, "seconds after which a case is given up");
   run->add_option("--shard", shard, "K/N: every N-th case, from the K-th on");
-  run->add_option("--without", without,
+  run->add_option("--without", asked.without,
                   "rules of the tracer to take out, to see what they are worth");
+  run->add_flag("--true-set", asked.true_set, "give the effects that are there, for `true-set`");
 
   auto* score = app.add_subcommand("score", "count what the reports say");
   score->add_option("cases", cases, "folder of the cases")->required();
@@ -203,6 +222,19 @@ int Main(int argc, char** argv) {
   compare->add_option("reports", cases, "folder of the cases' reports")->required();
   compare->add_option("variants", reports, "folder of the variants' reports")->required();
 
+  auto* plant = app.add_subcommand("plant", "write cases with effects of their detectable size");
+  plant->add_option("cases", cases, "folder of the cases")->required();
+  plant->add_option("--reports", reports, "folder of the cases' reports")->required();
+  plant->add_option("--out", out, "folder of the planted cases")->required();
+  plant->add_option("--count", trials, "trials, shared out evenly among the effects");
+
+  auto* true_set = app.add_subcommand("true-set", "reports beside those of the true sets");
+  true_set->add_option("cases", cases, "folder of the cases")->required();
+  true_set->add_option("--reports", reports, "folder of the reports")->required();
+  true_set->add_option("--true-sets", true_sets, "folder of `run --true-set`")->required();
+  true_set->add_option("--quiet", quiet,
+                       "folder of `run --true-set` on the cases of `make --noise 0.1`");
+
   auto* merge = app.add_subcommand("merge", "count the outcomes of several runs together");
   merge->add_option("files", lines, "outcomes that `score --jsonl` wrote")->required();
   merge->add_option("--json", json, "the figures");
@@ -210,13 +242,17 @@ int Main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
 
   if (*make) {
-    Make(out, first, count, only, ParseShard(shard));
+    Make(out, first, count, only, ParseShard(shard), noise_share);
   } else if (*run) {
-    Run(cases, sinew, reports, only, jobs, limit_s, ParseShard(shard), without);
+    Run(cases, sinew, reports, only, jobs, limit_s, ParseShard(shard), asked);
   } else if (*vary) {
     Vary(cases, out, only);
   } else if (*compare) {
     std::cout << TableOfVariants(cases, reports);
+  } else if (*plant) {
+    std::printf("%d trials made\n", PlantAll(cases, reports, trials, out));
+  } else if (*true_set) {
+    std::cout << TableOf(CompareWithTrueSets(cases, reports, true_sets, quiet));
   } else if (*score) {
     const std::vector<Outcome> outcomes = ReadOutcomes(cases, reports);
     if (!jsonl.empty()) {

@@ -1,5 +1,10 @@
 #include "components/arm/arm_loop.h"
 
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+
 namespace sinew::arm {
 
 ArmLoop FitArm(const Arm& arm, const actuator::RobotModel& robot,
@@ -20,6 +25,30 @@ ArmLoop FitArm(const Arm& arm, const actuator::RobotModel& robot,
   arm.AddRigidTorque(loop.before, of_joint, robot, train);
   arm.AddRigidTorque(loop.before, of_joint, robot, sealed);
   return loop;
+}
+
+ArmError Pooled(const std::vector<ArmError>& errors, const std::vector<double>& rows) {
+  if (errors.empty() || errors.size() != rows.size()) {
+    throw std::invalid_argument("errors of " + std::to_string(errors.size()) +
+                                " recordings, expected as many as weights (" +
+                                std::to_string(rows.size()) + "), one at least");
+  }
+  const double all = std::accumulate(rows.begin(), rows.end(), 0.0);
+  const auto mean = [&](const auto& of) {
+    double squares = 0.0;
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+      squares += rows[i] / all * std::pow(of(errors[i]), 2);
+    }
+    return std::sqrt(squares);
+  };
+  ArmError out = errors.front();
+  out.all_relative_percent = mean([](const ArmError& e) { return e.all_relative_percent; });
+  out.nrms_percent = mean([](const ArmError& e) { return e.nrms_percent; });
+  for (std::size_t j = 0; j < out.rms_Nm.size(); ++j) {
+    out.rms_Nm[j] = mean([j](const ArmError& e) { return e.rms_Nm[j]; });
+    out.relative_percent[j] = mean([j](const ArmError& e) { return e.relative_percent[j]; });
+  }
+  return out;
 }
 
 double HeldOutError(const Arm& arm, const actuator::RobotModel& robot, const ArmRuns& train,

@@ -21,6 +21,10 @@ struct ArmLoop {
 ArmLoop FitArm(const Arm& arm, const actuator::RobotModel& robot,
                const identify::ProcessingOptions& wished, ArmRuns* train, ArmRuns* sealed);
 
+// Mean of the squares of errors on recordings, each weighted by its rows. Throws
+// std::invalid_argument unless there is a weight for each.
+ArmError Pooled(const std::vector<ArmError>& errors, const std::vector<double>& rows);
+
 // Of all joints fitted together to train, on the sealed recordings: mean of rms over twice the
 // effort limit, per cent; relative without limits.
 double HeldOutError(const Arm& arm, const actuator::RobotModel& robot, const ArmRuns& train,

@@ -135,26 +135,48 @@ std::string Found(const Report& report) {
                   : "") +
              " (" + Short(trace.unexplained.rms) + " " +
              std::string(effects::BalanceUnit(trace.unexplained.balance, trace.corrected.kind)) +
-             " rms), and no effect of the catalogue explains it.";
+             " rms), and " +
+             (report.given ? "what was given does not explain it."
+                           : "no effect of the catalogue explains it.");
     case trace::Verdict::kTooLittleData:
       return "There is too little data to judge: " + trace.too_little->reason +
              ". Nothing was fitted.";
     case trace::Verdict::kNone:
       break;
   }
-  return "No effect beyond the declared model can be shown: the refitted model leaves " +
+  return (report.given ? "The refitted model leaves "
+                       : "No effect beyond the declared model can be shown: the refitted model "
+                         "leaves ") +
          Short(trace.before_sealed.rms) + " " + unit + " rms on the held-out recordings" +
          (trace.noise_floor_rms > 0.0
               ? ", the noise floor is " + Short(trace.noise_floor_rms) + " " + unit + "."
               : ".");
 }
 
+// What was given, and which of it the recordings leave open.
+std::string GivenSentence(const std::set<std::string>& given, const trace::TraceResult& trace) {
+  std::vector<std::string> names(given.begin(), given.end()), open;
+  for (const std::string& name : names) {
+    const bool fitted =
+        std::any_of(trace.effects.begin(), trace.effects.end(),
+                    [&](const trace::FoundEffect& effect) { return effect.name == name; });
+    if (!fitted) open.push_back(name);
+  }
+  std::string out =
+      "Given, not searched for: " + (names.empty() ? "no effect" : Join(names, " and ")) + ". ";
+  if (!open.empty())
+    out += "These recordings give no possible size of " + Join(open, " and ") + ". ";
+  return out;
+}
+
 }  // namespace
 
 std::string VerdictSentence(const Report& report) {
   if (report.trace.too_little) return Found(report);
-  const std::string rise = RiseSentence(report);
-  return rise.empty() ? Found(report) : rise + " " + Found(report);
+  std::string out = RiseSentence(report);
+  if (!out.empty()) out += " ";
+  if (report.given) out += GivenSentence(*report.given, report.trace);
+  return out + Found(report);
 }
 
 std::string RotationText(const trace::Rotation& rotation) {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,8 @@ struct Report {
   free_run::FreeRunResult free_run;  // declared, refitted, corrected on the held-out recordings
   // Without held-out recordings each of the training ones was held out once.
   std::vector<trace::Rotation> rotations;
+  // Effects that were given, nothing was searched for; none: a search.
+  std::optional<std::set<std::string>> given;
   std::uint64_t seed = 1;
   double seconds = 0.0;  // it took
 };

@@ -114,8 +114,9 @@ class Correction {
       LocateEvent(result);
       std::vector<FoundEffect> found;
       for (std::size_t k = 0; k < set_.members.size(); ++k) found.push_back(Describe(k));
-      std::optional<std::size_t> leaves = RunningAway();
-      if (!leaves) {
+      std::optional<std::size_t> leaves;
+      if (!options_.keep_refuted) leaves = RunningAway();
+      if (!leaves && !options_.keep_refuted) {
         leaves = Weakest(found, [&](const FoundEffect& effect) {
           return effect.confirmation.verdict == ConfirmationVerdict::kRefuted ||
                  (second && effect.confirmation.verdict != ConfirmationVerdict::kConfirmed);

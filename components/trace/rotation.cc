@@ -131,14 +131,30 @@ std::set<std::string> AgreedEffects(const std::vector<Rotation>& rotations) {
   return out;
 }
 
-RotatedLoop RotateLoop(const std::vector<identify::Run>& runs, const actuator::JointModel& joint,
-                       double longest_gap_s, const TraceOptions& options) {
-  if (runs.size() < 2 || runs.front().held) {
+std::vector<Fold> LeaveOneOut(const std::vector<identify::Run>& runs,
+                              const actuator::JointModel& joint) {
+  const bool alike = std::all_of(runs.begin(), runs.end(), [&](const identify::Run& run) {
+    return run.held == runs.front().held;
+  });
+  if (runs.size() < 2 || !alike) {
     throw std::invalid_argument(
-        "recordings rotate when there are two at least, none of them of held positions");
+        "recordings rotate when there are two at least, all or none of them of held positions");
   }
+  std::vector<Fold> out;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    Fold fold{runs, runs[i], joint, {}};
+    fold.train.erase(fold.train.begin() + static_cast<std::ptrdiff_t>(i));
+    RequireSealed(fold.train, {fold.held_out});
+    out.push_back(std::move(fold));
+  }
+  return out;
+}
+
+RotatedLoop RotateLoop(const std::vector<Fold>& folds, const std::vector<identify::Run>& runs,
+                       const actuator::JointModel& joint, double longest_gap_s,
+                       const TraceOptions& options) {
   RotatedLoop out;
-  const auto loops = static_cast<double>(runs.size() + 1);
+  const auto loops = static_cast<double>(folds.size() + 1);
   const auto part = [&](std::size_t done) {
     TraceOptions own = options;
     if (options.progress) {
@@ -148,20 +164,20 @@ RotatedLoop RotateLoop(const std::vector<identify::Run>& runs, const actuator::J
     }
     return own;
   };
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    std::vector<identify::Run> train = runs;
-    train.erase(train.begin() + static_cast<std::ptrdiff_t>(i));
-    RequireSealed(train, {runs[i]});
-    LoopResult loop = CloseLoop(train, {runs[i]}, joint, longest_gap_s, part(i));
-    out.rotations.push_back({runs[i].name, loop.processing, std::move(loop.trace)});
+  for (std::size_t i = 0; i < folds.size(); ++i) {
+    TraceOptions own = part(i);
+    own.held_out_error = folds[i].held_out_error;
+    LoopResult loop =
+        CloseLoop(folds[i].train, {folds[i].held_out}, folds[i].joint, longest_gap_s, own);
+    out.rotations.push_back({folds[i].held_out.name, loop.processing, std::move(loop.trace)});
     if (out.rotations.back().trace.too_little) {
       out.all = std::move(loop);
       out.all.trace = out.rotations.back().trace;
       return out;
     }
   }
-  TraceOptions agreed = part(runs.size());
-  agreed.agreed = AgreedEffects(out.rotations);
+  TraceOptions agreed = part(folds.size());
+  if (!options.agreed) agreed.agreed = AgreedEffects(out.rotations);
   out.all = CloseLoop(runs, runs, joint, longest_gap_s, agreed);
   TraceResult& trace = out.all.trace;
   if (trace.too_little) return out;

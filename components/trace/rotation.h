@@ -6,6 +6,7 @@
 // those of the rotations, each of a model that was not fitted to the recording.
 #pragma once
 
+#include <functional>
 #include <set>
 #include <string>
 #include <vector>
@@ -20,6 +21,20 @@ struct Rotation {
   TraceResult trace;
 };
 
+// What a rotation is asked.
+struct Fold {
+  std::vector<identify::Run> train;
+  identify::Run held_out;
+  actuator::JointModel joint;
+  // As TraceOptions::held_out_error, of these recordings.
+  std::function<double(const actuator::JointModel&)> held_out_error;
+};
+
+// Each recording held out once. Throws std::invalid_argument unless there are two at least, with
+// different samples, and either all or none of them rows of positions that were held.
+std::vector<Fold> LeaveOneOut(const std::vector<identify::Run>& runs,
+                              const actuator::JointModel& joint);
+
 struct RotatedLoop {
   // Fitted to all recordings with the effects that were agreed on. Its held-out errors, and those
   // of its effects, are the rotations', squares weighted by the recordings' rows; confirmations are
@@ -30,9 +45,10 @@ struct RotatedLoop {
 
 std::set<std::string> AgreedEffects(const std::vector<Rotation>& rotations);
 
-// runs: two at least, with different samples; of rows that follow each other. Throws
-// std::invalid_argument.
-RotatedLoop RotateLoop(const std::vector<identify::Run>& runs, const actuator::JointModel& joint,
-                       double longest_gap_s, const TraceOptions& options);
+// folds: of these runs. joint and options are those of the last fit, to all runs; what a fold says
+// itself counts there.
+RotatedLoop RotateLoop(const std::vector<Fold>& folds, const std::vector<identify::Run>& runs,
+                       const actuator::JointModel& joint, double longest_gap_s,
+                       const TraceOptions& options);
 
 }  // namespace sinew::trace

@@ -28,8 +28,10 @@ struct TraceOptions {
   int max_rounds = 3;  // effects of a set
   // Effects that the held-out recordings neither confirm nor refute stay in the corrected model.
   bool keep_unconfirmed = false;
-  // These effects and no others are fitted, whatever the rules say (rotation.h).
+  // These effects and no others are fitted, whatever the rules of the search say (rotation.h).
   std::optional<std::set<std::string>> agreed;
+  // What the held-out recordings refute stays, too: for sets that are given, not found.
+  bool keep_refuted = false;
   // Held-out error of the machine that the joint is part of, with this model of the joint and
   // everything else refitted (an arm's other joints and its bodies); none: the joint is all.
   std::function<double(const actuator::JointModel&)> held_out_error;

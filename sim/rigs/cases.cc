@@ -38,6 +38,8 @@ const char* WordOf(CaseKind kind) {
       return "ignorance";
     case CaseKind::kFault:
       return "fault";
+    case CaseKind::kPlanted:
+      return "planted";
   }
   return "";
 }

@@ -11,7 +11,8 @@
 
 namespace sinew::rigs {
 
-enum class CaseKind { kPlain, kEffect, kPair, kOutside, kIgnorance, kFault };
+// kPlanted: an effect of a size that is given, drawn by nobody (bench/rigs/planting.h).
+enum class CaseKind { kPlain, kEffect, kPair, kOutside, kIgnorance, kFault, kPlanted };
 const char* WordOf(CaseKind kind);
 
 struct Case {

@@ -89,8 +89,10 @@ struct Rig {
   double position_step = 0.0;   // linear scale; 0: output_bits per turn
   double encoder_jitter = 0.3;  // in steps
   Noise current, torque, pressure_noise, force;
-  double stamp_jitter = 0.01;  // share of a period
-  double lost_rows = 0.0;      // share
+  double stamp_jitter = 0.01;    // share of a period
+  double lost_rows = 0.0;        // share
+  std::uint64_t noise_draw = 0;  // another one: other noise on the same motion
+  double noise_share = 1.0;      // of everything that the log adds, counts included
 
   // Motion.
   double centre = 0.0;

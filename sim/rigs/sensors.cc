@@ -11,8 +11,10 @@ constexpr double kTurn = 2.0 * 3.14159265358979323846;
 
 class Source {
  public:
-  Source(const Noise& noise, std::uint64_t seed, std::uint64_t stream)
-      : noise_(noise), random_(seed, stream), state_(random_.Normal()) {}
+  Source(const Noise& noise, double share, std::uint64_t seed, std::uint64_t stream)
+      : noise_{share * noise.rms, noise.correlation, share * noise.step},
+        random_(seed, stream),
+        state_(random_.Normal()) {}
   double Read(double x) {
     const double c = noise_.correlation;
     state_ = c * state_ + std::sqrt(1.0 - c * c) * random_.Normal();
@@ -62,14 +64,16 @@ std::vector<Reading> ReadExactly(const Rig& rig, const std::vector<TrueRow>& row
 
 std::vector<Reading> ReadWithNoise(const Rig& rig, const std::vector<TrueRow>& rows,
                                    int recording) {
-  const std::uint64_t seed = rig.number * 16 + static_cast<std::uint64_t>(recording);
-  Source drive(rig.drive == Drive::kSensor ? rig.torque : rig.current, seed, 11);
-  Source pressure(rig.pressure_noise, seed, 12);
-  Source force(rig.force, seed, 13);
+  const std::uint64_t seed =
+      rig.number * 16 + static_cast<std::uint64_t>(recording) + (rig.noise_draw << 40);
+  const double share = rig.noise_share;
+  Source drive(rig.drive == Drive::kSensor ? rig.torque : rig.current, share, seed, 11);
+  Source pressure(rig.pressure_noise, share, seed, 12);
+  Source force(rig.force, share, seed, 13);
   Random motor(seed, 14), output(seed, 15), stamps(seed, 16), losses(seed, 17), supply(seed, 18);
-  const double motor_step = kTurn / std::exp2(rig.motor_bits);
+  const double motor_step = share * kTurn / std::exp2(rig.motor_bits);
   const double output_step =
-      rig.position_step > 0.0 ? rig.position_step : kTurn / std::exp2(rig.output_bits);
+      share * (rig.position_step > 0.0 ? rig.position_step : kTurn / std::exp2(rig.output_bits));
   // The controller's observer: a first-order lag behind the encoder's difference.
   const double observer = 1.0 - std::exp(-2.0 * kTurn * rig.bandwidth_Hz / rig.rate_Hz);
   double motor_velocity = 0.0, velocity = 0.0;
@@ -79,9 +83,9 @@ std::vector<Reading> ReadWithNoise(const Rig& rig, const std::vector<TrueRow>& r
   for (std::size_t i = 0; i < rows.size(); ++i) {
     Reading reading = Exact(rig, rows[i]);
     reading.index = static_cast<int>(i);
-    reading.time_s =
-        (static_cast<double>(i) + rig.stamp_jitter * std::tanh(stamps.Normal() / 3.0) * 3.0) /
-        rig.rate_Hz;
+    reading.time_s = (static_cast<double>(i) +
+                      share * rig.stamp_jitter * std::tanh(stamps.Normal() / 3.0) * 3.0) /
+                     rig.rate_Hz;
     reading.motor_rad = Source::Round(
         reading.motor_rad + rig.encoder_jitter * motor_step * motor.Normal(), motor_step);
     reading.position = Source::Round(
@@ -92,8 +96,9 @@ std::vector<Reading> ReadWithNoise(const Rig& rig, const std::vector<TrueRow>& r
     reading.drive = drive.Read(reading.drive);
     reading.pressure_bar = pressure.Read(reading.pressure_bar);
     reading.load_force_N = force.Read(reading.load_force_N);
-    reading.supply_V = Source::Round(reading.supply_V + 0.01 * supply.Normal(), 0.01);
-    reading.temperature_degC = Source::Round(reading.temperature_degC, 0.1);
+    const double step_V = 0.01 * share;
+    reading.supply_V = Source::Round(reading.supply_V + step_V * supply.Normal(), step_V);
+    reading.temperature_degC = Source::Round(reading.temperature_degC, 0.1 * share);
     if (i > 0) {
       motor_velocity +=
           observer * ((reading.motor_rad - last.motor_rad) * rig.rate_Hz - motor_velocity);

@@ -29,6 +29,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kNoEffect = "none";  // of --effect
+
 std::string NowUtc() {
   const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
   std::tm utc{};
@@ -169,12 +171,29 @@ void ReproducePublished(const identify::Run& train, const identify::Run& sealed,
   }
 }
 
-// Recordings that can be held out in turn. Throws UsageError.
+// Each recording beside the models of the rotation that held it out.
+free_run::FreeRunResult FollowRotations(const std::vector<trace::Fold>& folds,
+                                        const std::vector<trace::Rotation>& rotations) {
+  std::vector<free_run::FreeRunResult> parts;
+  for (std::size_t i = 0; i < folds.size(); ++i) {
+    const trace::TraceResult& trace = rotations[i].trace;
+    parts.push_back(free_run::Compare({folds[i].held_out},
+                                      {trace.nominal, trace.declared, trace.corrected},
+                                      rotations[i].processing));
+  }
+  return free_run::Join(std::move(parts));
+}
+
+}  // namespace
+
 void RequireRotation(const CloseLoopOptions& options, const std::vector<identify::Run>& runs) {
-  const bool held = runs.front().held;
-  if (runs.size() > 1 && !held) return;
+  if (runs.size() > 1) return;
   const std::string file = options.train.empty() ? runs.front().name : options.train[0].string();
-  if (held) throw UsageError(file + ": nothing is held out, expected --held-out FILE");
+  if (runs.front().held) {
+    throw UsageError(file +
+                     ": nothing is held out, expected --held-out or further recordings to train on "
+                     "(each is held out once)");
+  }
   const Eigen::VectorXd& time_s = runs.front().time_s;
   const std::string middle =
       report::Short(std::floor(0.7 * (time_s[time_s.size() - 1] - time_s[0])));
@@ -184,20 +203,6 @@ void RequireRotation(const CloseLoopOptions& options, const std::vector<identify
       "train on (each is held out once), or parts: --train " +
       whole + "@:" + middle + " --held-out " + whole + "@" + middle + ":");
 }
-
-// Each recording beside the models of the rotation that held it out.
-free_run::FreeRunResult FollowRotations(const std::vector<identify::Run>& runs,
-                                        const std::vector<trace::Rotation>& rotations) {
-  std::vector<free_run::FreeRunResult> parts;
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    const trace::TraceResult& trace = rotations[i].trace;
-    parts.push_back(free_run::Compare({runs[i]}, {trace.nominal, trace.declared, trace.corrected},
-                                      rotations[i].processing));
-  }
-  return free_run::Join(std::move(parts));
-}
-
-}  // namespace
 
 LoopInput LoadLoopInput(const CloseLoopOptions& options) {
   LoopInput out;
@@ -243,6 +248,7 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
   report.train = Describe(train);
   report.sealed = Describe(rotates ? train : sealed);
   report.seed = options.seed;
+  report.given = options.given;
   try {
     trace::RequireSealed(train, sealed);
     // A mapping without the drive is a mistake of the command, no fault of the data.
@@ -253,14 +259,18 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
     if (StopsAtGate(options, train, sealed, joint, &out)) return out;
     trace::TraceOptions trace_options;
     trace_options.seed = options.seed;
-    trace_options.keep_unconfirmed = options.keep_unconfirmed;
+    trace_options.agreed = options.given;
+    trace_options.keep_refuted = options.given.has_value();
+    trace_options.keep_unconfirmed = options.keep_unconfirmed || options.given;
     trace_options.searches = options.searches;
     trace_options.held_out_error = options.held_out_error;
     trace_options.progress = progress;
     trace::LoopResult loop;
+    std::vector<trace::Fold> folds = options.folds;
     if (rotates) {
+      if (folds.empty()) folds = trace::LeaveOneOut(train, joint);
       trace::RotatedLoop rotated =
-          trace::RotateLoop(train, joint, wished.longest_gap_s, trace_options);
+          trace::RotateLoop(folds, train, joint, wished.longest_gap_s, trace_options);
       loop = std::move(rotated.all);
       report.rotations = std::move(rotated.rotations);
     } else {
@@ -276,7 +286,7 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
     }
     progress("simulation beside the held-out recordings", 0.97);
     if (rotates) {
-      report.free_run = FollowRotations(train, report.rotations);
+      report.free_run = FollowRotations(folds, report.rotations);
     } else {
       report.free_run = free_run::Compare(
           sealed, {report.trace.nominal, report.trace.declared, report.trace.corrected},
@@ -478,6 +488,19 @@ void AddCloseLoopCommand(CLI::App& app) {
   command->add_flag("--keep-unconfirmed", options.keep_unconfirmed,
                     "Effects that the held-out recordings neither confirm nor refute go into "
                     "model.yaml, too");
+  std::vector<std::string> effects = effects::EffectNames();
+  effects.emplace_back(kNoEffect);
+  command
+      ->add_option_function<std::vector<std::string>>(
+          "--effect",
+          [&options](const std::vector<std::string>& names) {
+            options.given.emplace(names.begin(), names.end());
+            options.given->erase(kNoEffect);
+          },
+          "Fit this effect, whatever it is worth, and search for no other; repeatable; \"none\": "
+          "the declared terms alone")
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(effects));
   command
       ->add_option_function<std::vector<std::string>>(
           "--without-rule",

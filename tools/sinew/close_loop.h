@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -26,10 +28,12 @@ struct CloseLoopOptions {
   int joint = 0;
   int searches = 1;  // joints that are traced together (trace::TraceOptions)
   std::function<double(const actuator::JointModel&)> held_out_error;  // the same
-  std::filesystem::path urdf;  // of an arm; empty: what the model file names
+  std::vector<trace::Fold> folds;  // of an arm's joint without held-out recordings
+  std::filesystem::path urdf;      // of an arm; empty: what the model file names
   std::uint64_t seed = 1;
   bool keep_unconfirmed = false;  // in the model, effects that are neither confirmed nor refuted
-  std::vector<std::string> accepted_faults;  // rules of the data gate that do not stop
+  std::optional<std::set<std::string>> given;  // these effects, nothing is searched for
+  std::vector<std::string> accepted_faults;    // rules of the data gate that do not stop
   std::function<void(const std::string&, double)> progress;
 };
 
@@ -74,6 +78,9 @@ std::vector<report::Recording> Describe(const std::vector<identify::Run>& runs);
 // The data gate with the options' accepted faults. Throws std::invalid_argument.
 gate::GateReport AskGate(const CloseLoopOptions& options, const std::vector<identify::Run>& runs,
                          const actuator::JointModel& joint);
+
+// Can these recordings be held out in turn? Throws UsageError.
+void RequireRotation(const CloseLoopOptions& options, const std::vector<identify::Run>& runs);
 
 // What --without-rule takes.
 std::vector<std::string> RuleNames();

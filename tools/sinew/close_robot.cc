@@ -98,10 +98,75 @@ std::vector<int> JointsThatStop(const CloseLoopOptions& options, const actuator:
   std::vector<int> out;
   for (std::size_t j = 0; j < robot.joints.size(); ++j) {
     std::vector<identify::Run> runs = train[j];
-    runs.insert(runs.end(), sealed[j].begin(), sealed[j].end());
+    if (!options.sealed.empty()) runs.insert(runs.end(), sealed[j].begin(), sealed[j].end());
     if (AskGate(options, runs, robot.joints[j]).stops()) out.push_back(static_cast<int>(j));
   }
   return out;
+}
+
+// An arm's recordings, one held out.
+struct ArmFold {
+  arm::ArmRuns train, held_out;  // with the rigid torques of this fold's fit
+  arm::ArmLoop loop;
+};
+
+std::vector<ArmFold> LeaveOneOut(const arm::Arm& arm, const actuator::RobotModel& robot,
+                                 const identify::ProcessingOptions& wished,
+                                 const arm::ArmRuns& runs) {
+  std::vector<ArmFold> out;
+  for (std::size_t i = 0; i < runs.front().size(); ++i) {
+    ArmFold fold;
+    for (std::size_t j = 0; j < runs.size(); ++j) {
+      trace::Fold of_joint = trace::LeaveOneOut(runs[j], robot.joints[j]).at(i);
+      fold.train.push_back(std::move(of_joint.train));
+      fold.held_out.push_back({std::move(of_joint.held_out)});
+    }
+    fold.loop = arm::FitArm(arm, robot, wished, &fold.train, &fold.held_out);
+    out.push_back(std::move(fold));
+  }
+  return out;
+}
+
+// What joint j's own rotation is asked. The folds outlive it.
+std::vector<trace::Fold> FoldsOfJoint(const arm::Arm& arm, std::vector<ArmFold>& folds,
+                                      std::size_t j) {
+  std::vector<trace::Fold> out;
+  for (ArmFold& fold : folds) {
+    out.push_back({fold.train[j], fold.held_out[j].front(), fold.loop.before.robot.joints[j],
+                   [&arm, &fold, j](const actuator::JointModel& joint) {
+                     actuator::RobotModel with = fold.loop.before.robot;
+                     with.joints[j] = joint;
+                     return arm::HeldOutError(arm, with, fold.train, fold.held_out,
+                                              fold.loop.processing);
+                   }});
+  }
+  return out;
+}
+
+// Held-out errors of the whole arm from its rotations, each with what that rotation found.
+void PoolFolds(const arm::Arm& arm, const std::vector<CloseLoopResult>& joints,
+               const std::vector<int>& joint_numbers, std::vector<ArmFold>* folds,
+               arm::ArmLoop* all) {
+  std::vector<arm::ArmError> nominal, before, after;
+  std::vector<double> rows;
+  for (std::size_t i = 0; i < folds->size(); ++i) {
+    ArmFold& fold = (*folds)[i];
+    actuator::RobotModel corrected = fold.loop.before.robot;
+    for (std::size_t k = 0; k < joints.size(); ++k) {
+      const std::vector<trace::Rotation>& rotations = joints[k].report.rotations;
+      if (i < rotations.size()) {
+        corrected.joints[static_cast<std::size_t>(joint_numbers[k])] = rotations[i].trace.corrected;
+      }
+    }
+    arm::FinishArm(arm, corrected, fold.train, fold.held_out, &fold.loop);
+    nominal.push_back(fold.loop.sealed_nominal);
+    before.push_back(fold.loop.sealed_before);
+    after.push_back(fold.loop.sealed_after);
+    rows.push_back(static_cast<double>(fold.held_out.front().front().size()));
+  }
+  all->sealed_nominal = arm::Pooled(nominal, rows);
+  all->sealed_before = arm::Pooled(before, rows);
+  all->sealed_after = arm::Pooled(after, rows);
 }
 
 }  // namespace
@@ -117,11 +182,14 @@ CloseRobotResult CloseRobot(const CloseLoopOptions& options, std::vector<int> jo
   out.joint_numbers = joints;
   RequireOtherRows(options.train, options.sealed);
   if (options.progress) options.progress("reading recordings", 0.0);
+  // Without any, each recording is held out once, and the last fit is to all of them.
+  const bool rotates = options.sealed.empty();
   arm::ArmRuns train, sealed;
   bool is_arm = false;
   for (std::size_t j = 0; j < robot.joints.size(); ++j) {
     train.push_back(ReadJoint(options.train, input.map, static_cast<int>(j)));
-    sealed.push_back(ReadJoint(options.sealed, input.sealed_map, static_cast<int>(j)));
+    sealed.push_back(rotates ? train.back()
+                             : ReadJoint(options.sealed, input.sealed_map, static_cast<int>(j)));
     is_arm = is_arm || robot.joints[j].Find("rigid_body") >= 0;
   }
   // One fit of all joints: a fault of one is a fault of all, and only joints with one are reported.
@@ -129,17 +197,20 @@ CloseRobotResult CloseRobot(const CloseLoopOptions& options, std::vector<int> jo
       is_arm ? JointsThatStop(options, robot, train, sealed) : std::vector<int>{};
   if (!faulty.empty()) out.joint_numbers = joints = faulty;
   std::optional<arm::Arm> arm;
+  std::vector<ArmFold> folds;
   try {
-    trace::RequireSealed(train.front(), sealed.front());
-    if (is_arm && options.sealed.empty()) {
-      throw UsageError("an arm is fitted as a whole, expected --held-out FILE");
+    if (rotates) {
+      RequireRotation(options, train.front());
+    } else {
+      trace::RequireSealed(train.front(), sealed.front());
     }
     if (is_arm && faulty.empty()) {
       const fs::path urdf = FindUrdf(options, input);
       arm.emplace(world::ParseUrdf(config::ReadFile(urdf), urdf.string()), robot);
-      out.arm =
-          arm::FitArm(*arm, robot, identify::ReadProcessing(input.model.root, robot.joints[0].kind),
-                      &train, &sealed);
+      const identify::ProcessingOptions wished =
+          identify::ReadProcessing(input.model.root, robot.joints[0].kind);
+      if (rotates) folds = LeaveOneOut(*arm, robot, wished, train);
+      out.arm = arm::FitArm(*arm, robot, wished, &train, &sealed);
       robot = out.arm->before.robot;
     }
   } catch (const std::invalid_argument& error) {
@@ -163,13 +234,16 @@ CloseRobotResult CloseRobot(const CloseLoopOptions& options, std::vector<int> jo
         with.joints[j] = joint;
         return arm::HeldOutError(*arm, with, train, sealed, out.arm->processing);
       };
+      one.folds = FoldsOfJoint(*arm, folds, j);
     }
-    out.joints.push_back(CloseLoopOn(one, input, train[j], sealed[j]));
+    out.joints.push_back(
+        CloseLoopOn(one, input, train[j], rotates ? std::vector<identify::Run>{} : sealed[j]));
     out.model.robot.joints[j] = out.joints.back().model.robot.joints[j];
   }
   if (arm) {
     try {
       arm::FinishArm(*arm, out.model.robot, train, sealed, &*out.arm);
+      if (rotates) PoolFolds(*arm, out.joints, joints, &folds, &*out.arm);
     } catch (const std::invalid_argument& error) {
       throw UsageError(error.what());
     }

@@ -245,6 +245,7 @@ std::string FormatJson(const Report& report) {
 
   out["p_global"] = trace.p_global ? Json(*trace.p_global) : Json(nullptr);
   out["faults"] = FaultsJson(report.faults);
+  if (report.given) out["given_effects"] = *report.given;
   if (!trace::TakenOut().empty()) out["without_rules"] = trace::TakenOut();
   const auto entry_of = [&](const trace::FoundEffect& effect) {
     const std::string own_unit(effects::BalanceUnit(effect.balance, trace.corrected.kind));

@@ -6,7 +6,9 @@
 
 #include <cmath>
 #include <random>
+#include <stdexcept>
 
+#include "components/arm/arm_loop.h"
 #include "components/identify/fit.h"
 #include "tests/components/arm/random_arm.h"
 
@@ -189,6 +191,18 @@ TEST(ArmFit, JointsThatTheUrdfLacksAreNamed) {
     EXPECT_NE(std::string(error.what()).find("'elbow'"), std::string::npos) << error.what();
     EXPECT_NE(std::string(error.what()).find("one, two, slide, last"), std::string::npos);
   }
+}
+
+TEST(ArmError, IsPooledByTheRowsOfTheRecordings) {
+  const ArmError a{{1.0, 2.0}, {10.0, 20.0}, 15.0, 1.0};
+  const ArmError b{{3.0, 2.0}, {30.0, 20.0}, 25.0, 3.0};
+  const ArmError pooled = Pooled({a, b}, {300.0, 100.0});
+  EXPECT_DOUBLE_EQ(pooled.rms_Nm[0], std::sqrt(0.75 * 1.0 + 0.25 * 9.0));
+  EXPECT_DOUBLE_EQ(pooled.rms_Nm[1], 2.0);
+  EXPECT_DOUBLE_EQ(pooled.relative_percent[0], std::sqrt(0.75 * 100.0 + 0.25 * 900.0));
+  EXPECT_DOUBLE_EQ(pooled.nrms_percent, std::sqrt(3.0));
+  EXPECT_THROW(Pooled({a}, {1.0, 2.0}), std::invalid_argument);
+  EXPECT_THROW(Pooled({}, {}), std::invalid_argument);
 }
 
 }  // namespace

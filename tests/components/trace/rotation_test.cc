@@ -70,7 +70,7 @@ TEST(RotateLoop, FitsAllRecordingsAndTellsTheErrorsOfThoseThatWereHeldOut) {
         truth, {.rate_Hz = 100.0, .duration_s = 30.0, .seed = seed, .noise_A = 0.1}));
   }
   const TraceOptions options{};
-  const RotatedLoop loop = RotateLoop(runs, model, 0.25, options);
+  const RotatedLoop loop = RotateLoop(LeaveOneOut(runs, model), runs, model, 0.25, options);
   ASSERT_EQ(loop.rotations.size(), 3u);
   const TraceResult& all = loop.all.trace;
   EXPECT_EQ(all.verdict, Verdict::kEffect);
@@ -92,10 +92,45 @@ TEST(RotateLoop, FitsAllRecordingsAndTellsTheErrorsOfThoseThatWereHeldOut) {
   EXPECT_LT(all.after_sealed.rms, all.before_sealed.rms);
 }
 
-TEST(RotateLoop, ARecordingMayNotComeTwice) {
+TEST(LeaveOneOut, HoldsEachRecordingOutOnce) {
+  const actuator::JointModel model = identify::SyntheticModel();
+  const identify::Run a = identify::SyntheticRun(model, {.seed = 1});
+  const identify::Run b = identify::SyntheticRun(model, {.seed = 2});
+  const std::vector<Fold> folds = LeaveOneOut({a, b}, model);
+  ASSERT_EQ(folds.size(), 2u);
+  EXPECT_EQ(folds[0].held_out.name, a.name);
+  ASSERT_EQ(folds[0].train.size(), 1u);
+  EXPECT_EQ(folds[0].train[0].name, b.name);
+  EXPECT_EQ(folds[1].held_out.name, b.name);
+}
+
+TEST(LeaveOneOut, ARecordingMayNotComeTwice) {
   const identify::Run run = identify::SyntheticRun(identify::SyntheticModel(), {});
-  EXPECT_THROW(RotateLoop({run, run}, identify::SyntheticModel(), {}, {}), std::invalid_argument);
-  EXPECT_THROW(RotateLoop({run}, identify::SyntheticModel(), {}, {}), std::invalid_argument);
+  EXPECT_THROW(LeaveOneOut({run, run}, identify::SyntheticModel()), std::invalid_argument);
+  EXPECT_THROW(LeaveOneOut({run}, identify::SyntheticModel()), std::invalid_argument);
+}
+
+TEST(LeaveOneOut, HeldPositionsAndMotionDoNotMix) {
+  identify::Run moving = identify::SyntheticRun(identify::SyntheticModel(), {.seed = 1});
+  identify::Run held = identify::SyntheticRun(identify::SyntheticModel(), {.seed = 2});
+  held.held = true;
+  EXPECT_THROW(LeaveOneOut({moving, held}, identify::SyntheticModel()), std::invalid_argument);
+}
+
+TEST(RotateLoop, WhatIsGivenIsFittedWhateverTheRotationsSay) {
+  const actuator::JointModel model = identify::SyntheticModel();
+  std::vector<identify::Run> runs;
+  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+    runs.push_back(identify::SyntheticRun(
+        model, {.rate_Hz = 100.0, .duration_s = 30.0, .seed = seed, .noise_A = 0.1}));
+  }
+  const TraceOptions options{
+      .keep_unconfirmed = true, .agreed = {{"direction_dependent_viscous"}}, .keep_refuted = true};
+  const RotatedLoop loop = RotateLoop(LeaveOneOut(runs, model), runs, model, 0.25, options);
+  ASSERT_EQ(loop.all.trace.effects.size(), 1u);
+  EXPECT_EQ(loop.all.trace.effects[0].name, "direction_dependent_viscous");
+  EXPECT_TRUE(loop.all.trace.effects[0].in_model());
+  for (const Rotation& rotation : loop.rotations) EXPECT_EQ(rotation.trace.effects.size(), 1u);
 }
 
 }  // namespace

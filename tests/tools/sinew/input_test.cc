@@ -22,6 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 std::string ErrorOf(const std::function<void()>& call) {
   try {
@@ -125,6 +126,35 @@ TEST_F(Input, WithoutHeldOutRecordingsEachIsHeldOutOnce) {
   EXPECT_EQ(result.report.rotations[1].held_out, "day.csv@10:");
   EXPECT_THAT(result.json, HasSubstr("\"held_out\": \"day.csv@:10\""));
   EXPECT_THAT(result.html, HasSubstr("Each recording held out once"));
+}
+
+TEST_F(Input, AnEffectThatIsGivenIsFittedWhateverItIsWorth) {
+  CloseLoopOptions options = SpringOptions();
+  options.given = {"stribeck"};
+  const CloseLoopResult result = CloseLoop(options);
+  ASSERT_EQ(result.report.trace.effects.size(), 1u);
+  EXPECT_EQ(result.report.trace.effects[0].name, "stribeck");
+  EXPECT_TRUE(result.report.trace.effects[0].in_model());
+  EXPECT_TRUE(result.report.trace.refuted.empty());
+  EXPECT_THAT(result.json, HasSubstr("Given, not searched for: stribeck."));
+}
+
+TEST_F(Input, WithNoEffectGivenTheDeclaredTermsStayAlone) {
+  CloseLoopOptions options = SpringOptions();
+  options.given.emplace();
+  const CloseLoopResult result = CloseLoop(options);
+  EXPECT_TRUE(result.report.trace.effects.empty());
+  EXPECT_THAT(result.json, HasSubstr("Given, not searched for: no effect."));
+  EXPECT_THAT(result.json, Not(HasSubstr("beyond the declared model")));
+  EXPECT_THAT(result.json, Not(HasSubstr("no effect of the catalogue")));
+}
+
+TEST_F(Input, AnEffectThatTheRecordingsCannotShowIsSaidToBeOpen) {
+  CloseLoopOptions options = SpringOptions();
+  options.given = {"leak"};  // there is no gas
+  const CloseLoopResult result = CloseLoop(options);
+  EXPECT_TRUE(result.report.trace.effects.empty());
+  EXPECT_THAT(result.json, HasSubstr("These recordings give no possible size of leak."));
 }
 
 TEST_F(Input, RangesOfOneFileMayNotShareRows) {
