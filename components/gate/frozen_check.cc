@@ -211,8 +211,9 @@ std::vector<Measurement> CheckFrozen(const Run& run, const actuator::JointModel&
   const Signal angle = has(Signal::kPosition) ? Signal::kPosition : Signal::kMotorPosition;
   if (!has(angle)) return out;
   const std::vector<char> moving = MovingRows(run, angle);
-  for (const Signal signal : {Signal::kVelocity, Signal::kMotorVelocity, Signal::kMotorCurrent,
-                              Signal::kTorque, Signal::kLoadForce, Signal::kChamberPressure}) {
+  for (const Signal signal :
+       {Signal::kVelocity, Signal::kMotorVelocity, Signal::kMotorCurrent, Signal::kDriveVoltage,
+        Signal::kTorque, Signal::kLoadForce, Signal::kChamberPressure}) {
     if (has(signal)) out.push_back(LongRun(run, signal, moving));
   }
   return out;

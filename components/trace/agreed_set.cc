@@ -1,5 +1,6 @@
 #include "components/trace/agreed_set.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace sinew::trace {
@@ -9,8 +10,13 @@ EffectSet FitAgreedSet(const Evidence& evidence, const std::vector<Hypothesis>& 
   EffectSet out;
   for (const std::string& name : effects) {
     EffectSet best;
+    const bool searched =
+        std::any_of(hypotheses.begin(), hypotheses.end(), [&](const Hypothesis& h) {
+          return h.physical() && h.name == name && h.asked == Asked::kSearched;
+        });
     for (std::size_t h = 0; h < hypotheses.size(); ++h) {
       if (!hypotheses[h].physical() || hypotheses[h].name != name) continue;
+      if (searched && hypotheses[h].asked != Asked::kSearched) continue;
       std::vector<std::size_t> members = out.members;
       members.push_back(h);
       EffectSet joined = FitSet(evidence, hypotheses, std::move(members));

@@ -36,6 +36,32 @@ constexpr double kShortest = 0.003, kLongest = 2.0;
 // as close as half the width of the sharpest (2 z of flexible_link's grid).
 constexpr double kLowestResonance = 0.1, kHighestResonance = 0.6, kDensity = 1.06;
 
+// Terms that state a quantity of the machine which another term states already: where a model
+// declares that one, the first is no cause. It moves inertia or friction to the other side of the
+// gear, or is a part of whatever depends on the angle. By none: it has no cause of its own; a
+// constant is a current_offset or direction_dependent_coulomb.
+struct Stated {
+  const char* effect;
+  std::vector<const char*> by;
+};
+const Stated kStated[] = {
+    {"inertia", {"rotor_inertia", "link_inertia", "rigid_body"}},
+    {"rotor_inertia", {"inertia", "link_inertia", "rigid_body"}},
+    {"link_inertia", {"inertia", "rotor_inertia", "rigid_body"}},
+    {"viscous", {"motor_viscous"}},
+    {"motor_viscous", {"viscous"}},
+    {"spring", {"gravity", "pneumatic_stiffness", "rigid_body"}},
+    {"offset", {}},
+};
+
+bool IsStated(const std::string& effect, const actuator::JointModel& model) {
+  const auto declared = [&](const char* term) { return model.Find(term, model.balance) >= 0; };
+  return std::any_of(std::begin(kStated), std::end(kStated), [&](const Stated& stated) {
+    return effect == stated.effect &&
+           (stated.by.empty() || std::any_of(stated.by.begin(), stated.by.end(), declared));
+  });
+}
+
 }  // namespace
 
 std::vector<std::vector<double>> GridFor(const identify::Design& design,
@@ -112,6 +138,7 @@ CandidateSet MakeCandidates(const identify::Design& design, const actuator::Join
       continue;
     }
     Candidate candidate;
+    candidate.stated = IsStated(name, model);
     for (std::vector<double>& psi : GridFor(design, info)) {
       bool taken = false;
       for (const actuator::Term& term : model.terms) {

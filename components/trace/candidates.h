@@ -20,6 +20,7 @@ struct GridPoint {
 struct Candidate {
   std::shared_ptr<const effects::Effect> effect;
   std::vector<GridPoint> grid;
+  bool stated = false;  // a declared term says it already: no cause
   const std::string& name() const { return effect->info().name; }
 };
 

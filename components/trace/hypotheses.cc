@@ -10,6 +10,7 @@
 #include "components/identify/statistics.h"
 #include "components/trace/nuisances.h"
 #include "components/trace/order_spectrum.h"
+#include "components/trace/range.h"
 #include "components/trace/rules.h"
 
 namespace sinew::trace {
@@ -37,8 +38,11 @@ constexpr double kRarest = 1e-3;
 // Orders that whole ones are told by: one turn does, and a map ends one step before it.
 constexpr double kWholeTurn = 0.51;
 
-// Less of a wave than this is any smooth curve.
+// Less of a wave than this is any smooth curve: it is no effect to search for, but may be what an
+// effect over the angle really is. So are waves of a few periods per turn that no wheel turns by.
 constexpr double kLeastPeriods = 1.0;
+constexpr const char* kWave = "gear_eccentricity";
+constexpr double kWaves[] = {1.0, 2.0, 3.0, 4.0};
 
 // Settings of one effect that are asked for beside others: those of a resonance lie closer than
 // its shape differs, so the loudest stand for the rest.
@@ -67,16 +71,39 @@ class Builder {
     for (const std::size_t k : Loudest(candidate)) {
       const GridPoint& point = candidate.grid[k];
       if (!CoversPeriod(*candidate.effect, point.psi)) continue;
-      Hypothesis h;
-      h.name = candidate.name();
-      h.variable = candidate.effect->info().variable;
-      h.effect = candidate.effect;
-      h.family = family;
-      AddSetting(point.psi, point.columns, &h);
-      h.charge = kChargePerParameter *
-                 (static_cast<double>(h.columns.size()) + (candidate.grid.size() > 1 ? 1.0 : 0.0));
-      if (!h.columns.empty()) bank_.hypotheses.push_back(std::move(h));
+      AddPoint(candidate, point, family);
     }
+  }
+
+  // Waves over the output's angle that are not searched for.
+  void AddWaves(const Candidate& candidate) {
+    const int family = NextFamily();
+    for (const double order : kWaves) {
+      const bool searched =
+          order * turns_ >= kLeastPeriods &&
+          std::any_of(candidate.grid.begin(), candidate.grid.end(),
+                      [&](const GridPoint& point) { return point.psi.front() == order; });
+      if (searched) continue;
+      const std::vector<double> psi = {order};
+      if (AddPoint(candidate, {psi, design_.Columns(*candidate.effect, psi)}, family)) {
+        bank_.hypotheses.back().asked = Asked::kRival;
+      }
+    }
+  }
+
+  bool AddPoint(const Candidate& candidate, const GridPoint& point, int family) {
+    Hypothesis h;
+    h.name = candidate.name();
+    h.variable = candidate.effect->info().variable;
+    h.effect = candidate.effect;
+    if (candidate.stated) h.asked = Asked::kNoise;
+    h.family = family;
+    AddSetting(point.psi, point.columns, &h);
+    h.charge = kChargePerParameter *
+               (static_cast<double>(h.columns.size()) + (candidate.grid.size() > 1 ? 1.0 : 0.0));
+    if (h.columns.empty()) return false;
+    bank_.hypotheses.push_back(std::move(h));
+    return true;
   }
 
   void AddEvent(const TimedEffect& event) {
@@ -92,7 +119,7 @@ class Builder {
     const EffectInfo& info = h->effect->info();
     for (std::size_t i = 0; i < columns.size(); ++i) {
       const effects::ParameterInfo& parameter = info.linear[i];
-      const double unit = parameter.relative_to_drive ? scale_ / drive_share_ : scale_;
+      const double unit = std::abs(parameter.relative_to_drive ? scale_ / drive_share_ : scale_);
       // Whatever the catalogue allows, no effect is stronger than what the machine was seen to do.
       const double peak = bank_.columns.col(columns[i]).cwiseAbs().maxCoeff();
       double largest = peak > 0.0 ? target_peak_ / peak : 0.0;
@@ -101,12 +128,9 @@ class Builder {
       if (parameter.dimension == effects::Dimension::kTorque) {
         largest = std::min(largest, target_peak_);
       }
-      const bool bounded = parameter.dimension == effects::Dimension::kNone;
-      const auto bound = [&](double limit, double own) {
-        return bounded ? std::clamp(limit / unit, -largest, largest) : own;
-      };
-      h->lower.push_back(parameter.lower >= 0.0 ? 0.0 : bound(parameter.lower, -largest));
-      h->upper.push_back(parameter.upper <= 0.0 ? 0.0 : bound(parameter.upper, largest));
+      const Range range = RangeOnAnyMachine(parameter);
+      h->lower.push_back(std::clamp(std::min(range.lower, 0.0) / unit, -largest, largest));
+      h->upper.push_back(std::clamp(std::max(range.upper, 0.0) / unit, -largest, largest));
       if (!info.follows_record) continue;
       // The drive's rate counts over the delay itself, within a factor of two; without a span up to
       // half a period of the fastest motion that the angles show.
@@ -161,7 +185,7 @@ class Builder {
   }
 
   bool CoversPeriod(const effects::Effect& effect, const std::vector<double>& psi) const {
-    if (effect.info().name != "gear_eccentricity") return true;
+    if (effect.info().name != kWave) return true;
     return psi.front() * turns_ >= kLeastPeriods;
   }
 
@@ -226,6 +250,7 @@ Bank MakeBank(const identify::Design& design, const Likelihood& likelihood,
   for (const Candidate& candidate : set.candidates) {
     if (spectrum && candidate.name() == "cogging") continue;  // AddOrders
     builder.AddEffect(candidate);
+    if (candidate.name() == kWave) builder.AddWaves(candidate);
   }
   if (likelihood.event) builder.AddEvent(*likelihood.event);
   for (const Curve& curve : FreeCurves(design)) {

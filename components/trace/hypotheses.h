@@ -22,6 +22,13 @@ struct TermSetting {
   Columns columns;  // of the bank, a column per linear parameter
 };
 
+// What a hypothesis may be found to be.
+enum class Asked {
+  kSearched,  // an effect of the set, or a free curve
+  kRival,     // too much like any smooth curve to lead: what stands in an effect's place
+  kNoise,     // no cause (Candidate::stated): a part of the richest model, whose rest is the noise
+};
+
 struct Hypothesis {
   std::string name;      // of the effect, or what the curve is over
   std::string variable;  // signal it follows
@@ -33,6 +40,7 @@ struct Hypothesis {
   double charge = 0.0;  // misfit that its parameters, shapes and searches are charged
   // Range of each coefficient, in units of the balance.
   std::vector<double> lower, upper;
+  Asked asked = Asked::kSearched;
 
   bool physical() const { return effect != nullptr; }
   // An effect of the motion that follows an acceleration, its derivatives or the drive's rate: what

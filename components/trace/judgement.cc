@@ -277,18 +277,18 @@ class Judge {
     return h.effect->info().nonlinear.size() + static_cast<std::size_t>(shown);
   }
 
-  // Every name at its best setting in a member's place, and what the set loses by it.
-  struct Replacement {
-    std::map<std::string, Alternative> possible;
-    std::map<std::string, EffectSet> sets;
-  };
-  Replacement Replace(std::size_t member, const EffectSet& without) const {
+  // The set with every name at its best setting in a member's place.
+  std::map<std::string, EffectSet> Replace(std::size_t member, const EffectSet& without) const {
     const EffectSet& set = out_.chosen;
     const std::vector<Hypothesis>& hypotheses = problem_.hypotheses();
-    Replacement out;
+    std::map<std::string, EffectSet> out;
     for (std::size_t h = 0; h < hypotheses.size(); ++h) {
       const std::string& name = hypotheses[h].name;
       if (!hypotheses[h].physical() || refuted_.count(name) != 0) continue;
+      if (hypotheses[h].asked == Asked::kNoise) continue;
+      if (hypotheses[h].asked == Asked::kRival && name == hypotheses[set.members[member]].name) {
+        continue;
+      }
       std::vector<std::size_t> members = set.members;
       members[member] = h;
       const bool twice = std::count_if(members.begin(), members.end(), [&](std::size_t other) {
@@ -297,16 +297,14 @@ class Judge {
       if (twice && h != set.members[member]) continue;
       EffectSet other = FitSet(problem_.evidence, hypotheses, std::move(members));
       if (h != set.members[member] && !Physical(problem_.evidence, hypotheses, other)) continue;
-      const auto at = out.sets.find(name);
-      if (at != out.sets.end() && at->second.net >= other.net) continue;
-      out.possible[name] = {set.net - other.net, Parameters(hypotheses[h])};
-      out.sets[name] = std::move(other);
+      const auto at = out.find(name);
+      if (at != out.end() && at->second.net >= other.net) continue;
+      out[name] = std::move(other);
     }
-    std::erase_if(out.possible, [&](const auto& entry) {
-      const EffectSet& other = out.sets.at(entry.first);
-      const Hypothesis& h = hypotheses[other.members[member]];
+    std::erase_if(out, [&](const auto& entry) {
+      const Hypothesis& h = hypotheses[entry.second.members[member]];
       return h.name != hypotheses[set.members[member]].name && h.told_by_rates() &&
-             !Adequate(without, other, LeastShare(h), LeastVariance(h));
+             !Adequate(without, entry.second, LeastShare(h), LeastVariance(h));
     });
     return out;
   }
@@ -315,10 +313,21 @@ class Judge {
   void RankNames() {
     for (std::size_t k = 0; k < out_.chosen.members.size(); ++k) {
       const EffectSet without = Without(problem_, out_.chosen, k);
-      Replacement replacement = Replace(k, without);
-      out_.posteriors.push_back(
-          PosteriorOfNames(out_.chosen.net - without.net, replacement.possible));
-      out_.chosen = std::move(replacement.sets.at(out_.posteriors.back().front().name));
+      std::map<std::string, EffectSet> sets = Replace(k, without);
+      std::map<std::string, Alternative> possible;
+      std::set<std::string> only_rivals;
+      for (const auto& [name, other] : sets) {
+        const Hypothesis& h = problem_.hypotheses()[other.members[k]];
+        possible[name] = {out_.chosen.net - other.net, Parameters(h)};
+        if (h.asked == Asked::kRival) only_rivals.insert(name);
+      }
+      Posterior posterior = PosteriorOfNames(out_.chosen.net - without.net, possible);
+      const auto leads = std::find_if(
+          posterior.begin(), posterior.end(),
+          [&](const NameProbability& entry) { return only_rivals.count(entry.name) == 0; });
+      std::rotate(posterior.begin(), leads, leads + 1);
+      out_.chosen = std::move(sets.at(posterior.front().name));
+      out_.posteriors.push_back(std::move(posterior));
     }
   }
 

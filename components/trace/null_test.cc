@@ -58,6 +58,7 @@ NullTest::NullTest(const Eigen::Ref<const Eigen::MatrixXd>& X,
   }
   Eigen::VectorXd largest = Eigen::VectorXd::Constant(rounds, -1e300);
   for (const Hypothesis& h : hypotheses) {
+    if (h.asked != Asked::kSearched) continue;
     Eigen::MatrixXd A = G(h.columns, h.columns);
     if (!given.empty()) {
       const Eigen::MatrixXd cross = G(given, h.columns);

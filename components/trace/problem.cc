@@ -66,10 +66,12 @@ int LongestOrder(const identify::Design& design) {
 
 Eigen::VectorXd Richest(const Problem& problem) {
   Columns all;
-  for (Eigen::Index j = 0; j < problem.bank.columns.cols(); ++j) all.push_back(j);
+  for (const Hypothesis& h : problem.hypotheses()) {
+    if (h.asked != Asked::kRival) all.insert(all.end(), h.columns.begin(), h.columns.end());
+  }
   const Eigen::VectorXd c = problem.evidence.Solve(all);
   return problem.bank.target - problem.bank.declared * problem.evidence.Declared(all, c) -
-         problem.bank.columns * c;
+         problem.bank.columns(Eigen::all, all) * c;
 }
 
 Eigen::VectorXd Problem::Left(const EffectSet& set) const {

@@ -19,7 +19,9 @@ namespace {
 constexpr double kPowerQuantile = 0.8416;
 
 // Lines are there when they are found.
-bool HasSize(const Hypothesis& h) { return h.physical() && h.settings.size() == 1; }
+bool HasSize(const Hypothesis& h) {
+  return h.physical() && h.asked == Asked::kSearched && h.settings.size() == 1;
+}
 
 std::vector<std::pair<std::string, double>> ShapeOf(const Hypothesis& h, effects::JointKind kind) {
   std::vector<std::pair<std::string, double>> out;

@@ -69,7 +69,9 @@ bool Physical(const Evidence& evidence, const std::vector<Hypothesis>& hypothese
 
 SetSearch SearchSets(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
                      std::size_t largest, const std::set<std::string>& refuted) {
-  const auto asked = [&](std::size_t h) { return refuted.count(hypotheses[h].name) == 0; };
+  const auto asked = [&](std::size_t h) {
+    return hypotheses[h].asked == Asked::kSearched && refuted.count(hypotheses[h].name) == 0;
+  };
   SetSearch out;
   out.best.emplace_back();
   std::map<int, EffectSet> by_family;

@@ -79,7 +79,9 @@ std::vector<ParameterShift> FindShifts(const identify::Design& design,
   };
   std::vector<Direction> directions;
   for (const Candidate& candidate : candidates) {
-    if (candidate.grid.size() != 1 || candidate.grid.front().columns.cols() != 1) continue;
+    if (candidate.stated || candidate.grid.size() != 1 ||
+        candidate.grid.front().columns.cols() != 1)
+      continue;
     const Eigen::VectorXd z = candidate.grid.front().columns(used, 0);
     const double power = z.squaredNorm();
     if (!(power > 0.0)) continue;

@@ -8,6 +8,7 @@
 
 #include "components/identify/statistics.h"
 #include "components/trace/candidates.h"
+#include "components/trace/range.h"
 
 namespace sinew::trace {
 
@@ -17,7 +18,6 @@ using identify::Balance;
 using identify::ParameterRef;
 using identify::Rms;
 
-constexpr double kAnySize = std::numeric_limits<double>::infinity();
 // Prior standard deviations of a nuisance: half a period either way is 1.72 of a uniform's.
 constexpr double kImplausible = 1.75;
 
@@ -80,11 +80,8 @@ Eigen::VectorXd SolveWithinRange(const Balance& balance, const actuator::JointMo
           term.effect->info().linear[static_cast<std::size_t>(ref.linear)];
       char& mark = is_held[static_cast<std::size_t>(i)];
       if (mark != 0 || !term.declared || info.relative_to_drive) continue;
-      // Of what has a unit the range says the sign: how large it may be is the machine's affair.
-      const bool ratio = info.dimension == effects::Dimension::kNone;
-      const double lower = ratio ? info.lower : info.lower >= 0.0 ? 0.0 : -kAnySize;
-      const double upper = ratio ? info.upper : info.upper <= 0.0 ? 0.0 : kAnySize;
-      const double bound = std::clamp(scale * b[i], lower, upper) / scale;
+      const Range range = RangeOnAnyMachine(info);
+      const double bound = std::clamp(scale * b[i], range.lower, range.upper) / scale;
       if (bound == b[i]) continue;
       regression->prior.mean[i] = bound;
       regression->prior.precision[i] = kHeld * std::max(1e-300, regression->X.col(i).squaredNorm());

@@ -126,6 +126,14 @@ TEST(GateRecordings, EmpsPassesAndItsFaultsAreFound) {
   EXPECT_TRUE(ExamineData(millimetres.runs, millimetres.model).stops());
   ExpectFound(set, "spike_position", "emps");
   ExpectFound(set, "frozen_position", "emps");
+  Set stuck = set;
+  Eigen::VectorXd& drive = stuck.runs.front().signals[identify::Signal::kDriveVoltage];
+  const Eigen::Index rows = drive.size();
+  drive.segment(rows / 3, rows / 5).setConstant(drive[rows / 3]);
+  const GateReport report = ExamineData(stuck.runs, stuck.model);
+  ASSERT_TRUE(report.stops());
+  EXPECT_EQ(report.faults.front().rule, "frozen");
+  EXPECT_EQ(report.faults.front().signal, "drive_voltage");
 }
 
 TEST(GateRecordings, TheServoWithAPendulumPassesAndItsFaultsAreFound) {

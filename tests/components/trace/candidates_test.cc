@@ -34,6 +34,33 @@ TEST(Candidates, WhatTheModelHoldsAndDrivesAreNone) {
   EXPECT_TRUE(Has(set, "quadratic_viscous"));
 }
 
+bool Stated(const CandidateSet& set, const std::string& name) {
+  return std::any_of(set.candidates.begin(), set.candidates.end(), [&](const Candidate& candidate) {
+    return candidate.name() == name && candidate.stated;
+  });
+}
+
+TEST(Candidates, WhatADeclaredTermStatesAlreadyIsNoCause) {
+  actuator::JointModel model = SyntheticModel();
+  const auto design =
+      MakeDesign({SyntheticRun(model, {.duration_s = 10.0, .motor_position = true})}, model);
+  const CandidateSet set = MakeCandidates(design, model);
+  for (const char* stated :
+       {"rotor_inertia", "link_inertia", "motor_viscous", "spring", "offset"}) {
+    EXPECT_TRUE(Stated(set, stated)) << stated;
+  }
+  EXPECT_FALSE(Stated(set, "stribeck"));
+  std::erase_if(model.terms, [](const actuator::Term& term) {
+    const std::string name = term.effect->info().name;
+    return name == "gravity" || name == "viscous";
+  });
+  const CandidateSet without = MakeCandidates(design, model);
+  for (const char* missing : {"gravity", "viscous", "motor_viscous", "spring"}) {
+    EXPECT_TRUE(Has(without, missing)) << missing;
+    EXPECT_FALSE(Stated(without, missing)) << missing;
+  }
+}
+
 TEST(Candidates, EffectsWithoutTheirSignalAreNamed) {
   const auto design =
       MakeDesign({SyntheticRun(SyntheticModel(), {.duration_s = 10.0})}, SyntheticModel());

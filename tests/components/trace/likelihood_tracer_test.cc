@@ -56,6 +56,21 @@ TEST(LikelihoodTracer, RivalsThatPredictTheSameAreNamed) {
   EXPECT_NE(std::find(named.begin(), named.end(), "direction_dependent_viscous"), named.end());
 }
 
+// Less than a period of a wave over the angle is any smooth curve: it never leads.
+TEST(LikelihoodTracer, AWaveLongerThanTheMotionIsOnlyARival) {
+  actuator::JointModel truth = SyntheticModel();
+  truth.terms.push_back(TermOf("gear_eccentricity", {0.0, 0.3, 0.0, 0.0}, truth.constants));
+  truth.terms.back().nonlinear[0].value = 2.0;
+  const TraceResult result = TraceOf(truth, {.noise_A = 0.1});
+  ASSERT_FALSE(result.effects.empty());
+  std::vector<std::string> rivals;
+  for (const FoundEffect& found : result.effects) {
+    EXPECT_NE(found.name, "gear_eccentricity");
+    for (const std::string& rival : found.rivals()) rivals.push_back(rival);
+  }
+  EXPECT_NE(std::find(rivals.begin(), rivals.end(), "gear_eccentricity"), rivals.end());
+}
+
 TEST(LikelihoodTracer, TwoEffectsAreFoundTogether) {
   actuator::JointModel truth = With("quadratic_viscous", 0.4);
   truth.terms.push_back(TermOf("direction_dependent_viscous", {0.2}, truth.constants));

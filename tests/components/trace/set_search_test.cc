@@ -60,6 +60,22 @@ Eigen::VectorXd Sizes(std::initializer_list<double> values) {
   return out;
 }
 
+TEST(SetSearch, WhatIsOnlyARivalIsNotSearchedFor) {
+  Searched scene(Sizes({0.5, 0.0, 0.2, 0.0, 0.0, 0.0}));
+  scene.hypotheses[0].asked = Asked::kRival;
+  const SetSearch found = SearchSets(scene.evidence(), scene.hypotheses, 2, {});
+  for (const EffectSet& single : found.singles) EXPECT_NE(single.members.front(), 0u);
+  for (const EffectSet& best : found.best) {
+    EXPECT_EQ(std::count(best.members.begin(), best.members.end(), 0u), 0);
+  }
+  // A set that is given holds it where there is no other of its name.
+  EXPECT_EQ(FitAgreedSet(scene.evidence(), scene.hypotheses, {"h0"}).members,
+            std::vector<std::size_t>{0});
+  scene.hypotheses[2].name = "h0";
+  EXPECT_EQ(FitAgreedSet(scene.evidence(), scene.hypotheses, {"h0"}).members,
+            std::vector<std::size_t>{2});
+}
+
 TEST(SetSearch, TheOneEffectThatIsThereIsTheBestSingle) {
   const Searched scene(Sizes({0, 0, 0.3, 0, 0, 0}));
   const SetSearch found = SearchSets(scene.evidence(), scene.hypotheses, 3);
