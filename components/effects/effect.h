@@ -130,9 +130,6 @@ struct EffectInfo {
   // Begins at an instant that differs from recording to recording: the first nonlinear parameter is
   // its start, on the clock time_s.
   bool event = false;
-  // A term that models declare rather than a cause: an effect of the catalogue that looks the same
-  // is named in its place.
-  bool basic = false;
   std::vector<ParameterInfo> linear;
   std::vector<ParameterInfo> nonlinear;
   std::string signature;                 // what its residual looks like

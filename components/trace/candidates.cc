@@ -52,6 +52,7 @@ const Stated kStated[] = {
     {"motor_viscous", {"viscous"}},
     {"spring", {"gravity", "pneumatic_stiffness", "rigid_body"}},
     {"offset", {}},
+    {"rigid_body", {}},
 };
 
 bool IsStated(const std::string& effect, const actuator::JointModel& model) {
@@ -126,8 +127,9 @@ CandidateSet MakeCandidates(const identify::Design& design, const actuator::Join
         missing += (missing.empty() ? "" : ", ") + field;
       }
     }
+    const bool stated = IsStated(name, model);
     if (!missing.empty()) {
-      out.missing.push_back({name, missing});
+      if (!stated) out.missing.push_back({name, missing});
       continue;
     }
     // A load cell that nobody touches tells its own noise; "its gain is -1" would be that.
@@ -138,7 +140,7 @@ CandidateSet MakeCandidates(const identify::Design& design, const actuator::Join
       continue;
     }
     Candidate candidate;
-    candidate.stated = IsStated(name, model);
+    candidate.stated = stated;
     for (std::vector<double>& psi : GridFor(design, info)) {
       bool taken = false;
       for (const actuator::Term& term : model.terms) {

@@ -125,9 +125,12 @@ Sensitivity FindSensitivity(const Problem& problem, const std::vector<Detectable
       out.not_excited.push_back(
           {name, "the declared terms carry all of it: only a shift of parameters shows"});
     } else if (share > Limit(rules::kDetectable)) {
-      char text[120];
-      std::snprintf(text, sizeof text,
-                    "up to %.2g %% of the measured side could hide in this motion", 100.0 * share);
+      char text[120] = "up to all of the measured side could hide in this motion";
+      if (share < 1.0) {
+        std::snprintf(text, sizeof text,
+                      "up to %.2g %% of the measured side could hide in this motion",
+                      100.0 * share);
+      }
       out.not_excited.push_back({name, text});
     } else {
       out.judged.push_back(name);

@@ -8,7 +8,6 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   info.name = "inertia";
   info.title = "Inertia of a joint that moves as one body";
   info.formula = "- J * a";
-  info.basic = true;
   info.source = "Newton";
   info.role = Role::kInertia;
   info.linear = {{.name = "inertia",

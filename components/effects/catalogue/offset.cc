@@ -8,7 +8,6 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   info.name = "offset";
   info.title = "Constant torque";
   info.formula = "+ offset";
-  info.basic = true;
   info.source = "current sensor or amplifier zero; EMPS report";
   info.linear = {{.name = "offset",
                   .dimension = Dimension::kTorque,

@@ -8,7 +8,6 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   info.name = "spring";
   info.title = "Plain spring";
   info.formula = "- k * q + T0, T0 = k * q0";
-  info.basic = true;
   info.source = "Hooke";
   info.linear = {{.name = "stiffness",
                   .dimension = Dimension::kStiffness,
