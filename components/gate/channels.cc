@@ -11,6 +11,7 @@
 
 namespace sinew::gate {
 
+using identify::Resolution;
 using identify::Run;
 using identify::Signal;
 
@@ -30,28 +31,6 @@ double MedianPeriod(const Run& run) {
   std::vector<double> steps;
   for (Eigen::Index i = 1; i < run.size(); ++i) steps.push_back(run.time_s[i] - run.time_s[i - 1]);
   return Median(std::move(steps));
-}
-
-double Resolution(const Eigen::VectorXd& x) {
-  std::vector<double> steps;
-  const double least = 1e-12 * x.cwiseAbs().maxCoeff();
-  for (Eigen::Index i = 1; i < x.size(); ++i) {
-    const double step = std::abs(x[i] - x[i - 1]);
-    if (step > least) steps.push_back(step);
-  }
-  if (steps.size() < 20) return steps.empty() ? 0.0 : *std::min_element(steps.begin(), steps.end());
-  // Decimals of a file round by chance: the step is the low quantile, not the smallest.
-  const double smallest = QuantileOf(steps, 0.02);
-  const auto whole = std::count_if(steps.begin(), steps.end(), [&](double step) {
-    const double ratio = step / smallest;
-    return ratio < 40.0 ? std::abs(ratio - std::round(ratio)) < 0.1 : true;
-  });
-  const auto few = std::count_if(steps.begin(), steps.end(),
-                                 [&](double step) { return step < 40.0 * smallest; });
-  return 2 * few > static_cast<long>(steps.size()) / 2 &&
-                 static_cast<double>(whole) > 0.95 * static_cast<double>(steps.size())
-             ? smallest
-             : 0.0;
 }
 
 double SmallestStep(const Eigen::VectorXd& x) {

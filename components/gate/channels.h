@@ -16,8 +16,6 @@ double QuantileOf(std::vector<double> values, double p);  // 0 of none
 double Range(const Eigen::VectorXd& x);
 double StandardDeviationOf(const Eigen::VectorXd& x);
 double MedianPeriod(const identify::Run& run);
-// The step that nearly all differences are whole multiples of; else 0.
-double Resolution(const Eigen::VectorXd& x);
 // Resolution, else the white noise: differences below it are none.
 double SmallestStep(const Eigen::VectorXd& x);
 

@@ -4,6 +4,7 @@
 
 #include "components/gate/checks.h"
 #include "components/identify/processing.h"
+#include "components/identify/statistics.h"
 #include "components/identify/uniform.h"
 
 namespace sinew::gate {
@@ -11,6 +12,7 @@ namespace sinew::gate {
 namespace {
 
 using identify::Finding;
+using identify::Resolution;
 using identify::Run;
 using identify::Signal;
 

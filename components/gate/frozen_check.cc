@@ -2,11 +2,13 @@
 #include <cmath>
 
 #include "components/gate/checks.h"
+#include "components/identify/statistics.h"
 
 namespace sinew::gate {
 
 namespace {
 
+using identify::Resolution;
 using identify::Run;
 using identify::Signal;
 

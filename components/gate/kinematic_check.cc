@@ -3,11 +3,13 @@
 #include <numbers>
 
 #include "components/gate/checks.h"
+#include "components/identify/statistics.h"
 
 namespace sinew::gate {
 
 namespace {
 
+using identify::Resolution;
 using identify::Run;
 using identify::Signal;
 

@@ -8,6 +8,7 @@ namespace sinew::gate {
 
 namespace {
 
+using identify::Resolution;
 using identify::Run;
 using identify::Signal;
 

@@ -29,6 +29,28 @@ void Spread(std::vector<char>& flags, Eigen::Index reach) {
   flags = std::move(out);
 }
 
+// Below `doubtful` the velocity is that of a lower low-pass, `slow`, unless the two differ by more
+// than noise: then the motion changes too fast for it. Within `reach` rows of quicker motion, which
+// smears into it, neither tells the direction: those rows are returned as flags.
+std::vector<char> TakeSlowVelocity(const Eigen::VectorXd& slow, double doubtful, Eigen::Index reach,
+                                   Eigen::VectorXd* v) {
+  const auto n = static_cast<std::size_t>(v->size());
+  std::vector<char> quick(n), unsure(n, 0);
+  for (std::size_t k = 0; k < n; ++k) {
+    quick[k] = std::abs((*v)[static_cast<Eigen::Index>(k)]) >= doubtful;
+  }
+  std::vector<char> near_quick = quick;
+  Spread(near_quick, reach);
+  for (std::size_t k = 0; k < n; ++k) {
+    if (quick[k]) continue;
+    unsure[k] = near_quick[k];
+    double& at = (*v)[static_cast<Eigen::Index>(k)];
+    const double slowly = slow[static_cast<Eigen::Index>(k)];
+    if (std::abs(slowly - at) < doubtful) at = slowly;
+  }
+  return unsure;
+}
+
 // A motor that stands while the output moves (inside its play): the balance is the output's alone.
 bool IsLocked(const Eigen::VectorXd& motor_at_output, const Eigen::VectorXd& output) {
   constexpr double kStandsStill = 0.05;  // of the output's range
@@ -37,8 +59,9 @@ bool IsLocked(const Eigen::VectorXd& motor_at_output, const Eigen::VectorXd& out
 }
 
 // Instants at which teeth that were apart touch again: what an impact does to the drive is over
-// before a recording of some 100 Hz has seen it. gap: motor / N - output, rad.
-void MarkTouches(const Eigen::VectorXd& gap, double play, std::vector<char>* flags) {
+// before a recording of some 100 Hz has seen it. Where the motor is locked, all rows at which they
+// touch: they hold the output, and its balance is another. gap: motor / N - output, rad.
+void MarkTouches(const Eigen::VectorXd& gap, double play, bool locked, std::vector<char>* flags) {
   // Teeth are apart for sure when the gap is this share of the half play away from both sides.
   constexpr double kApart = 0.7;
   constexpr double kTouch = 0.9;
@@ -50,7 +73,7 @@ void MarkTouches(const Eigen::VectorXd& gap, double play, std::vector<char>* fla
   bool apart = false;
   for (Eigen::Index i = 0; i < gap.size(); ++i) {
     const double share = std::abs(gap[i] - middle) / (0.5 * play);
-    if (apart && share > kTouch) {
+    if ((apart || locked) && share > kTouch) {
       (*flags)[static_cast<std::size_t>(i)] = 1;
       apart = false;
     } else if (share < kApart) {
@@ -141,14 +164,13 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
       const Eigen::VectorXd q = smooth(OutputPosition(piece, ratio, run.name));
       Eigen::VectorXd v = rate_of(q);
       const Eigen::VectorXd a = rate_of(v);
+      std::vector<char> unsure(piece.valid.size(), 0);
       if (options.doubtful_velocity > 0.0 && !run.held) {
-        const Eigen::VectorXd slow =
+        unsure = TakeSlowVelocity(
             rate_of(Smooth(OutputPosition(piece, ratio, run.name), options.state_order,
-                           options.slow_cutoff_Hz, rate));
-        // Where the two differ by more than noise the motion changes too fast for the lower one.
-        const auto doubtful = v.array().abs() < options.doubtful_velocity;
-        const auto agree = (slow - v).array().abs() < options.doubtful_velocity;
-        v = (doubtful && agree).select(slow, v).eval();
+                           options.slow_cutoff_Hz, rate)),
+            options.doubtful_velocity,
+            static_cast<Eigen::Index>(std::lround(rate / options.slow_cutoff_Hz)), &v);
       }
       const Eigen::VectorXd jerk = rate_of(a);
       const Eigen::VectorXd snap = rate_of(jerk);
@@ -273,8 +295,8 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
         segment.at_rest[static_cast<std::size_t>(i)] = 1;
       }
       std::vector<char> out_of_use = segment.at_rest;
-      if (motor && !locked && model.backlash_rad > 0.0) {
-        MarkTouches(motor_q / ratio - q, model.backlash_rad, &out_of_use);
+      if (motor && model.backlash_rad > 0.0) {
+        MarkTouches(motor_q / ratio - q, model.backlash_rad, locked, &out_of_use);
       }
       Spread(out_of_use, static_cast<Eigen::Index>(std::lround(options.reversal_guard_s * rate)));
       // Presliding: the teeth and seals turn over before friction has its moving value.
@@ -291,7 +313,9 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
                               : static_cast<Eigen::Index>(std::lround(options.border_s * rate));
       for (Eigen::Index i = 0; i < piece.size(); ++i) {
         const auto k = static_cast<std::size_t>(i);
-        if (!piece.valid[k] || i < border || i >= piece.size() - border) out_of_use[k] = 1;
+        if (unsure[k] || !piece.valid[k] || i < border || i >= piece.size() - border) {
+          out_of_use[k] = 1;
+        }
       }
       segment.usable.resize(out_of_use.size());
       std::transform(out_of_use.begin(), out_of_use.end(), segment.usable.begin(),

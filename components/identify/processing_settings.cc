@@ -30,8 +30,9 @@ constexpr double kNoiseShare = 0.03;
 // stand for the acceleration, and what they gain is its noise. Less than what counts as explained
 // (1.5 %).
 constexpr double kUnseenShare = 0.01;
-// Share of the 75th percentile of speed that counts as rest.
-constexpr double kRestShare = 0.03;
+// Share of the 75th percentile of speed that counts as rest. Rows slower than a share of the
+// highest speed (its 99.5th percentile) are none of those: a joint may rest most of the time.
+constexpr double kRestShare = 0.03, kSurelyRests = 0.01;
 // How much lower the low-pass of slow motion is: its velocity has a fifteenth of the noise.
 constexpr double kSlower = 6.0;
 // Low-pass of the angles, forward and backward. What it lets pass of white noise that is
@@ -74,14 +75,27 @@ double BandOfEarlierFilter(const std::vector<Run>& runs, Signal drive, double lo
   return band_Hz;
 }
 
-// Times between reversals, s: the velocity passes a fifth of its quick size on the other side.
+// The quick speed of a motion that may rest at times.
+double SpeedOfMotion(std::vector<double> speeds) {
+  const double still = kSurelyRests * Quantile(speeds, 0.995);
+  speeds.erase(std::remove_if(speeds.begin(), speeds.end(), [&](double v) { return v < still; }),
+               speeds.end());
+  return Quantile(std::move(speeds), 0.75);
+}
+
+// Times of motion from rest or reversal to the next, s: a stroke begins with a fifth of the quick
+// speed and ends at rest or with as much to the other side.
 void AppendStrokes(const Eigen::VectorXd& velocity, double period_s, std::vector<double>* out) {
   const Eigen::VectorXd speed = velocity.cwiseAbs();
-  const double swing = 0.2 * Quantile(std::vector<double>(speed.begin(), speed.end()), 0.75);
+  const double quick = SpeedOfMotion(std::vector<double>(speed.begin(), speed.end()));
+  const double swing = 0.2 * quick, rest = kRestShare * quick;
   int side = 0;
   Eigen::Index since = 0;
   for (Eigen::Index i = 0; i < velocity.size(); ++i) {
-    const int now = velocity[i] > swing ? 1 : velocity[i] < -swing ? -1 : side;
+    const int now = velocity[i] > swing    ? 1
+                    : velocity[i] < -swing ? -1
+                    : speed[i] < rest      ? 0
+                                           : side;
     if (now == side) continue;
     if (side != 0) out->push_back(static_cast<double>(i - since) * period_s);
     side = now;
@@ -197,9 +211,13 @@ ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::Joint
       NominalInertia(model, effects::Side::kOutput) + runs.front().rigid_inertia;
   const double motor_inertia = NominalInertia(model, effects::Side::kMotor);
   double output_Hz = 0.0, motor_Hz = 0.0, nyquist_Hz = 0.0;
-  double density = 0.0;  // of the position's noise
+  double density = 0.0, step = 0.0;  // of the position: noise, resolution
   std::vector<double> speeds, strokes_s;
   for (const Run& run : runs) {
+    const bool output = run.Has(Signal::kPosition);
+    step = std::max(
+        step, output ? Resolution(run.At(Signal::kPosition))
+                     : Resolution(run.At(Signal::kMotorPosition)) / model.constants.gear_ratio);
     for (const UniformSegment& segment : MakeUniform(run, longest_gap_s).segments) {
       const double rate = segment.rate_Hz();
       nyquist_Hz = std::max(nyquist_Hz, 0.5 * rate);
@@ -250,15 +268,18 @@ ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::Joint
   out.motor_cutoff_Hz = motor_Hz > 0.0 ? within(wider * motor_Hz) : 0.0;
   out.parallel_cutoff_Hz = nyquist_Hz;  // none
   out.raw = true;
-  // Noise of a velocity behind a low-pass at f: (2 pi)^2 S passed f^3.
-  const auto velocity_noise = [&](double cutoff_Hz) {
-    return kTurn * std::sqrt(low_pass.passed_once * density * std::pow(cutoff_Hz, 3));
+  // What a velocity behind a low-pass at f has to exceed for its sign to be sure. Noise:
+  // (2 pi)^2 S passed f^3. Rounding of a slow motion, a saw of the resolution's size and first
+  // harmonic step / pi: up to 2 pi f step / pi.
+  const auto sure_velocity = [&](double cutoff_Hz) {
+    const double noise = kTurn * std::sqrt(low_pass.passed_once * density * std::pow(cutoff_Hz, 3));
+    return std::max(kSureVelocity * noise, 2.0 * step * cutoff_Hz);
   };
   out.slow_cutoff_Hz = out.state_cutoff_Hz / kSlower;
-  out.doubtful_velocity = kSureVelocity * velocity_noise(out.state_cutoff_Hz);
+  out.doubtful_velocity = sure_velocity(out.state_cutoff_Hz);
   // What moves slower than this part of the motion's quick half sticks and slips.
-  out.rest_velocity = std::max(kSureVelocity * velocity_noise(out.slow_cutoff_Hz),
-                               kRestShare * Quantile(speeds, 0.75));
+  out.rest_velocity =
+      std::max(sure_velocity(out.slow_cutoff_Hz), kRestShare * SpeedOfMotion(std::move(speeds)));
   out.reversal_guard_s = GuardFor(strokes_s, low_pass.guard_periods / out.state_cutoff_Hz);
   out.border_s = 2.0 / out.state_cutoff_Hz;
   return out;

@@ -102,6 +102,28 @@ double Quantile(std::vector<double> values, double p) {
   return values[low] + (at - static_cast<double>(low)) * (values[high] - values[low]);
 }
 
+double Resolution(const Eigen::VectorXd& x) {
+  std::vector<double> steps;
+  const double least = 1e-12 * x.cwiseAbs().maxCoeff();
+  for (Eigen::Index i = 1; i < x.size(); ++i) {
+    const double step = std::abs(x[i] - x[i - 1]);
+    if (step > least) steps.push_back(step);
+  }
+  if (steps.size() < 20) return steps.empty() ? 0.0 : *std::min_element(steps.begin(), steps.end());
+  // Decimals of a file round by chance: the step is the low quantile, not the smallest.
+  const double smallest = Quantile(steps, 0.02);
+  const auto whole = std::count_if(steps.begin(), steps.end(), [&](double step) {
+    const double ratio = step / smallest;
+    return ratio < 40.0 ? std::abs(ratio - std::round(ratio)) < 0.1 : true;
+  });
+  const auto few = std::count_if(steps.begin(), steps.end(),
+                                 [&](double step) { return step < 40.0 * smallest; });
+  return 2 * few > static_cast<long>(steps.size()) / 2 &&
+                 static_cast<double>(whole) > 0.95 * static_cast<double>(steps.size())
+             ? smallest
+             : 0.0;
+}
+
 double WhiteNoise(std::span<const Eigen::VectorXd> signals) {
   std::vector<double> size;
   for (const Eigen::VectorXd& x : signals) {

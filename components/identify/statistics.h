@@ -23,6 +23,9 @@ double RobustDeviation(std::vector<double> values);
 // The value below which a share p of the values lies (linear between order statistics).
 double Quantile(std::vector<double> values, double p);
 
+// The step that nearly all differences of a signal are whole multiples of; 0 for none.
+double Resolution(const Eigen::VectorXd& x);
+
 // Standard deviation of white noise on signals, from the median absolute value of their fourth
 // differences (70 times its variance): smooth motion and spikes are not seen.
 double WhiteNoise(std::span<const Eigen::VectorXd> signals);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "components/identify/statistics.h"
+#include "components/trace/nuisances.h"
 
 namespace sinew::trace {
 
@@ -29,7 +30,8 @@ namespace {
 // The catalogue's grids are those of a joint that turns a radian either way, at half a radian per
 // second: lengths and speeds of another motion are as much longer and quicker.
 constexpr double kSpeedOfGrid = 0.5;  // rad/s
-// Sliding lengths, share of half of the motion's range: from what no encoder sees to all of it.
+// Sliding lengths, share of half of the motion's range, up to all of it. What is shorter than some
+// counts of the encoder is a nuisance (nuisances.h) and no effect.
 constexpr double kShortest = 0.003, kLongest = 2.0;
 
 // Resonances well within the band of the angles (beyond half of it their low-pass looks like one),
@@ -66,6 +68,7 @@ bool IsStated(const std::string& effect, const actuator::JointModel& model) {
 }  // namespace
 
 std::vector<std::vector<double>> GridFor(const identify::Design& design,
+                                         const effects::JointConstants& constants,
                                          const effects::EffectInfo& info) {
   if (!design.options().raw) return GridOf(info);
   using effects::JointSample;
@@ -81,8 +84,9 @@ std::vector<std::vector<double>> GridFor(const identify::Design& design,
       scale = 0.5 * (q.maxCoeff() - q.minCoeff());
       if (parameter.lower > 0.0) {  // a length, not a place
         parameter.grid.clear();
+        const double seen = GivingLength(constants);
         for (double share = kShortest; share < kLongest; share *= 2.0) {
-          parameter.grid.push_back(share);
+          if (share * scale >= seen) parameter.grid.push_back(share);
         }
       }
     } else if (parameter.dimension == effects::Dimension::kVelocity) {
@@ -141,7 +145,7 @@ CandidateSet MakeCandidates(const identify::Design& design, const actuator::Join
     }
     Candidate candidate;
     candidate.stated = stated;
-    for (std::vector<double>& psi : GridFor(design, info)) {
+    for (std::vector<double>& psi : GridFor(design, model.constants, info)) {
       bool taken = false;
       for (const actuator::Term& term : model.terms) {
         if (!model.Counts(term) || term.effect->info().name != name) continue;

@@ -48,6 +48,7 @@ std::vector<std::vector<double>> GridOf(const effects::EffectInfo& info);
 
 // The same with lengths, speeds and frequencies of the motion's size, inside their ranges.
 std::vector<std::vector<double>> GridFor(const identify::Design& design,
+                                         const effects::JointConstants& constants,
                                          const effects::EffectInfo& info);
 
 }  // namespace sinew::trace

@@ -68,6 +68,11 @@ double DryFriction(const actuator::JointModel& model) {
              : std::abs(model.terms[static_cast<std::size_t>(coulomb)].linear.front().value);
 }
 
+double GivingLength(const effects::JointConstants& constants) {
+  const double counts = constants.encoder_counts_per_turn;
+  return counts > 0.0 ? kFewCounts * 2.0 * std::numbers::pi / counts : 0.0;
+}
+
 Nuisances MakeNuisances(const identify::Design& design, const UsedRows& used,
                         const actuator::JointModel& model,
                         const std::vector<std::string>& left_out) {
@@ -87,9 +92,8 @@ Nuisances MakeNuisances(const identify::Design& design, const UsedRows& used,
       psi.push_back(parameter.default_value);
     }
     if (info.smallest == Smallest::kCounts) {
-      const double counts = model.constants.encoder_counts_per_turn;
-      if (!(counts > 0.0)) continue;
-      psi = {kFewCounts * 2.0 * std::numbers::pi / counts};
+      psi = {GivingLength(model.constants)};
+      if (!(psi.front() > 0.0)) continue;
     }
     const Eigen::VectorXd column = -design.Columns(*effect, psi).col(0)(used.rows);
     const double own = Spread(design, model, info, column);

@@ -23,6 +23,10 @@ struct Nuisances {
 // Declared friction that only knows the direction of motion, Nm or N; 0 without.
 double DryFriction(const actuator::JointModel& model);
 
+// Stroke over which every contact yields a little before it slides, some counts of the encoder, rad
+// or m; 0 where the model declares no counts.
+double GivingLength(const effects::JointConstants& constants);
+
 // Leaves the rigid bodies out (MakeNuisances).
 inline constexpr const char* kRigidBodies = "rigid_body";
 

@@ -130,7 +130,7 @@ Free MakeFree(const identify::Design& design, const actuator::JointModel& model,
   const effects::ParameterInfo& info = effect.nonlinear[index];
   if (!(info.lower > 0.0)) return {term, index, info.lower, info.upper};
   double least = info.upper, largest = info.lower;
-  for (const std::vector<double>& psi : GridFor(design, effect)) {
+  for (const std::vector<double>& psi : GridFor(design, model.constants, effect)) {
     least = std::min(least, psi[index]);
     largest = std::max(largest, psi[index]);
   }

@@ -25,7 +25,7 @@ class Presliding final : public Dahl {
                      .meaning = "friction that is not there at once after a reversal"}};
     info_.nonlinear = {{.name = "displacement",
                         .dimension = Dimension::kAngle,
-                        .lower = 1e-4,
+                        .lower = 1e-9,
                         .upper = 3.0,
                         .default_value = 0.02,
                         .grid = {0.005, 0.01, 0.02, 0.04, 0.08},

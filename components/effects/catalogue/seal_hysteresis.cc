@@ -22,7 +22,7 @@ class SealHysteresis final : public Dahl {
                      .meaning = "fully turned friction per gauge pressure"}};
     info_.nonlinear = {{.name = "displacement",
                         .dimension = Dimension::kAngle,
-                        .lower = 1e-4,
+                        .lower = 1e-9,
                         .upper = 3.0,
                         .default_value = 0.03,
                         .grid = {0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2},

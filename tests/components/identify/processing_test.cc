@@ -102,6 +102,65 @@ TEST(Processing, InstantsAtWhichTeethTouchAgainAreNotUsed) {
   }
 }
 
+TEST(Processing, RowsAtWhichTeethHoldTheOutputOfALockedMotorAreNotUsed) {
+  actuator::JointModel model = SyntheticModel();
+  model.backlash_rad = 0.04;
+  identify::Run run = SyntheticRun(model, {.motor_position = true});
+  const auto output = [](double t) {
+    return std::clamp(0.022 * std::sin(2.0 * M_PI * 0.3 * t) + 0.002 * std::sin(9.0 * t), -0.02,
+                      0.02);
+  };
+  for (Eigen::Index i = 0; i < run.size(); ++i) {
+    run.signals[Signal::kMotorPosition][i] = 0.0;
+    run.signals[Signal::kPosition][i] = output(run.time_s[i]);
+  }
+  ProcessingOptions options = SyntheticProcessing();
+  options.raw = true;
+  options.rest_velocity = 1e-4;
+  options.reversal_guard_s = 0.02;
+  const StateSet states = MakeStates({run}, model, options);
+  EXPECT_TRUE(states.locked);
+  const StateSegment& segment = states.segments[0];
+  int used = 0;
+  for (std::size_t i = 0; i < segment.samples.size(); ++i) {
+    const double share = std::abs(output(segment.samples[i].time_s)) / 0.02;
+    EXPECT_FALSE(segment.usable[i] && share > 0.92) << segment.samples[i].time_s;
+    used += segment.usable[i];
+  }
+  EXPECT_GT(used, static_cast<int>(segment.samples.size()) / 4);
+}
+
+// From place to place in a second, with rests of two, read by an encoder of 14 bits.
+double PointToPoint(double t) {
+  const auto move = static_cast<int>(t / 3.0);
+  const double along = std::min(1.0, t - 3.0 * move);
+  const double step = along * along * along * (10.0 + along * (6.0 * along - 15.0));
+  return 0.6 * (move % 2 == 0 ? step : 1.0 - step);
+}
+
+TEST(FromMotion, AMotionThatRestsMostOfTheTimeKeepsRowsOfItsStrokesAlone) {
+  const actuator::JointModel model = SyntheticModel();
+  identify::Run run = SyntheticRun(model, {});
+  const double count = 2.0 * M_PI / 16384.0;
+  for (Eigen::Index i = 0; i < run.size(); ++i) {
+    run.signals[Signal::kPosition][i] = count * std::round(PointToPoint(run.time_s[i]) / count);
+  }
+  const ProcessingOptions options = FromMotion({run}, model, 0.25);
+  // Slower than a few hundredths of a stroke's speed is rest, and so is what counts cannot tell.
+  EXPECT_GT(options.rest_velocity, 0.01);
+  EXPECT_GT(options.doubtful_velocity, 1.99 * count * options.state_cutoff_Hz);
+  const StateSet states = MakeStates({run}, model, options);
+  const StateSegment& segment = states.segments[0];
+  int used = 0;
+  for (std::size_t i = 0; i < segment.samples.size(); ++i) {
+    used += segment.usable[i];
+    EXPECT_FALSE(segment.usable[i] && std::fmod(segment.samples[i].time_s, 3.0) > 1.0)
+        << segment.samples[i].time_s;
+  }
+  // A third of the time moves, and guards leave a third of that.
+  EXPECT_GT(used, static_cast<int>(segment.samples.size()) / 12);
+}
+
 TEST(Processing, ALoadCellThatTellsOnlyItsNoiseIsItsMean) {
   const actuator::JointModel model = SyntheticModel();
   identify::Run run = SyntheticRun(model, {});

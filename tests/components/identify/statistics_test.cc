@@ -33,5 +33,16 @@ TEST(Statistics, QuantilesLieBetweenOrderStatistics) {
   EXPECT_DOUBLE_EQ(Quantile({}, 0.5), 0.0);
 }
 
+TEST(Statistics, ResolutionIsTheStepOfWhichDifferencesAreWholeMultiples) {
+  Eigen::VectorXd counts(200), smooth(200);
+  for (Eigen::Index i = 0; i < 200; ++i) {
+    smooth[i] = std::sin(0.05 * static_cast<double>(i));
+    counts[i] = 0.01 * std::round(smooth[i] / 0.01);
+  }
+  EXPECT_NEAR(Resolution(counts), 0.01, 1e-12);
+  EXPECT_EQ(Resolution(smooth), 0.0);
+  EXPECT_EQ(Resolution(Eigen::VectorXd::Constant(50, 3.0)), 0.0);
+}
+
 }  // namespace
 }  // namespace sinew::identify

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "tests/components/identify/synthetic.h"
 
@@ -75,6 +76,28 @@ TEST(Candidates, GridsAreAllCombinations) {
   info.nonlinear.push_back({.name = "a", .default_value = 5.0, .grid = {1.0, 2.0}});
   info.nonlinear.push_back({.name = "b", .default_value = 5.0});
   EXPECT_EQ(GridOf(info), (std::vector<std::vector<double>>{{1.0, 5.0}, {2.0, 5.0}}));
+}
+
+TEST(Candidates, ASlidingLengthOfAFewCountsIsNone) {
+  actuator::JointModel model = SyntheticModel();
+  const std::vector<identify::Run> runs = {SyntheticRun(model, {.duration_s = 10.0})};
+  const identify::ProcessingOptions options = identify::FromMotion(runs, model, 0.25);
+  const identify::Design design(identify::MakeStates(runs, model, options), options);
+  const auto shortest = [&] {
+    double least = 1e9;
+    const auto presliding = effects::MakeEffect("presliding", model.constants);
+    for (const auto& psi : GridFor(design, model.constants, presliding->info())) {
+      least = std::min(least, psi.front());
+    }
+    return least;
+  };
+  model.constants.encoder_counts_per_turn = 0.0;
+  const double undeclared = shortest();
+  model.constants.encoder_counts_per_turn = 1024.0;
+  EXPECT_GE(shortest(), 8.0 * 2.0 * M_PI / 1024.0);
+  EXPECT_LT(undeclared, shortest());
+  model.constants.encoder_counts_per_turn = 1e6;
+  EXPECT_DOUBLE_EQ(shortest(), undeclared);
 }
 
 TEST(Candidates, LinearJointsHaveNoAngles) {
