@@ -30,7 +30,8 @@ std::optional<TimedEffect> FindTimedEffect(const identify::Design& design,
   for (const Candidate& candidate : EventCandidates(declared)) {
     const bool passes = candidate.effect->info().nonlinear.size() > 1;
     std::optional<FoundEvent> found =
-        passes ? FindPush(design, candidate.effect, dry_friction / scale, residual)
+        passes ? FindPush(design, candidate.effect, dry_friction / scale,
+                          declared.backlash_rad > 0.0, residual)
                : FindChange(design, candidate.effect, likelihood, fit, residual, seed);
     if (found && (!best || found->explained > best->explained)) best = std::move(found);
   }

@@ -13,8 +13,9 @@ namespace sinew::trace {
 
 namespace {
 
-// Periods of the angles' low-pass: what is shorter is an impact of teeth, not a push.
-constexpr double kShortestPeriods = 1.5;
+// Periods of the angles' low-pass: where there is play, what is shorter is an impact of teeth, not
+// a push. Without it half a period is the shortest that the low-pass leaves in one piece.
+constexpr double kShortestWithPlay = 1.5, kShortest = 0.5;
 constexpr double kLongestShare = 0.1;  // of the shortest recording
 // Share of a push's weight that has to be seen.
 constexpr double kSeen = 0.35;
@@ -193,10 +194,12 @@ std::optional<Pushes> PushesOf(const identify::Design& design, const Scan& scan,
 
 std::optional<FoundEvent> FindPush(const identify::Design& design,
                                    std::shared_ptr<const effects::Effect> effect,
-                                   double dry_friction, const Eigen::VectorXd& residual) {
+                                   double dry_friction, bool has_play,
+                                   const Eigen::VectorXd& residual) {
   const Scan scan = MakeScan(design, dry_friction, residual);
   const std::size_t runs = design.states().run_names.size();
-  const double shortest_s = kShortestPeriods / design.options().state_cutoff_Hz;
+  const double shortest_s =
+      (has_play ? kShortestWithPlay : kShortest) / design.options().state_cutoff_Hz;
   const double longest_s = kLongestShare * ShortestRun(design);
   std::optional<Pushes> best;
   // Lengths overlap; numbers of pushes do not.

@@ -3,8 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
+#include <optional>
+#include <random>
 
 #include "components/trace/likelihood_tracer.h"
+#include "components/trace/push_search.h"
 #include "tests/components/identify/synthetic.h"
 
 namespace sinew::trace {
@@ -101,6 +105,28 @@ TEST(EventSearch, PushesThatReachTheDriveInPartDoNotHideTheOthers) {
   EXPECT_EQ(StartsIn(result, train[0].name).size(), 1u);
   EXPECT_EQ(StartsIn(result, train[1].name).size(), 1u);
   EXPECT_EQ(StartsIn(result, train[2].name).size(), 0u);
+}
+
+TEST(EventSearch, APushShorterThanAPeriodOfTheLowPassIsAskedForWhereNoTeethTouch) {
+  const Design design = RawDesign({Recorded(Happens{}, 28), Recorded(Happens{}, 29)});
+  const double period_s = 1.0 / design.options().state_cutoff_Hz;
+  std::mt19937_64 random(30);
+  std::normal_distribution<double> noise;
+  Eigen::VectorXd residual(design.rows().size());
+  for (Eigen::Index i = 0; i < residual.size(); ++i) {
+    const double start_s = design.rows().run[static_cast<std::size_t>(i)] == 0 ? 20.0 : 33.0;
+    const double s = (design.rows().time_s[i] - start_s) / (0.6 * period_s);
+    const double pulse = s > 0.0 && s < 1.0 ? std::sin(M_PI * s) * std::sin(M_PI * s) : 0.0;
+    residual[i] = noise(random) + 30.0 * pulse;
+  }
+  const std::shared_ptr<const effects::Effect> bump =
+      effects::MakeEffect("external_bump", identify::SyntheticModel().constants);
+  const std::optional<FoundEvent> free = FindPush(design, bump, 0.0, false, residual);
+  ASSERT_TRUE(free.has_value());
+  EXPECT_LT(free->event.length_s, period_s);
+  const std::optional<FoundEvent> teeth = FindPush(design, bump, 0.0, true, residual);
+  EXPECT_TRUE(!teeth || teeth->event.length_s > 1.4 * period_s);
+  EXPECT_TRUE(!teeth || teeth->explained < free->explained);
 }
 
 TEST(EventSearch, NothingStandsOutInNoise) {
