@@ -316,6 +316,16 @@ void NoteOutcome(const TraceResult& result, std::vector<CandidateScore>* scores)
   }
 }
 
+// Effects that are found, and those that stand out of noise by the whole search's own limit.
+std::set<std::string> Shown(const TraceResult& result, double least_statistic) {
+  std::set<std::string> out;
+  for (const FoundEffect& found : result.effects) out.insert(found.name);
+  for (const CandidateScore& score : result.rounds.front().scores) {
+    if (score.statistic >= least_statistic) out.insert(score.name);
+  }
+  return out;
+}
+
 }  // namespace
 
 TraceResult TraceByLikelihood(Design& train, Design& sealed, const actuator::JointModel& model,
@@ -362,7 +372,8 @@ TraceResult TraceByLikelihood(Design& train, Design& sealed, const actuator::Joi
       &result);
   NoteOutcome(result, &result.rounds.front().scores);
   result.detectable = FindDetectable(problem, model, correction.least_statistic());
-  Sensitivity sensitivity = FindSensitivity(problem, result.detectable);
+  Sensitivity sensitivity =
+      FindSensitivity(problem, result.detectable, Shown(result, correction.least_statistic()));
   result.not_excited = std::move(sensitivity.not_excited);
   result.judged = std::move(sensitivity.judged);
 
@@ -374,10 +385,6 @@ TraceResult TraceByLikelihood(Design& train, Design& sealed, const actuator::Joi
   result.after_sealed = identify::ErrorOf(sealed, result.corrected, model);
   const CandidateSet all = MakeCandidates(train, result.corrected);
   result.shifts = FindShifts(train, model, result.corrected_fit, all.candidates);
-  for (const FoundEffect& found : result.effects) {
-    std::erase_if(result.not_excited,
-                  [&](const NotExcited& hidden) { return hidden.effect == found.name; });
-  }
   result.verdict = !result.effects.empty()                ? Verdict::kEffect
                    : !result.unexplained.variable.empty() ? Verdict::kUnexplained
                                                           : Verdict::kNone;

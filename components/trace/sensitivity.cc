@@ -103,7 +103,8 @@ std::vector<DetectableSize> FindDetectable(const Problem& problem,
   return out;
 }
 
-Sensitivity FindSensitivity(const Problem& problem, const std::vector<DetectableSize>& detectable) {
+Sensitivity FindSensitivity(const Problem& problem, const std::vector<DetectableSize>& detectable,
+                            const std::set<std::string>& shown) {
   Sensitivity out;
   for (const MissingSignals& missing : problem.bank.missing) {
     out.not_excited.push_back({missing.effect, "not recorded: " + missing.fields});
@@ -120,7 +121,9 @@ Sensitivity FindSensitivity(const Problem& problem, const std::vector<Detectable
     double& share = smallest[size.effect];
     share = std::min(share, size.share);
   }
+  out.judged.assign(shown.begin(), shown.end());
   for (const auto& [name, share] : smallest) {
+    if (shown.count(name) != 0) continue;
     if (!std::isfinite(share)) {
       out.not_excited.push_back(
           {name, "the declared terms carry all of it: only a shift of parameters shows"});

@@ -2,6 +2,7 @@
 // have found, and the effects that could hide. Pure; allocates.
 #pragma once
 
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -30,11 +31,13 @@ double GainForPower(double needed, int columns);
 std::vector<DetectableSize> FindDetectable(const Problem& problem,
                                            const actuator::JointModel& declared, double statistic);
 
-// What the recordings could not have shown, and what they could (effect names).
+// What the recordings could not have shown, and what they could (effect names). shown: effects that
+// they do show, whatever size would have been sure to be found.
 struct Sensitivity {
   std::vector<NotExcited> not_excited;
   std::vector<std::string> judged;
 };
-Sensitivity FindSensitivity(const Problem& problem, const std::vector<DetectableSize>& detectable);
+Sensitivity FindSensitivity(const Problem& problem, const std::vector<DetectableSize>& detectable,
+                            const std::set<std::string>& shown);
 
 }  // namespace sinew::trace

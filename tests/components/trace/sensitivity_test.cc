@@ -3,9 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
+#include <set>
+#include <string>
 
 #include "components/trace/likelihood_tracer.h"
 #include "components/trace/null_test.h"
@@ -116,6 +119,23 @@ TEST(Detectable, TheSearchFindsWhatItSaysItFinds) {
   }
   EXPECT_GE(found, 4);
   EXPECT_LE(found_weak, 1);
+}
+
+TEST(Detectable, WhatStandsOutOfNoiseCouldNotHide) {
+  const TraceResult result = TraceDrag(0.5, 8);
+  ASSERT_EQ(result.verdict, Verdict::kEffect);
+  std::set<std::string> hidden;
+  for (const NotExcited& effect : result.not_excited) hidden.insert(effect.effect);
+  int shown = 0;
+  for (const CandidateScore& score : result.rounds.front().scores) {
+    // Twenty standard deviations; a search without an effect stays below five.
+    if (score.statistic < 20.0) continue;
+    ++shown;
+    EXPECT_EQ(hidden.count(score.name), 0u) << score.name;
+    EXPECT_EQ(std::count(result.judged.begin(), result.judged.end(), score.name), 1) << score.name;
+  }
+  EXPECT_GT(shown, 1);  // the drag and what resembles it
+  EXPECT_GT(hidden.size(), 0u);
 }
 
 }  // namespace
