@@ -118,6 +118,24 @@ bool Jumps(const Eigen::VectorXd& x, const Span& span) {
          std::abs(x[span.last + 1] - x[span.last]) > QuantileOf(steps, 0.999) + 0.5 * Resolution(x);
 }
 
+// A rate that an angle moved by all the time: where an encoder's counts come as evenly as the rows,
+// a rate that is told from them settles to the bit.
+bool TellsTheAngle(const Run& run, Signal angle, double rate, const Span& span) {
+  constexpr double kRounding = 3.0;  // steps: one at each end, and the rate's own
+  if (!run.Has(angle)) return false;
+  const Eigen::VectorXd& x = run.At(angle);
+  const double moved = x[span.last] - x[span.first];
+  const double duration_s = run.time_s[span.last] - run.time_s[span.first];
+  // Stamps may jitter about rows that were read evenly: a span's length is off as a period is.
+  std::vector<double> off;
+  const double period = MedianPeriod(run);
+  for (Eigen::Index i = 1; i < run.size(); ++i) {
+    off.push_back(std::abs(run.time_s[i] - run.time_s[i - 1] - period));
+  }
+  return std::abs(moved - rate * duration_s) <=
+         kRounding * SmallestStep(x) + std::abs(rate) * QuantileOf(off, 0.99);
+}
+
 // Channels whose noise changes them with every row, over rows in which the joint moves.
 Measurement LongRun(const Run& run, Signal signal, const std::vector<char>& moving) {
   const Eigen::VectorXd& x = run.At(signal);
@@ -155,6 +173,12 @@ Measurement LongRun(const Run& run, Signal signal, const std::vector<char>& movi
   for (std::size_t i = 0; i < runs.size(); ++i) {
     if (lengths[i] < static_cast<double>(kLeastRows)) continue;
     if (counts && !Jumps(x, runs[i])) continue;
+    const double value = x[runs[i].first];
+    if ((signal == Signal::kVelocity && TellsTheAngle(run, Signal::kPosition, value, runs[i])) ||
+        (signal == Signal::kMotorVelocity &&
+         TellsTheAngle(run, Signal::kMotorPosition, value, runs[i]))) {
+      continue;
+    }
     const double statistic = lengths[i] / usual;
     if (statistic > worst.statistic) worst = Measure("frozen", signal, run, runs[i], statistic);
   }

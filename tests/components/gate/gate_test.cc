@@ -80,6 +80,31 @@ TEST(Gate, TheNoiseOfAJointAtRestIsNoWrappedAngle) {
   }
 }
 
+// A speed told from an encoder whose counts come as evenly as the rows settles to the bit.
+TEST(Gate, ASpeedThatStaysIsNotFrozenWhereTheAngleMovesByIt) {
+  constexpr Eigen::Index kRows = 15;
+  const auto stays = [&](double times) {
+    std::vector<identify::Run> runs = Recorded().train;
+    identify::Run& run = runs.front();
+    const Eigen::VectorXd& q = run.At(Signal::kPosition);
+    Eigen::VectorXd& v = run.signals[Signal::kVelocity];
+    const auto quickest = [&](Eigen::Index i) { return v.segment(i, kRows).cwiseAbs().minCoeff(); };
+    Eigen::Index first = 100;
+    for (Eigen::Index i = first; i + kRows + 100 < run.size(); ++i) {
+      if (quickest(i) > quickest(first)) first = i;
+    }
+    const Eigen::Index last = first + kRows - 1;
+    v.segment(first, kRows)
+        .setConstant(times * (q[last] - q[first]) / (run.time_s[last] - run.time_s[first]));
+    const GateReport report = ExamineData(runs, Recorded().declared);
+    return std::any_of(report.faults.begin(), report.faults.end(), [](const Fault& fault) {
+      return fault.rule == "frozen" && fault.signal == "velocity";
+    });
+  };
+  EXPECT_FALSE(stays(1.0));
+  EXPECT_TRUE(stays(0.7));
+}
+
 TEST(Gate, ASoundRecordingHasNoFaultAndItsRate) {
   const GateReport report = ExamineData(Recorded().train, Recorded().declared);
   EXPECT_TRUE(report.faults.empty()) << Told(report);
