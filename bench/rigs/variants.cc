@@ -60,6 +60,7 @@ Powers PowersOf(Dimension dimension) {
   }
 }
 double FactorOf(Dimension dimension, const Variant& variant) {
+  if (variant.torque == 1.0 && variant.time == 1.0) return 1.0;
   const Powers powers = PowersOf(dimension);
   return std::pow(variant.torque, powers.torque) * std::pow(variant.time, powers.time);
 }

@@ -96,6 +96,15 @@ std::vector<Finding> FindFindings(const std::vector<Run>& runs, const actuator::
          "stamps scatter by " + Number(100.0 * jitter) + " % of a period about an even grid",
          jitter / rate, "s"});
   }
+  Eigen::Index interpolated = 0;
+  for (const Run& run : runs) interpolated += run.interpolated_rows;
+  if (interpolated > 0) {
+    out.push_back({"interpolated_rows",
+                   std::to_string(interpolated) +
+                       " rows lie on the line between their neighbours in every signal: they were "
+                       "interpolated, not measured, and are left out",
+                   static_cast<double>(interpolated), "rows"});
+  }
   if (lost > 0) {
     out.push_back({"lost_rows",
                    std::to_string(lost) + " rows are lost; what lies around them is left out",

@@ -122,7 +122,9 @@ double GuardFor(const std::vector<double>& strokes_s, double wished) {
 double NominalDriveGain(const actuator::JointModel& model) {
   for (const actuator::Term& term : model.terms) {
     if (term.effect->info().role != effects::Role::kDrive || !model.Counts(term)) continue;
-    return term.linear.front().value * effects::IdealDriveGain(model.constants);
+    // A share of the ideal gain (an efficiency), or torque per volt itself.
+    const bool share = term.effect->info().linear.front().dimension == effects::Dimension::kNone;
+    return term.linear.front().value * (share ? effects::IdealDriveGain(model.constants) : 1.0);
   }
   return 1.0;
 }

@@ -45,6 +45,8 @@ struct Run {
   std::string content_hash;                   // of the samples, for the history of a model
   // Every row is a hold of its own: the joint stood there, nothing happens between two rows.
   bool held = false;
+  // Rows of the file that were interpolated and left out (interpolated.h).
+  Eigen::Index interpolated_rows = 0;
   // Angles whose encoder begins each recording at a zero of its own: such an angle is the reading
   // plus a constant that nobody knows and that is another one in the next recording. Its changes
   // and derivatives are what they are; the phase of gravity, rest angles, the offset between two

@@ -87,6 +87,7 @@ class Correction {
   }
 
   const FitResult& corrected() const { return corrected_; }
+  const EffectSet& set() const { return set_; }
   // Of the first search, for the limit of p_global.
   double least_statistic() const { return least_statistic_; }
 
@@ -371,7 +372,8 @@ TraceResult TraceByLikelihood(Design& train, Design& sealed, const actuator::Joi
       },
       &result);
   NoteOutcome(result, &result.rounds.front().scores);
-  result.detectable = FindDetectable(problem, model, correction.least_statistic());
+  result.detectable =
+      FindDetectable(problem, model, correction.least_statistic(), correction.set());
   Sensitivity sensitivity =
       FindSensitivity(problem, result.detectable, Shown(result, correction.least_statistic()));
   result.not_excited = std::move(sensitivity.not_excited);

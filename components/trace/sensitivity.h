@@ -20,16 +20,19 @@ namespace sinew::trace {
 double NeededGain(const Hypothesis& hypothesis, double misfit, double statistic,
                   double by_variance);
 
-// Misfit that an effect takes away without noise, so that with noise it takes away `needed` in 80 %
-// of recordings: the gain of k columns is noncentral chi-square with k degrees of freedom, here by
-// its normal approximation.
-double GainForPower(double needed, int columns);
+// Size, in standard errors of its coefficient, at which an effect takes away `needed` in 80 % of
+// recordings. The gain of k columns is noncentral chi-square with k degrees of freedom, here by its
+// normal approximation. other: apparent size, in the same unit, of what the recording contains
+// besides noise that resembles the effect; it adds to the effect or takes from it, equally likely.
+// An effect of which less than `other` would remain is found with the wrong sign: not at all.
+double SizeForPower(double needed, int columns, double other);
 
 // For every effect and each of its linear parameters, at the shape that shows best; effects that
 // the declared terms absorb apart, and those that are lines of a spectrum, which is searched and
-// has no size beforehand.
+// has no size beforehand. found: what is there; other effects are fitted beside it.
 std::vector<DetectableSize> FindDetectable(const Problem& problem,
-                                           const actuator::JointModel& declared, double statistic);
+                                           const actuator::JointModel& declared, double statistic,
+                                           const EffectSet& found);
 
 // What the recordings could not have shown, and what they could (effect names). shown: effects that
 // they do show, whatever size would have been sure to be found.

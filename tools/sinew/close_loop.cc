@@ -13,6 +13,7 @@
 #include "components/config/config.h"
 #include "components/gate/rules.h"
 #include "components/identify/file/processing_file.h"
+#include "components/identify/interpolated.h"
 #include "components/recording/file/recording_path.h"
 #include "components/recording/file/run_reader.h"
 #include "components/report/errors.h"
@@ -63,7 +64,7 @@ std::vector<identify::Run> ReadJoint(const std::vector<fs::path>& files, const f
     for (identify::Run& run : recording::ReadRuns(file, csv ? map : fs::path(), joint)) {
       run.name = fs::path(run.name).filename().string();
       RequireAngle(run);
-      runs.push_back(std::move(run));
+      runs.push_back(identify::WithoutInterpolatedRows(std::move(run)));
     }
   }
   return runs;

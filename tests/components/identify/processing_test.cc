@@ -45,6 +45,16 @@ TEST(FromMotion, ARecordingThatWasLowPassedBeforeGoesThroughACommonFilterBelowIt
   EXPECT_GT(filtered.parallel_cutoff_Hz, 0.2 * kEarlier_Hz);
 }
 
+// An efficiency counts as its share of the ideal gain, torque per volt as it is.
+TEST(FromMotion, TheGainOfADriveIsTorquePerUnitOfItsSignal) {
+  actuator::JointModel model = SyntheticModel();
+  EXPECT_DOUBLE_EQ(NominalDriveGain(model), 0.8 * 50.0 * 0.02);
+  model.constants.torque_constant_Nm_A = 0.0;
+  model.constants.force_constant_N_V = 3.0;
+  model.terms.front() = TermOf("drive_voltage", {0.7}, model.constants);
+  EXPECT_DOUBLE_EQ(NominalDriveGain(model), 0.7);
+}
+
 TEST(Processing, RestReversalsBordersAndHolesAreNotUsed) {
   const actuator::JointModel model = SyntheticModel();
   identify::Run run = SyntheticRun(model, {});

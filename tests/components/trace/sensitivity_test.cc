@@ -50,28 +50,35 @@ TEST(Detectable, BothRulesAreAsked) {
   EXPECT_DOUBLE_EQ(NeededGain(h, 1e5, 3.0, 500.0), 500.0);
 }
 
-// Gains of k columns with that noncentrality, by drawing them.
-double ShareAbove(double needed, int columns, double noncentrality) {
+// Share of draws in which k columns, one of them with an effect of that size beside something else,
+// gain what is needed, and the effect has its sign.
+double ShareAbove(double needed, int columns, double size, double other) {
   std::mt19937_64 random(7);
   std::normal_distribution<double> normal;
   int above = 0;
   const int draws = 20000;
   for (int i = 0; i < draws; ++i) {
+    const double seen = size + (i % 2 == 0 ? other : -other);
     double gain = 0.0;
     for (int j = 0; j < columns; ++j) {
-      const double c = normal(random) + (j == 0 ? std::sqrt(noncentrality) : 0.0);
+      const double c = normal(random) + (j == 0 ? seen : 0.0);
       gain += c * c;
     }
-    above += gain >= needed ? 1 : 0;
+    above += gain >= needed && seen > 0.0 ? 1 : 0;
   }
   return static_cast<double>(above) / draws;
 }
 
 TEST(Detectable, FourOfFiveRecordingsReachTheGainThatIsNeeded) {
+  // Of the normal approximation at the smallest gain, and 0.003 of so many draws.
+  constexpr double kApproximation = 0.03;
   for (const int columns : {1, 2, 4}) {
     for (const double needed : {15.0, 60.0, 500.0}) {
-      EXPECT_NEAR(ShareAbove(needed, columns, GainForPower(needed, columns)), 0.8, 0.02)
-          << columns << " columns, " << needed;
+      for (const double other : {0.0, 0.5, 3.0, 40.0}) {
+        const double size = SizeForPower(needed, columns, other);
+        EXPECT_NEAR(ShareAbove(needed, columns, size, other), 0.8, kApproximation)
+            << columns << " columns, " << needed << ", beside " << other;
+      }
     }
   }
 }
