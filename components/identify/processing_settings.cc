@@ -117,6 +117,30 @@ double GuardFor(const std::vector<double>& strokes_s, double wished) {
   return guard;
 }
 
+// The band of an angle: as far as the torque noise that its acceleration brings in all,
+// J^2 (2 pi)^4 S passed f^5, stays a small share of the drive's (quiet_Hz); the motion itself
+// passes, as far as that noise stays below a share of the drive torque as well: a servo's command
+// repeats the noise of its angle, and would allow too much.
+struct AngleBand {
+  double band_Hz = 0.0, quiet_Hz = 0.0;
+};
+AngleBand BandOf(const Eigen::VectorXd& angle, double rate, double inertia,
+                 const Eigen::VectorXd& drive_torque, const LowPass& low_pass) {
+  const double above_noise =
+      std::min(HighestBandAboveNoise(angle, rate), BandOfLeastError(angle, rate, 2));
+  const double of_angle = inertia * inertia * NoiseDensity(angle, rate);
+  const double drive_noise = drive_torque.size() > 0 ? NoiseDensity(drive_torque, rate) : 0.0;
+  if (!(of_angle > 0.0) || !(drive_noise > 0.0)) return {above_noise, 0.0};
+  const auto bringing = [&](double variance) {
+    return std::pow(variance / (low_pass.passed_twice * of_angle), 0.2) / std::pow(kTurn, 0.8);
+  };
+  const double quiet = bringing(kUnseenShare * drive_noise * 0.5 * rate);
+  const double torque = kNoiseShare * Rms(drive_torque);
+  return {std::min({above_noise, bringing(torque * torque),
+                    std::max(quiet, BandOfMotion(angle, rate, kMotionShare))}),
+          std::min(above_noise, quiet)};
+}
+
 }  // namespace
 
 double NominalDriveGain(const actuator::JointModel& model) {
@@ -193,7 +217,7 @@ ProcessingOptions Resolve(const ProcessingOptions& options, const std::vector<Ru
 }
 
 ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::JointModel& model,
-                             double longest_gap_s, double wider) {
+                             double longest_gap_s, double wider, double least_Hz) {
   ProcessingOptions out;
   out.longest_gap_s = longest_gap_s;
   if (runs.empty()) throw std::invalid_argument("no recording given");
@@ -212,7 +236,7 @@ ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::Joint
   const double output_inertia =
       NominalInertia(model, effects::Side::kOutput) + runs.front().rigid_inertia;
   const double motor_inertia = NominalInertia(model, effects::Side::kMotor);
-  double output_Hz = 0.0, motor_Hz = 0.0, nyquist_Hz = 0.0;
+  double output_Hz = least_Hz, motor_Hz = 0.0, nyquist_Hz = 0.0;
   double density = 0.0, step = 0.0;  // of the position: noise, resolution
   std::vector<double> speeds, strokes_s;
   for (const Run& run : runs) {
@@ -224,34 +248,18 @@ ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::Joint
       const double rate = segment.rate_Hz();
       nyquist_Hz = std::max(nyquist_Hz, 0.5 * rate);
       const auto drive = segment.signals.find(drive_signal);
-      const double drive_noise = drive == segment.signals.end()
-                                     ? 0.0
-                                     : drive_gain * drive_gain * NoiseDensity(drive->second, rate);
-      // The band of an angle, as far as the torque noise that its acceleration brings in all,
-      // J^2 (2 pi)^4 S passed f^5, stays a small share of the drive's; the motion itself passes.
-      const auto band = [&](const Eigen::VectorXd& angle, double inertia) {
-        const double above_noise =
-            std::min(HighestBandAboveNoise(angle, rate), BandOfLeastError(angle, rate, 2));
-        const double of_angle = inertia * inertia * NoiseDensity(angle, rate);
-        if (!(of_angle > 0.0) || !(drive_noise > 0.0)) return above_noise;
-        const auto bringing = [&](double variance) {
-          return std::pow(variance / (low_pass.passed_twice * of_angle), 0.2) /
-                 std::pow(kTurn, 0.8);
-        };
-        const double quiet = bringing(kUnseenShare * drive_noise * 0.5 * rate);
-        // It stays below a share of the drive torque as well: a servo's command repeats the noise
-        // of its angle, and would allow too much.
-        const double torque = kNoiseShare * drive_gain * Rms(drive->second);
-        return std::min({above_noise, bringing(torque * torque),
-                         std::max(quiet, BandOfMotion(angle, rate, kMotionShare))});
-      };
+      const Eigen::VectorXd drive_torque = drive == segment.signals.end()
+                                               ? Eigen::VectorXd()
+                                               : Eigen::VectorXd(drive_gain * drive->second);
       const Eigen::VectorXd position =
           OutputPosition(segment, model.constants.gear_ratio, run.name);
-      output_Hz = std::max(output_Hz, band(position, output_inertia));
+      output_Hz = std::max(output_Hz,
+                           BandOf(position, rate, output_inertia, drive_torque, low_pass).band_Hz);
       const auto motor = segment.signals.find(Signal::kMotorPosition);
       if (motor != segment.signals.end()) {
-        motor_Hz =
-            std::max(motor_Hz, band(motor->second / model.constants.gear_ratio, motor_inertia));
+        motor_Hz = std::max(motor_Hz, BandOf(motor->second / model.constants.gear_ratio, rate,
+                                             motor_inertia, drive_torque, low_pass)
+                                          .band_Hz);
       }
       density = std::max(density, NoiseDensity(position, rate));
       const Eigen::VectorXd velocity =
@@ -285,6 +293,25 @@ ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::Joint
   out.reversal_guard_s = GuardFor(strokes_s, low_pass.guard_periods / out.state_cutoff_Hz);
   out.border_s = 2.0 / out.state_cutoff_Hz;
   return out;
+}
+
+double QuietBand(const std::vector<Run>& runs, const actuator::JointModel& model,
+                 double longest_gap_s) {
+  const Signal drive_signal = DriveSignal(model);
+  const double inertia = NominalInertia(model, effects::Side::kOutput);
+  double out_Hz = 0.0;
+  for (const Run& run : runs) {
+    const LowPass low_pass = run.Has(Signal::kMotorPosition) ? kSoft : kSteep;
+    for (const UniformSegment& segment : MakeUniform(run, longest_gap_s).segments) {
+      const auto drive = segment.signals.find(drive_signal);
+      if (drive == segment.signals.end()) continue;
+      const AngleBand band =
+          BandOf(OutputPosition(segment, model.constants.gear_ratio, run.name), segment.rate_Hz(),
+                 inertia + run.rigid_inertia, NominalDriveGain(model) * drive->second, low_pass);
+      out_Hz = std::max(out_Hz, band.quiet_Hz);
+    }
+  }
+  return out_Hz;
 }
 
 ProcessingOptions Unfiltered(const ProcessingOptions& motion, double rate_Hz) {

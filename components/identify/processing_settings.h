@@ -47,9 +47,15 @@ ProcessingOptions Resolve(const ProcessingOptions& options, const std::vector<Ru
 // with shorter guards, where the motor has an encoder of its own. Rest from quantiles of the speed,
 // guards from the filters. No second filter; but where the drive was
 // low-passed before it was recorded, no row is as it was measured, and both sides of the balance go
-// through a common filter below that one (Resolve). wider: factor on the angles' cut-offs.
+// through a common filter below that one (Resolve). wider: factor on the angles' cut-offs;
+// least_Hz: of the output's low-pass, before that factor.
 ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::JointModel& model,
-                             double longest_gap_s, double wider = 1.0);
+                             double longest_gap_s, double wider = 1.0, double least_Hz = 0.0);
+
+// Up to which cut-off of the output's angle the noise of its acceleration stays unseen beside that
+// of the drive, Hz; 0: the drive has none.
+double QuietBand(const std::vector<Run>& runs, const actuator::JointModel& model,
+                 double longest_gap_s);
 
 // Torque per unit of the drive signal, as declared; sum of the declared inertias of one side.
 double NominalDriveGain(const actuator::JointModel& model);

@@ -11,9 +11,14 @@ namespace sinew::trace {
 
 namespace {
 
-constexpr double kWorthIt = 0.7;  // of the residual before
-constexpr int kMostWider = 6;     // eight times as wide
-constexpr int kMostNarrower = 2;  // half as wide
+// How far steps of sqrt(2) lead, and what share of the residual before each has to leave at most.
+struct Steps {
+  int most;
+  double share;
+};
+constexpr Steps kWider = {6, 0.7};
+// With an encoder on the motor, and with one at the output alone.
+constexpr Steps kNarrower[] = {{2, 1.0}, {6, 0.9}};
 
 // Recordings behind one low-pass, and what least squares with the declared terms leaves of them.
 class Filtered {
@@ -48,25 +53,29 @@ bool Better(const Filtered& next, const Filtered& best, double share) {
 
 }  // namespace
 
-identify::ProcessingOptions BandOfLeastResidual(const std::vector<identify::Run>& runs,
+identify::ProcessingOptions BandOfLeastResidual(const std::vector<identify::Run>& train,
+                                                const std::vector<identify::Run>& sealed,
                                                 const actuator::JointModel& joint,
                                                 double longest_gap_s) {
+  const bool motor = train.front().Has(identify::Signal::kMotorPosition);
+  const double least_Hz = motor ? 0.0 : identify::QuietBand(sealed, joint, longest_gap_s);
   const auto at = [&](double wider) {
-    return Filtered(runs, joint, identify::FromMotion(runs, joint, longest_gap_s, wider));
+    return Filtered(train, joint,
+                    identify::FromMotion(train, joint, longest_gap_s, wider, least_Hz));
   };
   Filtered best = at(1.0);
   // In at most so many steps, while each leaves less than that share of what the one before left.
-  const auto follow = [&](double step, int most, double share) {
+  const auto follow = [&](double step, const Steps& steps) {
     double wider = step;
-    for (int k = 0; k < most; ++k, wider *= step) {
+    for (int k = 0; k < steps.most; ++k, wider *= step) {
       Filtered next = at(wider);
-      if (!Better(next, best, share)) return k > 0;
+      if (!Better(next, best, steps.share)) return k > 0;
       best = std::move(next);
     }
     return true;
   };
-  if (!follow(std::numbers::sqrt2, kMostWider, kWorthIt) && best.options().motor_cutoff_Hz > 0.0) {
-    follow(1.0 / std::numbers::sqrt2, kMostNarrower, 1.0);
+  if (!follow(std::numbers::sqrt2, kWider)) {
+    follow(1.0 / std::numbers::sqrt2, kNarrower[motor ? 0 : 1]);
   }
   return best.options();
 }

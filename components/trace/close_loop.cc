@@ -48,7 +48,7 @@ LoopResult Judge(const std::vector<identify::Run>& train, const std::vector<iden
   const std::vector<identify::Run>& shape = train.front().held ? sealed : train;
   const bool held = train.front().held;
   loop.processing = held ? identify::FromMotion(shape, joint, longest_gap_s)
-                         : BandOfLeastResidual(shape, joint, longest_gap_s);
+                         : BandOfLeastResidual(train, sealed, joint, longest_gap_s);
   loop.train.emplace(identify::MakeStates(train, joint, loop.processing), loop.processing);
   loop.sealed.emplace(identify::MakeStates(sealed, joint, loop.processing), loop.processing);
   if (!held) {

@@ -44,7 +44,7 @@ TEST(EnoughData, ShortOrStillRecordingsAreTooLittleToJudge) {
       EXPECT_TRUE(result.effects.empty());
     }
   }
-  EXPECT_EQ(Judged(Lasting(1.0, 2), good).verdict, Verdict::kTooLittleData);
+  EXPECT_EQ(Judged(Lasting(0.7, 2), good).verdict, Verdict::kTooLittleData);
   EXPECT_EQ(Judged(good, Lasting(60.0, 2)).verdict, Verdict::kNone);
 }
 
