@@ -50,13 +50,17 @@ class Judge {
   }
 
   // Of what is added to `base`; noise: what `grown` leaves.
-  NullTest Test(const EffectSet& base, const EffectSet& grown) const {
-    return NullTest(problem_.X, problem_.Z, problem_.Left(grown), problem_.evidence,
-                    problem_.hypotheses(), base.columns, likelihood_.used.blocks, bootstrap_.rounds,
-                    bootstrap_.seed);
+  NullTest Test(const EffectSet& base, const Eigen::VectorXd& noise) const {
+    return NullTest(problem_.X, problem_.Z, noise, problem_.evidence, problem_.hypotheses(),
+                    base.columns, likelihood_.used.blocks, bootstrap_.rounds, bootstrap_.seed);
   }
   double P(const EffectSet& base, const EffectSet& grown, double statistic) const {
-    return Test(base, grown).P(statistic);
+    return Test(base, problem_.Left(grown)).P(statistic);
+  }
+  // In a short recording a free curve fits what goes on slowly in the noise. What it fits of a
+  // block alone is noise.
+  double POfCurve(const EffectSet& base, const EffectSet& with, double statistic) const {
+    return Test(base, problem_.LeftOut(with, likelihood_.used.blocks)).P(statistic);
   }
 
   // Of the largest statistic of the whole search, an effect's or a curve's.
@@ -69,7 +73,7 @@ class Judge {
       if (statistic(single) > statistic(loudest)) loudest = single;
     }
     if (loudest.empty()) return 1.0;
-    const NullTest test = Test({}, loudest);
+    const NullTest test = Test({}, problem_.Left(loudest));
     out_.least_statistic = test.Least(Limit(rules::kGlobalP));
     return test.P(statistic(loudest));
   }
@@ -164,7 +168,7 @@ class Judge {
       return;
     }
     const double statistic = Statistic(with.gain - out_.chosen.gain, with.members.back());
-    if (P(out_.chosen, with, statistic) > Limit(rules::kMemberP)) return;
+    if (POfCurve(out_.chosen, with, statistic) > Limit(rules::kMemberP)) return;
     NoteUnexplained(found.curve.net > out_.chosen.net ? found.curve : with);
     if (out_.chosen.empty() || out_.unexplained.variable.empty()) return;
     // Does it explain more than the set, or is the set but a part of the curve?

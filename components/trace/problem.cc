@@ -17,6 +17,7 @@ constexpr double kOutlier = 6.0;
 constexpr double kScaleKnown = 0.05;
 
 constexpr std::uint64_t kEventSeed = 1;
+constexpr double kRidge = 1e-9;  // of a column's power
 
 // Rows per period of the lowest filter.
 double RowsPerPeriod(const identify::Design& design) {
@@ -80,6 +81,30 @@ Eigen::VectorXd Problem::Left(const EffectSet& set) const {
     e -= Z.col(set.columns[k]) * set.c[static_cast<Eigen::Index>(k)];
   }
   return e;
+}
+
+Eigen::VectorXd Problem::LeftOut(const EffectSet& set,
+                                 const std::vector<identify::Block>& blocks) const {
+  const auto members = static_cast<Eigen::Index>(set.columns.size());
+  Eigen::MatrixXd W(y.size(), X.cols() + members);
+  W << X, Z(Eigen::all, set.columns);
+  Eigen::VectorXd precision(W.cols());
+  precision << bank.prior.precision, evidence.precision()(set.columns);
+  // Deviations from the priors' means: those of the set's members are zero.
+  const Eigen::VectorXd target = y - X * bank.prior.mean;
+  const Eigen::MatrixXd gram = W.transpose() * W;
+  const Eigen::VectorXd moment = W.transpose() * target;
+  // What only that block excites stays at its prior's mean.
+  precision += kRidge * gram.diagonal();
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(y.size());
+  for (const identify::Block& block : blocks) {
+    const Eigen::MatrixXd mine = W(block, Eigen::all);
+    const Eigen::VectorXd own = target(block);
+    Eigen::MatrixXd A = gram - mine.transpose() * mine;
+    A.diagonal() += precision;
+    out(block) = own - mine * A.ldlt().solve(moment - mine.transpose() * own);
+  }
+  return out;
 }
 
 Eigen::VectorXd Problem::Part(const EffectSet& set) const {

@@ -21,6 +21,10 @@ struct Problem {
   const std::vector<Hypothesis>& hypotheses() const { return bank.hypotheses; }
   // Whitened residual with a set in the model.
   Eigen::VectorXd Left(const EffectSet& set) const;
+  // The same with every block predicted by a fit without it (jackknife; CR3 of Bell, McCaffrey
+  // 2002): what a flexible set fits of a block alone stays in it. As long as y, zero between
+  // blocks.
+  Eigen::VectorXd LeftOut(const EffectSet& set, const std::vector<identify::Block>& blocks) const;
   // What a set contributes, not whitened.
   Eigen::VectorXd Part(const EffectSet& set) const;
   // Share of the raw residual's variance that a set takes away, the declared terms refitted by

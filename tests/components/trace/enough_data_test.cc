@@ -48,6 +48,17 @@ TEST(EnoughData, ShortOrStillRecordingsAreTooLittleToJudge) {
   EXPECT_EQ(Judged(good, Lasting(60.0, 2)).verdict, Verdict::kNone);
 }
 
+// A free curve fits any slow noise of a few seconds; it does not predict it.
+TEST(EnoughData, AShortRecordingWithoutAnEffectIsNotUnexplained) {
+  const identify::Run good = Lasting(60.0, 1);
+  for (const double seconds : {2.0, 3.0, 5.0}) {
+    for (const std::uint64_t seed : {2u, 3u, 4u, 5u}) {
+      const TraceResult result = Judged(Lasting(seconds, seed), good);
+      EXPECT_EQ(result.verdict, Verdict::kNone) << seconds << " s, " << result.unexplained.variable;
+    }
+  }
+}
+
 TEST(EnoughData, TheRulesNameWhatIsMissing) {
   EXPECT_EQ(Judged(AtRest(1), Lasting(60.0, 2)).too_little->rule, rules::kBlocks.id);
   EXPECT_EQ(Judged(Lasting(60.0, 1), AtRest(2)).too_little->rule, rules::kHeldOutBlocks.id);
