@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "components/gate/checks.h"
 #include "components/identify/statistics.h"
@@ -118,22 +119,36 @@ bool Jumps(const Eigen::VectorXd& x, const Span& span) {
          std::abs(x[span.last + 1] - x[span.last]) > QuantileOf(steps, 0.999) + 0.5 * Resolution(x);
 }
 
-// A rate that an angle moved by all the time: where an encoder's counts come as evenly as the rows,
-// a rate that is told from them settles to the bit.
-bool TellsTheAngle(const Run& run, Signal angle, double rate, const Span& span) {
-  constexpr double kRounding = 3.0;  // steps: one at each end, and the rate's own
-  if (!run.Has(angle)) return false;
-  const Eigen::VectorXd& x = run.At(angle);
-  const double moved = x[span.last] - x[span.first];
-  const double duration_s = run.time_s[span.last] - run.time_s[span.first];
-  // Stamps may jitter about rows that were read evenly: a span's length is off as a period is.
+// How far a span's length may be off where stamps jitter about rows that were read evenly: as far
+// as a period is.
+double StampScatter(const Run& run) {
   std::vector<double> off;
   const double period = MedianPeriod(run);
   for (Eigen::Index i = 1; i < run.size(); ++i) {
     off.push_back(std::abs(run.time_s[i] - run.time_s[i - 1] - period));
   }
+  return QuantileOf(off, 0.99);
+}
+
+// A rate that an angle moved by all the time: where an encoder's counts come as evenly as the rows,
+// a rate that is told from them settles to the bit.
+bool TellsTheAngle(const Run& run, Signal angle, double rate, const Span& span,
+                   double stamp_scatter_s) {
+  constexpr double kRounding = 3.0;  // steps: one at each end, and the rate's own
+  const Eigen::VectorXd& x = run.At(angle);
+  const double moved = x[span.last] - x[span.first];
+  const double duration_s = run.time_s[span.last] - run.time_s[span.first];
   return std::abs(moved - rate * duration_s) <=
-         kRounding * SmallestStep(x) + std::abs(rate) * QuantileOf(off, 0.99);
+         kRounding * SmallestStep(x) + std::abs(rate) * stamp_scatter_s;
+}
+
+// The angle whose rate a channel is.
+std::optional<Signal> AngleOf(const Run& run, Signal rate) {
+  if (rate == Signal::kVelocity && run.Has(Signal::kPosition)) return Signal::kPosition;
+  if (rate == Signal::kMotorVelocity && run.Has(Signal::kMotorPosition)) {
+    return Signal::kMotorPosition;
+  }
+  return std::nullopt;
 }
 
 // Channels whose noise changes them with every row, over rows in which the joint moves.
@@ -170,15 +185,12 @@ Measurement LongRun(const Run& run, Signal signal, const std::vector<char>& movi
   const double chance = 1.0 + std::log(static_cast<double>(lengths.size())) / std::log(1.0 / share);
   const double usual = std::max(chance, 3.0 * QuantileOf(sorted, 0.99));
   const bool counts = StepsByCounts(x);
+  const std::optional<Signal> angle = AngleOf(run, signal);
+  const double scatter_s = angle ? StampScatter(run) : 0.0;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     if (lengths[i] < static_cast<double>(kLeastRows)) continue;
     if (counts && !Jumps(x, runs[i])) continue;
-    const double value = x[runs[i].first];
-    if ((signal == Signal::kVelocity && TellsTheAngle(run, Signal::kPosition, value, runs[i])) ||
-        (signal == Signal::kMotorVelocity &&
-         TellsTheAngle(run, Signal::kMotorPosition, value, runs[i]))) {
-      continue;
-    }
+    if (angle && TellsTheAngle(run, *angle, x[runs[i].first], runs[i], scatter_s)) continue;
     const double statistic = lengths[i] / usual;
     if (statistic > worst.statistic) worst = Measure("frozen", signal, run, runs[i], statistic);
   }

@@ -50,6 +50,10 @@ constexpr LowPass kSteep = {4, 1.0 / 3.0, 1.0 / 5.0, 2.0};
 // its own: where teeth touch it stops within a row, and a steep filter rings long after each
 // impact.
 constexpr LowPass kSoft = {2, 0.2777, 0.2777, 1.0};
+// By whether the motor has an encoder of its own.
+const LowPass& LowPassOf(const Run& run) {
+  return run.Has(Signal::kMotorPosition) ? kSoft : kSteep;
+}
 // Share of the moving time that guards leave at least: where a motion reverses quickly, rows near
 // reversals are better than none.
 constexpr double kLeastKept = 1.0 / 3.0;
@@ -230,7 +234,7 @@ ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::Joint
     out.parallel_cutoff_Hz = 0.5 * band_Hz;
     return Resolve(out, runs);
   }
-  const LowPass low_pass = runs.front().Has(Signal::kMotorPosition) ? kSoft : kSteep;
+  const LowPass& low_pass = LowPassOf(runs.front());
   out.state_order = low_pass.order;
   const double drive_gain = NominalDriveGain(model);
   const double output_inertia =
@@ -301,13 +305,12 @@ double QuietBand(const std::vector<Run>& runs, const actuator::JointModel& model
   const double inertia = NominalInertia(model, effects::Side::kOutput);
   double out_Hz = 0.0;
   for (const Run& run : runs) {
-    const LowPass low_pass = run.Has(Signal::kMotorPosition) ? kSoft : kSteep;
     for (const UniformSegment& segment : MakeUniform(run, longest_gap_s).segments) {
       const auto drive = segment.signals.find(drive_signal);
       if (drive == segment.signals.end()) continue;
-      const AngleBand band =
-          BandOf(OutputPosition(segment, model.constants.gear_ratio, run.name), segment.rate_Hz(),
-                 inertia + run.rigid_inertia, NominalDriveGain(model) * drive->second, low_pass);
+      const AngleBand band = BandOf(OutputPosition(segment, model.constants.gear_ratio, run.name),
+                                    segment.rate_Hz(), inertia + run.rigid_inertia,
+                                    NominalDriveGain(model) * drive->second, LowPassOf(run));
       out_Hz = std::max(out_Hz, band.quiet_Hz);
     }
   }

@@ -45,9 +45,8 @@ LoopResult Judge(const std::vector<identify::Run>& train, const std::vector<iden
   LoopResult loop;
   // Holds are not filtered: where only those are trained on, the sealed recordings fill in what is
   // theirs alone.
-  const std::vector<identify::Run>& shape = train.front().held ? sealed : train;
   const bool held = train.front().held;
-  loop.processing = held ? identify::FromMotion(shape, joint, longest_gap_s)
+  loop.processing = held ? identify::FromMotion(sealed, joint, longest_gap_s)
                          : BandOfLeastResidual(train, sealed, joint, longest_gap_s);
   loop.train.emplace(identify::MakeStates(train, joint, loop.processing), loop.processing);
   loop.sealed.emplace(identify::MakeStates(sealed, joint, loop.processing), loop.processing);

@@ -8,10 +8,6 @@ namespace sinew::trace {
 
 namespace {
 
-// Relative to each column's own power: two columns that agree to this part are one column, and
-// share their coefficient.
-constexpr double kRidge = 1e-9;
-
 Eigen::MatrixXd Part(const Eigen::MatrixXd& G, const Columns& columns) {
   return G(columns, columns);
 }

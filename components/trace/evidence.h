@@ -18,6 +18,10 @@ namespace sinew::trace {
 
 using Columns = std::vector<Eigen::Index>;
 
+// Precision that every column has at least, of its power: two columns that agree to this part are
+// one column and share their coefficient.
+inline constexpr double kRidge = 1e-9;
+
 struct Prior {
   Eigen::VectorXd mean;
   Eigen::VectorXd precision;  // 0: flat

@@ -49,7 +49,7 @@ class Judge {
     return GainStatistic(gain, problem_.hypotheses()[hypothesis]);
   }
 
-  // Of what is added to `base`; noise: what `grown` leaves.
+  // Of what is added to `base`; noise: what the best model leaves.
   NullTest Test(const EffectSet& base, const Eigen::VectorXd& noise) const {
     return NullTest(problem_.X, problem_.Z, noise, problem_.evidence, problem_.hypotheses(),
                     base.columns, likelihood_.used.blocks, bootstrap_.rounds, bootstrap_.seed);

@@ -50,7 +50,7 @@ NullTest::NullTest(const Eigen::Ref<const Eigen::MatrixXd>& X,
     Eigen::MatrixXd A = G(given, given);
     for (std::size_t k = 0; k < given.size(); ++k) {
       const auto i = static_cast<Eigen::Index>(k);
-      A(i, i) += evidence.precision()[given[k]] + 1e-9 * A(i, i) + 1e-300;
+      A(i, i) += evidence.precision()[given[k]] + kRidge * A(i, i) + 1e-300;
     }
     freed = A.ldlt().solve(G(given, Eigen::all));
     const Eigen::MatrixXd m_given = m(given, Eigen::all);
@@ -68,7 +68,7 @@ NullTest::NullTest(const Eigen::Ref<const Eigen::MatrixXd>& X,
     for (std::size_t k = 0; k < h.columns.size(); ++k) {
       const auto i = static_cast<Eigen::Index>(k);
       const Eigen::Index j = h.columns[k];
-      A(i, i) += evidence.precision()[j] + 1e-9 * G(j, j) + 1e-300;
+      A(i, i) += evidence.precision()[j] + kRidge * G(j, j) + 1e-300;
     }
     const Eigen::MatrixXd mine = m(h.columns, Eigen::all);
     const Eigen::MatrixXd solved = A.ldlt().solve(mine);

@@ -17,7 +17,6 @@ constexpr double kOutlier = 6.0;
 constexpr double kScaleKnown = 0.05;
 
 constexpr std::uint64_t kEventSeed = 1;
-constexpr double kRidge = 1e-9;  // of a column's power
 
 // Rows per period of the lowest filter.
 double RowsPerPeriod(const identify::Design& design) {

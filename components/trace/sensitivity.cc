@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kPower = 0.8;
 // A real effect is not exactly its column: by so much larger it has to be. `rig_bank plant` on
-// rigs 1300 to 1399 found 68 of 100 at the size of the exact column, 85 at 1.2 of it.
+// rigs 1300 to 1399 found 68 % at the size of the exact column, 85 % at 1.2 of it.
 constexpr double kInexact = 1.15;
 
 // Share of recordings in which the gain of k columns of that noncentrality reaches `needed`.
