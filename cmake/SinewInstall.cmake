@@ -1,8 +1,8 @@
-# `cmake --install` and the exported package: find_package(sinew) gives sinew::node and every room.
+# `cmake --install` and the exported package: find_package(sinew) gives sinew::node and every module.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
-get_property(rooms GLOBAL PROPERTY SINEW_ROOMS)
-install(TARGETS ${rooms} EXPORT sinewTargets
+get_property(modules GLOBAL PROPERTY SINEW_MODULES)
+install(TARGETS ${modules} EXPORT sinewTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT sinewTargets NAMESPACE sinew:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/sinew)
 configure_package_config_file(cmake/sinewConfig.cmake.in ${CMAKE_BINARY_DIR}/sinewConfig.cmake

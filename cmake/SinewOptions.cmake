@@ -1,9 +1,9 @@
 # Options of the build and the flags every target shares.
 option(SINEW_BUILD_TESTS "Build the tests" ON)
 option(SINEW_BUILD_BENCH "Build the speed measurements (Google Benchmark)" OFF)
-option(SINEW_WARNINGS_AS_ERRORS "Treat warnings as errors" OFF)
+option(SINEW_WARNINGS_AS_ERRORS "Treat warnings as errors" ON)
 option(SINEW_ROS2_NAMES "Name topics and types as ROS 2 does (rt/..., dds_::..._)" OFF)
-option(SINEW_UNITY "Compile several files of a room or program at once: a third less time, but needs names unique in it" OFF)
+option(SINEW_UNITY "Compile several files of a module or program at once: a third less time, but needs names unique in it" OFF)
 option(SINEW_FUZZ "Build the libFuzzer targets of tests/fuzz (clang; preset fuzz)" OFF)
 set(SINEW_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or thread")
 

@@ -4,12 +4,12 @@
 //   build/release/bin/can_bench
 // Goal: 50 us at the median, 500 us at p99.9.
 //
-// A cycle is CanPlant::Act and CanPlant::Step: frames taken and decoded, limits and faults judged,
-// setpoints computed, encoded and handed to the transport, sensors filled. Not in it: the wire, DDS
-// and the messages of the topics (bus_status has the bridge's work in the running system), and
-// making the frames of the other side. All joints are armed and move; each cycle brings estimates
-// of all, Iq of all in every fourth, heartbeats at 10 Hz, and with sensor nodes output encoder and
-// sensors of all. Two transports:
+// A cycle is CanPlant::Act and CanPlant::Step: frames taken and decoded, limits and faults
+// assessed, setpoints computed, encoded and handed to the transport, sensors filled. Not in it: the
+// wire, DDS and the messages of the topics (bus_status has the bridge's work in the running
+// system), and making the frames of the other side. All joints are armed and move; each cycle
+// brings estimates of all, Iq of all in every fourth, heartbeats at 10 Hz, and with sensor nodes
+// output encoder and sensors of all. Two transports:
 //   memory   hands out what it has: CanPlant alone
 //   sockets  a virtual bus per bus (transport/virtual_can.cc): real system calls, up to 32 frames
 //            in one, and the count of their bits, as transport/socketcan.cc has them; not the

@@ -1,6 +1,6 @@
 // Malformed, unknown and flooding frames into the bridge's plant of twelve joints on two buses: no
 // crash, and no joint moved that must not or otherwise than commanded. Every frame that leaves is
-// judged (tests/fuzz/plant_watch.h). Exit code 1 when a rule was broken.
+// assessed (tests/fuzz/plant_watch.h). Exit code 1 when a rule was broken.
 //   build/release/bin/can_fuzz_soak [frames] [seed]       100000000 frames unless told
 // Half of them with the joints of one bus behind a gateway.
 //
@@ -364,7 +364,7 @@ class Soak {
     number("never read, a flood's rest", unread_);
     number("told as malformed", plant_.malformed());
     number("cycles of 12 joints", static_cast<std::uint64_t>(cycles_));
-    number("frames sent, every one judged", counts.sent);
+    number("frames sent, every one assessed", counts.sent);
     number("setpoints", counts.setpoints);
     number("  that ask for motion", counts.moving);
     number("  checked to be the command", moved_as_commanded_);

@@ -57,7 +57,7 @@ void Run(int seeds, int first_seed, double seconds, bool verbose, bool faults) {
           number % 3 == 2 ? surrogate::ExcitationKind::kTask : surrogate::ExcitationKind::kDesigned;
       scene.trains = 2;
       scene.seconds = seconds;
-      scene.sealed = false;
+      scene.held_out = false;
       scene.cycle_Hz = rate.cycle_Hz;
       scene.log_every = rate.log_every;
       if (scenes[s] != "none") {

@@ -28,7 +28,7 @@ bool StandsFor(const Named& named, const TrueEffect& effect) {
 }
 
 bool SaysShift(const Outcome& outcome, const TrueEffect& effect) {
-  return effect.swallowed && Holds(outcome.shift_causes, effect.name);
+  return effect.absorbed && Holds(outcome.shift_causes, effect.name);
 }
 
 // What the residual of an effect outside of the catalogue may be said to follow.

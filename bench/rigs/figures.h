@@ -25,7 +25,7 @@ struct Figure {
 };
 
 // The first name is the effect, its class or a name of the same meaning; or the effect stands among
-// the first name's rivals; or, where a refit swallows it, among the causes of a parameter shift.
+// the first name's rivals; or, where a refit absorbs it, among the causes of a parameter shift.
 bool RightClass(const Outcome& outcome);
 bool RightFirst(const Outcome& outcome);
 // A name that stands for no true effect. `refuted` names do not count.

@@ -83,7 +83,7 @@ json EffectJson(const Rig& rig, const Made& made, Excitation excitation) {
           {"balance", balance},
           {"variable", info.variable},
           {"outside_catalogue", info.kind != Kind::kCatalogue},
-          {"swallowed_by_refit", info.swallowed},
+          {"absorbed_by_refit", info.absorbed},
           {"share_raw", made.sized.measured.share},
           {"lambda", made.sized.measured.lambda},
           {"size_reached", made.sized.reached},

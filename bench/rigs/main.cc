@@ -126,7 +126,7 @@ void RunCase(const fs::path& sinew, const fs::path& folder, const fs::path& out,
       "timeout " + std::to_string(limit_s) + " " + Quoted(sinew) + " close-loop --model " +
       Quoted(folder / "model.yaml") + " --map " + Quoted(folder / "csv_map.yaml") + " --train " +
       Quoted(folder / "train_1.csv") + " " + Quoted(folder / "train_2.csv") + " " +
-      Quoted(folder / "train_3.csv") + " --sealed " + Quoted(folder / "sealed.csv") + " --out " +
+      Quoted(folder / "train_3.csv") + " --held-out " + Quoted(folder / "sealed.csv") + " --out " +
       Quoted(out) + options + " > " + Quoted(out / "log.txt") + " 2>&1";
   const auto start = Clock::now();
   const int status = std::system(command.c_str());

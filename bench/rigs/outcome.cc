@@ -73,7 +73,7 @@ Outcome MakeOutcome(const json& truth, const json& report) {
     }
     e.reached = effect.at("size_reached");
     e.identifiable = effect.at("identifiable");
-    e.swallowed = effect.at("swallowed_by_refit");
+    e.absorbed = effect.at("absorbed_by_refit");
     out.effects.push_back(e);
   }
   if (report.is_null()) {
@@ -112,7 +112,7 @@ json ToJson(const Outcome& o) {
                        {"class", e.same_class},
                        {"reached", e.reached},
                        {"identifiable", e.identifiable},
-                       {"swallowed", e.swallowed}});
+                       {"absorbed", e.absorbed}});
   }
   for (const Named& n : o.found) {
     found.push_back({{"name", n.name},
@@ -152,7 +152,7 @@ Outcome FromJson(const json& line) {
   for (const json& e : line.at("effects")) {
     o.effects.push_back({e.at("name"), e.at("variable"),
                          e.at("class").get<std::vector<std::string>>(), e.at("reached"),
-                         e.at("identifiable"), e.at("swallowed")});
+                         e.at("identifiable"), e.at("absorbed")});
   }
   o.verdict = line.at("verdict");
   for (const json& n : line.at("found")) {

@@ -19,7 +19,7 @@ struct Named {
 struct TrueEffect {
   std::string name, variable;
   std::vector<std::string> same_class;  // the name itself, its class in this rig, and by definition
-  bool reached = false, identifiable = false, swallowed = false;
+  bool reached = false, identifiable = false, absorbed = false;
 };
 
 struct Outcome {

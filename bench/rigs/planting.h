@@ -21,7 +21,7 @@ struct Trial {
   std::string plain;  // case without an effect whose report printed the size
   rigs::Effect effect;
 };
-// `count` of them at most, from all plain cases that were judged without stopping: effects that
+// `count` of them at most, from all plain cases that were assessed without stopping: effects that
 // were planted least come first, and each at most once in a case.
 std::vector<Trial> DrawTrials(const std::filesystem::path& cases,
                               const std::filesystem::path& reports, int count);

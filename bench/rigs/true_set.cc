@@ -20,7 +20,7 @@ json ReadIfThere(const fs::path& path) {
   return in ? json::parse(in) : json();
 }
 
-// Parameters of the model that the report ends with; null: it judged nothing.
+// Parameters of the model that the report ends with; null: it assessed nothing.
 json After(const json& report) {
   if (!report.is_object() || !report.contains("base_parameters")) return {};
   return report.at("base_parameters").at("after");
@@ -37,11 +37,11 @@ bool HasInterval(const json& parameter) {
 }
 
 double CorrectedError(const json& report, const std::string& balance) {
-  json errors = report.value("sealed", json());
+  json errors = report.value("held_out", json());
   if (balance == "K" || balance == "Q") {
     errors = json();
     for (const json& summary : report.value("balances", json::array())) {
-      if (summary.at("balance") == balance) errors = summary.value("sealed", json());
+      if (summary.at("balance") == balance) errors = summary.value("held_out", json());
     }
   }
   if (!errors.is_object() || !errors.at("corrected_rms").is_number()) return kNone;

@@ -27,7 +27,7 @@ std::pair<int, int> CountHeld(const nlohmann::json& report, const nlohmann::json
 std::pair<int, int> CountHeldOfGenerator(const nlohmann::json& report, const nlohmann::json& truth);
 
 // Held-out error of the report over that of the true set, in the balance of the first effect (the
-// motion's without one). NaN where one of them judged nothing.
+// motion's without one). NaN where one of them assessed nothing.
 double ErrorRatio(const nlohmann::json& report, const nlohmann::json& true_set,
                   const nlohmann::json& truth);
 

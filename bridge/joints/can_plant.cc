@@ -338,8 +338,8 @@ void CanPlant::Rest() {
 void CanPlant::Act(const provider::PlantCommand& command, double period_s) {
   acted_ = true;
   const std::int64_t start_ns = transports_.front()->now_ns();
-  Drain();  // what came in since: phases and limits judge by the newest
-  Judge(transports_.front()->now_ns());  // no setpoint for an axis that has just told an error
+  Drain();  // what came in since: phases and limits assess by the newest
+  Assess(transports_.front()->now_ns());  // no setpoint for an axis that has just told an error
   // Cyclic estimates: the answer is there by the end of the cycle. Requested ones: Step asks.
   const bool cyclic = config_.timing.estimates == Estimates::kCyclic;
   for (std::size_t j = 0; j < joints_.size(); ++j) {
@@ -384,7 +384,7 @@ void CanPlant::Step(const provider::PlantCommand& command, double period_s,
   }
   const std::int64_t start_ns = clock.now_ns();
   Drain();
-  Judge(clock.now_ns());
+  Assess(clock.now_ns());
   Flush();
   Fill(clock.now_ns(), sensors);
   ++cycle_;
@@ -799,7 +799,7 @@ void CanPlant::SendSetpoint(Joint& joint, double torque_Nm, double position_rad,
   }
 }
 
-void CanPlant::Judge(std::int64_t now_ns) {
+void CanPlant::Assess(std::int64_t now_ns) {
   const BridgeTiming& timing = config_.timing;
   for (Joint& joint : joints_) {
     const JointLimits& limits = joint.config.limits;

@@ -249,7 +249,7 @@ class CanPlant : public provider::Plant {
   void PostReferences();
   void Flush();
 
-  void Judge(std::int64_t now_ns);
+  void Assess(std::int64_t now_ns);
   void Fail(Joint& joint, FaultKind kind, const char* what);
   static void AppendError(Joint& joint, can::Command command, const char* who, std::uint64_t error);
   void FailSilent(Joint& joint, FaultKind kind, const char* what);  // says so when the bus is down

@@ -84,7 +84,7 @@ class Arm {
 
   // Writes into every run what the rigid bodies need of its joint (Run::rigid_torque), so that the
   // term `rigid_body` of a joint's model knows it, and how a refit of them changes it
-  // (Run::rigid_columns). processing: of each joint, as its own balance is judged by.
+  // (Run::rigid_columns). processing: of each joint, as its own balance is assessed by.
   void AddRigidTorque(const ArmFit& fit, const std::vector<identify::ProcessingOptions>& processing,
                       const actuator::RobotModel& robot, ArmRuns* runs) const;
 

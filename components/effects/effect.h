@@ -120,7 +120,7 @@ struct EffectInfo {
   Balance balance = Balance::kMotion;
   Side side = Side::kOutput;
   Smallest smallest = Smallest::kAny;
-  bool rate = false;         // phi is a rate of what the balance is about: fitting integrates it
+  bool rate = false;  // phi is a rate of what the balance is about: fitting integrates it
   // Follows the drive input as recorded, over a span that is its first nonlinear parameter.
   bool follows_record = false;
   // Repeats many times a turn: at speed it is faster than the low-pass of the angles, which fitting
@@ -134,7 +134,7 @@ struct EffectInfo {
   std::vector<ParameterInfo> nonlinear;
   std::string signature;                 // what its residual looks like
   std::string variable;                  // the signal its residual follows, e.g. "velocity_rad_s"
-  std::vector<std::string> look_alikes;  // names of effects it is easily mistaken for
+  std::vector<std::string> confounders;  // names of effects it is easily mistaken for
   std::string separating_excitation;     // what tells them apart
   std::vector<std::string> needs;        // signals it reads, field names of JointSample
   std::vector<std::string> may_read;     // more of them: 0 where they are not recorded

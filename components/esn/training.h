@@ -15,7 +15,7 @@ namespace sinew::esn {
 enum class Use : unsigned char { kNone, kTrain, kTest };
 
 // One unbroken sequence at the network's period: the state runs through all of it, starting from 0,
-// and the readout is fitted and judged on the samples that `use` names.
+// and the readout is fitted and assessed on the samples that `use` names.
 struct Sequence {
   Eigen::MatrixXd inputs;   // T x M, own units
   Eigen::MatrixXd targets;  // T x O

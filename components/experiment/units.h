@@ -1,4 +1,4 @@
-// Angles of this room's files.
+// Angles of this module's files.
 #pragma once
 
 #include <numbers>

@@ -1,5 +1,5 @@
 // Recordings that are well formed, but too short or too still for what is asked of them. Whoever
-// judges recordings reports it as a result; it is no mistake of the command.
+// assesses recordings reports it as a result; it is no mistake of the command.
 #pragma once
 
 #include <stdexcept>

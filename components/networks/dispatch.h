@@ -1,4 +1,4 @@
-// From the instruction set to its kernel. Private to this room.
+// From the instruction set to its kernel. Private to this module.
 #pragma once
 
 #include <type_traits>

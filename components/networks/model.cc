@@ -106,13 +106,13 @@ FitResult Fit(const PublishedModel& plan, const Samples& samples,
       model.ridge_beta = fitted.ridge_beta;
     }
   }
-  // A reservoir's start from zero teaches nothing and is not judged.
-  std::vector<int> judged;
+  // A reservoir's start from zero teaches nothing and is not assessed.
+  std::vector<int> assessed;
   for (const int t : samples.train) {
     const int age = t - samples.first[static_cast<std::size_t>(t)];
-    if (plan.method != Method::kReservoir || age >= plan.reservoir.washout) judged.push_back(t);
+    if (plan.method != Method::kReservoir || age >= plan.reservoir.washout) assessed.push_back(t);
   }
-  result.train_mse = MeanSquare(samples, result.predicted, judged);
+  result.train_mse = MeanSquare(samples, result.predicted, assessed);
   result.validation_mse = MeanSquare(samples, result.predicted, samples.validation);
   result.test_mse = MeanSquare(samples, result.predicted, samples.test);
   return result;

@@ -3,7 +3,7 @@
 //
 // Normalised by mean and standard deviation of the training samples: value = (own - offset) /
 // scale. A mean squared error of normalised targets is a share of the variance of the training
-// targets: every MSE of this room is given so, and is the same whatever the unit.
+// targets: every MSE of this module is given so, and is the same whatever the unit.
 //
 // Pure data; any thread.
 #pragma once

@@ -1,5 +1,5 @@
-// Messages to CDR bytes (with the 4-byte encapsulation header) and back. Internal to this room and
-// to recordings; needs no DDS to include.
+// Messages to CDR bytes (with the 4-byte encapsulation header) and back. Internal to this module
+// and to recordings; needs no DDS to include.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Precompiled by CMake for the files of this room that include Fast DDS.
+// Precompiled by CMake for the files of this module that include Fast DDS.
 #pragma once
 
 #include <fastrtps/utils/md5.h>

@@ -1,4 +1,4 @@
-// The list of all message types, for explicit instantiation. Internal to this room.
+// The list of all message types, for explicit instantiation. Internal to this module.
 #pragma once
 
 #define SINEW_FOR_EACH_MESSAGE(X) \

@@ -1,6 +1,6 @@
 // Owner objects for DDS. Every create is checked; a constructor that throws leaves nothing behind.
 //
-// Fast DDS is included only by this room's .cc files. Readers copy samples in the DDS reception
+// Fast DDS is included only by this module's .cc files. Readers copy samples in the DDS reception
 // thread into a queue; all other calls may come from one thread of the caller. Messages come from
 // <sinew_idl/...h> (generated); include the one you use.
 #pragma once

@@ -1,4 +1,4 @@
-// Internals of the room: owner objects around Fast DDS entities.
+// Internals of the module: owner objects around Fast DDS entities.
 #pragma once
 
 #include "components/node/codec.h"

@@ -1,4 +1,4 @@
-// Who may move the robot: the state provider's judgement of arming and of each command's age.
+// Who may move the robot: the state provider's assessment of arming and of each command's age.
 //
 // Pure and deterministic: time is the provider's own tick. A command is as old as the distance
 // between the provider's tick and the tick it echoes; foreign clocks never matter. When

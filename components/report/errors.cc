@@ -8,12 +8,14 @@ namespace sinew::report {
 
 namespace {
 
-void AddBalance(const trace::Judgement& judged, effects::Balance balance, const std::string& unit,
-                const std::string& note, std::vector<ErrorLine>* table) {
-  table->push_back({"train", "training recordings" + note, balance, unit, judged.nominal_train.rms,
-                    judged.before_train.rms, judged.after_train.rms});
+void AddBalance(const trace::Assessment& assessed, effects::Balance balance,
+                const std::string& unit, const std::string& note, std::vector<ErrorLine>* table) {
+  table->push_back({"train", "training recordings" + note, balance, unit,
+                    assessed.nominal_train.rms, assessed.before_train.rms,
+                    assessed.after_train.rms});
   table->push_back({"held_out", "held-out recordings" + note, balance, unit,
-                    judged.nominal_sealed.rms, judged.before_sealed.rms, judged.after_sealed.rms});
+                    assessed.nominal_held_out.rms, assessed.before_held_out.rms,
+                    assessed.after_held_out.rms});
 }
 
 // Is it worse in three digits? A model that runs away is worse than one that does not.

@@ -18,7 +18,7 @@ struct ErrorLine {
   double declared = 0.0, refitted = 0.0, corrected = 0.0;
 };
 
-// Training and held-out error of every balance that was judged, and the simulated position's.
+// Training and held-out error of every balance that was assessed, and the simulated position's.
 std::vector<ErrorLine> ErrorTable(const Report& report);
 
 // Held-out and simulated errors that the corrected model raises over the declared or the refitted

@@ -259,7 +259,7 @@ std::string FormatHtml(const DataCheck& check, const std::vector<Picture>& pictu
   std::string out = HtmlHead("The data of " + check.robot);
   out += "<h1>The data of " + Escape(check.robot) + ", " + Escape(check.joint) + "</h1>\n";
   std::string names;
-  for (const auto* list : {&check.train, &check.sealed}) {
+  for (const auto* list : {&check.train, &check.held_out}) {
     for (const Recording& recording : *list) {
       names += (names.empty() ? "" : ", ") + Escape(recording.name);
     }

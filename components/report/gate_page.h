@@ -14,8 +14,8 @@ namespace sinew::report {
 
 struct DataCheck {
   std::string robot, joint, model_file;
-  std::vector<Recording> train;   // those of check-data, too
-  std::vector<Recording> sealed{};  // of close-loop
+  std::vector<Recording> train;       // those of check-data, too
+  std::vector<Recording> held_out{};  // of close-loop
   gate::GateReport gate{};
   std::uint64_t seed = 1;
   double seconds = 0.0;  // it took

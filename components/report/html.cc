@@ -31,7 +31,7 @@ std::string Confirmed(const trace::Confirmation& confirmation) {
 }
 
 std::string HeldOutErrors(const trace::TraceResult& trace, const trace::FoundEffect& effect) {
-  return ErrorText(effect.sealed_before) + " &rarr; " + ErrorText(effect.sealed_after) + " " +
+  return ErrorText(effect.held_out_before) + " &rarr; " + ErrorText(effect.held_out_after) + " " +
          std::string(effects::BalanceUnit(effect.balance, trace.corrected.kind));
 }
 
@@ -67,7 +67,7 @@ std::string Errors(const Report& report) {
   };
   const trace::TraceResult& trace = report.trace;
   drive("training recordings", trace.nominal_train, trace.before_train, trace.after_train);
-  drive("held-out recordings", trace.nominal_sealed, trace.before_sealed, trace.after_sealed);
+  drive("held-out recordings", trace.nominal_held_out, trace.before_held_out, trace.after_held_out);
   out +=
       "</table>\n<p class=\"caption\">Declared: the model file as it is. Refitted: its "
       "parameters fitted to the training recordings. Corrected: with the effects that are part "
@@ -100,10 +100,10 @@ std::string Rotations(const Report& report) {
       HtmlRow({"held out", "found in the others", "declared", "refitted", "corrected", "unit"},
               "th");
   for (const trace::Rotation& rotation : report.rotations) {
-    out +=
-        HtmlRow({Escape(rotation.held_out), Escape(RotationText(rotation)),
-                 Short(rotation.trace.nominal_sealed.rms), Short(rotation.trace.before_sealed.rms),
-                 Short(rotation.trace.after_sealed.rms), TorqueUnit(report.trace.corrected.kind)});
+    out += HtmlRow(
+        {Escape(rotation.held_out), Escape(RotationText(rotation)),
+         Short(rotation.trace.nominal_held_out.rms), Short(rotation.trace.before_held_out.rms),
+         Short(rotation.trace.after_held_out.rms), TorqueUnit(report.trace.corrected.kind)});
   }
   return out + "</table>\n";
 }
@@ -144,7 +144,7 @@ std::string Method(const Report& report) {
          (trace.p_global ? Probability(*trace.p_global) : "unknown") + " by random signs of " +
          std::to_string(trace.units) + " blocks of " + Short(trace.unit_length_s) + " s, seed " +
          std::to_string(report.seed) +
-         "; what was chosen is confirmed by the slope of the sealed recording's left-over. The "
+         "; what was chosen is confirmed by the slope of the held-out recording's left-over. The "
          "rule that refused a candidate is in report.json.";
 }
 
@@ -166,9 +166,9 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
          "</h1>\n";
   std::vector<std::string> train;
   for (const Recording& recording : report.train) train.push_back(recording.name);
-  std::vector<std::string> sealed;
-  for (const Recording& recording : report.sealed) sealed.push_back(recording.name);
-  out += "<div class=\"meta\">Trained on " + Join(train) + ". Held out: " + Join(sealed) +
+  std::vector<std::string> held_out;
+  for (const Recording& recording : report.held_out) held_out.push_back(recording.name);
+  out += "<div class=\"meta\">Trained on " + Join(train) + ". Held out: " + Join(held_out) +
          ". Model " + Escape(report.model_file) + ".</div>\n";
   out += "<div class=\"verdict " + VerdictWord(trace.verdict) + "\">" +
          Escape(VerdictSentence(report)) + "</div>\n";
@@ -178,9 +178,10 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
     out += "<div><b>" + value + "</b><span>" + text + "</span></div>\n";
   };
   out += "<div class=\"big\">\n";
-  box(Short(trace.after_sealed.rms) + " " + unit,
-      "error of the corrected model on the held-out recordings (" + Short(trace.before_sealed.rms) +
-          " refitted, " + Short(trace.nominal_sealed.rms) + " declared)");
+  box(Short(trace.after_held_out.rms) + " " + unit,
+      "error of the corrected model on the held-out recordings (" +
+          Short(trace.before_held_out.rms) + " refitted, " + Short(trace.nominal_held_out.rms) +
+          " declared)");
   box(Short(trace.noise_floor_rms) + " " + unit,
       "noise floor" + (trace.noise_floor_source.empty() ? std::string()
                                                         : ", " + Escape(trace.noise_floor_source)));
@@ -206,7 +207,7 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
       out += "<table>" + HtmlRow({"event", "recording", "began at, s"}, "th");
       for (const trace::EventTime& event : trace.events) {
         out += HtmlRow({"<code>" + Escape(event.effect) + "</code>",
-                        Escape(event.recording) + (event.sealed ? " (held out)" : ""),
+                        Escape(event.recording) + (event.held_out ? " (held out)" : ""),
                         Short(event.start_s)});
       }
       out += "</table>\n";
@@ -255,7 +256,7 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
 
   if (!trace.shifts.empty()) {
     out +=
-        "<h2>What the refit swallowed</h2>\n<p class=\"caption\">Declared parameters that moved by "
+        "<h2>What the refit absorbed</h2>\n<p class=\"caption\">Declared parameters that moved by "
         "more than "
         "their tolerance, and what would move them the same way.</p><table>" +
         HtmlRow({"parameter", "declared", "refitted", "tolerance", "sigma",
@@ -308,7 +309,7 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
   for (const identify::Finding& finding : report.findings) {
     out += "<li>" + Escape(finding.text) + "</li>\n";
   }
-  out += "</ul>\n<h2>How it was judged</h2>\n<p class=\"meta\">Zero-phase filters: states " +
+  out += "</ul>\n<h2>How it was assessed</h2>\n<p class=\"meta\">Zero-phase filters: states " +
          Short(report.processing.state_cutoff_Hz) + " Hz, both sides of the balance " +
          Short(report.processing.parallel_cutoff_Hz) + " Hz" + Method(report) +
          "</p>\n"

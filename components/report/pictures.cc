@@ -96,14 +96,14 @@ Eigen::Index BusiestRow(const Design& design, const Eigen::VectorXd& torque, dou
   return start;
 }
 
-Picture MeasuredAgainstModel(const Report& report, const Design& sealed,
+Picture MeasuredAgainstModel(const Report& report, const Design& held_out,
                              const Eigen::VectorXd& torque) {
-  const identify::Rows& rows = sealed.rows();
+  const identify::Rows& rows = held_out.rows();
   const trace::TraceResult& trace = report.trace;
   const std::string unit = TorqueUnit(trace.corrected.kind);
   const bool changed = HasCorrection(trace);
-  const double window_s = WindowLength(sealed);
-  const Eigen::Index first = BusiestRow(sealed, torque, window_s);
+  const double window_s = WindowLength(held_out);
+  const Eigen::Index first = BusiestRow(held_out, torque, window_s);
   std::string data = "$d << EOD\n";
   for (Eigen::Index i = first; i < rows.size() && rows.segment[static_cast<std::size_t>(i)] ==
                                                       rows.segment[static_cast<std::size_t>(first)];
@@ -111,8 +111,8 @@ Picture MeasuredAgainstModel(const Report& report, const Design& sealed,
     if (rows.time_s[i] > rows.time_s[first] + window_s) break;
     const bool used = rows.used[static_cast<std::size_t>(i)];
     data += PictureNumber(rows.time_s[i]) + " " + PictureNumber(torque[i]) + " " +
-            (used ? PictureNumber(torque[i] - trace.before_sealed.residual[i]) : "NaN") + " " +
-            (used ? PictureNumber(torque[i] - trace.after_sealed.residual[i]) : "NaN") + "\n";
+            (used ? PictureNumber(torque[i] - trace.before_held_out.residual[i]) : "NaN") + " " +
+            (used ? PictureNumber(torque[i] - trace.after_held_out.residual[i]) : "NaN") + "\n";
   }
   data += "EOD\n";
   Picture out;
@@ -130,8 +130,8 @@ Picture MeasuredAgainstModel(const Report& report, const Design& sealed,
   return out;
 }
 
-Picture ResidualOverTime(const Report& report, const Design& sealed) {
-  const identify::Rows& rows = sealed.rows();
+Picture ResidualOverTime(const Report& report, const Design& held_out) {
+  const identify::Rows& rows = held_out.rows();
   const trace::TraceResult& trace = report.trace;
   const bool changed = HasCorrection(trace);
   const std::string unit = TorqueUnit(trace.corrected.kind);
@@ -139,8 +139,9 @@ Picture ResidualOverTime(const Report& report, const Design& sealed) {
   std::string data = "$d << EOD\n";
   for (Eigen::Index i = 0; i < rows.size(); i += step) {
     if (rows.used[static_cast<std::size_t>(i)]) {
-      data += PictureNumber(rows.time_s[i]) + " " + PictureNumber(trace.before_sealed.residual[i]) +
-              " " + PictureNumber(trace.after_sealed.residual[i]) + "\n";
+      data += PictureNumber(rows.time_s[i]) + " " +
+              PictureNumber(trace.before_held_out.residual[i]) + " " +
+              PictureNumber(trace.after_held_out.residual[i]) + "\n";
     } else {
       data += "\n";
     }
@@ -149,8 +150,8 @@ Picture ResidualOverTime(const Report& report, const Design& sealed) {
   Picture out;
   out.title = "Residual over time, held-out recordings";
   out.caption = "What the balance of torques leaves while the joint moves: " +
-                Short(trace.before_sealed.rms) + " " + unit + " rms refitted, " +
-                Short(trace.after_sealed.rms) + " " + unit + " rms corrected.";
+                Short(trace.before_held_out.rms) + " " + unit + " rms refitted, " +
+                Short(trace.after_held_out.rms) + " " + unit + " rms corrected.";
   out.script =
       PictureHead(300) + data + "set xlabel 'time, s'\nset ylabel 'residual, " + unit +
       "'\nplot $d u 1:2 w l lw 1 lc rgb '" + kBeforeColour + "' t 'refitted'" +
@@ -302,18 +303,18 @@ Picture ErrorsBeforeAndAfter(const Report& report) {
   const std::string unit = TorqueUnit(trace.corrected.kind);
   std::string data = "$e << EOD\n";
   int at = 0;
-  const auto add = [&](const std::string& name, double train, double sealed) {
+  const auto add = [&](const std::string& name, double train, double held_out) {
     data += PictureNumber(at++) + " \"" + name + "\" " + PictureNumber(train) + " " +
-            PictureNumber(sealed) + "\n";
+            PictureNumber(held_out) + "\n";
   };
-  add("refitted", trace.before_train.rms, trace.before_sealed.rms);
+  add("refitted", trace.before_train.rms, trace.before_held_out.rms);
   if (HasCorrection(trace)) {
     for (const trace::FoundEffect& effect : trace.effects) {
       if (trace.effects.size() < 2 || !effect.in_model()) continue;
       if (effect.balance != effects::Balance::kMotion) continue;
-      add("without " + EffectLabel(trace, effect), effect.train_before, effect.sealed_before);
+      add("without " + EffectLabel(trace, effect), effect.train_before, effect.held_out_before);
     }
-    add("corrected", trace.after_train.rms, trace.after_sealed.rms);
+    add("corrected", trace.after_train.rms, trace.after_held_out.rms);
   }
   data += "EOD\n";
   Picture out;
@@ -337,9 +338,10 @@ Picture ErrorsBeforeAndAfter(const Report& report) {
 
 }  // namespace
 
-std::vector<Picture> MakePictures(const Report& report, const Design& train, const Design& sealed) {
+std::vector<Picture> MakePictures(const Report& report, const Design& train,
+                                  const Design& held_out) {
   const trace::TraceResult& trace = report.trace;
-  const identify::Balance balance = identify::MakeBalance(sealed, trace.corrected);
+  const identify::Balance balance = identify::MakeBalance(held_out, trace.corrected);
   const Eigen::VectorXd torque = balance.drive_factor * balance.drive_torque;
   std::string variable = trace.unexplained.variable;
   for (const trace::FoundEffect& effect : trace.effects) {
@@ -348,8 +350,8 @@ std::vector<Picture> MakePictures(const Report& report, const Design& train, con
     break;
   }
   std::vector<Picture> out;
-  out.push_back(MeasuredAgainstModel(report, sealed, torque));
-  out.push_back(ResidualOverTime(report, sealed));
+  out.push_back(MeasuredAgainstModel(report, held_out, torque));
+  out.push_back(ResidualOverTime(report, held_out));
   out.push_back(ResidualOverVariable(report, train, AxisFor(variable, trace.corrected.kind),
                                      trace.before_train.residual, trace.after_train.residual));
   if (trace.corrected.kind == effects::JointKind::kRotary) {

@@ -121,7 +121,7 @@ std::string Found(const Report& report) {
         }
       }
       if (!open.empty()) {
-        out += " The sealed recording does not confirm " + Join(open, " and ") + ".";
+        out += " The held-out recording does not confirm " + Join(open, " and ") + ".";
       }
       if (trace.effects.front().weak_evidence) {
         out += " This is weak evidence: the recording falls into fewer than six independent parts.";
@@ -139,7 +139,7 @@ std::string Found(const Report& report) {
              (report.given ? "what was given does not explain it."
                            : "no effect of the catalogue explains it.");
     case trace::Verdict::kTooLittleData:
-      return "There is too little data to judge: " + trace.too_little->reason +
+      return "There is too little data to assess: " + trace.too_little->reason +
              ". Nothing was fitted.";
     case trace::Verdict::kNone:
       break;
@@ -147,7 +147,7 @@ std::string Found(const Report& report) {
   return (report.given ? "The refitted model leaves "
                        : "No effect beyond the declared model can be shown: the refitted model "
                          "leaves ") +
-         Short(trace.before_sealed.rms) + " " + unit + " rms on the held-out recordings" +
+         Short(trace.before_held_out.rms) + " " + unit + " rms on the held-out recordings" +
          (trace.noise_floor_rms > 0.0
               ? ", the noise floor is " + Short(trace.noise_floor_rms) + " " + unit + "."
               : ".");

@@ -33,7 +33,7 @@ struct Report {
   std::string robot;
   std::string model_file;
   std::vector<Recording> train;
-  std::vector<Recording> sealed;
+  std::vector<Recording> held_out;
   identify::ProcessingOptions processing;
   std::vector<gate::Fault> faults;  // of the data, all of them accepted
   std::vector<identify::Finding> findings;
@@ -78,9 +78,9 @@ std::string VerdictWord(trace::Verdict verdict);
 // Measured against model, residuals over time, residual over its variable, candidates, errors by
 // round.
 std::vector<Picture> MakePictures(const Report& report, const identify::Design& train,
-                                  const identify::Design& sealed);
+                                  const identify::Design& held_out);
 
-// The page where too little was recorded to judge (TraceResult::too_little).
+// The page where too little was recorded to assess (TraceResult::too_little).
 std::string FormatTooLittleHtml(const Report& report);
 
 // The page. svgs: one per picture, in order.

@@ -20,7 +20,7 @@ std::string FormatTooLittleHtml(const Report& report) {
     }
   };
   list(report.train, "training");
-  list(report.sealed, "held out");
+  list(report.held_out, "held out");
   out += "</table>\n<table>" + HtmlRow({"rule", "here", "limit"}, "th") +
          HtmlRow({"<code>" + Escape(too_little.rule) + "</code>", Short(too_little.statistic),
                   Short(too_little.limit)}) +

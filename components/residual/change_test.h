@@ -107,7 +107,7 @@ class ChangeTest {
   void Learn(const Block& block) noexcept;
   void FinishLearning() noexcept;
   void Noise(const std::array<double, kLags + 1>& products) noexcept;
-  void Judge() noexcept;
+  void Assess() noexcept;
   void Attribute(int blocks) noexcept;
   const Seen& Back(int blocks) const noexcept;
 

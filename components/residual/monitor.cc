@@ -297,8 +297,8 @@ MonitorOutput Monitor::Step(double time_s, const JointReading& reading) noexcept
     CloseBlock(time_s - states_.delay_s() - guard_ticks_ * period_s_);
   }
 
-  const double judged_s = time_s - states_.delay_s() - guard_ticks_ * period_s_;
-  const bool excited = used_any_ && judged_s - last_used_s_ < config_.not_excited_after_s;
+  const double assessed_s = time_s - states_.delay_s() - guard_ticks_ * period_s_;
+  const bool excited = used_any_ && assessed_s - last_used_s_ < config_.not_excited_after_s;
   if (!reading.valid) {
     output_.state = State::kLost;
   } else if (output_.alarm) {

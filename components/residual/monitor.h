@@ -53,7 +53,7 @@ struct MonitorConfig {
   double window_s = 0.1;  // of the states' polynomial
   double block_s = 0.125;
   double learn_s = 30.0;          // of motion
-  double watch_s = 5.0;           // a change is judged by at most this much motion
+  double watch_s = 5.0;           // a change is assessed by at most this much motion
   double false_alarm_h = 1000.0;  // mean time of motion without change until an alarm
   double slack_share = 0.01;      // of the drive torque's rms: smaller changes are not told
   double slack_Nm = 0.0;          // and not below this
@@ -61,7 +61,7 @@ struct MonitorConfig {
   double rest_velocity_rad_s = 0.04;
   double reversal_guard_s = 0.06;
   double settle_distance_rad = 0.005;
-  double not_excited_after_s = 1.0;  // without a block that could be judged
+  double not_excited_after_s = 1.0;  // without a block that could be assessed
 };
 
 struct MonitorOutput {
@@ -92,7 +92,7 @@ class Monitor {
   MonitorOutput Step(double time_s, const JointReading& reading) noexcept;
 
   const ChangeTest& test() const noexcept { return *test_; }
-  // Ticks from a sample to its judgement, blocks not counted.
+  // Ticks from a sample to its assessment, blocks not counted.
   int delay_ticks() const noexcept { return states_.half_window() + guard_ticks_; }
 
  private:

@@ -1,4 +1,4 @@
-// Which instruction set the inner loops of the learning rooms use on this machine.
+// Which instruction set the inner loops of the learning modules use on this machine.
 #pragma once
 
 namespace sinew::simd {

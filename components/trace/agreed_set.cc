@@ -39,12 +39,12 @@ std::set<std::string> Unasked(const Problem& problem,
 }
 
 void ChooseAgreed(const Problem& problem, std::set<std::string> agreed,
-                  const std::set<std::string>& refuted, SetJudgement* judged) {
+                  const std::set<std::string>& refuted, SetAssessment* assessed) {
   for (const std::string& name : refuted) agreed.erase(name);
-  judged->chosen = FitAgreedSet(problem.evidence, problem.hypotheses(), agreed);
-  judged->posteriors.clear();  // the rotations have them
-  for (const std::size_t member : judged->chosen.members) {
-    judged->posteriors.push_back({{problem.hypotheses()[member].name, 1.0}});
+  assessed->chosen = FitAgreedSet(problem.evidence, problem.hypotheses(), agreed);
+  assessed->posteriors.clear();  // the rotations have them
+  for (const std::size_t member : assessed->chosen.members) {
+    assessed->posteriors.push_back({{problem.hypotheses()[member].name, 1.0}});
   }
 }
 

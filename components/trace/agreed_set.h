@@ -5,7 +5,7 @@
 #include <set>
 #include <string>
 
-#include "components/trace/judgement.h"
+#include "components/trace/assessment.h"
 #include "components/trace/set_search.h"
 
 namespace sinew::trace {
@@ -19,8 +19,8 @@ EffectSet FitAgreedSet(const Evidence& evidence, const std::vector<Hypothesis>& 
 std::set<std::string> Unasked(const Problem& problem,
                               const std::optional<std::set<std::string>>& agreed);
 
-// The judgement with what was agreed on chosen, but for what was refuted since.
+// The assessment with what was agreed on chosen, but for what was refuted since.
 void ChooseAgreed(const Problem& problem, std::set<std::string> agreed,
-                  const std::set<std::string>& refuted, SetJudgement* judged);
+                  const std::set<std::string>& refuted, SetAssessment* assessed);
 
 }  // namespace sinew::trace

@@ -13,14 +13,14 @@ namespace sinew::trace {
 namespace {
 
 constexpr std::size_t kFewestTrainRows = 200;
-constexpr std::size_t kFewestSealedRows = 50;
+constexpr std::size_t kFewestHeldOutRows = 50;
 
 BalanceDesigns KinematicSight(const std::vector<identify::Run>& train,
-                              const std::vector<identify::Run>& sealed,
+                              const std::vector<identify::Run>& held_out,
                               const actuator::JointModel& model,
                               const identify::ProcessingOptions& motion) {
   BalanceDesigns out;
-  for (const auto* runs : {&train, &sealed}) {
+  for (const auto* runs : {&train, &held_out}) {
     out.why_not = identify::WhyNoKinematics(*runs, model);
     if (!out.why_not.empty()) return out;
   }
@@ -29,7 +29,7 @@ BalanceDesigns KinematicSight(const std::vector<identify::Run>& train,
   // What is surely more than the torque balance's error is told by the training recordings.
   const double residual = identify::RawResidualTorque(states, model);
   out.train.emplace(std::move(states), options);
-  out.sealed.emplace(identify::MakeKinematicStates(sealed, model, motion, residual), options);
+  out.held_out.emplace(identify::MakeKinematicStates(held_out, model, motion, residual), options);
   bool up = false, down = false;
   for (const Eigen::Index i : out.train->rows().UsedRows()) {
     const auto k = static_cast<std::size_t>(i);
@@ -41,7 +41,7 @@ BalanceDesigns KinematicSight(const std::vector<identify::Run>& train,
     down = down || side < 0.0;
   }
   if (out.train->rows().UsedRows().size() < kFewestTrainRows ||
-      out.sealed->rows().UsedRows().size() < kFewestSealedRows) {
+      out.held_out->rows().UsedRows().size() < kFewestHeldOutRows) {
     out.why_not = "the teeth are hardly ever surely in contact";
   } else if (!up || !down) {
     out.why_not = "the teeth touch on one side only";
@@ -50,22 +50,23 @@ BalanceDesigns KinematicSight(const std::vector<identify::Run>& train,
 }
 
 BalanceDesigns GasSight(const std::vector<identify::Run>& train,
-                        const std::vector<identify::Run>& sealed, const actuator::JointModel& model,
+                        const std::vector<identify::Run>& held_out,
+                        const actuator::JointModel& model,
                         const identify::ProcessingOptions& motion) {
   constexpr int kFewestWindows = 4;
   BalanceDesigns out;
-  for (const auto* runs : {&train, &sealed}) {
+  for (const auto* runs : {&train, &held_out}) {
     out.why_not = identify::WhyNoGas(*runs, model);
     if (!out.why_not.empty()) return out;
   }
   identify::GasWindows of_train = identify::MakeGasStates(train, model, motion);
-  identify::GasWindows of_sealed = identify::MakeGasStates(sealed, model, motion);
+  identify::GasWindows of_held_out = identify::MakeGasStates(held_out, model, motion);
   if (of_train.shut < kFewestWindows) out.why_not = "the valve is hardly ever shut in training";
-  if (of_sealed.shut < 1) out.why_not = "the valve is never shut in the sealed recordings";
+  if (of_held_out.shut < 1) out.why_not = "the valve is never shut in the held-out recordings";
   if (!out.why_not.empty()) return out;
   const identify::ProcessingOptions options = identify::Unfiltered(motion, of_train.states.rate_Hz);
   out.train.emplace(std::move(of_train.states), options);
-  out.sealed.emplace(std::move(of_sealed.states), options);
+  out.held_out.emplace(std::move(of_held_out.states), options);
   return out;
 }
 
@@ -80,23 +81,24 @@ std::vector<effects::Balance> OtherBalances(const actuator::JointModel& model) {
 }
 
 BalanceDesigns MakeBalanceDesigns(effects::Balance balance, const std::vector<identify::Run>& train,
-                                  const std::vector<identify::Run>& sealed,
+                                  const std::vector<identify::Run>& held_out,
                                   const actuator::JointModel& model,
                                   const identify::ProcessingOptions& motion) {
-  if (balance == effects::Balance::kKinematic) return KinematicSight(train, sealed, model, motion);
-  return GasSight(train, sealed, model, motion);
+  if (balance == effects::Balance::kKinematic)
+    return KinematicSight(train, held_out, model, motion);
+  return GasSight(train, held_out, model, motion);
 }
 
 TraceResult TraceBalance(effects::Balance balance, const std::vector<identify::Run>& train,
-                         const std::vector<identify::Run>& sealed,
+                         const std::vector<identify::Run>& held_out,
                          const actuator::JointModel& corrected,
                          const identify::ProcessingOptions& motion, const TraceOptions& options) {
   actuator::JointModel model = corrected;
   model.balance = balance;
-  BalanceDesigns sight = MakeBalanceDesigns(balance, train, sealed, model, motion);
+  BalanceDesigns sight = MakeBalanceDesigns(balance, train, held_out, model, motion);
   try {
     if (sight.why_not.empty()) {
-      return TraceByLikelihood(*sight.train, *sight.sealed, model, options);
+      return TraceByLikelihood(*sight.train, *sight.held_out, model, options);
     }
   } catch (const identify::TooLittleData& error) {
     sight.why_not = error.what();
@@ -116,7 +118,7 @@ TraceResult WithBalance(TraceResult motion, TraceResult other) {
   if (motion.p_global && other.p_global) {
     motion.p_global = std::min(*motion.p_global, *other.p_global);
   }
-  BalanceSummary summary{std::move(static_cast<Judgement&>(other)), balance,
+  BalanceSummary summary{std::move(static_cast<Assessment&>(other)), balance,
                          std::string(effects::BalanceUnit(balance, other.corrected.kind))};
 
   // Declared terms stand at the same places in all models.
@@ -134,15 +136,15 @@ TraceResult WithBalance(TraceResult motion, TraceResult other) {
   // An effect with a form in both balances is seen when either shows it, and told once.
   for (NotExcited& hidden : other.not_excited) {
     const bool known =
-        std::count(motion.judged.begin(), motion.judged.end(), hidden.effect) != 0 ||
+        std::count(motion.assessed.begin(), motion.assessed.end(), hidden.effect) != 0 ||
         std::any_of(motion.not_excited.begin(), motion.not_excited.end(),
                     [&](const NotExcited& told) { return told.effect == hidden.effect; });
     if (!known) motion.not_excited.push_back(std::move(hidden));
   }
-  for (const std::string& name : other.judged) {
+  for (const std::string& name : other.assessed) {
     std::erase_if(motion.not_excited,
                   [&](const NotExcited& hidden) { return hidden.effect == name; });
-    motion.judged.push_back(name);
+    motion.assessed.push_back(name);
   }
   std::stable_sort(motion.not_excited.begin(), motion.not_excited.end(),
                    [](const NotExcited& a, const NotExcited& b) { return a.effect < b.effect; });

@@ -54,11 +54,11 @@ bool Better(const Filtered& next, const Filtered& best, double share) {
 }  // namespace
 
 identify::ProcessingOptions BandOfLeastResidual(const std::vector<identify::Run>& train,
-                                                const std::vector<identify::Run>& sealed,
+                                                const std::vector<identify::Run>& held_out,
                                                 const actuator::JointModel& joint,
                                                 double longest_gap_s) {
   const bool motor = train.front().Has(identify::Signal::kMotorPosition);
-  const double least_Hz = motor ? 0.0 : identify::QuietBand(sealed, joint, longest_gap_s);
+  const double least_Hz = motor ? 0.0 : identify::QuietBand(held_out, joint, longest_gap_s);
   const auto at = [&](double wider) {
     return Filtered(train, joint,
                     identify::FromMotion(train, joint, longest_gap_s, wider, least_Hz));

@@ -26,7 +26,7 @@ namespace sinew::trace {
 
 // As identify::FromMotion of the training recordings, which it starts from.
 identify::ProcessingOptions BandOfLeastResidual(const std::vector<identify::Run>& train,
-                                                const std::vector<identify::Run>& sealed,
+                                                const std::vector<identify::Run>& held_out,
                                                 const actuator::JointModel& joint,
                                                 double longest_gap_s);
 

@@ -19,7 +19,7 @@ constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kRowsAside = 30;
 // A change in another recording is the same when its size is within this factor.
 constexpr double kSameChange = 2.0;
-constexpr int kPlaceboRounds = 199;
+constexpr int kSignFlipRounds = 199;
 
 // The effect acting all the time, every row.
 Eigen::VectorXd Acting(const identify::Design& design, const effects::Effect& effect) {
@@ -40,7 +40,7 @@ struct StepScan {
   Eigen::MatrixXd X, inverse;
   std::vector<std::vector<Eigen::Index>> by_run;  // numbers of used rows
 
-  // Best instant of one recording; sign: of every row's residual (1, or a placebo's).
+  // Best instant of one recording; sign: of every row's residual (1, or a sign-flip null test's).
   ChangePoint Best(std::size_t run, const std::vector<double>& time_s,
                    const std::vector<signed char>& sign) const {
     ChangePoint best;
@@ -116,8 +116,8 @@ std::optional<FoundEvent> FindChange(const identify::Design& design,
     changes[run].theta = c[scan.X.cols() + static_cast<Eigen::Index>(run)];
   }
   std::mt19937_64 random(seed);
-  std::vector<double> placebo;
-  for (int round = 0; round < kPlaceboRounds; ++round) {
+  std::vector<double> sign_flip;
+  for (int round = 0; round < kSignFlipRounds; ++round) {
     for (const identify::Block& block : used.blocks) {
       const signed char s = (random() & 1) != 0 ? 1 : -1;
       for (const Eigen::Index k : block) sign[static_cast<std::size_t>(k)] = s;
@@ -126,13 +126,13 @@ std::optional<FoundEvent> FindChange(const identify::Design& design,
     for (std::size_t run = 0; run < runs; ++run) {
       sum += scan.Best(run, time_s, sign).explained;
     }
-    placebo.push_back(sum);
+    sign_flip.push_back(sum);
   }
   FoundEvent out;
   out.event.effect = std::move(effect);
   out.event.clock_s = changes[first].start_s;
   out.event.start_s.resize(runs);
-  out.event.charge = identify::Quantile(placebo, 0.5);
+  out.event.charge = identify::Quantile(sign_flip, 0.5);
   std::size_t alike = 0;
   for (std::size_t run = 0; run < runs; ++run) {
     const double ratio = changes[run].theta / changes[first].theta;
@@ -143,8 +143,9 @@ std::optional<FoundEvent> FindChange(const identify::Design& design,
   }
   // One size in every recording is no accident, whatever else the residual holds. Where only some
   // have it, they alone have to exceed what the search finds anywhere in all of them.
-  const bool found = alike == runs && runs > 1 ? all > identify::Quantile(placebo, 0.5)
-                                               : out.explained > identify::Quantile(placebo, 0.99);
+  const bool found = alike == runs && runs > 1
+                         ? all > identify::Quantile(sign_flip, 0.5)
+                         : out.explained > identify::Quantile(sign_flip, 0.99);
   if (!found) return std::nullopt;
   return out;
 }

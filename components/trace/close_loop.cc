@@ -22,12 +22,12 @@ void DropFindings(LoopResult* loop) {
   trace.corrected = trace.declared;
   trace.corrected_fit = trace.declared_fit;
   trace.after_train = trace.before_train;
-  trace.after_sealed = trace.before_sealed;
+  trace.after_held_out = trace.before_held_out;
   loop->train->PredictDrive(trace.corrected);
-  loop->sealed->PredictDrive(trace.corrected);
+  loop->held_out->PredictDrive(trace.corrected);
 }
 
-TraceResult NotJudged(const actuator::JointModel& joint, TooLittle why) {
+TraceResult NotAssessed(const actuator::JointModel& joint, TooLittle why) {
   TraceResult out;
   out.verdict = Verdict::kTooLittleData;
   out.nominal = out.declared = out.corrected = joint;
@@ -35,32 +35,32 @@ TraceResult NotJudged(const actuator::JointModel& joint, TooLittle why) {
   return out;
 }
 
-LoopResult Judge(const std::vector<identify::Run>& train, const std::vector<identify::Run>& sealed,
-                 const actuator::JointModel& joint, double longest_gap_s,
-                 const TraceOptions& given) {
+LoopResult Assess(const std::vector<identify::Run>& train,
+                  const std::vector<identify::Run>& held_out, const actuator::JointModel& joint,
+                  double longest_gap_s, const TraceOptions& given) {
   // Every balance may give a false alarm: all of them together as seldom as one alone.
   const std::vector<effects::Balance> others = OtherBalances(joint);
   TraceOptions options = given;
   options.searches = given.searches * static_cast<int>(1 + others.size());
   LoopResult loop;
-  // Holds are not filtered: where only those are trained on, the sealed recordings fill in what is
-  // theirs alone.
+  // Holds are not filtered: where only those are trained on, the held-out recordings fill in what
+  // is theirs alone.
   const bool held = train.front().held;
-  loop.processing = held ? identify::FromMotion(sealed, joint, longest_gap_s)
-                         : BandOfLeastResidual(train, sealed, joint, longest_gap_s);
+  loop.processing = held ? identify::FromMotion(held_out, joint, longest_gap_s)
+                         : BandOfLeastResidual(train, held_out, joint, longest_gap_s);
   loop.train.emplace(identify::MakeStates(train, joint, loop.processing), loop.processing);
-  loop.sealed.emplace(identify::MakeStates(sealed, joint, loop.processing), loop.processing);
+  loop.held_out.emplace(identify::MakeStates(held_out, joint, loop.processing), loop.processing);
   if (!held) {
-    if (auto too_little = FindTooLittle(*loop.train, *loop.sealed, joint)) {
-      loop.trace = NotJudged(joint, std::move(*too_little));
+    if (auto too_little = FindTooLittle(*loop.train, *loop.held_out, joint)) {
+      loop.trace = NotAssessed(joint, std::move(*too_little));
       return loop;
     }
   }
-  loop.trace = TraceByLikelihood(*loop.train, *loop.sealed, joint, options);
+  loop.trace = TraceByLikelihood(*loop.train, *loop.held_out, joint, options);
   if (held) return loop;  // holds have no other balance
   for (const effects::Balance balance : others) {
     TraceResult other =
-        TraceBalance(balance, train, sealed, loop.trace.corrected, loop.processing, options);
+        TraceBalance(balance, train, held_out, loop.trace.corrected, loop.processing, options);
     // Encoders that come apart as time goes on tell no torques.
     if (balance == effects::Balance::kKinematic && other.unexplained.variable == "time_s" &&
         loop.trace.verdict != Verdict::kNone) {
@@ -68,7 +68,7 @@ LoopResult Judge(const std::vector<identify::Run>& train, const std::vector<iden
       DropFindings(&loop);
       if (corrected) {
         other =
-            TraceBalance(balance, train, sealed, loop.trace.corrected, loop.processing, options);
+            TraceBalance(balance, train, held_out, loop.trace.corrected, loop.processing, options);
       }
     }
     loop.trace = WithBalance(std::move(loop.trace), std::move(other));
@@ -79,24 +79,24 @@ LoopResult Judge(const std::vector<identify::Run>& train, const std::vector<iden
 }  // namespace
 
 LoopResult CloseLoop(const std::vector<identify::Run>& train,
-                     const std::vector<identify::Run>& sealed, const actuator::JointModel& joint,
+                     const std::vector<identify::Run>& held_out, const actuator::JointModel& joint,
                      double longest_gap_s, const TraceOptions& options) {
   try {
-    return Judge(train, sealed, joint, longest_gap_s, options);
+    return Assess(train, held_out, joint, longest_gap_s, options);
   } catch (const identify::TooLittleData& error) {
     LoopResult out;
-    out.trace = NotJudged(
+    out.trace = NotAssessed(
         joint, {.rule = rules::kRows.id, .limit = Limit(rules::kRows), .reason = error.what()});
     return out;
   }
 }
 
-void RequireSealed(const std::vector<identify::Run>& train,
-                   const std::vector<identify::Run>& sealed) {
-  for (const identify::Run& a : sealed) {
+void RequireHeldOut(const std::vector<identify::Run>& train,
+                    const std::vector<identify::Run>& held_out) {
+  for (const identify::Run& a : held_out) {
     for (const identify::Run& b : train) {
       if (!a.content_hash.empty() && a.content_hash == b.content_hash) {
-        throw std::invalid_argument(a.name + ": sealed recording holds the same samples as " +
+        throw std::invalid_argument(a.name + ": held-out recording holds the same samples as " +
                                     b.name + ", expected one that was not trained on");
       }
     }

@@ -18,20 +18,20 @@ namespace sinew::trace {
 struct LoopResult {
   identify::ProcessingOptions processing;
   TraceResult trace;
-  // Empty when nothing was judged.
-  std::optional<identify::Design> train;  // with the processing that `trace` was judged by
-  std::optional<identify::Design> sealed;
+  // Empty when nothing was assessed.
+  std::optional<identify::Design> train;  // with the processing that `trace` was assessed by
+  std::optional<identify::Design> held_out;
 };
 
-// longest_gap_s: longer gaps cut a recording into pieces. The sealed recordings give figures and
+// longest_gap_s: longer gaps cut a recording into pieces. The held-out recordings give figures and
 // confirm, and are in no fit.
 LoopResult CloseLoop(const std::vector<identify::Run>& train,
-                     const std::vector<identify::Run>& sealed, const actuator::JointModel& joint,
+                     const std::vector<identify::Run>& held_out, const actuator::JointModel& joint,
                      double longest_gap_s, const TraceOptions& options);
 
-// Throws std::invalid_argument naming both when a sealed recording holds the same samples as one
+// Throws std::invalid_argument naming both when a held-out recording holds the same samples as one
 // that is trained on.
-void RequireSealed(const std::vector<identify::Run>& train,
-                   const std::vector<identify::Run>& sealed);
+void RequireHeldOut(const std::vector<identify::Run>& train,
+                    const std::vector<identify::Run>& held_out);
 
 }  // namespace sinew::trace

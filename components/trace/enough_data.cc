@@ -35,7 +35,7 @@ int IndependentBlocks(const identify::Design& design) {
 }
 
 std::optional<TooLittle> FindTooLittle(const identify::Design& train,
-                                       const identify::Design& sealed,
+                                       const identify::Design& held_out,
                                        const actuator::JointModel& model) {
   const auto too_few = [&](const Rule& rule, double statistic, const char* of,
                            const identify::Design& design,
@@ -55,7 +55,7 @@ std::optional<TooLittle> FindTooLittle(const identify::Design& train,
         "training", train, "rows for each fitted parameter");
   }
   if (!found) {
-    found = too_few(rules::kHeldOutBlocks, IndependentBlocks(sealed), "held-out", sealed,
+    found = too_few(rules::kHeldOutBlocks, IndependentBlocks(held_out), "held-out", held_out,
                     "independent blocks");
   }
   return found;

@@ -1,4 +1,5 @@
-// Do the recordings hold enough to judge the torque balance? The limits are those of rules.h. Pure.
+// Do the recordings hold enough to assess the torque balance? The limits are those of rules.h.
+// Pure.
 #pragma once
 
 #include <optional>
@@ -20,9 +21,9 @@ struct TooLittle {
 // more blocks than inference makes of them (used_rows.h).
 int IndependentBlocks(const identify::Design& design);
 
-// The first rule that is broken; nothing: there is enough. train, sealed: raw rows.
+// The first rule that is broken; nothing: there is enough. train, held-out: raw rows.
 std::optional<TooLittle> FindTooLittle(const identify::Design& train,
-                                       const identify::Design& sealed,
+                                       const identify::Design& held_out,
                                        const actuator::JointModel& model);
 
 }  // namespace sinew::trace

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "components/trace/agreed_set.h"
-#include "components/trace/judgement.h"
+#include "components/trace/assessment.h"
 #include "components/trace/reported.h"
 #include "components/trace/rules.h"
 #include "components/trace/sensitivity.h"
@@ -26,15 +26,15 @@ using identify::FitResult;
 constexpr std::size_t kConvincingBlocks = 6;
 // Every further set that is tried on the held-out recordings is another chance to be confirmed by
 // accident.
-constexpr int kMostJudgements = 3;
+constexpr int kMostAssessments = 3;
 
 // Rows that a model says could not have been driven, at most. The cubic of
 // torque_constant_saturation has its maximum where a third is lost, a real drive levels off: 0.2 to
 // 3 % of the rows of true ones were beyond it (rigs 31-90), 18 % where the name was wrong (XL330).
 constexpr double kMostBeyondDrive = 0.05;
 
-// Judges the sets without the effects of these names.
-using JudgeBy = std::function<SetJudgement(const std::set<std::string>& refuted)>;
+// Assesses the sets without the effects of these names.
+using AssessBy = std::function<SetAssessment(const std::set<std::string>& refuted)>;
 
 // Of those that are asked for the one that training misses least.
 template <class Asked>
@@ -49,13 +49,13 @@ std::optional<std::size_t> Weakest(const std::vector<FoundEffect>& found, Asked 
 
 class Correction {
  public:
-  // judged: what the sets were chosen by; base: the declared terms as reported.
-  Correction(Design& train, Design& sealed, const Likelihood& judged, const LikelihoodFit& base,
+  // assessed: what the sets were chosen by; base: the declared terms as reported.
+  Correction(Design& train, Design& held_out, const Likelihood& assessed, const LikelihoodFit& base,
              const Problem& problem, const actuator::JointModel& declared,
              const TraceOptions& options)
       : train_(train),
-        sealed_(sealed),
-        whitened_(judged),
+        held_out_(held_out),
+        whitened_(assessed),
         base_(base),
         problem_(problem),
         declared_(declared),
@@ -64,19 +64,19 @@ class Correction {
 
   // Fits the set and confirms every member. A member that is wrong spoils the prediction of the
   // others: the refuted one that training misses least leaves, and the rest is confirmed anew. It
-  // may have stood in the way of better ones: when none is left, the sets are judged anew without
+  // may have stood in the way of better ones: when none is left, the sets are assessed anew without
   // those that were refuted.
-  void Run(const JudgeBy& judge, TraceResult* result) {
+  void Run(const AssessBy& assess, TraceResult* result) {
     std::set<std::string> refuted;
-    for (int round = 0; round < kMostJudgements; ++round) {
-      judged_ = judge(refuted);
+    for (int round = 0; round < kMostAssessments; ++round) {
+      assessed_ = assess(refuted);
       if (round == 0) {
-        result->p_global = judged_.p_global;
-        least_statistic_ = judged_.least_statistic;
-        result->rounds.front().scores = judged_.scores;
+        result->p_global = assessed_.p_global;
+        least_statistic_ = assessed_.least_statistic;
+        result->rounds.front().scores = assessed_.scores;
       }
-      result->unexplained = judged_.unexplained;
-      if (judged_.chosen.empty()) return;
+      result->unexplained = assessed_.unexplained;
+      if (assessed_.chosen.empty()) return;
       Confirm(round > 0, result);
       if (!result->effects.empty()) {
         if (!options_.keep_unconfirmed) LeaveUnconfirmed(result);
@@ -102,14 +102,14 @@ class Correction {
 
   void PredictDrive(const actuator::JointModel& model) {
     train_.PredictDrive(model);
-    sealed_.PredictDrive(model);
+    held_out_.PredictDrive(model);
   }
 
   // second: another look at the held-out recordings, which may confirm something by accident; what
   // they do not confirm leaves, too.
   void Confirm(bool second, TraceResult* result) {
-    set_ = judged_.chosen;
-    posteriors_ = judged_.posteriors;
+    set_ = assessed_.chosen;
+    posteriors_ = assessed_.posteriors;
     while (!set_.empty()) {
       Fit();
       LocateEvent(result);
@@ -157,17 +157,19 @@ class Correction {
     std::move(open.begin(), open.end(), std::back_inserter(found));
   }
 
-  double SealedError() const { return identify::ErrorOf(sealed_, corrected_.model, declared_).rms; }
+  double HeldOutError() const {
+    return identify::ErrorOf(held_out_, corrected_.model, declared_).rms;
+  }
 
-  // Could the motion have been driven, had the fitted model been true? sealed_error: its own.
-  bool Drivable(double sealed_error) const {
+  // Could the motion have been driven, had the fitted model been true? held_out_error: its own.
+  bool Drivable(double held_out_error) const {
     return train_.beyond_drive() <= kMostBeyondDrive &&
-           sealed_.beyond_drive() <= kMostBeyondDrive && std::isfinite(sealed_error);
+           held_out_.beyond_drive() <= kMostBeyondDrive && std::isfinite(held_out_error);
   }
 
   // Where the drive cannot give what the set asks of it: the first member without which it can.
   std::optional<std::size_t> RunningAway() {
-    if (Drivable(SealedError())) return std::nullopt;
+    if (Drivable(HeldOutError())) return std::nullopt;
     const EffectSet all = set_;
     std::optional<std::size_t> out;
     for (std::size_t k = 0; k < all.members.size() && !out && all.members.size() > 1; ++k) {
@@ -175,7 +177,7 @@ class Correction {
       corrected_ = base_.fit;
       PredictDrive(base_.fit.model);
       Fit();
-      if (Drivable(SealedError())) out = k;
+      if (Drivable(HeldOutError())) out = k;
     }
     set_ = all;
     return out;
@@ -214,20 +216,20 @@ class Correction {
     actuator::JointModel without = corrected_.model;
     const double theta = without.terms[static_cast<std::size_t>(at)].linear.front().value;
     without.terms.erase(without.terms.begin() + at);
-    const std::vector<std::vector<double>> sealed_start_s =
-        LocateTimedEffect(sealed_, *event, theta, identify::ErrorOf(sealed_, without).residual);
-    SetClocksBy(*event, sealed_start_s, &sealed_);
+    const std::vector<std::vector<double>> held_out_start_s =
+        LocateTimedEffect(held_out_, *event, theta, identify::ErrorOf(held_out_, without).residual);
+    SetClocksBy(*event, held_out_start_s, &held_out_);
     const auto note = [&](const Design& design, const std::vector<std::vector<double>>& start_s,
-                          bool sealed) {
+                          bool held_out) {
       for (std::size_t run = 0; run < start_s.size(); ++run) {
         for (const double start : start_s[run]) {
           result->events.push_back(
-              {event->effect->info().name, design.states().run_names[run], sealed, start});
+              {event->effect->info().name, design.states().run_names[run], held_out, start});
         }
       }
     };
     note(train_, event->start_s, false);
-    note(sealed_, sealed_start_s, true);
+    note(held_out_, held_out_start_s, true);
   }
 
   FoundEffect Describe(std::size_t k) const {
@@ -241,17 +243,17 @@ class Correction {
     found.posterior = posteriors_[k];
     const double without_it = WithoutMember(problem_.evidence, problem_.hypotheses(), set_, k).net;
     found.gain_share = (set_.net - without_it) / problem_.evidence.misfit();
-    found.p = judged_.p_global;
+    found.p = assessed_.p_global;
     found.weak_evidence = base_.likelihood.used.blocks.size() < kConvincingBlocks;
     const FitResult without = FitWhitened(train_, likelihood_, Without(corrected_.model, k));
     found.train_before = identify::ErrorOf(train_, without.model, declared_).rms;
     found.train_after = identify::ErrorOf(train_, corrected_.model, declared_).rms;
-    found.sealed_before = identify::ErrorOf(sealed_, without.model, declared_).rms;
-    found.sealed_after = SealedError();
+    found.held_out_before = identify::ErrorOf(held_out_, without.model, declared_).rms;
+    found.held_out_after = HeldOutError();
     found.confirmation =
-        trace::Confirm(sealed_, LikelihoodOf(sealed_, corrected_, 0), without, corrected_);
-    const bool raises = found.sealed_after > Limit(rules::kRaises) * found.sealed_before;
-    if (!Drivable(found.sealed_after) || raises || !DiffersFromZero(corrected_, k) ||
+        trace::Confirm(held_out_, LikelihoodOf(held_out_, corrected_, 0), without, corrected_);
+    const bool raises = found.held_out_after > Limit(rules::kRaises) * found.held_out_before;
+    if (!Drivable(found.held_out_after) || raises || !DiffersFromZero(corrected_, k) ||
         !DiffersFromZero(chosen_, k) || RaisesTheWhole(without.model, found.confirmation)) {
       found.confirmation.verdict = ConfirmationVerdict::kRefuted;
     }
@@ -285,11 +287,11 @@ class Correction {
   }
 
   Design& train_;
-  Design& sealed_;
+  Design& held_out_;
   const Likelihood& whitened_;
   const LikelihoodFit& base_;
   const Problem& problem_;
-  SetJudgement judged_;
+  SetAssessment assessed_;
   const actuator::JointModel& declared_;  // its drive factor is the unit of errors
   const TraceOptions& options_;
   EffectSet set_;  // what is left of the chosen one
@@ -329,15 +331,15 @@ std::set<std::string> Shown(const TraceResult& result, double least_statistic) {
 
 }  // namespace
 
-TraceResult TraceByLikelihood(Design& train, Design& sealed, const actuator::JointModel& model,
+TraceResult TraceByLikelihood(Design& train, Design& held_out, const actuator::JointModel& model,
                               const TraceOptions& options) {
   const auto progress = [&](const char* what, double share) {
     if (options.progress) options.progress(what, share);
   };
   progress("refit of the declared terms, noise", 0.05);
   const LikelihoodFit base = EstimateLikelihood(&train, model);
-  sealed.UsePredictedRate(base.likelihood.predicted_rate);
-  sealed.PredictDrive(base.fit.model);
+  held_out.UsePredictedRate(base.likelihood.predicted_rate);
+  held_out.PredictDrive(base.fit.model);
   progress("columns", 0.4);
   const Problem problem = MakeProblem(train, base.likelihood, model, base.fit);
   TraceResult result;
@@ -347,28 +349,28 @@ TraceResult TraceByLikelihood(Design& train, Design& sealed, const actuator::Joi
   result.declared_fit = reported.fit;
   result.units = static_cast<int>(base.likelihood.used.blocks.size());
   result.unit_length_s = base.likelihood.used.block_s;
-  NoteErrors(reported, base.fit.model, &train, &sealed, &result);
+  NoteErrors(reported, base.fit.model, &train, &held_out, &result);
 
   RoundReport round;
   round.train_rms = reported.fit.rms;
-  round.sealed_rms = result.before_sealed.rms;
+  round.held_out_rms = result.before_held_out.rms;
   round.explainable_rms = base.richest_rms;
   result.rounds.push_back(std::move(round));
 
   progress("sets of effects and their confirmation", 0.5);
-  Correction correction(train, sealed, base.likelihood, reported, problem, model, options);
-  const BootstrapOptions bootstrap{.rounds = options.placebo_rounds * options.searches,
+  Correction correction(train, held_out, base.likelihood, reported, problem, model, options);
+  const BootstrapOptions bootstrap{.rounds = options.sign_flip_rounds * options.searches,
                                    .searches = options.searches,
                                    .seed = options.seed};
   const std::set<std::string> unasked = Unasked(problem, options.agreed);
   correction.Run(
       [&](std::set<std::string> refuted) {
         refuted.insert(unasked.begin(), unasked.end());
-        SetJudgement judged =
-            JudgeSets(problem, base.likelihood, train, model,
-                      static_cast<std::size_t>(options.max_rounds), bootstrap, refuted);
-        if (options.agreed) ChooseAgreed(problem, *options.agreed, refuted, &judged);
-        return judged;
+        SetAssessment assessed =
+            AssessSets(problem, base.likelihood, train, model,
+                       static_cast<std::size_t>(options.max_rounds), bootstrap, refuted);
+        if (options.agreed) ChooseAgreed(problem, *options.agreed, refuted, &assessed);
+        return assessed;
       },
       &result);
   NoteOutcome(result, &result.rounds.front().scores);
@@ -377,14 +379,14 @@ TraceResult TraceByLikelihood(Design& train, Design& sealed, const actuator::Joi
   Sensitivity sensitivity =
       FindSensitivity(problem, result.detectable, Shown(result, correction.least_statistic()));
   result.not_excited = std::move(sensitivity.not_excited);
-  result.judged = std::move(sensitivity.judged);
+  result.assessed = std::move(sensitivity.assessed);
 
   result.corrected = correction.corrected().model;
   result.corrected_fit = correction.corrected();
   train.PredictDrive(result.corrected);
-  sealed.PredictDrive(result.corrected);
+  held_out.PredictDrive(result.corrected);
   result.after_train = identify::ErrorOf(train, result.corrected, model);
-  result.after_sealed = identify::ErrorOf(sealed, result.corrected, model);
+  result.after_held_out = identify::ErrorOf(held_out, result.corrected, model);
   const CandidateSet all = MakeCandidates(train, result.corrected);
   result.shifts = FindShifts(train, model, result.corrected_fit, all.candidates);
   result.verdict = !result.effects.empty()                ? Verdict::kEffect

@@ -11,9 +11,9 @@
 
 namespace sinew::trace {
 
-// train, sealed: raw rows (identify::Unfiltered); they are changed: their predicted drive follows
+// train, held-out: raw rows (identify::Unfiltered); they are changed: their predicted drive follows
 // the model.
-TraceResult TraceByLikelihood(identify::Design& train, identify::Design& sealed,
+TraceResult TraceByLikelihood(identify::Design& train, identify::Design& held_out,
                               const actuator::JointModel& model, const TraceOptions& options);
 
 }  // namespace sinew::trace

@@ -18,18 +18,18 @@ LikelihoodFit Reported(const Design& train, const LikelihoodFit& base,
 }
 
 void NoteErrors(const LikelihoodFit& reported, const actuator::JointModel& drive,
-                Design* predicted_train, Design* predicted_sealed, TraceResult* result) {
-  const Design &train = *predicted_train, &sealed = *predicted_sealed;
+                Design* predicted_train, Design* predicted_held_out, TraceResult* result) {
+  const Design &train = *predicted_train, &held_out = *predicted_held_out;
   const auto predict = [&](const actuator::JointModel& model) {
     predicted_train->PredictDrive(model);
-    predicted_sealed->PredictDrive(model);
+    predicted_held_out->PredictDrive(model);
   };
   predict(result->nominal);
   result->nominal_train = identify::ErrorOf(train, result->nominal);
-  result->nominal_sealed = identify::ErrorOf(sealed, result->nominal);
+  result->nominal_held_out = identify::ErrorOf(held_out, result->nominal);
   predict(reported.fit.model);
   result->before_train = identify::ErrorOf(train, reported.fit.model, result->nominal);
-  result->before_sealed = identify::ErrorOf(sealed, reported.fit.model, result->nominal);
+  result->before_held_out = identify::ErrorOf(held_out, reported.fit.model, result->nominal);
   predict(drive);
   const double scale =
       reported.fit.balance.fits_scale ? reported.fit.balance.Scale(reported.fit.coefficients) : 1.0;

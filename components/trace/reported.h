@@ -15,7 +15,7 @@ LikelihoodFit Reported(const identify::Design& train, const LikelihoodFit& base,
 // Errors of result->nominal and of the reported fit, noise floor and ceiling. The drive that terms
 // read is the one that each model predicts; at the end that of `drive`.
 void NoteErrors(const LikelihoodFit& reported, const actuator::JointModel& drive,
-                identify::Design* predicted_train, identify::Design* predicted_sealed,
+                identify::Design* predicted_train, identify::Design* predicted_held_out,
                 TraceResult* result);
 
 }  // namespace sinew::trace

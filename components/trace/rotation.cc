@@ -39,15 +39,16 @@ class Pooled {
   double squares_ = 0.0, rows_ = 0.0;
 };
 
-using ErrorMember = ModelError Judgement::*;
+using ErrorMember = ModelError Assessment::*;
 
 // The residual becomes theirs where it has
 // as many rows as that of all recordings.
-void PoolError(const std::vector<const Judgement*>& rotations, ErrorMember member, Judgement* all) {
+void PoolError(const std::vector<const Assessment*>& rotations, ErrorMember member,
+               Assessment* all) {
   Pooled rms, percent;
   Eigen::Index rows = 0;
-  for (const Judgement* judged : rotations) {
-    const ModelError& error = judged->*member;
+  for (const Assessment* assessed : rotations) {
+    const ModelError& error = assessed->*member;
     const auto count = static_cast<double>(error.residual.size());
     rms.Add(error.rms, count);
     percent.Add(error.percent, count);
@@ -58,17 +59,17 @@ void PoolError(const std::vector<const Judgement*>& rotations, ErrorMember membe
   out.percent = percent.rms();
   if (rows != out.residual.size()) return;
   Eigen::Index at = 0;
-  for (const Judgement* judged : rotations) {
-    const Eigen::VectorXd& part = (judged->*member).residual;
+  for (const Assessment* assessed : rotations) {
+    const Eigen::VectorXd& part = (assessed->*member).residual;
     out.residual.segment(at, part.size()) = part;
     at += part.size();
   }
 }
 
-void PoolErrors(const std::vector<const Judgement*>& rotations, Judgement* all) {
+void PoolErrors(const std::vector<const Assessment*>& rotations, Assessment* all) {
   if (rotations.empty()) return;
   for (const ErrorMember member :
-       {&Judgement::nominal_sealed, &Judgement::before_sealed, &Judgement::after_sealed}) {
+       {&Assessment::nominal_held_out, &Assessment::before_held_out, &Assessment::after_held_out}) {
     PoolError(rotations, member, all);
   }
 }
@@ -83,9 +84,9 @@ void NoteConfirmations(const std::vector<Rotation>& rotations, FoundEffect* effe
     if (found == nullptr || found->confirmation.verdict != ConfirmationVerdict::kConfirmed) {
       continue;
     }
-    const auto rows = static_cast<double>(rotation.trace.after_sealed.residual.size());
-    before.Add(found->sealed_before, rows);
-    after.Add(found->sealed_after, rows);
+    const auto rows = static_cast<double>(rotation.trace.after_held_out.residual.size());
+    before.Add(found->held_out_before, rows);
+    after.Add(found->held_out_after, rows);
     if (first || found->confirmation.lower < effect->confirmation.lower) {
       effect->confirmation = found->confirmation;
     }
@@ -93,8 +94,8 @@ void NoteConfirmations(const std::vector<Rotation>& rotations, FoundEffect* effe
     posteriors.push_back(found->posterior);
   }
   effect->posterior = MeanPosterior(effect->name, posteriors);
-  effect->sealed_before = before.rms();
-  effect->sealed_after = after.rms();
+  effect->held_out_before = before.rms();
+  effect->held_out_after = after.rms();
 }
 
 }  // namespace
@@ -144,7 +145,7 @@ std::vector<Fold> LeaveOneOut(const std::vector<identify::Run>& runs,
   for (std::size_t i = 0; i < runs.size(); ++i) {
     Fold fold{runs, runs[i], joint, {}};
     fold.train.erase(fold.train.begin() + static_cast<std::ptrdiff_t>(i));
-    RequireSealed(fold.train, {fold.held_out});
+    RequireHeldOut(fold.train, {fold.held_out});
     out.push_back(std::move(fold));
   }
   return out;
@@ -181,15 +182,16 @@ RotatedLoop RotateLoop(const std::vector<Fold>& folds, const std::vector<identif
   out.all = CloseLoop(runs, runs, joint, longest_gap_s, agreed);
   TraceResult& trace = out.all.trace;
   if (trace.too_little) return out;
-  std::vector<const Judgement*> judged;
-  for (const Rotation& rotation : out.rotations) judged.push_back(&rotation.trace);
-  PoolErrors(judged, &trace);
+  std::vector<const Assessment*> assessed;
+  for (const Rotation& rotation : out.rotations) assessed.push_back(&rotation.trace);
+  PoolErrors(assessed, &trace);
   for (std::size_t b = 0; b < trace.balances.size(); ++b) {
-    judged.clear();
+    assessed.clear();
     for (const Rotation& rotation : out.rotations) {
-      if (rotation.trace.balances[b].unseen.empty()) judged.push_back(&rotation.trace.balances[b]);
+      if (rotation.trace.balances[b].unseen.empty())
+        assessed.push_back(&rotation.trace.balances[b]);
     }
-    PoolErrors(judged, &trace.balances[b]);
+    PoolErrors(assessed, &trace.balances[b]);
   }
   for (FoundEffect& effect : trace.effects) NoteConfirmations(out.rotations, &effect);
   return out;

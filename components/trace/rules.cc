@@ -37,7 +37,7 @@ std::vector<std::string> TakenOut() { return {Absent().begin(), Absent().end()};
 std::span<const Rule> AllRules() {
   static constexpr std::array kAll = {
       rules::kBlocks,         rules::kRows,          rules::kHeldOutBlocks, rules::kGlobalP,
-      rules::kExplainedShare, rules::kVarianceShare, rules::kSurprise,      rules::kShapeMisfit,
+      rules::kExplainedShare, rules::kVarianceShare, rules::kPriorPenalty,  rules::kShapeMisfit,
       rules::kMemberP,        rules::kCurveShare,    rules::kClearlyMore,   rules::kConstancy,
       rules::kDetectable,     rules::kAbsorbed,      rules::kSlopeBand,     rules::kRefutedBelow,
       rules::kInterval,       rules::kRaises,        rules::kEventPeak,     rules::kEventAlone};

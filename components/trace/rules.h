@@ -47,8 +47,8 @@ inline constexpr Rule kVarianceShare = {"variance_share",
                                         "half of a weak effect (bench/rigs); provisional: on rigs "
                                         "31-90 (rig_bank) plain recordings reach "
                                         "0.02, wrong effects 0.08"};
-inline constexpr Rule kSurprise = {
-    "surprise", "misfit of declared values against their tolerances that an effect takes away",
+inline constexpr Rule kPriorPenalty = {
+    "prior_penalty", "misfit of declared values against their tolerances that an effect takes away",
     49.0, kNever,
     "seven tolerances: they are stated roughly, and task motion of the other rig without effect "
     "moves values by up to five"};

@@ -167,7 +167,7 @@ Sensitivity FindSensitivity(const Problem& problem, const std::vector<Detectable
     double& share = smallest[size.effect];
     share = std::min(share, size.share);
   }
-  out.judged.assign(shown.begin(), shown.end());
+  out.assessed.assign(shown.begin(), shown.end());
   for (const auto& [name, share] : smallest) {
     if (shown.count(name) != 0) continue;
     if (!std::isfinite(share)) {
@@ -182,7 +182,7 @@ Sensitivity FindSensitivity(const Problem& problem, const std::vector<Detectable
       }
       out.not_excited.push_back({name, text});
     } else {
-      out.judged.push_back(name);
+      out.assessed.push_back(name);
     }
   }
   std::sort(out.not_excited.begin(), out.not_excited.end(),

@@ -38,7 +38,7 @@ std::vector<DetectableSize> FindDetectable(const Problem& problem,
 // they do show, whatever size would have been sure to be found.
 struct Sensitivity {
   std::vector<NotExcited> not_excited;
-  std::vector<std::string> judged;
+  std::vector<std::string> assessed;
 };
 Sensitivity FindSensitivity(const Problem& problem, const std::vector<DetectableSize>& detectable,
                             const std::set<std::string>& shown);

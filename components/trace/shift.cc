@@ -7,7 +7,7 @@ namespace sinew::trace {
 
 namespace {
 
-// Part of a candidate's power that the declared terms must carry for it to be swallowed.
+// Part of a candidate's power that the declared terms must carry for it to be absorbed.
 constexpr double kInSpan = 0.98;
 
 struct Declared {
@@ -51,7 +51,7 @@ std::vector<ParameterShift> FindShifts(const identify::Design& design,
   const Eigen::MatrixXd gram = phi.transpose() * phi;
   const Eigen::VectorXd drive = balance.drive_torque(used);
   // Parameters that are held but stated with a tolerance (a rest angle): what they may be off by
-  // shifts the fitted ones, and that is no surprise either.
+  // shifts the fitted ones, and that is no prior penalty either.
   for (const actuator::Term& term : nominal.terms) {
     for (std::size_t k = 0; k < term.nonlinear.size(); ++k) {
       const double off = actuator::PriorSpread(term.nonlinear[k]);

@@ -1,4 +1,4 @@
-// What a refit swallowed: shifts of declared parameters beyond their tolerance, and the effects
+// What a refit absorbed: shifts of declared parameters beyond their tolerance, and the effects
 // that would shift them the same way.
 #pragma once
 

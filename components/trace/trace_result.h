@@ -21,7 +21,7 @@ namespace sinew::trace {
 
 struct TraceOptions {
   std::uint64_t seed = 1;
-  int placebo_rounds = 200;  // random signs of the null test, for each of `searches`
+  int sign_flip_rounds = 200;  // random signs of the null test, for each of `searches`
   // Balances and joints that are searched together: any of them may give a false alarm
   // (Bonferroni).
   int searches = 1;
@@ -52,7 +52,7 @@ struct CandidateScore {
 
 struct RoundReport {
   double train_rms = 0.0;  // before the round
-  double sealed_rms = 0.0;
+  double held_out_rms = 0.0;
   double explainable_rms = 0.0;        // what the richest model leaves
   std::vector<CandidateScore> scores;  // best gain first
 };
@@ -61,7 +61,7 @@ struct FoundEffect {
   std::string name;
   effects::Balance balance = effects::Balance::kMotion;
   int term = -1;  // first of its terms in the corrected model; -1: it is no part of that
-  // Its terms as fitted where it was judged, linear parameters in their own units
+  // Its terms as fitted where it was assessed, linear parameters in their own units
   // (actuator::PhysicalTerm). Empty: the engine of blocks.
   std::vector<actuator::Term> fitted;
   Posterior posterior;      // of its name and of others in its place
@@ -70,7 +70,7 @@ struct FoundEffect {
   bool weak_evidence = false;  // fewer than six blocks
   Confirmation confirmation;   // on the held-out recordings
   // Errors before and after it, rms at the output.
-  double train_before = 0.0, train_after = 0.0, sealed_before = 0.0, sealed_after = 0.0;
+  double train_before = 0.0, train_after = 0.0, held_out_before = 0.0, held_out_after = 0.0;
 
   bool in_model() const { return term >= 0; }
   std::vector<std::string> rivals() const { return RivalsOf(posterior); }
@@ -80,7 +80,7 @@ struct FoundEffect {
 struct EventTime {
   std::string effect;
   std::string recording;
-  bool sealed = false;
+  bool held_out = false;
   double start_s = 0.0;
 };
 
@@ -125,16 +125,16 @@ struct DetectableSize {
 enum class Verdict { kNone, kEffect, kUnexplained, kTooLittleData };
 
 // How well a balance holds without and with what was found, in its own unit.
-struct Judgement {
+struct Assessment {
   Verdict verdict = Verdict::kNone;
-  std::string unseen;  // why there was nothing to judge; empty: there was
+  std::string unseen;  // why there was nothing to assess; empty: there was
   // Of the largest statistic of the whole search, all balances and joints together; none: nothing
-  // to judge.
+  // to assess.
   std::optional<double> p_global;
-  identify::ModelError nominal_train, nominal_sealed;
+  identify::ModelError nominal_train, nominal_held_out;
   // Declared model, refitted.
-  identify::ModelError before_train, before_sealed;
-  identify::ModelError after_train, after_sealed;
+  identify::ModelError before_train, before_held_out;
+  identify::ModelError after_train, after_held_out;
   double noise_floor_rms = 0.0;
   std::string noise_floor_source;
   double ceiling_rms = 0.0;
@@ -145,13 +145,13 @@ struct Judgement {
 };
 
 // Of a balance beside the motion's.
-struct BalanceSummary : Judgement {
+struct BalanceSummary : Assessment {
   effects::Balance balance = effects::Balance::kKinematic;
   std::string unit;  // of the errors
 };
 
-struct TraceResult : Judgement {
-  std::optional<TooLittle> too_little;  // why nothing was judged; empty: it was
+struct TraceResult : Assessment {
+  std::optional<TooLittle> too_little;  // why nothing was assessed; empty: it was
   actuator::JointModel nominal;         // as declared
   actuator::JointModel declared;        // refitted, nothing added
   actuator::JointModel corrected;       // with the effects that are in_model()
@@ -160,7 +160,7 @@ struct TraceResult : Judgement {
   std::vector<EventTime> events;
   std::vector<NotExcited> not_excited;
   std::vector<DetectableSize> detectable;
-  std::vector<std::string> judged;  // candidates whose presence or absence the data shows
+  std::vector<std::string> assessed;  // candidates whose presence or absence the data shows
   std::vector<ParameterShift> shifts;
   std::vector<BalanceSummary> balances;  // beside the motion's (balances.h)
   identify::FitResult declared_fit;

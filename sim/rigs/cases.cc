@@ -101,7 +101,7 @@ std::vector<Case> DrawCases(const Rig& rig) {
     std::vector<std::string> left;
     for (const std::string& name : all) {
       const EffectInfo& info = FindEffect(name);
-      if (info.shows == Shows::kTorque && !info.swallowed) left.push_back(name);
+      if (info.shows == Shows::kTorque && !info.absorbed) left.push_back(name);
     }
     const std::string one = pick(left), two = pick(left);
     add({"", kPair, kDesigned, kStrongShare, {one, two}, ""});

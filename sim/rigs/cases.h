@@ -30,7 +30,7 @@ std::vector<Case> DrawCases(const Rig& rig);
 // Faults of the log. Some are of the model file: `missing_constant` leaves the gear ratio out.
 std::vector<std::string> FaultsOf(const Rig& rig);
 struct FaultRows {
-  std::string recording;    // train_1, ..., sealed
+  std::string recording;    // train_1, ..., held_out
   int first = 0, last = 0;  // rows of the file, from 0, both included
 };
 // Plants the fault into the readings of the four recordings; which rows it spoilt.

@@ -129,7 +129,7 @@ double Sizer::Share(const Run& run, Shows asked) const {
   return own > 0.0 ? 1.0 - without / own : 0.0;
 }
 
-Measured Sizer::Measure(const Run& run, Shows asked, bool swallowed) const {
+Measured Sizer::Measure(const Run& run, Shows asked, bool absorbed) const {
   const Shows shows = Within(excitation_, asked);
   Measured out;
   const Balance noisy = Noisy(run, shows, kTraining);
@@ -144,7 +144,7 @@ Measured Sizer::Measure(const Run& run, Shows asked, bool swallowed) const {
     d[static_cast<Eigen::Index>(k)] = signature.values[common.right[k]];
   }
   const Balance both = Restrict(noisy, common.left);
-  if (swallowed) {
+  if (absorbed) {
     // Only what declared parameters take over, held back by their tolerances.
     Balance shift = both;
     shift.response = d;
@@ -159,7 +159,7 @@ Sizer::Sized Sizer::Size(const Effect& effect, double share) const {
   const double largest = LargestSize(rig_, effect.name);
   const bool strong = share > 0.2;
   const double wanted =
-      info.swallowed ? (strong ? kStrongLambda : kWeakLambda) : share / (1.0 - share);
+      info.absorbed ? (strong ? kStrongLambda : kWeakLambda) : share / (1.0 - share);
   Sized out{effect, {}, false};
   double low = 0.0, high = 0.0;  // sizes on either side
   double size = 0.1 * largest;
@@ -168,7 +168,7 @@ Sizer::Sized Sizer::Size(const Effect& effect, double share) const {
     out.effect.size = sign * size;
     const Run run = Play(rig_, {out.effect}, excitation_, kTraining);
     double odds = 0.0;
-    if (info.swallowed) {
+    if (info.absorbed) {
       odds = Measure(run, info.shows, true).lambda;
     } else {
       const double now = Share(run, info.shows);
@@ -186,7 +186,7 @@ Sizer::Sized Sizer::Size(const Effect& effect, double share) const {
       size = low > 0.0 ? std::sqrt(low * high) : 0.3 * high;
   }
   out.measured =
-      Measure(Play(rig_, {out.effect}, excitation_, kTraining), info.shows, info.swallowed);
+      Measure(Play(rig_, {out.effect}, excitation_, kTraining), info.shows, info.absorbed);
   return out;
 }
 
@@ -216,7 +216,7 @@ const std::vector<Sizer::Signature>& Sizer::RivalsOf(const std::string& name, Sh
 std::vector<std::string> Sizer::ClassOf(const Effect& effect) const {
   std::vector<std::string> names = {effect.name};
   const EffectInfo& info = FindEffect(effect.name);
-  if (info.kind != Kind::kCatalogue || info.swallowed) return names;
+  if (info.kind != Kind::kCatalogue || info.absorbed) return names;
   const Shows shows = Within(excitation_, info.shows);
   const Run first{{twin_.rows.front()}};
   const Balance without = Clean(first, shows, 1), noisy = Noisy(first, shows, 1);
@@ -224,7 +224,7 @@ std::vector<std::string> Sizer::ClassOf(const Effect& effect) const {
   const Signature own = SignatureOf(Clean(Play(rig_, {effect}, excitation_, 1), shows, 1), without);
   for (const std::string& name : EffectsOf(rig_, Kind::kCatalogue)) {
     const EffectInfo& other = FindEffect(name);
-    if (name == effect.name || other.shows != info.shows || other.swallowed) continue;
+    if (name == effect.name || other.shows != info.shows || other.absorbed) continue;
     double loss = 1.0;
     for (const Signature& theirs : RivalsOf(name, shows)) {
       const Common common = CommonRows(own.row, theirs.row);

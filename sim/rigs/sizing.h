@@ -31,7 +31,7 @@ class Sizer {
   Sizer(const Rig& rig, Excitation excitation);
 
   // Share and test of a set of effects in the balance.
-  Measured Measure(const Run& run, Shows shows, bool swallowed = false) const;
+  Measured Measure(const Run& run, Shows shows, bool absorbed = false) const;
 
   struct Sized {
     Effect effect;
@@ -39,7 +39,7 @@ class Sizer {
     bool reached = false;  // the requested share, within a fifth of its odds
   };
   // The effect with a size that makes the share (weak 0.10, strong 0.30), or, where a refit
-  // swallows it, a lambda (weak 20, strong 60). Never beyond LargestSize.
+  // absorbs it, a lambda (weak 20, strong 60). Never beyond LargestSize.
   Sized Size(const Effect& effect, double share) const;
 
   // Effects whose best fit to this signature loses less than kClassMargin of its energy; the effect

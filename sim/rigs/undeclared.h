@@ -27,7 +27,7 @@ struct EffectInfo {
   Shows shows = Shows::kTorque;
   std::string unit;      // of size; "force" is Nm or N
   std::string variable;  // what the residual follows
-  bool swallowed =
+  bool absorbed =
       false;  // by a refit of declared parameters: sized by the likelihood, not by share
 };
 

@@ -13,7 +13,7 @@ constexpr double kLargestPayload_kg = 20.0;
 constexpr double kLargestAngle_rad = 100.0;
 constexpr double kLargestVelocity_rad_s = 100.0;
 
-// Bits of identify::Signal, whose header this room does not include on purpose; a test compares
+// Bits of identify::Signal, whose header this module does not include on purpose; a test compares
 // them.
 enum SignalBit : std::uint32_t {
   kPosition = 1u << 0,

@@ -88,7 +88,7 @@ TEST(Found, AngleThatTheSensorNodeCallsInvalidIsNotToldAsAMeasurement) {
       << joint.sensors.position_rad[0] << " rad, valid";
 }
 
-// The provider takes operator commands between Act and Step: a reset there must not swallow a fault
+// The provider takes operator commands between Act and Step: a reset there must not absorb a fault
 // that nobody has been told of, or the joint arms again by itself.
 TEST(Found, FaultThatRoseInActIsToldEvenWhenAResetComesBeforeTheStep) {
   OneJoint joint;

@@ -181,12 +181,12 @@ void PlantWatch::Sent(int bus, const can::Frame& frame, std::int64_t now_ns) {
     if (frame.remote || kind != 0x0B || frame.length != 4) {
       return Break("not a frame for a sensor node", bus, frame);
     }
-    if (in_cycle_) JudgeValves(static_cast<std::size_t>(owner), bus, frame);
+    if (in_cycle_) AssessValves(static_cast<std::size_t>(owner), bus, frame);
     return;
   }
   for (std::size_t g = 0; g < gateways_.size(); ++g) {
     const bridge::GatewayConfig& c = config_.gateways[g];
-    if (c.bus == bus && std::size_t(c.node) == node) return JudgeReferences(g, bus, frame, now_ns);
+    if (c.bus == bus && std::size_t(c.node) == node) return AssessReferences(g, bus, frame, now_ns);
   }
   const int axis = axis_of_[std::size_t(bus)][node];
   if (axis < 0) return Break("a frame to a node that is not ours", bus, frame);
@@ -229,17 +229,17 @@ void PlantWatch::Sent(int bus, const can::Frame& frame, std::int64_t now_ns) {
       return;
     }
     case 0x0C:
-      return JudgePosition(j, bus, frame);
+      return AssessPosition(j, bus, frame);
     case 0x0D:
-      return JudgeVelocity(j, bus, frame);
+      return AssessVelocity(j, bus, frame);
     case 0x0E:
-      return JudgeTorque(j, bus, frame);
+      return AssessTorque(j, bus, frame);
     default:
       Break("a kind of frame the bridge does not have", bus, frame);
   }
 }
 
-void PlantWatch::JudgeTorque(std::size_t j, int bus, const can::Frame& frame) {
+void PlantWatch::AssessTorque(std::size_t j, int bus, const can::Frame& frame) {
   const bridge::JointConfig& c = config_.joints[j];
   Joint& joint = joints_[j];
   ++counts_.setpoints;
@@ -272,7 +272,7 @@ void PlantWatch::JudgeTorque(std::size_t j, int bus, const can::Frame& frame) {
     Break("a torque outwards beyond a position limit", bus, frame);
 }
 
-void PlantWatch::JudgeVelocity(std::size_t j, int bus, const can::Frame& frame) {
+void PlantWatch::AssessVelocity(std::size_t j, int bus, const can::Frame& frame) {
   const bridge::JointConfig& c = config_.joints[j];
   Joint& joint = joints_[j];
   ++counts_.setpoints;
@@ -305,7 +305,7 @@ void PlantWatch::JudgeVelocity(std::size_t j, int bus, const can::Frame& frame) 
     Break("a velocity outwards beyond a position limit", bus, frame);
 }
 
-void PlantWatch::JudgePosition(std::size_t j, int bus, const can::Frame& frame) {
+void PlantWatch::AssessPosition(std::size_t j, int bus, const can::Frame& frame) {
   const bridge::JointConfig& c = config_.joints[j];
   Joint& joint = joints_[j];
   ++counts_.setpoints;
@@ -329,12 +329,12 @@ void PlantWatch::JudgePosition(std::size_t j, int bus, const can::Frame& frame) 
     if (!neutral) Break("a position for a joint that must not move", bus, frame);
     return;
   }
-  JudgeStep(j, wire_rev, 0.0, bus, frame);
+  AssessStep(j, wire_rev, 0.0, bus, frame);
 }
 
 // Four fields of 0.01 turns, for the joints of a gateway.
-void PlantWatch::JudgeReferences(std::size_t g, int bus, const can::Frame& frame,
-                                 std::int64_t now_ns) {
+void PlantWatch::AssessReferences(std::size_t g, int bus, const can::Frame& frame,
+                                  std::int64_t now_ns) {
   const std::uint32_t kind = frame.id & 31;
   if (frame.remote || kind < 1 || kind > 3 || frame.length != 8) {
     return Break("not a frame for a gateway", bus, frame);
@@ -357,7 +357,7 @@ void PlantWatch::JudgeReferences(std::size_t g, int bus, const can::Frame& frame
     const bool where_it_is =
         joint.measured && std::abs(wire_rev - joint.position_rev) <= kReferenceRounding_rev;
     if (in_cycle_ && MayMove(j) && command_.mode[j] == Mode::kPosition) {
-      JudgeStep(j, wire_rev, 2.0 * kReferenceRounding_rev, bus, frame);
+      AssessStep(j, wire_rev, 2.0 * kReferenceRounding_rev, bus, frame);
     } else if (!where_it_is && !still) {
       Break("a reference for a joint that must not move", bus, frame);
     } else if (!where_it_is && joint.armed && command_.mode[j] == Mode::kPosition &&
@@ -369,8 +369,8 @@ void PlantWatch::JudgeReferences(std::size_t g, int bus, const can::Frame& frame
 }
 
 // A position for a joint that may move.
-void PlantWatch::JudgeStep(std::size_t j, double wire_rev, double rounding_rev, int bus,
-                           const can::Frame& frame) {
+void PlantWatch::AssessStep(std::size_t j, double wire_rev, double rounding_rev, int bus,
+                            const can::Frame& frame) {
   const bridge::JointConfig& c = config_.joints[j];
   Joint& joint = joints_[j];
   const double most_rev_s = c.limits.velocity_rad_s * c.gear_ratio / kTurn_rad;
@@ -402,7 +402,7 @@ void PlantWatch::JudgeStep(std::size_t j, double wire_rev, double rounding_rev, 
   joint.has_last_position = true;
 }
 
-void PlantWatch::JudgeValves(std::size_t j, int bus, const can::Frame& frame) {
+void PlantWatch::AssessValves(std::size_t j, int bus, const can::Frame& frame) {
   const unsigned wanted = (command_.valve_open[j] ? 1U : 0U) |
                           (command_.compressor_on[j] ? 2U : 0U) | (command_.vent_open[j] ? 4U : 0U);
   const std::uint32_t timeout_ms = WordAt(frame, 0) >> 16;

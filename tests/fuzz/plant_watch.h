@@ -87,14 +87,14 @@ class PlantWatch {
   void Break(const char* rule, int bus, const can::Frame& frame);
   void LookAt(std::size_t joint, std::int64_t now_ns);
   bool MayMove(std::size_t joint) const;
-  void JudgeTorque(std::size_t joint, int bus, const can::Frame& frame);
-  void JudgeVelocity(std::size_t joint, int bus, const can::Frame& frame);
-  void JudgePosition(std::size_t joint, int bus, const can::Frame& frame);
-  void JudgeReferences(std::size_t gateway, int bus, const can::Frame& frame, std::int64_t now_ns);
-  void JudgeStep(std::size_t joint, double wire_rev, double rounding_rev, int bus,
-                 const can::Frame& frame);
+  void AssessTorque(std::size_t joint, int bus, const can::Frame& frame);
+  void AssessVelocity(std::size_t joint, int bus, const can::Frame& frame);
+  void AssessPosition(std::size_t joint, int bus, const can::Frame& frame);
+  void AssessReferences(std::size_t gateway, int bus, const can::Frame& frame, std::int64_t now_ns);
+  void AssessStep(std::size_t joint, double wire_rev, double rounding_rev, int bus,
+                  const can::Frame& frame);
   void HeardState(std::size_t gateway, const can::Frame& frame);
-  void JudgeValves(std::size_t joint, int bus, const can::Frame& frame);
+  void AssessValves(std::size_t joint, int bus, const can::Frame& frame);
   // Position at the output, from the last frame or from the last one that was valid.
   double OutputPosition(std::size_t joint, bool valid_only) const;
 

@@ -1,5 +1,5 @@
-// Judges what candump saw of can_system_test's run: every frame, byte by byte, by our codec and by
-// python3-canmatrix, which knows nothing of it. Runs after the emulated machine has ended; the
+// Assesses what candump saw of can_system_test's run: every frame, byte by byte, by our codec and
+// by python3-canmatrix, which knows nothing of it. Runs after the emulated machine has ended; the
 // folder SINEW_RESULTS has what it left.
 #include <gtest/gtest.h>
 
@@ -188,7 +188,7 @@ class CanSystemLog : public ::testing::Test {
     const std::string path = std::string(folder == nullptr ? "." : folder) + "/";
     std::string skipped;  // why run_on_kernel.sh made no run
     if (std::getline(std::ifstream(path + "skipped"), skipped)) GTEST_SKIP() << skipped;
-    ASSERT_TRUE(std::filesystem::exists(path + kLogFile)) << "no run to judge";
+    ASSERT_TRUE(std::filesystem::exists(path + kLogFile)) << "no run to assess";
     run_ = Read(path);
     ASSERT_FALSE(run_.lines.empty());
   }

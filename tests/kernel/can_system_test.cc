@@ -1,7 +1,7 @@
 // The robot behind CAN on a real kernel: sinew-can-bridge and sinew-virtual-axes as two processes
 // on a vcan interface with twelve joints; candump is the witness, this program plays control,
 // operator, noise and failing hardware. run_on_kernel.sh starts it. The tests are one story: each
-// goes on where the one before it ended. What candump saw is judged afterwards, by
+// goes on where the one before it ended. What candump saw is assessed afterwards, by
 // can_system_log_test.
 #include "tests/kernel/can_system.h"
 
@@ -227,7 +227,7 @@ class System {
       return false;
     });
   }
-  // From here on nothing may move, from there on it may: told to the judge of the log.
+  // From here on nothing may move, from there on it may: told to the assess of the log.
   void Quiet() { Mark("quiet", std::to_string(state_.header().stamp_ns())); }
   bool Arm() {
     Mark("armed", std::to_string(EpochNow()));

@@ -1,4 +1,4 @@
-// Reads the sources as text and holds them to the rules of the tree (ARCHITECTURE.md, "Rooms").
+// Reads the sources as text and holds them to the rules of the tree (ARCHITECTURE.md, "Modules").
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -83,8 +83,8 @@ std::vector<Include> IncludesOf(const std::string& file) {
   return includes;
 }
 
-// Rooms that are not pure, and why. Everything else under components/, bridge/ and sim/ is, but for
-// its folders participant/ (a process) and file/ (reading and writing).
+// Modules that are not pure, and why. Everything else under components/, bridge/ and sim/ is, but
+// for its folders participant/ (a process) and file/ (reading and writing).
 const std::map<std::string, std::string> kNotPure = {
     {"components/config", "reads and writes files"},
     {"components/logger", "a queue and a thread in front of a file"},
@@ -149,7 +149,7 @@ TEST(Tree, PureLibrariesUseNoClockChanceOrFile) {
   EXPECT_THAT(found, IsEmpty());
 }
 
-TEST(Tree, OnlyTheNodeRoomIncludesFastDds) {
+TEST(Tree, OnlyTheNodeModuleIncludesFastDds) {
   std::vector<std::string> found;
   for (const std::string& file : Files()) {
     if (!IsSource(file) || StartsWith(file, "components/node/")) continue;
@@ -233,44 +233,44 @@ TEST(Tree, HeadersBeginWithTheirPurpose) {
   EXPECT_THAT(found, IsEmpty());
 }
 
-// A room is a folder with a CMakeLists.txt of its own that holds sources.
-std::vector<std::string> Rooms() {
-  std::set<std::string> rooms;
+// A module is a folder with a CMakeLists.txt of its own that holds sources.
+std::vector<std::string> Modules() {
+  std::set<std::string> modules;
   for (const std::string& file : Files()) {
     const std::string folder = UnitOf(file);
     const bool in_tests = StartsWith(folder, "tests/") || StartsWith(folder, "bench/");
     const bool part = EndsWith(folder, "/participant") || EndsWith(folder, "/file");
     if ((IsSource(file) || EndsWith(file, ".idl")) && !in_tests && !part &&
         fs::exists(kRoot / folder / "CMakeLists.txt")) {
-      rooms.insert(folder);
+      modules.insert(folder);
     }
   }
-  return {rooms.begin(), rooms.end()};
+  return {modules.begin(), modules.end()};
 }
 
-TEST(Tree, EveryRoomSaysWhatItIsForAndNamesItsFiles) {
+TEST(Tree, EveryModuleSaysWhatItIsForAndNamesItsFiles) {
   std::vector<std::string> found;
-  for (const std::string& room : Rooms()) {
-    const fs::path readme = kRoot / room / "README.md";
+  for (const std::string& module : Modules()) {
+    const fs::path readme = kRoot / module / "README.md";
     if (!fs::exists(readme)) {
-      found.push_back(room + ": no README.md");
+      found.push_back(module + ": no README.md");
       continue;
     }
     const std::string text = Read(readme);
     const std::string first = Lines(text).empty() ? "" : Lines(text).front();
     if (first.size() < 20 || first.front() == '#') {
-      found.push_back(room + "/README.md: the first line must say what the room is for");
+      found.push_back(module + "/README.md: the first line must say what the module is for");
     }
-    for (const std::string& file : Files(room)) {
+    for (const std::string& file : Files(module)) {
       const std::string stem = fs::path(file).stem();
-      const bool here = UnitOf(file) == room && !EndsWith(file, "_body.h") &&
+      const bool here = UnitOf(file) == module && !EndsWith(file, "_body.h") &&
                         (EndsWith(file, ".h") || EndsWith(file, ".idl"));
       if (here && text.find(stem) == std::string::npos) {
-        found.push_back(room + "/README.md does not name " + stem);
+        found.push_back(module + "/README.md does not name " + stem);
       }
     }
   }
-  EXPECT_GE(Rooms().size(), 5u);
+  EXPECT_GE(Modules().size(), 5u);
   EXPECT_THAT(found, IsEmpty());
 }
 
@@ -425,10 +425,10 @@ TEST(Tree, EveryParticipantHasAPage) {
   }
 }
 
-TEST(Tree, TheArchitectureNamesEveryRoomAndTopic) {
+TEST(Tree, TheArchitectureNamesEveryModuleAndTopic) {
   const std::string page = Read(kRoot / "ARCHITECTURE.md");
-  for (const std::string& room : Rooms()) {
-    EXPECT_TRUE(Names(page, fs::path(room).filename())) << room;
+  for (const std::string& module : Modules()) {
+    EXPECT_TRUE(Names(page, fs::path(module).filename())) << module;
   }
   for (const node::TopicInfo& topic : node::AllTopics()) {
     EXPECT_TRUE(Names(page, topic.name)) << topic.name;

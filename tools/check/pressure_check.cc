@@ -300,7 +300,7 @@ report::Section MakePressureSection(const PressureCheck& check, const ManagerCon
       "The pressure manager with the rig's configuration (robots/rig/pneumatics.yaml) on the "
       "surrogate's air supply at 240 Hz: compressor, valve and vent behind relays with dead time, "
       "a "
-      "10-bit sensor with noise, air that warms when it is pumped. Judged by the chamber's true "
+      "10-bit sensor with noise, air that warms when it is pumped. Assessed by the chamber's true "
       "pressure from half a second after the manager first says settled.",
       "A stiffness is asked for through the identified k(P), the secant of a push cycle through "
       "the "

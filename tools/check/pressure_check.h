@@ -1,8 +1,8 @@
 // The pressure manager on the surrogate's air supply: pressures and stiffnesses held, relays
 // spared, faults told.
 //
-// Judged by the surrogate's truth: the chamber's real pressure from when the manager says settled.
-// Pure; deterministic for a seed.
+// Assessed by the surrogate's truth: the chamber's real pressure from when the manager says
+// settled. Pure; deterministic for a seed.
 #pragma once
 
 #include <cstdint>

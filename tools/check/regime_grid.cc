@@ -214,7 +214,7 @@ std::vector<UnknownCase> RunUnknownCases() {
     RegimeDetector detector(config);
     UnknownCase result;
     result.name = plan.name;
-    long judged = 0, unknown = 0;
+    long assessed = 0, unknown = 0;
     bool told = false;
     RegimeCase motion;
     motion.speed_rad_s = 0.2;
@@ -234,11 +234,11 @@ std::vector<UnknownCase> RunUnknownCases() {
         result.told_after_s = time_s - from_s;
       }
       if (!told) continue;
-      ++judged;
+      ++assessed;
       unknown += is_unknown;
     }
     result.unknown_share =
-        judged > 0 ? static_cast<double>(unknown) / static_cast<double>(judged) : 0.0;
+        assessed > 0 ? static_cast<double>(unknown) / static_cast<double>(assessed) : 0.0;
     results.push_back(result);
   }
   return results;
@@ -285,7 +285,8 @@ report::Section MakeRegimeSection(const RegimeGrid& grid) {
   section.id = "regime";
   section.title = "Inside or outside the backlash (Fig 7.1)";
   section.paragraphs = {
-      "The detector on the surrogate's encoders (14 bits, 240 Hz), judged by the surrogate's truth "
+      "The detector on the surrogate's encoders (14 bits, 240 Hz), assessed by the surrogate's "
+      "truth "
       "about its teeth. A sample is wrong unless it is right, within one sample of a true "
       "transition, or the teeth are apart by less than two encoder counts. Contacts that are over "
       "before they had to be found (bounces) are no transitions that 240 Hz can show.",

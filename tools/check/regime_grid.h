@@ -1,4 +1,4 @@
-// The regime detector on the surrogate, judged by the surrogate's truth about its teeth, over a
+// The regime detector on the surrogate, assessed by the surrogate's truth about its teeth, over a
 // grid of motions, pressures and sensor noise.
 //
 // A sample is wrong when the detector's contact is not the true one, except

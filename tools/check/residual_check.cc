@@ -230,13 +230,13 @@ report::Section MakeResidualSection(const ResidualBench& bench,
   report::Section section;
   section.id = "residual";
   section.title = "Changes told from the residual while the robot moves";
-  section.paragraphs = {
-      Text("The monitor learns for %.0f s of motion what the model leaves of a specimen that is up "
-           "to "
-           "10 %% off, then judges blocks of %.0f ms. Its threshold is set for one false alarm in "
-           "%.0f "
-           "hours of motion if blocks were normal with the correlation that it measures.",
-           bench.monitor.learn_s, 1e3 * bench.monitor.block_s, bench.monitor.false_alarm_h)};
+  section.paragraphs = {Text(
+      "The monitor learns for %.0f s of motion what the model leaves of a specimen that is up "
+      "to "
+      "10 %% off, then assesses blocks of %.0f ms. Its threshold is set for one false alarm in "
+      "%.0f "
+      "hours of motion if blocks were normal with the correlation that it measures.",
+      bench.monitor.learn_s, 1e3 * bench.monitor.block_s, bench.monitor.false_alarm_h)};
   report::Table table;
   table.title = "From the change to the alarm";
   table.caption = "Told in time: within 5 s. Cause: as told 5 s after the change, it or its rival.";

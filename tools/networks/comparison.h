@@ -3,9 +3,9 @@
 // As published: same sizes, epochs, batches and rate; ten seeds on one data set for mean and
 // standard deviation, and seed s on data set s for the order.
 // Fair: every model gets the same number of trials for its own hyper-parameters (rate, batch,
-// memory, dropout; spectral radius, leak, input variance), judged by the validation error on a data
-// set of its own; then seed s is trained on data set s until the validation error stops falling,
-// the ridge by generalised cross-validation. Sizes stay as published.
+// memory, dropout; spectral radius, leak, input variance), assessed by the validation error on a
+// data set of its own; then seed s is trained on data set s until the validation error stops
+// falling, the ridge by generalised cross-validation. Sizes stay as published.
 //
 // Every MSE is of targets normalised by mean and standard deviation of the training samples: a
 // share of their variance. Differences are paired (same seed, same data set); their 95 % interval

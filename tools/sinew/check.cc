@@ -140,7 +140,7 @@ void AddRoom(CLI::App* check, const std::shared_ptr<CheckOptions>& options, cons
 
 void AddCheckCommand(CLI::App& app) {
   CLI::App* check =
-      app.add_subcommand("check", "What a room must reach, measured on the surrogate");
+      app.add_subcommand("check", "What a module must reach, measured on the surrogate");
   check->require_subcommand(1);
   check->footer("Example:\n  sinew check regime --quick --out results/regime");
   const auto options = std::make_shared<CheckOptions>();

@@ -1,4 +1,4 @@
-// `sinew check ROOM`: what a room must reach, measured on the surrogate.
+// `sinew check MODULE`: what a module must reach, measured on the surrogate.
 #pragma once
 
 namespace CLI {

@@ -1,4 +1,4 @@
-// `sinew check-data`: are recordings fit to be judged by a model?
+// `sinew check-data`: are recordings fit to be assessed by a model?
 #pragma once
 
 namespace CLI {

@@ -122,15 +122,15 @@ void AddHistory(const report::Report& report, actuator::JointModel* joint) {
   const std::string unit = report::TorqueUnit(joint->kind);
   if (!report::HasCorrection(trace)) {
     joint->history.push_back({when, "refit", from,
-                              "declared parameters refitted, no effect added; sealed error " +
-                                  report::Short(trace.before_sealed.rms) + " " + unit});
+                              "declared parameters refitted, no effect added; held-out error " +
+                                  report::Short(trace.before_held_out.rms) + " " + unit});
   }
   for (const trace::FoundEffect& effect : trace.effects) {
     if (!effect.in_model()) continue;
-    std::string note = "sealed error " + report::ErrorText(effect.sealed_before) + " -> " +
-                       report::ErrorText(effect.sealed_after) + " " +
+    std::string note = "held-out error " + report::ErrorText(effect.held_out_before) + " -> " +
+                       report::ErrorText(effect.held_out_after) + " " +
                        std::string(effects::BalanceUnit(effect.balance, joint->kind)) + " on " +
-                       JoinNames(report.sealed);
+                       JoinNames(report.held_out);
     note += "; " + report::NamedSetText(effect);
     joint->history.push_back({when, effect.name, from, note});
   }
@@ -138,10 +138,10 @@ void AddHistory(const report::Report& report, actuator::JointModel* joint) {
 
 // The data gate over all recordings; true: it stopped, and the result's pages say so.
 bool StopsAtGate(const CloseLoopOptions& options, const std::vector<identify::Run>& train,
-                 const std::vector<identify::Run>& sealed, const actuator::JointModel& joint,
+                 const std::vector<identify::Run>& held_out, const actuator::JointModel& joint,
                  CloseLoopResult* out) {
   std::vector<identify::Run> runs = train;
-  runs.insert(runs.end(), sealed.begin(), sealed.end());
+  runs.insert(runs.end(), held_out.begin(), held_out.end());
   out->gate = AskGate(options, runs, joint);
   report::Report& report = out->report;
   report.faults = out->gate.faults;
@@ -151,7 +151,7 @@ bool StopsAtGate(const CloseLoopOptions& options, const std::vector<identify::Ru
                                 .joint = joint.name,
                                 .model_file = report.model_file,
                                 .train = report.train,
-                                .sealed = report.sealed,
+                                .held_out = report.held_out,
                                 .gate = out->gate,
                                 .seed = report.seed};
   const std::vector<report::Picture> pictures = report::MakePictures(out->gate, runs, joint);
@@ -161,11 +161,11 @@ bool StopsAtGate(const CloseLoopOptions& options, const std::vector<identify::Ru
 }
 
 // A recording with gaps or shorter than the published processing asks for has no such figures.
-void ReproducePublished(const identify::Run& train, const identify::Run& sealed,
+void ReproducePublished(const identify::Run& train, const identify::Run& held_out,
                         const actuator::JointModel& joint,
                         const identify::AsPublishedOptions& published, report::Report* report) {
   try {
-    report->as_published = identify::RunAsPublished(train, sealed, joint, published);
+    report->as_published = identify::RunAsPublished(train, held_out, joint, published);
   } catch (const std::invalid_argument& error) {
     report->findings.push_back(
         {"as_published", std::string("not processed as published: ") + error.what(), 0.0, ""});
@@ -209,7 +209,7 @@ LoopInput LoadLoopInput(const CloseLoopOptions& options) {
   LoopInput out;
   out.model_path = options.model.empty() ? ShippedRobotFile("rig/model.yaml") : options.model;
   out.map = options.map.empty() ? DefaultCsvMap(out.model_path) : options.map;
-  out.sealed_map = options.sealed_map.empty() ? out.map : options.sealed_map;
+  out.held_out_map = options.held_out_map.empty() ? out.map : options.held_out_map;
   out.model = actuator::LoadModelFile(out.model_path);
   CompleteRigJson(&out.model, out.model_path);
   if (options.joint < 0 || options.joint >= static_cast<int>(out.model.robot.joints.size())) {
@@ -222,7 +222,7 @@ LoopInput LoadLoopInput(const CloseLoopOptions& options) {
 
 CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& input,
                             const std::vector<identify::Run>& train,
-                            const std::vector<identify::Run>& sealed) {
+                            const std::vector<identify::Run>& held_out) {
   const auto start = std::chrono::steady_clock::now();
   const auto progress = [&](const std::string& what, double share) {
     if (options.progress) options.progress(what, share);
@@ -237,8 +237,8 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
   const identify::ProcessingOptions wished = identify::ReadProcessing(out.model.root, joint.kind);
   const std::optional<identify::AsPublishedOptions> published =
       identify::ReadAsPublished(out.model.root);
-  const bool rotates = options.sealed.empty();
-  if (train.empty() || (sealed.empty() && !rotates)) {
+  const bool rotates = options.held_out.empty();
+  if (train.empty() || (held_out.empty() && !rotates)) {
     throw UsageError("no recording of joint " + std::to_string(options.joint) +
                      ", expected at least one to train on and one held out");
   }
@@ -247,17 +247,17 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
   report.robot = out.model.robot.name;
   report.model_file = model_path.string();
   report.train = Describe(train);
-  report.sealed = Describe(rotates ? train : sealed);
+  report.held_out = Describe(rotates ? train : held_out);
   report.seed = options.seed;
   report.given = options.given;
   try {
-    trace::RequireSealed(train, sealed);
+    trace::RequireHeldOut(train, held_out);
     // A mapping without the drive is a mistake of the command, no fault of the data.
-    for (const auto* runs : {&train, &sealed}) {
+    for (const auto* runs : {&train, &held_out}) {
       for (const identify::Run& run : *runs) run.At(identify::DriveSignal(joint));
     }
     progress("looking at the data", 0.01);
-    if (StopsAtGate(options, train, sealed, joint, &out)) return out;
+    if (StopsAtGate(options, train, held_out, joint, &out)) return out;
     trace::TraceOptions trace_options;
     trace_options.seed = options.seed;
     trace_options.agreed = options.given;
@@ -275,7 +275,7 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
       loop = std::move(rotated.all);
       report.rotations = std::move(rotated.rotations);
     } else {
-      loop = trace::CloseLoop(train, sealed, joint, wished.longest_gap_s, trace_options);
+      loop = trace::CloseLoop(train, held_out, joint, wished.longest_gap_s, trace_options);
     }
     report.processing = loop.processing;
     report.trace = std::move(loop.trace);
@@ -290,14 +290,14 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
       report.free_run = FollowRotations(folds, report.rotations);
     } else {
       report.free_run = free_run::Compare(
-          sealed, {report.trace.nominal, report.trace.declared, report.trace.corrected},
+          held_out, {report.trace.nominal, report.trace.declared, report.trace.corrected},
           report.processing);
     }
     if (published && !rotates)
-      ReproducePublished(train.front(), sealed.front(), joint, *published, &report);
+      ReproducePublished(train.front(), held_out.front(), joint, *published, &report);
     report.seconds = since_start();
     const std::vector<report::Picture> pictures =
-        report::MakePictures(report, *loop.train, *loop.sealed);
+        report::MakePictures(report, *loop.train, *loop.held_out);
     out.html = report::FormatHtml(report, pictures, report::DrawPictures(pictures));
     out.json = report::FormatJson(report);
   } catch (const std::invalid_argument& error) {
@@ -342,14 +342,14 @@ CloseLoopResult CloseLoop(const CloseLoopOptions& options) {
     throw UsageError(input.model_path.string() + ": joint '" + joint.name +
                      "' is part of an arm, expected all its joints to be fitted together");
   }
-  RequireOtherRows(options.train, options.sealed);
+  RequireOtherRows(options.train, options.held_out);
   if (options.progress) options.progress("reading recordings", 0.0);
   CloseLoopResult out =
       CloseLoopOn(options, input, ReadJoint(options.train, input.map, options.joint),
-                  ReadJoint(options.sealed, input.sealed_map, options.joint));
+                  ReadJoint(options.held_out, input.held_out_map, options.joint));
   if (options.out.empty()) return out;
   MakeFolder(options.out);
-  if (out.judged()) actuator::SaveModelFile(options.out / "model.yaml", out.model);
+  if (out.assessed()) actuator::SaveModelFile(options.out / "model.yaml", out.model);
   config::WriteFileAtomically(options.out / "report.json", out.json);
   config::WriteFileAtomically(options.out / "report.html", out.html);
   return out;
@@ -369,7 +369,7 @@ void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options
   }
   std::cout << "verdict: " << report::VerdictWord(trace.verdict) << '\n'
             << report::VerdictSentence(report) << '\n';
-  if (!result.judged()) {
+  if (!result.assessed()) {
     std::cout << report::NextExperiment(report)
               << "\nwritten: " << (options.out / "report.html").string() << ", report.json\n";
     return;
@@ -394,31 +394,31 @@ void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options
         std::cout << ", " << Short(value.value);
       }
     }
-    std::cout << "; held out " << report::ErrorText(effect.sealed_before) << " -> "
-              << report::ErrorText(effect.sealed_after) << ' '
+    std::cout << "; held out " << report::ErrorText(effect.held_out_before) << " -> "
+              << report::ErrorText(effect.held_out_after) << ' '
               << effects::BalanceUnit(effect.balance, trace.corrected.kind) << "; "
               << trace::ConfirmationWord(effect.confirmation.verdict)
               << (effect.in_model() ? "" : ", not in model.yaml") << '\n';
   }
   for (const trace::FoundEffect& effect : trace.refuted) {
     std::cout << "  refuted: " << effect.name << "; held out "
-              << report::ErrorText(effect.sealed_before) << " -> "
-              << report::ErrorText(effect.sealed_after) << ' '
+              << report::ErrorText(effect.held_out_before) << " -> "
+              << report::ErrorText(effect.held_out_after) << ' '
               << effects::BalanceUnit(effect.balance, trace.corrected.kind) << '\n';
   }
   for (const trace::Rotation& rotation : report.rotations) {
     std::cout << "  held out " << rotation.held_out << ": " << report::RotationText(rotation)
-              << "; " << Short(rotation.trace.nominal_sealed.rms) << " declared, "
-              << Short(rotation.trace.before_sealed.rms) << " refitted, "
-              << Short(rotation.trace.after_sealed.rms) << " corrected\n";
+              << "; " << Short(rotation.trace.nominal_held_out.rms) << " declared, "
+              << Short(rotation.trace.before_held_out.rms) << " refitted, "
+              << Short(rotation.trace.after_held_out.rms) << " corrected\n";
   }
   std::cout << "errors, rms:\n";
   for (const report::ErrorLine& line : report::ErrorTable(report)) {
     std::cout << "  " << line.what << ": " << report::ThreeErrors(line) << '\n';
   }
-  std::cout << "  of the drive, held-out recordings: " << Short(trace.nominal_sealed.percent)
-            << " % declared, " << Short(trace.before_sealed.percent) << " % refitted, "
-            << Short(trace.after_sealed.percent) << " % corrected\n";
+  std::cout << "  of the drive, held-out recordings: " << Short(trace.nominal_held_out.percent)
+            << " % declared, " << Short(trace.before_held_out.percent) << " % refitted, "
+            << Short(trace.after_held_out.percent) << " % corrected\n";
   for (const trace::BalanceSummary& summary : trace.balances) {
     if (summary.unseen.empty()) continue;
     std::cout << effects::BalanceName(summary.balance) << " balance: " << summary.unseen << '\n';
@@ -462,15 +462,15 @@ void AddCloseLoopCommand(CLI::App& app) {
   command->add_option("--map", options.map,
                       "Mapping of CSV columns (sinew-csv-map/1); csv_map.yaml beside the model by "
                       "default, else the rig's");
-  command->add_option("--held-out-map,--sealed-map", options.sealed_map,
+  command->add_option("--held-out-map,--sealed-map", options.held_out_map,
                       "Mapping of the held-out CSV files where it is another one");
   command
       ->add_option("--train", options.train,
                    "Recordings to learn from: CSV or MCAP, FILE or FILE@START:END (seconds)")
       ->required();
   command->add_option(
-      "--held-out,--sealed", options.sealed,
-      "Recordings to judge by, never used for a fit; FILE or FILE@START:END. Without "
+      "--held-out,--sealed", options.held_out,
+      "Recordings to assess by, never used for a fit; FILE or FILE@START:END. Without "
       "any, each of several training recordings is held out once");
   command->add_option("--out", options.out, "Folder for report.html, report.json and model.yaml")
       ->required();
@@ -518,11 +518,11 @@ void AddCloseLoopCommand(CLI::App& app) {
       "effect is\nadded and the error told before and after. model.yaml goes into world and "
       "control as it "
       "is.\n\nExamples:\n"
-      "  sinew close-loop --train train_1.csv train_2.csv --sealed sealed.csv --out found\n"
+      "  sinew close-loop --train train_1.csv train_2.csv --held-out sealed.csv --out found\n"
       "  sinew close-loop --train monday.csv tuesday.csv wednesday.csv --out found\n"
       "  sinew close-loop --train day.csv@:60 --held-out day.csv@60: --out found\n"
       "  sinew close-loop --model robots/emps/model.yaml --map robots/emps/csv_map.yaml \\\n"
-      "    --train DATA_EMPS.csv --sealed DATA_EMPS_PULSES.csv --out found");
+      "    --train DATA_EMPS.csv --held-out DATA_EMPS_PULSES.csv --out found");
   command->callback([arguments] {
     ProgressBar bar("close-loop", "%", 100);
     arguments->options.progress = [&bar](const std::string&, double share) {

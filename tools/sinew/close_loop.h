@@ -19,12 +19,12 @@ class App;
 namespace sinew::tools {
 
 struct CloseLoopOptions {
-  std::filesystem::path model;       // empty: robots/rig/model.yaml
-  std::filesystem::path map;         // empty: csv_map.yaml beside the model, else the rig's
-  std::filesystem::path sealed_map;  // of the sealed CSV files; empty: `map`
+  std::filesystem::path model;         // empty: robots/rig/model.yaml
+  std::filesystem::path map;           // empty: csv_map.yaml beside the model, else the rig's
+  std::filesystem::path held_out_map;  // of the held-out CSV files; empty: `map`
   std::vector<std::filesystem::path> train;
-  std::vector<std::filesystem::path> sealed;  // empty: each of `train` is held out once
-  std::filesystem::path out;                  // folder; empty: nothing is written
+  std::vector<std::filesystem::path> held_out;  // empty: each of `train` is held out once
+  std::filesystem::path out;                    // folder; empty: nothing is written
   int joint = 0;
   int searches = 1;  // joints that are traced together (trace::TraceOptions)
   std::function<double(const actuator::JointModel&)> held_out_error;  // the same
@@ -44,10 +44,10 @@ struct CloseLoopResult {
   std::string html, json;
 
   // False: the data stopped it (data_fault, too_little_data), and there is no corrected model.
-  bool judged() const { return !gate.stops() && !report.trace.too_little; }
+  bool assessed() const { return !gate.stops() && !report.trace.too_little; }
 };
 
-// Reads, traces, draws; then writes report.html, report.json and, when something was judged,
+// Reads, traces, draws; then writes report.html, report.json and, when something was assessed,
 // model.yaml into the folder, each as a whole, after everything has succeeded. Throws UsageError
 // (one line) for anything a user can mend.
 CloseLoopResult CloseLoop(const CloseLoopOptions& options);
@@ -55,7 +55,7 @@ CloseLoopResult CloseLoop(const CloseLoopOptions& options);
 // Model and mappings that the options name, the shipped ones where they name none.
 struct LoopInput {
   actuator::ModelFile model;
-  std::filesystem::path model_path, map, sealed_map;
+  std::filesystem::path model_path, map, held_out_map;
 };
 LoopInput LoadLoopInput(const CloseLoopOptions& options);
 
@@ -71,7 +71,7 @@ void RequireOtherRows(const std::vector<std::filesystem::path>& train,
 // The joint `options.joint` on recordings that are read already; nothing is written.
 CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& input,
                             const std::vector<identify::Run>& train,
-                            const std::vector<identify::Run>& sealed);
+                            const std::vector<identify::Run>& held_out);
 
 std::vector<report::Recording> Describe(const std::vector<identify::Run>& runs);
 

@@ -57,10 +57,10 @@ Json ArmJson(const arm::ArmLoop& loop) {
   }
   return {
       {"train", {{"before", ErrorJson(loop.before.train)}, {"after", ErrorJson(loop.after.train)}}},
-      {"sealed",
-       {{"nominal", ErrorJson(loop.sealed_nominal)},
-        {"before", ErrorJson(loop.sealed_before)},
-        {"after", ErrorJson(loop.sealed_after)}}},
+      {"held_out",
+       {{"nominal", ErrorJson(loop.held_out_nominal)},
+        {"before", ErrorJson(loop.held_out_before)},
+        {"after", ErrorJson(loop.held_out_after)}}},
       {"base_parameters", base}};
 }
 
@@ -94,11 +94,11 @@ std::string RobotJson(const CloseRobotResult& result) {
 }
 
 std::vector<int> JointsThatStop(const CloseLoopOptions& options, const actuator::RobotModel& robot,
-                                const arm::ArmRuns& train, const arm::ArmRuns& sealed) {
+                                const arm::ArmRuns& train, const arm::ArmRuns& held_out) {
   std::vector<int> out;
   for (std::size_t j = 0; j < robot.joints.size(); ++j) {
     std::vector<identify::Run> runs = train[j];
-    if (!options.sealed.empty()) runs.insert(runs.end(), sealed[j].begin(), sealed[j].end());
+    if (!options.held_out.empty()) runs.insert(runs.end(), held_out[j].begin(), held_out[j].end());
     if (AskGate(options, runs, robot.joints[j]).stops()) out.push_back(static_cast<int>(j));
   }
   return out;
@@ -159,14 +159,14 @@ void PoolFolds(const arm::Arm& arm, const std::vector<CloseLoopResult>& joints,
       }
     }
     arm::FinishArm(arm, corrected, fold.train, fold.held_out, &fold.loop);
-    nominal.push_back(fold.loop.sealed_nominal);
-    before.push_back(fold.loop.sealed_before);
-    after.push_back(fold.loop.sealed_after);
+    nominal.push_back(fold.loop.held_out_nominal);
+    before.push_back(fold.loop.held_out_before);
+    after.push_back(fold.loop.held_out_after);
     rows.push_back(static_cast<double>(fold.held_out.front().front().size()));
   }
-  all->sealed_nominal = arm::Pooled(nominal, rows);
-  all->sealed_before = arm::Pooled(before, rows);
-  all->sealed_after = arm::Pooled(after, rows);
+  all->held_out_nominal = arm::Pooled(nominal, rows);
+  all->held_out_before = arm::Pooled(before, rows);
+  all->held_out_after = arm::Pooled(after, rows);
 }
 
 }  // namespace
@@ -180,21 +180,22 @@ CloseRobotResult CloseRobot(const CloseLoopOptions& options, std::vector<int> jo
   }
   CloseRobotResult out;
   out.joint_numbers = joints;
-  RequireOtherRows(options.train, options.sealed);
+  RequireOtherRows(options.train, options.held_out);
   if (options.progress) options.progress("reading recordings", 0.0);
   // Without any, each recording is held out once, and the last fit is to all of them.
-  const bool rotates = options.sealed.empty();
-  arm::ArmRuns train, sealed;
+  const bool rotates = options.held_out.empty();
+  arm::ArmRuns train, held_out;
   bool is_arm = false;
   for (std::size_t j = 0; j < robot.joints.size(); ++j) {
     train.push_back(ReadJoint(options.train, input.map, static_cast<int>(j)));
-    sealed.push_back(rotates ? train.back()
-                             : ReadJoint(options.sealed, input.sealed_map, static_cast<int>(j)));
+    held_out.push_back(rotates
+                           ? train.back()
+                           : ReadJoint(options.held_out, input.held_out_map, static_cast<int>(j)));
     is_arm = is_arm || robot.joints[j].Find("rigid_body") >= 0;
   }
   // One fit of all joints: a fault of one is a fault of all, and only joints with one are reported.
   const std::vector<int> faulty =
-      is_arm ? JointsThatStop(options, robot, train, sealed) : std::vector<int>{};
+      is_arm ? JointsThatStop(options, robot, train, held_out) : std::vector<int>{};
   if (!faulty.empty()) out.joint_numbers = joints = faulty;
   std::optional<arm::Arm> arm;
   std::vector<ArmFold> folds;
@@ -202,7 +203,7 @@ CloseRobotResult CloseRobot(const CloseLoopOptions& options, std::vector<int> jo
     if (rotates) {
       RequireRotation(options, train.front());
     } else {
-      trace::RequireSealed(train.front(), sealed.front());
+      trace::RequireHeldOut(train.front(), held_out.front());
     }
     if (is_arm && faulty.empty()) {
       const fs::path urdf = FindUrdf(options, input);
@@ -210,7 +211,7 @@ CloseRobotResult CloseRobot(const CloseLoopOptions& options, std::vector<int> jo
       const identify::ProcessingOptions wished =
           identify::ReadProcessing(input.model.root, robot.joints[0].kind);
       if (rotates) folds = LeaveOneOut(*arm, robot, wished, train);
-      out.arm = arm::FitArm(*arm, robot, wished, &train, &sealed);
+      out.arm = arm::FitArm(*arm, robot, wished, &train, &held_out);
       robot = out.arm->before.robot;
     }
   } catch (const std::invalid_argument& error) {
@@ -232,17 +233,17 @@ CloseRobotResult CloseRobot(const CloseLoopOptions& options, std::vector<int> jo
       one.held_out_error = [&](const actuator::JointModel& joint) {
         actuator::RobotModel with = out.model.robot;
         with.joints[j] = joint;
-        return arm::HeldOutError(*arm, with, train, sealed, out.arm->processing);
+        return arm::HeldOutError(*arm, with, train, held_out, out.arm->processing);
       };
       one.folds = FoldsOfJoint(*arm, folds, j);
     }
     out.joints.push_back(
-        CloseLoopOn(one, input, train[j], rotates ? std::vector<identify::Run>{} : sealed[j]));
+        CloseLoopOn(one, input, train[j], rotates ? std::vector<identify::Run>{} : held_out[j]));
     out.model.robot.joints[j] = out.joints.back().model.robot.joints[j];
   }
   if (arm) {
     try {
-      arm::FinishArm(*arm, out.model.robot, train, sealed, &*out.arm);
+      arm::FinishArm(*arm, out.model.robot, train, held_out, &*out.arm);
       if (rotates) PoolFolds(*arm, out.joints, joints, &folds, &*out.arm);
     } catch (const std::invalid_argument& error) {
       throw UsageError(error.what());
@@ -279,13 +280,13 @@ void PrintSummary(const CloseRobotResult& result, const CloseLoopOptions& option
   }
   if (result.arm) {
     const arm::ArmLoop& loop = *result.arm;
-    std::cout << "arm, sealed: " << Short(loop.sealed_nominal.all_relative_percent)
-              << " % as declared, " << Short(loop.sealed_before.all_relative_percent)
-              << " % refitted, " << Short(loop.sealed_after.all_relative_percent)
+    std::cout << "arm, held-out: " << Short(loop.held_out_nominal.all_relative_percent)
+              << " % as declared, " << Short(loop.held_out_before.all_relative_percent)
+              << " % refitted, " << Short(loop.held_out_after.all_relative_percent)
               << " % with the effects; rms over twice the effort limit "
-              << Short(loop.sealed_nominal.nrms_percent) << " -> "
-              << Short(loop.sealed_before.nrms_percent) << " -> "
-              << Short(loop.sealed_after.nrms_percent) << " % (" << loop.before.base.size()
+              << Short(loop.held_out_nominal.nrms_percent) << " -> "
+              << Short(loop.held_out_before.nrms_percent) << " -> "
+              << Short(loop.held_out_after.nrms_percent) << " % (" << loop.before.base.size()
               << " base parameters)\n";
   }
   std::cout << "written: " << (options.out / "report.json").string()

@@ -61,7 +61,7 @@ nlohmann::ordered_json ToJson(const EffectInfo& info, JointKind kind) {
           {"nonlinear", ToJson(info.nonlinear, kind)},
           {"signature", info.signature},
           {"variable", info.variable},
-          {"look_alikes", info.look_alikes},
+          {"confounders", info.confounders},
           {"separating_excitation", info.separating_excitation},
           {"needs", info.needs}};
 }
@@ -90,7 +90,7 @@ void PrintOne(const EffectInfo& info, JointKind kind) {
   PrintParameters("linear parameters", info.linear, kind);
   PrintParameters("nonlinear parameters", info.nonlinear, kind);
   std::cout << "signature: " << info.signature << "\nresidual follows: " << info.variable
-            << "\nlooks like: " << Join(info.look_alikes)
+            << "\nlooks like: " << Join(info.confounders)
             << "\ntold apart by: " << info.separating_excitation << "\nneeds: " << Join(info.needs)
             << '\n';
 }

@@ -33,7 +33,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   info.signature = "residual periodic in motor angle";
   info.ripple = true;
   info.variable = "motor_position_rad";
-  info.look_alikes = {"gear_eccentricity"};
+  info.confounders = {"gear_eccentricity"};
   info.separating_excitation = "slow constant speed over several motor turns, both directions";
   info.needs = {"motor_position_rad"};
   return Memoryless(constants, std::move(info),

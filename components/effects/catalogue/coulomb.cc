@@ -17,7 +17,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "friction torque while moving"}};
   info.signature = "residual steps where velocity changes sign";
   info.variable = "velocity_rad_s";
-  info.look_alikes = {"stribeck", "load_dependent_friction", "direction_dependent_coulomb"};
+  info.confounders = {"stribeck", "load_dependent_friction", "direction_dependent_coulomb"};
   info.separating_excitation = "slow motion in both directions at two loads";
   info.needs = {"velocity_rad_s"};
   return Memoryless(constants, std::move(info),

@@ -19,7 +19,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .relative_to_drive = true}};
   info.signature = "constant residual";
   info.variable = "none";
-  info.look_alikes = {"offset", "direction_dependent_coulomb"};
+  info.confounders = {"offset", "direction_dependent_coulomb"};
   info.separating_excitation = "current read with the drive off";
   info.needs = {};
   return Memoryless(constants, std::move(info),

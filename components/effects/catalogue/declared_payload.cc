@@ -19,7 +19,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "1: the payload is as declared; fixed in model files"}};
   info.signature = "residual that changes with the declared payload";
   info.variable = "payload_kg";
-  info.look_alikes = {"payload"};
+  info.confounders = {"payload"};
   info.separating_excitation = "runs with and without payload";
   info.needs = {"payload_kg", "acceleration_rad_s2", "position_rad"};
   return Memoryless(constants, std::move(info),

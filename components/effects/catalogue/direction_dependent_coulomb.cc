@@ -17,7 +17,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "half the difference of the Coulomb torques up and down"}};
   info.signature = "while moving, a constant: it cannot be told from an offset";
   info.variable = "velocity_rad_s";
-  info.look_alikes = {"offset", "current_offset", "direction_dependent_viscous"};
+  info.confounders = {"offset", "current_offset", "direction_dependent_viscous"};
   info.separating_excitation = "torque at rest, approached from both sides";
   info.needs = {"velocity_rad_s"};
   return Memoryless(constants, std::move(info),

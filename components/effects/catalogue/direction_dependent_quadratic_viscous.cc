@@ -17,7 +17,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "half the difference of the quadratic coefficients up and down"}};
   info.signature = "residual even in velocity, growing with its square";
   info.variable = "velocity_rad_s";
-  info.look_alikes = {"direction_dependent_viscous"};
+  info.confounders = {"direction_dependent_viscous"};
   info.separating_excitation = "constant speeds, at least three in each direction";
   info.needs = {"velocity_rad_s"};
   return Memoryless(constants, std::move(info),

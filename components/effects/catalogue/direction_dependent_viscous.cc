@@ -17,7 +17,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "half the difference of the viscous coefficients up and down"}};
   info.signature = "residual even in velocity, linear in speed";
   info.variable = "velocity_rad_s";
-  info.look_alikes = {"direction_dependent_quadratic_viscous", "direction_dependent_coulomb"};
+  info.confounders = {"direction_dependent_quadratic_viscous", "direction_dependent_coulomb"};
   info.separating_excitation = "constant speeds, at least three in each direction";
   info.needs = {"velocity_rad_s"};
   return Memoryless(constants, std::move(info),

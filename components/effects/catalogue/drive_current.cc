@@ -20,7 +20,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "share of the ideal torque N Kt I that reaches the output"}};
   info.signature = "none: it is the input";
   info.variable = "drive_input";
-  info.look_alikes = {"torque_constant_gain", "drive_efficiency_direction"};
+  info.confounders = {"torque_constant_gain", "drive_efficiency_direction"};
   info.separating_excitation =
       "motion in both directions of power, with a known load to fix the scale";
   info.needs = {"drive_input"};

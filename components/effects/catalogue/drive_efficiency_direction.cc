@@ -20,7 +20,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .relative_to_drive = true}};
   info.signature = "drive torque scaled by another factor when power flows back";
   info.variable = "drive_input";
-  info.look_alikes = {"load_dependent_friction"};
+  info.confounders = {"load_dependent_friction"};
   info.separating_excitation = "lowering and lifting the same load at the same speed";
   info.needs = {"drive_input", "velocity_rad_s"};
   return Memoryless(constants, std::move(info),

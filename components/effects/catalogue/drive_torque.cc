@@ -19,7 +19,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "1: the sensor reads right; fixed where it is believed"}};
   info.signature = "none: it is the input";
   info.variable = "drive_input";
-  info.look_alikes = {"torque_constant_gain"};
+  info.confounders = {"torque_constant_gain"};
   info.separating_excitation = "a known load to fix the scale";
   info.needs = {"drive_input"};
   return Memoryless(constants, std::move(info),

@@ -20,7 +20,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "torque or force at the output per volt"}};
   info.signature = "none: it is the input";
   info.variable = "drive_input";
-  info.look_alikes = {"torque_constant_gain"};
+  info.confounders = {"torque_constant_gain"};
   info.separating_excitation = "a known load to fix the scale";
   info.needs = {"drive_input"};
   return Memoryless(constants, std::move(info),

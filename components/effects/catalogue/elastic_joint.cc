@@ -19,7 +19,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "torque per jerk; divided by the inertia a time"}};
   info.signature = "residual follows jerk: torque that leads or lags the acceleration";
   info.variable = "jerk_rad_s3";
-  info.look_alikes = {"transport_delay", "flexible_link", "gear_compliance"};
+  info.confounders = {"transport_delay", "flexible_link", "gear_compliance"};
   info.separating_excitation = "fast reversals and pulses with two loads";
   info.needs = {"jerk_rad_s3"};
   return Memoryless(constants, std::move(info),

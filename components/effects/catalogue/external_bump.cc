@@ -35,7 +35,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                      .meaning = "from its beginning to its end"}};
   info.signature = "one short excursion of the residual; nothing before, nothing after";
   info.variable = "time_s";
-  info.look_alikes = {"payload_step"};
+  info.confounders = {"payload_step"};
   info.separating_excitation = "the same motion again: a push does not come back";
   info.needs = {"time_s"};
   return Memoryless(constants, std::move(info),

@@ -46,7 +46,7 @@ class FlexibleLink final : public Effect {
                         .meaning = "z"}};
     info_.signature = "residual follows acceleration through a resonance";
     info_.variable = "acceleration_rad_s2";
-    info_.look_alikes = {"elastic_joint", "gear_compliance", "inertia"};
+    info_.confounders = {"elastic_joint", "gear_compliance", "inertia"};
     info_.separating_excitation = "fast reversals and pulses with two loads";
     info_.needs = {"acceleration_rad_s2"};
   }

@@ -20,7 +20,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "torque per snap; divided by the inertia a squared time"}};
   info.signature = "residual at high frequency, opposed to acceleration or in phase with it";
   info.variable = "snap_rad_s4";
-  info.look_alikes = {"flexible_link", "elastic_joint", "transport_delay", "inertia"};
+  info.confounders = {"flexible_link", "elastic_joint", "transport_delay", "inertia"};
   info.separating_excitation = "pulses and chirps up to the resonance";
   info.needs = {"snap_rad_s4"};
   return Memoryless(constants, std::move(info),

@@ -52,7 +52,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   info.signature = "residual periodic in the angle of a wheel, often growing with the load";
   info.ripple = true;
   info.variable = "position_rad";
-  info.look_alikes = {"gravity", "gravity_phase", "cogging"};
+  info.confounders = {"gravity", "gravity_phase", "cogging"};
   info.separating_excitation = "slow constant speed over the whole angle range, at two loads";
   info.needs = {"position_rad"};
   info.may_read = {"drive_input"};  // and the motor's angle for wheels on its shaft

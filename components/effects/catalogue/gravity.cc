@@ -18,7 +18,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "torque with the link horizontal, without declared payload"}};
   info.signature = "residual follows cos q";
   info.variable = "position_rad";
-  info.look_alikes = {"payload", "gravity_phase", "gear_eccentricity"};
+  info.confounders = {"payload", "gravity_phase", "gear_eccentricity"};
   info.separating_excitation = "slow motion over the whole angle range";
   info.needs = {"position_rad"};
   return Memoryless(constants, std::move(info),

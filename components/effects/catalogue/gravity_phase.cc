@@ -26,7 +26,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "s, as the declared payload tells it"}};
   info.signature = "residual follows sin q";
   info.variable = "position_rad";
-  info.look_alikes = {"gear_eccentricity", "offset"};
+  info.confounders = {"gear_eccentricity", "offset"};
   info.separating_excitation = "slow motion over the whole angle range";
   info.needs = {"position_rad"};
   info.may_read = {"payload_kg"};

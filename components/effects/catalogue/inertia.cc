@@ -18,7 +18,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "inertia at the output, rotor included (mass of a linear joint)"}};
   info.signature = "residual in phase with acceleration";
   info.variable = "acceleration_rad_s2";
-  info.look_alikes = {"payload", "gear_compliance"};
+  info.confounders = {"payload", "gear_compliance"};
   info.separating_excitation = "accelerations of different size at the same angle";
   info.needs = {"acceleration_rad_s2"};
   return Memoryless(constants, std::move(info),

@@ -18,7 +18,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "inertia of the link about the joint, without declared payload"}};
   info.signature = "residual in phase with output acceleration";
   info.variable = "acceleration_rad_s2";
-  info.look_alikes = {"rotor_inertia", "payload"};
+  info.confounders = {"rotor_inertia", "payload"};
   info.separating_excitation = "motion inside the free play; two known payloads";
   info.needs = {"acceleration_rad_s2"};
   return Memoryless(constants, std::move(info),

@@ -17,7 +17,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "true force over indicated force, minus 1"}};
   info.signature = "residual follows the load cell";
   info.variable = "load_force_N";
-  info.look_alikes = {"load_force", "load_cell_misalignment", "torque_constant_gain"};
+  info.confounders = {"load_force", "load_cell_misalignment", "torque_constant_gain"};
   info.separating_excitation = "a known weight on the load cell, with and without declared payload";
   info.needs = {"load_force_N"};
   return Memoryless(constants, std::move(info),

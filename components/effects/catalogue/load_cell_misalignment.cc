@@ -28,7 +28,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "b: -1 for a force that keeps its direction in space"}};
   info.signature = "residual follows load force times the sine of the angle";
   info.variable = "load_force_N";
-  info.look_alikes = {"load_cell_gain", "load_force"};
+  info.confounders = {"load_cell_gain", "load_force"};
   info.separating_excitation = "the same push at several angles of the link";
   info.needs = {"load_force_N", "position_rad"};
   return Memoryless(constants, std::move(info),

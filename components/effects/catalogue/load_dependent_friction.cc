@@ -18,7 +18,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .relative_to_drive = true}};
   info.signature = "Coulomb step that grows with the drive torque";
   info.variable = "drive_input";
-  info.look_alikes = {"drive_efficiency_direction", "coulomb"};
+  info.confounders = {"drive_efficiency_direction", "coulomb"};
   info.separating_excitation = "the same slow motion with and against a known load";
   info.needs = {"drive_input", "velocity_rad_s"};
   return Memoryless(constants, std::move(info),

@@ -17,7 +17,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "1: the load cell reads right; fixed in model files"}};
   info.signature = "residual follows the load cell";
   info.variable = "load_force_N";
-  info.look_alikes = {"payload"};
+  info.confounders = {"payload"};
   info.separating_excitation = "pushes of known force";
   info.needs = {"load_force_N"};
   return Memoryless(constants, std::move(info),

@@ -18,7 +18,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "torque per velocity, at the output"}};
   info.signature = "residual linear in motor velocity, also inside the free play";
   info.variable = "motor_velocity_rad_s";
-  info.look_alikes = {"viscous", "quadratic_viscous", "stribeck"};
+  info.confounders = {"viscous", "quadratic_viscous", "stribeck"};
   info.separating_excitation = "motor motion inside the free play";
   info.needs = {"motor_velocity_rad_s"};
   return Memoryless(constants, std::move(info),

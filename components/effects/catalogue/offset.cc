@@ -17,7 +17,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "torque that is always there"}};
   info.signature = "constant residual";
   info.variable = "none";
-  info.look_alikes = {"direction_dependent_coulomb", "current_offset"};
+  info.confounders = {"direction_dependent_coulomb", "current_offset"};
   info.separating_excitation = "rest and slow motion in both directions";
   info.needs = {};
   return Memoryless(constants, std::move(info),

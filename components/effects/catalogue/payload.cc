@@ -18,7 +18,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "mass at the load cell"}};
   info.signature = "residual follows cos q and acceleration in the ratio g : l";
   info.variable = "position_rad";
-  info.look_alikes = {"gravity", "link_inertia"};
+  info.confounders = {"gravity", "link_inertia"};
   info.separating_excitation = "a run with a known payload, over the whole angle range";
   info.needs = {"acceleration_rad_s2", "position_rad"};
   return Memoryless(

@@ -29,7 +29,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                      .meaning = "when, on the clock of the recording"}};
   info.signature = "gravity and inertia that are there after an instant and not before";
   info.variable = "time_s";
-  info.look_alikes = {"payload", "temperature_friction", "external_bump"};
+  info.confounders = {"payload", "temperature_friction", "external_bump"};
   info.separating_excitation = "the same motion before and after, over the whole angle range";
   info.needs = {"time_s", "acceleration_rad_s2", "position_rad"};
   return Memoryless(

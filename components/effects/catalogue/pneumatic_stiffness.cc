@@ -26,7 +26,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
        .meaning = "q0; K - k1 q0 is one direction of the data, so model files fix it"}};
   info.signature = "residual follows P (q - q0)";
   info.variable = "position_rad";
-  info.look_alikes = {"pneumatic_torque", "pressure_offset"};
+  info.confounders = {"pneumatic_torque", "pressure_offset"};
   info.separating_excitation = "pressure steps at several angles";
   info.needs = {"pressure_bar", "position_rad"};
   return Memoryless(

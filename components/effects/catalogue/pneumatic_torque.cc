@@ -17,7 +17,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "torque per gauge pressure at the rest angle"}};
   info.signature = "residual follows pressure";
   info.variable = "pressure_bar";
-  info.look_alikes = {"pressure_gain", "pneumatic_stiffness"};
+  info.confounders = {"pressure_gain", "pneumatic_stiffness"};
   info.separating_excitation = "pressure steps at one angle";
   info.needs = {"pressure_bar"};
   return Memoryless(constants, std::move(info),

@@ -33,7 +33,7 @@ class Presliding final : public Dahl {
     info_.smallest = Smallest::kCounts;
     info_.signature = "less friction than declared after each reversal, growing with the stroke";
     info_.variable = "position_rad";
-    info_.look_alikes = {"seal_hysteresis", "stribeck", "coulomb"};
+    info_.confounders = {"seal_hysteresis", "stribeck", "coulomb"};
     info_.separating_excitation =
         "small strokes at one pressure, then at another; a seal's hysteresis grows with pressure";
     info_.needs = {"position_rad", "velocity_rad_s"};

@@ -17,7 +17,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "friction per gauge pressure"}};
   info.signature = "Coulomb step that grows with pressure";
   info.variable = "pressure_bar";
-  info.look_alikes = {"seal_hysteresis", "coulomb"};
+  info.confounders = {"seal_hysteresis", "coulomb"};
   info.separating_excitation =
       "reversals at several pressures: hysteresis turns over an angle, friction at once";
   info.needs = {"pressure_bar", "velocity_rad_s"};

@@ -17,9 +17,9 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "error of the pneumatic torque per bar"}};
   info.signature = "residual proportional to pressure";
   info.variable = "pressure_bar";
-  info.look_alikes = {"pneumatic_torque"};
+  info.confounders = {"pneumatic_torque"};
   info.separating_excitation =
-      "a second pressure gauge; a refit of the pneumatic torque swallows it";
+      "a second pressure gauge; a refit of the pneumatic torque absorbs it";
   info.needs = {"pressure_bar"};
   return Memoryless(constants, std::move(info),
                     [](const JointSample& x, const JointConstants&, std::span<const double>,

@@ -17,7 +17,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "pneumatic torque per bar times the lag of the sensor"}};
   info.signature = "residual follows the rate of pressure";
   info.variable = "pressure_rate_bar_s";
-  info.look_alikes = {"viscous"};
+  info.confounders = {"viscous"};
   info.separating_excitation = "pressure steps at rest";
   info.needs = {"pressure_rate_bar_s"};
   return Memoryless(constants, std::move(info),

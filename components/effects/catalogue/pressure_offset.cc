@@ -23,7 +23,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "stiffness at zero indicated pressure"}};
   info.signature = "a spring that is there at every pressure";
   info.variable = "position_rad";
-  info.look_alikes = {"offset", "pneumatic_stiffness"};
+  info.confounders = {"offset", "pneumatic_stiffness"};
   info.separating_excitation = "the vented chamber, over the whole angle range";
   info.needs = {"position_rad"};
   info.hardware = {"pressure_bar"};

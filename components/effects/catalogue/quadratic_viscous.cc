@@ -19,7 +19,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "torque per squared velocity, at the output"}};
   info.signature = "residual odd in velocity, growing with its square";
   info.variable = "motor_velocity_rad_s";
-  info.look_alikes = {"viscous", "motor_viscous", "stribeck"};
+  info.confounders = {"viscous", "motor_viscous", "stribeck"};
   info.separating_excitation = "constant speeds over the whole range, both directions";
   info.needs = {"motor_velocity_rad_s"};
   return Memoryless(constants, std::move(info),

@@ -18,7 +18,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "1: as the bodies are fitted; fixed in model files"}};
   info.signature = "residual follows what gravity and inertia of the arm need";
   info.variable = "rigid_torque_Nm";
-  info.look_alikes = {"gravity", "inertia", "payload"};
+  info.confounders = {"gravity", "inertia", "payload"};
   info.separating_excitation = "motion of all joints at once";
   info.needs = {"rigid_torque_Nm"};
   return Memoryless(constants, std::move(info),

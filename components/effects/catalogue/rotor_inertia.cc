@@ -19,7 +19,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "inertia of the rotor seen at the output, N^2 times its own"}};
   info.signature = "residual in phase with motor acceleration";
   info.variable = "motor_acceleration_rad_s2";
-  info.look_alikes = {"link_inertia", "payload"};
+  info.confounders = {"link_inertia", "payload"};
   info.separating_excitation = "motion inside the free play, where only the rotor accelerates";
   info.needs = {"motor_acceleration_rad_s2"};
   return Memoryless(

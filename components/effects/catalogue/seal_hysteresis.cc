@@ -30,7 +30,7 @@ class SealHysteresis final : public Dahl {
     info_.signature =
         "friction that turns over an angle after each reversal and grows with pressure";
     info_.variable = "position_rad";
-    info_.look_alikes = {"pressure_dependent_friction", "stribeck", "coulomb"};
+    info_.confounders = {"pressure_dependent_friction", "stribeck", "coulomb"};
     info_.separating_excitation = "small and large strokes at several pressures";
     info_.needs = {"pressure_bar", "position_rad"};
   }

@@ -23,7 +23,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "torque at position 0; the spring rests at q0 = preload / k"}};
   info.signature = "residual falls in a line over the position";
   info.variable = "position_rad";
-  info.look_alikes = {"gravity", "gravity_phase", "pneumatic_stiffness", "offset"};
+  info.confounders = {"gravity", "gravity_phase", "pneumatic_stiffness", "offset"};
   info.separating_excitation = "slow motion over the whole range; several pressures";
   info.needs = {"position_rad"};
   return Memoryless(constants, std::move(info),

@@ -31,7 +31,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                      .meaning = "P0"}};
   info.signature = "residual at low pressure that turns its sign with the angle";
   info.variable = "pressure_bar";
-  info.look_alikes = {"pneumatic_stiffness", "pressure_offset", "pressure_gain"};
+  info.confounders = {"pneumatic_stiffness", "pressure_offset", "pressure_gain"};
   info.separating_excitation = "the same angles at pressures from the vented chamber up";
   info.needs = {"pressure_bar", "position_rad"};
   return Memoryless(constants, std::move(info),

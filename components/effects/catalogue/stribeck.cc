@@ -24,7 +24,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                      .meaning = "speed at which it has fallen to 1/e"}};
   info.signature = "extra friction below vs, falling with speed";
   info.variable = "velocity_rad_s";
-  info.look_alikes = {"coulomb", "viscous", "seal_hysteresis"};
+  info.confounders = {"coulomb", "viscous", "seal_hysteresis"};
   info.separating_excitation = "slow ramps and constant speeds below and above vs, both directions";
   info.needs = {"velocity_rad_s"};
   return Memoryless(constants, std::move(info),

@@ -23,7 +23,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "viscous friction per kelvin above 25 degC"}};
   info.signature = "friction that changes over the run with motor temperature";
   info.variable = "temperature_degC";
-  info.look_alikes = {"coulomb", "viscous"};
+  info.confounders = {"coulomb", "viscous"};
   info.separating_excitation = "the same motion cold and warm";
   info.needs = {"temperature_degC", "velocity_rad_s"};
   return Memoryless(constants, std::move(info),

@@ -19,8 +19,8 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .relative_to_drive = true}};
   info.signature = "residual proportional to drive torque";
   info.variable = "drive_input";
-  info.look_alikes = {"drive_current", "drive_voltage"};
-  info.separating_excitation = "a load of known weight; a refit of the drive factor swallows it";
+  info.confounders = {"drive_current", "drive_voltage"};
+  info.separating_excitation = "a load of known weight; a refit of the drive factor absorbs it";
   info.needs = {"drive_input"};
   return Memoryless(constants, std::move(info),
                     [](const JointSample& x, const JointConstants& c, std::span<const double>,

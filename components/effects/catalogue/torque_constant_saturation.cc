@@ -21,7 +21,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .relative_to_drive = true}};
   info.signature = "less torque than declared at high current, odd in current";
   info.variable = "drive_input";
-  info.look_alikes = {"torque_constant_gain", "load_dependent_friction"};
+  info.confounders = {"torque_constant_gain", "load_dependent_friction"};
   info.separating_excitation = "known loads up to the current limit";
   info.needs = {"drive_input"};
   return Memoryless(constants, std::move(info),

@@ -44,7 +44,7 @@ class TransportDelay final : public Effect {
                         .optional = true}};
     info_.signature = "residual follows the rate of the drive input";
     info_.variable = "drive_rate";
-    info_.look_alikes = {"elastic_joint", "flexible_link", "gear_compliance"};
+    info_.confounders = {"elastic_joint", "flexible_link", "gear_compliance"};
     info_.separating_excitation =
         "fast reversals; the delay stays when the load changes, flexibility does not";
     info_.needs = {"drive_rate"};

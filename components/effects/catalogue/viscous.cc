@@ -17,7 +17,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "torque per velocity, at the output"}};
   info.signature = "residual linear in velocity";
   info.variable = "velocity_rad_s";
-  info.look_alikes = {"motor_viscous", "quadratic_viscous", "stribeck"};
+  info.confounders = {"motor_viscous", "quadratic_viscous", "stribeck"};
   info.separating_excitation = "constant speeds, several, both directions";
   info.needs = {"velocity_rad_s"};
   return Memoryless(constants, std::move(info),

@@ -154,16 +154,16 @@ class Provider {
           const std::int64_t wait_ns =
               guard_.Overdue(tick_) ? period_.count() : period_.count() / 2;
           AwaitJointCommand(deadline_ns - wait_ns);
-          plant_.Act(Judge(), period_s_);
+          plant_.Act(Assess(), period_s_);
         }
         work_.Pause(MonotonicNow());
         SleepUntil(&deadline_ns);
         work_.Resume(MonotonicNow());
       }
       TakeCommands();
-      if (lockstep_ || !plant_.acts_at_once()) Judge();
+      if (lockstep_ || !plant_.acts_at_once()) Assess();
       plant_.Step(command_, period_s_, &sensors_);
-      JudgeFaults();
+      AssessFaults();
       Report();
       work_.Pause(MonotonicNow());
       work_.EndCycle();
@@ -382,7 +382,7 @@ class Provider {
   }
 
   // A joint's fault is told once; the robot's ends what moves.
-  void JudgeFaults() {
+  void AssessFaults() {
     const auto joints = static_cast<std::size_t>(plant_.joint_count());
     const auto begin = sensors_.joint_fault.begin();
     const auto end = begin + static_cast<std::ptrdiff_t>(joints);
@@ -396,7 +396,7 @@ class Provider {
     faulty_joints_ = faulty;
   }
 
-  const PlantCommand& Judge() {
+  const PlantCommand& Assess() {
     const Verdict verdict = guard_.Step(tick_, period_);
     const auto joints = static_cast<std::size_t>(plant_.joint_count());
     for (std::size_t j = 0; j < joints; ++j) {

@@ -85,7 +85,7 @@ namespace {
 struct Untraced {
   std::string verdict, sentence, next_experiment;
   std::string robot, joint, model_file;
-  const std::vector<Recording>&train, &sealed;
+  const std::vector<Recording>&train, &held_out;
   const std::vector<gate::Fault>& faults;
   const std::vector<identify::Finding>& findings;
   std::uint64_t seed = 1;
@@ -94,14 +94,14 @@ struct Untraced {
 
 Json UntracedJson(const Untraced& report) {
   Json out;
-  out["schema"] = "sinew-close-loop/1";
+  out["schema"] = "sinew-close-loop/2";
   out["verdict"] = report.verdict;
   out["sentence"] = report.sentence;
   out["robot"] = report.robot;
   out["joint"] = report.joint;
   out["model"] = report.model_file;
   out["recordings"] = {{"train", RecordingList(report.train)},
-                       {"sealed", RecordingList(report.sealed)}};
+                       {"held_out", RecordingList(report.held_out)}};
   out["faults"] = FaultsJson(report.faults);
   for (const char* key :
        {"effects", "refuted", "events", "errors", "rises", "balances", "rounds", "not_excited"}) {
@@ -127,7 +127,7 @@ std::string FormatDataFaultJson(const DataCheck& check) {
                        .joint = check.joint,
                        .model_file = check.model_file,
                        .train = check.train,
-                       .sealed = check.sealed,
+                       .held_out = check.held_out,
                        .faults = check.gate.faults,
                        .findings = check.gate.findings,
                        .seed = check.seed,
@@ -145,7 +145,7 @@ std::string FormatTooLittleJson(const Report& report) {
                            .joint = report.trace.nominal.name,
                            .model_file = report.model_file,
                            .train = report.train,
-                           .sealed = report.sealed,
+                           .held_out = report.held_out,
                            .faults = report.faults,
                            .findings = report.findings,
                            .seed = report.seed,

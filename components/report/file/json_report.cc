@@ -95,15 +95,15 @@ Json Errors(const identify::ModelError& nominal, const identify::ModelError& bef
           {"after_percent", after.percent}};
 }
 
-Json Train(const trace::Judgement& result, const std::string& unit) {
+Json Train(const trace::Assessment& result, const std::string& unit) {
   return Errors(result.nominal_train, result.before_train, result.after_train, unit);
 }
 
-Json Sealed(const trace::Judgement& result, const std::string& unit) {
-  Json out = Errors(result.nominal_sealed, result.before_sealed, result.after_sealed, unit);
+Json HeldOut(const trace::Assessment& result, const std::string& unit) {
+  Json out = Errors(result.nominal_held_out, result.before_held_out, result.after_held_out, unit);
   const double floor = result.noise_floor_rms;
-  const double before = result.before_sealed.rms * result.before_sealed.rms;
-  const double after = result.after_sealed.rms * result.after_sealed.rms;
+  const double before = result.before_held_out.rms * result.before_held_out.rms;
+  const double after = result.after_held_out.rms * result.after_held_out.rms;
   const double explainable = before - floor * floor;
   out["noise_floor_rms"] = floor;
   out["noise_floor_source"] = result.noise_floor_source;
@@ -112,7 +112,7 @@ Json Sealed(const trace::Judgement& result, const std::string& unit) {
   return out;
 }
 
-Json Rounds(const trace::Judgement& result) {
+Json Rounds(const trace::Assessment& result) {
   Json out = Json::array();
   for (const trace::RoundReport& round : result.rounds) {
     Json candidates = Json::array();
@@ -124,14 +124,14 @@ Json Rounds(const trace::Judgement& result) {
                             {"refused", score.refused}});
     }
     out.push_back({{"train_rms", round.train_rms},
-                   {"sealed_rms", round.sealed_rms},
+                   {"held_out_rms", round.held_out_rms},
                    {"explainable_rms", round.explainable_rms},
                    {"candidates", std::move(candidates)}});
   }
   return out;
 }
 
-Json Blocks(const trace::Judgement& result) {
+Json Blocks(const trace::Assessment& result) {
   return {{"count", result.units}, {"length_s", result.unit_length_s}};
 }
 
@@ -218,9 +218,9 @@ Json Rotations(const Report& report, const std::string& unit) {
                    {"verdict", VerdictWord(rotation.trace.verdict)},
                    {"effects", std::move(effects)},
                    {"unit", unit},
-                   {"declared", rotation.trace.nominal_sealed.rms},
-                   {"refitted", rotation.trace.before_sealed.rms},
-                   {"corrected", rotation.trace.after_sealed.rms}});
+                   {"declared", rotation.trace.nominal_held_out.rms},
+                   {"refitted", rotation.trace.before_held_out.rms},
+                   {"corrected", rotation.trace.after_held_out.rms}});
   }
   return out;
 }
@@ -235,13 +235,14 @@ std::string FormatJson(const Report& report) {
   const trace::TraceResult& trace = report.trace;
   const std::string unit = TorqueUnit(trace.corrected.kind);
   Json out;
-  out["schema"] = "sinew-close-loop/1";
+  out["schema"] = "sinew-close-loop/2";
   out["verdict"] = VerdictWord(trace.verdict);
   out["sentence"] = VerdictSentence(report);
   out["robot"] = report.robot;
   out["joint"] = trace.corrected.name;
   out["model"] = report.model_file;
-  out["recordings"] = {{"train", Recordings(report.train)}, {"sealed", Recordings(report.sealed)}};
+  out["recordings"] = {{"train", Recordings(report.train)},
+                       {"held_out", Recordings(report.held_out)}};
 
   out["p_global"] = trace.p_global ? Json(*trace.p_global) : Json(nullptr);
   out["faults"] = FaultsJson(report.faults);
@@ -267,8 +268,11 @@ std::string FormatJson(const Report& report) {
         {"weak_evidence", effect.weak_evidence},
         {"train",
          {{"unit", own_unit}, {"before", effect.train_before}, {"after", effect.train_after}}},
-        {"sealed",
-         {{"unit", own_unit}, {"before", effect.sealed_before}, {"after", effect.sealed_after}}}};
+        {"held_out",
+         {{"unit", own_unit},
+          {"before", effect.held_out_before},
+          {"after", effect.held_out_after}}}};
+    entry["sealed"] = entry["held_out"];  // the name of schema 1, kept for its readers
     return entry;
   };
   out["effects"] = Json::array();
@@ -280,12 +284,13 @@ std::string FormatJson(const Report& report) {
   for (const trace::EventTime& event : trace.events) {
     out["events"].push_back({{"effect", event.effect},
                              {"recording", event.recording},
-                             {"sealed", event.sealed},
+                             {"held_out", event.held_out},
                              {"start_s", event.start_s}});
   }
   out["rotations"] = Rotations(report, unit);
   out["train"] = Train(trace, unit);
-  out["sealed"] = Sealed(trace, unit);
+  out["held_out"] = HeldOut(trace, unit);
+  out["sealed"] = out["held_out"];  // the name of schema 1, kept for its readers
   out["balances"] = Json::array();
   for (const trace::BalanceSummary& summary : trace.balances) {
     Json entry = {{"balance", BalanceLetter(summary.balance)},
@@ -295,7 +300,7 @@ std::string FormatJson(const Report& report) {
                   {"unseen", summary.unseen.empty() ? Json(nullptr) : Json(summary.unseen)}};
     if (summary.unseen.empty()) {
       entry["train"] = Train(summary, summary.unit);
-      entry["sealed"] = Sealed(summary, summary.unit);
+      entry["held_out"] = HeldOut(summary, summary.unit);
       entry["unexplained"] = {{"variable", VariableOf(summary.unexplained)},
                               {"order_per_turn", summary.unexplained.order_per_turn},
                               {"rms", summary.unexplained.rms}};

@@ -18,7 +18,7 @@ json Truth(const std::string& kind, const std::string& effect = "", int rig = 1)
                        {"class", {effect}},
                        {"size_reached", true},
                        {"identifiable", true},
-                       {"swallowed_by_refit", effect == "payload"}});
+                       {"absorbed_by_refit", effect == "payload"}});
   }
   return {{"case", "c"},
           {"rig", rig},

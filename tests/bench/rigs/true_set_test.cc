@@ -23,7 +23,7 @@ json ParameterWith(double value, double half_width) {
 }
 
 json ReportWith(const json& after, double motion_error = 1.0) {
-  return {{"base_parameters", {{"after", after}}}, {"sealed", {{"corrected_rms", motion_error}}}};
+  return {{"base_parameters", {{"after", after}}}, {"held_out", {{"corrected_rms", motion_error}}}};
 }
 
 json TruthWith(const std::string& kind, const Words& effects, const std::string& balance = "M") {
@@ -68,7 +68,7 @@ TEST(ErrorRatio, IsThatOfTheEffectsBalance) {
   json found = ReportWith(json::object(), 3.0), given = ReportWith(json::object(), 2.0);
   const auto encoders = [](double rms) {
     json out = json::array();
-    out.push_back({{"balance", "K"}, {"sealed", {{"corrected_rms", rms}}}});
+    out.push_back({{"balance", "K"}, {"held_out", {{"corrected_rms", rms}}}});
     return out;
   };
   found["balances"] = encoders(5.0);

@@ -100,12 +100,12 @@ identify::ProcessingOptions Options() {
 TEST(ArmFit, WrongBodiesAndFrictionAreMendedAndHoldOnAnotherRecording) {
   const actuator::RobotModel robot = Model(0.1, 0.1);
   const Arm arm(Revolute(0.8), robot);
-  const ArmRuns train = Recorded(40.0, 1), sealed = Recorded(20.0, 2);
+  const ArmRuns train = Recorded(40.0, 1), held_out = Recorded(20.0, 2);
   const ArmFit fit = arm.Fit(train, robot, Options());
   EXPECT_NEAR(fit.robot.joints[1].Parameter("coulomb", "coulomb"), 0.3, 0.01);
   EXPECT_NEAR(fit.robot.joints[2].Parameter("viscous", "viscous"), 0.5, 0.02);
-  const ArmError before = arm.ErrorOf(sealed, robot, arm.dynamics().nominal(), Options());
-  const ArmError after = arm.ErrorOf(sealed, fit.robot, fit.phi, Options());
+  const ArmError before = arm.ErrorOf(held_out, robot, arm.dynamics().nominal(), Options());
+  const ArmError after = arm.ErrorOf(held_out, fit.robot, fit.phi, Options());
   EXPECT_GT(before.all_relative_percent, 20.0);
   EXPECT_LT(after.all_relative_percent, 1.0);
   EXPECT_NEAR(after.nrms_percent,

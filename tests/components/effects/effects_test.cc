@@ -131,11 +131,11 @@ TEST_P(EveryEffect, IsDescribedWholly) {
   JointSample x;
   for (const std::string& need : info.needs) EXPECT_NE(Field(x, need), nullptr) << need;
   const std::vector<std::string> names = EffectNames();
-  for (const std::string& other : info.look_alikes) {
+  for (const std::string& other : info.confounders) {
     EXPECT_THAT(names, ::testing::Contains(other));
     EXPECT_NE(other, info.name);
   }
-  EXPECT_EQ(info.look_alikes.empty(), info.separating_excitation.empty());
+  EXPECT_EQ(info.confounders.empty(), info.separating_excitation.empty());
 }
 
 TEST_P(EveryEffect, HasParametersInRangeAndGridsForNonlinearOnes) {
@@ -178,7 +178,7 @@ TEST_P(EveryEffect, GivesBackItsParametersByLeastSquares) {
     x = RandomSample(random);
     x.position_rad *= 0.1;
     x.valve_open =
-        k % 3 == 0;  // what a valve lets in is remembered, what it lets out is not judged
+        k % 3 == 0;  // what a valve lets in is remembered, what it lets out is not assessed
     effect.Advance(x, 1e-3, evaluate.psi, evaluate.memory);
     x.valve_open = false;
     const std::vector<double>& phi = evaluate(x);

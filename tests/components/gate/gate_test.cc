@@ -21,7 +21,7 @@ const scene::Recorded& Recorded() {
     scene.seed = 31;
     scene.trains = 2;
     scene.seconds = 25.0;
-    scene.sealed = false;
+    scene.held_out = false;
     return scene::Record(scene);
   }();
   return recorded;
@@ -197,7 +197,7 @@ TEST(Gate, AMissingConstantNamesTheLineToAdd) {
   EXPECT_NE(report.faults.front().remedy.find("torque_constant_Nm_A:"), std::string::npos);
 }
 
-TEST(Gate, ARecordingOfFewRowsIsNotJudged) {
+TEST(Gate, ARecordingOfFewRowsIsNotAssessed) {
   identify::Run run;
   run.name = "short";
   run.time_s = Eigen::VectorXd::LinSpaced(3, 0.0, 0.2);

@@ -185,8 +185,8 @@ Recorded Record(const Scene& scene) {
   const bool designed = scene.excitation == ExcitationKind::kDesigned;
   const surrogate::PneumaticLine line = surrogate::LinePneumatics(rig);
   for (int k = 0; k <= scene.trains; ++k) {
-    const bool sealed = k == scene.trains;
-    if (sealed && !scene.sealed) break;
+    const bool held_out = k == scene.trains;
+    if (held_out && !scene.held_out) break;
     const std::uint64_t seed = 1000 * scene.seed + static_cast<std::uint64_t>(k);
     RigParameters run_rig = rig;
     run_rig.seed = seed;
@@ -217,10 +217,10 @@ Recorded Record(const Scene& scene) {
                                          .seed = seed};
     if (scene.silent) options.jitter_s = options.stamp_error_s = options.lost_share = 0.0;
     identify::Run run = ToRun(surrogate::RunExperiment(run_rig, options, excitation),
-                              (sealed ? "sealed" : "train_" + std::to_string(k + 1)) +
+                              (held_out ? "held_out" : "train_" + std::to_string(k + 1)) +
                                   std::string("_seed_") + std::to_string(scene.seed));
     if (scene.coloured_noise_A > 0.0) AddColouredNoise(scene.coloured_noise_A, seed, &run);
-    (sealed ? out.sealed : out.train).push_back(std::move(run));
+    (held_out ? out.held_out : out.train).push_back(std::move(run));
   }
   return out;
 }

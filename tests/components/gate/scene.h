@@ -24,12 +24,12 @@ struct Scene {
   double cycle_Hz = 240.0;        // of the controller
   int log_every = 3;              // cycles per row
   bool silent = false;            // sensors neither round nor scatter, no jitter, no lost rows
-  bool sealed = true;             // false: training recordings only
+  bool held_out = true;           // false: training recordings only
   std::vector<surrogate::EffectSpec> effects;
 };
 
 struct Recorded {
-  std::vector<identify::Run> train, sealed;
+  std::vector<identify::Run> train, held_out;
   actuator::JointModel declared;  // nominal values 5 to 15 % off, tolerances of 15 %
   actuator::JointModel specimen;  // the same terms at their true values
   identify::ProcessingOptions processing;

@@ -335,14 +335,14 @@ TEST_F(LoggerDds, ClosingTheLoopOnARecordingGivesTheFiguresOfTheFilesItCameFrom)
   const auto close_loop = [&](const std::vector<std::string>& files, const std::string& out) {
     const Finished run = testing::Run(
         {kBin + "sinew", "close-loop", "--model", robot + "model.yaml", "--map",
-         robot + "csv_map.yaml", "--train", files[0], "--sealed", files[1], "--out", Path(out)},
+         robot + "csv_map.yaml", "--train", files[0], "--held-out", files[1], "--out", Path(out)},
         120s);
     EXPECT_EQ(run.exit_code, 0) << run.error;
     return nlohmann::json::parse(config::ReadFile(Path(out) + "/report.json"));
   };
   const nlohmann::json expected = close_loop(csv, "from_csv");
   const nlohmann::json report = close_loop(copies, "from_recording");
-  for (const char* key : {"verdict", "effects", "sealed", "train", "as_published"}) {
+  for (const char* key : {"verdict", "effects", "held_out", "train", "as_published"}) {
     EXPECT_TRUE(expected.contains(key)) << key;
     EXPECT_EQ(report[key], expected[key]) << key;
   }

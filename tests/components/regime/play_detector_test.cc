@@ -65,7 +65,7 @@ struct Score {
 
 // Wrong outside one sample of a transition, or, where the play has opened by less than two counts,
 // not yet.
-Score Judge(const std::vector<double>& alpha, double noise_rad, unsigned seed) {
+Score Assess(const std::vector<double>& alpha, double noise_rad, unsigned seed) {
   PlayConfig config;
   config.backlash_rad = kPlay_rad;
   config.output_noise_rad = noise_rad;
@@ -100,7 +100,7 @@ TEST(PlayDetector, IsRightInAtLeast995PerMilleAtEverySpeedAndNoise) {
         const int times = step_counts < 0.1 ? 4 : 40;
         const std::vector<double> alpha =
             Crossings(step_counts * kCount_rad, penetration_counts * kCount_rad, times, 11);
-        const Score score = Judge(alpha, noise_rad, 5);
+        const Score score = Assess(alpha, noise_rad, 5);
         const std::string where = std::to_string(noise_rad) + " rad, " +
                                   std::to_string(step_counts) + " counts a sample, " +
                                   std::to_string(penetration_counts) + " counts deep";
@@ -113,7 +113,7 @@ TEST(PlayDetector, IsRightInAtLeast995PerMilleAtEverySpeedAndNoise) {
 
 TEST(PlayDetector, MoreNoiseThanTwoCountsIsSlowerButDoesNotChatter) {
   const double noise_rad = 2.0 * kCount_rad;
-  const Score score = Judge(Crossings(0.5 * kCount_rad, 0.0, 40, 3), noise_rad, 4);
+  const Score score = Assess(Crossings(0.5 * kCount_rad, 0.0, 40, 3), noise_rad, 4);
   EXPECT_EQ(score.flips, score.transitions);
   EXPECT_LE(score.wrong_share, 0.05);
 }
@@ -122,7 +122,7 @@ TEST(PlayDetector, RestingAnywhereNearAContactItDoesNotChatter) {
   // At rest for eight minutes at each distance; the first decision and one correction are allowed.
   int flips = 0;
   for (double counts = -2.0; counts <= 6.0; counts += 0.25) {
-    const Score score = Judge(std::vector<double>(240 * 480, counts * kCount_rad), 0.00015, 17);
+    const Score score = Assess(std::vector<double>(240 * 480, counts * kCount_rad), 0.00015, 17);
     EXPECT_LE(score.flips, 4) << counts << " counts";
     flips += score.flips;
   }

@@ -1,4 +1,4 @@
-// The detector on the surrogate's sensors, judged by the surrogate's truth about its teeth.
+// The detector on the surrogate's sensors, assessed by the surrogate's truth about its teeth.
 //
 // Counted as wrong: every sample that is not right, except within one sample of a true transition
 // or of the play's opening to two encoder counts, whichever is later.
@@ -25,7 +25,7 @@ struct Score {
 
 // drive(time) gives the command and the hand's force.
 template <class DriveFunction>
-Score Judge(surrogate::RigParameters parameters, double seconds, const DriveFunction& drive) {
+Score Assess(surrogate::RigParameters parameters, double seconds, const DriveFunction& drive) {
   surrogate::Rig rig(parameters);
   DetectorConfig config;
   config.play.backlash_rad = parameters.gear.play_rad;
@@ -82,7 +82,7 @@ TEST(RegimeOnSurrogate, InsideTheBacklashWithTheHand) {
     surrogate::RigParameters parameters;
     parameters.pneumatics.initial_pressure_bar = pressure_bar;
     parameters.rotor_locked = true;
-    const Score score = Judge(parameters, 15.0, [&](double time_s) {
+    const Score score = Assess(parameters, 15.0, [&](double time_s) {
       surrogate::RigInput input;
       const double push = std::sin(2.0 * std::numbers::pi * 2.0 * time_s);
       input.hand_force_N = push > 0.0 ? 14.0 * push : 0.0;
@@ -101,7 +101,7 @@ TEST(RegimeOnSurrogate, MotorTurningToAndFroAtEverySpeed) {
       const double stroke_rad = speed_rad_s < 0.02 ? 0.03 : 0.3;
       const double period_s = 4.0 * stroke_rad / speed_rad_s;
       const Score score =
-          Judge(parameters, std::clamp(1.5 * period_s, 15.0, 30.0), [&](double time_s) {
+          Assess(parameters, std::clamp(1.5 * period_s, 15.0, 30.0), [&](double time_s) {
             surrogate::RigInput input;
             const double u = std::fmod(time_s / period_s + 0.25, 1.0);
             const double way = u < 0.5 ? 4.0 * u - 1.0 : 3.0 - 4.0 * u;

@@ -39,11 +39,11 @@ Made Make(bool effect) {
   out.report.robot = "a <robot>";
   out.report.model_file = "model.yaml";
   out.report.train = {{"train.csv", "0123", 12000, 60.0}};
-  out.report.sealed = {{"sealed.csv", "4567", 12000, 60.0}};
+  out.report.held_out = {{"sealed.csv", "4567", 12000, 60.0}};
   out.report.processing = identify::SyntheticProcessing();
   out.report.findings = {{"rate", "sampled at 200 Hz", 200.0, "Hz"}};
   out.report.trace = std::move(loop.trace);
-  out.pictures = MakePictures(out.report, *loop.train, *loop.sealed);
+  out.pictures = MakePictures(out.report, *loop.train, *loop.held_out);
   return out;
 }
 
@@ -60,7 +60,7 @@ TEST(Report, JsonHoldsWhatProgramsAskFor) {
   EXPECT_GT(effect["parameters"]["quadratic_Nm_s2_rad2"]["half_width_95"].get<double>(), 0.0);
   EXPECT_GT(effect["gain"].get<double>(), 0.1);
   EXPECT_LT(effect["p"].get<double>(), 0.01);
-  for (const char* set : {"train", "sealed"}) {
+  for (const char* set : {"train", "held_out"}) {
     EXPECT_EQ(json[set]["unit"], "Nm");
     EXPECT_LT(json[set]["after"].get<double>(), json[set]["before"].get<double>());
     EXPECT_EQ(json[set]["after"], json[set]["after_rms"]);
@@ -68,9 +68,9 @@ TEST(Report, JsonHoldsWhatProgramsAskFor) {
   EXPECT_TRUE(effect["in_model"].get<bool>());
   ASSERT_EQ(json["errors"].size(), 2u);
   EXPECT_EQ(json["errors"][1]["what"], "held_out");
-  EXPECT_EQ(json["errors"][1]["declared"], json["sealed"]["declared_rms"]);
-  EXPECT_EQ(json["errors"][1]["refitted"], json["sealed"]["before"]);
-  EXPECT_EQ(json["errors"][1]["corrected"], json["sealed"]["after"]);
+  EXPECT_EQ(json["errors"][1]["declared"], json["held_out"]["declared_rms"]);
+  EXPECT_EQ(json["errors"][1]["refitted"], json["held_out"]["before"]);
+  EXPECT_EQ(json["errors"][1]["corrected"], json["held_out"]["after"]);
   EXPECT_TRUE(json["rises"].empty());
   for (const char* key :
        {"not_excited", "unexplained", "parameter_shift", "base_parameters", "findings", "rounds"}) {
@@ -84,7 +84,7 @@ TEST(Report, WithoutAnEffectTheVerdictIsNone) {
   const nlohmann::json json = nlohmann::json::parse(FormatJson(made.report));
   EXPECT_EQ(json["verdict"], "none");
   EXPECT_TRUE(json["effects"].empty());
-  EXPECT_EQ(json["sealed"]["before"], json["sealed"]["after"]);
+  EXPECT_EQ(json["held_out"]["before"], json["held_out"]["after"]);
   EXPECT_THAT(VerdictSentence(made.report), HasSubstr("No effect"));
 }
 
@@ -92,9 +92,9 @@ TEST(Report, WithoutAnEffectTheVerdictIsNone) {
 Report WithErrors(double declared, double refitted, double corrected) {
   Report report;
   report.trace.verdict = trace::Verdict::kNone;
-  report.trace.nominal_sealed.rms = declared;
-  report.trace.before_sealed.rms = refitted;
-  report.trace.after_sealed.rms = corrected;
+  report.trace.nominal_held_out.rms = declared;
+  report.trace.before_held_out.rms = refitted;
+  report.trace.after_held_out.rms = corrected;
   return report;
 }
 

@@ -35,9 +35,9 @@ TEST(CloseLoop, RecordingsInEffectOut) {
   EXPECT_EQ(loop.trace.effects.front().name, "quadratic_viscous");
   // What was left to the data is filled in, and the designs are those that the errors are of.
   EXPECT_GT(loop.processing.parallel_cutoff_Hz, 0.0);
-  ASSERT_TRUE(loop.sealed.has_value());
-  EXPECT_DOUBLE_EQ(identify::ErrorOf(*loop.sealed, loop.trace.corrected, loop.trace.nominal).rms,
-                   loop.trace.after_sealed.rms);
+  ASSERT_TRUE(loop.held_out.has_value());
+  EXPECT_DOUBLE_EQ(identify::ErrorOf(*loop.held_out, loop.trace.corrected, loop.trace.nominal).rms,
+                   loop.trace.after_held_out.rms);
 }
 
 // A map of cogging: one turn of positions that were held, in an order that says nothing.
@@ -82,18 +82,18 @@ TEST(CloseLoop, AllOrdersOfAMapOfHeldPositionsAreOneEffect) {
   }
   EXPECT_THAT(orders, ::testing::ElementsAre(7, 28, 12, 90));
   // What is left is the noise of the current.
-  EXPECT_NEAR(loop.trace.after_sealed.rms, 0.02 * 0.05, 0.1 * 0.02 * 0.05);
+  EXPECT_NEAR(loop.trace.after_held_out.rms, 0.02 * 0.05, 0.1 * 0.02 * 0.05);
   EXPECT_TRUE(loop.trace.events.empty());
 }
 
-TEST(CloseLoop, ASealedRecordingThatWasTrainedOnIsRefused) {
+TEST(CloseLoop, AHeldOutRecordingThatWasTrainedOnIsRefused) {
   identify::Run run = SyntheticRun(SyntheticModel(), Recipe{.duration_s = 5.0});
   run.content_hash = "abc";
   identify::Run copy = run;
   copy.name = "copy";
-  EXPECT_THROW(RequireSealed({run}, {copy}), std::invalid_argument);
+  EXPECT_THROW(RequireHeldOut({run}, {copy}), std::invalid_argument);
   copy.content_hash = "abd";
-  EXPECT_NO_THROW(RequireSealed({run}, {copy}));
+  EXPECT_NO_THROW(RequireHeldOut({run}, {copy}));
 }
 
 }  // namespace

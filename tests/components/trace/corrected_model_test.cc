@@ -24,8 +24,8 @@ TraceResult TraceHeldOut(const identify::Run& held_out, bool keep_unconfirmed) {
       RunWithDrag({.rate_Hz = 100.0, .seed = 2, .noise_A = 0.05})};
   const identify::ProcessingOptions options = identify::FromMotion(train, model, 0.25);
   Design design(identify::MakeStates(train, model, options), options);
-  Design sealed(identify::MakeStates({held_out}, model, options), options);
-  return TraceByLikelihood(design, sealed, model, {.keep_unconfirmed = keep_unconfirmed});
+  Design held_out(identify::MakeStates({held_out}, model, options), options);
+  return TraceByLikelihood(design, held_out, model, {.keep_unconfirmed = keep_unconfirmed});
 }
 
 TEST(CorrectedModel, HoldsAnEffectThatTheHeldOutRecordingConfirms) {
@@ -40,7 +40,7 @@ TEST(CorrectedModel, HoldsAnEffectThatTheHeldOutRecordingConfirms) {
   ASSERT_EQ(found.fitted.size(), 1u);
   EXPECT_DOUBLE_EQ(found.fitted[0].linear[0].value,
                    actuator::PhysicalValue(result.corrected, found.term, 0));
-  EXPECT_LT(result.after_sealed.rms, result.before_sealed.rms);
+  EXPECT_LT(result.after_held_out.rms, result.before_held_out.rms);
 }
 
 // The held-out joint has two and a half times the drag: it is there, but not as trained.
@@ -59,7 +59,7 @@ TEST(CorrectedModel, LeavesOutWhatTheHeldOutRecordingDoesNotConfirmUnlessAsked) 
   EXPECT_NEAR(size.value, kQuadratic_Nm_s2_rad2, 2.0 * size.half_width_95.value());
   EXPECT_EQ(result.corrected.Find("quadratic_viscous"), -1);
   EXPECT_DOUBLE_EQ(result.after_train.rms, result.before_train.rms);
-  EXPECT_DOUBLE_EQ(result.after_sealed.rms, result.before_sealed.rms);
+  EXPECT_DOUBLE_EQ(result.after_held_out.rms, result.before_held_out.rms);
 
   const TraceResult kept = TraceHeldOut(other, true);
   ASSERT_EQ(kept.effects.size(), 1u);

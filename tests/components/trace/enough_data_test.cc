@@ -27,16 +27,16 @@ identify::Run AtRest(std::uint64_t seed) {
   return run;
 }
 
-TraceResult Judged(const identify::Run& train, const identify::Run& held_out) {
+TraceResult Assessed(const identify::Run& train, const identify::Run& held_out) {
   return CloseLoop({train}, {held_out}, identify::SyntheticModel(), 0.25, {}).trace;
 }
 
-TEST(EnoughData, ShortOrStillRecordingsAreTooLittleToJudge) {
+TEST(EnoughData, ShortOrStillRecordingsAreTooLittleToAssess) {
   const identify::Run good = Lasting(60.0, 1);
   for (const identify::Run& bad : {Lasting(0.05, 2), Lasting(0.3, 2), AtRest(2)}) {
     const double seconds = bad.time_s[bad.size() - 1];
     for (const bool training : {true, false}) {
-      const TraceResult result = training ? Judged(bad, good) : Judged(good, bad);
+      const TraceResult result = training ? Assessed(bad, good) : Assessed(good, bad);
       EXPECT_EQ(result.verdict, Verdict::kTooLittleData) << seconds << training;
       ASSERT_TRUE(result.too_little.has_value());
       EXPECT_FALSE(result.too_little->reason.empty());
@@ -44,8 +44,8 @@ TEST(EnoughData, ShortOrStillRecordingsAreTooLittleToJudge) {
       EXPECT_TRUE(result.effects.empty());
     }
   }
-  EXPECT_EQ(Judged(Lasting(0.7, 2), good).verdict, Verdict::kTooLittleData);
-  EXPECT_EQ(Judged(good, Lasting(60.0, 2)).verdict, Verdict::kNone);
+  EXPECT_EQ(Assessed(Lasting(0.7, 2), good).verdict, Verdict::kTooLittleData);
+  EXPECT_EQ(Assessed(good, Lasting(60.0, 2)).verdict, Verdict::kNone);
 }
 
 // A free curve fits any slow noise of a few seconds; it does not predict it.
@@ -53,15 +53,15 @@ TEST(EnoughData, AShortRecordingWithoutAnEffectIsNotUnexplained) {
   const identify::Run good = Lasting(60.0, 1);
   for (const double seconds : {2.0, 3.0, 5.0}) {
     for (const std::uint64_t seed : {2u, 3u, 4u, 5u}) {
-      const TraceResult result = Judged(Lasting(seconds, seed), good);
+      const TraceResult result = Assessed(Lasting(seconds, seed), good);
       EXPECT_EQ(result.verdict, Verdict::kNone) << seconds << " s, " << result.unexplained.variable;
     }
   }
 }
 
 TEST(EnoughData, TheRulesNameWhatIsMissing) {
-  EXPECT_EQ(Judged(AtRest(1), Lasting(60.0, 2)).too_little->rule, rules::kBlocks.id);
-  EXPECT_EQ(Judged(Lasting(60.0, 1), AtRest(2)).too_little->rule, rules::kHeldOutBlocks.id);
+  EXPECT_EQ(Assessed(AtRest(1), Lasting(60.0, 2)).too_little->rule, rules::kBlocks.id);
+  EXPECT_EQ(Assessed(Lasting(60.0, 1), AtRest(2)).too_little->rule, rules::kHeldOutBlocks.id);
 }
 
 // 2^(n - 1) patterns of signs, for a change of all of them changes no gain.

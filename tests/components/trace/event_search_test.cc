@@ -43,10 +43,10 @@ Design RawDesign(const std::vector<identify::Run>& runs) {
   return Design(identify::MakeStates(runs, model, options), options);
 }
 
-TraceResult TraceRaw(const std::vector<identify::Run>& train, const identify::Run& sealed) {
+TraceResult TraceRaw(const std::vector<identify::Run>& train, const identify::Run& held_out) {
   Design design = RawDesign(train);
-  Design sealed_design = RawDesign({sealed});
-  return TraceByLikelihood(design, sealed_design, identify::SyntheticModel(), {});
+  Design held_out_design = RawDesign({held_out});
+  return TraceByLikelihood(design, held_out_design, identify::SyntheticModel(), {});
 }
 
 std::vector<double> StartsIn(const TraceResult& result, const std::string& recording) {
@@ -60,8 +60,8 @@ std::vector<double> StartsIn(const TraceResult& result, const std::string& recor
 TEST(EventSearch, APayloadPutOnAtDifferentTimesIsFoundWithItsMassAndItsTimes) {
   const std::vector<identify::Run> train = {Recorded({"payload_step", 0.2, {{17.0}}}, 11),
                                             Recorded({"payload_step", 0.2, {{41.0}}}, 12)};
-  const identify::Run sealed = Recorded({"payload_step", 0.2, {{29.0}}}, 14);
-  const TraceResult result = TraceRaw(train, sealed);
+  const identify::Run held_out = Recorded({"payload_step", 0.2, {{29.0}}}, 14);
+  const TraceResult result = TraceRaw(train, held_out);
   ASSERT_EQ(result.verdict, Verdict::kEffect);
   ASSERT_EQ(result.effects.size(), 1u);
   EXPECT_EQ(result.effects[0].name, "payload_step");
@@ -72,22 +72,22 @@ TEST(EventSearch, APayloadPutOnAtDifferentTimesIsFoundWithItsMassAndItsTimes) {
   ASSERT_EQ(StartsIn(result, train[0].name).size(), 1u);
   EXPECT_NEAR(StartsIn(result, train[0].name)[0], 17.0, 0.5);
   EXPECT_NEAR(StartsIn(result, train[1].name)[0], 41.0, 0.5);
-  EXPECT_NEAR(StartsIn(result, sealed.name)[0], 29.0, 0.5);
+  EXPECT_NEAR(StartsIn(result, held_out.name)[0], 29.0, 0.5);
 }
 
 TEST(EventSearch, PushesAreFoundAsOftenAsTheyCame) {
   const std::vector<identify::Run> train = {
       Recorded({"external_bump", 1.2, {{20.0, 0.8}, {44.0, 0.8}}}, 21),
       Recorded({"external_bump", 1.2, {{9.0, 0.8}, {31.0, 0.8}}}, 22)};
-  const identify::Run sealed = Recorded({"external_bump", 1.2, {{33.0, 0.8}, {51.0, 0.8}}}, 23);
-  const TraceResult result = TraceRaw(train, sealed);
+  const identify::Run held_out = Recorded({"external_bump", 1.2, {{33.0, 0.8}, {51.0, 0.8}}}, 23);
+  const TraceResult result = TraceRaw(train, held_out);
   ASSERT_EQ(result.verdict, Verdict::kEffect);
   EXPECT_EQ(result.effects[0].name, "external_bump");
   const std::vector<double> first = StartsIn(result, train[0].name);
   ASSERT_EQ(first.size(), 2u);
   EXPECT_NEAR(first[0], 20.0, 0.3);
   EXPECT_NEAR(first[1], 44.0, 0.3);
-  const std::vector<double> held_out = StartsIn(result, sealed.name);
+  const std::vector<double> held_out = StartsIn(result, held_out.name);
   ASSERT_EQ(held_out.size(), 2u);
   EXPECT_NEAR(held_out[0], 33.0, 0.3);
   EXPECT_NEAR(held_out[1], 51.0, 0.3);
@@ -98,8 +98,8 @@ TEST(EventSearch, PushesThatReachTheDriveInPartDoNotHideTheOthers) {
       Recorded({{"external_bump", 1.2, {{20.0, 0.8}}}, {"external_bump", 0.45, {{44.0, 0.8}}}}, 24),
       Recorded({{"external_bump", 1.2, {{9.0, 0.8}}}}, 25),
       Recorded({{"external_bump", 0.45, {{31.0, 0.8}}}}, 26)};
-  const identify::Run sealed = Recorded({"external_bump", 1.2, {{33.0, 0.8}}}, 27);
-  const TraceResult result = TraceRaw(train, sealed);
+  const identify::Run held_out = Recorded({"external_bump", 1.2, {{33.0, 0.8}}}, 27);
+  const TraceResult result = TraceRaw(train, held_out);
   ASSERT_EQ(result.verdict, Verdict::kEffect);
   EXPECT_EQ(result.effects[0].name, "external_bump");
   EXPECT_EQ(StartsIn(result, train[0].name).size(), 1u);

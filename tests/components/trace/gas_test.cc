@@ -194,7 +194,7 @@ TEST_P(GasEffect, IsFoundWithItsParameters) {
       TraceGas(WithGas(GetParam().effect, GetParam().values, GetParam().psi), 30);
   ASSERT_EQ(GasEffects(result), std::vector<std::string>{GetParam().effect});
   const FoundEffect& found = result.effects.back();  // balances follow the motion
-  EXPECT_LT(found.sealed_after, found.sealed_before);
+  EXPECT_LT(found.held_out_after, found.held_out_before);
   const actuator::Term& term = result.corrected.terms[static_cast<std::size_t>(found.term)];
   for (std::size_t i = 0; i < GetParam().values.size(); ++i) {
     EXPECT_NEAR(term.linear[i].value, GetParam().values[i], 0.2 * GetParam().values[i]);

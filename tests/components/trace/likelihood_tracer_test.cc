@@ -26,8 +26,8 @@ TraceResult TraceOf(const actuator::JointModel& truth, Recipe recipe,
     train.push_back(SyntheticRun(truth, recipe));
   }
   recipe.seed = 10 * seed + 5;
-  const identify::Run sealed_run = SyntheticRun(truth, recipe);
-  return CloseLoop(train, {sealed_run}, model, 0.25, {}).trace;
+  const identify::Run held_out_run = SyntheticRun(truth, recipe);
+  return CloseLoop(train, {held_out_run}, model, 0.25, {}).trace;
 }
 
 actuator::JointModel With(const std::string& effect, double value) {
@@ -36,12 +36,12 @@ actuator::JointModel With(const std::string& effect, double value) {
   return truth;
 }
 
-TEST(LikelihoodTracer, AKnownEffectIsFoundFirstAndLowersTheSealedError) {
+TEST(LikelihoodTracer, AKnownEffectIsFoundFirstAndLowersTheHeldOutError) {
   const TraceResult result =
       TraceOf(With("quadratic_viscous", 0.4), {.noise_A = 0.1, .noise_memory = 0.8});
   ASSERT_EQ(result.verdict, Verdict::kEffect);
   EXPECT_EQ(result.effects.front().name, "quadratic_viscous");
-  EXPECT_LT(result.after_sealed.rms, 0.9 * result.before_sealed.rms);
+  EXPECT_LT(result.after_held_out.rms, 0.9 * result.before_held_out.rms);
   const actuator::ParameterValue& value = result.corrected.terms.back().linear[0];
   ASSERT_TRUE(value.half_width_95.has_value());
   EXPECT_NEAR(value.value, 0.4, 1.5 * *value.half_width_95);
@@ -114,7 +114,7 @@ TEST(LikelihoodTracer, TheSameSeedGivesTheSameResult) {
       TraceOf(With("quadratic_viscous", 0.15), {.duration_s = 30.0, .noise_A = 0.15});
   const TraceResult b =
       TraceOf(With("quadratic_viscous", 0.15), {.duration_s = 30.0, .noise_A = 0.15});
-  EXPECT_EQ(a.after_sealed.rms, b.after_sealed.rms);
+  EXPECT_EQ(a.after_held_out.rms, b.after_held_out.rms);
   EXPECT_EQ(a.p_global, b.p_global);
 }
 

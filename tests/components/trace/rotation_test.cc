@@ -84,12 +84,12 @@ TEST(RotateLoop, FitsAllRecordingsAndTellsTheErrorsOfThoseThatWereHeldOut) {
     const TraceResult& trace = loop.rotations[i].trace;
     EXPECT_EQ(loop.rotations[i].held_out, runs[i].name);
     ASSERT_EQ(trace.effects.size(), 1u);
-    squares += trace.after_sealed.rms * trace.after_sealed.rms / 3.0;
+    squares += trace.after_held_out.rms * trace.after_held_out.rms / 3.0;
     weakest = std::min(weakest, trace.effects[0].confirmation.lower);
   }
-  EXPECT_NEAR(all.after_sealed.rms, std::sqrt(squares), 1e-9);
+  EXPECT_NEAR(all.after_held_out.rms, std::sqrt(squares), 1e-9);
   EXPECT_DOUBLE_EQ(all.effects[0].confirmation.lower, weakest);
-  EXPECT_LT(all.after_sealed.rms, all.before_sealed.rms);
+  EXPECT_LT(all.after_held_out.rms, all.before_held_out.rms);
 }
 
 TEST(LeaveOneOut, HoldsEachRecordingOutOnce) {

@@ -95,8 +95,8 @@ TraceResult TraceDrag(double drag, std::uint64_t seed) {
     return identify::Design(identify::MakeStates({run}, model, own), own);
   };
   identify::Design train = design(seed, nullptr);
-  identify::Design sealed = design(seed + 1000, &train.options());
-  return TraceByLikelihood(train, sealed, model, {});
+  identify::Design held_out = design(seed + 1000, &train.options());
+  return TraceByLikelihood(train, held_out, model, {});
 }
 
 bool FindsDrag(const TraceResult& result) {
@@ -139,7 +139,8 @@ TEST(Detectable, WhatStandsOutOfNoiseCouldNotHide) {
     if (score.statistic < 20.0) continue;
     ++shown;
     EXPECT_EQ(hidden.count(score.name), 0u) << score.name;
-    EXPECT_EQ(std::count(result.judged.begin(), result.judged.end(), score.name), 1) << score.name;
+    EXPECT_EQ(std::count(result.assessed.begin(), result.assessed.end(), score.name), 1)
+        << score.name;
   }
   EXPECT_GT(shown, 1);  // the drag and what resembles it
   EXPECT_GT(hidden.size(), 0u);

@@ -148,7 +148,7 @@ TEST_P(KinematicEffect, IsFoundWithItsParameters) {
   const trace::FoundEffect& found = result.effects.front();
   EXPECT_EQ(found.name, GetParam().effect);
   EXPECT_EQ(found.balance, Balance::kKinematic);
-  EXPECT_LT(found.sealed_after, found.sealed_before);
+  EXPECT_LT(found.held_out_after, found.held_out_before);
   const actuator::Term& term = result.corrected.terms[static_cast<std::size_t>(found.term)];
   double played = 0.0, fitted = 0.0;  // amplitudes: the motor's zero turns sine and cosine
   for (std::size_t i = 0; i < GetParam().values.size(); ++i) {
@@ -161,7 +161,7 @@ TEST_P(KinematicEffect, IsFoundWithItsParameters) {
   }
   ASSERT_EQ(result.balances.size(), 1u);
   EXPECT_EQ(result.balances[0].unit, "rad");
-  EXPECT_LT(result.balances[0].after_sealed.rms, result.balances[0].before_sealed.rms);
+  EXPECT_LT(result.balances[0].after_held_out.rms, result.balances[0].before_held_out.rms);
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinematic, KinematicEffect,

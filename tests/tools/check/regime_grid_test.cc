@@ -73,7 +73,7 @@ TEST(RegimeSection, OneBadCaseIsNotHiddenByManyGoodOnes) {
   RegimeGrid grid;
   grid.scores.assign(100, Perfect());
   grid.scores[50].wrong = 6;
-  grid.scores[99].at.noise_rad = 0.0;  // its level is judged by itself
+  grid.scores[99].at.noise_rad = 0.0;  // its level is assessed by itself
   EXPECT_EQ(Line(MakeRegimeSection(grid), "right samples").met, false);
 }
 

@@ -99,13 +99,13 @@ TEST(CloseLoopGate, AFaultEndsWithTheVerdictDataFaultAndNothingIsTraced) {
   const fs::path out = folder.path() / "out";
   const Finished run =
       testing::Run({kSinew, "close-loop", "--model", (kClean / "rig.json").string(), "--train",
-                    WithSpike(folder.path()).string(), "--sealed", (kClean / "sealed.csv").string(),
-                    "--out", out.string()});
+                    WithSpike(folder.path()).string(), "--held-out",
+                    (kClean / "sealed.csv").string(), "--out", out.string()});
   EXPECT_EQ(run.exit_code, 0) << run.error;
   EXPECT_THAT(run.output, HasSubstr("spike: motor_current of spiked.csv"));
   EXPECT_THAT(run.output, HasSubstr("verdict: data_fault\n"));
   const auto json = nlohmann::json::parse(Read(out / "report.json"));
-  EXPECT_EQ(json["schema"], "sinew-close-loop/1");
+  EXPECT_EQ(json["schema"], "sinew-close-loop/2");
   EXPECT_EQ(json["verdict"], "data_fault");
   EXPECT_EQ(json["faults"].size(), 1u);
   EXPECT_TRUE(json["effects"].empty());
@@ -119,7 +119,7 @@ TEST(CloseLoopGate, AnAcceptedFaultGoesOnAndIsListedInTheReport) {
   const fs::path out = folder.path() / "out";
   const Finished run = testing::Run(
       {kSinew, "close-loop", "--model", (kClean / "rig.json").string(), "--train",
-       WithSpike(folder.path()).string(), (kClean / "train_2.csv").string(), "--sealed",
+       WithSpike(folder.path()).string(), (kClean / "train_2.csv").string(), "--held-out",
        (kClean / "sealed.csv").string(), "--accept-fault", "spike", "--out", out.string()});
   EXPECT_EQ(run.exit_code, 0) << run.error;
   const auto json = nlohmann::json::parse(Read(out / "report.json"));

@@ -31,7 +31,7 @@ CloseLoopOptions EmpsOptions() {
   options.model = kSource / "robots" / "emps" / "model.yaml";
   options.map = kSource / "robots" / "emps" / "csv_map.yaml";
   options.train = {kEmps / "DATA_EMPS.csv"};
-  options.sealed = {kEmps / "DATA_EMPS_PULSES.csv"};
+  options.held_out = {kEmps / "DATA_EMPS_PULSES.csv"};
   return options;
 }
 
@@ -41,7 +41,7 @@ CloseLoopOptions ExampleOptions(const std::string& example) {
   options.model = folder / "rig.json";
   options.map = kSource / "robots" / "rig" / "csv_map.yaml";
   options.train = {folder / "train_1.csv", folder / "train_2.csv", folder / "train_3.csv"};
-  options.sealed = {folder / "sealed.csv"};
+  options.held_out = {folder / "sealed.csv"};
   return options;
 }
 
@@ -77,9 +77,9 @@ TEST(CloseLoopOnEmps, TheSameEffectIsFoundAndASecondLowersTheCrossError) {
                          {"direction_dependent_viscous", "direction_dependent_quadratic_viscous"}));
   for (const trace::FoundEffect& effect : trace.effects) {
     EXPECT_EQ(effect.confirmation.verdict, trace::ConfirmationVerdict::kConfirmed) << effect.name;
-    EXPECT_LT(effect.sealed_after, effect.sealed_before) << effect.name;
+    EXPECT_LT(effect.held_out_after, effect.held_out_before) << effect.name;
   }
-  EXPECT_LT(trace.after_sealed.rms, 0.82 * trace.before_sealed.rms);
+  EXPECT_LT(trace.after_held_out.rms, 0.82 * trace.before_held_out.rms);
 }
 
 TEST(CloseLoopOnEmps, ARecordingGivesTheSameFiguresAsItsCsv) {
@@ -93,13 +93,13 @@ TEST(CloseLoopOnEmps, ARecordingGivesTheSameFiguresAsItsCsv) {
   CloseLoopOptions options = EmpsOptions();
   const CloseLoopResult csv = CloseLoop(options);
   recording::ImportCsv(options.train, options.map, folder.path() / "train.mcap", find_schema);
-  recording::ImportCsv(options.sealed, options.map, folder.path() / "sealed.mcap", find_schema);
+  recording::ImportCsv(options.held_out, options.map, folder.path() / "sealed.mcap", find_schema);
   options.train = {folder.path() / "train.mcap"};
-  options.sealed = {folder.path() / "sealed.mcap"};
+  options.held_out = {folder.path() / "sealed.mcap"};
   const CloseLoopResult mcap = CloseLoop(options);
   EXPECT_DOUBLE_EQ(mcap.report.as_published->before_percent,
                    csv.report.as_published->before_percent);
-  EXPECT_DOUBLE_EQ(mcap.report.trace.after_sealed.rms, csv.report.trace.after_sealed.rms);
+  EXPECT_DOUBLE_EQ(mcap.report.trace.after_held_out.rms, csv.report.trace.after_held_out.rms);
   EXPECT_EQ(mcap.report.train[0].content_hash, csv.report.train[0].content_hash);
 }
 
@@ -124,10 +124,10 @@ TEST(CloseLoopOnTheRig, TheHiddenEffectOfTheExampleIsNamed) {
               right["viscous_friction"].get<double>(), 0.01);
   EXPECT_NEAR(trace.corrected.Parameter("gravity", "gravity_torque"),
               right["gravity_torque"].get<double>(), 0.01);
-  // What the effect left, by the example's effect-free twin, is gone from the sealed recording.
+  // What the effect left, by the example's effect-free twin, is gone from the held-out recording.
   const nlohmann::json& left = truth["residual_rms"]["M"];
   const auto square = [](double x) { return x * x; };
-  EXPECT_GT(square(trace.before_sealed.rms) - square(trace.after_sealed.rms),
+  EXPECT_GT(square(trace.before_held_out.rms) - square(trace.after_held_out.rms),
             0.9 * (square(left["sealed_declared"].get<double>()) -
                    square(left["sealed_oracle"].get<double>())));
 }
@@ -166,10 +166,10 @@ TEST(CloseLoop, TooLittleDataIsAVerdictWithAReport) {
   for (const bool training : {true, false}) {
     CloseLoopOptions options = ExampleOptions("one_effect");
     options.out = folder.path() / (training ? "training" : "held_out");
-    std::vector<fs::path>& part = training ? options.train : options.sealed;
+    std::vector<fs::path>& part = training ? options.train : options.held_out;
     part = {part.front().string() + "@10:13"};
     const CloseLoopResult result = CloseLoop(options);
-    EXPECT_FALSE(result.judged());
+    EXPECT_FALSE(result.assessed());
     const nlohmann::json json = nlohmann::json::parse(std::ifstream(options.out / "report.json"));
     EXPECT_EQ(json["verdict"], "too_little_data");
     EXPECT_EQ(json["too_little_data"]["rule"], training ? "blocks" : "held_out_blocks");
@@ -256,10 +256,10 @@ TEST(CloseLoopBadInput, ABrokenRecordingIsRefused) {
   ExpectRefused(options, {"broken.mcap"});
 }
 
-TEST(CloseLoopBadInput, TheSealedRecordingMayNotBeTrainedOn) {
+TEST(CloseLoopBadInput, TheHeldOutRecordingMayNotBeTrainedOn) {
   CloseLoopOptions options = ExampleOptions("clean");
-  options.sealed = {options.train[1]};
-  ExpectRefused(options, {"train_2.csv", "sealed"});
+  options.held_out = {options.train[1]};
+  ExpectRefused(options, {"train_2.csv", "held-out"});
 }
 
 TEST(CloseLoopBadInput, AJointTheModelLacksIsRefused) {

@@ -78,7 +78,7 @@ class Input : public ::testing::Test {
                         "  torque: {column: tau, unit: Nm}\n");
     const std::string csv = Write("day.csv", SpringCsv());
     options.train = {csv + "@:12"};
-    options.sealed = {csv + "@12:"};
+    options.held_out = {csv + "@12:"};
     return options;
   }
   testing::TemporaryFolder folder_;
@@ -89,7 +89,7 @@ TEST_F(Input, ASpringAndAJointWithoutInertiaAreFitted) {
   const LoopInput input = LoadLoopInput(options);
   const actuator::JointModel& joint = input.model.robot.joints[0];
   const std::vector<identify::Run> train = ReadJoint(options.train, input.map, 0);
-  const std::vector<identify::Run> held_out = ReadJoint(options.sealed, input.map, 0);
+  const std::vector<identify::Run> held_out = ReadJoint(options.held_out, input.map, 0);
   EXPECT_EQ(train[0].size() + held_out[0].size(), 2000);
   EXPECT_EQ(train[0].name, "day.csv@:12");
   const identify::ProcessingOptions processing =
@@ -104,13 +104,13 @@ TEST_F(Input, ASpringAndAJointWithoutInertiaAreFitted) {
   EXPECT_NEAR(fit.model.Parameter("spring", "preload"), kStiffness * kRest, 0.01);
   EXPECT_NEAR(fit.model.Parameter("coulomb", "coulomb"), kCoulomb, 0.01);
   const CloseLoopResult result = CloseLoopOn(options, input, train, held_out);
-  EXPECT_LT(result.report.trace.before_sealed.percent, 1.0);
+  EXPECT_LT(result.report.trace.before_held_out.percent, 1.0);
 }
 
 TEST_F(Input, OneRecordingAndNothingHeldOutIsRefusedWithTheWayToSplitIt) {
   CloseLoopOptions options = SpringOptions();
   options.train = {folder_.path() / "day.csv"};
-  options.sealed.clear();
+  options.held_out.clear();
   const std::string csv = options.train[0].string();
   EXPECT_THAT(ErrorOf([&] { CloseLoop(options); }),
               HasSubstr("--train " + csv + "@:13 --held-out " + csv + "@13:"));
@@ -120,7 +120,7 @@ TEST_F(Input, WithoutHeldOutRecordingsEachIsHeldOutOnce) {
   CloseLoopOptions options = SpringOptions();
   const std::string csv = folder_.path() / "day.csv";
   options.train = {csv + "@:10", csv + "@10:"};
-  options.sealed.clear();
+  options.held_out.clear();
   const CloseLoopResult result = CloseLoop(options);
   ASSERT_EQ(result.report.rotations.size(), 2u);
   EXPECT_EQ(result.report.rotations[1].held_out, "day.csv@10:");
@@ -160,16 +160,16 @@ TEST_F(Input, AnEffectThatTheRecordingsCannotShowIsSaidToBeOpen) {
 TEST_F(Input, RangesOfOneFileMayNotShareRows) {
   CloseLoopOptions options = SpringOptions();
   const std::string csv = folder_.path() / "day.csv";
-  options.sealed = {csv + "@11:"};
+  options.held_out = {csv + "@11:"};
   EXPECT_THAT(ErrorOf([&] { CloseLoop(options); }),
               AllOf(HasSubstr("day.csv@11:"), HasSubstr("day.csv@:12"), HasSubstr("shares rows")));
-  options.sealed = {csv};
+  options.held_out = {csv};
   EXPECT_THAT(ErrorOf([&] { CloseLoop(options); }), HasSubstr("shares rows"));
   EXPECT_THAT(ErrorOf([&] { CloseRobot(options, {0}); }), HasSubstr("shares rows"));
-  options.sealed = {csv + "@30:60"};
+  options.held_out = {csv + "@30:60"};
   EXPECT_THAT(ErrorOf([&] { CloseLoop(options); }),
               AllOf(HasSubstr("day.csv"), HasSubstr("'30:60'"), HasSubstr("0 to 19.99 s")));
-  options.sealed = {csv + "@60:30"};
+  options.held_out = {csv + "@60:30"};
   EXPECT_THAT(ErrorOf([&] { CloseLoop(options); }),
               AllOf(HasSubstr("day.csv"), HasSubstr("'60:30'"), HasSubstr("START:END")));
 }
@@ -208,7 +208,7 @@ TEST_F(Input, AnArmWithoutItsUrdfIsRefusedWithTheReason) {
                         "  torque: {column: tau, unit: Nm}\n");
     const std::string csv = Write("day.csv", SpringCsv());
     options.train = {csv + "@:12"};
-    options.sealed = {csv + "@12:"};
+    options.held_out = {csv + "@12:"};
     EXPECT_THAT(ErrorOf([&] { CloseRobot(options, {}); }),
                 AllOf(HasSubstr(options.model.filename().string()), HasSubstr("rigid_body"),
                       HasSubstr("--urdf")))

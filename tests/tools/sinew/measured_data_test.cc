@@ -45,19 +45,19 @@ std::vector<fs::path> PendulumRuns(const std::vector<int>& gains) {
   return Paths(kPendulum, names);
 }
 
-CloseLoopResult OnPendulum(const std::vector<int>& train, int sealed) {
+CloseLoopResult OnPendulum(const std::vector<int>& train, int held_out) {
   CloseLoopOptions options;
   options.model = kRobots / "bam_xl330/model.yaml";
   options.map = kRobots / "bam_xl330/csv_map.yaml";
   options.train = PendulumRuns(train);
-  options.sealed = PendulumRuns({sealed});
+  options.held_out = PendulumRuns({held_out});
   options.keep_unconfirmed = true;  // on gain 100 the friction is a third larger than trained
   return CloseLoop(options);
 }
 
-free_run::FreeRunResult FreeRunOnPendulum(const CloseLoopResult& result, int sealed) {
+free_run::FreeRunResult FreeRunOnPendulum(const CloseLoopResult& result, int held_out) {
   std::vector<identify::Run> runs;
-  for (const fs::path& path : PendulumRuns({sealed})) {
+  for (const fs::path& path : PendulumRuns({held_out})) {
     runs.push_back(recording::ReadRuns(path, kRobots / "bam_xl330/csv_map.yaml").front());
   }
   const trace::TraceResult& trace = result.report.trace;
@@ -68,8 +68,8 @@ class PendulumServo : public ::testing::TestWithParam<std::pair<std::vector<int>
 
 TEST_P(PendulumServo, LoadDependentGearFrictionIsFoundAndNoStribeck) {
   SKIP_WITHOUT_DATA(kPendulum);
-  const auto& [train, sealed] = GetParam();
-  const CloseLoopResult result = OnPendulum(train, sealed);
+  const auto& [train, held_out] = GetParam();
+  const CloseLoopResult result = OnPendulum(train, held_out);
   const trace::TraceResult& trace = result.report.trace;
   for (const trace::FoundEffect& effect : trace.effects) EXPECT_NE(effect.name, "stribeck");
   const auto friction = std::find_if(
@@ -77,14 +77,14 @@ TEST_P(PendulumServo, LoadDependentGearFrictionIsFoundAndNoStribeck) {
       [](const trace::FoundEffect& effect) { return effect.name == "load_dependent_friction"; });
   // The two soft servos alone differ too much from recording to recording: curves over time explain
   // more than any effect.
-  ASSERT_EQ(friction != trace.effects.end(), sealed != 800);
-  if (sealed == 800) return;
+  ASSERT_EQ(friction != trace.effects.end(), held_out != 800);
+  if (held_out == 800) return;
   EXPECT_THAT(friction->rivals(), Contains("drive_efficiency_direction"));
-  const free_run::FreeRunResult run = FreeRunOnPendulum(result, sealed);
+  const free_run::FreeRunResult run = FreeRunOnPendulum(result, held_out);
   ASSERT_TRUE(run.errors.has_value()) << run.why_not;
   EXPECT_EQ(run.errors->method, free_run::Method::kClosedLoop);
   // The servo's gain is not given: duty = 4096 / 2 pi / (256 * 885) * kp * error.
-  const double gain = 4096.0 / (2.0 * M_PI) / (256.0 * 885.0) * sealed;
+  const double gain = 4096.0 / (2.0 * M_PI) / (256.0 * 885.0) * held_out;
   EXPECT_NEAR(run.errors->models[1].runs[0].servo_gain, gain, 0.02 * gain);
   EXPECT_EQ(run.errors->models[1].diverged, 0);
   // Mean absolute error of the angle over all four motions, torque off and swinging included. On
@@ -93,7 +93,7 @@ TEST_P(PendulumServo, LoadDependentGearFrictionIsFoundAndNoStribeck) {
   EXPECT_LT(run.errors->models[1].mean_abs, run.errors->models[0].mean_abs);
 }
 
-INSTANTIATE_TEST_SUITE_P(Sealed, PendulumServo,
+INSTANTIATE_TEST_SUITE_P(HeldOut, PendulumServo,
                          ::testing::Values(std::pair{std::vector<int>{100, 800}, 200},
                                            std::pair{std::vector<int>{200, 800}, 100},
                                            std::pair{std::vector<int>{100, 200}, 800}),
@@ -113,7 +113,7 @@ TEST_P(Cylinder, FrictionThatGrowsWithPressureIsFoundFirst) {
   options.model = kRobots / "pneumatic_cylinder/model.yaml";
   options.map = kRobots / "pneumatic_cylinder/csv_map.yaml";
   options.train = Paths(folder, {seal + "_1bar", seal + "_3bar", seal + "_7bar"});
-  options.sealed = Paths(folder, {seal + "_5bar"});
+  options.held_out = Paths(folder, {seal + "_5bar"});
   const trace::TraceResult trace = CloseLoop(options).report.trace;
   ASSERT_FALSE(trace.effects.empty());
   // Nothing else is part of the model.
@@ -128,7 +128,7 @@ TEST_P(Cylinder, FrictionThatGrowsWithPressureIsFoundFirst) {
   names.push_back(found.name);
   EXPECT_THAT(names, IsSupersetOf({"load_dependent_friction", "pressure_dependent_friction"}));
   // At a pressure that was not trained on.
-  EXPECT_LT(found.sealed_after, 0.7 * found.sealed_before);
+  EXPECT_LT(found.held_out_after, 0.7 * found.held_out_before);
   // Published half differences of the force at 1 and 7 bar: O-ring 4.0 and 8.0 N, NAPN 3.4 and
   // 11.9 N, so 0.67 and 1.42 N/bar at mid-stroke.
   const double published_N_bar = seal == "NAPN" ? 1.42 : 0.67;
@@ -145,13 +145,13 @@ INSTANTIATE_TEST_SUITE_P(Seals, Cylinder, ::testing::Values("O-ring", "NAPN"),
 
 const fs::path kMotor = kMeasured / "odrive_cogging";
 
-CloseLoopResult OnMotor(const std::string& sealed, const std::string& map) {
+CloseLoopResult OnMotor(const std::string& held_out, const std::string& map) {
   CloseLoopOptions options;
   options.model = kRobots / "odrive_motor/model.yaml";
   options.map = kRobots / "odrive_motor/csv_map.yaml";
-  options.sealed_map = kRobots / "odrive_motor" / map;
+  options.held_out_map = kRobots / "odrive_motor" / map;
   options.train = Paths(kMotor, {"map_a_step4"});
-  options.sealed = Paths(kMotor, {sealed});
+  options.held_out = Paths(kMotor, {held_out});
   return CloseLoop(options);
 }
 
@@ -169,7 +169,7 @@ TEST(CoggingMap, TheOrdersOfTheMapAreFoundAndTheRepeatConfirmsThem) {
   ASSERT_GE(orders.size(), 5u);
   orders.resize(5);
   EXPECT_THAT(orders, ::testing::ElementsAre(7, 28, 14, 36, 12));
-  EXPECT_LT(trace.after_sealed.rms, 0.06 * trace.before_sealed.rms);
+  EXPECT_LT(trace.after_held_out.rms, 0.06 * trace.before_held_out.rms);
 }
 
 // Correlation of x[i] with y[i + lag] over rows that are used on both sides.
@@ -246,10 +246,10 @@ CloseLoopOptions ArmOptions() {
   return options;
 }
 
-CloseRobotResult OnArm(const std::string& sealed, std::vector<int> joints = {}) {
+CloseRobotResult OnArm(const std::string& held_out, std::vector<int> joints = {}) {
   CloseLoopOptions options = ArmOptions();
   options.train = Paths(kArm, {"measurements_1"});
-  options.sealed = Paths(kArm, {sealed});
+  options.held_out = Paths(kArm, {held_out});
   return CloseRobot(options, std::move(joints));
 }
 
@@ -258,15 +258,15 @@ TEST(SevenJoints, RigidBodiesAndFrictionReachThePublishedError) {
   const CloseRobotResult repeat = OnArm("measurements_2", {0});
   ASSERT_TRUE(repeat.arm.has_value());
   // Published on the repeat: 0.176 to 0.211 %; an own check reached 0.126 %.
-  EXPECT_LT(repeat.arm->sealed_before.nrms_percent, 0.13);
+  EXPECT_LT(repeat.arm->held_out_before.nrms_percent, 0.13);
   const CloseRobotResult other = OnArm("measurements_3");
   ASSERT_EQ(other.joints.size(), 7u);
   // Another trajectory: an own check reached 0.63 % and 13 %.
-  EXPECT_LT(other.arm->sealed_before.nrms_percent, 0.64);
-  EXPECT_LT(other.arm->sealed_before.all_relative_percent, 13.5);
+  EXPECT_LT(other.arm->held_out_before.nrms_percent, 0.64);
+  EXPECT_LT(other.arm->held_out_before.all_relative_percent, 13.5);
   // No effect that is named on a joint makes the arm worse on another trajectory.
-  EXPECT_LE(other.arm->sealed_after.nrms_percent,
-            trace::rules::kRaises.limit * other.arm->sealed_before.nrms_percent);
+  EXPECT_LE(other.arm->held_out_after.nrms_percent,
+            trace::rules::kRaises.limit * other.arm->held_out_before.nrms_percent);
   EXPECT_EQ(other.arm->before.base.size(), 43u);  // as many as a seven-joint arm has, 7 x 7 - 6
   EXPECT_EQ(nlohmann::json::parse(other.json)["joints"].size(), 7u);
 }
@@ -275,13 +275,13 @@ TEST(SevenJoints, WithoutHeldOutRecordingsTheWholeArmRotates) {
   SKIP_WITHOUT_DATA(kArm);
   CloseLoopOptions options = ArmOptions();
   options.train = Paths(kArm, {"measurements_1", "measurements_2"});
-  options.sealed.clear();
+  options.held_out.clear();
   const CloseRobotResult result = CloseRobot(options, {0});
   ASSERT_TRUE(result.arm.has_value());
   ASSERT_EQ(result.joints.size(), 1u);
   EXPECT_EQ(result.joints[0].report.rotations.size(), 2u);
   // The same trajectory twice: each predicts the other as well as published for the repeat.
-  EXPECT_LT(result.arm->sealed_before.nrms_percent, 0.176);
+  EXPECT_LT(result.arm->held_out_before.nrms_percent, 0.176);
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "gas_volume_m3 divided by the volume: 1.1 is a tenth less volume"}};
   info.signature = "pressure follows the angle";
   info.variable = "position_rad";
-  info.look_alikes = {"pressure_offset", "gas_heat_exchange"};
+  info.confounders = {"pressure_offset", "gas_heat_exchange"};
   info.separating_excitation = "slow and fast motion at several pressures, valve shut";
   info.needs = {"pressure_bar", "volume_rate_1_s"};
   return Memoryless(constants, std::move(info),

@@ -89,7 +89,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   info.signature =
       "pressure answers fast compression more than slow, and relaxes after the valve shut";
   info.variable = "volume_rate_1_s";
-  info.look_alikes = {"leak", "gas_compression"};
+  info.confounders = {"leak", "gas_compression"};
   info.separating_excitation =
       "the same stroke fast and slow with the valve shut; rest after filling";
   info.needs = {"pressure_bar", "pressure_rate_bar_s", "volume_rate_1_s"};

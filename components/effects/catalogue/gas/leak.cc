@@ -29,7 +29,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                      .meaning = "1: laminar, 1/2: orifice"}};
   info.signature = "pressure falls while the valve is shut, faster at high pressure";
   info.variable = "pressure_bar";
-  info.look_alikes = {"gas_heat_exchange"};
+  info.confounders = {"gas_heat_exchange"};
   info.separating_excitation =
       "minutes with the valve shut at several pressures: heat is exchanged "
       "within seconds, a leak goes on";

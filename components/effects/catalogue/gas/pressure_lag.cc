@@ -20,7 +20,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "the reading is this much older than its stamp"}};
   info.signature = "reading follows late whatever moves the pressure";
   info.variable = "valve_flow_rate_bar_s";
-  info.look_alikes = {"valve_dead_time"};
+  info.confounders = {"valve_dead_time"};
   info.separating_excitation = "fast compression with the valve shut: a valve has no part in it";
   info.needs = {"valve_flow_rate_bar_s", "pressure_bar", "volume_rate_1_s"};
   return Memoryless(constants, std::move(info),

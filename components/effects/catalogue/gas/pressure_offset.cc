@@ -19,7 +19,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "true pressure minus reading"}};
   info.signature = "response to compression does not grow with pressure as it should";
   info.variable = "pressure_bar";
-  info.look_alikes = {"gas_compression"};
+  info.confounders = {"gas_compression"};
   info.separating_excitation = "the same stroke at low and at high pressure";
   info.needs = {"volume_rate_1_s"};
   return Memoryless(

@@ -19,7 +19,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "from the command to the flow, beyond valve_delay_s"}};
   info.signature = "after the command to open the pressure stands still for a while";
   info.variable = "valve_flow_rate_bar_s";
-  info.look_alikes = {"pressure_lag"};
+  info.confounders = {"pressure_lag"};
   info.separating_excitation =
       "pressure steps with a fast logger: a dead time shifts, a lag rounds";
   info.needs = {"valve_flow_rate_bar_s"};

@@ -20,7 +20,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "full width beyond the declared one"}};
   info.signature = "difference of the encoders jumps further than declared, whatever the torque";
   info.variable = "tooth_side";
-  info.look_alikes = {"gear_compliance", "free_play"};
+  info.confounders = {"gear_compliance", "free_play"};
   info.separating_excitation = "small and large torque on either side: play does not grow with it";
   info.needs = {"tooth_side"};
   return Memoryless(constants, std::move(info),

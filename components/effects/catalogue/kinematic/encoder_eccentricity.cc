@@ -42,7 +42,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                      .meaning = "periods per output turn"}};
   info.signature = "difference of the encoders periodic in the angle, on both sides of the play";
   info.variable = "motor_position_rad";
-  info.look_alikes = {"gear_compliance"};
+  info.confounders = {"gear_compliance"};
   info.separating_excitation = "the same angles under opposite load";
   info.needs = {"motor_position_rad"};
   // The motor's angle is the finer one and is right for either encoder: inside the play the two

@@ -27,7 +27,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "of the teeth, as the maker of the gear says; 0: rigid"}};
   info.signature = "the difference of the encoders jumps by b when the torque reverses";
   info.variable = "tooth_side";
-  info.look_alikes = {"backlash_width", "gear_compliance"};
+  info.confounders = {"backlash_width", "gear_compliance"};
   info.separating_excitation = "none: only what was declared tells them apart";
   info.needs = {"tooth_side", "tooth_torque_Nm"};
   return Memoryless(constants, std::move(info),

@@ -21,7 +21,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "twist per torque at the output, 1 / stiffness"}};
   info.signature = "difference of the encoders grows with the torque that the teeth carry";
   info.variable = "tooth_torque_Nm";
-  info.look_alikes = {"backlash_width"};
+  info.confounders = {"backlash_width"};
   info.separating_excitation = "small and large torque on either side of the play";
   info.needs = {"tooth_torque_Nm"};
   return Memoryless(constants, std::move(info),

@@ -19,7 +19,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .meaning = "the motor's angle is recorded this much later than the output's"}};
   info.signature = "difference of the encoders follows the velocity";
   info.variable = "velocity_rad_s";
-  info.look_alikes = {"gear_compliance"};
+  info.confounders = {"gear_compliance"};
   info.separating_excitation = "the same velocity at different load: a skew does not see the load";
   info.needs = {"velocity_rad_s"};
   return Memoryless(constants, std::move(info),

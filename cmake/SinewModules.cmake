@@ -1,39 +1,39 @@
-# The helpers that every room uses: one adds a room, one a participant, one a test.
+# The helpers that every module uses: one adds a module, one a participant, one a test.
 #
-#   sinew_add_room(rls SOURCES rls.cc rls.h DEPENDS sinew::esn Eigen3::Eigen)
-#     -> library target sinew_rls, alias sinew::rls. Includes start at the root of the project. FRAME: it holds the
-#        frame of programs, no hot loops. PCH header.h: a precompiled header of its own. Rooms named *_file and
-#        *_config read and write files: like mains they are compiled with less optimisation.
+#   sinew_add_module(rls SOURCES rls.cc rls.h DEPENDS sinew::esn Eigen3::Eigen)
+#     -> library target sinew_rls, alias sinew::rls. Includes start at the root of the project. FILE: it reads
+#        and writes files; FRAME: it holds the frame of programs. Neither has hot loops: both are compiled with less
+#        optimisation. PCH header.h: a precompiled header of its own.
 #   sinew_add_participant(rls SOURCES participant/main.cc DEPENDS sinew::rls)
 #     -> program sinew_rls_participant, installed and built as bin/sinew-rls; links sinew::node.
 #   sinew_add_test(rls_test SOURCES rls_test.cc DEPENDS sinew::rls [LABELS dds] [SERIAL] [TIMEOUT s])
 #     -> a GoogleTest program; every case is a ctest of its own. Without LABELS and PROGRAMS it is a
 #        unit test: label `unit`, built by the target unit_tests.
-set_property(GLOBAL PROPERTY SINEW_ROOMS "")
+set_property(GLOBAL PROPERTY SINEW_MODULES "")
 set_property(GLOBAL PROPERTY SINEW_PROGRAMS "")
 
-# Mains, commands and tests hold no hot loops (these live in rooms): less optimisation halves their build.
+# Mains, commands and tests hold no hot loops (these live in modules): less optimisation halves their build.
 set(SINEW_LIGHT_OPTIMISATION $<$<CONFIG:Release>:-O1>)
 
-# Precompiled headers: of rooms, of the frames of programs, of programs. Tests have theirs in tests/support.
+# Precompiled headers: of modules, of the frames of programs, of programs. Tests have theirs in tests/support.
 set(frame_headers <CLI/CLI.hpp> <Eigen/Core> <filesystem> <nlohmann/json.hpp> <spdlog/spdlog.h> <string> <vector>)
 set(frame_libraries CLI11::CLI11 nlohmann_json::nlohmann_json spdlog::spdlog Eigen3::Eigen sinew_flags)
-add_library(sinew_room_pch STATIC ${CMAKE_CURRENT_LIST_DIR}/pch/room.cc)
-target_link_libraries(sinew_room_pch PRIVATE Eigen3::Eigen sinew_flags)
-target_precompile_headers(sinew_room_pch PRIVATE <Eigen/Dense> <algorithm> <array> <cmath> <cstdint> <functional>
+add_library(sinew_module_pch STATIC ${CMAKE_CURRENT_LIST_DIR}/pch/module.cc)
+target_link_libraries(sinew_module_pch PRIVATE Eigen3::Eigen sinew_flags)
+target_precompile_headers(sinew_module_pch PRIVATE <Eigen/Dense> <algorithm> <array> <cmath> <cstdint> <functional>
   <limits> <map> <memory> <numbers> <optional> <span> <stdexcept> <string> <string_view> <utility> <variant> <vector>)
-add_library(sinew_file_pch STATIC ${CMAKE_CURRENT_LIST_DIR}/pch/room.cc)
+add_library(sinew_file_pch STATIC ${CMAKE_CURRENT_LIST_DIR}/pch/module.cc)
 target_compile_options(sinew_file_pch PRIVATE ${SINEW_LIGHT_OPTIMISATION})
 target_link_libraries(sinew_file_pch PRIVATE Eigen3::Eigen nlohmann_json::nlohmann_json sinew_flags)
 target_precompile_headers(sinew_file_pch PRIVATE <Eigen/Dense> <algorithm> <array> <cmath> <filesystem> <fstream>
   <functional> <map> <memory> <nlohmann/json.hpp> <optional> <sstream> <stdexcept> <string> <string_view> <vector>)
-add_library(sinew_frame_pch STATIC ${CMAKE_CURRENT_LIST_DIR}/pch/room.cc)
+add_library(sinew_frame_pch STATIC ${CMAKE_CURRENT_LIST_DIR}/pch/module.cc)
 target_compile_options(sinew_frame_pch PRIVATE ${SINEW_LIGHT_OPTIMISATION})
 target_link_libraries(sinew_frame_pch PRIVATE ${frame_libraries})
 target_precompile_headers(sinew_frame_pch PRIVATE ${frame_headers} ${CMAKE_CURRENT_LIST_DIR}/pch/fmt_once.h)
 
-function(sinew_add_room name)
-  cmake_parse_arguments(ARG "FRAME" "PCH" "SOURCES;DEPENDS;PRIVATE_DEPENDS" ${ARGN})
+function(sinew_add_module name)
+  cmake_parse_arguments(ARG "FILE;FRAME" "PCH" "SOURCES;DEPENDS;PRIVATE_DEPENDS" ${ARGN})
   add_library(sinew_${name} STATIC ${ARG_SOURCES})
   add_library(sinew::${name} ALIAS sinew_${name})
   set_target_properties(sinew_${name} PROPERTIES EXPORT_NAME ${name} OUTPUT_NAME sinew_${name})
@@ -48,16 +48,16 @@ function(sinew_add_room name)
       $<BUILD_INTERFACE:CLI11::CLI11> $<BUILD_INTERFACE:nlohmann_json::nlohmann_json> spdlog::spdlog)
     target_compile_options(sinew_${name} PRIVATE ${SINEW_LIGHT_OPTIMISATION})
     target_precompile_headers(sinew_${name} REUSE_FROM sinew_frame_pch)
-  elseif(name MATCHES "(^|_)(file|config)$")
+  elseif(ARG_FILE)
     target_link_libraries(sinew_${name} PRIVATE $<BUILD_INTERFACE:nlohmann_json::nlohmann_json>)
     target_compile_options(sinew_${name} PRIVATE ${SINEW_LIGHT_OPTIMISATION})
     target_precompile_headers(sinew_${name} REUSE_FROM sinew_file_pch)
   elseif(ARG_PCH)
     target_precompile_headers(sinew_${name} PRIVATE ${ARG_PCH})
   else()
-    target_precompile_headers(sinew_${name} REUSE_FROM sinew_room_pch)
+    target_precompile_headers(sinew_${name} REUSE_FROM sinew_module_pch)
   endif()
-  set_property(GLOBAL APPEND PROPERTY SINEW_ROOMS sinew_${name})
+  set_property(GLOBAL APPEND PROPERTY SINEW_MODULES sinew_${name})
 endfunction()
 
 add_custom_target(programs)

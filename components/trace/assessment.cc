@@ -1,4 +1,4 @@
-#include "components/trace/judgement.h"
+#include "components/trace/assessment.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,11 +16,11 @@ EffectSet Without(const Problem& problem, const EffectSet& set, std::size_t k) {
   return WithoutMember(problem.evidence, problem.hypotheses(), set, k);
 }
 
-class Judge {
+class Assessor {
  public:
-  Judge(const Problem& problem, const Likelihood& likelihood, const identify::Design& design,
-        const actuator::JointModel& declared, const BootstrapOptions& bootstrap,
-        const std::set<std::string>& refuted)
+  Assessor(const Problem& problem, const Likelihood& likelihood, const identify::Design& design,
+           const actuator::JointModel& declared, const BootstrapOptions& bootstrap,
+           const std::set<std::string>& refuted)
       : problem_(problem),
         likelihood_(likelihood),
         design_(design),
@@ -29,7 +29,7 @@ class Judge {
         refuted_(refuted),
         misfit_(problem.evidence.misfit()) {}
 
-  SetJudgement Run(std::size_t largest_set) {
+  SetAssessment Run(std::size_t largest_set) {
     SetSearch found = SearchSets(problem_.evidence, problem_.hypotheses(), largest_set, refuted_);
     if (found.best.size() > 1 && TooFaint(found.best[1])) {
       found.best = WithoutRates(largest_set).best;
@@ -107,13 +107,13 @@ class Judge {
                   double variance) const {
     return (with.net - without.net > Limit(rules::kShapeMisfit) * without.net &&
             Adequate(without, with, share, variance)) ||
-           Relief(without, with) > Limit(rules::kSurprise);
+           Relief(without, with) > Limit(rules::kPriorPenalty);
   }
 
   EffectSet MostRelief(const SetSearch& found) const {
     EffectSet best;
     for (const EffectSet& single : found.singles) {
-      if (Relief({}, single) > std::max(Limit(rules::kSurprise), Relief({}, best)) &&
+      if (Relief({}, single) > std::max(Limit(rules::kPriorPenalty), Relief({}, best)) &&
           EveryMemberIsMissed(single)) {
         best = single;
       }
@@ -121,7 +121,7 @@ class Judge {
     return best;
   }
 
-  // An effect that a refit swallows shows in declared values far outside of their tolerances.
+  // An effect that a refit absorbs shows in declared values far outside of their tolerances.
   double Relief(const EffectSet& without, const EffectSet& with) const {
     const double now = problem_.evidence.PriorMisfit(with.columns, with.c);
     const double before = problem_.evidence.PriorMisfit(without.columns, without.c);
@@ -367,16 +367,16 @@ class Judge {
   const std::set<std::string>& refuted_;
   const double misfit_;
   std::map<std::string, const char*> refused_;
-  SetJudgement out_;
+  SetAssessment out_;
 };
 
 }  // namespace
 
-SetJudgement JudgeSets(const Problem& problem, const Likelihood& likelihood,
-                       const identify::Design& design, const actuator::JointModel& declared,
-                       std::size_t largest_set, const BootstrapOptions& bootstrap,
-                       const std::set<std::string>& refuted) {
-  return Judge(problem, likelihood, design, declared, bootstrap, refuted).Run(largest_set);
+SetAssessment AssessSets(const Problem& problem, const Likelihood& likelihood,
+                         const identify::Design& design, const actuator::JointModel& declared,
+                         std::size_t largest_set, const BootstrapOptions& bootstrap,
+                         const std::set<std::string>& refuted) {
+  return Assessor(problem, likelihood, design, declared, bootstrap, refuted).Run(largest_set);
 }
 
 }  // namespace sinew::trace

@@ -15,7 +15,7 @@
 
 namespace sinew::trace {
 
-struct SetJudgement {
+struct SetAssessment {
   double p_global = 1.0;
   double least_statistic = 0.0;        // whose p is at most the limit of p_global
   EffectSet chosen;                    // may be empty
@@ -31,9 +31,9 @@ struct BootstrapOptions {
 };
 
 // refuted: names of effects that are not asked for any more.
-SetJudgement JudgeSets(const Problem& problem, const Likelihood& likelihood,
-                       const identify::Design& design, const actuator::JointModel& declared,
-                       std::size_t largest_set, const BootstrapOptions& bootstrap,
-                       const std::set<std::string>& refuted = {});
+SetAssessment AssessSets(const Problem& problem, const Likelihood& likelihood,
+                         const identify::Design& design, const actuator::JointModel& declared,
+                         std::size_t largest_set, const BootstrapOptions& bootstrap,
+                         const std::set<std::string>& refuted = {});
 
 }  // namespace sinew::trace
