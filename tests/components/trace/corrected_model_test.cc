@@ -17,14 +17,14 @@ identify::Run RunWithDrag(const identify::Recipe& recipe, double drag = kQuadrat
   return identify::SyntheticRun(truth, recipe);
 }
 
-TraceResult TraceHeldOut(const identify::Run& held_out, bool keep_unconfirmed) {
+TraceResult TraceHeldOut(const identify::Run& held_out_run, bool keep_unconfirmed) {
   const actuator::JointModel model = identify::SyntheticModel();
   const std::vector<identify::Run> train = {
       RunWithDrag({.rate_Hz = 100.0, .seed = 1, .noise_A = 0.05}),
       RunWithDrag({.rate_Hz = 100.0, .seed = 2, .noise_A = 0.05})};
   const identify::ProcessingOptions options = identify::FromMotion(train, model, 0.25);
   Design design(identify::MakeStates(train, model, options), options);
-  Design held_out(identify::MakeStates({held_out}, model, options), options);
+  Design held_out(identify::MakeStates({held_out_run}, model, options), options);
   return TraceByLikelihood(design, held_out, model, {.keep_unconfirmed = keep_unconfirmed});
 }
 

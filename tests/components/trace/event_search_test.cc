@@ -87,10 +87,10 @@ TEST(EventSearch, PushesAreFoundAsOftenAsTheyCame) {
   ASSERT_EQ(first.size(), 2u);
   EXPECT_NEAR(first[0], 20.0, 0.3);
   EXPECT_NEAR(first[1], 44.0, 0.3);
-  const std::vector<double> held_out = StartsIn(result, held_out.name);
-  ASSERT_EQ(held_out.size(), 2u);
-  EXPECT_NEAR(held_out[0], 33.0, 0.3);
-  EXPECT_NEAR(held_out[1], 51.0, 0.3);
+  const std::vector<double> held_out_starts = StartsIn(result, held_out.name);
+  ASSERT_EQ(held_out_starts.size(), 2u);
+  EXPECT_NEAR(held_out_starts[0], 33.0, 0.3);
+  EXPECT_NEAR(held_out_starts[1], 51.0, 0.3);
 }
 
 TEST(EventSearch, PushesThatReachTheDriveInPartDoNotHideTheOthers) {
