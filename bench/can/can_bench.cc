@@ -41,6 +41,8 @@
 #include "bridge/can/transport/bus_protocol.h"
 #include "bridge/can/transport/virtual_can.h"
 #include "bridge/joints/can_plant.h"
+#include "components/types/clock/clock.h"
+#include "components/types/control_mode.h"
 #include "tests/fuzz/live_robot.h"
 #include "tests/fuzz/plant_watch.h"
 
@@ -85,7 +87,7 @@ class BusEnd {
   BusEnd& operator=(const BusEnd&) = delete;
 
   can::VirtualCan& transport() { return *transport_; }
-  void Feed(const can::Frame& frame) { Tell(can::FramePacket(frame, can::MonotonicNow())); }
+  void Feed(const can::Frame& frame) { Tell(can::FramePacket(frame, types::MonotonicNow_ns())); }
   bool Take(can::Frame* frame) {
     can::Packet packet;
     if (::recv(socket_, &packet, sizeof packet, MSG_DONTWAIT) != sizeof packet) return false;
@@ -137,7 +139,7 @@ class Bench {
       memory_[0]->on_wait = nullptr;
     }
     for (std::size_t j = 0; j < kJoints; ++j) {
-      command_.mode[j] = static_cast<provider::Mode>(1 + j % 3);
+      command_.mode[j] = static_cast<types::ControlMode>(1 + j % 3);
     }
     for (int i = 0; i < 60; ++i) Cycle();
     return !sensors_.any_fault();

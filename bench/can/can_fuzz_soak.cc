@@ -24,13 +24,14 @@
 #include <memory>
 #include <vector>
 
+#include "components/types/control_mode.h"
 #include "tests/fuzz/live_robot.h"
 #include "tests/fuzz/plant_watch.h"
 
 namespace {
 
 using namespace sinew;
-using provider::Mode;
+using types::ControlMode;
 
 constexpr int kJoints = 12;
 constexpr int kBuses = 2;
@@ -123,7 +124,7 @@ class Soak {
   void Command(bool wild) {
     for (std::size_t j = 0; j < kJoints; ++j) {
       const std::uint32_t choice = random_.Below(6);
-      command_.mode[j] = choice < 2 ? Mode::kIdle : static_cast<Mode>(choice - 2);
+      command_.mode[j] = choice < 2 ? ControlMode::kIdle : static_cast<ControlMode>(choice - 2);
       Demand(j, wild);
       command_.valve_open[j] = random_.Below(2) == 0;
       command_.compressor_on[j] = random_.Below(2) == 0;
@@ -167,7 +168,7 @@ class Soak {
         if (plant_.fault(j) != bridge::FaultKind::kNone) {
           return Bad("a fault though nothing was wrong: " + sensors_.message);
         }
-        const bool moves = command_.mode[std::size_t(j)] != Mode::kIdle;
+        const bool moves = command_.mode[std::size_t(j)] != ControlMode::kIdle;
         if (!moves || cycle < kArmingCycles) continue;
         if (!watch_.moved_as_commanded(j)) return Bad("a joint did not get its command");
         ++moved_as_commanded_;

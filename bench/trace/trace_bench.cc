@@ -23,7 +23,7 @@ void CloseLoopOverTheCatalogue(benchmark::State& state) {
   const actuator::JointModel model = identify::SyntheticModel();
   actuator::JointModel truth = model;
   truth.terms.push_back(identify::TermOf("quadratic_viscous", {0.4}, truth.constants));
-  std::vector<identify::Run> runs;
+  std::vector<types::Run> runs;
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     runs.push_back(identify::SyntheticRun(
         truth, {.rate_Hz = kRate_Hz,
@@ -32,7 +32,7 @@ void CloseLoopOverTheCatalogue(benchmark::State& state) {
                 .noise_A = 0.1,
                 .motor_position = true}));
   }
-  const std::vector<identify::Run> held_out = {runs.back()};
+  const std::vector<types::Run> held_out = {runs.back()};
   runs.pop_back();
   for (auto _ : state) {
     const LoopResult result = CloseLoop(runs, held_out, model, kLongestGap_s, {});

@@ -30,6 +30,7 @@
 #include "bridge/can/codec.h"
 #include "bridge/can/transport/virtual_can.h"
 #include "components/node/node.h"
+#include "components/types/clock/clock.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
 
@@ -200,14 +201,14 @@ class Bench {
   };
   // Nothing when the machine stood still so long that the axis' own watchdog ended it (0.1 s).
   std::optional<Times> Kill(milliseconds after) {
-    const std::int64_t start_ns = can::MonotonicNow();
+    const std::int64_t start_ns = types::MonotonicNow_ns();
     Program commander(Arguments({self_, "--commander"}, place_));
     Await("commands on the topic", [&] {
       while (commands_.TakeNext()) heard_ = true;
       return heard_;
     });
     heard_ = false;
-    const double start_ms = 1e-6 * static_cast<double>(can::MonotonicNow() - start_ns);
+    const double start_ms = 1e-6 * static_cast<double>(types::MonotonicNow_ns() - start_ns);
     // The bridge may hear the commander later than we do: then arming ends in a fault once more.
     watcher_->Clear();
     Await("commands on the bus", [&] { return ArmedAndMoving(); });

@@ -23,10 +23,13 @@
 
 #include "bridge/can/codec.h"
 #include "bridge/can/frame.h"
+#include "components/types/joints.h"
 
 namespace sinew::can {
 
+// Joints of the wire format: three frames of four fields. Every joint of a robot has a field.
 inline constexpr int kCompactJoints = 12;
+static_assert(kCompactJoints == types::kMaxJoints);
 inline constexpr int kCompactForces = 8;
 inline constexpr int kCompactReferenceFrames = 3;
 inline constexpr int kCompactStateFrames = 14;

@@ -3,18 +3,22 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <set>
 #include <stdexcept>
 #include <utility>
+
+#include "components/types/angle.h"
+#include "components/types/control_mode.h"
+#include "components/types/joints.h"
+#include "components/types/signal.h"
 
 namespace sinew::bridge {
 namespace {
 
 using can::Command;
-using provider::Mode;
+using types::ControlMode;
 
-constexpr double kTurn_rad = 2.0 * std::numbers::pi;
+constexpr double kTurn_rad = types::kTwoPi;
 constexpr std::int64_t kTellAgain_ns =
     100'000'000;                                  // a state that was not taken is asked for again
 constexpr std::int64_t kClearing_ns = 5'000'000;  // until Clear_Errors has been taken
@@ -25,12 +29,6 @@ constexpr double kWaited_s = 0.01;  // of a measurement for its frame
 constexpr const char* kBeyondCompact = "its position is beyond what the compact exchange tells";
 constexpr int kMostBatches = 64;          // taken from a bus at once
 constexpr std::size_t kMostFrames = 256;  // of a cycle, without allocating
-
-// Bits of identify::Signal.
-constexpr std::uint32_t kMotorSignals = 1u << 2 | 1u << 3 | 1u << 4;
-constexpr std::uint32_t kOutputSignals =
-    1u << 0 | 1u << 1 | 1u << 7 | 1u << 8 | 1u << 9 | 1u << 10 | 1u << 12;
-constexpr std::uint32_t kPayloadSignal = 1u << 11;
 
 constexpr std::array kAxisCommands = {Command::kHeartbeat,       Command::kGetMotorError,
                                       Command::kGetEncoderError, Command::kGetEncoderEstimates,
@@ -70,14 +68,14 @@ void Require(bool holds, const std::string& message) {
   if (!holds) throw std::invalid_argument(message);
 }
 
-can::ControlMode ToControlMode(Mode mode) {
+can::ControlMode ToControlMode(ControlMode mode) {
   switch (mode) {
-    case Mode::kPosition:
+    case ControlMode::kPosition:
       return can::ControlMode::kPosition;
-    case Mode::kVelocity:
+    case ControlMode::kVelocity:
       return can::ControlMode::kVelocity;
-    case Mode::kTorque:
-    case Mode::kIdle:
+    case ControlMode::kTorque:
+    case ControlMode::kIdle:
       break;
   }
   return can::ControlMode::kTorque;
@@ -105,10 +103,10 @@ void CanPlant::Check(const BridgeConfig& config) {
   Require(buses >= 1 && buses <= provider::BusReport::kMaxBuses,
           std::to_string(buses) + " buses, expected 1 to " +
               std::to_string(provider::BusReport::kMaxBuses));
-  Require(!config.joints.empty() &&
-              config.joints.size() <= static_cast<std::size_t>(provider::kMaxJoints),
-          std::to_string(config.joints.size()) + " joints, expected 1 to " +
-              std::to_string(provider::kMaxJoints));
+  Require(
+      !config.joints.empty() && config.joints.size() <= static_cast<std::size_t>(types::kMaxJoints),
+      std::to_string(config.joints.size()) + " joints, expected 1 to " +
+          std::to_string(types::kMaxJoints));
   std::set<std::pair<int, int>> used;
   std::string who;
   const auto claim = [&](int bus, int node) {
@@ -228,7 +226,8 @@ std::vector<can::IdFilter> CanPlant::Filters(const BridgeConfig& config, int bus
 std::uint32_t CanPlant::measured_flags() const {
   const bool all_outputs = std::all_of(joints_.begin(), joints_.end(),
                                        [](const Joint& j) { return j.config.output.has_value(); });
-  return kMotorSignals | kPayloadSignal | (all_outputs ? kOutputSignals : 0u);
+  return types::kMotorSignals | types::SignalBit(types::Signal::kPayload) |
+         (all_outputs ? types::kOutputSignals : 0u);
 }
 
 void CanPlant::Reset(provider::PlantSensors* sensors) {
@@ -344,13 +343,13 @@ void CanPlant::Act(const provider::PlantCommand& command, double period_s) {
   const bool cyclic = config_.timing.estimates == Estimates::kCyclic;
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     Joint& joint = joints_[j];
-    Mode mode = command.mode[j];
-    if (mode != Mode::kIdle &&
+    ControlMode mode = command.mode[j];
+    if (mode != ControlMode::kIdle &&
         !(std::isfinite(command.motor_torque_Nm[j]) && std::isfinite(command.position_rad[j]) &&
           std::isfinite(command.velocity_rad_s[j]))) {
       Fail(joint, FaultKind::kNotFinite, "a command that is not finite");
     }
-    if (joint.fault != FaultKind::kNone) mode = Mode::kIdle;
+    if (joint.fault != FaultKind::kNone) mode = ControlMode::kIdle;
     CommandJoint(joint, mode, command.motor_torque_Nm[j], command.position_rad[j],
                  command.velocity_rad_s[j], period_s, start_ns);
     if (cyclic && AsksIq(joint)) Ask(joint, Command::kGetIq);
@@ -614,11 +613,11 @@ void CanPlant::Send(const Joint& joint, const Message& message) {
   Post(joint.config.bus, config_.short_frames ? can::Trim(frame) : frame);
 }
 
-void CanPlant::CommandJoint(Joint& joint, Mode mode, double torque_Nm, double position_rad,
+void CanPlant::CommandJoint(Joint& joint, ControlMode mode, double torque_Nm, double position_rad,
                             double velocity_rad_s, double period_s, std::int64_t now_ns) {
   const bool closed_loop = joint.heartbeat.axis_state == can::AxisState::kClosedLoopControl;
   const bool heard_since = joint.heartbeat_ns > joint.phase_ns;
-  if (mode == Mode::kIdle) {
+  if (mode == ControlMode::kIdle) {
     if (joint.phase != Phase::kIdle) {
       joint.phase = Phase::kIdle;
       joint.phase_ns = now_ns;
@@ -658,7 +657,7 @@ void CanPlant::CommandJoint(Joint& joint, Mode mode, double torque_Nm, double po
       if (joint.mode != mode) {
         joint.mode = mode;
         joint.sent_position_rad = joint.motor_position_rad() / joint.config.gear_ratio;
-        if (mode == Mode::kPosition) SendMeasuredPosition(joint);
+        if (mode == ControlMode::kPosition) SendMeasuredPosition(joint);
         SendNeutral(joint);
         Send(joint, can::SetControllerMode{ToControlMode(mode), can::InputMode::kPassthrough});
       }
@@ -676,7 +675,7 @@ void CanPlant::CommandJoint(Joint& joint, Mode mode, double torque_Nm, double po
 void CanPlant::SendArming(Joint& joint, std::int64_t now_ns) {
   const JointConfig& c = joint.config;
   joint.told_ns = now_ns;
-  if (joint.mode == Mode::kPosition) SendMeasuredPosition(joint);
+  if (joint.mode == ControlMode::kPosition) SendMeasuredPosition(joint);
   Send(joint, can::SetControllerMode{ToControlMode(joint.mode), can::InputMode::kPassthrough});
   Send(joint,
        can::SetLimits{c.limits.velocity_rad_s * c.gear_ratio / kTurn_rad, c.limits.current_A});
@@ -701,11 +700,11 @@ void CanPlant::SendNeutral(Joint& joint) {
             joint.field, joint.estimates.position_rev)) {
       Fail(joint, FaultKind::kOutOfRange, kBeyondCompact);
     }
-    if (joint.phase == Phase::kIdle ? !closed_loop : joint.mode == Mode::kPosition) return;
+    if (joint.phase == Phase::kIdle ? !closed_loop : joint.mode == ControlMode::kPosition) return;
   }
-  if (joint.phase == Phase::kIdle || joint.mode == Mode::kTorque) {
+  if (joint.phase == Phase::kIdle || joint.mode == ControlMode::kTorque) {
     Send(joint, can::SetInputTorque{0.0});
-  } else if (joint.mode == Mode::kPosition) {
+  } else if (joint.mode == ControlMode::kPosition) {
     SendMeasuredPosition(joint);
   } else {
     Send(joint, can::SetInputVel{0.0, 0.0});
@@ -764,11 +763,11 @@ void CanPlant::SendSetpoint(Joint& joint, double torque_Nm, double position_rad,
   const double rev_per_rad = c.direction * c.gear_ratio / kTurn_rad;
   const double fastest_rad_s = c.limits.velocity_rad_s;
   switch (joint.mode) {
-    case Mode::kTorque:
+    case ControlMode::kTorque:
       Send(joint, can::SetInputTorque{c.direction * LimitedTorque(joint, torque_Nm) *
                                       c.controller_torque_constant_Nm_A / c.torque_constant_Nm_A});
       break;
-    case Mode::kPosition: {
+    case ControlMode::kPosition: {
       const double wanted_rad = std::clamp(position_rad, c.limits.lower_rad, c.limits.upper_rad);
       const double step_rad = fastest_rad_s * period_s;
       joint.sent_position_rad +=
@@ -785,7 +784,7 @@ void CanPlant::SendSetpoint(Joint& joint, double torque_Nm, double position_rad,
       }
       break;
     }
-    case Mode::kVelocity: {
+    case ControlMode::kVelocity: {
       double wanted_rad_s = std::clamp(velocity_rad_s, -fastest_rad_s, fastest_rad_s);
       if ((wanted_rad_s > 0.0 && joint.position_rad() > c.limits.upper_rad) ||
           (wanted_rad_s < 0.0 && joint.position_rad() < c.limits.lower_rad)) {
@@ -794,7 +793,7 @@ void CanPlant::SendSetpoint(Joint& joint, double torque_Nm, double position_rad,
       Send(joint, can::SetInputVel{wanted_rad_s * rev_per_rad, 0.0});
       break;
     }
-    case Mode::kIdle:
+    case ControlMode::kIdle:
       break;
   }
 }

@@ -49,6 +49,7 @@
 #include "bridge/can/transport/transport.h"
 #include "bridge/joints/compact_link.h"
 #include "components/provider/plant.h"
+#include "components/types/control_mode.h"
 
 namespace sinew::bridge {
 
@@ -199,7 +200,7 @@ class CanPlant : public provider::Plant {
     Phase phase = Phase::kIdle;
     std::int64_t phase_ns = 0;
     std::int64_t told_ns = 0;  // last time the axis was told its state
-    provider::Mode mode = provider::Mode::kIdle;
+    types::ControlMode mode = types::ControlMode::kIdle;
     double sent_position_rad = 0.0;
     std::uint8_t valve_sequence = 0;
     std::int64_t cleared_ns = 0;
@@ -226,7 +227,7 @@ class CanPlant : public provider::Plant {
   void Collect(std::int64_t cycle_start_ns);
   bool AllAnswered(std::int64_t cycle_start_ns) const;
 
-  void CommandJoint(Joint& joint, provider::Mode mode, double torque_Nm, double position_rad,
+  void CommandJoint(Joint& joint, types::ControlMode mode, double torque_Nm, double position_rad,
                     double velocity_rad_s, double period_s, std::int64_t now_ns);
   void SendSetpoint(Joint& joint, double torque_Nm, double position_rad, double velocity_rad_s,
                     double period_s);

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <set>
 #include <stdexcept>
+
+#include "components/types/angle.h"
+#include "components/types/control_mode.h"
 
 namespace sinew::virtual_axes {
 namespace {
@@ -12,7 +14,7 @@ namespace {
 using can::Command;
 using can::Firmware;
 
-constexpr double kTurn_rad = 2.0 * std::numbers::pi;
+constexpr double kTurn_rad = types::kTwoPi;
 constexpr std::int64_t kMs_ns = 1'000'000;
 constexpr std::int64_t kLongestCatchUp_ns = 50 * kMs_ns;
 constexpr std::int64_t kReboot_ns = 300 * kMs_ns;
@@ -493,7 +495,7 @@ void VirtualAxes::StepPlant() {
   for (Axis& axis : axes_) {
     const AxisConfig& c = axis.config;
     const auto j = static_cast<std::size_t>(c.joint);
-    command_.mode[j] = provider::Mode::kIdle;
+    command_.mode[j] = types::ControlMode::kIdle;
     command_.motor_torque_Nm[j] = 0.0;
     axis.iq_setpoint_A = 0.0;
     if (axis.state != can::AxisState::kClosedLoopControl) continue;
@@ -504,7 +506,7 @@ void VirtualAxes::StepPlant() {
     command_.velocity_rad_s[j] = velocity_rev_s * output_rad_per_rev;
     switch (axis.mode) {
       case can::ControlMode::kTorque: {
-        command_.mode[j] = provider::Mode::kTorque;
+        command_.mode[j] = types::ControlMode::kTorque;
         const double current_A =
             std::clamp(FiniteOrZero(axis.input_torque_Nm) / c.controller_torque_constant_Nm_A,
                        -axis.current_limit_A, axis.current_limit_A);
@@ -513,13 +515,13 @@ void VirtualAxes::StepPlant() {
         break;
       }
       case can::ControlMode::kPosition:
-        command_.mode[j] = provider::Mode::kPosition;
+        command_.mode[j] = types::ControlMode::kPosition;
         if (std::isfinite(axis.input_position_rev)) {
           command_.position_rad[j] = (axis.input_position_rev - c.zero_rev) * output_rad_per_rev;
         }
         break;
       case can::ControlMode::kVelocity:
-        command_.mode[j] = provider::Mode::kVelocity;
+        command_.mode[j] = types::ControlMode::kVelocity;
         break;
       case can::ControlMode::kVoltage:
         break;

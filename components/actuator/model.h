@@ -68,7 +68,7 @@ struct HistoryEntry {
 class JointModel {
  public:
   std::string name;
-  effects::JointKind kind = effects::JointKind::kRotary;
+  types::JointKind kind = types::JointKind::kRotary;
   effects::JointConstants constants;
   double backlash_rad = 0.0;           // full width of the play at the output; 0: none
   double motor_torque_limit_Nm = 0.0;  // at the motor shaft; 0: none

@@ -109,8 +109,8 @@ std::vector<identify::StateSet> Arm::States(
     const std::vector<identify::ProcessingOptions>& processing) const {
   std::vector<identify::StateSet> states;
   for (std::size_t j = 0; j < robot.joints.size(); ++j) {
-    std::vector<identify::Run> bare = runs.at(j);
-    for (identify::Run& run : bare) {
+    std::vector<types::Run> bare = runs.at(j);
+    for (types::Run& run : bare) {
       if (run.rigid_torque.empty()) run.rigid_torque_later = true;
     }
     states.push_back(identify::MakeStates(bare, robot.joints[j], processing[j]));
@@ -387,7 +387,7 @@ void Arm::AddRigidTorque(const ArmFit& fit,
                          const actuator::RobotModel& robot, ArmRuns* runs) const {
   const std::vector<identify::StateSet> states = States(*runs, robot, processing);
   for (std::size_t j = 0; j < states.size(); ++j) {
-    for (identify::Run& run : (*runs)[j]) {
+    for (types::Run& run : (*runs)[j]) {
       run.rigid_torque.clear();
       run.rigid_columns.clear();
       run.rigid_mean = fit.by_others[j].mean;
@@ -406,7 +406,7 @@ void Arm::AddRigidTorque(const ArmFit& fit,
       for (std::size_t j = 0; j < states.size(); ++j) Y[j].row(i) = all.row(row_[j]);
     }
     for (std::size_t j = 0; j < states.size(); ++j) {
-      identify::Run& run = (*runs)[j][static_cast<std::size_t>(segment.run)];
+      types::Run& run = (*runs)[j][static_cast<std::size_t>(segment.run)];
       run.rigid_torque.emplace_back(Y[j] * fit.phi);
       run.rigid_columns.emplace_back(Y[j](Eigen::all, base_.independent) *
                                      fit.by_others[j].directions);

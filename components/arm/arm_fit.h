@@ -17,12 +17,12 @@
 #include "components/arm/dynamics.h"
 #include "components/identify/design.h"
 #include "components/identify/processing.h"
-#include "components/identify/run.h"
+#include "components/types/run.h"
 
 namespace sinew::arm {
 
 // Recordings of all joints: runs[j] are those of joint j, in the same order for every joint.
-using ArmRuns = std::vector<std::vector<identify::Run>>;
+using ArmRuns = std::vector<std::vector<types::Run>>;
 
 struct BaseParameter {
   std::string name;  // of the independent parameter it is grouped to

@@ -18,7 +18,7 @@ ArmLoop FitArm(const Arm& arm, const actuator::RobotModel& robot,
   const Eigen::VectorXd inertia = arm.Inertia(loop.before.phi, *train, robot, loop.processing);
   std::vector<identify::ProcessingOptions> of_joint;
   for (std::size_t j = 0; j < robot.joints.size(); ++j) {
-    for (identify::Run& run : train->at(j)) {
+    for (types::Run& run : train->at(j)) {
       run.rigid_inertia = inertia[static_cast<Eigen::Index>(j)];
     }
     of_joint.push_back(identify::FromMotion(train->at(j), robot.joints[j], wished.longest_gap_s));

@@ -6,6 +6,8 @@
 #include <string>
 
 #include "components/reference/blend.h"
+#include "components/types/control_mode.h"
+#include "components/types/regime.h"
 
 namespace sinew::control {
 namespace {
@@ -113,7 +115,7 @@ double JointController::MeasuredVelocity(const JointMeasurement& m, double perio
 
 JointOutput JointController::Damping(const JointMeasurement& m) const noexcept {
   JointOutput output;
-  output.mode = CommandMode::kTorque;
+  output.mode = types::ControlMode::kTorque;
   double velocity_rad_s = 0.0;
   if (m.actuator_valid && std::isfinite(m.motor_velocity_rad_s)) {
     velocity_rad_s = m.motor_velocity_rad_s / config_.gear_ratio;
@@ -201,10 +203,10 @@ double JointController::FeedForward(const JointInput& input, const Point& target
     if (!config_.by_regime) {
       source = 4;
       wanted_Nm = config_.shaft_per_output * prediction.torque_Nm;
-    } else if (input.regime == Regime::kSea) {
+    } else if (input.regime == types::Regime::kSea) {
       source = 2;
       wanted_Nm = config_.shaft_per_output * prediction.sea_torque_Nm;
-    } else if (input.regime == Regime::kPea) {
+    } else if (input.regime == types::Regime::kPea) {
       source = 3;
       wanted_Nm = config_.shaft_per_output * prediction.pea_torque_Nm;
     }
@@ -242,7 +244,7 @@ JointOutput JointController::Push(const JointInput& input) noexcept {
       config_.shaft_per_output *
       pid_.Step(push_at_rad_ - motor_rad, way_rad / input.period_s - motor_rad_s, input.period_s);
   JointOutput output;
-  output.mode = CommandMode::kTorque;
+  output.mode = types::ControlMode::kTorque;
   output.motor_torque_Nm = std::clamp(wanted_Nm, -limit_Nm, limit_Nm);
   output.saturated = output.motor_torque_Nm != wanted_Nm;
   if (output.saturated) {
@@ -328,7 +330,7 @@ JointController::Result JointController::Step(const JointInput& input) noexcept 
   output.position_rad = target_.position_rad;
   output.velocity_rad_s = target_.velocity_rad_s;
   if (config_.strategy == Strategy::kPosition) {
-    output.mode = CommandMode::kPosition;
+    output.mode = types::ControlMode::kPosition;
     return result;
   }
   if (lost && stale_ticks_ > config_.stale_grace_ticks && config_.on_stale == OnStale::kDamp) {
@@ -357,7 +359,7 @@ JointController::Result JointController::Step(const JointInput& input) noexcept 
   }
   const double wanted_Nm = feedback_Nm + output.compensation_Nm;
   if (!std::isfinite(wanted_Nm)) return latch(Fault::kNonFiniteOutput);
-  output.mode = CommandMode::kTorque;
+  output.mode = types::ControlMode::kTorque;
   output.motor_torque_Nm = std::clamp(wanted_Nm, -limit_Nm, limit_Nm);
   output.saturated = output.motor_torque_Nm != wanted_Nm;
   if (input.interrupted) {

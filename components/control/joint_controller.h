@@ -24,6 +24,7 @@
 #include "components/control/pid.h"
 #include "components/control/types.h"
 #include "components/reference/trajectory.h"
+#include "components/types/regime.h"
 
 namespace sinew::control {
 
@@ -61,7 +62,7 @@ struct JointInput {
   Point reference;
   bool prediction_fresh = false;
   JointPrediction prediction;
-  Regime regime = Regime::kUnknown;
+  types::Regime regime = types::Regime::kUnknown;
   MotionOrder motion;
 };
 

@@ -4,12 +4,15 @@
 #include <stdexcept>
 #include <string>
 
+#include "components/types/joints.h"
+#include "components/types/regime.h"
+
 namespace sinew::control {
 
 RobotController::RobotController(const std::vector<JointControlConfig>& joints) {
-  if (joints.empty() || joints.size() > static_cast<std::size_t>(kMaxJoints)) {
+  if (joints.empty() || joints.size() > static_cast<std::size_t>(types::kMaxJoints)) {
     throw std::invalid_argument(std::to_string(joints.size()) + " joints, expected 1 to " +
-                                std::to_string(kMaxJoints));
+                                std::to_string(types::kMaxJoints));
   }
   for (const JointControlConfig& joint : joints) joints_.emplace_back(joint);
 }
@@ -43,7 +46,7 @@ RobotOutput RobotController::Step(const RobotInput& input) noexcept {
     joint.reference = input.reference[j];
     joint.prediction_fresh = input.prediction_fresh;
     joint.prediction = input.prediction[j];
-    joint.regime = input.regime_fresh ? input.regime[j] : Regime::kUnknown;
+    joint.regime = input.regime_fresh ? input.regime[j] : types::Regime::kUnknown;
     joint.motion = input.motion[j];
     const JointController::Result result = joints_[j].Step(joint);
     output.joint[j] = result.output;

@@ -7,6 +7,7 @@
 
 #include "components/control/joint_controller.h"
 #include "components/control/types.h"
+#include "components/types/joints.h"
 
 namespace sinew::control {
 

@@ -6,14 +6,13 @@
 #include <cstdint>
 
 #include "components/reference/trajectory.h"
+#include "components/types/control_mode.h"
+#include "components/types/joints.h"
+#include "components/types/regime.h"
 
 namespace sinew::control {
 
-inline constexpr int kMaxJoints = 12;
-
 using reference::Point;
-
-enum class Regime { kUnknown, kSea, kPea };
 
 enum class Motion { kNone, kHold, kMoveSlowly, kPushAgainstChamber };
 
@@ -54,21 +53,19 @@ struct RobotInput {
   bool interrupted =
       false;  // armed, but the provider bridges a gap: the last command did not count
   int joint_count = 0;
-  std::array<JointMeasurement, kMaxJoints> joint{};
+  types::JointArray<JointMeasurement> joint{};
 
   bool reference_fresh = false;  // belongs to this tick and is not marked stale
   int reference_count = 0;       // 0: nothing is asked for
-  std::array<Point, kMaxJoints> reference{};
+  types::JointArray<Point> reference{};
 
   bool prediction_fresh = false;
-  std::array<JointPrediction, kMaxJoints> prediction{};
+  types::JointArray<JointPrediction> prediction{};
   bool regime_fresh = false;
-  std::array<Regime, kMaxJoints> regime{};
+  types::JointArray<types::Regime> regime{};
 
-  std::array<MotionOrder, kMaxJoints> motion{};
+  types::JointArray<MotionOrder> motion{};
 };
-
-enum class CommandMode { kIdle, kTorque, kPosition, kVelocity };
 
 // Why a command is the safe one. Fault codes up to kLastLatched stay until the robot is disarmed.
 enum class Fault {
@@ -83,7 +80,7 @@ enum class Fault {
 const char* FaultText(Fault fault) noexcept;
 
 struct JointOutput {
-  CommandMode mode = CommandMode::kIdle;
+  types::ControlMode mode = types::ControlMode::kIdle;
   double motor_torque_Nm = 0.0;  // at the motor shaft
   double position_rad = 0.0;     // what the joint should be at; output side
   double velocity_rad_s = 0.0;
@@ -96,7 +93,7 @@ struct RobotOutput {
   Fault fault = Fault::kNone;
   int fault_joint = -1;
   int joint_count = 0;
-  std::array<JointOutput, kMaxJoints> joint{};
+  types::JointArray<JointOutput> joint{};
 };
 
 }  // namespace sinew::control

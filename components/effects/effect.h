@@ -25,10 +25,9 @@
 #include <vector>
 
 #include "components/effects/sample.h"
+#include "components/types/joint_kind.h"
 
 namespace sinew::effects {
-
-enum class JointKind { kRotary, kLinear };
 
 // What a term does in the equation of motion.
 enum class Role {
@@ -43,7 +42,7 @@ enum class Balance { kMotion, kLink, kPlay, kGas, kKinematic };
 // As in model files: "motion", "link", "play", "gas", "kinematic".
 std::string_view BalanceName(Balance balance);
 // Unit of a balance's sum, e.g. "Nm", "N" of a linear joint, "rad".
-std::string_view BalanceUnit(Balance balance, JointKind kind);
+std::string_view BalanceUnit(Balance balance, types::JointKind kind);
 
 // Physical dimension of a parameter; with the joint's kind it gives the unit suffix of the YAML
 // key.
@@ -80,7 +79,7 @@ enum class Dimension {
 
 // Suffix of a YAML key, e.g. {kViscous, kRotary} -> "Nm_s_rad", {kViscous, kLinear} -> "N_s_m";
 // empty for kNone.
-std::string_view UnitSuffix(Dimension dimension, JointKind kind);
+std::string_view UnitSuffix(Dimension dimension, types::JointKind kind);
 
 struct ParameterInfo {
   std::string name;  // without unit, e.g. "viscous"
@@ -97,7 +96,7 @@ struct ParameterInfo {
 };
 
 // The parameter's key in files: name and unit suffix, e.g. "viscous_Nm_s_rad".
-std::string ParameterKey(const ParameterInfo& info, JointKind kind);
+std::string ParameterKey(const ParameterInfo& info, types::JointKind kind);
 
 // Which body a torque acts on. Outside the free play they move as one; a simulation keeps them
 // apart.

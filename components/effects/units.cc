@@ -2,8 +2,8 @@
 
 namespace sinew::effects {
 
-std::string_view UnitSuffix(Dimension dimension, JointKind kind) {
-  const bool rotary = kind == JointKind::kRotary;
+std::string_view UnitSuffix(Dimension dimension, types::JointKind kind) {
+  const bool rotary = kind == types::JointKind::kRotary;
   switch (dimension) {
     case Dimension::kNone:
       return "";
@@ -81,8 +81,8 @@ std::string_view BalanceName(Balance balance) {
   return "";
 }
 
-std::string_view BalanceUnit(Balance balance, JointKind kind) {
-  const bool rotary = kind == JointKind::kRotary;
+std::string_view BalanceUnit(Balance balance, types::JointKind kind) {
+  const bool rotary = kind == types::JointKind::kRotary;
   switch (balance) {
     case Balance::kGas:
       return "bar";
@@ -93,7 +93,7 @@ std::string_view BalanceUnit(Balance balance, JointKind kind) {
   }
 }
 
-std::string ParameterKey(const ParameterInfo& info, JointKind kind) {
+std::string ParameterKey(const ParameterInfo& info, types::JointKind kind) {
   const std::string_view unit = UnitSuffix(info.dimension, kind);
   return unit.empty() ? info.name : info.name + "_" + std::string(unit);
 }

@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "components/types/joints.h"
+
 namespace sinew::esn {
 namespace {
 
@@ -20,9 +22,9 @@ double TorqueAt(const actuator::JointModel& model, effects::JointSample sample,
 
 InverseDynamics::InverseDynamics(const actuator::RobotModel& robot, double smoothing_rad_s)
     : smoothing_rad_s_(smoothing_rad_s) {
-  if (robot.joints.empty() || robot.joints.size() > static_cast<std::size_t>(kMaxJoints)) {
+  if (robot.joints.empty() || robot.joints.size() > static_cast<std::size_t>(types::kMaxJoints)) {
     throw std::invalid_argument("model " + robot.name + ": " + std::to_string(robot.joints.size()) +
-                                " joints, expected 1 .. " + std::to_string(kMaxJoints));
+                                " joints, expected 1 .. " + std::to_string(types::kMaxJoints));
   }
   if (!(smoothing_rad_s > 0.0) || !std::isfinite(smoothing_rad_s)) {
     throw std::invalid_argument("smoothing_rad_s: " + std::to_string(smoothing_rad_s) +

@@ -5,6 +5,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "components/types/joints.h"
+#include "components/types/regime.h"
+
 namespace sinew::esn {
 namespace {
 
@@ -17,9 +20,9 @@ void CheckNetwork(const Weights& weights, const char* name) {
     throw std::invalid_argument(std::string(name) + ": target '" + weights.target +
                                 "', expected '" + std::string(kTarget) + "'");
   }
-  if (weights.output_count() > kMaxJoints) {
+  if (weights.output_count() > types::kMaxJoints) {
     throw std::invalid_argument(std::string(name) + ": " + std::to_string(weights.output_count()) +
-                                " outputs, expected at most " + std::to_string(kMaxJoints));
+                                " outputs, expected at most " + std::to_string(types::kMaxJoints));
   }
 }
 
@@ -59,7 +62,7 @@ void Predictor::Reset() noexcept {
   }
 }
 
-Prediction Predictor::Step(const Frame& frame, Regime regime) noexcept {
+Prediction Predictor::Step(const Frame& frame, types::Regime regime) noexcept {
   Prediction prediction;
   prediction.joint_count = outputs_;
   for (std::size_t i = 0; i < 2; ++i) {
@@ -77,8 +80,8 @@ Prediction Predictor::Step(const Frame& frame, Regime regime) noexcept {
   }
 
   const bool both = slots_[0] && slots_[1];
-  if (both && regime == Regime::kUnknown) return prediction;
-  const bool use_sea = both ? regime == Regime::kSea : slots_[0].has_value();
+  if (both && regime == types::Regime::kUnknown) return prediction;
+  const bool use_sea = both ? regime == types::Regime::kSea : slots_[0].has_value();
   const Which which = use_sea ? Which::kSea : Which::kPea;
   if (!slots_[Index(which)]->good) return prediction;
   prediction.chosen = which;

@@ -19,18 +19,19 @@
 #include "components/esn/network.h"
 #include "components/esn/signals.h"
 #include "components/esn/weights.h"
+#include "components/types/joints.h"
+#include "components/types/regime.h"
 
 namespace sinew::esn {
 
-enum class Regime { kUnknown, kSea, kPea };
 enum class Which : std::uint8_t { kSea = 0, kPea = 1 };
 
 struct Prediction {
   int joint_count = 0;
-  std::array<double, kMaxJoints> torque_Nm{};      // of the chosen network; 0 where not valid
-  std::array<double, kMaxJoints> sea_torque_Nm{};  // of each, chosen or not; 0 where it has none
-  std::array<double, kMaxJoints> pea_torque_Nm{};
-  std::array<bool, kMaxJoints> valid{};
+  types::JointArray<double> torque_Nm{};      // of the chosen network; 0 where not valid
+  types::JointArray<double> sea_torque_Nm{};  // of each, chosen or not; 0 where it has none
+  types::JointArray<double> pea_torque_Nm{};
+  types::JointArray<bool> valid{};
   std::optional<Which> chosen;  // nothing: no valid prediction
 };
 
@@ -41,7 +42,7 @@ class Predictor {
   Predictor(const std::optional<Weights>& sea, const std::optional<Weights>& pea);
 
   void Reset() noexcept;
-  Prediction Step(const Frame& frame, Regime regime) noexcept;
+  Prediction Step(const Frame& frame, types::Regime regime) noexcept;
 
   // False, and nothing changes: no such network, wrong shape, not finite.
   [[nodiscard]] bool SetReadout(Which which, std::uint64_t version,

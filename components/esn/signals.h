@@ -14,9 +14,9 @@
 #include <string_view>
 #include <vector>
 
-namespace sinew::esn {
+#include "components/types/joints.h"
 
-inline constexpr int kMaxJoints = 12;
+namespace sinew::esn {
 
 // Velocity over which reference_direction turns.
 inline constexpr double kDirectionWidth_rad_s = 0.02;
@@ -64,7 +64,7 @@ class Frame {
   }
 
  private:
-  std::array<std::array<double, kMaxJoints>, kSignalCount> value_;
+  std::array<types::JointArray<double>, kSignalCount> value_;
 };
 
 }  // namespace sinew::esn

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "components/esn/normal.h"
+#include "components/types/joints.h"
 
 namespace sinew::esn {
 namespace {
@@ -74,9 +75,9 @@ void Weights::Check() const {
   Require(inputs.empty() || static_cast<Eigen::Index>(inputs.size()) == m,
           "inputs: " + std::to_string(inputs.size()) + " names, expected " + std::to_string(m));
   for (const Input& signal : inputs) {
-    Require(signal.joint >= 0 && signal.joint < kMaxJoints,
+    Require(signal.joint >= 0 && signal.joint < types::kMaxJoints,
             "inputs: joint " + std::to_string(signal.joint) + ", expected 0 .. " +
-                std::to_string(kMaxJoints - 1));
+                std::to_string(types::kMaxJoints - 1));
   }
   RequireShape(input_weight, n, m, "input_weight");
   RequireShape(bias, n, 1, "bias");

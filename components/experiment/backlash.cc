@@ -5,8 +5,8 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "components/experiment/units.h"
 #include "components/identify/statistics.h"
+#include "components/types/angle.h"
 
 namespace sinew::experiment {
 namespace {
@@ -36,7 +36,8 @@ struct Rounding {
 Rounding RoundingOf(const std::vector<double>& variance_rad2, double lowest_Nm, double highest_Nm,
                     const RigConstants& rig) {
   const double largest_deg =
-      LargestRounding(identify::Mean(variance_rad2), kTwoPi / rig.encoder_counts) / kDegree;
+      LargestRounding(identify::Mean(variance_rad2), types::kTwoPi / rig.encoder_counts) /
+      types::kDegree_rad;
   // Each contact at each torque rests at a phase of its own of the count: a sine of that amplitude,
   // so that the difference of two contacts has it as its standard deviation. The play is
   // extrapolated from two torques, the compliance is their difference.
@@ -119,8 +120,9 @@ Result IdentifyBacklash(const Recording& rows, const RigConstants& rig) {
     }
     published_deg.push_back((std::max(up.largest_rad, down.largest_rad) -
                              std::min(up.smallest_rad, down.smallest_rad)) /
-                            kDegree);
-    width_deg.push_back((up.sum_d_rad / up.rows - down.sum_d_rad / down.rows) * up.side / kDegree);
+                            types::kDegree_rad);
+    width_deg.push_back((up.sum_d_rad / up.rows - down.sum_d_rad / down.rows) * up.side /
+                        types::kDegree_rad);
     torque_Nm.push_back(std::abs(up.sum_torque_Nm / up.rows) +
                         std::abs(down.sum_torque_Nm / down.rows));
   }
@@ -181,7 +183,7 @@ Result IdentifyBacklash(const Recording& rows, const RigConstants& rig) {
     if (row.time_s < begin_s || row.time_s > begin_s + 12.5) continue;
     figure.series[0].x.push_back(row.time_s - begin_s);
     figure.series[0].y.push_back((row.motor_angle_rad / rig.gear_ratio - row.output_angle_rad) /
-                                 kDegree);
+                                 types::kDegree_rad);
   }
   result.figures.push_back(std::move(figure));
   Figure trials{.title = "Play by trial",

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "components/experiment/units.h"
 #include "components/identify/statistics.h"
+#include "components/types/angle.h"
 
 namespace sinew::experiment {
 namespace {
@@ -211,8 +211,8 @@ Result IdentifyBreakaway(const std::vector<Breakaway>& trials, const RigConstant
   const auto n = static_cast<Eigen::Index>(trials.size());
   std::map<int, std::vector<double>> by_angle;  // degrees
   for (const Breakaway& trial : trials) {
-    by_angle[static_cast<int>(std::lround(trial.angle_rad / kDegree / 5.0) * 5)].push_back(
-        trial.force_N * rig.link_length_m);
+    by_angle[static_cast<int>(std::lround(trial.angle_rad / types::kDegree_rad / 5.0) * 5)]
+        .push_back(trial.force_N * rig.link_length_m);
   }
   if (n < 4 || by_angle.size() < 2) {
     throw std::invalid_argument("breakaway: " + std::to_string(n) + " trials at " +
@@ -270,7 +270,7 @@ Result IdentifyBreakaway(const std::vector<Breakaway>& trials, const RigConstant
                .bars = true};
   for (const auto& [angle_deg, values] : by_angle) {
     const double mean = identify::Mean(values), sd = identify::StandardDeviation(values);
-    const double with_gravity = mean + fit.b(1) * std::cos(angle_deg * kDegree);
+    const double with_gravity = mean + fit.b(1) * std::cos(angle_deg * types::kDegree_rad);
     char text[4][32];
     std::snprintf(text[0], sizeof text[0], "%.4f", mean);
     std::snprintf(text[1], sizeof text[1], "%.4f", sd);
@@ -286,7 +286,7 @@ Result IdentifyBreakaway(const std::vector<Breakaway>& trials, const RigConstant
   }
   for (int angle_deg = -90; angle_deg <= 90; angle_deg += 3) {
     measured.series[1].x.push_back(angle_deg);
-    measured.series[1].y.push_back(fit.b(0) - fit.b(1) * std::cos(angle_deg * kDegree));
+    measured.series[1].y.push_back(fit.b(0) - fit.b(1) * std::cos(angle_deg * types::kDegree_rad));
   }
   result.tables.push_back(std::move(table));
   result.figures = {std::move(measured), std::move(total)};

@@ -8,7 +8,7 @@
 #include "components/experiment/data_sets.h"
 #include "components/experiment/motor.h"
 #include "components/experiment/push.h"
-#include "components/experiment/units.h"
+#include "components/types/angle.h"
 
 namespace sinew::experiment {
 namespace {
@@ -38,7 +38,7 @@ std::unique_ptr<Protocol> MakeProtocol(std::string_view name, const Repetition& 
     std::vector<double> angles_rad;
     int number = 0;
     for (const double angle_deg : kBreakawayAngles_deg) {
-      if (!r.quick || number++ % 2 == 0) angles_rad.push_back(angle_deg * kDegree);
+      if (!r.quick || number++ % 2 == 0) angles_rad.push_back(angle_deg * types::kDegree_rad);
     }
     return std::make_unique<BreakawayTour>(
         angles_rad, BreakawayPlan{.rest_s = r.rest_s, .play_rad = r.play_rad}, r.gear_ratio);

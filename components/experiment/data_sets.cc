@@ -5,8 +5,8 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "components/experiment/units.h"
 #include "components/identify/statistics.h"
+#include "components/types/angle.h"
 
 namespace sinew::experiment {
 namespace {
@@ -95,7 +95,7 @@ Command SeaProtocol::Step(const Reading& reading) noexcept {
   if (local_s >= 0.0) {
     // Pushes for a little over half of the stroke.
     command.hand_force_N =
-        size_N_ * std::max(0.0, std::sin(kTwoPi * local_s / length_s_) + 0.1) / 1.1;
+        size_N_ * std::max(0.0, std::sin(types::kTwoPi * local_s / length_s_) + 0.1) / 1.1;
   }
   // The leak is set so that the pressure falls evenly, as far as it can.
   const double planned_bar = plan_.first_bar * (1.0 - t / plan_.duration_s);
@@ -127,7 +127,7 @@ Command PeaProtocol::Step(const Reading& reading) noexcept {
   // and cannot pull.
   const double hand_rad =
       0.5 * std::numbers::pi -
-      0.5 * size_rad_ * (1.0 - std::cos(kTwoPi * std::max(0.0, t - start_s_) / length_s_));
+      0.5 * size_rad_ * (1.0 - std::cos(types::kTwoPi * std::max(0.0, t - start_s_) / length_s_));
   command.hand_force_N = std::clamp(plan_.hand_N_rad * (reading.output_angle_rad - hand_rad), 0.0,
                                     plan_.largest_hand_N);
   return command;
@@ -213,8 +213,9 @@ Result DescribeSea(const Recording& rows, const RigConstants& rig) {
                                       [](const Row& r) { return r.chamber_pressure_bar; }));
   result.figures.push_back(TimeFigure(rows, "Force on the link (Fig 5.5)", "force, N",
                                       [](const Row& r) { return r.load_force_N; }));
-  result.figures.push_back(TimeFigure(rows, "Link angle (Fig 5.5)", "angle, degrees",
-                                      [](const Row& r) { return r.output_angle_rad / kDegree; }));
+  result.figures.push_back(
+      TimeFigure(rows, "Link angle (Fig 5.5)", "angle, degrees",
+                 [](const Row& r) { return r.output_angle_rad / types::kDegree_rad; }));
   Figure space{.title = "Torque, pressure and angle (Fig 5.7)",
                .x_label = "angle, degrees",
                .y_label = "pressure, bar",
@@ -222,7 +223,7 @@ Result DescribeSea(const Recording& rows, const RigConstants& rig) {
                .series = {{.name = ""}}};
   const std::size_t step = std::max<std::size_t>(1, set.size() / 4000);
   for (std::size_t i = 0; i < set.size(); i += step) {
-    space.series[0].x.push_back(set[i].output_angle_rad / kDegree);
+    space.series[0].x.push_back(set[i].output_angle_rad / types::kDegree_rad);
     space.series[0].y.push_back(set[i].chamber_pressure_bar);
     space.series[0].z.push_back(set[i].load_force_N * rig.link_length_m);
   }
@@ -233,7 +234,7 @@ Result DescribeSea(const Recording& rows, const RigConstants& rig) {
               .y_label = "torque, N m",
               .series = {{.name = "", .line = true}}};
   for (std::size_t i = at_4_bar->first; i <= at_4_bar->last; ++i) {
-    loop.series[0].x.push_back(set[i].output_angle_rad / kDegree);
+    loop.series[0].x.push_back(set[i].output_angle_rad / types::kDegree_rad);
     loop.series[0].y.push_back(set[i].load_force_N * rig.link_length_m);
   }
   result.figures.push_back(std::move(loop));
@@ -256,7 +257,7 @@ Result DescribePea(const Recording& rows, const RigConstants& rig) {
     if (below) lowest_rad = std::min(lowest_rad, q);
     if (below && q > 0.5) {
       below = false;
-      lowest_deg.push_back(lowest_rad / kDegree);
+      lowest_deg.push_back(lowest_rad / types::kDegree_rad);
     }
   }
   if (lowest_deg.size() < 2) {
@@ -288,7 +289,7 @@ Result DescribePea(const Recording& rows, const RigConstants& rig) {
                        {.id = "highest_deg",
                         .name = "highest angle",
                         .unit = "degrees",
-                        .estimate = {span.upper_rad / kDegree, 0.0, 1},
+                        .estimate = {span.upper_rad / types::kDegree_rad, 0.0, 1},
                         .published = 90.0,
                         .source = "5.1.3, upright",
                         .has_interval = false},
@@ -301,16 +302,17 @@ Result DescribePea(const Recording& rows, const RigConstants& rig) {
   for (const Row& row : rows) {
     if (row.time_s - rows.front().time_s < 35.0) first.push_back(row);
   }
-  result.figures = {TimeFigure(first, "Link angle (Fig 5.10)", "angle, degrees",
-                               [](const Row& r) { return r.output_angle_rad / kDegree; }),
-                    TimeFigure(first, "Link velocity (Fig 5.10)", "velocity, rad/s",
-                               [](const Row& r) { return r.output_velocity_rad_s; }),
-                    TimeFigure(first, "Pressure (Fig 5.10)", "pressure, bar",
-                               [](const Row& r) { return r.chamber_pressure_bar; }),
-                    TimeFigure(first, "Force (Fig 5.10)", "force, N",
-                               [](const Row& r) { return r.load_force_N; }),
-                    TimeFigure(first, "Motor current Iq (Fig 5.10)", "current, A",
-                               [](const Row& r) { return r.motor_current_A; })};
+  result.figures = {
+      TimeFigure(first, "Link angle (Fig 5.10)", "angle, degrees",
+                 [](const Row& r) { return r.output_angle_rad / types::kDegree_rad; }),
+      TimeFigure(first, "Link velocity (Fig 5.10)", "velocity, rad/s",
+                 [](const Row& r) { return r.output_velocity_rad_s; }),
+      TimeFigure(first, "Pressure (Fig 5.10)", "pressure, bar",
+                 [](const Row& r) { return r.chamber_pressure_bar; }),
+      TimeFigure(first, "Force (Fig 5.10)", "force, N",
+                 [](const Row& r) { return r.load_force_N; }),
+      TimeFigure(first, "Motor current Iq (Fig 5.10)", "current, A",
+                 [](const Row& r) { return r.motor_current_A; })};
   return result;
 }
 

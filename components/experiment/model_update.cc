@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <numbers>
 
-#include "components/experiment/units.h"
+#include "components/types/angle.h"
 
 namespace sinew::experiment {
 namespace {
@@ -41,9 +41,9 @@ std::vector<std::string> UpdateModel(const Result& result, const std::string& re
     if (quantity == nullptr) continue;
     double value = quantity->estimate.value, half_width = quantity->estimate.half_width_95;
     if (std::string(target.effect).empty()) {
-      tell("backlash", target.parameter, model->backlash_rad, value * kDegree,
-           half_width * kDegree);
-      model->backlash_rad = value * kDegree;
+      tell("backlash", target.parameter, model->backlash_rad, value * types::kDegree_rad,
+           half_width * types::kDegree_rad);
+      model->backlash_rad = value * types::kDegree_rad;
       continue;
     }
     const int term = model->Find(target.effect);

@@ -6,11 +6,11 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "components/experiment/units.h"
 #include "components/identify/differentiate.h"
 #include "components/identify/iir_filter.h"
 #include "components/identify/statistics.h"
 #include "components/identify/uniform.h"
+#include "components/types/angle.h"
 
 namespace sinew::experiment {
 namespace {
@@ -33,7 +33,7 @@ MotorProtocol::MotorProtocol(const MotorPlan& plan) : plan_(plan) {
   for (int i = 0; i < plan.sines; ++i) {
     const double share = static_cast<double>(i) / (plan.sines - 1);
     const double frequency_Hz = plan.lowest_Hz * std::pow(plan.highest_Hz / plan.lowest_Hz, share);
-    sines_.push_back({kTwoPi * frequency_Hz, person.Uniform(0.0, kTwoPi),
+    sines_.push_back({types::kTwoPi * frequency_Hz, person.Uniform(0.0, types::kTwoPi),
                       plan.torque_Nm * std::sqrt(2.0 / plan.sines)});
   }
 }
@@ -84,7 +84,7 @@ Result IdentifyMotor(const Recording& rows, const RigConstants& rig) {
   const Eigen::Vector2d published = G.inverse() * m;
 
   // With Coulomb friction.
-  identify::Run run;
+  types::Run run;
   run.name = "motor";
   const auto n = static_cast<Eigen::Index>(rows.size());
   run.time_s.resize(n);
@@ -96,8 +96,8 @@ Result IdentifyMotor(const Recording& rows, const RigConstants& rig) {
     current(i) = row.motor_current_A;
   }
   // The position decides whether stamps or row numbers are right: here that is the motor's.
-  run.signals[identify::Signal::kPosition] = angle;
-  run.signals[identify::Signal::kMotorCurrent] = current;
+  run.signals[types::Signal::kPosition] = angle;
+  run.signals[types::Signal::kMotorCurrent] = current;
   const identify::UniformRun even = identify::MakeUniform(run);
   std::vector<Eigen::Vector4d> x;
   std::vector<double> y;
@@ -117,13 +117,13 @@ Result IdentifyMotor(const Recording& rows, const RigConstants& rig) {
       return identify::FilterZeroPhase(filter, signal);
     };
     // A friction that switches with the velocity goes through the same filter as everything else.
-    const Eigen::VectorXd raw_rad = segment.signals.at(identify::Signal::kPosition);
+    const Eigen::VectorXd raw_rad = segment.signals.at(types::Signal::kPosition);
     const Eigen::VectorXd angle_rad = smooth(raw_rad);
     const Eigen::VectorXd w = identify::WideDifference(angle_rad, segment.period_s);
     const Eigen::VectorXd dw = identify::WideDifference(w, segment.period_s);
     const Eigen::VectorXd sign = smooth(w.unaryExpr([](double v) { return v > 0.0 ? 1.0 : -1.0; }));
     const Eigen::VectorXd torque =
-        rig.torque_constant_Nm_A * smooth(segment.signals.at(identify::Signal::kMotorCurrent));
+        rig.torque_constant_Nm_A * smooth(segment.signals.at(types::Signal::kMotorCurrent));
     const Eigen::VectorXd rate = identify::WideDifference(torque, segment.period_s);
     const auto border = static_cast<Eigen::Index>(kBorder_s * rate_Hz);
     double block_end_s = -1e9;

@@ -6,8 +6,8 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "components/experiment/units.h"
 #include "components/identify/statistics.h"
+#include "components/types/angle.h"
 
 namespace sinew::experiment {
 namespace {
@@ -109,7 +109,8 @@ WindowMean HannMean(const Recording& rows, std::size_t first, std::size_t last) 
     const double before_s = k > first ? rows[k - 1].time_s : row.time_s;
     const double after_s = k < last ? rows[k + 1].time_s : row.time_s;
     const double step_s = 0.5 * (after_s - before_s);
-    const double weight = (1.0 - std::cos(kTwoPi * (row.time_s - start_s) / length_s)) * step_s;
+    const double weight =
+        (1.0 - std::cos(types::kTwoPi * (row.time_s - start_s) / length_s)) * step_s;
     sum += weight;
     mean.time_s += weight * row.time_s;
     mean.force_N += weight * row.load_force_N;
@@ -126,14 +127,14 @@ WindowMean HannMean(const Recording& rows, std::size_t first, std::size_t last) 
   // chord is small, and so is the error of summing it.
   const double chord_rad_s =
       (rows[last].output_angle_rad - rows[first].output_angle_rad) / length_s;
-  const double bend_1_s2 = std::pow(kTwoPi / length_s, 2) / length_s;
+  const double bend_1_s2 = std::pow(types::kTwoPi / length_s, 2) / length_s;
   for (const std::size_t half : {0u, 1u}) {
     double sum_rad_s2 = 0.0;
     for (std::size_t k = first + 1 + half; k < last; k += 2) {
       const std::size_t before = k >= first + 2 ? k - 2 : first, after = std::min(k + 2, last);
       const double step_s = 0.5 * (rows[after].time_s - rows[before].time_s);
       const double in_s = rows[k].time_s - start_s;
-      sum_rad_s2 += bend_1_s2 * std::cos(kTwoPi * in_s / length_s) * step_s *
+      sum_rad_s2 += bend_1_s2 * std::cos(types::kTwoPi * in_s / length_s) * step_s *
                     (rows[k].output_angle_rad - rows[first].output_angle_rad - chord_rad_s * in_s);
     }
     (half == 0 ? mean.acceleration_a_rad_s2 : mean.acceleration_b_rad_s2) = sum_rad_s2;
@@ -153,7 +154,8 @@ Play FindStrokes(const Recording& rows) {
   play.upper_rad = identify::Quantile(angles, 0.97);
   const double width_rad = play.upper_rad - play.lower_rad;
   if (width_rad < 0.005) {
-    throw std::invalid_argument("pushes: the link moved by " + std::to_string(width_rad / kDegree) +
+    throw std::invalid_argument("pushes: the link moved by " +
+                                std::to_string(width_rad / types::kDegree_rad) +
                                 " degrees, expected it to pass the play");
   }
   const double top_rad = play.upper_rad - kMarginShare * width_rad;
@@ -456,7 +458,7 @@ Result IdentifyStiffness(const Recording& rows, const RigConstants& rig) {
   const TrialFit fit = FitTrials(X, y, trial);
   // The way through the play is the same number in every push: its error, from the rounding of the
   // encoder at two contacts, does not average out.
-  const double count_rad = kTwoPi / rig.encoder_counts;
+  const double count_rad = types::kTwoPi / rig.encoder_counts;
   constexpr double kNormal = 1.96;
   const double rounding_share = kNormal *
                                 std::hypot(LargestRounding(play.upper_rad2, count_rad),

@@ -4,8 +4,8 @@
 
 namespace sinew::experiment {
 
-Recording RowsOfRun(const identify::Run& run, double from_s) {
-  using identify::Signal;
+Recording RowsOfRun(const types::Run& run, double from_s) {
+  using types::Signal;
   const Eigen::VectorXd& position = run.At(Signal::kPosition);
   const Eigen::VectorXd& motor = run.At(Signal::kMotorPosition);
   const Eigen::VectorXd& current = run.At(Signal::kMotorCurrent);

@@ -5,13 +5,13 @@
 #include <string>
 
 #include "components/experiment/protocol.h"
-#include "components/identify/run.h"
+#include "components/types/run.h"
 
 namespace sinew::experiment {
 
 // Rows from from_s on, times counted from there. Needs position, motor_position and motor_current;
 // what else is missing stays 0. Throws std::invalid_argument naming the signal.
-Recording RowsOfRun(const identify::Run& run, double from_s);
+Recording RowsOfRun(const types::Run& run, double from_s);
 
 // The rows as CSV; robots/rig/experiment_map.yaml says what the columns are.
 std::string FormatCsv(const Recording& rows);

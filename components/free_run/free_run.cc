@@ -6,6 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "components/types/control_mode.h"
 #include "sim/plant/single_joint.h"
 
 namespace sinew::free_run {
@@ -38,7 +39,7 @@ class JointBody final : public Body {
   }
   void Step(double motor_torque_Nm, double dt_s) override {
     plant::DriveCommand command;
-    command.mode = plant::DriveMode::kTorque;
+    command.mode = types::ControlMode::kTorque;
     command.motor_torque_Nm = motor_torque_Nm;
     joint_.plant().SetCommand(command);
     joint_.Step(dt_s);
@@ -282,7 +283,7 @@ void SumErrors(const std::vector<Trace>& traces, FreeRun* free) {
 
 }  // namespace
 
-FreeRunResult Compare(const std::vector<identify::Run>& runs,
+FreeRunResult Compare(const std::vector<types::Run>& runs,
                       const std::vector<actuator::JointModel>& models,
                       const identify::ProcessingOptions& processing,
                       const FreeRunOptions& options) {

@@ -22,7 +22,7 @@
 
 #include "components/actuator/model.h"
 #include "components/identify/processing.h"
-#include "components/identify/run.h"
+#include "components/types/run.h"
 
 namespace sinew::free_run {
 
@@ -96,7 +96,7 @@ struct FreeRunResult {
 // samples that every model reached, those that ran away in more than half of their pieces apart.
 // options of processing must be resolved. Throws std::invalid_argument as identify::MakeStates for
 // recordings that cannot be used.
-FreeRunResult Compare(const std::vector<identify::Run>& runs,
+FreeRunResult Compare(const std::vector<types::Run>& runs,
                       const std::vector<actuator::JointModel>& models,
                       const identify::ProcessingOptions& processing,
                       const FreeRunOptions& options = {});

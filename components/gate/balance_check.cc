@@ -10,20 +10,20 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 #include "components/gate/checks.h"
 #include "components/gate/rules.h"
 #include "components/identify/processing.h"
+#include "components/types/angle.h"
 
 namespace sinew::gate {
 
 namespace {
 
 using actuator::JointModel;
-using identify::Run;
-using identify::Signal;
+using types::Run;
+using types::Signal;
 
 constexpr std::size_t kMostInstants = 4000;
 
@@ -36,7 +36,7 @@ struct Reading {
   const char* words;
   bool rotary_only = false;
 };
-constexpr double kPi = std::numbers::pi;
+using types::kPi;
 constexpr Reading kReadings[] = {
     {"drive_sign", Channel::kDrive, -1.0, "with its sign reversed"},
     {"units", Channel::kAngles, kPi / 180.0, "as degrees", true},
@@ -277,7 +277,7 @@ std::string ChannelName(Channel channel, Signal drive) {
     case Channel::kTime:
       return "time";
     default:
-      return std::string(identify::SignalName(drive));
+      return std::string(types::SignalName(drive));
   }
 }
 
@@ -295,7 +295,7 @@ std::vector<Measurement> Compare(const std::vector<const States*>& parts, const 
   Best best[2];
   for (const Reading& reading : kReadings) {
     if (!Reads(model, runs, reading.channel)) continue;
-    if (reading.rotary_only && model.kind == effects::JointKind::kLinear) continue;
+    if (reading.rotary_only && model.kind == types::JointKind::kLinear) continue;
     const double left = LeftShare(parts, model, reading.channel, reading.factor);
     const double statistic = left > kHalf ? 0.0 : declared / (left + kTenth);
     Best& at = best[std::string_view(reading.rule) == "units"];

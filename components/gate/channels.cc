@@ -12,8 +12,8 @@
 namespace sinew::gate {
 
 using identify::Resolution;
-using identify::Run;
-using identify::Signal;
+using types::Run;
+using types::Signal;
 
 double QuantileOf(std::vector<double> values, double p) {
   return values.empty() ? 0.0 : identify::Quantile(std::move(values), p);
@@ -123,7 +123,7 @@ Measurement Measure(std::string_view rule, Signal signal, const Run& run, Span r
                     double statistic) {
   Measurement out;
   out.rule = rule;
-  out.signal = identify::SignalName(signal);
+  out.signal = types::SignalName(signal);
   out.recording = run.name;
   out.first_row = rows.first;
   out.last_row = rows.last;

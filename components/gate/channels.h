@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "components/gate/gate.h"
-#include "components/identify/run.h"
+#include "components/types/run.h"
 
 namespace sinew::gate {
 
@@ -15,7 +15,7 @@ double Median(std::vector<double> values);                // 0 of none
 double QuantileOf(std::vector<double> values, double p);  // 0 of none
 double Range(const Eigen::VectorXd& x);
 double StandardDeviationOf(const Eigen::VectorXd& x);
-double MedianPeriod(const identify::Run& run);
+double MedianPeriod(const types::Run& run);
 // Resolution, else the white noise: differences below it are none.
 double SmallestStep(const Eigen::VectorXd& x);
 
@@ -30,19 +30,19 @@ std::vector<Span> EqualSpans(const Eigen::VectorXd& x, Eigen::Index rows);
 struct Local {
   Eigen::VectorXd value, rate, acceleration;
 };
-std::map<identify::Signal, Local> LocalCubics(const identify::Run& run,
-                                              const std::vector<identify::Signal>& signals,
-                                              double half_width_s, const std::vector<double>& at);
+std::map<types::Signal, Local> LocalCubics(const types::Run& run,
+                                           const std::vector<types::Signal>& signals,
+                                           double half_width_s, const std::vector<double>& at);
 
 // A quarter of the time in which the channel moves by its standard deviation, at least five rows.
-double HalfWidth_s(const identify::Run& run, identify::Signal signal);
+double HalfWidth_s(const types::Run& run, types::Signal signal);
 // Instants half a half width apart, away from both ends and from gaps.
-std::vector<double> Centres(const identify::Run& run, double half_width_s, std::size_t most);
+std::vector<double> Centres(const types::Run& run, double half_width_s, std::size_t most);
 
 // Fills rule, signal, recording, rows and instants.
-Measurement Measure(std::string_view rule, identify::Signal signal, const identify::Run& run,
-                    Span rows, double statistic);
-Span WholeRun(const identify::Run& run);
+Measurement Measure(std::string_view rule, types::Signal signal, const types::Run& run, Span rows,
+                    double statistic);
+Span WholeRun(const types::Run& run);
 std::string Number(double value);  // four significant digits
 
 }  // namespace sinew::gate

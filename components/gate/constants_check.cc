@@ -27,7 +27,7 @@ constexpr Need kNeeds[] = {
 
 }  // namespace
 
-std::vector<Measurement> CheckConstants(const std::vector<identify::Run>& runs,
+std::vector<Measurement> CheckConstants(const std::vector<types::Run>& runs,
                                         const actuator::JointModel& model) {
   std::vector<Measurement> out;
   const auto missing = [&](std::string_view reason, std::string_view remedy) {
@@ -38,7 +38,7 @@ std::vector<Measurement> CheckConstants(const std::vector<identify::Run>& runs,
     at.remedy = remedy;
     out.push_back(std::move(at));
   };
-  const bool rotary = model.kind == effects::JointKind::kRotary;
+  const bool rotary = model.kind == types::JointKind::kRotary;
   for (const Need& need : kNeeds) {
     if (model.Find(need.effect) < 0 || model.constants.*need.constant > 0.0) continue;
     // A linear joint has no lever, and gravity may be declared absent by 0.

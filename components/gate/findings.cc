@@ -13,8 +13,8 @@ namespace {
 
 using identify::Finding;
 using identify::Resolution;
-using identify::Run;
-using identify::Signal;
+using types::Run;
+using types::Signal;
 
 struct Sampling {
   double rate_Hz = 0.0, jitter_s = 0.0;
@@ -67,7 +67,7 @@ std::vector<Finding> LagOf(const Run& run, Signal angle, Signal measured) {
   const double left = (off - lag * a).squaredNorm() / static_cast<double>(off.size() - 1);
   const double half_width = 2.0 * std::sqrt(2.0 * left / aa);
   if (std::abs(lag) < std::max(half_width, 0.1 * MedianPeriod(run))) return {};
-  const std::string name(identify::SignalName(measured));
+  const std::string name(types::SignalName(measured));
   return {{"lag_" + name,
            name + (lag > 0 ? " lags its angle by " : " leads its angle by ") +
                Number(1e3 * std::abs(lag)) + " ms (95 %: +- " + Number(1e3 * half_width) +
@@ -139,11 +139,11 @@ std::vector<Finding> FindFindings(const std::vector<Run>& runs, const actuator::
     if (!runs.front().Has(signal) || !(Range(runs.front().At(signal)) > 0.0)) continue;
     const double step = Resolution(runs.front().At(signal));
     if (!(step > 0.0)) continue;
-    const std::string unit(identify::SignalUnit(signal, model.kind));
-    out.push_back({"resolution",
-                   std::string(identify::SignalName(signal)) + " comes in steps of " +
-                       Number(step) + " " + unit,
-                   step, unit});
+    const std::string unit(types::SignalUnit(signal, model.kind));
+    out.push_back(
+        {"resolution",
+         std::string(types::SignalName(signal)) + " comes in steps of " + Number(step) + " " + unit,
+         step, unit});
   }
   for (const auto& [signal, values] : runs.front().signals) {
     const bool moves = std::any_of(runs.begin(), runs.end(), [s = signal](const Run& run) {
@@ -152,8 +152,8 @@ std::vector<Finding> FindFindings(const std::vector<Run>& runs, const actuator::
     if (moves) continue;
     out.push_back(
         {"constant",
-         std::string(identify::SignalName(signal)) + " never changes: its effects cannot be seen",
-         0.0, ""});
+         std::string(types::SignalName(signal)) + " never changes: its effects cannot be seen", 0.0,
+         ""});
   }
   if (runs.front().held) return out;
   for (const auto& [angle, rate_of] : {std::pair{Signal::kPosition, Signal::kVelocity},

@@ -10,8 +10,8 @@ namespace sinew::gate {
 namespace {
 
 using identify::Resolution;
-using identify::Run;
-using identify::Signal;
+using types::Run;
+using types::Signal;
 
 constexpr Eigen::Index kLeastRows = 6;
 constexpr int kWindows = 400;
@@ -224,7 +224,7 @@ std::vector<Measurement> CheckFrozen(const Run& run, const actuator::JointModel&
   const double ratio = model.constants.gear_ratio > 0.0 ? model.constants.gear_ratio : 1.0;
   const auto has = [&](Signal signal) { return run.Has(signal) && Range(run.At(signal)) > 0.0; };
   const auto step = [&](Signal signal) { return SmallestStep(run.At(signal)); };
-  const auto name = [](Signal signal) { return std::string(identify::SignalName(signal)); };
+  const auto name = [](Signal signal) { return std::string(types::SignalName(signal)); };
   const auto by_rate = [&](Signal angle, Signal rate) {
     if (!has(angle) || !has(rate)) return;
     const Eigen::VectorXd moved = Integral(run, run.At(rate));

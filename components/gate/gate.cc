@@ -12,7 +12,7 @@ namespace sinew::gate {
 
 namespace {
 
-using identify::Run;
+using types::Run;
 
 // Later checks do without the channels that a structural rule refused.
 std::vector<Run> Sound(const std::vector<Run>& runs, const std::vector<Measurement>& measured) {
@@ -23,7 +23,7 @@ std::vector<Run> Sound(const std::vector<Run>& runs, const std::vector<Measureme
     for (const Measurement& at : measured) {
       if (at.recording != run.name || at.statistic <= FindRule(at.rule).limit) continue;
       if (at.rule == "stamps") usable = false;
-      if (const auto signal = identify::SignalFromName(at.signal)) sound.signals.erase(*signal);
+      if (const auto signal = types::SignalFromName(at.signal)) sound.signals.erase(*signal);
     }
     if (usable) out.push_back(std::move(sound));
   }
@@ -69,7 +69,7 @@ GateReport ExamineData(const std::vector<Run>& runs, const actuator::JointModel&
     for (const auto& [signal, values] : run.signals) {
       if (values.size() != run.size()) {
         throw std::invalid_argument(
-            "run '" + run.name + "': " + std::string(identify::SignalName(signal)) + " has " +
+            "run '" + run.name + "': " + std::string(types::SignalName(signal)) + " has " +
             std::to_string(values.size()) + " rows, expected " + std::to_string(run.size()));
       }
     }

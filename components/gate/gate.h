@@ -13,7 +13,7 @@
 
 #include "components/actuator/model.h"
 #include "components/identify/finding.h"
-#include "components/identify/run.h"
+#include "components/types/run.h"
 
 namespace sinew::gate {
 
@@ -50,7 +50,7 @@ struct GateReport {
 // Throws std::invalid_argument for an accepted fault that is no rule, and for runs whose channels
 // differ in length from their stamps. model: of any joint; a model with rigid bodies (an arm) is
 // not asked about sign and units of its drive.
-GateReport ExamineData(const std::vector<identify::Run>& runs, const actuator::JointModel& model,
+GateReport ExamineData(const std::vector<types::Run>& runs, const actuator::JointModel& model,
                        const GateOptions& options = {});
 
 // "spike: motor_current of train_1.csv, rows 10 to 10 (0.12 s): ... Remedy."

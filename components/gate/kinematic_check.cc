@@ -10,8 +10,8 @@ namespace sinew::gate {
 namespace {
 
 using identify::Resolution;
-using identify::Run;
-using identify::Signal;
+using types::Run;
+using types::Signal;
 
 struct Agreement {
   double ratio = 1.0;        // of the rms, measured over derived
@@ -85,7 +85,7 @@ std::vector<Measurement> CheckKinematics(const Run& run, const actuator::JointMo
     const auto local = LocalCubics(run, {angle, measured}, half, Centres(run, half, 4000));
     add("units_speed", "sign_speed", measured,
         Compare(local.at(measured).value, local.at(angle).rate),
-        "the derivative of " + std::string(identify::SignalName(angle)),
+        "the derivative of " + std::string(types::SignalName(angle)),
         "the unit of one of the two in the mapping");
   };
   speed(Signal::kPosition, Signal::kVelocity);
@@ -156,7 +156,7 @@ std::vector<Measurement> CheckWrapped(const Run& run) {
       double statistic =
           i >= 5 && (x.segment(i - 5, 6).array() == x[i]).all() ? 0.0 : sizes[i] / range;
       const double turns = sizes[i] / (2.0 * std::numbers::pi);
-      if (run.kind == effects::JointKind::kRotary && turns > 0.9 && sizes[i] > 20.0 * usual &&
+      if (run.kind == types::JointKind::kRotary && turns > 0.9 && sizes[i] > 20.0 * usual &&
           std::abs(turns - std::round(turns)) < 0.02) {
         statistic = std::max(statistic, 1.0);
       }
@@ -167,8 +167,7 @@ std::vector<Measurement> CheckWrapped(const Run& run) {
     }
     Measurement at = Measure("wrapped", signal, run, {where, where + 1}, most);
     at.reason = "it jumps by " + Number(jump[where]) + " " +
-                std::string(identify::SignalUnit(signal, run.kind)) +
-                " between two rows and stays.";
+                std::string(types::SignalUnit(signal, run.kind)) + " between two rows and stays.";
     at.remedy = "Unwrap the angle before it is written, or map a channel that counts turns.";
     out.push_back(std::move(at));
   }

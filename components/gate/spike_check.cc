@@ -9,8 +9,8 @@ namespace sinew::gate {
 
 namespace {
 
-using identify::Run;
-using identify::Signal;
+using types::Run;
+using types::Signal;
 
 // Not the speeds: an impact turns them within a row, and they are not what is differentiated.
 constexpr Signal kWatched[] = {Signal::kPosition,        Signal::kMotorPosition,
@@ -98,7 +98,7 @@ std::vector<Measurement> CheckSpikes(const Run& run) {
     const Eigen::Index row = static_cast<Eigen::Index>(where) + kSide;
     Measurement at = Measure("spike", signal, run, {row, row}, most);
     at.reason = "the value " + Number(x[row]) + " " +
-                std::string(identify::SignalUnit(signal, run.kind)) + " stands alone between " +
+                std::string(types::SignalUnit(signal, run.kind)) + " stands alone between " +
                 Number(x[row - 1]) + " and " + Number(x[row + 1]) +
                 (count > 1 ? ", and " + std::to_string(count - 1) + " more like it." : ".");
     at.remedy = "Leave the rows out of the file (a missing row is no fault).";

@@ -9,8 +9,8 @@ namespace sinew::gate {
 namespace {
 
 using identify::Resolution;
-using identify::Run;
-using identify::Signal;
+using types::Run;
+using types::Signal;
 
 constexpr Signal kMotion[] = {Signal::kPosition, Signal::kMotorPosition, Signal::kVelocity,
                               Signal::kMotorVelocity};
@@ -131,7 +131,7 @@ void CheckDuplicates(const Run& run, const actuator::JointModel& model,
       const double steps = SmallestStep(x) > 0.0 ? Range(x) / SmallestStep(x) : 0.0;
       Measurement at =
           Measure("duplicated", b->first, run, WholeRun(run), steps > 20.0 ? share : 0.0);
-      at.reason = "it is the same column as " + std::string(identify::SignalName(a->first)) + ".";
+      at.reason = "it is the same column as " + std::string(types::SignalName(a->first)) + ".";
       at.remedy = "Map each signal to its own column.";
       out->push_back(std::move(at));
     }

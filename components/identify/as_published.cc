@@ -19,9 +19,9 @@ struct Regression {
   std::vector<std::pair<std::size_t, std::size_t>> parameters;  // term, linear
 };
 
-Regression Build(const Run& run, const actuator::JointModel& model,
+Regression Build(const types::Run& run, const actuator::JointModel& model,
                  const AsPublishedOptions& options) {
-  const Signal drive = DriveSignal(model);
+  const types::Signal drive = DriveSignal(model);
   run.At(drive);
   const UniformRun uniform = MakeUniform(run);
   if (uniform.segments.size() != 1) {
@@ -29,8 +29,8 @@ Regression Build(const Run& run, const actuator::JointModel& model,
                                 " has gaps, the published processing none");
   }
   const UniformSegment& piece = uniform.segments.front();
-  const auto position = piece.signals.find(Signal::kPosition);
-  if (position == piece.signals.end()) run.At(Signal::kPosition);
+  const auto position = piece.signals.find(types::Signal::kPosition);
+  if (position == piece.signals.end()) run.At(types::Signal::kPosition);
   const Eigen::Index border = options.border_samples;
   const Eigen::Index kept = piece.size() - 2 * border;
   if (kept < 10 * options.decimate) {
@@ -106,7 +106,7 @@ double Percent(const Regression& regression, const Eigen::VectorXd& b) {
   return 100.0 * (regression.target - regression.columns * b).norm() / regression.target.norm();
 }
 
-void Fit(const Run& train, const Run& cross, const AsPublishedOptions& options,
+void Fit(const types::Run& train, const types::Run& cross, const AsPublishedOptions& options,
          actuator::JointModel* model, double* percent, double* cross_percent) {
   const Regression regression = Build(train, *model, options);
   const Eigen::VectorXd b = regression.columns.colPivHouseholderQr().solve(regression.target);
@@ -120,7 +120,7 @@ void Fit(const Run& train, const Run& cross, const AsPublishedOptions& options,
 
 }  // namespace
 
-AsPublishedResult RunAsPublished(const Run& train, const Run& cross,
+AsPublishedResult RunAsPublished(const types::Run& train, const types::Run& cross,
                                  const actuator::JointModel& model,
                                  const AsPublishedOptions& options) {
   AsPublishedResult out;

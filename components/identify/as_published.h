@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "components/actuator/model.h"
-#include "components/identify/run.h"
+#include "components/types/run.h"
 
 namespace sinew::identify {
 
@@ -31,7 +31,7 @@ struct AsPublishedResult {
   actuator::JointModel after;
 };
 
-AsPublishedResult RunAsPublished(const Run& train, const Run& cross,
+AsPublishedResult RunAsPublished(const types::Run& train, const types::Run& cross,
                                  const actuator::JointModel& model,
                                  const AsPublishedOptions& options);
 

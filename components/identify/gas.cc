@@ -108,7 +108,7 @@ double ChamberSlope_m3_rad(const actuator::JointModel& model, double position_ra
   return torque_Nm_bar / kBar_Pa;
 }
 
-GasWindows MakeGasStates(const std::vector<Run>& runs, const actuator::JointModel& fitted,
+GasWindows MakeGasStates(const std::vector<types::Run>& runs, const actuator::JointModel& fitted,
                          const ProcessingOptions& motion) {
   actuator::JointModel model = fitted;
   model.balance = effects::Balance::kMotion;
@@ -124,11 +124,11 @@ GasWindows MakeGasStates(const std::vector<Run>& runs, const actuator::JointMode
   int window = 0;
   std::size_t s = 0;
   std::vector<Opening> openings;
-  for (const Run& run : runs) {
+  for (const types::Run& run : runs) {
     const UniformRun uniform = MakeUniform(run, motion.longest_gap_s);
     for (const UniformSegment& piece : uniform.segments) {
       StateSegment& segment = out.states.segments[s++];
-      const Eigen::VectorXd& pressure = piece.signals.at(Signal::kChamberPressure);
+      const Eigen::VectorXd& pressure = piece.signals.at(types::Signal::kChamberPressure);
       segment.drive_input = pressure;
       std::fill(segment.at_rest.begin(), segment.at_rest.end(), 0);
       std::fill(segment.usable.begin(), segment.usable.end(), 0);
@@ -200,11 +200,12 @@ GasWindows MakeGasStates(const std::vector<Run>& runs, const actuator::JointMode
   return out;
 }
 
-std::string WhyNoGas(const std::vector<Run>& runs, const actuator::JointModel& model) {
+std::string WhyNoGas(const std::vector<types::Run>& runs, const actuator::JointModel& model) {
   if (!model.Declares(effects::Balance::kGas)) return "the model declares no gas";
-  for (const Run& run : runs) {
-    if (!run.Has(Signal::kChamberPressure)) return run.name + " has no chamber pressure";
-    if (!run.Has(Signal::kValveOpen)) return run.name + " does not tell when the valve was open";
+  for (const types::Run& run : runs) {
+    if (!run.Has(types::Signal::kChamberPressure)) return run.name + " has no chamber pressure";
+    if (!run.Has(types::Signal::kValveOpen))
+      return run.name + " does not tell when the valve was open";
   }
   return "";
 }

@@ -22,7 +22,7 @@
 
 #include "components/actuator/model.h"
 #include "components/identify/processing.h"
-#include "components/identify/run.h"
+#include "components/types/run.h"
 
 namespace sinew::identify {
 
@@ -43,13 +43,13 @@ struct GasWindows {
 };
 
 // motion: options of the motion balance, resolved. model: fitted in it.
-GasWindows MakeGasStates(const std::vector<Run>& runs, const actuator::JointModel& model,
+GasWindows MakeGasStates(const std::vector<types::Run>& runs, const actuator::JointModel& model,
                          const ProcessingOptions& motion);
 
 // dV/dq at an angle, m3/rad, as the model's pneumatic terms say.
 double ChamberSlope_m3_rad(const actuator::JointModel& model, double position_rad);
 
 // Why the recordings show nothing of this balance; empty when they do.
-std::string WhyNoGas(const std::vector<Run>& runs, const actuator::JointModel& model);
+std::string WhyNoGas(const std::vector<types::Run>& runs, const actuator::JointModel& model);
 
 }  // namespace sinew::identify

@@ -3,16 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <numbers>
 #include <stdexcept>
 #include <string>
+
+#include "components/types/angle.h"
 
 namespace sinew::identify {
 
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double kPi = std::numbers::pi;
+using types::kPi;
 
 void Check(int order, double cutoff_Hz, double rate_Hz) {
   if (order < 1 || order > 20) {

@@ -21,7 +21,7 @@ constexpr double kAlmostAll = 0.95, kAlmostNone = 0.05;
 enum class Kind : char { kStill, kOnLine, kMeasured };
 
 // A row at which nothing changes says nothing.
-std::vector<Kind> KindsOf(const Run& run) {
+std::vector<Kind> KindsOf(const types::Run& run) {
   std::vector<Kind> out(static_cast<std::size_t>(run.size()), Kind::kStill);
   for (const auto& [signal, x] : run.signals) {
     const Eigen::Index n = x.size();
@@ -59,7 +59,7 @@ Eigen::Index FirstMeasured(const std::vector<Kind>& kinds, int m) {
   return -1;
 }
 
-std::pair<int, Eigen::Index> PatternOf(const Run& run) {
+std::pair<int, Eigen::Index> PatternOf(const types::Run& run) {
   if (run.held) return {1, 0};
   const std::vector<Kind> kinds = KindsOf(run);
   for (int m = 2; m <= kMostRows; ++m) {
@@ -71,9 +71,9 @@ std::pair<int, Eigen::Index> PatternOf(const Run& run) {
 
 }  // namespace
 
-int RowsPerMeasured(const Run& run) { return PatternOf(run).first; }
+int RowsPerMeasured(const types::Run& run) { return PatternOf(run).first; }
 
-Run WithoutInterpolatedRows(Run run) {
+types::Run WithoutInterpolatedRows(types::Run run) {
   const auto [m, first] = PatternOf(run);
   if (m == 1) return run;
   std::vector<Eigen::Index> rows;

@@ -6,14 +6,14 @@
 // in a pattern: of m rows (2 to 10) m - 1 always, one never. Pure; allocates.
 #pragma once
 
-#include "components/identify/run.h"
+#include "components/types/run.h"
 
 namespace sinew::identify {
 
 // Of how many rows one was measured; 1: all of them. 0 rows or held positions: 1.
-int RowsPerMeasured(const Run& run);
+int RowsPerMeasured(const types::Run& run);
 
 // The measured rows alone; `interpolated_rows` says how many were left out.
-Run WithoutInterpolatedRows(Run run);
+types::Run WithoutInterpolatedRows(types::Run run);
 
 }  // namespace sinew::identify

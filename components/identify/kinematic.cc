@@ -47,8 +47,9 @@ double RawResidualTorque(const StateSet& states, const actuator::JointModel& fit
   return count > 0.0 ? std::sqrt(squares / count) : 0.0;
 }
 
-StateSet MakeKinematicStates(const std::vector<Run>& runs, const actuator::JointModel& fitted,
-                             const ProcessingOptions& motion, double residual_rms_Nm) {
+StateSet MakeKinematicStates(const std::vector<types::Run>& runs,
+                             const actuator::JointModel& fitted, const ProcessingOptions& motion,
+                             double residual_rms_Nm) {
   const actuator::JointModel model = OfMotion(fitted);
   StateSet states = MakeStates(runs, model, motion);
   const double residual =
@@ -85,11 +86,11 @@ StateSet MakeKinematicStates(const std::vector<Run>& runs, const actuator::Joint
     const UniformRun uniform = MakeUniform(runs[r], motion.longest_gap_s);
     for (const UniformSegment& piece : uniform.segments) {
       StateSegment& segment = states.segments[s];
-      const auto measured = [&](Signal signal) -> Eigen::VectorXd {
+      const auto measured = [&](types::Signal signal) -> Eigen::VectorXd {
         return motion.raw ? AsMeasured(runs[r], piece, signal) : piece.signals.at(signal);
       };
-      segment.drive_input = measured(Signal::kMotorPosition) / model.constants.gear_ratio -
-                            measured(Signal::kPosition);
+      segment.drive_input = measured(types::Signal::kMotorPosition) / model.constants.gear_ratio -
+                            measured(types::Signal::kPosition);
       // The model's torque is smoothed: a side has to hold for longer than the filter sees.
       const double rate = piece.rate_Hz();
       const auto guard = static_cast<Eigen::Index>(
@@ -112,11 +113,12 @@ StateSet MakeKinematicStates(const std::vector<Run>& runs, const actuator::Joint
   return states;
 }
 
-std::string WhyNoKinematics(const std::vector<Run>& runs, const actuator::JointModel& model) {
+std::string WhyNoKinematics(const std::vector<types::Run>& runs,
+                            const actuator::JointModel& model) {
   if (!model.Declares(effects::Balance::kKinematic)) return "the model declares no kinematics";
-  for (const Run& run : runs) {
-    if (!run.Has(Signal::kPosition)) return run.name + " has no output angle";
-    if (!run.Has(Signal::kMotorPosition)) return run.name + " has no motor angle";
+  for (const types::Run& run : runs) {
+    if (!run.Has(types::Signal::kPosition)) return run.name + " has no output angle";
+    if (!run.Has(types::Signal::kMotorPosition)) return run.name + " has no motor angle";
   }
   return "";
 }

@@ -19,7 +19,7 @@
 
 #include "components/actuator/model.h"
 #include "components/identify/processing.h"
-#include "components/identify/run.h"
+#include "components/types/run.h"
 
 namespace sinew::identify {
 
@@ -27,13 +27,13 @@ inline constexpr double kSureContact = 4.0;
 
 // motion: options of the motion balance, resolved. model: fitted in it. residual_rms: of the torque
 // balance before filtering; 0: taken from these recordings.
-StateSet MakeKinematicStates(const std::vector<Run>& runs, const actuator::JointModel& model,
+StateSet MakeKinematicStates(const std::vector<types::Run>& runs, const actuator::JointModel& model,
                              const ProcessingOptions& motion, double residual_rms_Nm = 0.0);
 
 // Rms of the torque balance at the moving samples, at the full rate.
 double RawResidualTorque(const StateSet& states, const actuator::JointModel& model);
 
 // Why the recordings show nothing of this balance; empty when they do.
-std::string WhyNoKinematics(const std::vector<Run>& runs, const actuator::JointModel& model);
+std::string WhyNoKinematics(const std::vector<types::Run>& runs, const actuator::JointModel& model);
 
 }  // namespace sinew::identify

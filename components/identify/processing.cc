@@ -84,10 +84,10 @@ void MarkTouches(const Eigen::VectorXd& gap, double play, bool locked, std::vect
 
 }  // namespace
 
-StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& model,
+StateSet MakeStates(const std::vector<types::Run>& runs, const actuator::JointModel& model,
                     const ProcessingOptions& options) {
   if (runs.empty()) throw std::invalid_argument("no recording given");
-  const Signal drive = DriveSignal(model);
+  const types::Signal drive = DriveSignal(model);
   StateSet out;
   out.measured = {"time_s",         "drive_input",         "drive_rate",  "position_rad",
                   "velocity_rad_s", "acceleration_rad_s2", "jerk_rad_s3", "snap_rad_s4"};
@@ -98,23 +98,23 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
     out.measured = always;
   }
   bool first = true;
-  for (const Run& run : runs) {
+  for (const types::Run& run : runs) {
     if (run.kind != model.kind) {
       throw std::invalid_argument("recording " + run.name +
                                   " is of another joint kind than joint '" + model.name +
                                   "' of the model");
     }
     std::set<std::string> fields;
-    if (run.Has(Signal::kMotorPosition)) {
+    if (run.Has(types::Signal::kMotorPosition)) {
       fields.insert({"motor_position_rad", "motor_velocity_rad_s", "motor_acceleration_rad_s2"});
     }
-    if (run.Has(Signal::kChamberPressure)) {
+    if (run.Has(types::Signal::kChamberPressure)) {
       fields.insert({"pressure_bar", "pressure_rate_bar_s"});
     }
-    if (run.Has(Signal::kLoadForce)) fields.insert("load_force_N");
-    if (run.Has(Signal::kPayload)) fields.insert("payload_kg");
-    if (run.Has(Signal::kTemperature)) fields.insert("temperature_degC");
-    if (run.Has(Signal::kValveOpen)) fields.insert("valve_open");
+    if (run.Has(types::Signal::kLoadForce)) fields.insert("load_force_N");
+    if (run.Has(types::Signal::kPayload)) fields.insert("payload_kg");
+    if (run.Has(types::Signal::kTemperature)) fields.insert("temperature_degC");
+    if (run.Has(types::Signal::kValveOpen)) fields.insert("valve_open");
     if (!run.rigid_torque.empty() || run.rigid_torque_later) fields.insert("rigid_torque_Nm");
     if (first) {
       out.measured.insert(fields.begin(), fields.end());
@@ -150,12 +150,12 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
         if (run.held) return Eigen::VectorXd::Zero(x.size());
         return WideDifference(x, dt);
       };
-      const auto filtered = [&](Signal signal, double fallback) -> Eigen::VectorXd {
+      const auto filtered = [&](types::Signal signal, double fallback) -> Eigen::VectorXd {
         const auto found = piece.signals.find(signal);
         if (found == piece.signals.end()) return Eigen::VectorXd::Constant(piece.size(), fallback);
         return smooth(found->second);
       };
-      const auto raw = [&](Signal signal, double fallback) -> Eigen::VectorXd {
+      const auto raw = [&](types::Signal signal, double fallback) -> Eigen::VectorXd {
         const auto found = piece.signals.find(signal);
         if (found == piece.signals.end()) return Eigen::VectorXd::Constant(piece.size(), fallback);
         return found->second;
@@ -174,24 +174,24 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
       }
       const Eigen::VectorXd jerk = rate_of(a);
       const Eigen::VectorXd snap = rate_of(jerk);
-      const bool motor = piece.signals.count(Signal::kMotorPosition) != 0;
-      const bool locked =
-          options.raw && motor && IsLocked(piece.signals.at(Signal::kMotorPosition) / ratio, q);
+      const bool motor = piece.signals.count(types::Signal::kMotorPosition) != 0;
+      const bool locked = options.raw && motor &&
+                          IsLocked(piece.signals.at(types::Signal::kMotorPosition) / ratio, q);
       out.locked = out.locked || locked;
       // Smooth signals at the very instants of the rows, measured ones as they were recorded: a
       // spline through jittering stamps would take away what is fast.
       const auto at_rows = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
         return options.raw ? AtRows(piece, x) : x;
       };
-      const auto measured = [&](Signal signal) -> Eigen::VectorXd {
+      const auto measured = [&](types::Signal signal) -> Eigen::VectorXd {
         return options.raw ? AsMeasured(run, piece, signal) : piece.signals.at(signal);
       };
       const Eigen::VectorXd motor_raw =
-          motor ? piece.signals.at(Signal::kMotorPosition) : Eigen::VectorXd(ratio * q);
+          motor ? piece.signals.at(types::Signal::kMotorPosition) : Eigen::VectorXd(ratio * q);
       const Eigen::VectorXd motor_rows =
-          motor ? measured(Signal::kMotorPosition)
-          : options.raw && piece.signals.count(Signal::kPosition) != 0
-              ? Eigen::VectorXd(ratio * measured(Signal::kPosition))
+          motor ? measured(types::Signal::kMotorPosition)
+          : options.raw && piece.signals.count(types::Signal::kPosition) != 0
+              ? Eigen::VectorXd(ratio * measured(types::Signal::kPosition))
               : at_rows(ratio * q);
       const double motor_cutoff_Hz =
           options.motor_cutoff_Hz > 0.0 ? options.motor_cutoff_Hz : options.state_cutoff_Hz;
@@ -201,16 +201,16 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
       Eigen::VectorXd motor_v = motor ? rate_of(motor_q) : Eigen::VectorXd(ratio * v);
       if (locked) motor_v.setZero();
       const Eigen::VectorXd motor_a = motor ? rate_of(motor_v) : Eigen::VectorXd(ratio * a);
-      const auto recorded = [&](Signal signal) -> Eigen::VectorXd {
+      const auto recorded = [&](types::Signal signal) -> Eigen::VectorXd {
         const auto found = piece.signals.find(signal);
         return found == piece.signals.end() ? Eigen::VectorXd() : found->second;
       };
       const Eigen::VectorXd signal = measured(drive);
-      const Eigen::VectorXd supply = recorded(Signal::kSupplyVoltage);
+      const Eigen::VectorXd supply = recorded(types::Signal::kSupplyVoltage);
       // A voltage on the winding drives only what the turning motor leaves of it; an open bridge
       // nothing.
       Eigen::VectorXd input = signal;
-      if (drive == Signal::kDriveVoltage && model.constants.back_emf_V_s_rad > 0.0) {
+      if (drive == types::Signal::kDriveVoltage && model.constants.back_emf_V_s_rad > 0.0) {
         input -= model.constants.back_emf_V_s_rad * at_rows(motor_v);
         for (Eigen::Index i = 0; i < supply.size(); ++i) {
           if (supply[i] == 0.0) input[i] = 0.0;
@@ -220,15 +220,15 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
       if (locked) input.setZero();
       const Eigen::VectorXd input_smooth = smooth(input);
       const Eigen::VectorXd input_rate = rate_of(input_smooth);
-      const Eigen::VectorXd pressure = filtered(Signal::kChamberPressure, 0.0);
+      const Eigen::VectorXd pressure = filtered(types::Signal::kChamberPressure, 0.0);
       const Eigen::VectorXd pressure_rate = rate_of(pressure);
       // The load cell is the response where the motor is locked, a regressor elsewhere.
-      Eigen::VectorXd force =
-          options.raw && !locked ? filtered(Signal::kLoadForce, 0.0) : raw(Signal::kLoadForce, 0.0);
-      if (options.raw && run.Has(Signal::kLoadForce)) {
+      Eigen::VectorXd force = options.raw && !locked ? filtered(types::Signal::kLoadForce, 0.0)
+                                                     : raw(types::Signal::kLoadForce, 0.0);
+      if (options.raw && run.Has(types::Signal::kLoadForce)) {
         // A load cell that nobody touches would add its noise to the balance: its mean is what it
         // measures.
-        const Eigen::VectorXd force_rows = raw(Signal::kLoadForce, 0.0);
+        const Eigen::VectorXd force_rows = raw(types::Signal::kLoadForce, 0.0);
         const double sigma = WhiteNoise(std::span(&force_rows, 1));
         const double variance = (force_rows.array() - force_rows.mean()).square().mean();
         if (sigma * sigma > kMostNoise * variance) {
@@ -237,9 +237,9 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
           out.silent_load = false;
         }
       }
-      const Eigen::VectorXd payload = raw(Signal::kPayload, 0.0);
-      const Eigen::VectorXd temperature = raw(Signal::kTemperature, 25.0);
-      const Eigen::VectorXd valve = raw(Signal::kValveOpen, 0.0);
+      const Eigen::VectorXd payload = raw(types::Signal::kPayload, 0.0);
+      const Eigen::VectorXd temperature = raw(types::Signal::kTemperature, 25.0);
+      const Eigen::VectorXd valve = raw(types::Signal::kValveOpen, 0.0);
 
       const Eigen::VectorXd row_q = at_rows(q), row_v = at_rows(v), row_a = at_rows(a),
                             row_jerk = at_rows(jerk), row_snap = at_rows(snap),
@@ -247,8 +247,8 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
                             row_input = at_rows(input_smooth), row_input_rate = at_rows(input_rate),
                             row_pressure = at_rows(pressure),
                             row_pressure_rate = at_rows(pressure_rate),
-                            row_force = locked && run.Has(Signal::kLoadForce)
-                                            ? measured(Signal::kLoadForce)
+                            row_force = locked && run.Has(types::Signal::kLoadForce)
+                                            ? measured(types::Signal::kLoadForce)
                                             : at_rows(force);
       StateSegment segment;
       segment.run = index;
@@ -259,7 +259,7 @@ StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& mo
       segment.drive_input = input;
       segment.drive_rate = row_input_rate;
       segment.drive_signal = signal;
-      segment.reference_position = recorded(Signal::kReferencePosition);
+      segment.reference_position = recorded(types::Signal::kReferencePosition);
       segment.supply_voltage = supply;
       segment.valid = piece.valid;
       segment.samples.resize(piece.valid.size());

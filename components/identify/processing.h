@@ -13,8 +13,8 @@
 
 #include "components/actuator/model.h"
 #include "components/identify/processing_settings.h"
-#include "components/identify/run.h"
 #include "components/identify/uniform.h"
+#include "components/types/run.h"
 
 namespace sinew::identify {
 
@@ -53,7 +53,7 @@ struct StateSet {
 };
 
 // Runs may differ in rate and length; options must be resolved.
-StateSet MakeStates(const std::vector<Run>& runs, const actuator::JointModel& model,
+StateSet MakeStates(const std::vector<types::Run>& runs, const actuator::JointModel& model,
                     const ProcessingOptions& options);
 
 }  // namespace sinew::identify

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <span>
 #include <stdexcept>
 
@@ -11,12 +10,13 @@
 #include "components/identify/spectrum.h"
 #include "components/identify/statistics.h"
 #include "components/identify/uniform.h"
+#include "components/types/angle.h"
 
 namespace sinew::identify {
 
 namespace {
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
+using types::kTwoPi;
 // Standard deviations of its noise from which on the sign of a velocity is sure: one wrong sign in
 // two million rows.
 constexpr double kSureVelocity = 5.0;
@@ -51,8 +51,8 @@ constexpr LowPass kSteep = {4, 1.0 / 3.0, 1.0 / 5.0, 2.0};
 // impact.
 constexpr LowPass kSoft = {2, 0.2777, 0.2777, 1.0};
 // By whether the motor has an encoder of its own.
-const LowPass& LowPassOf(const Run& run) {
-  return run.Has(Signal::kMotorPosition) ? kSoft : kSteep;
+const LowPass& LowPassOf(const types::Run& run) {
+  return run.Has(types::Signal::kMotorPosition) ? kSoft : kSteep;
 }
 // Share of the moving time that guards leave at least: where a motion reverses quickly, rows near
 // reversals are better than none.
@@ -64,9 +64,10 @@ constexpr double kQuietestDrive = 6e-4, kNoNoise = 1e-5;
 
 // The band of such recordings, as far as their drive stands above the noise that it lost; 0: they
 // were not low-passed.
-double BandOfEarlierFilter(const std::vector<Run>& runs, Signal drive, double longest_gap_s) {
+double BandOfEarlierFilter(const std::vector<types::Run>& runs, types::Signal drive,
+                           double longest_gap_s) {
   double band_Hz = 0.0;
-  for (const Run& run : runs) {
+  for (const types::Run& run : runs) {
     for (const UniformSegment& segment : MakeUniform(run, longest_gap_s).segments) {
       const Eigen::VectorXd x = AsMeasured(run, segment, drive);
       const double rms = Rms(x.array() - x.mean());
@@ -136,7 +137,7 @@ AngleBand BandOf(const Eigen::VectorXd& angle, double rate, double inertia,
   const double drive_noise = drive_torque.size() > 0 ? NoiseDensity(drive_torque, rate) : 0.0;
   if (!(of_angle > 0.0) || !(drive_noise > 0.0)) return {above_noise, 0.0};
   const auto bringing = [&](double variance) {
-    return std::pow(variance / (low_pass.passed_twice * of_angle), 0.2) / std::pow(kTurn, 0.8);
+    return std::pow(variance / (low_pass.passed_twice * of_angle), 0.2) / std::pow(kTwoPi, 0.8);
   };
   const double quiet = bringing(kUnseenShare * drive_noise * 0.5 * rate);
   const double torque = kNoiseShare * Rms(drive_torque);
@@ -168,7 +169,7 @@ double NominalInertia(const actuator::JointModel& model, effects::Side side) {
   return sum;
 }
 
-Signal DriveSignal(const actuator::JointModel& model) {
+types::Signal DriveSignal(const actuator::JointModel& model) {
   const actuator::Term* drive = nullptr;
   for (const actuator::Term& term : model.terms) {
     const effects::EffectInfo& info = term.effect->info();
@@ -184,12 +185,12 @@ Signal DriveSignal(const actuator::JointModel& model) {
                                 "drive_torque");
   }
   const std::string& name = drive->effect->info().name;
-  if (name.find("voltage") != std::string::npos) return Signal::kDriveVoltage;
-  if (name.find("torque") != std::string::npos) return Signal::kTorque;
-  return Signal::kMotorCurrent;
+  if (name.find("voltage") != std::string::npos) return types::Signal::kDriveVoltage;
+  if (name.find("torque") != std::string::npos) return types::Signal::kTorque;
+  return types::Signal::kMotorCurrent;
 }
 
-ProcessingOptions Resolve(const ProcessingOptions& options, const std::vector<Run>& runs) {
+ProcessingOptions Resolve(const ProcessingOptions& options, const std::vector<types::Run>& runs) {
   ProcessingOptions out = options;
   if (runs.empty()) throw std::invalid_argument("no recording given");
   if (out.state_cutoff_Hz > 0.0 && out.parallel_cutoff_Hz > 0.0 && out.rest_velocity > 0.0) {
@@ -220,14 +221,14 @@ ProcessingOptions Resolve(const ProcessingOptions& options, const std::vector<Ru
   return out;
 }
 
-ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::JointModel& model,
+ProcessingOptions FromMotion(const std::vector<types::Run>& runs, const actuator::JointModel& model,
                              double longest_gap_s, double wider, double least_Hz) {
   ProcessingOptions out;
   out.longest_gap_s = longest_gap_s;
   if (runs.empty()) throw std::invalid_argument("no recording given");
   if (runs.front().held) return Resolve(out, runs);
-  const Signal drive_signal = DriveSignal(model);
-  for (const Run& run : runs) run.At(drive_signal);  // says which is missing
+  const types::Signal drive_signal = DriveSignal(model);
+  for (const types::Run& run : runs) run.At(drive_signal);  // says which is missing
   if (const double band_Hz = BandOfEarlierFilter(runs, drive_signal, longest_gap_s);
       band_Hz > 0.0) {
     // Half of it: what the earlier filter took from one side is gone from both.
@@ -243,11 +244,11 @@ ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::Joint
   double output_Hz = least_Hz, motor_Hz = 0.0, nyquist_Hz = 0.0;
   double density = 0.0, step = 0.0;  // of the position: noise, resolution
   std::vector<double> speeds, strokes_s;
-  for (const Run& run : runs) {
-    const bool output = run.Has(Signal::kPosition);
-    step = std::max(
-        step, output ? Resolution(run.At(Signal::kPosition))
-                     : Resolution(run.At(Signal::kMotorPosition)) / model.constants.gear_ratio);
+  for (const types::Run& run : runs) {
+    const bool output = run.Has(types::Signal::kPosition);
+    step = std::max(step, output ? Resolution(run.At(types::Signal::kPosition))
+                                 : Resolution(run.At(types::Signal::kMotorPosition)) /
+                                       model.constants.gear_ratio);
     for (const UniformSegment& segment : MakeUniform(run, longest_gap_s).segments) {
       const double rate = segment.rate_Hz();
       nyquist_Hz = std::max(nyquist_Hz, 0.5 * rate);
@@ -259,7 +260,7 @@ ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::Joint
           OutputPosition(segment, model.constants.gear_ratio, run.name);
       output_Hz = std::max(output_Hz,
                            BandOf(position, rate, output_inertia, drive_torque, low_pass).band_Hz);
-      const auto motor = segment.signals.find(Signal::kMotorPosition);
+      const auto motor = segment.signals.find(types::Signal::kMotorPosition);
       if (motor != segment.signals.end()) {
         motor_Hz = std::max(motor_Hz, BandOf(motor->second / model.constants.gear_ratio, rate,
                                              motor_inertia, drive_torque, low_pass)
@@ -286,7 +287,8 @@ ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::Joint
   // (2 pi)^2 S passed f^3. Rounding of a slow motion, a saw of the resolution's size and first
   // harmonic step / pi: up to 2 pi f step / pi.
   const auto sure_velocity = [&](double cutoff_Hz) {
-    const double noise = kTurn * std::sqrt(low_pass.passed_once * density * std::pow(cutoff_Hz, 3));
+    const double noise =
+        kTwoPi * std::sqrt(low_pass.passed_once * density * std::pow(cutoff_Hz, 3));
     return std::max(kSureVelocity * noise, 2.0 * step * cutoff_Hz);
   };
   out.slow_cutoff_Hz = out.state_cutoff_Hz / kSlower;
@@ -299,12 +301,12 @@ ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::Joint
   return out;
 }
 
-double QuietBand(const std::vector<Run>& runs, const actuator::JointModel& model,
+double QuietBand(const std::vector<types::Run>& runs, const actuator::JointModel& model,
                  double longest_gap_s) {
-  const Signal drive_signal = DriveSignal(model);
+  const types::Signal drive_signal = DriveSignal(model);
   const double inertia = NominalInertia(model, effects::Side::kOutput);
   double out_Hz = 0.0;
-  for (const Run& run : runs) {
+  for (const types::Run& run : runs) {
     for (const UniformSegment& segment : MakeUniform(run, longest_gap_s).segments) {
       const auto drive = segment.signals.find(drive_signal);
       if (drive == segment.signals.end()) continue;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "components/actuator/model.h"
-#include "components/identify/run.h"
+#include "components/types/run.h"
 
 namespace sinew::identify {
 
@@ -35,12 +35,12 @@ struct ProcessingOptions {
 
 // The signal that a joint's drive term reads; throws std::invalid_argument when the model has no
 // drive term or more than one.
-Signal DriveSignal(const actuator::JointModel& model);
+types::Signal DriveSignal(const actuator::JointModel& model);
 
 // Fills in what the options leave to the data: state cut-off where the position's spectrum sinks to
 // four times its level near the Nyquist frequency (between 1/50 and 1/4 of the rate), parallel
 // cut-off at a quarter of that, rest velocity at 3 % of the velocity's rms.
-ProcessingOptions Resolve(const ProcessingOptions& options, const std::vector<Run>& runs);
+ProcessingOptions Resolve(const ProcessingOptions& options, const std::vector<types::Run>& runs);
 
 // Settings from the motion alone: the low-pass of each angle where its spectrum meets its noise,
 // and no wider than the noise of its acceleration allows beside that of the drive; a softer one,
@@ -49,12 +49,12 @@ ProcessingOptions Resolve(const ProcessingOptions& options, const std::vector<Ru
 // low-passed before it was recorded, no row is as it was measured, and both sides of the balance go
 // through a common filter below that one (Resolve). wider: factor on the angles' cut-offs;
 // least_Hz: of the output's low-pass, before that factor.
-ProcessingOptions FromMotion(const std::vector<Run>& runs, const actuator::JointModel& model,
+ProcessingOptions FromMotion(const std::vector<types::Run>& runs, const actuator::JointModel& model,
                              double longest_gap_s, double wider = 1.0, double least_Hz = 0.0);
 
 // Up to which cut-off of the output's angle the noise of its acceleration stays unseen beside that
 // of the drive, Hz; 0: the drive has none.
-double QuietBand(const std::vector<Run>& runs, const actuator::JointModel& model,
+double QuietBand(const std::vector<types::Run>& runs, const actuator::JointModel& model,
                  double longest_gap_s);
 
 // Torque per unit of the drive signal, as declared; sum of the declared inertias of one side.

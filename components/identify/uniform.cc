@@ -18,9 +18,9 @@ double Median(Eigen::VectorXd values) {
 }
 
 // Signals that keep their value until the next row.
-bool IsSwitch(Signal signal) {
-  return signal == Signal::kValveOpen || signal == Signal::kPayload ||
-         signal == Signal::kReferencePosition || signal == Signal::kSupplyVoltage;
+bool IsSwitch(types::Signal signal) {
+  return signal == types::Signal::kValveOpen || signal == types::Signal::kPayload ||
+         signal == types::Signal::kReferencePosition || signal == types::Signal::kSupplyVoltage;
 }
 
 // Row numbers on the grid: steps are whole periods.
@@ -126,14 +126,14 @@ Eigen::VectorXd SplineAt(const Eigen::Ref<const Eigen::VectorXd>& x,
 
 Eigen::VectorXd OutputPosition(const UniformSegment& segment, double gear_ratio,
                                const std::string& name) {
-  const auto output = segment.signals.find(Signal::kPosition);
+  const auto output = segment.signals.find(types::Signal::kPosition);
   if (output != segment.signals.end()) return output->second;
-  const auto motor = segment.signals.find(Signal::kMotorPosition);
+  const auto motor = segment.signals.find(types::Signal::kMotorPosition);
   if (motor != segment.signals.end()) return motor->second / gear_ratio;
   throw std::invalid_argument("recording " + name + " has no signal 'position'");
 }
 
-UniformRun MakeUniform(const Run& run, double longest_gap_s, int fewest_rows) {
+UniformRun MakeUniform(const types::Run& run, double longest_gap_s, int fewest_rows) {
   const Eigen::VectorXd& time = run.time_s;
   if (time.size() < 20) {
     throw TooLittleData("recording " + run.name + " has " + std::to_string(time.size()) +
@@ -226,7 +226,7 @@ UniformRun MakeUniform(const Run& run, double longest_gap_s, int fewest_rows) {
       out.sampling.stamps_used = decided = true;
     } else if (!decided) {
       decided = true;
-      for (const Signal signal : {Signal::kMotorPosition, Signal::kPosition}) {
+      for (const types::Signal signal : {types::Signal::kMotorPosition, types::Signal::kPosition}) {
         if (!run.Has(signal)) continue;
         const Eigen::VectorXd values = run.At(signal).segment(from, count);
         out.sampling.stamps_used = Roughness(SplineAt(stamps, values, grid)) <
@@ -264,7 +264,8 @@ UniformRun MakeUniform(const Run& run, double longest_gap_s, int fewest_rows) {
   return out;
 }
 
-Eigen::VectorXd AsMeasured(const Run& run, const UniformSegment& segment, Signal signal) {
+Eigen::VectorXd AsMeasured(const types::Run& run, const UniformSegment& segment,
+                           types::Signal signal) {
   Eigen::VectorXd out = segment.signals.at(signal);
   if (segment.row.empty()) return out;
   const Eigen::VectorXd& rows = run.At(signal);

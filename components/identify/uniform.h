@@ -15,14 +15,14 @@
 #include <string>
 #include <vector>
 
-#include "components/identify/run.h"
+#include "components/types/run.h"
 
 namespace sinew::identify {
 
 struct UniformSegment {
   double start_s = 0.0;
   double period_s = 0.0;
-  std::map<Signal, Eigen::VectorXd> signals;
+  std::map<types::Signal, Eigen::VectorXd> signals;
   std::vector<char> valid;  // 0: inside a hole of lost rows
   // Of every grid point the row of the recording that belongs to it (-1: none) and the instant at
   // which that was sampled, as far as is known; both empty where rows lie on the grid already.
@@ -35,7 +35,8 @@ struct UniformSegment {
 };
 
 // A signal as its rows were recorded, in the order of the grid; lost rows from the spline.
-Eigen::VectorXd AsMeasured(const Run& run, const UniformSegment& segment, Signal signal);
+Eigen::VectorXd AsMeasured(const types::Run& run, const UniformSegment& segment,
+                           types::Signal signal);
 // A smooth signal of the grid at the instants of the rows.
 Eigen::VectorXd AtRows(const UniformSegment& segment, const Eigen::VectorXd& smooth);
 
@@ -60,7 +61,7 @@ struct UniformRun {
 };
 
 // fewest_rows: shorter pieces are dropped; filters and derivatives need some to settle.
-UniformRun MakeUniform(const Run& run, double longest_gap_s = 0.25, int fewest_rows = 100);
+UniformRun MakeUniform(const types::Run& run, double longest_gap_s = 0.25, int fewest_rows = 100);
 
 // Natural cubic spline through (x, y), x strictly increasing, evaluated at the rising points `at`;
 // outside of x it continues with the end values. At least 3 points.

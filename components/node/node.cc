@@ -26,6 +26,7 @@
 #include "components/node/messages.h"
 #include "components/node/node_impl.h"
 #include "components/node/version.h"
+#include "components/types/clock/clock.h"
 
 namespace sinew::node {
 
@@ -35,12 +36,6 @@ namespace rtps = eprosima::fastrtps::rtps;
 using eprosima::fastrtps::types::ReturnCode_t;
 
 namespace {
-
-std::int64_t EpochNow() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 std::string GuidText(const rtps::GUID_t& guid) {
   std::ostringstream out;
@@ -196,7 +191,7 @@ void ReaderImpl::on_data_available(dds::DataReader* source) {
   while (source->take_next_sample(&scratch_.bytes, &info) == ReturnCode_t::RETCODE_OK) {
     if (!info.valid_data) continue;
     scratch_.source_stamp_ns = info.source_timestamp.to_ns();
-    scratch_.reception_stamp_ns = EpochNow();
+    scratch_.reception_stamp_ns = types::EpochNow_ns();
     received.fetch_add(1, std::memory_order_relaxed);
     any = true;
     if (callback) {

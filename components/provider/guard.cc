@@ -4,7 +4,12 @@
 #include <stdexcept>
 #include <string>
 
+#include "components/types/robot_state.h"
+
 namespace sinew::provider {
+
+using types::Origin;
+using types::RobotState;
 
 CommandGuard::CommandGuard(const GuardConfig& config) : config_(config) {
   if (config.missed_periods < 1) {

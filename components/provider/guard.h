@@ -12,11 +12,10 @@
 #include <cstdint>
 
 #include "components/provider/plant.h"
+#include "components/types/robot_state.h"
 
 namespace sinew::provider {
 
-enum class RobotState { kDisarmed, kArmed, kDamped, kFault, kEstopped };
-enum class Origin { kLive, kSim, kReplay };
 enum class Bridging { kDamp, kHold };
 // What the other joints do when one has a fault of its own. All but kContinue latch the robot's
 // fault: no command counts until Reset and Arm. Damping and holding end by Disarm, Estop or Reset.
@@ -35,7 +34,7 @@ struct GuardConfig {
 struct CommandHead {
   std::uint64_t session_id = 0;
   std::uint64_t tick = 0;
-  Origin origin = Origin::kSim;
+  types::Origin origin = types::Origin::kSim;
 };
 
 enum class Verdict {
@@ -71,14 +70,14 @@ class CommandGuard {
   // Once a cycle, after Offer.
   Verdict Step(std::uint64_t tick, std::chrono::nanoseconds period);
 
-  RobotState state() const { return state_; }
+  types::RobotState state() const { return state_; }
   std::uint64_t refused() const { return refused_; }
   std::uint64_t bridged_cycles() const { return bridged_; }
   std::uint64_t faults() const { return faults_; }
 
  private:
   GuardConfig config_;
-  RobotState state_ = RobotState::kDisarmed;
+  types::RobotState state_ = types::RobotState::kDisarmed;
   std::uint64_t session_id_ = 0;
   std::uint64_t last_tick_ = 0;  // of the last accepted command, or of arming
   bool has_command_ = false;     // since arming

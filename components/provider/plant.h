@@ -6,45 +6,44 @@
 #include <cstdint>
 #include <string>
 
+#include "components/types/control_mode.h"
+#include "components/types/joints.h"
+
 namespace sinew::provider {
-
-inline constexpr int kMaxJoints = 12;
-
-enum class Mode { kIdle, kTorque, kPosition, kVelocity };
 
 // What the guard lets through to the plant for one cycle.
 struct PlantCommand {
-  std::array<Mode, kMaxJoints> mode{};
-  std::array<double, kMaxJoints> motor_torque_Nm{};  // motor shaft, positive drives the output up
-  std::array<double, kMaxJoints> position_rad{};     // output
-  std::array<double, kMaxJoints> velocity_rad_s{};   // output
-  std::array<bool, kMaxJoints> valve_open{};
-  std::array<bool, kMaxJoints> compressor_on{};
-  std::array<bool, kMaxJoints> vent_open{};
+  types::JointArray<types::ControlMode> mode{};
+  types::JointArray<double> motor_torque_Nm{};  // motor shaft, positive drives the output up
+  types::JointArray<double> position_rad{};     // output
+  types::JointArray<double> velocity_rad_s{};   // output
+  types::JointArray<bool> valve_open{};
+  types::JointArray<bool> compressor_on{};
+  types::JointArray<bool> vent_open{};
   // Simulation only.
-  std::array<double, kMaxJoints> hand_force_N{};  // pushes the link, positive down
-  std::array<double, kMaxJoints> extra_payload_kg{};
+  types::JointArray<double> hand_force_N{};  // pushes the link, positive down
+  types::JointArray<double> extra_payload_kg{};
 };
 
 // What the sensors say at the end of a cycle. Units and signs as in idl/.
 struct PlantSensors {
-  std::array<double, kMaxJoints> position_rad{};
-  std::array<double, kMaxJoints> velocity_rad_s{};
-  std::array<double, kMaxJoints> torque_Nm{};
-  std::array<double, kMaxJoints> motor_position_rad{};
-  std::array<double, kMaxJoints> motor_velocity_rad_s{};
-  std::array<double, kMaxJoints> motor_current_A{};
-  std::array<double, kMaxJoints> drive_voltage_V{};
-  std::array<double, kMaxJoints> motor_temperature_degC{};
-  std::array<double, kMaxJoints> chamber_pressure_bar{};
-  std::array<double, kMaxJoints> reservoir_pressure_bar{};
-  std::array<double, kMaxJoints> load_force_N{};
-  std::array<double, kMaxJoints> declared_payload_kg{};
-  std::array<bool, kMaxJoints> valve_open{};
-  std::array<std::int32_t, kMaxJoints> age_us{};
-  std::array<bool, kMaxJoints> valid{};
+  types::JointArray<double> position_rad{};
+  types::JointArray<double> velocity_rad_s{};
+  types::JointArray<double> torque_Nm{};
+  types::JointArray<double> motor_position_rad{};
+  types::JointArray<double> motor_velocity_rad_s{};
+  types::JointArray<double> motor_current_A{};
+  types::JointArray<double> drive_voltage_V{};
+  types::JointArray<double> motor_temperature_degC{};
+  types::JointArray<double> chamber_pressure_bar{};
+  types::JointArray<double> reservoir_pressure_bar{};
+  types::JointArray<double> load_force_N{};
+  types::JointArray<double> declared_payload_kg{};
+  types::JointArray<bool> valve_open{};
+  types::JointArray<std::int32_t> age_us{};
+  types::JointArray<bool> valid{};
   // A joint's own fault: it idles until the operator's reset; the others do as declared.
-  std::array<bool, kMaxJoints> joint_fault{};
+  types::JointArray<bool> joint_fault{};
   bool fault = false;   // of the whole plant
   std::string message;  // why
 
@@ -86,7 +85,7 @@ class Plant {
   virtual int joint_count() const = 0;
   virtual bool prismatic(int /*joint*/) const { return false; }
   virtual bool live() const { return false; }        // hardware: commands must have origin live
-  virtual std::uint32_t measured_flags() const = 0;  // bit per identify::Signal
+  virtual std::uint32_t measured_flags() const = 0;  // bit per types::Signal
   // Sensors at the start, before any command.
   virtual void Reset(PlantSensors* sensors) = 0;
   // Applies the command for one period and reads the sensors at its end.

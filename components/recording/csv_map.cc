@@ -74,8 +74,8 @@ double Cell(const CsvTable& table, const ColumnMap& map, const std::vector<std::
 
 }  // namespace
 
-identify::Run ReadCsvRun(std::string_view text, const std::string& name, const CsvMap& map,
-                         int joint) {
+types::Run ReadCsvRun(std::string_view text, const std::string& name, const CsvMap& map,
+                      int joint) {
   if (joint < 0 || joint >= map.joints) {
     throw std::invalid_argument(name + ": joint " + std::to_string(joint) +
                                 " is asked for, the mapping " + map.name +
@@ -117,7 +117,7 @@ identify::Run ReadCsvRun(std::string_view text, const std::string& name, const C
     throw std::invalid_argument(name + ": has " + std::to_string(all) + " rows and the mapping " +
                                 map.name + " leaves all of them out, expected a longer recording");
   }
-  identify::Run run;
+  types::Run run;
   run.name = name;
   run.kind = map.kind;
   run.held = map.held;
@@ -127,7 +127,7 @@ identify::Run ReadCsvRun(std::string_view text, const std::string& name, const C
     Eigen::VectorXd values(rows);
     for (Eigen::Index row = 0; row < rows; ++row) {
       values[row] = signal.map.ToSi(Cell(table, signal.map, signal_columns[i], first + row));
-      const bool flag = signal.signal == identify::Signal::kValveOpen;
+      const bool flag = signal.signal == types::Signal::kValveOpen;
       if (flag && values[row] != 0.0 && values[row] != 1.0) {
         throw std::invalid_argument(line(first + row) + ": column '" + signal.map.Names() +
                                     "': the value is " + std::to_string(values[row]) +
@@ -141,7 +141,7 @@ identify::Run ReadCsvRun(std::string_view text, const std::string& name, const C
   return run;
 }
 
-std::string ContentHash(const identify::Run& run) {
+std::string ContentHash(const types::Run& run) {
   std::uint64_t hash = 0xcbf29ce484222325u;
   const auto add = [&hash](std::uint64_t word) {
     for (int byte = 0; byte < 8; ++byte) {

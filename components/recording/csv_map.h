@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "components/effects/effect.h"
-#include "components/identify/run.h"
 #include "components/recording/units.h"
+#include "components/types/run.h"
 
 namespace sinew::recording {
 
@@ -40,20 +40,20 @@ struct ColumnMap {
 };
 
 struct SignalColumn {
-  identify::Signal signal{};
+  types::Signal signal{};
   ColumnMap map;
-  bool zero_per_recording = false;  // identify::Run::zero_unknown
+  bool zero_per_recording = false;  // types::Run::zero_unknown
 };
 
 struct CsvMap {
   std::string name;  // of the mapping file
-  effects::JointKind kind = effects::JointKind::kRotary;
+  types::JointKind kind = types::JointKind::kRotary;
   char delimiter = ',';
   int joints = 1;  // that "{joint}" counts
   // Rows at the start of a file that are left out, and those earlier than this after the first.
   Eigen::Index skipped_rows = 0;
   double skipped_s = 0.0;
-  bool held = false;  // every row is a position held (identify::Run)
+  bool held = false;  // every row is a position held (types::Run)
   // > 0: rows have no stamps, they are this long apart, from 0 on; `time` is not read.
   double row_period_s = 0.0;
   ColumnMap time;
@@ -62,12 +62,12 @@ struct CsvMap {
 
 // The run of one joint (from 0 on) that a CSV text holds. Time must rise strictly. Throws
 // std::invalid_argument with one line that names file, line and column.
-identify::Run ReadCsvRun(std::string_view text, const std::string& name, const CsvMap& map,
-                         int joint = 0);
+types::Run ReadCsvRun(std::string_view text, const std::string& name, const CsvMap& map,
+                      int joint = 0);
 
 // Names the samples of a run: 16 hex digits of FNV-1a over time in whole nanoseconds and the bits
 // of every signal that topics carry, in the order of the signals. Equal for a CSV file and a
 // recording made of it.
-std::string ContentHash(const identify::Run& run);
+std::string ContentHash(const types::Run& run);
 
 }  // namespace sinew::recording

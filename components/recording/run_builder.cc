@@ -15,11 +15,10 @@
 namespace sinew::recording {
 namespace {
 
-using identify::Signal;
+using types::Signal;
 
-constexpr std::size_t kSignals = 15;
 constexpr std::uint32_t kWithoutActuator =
-    SignalBit(Signal::kPosition) | SignalBit(Signal::kVelocity) | SignalBit(Signal::kTorque);
+    types::SignalBits({Signal::kPosition, Signal::kVelocity, Signal::kTorque});
 constexpr auto kPositionIndex = static_cast<std::size_t>(Signal::kPosition);
 constexpr auto kReferenceIndex = static_cast<std::size_t>(Signal::kReferencePosition);
 constexpr int kHeldTicks = 2;  // a lost set point is the last one for so long
@@ -31,7 +30,7 @@ struct Row {
   bool reference = false;
   bool asked = false;  // the reference asks for something
   bool valid = true;
-  std::array<double, kSignals> values{};
+  std::array<double, types::kSignalCount> values{};
 };
 
 struct Session {
@@ -116,7 +115,7 @@ void TakeMessage(const Decoder& decoder, std::span<const std::byte> data, int jo
   }
 }
 
-std::optional<identify::Run> MakeRun(Session* session) {
+std::optional<types::Run> MakeRun(Session* session) {
   std::vector<Row*> rows;
   const Row* reference = nullptr;
   int since_reference = 0;
@@ -139,18 +138,18 @@ std::optional<identify::Run> MakeRun(Session* session) {
   }
   if (rows.size() < 2) return std::nullopt;
 
-  identify::Run run;
-  run.kind = session->linear ? effects::JointKind::kLinear : effects::JointKind::kRotary;
+  types::Run run;
+  run.kind = session->linear ? types::JointKind::kLinear : types::JointKind::kRotary;
   const auto size = static_cast<Eigen::Index>(rows.size());
   run.time_s.resize(size);
   for (Eigen::Index i = 0; i < size; ++i) {
     run.time_s[i] = SecondsFromStamp(rows[static_cast<std::size_t>(i)]->stamp_ns);
   }
   std::uint32_t flags = session->any_actuator ? session->measured_flags : kWithoutActuator;
-  flags &= ~SignalBit(Signal::kReferencePosition);
-  if (has_reference) flags |= SignalBit(Signal::kReferencePosition);
-  for (const Signal signal : identify::AllSignals()) {
-    if (!OnTopics(signal) || (flags & SignalBit(signal)) == 0) continue;
+  flags &= ~types::SignalBit(Signal::kReferencePosition);
+  if (has_reference) flags |= types::SignalBit(Signal::kReferencePosition);
+  for (const Signal signal : types::AllSignals()) {
+    if (!OnTopics(signal) || (flags & types::SignalBit(signal)) == 0) continue;
     Eigen::VectorXd values(size);
     for (Eigen::Index i = 0; i < size; ++i) {
       values[i] = rows[static_cast<std::size_t>(i)]->values[static_cast<std::size_t>(signal)];
@@ -162,9 +161,9 @@ std::optional<identify::Run> MakeRun(Session* session) {
 
 }  // namespace
 
-std::vector<identify::Run> RunsOfRecording(const McapReader& reader, const std::string& name,
-                                           int joint,
-                                           const std::function<void(std::uint64_t)>& progress) {
+std::vector<types::Run> RunsOfRecording(const McapReader& reader, const std::string& name,
+                                        int joint,
+                                        const std::function<void(std::uint64_t)>& progress) {
   if (joint < 0)
     throw std::invalid_argument("joint " + std::to_string(joint) + ", expected 0 or more");
   std::map<ChannelId, std::unique_ptr<Decoder>> decoders;
@@ -198,9 +197,9 @@ std::vector<identify::Run> RunsOfRecording(const McapReader& reader, const std::
     if (progress) progress(++count);
   }
 
-  std::vector<identify::Run> runs;
+  std::vector<types::Run> runs;
   for (const std::uint64_t id : order) {
-    std::optional<identify::Run> run = MakeRun(&sessions.at(id));
+    std::optional<types::Run> run = MakeRun(&sessions.at(id));
     if (!run) continue;
     run->content_hash = ContentHash(*run);
     runs.push_back(std::move(*run));

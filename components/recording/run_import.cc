@@ -55,7 +55,7 @@ double SecondsFromStamp(std::int64_t stamp_ns) { return static_cast<double>(stam
 RunImporter::RunImporter(const FindSchema& find_schema, McapWriter& writer)
     : find_schema_(find_schema), writer_(writer) {}
 
-IoStatus RunImporter::Add(const identify::Run& run,
+IoStatus RunImporter::Add(const types::Run& run,
                           const std::function<void(Eigen::Index)>& progress) {
   const Eigen::Index rows = run.size();
   if (rows < 2) throw std::invalid_argument("run '" + run.name + "' has fewer than 2 samples");
@@ -87,7 +87,7 @@ IoStatus RunImporter::Add(const identify::Run& run,
     const Eigen::VectorXd* values;
   };
   std::vector<std::string> names = {"joint_state", "actuator_state"};
-  if (run.Has(identify::Signal::kReferencePosition)) names.emplace_back("reference");
+  if (run.Has(types::Signal::kReferencePosition)) names.emplace_back("reference");
   for (const std::string& name : names) {
     if (topics_.contains(name)) continue;
     IoStatus status;
@@ -107,7 +107,7 @@ IoStatus RunImporter::Add(const identify::Run& run,
   std::vector<Source> sources;
   for (const SignalField& field : SignalFields()) {
     if (!run.Has(field.signal)) continue;
-    measured_flags |= SignalBit(field.signal);
+    measured_flags |= types::SignalBit(field.signal);
     Topic* topic = topics_.find(field.topic)->second.get();
     sources.push_back(
         {topic, topic->Field(std::string(field.field) + "[0]"), &run.At(field.signal)});
@@ -115,7 +115,7 @@ IoStatus RunImporter::Add(const identify::Run& run,
   Topic& joint = *topics[0];
   joint.SetInt("robot_state", kRobotArmed);
   joint.Set("period_s", *middle);
-  joint.SetInt("joint_kind[0]", run.kind == effects::JointKind::kLinear ? 1 : 0);
+  joint.SetInt("joint_kind[0]", run.kind == types::JointKind::kLinear ? 1 : 0);
   joint.SetInt("valid[0]", 1);
   topics[1]->SetInt("valid[0]", 1);
   topics[1]->SetInt("measured_flags", measured_flags);

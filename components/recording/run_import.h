@@ -11,11 +11,11 @@
 #include <string>
 #include <string_view>
 
-#include "components/identify/run.h"
 #include "components/recording/cdr.h"
 #include "components/recording/idl_schema.h"
 #include "components/recording/io.h"
 #include "components/recording/mcap_writer.h"
+#include "components/types/run.h"
 
 namespace sinew::recording {
 
@@ -41,7 +41,7 @@ class RunImporter {
 
   // Adds a run as a session of its own, after what is there. `progress` is told rows done, if
   // given. Throws std::invalid_argument for time before 0 or two samples within one nanosecond.
-  IoStatus Add(const identify::Run& run, const std::function<void(Eigen::Index)>& progress = {});
+  IoStatus Add(const types::Run& run, const std::function<void(Eigen::Index)>& progress = {});
 
  private:
   struct Topic;

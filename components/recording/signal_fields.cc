@@ -3,7 +3,7 @@
 namespace sinew::recording {
 
 const std::vector<SignalField>& SignalFields() {
-  using identify::Signal;
+  using types::Signal;
   static const std::vector<SignalField> fields = {
       {Signal::kPosition, "joint_state", "position_rad"},
       {Signal::kVelocity, "joint_state", "velocity_rad_s"},

@@ -48,7 +48,7 @@ TimeRange ParseTimeRange(std::string_view text) {
   return range;
 }
 
-identify::Run CutRun(const identify::Run& run, const TimeRange& range) {
+types::Run CutRun(const types::Run& run, const TimeRange& range) {
   Eigen::Index first = 0;
   while (first < run.size() && run.time_s[first] < range.start_s) ++first;
   Eigen::Index end = first;
@@ -61,7 +61,7 @@ identify::Run CutRun(const identify::Run& run, const TimeRange& range) {
                         : std::string("nothing to nothing")) +
         " s");
   }
-  identify::Run out = run;
+  types::Run out = run;
   out.name = run.name + "@" + range.text;
   out.time_s = run.time_s.segment(first, end - first);
   for (auto& [signal, values] : out.signals) {

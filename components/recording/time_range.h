@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "components/identify/run.h"
+#include "components/types/run.h"
 
 namespace sinew::recording {
 
@@ -24,6 +24,6 @@ TimeRange ParseTimeRange(std::string_view text);
 
 // The rows of a run inside the range, as a run "NAME@TEXT" with a content hash of its own. Throws
 // std::invalid_argument naming the recording, its clock and the range when no row is inside.
-identify::Run CutRun(const identify::Run& run, const TimeRange& range);
+types::Run CutRun(const types::Run& run, const TimeRange& range);
 
 }  // namespace sinew::recording

@@ -1,13 +1,14 @@
 #include "components/recording/units.h"
 
 #include <algorithm>
-#include <numbers>
 #include <span>
+
+#include "components/types/angle.h"
 
 namespace sinew::recording {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using types::kPi;
 
 constexpr Unit kTime[] = {{"s"}, {"ms", 1, 1e3}, {"us", 1, 1e6}, {"ns", 1, 1e9}, {"min", 60, 1}};
 constexpr Unit kAngle[] = {
@@ -94,35 +95,35 @@ std::string AcceptedUnits(Quantity quantity) {
   return list;
 }
 
-Quantity QuantityOf(identify::Signal signal, effects::JointKind kind) {
-  const bool linear = kind == effects::JointKind::kLinear;
+Quantity QuantityOf(types::Signal signal, types::JointKind kind) {
+  const bool linear = kind == types::JointKind::kLinear;
   switch (signal) {
-    case identify::Signal::kPosition:
-    case identify::Signal::kReferencePosition:
+    case types::Signal::kPosition:
+    case types::Signal::kReferencePosition:
       return linear ? Quantity::kLength : Quantity::kAngle;
-    case identify::Signal::kVelocity:
+    case types::Signal::kVelocity:
       return linear ? Quantity::kVelocity : Quantity::kAngularVelocity;
-    case identify::Signal::kMotorPosition:
+    case types::Signal::kMotorPosition:
       return Quantity::kAngle;
-    case identify::Signal::kMotorVelocity:
+    case types::Signal::kMotorVelocity:
       return Quantity::kAngularVelocity;
-    case identify::Signal::kMotorCurrent:
+    case types::Signal::kMotorCurrent:
       return Quantity::kCurrent;
-    case identify::Signal::kDriveVoltage:
-    case identify::Signal::kSupplyVoltage:
+    case types::Signal::kDriveVoltage:
+    case types::Signal::kSupplyVoltage:
       return Quantity::kVoltage;
-    case identify::Signal::kTorque:
+    case types::Signal::kTorque:
       return linear ? Quantity::kForce : Quantity::kTorque;
-    case identify::Signal::kChamberPressure:
-    case identify::Signal::kReservoirPressure:
+    case types::Signal::kChamberPressure:
+    case types::Signal::kReservoirPressure:
       return Quantity::kPressure;
-    case identify::Signal::kLoadForce:
+    case types::Signal::kLoadForce:
       return Quantity::kForce;
-    case identify::Signal::kValveOpen:
+    case types::Signal::kValveOpen:
       return Quantity::kNumber;
-    case identify::Signal::kPayload:
+    case types::Signal::kPayload:
       return Quantity::kMass;
-    case identify::Signal::kTemperature:
+    case types::Signal::kTemperature:
       return Quantity::kTemperature;
   }
   return Quantity::kNumber;

@@ -1,4 +1,4 @@
-// Units of measured data from elsewhere, turned into the units of identify::Signal.
+// Units of measured data from elsewhere, turned into the units of types::Signal.
 //
 // A unit is an exact ratio: value_SI = value * numerator / denominator + offset, so that "1 ms"
 // becomes the double nearest to 0.001 (a division rounds once) and an SI column stays bit by bit
@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "components/effects/effect.h"
-#include "components/identify/run.h"
+#include "components/types/run.h"
 
 namespace sinew::recording {
 
@@ -45,6 +45,6 @@ std::optional<Unit> FindUnit(Quantity quantity, std::string_view name);
 // "rad, deg, rev, arcmin, mrad": for messages.
 std::string AcceptedUnits(Quantity quantity);
 // What a signal is made of: positions and torques of linear joints are lengths and forces.
-Quantity QuantityOf(identify::Signal signal, effects::JointKind kind);
+Quantity QuantityOf(types::Signal signal, types::JointKind kind);
 
 }  // namespace sinew::recording

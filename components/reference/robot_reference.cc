@@ -5,13 +5,15 @@
 #include <stdexcept>
 #include <string>
 
+#include "components/types/joints.h"
+
 namespace sinew::reference {
 
 RobotReference::RobotReference(const RobotReferenceConfig& config)
     : start_(config.start), start_delay_s_(config.start_delay_s) {
-  if (config.joints.empty() || config.joints.size() > static_cast<std::size_t>(kMaxJoints)) {
+  if (config.joints.empty() || config.joints.size() > static_cast<std::size_t>(types::kMaxJoints)) {
     throw std::invalid_argument(std::to_string(config.joints.size()) + " joints, expected 1 to " +
-                                std::to_string(kMaxJoints));
+                                std::to_string(types::kMaxJoints));
   }
   if (!(config.start_delay_s >= 0.0) || !std::isfinite(config.start_delay_s)) {
     throw std::invalid_argument("start delay is negative or not finite");

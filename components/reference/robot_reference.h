@@ -13,10 +13,9 @@
 #include <vector>
 
 #include "components/reference/generator.h"
+#include "components/types/joints.h"
 
 namespace sinew::reference {
-
-inline constexpr int kMaxJoints = 12;
 
 enum class StartRule { kArmed, kOperator };
 
@@ -43,7 +42,7 @@ struct RobotReferenceOutput {
   bool idle = true;    // nothing is asked for
   bool stale = false;  // a joint was lost when the reference should have started
   bool finished = false;
-  std::array<Point, kMaxJoints> joint{};
+  types::JointArray<Point> joint{};
 };
 
 class RobotReference {

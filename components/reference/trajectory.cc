@@ -2,17 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <random>
 #include <stdexcept>
 #include <string>
 
 #include "components/reference/blend.h"
+#include "components/types/angle.h"
 
 namespace sinew::reference {
 namespace {
 
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
+using types::kTwoPi;
 
 void RequireFinite(double value, const char* what) {
   if (!std::isfinite(value)) {

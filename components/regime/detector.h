@@ -18,6 +18,7 @@
 #include <cstdint>
 
 #include "components/regime/play_detector.h"
+#include "components/types/regime.h"
 
 namespace sinew::regime {
 
@@ -67,7 +68,7 @@ struct DetectorInput {
 
 struct DetectorOutput {
   Phase phase = Phase::kWaiting;
-  Regime regime = Regime::kUnknown;
+  types::Regime regime = types::Regime::kUnknown;
   Contact contact = Contact::kNone;
   double alpha_rad = 0.0;
   double confidence = 0.0;

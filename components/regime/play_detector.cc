@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "components/types/regime.h"
+
 namespace sinew::regime {
 namespace {
 
@@ -115,7 +117,7 @@ PlayDecision PlayDetector::Step(double alpha_rad, double velocity_rad_s) noexcep
 
   PlayDecision decision;
   decision.contact = contact_;
-  decision.regime = contact_ == Contact::kNone ? Regime::kSea : Regime::kPea;
+  decision.regime = contact_ == Contact::kNone ? types::Regime::kSea : types::Regime::kPea;
   double margin = 0.0;
   const int n = std::clamp(since_, 1, 4);
   if (contact_ == Contact::kNone) {

@@ -21,9 +21,10 @@
 
 #include <array>
 
+#include "components/types/regime.h"
+
 namespace sinew::regime {
 
-enum class Regime { kUnknown, kSea, kPea };
 enum class Contact { kNone, kLower, kUpper };
 
 struct PlayConfig {
@@ -35,7 +36,7 @@ struct PlayConfig {
 };
 
 struct PlayDecision {
-  Regime regime = Regime::kUnknown;
+  types::Regime regime = types::Regime::kUnknown;
   Contact contact = Contact::kNone;
   double confidence = 0.0;  // probability that noise alone did not decide otherwise
 };

@@ -28,7 +28,7 @@ bool Worse(double after, double before) {
 
 std::vector<ErrorLine> ErrorTable(const Report& report) {
   const trace::TraceResult& trace = report.trace;
-  const effects::JointKind kind = trace.corrected.kind;
+  const types::JointKind kind = trace.corrected.kind;
   std::vector<ErrorLine> out;
   AddBalance(trace, effects::Balance::kMotion, TorqueUnit(kind), "", &out);
   for (const trace::BalanceSummary& summary : trace.balances) {
@@ -42,7 +42,7 @@ std::vector<ErrorLine> ErrorTable(const Report& report) {
                                 ? "in closed loop"
                                 : "over " + Short(run.horizon_s) + " s from measured states";
     out.push_back({"simulated", "position simulated " + how + ", held-out recordings",
-                   effects::Balance::kMotion, kind == effects::JointKind::kRotary ? "rad" : "m",
+                   effects::Balance::kMotion, kind == types::JointKind::kRotary ? "rad" : "m",
                    run.models.at(kDeclaredModel).rms, run.models.at(kRefittedModel).rms,
                    run.models.at(kCorrectedModel).rms});
   }

@@ -12,8 +12,8 @@ namespace sinew::report {
 namespace {
 
 using gate::Fault;
-using identify::Run;
-using identify::Signal;
+using types::Run;
+using types::Signal;
 
 constexpr Eigen::Index kMostRows = 1800;  // of a line
 constexpr std::size_t kMostFaults = 6, kMostRecordings = 4;
@@ -84,10 +84,10 @@ Picture Stack(const std::string& title, const std::string& caption,
   return out;
 }
 
-std::string Label(Signal signal, effects::JointKind kind) {
-  std::string name(identify::SignalName(signal));
+std::string Label(Signal signal, types::JointKind kind) {
+  std::string name(types::SignalName(signal));
   std::replace(name.begin(), name.end(), '_', ' ');
-  return name + ", " + std::string(identify::SignalUnit(signal, kind));
+  return name + ", " + std::string(types::SignalUnit(signal, kind));
 }
 
 // Every k-th row, so that a line stays a line; rows of a fault keep all of theirs.
@@ -145,7 +145,7 @@ Picture AtRows(const Fault& fault, const Run& run, Signal signal) {
 // Two speeds that should be one.
 Picture Speeds(const Fault& fault, const Run& run, const actuator::JointModel& model) {
   const bool gear = fault.rule.ends_with("gear");
-  const Signal measured = *identify::SignalFromName(fault.signal);
+  const Signal measured = *types::SignalFromName(fault.signal);
   const Signal angle = gear                            ? Signal::kPosition
                        : measured == Signal::kVelocity ? Signal::kPosition
                                                        : Signal::kMotorPosition;
@@ -164,7 +164,7 @@ Picture Speeds(const Fault& fault, const Run& run, const actuator::JointModel& m
     shown.y.push_back(gear ? local.at(measured).rate[k] / ratio : local.at(measured).value[k]);
   }
   const std::string unit =
-      run.kind == effects::JointKind::kLinear && angle == Signal::kPosition ? "m/s" : "rad/s";
+      run.kind == types::JointKind::kLinear && angle == Signal::kPosition ? "m/s" : "rad/s";
   return Stack(fault.rule + ": " + fault.signal + " of " + fault.recording, fault.reason,
                {{"speed, " + unit, {derived, shown}}});
 }
@@ -209,7 +209,7 @@ std::vector<Picture> MakePictures(const gate::GateReport& gate, const std::vecto
     const auto run = std::find_if(runs.begin(), runs.end(), [&](const Run& at) {
       return at.name == fault.recording || fault.recording.empty();
     });
-    const auto signal = identify::SignalFromName(fault.signal);
+    const auto signal = types::SignalFromName(fault.signal);
     if (run == runs.end() || !Drawable(*run)) continue;
     const bool speeds = fault.rule.ends_with("_speed") || fault.rule.ends_with("_gear");
     const bool whole =

@@ -26,8 +26,7 @@ std::string VerdictWord(const gate::GateReport& gate);
 std::string VerdictSentence(const gate::GateReport& gate);
 
 // Up to six faults, each where it is, then an overview of up to four recordings.
-std::vector<Picture> MakePictures(const gate::GateReport& gate,
-                                  const std::vector<identify::Run>& runs,
+std::vector<Picture> MakePictures(const gate::GateReport& gate, const std::vector<types::Run>& runs,
                                   const actuator::JointModel& model);
 
 // The page. svgs: one per picture, in order.

@@ -159,7 +159,7 @@ std::string Join(const std::vector<std::string>& words) {
 std::string FormatHtml(const Report& report, const std::vector<Picture>& pictures,
                        const std::vector<std::string>& svgs) {
   const trace::TraceResult& trace = report.trace;
-  const effects::JointKind kind = trace.corrected.kind;
+  const types::JointKind kind = trace.corrected.kind;
   const std::string unit = TorqueUnit(kind);
   std::string out = HtmlHead("Closing the loop: " + report.robot);
   out += "<h1>Closing the loop: " + Escape(report.robot) + ", " + Escape(trace.corrected.name) +

@@ -23,8 +23,8 @@ struct Axis {
   std::function<double(const JointSample&)> get;
 };
 
-Axis AxisFor(const std::string& variable, effects::JointKind kind) {
-  const bool rotary = kind == effects::JointKind::kRotary;
+Axis AxisFor(const std::string& variable, types::JointKind kind) {
+  const bool rotary = kind == types::JointKind::kRotary;
   const std::string angle = rotary ? "rad" : "m";
   if (variable == "position_rad") {
     return {variable, "position, " + angle, [](const JointSample& x) { return x.position_rad; }};
@@ -354,7 +354,7 @@ std::vector<Picture> MakePictures(const Report& report, const Design& train,
   out.push_back(ResidualOverTime(report, held_out));
   out.push_back(ResidualOverVariable(report, train, AxisFor(variable, trace.corrected.kind),
                                      trace.before_train.residual, trace.after_train.residual));
-  if (trace.corrected.kind == effects::JointKind::kRotary) {
+  if (trace.corrected.kind == types::JointKind::kRotary) {
     out.push_back(
         SpectrumByAngle(report, train, trace.before_train.residual, trace.after_train.residual));
   }

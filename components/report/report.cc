@@ -22,8 +22,8 @@ std::string Join(const std::vector<std::string>& words, const char* last) {
 
 }  // namespace
 
-std::string TorqueUnit(effects::JointKind kind) {
-  return kind == effects::JointKind::kRotary ? "Nm" : "N";
+std::string TorqueUnit(types::JointKind kind) {
+  return kind == types::JointKind::kRotary ? "Nm" : "N";
 }
 
 std::string EffectTitle(const std::string& name) {

@@ -49,7 +49,7 @@ struct Report {
 };
 
 // "Nm" or "N".
-std::string TorqueUnit(effects::JointKind kind);
+std::string TorqueUnit(types::JointKind kind);
 // Words for an effect's name, e.g. "Stribeck friction".
 std::string EffectTitle(const std::string& name);
 

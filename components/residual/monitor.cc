@@ -51,8 +51,8 @@ std::string_view CauseName(Cause cause) noexcept {
   return "nothing";
 }
 
-std::string_view CauseUnit(Cause cause, effects::JointKind kind) noexcept {
-  const bool linear = kind == effects::JointKind::kLinear;
+std::string_view CauseUnit(Cause cause, types::JointKind kind) noexcept {
+  const bool linear = kind == types::JointKind::kLinear;
   switch (cause) {
     case Cause::kOffset:
     case Cause::kDryFriction:
@@ -125,7 +125,7 @@ Monitor::Monitor(const actuator::JointModel& model, const MonitorConfig& config,
     return std::any_of(sources_.begin(), sources_.end(),
                        [&](const Source& source) { return source.cause == cause; });
   };
-  const bool linear = model.kind == effects::JointKind::kLinear;
+  const bool linear = model.kind == types::JointKind::kLinear;
   const auto add = [&](Cause cause, const char* effect) {
     if (told(cause)) return;
     columns_model_.terms.push_back(actuator::MakeTerm(effect, model.constants));

@@ -33,6 +33,7 @@
 #include "components/esn/inverse_dynamics.h"
 #include "components/esn/signals.h"
 #include "components/esn/weights.h"
+#include "components/types/joints.h"
 
 namespace sinew::rls {
 
@@ -52,9 +53,9 @@ struct TickData {
   bool positions_valid = false;  // nothing but positions matters in the rest of a window
   int network = 0;               // of the features: 0 SEA, 1 PEA
   Eigen::Ref<const Eigen::VectorXd> features;  // of the tick before
-  std::array<double, esn::kMaxJoints> position_rad{};
-  std::array<double, esn::kMaxJoints> motor_position_rad{};
-  std::array<double, esn::kMaxJoints> drive_torque_Nm{};
+  types::JointArray<double> position_rad{};
+  types::JointArray<double> motor_position_rad{};
+  types::JointArray<double> drive_torque_Nm{};
   esn::Frame measured{};  // pressure, load, payload, temperature
 };
 
@@ -92,9 +93,9 @@ class TargetEquation {
     bool positions_valid = false;
     int network = 0;
     Eigen::VectorXd features;
-    std::array<double, esn::kMaxJoints> position_rad{};
-    std::array<double, esn::kMaxJoints> motor_rad{};  // over the gear
-    std::array<double, esn::kMaxJoints> drive_torque_Nm{};
+    types::JointArray<double> position_rad{};
+    types::JointArray<double> motor_rad{};  // over the gear
+    types::JointArray<double> drive_torque_Nm{};
     esn::Frame measured;
   };
 

@@ -15,8 +15,8 @@ namespace {
 constexpr std::size_t kFewestTrainRows = 200;
 constexpr std::size_t kFewestHeldOutRows = 50;
 
-BalanceDesigns KinematicSight(const std::vector<identify::Run>& train,
-                              const std::vector<identify::Run>& held_out,
+BalanceDesigns KinematicSight(const std::vector<types::Run>& train,
+                              const std::vector<types::Run>& held_out,
                               const actuator::JointModel& model,
                               const identify::ProcessingOptions& motion) {
   BalanceDesigns out;
@@ -49,9 +49,8 @@ BalanceDesigns KinematicSight(const std::vector<identify::Run>& train,
   return out;
 }
 
-BalanceDesigns GasSight(const std::vector<identify::Run>& train,
-                        const std::vector<identify::Run>& held_out,
-                        const actuator::JointModel& model,
+BalanceDesigns GasSight(const std::vector<types::Run>& train,
+                        const std::vector<types::Run>& held_out, const actuator::JointModel& model,
                         const identify::ProcessingOptions& motion) {
   constexpr int kFewestWindows = 4;
   BalanceDesigns out;
@@ -80,8 +79,8 @@ std::vector<effects::Balance> OtherBalances(const actuator::JointModel& model) {
   return out;
 }
 
-BalanceDesigns MakeBalanceDesigns(effects::Balance balance, const std::vector<identify::Run>& train,
-                                  const std::vector<identify::Run>& held_out,
+BalanceDesigns MakeBalanceDesigns(effects::Balance balance, const std::vector<types::Run>& train,
+                                  const std::vector<types::Run>& held_out,
                                   const actuator::JointModel& model,
                                   const identify::ProcessingOptions& motion) {
   if (balance == effects::Balance::kKinematic)
@@ -89,8 +88,8 @@ BalanceDesigns MakeBalanceDesigns(effects::Balance balance, const std::vector<id
   return GasSight(train, held_out, model, motion);
 }
 
-TraceResult TraceBalance(effects::Balance balance, const std::vector<identify::Run>& train,
-                         const std::vector<identify::Run>& held_out,
+TraceResult TraceBalance(effects::Balance balance, const std::vector<types::Run>& train,
+                         const std::vector<types::Run>& held_out,
                          const actuator::JointModel& corrected,
                          const identify::ProcessingOptions& motion, const TraceOptions& options) {
   actuator::JointModel model = corrected;

@@ -8,8 +8,8 @@
 #include "components/actuator/model.h"
 #include "components/identify/design.h"
 #include "components/identify/processing.h"
-#include "components/identify/run.h"
 #include "components/trace/trace_result.h"
+#include "components/types/run.h"
 
 namespace sinew::trace {
 
@@ -22,8 +22,8 @@ struct BalanceDesigns {
   std::string why_not;  // empty: there is something to see
 };
 // model: fitted in the motion balance. motion: options of the torque balance, resolved.
-BalanceDesigns MakeBalanceDesigns(effects::Balance balance, const std::vector<identify::Run>& train,
-                                  const std::vector<identify::Run>& held_out,
+BalanceDesigns MakeBalanceDesigns(effects::Balance balance, const std::vector<types::Run>& train,
+                                  const std::vector<types::Run>& held_out,
                                   const actuator::JointModel& model,
                                   const identify::ProcessingOptions& motion);
 
@@ -31,8 +31,8 @@ BalanceDesigns MakeBalanceDesigns(effects::Balance balance, const std::vector<id
 // of the catalogue. motion: options of the torque balance, resolved. When the recordings show
 // nothing of it, the result has no effect and not_excited says why for every effect of that
 // balance.
-TraceResult TraceBalance(effects::Balance balance, const std::vector<identify::Run>& train,
-                         const std::vector<identify::Run>& held_out,
+TraceResult TraceBalance(effects::Balance balance, const std::vector<types::Run>& train,
+                         const std::vector<types::Run>& held_out,
                          const actuator::JointModel& corrected,
                          const identify::ProcessingOptions& motion, const TraceOptions& options);
 

@@ -23,7 +23,7 @@ constexpr Steps kNarrower[] = {{2, 1.0}, {6, 0.9}};
 // Recordings behind one low-pass, and what least squares with the declared terms leaves of them.
 class Filtered {
  public:
-  Filtered(const std::vector<identify::Run>& runs, const actuator::JointModel& joint,
+  Filtered(const std::vector<types::Run>& runs, const actuator::JointModel& joint,
            const identify::ProcessingOptions& options)
       : design_(identify::MakeStates(runs, joint, options), options),
         balance_(identify::MakeBalance(design_, joint)) {}
@@ -53,11 +53,11 @@ bool Better(const Filtered& next, const Filtered& best, double share) {
 
 }  // namespace
 
-identify::ProcessingOptions BandOfLeastResidual(const std::vector<identify::Run>& train,
-                                                const std::vector<identify::Run>& held_out,
+identify::ProcessingOptions BandOfLeastResidual(const std::vector<types::Run>& train,
+                                                const std::vector<types::Run>& held_out,
                                                 const actuator::JointModel& joint,
                                                 double longest_gap_s) {
-  const bool motor = train.front().Has(identify::Signal::kMotorPosition);
+  const bool motor = train.front().Has(types::Signal::kMotorPosition);
   const double least_Hz = motor ? 0.0 : identify::QuietBand(held_out, joint, longest_gap_s);
   const auto at = [&](double wider) {
     return Filtered(train, joint,

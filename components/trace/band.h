@@ -20,13 +20,13 @@
 
 #include "components/actuator/model.h"
 #include "components/identify/processing_settings.h"
-#include "components/identify/run.h"
+#include "components/types/run.h"
 
 namespace sinew::trace {
 
 // As identify::FromMotion of the training recordings, which it starts from.
-identify::ProcessingOptions BandOfLeastResidual(const std::vector<identify::Run>& train,
-                                                const std::vector<identify::Run>& held_out,
+identify::ProcessingOptions BandOfLeastResidual(const std::vector<types::Run>& train,
+                                                const std::vector<types::Run>& held_out,
                                                 const actuator::JointModel& joint,
                                                 double longest_gap_s);
 

@@ -35,9 +35,9 @@ TraceResult NotAssessed(const actuator::JointModel& joint, TooLittle why) {
   return out;
 }
 
-LoopResult Assess(const std::vector<identify::Run>& train,
-                  const std::vector<identify::Run>& held_out, const actuator::JointModel& joint,
-                  double longest_gap_s, const TraceOptions& given) {
+LoopResult Assess(const std::vector<types::Run>& train, const std::vector<types::Run>& held_out,
+                  const actuator::JointModel& joint, double longest_gap_s,
+                  const TraceOptions& given) {
   // Every balance may give a false alarm: all of them together as seldom as one alone.
   const std::vector<effects::Balance> others = OtherBalances(joint);
   TraceOptions options = given;
@@ -78,9 +78,9 @@ LoopResult Assess(const std::vector<identify::Run>& train,
 
 }  // namespace
 
-LoopResult CloseLoop(const std::vector<identify::Run>& train,
-                     const std::vector<identify::Run>& held_out, const actuator::JointModel& joint,
-                     double longest_gap_s, const TraceOptions& options) {
+LoopResult CloseLoop(const std::vector<types::Run>& train, const std::vector<types::Run>& held_out,
+                     const actuator::JointModel& joint, double longest_gap_s,
+                     const TraceOptions& options) {
   try {
     return Assess(train, held_out, joint, longest_gap_s, options);
   } catch (const identify::TooLittleData& error) {
@@ -91,10 +91,9 @@ LoopResult CloseLoop(const std::vector<identify::Run>& train,
   }
 }
 
-void RequireHeldOut(const std::vector<identify::Run>& train,
-                    const std::vector<identify::Run>& held_out) {
-  for (const identify::Run& a : held_out) {
-    for (const identify::Run& b : train) {
+void RequireHeldOut(const std::vector<types::Run>& train, const std::vector<types::Run>& held_out) {
+  for (const types::Run& a : held_out) {
+    for (const types::Run& b : train) {
       if (!a.content_hash.empty() && a.content_hash == b.content_hash) {
         throw std::invalid_argument(a.name + ": held-out recording holds the same samples as " +
                                     b.name + ", expected one that was not trained on");

@@ -10,8 +10,8 @@
 #include "components/actuator/model.h"
 #include "components/identify/design.h"
 #include "components/identify/processing.h"
-#include "components/identify/run.h"
 #include "components/trace/trace_result.h"
+#include "components/types/run.h"
 
 namespace sinew::trace {
 
@@ -25,13 +25,12 @@ struct LoopResult {
 
 // longest_gap_s: longer gaps cut a recording into pieces. The held-out recordings give figures and
 // confirm, and are in no fit.
-LoopResult CloseLoop(const std::vector<identify::Run>& train,
-                     const std::vector<identify::Run>& held_out, const actuator::JointModel& joint,
-                     double longest_gap_s, const TraceOptions& options);
+LoopResult CloseLoop(const std::vector<types::Run>& train, const std::vector<types::Run>& held_out,
+                     const actuator::JointModel& joint, double longest_gap_s,
+                     const TraceOptions& options);
 
 // Throws std::invalid_argument naming both when a held-out recording holds the same samples as one
 // that is trained on.
-void RequireHeldOut(const std::vector<identify::Run>& train,
-                    const std::vector<identify::Run>& held_out);
+void RequireHeldOut(const std::vector<types::Run>& train, const std::vector<types::Run>& held_out);
 
 }  // namespace sinew::trace

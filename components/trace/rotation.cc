@@ -132,9 +132,9 @@ std::set<std::string> AgreedEffects(const std::vector<Rotation>& rotations) {
   return out;
 }
 
-std::vector<Fold> LeaveOneOut(const std::vector<identify::Run>& runs,
+std::vector<Fold> LeaveOneOut(const std::vector<types::Run>& runs,
                               const actuator::JointModel& joint) {
-  const bool alike = std::all_of(runs.begin(), runs.end(), [&](const identify::Run& run) {
+  const bool alike = std::all_of(runs.begin(), runs.end(), [&](const types::Run& run) {
     return run.held == runs.front().held;
   });
   if (runs.size() < 2 || !alike) {
@@ -151,7 +151,7 @@ std::vector<Fold> LeaveOneOut(const std::vector<identify::Run>& runs,
   return out;
 }
 
-RotatedLoop RotateLoop(const std::vector<Fold>& folds, const std::vector<identify::Run>& runs,
+RotatedLoop RotateLoop(const std::vector<Fold>& folds, const std::vector<types::Run>& runs,
                        const actuator::JointModel& joint, double longest_gap_s,
                        const TraceOptions& options) {
   RotatedLoop out;

@@ -23,8 +23,8 @@ struct Rotation {
 
 // What a rotation is asked.
 struct Fold {
-  std::vector<identify::Run> train;
-  identify::Run held_out;
+  std::vector<types::Run> train;
+  types::Run held_out;
   actuator::JointModel joint;
   // As TraceOptions::held_out_error, of these recordings.
   std::function<double(const actuator::JointModel&)> held_out_error;
@@ -32,7 +32,7 @@ struct Fold {
 
 // Each recording held out once. Throws std::invalid_argument unless there are two at least, with
 // different samples, and either all or none of them rows of positions that were held.
-std::vector<Fold> LeaveOneOut(const std::vector<identify::Run>& runs,
+std::vector<Fold> LeaveOneOut(const std::vector<types::Run>& runs,
                               const actuator::JointModel& joint);
 
 struct RotatedLoop {
@@ -47,7 +47,7 @@ std::set<std::string> AgreedEffects(const std::vector<Rotation>& rotations);
 
 // folds: of these runs. joint and options are those of the last fit, to all runs; what a fold says
 // itself counts there.
-RotatedLoop RotateLoop(const std::vector<Fold>& folds, const std::vector<identify::Run>& runs,
+RotatedLoop RotateLoop(const std::vector<Fold>& folds, const std::vector<types::Run>& runs,
                        const actuator::JointModel& joint, double longest_gap_s,
                        const TraceOptions& options);
 

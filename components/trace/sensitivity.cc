@@ -48,7 +48,7 @@ bool HasSize(const Hypothesis& h) {
   return h.physical() && h.asked == Asked::kSearched && h.settings.size() == 1;
 }
 
-std::vector<std::pair<std::string, double>> ShapeOf(const Hypothesis& h, effects::JointKind kind) {
+std::vector<std::pair<std::string, double>> ShapeOf(const Hypothesis& h, types::JointKind kind) {
   std::vector<std::pair<std::string, double>> out;
   const auto& infos = h.effect->info().nonlinear;
   const std::vector<double>& psi = h.settings.front().psi;

@@ -9,7 +9,8 @@
 #include "components/experiment/breakaway.h"
 #include "components/experiment/catalogue.h"
 #include "components/experiment/push.h"
-#include "components/experiment/units.h"
+#include "components/types/angle.h"
+#include "components/types/control_mode.h"
 #include "sim/surrogate/experiment.h"
 #include "sim/surrogate/random.h"
 
@@ -47,14 +48,14 @@ RigParameters AtStart(RigParameters rig, const experiment::Start& start) {
   return rig;
 }
 
-provider::Mode ToMode(experiment::Drive drive) {
+types::ControlMode ToMode(experiment::Drive drive) {
   switch (drive) {
     case experiment::Drive::kTorque:
-      return provider::Mode::kTorque;
+      return types::ControlMode::kTorque;
     case experiment::Drive::kPosition:
-      return provider::Mode::kPosition;
+      return types::ControlMode::kPosition;
     default:
-      return provider::Mode::kIdle;
+      return types::ControlMode::kIdle;
   }
 }
 
@@ -166,7 +167,7 @@ Outcome RunBreakaway(const RigParameters& specimen, const Plan& plan,
   for (const double angle_deg : experiment::kBreakawayAngles_deg) {
     for (int i = 0; i < trials; ++i) {
       // Nobody waits or presses exactly alike.
-      experiment::BreakawayProtocol protocol({.angle_rad = angle_deg * experiment::kDegree,
+      experiment::BreakawayProtocol protocol({.angle_rad = angle_deg * types::kDegree_rad,
                                               .rest_s = random.Uniform(45.0, 90.0),
                                               .rate_N_s = random.Uniform(0.8, 1.4)});
       Recording rows =
@@ -235,10 +236,10 @@ void FillTruth(const RigParameters& specimen, Result* result) {
   const double slope_Nm_bar = SlopeAtLevel_Nm_bar(specimen);
   const double gravity_Nm = specimen.link.gravity_torque_Nm;
   const double friction_Nm = specimen.link.friction.kinetic_Nm;
-  SetTruth(result, "backlash_deg", specimen.gear.play_rad / experiment::kDegree);
-  SetTruth(result, "backlash_extremes_deg", specimen.gear.play_rad / experiment::kDegree);
+  SetTruth(result, "backlash_deg", specimen.gear.play_rad / types::kDegree_rad);
+  SetTruth(result, "backlash_extremes_deg", specimen.gear.play_rad / types::kDegree_rad);
   SetTruth(result, "contact_compliance_deg_Nm",
-           1.0 / specimen.gear.contact_stiffness_Nm_rad / experiment::kDegree);
+           1.0 / specimen.gear.contact_stiffness_Nm_rad / types::kDegree_rad);
   if (result->Find("static_friction_Nm") != nullptr) {
     SetTruth(result, "static_friction_Nm", BorneFriction_Nm(specimen));
   }

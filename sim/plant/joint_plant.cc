@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "components/types/control_mode.h"
 #include "sim/plant/friction.h"
 
 namespace sinew::plant {
@@ -250,11 +251,11 @@ JointPlant::Forces JointPlant::ForcesOn(const Body& body, double velocity, bool 
 
 void JointPlant::UpdateDrive(double dt_s) noexcept {
   double torque = 0.0;  // at the shaft
-  if (command_.mode == DriveMode::kTorque) {
+  if (command_.mode == types::ControlMode::kTorque) {
     torque = command_.motor_torque_Nm;
-  } else if (command_.mode != DriveMode::kIdle) {
+  } else if (command_.mode != types::ControlMode::kIdle) {
     const double correction =
-        command_.mode == DriveMode::kPosition
+        command_.mode == types::ControlMode::kPosition
             ? config_.position_gain_1_s * (command_.position_rad - rotor_position_rad_)
             : 0.0;
     const double error = command_.velocity_rad_s + correction - rotor_velocity_rad_s_;
@@ -297,7 +298,7 @@ LinkLoad JointPlant::Begin(double position_rad, double velocity_rad_s, double dt
   LinkLoad load{.torque_Nm = on_link.torque,
                 .added_inertia_kg_m2 = on_link.inertia,
                 .friction_Nm = on_link.friction};
-  const bool rotary = model_.kind == effects::JointKind::kRotary;
+  const bool rotary = model_.kind == types::JointKind::kRotary;
   const double arm = rotary ? model_.constants.link_length_m : 1.0;
   if (adds_load_force_) load.torque_Nm -= sample_.load_force_N * arm;
   if (adds_payload_) {

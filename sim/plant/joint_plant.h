@@ -32,13 +32,12 @@
 #include <vector>
 
 #include "components/actuator/model.h"
+#include "components/types/control_mode.h"
 
 namespace sinew::plant {
 
-enum class DriveMode { kIdle, kTorque, kPosition, kVelocity };
-
 struct DriveCommand {
-  DriveMode mode = DriveMode::kIdle;
+  types::ControlMode mode = types::ControlMode::kIdle;
   double motor_torque_Nm = 0.0;  // at the motor shaft, positive drives the output up
   double position_rad = 0.0;     // output
   double velocity_rad_s = 0.0;   // output; feed-forward in position mode

@@ -4,13 +4,14 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "components/types/angle.h"
 #include "sim/rigs/random.h"
 #include "sim/rigs/sizing.h"
 
 namespace sinew::rigs {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+using types::kPi;
 
 std::string NameOf(const Rig& rig, const Case& c, std::size_t index) {
   std::string number = std::to_string(rig.number);

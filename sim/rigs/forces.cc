@@ -4,11 +4,12 @@
 #include <cmath>
 #include <utility>
 
+#include "components/types/angle.h"
 #include "sim/rigs/random.h"
 
 namespace sinew::rigs {
 namespace {
-constexpr double kPi = 3.14159265358979323846;
+using types::kPi;
 constexpr double kImpact_s = 0.008;
 }  // namespace
 

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "components/types/angle.h"
 #include "sim/rigs/random.h"
 
 namespace sinew::rigs {
 namespace {
-constexpr double kPi = 3.14159265358979323846;
+using types::kPi;
 constexpr double kPressureSpell_s = 0.6;  // valve open after a step of pressure
 }  // namespace
 

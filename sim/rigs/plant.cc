@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "components/types/angle.h"
 #include "sim/rigs/forces.h"
 #include "sim/rigs/gas.h"
 
 namespace sinew::rigs {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+using types::kPi;
 constexpr double kGravity = 9.81;
 
 // Delays a signal by a fraction of many steps.

@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "components/types/angle.h"
 #include "sim/rigs/random.h"
 
 namespace sinew::rigs {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+using types::kPi;
 constexpr double kGravity = 9.81;
 
 // Bodies and friction from a typical gravity torque and swing: ratios are drawn, the scale is

@@ -2,12 +2,13 @@
 
 #include <cmath>
 
+#include "components/types/angle.h"
 #include "sim/rigs/random.h"
 
 namespace sinew::rigs {
 namespace {
 
-constexpr double kTurn = 2.0 * 3.14159265358979323846;
+using types::kTwoPi;
 
 class Source {
  public:
@@ -71,11 +72,11 @@ std::vector<Reading> ReadWithNoise(const Rig& rig, const std::vector<TrueRow>& r
   Source pressure(rig.pressure_noise, share, seed, 12);
   Source force(rig.force, share, seed, 13);
   Random motor(seed, 14), output(seed, 15), stamps(seed, 16), losses(seed, 17), supply(seed, 18);
-  const double motor_step = share * kTurn / std::exp2(rig.motor_bits);
+  const double motor_step = share * kTwoPi / std::exp2(rig.motor_bits);
   const double output_step =
-      share * (rig.position_step > 0.0 ? rig.position_step : kTurn / std::exp2(rig.output_bits));
+      share * (rig.position_step > 0.0 ? rig.position_step : kTwoPi / std::exp2(rig.output_bits));
   // The controller's observer: a first-order lag behind the encoder's difference.
-  const double observer = 1.0 - std::exp(-2.0 * kTurn * rig.bandwidth_Hz / rig.rate_Hz);
+  const double observer = 1.0 - std::exp(-2.0 * kTwoPi * rig.bandwidth_Hz / rig.rate_Hz);
   double motor_velocity = 0.0, velocity = 0.0;
   std::vector<Reading> out;
   out.reserve(rows.size());

@@ -4,12 +4,13 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "components/types/angle.h"
 #include "sim/rigs/random.h"
 
 namespace sinew::rigs {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+using types::kPi;
 
 std::vector<EffectInfo> MakeAll() {
   using enum Kind;

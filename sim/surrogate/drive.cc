@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "components/types/control_mode.h"
+
 namespace sinew::surrogate {
 
 Drive::Drive(const DriveParameters& parameters)
@@ -22,7 +24,7 @@ Drive::Drive(const DriveParameters& parameters)
 void Drive::Reset(double motor_angle_rad) noexcept {
   observer_.Reset(motor_angle_rad);
   integral_Nm_ = 0.0;
-  last_mode_ = DriveMode::kIdle;
+  last_mode_ = types::ControlMode::kIdle;
 }
 
 double Drive::Step(const DriveCommand& command, double measured_angle_rad, double dt_s) noexcept {
@@ -32,14 +34,14 @@ double Drive::Step(const DriveCommand& command, double measured_angle_rad, doubl
   last_mode_ = command.mode;
   double velocity_rad_s = command.velocity_rad_s;
   switch (command.mode) {
-    case DriveMode::kIdle:
+    case types::ControlMode::kIdle:
       return 0.0;
-    case DriveMode::kTorque:
+    case types::ControlMode::kTorque:
       return std::clamp(command.torque_Nm, -p.torque_limit_Nm, p.torque_limit_Nm);
-    case DriveMode::kPosition:
+    case types::ControlMode::kPosition:
       velocity_rad_s += p.position_gain_1_s * (command.position_rad - observer_.angle_rad());
       break;
-    case DriveMode::kVelocity:
+    case types::ControlMode::kVelocity:
       break;
   }
   velocity_rad_s = std::clamp(velocity_rad_s, -p.velocity_limit_rad_s, p.velocity_limit_rad_s);

@@ -8,6 +8,8 @@
 // = 2 b, Ki = Kp^2 / 4). It lags, as the real one does. One owner; no allocation; Step is noexcept.
 #pragma once
 
+#include "components/types/control_mode.h"
+
 namespace sinew::surrogate {
 
 // Second-order tracking observer of a measured angle.
@@ -35,8 +37,6 @@ class TrackingObserver {
   double velocity_rad_s_ = 0.0;
 };
 
-enum class DriveMode { kIdle, kTorque, kVelocity, kPosition };
-
 struct DriveParameters {
   double rate_Hz = 8000.0;
   double position_gain_1_s = 20.0;
@@ -48,7 +48,7 @@ struct DriveParameters {
 };
 
 struct DriveCommand {
-  DriveMode mode = DriveMode::kIdle;
+  types::ControlMode mode = types::ControlMode::kIdle;
   double torque_Nm = 0.0;       // kTorque
   double position_rad = 0.0;    // kPosition; motor shaft
   double velocity_rad_s = 0.0;  // kVelocity, and feed-forward of kPosition; motor shaft
@@ -69,7 +69,7 @@ class Drive {
   DriveParameters parameters_;
   TrackingObserver observer_;
   double integral_Nm_ = 0.0;
-  DriveMode last_mode_ = DriveMode::kIdle;
+  types::ControlMode last_mode_ = types::ControlMode::kIdle;
 };
 
 }  // namespace sinew::surrogate

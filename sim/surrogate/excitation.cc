@@ -6,10 +6,13 @@
 #include <stdexcept>
 #include <string>
 
+#include "components/types/angle.h"
+#include "components/types/control_mode.h"
+
 namespace sinew::surrogate {
 namespace {
 
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
+using types::kTwoPi;
 constexpr double kBridge_s = 1.5;  // from one centre to the next
 constexpr std::uint64_t kStreamPlan = 300;
 
@@ -305,7 +308,7 @@ void Excitation::operator()(double time_s, const provider::PlantSensors& sensors
   if (parameters_.kind == ExcitationKind::kPea) {
     // 1.54 N·m at the output: with the chamber's 1.4 it brings the link up against gravity and
     // friction.
-    command->mode[0] = provider::Mode::kTorque;
+    command->mode[0] = types::ControlMode::kTorque;
     command->motor_torque_Nm[0] = 0.02;
     command->hand_force_N[0] = PeaHand_N(time_s, sensors);
     command->valve_open[0] = true;
@@ -329,7 +332,7 @@ void Excitation::operator()(double time_s, const provider::PlantSensors& sensors
   const double feedback_Nm =
       kStiffness_Nm_rad * (reference_rad - sensors.motor_position_rad[0] / kGearRatio) +
       kDamping_Nm_s_rad * (velocity_rad_s - sensors.motor_velocity_rad_s[0] / kGearRatio);
-  command->mode[0] = provider::Mode::kTorque;
+  command->mode[0] = types::ControlMode::kTorque;
   command->motor_torque_Nm[0] = std::clamp((forward_Nm + feedback_Nm) / (kGearRatio * kEfficiency),
                                            -kTorqueLimit_Nm, kTorqueLimit_Nm);
   command->hand_force_N[0] = Hand_N(time_s);

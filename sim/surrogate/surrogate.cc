@@ -5,6 +5,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "components/types/joints.h"
+#include "components/types/signal.h"
+
 namespace sinew::surrogate {
 namespace {
 
@@ -13,36 +16,19 @@ constexpr double kLargestPayload_kg = 20.0;
 constexpr double kLargestAngle_rad = 100.0;
 constexpr double kLargestVelocity_rad_s = 100.0;
 
-// Bits of identify::Signal, whose header this module does not include on purpose; a test compares
-// them.
-enum SignalBit : std::uint32_t {
-  kPosition = 1u << 0,
-  kVelocity = 1u << 1,
-  kMotorPosition = 1u << 2,
-  kMotorVelocity = 1u << 3,
-  kMotorCurrent = 1u << 4,
-  kChamberPressure = 1u << 7,
-  kReservoirPressure = 1u << 8,
-  kLoadForce = 1u << 9,
-  kValveOpen = 1u << 10,
-  kPayload = 1u << 11,
-  kTemperature = 1u << 12,
-};
-
 }  // namespace
 
 Surrogate::Surrogate(const RigParameters& parameters, int joints) {
-  if (joints < 1 || joints > provider::kMaxJoints) {
+  if (joints < 1 || joints > types::kMaxJoints) {
     throw std::invalid_argument(std::to_string(joints) + " joints, expected 1 to " +
-                                std::to_string(provider::kMaxJoints));
+                                std::to_string(types::kMaxJoints));
   }
   RigParameters next = parameters;
   for (int j = 0; j < joints; ++j, ++next.seed) rigs_.emplace_back(next);
 }
 
 std::uint32_t Surrogate::measured_flags() const {
-  return kPosition | kVelocity | kMotorPosition | kMotorVelocity | kMotorCurrent |
-         kChamberPressure | kReservoirPressure | kLoadForce | kValveOpen | kPayload | kTemperature;
+  return types::kMotorSignals | types::kOutputSignals | types::SignalBit(types::Signal::kPayload);
 }
 
 void Surrogate::Reset(provider::PlantSensors* sensors) {
@@ -82,20 +68,7 @@ bool Surrogate::StepRig(std::size_t joint, const provider::PlantCommand& command
   input.compressor_on = command.compressor_on[joint];
   input.vent_open = command.vent_open[joint];
   if (finite) {
-    switch (command.mode[joint]) {
-      case provider::Mode::kIdle:
-        input.drive.mode = DriveMode::kIdle;
-        break;
-      case provider::Mode::kTorque:
-        input.drive.mode = DriveMode::kTorque;
-        break;
-      case provider::Mode::kPosition:
-        input.drive.mode = DriveMode::kPosition;
-        break;
-      case provider::Mode::kVelocity:
-        input.drive.mode = DriveMode::kVelocity;
-        break;
-    }
+    input.drive.mode = command.mode[joint];
     input.drive.torque_Nm = command.motor_torque_Nm[joint];
     input.drive.position_rad =
         ratio * std::clamp(command.position_rad[joint], -kLargestAngle_rad, kLargestAngle_rad);

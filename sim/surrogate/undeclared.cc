@@ -7,6 +7,8 @@
 #include <span>
 #include <stdexcept>
 
+#include "components/types/angle.h"
+
 namespace sinew::surrogate {
 namespace {
 
@@ -30,7 +32,7 @@ constexpr std::array<CurvePoint, 9> kStribeckCurve{{{0.0, 1.0},
 constexpr std::array<double, 6> kSealYield_rad{0.01, 0.025, 0.05, 0.09, 0.15, 0.24};
 constexpr std::array<double, 6> kSealShare{0.1, 0.15, 0.2, 0.2, 0.2, 0.15};
 
-constexpr double kTurn_rad = 2.0 * std::numbers::pi;
+using types::kTwoPi;
 
 // Bearing grease, without pressure on it.
 constexpr std::array<double, 5> kBearingYield_rad{0.01, 0.02, 0.04, 0.07, 0.12};
@@ -101,7 +103,7 @@ std::vector<double> MakeWheelTable() {
     return 1.0 / std::sqrt(c * c + 1.3 * s * s);
   };
   std::vector<double> table(kWheelTableSize + 1, 0.0);
-  constexpr double kStep_rad = kTurn_rad / kWheelTableSize;
+  constexpr double kStep_rad = kTwoPi / kWheelTableSize;
   double largest = 0.0;
   for (int i = 0; i <= kWheelTableSize; ++i) {
     const double angle_rad = kStep_rad * (i % kWheelTableSize);
@@ -263,7 +265,7 @@ double Undeclared::OutputTorque_Nm(const EffectState& state, double dt_s) noexce
                  Interpolate(kGreaseCurve, state.motor_temperature_degC) * velocity_rad_s;
   }
   if (const double wheel_Nm = size(Effect::kGearEccentricity); wheel_Nm != 0.0) {
-    torque_Nm += wheel_Nm * AroundTurn(wheel_table_, state.output_angle_rad / kTurn_rad);
+    torque_Nm += wheel_Nm * AroundTurn(wheel_table_, state.output_angle_rad / kTwoPi);
   }
   return torque_Nm;
 }
@@ -277,14 +279,14 @@ double Undeclared::Bump_N() const noexcept {
 double Undeclared::RotorTorque_Nm(const EffectState& state) const noexcept {
   double torque_Nm = 0.0;
   if (const double cogging_Nm = size(Effect::kCogging); cogging_Nm != 0.0) {
-    torque_Nm += cogging_Nm * AroundTurn(cogging_table_, state.motor_angle_rad / kTurn_rad);
+    torque_Nm += cogging_Nm * AroundTurn(cogging_table_, state.motor_angle_rad / kTwoPi);
   }
   if (const double oil_Nm = size(Effect::kQuadraticViscous); oil_Nm != 0.0) {
     const double output_side_rad_s = state.motor_velocity_rad_s / gear_ratio_;
     torque_Nm -= oil_Nm * output_side_rad_s * std::abs(output_side_rad_s) / gear_ratio_;
   }
   if (const double tooth_Nm = size(Effect::kBadTooth); tooth_Nm != 0.0) {
-    double turn = state.motor_angle_rad / (kTurn_rad * kFirstStage) - kBadToothPlace;
+    double turn = state.motor_angle_rad / (kTwoPi * kFirstStage) - kBadToothPlace;
     turn -= std::round(turn);
     torque_Nm += tooth_Nm * Interpolate(kBadToothCurve, turn);
   }

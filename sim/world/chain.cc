@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "components/types/joints.h"
+
 namespace sinew::world {
 
 namespace {
@@ -80,10 +82,10 @@ RigidChain::RigidChain(const Chain& chain, const Eigen::Vector3d& gravity_m_s2)
         body.weightless ? Eigen::Vector3d::Zero().eval() : (body.mass_kg * gravity_m_s2).eval();
     impl_->weight_N.push_back(ToBullet(weight));
   }
-  if (static_cast<int>(impl_->joint_bodies.size()) > kMaxChainJoints) {
+  if (static_cast<int>(impl_->joint_bodies.size()) > types::kMaxJoints) {
     throw std::invalid_argument(std::to_string(impl_->joint_bodies.size()) +
                                 " moving joints, expected at most " +
-                                std::to_string(kMaxChainJoints));
+                                std::to_string(types::kMaxJoints));
   }
   multi.finalizeMultiDof();
   multi.setHasSelfCollision(false);

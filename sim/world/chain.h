@@ -13,14 +13,13 @@
 #include <memory>
 #include <vector>
 
+#include "components/types/joints.h"
 #include "sim/world/bodies.h"
 
 namespace sinew::world {
-
-inline constexpr int kMaxChainJoints = 12;
-using JointVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxChainJoints, 1>;
+using JointVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, types::kMaxJoints, 1>;
 using JointMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor,
-                                  kMaxChainJoints, kMaxChainJoints>;
+                                  types::kMaxJoints, types::kMaxJoints>;
 
 class RigidChain {
  public:

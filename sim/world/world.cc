@@ -5,7 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "components/identify/run.h"
+#include "components/types/control_mode.h"
+#include "components/types/run.h"
 #include "sim/plant/friction.h"
 
 namespace sinew::world {
@@ -24,7 +25,7 @@ Chain WithModelsLinks(Chain chain, const actuator::RobotModel& model) {
                                   "' is not in the URDF, which has: " + known);
     }
     const bool prismatic = chain.bodies[static_cast<std::size_t>(body)].prismatic;
-    if (prismatic != (joint.kind == effects::JointKind::kLinear)) {
+    if (prismatic != (joint.kind == types::JointKind::kLinear)) {
       throw std::invalid_argument("joint '" + joint.name + "' is " +
                                   (prismatic ? "prismatic" : "revolute") +
                                   " in the URDF, but not in the model");
@@ -114,10 +115,8 @@ World::World(const WorldConfig& config)
   }
   inverse_ = mixed_ = JointMatrix::Zero(n, n);
 
-  using identify::Signal;
-  const auto measure = [&](Signal signal) {
-    measured_flags_ |= 1u << static_cast<unsigned>(signal);
-  };
+  using types::Signal;
+  const auto measure = [&](Signal signal) { measured_flags_ |= types::SignalBit(signal); };
   measure(Signal::kPosition);
   measure(Signal::kVelocity);
   measure(Signal::kMotorPosition);
@@ -199,19 +198,7 @@ void World::Step(const provider::PlantCommand& command, double period_s,
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     Joint& joint = joints_[j];
     plant::DriveCommand drive;
-    switch (command.mode[j]) {
-      case provider::Mode::kIdle:
-        break;
-      case provider::Mode::kTorque:
-        drive.mode = plant::DriveMode::kTorque;
-        break;
-      case provider::Mode::kPosition:
-        drive.mode = plant::DriveMode::kPosition;
-        break;
-      case provider::Mode::kVelocity:
-        drive.mode = plant::DriveMode::kVelocity;
-        break;
-    }
+    drive.mode = command.mode[j];
     drive.motor_torque_Nm = command.motor_torque_Nm[j];
     drive.position_rad = command.position_rad[j];
     drive.velocity_rad_s = command.velocity_rad_s[j];

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "bridge/can/candump.h"
+#include "components/types/control_mode.h"
 #include "tests/fuzz/live_robot.h"
 #include "tests/fuzz/plant_watch.h"
 
@@ -12,7 +13,7 @@ namespace sinew::fuzz {
 namespace {
 
 using bridge::FaultKind;
-using provider::Mode;
+using types::ControlMode;
 
 // One joint with a sensor node, on its bus.
 struct OneJoint {
@@ -92,7 +93,7 @@ TEST(Found, AngleThatTheSensorNodeCallsInvalidIsNotToldAsAMeasurement) {
 // that nobody has been told of, or the joint arms again by itself.
 TEST(Found, FaultThatRoseInActIsToldEvenWhenAResetComesBeforeTheStep) {
   OneJoint joint;
-  joint.command.mode[0] = Mode::kTorque;
+  joint.command.mode[0] = ControlMode::kTorque;
   joint.command.motor_torque_Nm[0] = 0.01;
   for (int i = 0; i < 30; ++i) joint.Cycle();
   ASSERT_EQ(joint.plant.fault(0), FaultKind::kNone) << joint.sensors.message;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "bridge/can/compact.h"
+#include "components/types/control_mode.h"
 #include "tests/fuzz/harness.h"
 #include "tests/fuzz/live_robot.h"
 #include "tests/fuzz/plant_watch.h"
@@ -12,7 +13,7 @@
 namespace sinew::fuzz {
 namespace {
 
-using provider::Mode;
+using types::ControlMode;
 
 constexpr int kJoints = 4;
 constexpr int kMostCycles = 400;
@@ -133,7 +134,7 @@ void Run(std::span<const std::uint8_t> input, bool gateway) {
       case Op::kCommand: {
         const std::uint8_t choice = bytes.Byte();
         const std::size_t j = choice % kJoints;
-        bench.command.mode[j] = static_cast<Mode>(choice >> 2 & 3);
+        bench.command.mode[j] = static_cast<ControlMode>(choice >> 2 & 3);
         const std::uint8_t which = bytes.Byte();
         bench.command.motor_torque_Nm[j] = Value(which, bytes.Take<std::int16_t>());
         bench.command.position_rad[j] = Value(which >> 4, bytes.Take<std::int16_t>());
@@ -153,7 +154,7 @@ void Run(std::span<const std::uint8_t> input, bool gateway) {
         break;
       case Op::kArmAll:  // the way to moving joints is long for chance
         for (std::size_t j = 0; j < kJoints; ++j) {
-          bench.command.mode[j] = static_cast<Mode>(1 + (j + (op >> 3)) % 3);
+          bench.command.mode[j] = static_cast<ControlMode>(1 + (j + (op >> 3)) % 3);
           bench.command.motor_torque_Nm[j] = 0.01;
           bench.command.position_rad[j] = 0.3;
           bench.command.velocity_rad_s[j] = -0.5;

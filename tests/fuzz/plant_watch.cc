@@ -6,11 +6,13 @@
 #include <cstring>
 #include <numbers>
 
+#include "components/types/control_mode.h"
+
 namespace sinew::fuzz {
 namespace {
 
 using bridge::FaultKind;
-using provider::Mode;
+using types::ControlMode;
 
 constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 constexpr double kTaper = 0.1;         // of the velocity limit, can_bridge.md
@@ -116,7 +118,7 @@ void PlantWatch::Begin(const bridge::CanPlant& plant, const provider::PlantComma
     joint.as_commanded = false;
   }
   for (std::size_t j = 0; j < joints_.size(); ++j) {
-    if (command.mode[j] != Mode::kPosition) joints_[j].has_last_position = false;
+    if (command.mode[j] != ControlMode::kPosition) joints_[j].has_last_position = false;
   }
 }
 
@@ -134,7 +136,7 @@ void PlantWatch::LookAt(std::size_t j, std::int64_t now_ns) {
   Joint& joint = joints_[j];
   if (joint.looked_at) return;
   joint.looked_at = true;
-  if (command_.mode[j] == Mode::kIdle) {
+  if (command_.mode[j] == ControlMode::kIdle) {
     joint.armed = false;
     return;
   }
@@ -204,7 +206,7 @@ void PlantWatch::Sent(int bus, const can::Frame& frame, std::int64_t now_ns) {
   if (in_cycle_) LookAt(j, now_ns);
   const bridge::JointConfig& c = config_.joints[j];
   const bool armed = in_cycle_ && joints_[j].armed;
-  const Mode mode = command_.mode[j];
+  const ControlMode mode = command_.mode[j];
   switch (kind) {
     case 0x07: {
       const std::uint32_t state = frame.length >= 4 ? WordAt(frame, 0) : 0;
@@ -213,7 +215,9 @@ void PlantWatch::Sent(int bus, const can::Frame& frame, std::int64_t now_ns) {
       return;
     }
     case 0x0B: {
-      const std::uint32_t wanted = mode == Mode::kPosition ? 3U : mode == Mode::kVelocity ? 2U : 1U;
+      const std::uint32_t wanted = mode == ControlMode::kPosition   ? 3U
+                                   : mode == ControlMode::kVelocity ? 2U
+                                                                    : 1U;
       if (!armed || frame.length != 8 || WordAt(frame, 0) != wanted || WordAt(frame, 4) != 1U) {
         Break("a control mode not asked for", bus, frame);
       }
@@ -246,7 +250,7 @@ void PlantWatch::AssessTorque(std::size_t j, int bus, const can::Frame& frame) {
   ++joint.setpoints;
   if (frame.length < 4) return Break("a short setpoint", bus, frame);
   const double wire_Nm = FloatAt(frame, 0);
-  const bool may = in_cycle_ && MayMove(j) && command_.mode[j] == Mode::kTorque;
+  const bool may = in_cycle_ && MayMove(j) && command_.mode[j] == ControlMode::kTorque;
   double held_Nm = 0.0;
   if (may) {
     const double most_Nm =
@@ -277,7 +281,7 @@ void PlantWatch::AssessVelocity(std::size_t j, int bus, const can::Frame& frame)
   Joint& joint = joints_[j];
   ++counts_.setpoints;
   ++joint.setpoints;
-  if (!in_cycle_ || command_.mode[j] != Mode::kVelocity) {
+  if (!in_cycle_ || command_.mode[j] != ControlMode::kVelocity) {
     return Break("a velocity for a joint in another mode", bus, frame);
   }
   if (frame.length != 8 || !(FloatAt(frame, 4) == 0.0)) {
@@ -310,7 +314,7 @@ void PlantWatch::AssessPosition(std::size_t j, int bus, const can::Frame& frame)
   Joint& joint = joints_[j];
   ++counts_.setpoints;
   ++joint.setpoints;
-  if (!in_cycle_ || command_.mode[j] != Mode::kPosition) {
+  if (!in_cycle_ || command_.mode[j] != ControlMode::kPosition) {
     return Break("a position for a joint in another mode", bus, frame);
   }
   const double wire_rev = FloatAt(frame, 0);
@@ -356,11 +360,11 @@ void PlantWatch::AssessReferences(std::size_t g, int bus, const can::Frame& fram
     const bool still = wire_rev == joint.last_reference_rev;
     const bool where_it_is =
         joint.measured && std::abs(wire_rev - joint.position_rev) <= kReferenceRounding_rev;
-    if (in_cycle_ && MayMove(j) && command_.mode[j] == Mode::kPosition) {
+    if (in_cycle_ && MayMove(j) && command_.mode[j] == ControlMode::kPosition) {
       AssessStep(j, wire_rev, 2.0 * kReferenceRounding_rev, bus, frame);
     } else if (!where_it_is && !still) {
       Break("a reference for a joint that must not move", bus, frame);
-    } else if (!where_it_is && joint.armed && command_.mode[j] == Mode::kPosition &&
+    } else if (!where_it_is && joint.armed && command_.mode[j] == ControlMode::kPosition &&
                plant_->fault(static_cast<int>(j)) == FaultKind::kNone) {
       Break("an old reference for a joint that is being armed", bus, frame);
     }

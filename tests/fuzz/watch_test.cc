@@ -5,13 +5,14 @@
 #include <functional>
 #include <string>
 
+#include "components/types/control_mode.h"
 #include "tests/fuzz/live_robot.h"
 #include "tests/fuzz/plant_watch.h"
 
 namespace sinew::fuzz {
 namespace {
 
-using provider::Mode;
+using types::ControlMode;
 
 // A robot of four joints in motion; joint 3 is idle. Joints 0 and 1 are on bus 0 with nodes 1 and
 // 2, joints 2 and 3 on bus 1 with the same ones.
@@ -28,7 +29,8 @@ class Watched : public ::testing::Test {
     buses[0].on_wait = [this] { Speak(true); };
     plant.Reset(&sensors);
     buses[0].on_wait = nullptr;
-    command.mode = {Mode::kTorque, Mode::kPosition, Mode::kVelocity, Mode::kIdle};
+    command.mode = {ControlMode::kTorque, ControlMode::kPosition, ControlMode::kVelocity,
+                    ControlMode::kIdle};
     command.motor_torque_Nm[0] = 0.05;
     command.position_rad[1] = 0.2;
     command.velocity_rad_s[2] = 0.5;
@@ -124,7 +126,7 @@ TEST_F(Watched, CycleWithoutASetpointIsSeen) {
 class WatchedGateway : public Watched {
  protected:
   WatchedGateway() : Watched(true) {
-    command.mode[2] = Mode::kPosition;
+    command.mode[2] = ControlMode::kPosition;
     command.position_rad[2] = 0.3;
     for (int i = 0; i < 30; ++i) Cycle();
   }

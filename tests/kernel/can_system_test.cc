@@ -33,6 +33,7 @@
 #include <vector>
 
 #include "components/node/node.h"
+#include "components/types/clock/clock.h"
 #include "tests/kernel/raw_socket.h"
 #include "tests/support/motors_alone.h"
 #include "tests/support/program.h"
@@ -230,14 +231,11 @@ class System {
   // From here on nothing may move, from there on it may: told to the assess of the log.
   void Quiet() { Mark("quiet", std::to_string(state_.header().stamp_ns())); }
   bool Arm() {
-    Mark("armed", std::to_string(EpochNow()));
+    Mark("armed", std::to_string(types::EpochNow_ns()));
     return Ask(msg::OPERATOR_ARM, msg::ROBOT_ARMED);
   }
   void Mark(const std::string& name, const std::string& value) {
     marks_ << name << ' ' << value << '\n' << std::flush;
-  }
-  static std::int64_t EpochNow() {
-    return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
   }
 
  private:
@@ -352,7 +350,7 @@ TEST_F(CanSystem, TwelveJointsRestWhileDisarmedAndFollowTheirCommandsForThousand
 TEST_F(CanSystem, NoiseOfOthersAndBrokenFramesOfOurOwnMoveNothing) {
   ExpectArmed();
   constexpr int kCangen = 1500, kForeign = 2000, kBroken = 800;
-  it().Mark("noise_from", std::to_string(System::EpochNow()));
+  it().Mark("noise_from", std::to_string(types::EpochNow_ns()));
   Program cangen({"cangen", Interface(), "-e", "-g", "1", "-n", std::to_string(kCangen)});
   const can::RawSocket socket;
   std::mt19937 random(1);
@@ -396,7 +394,7 @@ TEST_F(CanSystem, NoiseOfOthersAndBrokenFramesOfOurOwnMoveNothing) {
         return ended && foreign == kForeign && broken == kBroken;
       }))
       << it().bridge().error() << cangen.error();
-  it().Mark("noise_until", std::to_string(System::EpochNow()));
+  it().Mark("noise_until", std::to_string(types::EpochNow_ns()));
   it().Mark("noise_cangen", std::to_string(kCangen));
   it().Mark("noise_foreign", std::to_string(foreign));
   it().Mark("noise_broken", std::to_string(broken));

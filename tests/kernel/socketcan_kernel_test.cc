@@ -27,6 +27,8 @@
 #include "bridge/joints/can_plant.h"
 #include "bridge/virtual_axes/virtual_axes.h"
 #include "components/config/config.h"
+#include "components/types/clock/clock.h"
+#include "components/types/control_mode.h"
 #include "tests/bridge/virtual_axes/rotors.h"
 #include "tests/kernel/raw_socket.h"
 
@@ -189,8 +191,8 @@ TEST(SocketCanOnAKernel, InterfaceThatVanishesIsOpenedAgainWhenItReturns) {
   EXPECT_EQ(a.Send(Data(1, {1})), SendStatus::kDown);
   ASSERT_EQ(Shell("ip link add dev " + Interface() + " type vcan"), 0);
   ASSERT_EQ(Shell("ip link set " + Interface() + " up"), 0);
-  const std::int64_t give_up = MonotonicNow() + 5'000'000'000;
-  while (a.link() != Link::kUp && MonotonicNow() < give_up)
+  const std::int64_t give_up = types::MonotonicNow_ns() + 5'000'000'000;
+  while (a.link() != Link::kUp && types::MonotonicNow_ns() < give_up)
     (void)a.Receive(milliseconds(20), &received);
   ASSERT_EQ(a.link(), Link::kUp);
   SocketCan b({Interface(), {}, 0});
@@ -250,9 +252,9 @@ TEST(SocketCanOnAKernel,
             0);
 
   // It listens as soon as the kernel lists its socket.
-  const std::int64_t listens_by_ns = MonotonicNow() + 10'000'000'000;
+  const std::int64_t listens_by_ns = types::MonotonicNow_ns() + 10'000'000'000;
   while (Shell("grep -q " + Interface() + ".*raw /proc/net/can/rcvlist_all") != 0 &&
-         MonotonicNow() < listens_by_ns) {
+         types::MonotonicNow_ns() < listens_by_ns) {
   }
 
   const pid_t child = ::fork();
@@ -262,14 +264,14 @@ TEST(SocketCanOnAKernel,
     SocketCan can({Interface(), {}, 0});
     std::vector<Transport*> transports = {&can};
     virtual_axes::VirtualAxes it(axes, rotors, transports);
-    it.Start(MonotonicNow());
+    it.Start(types::MonotonicNow_ns());
     for (;;) {
-      const std::int64_t now = MonotonicNow();
+      const std::int64_t now = types::MonotonicNow_ns();
       if (now >= it.next_ns()) {
         it.Run(now);
       } else {
         WaitForAny(transports, std::chrono::nanoseconds(it.next_ns() - now));
-        it.Answer(MonotonicNow());
+        it.Answer(types::MonotonicNow_ns());
       }
     }
   }
@@ -307,23 +309,23 @@ TEST(SocketCanOnAKernel,
   const int noise = Shell("cangen " + Interface() + " -e -g 2 -n 2000 > /dev/null 2>&1 &");
   EXPECT_EQ(noise, 0);
   std::vector<double> work_us;
-  std::int64_t next_ns = MonotonicNow();
+  std::int64_t next_ns = types::MonotonicNow_ns();
   int faults = 0;
   for (int cycle = 0; cycle < kCycles; ++cycle) {
     for (std::size_t j = 0; j < kJoints; ++j) {
-      command.mode[j] = provider::Mode::kTorque;
+      command.mode[j] = types::ControlMode::kTorque;
       // A damped spring to an angle of its own.
       command.motor_torque_Nm[j] =
           2e-3 * (20.0 * (static_cast<double>(j) - 5.5) / 5.5 - sensors.motor_position_rad[j]) -
           2.5e-4 * sensors.motor_velocity_rad_s[j];
       command.motor_torque_Nm[j] = std::clamp(command.motor_torque_Nm[j], -0.01, 0.01);
     }
-    const std::int64_t start_ns = MonotonicNow();
+    const std::int64_t start_ns = types::MonotonicNow_ns();
     plant.Step(command, kPeriod_s, &sensors);
-    work_us.push_back(1e-3 * static_cast<double>(MonotonicNow() - start_ns));
+    work_us.push_back(1e-3 * static_cast<double>(types::MonotonicNow_ns() - start_ns));
     faults += sensors.fault ? 1 : 0;
-    next_ns = std::max(next_ns + 10'000'000, MonotonicNow());
-    while (MonotonicNow() < next_ns) ::usleep(500);
+    next_ns = std::max(next_ns + 10'000'000, types::MonotonicNow_ns());
+    while (types::MonotonicNow_ns() < next_ns) ::usleep(500);
   }
   EXPECT_EQ(faults, 0) << sensors.message;
   for (std::size_t j = 0; j < kJoints; ++j) {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "components/types/control_mode.h"
 #include "sim/surrogate/rig.h"
 #include "tools/check/section_parts.h"
 
@@ -119,7 +120,7 @@ HoldScore RunHoldCase(const ManagerConfig& config, const HoldCase& at) {
   long switches_before = 0;
   auto last_correction = pneumatics::Mode::kIdle;
   surrogate::RigInput input;
-  input.drive.mode = surrogate::DriveMode::kPosition;
+  input.drive.mode = types::ControlMode::kPosition;
   const auto count = static_cast<long>(at.seconds / kPeriod_s);
   for (long k = 0; k < count; ++k) {
     const double time_s = static_cast<double>(k) * kPeriod_s;

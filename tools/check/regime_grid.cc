@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <numbers>
 
+#include "components/types/control_mode.h"
+#include "components/types/regime.h"
 #include "sim/surrogate/rig.h"
 #include "tools/check/section_parts.h"
 
@@ -70,7 +72,7 @@ surrogate::RigInput Drive(const RegimeCase& at, double gear_ratio, double time_s
   const double stroke_rad = at.speed_rad_s < 0.02 ? 0.03 : 0.3;
   const double period_s = 4.0 * stroke_rad / at.speed_rad_s;
   const double u = std::fmod(time_s / period_s + 0.25, 1.0);
-  input.drive.mode = surrogate::DriveMode::kPosition;
+  input.drive.mode = types::ControlMode::kPosition;
   input.drive.position_rad = gear_ratio * stroke_rad * (u < 0.5 ? 4.0 * u - 1.0 : 3.0 - 4.0 * u);
   // The load goes through zero: from the hand's side of the play to the chamber's and back.
   input.hand_force_N = 8.0 * std::sin(2.0 * std::numbers::pi * 0.37 * time_s);
@@ -94,7 +96,7 @@ RegimeScore RunRegimeCase(const RegimeCase& at) {
     const surrogate::RigReading reading = rig.Read();
     const surrogate::RigTruth real = rig.truth();
     const DetectorOutput out = detector.Step(Input(reading));
-    score.unknown += out.regime == regime::Regime::kUnknown;
+    score.unknown += out.regime == types::Regime::kUnknown;
     truth.push_back(TrueContact(real));
     found.push_back(out.contact);
     const double gap_rad = real.motor_angle_rad / parameters.gear.ratio - real.output_angle_rad;
@@ -151,7 +153,7 @@ SetupScore RunSetupCase(const SetupCase& at) {
   const double offset_motor_rad = parameters.gear.ratio * at.offset_rad;
   surrogate::RigInput input;
   input.valve_open = true;
-  input.drive.mode = surrogate::DriveMode::kPosition;
+  input.drive.mode = types::ControlMode::kPosition;
   for (long k = 0; k < 240 * 45; ++k) {
     rig.Advance(input, kPeriod_s);
     const surrogate::RigReading reading = rig.Read();
@@ -227,7 +229,7 @@ std::vector<UnknownCase> RunUnknownCases() {
       input.armed = p != 0;
       if (later && plan.lost) input.valid = false;
       if (later && plan.broken) input.motor_position_rad = NAN;
-      const bool is_unknown = detector.Step(input).regime == regime::Regime::kUnknown;
+      const bool is_unknown = detector.Step(input).regime == types::Regime::kUnknown;
       if (time_s < from_s) continue;
       if (is_unknown && !told) {
         told = true;

@@ -11,7 +11,7 @@ constexpr double kSaturatedFrom = 0.98;  // of the current limit: the sensor is 
 constexpr Eigen::Index kPictureEvery = 4;
 
 // Rows from <= time < to, counted from the first row.
-identify::Run Window(const identify::Run& run, double from_s, double to_s) {
+types::Run Window(const types::Run& run, double from_s, double to_s) {
   Eigen::Index first = 0;
   while (first < run.size() && run.time_s[first] - run.time_s[0] < from_s) ++first;
   Eigen::Index end = first;
@@ -20,7 +20,7 @@ identify::Run Window(const identify::Run& run, double from_s, double to_s) {
   if (run.size() == 0 || run.time_s[end - (end > 0)] - run.time_s[0] < to_s - 0.1) {
     throw std::invalid_argument(run.name + " ends before " + std::to_string(to_s) + " s");
   }
-  identify::Run window = run;
+  types::Run window = run;
   window.time_s = run.time_s.segment(first, end - first);
   for (auto& [signal, values] : window.signals) {
     values = Eigen::VectorXd(values.segment(first, end - first));
@@ -104,8 +104,8 @@ std::vector<Trial> GridTrials(const std::vector<double>& pressures_bar,
   return trials;
 }
 
-TrialScore ScoreTrial(const Trial& trial, const identify::Run& run, const MotorFacts& motor) {
-  const identify::Run whole = Window(run, kStart_s, trial.end_s());
+TrialScore ScoreTrial(const Trial& trial, const types::Run& run, const MotorFacts& motor) {
+  const types::Run whole = Window(run, kStart_s, trial.end_s());
   TrialScore score;
   score.whole = tools::ScoreTracking(whole);
   score.from_rest_mse_rad2 =
@@ -113,19 +113,19 @@ TrialScore ScoreTrial(const Trial& trial, const identify::Run& run, const MotorF
   score.late_mse_rad2 =
       tools::ScoreTracking(Window(run, trial.end_s() - kLateCycles / kFrequency_Hz, trial.end_s()))
           .mean_square_error_rad2;
-  const Eigen::ArrayXd current_A = whole.At(identify::Signal::kMotorCurrent).array();
+  const Eigen::ArrayXd current_A = whole.At(types::Signal::kMotorCurrent).array();
   const auto count = static_cast<double>(whole.size());
   score.saturated_share =
       static_cast<double>((current_A.abs() >= kSaturatedFrom * motor.current_limit_A).count()) /
       count;
   score.motor_torque_rms_Nm = motor.torque_constant_Nm_A * score.whole.rms_current_A;
   const Eigen::ArrayXd power_W =
-      motor.torque_constant_Nm_A * current_A * whole.At(identify::Signal::kMotorVelocity).array();
+      motor.torque_constant_Nm_A * current_A * whole.At(types::Signal::kMotorVelocity).array();
   score.positive_work_J = power_W.max(0.0).mean() * score.whole.duration_s;
   for (Eigen::Index i = 0; i < whole.size(); i += kPictureEvery) {
     score.time_s.push_back(whole.time_s[i] - whole.time_s[0]);
-    score.reference_rad.push_back(whole.At(identify::Signal::kReferencePosition)[i]);
-    score.position_rad.push_back(whole.At(identify::Signal::kPosition)[i]);
+    score.reference_rad.push_back(whole.At(types::Signal::kReferencePosition)[i]);
+    score.position_rad.push_back(whole.At(types::Signal::kPosition)[i]);
   }
   return score;
 }

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "components/identify/run.h"
+#include "components/types/run.h"
 #include "tools/tracking/tracking.h"
 
 namespace sinew::control_test {
@@ -80,6 +80,6 @@ struct MotorFacts {
 
 // run: the recording of a trial. Throws std::invalid_argument when it is too short or lacks a
 // signal.
-TrialScore ScoreTrial(const Trial& trial, const identify::Run& run, const MotorFacts& motor);
+TrialScore ScoreTrial(const Trial& trial, const types::Run& run, const MotorFacts& motor);
 
 }  // namespace sinew::control_test

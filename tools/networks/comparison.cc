@@ -40,7 +40,7 @@ struct Set {
   double duration_s = 0.0;
 };
 
-Set MakeSet(const std::vector<identify::Run>& runs, Task task, double period_s) {
+Set MakeSet(const std::vector<types::Run>& runs, Task task, double period_s) {
   const bool cylinder = task == Task::kForce;
   const std::vector<esn::Sequence> sequences = networks::MakeTable(
       runs, {.task = task, .period_s = period_s, .blocks = cylinder ? kCylinderBlocks : 10});
@@ -444,7 +444,7 @@ ComparisonResult Compare(const ComparisonOptions& given, const Progress& progres
     });
     result.curve_best = result.models[order[0]].plan.name;
     result.curve_second = result.models[order[1]].plan.name;
-    std::vector<identify::Run> sets_of_one(static_cast<std::size_t>(curve_sizes.back()));
+    std::vector<types::Run> sets_of_one(static_cast<std::size_t>(curve_sizes.back()));
     jobs.clear();
     for (std::size_t s = 0; s < sets_of_one.size(); ++s) {
       jobs.push_back([&, s] {
@@ -543,7 +543,7 @@ ComparisonResult Compare(const ComparisonOptions& given, const Progress& progres
                                       : "piston slower than 1 mm/s";
   result.busy = task == Task::kSea ? "link moving between the stops" : "moving";
   if (surrogate && task == Task::kPea) {
-    const identify::Run constant = MakeSurrogateRun(
+    const types::Run constant = MakeSurrogateRun(
         {.task = task, .duration_s = 20.0, .seed = options.seed, .constant_torque = true});
     const Set flat = MakeSet({constant}, task, options.period_s);
     result.constant_torque_noise_share = NoiseFloor(task) / (flat.deviation * flat.deviation);

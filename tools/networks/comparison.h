@@ -37,7 +37,7 @@ struct ComparisonOptions {
   int threads = 2;
   std::uint64_t seed = 1;  // of the first data set
   // Instead of the surrogate's sets: one data set for all seeds (then only the fair table).
-  std::vector<identify::Run> runs;
+  std::vector<types::Run> runs;
   double period_s = 1.0 / 80.0;
 };
 

@@ -22,7 +22,7 @@ constexpr Eigen::Index kStartUpRows = 15;
 
 }  // namespace
 
-std::vector<identify::Run> ReadCylinder(const std::filesystem::path& folder) {
+std::vector<types::Run> ReadCylinder(const std::filesystem::path& folder) {
   std::error_code error;
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
@@ -34,11 +34,10 @@ std::vector<identify::Run> ReadCylinder(const std::filesystem::path& folder) {
   }
   std::sort(files.begin(), files.end());
   const recording::CsvMap map = recording::ParseCsvMap(kMap, "columns of the cylinder");
-  std::vector<identify::Run> runs;
+  std::vector<types::Run> runs;
   for (const std::filesystem::path& file : files) {
     try {
-      identify::Run run =
-          recording::ReadCsvRun(config::ReadFile(file), file.filename().string(), map);
+      types::Run run = recording::ReadCsvRun(config::ReadFile(file), file.filename().string(), map);
       const Eigen::Index left = run.size() - kStartUpRows;
       if (left < 1) continue;
       run.time_s = run.time_s.tail(left).eval();

@@ -5,12 +5,12 @@
 #include <filesystem>
 #include <vector>
 
-#include "components/identify/run.h"
+#include "components/types/run.h"
 
 namespace sinew::tools {
 
 // Every *.csv of the folder, in the order of their names; the first 15 rows (start-up) are left
 // out. Throws UsageError naming the folder when it is absent or holds none, or the file and line.
-std::vector<identify::Run> ReadCylinder(const std::filesystem::path& folder);
+std::vector<types::Run> ReadCylinder(const std::filesystem::path& folder);
 
 }  // namespace sinew::tools

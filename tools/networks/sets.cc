@@ -50,9 +50,9 @@ class TorqueLevel {
 
 }  // namespace
 
-identify::Run RunOf(const std::vector<surrogate::LogRow>& rows, const std::string& name) {
-  using identify::Signal;
-  identify::Run run;
+types::Run RunOf(const std::vector<surrogate::LogRow>& rows, const std::string& name) {
+  using types::Signal;
+  types::Run run;
   run.name = name;
   const Eigen::Index count = static_cast<Eigen::Index>(rows.size());
   run.time_s.resize(count);
@@ -78,7 +78,7 @@ identify::Run RunOf(const std::vector<surrogate::LogRow>& rows, const std::strin
   return run;
 }
 
-identify::Run MakeSurrogateRun(const SetOptions& options) {
+types::Run MakeSurrogateRun(const SetOptions& options) {
   if (options.task == Task::kForce) {
     throw std::invalid_argument("set: the surrogate makes sea and pea, not force");
   }

@@ -9,8 +9,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "components/identify/run.h"
 #include "components/networks/dataset/dataset.h"
+#include "components/types/run.h"
 #include "sim/surrogate/experiment.h"
 
 namespace sinew::tools {
@@ -29,9 +29,9 @@ struct SetOptions {
   bool constant_torque = false;     // pea with one set point, as it could also be read
 };
 
-identify::Run RunOf(const std::vector<surrogate::LogRow>& rows, const std::string& name);
+types::Run RunOf(const std::vector<surrogate::LogRow>& rows, const std::string& name);
 // Throws std::invalid_argument.
-identify::Run MakeSurrogateRun(const SetOptions& options);
+types::Run MakeSurrogateRun(const SetOptions& options);
 
 // Variance of the noise of the target's sensor, in the target's unit squared: what no model can
 // predict. From the surrogate's parameters.

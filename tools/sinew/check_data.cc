@@ -26,8 +26,7 @@ void CheckData(const CheckDataOptions& options) {
   const LoopInput input = LoadLoopInput(options.loop);
   const actuator::JointModel& joint =
       input.model.robot.joints[static_cast<std::size_t>(options.loop.joint)];
-  const std::vector<identify::Run> runs =
-      ReadJoint(options.loop.train, input.map, options.loop.joint);
+  const std::vector<types::Run> runs = ReadJoint(options.loop.train, input.map, options.loop.joint);
   if (runs.empty()) throw UsageError("no recording of joint " + joint.name);
   report::DataCheck check{.robot = input.model.robot.name,
                           .joint = joint.name,

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <ctime>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -20,6 +19,7 @@
 #include "components/report/file/report_file.h"
 #include "components/trace/close_loop.h"
 #include "components/trace/rules.h"
+#include "components/types/clock/utc.h"
 #include "tools/sinew/close_robot.h"
 #include "tools/sinew/progress.h"
 #include "tools/sinew/shipped.h"
@@ -32,18 +32,9 @@ namespace fs = std::filesystem;
 
 constexpr const char* kNoEffect = "none";  // of --effect
 
-std::string NowUtc() {
-  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
-  return text;
-}
-
 // Everything that follows the angle needs the angle.
-void RequireAngle(const identify::Run& run) {
-  using identify::Signal;
+void RequireAngle(const types::Run& run) {
+  using types::Signal;
   if (run.Has(Signal::kPosition) || run.Has(Signal::kMotorPosition)) return;
   const bool velocity = run.Has(Signal::kVelocity) || run.Has(Signal::kMotorVelocity);
   throw UsageError(run.name +
@@ -56,12 +47,12 @@ void RequireAngle(const identify::Run& run) {
 
 }  // namespace
 
-std::vector<identify::Run> ReadJoint(const std::vector<fs::path>& files, const fs::path& map,
-                                     int joint) {
-  std::vector<identify::Run> runs;
+std::vector<types::Run> ReadJoint(const std::vector<fs::path>& files, const fs::path& map,
+                                  int joint) {
+  std::vector<types::Run> runs;
   for (const fs::path& file : files) {
     const bool csv = !recording::ParseRecordingPath(file).IsMcap();
-    for (identify::Run& run : recording::ReadRuns(file, csv ? map : fs::path(), joint)) {
+    for (types::Run& run : recording::ReadRuns(file, csv ? map : fs::path(), joint)) {
       run.name = fs::path(run.name).filename().string();
       RequireAngle(run);
       runs.push_back(identify::WithoutInterpolatedRows(std::move(run)));
@@ -88,9 +79,9 @@ void RequireOtherRows(const std::vector<fs::path>& train, const std::vector<fs::
   }
 }
 
-std::vector<report::Recording> Describe(const std::vector<identify::Run>& runs) {
+std::vector<report::Recording> Describe(const std::vector<types::Run>& runs) {
   std::vector<report::Recording> out;
-  for (const identify::Run& run : runs) {
+  for (const types::Run& run : runs) {
     out.push_back(
         {run.name, run.content_hash, run.size(), run.time_s[run.size() - 1] - run.time_s[0]});
   }
@@ -117,7 +108,7 @@ void CompleteRigJson(actuator::ModelFile* file, const fs::path& path) {
 
 void AddHistory(const report::Report& report, actuator::JointModel* joint) {
   const trace::TraceResult& trace = report.trace;
-  const std::string when = NowUtc();
+  const std::string when = types::UtcNow();
   const std::string from = JoinNames(report.train);
   const std::string unit = report::TorqueUnit(joint->kind);
   if (!report::HasCorrection(trace)) {
@@ -137,10 +128,10 @@ void AddHistory(const report::Report& report, actuator::JointModel* joint) {
 }
 
 // The data gate over all recordings; true: it stopped, and the result's pages say so.
-bool StopsAtGate(const CloseLoopOptions& options, const std::vector<identify::Run>& train,
-                 const std::vector<identify::Run>& held_out, const actuator::JointModel& joint,
+bool StopsAtGate(const CloseLoopOptions& options, const std::vector<types::Run>& train,
+                 const std::vector<types::Run>& held_out, const actuator::JointModel& joint,
                  CloseLoopResult* out) {
-  std::vector<identify::Run> runs = train;
+  std::vector<types::Run> runs = train;
   runs.insert(runs.end(), held_out.begin(), held_out.end());
   out->gate = AskGate(options, runs, joint);
   report::Report& report = out->report;
@@ -161,7 +152,7 @@ bool StopsAtGate(const CloseLoopOptions& options, const std::vector<identify::Ru
 }
 
 // A recording with gaps or shorter than the published processing asks for has no such figures.
-void ReproducePublished(const identify::Run& train, const identify::Run& held_out,
+void ReproducePublished(const types::Run& train, const types::Run& held_out,
                         const actuator::JointModel& joint,
                         const identify::AsPublishedOptions& published, report::Report* report) {
   try {
@@ -187,7 +178,7 @@ free_run::FreeRunResult FollowRotations(const std::vector<trace::Fold>& folds,
 
 }  // namespace
 
-void RequireRotation(const CloseLoopOptions& options, const std::vector<identify::Run>& runs) {
+void RequireRotation(const CloseLoopOptions& options, const std::vector<types::Run>& runs) {
   if (runs.size() > 1) return;
   const std::string file = options.train.empty() ? runs.front().name : options.train[0].string();
   if (runs.front().held) {
@@ -221,8 +212,8 @@ LoopInput LoadLoopInput(const CloseLoopOptions& options) {
 }
 
 CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& input,
-                            const std::vector<identify::Run>& train,
-                            const std::vector<identify::Run>& held_out) {
+                            const std::vector<types::Run>& train,
+                            const std::vector<types::Run>& held_out) {
   const auto start = std::chrono::steady_clock::now();
   const auto progress = [&](const std::string& what, double share) {
     if (options.progress) options.progress(what, share);
@@ -254,7 +245,7 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
     trace::RequireHeldOut(train, held_out);
     // A mapping without the drive is a mistake of the command, no fault of the data.
     for (const auto* runs : {&train, &held_out}) {
-      for (const identify::Run& run : *runs) run.At(identify::DriveSignal(joint));
+      for (const types::Run& run : *runs) run.At(identify::DriveSignal(joint));
     }
     progress("looking at the data", 0.01);
     if (StopsAtGate(options, train, held_out, joint, &out)) return out;
@@ -310,7 +301,7 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
   return out;
 }
 
-gate::GateReport AskGate(const CloseLoopOptions& options, const std::vector<identify::Run>& runs,
+gate::GateReport AskGate(const CloseLoopOptions& options, const std::vector<types::Run>& runs,
                          const actuator::JointModel& joint) {
   return gate::ExamineData(
       runs, joint, {.accepted = {options.accepted_faults.begin(), options.accepted_faults.end()}});

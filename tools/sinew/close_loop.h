@@ -61,8 +61,8 @@ LoopInput LoadLoopInput(const CloseLoopOptions& options);
 
 // Recordings of one joint, FILE or FILE@START:END; mcap files need no mapping. Throws UsageError,
 // also for a recording without an angle.
-std::vector<identify::Run> ReadJoint(const std::vector<std::filesystem::path>& files,
-                                     const std::filesystem::path& map, int joint);
+std::vector<types::Run> ReadJoint(const std::vector<std::filesystem::path>& files,
+                                  const std::filesystem::path& map, int joint);
 
 // Throws UsageError naming both when ranges of one file share rows.
 void RequireOtherRows(const std::vector<std::filesystem::path>& train,
@@ -70,17 +70,17 @@ void RequireOtherRows(const std::vector<std::filesystem::path>& train,
 
 // The joint `options.joint` on recordings that are read already; nothing is written.
 CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& input,
-                            const std::vector<identify::Run>& train,
-                            const std::vector<identify::Run>& held_out);
+                            const std::vector<types::Run>& train,
+                            const std::vector<types::Run>& held_out);
 
-std::vector<report::Recording> Describe(const std::vector<identify::Run>& runs);
+std::vector<report::Recording> Describe(const std::vector<types::Run>& runs);
 
 // The data gate with the options' accepted faults. Throws std::invalid_argument.
-gate::GateReport AskGate(const CloseLoopOptions& options, const std::vector<identify::Run>& runs,
+gate::GateReport AskGate(const CloseLoopOptions& options, const std::vector<types::Run>& runs,
                          const actuator::JointModel& joint);
 
 // Can these recordings be held out in turn? Throws UsageError.
-void RequireRotation(const CloseLoopOptions& options, const std::vector<identify::Run>& runs);
+void RequireRotation(const CloseLoopOptions& options, const std::vector<types::Run>& runs);
 
 // What --without-rule takes.
 std::vector<std::string> RuleNames();

@@ -97,7 +97,7 @@ std::vector<int> JointsThatStop(const CloseLoopOptions& options, const actuator:
                                 const arm::ArmRuns& train, const arm::ArmRuns& held_out) {
   std::vector<int> out;
   for (std::size_t j = 0; j < robot.joints.size(); ++j) {
-    std::vector<identify::Run> runs = train[j];
+    std::vector<types::Run> runs = train[j];
     if (!options.held_out.empty()) runs.insert(runs.end(), held_out[j].begin(), held_out[j].end());
     if (AskGate(options, runs, robot.joints[j]).stops()) out.push_back(static_cast<int>(j));
   }
@@ -238,7 +238,7 @@ CloseRobotResult CloseRobot(const CloseLoopOptions& options, std::vector<int> jo
       one.folds = FoldsOfJoint(*arm, folds, j);
     }
     out.joints.push_back(
-        CloseLoopOn(one, input, train[j], rotates ? std::vector<identify::Run>{} : held_out[j]));
+        CloseLoopOn(one, input, train[j], rotates ? std::vector<types::Run>{} : held_out[j]));
     out.model.robot.joints[j] = out.joints.back().model.robot.joints[j];
   }
   if (arm) {

@@ -16,8 +16,8 @@ namespace sinew::tools {
 namespace {
 
 using effects::EffectInfo;
-using effects::JointKind;
 using effects::ParameterInfo;
+using types::JointKind;
 
 struct EffectsOptions {
   std::string name;

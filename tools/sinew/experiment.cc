@@ -5,7 +5,6 @@
 #include <atomic>
 #include <chrono>
 #include <cstdio>
-#include <ctime>
 #include <exception>
 #include <filesystem>
 #include <iostream>
@@ -28,6 +27,7 @@
 #include "components/logger/participant/record.h"
 #include "components/recording/file/run_reader.h"
 #include "components/report/file/section_file.h"
+#include "components/types/clock/utc.h"
 #include "sim/laboratory/coverage.h"
 #include "sim/laboratory/laboratory.h"
 #include "sim/surrogate/file/surrogate_file.h"
@@ -74,15 +74,6 @@ struct Done {
   double simulated_s = 0.0;
   double seconds = 0.0;
 };
-
-std::string NowUtc() {
-  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
-  return text;
-}
 
 experiment::RigConstants ConstantsOf(const actuator::JointModel& model) {
   experiment::RigConstants rig;
@@ -189,11 +180,11 @@ Done RunFromRecording(const std::string& name, const experiment::RigConstants& c
     throw UsageError("--map: missing, expected the mapping file of " + options.recording.string() +
                      " (robots/rig/experiment_map.yaml for data.csv of this command)");
   }
-  const std::vector<identify::Run> runs = recording::ReadRuns(
+  const std::vector<types::Run> runs = recording::ReadRuns(
       options.recording, csv ? options.map : fs::path(), csv ? 0 : options.joint);
   if (runs.empty()) throw UsageError(options.recording.string() + ": no rows");
   Done done;
-  const identify::Run& run = runs.back();
+  const types::Run& run = runs.back();
   done.rows = experiment::RowsOfRun(run, run.time_s(0) + options.from_s);
   done.result = experiment::Identify(name, done.rows, constants);
   done.source = options.recording.filename().string();
@@ -261,7 +252,7 @@ Done RunOverTopics(const std::string& name, const actuator::JointModel& model,
   done.source = "topics";
   if (!options.record.empty()) {
     // What counts is what was recorded.
-    const std::vector<identify::Run> runs = recording::ReadRuns(options.record, {}, options.joint);
+    const std::vector<types::Run> runs = recording::ReadRuns(options.record, {}, options.joint);
     if (!runs.empty()) done.rows = experiment::RowsOfRun(runs.back(), run.started_s);
     done.source = options.record.filename().string();
   }
@@ -442,7 +433,7 @@ void RunAll(const Options& given) {
     done.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (file && !options.update_model.empty()) {
       done.changes =
-          experiment::UpdateModel(done.result, done.source, NowUtc(),
+          experiment::UpdateModel(done.result, done.source, types::UtcNow(),
                                   &file->robot.joints[static_cast<std::size_t>(options.joint)]);
     }
     if (!options.out.empty()) {

@@ -29,7 +29,7 @@ struct ModelOptions {
 
 using Visit = std::function<void(const std::string& key, const ParameterValue& value)>;
 
-void ForEachParameter(const Term& term, effects::JointKind kind, const Visit& visit) {
+void ForEachParameter(const Term& term, types::JointKind kind, const Visit& visit) {
   const effects::EffectInfo& info = term.effect->info();
   for (std::size_t i = 0; i < info.linear.size(); ++i) {
     visit(effects::ParameterKey(info.linear[i], kind), term.linear[i]);
@@ -43,7 +43,7 @@ void PrintText(const RobotModel& robot) {
   std::cout << robot.name << '\n';
   for (const JointModel& joint : robot.joints) {
     std::cout << "joint " << joint.name << " ("
-              << (joint.kind == effects::JointKind::kRotary ? "rotary" : "linear") << ")\n";
+              << (joint.kind == types::JointKind::kRotary ? "rotary" : "linear") << ")\n";
     for (const Term& term : joint.terms) {
       std::cout << "  " << term.effect->info().name << (term.declared ? "" : " (added)") << ": "
                 << term.effect->info().formula << '\n';
@@ -89,7 +89,7 @@ nlohmann::ordered_json ToJson(const JointModel& joint) {
                        {"note", entry.note}});
   }
   return {{"name", joint.name},
-          {"kind", joint.kind == effects::JointKind::kRotary ? "rotary" : "linear"},
+          {"kind", joint.kind == types::JointKind::kRotary ? "rotary" : "linear"},
           {"terms", terms},
           {"history", history}};
 }

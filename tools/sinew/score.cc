@@ -35,10 +35,10 @@ std::vector<Scored> ScoreAll(const ScoreOptions& options) {
   for (const std::string& file : options.files) {
     const auto runs = recording::ReadRuns(file, options.map, options.joint);
     if (runs.empty()) throw UsageError(file + ": no run of this joint, expected joint_state");
-    for (const identify::Run& run : runs) {
+    for (const types::Run& run : runs) {
       try {
-        list.push_back({run.name, run.kind == effects::JointKind::kLinear,
-                        ScoreTracking(run, options.from_s)});
+        list.push_back(
+            {run.name, run.kind == types::JointKind::kLinear, ScoreTracking(run, options.from_s)});
       } catch (const std::invalid_argument& error) {
         throw UsageError(file + ": " + error.what() +
                          ", expected position and reference_position throughout");

@@ -37,11 +37,11 @@ struct TrainOptions {
   bool json = false;
 };
 
-std::vector<identify::Run> ReadAll(const std::vector<std::filesystem::path>& paths,
-                                   const TrainOptions& options) {
-  std::vector<identify::Run> runs;
+std::vector<types::Run> ReadAll(const std::vector<std::filesystem::path>& paths,
+                                const TrainOptions& options) {
+  std::vector<types::Run> runs;
   for (const std::filesystem::path& path : paths) {
-    for (identify::Run& run : recording::ReadRuns(
+    for (types::Run& run : recording::ReadRuns(
              path, options.map, recording::ParseRecordingPath(path).IsMcap() ? options.joint : 0)) {
       runs.push_back(std::move(run));
     }
@@ -49,9 +49,9 @@ std::vector<identify::Run> ReadAll(const std::vector<std::filesystem::path>& pat
   return runs;
 }
 
-std::string JoinedHash(const std::vector<identify::Run>& runs) {
+std::string JoinedHash(const std::vector<types::Run>& runs) {
   std::string hash;
-  for (const identify::Run& run : runs) hash += (hash.empty() ? "" : "+") + run.content_hash;
+  for (const types::Run& run : runs) hash += (hash.empty() ? "" : "+") + run.content_hash;
   return hash;
 }
 
@@ -72,7 +72,7 @@ Outcome TrainNetwork(const TrainOptions& options) {
                      std::to_string(options.joint) + " of --joint");
   }
   const actuator::JointModel& model = robot.joints[static_cast<std::size_t>(options.joint)];
-  const std::vector<identify::Run> runs = ReadAll(options.recordings, options);
+  const std::vector<types::Run> runs = ReadAll(options.recordings, options);
 
   Outcome outcome;
   try {

@@ -60,13 +60,13 @@ networks::PublishedModel PlanOf(const TrainNetOptions& options, int measured) {
   return plan;
 }
 
-std::vector<identify::Run> RunsOf(const TrainNetOptions& options, networks::Task task) {
+std::vector<types::Run> RunsOf(const TrainNetOptions& options, networks::Task task) {
   if (options.recordings.empty()) {
     return {MakeSurrogateRun({.task = task, .seed = options.seed})};
   }
-  std::vector<identify::Run> runs;
+  std::vector<types::Run> runs;
   for (const std::filesystem::path& path : options.recordings) {
-    for (identify::Run& run : recording::ReadRuns(
+    for (types::Run& run : recording::ReadRuns(
              path, options.map, recording::ParseRecordingPath(path).IsMcap() ? options.joint : 0)) {
       runs.push_back(std::move(run));
     }
@@ -104,7 +104,7 @@ void TrainNet(const TrainNetOptions& options) {
   networks::PublishedModel plan;
   networks::Samples samples;
   try {
-    const std::vector<identify::Run> runs = RunsOf(options, task);
+    const std::vector<types::Run> runs = RunsOf(options, task);
     samples = networks::MakeSamples(networks::MakeTable(runs, table),
                                     options.patience > 0 ? kValidationShare : 0.0, kGap);
     plan = PlanOf(options, static_cast<int>(samples.inputs.rows()));
@@ -115,7 +115,7 @@ void TrainNet(const TrainNetOptions& options) {
                              return true;
                            });
     bar.Finish();
-    for (const identify::Run& run : runs) {
+    for (const types::Run& run : runs) {
       std::string& hash = result.model.training_data_hash;
       hash += (hash.empty() ? "" : "+") + run.content_hash;
     }

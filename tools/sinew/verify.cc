@@ -58,11 +58,11 @@ BothModels LoadBoth(const VerifyOptions& options) {
 
 free_run::FreeRunResult Follow(const VerifyOptions& options, const BothModels& models) {
   const fs::path map = options.map.empty() ? DefaultCsvMap(options.model) : options.map;
-  std::vector<identify::Run> runs;
+  std::vector<types::Run> runs;
   for (const std::string& file : options.recordings) {
-    std::vector<identify::Run> some = recording::ReadRuns(file, map);
+    std::vector<types::Run> some = recording::ReadRuns(file, map);
     if (some.empty()) throw UsageError(file + ": no run of joint 0, expected joint_state");
-    for (identify::Run& run : some) runs.push_back(std::move(run));
+    for (types::Run& run : some) runs.push_back(std::move(run));
   }
   try {
     const identify::ProcessingOptions processing = identify::Resolve(
@@ -144,7 +144,7 @@ void RunVerify(const VerifyOptions& options) {
   std::vector<verify::TrackingRun> tracking;
   if (options.tracking) tracking = TrackAll(options, models);
 
-  const effects::JointKind kind = models.after.robot.joints.at(0).kind;
+  const types::JointKind kind = models.after.robot.joints.at(0).kind;
   const free_run::FreeRunResult* found = following ? &*following : nullptr;
   report::Section section = verify::MakeSection(names, kind, found, tracking);
   section.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

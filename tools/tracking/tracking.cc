@@ -6,9 +6,9 @@
 
 namespace sinew::tools {
 
-using identify::Signal;
+using types::Signal;
 
-TrackingScore ScoreTracking(const identify::Run& run, double from_s) {
+TrackingScore ScoreTracking(const types::Run& run, double from_s) {
   const Eigen::VectorXd& time_s = run.time_s;
   const Eigen::VectorXd error_rad = run.At(Signal::kReferencePosition) - run.At(Signal::kPosition);
   TrackingScore score;

@@ -8,7 +8,7 @@
 // Pure; throws std::invalid_argument when a signal is missing or fewer than two samples remain.
 #pragma once
 
-#include "components/identify/run.h"
+#include "components/types/run.h"
 
 namespace sinew::tools {
 
@@ -24,6 +24,6 @@ struct TrackingScore {
   double positive_work_J = 0.0;
 };
 
-TrackingScore ScoreTracking(const identify::Run& run, double from_s = 0.0);
+TrackingScore ScoreTracking(const types::Run& run, double from_s = 0.0);
 
 }  // namespace sinew::tools

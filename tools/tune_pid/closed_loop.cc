@@ -5,24 +5,6 @@
 #include <deque>
 
 namespace sinew::tune {
-namespace {
-
-provider::Mode ToMode(control::CommandMode mode) {
-  switch (mode) {
-    case control::CommandMode::kTorque:
-      return provider::Mode::kTorque;
-    case control::CommandMode::kPosition:
-      return provider::Mode::kPosition;
-    case control::CommandMode::kVelocity:
-      return provider::Mode::kVelocity;
-    case control::CommandMode::kIdle:
-      break;
-  }
-  return provider::Mode::kIdle;
-}
-
-}  // namespace
-
 ClosedLoopScore RunClosedLoop(const ClosedLoopConfig& config, provider::Plant& plant,
                               std::vector<ClosedLoopTick>* trace) {
   const double period_s = 1.0 / config.rate_Hz;
@@ -95,7 +77,7 @@ ClosedLoopScore RunClosedLoop(const ClosedLoopConfig& config, provider::Plant& p
     torque_before_Nm = output.joint[0].motor_torque_Nm;
 
     for (int j = 0; j < joints; ++j) {
-      command.mode[j] = ToMode(output.joint[j].mode);
+      command.mode[j] = output.joint[j].mode;
       command.motor_torque_Nm[j] = output.joint[j].motor_torque_Nm;
       command.position_rad[j] = output.joint[j].position_rad;
       command.velocity_rad_s[j] = output.joint[j].velocity_rad_s;

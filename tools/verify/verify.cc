@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "components/config/config.h"
+#include "components/types/control_mode.h"
 #include "sim/surrogate/surrogate.h"
 #include "sim/world/file/urdf_file.h"
 #include "sim/world/world.h"
@@ -23,7 +24,7 @@ world::Chain PointChain(const actuator::JointModel& joint) {
   body.link_name = "link";
   body.joint_name = joint.name;
   body.moves = true;
-  body.prismatic = joint.kind == effects::JointKind::kLinear;
+  body.prismatic = joint.kind == types::JointKind::kLinear;
   body.axis = body.prismatic ? Eigen::Vector3d::UnitX() : Eigen::Vector3d(0.0, -1.0, 0.0);
   body.mass_kg = 1e-3;
   body.inertia_kg_m2 = 1e-6 * Eigen::Matrix3d::Identity();
@@ -42,7 +43,7 @@ class WorldBody final : public free_run::Body {
   }
   void SetSurroundings(const effects::JointSample& x) override { world_.SetSurroundings(0, x); }
   void Step(double motor_torque_Nm, double dt_s) override {
-    command_.mode[0] = provider::Mode::kTorque;
+    command_.mode[0] = types::ControlMode::kTorque;
     command_.motor_torque_Nm[0] = motor_torque_Nm;
     world_.Step(command_, dt_s, &sensors_);
   }
@@ -70,12 +71,12 @@ class WorldBody final : public free_run::Body {
   provider::PlantSensors sensors_;
 };
 
-std::string Angle(effects::JointKind kind) {
-  return kind == effects::JointKind::kRotary ? "mrad" : "mm";
+std::string Angle(types::JointKind kind) {
+  return kind == types::JointKind::kRotary ? "mrad" : "mm";
 }
 
-report::Picture PathPicture(const free_run::FreeRunResult& following, effects::JointKind kind) {
-  const bool rotary = kind == effects::JointKind::kRotary;
+report::Picture PathPicture(const free_run::FreeRunResult& following, types::JointKind kind) {
+  const bool rotary = kind == types::JointKind::kRotary;
   const free_run::Trace& trace = following.traces.front();
   const auto rows =
       std::min(trace.measured.size(), static_cast<std::size_t>(kShown_s / trace.period_s) + 1);
@@ -133,7 +134,7 @@ free_run::MakeBody InWorld(const actuator::RobotModel& robot) {
   };
 }
 
-free_run::FreeRunResult FollowRecordings(const std::vector<identify::Run>& runs,
+free_run::FreeRunResult FollowRecordings(const std::vector<types::Run>& runs,
                                          const actuator::RobotModel& before,
                                          const actuator::RobotModel& after,
                                          const identify::ProcessingOptions& processing,
@@ -168,7 +169,7 @@ TrackingRun Track(const TrackingSetup& setup, std::uint64_t seed) {
   return run;
 }
 
-report::Section MakeSection(const Names& names, effects::JointKind kind,
+report::Section MakeSection(const Names& names, types::JointKind kind,
                             const free_run::FreeRunResult* following,
                             const std::vector<TrackingRun>& tracking) {
   report::Section section;
@@ -246,11 +247,11 @@ report::Section MakeSection(const Names& names, effects::JointKind kind,
   return section;
 }
 
-std::string FormatJson(const Names& names, effects::JointKind kind,
+std::string FormatJson(const Names& names, types::JointKind kind,
                        const free_run::FreeRunResult* following,
                        const std::vector<TrackingRun>& tracking) {
   using nlohmann::ordered_json;
-  const std::string unit = kind == effects::JointKind::kRotary ? "rad" : "m";
+  const std::string unit = kind == types::JointKind::kRotary ? "rad" : "m";
   ordered_json root = {{"before", names.before}, {"after", names.after}, {"added", names.added}};
   if (following != nullptr && following->errors) {
     const free_run::FreeRun& free = *following->errors;

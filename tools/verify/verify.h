@@ -27,7 +27,7 @@ namespace sinew::verify {
 free_run::MakeBody InWorld(const actuator::RobotModel& robot);
 
 // before, after: robots of one joint of the same name. processing must be resolved.
-free_run::FreeRunResult FollowRecordings(const std::vector<identify::Run>& runs,
+free_run::FreeRunResult FollowRecordings(const std::vector<types::Run>& runs,
                                          const actuator::RobotModel& before,
                                          const actuator::RobotModel& after,
                                          const identify::ProcessingOptions& processing,
@@ -52,11 +52,11 @@ struct Names {
   std::vector<std::string> added;
   std::string effects;  // of the surrogate, "none" or as given
 };
-report::Section MakeSection(const Names& names, effects::JointKind kind,
+report::Section MakeSection(const Names& names, types::JointKind kind,
                             const free_run::FreeRunResult* following,
                             const std::vector<TrackingRun>& tracking);
 // verify.json.
-std::string FormatJson(const Names& names, effects::JointKind kind,
+std::string FormatJson(const Names& names, types::JointKind kind,
                        const free_run::FreeRunResult* following,
                        const std::vector<TrackingRun>& tracking);
 

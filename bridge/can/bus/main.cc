@@ -9,6 +9,7 @@
 #include "bridge/can/transport/bus_server.h"
 #include "bridge/can/transport/transport.h"
 #include "components/node/options.h"
+#include "components/types/clock/clock.h"
 
 namespace {
 
@@ -21,12 +22,7 @@ struct BusOptions {
 };
 
 // candump -l writes epoch time; the bus stamps in monotonic time.
-std::int64_t EpochShift_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-             .count() -
-         can::MonotonicNow();
-}
+std::int64_t EpochShift_ns() { return types::EpochNow_ns() - types::MonotonicNow_ns(); }
 
 struct CloseFile {
   void operator()(std::FILE* file) const { std::fclose(file); }
@@ -54,8 +50,8 @@ void Run(const BusOptions& options, node::StopFlag& stop) {
   std::int64_t next_flush_ns = 0;
   while (!stop.requested()) {
     server.RunOnce(std::chrono::milliseconds(50));
-    if (log && !log_failed && can::MonotonicNow() > next_flush_ns) {
-      next_flush_ns = can::MonotonicNow() + 200'000'000;
+    if (log && !log_failed && types::MonotonicNow_ns() > next_flush_ns) {
+      next_flush_ns = types::MonotonicNow_ns() + 200'000'000;
       log_failed = std::fflush(log.get()) != 0;
       if (log_failed) spdlog::error("--log {}: cannot be written any more", options.log_path);
     }

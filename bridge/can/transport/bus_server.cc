@@ -15,6 +15,7 @@
 #include "bridge/can/transport/bus_protocol.h"
 #include "bridge/can/transport/transport.h"
 #include "components/config/config.h"
+#include "components/types/clock/clock.h"
 
 namespace sinew::can {
 namespace {
@@ -91,7 +92,7 @@ BusServer::~BusServer() {
 void BusServer::RunOnce(std::chrono::nanoseconds timeout) {
   std::int64_t wait_ns = std::max<std::int64_t>(timeout.count(), 0);
   if (const auto next = model_.NextEnd()) {
-    wait_ns = std::clamp<std::int64_t>(*next - MonotonicNow(), 0, wait_ns);
+    wait_ns = std::clamp<std::int64_t>(*next - types::MonotonicNow_ns(), 0, wait_ns);
   }
   std::vector<pollfd> sockets;
   sockets.push_back({listener_, POLLIN, 0});
@@ -100,7 +101,7 @@ void BusServer::RunOnce(std::chrono::nanoseconds timeout) {
                       static_cast<long>(wait_ns % 1'000'000'000)};
   ::ppoll(sockets.data(), sockets.size(), &wait, nullptr);
 
-  const std::int64_t now_ns = MonotonicNow();
+  const std::int64_t now_ns = types::MonotonicNow_ns();
   model_.Advance(now_ns, [this](const Delivery& delivery) { Deliver(delivery); });
   if ((sockets.front().revents & POLLIN) != 0) Accept();
   for (std::size_t i = 1; i < sockets.size(); ++i) {

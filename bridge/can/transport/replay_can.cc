@@ -7,6 +7,7 @@
 
 #include "bridge/can/bit_timing.h"
 #include "components/config/config.h"
+#include "components/types/clock/clock.h"
 
 namespace sinew::can {
 
@@ -36,7 +37,7 @@ ReplayCan::ReplayCan(std::string name, const std::vector<LogLine>& lines,
   }
   std::stable_sort(lines_.begin(), lines_.end(),
                    [](const LogLine& a, const LogLine& b) { return a.stamp_ns < b.stamp_ns; });
-  if (!lines_.empty()) shift_ns_ = MonotonicNow() - lines_.front().stamp_ns;
+  if (!lines_.empty()) shift_ns_ = types::MonotonicNow_ns() - lines_.front().stamp_ns;
 }
 
 SendStatus ReplayCan::Send(const Frame&) noexcept {
@@ -53,13 +54,14 @@ bool ReplayCan::Receive(std::chrono::nanoseconds timeout, Received* received) no
   }
   const LogLine& line = lines_[next_];
   const std::int64_t due_ns = line.stamp_ns + shift_ns_;
-  const std::int64_t wait_ns = std::min<std::int64_t>(due_ns - MonotonicNow(), timeout.count());
+  const std::int64_t wait_ns =
+      std::min<std::int64_t>(due_ns - types::MonotonicNow_ns(), timeout.count());
   if (wait_ns > 0) {
     const timespec wait{static_cast<time_t>(wait_ns / 1'000'000'000),
                         static_cast<long>(wait_ns % 1'000'000'000)};
     ::ppoll(nullptr, 0, &wait, nullptr);
   }
-  if (MonotonicNow() < due_ns) return false;
+  if (types::MonotonicNow_ns() < due_ns) return false;
   *received = {line.frame, due_ns};
   ++next_;
   if (line.frame.error) {

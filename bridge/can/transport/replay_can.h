@@ -7,6 +7,7 @@
 
 #include "bridge/can/candump.h"
 #include "bridge/can/transport/transport.h"
+#include "components/types/clock/clock.h"
 
 namespace sinew::can {
 
@@ -23,7 +24,7 @@ class ReplayCan : public Transport {
   bool Receive(std::chrono::nanoseconds timeout, Received* received) noexcept override;
   Link link() const noexcept override { return next_ < lines_.size() ? Link::kUp : Link::kDown; }
   TransportCounters counters() const noexcept override { return counters_; }
-  std::int64_t now_ns() const noexcept override { return MonotonicNow(); }
+  std::int64_t now_ns() const noexcept override { return types::MonotonicNow_ns(); }
   const std::string& name() const noexcept override { return name_; }
 
  private:

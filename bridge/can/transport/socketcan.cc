@@ -19,6 +19,7 @@
 
 #include "bridge/can/bit_timing.h"
 #include "components/config/config.h"
+#include "components/types/clock/clock.h"
 
 namespace sinew::can {
 namespace {
@@ -72,9 +73,8 @@ struct Clocks {
 };
 
 Clocks ReadClocks() {
-  timespec epoch{};
-  ::clock_gettime(CLOCK_REALTIME, &epoch);
-  return {MonotonicNow(), ToNs(epoch)};
+  const std::int64_t epoch_ns = types::EpochNow_ns();
+  return {types::MonotonicNow_ns(), epoch_ns};
 }
 
 // The kernel stamps in epoch time; ours is monotonic. What counts is how long ago it was.
@@ -211,7 +211,7 @@ void SocketCan::Close() noexcept {
 }
 
 void SocketCan::TryReopen() noexcept {
-  const std::int64_t now = MonotonicNow();
+  const std::int64_t now = types::MonotonicNow_ns();
   if (now < next_reopen_ns_) return;
   next_reopen_ns_ = now + kReopenEvery_ns;
   (void)Open();
@@ -293,10 +293,11 @@ void SocketCan::SendAll(std::span<const Frame> frames) noexcept {
 }
 
 bool SocketCan::Receive(std::chrono::nanoseconds timeout, Received* received) noexcept {
-  const std::int64_t give_up_ns = MonotonicNow() + std::max<std::int64_t>(timeout.count(), 0);
+  const std::int64_t give_up_ns =
+      types::MonotonicNow_ns() + std::max<std::int64_t>(timeout.count(), 0);
   for (;;) {
     if (TakeWaiting({received, 1}) > 0) return true;
-    const std::int64_t left_ns = give_up_ns - MonotonicNow();
+    const std::int64_t left_ns = give_up_ns - types::MonotonicNow_ns();
     if (left_ns <= 0) return false;
     // Without a socket: look for the interface again now and then.
     const std::int64_t wait_ns = socket_ < 0 ? std::min(left_ns, kReopenEvery_ns) : left_ns;

@@ -12,6 +12,7 @@
 #include <memory>
 
 #include "bridge/can/transport/transport.h"
+#include "components/types/clock/clock.h"
 
 namespace sinew::can {
 
@@ -37,7 +38,7 @@ class SocketCan : public Transport {
   std::size_t TakeWaiting(std::span<Received> received) noexcept override;  // recvmmsg
   Link link() const noexcept override { return link_; }
   TransportCounters counters() const noexcept override { return counters_; }
-  std::int64_t now_ns() const noexcept override { return MonotonicNow(); }
+  std::int64_t now_ns() const noexcept override { return types::MonotonicNow_ns(); }
   int descriptor() const noexcept override { return socket_; }
   const std::string& name() const noexcept override { return options_.interface; }
 

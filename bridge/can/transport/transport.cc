@@ -53,10 +53,4 @@ std::size_t Transport::TakeWaiting(std::span<Received> received) noexcept {
   return count;
 }
 
-std::int64_t MonotonicNow() noexcept {
-  timespec now{};
-  ::clock_gettime(CLOCK_MONOTONIC, &now);
-  return static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
-}
-
 }  // namespace sinew::can

@@ -78,7 +78,4 @@ class Transport {
 // a descriptor are not waited for.
 void WaitForAny(std::span<Transport* const> transports, std::chrono::nanoseconds timeout) noexcept;
 
-// CLOCK_MONOTONIC in nanoseconds.
-std::int64_t MonotonicNow() noexcept;
-
 }  // namespace sinew::can

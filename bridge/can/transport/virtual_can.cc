@@ -14,6 +14,7 @@
 #include "bridge/can/bus_model.h"
 #include "bridge/can/transport/bus_protocol.h"
 #include "components/config/config.h"
+#include "components/types/clock/clock.h"
 
 namespace sinew::can {
 namespace {
@@ -25,9 +26,9 @@ constexpr std::int64_t kTryEvery_ns = 50'000'000;
 VirtualCan::VirtualCan(const VirtualCanOptions& options)
     : options_(options), path_(BusSocketPath(options.bus)) {
   const std::int64_t give_up_ns =
-      MonotonicNow() + std::chrono::nanoseconds(options.connect_timeout).count();
+      types::MonotonicNow_ns() + std::chrono::nanoseconds(options.connect_timeout).count();
   while (!Connect() || !AwaitWelcome(give_up_ns)) {
-    if (MonotonicNow() >= give_up_ns) {
+    if (types::MonotonicNow_ns() >= give_up_ns) {
       throw UsageError("bus '" + options.bus + "': nobody listens on " + path_ +
                        "; 'sinew-can-bus --bus " + options.bus + "' starts it");
     }
@@ -63,7 +64,7 @@ bool VirtualCan::AwaitWelcome(std::int64_t give_up_ns) noexcept {
       bitrate_bit_s_ = packet.value;
       return true;
     }
-    const std::int64_t left_ns = give_up_ns - MonotonicNow();
+    const std::int64_t left_ns = give_up_ns - types::MonotonicNow_ns();
     if ((size < 0 && errno != EAGAIN && errno != EINTR) || size == 0 || left_ns <= 0) {
       Close();
       return false;
@@ -82,7 +83,7 @@ void VirtualCan::Close() noexcept {
 }
 
 void VirtualCan::TryConnect() noexcept {
-  const std::int64_t now = MonotonicNow();
+  const std::int64_t now = types::MonotonicNow_ns();
   if (now < next_try_ns_) return;
   next_try_ns_ = now + kTryEvery_ns;
   (void)Connect();
@@ -156,10 +157,11 @@ void VirtualCan::SendAll(std::span<const Frame> frames) noexcept {
 }
 
 bool VirtualCan::Receive(std::chrono::nanoseconds timeout, Received* received) noexcept {
-  const std::int64_t give_up_ns = MonotonicNow() + std::max<std::int64_t>(timeout.count(), 0);
+  const std::int64_t give_up_ns =
+      types::MonotonicNow_ns() + std::max<std::int64_t>(timeout.count(), 0);
   for (;;) {
     if (TakeWaiting({received, 1}) > 0) return true;
-    const std::int64_t left_ns = give_up_ns - MonotonicNow();
+    const std::int64_t left_ns = give_up_ns - types::MonotonicNow_ns();
     if (left_ns <= 0) return false;
     const std::int64_t wait_ns = socket_ < 0 ? std::min(left_ns, kTryEvery_ns) : left_ns;
     pollfd poll{socket_, POLLIN, 0};

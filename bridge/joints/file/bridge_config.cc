@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "components/types/joints.h"
+
 namespace sinew::bridge {
 namespace {
 
@@ -119,9 +121,9 @@ BridgeFile ReadBridge(const config::Section& section) {
     file.bridge.joints.push_back(ReadJoint(joint, file.buses));
   }
   if (file.bridge.joints.empty() ||
-      file.bridge.joints.size() > static_cast<std::size_t>(provider::kMaxJoints)) {
+      file.bridge.joints.size() > static_cast<std::size_t>(types::kMaxJoints)) {
     section.Fail("joints", "has " + std::to_string(file.bridge.joints.size()) +
-                               " entries, expected 1 to " + std::to_string(provider::kMaxJoints));
+                               " entries, expected 1 to " + std::to_string(types::kMaxJoints));
   }
   for (const config::Section& gateway : section.ListOrEmpty("gateways")) {
     file.bridge.gateways.push_back(ReadGateway(gateway, file.buses, file.bridge.joints));

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "components/types/joints.h"
+
 namespace sinew::virtual_axes {
 namespace {
 
@@ -19,7 +21,7 @@ AxisConfig ReadAxis(const config::Section& section, const std::vector<can::BusEn
   AxisConfig axis;
   axis.bus = can::ReadBusOf(section, buses);
   axis.node = static_cast<int>(section.Integer("node", {0, can::kMaxNode}));
-  axis.joint = static_cast<int>(section.IntegerOr("joint", 0, {0, provider::kMaxJoints - 1}));
+  axis.joint = static_cast<int>(section.IntegerOr("joint", 0, {0, types::kMaxJoints - 1}));
   axis.firmware = can::ReadFirmware(section);
   axis.direction = ReadDirection(section);
   axis.zero_rev = section.NumberOr("zero_rev", axis.zero_rev);
@@ -47,7 +49,7 @@ SensorNodeConfig ReadNode(const config::Section& section, const std::vector<can:
   SensorNodeConfig node;
   node.bus = can::ReadBusOf(section, buses);
   node.node = static_cast<int>(section.Integer("node", {0, can::kMaxNode}));
-  node.joint = static_cast<int>(section.IntegerOr("joint", 0, {0, provider::kMaxJoints - 1}));
+  node.joint = static_cast<int>(section.IntegerOr("joint", 0, {0, types::kMaxJoints - 1}));
   node.direction = ReadDirection(section);
   node.zero_rad = section.NumberOr("zero_rad", 0.0);
   node.encoder_ms = ReadPeriod(section, "encoder_ms", node.encoder_ms);

@@ -11,6 +11,7 @@
 #include "bridge/virtual_axes/virtual_axes.h"
 #include "components/node/node.h"
 #include "components/node/options.h"
+#include "components/types/clock/clock.h"
 #include "sim/surrogate/file/surrogate_file.h"
 #include "sim/surrogate/surrogate.h"
 #include "sim/world/file/world_file.h"
@@ -87,15 +88,15 @@ void Run(const node::Options& options, node::StopFlag& stop,
                file.axes.nodes.size(), file.buses.size());
   std::optional<Hand> hand;
   if (with_hand) hand.emplace(options);
-  axes.Start(can::MonotonicNow());
+  axes.Start(types::MonotonicNow_ns());
   while (!stop.requested()) {
-    const std::int64_t now_ns = can::MonotonicNow();
+    const std::int64_t now_ns = types::MonotonicNow_ns();
     if (now_ns >= axes.next_ns()) {
       if (hand) hand->Push(axes, plant.joint_count(), now_ns);
       axes.Run(now_ns);
     } else {
       can::WaitForAny(pointers, std::chrono::nanoseconds(axes.next_ns() - now_ns));
-      axes.Answer(can::MonotonicNow());
+      axes.Answer(types::MonotonicNow_ns());
     }
   }
   spdlog::info("{} frames taken, {} steps", axes.frames_taken(), axes.steps());

@@ -29,7 +29,7 @@ std::string Number(double value) {
 }
 
 ParameterValue ReadParameter(const Section& term, const effects::EffectInfo& effect,
-                             const effects::ParameterInfo& info, effects::JointKind kind) {
+                             const effects::ParameterInfo& info, types::JointKind kind) {
   const std::string key = effects::ParameterKey(info, kind);
   if (!term.Has(key) && info.optional) {
     return {.value = info.default_value, .half_width_95 = std::nullopt};
@@ -93,11 +93,11 @@ Term ReadTerm(const Section& section, const JointModel& joint) {
   return term;
 }
 
-std::string GainKey(effects::JointKind kind) {
-  return kind == effects::JointKind::kRotary ? "gain_per_rad" : "gain_per_m";
+std::string GainKey(types::JointKind kind) {
+  return kind == types::JointKind::kRotary ? "gain_per_rad" : "gain_per_m";
 }
-std::string VelocityGainKey(effects::JointKind kind) {
-  return kind == effects::JointKind::kRotary ? "velocity_gain_s_rad" : "velocity_gain_s_m";
+std::string VelocityGainKey(types::JointKind kind) {
+  return kind == types::JointKind::kRotary ? "velocity_gain_s_rad" : "velocity_gain_s_m";
 }
 
 Servo ReadServo(const Section& section, const JointModel& joint) {
@@ -134,9 +134,8 @@ void RefuseSameTorque(const Section& section, const JointModel& joint) {
 JointModel ReadJoint(const Section& section) {
   JointModel joint;
   joint.name = section.Text("name");
-  joint.kind = section.Choice("kind", {"rotary", "linear"}) == "rotary"
-                   ? effects::JointKind::kRotary
-                   : effects::JointKind::kLinear;
+  joint.kind = section.Choice("kind", {"rotary", "linear"}) == "rotary" ? types::JointKind::kRotary
+                                                                        : types::JointKind::kLinear;
   const Section constants = section.ChildOrEmpty("constants");
   joint.constants.gear_ratio = constants.NumberOr("gear_ratio", 1.0, config::kPositive);
   joint.constants.link_length_m = constants.NumberOr("link_length_m", 0.0, config::kNotNegative);
@@ -154,7 +153,7 @@ JointModel ReadJoint(const Section& section) {
       constants.NumberOr("atmosphere_bar", joint.constants.atmosphere_bar, config::kPositive);
   joint.constants.valve_delay_s = constants.NumberOr("valve_delay_s", 0.0, config::kNotNegative);
   joint.backlash_rad = section.NumberOr(
-      joint.kind == effects::JointKind::kRotary ? "backlash_rad" : "backlash_m", 0.0, {0.0, 6.3});
+      joint.kind == types::JointKind::kRotary ? "backlash_rad" : "backlash_m", 0.0, {0.0, 6.3});
   joint.motor_torque_limit_Nm =
       section.NumberOr("motor_torque_limit_Nm", 0.0, config::kNotNegative);
   for (const Section& term : section.List("terms")) {
@@ -191,7 +190,7 @@ std::string Quoted(const std::string& text) {
 }
 
 void WriteParameter(std::string& out, const effects::ParameterInfo& info,
-                    const ParameterValue& parameter, effects::JointKind kind) {
+                    const ParameterValue& parameter, types::JointKind kind) {
   out += "        " + effects::ParameterKey(info, kind) + ": {value: " + Number(parameter.value);
   if (parameter.tolerance > 0.0) out += ", tolerance: " + Number(parameter.tolerance);
   if (parameter.tolerance_absolute > 0.0) {
@@ -203,7 +202,7 @@ void WriteParameter(std::string& out, const effects::ParameterInfo& info,
 }
 
 void WriteJoint(std::string& out, const JointModel& joint) {
-  const bool rotary = joint.kind == effects::JointKind::kRotary;
+  const bool rotary = joint.kind == types::JointKind::kRotary;
   out += "  - name: " + Quoted(joint.name) + "\n";
   out += std::string("    kind: ") + (rotary ? "rotary" : "linear") + "\n";
   out += "    constants:\n";

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "components/actuator/file/model_file.h"
+#include "components/types/joints.h"
 
 namespace sinew::control {
 namespace {
@@ -132,7 +133,7 @@ JointControlConfig ReadJoint(const Section& s, std::size_t index,
                           " joints, expected one for joint " + std::to_string(index));
     }
     joint.model = robot.joints[which];
-    units.linear = joint.model->kind == effects::JointKind::kLinear;
+    units.linear = joint.model->kind == types::JointKind::kLinear;
     joint.gear_ratio = joint.model->constants.gear_ratio;
     limit_Nm = joint.model->motor_torque_limit_Nm;
     try {
@@ -235,9 +236,9 @@ ControlConfig ReadControl(const config::Section& section, const std::filesystem:
   control.follow_owner = section.BoolOr("follow_owner", false);
   control.strength = static_cast<int>(section.IntegerOr("strength", control.strength, {1, 1000}));
   const std::vector<Section> joints = section.List("joints");
-  if (joints.empty() || joints.size() > static_cast<std::size_t>(kMaxJoints)) {
+  if (joints.empty() || joints.size() > static_cast<std::size_t>(types::kMaxJoints)) {
     section.Fail("joints", "has " + std::to_string(joints.size()) + " entries, expected 1 to " +
-                               std::to_string(kMaxJoints));
+                               std::to_string(types::kMaxJoints));
   }
   for (std::size_t j = 0; j < joints.size(); ++j)
     control.joints.push_back(ReadJoint(joints[j], j, model_path));

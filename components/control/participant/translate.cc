@@ -2,19 +2,23 @@
 
 #include <algorithm>
 
+#include "components/types/control_mode.h"
+#include "components/types/joints.h"
+#include "components/types/regime.h"
+
 namespace sinew::control {
 namespace {
 
-Regime FromMessage(msg::RegimeKind kind) {
+types::Regime FromMessage(msg::RegimeKind kind) {
   switch (kind) {
     case msg::REGIME_SEA:
-      return Regime::kSea;
+      return types::Regime::kSea;
     case msg::REGIME_PEA:
-      return Regime::kPea;
+      return types::Regime::kPea;
     case msg::REGIME_UNKNOWN:
       break;
   }
-  return Regime::kUnknown;
+  return types::Regime::kUnknown;
 }
 
 Motion FromMessage(msg::MotionKind kind) {
@@ -31,15 +35,15 @@ Motion FromMessage(msg::MotionKind kind) {
   return Motion::kNone;
 }
 
-msg::CommandMode ToMode(CommandMode mode) {
+msg::CommandMode ToMode(types::ControlMode mode) {
   switch (mode) {
-    case CommandMode::kTorque:
+    case types::ControlMode::kTorque:
       return msg::COMMAND_TORQUE;
-    case CommandMode::kPosition:
+    case types::ControlMode::kPosition:
       return msg::COMMAND_POSITION;
-    case CommandMode::kVelocity:
+    case types::ControlMode::kVelocity:
       return msg::COMMAND_VELOCITY;
-    case CommandMode::kIdle:
+    case types::ControlMode::kIdle:
       break;
   }
   return msg::COMMAND_IDLE;
@@ -83,7 +87,7 @@ RobotInput ControlInputs::Gather(const node::Tick& tick) {
   input.period_s = tick.period_s;
   input.interrupted = state.robot_state() == msg::ROBOT_DAMPED;
   input.armed = !estopped_ && (state.robot_state() == msg::ROBOT_ARMED || input.interrupted);
-  input.joint_count = std::min<int>(state.joint_count(), kMaxJoints);
+  input.joint_count = std::min<int>(state.joint_count(), types::kMaxJoints);
   for (std::size_t j = 0; j < static_cast<std::size_t>(input.joint_count); ++j) {
     JointMeasurement& m = input.joint[j];
     m.valid = state.valid()[j];
@@ -105,7 +109,7 @@ RobotInput ControlInputs::Gather(const node::Tick& tick) {
     const msg::Reference& reference = reference_.value();
     input.reference_fresh = reference_.fresh() && !reference.stale();
     input.reference_count = reference.idle() ? 0 : reference.joint_count();
-    for (std::size_t j = 0; j < static_cast<std::size_t>(kMaxJoints); ++j) {
+    for (std::size_t j = 0; j < static_cast<std::size_t>(types::kMaxJoints); ++j) {
       input.reference[j] = {reference.position_rad()[j], reference.velocity_rad_s()[j],
                             reference.acceleration_rad_s2()[j]};
     }

@@ -9,12 +9,13 @@
 // Memory: y = p - q, its rate, and the acceleration of the sample before; between samples the
 // acceleration is taken as constant and the oscillator is solved exactly.
 #include "components/effects/define.h"
+#include "components/types/angle.h"
 
 namespace sinew::effects::flexible_link {
 
 namespace {
 
-constexpr double kTwoPi = 6.283185307179586;
+using types::kTwoPi;
 
 class FlexibleLink final : public Effect {
  public:

@@ -12,7 +12,7 @@ namespace sinew::esn {
 namespace {
 
 using identify::UniformSegment;
-using Measured = identify::Signal;
+using Measured = types::Signal;
 
 constexpr int kFilterOrder = 4;
 // The smoothing filter must leave something of the band below half the rate.
@@ -60,7 +60,7 @@ const Eigen::VectorXd& Need(const UniformSegment& segment, Measured signal, cons
                             std::string_view what) {
   const auto found = segment.signals.find(signal);
   if (found == segment.signals.end()) {
-    throw std::invalid_argument(run + ": no signal '" + std::string(identify::SignalName(signal)) +
+    throw std::invalid_argument(run + ": no signal '" + std::string(types::SignalName(signal)) +
                                 "', which " + std::string(what) + " needs");
   }
   return found->second;
@@ -238,7 +238,7 @@ std::vector<Input> InputsOfJoint(const std::vector<Signal>& signals, int joint) 
   return inputs;
 }
 
-Dataset MakeDataset(const std::vector<identify::Run>& runs, const actuator::JointModel& model,
+Dataset MakeDataset(const std::vector<types::Run>& runs, const actuator::JointModel& model,
                     const DatasetConfig& config, bool test_only) {
   CheckConfig(config);
   if (runs.empty()) throw std::invalid_argument("training: no recording");
@@ -255,7 +255,7 @@ Dataset MakeDataset(const std::vector<identify::Run>& runs, const actuator::Join
   std::vector<Columns> pieces;
   std::vector<std::vector<char>> valid;
   std::vector<double> play;
-  for (const identify::Run& run : runs) {
+  for (const types::Run& run : runs) {
     for (const UniformSegment& segment : identify::MakeUniform(run).segments) {
       Columns columns = ColumnsOf(segment, model, config, run.name);
       if (needs_play && columns.play.size() == 0) {

@@ -18,7 +18,7 @@
 #include "components/actuator/model.h"
 #include "components/esn/signals.h"
 #include "components/esn/training.h"
-#include "components/identify/run.h"
+#include "components/types/run.h"
 
 namespace sinew::esn {
 
@@ -60,7 +60,7 @@ struct Dataset {
 // everything is test. Throws std::invalid_argument: a signal that an input or the target needs is
 // missing (named with the input), no backlash in the model though the region asks for one, or
 // figures out of range.
-Dataset MakeDataset(const std::vector<identify::Run>& runs, const actuator::JointModel& model,
+Dataset MakeDataset(const std::vector<types::Run>& runs, const actuator::JointModel& model,
                     const DatasetConfig& config, bool test_only = false);
 
 // Inputs with their joint, as weights hold them.

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "components/config/config.h"
+#include "components/types/joints.h"
 
 namespace sinew::esn {
 namespace {
@@ -191,9 +192,9 @@ Weights Read(const Json& json, const std::string& file) {
     if (!signal)
       place["signal"].Fail("'" + name + "', expected one of " + std::string(SignalNames()));
     const int joint = ReadInt(Member(inputs[i], place, "joint"), place["joint"]);
-    if (joint < 0 || joint >= kMaxJoints) {
+    if (joint < 0 || joint >= types::kMaxJoints) {
       place["joint"].Fail(std::to_string(joint) + ", expected 0 .. " +
-                          std::to_string(kMaxJoints - 1));
+                          std::to_string(types::kMaxJoints - 1));
     }
     w.inputs.push_back({*signal, joint});
   }

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "components/config/config.h"
+#include "components/types/regime.h"
 
 namespace sinew::esn {
 namespace {
@@ -93,9 +94,9 @@ Outputs Inference::Step(const Inputs& inputs, const node::Tick& tick) {
   good = Fill(inputs.actuator, &frame) && good;
   good = Fill(inputs.reference, &frame) && good;
   good = Fill(inputs.regime, &frame) && good;
-  const Regime regime = inputs.regime != nullptr && inputs.regime->has_value()
-                            ? RegimeOf(inputs.regime->value())
-                            : Regime::kUnknown;
+  const types::Regime regime = inputs.regime != nullptr && inputs.regime->has_value()
+                                   ? RegimeOf(inputs.regime->value())
+                                   : types::Regime::kUnknown;
   const Prediction prediction =
       inverse_ ? inverse_->Step(frame, tick.period_s) : predictor_->Step(frame, regime);
 

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <limits>
 
+#include "components/types/joints.h"
+#include "components/types/regime.h"
+
 namespace sinew::esn {
 namespace {
 
-int Count(int joint_count) { return std::min(joint_count, kMaxJoints); }
+int Count(int joint_count) { return std::min(joint_count, types::kMaxJoints); }
 
 }  // namespace
 
@@ -56,15 +59,15 @@ bool FillFrom(const msg::RegimeState& message, Frame* frame) {
   return !message.stale();
 }
 
-Regime RegimeOf(const msg::RegimeState& message) {
-  if (message.joint_count() == 0) return Regime::kUnknown;
+types::Regime RegimeOf(const msg::RegimeState& message) {
+  if (message.joint_count() == 0) return types::Regime::kUnknown;
   switch (message.regime()[0]) {
     case msg::REGIME_SEA:
-      return Regime::kSea;
+      return types::Regime::kSea;
     case msg::REGIME_PEA:
-      return Regime::kPea;
+      return types::Regime::kPea;
     default:
-      return Regime::kUnknown;
+      return types::Regime::kUnknown;
   }
 }
 

@@ -4,7 +4,7 @@
 
 namespace sinew::identify {
 
-ProcessingOptions ReadProcessing(const config::Section& root, effects::JointKind kind) {
+ProcessingOptions ReadProcessing(const config::Section& root, types::JointKind kind) {
   ProcessingOptions out;
   const config::Section block = root.ChildOrEmpty("processing");
   out.state_cutoff_Hz = block.NumberOr("state_cutoff_Hz", out.state_cutoff_Hz, config::kPositive);
@@ -14,12 +14,12 @@ ProcessingOptions ReadProcessing(const config::Section& root, effects::JointKind
   out.parallel_order =
       static_cast<int>(block.IntegerOr("parallel_order", out.parallel_order, {1, 20}));
   out.rest_velocity = block.NumberOr(
-      kind == effects::JointKind::kRotary ? "rest_velocity_rad_s" : "rest_velocity_m_s",
+      kind == types::JointKind::kRotary ? "rest_velocity_rad_s" : "rest_velocity_m_s",
       out.rest_velocity, config::kPositive);
   out.reversal_guard_s =
       block.NumberOr("reversal_guard_s", out.reversal_guard_s, config::kNotNegative);
   out.settle_distance = block.NumberOr(
-      kind == effects::JointKind::kRotary ? "settle_distance_rad" : "settle_distance_m",
+      kind == types::JointKind::kRotary ? "settle_distance_rad" : "settle_distance_m",
       out.settle_distance, config::kNotNegative);
   out.border_s = block.NumberOr("border_s", out.border_s, config::kNotNegative);
   out.longest_gap_s = block.NumberOr("longest_gap_s", out.longest_gap_s, config::kPositive);

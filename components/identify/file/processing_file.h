@@ -30,7 +30,7 @@
 namespace sinew::identify {
 
 // root: the whole model file.
-ProcessingOptions ReadProcessing(const config::Section& root, effects::JointKind kind);
+ProcessingOptions ReadProcessing(const config::Section& root, types::JointKind kind);
 std::optional<AsPublishedOptions> ReadAsPublished(const config::Section& root);
 
 }  // namespace sinew::identify

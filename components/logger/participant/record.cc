@@ -7,7 +7,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
-#include <ctime>
 #include <memory>
 #include <optional>
 
@@ -15,6 +14,7 @@
 #include "components/logger/recorder.h"
 #include "components/node/version.h"
 #include "components/recording/file/file_io.h"
+#include "components/types/clock/utc.h"
 
 namespace sinew::logger {
 
@@ -50,15 +50,6 @@ std::vector<const node::TopicInfo*> ChooseTopics(const std::vector<std::string>&
   return topics;
 }
 
-std::string UtcNow() {
-  const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  ::gmtime_r(&now, &utc);
-  char text[32];
-  std::strftime(text, sizeof(text), "%Y-%m-%dT%H:%M:%SZ", &utc);
-  return text;
-}
-
 recording::McapMetadata Describe(const node::Options& options,
                                  const std::vector<std::string>& notes) {
   recording::McapMetadata metadata{"sinew.recording", {}};
@@ -78,7 +69,7 @@ recording::McapMetadata Describe(const node::Options& options,
   metadata.values["seed"] = std::to_string(options.seed);
   metadata.values["recorder"] = options.name;
   metadata.values["host"] = host;
-  metadata.values["started"] = UtcNow();
+  metadata.values["started"] = types::UtcNow();
   return metadata;
 }
 

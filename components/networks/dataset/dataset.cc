@@ -13,8 +13,8 @@
 namespace sinew::networks {
 namespace {
 
-using identify::Signal;
 using identify::UniformSegment;
+using types::Signal;
 
 constexpr int kFilterOrder = 4;
 constexpr double kLargestCutoffShare = 0.45;  // of the rate
@@ -23,7 +23,7 @@ constexpr double kPush_N = 1.0;
 const Eigen::VectorXd& Need(const UniformSegment& segment, Signal signal, const std::string& run) {
   const auto found = segment.signals.find(signal);
   if (found == segment.signals.end()) {
-    throw std::invalid_argument(run + ": no signal '" + std::string(identify::SignalName(signal)) +
+    throw std::invalid_argument(run + ": no signal '" + std::string(types::SignalName(signal)) +
                                 "', which the task needs");
   }
   return found->second;
@@ -147,7 +147,7 @@ const TaskInfo& InfoOf(Task task) {
   return infos[static_cast<std::size_t>(task)];
 }
 
-std::vector<esn::Sequence> MakeTable(const std::vector<identify::Run>& runs,
+std::vector<esn::Sequence> MakeTable(const std::vector<types::Run>& runs,
                                      const TableConfig& config) {
   if (!(config.period_s > 0.0) || !(config.smoothing_Hz > 0.0) || config.blocks < 1 ||
       !(config.train_share > 0.0 && config.train_share <= 1.0) || !(config.gear_ratio > 0.0)) {
@@ -157,7 +157,7 @@ std::vector<esn::Sequence> MakeTable(const std::vector<identify::Run>& runs,
   }
   if (runs.empty()) throw std::invalid_argument("table: no recording");
   std::vector<esn::Sequence> sequences;
-  for (const identify::Run& run : runs) {
+  for (const types::Run& run : runs) {
     for (const UniformSegment& segment : identify::MakeUniform(run).segments) {
       Columns c = config.task == Task::kSea   ? Sea(segment, config, run.name)
                   : config.task == Task::kPea ? Pea(segment, config, run.name)

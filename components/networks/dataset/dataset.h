@@ -23,7 +23,7 @@
 #include <vector>
 
 #include "components/esn/training.h"
-#include "components/identify/run.h"
+#include "components/types/run.h"
 
 namespace sinew::networks {
 
@@ -50,7 +50,7 @@ struct TableConfig {
   bool whole_sea_set = false;  // keep what comes after the link no longer comes back
 };
 
-std::vector<esn::Sequence> MakeTable(const std::vector<identify::Run>& runs,
+std::vector<esn::Sequence> MakeTable(const std::vector<types::Run>& runs,
                                      const TableConfig& config);
 
 }  // namespace sinew::networks

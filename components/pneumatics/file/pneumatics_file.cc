@@ -1,13 +1,13 @@
 #include "components/pneumatics/file/pneumatics_file.h"
 
+#include "components/types/joints.h"
+
 namespace sinew::pneumatics {
 namespace {
 
 using config::kNotNegative;
 using config::kPositive;
 using config::Section;
-
-constexpr std::size_t kMaxJoints = 12;
 
 RelayTimes ReadRelay(const Section& parent, std::string_view key, RelayTimes times) {
   const Section s = parent.ChildOrEmpty(key);
@@ -89,9 +89,9 @@ PneumaticsConfig ReadPneumatics(const config::Section& section) {
   config.motion_timeout_s =
       section.NumberOr("motion_timeout_s", config.motion_timeout_s, kPositive);
   const std::vector<Section> joints = section.List("joints");
-  if (joints.empty() || joints.size() > kMaxJoints) {
+  if (joints.empty() || joints.size() > types::kMaxJoints) {
     section.Fail("joints", "has " + std::to_string(joints.size()) + " entries, expected 1 to " +
-                               std::to_string(kMaxJoints));
+                               std::to_string(types::kMaxJoints));
   }
   for (const Section& joint : joints) config.joints.push_back(ReadJoint(joint));
   section.RejectUnknownKeys();

@@ -8,7 +8,6 @@
 #include <sinew_idl/sensors.h>
 #include <sinew_idl/simulation.h>
 #include <spdlog/spdlog.h>
-#include <time.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -19,6 +18,9 @@
 #include "components/node/codec.h"
 #include "components/node/node.h"
 #include "components/provider/work_time.h"
+#include "components/types/clock/clock.h"
+#include "components/types/control_mode.h"
+#include "components/types/robot_state.h"
 
 namespace sinew::provider {
 
@@ -26,6 +28,11 @@ namespace {
 
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
+using types::ControlMode;
+using types::EpochNow_ns;
+using types::MonotonicNow_ns;
+using types::Origin;
+using types::RobotState;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::uint64_t kNever = ~std::uint64_t{0};
@@ -48,12 +55,6 @@ std::uint64_t SessionFromSeed(std::uint64_t seed) {
 std::uint64_t RandomSession() {
   std::random_device device;
   return ((static_cast<std::uint64_t>(device()) << 32) | device()) | 1u;
-}
-
-std::int64_t EpochNow() {
-  return std::chrono::duration_cast<nanoseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
 }
 
 msg::RobotState ToMessage(RobotState state) {
@@ -84,18 +85,18 @@ Origin FromMessage(msg::Origin origin) {
   return Origin::kReplay;
 }
 
-Mode FromMessage(msg::CommandMode mode) {
+ControlMode FromMessage(msg::CommandMode mode) {
   switch (mode) {
     case msg::COMMAND_IDLE:
-      return Mode::kIdle;
+      return ControlMode::kIdle;
     case msg::COMMAND_TORQUE:
-      return Mode::kTorque;
+      return ControlMode::kTorque;
     case msg::COMMAND_POSITION:
-      return Mode::kPosition;
+      return ControlMode::kPosition;
     case msg::COMMAND_VELOCITY:
-      return Mode::kVelocity;
+      return ControlMode::kVelocity;
   }
-  return Mode::kIdle;
+  return ControlMode::kIdle;
 }
 
 class Provider {
@@ -140,9 +141,9 @@ class Provider {
     if (options_.arm) guard_.Arm(session_id_, 0);
     node_.SetState(node::Node::State::kActive);
     const auto start = Clock::now();
-    std::int64_t deadline_ns = MonotonicNow();
+    std::int64_t deadline_ns = MonotonicNow_ns();
     for (tick_ = 0; !stop_.requested(); ++tick_) {
-      work_.Resume(MonotonicNow());
+      work_.Resume(MonotonicNow_ns());
       TakeOperatorCommands();
       Publish();
       if (lockstep_) {
@@ -156,16 +157,16 @@ class Provider {
           AwaitJointCommand(deadline_ns - wait_ns);
           plant_.Act(Assess(), period_s_);
         }
-        work_.Pause(MonotonicNow());
+        work_.Pause(MonotonicNow_ns());
         SleepUntil(&deadline_ns);
-        work_.Resume(MonotonicNow());
+        work_.Resume(MonotonicNow_ns());
       }
       TakeCommands();
       if (lockstep_ || !plant_.acts_at_once()) Assess();
       plant_.Step(command_, period_s_, &sensors_);
       AssessFaults();
       Report();
-      work_.Pause(MonotonicNow());
+      work_.Pause(MonotonicNow_ns());
       work_.EndCycle();
       if (tick_ == last_tick_) break;
     }
@@ -243,7 +244,7 @@ class Provider {
   void Publish() {
     stamp_ns_ = lockstep_ ? static_cast<std::int64_t>(
                                 std::llround(static_cast<double>(tick_) * 1e9 / options_.rate_Hz))
-                          : EpochNow();
+                          : EpochNow_ns();
     const int joints = plant_.joint_count();
     FillHeader(&state_.header());
     node_.SetCycle(session_id_, tick_, stamp_ns_, static_cast<int>(state_.header().origin()));
@@ -403,11 +404,11 @@ class Provider {
       command_.motor_torque_Nm[j] = 0.0;
       switch (sensors_.joint_fault[j] ? Verdict::kIdle : verdict) {
         case Verdict::kIdle:
-          command_.mode[j] = Mode::kIdle;
+          command_.mode[j] = ControlMode::kIdle;
           break;
         case Verdict::kPass:
           command_.mode[j] =
-              j < accepted_.joint_count() ? FromMessage(accepted_.mode()[j]) : Mode::kIdle;
+              j < accepted_.joint_count() ? FromMessage(accepted_.mode()[j]) : ControlMode::kIdle;
           command_.motor_torque_Nm[j] = accepted_.motor_torque_Nm()[j];
           command_.position_rad[j] = accepted_.position_rad()[j];
           command_.velocity_rad_s[j] = accepted_.velocity_rad_s()[j];
@@ -415,17 +416,17 @@ class Provider {
               !std::isfinite(command_.position_rad[j]) ||
               !std::isfinite(command_.velocity_rad_s[j])) {
             guard_.Fault();
-            command_.mode[j] = Mode::kIdle;
+            command_.mode[j] = ControlMode::kIdle;
             command_.motor_torque_Nm[j] = 0.0;
           }
           break;
         case Verdict::kHold:
           if (!holding_) command_.position_rad[j] = sensors_.position_rad[j];
-          command_.mode[j] = Mode::kPosition;
+          command_.mode[j] = ControlMode::kPosition;
           command_.velocity_rad_s[j] = 0.0;
           break;
         case Verdict::kDamp:
-          command_.mode[j] = Mode::kTorque;
+          command_.mode[j] = ControlMode::kTorque;
           command_.motor_torque_Nm[j] =
               -guard_config_.damping_Nm_s_rad * sensors_.motor_velocity_rad_s[j];
           break;
@@ -482,11 +483,11 @@ class Provider {
       const RobotState state = guard_.state();
       if (state != RobotState::kArmed && state != RobotState::kDamped) return;
       if (joint_answered_->load() >= tick_ + 1) return;
-      const std::int64_t left_ns = give_up_ns - MonotonicNow();
+      const std::int64_t left_ns = give_up_ns - MonotonicNow_ns();
       if (left_ns <= 0) return;
-      work_.Pause(MonotonicNow());
+      work_.Pause(MonotonicNow_ns());
       node_.WaitForData(std::chrono::microseconds(left_ns / 1000 + 1));
-      work_.Resume(MonotonicNow());
+      work_.Resume(MonotonicNow_ns());
     }
   }
 
@@ -496,14 +497,8 @@ class Provider {
     }
   }
 
-  static std::int64_t MonotonicNow() {
-    timespec now{};
-    ::clock_gettime(CLOCK_MONOTONIC, &now);
-    return now.tv_sec * 1000000000ll + now.tv_nsec;
-  }
-
   void SleepUntil(std::int64_t* deadline_ns) {
-    const std::int64_t late = MonotonicNow() - *deadline_ns;
+    const std::int64_t late = MonotonicNow_ns() - *deadline_ns;
     if (late > 0) {
       ++overruns_;
       ++counts_.missed_ticks;

@@ -51,9 +51,9 @@ double ReadSign(const config::Section& section) {
 }
 
 // Only an encoder has a zero that a recording may begin with.
-bool ReadZero(const config::Section& section, identify::Signal signal) {
+bool ReadZero(const config::Section& section, types::Signal signal) {
   if (!section.Has("zero_per_recording")) return false;
-  if (signal != identify::Signal::kPosition && signal != identify::Signal::kMotorPosition) {
+  if (signal != types::Signal::kPosition && signal != types::Signal::kMotorPosition) {
     section.Fail("zero_per_recording",
                  "beside a signal without an encoder, expected it at position or motor_position");
   }
@@ -63,8 +63,8 @@ bool ReadZero(const config::Section& section, identify::Signal signal) {
 CsvMap Read(const config::Section& section) {
   CsvMap map;
   map.name = section.file().string();
-  map.kind = section.Choice("kind", {"rotary", "linear"}) == "linear" ? effects::JointKind::kLinear
-                                                                      : effects::JointKind::kRotary;
+  map.kind = section.Choice("kind", {"rotary", "linear"}) == "linear" ? types::JointKind::kLinear
+                                                                      : types::JointKind::kRotary;
   const std::string delimiter =
       section.ChoiceOr("delimiter", "comma", {"comma", "semicolon", "tab", "space"});
   map.delimiter = delimiter == "semicolon" ? ';'
@@ -87,11 +87,11 @@ CsvMap Read(const config::Section& section) {
   }
   const config::Section signals = section.Child("signals");
   for (const std::string& name : signals.Keys()) {
-    const auto signal = identify::SignalFromName(name);
+    const auto signal = types::SignalFromName(name);
     if (!signal) {
       std::string list;
-      for (const identify::Signal known : identify::AllSignals()) {
-        list += (list.empty() ? "" : ", ") + std::string(identify::SignalName(known));
+      for (const types::Signal known : types::AllSignals()) {
+        list += (list.empty() ? "" : ", ") + std::string(types::SignalName(known));
       }
       signals.Fail(name, "is no signal, expected one of: " + list);
     }

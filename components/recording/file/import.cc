@@ -21,7 +21,7 @@ ImportResult ImportCsv(const std::vector<std::filesystem::path>& csv_paths,
                        const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
   const CsvMap csv_map = LoadCsvMap(map);
   ImportResult result;
-  std::vector<identify::Run> runs;
+  std::vector<types::Run> runs;
   try {
     for (const std::filesystem::path& path : csv_paths) {
       runs.push_back(ReadCsvRun(config::ReadFile(path), path.string(), csv_map));
@@ -31,7 +31,7 @@ ImportResult ImportCsv(const std::vector<std::filesystem::path>& csv_paths,
     McapWriter writer(sink);
     Check(writer.Open(), out);
     std::uint64_t done = 0;
-    for (const identify::Run& run : runs) {
+    for (const types::Run& run : runs) {
       Check(writer.WriteMetadata({"sinew.import",
                                   {{"csv", std::filesystem::path(run.name).filename().string()},
                                    {"mapping", map.filename().string()},
@@ -40,7 +40,7 @@ ImportResult ImportCsv(const std::vector<std::filesystem::path>& csv_paths,
             out);
     }
     RunImporter importer(find_schema, writer);
-    for (const identify::Run& run : runs) {
+    for (const types::Run& run : runs) {
       Check(importer.Add(run,
                          [&](Eigen::Index row) {
                            if (progress)

@@ -12,8 +12,8 @@ namespace sinew::recording {
 
 namespace {
 
-std::vector<identify::Run> ReadWhole(const RecordingPath& path, const std::filesystem::path& map,
-                                     int joint) {
+std::vector<types::Run> ReadWhole(const RecordingPath& path, const std::filesystem::path& map,
+                                  int joint) {
   const std::string name = path.file.string();
   if (path.IsMcap()) {
     FileSource source(path.file);
@@ -28,15 +28,15 @@ std::vector<identify::Run> ReadWhole(const RecordingPath& path, const std::files
 
 }  // namespace
 
-std::vector<identify::Run> ReadRuns(const std::filesystem::path& path,
-                                    const std::filesystem::path& map, int joint) {
+std::vector<types::Run> ReadRuns(const std::filesystem::path& path,
+                                 const std::filesystem::path& map, int joint) {
   const RecordingPath given = ParseRecordingPath(path);
   try {
-    std::vector<identify::Run> runs = ReadWhole(given, map, joint);
+    std::vector<types::Run> runs = ReadWhole(given, map, joint);
     if (!given.range) return runs;
-    std::vector<identify::Run> cut;
+    std::vector<types::Run> cut;
     std::string nothing;
-    for (const identify::Run& run : runs) {
+    for (const types::Run& run : runs) {
       try {
         cut.push_back(CutRun(run, *given.range));
       } catch (const std::invalid_argument& error) {

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "components/identify/run.h"
+#include "components/types/run.h"
 
 namespace sinew::recording {
 
@@ -20,7 +20,7 @@ namespace sinew::recording {
 //
 // joint: index of the joint in a recording; CSV mappings describe one joint, so it must be 0 there.
 // Throws UsageError naming the file and line, key or byte.
-std::vector<identify::Run> ReadRuns(const std::filesystem::path& path,
-                                    const std::filesystem::path& map = {}, int joint = 0);
+std::vector<types::Run> ReadRuns(const std::filesystem::path& path,
+                                 const std::filesystem::path& map = {}, int joint = 0);
 
 }  // namespace sinew::recording

@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <string_view>
 
+#include "components/types/joints.h"
+
 namespace sinew::reference {
 namespace {
 
@@ -227,9 +229,9 @@ LoadedReference ReadReference(const config::Section& section) {
                             : StartRule::kArmed;
   loaded.config.start_delay_s = section.NumberOr("start_delay_s", 0.0, kNotNegative);
   const std::vector<Section> joints = section.List("joints");
-  if (joints.empty() || joints.size() > static_cast<std::size_t>(kMaxJoints)) {
+  if (joints.empty() || joints.size() > static_cast<std::size_t>(types::kMaxJoints)) {
     section.Fail("joints", "has " + std::to_string(joints.size()) + " entries, expected 1 to " +
-                               std::to_string(kMaxJoints));
+                               std::to_string(types::kMaxJoints));
   }
   for (std::size_t j = 0; j < joints.size(); ++j) {
     loaded.config.joints.push_back(ReadJoint(joints[j], j, &loaded));

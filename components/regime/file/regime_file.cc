@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <numbers>
 
+#include "components/types/joints.h"
+
 namespace sinew::regime {
 namespace {
 
 using config::kNotNegative;
 using config::kPositive;
 using config::Section;
-
-constexpr std::size_t kMaxJoints = 12;
 
 DetectorConfig ReadJoint(const Section& s) {
   DetectorConfig joint;
@@ -61,9 +61,9 @@ bool RegimeConfig::requests_motion() const {
 RegimeConfig ReadRegime(const config::Section& section) {
   RegimeConfig config;
   const std::vector<Section> joints = section.List("joints");
-  if (joints.empty() || joints.size() > kMaxJoints) {
+  if (joints.empty() || joints.size() > types::kMaxJoints) {
     section.Fail("joints", "has " + std::to_string(joints.size()) + " entries, expected 1 to " +
-                               std::to_string(kMaxJoints));
+                               std::to_string(types::kMaxJoints));
   }
   for (const Section& joint : joints) config.joints.push_back(ReadJoint(joint));
   section.RejectUnknownKeys();

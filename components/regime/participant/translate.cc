@@ -2,16 +2,18 @@
 
 #include <algorithm>
 
+#include "components/types/regime.h"
+
 namespace sinew::regime {
 namespace {
 
-msg::RegimeKind ToMessage(Regime regime) {
+msg::RegimeKind ToMessage(types::Regime regime) {
   switch (regime) {
-    case Regime::kSea:
+    case types::Regime::kSea:
       return msg::REGIME_SEA;
-    case Regime::kPea:
+    case types::Regime::kPea:
       return msg::REGIME_PEA;
-    case Regime::kUnknown:
+    case types::Regime::kUnknown:
       break;
   }
   return msg::REGIME_UNKNOWN;

@@ -33,7 +33,7 @@ Json Value(double value, const std::optional<double>& half_width, bool fixed) {
 }
 
 // Parameters of a term, linear ones in their own units (actuator::PhysicalTerm).
-Json Parameters(const actuator::Term& term, effects::JointKind kind) {
+Json Parameters(const actuator::Term& term, types::JointKind kind) {
   const effects::EffectInfo& info = term.effect->info();
   Json out = Json::object();
   const auto add = [&](const effects::ParameterInfo& parameter,
@@ -154,7 +154,7 @@ Json Simulated(const Report& report) {
   }
   const free_run::FreeRun& run = *report.free_run.errors;
   const bool closed = run.method == free_run::Method::kClosedLoop;
-  Json out = {{"unit", report.trace.corrected.kind == effects::JointKind::kRotary ? "rad" : "m"},
+  Json out = {{"unit", report.trace.corrected.kind == types::JointKind::kRotary ? "rad" : "m"},
               {"method", closed ? "closed_loop" : "horizons"},
               {"horizon_s", closed ? Json(nullptr) : Json(run.horizon_s)},
               {"before", run.models.at(kRefittedModel).rms},

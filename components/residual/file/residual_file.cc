@@ -4,14 +4,13 @@
 #include <string>
 
 #include "components/actuator/file/model_file.h"
+#include "components/types/joints.h"
 
 namespace sinew::residual {
 namespace {
 
 using config::kNotNegative;
 using config::kPositive;
-
-constexpr std::size_t kMostJoints = 12;
 constexpr double kAnyPeriod_s = 1e-3;  // figures that do not go together show at any
 
 }  // namespace
@@ -36,9 +35,9 @@ ResidualConfig ReadResidual(const config::Section& s, const std::filesystem::pat
   m.settle_distance_rad = s.NumberOr("settle_distance_rad", m.settle_distance_rad, kNotNegative);
   m.not_excited_after_s = s.NumberOr("not_excited_after_s", m.not_excited_after_s, kPositive);
   s.RejectUnknownKeys();
-  if (config.robot.joints.empty() || config.robot.joints.size() > kMostJoints) {
+  if (config.robot.joints.empty() || config.robot.joints.size() > types::kMaxJoints) {
     s.Fail("model", "has " + std::to_string(config.robot.joints.size()) +
-                        " joints, expected 1 to " + std::to_string(kMostJoints));
+                        " joints, expected 1 to " + std::to_string(types::kMaxJoints));
   }
   for (const actuator::JointModel& joint : config.robot.joints) {
     try {

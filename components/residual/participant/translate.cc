@@ -4,23 +4,23 @@
 #include <cmath>
 #include <utility>
 
-#include "components/identify/run.h"
+#include "components/types/run.h"
 
 namespace sinew::residual {
 namespace {
 
 // Fields of JointSample that a model may read, with the signal that gives them.
-constexpr std::pair<std::string_view, identify::Signal> kFields[] = {
-    {"pressure_bar", identify::Signal::kChamberPressure},
-    {"pressure_rate_bar_s", identify::Signal::kChamberPressure},
-    {"load_force_N", identify::Signal::kLoadForce},
-    {"payload_kg", identify::Signal::kPayload},
-    {"temperature_degC", identify::Signal::kTemperature},
-    {"valve_open", identify::Signal::kValveOpen},
+constexpr std::pair<std::string_view, types::Signal> kFields[] = {
+    {"pressure_bar", types::Signal::kChamberPressure},
+    {"pressure_rate_bar_s", types::Signal::kChamberPressure},
+    {"load_force_N", types::Signal::kLoadForce},
+    {"payload_kg", types::Signal::kPayload},
+    {"temperature_degC", types::Signal::kTemperature},
+    {"valve_open", types::Signal::kValveOpen},
 };
 
-bool IsMeasured(std::uint32_t flags, identify::Signal signal) {
-  return (flags >> static_cast<unsigned>(signal)) & 1u;
+bool IsMeasured(std::uint32_t flags, types::Signal signal) {
+  return (flags & types::SignalBit(signal)) != 0;
 }
 
 bool HasVoltageDrive(const actuator::JointModel& joint) { return joint.Find("drive_voltage") >= 0; }
@@ -71,20 +71,19 @@ void RobotResidual::Begin(const node::Tick& tick, const msg::JointState& state,
                      std::to_string(state.joint_count()));
   }
   const std::uint32_t flags = actuator.measured_flags();
-  has_motor_ = IsMeasured(flags, identify::Signal::kMotorPosition);
+  has_motor_ = IsMeasured(flags, types::Signal::kMotorPosition);
   for (const actuator::JointModel& joint : config_.robot.joints) {
-    const auto need = [&](identify::Signal signal, const std::string& reader) {
+    const auto need = [&](types::Signal signal, const std::string& reader) {
       if (IsMeasured(flags, signal)) return;
       throw UsageError("joint '" + joint.name + "': the model's term '" + reader + "' reads '" +
-                       std::string(identify::SignalName(signal)) +
+                       std::string(types::SignalName(signal)) +
                        "', which this robot does not measure");
     };
     for (const actuator::Term& term : joint.terms) {
       const effects::EffectInfo& info = term.effect->info();
       if (!joint.Counts(term)) continue;
       if (info.role == effects::Role::kDrive) {
-        need(HasVoltageDrive(joint) ? identify::Signal::kDriveVoltage
-                                    : identify::Signal::kMotorCurrent,
+        need(HasVoltageDrive(joint) ? types::Signal::kDriveVoltage : types::Signal::kMotorCurrent,
              info.name);
       }
       for (const std::string& field : info.needs) {

@@ -31,7 +31,7 @@ void ReadPneumatics(const Section& section, plant::PneumaticConfig* pneumatics) 
 
 WorldJointConfig ReadJoint(const Section& section, const actuator::JointModel& model) {
   WorldJointConfig joint;
-  const bool rotary = model.kind == effects::JointKind::kRotary;
+  const bool rotary = model.kind == types::JointKind::kRotary;
   joint.position_rad = section.NumberOr(rotary ? "position_rad" : "position_m", 0.0);
   joint.declared_payload_kg = section.NumberOr("declared_payload_kg", 0.0, config::kNotNegative);
   joint.plant.motor_temperature_degC =

@@ -22,6 +22,7 @@
 #include "bridge/can/transport/socketcan.h"
 #include "bridge/can/transport/virtual_can.h"
 #include "components/config/config.h"
+#include "components/types/clock/clock.h"
 
 namespace sinew::can {
 namespace {
@@ -117,8 +118,8 @@ TEST(VirtualCan, FullQueueIsToldAndCountedAsDropped) {
   for (int i = 0; i < 50; ++i)
     ASSERT_EQ(a.Send(Data(0x1, {1, 2, 3, 4, 5, 6, 7, 8})), SendStatus::kOk);
   Received received;
-  const auto give_up = MonotonicNow() + 10'000'000'000;
-  while (a.counters().dropped < 40 && MonotonicNow() < give_up)
+  const auto give_up = types::MonotonicNow_ns() + 10'000'000'000;
+  while (a.counters().dropped < 40 && types::MonotonicNow_ns() < give_up)
     (void)a.Receive(milliseconds(10), &received);
   EXPECT_GE(a.counters().dropped, 40U);
   EXPECT_EQ(a.counters().sent + a.counters().dropped, 50U);
@@ -130,8 +131,8 @@ TEST(VirtualCan, TwoNodesWithOneIdentifierEndInBusOffAndComeBack) {
   VirtualCan a({path}), b({path});
   Received received;
   bool seen = false;
-  const auto give_up = MonotonicNow() + 20'000'000'000;
-  for (int i = 0; !seen && MonotonicNow() < give_up; ++i) {
+  const auto give_up = types::MonotonicNow_ns() + 20'000'000'000;
+  for (int i = 0; !seen && types::MonotonicNow_ns() < give_up; ++i) {
     // Neither knows of the other; as soon as both are offered while the bus is busy they collide.
     (void)a.Send(Data(0x1, {1}));
     (void)b.Send(Data(0x1, {2}));
@@ -142,7 +143,7 @@ TEST(VirtualCan, TwoNodesWithOneIdentifierEndInBusOffAndComeBack) {
   ASSERT_TRUE(seen);
   EXPECT_EQ(a.Send(Data(0x1, {1})), SendStatus::kDown);
   EXPECT_GE(a.counters().error_frames, 32U);
-  while (a.link() == Link::kBusOff && MonotonicNow() < give_up)
+  while (a.link() == Link::kBusOff && types::MonotonicNow_ns() < give_up)
     (void)a.Receive(milliseconds(5), &received);
   EXPECT_EQ(a.link(), Link::kUp);
 }

@@ -13,14 +13,15 @@
 #include <stdexcept>
 
 #include "bridge/can/bit_timing.h"
+#include "components/types/control_mode.h"
 #include "tests/bridge/joints/plant_bench.h"
 #include "tests/support/allocations.h"
 
 namespace sinew::bridge {
 namespace {
 
-using provider::Mode;
 using std::chrono::milliseconds;
+using types::ControlMode;
 
 TEST(CanPlant, SensorsAreThePlantsThroughFrames) {
   Bench bench;
@@ -99,7 +100,7 @@ TEST(CanPlant, IdleEndsTheTorqueWithinTwoCyclesAndTheAxisGoesIdle) {
   bench.command.motor_torque_Nm[0] = 0.001;
   bench.Steps(5);
   ASSERT_GT(bench.rotors.torque_Nm[0], 0.0);
-  bench.command.mode[0] = Mode::kIdle;
+  bench.command.mode[0] = ControlMode::kIdle;
   bench.Steps(2);
   EXPECT_EQ(bench.rotors.torque_Nm[0], 0.0);
   EXPECT_EQ(bench.axes->axis_state(0), can::AxisState::kIdle);
@@ -262,7 +263,7 @@ TEST(CanPlant, PositionModeLeavesTheMeasuredPositionWithoutAJumpAndNoFasterThanT
     }
   });
   bench.command.position_rad[0] = -9.0;  // beyond the limit as well
-  bench.Arm(Mode::kPosition);
+  bench.Arm(ControlMode::kPosition);
   bench.Steps(240 * 6);
   EXPECT_FALSE(first);
   EXPECT_NEAR(bench.rotors.angle_rad[0] / 100.0, -1.5, 0.01) << "held at lower_rad";
@@ -274,7 +275,7 @@ TEST(CanPlant, VelocityModeIsLimited) {
   bench.config.joints[0].limits.velocity_rad_s = 0.5;
   bench.Start();
   bench.command.velocity_rad_s[0] = 3.0;
-  bench.Arm(Mode::kVelocity);
+  bench.Arm(ControlMode::kVelocity);
   bench.Steps(60);
   EXPECT_NEAR(bench.rotors.velocity_rad_s[0] / 100.0, 0.5, 0.05);
 }
@@ -283,8 +284,8 @@ TEST(CanPlant, ModeChangesWithoutPassingThroughATorqueStep) {
   Bench bench;
   bench.rotors.angle_rad[0] = 20.0;
   bench.Start();
-  bench.Arm(Mode::kTorque);
-  bench.command.mode[0] = Mode::kPosition;
+  bench.Arm(ControlMode::kTorque);
+  bench.command.mode[0] = ControlMode::kPosition;
   bench.command.position_rad[0] = 0.2;
   bench.Steps(120);
   EXPECT_NEAR(bench.rotors.angle_rad[0], 20.0, 0.5);
@@ -306,7 +307,7 @@ TEST(CanPlant, AxisErrorIsAFaultWithItsNameAndItsCauseAndClearsByReset) {
   bench.Steps(100);
   EXPECT_TRUE(bench.faulty()) << "latched";
   bench.plant->ClearFault();
-  bench.command.mode[0] = Mode::kIdle;
+  bench.command.mode[0] = ControlMode::kIdle;
   bench.Steps(60);
   EXPECT_FALSE(bench.faulty()) << bench.sensors.message;
   EXPECT_TRUE(bench.sensors.message.empty());
@@ -397,7 +398,7 @@ TEST(CanPlant, ZeroCheckRefusesToArmAJointWhoseEncodersDisagree) {
   EXPECT_EQ(bench.plant->fault(0), FaultKind::kZero);
   EXPECT_NE(bench.sensors.message.find("zero check"), std::string::npos) << bench.sensors.message;
   bench.plant->ClearFault();
-  bench.command.mode[0] = Mode::kTorque;
+  bench.command.mode[0] = ControlMode::kTorque;
   bench.command.motor_torque_Nm[0] = 0.1;
   bench.Steps(60);
   EXPECT_EQ(bench.plant->fault(0), FaultKind::kZero) << "a reset is no homing";
@@ -421,7 +422,7 @@ TEST(CanPlant, HomingFindsTheWholeTurnsByTheOutputEncoder) {
     EXPECT_NEAR(bench.sensors.motor_position_rad[0],
                 100.0 * bench.sensors.position_rad[0] + within_a_turn_rad, 1e-3);
     // A position command means the output's position, whatever the controller counts.
-    bench.Arm(Mode::kPosition);
+    bench.Arm(ControlMode::kPosition);
     bench.command.position_rad[0] = 0.3;
     bench.Steps(480);
     EXPECT_FALSE(bench.faulty()) << bench.sensors.message;
@@ -487,7 +488,7 @@ TEST(CanPlant, AxisThatNeverClosesItsLoopIsAFaultAfterASecondAndGetsNoTorque) {
   provider::PlantSensors sensors;
   plant.Reset(&sensors);
   provider::PlantCommand command;
-  command.mode[0] = Mode::kTorque;
+  command.mode[0] = ControlMode::kTorque;
   command.motor_torque_Nm[0] = 0.001;
   const std::int64_t start_ns = bus.now_ns();
   while (plant.fault(0) == FaultKind::kNone && bus.now_ns() < 3'000 * kMs_ns) {
@@ -676,7 +677,7 @@ TEST(CanPlant, FuzzedFramesNeverMakeASetpointBeyondTheLimitsNorToAnotherJoint) {
     std::shuffle(bus.frames.begin(), bus.frames.end(), random);
     bus.next = 0;
     bus.now += kPeriod_ns;
-    command.mode[1] = random() % 8 == 0 ? Mode::kPosition : Mode::kTorque;
+    command.mode[1] = random() % 8 == 0 ? ControlMode::kPosition : ControlMode::kTorque;
     command.motor_torque_Nm[1] =
         1e-3 * static_cast<double>(static_cast<int>(random() % 2001) - 1000);
     command.position_rad[1] = 1e-3 * static_cast<double>(static_cast<int>(random() % 4001) - 2000);
@@ -699,7 +700,7 @@ TEST(CanPlant, ActAndStepTakeNothingFromTheHeap) {
   provider::PlantSensors sensors;
   plant.Reset(&sensors);
   provider::PlantCommand command;
-  command.mode[0] = Mode::kTorque;
+  command.mode[0] = ControlMode::kTorque;
   command.motor_torque_Nm[0] = 0.001;
   const long before = test::Allocations();
   for (int i = 0; i < 500; ++i) {

@@ -16,12 +16,13 @@
 #include "bridge/can/transport/memory_can.h"
 #include "bridge/joints/can_plant.h"
 #include "bridge/virtual_axes/virtual_axes.h"
+#include "components/types/control_mode.h"
 #include "tests/bridge/virtual_axes/rotors.h"
 
 namespace sinew::bridge {
 
-using provider::Mode;
 using test::Rotors;
+using types::ControlMode;
 
 inline constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 inline constexpr std::int64_t kMs_ns = 1'000'000;
@@ -140,7 +141,7 @@ class Bench {
     for (int i = 0; i < count; ++i) Step();
   }
   // Until the joints are in closed loop.
-  void Arm(Mode mode = Mode::kTorque) {
+  void Arm(ControlMode mode = ControlMode::kTorque) {
     next_ns_ = buses[0]->now_ns();
     for (std::size_t j = 0; j < config.joints.size(); ++j) command.mode[j] = mode;
     for (int i = 0; i < 100; ++i) {

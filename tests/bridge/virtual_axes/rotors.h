@@ -7,6 +7,8 @@
 #include <optional>
 
 #include "components/provider/plant.h"
+#include "components/types/control_mode.h"
+#include "components/types/joints.h"
 
 namespace sinew::test {
 
@@ -31,16 +33,16 @@ class Rotors : public provider::Plant {
         const double dt_s = period_s / kSteps;
         double torque = 0.0;
         switch (command.mode[j]) {
-          case provider::Mode::kIdle:
+          case types::ControlMode::kIdle:
             break;
-          case provider::Mode::kTorque:
+          case types::ControlMode::kTorque:
             torque = command.motor_torque_Nm[j];
             break;
-          case provider::Mode::kPosition:
+          case types::ControlMode::kPosition:
             torque = 5e-3 * (gear_ratio_ * command.position_rad[j] - angle_rad[j]) -
                      4e-4 * velocity_rad_s[j];
             break;
-          case provider::Mode::kVelocity:
+          case types::ControlMode::kVelocity:
             torque = 2e-3 * (gear_ratio_ * command.velocity_rad_s[j] - velocity_rad_s[j]);
             break;
         }
@@ -54,11 +56,11 @@ class Rotors : public provider::Plant {
   }
 
   // At the motor shaft.
-  std::array<double, provider::kMaxJoints> angle_rad{};
-  std::array<double, provider::kMaxJoints> velocity_rad_s{};
-  std::array<double, provider::kMaxJoints> torque_Nm{};
-  std::array<double, provider::kMaxJoints> pressure_bar{};
-  std::array<double, provider::kMaxJoints> temperature_degC{};
+  types::JointArray<double> angle_rad{};
+  types::JointArray<double> velocity_rad_s{};
+  types::JointArray<double> torque_Nm{};
+  types::JointArray<double> pressure_bar{};
+  types::JointArray<double> temperature_degC{};
   std::optional<provider::BodySensors> body;
   provider::PlantCommand last_command;
 

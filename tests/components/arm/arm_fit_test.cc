@@ -15,7 +15,7 @@
 namespace sinew::arm {
 namespace {
 
-using identify::Signal;
+using types::Signal;
 
 // All joints revolute, as one model file has one kind of joint in its mapping.
 world::Chain Revolute(double scale) {
@@ -60,7 +60,7 @@ ArmRuns Recorded(double seconds, std::uint64_t seed) {
   constexpr double kFrequency_Hz[] = {0.13, 0.37, 0.81};
   ArmRuns runs(4);
   for (auto& of_joint : runs) {
-    identify::Run run;
+    types::Run run;
     run.name = "run_" + std::to_string(seed);
     run.time_s = Eigen::VectorXd::LinSpaced(n, 0.0, static_cast<double>(n - 1) / 200.0);
     run.signals[Signal::kPosition] = Eigen::VectorXd(n);

@@ -78,7 +78,7 @@ TEST(ControlFile, AnotherModelMayTakeThePlaceOfTheNamedOne) {
                                  kRig + ", force_limit_N: 350, pid: {proportional_N_m: 1000}}]\n",
                              "control.yaml", "sinew-control/1"),
       kEmps);
-  EXPECT_EQ(config.joints[0].model->kind, effects::JointKind::kLinear);
+  EXPECT_EQ(config.joints[0].model->kind, types::JointKind::kLinear);
 }
 
 TEST(ControlFile, APrismaticAxisCarriesNewtonsAndMetres) {

@@ -8,6 +8,8 @@
 
 #include "components/control/robot_controller.h"
 #include "components/reference/generator.h"
+#include "components/types/control_mode.h"
+#include "components/types/regime.h"
 #include "tests/components/control/terms.h"
 #include "tests/components/control/test_plant.h"
 #include "tests/support/allocations.h"
@@ -83,7 +85,7 @@ TEST(RobotController, IsIdleUntilArmed) {
   input.reference[0] = {1.0, 0.0, 0.0};
   for (int k = 0; k < 100; ++k) {
     const RobotOutput out = controller.Step(input);
-    EXPECT_EQ(out.joint[0].mode, CommandMode::kIdle);
+    EXPECT_EQ(out.joint[0].mode, types::ControlMode::kIdle);
     EXPECT_EQ(out.joint[0].motor_torque_Nm, 0.0);
     EXPECT_FALSE(out.stale);
   }
@@ -93,7 +95,7 @@ TEST(RobotController, ArmedWithoutReferenceHoldsWhereTheJointStands) {
   RobotController controller({RigConfig(Strategy::kPid)});
   for (int k = 0; k < 100; ++k) {
     const RobotOutput out = controller.Step(Still(0.4));
-    EXPECT_EQ(out.joint[0].mode, CommandMode::kTorque);
+    EXPECT_EQ(out.joint[0].mode, types::ControlMode::kTorque);
     EXPECT_EQ(out.joint[0].motor_torque_Nm, 0.0);  // zero case: no error, no torque
     EXPECT_EQ(out.joint[0].position_rad, 0.4);
     EXPECT_FALSE(out.stale);
@@ -156,7 +158,7 @@ TEST(RobotController, NetworkIsChosenByRegimeAndAnUnknownRegimeLeavesItOut) {
   input.reference_count = 1;
   input.prediction_fresh = input.regime_fresh = true;
   input.prediction[0] = {true, 1.0, -2.0, 0.0};
-  const auto settle = [&](Regime regime) {
+  const auto settle = [&](types::Regime regime) {
     input.regime[0] = regime;
     double torque_Nm = 0.0, largest_step_Nm = 0.0;
     double before_Nm = controller.Step(input).joint[0].motor_torque_Nm;
@@ -168,15 +170,15 @@ TEST(RobotController, NetworkIsChosenByRegimeAndAnUnknownRegimeLeavesItOut) {
     EXPECT_LE(largest_step_Nm, 0.2 * 3.0 * config.shaft_per_output) << "the change fades";
     return torque_Nm;
   };
-  EXPECT_NEAR(settle(Regime::kUnknown), 0.0, 1e-12);
-  EXPECT_NEAR(settle(Regime::kSea), 1.0 * config.shaft_per_output, 1e-7);
-  EXPECT_NEAR(settle(Regime::kPea), -2.0 * config.shaft_per_output, 1e-7);
+  EXPECT_NEAR(settle(types::Regime::kUnknown), 0.0, 1e-12);
+  EXPECT_NEAR(settle(types::Regime::kSea), 1.0 * config.shaft_per_output, 1e-7);
+  EXPECT_NEAR(settle(types::Regime::kPea), -2.0 * config.shaft_per_output, 1e-7);
   input.regime_fresh = false;
-  EXPECT_NEAR(settle(Regime::kPea), 0.0, 1e-6);
+  EXPECT_NEAR(settle(types::Regime::kPea), 0.0, 1e-6);
   EXPECT_TRUE(controller.Step(input).stale);
   input.regime_fresh = true;
   input.prediction[0].valid = false;
-  EXPECT_NEAR(settle(Regime::kPea), 0.0, 1e-6);
+  EXPECT_NEAR(settle(types::Regime::kPea), 0.0, 1e-6);
 }
 
 TEST(RobotController, AFeedForwardThatBeginsTakesTheIntegralsPlace) {
@@ -192,7 +194,7 @@ TEST(RobotController, AFeedForwardThatBeginsTakesTheIntegralsPlace) {
   ASSERT_GT(before_Nm, proportional_Nm + 0.5 * config.shaft_per_output);
   // The network gives what the integral had: the command goes on, and the integral is empty.
   input.prediction_fresh = input.regime_fresh = true;
-  input.regime[0] = Regime::kPea;
+  input.regime[0] = types::Regime::kPea;
   const double held_Nm = before_Nm - proportional_Nm;
   input.prediction[0] = {true, 0.0, 2.0 * held_Nm / config.shaft_per_output, 0.0};
   const JointOutput first = controller.Step(input).joint[0];
@@ -223,12 +225,12 @@ TEST(RobotController, ANetworkThatGivesNoNumberIsLeftOutAndTold) {
   RobotInput input = Still(0.0);
   input.reference_count = 1;
   input.prediction_fresh = input.regime_fresh = true;
-  input.regime[0] = Regime::kPea;
+  input.regime[0] = types::Regime::kPea;
   input.prediction[0] = {true, 0.0, kNaN, 0.0};
   const RobotOutput out = controller.Step(input);
   EXPECT_EQ(out.fault, Fault::kNonFinitePrediction);
   EXPECT_TRUE(out.stale);
-  EXPECT_EQ(out.joint[0].mode, CommandMode::kTorque);
+  EXPECT_EQ(out.joint[0].mode, types::ControlMode::kTorque);
   EXPECT_EQ(out.joint[0].motor_torque_Nm, 0.0);
   input.prediction[0] = {true, 0.0, 0.0, 0.0};
   EXPECT_EQ(controller.Step(input).fault, Fault::kNone) << "not latched";
@@ -241,15 +243,15 @@ TEST(RobotController, NonFiniteStateOrReferenceLatchesAFaultUntilDisarmed) {
     RobotOutput out = controller.Step(bad);
     EXPECT_EQ(out.fault, fault);
     EXPECT_TRUE(out.stale);
-    EXPECT_EQ(out.joint[0].mode, CommandMode::kIdle);
+    EXPECT_EQ(out.joint[0].mode, types::ControlMode::kIdle);
     EXPECT_EQ(out.joint[0].motor_torque_Nm, 0.0);
     out = controller.Step(Still(0.1));
     EXPECT_EQ(out.fault, fault) << "latched";
-    EXPECT_EQ(out.joint[0].mode, CommandMode::kIdle);
+    EXPECT_EQ(out.joint[0].mode, types::ControlMode::kIdle);
     RobotInput disarmed = Still(0.1);
     disarmed.armed = false;
     EXPECT_EQ(controller.Step(disarmed).fault, Fault::kNone);
-    EXPECT_EQ(controller.Step(Still(0.1)).joint[0].mode, CommandMode::kTorque);
+    EXPECT_EQ(controller.Step(Still(0.1)).joint[0].mode, types::ControlMode::kTorque);
   };
   RobotInput bad = Still(kNaN);
   check(bad, Fault::kNonFiniteState);
@@ -274,8 +276,8 @@ TEST(RobotController, AFaultOfOneJointSwitchesAllOff) {
   input.joint[1].position_rad = kNaN;
   const RobotOutput out = controller.Step(input);
   EXPECT_EQ(out.fault_joint, 1);
-  EXPECT_EQ(out.joint[0].mode, CommandMode::kIdle);
-  EXPECT_EQ(out.joint[1].mode, CommandMode::kIdle);
+  EXPECT_EQ(out.joint[0].mode, types::ControlMode::kIdle);
+  EXPECT_EQ(out.joint[1].mode, types::ControlMode::kIdle);
 }
 
 TEST(RobotController, TooLargeATrackingErrorIsAFault) {
@@ -305,7 +307,7 @@ TEST(RobotController, ALostReferenceIsMarkedAndTheJointStaysThenDamps) {
       input.reference[0] = {99.0, 99.0, 99.0};  // must not be read
       const RobotOutput out = controller.Step(input);
       EXPECT_TRUE(out.stale);
-      EXPECT_EQ(out.joint[0].mode, CommandMode::kTorque);
+      EXPECT_EQ(out.joint[0].mode, types::ControlMode::kTorque);
       if (k < 3 || on_stale == OnStale::kHold) {
         EXPECT_NEAR(out.joint[0].position_rad, 0.299, 1e-12);
         EXPECT_EQ(out.joint[0].velocity_rad_s, 0.0);
@@ -383,7 +385,7 @@ TEST(RobotController, PositionStrategyGivesTheDriveTheReference) {
   input.reference_count = 1;
   input.reference[0] = {0.45, 0.3, 1.0};
   const RobotOutput out = controller.Step(input);
-  EXPECT_EQ(out.joint[0].mode, CommandMode::kPosition);
+  EXPECT_EQ(out.joint[0].mode, types::ControlMode::kPosition);
   EXPECT_EQ(out.joint[0].position_rad, 0.45);
   EXPECT_EQ(out.joint[0].velocity_rad_s, 0.3);
 }
@@ -526,7 +528,7 @@ TEST(RobotController, AMillionStepsAllocateNothingAndStayBounded) {
       input.reference[0] = {0.5 * std::sin(phase), 1.2 * std::cos(phase), -2.88 * std::sin(phase)};
       input.joint[0].position_rad = 0.45 * std::sin(phase - 0.1);
       input.joint[0].velocity_rad_s = 1.08 * std::cos(phase - 0.1);
-      input.regime[0] = static_cast<Regime>((k / 1000) % 3);
+      input.regime[0] = static_cast<types::Regime>((k / 1000) % 3);
       input.prediction[0] = {true, std::cos(phase), std::sin(phase), 0.0};
       input.reference_fresh = k % 5000 > 10;
       input.motion[0].kind = k % 7000 > 6000 ? Motion::kHold : Motion::kNone;

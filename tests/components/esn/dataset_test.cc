@@ -15,7 +15,7 @@
 namespace sinew::esn {
 namespace {
 
-using Measured = identify::Signal;
+using Measured = types::Signal;
 
 constexpr double kBacklash_rad = 0.0464;
 
@@ -57,10 +57,10 @@ Motion At(double t) {
 }
 
 // Sampled at rate_Hz; the motor leads by the play to the side that the torque pushes.
-identify::Run Record(double seconds, double rate_Hz, double noise, double centre_rad = 0.0) {
+types::Run Record(double seconds, double rate_Hz, double noise, double centre_rad = 0.0) {
   NormalGenerator random(4);
   const Eigen::Index count = static_cast<Eigen::Index>(seconds * rate_Hz);
-  identify::Run run;
+  types::Run run;
   run.name = "synthetic";
   run.time_s.resize(count);
   Eigen::VectorXd q(count), motor(count), current(count), pressure(count), force(count);
@@ -121,7 +121,7 @@ TEST(Dataset, InputsAreTheMotionAndItsDerivativesAndTheTargetIsTheDriveTorque) {
 }
 
 TEST(Dataset, SamplesInsideAndOutsideThePlayShareTheRecording) {
-  const std::vector<identify::Run> runs = {Record(20.0, 240.0, 0.0)};
+  const std::vector<types::Run> runs = {Record(20.0, 240.0, 0.0)};
   const Dataset inside = MakeDataset(runs, RigModel(), Config(Region::kInside));
   const Dataset outside = MakeDataset(runs, RigModel(), Config(Region::kOutside));
   EXPECT_GT(inside.inside, 100);
@@ -147,7 +147,7 @@ TEST(Dataset, SamplesInsideAndOutsideThePlayShareTheRecording) {
 }
 
 TEST(Dataset, SamplesNearTheOtherRegionTeachNothingWhenGuarded) {
-  const std::vector<identify::Run> runs = {Record(20.0, 240.0, 0.0)};
+  const std::vector<types::Run> runs = {Record(20.0, 240.0, 0.0)};
   DatasetConfig config = Config(Region::kOutside);
   const Sequence open = MakeDataset(runs, RigModel(), config).sequences.at(0);
   constexpr int kGuard = 36;
@@ -215,7 +215,7 @@ TEST(Dataset, ANetworkLearnsTheInverseDynamicsOfASyntheticRig) {
 
 TEST(Dataset, NamesTheSignalThatIsMissing) {
   const auto message = [](auto change) {
-    identify::Run run = Record(5.0, 240.0, 0.0);
+    types::Run run = Record(5.0, 240.0, 0.0);
     actuator::JointModel model = RigModel();
     DatasetConfig config = Config(Region::kOutside);
     change(run, model, config);
@@ -226,7 +226,7 @@ TEST(Dataset, NamesTheSignalThatIsMissing) {
     }
     return std::string("accepted");
   };
-  using R = identify::Run;
+  using R = types::Run;
   using M = actuator::JointModel;
   using C = DatasetConfig;
   EXPECT_EQ(message([](R&, M&, C&) {}), "accepted");

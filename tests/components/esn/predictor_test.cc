@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "components/types/regime.h"
 #include "tests/support/allocations.h"
 
 namespace sinew::esn {
@@ -33,15 +34,15 @@ Frame At(double position_rad) {
 TEST(Predictor, TheRegimeChoosesTheNetworkAndNobodyGuesses) {
   Predictor predictor(Constant(1.5), Constant(-2.5));
   EXPECT_TRUE(predictor.needs_regime());
-  Prediction p = predictor.Step(At(0.1), Regime::kSea);
+  Prediction p = predictor.Step(At(0.1), types::Regime::kSea);
   EXPECT_TRUE(p.valid[0]);
   EXPECT_EQ(p.torque_Nm[0], 1.5);
   EXPECT_EQ(p.chosen, Which::kSea);
-  p = predictor.Step(At(0.1), Regime::kPea);
+  p = predictor.Step(At(0.1), types::Regime::kPea);
   EXPECT_TRUE(p.valid[0]);
   EXPECT_EQ(p.torque_Nm[0], -2.5);
   EXPECT_EQ(p.chosen, Which::kPea);
-  p = predictor.Step(At(0.1), Regime::kUnknown);
+  p = predictor.Step(At(0.1), types::Regime::kUnknown);
   EXPECT_FALSE(p.valid[0]);
   EXPECT_EQ(p.torque_Nm[0], 0.0);
   EXPECT_FALSE(p.chosen.has_value());
@@ -53,7 +54,8 @@ TEST(Predictor, TheRegimeChoosesTheNetworkAndNobodyGuesses) {
 TEST(Predictor, OneNetworkCountsInEveryRegime) {
   Predictor predictor(std::nullopt, Constant(-2.5));
   EXPECT_FALSE(predictor.needs_regime());
-  for (const Regime regime : {Regime::kUnknown, Regime::kSea, Regime::kPea}) {
+  for (const types::Regime regime :
+       {types::Regime::kUnknown, types::Regime::kSea, types::Regime::kPea}) {
     const Prediction p = predictor.Step(At(0.1), regime);
     EXPECT_TRUE(p.valid[0]);
     EXPECT_EQ(p.torque_Nm[0], -2.5);
@@ -67,8 +69,8 @@ TEST(Predictor, BothNetworksRunInWhicheverCounts) {
   Predictor switched(Constant(1.0), Constant(2.0));
   Predictor steady(Constant(1.0), Constant(2.0));
   for (int t = 0; t < 50; ++t) {
-    switched.Step(At(0.01 * t), t % 2 == 0 ? Regime::kSea : Regime::kPea);
-    steady.Step(At(0.01 * t), Regime::kPea);
+    switched.Step(At(0.01 * t), t % 2 == 0 ? types::Regime::kSea : types::Regime::kPea);
+    steady.Step(At(0.01 * t), types::Regime::kPea);
   }
   EXPECT_EQ(Eigen::VectorXd(switched.network(Which::kSea).state()),
             steady.network(Which::kSea).state());
@@ -79,16 +81,16 @@ TEST(Predictor, BothNetworksRunInWhicheverCounts) {
 
 TEST(Predictor, ANetworkThatLacksAnInputHasNoPrediction) {
   Predictor predictor(Constant(1.0, {{Signal::kPlayAngle, 0}}), Constant(2.0));
-  Prediction p = predictor.Step(At(0.1), Regime::kSea);
+  Prediction p = predictor.Step(At(0.1), types::Regime::kSea);
   EXPECT_FALSE(p.valid[0]);
   EXPECT_FALSE(p.chosen.has_value());
   EXPECT_EQ(p.torque_Nm[0], 0.0);
-  p = predictor.Step(At(0.1), Regime::kPea);
+  p = predictor.Step(At(0.1), types::Regime::kPea);
   EXPECT_TRUE(p.valid[0]);
   Frame frame = At(0.1);
   frame.Set(Signal::kPlayAngle, 0, 0.02);
-  EXPECT_TRUE(predictor.Step(frame, Regime::kSea).valid[0]);
-  EXPECT_FALSE(predictor.Step(At(std::nan("")), Regime::kPea).valid[0]);
+  EXPECT_TRUE(predictor.Step(frame, types::Regime::kSea).valid[0]);
+  EXPECT_FALSE(predictor.Step(At(std::nan("")), types::Regime::kPea).valid[0]);
 }
 
 TEST(Predictor, TakesAdaptedReadoutsByVersion) {
@@ -97,7 +99,7 @@ TEST(Predictor, TakesAdaptedReadoutsByVersion) {
   readout(0, 0) = 3.0;
   EXPECT_EQ(predictor.readout_version(Which::kPea), 0u);
   EXPECT_TRUE(predictor.SetReadout(Which::kPea, 17, readout));
-  EXPECT_EQ(predictor.Step(At(0.0), Regime::kUnknown).torque_Nm[0], 3.0);
+  EXPECT_EQ(predictor.Step(At(0.0), types::Regime::kUnknown).torque_Nm[0], 3.0);
   EXPECT_EQ(predictor.readout_version(Which::kPea), 17u);
   EXPECT_FALSE(predictor.SetReadout(Which::kSea, 18, readout));
   readout(0, 0) = std::nan("");
@@ -111,7 +113,7 @@ TEST(Predictor, OneNetworkMayServeSeveralJoints) {
   Predictor predictor(std::nullopt, Constant(4.0, inputs, 6));
   Frame frame;
   for (int joint = 0; joint < 6; ++joint) frame.Set(Signal::kReferencePosition, joint, 0.1 * joint);
-  const Prediction p = predictor.Step(frame, Regime::kUnknown);
+  const Prediction p = predictor.Step(frame, types::Regime::kUnknown);
   EXPECT_EQ(p.joint_count, 6);
   for (std::size_t j = 0; j < 6; ++j) EXPECT_TRUE(p.valid[j] && p.torque_Nm[j] == 4.0);
   EXPECT_FALSE(p.valid[6]);
@@ -137,7 +139,7 @@ TEST(Predictor, StepTakesNoMemory) {
   const Frame frame = At(0.1);
   bool good = true;
   const long before = test::Allocations();
-  for (int t = 0; t < 100; ++t) good = good && predictor.Step(frame, Regime::kPea).valid[0];
+  for (int t = 0; t < 100; ++t) good = good && predictor.Step(frame, types::Regime::kPea).valid[0];
   const long taken = test::Allocations() - before;
   EXPECT_EQ(taken, 0);
   EXPECT_TRUE(good);

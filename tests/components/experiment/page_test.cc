@@ -64,13 +64,13 @@ TEST(Rows, CsvHasALineForEachRow) {
 }
 
 TEST(Rows, ARunIsReadFromAnInstantOnAndItsClockStartsThere) {
-  identify::Run run;
+  types::Run run;
   run.name = "test";
   run.time_s = Eigen::Vector3d(10.0, 11.0, 12.0);
-  run.signals[identify::Signal::kPosition] = Eigen::Vector3d(1.0, 2.0, 3.0);
-  run.signals[identify::Signal::kMotorPosition] = Eigen::Vector3d(100.0, 200.0, 300.0);
+  run.signals[types::Signal::kPosition] = Eigen::Vector3d(1.0, 2.0, 3.0);
+  run.signals[types::Signal::kMotorPosition] = Eigen::Vector3d(100.0, 200.0, 300.0);
   EXPECT_THROW((void)RowsOfRun(run, 0.0), std::invalid_argument);  // no current
-  run.signals[identify::Signal::kMotorCurrent] = Eigen::Vector3d::Zero();
+  run.signals[types::Signal::kMotorCurrent] = Eigen::Vector3d::Zero();
   const Recording rows = RowsOfRun(run, 10.5);
   ASSERT_EQ(rows.size(), 2u);
   EXPECT_NEAR(rows[0].time_s, 0.5, 1e-12);

@@ -12,12 +12,12 @@
 namespace sinew::free_run {
 namespace {
 
-using identify::Run;
-using identify::Signal;
 using identify::SyntheticModel;
 using identify::SyntheticProcessing;
 using identify::SyntheticRun;
 using identify::TermOf;
+using types::Run;
+using types::Signal;
 
 constexpr double kInertia_kg_m2 = 0.02;
 constexpr double kViscous_Nm_s_rad = 0.05;
@@ -150,7 +150,7 @@ TEST(FreeRun, WithoutAServoTheRecordedDriveMovesItForHalfASecondAtATime) {
   const actuator::JointModel truth = SyntheticModel();
   actuator::JointModel heavy = truth;
   heavy.terms[4].linear[0].value *= 1.3;  // gravity
-  const identify::Run run = SyntheticRun(truth, {.duration_s = 20.0, .noise_A = 0.0});
+  const types::Run run = SyntheticRun(truth, {.duration_s = 20.0, .noise_A = 0.0});
   const FreeRunResult result = Compare({run}, {heavy, truth}, SyntheticProcessing());
   ASSERT_TRUE(result.errors.has_value()) << result.why_not;
   EXPECT_EQ(result.errors->method, Method::kHorizons);
@@ -168,7 +168,7 @@ TEST(FreeRun, AModelThatRunsAwayForTheMostPartHasNoErrorAndTakesNoneFromTheOther
   light.terms[1].linear[0].value *= 0.05;  // inertia
   light.terms[0].linear[0].value *= 8.0;   // efficiency
   heavy.terms[1].linear[0].value *= 1.3;
-  const identify::Run run = SyntheticRun(truth, {.duration_s = 20.0, .noise_A = 0.0});
+  const types::Run run = SyntheticRun(truth, {.duration_s = 20.0, .noise_A = 0.0});
   const FreeRunResult three = Compare({run}, {light, heavy, truth}, SyntheticProcessing());
   ASSERT_TRUE(three.errors.has_value()) << three.why_not;
   EXPECT_GT(2 * three.errors->models[0].diverged, three.errors->models[0].pieces);
@@ -184,9 +184,9 @@ TEST(FreeRun, PartsJoinToTheErrorOverAllSamples) {
   const actuator::JointModel truth = SyntheticModel();
   actuator::JointModel heavy = truth;
   heavy.terms[1].linear[0].value *= 1.3;  // inertia
-  const identify::Run a = SyntheticRun(truth, {.duration_s = 20.0, .seed = 1});
-  const identify::Run b = SyntheticRun(truth, {.duration_s = 10.0, .seed = 2});
-  const auto compare = [&](const std::vector<identify::Run>& runs) {
+  const types::Run a = SyntheticRun(truth, {.duration_s = 20.0, .seed = 1});
+  const types::Run b = SyntheticRun(truth, {.duration_s = 10.0, .seed = 2});
+  const auto compare = [&](const std::vector<types::Run>& runs) {
     return Compare(runs, {heavy, truth}, SyntheticProcessing());
   };
   const FreeRunResult joined = Join({compare({a}), compare({b})}), whole = compare({a, b});
@@ -203,7 +203,7 @@ TEST(FreeRun, PartsJoinToTheErrorOverAllSamples) {
 
 TEST(FreeRun, AModelWithoutInertiaSaysWhyItCannotRun) {
   actuator::JointModel still = Without(SyntheticModel(), "inertia");
-  const identify::Run run = SyntheticRun(SyntheticModel(), {.duration_s = 20.0});
+  const types::Run run = SyntheticRun(SyntheticModel(), {.duration_s = 20.0});
   const FreeRunResult result = Compare({run}, {still, still}, SyntheticProcessing());
   EXPECT_FALSE(result.errors.has_value());
   EXPECT_NE(result.why_not.find("inertia"), std::string::npos) << result.why_not;

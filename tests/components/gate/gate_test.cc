@@ -12,7 +12,7 @@
 namespace sinew::gate {
 namespace {
 
-using identify::Signal;
+using types::Signal;
 
 // Two recordings of the surrogate at 80 Hz; made once.
 const scene::Recorded& Recorded() {
@@ -67,10 +67,10 @@ TEST(Gate, EveryRuleIsExpectedByAPlantedFault) {
 }
 
 TEST(Gate, TheNoiseOfAJointAtRestIsNoWrappedAngle) {
-  std::vector<identify::Run> runs = Recorded().train;
+  std::vector<types::Run> runs = Recorded().train;
   std::mt19937_64 random(1);
   std::normal_distribution<double> noise(0.0, 1e-4);
-  for (identify::Run& run : runs) {
+  for (types::Run& run : runs) {
     for (const Signal signal : {Signal::kPosition, Signal::kMotorPosition}) {
       for (double& value : run.signals.at(signal)) value = noise(random);
     }
@@ -84,8 +84,8 @@ TEST(Gate, TheNoiseOfAJointAtRestIsNoWrappedAngle) {
 TEST(Gate, ASpeedThatStaysIsNotFrozenWhereTheAngleMovesByIt) {
   constexpr Eigen::Index kRows = 15;
   const auto stays = [&](double times) {
-    std::vector<identify::Run> runs = Recorded().train;
-    identify::Run& run = runs.front();
+    std::vector<types::Run> runs = Recorded().train;
+    types::Run& run = runs.front();
     const Eigen::VectorXd& q = run.At(Signal::kPosition);
     Eigen::VectorXd& v = run.signals[Signal::kVelocity];
     const auto quickest = [&](Eigen::Index i) { return v.segment(i, kRows).cwiseAbs().minCoeff(); };
@@ -150,7 +150,7 @@ TEST(Gate, ASpikeIsReportedWithItsRow) {
 TEST(Gate, OtherUnitsOfTheCurrentGiveTheSameStatistics) {
   scene::Recorded recorded = Recorded();
   const GateReport before = ExamineData(recorded.train, recorded.declared);
-  for (identify::Run& run : recorded.train) run.signals[Signal::kMotorCurrent] *= 1000.0;
+  for (types::Run& run : recorded.train) run.signals[Signal::kMotorCurrent] *= 1000.0;
   recorded.declared.constants.torque_constant_Nm_A /= 1000.0;
   for (actuator::Term& term : recorded.declared.terms) {
     const std::string name = term.effect->info().name;
@@ -171,7 +171,7 @@ TEST(Gate, OtherUnitsOfTheCurrentGiveTheSameStatistics) {
 // What happens on a sound rig and has to pass: findings and the tracer's business.
 TEST(Gate, ALateVelocityAWrongGainAndSaturationAreNoFaults) {
   scene::Recorded recorded = Recorded();
-  for (identify::Run& run : recorded.train) {
+  for (types::Run& run : recorded.train) {
     Eigen::VectorXd& current = run.signals[Signal::kMotorCurrent];
     current *= 1.25;
     const double limit = 0.6 * current.cwiseAbs().maxCoeff();
@@ -198,7 +198,7 @@ TEST(Gate, AMissingConstantNamesTheLineToAdd) {
 }
 
 TEST(Gate, ARecordingOfFewRowsIsNotAssessed) {
-  identify::Run run;
+  types::Run run;
   run.name = "short";
   run.time_s = Eigen::VectorXd::LinSpaced(3, 0.0, 0.2);
   run.signals[Signal::kPosition] = Eigen::VectorXd::Zero(3);
@@ -208,7 +208,7 @@ TEST(Gate, ARecordingOfFewRowsIsNotAssessed) {
 }
 
 TEST(Gate, ChannelsOfAnotherLengthAreRefused) {
-  identify::Run run;
+  types::Run run;
   run.time_s = Eigen::VectorXd::LinSpaced(3, 0.0, 0.2);
   run.signals[Signal::kPosition] = Eigen::VectorXd::Zero(2);
   EXPECT_THROW(ExamineData({run}, Recorded().declared), std::invalid_argument);

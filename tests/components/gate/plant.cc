@@ -15,8 +15,8 @@ namespace sinew::gate {
 
 namespace {
 
-using identify::Run;
-using identify::Signal;
+using types::Run;
+using types::Signal;
 using Runs = std::vector<Run>;
 using Random = std::mt19937_64;
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "components/actuator/model.h"
-#include "components/identify/run.h"
+#include "components/types/run.h"
 
 namespace sinew::gate {
 
@@ -19,7 +19,7 @@ struct FaultKind {
 const std::vector<FaultKind>& FaultKinds();
 
 // Plants one fault. Throws std::invalid_argument for a name that FaultKinds does not have.
-void Plant(const std::string& name, std::uint64_t seed, std::vector<identify::Run>* runs,
+void Plant(const std::string& name, std::uint64_t seed, std::vector<types::Run>* runs,
            actuator::JointModel* model);
 
 }  // namespace sinew::gate

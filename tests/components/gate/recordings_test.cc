@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 struct Set {
   actuator::JointModel model;
-  std::vector<identify::Run> runs;
+  std::vector<types::Run> runs;
 };
 
 std::vector<fs::path> CsvFiles(const fs::path& folder, const std::string& prefix = "") {
@@ -37,7 +37,7 @@ Set Load(const fs::path& model, const fs::path& map, const std::vector<fs::path>
   Set out;
   out.model = actuator::LoadRobotModel(model).joints.at(joint);
   for (const fs::path& file : files) {
-    for (identify::Run& run : recording::ReadRuns(file, map, static_cast<int>(joint))) {
+    for (types::Run& run : recording::ReadRuns(file, map, static_cast<int>(joint))) {
       run.name = file.filename().string();
       out.runs.push_back(std::move(run));
     }
@@ -118,16 +118,16 @@ TEST(GateRecordings, EmpsPassesAndItsFaultsAreFound) {
   ExpectNoStop(set, "emps");
   for (const double factor : {-1.0, 1000.0}) {
     Set faulty = set;
-    for (identify::Run& run : faulty.runs) run.signals[identify::Signal::kDriveVoltage] *= factor;
+    for (types::Run& run : faulty.runs) run.signals[types::Signal::kDriveVoltage] *= factor;
     EXPECT_TRUE(ExamineData(faulty.runs, faulty.model).stops()) << "drive times " << factor;
   }
   Set millimetres = set;
-  for (identify::Run& run : millimetres.runs) run.signals[identify::Signal::kPosition] *= 1000.0;
+  for (types::Run& run : millimetres.runs) run.signals[types::Signal::kPosition] *= 1000.0;
   EXPECT_TRUE(ExamineData(millimetres.runs, millimetres.model).stops());
   ExpectFound(set, "spike_position", "emps");
   ExpectFound(set, "frozen_position", "emps");
   Set stuck = set;
-  Eigen::VectorXd& drive = stuck.runs.front().signals[identify::Signal::kDriveVoltage];
+  Eigen::VectorXd& drive = stuck.runs.front().signals[types::Signal::kDriveVoltage];
   const Eigen::Index rows = drive.size();
   drive.segment(rows / 3, rows / 5).setConstant(drive[rows / 3]);
   const GateReport report = ExamineData(stuck.runs, stuck.model);
@@ -140,13 +140,13 @@ TEST(GateRecordings, TheServoWithAPendulumPassesAndItsFaultsAreFound) {
   NEEDS_SHARED("bam_xl330_pendulum");
   const Set set = LoadRobot("bam_xl330", "bam_xl330_pendulum");
   ExpectNoStop(set, "bam_xl330");
-  for (const auto& [signal, factor] : {std::pair{identify::Signal::kDriveVoltage, -1.0},
-                                       std::pair{identify::Signal::kDriveVoltage, 1000.0},
-                                       std::pair{identify::Signal::kPosition, 57.29578}}) {
+  for (const auto& [signal, factor] : {std::pair{types::Signal::kDriveVoltage, -1.0},
+                                       std::pair{types::Signal::kDriveVoltage, 1000.0},
+                                       std::pair{types::Signal::kPosition, 57.29578}}) {
     Set faulty = set;
-    for (identify::Run& run : faulty.runs) run.signals[signal] *= factor;
+    for (types::Run& run : faulty.runs) run.signals[signal] *= factor;
     EXPECT_TRUE(ExamineData(faulty.runs, faulty.model).stops())
-        << identify::SignalName(signal) << " times " << factor;
+        << types::SignalName(signal) << " times " << factor;
   }
 }
 

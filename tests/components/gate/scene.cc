@@ -10,10 +10,10 @@
 namespace sinew::scene {
 namespace {
 
-using identify::Signal;
 using surrogate::ExcitationKind;
 using surrogate::RandomStream;
 using surrogate::RigParameters;
+using types::Signal;
 
 constexpr double kRestAngle_rad = 0.16;
 constexpr double kStateCutoff_Hz = 20.0;
@@ -37,10 +37,10 @@ RigParameters LabRig() {
   return rig;
 }
 
-identify::Run ToRun(const std::vector<surrogate::LogRow>& rows, const std::string& name) {
-  identify::Run run;
+types::Run ToRun(const std::vector<surrogate::LogRow>& rows, const std::string& name) {
+  types::Run run;
   run.name = name;
-  run.kind = effects::JointKind::kRotary;
+  run.kind = types::JointKind::kRotary;
   const auto n = static_cast<Eigen::Index>(rows.size());
   run.time_s.resize(n);
   const auto fill = [&](Signal signal, auto value) {
@@ -146,7 +146,7 @@ actuator::JointModel Declare(actuator::JointModel model, std::uint64_t seed) {
   return model;
 }
 
-void AddColouredNoise(double size_A, std::uint64_t seed, identify::Run* run) {
+void AddColouredNoise(double size_A, std::uint64_t seed, types::Run* run) {
   RandomStream random(seed, kStreamColoured);
   Eigen::VectorXd& current = run->signals[Signal::kMotorCurrent];
   double noise_A = size_A * random.Gaussian();
@@ -216,9 +216,9 @@ Recorded Record(const Scene& scene) {
                                          .log_every = scene.log_every,
                                          .seed = seed};
     if (scene.silent) options.jitter_s = options.stamp_error_s = options.lost_share = 0.0;
-    identify::Run run = ToRun(surrogate::RunExperiment(run_rig, options, excitation),
-                              (held_out ? "held_out" : "train_" + std::to_string(k + 1)) +
-                                  std::string("_seed_") + std::to_string(scene.seed));
+    types::Run run = ToRun(surrogate::RunExperiment(run_rig, options, excitation),
+                           (held_out ? "held_out" : "train_" + std::to_string(k + 1)) +
+                               std::string("_seed_") + std::to_string(scene.seed));
     if (scene.coloured_noise_A > 0.0) AddColouredNoise(scene.coloured_noise_A, seed, &run);
     (held_out ? out.held_out : out.train).push_back(std::move(run));
   }

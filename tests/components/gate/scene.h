@@ -9,7 +9,7 @@
 
 #include "components/actuator/model.h"
 #include "components/identify/processing.h"
-#include "components/identify/run.h"
+#include "components/types/run.h"
 #include "sim/surrogate/excitation.h"
 #include "sim/surrogate/undeclared.h"
 
@@ -29,7 +29,7 @@ struct Scene {
 };
 
 struct Recorded {
-  std::vector<identify::Run> train, held_out;
+  std::vector<types::Run> train, held_out;
   actuator::JointModel declared;  // nominal values 5 to 15 % off, tolerances of 15 %
   actuator::JointModel specimen;  // the same terms at their true values
   identify::ProcessingOptions processing;

@@ -62,10 +62,10 @@ TEST(Fit, IntervalsCoverTheTruth) {
 
 TEST(Fit, WithoutAKnownTorqueTheScaleStaysNominal) {
   actuator::JointModel truth = SyntheticModel();
-  identify::Run run = SyntheticRun(truth, {});
+  types::Run run = SyntheticRun(truth, {});
   truth.terms.pop_back();  // no load cell in the model
   run = SyntheticRun(truth, {});
-  run.signals.erase(Signal::kLoadForce);
+  run.signals.erase(types::Signal::kLoadForce);
   const Design design = MakeDesign({run}, truth);
   actuator::JointModel model = truth;
   model.terms[0].linear[0].value = 0.9;
@@ -104,8 +104,8 @@ TEST(AsPublished, RecoversALinearModelFromItsOwnData) {
   actuator::JointModel truth = SyntheticModel();
   truth.terms.pop_back();
   truth.terms[0].linear[0].fixed = true;
-  const identify::Run train = SyntheticRun(truth, {.seed = 1, .noise_A = 0.05});
-  const identify::Run cross = SyntheticRun(truth, {.seed = 2, .noise_A = 0.05});
+  const types::Run train = SyntheticRun(truth, {.seed = 1, .noise_A = 0.05});
+  const types::Run cross = SyntheticRun(truth, {.seed = 2, .noise_A = 0.05});
   actuator::JointModel model = truth;
   model.terms[2].linear[0].value = 0.0;
   const AsPublishedResult result =
@@ -124,7 +124,7 @@ TEST(AsPublished, RecoversALinearModelFromItsOwnData) {
 
 TEST(AsPublished, GapsAndShortRecordingsAreRefused) {
   actuator::JointModel truth = SyntheticModel();
-  const identify::Run run = SyntheticRun(truth, {.duration_s = 3.0});
+  const types::Run run = SyntheticRun(truth, {.duration_s = 3.0});
   EXPECT_THROW(RunAsPublished(run, run, truth, {.border_samples = 400}), std::invalid_argument);
 }
 

@@ -7,14 +7,14 @@
 namespace sinew::identify {
 namespace {
 
-Run Measured() {
+types::Run Measured() {
   return SyntheticRun(SyntheticModel(),
                       {.rate_Hz = 100.0, .duration_s = 20.0, .seed = 5, .noise_A = 0.05});
 }
 
 // m - 1 rows on the line between every two.
-Run Upsampled(const Run& run, int m) {
-  Run out = run;
+types::Run Upsampled(const types::Run& run, int m) {
+  types::Run out = run;
   const Eigen::Index rows = (run.size() - 1) * m + 1;
   const auto fill = [&](const Eigen::VectorXd& x) {
     Eigen::VectorXd y(rows);
@@ -31,27 +31,28 @@ Run Upsampled(const Run& run, int m) {
 }
 
 TEST(Interpolated, TheMeasuredRowsAreLeft) {
-  const identify::Run run = Measured();
+  const types::Run run = Measured();
   for (const int m : {2, 4, 10}) {
-    const identify::Run more = Upsampled(run, m);
+    const types::Run more = Upsampled(run, m);
     EXPECT_EQ(RowsPerMeasured(more), m);
-    const identify::Run left = WithoutInterpolatedRows(more);
+    const types::Run left = WithoutInterpolatedRows(more);
     EXPECT_EQ(left.interpolated_rows, more.size() - run.size());
     EXPECT_EQ(left.time_s, run.time_s) << m;
-    for (const auto& [signal, x] : run.signals) EXPECT_EQ(left.At(signal), x) << SignalName(signal);
+    for (const auto& [signal, x] : run.signals)
+      EXPECT_EQ(left.At(signal), x) << types::SignalName(signal);
   }
 }
 
 TEST(Interpolated, WhatWasMeasuredStays) {
-  const identify::Run run = Measured();
+  const types::Run run = Measured();
   EXPECT_EQ(RowsPerMeasured(run), 1);
-  const identify::Run same = WithoutInterpolatedRows(run);
+  const types::Run same = WithoutInterpolatedRows(run);
   EXPECT_EQ(same.interpolated_rows, 0);
   EXPECT_EQ(same.size(), run.size());
 
   // One channel alone may come at half of the rate.
-  identify::Run held = run;
-  Eigen::VectorXd& current = held.signals[Signal::kMotorCurrent];
+  types::Run held = run;
+  Eigen::VectorXd& current = held.signals[types::Signal::kMotorCurrent];
   for (Eigen::Index i = 1; i + 1 < current.size(); i += 2) {
     current[i] = 0.5 * (current[i - 1] + current[i + 1]);
   }
@@ -59,7 +60,7 @@ TEST(Interpolated, WhatWasMeasuredStays) {
 }
 
 TEST(Interpolated, ARestAndCoarseCountsAreNoLine) {
-  identify::Run run = Measured();
+  types::Run run = Measured();
   for (auto& [signal, x] : run.signals) {
     const double count = 0.05 * (x.maxCoeff() - x.minCoeff());
     x = count * (x.array() / count).round();

@@ -15,10 +15,10 @@ namespace {
 
 TEST(Processing, DerivativesOfASineAreItsClosedForm) {
   const actuator::JointModel model = SyntheticModel();
-  identify::Run run = SyntheticRun(model, {});
+  types::Run run = SyntheticRun(model, {});
   const double w = 2.0 * M_PI * 0.5;
   for (Eigen::Index i = 0; i < run.size(); ++i)
-    run.signals[Signal::kPosition][i] = std::sin(w * run.time_s[i]);
+    run.signals[types::Signal::kPosition][i] = std::sin(w * run.time_s[i]);
   const StateSet states = MakeStates({run}, model, SyntheticProcessing());
   ASSERT_EQ(states.segments.size(), 1u);
   const StateSegment& segment = states.segments[0];
@@ -32,12 +32,12 @@ TEST(Processing, DerivativesOfASineAreItsClosedForm) {
 
 TEST(FromMotion, ARecordingThatWasLowPassedBeforeGoesThroughACommonFilterBelowIt) {
   const actuator::JointModel model = SyntheticModel();
-  identify::Run run = SyntheticRun(model, {});
+  types::Run run = SyntheticRun(model, {});
   const ProcessingOptions as_measured = FromMotion({run}, model, 0.25);
   EXPECT_TRUE(as_measured.raw);
   EXPECT_DOUBLE_EQ(as_measured.parallel_cutoff_Hz, 100.0);  // none: half the rate
   constexpr double kEarlier_Hz = 10.0;
-  Eigen::VectorXd& current = run.signals[Signal::kMotorCurrent];
+  Eigen::VectorXd& current = run.signals[types::Signal::kMotorCurrent];
   current = Smooth(current, 4, kEarlier_Hz, 200.0);
   const ProcessingOptions filtered = FromMotion({run}, model, 0.25);
   EXPECT_FALSE(filtered.raw);
@@ -57,9 +57,9 @@ TEST(FromMotion, TheGainOfADriveIsTorquePerUnitOfItsSignal) {
 
 TEST(Processing, RestReversalsBordersAndHolesAreNotUsed) {
   const actuator::JointModel model = SyntheticModel();
-  identify::Run run = SyntheticRun(model, {});
+  types::Run run = SyntheticRun(model, {});
   for (Eigen::Index i = 4000; i < 5000; ++i)
-    run.signals[Signal::kPosition][i] = run.signals[Signal::kPosition][4000];
+    run.signals[types::Signal::kPosition][i] = run.signals[types::Signal::kPosition][4000];
   ProcessingOptions options = SyntheticProcessing();
   options.border_s = 1.0;
   const StateSet states = MakeStates({run}, model, options);
@@ -82,7 +82,7 @@ TEST(Processing, RestReversalsBordersAndHolesAreNotUsed) {
 TEST(Processing, InstantsAtWhichTeethTouchAgainAreNotUsed) {
   actuator::JointModel model = SyntheticModel();
   model.backlash_rad = 0.04;
-  identify::Run run = SyntheticRun(model, {.motor_position = true});
+  types::Run run = SyntheticRun(model, {.motor_position = true});
   // The teeth lie on one side, cross the play within 0.2 s at 20 s and back at 40 s.
   const auto gap = [](double t) {
     const double over =
@@ -90,8 +90,9 @@ TEST(Processing, InstantsAtWhichTeethTouchAgainAreNotUsed) {
     return 0.02 * (2.0 * over - 1.0);
   };
   for (Eigen::Index i = 0; i < run.size(); ++i) {
-    run.signals[Signal::kMotorPosition][i] =
-        model.constants.gear_ratio * (run.signals[Signal::kPosition][i] + gap(run.time_s[i]));
+    run.signals[types::Signal::kMotorPosition][i] =
+        model.constants.gear_ratio *
+        (run.signals[types::Signal::kPosition][i] + gap(run.time_s[i]));
   }
   ProcessingOptions options = SyntheticProcessing();
   options.reversal_guard_s = 0.1;
@@ -115,14 +116,14 @@ TEST(Processing, InstantsAtWhichTeethTouchAgainAreNotUsed) {
 TEST(Processing, RowsAtWhichTeethHoldTheOutputOfALockedMotorAreNotUsed) {
   actuator::JointModel model = SyntheticModel();
   model.backlash_rad = 0.04;
-  identify::Run run = SyntheticRun(model, {.motor_position = true});
+  types::Run run = SyntheticRun(model, {.motor_position = true});
   const auto output = [](double t) {
     return std::clamp(0.022 * std::sin(2.0 * M_PI * 0.3 * t) + 0.002 * std::sin(9.0 * t), -0.02,
                       0.02);
   };
   for (Eigen::Index i = 0; i < run.size(); ++i) {
-    run.signals[Signal::kMotorPosition][i] = 0.0;
-    run.signals[Signal::kPosition][i] = output(run.time_s[i]);
+    run.signals[types::Signal::kMotorPosition][i] = 0.0;
+    run.signals[types::Signal::kPosition][i] = output(run.time_s[i]);
   }
   ProcessingOptions options = SyntheticProcessing();
   options.raw = true;
@@ -150,10 +151,11 @@ double PointToPoint(double t) {
 
 TEST(FromMotion, AMotionThatRestsMostOfTheTimeKeepsRowsOfItsStrokesAlone) {
   const actuator::JointModel model = SyntheticModel();
-  identify::Run run = SyntheticRun(model, {});
+  types::Run run = SyntheticRun(model, {});
   const double count = 2.0 * M_PI / 16384.0;
   for (Eigen::Index i = 0; i < run.size(); ++i) {
-    run.signals[Signal::kPosition][i] = count * std::round(PointToPoint(run.time_s[i]) / count);
+    run.signals[types::Signal::kPosition][i] =
+        count * std::round(PointToPoint(run.time_s[i]) / count);
   }
   const ProcessingOptions options = FromMotion({run}, model, 0.25);
   // Slower than a few hundredths of a stroke's speed is rest, and so is what counts cannot tell.
@@ -173,11 +175,11 @@ TEST(FromMotion, AMotionThatRestsMostOfTheTimeKeepsRowsOfItsStrokesAlone) {
 
 TEST(Processing, ALoadCellThatTellsOnlyItsNoiseIsItsMean) {
   const actuator::JointModel model = SyntheticModel();
-  identify::Run run = SyntheticRun(model, {});
+  types::Run run = SyntheticRun(model, {});
   EXPECT_FALSE(MakeDesign({run}, model).silent_load());
   std::mt19937_64 random(3);
   std::normal_distribution<double> noise(0.4, 0.05);
-  for (double& force : run.signals[Signal::kLoadForce]) force = noise(random);
+  for (double& force : run.signals[types::Signal::kLoadForce]) force = noise(random);
   const Design design = MakeDesign({run}, model);
   EXPECT_TRUE(design.silent_load());
   for (const effects::JointSample& x : design.states().segments[0].samples) {
@@ -201,7 +203,7 @@ TEST(Processing, NoiseIsToldFromASlowSignal) {
 
 TEST(Processing, AShortStopIsNoSlowMotion) {
   const actuator::JointModel model = SyntheticModel();
-  identify::Run run = SyntheticRun(model, {});
+  types::Run run = SyntheticRun(model, {});
   constexpr double kPeriod_s = 2.0, kStop_s = 0.05, kSpeed = 2.0;
   const auto velocity = [&](double t) {
     const double from_stop = std::remainder(t - 1.0, kPeriod_s) / kStop_s;
@@ -214,7 +216,7 @@ TEST(Processing, AShortStopIsNoSlowMotion) {
     for (int k = 0; k < kSteps; ++k) {
       position += step_s * velocity(run.time_s[i - 1] + (k + 0.5) * step_s);
     }
-    run.signals[Signal::kPosition][i] = position;
+    run.signals[types::Signal::kPosition][i] = position;
   }
   ProcessingOptions options = SyntheticProcessing();
   options.state_cutoff_Hz = 20.0;
@@ -229,7 +231,7 @@ TEST(Processing, AShortStopIsNoSlowMotion) {
 
 TEST(Processing, SettleDistanceKeepsPreslidingOut) {
   const actuator::JointModel model = SyntheticModel();
-  const identify::Run run = SyntheticRun(model, {});
+  const types::Run run = SyntheticRun(model, {});
   ProcessingOptions options = SyntheticProcessing();
   options.settle_distance = 0.05;
   const StateSegment segment = MakeStates({run}, model, options).segments[0];
@@ -244,9 +246,9 @@ TEST(Processing, SettleDistanceKeepsPreslidingOut) {
 
 TEST(Processing, TheDriveOfAModelIsNamed) {
   actuator::JointModel model = SyntheticModel();
-  EXPECT_EQ(DriveSignal(model), Signal::kMotorCurrent);
+  EXPECT_EQ(DriveSignal(model), types::Signal::kMotorCurrent);
   model.terms[0] = actuator::MakeTerm("drive_voltage", model.constants);
-  EXPECT_EQ(DriveSignal(model), Signal::kDriveVoltage);
+  EXPECT_EQ(DriveSignal(model), types::Signal::kDriveVoltage);
   model.terms.push_back(actuator::MakeTerm("drive_current", model.constants));
   EXPECT_THROW(DriveSignal(model), std::invalid_argument);
   model.terms.clear();
@@ -255,18 +257,18 @@ TEST(Processing, TheDriveOfAModelIsNamed) {
 
 TEST(Processing, MissingSignalsAndWrongKindsAreRefused) {
   const actuator::JointModel model = SyntheticModel();
-  identify::Run run = SyntheticRun(model, {.duration_s = 5.0});
-  identify::Run no_current = run;
-  no_current.signals.erase(Signal::kMotorCurrent);
+  types::Run run = SyntheticRun(model, {.duration_s = 5.0});
+  types::Run no_current = run;
+  no_current.signals.erase(types::Signal::kMotorCurrent);
   EXPECT_THROW(MakeStates({no_current}, model, SyntheticProcessing()), std::invalid_argument);
-  identify::Run no_position = run;
-  no_position.signals.erase(Signal::kPosition);
+  types::Run no_position = run;
+  no_position.signals.erase(types::Signal::kPosition);
   EXPECT_THROW(MakeStates({no_position}, model, SyntheticProcessing()), std::invalid_argument);
-  identify::Run no_force = run;
-  no_force.signals.erase(Signal::kLoadForce);  // a term of the model reads it
+  types::Run no_force = run;
+  no_force.signals.erase(types::Signal::kLoadForce);  // a term of the model reads it
   EXPECT_THROW(MakeStates({no_force}, model, SyntheticProcessing()), std::invalid_argument);
-  identify::Run linear = run;
-  linear.kind = effects::JointKind::kLinear;
+  types::Run linear = run;
+  linear.kind = types::JointKind::kLinear;
   EXPECT_THROW(MakeStates({linear}, model, SyntheticProcessing()), std::invalid_argument);
   EXPECT_THROW(MakeStates({}, model, SyntheticProcessing()), std::invalid_argument);
 }
@@ -274,9 +276,9 @@ TEST(Processing, MissingSignalsAndWrongKindsAreRefused) {
 TEST(Processing, OnlyWhatEveryRecordingHasCounts) {
   actuator::JointModel model = SyntheticModel();
   model.terms.pop_back();  // no term reads the load cell
-  identify::Run with = SyntheticRun(model, {.duration_s = 5.0});
-  identify::Run without = with;
-  without.signals.erase(Signal::kLoadForce);
+  types::Run with = SyntheticRun(model, {.duration_s = 5.0});
+  types::Run without = with;
+  without.signals.erase(types::Signal::kLoadForce);
   EXPECT_EQ(MakeStates({with}, model, SyntheticProcessing()).measured.count("load_force_N"), 1u);
   EXPECT_EQ(
       MakeStates({with, without}, model, SyntheticProcessing()).measured.count("load_force_N"), 0u);
@@ -290,7 +292,7 @@ TEST(Processing, OnlyWhatEveryRecordingHasCounts) {
 }
 
 TEST(Processing, OptionsLeftOpenComeFromTheData) {
-  const identify::Run run = SyntheticRun(SyntheticModel(), {});
+  const types::Run run = SyntheticRun(SyntheticModel(), {});
   const ProcessingOptions options = Resolve({}, {run});
   EXPECT_GT(options.state_cutoff_Hz, 1.5);  // above the motion
   EXPECT_LE(options.state_cutoff_Hz, 50.0);

@@ -9,7 +9,7 @@
 #include "components/actuator/model.h"
 #include "components/identify/design.h"
 #include "components/identify/processing.h"
-#include "components/identify/run.h"
+#include "components/types/run.h"
 
 namespace sinew::identify {
 
@@ -53,8 +53,8 @@ struct Recipe {
   bool motor_position = false;  // recorded as well
 };
 
-inline Run SyntheticRun(const actuator::JointModel& truth, const Recipe& recipe) {
-  Run run;
+inline types::Run SyntheticRun(const actuator::JointModel& truth, const Recipe& recipe) {
+  types::Run run;
   run.name = "synthetic_" + std::to_string(recipe.seed);
   run.kind = truth.kind;
   const auto n = static_cast<Eigen::Index>(recipe.rate_Hz * recipe.duration_s);
@@ -99,12 +99,12 @@ inline Run SyntheticRun(const actuator::JointModel& truth, const Recipe& recipe)
     force[i] = x.load_force_N;
     current[i] = truth.RequiredDriveInput(x, memory) + noise;
   }
-  run.signals[Signal::kPosition] = q;
+  run.signals[types::Signal::kPosition] = q;
   if (recipe.motor_position) {
-    run.signals[Signal::kMotorPosition] = truth.constants.gear_ratio * q;
+    run.signals[types::Signal::kMotorPosition] = truth.constants.gear_ratio * q;
   }
-  run.signals[Signal::kLoadForce] = force;
-  run.signals[Signal::kMotorCurrent] = current;
+  run.signals[types::Signal::kLoadForce] = force;
+  run.signals[types::Signal::kMotorCurrent] = current;
   run.content_hash = run.name;
   return run;
 }
@@ -117,7 +117,7 @@ inline ProcessingOptions SyntheticProcessing() {
   return options;
 }
 
-inline Design MakeDesign(const std::vector<Run>& runs, const actuator::JointModel& model,
+inline Design MakeDesign(const std::vector<types::Run>& runs, const actuator::JointModel& model,
                          const ProcessingOptions& options = SyntheticProcessing()) {
   return Design(MakeStates(runs, model, options), options);
 }

@@ -8,13 +8,13 @@
 namespace sinew::identify {
 namespace {
 
-Run MakeRun(const Eigen::VectorXd& time, double (*position)(double)) {
-  identify::Run run;
+types::Run MakeRun(const Eigen::VectorXd& time, double (*position)(double)) {
+  types::Run run;
   run.name = "run";
   run.time_s = time;
   Eigen::VectorXd q(time.size());
   for (Eigen::Index i = 0; i < time.size(); ++i) q[i] = position(time[i]);
-  run.signals[Signal::kPosition] = q;
+  run.signals[types::Signal::kPosition] = q;
   return run;
 }
 
@@ -38,12 +38,13 @@ TEST(Uniform, SplineAgreesWithSciPy) {
 TEST(Uniform, AnEvenRecordingIsCopiedBitByBit) {
   Eigen::VectorXd t(3000);
   for (int i = 0; i < 3000; ++i) t[i] = 0.001 * i;
-  const identify::Run run = MakeRun(t, Sine);
+  const types::Run run = MakeRun(t, Sine);
   const UniformRun out = MakeUniform(run);
   ASSERT_EQ(out.segments.size(), 1u);
   EXPECT_TRUE(out.sampling.even);
   EXPECT_NEAR(out.sampling.rate_Hz, 1000.0, 1e-6);
-  EXPECT_TRUE(out.segments[0].signals.at(Signal::kPosition) == run.At(Signal::kPosition));
+  EXPECT_TRUE(out.segments[0].signals.at(types::Signal::kPosition) ==
+              run.At(types::Signal::kPosition));
 }
 
 TEST(Uniform, ARateThatChangesOnTheWayLosesNoRowAndNoTime) {
@@ -60,7 +61,7 @@ TEST(Uniform, ARateThatChangesOnTheWayLosesNoRowAndNoTime) {
   EXPECT_TRUE(out.sampling.stamps_used);
   EXPECT_EQ(out.sampling.lost_rows, 0);
   EXPECT_NEAR(segment.Time(segment.size() - 1), stamps.back(), 0.005);
-  const Eigen::VectorXd& q = segment.signals.at(Signal::kPosition);
+  const Eigen::VectorXd& q = segment.signals.at(types::Signal::kPosition);
   for (Eigen::Index i = 0; i < segment.size(); ++i) {
     EXPECT_NEAR(q[i], Sine(segment.Time(i)), 2e-3) << i;  // the half step at either end
   }
@@ -90,7 +91,7 @@ TEST(Uniform, JitterAndLostRowsAreBroughtOntoTheGrid) {
   int invalid = 0;
   for (Eigen::Index i = 2; i + 2 < piece.size(); ++i) {
     // A spline through steps of 12.5 ms follows 2 rad/s to h^4 w^4 / 384.
-    EXPECT_NEAR(piece.signals.at(Signal::kPosition)[i], Sine(piece.Time(i)), 2e-5);
+    EXPECT_NEAR(piece.signals.at(types::Signal::kPosition)[i], Sine(piece.Time(i)), 2e-5);
     invalid += piece.valid[static_cast<std::size_t>(i)] ? 0 : 1;
   }
   EXPECT_EQ(invalid, 3 * lost);  // the lost row and its two rims
@@ -100,7 +101,7 @@ TEST(Uniform, StampsThatLieAreReplacedByRowNumbers) {
   // True instants are even, the stamps scatter.
   std::mt19937_64 random(12);
   std::normal_distribution<double> jitter(0.0, 1e-3);
-  identify::Run run;
+  types::Run run;
   run.name = "run";
   run.time_s.resize(2000);
   Eigen::VectorXd q(2000);
@@ -108,12 +109,12 @@ TEST(Uniform, StampsThatLieAreReplacedByRowNumbers) {
     run.time_s[i] = 0.0125 * i + jitter(random);
     q[i] = Sine(0.0125 * i);
   }
-  run.signals[Signal::kPosition] = q;
+  run.signals[types::Signal::kPosition] = q;
   const UniformRun out = MakeUniform(run);
   EXPECT_FALSE(out.sampling.stamps_used);
   const UniformSegment& piece = out.segments[0];
   for (Eigen::Index i = 2; i + 2 < piece.size(); ++i) {
-    EXPECT_NEAR(piece.signals.at(Signal::kPosition)[i], q[i], 1e-9);
+    EXPECT_NEAR(piece.signals.at(types::Signal::kPosition)[i], q[i], 1e-9);
   }
 }
 
@@ -133,12 +134,12 @@ TEST(Uniform, LongGapsCutTheRecordingAndShortPiecesFallAway) {
 TEST(Uniform, SwitchesKeepTheirLastValue) {
   Eigen::VectorXd t(1000);
   for (int i = 0; i < 1000; ++i) t[i] = 0.01 * i + (i % 3 == 0 ? 1e-3 : 0.0);
-  identify::Run run = MakeRun(t, Sine);
+  types::Run run = MakeRun(t, Sine);
   Eigen::VectorXd valve(1000);
   for (int i = 0; i < 1000; ++i) valve[i] = i < 500 ? 0.0 : 1.0;
-  run.signals[Signal::kValveOpen] = valve;
+  run.signals[types::Signal::kValveOpen] = valve;
   const UniformRun out = MakeUniform(run);
-  for (const double value : out.segments[0].signals.at(Signal::kValveOpen)) {
+  for (const double value : out.segments[0].signals.at(types::Signal::kValveOpen)) {
     EXPECT_TRUE(value == 0.0 || value == 1.0) << value;
   }
 }

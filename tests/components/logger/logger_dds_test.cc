@@ -24,10 +24,10 @@
 namespace sinew {
 namespace {
 
-using identify::Signal;
 using testing::Finished;
 using ::testing::HasSubstr;
 using testing::Program;
+using types::Signal;
 using namespace std::chrono_literals;
 
 const std::string kBin = std::string(SINEW_BIN_DIR) + "/";
@@ -94,8 +94,8 @@ TEST_F(LoggerDds, ReplayedRecordingIsTheSameAfterTheWire) {
     EXPECT_EQ(logger.Wait(20s), 0) << logger.error();
     copies.push_back(copy);
   }
-  const identify::Run expected = recording::ReadRuns(csv_, map_).at(0);
-  const identify::Run run = recording::ReadRuns(copies[0]).at(0);
+  const types::Run expected = recording::ReadRuns(csv_, map_).at(0);
+  const types::Run run = recording::ReadRuns(copies[0]).at(0);
   EXPECT_EQ(run.content_hash, expected.content_hash);
   ASSERT_EQ(run.size(), expected.size());
   for (Eigen::Index i = 0; i < run.size(); ++i) ASSERT_EQ(run.time_s[i], expected.time_s[i]) << i;
@@ -241,7 +241,7 @@ TEST_F(LoggerDds, APlayerStandsInForAComponentOfARunningSession) {
   EXPECT_EQ(provider.Wait(60s), 0) << provider.error();
   EXPECT_EQ(stand_in.Wait(20s), 0) << stand_in.error();
   EXPECT_EQ(logger.Wait(20s), 0) << logger.error();
-  const identify::Run run = recording::ReadRuns(copy).at(0);
+  const types::Run run = recording::ReadRuns(copy).at(0);
   EXPECT_EQ(run.content_hash, recording::ReadRuns(csv_, map_).at(0).content_hash);
   EXPECT_EQ(Payloads(copy).at("reference").size(), 600u);
 }

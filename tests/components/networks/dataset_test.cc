@@ -11,11 +11,11 @@
 namespace sinew::networks {
 namespace {
 
-using identify::Signal;
+using types::Signal;
 
 // 100 s at 80 Hz: a hand that pushes at 2 Hz, and a link that comes back until 60 s.
-identify::Run PushedLink() {
-  identify::Run run;
+types::Run PushedLink() {
+  types::Run run;
   run.name = "pushed";
   const Eigen::Index count = 8000;
   run.time_s = Eigen::VectorXd::LinSpaced(count, 0.0, 99.9875);
@@ -61,7 +61,7 @@ TEST(Table, TenBlocksEachSplitSeventyToThirty) {
 }
 
 TEST(Table, TheCurrentIsNoInputOfTheTaskWhoseTargetItTells) {
-  identify::Run run = PushedLink();
+  types::Run run = PushedLink();
   const Eigen::Index count = run.size();
   Eigen::VectorXd current(count), moving(count);
   for (Eigen::Index t = 0; t < count; ++t) {
@@ -83,7 +83,7 @@ TEST(Table, TheCurrentIsNoInputOfTheTaskWhoseTargetItTells) {
 }
 
 TEST(Table, ASignalThatIsMissingIsNamed) {
-  identify::Run run = PushedLink();
+  types::Run run = PushedLink();
   run.signals.erase(Signal::kChamberPressure);
   try {
     (void)MakeTable({run}, {.task = Task::kSea});

@@ -4,13 +4,15 @@
 
 #include <cmath>
 
+#include "components/types/robot_state.h"
+
 namespace sinew::provider {
 namespace {
 
 constexpr std::uint64_t kSession = 42;
 constexpr std::chrono::nanoseconds kPeriod{4166667};  // 240 Hz: 60 ms are 14.4 periods
 
-CommandHead Head(std::uint64_t tick, Origin origin = Origin::kSim) {
+CommandHead Head(std::uint64_t tick, types::Origin origin = types::Origin::kSim) {
   return {kSession, tick, origin};
 }
 
@@ -26,7 +28,7 @@ TEST(Guard, StartsDisarmedAndLetsNothingThrough) {
   guard.StartSession(kSession);
   EXPECT_TRUE(guard.Offer(Head(0), 0));
   EXPECT_EQ(guard.Step(0, kPeriod), Verdict::kIdle);
-  EXPECT_EQ(guard.state(), RobotState::kDisarmed);
+  EXPECT_EQ(guard.state(), types::RobotState::kDisarmed);
 }
 
 TEST(Guard, PassesAFreshCommandOfItsOwnSession) {
@@ -38,7 +40,7 @@ TEST(Guard, PassesAFreshCommandOfItsOwnSession) {
 
 TEST(Guard, RefusesOtherSessionsTheFutureRepeatsAndOldCommands) {
   CommandGuard guard = Armed();
-  EXPECT_FALSE(guard.Offer({kSession + 1, 1, Origin::kSim}, 1));
+  EXPECT_FALSE(guard.Offer({kSession + 1, 1, types::Origin::kSim}, 1));
   EXPECT_FALSE(guard.Offer(Head(2), 1));
   EXPECT_TRUE(guard.Offer(Head(1), 1));
   EXPECT_FALSE(guard.Offer(Head(1), 1));
@@ -50,9 +52,9 @@ TEST(Guard, OnLiveHardwareOnlyLiveCommandsCount) {
   GuardConfig config;
   config.live = true;
   CommandGuard guard = Armed(config);
-  EXPECT_FALSE(guard.Offer(Head(1, Origin::kSim), 1));
-  EXPECT_FALSE(guard.Offer(Head(1, Origin::kReplay), 1));
-  EXPECT_TRUE(guard.Offer(Head(1, Origin::kLive), 1));
+  EXPECT_FALSE(guard.Offer(Head(1, types::Origin::kSim), 1));
+  EXPECT_FALSE(guard.Offer(Head(1, types::Origin::kReplay), 1));
+  EXPECT_TRUE(guard.Offer(Head(1, types::Origin::kLive), 1));
 }
 
 TEST(Guard, BridgesAfterThreeMissedPeriodsAndFaultsAfterSixtyMilliseconds) {
@@ -60,10 +62,10 @@ TEST(Guard, BridgesAfterThreeMissedPeriodsAndFaultsAfterSixtyMilliseconds) {
   ASSERT_TRUE(guard.Offer(Head(10), 10));
   EXPECT_EQ(guard.Step(12, kPeriod), Verdict::kPass) << "two missed";
   EXPECT_EQ(guard.Step(13, kPeriod), Verdict::kDamp) << "three";
-  EXPECT_EQ(guard.state(), RobotState::kDamped);
+  EXPECT_EQ(guard.state(), types::RobotState::kDamped);
   EXPECT_EQ(guard.Step(24, kPeriod), Verdict::kDamp);  // 58.3 ms
   EXPECT_EQ(guard.Step(25, kPeriod), Verdict::kIdle);  // 62.5 ms
-  EXPECT_EQ(guard.state(), RobotState::kFault);
+  EXPECT_EQ(guard.state(), types::RobotState::kFault);
   EXPECT_EQ(guard.faults(), 1u);
 }
 
@@ -73,11 +75,11 @@ TEST(Guard, AFreshCommandEndsTheBridgeButNotTheFault) {
   ASSERT_EQ(guard.Step(14, kPeriod), Verdict::kDamp);
   ASSERT_TRUE(guard.Offer(Head(15), 15));
   EXPECT_EQ(guard.Step(15, kPeriod), Verdict::kPass);
-  EXPECT_EQ(guard.state(), RobotState::kArmed);
+  EXPECT_EQ(guard.state(), types::RobotState::kArmed);
   ASSERT_EQ(guard.Step(40, kPeriod), Verdict::kIdle);
   EXPECT_TRUE(guard.Offer(Head(41), 41));
   EXPECT_EQ(guard.Step(41, kPeriod), Verdict::kIdle);
-  EXPECT_EQ(guard.state(), RobotState::kFault);
+  EXPECT_EQ(guard.state(), types::RobotState::kFault);
 }
 
 TEST(Guard, AFaultNeedsResetAndThenArming) {
@@ -85,7 +87,7 @@ TEST(Guard, AFaultNeedsResetAndThenArming) {
   guard.Fault();
   EXPECT_FALSE(guard.Arm(kSession, 50));
   EXPECT_TRUE(guard.Reset());
-  EXPECT_EQ(guard.state(), RobotState::kDisarmed);
+  EXPECT_EQ(guard.state(), types::RobotState::kDisarmed);
   EXPECT_TRUE(guard.Arm(kSession, 50));
   EXPECT_EQ(guard.Step(51, kPeriod), Verdict::kIdle) << "commands from before arming do not count";
   EXPECT_TRUE(guard.Offer(Head(51), 51));
@@ -98,7 +100,7 @@ TEST(Guard, AJointsFaultIdlesTheRestUnlessDeclaredOtherwise) {
     EXPECT_TRUE(guard.Offer(Head(1), 1));
     EXPECT_EQ(guard.Step(1, kPeriod), Verdict::kPass);
     guard.JointFault();
-    EXPECT_EQ(guard.state() == RobotState::kFault, rest != Rest::kContinue);
+    EXPECT_EQ(guard.state() == types::RobotState::kFault, rest != Rest::kContinue);
     EXPECT_TRUE(guard.Offer(Head(2), 2));  // counted, and used only while armed
     return guard.Step(2, kPeriod);
   };
@@ -133,10 +135,10 @@ TEST(Guard, EstopIsLatchedAndStrongerThanAFault) {
   CommandGuard guard = Armed();
   guard.Estop();
   guard.Fault();
-  EXPECT_EQ(guard.state(), RobotState::kEstopped);
+  EXPECT_EQ(guard.state(), types::RobotState::kEstopped);
   EXPECT_FALSE(guard.Arm(kSession, 1));
   guard.Disarm();
-  EXPECT_EQ(guard.state(), RobotState::kEstopped);
+  EXPECT_EQ(guard.state(), types::RobotState::kEstopped);
   EXPECT_TRUE(guard.Reset());
 }
 
@@ -144,7 +146,7 @@ TEST(Guard, ArmingIsBoundToTheSession) {
   CommandGuard guard({});
   guard.StartSession(kSession);
   EXPECT_FALSE(guard.Arm(kSession + 1, 0));
-  EXPECT_EQ(guard.state(), RobotState::kDisarmed);
+  EXPECT_EQ(guard.state(), types::RobotState::kDisarmed);
 }
 
 TEST(Guard, RefusesLimitsThatAreNotPositive) {

@@ -11,7 +11,7 @@
 namespace sinew::recording {
 namespace {
 
-using identify::Signal;
+using types::Signal;
 
 constexpr char kMap[] = R"(schema: sinew-csv-map/1
 kind: rotary
@@ -104,9 +104,9 @@ TEST(Csv, NeverCrashesOnRandomText) {
 }
 
 TEST(CsvMap, AppliesUnitScaleOffsetAndSign) {
-  const identify::Run run =
+  const types::Run run =
       ReadCsvRun("t,angle,current\n0,90,2\n4,180,-2\n", "data.csv", ParseCsvMap(kMap, "map.yaml"));
-  EXPECT_EQ(run.kind, effects::JointKind::kRotary);
+  EXPECT_EQ(run.kind, types::JointKind::kRotary);
   EXPECT_EQ(run.time_s[1], 0.004);
   EXPECT_DOUBLE_EQ(run.At(Signal::kPosition)[1], -3.14159265358979312);
   EXPECT_EQ(run.At(Signal::kMotorCurrent)[0], 2.0);  // 0.5 * 2 + 1
@@ -124,7 +124,7 @@ signals:
 )",
                                  "map.yaml");
   const std::string text = "t,duty,bus,on\n0,0.5,8,1\n1,0.5,8,0\n";
-  const identify::Run run = ReadCsvRun(text, "data.csv", map);
+  const types::Run run = ReadCsvRun(text, "data.csv", map);
   EXPECT_DOUBLE_EQ(run.At(Signal::kDriveVoltage)[0], -3.0);  // -(0.5 * (0.5 * 8 * 1) + 1)
   EXPECT_DOUBLE_EQ(run.At(Signal::kDriveVoltage)[1], -1.0);
   try {
@@ -152,7 +152,7 @@ TEST(CsvMap, ACellMayBeASumOfColumnsAndAConstant) {
   const std::string loss = R"(torque: {columns: {"a{joint}": 1, "b{joint}": -1}, unit: Nm})";
   EXPECT_EQ(read(loss).At(Signal::kTorque), Eigen::Vector2d(6.0, 24.0));
   EXPECT_EQ(read(loss, 1).At(Signal::kTorque), Eigen::Vector2d(-6.0, -6.0));
-  const identify::Run all = read(
+  const types::Run all = read(
       "torque: {columns: {a1: 2, b1: -0.5}, constant: 3, times: [g], scale: 10, offset: 1, "
       "unit: mNm, sign: -1}");
   EXPECT_DOUBLE_EQ(all.At(Signal::kTorque)[0], -1e-3 * (10.0 * (2 * 10 - 0.5 * 4 + 3) * 2 + 1));
@@ -241,9 +241,9 @@ TEST(CsvMap, RowsWithoutStampsAreNumberedAndTheFirstOnesLeftOut) {
                        "map.yaml");
   };
   const std::string text = "q\n5\n6\n7\n8\n";
-  const identify::Run all = ReadCsvRun(text, "data.csv", map(""));
+  const types::Run all = ReadCsvRun(text, "data.csv", map(""));
   EXPECT_EQ(all.time_s[3], 9.0);
-  const identify::Run later = ReadCsvRun(text, "data.csv", map("rows: {skip: 2}\n"));
+  const types::Run later = ReadCsvRun(text, "data.csv", map("rows: {skip: 2}\n"));
   ASSERT_EQ(later.size(), 2);
   EXPECT_EQ(later.time_s[0], 6.0);
   EXPECT_EQ(later.At(Signal::kPosition)[0], 7.0);

@@ -23,7 +23,7 @@ namespace sinew::recording {
 namespace {
 
 namespace fs = std::filesystem;
-using identify::Signal;
+using types::Signal;
 
 TopicSchema SchemaOf(std::string_view topic) {
   const std::string type = topic == "joint_state"      ? "sinew::msg::JointState"
@@ -54,7 +54,7 @@ class Import : public testing::Test {
   fs::path folder_;
 };
 
-void ExpectSame(const identify::Run& a, const identify::Run& b) {
+void ExpectSame(const types::Run& a, const types::Run& b) {
   ASSERT_EQ(a.size(), b.size());
   EXPECT_EQ(a.kind, b.kind);
   EXPECT_EQ(a.content_hash, b.content_hash);
@@ -63,18 +63,18 @@ void ExpectSame(const identify::Run& a, const identify::Run& b) {
     ASSERT_EQ(std::llround(a.time_s[i] * 1e9), std::llround(b.time_s[i] * 1e9)) << i;
   }
   for (const auto& [signal, values] : a.signals) {
-    ASSERT_TRUE(b.Has(signal)) << identify::SignalName(signal);
+    ASSERT_TRUE(b.Has(signal)) << types::SignalName(signal);
     for (Eigen::Index i = 0; i < a.size(); ++i) {
       ASSERT_EQ(std::bit_cast<std::uint64_t>(values[i]),
                 std::bit_cast<std::uint64_t>(b.At(signal)[i]))
-          << identify::SignalName(signal) << " " << i;
+          << types::SignalName(signal) << " " << i;
     }
   }
 }
 
 // Signals that topics carry.
 std::vector<Signal> RecordedSignals() {
-  std::vector<Signal> signals = identify::AllSignals();
+  std::vector<Signal> signals = types::AllSignals();
   std::erase_if(signals, [](Signal signal) { return !OnTopics(signal); });
   return signals;
 }
@@ -83,10 +83,9 @@ std::vector<Signal> RecordedSignals() {
 std::string AllSignalsMap() {
   std::string map = "schema: sinew-csv-map/1\nkind: rotary\ntime: {column: t, unit: s}\nsignals:\n";
   for (const Signal signal : RecordedSignals()) {
-    const std::string name(identify::SignalName(signal));
+    const std::string name(types::SignalName(signal));
     map += "  " + name + ": {column: " + name +
-           ", unit: " + std::string(identify::SignalUnit(signal, effects::JointKind::kRotary)) +
-           "}\n";
+           ", unit: " + std::string(types::SignalUnit(signal, types::JointKind::kRotary)) + "}\n";
   }
   return map;
 }
@@ -94,8 +93,7 @@ std::string AllSignalsMap() {
 std::string AllSignalsCsv(int rows, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::string csv = "t";
-  for (const Signal signal : RecordedSignals())
-    csv += "," + std::string(identify::SignalName(signal));
+  for (const Signal signal : RecordedSignals()) csv += "," + std::string(types::SignalName(signal));
   csv += "\n";
   char text[64];
   double time_s = 0.0003;
@@ -128,7 +126,7 @@ TEST_F(Import, KeepsEverySignalBitByBitAndEveryFileASession) {
   EXPECT_EQ(told, 1000u);
   EXPECT_EQ(result.samples, 1000u);
   EXPECT_EQ(result.messages, 3000u);
-  const std::vector<identify::Run> runs = ReadRuns(out);
+  const std::vector<types::Run> runs = ReadRuns(out);
   ASSERT_EQ(runs.size(), 2u);
   EXPECT_EQ(runs[0].name, out.string() + "#1");
   ExpectSame(ReadRuns(a, map).at(0), runs[0]);
@@ -145,7 +143,7 @@ TEST_F(Import, ARangeOfARecordingIsThatOfItsCsvAndSessionsOutsideAreLeftOut) {
   const fs::path b = Write("b.csv", "t,x\n100,1\n101,2\n102,3\n");
   const std::string out = folder_ / "run.mcap";
   ImportCsv({a, b}, map, out, SchemaOf);
-  const std::vector<identify::Run> runs = ReadRuns(out + "@1:3");
+  const std::vector<types::Run> runs = ReadRuns(out + "@1:3");
   ASSERT_EQ(runs.size(), 1u);
   ExpectSame(ReadRuns(a.string() + "@1:3", map).at(0), runs[0]);
   EXPECT_EQ(runs[0].size(), 2);
@@ -167,7 +165,7 @@ TEST_F(Import, LeavesOutASignalThatNoTopicCarriesAndTheContentIsTheSame) {
   const fs::path with = Write("with.yaml", map + "  supply_voltage: {column: u, unit: V}\n");
   const fs::path csv = Write("a.csv", "t,q,u\n0,1,7\n1,2,8\n2,3,7\n");
   ImportCsv({csv}, with, folder_ / "run.mcap", SchemaOf);
-  const identify::Run run = ReadRuns(folder_ / "run.mcap").at(0);
+  const types::Run run = ReadRuns(folder_ / "run.mcap").at(0);
   EXPECT_FALSE(run.Has(Signal::kSupplyVoltage));
   EXPECT_EQ(run.content_hash, ReadRuns(csv, with).at(0).content_hash);
 }
@@ -197,7 +195,7 @@ TEST_F(Import, StampsAreExactNanosecondsAndHeadersSayReplay) {
     EXPECT_EQ(CdrField(type, "last_tick").AsInt(message.data), i == 2 ? 1 : 0);
   }
   EXPECT_FALSE(messages.Next(&message));
-  EXPECT_EQ(ReadRuns(folder_ / "run.mcap").at(0).kind, effects::JointKind::kLinear);
+  EXPECT_EQ(ReadRuns(folder_ / "run.mcap").at(0).kind, types::JointKind::kLinear);
 }
 
 TEST_F(Import, KeepsMeasuredDataOfAnotherRig) {
@@ -210,8 +208,8 @@ TEST_F(Import, KeepsMeasuredDataOfAnotherRig) {
             "  drive_voltage: {column: u_V, unit: V}\n"
             "  reference_position: {column: q_ref_m, unit: m}\n");
   ImportCsv({data}, map, folder_ / "run.mcap", SchemaOf);
-  const identify::Run expected = ReadRuns(data, map).at(0);
-  const identify::Run run = ReadRuns(folder_ / "run.mcap").at(0);
+  const types::Run expected = ReadRuns(data, map).at(0);
+  const types::Run run = ReadRuns(folder_ / "run.mcap").at(0);
   ExpectSame(expected, run);
   for (Eigen::Index i = 0; i < run.size(); ++i) ASSERT_EQ(run.time_s[i], expected.time_s[i]);
 }
@@ -258,8 +256,8 @@ TEST_F(Import, ReadsWhatIsThereOfACutOffRecording) {
   const fs::path out = folder_ / "run.mcap";
   ImportCsv({csv}, map, out, SchemaOf);
   fs::resize_file(out, fs::file_size(out) / 2);
-  const identify::Run whole = ReadRuns(csv, map).at(0);
-  const identify::Run part = ReadRuns(out).at(0);
+  const types::Run whole = ReadRuns(csv, map).at(0);
+  const types::Run part = ReadRuns(out).at(0);
   EXPECT_GT(part.size(), 100);
   EXPECT_LT(part.size(), whole.size());
   EXPECT_EQ(part.At(Signal::kLoadForce), whole.At(Signal::kLoadForce).head(part.size()));
@@ -293,7 +291,8 @@ TEST(RunBuilder, LeavesInvalidRowsOutAndHoldsTheSetPoint) {
     for (const auto& [path, value] : fields) CdrField(*channel.type, path).Set(message, value);
     ASSERT_TRUE(writer.WriteMessage(channel.id, tick, tick, message).ok());
   };
-  const double flags = SignalBit(Signal::kPosition) | SignalBit(Signal::kMotorCurrent);
+  const double flags =
+      types::SignalBit(Signal::kPosition) | types::SignalBit(Signal::kMotorCurrent);
   for (int tick = 0; tick < 10; ++tick) {
     write("joint_state", tick, {{"position_rad[1]", 0.1 * tick}, {"valid[1]", tick == 4 ? 0 : 1}});
     if (tick != 6) {
@@ -311,9 +310,9 @@ TEST(RunBuilder, LeavesInvalidRowsOutAndHoldsTheSetPoint) {
   ASSERT_TRUE(writer.Close().ok());
   MemorySource source(sink.bytes());
   const McapReader reader(source);
-  const std::vector<identify::Run> runs = RunsOfRecording(reader, "memory", 1);
+  const std::vector<types::Run> runs = RunsOfRecording(reader, "memory", 1);
   ASSERT_EQ(runs.size(), 1u);
-  const identify::Run& run = runs[0];
+  const types::Run& run = runs[0];
   EXPECT_EQ(run.name, "memory");
   ASSERT_EQ(run.size(), 8);
   EXPECT_EQ(run.time_s[3], 3e-6);
@@ -343,7 +342,7 @@ TEST(SignalFields, AreThoseOfTheDocumentation) {
   const std::string text = config::ReadFile(fs::path(SINEW_SOURCE_DIR) / "docs/formats.md");
   for (const SignalField& field : SignalFields()) {
     const std::string row = "| " + std::to_string(static_cast<int>(field.signal)) + " | `" +
-                            std::string(identify::SignalName(field.signal)) + "` | `" +
+                            std::string(types::SignalName(field.signal)) + "` | `" +
                             std::string(field.topic) + "." + std::string(field.field) + "` |";
     EXPECT_NE(text.find(row), std::string::npos) << row;
   }

@@ -16,11 +16,11 @@ namespace sinew::recording {
 namespace {
 
 namespace fs = std::filesystem;
-using identify::Signal;
 using ::testing::HasSubstr;
+using types::Signal;
 
-identify::Run Clock(Eigen::Index rows) {
-  identify::Run run;
+types::Run Clock(Eigen::Index rows) {
+  types::Run run;
   run.name = "a.csv";
   run.time_s = Eigen::VectorXd::LinSpaced(rows, 100.0, 100.0 + static_cast<double>(rows - 1));
   run.signals[Signal::kPosition] = run.time_s.array() * 2.0;
@@ -37,13 +37,13 @@ std::string RangeError(const std::string& text) {
 }
 
 TEST(TimeRange, CutsOnTheRecordingsOwnClockAndLeavesTheEndToTheNext) {
-  const identify::Run run = Clock(10);
-  const identify::Run part = CutRun(run, ParseTimeRange("102:105.5"));
+  const types::Run run = Clock(10);
+  const types::Run part = CutRun(run, ParseTimeRange("102:105.5"));
   EXPECT_EQ(part.time_s, Eigen::Vector4d(102.0, 103.0, 104.0, 105.0));
   EXPECT_EQ(part.At(Signal::kPosition)[0], 204.0);
   EXPECT_EQ(part.name, "a.csv@102:105.5");
-  const identify::Run before = CutRun(run, ParseTimeRange(":104"));
-  const identify::Run after = CutRun(run, ParseTimeRange("104:"));
+  const types::Run before = CutRun(run, ParseTimeRange(":104"));
+  const types::Run after = CutRun(run, ParseTimeRange("104:"));
   EXPECT_EQ(before.size() + after.size(), run.size());
   EXPECT_EQ(after.time_s[0], 104.0);
   EXPECT_NE(before.content_hash, after.content_hash);
@@ -121,7 +121,7 @@ TEST_F(RecordingPathTest, ReadsAPartOfAFileAndSaysWhatIsWrongWithIt) {
                              "schema: sinew-csv-map/1\nkind: rotary\ntime: {column: t, unit: s}\n"
                              "signals:\n  position: {column: q, unit: rad}\n");
   const std::string csv = Write("a.csv", "t,q\n0,5\n1,6\n2,7\n3,8\n");
-  const identify::Run part = ReadRuns(csv + "@1:3", map).at(0);
+  const types::Run part = ReadRuns(csv + "@1:3", map).at(0);
   EXPECT_EQ(part.At(Signal::kPosition), Eigen::Vector2d(6.0, 7.0));
   EXPECT_EQ(part.name, csv + "@1:3");
   EXPECT_EQ(ErrorOf(csv + "@10:60", map),

@@ -51,17 +51,16 @@ TEST(Units, RefuseAUnitOfAnotherQuantity) {
 }
 
 TEST(Units, DependOnTheKindOfJoint) {
-  using effects::JointKind;
-  using identify::Signal;
+  using types::JointKind;
+  using types::Signal;
   EXPECT_EQ(QuantityOf(Signal::kPosition, JointKind::kRotary), Quantity::kAngle);
   EXPECT_EQ(QuantityOf(Signal::kPosition, JointKind::kLinear), Quantity::kLength);
   EXPECT_EQ(QuantityOf(Signal::kTorque, JointKind::kLinear), Quantity::kForce);
   EXPECT_EQ(QuantityOf(Signal::kMotorPosition, JointKind::kLinear), Quantity::kAngle);
-  for (const Signal signal : identify::AllSignals()) {
+  for (const Signal signal : types::AllSignals()) {
     for (const JointKind kind : {JointKind::kRotary, JointKind::kLinear}) {
-      EXPECT_TRUE(
-          FindUnit(QuantityOf(signal, kind), identify::SignalUnit(signal, kind)).has_value())
-          << identify::SignalName(signal);
+      EXPECT_TRUE(FindUnit(QuantityOf(signal, kind), types::SignalUnit(signal, kind)).has_value())
+          << types::SignalName(signal);
     }
   }
 }

@@ -9,6 +9,7 @@
 #include <random>
 #include <stdexcept>
 
+#include "components/types/regime.h"
 #include "tests/support/allocations.h"
 #include "tests/support/rig_constants.h"
 
@@ -72,7 +73,7 @@ TEST(RegimeDetector, IsUnknownWithoutSetupAndAsksForNothingWhileDisarmed) {
   Rig rig;
   for (int k = 0; k < 1000; ++k) {
     const DetectorOutput out = detector.Step(rig.Read(false));
-    EXPECT_EQ(out.regime, Regime::kUnknown);
+    EXPECT_EQ(out.regime, types::Regime::kUnknown);
     EXPECT_EQ(out.phase, Phase::kWaiting);
     EXPECT_EQ(out.request, Request::kNone);
     EXPECT_EQ(out.confidence, 0.0);
@@ -91,7 +92,7 @@ TEST(RegimeDetector, ActiveSetupFindsTheContactWhereverTheLinkStands) {
       int ticks = 0;
       for (; ticks < 20 * 240 && !detector.setup_done(); ++ticks) {
         out = detector.Step(rig.Read(true));
-        EXPECT_TRUE(detector.setup_done() || out.regime == Regime::kUnknown);
+        EXPECT_TRUE(detector.setup_done() || out.regime == types::Regime::kUnknown);
         rig.Step(out, config.velocity_rad_s);
       }
       ASSERT_TRUE(detector.setup_done()) << place << ' ' << TroubleText(out.trouble);
@@ -99,7 +100,7 @@ TEST(RegimeDetector, ActiveSetupFindsTheContactWhereverTheLinkStands) {
       // samples.
       EXPECT_NEAR(detector.offset_rad(), rig.middle_rad - 0.5 * kBacklash_rad, kCount_rad)
           << place << " direction " << direction;
-      EXPECT_EQ(out.regime, Regime::kPea);
+      EXPECT_EQ(out.regime, types::Regime::kPea);
       EXPECT_EQ(out.contact, direction > 0 ? Contact::kLower : Contact::kUpper);
       EXPECT_EQ(out.phase, Phase::kExecution);
       EXPECT_EQ(out.request, Request::kNone);
@@ -130,7 +131,7 @@ TEST(RegimeDetector, WithoutPressureItGivesUpAndSaysWhy) {
     EXPECT_NE(out.request, Request::kPush);
   }
   EXPECT_EQ(out.trouble, Trouble::kNoPressure);
-  EXPECT_EQ(out.regime, Regime::kUnknown);
+  EXPECT_EQ(out.regime, types::Regime::kUnknown);
   EXPECT_EQ(out.request, Request::kNone) << "not again by itself";
   static_cast<void>(detector.Step(rig.Read(false)));
   EXPECT_EQ(detector.Step(rig.Read(true)).phase, Phase::kSetup) << "but when armed again";
@@ -146,7 +147,7 @@ TEST(RegimeDetector, AnOutputThatDoesNotFollowIsNoContact) {
     rig.Step(out, 0.05);
   }
   EXPECT_EQ(out.trouble, Trouble::kNoContact);
-  EXPECT_EQ(out.regime, Regime::kUnknown);
+  EXPECT_EQ(out.regime, types::Regime::kUnknown);
 }
 
 TEST(RegimeDetector, AGivenSetupWorksFromTheFirstSample) {
@@ -157,12 +158,12 @@ TEST(RegimeDetector, AGivenSetupWorksFromTheFirstSample) {
   Rig rig;
   rig.link_rad = -0.123;
   DetectorOutput out = detector.Step(rig.Read(false));
-  EXPECT_EQ(out.regime, Regime::kSea);
+  EXPECT_EQ(out.regime, types::Regime::kSea);
   EXPECT_NEAR(out.alpha_rad, 0.5 * kBacklash_rad, 3.0 * kCount_rad);
   rig.link_rad = -0.123 - 0.5 * kBacklash_rad;  // motor ahead: it pushes the link up
   for (int k = 0; k < 5; ++k) out = detector.Step(rig.Read(false));
   EXPECT_EQ(out.contact, Contact::kUpper);
-  EXPECT_EQ(out.regime, Regime::kPea);
+  EXPECT_EQ(out.regime, types::Regime::kPea);
 }
 
 TEST(RegimeDetector, ASlippedEncoderOrWrongSetupIsUnknownNotGuessed) {
@@ -172,17 +173,17 @@ TEST(RegimeDetector, ASlippedEncoderOrWrongSetupIsUnknownNotGuessed) {
   RegimeDetector detector(config);
   Rig rig;
   rig.link_rad = -0.123;
-  EXPECT_EQ(detector.Step(rig.Read(true)).regime, Regime::kSea);
+  EXPECT_EQ(detector.Step(rig.Read(true)).regime, types::Regime::kSea);
   rig.link_rad -= 0.5 * kBacklash_rad + 0.02;  // the magnet slipped
   DetectorOutput out;
   for (int k = 0; k < 3; ++k) out = detector.Step(rig.Read(true));
   EXPECT_EQ(out.trouble, Trouble::kInconsistent);
-  EXPECT_EQ(out.regime, Regime::kUnknown);
+  EXPECT_EQ(out.regime, types::Regime::kUnknown);
   rig.link_rad = -0.123;  // being back inside proves nothing
-  EXPECT_EQ(detector.Step(rig.Read(true)).regime, Regime::kUnknown);
+  EXPECT_EQ(detector.Step(rig.Read(true)).regime, types::Regime::kUnknown);
   DetectorInput other = rig.Read(true);
   other.session_id = 4;
-  EXPECT_EQ(detector.Step(other).regime, Regime::kSea);
+  EXPECT_EQ(detector.Step(other).regime, types::Regime::kSea);
 }
 
 TEST(RegimeDetector, LostOrBadSamplesAreUnknown) {
@@ -194,17 +195,17 @@ TEST(RegimeDetector, LostOrBadSamplesAreUnknown) {
   rig.link_rad = 0.0;
   DetectorInput input = rig.Read(true);
   input.valid = false;
-  EXPECT_EQ(detector.Step(input).regime, Regime::kUnknown);
+  EXPECT_EQ(detector.Step(input).regime, types::Regime::kUnknown);
   for (double DetectorInput::*field :
        {&DetectorInput::motor_position_rad, &DetectorInput::output_position_rad,
         &DetectorInput::output_velocity_rad_s}) {
     input = rig.Read(true);
     input.*field = std::nan("");
     const DetectorOutput out = detector.Step(input);
-    EXPECT_EQ(out.regime, Regime::kUnknown);
+    EXPECT_EQ(out.regime, types::Regime::kUnknown);
     EXPECT_EQ(out.trouble, Trouble::kBadInput);
   }
-  EXPECT_EQ(detector.Step(rig.Read(true)).regime, Regime::kSea);
+  EXPECT_EQ(detector.Step(rig.Read(true)).regime, types::Regime::kSea);
 }
 
 TEST(RegimeDetector, AMillionStepsAllocateNothing) {

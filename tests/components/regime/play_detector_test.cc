@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "components/types/regime.h"
 #include "tests/support/allocations.h"
 #include "tests/support/rig_constants.h"
 
@@ -85,7 +86,8 @@ Score Assess(const std::vector<double>& alpha, double noise_rad, unsigned seed) 
                                (k > 1 && truth != TruthOf(alpha[k - 2]));
     const bool hardly_open =
         truth == Contact::kNone && std::min(alpha[k], kPlay_rad - alpha[k]) < 2.0 * kCount_rad;
-    EXPECT_EQ(decision.regime, decision.contact == Contact::kNone ? Regime::kSea : Regime::kPea);
+    EXPECT_EQ(decision.regime,
+              decision.contact == Contact::kNone ? types::Regime::kSea : types::Regime::kPea);
     if (!at_transition && !hardly_open && decision.contact != truth) ++wrong;
   }
   score.wrong_share = static_cast<double>(wrong) / static_cast<double>(alpha.size());
@@ -172,7 +174,7 @@ TEST(PlayDetector, AMillionStepsAllocateNothing) {
   int inside = 0;
   for (int k = 0; k < 1000000; ++k) {
     inside += detector.Step(0.5 * kPlay_rad * (1.0 + 1.5 * std::sin(1e-3 * k)), 0.0).regime ==
-              Regime::kSea;
+              types::Regime::kSea;
   }
   EXPECT_EQ(test::Allocations() - before, 0);
   // |sin| < 1 / 1.5 inside: 2/pi asin(1/1.5).

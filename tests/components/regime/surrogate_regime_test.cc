@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "components/regime/detector.h"
+#include "components/types/control_mode.h"
+#include "components/types/regime.h"
 #include "sim/surrogate/rig.h"
 #include "tests/support/rig_constants.h"
 
@@ -47,7 +49,7 @@ Score Assess(surrogate::RigParameters parameters, double seconds, const DriveFun
     input.output_position_rad = reading.output_angle_rad;
     input.output_velocity_rad_s = reading.output_velocity_rad_s;
     const DetectorOutput out = detector.Step(input);
-    score.unknown += out.regime == Regime::kUnknown;
+    score.unknown += out.regime == types::Regime::kUnknown;
     truth.push_back(real.contact == 0  ? Contact::kNone
                     : real.contact > 0 ? Contact::kUpper
                                        : Contact::kLower);
@@ -105,7 +107,7 @@ TEST(RegimeOnSurrogate, MotorTurningToAndFroAtEverySpeed) {
             surrogate::RigInput input;
             const double u = std::fmod(time_s / period_s + 0.25, 1.0);
             const double way = u < 0.5 ? 4.0 * u - 1.0 : 3.0 - 4.0 * u;
-            input.drive.mode = surrogate::DriveMode::kPosition;
+            input.drive.mode = types::ControlMode::kPosition;
             input.drive.position_rad = parameters.gear.ratio * stroke_rad * way;
             // Load through the play: from the hand's side to the chamber's and back.
             input.hand_force_N = 8.0 * std::sin(2.0 * std::numbers::pi * 0.37 * time_s);

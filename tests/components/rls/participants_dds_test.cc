@@ -15,6 +15,7 @@
 #include "components/esn/file/weights_file.h"
 #include "components/esn/predictor.h"
 #include "components/node/node.h"
+#include "components/types/regime.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
 
@@ -187,9 +188,9 @@ TEST_F(LearningDds, PredictionsAreThoseOfTheNetworksWithTheReadoutOfTheTickBefor
     frame.Set(esn::Signal::kReferencePosition, 0, ReferenceAt(tick));
     frame.Set(esn::Signal::kChamberPressure, 0, PressureAt(tick));
     const bool unknown = tick + 10 >= kTicks;
-    const esn::Prediction p = expected.Step(frame, unknown             ? esn::Regime::kUnknown
-                                                   : tick < kTicks / 2 ? esn::Regime::kSea
-                                                                       : esn::Regime::kPea);
+    const esn::Prediction p = expected.Step(frame, unknown             ? types::Regime::kUnknown
+                                                   : tick < kTicks / 2 ? types::Regime::kSea
+                                                                       : types::Regime::kPea);
     const msg::TorquePrediction& got = lockstep.predictions[tick];
     ASSERT_EQ(got.torque_Nm()[0], p.torque_Nm[0]) << tick;
     ASSERT_EQ(got.sea_torque_Nm()[0], p.sea_torque_Nm[0]) << tick;

@@ -80,7 +80,7 @@ TEST(Candidates, GridsAreAllCombinations) {
 
 TEST(Candidates, ASlidingLengthOfAFewCountsIsNone) {
   actuator::JointModel model = SyntheticModel();
-  const std::vector<identify::Run> runs = {SyntheticRun(model, {.duration_s = 10.0})};
+  const std::vector<types::Run> runs = {SyntheticRun(model, {.duration_s = 10.0})};
   const identify::ProcessingOptions options = identify::FromMotion(runs, model, 0.25);
   const identify::Design design(identify::MakeStates(runs, model, options), options);
   const auto shortest = [&] {
@@ -102,10 +102,10 @@ TEST(Candidates, ASlidingLengthOfAFewCountsIsNone) {
 
 TEST(Candidates, LinearJointsHaveNoAngles) {
   actuator::JointModel model = SyntheticModel();
-  model.kind = effects::JointKind::kLinear;
+  model.kind = types::JointKind::kLinear;
   model.terms.erase(model.terms.begin() + 4);  // gravity
-  identify::Run run = SyntheticRun(SyntheticModel(), {.duration_s = 10.0});
-  run.kind = effects::JointKind::kLinear;
+  types::Run run = SyntheticRun(SyntheticModel(), {.duration_s = 10.0});
+  run.kind = types::JointKind::kLinear;
   const CandidateSet set = MakeCandidates(MakeDesign({run}, model), model);
   EXPECT_FALSE(Has(set, "gravity"));
   EXPECT_FALSE(Has(set, "payload"));

@@ -41,14 +41,14 @@ TEST(CloseLoop, RecordingsInEffectOut) {
 }
 
 // A map of cogging: one turn of positions that were held, in an order that says nothing.
-identify::Run Map(int positions, std::uint64_t seed) {
+types::Run Map(int positions, std::uint64_t seed) {
   constexpr std::pair<int, double> kLines_A[] = {{7, 0.8}, {28, 0.5}, {12, 0.1}, {90, 0.06}};
   std::mt19937_64 random(seed);
   std::normal_distribution<double> noise_A(0.0, 0.02);
   std::vector<int> places(static_cast<std::size_t>(positions));
   std::iota(places.begin(), places.end(), 0);
   std::shuffle(places.begin(), places.end(), random);
-  identify::Run run;
+  types::Run run;
   run.name = "map_" + std::to_string(seed);
   run.held = true;
   run.time_s = Eigen::VectorXd::LinSpaced(positions, 0.0, 3.0 * (positions - 1));
@@ -58,9 +58,9 @@ identify::Run Map(int positions, std::uint64_t seed) {
     current[i] = 0.1 + noise_A(random);
     for (const auto& [order, size] : kLines_A) current[i] += size * std::cos(order * angle[i] + 1);
   }
-  run.signals[identify::Signal::kPosition] = angle;
-  run.signals[identify::Signal::kMotorPosition] = angle;
-  run.signals[identify::Signal::kMotorCurrent] = current;
+  run.signals[types::Signal::kPosition] = angle;
+  run.signals[types::Signal::kMotorPosition] = angle;
+  run.signals[types::Signal::kMotorCurrent] = current;
   return run;
 }
 
@@ -87,9 +87,9 @@ TEST(CloseLoop, AllOrdersOfAMapOfHeldPositionsAreOneEffect) {
 }
 
 TEST(CloseLoop, AHeldOutRecordingThatWasTrainedOnIsRefused) {
-  identify::Run run = SyntheticRun(SyntheticModel(), Recipe{.duration_s = 5.0});
+  types::Run run = SyntheticRun(SyntheticModel(), Recipe{.duration_s = 5.0});
   run.content_hash = "abc";
-  identify::Run copy = run;
+  types::Run copy = run;
   copy.name = "copy";
   EXPECT_THROW(RequireHeldOut({run}, {copy}), std::invalid_argument);
   copy.content_hash = "abd";

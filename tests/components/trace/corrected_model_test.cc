@@ -11,15 +11,15 @@ using identify::Design;
 
 constexpr double kQuadratic_Nm_s2_rad2 = 0.4;
 
-identify::Run RunWithDrag(const identify::Recipe& recipe, double drag = kQuadratic_Nm_s2_rad2) {
+types::Run RunWithDrag(const identify::Recipe& recipe, double drag = kQuadratic_Nm_s2_rad2) {
   actuator::JointModel truth = identify::SyntheticModel();
   truth.terms.push_back(identify::TermOf("quadratic_viscous", {drag}, truth.constants));
   return identify::SyntheticRun(truth, recipe);
 }
 
-TraceResult TraceHeldOut(const identify::Run& held_out_run, bool keep_unconfirmed) {
+TraceResult TraceHeldOut(const types::Run& held_out_run, bool keep_unconfirmed) {
   const actuator::JointModel model = identify::SyntheticModel();
-  const std::vector<identify::Run> train = {
+  const std::vector<types::Run> train = {
       RunWithDrag({.rate_Hz = 100.0, .seed = 1, .noise_A = 0.05}),
       RunWithDrag({.rate_Hz = 100.0, .seed = 2, .noise_A = 0.05})};
   const identify::ProcessingOptions options = identify::FromMotion(train, model, 0.25);
@@ -45,7 +45,7 @@ TEST(CorrectedModel, HoldsAnEffectThatTheHeldOutRecordingConfirms) {
 
 // The held-out joint has two and a half times the drag: it is there, but not as trained.
 TEST(CorrectedModel, LeavesOutWhatTheHeldOutRecordingDoesNotConfirmUnlessAsked) {
-  const identify::Run other =
+  const types::Run other =
       RunWithDrag({.rate_Hz = 100.0, .seed = 3, .noise_A = 0.05}, 2.5 * kQuadratic_Nm_s2_rad2);
   const TraceResult result = TraceHeldOut(other, false);
   EXPECT_EQ(result.verdict, Verdict::kEffect);

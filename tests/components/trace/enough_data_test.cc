@@ -12,28 +12,28 @@
 namespace sinew::trace {
 namespace {
 
-identify::Run Lasting(double duration_s, std::uint64_t seed) {
+types::Run Lasting(double duration_s, std::uint64_t seed) {
   return identify::SyntheticRun(
       identify::SyntheticModel(),
       {.rate_Hz = 200.0, .duration_s = duration_s, .seed = seed, .noise_A = 0.05});
 }
 
 // Every signal but the drive stays; that has noise.
-identify::Run AtRest(std::uint64_t seed) {
-  identify::Run run = Lasting(20.0, seed);
+types::Run AtRest(std::uint64_t seed) {
+  types::Run run = Lasting(20.0, seed);
   for (auto& [signal, values] : run.signals) {
-    if (signal != identify::Signal::kMotorCurrent) values.setConstant(values[0]);
+    if (signal != types::Signal::kMotorCurrent) values.setConstant(values[0]);
   }
   return run;
 }
 
-TraceResult Assessed(const identify::Run& train, const identify::Run& held_out) {
+TraceResult Assessed(const types::Run& train, const types::Run& held_out) {
   return CloseLoop({train}, {held_out}, identify::SyntheticModel(), 0.25, {}).trace;
 }
 
 TEST(EnoughData, ShortOrStillRecordingsAreTooLittleToAssess) {
-  const identify::Run good = Lasting(60.0, 1);
-  for (const identify::Run& bad : {Lasting(0.05, 2), Lasting(0.3, 2), AtRest(2)}) {
+  const types::Run good = Lasting(60.0, 1);
+  for (const types::Run& bad : {Lasting(0.05, 2), Lasting(0.3, 2), AtRest(2)}) {
     const double seconds = bad.time_s[bad.size() - 1];
     for (const bool training : {true, false}) {
       const TraceResult result = training ? Assessed(bad, good) : Assessed(good, bad);
@@ -50,7 +50,7 @@ TEST(EnoughData, ShortOrStillRecordingsAreTooLittleToAssess) {
 
 // A free curve fits any slow noise of a few seconds; it does not predict it.
 TEST(EnoughData, AShortRecordingWithoutAnEffectIsNotUnexplained) {
-  const identify::Run good = Lasting(60.0, 1);
+  const types::Run good = Lasting(60.0, 1);
   for (const double seconds : {2.0, 3.0, 5.0}) {
     for (const std::uint64_t seed : {2u, 3u, 4u, 5u}) {
       const TraceResult result = Assessed(Lasting(seconds, seed), good);

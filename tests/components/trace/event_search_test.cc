@@ -22,7 +22,7 @@ struct Happens {
   std::vector<std::vector<double>> psi;  // once or several times
 };
 
-identify::Run Recorded(const std::vector<Happens>& events, std::uint64_t seed) {
+types::Run Recorded(const std::vector<Happens>& events, std::uint64_t seed) {
   actuator::JointModel truth = identify::SyntheticModel();
   for (const Happens& event : events) {
     for (const std::vector<double>& psi : event.psi) {
@@ -33,17 +33,17 @@ identify::Run Recorded(const std::vector<Happens>& events, std::uint64_t seed) {
   return identify::SyntheticRun(truth, {.rate_Hz = 100.0, .seed = seed, .noise_A = 0.05});
 }
 
-identify::Run Recorded(const Happens& event, std::uint64_t seed) {
+types::Run Recorded(const Happens& event, std::uint64_t seed) {
   return Recorded(std::vector<Happens>{event}, seed);
 }
 
-Design RawDesign(const std::vector<identify::Run>& runs) {
+Design RawDesign(const std::vector<types::Run>& runs) {
   const actuator::JointModel model = identify::SyntheticModel();
   const identify::ProcessingOptions options = identify::FromMotion(runs, model, 0.25);
   return Design(identify::MakeStates(runs, model, options), options);
 }
 
-TraceResult TraceRaw(const std::vector<identify::Run>& train, const identify::Run& held_out) {
+TraceResult TraceRaw(const std::vector<types::Run>& train, const types::Run& held_out) {
   Design design = RawDesign(train);
   Design held_out_design = RawDesign({held_out});
   return TraceByLikelihood(design, held_out_design, identify::SyntheticModel(), {});
@@ -58,9 +58,9 @@ std::vector<double> StartsIn(const TraceResult& result, const std::string& recor
 }
 
 TEST(EventSearch, APayloadPutOnAtDifferentTimesIsFoundWithItsMassAndItsTimes) {
-  const std::vector<identify::Run> train = {Recorded({"payload_step", 0.2, {{17.0}}}, 11),
-                                            Recorded({"payload_step", 0.2, {{41.0}}}, 12)};
-  const identify::Run held_out = Recorded({"payload_step", 0.2, {{29.0}}}, 14);
+  const std::vector<types::Run> train = {Recorded({"payload_step", 0.2, {{17.0}}}, 11),
+                                         Recorded({"payload_step", 0.2, {{41.0}}}, 12)};
+  const types::Run held_out = Recorded({"payload_step", 0.2, {{29.0}}}, 14);
   const TraceResult result = TraceRaw(train, held_out);
   ASSERT_EQ(result.verdict, Verdict::kEffect);
   ASSERT_EQ(result.effects.size(), 1u);
@@ -76,10 +76,10 @@ TEST(EventSearch, APayloadPutOnAtDifferentTimesIsFoundWithItsMassAndItsTimes) {
 }
 
 TEST(EventSearch, PushesAreFoundAsOftenAsTheyCame) {
-  const std::vector<identify::Run> train = {
+  const std::vector<types::Run> train = {
       Recorded({"external_bump", 1.2, {{20.0, 0.8}, {44.0, 0.8}}}, 21),
       Recorded({"external_bump", 1.2, {{9.0, 0.8}, {31.0, 0.8}}}, 22)};
-  const identify::Run held_out = Recorded({"external_bump", 1.2, {{33.0, 0.8}, {51.0, 0.8}}}, 23);
+  const types::Run held_out = Recorded({"external_bump", 1.2, {{33.0, 0.8}, {51.0, 0.8}}}, 23);
   const TraceResult result = TraceRaw(train, held_out);
   ASSERT_EQ(result.verdict, Verdict::kEffect);
   EXPECT_EQ(result.effects[0].name, "external_bump");
@@ -94,11 +94,11 @@ TEST(EventSearch, PushesAreFoundAsOftenAsTheyCame) {
 }
 
 TEST(EventSearch, PushesThatReachTheDriveInPartDoNotHideTheOthers) {
-  const std::vector<identify::Run> train = {
+  const std::vector<types::Run> train = {
       Recorded({{"external_bump", 1.2, {{20.0, 0.8}}}, {"external_bump", 0.45, {{44.0, 0.8}}}}, 24),
       Recorded({{"external_bump", 1.2, {{9.0, 0.8}}}}, 25),
       Recorded({{"external_bump", 0.45, {{31.0, 0.8}}}}, 26)};
-  const identify::Run held_out = Recorded({"external_bump", 1.2, {{33.0, 0.8}}}, 27);
+  const types::Run held_out = Recorded({"external_bump", 1.2, {{33.0, 0.8}}}, 27);
   const TraceResult result = TraceRaw(train, held_out);
   ASSERT_EQ(result.verdict, Verdict::kEffect);
   EXPECT_EQ(result.effects[0].name, "external_bump");

@@ -15,7 +15,7 @@ namespace {
 
 using actuator::JointModel;
 using effects::Balance;
-using identify::Signal;
+using types::Signal;
 
 constexpr double kGasRate_Hz = 80.0;
 
@@ -56,7 +56,7 @@ JointModel WithGas(const char* effect, std::vector<double> values, std::vector<d
 
 // A joint on sines; every 10 s the valve opens for 2 s toward another pressure. late_s: flow after
 // the command.
-identify::Run RecordGas(const JointModel& truth, std::uint64_t seed, double late_s = 0.0) {
+types::Run RecordGas(const JointModel& truth, std::uint64_t seed, double late_s = 0.0) {
   constexpr int kSteps = 25;
   constexpr double kStep_s = 1.0 / (kGasRate_Hz * kSteps);
   constexpr double kToTarget_s = 0.35;
@@ -71,7 +71,7 @@ identify::Run RecordGas(const JointModel& truth, std::uint64_t seed, double late
   const double jitter_s = uniform(random) / kGasRate_Hz;  // the command falls between two rows
   const auto count = static_cast<Eigen::Index>(80.0 * kGasRate_Hz);
   Eigen::VectorXd position(count), pressure(count), valve(count), current(count);
-  identify::Run run;
+  types::Run run;
   run.name = "gas_" + std::to_string(seed);
   run.content_hash = run.name;
   run.time_s.resize(count);
@@ -220,7 +220,7 @@ TEST(GasBalance, AnOpeningOfAFewMillisecondsIsNoDeadTime) {
 
 TEST(GasBalance, AValveThatIsNeverToldLeavesNothingToSee) {
   const auto blind = [](std::uint64_t seed) {
-    identify::Run run = RecordGas(GasRig(), seed);
+    types::Run run = RecordGas(GasRig(), seed);
     run.signals.erase(Signal::kValveOpen);
     return run;
   };

@@ -11,22 +11,22 @@ namespace sinew::trace {
 namespace {
 
 using identify::Recipe;
-using identify::Signal;
 using identify::SyntheticModel;
 using identify::SyntheticRun;
 using identify::TermOf;
+using types::Signal;
 
 TraceResult TraceOf(const actuator::JointModel& truth, Recipe recipe,
                     const actuator::JointModel& model = SyntheticModel()) {
   recipe.rate_Hz = 100.0;
   const std::uint64_t seed = recipe.seed;
-  std::vector<identify::Run> train;
+  std::vector<types::Run> train;
   for (std::uint64_t k = 0; k < 2; ++k) {
     recipe.seed = 10 * seed + k;
     train.push_back(SyntheticRun(truth, recipe));
   }
   recipe.seed = 10 * seed + 5;
-  const identify::Run held_out_run = SyntheticRun(truth, recipe);
+  const types::Run held_out_run = SyntheticRun(truth, recipe);
   return CloseLoop(train, {held_out_run}, model, 0.25, {}).trace;
 }
 
@@ -94,9 +94,9 @@ TEST(LikelihoodTracer, RecordingsWithoutAnEffectRaiseNoAlarm) {
 TEST(LikelihoodTracer, WhatTheMotionHidesIsSaid) {
   // One temperature only: friction that drifts with it looks like friction.
   actuator::JointModel model = SyntheticModel();
-  identify::Run a = SyntheticRun(model, {.rate_Hz = 100.0, .seed = 1});
-  identify::Run b = SyntheticRun(model, {.rate_Hz = 100.0, .seed = 2});
-  for (identify::Run* run : {&a, &b})
+  types::Run a = SyntheticRun(model, {.rate_Hz = 100.0, .seed = 1});
+  types::Run b = SyntheticRun(model, {.rate_Hz = 100.0, .seed = 2});
+  for (types::Run* run : {&a, &b})
     run->signals[Signal::kTemperature] = Eigen::VectorXd::Constant(run->size(), 40.0);
   const TraceResult result = CloseLoop({a}, {b}, model, 0.25, {}).trace;
   const auto hidden = [&](const std::string& name) {

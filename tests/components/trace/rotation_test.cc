@@ -64,7 +64,7 @@ TEST(RotateLoop, FitsAllRecordingsAndTellsTheErrorsOfThoseThatWereHeldOut) {
   const actuator::JointModel model = identify::SyntheticModel();
   actuator::JointModel truth = model;
   truth.terms.push_back(identify::TermOf("quadratic_viscous", {0.4}, truth.constants));
-  std::vector<identify::Run> runs;
+  std::vector<types::Run> runs;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     runs.push_back(identify::SyntheticRun(
         truth, {.rate_Hz = 100.0, .duration_s = 30.0, .seed = seed, .noise_A = 0.1}));
@@ -94,8 +94,8 @@ TEST(RotateLoop, FitsAllRecordingsAndTellsTheErrorsOfThoseThatWereHeldOut) {
 
 TEST(LeaveOneOut, HoldsEachRecordingOutOnce) {
   const actuator::JointModel model = identify::SyntheticModel();
-  const identify::Run a = identify::SyntheticRun(model, {.seed = 1});
-  const identify::Run b = identify::SyntheticRun(model, {.seed = 2});
+  const types::Run a = identify::SyntheticRun(model, {.seed = 1});
+  const types::Run b = identify::SyntheticRun(model, {.seed = 2});
   const std::vector<Fold> folds = LeaveOneOut({a, b}, model);
   ASSERT_EQ(folds.size(), 2u);
   EXPECT_EQ(folds[0].held_out.name, a.name);
@@ -105,21 +105,21 @@ TEST(LeaveOneOut, HoldsEachRecordingOutOnce) {
 }
 
 TEST(LeaveOneOut, ARecordingMayNotComeTwice) {
-  const identify::Run run = identify::SyntheticRun(identify::SyntheticModel(), {});
+  const types::Run run = identify::SyntheticRun(identify::SyntheticModel(), {});
   EXPECT_THROW(LeaveOneOut({run, run}, identify::SyntheticModel()), std::invalid_argument);
   EXPECT_THROW(LeaveOneOut({run}, identify::SyntheticModel()), std::invalid_argument);
 }
 
 TEST(LeaveOneOut, HeldPositionsAndMotionDoNotMix) {
-  identify::Run moving = identify::SyntheticRun(identify::SyntheticModel(), {.seed = 1});
-  identify::Run held = identify::SyntheticRun(identify::SyntheticModel(), {.seed = 2});
+  types::Run moving = identify::SyntheticRun(identify::SyntheticModel(), {.seed = 1});
+  types::Run held = identify::SyntheticRun(identify::SyntheticModel(), {.seed = 2});
   held.held = true;
   EXPECT_THROW(LeaveOneOut({moving, held}, identify::SyntheticModel()), std::invalid_argument);
 }
 
 TEST(RotateLoop, WhatIsGivenIsFittedWhateverTheRotationsSay) {
   const actuator::JointModel model = identify::SyntheticModel();
-  std::vector<identify::Run> runs;
+  std::vector<types::Run> runs;
   for (std::uint64_t seed = 1; seed <= 2; ++seed) {
     runs.push_back(identify::SyntheticRun(
         model, {.rate_Hz = 100.0, .duration_s = 30.0, .seed = seed, .noise_A = 0.1}));

@@ -88,7 +88,7 @@ TraceResult TraceDrag(double drag, std::uint64_t seed) {
   actuator::JointModel truth = model;
   truth.terms.push_back(identify::TermOf("quadratic_viscous", {drag}, truth.constants));
   const auto design = [&](std::uint64_t of, const identify::ProcessingOptions* options) {
-    const identify::Run run = identify::SyntheticRun(
+    const types::Run run = identify::SyntheticRun(
         truth, {.rate_Hz = 100.0, .duration_s = 40.0, .seed = of, .noise_A = 0.1});
     const identify::ProcessingOptions own =
         options == nullptr ? identify::FromMotion({run}, model, 0.25) : *options;

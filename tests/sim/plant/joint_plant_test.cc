@@ -10,6 +10,7 @@
 #include <new>
 #include <vector>
 
+#include "components/types/control_mode.h"
 #include "sim/plant/single_joint.h"
 
 namespace {
@@ -163,11 +164,12 @@ TEST(JointPlant, MovesTheMotorThroughThePlayBeforeTheLink) {
   joint.Reset(0.0);
   // Push up until the link moves, then down until it moves back: the difference is the whole play.
   const auto gap_when_the_link_moves = [&](double torque_Nm) {
-    joint.plant().SetCommand({.mode = DriveMode::kIdle});
+    joint.plant().SetCommand({.mode = types::ControlMode::kIdle});
     for (int k = 0; k < 20000; ++k) joint.Step(kDt_s);
     EXPECT_EQ(joint.velocity_rad_s(), 0.0);
     const double rest = joint.position_rad();
-    joint.plant().SetCommand({.mode = DriveMode::kTorque, .motor_torque_Nm = torque_Nm / 100.0});
+    joint.plant().SetCommand(
+        {.mode = types::ControlMode::kTorque, .motor_torque_Nm = torque_Nm / 100.0});
     for (int k = 0; k < 100000 && joint.position_rad() == rest; ++k) joint.Step(kDt_s);
     return joint.plant().motor_position_rad() / 100.0 - rest;
   };
@@ -193,7 +195,7 @@ TEST(JointPlant, StandsExactlyStillUnderBreakaway) {
     // The gap closes gently first: an impact at full torque would break the link loose.
     for (int k = 0; k < 40000; ++k) {
       const double torque_Nm = k < 30000 ? 5e-5 : 5e-5 + (0.0119 - 5e-5) * (k - 30000) / 9999.0;
-      joint.plant().SetCommand({.mode = DriveMode::kTorque, .motor_torque_Nm = torque_Nm});
+      joint.plant().SetCommand({.mode = types::ControlMode::kTorque, .motor_torque_Nm = torque_Nm});
       joint.Step(kDt_s);
     }
     for (int k = 0; k < 100000; ++k) {
@@ -201,7 +203,7 @@ TEST(JointPlant, StandsExactlyStillUnderBreakaway) {
       ASSERT_EQ(joint.position_rad(), 0.1);
       ASSERT_EQ(joint.velocity_rad_s(), 0.0);
     }
-    joint.plant().SetCommand({.mode = DriveMode::kTorque, .motor_torque_Nm = 0.0121});
+    joint.plant().SetCommand({.mode = types::ControlMode::kTorque, .motor_torque_Nm = 0.0121});
     for (int k = 0; k < 1000; ++k) joint.Step(kDt_s);
     EXPECT_GT(joint.position_rad(), 0.1);
   }
@@ -234,7 +236,7 @@ TEST_P(TermInSimulation, IsGivenBackByRegression) {
     for (long k = 0; k < 30000; ++k) {
       const double t = static_cast<double>(k) * kDt_s;
       joint.plant().SetCommand(
-          {.mode = DriveMode::kTorque,
+          {.mode = types::ControlMode::kTorque,
            .motor_torque_Nm = 0.02 * std::sin(5.0 * t) + 0.012 * std::sin(17.0 * t)});
       const double payload_kg = k % 2000 < 1000 ? 0.3 : 0.1;
       joint.plant().SetLoad(0.5 * std::sin(3.0 * t), payload_kg);
@@ -325,7 +327,7 @@ TEST(JointPlant, AnswersASineAsItsElasticTermsSay) {
     for (long k = 0; k < settle + whole; ++k) {
       const double t = (static_cast<double>(k) + 0.5) * kDt_s;
       joint.plant().SetCommand(
-          {.mode = DriveMode::kTorque, .motor_torque_Nm = 0.01 * std::cos(kOmega * t)});
+          {.mode = types::ControlMode::kTorque, .motor_torque_Nm = 0.01 * std::cos(kOmega * t)});
       joint.Step(kDt_s);
       if (k < settle) continue;
       const double end = t + 0.5 * kDt_s;
@@ -366,7 +368,7 @@ TEST(JointPlant, MovesALinkOnASpringAsTwoMasses) {
   for (long k = 0; k < 40000; ++k) {
     const double t = (static_cast<double>(k) + 0.5) * kDt_s;
     const double torque = 0.01 * std::cos(30.0 * t);
-    joint.plant().SetCommand({.mode = DriveMode::kTorque, .motor_torque_Nm = torque});
+    joint.plant().SetCommand({.mode = types::ControlMode::kTorque, .motor_torque_Nm = torque});
     joint.Step(kDt_s);
     constexpr int kParts = 10;
     for (int i = 0; i < kParts; ++i) {
@@ -394,7 +396,8 @@ TEST(JointPlant, DelaysTheDriveByTheTransportDelay) {
   // A ramp of torque: velocity lags the undelayed one by J^-1 * slope * (t T - T^2).
   double t = 0.0;
   for (long k = 0; k < 10000; ++k) {
-    joint.plant().SetCommand({.mode = DriveMode::kTorque, .motor_torque_Nm = 0.01 * t / 0.8});
+    joint.plant().SetCommand(
+        {.mode = types::ControlMode::kTorque, .motor_torque_Nm = 0.01 * t / 0.8});
     joint.Step(kDt_s);
     t += kDt_s;
   }
@@ -406,7 +409,7 @@ TEST(JointPlant, HoldsAPositionAgainstGravity) {
   for (const double play : {0.0, 0.0464}) {
     SingleJoint joint(Rig(play), {});
     joint.Reset(-1.0);
-    joint.plant().SetCommand({.mode = DriveMode::kPosition, .position_rad = 0.3});
+    joint.plant().SetCommand({.mode = types::ControlMode::kPosition, .position_rad = 0.3});
     for (int k = 0; k < 50000; ++k) joint.Step(kDt_s);
     EXPECT_NEAR(joint.plant().motor_position_rad(), 30.0, 0.01);
     EXPECT_NEAR(joint.position_rad(), 0.3, 0.5 * play + 1e-3);
@@ -416,7 +419,7 @@ TEST(JointPlant, HoldsAPositionAgainstGravity) {
 TEST(JointPlant, FollowsAVelocity) {
   SingleJoint joint(Rig(0.0464), {});
   joint.Reset(-1.0);
-  joint.plant().SetCommand({.mode = DriveMode::kVelocity, .velocity_rad_s = 0.5});
+  joint.plant().SetCommand({.mode = types::ControlMode::kVelocity, .velocity_rad_s = 0.5});
   for (int k = 0; k < 20000; ++k) joint.Step(kDt_s);
   EXPECT_NEAR(joint.plant().motor_velocity_rad_s(), 50.0, 0.5);
 }
@@ -425,15 +428,15 @@ TEST(JointPlant, LimitsTheMotorTorque) {
   JointModel model = Rig(0.0);
   model.motor_torque_limit_Nm = 0.398;
   SingleJoint joint(model, {});
-  joint.plant().SetCommand({.mode = DriveMode::kTorque, .motor_torque_Nm = 5.0});
+  joint.plant().SetCommand({.mode = types::ControlMode::kTorque, .motor_torque_Nm = 5.0});
   joint.Step(kDt_s);
   EXPECT_NEAR(joint.plant().drive_input(), 0.398 / 0.0159155, 1e-9);
 }
 
 TEST(JointPlant, TakesANonFiniteCommandAsIdle) {
   SingleJoint joint(Rig(0.0464), {});
-  joint.plant().SetCommand(
-      {.mode = DriveMode::kTorque, .motor_torque_Nm = std::numeric_limits<double>::quiet_NaN()});
+  joint.plant().SetCommand({.mode = types::ControlMode::kTorque,
+                            .motor_torque_Nm = std::numeric_limits<double>::quiet_NaN()});
   for (int k = 0; k < 100; ++k) joint.Step(kDt_s);
   EXPECT_EQ(joint.plant().drive_input(), 0.0);
   EXPECT_TRUE(std::isfinite(joint.position_rad()));
@@ -449,7 +452,7 @@ TEST(JointPlant, StaysFiniteAndAllocatesNothingInALongRun) {
   const long before = allocations;
   for (long k = 0; k < 1000000; ++k) {
     joint.plant().SetCommand(
-        {.mode = DriveMode::kTorque,
+        {.mode = types::ControlMode::kTorque,
          .motor_torque_Nm = 0.05 * std::sin(3.0 * static_cast<double>(k) * kDt_s)});
     joint.Step(kDt_s);
   }

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "components/trace/close_loop.h"
+#include "components/types/control_mode.h"
 #include "sim/plant/single_joint.h"
 
 namespace sinew::plant {
@@ -15,7 +16,7 @@ namespace {
 
 using actuator::JointModel;
 using effects::Balance;
-using identify::Signal;
+using types::Signal;
 
 constexpr double kPlay_rad = 0.046;
 constexpr double kCounts = 16384.0;
@@ -60,7 +61,7 @@ JointModel With(const char* effect, std::vector<double> values, std::vector<doub
 
 // 80 Hz of a joint that follows sines while a hand presses and pulls; encoders of 14 bits with
 // noise, the middle of the play 0.003 rad off.
-identify::Run Record(const JointModel& truth, std::uint64_t seed, double duration_s = 60.0) {
+types::Run Record(const JointModel& truth, std::uint64_t seed, double duration_s = 60.0) {
   SingleJoint joint(truth, {.contact_stiffness_Nm_rad = 1e5});
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
@@ -68,7 +69,7 @@ identify::Run Record(const JointModel& truth, std::uint64_t seed, double duratio
   const double a = phase(random), b = phase(random), c = phase(random);
   const auto count = static_cast<Eigen::Index>(duration_s * 80.0);
   Eigen::VectorXd motor(count), output(count), current(count), force(count);
-  identify::Run run;
+  types::Run run;
   run.name = "run_" + std::to_string(seed);
   run.content_hash = run.name;
   run.time_s.resize(count);
@@ -82,7 +83,7 @@ identify::Run Record(const JointModel& truth, std::uint64_t seed, double duratio
       const double t = (static_cast<double>(i) * 200.0 + k) * kStep_s;
       const double hand = 12.0 * std::sin(2.0 * M_PI * 0.23 * t + c) * std::sin(0.9 * t);
       joint.plant().SetLoad(hand, 0.0);
-      joint.plant().SetCommand({.mode = DriveMode::kPosition,
+      joint.plant().SetCommand({.mode = types::ControlMode::kPosition,
                                 .position_rad = 0.5 * std::sin(2.0 * M_PI * 0.31 * t + a) +
                                                 0.25 * std::sin(2.0 * M_PI * 0.73 * t + b)});
       joint.Step(kStep_s);
@@ -116,7 +117,7 @@ trace::TraceResult TraceOf(const JointModel& truth, std::uint64_t seed) {
 // The teeth's side as the simulation knows it, at every row that is used.
 TEST(KinematicStates, NameTheSideThatTheTeethTouchOn) {
   const JointModel truth = Rig();
-  const identify::Run run = Record(truth, 5);
+  const types::Run run = Record(truth, 5);
   const identify::StateSet states = identify::MakeKinematicStates({run}, truth, Processing());
   const identify::StateSegment& segment = states.segments.front();
   int used = 0, wrong = 0;
@@ -183,7 +184,7 @@ TEST(KinematicBalance, WithoutAnEffectNoneIsFoundAndTheOffsetIsFitted) {
 
 TEST(KinematicBalance, WithoutTheMotorsAngleSaysWhyNothingIsSeen) {
   const auto blind = [](std::uint64_t seed) {
-    identify::Run run = Record(Rig(), seed, 20.0);
+    types::Run run = Record(Rig(), seed, 20.0);
     run.signals.erase(Signal::kMotorPosition);
     return run;
   };

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "components/types/control_mode.h"
+
 namespace sinew::surrogate {
 namespace {
 
@@ -30,28 +32,30 @@ TEST(TrackingObserver, LagsLikeACriticallyDampedSecondOrderSystem) {
 
 TEST(Drive, IdleAsksForNoTorque) {
   Drive drive{DriveParameters{}};
-  DriveCommand command{DriveMode::kIdle, 0.3, 5.0, 2.0};
+  DriveCommand command{types::ControlMode::kIdle, 0.3, 5.0, 2.0};
   EXPECT_EQ(drive.Step(command, 1.0, kDriveStep_s), 0.0);
 }
 
 TEST(Drive, TorqueModePassesTheTorqueUpToItsLimit) {
   Drive drive{DriveParameters{}};
-  EXPECT_EQ(drive.Step({DriveMode::kTorque, 0.1}, 0.0, kDriveStep_s), 0.1);
-  EXPECT_EQ(drive.Step({DriveMode::kTorque, 9.0}, 0.0, kDriveStep_s), 0.398);
-  EXPECT_EQ(drive.Step({DriveMode::kTorque, -9.0}, 0.0, kDriveStep_s), -0.398);
+  EXPECT_EQ(drive.Step({types::ControlMode::kTorque, 0.1}, 0.0, kDriveStep_s), 0.1);
+  EXPECT_EQ(drive.Step({types::ControlMode::kTorque, 9.0}, 0.0, kDriveStep_s), 0.398);
+  EXPECT_EQ(drive.Step({types::ControlMode::kTorque, -9.0}, 0.0, kDriveStep_s), -0.398);
 }
 
 TEST(Drive, PositionAndVelocityModesBringAFreeRotorThere) {
   constexpr double kRotor_kg_m2 = 1.15e-5;
-  for (const DriveMode mode : {DriveMode::kPosition, DriveMode::kVelocity}) {
+  for (const types::ControlMode mode :
+       {types::ControlMode::kPosition, types::ControlMode::kVelocity}) {
     Drive drive{DriveParameters{}};
     double angle_rad = 0.0, velocity_rad_s = 0.0;
     for (int i = 0; i < 16000; ++i) {
-      const DriveCommand command{mode, 0.0, 10.0, mode == DriveMode::kVelocity ? 40.0 : 0.0};
+      const DriveCommand command{mode, 0.0, 10.0,
+                                 mode == types::ControlMode::kVelocity ? 40.0 : 0.0};
       velocity_rad_s += kDriveStep_s * drive.Step(command, angle_rad, kDriveStep_s) / kRotor_kg_m2;
       angle_rad += kDriveStep_s * velocity_rad_s;
     }
-    if (mode == DriveMode::kPosition) {
+    if (mode == types::ControlMode::kPosition) {
       EXPECT_NEAR(angle_rad, 10.0, 1e-3);
     } else {
       EXPECT_NEAR(velocity_rad_s, 40.0, 0.01);

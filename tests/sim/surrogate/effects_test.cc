@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "components/types/control_mode.h"
 #include "sim/surrogate/excitation.h"
 #include "sim/surrogate/experiment.h"
 #include "sim/surrogate/rig.h"
@@ -124,7 +125,7 @@ TEST(Effects, MoreTorquePerAmpereAndLessWhereTheIronSaturates) {
 TEST(Effects, AnOffsetOfTheCurrentIsLoggedAndMissingInTheWindings) {
   Rig rig(With(Silent(), "current_offset", 0.5));
   RigInput input;
-  input.drive = {.mode = DriveMode::kTorque, .torque_Nm = 0.0};
+  input.drive = {.mode = types::ControlMode::kTorque, .torque_Nm = 0.0};
   rig.Advance(input, 0.2);
   EXPECT_NEAR(rig.truth().iq_A, -0.5, 0.01);
   EXPECT_NEAR(rig.Read().motor_current_A, 0.0, 0.01);
@@ -167,7 +168,7 @@ TEST(Effects, WornTeethLeaveMorePlay) {
     RigInput input;
     double twist_rad[2];
     for (int side = 0; side < 2; ++side) {
-      input.drive = {.mode = DriveMode::kPosition, .position_rad = 0.0};
+      input.drive = {.mode = types::ControlMode::kPosition, .position_rad = 0.0};
       input.hand_force_N = side == 0 ? 10.0 : -10.0;
       rig.Advance(input, 6.0);
       const RigTruth truth = rig.truth();
@@ -181,7 +182,7 @@ TEST(Effects, WornTeethLeaveMorePlay) {
 TEST(Effects, AShaftTwistsUnderTheToothTorque) {
   Rig rig(With(Bare(), "gear_compliance", 2e-3));
   RigInput input;
-  input.drive = {.mode = DriveMode::kPosition, .position_rad = 0.0};
+  input.drive = {.mode = types::ControlMode::kPosition, .position_rad = 0.0};
   input.hand_force_N = 10.0;
   rig.Advance(input, 8.0);
   const RigTruth truth = rig.truth();
@@ -216,7 +217,7 @@ TEST(Effects, TelegramsComeLate) {
   const auto at = [](double late_s, double until_s) {
     Rig rig(With(Silent(), "transport_delay", late_s));
     RigInput input;
-    input.drive = {.mode = DriveMode::kTorque, .torque_Nm = 0.05};
+    input.drive = {.mode = types::ControlMode::kTorque, .torque_Nm = 0.05};
     rig.Advance(input, until_s);
     return rig.Read();
   };

@@ -3,6 +3,7 @@
 #include <sstream>
 #include <string>
 
+#include "components/types/control_mode.h"
 #include "sim/surrogate/file/rows_csv.h"
 #include "sim/surrogate/file/surrogate_file.h"
 #include "sim/surrogate/rig.h"
@@ -26,11 +27,11 @@ std::string ErrorOf(const std::string& yaml) {
 void ExpectSame(const RigParameters& a, const RigParameters& b) {
   Rig first{a}, second{b};
   RigInput input;
-  input.drive = {DriveMode::kTorque, 0.03};
+  input.drive = {types::ControlMode::kTorque, 0.03};
   input.compressor_on = input.vent_open = true;
   for (int i = 0; i < 240; ++i) {
     input.valve_open = i > 120;
-    input.drive.mode = i > 180 ? DriveMode::kPosition : DriveMode::kTorque;
+    input.drive.mode = i > 180 ? types::ControlMode::kPosition : types::ControlMode::kTorque;
     first.Advance(input, 1.0 / 240.0);
     second.Advance(input, 1.0 / 240.0);
     const RigReading x = first.Read(), y = second.Read();

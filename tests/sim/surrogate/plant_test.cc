@@ -4,7 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "components/identify/run.h"
+#include "components/types/control_mode.h"
+#include "components/types/run.h"
 #include "sim/surrogate/surrogate.h"
 #include "tests/support/allocations.h"
 
@@ -14,7 +15,7 @@ namespace {
 constexpr double kPeriod_s = 1.0 / 240.0;
 
 TEST(Surrogate, MeasuredFlagsAreTheBitsOfTheSignals) {
-  using identify::Signal;
+  using types::Signal;
   std::uint32_t expected = 0;
   for (const Signal signal :
        {Signal::kPosition, Signal::kVelocity, Signal::kMotorPosition, Signal::kMotorVelocity,
@@ -30,7 +31,7 @@ TEST(Surrogate, CommandsAreGivenAtTheOutputAndExecutedAtTheMotor) {
   provider::PlantSensors sensors;
   surrogate.Reset(&sensors);
   provider::PlantCommand command;
-  command.mode[0] = provider::Mode::kPosition;
+  command.mode[0] = types::ControlMode::kPosition;
   command.position_rad[0] = 0.4;
   command.valve_open[0] = true;
   for (int i = 0; i < 720; ++i) surrogate.Step(command, kPeriod_s, &sensors);
@@ -47,7 +48,7 @@ TEST(Surrogate, TorqueToldByTheCurrentIsAtTheOutput) {
   provider::PlantSensors sensors;
   surrogate.Reset(&sensors);
   provider::PlantCommand command;
-  command.mode[0] = provider::Mode::kTorque;
+  command.mode[0] = types::ControlMode::kTorque;
   command.motor_torque_Nm[0] = 0.004;
   for (int i = 0; i < 24; ++i) surrogate.Step(command, kPeriod_s, &sensors);
   EXPECT_NEAR(sensors.torque_Nm[0], 0.77 * 100.0 * 0.004, 1e-3);
@@ -69,7 +70,7 @@ TEST(Surrogate, RigsSideBySideAreEachTheirOwn) {
   one.Reset(&alone);
   three.Reset(&sensors);
   provider::PlantCommand command, still;
-  command.mode[2] = provider::Mode::kPosition;
+  command.mode[2] = types::ControlMode::kPosition;
   command.position_rad[2] = 0.4;
   for (int i = 0; i < 720; ++i) {
     one.Step(still, kPeriod_s, &alone);
@@ -88,7 +89,7 @@ TEST(Surrogate, ACommandThatIsNotFiniteIdlesTheDriveAndIsTold) {
   provider::PlantSensors sensors;
   surrogate.Reset(&sensors);
   provider::PlantCommand command;
-  command.mode[0] = provider::Mode::kTorque;
+  command.mode[0] = types::ControlMode::kTorque;
   command.motor_torque_Nm[0] = 0.03;
   for (int i = 0; i < 48; ++i) surrogate.Step(command, kPeriod_s, &sensors);
   EXPECT_GT(surrogate.rig().truth().iq_A, 1.0);
@@ -131,7 +132,7 @@ TEST(Surrogate, StepTakesNothingFromTheHeap) {
   provider::PlantSensors sensors;
   surrogate.Reset(&sensors);
   provider::PlantCommand command;
-  command.mode[0] = provider::Mode::kTorque;
+  command.mode[0] = types::ControlMode::kTorque;
   const long before = test::Allocations();
   for (int i = 0; i < 240; ++i) {
     command.motor_torque_Nm[0] = 0.02 * std::sin(0.1 * i);
@@ -145,7 +146,7 @@ TEST(Surrogate, IsWellFasterThanRealTime) {
   provider::PlantSensors sensors;
   surrogate.Reset(&sensors);
   provider::PlantCommand command;
-  command.mode[0] = provider::Mode::kTorque;
+  command.mode[0] = types::ControlMode::kTorque;
   command.valve_open[0] = true;
   const auto start = std::chrono::steady_clock::now();
   for (int i = 0; i < 2400; ++i) {

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "components/types/control_mode.h"
 #include "sim/surrogate/rig.h"
 #include "tests/support/rig_constants.h"
 
@@ -26,7 +27,7 @@ TEST(Published, PlayMeasuredWithSmallTorquesIs2p66Degrees) {
     for (int i = 0; i < 600; ++i) {
       RigInput input;
       const double side = i < 300 ? 1.0 : -1.0;
-      input.drive = {DriveMode::kTorque, 0.02 * side};
+      input.drive = {types::ControlMode::kTorque, 0.02 * side};
       input.hand_force_N = side * 1.4 / 0.3;
       rig.Advance(input, kCycle_s);
       if (i % 3 != 0) continue;

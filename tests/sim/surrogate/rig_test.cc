@@ -8,6 +8,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "components/types/control_mode.h"
 #include "tests/support/rig_constants.h"
 
 namespace sinew::surrogate {
@@ -145,7 +146,7 @@ TEST(Rig, MotorTorqueAcceleratesRotorAndLinkTogether) {
   const double half_play_rad = 0.5 * p.gear.play_rad;
   rig.SetState(half_play_rad * 100.0, 0.0, 0.0, 0.0);  // teeth touch
   RigInput input;
-  input.drive = {DriveMode::kTorque, 0.01};
+  input.drive = {types::ControlMode::kTorque, 0.01};
   for (int i = 0; i < 120; ++i) rig.Advance(input, kCycle_s);
   const double from_rad_s = rig.truth().output_velocity_rad_s;
   for (int i = 0; i < 60; ++i) rig.Advance(input, kCycle_s);
@@ -167,7 +168,7 @@ TEST(Rig, ShareOfTheTorqueDependsOnTheDirectionOfPowerWhenToldSo) {
     const double half_play_rad = std::copysign(0.5 * p.gear.play_rad, torque_Nm);
     rig.SetState(half_play_rad * 100.0, 200.0, 0.0, 2.0);  // turning up
     RigInput input;
-    input.drive = {DriveMode::kTorque, torque_Nm};
+    input.drive = {types::ControlMode::kTorque, torque_Nm};
     for (int i = 0; i < 24; ++i) rig.Advance(input, kCycle_s);
     const double from_rad_s = rig.truth().output_velocity_rad_s;
     for (int i = 0; i < 24; ++i) rig.Advance(input, kCycle_s);
@@ -191,7 +192,7 @@ TEST(Rig, LoadFrictionTakesItsShareOfTheToothTorque) {
     Rig rig{p};
     rig.SetState(0.5 * p.gear.play_rad * 100.0, 200.0, 0.0, 2.0);  // in contact, turning up
     RigInput input;
-    input.drive = {DriveMode::kTorque, 0.02};
+    input.drive = {types::ControlMode::kTorque, 0.02};
     for (int i = 0; i < 24; ++i) rig.Advance(input, kCycle_s);
     const double from_rad_s = rig.truth().output_velocity_rad_s;
     for (int i = 0; i < 24; ++i) rig.Advance(input, kCycle_s);
@@ -254,7 +255,7 @@ TEST(Rig, AShutChamberLosesItsAirThroughTheSeal) {
 TEST(Rig, CurrentStaysInsideItsLimitWhateverIsAsked) {
   Rig rig{RigParameters{}};
   RigInput input;
-  input.drive = {DriveMode::kTorque, 100.0};
+  input.drive = {types::ControlMode::kTorque, 100.0};
   for (int i = 0; i < 240; ++i) {
     rig.Advance(input, kCycle_s);
     ASSERT_LE(std::abs(rig.truth().iq_A), 25.1);
@@ -266,7 +267,7 @@ TEST(Rig, PositionModeHoldsAndReachesAngles) {
   RigInput input;
   input.valve_open = true;
   for (const double target_rad : {0.5, -0.3}) {
-    input.drive = {DriveMode::kPosition, 0.0, target_rad * 100.0, 0.0};
+    input.drive = {types::ControlMode::kPosition, 0.0, target_rad * 100.0, 0.0};
     for (int i = 0; i < 480; ++i) rig.Advance(input, kCycle_s);
     EXPECT_NEAR(rig.truth().motor_angle_rad / 100.0, target_rad, 0.002);
     EXPECT_NEAR(rig.truth().output_angle_rad, target_rad, 0.5 * 0.0465 + 0.002);
@@ -276,7 +277,7 @@ TEST(Rig, PositionModeHoldsAndReachesAngles) {
 TEST(Rig, EndStopsHoldTheLinkInsideItsTravel) {
   Rig rig{RigParameters{}};
   RigInput input;
-  input.drive = {DriveMode::kTorque, 0.05};
+  input.drive = {types::ControlMode::kTorque, 0.05};
   for (int i = 0; i < 240 * 5; ++i) {
     rig.Advance(input, kCycle_s);
     ASSERT_LT(std::abs(rig.truth().output_angle_rad), 2.3562 + 0.05);
@@ -287,7 +288,7 @@ TEST(Rig, EndStopsHoldTheLinkInsideItsTravel) {
 TEST(Rig, EncodersReadWholeCounts) {
   Rig rig{RigParameters{}};
   RigInput input;
-  input.drive = {DriveMode::kTorque, 0.03};
+  input.drive = {types::ControlMode::kTorque, 0.03};
   const double count_rad = 2.0 * std::numbers::pi / 16384.0;
   for (int i = 0; i < 240; ++i) {
     rig.Advance(input, kCycle_s);
@@ -330,7 +331,7 @@ TEST(Rig, SameSeedGivesTheSameBitsAndAnotherOneOtherNoise) {
   input.valve_open = true;
   int different = 0;
   for (int i = 0; i < 480; ++i) {
-    input.drive = {DriveMode::kTorque, 0.02 * std::sin(0.05 * i)};
+    input.drive = {types::ControlMode::kTorque, 0.02 * std::sin(0.05 * i)};
     for (Rig* rig : {&a, &b, &c}) rig->Advance(input, kCycle_s);
     const RigReading ra = a.Read(), rb = b.Read(), rc = c.Read();
     ASSERT_EQ(ra.motor_angle_rad, rb.motor_angle_rad);
@@ -347,7 +348,7 @@ TEST(Rig, SameSeedGivesTheSameBitsAndAnotherOneOtherNoise) {
 TEST(Rig, ResetRepeatsTheRunBitForBit) {
   Rig rig{RigParameters{}};
   RigInput input;
-  input.drive = {DriveMode::kTorque, 0.02};
+  input.drive = {types::ControlMode::kTorque, 0.02};
   const auto run = [&] {
     for (int i = 0; i < 240; ++i) rig.Advance(input, kCycle_s);
     return rig.Read();
@@ -401,10 +402,10 @@ TEST(Rig, StaysFiniteUnderHardTreatment) {
   for (int i = 0; i < 240 * 30; ++i) {
     if (i % 12 == 0) {
       const double pick = random.Uniform();
-      input.drive.mode = pick < 0.3   ? DriveMode::kTorque
-                         : pick < 0.6 ? DriveMode::kPosition
-                         : pick < 0.9 ? DriveMode::kVelocity
-                                      : DriveMode::kIdle;
+      input.drive.mode = pick < 0.3   ? types::ControlMode::kTorque
+                         : pick < 0.6 ? types::ControlMode::kPosition
+                         : pick < 0.9 ? types::ControlMode::kVelocity
+                                      : types::ControlMode::kIdle;
       input.drive.torque_Nm = random.Uniform(-0.4, 0.4);
       input.drive.position_rad = random.Uniform(-200.0, 200.0);
       input.drive.velocity_rad_s = random.Uniform(-300.0, 300.0);

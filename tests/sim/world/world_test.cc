@@ -13,6 +13,7 @@
 #include <limits>
 
 #include "components/actuator/file/model_file.h"
+#include "components/types/control_mode.h"
 #include "sim/plant/single_joint.h"
 #include "sim/world/file/urdf_file.h"
 #include "sim/world/file/world_file.h"
@@ -37,7 +38,7 @@ actuator::Term MakeTerm(const char* effect, double value, const actuator::JointM
 
 PlantCommand Torque(double motor_torque_Nm) {
   PlantCommand command;
-  command.mode[0] = provider::Mode::kTorque;
+  command.mode[0] = types::ControlMode::kTorque;
   command.motor_torque_Nm[0] = motor_torque_Nm;
   return command;
 }
@@ -123,7 +124,7 @@ TEST(World, MovesTheRigAsTheActuatorPlantAloneDoes) {
   for (int k = 0; k < 960; ++k) {
     const double torque_Nm = 0.04 * std::sin(0.03 * k);
     world.Step(Torque(torque_Nm), kPeriod_s, &sensors);
-    alone.plant().SetCommand({.mode = plant::DriveMode::kTorque, .motor_torque_Nm = torque_Nm});
+    alone.plant().SetCommand({.mode = types::ControlMode::kTorque, .motor_torque_Nm = torque_Nm});
     for (int i = 0; i < 42; ++i) alone.Step(kPeriod_s / 42.0);
     forwards += world.velocity_rad_s(0) > 0.01;
     backwards += world.velocity_rad_s(0) < -0.01;
@@ -147,7 +148,7 @@ TEST(World, MovesToAPositionAndFillsTheChamber) {
   World world(Rig().config);
   PlantSensors sensors;
   PlantCommand command;
-  command.mode[0] = provider::Mode::kPosition;
+  command.mode[0] = types::ControlMode::kPosition;
   command.position_rad[0] = 0.2;
   command.valve_open[0] = true;
   for (int k = 0; k < 480; ++k) world.Step(command, kPeriod_s, &sensors);
@@ -163,7 +164,7 @@ TEST(World, FeelsTheHandAndAPayload) {
   World alone(config), pushed(config), loaded(config);
   PlantSensors sensors;
   PlantCommand command;
-  command.mode[0] = provider::Mode::kPosition;
+  command.mode[0] = types::ControlMode::kPosition;
   PlantCommand hand = command, payload = command;
   hand.hand_force_N[0] = 10.0;
   payload.extra_payload_kg[0] = 1.0;
@@ -306,7 +307,7 @@ TEST(World, RefusesModelsThatDoNotFitTheUrdf) {
   config.joints.clear();
   EXPECT_THAT(error_of(config), HasSubstr("has no model"));
   config = file.config;
-  config.model.joints[0].kind = effects::JointKind::kLinear;
+  config.model.joints[0].kind = types::JointKind::kLinear;
   EXPECT_THAT(error_of(config), HasSubstr("revolute"));
   config = file.config;
   config.joints[0].position_rad = 3.0;

@@ -21,9 +21,9 @@ namespace {
 constexpr double kPeriod_s = 1.0 / 240.0;
 
 // Off its reference by 10 mrad until the last two cycles, by 1 mrad there; the lead-in is far off.
-identify::Run Synthetic(const Trial& trial) {
+types::Run Synthetic(const Trial& trial) {
   const auto count = static_cast<Eigen::Index>(trial.duration_s() / kPeriod_s);
-  identify::Run run;
+  types::Run run;
   run.name = "synthetic";
   run.time_s = Eigen::VectorXd::LinSpaced(count, 7.0, 7.0 + (count - 1) * kPeriod_s);
   Eigen::VectorXd reference(count), position(count), current(count), speed(count);
@@ -35,10 +35,10 @@ identify::Run Synthetic(const Trial& trial) {
     current[i] = t < kStart_s + 0.5 / kFrequency_Hz ? 25.0 : 2.0;
     speed[i] = 10.0;
   }
-  run.signals[identify::Signal::kReferencePosition] = reference;
-  run.signals[identify::Signal::kPosition] = position;
-  run.signals[identify::Signal::kMotorCurrent] = current;
-  run.signals[identify::Signal::kMotorVelocity] = speed;
+  run.signals[types::Signal::kReferencePosition] = reference;
+  run.signals[types::Signal::kPosition] = position;
+  run.signals[types::Signal::kMotorCurrent] = current;
+  run.signals[types::Signal::kMotorVelocity] = speed;
   return run;
 }
 
@@ -56,7 +56,7 @@ TEST(ControlTrial, ScoresTheCyclesAfterTheLeadIn) {
 
 TEST(ControlTrial, ARunThatEndsEarlyIsRefused) {
   Trial trial{Arm::kPid, 4.0, Load::kNone, 4, 1};
-  const identify::Run run = Synthetic(trial);
+  const types::Run run = Synthetic(trial);
   trial.cycles = 8;
   EXPECT_THROW(ScoreTrial(trial, run, {0.0159, 25.0}), std::invalid_argument);
 }

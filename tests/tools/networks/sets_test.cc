@@ -32,7 +32,7 @@ TEST(Sets, TheSameSeedGivesTheSameRecordingAndAnotherSeedAnotherOne) {
 }
 
 TEST(Sets, ThePressureOfSeaFallsAndTheLinkStopsComingBack) {
-  const identify::Run run = MakeSurrogateRun({.task = Task::kSea, .seed = 1});
+  const types::Run run = MakeSurrogateRun({.task = Task::kSea, .seed = 1});
   const auto sequences = networks::MakeTable({run}, {.task = Task::kSea});
   const double seconds = static_cast<double>(sequences[0].inputs.rows()) / 80.0;
   EXPECT_GT(seconds, 20.0);
@@ -94,7 +94,7 @@ TEST(Cylinder, TheGreyBoxFindsTheAreaOfThePistonInMeasuredData) {
   const std::filesystem::path folder =
       std::filesystem::path(SINEW_SHARED_DIR) / "data" / "pneumatic_cylinder_3dprinted";
   SKIP_WITHOUT_DATA(folder);
-  const std::vector<identify::Run> runs = ReadCylinder(folder);
+  const std::vector<types::Run> runs = ReadCylinder(folder);
   ASSERT_GE(runs.size(), 6U);
   const networks::Samples samples = networks::MakeSamples(
       networks::MakeTable(runs, {.task = Task::kForce, .period_s = 0.04, .blocks = 2}));

@@ -22,8 +22,8 @@ namespace sinew {
 namespace {
 
 namespace fs = std::filesystem;
-using Recording = identify::Run;
-using identify::Signal;
+using Recording = types::Run;
+using types::Signal;
 
 const fs::path kRobots = fs::path(SINEW_SOURCE_DIR) / "robots";
 const fs::path kMeasured = fs::path(SINEW_SHARED_DIR) / "data";

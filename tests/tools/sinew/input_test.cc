@@ -88,8 +88,8 @@ TEST_F(Input, ASpringAndAJointWithoutInertiaAreFitted) {
   const CloseLoopOptions options = SpringOptions();
   const LoopInput input = LoadLoopInput(options);
   const actuator::JointModel& joint = input.model.robot.joints[0];
-  const std::vector<identify::Run> train = ReadJoint(options.train, input.map, 0);
-  const std::vector<identify::Run> held_out = ReadJoint(options.held_out, input.map, 0);
+  const std::vector<types::Run> train = ReadJoint(options.train, input.map, 0);
+  const std::vector<types::Run> held_out = ReadJoint(options.held_out, input.map, 0);
   EXPECT_EQ(train[0].size() + held_out[0].size(), 2000);
   EXPECT_EQ(train[0].name, "day.csv@:12");
   const identify::ProcessingOptions processing =
@@ -191,8 +191,8 @@ TEST_F(Input, TheZeroOfAnEncoderGoesWithTheRecording) {
                       "schema: sinew-csv-map/1\nkind: rotary\ntime: {column: t, unit: s}\n"
                       "signals:\n  position: {column: q, unit: rad, zero_per_recording: true}\n"
                       "  torque: {column: tau, unit: Nm}\n");
-  const std::vector<identify::Run> runs = ReadJoint(options.train, options.map, 0);
-  EXPECT_EQ(runs[0].zero_unknown, std::set<identify::Signal>{identify::Signal::kPosition});
+  const std::vector<types::Run> runs = ReadJoint(options.train, options.map, 0);
+  EXPECT_EQ(runs[0].zero_unknown, std::set<types::Signal>{types::Signal::kPosition});
 }
 
 TEST_F(Input, AnArmWithoutItsUrdfIsRefusedWithTheReason) {

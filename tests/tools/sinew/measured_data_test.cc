@@ -56,7 +56,7 @@ CloseLoopResult OnPendulum(const std::vector<int>& train, int held_out) {
 }
 
 free_run::FreeRunResult FreeRunOnPendulum(const CloseLoopResult& result, int held_out) {
-  std::vector<identify::Run> runs;
+  std::vector<types::Run> runs;
   for (const fs::path& path : PendulumRuns({held_out})) {
     runs.push_back(recording::ReadRuns(path, kRobots / "bam_xl330/csv_map.yaml").front());
   }

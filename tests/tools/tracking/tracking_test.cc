@@ -9,14 +9,14 @@
 namespace sinew::tools {
 namespace {
 
-using identify::Signal;
+using types::Signal;
 constexpr double kPi = std::numbers::pi;
 // The trapezoidal rule over whole periods of a smooth periodic function is exact to rounding.
 constexpr double kTolerance = 1e-12;
 
 // One second: the error is a sine of `amplitude`, torque and velocity are in phase.
-identify::Run SineRun(double amplitude, int samples = 1001) {
-  identify::Run run;
+types::Run SineRun(double amplitude, int samples = 1001) {
+  types::Run run;
   run.name = "sine";
   run.time_s = Eigen::VectorXd::LinSpaced(samples, 0.0, 1.0);
   const Eigen::VectorXd wave = (2.0 * kPi * run.time_s.array()).sin();
@@ -45,14 +45,14 @@ TEST(Tracking, ASineErrorHasHalfItsSquaredAmplitude) {
 }
 
 TEST(Tracking, WorkCountsOnlyPowerThatGoesIntoTheLink) {
-  identify::Run run = SineRun(0.2);
+  types::Run run = SineRun(0.2);
   EXPECT_NEAR(ScoreTracking(run).positive_work_J, 3.0, kTolerance) << "2 * 3 * mean of sin^2";
   run.signals[Signal::kVelocity] *= -1.0;
   EXPECT_EQ(ScoreTracking(run).positive_work_J, 0.0);
 }
 
 TEST(Tracking, UnevenSamplesWeighByTheirTime) {
-  identify::Run run;
+  types::Run run;
   run.time_s = Eigen::Vector3d(0.0, 3.0, 4.0);
   run.signals[Signal::kPosition] = Eigen::Vector3d::Zero();
   run.signals[Signal::kReferencePosition] = Eigen::Vector3d(1.0, 1.0, 0.0);
@@ -63,7 +63,7 @@ TEST(Tracking, UnevenSamplesWeighByTheirTime) {
 }
 
 TEST(Tracking, TheStartCanBeLeftOut) {
-  identify::Run run = SineRun(0.2);
+  types::Run run = SineRun(0.2);
   run.signals[Signal::kReferencePosition].head(500).setConstant(100.0);
   EXPECT_NEAR(ScoreTracking(run, 0.5).mean_square_error_rad2, 0.02, 1e-6)
       << "half a period, ends included";
@@ -71,18 +71,18 @@ TEST(Tracking, TheStartCanBeLeftOut) {
 }
 
 TEST(Tracking, NonFiniteSamplesGiveANonFiniteScore) {
-  identify::Run run = SineRun(0.2);
+  types::Run run = SineRun(0.2);
   run.signals[Signal::kPosition][10] = std::nan("");
   EXPECT_TRUE(std::isnan(ScoreTracking(run).mean_square_error_rad2));
 }
 
 TEST(Tracking, MissingSignalsAndTooFewSamplesAreRefused) {
-  identify::Run run = SineRun(0.2);
+  types::Run run = SineRun(0.2);
   EXPECT_THROW(ScoreTracking(run, 1.0), std::invalid_argument);
   EXPECT_THROW(ScoreTracking(run, 1e9), std::invalid_argument);
   run.signals.erase(Signal::kReferencePosition);
   EXPECT_THROW(ScoreTracking(run), std::invalid_argument);
-  EXPECT_THROW(ScoreTracking(identify::Run{}), std::invalid_argument);
+  EXPECT_THROW(ScoreTracking(types::Run{}), std::invalid_argument);
 }
 
 }  // namespace

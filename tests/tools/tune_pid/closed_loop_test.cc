@@ -9,6 +9,7 @@
 #include "components/control/file/control_file.h"
 #include "components/pneumatics/file/pneumatics_file.h"
 #include "components/reference/file/reference_file.h"
+#include "components/types/control_mode.h"
 #include "sim/surrogate/file/surrogate_file.h"
 #include "sim/surrogate/surrogate.h"
 
@@ -77,7 +78,7 @@ TEST(PressureOnSurrogate, FillsThreeBarInsideTheBandWithoutFalseAlarm) {
     provider::PlantSensors sensors;
     provider::PlantCommand command;
     plant.Reset(&sensors);
-    command.mode[0] = provider::Mode::kPosition;
+    command.mode[0] = types::ControlMode::kPosition;
     double worst_bar = 0.0;
     long switches_at_60_s = 0;
     for (int k = 0; k < 240 * 120; ++k) {

@@ -91,7 +91,7 @@ TEST(Verify, EveryEffectGoesUnchangedFromTheFileIntoWorldAndControl) {
 }
 
 // The surrogate's own motion under control, as a recording.
-identify::Run Record(const std::string& effect, double size, std::uint64_t seed) {
+types::Run Record(const std::string& effect, double size, std::uint64_t seed) {
   surrogate::RigParameters rig;
   rig.seed = seed;
   if (!effect.empty()) rig.effects = {{effect, size, 0.0}};
@@ -114,15 +114,15 @@ identify::Run Record(const std::string& effect, double size, std::uint64_t seed)
     return Eigen::VectorXd(
         Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
   };
-  identify::Run run;
+  types::Run run;
   run.name = "surrogate";
   run.time_s = vector(t);
-  run.signals = {{identify::Signal::kPosition, vector(q)},
-                 {identify::Signal::kMotorPosition, vector(m)},
-                 {identify::Signal::kMotorCurrent, vector(current)},
-                 {identify::Signal::kChamberPressure, vector(pressure)},
-                 {identify::Signal::kLoadForce, vector(force)},
-                 {identify::Signal::kPayload, vector(payload)}};
+  run.signals = {{types::Signal::kPosition, vector(q)},
+                 {types::Signal::kMotorPosition, vector(m)},
+                 {types::Signal::kMotorCurrent, vector(current)},
+                 {types::Signal::kChamberPressure, vector(pressure)},
+                 {types::Signal::kLoadForce, vector(force)},
+                 {types::Signal::kPayload, vector(payload)}};
   return run;
 }
 
@@ -130,7 +130,7 @@ TEST(Verify, TheWorldOfTheRightModelFollowsTheRecordingBetter) {
   actuator::RobotModel wrong = RigModel(), right = RigModel();
   right.joints[0].terms.push_back(AddedTerm("quadratic_viscous", right.joints[0].constants));
   right.joints[0].terms.back().linear[0].value = 0.3;
-  const std::vector<identify::Run> runs{Record("quadratic_viscous", 0.3, 3)};
+  const std::vector<types::Run> runs{Record("quadratic_viscous", 0.3, 3)};
   const identify::ProcessingOptions processing = identify::Resolve({}, runs);
   const free_run::FreeRunResult result = FollowRecordings(runs, wrong, right, processing, 0.5);
   ASSERT_TRUE(result.errors) << result.why_not;
@@ -145,11 +145,11 @@ TEST(Verify, TheWorldOfTheRightModelFollowsTheRecordingBetter) {
               0.1 * alone.errors->models[1].rms);
 
   const Names names{.before = "a", .after = "b", .added = {"quadratic_viscous"}, .effects = "none"};
-  const report::Section section = MakeSection(names, effects::JointKind::kRotary, &result, {});
+  const report::Section section = MakeSection(names, types::JointKind::kRotary, &result, {});
   report::CheckSection(section);
   ASSERT_EQ(section.comparisons.size(), 2u);
   EXPECT_TRUE(*section.comparisons[0].met);
-  EXPECT_THAT(FormatJson(names, effects::JointKind::kRotary, &result, {}),
+  EXPECT_THAT(FormatJson(names, types::JointKind::kRotary, &result, {}),
               ::testing::HasSubstr("\"horizons\""));
 }
 
@@ -167,14 +167,14 @@ TEST(Verify, ControlFollowsBetterWithTheEffectInItsModel) {
   const TrackingRun run = Track(setup, 5);
   EXPECT_LT(run.after.mse_rad2, 0.8 * run.before.mse_rad2);
   const Names names{.before = "a", .after = "b", .added = {}, .effects = "quadratic_viscous=0.5"};
-  const report::Section section = MakeSection(names, effects::JointKind::kRotary, nullptr, {run});
+  const report::Section section = MakeSection(names, types::JointKind::kRotary, nullptr, {run});
   report::CheckSection(section);
   EXPECT_TRUE(*section.comparisons[0].met);
 }
 
 TEST(Verify, RefusesRobotsOfSeveralJointsAndModelsOfOtherJoints) {
   actuator::RobotModel robot = RigModel();
-  const std::vector<identify::Run> none;
+  const std::vector<types::Run> none;
   actuator::RobotModel other = robot;
   other.joints[0].name = "elbow";
   EXPECT_THROW(static_cast<void>(FollowRecordings(none, other, robot, {}, 0.5)),

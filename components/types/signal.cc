@@ -1,8 +1,9 @@
-#include "components/identify/run.h"
+#include "components/types/signal.h"
 
 #include <stdexcept>
+#include <string>
 
-namespace sinew::identify {
+namespace sinew::types {
 namespace {
 
 struct SignalRow {
@@ -49,8 +50,8 @@ std::optional<Signal> SignalFromName(std::string_view name) {
   return std::nullopt;
 }
 
-std::string_view SignalUnit(Signal signal, effects::JointKind kind) {
-  return kind == effects::JointKind::kLinear ? Row(signal).linear_unit : Row(signal).rotary_unit;
+std::string_view SignalUnit(Signal signal, JointKind kind) {
+  return kind == JointKind::kLinear ? Row(signal).linear_unit : Row(signal).rotary_unit;
 }
 
 const std::vector<Signal>& AllSignals() {
@@ -62,13 +63,4 @@ const std::vector<Signal>& AllSignals() {
   return all;
 }
 
-const Eigen::VectorXd& Run::At(Signal signal) const {
-  const auto found = signals.find(signal);
-  if (found == signals.end()) {
-    throw std::invalid_argument("run '" + name + "' has no signal '" +
-                                std::string(SignalName(signal)) + "'");
-  }
-  return found->second;
-}
-
-}  // namespace sinew::identify
+}  // namespace sinew::types
