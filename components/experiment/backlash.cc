@@ -7,6 +7,7 @@
 
 #include "components/identify/statistics.h"
 #include "components/types/angle.h"
+#include "components/types/control_mode.h"
 
 namespace sinew::experiment {
 namespace {
@@ -67,7 +68,7 @@ Command BacklashProtocol::Step(const Reading& reading) noexcept {
     return command;
   }
   const double torque_Nm = trial % 2 == 0 ? plan_.motor_torque_Nm : plan_.second_motor_torque_Nm;
-  command.drive = Drive::kTorque;
+  command.drive = types::ControlMode::kTorque;
   command.motor_torque_Nm = periods - trial < 0.5 ? torque_Nm : -torque_Nm;
   command.hand_force_N = std::clamp(plan_.hand_N_rad * reading.output_angle_rad +
                                         plan_.hand_N_s_rad * reading.output_velocity_rad_s,

@@ -9,6 +9,7 @@
 
 #include "components/identify/statistics.h"
 #include "components/types/angle.h"
+#include "components/types/control_mode.h"
 
 namespace sinew::experiment {
 namespace {
@@ -103,7 +104,7 @@ void BreakawayTour::Enter(Phase phase, double time_s) noexcept {
 
 Command BreakawayTour::Step(const Reading& reading) noexcept {
   Command command;
-  command.drive = Drive::kPosition;
+  command.drive = types::ControlMode::kPosition;
   command.vent_open = true;
   if (first_) {
     wanted_rad_ = reading.motor_angle_rad / gear_ratio_;

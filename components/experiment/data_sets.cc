@@ -7,6 +7,7 @@
 
 #include "components/identify/statistics.h"
 #include "components/types/angle.h"
+#include "components/types/control_mode.h"
 
 namespace sinew::experiment {
 namespace {
@@ -79,7 +80,7 @@ SeaProtocol::SeaProtocol(const SeaPlan& plan) : plan_(plan), person_(plan.seed) 
 
 Command SeaProtocol::Step(const Reading& reading) noexcept {
   Command command;
-  command.drive = Drive::kPosition;
+  command.drive = types::ControlMode::kPosition;
   const double t = reading.time_s;
   if (t >= plan_.duration_s) {
     done_ = true;
@@ -120,7 +121,7 @@ Command PeaProtocol::Step(const Reading& reading) noexcept {
     size_rad_ = std::numbers::pi * (1.0 - 0.04 * person_.Uniform(0.0, 1.0));
   }
   done_ = cycle_ >= plan_.cycles;
-  command.drive = Drive::kTorque;
+  command.drive = types::ControlMode::kTorque;
   command.motor_torque_Nm = plan_.motor_torque_Nm;
   if (done_) return command;
   // The hand waits at upright, goes down and back as a raised cosine, presses like a soft spring,

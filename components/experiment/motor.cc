@@ -11,6 +11,7 @@
 #include "components/identify/statistics.h"
 #include "components/identify/uniform.h"
 #include "components/types/angle.h"
+#include "components/types/control_mode.h"
 
 namespace sinew::experiment {
 namespace {
@@ -45,7 +46,7 @@ Command MotorProtocol::Step(const Reading& reading) noexcept {
     done_ = true;
     return command;
   }
-  command.drive = Drive::kTorque;
+  command.drive = types::ControlMode::kTorque;
   command.valve_open = false;
   double sum_Nm = 0.0;
   for (const Sine& s : sines_) sum_Nm += s.torque_Nm * std::sin(s.rad_s * t + s.phase_rad);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "components/types/control_mode.h"
+
 namespace sinew::experiment {
 namespace {
 
@@ -69,7 +71,7 @@ Command Prepared::Step(const Reading& reading) noexcept {
     return protocol_->Step(local);
   }
   if (!start.motor_uncoupled) {
-    command.drive = Drive::kPosition;
+    command.drive = types::ControlMode::kPosition;
     command.position_rad = wanted_rad_;
     keeper_.Apply(reading, &command);
   }

@@ -14,9 +14,9 @@
 #include <string>
 #include <vector>
 
-namespace sinew::experiment {
+#include "components/types/control_mode.h"
 
-enum class Drive { kIdle, kTorque, kPosition };
+namespace sinew::experiment {
 
 // What the sensors say; also a row of a recording.
 struct Reading {
@@ -35,7 +35,7 @@ using Row = Reading;
 using Recording = std::vector<Row>;
 
 struct Command {
-  Drive drive = Drive::kIdle;
+  types::ControlMode drive = types::ControlMode::kIdle;
   double motor_torque_Nm = 0.0;
   double position_rad = 0.0;  // output
   bool valve_open = true;

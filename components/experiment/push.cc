@@ -8,6 +8,7 @@
 
 #include "components/identify/statistics.h"
 #include "components/types/angle.h"
+#include "components/types/control_mode.h"
 
 namespace sinew::experiment {
 namespace {
@@ -38,7 +39,7 @@ Start PushProtocol::start() const {
 
 Command PushProtocol::Step(const Reading& reading) noexcept {
   Command command;
-  command.drive = Drive::kPosition;  // holds the motor
+  command.drive = types::ControlMode::kPosition;  // holds the motor
   if (reading.time_s >= plan_.duration_s) {
     done_ = true;
     return command;

@@ -10,7 +10,6 @@
 #include "components/experiment/catalogue.h"
 #include "components/experiment/push.h"
 #include "components/types/angle.h"
-#include "components/types/control_mode.h"
 #include "sim/surrogate/experiment.h"
 #include "sim/surrogate/random.h"
 
@@ -48,17 +47,6 @@ RigParameters AtStart(RigParameters rig, const experiment::Start& start) {
   return rig;
 }
 
-types::ControlMode ToMode(experiment::Drive drive) {
-  switch (drive) {
-    case experiment::Drive::kTorque:
-      return types::ControlMode::kTorque;
-    case experiment::Drive::kPosition:
-      return types::ControlMode::kPosition;
-    default:
-      return types::ControlMode::kIdle;
-  }
-}
-
 Recording RunProtocol(const RigParameters& specimen, experiment::Protocol& protocol,
                       std::uint64_t seed, const surrogate::TruthFunction& truth,
                       double* simulated_s, const std::function<void(double)>& progress = {}) {
@@ -79,7 +67,7 @@ Recording RunProtocol(const RigParameters& specimen, experiment::Protocol& proto
     reading.load_force_N = sensors.load_force_N[0];
     reading.valve_open = sensors.valve_open[0];
     const Command c = protocol.Step(reading);
-    out->mode[0] = ToMode(c.drive);
+    out->mode[0] = c.drive;
     out->motor_torque_Nm[0] = c.motor_torque_Nm;
     out->position_rad[0] = c.position_rad;
     out->valve_open[0] = c.valve_open;

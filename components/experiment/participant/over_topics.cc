@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "components/node/tick_loop.h"
+#include "components/types/control_mode.h"
 
 namespace sinew::experiment {
 namespace {
@@ -18,13 +19,15 @@ constexpr std::uint64_t kRepeatArm = 24;  // ticks
 constexpr std::uint64_t kTellEvery = 24;  // ticks
 constexpr int kFarewellTicks = 3;         // of idle commands at the end
 
-msg::CommandMode ToMessage(Drive drive) {
+msg::CommandMode ToMessage(types::ControlMode drive) {
   switch (drive) {
-    case Drive::kTorque:
+    case types::ControlMode::kTorque:
       return msg::COMMAND_TORQUE;
-    case Drive::kPosition:
+    case types::ControlMode::kPosition:
       return msg::COMMAND_POSITION;
-    case Drive::kIdle:
+    case types::ControlMode::kVelocity:
+      return msg::COMMAND_VELOCITY;
+    case types::ControlMode::kIdle:
       break;
   }
   return msg::COMMAND_IDLE;

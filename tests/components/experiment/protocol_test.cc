@@ -9,6 +9,7 @@
 #include "components/experiment/backlash.h"
 #include "components/experiment/breakaway.h"
 #include "components/experiment/catalogue.h"
+#include "components/types/control_mode.h"
 #include "tests/support/allocations.h"
 #include "tests/support/rig_constants.h"
 
@@ -23,7 +24,8 @@ struct Toy {
                   .reservoir_pressure_bar = 4.0};
   void Step(const Command& command) {
     reading.time_s += kCycle_s;
-    if (command.drive == Drive::kPosition) reading.motor_angle_rad = 100.0 * command.position_rad;
+    if (command.drive == types::ControlMode::kPosition)
+      reading.motor_angle_rad = 100.0 * command.position_rad;
     if (command.compressor_on) reading.reservoir_pressure_bar += 0.01;
     if (command.vent_open) reading.reservoir_pressure_bar -= 0.01;
     if (command.valve_open) reading.chamber_pressure_bar = reading.reservoir_pressure_bar;
@@ -37,7 +39,7 @@ TEST(Prepared, BringsTheRobotToTheStartSlowlyAndThenRunsOnItsOwnClock) {
   int cycles = 0;
   while (!prepared.ready() && cycles < 100000) {
     const Command command = prepared.Step(toy.reading);
-    if (command.drive == Drive::kPosition) {
+    if (command.drive == types::ControlMode::kPosition) {
       fastest_rad_s =
           std::max(fastest_rad_s, std::abs(command.position_rad - before_rad) / kCycle_s);
       before_rad = command.position_rad;
