@@ -18,6 +18,7 @@ namespace sinew {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
@@ -166,8 +167,41 @@ TEST(Tree, OnlyTheNodeModuleIncludesFastDds) {
 // "components/rls/participant/x.cc" belongs to the unit "components/rls/participant".
 std::string UnitOf(const std::string& file) { return fs::path(file).parent_path().string(); }
 
+// Which folder uses which.
+using Uses = std::map<std::string, std::set<std::string>>;
+
+// The folders of circles of dependencies (and folders between two circles).
+std::set<std::string> InCircles(const Uses& uses) {
+  std::set<std::string> left;
+  for (const auto& [folder, used] : uses) left.insert(folder);
+  const auto depends = [&uses](const std::string& on, const std::string& folder) {
+    return uses.at(folder).count(on) != 0;
+  };
+  // Take away what depends on nothing that is left or is used by nothing that is left.
+  for (bool progress = true; progress;) {
+    progress = false;
+    for (auto it = left.begin(); it != left.end();) {
+      const bool uses_any = std::any_of(left.begin(), left.end(),
+                                        [&](const auto& name) { return depends(name, *it); });
+      const bool is_used = std::any_of(left.begin(), left.end(),
+                                       [&](const auto& name) { return depends(*it, name); });
+      const bool free = !uses_any || !is_used;
+      progress = progress || free;
+      it = free ? left.erase(it) : std::next(it);
+    }
+  }
+  return left;
+}
+
+TEST(Tree, CirclesAreFound) {
+  EXPECT_THAT(InCircles({}), IsEmpty());
+  EXPECT_THAT(InCircles({{"a", {"b", "c"}}, {"b", {"c"}}}), IsEmpty());
+  EXPECT_THAT(InCircles({{"a", {"b"}}, {"b", {"a", "d"}}, {"c", {"a"}}}), ElementsAre("a", "b"));
+  EXPECT_THAT(InCircles({{"a", {"b"}}, {"b", {"c"}}, {"c", {"a"}}}), ElementsAre("a", "b", "c"));
+}
+
 TEST(Tree, FoldersDependOnEachOtherInOneDirection) {
-  std::map<std::string, std::set<std::string>> uses;
+  Uses uses;
   for (const std::string& file : Files()) {
     if (!IsSource(file) || StartsWith(file, "tests/") || StartsWith(file, "bench/")) continue;
     for (const Include& include : IncludesOf(file)) {
@@ -175,20 +209,79 @@ TEST(Tree, FoldersDependOnEachOtherInOneDirection) {
       if (fs::exists(kRoot / include.name) && unit != UnitOf(file)) uses[UnitOf(file)].insert(unit);
     }
   }
-  // Take away what depends on nothing that is left; what stays is a circle.
-  std::set<std::string> left;
-  for (const auto& [unit, used] : uses) left.insert(unit);
-  for (bool progress = true; progress;) {
-    progress = false;
-    for (auto it = left.begin(); it != left.end();) {
-      const auto& used = uses[*it];
-      const bool free = std::none_of(used.begin(), used.end(),
-                                     [&left](const auto& name) { return left.count(name) != 0; });
-      progress = progress || free;
-      it = free ? left.erase(it) : std::next(it);
+  EXPECT_THAT(InCircles(uses), IsEmpty()) << "folders that depend on each other in a circle";
+}
+
+// Folder at the top of the tree that a file or an include belongs to; tests and bench count as one,
+// generated IDL types as idl; empty for includes from elsewhere.
+std::string TopOf(const std::string& file) {
+  const std::string top = fs::path(file).begin()->string();
+  if (top == "sinew_idl") return "idl";
+  if (top == "bench") return "tests";
+  return fs::is_directory(kRoot / top) && fs::path(file).has_parent_path() ? top : "";
+}
+
+TEST(Tree, TopLevelFoldersDependOnEachOtherInOneDirection) {
+  Uses uses;
+  std::map<std::string, std::string> examples;  // "a -> b": the file in a
+  for (const std::string& file : Files()) {
+    if (!IsSource(file)) continue;
+    const std::string top = TopOf(file);
+    for (const Include& include : IncludesOf(file)) {
+      const std::string used = TopOf(include.name);
+      if (used.empty() || used == top) continue;
+      uses[top].insert(used);
+      examples.emplace(top + " -> " + used, file + " includes " + include.name);
     }
   }
-  EXPECT_THAT(left, IsEmpty()) << "folders that depend on each other in a circle";
+  EXPECT_GE(uses.size(), 4u) << "too few folders were scanned";
+  const std::set<std::string> circles = InCircles(uses);
+  for (const auto& [edge, file] : examples) {
+    const bool in_circle = circles.count(edge.substr(0, edge.find(' '))) != 0 &&
+                           circles.count(edge.substr(edge.rfind(' ') + 1)) != 0;
+    EXPECT_FALSE(in_circle) << edge << ": " << file;
+  }
+}
+
+// Includes of the files below a folder that match none of the given beginnings, of those that
+// exist in the project.
+std::vector<std::string> ForeignIncludes(const std::string& below,
+                                         const std::vector<std::string>& allowed) {
+  std::vector<std::string> found;
+  for (const std::string& file : Files(below)) {
+    if (!IsSource(file)) continue;
+    for (const Include& include : IncludesOf(file)) {
+      if (TopOf(include.name).empty()) continue;
+      if (std::none_of(allowed.begin(), allowed.end(), [&include](const std::string& begin) {
+            return StartsWith(include.name, begin);
+          })) {
+        found.push_back(file + " includes " + include.name);
+      }
+    }
+  }
+  return found;
+}
+
+TEST(Tree, ComponentsIncludeComponentsAndTopicTypesOnly) {
+  EXPECT_THAT(ForeignIncludes("components", {"components/", "sinew_idl/", "idl/"}), IsEmpty());
+}
+
+TEST(Tree, SharedTypesIncludeNothingElseOfTheProject) {
+  EXPECT_GT(Files("components/types").size(), 5u);
+  EXPECT_THAT(ForeignIncludes("components/types", {"components/types/"}), IsEmpty());
+  // Nor anything installed but the standard library (names without a folder) and Eigen.
+  std::vector<std::string> found;
+  for (const std::string& file : Files("components/types")) {
+    if (!IsSource(file)) continue;
+    for (const Include& include : IncludesOf(file)) {
+      const bool folder = include.name.find('/') != std::string::npos;
+      const bool ours = StartsWith(include.name, "components/types/");
+      if (folder && !ours && !StartsWith(include.name, "Eigen/")) {
+        found.push_back(file + " includes " + include.name);
+      }
+    }
+  }
+  EXPECT_THAT(found, IsEmpty());
 }
 
 TEST(Tree, NothingDependsOnToolsOrTests) {
