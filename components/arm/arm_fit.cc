@@ -78,7 +78,7 @@ struct Arm::Data {
   std::vector<Joint> joints;
 };
 
-Arm::Arm(const world::Chain& chain, const actuator::RobotModel& robot)
+Arm::Arm(const Chain& chain, const actuator::RobotModel& robot)
     : dynamics_(chain), base_(FindBaseParameters(dynamics_)) {
   const std::vector<std::string>& names = dynamics_.joint_names();
   for (const actuator::JointModel& joint : robot.joints) {
@@ -90,7 +90,7 @@ Arm::Arm(const world::Chain& chain, const actuator::RobotModel& robot)
                                   "the URDF '" + chain.name + "', expected one of: " + list);
     }
     row_.push_back(static_cast<int>(found - names.begin()));
-    const int body = world::FindJoint(chain, joint.name);
+    const int body = FindJoint(chain, joint.name);
     effort_.push_back(chain.bodies[static_cast<std::size_t>(body)].effort);
     if (joint.Find("rigid_body") < 0) {
       throw std::invalid_argument("joint '" + joint.name +

@@ -66,7 +66,7 @@ struct FreeParameter {
 class Arm {
  public:
   // Throws std::invalid_argument when a joint of the one is missing in the other.
-  Arm(const world::Chain& chain, const actuator::RobotModel& robot);
+  Arm(const Chain& chain, const actuator::RobotModel& robot);
 
   const ArmDynamics& dynamics() const { return dynamics_; }
   const BaseParameters& base() const { return base_; }

@@ -34,7 +34,7 @@ Inertial Pack(double mass, const Vector3d& moment, const Matrix3d& inertia) {
 }
 
 // Parameters of a body about the origin of another frame, in which the body's frame is `frame`.
-Inertial Moved(const world::Body& body, const Eigen::Isometry3d& frame) {
+Inertial Moved(const Body& body, const Eigen::Isometry3d& frame) {
   const Matrix3d& R = frame.linear();
   const Vector3d com = frame * body.com_m;
   const Matrix3d c = Cross(com);
@@ -53,14 +53,14 @@ Eigen::Matrix<double, 3, 6> Dot(const Vector3d& x) {
 
 }  // namespace
 
-ArmDynamics::ArmDynamics(const world::Chain& chain, const Vector3d& gravity_m_s2)
+ArmDynamics::ArmDynamics(const Chain& chain, const Vector3d& gravity_m_s2)
     : gravity_(gravity_m_s2) {
   // For every body the moving link that carries it (-1: the base) and its frame there.
   std::vector<int> carrier(chain.bodies.size(), -1);
   std::vector<Eigen::Isometry3d> frame(chain.bodies.size(), Eigen::Isometry3d::Identity());
   std::vector<Inertial> phi;
   for (std::size_t i = 0; i < chain.bodies.size(); ++i) {
-    const world::Body& body = chain.bodies[i];
+    const Body& body = chain.bodies[i];
     const int parent = body.parent < 0 ? -1 : carrier[static_cast<std::size_t>(body.parent)];
     const Eigen::Isometry3d in_parent =
         body.parent < 0 ? body.parent_from_joint

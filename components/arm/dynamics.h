@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/world/bodies.h"
+#include "components/arm/bodies.h"
 
 namespace sinew::arm {
 
@@ -24,7 +24,7 @@ inline constexpr int kParametersPerBody = 10;
 class ArmDynamics {
  public:
   // Throws std::invalid_argument when no joint moves.
-  explicit ArmDynamics(const world::Chain& chain,
+  explicit ArmDynamics(const Chain& chain,
                        const Eigen::Vector3d& gravity_m_s2 = Eigen::Vector3d(0.0, 0.0, -9.81));
 
   int joints() const { return static_cast<int>(links_.size()); }

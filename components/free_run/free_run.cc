@@ -6,9 +6,6 @@
 #include <limits>
 #include <stdexcept>
 
-#include "components/types/control_mode.h"
-#include "sim/plant/single_joint.h"
-
 namespace sinew::free_run {
 
 namespace {
@@ -18,48 +15,14 @@ using identify::StateSegment;
 constexpr double kInsideLimit = 0.98;  // of the servo's limit: beyond it the command says nothing
 constexpr int kFewestGainRows = 50;
 
-// The joint alone.
-class JointBody final : public Body {
- public:
-  explicit JointBody(const actuator::JointModel& model)
-      : joint_(model, plant::JointPlantConfig{}) {}
-
-  void Start(const effects::JointSample& x, std::span<const double> memory) override {
-    joint_.Reset(x.position_rad, x.velocity_rad_s);
-    plant::JointPlant& plant = joint_.plant();
-    const double ratio = plant.model().constants.gear_ratio;
-    const double play = 0.5 * plant.model().backlash_rad;
-    // Teeth that would overlap by an encoder's zero do not.
-    const double gap = std::clamp(x.motor_position_rad / ratio - x.position_rad, -play, play);
-    plant.SetRotor(ratio * (x.position_rad + gap), x.motor_velocity_rad_s);
-    plant.SetMemory(memory);
-  }
-  void SetSurroundings(const effects::JointSample& x) override {
-    joint_.plant().SetSurroundings(x);
-  }
-  void Step(double motor_torque_Nm, double dt_s) override {
-    plant::DriveCommand command;
-    command.mode = types::ControlMode::kTorque;
-    command.motor_torque_Nm = motor_torque_Nm;
-    joint_.plant().SetCommand(command);
-    joint_.Step(dt_s);
-  }
-  double position_rad() const override { return joint_.position_rad(); }
-  double velocity_rad_s() const override { return joint_.velocity_rad_s(); }
-  double motor_velocity_rad_s() const override { return joint_.plant().motor_velocity_rad_s(); }
-
- private:
-  plant::SingleJoint joint_;
-};
-
 // A model with everything that its simulation needs.
 class Simulation {
  public:
-  Simulation(const actuator::JointModel& model, const FreeRunOptions& options)
+  Simulation(const actuator::JointModel& model, const MakeBody& make_body, double step_s)
       : model_(Unlimited(model)),
-        body_(options.make_body ? options.make_body(model_) : std::make_unique<JointBody>(model_)),
+        body_(make_body(model_)),
         memory_(static_cast<std::size_t>(model.memory_size())),
-        step_s_(model.backlash_rad > 0.0 ? 0.5 * options.step_s : options.step_s) {
+        step_s_(model.backlash_rad > 0.0 ? 0.5 * step_s : step_s) {
     shaft_per_input_ = effects::IdealDriveGain(model.constants) / model.constants.gear_ratio;
     back_emf_ = model.constants.back_emf_V_s_rad;
   }
@@ -285,13 +248,14 @@ void SumErrors(const std::vector<Trace>& traces, FreeRun* free) {
 
 FreeRunResult Compare(const std::vector<types::Run>& runs,
                       const std::vector<actuator::JointModel>& models,
-                      const identify::ProcessingOptions& processing,
+                      const identify::ProcessingOptions& processing, const MakeBody& make_body,
                       const FreeRunOptions& options) {
   FreeRunResult out;
   const identify::StateSet states = identify::MakeStates(runs, models.back(), processing);
   std::vector<Simulation> simulations;
   try {
-    for (const actuator::JointModel& model : models) simulations.emplace_back(model, options);
+    for (const actuator::JointModel& model : models)
+      simulations.emplace_back(model, make_body, options.step_s);
   } catch (const std::invalid_argument& error) {
     out.why_not = std::string("the model cannot be simulated: ") + error.what();
     return out;

@@ -1,16 +1,18 @@
-// Does the model move as the joint did? A joint model integrated beside a recording.
+// A joint model integrated beside a recording, to compare simulated with measured motion.
 //
-// Two ways, chosen by what is known of the recording (design.md, "Closing the loop", step 10):
+// Two ways, chosen by what is known of the recording (docs/model.md):
 //
 // - closed loop: where the model declares the servo (actuator::Servo) and the recording holds the
 //   set point, the servo moves the model along the set point from the recording's first state on.
 // - horizons: else the recorded drive moves the model for `horizon_s`, again and again from the
-//   recorded state. A joint with a load, driven by effort for long, falls over and proves nothing.
+//   recorded state. A loaded joint driven by effort for longer
+//   diverges with any model, which proves nothing.
 //
-// The plant is sim/plant: friction as an impulse, so that a joint that sticks stands exactly still;
-// terms with memory are brought up to each start along the recording. Pressure, load force, payload
-// and temperature are the recorded ones. Errors are simulated minus measured (state-filtered)
-// position, in rad, in m for a linear joint. Pure; allocates; one thread.
+// What moves comes from the caller (Body), so that this module knows no simulation; sim/plant has
+// the joint alone (plant::JointAlone): friction as an impulse, so that a joint that sticks stands
+// exactly still. Terms with memory are advanced along the recording up to each start. Pressure,
+// load force, payload and temperature are the recorded ones. Errors are simulated minus measured
+// (state-filtered) position, in rad, in m for a linear joint. Pure; allocates; one thread.
 #pragma once
 
 #include <functional>
@@ -26,8 +28,7 @@
 
 namespace sinew::free_run {
 
-// What a model moves in. The default is its joint alone (plant::SingleJoint); whoever has more of
-// the robot gives its own.
+// A simulation of one joint: the joint alone, or the joint in a robot.
 class Body {
  public:
   virtual ~Body() = default;
@@ -45,8 +46,7 @@ using MakeBody = std::function<std::unique_ptr<Body>(const actuator::JointModel&
 
 struct FreeRunOptions {
   double horizon_s = 0.5;
-  double step_s = 2.0e-4;   // halved for joints with free play
-  MakeBody make_body = {};  // empty: the joint alone
+  double step_s = 2.0e-4;  // halved for joints with free play
 };
 
 enum class Method { kClosedLoop, kHorizons };
@@ -98,7 +98,7 @@ struct FreeRunResult {
 // recordings that cannot be used.
 FreeRunResult Compare(const std::vector<types::Run>& runs,
                       const std::vector<actuator::JointModel>& models,
-                      const identify::ProcessingOptions& processing,
+                      const identify::ProcessingOptions& processing, const MakeBody& make_body,
                       const FreeRunOptions& options = {});
 
 // Results of the same models on different recordings, as one; a part without errors gives its

@@ -27,7 +27,7 @@ struct Principal {
   btVector3 moments{0.0, 0.0, 0.0};
 };
 
-Principal PrincipalOf(const Body& body) {
+Principal PrincipalOf(const arm::Body& body) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(body.inertia_kg_m2);
   Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
   frame.translate(body.com_m);
@@ -48,7 +48,7 @@ struct RigidChain::Impl {
   btAlignedObjectArray<btMatrix3x3> scratch_m;
 };
 
-RigidChain::RigidChain(const Chain& chain, const Eigen::Vector3d& gravity_m_s2)
+RigidChain::RigidChain(const arm::Chain& chain, const Eigen::Vector3d& gravity_m_s2)
     : impl_(std::make_unique<Impl>()) {
   const int count = static_cast<int>(chain.bodies.size());
   impl_->body = std::make_unique<btMultiBody>(count, 1.0, btVector3(1.0, 1.0, 1.0),
@@ -56,7 +56,7 @@ RigidChain::RigidChain(const Chain& chain, const Eigen::Vector3d& gravity_m_s2)
   btMultiBody& multi = *impl_->body;
   std::vector<Principal> principal;
   for (int i = 0; i < count; ++i) {
-    const Body& body = chain.bodies[static_cast<std::size_t>(i)];
+    const arm::Body& body = chain.bodies[static_cast<std::size_t>(i)];
     principal.push_back(PrincipalOf(body));
     const btTransform parent_frame = body.parent < 0
                                          ? btTransform::getIdentity()

@@ -13,8 +13,8 @@
 #include <memory>
 #include <vector>
 
+#include "components/arm/bodies.h"
 #include "components/types/joints.h"
-#include "sim/world/bodies.h"
 
 namespace sinew::world {
 using JointVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, types::kMaxJoints, 1>;
@@ -25,7 +25,7 @@ class RigidChain {
  public:
   // Joints in the order of the chain's moving bodies. gravity: world frame. Throws
   // std::invalid_argument when there are too many joints.
-  explicit RigidChain(const Chain& chain,
+  explicit RigidChain(const arm::Chain& chain,
                       const Eigen::Vector3d& gravity_m_s2 = Eigen::Vector3d(0.0, 0.0, -9.81));
   ~RigidChain();
   RigidChain(RigidChain&&) noexcept;

@@ -13,12 +13,12 @@ namespace sinew::world {
 
 namespace {
 
-Chain WithModelsLinks(Chain chain, const actuator::RobotModel& model) {
+arm::Chain WithModelsLinks(arm::Chain chain, const actuator::RobotModel& model) {
   for (const actuator::JointModel& joint : model.joints) {
-    const int body = FindJoint(chain, joint.name);
+    const int body = arm::FindJoint(chain, joint.name);
     if (body < 0) {
       std::string known;
-      for (const Body& other : chain.bodies) {
+      for (const arm::Body& other : chain.bodies) {
         if (other.moves) known += (known.empty() ? "" : ", ") + other.joint_name;
       }
       throw std::invalid_argument("the model's joint '" + joint.name +
@@ -38,9 +38,9 @@ Chain WithModelsLinks(Chain chain, const actuator::RobotModel& model) {
       throw std::invalid_argument("joint '" + joint.name + "': the model's inertia is " +
                                   std::to_string(inertia) + ", expected above 0");
     }
-    OverrideLink(chain, body, has_inertia ? inertia : 0.0, has_gravity);
+    arm::OverrideLink(chain, body, has_inertia ? inertia : 0.0, has_gravity);
   }
-  for (const Body& body : chain.bodies) {
+  for (const arm::Body& body : chain.bodies) {
     if (!body.moves) continue;
     bool found = false;
     for (const actuator::JointModel& joint : model.joints) found |= joint.name == body.joint_name;
@@ -88,8 +88,8 @@ World::World(const WorldConfig& config)
     WorldJointConfig settings = config.joints.empty() ? WorldJointConfig{} : config.joints[j];
     settings.plant.link_inertia_in_body = true;
     settings.pneumatics = WithModelsSlopes(settings.pneumatics, model);
-    const int body = FindJoint(config.chain, model.name);
-    const Body& described = config.chain.bodies[static_cast<std::size_t>(body)];
+    const int body = arm::FindJoint(config.chain, model.name);
+    const arm::Body& described = config.chain.bodies[static_cast<std::size_t>(body)];
     Joint joint{.plant = plant::JointPlant(model, settings.plant),
                 .pneumatics = plant::PneumaticElement(settings.pneumatics),
                 .config = settings,

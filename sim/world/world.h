@@ -21,8 +21,8 @@
 
 #include "components/actuator/model.h"
 #include "components/provider/plant.h"
-#include "sim/plant/joint_plant.h"
 #include "sim/plant/gas_effects.h"
+#include "sim/plant/joint_plant.h"
 #include "sim/plant/pneumatics.h"
 #include "sim/world/chain.h"
 
@@ -39,7 +39,7 @@ struct WorldJointConfig {
 };
 
 struct WorldConfig {
-  Chain chain;
+  arm::Chain chain;
   actuator::RobotModel model;            // a joint for every moving joint of the chain, by name
   std::vector<WorldJointConfig> joints;  // as model.joints; empty: defaults
   double substep_s = 1e-4;

@@ -20,6 +20,7 @@
 #include "components/trace/close_loop.h"
 #include "components/trace/rules.h"
 #include "components/types/clock/utc.h"
+#include "sim/plant/joint_body.h"
 #include "tools/sinew/close_robot.h"
 #include "tools/sinew/progress.h"
 #include "tools/sinew/shipped.h"
@@ -171,7 +172,7 @@ free_run::FreeRunResult FollowRotations(const std::vector<trace::Fold>& folds,
     const trace::TraceResult& trace = rotations[i].trace;
     parts.push_back(free_run::Compare({folds[i].held_out},
                                       {trace.nominal, trace.declared, trace.corrected},
-                                      rotations[i].processing));
+                                      rotations[i].processing, plant::JointAlone()));
   }
   return free_run::Join(std::move(parts));
 }
@@ -282,7 +283,7 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
     } else {
       report.free_run = free_run::Compare(
           held_out, {report.trace.nominal, report.trace.declared, report.trace.corrected},
-          report.processing);
+          report.processing, plant::JointAlone());
     }
     if (published && !rotates)
       ReproducePublished(train.front(), held_out.front(), joint, *published, &report);

@@ -19,8 +19,8 @@ using report::Text;
 constexpr double kShown_s = 10.0;  // of a recording in the picture
 
 // One link on a fixed base whose inertia and gravity the model describes.
-world::Chain PointChain(const actuator::JointModel& joint) {
-  world::Body body;
+arm::Chain PointChain(const actuator::JointModel& joint) {
+  arm::Body body;
   body.link_name = "link";
   body.joint_name = joint.name;
   body.moves = true;
@@ -34,7 +34,7 @@ world::Chain PointChain(const actuator::JointModel& joint) {
 
 class WorldBody final : public free_run::Body {
  public:
-  WorldBody(const actuator::JointModel& model, const world::Chain& chain)
+  WorldBody(const actuator::JointModel& model, const arm::Chain& chain)
       : world_(Config(model, chain)) {}
 
   void Start(const effects::JointSample& x, std::span<const double> memory) override {
@@ -52,11 +52,11 @@ class WorldBody final : public free_run::Body {
   double motor_velocity_rad_s() const override { return sensors_.motor_velocity_rad_s[0]; }
 
  private:
-  static world::WorldConfig Config(const actuator::JointModel& model, const world::Chain& chain) {
+  static world::WorldConfig Config(const actuator::JointModel& model, const arm::Chain& chain) {
     world::WorldConfig config;
     config.chain = chain;
     // A recording's motion is its own: stops would hold a simulation that leaves it.
-    for (world::Body& body : config.chain.bodies) {
+    for (arm::Body& body : config.chain.bodies) {
       body.lower = -std::numeric_limits<double>::infinity();
       body.upper = std::numeric_limits<double>::infinity();
     }
@@ -125,7 +125,7 @@ free_run::MakeBody InWorld(const actuator::RobotModel& robot) {
                                 " joints, expected 1: a recording of one joint does not say what "
                                 "the others did");
   }
-  const world::Chain chain =
+  const arm::Chain chain =
       robot.urdf_path.empty()
           ? PointChain(robot.joints.front())
           : world::ParseUrdf(config::ReadFile(robot.urdf_path), robot.urdf_path);
@@ -141,14 +141,14 @@ free_run::FreeRunResult FollowRecordings(const std::vector<types::Run>& runs,
                                          double horizon_s) {
   free_run::FreeRunOptions options;
   options.horizon_s = horizon_s;
-  options.make_body = InWorld(after);
   static_cast<void>(InWorld(before));  // says what is wrong with it
   if (before.joints[0].kind != after.joints[0].kind ||
       before.joints[0].name != after.joints[0].name) {
     throw std::invalid_argument("the models describe '" + before.joints[0].name + "' and '" +
                                 after.joints[0].name + "', expected the same joint");
   }
-  return free_run::Compare(runs, {before.joints[0], after.joints[0]}, processing, options);
+  return free_run::Compare(runs, {before.joints[0], after.joints[0]}, processing, InWorld(after),
+                           options);
 }
 
 actuator::RobotModel WithoutAdded(actuator::RobotModel robot) {

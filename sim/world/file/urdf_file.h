@@ -5,11 +5,11 @@
 
 #include <string>
 
-#include "sim/world/bodies.h"
+#include "components/arm/bodies.h"
 
 namespace sinew::world {
 
 // file_name stands for the file in messages.
-Chain ParseUrdf(const std::string& xml, const std::string& file_name);
+arm::Chain ParseUrdf(const std::string& xml, const std::string& file_name);
 
 }  // namespace sinew::world

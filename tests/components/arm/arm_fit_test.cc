@@ -18,9 +18,9 @@ namespace {
 using types::Signal;
 
 // All joints revolute, as one model file has one kind of joint in its mapping.
-world::Chain Revolute(double scale) {
-  world::Chain chain = RandomArm();
-  for (world::Body& body : chain.bodies) {
+Chain Revolute(double scale) {
+  Chain chain = RandomArm();
+  for (Body& body : chain.bodies) {
     body.prismatic = false;
     body.mass_kg *= scale;
     body.com_m *= scale;

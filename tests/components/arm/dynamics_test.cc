@@ -21,7 +21,7 @@ Eigen::VectorXd Random(int n, std::mt19937_64& random, double size) {
 }
 
 TEST(ArmDynamics, ForwardDynamicsGivesBackTheAccelerationWhoseTorqueItComputed) {
-  const world::Chain chain = RandomArm();
+  const Chain chain = RandomArm();
   const ArmDynamics dynamics(chain);
   world::RigidChain bullet(chain);
   ASSERT_EQ(dynamics.joints(), bullet.joint_count());
@@ -54,8 +54,8 @@ TEST(ArmDynamics, TheRegressorTimesTheParametersIsTheRecursion) {
 }
 
 TEST(ArmDynamics, APointMassOnAHorizontalAxisIsAPendulum) {
-  world::Chain chain;
-  world::Body body;
+  Chain chain;
+  Body body;
   body.joint_name = body.link_name = "pendulum";
   body.moves = true;
   body.axis = -Eigen::Vector3d::UnitY();
@@ -91,7 +91,7 @@ TEST(ArmDynamics, BaseParametersAreAllThatTorquesCanShow) {
 }
 
 TEST(ArmDynamics, ARobotThatDoesNotMoveIsRefused) {
-  EXPECT_THROW(ArmDynamics(world::Chain{}), std::invalid_argument);
+  EXPECT_THROW(ArmDynamics(Chain{}), std::invalid_argument);
 }
 
 }  // namespace

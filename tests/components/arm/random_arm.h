@@ -3,13 +3,13 @@
 
 #include <Eigen/Geometry>
 
-#include "sim/world/bodies.h"
+#include "components/arm/bodies.h"
 
 namespace sinew::arm {
 
-inline world::Body LinkOf(const char* name, int parent, const Eigen::Vector3d& at,
-                          const Eigen::Vector3d& axis, double mass) {
-  world::Body body;
+inline Body LinkOf(const char* name, int parent, const Eigen::Vector3d& at,
+                   const Eigen::Vector3d& axis, double mass) {
+  Body body;
   body.link_name = std::string(name) + "_link";
   body.joint_name = name;
   body.parent = parent;
@@ -23,17 +23,17 @@ inline world::Body LinkOf(const char* name, int parent, const Eigen::Vector3d& a
   return body;
 }
 
-inline world::Chain RandomArm() {
-  world::Chain chain;
+inline Chain RandomArm() {
+  Chain chain;
   chain.name = "random_arm";
   chain.bodies.push_back(LinkOf("one", -1, {0.0, 0.1, 0.3}, {0.0, 0.3, 1.0}, 2.0));
   chain.bodies.push_back(LinkOf("two", 0, {0.2, 0.0, 0.1}, {0.0, 1.0, 0.2}, 1.3));
-  world::Body tool = LinkOf("flange", 1, {0.1, 0.2, 0.0}, {1.0, 0.0, 0.0}, 0.4);
+  Body tool = LinkOf("flange", 1, {0.1, 0.2, 0.0}, {1.0, 0.0, 0.0}, 0.4);
   tool.moves = false;
   tool.parent_from_joint.rotate(
       Eigen::AngleAxisd(0.7, Eigen::Vector3d(1.0, 2.0, 3.0).normalized()));
   chain.bodies.push_back(tool);
-  world::Body slide = LinkOf("slide", 2, {0.0, 0.05, 0.2}, {1.0, 0.5, 0.0}, 0.8);
+  Body slide = LinkOf("slide", 2, {0.0, 0.05, 0.2}, {1.0, 0.5, 0.0}, 0.8);
   slide.prismatic = true;
   chain.bodies.push_back(slide);
   chain.bodies.push_back(LinkOf("last", 3, {0.1, 0.0, 0.1}, {0.2, 0.1, 1.0}, 0.5));

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 
+#include "sim/plant/joint_body.h"
 #include "tests/components/identify/synthetic.h"
 
 namespace sinew::free_run {
@@ -111,8 +112,8 @@ actuator::JointModel Without(actuator::JointModel model, const std::string& effe
 }
 
 TEST(FreeRun, TheServoMovesTheTruthAsItWasRecorded) {
-  const FreeRunResult result =
-      Compare({Recorded(8.0)}, {Without(Pendulum(), "viscous"), Pendulum()}, Wide());
+  const FreeRunResult result = Compare(
+      {Recorded(8.0)}, {Without(Pendulum(), "viscous"), Pendulum()}, Wide(), plant::JointAlone());
   ASSERT_TRUE(result.errors.has_value()) << result.why_not;
   EXPECT_EQ(result.errors->method, Method::kClosedLoop);
   // The plant takes steps of 0.2 ms and starts from filtered states: a milliradian.
@@ -124,7 +125,8 @@ TEST(FreeRun, TheServoMovesTheTruthAsItWasRecorded) {
 }
 
 TEST(FreeRun, AnOpenBridgeNeitherDrivesNorBrakes) {
-  const FreeRunResult result = Compare({Recorded(8.0, 3.0)}, {Pendulum(), Pendulum()}, Wide());
+  const FreeRunResult result =
+      Compare({Recorded(8.0, 3.0)}, {Pendulum(), Pendulum()}, Wide(), plant::JointAlone());
   ASSERT_TRUE(result.errors.has_value());
   EXPECT_LT(result.errors->models[1].rms, 5e-3);  // swings for 5 s on
   // With the winding closed it would be braked by its back-EMF.
@@ -134,14 +136,17 @@ TEST(FreeRun, AnOpenBridgeNeitherDrivesNorBrakes) {
       term.linear[0].value += kGain_Nm_V * kBackEmf_V_s_rad;
     }
   }
-  EXPECT_GT(Compare({Recorded(8.0, 3.0)}, {braked, Pendulum()}, Wide()).errors->models[0].rms,
+  EXPECT_GT(Compare({Recorded(8.0, 3.0)}, {braked, Pendulum()}, Wide(), plant::JointAlone())
+                .errors->models[0]
+                .rms,
             0.015);
 }
 
 TEST(FreeRun, TheGainOfTheServoIsReadFromTheRecording) {
   actuator::JointModel unknown = Pendulum();
   unknown.controller->gain_per_rad = 0.0;
-  const FreeRunResult result = Compare({Recorded(8.0)}, {unknown, unknown}, Wide());
+  const FreeRunResult result =
+      Compare({Recorded(8.0)}, {unknown, unknown}, Wide(), plant::JointAlone());
   ASSERT_TRUE(result.errors.has_value());
   EXPECT_NEAR(result.errors->models[1].runs[0].servo_gain, kServo_per_rad, 0.01 * kServo_per_rad);
 }
@@ -151,7 +156,8 @@ TEST(FreeRun, WithoutAServoTheRecordedDriveMovesItForHalfASecondAtATime) {
   actuator::JointModel heavy = truth;
   heavy.terms[4].linear[0].value *= 1.3;  // gravity
   const types::Run run = SyntheticRun(truth, {.duration_s = 20.0, .noise_A = 0.0});
-  const FreeRunResult result = Compare({run}, {heavy, truth}, SyntheticProcessing());
+  const FreeRunResult result =
+      Compare({run}, {heavy, truth}, SyntheticProcessing(), plant::JointAlone());
   ASSERT_TRUE(result.errors.has_value()) << result.why_not;
   EXPECT_EQ(result.errors->method, Method::kHorizons);
   EXPECT_EQ(result.errors->models[1].runs[0].pieces, 40);
@@ -169,11 +175,13 @@ TEST(FreeRun, AModelThatRunsAwayForTheMostPartHasNoErrorAndTakesNoneFromTheOther
   light.terms[0].linear[0].value *= 8.0;   // efficiency
   heavy.terms[1].linear[0].value *= 1.3;
   const types::Run run = SyntheticRun(truth, {.duration_s = 20.0, .noise_A = 0.0});
-  const FreeRunResult three = Compare({run}, {light, heavy, truth}, SyntheticProcessing());
+  const FreeRunResult three =
+      Compare({run}, {light, heavy, truth}, SyntheticProcessing(), plant::JointAlone());
   ASSERT_TRUE(three.errors.has_value()) << three.why_not;
   EXPECT_GT(2 * three.errors->models[0].diverged, three.errors->models[0].pieces);
   EXPECT_FALSE(std::isfinite(three.errors->models[0].rms));
-  const FreeRunResult two = Compare({run}, {heavy, truth}, SyntheticProcessing());
+  const FreeRunResult two =
+      Compare({run}, {heavy, truth}, SyntheticProcessing(), plant::JointAlone());
   ASSERT_TRUE(two.errors.has_value()) << two.why_not;
   EXPECT_DOUBLE_EQ(three.errors->models[1].rms, two.errors->models[0].rms);
   EXPECT_DOUBLE_EQ(three.errors->models[2].rms, two.errors->models[1].rms);
@@ -187,7 +195,7 @@ TEST(FreeRun, PartsJoinToTheErrorOverAllSamples) {
   const types::Run a = SyntheticRun(truth, {.duration_s = 20.0, .seed = 1});
   const types::Run b = SyntheticRun(truth, {.duration_s = 10.0, .seed = 2});
   const auto compare = [&](const std::vector<types::Run>& runs) {
-    return Compare(runs, {heavy, truth}, SyntheticProcessing());
+    return Compare(runs, {heavy, truth}, SyntheticProcessing(), plant::JointAlone());
   };
   const FreeRunResult joined = Join({compare({a}), compare({b})}), whole = compare({a, b});
   ASSERT_TRUE(joined.errors.has_value());
@@ -204,7 +212,8 @@ TEST(FreeRun, PartsJoinToTheErrorOverAllSamples) {
 TEST(FreeRun, AModelWithoutInertiaSaysWhyItCannotRun) {
   actuator::JointModel still = Without(SyntheticModel(), "inertia");
   const types::Run run = SyntheticRun(SyntheticModel(), {.duration_s = 20.0});
-  const FreeRunResult result = Compare({run}, {still, still}, SyntheticProcessing());
+  const FreeRunResult result =
+      Compare({run}, {still, still}, SyntheticProcessing(), plant::JointAlone());
   EXPECT_FALSE(result.errors.has_value());
   EXPECT_NE(result.why_not.find("inertia"), std::string::npos) << result.why_not;
 }

@@ -16,9 +16,9 @@ constexpr double kTolerance = 1e-10;
 
 // Two links in the x-z plane, axes -y (positive angles lift +x), with centres of mass off the
 // link's line and tilted principal axes.
-Chain TwoLinks() {
-  Chain chain;
-  Body first, second;
+arm::Chain TwoLinks() {
+  arm::Chain chain;
+  arm::Body first, second;
   first.joint_name = "one";
   first.moves = true;
   first.axis = -Eigen::Vector3d::UnitY();
@@ -74,8 +74,8 @@ TEST(RigidChain, MovesATwoLinkArmAsItsEquationsSay) {
 }
 
 TEST(RigidChain, AcceleratesAPrismaticAxisByForceOverMass) {
-  Chain chain;
-  Body slide;
+  arm::Chain chain;
+  arm::Body slide;
   slide.joint_name = "axis";
   slide.moves = slide.prismatic = true;
   slide.axis = Eigen::Vector3d(0.6, 0.0, 0.8);
@@ -94,8 +94,8 @@ TEST(RigidChain, AcceleratesAPrismaticAxisByForceOverMass) {
 
 // A slide carrying a pendulum, with a fixed link between: H = [m1 + m2, m2 r sin; ., i + m2 r^2].
 TEST(RigidChain, CouplesASlideAndAPendulumThroughAFixedLink) {
-  Chain chain;
-  Body slide, bracket, pendulum;
+  arm::Chain chain;
+  arm::Body slide, bracket, pendulum;
   slide.joint_name = "slide";
   slide.moves = slide.prismatic = true;
   slide.mass_kg = 2.0;

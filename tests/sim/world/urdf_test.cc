@@ -38,14 +38,14 @@ std::string ErrorOf(const std::string& xml) {
 }
 
 TEST(ParseUrdf, ReadsBodiesJointsAndUnitAxes) {
-  const Chain chain = ParseUrdf(Robot(kInertial, kRevolute), "r.urdf");
+  const arm::Chain chain = ParseUrdf(Robot(kInertial, kRevolute), "r.urdf");
   ASSERT_EQ(chain.bodies.size(), 1u);
   EXPECT_EQ(chain.bodies[0].link_name, "arm");
   EXPECT_TRUE(chain.bodies[0].moves);
   EXPECT_EQ(chain.bodies[0].axis, Eigen::Vector3d::UnitZ());
   EXPECT_EQ(chain.bodies[0].mass_kg, 2.0);
-  EXPECT_EQ(FindJoint(chain, "j"), 0);
-  EXPECT_EQ(FindJoint(chain, "k"), -1);
+  EXPECT_EQ(arm::FindJoint(chain, "j"), 0);
+  EXPECT_EQ(arm::FindJoint(chain, "k"), -1);
 }
 
 TEST(ParseUrdf, TellsWhatIsWrongInOneLine) {
@@ -101,7 +101,7 @@ TEST(ParseUrdf, ALinkWithoutMassMayCarryOneThatHasSome) {
        {std::string(),
         std::string("<inertial><mass value=\"0\"/><inertia ixx=\"0\" ixy=\"0\" ixz=\"0\" "
                     "iyy=\"0\" iyz=\"0\" izz=\"0\"/></inertial>")}) {
-    const Chain chain = ParseUrdf(
+    const arm::Chain chain = ParseUrdf(
         Robot(
             nothing, "type=\"continuous\"><axis xyz=\"0 0 1\"/>",
             "<link name=\"tip\"><inertial><origin xyz=\"0.5 0 0\"/><mass value=\"2\"/><inertia "
@@ -124,13 +124,13 @@ TEST(ParseUrdf, ALinkWithoutMassMayCarryOneThatHasSome) {
 
 TEST(OverrideLink, GivesTheJointTheInertiaOfTheModel) {
   for (const bool gravity_elsewhere : {false, true}) {
-    Chain chain = ParseUrdf(
+    arm::Chain chain = ParseUrdf(
         Robot(
             "<inertial><origin xyz=\"0.5 0 0\"/><mass value=\"2\"/><inertia ixx=\"0.1\" ixy=\"0\" "
             "ixz=\"0\" iyy=\"0.1\" iyz=\"0\" izz=\"0.1\"/></inertial>",
             "type=\"continuous\"><axis xyz=\"0 1 0\"/>"),
         "r.urdf");
-    OverrideLink(chain, 0, 0.9, gravity_elsewhere);
+    arm::OverrideLink(chain, 0, 0.9, gravity_elsewhere);
     RigidChain rigid(chain);
     JointVector q = JointVector::Zero(1), v = JointVector::Zero(1), a(1);
     JointMatrix inverse(1, 1);
@@ -144,13 +144,13 @@ TEST(OverrideLink, GivesTheJointTheInertiaOfTheModel) {
 }
 
 TEST(OverrideLink, RefusesAnInertiaThatTheMassCannotHave) {
-  Chain chain =
+  arm::Chain chain =
       ParseUrdf(Robot("<inertial><origin xyz=\"0.5 0 0\"/><mass value=\"2\"/><inertia "
                       "ixx=\"0.1\" ixy=\"0\" ixz=\"0\" iyy=\"0.1\" iyz=\"0\" izz=\"0.1\"/>"
                       "</inertial>",
                       kRevolute),
                 "r.urdf");
-  EXPECT_THROW(OverrideLink(chain, 0, 0.4, false), std::invalid_argument);
+  EXPECT_THROW(arm::OverrideLink(chain, 0, 0.4, false), std::invalid_argument);
 }
 
 TEST(ParseUrdf, LoadsRobotsOfOthers) {
@@ -164,7 +164,7 @@ TEST(ParseUrdf, LoadsRobotsOfOthers) {
                         Case{"biped_12dof_urdf/berkeley_humanoid_lite_biped.urdf", 12},
                         Case{"biped_12dof_urdf/hightorque_pai_12dof.urdf", 12}}) {
     const std::string path = (folder / c.file).string();
-    const Chain chain = ParseUrdf(config::ReadFile(path), path);
+    const arm::Chain chain = ParseUrdf(config::ReadFile(path), path);
     RigidChain rigid(chain);
     ASSERT_EQ(rigid.joint_count(), c.joints) << path;
     JointVector q = JointVector::Constant(c.joints, 0.1), v = JointVector::Constant(c.joints, 0.2);

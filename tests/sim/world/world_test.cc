@@ -262,7 +262,7 @@ TEST(World, TakesAnArmOfSevenJoints) {
   SKIP_WITHOUT_DATA(urdf);
   WorldConfig config;
   config.chain = ParseUrdf(config::ReadFile(urdf), urdf.string());
-  for (const Body& body : config.chain.bodies) {
+  for (const arm::Body& body : config.chain.bodies) {
     if (!body.moves) continue;
     actuator::JointModel joint;
     joint.name = body.joint_name;

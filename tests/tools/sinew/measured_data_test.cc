@@ -11,6 +11,7 @@
 #include "components/free_run/free_run.h"
 #include "components/recording/file/run_reader.h"
 #include "components/trace/rules.h"
+#include "sim/plant/joint_body.h"
 #include "tests/support/skip.h"
 #include "tools/sinew/close_loop.h"
 #include "tools/sinew/close_robot.h"
@@ -61,7 +62,8 @@ free_run::FreeRunResult FreeRunOnPendulum(const CloseLoopResult& result, int hel
     runs.push_back(recording::ReadRuns(path, kRobots / "bam_xl330/csv_map.yaml").front());
   }
   const trace::TraceResult& trace = result.report.trace;
-  return free_run::Compare(runs, {trace.declared, trace.corrected}, result.report.processing);
+  return free_run::Compare(runs, {trace.declared, trace.corrected}, result.report.processing,
+                           plant::JointAlone());
 }
 
 class PendulumServo : public ::testing::TestWithParam<std::pair<std::vector<int>, int>> {};

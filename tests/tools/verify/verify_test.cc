@@ -11,6 +11,7 @@
 #include "components/control/file/control_file.h"
 #include "components/pneumatics/file/pneumatics_file.h"
 #include "components/reference/file/reference_file.h"
+#include "sim/plant/joint_body.h"
 #include "sim/surrogate/surrogate.h"
 #include "sim/world/file/world_file.h"
 #include "tests/support/temporary_folder.h"
@@ -139,7 +140,7 @@ TEST(Verify, TheWorldOfTheRightModelFollowsTheRecordingBetter) {
   EXPECT_LT(result.errors->models[1].rms, 0.7 * result.errors->models[0].rms);
   // The world and the joint alone are the same physics.
   const free_run::FreeRunResult alone =
-      free_run::Compare(runs, {wrong.joints[0], right.joints[0]}, processing);
+      free_run::Compare(runs, {wrong.joints[0], right.joints[0]}, processing, plant::JointAlone());
   ASSERT_TRUE(alone.errors);
   EXPECT_NEAR(result.errors->models[1].rms, alone.errors->models[1].rms,
               0.1 * alone.errors->models[1].rms);

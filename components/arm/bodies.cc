@@ -1,8 +1,8 @@
-#include "sim/world/bodies.h"
+#include "components/arm/bodies.h"
 
 #include <stdexcept>
 
-namespace sinew::world {
+namespace sinew::arm {
 
 namespace {
 
@@ -68,7 +68,7 @@ void OverrideLink(Chain& chain, int index, double inertia, bool gravity_elsewher
   }
   body.mass_kg = mass;
   if (gravity_elsewhere) {
-    // Nothing but the inertia about the axis is felt.
+    // Only the inertia about the axis acts.
     body.com_m.setZero();
     body.inertia_kg_m2 = inertia * Eigen::Matrix3d::Identity();
     return;
@@ -84,4 +84,4 @@ void OverrideLink(Chain& chain, int index, double inertia, bool gravity_elsewher
   body.inertia_kg_m2 = about_com * Eigen::Matrix3d::Identity();
 }
 
-}  // namespace sinew::world
+}  // namespace sinew::arm

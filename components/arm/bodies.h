@@ -1,4 +1,6 @@
-// The bodies and joints of a fixed-base tree: revolute, prismatic and fixed joints.
+// The bodies and joints of a robot on a fixed base: a tree of revolute, prismatic and fixed joints.
+// SI units; a prismatic joint has m and N where a revolute one has rad and Nm. Plain data: any
+// thread.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -6,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace sinew::world {
+namespace sinew::arm {
 
 // A link other than the base, with the joint that carries it. Links come parents first.
 struct Body {
@@ -16,13 +18,13 @@ struct Body {
   bool prismatic = false;
   Eigen::Isometry3d parent_from_joint = Eigen::Isometry3d::Identity();  // at position 0
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();                      // unit, in the link's frame
-  double lower = -std::numeric_limits<double>::infinity();
+  double lower = -std::numeric_limits<double>::infinity();              // end stops, rad
   double upper = std::numeric_limits<double>::infinity();
   double effort = 0.0;  // limit of the URDF, Nm or N; 0: not stated
   double mass_kg = 0.0;
   Eigen::Vector3d com_m = Eigen::Vector3d::Zero();          // in the link's frame
   Eigen::Matrix3d inertia_kg_m2 = Eigen::Matrix3d::Zero();  // about the centre of mass, link's axes
-  bool weightless = false;                                  // gravity is somebody else's
+  bool weightless = false;  // gravity acts through a term of the joint model
 };
 
 struct Chain {
@@ -33,10 +35,11 @@ struct Chain {
 // Index of the body that a joint moves, or -1.
 int FindJoint(const Chain& chain, const std::string& joint_name);
 
-// Gives the joint's link (with what is fixed to it) an inertia about the joint's axis, or a mass if
-// it is prismatic, and says whether gravity still acts on it. `inertia` not above 0 keeps that of
-// the URDF. Throws std::invalid_argument: the joint is not on the fixed base, moving links hang on
-// it, or the inertia is less than the link's mass at its centre of mass has.
+// Replaces the inertia about the joint's axis (kg m^2; of a prismatic joint the mass, kg) of the
+// joint's link and what is fixed to it. `inertia` of 0 or less keeps that of the URDF.
+// gravity_elsewhere: gravity acts through a term of the joint model, so it no longer acts on the
+// link. Throws std::invalid_argument: the joint is not on the fixed base, the link carries moving
+// links, or the inertia is smaller than mass x distance^2 of the URDF's centre of mass.
 void OverrideLink(Chain& chain, int body, double inertia, bool gravity_elsewhere);
 
-}  // namespace sinew::world
+}  // namespace sinew::arm
