@@ -20,7 +20,7 @@ bool FillFrom(const msg::Reference& message, Frame* frame);
 bool FillFrom(const msg::RegimeState& message, Frame* frame);
 
 // Of the first joint.
-Regime RegimeOf(const msg::RegimeState& message);
+types::Regime RegimeOf(const msg::RegimeState& message);
 
 // Takes the readout of a message unless it is the one in use. False: it does not fit the network.
 bool TakeReadout(const msg::Readout& message, Predictor* predictor);
