@@ -14,7 +14,6 @@ namespace {
 using can::Command;
 using can::Firmware;
 
-constexpr double kTurn_rad = types::kTwoPi;
 constexpr std::int64_t kMs_ns = 1'000'000;
 constexpr std::int64_t kLongestCatchUp_ns = 50 * kMs_ns;
 constexpr std::int64_t kReboot_ns = 300 * kMs_ns;
@@ -422,7 +421,7 @@ void VirtualAxes::SendAxis(Axis& axis, Command command) {
       break;
     case Command::kGetBusVoltageCurrent: {
       const double power_W =
-          IqA(axis) * axis.config.torque_constant_Nm_A * kTurn_rad * VelocityRevS(axis);
+          IqA(axis) * axis.config.torque_constant_Nm_A * types::kTwoPi * VelocityRevS(axis);
       send(can::BusVoltageCurrent{axis.config.bus_voltage_V, power_W / axis.config.bus_voltage_V});
       break;
     }
@@ -499,7 +498,7 @@ void VirtualAxes::StepPlant() {
     command_.motor_torque_Nm[j] = 0.0;
     axis.iq_setpoint_A = 0.0;
     if (axis.state != can::AxisState::kClosedLoopControl) continue;
-    const double output_rad_per_rev = c.direction * kTurn_rad / c.gear_ratio;
+    const double output_rad_per_rev = c.direction * types::kTwoPi / c.gear_ratio;
     const double limit_rev_s = axis.velocity_limit_rev_s;
     const double velocity_rev_s =
         std::clamp(FiniteOrZero(axis.input_velocity_rev_s), -limit_rev_s, limit_rev_s);
@@ -539,12 +538,13 @@ void VirtualAxes::StepPlant() {
 
 double VirtualAxes::PositionRev(const Axis& axis) const {
   const auto j = static_cast<std::size_t>(axis.config.joint);
-  return axis.config.direction * sensors_.motor_position_rad[j] / kTurn_rad + axis.config.zero_rev;
+  return axis.config.direction * sensors_.motor_position_rad[j] / types::kTwoPi +
+         axis.config.zero_rev;
 }
 
 double VirtualAxes::VelocityRevS(const Axis& axis) const {
   const auto j = static_cast<std::size_t>(axis.config.joint);
-  return axis.config.direction * sensors_.motor_velocity_rad_s[j] / kTurn_rad;
+  return axis.config.direction * sensors_.motor_velocity_rad_s[j] / types::kTwoPi;
 }
 
 double VirtualAxes::IqA(const Axis& axis) const {

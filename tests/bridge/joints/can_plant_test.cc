@@ -8,11 +8,11 @@
 #include <cstdlib>
 #include <functional>
 #include <memory>
-#include <numbers>
 #include <random>
 #include <stdexcept>
 
 #include "bridge/can/bit_timing.h"
+#include "components/types/angle.h"
 #include "components/types/control_mode.h"
 #include "tests/bridge/joints/plant_bench.h"
 #include "tests/support/allocations.h"
@@ -106,7 +106,7 @@ TEST(CanPlant, IdleEndsTheTorqueWithinTwoCyclesAndTheAxisGoesIdle) {
   EXPECT_EQ(bench.axes->axis_state(0), can::AxisState::kIdle);
 }
 
-TEST(CanPlant, RestLeavesTheAxesIdleAndTheRelaysOff) {
+TEST(CanPlant, ShutDownLeavesTheAxesIdleAndTheRelaysOff) {
   Bench bench({.joints = 2});
   bench.Start();
   bench.Arm();
@@ -114,7 +114,7 @@ TEST(CanPlant, RestLeavesTheAxesIdleAndTheRelaysOff) {
   bench.command.valve_open = {true, true};
   bench.Steps(5);
   ASSERT_TRUE(bench.axes->valve_open(1));
-  bench.plant->Rest();
+  bench.plant->ShutDown();
   bench.buses[0]->AdvanceTo(bench.buses[0]->now_ns() + 5 * kMs_ns);
   for (int j = 0; j < 2; ++j) {
     EXPECT_EQ(bench.axes->axis_state(j), can::AxisState::kIdle);
@@ -251,9 +251,9 @@ TEST(CanPlant, PositionModeLeavesTheMeasuredPositionWithoutAJumpAndNoFasterThanT
   bench.config.joints[0].limits.velocity_rad_s = 0.5;
   bench.rotors.angle_rad[0] = 50.0;  // 0.5 rad
   bench.Start();
-  double last_rev = 50.0 / kTurn_rad;
+  double last_rev = 50.0 / types::kTwoPi;
   bool first = true;
-  const double most_rev = 0.5 * kPeriod_s * 100.0 / kTurn_rad;
+  const double most_rev = 0.5 * kPeriod_s * 100.0 / types::kTwoPi;
   bench.buses[0]->OnFrame([&](const can::Delivery& d) {
     if (const auto p = can::Decode<can::SetInputPos>(d.frame)) {
       EXPECT_LE(std::abs(p->position_rev - last_rev), most_rev * 1.001 + 1e-5)
@@ -376,7 +376,7 @@ TEST(CanPlant, JumpOfTheMotorEncoderIsAFaultOfThatJoint) {
   Bench bench({.joints = 2});
   bench.Start();
   bench.Steps(10);
-  bench.rotors.angle_rad[1] += 0.5 * kTurn_rad;
+  bench.rotors.angle_rad[1] += 0.5 * types::kTwoPi;
   bench.Steps(3);
   EXPECT_EQ(bench.plant->fault(1), FaultKind::kEncoderJump) << bench.sensors.message;
   EXPECT_EQ(bench.plant->fault(0), FaultKind::kNone);
@@ -418,7 +418,7 @@ TEST(CanPlant, HomingFindsTheWholeTurnsByTheOutputEncoder) {
     Bench bench = Displaced(rev, true);
     bench.Start();
     EXPECT_FALSE(bench.faulty()) << bench.sensors.message;
-    const double within_a_turn_rad = kTurn_rad * (rev - std::round(rev));
+    const double within_a_turn_rad = types::kTwoPi * (rev - std::round(rev));
     EXPECT_NEAR(bench.sensors.motor_position_rad[0],
                 100.0 * bench.sensors.position_rad[0] + within_a_turn_rad, 1e-3);
     // A position command means the output's position, whatever the controller counts.
@@ -826,7 +826,7 @@ TEST(CanPlant, TruncatedAndNonFiniteAnswersAreCountedAndNotBelieved) {
 
 TEST(CanPlant, FiltersLetThroughExactlyWhatIsRead) {
   Bench bench;
-  const auto filters = CanPlant::Filters(bench.config, 0);
+  const auto filters = ReceiveFilters(bench.config, 0);
   int passed = 0;
   for (std::uint32_t id = 0; id <= can::kMaxStandardId; ++id) {
     can::Frame frame;
@@ -837,7 +837,7 @@ TEST(CanPlant, FiltersLetThroughExactlyWhatIsRead) {
     }
   }
   EXPECT_EQ(passed, 9);
-  EXPECT_TRUE(CanPlant::Filters(bench.config, 1).empty());
+  EXPECT_TRUE(ReceiveFilters(bench.config, 1).empty());
 }
 
 TEST(CanPlant, LongRunKeepsStepAndFaultless) {

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "bridge/joints/compact_link.h"
+#include "components/types/angle.h"
 #include "tests/bridge/joints/plant_bench.h"
 #include "tests/support/allocations.h"
 
@@ -14,7 +15,7 @@ namespace sinew::bridge {
 namespace {
 
 // Half a step of 0.01 motor turns.
-constexpr double kRounding_rad = 0.005 * kTurn_rad;
+constexpr double kRounding_rad = 0.005 * types::kTwoPi;
 
 BenchSetup Twelve() {
   return {.joints = 12, .output_nodes = false, .gateway = true, .rate_Hz = 400.0};
@@ -39,7 +40,7 @@ TEST(Gateway, SensorsAreThePlantsRoundedToTheirSteps) {
 TEST(Gateway, TwelveJointsFollowTheirReferencesAt400HzOnOneBus) {
   Bench bench(Twelve());
   bench.Start();
-  bench.Arm(Mode::kPosition);
+  bench.Arm(ControlMode::kPosition);
   int late = 0;
   double oldest_us = 0.0;
   for (int i = 0; i < 1200; ++i) {
@@ -76,7 +77,7 @@ TEST(Gateway, ArmingInPositionModeMovesNothing) {
   for (double& angle : bench.rotors.angle_rad) angle = 41.7;
   bench.Start();
   for (double& position : bench.command.position_rad) position = 0.417;
-  bench.Arm(Mode::kPosition);
+  bench.Arm(ControlMode::kPosition);
   bench.Steps(100);
   for (std::size_t j = 0; j < 12; ++j) {
     EXPECT_NEAR(bench.rotors.angle_rad[j], 41.7, 2.0 * kRounding_rad) << j;
@@ -88,8 +89,8 @@ TEST(Gateway, ArmingInPositionModeMovesNothing) {
 TEST(Gateway, AJointInTorqueModeHasASetpointOfItsOwn) {
   Bench bench(Twelve());
   bench.Start();
-  bench.Arm(Mode::kPosition);
-  bench.command.mode[5] = Mode::kTorque;
+  bench.Arm(ControlMode::kPosition);
+  bench.command.mode[5] = ControlMode::kTorque;
   bench.command.motor_torque_Nm[5] = 0.0007;
   bench.Steps(5);
   for (int i = 0; i < 40; ++i) {
@@ -106,8 +107,8 @@ TEST(Gateway, AJointInTorqueModeHasASetpointOfItsOwn) {
 TEST(Gateway, FromTorqueToPositionModeNothingJumps) {
   Bench bench(Twelve());
   bench.Start();
-  bench.Arm(Mode::kPosition);
-  bench.command.mode[5] = Mode::kTorque;
+  bench.Arm(ControlMode::kPosition);
+  bench.command.mode[5] = ControlMode::kTorque;
   bench.command.motor_torque_Nm[5] = 0.002;
   bench.Steps(80);
   ASSERT_GT(bench.rotors.angle_rad[5], 3.0);
@@ -115,7 +116,7 @@ TEST(Gateway, FromTorqueToPositionModeNothingJumps) {
   bench.Steps(1500);  // it runs out
   ASSERT_LT(bench.rotors.velocity_rad_s[5], 0.05);
   const double rest_rad = bench.rotors.angle_rad[5];
-  bench.command.mode[5] = Mode::kPosition;
+  bench.command.mode[5] = ControlMode::kPosition;
   bench.command.position_rad[5] = rest_rad / 100.0;
   double strongest_Nm = 0.0;
   bench.on_frame = [&](const can::Delivery&) {
@@ -134,18 +135,18 @@ TEST(Gateway, ReferencesFeedTheWatchdogsAlsoWhileDisarmed) {
   bench.Start();
   bench.Steps(400);
   for (int j = 0; j < 12; ++j) EXPECT_EQ(bench.axes->axis_error(j), 0U) << j;
-  bench.Arm(Mode::kPosition);
+  bench.Arm(ControlMode::kPosition);
   bench.Steps(200);
   for (int j = 0; j < 12; ++j) EXPECT_EQ(bench.axes->axis_error(j), 0U) << j;
   bench.buses[0]->AdvanceTo(bench.buses[0]->now_ns() + 60 * kMs_ns);  // the bridge is killed
   for (int j = 0; j < 12; ++j) EXPECT_EQ(bench.axes->axis_state(j), can::AxisState::kIdle) << j;
 }
 
-TEST(Gateway, RestLeavesTheAxesIdle) {
+TEST(Gateway, ShutDownLeavesTheAxesIdle) {
   Bench bench(Twelve());
   bench.Start();
-  bench.Arm(Mode::kPosition);
-  bench.plant->Rest();
+  bench.Arm(ControlMode::kPosition);
+  bench.plant->ShutDown();
   bench.buses[0]->AdvanceTo(bench.buses[0]->now_ns() + 10 * kMs_ns);
   for (int j = 0; j < 12; ++j) EXPECT_EQ(bench.axes->axis_state(j), can::AxisState::kIdle) << j;
 }
@@ -196,7 +197,7 @@ TEST(Gateway, ASilentGatewayIsAFaultOfEveryJointBehindIt) {
 TEST(Gateway, APositionBeyondTheFieldIsAFaultNotAWrongAngle) {
   Bench bench(Twelve());
   bench.config.joints[3].limits.upper_rad = bench.config.joints[3].limits.lower_rad + 1000.0;
-  bench.rotors.angle_rad[3] = 328.0 * kTurn_rad;
+  bench.rotors.angle_rad[3] = 328.0 * types::kTwoPi;
   bench.Start();
   EXPECT_EQ(bench.plant->fault(3), FaultKind::kOutOfRange) << bench.sensors.message;
   EXPECT_EQ(bench.plant->fault(2), FaultKind::kNone);
@@ -206,17 +207,17 @@ TEST(Gateway, AReferenceBeyondTheFieldIsAFaultAndMovesNothing) {
   Bench bench(Twelve());
   JointLimits& limits = bench.config.joints[3].limits;
   limits = {0.398, 25.0, 500.0, -100.0, 100.0, 0.2, 90.0};
-  bench.rotors.angle_rad[3] = 320.0 * kTurn_rad;
+  bench.rotors.angle_rad[3] = 320.0 * types::kTwoPi;
   bench.Start();
-  bench.command.position_rad[3] = 320.0 * kTurn_rad / 100.0;
-  bench.Arm(Mode::kPosition);
+  bench.command.position_rad[3] = 320.0 * types::kTwoPi / 100.0;
+  bench.Arm(ControlMode::kPosition);
   ASSERT_FALSE(bench.faulty()) << bench.sensors.message;
-  bench.command.position_rad[3] = 330.0 * kTurn_rad / 100.0;
+  bench.command.position_rad[3] = 330.0 * types::kTwoPi / 100.0;
   bench.Steps(3);
   EXPECT_EQ(bench.plant->fault(3), FaultKind::kOutOfRange) << bench.sensors.message;
   bench.Steps(50);
   EXPECT_EQ(bench.axes->axis_state(3), can::AxisState::kIdle);
-  EXPECT_LT(bench.rotors.angle_rad[3], 328.0 * kTurn_rad);
+  EXPECT_LT(bench.rotors.angle_rad[3], 328.0 * types::kTwoPi);
 }
 
 TEST(Gateway, ActAndStepTakeNothingFromTheHeap) {
@@ -230,7 +231,7 @@ TEST(Gateway, ActAndStepTakeNothingFromTheHeap) {
   provider::PlantSensors sensors;
   plant.Reset(&sensors);
   provider::PlantCommand command;
-  command.mode[0] = Mode::kPosition;
+  command.mode[0] = ControlMode::kPosition;
   const long before = test::Allocations();
   for (int i = 0; i < 500; ++i) {
     bus.now += kPeriod_ns;
@@ -248,7 +249,7 @@ TEST(Gateway, ConfigurationThatCannotBeIsRefused) {
     bench.config.gateways.push_back({0, 48, {0}});
     change(bench.config);
     try {
-      CanPlant::Check(bench.config);
+      CheckBridgeConfig(bench.config);
     } catch (const std::invalid_argument& error) {
       return std::string(error.what());
     }
