@@ -16,6 +16,7 @@
 #include "bridge/joints/can_plant.h"
 #include "bridge/virtual_axes/virtual_axes.h"
 #include "components/types/control_mode.h"
+#include "tests/bridge/joints/one_joint.h"
 #include "tests/bridge/virtual_axes/rotors.h"
 
 namespace sinew::bridge {
@@ -23,7 +24,6 @@ namespace sinew::bridge {
 using test::Rotors;
 using types::ControlMode;
 
-inline constexpr std::int64_t kMs_ns = 1'000'000;
 inline constexpr double kPeriod_s = 1.0 / 240.0;
 inline constexpr std::int64_t kPeriod_ns = 4'166'667;
 
