@@ -29,7 +29,7 @@ void Run(const node::Options& options, node::StopFlag& stop,
   std::vector<can::Transport*> pointers;
   for (std::size_t b = 0; b < file.buses.size(); ++b) {
     transports.push_back(
-        can::OpenBus(file.buses[b], bridge::CanPlant::Filters(file.bridge, static_cast<int>(b))));
+        can::OpenBus(file.buses[b], bridge::ReceiveFilters(file.bridge, static_cast<int>(b))));
     pointers.push_back(transports.back().get());
   }
   bridge::CanPlant plant(file.bridge, pointers);
@@ -38,10 +38,10 @@ void Run(const node::Options& options, node::StopFlag& stop,
   try {
     provider::RunProvider(options, stop, provider_options, guard, plant);
   } catch (...) {
-    plant.Rest();
+    plant.ShutDown();
     throw;
   }
-  plant.Rest();
+  plant.ShutDown();
   for (const can::Transport* bus : pointers) {
     const can::TransportCounters counters = bus->counters();
     spdlog::info("bus '{}': {} frames sent, {} received, {} dropped, {} error frames", bus->name(),

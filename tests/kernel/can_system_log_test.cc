@@ -165,7 +165,7 @@ Recorded Read(const std::string& folder) {
   run.lines = can::ReadCandumpFile(folder + kLogFile);
   const bridge::BridgeFile file =
       bridge::ReadBridge(config::Section::Load(folder + "bridge.yaml", "sinew-can-bridge/1"));
-  run.filters = bridge::CanPlant::Filters(file.bridge, 0);
+  run.filters = bridge::ReceiveFilters(file.bridge, 0);
   const std::int64_t noise_from = run.mark("noise_from"), noise_until = run.mark("noise_until");
   for (const LogLine& line : run.lines) {
     const Frame& frame = line.frame;

@@ -299,7 +299,7 @@ TEST(SocketCanOnAKernel,
     Transport& to_;
   };
 
-  SocketCan can({Interface(), bridge::CanPlant::Filters(config, 0), 0});
+  SocketCan can({Interface(), bridge::ReceiveFilters(config, 0), 0});
   Recording recording(can);
   bridge::CanPlant plant(config, {&recording});
   provider::PlantSensors sensors;

@@ -130,7 +130,7 @@ BridgeFile ReadBridge(const config::Section& section) {
   }
   file.bridge.timing = ReadTiming(section.ChildOrEmpty("timing"));
   try {
-    CanPlant::Check(file.bridge);
+    CheckBridgeConfig(file.bridge);
   } catch (const std::invalid_argument& error) {
     section.Fail("joints", error.what());
   }

@@ -71,8 +71,8 @@ void Run(const node::Options& options, node::StopFlag& stop,
   provider::Plant& plant = *simulated;
 
   try {
-    virtual_axes::VirtualAxes::Check(file.axes, plant.joint_count(),
-                                     static_cast<int>(file.buses.size()));
+    virtual_axes::CheckVirtualAxesConfig(file.axes, plant.joint_count(),
+                                         static_cast<int>(file.buses.size()));
   } catch (const std::invalid_argument& error) {
     throw UsageError(options.config_path.string() + ": " + error.what());
   }

@@ -3,10 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 #include <stdexcept>
 
-#include "bridge/joints/compact_link.h"
+#include "components/types/angle.h"
 #include "tests/bridge/joints/plant_bench.h"
 #include "tests/support/allocations.h"
 
@@ -14,7 +13,7 @@ namespace sinew::bridge {
 namespace {
 
 // Half a step of 0.01 motor turns.
-constexpr double kRounding_rad = 0.005 * kTurn_rad;
+constexpr double kRounding_rad = 0.005 * types::kTwoPi;
 
 BenchSetup Twelve() {
   return {.joints = 12, .output_nodes = false, .gateway = true, .rate_Hz = 400.0};
@@ -39,7 +38,7 @@ TEST(Gateway, SensorsAreThePlantsRoundedToTheirSteps) {
 TEST(Gateway, TwelveJointsFollowTheirReferencesAt400HzOnOneBus) {
   Bench bench(Twelve());
   bench.Start();
-  bench.Arm(Mode::kPosition);
+  bench.Arm(ControlMode::kPosition);
   int late = 0;
   double oldest_us = 0.0;
   for (int i = 0; i < 1200; ++i) {
@@ -76,7 +75,7 @@ TEST(Gateway, ArmingInPositionModeMovesNothing) {
   for (double& angle : bench.rotors.angle_rad) angle = 41.7;
   bench.Start();
   for (double& position : bench.command.position_rad) position = 0.417;
-  bench.Arm(Mode::kPosition);
+  bench.Arm(ControlMode::kPosition);
   bench.Steps(100);
   for (std::size_t j = 0; j < 12; ++j) {
     EXPECT_NEAR(bench.rotors.angle_rad[j], 41.7, 2.0 * kRounding_rad) << j;
@@ -88,8 +87,8 @@ TEST(Gateway, ArmingInPositionModeMovesNothing) {
 TEST(Gateway, AJointInTorqueModeHasASetpointOfItsOwn) {
   Bench bench(Twelve());
   bench.Start();
-  bench.Arm(Mode::kPosition);
-  bench.command.mode[5] = Mode::kTorque;
+  bench.Arm(ControlMode::kPosition);
+  bench.command.mode[5] = ControlMode::kTorque;
   bench.command.motor_torque_Nm[5] = 0.0007;
   bench.Steps(5);
   for (int i = 0; i < 40; ++i) {
@@ -106,8 +105,8 @@ TEST(Gateway, AJointInTorqueModeHasASetpointOfItsOwn) {
 TEST(Gateway, FromTorqueToPositionModeNothingJumps) {
   Bench bench(Twelve());
   bench.Start();
-  bench.Arm(Mode::kPosition);
-  bench.command.mode[5] = Mode::kTorque;
+  bench.Arm(ControlMode::kPosition);
+  bench.command.mode[5] = ControlMode::kTorque;
   bench.command.motor_torque_Nm[5] = 0.002;
   bench.Steps(80);
   ASSERT_GT(bench.rotors.angle_rad[5], 3.0);
@@ -115,7 +114,7 @@ TEST(Gateway, FromTorqueToPositionModeNothingJumps) {
   bench.Steps(1500);  // it runs out
   ASSERT_LT(bench.rotors.velocity_rad_s[5], 0.05);
   const double rest_rad = bench.rotors.angle_rad[5];
-  bench.command.mode[5] = Mode::kPosition;
+  bench.command.mode[5] = ControlMode::kPosition;
   bench.command.position_rad[5] = rest_rad / 100.0;
   double strongest_Nm = 0.0;
   bench.on_frame = [&](const can::Delivery&) {
@@ -134,18 +133,18 @@ TEST(Gateway, ReferencesFeedTheWatchdogsAlsoWhileDisarmed) {
   bench.Start();
   bench.Steps(400);
   for (int j = 0; j < 12; ++j) EXPECT_EQ(bench.axes->axis_error(j), 0U) << j;
-  bench.Arm(Mode::kPosition);
+  bench.Arm(ControlMode::kPosition);
   bench.Steps(200);
   for (int j = 0; j < 12; ++j) EXPECT_EQ(bench.axes->axis_error(j), 0U) << j;
   bench.buses[0]->AdvanceTo(bench.buses[0]->now_ns() + 60 * kMs_ns);  // the bridge is killed
   for (int j = 0; j < 12; ++j) EXPECT_EQ(bench.axes->axis_state(j), can::AxisState::kIdle) << j;
 }
 
-TEST(Gateway, RestLeavesTheAxesIdle) {
+TEST(Gateway, ShutDownLeavesTheAxesIdle) {
   Bench bench(Twelve());
   bench.Start();
-  bench.Arm(Mode::kPosition);
-  bench.plant->Rest();
+  bench.Arm(ControlMode::kPosition);
+  bench.plant->ShutDown();
   bench.buses[0]->AdvanceTo(bench.buses[0]->now_ns() + 10 * kMs_ns);
   for (int j = 0; j < 12; ++j) EXPECT_EQ(bench.axes->axis_state(j), can::AxisState::kIdle) << j;
 }
@@ -196,7 +195,7 @@ TEST(Gateway, ASilentGatewayIsAFaultOfEveryJointBehindIt) {
 TEST(Gateway, APositionBeyondTheFieldIsAFaultNotAWrongAngle) {
   Bench bench(Twelve());
   bench.config.joints[3].limits.upper_rad = bench.config.joints[3].limits.lower_rad + 1000.0;
-  bench.rotors.angle_rad[3] = 328.0 * kTurn_rad;
+  bench.rotors.angle_rad[3] = 328.0 * types::kTwoPi;
   bench.Start();
   EXPECT_EQ(bench.plant->fault(3), FaultKind::kOutOfRange) << bench.sensors.message;
   EXPECT_EQ(bench.plant->fault(2), FaultKind::kNone);
@@ -206,17 +205,17 @@ TEST(Gateway, AReferenceBeyondTheFieldIsAFaultAndMovesNothing) {
   Bench bench(Twelve());
   JointLimits& limits = bench.config.joints[3].limits;
   limits = {0.398, 25.0, 500.0, -100.0, 100.0, 0.2, 90.0};
-  bench.rotors.angle_rad[3] = 320.0 * kTurn_rad;
+  bench.rotors.angle_rad[3] = 320.0 * types::kTwoPi;
   bench.Start();
-  bench.command.position_rad[3] = 320.0 * kTurn_rad / 100.0;
-  bench.Arm(Mode::kPosition);
+  bench.command.position_rad[3] = 320.0 * types::kTwoPi / 100.0;
+  bench.Arm(ControlMode::kPosition);
   ASSERT_FALSE(bench.faulty()) << bench.sensors.message;
-  bench.command.position_rad[3] = 330.0 * kTurn_rad / 100.0;
+  bench.command.position_rad[3] = 330.0 * types::kTwoPi / 100.0;
   bench.Steps(3);
   EXPECT_EQ(bench.plant->fault(3), FaultKind::kOutOfRange) << bench.sensors.message;
   bench.Steps(50);
   EXPECT_EQ(bench.axes->axis_state(3), can::AxisState::kIdle);
-  EXPECT_LT(bench.rotors.angle_rad[3], 328.0 * kTurn_rad);
+  EXPECT_LT(bench.rotors.angle_rad[3], 328.0 * types::kTwoPi);
 }
 
 TEST(Gateway, ActAndStepTakeNothingFromTheHeap) {
@@ -230,7 +229,7 @@ TEST(Gateway, ActAndStepTakeNothingFromTheHeap) {
   provider::PlantSensors sensors;
   plant.Reset(&sensors);
   provider::PlantCommand command;
-  command.mode[0] = Mode::kPosition;
+  command.mode[0] = ControlMode::kPosition;
   const long before = test::Allocations();
   for (int i = 0; i < 500; ++i) {
     bus.now += kPeriod_ns;
@@ -248,7 +247,7 @@ TEST(Gateway, ConfigurationThatCannotBeIsRefused) {
     bench.config.gateways.push_back({0, 48, {0}});
     change(bench.config);
     try {
-      CanPlant::Check(bench.config);
+      CheckBridgeConfig(bench.config);
     } catch (const std::invalid_argument& error) {
       return std::string(error.what());
     }
@@ -269,94 +268,6 @@ TEST(Gateway, ConfigurationThatCannotBeIsRefused) {
             "gateway of node 48: 0 joints, expected 1 to 12");
   EXPECT_EQ(refused([](BridgeConfig& c) { c.gateways[0].joints = {9}; }),
             "gateway of node 48: no joint 9");
-}
-
-// --- the link alone
-
-std::array<can::Frame, can::kCompactStateFrames> State(double turns, std::uint8_t sequence) {
-  can::CompactState state;
-  state.position_turns.fill(turns);
-  state.sequence = sequence;
-  return can::EncodeState(5, state);
-}
-
-TEST(CompactLink, AStateCountsWhenAllItsFramesCameInTheirOrder) {
-  CompactLink link(5);
-  const auto first = State(1.0, 1);
-  for (std::size_t k = 0; k + 1 < first.size(); ++k) {
-    EXPECT_EQ(link.Take({first[k], 100 + static_cast<std::int64_t>(k)}), CompactLink::Taken::kPart);
-    EXPECT_EQ(link.stamp_ns(), 0);
-  }
-  EXPECT_EQ(link.Take({first.back(), 200}), CompactLink::Taken::kComplete);
-  EXPECT_EQ(link.stamp_ns(), 100) << "of the first frame";
-  EXPECT_EQ(link.state().position_turns[11], 1.0);
-}
-
-TEST(CompactLink, ALostFrameNeverMixesTwoStates) {
-  std::mt19937 random(1);
-  CompactLink link(5);
-  int complete = 0;
-  for (int i = 0; i < 2000; ++i) {
-    const double turns = 0.01 * (i % 30000);
-    for (const can::Frame& frame : State(turns, static_cast<std::uint8_t>(i))) {
-      if (random() % 20 == 0) continue;  // lost
-      if (link.Take({frame, i + 1}) != CompactLink::Taken::kComplete) continue;
-      ++complete;
-      EXPECT_EQ(link.stamp_ns(), i + 1);
-      for (const double told : link.state().position_turns) EXPECT_NEAR(told, turns, 1e-9);
-    }
-  }
-  EXPECT_GT(complete, 500);
-  EXPECT_LT(complete, 1500);
-}
-
-TEST(CompactLink, OtherFramesAndShortOnesChangeNothing) {
-  CompactLink link(5);
-  for (const can::Frame& frame : State(1.0, 1)) (void)link.Take({frame, 1});
-  can::Frame other = State(2.0, 2)[0];
-  other.id = can::Identifier(6, can::StateCommand(0));
-  EXPECT_EQ(link.Take({other, 2}), CompactLink::Taken::kNotOurs);
-  can::Frame remote = State(2.0, 2)[0];
-  remote.remote = true;
-  EXPECT_EQ(link.Take({remote, 2}), CompactLink::Taken::kNotOurs);
-  auto cut = State(2.0, 2);
-  cut[3].length = 7;
-  int refused = 0;
-  for (const can::Frame& frame : cut) {
-    if (link.Take({frame, 2}) == CompactLink::Taken::kRefused) ++refused;
-  }
-  EXPECT_EQ(refused, 11) << "the short one and all behind it";
-  EXPECT_EQ(link.state().position_turns[0], 1.0);
-  EXPECT_EQ(link.stamp_ns(), 1);
-}
-
-TEST(CompactLink, RefusesAReferenceThatDoesNotFit) {
-  CompactLink link(5);
-  EXPECT_TRUE(link.SetReference(2, 12.34));
-  EXPECT_FALSE(link.SetReference(2, 327.68));
-  EXPECT_FALSE(link.SetReference(2, std::nan("")));
-  can::CompactReferences back;
-  for (const can::Frame& frame : link.References()) {
-    EXPECT_TRUE(can::DecodeReferences(5, frame, &back));
-  }
-  EXPECT_NEAR(back.position_turns[2], 12.34, 1e-9);
-}
-
-// Rotation matrices of the three angles, multiplied: another way to the same.
-TEST(CompactLink, QuaternionTurnsAsRollThenPitchThenYaw) {
-  std::mt19937 random(2);
-  std::uniform_real_distribution<double> angle(-1.5, 1.5);
-  for (int i = 0; i < 100; ++i) {
-    const double r = angle(random), p = angle(random), y = angle(random);
-    const auto [w, qx, qy, qz] = QuaternionOf({r, p, y});
-    EXPECT_NEAR(w * w + qx * qx + qy * qy + qz * qz, 1.0, 1e-12);
-    // Of the body's x axis, and the z row: -sin p, cos p sin r, cos p cos r.
-    EXPECT_NEAR(1.0 - 2.0 * (qy * qy + qz * qz), std::cos(y) * std::cos(p), 1e-12);
-    EXPECT_NEAR(2.0 * (qx * qy + w * qz), std::sin(y) * std::cos(p), 1e-12);
-    EXPECT_NEAR(2.0 * (qx * qz - w * qy), -std::sin(p), 1e-12);
-    EXPECT_NEAR(2.0 * (qy * qz + w * qx), std::cos(p) * std::sin(r), 1e-12);
-    EXPECT_NEAR(1.0 - 2.0 * (qx * qx + qy * qy), std::cos(p) * std::cos(r), 1e-12);
-  }
 }
 
 }  // namespace

@@ -9,7 +9,6 @@
 #include <functional>
 #include <limits>
 #include <memory>
-#include <numbers>
 #include <string>
 #include <vector>
 
@@ -17,6 +16,7 @@
 #include "bridge/joints/can_plant.h"
 #include "bridge/virtual_axes/virtual_axes.h"
 #include "components/types/control_mode.h"
+#include "tests/bridge/joints/one_joint.h"
 #include "tests/bridge/virtual_axes/rotors.h"
 
 namespace sinew::bridge {
@@ -24,8 +24,6 @@ namespace sinew::bridge {
 using test::Rotors;
 using types::ControlMode;
 
-inline constexpr double kTurn_rad = 2.0 * std::numbers::pi;
-inline constexpr std::int64_t kMs_ns = 1'000'000;
 inline constexpr double kPeriod_s = 1.0 / 240.0;
 inline constexpr std::int64_t kPeriod_ns = 4'166'667;
 
@@ -108,7 +106,7 @@ class Bench {
   void Prepare() {
     std::vector<can::Transport*> bridge_ends, axes_ends;
     for (std::size_t b = 0; b < buses.size(); ++b) {
-      ends.push_back(buses[b]->Join("bridge", CanPlant::Filters(config, static_cast<int>(b))));
+      ends.push_back(buses[b]->Join("bridge", ReceiveFilters(config, static_cast<int>(b))));
       bridge_ends.push_back(ends.back().get());
       ends.push_back(buses[b]->Join("axes"));
       axes_ends.push_back(ends.back().get());

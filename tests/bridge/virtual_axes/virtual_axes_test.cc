@@ -5,11 +5,11 @@
 
 #include <cmath>
 #include <memory>
-#include <numbers>
 #include <random>
 #include <stdexcept>
 
 #include "bridge/can/transport/memory_can.h"
+#include "components/types/angle.h"
 #include "tests/bridge/virtual_axes/rotors.h"
 
 namespace sinew::virtual_axes {
@@ -20,7 +20,6 @@ using can::Command;
 using can::Frame;
 using std::chrono::milliseconds;
 
-constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 constexpr std::int64_t kMs_ns = 1'000'000;
 
 class Master : public ::testing::Test {
@@ -130,7 +129,7 @@ TEST_F(Master, TorqueInClosedLoopAcceleratesTheRotorAsNewtonSays) {
   EXPECT_NEAR(iq->setpoint_A, current_A, 1e-5);
   const auto estimates = Await<can::EncoderEstimates>(milliseconds(20), 1);
   ASSERT_TRUE(estimates);
-  EXPECT_NEAR(estimates->velocity_rev_s, rotors_.velocity_rad_s[0] / kTurn_rad, 0.05);
+  EXPECT_NEAR(estimates->velocity_rev_s, rotors_.velocity_rad_s[0] / types::kTwoPi, 0.05);
 }
 
 TEST_F(Master, TorqueInIdleMovesNothing) {
@@ -148,7 +147,7 @@ TEST_F(Master, DirectionAndZeroOfTheEncoderAreTheAxis) {
   Build(config);
   const auto estimates = Await<can::EncoderEstimates>(milliseconds(20), 1);
   ASSERT_TRUE(estimates);
-  EXPECT_NEAR(estimates->position_rev, 12.5 - 3.0 / kTurn_rad, 1e-5);
+  EXPECT_NEAR(estimates->position_rev, 12.5 - 3.0 / types::kTwoPi, 1e-5);
   CloseLoop(1);
   Send(1, can::SetInputTorque{0.002});
   Pass(milliseconds(50));
@@ -263,7 +262,7 @@ TEST_F(Master, PositionModeStartsWhereTheMotorIs) {
   EXPECT_NEAR(rotors_.angle_rad[0], 20.0, 1e-3);
   Send(1, can::SetInputPos{4.0, 0, 0});
   Pass(milliseconds(2000));
-  EXPECT_NEAR(rotors_.angle_rad[0], 4.0 * kTurn_rad, 0.01);
+  EXPECT_NEAR(rotors_.angle_rad[0], 4.0 * types::kTwoPi, 0.01);
 }
 
 TEST_F(Master, RebootIsSilentAndComesBackIdleWithoutErrors) {

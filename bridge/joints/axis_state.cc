@@ -1,0 +1,129 @@
+#include "bridge/joints/axis_state.h"
+
+#include <cmath>
+#include <cstdio>
+
+#include "components/types/angle.h"
+#include "components/types/control_mode.h"
+
+namespace sinew::bridge {
+namespace {
+
+using types::ControlMode;
+
+constexpr std::int64_t kRequestAgain_ns = 100'000'000;
+
+}  // namespace
+
+AxisDecision AxisStateMachine::Step(ControlMode command, const JointMeasurement& measured,
+                                    std::int64_t now_ns, FaultLatch* fault) {
+  const bool closed_loop = measured.closed_loop();
+  const bool heartbeat_since = measured.heartbeat_ns > phase_ns_;
+  if (command == ControlMode::kIdle || fault->active()) {
+    if (phase_ != AxisPhase::kIdle) {
+      GoIdle(now_ns);
+      return {.request = AxisRequest::kIdle};
+    }
+    const bool ignored = closed_loop && heartbeat_since && RequestIsOld(now_ns);
+    return {.request = ignored ? Request(AxisRequest::kIdle, now_ns) : AxisRequest::kNone};
+  }
+  switch (phase_) {
+    case AxisPhase::kIdle:
+      if (const auto failure = ZeroCheckFailure(measured)) {
+        fault->Fail(FaultKind::kZero, *failure);
+        return {};
+      }
+      Enter(AxisPhase::kArming, now_ns);
+      mode_ = command;
+      return {.request = Request(AxisRequest::kClosedLoop, now_ns)};
+    case AxisPhase::kArming:
+      return StepArming(command, closed_loop && heartbeat_since, now_ns, fault);
+    case AxisPhase::kActive:
+      break;
+  }
+  AxisDecision decision;
+  if (mode_ != command) {
+    mode_ = command;
+    decision.request = AxisRequest::kMode;
+    decision.restart_setpoint = true;
+  }
+  if (heartbeat_since && !closed_loop && measured.heartbeat.axis_error == 0) {
+    fault->Fail(FaultKind::kNoClosedLoop, "the axis left closed-loop control");
+  }
+  decision.follows_command = !fault->active();
+  return decision;
+}
+
+AxisDecision AxisStateMachine::StepArming(ControlMode command, bool confirmed, std::int64_t now_ns,
+                                          FaultLatch* fault) {
+  AxisDecision decision;
+  if (mode_ != command) {
+    mode_ = command;
+    decision.request = Request(AxisRequest::kClosedLoop, now_ns);
+  }
+  if (confirmed) {
+    Enter(AxisPhase::kActive, now_ns);
+    decision.restart_setpoint = true;
+    decision.follows_command = true;
+  } else if (now_ns - phase_ns_ > closed_loop_timeout_ns_) {
+    fault->Fail(FaultKind::kNoClosedLoop, "the axis does not enter closed-loop control");
+  } else if (RequestIsOld(now_ns)) {
+    decision.request = Request(AxisRequest::kClosedLoop, now_ns);
+  }
+  return decision;
+}
+
+void AxisStateMachine::GoIdle(std::int64_t now_ns) {
+  Enter(AxisPhase::kIdle, now_ns);
+  requested_ns_ = now_ns;
+}
+
+ErrorAction AxisStateMachine::AssessErrors(std::int64_t now_ns, const FaultLatch& fault,
+                                           JointMeasurement* measured) {
+  if (phase_ != AxisPhase::kActive && !fault.active() &&
+      measured->heartbeat.axis_error == can::axis_error::kWatchdogTimerExpired) {
+    measured->ClearErrors(now_ns + kClearing_ns);
+    return ErrorAction::kClear;
+  }
+  if (measured->heartbeat.axis_error == 0 || codes_requested_) return ErrorAction::kNone;
+  codes_requested_ = true;
+  return ErrorAction::kRequestCodes;
+}
+
+void AxisStateMachine::Enter(AxisPhase phase, std::int64_t now_ns) {
+  phase_ = phase;
+  phase_ns_ = now_ns;
+}
+
+bool AxisStateMachine::RequestIsOld(std::int64_t now_ns) const {
+  return now_ns - requested_ns_ > kRequestAgain_ns;
+}
+
+AxisRequest AxisStateMachine::Request(AxisRequest request, std::int64_t now_ns) {
+  requested_ns_ = now_ns;
+  return request;
+}
+
+double WholeTurnsOff(const JointMeasurement& measured) {
+  const JointConfig& c = *measured.config;
+  const double motor_rad =
+      c.direction * types::kTwoPi * (measured.estimates.position_rev - c.zero_rev);
+  const double off_rad = motor_rad - c.gear_ratio * measured.position_rad();
+  return c.direction * std::round(off_rad / types::kTwoPi);
+}
+
+std::optional<std::string> ZeroCheckFailure(const JointMeasurement& measured) {
+  const auto& check = measured.config->zero_check;
+  if (!check) return std::nullopt;
+  const double motor_rad = measured.motor_position_at_output_rad();
+  const double output_rad = measured.position_rad();
+  if (std::abs(motor_rad - output_rad) <= check->largest_rad()) return std::nullopt;
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "zero check: the output is at %.4f rad by the motor and at %.4f rad by its own "
+                "encoder, expected within %.4f rad",
+                motor_rad, output_rad, check->largest_rad());
+  return text;
+}
+
+}  // namespace sinew::bridge

@@ -1,0 +1,96 @@
+#include "bridge/joints/exchange.h"
+
+#include "components/types/angle.h"
+#include "components/types/control_mode.h"
+
+namespace sinew::bridge {
+namespace {
+
+using types::ControlMode;
+
+can::ControlMode ToControlMode(ControlMode mode) {
+  switch (mode) {
+    case ControlMode::kPosition:
+      return can::ControlMode::kPosition;
+    case ControlMode::kVelocity:
+      return can::ControlMode::kVelocity;
+    case ControlMode::kTorque:
+    case ControlMode::kIdle:
+      break;
+  }
+  return can::ControlMode::kTorque;
+}
+
+}  // namespace
+
+FrameOutbox::FrameOutbox(std::size_t buses) : frames_(buses) {
+  for (auto& frames : frames_) frames.reserve(kFramesOfCycle);
+}
+
+void FrameOutbox::Flush(std::span<can::Transport* const> transports) {
+  for (std::size_t b = 0; b < frames_.size(); ++b) {
+    if (!frames_[b].empty()) transports[b]->SendAll(frames_[b]);
+    frames_[b].clear();
+  }
+}
+
+void JointExchange::RequestClosedLoop(ControlMode mode, const JointMeasurement& measured) {
+  if (mode == ControlMode::kPosition) SendMeasuredPosition(measured);
+  RequestMode(mode);
+  const JointLimits& limits = joint_.limits;
+  Send(can::SetLimits{limits.velocity_rad_s * joint_.gear_ratio / types::kTwoPi, limits.current_A});
+  Send(can::SetAxisState{can::AxisState::kClosedLoopControl});
+}
+
+void JointExchange::RequestMode(ControlMode mode) {
+  Send(can::SetControllerMode{ToControlMode(mode), can::InputMode::kPassthrough});
+}
+
+void JointExchange::SendMeasuredPosition(const JointMeasurement& measured) {
+  Send(can::SetInputPos{measured.estimates.position_rev, 0.0, 0.0});
+}
+
+void JointExchange::RequestData(can::Command command) {
+  outbox_->Post(joint_.bus, can::EncodeRequest(joint_.node, command));
+}
+
+void JointExchange::SendNeutralFrame(ControlMode mode, const JointMeasurement& measured) {
+  switch (mode) {
+    case ControlMode::kIdle:
+    case ControlMode::kTorque:
+      Send(can::SetInputTorque{0.0});
+      break;
+    case ControlMode::kPosition:
+      SendMeasuredPosition(measured);
+      break;
+    case ControlMode::kVelocity:
+      Send(can::SetInputVel{0.0, 0.0});
+      break;
+  }
+}
+
+bool DirectExchange::SendPosition(double position_rev, double feed_forward_rev_s) {
+  Send(can::SetInputPos{position_rev, feed_forward_rev_s, 0.0});
+  return true;
+}
+
+bool DirectExchange::SendNeutral(ControlMode mode, const JointMeasurement& measured) {
+  SendNeutralFrame(mode, measured);
+  return true;
+}
+
+bool GatewayExchange::SendPosition(double position_rev, double /*feed_forward_rev_s*/) {
+  return link_->SetReference(field_, position_rev);
+}
+
+// The reference holds an axis in position control and feeds the watchdog of every axis. An axis
+// that should be idle but is not may be in any mode: it gets a setpoint of its own.
+bool GatewayExchange::SendNeutral(ControlMode mode, const JointMeasurement& measured) {
+  const bool fits = link_->SetReference(field_, measured.estimates.position_rev);
+  const bool reference_suffices =
+      mode == ControlMode::kIdle ? !measured.closed_loop() : mode == ControlMode::kPosition;
+  if (!reference_suffices) SendNeutralFrame(mode, measured);
+  return fits;
+}
+
+}  // namespace sinew::bridge

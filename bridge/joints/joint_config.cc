@@ -1,0 +1,139 @@
+#include "bridge/joints/joint_config.h"
+
+#include <array>
+#include <cstdio>
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+#include "bridge/can/compact.h"
+#include "bridge/can/sensor_node.h"
+#include "components/provider/plant.h"
+#include "components/types/angle.h"
+#include "components/types/joints.h"
+
+namespace sinew::bridge {
+namespace {
+
+using can::Command;
+
+constexpr std::array kAxisCommands = {Command::kHeartbeat,       Command::kGetMotorError,
+                                      Command::kGetEncoderError, Command::kGetEncoderEstimates,
+                                      Command::kGetIq,           Command::kGetControllerError};
+constexpr std::array kNodeCommands = {can::NodeCommand::kHeartbeat,
+                                      can::NodeCommand::kOutputEncoder,
+                                      can::NodeCommand::kJointSensors};
+
+void Require(bool holds, const std::string& message) {
+  if (!holds) throw std::invalid_argument(message);
+}
+
+bool IsDirection(int direction) { return direction == 1 || direction == -1; }
+
+// Each node number at most once on a bus.
+class NodeNumbers {
+ public:
+  explicit NodeNumbers(int buses) : buses_(buses) {}
+  void Claim(const std::string& who, int bus, int node) {
+    Require(bus >= 0 && bus < buses_, who + "no bus " + std::to_string(bus));
+    Require(node >= 0 && node <= can::kMaxNode,
+            who + "node " + std::to_string(node) + ", expected 0 to 63");
+    Require(used_.emplace(bus, node).second,
+            who + "node " + std::to_string(node) + " is used twice");
+  }
+
+ private:
+  int buses_;
+  std::set<std::pair<int, int>> used_;
+};
+
+void CheckZeroCheck(const std::string& who, const JointConfig& c) {
+  if (!c.zero_check) {
+    Require(!c.home_by_whole_turns, who + "homing needs a zero_check");
+    return;
+  }
+  Require(c.output.has_value(), who + "zero_check needs a sensor node");
+  Require(c.zero_check->play_rad >= 0.0 && c.zero_check->tolerance_rad > 0.0,
+          who + "zero_check needs play_rad >= 0 and tolerance_rad > 0");
+  const double largest_rev = c.zero_check->largest_rad() * c.gear_ratio / types::kTwoPi;
+  char text[96];
+  std::snprintf(text, sizeof text,
+                "whole turns are ambiguous: play and tolerance are %.2f of a motor turn, expected "
+                "below 0.5",
+                largest_rev);
+  Require(!c.home_by_whole_turns || largest_rev < 0.5, who + text);
+}
+
+void CheckJoint(const JointConfig& c, NodeNumbers* nodes) {
+  const std::string who = "joint '" + c.name + "': ";
+  nodes->Claim(who, c.bus, c.node);
+  if (c.output) nodes->Claim(who, c.bus, c.output->node);
+  Require(IsDirection(c.direction) && (!c.output || IsDirection(c.output->direction)),
+          who + "direction must be 1 or -1");
+  Require(
+      c.gear_ratio > 0.0 && c.torque_constant_Nm_A > 0.0 && c.controller_torque_constant_Nm_A > 0.0,
+      who + "gear ratio and torque constants must be positive");
+  Require(c.torque_efficiency > 0.0 && c.torque_efficiency <= 1.0,
+          who + "torque_efficiency must be above 0, at most 1");
+  const JointLimits& limits = c.limits;
+  Require(limits.motor_torque_Nm > 0.0 && limits.current_A > 0.0 && limits.velocity_rad_s > 0.0,
+          who + "limits of torque, current and velocity must be positive");
+  CheckZeroCheck(who, c);
+  Require(
+      limits.lower_rad < limits.upper_rad && limits.margin_rad >= 0.0,
+      who + "position limits must have lower_rad < upper_rad and a margin that is not negative");
+}
+
+}  // namespace
+
+void CheckBridgeConfig(const BridgeConfig& config) {
+  const auto buses = static_cast<int>(config.bitrate_bit_s.size());
+  Require(buses >= 1 && buses <= provider::BusReport::kMaxBuses,
+          std::to_string(buses) + " buses, expected 1 to " +
+              std::to_string(provider::BusReport::kMaxBuses));
+  Require(
+      !config.joints.empty() && config.joints.size() <= static_cast<std::size_t>(types::kMaxJoints),
+      std::to_string(config.joints.size()) + " joints, expected 1 to " +
+          std::to_string(types::kMaxJoints));
+  NodeNumbers nodes(buses);
+  for (const JointConfig& c : config.joints) CheckJoint(c, &nodes);
+  std::set<int> behind;
+  for (const GatewayConfig& g : config.gateways) {
+    const std::string who = "gateway of node " + std::to_string(g.node) + ": ";
+    nodes.Claim(who, g.bus, g.node);
+    Require(!g.joints.empty() && g.joints.size() <= std::size_t{can::kCompactJoints},
+            who + std::to_string(g.joints.size()) + " joints, expected 1 to " +
+                std::to_string(can::kCompactJoints));
+    for (const int j : g.joints) {
+      Require(j >= 0 && static_cast<std::size_t>(j) < config.joints.size(),
+              who + "no joint " + std::to_string(j));
+      const JointConfig& c = config.joints[static_cast<std::size_t>(j)];
+      Require(c.bus == g.bus, who + "joint '" + c.name + "' is on another bus");
+      Require(behind.insert(j).second, who + "joint '" + c.name + "' is behind a gateway already");
+    }
+  }
+}
+
+std::vector<can::IdFilter> ReceiveFilters(const BridgeConfig& config, int bus) {
+  std::vector<can::IdFilter> filters;
+  const auto pass = [&filters](std::uint32_t id) {
+    filters.push_back({id, can::kMaxStandardId, false});
+  };
+  for (const JointConfig& joint : config.joints) {
+    if (joint.bus != bus) continue;
+    for (const Command command : kAxisCommands) pass(can::Identifier(joint.node, command));
+    if (!joint.output) continue;
+    for (const can::NodeCommand command : kNodeCommands) {
+      pass(can::Identifier(joint.output->node, command));
+    }
+  }
+  for (const GatewayConfig& gateway : config.gateways) {
+    if (gateway.bus != bus) continue;
+    for (int k = 0; k < can::kCompactStateFrames; ++k) {
+      pass(can::Identifier(gateway.node, can::StateCommand(k)));
+    }
+  }
+  return filters;
+}
+
+}  // namespace sinew::bridge

@@ -1,0 +1,105 @@
+// Configuration of the bridge: the joints, their limits, the gateways and the time limits; its
+// check; the identifiers that the bridge reads.
+//
+// Position limits and velocity limit are those of the output, torque and current those of the
+// motor. Pure; Check and ReceiveFilters allocate and are for the start only.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bridge/can/codec.h"
+#include "bridge/can/transport/transport.h"
+
+namespace sinew::bridge {
+
+inline std::int64_t ToNs(double seconds) {
+  return static_cast<std::int64_t>(std::llround(1e9 * seconds));
+}
+
+struct JointLimits {
+  double motor_torque_Nm = 0.0;
+  double current_A = 0.0;
+  double velocity_rad_s = 0.0;  // output
+  double lower_rad = 0.0;       // output
+  double upper_rad = 0.0;
+  double margin_rad = 0.2;  // beyond a position limit by more than this: fault
+  double motor_temperature_degC = std::numeric_limits<double>::infinity();
+};
+
+struct OutputNode {
+  int node = 0;
+  int direction = 1;
+  double zero_rad = 0.0;
+};
+
+// Motor encoder against output encoder.
+struct ZeroCheck {
+  double play_rad = 0.0;  // full width, output
+  double tolerance_rad = 0.0;
+
+  // Largest disagreement of the two encoders, at the output.
+  double largest_rad() const { return 0.5 * play_rad + tolerance_rad; }
+};
+
+struct JointConfig {
+  std::string name;
+  int bus = 0;
+  int node = 0;
+  can::Firmware firmware = can::Firmware::k0_5_6;
+  int direction = 1;
+  double gear_ratio = 1.0;
+  double zero_rev = 0.0;
+  double torque_constant_Nm_A = 0.0;             // of the motor
+  double controller_torque_constant_Nm_A = 0.0;  // as configured in the controller
+  double torque_efficiency = 1.0;                // of the gear, for the reported joint torque
+  double declared_payload_kg = 0.0;
+  JointLimits limits;
+  std::optional<OutputNode> output;
+  std::optional<ZeroCheck> zero_check;  // needs the output node
+  bool home_by_whole_turns = false;     // needs the zero check
+};
+
+// A gateway serves joints of one bus. The first gateway also carries foot forces and IMU.
+struct GatewayConfig {
+  int bus = 0;
+  int node = 0;
+  std::vector<int> joints;  // in the order of its fields, at most can::kCompactJoints
+};
+
+enum class Estimates { kCyclic, kRequested };
+
+struct BridgeTiming {
+  Estimates estimates = Estimates::kCyclic;
+  // Each joint is asked for Iq every so many cycles, the joints of a bus in turn; 0: the
+  // controllers send it by themselves.
+  int iq_every_cycles = 1;
+  double answer_window_s = 0.0015;    // requested estimates are awaited so long within a cycle
+  double estimate_timeout_s = 0.02;   // older: the joint is not valid
+  double lost_after_s = 0.06;         // older: fault
+  double heartbeat_timeout_s = 0.35;  // 10 Hz, three missed
+  double closed_loop_timeout_s = 1.0;
+  double start_timeout_s = 5.0;
+  int valve_timeout_ms = 60;  // of the nodes' own watchdogs
+};
+
+struct BridgeConfig {
+  bool live = false;  // hardware: only live commands count
+  std::vector<JointConfig> joints;
+  std::vector<GatewayConfig> gateways;
+  std::vector<double> bitrate_bit_s;  // per bus, for the load
+  bool short_frames = true;           // setpoints of 4 bytes: 95 bit times instead of 135
+  BridgeTiming timing;
+};
+
+// Throws std::invalid_argument naming joint or gateway and value.
+void CheckBridgeConfig(const BridgeConfig& config);
+
+// The identifiers that the transport of this bus has to pass: exactly those that the bridge reads.
+std::vector<can::IdFilter> ReceiveFilters(const BridgeConfig& config, int bus);
+
+}  // namespace sinew::bridge

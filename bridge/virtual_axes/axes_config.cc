@@ -1,0 +1,66 @@
+#include "bridge/virtual_axes/axes_config.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "bridge/can/compact.h"
+
+namespace sinew::virtual_axes {
+namespace {
+
+void Require(bool holds, const std::string& message) {
+  if (!holds) throw std::invalid_argument(message);
+}
+
+}  // namespace
+
+void CheckVirtualAxesConfig(const VirtualAxesConfig& config, int joints, int buses) {
+  Require(config.step_s >= 1e-5 && config.step_s <= 0.1,
+          "step_s = " + std::to_string(config.step_s) + ", expected 1e-5 to 0.1");
+  Require(!config.axes.empty() || !config.nodes.empty(), "no axes and no sensor nodes");
+  std::set<std::pair<int, int>> used;
+  const auto check = [&](const std::string& what, int bus, int node, int joint, int direction) {
+    Require(bus >= 0 && bus < buses, what + ": no bus " + std::to_string(bus));
+    Require(node >= 0 && node <= can::kMaxNode,
+            what + ": node " + std::to_string(node) + ", expected 0 to 63");
+    Require(used.emplace(bus, node).second,
+            what + ": node " + std::to_string(node) + " is used twice");
+    Require(joint >= 0 && joint < joints, what + ": joint " + std::to_string(joint) +
+                                              ", the plant has " + std::to_string(joints));
+    Require(direction == 1 || direction == -1,
+            what + ": direction " + std::to_string(direction) + ", expected 1 or -1");
+  };
+  for (const AxisConfig& a : config.axes) {
+    check("axis", a.bus, a.node, a.joint, a.direction);
+    Require(a.gear_ratio > 0.0 && a.torque_constant_Nm_A > 0.0 &&
+                a.controller_torque_constant_Nm_A > 0.0 && a.velocity_limit_rev_s > 0.0 &&
+                a.current_limit_A > 0.0 && a.encoder_counts_rev > 0.0 && a.watchdog_s >= 0.0 &&
+                std::isfinite(a.zero_rev),
+            "axis of node " + std::to_string(a.node) +
+                ": ratios, constants and limits must be positive");
+  }
+  for (const SensorNodeConfig& n : config.nodes) {
+    check("sensor node", n.bus, n.node, n.joint, n.direction);
+  }
+  std::set<std::pair<int, int>> behind;
+  for (const GatewayConfig& g : config.gateways) {
+    check("gateway", g.bus, g.node, 0, 1);
+    const std::string who = "gateway of node " + std::to_string(g.node) + ": ";
+    Require(!g.axes.empty() && g.axes.size() <= std::size_t{can::kCompactJoints},
+            who + std::to_string(g.axes.size()) + " axes, expected 1 to " +
+                std::to_string(can::kCompactJoints));
+    for (const int node : g.axes) {
+      Require(std::any_of(config.axes.begin(), config.axes.end(),
+                          [&](const AxisConfig& a) { return a.bus == g.bus && a.node == node; }),
+              who + "no axis of node " + std::to_string(node) + " on its bus");
+      Require(behind.emplace(g.bus, node).second,
+              who + "axis of node " + std::to_string(node) + " is behind a gateway already");
+    }
+  }
+}
+
+}  // namespace sinew::virtual_axes

@@ -1,0 +1,68 @@
+// Configuration of the virtual axes, sensor nodes and gateways, and its check. Pure.
+#pragma once
+
+#include <vector>
+
+#include "bridge/can/codec.h"
+
+namespace sinew::virtual_axes {
+
+// Every how many milliseconds a message is sent by itself; 0: only on request.
+struct AxisRates {
+  int heartbeat_ms = 100;
+  int encoder_ms = 10;
+  int iq_ms = 0;
+  int bus_voltage_ms = 0;
+  int motor_error_ms = 0;
+  int encoder_error_ms = 0;
+  int controller_error_ms = 0;
+};
+
+struct AxisConfig {
+  int bus = 0;    // index into the transports
+  int node = 0;   // 0..63
+  int joint = 0;  // of the plant
+  can::Firmware firmware = can::Firmware::k0_5_6;
+  int direction = 1;      // +1: encoder and current count up when the output goes up
+  double zero_rev = 0.0;  // encoder reading where the plant's motor angle is 0
+  // Motor turns per output turn: position and velocity setpoints are the motor's.
+  double gear_ratio = 1.0;
+  double controller_torque_constant_Nm_A = 8.27 / 600;  // its setting; ODrive's rule: 8.27/KV
+  double torque_constant_Nm_A = 0.0159155;              // of the motor, as the plant takes torques
+  double velocity_limit_rev_s = 80.0;
+  double current_limit_A = 25.0;
+  double watchdog_s = 0.0;  // 0: off
+  double bus_voltage_V = 24.0;
+  double encoder_counts_rev = 16384.0;
+  AxisRates rates;
+};
+
+struct SensorNodeConfig {
+  int bus = 0;
+  int node = 0;
+  int joint = 0;
+  int direction = 1;
+  double zero_rad = 0.0;  // encoder reading at output angle 0
+  int encoder_ms = 4;
+  int sensors_ms = 4;
+  int heartbeat_ms = 100;
+};
+
+struct GatewayConfig {
+  int bus = 0;
+  int node = 0;
+  std::vector<int> axes;  // node numbers on its bus, in the order of its fields
+};
+
+struct VirtualAxesConfig {
+  std::vector<AxisConfig> axes;
+  std::vector<GatewayConfig> gateways;
+  std::vector<SensorNodeConfig> nodes;
+  double step_s = 0.001;  // of the plant; also how often frames are looked at
+};
+
+// Throws std::invalid_argument: a joint that the plant does not have, a node number used twice on a
+// bus, values out of range.
+void CheckVirtualAxesConfig(const VirtualAxesConfig& config, int joints, int buses);
+
+}  // namespace sinew::virtual_axes
