@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/surrogate/random.h"
-#include "tools/check/residual_check.h"
+#include "tools/acceptance/residual_check.h"
 
 namespace sinew::check {
 namespace {
