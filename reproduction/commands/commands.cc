@@ -7,6 +7,7 @@
 #include "reproduction/commands/experiment.h"
 #include "reproduction/commands/paper.h"
 #include "reproduction/commands/search.h"
+#include "reproduction/commands/tables.h"
 #include "tools/sinew/experiment.h"
 
 namespace sinew::reproduction {
@@ -18,6 +19,7 @@ void AddCommands(CLI::App& app) {
   AddCompareCommand(app);
   AddSearchCommand(app);
   AddControlTestCommand(app);
+  AddTablesCommand(app);
   AddPaperCommand(app);
 }
 

@@ -1,6 +1,5 @@
 #include "tools/sinew/commands.h"
 
-#include "tools/sinew/check.h"
 #include "tools/sinew/check_data.h"
 #include "tools/sinew/close_loop.h"
 #include "tools/sinew/completion.h"
@@ -36,7 +35,6 @@ void AddCoreCommands(CLI::App& app) {
   AddModelCommand(app);
   AddTrainCommand(app);
   AddScoreCommand(app);
-  AddCheckCommand(app);
   AddCompletionCommand(app);
 }
 

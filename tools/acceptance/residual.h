@@ -1,4 +1,5 @@
-// The residual monitor on the surrogate under control: changes told in time, none told that is not.
+// The residual monitor on the surrogate under control: changes are reported in time, and nothing is
+// reported without one.
 //
 // Rig, pressure, reference and control in one thread (tools/tune_pid/closed_loop.h); the monitor
 // sees what the participant would. The specimen is off the model it watches with by up to `spread`,
@@ -15,10 +16,12 @@
 #include "components/actuator/model.h"
 #include "components/control/joint_controller.h"
 #include "components/pneumatics/manager.h"
-#include "components/report/section.h"
 #include "components/residual/monitor.h"
 
-namespace sinew::check {
+namespace sinew::acceptance {
+
+// Required: a change is reported after this time at most.
+inline constexpr double kInTime_s = 5.0;
 
 // What the loop is made of.
 struct ResidualBench {
@@ -49,12 +52,12 @@ struct ResidualCase {
 struct ResidualScore {
   ResidualCase at;
   double watched_s = 0.0;  // after learning, in motion or not, before the change
-  double excited_s = 0.0;  // of these, not told as "not excited"
+  double excited_s = 0.0;  // of these, not reported as "not excited"
   int false_alarms = 0;
   double first_false_s = 0.0;
-  bool told = false;
-  double delay_s = 0.0;                                 // from the change to the alarm
-  double since_error_s = 0.0;                           // told time of the change less the true one
+  bool reported = false;
+  double delay_s = 0.0;        // from the change to the alarm
+  double since_error_s = 0.0;  // reported time of the change less the true one
   residual::Cause follows = residual::Cause::kNothing;  // 5 s after the change
   residual::Cause rival = residual::Cause::kNothing;
   double change = 0.0;
@@ -71,8 +74,9 @@ std::string ChangeName(const ResidualCase& at);
 // The cause that it is.
 residual::Cause TrueCause(const ResidualCase& at);
 
-report::Section MakeResidualSection(const ResidualBench& bench,
-                                    const std::vector<ResidualScore>& changes,
-                                    const std::vector<ResidualScore>& hours);
+// True when the change was reported within kInTime_s and nothing before it.
+bool InTime(const ResidualScore& score);
+// True when the cause reported 5 s after the change, or its rival, is the true one.
+bool CauseIsRight(const ResidualScore& score);
 
-}  // namespace sinew::check
+}  // namespace sinew::acceptance

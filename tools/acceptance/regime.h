@@ -5,18 +5,25 @@
 //   - within one sample of a true transition;
 //   - while the teeth are apart by less than two counts of the output encoder: whichever of the two
 //     is later is the time a transition has to be found.
-// A change that the detector makes to a wrong state is made up: chatter. Contacts shorter than two
+// A change that the detector makes to a wrong state is false: chatter. Contacts shorter than two
 // samples (bounces) are no transitions that 240 Hz could show. Pure; deterministic for a seed.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <numbers>
 #include <string>
 #include <vector>
 
 #include "components/regime/detector.h"
-#include "components/report/section.h"
 
-namespace sinew::check {
+namespace sinew::acceptance {
+
+// A count of the encoders: 14 bits.
+inline constexpr double kCount_rad = 2.0 * std::numbers::pi / 16384.0;
+// Required of every case: right outside one sample of a transition.
+inline constexpr double kRightShare = 0.995;
 
 enum class Motion {
   kHand,   // rotor locked, a hand pushes the link through the play
@@ -41,7 +48,7 @@ struct RegimeScore {
   long found = 0;        // of these, in time
   long never = 0;        // over before they were found
   long latest = 0;       // most samples after the time
-  long made_up = 0;
+  long false_changes = 0;
   double right_share() const {
     return samples > 0 ? 1.0 - static_cast<double>(wrong) / static_cast<double>(samples) : 0.0;
   }
@@ -60,18 +67,18 @@ struct SetupCase {
 struct SetupScore {
   SetupCase at;
   bool done = false;
-  double error_rad = 0.0;       // of the contact that was found
-  double told_error_rad = 0.0;  // its standard error, as the detector says
+  double error_rad = 0.0;           // of the contact that was found
+  double reported_error_rad = 0.0;  // its standard error, as the detector reports it
   double seconds = 0.0;
   regime::Trouble trouble = regime::Trouble::kNone;
 };
 SetupScore RunSetupCase(const SetupCase& at);
 
-// What must be told as unknown: the name, and the share of samples that were.
+// What must be reported as unknown: the name, and the share of samples that were.
 struct UnknownCase {
   std::string name;
   double unknown_share = 0.0;  // from when it could be known
-  double told_after_s = 0.0;
+  double reported_after_s = 0.0;
 };
 std::vector<UnknownCase> RunUnknownCases();
 
@@ -84,6 +91,18 @@ struct RegimeGrid {
 std::vector<RegimeCase> RegimeCases(bool quick);
 std::vector<SetupCase> SetupCases(bool quick);
 
-report::Section MakeRegimeSection(const RegimeGrid& grid);
+// Runs all of it. `progress` is called after each case with the numbers of cases done and to do; it
+// may be empty. seed: of everything random, 1 and up.
+RegimeGrid MeasureRegime(bool quick, std::uint64_t seed,
+                         const std::function<void(std::size_t, std::size_t)>& progress = {});
 
-}  // namespace sinew::check
+// All cases of one noise level of the output encoder.
+struct NoiseLevel {
+  double noise_rad = 0.0;
+  RegimeScore sum;
+  double worst_share = 1.0;  // the least right_share of a case
+  long cases = 0;
+};
+std::vector<NoiseLevel> ByNoise(const RegimeGrid& grid);
+
+}  // namespace sinew::acceptance

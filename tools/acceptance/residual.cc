@@ -1,8 +1,8 @@
-#include "tools/acceptance/residual_check.h"
+#include "tools/acceptance/residual.h"
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <cstdio>
 
 #include "components/actuator/file/model_file.h"
 #include "components/control/file/control_file.h"
@@ -10,16 +10,12 @@
 #include "components/reference/file/reference_file.h"
 #include "sim/surrogate/random.h"
 #include "sim/surrogate/surrogate.h"
-#include "tools/acceptance/section_parts.h"
 #include "tools/tune_pid/closed_loop.h"
 
-namespace sinew::check {
+namespace sinew::acceptance {
 namespace {
 
-using report::Text;
-
 constexpr double kRate_Hz = 240.0;
-constexpr double kInTime_s = 5.0;
 
 const char* MotionText(ResidualMotion motion) {
   switch (motion) {
@@ -59,6 +55,13 @@ std::string ReferenceText(ResidualMotion motion) {
   return "schema: sinew-reference/1\nstart: armed\nstart_delay_s: 0.5\njoints:\n  - {" + text +
          ", limits: {position_lower_rad: -2.0, position_upper_rad: 2.0, velocity_rad_s: 5.0, "
          "acceleration_rad_s2: 60.0, when_exceeded: scale}}\n";
+}
+
+// `format` with one number.
+std::string Named(const char* format, double value) {
+  char text[60];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
 }
 
 residual::JointReading ToReading(const provider::PlantSensors& sensors) {
@@ -148,12 +151,12 @@ ResidualScore RunResidualCase(const ResidualBench& bench, const ResidualCase& at
       }
       score.noise_Nm = out.noise_Nm;
       score.correlation = monitor.test().correlation();
-    } else if (out.alarm && !score.told) {
-      score.told = true;
+    } else if (out.alarm && !score.reported) {
+      score.reported = true;
       score.delay_s = time_s - at.change_at_s;
       score.since_error_s = out.since_s - at.change_at_s;
     }
-    if (score.told && time_s <= at.change_at_s + kInTime_s) {
+    if (score.reported && time_s <= at.change_at_s + kInTime_s) {
       score.follows = out.follows;
       score.rival = out.rival;
       score.change = out.change;
@@ -166,9 +169,9 @@ ResidualScore RunResidualCase(const ResidualBench& bench, const ResidualCase& at
 }
 
 std::string ChangeName(const ResidualCase& at) {
-  if (at.payload_kg > 0.0) return Text("payload %.2g kg", at.payload_kg);
-  if (at.dry_share != 1.0) return Text("dry friction x %.2g", at.dry_share);
-  if (at.viscous_share != 1.0) return Text("viscous friction x %.2g", at.viscous_share);
+  if (at.payload_kg > 0.0) return Named("payload %.2g kg", at.payload_kg);
+  if (at.dry_share != 1.0) return Named("dry friction x %.2g", at.dry_share);
+  if (at.viscous_share != 1.0) return Named("viscous friction x %.2g", at.viscous_share);
   return "none";
 }
 
@@ -224,80 +227,13 @@ std::vector<ResidualCase> ResidualHours(bool quick) {
   return cases;
 }
 
-report::Section MakeResidualSection(const ResidualBench& bench,
-                                    const std::vector<ResidualScore>& changes,
-                                    const std::vector<ResidualScore>& hours) {
-  report::Section section;
-  section.id = "residual";
-  section.title = "Changes told from the residual while the robot moves";
-  section.paragraphs = {Text(
-      "The monitor learns for %.0f s of motion what the model leaves of a specimen that is up "
-      "to "
-      "10 %% off, then assesses blocks of %.0f ms. Its threshold is set for one false alarm in "
-      "%.0f "
-      "hours of motion if blocks were normal with the correlation that it measures.",
-      bench.monitor.learn_s, 1e3 * bench.monitor.block_s, bench.monitor.false_alarm_h)};
-  report::Table table;
-  table.title = "From the change to the alarm";
-  table.caption = "Told in time: within 5 s. Cause: as told 5 s after the change, it or its rival.";
-  table.header = {"change",    "motion",    "runs",         "told in time",
-                  "median, s", "latest, s", "false before", "cause right"};
-  std::map<std::string, std::pair<int, int>> by_change;  // runs, in time
-  for (std::size_t first = 0; first < changes.size();) {
-    const ResidualCase& kind = changes[first].at;
-    std::vector<double> delays;
-    int runs = 0, in_time = 0, false_before = 0, right = 0;
-    std::size_t i = first;
-    for (; i < changes.size() && changes[i].at.motion == kind.motion &&
-           ChangeName(changes[i].at) == ChangeName(kind);
-         ++i) {
-      const ResidualScore& score = changes[i];
-      ++runs;
-      false_before += score.false_alarms > 0;
-      if (score.told) delays.push_back(score.delay_s);
-      in_time += score.told && score.delay_s <= kInTime_s && score.false_alarms == 0;
-      right += score.told &&
-               (score.follows == TrueCause(score.at) || score.rival == TrueCause(score.at));
-    }
-    std::sort(delays.begin(), delays.end());
-    table.rows.push_back({ChangeName(kind), MotionName(kind.motion), std::to_string(runs),
-                          std::to_string(in_time),
-                          delays.empty() ? "-" : Text("%.2f", delays[delays.size() / 2]),
-                          delays.empty() ? "-" : Text("%.2f", delays.back()),
-                          std::to_string(false_before), std::to_string(right)});
-    by_change[ChangeName(kind)].first += runs;
-    by_change[ChangeName(kind)].second += in_time;
-    first = i;
-  }
-  for (const auto& [name, count] : by_change) {
-    Compare(&section, name + " told within 5 s", "runs",
-            Text("%d of %d", count.second, count.first), "all", count.second == count.first,
-            "all motions, random time, 3 to 5 bar");
-  }
-  section.tables.push_back(table);
-
-  report::Table quiet;
-  quiet.title = "Without a change";
-  quiet.caption = "Highest: of the statistic, 1 is the threshold.";
-  quiet.header = {"motion",  "watched, h",           "false alarms",
-                  "highest", "noise of a block, Nm", "correlation"};
-  double total_h = 0.0;
-  int total = 0;
-  for (const ResidualScore& score : hours) {
-    total_h += score.excited_s / 3600.0;
-    total += score.false_alarms;
-    quiet.rows.push_back({MotionName(score.at.motion), Text("%.2f", score.watched_s / 3600.0),
-                          std::to_string(score.false_alarms), Text("%.2f", score.highest),
-                          Text("%.4f", score.noise_Nm), Text("%.1f", score.correlation)});
-  }
-  // Poisson, exact: with none seen the upper limit is 3.0 / hours (one-sided 95 %).
-  Compare(&section, "false alarms without a change", Text("in %.1f h of motion", total_h),
-          std::to_string(total), "none", total == 0,
-          total == 0 && total_h > 0.0
-              ? Text("rate below %.2f an hour (95 %%, Poisson)", 2.996 / total_h)
-              : "");
-  section.tables.push_back(quiet);
-  return section;
+bool InTime(const ResidualScore& score) {
+  return score.reported && score.delay_s <= kInTime_s && score.false_alarms == 0;
 }
 
-}  // namespace sinew::check
+bool CauseIsRight(const ResidualScore& score) {
+  const residual::Cause cause = TrueCause(score.at);
+  return score.reported && (score.follows == cause || score.rival == cause);
+}
+
+}  // namespace sinew::acceptance

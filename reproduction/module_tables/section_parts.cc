@@ -1,8 +1,8 @@
-#include "tools/acceptance/section_parts.h"
+#include "reproduction/module_tables/section_parts.h"
 
 #include <utility>
 
-namespace sinew::check {
+namespace sinew::reproduction {
 
 void Compare(report::Section* section, std::string name, std::string unit, std::string ours,
              std::string target, std::optional<bool> met, std::string remark) {
@@ -16,4 +16,4 @@ void Compare(report::Section* section, std::string name, std::string unit, std::
   section->comparisons.push_back(std::move(c));
 }
 
-}  // namespace sinew::check
+}  // namespace sinew::reproduction

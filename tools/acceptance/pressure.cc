@@ -1,4 +1,4 @@
-#include "tools/acceptance/pressure_check.h"
+#include "tools/acceptance/pressure.h"
 
 #include <algorithm>
 #include <array>
@@ -9,9 +9,8 @@
 
 #include "components/types/control_mode.h"
 #include "sim/surrogate/rig.h"
-#include "tools/acceptance/section_parts.h"
 
-namespace sinew::check {
+namespace sinew::acceptance {
 namespace {
 
 using pneumatics::Fault;
@@ -19,13 +18,9 @@ using pneumatics::ManagerConfig;
 using pneumatics::ManagerInput;
 using pneumatics::ManagerOutput;
 using pneumatics::PressureManager;
-using report::Text;
 
 constexpr double kPeriod_s = 1.0 / 240.0;
 constexpr double kAfterSettling_s = 0.5;
-constexpr double kBand_bar = 0.05;
-// Air that cools after filling is topped up; a filling that makes a venting necessary is hunting.
-constexpr double kMostReversals_per_min = 1.0;
 constexpr double kBreaksAt_s = 20.0;
 constexpr double kFaultRun_s = 60.0;
 // Lets the chamber's air out in some seconds: the seal has gone.
@@ -60,7 +55,7 @@ class Stopwatch {
   long switches_ = 0;
 };
 
-// What the manager senses of the rig, and what the rig's relays are told.
+// What the manager senses of the rig, and what the rig's relays are set to.
 ManagerInput Sense(const surrogate::RigReading& reading) {
   ManagerInput sensed;
   sensed.period_s = kPeriod_s;
@@ -76,7 +71,7 @@ void Obey(const ManagerOutput& out, surrogate::RigInput* input) {
   input->vent_open = out.vent_open;
 }
 
-bool IsRight(Breakage breakage, Fault fault) {
+bool IsFaultOf(Breakage breakage, Fault fault) {
   switch (breakage) {
     case Breakage::kNothing:
       return fault == Fault::kNone;
@@ -217,7 +212,7 @@ FaultScore RunFaultCase(const ManagerConfig& config, Breakage breakage) {
   FaultScore score;
   score.breakage = breakage;
   const double breaks_at_s = breakage == Breakage::kLeak ? 0.0 : kBreaksAt_s;
-  bool told = false;
+  bool reported = false;
   bool stays_safe = true;
   surrogate::RigInput input;
   for (long k = 0; k < static_cast<long>(kFaultRun_s / kPeriod_s); ++k) {
@@ -240,12 +235,12 @@ FaultScore RunFaultCase(const ManagerConfig& config, Breakage breakage) {
       static_cast<void>(manager.RequestPressure(asked_bar));
     }
     const ManagerOutput out = manager.Step(sensed);
-    if (out.fault != Fault::kNone && !told) {
-      told = true;
+    if (out.fault != Fault::kNone && !reported) {
+      reported = true;
       score.fault = out.fault;
-      score.told_after_s = time_s - breaks_at_s;
+      score.reported_after_s = time_s - breaks_at_s;
     }
-    if (told) {
+    if (reported) {
       stays_safe = stays_safe && out.mode == pneumatics::Mode::kSafe && !out.compressor_on &&
                    out.valve_open == own.vent_when_safe && out.vent_open == own.vent_when_safe;
     }
@@ -258,14 +253,14 @@ FaultScore RunFaultCase(const ManagerConfig& config, Breakage breakage) {
       }
       if (breakage == Breakage::kValveStuckOpen) real.valve_open = true;
       if (breakage == Breakage::kCompressorDead) real.compressor_on = false;
-      // A relay that welds stays as it was while it was on; told off, it goes on until power is
+      // A relay that welds stays closed after it is switched off, until power is
       // cut.
-      if (breakage == Breakage::kCompressorStuck) real.compressor_on = !told;
+      if (breakage == Breakage::kCompressorStuck) real.compressor_on = !reported;
       if (breakage == Breakage::kVentStuckShut) real.vent_open = false;
     }
     rig.Advance(real, kPeriod_s);
   }
-  score.safe = told && stays_safe;
+  score.safe = reported && stays_safe;
   return score;
 }
 
@@ -293,84 +288,32 @@ std::vector<HoldCase> HoldCases(bool quick) {
   return cases;
 }
 
-report::Section MakePressureSection(const PressureCheck& check, const ManagerConfig& config) {
-  report::Section section;
-  section.id = "pneumatics";
-  section.title = "Pressure and stiffness held by relays";
-  section.paragraphs = {
-      "The pressure manager with the rig's configuration (robots/rig/pneumatics.yaml) on the "
-      "surrogate's air supply at 240 Hz: compressor, valve and vent behind relays with dead time, "
-      "a "
-      "10-bit sensor with noise, air that warms when it is pumped. Assessed by the chamber's true "
-      "pressure from half a second after the manager first says settled.",
-      "A stiffness is asked for through the identified k(P), the secant of a push cycle through "
-      "the "
-      "play, (K P + T_dyn - T_g) / play. Only above 2.2 bar is there one: below, friction wins."};
-  report::Table table;
-  table.title = "Held";
-  table.caption =
-      "Margin: the shortest time a relay was on or off, less its least one; a dash: it did not "
-      "switch twice.";
-  table.header = {"held by",   "from, bar",        "asked for",    "target, bar",
-                  "link",      "settled after, s", "worst, bar",   "switches a minute",
-                  "reversals", "margin on, s",     "margin off, s"};
-  double worst_bar = 0.0, most_switches = 0.0, most_reversals = 0.0;
-  double least_margin_s = std::numeric_limits<double>::infinity();
-  bool settled = true, false_alarm = false;
-  const auto margin = [](double value_s) {
-    return std::isfinite(value_s) ? Text("%.2f", value_s) : std::string("-");
+PressureCheck MeasurePressure(const ManagerConfig& config, bool quick, std::uint64_t seed,
+                              const std::function<void(std::size_t, std::size_t)>& progress) {
+  std::vector<HoldCase> cases = HoldCases(quick);
+  const std::vector<Breakage> breakages = Breakages();
+  const std::size_t all = cases.size() + breakages.size();
+  std::size_t done = 0;
+  const auto advance = [&] {
+    ++done;
+    if (progress) progress(done, all);
   };
-  for (const HoldScore& s : check.holds) {
-    settled = settled && s.settled;
-    false_alarm = false_alarm || s.fault != Fault::kNone;
-    worst_bar = std::max(worst_bar, s.worst_bar);
-    most_switches = std::max(most_switches, s.switches_per_min);
-    most_reversals = std::max(most_reversals, 60.0 * s.reversals / s.at.seconds);
-    least_margin_s = std::min({least_margin_s, s.shortest_on_s, s.shortest_off_s});
-    table.rows.push_back(
-        {s.at.hold_with == pneumatics::HoldWith::kReservoir ? "reservoir" : "shut chamber",
-         Text("%g", s.at.from_bar),
-         s.at.target_stiffness_Nm_rad > 0.0 ? Text("%g Nm/rad", s.at.target_stiffness_Nm_rad)
-                                            : Text("%g bar", s.at.target_bar),
-         Text("%.3f", s.target_bar), s.at.moving ? "30 degrees, 0.4 Hz" : "at rest",
-         s.settled ? Text("%.1f", s.reached_s) : "never", Text("%.3f", s.worst_bar),
-         Text("%.1f", s.switches_per_min), std::to_string(s.reversals), margin(s.shortest_on_s),
-         margin(s.shortest_off_s)});
+  PressureCheck check;
+  for (HoldCase& at : cases) {
+    at.seed += 1000 * (seed - 1);
+    check.holds.push_back(RunHoldCase(config, at));
+    advance();
   }
-  section.tables.push_back(table);
-  report::Table faults;
-  faults.title = "Faults told, and the safe state";
-  faults.caption = config.vent_when_safe
-                       ? "Safe: compressor off, valve and vent open, latched until reset."
-                       : "Safe: all relays off, latched until reset.";
-  faults.header = {"what breaks", "told as", "after, s", "highest pressure then, bar",
-                   "safe state"};
-  bool all_told = true;
-  for (const FaultScore& s : check.faults) {
-    const bool right = IsRight(s.breakage, s.fault) && (s.breakage == Breakage::kNothing || s.safe);
-    all_told = all_told && right;
-    faults.rows.push_back({BreakageTitle(s.breakage), pneumatics::FaultText(s.fault),
-                           s.fault == Fault::kNone ? "-" : Text("%.2f", s.told_after_s),
-                           Text("%.2f", s.highest_bar),
-                           s.fault == Fault::kNone ? "-"
-                           : s.safe                ? "yes"
-                                                   : "NO"});
+  for (const Breakage breakage : breakages) {
+    check.faults.push_back(RunFaultCase(config, breakage));
+    advance();
   }
-  section.tables.push_back(faults);
-
-  Compare(&section, "worst pressure error while held", "bar", Text("%.3f", worst_bar),
-          "within 0.05", settled && worst_bar <= kBand_bar);
-  Compare(&section, "fillings that follow a venting and the other way, a minute", "",
-          Text("%.1f", most_reversals), "no hunting: at most 1",
-          most_reversals <= kMostReversals_per_min,
-          Text("at most %.0f switches of relays a minute, while the air cools after filling",
-               most_switches));
-  Compare(&section, "least margin to the relays' least times", "s", margin(least_margin_s),
-          "not below 0", !(least_margin_s < -0.5 * kPeriod_s));
-  Compare(&section, "false alarms", "", false_alarm ? "some" : "none", "none", !false_alarm);
-  Compare(&section, "breakages told rightly, and safe", "", all_told ? "all" : "not all", "all",
-          all_told);
-  return section;
+  return check;
 }
 
-}  // namespace sinew::check
+bool IsRight(const FaultScore& score) {
+  return IsFaultOf(score.breakage, score.fault) &&
+         (score.breakage == Breakage::kNothing || score.safe);
+}
+
+}  // namespace sinew::acceptance

@@ -1,4 +1,4 @@
-#include "tools/acceptance/regime_grid.h"
+#include "tools/acceptance/regime.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,8 @@
 #include "components/types/control_mode.h"
 #include "components/types/regime.h"
 #include "sim/surrogate/rig.h"
-#include "tools/acceptance/section_parts.h"
 
-namespace sinew::check {
+namespace sinew::acceptance {
 namespace {
 
 using regime::Contact;
@@ -18,13 +17,9 @@ using regime::DetectorConfig;
 using regime::DetectorInput;
 using regime::DetectorOutput;
 using regime::RegimeDetector;
-using report::Text;
 
 constexpr double kPeriod_s = 1.0 / 240.0;
-constexpr double kCount_rad = 2.0 * std::numbers::pi / 16384.0;
 constexpr double kOpen_rad = 2.0 * kCount_rad;
-// Right outside one sample of a transition.
-constexpr double kRightShare = 0.995;
 constexpr double kSetupPressure_bar = 3.8;  // the least that regime_active.yaml asks for
 constexpr double kSetupVelocity_rad_s = 0.05;
 
@@ -112,7 +107,7 @@ RegimeScore RunRegimeCase(const RegimeCase& at) {
         truth[k] == Contact::kNone && std::min(open_rad[k], open_rad[k - 1]) < kOpen_rad;
     wrong[k] = !at_transition && !hardly_open && found[k] != truth[k];
     score.wrong += wrong[k];
-    score.made_up += wrong[k] && found[k] != found[k - 1];
+    score.false_changes += wrong[k] && found[k] != found[k - 1];
   }
   // A state that lasts; it is found when the first sample that must be right is.
   for (std::size_t k = 1; k < size; ++k) {
@@ -172,7 +167,7 @@ SetupScore RunSetupCase(const SetupCase& at) {
           std::clamp(target_rad - input.drive.position_rad, -step_rad, step_rad);
     }
   }
-  score.told_error_rad = detector.offset_error_rad();
+  score.reported_error_rad = detector.offset_error_rad();
   // Lower contact: motor / N - output = -play / 2 with aligned encoders.
   score.error_rad =
       score.done ? detector.offset_rad() - (at.offset_rad - 0.5 * parameters.gear.play_rad) : 0.0;
@@ -182,7 +177,7 @@ SetupScore RunSetupCase(const SetupCase& at) {
 std::vector<UnknownCase> RunUnknownCases() {
   struct Plan {
     const char* name;
-    double center_rad;      // told to the detector
+    double center_rad;      // given to the detector
     double backlash_share;  // of the true one
     bool active;            // setup asked for, and not possible
     double slip_rad;        // of the motor's encoder after 5 s, at the output
@@ -195,7 +190,7 @@ std::vector<UnknownCase> RunUnknownCases() {
       {"setup without pressure (2 bar)", 0.0, 1.0, true, 0.0, false, false},
       {"centre of the play wrong by 20 mrad", 0.02, 1.0, false, 0.0, false, false},
       {"centre of the play wrong by -20 mrad", -0.02, 1.0, false, 0.0, false, false},
-      {"backlash told as half of what it is", 0.0, 0.5, false, 0.0, false, false},
+      {"backlash given as half of what it is", 0.0, 0.5, false, 0.0, false, false},
       {"motor encoder slips by 40 mrad", 0.0, 1.0, false, 0.04, false, false},
       {"motor encoder slips by -40 mrad", 0.0, 1.0, false, -0.04, false, false},
       {"samples lost", 0.0, 1.0, false, 0.0, true, false},
@@ -217,7 +212,7 @@ std::vector<UnknownCase> RunUnknownCases() {
     UnknownCase result;
     result.name = plan.name;
     long assessed = 0, unknown = 0;
-    bool told = false;
+    bool reported = false;
     RegimeCase motion;
     motion.speed_rad_s = 0.2;
     const double from_s = plan.slip_rad != 0.0 || plan.lost || plan.broken ? kFrom_s : 0.0;
@@ -231,11 +226,11 @@ std::vector<UnknownCase> RunUnknownCases() {
       if (later && plan.broken) input.motor_position_rad = NAN;
       const bool is_unknown = detector.Step(input).regime == types::Regime::kUnknown;
       if (time_s < from_s) continue;
-      if (is_unknown && !told) {
-        told = true;
-        result.told_after_s = time_s - from_s;
+      if (is_unknown && !reported) {
+        reported = true;
+        result.reported_after_s = time_s - from_s;
       }
-      if (!told) continue;
+      if (!reported) continue;
       ++assessed;
       unknown += is_unknown;
     }
@@ -282,142 +277,50 @@ std::vector<SetupCase> SetupCases(bool quick) {
   return cases;
 }
 
-report::Section MakeRegimeSection(const RegimeGrid& grid) {
-  report::Section section;
-  section.id = "regime";
-  section.title = "Inside or outside the backlash (Fig 7.1)";
-  section.paragraphs = {
-      "The detector on the surrogate's encoders (14 bits, 240 Hz), assessed by the surrogate's "
-      "truth "
-      "about its teeth. A sample is wrong unless it is right, within one sample of a true "
-      "transition, or the teeth are apart by less than two encoder counts. Contacts that are over "
-      "before they had to be found (bounces) are no transitions that 240 Hz can show.",
-      "Noise is that of the output encoder, its standard deviation in counts; the rig's is 0.39. "
-      "Every sample carries the rounding of a count besides."};
-  long unknown = 0;
-  report::Table table;
-  table.title = "Right samples, by motion and pressure";
-  table.caption = "Worst over the noise levels of the output encoder; transitions found in time.";
-  table.header = {"motion",           "pressure, bar",     "right, worst",
-                  "wrong of samples", "transitions found", "made up"};
-  struct Row {
-    std::string motion;
-    double pressure_bar = 0.0;
-    RegimeScore sum;
-    double worst = 1.0;
+RegimeGrid MeasureRegime(bool quick, std::uint64_t seed,
+                         const std::function<void(std::size_t, std::size_t)>& progress) {
+  std::vector<RegimeCase> cases = RegimeCases(quick);
+  std::vector<SetupCase> setups = SetupCases(quick);
+  const std::size_t all = cases.size() + setups.size();
+  std::size_t done = 0;
+  const auto advance = [&] {
+    ++done;
+    if (progress) progress(done, all);
   };
-  std::vector<Row> rows;
-  for (const RegimeScore& score : grid.scores) {
-    unknown += score.unknown;
-    const std::string motion = score.at.motion == Motion::kHand
-                                   ? Text("hand, %g Hz", score.at.speed_rad_s)
-                                   : Text("motor, %g rad/s", score.at.speed_rad_s);
-    auto row = std::find_if(rows.begin(), rows.end(), [&](const Row& r) {
-      return r.motion == motion && r.pressure_bar == score.at.pressure_bar;
-    });
-    if (row == rows.end()) row = rows.insert(rows.end(), {motion, score.at.pressure_bar, {}, 1.0});
-    row->worst = std::min(row->worst, score.right_share());
-    row->sum.samples += score.samples;
-    row->sum.wrong += score.wrong;
-    row->sum.transitions += score.transitions;
-    row->sum.found += score.found;
-    row->sum.made_up += score.made_up;
+  RegimeGrid grid;
+  for (RegimeCase& at : cases) {
+    at.seed += 1000 * (seed - 1);
+    grid.scores.push_back(RunRegimeCase(at));
+    advance();
   }
-  std::stable_sort(rows.begin(), rows.end(),
-                   [](const Row& a, const Row& b) { return a.motion < b.motion; });
-  for (const Row& row : rows) {
-    table.rows.push_back(
-        {row.motion, Text("%g", row.pressure_bar), Text("%.3f %%", 100.0 * row.worst),
-         std::to_string(row.sum.wrong) + " of " + std::to_string(row.sum.samples),
-         std::to_string(row.sum.found) + " of " + std::to_string(row.sum.transitions),
-         std::to_string(row.sum.made_up)});
+  for (SetupCase& at : setups) {
+    at.seed += 1000 * (seed - 1);
+    grid.setups.push_back(RunSetupCase(at));
+    advance();
   }
-  section.tables.push_back(table);
+  grid.unknowns = RunUnknownCases();
+  return grid;
+}
 
-  struct Level {
-    double noise_rad = 0.0;
-    RegimeScore sum;
-    double worst = 1.0;
-    long cases = 0;
-  };
-  std::vector<Level> levels;
+std::vector<NoiseLevel> ByNoise(const RegimeGrid& grid) {
+  std::vector<NoiseLevel> levels;
   for (const RegimeScore& score : grid.scores) {
-    auto level = std::find_if(levels.begin(), levels.end(),
-                              [&](const Level& l) { return l.noise_rad == score.at.noise_rad; });
+    auto level = std::find_if(levels.begin(), levels.end(), [&](const NoiseLevel& l) {
+      return l.noise_rad == score.at.noise_rad;
+    });
     if (level == levels.end())
       level = levels.insert(levels.end(), {score.at.noise_rad, {}, 1.0, 0});
     ++level->cases;
-    level->worst = std::min(level->worst, score.right_share());
+    level->worst_share = std::min(level->worst_share, score.right_share());
     level->sum.samples += score.samples;
     level->sum.wrong += score.wrong;
     level->sum.transitions += score.transitions;
     level->sum.found += score.found;
     level->sum.never += score.never;
-    level->sum.made_up += score.made_up;
+    level->sum.false_changes += score.false_changes;
     level->sum.latest = std::max(level->sum.latest, score.latest);
   }
-  for (const Level& level : levels) {
-    const RegimeScore& sum = level.sum;
-    const std::string noise = Text(", noise %.2f counts", level.noise_rad / kCount_rad);
-    Compare(&section, "right samples, worst case" + noise, "%", Text("%.3f", 100.0 * level.worst),
-            "at least 99.5", level.worst >= kRightShare,
-            std::to_string(level.cases) + " cases, " + std::to_string(sum.samples) +
-                " samples; all together " + Text("%.4f %%", 100.0 * sum.right_share()));
-    const double found = static_cast<double>(sum.found);
-    const double transitions = static_cast<double>(std::max(sum.transitions, 1L));
-    Compare(&section, "transitions found in time" + noise, "%",
-            Text("%.2f", 100.0 * found / transitions), "all", sum.found == sum.transitions,
-            std::to_string(sum.found) + " of " + std::to_string(sum.transitions) +
-                " within one sample or two counts; of the others the latest came " +
-                std::to_string(sum.latest) + " samples after its time, " +
-                std::to_string(sum.never) + " ended before");
-    Compare(&section, "changes made up (chatter)" + noise, "", std::to_string(sum.made_up), "0",
-            sum.made_up == 0);
-  }
-  Compare(&section, "unknown while the setup is right", "samples", std::to_string(unknown), "0",
-          unknown == 0);
-  if (!grid.setups.empty()) {
-    double largest_rad = 0.0;
-    bool done = true;
-    report::Table setups;
-    setups.title = "Setup: the contact found by turning the motor against the chamber";
-    setups.header = {"pressure, bar",
-                     "noise, mrad",
-                     "encoder offset, mrad",
-                     "error, counts",
-                     "told standard error, counts",
-                     "after, s"};
-    for (const SetupScore& s : grid.setups) {
-      done = done && s.done;
-      largest_rad = std::max(largest_rad, std::abs(s.error_rad));
-      setups.rows.push_back(
-          {Text("%g", s.at.pressure_bar), Text("%g", 1e3 * s.at.noise_rad),
-           Text("%g", 1e3 * s.at.offset_rad),
-           s.done ? Text("%.2f", s.error_rad / kCount_rad) : regime::TroubleText(s.trouble),
-           Text("%.2f", s.told_error_rad / kCount_rad), Text("%.1f", s.seconds)});
-    }
-    section.tables.push_back(setups);
-    Compare(&section, "encoder offset, largest error", "counts",
-            Text("%.2f", largest_rad / kCount_rad), "one count", done && largest_rad <= kCount_rad,
-            std::to_string(grid.setups.size()) + " setups");
-  }
-  if (!grid.unknowns.empty()) {
-    bool all_told = true;
-    report::Table unknowns;
-    unknowns.title = "Told as unknown, never guessed";
-    unknowns.header = {"case", "unknown from then on", "told after, s"};
-    for (const UnknownCase& u : grid.unknowns) {
-      all_told = all_told && u.unknown_share == 1.0;
-      unknowns.rows.push_back(
-          {u.name, Text("%.2f %%", 100.0 * u.unknown_share), Text("%.2f", u.told_after_s)});
-    }
-    unknowns.caption =
-        "A wrong setup shows when the play angle leaves the backlash: until then nothing can tell.";
-    section.tables.push_back(unknowns);
-    Compare(&section, "wrong or missing setup told as unknown", "", all_told ? "all" : "not all",
-            "all", all_told, std::to_string(grid.unknowns.size()) + " cases");
-  }
-  return section;
+  return levels;
 }
 
-}  // namespace sinew::check
+}  // namespace sinew::acceptance

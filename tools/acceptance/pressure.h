@@ -1,18 +1,27 @@
 // The pressure manager on the surrogate's air supply: pressures and stiffnesses held, relays
-// spared, faults told.
+// spared, faults reported.
 //
-// Assessed by the surrogate's truth: the chamber's real pressure from when the manager says
-// settled. Pure; deterministic for a seed.
+// Assessed by the surrogate's truth: the chamber's real pressure from when the manager
+// first reports settled. Pure; deterministic for a seed.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "components/pneumatics/manager.h"
-#include "components/report/section.h"
 
-namespace sinew::check {
+namespace sinew::acceptance {
+
+// Required: the true pressure stays this near to its target while it is held.
+inline constexpr double kBand_bar = 0.05;
+// Air that cools after filling is topped up; a filling that makes a venting necessary is hunting.
+inline constexpr double kMostReversals_per_min = 1.0;
+// Least times of the relays are kept to half a sample.
+inline constexpr double kLeastMargin_s = -0.5 / 240.0;
 
 struct HoldCase {
   pneumatics::HoldWith hold_with = pneumatics::HoldWith::kReservoir;
@@ -35,6 +44,8 @@ struct HoldScore {
   double shortest_on_s = 0.0;     // of any relay against its own least time: the smallest excess
   double shortest_off_s = 0.0;
   pneumatics::Fault fault = pneumatics::Fault::kNone;
+  double reversals_per_min() const { return 60.0 * reversals / at.seconds; }
+  double least_margin_s() const { return std::min(shortest_on_s, shortest_off_s); }
 };
 
 HoldScore RunHoldCase(const pneumatics::ManagerConfig& config, const HoldCase& at);
@@ -58,7 +69,7 @@ const char* BreakageTitle(Breakage breakage);
 struct FaultScore {
   Breakage breakage = Breakage::kNothing;
   pneumatics::Fault fault = pneumatics::Fault::kNone;
-  double told_after_s = 0.0;
+  double reported_after_s = 0.0;
   double highest_bar = 0.0;  // true pressure afterwards
   bool safe = false;         // safe mode in the same step, the compressor off, and so until the end
 };
@@ -73,7 +84,13 @@ struct PressureCheck {
 std::vector<HoldCase> HoldCases(bool quick);
 std::vector<Breakage> Breakages();
 
-report::Section MakePressureSection(const PressureCheck& check,
-                                    const pneumatics::ManagerConfig& config);
+// Runs all of it on the manager of `config`. `progress` is called after each case with the numbers
+// of cases done and to do; it may be empty. seed: of everything random, 1 and up.
+PressureCheck MeasurePressure(const pneumatics::ManagerConfig& config, bool quick,
+                              std::uint64_t seed,
+                              const std::function<void(std::size_t, std::size_t)>& progress = {});
 
-}  // namespace sinew::check
+// The fault that the breakage is, and the safe state; no fault where nothing breaks.
+bool IsRight(const FaultScore& score);
+
+}  // namespace sinew::acceptance
