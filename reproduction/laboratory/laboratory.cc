@@ -128,7 +128,7 @@ double BorneFriction_Nm(const RigParameters& specimen) {
   return largest_Nm;
 }
 
-// What a run bore itself, told before, stays.
+// A true value that the run itself gave is kept.
 void SetTruth(Result* result, const std::string& id, double truth) {
   for (experiment::Quantity& quantity : result->quantities) {
     if (quantity.id == id && !quantity.truth) quantity.truth = truth;

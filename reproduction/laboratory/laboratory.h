@@ -1,9 +1,9 @@
 // Runs an experiment of components/experiment on the surrogate, in this process.
 //
-// A simulation need not wait: each trial is put where the protocol starts (angle, pressure, time at
-// rest), where a robot would have to be brought there. The truth comes from the surrogate's
-// parameters, or, where a quantity is what the rig bore (breakaway, the gas during a stroke), from
-// its noise-free state; identification never sees it.
+// Each trial starts in the state that the protocol asks for (angle, pressure, time at rest); a
+// robot has to be brought there. The truth comes from the surrogate's parameters, or, where a
+// quantity is a load of the run (breakaway, the gas during a stroke), from its noise-free state;
+// identification never sees it.
 //
 // Pure but for the time it takes. One thread per call; calls share nothing.
 #pragma once
@@ -42,7 +42,7 @@ struct Outcome {
 };
 
 // name: of experiment::ExperimentNames(). Throws std::invalid_argument: no such experiment, or a
-// recording that says too little. `progress` is told shares of the work done, 0 to 1.
+// recording that is too short. `progress` is called with the share of the work done, 0 to 1.
 Outcome RunOnSurrogate(std::string_view name, const surrogate::RigParameters& specimen,
                        const Plan& plan, const std::function<void(double)>& progress = {});
 

@@ -50,6 +50,9 @@ struct Runs {  // of one model in one table
   double Deviation(const std::vector<double>& values) const;
 };
 
+inline double TestMean(const Runs& runs) { return runs.Mean(runs.test_mse); }
+inline double TestDeviation(const Runs& runs) { return runs.Deviation(runs.test_mse); }
+
 struct ComparedModel {
   networks::PublishedModel plan;
   int parameters = 0;                   // of the fitted one
@@ -69,7 +72,7 @@ struct PairedOrder {          // of two models that follow each other in the pub
   double published_difference = 0.0;
   double mean = 0.0, low = 0.0, high = 0.0;  // worse - better, ours, 95 %
   int pairs = 0;
-  std::string verdict;  // "as published", "reversed", "not told apart"
+  std::string verdict;  // "as published", "reversed", "not distinguished"
 };
 
 // The two best of the published order, trained as published on more and more sets of one specimen.

@@ -1,4 +1,4 @@
-// What a comparison says: for a terminal, for a program.
+// The result of a comparison as text, as JSON, and as a section of a page.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -9,6 +9,9 @@
 #include "reproduction/networks/comparison.h"
 
 namespace sinew::reproduction {
+
+// "table 6.2", "table 6.4", "cylinder".
+const char* TableName(networks::Task task);
 
 std::string FormatComparison(const ComparisonResult& result);
 // The tables, the order and a picture (Figs 6.6, 6.8) for a page of results.

@@ -4,7 +4,7 @@
 // same ranges widened, drawn from the seed. Every point is a network with the published input
 // variance and density, its readout fitted to the training samples; points are compared by their
 // error on validation samples (the last fifth of every training piece), and the test error of the
-// best is told. Points that a file holds already are not computed again.
+// best is reported. Points that a file holds already are not computed again.
 #pragma once
 
 #include <cstdint>

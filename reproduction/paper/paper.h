@@ -51,7 +51,8 @@ struct PaperProgress {
 };
 
 // Runs the steps one after another and writes out/index.html from all that succeeded; a failed one
-// is told there, too. Throws UsageError: an unknown id in `only`, a folder that cannot be written.
+// is listed there, too. Throws UsageError: an unknown id in `only`, a folder that cannot be
+// written.
 std::vector<PaperStepResult> MakePaper(const PaperPlan& plan, const PaperOptions& options,
                                        const PaperProgress& progress);
 

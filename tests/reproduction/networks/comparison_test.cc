@@ -20,7 +20,7 @@ TEST(Comparison, PairedIntervalIsStudentsOverThePairs) {
   EXPECT_DOUBLE_EQ(order.mean, 2.0);
   EXPECT_NEAR(order.low, 2.0 - 4.30265 / std::sqrt(3.0), 1e-4);
   EXPECT_NEAR(order.high, 2.0 + 4.30265 / std::sqrt(3.0), 1e-4);
-  EXPECT_EQ(order.verdict, "not told apart");
+  EXPECT_EQ(order.verdict, "not distinguished");
   EXPECT_EQ(ComparePaired({1.0, 2.0, 3.0}, {2.0, 3.1, 4.0}).verdict, "as published");
   EXPECT_EQ(ComparePaired({2.0, 3.1, 4.0}, {1.0, 2.0, 3.0}).verdict, "reversed");
   EXPECT_THROW((void)ComparePaired({1.0}, {2.0}), std::invalid_argument);

@@ -1,4 +1,4 @@
-// A paper out of a plan: sections are collected, failures told, and what is there is not made
+// A paper out of a plan: sections are collected, failures listed, and what is there is not made
 // again. The command is a script that counts its calls.
 #include "reproduction/paper/paper.h"
 
