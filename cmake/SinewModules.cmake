@@ -3,7 +3,10 @@
 #   sinew_add_module(rls SOURCES rls.cc rls.h DEPENDS sinew::esn Eigen3::Eigen)
 #     -> library target sinew_rls, alias sinew::rls. Includes start at the root of the project. FILE: it reads
 #        and writes files; FRAME: it holds the frame of programs. Neither has hot loops: both are compiled with less
-#        optimisation. PCH header.h: a precompiled header of its own.
+#        optimisation. PCH header.h: a precompiled header of its own. LOCAL: it is not installed.
+#   sinew_add_commands(sinew::reproduction_commands sinew::reproduction::AddCommands)
+#     -> the program `sinew` links the library and calls the function, void(CLI::App&), at its start. The program
+#        needs no header of the library. sinew_finish_commands(TARGET) writes the calls, after the last of these.
 #   sinew_add_participant(rls SOURCES participant/main.cc DEPENDS sinew::rls)
 #     -> program sinew_rls_participant, installed and built as bin/sinew-rls; links sinew::node.
 #   sinew_add_test(rls_test SOURCES rls_test.cc DEPENDS sinew::rls [LABELS dds] [SERIAL] [TIMEOUT s])
@@ -33,7 +36,7 @@ target_link_libraries(sinew_frame_pch PRIVATE ${frame_libraries})
 target_precompile_headers(sinew_frame_pch PRIVATE ${frame_headers} ${CMAKE_CURRENT_LIST_DIR}/pch/fmt_once.h)
 
 function(sinew_add_module name)
-  cmake_parse_arguments(ARG "FILE;FRAME" "PCH" "SOURCES;DEPENDS;PRIVATE_DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "FILE;FRAME;LOCAL" "PCH" "SOURCES;DEPENDS;PRIVATE_DEPENDS" ${ARGN})
   add_library(sinew_${name} STATIC ${ARG_SOURCES})
   add_library(sinew::${name} ALIAS sinew_${name})
   set_target_properties(sinew_${name} PROPERTIES EXPORT_NAME ${name} OUTPUT_NAME sinew_${name})
@@ -57,7 +60,40 @@ function(sinew_add_module name)
   else()
     target_precompile_headers(sinew_${name} REUSE_FROM sinew_module_pch)
   endif()
-  set_property(GLOBAL APPEND PROPERTY SINEW_MODULES sinew_${name})
+  if(NOT ARG_LOCAL)
+    set_property(GLOBAL APPEND PROPERTY SINEW_MODULES sinew_${name})
+  endif()
+endfunction()
+
+function(sinew_add_commands library function)
+  set_property(GLOBAL APPEND PROPERTY SINEW_COMMAND_LIBRARIES ${library})
+  set_property(GLOBAL APPEND PROPERTY SINEW_COMMAND_FUNCTIONS ${function})
+endfunction()
+
+function(sinew_finish_commands target)
+  get_property(libraries GLOBAL PROPERTY SINEW_COMMAND_LIBRARIES)
+  get_property(functions GLOBAL PROPERTY SINEW_COMMAND_FUNCTIONS)
+  set(declarations "")
+  set(calls "")
+  foreach(function ${functions})
+    string(REGEX MATCH "^(.*)::([^:]+)$" matched ${function})
+    string(APPEND declarations "namespace ${CMAKE_MATCH_1} {\nvoid ${CMAKE_MATCH_2}(CLI::App& app);\n}\n")
+    string(APPEND calls "  ${function}(app);\n")
+  endforeach()
+  set(registry ${CMAKE_BINARY_DIR}/generated/command_registry.cc)
+  file(CONFIGURE OUTPUT ${registry} CONTENT [[// Written by CMake from the calls of sinew_add_commands.
+#include <CLI/CLI.hpp>
+
+#include "tools/sinew/commands.h"
+
+@declarations@
+namespace sinew::tools {
+void AddAllCommands(CLI::App& app) {
+@calls@}
+}  // namespace sinew::tools
+]] @ONLY)
+  target_sources(${target} PRIVATE ${registry})
+  target_link_libraries(${target} PRIVATE ${libraries})
 endfunction()
 
 add_custom_target(programs)

@@ -22,6 +22,7 @@
 
 #include "components/experiment/protocol.h"
 #include "components/experiment/result.h"
+#include "components/experiment/strokes.h"
 
 namespace sinew::experiment {
 
@@ -61,45 +62,6 @@ class PushProtocol : public Protocol {
   int pushes_ = 0;
   bool done_ = false;
 };
-
-// Means under a Hann window over some rows.
-struct WindowMean {
-  double time_s = 0.0;
-  double force_N = 0.0;
-  double pressure_bar = 0.0;
-  double cosine = 1.0;
-  double angle_rad = 0.0;
-  // From every second row, and from the others: their noises are independent.
-  double acceleration_a_rad_s2 = 0.0, acceleration_b_rad_s2 = 0.0;
-  double acceleration_rad_s2() const {
-    return 0.5 * (acceleration_a_rad_s2 + acceleration_b_rad_s2);
-  }
-};
-WindowMean HannMean(const Recording& rows, std::size_t first, std::size_t last);
-
-// One way through the play.
-struct Stroke {
-  int direction = 0;  // -1 down, +1 up
-  std::size_t first = 0, last = 0;
-  double start_s = 0.0;
-  bool valve_open = true;
-  WindowMean mean{};
-};
-struct Play {
-  double lower_rad = 0.0, upper_rad = 0.0;
-  double lower_rad2 = 0.0, upper_rad2 = 0.0;        // variance of the rows at each contact
-  std::vector<std::size_t> lower_rows, upper_rows;  // in which the link rests on a contact
-  std::vector<Stroke> strokes;
-  struct Push {
-    double start_s = 0.0;
-    double pressure_bar = 0.0;
-    bool passed = false;  // the link went through the play
-    bool valve_open = true;
-    WindowMean mean{};  // of the stroke down, if it passed
-  };
-  std::vector<Push> pushes;
-};
-Play FindStrokes(const Recording& rows);
 
 Result IdentifyMovingFriction(const Recording& rows, const RigConstants& rig);
 Result IdentifyStiffness(const Recording& rows, const RigConstants& rig);

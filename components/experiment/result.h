@@ -31,7 +31,7 @@ struct Quantity {
   // Target: |value - truth| at most this (or this share of the truth); nothing: no target.
   std::optional<double> target_absolute{};
   std::optional<double> target_share{};
-  bool has_interval = true;  // false: told beside the others, without a claim
+  bool has_interval = true;  // false: printed beside the others, not assessed
   std::string remark{};
 
   // Nothing without truth or target.

@@ -284,15 +284,17 @@ TEST(Tree, SharedTypesIncludeNothingElseOfTheProject) {
   EXPECT_THAT(found, IsEmpty());
 }
 
-TEST(Tree, NothingDependsOnToolsOrTests) {
+TEST(Tree, NothingDependsOnReproductionToolsOrTests) {
   std::vector<std::string> found;
   for (const std::string& file : Files()) {
     if (!IsSource(file)) continue;
     const bool is_tool = StartsWith(file, "tools/");
+    const bool is_reproduction = StartsWith(file, "reproduction/");
     const bool is_test = StartsWith(file, "tests/") || StartsWith(file, "bench/");
     for (const Include& include : IncludesOf(file)) {
       if ((StartsWith(include.name, "tests/") && !is_test) ||
-          (StartsWith(include.name, "tools/") && !is_tool && !is_test)) {
+          (StartsWith(include.name, "reproduction/") && !is_reproduction && !is_test) ||
+          (StartsWith(include.name, "tools/") && !is_tool && !is_reproduction && !is_test)) {
         found.push_back(file + " includes " + include.name);
       }
     }

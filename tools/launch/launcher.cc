@@ -35,7 +35,7 @@ namespace asio = boost::asio;
 namespace bp = boost::process;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kKeptLines = 8;  // of each stream, told when a process fails
+constexpr std::size_t kKeptLines = 8;  // of each stream, printed when a process fails
 constexpr std::chrono::milliseconds kDrain(
     500);  // for output still in the pipes of an ended process
 constexpr double kLongestBackOff_s = 60.0;

@@ -1,16 +1,11 @@
 #include "tools/sinew/close_loop.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <iostream>
-#include <memory>
 #include <optional>
-#include <set>
 
 #include "components/config/config.h"
-#include "components/gate/rules.h"
 #include "components/identify/file/processing_file.h"
 #include "components/identify/interpolated.h"
 #include "components/recording/file/recording_path.h"
@@ -18,11 +13,8 @@
 #include "components/report/errors.h"
 #include "components/report/file/report_file.h"
 #include "components/trace/close_loop.h"
-#include "components/trace/rules.h"
 #include "components/types/clock/utc.h"
 #include "sim/plant/joint_body.h"
-#include "tools/sinew/close_robot.h"
-#include "tools/sinew/progress.h"
 #include "tools/sinew/shipped.h"
 
 namespace sinew::tools {
@@ -30,8 +22,6 @@ namespace sinew::tools {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* kNoEffect = "none";  // of --effect
 
 // Everything that follows the angle needs the angle.
 void RequireAngle(const types::Run& run) {
@@ -41,7 +31,7 @@ void RequireAngle(const types::Run& run) {
   throw UsageError(run.name +
                    (velocity
                         ? ": velocity without an angle: its integral drifts and has no zero, so "
-                          "that gravity, springs and lines of the gear cannot be told"
+                          "that gravity, springs and lines of the gear cannot be found"
                         : ": no angle") +
                    ", expected position or motor_position among the signals of the mapping");
 }
@@ -308,22 +298,10 @@ gate::GateReport AskGate(const CloseLoopOptions& options, const std::vector<type
       runs, joint, {.accepted = {options.accepted_faults.begin(), options.accepted_faults.end()}});
 }
 
-std::vector<std::string> FaultNames() {
-  std::vector<std::string> names;
-  for (const gate::Rule& rule : gate::Rules()) names.emplace_back(rule.id);
-  return names;
-}
-
 void MakeFolder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw UsageError(folder.string() + ": " + error.message() + ", expected a folder");
-}
-
-std::vector<std::string> RuleNames() {
-  std::vector<std::string> names;
-  for (const trace::Rule& rule : trace::AllRules()) names.emplace_back(rule.id);
-  return names;
 }
 
 CloseLoopResult CloseLoop(const CloseLoopOptions& options) {
@@ -345,206 +323,6 @@ CloseLoopResult CloseLoop(const CloseLoopOptions& options) {
   config::WriteFileAtomically(options.out / "report.json", out.json);
   config::WriteFileAtomically(options.out / "report.html", out.html);
   return out;
-}
-
-void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options) {
-  const report::Report& report = result.report;
-  const trace::TraceResult& trace = report.trace;
-  using report::Short;
-  for (const gate::Fault& fault : result.gate.faults) {
-    std::cout << gate::FormatFault(fault) << '\n';
-  }
-  if (result.gate.stops()) {
-    std::cout << "verdict: " << report::VerdictWord(result.gate)
-              << "\nwritten: " << (options.out / "report.html").string() << ", report.json\n";
-    return;
-  }
-  std::cout << "verdict: " << report::VerdictWord(trace.verdict) << '\n'
-            << report::VerdictSentence(report) << '\n';
-  if (!result.assessed()) {
-    std::cout << report::NextExperiment(report)
-              << "\nwritten: " << (options.out / "report.html").string() << ", report.json\n";
-    return;
-  }
-  for (const trace::FoundEffect& effect : trace.effects) {
-    std::cout << "  " << effect.name << ':';
-    const actuator::Term term = report::FittedTerm(trace, effect);
-    const effects::EffectInfo& info = term.effect->info();
-    for (std::size_t i = 0; i < info.linear.size(); ++i) {
-      const actuator::ParameterValue& value = term.linear[i];
-      std::cout << ' ' << effects::ParameterKey(info.linear[i], trace.corrected.kind) << " = "
-                << Short(value.value);
-      if (value.half_width_95) std::cout << " +- " << Short(*value.half_width_95);
-    }
-    for (std::size_t i = 0; i < info.nonlinear.size(); ++i) {
-      std::cout << ' ' << effects::ParameterKey(info.nonlinear[i], trace.corrected.kind) << " = "
-                << Short(term.nonlinear[i].value);
-    }
-    // Other orders of the same effect.
-    for (std::size_t t = 1; t < effect.fitted.size(); ++t) {
-      for (const actuator::ParameterValue& value : effect.fitted[t].nonlinear) {
-        std::cout << ", " << Short(value.value);
-      }
-    }
-    std::cout << "; held out " << report::ErrorText(effect.held_out_before) << " -> "
-              << report::ErrorText(effect.held_out_after) << ' '
-              << effects::BalanceUnit(effect.balance, trace.corrected.kind) << "; "
-              << trace::ConfirmationWord(effect.confirmation.verdict)
-              << (effect.in_model() ? "" : ", not in model.yaml") << '\n';
-  }
-  for (const trace::FoundEffect& effect : trace.refuted) {
-    std::cout << "  refuted: " << effect.name << "; held out "
-              << report::ErrorText(effect.held_out_before) << " -> "
-              << report::ErrorText(effect.held_out_after) << ' '
-              << effects::BalanceUnit(effect.balance, trace.corrected.kind) << '\n';
-  }
-  for (const trace::Rotation& rotation : report.rotations) {
-    std::cout << "  held out " << rotation.held_out << ": " << report::RotationText(rotation)
-              << "; " << Short(rotation.trace.nominal_held_out.rms) << " declared, "
-              << Short(rotation.trace.before_held_out.rms) << " refitted, "
-              << Short(rotation.trace.after_held_out.rms) << " corrected\n";
-  }
-  std::cout << "errors, rms:\n";
-  for (const report::ErrorLine& line : report::ErrorTable(report)) {
-    std::cout << "  " << line.what << ": " << report::ThreeErrors(line) << '\n';
-  }
-  std::cout << "  of the drive, held-out recordings: " << Short(trace.nominal_held_out.percent)
-            << " % declared, " << Short(trace.before_held_out.percent) << " % refitted, "
-            << Short(trace.after_held_out.percent) << " % corrected\n";
-  for (const trace::BalanceSummary& summary : trace.balances) {
-    if (summary.unseen.empty()) continue;
-    std::cout << effects::BalanceName(summary.balance) << " balance: " << summary.unseen << '\n';
-  }
-  if (!report.free_run.errors) std::cout << "not simulated: " << report.free_run.why_not << '\n';
-  if (report.as_published) {
-    const identify::AsPublishedResult& published = *report.as_published;
-    std::cout << "as published: " << Short(published.before_percent) << " -> "
-              << Short(published.after_percent) << " %, cross test "
-              << Short(published.cross_before_percent) << " -> "
-              << Short(published.cross_after_percent) << " %\n";
-  }
-  for (const trace::ParameterShift& shift : trace.shifts) {
-    std::cout << "shift: " << shift.effect << '.' << shift.parameter << ' ' << Short(shift.nominal)
-              << " -> " << Short(shift.refit) << " (" << Short(shift.sigma) << " tolerances)\n";
-  }
-  if (!trace.detectable.empty()) {
-    std::set<std::string> names;
-    for (const trace::DetectableSize& size : trace.detectable) names.insert(size.effect);
-    std::cout << "smallest sizes that would have been found, of " << names.size()
-              << " effects, are in the report; " << trace.not_excited.size()
-              << " effects could hide\n";
-  }
-  std::cout << "written: " << (options.out / "report.html").string()
-            << ", report.json, model.yaml (" << Short(report.seconds) << " s)\n";
-}
-
-void AddCloseLoopCommand(CLI::App& app) {
-  struct Arguments {
-    CloseLoopOptions options;
-    bool json = false;
-    std::optional<int> joint;
-  };
-  auto arguments = std::make_shared<Arguments>();
-  CLI::App* command =
-      app.add_subcommand("close-loop", "Find the effect that a model lacks, from recordings");
-  CloseLoopOptions& options = arguments->options;
-  command->add_option(
-      "--model", options.model,
-      "Model file (sinew-model/1) or a laboratory's rig.json; the rig's by default");
-  command->add_option("--map", options.map,
-                      "Mapping of CSV columns (sinew-csv-map/1); csv_map.yaml beside the model by "
-                      "default, else the rig's");
-  command->add_option("--held-out-map,--sealed-map", options.held_out_map,
-                      "Mapping of the held-out CSV files where it is another one");
-  command
-      ->add_option("--train", options.train,
-                   "Recordings to learn from: CSV or MCAP, FILE or FILE@START:END (seconds)")
-      ->required();
-  command->add_option(
-      "--held-out,--sealed", options.held_out,
-      "Recordings to assess by, never used for a fit; FILE or FILE@START:END. Without "
-      "any, each of several training recordings is held out once");
-  command->add_option("--out", options.out, "Folder for report.html, report.json and model.yaml")
-      ->required();
-  command->add_option("--joint", arguments->joint,
-                      "Joint of the model, of an MCAP recording and of the mapping's \"{joint}\", "
-                      "from 0 on; all joints of the model when left out");
-  command->add_option("--urdf", options.urdf,
-                      "Rigid bodies of an arm; what the model file names by default");
-  command->add_option("--seed", options.seed, "Seed of the null test's random signs")
-      ->capture_default_str();
-  command
-      ->add_option("--accept-fault", options.accepted_faults,
-                   "Go on in spite of this fault of the data (docs/data-gate.md); repeatable")
-      ->allow_extra_args(false)
-      ->check(CLI::IsMember(FaultNames()));
-  command->add_flag("--keep-unconfirmed", options.keep_unconfirmed,
-                    "Effects that the held-out recordings neither confirm nor refute go into "
-                    "model.yaml, too");
-  std::vector<std::string> effects = effects::EffectNames();
-  effects.emplace_back(kNoEffect);
-  command
-      ->add_option_function<std::vector<std::string>>(
-          "--effect",
-          [&options](const std::vector<std::string>& names) {
-            options.given.emplace(names.begin(), names.end());
-            options.given->erase(kNoEffect);
-          },
-          "Fit this effect, whatever it is worth, and search for no other; repeatable; \"none\": "
-          "the declared terms alone")
-      ->allow_extra_args(false)
-      ->check(CLI::IsMember(effects));
-  command
-      ->add_option_function<std::vector<std::string>>(
-          "--without-rule",
-          [](const std::vector<std::string>& ids) {
-            for (const std::string& id : ids) trace::TakeOut(id);
-          },
-          "Take a rule out (docs/closing-the-loop.md), to see what it is worth; repeatable")
-      ->allow_extra_args(false)
-      ->check(CLI::IsMember(RuleNames()));
-  command->add_flag("--json", arguments->json, "Print the report as JSON");
-  command->footer(
-      "The declared terms are fitted, the residual is traced over the catalogue (`sinew effects`), "
-      "the "
-      "effect is\nadded and the error told before and after. model.yaml goes into world and "
-      "control as it "
-      "is.\n\nExamples:\n"
-      "  sinew close-loop --train train_1.csv train_2.csv --held-out sealed.csv --out found\n"
-      "  sinew close-loop --train monday.csv tuesday.csv wednesday.csv --out found\n"
-      "  sinew close-loop --train day.csv@:60 --held-out day.csv@60: --out found\n"
-      "  sinew close-loop --model robots/emps/model.yaml --map robots/emps/csv_map.yaml \\\n"
-      "    --train DATA_EMPS.csv --held-out DATA_EMPS_PULSES.csv --out found");
-  command->callback([arguments] {
-    ProgressBar bar("close-loop", "%", 100);
-    arguments->options.progress = [&bar](const std::string&, double share) {
-      bar.Update(static_cast<std::uint64_t>(100.0 * share));
-    };
-    CloseLoopOptions& asked = arguments->options;
-    asked.joint = arguments->joint.value_or(0);
-    const actuator::RobotModel robot = LoadLoopInput(asked).model.robot;
-    const bool arm = std::any_of(
-        robot.joints.begin(), robot.joints.end(),
-        [](const actuator::JointModel& joint) { return joint.Find("rigid_body") >= 0; });
-    if (arm || (robot.joints.size() > 1 && !arguments->joint)) {
-      const CloseRobotResult result =
-          CloseRobot(asked, arguments->joint ? std::vector<int>{asked.joint} : std::vector<int>{});
-      bar.Finish();
-      if (arguments->json) {
-        std::cout << result.json;
-      } else {
-        PrintSummary(result, asked);
-      }
-      return;
-    }
-    const CloseLoopResult result = CloseLoop(asked);
-    bar.Finish();
-    if (arguments->json) {
-      std::cout << result.json;
-    } else {
-      PrintSummary(result, arguments->options);
-    }
-  });
 }
 
 }  // namespace sinew::tools

@@ -1,11 +1,8 @@
 #include "tools/sinew/commands.h"
 
-#include "tools/sinew/check.h"
 #include "tools/sinew/check_data.h"
 #include "tools/sinew/close_loop.h"
-#include "tools/sinew/compare.h"
 #include "tools/sinew/completion.h"
-#include "tools/sinew/control_test.h"
 #include "tools/sinew/echo.h"
 #include "tools/sinew/effects.h"
 #include "tools/sinew/experiment.h"
@@ -14,17 +11,15 @@
 #include "tools/sinew/list.h"
 #include "tools/sinew/model.h"
 #include "tools/sinew/operator.h"
-#include "tools/sinew/paper.h"
 #include "tools/sinew/record.h"
 #include "tools/sinew/replay.h"
 #include "tools/sinew/score.h"
-#include "tools/sinew/search.h"
 #include "tools/sinew/train.h"
 #include "tools/sinew/verify.h"
 
 namespace sinew::tools {
 
-void AddAllCommands(CLI::App& app) {
+void AddCoreCommands(CLI::App& app) {
   AddLaunchCommand(app);
   AddOperatorCommands(app);
   AddRecordCommand(app);
@@ -39,12 +34,7 @@ void AddAllCommands(CLI::App& app) {
   AddEffectsCommand(app);
   AddModelCommand(app);
   AddTrainCommand(app);
-  AddCompareCommand(app);
-  AddSearchCommand(app);
   AddScoreCommand(app);
-  AddControlTestCommand(app);
-  AddCheckCommand(app);
-  AddPaperCommand(app);
   AddCompletionCommand(app);
 }
 

@@ -1,5 +1,8 @@
-// `sinew experiment`: the rig's experiments, on the surrogate in process or over topics.
+// `sinew experiment`: the rig's experiments, over topics, from a recording, or on a simulation in
+// this process where there is one.
 #pragma once
+
+#include <memory>
 
 namespace CLI {
 class App;
@@ -7,6 +10,10 @@ class App;
 
 namespace sinew::tools {
 
-void AddExperimentCommand(CLI::App& app);
+class ExperimentSimulation;
+
+// simulation: null where none is built; the command then asks for --dds or --recording.
+void AddExperimentCommand(CLI::App& app,
+                          const std::shared_ptr<ExperimentSimulation>& simulation = nullptr);
 
 }  // namespace sinew::tools

@@ -6,17 +6,19 @@ namespace sinew::tools {
 
 namespace fs = std::filesystem;
 
-fs::path RobotsFolder() {
+fs::path ShippedFolder(const fs::path& wanted) {
   std::error_code error;
   const fs::path self = fs::read_symlink("/proc/self/exe", error);
   for (fs::path folder = self.parent_path(); folder.has_relative_path();
        folder = folder.parent_path()) {
-    for (const fs::path& candidate : {folder / "share" / "sinew" / "robots", folder / "robots"}) {
+    for (const fs::path& candidate : {folder / "share" / "sinew" / wanted, folder / wanted}) {
       if (fs::is_directory(candidate, error)) return candidate;
     }
   }
   return {};
 }
+
+fs::path RobotsFolder() { return ShippedFolder("robots"); }
 
 fs::path ShippedRobotFile(const fs::path& file) {
   const fs::path folder = RobotsFolder();

@@ -5,8 +5,11 @@
 
 namespace sinew::tools {
 
-// The folder robots/ beside the installed program (../share/sinew) or in the tree that built it;
-// empty when there is none.
+// A folder of the project, by its path in the tree ("robots", "reproduction/papers"), beside the
+// installed program (../share/sinew) or in the tree that built it; empty when there is none.
+std::filesystem::path ShippedFolder(const std::filesystem::path& folder);
+
+// The folder robots/.
 std::filesystem::path RobotsFolder();
 
 // robots/FILE. Throws UsageError when it is not there.

@@ -16,8 +16,8 @@
 #include "components/networks/model.h"
 #include "components/recording/file/recording_path.h"
 #include "components/recording/file/run_reader.h"
-#include "tools/networks/sets.h"
 #include "tools/sinew/progress.h"
+#include "tools/training_sets/training_sets.h"
 
 namespace sinew::tools {
 namespace {

@@ -38,7 +38,7 @@ TEST(Page, ASectionHasValueIntervalTruthAndVerdict) {
   EXPECT_EQ(section.comparisons[0].interval, "2.659 .. 2.663");
   EXPECT_EQ(section.comparisons[0].target, "within 0.05 degrees");
   EXPECT_EQ(section.comparisons[0].met, true);
-  // Told beside, without a claim: no target to miss.
+  // Printed beside the others, not assessed: no target to miss.
   EXPECT_FALSE(section.comparisons[1].met.has_value());
 }
 

@@ -1,4 +1,4 @@
-// Oracle: a toy robot that goes where it is told.
+// Oracle: a toy robot that goes where it is commanded.
 #include "components/experiment/protocol.h"
 
 #include <gtest/gtest.h>

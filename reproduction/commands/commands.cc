@@ -1,0 +1,26 @@
+#include "reproduction/commands/commands.h"
+
+#include <CLI/CLI.hpp>
+
+#include "reproduction/commands/compare.h"
+#include "reproduction/commands/control_test.h"
+#include "reproduction/commands/experiment.h"
+#include "reproduction/commands/paper.h"
+#include "reproduction/commands/search.h"
+#include "reproduction/commands/tables.h"
+#include "tools/sinew/experiment.h"
+
+namespace sinew::reproduction {
+
+void AddCommands(CLI::App& app) {
+  // The same command with the surrogate beside topics and recordings.
+  app.remove_subcommand(app.get_subcommand("experiment"));
+  tools::AddExperimentCommand(app, MakeSurrogateExperiments());
+  AddCompareCommand(app);
+  AddSearchCommand(app);
+  AddControlTestCommand(app);
+  AddTablesCommand(app);
+  AddPaperCommand(app);
+}
+
+}  // namespace sinew::reproduction

@@ -1,0 +1,11 @@
+// The regime detector on the surrogate as a section of a page (Fig 7.1).
+#pragma once
+
+#include "components/report/section.h"
+#include "tools/acceptance/regime.h"
+
+namespace sinew::reproduction {
+
+report::Section MakeRegimeSection(const acceptance::RegimeGrid& grid);
+
+}  // namespace sinew::reproduction

@@ -1,0 +1,15 @@
+// Recursive least squares against batch, in a soak, and timed, as a section of a page.
+#pragma once
+
+#include <vector>
+
+#include "components/report/section.h"
+#include "tools/acceptance/rls.h"
+
+namespace sinew::reproduction {
+
+report::Section MakeRlsSection(const acceptance::BatchScore& batch,
+                               const acceptance::SoakScore& soak,
+                               const std::vector<acceptance::TimeScore>& times);
+
+}  // namespace sinew::reproduction

@@ -1,0 +1,143 @@
+// Of close_loop.h: the options of `sinew close-loop`.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "components/gate/rules.h"
+#include "components/trace/rules.h"
+#include "tools/sinew/close_loop.h"
+#include "tools/sinew/close_robot.h"
+#include "tools/sinew/progress.h"
+
+namespace sinew::tools {
+
+namespace {
+
+constexpr const char* kNoEffect = "none";  // of --effect
+
+}  // namespace
+
+std::vector<std::string> FaultNames() {
+  std::vector<std::string> names;
+  for (const gate::Rule& rule : gate::Rules()) names.emplace_back(rule.id);
+  return names;
+}
+
+std::vector<std::string> RuleNames() {
+  std::vector<std::string> names;
+  for (const trace::Rule& rule : trace::AllRules()) names.emplace_back(rule.id);
+  return names;
+}
+
+void AddCloseLoopCommand(CLI::App& app) {
+  struct Arguments {
+    CloseLoopOptions options;
+    bool json = false;
+    std::optional<int> joint;
+  };
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command =
+      app.add_subcommand("close-loop", "Find the effect that a model lacks, from recordings");
+  CloseLoopOptions& options = arguments->options;
+  command->add_option(
+      "--model", options.model,
+      "Model file (sinew-model/1) or a laboratory's rig.json; the rig's by default");
+  command->add_option("--map", options.map,
+                      "Mapping of CSV columns (sinew-csv-map/1); csv_map.yaml beside the model by "
+                      "default, else the rig's");
+  command->add_option("--held-out-map,--sealed-map", options.held_out_map,
+                      "Mapping of the held-out CSV files where it is another one");
+  command
+      ->add_option("--train", options.train,
+                   "Recordings to learn from: CSV or MCAP, FILE or FILE@START:END (seconds)")
+      ->required();
+  command->add_option(
+      "--held-out,--sealed", options.held_out,
+      "Recordings to assess by, never used for a fit; FILE or FILE@START:END. Without "
+      "any, each of several training recordings is held out once");
+  command->add_option("--out", options.out, "Folder for report.html, report.json and model.yaml")
+      ->required();
+  command->add_option("--joint", arguments->joint,
+                      "Joint of the model, of an MCAP recording and of the mapping's \"{joint}\", "
+                      "from 0 on; all joints of the model when left out");
+  command->add_option("--urdf", options.urdf,
+                      "Rigid bodies of an arm; what the model file names by default");
+  command->add_option("--seed", options.seed, "Seed of the null test's random signs")
+      ->capture_default_str();
+  command
+      ->add_option("--accept-fault", options.accepted_faults,
+                   "Go on in spite of this fault of the data (docs/data-gate.md); repeatable")
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(FaultNames()));
+  command->add_flag("--keep-unconfirmed", options.keep_unconfirmed,
+                    "Effects that the held-out recordings neither confirm nor refute go into "
+                    "model.yaml, too");
+  std::vector<std::string> effects = effects::EffectNames();
+  effects.emplace_back(kNoEffect);
+  command
+      ->add_option_function<std::vector<std::string>>(
+          "--effect",
+          [&options](const std::vector<std::string>& names) {
+            options.given.emplace(names.begin(), names.end());
+            options.given->erase(kNoEffect);
+          },
+          "Fit this effect, whatever it is worth, and search for no other; repeatable; \"none\": "
+          "the declared terms alone")
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(effects));
+  command
+      ->add_option_function<std::vector<std::string>>(
+          "--without-rule",
+          [](const std::vector<std::string>& ids) {
+            for (const std::string& id : ids) trace::TakeOut(id);
+          },
+          "Take a rule out (docs/closing-the-loop.md), to see what it is worth; repeatable")
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(RuleNames()));
+  command->add_flag("--json", arguments->json, "Print the report as JSON");
+  command->footer(
+      "The declared terms are fitted, the residual is traced over the catalogue (`sinew effects`), "
+      "the "
+      "effect is\nadded and the error printed before and after. model.yaml goes into world and "
+      "control as it "
+      "is.\n\nExamples:\n"
+      "  sinew close-loop --train train_1.csv train_2.csv --held-out sealed.csv --out found\n"
+      "  sinew close-loop --train monday.csv tuesday.csv wednesday.csv --out found\n"
+      "  sinew close-loop --train day.csv@:60 --held-out day.csv@60: --out found\n"
+      "  sinew close-loop --model robots/emps/model.yaml --map robots/emps/csv_map.yaml \\\n"
+      "    --train DATA_EMPS.csv --held-out DATA_EMPS_PULSES.csv --out found");
+  command->callback([arguments] {
+    ProgressBar bar("close-loop", "%", 100);
+    arguments->options.progress = [&bar](const std::string&, double share) {
+      bar.Update(static_cast<std::uint64_t>(100.0 * share));
+    };
+    CloseLoopOptions& asked = arguments->options;
+    asked.joint = arguments->joint.value_or(0);
+    const actuator::RobotModel robot = LoadLoopInput(asked).model.robot;
+    const bool arm = std::any_of(
+        robot.joints.begin(), robot.joints.end(),
+        [](const actuator::JointModel& joint) { return joint.Find("rigid_body") >= 0; });
+    if (arm || (robot.joints.size() > 1 && !arguments->joint)) {
+      const CloseRobotResult result =
+          CloseRobot(asked, arguments->joint ? std::vector<int>{asked.joint} : std::vector<int>{});
+      bar.Finish();
+      if (arguments->json) {
+        std::cout << result.json;
+      } else {
+        PrintSummary(result, asked);
+      }
+      return;
+    }
+    const CloseLoopResult result = CloseLoop(asked);
+    bar.Finish();
+    if (arguments->json) {
+      std::cout << result.json;
+    } else {
+      PrintSummary(result, arguments->options);
+    }
+  });
+}
+
+}  // namespace sinew::tools
