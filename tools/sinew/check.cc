@@ -103,8 +103,8 @@ report::Section CheckRls(const CheckOptions& options) {
       {check::TimeUpdates(76, 12), check::TimeUpdates(85, 1), check::TimeUpdates(207, 1)});
 }
 
-void AddRoom(CLI::App* check, const std::shared_ptr<CheckOptions>& options, const char* name,
-             const char* text, const std::function<report::Section(const CheckOptions&)>& run) {
+void AddModule(CLI::App* check, const std::shared_ptr<CheckOptions>& options, const char* name,
+               const char* text, const std::function<report::Section(const CheckOptions&)>& run) {
   CLI::App* command = check->add_subcommand(name, text);
   command->add_option("--out", options->out, "Folder for the section of a page");
   command->add_option("--seed", options->seed, "Seed of everything random")
@@ -144,10 +144,10 @@ void AddCheckCommand(CLI::App& app) {
   check->require_subcommand(1);
   check->footer("Example:\n  sinew check regime --quick --out results/regime");
   const auto options = std::make_shared<CheckOptions>();
-  AddRoom(check, options, "regime", "The regime detector against the truth", CheckRegime);
-  AddRoom(check, options, "residual", "Changes told in time, none told that is not", CheckResidual);
-  AddRoom(check, options, "pneumatics", "Pressures held, faults told", CheckPressure);
-  AddRoom(check, options, "rls", "Recursive least squares: batch, soak, time", CheckRls);
+  AddModule(check, options, "regime", "The regime detector against the truth", CheckRegime);
+  AddModule(check, options, "residual", "Changes reported in time, no false alarms", CheckResidual);
+  AddModule(check, options, "pneumatics", "Pressures held, faults reported", CheckPressure);
+  AddModule(check, options, "rls", "Recursive least squares: batch, soak, time", CheckRls);
 }
 
 }  // namespace sinew::tools

@@ -94,7 +94,7 @@ class SharedProgress {
  public:
   explicit SharedProgress(const std::string& what)
       : bar_("experiment " + what, "permille", kSteps) {}
-  void Tell(double share) {
+  void Print(double share) {
     const std::lock_guard<std::mutex> lock(mutex_);
     bar_.Update(static_cast<std::uint64_t>(std::clamp(share, 0.0, 1.0) * kSteps));
   }
@@ -126,7 +126,7 @@ std::map<std::string, laboratory::Coverage> CountCoverage(const std::string& nam
       } catch (...) {
         errors[i] = std::current_exception();
       }
-      progress.Tell(static_cast<double>(++finished) / static_cast<double>(results.size()));
+      progress.Print(static_cast<double>(++finished) / static_cast<double>(results.size()));
     }
   };
   std::vector<std::thread> threads;
@@ -152,7 +152,7 @@ Done RunInProcess(const std::string& name, const surrogate::RigParameters& rig,
   {
     SharedProgress progress(name);
     laboratory::Outcome outcome = laboratory::RunOnSurrogate(
-        name, rig, plan, [&progress](double share) { progress.Tell(share); });
+        name, rig, plan, [&progress](double share) { progress.Print(share); });
     done.result = std::move(outcome.result);
     done.simulated_s = outcome.simulated_s;
     // Trials of their own stand one after the other, a second apart.
@@ -227,15 +227,15 @@ Done RunOverTopics(const std::string& name, const actuator::JointModel& model,
   std::exception_ptr run_error;
   try {
     ProgressBar bar("experiment " + name, "s", static_cast<std::uint64_t>(protocol.expected_s()));
-    std::string told;
+    std::string printed;
     run = experiment::RunOverTopics(node, stop, protocol,
                                     {.joint = options.joint, .arm = options.arm},
                                     [&](const experiment::TopicProgress& now) {
                                       bar.Update(static_cast<std::uint64_t>(now.time_s));
-                                      if (now.instruction != told && !options.json) {
-                                        told = now.instruction;
-                                        if (!told.empty())
-                                          std::cerr << "person at the link: " << told << '\n';
+                                      if (now.instruction != printed && !options.json) {
+                                        printed = now.instruction;
+                                        if (!printed.empty())
+                                          std::cerr << "person at the link: " << printed << '\n';
                                       }
                                     });
   } catch (...) {
@@ -265,7 +265,7 @@ Done RunOverTopics(const std::string& name, const actuator::JointModel& model,
   return done;
 }
 
-// ---- telling
+// ---- printing
 
 void PrintResult(const Done& done) {
   std::printf("%s\n", done.result.title.c_str());
@@ -285,7 +285,7 @@ void PrintResult(const Done& done) {
   for (const std::string& remark : done.result.remarks) std::printf("  %s\n", remark.c_str());
   for (const auto& [id, c] : done.coverage) {
     std::printf(
-        "  %-34s intervals held the truth in %d of %d seeds; bias %.2f %%, half width %.2f "
+        "  %-34s intervals contain the true value in %d of %d seeds; bias %.2f %%, half width %.2f "
         "%%%s\n",
         id.c_str(), c.covered, c.seeds, 100.0 * c.mean_error, 100.0 * c.mean_half_width,
         c.has_target ? ("; target met in " + std::to_string(c.met)).c_str() : "");
@@ -481,7 +481,7 @@ void AddExperimentCommand(CLI::App& app) {
       ->check(CLI::Range(1, 100000));
   command
       ->add_option("--seeds", options->seeds,
-                   "In process: also count over this many specimens how often intervals held "
+                   "In process: also count over this many specimens how often intervals contain "
                    "the truth")
       ->check(CLI::Range(1, 10000));
   command
@@ -523,8 +523,8 @@ void AddExperimentCommand(CLI::App& app) {
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
   command->footer(
-      "On a robot a person pushes the link as the command says; on a simulation it pushes itself\n"
-      "(sim_disturbance). motor wants the motor uncoupled from the link.\n\nExamples:\n"
+      "On a robot a person pushes the link as instructed; in a simulation the command pushes it\n"
+      "(sim_disturbance). motor needs the motor uncoupled from the link.\n\nExamples:\n"
       "  sinew experiment backlash\n"
       "  sinew experiment all --seeds 100 --out results --model robots/rig/model.yaml \\\n"
       "    --update-model results/model.yaml\n"
