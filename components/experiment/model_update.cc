@@ -28,8 +28,8 @@ constexpr Target kTargets[] = {
 std::vector<std::string> UpdateModel(const Result& result, const std::string& recording,
                                      const std::string& when, actuator::JointModel* model) {
   std::vector<std::string> changes;
-  const auto tell = [&](const std::string& effect, const std::string& parameter, double before,
-                        double after, double half_width) {
+  const auto record = [&](const std::string& effect, const std::string& parameter, double before,
+                          double after, double half_width) {
     char text[200];
     std::snprintf(text, sizeof text, "%s %.6g -> %.6g +- %.2g (95 %%) by experiment %s",
                   parameter.c_str(), before, after, half_width, result.experiment.c_str());
@@ -41,8 +41,8 @@ std::vector<std::string> UpdateModel(const Result& result, const std::string& re
     if (quantity == nullptr) continue;
     double value = quantity->estimate.value, half_width = quantity->estimate.half_width_95;
     if (std::string(target.effect).empty()) {
-      tell("backlash", target.parameter, model->backlash_rad, value * types::kDegree_rad,
-           half_width * types::kDegree_rad);
+      record("backlash", target.parameter, model->backlash_rad, value * types::kDegree_rad,
+             half_width * types::kDegree_rad);
       model->backlash_rad = value * types::kDegree_rad;
       continue;
     }
@@ -56,7 +56,7 @@ std::vector<std::string> UpdateModel(const Result& result, const std::string& re
     actuator::Term& of = model->terms[static_cast<std::size_t>(term)];
     for (std::size_t i = 0; i < of.linear.size(); ++i) {
       if (of.effect->info().linear[i].name != target.parameter) continue;
-      tell(target.effect, target.parameter, of.linear[i].value, value, half_width);
+      record(target.effect, target.parameter, of.linear[i].value, value, half_width);
       of.linear[i].value = value;
       of.linear[i].half_width_95 = half_width;
     }

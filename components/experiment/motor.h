@@ -6,8 +6,8 @@
 // with Ke = Kt, its factor 3/2 makes J and B larger by a half. Here Kt holds the whole factor.
 //
 // The motor is uncoupled: with gearbox and link the fit would be of something else. The torque is a
-// sum of sines. Two fits are told:
-//   as published: velocity as the drive tells it, differences of rows (4.22), no dry friction.
+// sum of sines. Two fits are reported:
+//   as published: velocity as the drive reports it, differences of rows (4.22), no dry friction.
 //     Without Tc, B takes up the dry friction's part along w.
 //   with Coulomb friction: angles and current through the same zero-phase low-pass, the angle
 //     differentiated twice, a delay between current and angle fitted with them; rows near w = 0

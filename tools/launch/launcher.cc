@@ -35,7 +35,7 @@ namespace asio = boost::asio;
 namespace bp = boost::process;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kKeptLines = 8;  // of each stream, told when a process fails
+constexpr std::size_t kKeptLines = 8;  // of each stream, printed when a process fails
 constexpr std::chrono::milliseconds kDrain(
     500);  // for output still in the pipes of an ended process
 constexpr double kLongestBackOff_s = 60.0;
@@ -237,7 +237,7 @@ struct Launcher::Impl {
     if (kept.size() > kKeptLines) kept.pop_front();
     output.FromProcess(child->index, stream_index == 1, text);
     if (output.broken() && phase == Phase::kRunning) {
-      output.Say("nobody reads the output any more, stopping");
+      output.Say("the output is closed, stopping");
       StopAll();
     }
     if (!child->ready && text.find(child->process->ready_when) != std::string_view::npos) {

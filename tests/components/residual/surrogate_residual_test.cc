@@ -15,7 +15,7 @@ const ResidualBench& Bench() {
   return kBench;
 }
 
-void ExpectTold(ResidualCase at, residual::Cause cause) {
+void ExpectReported(ResidualCase at, residual::Cause cause) {
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     surrogate::RandomStream random(seed, 78);
     at.seed = seed;
@@ -32,16 +32,16 @@ void ExpectTold(ResidualCase at, residual::Cause cause) {
   }
 }
 
-TEST(ResidualOnSurrogate, APayloadOfHalfAKilogramIsToldWithinFiveSeconds) {
-  ExpectTold({.payload_kg = 0.5}, residual::Cause::kPayload);
+TEST(ResidualOnSurrogate, APayloadOfHalfAKilogramIsReportedWithinFiveSeconds) {
+  ExpectReported({.payload_kg = 0.5}, residual::Cause::kPayload);
 }
 
-TEST(ResidualOnSurrogate, DryFrictionThatGrowsByThirtyPercentIsToldWithinFiveSeconds) {
-  ExpectTold({.dry_share = 1.3}, residual::Cause::kDryFriction);
+TEST(ResidualOnSurrogate, DryFrictionThatGrowsByThirtyPercentIsReportedWithinFiveSeconds) {
+  ExpectReported({.dry_share = 1.3}, residual::Cause::kDryFriction);
 }
 
-TEST(ResidualOnSurrogate, ViscousFrictionThatGrowsByThirtyPercentIsToldWithinFiveSeconds) {
-  ExpectTold({.viscous_share = 1.3}, residual::Cause::kViscousFriction);
+TEST(ResidualOnSurrogate, ViscousFrictionThatGrowsByThirtyPercentIsReportedWithinFiveSeconds) {
+  ExpectReported({.viscous_share = 1.3}, residual::Cause::kViscousFriction);
 }
 
 TEST(ResidualOnSurrogate, TasksWithoutAChangeRaiseNoAlarm) {
