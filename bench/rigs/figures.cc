@@ -134,7 +134,7 @@ const Rule kRules[] = {
     {"outside: names the variable", false,
      [](const Outcome& o) { return o.kind == "outside" && o.effects[0].reached; },
      [](const Outcome& o) { return o.verdict == "unexplained" && NamesVariable(o); }},
-    {"hidden: says so", false,
+    {"hidden: reported as not excited", false,
      [](const Outcome& o) { return OneEffect(o) && !o.effects[0].identifiable; },
      [](const Outcome& o) {
        return RightClass(o) || Holds(o.not_excited, o.effects[0].name) ||

@@ -1,4 +1,4 @@
-// Files of a case: recordings, what the laboratory declares, the truth.
+// Files of a case: recordings, declared model, true values.
 #pragma once
 
 #include <filesystem>

@@ -74,7 +74,7 @@ void Make(const fs::path& out, int first, int count, const std::string& only, co
       try {
         WriteCase(folder, rig, MakeCase(rig, what, *sizer, noise_share));
         ++made;
-      } catch (const std::runtime_error& error) {  // one case less, said and counted
+      } catch (const std::runtime_error& error) {  // one case less, printed and counted
         std::cerr << error.what() << ", left out\n";
       }
     }
@@ -104,13 +104,13 @@ std::string Quoted(const fs::path& path) {
   return out + "'";
 }
 
-// What the tracer is asked beside the recordings.
+// Options of the tracer beside the recordings.
 struct Asked {
   std::vector<std::string> without;  // rules
   bool true_set = false;             // what is truly there is given
 };
 
-// One subprocess; run.json says how it went.
+// One subprocess; run.json has its exit code and time.
 void RunCase(const fs::path& sinew, const fs::path& folder, const fs::path& out, int limit_s,
              const Asked& asked) {
   std::string options;
@@ -175,7 +175,8 @@ void Print(const std::vector<Outcome>& outcomes, const fs::path& json, bool conf
 }
 
 int Main(int argc, char** argv) {
-  CLI::App app{"The bank of rigs: draws rigs, hides effects in them, asks a tracer, counts"};
+  CLI::App app{
+      "The bank of rigs: draws rigs, plants effects in their recordings, runs close-loop, counts"};
   app.require_subcommand(1);
   fs::path out, cases, sinew, reports, jsonl, json, true_sets, quiet;
   std::vector<fs::path> lines;
@@ -194,7 +195,7 @@ int Main(int argc, char** argv) {
   make->add_option("--noise", noise_share, "share of the rig's noise that the recordings have")
       ->check(CLI::PositiveNumber);
 
-  auto* run = app.add_subcommand("run", "ask the program of every case that has no report yet");
+  auto* run = app.add_subcommand("run", "run the program on every case that has no report yet");
   run->add_option("cases", cases, "folder of the cases")->required();
   run->add_option("--sinew", sinew, "the program")->required()->check(CLI::ExistingFile);
   run->add_option("--out", reports, "folder of the reports")->required();
@@ -206,7 +207,7 @@ int Main(int argc, char** argv) {
                   "rules of the tracer to take out, to see what they are worth");
   run->add_flag("--true-set", asked.true_set, "give the effects that are there, for `true-set`");
 
-  auto* score = app.add_subcommand("score", "count what the reports say");
+  auto* score = app.add_subcommand("score", "count the results of the reports");
   score->add_option("cases", cases, "folder of the cases")->required();
   score->add_option("--reports", reports, "folder of the reports")->required();
   score->add_option("--jsonl", jsonl, "outcomes, one a line, for `merge`");
@@ -218,7 +219,7 @@ int Main(int argc, char** argv) {
   vary->add_option("--out", out, "folder of the variants")->required();
   vary->add_option("--only", only, "cases whose name holds this text");
 
-  auto* compare = app.add_subcommand("compare", "what the variants' reports say otherwise");
+  auto* compare = app.add_subcommand("compare", "differences of the variants' reports");
   compare->add_option("reports", cases, "folder of the cases' reports")->required();
   compare->add_option("variants", reports, "folder of the variants' reports")->required();
 

@@ -1,4 +1,4 @@
-// One case and what a tracer said of it.
+// One case and the tracer's result.
 #pragma once
 
 #include <filesystem>

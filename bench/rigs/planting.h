@@ -1,4 +1,4 @@
-// Effects of the size that a report says it would have found: planted into fresh recordings of the
+// Effects of the size that a report gives as detectable: planted into fresh recordings of the
 // same rig, other noise, they are to be found in 80 % of them.
 #pragma once
 
@@ -21,7 +21,7 @@ struct Trial {
   std::string plain;  // case without an effect whose report printed the size
   rigs::Effect effect;
 };
-// `count` of them at most, from all plain cases that were assessed without stopping: effects that
+// `count` of them at most, from all plain cases that ended without a data fault: effects that
 // were planted least come first, and each at most once in a case.
 std::vector<Trial> DrawTrials(const std::filesystem::path& cases,
                               const std::filesystem::path& reports, int count);
@@ -29,7 +29,7 @@ std::vector<Trial> DrawTrials(const std::filesystem::path& cases,
 // Case of kind `planted` for a trial.
 CaseFiles MakePlanted(const rigs::Rig& rig, rigs::Excitation excitation, const Trial& trial);
 
-// Makes all that are not there yet, and says how many.
+// Makes all that are not there yet, and prints how many.
 int PlantAll(const std::filesystem::path& cases, const std::filesystem::path& reports, int count,
              const std::filesystem::path& out);
 

@@ -20,7 +20,7 @@ json ReadIfThere(const fs::path& path) {
   return in ? json::parse(in) : json();
 }
 
-// Parameters of the model that the report ends with; null: it assessed nothing.
+// Parameters of the model that the report ends with; null: nothing was fitted.
 json After(const json& report) {
   if (!report.is_object() || !report.contains("base_parameters")) return {};
   return report.at("base_parameters").at("after");

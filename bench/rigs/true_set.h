@@ -1,4 +1,4 @@
-// What the search costs, beside fits of the set of effects that is truly there (`run --true-set`):
+// The cost of the search, against fits of the true set of effects (`run --true-set`):
 // do intervals hold the truth, and how much larger is the held-out error?
 //
 // The truth of a parameter is what the same fit of the true set gives on the same recordings with a
@@ -27,7 +27,7 @@ std::pair<int, int> CountHeld(const nlohmann::json& report, const nlohmann::json
 std::pair<int, int> CountHeldOfGenerator(const nlohmann::json& report, const nlohmann::json& truth);
 
 // Held-out error of the report over that of the true set, in the balance of the first effect (the
-// motion's without one). NaN where one of them assessed nothing.
+// motion's without one). NaN where nothing was fitted.
 double ErrorRatio(const nlohmann::json& report, const nlohmann::json& true_set,
                   const nlohmann::json& truth);
 

@@ -1,4 +1,4 @@
-// The same recordings of a case in another form. What is found must not depend on it.
+// The recordings of a case in another form; the result must not depend on it.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// The grey-box model of a joint: a list of effects with their parameters, as the model file says.
+// The grey-box model of a joint: a list of effects with their parameters, as in the model file.
 // The same object is fitted (identify), simulated (sim/plant) and compensated (control).
 #pragma once
 
@@ -83,7 +83,7 @@ class JointModel {
   int Find(std::string_view effect_name, std::optional<effects::Balance> of = std::nullopt) const;
   // Does the term belong to the balance that the model is about?
   bool Counts(const Term& term) const { return term.effect->info().balance == balance; }
-  // Has the model anything to say in a balance: a term that is its measured side?
+  // Does the model declare a balance: a term that is its measured side?
   bool Declares(effects::Balance of) const;
   // Value of a linear or nonlinear parameter; throws std::invalid_argument when the model lacks it.
   double Parameter(std::string_view effect_name, std::string_view parameter) const;

@@ -31,7 +31,7 @@ std::vector<FreeParameter> FreeParameters(const actuator::JointModel& joint) {
   return out;
 }
 
-// What normal equations say of their first `rigid` unknowns, against a fit b of all. scale: a size
+// Estimate of the first `rigid` unknowns by normal equations, against a fit b of all. scale: a size
 // of each unknown's information; louder: standard deviation of the rows' noise.
 RigidPrior PriorFrom(const identify::Moments& sums, const Eigen::VectorXd& b, Eigen::Index rigid,
                      const Eigen::VectorXd& scale, double louder) {
@@ -286,8 +286,8 @@ ArmFit Arm::Fit(const ArmRuns& runs, const actuator::RobotModel& robot,
     out.base.push_back({dynamics_.parameter_names()[static_cast<std::size_t>(at)], nominal[c],
                         nominal[c] + b[c], half_width(c)});
   }
-  // Residuals come in waves: a row tells as much less as blocks of them are louder than single
-  // ones.
+  // Residuals are correlated: a row carries less information by the factor by which the sums of
+  // blocks vary more than independent rows would.
   double of_rows = 0.0, of_blocks = 0.0;
   for (std::size_t j = 0; j < X.size(); ++j) {
     const Eigen::VectorXd e = weight[j] * (y[j] - X[j] * b);

@@ -40,8 +40,8 @@ struct ArmError {
   double nrms_percent = 0.0;
 };
 
-// What the torques of all joints but one say of the base parameters, against the fit of all: along
-// each direction (base parameters x directions) their change is normal. A joint's own effects
+// Estimate of the base parameters from the torques of all joints but one, against the fit of all:
+// along each direction (base parameters x directions) their change is normal. A joint's own effects
 // compete with a refit of the bodies under this prior.
 struct RigidPrior {
   Eigen::MatrixXd directions;
@@ -84,7 +84,7 @@ class Arm {
 
   // Writes into every run what the rigid bodies need of its joint (Run::rigid_torque), so that the
   // term `rigid_body` of a joint's model knows it, and how a refit of them changes it
-  // (Run::rigid_columns). processing: of each joint, as its own balance is assessed by.
+  // (Run::rigid_columns). processing: of each joint, as used for its own balance.
   void AddRigidTorque(const ArmFit& fit, const std::vector<identify::ProcessingOptions>& processing,
                       const actuator::RobotModel& robot, ArmRuns* runs) const;
 

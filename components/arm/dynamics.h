@@ -69,7 +69,8 @@ class ArmDynamics {
 
 // Which parameters the torques of any motion can show. The other columns of Y are combinations of
 // the independent ones: Y_dependent = Y_independent K, so beta = phi_independent + K phi_dependent
-// is all that can be told (Gautier, Khalil: IEEE Trans. Robotics and Automation 6 (1990) 368).
+// is all that can be identified (Gautier, Khalil: IEEE Trans. Robotics and Automation 6 (1990)
+// 368).
 struct BaseParameters {
   std::vector<int> independent, dependent;
   Eigen::MatrixXd K;  // independent x dependent

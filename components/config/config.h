@@ -70,7 +70,7 @@ class Section {
   std::vector<std::string> Keys() const;  // in file order; counts as asking for none
   bool IsScalar(std::string_view key) const;
 
-  // Throws for the first key of this section (and of children asked for) that nobody asked for;
+  // Throws for the first key of this section (and of children asked for) that was not asked for;
   // says the known keys, and when the key differs only by its unit says which unit was expected.
   void RejectUnknownKeys() const;
 

@@ -16,7 +16,7 @@ using reference::Point;
 
 enum class Motion { kNone, kHold, kMoveSlowly, kPushAgainstChamber };
 
-// What the sensors say of one joint.
+// Sensor values of one joint.
 struct JointMeasurement {
   bool valid = false;                 // position and velocity
   double position_rad = 0.0;          // output

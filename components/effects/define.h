@@ -1,8 +1,8 @@
 // For the files of catalogue/ only: how an effect is written down in one place.
 //
 // A file catalogue/NAME.cc defines `std::unique_ptr<Effect> Make(const JointConstants&)` in
-// namespace sinew::effects::NAME. The list in CMakeLists.txt is the registry: nothing else has to
-// be told.
+// namespace sinew::effects::NAME. The list in CMakeLists.txt is the registry; nothing else has
+// to be registered.
 #pragma once
 
 #include <cmath>

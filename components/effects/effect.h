@@ -103,11 +103,12 @@ std::string ParameterKey(const ParameterInfo& info, types::JointKind kind);
 enum class Side { kMotor, kOutput };
 
 // An idealisation that every set-up breaks a little: a skew between channels of less than about a
-// tenth of a sample, a valve whose opening takes some samples (rows alone tell when it was
-// commanded), teeth that give less than the encoder rounds. So small it is no effect, and nothing
-// else is one that explains no more than it. And friction that builds up over less than a few
-// counts of the encoder, which tell no direction: every contact yields a little before it slides.
-// Torque that follows the snap is what a low-pass of the angles takes from an acceleration, too.
+// tenth of a sample, a valve whose opening takes some samples (its command is
+// known to a row), teeth that give less than the encoder rounds. So small it is no effect, and
+// nothing else is one that explains no more than it. And friction that builds up over less than a
+// few counts of the encoder, from which no direction can be read: every contact yields a little
+// before it slides. Torque that follows the snap is what a low-pass of the angles takes from an
+// acceleration, too.
 enum class Smallest { kAny, kTenthOfSample, kOpening, kRounding, kCounts, kBandwidth };
 
 struct EffectInfo {
@@ -134,7 +135,7 @@ struct EffectInfo {
   std::string signature;                 // what its residual looks like
   std::string variable;                  // the signal its residual follows, e.g. "velocity_rad_s"
   std::vector<std::string> confounders;  // names of effects it is easily mistaken for
-  std::string separating_excitation;     // what tells them apart
+  std::string separating_excitation;     // distinguishes it from them
   std::vector<std::string> needs;        // signals it reads, field names of JointSample
   std::vector<std::string> may_read;     // more of them: 0 where they are not recorded
   std::vector<std::string> hardware;     // signals that show that the machine can have it at all

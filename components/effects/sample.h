@@ -1,4 +1,4 @@
-// One instant of one joint, as every effect sees it.
+// One instant of one joint: the input of every effect.
 //
 // SI. Rotary reading: rad and Nm at the output. A linear joint reads m for rad and N for Nm
 // (docs/decisions/0003). Fields that a robot does not measure stay at 0 and are never read by its
@@ -44,7 +44,7 @@ struct JointConstants {
   double back_emf_V_s_rad = 0.0;         // motor side; drives whose voltage lies on the winding
   double gas_volume_m3 = 0.0;            // chamber and all it is joined to; 0: not stated
   double atmosphere_bar = 1.01325;       // absolute
-  double valve_delay_s = 0.0;            // from the command to the flow, as the valve's maker says
+  double valve_delay_s = 0.0;            // from the command to the flow, from the data sheet
   double encoder_counts_per_turn = 0.0;  // of the coarser encoder at the output; 0: not stated
 };
 

@@ -135,8 +135,7 @@ Result IdentifyBacklash(const Recording& rows, const RigConstants& rig) {
   const auto [lowest, highest] = std::minmax_element(torque_Nm.begin(), torque_Nm.end());
   if (*highest - *lowest < kSameLevel_Nm) {
     throw std::invalid_argument(
-        "backlash: all trials have the same torque, expected two to distinguish play from "
-        "compliance");
+        "backlash: all trials have the same torque, expected two to separate play from compliance");
   }
   Eigen::MatrixXd X(n, 2);
   Eigen::VectorXd y(n);

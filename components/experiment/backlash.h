@@ -4,8 +4,8 @@
 //
 // One trial is one period. Published: largest minus smallest d. That has two small biases: the
 // extremes of noisy counts (up), and teeth that bend under the motor's torque (up). Here a trial's
-// play is the difference of the mean d in the two contacts, and trials at two torques give the
-// compliance c of the contact:
+// play is the difference of the mean d in the two contacts, and trials at two torques
+// determine the compliance c of the contact:
 //
 //     w = play + c * (|torque up| + |torque down|),  torque = efficiency N Kt Iq
 //
@@ -13,8 +13,7 @@
 // not average out over trials (LargestRounding in statistics.h): the intervals have it, with the
 // phase of each contact unknown, beside the statistical part.
 //
-// Trials are distinguished by the sign of the current, so that any recording of the protocol will
-// do.
+// Trials are separated by the sign of the current, so any recording of the protocol can be used.
 #pragma once
 
 #include "components/experiment/protocol.h"
@@ -25,7 +24,7 @@ namespace sinew::experiment {
 struct BacklashPlan {
   int trials = 100;
   double motor_torque_Nm = 0.02;         // published
-  double second_motor_torque_Nm = 0.01;  // of every other trial; for the compliance
+  double second_motor_torque_Nm = 0.01;  // of every other trial; determines the compliance
   double period_s = 2.5;                 // published
   double hand_N_rad = 150.0;             // the counter torque: a hand that holds the link
   double hand_N_s_rad = 3.0;

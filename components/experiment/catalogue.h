@@ -1,4 +1,4 @@
-// The experiments by name: protocol of one repetition, and what its recording says.
+// The experiments by name: protocol of one repetition, and the parameters from its recording.
 #pragma once
 
 #include <memory>
@@ -26,7 +26,7 @@ struct Repetition {
 // Throws std::invalid_argument: no such experiment (the message lists them), or bad numbers.
 std::unique_ptr<Protocol> MakeProtocol(std::string_view name, const Repetition& repetition);
 
-// Throws std::invalid_argument: the recording says too little.
+// Throws std::invalid_argument: the recording has too little data.
 Result Identify(std::string_view name, const Recording& rows, const RigConstants& rig);
 
 }  // namespace sinew::experiment

@@ -114,7 +114,7 @@ report::Section MakeSection(const Result& result) {
     line.ours = FormatEstimate(quantity);
     line.interval = FormatInterval(quantity);
     line.truth = quantity.truth ? FormatValue(*quantity.truth) : "";
-    // A value printed only because it was published that way has no target to miss.
+    // A value listed only because it was published that way has no target.
     if (quantity.has_interval) {
       line.target = FormatTarget(quantity);
       line.met = quantity.Met();

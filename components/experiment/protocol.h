@@ -1,8 +1,8 @@
 // An experiment as a generator of commands: what to command in this cycle, given the sensors.
 //
-// It knows neither topics nor clocks nor who answers: the surrogate in process, a state provider
+// It is independent of topics, clocks and the provider: the surrogate in process, a state provider
 // behind DDS, or a robot. A hand that pushes the link is part of a protocol; where there is a
-// person, `instruction()` says what to do and the load cell says what was done.
+// person, `instruction()` is the command to the person and the load cell measures the result.
 //
 // Angles at the output (0 = horizontal, positive up) unless a name says motor; motor torque at the
 // motor shaft, positive drives up; forces at the end of the link, positive presses down; gauge
@@ -18,7 +18,7 @@
 
 namespace sinew::experiment {
 
-// What the sensors say; also a row of a recording.
+// Sensor values; also a row of a recording.
 struct Reading {
   double time_s = 0.0;
   double motor_angle_rad = 0.0;  // motor shaft

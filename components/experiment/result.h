@@ -10,7 +10,7 @@
 
 namespace sinew::experiment {
 
-// What the laboratory knows of its rig before it measures.
+// Declared values of the rig, before the experiment.
 struct RigConstants {
   double gear_ratio = 100.0;
   double link_length_m = 0.3;
@@ -31,7 +31,7 @@ struct Quantity {
   // Target: |value - truth| at most this (or this share of the truth); nothing: no target.
   std::optional<double> target_absolute{};
   std::optional<double> target_share{};
-  bool has_interval = true;  // false: printed beside the others, not assessed
+  bool has_interval = true;  // false: listed for comparison, without a target
   std::string remark{};
 
   // Nothing without truth or target.

@@ -49,8 +49,8 @@ TrialFit FitTrials(const Eigen::Ref<const Eigen::MatrixXd>& X,
 
 // What rounding to counts leaves in the mean of many rows of a value that stands still, at most:
 // with noise of variance sigma^2 and a count c, (c / pi) exp(-2 pi^2 sigma^2 / c^2) (Widrow,
-// Kollar: Quantization Noise, ch. 4). variance: of the rounded rows, from which sigma^2 is computed
-// (Sheppard).
+// Kollar: Quantization Noise, ch. 4). variance: of the rounded rows, from which sigma^2 is
+// estimated (Sheppard).
 double LargestRounding(double variance, double count);
 
 // Straight line y = a + b x through points; b first for slopes is at index 1.

@@ -311,7 +311,7 @@ FreeRunResult Join(std::vector<FreeRunResult> parts) {
       model.runs.insert(model.runs.end(), more.runs.begin(), more.runs.end());
       model.pieces += more.pieces;
       model.diverged += more.diverged;
-      // A model that ran away in one part has no error.
+      // A model that diverged in one part has no error.
       if (!std::isfinite(more.rms)) model.rms = model.mean_abs = kNothing;
     }
     std::move(parts[p].traces.begin(), parts[p].traces.end(), std::back_inserter(out.traces));

@@ -65,7 +65,7 @@ struct RunError {
 // One model along all recordings.
 struct ModelError {
   std::vector<RunError> runs;
-  // Over all recordings, samples weighted equally. NaN: it ran away in more than half of its pieces
+  // Over all recordings, samples weighted equally. NaN: it diverged in more than half of its pieces
   // and is compared with nothing.
   double mean_abs = 0.0, rms = 0.0;
   int pieces = 0, diverged = 0;
@@ -77,7 +77,7 @@ struct FreeRun {
   std::vector<ModelError> models;  // in the order given
 };
 
-// Simulated positions at the samples of one piece of a recording, NaN where a model ran away; for
+// Simulated positions at the samples of one piece of a recording, NaN where a model diverged; for
 // plots.
 struct Trace {
   int run = 0;
@@ -93,7 +93,7 @@ struct FreeRunResult {
 };
 
 // models: of the same joint, at least one; the last one declares the servo. Errors are over the
-// samples that every model reached, those that ran away in more than half of their pieces apart.
+// samples that every model reached, those that diverged in more than half of their pieces apart.
 // options of processing must be resolved. Throws std::invalid_argument as identify::MakeStates for
 // recordings that cannot be used.
 FreeRunResult Compare(const std::vector<types::Run>& runs,

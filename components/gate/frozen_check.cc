@@ -131,9 +131,9 @@ double StampScatter(const Run& run) {
 }
 
 // A rate that an angle moved by all the time: where an encoder's counts come as evenly as the rows,
-// a rate that is told from them settles to the bit.
-bool TellsTheAngle(const Run& run, Signal angle, double rate, const Span& span,
-                   double stamp_scatter_s) {
+// a rate computed from them settles to the bit.
+bool FollowsTheAngle(const Run& run, Signal angle, double rate, const Span& span,
+                     double stamp_scatter_s) {
   constexpr double kRounding = 3.0;  // steps: one at each end, and the rate's own
   const Eigen::VectorXd& x = run.At(angle);
   const double moved = x[span.last] - x[span.first];
@@ -190,7 +190,7 @@ Measurement LongRun(const Run& run, Signal signal, const std::vector<char>& movi
   for (std::size_t i = 0; i < runs.size(); ++i) {
     if (lengths[i] < static_cast<double>(kLeastRows)) continue;
     if (counts && !Jumps(x, runs[i])) continue;
-    if (angle && TellsTheAngle(run, *angle, x[runs[i].first], runs[i], scatter_s)) continue;
+    if (angle && FollowsTheAngle(run, *angle, x[runs[i].first], runs[i], scatter_s)) continue;
     const double statistic = lengths[i] / usual;
     if (statistic > worst.statistic) worst = Measure("frozen", signal, run, runs[i], statistic);
   }

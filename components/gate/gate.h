@@ -1,4 +1,4 @@
-// The data gate: is a recording fit to be assessed by a model at all?
+// The data gate: checks of recordings before a fit.
 //
 // Faults stop: a reversed drive, wrong units, spikes, frozen or wrapped channels, a missing
 // constant. Each names its rule (rules.h), channel, recording and rows, and what to do. Findings do

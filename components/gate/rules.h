@@ -1,4 +1,4 @@
-// The rules by which a recording is refused before anything is fitted to it: one table.
+// The rules of the data gate: one table.
 //
 // A rule stops when its statistic exceeds its limit. Every statistic is a ratio of quantities of
 // the same unit, or a count, so that it does not depend on the units of the recording. The table is

@@ -9,8 +9,8 @@
 //     D = -(1 / eta) K - sum (theta_i / eta) phi_i
 //
 // so the known torques set the scale. With a fixed factor the target is eta D + K. When nothing
-// known excites the balance, eta cannot be told from the scale of all the others and stays at its
-// nominal value. Pure; allocates.
+// known excites the balance, eta cannot be distinguished from the scale of all the others and stays
+// at its nominal value. Pure; allocates.
 #pragma once
 
 #include <Eigen/Core>

@@ -31,7 +31,7 @@ Moments MomentsOf(const Block& block, const Eigen::Ref<const Eigen::MatrixXd>& X
                   const Eigen::Ref<const Eigen::VectorXd>& y);
 
 // Minimises |y - X b|^2 with a ridge of 1e-9 of each column's own power, so that columns that
-// cannot be told apart share their part and the rest is untouched.
+// cannot be distinguished share their part; the others are unchanged.
 Eigen::VectorXd Solve(const Eigen::Ref<const Eigen::MatrixXd>& G,
                       const Eigen::Ref<const Eigen::VectorXd>& m);
 // What least squares with the columns of X leaves of y.

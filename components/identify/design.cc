@@ -77,7 +77,7 @@ Design::Design(StateSet states, const ProcessingOptions& options)
   rows_.time_s =
       Eigen::Map<const Eigen::VectorXd>(time.data(), static_cast<Eigen::Index>(time.size()));
   if (options_.raw) return;
-  // A load cell that nobody touches would add its noise to the balance: its mean is what it tells.
+  // An unloaded load cell would add its noise to the balance, so it is replaced by its mean.
   states_.silent_load =
       NoiseShare([](const effects::JointSample& x) { return x.load_force_N; }) > kMostNoise;
   if (!states_.silent_load) return;

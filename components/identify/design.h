@@ -83,7 +83,8 @@ class Design {
   }
 
   // Share of a signal's power behind the parallel filter (about its mean, used rows) that is noise,
-  // taken as white and told by fourth differences from sample to sample. 1 for a signal that is 0.
+  // taken as white and estimated by fourth differences from sample to sample. 1 for a signal that
+  // is 0.
   template <class Function>
   double NoiseShare(Function f) const {
     std::vector<Eigen::VectorXd> full;

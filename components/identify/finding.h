@@ -1,4 +1,4 @@
-// What a recording is like that need not stop anything: reported, never silently mended.
+// A property of a recording that does not stop the analysis: reported, never silently corrected.
 #pragma once
 
 #include <string>

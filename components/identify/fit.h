@@ -1,4 +1,4 @@
-// Fits the free parameters of a joint model to recordings and says how well each is known.
+// Fits the free parameters of a joint model to recordings, with their uncertainties.
 // Pure; allocates; throws TooLittleData when there are fewer rows than parameters.
 #pragma once
 
@@ -21,7 +21,7 @@ struct FitResult {
   Eigen::VectorXd residual;      // torque at the output, every row
   double rms = 0.0;              // of the residual over used rows
   double percent = 0.0;          // 100 |residual| / |drive torque| over used rows
-  bool keep_scale = false;       // the drive factor could not be told and was kept
+  bool keep_scale = false;       // the drive factor could not be identified and was kept
 };
 
 // Error of a model as it is on any design.
@@ -31,8 +31,8 @@ struct ModelError {
   Eigen::VectorXd residual;
 };
 ModelError ErrorOf(const Design& design, const actuator::JointModel& model);
-// The same in torques of the reference's drive factor. Models that differ in it are told apart by
-// the drive signal that they predict; a larger factor makes the same error a larger torque.
+// The same in torques of the reference's drive factor. Models that differ in it are distinguished
+// by the drive signal that they predict; a larger factor makes the same error a larger torque.
 ModelError ErrorOf(const Design& design, const actuator::JointModel& model,
                    const actuator::JointModel& reference);
 

@@ -205,7 +205,7 @@ std::string WhyNoGas(const std::vector<types::Run>& runs, const actuator::JointM
   for (const types::Run& run : runs) {
     if (!run.Has(types::Signal::kChamberPressure)) return run.name + " has no chamber pressure";
     if (!run.Has(types::Signal::kValveOpen))
-      return run.name + " does not tell when the valve was open";
+      return run.name + " does not contain when the valve was open";
   }
   return "";
 }

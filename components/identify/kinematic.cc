@@ -64,7 +64,8 @@ StateSet MakeKinematicStates(const std::vector<types::Run>& runs,
           const auto k = static_cast<std::size_t>(i);
           const double motor = model.SideTorque(effects::Side::kMotor, x, memory);
           const double link = -model.SideTorque(effects::Side::kOutput, x, memory);
-          // The link's side is told by sensors and load, the motor's by the current: both count.
+          // The link's side is known from sensors and load, the motor's from the current: both are
+          // used.
           const double torque = 0.5 * (motor + link);
           // What was found, not declared, may sit on the other side of the teeth.
           double doubt = 0.0;

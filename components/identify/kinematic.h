@@ -1,7 +1,7 @@
-// States of the kinematic balance: motor angle / N - output angle, where the teeth surely touch.
+// States of the kinematic balance: motor angle / N - output angle, where the teeth certainly touch.
 //
 // Which side they touch on follows from the torque that they carry, never from the difference
-// itself. The model of motion tells that torque twice: what the rotor hands on, and what the link
+// itself. The model of motion gives that torque twice: what the rotor transmits, and what the link
 // needs,
 //
 //     T_motor = sum over terms on the motor's side,   T_link = -(sum over terms on the output's

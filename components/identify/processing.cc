@@ -31,7 +31,7 @@ void Spread(std::vector<char>& flags, Eigen::Index reach) {
 
 // Below `doubtful` the velocity is that of a lower low-pass, `slow`, unless the two differ by more
 // than noise: then the motion changes too fast for it. Within `reach` rows of quicker motion, which
-// smears into it, neither tells the direction: those rows are returned as flags.
+// smears into it, neither gives the direction: those rows are returned as flags.
 std::vector<char> TakeSlowVelocity(const Eigen::VectorXd& slow, double doubtful, Eigen::Index reach,
                                    Eigen::VectorXd* v) {
   const auto n = static_cast<std::size_t>(v->size());
@@ -226,8 +226,7 @@ StateSet MakeStates(const std::vector<types::Run>& runs, const actuator::JointMo
       Eigen::VectorXd force = options.raw && !locked ? filtered(types::Signal::kLoadForce, 0.0)
                                                      : raw(types::Signal::kLoadForce, 0.0);
       if (options.raw && run.Has(types::Signal::kLoadForce)) {
-        // A load cell that nobody touches would add its noise to the balance: its mean is what it
-        // measures.
+        // An unloaded load cell would add its noise to the balance, so it is replaced by its mean.
         const Eigen::VectorXd force_rows = raw(types::Signal::kLoadForce, 0.0);
         const double sigma = WhiteNoise(std::span(&force_rows, 1));
         const double variance = (force_rows.array() - force_rows.mean()).square().mean();

@@ -1,6 +1,6 @@
 // From a recording to the states that effects read: position filtered without phase, its
 // derivatives, the drive, pressure and the rest, on an even grid; and which samples a moving model
-// may be assessed by. Parallel filtering (Gautier 1997: Dynamic identification of robots with power
+// may be fitted to. Parallel filtering (Gautier 1997: Dynamic identification of robots with power
 // model): later the drive and every column of regressors go through one and the same second filter,
 // so that its distortion cancels. Pure; allocates; throws std::invalid_argument for recordings and
 // options that cannot be used.

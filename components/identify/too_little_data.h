@@ -1,5 +1,5 @@
-// Recordings that are well formed, but too short or too still for what is asked of them. Whoever
-// assesses recordings reports it as a result; it is no mistake of the command.
+// Recordings that are well formed, but too short or with too little motion for the request.
+// The caller reports it as a result; it is no usage error.
 #pragma once
 
 #include <stdexcept>

@@ -180,7 +180,7 @@ UniformRun MakeUniform(const types::Run& run, double longest_gap_s, int fewest_r
     };
     measure();
     // Rows that no even count explains (the logger changed its rate, or never had one): stamps
-    // alone tell the instants, and a row's number is that of the nearest grid point.
+    // alone give the instants, and a row's number is that of the nearest grid point.
     const bool stamps_only =
         squares > 0.25 * line.period * line.period * static_cast<double>(count);
     if (stamps_only) {

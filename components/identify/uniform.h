@@ -4,7 +4,7 @@
 // own with the recording's period (the median step, refined by a straight line through the stamps).
 // Rows that lie on the grid already are copied bit by bit. Otherwise continuous signals go through
 // a natural cubic spline over the stamps, switches keep their last value, and grid points inside a
-// hole of lost rows are marked as not valid. Whether the stamps or the row numbers tell the true
+// hole of lost rows are marked as not valid. Whether the stamps or the row numbers give the true
 // sampling instants is decided by the position: the truth makes it smoother. Where no even count of
 // rows explains the stamps (a logger that changes its rate), the stamps alone count.
 // Pure; allocates; throws TooLittleData for a recording that is too short.

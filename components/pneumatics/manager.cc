@@ -103,7 +103,7 @@ double PressureManager::leak_bar_s() const noexcept {
   return rest_time_s_ > config_.leak_window_s / 3.0 ? -rest_change_bar_ / rest_time_s_ : 0.0;
 }
 
-// Filters and assesses the samples; latches faults.
+// Filters and checks the samples; latches faults.
 void PressureManager::Watch(const ManagerInput& input) noexcept {
   const double h = input.period_s;
   const bool in_range = input.chamber_bar >= config_.sensor_lower_bar &&

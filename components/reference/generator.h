@@ -1,4 +1,4 @@
-// What a joint is asked to do from the moment it may move: a soft start from where it stands, the
+// The reference of a joint from the moment it may move: a soft start from where it stands, the
 // trajectory, a soft stop at its end. A function of the time since the start, so that two runs
 // agree.
 //

@@ -32,8 +32,8 @@ double FittingFactor(const Extremes& extremes, double center_rad, const Limits& 
                                 std::to_string(limits.position_upper_rad));
   }
   double factor = 1.0;
-  const auto fit = [&factor](double demand, double room) {
-    if (demand > room) factor = std::min(factor, room / demand);
+  const auto fit = [&factor](double demand, double limit) {
+    if (demand > limit) factor = std::min(factor, limit / demand);
   };
   fit(extremes.position_upper_rad - center_rad, limits.position_upper_rad - center_rad);
   fit(center_rad - extremes.position_lower_rad, center_rad - limits.position_lower_rad);

@@ -1,4 +1,4 @@
-// Does a trajectory stay inside what a joint may do, and how far must it be drawn in so that it
+// Checks a trajectory against a joint's limits, and finds the factor that scales it so that it
 // does?
 //
 // Found on a grid of 1 ms over the trajectory (endless ones: over the horizon given). Set-up only.

@@ -32,9 +32,10 @@ PlayDetector::PlayDetector(const PlayConfig& config) : config_(config) {
   const double threshold_rad =
       std::max(0.5 * config.hysteresis_counts * config.output_count_rad, 2.5 * sigma_rad_);
   if (config.backlash_rad < 8.0 * threshold_rad) {
-    throw std::invalid_argument("backlash " + std::to_string(config.backlash_rad) +
-                                " rad cannot be told from encoder noise, expected at least " +
-                                std::to_string(8.0 * threshold_rad) + " rad");
+    throw std::invalid_argument(
+        "backlash " + std::to_string(config.backlash_rad) +
+        " rad cannot be distinguished from encoder noise, expected at least " +
+        std::to_string(8.0 * threshold_rad) + " rad");
   }
 }
 

@@ -70,7 +70,7 @@ std::string RiseSentence(const Report& report) {
          " raises an error: " + out + ".";
 }
 
-std::string ErrorText(double error) { return std::isfinite(error) ? Short(error) : "ran away"; }
+std::string ErrorText(double error) { return std::isfinite(error) ? Short(error) : "diverged"; }
 
 std::string ThreeErrors(const ErrorLine& line) {
   return ErrorText(line.declared) + " declared, " + ErrorText(line.refitted) + " refitted, " +

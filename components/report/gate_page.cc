@@ -238,7 +238,7 @@ std::vector<Picture> MakePictures(const gate::GateReport& gate, const std::vecto
 std::string FormatFaultTable(const std::vector<Fault>& faults) {
   if (faults.empty()) return "";
   std::string out = "<h2>Faults of the data</h2>\n<div class=\"wide\"><table>" +
-                    HtmlRow({"rule", "where", "statistic", "limit", "why", "what to do"}, "th");
+                    HtmlRow({"rule", "where", "statistic", "limit", "reason", "remedy"}, "th");
   for (const Fault& fault : faults) {
     std::string where = Escape(fault.signal);
     if (!fault.recording.empty()) where += (where.empty() ? "" : "<br>") + Escape(fault.recording);
@@ -256,8 +256,8 @@ std::string FormatFaultTable(const std::vector<Fault>& faults) {
 
 std::string FormatHtml(const DataCheck& check, const std::vector<Picture>& pictures,
                        const std::vector<std::string>& svgs) {
-  std::string out = HtmlHead("The data of " + check.robot);
-  out += "<h1>The data of " + Escape(check.robot) + ", " + Escape(check.joint) + "</h1>\n";
+  std::string out = HtmlHead("Data check: " + check.robot);
+  out += "<h1>Data check: " + Escape(check.robot) + ", " + Escape(check.joint) + "</h1>\n";
   std::string names;
   for (const auto* list : {&check.train, &check.held_out}) {
     for (const Recording& recording : *list) {
@@ -276,7 +276,7 @@ std::string FormatHtml(const DataCheck& check, const std::vector<Picture>& pictu
   for (const identify::Finding& finding : check.gate.findings) {
     out += "<li>" + Escape(finding.text) + "</li>\n";
   }
-  out += "</ul>\n<h2>How near the rules are</h2>\n<div class=\"wide\"><table>" +
+  out += "</ul>\n<h2>Largest statistic of each rule</h2>\n<div class=\"wide\"><table>" +
          HtmlRow({"rule", "statistic", "limit", "largest here", "where"}, "th");
   for (const gate::Measurement& at : check.gate.largest) {
     const gate::Rule& rule = gate::FindRule(at.rule);

@@ -1,5 +1,5 @@
-// What the data gate said, as a page and as sentences: of `sinew check-data`, and of a close-loop
-// that stopped there. Pure text.
+// The result of the data gate, as a page and as sentences: of `sinew check-data`, and of a
+// close-loop that stopped there. Pure text.
 #pragma once
 
 #include <cstdint>

@@ -22,11 +22,11 @@ std::string Probability(double p) {
   return text;
 }
 
-// What the held-out recordings say of it, with the slope and its interval.
+// The result on the held-out recordings: word, slope and its interval.
 std::string Confirmed(const trace::Confirmation& confirmation) {
-  if (confirmation.blocks == 0) return "not asked";
+  if (confirmation.blocks == 0) return "not tested";
   return std::string(trace::ConfirmationWord(confirmation.verdict)) + "<br>slope " +
-         Short(confirmation.slope) + " [" + Short(confirmation.lower) + ", " +
+         Short(confirmation.slope) + "<br>[" + Short(confirmation.lower) + ", " +
          Short(confirmation.upper) + "]";
 }
 
@@ -38,11 +38,10 @@ std::string HeldOutErrors(const trace::TraceResult& trace, const trace::FoundEff
 std::string Refuted(const trace::TraceResult& trace) {
   if (trace.refuted.empty()) return "";
   std::string out =
-      "<h2>What the held-out recordings refuted</h2>\n<p class=\"caption\">The training recordings "
-      "asked for these; the held-out ones do not follow them, or their error rises, or the size "
-      "may "
-      "as well be zero. They are no part of the model.</p><table>" +
-      HtmlRow({"effect", "removes", "held-out recordings", "held-out error without and with it"},
+      "<h2>Refuted on the held-out recordings</h2>\n<p class=\"caption\">Selected on the training "
+      "recordings, but the held-out recordings do not follow the effect, or their error rises, or "
+      "the interval of its size contains zero. Not in the model.</p><table>" +
+      HtmlRow({"effect", "removes", "held-out recordings", "held-out error, without &rarr; with"},
               "th");
   for (const trace::FoundEffect& effect : trace.refuted) {
     out += HtmlRow(
@@ -70,19 +69,20 @@ std::string Errors(const Report& report) {
   drive("held-out recordings", trace.nominal_held_out, trace.before_held_out, trace.after_held_out);
   out +=
       "</table>\n<p class=\"caption\">Declared: the model file as it is. Refitted: its "
-      "parameters fitted to the training recordings. Corrected: with the effects that are part "
-      "of the model.";
+      "parameters fitted to the training recordings. Corrected: with the effects that are in "
+      "the model.";
   if (report.free_run.errors) {
     const std::vector<free_run::ModelError>& models = report.free_run.errors->models;
     const auto pieces = [&](std::size_t model) {
       return std::to_string(models.at(model).diverged);
     };
     if (models[0].diverged + models[1].diverged + models[2].diverged > 0) {
-      out += " Of " + std::to_string(models[0].pieces) + " simulated pieces " +
-             pieces(kDeclaredModel) + ", " + pieces(kRefittedModel) + " and " +
-             pieces(kCorrectedModel) +
-             " ran away; they count for none, and a model that loses more than half of them has no "
-             "error.";
+      out +=
+          " Of " + std::to_string(models[0].pieces) + " simulated pieces " +
+          pieces(kDeclaredModel) + ", " + pieces(kRefittedModel) + " and " +
+          pieces(kCorrectedModel) +
+          " diverged; they are excluded for all models, and a model that loses more than half of "
+          "them has no error.";
     }
   } else {
     out += " Not simulated: " + Escape(report.free_run.why_not) + ".";
@@ -112,19 +112,19 @@ std::string Rotations(const Report& report) {
 std::string Detectable(const trace::TraceResult& trace) {
   if (trace.detectable.empty()) return "";
   std::string out =
-      "<h2>What would have been found</h2>\n<p class=\"caption\">The smallest size of each effect "
-      "that this search finds in 80 % of recordings like these: alone, at the shape that shows "
-      "best, "
-      "with p of the whole search at most " +
+      "<h2>Smallest detectable sizes</h2>\n<p class=\"caption\">The smallest size of each effect "
+      "that this search finds in 80 % of recordings like these, with the effect alone and at its "
+      "most visible shape: p of the whole search at most " +
       Short(trace::Limit(trace::rules::kGlobalP)) + " (rule p_global) and at least " +
       Percent(trace::Limit(trace::rules::kExplainedShare)) +
-      " of the refitted model's misfit (rule explained_share; told by accelerations or rates: " +
+      " of the refitted model's misfit (rule explained_share; effects identified from "
+      "accelerations or rates:  " +
       Percent(trace::Limit(trace::rules::kCurveShare)) +
-      ", rule curve_share). Smaller ones may be there. Not "
-      "listed: effects that the declared terms absorb, which show as a shift of parameters, and "
-      "lines "
-      "and events, which have no size before they are found.</p><table>" +
-      HtmlRow({"effect", "parameter", "smallest size found", "share of the measured side"}, "th");
+      ", rule curve_share). Smaller effects may be present. Not "
+      "listed: effects absorbed by refitting the declared terms (see the shift of parameters), and "
+      "spectral lines and events, which have no size before they are found.</p><table>" +
+      HtmlRow({"effect", "parameter", "smallest detectable size", "share of the measured side"},
+              "th");
   for (const trace::DetectableSize& size : trace.detectable) {
     std::string shape;
     for (const auto& [key, value] : size.shape) {
@@ -140,12 +140,13 @@ std::string Detectable(const trace::TraceResult& trace) {
 // The method in one sentence.
 std::string Method(const Report& report) {
   const trace::TraceResult& trace = report.trace;
-  return ". Sets of effects and free curves by their whitened likelihood, p of the whole search " +
-         (trace.p_global ? Probability(*trace.p_global) : "unknown") + " by random signs of " +
-         std::to_string(trace.units) + " blocks of " + Short(trace.unit_length_s) + " s, seed " +
+  return ". Sets of effects and free curves compared by whitened likelihood; p of the whole "
+         "search " +
+         (trace.p_global ? Probability(*trace.p_global) : "unknown") + " by sign flips of " +
+         std::to_string(trace.blocks) + " blocks of " + Short(trace.block_length_s) + " s, seed " +
          std::to_string(report.seed) +
-         "; what was chosen is confirmed by the slope of the held-out recording's left-over. The "
-         "rule that refused a candidate is in report.json.";
+         "; the selected set is confirmed by the slope of the held-out residual on the predicted "
+         "change. report.json names the rule that rejected each candidate.";
 }
 
 std::string Join(const std::vector<std::string>& words) {
@@ -186,21 +187,20 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
       "noise floor" + (trace.noise_floor_source.empty() ? std::string()
                                                         : ", " + Escape(trace.noise_floor_source)));
   box(Short(trace.ceiling_rms) + " " + unit,
-      "left by the richest model: all effects, curves and lines together");
+      "residual of the richest model: all effects, curves and lines together");
   out += "</div>\n" + Errors(report);
 
   if (!trace.effects.empty()) {
-    out += "<h2>What was found</h2>\n<table>" +
+    out += "<h2>Effects found</h2>\n<table>" +
            HtmlRow({"effect", "removes", "p", "held-out recordings",
-                    "held-out error without and with it", "or another of the catalogue"},
+                    "held-out error, without &rarr; with", "posterior probability"},
                    "th");
     for (const trace::FoundEffect& effect : trace.effects) {
-      out += HtmlRow({"<code>" + Escape(EffectLabel(trace, effect)) + "</code><br>" +
-                          Escape(EffectTitle(effect.name)) +
-                          (effect.in_model() ? "" : "<br>no part of the model"),
-                      Percent(effect.gain_share), Probability(effect.p),
-                      Confirmed(effect.confirmation), HeldOutErrors(trace, effect),
-                      NamedSetText(effect)});
+      out += HtmlRow(
+          {"<code>" + Escape(EffectLabel(trace, effect)) + "</code><br>" +
+               Escape(EffectTitle(effect.name)) + (effect.in_model() ? "" : "<br>not in the model"),
+           Percent(effect.gain_share), Probability(effect.p), Confirmed(effect.confirmation),
+           HeldOutErrors(trace, effect), NamedSetText(effect)});
     }
     out += "</table>\n";
     if (!trace.events.empty()) {
@@ -212,7 +212,7 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
       }
       out += "</table>\n";
     }
-    if (!next.empty()) out += "<p>" + Escape(next) + "</p>\n";
+    if (!next.empty()) out += "<p>Next experiment. " + Escape(next) + "</p>\n";
   } else if (!next.empty()) {
     out += "<h2>Next experiment</h2><p>" + Escape(next) + "</p>\n";
   }
@@ -223,7 +223,7 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
            "<p class=\"caption\">" + Escape(pictures[i].caption) + "</p></figure>\n";
   }
   out += "<h2>Parameters</h2>\n<table>" +
-         HtmlRow({"parameter", "declared", "refitted", "with the effect", "&plusmn; 95 %"}, "th");
+         HtmlRow({"parameter", "declared", "refitted", "corrected", "&plusmn; 95 %"}, "th");
   for (std::size_t t = 0; t < trace.corrected.terms.size(); ++t) {
     const auto physical = [&](const actuator::JointModel& model) {
       return actuator::PhysicalTerm(model, static_cast<int>(t));
@@ -256,9 +256,9 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
 
   if (!trace.shifts.empty()) {
     out +=
-        "<h2>What the refit absorbed</h2>\n<p class=\"caption\">Declared parameters that moved by "
-        "more than "
-        "their tolerance, and what would move them the same way.</p><table>" +
+        "<h2>Absorbed by refitting</h2>\n<p class=\"caption\">Declared parameters that moved by "
+        "more "
+        "than their tolerance, and effects that would move them in the same way.</p><table>" +
         HtmlRow({"parameter", "declared", "refitted", "tolerance", "sigma",
                  "causes that share the direction"},
                 "th");
@@ -283,9 +283,9 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
            "</table>\n";
   }
 
-  out += "<h2>What could not be seen</h2>\n";
+  out += "<h2>Effects not excited by these recordings</h2>\n";
   if (trace.not_excited.empty()) {
-    out += "<p>Every effect of the catalogue would have shown.</p>\n";
+    out += "<p>None: every effect of the catalogue would have been detected.</p>\n";
   } else {
     out += "<table>" + HtmlRow({"effect", "why"}, "th");
     for (const trace::NotExcited& hidden : trace.not_excited) {
@@ -294,9 +294,9 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
     out += "</table>\n";
   }
 
-  out += Detectable(trace) + "<h2>What remains</h2>\n<p>";
+  out += Detectable(trace) + "<h2>What the model leaves unexplained</h2>\n<p>";
   if (trace.unexplained.variable.empty()) {
-    out += "Nothing that follows a single measured variable.";
+    out += "No part of the residual follows a single measured variable.";
   } else {
     out += Escape(trace.unexplained.variable) +
            (trace.unexplained.order_per_turn > 0.0
@@ -309,7 +309,7 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
   for (const identify::Finding& finding : report.findings) {
     out += "<li>" + Escape(finding.text) + "</li>\n";
   }
-  out += "</ul>\n<h2>How it was assessed</h2>\n<p class=\"meta\">Zero-phase filters: states " +
+  out += "</ul>\n<h2>Method</h2>\n<p class=\"meta\">Zero-phase filters: states " +
          Short(report.processing.state_cutoff_Hz) + " Hz, both sides of the balance " +
          Short(report.processing.parallel_cutoff_Hz) + " Hz" + Method(report) +
          "</p>\n"

@@ -1,4 +1,4 @@
-// A picture of a page, and the look that all of them share. Pure text.
+// A picture of a page, and the style that all of them share. Pure text.
 #pragma once
 
 #include <string>

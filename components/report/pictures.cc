@@ -117,9 +117,8 @@ Picture MeasuredAgainstModel(const Report& report, const Design& held_out,
   data += "EOD\n";
   Picture out;
   out.title = "Measured against model, held-out recordings";
-  out.caption =
-      "Drive torque at the output, busiest " + Short(window_s) +
-      " s. Gaps in the model are rest and reversals, which a moving model says nothing about.";
+  out.caption = "Drive torque at the output, busiest " + Short(window_s) +
+                " s. Gaps in the model: rest and reversals, which are excluded.";
   out.script =
       PictureHead(340) + data + "set xlabel 'time, s'\nset ylabel 'drive, " + unit + "'\n" +
       "plot $d u 1:2 w l lw 3 lc rgb '" + kMeasuredColour +
@@ -149,9 +148,10 @@ Picture ResidualOverTime(const Report& report, const Design& held_out) {
   data += "EOD\n";
   Picture out;
   out.title = "Residual over time, held-out recordings";
-  out.caption = "What the balance of torques leaves while the joint moves: " +
-                Short(trace.before_held_out.rms) + " " + unit + " rms refitted, " +
-                Short(trace.after_held_out.rms) + " " + unit + " rms corrected.";
+  out.caption =
+      "Residual of the torque balance while the joint moves: " + Short(trace.before_held_out.rms) +
+      " " + unit + " rms refitted, " + Short(trace.after_held_out.rms) + " " + unit +
+      " rms corrected.";
   out.script =
       PictureHead(300) + data + "set xlabel 'time, s'\nset ylabel 'residual, " + unit +
       "'\nplot $d u 1:2 w l lw 1 lc rgb '" + kBeforeColour + "' t 'refitted'" +
@@ -258,10 +258,9 @@ Picture SpectrumByAngle(const Report& report, const Design& design, const Eigen:
   Picture out;
   const std::string turn = motor ? "motor" : "output";
   out.title = "Spectrum of the residual by angle, training recordings";
-  out.caption =
-      "Amplitude at every order of the " + turn +
-      "'s turn: what repeats with the angle (cogging, teeth, an oval wheel) stands out as "
-      "a line.";
+  out.caption = "Amplitude at every order of the " + turn +
+                "'s turn: torques that repeat with the angle (cogging, teeth, eccentric gears) "
+                "appear as lines.";
   out.script =
       PictureHead(300) + data + "set xlabel 'periods per turn of the " + turn +
       "'\nset ylabel 'amplitude, " + TorqueUnit(trace.corrected.kind) +
@@ -287,7 +286,8 @@ Picture Candidates(const trace::RoundReport& round) {
   data += "EOD\n";
   Picture out;
   out.title = "Candidates";
-  out.caption = "Part of the whitened misfit that each candidate alone removes. Coloured: chosen.";
+  out.caption =
+      "Part of the whitened misfit that each candidate removes by itself. Coloured: selected.";
   out.script = PictureHead(70 + 30 * std::max(3, count)) + data +
                "unset key\nset grid noy x\nset ytics textcolor rgb '#333333'\nset yrange [0.3:" +
                PictureNumber(count + 0.7) +

@@ -51,18 +51,12 @@ std::string EffectLabel(const trace::TraceResult& trace, const trace::FoundEffec
 }
 
 std::string NamedSetText(const trace::FoundEffect& effect) {
-  const auto percent = [](double probability) {
-    return std::to_string(static_cast<int>(std::lround(100.0 * probability)));
-  };
-  std::vector<std::string> names, alone;
+  std::vector<std::string> names;
   for (std::size_t k = 0; k < trace::NamedCount(effect.posterior); ++k) {
-    names.push_back(effect.posterior[k].name);
-    alone.push_back(percent(effect.posterior[k].probability));
+    const auto& [name, probability] = effect.posterior[k];
+    names.push_back(name + " (" + std::to_string(std::lround(100.0 * probability)) + " %)");
   }
-  std::string out =
-      Join(names, " or ") + ": " + percent(trace::NamedProbability(effect.posterior)) + " %";
-  if (names.size() > 1) out += " together; each alone " + Join(alone, ", ") + " %";
-  return out;
+  return Join(names, " or ");
 }
 
 std::string VerdictWord(trace::Verdict verdict) {
@@ -81,7 +75,7 @@ std::string VerdictWord(trace::Verdict verdict) {
 
 namespace {
 
-// The verdict without what the model raises.
+// The verdict, without the errors that the model raises.
 std::string Found(const Report& report) {
   const trace::TraceResult& trace = report.trace;
   const std::string unit = TorqueUnit(trace.corrected.kind);
@@ -101,17 +95,17 @@ std::string Found(const Report& report) {
       }
       std::string out;
       if (!names.empty()) {
-        out = "The recordings are consistent with " + Join(names, " and ") + ". Error of the " +
-              Join(errors, "; and of the ") + ".";
+        out = "The recordings are consistent with " + Join(names, " and ") + ". Error on the " +
+              Join(errors, "; on the ") + ".";
       }
       if (!left_out.empty()) {
-        out += (names.empty() ? "Training asks for " : " Training also asks for ") +
+        out += (names.empty() ? "The training recordings support " : " They also support ") +
                Join(left_out, " and ") +
                ", which the held-out recording neither confirms nor refutes; " +
-               (left_out.size() == 1 ? "it is" : "they are") + " no part of the model.";
+               (left_out.size() == 1 ? "it is" : "they are") + " not in the model.";
       }
       for (const trace::FoundEffect& effect : trace.effects) {
-        if (!effect.rivals().empty()) out += " " + NamedSetText(effect) + ".";
+        if (!effect.rivals().empty()) out += " Probability: " + NamedSetText(effect) + ".";
       }
       std::vector<std::string> open;
       for (const trace::FoundEffect& effect : trace.effects) {
@@ -124,28 +118,27 @@ std::string Found(const Report& report) {
         out += " The held-out recording does not confirm " + Join(open, " and ") + ".";
       }
       if (trace.effects.front().weak_evidence) {
-        out += " This is weak evidence: the recording falls into fewer than six independent parts.";
+        out += " The evidence is weak: the recording has fewer than six independent blocks.";
       }
       return out;
     }
     case trace::Verdict::kUnexplained:
-      return "Something follows " + trace.unexplained.variable +
+      return "Part of the residual follows " + trace.unexplained.variable +
              (trace.unexplained.order_per_turn > 0.0
                   ? " with order " + Short(trace.unexplained.order_per_turn) + " per turn"
                   : "") +
              " (" + Short(trace.unexplained.rms) + " " +
              std::string(effects::BalanceUnit(trace.unexplained.balance, trace.corrected.kind)) +
              " rms), and " +
-             (report.given ? "what was given does not explain it."
+             (report.given ? "the given effects do not explain it."
                            : "no effect of the catalogue explains it.");
     case trace::Verdict::kTooLittleData:
-      return "There is too little data to assess: " + trace.too_little->reason +
-             ". Nothing was fitted.";
+      return "Too little data for a result: " + trace.too_little->reason + ". Nothing was fitted.";
     case trace::Verdict::kNone:
       break;
   }
   return (report.given ? "The refitted model leaves "
-                       : "No effect beyond the declared model can be shown: the refitted model "
+                       : "No effect beyond the declared model is detectable: the refitted model "
                          "leaves ") +
          Short(trace.before_held_out.rms) + " " + unit + " rms on the held-out recordings" +
          (trace.noise_floor_rms > 0.0
@@ -153,7 +146,7 @@ std::string Found(const Report& report) {
               : ".");
 }
 
-// What was given, and which of it the recordings leave open.
+// The given effects, and those of them whose size the recordings do not determine.
 std::string GivenSentence(const std::set<std::string>& given, const trace::TraceResult& trace) {
   std::vector<std::string> names(given.begin(), given.end()), open;
   for (const std::string& name : names) {
@@ -165,7 +158,7 @@ std::string GivenSentence(const std::set<std::string>& given, const trace::Trace
   std::string out =
       "Given, not searched for: " + (names.empty() ? "no effect" : Join(names, " and ")) + ". ";
   if (!open.empty())
-    out += "These recordings give no possible size of " + Join(open, " and ") + ". ";
+    out += "These recordings do not determine a size of " + Join(open, " and ") + ". ";
   return out;
 }
 
@@ -199,13 +192,13 @@ std::string NextExperiment(const Report& report) {
   }
   for (const trace::FoundEffect& effect : trace.effects) {
     if (effect.rivals().empty()) continue;
-    return "To tell " + effect.name + " from " + Join(effect.rivals(), " and ") + ": " +
+    return "To distinguish " + effect.name + " from " + Join(effect.rivals(), " and ") + ": " +
            effects::MakeEffect(effect.name, {}, effect.balance)->info().separating_excitation + ".";
   }
   for (const trace::ParameterShift& shift : trace.shifts) {
     if (shift.causes.empty() || !trace.effects.empty()) continue;
-    return "To tell why " + shift.effect + "." + shift.parameter + " is not what was declared (" +
-           Join(shift.causes, " or ") +
+    return "To find why " + shift.effect + "." + shift.parameter +
+           " differs from its declared value (" + Join(shift.causes, " or ") +
            "): " + effects::MakeEffect(shift.causes.front(), {})->info().separating_excitation +
            ".";
   }
@@ -213,11 +206,12 @@ std::string NextExperiment(const Report& report) {
     return "Move " + trace.unexplained.variable +
            " alone, slowly, over its whole range, in both directions.";
   }
-  // What could hide here, and what would show it: the first that is no matter of declared terms.
+  // The first effect that is not excited and is not absorbed by declared terms, with the motion
+  // that excites it.
   for (const trace::NotExcited& hidden : trace.not_excited) {
     const std::string how = effects::MakeEffect(hidden.effect, {})->info().separating_excitation;
     if (hidden.reason.starts_with("up to") && !how.empty()) {
-      return "To see whether there is " + hidden.effect + ": " + how + ".";
+      return "To make " + hidden.effect + " detectable" + ": " + how + ".";
     }
   }
   return "";

@@ -1,4 +1,4 @@
-// What close-loop hands over: everything that the report's pages are made of.
+// The result of close-loop: everything that the report's pages are made of.
 // Pure data and text; no files.
 #pragma once
 
@@ -61,8 +61,8 @@ actuator::Term FittedTerm(const trace::TraceResult& trace, const trace::FoundEff
 // The effect's name; with its first nonlinear parameter when it was found more than once.
 std::string EffectLabel(const trace::TraceResult& trace, const trace::FoundEffect& effect);
 
-// The effect and its rivals with their probabilities, e.g. "load_dependent_friction or
-// drive_efficiency_direction: 97 % together; each alone 49, 48 %".
+// The effect and its rivals with their probabilities, e.g. "load_dependent_friction (49 %) or
+// drive_efficiency_direction (48 %)".
 std::string NamedSetText(const trace::FoundEffect& effect);
 
 // What a rotation found, e.g. "stribeck (confirmed)"; "refuted" ones as well.
@@ -80,7 +80,7 @@ std::string VerdictWord(trace::Verdict verdict);
 std::vector<Picture> MakePictures(const Report& report, const identify::Design& train,
                                   const identify::Design& held_out);
 
-// The page where too little was recorded to assess (TraceResult::too_little).
+// The page where the recordings have too little data (TraceResult::too_little).
 std::string FormatTooLittleHtml(const Report& report);
 
 // The page. svgs: one per picture, in order.

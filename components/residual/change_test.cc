@@ -79,7 +79,7 @@ ChangeResult ChangeTest::Step(const Block& block) noexcept {
   seen.column = block.column;
   next_ = (next_ + 1) % config_.window_blocks;
   seen_ = std::min(seen_ + 1, config_.window_blocks);
-  Assess();
+  TestBlocks();
 
   if (result_.alarm || result_.statistic > 0.5 * threshold_) return result_;
   const double limit = config_.clip_sigmas * std::sqrt(variance);
@@ -192,7 +192,7 @@ void ChangeTest::Noise(const std::array<double, kLags + 1>& products) noexcept {
   variance_ = std::max(learnt_variance_, correlation_ * products[0]);
 }
 
-void ChangeTest::Assess() noexcept {
+void ChangeTest::TestBlocks() noexcept {
   double largest = 0.0;
   double whole_window = 0.0;
   int at = 0;

@@ -1,4 +1,4 @@
-// Did what the model leaves change? A sequential test on blocks of the residual.
+// Detects a change of a model's residual: a sequential test on blocks of it.
 //
 // A block is the mean over some tenth of a second: the residual y, and the columns c of everything
 // that could explain it (the model's own terms, friction, an offset, a payload). No model is exact,
@@ -20,16 +20,16 @@
 //
 // A change of unknown size a along the column g of a cause is nu = a g from some block on.
 // Generalised likelihood ratio over the last n blocks, n = 1 .. window (Willsky, Jones 1976; Lai
-// 1995), less a size that is not worth telling (slack, as a torque):
+// 1995), less a size that is not worth an alarm (slack, as a torque):
 //
 //     Z = max over n and causes of ( |sum g z / sqrt(S)| - slack / rms(g) * A ) / sqrt(A),
 //     A = sum g^2 / S
 //
 // Alarm when Z > threshold (run_length.h: the mean time without a false alarm that was asked for,
 // all causes together). One block counts clip_sigmas at most: a bump alone is no change. The cause
-// that is told is the one whose column takes most of the innovations as they are (not clipped) from
-// the likeliest time of change on. Above half the threshold nothing is learnt; after an alarm not
-// until it has gone: Z over the whole window below half the threshold again.
+// that is reported is the one whose column takes most of the innovations as they are (not clipped)
+// from the likeliest time of change on. Above half the threshold nothing is learnt; after an alarm
+// not until it has gone: Z over the whole window below half the threshold again.
 //
 // Thread: one. Step is noexcept; it allocates nothing but in the block that ends the learning.
 #pragma once
@@ -55,7 +55,7 @@ struct ChangeTestConfig {
 struct Column {
   double prior = 0.0;  // standard deviation of beta; 0: a quarter of the drive torque's rms over
                        // its own, while learning
-  bool cause = false;  // is told; false: only learnt
+  bool cause = false;  // may be reported; false: only learnt
   // False: beta stays 0. For the drive's own torque: while nothing changes it is the sum of all the
   // others, so its scale could not be learnt, and every change would pass for an error of it.
   bool learnt = true;
@@ -107,7 +107,7 @@ class ChangeTest {
   void Learn(const Block& block) noexcept;
   void FinishLearning() noexcept;
   void Noise(const std::array<double, kLags + 1>& products) noexcept;
-  void Assess() noexcept;
+  void TestBlocks() noexcept;
   void Attribute(int blocks) noexcept;
   const Seen& Back(int blocks) const noexcept;
 

@@ -121,13 +121,13 @@ Monitor::Monitor(const actuator::JointModel& model, const MonitorConfig& config,
     throw std::invalid_argument("joint '" + model.name +
                                 "' has no drive term, expected drive_current or drive_voltage");
   }
-  const auto told = [&](Cause cause) {
+  const auto has_column = [&](Cause cause) {
     return std::any_of(sources_.begin(), sources_.end(),
                        [&](const Source& source) { return source.cause == cause; });
   };
   const bool linear = model.kind == types::JointKind::kLinear;
   const auto add = [&](Cause cause, const char* effect) {
-    if (told(cause)) return;
+    if (has_column(cause)) return;
     columns_model_.terms.push_back(actuator::MakeTerm(effect, model.constants));
     AddColumn(static_cast<int>(columns_model_.terms.size()) - 1, 0, 0.0, cause, &columns);
   };
@@ -265,7 +265,7 @@ MonitorOutput Monitor::Step(double time_s, const JointReading& reading) noexcept
     started_ = true;
     last_used_s_ = time_s;
   }
-  Sample& sample = guard_[static_cast<std::size_t>(guard_at_)];  // the oldest makes room
+  Sample& sample = guard_[static_cast<std::size_t>(guard_at_)];  // the oldest is replaced
   const bool full = guard_count_ == static_cast<int>(guard_.size());
   if (full && sample.usable) {
     sum_.residual_Nm += sample.residual_Nm;

@@ -1,16 +1,16 @@
-// Watches one joint: the torque its model predicts against the one that was measured.
+// Monitors one joint: the torque that its model predicts against the measured one.
 //
 // Every tick: states in the middle of a sliding window (moving_states.h), the residual
 //
 //     e = sum of all terms of the model (0 where it is right),   D = its drive terms
 //
-// and the columns of the test. A moving model says nothing about rest, reversals and what follows
+// and the columns of the test. A moving model does not cover rest, reversals and what follows
 // them at once (breakaway, teeth that change sides), so samples slower than rest_velocity, within
 // reversal_guard_s of such, or before settle_distance was covered again are left out. Blocks of
 // block_s with at least half their samples go into the test (change_test.h).
 //
 // Columns: every parameter of the model that is not known exactly (prior: its tolerance, at least a
-// quarter of its value), and the causes that can be told: an offset, dry friction, viscous
+// quarter of its value), and the causes that can be reported: an offset, dry friction, viscous
 // friction, a payload (a mass, on a linear axis), the pressure's slope, the drive's own torque.
 //
 // Thread: one. Step is noexcept; it allocates nothing but in the block that ends the learning.
@@ -30,7 +30,7 @@ namespace sinew::residual {
 // What a change of the residual follows.
 enum class Cause {
   kNothing,
-  kOffset,           // constant: current sensor, somebody leaning on the link
+  kOffset,           // constant: current sensor, a person leaning on the link
   kDryFriction,      // the direction of motion
   kViscousFriction,  // velocity
   kPayload,          // gravity and acceleration of a mass at the load cell
@@ -41,7 +41,7 @@ std::string_view CauseName(Cause cause) noexcept;  // "dry_friction"
 std::string_view CauseUnit(Cause cause, types::JointKind kind) noexcept;
 
 enum class State {
-  kLearning,  // what the model leaves, from moving samples: nothing can be told yet
+  kLearning,  // what the model leaves, from moving samples: no change can be detected yet
   kWatching,
   kNotExcited,  // at rest or too short in motion: a change could not be seen now
   kAlarm,
@@ -53,15 +53,15 @@ struct MonitorConfig {
   double window_s = 0.1;  // of the states' polynomial
   double block_s = 0.125;
   double learn_s = 30.0;          // of motion
-  double watch_s = 5.0;           // a change is assessed by at most this much motion
+  double watch_s = 5.0;           // the test uses at most this much motion
   double false_alarm_h = 1000.0;  // mean time of motion without change until an alarm
-  double slack_share = 0.01;      // of the drive torque's rms: smaller changes are not told
+  double slack_share = 0.01;      // of the drive torque's rms: smaller changes are not reported
   double slack_Nm = 0.0;          // and not below this
   double drift_1_h = 0.02;        // parameters may wander by this share of their prior in an hour
   double rest_velocity_rad_s = 0.04;
   double reversal_guard_s = 0.06;
   double settle_distance_rad = 0.005;
-  double not_excited_after_s = 1.0;  // without a block that could be assessed
+  double not_excited_after_s = 1.0;  // without a usable block
 };
 
 struct MonitorOutput {
@@ -76,7 +76,7 @@ struct MonitorOutput {
   bool alarm = false;
   double since_s = 0.0;  // time at which the change is likely to have come; 0: no alarm
   Cause follows = Cause::kNothing;
-  Cause rival = Cause::kNothing;  // explains nearly as much: this motion does not tell them apart
+  Cause rival = Cause::kNothing;  // explains nearly as much: this motion does not distinguish them
   double change = 0.0;            // of the cause's parameter (kg, Nm s/rad, ...)
   double change_error = 0.0;      // standard error
   double follows_share = 0.0;     // share of change_rms_Nm squared that follows it
@@ -92,7 +92,7 @@ class Monitor {
   MonitorOutput Step(double time_s, const JointReading& reading) noexcept;
 
   const ChangeTest& test() const noexcept { return *test_; }
-  // Ticks from a sample to its assessment, blocks not counted.
+  // Ticks from a sample to its use in the test, blocks not counted.
   int delay_ticks() const noexcept { return states_.half_window() + guard_ticks_; }
 
  private:
@@ -112,7 +112,7 @@ class Monitor {
   bool Moving(const effects::JointSample& x) noexcept;
   void CloseBlock(double time_s) noexcept;
 
-  actuator::JointModel model_;          // as the file says
+  actuator::JointModel model_;          // as in the file
   actuator::JointModel columns_model_;  // the same terms, and those of the causes behind them
   MonitorConfig config_;
   double period_s_;

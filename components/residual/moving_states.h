@@ -15,7 +15,7 @@
 
 namespace sinew::residual {
 
-// What the sensors of a joint said at one tick. SI, signs as in idl/.
+// The sensor values of a joint at one tick. SI, signs as in idl/.
 struct JointReading {
   bool valid = false;
   double position_rad = 0.0;        // output

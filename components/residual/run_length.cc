@@ -37,7 +37,7 @@ double MeanRunLength(double threshold, int window) {
     const double weight = i == 0 || i == kSteps ? 1.0 : i % 2 == 1 ? 4.0 : 2.0;
     sum += weight * x * nu * nu;
   }
-  // A window of one: every value is assessed by itself.
+  // A window of one: every value is tested by itself.
   const double rate = threshold * NormalDensity(threshold) * sum * step / 3.0;
   const double alone = std::erfc(threshold / std::numbers::sqrt2);
   return 1.0 / std::max(rate, alone);

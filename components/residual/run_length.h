@@ -1,4 +1,4 @@
-// The threshold of a generalised likelihood ratio test from how long it may run without an alarm.
+// The threshold of a generalised likelihood ratio test from its mean time between false alarms.
 //
 // Watched is the largest |sum of the last n values| / sqrt(n), n = 1 .. window, of independent
 // standard normal values. Siegmund, Venkatraman (Ann. Statist. 23 (1995) 255, theorem 1, two-sided)

@@ -1,4 +1,4 @@
-// The set of effects that is given by name: no rule is asked, only shapes are chosen. Pure.
+// The set of effects that is given by name: no rule is applied, only shapes are fitted. Pure.
 #pragma once
 
 #include <optional>
@@ -19,7 +19,7 @@ EffectSet FitAgreedSet(const Evidence& evidence, const std::vector<Hypothesis>& 
 std::set<std::string> Unasked(const Problem& problem,
                               const std::optional<std::set<std::string>>& agreed);
 
-// The assessment with what was agreed on chosen, but for what was refuted since.
+// Replaces the selected set by the agreed set, without effects refuted since.
 void ChooseAgreed(const Problem& problem, std::set<std::string> agreed,
                   const std::set<std::string>& refuted, SetAssessment* assessed);
 

@@ -85,7 +85,7 @@ class Assessor {
   // One that looks like an error of the low-pass would stand in the way of the others.
   bool TooFaint(const EffectSet& single) const {
     const Hypothesis& h = problem_.hypotheses()[single.members.front()];
-    return h.told_by_rates() && !Adequate({}, single, LeastShare(h), LeastVariance(h));
+    return h.from_rates() && !Adequate({}, single, LeastShare(h), LeastVariance(h));
   }
 
   // Does it explain so much more, of the misfit or of the variance?
@@ -98,7 +98,7 @@ class Assessor {
   SetSearch WithoutRates(std::size_t largest_set) const {
     std::set<std::string> unasked = refuted_;
     for (const Hypothesis& h : problem_.hypotheses()) {
-      if (h.told_by_rates()) unasked.insert(h.name);
+      if (h.from_rates()) unasked.insert(h.name);
     }
     return SearchSets(problem_.evidence, problem_.hypotheses(), largest_set, unasked);
   }
@@ -307,7 +307,7 @@ class Assessor {
     }
     std::erase_if(out, [&](const auto& entry) {
       const Hypothesis& h = hypotheses[entry.second.members[member]];
-      return h.name != hypotheses[set.members[member]].name && h.told_by_rates() &&
+      return h.name != hypotheses[set.members[member]].name && h.from_rates() &&
              !Adequate(without, entry.second, LeastShare(h), LeastVariance(h));
     });
     return out;
@@ -352,8 +352,8 @@ class Assessor {
         score.refused = !open                                            ? rules::kGlobalP.id
                         : refused != refused_.end()                      ? refused->second
                         : single.net > LeastGain(single.members.front()) ? rules::kShapeMisfit.id
-                        : h.told_by_rates()                              ? rules::kCurveShare.id
-                                            : rules::kExplainedShare.id;
+                        : h.from_rates()                                 ? rules::kCurveShare.id
+                                         : rules::kExplainedShare.id;
       }
       out_.scores.push_back(std::move(score));
     }

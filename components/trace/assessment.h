@@ -1,4 +1,5 @@
-// Which set of effects a problem asks for, or what it depends on without a name.
+// Selects the set of effects, or the variable that the residual follows where no effect explains
+// it.
 //
 // The search opens with one p-value. A set grows while what is added is more than what the shape of
 // the effects so far may leave, and while every member is missed by the others. A free curve that
@@ -30,7 +31,7 @@ struct BootstrapOptions {
   std::uint64_t seed = 1;
 };
 
-// refuted: names of effects that are not asked for any more.
+// refuted: names of effects that are excluded.
 SetAssessment AssessSets(const Problem& problem, const Likelihood& likelihood,
                          const identify::Design& design, const actuator::JointModel& declared,
                          std::size_t largest_set, const BootstrapOptions& bootstrap,

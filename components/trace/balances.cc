@@ -26,7 +26,7 @@ BalanceDesigns KinematicSight(const std::vector<types::Run>& train,
   }
   identify::StateSet states = identify::MakeKinematicStates(train, model, motion);
   const identify::ProcessingOptions options = identify::Unfiltered(motion, states.rate_Hz);
-  // What is surely more than the torque balance's error is told by the training recordings.
+  // The torque that exceeds the torque balance's error is determined on the training recordings.
   const double residual = identify::RawResidualTorque(states, model);
   out.train.emplace(std::move(states), options);
   out.held_out.emplace(identify::MakeKinematicStates(held_out, model, motion, residual), options);
@@ -132,12 +132,12 @@ TraceResult WithBalance(TraceResult motion, TraceResult other) {
   for (FoundEffect& effect : other.refuted) motion.refuted.push_back(std::move(effect));
   for (DetectableSize& size : other.detectable) motion.detectable.push_back(std::move(size));
   for (ParameterShift& shift : other.shifts) motion.shifts.push_back(std::move(shift));
-  // An effect with a form in both balances is seen when either shows it, and told once.
+  // An effect with a form in both balances is seen when either shows it, and listed once.
   for (NotExcited& hidden : other.not_excited) {
     const bool known =
         std::count(motion.assessed.begin(), motion.assessed.end(), hidden.effect) != 0 ||
         std::any_of(motion.not_excited.begin(), motion.not_excited.end(),
-                    [&](const NotExcited& told) { return told.effect == hidden.effect; });
+                    [&](const NotExcited& listed) { return listed.effect == hidden.effect; });
     if (!known) motion.not_excited.push_back(std::move(hidden));
   }
   for (const std::string& name : other.assessed) {

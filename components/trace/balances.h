@@ -13,7 +13,7 @@
 
 namespace sinew::trace {
 
-// Balances beside the motion's that the model declares, in the order in which they are assessed.
+// Balances beside the motion's that the model declares, in the order in which they are analysed.
 std::vector<effects::Balance> OtherBalances(const actuator::JointModel& model);
 
 // The rows of one of them; none, and why, where the recordings show nothing of it.
@@ -27,7 +27,7 @@ BalanceDesigns MakeBalanceDesigns(effects::Balance balance, const std::vector<ty
                                   const actuator::JointModel& model,
                                   const identify::ProcessingOptions& motion);
 
-// Assesses one of them with the model as the motion left it: its rows, its declared terms, its part
+// Analyses one of them with the model as the motion left it: its rows, its declared terms, its part
 // of the catalogue. motion: options of the torque balance, resolved. When the recordings show
 // nothing of it, the result has no effect and not_excited says why for every effect of that
 // balance.

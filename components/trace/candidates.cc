@@ -136,7 +136,7 @@ CandidateSet MakeCandidates(const identify::Design& design, const actuator::Join
       if (!stated) out.missing.push_back({name, missing});
       continue;
     }
-    // A load cell that nobody touches tells its own noise; "its gain is -1" would be that.
+    // An unloaded load cell contains only its own noise; a gain of -1 would remove that noise.
     const bool reads_load = std::count(info.needs.begin(), info.needs.end(), "load_force_N") != 0;
     // Where the motor is locked the load cell is the measured side itself.
     if (reads_load && (design.silent_load() || design.states().locked)) {

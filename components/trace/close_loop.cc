@@ -35,7 +35,7 @@ TraceResult NotAssessed(const actuator::JointModel& joint, TooLittle why) {
   return out;
 }
 
-LoopResult Assess(const std::vector<types::Run>& train, const std::vector<types::Run>& held_out,
+LoopResult Analyse(const std::vector<types::Run>& train, const std::vector<types::Run>& held_out,
                   const actuator::JointModel& joint, double longest_gap_s,
                   const TraceOptions& given) {
   // Every balance may give a false alarm: all of them together as seldom as one alone.
@@ -61,7 +61,7 @@ LoopResult Assess(const std::vector<types::Run>& train, const std::vector<types:
   for (const effects::Balance balance : others) {
     TraceResult other =
         TraceBalance(balance, train, held_out, loop.trace.corrected, loop.processing, options);
-    // Encoders that come apart as time goes on tell no torques.
+    // Encoders whose difference drifts with time give no torques.
     if (balance == effects::Balance::kKinematic && other.unexplained.variable == "time_s" &&
         loop.trace.verdict != Verdict::kNone) {
       const bool corrected = !loop.trace.effects.empty();
@@ -82,7 +82,7 @@ LoopResult CloseLoop(const std::vector<types::Run>& train, const std::vector<typ
                      const actuator::JointModel& joint, double longest_gap_s,
                      const TraceOptions& options) {
   try {
-    return Assess(train, held_out, joint, longest_gap_s, options);
+    return Analyse(train, held_out, joint, longest_gap_s, options);
   } catch (const identify::TooLittleData& error) {
     LoopResult out;
     out.trace = NotAssessed(

@@ -18,8 +18,8 @@ namespace sinew::trace {
 struct LoopResult {
   identify::ProcessingOptions processing;
   TraceResult trace;
-  // Empty when nothing was assessed.
-  std::optional<identify::Design> train;  // with the processing that `trace` was assessed by
+  // Empty when nothing was fitted.
+  std::optional<identify::Design> train;  // with the processing of `trace`
   std::optional<identify::Design> held_out;
 };
 

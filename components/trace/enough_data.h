@@ -1,5 +1,5 @@
-// Do the recordings hold enough to assess the torque balance? The limits are those of rules.h.
-// Pure.
+// Do the recordings contain enough rows and blocks for the torque balance? The limits are those of
+// rules.h. Pure.
 #pragma once
 
 #include <optional>

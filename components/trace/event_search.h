@@ -7,7 +7,7 @@
 //
 // An effect that lasts is a change point: for every instant the generalised likelihood ratio of the
 // effect acting from there on, beside the declared terms (Basseville, Nikiforov 1993, section 2.4),
-// against the same search with random signs of whole blocks. A push is told by a matched filter
+// against the same search with random signs of whole blocks. A push is detected by a matched filter
 // over all moving rows, also those that a reversal it caused has masked, which have a noise of
 // their own (what it explains is then counted on used rows alone); its peak is measured in robust
 // standard deviations of the filter's output, and it has to stand apart from the next loudest

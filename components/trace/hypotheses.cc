@@ -35,7 +35,8 @@ constexpr double kHighestOrder = 400.0;
 // A line is worth looking at when noise alone would show one as strong among all independent orders
 // in fewer than one of a thousand recordings: chi^2 with two degrees of freedom.
 constexpr double kRarest = 1e-3;
-// Orders that whole ones are told by: one turn does, and a map ends one step before it.
+// Least travel, in turns, from which an order is known to be whole: a map ends one step before one
+// turn.
 constexpr double kWholeTurn = 0.51;
 
 // Less of a wave than this is any smooth curve: it is no effect to search for, but may be what an
@@ -214,7 +215,7 @@ class Builder {
 
 }  // namespace
 
-bool Hypothesis::told_by_rates() const {
+bool Hypothesis::from_rates() const {
   static const std::set<std::string> kRates = {"acceleration_rad_s2", "motor_acceleration_rad_s2",
                                                "jerk_rad_s3", "snap_rad_s4", "drive_rate"};
   return physical() && effect->info().balance == effects::Balance::kMotion &&
@@ -222,12 +223,12 @@ bool Hypothesis::told_by_rates() const {
 }
 
 double LeastShare(const Hypothesis& hypothesis) {
-  return Limit(hypothesis.told_by_rates() ? rules::kCurveShare : rules::kExplainedShare);
+  return Limit(hypothesis.from_rates() ? rules::kCurveShare : rules::kExplainedShare);
 }
 
 double LeastVariance(const Hypothesis& hypothesis) {
   const double more = rules::kCurveShare.limit / rules::kExplainedShare.limit;
-  return (hypothesis.told_by_rates() ? more : 1.0) * Limit(rules::kVarianceShare);
+  return (hypothesis.from_rates() ? more : 1.0) * Limit(rules::kVarianceShare);
 }
 
 Bank MakeBank(const identify::Design& design, const Likelihood& likelihood,

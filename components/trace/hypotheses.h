@@ -45,14 +45,14 @@ struct Hypothesis {
   bool physical() const { return effect != nullptr; }
   // An effect of the motion that follows an acceleration, its derivatives or the drive's rate: what
   // the low-pass of the angles gets wrong looks like it.
-  bool told_by_rates() const;
+  bool from_rates() const;
 };
 
-// Share of the misfit that it has to explain: rule explained_share, or curve_share where it is told
-// by rates.
+// Share of the misfit that it has to explain: rule explained_share, or curve_share where it is
+// identified from rates.
 double LeastShare(const Hypothesis& hypothesis);
-// The same of the residual's variance (rule variance_share), as much more where it is told by
-// rates.
+// The same of the residual's variance (rule variance_share), as much more where it is
+// identified from rates.
 double LeastVariance(const Hypothesis& hypothesis);
 
 struct Bank {

@@ -33,7 +33,7 @@ constexpr int kMostAssessments = 3;
 // 3 % of the rows of true ones were beyond it (rigs 31-90), 18 % where the name was wrong (XL330).
 constexpr double kMostBeyondDrive = 0.05;
 
-// Assesses the sets without the effects of these names.
+// Searches the sets without the effects of these names.
 using AssessBy = std::function<SetAssessment(const std::set<std::string>& refuted)>;
 
 // Of those that are asked for the one that training misses least.
@@ -49,7 +49,7 @@ std::optional<std::size_t> Weakest(const std::vector<FoundEffect>& found, Asked 
 
 class Correction {
  public:
-  // assessed: what the sets were chosen by; base: the declared terms as reported.
+  // assessed: the likelihood of the search; base: the declared terms as reported.
   Correction(Design& train, Design& held_out, const Likelihood& assessed, const LikelihoodFit& base,
              const Problem& problem, const actuator::JointModel& declared,
              const TraceOptions& options)
@@ -64,7 +64,7 @@ class Correction {
 
   // Fits the set and confirms every member. A member that is wrong spoils the prediction of the
   // others: the refuted one that training misses least leaves, and the rest is confirmed anew. It
-  // may have stood in the way of better ones: when none is left, the sets are assessed anew without
+  // may have hidden better ones: when none is left, the sets are searched again without
   // those that were refuted.
   void Run(const AssessBy& assess, TraceResult* result) {
     std::set<std::string> refuted;
@@ -347,8 +347,8 @@ TraceResult TraceByLikelihood(Design& train, Design& held_out, const actuator::J
   const LikelihoodFit reported = Reported(train, base, model);
   result.declared = reported.fit.model;
   result.declared_fit = reported.fit;
-  result.units = static_cast<int>(base.likelihood.used.blocks.size());
-  result.unit_length_s = base.likelihood.used.block_s;
+  result.blocks = static_cast<int>(base.likelihood.used.blocks.size());
+  result.block_length_s = base.likelihood.used.block_s;
   NoteErrors(reported, base.fit.model, &train, &held_out, &result);
 
   RoundReport round;

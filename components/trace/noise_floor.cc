@@ -97,7 +97,7 @@ NoiseFloor EstimateNoiseFloor(const identify::Design& design, const identify::Ba
     input += segment.drive_input.squaredNorm() * segment.period_s * design.rows_per_s();
   }
   const double gain =
-      !design.rows().window.empty() ? drive_factor  // levels are taken off: sizes tell nothing
+      !design.rows().window.empty() ? drive_factor  // levels are removed: sizes say nothing
       : input > 0.0 ? drive_factor * std::sqrt(balance.drive_torque.squaredNorm() / input)
                     : 0.0;
   const double high = FromDifferences(design, gain);

@@ -1,4 +1,4 @@
-// How often a search over the whole bank finds as much where there is nothing.
+// p-values of a search over the whole bank: how often it finds as much without any effect.
 //
 // Wild bootstrap with Rademacher weights of whole blocks (Cameron, Gelbach, Miller 2008): the
 // scores that the noise of a block has with every column get a random sign, and the same search is

@@ -1,4 +1,4 @@
-// What else may stand in the place of an effect of the chosen set, and how probable each is.
+// Probabilities of the names that may stand in the place of an effect of the selected set.
 //
 // The best set and those in which one member is replaced by another effect, each at its best
 // setting, are compared; all names are equally probable beforehand. No shape of the catalogue is

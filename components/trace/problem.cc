@@ -140,7 +140,7 @@ namespace {
 
 // A drive that acts late shows by its rate, measured or predicted; noise makes either too small
 // (errors in variables). The better one leaves less.
-bool PredictedRateTellsMore(identify::Design* design, const Likelihood& likelihood,
+bool PredictedRateGainsMore(identify::Design* design, const Likelihood& likelihood,
                             const actuator::JointModel& declared, const identify::FitResult& fit) {
   if (declared.balance != effects::Balance::kMotion || design->held()) return false;
   const auto delay = effects::MakeEffect("transport_delay", declared.constants);
@@ -175,7 +175,7 @@ LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::Joint
         out.fit.coefficients[0] <= 0.0 || (out.fit.balance.spread[0] == 0.0 && error > kScaleKnown);
     if (likelihood.keep_scale) out.fit = FitWhitened(*design, likelihood, declared);
   }
-  likelihood.predicted_rate = PredictedRateTellsMore(design, likelihood, declared, out.fit);
+  likelihood.predicted_rate = PredictedRateGainsMore(design, likelihood, declared, out.fit);
   design->UsePredictedRate(likelihood.predicted_rate);
   design->PredictDrive(out.fit.model);
 

@@ -1,4 +1,4 @@
-// A balance ready to be assessed: its rows, whitened, with everything that may explain what the
+// A balance ready for the search: its rows, whitened, with everything that may explain what the
 // declared terms leave. Made once; nothing changes it. Pure; allocates.
 #pragma once
 

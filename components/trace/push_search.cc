@@ -22,8 +22,8 @@ constexpr double kSeen = 0.35;
 // Pushes are the same when their sizes are within this factor.
 constexpr double kSameSize = 2.0;
 constexpr std::size_t kMostPushes = 3;  // in a recording
-// Peaks below the pushes that tell how loud the rest is at most: half of the logarithm's digits of
-// their scale are certain (error 1 / sqrt(10)).
+// Peaks below the pushes that bound the other peaks: half of the logarithm's digits of their scale
+// are certain (error 1 / sqrt(10)).
 constexpr std::size_t kBackground = 10;
 constexpr double kNormal95 = 1.96;  // 95 % of normal values lie within
 

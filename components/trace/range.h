@@ -1,4 +1,4 @@
-// What the catalogue's range of a parameter says of any machine: of a ratio all of it; of what has
+// The catalogue's range of a parameter, applied to any machine: of a ratio all of it; of what has
 // a unit the sign, since how large it may be is the machine's affair. Pure.
 #pragma once
 

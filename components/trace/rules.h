@@ -1,5 +1,5 @@
 // Every limit that decides a verdict, in the order in which they are
-// asked. A refusal in report.json names its rule; docs/closing-the-loop.md has the same table (a
+// applied. A refusal in report.json names its rule; docs/closing-the-loop.md has the same table (a
 // test). Pure.
 #pragma once
 
@@ -61,7 +61,8 @@ inline constexpr Rule kMemberP = {"p_member", "p of a member beside the others",
                                   "as p_global"};
 inline constexpr Rule kCurveShare = {
     "curve_share",
-    "net gain of a free curve, or of an effect told by accelerations or rates, share of the "
+    "net gain of a free curve, or of an effect identified from accelerations or rates, share of "
+    "the "
     "refitted model's misfit",
     0.04, 0.0,
     "provisional, rigs 31-90 (rig_bank): of such effects below it 2 were right, 10 wrong"};
@@ -94,7 +95,7 @@ inline constexpr Rule kEventPeak = {
     "one of a thousand million normal values is further out"};
 inline constexpr Rule kEventAlone = {
     "event_alone", "p of the gap between pushes and the next loudest places (push_search.cc)", 0.01,
-    kNever, "as p_global, over all numbers of pushes that are asked for"};
+    kNever, "as p_global, over all numbers of pushes that are searched for"};
 
 }  // namespace rules
 

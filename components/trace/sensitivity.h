@@ -1,4 +1,4 @@
-// What the recordings could have shown: the smallest size of every effect that the search would
+// Detectable sizes of these recordings: the smallest size of every effect that the search would
 // have found, and the effects that could hide. Pure; allocates.
 #pragma once
 

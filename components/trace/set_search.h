@@ -45,7 +45,7 @@ struct SetSearch {
   EffectSet curve;                 // best free curve alone; may be empty
 };
 
-// largest: of a set, at most 3. refuted: names of effects that are not asked for any more.
+// largest: of a set, at most 3. refuted: names of effects that are excluded.
 SetSearch SearchSets(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
                      std::size_t largest, const std::set<std::string>& refuted = {});
 

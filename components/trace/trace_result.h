@@ -1,4 +1,4 @@
-// What tracing a residual to its cause is asked, and what it says.
+// Options and result of the search for the cause of a residual.
 #pragma once
 
 #include <Eigen/Core>
@@ -61,7 +61,7 @@ struct FoundEffect {
   std::string name;
   effects::Balance balance = effects::Balance::kMotion;
   int term = -1;  // first of its terms in the corrected model; -1: it is no part of that
-  // Its terms as fitted where it was assessed, linear parameters in their own units
+  // Its terms as fitted in the search, linear parameters in their own units
   // (actuator::PhysicalTerm). Empty: the engine of blocks.
   std::vector<actuator::Term> fitted;
   Posterior posterior;      // of its name and of others in its place
@@ -127,7 +127,7 @@ enum class Verdict { kNone, kEffect, kUnexplained, kTooLittleData };
 // How well a balance holds without and with what was found, in its own unit.
 struct Assessment {
   Verdict verdict = Verdict::kNone;
-  std::string unseen;  // why there was nothing to assess; empty: there was
+  std::string unseen;  // why no row could be used; empty: rows are used
   // Of the largest statistic of the whole search, all balances and joints together; none: nothing
   // to assess.
   std::optional<double> p_global;
@@ -138,8 +138,8 @@ struct Assessment {
   double noise_floor_rms = 0.0;
   std::string noise_floor_source;
   double ceiling_rms = 0.0;
-  int units = 0;  // independent blocks of rows
-  double unit_length_s = 0.0;
+  int blocks = 0;  // independent blocks of rows: cross-validation groups, whose signs are flipped
+  double block_length_s = 0.0;
   std::vector<RoundReport> rounds;
   Unexplained unexplained;
 };
@@ -151,7 +151,7 @@ struct BalanceSummary : Assessment {
 };
 
 struct TraceResult : Assessment {
-  std::optional<TooLittle> too_little;  // why nothing was assessed; empty: it was
+  std::optional<TooLittle> too_little;  // why nothing was fitted; empty: it was
   actuator::JointModel nominal;         // as declared
   actuator::JointModel declared;        // refitted, nothing added
   actuator::JointModel corrected;       // with the effects that are in_model()

@@ -181,7 +181,7 @@ void SetNoise(const Eigen::Ref<const Eigen::VectorXd>& residual, Eigen::Index wi
   const double middle =
       n > 0 ? identify::Quantile(std::vector<double>(scale.begin(), scale.end()), 0.5) : 0.0;
   if (middle > 0.0) {
-    // Quiet places are not believed to be quieter than half of the ordinary.
+    // The local scale has a lower bound: half of the typical one.
     likelihood->weight = (scale.array() / middle).max(0.5).inverse();
     const Eigen::VectorXd even = likelihood->weight.cwiseProduct(residual);
     likelihood->noise = NoiseModel(even, likelihood->used.stretches, longest_order);

@@ -22,7 +22,7 @@ Prior PriorOf(const identify::Balance& balance, const actuator::JointModel& mode
 // Prior of an effect: its rms is of the order of this share of the measured side's rms, or less.
 inline constexpr double kPlausibleShare = 0.5;
 
-// What a balance is assessed by: rows, noise, and how the declared terms are fitted.
+// Likelihood of a balance: rows, noise, and how the declared terms are fitted.
 struct Likelihood {
   UsedRows used;
   NoiseModel noise;

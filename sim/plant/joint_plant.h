@@ -1,4 +1,4 @@
-// One SEA-PEA actuator as its joint model says: drive, rotor, free play, and every term of the
+// One SEA-PEA actuator by its joint model: drive, rotor, free play, and every term of the
 // model.
 //
 // Two bodies where the model has free play: the rotor (motor angle / N) with the terms of
@@ -7,7 +7,7 @@
 //     T_tooth = max(0, k d + c dd/dt),   d = (motor/N - output) - play/2   (and mirrored)
 //
 // One body without free play. The link itself is integrated by the caller (Bullet, or SingleJoint):
-// the plant says which torque, added inertia and friction act on it. A step is drift - kick -
+// the plant gives the torque, added inertia and friction on it. A step is drift - kick -
 // drift: half a step of motion, forces there, the velocities, the other half; second order and
 // symmetric, so that the energy of a frictionless joint does not drift.
 //
@@ -81,7 +81,7 @@ class JointPlant {
   void SetLoad(double hand_force_N, double payload_kg) noexcept;
   void SetPressure(double pressure_bar, double rate_bar_s) noexcept;
   void SetMotorTemperature(double temperature_degC) noexcept;
-  // Everything around the joint as a recording says: time, pressure, load force, payload,
+  // Everything around the joint as in a recording: time, pressure, load force, payload,
   // temperature and valve of x; the rest of x is not read. A payload or load force for which the
   // model has no term is left out, as in its balance.
   void SetSurroundings(const effects::JointSample& x) noexcept;
@@ -97,9 +97,9 @@ class JointPlant {
   double motor_position_rad() const noexcept;  // at the shaft
   double motor_velocity_rad_s() const noexcept;
   double drive_input() const { return sample_.drive_input; }  // A or V
-  double drive_torque_Nm() const noexcept;  // at the output, as the drive terms say
+  double drive_torque_Nm() const noexcept;                    // at the output, by the drive terms
   double tooth_torque_Nm() const { return tooth_torque_Nm_; }
-  // Output encoder's reading minus the angle, as the model's kinematic terms say.
+  // Output encoder's reading minus the angle, by the model's kinematic terms.
   double encoder_error_rad() const noexcept;
   double motor_temperature_degC() const { return sample_.temperature_degC; }
   // Kinetic energy of the rotor and elastic energy of the teeth.

@@ -9,7 +9,7 @@
 //
 // The volume follows from the torque K P - k1 P (q - q0): the work of the gas is P dV (1e5 Pa = 1
 // bar). With a reservoir volume of 0 the valve joins the chamber to a source of constant pressure.
-// Pressures are gauge unless they say absolute. Thread: one.
+// Pressures are gauge unless marked absolute. Thread: one.
 #pragma once
 
 namespace sinew::plant {

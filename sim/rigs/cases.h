@@ -1,4 +1,4 @@
-// The cases of a rig: what is hidden in its recordings, drawn from its number.
+// The cases of a rig: undeclared effects of its recordings, drawn from its number.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace sinew::rigs {
 
-// kPlanted: an effect of a size that is given, drawn by nobody (bench/rigs/planting.h).
+// kPlanted: an effect of a size that is given, not drawn (bench/rigs/planting.h).
 enum class CaseKind { kPlain, kEffect, kPair, kOutside, kIgnorance, kFault, kPlanted };
 const char* WordOf(CaseKind kind);
 
@@ -39,7 +39,7 @@ std::vector<FaultRows> PlantFault(const Rig& rig, const std::string& fault,
 
 const char* RecordingName(int recording);
 
-// Names that say the same of a moving joint by definition, whatever the rig: rows of names.
+// Names that are equivalent for a moving joint by definition, whatever the rig: rows of names.
 const std::vector<std::vector<std::string>>& SameByDefinition();
 
 }  // namespace sinew::rigs

@@ -9,7 +9,7 @@ namespace sinew::rigs {
 namespace {
 
 // Least squares by the normal equations of unit columns, a ridge of rounding size for columns that
-// say the same.
+// are equivalent.
 Eigen::MatrixXd FreeOf(const Eigen::MatrixXd& columns, const Eigen::MatrixXd& values,
                        const Eigen::VectorXd& prior_weight) {
   if (columns.cols() == 0) return values;

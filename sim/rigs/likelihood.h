@@ -1,4 +1,4 @@
-// How much of a residual an effect makes, and whether a test that knows the effect would see it.
+// How much of a residual an effect makes, and whether a test for the known effect would detect it.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-// What a rig is asked to do during one recording: reference, pressure, hand, payload.
+// The commands of one recording of a rig: reference, pressure, hand, payload.
 #pragma once
 
 #include <string>

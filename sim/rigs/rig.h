@@ -1,4 +1,4 @@
-// A drawn rig: what it is made of, what it measures, how it is moved.
+// A drawn rig: mechanics, sensors, motion.
 //
 // Everything is at the output: rad and Nm, or m and N for a linear axis ("unit" below). The motor's
 // angle is gear_ratio times the output's; x = motor angle / gear_ratio.

@@ -1,4 +1,4 @@
-// What the log holds: counts, noise, stamps, lost rows.
+// The recorded channels: counts, noise, stamps, lost rows.
 #pragma once
 
 #include <vector>

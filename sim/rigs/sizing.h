@@ -1,4 +1,4 @@
-// How large an effect is made in a rig, whether it could be seen, and what could pass for it.
+// The size of an effect in a rig, whether it is identifiable, and its class of equivalent effects.
 #pragma once
 
 #include <map>

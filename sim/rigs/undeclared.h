@@ -1,4 +1,4 @@
-// What a rig does and its declared model does not say: effects of the catalogue by their names
+// What a rig does and its declared model lacks: effects of the catalogue by their names
 // there, effects outside of it, and structured ignorance. Their formulas are this folder's own.
 #pragma once
 

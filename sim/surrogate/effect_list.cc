@@ -51,8 +51,8 @@ const std::vector<EffectInfo>& UndeclaredEffects() {
       {"seal_hysteresis", "N m/bar", 0.012, 0.0, 1.0, 0.0, kIn,
        "seal lip of slip elements, 0.01 to 0.24 rad, pressed on by the chamber's pressure"},
       {"payload", "kg", 0.5, 0.0, 5.0, 0.0, kIn,
-       "mass at the load cell that nobody declared; from the start a refit takes it up whole as "
-       "inertia and gravity, so give it a time: payload=0.5@30"},
+       "undeclared mass at the load cell; from the start it is absorbed by refitting inertia and "
+       "gravity, so give it a time: payload=0.5@30"},
       {"quadratic_viscous", "N m s2/rad2", 0.1, -1.0, 1.0, 0.0, kIn,
        "gear oil churned by the rotor: torque grows with speed squared (size at 1 rad/s of "
        "output)"},
@@ -87,12 +87,11 @@ const std::vector<EffectInfo>& UndeclaredEffects() {
       {"payload_step", "kg", 0.1, 0.0, 5.0, 20.0, kIn,
        "mass hung on the load cell during the run, at 20 s"},
       {"external_bump", "N", 6.0, -100.0, 100.0, 20.0, kIn,
-       "somebody pushes the link beside the load cell for 0.8 s, at 20 s"},
+       "a person pushes the link beside the load cell for 0.8 s, at 20 s"},
       {"gravity_phase", "rad", 0.12, -0.5, 0.5, 0.0, kIn, "the rig stands tilted"},
       {"load_cell_gain", "1", 0.1, -0.5, 0.5, 0.0, kIn, "load cell reads this share too much"},
       {"load_cell_misalignment", "rad", 0.15, -0.6, 0.6, 0.0, kIn,
-       "load cell turned in its seat: of a hand that pushes straight down it sees another part at "
-       "every angle"},
+       "load cell rotated in its seat: the measured part of a vertical push depends on the angle"},
       {"pressure_offset", "bar", 0.1, -1.0, 1.0, 0.0, kIn, "zero of the pressure sensor is off"},
       {"pressure_gain", "1", 0.2, -0.5, 0.5, 0.0, kIn, "pressure sensor reads this share too much"},
       {"pressure_lag", "s", 0.1, 0.0, 2.0, 0.0, kIn,
@@ -113,7 +112,8 @@ const std::vector<EffectInfo>& UndeclaredEffects() {
        "one bad tooth of the first stage's wheel (ten motor turns): a bump once per turn of it, at "
        "the rotor"},
       {"supply_sag", "1", 0.94, 0.0, 0.99, 0.0, kOutside,
-       "another load pulls the supply down by this share for 1.5 s of every 7; the current told is "
+       "another load pulls the supply down by this share for 1.5 s of every 7; the reported "
+       "current is "
        "true"},
       {"slow_tilt", "rad/min", 0.15, -0.5, 0.5, 0.0, kOutside,
        "the rig's base tilts slowly, at an even rate"},

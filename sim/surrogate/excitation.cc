@@ -16,7 +16,7 @@ using types::kTwoPi;
 constexpr double kBridge_s = 1.5;  // from one centre to the next
 constexpr std::uint64_t kStreamPlan = 300;
 
-// What the operator believes about the rig.
+// The operator's nominal values of the rig.
 constexpr double kGearRatio = 100.0;
 constexpr double kEfficiency = 0.77;
 constexpr double kInertia_kg_m2 = 0.134;

@@ -25,7 +25,7 @@ ExcitationKind ParseExcitation(std::string_view text);
 struct ExcitationParameters {
   ExcitationKind kind = ExcitationKind::kDesigned;
   double duration_s = 90.0;
-  // What the controller believes of the rig.
+  // The controller's nominal values of the rig.
   double payload_kg = 0.0;
   double pneumatic_Nm_bar = 0.3587;
   double pneumatic_stiffness_Nm_rad_bar = 0.0;

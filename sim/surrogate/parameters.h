@@ -1,5 +1,5 @@
 // Every number of the rig that the surrogate plays, with its default. Sources: the thesis (T), data
-// sheets (D), or chosen because nothing was published (C). docs/participants/surrogate.md tells
+// sheets (D), or chosen because nothing was published (C). docs/participants/surrogate.md gives
 // which published facts follow from them.
 #pragma once
 
@@ -89,8 +89,9 @@ struct SensorParameters {
   double pressure_range_bar = 10.0;
   double temperature_noise_degC = 0.1;
   double temperature_step_degC = 0.1;
-  double latch_phase = 0.5;         // C: when in a cycle the drive latches its readings, 0 to 1
-  double torque_efficiency = 0.77;  // for the torque told by the current: data sheet, not truth
+  double latch_phase = 0.5;  // C: when in a cycle the drive latches its readings, 0 to 1
+  double torque_efficiency =
+      0.77;  // for the torque computed from the current: data sheet, not truth
 };
 
 struct RigParameters {

@@ -306,7 +306,7 @@ void Rig::Substep(const RigInput& input, double dt_s) noexcept {
     torque_reference_Nm_ = drive_.Step(input.drive, MotorCount(), sensor_step_s_);
     output_observer_.Step(OutputCount(), sensor_step_s_);
   }
-  // The current loop trusts its sensor: what that reads too much, the windings get too little.
+  // The current loop controls the reading: the windings get the error with opposite sign.
   motor_.SetSupply(undeclared_.SupplyShare());
   const double asked_Nm = torque_reference_Nm_ - parameters_.motor.torque_constant_Nm_A *
                                                      undeclared_.size(Effect::kCurrentOffset);

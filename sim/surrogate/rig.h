@@ -38,7 +38,7 @@ struct RigReading {
   double output_angle_rad = 0.0;
   double output_velocity_rad_s = 0.0;  // observer
   double motor_current_A = 0.0;
-  double output_torque_Nm = 0.0;  // told by the current: efficiency * N * Kt * Iq
+  double output_torque_Nm = 0.0;  // computed from the current: efficiency * N * Kt * Iq
   double drive_voltage_V = 0.0;   // q axis
   double motor_temperature_degC = 0.0;
   double chamber_pressure_bar = 0.0;
@@ -169,7 +169,7 @@ class Rig {
     double motor_estimate_rad_s = 0.0;
     double output_estimate_rad_s = 0.0;
   };
-  Past Seen() const noexcept;  // what the encoders' telegrams tell now
+  Past Seen() const noexcept;  // what the encoders' telegrams report now
   std::vector<Past> past_;     // ring; empty: telegrams are not late
   std::size_t past_next_ = 0;
 };

@@ -1,4 +1,4 @@
-// Dry friction that really sticks: a bank of elastic elements that slip, with a breakaway torque
+// Dry friction with true sticking: a bank of elastic elements that slip, with a breakaway torque
 // that grows with the time at rest.
 //
 // Element i carries a spring of stiffness k_i, deflected by z_i, between the two bodies. While

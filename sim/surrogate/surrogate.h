@@ -3,8 +3,8 @@
 //
 // Commands are at the output (position, velocity) or at the motor shaft (torque), as everywhere;
 // the drive gets them at the motor shaft. A command with a value that is not finite is not
-// executed: the drive idles for that cycle and the sensors say so (fault). Angles and forces beyond
-// any sense are limited. One owner; Step does not allocate while commands are finite.
+// executed: the drive idles for that cycle and the sensors report it (fault). Angles and forces
+// beyond any sense are limited. One owner; Step does not allocate while commands are finite.
 #pragma once
 
 #include <cstdint>

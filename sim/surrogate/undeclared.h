@@ -1,8 +1,8 @@
-// What the rig does and its declared model does not say: effects switched on by name.
+// What the rig does and its declared model lacks: effects switched on by name.
 //
 // Each is a mechanism of its own (a table, a bank of slip elements, a mass, a worn part, a sensor's
 // fault), written apart from the catalogue that looks for it. `size` has the unit that
-// UndeclaredEffects() tells; a second parameter (a place, a shape) is part of the mechanism and
+// UndeclaredEffects() lists; a second parameter (a place, a shape) is part of the mechanism and
 // stands in its table. One owner; no allocation after construction; everything but the constructor
 // is noexcept. Sizes of 0 leave every number as it was.
 #pragma once
@@ -65,7 +65,7 @@ struct EffectInfo {
   double default_size;
   double smallest_size;  // 0 where a negative one means nothing
   double largest_size;
-  double default_from_s;  // acts from this time on where nothing else is said
+  double default_from_s;  // acts from this time on by default
   bool in_catalogue;      // false: no effect of the catalogue describes it
   std::string_view mechanism;
 };

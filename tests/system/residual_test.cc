@@ -53,7 +53,7 @@ std::vector<msg::ResidualState> WatchRig(int domain, int seed, int seconds,
   return messages;
 }
 
-TEST(ResidualOverTopics, APayloadIsToldWithinFiveSecondsOfSimulatedTime) {
+TEST(ResidualOverTopics, APayloadIsReportedWithinFiveSecondsOfSimulatedTime) {
   const char* asked = std::getenv("SINEW_RESIDUAL_RUNS");
   const int runs = asked != nullptr ? std::atoi(asked) : 2;
   for (int seed = 1; seed <= runs; ++seed) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <regex>
 #include <set>
@@ -13,6 +12,7 @@
 #include <vector>
 
 #include "components/node/topics.h"
+#include "tests/tree/tree_files.h"
 
 namespace sinew {
 namespace {
@@ -22,48 +22,6 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-const fs::path kRoot = SINEW_SOURCE_DIR;
-
-std::string Read(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-std::vector<std::string> Lines(const std::string& text) {
-  std::vector<std::string> lines;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  return lines;
-}
-
-// Files of the project below a folder, as paths from the root; build trees and hidden folders left
-// out.
-std::vector<std::string> Files(const std::string& below = "") {
-  std::vector<std::string> files;
-  const fs::path start = kRoot / below;
-  if (!fs::exists(start)) return files;
-  for (auto it = fs::recursive_directory_iterator(start); it != fs::recursive_directory_iterator();
-       ++it) {
-    const std::string name = it->path().filename();
-    if (it->is_directory() && (name == "build" || name == "install" || name == "node_modules" ||
-                               (name.front() == '.' && name != ".ci"))) {
-      it.disable_recursion_pending();
-    } else if (it->is_regular_file()) {
-      files.push_back(fs::relative(it->path(), kRoot).string());
-    }
-  }
-  std::sort(files.begin(), files.end());
-  return files;
-}
-
-bool EndsWith(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-bool StartsWith(const std::string& text, const std::string& begin) {
-  return text.rfind(begin, 0) == 0;
-}
 bool IsSource(const std::string& file) { return EndsWith(file, ".cc") || EndsWith(file, ".h"); }
 
 struct Include {
@@ -458,23 +416,6 @@ TEST(Tree, NothingIsLeftUnfinished) {
     for (std::size_t i = 0; i < lines.size(); ++i) {
       if (std::regex_search(lines[i], kWords)) {
         found.push_back(file + ":" + std::to_string(i + 1) + ": " + lines[i]);
-      }
-    }
-  }
-  EXPECT_THAT(found, IsEmpty());
-}
-
-TEST(Tree, LinksOfTheDocumentsLead) {
-  static const std::regex kLink(R"(\]\(([^)#\s]+)[^)]*\))");
-  std::vector<std::string> found;
-  for (const std::string& file : Files()) {
-    if (!EndsWith(file, ".md")) continue;
-    const std::string text = Read(kRoot / file);
-    for (std::sregex_iterator it(text.begin(), text.end(), kLink), end; it != end; ++it) {
-      const std::string target = (*it)[1];
-      if (target.find("://") != std::string::npos) continue;
-      if (!fs::exists(kRoot / fs::path(file).parent_path() / target)) {
-        found.push_back(file + " -> " + target);
       }
     }
   }

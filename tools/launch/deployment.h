@@ -1,4 +1,4 @@
-// What a deployment file says, and the command lines that come of it.
+// The contents of a deployment file, and its command lines.
 //
 // Files: schema sinew-deployment/1, keys in README.md. Set-up only; throws UsageError with one
 // line.

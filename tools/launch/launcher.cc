@@ -237,7 +237,7 @@ struct Launcher::Impl {
     if (kept.size() > kKeptLines) kept.pop_front();
     output.FromProcess(child->index, stream_index == 1, text);
     if (output.broken() && phase == Phase::kRunning) {
-      output.Say("nobody reads the output any more, stopping");
+      output.Say("the output is closed, stopping");
       StopAll();
     }
     if (!child->ready && text.find(child->process->ready_when) != std::string_view::npos) {

@@ -22,8 +22,8 @@ LineSplitter::LineSplitter(Line line) : line_(std::move(line)) {}
 
 void LineSplitter::Add(std::string_view bytes) {
   while (!bytes.empty()) {
-    const std::size_t room = kLongestLine - rest_.size();
-    const std::string_view piece = bytes.substr(0, std::min(bytes.find('\n'), room));
+    const std::size_t free_bytes = kLongestLine - rest_.size();
+    const std::string_view piece = bytes.substr(0, std::min(bytes.find('\n'), free_bytes));
     rest_.append(piece);
     bytes.remove_prefix(piece.size());
     if (!bytes.empty() && bytes.front() == '\n') {

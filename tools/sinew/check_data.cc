@@ -66,7 +66,7 @@ void CheckData(const CheckDataOptions& options) {
 void AddCheckDataCommand(CLI::App& app) {
   auto options = std::make_shared<CheckDataOptions>();
   CLI::App* command =
-      app.add_subcommand("check-data", "Are recordings fit to be assessed: faults and findings");
+      app.add_subcommand("check-data", "Check recordings before a fit: faults and findings");
   CloseLoopOptions& loop = options->loop;
   command->add_option("recordings", loop.train, "Recordings: CSV or MCAP")->required();
   command->add_option(

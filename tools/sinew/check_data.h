@@ -1,4 +1,4 @@
-// `sinew check-data`: are recordings fit to be assessed by a model?
+// `sinew check-data`: checks of recordings before a fit.
 #pragma once
 
 namespace CLI {

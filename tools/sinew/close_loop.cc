@@ -88,7 +88,7 @@ std::string JoinNames(const std::vector<report::Recording>& recordings) {
   return out;
 }
 
-// A laboratory's rig.json says nothing about processing: that of the shipped rig holds for it.
+// A laboratory's rig.json has no processing block: that of the shipped rig is used.
 void CompleteRigJson(actuator::ModelFile* file, const fs::path& path) {
   if (path.extension() != ".json") return;
   actuator::ModelFile shipped = actuator::LoadModelFile(ShippedRobotFile("rig/model.yaml"));
@@ -118,7 +118,7 @@ void AddHistory(const report::Report& report, actuator::JointModel* joint) {
   }
 }
 
-// The data gate over all recordings; true: it stopped, and the result's pages say so.
+// The data gate over all recordings; true: it stopped, and the result's pages contain the faults.
 bool StopsAtGate(const CloseLoopOptions& options, const std::vector<types::Run>& train,
                  const std::vector<types::Run>& held_out, const actuator::JointModel& joint,
                  CloseLoopResult* out) {

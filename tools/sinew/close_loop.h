@@ -47,7 +47,7 @@ struct CloseLoopResult {
   bool assessed() const { return !gate.stops() && !report.trace.too_little; }
 };
 
-// Reads, traces, draws; then writes report.html, report.json and, when something was assessed,
+// Reads, traces, draws; then writes report.html, report.json and, when a fit was made,
 // model.yaml into the folder, each as a whole, after everything has succeeded. Throws UsageError
 // (one line) for anything a user can mend.
 CloseLoopResult CloseLoop(const CloseLoopOptions& options);

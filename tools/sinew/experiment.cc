@@ -156,8 +156,8 @@ void AddExperimentCommand(CLI::App& app, const std::shared_ptr<ExperimentSimulat
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
   command->footer(
-      "On a robot a person pushes the link as the command says; on a simulation it pushes itself\n"
-      "(sim_disturbance). motor wants the motor uncoupled from the link.\n\nExamples:\n"
+      "On a robot a person pushes the link as instructed; in a simulation the command pushes it\n"
+      "(sim_disturbance). motor needs the motor uncoupled from the link.\n\nExamples:\n"
       "  sinew experiment backlash\n"
       "  sinew experiment all --seeds 100 --out results --model robots/rig/model.yaml \\\n"
       "    --update-model results/model.yaml\n"

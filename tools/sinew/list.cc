@@ -229,7 +229,7 @@ void PrintRecording(const Json& report) {
 void AddListCommand(CLI::App& app) {
   auto options = std::make_shared<ListOptions>();
   CLI::App* command = app.add_subcommand(
-      "list", "Who is in a domain: participants, topics, problems; or what a recording holds");
+      "list", "Participants, topics and problems of a domain; or the contents of a recording");
   AddNodeOptions(*command, &options->node);
   command->add_option("recording", options->recording,
                       "Describe this MCAP file instead of a domain");

@@ -44,7 +44,7 @@ int main(int argc, char** argv) {
   try {
     app.set_version_flag("--version", std::string("sinew ") + sinew::node::kVersion);
     app.require_subcommand(0, 1);
-    app.footer("Examples stand in the help of each command, e.g. `sinew launch --help`.");
+    app.footer("The help of each command has examples, e.g. `sinew launch --help`.");
     sinew::tools::AddAllCommands(app);
     AddVersionCommand(app);
     app.parse(argc, argv);

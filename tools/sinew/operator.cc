@@ -55,7 +55,7 @@ const char* StateName(msg::RobotState state) {
   return "unknown";
 }
 
-// What to tell a person when the wish was not reached.
+// Why the requested state was not reached, for the operator.
 std::string Why(const Request& request, const std::optional<msg::JointState>& state, bool heard,
                 int domain_id) {
   if (!state) {
@@ -146,7 +146,7 @@ void AddOperatorCommands(CLI::App& app) {
          "Motors off", "A robot in fault or estopped has its motors off already.");
   AddOne(app, {msg::OPERATOR_ESTOP, "estop", {msg::ROBOT_ESTOPPED}, false},
          "Motors off and latched until reset",
-         "Repeated until the robot says that it has stopped.");
+         "Repeated until the robot reports that it has stopped.");
   AddOne(app, {msg::OPERATOR_RESET, "reset", {msg::ROBOT_DISARMED}, true},
          "From fault or estop to disarmed", "Arm it again afterwards.");
 }

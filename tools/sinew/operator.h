@@ -1,4 +1,4 @@
-// `sinew arm`, `disarm`, `estop`, `reset`: the operator's word.
+// `sinew arm`, `disarm`, `estop`, `reset`: commands of the operator.
 #pragma once
 
 namespace CLI {

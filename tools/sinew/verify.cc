@@ -211,7 +211,7 @@ void AddVerifyCommand(CLI::App& app) {
   command->footer(
       "Examples:\n"
       "  sinew verify --model found/model.yaml --before robots/rig/surrogate_model.yaml \\\n"
-      "    --recording sealed.mcap --out found/verify\n"
+      "    --recording held_out.mcap --out found/verify\n"
       "  sinew verify --model found/model.yaml --tracking --effect stribeck");
   command->callback([options] { RunVerify(*options); });
 }

@@ -1,4 +1,4 @@
-// How well a recorded joint followed its reference, and what it took.
+// Tracking error and effort of a recorded joint.
 //
 // Trapezoidal integrals over the samples' own times t_i, from `from_s` after the first sample:
 //   mean square error   1/T int (q_ref - q)^2 dt

@@ -187,7 +187,7 @@ report::Section MakeSection(const Names& names, types::JointKind kind,
     c.name = name;
     c.unit = unit;
     const auto text = [](double error) {
-      return std::isfinite(error) ? Text("%.3f", 1e3 * error) : std::string("ran away");
+      return std::isfinite(error) ? Text("%.3f", 1e3 * error) : std::string("diverged");
     };
     c.ours = text(before) + " -> " + text(after) + " " + unit;
     c.target = "smaller after";
@@ -256,7 +256,7 @@ std::string FormatJson(const Names& names, types::JointKind kind,
   if (following != nullptr && following->errors) {
     const free_run::FreeRun& free = *following->errors;
     const free_run::ModelError &before = free.models[0], &after = free.models[1];
-    // rms and mean_abs are null of a model that ran away.
+    // rms and mean_abs are null for a model that diverged.
     const auto all = [](const free_run::ModelError& model) {
       return ordered_json{
           {"rms", model.rms}, {"mean_abs", model.mean_abs}, {"diverged", model.diverged}};

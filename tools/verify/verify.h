@@ -6,7 +6,7 @@
 // declares its servo and the recording holds the set point (components/free_run). Pressure, load
 // force, payload and temperature are the recorded ones. Error: simulated less measured position.
 //
-// In control: the surrogate, with an effect that nobody declared, follows a reference under PID
+// In control: the surrogate, with an undeclared effect, follows a reference under PID
 // with the model's torque fed forward (tools/tune_pid/closed_loop.h): once with each model file.
 #pragma once
 

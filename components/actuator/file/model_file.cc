@@ -116,7 +116,7 @@ Servo ReadServo(const Section& section, const JointModel& joint) {
   return servo;
 }
 
-// A spring's preload and an offset are the same torque: no recording tells them apart.
+// A spring's preload and an offset are the same torque: no recording distinguishes them.
 void RefuseSameTorque(const Section& section, const JointModel& joint) {
   int free_terms = 0;
   for (const Term& term : joint.terms) {
@@ -293,7 +293,7 @@ ModelFile LoadModelFile(const std::filesystem::path& path) {
   if (file.robot.joints.empty()) root.Fail("joints", "empty, expected at least one joint");
   const YAML::Node document = YAML::Load(text);
   for (const std::string_view block : kForeignBlocks) {
-    if (!root.Has(block)) continue;  // also tells the section that the key is known
+    if (!root.Has(block)) continue;  // Has() also marks the key as known
     YAML::Emitter out;
     out << document[std::string(block)];
     file.foreign_text[std::string(block)] = out.c_str();

@@ -111,7 +111,7 @@ JointControlConfig ReadJoint(const Section& s, std::size_t index,
                                    {"pid_linear", Strategy::kPidLinear},
                                    {"pid_esn", Strategy::kPidEsn}});
 
-  // The drive: from the model file, or told here.
+  // The drive: from the model file, or given here.
   Units units;
   double limit_Nm = 0.0;
   if (s.Has("model")) {

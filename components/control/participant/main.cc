@@ -26,7 +26,7 @@ void Run(const sinew::node::Options& options, sinew::node::StopFlag& stop,
   control::ControlInputs inputs(node, loop, config);
   auto output = node.MakeWriter(node::kJointCommand, config.strength);
   msg::JointCommand command;
-  std::string told;
+  std::string reported;
   while (const auto tick = loop.Next()) {
     if (const auto owner = inputs.OwnersCommand(*tick, command)) {
       controller.Track(owner->motor_torque_Nm());
@@ -36,10 +36,11 @@ void Run(const sinew::node::Options& options, sinew::node::StopFlag& stop,
     command = inputs.ToMessage(result, input);
     command.header().tick(tick->tick);
     loop.Publish(output, command, *tick);
-    if (const std::string fault = control::FaultLine(result); fault != told) {
-      told = fault;
-      if (!told.empty()) spdlog::error("{}", told);
-      node.SetState(told.empty() ? node::Node::State::kActive : node::Node::State::kFault, told);
+    if (const std::string fault = control::FaultLine(result); fault != reported) {
+      reported = fault;
+      if (!reported.empty()) spdlog::error("{}", reported);
+      node.SetState(reported.empty() ? node::Node::State::kActive : node::Node::State::kFault,
+                    reported);
     }
   }
 }

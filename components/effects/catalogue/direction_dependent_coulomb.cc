@@ -15,7 +15,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .upper = 1e3,
                   .default_value = 0.0,
                   .meaning = "half the difference of the Coulomb torques up and down"}};
-  info.signature = "while moving, a constant: it cannot be told from an offset";
+  info.signature = "while moving, a constant: it cannot be distinguished from an offset";
   info.variable = "velocity_rad_s";
   info.confounders = {"offset", "current_offset", "direction_dependent_viscous"};
   info.separating_excitation = "torque at rest, approached from both sides";

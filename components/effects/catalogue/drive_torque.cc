@@ -16,7 +16,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .lower = 0.5,
                   .upper = 2.0,
                   .default_value = 1.0,
-                  .meaning = "1: the sensor reads right; fixed where it is believed"}};
+                  .meaning = "1: the sensor is exact; fixed where the sensor is trusted"}};
   info.signature = "none: it is the input";
   info.variable = "drive_input";
   info.confounders = {"torque_constant_gain"};

@@ -1,4 +1,4 @@
-// Somebody or something pushes once. When it happens is found in every recording by itself
+// A single push from outside. When it happens is found in every recording by itself
 // (trace/events.h).
 #include <numbers>
 

@@ -23,7 +23,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .lower = -1.0,
                   .upper = 1.0,
                   .default_value = 0.0,
-                  .meaning = "s, as the declared payload tells it"}};
+                  .meaning = "s, from the declared payload"}};
   info.signature = "residual follows sin q";
   info.variable = "position_rad";
   info.confounders = {"gear_eccentricity", "offset"};

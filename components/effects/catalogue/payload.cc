@@ -1,4 +1,4 @@
-// Payload that nobody declared.
+// An undeclared payload.
 #include "components/effects/define.h"
 
 namespace sinew::effects::payload {
@@ -6,7 +6,7 @@ namespace sinew::effects::payload {
 std::unique_ptr<Effect> Make(const JointConstants& constants) {
   EffectInfo info;
   info.name = "payload";
-  info.title = "Payload that nobody declared";
+  info.title = "Undeclared payload";
   info.formula = "- m * (l^2 * a + g * l * cos q)";
   info.rotary_only = true;
   info.source = "Newton";

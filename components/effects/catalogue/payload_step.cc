@@ -1,5 +1,6 @@
-// Payload put on (or taken off) while nobody told. When it happens is not a property of the robot:
-// tracing looks for the instant in every recording and sets its clock by it (trace/events.h).
+// An undeclared payload put on (or taken off) during a run. The instant is no property of the
+// robot: tracing looks for the instant in every recording and sets its clock by it
+// (trace/events.h).
 #include "components/effects/define.h"
 
 namespace sinew::effects::payload_step {

@@ -31,7 +31,7 @@ class TransportDelay final : public Effect {
                      .lower = -0.1,
                      .upper = 0.1,
                      .default_value = 0.0,
-                     .meaning = "the drive acts this much later than its record says",
+                     .meaning = "the drive acts this much later than recorded",
                      .relative_to_drive = true}};
     info_.nonlinear = {{.name = "span",
                         .dimension = Dimension::kTime,

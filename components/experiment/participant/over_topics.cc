@@ -15,9 +15,9 @@
 namespace sinew::experiment {
 namespace {
 
-constexpr std::uint64_t kRepeatArm = 24;  // ticks
-constexpr std::uint64_t kTellEvery = 24;  // ticks
-constexpr int kFarewellTicks = 3;         // of idle commands at the end
+constexpr std::uint64_t kRepeatArm = 24;    // ticks
+constexpr std::uint64_t kReportEvery = 24;  // ticks
+constexpr int kFarewellTicks = 3;           // of idle commands at the end
 
 msg::CommandMode ToMessage(types::ControlMode drive) {
   switch (drive) {
@@ -141,7 +141,7 @@ TopicRun RunOverTopics(node::Node& node, node::StopFlag& stop, Prepared& protoco
       continue;
     }
     if (stopped || (armed_once && !armed)) {
-      run.end = stopped ? "the robot is in fault or stopped" : "somebody disarmed the robot";
+      run.end = stopped ? "the robot is in fault or stopped" : "the robot was disarmed";
       break;
     }
     if (!armed && options.arm && ticks % kRepeatArm == 0) say(msg::OPERATOR_ARM);
@@ -168,7 +168,7 @@ TopicRun RunOverTopics(node::Node& node, node::StopFlag& stop, Prepared& protoco
       }
     }
     output.Send(loop, *tick, joint, state.joint_count(), command);
-    if (progress && ticks % kTellEvery == 0) {
+    if (progress && ticks % kReportEvery == 0) {
       progress({first_stamp_ns ? 1e-9 * static_cast<double>(tick->stamp_ns - *first_stamp_ns) : 0.0,
                 armed ? protocol.instruction()
                       : std::string("arm the robot: sinew arm --domain ") +

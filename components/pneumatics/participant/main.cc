@@ -19,15 +19,16 @@ void Run(const sinew::node::Options& options, sinew::node::StopFlag& stop) {
   pneumatics::RobotPneumatics robot(node, loop, config);
   auto command = node.MakeWriter(node::kValveCommand);
   auto state = node.MakeWriter(node::kPneumaticState);
-  std::string told;
+  std::string reported;
   while (const auto tick = loop.Next()) {
     robot.Step(*tick);
     loop.Publish(command, robot.Command(), *tick);
     loop.Publish(state, robot.State(*tick), *tick);
-    if (const std::string trouble = robot.Trouble(); trouble != told) {
-      told = trouble;
-      if (!told.empty()) spdlog::error("{}", told);
-      node.SetState(told.empty() ? node::Node::State::kActive : node::Node::State::kFault, told);
+    if (const std::string trouble = robot.Trouble(); trouble != reported) {
+      reported = trouble;
+      if (!reported.empty()) spdlog::error("{}", reported);
+      node.SetState(reported.empty() ? node::Node::State::kActive : node::Node::State::kFault,
+                    reported);
     }
   }
 }

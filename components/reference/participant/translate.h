@@ -12,7 +12,7 @@ namespace sinew::reference {
 
 // The spans of the result point into `state`.
 RobotReferenceInput ToInput(const node::Tick& tick, const msg::JointState& state);
-// What the operator said in the running session since the last tick.
+// Operator commands in the running session since the last tick.
 void AddOperatorWords(node::Reader<msg::OperatorCommand>& commands, RobotReferenceInput* input);
 msg::Reference ToMessage(const RobotReferenceOutput& output, const node::Tick& tick);
 

@@ -26,15 +26,16 @@ void Run(const sinew::node::Options& options, sinew::node::StopFlag& stop) {
   auto output = node.MakeWriter(node::kRegime);
   std::optional<node::Writer<msg::MotionRequest>> requests;
   if (config.requests_motion()) requests.emplace(node.MakeWriter(node::kMotionRequest));
-  std::string told;
+  std::string reported;
   while (const auto tick = loop.Next()) {
     robot.Step(*tick, state.value(), actuator);
     loop.Publish(output, regime::ToMessage(robot, *tick), *tick);
     if (requests) loop.Publish(*requests, regime::ToRequest(robot), *tick);
-    if (const std::string trouble = robot.Trouble(); trouble != told) {
-      told = trouble;
-      if (!told.empty()) spdlog::warn("{}", told);
-      node.SetState(told.empty() ? node::Node::State::kActive : node::Node::State::kFault, told);
+    if (const std::string trouble = robot.Trouble(); trouble != reported) {
+      reported = trouble;
+      if (!reported.empty()) spdlog::warn("{}", reported);
+      node.SetState(reported.empty() ? node::Node::State::kActive : node::Node::State::kFault,
+                    reported);
     }
   }
 }

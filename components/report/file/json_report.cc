@@ -132,7 +132,7 @@ Json Rounds(const trace::Assessment& result) {
 }
 
 Json Blocks(const trace::Assessment& result) {
-  return {{"count", result.units}, {"length_s", result.unit_length_s}};
+  return {{"count", result.blocks}, {"length_s", result.block_length_s}};
 }
 
 Json ErrorLines(const std::vector<ErrorLine>& lines) {

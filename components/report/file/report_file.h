@@ -17,7 +17,7 @@ std::string FormatJson(const Report& report);
 // the same keys, with nothing found.
 std::string FormatCheckJson(const DataCheck& check);
 std::string FormatDataFaultJson(const DataCheck& check);
-// report.json where too little was recorded to assess (TraceResult::too_little).
+// report.json where the recordings have too little data (TraceResult::too_little).
 std::string FormatTooLittleJson(const Report& report);
 nlohmann::ordered_json FaultsJson(const std::vector<gate::Fault>& faults);
 

@@ -21,17 +21,17 @@ void Run(const sinew::node::Options& options, sinew::node::StopFlag& stop,
   auto& state = loop.AddInput(node::kJointState);
   auto& actuator = loop.AddInput(node::kActuatorState);
   auto output = node.MakeWriter(node::kResidual);
-  std::string told, logged;
+  std::string reported, logged;
   while (const auto tick = loop.Next()) {
     robot.Step(*tick, state.value(), actuator);
     loop.Publish(output, robot.ToMessage(*tick), *tick);
-    if (const std::string line = robot.Line(true); line != told) {
-      told = line;
-      node.SetState(node::Node::State::kActive, told);
+    if (const std::string line = robot.Line(true); line != reported) {
+      reported = line;
+      node.SetState(node::Node::State::kActive, reported);
     }
     if (const std::string line = robot.Line(false); line != logged) {
       logged = line;
-      spdlog::info("{}", told.empty() ? "watching" : told);
+      spdlog::info("{}", reported.empty() ? "watching" : reported);
     }
   }
 }
@@ -41,7 +41,7 @@ void Run(const sinew::node::Options& options, sinew::node::StopFlag& stop,
 int main(int argc, char** argv) {
   std::filesystem::path model_path;
   return sinew::node::RunParticipant(
-      argc, argv, "residual", "Says when the robot no longer does what its model file says.",
+      argc, argv, "residual", "Detects when the robot no longer follows its model file.",
       [&](const auto& options, auto& stop) { Run(options, stop, model_path); },
       [&](CLI::App& app) {
         sinew::node::AddOption(

@@ -23,8 +23,8 @@ class RobotResidual {
   void Step(const node::Tick& tick, const msg::JointState& state,
             const node::TickInput<msg::ActuatorState>& actuator);
   msg::ResidualState ToMessage(const node::Tick& tick) const;
-  // What is to be told, one line: a joint that learns, an alarm (and what it follows, which is
-  // known better by the second). Empty: watching.
+  // The state in one line: a joint that learns, an alarm (and what it follows, which becomes more
+  // certain every second). Empty: watching.
   std::string Line(bool with_cause) const;
 
  private:

@@ -144,8 +144,8 @@ TEST(Scorer, UnidentifiableCasesAreLeftOutAndCountedAsHidden) {
   const std::vector<Outcome> outcomes = {MakeOutcome(truth, report),
                                          MakeOutcome(Truth("effect", "cogging"), report)};
   EXPECT_EQ(FigureOf(outcomes, "right class, strong, designed").trials(), 1);
-  EXPECT_EQ(FigureOf(outcomes, "hidden: says so").hits(), 1);
-  EXPECT_EQ(FigureOf(outcomes, "hidden: says so").trials(), 1);
+  EXPECT_EQ(FigureOf(outcomes, "hidden: reported as not excited").hits(), 1);
+  EXPECT_EQ(FigureOf(outcomes, "hidden: reported as not excited").trials(), 1);
   EXPECT_EQ(FigureOf(outcomes, "identifiable, listed as not excited").hits(), 1);
   EXPECT_EQ(FigureOf(outcomes, "excluded: strong designed, too small or not identifiable").hits(),
             1);

@@ -187,7 +187,7 @@ TEST_F(ModelFileTest, KeepsTheServoAndTheBackEmf) {
               HasSubstr("gain_per_m"));
 }
 
-TEST_F(ModelFileTest, TellsWhatIsWrongInOneLine) {
+TEST_F(ModelFileTest, ReportsAnErrorInOneLine) {
   EXPECT_THAT(ErrorOf(Joint("      - {effect: strybeck}\n")),
               ::testing::AllOf(HasSubstr("model.yaml:7"), HasSubstr("strybeck"),
                                HasSubstr("coulomb, offset, gravity")));
@@ -246,7 +246,7 @@ TEST_F(ModelFileTest, ReadsALaboratorysRigJson) {
   EXPECT_EQ(LoadRobotModel(folder_ / "model.yaml").joints[0].terms.size(), joint.terms.size());
 }
 
-TEST_F(ModelFileTest, TellsWhatIsWrongInARigJson) {
+TEST_F(ModelFileTest, ReportsAnErrorInARigJson) {
   EXPECT_THAT(ErrorOf("{\n\"constants\": {\n", "rig.json"), HasSubstr("no valid JSON"));
   EXPECT_THAT(ErrorOf("{}", "rig.json"), HasSubstr("'constants.gear_ratio': missing"));
   EXPECT_THAT(ErrorOf("[]", "rig.json"), HasSubstr("missing"));

@@ -98,7 +98,7 @@ TEST(ControlFile, NetworksNeedPredictions) {
           .needs_prediction());
 }
 
-TEST(ControlFile, TellsWhatIsWrongInOneLine) {
+TEST(ControlFile, ReportsAnErrorInOneLine) {
   const std::string drive = "drive: {gear_ratio: 100, motor_torque_limit_Nm: 0.4}";
   const struct {
     std::string text;

@@ -220,7 +220,7 @@ TEST(RobotController, WithoutPlayThePredictionsOwnChoiceIsUsed) {
   EXPECT_FALSE(out.stale) << "no regime is needed";
 }
 
-TEST(RobotController, ANetworkThatGivesNoNumberIsLeftOutAndTold) {
+TEST(RobotController, ANetworkThatGivesNoNumberIsLeftOutAndReported) {
   RobotController controller({RigConfig(Strategy::kPidEsn)});
   RobotInput input = Still(0.0);
   input.reference_count = 1;

@@ -197,7 +197,7 @@ TEST(Participants, ControlHoldsAndSaysSoWhenTheReferenceDiesAndIdlesOnEstop) {
     look();
     return command.stale() && command.mode()[0] == msg::COMMAND_TORQUE &&
            command.reference_tick() + 10 < command.header().tick();
-  })) << "a lost reference is told, and the joint is held";
+  })) << "a lost reference is reported, and the joint is held";
   EXPECT_NE(state.robot_state(), msg::ROBOT_FAULT);
 
   msg::OperatorCommand estop = arm;

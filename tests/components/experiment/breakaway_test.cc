@@ -46,7 +46,7 @@ TEST(Breakaway, ForceOfATrialIsFoundWithinTheNoiseOfItsRows) {
   EXPECT_NEAR(found[0].row_s, 1.0 / 240.0, 1e-6);
 }
 
-TEST(Breakaway, SeveralTrialsInOneRecordingAreTold) {
+TEST(Breakaway, SeveralTrialsInOneRecordingAreReported) {
   Recording rows;
   for (int i = 0; i < 3; ++i) {
     const Recording one = Trial(0.3 * i, 2.0 + i, static_cast<unsigned>(i), 20.0 * i);
@@ -90,7 +90,7 @@ TEST(Breakaway, FrictionAndGravityComeBack) {
   EXPECT_GE(result.Find("static_friction_Nm")->estimate.half_width_95, 0.3 / 240.0);
 }
 
-TEST(Breakaway, OneAngleCannotTellFrictionFromGravity) {
+TEST(Breakaway, OneAngleCannotSeparateFrictionFromGravity) {
   const std::vector<Breakaway> trials(9, {0.0, 2.0, 1.0, 1.0 / 240.0});
   EXPECT_THROW((void)IdentifyBreakaway(trials, {}), std::invalid_argument);
 }

@@ -92,7 +92,7 @@ TEST(PeaData, AHandTakesTheLinkFromUprightToHangingAndNeverPulls) {
   EXPECT_EQ(cycles, 5);
 }
 
-TEST(PeaData, CyclesAndRangeAreTold) {
+TEST(PeaData, CyclesAndRangeAreReported) {
   Recording rows;
   for (int i = 0; i < 240 * 20; ++i) {
     Row row;

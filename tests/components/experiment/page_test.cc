@@ -38,11 +38,11 @@ TEST(Page, ASectionHasValueIntervalTruthAndVerdict) {
   EXPECT_EQ(section.comparisons[0].interval, "2.659 .. 2.663");
   EXPECT_EQ(section.comparisons[0].target, "within 0.05 degrees");
   EXPECT_EQ(section.comparisons[0].met, true);
-  // Printed beside the others, not assessed: no target to miss.
+  // Listed for comparison: no target.
   EXPECT_FALSE(section.comparisons[1].met.has_value());
 }
 
-TEST(Page, AMissedTargetIsTold) {
+TEST(Page, AMissedTargetIsReported) {
   Result result = Example();
   result.quantities[0].estimate.value = 2.8;
   EXPECT_EQ(MakeSection(result).comparisons[0].met, false);

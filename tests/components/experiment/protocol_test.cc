@@ -1,4 +1,4 @@
-// Oracle: a toy robot that goes where it is commanded.
+// Oracle: a toy robot that follows its commands exactly.
 #include "components/experiment/protocol.h"
 
 #include <gtest/gtest.h>
@@ -82,7 +82,7 @@ TEST(Protocols, CommandsStayFiniteWhenSensorsAreNot) {
   }
 }
 
-TEST(Protocols, AnUnknownNameIsToldWithTheKnownOnes) {
+TEST(Protocols, AnUnknownNameIsReportedWithTheKnownOnes) {
   try {
     (void)MakeProtocol("wobble", {});
     FAIL();

@@ -27,7 +27,7 @@ const scene::Recorded& Recorded() {
   return recorded;
 }
 
-std::string Told(const GateReport& report) {
+std::string TextOf(const GateReport& report) {
   std::string out;
   for (const Fault& fault : report.faults) out += FormatFault(fault) + "\n";
   for (const Measurement& at : report.largest) {
@@ -47,7 +47,7 @@ TEST_P(PlantedFault, IsFoundByItsRuleWithReasonAndRemedy) {
     const std::vector<std::string>& rules = GetParam().rules;
     return std::find(rules.begin(), rules.end(), at.rule) != rules.end();
   });
-  ASSERT_NE(found, report.faults.end()) << Told(report);
+  ASSERT_NE(found, report.faults.end()) << TextOf(report);
   EXPECT_GT(found->statistic, found->limit);
   EXPECT_EQ(found->limit, FindRule(found->rule).limit);
   EXPECT_FALSE(found->reason.empty());
@@ -80,7 +80,7 @@ TEST(Gate, TheNoiseOfAJointAtRestIsNoWrappedAngle) {
   }
 }
 
-// A speed told from an encoder whose counts come as evenly as the rows settles to the bit.
+// A speed computed from an encoder whose counts come as evenly as the rows settles to the bit.
 TEST(Gate, ASpeedThatStaysIsNotFrozenWhereTheAngleMovesByIt) {
   constexpr Eigen::Index kRows = 15;
   const auto stays = [&](double times) {
@@ -107,7 +107,7 @@ TEST(Gate, ASpeedThatStaysIsNotFrozenWhereTheAngleMovesByIt) {
 
 TEST(Gate, ASoundRecordingHasNoFaultAndItsRate) {
   const GateReport report = ExamineData(Recorded().train, Recorded().declared);
-  EXPECT_TRUE(report.faults.empty()) << Told(report);
+  EXPECT_TRUE(report.faults.empty()) << TextOf(report);
   ASSERT_FALSE(report.findings.empty());
   EXPECT_EQ(report.findings.front().name, "rate");
   EXPECT_NEAR(report.findings.front().value, 80.0, 1.0);
@@ -119,14 +119,14 @@ TEST(Gate, TemperatureInKelvinHundredthsInOneRecordingDiffersFromTheOthers) {
   const GateReport report = ExamineData(recorded.train, recorded.declared);
   EXPECT_TRUE(std::any_of(report.faults.begin(), report.faults.end(), [](const Fault& at) {
     return at.rule == "recording_differs" && at.signal == "temperature";
-  })) << Told(report);
+  })) << TextOf(report);
 }
 
 TEST(Gate, AnAcceptedFaultIsListedAndDoesNotStop) {
   scene::Recorded recorded = Recorded();
   Plant("spike_current", 5, &recorded.train, &recorded.declared);
   const GateReport report = ExamineData(recorded.train, recorded.declared, {.accepted = {"spike"}});
-  ASSERT_EQ(report.faults.size(), 1u) << Told(report);
+  ASSERT_EQ(report.faults.size(), 1u) << TextOf(report);
   EXPECT_TRUE(report.faults.front().accepted);
   EXPECT_FALSE(report.stops());
 }
@@ -141,7 +141,7 @@ TEST(Gate, ASpikeIsReportedWithItsRow) {
   Eigen::VectorXd& current = recorded.train.front().signals[Signal::kMotorCurrent];
   current[400] += 2.0 * (current.maxCoeff() - current.minCoeff());
   const GateReport report = ExamineData(recorded.train, recorded.declared);
-  ASSERT_EQ(report.faults.size(), 1u) << Told(report);
+  ASSERT_EQ(report.faults.size(), 1u) << TextOf(report);
   EXPECT_EQ(report.faults.front().first_row, 400);
   EXPECT_EQ(report.faults.front().signal, "motor_current");
 }
@@ -159,7 +159,7 @@ TEST(Gate, OtherUnitsOfTheCurrentGiveTheSameStatistics) {
         effects::MakeEffect(name, recorded.declared.constants, declared.effect->info().balance);
   }
   const GateReport after = ExamineData(recorded.train, recorded.declared);
-  EXPECT_TRUE(after.faults.empty()) << Told(after);
+  EXPECT_TRUE(after.faults.empty()) << TextOf(after);
   ASSERT_EQ(before.largest.size(), after.largest.size());
   for (std::size_t i = 0; i < before.largest.size(); ++i) {
     EXPECT_NEAR(before.largest[i].statistic, after.largest[i].statistic,
@@ -180,7 +180,7 @@ TEST(Gate, ALateVelocityAWrongGainAndSaturationAreNoFaults) {
     v.tail(v.size() - 2) = v.head(v.size() - 2).eval();
   }
   const GateReport report = ExamineData(recorded.train, recorded.declared);
-  EXPECT_TRUE(report.faults.empty()) << Told(report);
+  EXPECT_TRUE(report.faults.empty()) << TextOf(report);
   const auto has = [&](const std::string& name) {
     return std::any_of(report.findings.begin(), report.findings.end(),
                        [&](const identify::Finding& at) { return at.name == name; });
@@ -193,7 +193,7 @@ TEST(Gate, AMissingConstantNamesTheLineToAdd) {
   scene::Recorded recorded = Recorded();
   recorded.declared.constants.torque_constant_Nm_A = 0.0;
   const GateReport report = ExamineData({}, recorded.declared);
-  ASSERT_EQ(report.faults.size(), 1u) << Told(report);
+  ASSERT_EQ(report.faults.size(), 1u) << TextOf(report);
   EXPECT_NE(report.faults.front().remedy.find("torque_constant_Nm_A:"), std::string::npos);
 }
 

@@ -43,7 +43,7 @@ TEST(ProcessingFile, ReadsThePublishedProcessing) {
   EXPECT_FALSE(ReadAsPublished(Parse("name: x\n")).has_value());
 }
 
-TEST(ProcessingFile, BadKeysAndValuesAreToldWithLineAndKey) {
+TEST(ProcessingFile, BadKeysAndValuesAreReportedWithLineAndKey) {
   const std::string unit = ErrorOf("processing:\n  rest_velocity_m_s: 0.1\n");
   EXPECT_NE(unit.find("model.yaml:3"), std::string::npos) << unit;
   EXPECT_NE(unit.find("rest_velocity"), std::string::npos) << unit;

@@ -158,7 +158,7 @@ TEST(FromMotion, AMotionThatRestsMostOfTheTimeKeepsRowsOfItsStrokesAlone) {
         count * std::round(PointToPoint(run.time_s[i]) / count);
   }
   const ProcessingOptions options = FromMotion({run}, model, 0.25);
-  // Slower than a few hundredths of a stroke's speed is rest, and so is what counts cannot tell.
+  // Slower than a few hundredths of a stroke's speed is rest, and so is what is below the counts.
   EXPECT_GT(options.rest_velocity, 0.01);
   EXPECT_GT(options.doubtful_velocity, 1.99 * count * options.state_cutoff_Hz);
   const StateSet states = MakeStates({run}, model, options);
@@ -173,7 +173,7 @@ TEST(FromMotion, AMotionThatRestsMostOfTheTimeKeepsRowsOfItsStrokesAlone) {
   EXPECT_GT(used, static_cast<int>(segment.samples.size()) / 12);
 }
 
-TEST(Processing, ALoadCellThatTellsOnlyItsNoiseIsItsMean) {
+TEST(Processing, AnUnloadedLoadCellIsReplacedByItsMean) {
   const actuator::JointModel model = SyntheticModel();
   types::Run run = SyntheticRun(model, {});
   EXPECT_FALSE(MakeDesign({run}, model).silent_load());
@@ -188,7 +188,7 @@ TEST(Processing, ALoadCellThatTellsOnlyItsNoiseIsItsMean) {
   }
 }
 
-TEST(Processing, NoiseIsToldFromASlowSignal) {
+TEST(Processing, NoiseIsEstimatedFromASlowSignal) {
   const actuator::JointModel model = SyntheticModel();
   const Design design = MakeDesign({SyntheticRun(model, {})}, model);
   const auto slow = [](const effects::JointSample& x) { return x.position_rad; };
@@ -196,7 +196,7 @@ TEST(Processing, NoiseIsToldFromASlowSignal) {
   std::normal_distribution<double> normal;
   const auto noise = [&](const effects::JointSample&) { return normal(random); };
   EXPECT_LT(design.NoiseShare(slow), 1e-3);
-  // Told from the scatter at the full rate, against the power that passes the filter.
+  // Estimated from the scatter at the full rate, against the power that passes the filter.
   EXPECT_GT(design.NoiseShare(noise), 0.7);
   EXPECT_EQ(design.NoiseShare([](const effects::JointSample&) { return 0.0; }), 1.0);
 }
@@ -282,7 +282,7 @@ TEST(Processing, OnlyWhatEveryRecordingHasCounts) {
   EXPECT_EQ(MakeStates({with}, model, SyntheticProcessing()).measured.count("load_force_N"), 1u);
   EXPECT_EQ(
       MakeStates({with, without}, model, SyntheticProcessing()).measured.count("load_force_N"), 0u);
-  // A rigid gear tells the motor's velocity, free play does not.
+  // A rigid gear gives the motor's velocity, free play does not.
   EXPECT_EQ(MakeStates({with}, model, SyntheticProcessing()).measured.count("motor_velocity_rad_s"),
             1u);
   actuator::JointModel loose = model;

@@ -1,4 +1,4 @@
-// The manager against a small gas model: it holds, does not hunt, and tells each fault.
+// The manager against a small gas model: it holds, does not hunt, and reports each fault.
 #include "components/pneumatics/manager.h"
 
 #include <gtest/gtest.h>
@@ -147,7 +147,7 @@ TEST(PressureManager, RefillsASmallLeakAndKeepsTheBand) {
   EXPECT_NEAR(bench.manager.leak_bar_s(), 1e-5 * GasModel::kRT / 2.12e-3 * 3e-6 * 4.0, 0.002);
 }
 
-TEST(PressureManager, ALargeLeakIsToldAndEndsInTheSafeState) {
+TEST(PressureManager, ALargeLeakIsReportedAndEndsInTheSafeState) {
   Bench bench(RigConfig());
   bench.Run(60.0);
   bench.gas.leak_kg_s_bar = 3e-5;  // 0.05 bar/s
@@ -158,7 +158,7 @@ TEST(PressureManager, ALargeLeakIsToldAndEndsInTheSafeState) {
   EXPECT_TRUE(bench.out.valve_open && bench.out.vent_open) << "lets the air out";
 }
 
-TEST(PressureManager, StuckPartsAreTold) {
+TEST(PressureManager, StuckPartsAreReported) {
   const struct {
     const char* what;
     std::function<void(GasModel&)> break_it;
@@ -186,7 +186,7 @@ TEST(PressureManager, StuckPartsAreTold) {
   }
 }
 
-TEST(PressureManager, ACompressorThatDoesNotStopIsToldBeforeThePressureIsTooHigh) {
+TEST(PressureManager, ACompressorThatDoesNotStopIsReportedBeforeThePressureIsTooHigh) {
   ManagerConfig config = RigConfig();
   Bench bench(config);
   bench.Run(60.0);
@@ -198,7 +198,7 @@ TEST(PressureManager, ACompressorThatDoesNotStopIsToldBeforeThePressureIsTooHigh
   EXPECT_LT(highest_bar, config.max_pressure_bar + 0.1);
 }
 
-TEST(PressureManager, ABadSensorIsToldAfterItsTimeAndNothingRunsMeanwhile) {
+TEST(PressureManager, ABadSensorIsReportedAfterItsTimeAndNothingRunsMeanwhile) {
   for (const double reading : {std::nan(""), 11.0, -3.0}) {
     Bench bench(RigConfig());
     bench.Run(2.0);

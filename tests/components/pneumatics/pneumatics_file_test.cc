@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/doc_table.h"
+
 namespace sinew::pneumatics {
 namespace {
 
@@ -39,7 +41,7 @@ joints:
   EXPECT_EQ(stiffness.joints[0].target_bar, 3.0);
 }
 
-TEST(PneumaticsFile, TellsWhatIsWrongInOneLine) {
+TEST(PneumaticsFile, ReportsAnErrorInOneLine) {
   const struct {
     const char* text;
     const char* says;
@@ -60,6 +62,30 @@ TEST(PneumaticsFile, TellsWhatIsWrongInOneLine) {
     EXPECT_THAT(error, HasSubstr(c.says)) << c.text;
     EXPECT_THAT(error, HasSubstr("pneumatics.yaml:")) << c.text;
     EXPECT_EQ(error.find('\n'), std::string::npos) << error;
+  }
+}
+
+TEST(PneumaticsFile, TheDocumentListsTheDefaults) {
+  const std::map<std::string, std::string> listed =
+      test::DefaultsIn("docs/participants/pneumatics.md");
+  const ManagerConfig c;
+  const std::map<std::string, double> defaults = {{"max_target_bar", c.max_target_bar},
+                                                  {"max_pressure_bar", c.max_pressure_bar},
+                                                  {"band_bar", c.band_bar},
+                                                  {"lead_s", c.lead_s},
+                                                  {"settle_s", c.settle_s},
+                                                  {"filter_Hz", c.filter_Hz},
+                                                  {"sensor_lower_bar", c.sensor_lower_bar},
+                                                  {"sensor_upper_bar", c.sensor_upper_bar},
+                                                  {"sensor_time_s", c.sensor_time_s},
+                                                  {"response_s", c.response_s},
+                                                  {"response_bar", c.response_bar},
+                                                  {"feedback_time_s", c.feedback_time_s},
+                                                  {"leak_limit_bar_s", c.leak_limit_bar_s},
+                                                  {"leak_window_s", c.leak_window_s}};
+  for (const auto& [key, value] : defaults) {
+    ASSERT_EQ(listed.count(key), 1u) << key;
+    EXPECT_DOUBLE_EQ(std::stod(listed.at(key)), value) << key;
   }
 }
 

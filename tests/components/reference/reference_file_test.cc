@@ -82,7 +82,7 @@ TEST(ReferenceFile, ALinearJointCarriesMetresInItsKeys) {
       HasSubstr("amplitude_m"));
 }
 
-TEST(ReferenceFile, TellsWhatIsWrongInOneLine) {
+TEST(ReferenceFile, ReportsAnErrorInOneLine) {
   const struct {
     const char* text;
     const char* says;

@@ -39,7 +39,7 @@ Made Make(bool effect) {
   out.report.robot = "a <robot>";
   out.report.model_file = "model.yaml";
   out.report.train = {{"train.csv", "0123", 12000, 60.0}};
-  out.report.held_out = {{"sealed.csv", "4567", 12000, 60.0}};
+  out.report.held_out = {{"held_out.csv", "4567", 12000, 60.0}};
   out.report.processing = identify::SyntheticProcessing();
   out.report.findings = {{"rate", "sampled at 200 Hz", 200.0, "Hz"}};
   out.report.trace = std::move(loop.trace);
@@ -115,7 +115,7 @@ TEST(Report, AnErrorThatRisesIsTheFirstSentence) {
   EXPECT_TRUE(Rises(report).empty());
 }
 
-TEST(Report, ASimulationThatRisesOrRunsAwayIsTold) {
+TEST(Report, ASimulationThatRisesOrDivergesIsReported) {
   Report report = WithErrors(3.0, 2.0, 1.0);
   const auto simulated = [&](double declared, double refitted, double corrected) {
     free_run::FreeRun run;
@@ -125,13 +125,13 @@ TEST(Report, ASimulationThatRisesOrRunsAwayIsTold) {
   };
   EXPECT_TRUE(simulated(3.0, 2.0, 1.0).empty());
   EXPECT_EQ(simulated(3.0, 1.0, 2.0).size(), 1u);
-  const double ran_away = std::nan("");
-  EXPECT_TRUE(simulated(ran_away, 2.0, 1.0).empty());
-  ASSERT_EQ(simulated(3.0, 2.0, ran_away).size(), 1u);
-  EXPECT_THAT(ThreeErrors(Rises(report)[0]), HasSubstr("ran away rad corrected"));
+  const double diverged = std::nan("");
+  EXPECT_TRUE(simulated(diverged, 2.0, 1.0).empty());
+  ASSERT_EQ(simulated(3.0, 2.0, diverged).size(), 1u);
+  EXPECT_THAT(ThreeErrors(Rises(report)[0]), HasSubstr("diverged rad corrected"));
 }
 
-TEST(Report, AnEffectThatIsNoPartOfTheModelIsToldWithItsSize) {
+TEST(Report, AnEffectThatIsNotInTheModelIsReportedWithItsSize) {
   Made made = Make(true);
   trace::TraceResult& trace = made.report.trace;
   trace.effects[0].fitted = {actuator::PhysicalTerm(trace.corrected, trace.effects[0].term)};
@@ -142,11 +142,11 @@ TEST(Report, AnEffectThatIsNoPartOfTheModelIsToldWithItsSize) {
   EXPECT_NEAR(json["effects"][0]["parameters"]["quadratic_Nm_s2_rad2"]["value"].get<double>(), 0.4,
               0.05);
   EXPECT_THAT(json["sentence"].get<std::string>(),
-              HasSubstr("Training asks for quadratic_viscous"));
-  EXPECT_THAT(FormatHtml(made.report, {}, {}), HasSubstr("no part of the model"));
+              HasSubstr("The training recordings support quadratic_viscous"));
+  EXPECT_THAT(FormatHtml(made.report, {}, {}), HasSubstr("not in the model"));
 }
 
-TEST(Report, TheSmallestSizesThatWouldHaveBeenFoundAreTold) {
+TEST(Report, TheSmallestDetectableSizesAreReported) {
   Made made = Make(false);
   made.report.trace.detectable = {{.effect = "stribeck",
                                    .parameter = "stribeck_Nm",
@@ -164,7 +164,7 @@ TEST(Report, TheSmallestSizesThatWouldHaveBeenFoundAreTold) {
   EXPECT_EQ(json["sizes"][0]["unit"], "Nm");
   EXPECT_EQ(json["sizes"][0]["shape"]["stribeck_velocity_rad_s"], 0.25);
   const std::string html = FormatHtml(made.report, {}, {});
-  EXPECT_THAT(html, HasSubstr("What would have been found"));
+  EXPECT_THAT(html, HasSubstr("Smallest detectable sizes"));
   EXPECT_THAT(html, HasSubstr("stribeck_velocity_rad_s = 0.25"));
 }
 
@@ -184,13 +184,13 @@ TEST(Report, ThePageStandsAlone) {
   EXPECT_THAT(html, HasSubstr("Residual over time"));
   EXPECT_THAT(html, HasSubstr("Residual against"));
   EXPECT_THAT(html, HasSubstr("Candidates"));
-  EXPECT_THAT(html, HasSubstr("What could not be seen"));
+  EXPECT_THAT(html, HasSubstr("Effects not excited by these recordings"));
   EXPECT_THAT(html, Not(HasSubstr("<script src")));
   EXPECT_THAT(html, Not(HasSubstr("<link")));
   EXPECT_THAT(html, Not(HasSubstr("<img src=\"http")));
 }
 
-TEST(Report, ABadPictureIsToldWithGnuplotsWords) {
+TEST(Report, ABadPictureIsReportedWithGnuplotsWords) {
   EXPECT_THROW(DrawPictures({{"bad", "", "plot $nothing u 1:2\n"}}), std::runtime_error);
 }
 

@@ -1,4 +1,4 @@
-// Blocks made by formula: what is learnt, told and not told is known.
+// Blocks made by formula: what is learnt, reported and not reported is known.
 #include "components/residual/change_test.h"
 
 #include <gtest/gtest.h>
@@ -77,7 +77,7 @@ TEST(ChangeTest, LearnsFirstAndThenKnowsTheNoise) {
   EXPECT_LT(result.innovation_rms, 0.013) << "what it learnt is not taken away";
 }
 
-TEST(ChangeTest, TellsAChangeItsCauseItsSizeAndWhenItCame) {
+TEST(ChangeTest, ReportsAChangeItsCauseItsSizeAndItsTime) {
   for (int cause : {kConstant, kSign, kSpeed}) {
     ChangeTest test(Config(), Columns());
     Blocks blocks(10 + static_cast<std::uint64_t>(cause));
@@ -99,7 +99,7 @@ TEST(ChangeTest, TellsAChangeItsCauseItsSizeAndWhenItCame) {
   }
 }
 
-TEST(ChangeTest, NamesTheRivalThatTheMotionDoesNotTellApart) {
+TEST(ChangeTest, NamesTheRivalThatTheMotionDoesNotDistinguish) {
   ChangeTest test(Config(), Columns());
   Blocks blocks(3);
   blocks.frequency_rad_s = 0.0;  // one speed, one direction: offset, dry and viscous are the same
@@ -121,10 +121,10 @@ TEST(ChangeTest, AnAlarmEndsWhenTheChangeHasGoneAndLearningWentOnFromBefore) {
   blocks.viscous = 0.0;
   EXPECT_FALSE(Feed(&test, &blocks, 90).alarm);
   blocks.viscous = 0.1;
-  EXPECT_TRUE(Feed(&test, &blocks, 40).alarm) << "and the next one is told again";
+  EXPECT_TRUE(Feed(&test, &blocks, 40).alarm) << "and the next one is reported again";
 }
 
-TEST(ChangeTest, OneBlockIsABumpAndSmallChangesAreNotWorthTelling) {
+TEST(ChangeTest, OneBlockIsABumpAndSmallChangesRaiseNoAlarm) {
   ChangeTest test(Config(), Columns());
   Blocks blocks(5);
   Feed(&test, &blocks, 400);

@@ -58,13 +58,13 @@ class Robot {
   std::normal_distribution<double> normal_;
 };
 
-TEST(Monitor, LearnsWatchesAndTellsAPayload) {
+TEST(Monitor, LearnsWatchesAndReportsAPayload) {
   const actuator::JointModel model = SomeModel();
   Robot robot(model);
   robot.truth.terms[2].linear[0].value = 0.35;  // the specimen is not the model
   Monitor monitor(model, {}, kPeriod_s);
-  bool told_learning = false;
-  double told_s = 0.0;
+  bool reported_learning = false;
+  double reported_s = 0.0;
   MonitorOutput out;
   for (int i = 0; i < 80 * 240; ++i) {
     const double t = i * kPeriod_s;
@@ -73,13 +73,13 @@ TEST(Monitor, LearnsWatchesAndTellsAPayload) {
       robot.truth.terms.back().linear[0].value = 0.5;
     }
     out = monitor.Step(t, robot.At(t));
-    told_learning |= out.state == State::kLearning;
-    if (out.alarm && told_s == 0.0) told_s = t;
+    reported_learning |= out.state == State::kLearning;
+    if (out.alarm && reported_s == 0.0) reported_s = t;
     ASSERT_TRUE(t > 70.0 || !out.alarm) << t;
   }
-  EXPECT_TRUE(told_learning);
-  EXPECT_GT(told_s, 70.0);
-  EXPECT_LT(told_s, 72.0);
+  EXPECT_TRUE(reported_learning);
+  EXPECT_GT(reported_s, 70.0);
+  EXPECT_LT(reported_s, 72.0);
   EXPECT_EQ(out.state, State::kAlarm);
   EXPECT_NEAR(out.since_s, 70.0, 0.3);
   EXPECT_EQ(out.follows, Cause::kPayload);
@@ -125,7 +125,7 @@ TEST(Monitor, LostSamplesAreSaidAndLeaveNoTrace) {
   EXPECT_GT(out.explained, 0.99);
 }
 
-TEST(Monitor, ALinearAxisTellsAMass) {
+TEST(Monitor, ALinearAxisReportsAMass) {
   actuator::JointModel model = SomeModel(types::JointKind::kLinear);
   model.terms.erase(model.terms.begin() + 1);
   model.terms.push_back(actuator::MakeTerm("rotor_inertia", model.constants));

@@ -5,7 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
+#include <fstream>
 #include <random>
+#include <sstream>
 #include <string>
 
 #include "components/trace/close_loop.h"
@@ -227,6 +230,17 @@ TEST(GasBalance, AValveThatIsNeverToldLeavesNothingToSee) {
   const TraceResult result = CloseLoop({blind(1), blind(2)}, {blind(3)}, GasRig(), 0.25, {}).trace;
   ASSERT_EQ(result.balances.size(), 1u);
   EXPECT_NE(result.balances[0].unseen.find("when the valve was open"), std::string::npos);
+}
+
+TEST(GasBalance, TheDocumentStatesTheShortestDeadTimeAndTheWindow) {
+  std::ifstream file(SINEW_SOURCE_DIR "/docs/model.md");
+  std::stringstream text;
+  text << file.rdbuf();
+  char dead_time[64], flow[64];
+  std::snprintf(dead_time, sizeof dead_time, "%g samples is none", identify::kOpeningSamples);
+  std::snprintf(flow, sizeof flow, "%g s of flow after every opening", identify::kAfterOpening_s);
+  EXPECT_NE(text.str().find(dead_time), std::string::npos) << dead_time;
+  EXPECT_NE(text.str().find(flow), std::string::npos) << flow;
 }
 
 }  // namespace

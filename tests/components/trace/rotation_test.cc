@@ -60,7 +60,7 @@ TEST(AgreedEffects, GoByOneNameOfTheirClass) {
   EXPECT_EQ(AgreedEffects({a, b}), Names{"stribeck"});
 }
 
-TEST(RotateLoop, FitsAllRecordingsAndTellsTheErrorsOfThoseThatWereHeldOut) {
+TEST(RotateLoop, FitsAllRecordingsAndReportsTheErrorsOfThoseThatWereHeldOut) {
   const actuator::JointModel model = identify::SyntheticModel();
   actuator::JointModel truth = model;
   truth.terms.push_back(identify::TermOf("quadratic_viscous", {0.4}, truth.constants));

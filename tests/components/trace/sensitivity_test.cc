@@ -1,4 +1,4 @@
-// The size that is told as detectable is found about as often as it says.
+// The size reported as detectable is found about as often as its stated power.
 #include "components/trace/sensitivity.h"
 
 #include <gtest/gtest.h>

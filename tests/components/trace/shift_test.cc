@@ -29,7 +29,7 @@ TEST(Shift, AParameterInsideItsToleranceIsNoShift) {
   EXPECT_TRUE(shifts.empty());
 }
 
-TEST(Shift, OneParameterFarOffIsTold) {
+TEST(Shift, OneParameterFarOffIsReported) {
   auto model = SyntheticModel();
   model.terms[2].linear[0].value *= 1.6;  // viscous: 0.8 declared, 0.5 true
   const std::vector<ParameterShift> shifts = Shifts(SyntheticModel(), model);

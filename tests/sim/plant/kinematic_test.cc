@@ -194,12 +194,12 @@ TEST(KinematicBalance, WithoutTheMotorsAngleSaysWhyNothingIsSeen) {
       trace::CloseLoop({blind(1), blind(2)}, {blind(3)}, model, 0.25, {}).trace;
   ASSERT_EQ(result.balances.size(), 1u);
   EXPECT_NE(result.balances[0].unseen.find("no motor angle"), std::string::npos);
-  bool told = false;
+  bool listed = false;
   for (const trace::NotExcited& hidden : result.not_excited) {
-    told = told || (hidden.effect == "backlash_width" &&
-                    hidden.reason.find("no motor angle") != std::string::npos);
+    listed = listed || (hidden.effect == "backlash_width" &&
+                        hidden.reason.find("no motor angle") != std::string::npos);
   }
-  EXPECT_TRUE(told);
+  EXPECT_TRUE(listed);
 }
 
 }  // namespace

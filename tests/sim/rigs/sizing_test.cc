@@ -1,4 +1,4 @@
-// Sizes and the test that knows the effect, against closed forms.
+// Sizes and the test for the known effect, against closed forms.
 #include "sim/rigs/sizing.h"
 
 #include <gtest/gtest.h>

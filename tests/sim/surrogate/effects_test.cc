@@ -396,7 +396,7 @@ TEST(Effects, ABadToothIsFeltOncePerTurnOfTheFirstWheel) {
   EXPECT_EQ(felt, 3);
 }
 
-TEST(Effects, ASaggingSupplyTellsTheTrueCurrent) {
+TEST(Effects, ASaggingSupplyReportsTheTrueCurrent) {
   Undeclared supply = Only("supply_sag", 0.9);
   supply.SetTime(4.0);
   EXPECT_NEAR(supply.SupplyShare(), 0.1, 1e-12);

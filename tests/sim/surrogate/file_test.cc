@@ -74,7 +74,7 @@ TEST(SurrogateFile, AValueOfTheFileArrives) {
   EXPECT_EQ(rig.effects[1].from_s, 5.0);
 }
 
-TEST(SurrogateFile, BadInputIsToldInOneLineWithFileLineAndKey) {
+TEST(SurrogateFile, BadInputIsReportedInOneLineWithFileLineAndKey) {
   EXPECT_NE(ErrorOf("links: {}\n").find("test.yaml:2: key 'links'"), std::string::npos);
   EXPECT_NE(ErrorOf("link: {inertia_g_m2: 19}\n").find("link.inertia_kg_m2"), std::string::npos);
   EXPECT_NE(ErrorOf("gear: {play_rad: .nan}\n").find("gear.play_rad"), std::string::npos);

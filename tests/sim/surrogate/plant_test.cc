@@ -54,7 +54,7 @@ TEST(Surrogate, TorqueToldByTheCurrentIsAtTheOutput) {
   EXPECT_NEAR(sensors.torque_Nm[0], 0.77 * 100.0 * 0.004, 1e-3);
 }
 
-TEST(Surrogate, ReadingsAreLatchedInMidCycleAndTellTheirAge) {
+TEST(Surrogate, ReadingsAreLatchedInMidCycleAndContainTheirAge) {
   Surrogate surrogate{RigParameters{}};
   provider::PlantSensors sensors;
   surrogate.Reset(&sensors);
@@ -84,7 +84,7 @@ TEST(Surrogate, RigsSideBySideAreEachTheirOwn) {
   EXPECT_THROW(Surrogate(RigParameters{}, 13), std::invalid_argument);
 }
 
-TEST(Surrogate, ACommandThatIsNotFiniteIdlesTheDriveAndIsTold) {
+TEST(Surrogate, ACommandThatIsNotFiniteIdlesTheDriveAndIsReported) {
   Surrogate surrogate{RigParameters{}};
   provider::PlantSensors sensors;
   surrogate.Reset(&sensors);

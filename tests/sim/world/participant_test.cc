@@ -50,7 +50,7 @@ TEST(SinewWorld, RunsASessionInLockstep) {
   }
 }
 
-TEST(SinewWorld, TellsBadInputInOneLineAndExitsWithTwo) {
+TEST(SinewWorld, ReportsBadInputInOneLineAndExitsWithTwo) {
   const std::filesystem::path folder =
       std::filesystem::temp_directory_path() / ("sinew_world_bad_" + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);

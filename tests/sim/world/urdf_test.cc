@@ -48,7 +48,7 @@ TEST(ParseUrdf, ReadsBodiesJointsAndUnitAxes) {
   EXPECT_EQ(arm::FindJoint(chain, "k"), -1);
 }
 
-TEST(ParseUrdf, TellsWhatIsWrongInOneLine) {
+TEST(ParseUrdf, ReportsAnErrorInOneLine) {
   EXPECT_THAT(ErrorOf("<robot name=\"r\">\n<link name=\"base\">\n</robot>"),
               ::testing::AllOf(HasSubstr("bad.urdf:"), HasSubstr("no valid XML")));
   EXPECT_THAT(ErrorOf("hello"), HasSubstr("bad.urdf:1"));

@@ -43,7 +43,7 @@ PlantCommand Torque(double motor_torque_Nm) {
   return command;
 }
 
-TEST(World, StartsAtRestWhereItIsTold) {
+TEST(World, StartsAtRestWhereItsConfigurationPutsIt) {
   World world(Rig().config);
   PlantSensors sensors;
   world.Reset(&sensors);
@@ -317,7 +317,7 @@ TEST(World, RefusesModelsThatDoNotFitTheUrdf) {
   EXPECT_THAT(error_of(config), HasSubstr("substep_s"));
 }
 
-TEST(World, TellsAFaultWhenItDiverges) {
+TEST(World, ReportsAFaultWhenItDiverges) {
   WorldConfig config = Rig().config;
   actuator::JointModel& joint = config.model.joints[0];
   joint.terms[static_cast<std::size_t>(joint.Find("motor_viscous"))].linear[0].value = -1e6;
@@ -385,7 +385,7 @@ class WorldFileTest : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
-TEST_F(WorldFileTest, TellsWhatIsWrongInOneLine) {
+TEST_F(WorldFileTest, ReportsAnErrorInOneLine) {
   const std::string head = "schema: sinew-world/1\nurdf: rig.urdf\nmodel: model.yaml\n";
   EXPECT_EQ(ErrorOf(head), "no error");
   EXPECT_THAT(ErrorOf("schema: sinew-world/1\nurdf: no.urdf\nmodel: model.yaml\n"),

@@ -344,8 +344,8 @@ TEST_P(BadParticipantInput, AnotherSchemaIsRefused) {
 TEST_P(BadParticipantInput, AnUnknownKeyIsNamedWithItsLine) {
   const std::string text = Config();
   const auto lines = std::count(text.begin(), text.end(), '\n');
-  folder_.Write(GetParam().config, text + "surprise_1: 1\n");
-  Refused({"--config", config_}, {":" + std::to_string(lines + 1) + ":", "'surprise_1'"});
+  folder_.Write(GetParam().config, text + "unknown_1: 1\n");
+  Refused({"--config", config_}, {":" + std::to_string(lines + 1) + ":", "'unknown_1'"});
 }
 
 TEST_P(BadParticipantInput, ANumberThatIsNoneIsNamedWithItsLine) {

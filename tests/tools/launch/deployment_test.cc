@@ -88,7 +88,7 @@ TEST_F(DeploymentTest, ReadsWhatTheFileSays) {
   EXPECT_EQ(two.processes[1].restart, Restart::kOnFailure);
   EXPECT_EQ(two.processes[1].max_restarts, 2);
   EXPECT_EQ(two.processes[1].back_off_s, 0.25);
-  EXPECT_TRUE(two.processes[1].stop_last) << "a logger stops last without being told";
+  EXPECT_TRUE(two.processes[1].stop_last) << "a logger stops last by default";
 }
 
 TEST_F(DeploymentTest, CommandLinesCarryTheCommonOptionsThenTheirOwn) {

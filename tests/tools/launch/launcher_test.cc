@@ -65,7 +65,7 @@ TEST_F(LauncherTest, LinesArePrefixedAndStreamsKeptApart) {
   EXPECT_THAT(run.error, HasSubstr("second | other\n"));
 }
 
-TEST_F(LauncherTest, AFailureIsToldWithCauseAndLastLines) {
+TEST_F(LauncherTest, AFailureIsReportedWithCauseAndLastLines) {
   Add("good", kWaits);
   Add("bad", "echo fine; echo 'cannot open /dev/robot' >&2; exit 3");
   const Finished run = Launch();
@@ -246,7 +246,7 @@ TEST_F(LauncherTest, StopsWhenNobodyReadsItsOutput) {
                                          " | head -n 1; echo code ${PIPESTATUS[0]}"},
                                     kLimit);
   EXPECT_THAT(run.output, HasSubstr("loud | line"));
-  EXPECT_THAT(run.error, HasSubstr("nobody reads the output"));
+  EXPECT_THAT(run.error, HasSubstr("the output is closed"));
 }
 
 TEST_F(LauncherTest, TheReportAsJsonIsAllOfTheStandardOutput) {

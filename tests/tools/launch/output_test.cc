@@ -66,7 +66,7 @@ TEST(Output, ColoursThePrefixOnlyWhenAsked) {
   EXPECT_EQ(out.str(), "\x1b[36ma | \x1b[0mone\n\x1b[32mb | \x1b[0mtwo\n");
 }
 
-TEST(Output, TellsWhenItsReaderIsGone) {
+TEST(Output, ReportsThatItsReaderIsGone) {
   std::ostringstream out, error;
   Output output(out, error, false, {"a"});
   EXPECT_FALSE(output.broken());

@@ -93,9 +93,9 @@ TEST(CloseLoopOnEmps, ARecordingGivesTheSameFiguresAsItsCsv) {
   CloseLoopOptions options = EmpsOptions();
   const CloseLoopResult csv = CloseLoop(options);
   recording::ImportCsv(options.train, options.map, folder.path() / "train.mcap", find_schema);
-  recording::ImportCsv(options.held_out, options.map, folder.path() / "sealed.mcap", find_schema);
+  recording::ImportCsv(options.held_out, options.map, folder.path() / "held_out.mcap", find_schema);
   options.train = {folder.path() / "train.mcap"};
-  options.held_out = {folder.path() / "sealed.mcap"};
+  options.held_out = {folder.path() / "held_out.mcap"};
   const CloseLoopResult mcap = CloseLoop(options);
   EXPECT_DOUBLE_EQ(mcap.report.as_published->before_percent,
                    csv.report.as_published->before_percent);
@@ -176,7 +176,7 @@ TEST(CloseLoop, TooLittleDataIsAVerdictWithAReport) {
     EXPECT_TRUE(json["effects"].empty());
     EXPECT_TRUE(fs::exists(options.out / "report.html"));
     EXPECT_FALSE(fs::exists(options.out / "model.yaml"));  // nothing was fitted
-    EXPECT_THAT(result.html, HasSubstr("too little data"));
+    EXPECT_THAT(result.html, HasSubstr("Too little data"));
     EXPECT_EQ(result.model.robot.joints[0].history.size(), 0u);
   }
 }

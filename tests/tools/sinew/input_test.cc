@@ -36,7 +36,7 @@ std::string ErrorOf(const std::function<void()>& call) {
 
 constexpr double kStiffness = 2.5, kRest = 0.3, kCoulomb = 0.4;
 
-// A spring without inertia moved slowly, 100 Hz, 20 s, told to 1e-6 Nm.
+// A spring without inertia moved slowly, 100 Hz, 20 s, recorded to 1e-6 Nm.
 std::string SpringCsv() {
   std::string csv = "t,q,v,tau\n";
   char row[128];

@@ -204,7 +204,7 @@ TEST(CoggingMap, TheMapPredictsTheCurrentOfASlowTurn) {
   design.PredictDrive(model);
   const Eigen::VectorXd predicted = design.Columns(drive, {});
   // As it is; and where the current may come late against the angle (an index found anew, or
-  // friction that turns over): told, not mended.
+  // friction that turns over): reported, not corrected.
   const double plain = Correlation(design.rows(), predicted, measured, 0);
   double best = plain;
   Eigen::Index lag = 0;

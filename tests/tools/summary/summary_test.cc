@@ -57,7 +57,7 @@ TEST(Summary, NamesFailuresAndFails) {
   EXPECT_EQ(run.output, "FAILED: bad\n1 passed, 1 failed, 0 skipped\n");
 }
 
-TEST(Summary, TellsWhyATestWasSkipped) {
+TEST(Summary, PrintsWhyATestWasSkipped) {
   const Finished run = Summarize(kGood + kSkipped);
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_EQ(run.output,

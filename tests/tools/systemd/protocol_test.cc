@@ -37,7 +37,7 @@ TEST(SystemdProtocol, AParticipantIsReadyWhenConfiguredIsFedAndSaysThatItStops) 
   EXPECT_EQ(reference.Wait(kEnough), 0);
 }
 
-TEST(SystemdProtocol, AStateProviderTellsWhetherTheRobotMayMove) {
+TEST(SystemdProtocol, AStateProviderReportsWhetherTheRobotMayMove) {
   NotifySocket systemd(2s);
   Program provider({kBin + "/sinew-surrogate", "--config", kRig + "/surrogate.yaml", "--arm",
                     "--domain", "138"});

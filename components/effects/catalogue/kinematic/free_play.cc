@@ -24,11 +24,11 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                   .lower = 0.0,
                   .upper = 1.0,
                   .default_value = 0.0,
-                  .meaning = "of the teeth, as the maker of the gear says; 0: rigid"}};
+                  .meaning = "of the teeth, from the gear's data sheet; 0: rigid"}};
   info.signature = "the difference of the encoders jumps by b when the torque reverses";
   info.variable = "tooth_side";
   info.confounders = {"backlash_width", "gear_compliance"};
-  info.separating_excitation = "none: only what was declared tells them apart";
+  info.separating_excitation = "none: only declared values distinguish them";
   info.needs = {"tooth_side", "tooth_torque_Nm"};
   return Memoryless(constants, std::move(info),
                     [](const JointSample& x, const JointConstants&, std::span<const double>,

@@ -1,0 +1,292 @@
+// The words and the references of the tree: what docs/glossary.md replaces is not used, and a
+// document cites only files that are there.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tests/tree/tree_files.h"
+
+namespace sinew {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::UnorderedElementsAre;
+
+constexpr std::size_t kMostTerms = 40;
+
+// Cells of the rows of a Markdown table below a heading, its two header rows left out.
+std::vector<std::vector<std::string>> TableBelow(const std::string& text,
+                                                 const std::string& heading) {
+  std::vector<std::vector<std::string>> rows;
+  bool below = false;
+  for (const std::string& line : Lines(text)) {
+    if (StartsWith(line, "#")) below = line == heading;
+    if (!below || !StartsWith(line, "| ")) continue;
+    std::vector<std::string> cells;
+    for (std::size_t at = 1; at < line.size();) {
+      const std::size_t end = std::min(line.find('|', at), line.size());
+      const std::string cell = line.substr(at, end - at);
+      const std::size_t first = cell.find_first_not_of(' ');
+      if (end < line.size() || first != std::string::npos) {
+        cells.push_back(
+            first == std::string::npos
+                ? ""
+                : cell.substr(first, cell.find_last_not_of(' ') - first + std::size_t{1}));
+      }
+      at = end + 1;
+    }
+    rows.push_back(std::move(cells));
+  }
+  if (rows.size() < 2) return {};
+  return {rows.begin() + 2, rows.end()};
+}
+
+// Word not used here -> what stands for it.
+std::map<std::string, std::string> ReplacedWords() {
+  std::map<std::string, std::string> words;
+  for (const auto& row : TableBelow(Read(kRoot / "docs/glossary.md"), "## Words not used here")) {
+    words[row.at(0)] = row.at(1);
+  }
+  return words;
+}
+
+// Words of a line in lower case: runs of letters, and the parts of identifiers ("TellState" holds
+// "tell" and "state"); words with hyphens count whole, too.
+std::set<std::string> WordsOf(const std::string& line) {
+  const auto is = [](int (*kind)(int), char c) { return kind(static_cast<unsigned char>(c)) != 0; };
+  std::set<std::string> words;
+  std::string part, hyphened;
+  const auto end_part = [&] {
+    words.insert(part);
+    part.clear();
+  };
+  for (std::size_t i = 0; i <= line.size(); ++i) {
+    const char c = i < line.size() ? line[i] : ' ';
+    if (is(std::isalpha, c)) {
+      const bool after_lower = i > 0 && is(std::islower, line[i - 1]);
+      const bool before_lower = i + 1 < line.size() && is(std::islower, line[i + 1]);
+      const bool after_upper = i > 0 && is(std::isupper, line[i - 1]);
+      if (is(std::isupper, c) && (after_lower || (after_upper && before_lower))) end_part();
+      part += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+      hyphened += part.back();
+    } else {
+      end_part();
+      if (c == '-' && !hyphened.empty()) {
+        hyphened += c;
+      } else {
+        words.insert(hyphened);
+        hyphened.clear();
+      }
+    }
+  }
+  words.erase("");
+  return words;
+}
+
+// Places where such a word stays, with the reason.
+const std::vector<std::pair<std::string, std::string>> kAllowed = {
+    {"--sealed", "alias of --held-out and --held-out-map in the command line"},
+    {"\"sealed\"", "report.json repeats held_out under its name of schema 1"},
+    {"`sealed`", "docs/formats.md: the map of renamed keys"},
+    {"`surprise`", "docs/formats.md: the map of renamed keys"},
+    {"`swallowed_by_refit`", "docs/formats.md: the map of renamed keys"},
+    {"`look_alikes`", "docs/formats.md: the map of renamed keys"},
+    {"sealed.csv", "file of a case of the bank of rigs, and of tests/data/rig_examples"},
+    {"\"sealed\"}", "the same, without its extension"},
+    {"sealed_declared", "key of truth.json of tests/data/rig_examples"},
+    {"sealed_oracle", "key of truth.json of tests/data/rig_examples"},
+};
+
+// Folders and files whose words have not been replaced yet. To be emptied.
+const std::vector<std::string> kNotYet = {
+    "bench/can/",
+    "bench/watchdog/",
+    "bridge/",
+    "components/esn/",
+    "components/logger/",
+    "components/networks/",
+    "components/node/",
+    "components/provider/",
+    "components/recording/",
+    "components/rls/",
+    "docs/bring-up.md",
+    "docs/control-test.md",
+    "docs/experiments.md",
+    "docs/networks.md",
+    "docs/participants/can",
+    "docs/participants/virtual_axes.md",
+    "idl/",
+    "reproduction/",
+    "sim/laboratory/",
+    "tests/bridge/",
+    "tests/components/esn/",
+    "tests/components/node/",
+    "tests/components/recording/",
+    "tests/components/residual/surrogate_residual_test.cc",
+    "tests/fuzz/",
+    "tests/kernel/",
+    "tests/reproduction/",
+    "tests/support/",
+    "tests/tools/check/",
+    "tests/tools/control_test/",
+    "tests/tools/networks/",
+    "tests/tools/paper/",
+    "tools/check/",
+    "tools/control_test/",
+    "tools/networks/",
+    "tools/paper/",
+};
+
+std::string WithoutAllowed(std::string line) {
+  for (const auto& [text, reason] : kAllowed) {
+    for (std::size_t at = line.find(text); at != std::string::npos; at = line.find(text)) {
+      line.erase(at, text.size());
+    }
+  }
+  return line;
+}
+
+std::string Joined(const std::vector<std::string>& lines) {
+  std::string out;
+  for (const std::string& line : lines) out += line + "\n";
+  return out;
+}
+
+bool IsScanned(const std::string& file) {
+  if (file == "CHANGELOG.md" || file == "docs/glossary.md" || StartsWith(file, "tests/data/") ||
+      file == "tests/tree/language_test.cc") {
+    return false;
+  }
+  if (std::any_of(kNotYet.begin(), kNotYet.end(),
+                  [&](const std::string& begin) { return StartsWith(file, begin); })) {
+    return false;
+  }
+  static const std::set<std::string> kExtensions = {".cc", ".h", ".md", ".idl", ".yaml", ".cmake"};
+  return EndsWith(file, "CMakeLists.txt") || kExtensions.count(fs::path(file).extension()) != 0;
+}
+
+TEST(Language, WordsAreRunsOfLettersAndPartsOfIdentifiers) {
+  EXPECT_THAT(WordsOf("TellState told_by HTTPRoom x2y"),
+              UnorderedElementsAre("tell", "state", "tellstate", "told", "by", "http", "room",
+                                   "httproom", "x", "y"));
+  EXPECT_THAT(WordsOf("a look-alike, tellg"),
+              UnorderedElementsAre("a", "look", "alike", "look-alike", "tellg"));
+}
+
+TEST(Language, TablesAreReadByTheirHeading) {
+  const std::string text = "## A\n| x | y |\n| --- | --- |\n| 1 |  |\n## B\n| z |\n| --- |\n";
+  EXPECT_THAT(TableBelow(text, "## A"), ElementsAre(ElementsAre("1", "")));
+  EXPECT_THAT(TableBelow(text, "## B"), IsEmpty());
+}
+
+TEST(Language, TheGlossaryIsShortAndNamesWhatReplacesAWord) {
+  const auto terms = TableBelow(Read(kRoot / "docs/glossary.md"), "# Glossary");
+  EXPECT_GE(terms.size(), kMostTerms / 2);
+  EXPECT_LE(terms.size(), kMostTerms);
+  std::set<std::string> names;
+  for (const auto& row : terms) {
+    ASSERT_EQ(row.size(), 3u) << row.front();
+    EXPECT_FALSE(row[1].empty()) << row[0];
+    EXPECT_TRUE(names.insert(row[0]).second) << row[0] << " stands twice";
+  }
+  const std::map<std::string, std::string> words = ReplacedWords();
+  EXPECT_GE(words.size(), 20u);
+  for (const auto& [word, instead] : words) EXPECT_FALSE(instead.empty()) << word;
+}
+
+TEST(Language, ReplacedWordsAreNotUsed) {
+  const std::map<std::string, std::string> words = ReplacedWords();
+  std::vector<std::string> found;
+  int scanned = 0;
+  for (const std::string& file : Files()) {
+    if (!IsScanned(file)) continue;
+    ++scanned;
+    const std::vector<std::string> lines = Lines(Read(kRoot / file));
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      for (const std::string& word : WordsOf(WithoutAllowed(lines[i]))) {
+        const auto at = words.find(word);
+        if (at == words.end()) continue;
+        found.push_back(file + ":" + std::to_string(i + 1) + ": '" + word +
+                        "' (use: " + at->second + ")");
+      }
+    }
+  }
+  EXPECT_GT(scanned, 1000);
+  EXPECT_TRUE(found.empty()) << Joined(found);
+}
+
+// Documents of the project; a changelog names what once was.
+std::vector<std::string> Documents() {
+  std::vector<std::string> out;
+  for (const std::string& file : Files()) {
+    if (EndsWith(file, ".md") && file != "CHANGELOG.md") out.push_back(file);
+  }
+  return out;
+}
+
+TEST(Language, LinksOfTheDocumentsLead) {
+  static const std::regex kLink(R"(\]\(([^)#\s]+)[^)]*\))");
+  std::vector<std::string> found;
+  for (const std::string& file : Documents()) {
+    const std::string text = Read(kRoot / file);
+    for (std::sregex_iterator it(text.begin(), text.end(), kLink), end; it != end; ++it) {
+      const std::string target = (*it)[1];
+      if (target.find("://") != std::string::npos) continue;
+      if (!fs::exists(kRoot / fs::path(file).parent_path() / target)) {
+        found.push_back(file + " -> " + target);
+      }
+    }
+  }
+  EXPECT_THAT(found, IsEmpty());
+}
+
+// A path from the root that a document cites: a file, a folder, a module's file without extension,
+// or what a build makes (build/).
+bool PathIsThere(const std::string& path) {
+  return fs::exists(kRoot / path) || fs::exists(kRoot / (path + ".h")) ||
+         fs::exists(kRoot / (path + ".cc"));
+}
+
+TEST(Language, FilesThatTheDocumentsCiteAreThere) {
+  // `components/identify/gas.h`, `robots/rig` and `set_search.h`; no patterns, no placeholders.
+  static const std::regex kQuoted("`([.A-Za-z0-9_][A-Za-z0-9_./-]*)`");
+  static const std::regex kSource(R"([a-z0-9_]+\.(h|cc|idl))");
+  std::set<std::string> names, tops;
+  for (const std::string& file : Files()) {
+    names.insert(fs::path(file).filename());
+    tops.insert(fs::path(file).begin()->string());
+  }
+  std::vector<std::string> found;
+  int cited = 0;
+  for (const std::string& file : Documents()) {
+    const std::string text = Read(kRoot / file);
+    const fs::path here = fs::path(file).parent_path();
+    for (std::sregex_iterator it(text.begin(), text.end(), kQuoted), end; it != end; ++it) {
+      const std::string word = (*it)[1];
+      const bool path =
+          word.find('/') != std::string::npos && tops.count(fs::path(word).begin()->string()) != 0;
+      const bool source = std::regex_match(word, kSource);
+      if (!path && !source) continue;
+      ++cited;
+      if (path ? !PathIsThere(word) && !PathIsThere((here / word).string())
+               : names.count(word) == 0) {
+        found.push_back(file + ": `" + word + "`");
+      }
+    }
+  }
+  EXPECT_GT(cited, 300);
+  EXPECT_TRUE(found.empty()) << Joined(found);
+}
+
+}  // namespace
+}  // namespace sinew
