@@ -14,7 +14,7 @@ constexpr int kMostBatches = 8;               // taken from a bus at once
 
 }  // namespace
 
-VirtualAxes::VirtualAxes(const VirtualAxesConfig& config, provider::Plant& plant,
+VirtualAxes::VirtualAxes(const VirtualAxesConfig& config, provider::SimulatedPlant& plant,
                          std::vector<can::Transport*> transports)
     : config_(config), plant_(plant), transports_(std::move(transports)) {
   CheckVirtualAxesConfig(config, plant.joint_count(), static_cast<int>(transports_.size()));
@@ -120,8 +120,9 @@ void VirtualAxes::Send(int bus, const can::Frame& frame) {
 }
 
 void VirtualAxes::SetHand(int joint, double force_N) {
-  command_.hand_force_N.at(static_cast<std::size_t>(joint)) =
+  disturbance_.hand_force_N.at(static_cast<std::size_t>(joint)) =
       std::isfinite(force_N) ? force_N : 0.0;
+  plant_.Disturb(disturbance_);
 }
 
 }  // namespace sinew::virtual_axes

@@ -2,8 +2,9 @@
 // behind them.
 //
 // The nodes are models of their own (axis_model.h, sensor_node_model.h, gateway_model.h). This
-// class hands them the frames of their number, steps the plant (a provider::Plant: the surrogate, a
-// world, or a test's) at a fixed period with what they demand, and sends what they answer.
+// class hands them the frames of their number, steps the plant (a provider::SimulatedPlant: the
+// surrogate, a world, or a test's) at a fixed period with what they demand, and sends what they
+// answer.
 //
 // Pure but for its transports: time comes from Run's argument. One thread.
 #pragma once
@@ -16,14 +17,14 @@
 #include "bridge/virtual_axes/axis_model.h"
 #include "bridge/virtual_axes/gateway_model.h"
 #include "bridge/virtual_axes/sensor_node_model.h"
-#include "components/provider/plant.h"
+#include "components/provider/simulated_plant.h"
 
 namespace sinew::virtual_axes {
 
 class VirtualAxes {
  public:
   // The plant and the transports must outlive it. Throws as CheckVirtualAxesConfig.
-  VirtualAxes(const VirtualAxesConfig& config, provider::Plant& plant,
+  VirtualAxes(const VirtualAxesConfig& config, provider::SimulatedPlant& plant,
               std::vector<can::Transport*> transports);
 
   // Starts at this time.
@@ -60,7 +61,7 @@ class VirtualAxes {
   void Send(int bus, const can::Frame& frame);
 
   VirtualAxesConfig config_;
-  provider::Plant& plant_;
+  provider::SimulatedPlant& plant_;
   std::vector<can::Transport*> transports_;
   std::vector<AxisModel> axes_;
   std::vector<SensorNodeModel> nodes_;
@@ -68,6 +69,7 @@ class VirtualAxes {
   std::int64_t step_ns_ = 0;
   std::int64_t next_step_ns_ = 0;
   provider::PlantCommand command_;
+  provider::Disturbance disturbance_;
   provider::PlantSensors sensors_;
   std::uint64_t frames_taken_ = 0;
   std::uint64_t steps_ = 0;

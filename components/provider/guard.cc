@@ -43,31 +43,31 @@ bool CommandGuard::Arm(std::uint64_t session_id, std::uint64_t tick) {
 }
 
 void CommandGuard::Disarm() {
-  rest_acts_ = false;
+  others_act_ = false;
   if (state_ == RobotState::kArmed || state_ == RobotState::kDamped) state_ = RobotState::kDisarmed;
 }
 
 void CommandGuard::Estop() {
-  rest_acts_ = false;
+  others_act_ = false;
   state_ = RobotState::kEstopped;
 }
 
 void CommandGuard::JointFault() {
-  if (config_.on_joint_fault == Rest::kContinue) return;
-  const bool moved = rest_acts_ || state_ == RobotState::kArmed || state_ == RobotState::kDamped;
+  if (config_.on_joint_fault == OtherJointsPolicy::kContinue) return;
+  const bool moved = others_act_ || state_ == RobotState::kArmed || state_ == RobotState::kDamped;
   Fault();
-  if (moved) rest_acts_ = config_.on_joint_fault != Rest::kIdle;
+  if (moved) others_act_ = config_.on_joint_fault != OtherJointsPolicy::kIdle;
 }
 
 void CommandGuard::Fault() {
-  rest_acts_ = false;
+  others_act_ = false;
   if (state_ == RobotState::kEstopped || state_ == RobotState::kFault) return;
   state_ = RobotState::kFault;
   ++faults_;
 }
 
 bool CommandGuard::Reset() {
-  rest_acts_ = false;
+  others_act_ = false;
   if (state_ != RobotState::kFault && state_ != RobotState::kEstopped) return false;
   state_ = RobotState::kDisarmed;
   return true;
@@ -94,8 +94,8 @@ bool CommandGuard::Overdue(std::uint64_t tick) const {
 }
 
 Verdict CommandGuard::Step(std::uint64_t tick, std::chrono::nanoseconds period) {
-  if (rest_acts_) {
-    return config_.on_joint_fault == Rest::kHold ? Verdict::kHold : Verdict::kDamp;
+  if (others_act_) {
+    return config_.on_joint_fault == OtherJointsPolicy::kHold ? Verdict::kHold : Verdict::kDamp;
   }
   if (state_ != RobotState::kArmed && state_ != RobotState::kDamped) return Verdict::kIdle;
   const std::uint64_t age = tick - last_tick_;

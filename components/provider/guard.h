@@ -4,8 +4,8 @@
 // between the provider's tick and the tick it echoes; foreign clocks never matter. When
 // missed_periods have passed without their commands the guard damps or holds (unlatched: a fresh
 // command ends it), after fault_after it latches a fault. Everything starts disarmed; a fault or an
-// estop ends only by Reset, and then by Arm. A joint's own fault idles that joint; what the others
-// do is declared (Rest). Thread: one. Allocates nothing.
+// estop ends only by Reset, and then by Arm. A joint's own fault idles that joint; what the other
+// joints do is configured (OtherJointsPolicy). Thread: one. Allocates nothing.
 #pragma once
 
 #include <chrono>
@@ -19,14 +19,14 @@ namespace sinew::provider {
 enum class Bridging { kDamp, kHold };
 // What the other joints do when one has a fault of its own. All but kContinue latch the robot's
 // fault: no command counts until Reset and Arm. Damping and holding end by Disarm, Estop or Reset.
-enum class Rest { kIdle, kDamp, kHold, kContinue };
+enum class OtherJointsPolicy { kIdle, kDamp, kHold, kContinue };
 
 struct GuardConfig {
   int missed_periods = 3;                     // without their commands: bridge the gap
   std::chrono::milliseconds fault_after{60};  // older than this: latched fault
   Bridging bridging = Bridging::kDamp;
   double damping_Nm_s_rad = 2e-5;  // motor side, per motor rad/s
-  Rest on_joint_fault = Rest::kIdle;
+  OtherJointsPolicy on_joint_fault = OtherJointsPolicy::kIdle;
   bool live = false;  // hardware: only live commands count
 };
 
@@ -57,7 +57,7 @@ class CommandGuard {
   void Disarm();
   void Estop();
   void Fault();       // of the plant
-  void JointFault();  // of a joint: what the others do is declared
+  void JointFault();  // of a joint: the others follow the OtherJointsPolicy
   bool Reset();       // from fault or estop to disarmed
 
   // True when the command counts: own session, allowed origin, not from the future, newer than the
@@ -81,7 +81,7 @@ class CommandGuard {
   std::uint64_t session_id_ = 0;
   std::uint64_t last_tick_ = 0;  // of the last accepted command, or of arming
   bool has_command_ = false;     // since arming
-  bool rest_acts_ = false;       // joints damp or hold although the robot has a fault
+  bool others_act_ = false;      // the other joints damp or hold although the robot has a fault
   std::uint64_t refused_ = 0, bridged_ = 0, faults_ = 0;
 };
 

@@ -1,4 +1,5 @@
-// What a state provider drives: world, surrogate, or hardware behind the CAN bridge.
+// What a state provider drives: world, surrogate, or hardware behind the CAN bridge. Simulations
+// implement SimulatedPlant (simulated_plant.h). Called by one thread.
 #pragma once
 
 #include <algorithm>
@@ -20,9 +21,6 @@ struct PlantCommand {
   types::JointArray<bool> valve_open{};
   types::JointArray<bool> compressor_on{};
   types::JointArray<bool> vent_open{};
-  // Simulation only.
-  types::JointArray<double> hand_force_N{};  // pushes the link, positive down
-  types::JointArray<double> extra_payload_kg{};
 };
 
 // What the sensors say at the end of a cycle. Units and signs as in idl/.
@@ -42,7 +40,8 @@ struct PlantSensors {
   types::JointArray<bool> valve_open{};
   types::JointArray<std::int32_t> age_us{};
   types::JointArray<bool> valid{};
-  // A joint's own fault: it idles until the operator's reset; the others do as declared.
+  // A joint's own fault: it idles until the operator's reset; the others follow the guard's policy
+  // for the other joints (guard.h).
   types::JointArray<bool> joint_fault{};
   bool fault = false;   // of the whole plant
   std::string message;  // why
@@ -90,9 +89,9 @@ class Plant {
   virtual void Reset(PlantSensors* sensors) = 0;
   // Applies the command for one period and reads the sensors at its end.
   virtual void Step(const PlantCommand& command, double period_s, PlantSensors* sensors) = 0;
-  // Hardware acts the moment it is told. True: in real time the provider calls Act as soon as the
-  // cycle's command is there (at the latest in the middle of the period), and the Step that ends
-  // the cycle only reads the sensors.
+  // True for hardware, which acts as soon as it has a command: in real time the provider calls Act
+  // as soon as the cycle's command has arrived (at the latest in the middle of the period), and the
+  // Step that ends the cycle only reads the sensors.
   virtual bool acts_at_once() const { return false; }
   virtual void Act(const PlantCommand& /*command*/, double /*period_s*/) {}
   // The operator's reset: faults that can be cleared are, before the next Step.

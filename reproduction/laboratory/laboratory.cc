@@ -54,7 +54,7 @@ Recording RunProtocol(const RigParameters& specimen, experiment::Protocol& proto
   rig.seed = seed;
   double last_s = 0.0;
   const auto command = [&](double time_s, const provider::PlantSensors& sensors,
-                           provider::PlantCommand* out) {
+                           provider::PlantCommand* out, provider::Disturbance* disturbance) {
     experiment::Reading reading;
     reading.time_s = time_s;
     reading.motor_angle_rad = sensors.motor_position_rad[0];
@@ -73,7 +73,7 @@ Recording RunProtocol(const RigParameters& specimen, experiment::Protocol& proto
     out->valve_open[0] = c.valve_open;
     out->compressor_on[0] = c.compressor_on;
     out->vent_open[0] = c.vent_open;
-    out->hand_force_N[0] = c.hand_force_N;
+    disturbance->hand_force_N[0] = c.hand_force_N;
     if (progress && time_s > last_s + 1.0) {
       progress(std::min(1.0, time_s / protocol.expected_s()));
       last_s = time_s;

@@ -298,9 +298,10 @@ double Excitation::PressureTarget_bar(double time_s) const {
 }
 
 void Excitation::operator()(double time_s, const provider::PlantSensors& sensors,
-                            provider::PlantCommand* command) const {
+                            provider::PlantCommand* command,
+                            provider::Disturbance* disturbance) const {
   if (parameters_.kind == ExcitationKind::kSea) {
-    command->hand_force_N[0] = Hand_N(time_s);
+    disturbance->hand_force_N[0] = Hand_N(time_s);
     command->valve_open[0] = true;
     command->vent_open[0] = true;  // the controlled leak
     return;
@@ -310,7 +311,7 @@ void Excitation::operator()(double time_s, const provider::PlantSensors& sensors
     // friction.
     command->mode[0] = types::ControlMode::kTorque;
     command->motor_torque_Nm[0] = 0.02;
-    command->hand_force_N[0] = PeaHand_N(time_s, sensors);
+    disturbance->hand_force_N[0] = PeaHand_N(time_s, sensors);
     command->valve_open[0] = true;
     return;
   }
@@ -335,7 +336,7 @@ void Excitation::operator()(double time_s, const provider::PlantSensors& sensors
   command->mode[0] = types::ControlMode::kTorque;
   command->motor_torque_Nm[0] = std::clamp((forward_Nm + feedback_Nm) / (kGearRatio * kEfficiency),
                                            -kTorqueLimit_Nm, kTorqueLimit_Nm);
-  command->hand_force_N[0] = Hand_N(time_s);
+  disturbance->hand_force_N[0] = Hand_N(time_s);
 
   bool valve_open = true;
   double target_bar = pressure_.front().target_bar;

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "components/provider/plant.h"
+#include "components/provider/simulated_plant.h"
 #include "sim/surrogate/parameters.h"
 #include "sim/surrogate/random.h"
 
@@ -42,7 +42,7 @@ class Excitation {
 
   // The command of a cycle (an experiment's CommandFunction).
   void operator()(double time_s, const provider::PlantSensors& sensors,
-                  provider::PlantCommand* command) const;
+                  provider::PlantCommand* command, provider::Disturbance* disturbance) const;
 
   double Reference_rad(double time_s) const;  // designed, task; of the hand in pea
   double Hand_N(double time_s) const;

@@ -34,6 +34,7 @@ std::vector<LogRow> RunExperiment(const RigParameters& parameters, const Experim
 
   provider::PlantSensors sensors;
   provider::PlantCommand plant_command;
+  provider::Disturbance disturbance;
   surrogate.Reset(&sensors);
   std::vector<LogRow> rows;
   rows.reserve(static_cast<std::size_t>(cycles / options.log_every + 1));
@@ -42,7 +43,9 @@ std::vector<LogRow> RunExperiment(const RigParameters& parameters, const Experim
     if (options.done && options.done()) break;
     const double nominal_s = static_cast<double>(cycle) * cycle_s;
     plant_command = provider::PlantCommand{};
-    command(nominal_s, sensors, &plant_command);
+    disturbance = provider::Disturbance{};
+    command(nominal_s, sensors, &plant_command, &disturbance);
+    surrogate.Disturb(disturbance);
     const double late_s =
         std::clamp(options.jitter_s * jitter.Gaussian(), -cycle_s / 3.0, cycle_s / 3.0);
     const double next_s = std::max(nominal_s + cycle_s + late_s, instant_s + 0.1 * cycle_s);

@@ -9,7 +9,7 @@
 #include <functional>
 #include <vector>
 
-#include "components/provider/plant.h"
+#include "components/provider/simulated_plant.h"
 #include "sim/surrogate/surrogate.h"
 
 namespace sinew::surrogate {
@@ -40,9 +40,11 @@ struct ExperimentOptions {
   std::function<bool()> done = {};  // ends the run early, asked before every cycle; may be empty
 };
 
-// Called at the start of every cycle with the newest readings. nominal_time_s counts whole cycles.
-using CommandFunction = std::function<void(
-    double nominal_time_s, const provider::PlantSensors& sensors, provider::PlantCommand* command)>;
+// Called at the start of every cycle with the newest readings; command and disturbance are empty
+// then. nominal_time_s counts whole cycles.
+using CommandFunction =
+    std::function<void(double nominal_time_s, const provider::PlantSensors& sensors,
+                       provider::PlantCommand* command, provider::Disturbance* disturbance)>;
 // Sees the truth after every cycle; may be empty.
 using TruthFunction = std::function<void(const RigTruth& truth)>;
 

@@ -33,6 +33,7 @@ std::uint32_t Surrogate::measured_flags() const {
 
 void Surrogate::Reset(provider::PlantSensors* sensors) {
   refused_commands_ = 0;
+  disturbance_ = {};
   *sensors = provider::PlantSensors{};
   for (std::size_t j = 0; j < rigs_.size(); ++j) {
     rigs_[j].Reset();
@@ -44,7 +45,7 @@ void Surrogate::Step(const provider::PlantCommand& command, double period_s,
                      provider::PlantSensors* sensors) {
   bool finite = true;
   for (std::size_t j = 0; j < rigs_.size(); ++j) {
-    finite = StepRig(j, command, period_s, &rigs_[j], sensors) && finite;
+    finite = StepRig(j, command, period_s, sensors) && finite;
   }
   if (!finite) {
     ++refused_commands_;
@@ -57,12 +58,15 @@ void Surrogate::Step(const provider::PlantCommand& command, double period_s,
 }
 
 bool Surrogate::StepRig(std::size_t joint, const provider::PlantCommand& command, double period_s,
-                        Rig* rig, provider::PlantSensors* sensors) {
-  const double ratio = rig->parameters().gear.ratio;
-  const bool finite =
-      std::isfinite(command.motor_torque_Nm[joint]) && std::isfinite(command.position_rad[joint]) &&
-      std::isfinite(command.velocity_rad_s[joint]) && std::isfinite(command.hand_force_N[joint]) &&
-      std::isfinite(command.extra_payload_kg[joint]);
+                        provider::PlantSensors* sensors) {
+  Rig& rig = rigs_[joint];
+  const double force_N = disturbance_.hand_force_N[joint];
+  const double payload_kg = disturbance_.extra_payload_kg[joint];
+  const double ratio = rig.parameters().gear.ratio;
+  const bool finite = std::isfinite(command.motor_torque_Nm[joint]) &&
+                      std::isfinite(command.position_rad[joint]) &&
+                      std::isfinite(command.velocity_rad_s[joint]) && std::isfinite(force_N) &&
+                      std::isfinite(payload_kg);
   RigInput input;
   input.valve_open = command.valve_open[joint];
   input.compressor_on = command.compressor_on[joint];
@@ -75,14 +79,14 @@ bool Surrogate::StepRig(std::size_t joint, const provider::PlantCommand& command
     input.drive.velocity_rad_s =
         ratio *
         std::clamp(command.velocity_rad_s[joint], -kLargestVelocity_rad_s, kLargestVelocity_rad_s);
-    input.hand_force_N = std::clamp(command.hand_force_N[joint], -kLargestForce_N, kLargestForce_N);
-    input.extra_payload_kg = std::clamp(command.extra_payload_kg[joint], 0.0, kLargestPayload_kg);
+    input.hand_force_N = std::clamp(force_N, -kLargestForce_N, kLargestForce_N);
+    input.extra_payload_kg = std::clamp(payload_kg, 0.0, kLargestPayload_kg);
   }
   if (!(period_s > 0.0) || !std::isfinite(period_s)) return finite;
-  const double until_latch_s = rig->parameters().sensors.latch_phase * period_s;
-  rig->Advance(input, until_latch_s);
-  const RigReading reading = rig->Read();
-  rig->Advance(input, period_s - until_latch_s);
+  const double until_latch_s = rig.parameters().sensors.latch_phase * period_s;
+  rig.Advance(input, until_latch_s);
+  const RigReading reading = rig.Read();
+  rig.Advance(input, period_s - until_latch_s);
   Fill(joint, reading, period_s - until_latch_s, sensors);
   return finite;
 }

@@ -2,20 +2,21 @@
 // rigs side by side that know nothing of each other.
 //
 // Commands are at the output (position, velocity) or at the motor shaft (torque), as everywhere;
-// the drive gets them at the motor shaft. A command with a value that is not finite is not
-// executed: the drive idles for that cycle and the sensors report it (fault). Angles and forces
-// beyond any sense are limited. One owner; Step does not allocate while commands are finite.
+// the drive gets them at the motor shaft. A command or a disturbance with a value that is not
+// finite is not executed: the drive idles for that cycle and the sensors report a fault. Angles,
+// velocities, forces and payloads are limited (surrogate.cc). One owner; Step does not allocate
+// while commands are finite.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "components/provider/plant.h"
+#include "components/provider/simulated_plant.h"
 #include "sim/surrogate/rig.h"
 
 namespace sinew::surrogate {
 
-class Surrogate : public provider::Plant {
+class Surrogate : public provider::SimulatedPlant {
  public:
   // The second rig has the seed after the first's, and so on. Throws std::invalid_argument.
   explicit Surrogate(const RigParameters& parameters, int joints = 1);
@@ -23,6 +24,7 @@ class Surrogate : public provider::Plant {
   int joint_count() const override { return static_cast<int>(rigs_.size()); }
   std::uint32_t measured_flags() const override;
   void Reset(provider::PlantSensors* sensors) override;
+  void Disturb(const provider::Disturbance& disturbance) override { disturbance_ = disturbance; }
   void Step(const provider::PlantCommand& command, double period_s,
             provider::PlantSensors* sensors) override;
 
@@ -32,12 +34,13 @@ class Surrogate : public provider::Plant {
 
  private:
   // False: a value was not finite, and the drive idles.
-  static bool StepRig(std::size_t joint, const provider::PlantCommand& command, double period_s,
-                      Rig* rig, provider::PlantSensors* sensors);
+  bool StepRig(std::size_t joint, const provider::PlantCommand& command, double period_s,
+               provider::PlantSensors* sensors);
   static void Fill(std::size_t joint, const RigReading& reading, double age_s,
                    provider::PlantSensors* sensors);
 
   std::vector<Rig> rigs_;
+  provider::Disturbance disturbance_;
   std::uint64_t refused_commands_ = 0;
 };
 

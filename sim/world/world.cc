@@ -140,6 +140,7 @@ bool World::prismatic(int joint) const {
 }
 
 void World::Reset(provider::PlantSensors* sensors) {
+  disturbance_ = {};
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     const auto at = static_cast<Eigen::Index>(j);
     position_[at] = joints_[j].config.position_rad;
@@ -203,10 +204,10 @@ void World::Step(const provider::PlantCommand& command, double period_s,
     drive.position_rad = command.position_rad[j];
     drive.velocity_rad_s = command.velocity_rad_s[j];
     joint.plant.SetCommand(drive);
-    joint.load_force_N = std::isfinite(command.hand_force_N[j]) ? command.hand_force_N[j] : 0.0;
-    const double extra = std::isfinite(command.extra_payload_kg[j])
-                             ? std::max(0.0, command.extra_payload_kg[j])
-                             : 0.0;
+    const double force_N = disturbance_.hand_force_N[j];
+    const double payload_kg = disturbance_.extra_payload_kg[j];
+    joint.load_force_N = std::isfinite(force_N) ? force_N : 0.0;
+    const double extra = std::isfinite(payload_kg) ? std::max(0.0, payload_kg) : 0.0;
     if (!joint.follows) {
       joint.plant.SetLoad(joint.load_force_N, joint.config.declared_payload_kg + extra);
     }

@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "components/actuator/model.h"
-#include "components/provider/plant.h"
+#include "components/provider/simulated_plant.h"
 #include "sim/plant/gas_effects.h"
 #include "sim/plant/joint_plant.h"
 #include "sim/plant/pneumatics.h"
@@ -45,7 +45,7 @@ struct WorldConfig {
   double substep_s = 1e-4;
 };
 
-class World final : public provider::Plant {
+class World final : public provider::SimulatedPlant {
  public:
   // Throws std::invalid_argument naming the joint: no model for it, no such joint, impossible
   // values.
@@ -55,6 +55,8 @@ class World final : public provider::Plant {
   bool prismatic(int joint) const override;
   std::uint32_t measured_flags() const override { return measured_flags_; }
   void Reset(provider::PlantSensors* sensors) override;
+  // Forces and payloads that are not finite count as 0, payloads below 0 as 0.
+  void Disturb(const provider::Disturbance& disturbance) override { disturbance_ = disturbance; }
   void Step(const provider::PlantCommand& command, double period_s,
             provider::PlantSensors* sensors) override;
 
@@ -93,6 +95,7 @@ class World final : public provider::Plant {
   std::vector<Joint> joints_;     // in the order of the model
   std::vector<int> chain_joint_;  // index in the chain of each joint
   std::uint32_t measured_flags_ = 0;
+  provider::Disturbance disturbance_;
   JointVector position_, velocity_;  // in the order of the model
   // Work space of a step, in the order of the chain.
   JointVector chain_position_, chain_velocity_, acceleration_, torque_, added_, lower_, upper_,

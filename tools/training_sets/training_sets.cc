@@ -96,8 +96,8 @@ types::Run MakeSurrogateRun(const SetOptions& options) {
   excitation.Prepare(&rig);
   const TorqueLevel level(options.seed, duration_s);
   const auto command = [&](double time_s, const provider::PlantSensors& sensors,
-                           provider::PlantCommand* to) {
-    excitation(time_s, sensors, to);
+                           provider::PlantCommand* to, provider::Disturbance* disturbance) {
+    excitation(time_s, sensors, to, disturbance);
     if (!sea && !options.constant_torque) to->motor_torque_Nm[0] = level.At(time_s);
   };
   const std::vector<surrogate::LogRow> rows =

@@ -46,9 +46,9 @@ class Hand {
 };
 
 // What moves behind the axes: rigs side by side, or a world.
-std::unique_ptr<provider::Plant> MakePlant(const virtual_axes::VirtualAxesFile& file,
-                                           const node::Options& options,
-                                           const std::vector<std::string>& effects) {
+std::unique_ptr<provider::SimulatedPlant> MakePlant(const virtual_axes::VirtualAxesFile& file,
+                                                    const node::Options& options,
+                                                    const std::vector<std::string>& effects) {
   if (!file.world_path.empty()) {
     if (!effects.empty()) throw UsageError("--effect: only the surrogate has undeclared effects");
     return world::MakeWorld(world::LoadWorldFile(file.world_path), file.world_path);
@@ -67,8 +67,8 @@ void Run(const node::Options& options, node::StopFlag& stop,
   const config::Section section =
       config::Section::Load(options.config_path, "sinew-virtual-axes/1");
   const virtual_axes::VirtualAxesFile file = virtual_axes::ReadVirtualAxes(section);
-  const std::unique_ptr<provider::Plant> simulated = MakePlant(file, options, effects);
-  provider::Plant& plant = *simulated;
+  const std::unique_ptr<provider::SimulatedPlant> simulated = MakePlant(file, options, effects);
+  provider::SimulatedPlant& plant = *simulated;
 
   try {
     virtual_axes::CheckVirtualAxesConfig(file.axes, plant.joint_count(),

@@ -17,6 +17,7 @@
 
 #include "components/node/codec.h"
 #include "components/node/node.h"
+#include "components/provider/simulated_plant.h"
 #include "components/provider/work_time.h"
 #include "components/types/clock/clock.h"
 #include "components/types/control_mode.h"
@@ -115,7 +116,8 @@ class Provider {
         joint_command_(node_.MakeReader(node::kJointCommand)),
         valve_command_(node_.MakeReader(node::kValveCommand)),
         operator_command_(node_.MakeReader(node::kOperatorCommand)),
-        disturbance_(node_.MakeReader(node::kSimDisturbance)) {
+        simulated_(dynamic_cast<SimulatedPlant*>(&plant)) {
+    if (simulated_ != nullptr) disturbance_.emplace(node_.MakeReader(node::kSimDisturbance));
     if (options.arm && plant.live()) {
       throw UsageError("--arm: hardware is armed by an operator, with 'sinew arm'");
     }
@@ -355,10 +357,9 @@ class Provider {
       spdlog::info("operator: action {}, reason '{}'", static_cast<int>(command->action()),
                    command->reason());
     }
-    while (const auto disturbance = disturbance_.TakeNext()) {
-      if (plant_.live()) continue;
-      command_.hand_force_N = disturbance->load_force_N();
-      command_.extra_payload_kg = disturbance->payload_kg();
+    if (simulated_ == nullptr) return;
+    while (const auto disturbance = disturbance_->TakeNext()) {
+      simulated_->Disturb({disturbance->load_force_N(), disturbance->payload_kg()});
     }
   }
 
@@ -545,7 +546,8 @@ class Provider {
   node::Reader<msg::JointCommand> joint_command_;
   node::Reader<msg::ValveCommand> valve_command_;
   node::Reader<msg::OperatorCommand> operator_command_;
-  node::Reader<msg::SimDisturbance> disturbance_;
+  SimulatedPlant* simulated_;  // the plant, where it is a simulation
+  std::optional<node::Reader<msg::SimDisturbance>> disturbance_;
   std::optional<node::Writer<msg::BusStatus>> bus_status_;
   std::optional<node::Writer<msg::FootForce>> foot_force_;
   std::optional<node::Writer<msg::Imu>> imu_;
@@ -603,12 +605,12 @@ GuardConfig LoadGuardConfig(const config::Section& guard) {
   config.bridging = guard.ChoiceOr("bridging", "damp", {"damp", "hold"}) == "hold"
                         ? Bridging::kHold
                         : Bridging::kDamp;
-  const std::string rest =
+  const std::string others =
       guard.ChoiceOr("on_joint_fault", "idle", {"idle", "damp", "hold", "continue"});
-  config.on_joint_fault = rest == "continue" ? Rest::kContinue
-                          : rest == "hold"   ? Rest::kHold
-                          : rest == "damp"   ? Rest::kDamp
-                                             : Rest::kIdle;
+  config.on_joint_fault = others == "continue" ? OtherJointsPolicy::kContinue
+                          : others == "hold"   ? OtherJointsPolicy::kHold
+                          : others == "damp"   ? OtherJointsPolicy::kDamp
+                                               : OtherJointsPolicy::kIdle;
   config.damping_Nm_s_rad =
       guard.NumberOr("damping_Nm_s_rad", config.damping_Nm_s_rad, config::kNotNegative);
   return config;

@@ -6,13 +6,13 @@
 #include <cmath>
 #include <optional>
 
-#include "components/provider/plant.h"
+#include "components/provider/simulated_plant.h"
 #include "components/types/control_mode.h"
 #include "components/types/joints.h"
 
 namespace sinew::test {
 
-class Rotors : public provider::Plant {
+class Rotors : public provider::SimulatedPlant {
  public:
   explicit Rotors(int joints, double gear_ratio = 100.0)
       : joints_(joints), gear_ratio_(gear_ratio) {}
@@ -25,6 +25,7 @@ class Rotors : public provider::Plant {
   std::uint32_t measured_flags() const override { return 0; }
   const provider::BodySensors* body_sensors() const override { return body ? &*body : nullptr; }
   void Reset(provider::PlantSensors* sensors) override { Read(sensors); }
+  void Disturb(const provider::Disturbance& d) override { disturbance = d; }
   void Step(const provider::PlantCommand& command, double period_s,
             provider::PlantSensors* sensors) override {
     constexpr int kSteps = 10;
@@ -63,6 +64,7 @@ class Rotors : public provider::Plant {
   types::JointArray<double> temperature_degC{};
   std::optional<provider::BodySensors> body;
   provider::PlantCommand last_command;
+  provider::Disturbance disturbance;  // kept for tests; the rotors have no links to push
 
  private:
   void Read(provider::PlantSensors* sensors) const {

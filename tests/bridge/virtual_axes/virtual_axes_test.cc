@@ -85,6 +85,16 @@ class Master : public ::testing::Test {
   std::unique_ptr<VirtualAxes> axes_;
 };
 
+TEST_F(Master, TheHandPushesItsJointOfThePlantAndNothingElse) {
+  Build(Axis(3));
+  axes_->SetHand(0, 12.0);
+  EXPECT_EQ(rotors_.disturbance.hand_force_N,
+            (provider::Disturbance{.hand_force_N = {12.0}}.hand_force_N));
+  axes_->SetHand(0, std::nan(""));
+  EXPECT_EQ(rotors_.disturbance.hand_force_N[0], 0.0);
+  EXPECT_THROW(axes_->SetHand(types::kMaxJoints, 1.0), std::out_of_range);
+}
+
 TEST_F(Master, HeartbeatComesTenTimesASecondAndEstimatesAHundredTimes) {
   Build(Axis(3));
   int heartbeats = 0, estimates = 0, others = 0;

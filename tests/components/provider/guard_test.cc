@@ -94,25 +94,25 @@ TEST(Guard, AFaultNeedsResetAndThenArming) {
   EXPECT_EQ(guard.Step(51, kPeriod), Verdict::kPass);
 }
 
-TEST(Guard, AJointsFaultIdlesTheRestUnlessDeclaredOtherwise) {
-  const auto after = [](Rest rest) {
-    CommandGuard guard = Armed({.on_joint_fault = rest});
+TEST(Guard, AJointsFaultIdlesTheOthersUnlessConfiguredOtherwise) {
+  const auto after = [](OtherJointsPolicy policy) {
+    CommandGuard guard = Armed({.on_joint_fault = policy});
     EXPECT_TRUE(guard.Offer(Head(1), 1));
     EXPECT_EQ(guard.Step(1, kPeriod), Verdict::kPass);
     guard.JointFault();
-    EXPECT_EQ(guard.state() == types::RobotState::kFault, rest != Rest::kContinue);
+    EXPECT_EQ(guard.state() == types::RobotState::kFault, policy != OtherJointsPolicy::kContinue);
     EXPECT_TRUE(guard.Offer(Head(2), 2));  // counted, and used only while armed
     return guard.Step(2, kPeriod);
   };
-  EXPECT_EQ(after(Rest::kIdle), Verdict::kIdle);
-  EXPECT_EQ(after(Rest::kDamp), Verdict::kDamp);
-  EXPECT_EQ(after(Rest::kHold), Verdict::kHold);
-  EXPECT_EQ(after(Rest::kContinue), Verdict::kPass);
+  EXPECT_EQ(after(OtherJointsPolicy::kIdle), Verdict::kIdle);
+  EXPECT_EQ(after(OtherJointsPolicy::kDamp), Verdict::kDamp);
+  EXPECT_EQ(after(OtherJointsPolicy::kHold), Verdict::kHold);
+  EXPECT_EQ(after(OtherJointsPolicy::kContinue), Verdict::kPass);
 }
 
-TEST(Guard, WhatTheRestHoldsEndsByDisarmEstopResetOrAFaultOfAll) {
+TEST(Guard, HoldingTheOtherJointsEndsByDisarmEstopResetOrAFaultOfAll) {
   const auto after = [](void (*end)(CommandGuard*)) {
-    CommandGuard guard = Armed({.on_joint_fault = Rest::kHold});
+    CommandGuard guard = Armed({.on_joint_fault = OtherJointsPolicy::kHold});
     guard.JointFault();
     EXPECT_EQ(guard.Step(500, kPeriod), Verdict::kHold) << "no command is waited for";
     end(&guard);
@@ -125,7 +125,7 @@ TEST(Guard, WhatTheRestHoldsEndsByDisarmEstopResetOrAFaultOfAll) {
 }
 
 TEST(Guard, AJointsFaultWhileDisarmedHoldsNothing) {
-  CommandGuard guard({.on_joint_fault = Rest::kHold});
+  CommandGuard guard({.on_joint_fault = OtherJointsPolicy::kHold});
   guard.StartSession(kSession);
   guard.JointFault();
   EXPECT_EQ(guard.Step(1, kPeriod), Verdict::kIdle);

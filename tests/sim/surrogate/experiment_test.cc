@@ -43,7 +43,8 @@ TEST(Experiment, RowsComeAtEightyHertzWithJitterAndALittleLoss) {
 TEST(Experiment, RowsComeAtTwoHundredAndFortyHertzWhenEveryCycleIsLogged) {
   const std::vector<LogRow> rows =
       RunExperiment(RigParameters{}, {.duration_s = 20.0, .log_every = 1, .seed = 2},
-                    [](double, const provider::PlantSensors&, provider::PlantCommand*) {});
+                    [](double, const provider::PlantSensors&, provider::PlantCommand*,
+                       provider::Disturbance*) {});
   EXPECT_NEAR(static_cast<double>(rows.size()), 4800.0 * (1.0 - 0.004), 20.0);
   for (std::size_t i = 1; i < rows.size(); ++i) ASSERT_GT(rows[i].time_s, rows[i - 1].time_s);
 }
@@ -64,8 +65,8 @@ TEST(Experiment, SameSeedGivesTheSameRowsAndAnotherOneAnotherPlan) {
 }
 
 TEST(Experiment, RefusesOptionsWithoutMeaning) {
-  const CommandFunction nothing = [](double, const provider::PlantSensors&,
-                                     provider::PlantCommand*) {};
+  const CommandFunction nothing = [](double, const provider::PlantSensors&, provider::PlantCommand*,
+                                     provider::Disturbance*) {};
   EXPECT_THROW(RunExperiment(RigParameters{}, {.duration_s = 0.0}, nothing), std::invalid_argument);
   EXPECT_THROW(RunExperiment(RigParameters{}, {.log_every = 0}, nothing), std::invalid_argument);
   EXPECT_THROW(RunExperiment(RigParameters{}, {.lost_share = 1.0}, nothing), std::invalid_argument);
@@ -156,9 +157,10 @@ DeclaredFit FitDeclared(const std::vector<EffectSpec>& effects) {
   std::vector<double> hand_N;
   RunExperiment(
       rig, {.duration_s = 60.0, .jitter_s = 0.0, .seed = 5},
-      [&](double t, const provider::PlantSensors& sensors, provider::PlantCommand* command) {
-        plan(t, sensors, command);
-        hand_N.push_back(command->hand_force_N[0]);
+      [&](double t, const provider::PlantSensors& sensors, provider::PlantCommand* command,
+          provider::Disturbance* disturbance) {
+        plan(t, sensors, command, disturbance);
+        hand_N.push_back(disturbance->hand_force_N[0]);
       },
       [&](const RigTruth& t) { truth.push_back(t); });
   constexpr int kWindow = 24;

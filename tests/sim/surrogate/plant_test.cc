@@ -41,7 +41,7 @@ TEST(Surrogate, CommandsAreGivenAtTheOutputAndExecutedAtTheMotor) {
   EXPECT_FALSE(sensors.fault);
 }
 
-TEST(Surrogate, TorqueToldByTheCurrentIsAtTheOutput) {
+TEST(Surrogate, TorqueFromTheCurrentIsAtTheOutput) {
   RigParameters p;
   p.sensors.current_noise_A = 0.0;
   Surrogate surrogate{p};
@@ -84,7 +84,7 @@ TEST(Surrogate, RigsSideBySideAreEachTheirOwn) {
   EXPECT_THROW(Surrogate(RigParameters{}, 13), std::invalid_argument);
 }
 
-TEST(Surrogate, ACommandThatIsNotFiniteIdlesTheDriveAndIsReported) {
+TEST(Surrogate, ACommandOrDisturbanceThatIsNotFiniteIdlesTheDriveAndIsAFault) {
   Surrogate surrogate{RigParameters{}};
   provider::PlantSensors sensors;
   surrogate.Reset(&sensors);
@@ -102,15 +102,38 @@ TEST(Surrogate, ACommandThatIsNotFiniteIdlesTheDriveAndIsReported) {
     EXPECT_TRUE(sensors.fault);
     EXPECT_FALSE(sensors.message.empty());
     EXPECT_NEAR(surrogate.rig().truth().iq_A, 0.0, 0.01);
-    broken = command;
-    broken.hand_force_N[0] = value;
-    surrogate.Step(broken, kPeriod_s, &sensors);
+    surrogate.Disturb({.hand_force_N = {value}});
+    surrogate.Step(command, kPeriod_s, &sensors);
     EXPECT_TRUE(sensors.fault);
+    surrogate.Disturb({});
   }
   EXPECT_EQ(surrogate.refused_commands(), 10u);
   surrogate.Step(command, kPeriod_s, &sensors);
   EXPECT_FALSE(sensors.fault);
   EXPECT_TRUE(std::isfinite(sensors.position_rad[0]));
+}
+
+TEST(Surrogate, ADisturbanceActsUntilTheNextOneAndEndsWithReset) {
+  Surrogate pushed{RigParameters{}}, alone{RigParameters{}};
+  provider::PlantSensors a, b;
+  pushed.Reset(&a);
+  alone.Reset(&b);
+  pushed.Disturb({.hand_force_N = {10.0}});
+  for (int i = 0; i < 2; ++i) {
+    pushed.Step({}, kPeriod_s, &a);
+    alone.Step({}, kPeriod_s, &b);
+    EXPECT_NEAR(a.load_force_N[0] - b.load_force_N[0], 10.0, 0.1) << "same seed: same noise";
+  }
+  pushed.Disturb({.extra_payload_kg = {1.0}});
+  pushed.Step({}, kPeriod_s, &a);
+  alone.Step({}, kPeriod_s, &b);
+  EXPECT_NEAR(a.load_force_N[0] - b.load_force_N[0], 0.0, 0.1);
+  pushed.Disturb({.hand_force_N = {10.0}});
+  pushed.Reset(&a);
+  alone.Reset(&b);
+  pushed.Step({}, kPeriod_s, &a);
+  alone.Step({}, kPeriod_s, &b);
+  EXPECT_EQ(a.load_force_N[0], b.load_force_N[0]);
 }
 
 TEST(Surrogate, APeriodWithoutMeaningIsNoStep) {

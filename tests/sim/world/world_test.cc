@@ -165,14 +165,13 @@ TEST(World, FeelsTheHandAndAPayload) {
   PlantSensors sensors;
   PlantCommand command;
   command.mode[0] = types::ControlMode::kPosition;
-  PlantCommand hand = command, payload = command;
-  hand.hand_force_N[0] = 10.0;
-  payload.extra_payload_kg[0] = 1.0;
+  pushed.Disturb({.hand_force_N = {10.0}});
+  loaded.Disturb({.extra_payload_kg = {1.0}});
   for (int k = 0; k < 960; ++k) {
     alone.Step(command, kPeriod_s, &sensors);
-    loaded.Step(payload, kPeriod_s, &sensors);
+    loaded.Step(command, kPeriod_s, &sensors);
     EXPECT_EQ(sensors.declared_payload_kg[0], 0.0);
-    pushed.Step(hand, kPeriod_s, &sensors);
+    pushed.Step(command, kPeriod_s, &sensors);
   }
   EXPECT_EQ(sensors.load_force_N[0], 10.0);
   // Held by the motor at the lower teeth: the torque grows by F l and by m g l cos q, the angle is
@@ -329,12 +328,27 @@ TEST(World, ReportsAFaultWhenItDiverges) {
   EXPECT_THAT(sensors.message, HasSubstr("diverged"));
 }
 
+TEST(World, ADisturbanceActsUntilTheNextOneAndEndsWithReset) {
+  World world(Rig().config);
+  PlantSensors sensors;
+  world.Disturb({.hand_force_N = {10.0}});
+  world.Step({}, kPeriod_s, &sensors);
+  world.Step({}, kPeriod_s, &sensors);
+  EXPECT_EQ(sensors.load_force_N[0], 10.0);
+  world.Disturb({.hand_force_N = {4.0}, .extra_payload_kg = {-1.0}});
+  world.Step({}, kPeriod_s, &sensors);
+  EXPECT_EQ(sensors.load_force_N[0], 4.0);
+  world.Reset(&sensors);
+  world.Step({}, kPeriod_s, &sensors);
+  EXPECT_EQ(sensors.load_force_N[0], 0.0);
+}
+
 TEST(World, TakesNonFiniteCommandsAsNone) {
   World world(Rig().config);
   PlantSensors sensors;
   PlantCommand command = Torque(std::numeric_limits<double>::quiet_NaN());
-  command.hand_force_N[0] = std::numeric_limits<double>::infinity();
-  command.extra_payload_kg[0] = std::numeric_limits<double>::quiet_NaN();
+  world.Disturb({.hand_force_N = {std::numeric_limits<double>::infinity()},
+                 .extra_payload_kg = {std::numeric_limits<double>::quiet_NaN()}});
   for (int k = 0; k < 10; ++k) world.Step(command, kPeriod_s, &sensors);
   EXPECT_FALSE(sensors.fault);
   EXPECT_EQ(sensors.motor_current_A[0], 0.0);
