@@ -11,6 +11,11 @@ enum class RobotState {
   kEstopped,  // latched until the operator's reset
 };
 
+// Commands move the robot, or the provider bridges their gap.
+constexpr bool MayMove(RobotState state) noexcept {
+  return state == RobotState::kArmed || state == RobotState::kDamped;
+}
+
 enum class Origin {
   kLive,    // hardware
   kSim,     // simulation

@@ -49,6 +49,7 @@ const std::map<std::string, std::string> kNotPure = {
     {"components/logger", "a queue and a thread in front of a file"},
     {"components/types/clock", "reads the clock"},
     {"components/node", "owns DDS, options, logs and clocks"},
+    {"components/wire", "translates the messages of the topics"},
     {"sim/surrogate/csv", "a program: runs as CSV files"},
     {"bridge/can/bus", "a program: the server of the virtual bus"},
     {"bridge/can/transport", "sockets to buses"},
