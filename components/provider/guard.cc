@@ -44,7 +44,7 @@ bool CommandGuard::Arm(std::uint64_t session_id, std::uint64_t tick) {
 
 void CommandGuard::Disarm() {
   others_act_ = false;
-  if (state_ == RobotState::kArmed || state_ == RobotState::kDamped) state_ = RobotState::kDisarmed;
+  if (types::MayMove(state_)) state_ = RobotState::kDisarmed;
 }
 
 void CommandGuard::Estop() {
@@ -54,7 +54,7 @@ void CommandGuard::Estop() {
 
 void CommandGuard::JointFault() {
   if (config_.on_joint_fault == OtherJointsPolicy::kContinue) return;
-  const bool moved = others_act_ || state_ == RobotState::kArmed || state_ == RobotState::kDamped;
+  const bool moved = others_act_ || types::MayMove(state_);
   Fault();
   if (moved) others_act_ = config_.on_joint_fault != OtherJointsPolicy::kIdle;
 }
@@ -73,17 +73,17 @@ bool CommandGuard::Reset() {
   return true;
 }
 
-bool CommandGuard::Offer(const CommandHead& head, std::uint64_t tick) {
-  const bool counts = head.session_id == session_id_ && head.tick <= tick &&
-                      (!config_.live || head.origin == Origin::kLive) &&
-                      (!has_command_ || head.tick > last_tick_);
+bool CommandGuard::Offer(const types::MessageHeader& header, std::uint64_t tick) {
+  const bool counts = header.session_id == session_id_ && header.tick <= tick &&
+                      (!config_.live || header.origin == Origin::kLive) &&
+                      (!has_command_ || header.tick > last_tick_);
   if (!counts) {
     ++refused_;
     return false;
   }
-  if (state_ == RobotState::kArmed || state_ == RobotState::kDamped) {
-    if (head.tick < last_tick_) return false;  // computed before arming
-    last_tick_ = head.tick;
+  if (types::MayMove(state_)) {
+    if (header.tick < last_tick_) return false;  // computed before arming
+    last_tick_ = header.tick;
     has_command_ = true;
   }
   return true;
@@ -97,7 +97,7 @@ Verdict CommandGuard::Step(std::uint64_t tick, std::chrono::nanoseconds period) 
   if (others_act_) {
     return config_.on_joint_fault == OtherJointsPolicy::kHold ? Verdict::kHold : Verdict::kDamp;
   }
-  if (state_ != RobotState::kArmed && state_ != RobotState::kDamped) return Verdict::kIdle;
+  if (!types::MayMove(state_)) return Verdict::kIdle;
   const std::uint64_t age = tick - last_tick_;
   if (static_cast<std::int64_t>(age) * period > config_.fault_after) {
     Fault();

@@ -12,6 +12,7 @@
 #include <cstdint>
 
 #include "components/provider/plant.h"
+#include "components/types/message_header.h"
 #include "components/types/robot_state.h"
 
 namespace sinew::provider {
@@ -28,13 +29,6 @@ struct GuardConfig {
   double damping_Nm_s_rad = 2e-5;  // motor side, per motor rad/s
   OtherJointsPolicy on_joint_fault = OtherJointsPolicy::kIdle;
   bool live = false;  // hardware: only live commands count
-};
-
-// What the guard must know of a command message.
-struct CommandHead {
-  std::uint64_t session_id = 0;
-  std::uint64_t tick = 0;
-  types::Origin origin = types::Origin::kSim;
 };
 
 enum class Verdict {
@@ -61,8 +55,8 @@ class CommandGuard {
   bool Reset();       // from fault or estop to disarmed
 
   // True when the command counts: own session, allowed origin, not from the future, newer than the
-  // last.
-  bool Offer(const CommandHead& head, std::uint64_t tick);
+  // last. Its stamp is not read.
+  bool Offer(const types::MessageHeader& header, std::uint64_t tick);
 
   // The gap is being bridged: this period's command is waited for no longer.
   bool Overdue(std::uint64_t tick) const;

@@ -1,5 +1,5 @@
 // The loop of a state provider (world, surrogate, can_bridge) around its Plant: timer or lockstep,
-// arming, command guard, publishing joint_state, actuator_state and what else the plant has.
+// topics in and out. What it decides is in provider_cycle.h.
 //
 // Tick k: joint_state(k) and actuator_state(k) go out; commands that answer tick k are applied from
 // k to k + 1. Real time: absolute CLOCK_MONOTONIC deadlines, overruns counted. Lockstep: tick k
@@ -7,39 +7,16 @@
 // that takes.
 #pragma once
 
-#include <cstdint>
-#include <map>
-#include <string>
-#include <vector>
-
-#include "components/config/config.h"
 #include "components/node/options.h"
 #include "components/provider/guard.h"
+#include "components/provider/participant/provider_options.h"
 #include "components/provider/plant.h"
-
-namespace CLI {
-class App;
-}
 
 namespace sinew::provider {
 
-struct ProviderOptions {
-  double rate_Hz = 240.0;
-  double duration_s = 0.0;  // 0: until stopped
-  bool arm = false;         // armed from tick 0; refused for live plants
-  std::vector<std::string>
-      await;  // lockstep: "joint_command", "recording_progress:128" (window in ticks)
-  double await_timeout_s = 30.0;  // a reply that takes longer ends the session with an error
-};
-
-// Adds --rate, --duration, --arm, --await, --await-timeout to a participant.
-void AddProviderOptions(CLI::App& app, ProviderOptions* options);
-
-// Keys of a `guard:` block: missed_periods, fault_after_ms, bridging (damp|hold), damping_Nm_s_rad.
-GuardConfig LoadGuardConfig(const config::Section& guard);
-
-// Returns when the session ended or stop was requested. Throws UsageError (bad options, a second
-// state provider in the domain), std::runtime_error (a reply never came).
+// Returns when the session ended or stop was requested. guard.live is taken from the plant. Throws
+// UsageError (bad options, a second state provider in the domain), std::runtime_error (a reply
+// never came).
 void RunProvider(const node::Options& node_options, node::StopFlag& stop,
                  const ProviderOptions& options, const GuardConfig& guard, Plant& plant);
 

@@ -12,7 +12,7 @@ namespace {
 constexpr std::uint64_t kSession = 42;
 constexpr std::chrono::nanoseconds kPeriod{4166667};  // 240 Hz: 60 ms are 14.4 periods
 
-CommandHead Head(std::uint64_t tick, types::Origin origin = types::Origin::kSim) {
+types::MessageHeader Head(std::uint64_t tick, types::Origin origin = types::Origin::kSim) {
   return {kSession, tick, origin};
 }
 

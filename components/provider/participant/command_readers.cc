@@ -1,0 +1,87 @@
+#include "components/provider/participant/command_readers.h"
+
+#include <spdlog/spdlog.h>
+
+#include "components/wire/wire.h"
+
+namespace sinew::provider {
+
+namespace {
+
+JointCommand FromMessage(const msg::JointCommand& message) {
+  JointCommand command;
+  command.header = wire::FromWire(message.header());
+  command.joint_count = message.joint_count();
+  for (std::size_t j = 0; j < command.mode.size(); ++j) {
+    command.mode[j] = wire::FromWire(message.mode()[j]);
+  }
+  command.motor_torque_Nm = message.motor_torque_Nm();
+  command.position_rad = message.position_rad();
+  command.velocity_rad_s = message.velocity_rad_s();
+  return command;
+}
+
+ValveCommand FromMessage(const msg::ValveCommand& message) {
+  return {.header = wire::FromWire(message.header()),
+          .joint_count = message.joint_count(),
+          .valve_open = message.valve_open(),
+          .compressor_on = message.compressor_on(),
+          .vent_open = message.vent_open()};
+}
+
+// Empty: not refused.
+const char* Refusal(OperatorResult result) {
+  switch (result) {
+    case OperatorResult::kRefusedOtherSession:
+      return "arm refused: meant for another session";
+    case OperatorResult::kRefusedResetFirst:
+      return "arm refused: reset first";
+    case OperatorResult::kRefusedDisarmFirst:
+      return "reset refused: disarm first";
+    case OperatorResult::kDone:
+    case OperatorResult::kClearFaults:
+    case OperatorResult::kNotForProvider:
+      break;
+  }
+  return "";
+}
+
+}  // namespace
+
+CommandReaders::CommandReaders(node::Node& node, ProviderCycle& cycle, Plant& plant)
+    : cycle_(cycle),
+      plant_(plant),
+      simulated_(dynamic_cast<SimulatedPlant*>(&plant)),
+      joint_command_(node.MakeReader(node::kJointCommand)),
+      valve_command_(node.MakeReader(node::kValveCommand)),
+      operator_command_(node.MakeReader(node::kOperatorCommand)) {
+  if (simulated_ != nullptr) disturbance_.emplace(node.MakeReader(node::kSimDisturbance));
+}
+
+void CommandReaders::TakeOperatorCommands(std::uint64_t tick) {
+  while (const auto command = operator_command_.TakeNext()) {
+    if (const auto action = wire::FromWire(command->action())) {
+      const OperatorResult result = cycle_.Take(
+          OperatorCommand{.session_id = command->header().session_id(), .action = *action}, tick);
+      if (result == OperatorResult::kClearFaults) plant_.ClearFault();
+      if (const std::string_view refusal = Refusal(result); !refusal.empty()) {
+        spdlog::warn("{}", refusal);
+      }
+    }
+    spdlog::info("operator: action {}, reason '{}'", static_cast<int>(command->action()),
+                 command->reason());
+  }
+  if (simulated_ == nullptr) return;
+  while (const auto disturbance = disturbance_->TakeNext()) {
+    simulated_->Disturb({.hand_force_N = disturbance->load_force_N(),
+                         .extra_payload_kg = disturbance->payload_kg()});
+  }
+}
+
+void CommandReaders::TakeAll(std::uint64_t tick) {
+  TakeOperatorCommands(tick);
+  while (const auto command = joint_command_.TakeNext()) cycle_.Take(FromMessage(*command), tick);
+  while (const auto command = valve_command_.TakeNext()) cycle_.Take(FromMessage(*command), tick);
+}
+
+}  // namespace sinew::provider

@@ -1,0 +1,50 @@
+// The messages that a state provider reads, handed to the cycle's decisions: operator_command,
+// joint_command, valve_command; sim_disturbance goes to the plant, for simulated plants only.
+// Thread: the provider's loop.
+#pragma once
+
+#include <sinew_idl/joint.h>
+#include <sinew_idl/operator.h>
+#include <sinew_idl/pneumatics.h>
+#include <sinew_idl/simulation.h>
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+
+#include "components/node/node.h"
+#include "components/provider/provider_cycle.h"
+#include "components/provider/simulated_plant.h"
+
+namespace sinew::provider {
+
+class CommandReaders {
+ public:
+  // Cycle and plant must outlive it. Throws DdsError.
+  CommandReaders(node::Node& node, ProviderCycle& cycle, Plant& plant);
+
+  // What has arrived since the last call. Operator commands are logged; a reset clears the plant's
+  // faults.
+  void TakeOperatorCommands(std::uint64_t tick);
+  // The same, and then joint and valve commands.
+  void TakeAll(std::uint64_t tick);
+
+  // Block until a sample arrives or the timeout is over.
+  void WaitForJointCommand(std::chrono::microseconds timeout) {
+    joint_command_.WaitForSample(timeout);
+  }
+  void WaitForValveCommand(std::chrono::microseconds timeout) {
+    valve_command_.WaitForSample(timeout);
+  }
+
+ private:
+  ProviderCycle& cycle_;
+  Plant& plant_;
+  SimulatedPlant* simulated_;  // the plant, where it is a simulation
+  node::Reader<msg::JointCommand> joint_command_;
+  node::Reader<msg::ValveCommand> valve_command_;
+  node::Reader<msg::OperatorCommand> operator_command_;
+  std::optional<node::Reader<msg::SimDisturbance>> disturbance_;
+};
+
+}  // namespace sinew::provider

@@ -1,0 +1,32 @@
+// Options and configuration of a state provider's loop.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "components/config/config.h"
+#include "components/provider/guard.h"
+
+namespace CLI {
+class App;
+}
+
+namespace sinew::provider {
+
+struct ProviderOptions {
+  double rate_Hz = 240.0;
+  double duration_s = 0.0;  // 0: until stopped
+  bool arm = false;         // armed from tick 0; refused for live plants
+  // Lockstep: "joint_command", "recording_progress:128" (window in ticks).
+  std::vector<std::string> await;
+  double await_timeout_s = 30.0;  // a reply that takes longer ends the session with an error
+};
+
+// Adds --rate, --duration, --arm, --await, --await-timeout to a participant.
+void AddProviderOptions(CLI::App& app, ProviderOptions* options);
+
+// Keys of a `guard:` block: missed_periods, fault_after_ms, bridging (damp|hold), damping_Nm_s_rad,
+// on_joint_fault (idle|damp|hold|continue). Throws UsageError, one line with file and key.
+GuardConfig LoadGuardConfig(const config::Section& guard);
+
+}  // namespace sinew::provider

@@ -1,0 +1,53 @@
+// The messages that a state provider publishes in a cycle: joint_state and actuator_state, and
+// bus_status, foot_force and imu where the plant has them. Units and signs as in idl/. Thread: the
+// provider's loop.
+#pragma once
+
+#include <sinew_idl/actuator.h>
+#include <sinew_idl/bus.h>
+#include <sinew_idl/joint.h>
+#include <sinew_idl/sensors.h>
+
+#include <cstdint>
+#include <optional>
+
+#include "components/node/node.h"
+#include "components/provider/plant.h"
+#include "components/types/message_header.h"
+#include "components/types/robot_state.h"
+
+namespace sinew::provider {
+
+class StatePublisher {
+ public:
+  // The plant must outlive it. Throws DdsError.
+  StatePublisher(node::Node& node, const Plant& plant);
+
+  // joint_state goes out after actuator_state and the body's sensors: it is the trigger of every
+  // participant's loop.
+  void Publish(const types::MessageHeader& header, types::RobotState state, bool last_tick,
+               double period_s, const PlantSensors& sensors);
+
+  std::uint64_t write_failures() const { return write_failures_; }
+
+ private:
+  void FillJointState(const msg::Header& header, const PlantSensors& sensors);
+  void FillActuatorState(const msg::Header& header, const PlantSensors& sensors);
+  void PublishBody(const msg::Header& header, const BodySensors& body);
+  void PublishBus(const msg::Header& header, const BusReport& report);
+  void Count(node::WriteStatus status) {
+    if (status != node::WriteStatus::kOk) ++write_failures_;
+  }
+
+  const Plant& plant_;
+  node::Writer<msg::JointState> joint_state_;
+  node::Writer<msg::ActuatorState> actuator_state_;
+  std::optional<node::Writer<msg::BusStatus>> bus_status_;
+  std::optional<node::Writer<msg::FootForce>> foot_force_;
+  std::optional<node::Writer<msg::Imu>> imu_;
+  msg::JointState joints_;
+  msg::ActuatorState actuators_;
+  std::uint64_t write_failures_ = 0;
+};
+
+}  // namespace sinew::provider

@@ -1,0 +1,143 @@
+// The decisions of a state provider, cycle by cycle: who may move the robot, which command the
+// plant gets, what the messages of the cycle say of it. No DDS, no clock, no plant: time (the
+// tick), decoded messages and sensor readings come in, decisions go out.
+// participant/run_provider.cc joins it to topics, timer and plant.
+//
+// One cycle, tick k:
+//
+//   Take(operator)    any number of times, also between the following
+//   Header            of the messages that are published, with state() and last()
+//   Take(joint, valve)   commands that arrive until the cycle's end
+//   Command           the plant's command from k to k + 1, from the newest accepted messages
+//   Observe           sensors at k + 1: a fault of the plant or of joints changes the state
+//
+// Rules: CommandGuard (guard.h) says whether joint commands pass, or joints idle, damp or hold. A
+// joint with a fault of its own idles. A command with a value that is not finite is a fault: it
+// idles its joint at once and the robot from the next cycle on. Relays follow the newest valve
+// command while it is at most fault_after old, whatever the guard says; else they are off.
+//
+// Units: SI, as plant.h. Thread: one. Nothing allocates after construction.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "components/provider/guard.h"
+#include "components/provider/plant.h"
+#include "components/types/control_mode.h"
+#include "components/types/joints.h"
+#include "components/types/message_header.h"
+#include "components/types/operator_action.h"
+#include "components/types/robot_state.h"
+
+namespace sinew::provider {
+
+// A joint_command, decoded. Entries from joint_count on idle.
+struct JointCommand {
+  types::MessageHeader header;
+  int joint_count = 0;
+  types::JointArray<types::ControlMode> mode{};
+  types::JointArray<double> motor_torque_Nm{};
+  types::JointArray<double> position_rad{};
+  types::JointArray<double> velocity_rad_s{};
+};
+
+// A valve_command, decoded. Entries from joint_count on are off.
+struct ValveCommand {
+  types::MessageHeader header;
+  int joint_count = 0;
+  types::JointArray<bool> valve_open{};
+  types::JointArray<bool> compressor_on{};
+  types::JointArray<bool> vent_open{};
+};
+
+struct OperatorCommand {
+  std::uint64_t session_id = 0;
+  types::OperatorAction action = types::OperatorAction::kStop;
+};
+
+enum class OperatorResult {
+  kDone,
+  kClearFaults,          // a reset: the plant's faults are to be cleared before its next step
+  kRefusedOtherSession,  // arm: meant for another session
+  kRefusedResetFirst,    // arm: after a fault or an estop
+  kRefusedDisarmFirst,   // reset: a joint that had a fault would move at once
+  kNotForProvider,       // start and stop are for reference generators
+};
+
+enum class FaultChange {
+  kNone,
+  kJoint,  // one more joint has a fault of its own; the plant's message says why
+  kRobot,  // the plant has a fault, or all joints have
+};
+
+struct CycleConfig {
+  GuardConfig guard;  // guard.live: the plant is hardware
+  std::uint64_t session_id = 0;
+  int joint_count = 1;
+  double rate_Hz = 240.0;
+  double duration_s = 0.0;      // 0: no end
+  bool simulated_time = false;  // stamps: tick / rate instead of the time given
+};
+
+// The session id of a seed (splitmix64): spreads small seeds over 64 bits; never 0.
+std::uint64_t SessionFromSeed(std::uint64_t seed) noexcept;
+
+class ProviderCycle {
+ public:
+  // Throws std::invalid_argument: joint_count outside 1 to types::kMaxJoints, a rate that is not
+  // positive, or what CommandGuard refuses.
+  explicit ProviderCycle(const CycleConfig& config);
+
+  // Armed from the first tick on, without an operator.
+  void ArmAtStart() { guard_.Arm(config_.session_id, 0); }
+
+  OperatorResult Take(const OperatorCommand& command, std::uint64_t tick);
+  // True: the command counts and is the newest.
+  bool Take(const JointCommand& command, std::uint64_t tick);
+  bool Take(const ValveCommand& command, std::uint64_t tick);
+
+  // now_ns: UTC; not read with simulated_time.
+  types::MessageHeader Header(std::uint64_t tick, std::int64_t now_ns) const;
+  // Once a cycle. The reference is valid until the next call.
+  const PlantCommand& Command(std::uint64_t tick, const PlantSensors& sensors);
+  FaultChange Observe(const PlantSensors& sensors);
+
+  // Real time: the joint command of this tick is waited for. False: nobody may move, or the
+  // command has arrived.
+  bool AwaitsCommand(std::uint64_t tick) const;
+  // The gap is being bridged: this period's command is not waited for.
+  bool Overdue(std::uint64_t tick) const { return guard_.Overdue(tick); }
+
+  types::RobotState state() const { return guard_.state(); }
+  std::uint64_t refused() const { return guard_.refused(); }
+  bool last(std::uint64_t tick) const { return tick == last_tick_; }
+  // One more than the newest tick of this session that was answered, whether the answer was
+  // accepted or not; 0: none.
+  std::uint64_t joint_answers() const { return joint_answers_; }
+  std::uint64_t valve_answers() const { return valve_answers_; }
+  std::uint64_t session_id() const { return config_.session_id; }
+  std::chrono::nanoseconds period() const { return period_; }
+  double period_s() const { return period_s_; }
+
+ private:
+  // Joint j of command_ as the accepted joint command says.
+  void Pass(std::size_t joint);
+  bool ValvesFollow(std::uint64_t tick) const;
+
+  CycleConfig config_;
+  CommandGuard guard_;
+  std::chrono::nanoseconds period_{};
+  double period_s_ = 0.0;
+  std::optional<std::uint64_t> last_tick_;
+  JointCommand joints_;                 // the last accepted
+  std::optional<ValveCommand> valves_;  // the last accepted
+  PlantCommand command_;
+  bool holding_ = false;  // the positions to hold were taken in an earlier cycle
+  std::ptrdiff_t faulty_joints_ = 0;
+  std::uint64_t joint_answers_ = 0, valve_answers_ = 0;
+};
+
+}  // namespace sinew::provider
