@@ -35,10 +35,10 @@ bool SameOrder(const MotionOrder& a, const MotionOrder& b) noexcept {
 }
 
 bool Executable(const MotionOrder& order) noexcept {
-  if (order.kind == Motion::kNone) return false;
+  if (order.kind == types::Motion::kNone) return false;
   if (!(order.motor_torque_limit_Nm >= 0.0) || !std::isfinite(order.motor_torque_limit_Nm))
     return false;
-  if (order.kind == Motion::kHold) return true;
+  if (order.kind == types::Motion::kHold) return true;
   return std::isfinite(order.target_rad) && std::isfinite(order.velocity_limit_rad_s) &&
          order.velocity_limit_rad_s > 0.0;
 }
@@ -145,14 +145,14 @@ void JointController::ChooseAim(const JointInput& input) noexcept {
   if (Executable(order)) {
     const bool moving = aim_ == Aim::kMove || aim_ == Aim::kPush;
     const bool known = SameOrder(order, motion_) &&
-                       (moving || (aim_ == Aim::kHold && order.kind == Motion::kHold));
+                       (moving || (aim_ == Aim::kHold && order.kind == types::Motion::kHold));
     const double from_rad = aim_ == Aim::kPush ? position_rad : target_.position_rad;
     motion_ = order;
     if (known) return;
     target_ = {from_rad, 0.0, 0.0};
-    if (order.kind == Motion::kHold) {
+    if (order.kind == types::Motion::kHold) {
       aim_ = Aim::kHold;
-    } else if (order.kind == Motion::kMoveSlowly) {
+    } else if (order.kind == types::Motion::kMoveSlowly) {
       aim_ = Aim::kMove;
       move_.emplace(reference::MoveConfig{from_rad, order.target_rad, order.velocity_limit_rad_s,
                                           config_.motion_acceleration_rad_s2});
@@ -164,7 +164,7 @@ void JointController::ChooseAim(const JointInput& input) noexcept {
     }
     return;
   }
-  if (aim_ == Aim::kHold && motion_.kind == Motion::kNone) return;
+  if (aim_ == Aim::kHold && motion_.kind == types::Motion::kNone) return;
   if (aim_ != Aim::kHold) {  // reference or motion ended: hold where the joint is
     target_ = {aim_ == Aim::kMove ? target_.position_rad : position_rad, 0.0, 0.0};
     aim_ = Aim::kHold;

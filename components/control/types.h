@@ -8,13 +8,12 @@
 #include "components/reference/trajectory.h"
 #include "components/types/control_mode.h"
 #include "components/types/joints.h"
+#include "components/types/motion.h"
 #include "components/types/regime.h"
 
 namespace sinew::control {
 
 using reference::Point;
-
-enum class Motion { kNone, kHold, kMoveSlowly, kPushAgainstChamber };
 
 // Sensor values of one joint.
 struct JointMeasurement {
@@ -40,7 +39,7 @@ struct JointPrediction {
 };
 
 struct MotionOrder {
-  Motion kind = Motion::kNone;
+  types::Motion kind = types::Motion::kNone;
   double target_rad = 0.0;
   double velocity_limit_rad_s = 0.0;
   double motor_torque_limit_Nm = 0.0;  // 0: the joint's own

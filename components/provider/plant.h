@@ -23,7 +23,7 @@ struct PlantCommand {
   types::JointArray<bool> vent_open{};
 };
 
-// What the sensors say at the end of a cycle. Units and signs as in idl/.
+// Readings of the sensors at the end of a cycle. Units and signs as in idl/.
 struct PlantSensors {
   types::JointArray<double> position_rad{};
   types::JointArray<double> velocity_rad_s{};

@@ -2,52 +2,11 @@
 
 #include <algorithm>
 
-#include "components/types/control_mode.h"
 #include "components/types/joints.h"
-#include "components/types/regime.h"
+#include "components/wire/wire.h"
 
 namespace sinew::control {
 namespace {
-
-types::Regime FromMessage(msg::RegimeKind kind) {
-  switch (kind) {
-    case msg::REGIME_SEA:
-      return types::Regime::kSea;
-    case msg::REGIME_PEA:
-      return types::Regime::kPea;
-    case msg::REGIME_UNKNOWN:
-      break;
-  }
-  return types::Regime::kUnknown;
-}
-
-Motion FromMessage(msg::MotionKind kind) {
-  switch (kind) {
-    case msg::MOTION_HOLD:
-      return Motion::kHold;
-    case msg::MOTION_MOVE_SLOWLY:
-      return Motion::kMoveSlowly;
-    case msg::MOTION_PUSH_AGAINST_CHAMBER:
-      return Motion::kPushAgainstChamber;
-    case msg::MOTION_NONE:
-      break;
-  }
-  return Motion::kNone;
-}
-
-msg::CommandMode ToMode(types::ControlMode mode) {
-  switch (mode) {
-    case types::ControlMode::kTorque:
-      return msg::COMMAND_TORQUE;
-    case types::ControlMode::kPosition:
-      return msg::COMMAND_POSITION;
-    case types::ControlMode::kVelocity:
-      return msg::COMMAND_VELOCITY;
-    case types::ControlMode::kIdle:
-      break;
-  }
-  return msg::COMMAND_IDLE;
-}
 
 bool AllPosition(const ControlConfig& config) {
   return std::all_of(
@@ -78,15 +37,17 @@ ControlInputs::ControlInputs(node::Node& node, node::TickLoop& loop, const Contr
 
 RobotInput ControlInputs::Gather(const node::Tick& tick) {
   while (const auto command = operator_.TakeNext()) {
-    if (command->action() == msg::OPERATOR_ESTOP) estopped_ = true;
-    if (command->action() == msg::OPERATOR_RESET) estopped_ = false;
+    const auto action = wire::FromWire(command->action());
+    if (action == types::OperatorAction::kEstop) estopped_ = true;
+    if (action == types::OperatorAction::kReset) estopped_ = false;
   }
   const msg::JointState& state = state_.value();
   RobotInput input;
   input.session_id = tick.session_id;
   input.period_s = tick.period_s;
-  input.interrupted = state.robot_state() == msg::ROBOT_DAMPED;
-  input.armed = !estopped_ && (state.robot_state() == msg::ROBOT_ARMED || input.interrupted);
+  const types::RobotState robot_state = wire::FromWire(state.robot_state());
+  input.interrupted = robot_state == types::RobotState::kDamped;
+  input.armed = !estopped_ && types::MayMove(robot_state);
   input.joint_count = std::min<int>(state.joint_count(), types::kMaxJoints);
   for (std::size_t j = 0; j < static_cast<std::size_t>(input.joint_count); ++j) {
     JointMeasurement& m = input.joint[j];
@@ -126,7 +87,7 @@ RobotInput ControlInputs::Gather(const node::Tick& tick) {
     const msg::RegimeState& regime = regime_->value();
     input.regime_fresh = regime_->fresh() && !regime.stale();
     for (std::size_t j = 0; j < regime.joint_count(); ++j) {
-      input.regime[j] = FromMessage(regime.regime()[j]);
+      input.regime[j] = wire::FromWire(regime.regime()[j]);
     }
   }
   if (motion_ != nullptr && motion_->has_value()) {
@@ -134,7 +95,7 @@ RobotInput ControlInputs::Gather(const node::Tick& tick) {
     if (age_s <= config_.motion_timeout_s) {
       const msg::MotionRequest& request = motion_->value();
       for (std::size_t j = 0; j < request.joint_count(); ++j) {
-        input.motion[j] = {FromMessage(request.kind()[j]), request.target_rad()[j],
+        input.motion[j] = {wire::FromWire(request.kind()[j]), request.target_rad()[j],
                            request.velocity_limit_rad_s()[j], request.motor_torque_limit_Nm()[j]};
       }
     }
@@ -164,7 +125,7 @@ msg::JointCommand ControlInputs::ToMessage(const RobotOutput& output,
   message.joint_count(static_cast<std::uint8_t>(output.joint_count));
   for (std::size_t j = 0; j < static_cast<std::size_t>(output.joint_count); ++j) {
     const JointOutput& joint = output.joint[j];
-    message.mode()[j] = ToMode(joint.mode);
+    message.mode()[j] = wire::ToWire(joint.mode);
     message.motor_torque_Nm()[j] = joint.motor_torque_Nm;
     message.position_rad()[j] = joint.position_rad;
     message.velocity_rad_s()[j] = joint.velocity_rad_s;

@@ -5,6 +5,7 @@
 
 #include "components/types/joints.h"
 #include "components/types/regime.h"
+#include "components/wire/wire.h"
 
 namespace sinew::esn {
 namespace {
@@ -52,7 +53,7 @@ bool FillFrom(const msg::Reference& message, Frame* frame) {
 bool FillFrom(const msg::RegimeState& message, Frame* frame) {
   for (int j = 0; j < Count(message.joint_count()); ++j) {
     const auto at = static_cast<std::size_t>(j);
-    const bool known = message.regime()[at] != msg::REGIME_UNKNOWN;
+    const bool known = wire::FromWire(message.regime()[at]) != types::Regime::kUnknown;
     frame->Set(Signal::kPlayAngle, j,
                known ? message.play_angle_rad()[at] : std::numeric_limits<double>::quiet_NaN());
   }
@@ -61,14 +62,7 @@ bool FillFrom(const msg::RegimeState& message, Frame* frame) {
 
 types::Regime RegimeOf(const msg::RegimeState& message) {
   if (message.joint_count() == 0) return types::Regime::kUnknown;
-  switch (message.regime()[0]) {
-    case msg::REGIME_SEA:
-      return types::Regime::kSea;
-    case msg::REGIME_PEA:
-      return types::Regime::kPea;
-    default:
-      return types::Regime::kUnknown;
-  }
+  return wire::FromWire(message.regime()[0]);
 }
 
 bool TakeReadout(const msg::Readout& message, Predictor* predictor) {

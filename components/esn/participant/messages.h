@@ -8,6 +8,7 @@
 #include <sinew_idl/regime.h>
 
 #include "components/esn/predictor.h"
+#include "components/types/regime.h"
 
 namespace sinew::esn {
 

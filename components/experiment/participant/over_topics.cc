@@ -10,7 +10,7 @@
 #include <stdexcept>
 
 #include "components/node/tick_loop.h"
-#include "components/types/control_mode.h"
+#include "components/wire/wire.h"
 
 namespace sinew::experiment {
 namespace {
@@ -18,20 +18,6 @@ namespace {
 constexpr std::uint64_t kRepeatArm = 24;    // ticks
 constexpr std::uint64_t kReportEvery = 24;  // ticks
 constexpr int kFarewellTicks = 3;           // of idle commands at the end
-
-msg::CommandMode ToMessage(types::ControlMode drive) {
-  switch (drive) {
-    case types::ControlMode::kTorque:
-      return msg::COMMAND_TORQUE;
-    case types::ControlMode::kPosition:
-      return msg::COMMAND_POSITION;
-    case types::ControlMode::kVelocity:
-      return msg::COMMAND_VELOCITY;
-    case types::ControlMode::kIdle:
-      break;
-  }
-  return msg::COMMAND_IDLE;
-}
 
 Reading ToReading(const msg::JointState& state, const msg::ActuatorState& actuator,
                   std::size_t joint) {
@@ -72,7 +58,7 @@ class Output {
     loop.Publish(valve_, valve, tick);
     msg::JointCommand drive;
     drive.joint_count(count);
-    drive.mode()[joint] = ToMessage(command.drive);
+    drive.mode()[joint] = wire::ToWire(command.drive);
     drive.motor_torque_Nm()[joint] = command.motor_torque_Nm;
     drive.position_rad()[joint] = command.position_rad;
     loop.Publish(joint_, drive, tick);
@@ -115,20 +101,20 @@ TopicRun RunOverTopics(node::Node& node, node::StopFlag& stop, Prepared& protoco
   int farewell = 0;
   std::uint64_t ticks = 0;
   run.end = "the session ended";
-  const auto say = [&](msg::OperatorAction action) {
+  const auto send = [&](types::OperatorAction action) {
     msg::OperatorCommand command;
     command.header(state_input.value().header());
-    command.action(action);
+    command.action(wire::ToWire(action));
     command.reason("experiment");
     (void)operator_writer.Write(command);
   };
   while (const auto tick = loop.Next()) {
     const msg::JointState& state = state_input.value();
     run.simulated = tick->origin != msg::ORIGIN_LIVE;
-    const bool armed =
-        state.robot_state() == msg::ROBOT_ARMED || state.robot_state() == msg::ROBOT_DAMPED;
+    const types::RobotState robot_state = wire::FromWire(state.robot_state());
+    const bool armed = types::MayMove(robot_state);
     const bool stopped =
-        state.robot_state() == msg::ROBOT_FAULT || state.robot_state() == msg::ROBOT_ESTOPPED;
+        robot_state == types::RobotState::kFault || robot_state == types::RobotState::kEstopped;
     if (options.joint >= state.joint_count()) {
       run.end = "the robot has " + std::to_string(state.joint_count()) + " joints";
       break;
@@ -144,7 +130,7 @@ TopicRun RunOverTopics(node::Node& node, node::StopFlag& stop, Prepared& protoco
       run.end = stopped ? "the robot is in fault or stopped" : "the robot was disarmed";
       break;
     }
-    if (!armed && options.arm && ticks % kRepeatArm == 0) say(msg::OPERATOR_ARM);
+    if (!armed && options.arm && ticks % kRepeatArm == 0) send(types::OperatorAction::kArm);
     if (armed && actuator_input.has_value()) {
       armed_once = true;
       if (!first_stamp_ns) first_stamp_ns = tick->stamp_ns;
@@ -177,7 +163,7 @@ TopicRun RunOverTopics(node::Node& node, node::StopFlag& stop, Prepared& protoco
     }
     ++ticks;
   }
-  if (options.arm && armed_once && state_input.has_value()) say(msg::OPERATOR_DISARM);
+  if (options.arm && armed_once && state_input.has_value()) send(types::OperatorAction::kDisarm);
   if (stop.requested() && !run.done) run.end = "stopped";
   return run;
 }

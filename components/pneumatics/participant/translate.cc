@@ -1,5 +1,7 @@
 #include "components/pneumatics/participant/translate.h"
 
+#include "components/wire/wire.h"
+
 namespace sinew::pneumatics {
 namespace {
 
@@ -60,15 +62,16 @@ void RobotPneumatics::TakeRequests(const node::Tick& tick) {
   for (std::size_t j = 0; j < managers_.size(); ++j) {
     double target_bar = standing_target_bar_[j];
     if (asked && j < motion_->value().joint_count() &&
-        motion_->value().kind()[j] != msg::MOTION_NONE &&
+        wire::FromWire(motion_->value().kind()[j]) != types::Motion::kNone &&
         motion_->value().pressure_bar()[j] > 0.0) {
       target_bar = motion_->value().pressure_bar()[j];
     }
     managers_[j].RequestPressure(target_bar);
   }
   while (const auto command = operator_.TakeNext()) {
-    if (command->action() == msg::OPERATOR_ESTOP) estopped_ = true;
-    if (command->action() == msg::OPERATOR_RESET) {
+    const auto action = wire::FromWire(command->action());
+    if (action == types::OperatorAction::kEstop) estopped_ = true;
+    if (action == types::OperatorAction::kReset) {
       estopped_ = false;
       reset_ = true;
     }
@@ -87,9 +90,9 @@ void RobotPneumatics::Step(const node::Tick& tick) {
   reset_ = false;
   TakeRequests(tick);
   const msg::JointState& state = state_.value();
-  const bool armed =
-      state.robot_state() == msg::ROBOT_ARMED || state.robot_state() == msg::ROBOT_DAMPED;
-  const bool quiet = state.robot_state() == msg::ROBOT_DISARMED && config_.hold_disarmed;
+  const types::RobotState robot_state = wire::FromWire(state.robot_state());
+  const bool armed = types::MayMove(robot_state);
+  const bool quiet = robot_state == types::RobotState::kDisarmed && config_.hold_disarmed;
   for (std::size_t j = 0; j < managers_.size(); ++j) {
     ManagerInput input;
     input.period_s = tick.period_s;

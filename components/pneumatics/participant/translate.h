@@ -6,7 +6,6 @@
 #include <sinew_idl/operator.h>
 #include <sinew_idl/pneumatics.h>
 
-#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,6 +13,7 @@
 #include "components/node/tick_loop.h"
 #include "components/pneumatics/file/pneumatics_file.h"
 #include "components/pneumatics/manager.h"
+#include "components/types/joints.h"
 
 namespace sinew::pneumatics {
 
@@ -32,8 +32,8 @@ class RobotPneumatics {
 
   PneumaticsConfig config_;
   std::vector<PressureManager> managers_;
-  std::array<ManagerOutput, 12> output_{};
-  std::array<double, 12> standing_target_bar_{};  // without motion requests
+  types::JointArray<ManagerOutput> output_{};
+  types::JointArray<double> standing_target_bar_{};  // without motion requests
   node::TickInput<msg::JointState>& state_;
   node::TickInput<msg::ActuatorState>& actuator_;
   node::TickInput<msg::MotionRequest>* motion_ = nullptr;

@@ -24,7 +24,7 @@ void Run(const sinew::node::Options& options, sinew::node::StopFlag& stop) {
   auto output = node.MakeWriter(node::kReference);
   while (const auto tick = loop.Next()) {
     reference::RobotReferenceInput input = reference::ToInput(*tick, state.value());
-    reference::AddOperatorWords(commands, &input);
+    reference::AddOperatorCommands(commands, &input);
     loop.Publish(output, reference::ToMessage(generator.Step(input), *tick), *tick);
   }
 }

@@ -1,5 +1,7 @@
 #include "components/reference/participant/translate.h"
 
+#include "components/wire/wire.h"
+
 namespace sinew::reference {
 
 RobotReferenceInput ToInput(const node::Tick& tick, const msg::JointState& state) {
@@ -7,22 +9,22 @@ RobotReferenceInput ToInput(const node::Tick& tick, const msg::JointState& state
   input.session_id = tick.session_id;
   input.tick = tick.tick;
   input.period_s = tick.period_s;
-  input.may_move =
-      state.robot_state() == msg::ROBOT_ARMED || state.robot_state() == msg::ROBOT_DAMPED;
+  input.may_move = types::MayMove(wire::FromWire(state.robot_state()));
   input.joint_count = state.joint_count();
   input.position_rad = state.position_rad();
   input.valid = state.valid();
   return input;
 }
 
-void AddOperatorWords(node::Reader<msg::OperatorCommand>& commands, RobotReferenceInput* input) {
+void AddOperatorCommands(node::Reader<msg::OperatorCommand>& commands, RobotReferenceInput* input) {
   while (const auto command = commands.TakeNext()) {
     if (command->header().session_id() != input->session_id) continue;
-    if (command->action() == msg::OPERATOR_START) {
+    const auto action = wire::FromWire(command->action());
+    if (action == types::OperatorAction::kStart) {
       input->operator_start = true;
       input->operator_stop = false;
     }
-    if (command->action() == msg::OPERATOR_STOP) {
+    if (action == types::OperatorAction::kStop) {
       input->operator_start = false;
       input->operator_stop = true;
     }

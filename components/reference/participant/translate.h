@@ -12,8 +12,8 @@ namespace sinew::reference {
 
 // The spans of the result point into `state`.
 RobotReferenceInput ToInput(const node::Tick& tick, const msg::JointState& state);
-// Operator commands in the running session since the last tick.
-void AddOperatorWords(node::Reader<msg::OperatorCommand>& commands, RobotReferenceInput* input);
+// Start and stop commands of the operator in the running session since the last tick.
+void AddOperatorCommands(node::Reader<msg::OperatorCommand>& commands, RobotReferenceInput* input);
 msg::Reference ToMessage(const RobotReferenceOutput& output, const node::Tick& tick);
 
 }  // namespace sinew::reference

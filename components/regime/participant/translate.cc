@@ -2,22 +2,11 @@
 
 #include <algorithm>
 
-#include "components/types/regime.h"
+#include "components/types/motion.h"
+#include "components/wire/wire.h"
 
 namespace sinew::regime {
 namespace {
-
-msg::RegimeKind ToMessage(types::Regime regime) {
-  switch (regime) {
-    case types::Regime::kSea:
-      return msg::REGIME_SEA;
-    case types::Regime::kPea:
-      return msg::REGIME_PEA;
-    case types::Regime::kUnknown:
-      break;
-  }
-  return msg::REGIME_UNKNOWN;
-}
 
 msg::ContactSide ToMessage(Contact contact) {
   switch (contact) {
@@ -43,6 +32,18 @@ msg::RegimePhase ToMessage(Phase phase) {
   return msg::PHASE_WAITING;
 }
 
+types::Motion ToMotion(Request request) {
+  switch (request) {
+    case Request::kHold:
+      return types::Motion::kHold;
+    case Request::kPush:
+      return types::Motion::kPushAgainstChamber;
+    case Request::kNone:
+      break;
+  }
+  return types::Motion::kNone;
+}
+
 }  // namespace
 
 RobotRegime::RobotRegime(const std::vector<DetectorConfig>& joints) {
@@ -56,8 +57,7 @@ void RobotRegime::Step(const node::Tick& tick, const msg::JointState& state,
     DetectorInput input;
     input.session_id = tick.session_id;
     input.period_s = tick.period_s;
-    input.armed =
-        state.robot_state() == msg::ROBOT_ARMED || state.robot_state() == msg::ROBOT_DAMPED;
+    input.armed = types::MayMove(wire::FromWire(state.robot_state()));
     if (!stale && j < state.joint_count() && j < actuator.value().joint_count()) {
       const msg::ActuatorState& inside = actuator.value();
       input.valid = state.valid()[j] && inside.valid()[j];
@@ -86,7 +86,7 @@ msg::RegimeState ToMessage(const RobotRegime& robot, const node::Tick& tick) {
   for (std::size_t j = 0; j < robot.detectors.size(); ++j) {
     const DetectorOutput& out = robot.output[j];
     message.phase()[j] = ToMessage(out.phase);
-    message.regime()[j] = ToMessage(out.regime);
+    message.regime()[j] = wire::ToWire(out.regime);
     message.contact()[j] = ToMessage(out.contact);
     message.play_angle_rad()[j] = out.alpha_rad;
     message.backlash_rad()[j] = robot.detectors[j].config().play.backlash_rad;
@@ -102,15 +102,13 @@ msg::MotionRequest ToRequest(const RobotRegime& robot) {
   for (std::size_t j = 0; j < robot.detectors.size(); ++j) {
     const DetectorOutput& out = robot.output[j];
     const DetectorConfig& config = robot.detectors[j].config();
-    msg::MotionKind kind = msg::MOTION_NONE;
-    if (out.request == Request::kHold) kind = msg::MOTION_HOLD;
-    if (out.request == Request::kPush) kind = msg::MOTION_PUSH_AGAINST_CHAMBER;
-    message.kind()[j] = kind;
-    if (kind == msg::MOTION_NONE) continue;
+    const types::Motion motion = ToMotion(out.request);
+    message.kind()[j] = wire::ToWire(motion);
+    if (motion == types::Motion::kNone) continue;
     message.target_rad()[j] = out.request_target_rad;
     message.velocity_limit_rad_s()[j] = config.velocity_rad_s;
     message.motor_torque_limit_Nm()[j] =
-        kind == msg::MOTION_HOLD ? 0.0 : config.motor_torque_limit_Nm;
+        motion == types::Motion::kHold ? 0.0 : config.motor_torque_limit_Nm;
     message.pressure_bar()[j] = out.request_pressure_bar;
   }
   return message;

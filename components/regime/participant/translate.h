@@ -6,18 +6,18 @@
 #include <sinew_idl/operator.h>
 #include <sinew_idl/regime.h>
 
-#include <array>
 #include <string>
 #include <vector>
 
 #include "components/node/tick_loop.h"
 #include "components/regime/detector.h"
+#include "components/types/joints.h"
 
 namespace sinew::regime {
 
 struct RobotRegime {
   std::vector<RegimeDetector> detectors;
-  std::array<DetectorOutput, 12> output{};
+  types::JointArray<DetectorOutput> output{};
   bool stale = false;
 
   explicit RobotRegime(const std::vector<DetectorConfig>& joints);

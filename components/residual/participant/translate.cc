@@ -109,7 +109,7 @@ void RobotResidual::Step(const node::Tick& tick, const msg::JointState& state,
   stale_ = !actuator.fresh();
   const bool begun = !monitors_.empty() && tick.session_id == session_id_;
   if (!begun) {
-    if (stale_) return;  // it says what is measured
+    if (stale_) return;  // actuator_state lists what is measured
     Begin(tick, state, actuator.value());
   }
   const auto seconds = [&](std::uint64_t at) {

@@ -5,12 +5,12 @@
 #include <sinew_idl/joint.h>
 #include <sinew_idl/residual.h>
 
-#include <array>
 #include <string>
 #include <vector>
 
 #include "components/node/tick_loop.h"
 #include "components/residual/file/residual_file.h"
+#include "components/types/joints.h"
 
 namespace sinew::residual {
 
@@ -33,7 +33,7 @@ class RobotResidual {
 
   ResidualConfig config_;
   std::vector<Monitor> monitors_;
-  std::array<MonitorOutput, 12> output_{};
+  types::JointArray<MonitorOutput> output_{};
   std::uint64_t session_id_ = 0, first_tick_ = 0, last_tick_ = 0;
   double period_s_ = 0.0, time_s_ = 0.0;
   bool stale_ = false, has_motor_ = true;

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "components/config/config.h"
+#include "components/wire/wire.h"
 
 namespace sinew::rls {
 namespace {
@@ -83,7 +84,8 @@ TickData Adaptation::Read(const Inputs& inputs, const node::Tick& tick) {
     data.measured.Set(esn::Signal::kTemperature, joint, actuator.motor_temperature_degC()[j]);
     const bool valid = state.valid()[j] && actuator.valid()[j];
     if (j < outputs) {
-      data.usable = data.usable && valid && command.mode()[j] == msg::COMMAND_TORQUE;
+      data.usable =
+          data.usable && valid && wire::FromWire(command.mode()[j]) == types::ControlMode::kTorque;
       if (!measured && !std::isfinite(command.motor_torque_Nm()[j])) data.usable = false;
     }
     data.positions_valid = data.positions_valid && valid;
@@ -108,7 +110,7 @@ Outputs Adaptation::Step(const Inputs& inputs, const node::Tick& tick) {
   const Eigen::VectorXd empty;
   const Eigen::Ref<const Eigen::VectorXd> none(empty);
   const Frozen frozen = adapter_.Step(
-      {.armed = state.robot_state() == msg::ROBOT_ARMED,
+      {.armed = wire::FromWire(state.robot_state()) == types::RobotState::kArmed,
        .usable = sample.has_value(),
        .fastest_velocity_rad_s =
            sample ? std::max(fastest_rad_s, sample->fastest_velocity_rad_s) : fastest_rad_s,

@@ -397,7 +397,7 @@ TEST(RobotController, MovesSlowlyOnRequestAndOnlyWithoutAReference) {
   double fastest_rad_s = 0.0;
   for (int k = 0; k < 6 * 240; ++k) {
     RobotInput input = InputOf(rig);
-    input.motion[0] = {Motion::kMoveSlowly, 0.3, 0.1, 0.0};
+    input.motion[0] = {types::Motion::kMoveSlowly, 0.3, 0.1, 0.0};
     const RobotOutput out = controller.Step(input);
     fastest_rad_s = std::max(fastest_rad_s, out.joint[0].velocity_rad_s);
     rig.Step(out.joint[0].motor_torque_Nm, kCycle_s);
@@ -405,7 +405,7 @@ TEST(RobotController, MovesSlowlyOnRequestAndOnlyWithoutAReference) {
   EXPECT_NEAR(fastest_rad_s, 0.1, 1e-9);
   EXPECT_NEAR(rig.link_rad, 0.3, 0.02);
   RobotInput input = InputOf(rig);
-  input.motion[0] = {Motion::kMoveSlowly, 0.3, 0.1, 0.0};
+  input.motion[0] = {types::Motion::kMoveSlowly, 0.3, 0.1, 0.0};
   input.reference_count = 1;
   input.reference[0] = {rig.encoder_rad() + 0.01, 0.0, 0.0};
   for (int k = 0; k < 240; ++k) static_cast<void>(controller.Step(input));
@@ -420,7 +420,7 @@ TEST(RobotController, PushesAgainstTheChamberAtTheAskedSpeedAndTorque) {
   double largest_Nm = 0.0, fastest_rad_s = 0.0;
   for (int k = 0; k < 8 * 240; ++k) {
     RobotInput input = InputOf(rig);
-    input.motion[0] = {Motion::kPushAgainstChamber, -0.3, 0.1, 0.1};
+    input.motion[0] = {types::Motion::kPushAgainstChamber, -0.3, 0.1, 0.1};
     const RobotOutput out = controller.Step(input);
     largest_Nm = std::max(largest_Nm, std::abs(out.joint[0].motor_torque_Nm));
     rig.Step(out.joint[0].motor_torque_Nm, kCycle_s);
@@ -434,10 +434,10 @@ TEST(RobotController, PushesAgainstTheChamberAtTheAskedSpeedAndTorque) {
 
 TEST(RobotController, OrdersThatMakeNoSenseAreNotExecuted) {
   RobotController controller({RigConfig(Strategy::kPid)});
-  for (const MotionOrder& order : {MotionOrder{Motion::kMoveSlowly, kNaN, 0.1, 0.0},
-                                   MotionOrder{Motion::kMoveSlowly, 0.5, 0.0, 0.0},
-                                   MotionOrder{Motion::kPushAgainstChamber, 0.5, -1.0, 0.0},
-                                   MotionOrder{Motion::kMoveSlowly, 0.5, 0.1, kNaN}}) {
+  for (const MotionOrder& order : {MotionOrder{types::Motion::kMoveSlowly, kNaN, 0.1, 0.0},
+                                   MotionOrder{types::Motion::kMoveSlowly, 0.5, 0.0, 0.0},
+                                   MotionOrder{types::Motion::kPushAgainstChamber, 0.5, -1.0, 0.0},
+                                   MotionOrder{types::Motion::kMoveSlowly, 0.5, 0.1, kNaN}}) {
     RobotInput input = Still(0.2);
     input.motion[0] = order;
     const RobotOutput out = controller.Step(input);
@@ -531,7 +531,7 @@ TEST(RobotController, AMillionStepsAllocateNothingAndStayBounded) {
       input.regime[0] = static_cast<types::Regime>((k / 1000) % 3);
       input.prediction[0] = {true, std::cos(phase), std::sin(phase), 0.0};
       input.reference_fresh = k % 5000 > 10;
-      input.motion[0].kind = k % 7000 > 6000 ? Motion::kHold : Motion::kNone;
+      input.motion[0].kind = k % 7000 > 6000 ? types::Motion::kHold : types::Motion::kNone;
       const RobotOutput out = controller.Step(input);
       ASSERT_EQ(out.fault, Fault::kNone) << k;
       largest_Nm = std::max(largest_Nm, std::abs(out.joint[0].motor_torque_Nm));
