@@ -96,7 +96,7 @@ class RawWriter {
   std::shared_ptr<internal::WriterImpl> impl_;
 };
 
-// Endpoint somewhere in the domain, as discovery tells it.
+// Endpoint somewhere in the domain, as discovery reports it.
 struct Endpoint {
   bool is_writer = false;
   std::string topic;

@@ -1,20 +1,6 @@
 #include "components/node/tick_loop.h"
 
-#include <sinew_idl/actuator.h>
-#include <sinew_idl/bus.h>
-#include <sinew_idl/joint.h>
-#include <sinew_idl/learning.h>
-#include <sinew_idl/operator.h>
-#include <sinew_idl/pneumatics.h>
-#include <sinew_idl/recording.h>
-#include <sinew_idl/reference.h>
-#include <sinew_idl/regime.h>
-#include <sinew_idl/residual.h>
-#include <sinew_idl/sensors.h>
-#include <sinew_idl/simulation.h>
-#include <sinew_idl/status.h>
-
-#include "components/node/messages.h"
+#include "components/node/all_messages.h"
 #include "components/node/node_impl.h"
 
 namespace sinew::node {
@@ -194,7 +180,7 @@ std::optional<Tick> TickLoop::Next() {
   while (!(head = self.NextTrigger(lockstep))) {
     if (self.stop.requested()) return std::nullopt;
     self.inputs.front()->Wait(milliseconds(50));
-    self.node.impl_->PublishStatusIfDue(false);
+    self.node.impl_->status.PublishIfDue();
   }
   if (!self.last_tick || head->session_id != self.session_id) self.StartSession(*head);
   const auto deadline = Clock::now() + self.cut_off;
@@ -208,7 +194,7 @@ std::optional<Tick> TickLoop::Next() {
           std::chrono::duration_cast<std::chrono::microseconds>(deadline - Clock::now());
       if (!lockstep && left.count() <= 0) break;
       input.Wait(lockstep ? std::chrono::microseconds(milliseconds(50)) : left);
-      self.node.impl_->PublishStatusIfDue(false);
+      self.node.impl_->status.PublishIfDue();
       input.Collect(self.session_id);
     }
     input.Accept(head->tick, lockstep);
