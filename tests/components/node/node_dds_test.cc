@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 #include <sinew_idl/joint.h>
 #include <sinew_idl/reference.h>
+#include <sinew_idl/residual.h>
 #include <sinew_idl/status.h>
 
 #include <fstream>
+#include <limits>
 #include <thread>
 
 #include "components/node/codec.h"
@@ -18,6 +20,7 @@ namespace {
 using namespace std::chrono_literals;
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 Options MakeOptions(const std::string& name, int domain, TimeMode mode = TimeMode::kLockstep) {
   Options options;
@@ -128,7 +131,7 @@ TEST(NodeDds, LoopFlagsAnInputThatNeverComesAsStaleInRealTime) {
   Node node(MakeOptions("loop", 123, TimeMode::kRealtime));
   auto state = provider.MakeWriter(kJointState);
   StopFlag stop;
-  TickLoop loop(node, stop, 5ms);
+  TickLoop loop(node, stop, {.cut_off = 5ms});
   loop.AddInput(kJointState);
   auto& input = loop.AddInput(kReference);
   std::atomic<bool> done{false};
@@ -145,6 +148,67 @@ TEST(NodeDds, LoopFlagsAnInputThatNeverComesAsStaleInRealTime) {
   EXPECT_TRUE(tick->any_stale);
   EXPECT_FALSE(input.fresh());
   EXPECT_FALSE(input.has_value());
+}
+
+template <class Message>
+concept CanBeAnInput = requires(TickLoop& loop, const Topic<Message>& topic) {
+  loop.AddInput(topic);
+};
+static_assert(CanBeAnInput<msg::JointState> && CanBeAnInput<msg::Reference>);
+static_assert(!CanBeAnInput<msg::ComponentStatus>, "it does not begin with its header");
+
+TEST(NodeDds, LoopIsTriggeredByAnyMessageWithAHeader) {
+  Node provider(MakeOptions("provider", 131)), node(MakeOptions("loop", 131));
+  auto writer = provider.MakeWriter(kReference);
+  auto answers = provider.MakeReader(kResidual);
+  StopFlag stop;
+  TickLoop loop(node, stop, {.nominal_period_s = 0.004});
+  auto& trigger = loop.AddInput(kReference);
+  auto output = node.MakeWriter(kResidual);
+  for (std::uint64_t tick = 5; tick < 8; ++tick) {
+    msg::Reference message;
+    message.header().session_id(3);
+    message.header().tick(tick);
+    message.header().stamp_ns(4'000'000 * static_cast<std::int64_t>(tick));
+    message.header().origin(msg::ORIGIN_REPLAY);
+    message.position_rad()[0] = 0.5 * static_cast<double>(tick);
+    ASSERT_EQ(writer.Write(message), WriteStatus::kOk);
+  }
+  for (std::uint64_t expected = 5; expected < 8; ++expected) {
+    const auto tick = loop.Next();
+    ASSERT_TRUE(tick.has_value());
+    EXPECT_EQ(tick->session_id, 3u);
+    EXPECT_EQ(tick->tick, expected);
+    EXPECT_EQ(tick->stamp_ns, 4'000'000 * static_cast<std::int64_t>(expected));
+    EXPECT_EQ(tick->origin, msg::ORIGIN_REPLAY);
+    EXPECT_EQ(tick->period_s, 0.004);
+    EXPECT_FALSE(tick->last);
+    EXPECT_EQ(trigger.value().position_rad()[0], 0.5 * static_cast<double>(expected));
+    loop.Publish(output, msg::ResidualState(), *tick);
+    const auto answer = answers.WaitNext(10s);
+    ASSERT_TRUE(answer.has_value());
+    EXPECT_EQ(answer->header().tick(), expected);
+    EXPECT_EQ(answer->header().stamp_ns(), tick->stamp_ns);
+    EXPECT_EQ(answer->header().origin(), msg::ORIGIN_REPLAY);
+  }
+}
+
+TEST(NodeDds, LoopRefusesATriggerWithoutAPeriodAndADelayedTrigger) {
+  Node node(MakeOptions("loop", 132));
+  StopFlag stop;
+  for (const double period_s : {0.0, -1.0, std::numeric_limits<double>::infinity(),
+                                std::numeric_limits<double>::quiet_NaN()}) {
+    TickLoop loop(node, stop, {.nominal_period_s = period_s});
+    EXPECT_THAT(
+        [&] { loop.AddInput(kReference); },
+        ThrowsMessage<std::invalid_argument>(HasSubstr("'reference': it carries no period")))
+        << period_s;
+    loop.AddInput(kJointState);  // carries its own
+    loop.AddInput(kReference);   // no trigger
+  }
+  TickLoop loop(node, stop);
+  EXPECT_THAT([&] { loop.AddInput(kJointState, {.delay_ticks = 1}); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("delay of 1 ticks, expected 0")));
 }
 
 TEST(NodeDds, StatusIsLatchedPerComponent) {
@@ -178,7 +242,7 @@ TEST(NodeDds, EndpointsAreThoseOfOthersWithTheirNames) {
   for (const Endpoint& endpoint : b.Endpoints()) EXPECT_NE(endpoint.participant, "watcher");
 }
 
-TEST(NodeDds, AnotherTypeHashIsToldAndNeverMatches) {
+TEST(NodeDds, AnotherTypeHashIsReportedAndNeverMatches) {
   Node a(MakeOptions("a", 126)), b(MakeOptions("b", 126));
   TopicInfo other = *FindTopic("reference");
   other.dds_type_name = "sinew::msg::Reference_00000000";
@@ -189,7 +253,7 @@ TEST(NodeDds, AnotherTypeHashIsToldAndNeverMatches) {
   EXPECT_EQ(reader.matched_writers(), 0);
 }
 
-TEST(NodeDds, LockstepAndRealTimeEndsTellThatTheyDoNotMatch) {
+TEST(NodeDds, LockstepAndRealTimeEndsReportThatTheyDoNotMatch) {
   Node a(MakeOptions("a", 127, TimeMode::kRealtime)), b(MakeOptions("b", 127, TimeMode::kLockstep));
   auto writer = a.MakeWriter(kReference);
   auto reader = b.MakeReader(kReference);
