@@ -239,16 +239,17 @@ TEST(McapWriter, TellsAFullDiskAtOnceAndWritesNothingMore) {
     McapWriter writer(disk, {"test", Compression::kZstd, 100'000'000, 1u << 20});
     SchemaId schema{};
     ChannelId channel{};
-    bool told = !writer.Open().ok();
-    told = !writer.AddSchema("a::B", "omgidl", "struct B { octet x; };", &schema).ok() || told;
-    told = !writer.AddChannel(schema, "topic", "cdr", {}, &channel).ok() || told;
+    bool reported = !writer.Open().ok();
+    reported =
+        !writer.AddSchema("a::B", "omgidl", "struct B { octet x; };", &schema).ok() || reported;
+    reported = !writer.AddChannel(schema, "topic", "cdr", {}, &channel).ok() || reported;
     for (int i = 0; i < 200; ++i) {
-      told =
+      reported =
           !writer.WriteMessage(channel, 10'000'000LL * i, 0, AsBytes(std::string(20, 'x'))).ok() ||
-          told;
+          reported;
     }
     const int writes = disk.writes();
-    if (told) {
+    if (reported) {
       const IoStatus again = writer.CloseChunk();
       EXPECT_EQ(again.message(), "No space left on device");
       EXPECT_FALSE(writer.Close().ok());
