@@ -7,6 +7,7 @@
 #include "components/node/all_messages.h"
 #include "components/node/input_queue.h"
 #include "components/node/node_impl.h"
+#include "components/node/tick_period.h"
 
 namespace sinew::node {
 
@@ -61,7 +62,7 @@ struct TickInput<Message>::State final : public InputBase {
     tick->stamp_ns = message.header().stamp_ns();
     tick->origin = static_cast<int>(message.header().origin());
     if constexpr (std::is_same_v<Message, msg::JointState>) {
-      tick->period_s = message.period_s();
+      tick->nominal_period_s = message.period_s();
       tick->last = message.last_tick();
     }
   }
@@ -93,6 +94,7 @@ struct TickLoop::Impl {
   std::vector<std::shared_ptr<InputBase>> inputs;  // the first one is the trigger
   std::vector<std::shared_ptr<void>> handles;      // TickInput objects given out
   Node::Counts counts;
+  TickPeriod period;
   std::uint64_t session_id = 0;
   std::optional<std::uint64_t> last_tick;
   bool ended = false;
@@ -172,6 +174,7 @@ TickLoop::TickLoop(Node& node, StopFlag& stop, TickLoopOptions options)
                      .inputs = {},
                      .handles = {},
                      .counts = {},
+                     .period = {},
                      .last_tick = {}}) {}
 
 TickLoop::~TickLoop() = default;
@@ -208,7 +211,7 @@ std::optional<Tick> TickLoop::Next() {
   Tick tick;
   tick.session_id = head->session_id;
   tick.tick = head->tick;
-  tick.period_s = self.options.nominal_period_s;
+  tick.nominal_period_s = self.options.nominal_period_s;
   const auto deadline = Clock::now() + self.options.cut_off;
   for (std::size_t i = 1; i < self.inputs.size(); ++i) {
     InputBase& input = *self.inputs[i];
@@ -220,6 +223,9 @@ std::optional<Tick> TickLoop::Next() {
   }
   trigger.queue.AcceptFront(trigger.decode);
   trigger.Describe(&tick);
+  const double period_s = self.period.Next(tick.session_id, tick.tick, tick.stamp_ns,
+                                           tick.origin == msg::ORIGIN_SIM, tick.nominal_period_s);
+  tick.period_s = self.lockstep ? tick.nominal_period_s : period_s;
 
   self.Count(tick);
   self.last_tick = tick.tick;

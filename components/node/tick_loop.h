@@ -36,8 +36,9 @@ struct Tick {
   std::uint64_t tick = 0;
   std::int64_t stamp_ns = 0;  // of the trigger
   int origin = 0;             // msg::Origin
-  double period_s = 0.0;      // nominal
-  bool last = false;          // the session's last tick: Next() returns nothing after it
+  double period_s = 0.0;      // since the last cycle: tick_period.h; in lockstep nominal_period_s
+  double nominal_period_s = 0.0;
+  bool last = false;  // the session's last tick: Next() returns nothing after it
   bool any_stale = false;
 };
 

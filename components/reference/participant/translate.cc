@@ -6,7 +6,7 @@ RobotReferenceInput ToInput(const node::Tick& tick, const msg::JointState& state
   RobotReferenceInput input;
   input.session_id = tick.session_id;
   input.tick = tick.tick;
-  input.period_s = tick.period_s;
+  input.period_s = tick.nominal_period_s;
   input.may_move =
       state.robot_state() == msg::ROBOT_ARMED || state.robot_state() == msg::ROBOT_DAMPED;
   input.joint_count = state.joint_count();

@@ -6,7 +6,10 @@
 #include <sinew_idl/residual.h>
 #include <sinew_idl/status.h>
 
+#include <algorithm>
+#include <atomic>
 #include <fstream>
+#include <iterator>
 #include <limits>
 #include <thread>
 
@@ -19,6 +22,8 @@ namespace {
 
 using namespace std::chrono_literals;
 using ::testing::Contains;
+using ::testing::DoubleEq;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
@@ -191,6 +196,51 @@ TEST(NodeDds, LoopIsTriggeredByAnyMessageWithAHeader) {
     EXPECT_EQ(answer->header().stamp_ns(), tick->stamp_ns);
     EXPECT_EQ(answer->header().origin(), msg::ORIGIN_REPLAY);
   }
+}
+
+// Periods of a loop that gets three ticks, measured 0, 5 and 8 ms after the start. Every tick is
+// sent until it is taken, since best-effort samples may be lost before reader and writer know of
+// each other; the loop ignores the repetitions.
+std::vector<double> PeriodsOf(TimeMode mode, msg::Origin origin, int domain) {
+  Node provider(MakeOptions("provider", domain, mode)), node(MakeOptions("loop", domain, mode));
+  auto writer = provider.MakeWriter(kJointState);
+  StopFlag stop;
+  TickLoop loop(node, stop);
+  loop.AddInput(kJointState);
+  constexpr std::int64_t kStamps_ns[] = {0, 5'000'000, 8'000'000};
+  std::atomic<std::size_t> taken{0};
+  std::thread sender([&] {
+    while (taken < std::size(kStamps_ns)) {
+      msg::JointState state = StateOfTick(std::min<std::size_t>(taken, std::size(kStamps_ns) - 1));
+      state.header().stamp_ns(1'700'000'000'000'000'000 + kStamps_ns[state.header().tick()]);
+      state.header().origin(origin);
+      state.period_s(0.004);
+      EXPECT_EQ(writer.Write(state), WriteStatus::kOk);
+      provider.WaitForData(2ms);
+    }
+  });
+  std::vector<double> periods;
+  while (taken < std::size(kStamps_ns)) {
+    const auto tick = loop.Next();
+    EXPECT_EQ(tick->tick, taken);
+    EXPECT_EQ(tick->nominal_period_s, 0.004);
+    periods.push_back(tick->period_s);
+    ++taken;
+  }
+  sender.join();
+  return periods;
+}
+
+TEST(NodeDds, LoopMeasuresThePeriodOfALiveRobotInRealTime) {
+  EXPECT_THAT(PeriodsOf(TimeMode::kRealtime, msg::ORIGIN_LIVE, 133),
+              ElementsAre(0.004, DoubleEq(0.005), DoubleEq(0.003)));
+  EXPECT_THAT(PeriodsOf(TimeMode::kRealtime, msg::ORIGIN_SIM, 134),
+              ElementsAre(0.004, 0.004, 0.004));
+}
+
+TEST(NodeDds, LoopHasTheNominalPeriodInLockstep) {
+  EXPECT_THAT(PeriodsOf(TimeMode::kLockstep, msg::ORIGIN_REPLAY, 136),
+              ElementsAre(0.004, 0.004, 0.004));
 }
 
 TEST(NodeDds, LoopRefusesATriggerWithoutAPeriodAndADelayedTrigger) {
