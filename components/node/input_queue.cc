@@ -5,6 +5,10 @@
 namespace sinew::node::internal {
 
 void InputQueue::Push(const HeadOfMessage& head, Bytes bytes) {
+  if (samples_.size() >= limit_) {
+    samples_.pop_front();
+    ++dropped_;
+  }
   samples_.push_back({head, std::move(bytes)});
 }
 
@@ -40,7 +44,7 @@ void InputQueue::AcceptEntry(const Decode& decode) {
 }
 
 void InputQueue::DropAllButNewest() {
-  while (samples_.size() > 1) samples_.pop_front();
+  for (; samples_.size() > 1; ++dropped_) samples_.pop_front();
 }
 
 void InputQueue::Reset() {

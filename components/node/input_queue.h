@@ -18,8 +18,9 @@ class InputQueue {
  public:
   using Decode = std::function<bool(const Bytes&)>;
 
-  explicit InputQueue(InputRules rules) : rules_(rules) {}
+  InputQueue(InputRules rules, std::size_t limit) : rules_(rules), limit_(limit) {}
 
+  // A full queue drops its oldest sample.
   void Push(const HeadOfMessage& head, Bytes bytes);
   // True when nothing better than what is here will come for this tick: the sample of tick - delay
   // or a later one is here or accepted, or the tick is before the delay.
@@ -39,6 +40,7 @@ class InputQueue {
   std::uint64_t accepted_tick() const { return accepted_tick_.value_or(0); }
   bool fresh() const { return fresh_; }  // what was accepted belongs to the last cycle
   const InputRules& rules() const { return rules_; }
+  std::uint64_t dropped() const { return dropped_; }  // by Push and DropAllButNewest
 
  private:
   struct Entry {
@@ -48,9 +50,11 @@ class InputQueue {
   void AcceptEntry(const Decode& decode);
 
   const InputRules rules_;
+  const std::size_t limit_;
   std::deque<Entry> samples_;
   std::optional<std::uint64_t> accepted_tick_;
   bool fresh_ = false;
+  std::uint64_t dropped_ = 0;
 };
 
 }  // namespace sinew::node::internal

@@ -16,7 +16,7 @@ Node::~Node() {
 
 void Node::ReadRaw(const TopicInfo& topic, RawCallback callback) {
   impl_->raw_readers.push_back(
-      std::make_unique<internal::ReaderImpl>(impl_, topic, 0, std::move(callback)));
+      std::make_unique<internal::ReaderImpl>(impl_, topic, std::move(callback)));
 }
 
 int Node::RawMatchedWriters(const std::string& topic) const {

@@ -1,7 +1,9 @@
+#include <spdlog/spdlog.h>
+
 #include "components/node/all_messages.h"
 #include "components/node/node_impl.h"
-#include "components/types/clock/clock.h"
 #include "components/node/reader_impl.h"
+#include "components/types/clock/clock.h"
 
 namespace sinew::node {
 
@@ -9,9 +11,13 @@ namespace internal {
 
 using eprosima::fastrtps::types::ReturnCode_t;
 
-ReaderImpl::ReaderImpl(std::shared_ptr<NodeImpl> owner, const TopicInfo& info, std::size_t limit,
+ReaderImpl::ReaderImpl(std::shared_ptr<NodeImpl> owner, const TopicInfo& info,
                        Node::RawCallback on_sample)
-    : node(std::move(owner)), topic(info), callback_(std::move(on_sample)), queue_(limit) {
+    : node(std::move(owner)),
+      topic(info),
+      queue_limit(QueueLimit(info.profile, node->options.mode)),
+      callback_(std::move(on_sample)),
+      queue_(queue_limit) {
   dds::Topic* dds_topic = node->participant.FindOrMakeTopic(topic);
   dds::Subscriber& subscriber = node->participant.subscriber();
   dds::DataReaderQos qos;
@@ -37,6 +43,15 @@ ReaderImpl::~ReaderImpl() {
   if (reader_ == nullptr) return;
   reader_->set_listener(nullptr);
   node->participant.subscriber().delete_datareader(reader_);
+  if (dropped() > 0 && dropping_is_a_loss()) {
+    spdlog::warn("topic '{}': {} of {} samples were dropped unread", topic.name, dropped(),
+                 received());
+  }
+}
+
+bool ReaderImpl::dropping_is_a_loss() const {
+  return node->options.mode == TimeMode::kLockstep || topic.profile == Profile::kEvent ||
+         topic.profile == Profile::kLatched;
 }
 
 void ReaderImpl::on_data_available(dds::DataReader* source) {
@@ -54,7 +69,10 @@ void ReaderImpl::on_data_available(dds::DataReader* source) {
       scratch_.bytes = Bytes();
       continue;
     }
-    queue_.Push(&scratch_);
+    if (!queue_.Push(&scratch_) && queue_.dropped() == 1 && dropping_is_a_loss()) {
+      spdlog::warn("topic '{}': {} samples wait to be read, the oldest are dropped from here on",
+                   topic.name, queue_limit);
+    }
   }
   if (any) node->signal.Notify(this);
 }
@@ -100,10 +118,7 @@ std::optional<Message> DecodeSample(std::optional<internal::Sample> sample) {
 
 template <class Message>
 Reader<Message> Node::MakeReader(const Topic<Message>& topic) {
-  const bool all = options().mode == TimeMode::kLockstep || topic.profile == Profile::kEvent ||
-                   topic.profile == Profile::kLatched;
-  return Reader<Message>(
-      std::make_shared<internal::ReaderImpl>(impl_, *FindTopic(topic.name), all ? 0 : 8, nullptr));
+  return Reader<Message>(std::make_shared<internal::ReaderImpl>(impl_, *FindTopic(topic.name)));
 }
 
 template <class Message>
@@ -154,6 +169,10 @@ std::uint64_t Reader<Message>::received() const {
 template <class Message>
 std::uint64_t Reader<Message>::lost() const {
   return impl_->lost();
+}
+template <class Message>
+std::uint64_t Reader<Message>::dropped() const {
+  return impl_->dropped();
 }
 
 #define SINEW_INSTANTIATE(Type)     \

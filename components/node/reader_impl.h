@@ -18,10 +18,10 @@ namespace sinew::node::internal {
 namespace dds = eprosima::fastdds::dds;
 
 struct ReaderImpl final : public dds::DataReaderListener {
-  // queue_limit: samples, 0: unlimited. With a callback the queue stays empty.
-  ReaderImpl(std::shared_ptr<NodeImpl> node, const TopicInfo& topic, std::size_t queue_limit,
-             Node::RawCallback callback);
-  ~ReaderImpl() override;
+  // With a callback the queue stays empty.
+  ReaderImpl(std::shared_ptr<NodeImpl> node, const TopicInfo& topic,
+             Node::RawCallback callback = {});
+  ~ReaderImpl() override;  // logs how many samples the queue has dropped
 
   std::optional<Sample> TakeNext();
   std::optional<Sample> TakeLatest();
@@ -30,6 +30,7 @@ struct ReaderImpl final : public dds::DataReaderListener {
   int matched() const;
   std::uint64_t received() const { return received_; }
   std::uint64_t lost() const { return lost_; }
+  std::uint64_t dropped() const { return queue_.dropped(); }
 
   void on_data_available(dds::DataReader* reader) override;
   void on_sample_lost(dds::DataReader*, const dds::SampleLostStatus& status) override;
@@ -38,8 +39,12 @@ struct ReaderImpl final : public dds::DataReaderListener {
 
   const std::shared_ptr<NodeImpl> node;
   const TopicInfo topic;
+  const std::size_t queue_limit;
 
  private:
+  // False where only the newest sample matters, so that dropping is no loss.
+  bool dropping_is_a_loss() const;
+
   Node::RawCallback callback_;
   SampleQueue queue_;
   dds::DataReader* reader_ = nullptr;

@@ -4,9 +4,11 @@
 
 namespace sinew::node::internal {
 
-void SampleQueue::Push(Sample* sample) {
+bool SampleQueue::Push(Sample* sample) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (limit_ != 0 && samples_.size() >= limit_) {
+  const bool full = samples_.size() >= limit_;
+  if (full) {
+    ++dropped_;
     spare_.push_back(std::move(samples_.front().bytes));
     samples_.pop_front();
   }
@@ -16,6 +18,12 @@ void SampleQueue::Push(Sample* sample) {
     sample->bytes = std::move(spare_.back());
     spare_.pop_back();
   }
+  return !full;
+}
+
+std::uint64_t SampleQueue::dropped() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return dropped_;
 }
 
 std::optional<Sample> SampleQueue::TakeNext() {

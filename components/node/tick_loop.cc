@@ -20,7 +20,7 @@ namespace internal {
 class InputBase {
  public:
   InputBase(std::unique_ptr<ReaderImpl> reader, InputRules rules)
-      : queue(rules), reader_(std::move(reader)) {}
+      : queue(rules, reader->queue_limit), reader_(std::move(reader)) {}
   virtual ~InputBase() = default;
 
   // Moves what DDS has received into the queue. Samples of other sessions are dropped; session 0:
@@ -37,6 +37,7 @@ class InputBase {
   void Wait(std::chrono::microseconds timeout) { reader_->WaitForSample(timeout); }
 
   const std::string& topic() const { return reader_->topic.name; }
+  std::uint64_t dropped() const { return reader_->dropped() + queue.dropped(); }
   virtual bool DecodeValue(const Bytes& bytes) = 0;
   // Of a trigger: what its message says of the cycle.
   virtual void Describe(Tick* tick) const = 0;
@@ -83,6 +84,10 @@ bool TickInput<Message>::fresh() const {
 template <class Message>
 std::uint64_t TickInput<Message>::tick() const {
   return state_->queue.accepted_tick();
+}
+template <class Message>
+std::uint64_t TickInput<Message>::dropped() const {
+  return state_->dropped();
 }
 
 struct TickLoop::Impl {
@@ -185,8 +190,7 @@ requires kBeginsWithHeader<Message> TickInput<Message>
   if (impl_->inputs.empty()) {
     impl_->CheckTrigger(topic.name, std::is_same_v<Message, msg::JointState>, rules);
   }
-  auto reader =
-      std::make_unique<internal::ReaderImpl>(impl_->node.impl_, *FindTopic(topic.name), 0, nullptr);
+  auto reader = std::make_unique<internal::ReaderImpl>(impl_->node.impl_, *FindTopic(topic.name));
   auto input = std::make_shared<TickInput<Message>>();
   input->state_ = std::make_shared<typename TickInput<Message>::State>(std::move(reader), rules);
   impl_->inputs.push_back(input->state_);

@@ -59,6 +59,9 @@ class TickInput {
   const Message& value() const;  // the sample of this cycle, or the last one when stale
   bool fresh() const;            // belongs to this cycle (tick - delay)
   std::uint64_t tick() const;    // of value()
+  // Samples dropped unread because a queue was full (limits: see Reader), or in real time because
+  // newer ones were there before the loop came to them.
+  std::uint64_t dropped() const;
 
  private:
   friend class TickLoop;

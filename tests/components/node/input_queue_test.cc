@@ -15,7 +15,7 @@ constexpr std::uint64_t kSession = 9;
 
 // A queue whose samples carry their tick as their only byte; keeps the ticks that were decoded.
 struct Input {
-  explicit Input(InputRules rules = {}) : queue(rules) {}
+  explicit Input(InputRules rules = {}, std::size_t limit = 100) : queue(rules, limit) {}
 
   void Push(std::uint64_t tick) {
     queue.Push({kSession, tick}, Bytes{static_cast<std::byte>(tick)});
@@ -103,6 +103,20 @@ TEST(InputQueue, OfATriggerGivesExactlyItsOldestSample) {
   input.Push(5);
   input.queue.DropAllButNewest();
   EXPECT_EQ(input.queue.front()->tick, 5u);
+}
+
+TEST(InputQueue, DropsItsOldestSampleWhenFullAndCountsIt) {
+  Input input({}, 3);
+  for (std::uint64_t tick = 0; tick < 3; ++tick) input.Push(tick);
+  EXPECT_EQ(input.queue.dropped(), 0u);
+  for (std::uint64_t tick = 3; tick < 10; ++tick) input.Push(tick);
+  EXPECT_EQ(input.queue.dropped(), 7u);
+  EXPECT_EQ(input.queue.front()->tick, 7u);
+  input.Accept(6, true);
+  EXPECT_FALSE(input.queue.fresh()) << "the sample of tick 6 was dropped";
+  input.queue.DropAllButNewest();
+  EXPECT_EQ(input.queue.dropped(), 9u);
+  EXPECT_EQ(input.queue.front()->tick, 9u);
 }
 
 TEST(InputQueue, ForgetsEverythingWithANewSession) {

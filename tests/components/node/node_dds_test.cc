@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sinew_idl/joint.h>
+#include <sinew_idl/operator.h>
 #include <sinew_idl/reference.h>
 #include <sinew_idl/residual.h>
 #include <sinew_idl/status.h>
@@ -69,6 +70,28 @@ TEST(NodeDds, DeliversEverySampleInOrderInLockstep) {
     EXPECT_EQ(*state, StateOfTick(tick));
   }
   EXPECT_EQ(reader.lost(), 0u);
+}
+
+TEST(NodeDds, AReaderThatDoesNotReadKeepsTheNewestAndCountsWhatItDropped) {
+  Node a(MakeOptions("a", 137, TimeMode::kRealtime)), b(MakeOptions("b", 137, TimeMode::kRealtime));
+  auto writer = a.MakeWriter(kOperatorCommand);  // reliable, so that DDS loses nothing
+  auto reader = b.MakeReader(kOperatorCommand);
+  ASSERT_TRUE(WaitUntil(b, [&] { return reader.matched_writers() == 1; }));
+  ASSERT_TRUE(WaitUntil(a, [&] { return writer.matched_readers() == 1; }));
+  constexpr std::uint64_t kSent = 300, kKept = 256;
+  for (std::uint64_t tick = 0; tick < kSent; ++tick) {
+    msg::OperatorCommand command;
+    command.header().tick(tick);
+    ASSERT_EQ(writer.Write(command), WriteStatus::kOk);
+    ASSERT_TRUE(WaitUntil(b, [&] { return reader.received() == tick + 1; }));
+  }
+  EXPECT_EQ(reader.dropped(), kSent - kKept);
+  for (std::uint64_t tick = kSent - kKept; tick < kSent; ++tick) {
+    const auto command = reader.TakeNext();
+    ASSERT_TRUE(command.has_value());
+    EXPECT_EQ(command->header().tick(), tick);
+  }
+  EXPECT_FALSE(reader.TakeNext().has_value());
 }
 
 TEST(NodeDds, RecordersSeeTheBytesThatWereWritten) {
