@@ -40,7 +40,7 @@ void LoadProfiles(const Options& options) {
 // the same ports, and a peer that has opened a port in shared memory goes on writing to the dead
 // one for seconds, sometimes for good. Discovery announces the ports, so that no peer has to know
 // them; a port that is taken is moved by Fast DDS. Left alone: a user's own ports and unicast
-// peers, and the last domains, above which there is no room.
+// peers, and the last domains, above which there are no ports.
 void UseFreshPorts(int domain, dds::DomainParticipantQos* qos) {
   auto& ports = qos->wire_protocol().port;
   const rtps::PortParameters standard;

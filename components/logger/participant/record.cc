@@ -90,7 +90,7 @@ class Session {
       schemas.push_back({topic->name, topic->type_name, topic->idl, topic->idl_hash});
     }
     RecorderOptions recorder_options;
-    recorder_options.wait_for_room = lockstep_;
+    recorder_options.wait_for_capacity = lockstep_;
     if (lockstep_) recorder_options.queue_bytes = 64u << 20;
     recorder_ = std::make_shared<Recorder>(sink_, std::move(schemas),
                                            std::vector<recording::McapMetadata>{metadata_},

@@ -148,7 +148,7 @@ TEST(SystemdLink, AStateOfTwoLinesStaysOneWord) {
 TEST(SystemdLink, ASystemdThatDoesNotReadNeverHoldsUpTheLoop) {
   NotifySocket systemd(4ms);
   SystemdLink link;
-  for (int i = 0; i < 200; ++i) {  // a call that waited for room would wait for ever
+  for (int i = 0; i < 200; ++i) {  // a call that waited for capacity would wait for ever
     link.Beat();
     link.SetStatus("active " + std::to_string(i));
     std::this_thread::sleep_for(1ms);
