@@ -60,7 +60,7 @@ bool Recorder::Offer(std::size_t topic, Bytes payload, std::int64_t reception_ns
   const auto fits = [this, &payload] {
     return queue_.empty() || queued_bytes_ + payload.size() <= options_.queue_bytes;
   };
-  if (options_.wait_for_room) {
+  if (options_.wait_for_capacity) {
     taken_.wait(lock, [&] { return fits() || finishing_ || !state_.status.ok(); });
   }
   if (finishing_ || !state_.status.ok()) return false;

@@ -1,6 +1,6 @@
 // The part of a recorder between reception and file: a bounded queue, and a thread that writes.
 //
-// Reception threads offer samples and never wait (real time) or wait for room (lockstep, where
+// Reception threads offer samples and never wait (real time) or wait for capacity (lockstep, where
 // nothing may be dropped). What does not fit is counted. The writing thread makes payloads
 // canonical, numbers and stamps them, and closes chunks by time, so that a killed process loses at
 // most twice `chunk_span`. Write errors stop the recording at once and stay in state().status.
@@ -27,7 +27,7 @@ namespace sinew::logger {
 
 struct RecorderOptions {
   std::size_t queue_bytes = 16u << 20;
-  bool wait_for_room = false;  // lockstep
+  bool wait_for_capacity = false;  // lockstep
   std::chrono::milliseconds chunk_span{100};
 };
 
@@ -69,7 +69,7 @@ class Recorder {
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
-  // Any thread. False: not taken (no room, write error, finished).
+  // Any thread. False: not taken (queue full, write error, finished).
   bool Offer(std::size_t topic, recording::Bytes payload, std::int64_t reception_ns);
   RecorderState state() const;
   // Writes what waits, and the summary. Once; from one thread.

@@ -1,23 +1,10 @@
 #include "components/node/codec.h"
 
-#include <sinew_idl/actuatorPubSubTypes.h>
-#include <sinew_idl/busPubSubTypes.h>
-#include <sinew_idl/jointPubSubTypes.h>
-#include <sinew_idl/learningPubSubTypes.h>
-#include <sinew_idl/operatorPubSubTypes.h>
-#include <sinew_idl/pneumaticsPubSubTypes.h>
-#include <sinew_idl/recordingPubSubTypes.h>
-#include <sinew_idl/referencePubSubTypes.h>
-#include <sinew_idl/regimePubSubTypes.h>
-#include <sinew_idl/residualPubSubTypes.h>
-#include <sinew_idl/sensorsPubSubTypes.h>
-#include <sinew_idl/simulationPubSubTypes.h>
-#include <sinew_idl/statusPubSubTypes.h>
-
 #include <cstring>
 #include <stdexcept>
 
-#include "components/node/messages.h"
+#include "components/node/all_codecs.h"
+#include "components/node/all_messages.h"
 
 namespace sinew::node {
 

@@ -32,8 +32,9 @@ struct ReaderImpl;
 struct WriterImpl;
 }  // namespace internal
 
-// Queue of received samples of one topic. Movable. Real time: only the newest is kept unless the
-// profile says otherwise. Lockstep: all are kept, in order.
+// Queue of received samples of one topic. Movable. The queue is bounded (QueueLimit in
+// sample_queue.h): a full one drops its oldest sample and counts it. Real time: 8 samples of states
+// and commands, 256 of events and latched topics. Lockstep: 65536, in order.
 template <class Message>
 class Reader {
  public:
@@ -49,7 +50,8 @@ class Reader {
   void WaitForSample(std::chrono::microseconds timeout);
   int matched_writers() const;
   std::uint64_t received() const;  // samples since the start
-  std::uint64_t lost() const;      // samples DDS says it dropped
+  std::uint64_t lost() const;      // samples that DDS reports as lost
+  std::uint64_t dropped() const;   // samples dropped unread because the queue was full
 
  private:
   friend class Node;
@@ -96,7 +98,7 @@ class RawWriter {
   std::shared_ptr<internal::WriterImpl> impl_;
 };
 
-// Endpoint somewhere in the domain, as discovery tells it.
+// Endpoint somewhere in the domain, as discovery reports it.
 struct Endpoint {
   bool is_writer = false;
   std::string topic;

@@ -57,7 +57,7 @@ void SystemdLink::SetStopping() {
 void SystemdLink::Run() {
   using std::chrono::steady_clock;
   auto next = steady_clock::now() + period_;
-  std::uint64_t told = 0;
+  std::uint64_t reported = 0;
   std::unique_lock<std::mutex> lock(mutex_);
   while (true) {
     const auto news = [this] { return ended_ || !pending_.empty(); };
@@ -69,8 +69,8 @@ void SystemdLink::Run() {
     std::string message = std::exchange(pending_, {});
     if (period_.count() != 0 && steady_clock::now() >= next) {
       next = steady_clock::now() + period_;
-      if (const std::uint64_t beats = beats_.load(std::memory_order_relaxed); beats != told) {
-        told = beats;
+      if (const std::uint64_t beats = beats_.load(std::memory_order_relaxed); beats != reported) {
+        reported = beats;
         message += "WATCHDOG=1\n";
       }
     }

@@ -1,9 +1,9 @@
-// What systemd is told of this process (sd_notify): ready, alive, its state in words, stopping.
+// Reports this process to systemd (sd_notify): ready, alive, its state in words, stopping.
 //
 // Without NOTIFY_SOCKET in the environment it does nothing. The loop only counts; a thread of this
-// class does the sending, so that a busy systemd never holds up the loop. It says WATCHDOG=1 every
-// quarter of the unit's WatchdogSec, and only if the loop has counted on since: a loop that hangs
-// falls silent although its process lives. The thread has the priority of the thread that made it.
+// class sends, so that a busy systemd never delays the loop. It sends WATCHDOG=1 every quarter of
+// the unit's WatchdogSec, and only if the loop has counted on since: a loop that hangs sends
+// nothing although its process lives. The thread has the priority of the thread that made it.
 #pragma once
 
 #include <atomic>

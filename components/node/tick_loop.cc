@@ -1,101 +1,52 @@
 #include "components/node/tick_loop.h"
 
-#include <sinew_idl/actuator.h>
-#include <sinew_idl/bus.h>
-#include <sinew_idl/joint.h>
-#include <sinew_idl/learning.h>
-#include <sinew_idl/operator.h>
-#include <sinew_idl/pneumatics.h>
-#include <sinew_idl/recording.h>
-#include <sinew_idl/reference.h>
-#include <sinew_idl/regime.h>
-#include <sinew_idl/residual.h>
-#include <sinew_idl/sensors.h>
-#include <sinew_idl/simulation.h>
-#include <sinew_idl/status.h>
+#include <cmath>
+#include <stdexcept>
+#include <type_traits>
 
-#include "components/node/messages.h"
+#include "components/node/all_messages.h"
+#include "components/node/input_queue.h"
 #include "components/node/node_impl.h"
+#include "components/node/tick_period.h"
 
 namespace sinew::node {
 
 using Clock = std::chrono::steady_clock;
+using internal::InputQueue;
 
 namespace internal {
 
-// An input without its type: a queue of samples with their ticks.
+// An input without its type: a DDS reader and the samples that it gave, by tick.
 class InputBase {
  public:
-  InputBase(std::shared_ptr<internal::ReaderImpl> reader, InputRules rules)
-      : reader_(std::move(reader)), rules_(rules) {}
+  InputBase(std::unique_ptr<ReaderImpl> reader, InputRules rules)
+      : queue(rules, reader->queue_limit), reader_(std::move(reader)) {}
   virtual ~InputBase() = default;
 
-  const InputRules& rules() const { return rules_; }
-  const std::string& topic() const { return reader_->topic.name; }
-
-  // Moves what DDS has received into the queue; samples of other sessions are dropped.
+  // Moves what DDS has received into the queue. Samples of other sessions are dropped; session 0:
+  // of none.
   void Collect(std::uint64_t session_id) {
     while (auto sample = reader_->TakeNext()) {
       HeadOfMessage head;
       if (!PeekHead(sample->bytes.data(), sample->bytes.size(), &head)) continue;
       if (session_id != 0 && head.session_id != session_id) continue;
-      queue_.push_back({head, std::move(sample->bytes)});
+      queue.Push(head, std::move(sample->bytes));
     }
   }
-
-  bool Reached(std::uint64_t tick) const {
-    const auto delay = static_cast<std::uint64_t>(rules_.delay_ticks);
-    if (tick < delay) return true;  // there is none before the delay
-    const std::uint64_t wanted = tick - delay;
-    if (accepted_ && accepted_tick_ >= wanted) return true;
-    return !queue_.empty() && queue_.back().head.tick >= wanted;
-  }
-
-  // Takes the sample of tick - delay: in lockstep that very one, in real time the newest.
-  void Accept(std::uint64_t tick, bool lockstep) {
-    const auto delay = static_cast<std::uint64_t>(rules_.delay_ticks);
-    fresh = false;
-    if (tick < delay) return;
-    const std::uint64_t wanted = tick - delay;
-    while (!queue_.empty() &&
-           (!lockstep || queue_.front().head.tick <= wanted || !rules_.required)) {
-      if (DecodeValue(queue_.front().bytes)) {
-        accepted_ = true;
-        accepted_tick_ = queue_.front().head.tick;
-      }
-      queue_.pop_front();
-    }
-    fresh = accepted_ && accepted_tick_ >= wanted;
-  }
-
-  void Reset() {
-    queue_.clear();
-    accepted_ = false;
-    fresh = false;
-  }
-
   // Sleeps until a sample of this input arrives or the timeout is over.
   void Wait(std::chrono::microseconds timeout) { reader_->WaitForSample(timeout); }
 
-  struct Queued {
-    HeadOfMessage head;
-    Bytes bytes;
-  };
-  std::deque<Queued>& queue() { return queue_; }
-  bool accepted() const { return accepted_; }
-  std::uint64_t accepted_tick() const { return accepted_tick_; }
-
-  bool fresh = false;
-
- protected:
+  const std::string& topic() const { return reader_->topic.name; }
+  std::uint64_t dropped() const { return reader_->dropped() + queue.dropped(); }
   virtual bool DecodeValue(const Bytes& bytes) = 0;
+  // Of a trigger: what its message says of the cycle.
+  virtual void Describe(Tick* tick) const = 0;
+
+  InputQueue queue;
+  const InputQueue::Decode decode = [this](const Bytes& bytes) { return DecodeValue(bytes); };
 
  private:
-  std::shared_ptr<internal::ReaderImpl> reader_;
-  InputRules rules_;
-  std::deque<Queued> queue_;
-  bool accepted_ = false;
-  std::uint64_t accepted_tick_ = 0;
+  std::unique_ptr<ReaderImpl> reader_;
 };
 
 }  // namespace internal
@@ -107,13 +58,20 @@ struct TickInput<Message>::State final : public InputBase {
   using InputBase::InputBase;
   Message message;
 
- protected:
   bool DecodeValue(const Bytes& bytes) override { return Decode(bytes, &message); }
+  void Describe(Tick* tick) const override {
+    tick->stamp_ns = message.header().stamp_ns();
+    tick->origin = static_cast<int>(message.header().origin());
+    if constexpr (std::is_same_v<Message, msg::JointState>) {
+      tick->nominal_period_s = message.period_s();
+      tick->last = message.last_tick();
+    }
+  }
 };
 
 template <class Message>
 bool TickInput<Message>::has_value() const {
-  return state_->accepted();
+  return state_->queue.accepted();
 }
 template <class Message>
 const Message& TickInput<Message>::value() const {
@@ -121,57 +79,118 @@ const Message& TickInput<Message>::value() const {
 }
 template <class Message>
 bool TickInput<Message>::fresh() const {
-  return state_->fresh;
+  return state_->queue.fresh();
 }
 template <class Message>
 std::uint64_t TickInput<Message>::tick() const {
-  return state_->accepted_tick();
+  return state_->queue.accepted_tick();
+}
+template <class Message>
+std::uint64_t TickInput<Message>::dropped() const {
+  return state_->dropped();
 }
 
 struct TickLoop::Impl {
   Node& node;
   StopFlag& stop;
-  std::chrono::microseconds cut_off;
+  const TickLoopOptions options;
+  const bool lockstep;
+  internal::Status& status;
   std::vector<std::shared_ptr<InputBase>> inputs;  // the first one is the trigger
   std::vector<std::shared_ptr<void>> handles;      // TickInput objects given out
   Node::Counts counts;
+  TickPeriod period;
   std::uint64_t session_id = 0;
   std::optional<std::uint64_t> last_tick;
   bool ended = false;
 
-  // The head of the next trigger sample, when there is one.
-  std::optional<HeadOfMessage> NextTrigger(bool lockstep) {
+  // A trigger must say how long a cycle is, itself or in the options.
+  void CheckTrigger(std::string_view topic, bool carries_period, const InputRules& rules) const {
+    const std::string what = "loop with the trigger '" + std::string(topic) + "': ";
+    if (rules.delay_ticks != 0) {
+      throw std::invalid_argument(what + "delay of " + std::to_string(rules.delay_ticks) +
+                                  " ticks, expected 0");
+    }
+    if (carries_period) return;
+    if (!(options.nominal_period_s > 0.0) || !std::isfinite(options.nominal_period_s)) {
+      throw std::invalid_argument(what + "it carries no period, and nominal_period_s is " +
+                                  std::to_string(options.nominal_period_s) +
+                                  ", expected more than 0");
+    }
+  }
+
+  // The head of the next trigger sample, when there is one; it is the oldest of the queue.
+  std::optional<HeadOfMessage> NextTrigger() {
     InputBase& trigger = *inputs.front();
     trigger.Collect(0);
-    auto& queue = trigger.queue();
-    if (!lockstep) {
-      while (queue.size() > 1) queue.pop_front();
-    }
-    while (!queue.empty()) {
-      const HeadOfMessage head = queue.front().head;
-      const bool seen = last_tick && head.session_id == session_id && head.tick <= *last_tick;
+    if (!lockstep) trigger.queue.DropAllButNewest();
+    while (const auto head = trigger.queue.front()) {
+      const bool seen = last_tick && head->session_id == session_id && head->tick <= *last_tick;
       if (!seen) return head;
-      queue.pop_front();
+      trigger.queue.DropFront();
     }
     return std::nullopt;
+  }
+
+  // Nothing: stop was requested.
+  std::optional<HeadOfMessage> WaitForTrigger() {
+    while (true) {
+      if (const auto head = NextTrigger()) return head;
+      if (stop.requested()) return std::nullopt;
+      inputs.front()->Wait(std::chrono::milliseconds(50));
+      status.PublishIfDue();
+    }
   }
 
   void StartSession(const HeadOfMessage& head) {
     session_id = head.session_id;
     last_tick.reset();
-    for (std::size_t i = 1; i < inputs.size(); ++i) inputs[i]->Reset();
+    for (std::size_t i = 1; i < inputs.size(); ++i) inputs[i]->queue.Reset();
+  }
+
+  // Until the sample of the tick is here, or in real time the deadline. False: stop was requested.
+  bool WaitForInput(InputBase& input, std::uint64_t tick, Clock::time_point deadline) {
+    using std::chrono::microseconds;
+    input.Collect(session_id);
+    while (input.queue.rules().required && !input.queue.Reached(tick)) {
+      if (stop.requested()) return false;
+      const auto left = std::chrono::duration_cast<microseconds>(deadline - Clock::now());
+      if (!lockstep && left.count() <= 0) break;
+      input.Wait(lockstep ? microseconds(std::chrono::milliseconds(50)) : left);
+      status.PublishIfDue();
+      input.Collect(session_id);
+    }
+    return true;
+  }
+
+  void Count(const Tick& tick) {
+    if (last_tick && tick.tick > *last_tick + 1) counts.missed_ticks += tick.tick - *last_tick - 1;
+    if (tick.any_stale) ++counts.stale_inputs;
+    ++counts.cycles;
   }
 };
 
-TickLoop::TickLoop(Node& node, StopFlag& stop, std::chrono::microseconds cut_off)
-    : impl_(new Impl{node, stop, cut_off, {}, {}, {}, 0, std::nullopt, false}) {}
+TickLoop::TickLoop(Node& node, StopFlag& stop, TickLoopOptions options)
+    : impl_(new Impl{.node = node,
+                     .stop = stop,
+                     .options = options,
+                     .lockstep = node.options().mode == TimeMode::kLockstep,
+                     .status = node.impl_->status,
+                     .inputs = {},
+                     .handles = {},
+                     .counts = {},
+                     .period = {},
+                     .last_tick = {}}) {}
 
 TickLoop::~TickLoop() = default;
 
 template <class Message>
-TickInput<Message>& TickLoop::AddInput(const Topic<Message>& topic, InputRules rules) {
-  auto reader =
-      std::make_shared<internal::ReaderImpl>(impl_->node.impl_, *FindTopic(topic.name), 0, nullptr);
+requires kBeginsWithHeader<Message> TickInput<Message>
+&TickLoop::AddInput(const Topic<Message>& topic, InputRules rules) {
+  if (impl_->inputs.empty()) {
+    impl_->CheckTrigger(topic.name, std::is_same_v<Message, msg::JointState>, rules);
+  }
+  auto reader = std::make_unique<internal::ReaderImpl>(impl_->node.impl_, *FindTopic(topic.name));
   auto input = std::make_shared<TickInput<Message>>();
   input->state_ = std::make_shared<typename TickInput<Message>::State>(std::move(reader), rules);
   impl_->inputs.push_back(input->state_);
@@ -180,79 +199,49 @@ TickInput<Message>& TickLoop::AddInput(const Topic<Message>& topic, InputRules r
 }
 
 std::optional<Tick> TickLoop::Next() {
-  using std::chrono::milliseconds;
   Impl& self = *impl_;
-  const bool lockstep = self.node.options().mode == TimeMode::kLockstep;
   if (self.ended) {
     self.node.SetState(Node::State::kStopped, "session ended");
     return std::nullopt;
   }
-  if (!self.last_tick && self.counts.cycles == 0) {
-    self.node.SetState(Node::State::kConfigured, "waiting for " + self.inputs.front()->topic());
-  }
-  std::optional<HeadOfMessage> head;
-  while (!(head = self.NextTrigger(lockstep))) {
-    if (self.stop.requested()) return std::nullopt;
-    self.inputs.front()->Wait(milliseconds(50));
-    self.node.impl_->PublishStatusIfDue(false);
-  }
-  if (!self.last_tick || head->session_id != self.session_id) self.StartSession(*head);
-  const auto deadline = Clock::now() + self.cut_off;
-  bool any_stale = false;
-  for (std::size_t i = 1; i < self.inputs.size(); ++i) {
-    InputBase& input = *self.inputs[i];
-    input.Collect(self.session_id);
-    while (input.rules().required && !input.Reached(head->tick)) {
-      if (self.stop.requested()) return std::nullopt;
-      const auto left =
-          std::chrono::duration_cast<std::chrono::microseconds>(deadline - Clock::now());
-      if (!lockstep && left.count() <= 0) break;
-      input.Wait(lockstep ? std::chrono::microseconds(milliseconds(50)) : left);
-      self.node.impl_->PublishStatusIfDue(false);
-      input.Collect(self.session_id);
-    }
-    input.Accept(head->tick, lockstep);
-    if (input.rules().required && !input.fresh &&
-        head->tick >= static_cast<std::uint64_t>(input.rules().delay_ticks)) {
-      any_stale = true;
-    }
-  }
-  // The trigger itself: exactly the sample whose head was looked at.
   InputBase& trigger = *self.inputs.front();
-  auto& queue = trigger.queue();
-  std::deque<InputBase::Queued> later;
-  while (queue.size() > 1) {
-    later.push_front(std::move(queue.back()));
-    queue.pop_back();
+  if (!self.last_tick && self.counts.cycles == 0) {
+    self.node.SetState(Node::State::kConfigured, "waiting for " + trigger.topic());
   }
-  trigger.Accept(head->tick, lockstep);
-  queue = std::move(later);
+  const std::optional<HeadOfMessage> head = self.WaitForTrigger();
+  if (!head) return std::nullopt;
+  if (!self.last_tick || head->session_id != self.session_id) self.StartSession(*head);
 
   Tick tick;
   tick.session_id = head->session_id;
   tick.tick = head->tick;
-  tick.any_stale = any_stale;
-  if (auto* state = dynamic_cast<TickInput<msg::JointState>::State*>(&trigger)) {
-    const msg::JointState& message = state->message;
-    tick.stamp_ns = message.header().stamp_ns();
-    tick.origin = static_cast<int>(message.header().origin());
-    tick.period_s = message.period_s();
-    tick.last = message.last_tick();
+  tick.nominal_period_s = self.options.nominal_period_s;
+  const auto deadline = Clock::now() + self.options.cut_off;
+  for (std::size_t i = 1; i < self.inputs.size(); ++i) {
+    InputBase& input = *self.inputs[i];
+    if (!self.WaitForInput(input, head->tick, deadline)) return std::nullopt;
+    input.queue.Accept(head->tick, self.lockstep, input.decode);
+    const InputRules& rules = input.queue.rules();
+    const bool expected = head->tick >= static_cast<std::uint64_t>(rules.delay_ticks);
+    tick.any_stale |= rules.required && expected && !input.queue.fresh();
   }
-  if (self.last_tick && tick.tick > *self.last_tick + 1) {
-    self.counts.missed_ticks += tick.tick - *self.last_tick - 1;
-  }
-  if (any_stale) ++self.counts.stale_inputs;
-  ++self.counts.cycles;
+  trigger.queue.AcceptFront(trigger.decode);
+  trigger.Describe(&tick);
+  const double period_s = self.period.Next(tick.session_id, tick.tick, tick.stamp_ns,
+                                           tick.origin == msg::ORIGIN_SIM, tick.nominal_period_s);
+  tick.period_s = self.lockstep ? tick.nominal_period_s : period_s;
+
+  self.Count(tick);
   self.last_tick = tick.tick;
   self.ended = tick.last;
   self.node.SetCycle(tick.session_id, tick.tick, tick.stamp_ns, tick.origin);
   if (self.counts.cycles == 1) self.node.SetState(Node::State::kActive);
-  if (!lockstep || (self.counts.cycles & 63u) == 0) self.node.SetCounts(self.counts);
+  if (!self.lockstep || (self.counts.cycles & 63u) == 0) self.node.SetCounts(self.counts);
   return tick;
 }
 
 template <class Message>
+requires kBeginsWithHeader<Message>
 void TickLoop::Publish(Writer<Message>& writer, Message message, const Tick& tick) {
   message.header().session_id(tick.session_id);
   message.header().tick(tick.tick);
@@ -265,7 +254,7 @@ void TickLoop::Publish(Writer<Message>& writer, Message message, const Tick& tic
   template class TickInput<msg::Type>;                                                    \
   template TickInput<msg::Type>& TickLoop::AddInput(const Topic<msg::Type>&, InputRules); \
   template void TickLoop::Publish(Writer<msg::Type>&, msg::Type, const Tick&);
-SINEW_FOR_EACH_MESSAGE(SINEW_INSTANTIATE)
+SINEW_FOR_EACH_HEADED_MESSAGE(SINEW_INSTANTIATE)
 #undef SINEW_INSTANTIATE
 
 }  // namespace sinew::node

@@ -14,6 +14,12 @@
 // until the cut-off and are stale afterwards. Lockstep: ticks come one by one, and a cycle starts
 // when every input has its sample of tick - delay (ticks before the delay have none: value() is
 // then empty).
+//
+// Trigger and inputs may be any message that begins with its header; another one does not compile.
+// Only joint_state carries a period and the end of the session: a loop with another trigger needs
+// TickLoopOptions::nominal_period_s, and runs until stop is requested.
+//
+// Threads: one thread, the node's. Next() allocates.
 #pragma once
 
 #include <chrono>
@@ -28,16 +34,22 @@ namespace sinew::node {
 struct Tick {
   std::uint64_t session_id = 0;
   std::uint64_t tick = 0;
-  std::int64_t stamp_ns = 0;
-  int origin = 0;         // msg::Origin
-  double period_s = 0.0;  // nominal
-  bool last = false;      // the session's last tick: Next() returns nothing after it
+  std::int64_t stamp_ns = 0;  // of the trigger
+  int origin = 0;             // msg::Origin
+  double period_s = 0.0;      // since the last cycle: tick_period.h; in lockstep nominal_period_s
+  double nominal_period_s = 0.0;
+  bool last = false;  // the session's last tick: Next() returns nothing after it
   bool any_stale = false;
 };
 
 struct InputRules {
   int delay_ticks = 0;
   bool required = true;  // false: never awaited; the newest sample is used if there is one
+};
+
+struct TickLoopOptions {
+  std::chrono::microseconds cut_off = std::chrono::milliseconds(2);  // real time
+  double nominal_period_s = 0.0;  // of a trigger other than joint_state, which carries its own
 };
 
 template <class Message>
@@ -47,6 +59,9 @@ class TickInput {
   const Message& value() const;  // the sample of this cycle, or the last one when stale
   bool fresh() const;            // belongs to this cycle (tick - delay)
   std::uint64_t tick() const;    // of value()
+  // Samples dropped unread because a queue was full (limits: see Reader), or in real time because
+  // newer ones were there before the loop came to them.
+  std::uint64_t dropped() const;
 
  private:
   friend class TickLoop;
@@ -56,17 +71,20 @@ class TickInput {
 
 class TickLoop {
  public:
-  TickLoop(Node& node, StopFlag& stop,
-           std::chrono::microseconds cut_off = std::chrono::milliseconds(2));
+  TickLoop(Node& node, StopFlag& stop, TickLoopOptions options = {});
   ~TickLoop();
 
+  // Before the first Next(). Throws std::invalid_argument when the first input carries no period
+  // and the options have none, or when it is to be delayed.
   template <class Message>
-  TickInput<Message>& AddInput(const Topic<Message>& topic, InputRules rules = {});
+  requires kBeginsWithHeader<Message> TickInput<Message>
+  &AddInput(const Topic<Message>& topic, InputRules rules = {});
 
   // Blocks for the next cycle. Nothing: stop was requested or the session ended.
   std::optional<Tick> Next();
 
   template <class Message>
+  requires kBeginsWithHeader<Message>
   void Publish(Writer<Message>& writer, Message message, const Tick& tick);
 
  private:

@@ -51,27 +51,9 @@ void Add(const Topic<Message>& topic, std::vector<TopicInfo>* topics) {
 const std::vector<TopicInfo>& AllTopics() {
   static const std::vector<TopicInfo> kTopics = [] {
     std::vector<TopicInfo> topics;
-    Add(kJointState, &topics);
-    Add(kJointCommand, &topics);
-    Add(kActuatorState, &topics);
-    Add(kFootForce, &topics);
-    Add(kImu, &topics);
-    Add(kBusStatus, &topics);
-    Add(kValveCommand, &topics);
-    Add(kPneumaticState, &topics);
-    Add(kStiffnessRequest, &topics);
-    Add(kRegime, &topics);
-    Add(kTorquePrediction, &topics);
-    Add(kReservoirState, &topics);
-    Add(kReadout, &topics);
-    Add(kAdaptationState, &topics);
-    Add(kResidual, &topics);
-    Add(kReference, &topics);
-    Add(kOperatorCommand, &topics);
-    Add(kMotionRequest, &topics);
-    Add(kComponentStatus, &topics);
-    Add(kSimDisturbance, &topics);
-    Add(kRecordingProgress, &topics);
+#define SINEW_ADD(topic) Add(topic, &topics);
+    SINEW_FOR_EACH_TOPIC(SINEW_ADD)
+#undef SINEW_ADD
     return topics;
   }();
   return kTopics;

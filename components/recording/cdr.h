@@ -26,7 +26,7 @@ class CdrError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Told every value of a message in order.
+// Receives every value of a message in order.
 class CdrVisitor {
  public:
   virtual ~CdrVisitor() = default;

@@ -39,7 +39,7 @@ class RunImporter {
   RunImporter(const RunImporter&) = delete;
   RunImporter& operator=(const RunImporter&) = delete;
 
-  // Adds a run as a session of its own, after what is there. `progress` is told rows done, if
+  // Adds a run as a session of its own, after what is there. `progress` receives the rows done, if
   // given. Throws std::invalid_argument for time before 0 or two samples within one nanosecond.
   IoStatus Add(const types::Run& run, const std::function<void(Eigen::Index)>& progress = {});
 

@@ -110,6 +110,51 @@ def check_subset(arguments):
     print(f"{len(files)} files keep to the subset")
 
 
+# What is wrong with a table of topics, and what topics.py says of it. Rows: topic, type, file, QoS.
+WRONG_TABLES = [
+    ([("imu", "Imu", "sensors", "state"), ("imu", "Imu", "sensors", "state")], "topic 'imu' is there twice"),
+    ([("Imu", "Imu", "sensors", "state")], "topic 'Imu', expected lower_case"),
+    ([("imu", "Imu", "sensors", "fast")], "QoS 'fast', expected one of: state, control, event, latched"),
+    ([("imu", "Imu", "sensor", "state")], "topic 'imu': no file sensor.idl"),
+    ([("imu", "Imus", "sensors", "state")], "topic 'imu': sensors.idl has no struct Imus"),
+    ([], "no table with the columns"),
+]
+
+
+def check_topics(arguments):
+    work = fresh(arguments.work / "topics")
+    for file in arguments.idl.glob("*.idl"):
+        shutil.copy(file, work)
+    readme = work / "README.md"
+
+    def generate(rows, what):
+        table = ["| topic | type | file | writer | readers | rate | QoS |", "| --- | --- | --- | --- | --- | --- | --- |"]
+        table += [f"| {topic} | {type_} | {file} | - | - | - | {qos} |" for topic, type_, file, qos in rows]
+        readme.write_text("\n".join(["Topics.", ""] + table + ["", "No row.", ""]), encoding="utf-8")
+        return run([sys.executable, str(arguments.idl.parent / "tools" / "idl" / "topics.py"), str(readme)] + what)
+
+    for rows, reason in WRONG_TABLES:
+        done = generate(rows, ["subjects"])
+        if done.returncode == 0 or reason not in done.stdout or done.stdout.count("\n") != 1:
+            sys.exit(f"{rows}: {done.stdout} (code {done.returncode}), expected one line with: {reason}")
+    done = generate([("imu", "Imu", "sensors", "state"), ("body_imu", "Imu", "sensors", "event"),
+                     ("component_status", "ComponentStatus", "status", "latched")], ["headers", str(work)])
+    written = {name: (work / name).read_text(encoding="utf-8") if done.returncode == 0 else ""
+               for name in ("topic_list.h", "all_messages.h", "all_codecs.h")}
+    expected = [("topic_list.h", 'Topic<msg::Imu> kBodyImu{"body_imu", Profile::kEvent};', 1),
+                ("topic_list.h", "kBeginsWithHeader<msg::ComponentStatus> = false", 1),
+                ("topic_list.h", "kBeginsWithHeader<msg::Imu>", 0),
+                ("topic_list.h", "X(kBodyImu)", 1),
+                ("all_messages.h", "X(Imu)", 2),  # once in each list, although two topics carry it
+                ("all_messages.h", "X(ComponentStatus)", 1),
+                ("all_messages.h", "#include <sinew_idl/sensors.h>", 1),
+                ("all_codecs.h", "#include <sinew_idl/statusPubSubTypes.h>", 1)]
+    for name, text, count in expected:
+        if written[name].count(text) != count:
+            sys.exit(f"{name}: {written[name].count(text)} times '{text}', expected {count}\n{done.stdout}")
+    print(f"{len(WRONG_TABLES)} wrong tables are refused, a right one is generated from")
+
+
 def fetch_package(place, package):
     """The archive of one package of package-lock.json, checked."""
     name = place.split("node_modules/")[-1]
@@ -171,6 +216,7 @@ def main():
     checks.add_parser("fastddsgen").add_argument("--program", required=True)
     checks.add_parser("cyclone")
     checks.add_parser("subset")
+    checks.add_parser("topics")
     viewer = checks.add_parser("viewer")
     viewer.add_argument("--sample", type=pathlib.Path, required=True)
     viewer.add_argument("--package", type=pathlib.Path, required=True)

@@ -91,7 +91,7 @@ RobotInput ControlInputs::Gather(const node::Tick& tick) {
     }
   }
   if (motion_ != nullptr && motion_->has_value()) {
-    const double age_s = static_cast<double>(tick.tick - motion_->tick()) * tick.period_s;
+    const double age_s = static_cast<double>(tick.tick - motion_->tick()) * tick.nominal_period_s;
     if (age_s <= config_.motion_timeout_s) {
       const msg::MotionRequest& request = motion_->value();
       for (std::size_t j = 0; j < request.joint_count(); ++j) {

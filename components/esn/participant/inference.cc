@@ -70,9 +70,10 @@ Outputs Inference::Step(const Inputs& inputs, const node::Tick& tick) {
     session_id_ = tick.session_id;
     if (predictor_) {
       predictor_->Reset();
-      if (std::abs(tick.period_s - predictor_->period_s()) > kSamePeriod * predictor_->period_s()) {
+      if (std::abs(tick.nominal_period_s - predictor_->period_s()) >
+          kSamePeriod * predictor_->period_s()) {
         spdlog::warn("the networks were trained at {:.2f} Hz, the robot runs at {:.2f} Hz",
-                     1.0 / predictor_->period_s(), 1.0 / tick.period_s);
+                     1.0 / predictor_->period_s(), 1.0 / tick.nominal_period_s);
       }
     }
     if (inverse_) inverse_->Reset();

@@ -78,7 +78,8 @@ TopicRun RunOverTopics(node::Node& node, node::StopFlag& stop, Prepared& protoco
   node::TickLoop loop(node, stop);
   auto& state_input = loop.AddInput(node::kJointState);
   auto& actuator_input = loop.AddInput(node::kActuatorState);
-  auto presence = node.MakeReader(node::kJointState);
+  // Only to see whether there is a provider; nothing is read from it, so it ends with the wait.
+  std::optional<node::Reader<msg::JointState>> presence = node.MakeReader(node::kJointState);
   Output output(node, options.strength);
   auto operator_writer = node.MakeWriter(node::kOperatorCommand);
   const auto joint = static_cast<std::size_t>(options.joint);
@@ -86,7 +87,7 @@ TopicRun RunOverTopics(node::Node& node, node::StopFlag& stop, Prepared& protoco
   const auto give_up = std::chrono::steady_clock::now() +
                        std::chrono::duration_cast<std::chrono::steady_clock::duration>(
                            std::chrono::duration<double>(options.wait_s));
-  while (presence.matched_writers() == 0 && !stop.requested()) {
+  while (presence->matched_writers() == 0 && !stop.requested()) {
     if (std::chrono::steady_clock::now() > give_up) {
       throw std::runtime_error("no state provider in domain " +
                                std::to_string(node.options().domain_id) + " within " +
@@ -94,6 +95,7 @@ TopicRun RunOverTopics(node::Node& node, node::StopFlag& stop, Prepared& protoco
     }
     node.WaitForData(std::chrono::milliseconds(50));
   }
+  presence.reset();
 
   TopicRun run;
   std::optional<std::int64_t> first_stamp_ns;

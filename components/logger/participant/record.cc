@@ -90,7 +90,7 @@ class Session {
       schemas.push_back({topic->name, topic->type_name, topic->idl, topic->idl_hash});
     }
     RecorderOptions recorder_options;
-    recorder_options.wait_for_room = lockstep_;
+    recorder_options.wait_for_capacity = lockstep_;
     if (lockstep_) recorder_options.queue_bytes = 64u << 20;
     recorder_ = std::make_shared<Recorder>(sink_, std::move(schemas),
                                            std::vector<recording::McapMetadata>{metadata_},
@@ -181,8 +181,8 @@ class Session {
     message.recorder(node_.options().name.substr(0, 32));
     message.messages(state_.messages);
     message.bytes(state_.bytes);
-    if (progress_writer_.Write(message) != node::WriteStatus::kOk && !told_unsent_) {
-      told_unsent_ = true;
+    if (progress_writer_.Write(message) != node::WriteStatus::kOk && !reported_unsent_) {
+      reported_unsent_ = true;
       spdlog::warn("recording_progress could not be sent");
     }
     published_session_ = state_.session->session_id;
@@ -202,11 +202,11 @@ class Session {
   }
 
   void ReportDrops(Clock::time_point now) {
-    if (state_.dropped == told_dropped_ || now < next_drop_report_) return;
+    if (state_.dropped == reported_dropped_ || now < next_drop_report_) return;
     spdlog::warn(
         "{} messages did not fit the queue and are not in the recording: the disk is too slow",
-        state_.dropped - told_dropped_);
-    told_dropped_ = state_.dropped;
+        state_.dropped - reported_dropped_);
+    reported_dropped_ = state_.dropped;
     next_drop_report_ = now + milliseconds(1000);
   }
 
@@ -246,10 +246,10 @@ class Session {
   std::uint64_t seen_messages_ = 0;
   Clock::time_point last_news_ = Clock::now();
   Clock::time_point next_drop_report_{};
-  std::uint64_t told_dropped_ = 0;
+  std::uint64_t reported_dropped_ = 0;
   std::uint64_t published_session_ = 0;
   std::uint64_t published_tick_ = 0;
-  bool told_unsent_ = false;
+  bool reported_unsent_ = false;
   std::optional<Clock::time_point> ended_since_;
 };
 

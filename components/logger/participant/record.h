@@ -41,7 +41,7 @@ struct RecordResult {
   std::string end;  // why it ended
 };
 
-// `progress` is told about ten times a second, if given. Throws UsageError (no such topic, file
+// `progress` is called about ten times a second, if given. Throws UsageError (no such topic, file
 // there), std::runtime_error when the file cannot be written any more: what is in it can be read.
 RecordResult Record(node::Node& node, const node::StopFlag& stop, const RecordOptions& options,
                     const std::function<void(const RecordResult&)>& progress = {});

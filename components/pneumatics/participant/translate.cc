@@ -56,9 +56,9 @@ void RobotPneumatics::TakeRequests(const node::Tick& tick) {
       if (good) standing_target_bar_[j] = manager.target_bar();
     }
   }
-  const bool asked =
-      motion_ != nullptr && motion_->has_value() &&
-      static_cast<double>(tick.tick - motion_->tick()) * tick.period_s <= config_.motion_timeout_s;
+  const bool asked = motion_ != nullptr && motion_->has_value() &&
+                     static_cast<double>(tick.tick - motion_->tick()) * tick.nominal_period_s <=
+                         config_.motion_timeout_s;
   for (std::size_t j = 0; j < managers_.size(); ++j) {
     double target_bar = standing_target_bar_[j];
     if (asked && j < motion_->value().joint_count() &&

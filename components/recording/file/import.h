@@ -18,7 +18,7 @@ struct ImportResult {
 };
 
 // Every CSV becomes a session of its own. The recording is written as a whole or not at all.
-// `progress` is told (samples done, samples of all files), if given. Throws UsageError.
+// `progress` receives (samples done, samples of all files), if given. Throws UsageError.
 ImportResult ImportCsv(const std::vector<std::filesystem::path>& csv_paths,
                        const std::filesystem::path& map, const std::filesystem::path& out,
                        const FindSchema& find_schema,

@@ -8,7 +8,7 @@ RobotReferenceInput ToInput(const node::Tick& tick, const msg::JointState& state
   RobotReferenceInput input;
   input.session_id = tick.session_id;
   input.tick = tick.tick;
-  input.period_s = tick.period_s;
+  input.period_s = tick.nominal_period_s;
   input.may_move = types::MayMove(wire::FromWire(state.robot_state()));
   input.joint_count = state.joint_count();
   input.position_rad = state.position_rad();

@@ -96,7 +96,7 @@ void RobotResidual::Begin(const node::Tick& tick, const msg::JointState& state,
   session_id_ = tick.session_id;
   first_tick_ = tick.tick;
   last_tick_ = tick.tick;
-  period_s_ = tick.period_s;
+  period_s_ = tick.nominal_period_s;
   monitors_.clear();
   for (const actuator::JointModel& joint : config_.robot.joints) {
     monitors_.emplace_back(joint, config_.monitor, period_s_);

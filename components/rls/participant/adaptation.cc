@@ -66,7 +66,7 @@ TickData Adaptation::Read(const Inputs& inputs, const node::Tick& tick) {
                                                 has_features ? reservoir.feature_count() : 0);
   TickData data{.features = features_};
   data.tick = tick.tick;
-  data.period_s = tick.period_s;
+  data.period_s = tick.nominal_period_s;
   data.network = reservoir.network();
   const std::size_t outputs = reservoir.output_count();
   data.usable = has_features && outputs > 0 && inputs.command.fresh() && !command.stale() &&

@@ -18,11 +18,12 @@ using testing::SchemaOf;
 // A sink that can be read while it is written, can be held, and can be full.
 class TestSink : public recording::ByteSink {
  public:
-  explicit TestSink(std::size_t room = ~std::size_t{0}) : room_(room) {}
+  explicit TestSink(std::size_t capacity = ~std::size_t{0}) : capacity_(capacity) {}
   IoStatus Write(std::span<const std::byte> bytes) override {
     std::unique_lock<std::mutex> lock(mutex_);
     changed_.wait(lock, [this] { return !held_; });
-    if (bytes.size() > room_ - bytes_.size()) return IoStatus::Failed("No space left on device");
+    if (bytes.size() > capacity_ - bytes_.size())
+      return IoStatus::Failed("No space left on device");
     bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
     changed_.notify_all();
     return IoStatus::Ok();
@@ -56,7 +57,7 @@ class TestSink : public recording::ByteSink {
       return 0;  // not even the header yet
     }
   }
-  const std::size_t room_;
+  const std::size_t capacity_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   Bytes bytes_;
@@ -150,7 +151,7 @@ TEST(Recorder, WaitsForRoomWhenNothingMayBeDropped) {
   sink.Hold(true);
   const std::size_t size = JointState(0).size();
   Recorder recorder(sink, {SchemaOf("joint_state")}, {},
-                    {.queue_bytes = 10 * size, .wait_for_room = true});
+                    {.queue_bytes = 10 * size, .wait_for_capacity = true});
   std::atomic<int> taken{0};
   auto sender = std::async(std::launch::async, [&] {
     for (int tick = 0; tick < 100; ++tick)
@@ -165,9 +166,9 @@ TEST(Recorder, WaitsForRoomWhenNothingMayBeDropped) {
   EXPECT_EQ(recorder.state().dropped, 0u);
 }
 
-TEST(Recorder, TellsAFullDiskAndTakesNothingMore) {
+TEST(Recorder, ReportsAFullDiskAndTakesNothingMore) {
   TestSink sink(3000);
-  Recorder recorder(sink, {SchemaOf("joint_state")}, {}, {.wait_for_room = true});
+  Recorder recorder(sink, {SchemaOf("joint_state")}, {}, {.wait_for_capacity = true});
   std::int64_t time = 0;
   while (recorder.Offer(0, JointState(0), time)) time += 50'000'000;
   EXPECT_EQ(recorder.state().status.message(), "No space left on device");

@@ -2,10 +2,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sinew_idl/joint.h>
+#include <sinew_idl/operator.h>
 #include <sinew_idl/reference.h>
+#include <sinew_idl/residual.h>
 #include <sinew_idl/status.h>
 
+#include <algorithm>
+#include <atomic>
 #include <fstream>
+#include <iterator>
+#include <limits>
 #include <thread>
 
 #include "components/node/codec.h"
@@ -17,7 +23,10 @@ namespace {
 
 using namespace std::chrono_literals;
 using ::testing::Contains;
+using ::testing::DoubleEq;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 Options MakeOptions(const std::string& name, int domain, TimeMode mode = TimeMode::kLockstep) {
   Options options;
@@ -61,6 +70,28 @@ TEST(NodeDds, DeliversEverySampleInOrderInLockstep) {
     EXPECT_EQ(*state, StateOfTick(tick));
   }
   EXPECT_EQ(reader.lost(), 0u);
+}
+
+TEST(NodeDds, AReaderThatDoesNotReadKeepsTheNewestAndCountsWhatItDropped) {
+  Node a(MakeOptions("a", 137, TimeMode::kRealtime)), b(MakeOptions("b", 137, TimeMode::kRealtime));
+  auto writer = a.MakeWriter(kOperatorCommand);  // reliable, so that DDS loses nothing
+  auto reader = b.MakeReader(kOperatorCommand);
+  ASSERT_TRUE(WaitUntil(b, [&] { return reader.matched_writers() == 1; }));
+  ASSERT_TRUE(WaitUntil(a, [&] { return writer.matched_readers() == 1; }));
+  constexpr std::uint64_t kSent = 300, kKept = 256;
+  for (std::uint64_t tick = 0; tick < kSent; ++tick) {
+    msg::OperatorCommand command;
+    command.header().tick(tick);
+    ASSERT_EQ(writer.Write(command), WriteStatus::kOk);
+    ASSERT_TRUE(WaitUntil(b, [&] { return reader.received() == tick + 1; }));
+  }
+  EXPECT_EQ(reader.dropped(), kSent - kKept);
+  for (std::uint64_t tick = kSent - kKept; tick < kSent; ++tick) {
+    const auto command = reader.TakeNext();
+    ASSERT_TRUE(command.has_value());
+    EXPECT_EQ(command->header().tick(), tick);
+  }
+  EXPECT_FALSE(reader.TakeNext().has_value());
 }
 
 TEST(NodeDds, RecordersSeeTheBytesThatWereWritten) {
@@ -128,7 +159,7 @@ TEST(NodeDds, LoopFlagsAnInputThatNeverComesAsStaleInRealTime) {
   Node node(MakeOptions("loop", 123, TimeMode::kRealtime));
   auto state = provider.MakeWriter(kJointState);
   StopFlag stop;
-  TickLoop loop(node, stop, 5ms);
+  TickLoop loop(node, stop, {.cut_off = 5ms});
   loop.AddInput(kJointState);
   auto& input = loop.AddInput(kReference);
   std::atomic<bool> done{false};
@@ -145,6 +176,112 @@ TEST(NodeDds, LoopFlagsAnInputThatNeverComesAsStaleInRealTime) {
   EXPECT_TRUE(tick->any_stale);
   EXPECT_FALSE(input.fresh());
   EXPECT_FALSE(input.has_value());
+}
+
+template <class Message>
+concept CanBeAnInput = requires(TickLoop& loop, const Topic<Message>& topic) {
+  loop.AddInput(topic);
+};
+static_assert(CanBeAnInput<msg::JointState> && CanBeAnInput<msg::Reference>);
+static_assert(!CanBeAnInput<msg::ComponentStatus>, "it does not begin with its header");
+
+TEST(NodeDds, LoopIsTriggeredByAnyMessageWithAHeader) {
+  Node provider(MakeOptions("provider", 131)), node(MakeOptions("loop", 131));
+  auto writer = provider.MakeWriter(kReference);
+  auto answers = provider.MakeReader(kResidual);
+  StopFlag stop;
+  TickLoop loop(node, stop, {.nominal_period_s = 0.004});
+  auto& trigger = loop.AddInput(kReference);
+  auto output = node.MakeWriter(kResidual);
+  for (std::uint64_t tick = 5; tick < 8; ++tick) {
+    msg::Reference message;
+    message.header().session_id(3);
+    message.header().tick(tick);
+    message.header().stamp_ns(4'000'000 * static_cast<std::int64_t>(tick));
+    message.header().origin(msg::ORIGIN_REPLAY);
+    message.position_rad()[0] = 0.5 * static_cast<double>(tick);
+    ASSERT_EQ(writer.Write(message), WriteStatus::kOk);
+  }
+  for (std::uint64_t expected = 5; expected < 8; ++expected) {
+    const auto tick = loop.Next();
+    ASSERT_TRUE(tick.has_value());
+    EXPECT_EQ(tick->session_id, 3u);
+    EXPECT_EQ(tick->tick, expected);
+    EXPECT_EQ(tick->stamp_ns, 4'000'000 * static_cast<std::int64_t>(expected));
+    EXPECT_EQ(tick->origin, msg::ORIGIN_REPLAY);
+    EXPECT_EQ(tick->period_s, 0.004);
+    EXPECT_FALSE(tick->last);
+    EXPECT_EQ(trigger.value().position_rad()[0], 0.5 * static_cast<double>(expected));
+    loop.Publish(output, msg::ResidualState(), *tick);
+    const auto answer = answers.WaitNext(10s);
+    ASSERT_TRUE(answer.has_value());
+    EXPECT_EQ(answer->header().tick(), expected);
+    EXPECT_EQ(answer->header().stamp_ns(), tick->stamp_ns);
+    EXPECT_EQ(answer->header().origin(), msg::ORIGIN_REPLAY);
+  }
+}
+
+// Periods of a loop that gets three ticks, measured 0, 5 and 8 ms after the start. Every tick is
+// sent until it is taken, since best-effort samples may be lost before reader and writer know of
+// each other; the loop ignores the repetitions.
+std::vector<double> PeriodsOf(TimeMode mode, msg::Origin origin, int domain) {
+  Node provider(MakeOptions("provider", domain, mode)), node(MakeOptions("loop", domain, mode));
+  auto writer = provider.MakeWriter(kJointState);
+  StopFlag stop;
+  TickLoop loop(node, stop);
+  loop.AddInput(kJointState);
+  constexpr std::int64_t kStamps_ns[] = {0, 5'000'000, 8'000'000};
+  std::atomic<std::size_t> taken{0};
+  std::thread sender([&] {
+    while (taken < std::size(kStamps_ns)) {
+      msg::JointState state = StateOfTick(std::min<std::size_t>(taken, std::size(kStamps_ns) - 1));
+      state.header().stamp_ns(1'700'000'000'000'000'000 + kStamps_ns[state.header().tick()]);
+      state.header().origin(origin);
+      state.period_s(0.004);
+      EXPECT_EQ(writer.Write(state), WriteStatus::kOk);
+      provider.WaitForData(2ms);
+    }
+  });
+  std::vector<double> periods;
+  while (taken < std::size(kStamps_ns)) {
+    const auto tick = loop.Next();
+    EXPECT_EQ(tick->tick, taken);
+    EXPECT_EQ(tick->nominal_period_s, 0.004);
+    periods.push_back(tick->period_s);
+    ++taken;
+  }
+  sender.join();
+  return periods;
+}
+
+TEST(NodeDds, LoopMeasuresThePeriodOfALiveRobotInRealTime) {
+  EXPECT_THAT(PeriodsOf(TimeMode::kRealtime, msg::ORIGIN_LIVE, 133),
+              ElementsAre(0.004, DoubleEq(0.005), DoubleEq(0.003)));
+  EXPECT_THAT(PeriodsOf(TimeMode::kRealtime, msg::ORIGIN_SIM, 134),
+              ElementsAre(0.004, 0.004, 0.004));
+}
+
+TEST(NodeDds, LoopHasTheNominalPeriodInLockstep) {
+  EXPECT_THAT(PeriodsOf(TimeMode::kLockstep, msg::ORIGIN_REPLAY, 136),
+              ElementsAre(0.004, 0.004, 0.004));
+}
+
+TEST(NodeDds, LoopRefusesATriggerWithoutAPeriodAndADelayedTrigger) {
+  Node node(MakeOptions("loop", 132));
+  StopFlag stop;
+  for (const double period_s : {0.0, -1.0, std::numeric_limits<double>::infinity(),
+                                std::numeric_limits<double>::quiet_NaN()}) {
+    TickLoop loop(node, stop, {.nominal_period_s = period_s});
+    EXPECT_THAT(
+        [&] { loop.AddInput(kReference); },
+        ThrowsMessage<std::invalid_argument>(HasSubstr("'reference': it carries no period")))
+        << period_s;
+    loop.AddInput(kJointState);  // carries its own
+    loop.AddInput(kReference);   // no trigger
+  }
+  TickLoop loop(node, stop);
+  EXPECT_THAT([&] { loop.AddInput(kJointState, {.delay_ticks = 1}); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("delay of 1 ticks, expected 0")));
 }
 
 TEST(NodeDds, StatusIsLatchedPerComponent) {
@@ -178,7 +315,7 @@ TEST(NodeDds, EndpointsAreThoseOfOthersWithTheirNames) {
   for (const Endpoint& endpoint : b.Endpoints()) EXPECT_NE(endpoint.participant, "watcher");
 }
 
-TEST(NodeDds, AnotherTypeHashIsToldAndNeverMatches) {
+TEST(NodeDds, AnotherTypeHashIsReportedAndNeverMatches) {
   Node a(MakeOptions("a", 126)), b(MakeOptions("b", 126));
   TopicInfo other = *FindTopic("reference");
   other.dds_type_name = "sinew::msg::Reference_00000000";
@@ -189,7 +326,7 @@ TEST(NodeDds, AnotherTypeHashIsToldAndNeverMatches) {
   EXPECT_EQ(reader.matched_writers(), 0);
 }
 
-TEST(NodeDds, LockstepAndRealTimeEndsTellThatTheyDoNotMatch) {
+TEST(NodeDds, LockstepAndRealTimeEndsReportThatTheyDoNotMatch) {
   Node a(MakeOptions("a", 127, TimeMode::kRealtime)), b(MakeOptions("b", 127, TimeMode::kLockstep));
   auto writer = a.MakeWriter(kReference);
   auto reader = b.MakeReader(kReference);

@@ -84,7 +84,7 @@ TEST(SystemdDds, ALoopIsReadyWhenConfiguredFedWhileItRunsAndSilentWhenItHangs) {
 
   hang = true;
   ASSERT_TRUE(publish_until([&] { return hangs.load(); }));
-  std::this_thread::sleep_for(kUnitWatchdog / 2);  // the last beat is told
+  std::this_thread::sleep_for(kUnitWatchdog / 2);  // the last beat is reported
   systemd.Collect(0ms);
   EXPECT_THAT(systemd.Collect(2 * kUnitWatchdog), Not(Contains("WATCHDOG=1")));
 

@@ -1,4 +1,5 @@
-// What systemd is told, with a datagram socket in its place. Times are a tenth of a real unit's.
+// What is reported to systemd, with a datagram socket in its place. Times are a tenth of a real
+// unit's.
 #include "components/node/systemd_link.h"
 
 #include <gmock/gmock.h>
@@ -19,7 +20,7 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-constexpr auto kWatchdog = 200ms;  // so a beat is told every 50 ms
+constexpr auto kWatchdog = 200ms;  // so a beat is reported every 50 ms
 constexpr auto kEnough = 10s;      // for something that must come, on a loaded machine
 constexpr auto kSilence = 400ms;   // eight beats: for something that must not come
 
@@ -88,7 +89,7 @@ TEST(SystemdLink, ALoopThatHangsIsNotCoveredByItsThread) {
   link.SetStatus("active");
   BeatFor(link, 100ms);
   ASSERT_TRUE(systemd.WaitFor("WATCHDOG=1", kEnough));
-  // The last beat may still be told; after it, silence.
+  // The last beat may still be reported; nothing comes after it.
   std::this_thread::sleep_for(kWatchdog / 2);
   systemd.Collect(0ms);
   EXPECT_THAT(systemd.Collect(kSilence), IsEmpty());
@@ -147,7 +148,7 @@ TEST(SystemdLink, AStateOfTwoLinesStaysOneWord) {
 TEST(SystemdLink, ASystemdThatDoesNotReadNeverHoldsUpTheLoop) {
   NotifySocket systemd(4ms);
   SystemdLink link;
-  for (int i = 0; i < 200; ++i) {  // a call that waited for room would wait for ever
+  for (int i = 0; i < 200; ++i) {  // a call that waited for capacity would wait for ever
     link.Beat();
     link.SetStatus("active " + std::to_string(i));
     std::this_thread::sleep_for(1ms);

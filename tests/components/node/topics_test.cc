@@ -41,7 +41,7 @@ TEST(Topics, AreThoseOfTheTableInTheReadme) {
     ASSERT_EQ(rows.count(topic.name), 1u) << topic.name;
     const auto& row = rows[topic.name];
     EXPECT_EQ("sinew::msg::" + row.at(1), topic.type_name);
-    EXPECT_EQ(row.at(5), ProfileName(topic.profile)) << topic.name;
+    EXPECT_EQ(row.at(6), ProfileName(topic.profile)) << topic.name;
     rows.erase(topic.name);
   }
   EXPECT_TRUE(rows.empty()) << rows.begin()->first << " is in the table only";

@@ -117,13 +117,13 @@ TEST_F(Import, KeepsEverySignalBitByBitAndEveryFileASession) {
   const fs::path a = Write("a.csv", AllSignalsCsv(700, 1));
   const fs::path b = Write("b.csv", AllSignalsCsv(300, 2));
   const fs::path out = folder_ / "run.mcap";
-  std::uint64_t told = 0;
+  std::uint64_t reported = 0;
   const ImportResult result =
-      ImportCsv({a, b}, map, out, SchemaOf, [&told](std::uint64_t done, std::uint64_t all) {
-        told = done;
+      ImportCsv({a, b}, map, out, SchemaOf, [&reported](std::uint64_t done, std::uint64_t all) {
+        reported = done;
         EXPECT_EQ(all, 1000u);
       });
-  EXPECT_EQ(told, 1000u);
+  EXPECT_EQ(reported, 1000u);
   EXPECT_EQ(result.samples, 1000u);
   EXPECT_EQ(result.messages, 3000u);
   const std::vector<types::Run> runs = ReadRuns(out);

@@ -19,20 +19,20 @@ Bytes AsBytes(std::string_view text) {
 
 std::string AsText(std::span<const std::byte> bytes) { return Cursor::AsText(bytes); }
 
-// A sink with room for so many bytes, like a disk.
+// A sink that takes so many bytes, like a disk.
 class SmallDisk : public ByteSink {
  public:
-  explicit SmallDisk(std::size_t room) : room_(room) {}
+  explicit SmallDisk(std::size_t capacity) : capacity_(capacity) {}
   IoStatus Write(std::span<const std::byte> bytes) override {
     ++writes_;
-    if (bytes.size() > room_) return IoStatus::Failed("No space left on device");
-    room_ -= bytes.size();
+    if (bytes.size() > capacity_) return IoStatus::Failed("No space left on device");
+    capacity_ -= bytes.size();
     return IoStatus::Ok();
   }
   int writes() const { return writes_; }
 
  private:
-  std::size_t room_;
+  std::size_t capacity_;
   int writes_ = 0;
 };
 
@@ -234,27 +234,28 @@ TEST(McapWriter, IsDeterministic) { EXPECT_EQ(MakeFile(40).bytes, MakeFile(40).b
 
 TEST(McapWriter, TellsAFullDiskAtOnceAndWritesNothingMore) {
   const std::size_t whole = MakeFile(57).bytes.size();
-  for (std::size_t room = 0; room < whole; room += 37) {
-    SmallDisk disk(room);
+  for (std::size_t capacity = 0; capacity < whole; capacity += 37) {
+    SmallDisk disk(capacity);
     McapWriter writer(disk, {"test", Compression::kZstd, 100'000'000, 1u << 20});
     SchemaId schema{};
     ChannelId channel{};
-    bool told = !writer.Open().ok();
-    told = !writer.AddSchema("a::B", "omgidl", "struct B { octet x; };", &schema).ok() || told;
-    told = !writer.AddChannel(schema, "topic", "cdr", {}, &channel).ok() || told;
+    bool reported = !writer.Open().ok();
+    reported =
+        !writer.AddSchema("a::B", "omgidl", "struct B { octet x; };", &schema).ok() || reported;
+    reported = !writer.AddChannel(schema, "topic", "cdr", {}, &channel).ok() || reported;
     for (int i = 0; i < 200; ++i) {
-      told =
+      reported =
           !writer.WriteMessage(channel, 10'000'000LL * i, 0, AsBytes(std::string(20, 'x'))).ok() ||
-          told;
+          reported;
     }
     const int writes = disk.writes();
-    if (told) {
+    if (reported) {
       const IoStatus again = writer.CloseChunk();
       EXPECT_EQ(again.message(), "No space left on device");
       EXPECT_FALSE(writer.Close().ok());
       EXPECT_EQ(disk.writes(), writes);
     } else {
-      EXPECT_FALSE(writer.Close().ok()) << "room " << room;
+      EXPECT_FALSE(writer.Close().ok()) << "capacity " << capacity;
     }
   }
 }

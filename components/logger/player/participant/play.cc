@@ -3,17 +3,14 @@
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
-#include <atomic>
 #include <chrono>
-#include <deque>
 #include <map>
-#include <memory>
-#include <mutex>
 #include <optional>
 #include <thread>
 
 #include "components/config/config.h"
-#include "components/node/codec.h"
+#include "components/logger/player/participant/answers.h"
+#include "components/logger/player/participant/live_ticks.h"
 #include "components/recording/file/file_io.h"
 
 namespace sinew::logger {
@@ -24,8 +21,7 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 
-constexpr int kUnacknowledged = 192;  // of the 256 samples that lockstep writers keep
-constexpr int kLongestWindow = 128;
+constexpr int kUnacknowledged = 192;      // of the 256 samples that lockstep writers keep
 constexpr std::uint64_t kLookAhead = 64;  // ticks: topics of a recording are interleaved
 
 std::vector<recording::TopicSchema> KnownTopics() {
@@ -48,26 +44,6 @@ PlaylistOptions WithRemap(const PlayOptions& options) {
   return list;
 }
 
-// Replies that bound how far the player runs ahead.
-struct Awaited {
-  std::string topic;
-  std::size_t window = 0;
-  std::shared_ptr<std::atomic<std::uint64_t>> answered;  // newest tick + 1
-  std::shared_ptr<std::atomic<std::uint64_t>> session;
-};
-
-// What a running session's joint_state says; written by the DDS thread.
-struct LiveState {
-  std::mutex mutex;
-  struct Tick {
-    std::uint64_t session_id;
-    std::uint64_t tick;
-    std::int64_t stamp_ns;
-    bool last;
-  };
-  std::deque<Tick> ticks;
-};
-
 class Player {
  public:
   Player(node::Node& node, const node::StopFlag& stop, const PlayOptions& options,
@@ -86,7 +62,7 @@ class Player {
           "--follow: joint_state is to be played, expected --topics without it: who follows "
           "needs a running state provider");
     }
-    for (const std::string& text : options.await) AddAwaited(text);
+    answers_.emplace(node, stop, options.await, options.wait_timeout_s);
     if (is_provider_) RefuseSecondProvider();
     for (const std::string& name : playlist_.published()) {
       writers_.push_back(node_.MakeRawWriter(*node::FindTopic(name)));
@@ -114,37 +90,6 @@ class Player {
   }
 
  private:
-  void AddAwaited(const std::string& text) {
-    Awaited awaited;
-    const std::size_t colon = text.find(':');
-    awaited.topic = text.substr(0, colon);
-    const node::TopicInfo* topic = node::FindTopic(awaited.topic);
-    if (topic == nullptr) throw UsageError("--await: no topic '" + awaited.topic + "'");
-    if (colon != std::string::npos) {
-      int window = -1;
-      try {
-        window = std::stoi(text.substr(colon + 1));
-      } catch (const std::exception&) {
-      }
-      if (window < 0 || window > kLongestWindow) {
-        throw UsageError("--await: '" + text +
-                         "', expected TOPIC:WINDOW with a window from 0 to 128 ticks");
-      }
-      awaited.window = static_cast<std::size_t>(window);
-    }
-    awaited.answered = std::make_shared<std::atomic<std::uint64_t>>(0);
-    awaited.session = std::make_shared<std::atomic<std::uint64_t>>(0);
-    node_.ReadRaw(
-        *topic, [answered = awaited.answered, session = awaited.session](node::RawSample&& sample) {
-          node::HeadOfMessage head;
-          if (!node::PeekHead(sample.payload.data(), sample.payload.size(), &head)) return;
-          answered->store(0);
-          session->store(head.session_id);
-          answered->store(head.tick + 1);
-        });
-    awaited_.push_back(std::move(awaited));
-  }
-
   void RefuseSecondProvider() {
     const auto end = Clock::now() + milliseconds(lockstep_ ? 300 : 700);
     while (Clock::now() < end && !stop_.requested()) {
@@ -235,31 +180,6 @@ class Player {
     if (progress_) progress_(result_);
   }
 
-  // Before a joint_state goes out: the tick `window` ticks before its forerunner must be answered.
-  bool AwaitAnswers(const PlayedMessage& next) {
-    if (awaited_.empty()) return true;
-    if (!sent_ticks_.empty() && sent_session_ != next.session_id) sent_ticks_.clear();
-    sent_session_ = next.session_id;
-    for (const Awaited& awaited : awaited_) {
-      if (sent_ticks_.size() <= awaited.window) continue;
-      const std::uint64_t tick = sent_ticks_[sent_ticks_.size() - 1 - awaited.window];
-      const auto give_up = Clock::now() + std::chrono::duration<double>(options_.wait_timeout_s);
-      while (awaited.session->load() != next.session_id || awaited.answered->load() < tick + 1) {
-        if (stop_.requested()) return false;
-        node_.WaitForData(milliseconds(50));
-        if (Clock::now() > give_up) {
-          throw std::runtime_error(
-              "no " + awaited.topic + " for tick " + std::to_string(tick) + " within " +
-              std::to_string(static_cast<int>(options_.wait_timeout_s)) +
-              " s; is its writer running, in the same domain and in lockstep?");
-        }
-      }
-    }
-    sent_ticks_.push_back(next.tick);
-    if (sent_ticks_.size() > kLongestWindow + 2) sent_ticks_.pop_front();
-    return true;
-  }
-
   void PlayAll() {
     const double rate = options_.rate >= 0.0 ? options_.rate : lockstep_ ? 0.0 : 1.0;
     PlayedMessage message;
@@ -272,45 +192,21 @@ class Player {
           std::this_thread::sleep_until(std::min(due, Clock::now() + milliseconds(50)));
         }
       }
-      if (message.is_state && !AwaitAnswers(message)) return;
+      if (message.is_state && !answers_->WaitBefore(message)) return;
       Send(message);
     }
   }
 
   void Follow() {
-    auto live = std::make_shared<LiveState>();
-    const node::TopicInfo& info = *node::FindTopic(node::kJointState.name);
-    const auto idl = std::make_shared<recording::IdlSchema>(recording::IdlSchema::Parse(info.idl));
-    const recording::IdlType& type = idl->Struct(info.type_name);
-    const recording::CdrField stamp(type, "header.stamp_ns");
-    const recording::CdrField last(type, "last_tick");
-    node_.ReadRaw(info, [live, idl, stamp, last](node::RawSample&& sample) {
-      node::HeadOfMessage head;
-      if (!node::PeekHead(sample.payload.data(), sample.payload.size(), &head)) return;
-      try {
-        const LiveState::Tick tick{head.session_id, head.tick, stamp.AsInt(sample.payload),
-                                   last.AsInt(sample.payload) != 0};
-        const std::lock_guard<std::mutex> lock(live->mutex);
-        live->ticks.push_back(tick);
-      } catch (const recording::CdrError&) {
-      }
-    });
-
+    LiveTicks live(node_);
     std::multimap<std::uint64_t, PlayedMessage> waiting;  // by tick since the recording's first
     std::optional<std::uint64_t> first_recorded;
     std::uint64_t newest = 0;
     bool more = true;
-    std::optional<LiveState::Tick> first;
+    std::optional<LiveTick> first;
     const auto give_up = Clock::now() + std::chrono::duration<double>(options_.wait_timeout_s);
     while (!stop_.requested()) {
-      std::optional<LiveState::Tick> tick;
-      {
-        const std::lock_guard<std::mutex> lock(live->mutex);
-        if (!live->ticks.empty()) {
-          tick = live->ticks.front();
-          live->ticks.pop_front();
-        }
-      }
+      const std::optional<LiveTick> tick = live.TakeNext();
       if (!tick) {
         if (!first && Clock::now() > give_up) {
           throw UsageError("--follow: no joint_state in domain " +
@@ -358,9 +254,7 @@ class Player {
   bool follows_ = false;
   std::vector<node::RawWriter> writers_;
   std::vector<int> unacknowledged_;
-  std::vector<Awaited> awaited_;
-  std::deque<std::uint64_t> sent_ticks_;
-  std::uint64_t sent_session_ = 0;
+  std::optional<Answers> answers_;
   PlayResult result_;
   std::function<void(const PlayResult&)> progress_;
   Clock::time_point start_{};

@@ -46,7 +46,7 @@ struct PlayResult {
 };
 
 // Throws UsageError (broken file, other types, no readers, a second state provider),
-// std::runtime_error when a reliable reader does not take messages. `progress` is told about ten
+// std::runtime_error when a reliable reader does not take messages. `progress` is called about ten
 // times a second, if given.
 PlayResult Play(node::Node& node, const node::StopFlag& stop, const PlayOptions& options,
                 const std::function<void(const PlayResult&)>& progress = {});

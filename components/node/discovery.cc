@@ -1,0 +1,100 @@
+#include "components/node/discovery.h"
+
+#include <spdlog/spdlog.h>
+
+#include <sstream>
+
+#include "components/node/participant.h"
+
+namespace sinew::node::internal {
+
+namespace rtps = eprosima::fastrtps::rtps;
+
+namespace {
+
+template <class Identity>
+std::string Text(const Identity& identity) {
+  std::ostringstream out;
+  out << identity;
+  return out.str();
+}
+
+}  // namespace
+
+void Discovery::AddProblem(const std::string& problem) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    for (const std::string& known : problems_) {
+      if (known == problem) return;
+    }
+    problems_.push_back(problem);
+  }
+  spdlog::error("{}", problem);
+}
+
+void Discovery::on_participant_discovery(dds::DomainParticipant*,
+                                         rtps::ParticipantDiscoveryInfo&& info) {
+  const std::string prefix = Text(info.info.m_guid.guidPrefix);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const bool gone = info.status == rtps::ParticipantDiscoveryInfo::REMOVED_PARTICIPANT ||
+                    info.status == rtps::ParticipantDiscoveryInfo::DROPPED_PARTICIPANT;
+  if (gone) {
+    participant_names_.erase(prefix);
+  } else {
+    participant_names_[prefix] = info.info.m_participantName.to_string();
+  }
+}
+
+void Discovery::on_subscriber_discovery(dds::DomainParticipant* participant,
+                                        rtps::ReaderDiscoveryInfo&& info) {
+  Discovered(participant,
+             {false, info.info.topicName().to_string(), info.info.typeName().to_string(), {}, {}},
+             info.info.guid(), info.status == rtps::ReaderDiscoveryInfo::REMOVED_READER);
+}
+
+void Discovery::on_publisher_discovery(dds::DomainParticipant* participant,
+                                       rtps::WriterDiscoveryInfo&& info) {
+  Discovered(participant,
+             {true, info.info.topicName().to_string(), info.info.typeName().to_string(), {}, {}},
+             info.info.guid(), info.status == rtps::WriterDiscoveryInfo::REMOVED_WRITER);
+}
+
+void Discovery::Discovered(const dds::DomainParticipant* participant, Endpoint endpoint,
+                           const rtps::GUID_t& guid, bool gone) {
+  if (participant != nullptr && guid.guidPrefix == participant->guid().guidPrefix) return;
+  std::string problem;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    endpoint.guid = Text(guid);
+    if (gone) {
+      endpoints_.erase(endpoint.guid);
+    } else {
+      endpoint.participant = participant_names_[Text(guid.guidPrefix)];
+      for (const TopicInfo& info : AllTopics()) {
+        if (RegisteredTopicName(info.name) == endpoint.topic &&
+            info.dds_type_name != endpoint.type_name) {
+          problem = "topic '" + info.name + "': participant '" + endpoint.participant +
+                    "' uses type " + endpoint.type_name + ", this build uses " +
+                    info.dds_type_name + "; they never match: rebuild one of them";
+        }
+      }
+      endpoints_[endpoint.guid] = endpoint;
+    }
+  }
+  if (!problem.empty()) AddProblem(problem);
+  signal_.Notify(nullptr);
+}
+
+std::vector<Endpoint> Discovery::endpoints() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  std::vector<Endpoint> endpoints;
+  for (const auto& [guid, endpoint] : endpoints_) endpoints.push_back(endpoint);
+  return endpoints;
+}
+
+std::vector<std::string> Discovery::problems() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return problems_;
+}
+
+}  // namespace sinew::node::internal

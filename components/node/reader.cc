@@ -1,0 +1,184 @@
+#include <spdlog/spdlog.h>
+
+#include "components/node/all_messages.h"
+#include "components/node/node_impl.h"
+#include "components/node/reader_impl.h"
+#include "components/types/clock/clock.h"
+
+namespace sinew::node {
+
+namespace internal {
+
+using eprosima::fastrtps::types::ReturnCode_t;
+
+ReaderImpl::ReaderImpl(std::shared_ptr<NodeImpl> owner, const TopicInfo& info,
+                       Node::RawCallback on_sample)
+    : node(std::move(owner)),
+      topic(info),
+      queue_limit(QueueLimit(info.profile, node->options.mode)),
+      callback_(std::move(on_sample)),
+      queue_(queue_limit) {
+  dds::Topic* dds_topic = node->participant.FindOrMakeTopic(topic);
+  dds::Subscriber& subscriber = node->participant.subscriber();
+  dds::DataReaderQos qos;
+  const std::string profile = node->participant.ProfileFor(topic);
+  if (subscriber.get_datareader_qos_from_profile(profile, qos) != ReturnCode_t::RETCODE_OK) {
+    throw DdsError("no reader QoS profile '" + profile + "'");
+  }
+  if (callback_) {  // a recorder: the topic's own QoS with the history of a recorder
+    dds::DataReaderQos log;
+    if (subscriber.get_datareader_qos_from_profile("log", log) != ReturnCode_t::RETCODE_OK) {
+      throw DdsError("no reader QoS profile 'log'");
+    }
+    qos.history(log.history());
+  }
+  reader_ = subscriber.create_datareader(dds_topic, qos, this,
+                                         dds::StatusMask::data_available()
+                                             << dds::StatusMask::sample_lost()
+                                             << dds::StatusMask::requested_incompatible_qos());
+  if (reader_ == nullptr) throw DdsError("no reader for topic '" + topic.name + "'");
+}
+
+ReaderImpl::~ReaderImpl() {
+  if (reader_ == nullptr) return;
+  reader_->set_listener(nullptr);
+  node->participant.subscriber().delete_datareader(reader_);
+  if (dropped() > 0 && dropping_is_a_loss()) {
+    spdlog::warn("topic '{}': {} of {} samples were dropped unread", topic.name, dropped(),
+                 received());
+  }
+}
+
+bool ReaderImpl::dropping_is_a_loss() const {
+  return node->options.mode == TimeMode::kLockstep || topic.profile == Profile::kEvent ||
+         topic.profile == Profile::kLatched;
+}
+
+void ReaderImpl::on_data_available(dds::DataReader* source) {
+  dds::SampleInfo info;
+  bool any = false;
+  while (source->take_next_sample(&scratch_.bytes, &info) == ReturnCode_t::RETCODE_OK) {
+    if (!info.valid_data) continue;
+    scratch_.source_stamp_ns = info.source_timestamp.to_ns();
+    scratch_.reception_stamp_ns = types::EpochNow_ns();
+    received_.fetch_add(1, std::memory_order_relaxed);
+    any = true;
+    if (callback_) {
+      callback_(RawSample{topic.name, std::move(scratch_.bytes), scratch_.source_stamp_ns,
+                          scratch_.reception_stamp_ns});
+      scratch_.bytes = Bytes();
+      continue;
+    }
+    if (!queue_.Push(&scratch_) && queue_.dropped() == 1 && dropping_is_a_loss()) {
+      spdlog::warn("topic '{}': {} samples wait to be read, the oldest are dropped from here on",
+                   topic.name, queue_limit);
+    }
+  }
+  if (any) node->signal.Notify(this);
+}
+
+void ReaderImpl::on_sample_lost(dds::DataReader*, const dds::SampleLostStatus& status) {
+  lost_.store(static_cast<std::uint64_t>(status.total_count), std::memory_order_relaxed);
+}
+
+void ReaderImpl::on_requested_incompatible_qos(dds::DataReader*,
+                                               const dds::RequestedIncompatibleQosStatus& status) {
+  node->discovery.AddProblem(
+      "topic '" + topic.name + "': a writer offers another " + PolicyName(status.last_policy_id) +
+      " than this reader requests (does one side run in lockstep and the other not?)");
+}
+
+std::optional<Sample> ReaderImpl::TakeNext() { return queue_.TakeNext(); }
+
+std::optional<Sample> ReaderImpl::TakeLatest() { return queue_.TakeLatest(); }
+
+void ReaderImpl::WaitForSample(std::chrono::microseconds timeout) {
+  if (queue_.empty()) node->signal.Wait(timeout, this);
+}
+
+int ReaderImpl::matched() const {
+  dds::SubscriptionMatchedStatus status;
+  reader_->get_subscription_matched_status(status);
+  return status.current_count;
+}
+
+}  // namespace internal
+
+namespace {
+
+template <class Message>
+std::optional<Message> DecodeSample(std::optional<internal::Sample> sample) {
+  if (!sample) return std::nullopt;
+  Message message;
+  if (!Decode(sample->bytes, &message)) return std::nullopt;
+  return message;
+}
+
+}  // namespace
+
+template <class Message>
+Reader<Message> Node::MakeReader(const Topic<Message>& topic) {
+  return Reader<Message>(std::make_shared<internal::ReaderImpl>(impl_, *FindTopic(topic.name)));
+}
+
+template <class Message>
+Reader<Message>::Reader(std::shared_ptr<internal::ReaderImpl> impl) : impl_(std::move(impl)) {}
+template <class Message>
+Reader<Message>::Reader(Reader&&) noexcept = default;
+template <class Message>
+Reader<Message>& Reader<Message>::operator=(Reader&&) noexcept = default;
+template <class Message>
+Reader<Message>::~Reader() = default;
+
+template <class Message>
+std::optional<Message> Reader<Message>::TakeNext() {
+  return DecodeSample<Message>(impl_->TakeNext());
+}
+
+template <class Message>
+std::optional<Message> Reader<Message>::TakeLatest() {
+  return DecodeSample<Message>(impl_->TakeLatest());
+}
+
+template <class Message>
+std::optional<Message> Reader<Message>::WaitNext(std::chrono::milliseconds timeout) {
+  const auto deadline = std::chrono::steady_clock::now() + timeout;
+  while (true) {
+    if (auto message = TakeNext()) return message;
+    const auto left = std::chrono::duration_cast<std::chrono::microseconds>(
+        deadline - std::chrono::steady_clock::now());
+    if (left.count() <= 0) return std::nullopt;
+    impl_->WaitForSample(left);
+  }
+}
+
+template <class Message>
+void Reader<Message>::WaitForSample(std::chrono::microseconds timeout) {
+  impl_->WaitForSample(timeout);
+  impl_->node->status.PublishIfDue();
+}
+
+template <class Message>
+int Reader<Message>::matched_writers() const {
+  return impl_->matched();
+}
+template <class Message>
+std::uint64_t Reader<Message>::received() const {
+  return impl_->received();
+}
+template <class Message>
+std::uint64_t Reader<Message>::lost() const {
+  return impl_->lost();
+}
+template <class Message>
+std::uint64_t Reader<Message>::dropped() const {
+  return impl_->dropped();
+}
+
+#define SINEW_INSTANTIATE(Type)     \
+  template class Reader<msg::Type>; \
+  template Reader<msg::Type> Node::MakeReader(const Topic<msg::Type>&);
+SINEW_FOR_EACH_MESSAGE(SINEW_INSTANTIATE)
+#undef SINEW_INSTANTIATE
+
+}  // namespace sinew::node

@@ -1,0 +1,56 @@
+// Owner of a DDS reader and its queue.
+//
+// Threads: DDS calls the listener functions, which copy samples into the queue or hand them to the
+// callback; the others belong to the thread that reads. Throws DdsError.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <optional>
+
+#include "components/node/dds_pch.h"
+#include "components/node/node.h"
+#include "components/node/sample_queue.h"
+
+namespace sinew::node::internal {
+
+namespace dds = eprosima::fastdds::dds;
+
+struct ReaderImpl final : public dds::DataReaderListener {
+  // With a callback the queue stays empty.
+  ReaderImpl(std::shared_ptr<NodeImpl> node, const TopicInfo& topic,
+             Node::RawCallback callback = {});
+  ~ReaderImpl() override;  // logs how many samples the queue has dropped
+
+  std::optional<Sample> TakeNext();
+  std::optional<Sample> TakeLatest();
+  // Returns when a sample is waiting here or the timeout is over.
+  void WaitForSample(std::chrono::microseconds timeout);
+  int matched() const;
+  std::uint64_t received() const { return received_; }
+  std::uint64_t lost() const { return lost_; }
+  std::uint64_t dropped() const { return queue_.dropped(); }
+
+  void on_data_available(dds::DataReader* reader) override;
+  void on_sample_lost(dds::DataReader*, const dds::SampleLostStatus& status) override;
+  void on_requested_incompatible_qos(dds::DataReader*,
+                                     const dds::RequestedIncompatibleQosStatus& status) override;
+
+  const std::shared_ptr<NodeImpl> node;
+  const TopicInfo topic;
+  const std::size_t queue_limit;
+
+ private:
+  // False where only the newest sample matters, so that dropping is no loss.
+  bool dropping_is_a_loss() const;
+
+  Node::RawCallback callback_;
+  SampleQueue queue_;
+  dds::DataReader* reader_ = nullptr;
+  std::atomic<std::uint64_t> received_{0};
+  std::atomic<std::uint64_t> lost_{0};
+  Sample scratch_;  // DDS thread only
+};
+
+}  // namespace sinew::node::internal

@@ -1,0 +1,112 @@
+#include "components/node/all_messages.h"
+#include "components/node/node_impl.h"
+#include "components/node/writer_impl.h"
+
+namespace sinew::node {
+
+namespace internal {
+
+using eprosima::fastrtps::types::ReturnCode_t;
+
+WriterImpl::WriterImpl(std::shared_ptr<NodeImpl> owner, const TopicInfo& info, int strength)
+    : node(std::move(owner)), topic(info) {
+  dds::Topic* dds_topic = node->participant.FindOrMakeTopic(topic);
+  dds::Publisher& publisher = node->participant.publisher();
+  dds::DataWriterQos qos;
+  const std::string profile = node->participant.ProfileFor(topic);
+  if (publisher.get_datawriter_qos_from_profile(profile, qos) != ReturnCode_t::RETCODE_OK) {
+    throw DdsError("no writer QoS profile '" + profile + "'");
+  }
+  qos.ownership_strength().value = static_cast<std::uint32_t>(strength);
+  writer_ = publisher.create_datawriter(dds_topic, qos, this,
+                                        dds::StatusMask::offered_incompatible_qos());
+  if (writer_ == nullptr) throw DdsError("no writer for topic '" + topic.name + "'");
+}
+
+WriterImpl::~WriterImpl() {
+  if (writer_ == nullptr) return;
+  if (node->options.mode == TimeMode::kLockstep && matched() > 0) {
+    writer_->wait_for_acknowledgments({2, 0});
+  }
+  writer_->set_listener(nullptr);
+  node->participant.publisher().delete_datawriter(writer_);
+}
+
+WriteStatus WriterImpl::Write(Bytes* bytes) {
+  if (bytes->empty()) return WriteStatus::kFailed;
+  return writer_->write(static_cast<void*>(bytes)) ? WriteStatus::kOk : WriteStatus::kFailed;
+}
+
+int WriterImpl::matched() const {
+  dds::PublicationMatchedStatus status;
+  writer_->get_publication_matched_status(status);
+  return status.current_count;
+}
+
+void WriterImpl::on_offered_incompatible_qos(dds::DataWriter*,
+                                             const dds::OfferedIncompatibleQosStatus& status) {
+  node->discovery.AddProblem(
+      "topic '" + topic.name + "': a reader requests another " + PolicyName(status.last_policy_id) +
+      " than this writer offers (does one side run in lockstep and the other not?)");
+}
+
+bool WriterImpl::WaitAcknowledged(std::chrono::milliseconds timeout) const {
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(timeout);
+  const auto remainder = std::chrono::duration_cast<std::chrono::nanoseconds>(timeout - seconds);
+  const eprosima::fastrtps::Duration_t limit(static_cast<std::int32_t>(seconds.count()),
+                                             static_cast<std::uint32_t>(remainder.count()));
+  return writer_->wait_for_acknowledgments(limit) == ReturnCode_t::RETCODE_OK;
+}
+
+}  // namespace internal
+
+template <class Message>
+Writer<Message> Node::MakeWriter(const Topic<Message>& topic, int strength) {
+  return Writer<Message>(
+      std::make_shared<internal::WriterImpl>(impl_, *FindTopic(topic.name), strength));
+}
+
+template <class Message>
+Writer<Message>::Writer(std::shared_ptr<internal::WriterImpl> impl) : impl_(std::move(impl)) {}
+template <class Message>
+Writer<Message>::Writer(Writer&&) noexcept = default;
+template <class Message>
+Writer<Message>& Writer<Message>::operator=(Writer&&) noexcept = default;
+template <class Message>
+Writer<Message>::~Writer() = default;
+
+template <class Message>
+WriteStatus Writer<Message>::Write(const Message& message) {
+  if (!Encode(message, &impl_->scratch)) return WriteStatus::kFailed;
+  return impl_->Write(&impl_->scratch);
+}
+
+template <class Message>
+int Writer<Message>::matched_readers() const {
+  return impl_->matched();
+}
+
+RawWriter Node::MakeRawWriter(const TopicInfo& topic, int strength) {
+  return RawWriter(std::make_shared<internal::WriterImpl>(impl_, topic, strength));
+}
+
+RawWriter::RawWriter(std::shared_ptr<internal::WriterImpl> impl) : impl_(std::move(impl)) {}
+
+WriteStatus RawWriter::operator()(const std::byte* payload, std::size_t size) const {
+  impl_->scratch.assign(payload, payload + size);
+  return impl_->Write(&impl_->scratch);
+}
+
+int RawWriter::matched_readers() const { return impl_->matched(); }
+
+bool RawWriter::WaitAcknowledged(std::chrono::milliseconds timeout) const {
+  return impl_->WaitAcknowledged(timeout);
+}
+
+#define SINEW_INSTANTIATE(Type)     \
+  template class Writer<msg::Type>; \
+  template Writer<msg::Type> Node::MakeWriter(const Topic<msg::Type>&, int);
+SINEW_FOR_EACH_MESSAGE(SINEW_INSTANTIATE)
+#undef SINEW_INSTANTIATE
+
+}  // namespace sinew::node

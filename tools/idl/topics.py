@@ -1,0 +1,146 @@
+#!/usr/bin/env python3
+"""The topics: reads the first table of idl/README.md, a row per topic, and the structs of the idl files it names.
+
+Usage: topics.py README.md subjects      prints the idl files (without .idl), those they include first
+       topics.py README.md headers DIR   writes DIR/topic_list.h, DIR/all_messages.h and DIR/all_codecs.h
+"""
+import os
+import re
+import sys
+
+COLUMNS = ["topic", "type", "file", "writer", "readers", "rate", "QoS"]
+PROFILES = ["state", "control", "event", "latched"]
+GENERATED = "// Generated from idl/README.md by tools/idl/topics.py."
+
+
+class Topic:
+    def __init__(self, cells):
+        self.name, self.type, self.file, self.profile = cells[0], cells[1], cells[2], cells[6]
+
+    @property
+    def constant(self):
+        return "k" + "".join(word.capitalize() for word in self.name.split("_"))
+
+
+def read(path):
+    with open(path, encoding="utf-8") as source:
+        return source.read()
+
+
+def includes(path):
+    return re.findall(r'^\s*#include\s+"(\w+)\.idl"', read(path), re.M)
+
+
+def read_table(readme):
+    """Topics in the order of the table. Exits with one line, FILE:LINE: reason, where the table is wrong."""
+    folder, topics, in_table = os.path.dirname(os.path.abspath(readme)), [], False
+    for number, line in enumerate(read(readme).splitlines(), 1):
+        cells = [cell.strip() for cell in line.strip().strip("|").split("|")]
+        if not in_table:
+            in_table = cells == COLUMNS
+            continue
+        if not line.startswith("|"):
+            break
+        if set(line) <= set("|- "):
+            continue
+
+        def check(condition, reason):
+            if not condition:
+                sys.exit(f"{readme}:{number}: {reason}")
+
+        check(len(cells) == len(COLUMNS), f"{len(cells)} cells, expected {len(COLUMNS)}: {', '.join(COLUMNS)}")
+        topic = Topic(cells)
+        check(re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)*", topic.name), f"topic '{topic.name}', expected lower_case")
+        check(topic.name not in [known.name for known in topics], f"topic '{topic.name}' is there twice")
+        check(topic.profile in PROFILES, f"QoS '{topic.profile}', expected one of: {', '.join(PROFILES)}")
+        path = os.path.join(folder, topic.file + ".idl")
+        check(os.path.exists(path), f"topic '{topic.name}': no file {topic.file}.idl")
+        body = re.search(rf"^struct\s+{topic.type}\s*{{(.*?)}}", read(path), re.M | re.S)
+        check(body, f"topic '{topic.name}': {topic.file}.idl has no struct {topic.type}")
+        topic.begins_with_header = re.match(r"\s*Header\s+header\s*;", body.group(1)) is not None
+        topics.append(topic)
+    if not topics:
+        sys.exit(f"{readme}: no table with the columns {', '.join(COLUMNS)}")
+    return topics
+
+
+def subjects(readme, topics):
+    """Idl files in the order in which they are needed."""
+    folder, files = os.path.dirname(os.path.abspath(readme)), []
+
+    def add(file):
+        if file in files:
+            return
+        for inner in includes(os.path.join(folder, file + ".idl")):
+            add(inner)
+        files.append(file)
+
+    for topic in topics:
+        add(topic.file)
+    return files
+
+
+def unique(items):
+    return list(dict.fromkeys(items))
+
+
+def list_macro(name, what, items):
+    lines = "".join(f" \\\n  X({item})" for item in items)
+    return f"// {what}\n#define {name}(X){lines}\n"
+
+
+def topic_list(topics):
+    types = unique(topic.type for topic in topics)
+    without = unique(topic.type for topic in topics if not topic.begins_with_header)
+    lines = [GENERATED, "// Included by components/node/topics.h: a constant per topic.", "#pragma once", "",
+             '#include "components/node/topic.h"', "", "namespace sinew::msg {"]
+    lines += [f"class {type_};" for type_ in types]
+    lines += ["}  // namespace sinew::msg", "", "namespace sinew::node {", ""]
+    lines += [f"inline constexpr Topic<msg::{topic.type}> {topic.constant}{{\"{topic.name}\", "
+              f"Profile::k{topic.profile.capitalize()}}};" for topic in topics]
+    lines += [""] + [f"template <>\ninline constexpr bool kBeginsWithHeader<msg::{type_}> = false;"
+                     for type_ in without]
+    lines += ["", "}  // namespace sinew::node", ""]
+    lines += [list_macro("SINEW_FOR_EACH_TOPIC", "Every topic, in the order of the table.",
+                         [topic.constant for topic in topics])]
+    return "\n".join(lines)
+
+
+def all_messages(files, topics):
+    lines = [GENERATED, "// Every message, for explicit instantiation. Internal to this module.", "#pragma once", ""]
+    lines += [f"#include <sinew_idl/{file}.h>" for file in files] + [""]
+    lines += [list_macro("SINEW_FOR_EACH_MESSAGE", "Every message type.", unique(topic.type for topic in topics))]
+    lines += [list_macro("SINEW_FOR_EACH_HEADED_MESSAGE", "Those that begin with their header.",
+                         unique(topic.type for topic in topics if topic.begins_with_header))]
+    return "\n".join(lines)
+
+
+def all_codecs(files):
+    lines = [GENERATED, "// The types that encode and decode every message. Internal to this module.",
+             "#pragma once", ""]
+    return "\n".join(lines + [f"#include <sinew_idl/{file}PubSubTypes.h>" for file in files] + [""])
+
+
+def write(path, text):
+    """Leaves a file that is right alone, so that nothing is compiled again."""
+    if not os.path.exists(path) or read(path) != text:
+        with open(path, "w", encoding="utf-8") as out:
+            out.write(text)
+
+
+def main():
+    readme, what = sys.argv[1:3]
+    topics = read_table(readme)
+    files = subjects(readme, topics)
+    if what == "subjects":
+        print(";".join(files), end="")
+        return
+    folder = sys.argv[3]
+    os.makedirs(folder, exist_ok=True)
+    write(os.path.join(folder, "topic_list.h"), topic_list(topics))
+    write(os.path.join(folder, "all_messages.h"), all_messages(files, topics))
+    write(os.path.join(folder, "all_codecs.h"), all_codecs(files))
+
+
+if __name__ == "__main__":
+    main()
