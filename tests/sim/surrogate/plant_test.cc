@@ -41,7 +41,7 @@ TEST(Surrogate, CommandsAreGivenAtTheOutputAndExecutedAtTheMotor) {
   EXPECT_FALSE(sensors.fault);
 }
 
-TEST(Surrogate, TorqueToldByTheCurrentIsAtTheOutput) {
+TEST(Surrogate, TorqueComputedFromTheCurrentIsAtTheOutput) {
   RigParameters p;
   p.sensors.current_noise_A = 0.0;
   Surrogate surrogate{p};
