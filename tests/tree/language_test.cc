@@ -288,5 +288,29 @@ TEST(Language, FilesThatTheDocumentsCiteAreThere) {
   EXPECT_TRUE(found.empty()) << Joined(found);
 }
 
+TEST(Language, CommandsThatTheDocumentsCiteAreThere) {
+  static const std::regex kCommand("(?:^|`|\n *)sinew ([a-z][a-z-]+)");
+  std::string sources;
+  for (const char* folder : {"tools/sinew", "reproduction/commands"}) {
+    for (const std::string& file : Files(folder)) {
+      if (EndsWith(file, ".cc")) sources += Read(kRoot / file);
+    }
+  }
+  std::vector<std::string> found;
+  std::set<std::string> cited;
+  for (const std::string& file : Documents()) {
+    const std::string text = Read(kRoot / file);
+    for (std::sregex_iterator it(text.begin(), text.end(), kCommand), end; it != end; ++it) {
+      const std::string command = (*it)[1];
+      cited.insert(command);
+      if (sources.find("\"" + command + "\"") == std::string::npos) {
+        found.push_back(file + ": `sinew " + command + "`");
+      }
+    }
+  }
+  EXPECT_GT(cited.size(), 15u);
+  EXPECT_TRUE(found.empty()) << Joined(found);
+}
+
 }  // namespace
 }  // namespace sinew
