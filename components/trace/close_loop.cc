@@ -36,8 +36,8 @@ TraceResult NotAssessed(const actuator::JointModel& joint, TooLittle why) {
 }
 
 LoopResult Analyse(const std::vector<types::Run>& train, const std::vector<types::Run>& held_out,
-                  const actuator::JointModel& joint, double longest_gap_s,
-                  const TraceOptions& given) {
+                   const actuator::JointModel& joint, double longest_gap_s,
+                   const TraceOptions& given) {
   // Every balance may give a false alarm: all of them together as seldom as one alone.
   const std::vector<effects::Balance> others = OtherBalances(joint);
   TraceOptions options = given;

@@ -60,17 +60,17 @@ TEST(ResidualOverTopics, APayloadIsReportedWithinFiveSecondsOfSimulatedTime) {
     const double put_on_s = 40.0 + 0.37 * (seed % 14);
     const std::vector<msg::ResidualState> messages = WatchRig(
         137, seed, 51, {"--arg", "surrogate=--effect=payload=0.5@" + std::to_string(put_on_s)});
-    double told_s = 0.0;
+    double reported_s = 0.0;
     bool learnt = false;
     for (const msg::ResidualState& message : messages) {
       const double t = static_cast<double>(message.header().tick()) / kTicksPerSecond;
       if (message.state()[0] == msg::RESIDUAL_WATCHING) learnt = true;
-      if (message.alarm()[0] && told_s == 0.0) told_s = t;
+      if (message.alarm()[0] && reported_s == 0.0) reported_s = t;
     }
     ASSERT_FALSE(messages.empty());
     EXPECT_TRUE(learnt);
-    EXPECT_GT(told_s, put_on_s) << "seed " << seed;
-    EXPECT_LT(told_s, put_on_s + 5.0) << "seed " << seed;
+    EXPECT_GT(reported_s, put_on_s) << "seed " << seed;
+    EXPECT_LT(reported_s, put_on_s + 5.0) << "seed " << seed;
     const msg::ResidualState& last = messages.back();
     EXPECT_EQ(last.state()[0], msg::RESIDUAL_ALARM);
     EXPECT_EQ(last.follows()[0], msg::CAUSE_PAYLOAD) << "seed " << seed;
@@ -78,7 +78,7 @@ TEST(ResidualOverTopics, APayloadIsReportedWithinFiveSecondsOfSimulatedTime) {
     EXPECT_NEAR(1e-9 * static_cast<double>(last.since_ns()[0] - messages[0].header().stamp_ns()),
                 put_on_s, 0.5)
         << "seed " << seed;
-    std::printf("seed %d: told after %.2f s\n", seed, told_s - put_on_s);
+    std::printf("seed %d: reported after %.2f s\n", seed, reported_s - put_on_s);
   }
 }
 

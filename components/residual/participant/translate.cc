@@ -181,7 +181,7 @@ std::string RobotResidual::Line(bool with_cause) const {
   const auto learns = [](const MonitorOutput& out) { return out.learnt < 1.0; };
   const auto end = output_.begin() + static_cast<std::ptrdiff_t>(monitors_.size());
   if (monitors_.empty() || std::any_of(output_.begin(), end, learns)) {
-    return "learning what the model leaves: changes cannot be detected yet";
+    return "learning the residual of the model: changes cannot be detected yet";
   }
   return "";
 }

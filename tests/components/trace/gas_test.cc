@@ -221,7 +221,7 @@ TEST(GasBalance, AnOpeningOfAFewMillisecondsIsNoDeadTime) {
   EXPECT_TRUE(GasEffects(TraceGas(GasRig(), 41, 0.015)).empty());
 }
 
-TEST(GasBalance, AValveThatIsNeverToldLeavesNothingToSee) {
+TEST(GasBalance, AValveWithoutASignalLeavesNothingToSee) {
   const auto blind = [](std::uint64_t seed) {
     types::Run run = RecordGas(GasRig(), seed);
     run.signals.erase(Signal::kValveOpen);

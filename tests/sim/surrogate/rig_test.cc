@@ -155,7 +155,7 @@ TEST(Rig, MotorTorqueAcceleratesRotorAndLinkTogether) {
   EXPECT_NEAR(acceleration_rad_s2, 0.77 * 100.0 * 0.01 / inertia_kg_m2, 0.01);
 }
 
-TEST(Rig, ShareOfTheTorqueDependsOnTheDirectionOfPowerWhenToldSo) {
+TEST(Rig, ShareOfTheTorqueDependsOnTheDirectionOfPowerWhenConfigured) {
   RigParameters p = Lossless();
   p.gear.share_drive = 0.8;
   p.gear.share_back = 1.25;
