@@ -10,8 +10,18 @@ configure_package_config_file(cmake/sinewConfig.cmake.in ${CMAKE_BINARY_DIR}/sin
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/sinewConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/sinewConfig.cmake ${CMAKE_BINARY_DIR}/sinewConfigVersion.cmake
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/sinew)
-install(DIRECTORY components bridge sim DESTINATION include/sinew FILES_MATCHING PATTERN "*.h"
-  PATTERN "participant" EXCLUDE)
+# Headers are found below include/sinew as they are in the source. tests/install checks that the two lists name every
+# header, and that what is installed compiles without the rest.
+get_property(public_headers GLOBAL PROPERTY SINEW_PUBLIC_HEADERS)
+get_property(other_headers GLOBAL PROPERTY SINEW_OTHER_HEADERS)
+foreach(header ${public_headers})
+  cmake_path(GET header PARENT_PATH folder)
+  install(FILES ${header} DESTINATION include/sinew/${folder})
+endforeach()
+list(JOIN public_headers "\n" public_headers)
+list(JOIN other_headers "\n" other_headers)
+file(WRITE ${CMAKE_BINARY_DIR}/public_headers.txt "${public_headers}\n")
+file(WRITE ${CMAKE_BINARY_DIR}/other_headers.txt "${other_headers}\n")
 install(DIRECTORY ${CMAKE_BINARY_DIR}/generated/sinew_idl DESTINATION include/sinew
   FILES_MATCHING PATTERN "*.h")
 install(DIRECTORY idl DESTINATION share/sinew FILES_MATCHING PATTERN "*.idl" PATTERN "README.md")

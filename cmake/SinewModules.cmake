@@ -3,16 +3,21 @@
 #   sinew_add_module(rls SOURCES rls.cc rls.h DEPENDS sinew::esn Eigen3::Eigen)
 #     -> library target sinew_rls, alias sinew::rls. Includes start at the root of the project. FILE: it reads
 #        and writes files; FRAME: it holds the frame of programs. Neither has hot loops: both are compiled with less
-#        optimisation. PCH header.h: a precompiled header of its own. LOCAL: it is not installed.
+#        optimisation. PCH header.h: a precompiled header of its own. The target is exported and the headers among
+#        SOURCES are installed; those among PRIVATE_HEADERS are not: no header of SOURCES may include them.
+#        LOCAL: a part of our own programs; neither exported nor installed.
 #   sinew_add_commands(sinew::reproduction_commands sinew::reproduction::AddCommands)
 #     -> the program `sinew` links the library and calls the function, void(CLI::App&), at its start. The program
 #        needs no header of the library. sinew_finish_commands(TARGET) writes the calls, after the last of these.
 #   sinew_add_participant(rls SOURCES participant/main.cc DEPENDS sinew::rls)
 #     -> program sinew_rls_participant, installed and built as bin/sinew-rls; links sinew::node.
-#   sinew_add_test(rls_test SOURCES rls_test.cc DEPENDS sinew::rls [LABELS dds] [SERIAL] [TIMEOUT s])
-#     -> a GoogleTest program; every case is a ctest of its own. Without LABELS and PROGRAMS it is a
-#        unit test: label `unit`, built by the target unit_tests.
-set_property(GLOBAL PROPERTY SINEW_MODULES "")
+#   sinew_add_test(rls_test SOURCES rls_test.cc DEPENDS sinew::rls [LABELS dds] [SERIAL] [THREADS] [TIMEOUT s])
+#     -> a GoogleTest program; every case is a ctest of its own. Without LABELS it is a unit test: label `unit`, built
+#        by the target unit_tests. THREADS: its code starts threads; `tools/test --tsan` runs it too (label `threads`,
+#        target thread_tests). A test that starts PROGRAMS names its LABELS: `programs`, or `dds` with SERIAL.
+foreach(list SINEW_MODULES SINEW_PUBLIC_HEADERS SINEW_OTHER_HEADERS)
+  set_property(GLOBAL PROPERTY ${list} "")
+endforeach()
 set_property(GLOBAL PROPERTY SINEW_PROGRAMS "")
 
 # Mains, commands and tests hold no hot loops (these live in modules): less optimisation halves their build.
@@ -35,9 +40,19 @@ target_compile_options(sinew_frame_pch PRIVATE ${SINEW_LIGHT_OPTIMISATION})
 target_link_libraries(sinew_frame_pch PRIVATE ${frame_libraries})
 target_precompile_headers(sinew_frame_pch PRIVATE ${frame_headers} ${CMAKE_CURRENT_LIST_DIR}/pch/fmt_once.h)
 
+# sinew_list_headers(PROPERTY FILE...): adds the headers of the current folder, as they are included, to a global list.
+function(sinew_list_headers property)
+  foreach(file ${ARGN})
+    if(file MATCHES "\\.h$" AND NOT IS_ABSOLUTE ${file})
+      cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${PROJECT_SOURCE_DIR} OUTPUT_VARIABLE folder)
+      set_property(GLOBAL APPEND PROPERTY ${property} ${folder}/${file})
+    endif()
+  endforeach()
+endfunction()
+
 function(sinew_add_module name)
-  cmake_parse_arguments(ARG "FILE;FRAME;LOCAL" "PCH" "SOURCES;DEPENDS;PRIVATE_DEPENDS" ${ARGN})
-  add_library(sinew_${name} STATIC ${ARG_SOURCES})
+  cmake_parse_arguments(ARG "FILE;FRAME;LOCAL" "PCH" "SOURCES;PRIVATE_HEADERS;DEPENDS;PRIVATE_DEPENDS" ${ARGN})
+  add_library(sinew_${name} STATIC ${ARG_SOURCES} ${ARG_PRIVATE_HEADERS})
   add_library(sinew::${name} ALIAS sinew_${name})
   set_target_properties(sinew_${name} PROPERTIES EXPORT_NAME ${name} OUTPUT_NAME sinew_${name})
   target_include_directories(sinew_${name} PUBLIC
@@ -60,7 +75,11 @@ function(sinew_add_module name)
   else()
     target_precompile_headers(sinew_${name} REUSE_FROM sinew_module_pch)
   endif()
-  if(NOT ARG_LOCAL)
+  sinew_list_headers(SINEW_OTHER_HEADERS ${ARG_PRIVATE_HEADERS})
+  if(ARG_LOCAL)
+    sinew_list_headers(SINEW_OTHER_HEADERS ${ARG_SOURCES})
+  else()
+    sinew_list_headers(SINEW_PUBLIC_HEADERS ${ARG_SOURCES})
     set_property(GLOBAL APPEND PROPERTY SINEW_MODULES sinew_${name})
   endif()
 endfunction()
@@ -106,8 +125,12 @@ function(sinew_add_program target binary)
   target_link_libraries(${target} PRIVATE ${ARG_DEPENDS}
     CLI11::CLI11 nlohmann_json::nlohmann_json spdlog::spdlog sinew_flags)
   target_precompile_headers(${target} REUSE_FROM sinew_frame_pch)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ${SINEW_UNITY} UNITY_BUILD_BATCH_SIZE 15)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${SINEW_UNITY})
+  if(SINEW_UNITY_BATCH)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD_BATCH_SIZE 15)
+  endif()
   install(TARGETS ${target} RUNTIME)
+  sinew_list_headers(SINEW_OTHER_HEADERS ${ARG_SOURCES})
   set_property(GLOBAL APPEND PROPERTY SINEW_PROGRAMS ${target})
   add_dependencies(programs ${target})
 endfunction()
@@ -121,10 +144,11 @@ endfunction()
 
 if(SINEW_BUILD_TESTS)
   add_custom_target(unit_tests)
+  add_custom_target(thread_tests)
 endif()
 
 function(sinew_add_test name)
-  cmake_parse_arguments(ARG "SERIAL" "TIMEOUT" "SOURCES;DEPENDS;LABELS;DEFINITIONS;PROGRAMS" ${ARGN})
+  cmake_parse_arguments(ARG "SERIAL;THREADS" "TIMEOUT" "SOURCES;DEPENDS;LABELS;DEFINITIONS;PROGRAMS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_DEPENDS} Eigen3::Eigen GTest::gtest GTest::gmock GTest::gtest_main sinew_flags)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
@@ -139,17 +163,23 @@ function(sinew_add_test name)
   set_target_properties(${name} PROPERTIES UNITY_BUILD ${SINEW_UNITY})
   if(ARG_PROGRAMS)
     add_dependencies(${name} ${ARG_PROGRAMS})
-  elseif(NOT ARG_LABELS)
+  endif()
+  if(NOT ARG_LABELS)
+    if(ARG_PROGRAMS)
+      message(FATAL_ERROR "${name} starts programs: LABELS programs, or LABELS dds SERIAL")
+    endif()
     set(ARG_LABELS unit)
     add_dependencies(unit_tests ${name})
+  endif()
+  if(ARG_THREADS)
+    list(APPEND ARG_LABELS threads)
+    add_dependencies(thread_tests ${name})
   endif()
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 180)
   endif()
   set(properties TIMEOUT ${ARG_TIMEOUT})
-  if(ARG_LABELS)
-    list(APPEND properties LABELS "${ARG_LABELS}")
-  endif()
+  list(APPEND properties LABELS "${ARG_LABELS}")
   if(ARG_SERIAL)
     list(APPEND properties RUN_SERIAL TRUE)
   endif()

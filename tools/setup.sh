@@ -1,11 +1,12 @@
 # shellcheck shell=bash
-# Set-up that tools/demo and tools/test share: packages, versions, configure, build. Sourced, not run;
+# Set-up that tools/demo, tools/test and tools/lint share: packages, versions, configure, build. Sourced, not run;
 # `root` is the folder of the project.
 : "${root:?}"
 
 say() { printf '\n== %s\n' "$*"; }
 
-packages() { sed 's/#.*//' "$root/tools/packages.txt" | tr -s '[:space:]' '\n' | sed '/^$/d'; }
+package_lists=("$root/tools/packages.txt")
+packages() { sed 's/#.*//' "${package_lists[@]}" | tr -s '[:space:]' '\n' | sed '/^$/d'; }
 
 missing_packages() {
   local package
@@ -15,12 +16,12 @@ missing_packages() {
   done
 }
 
-# Installs what is missing of tools/packages.txt; without the right to do so, says how.
+# Installs what is missing of the lists; without the right to do so, says how.
 install_packages() {
   local missing
   missing=$(missing_packages | tr '\n' ' ')
   if [ -z "$missing" ]; then
-    say "Packages: all of tools/packages.txt are installed"
+    say "Packages: all of ${package_lists[*]#"$root/"} are installed"
     return
   fi
   if [ "$(id -u)" -ne 0 ]; then

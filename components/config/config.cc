@@ -59,7 +59,7 @@ std::optional<double> ToNumber(const std::string& text) {
 // "viscous_Nm_s_rad" and "viscous_Nm" share the stem "viscous": names that differ only by their
 // unit.
 std::string Stem(const std::string& key) {
-  static const std::set<std::string> kUnits = {
+  static const std::set<std::string> units = {
       "N",   "Nm",      "rad",  "deg", "m",   "mm",  "s",    "ms", "us",   "ns", "Hz",
       "V",   "A",       "bar",  "Pa",  "kg",  "K",   "degC", "m2", "m3",   "s2", "rad2",
       "per", "percent", "turn", "rev", "W",   "ohm", "H",    "l",  "J",    "MB", "g",
@@ -67,7 +67,7 @@ std::string Stem(const std::string& key) {
   std::string stem = key;
   while (true) {
     const std::size_t cut = stem.rfind('_');
-    if (cut == std::string::npos || kUnits.count(stem.substr(cut + 1)) == 0) return stem;
+    if (cut == std::string::npos || !units.contains(stem.substr(cut + 1))) return stem;
     stem.resize(cut);
   }
 }
@@ -137,7 +137,7 @@ Section Section::Parse(const std::string& text, const std::string& name, std::st
     throw UsageError(Where(impl->file, 1) +
                      ": expected a mapping with 'schema: " + std::string(schema) + "'");
   }
-  const Section section(impl);
+  Section section(impl);
   const std::string found = section.Text("schema");
   if (found != schema) {
     impl->Fail("schema", LineOf(impl->node["schema"]),
@@ -211,7 +211,7 @@ std::string Section::TextOr(std::string_view key, std::string_view fallback) con
 
 std::string Section::Choice(std::string_view key, const std::vector<std::string>& allowed) const {
   impl_->Need(key, "one of " + Join(allowed));
-  const std::string word = Text(key);
+  std::string word = Text(key);
   if (std::find(allowed.begin(), allowed.end(), word) == allowed.end()) {
     Fail(key, "'" + word + "', expected one of " + Join(allowed));
   }
@@ -233,7 +233,7 @@ std::vector<double> Section::Numbers(std::string_view key, Range range) const {
 
 std::vector<double> Section::NumbersOr(std::string_view key, std::vector<double> fallback,
                                        Range range) const {
-  return Has(key) ? Numbers(key, range) : fallback;
+  return Has(key) ? Numbers(key, range) : std::move(fallback);
 }
 
 std::vector<std::int64_t> Section::Integers(std::string_view key, Range range) const {
@@ -325,7 +325,7 @@ void Section::RejectUnknownKeys() const {
   if (impl_->node.IsDefined() && impl_->node.IsMap()) {
     for (const auto& entry : impl_->node) {
       const std::string key = entry.first.Scalar();
-      if (impl_->asked.count(key) != 0) continue;
+      if (impl_->asked.contains(key)) continue;
       for (const std::string& known : impl_->asked) {
         if (Stem(known) == Stem(key) && known.find('_') != std::string::npos) {
           impl_->Fail(key, LineOf(entry.first),

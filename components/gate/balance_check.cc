@@ -194,6 +194,7 @@ double LeftShare(const std::vector<const States*>& parts, const JointModel& mode
   Eigen::Index row = 0;
   for (const States* part : parts) {
     std::vector<std::vector<double>> memory;
+    memory.reserve(terms.size());
     for (const actuator::Term* term : terms) {
       memory.emplace_back(static_cast<std::size_t>(term->effect->memory_size()));
     }
@@ -360,6 +361,7 @@ std::vector<Measurement> CheckBalance(const std::vector<Run>& runs, const JointM
   });
   if (states.size() > 1 && !said) {
     std::vector<const States*> all;
+    all.reserve(states.size());
     for (const States& part : states) all.push_back(&part);
     for (Measurement& at : Compare(all, model, runs, drive, nullptr)) out.push_back(std::move(at));
   }

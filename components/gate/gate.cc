@@ -105,7 +105,7 @@ GateReport ExamineData(const std::vector<Run>& runs, const actuator::JointModel&
       if (!(at.statistic > rule.limit) || HasLarger(all, at)) continue;
       Fault fault;
       static_cast<Measurement&>(fault) = at;
-      fault.accepted = options.accepted.count(at.rule) != 0;
+      fault.accepted = options.accepted.contains(at.rule);
       out.faults.push_back(std::move(fault));
     }
     if (largest != nullptr) out.largest.push_back(*largest);

@@ -68,6 +68,7 @@ FitResult FitModel(const Design& design, const actuator::JointModel& model,
     out.coefficients =
         out.balance.nominal + Solve(total.G, total.m - total.G * out.balance.nominal);
     std::vector<Moments> parts;
+    parts.reserve(blocks.size());
     for (const Block& block : blocks) {
       parts.push_back(MomentsOf(block, out.balance.columns, out.balance.target));
     }

@@ -67,6 +67,7 @@ void FitOpening(const UniformSegment& piece, const Eigen::VectorXd& pressure, Ei
 void PlayOpenings(const std::vector<Opening>& openings, StateSet* states) {
   if (openings.empty()) return;
   std::vector<double> dead;
+  dead.reserve(openings.size());
   for (const Opening& opening : openings) dead.push_back(opening.dead_s);
   const double middle_s = Quantile(std::move(dead), 0.5);
   for (const Opening& opening : openings) {

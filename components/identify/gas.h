@@ -42,8 +42,8 @@ struct GasWindows {
   int openings = 0;  // windows around an opening that moved the pressure
 };
 
-// motion: options of the motion balance, resolved. model: fitted in it.
-GasWindows MakeGasStates(const std::vector<types::Run>& runs, const actuator::JointModel& model,
+// motion: options of the motion balance, resolved. fitted: the model fitted in it.
+GasWindows MakeGasStates(const std::vector<types::Run>& runs, const actuator::JointModel& fitted,
                          const ProcessingOptions& motion);
 
 // dV/dq at an angle, m3/rad, as the model's pneumatic terms say.

@@ -109,6 +109,7 @@ double IirFilter::Gain(double frequency_Hz, double rate_Hz) const {
 IirFilter ButterworthLowPass(int order, double cutoff_Hz, double rate_Hz) {
   Check(order, cutoff_Hz, rate_Hz);
   std::vector<Complex> poles;
+  poles.reserve(static_cast<std::size_t>(order));
   for (int k = 0; k < order; ++k) {
     poles.push_back(std::polar(1.0, kPi * (2.0 * k + order + 1) / (2.0 * order)));
   }

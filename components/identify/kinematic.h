@@ -25,13 +25,14 @@ namespace sinew::identify {
 
 inline constexpr double kSureContact = 4.0;
 
-// motion: options of the motion balance, resolved. model: fitted in it. residual_rms: of the torque
-// balance before filtering; 0: taken from these recordings.
-StateSet MakeKinematicStates(const std::vector<types::Run>& runs, const actuator::JointModel& model,
-                             const ProcessingOptions& motion, double residual_rms_Nm = 0.0);
+// motion: options of the motion balance, resolved. fitted: the model fitted in it. residual_rms: of
+// the torque balance before filtering; 0: taken from these recordings.
+StateSet MakeKinematicStates(const std::vector<types::Run>& runs,
+                             const actuator::JointModel& fitted, const ProcessingOptions& motion,
+                             double residual_rms_Nm = 0.0);
 
 // Rms of the torque balance at the moving samples, at the full rate.
-double RawResidualTorque(const StateSet& states, const actuator::JointModel& model);
+double RawResidualTorque(const StateSet& states, const actuator::JointModel& fitted);
 
 // Why the recordings show nothing of this balance; empty when they do.
 std::string WhyNoKinematics(const std::vector<types::Run>& runs, const actuator::JointModel& model);

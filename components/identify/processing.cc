@@ -120,7 +120,7 @@ StateSet MakeStates(const std::vector<types::Run>& runs, const actuator::JointMo
       out.measured.insert(fields.begin(), fields.end());
     } else {
       std::erase_if(out.measured, [&](const std::string& field) {
-        return always.count(field) == 0 && fields.count(field) == 0;
+        return !always.contains(field) && !fields.contains(field);
       });
     }
     run.At(drive);  // says which signal is missing
@@ -174,7 +174,7 @@ StateSet MakeStates(const std::vector<types::Run>& runs, const actuator::JointMo
       }
       const Eigen::VectorXd jerk = rate_of(a);
       const Eigen::VectorXd snap = rate_of(jerk);
-      const bool motor = piece.signals.count(types::Signal::kMotorPosition) != 0;
+      const bool motor = piece.signals.contains(types::Signal::kMotorPosition);
       const bool locked = options.raw && motor &&
                           IsLocked(piece.signals.at(types::Signal::kMotorPosition) / ratio, q);
       out.locked = out.locked || locked;
@@ -190,7 +190,7 @@ StateSet MakeStates(const std::vector<types::Run>& runs, const actuator::JointMo
           motor ? piece.signals.at(types::Signal::kMotorPosition) : Eigen::VectorXd(ratio * q);
       const Eigen::VectorXd motor_rows =
           motor ? measured(types::Signal::kMotorPosition)
-          : options.raw && piece.signals.count(types::Signal::kPosition) != 0
+          : options.raw && piece.signals.contains(types::Signal::kPosition)
               ? Eigen::VectorXd(ratio * measured(types::Signal::kPosition))
               : at_rows(ratio * q);
       const double motor_cutoff_Hz =
@@ -326,7 +326,7 @@ StateSet MakeStates(const std::vector<types::Run>& runs, const actuator::JointMo
     const effects::EffectInfo& info = term.effect->info();
     if (info.balance != effects::Balance::kMotion) continue;  // not every recording shows those
     for (const std::string& field : info.needs) {
-      if (out.measured.count(field) != 0) continue;
+      if (out.measured.contains(field)) continue;
       throw std::invalid_argument("recording " + runs.front().name + " does not give '" + field +
                                   "', which the term '" + info.name + "' of joint '" + model.name +
                                   "' reads");

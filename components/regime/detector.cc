@@ -74,7 +74,7 @@ void RegimeDetector::Fail(Trouble trouble) noexcept {
   setup_done_ = false;
 }
 
-void RegimeDetector::Setup_(const DetectorInput& input, DetectorOutput* output) noexcept {
+void RegimeDetector::HandleSetup(const DetectorInput& input, DetectorOutput* output) noexcept {
   const double motor_rad = input.motor_position_rad / config_.gear_ratio;
   const double gap_rad = motor_rad - input.output_position_rad;
   const double push = -config_.chamber_direction;  // the motor turns against the chamber
@@ -166,7 +166,7 @@ DetectorOutput RegimeDetector::Step(const DetectorInput& input) noexcept {
 
   if (!setup_done_) {
     if (config_.setup == Setup::kActive && input.armed && stage_ != Stage::kFailed)
-      Setup_(input, &output);
+      HandleSetup(input, &output);
     output.trouble = trouble_;
     if (stage_ == Stage::kFailed) {
       output.phase = Phase::kWaiting;

@@ -96,7 +96,7 @@ class RegimeDetector {
   enum class Stage { kIdle, kPressurise, kPush, kFailed };
 
   void Forget() noexcept;
-  void Setup_(const DetectorInput& input, DetectorOutput* output) noexcept;
+  void HandleSetup(const DetectorInput& input, DetectorOutput* output) noexcept;
   void Fail(Trouble trouble) noexcept;
 
   DetectorConfig config_;

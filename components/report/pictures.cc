@@ -227,7 +227,7 @@ Picture ResidualOverVariable(const Report& report, const Design& design, const A
 Picture SpectrumByAngle(const Report& report, const Design& design, const Eigen::VectorXd& before,
                         const Eigen::VectorXd& after) {
   const trace::TraceResult& trace = report.trace;
-  const bool motor = design.states().measured.count("motor_position_rad") != 0;
+  const bool motor = design.states().measured.contains("motor_position_rad");
   const Eigen::VectorXd angle = design.Variable(
       [&](const JointSample& x) { return motor ? x.motor_position_rad : x.position_rad; });
   const std::vector<Eigen::Index> used = design.rows().UsedRows();

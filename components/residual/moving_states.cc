@@ -39,7 +39,7 @@ MovingStates::MovingStates(double period_s, double window_s) : period_s_(period_
     weights_.row(k) *= factor;
     factor *= (k + 1) / (half_ * period_s);
   }
-  for (std::vector<double>& channel : ring_) channel.resize(static_cast<std::size_t>(2 * width));
+  for (std::vector<double>& channel : ring_) channel.resize(2 * static_cast<std::size_t>(width));
   readings_.resize(static_cast<std::size_t>(width));
 }
 

@@ -288,7 +288,7 @@ class Assessor {
     std::map<std::string, EffectSet> out;
     for (std::size_t h = 0; h < hypotheses.size(); ++h) {
       const std::string& name = hypotheses[h].name;
-      if (!hypotheses[h].physical() || refuted_.count(name) != 0) continue;
+      if (!hypotheses[h].physical() || refuted_.contains(name)) continue;
       if (hypotheses[h].asked == Asked::kNoise) continue;
       if (hypotheses[h].asked == Asked::kRival && name == hypotheses[set.members[member]].name) {
         continue;
@@ -328,7 +328,7 @@ class Assessor {
       Posterior posterior = PosteriorOfNames(out_.chosen.net - without.net, possible);
       const auto leads = std::find_if(
           posterior.begin(), posterior.end(),
-          [&](const NameProbability& entry) { return only_rivals.count(entry.name) == 0; });
+          [&](const NameProbability& entry) { return !only_rivals.contains(entry.name); });
       std::rotate(posterior.begin(), leads, leads + 1);
       out_.chosen = std::move(sets.at(posterior.front().name));
       out_.posteriors.push_back(std::move(posterior));

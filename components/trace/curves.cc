@@ -156,12 +156,12 @@ std::vector<Curve> FreeCurves(const identify::Design& design) {
     if (curve.columns.cols() > 0 && curve.columns.allFinite()) out.push_back(std::move(curve));
   };
   for (const Variable& variable : kVariables) {
-    if (design.states().measured.count(variable.name) == 0) continue;
+    if (!design.states().measured.contains(variable.name)) continue;
     // Where the motor is locked the load cell is the measured side itself.
     if (design.states().locked && std::string_view(variable.name) == "load_force_N") continue;
     add(Over(design, variable, used));
   }
-  if (design.states().measured.count("motor_position_rad") != 0) add(OverMotorTurn(design));
+  if (design.states().measured.contains("motor_position_rad")) add(OverMotorTurn(design));
   // Every window has a level of its own already, and no time runs between holds.
   if (!design.rows().window.empty() || design.held()) return out;
   add(OverTime(design, One, "", used));

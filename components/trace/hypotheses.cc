@@ -53,11 +53,7 @@ class Builder {
  public:
   Builder(const identify::Design& design, const Likelihood& likelihood,
           const actuator::JointModel& model, const identify::Balance& balance, Bank* bank)
-      : design_(design),
-        likelihood_(likelihood),
-        used_(likelihood.used),
-        model_(model),
-        bank_(*bank) {
+      : design_(design), likelihood_(likelihood), used_(likelihood.used), bank_(*bank) {
     scale_ = balance.fits_scale ? balance.Scale(balance.nominal) : 1.0;
     drive_share_ = actuator::DriveShare(model, model.balance);
     const Eigen::VectorXd angle =
@@ -207,7 +203,6 @@ class Builder {
   const identify::Design& design_;
   const Likelihood& likelihood_;
   const UsedRows& used_;
-  const actuator::JointModel& model_;
   Bank& bank_;
   double scale_ = 1.0, drive_share_ = 1.0, target_rms_ = 0.0, target_peak_ = 0.0;
   double turns_ = 0.0;  // of the output that the rows cover
@@ -216,10 +211,10 @@ class Builder {
 }  // namespace
 
 bool Hypothesis::from_rates() const {
-  static const std::set<std::string> kRates = {"acceleration_rad_s2", "motor_acceleration_rad_s2",
-                                               "jerk_rad_s3", "snap_rad_s4", "drive_rate"};
+  static const std::set<std::string> rates = {"acceleration_rad_s2", "motor_acceleration_rad_s2",
+                                              "jerk_rad_s3", "snap_rad_s4", "drive_rate"};
   return physical() && effect->info().balance == effects::Balance::kMotion &&
-         kRates.count(variable) != 0;
+         rates.contains(variable);
 }
 
 double LeastShare(const Hypothesis& hypothesis) {
@@ -246,7 +241,7 @@ Bank MakeBank(const identify::Design& design, const Likelihood& likelihood,
   bank.prior = PriorOf(balance, model, used, nuisances);
 
   Builder builder(design, likelihood, model, balance, &bank);
-  const bool spectrum = design.states().measured.count("motor_position_rad") != 0;
+  const bool spectrum = design.states().measured.contains("motor_position_rad");
   CandidateSet set = MakeCandidates(design, model);
   for (const Candidate& candidate : set.candidates) {
     if (spectrum && candidate.name() == "cogging") continue;  // AddOrders
@@ -266,7 +261,7 @@ void AddOrders(const identify::Design& design, const Likelihood& likelihood,
                const actuator::JointModel& model, const identify::Balance& balance,
                const Eigen::VectorXd& whitened_residual, Bank* bank) {
   const UsedRows& used = likelihood.used;
-  if (design.states().measured.count("motor_position_rad") == 0) return;
+  if (!design.states().measured.contains("motor_position_rad")) return;
   if (model.balance != effects::Balance::kMotion) return;
   const Eigen::VectorXd all =
       design.Variable([](const effects::JointSample& x) { return x.motor_position_rad; });

@@ -54,7 +54,7 @@ double Spread(const identify::Design& design, const actuator::JointModel& model,
 
 bool Provides(const identify::Design& design, const EffectInfo& info) {
   for (const std::string& field : info.needs) {
-    if (design.states().measured.count(field) == 0) return false;
+    if (!design.states().measured.contains(field)) return false;
   }
   return true;
 }

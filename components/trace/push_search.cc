@@ -162,9 +162,10 @@ std::optional<Pushes> PushesOf(const identify::Design& design, const Scan& scan,
   // The loudest that stand apart: the motion goes on to answer for a while after it was pushed.
   std::vector<std::pair<std::size_t, Response>> peaks;
   for (const auto& [run, response] : responses) {
+    const std::size_t of_run = run;
+    const double start_s = response.start_s;
     const bool near = std::any_of(peaks.begin(), peaks.end(), [&](const auto& other) {
-      return other.first == run &&
-             std::abs(other.second.start_s - response.start_s) < 2.0 * length_s;
+      return other.first == of_run && std::abs(other.second.start_s - start_s) < 2.0 * length_s;
     });
     if (!near) peaks.emplace_back(run, response);
     if (peaks.size() > kMostPushes * runs + kBackground) break;
@@ -238,7 +239,8 @@ std::vector<std::vector<double>> LocatePushes(const identify::Design& design, do
       if (gain > 0.5 * theta * theta * r.power) gains.emplace_back(gain, r.start_s);
     }
     std::sort(gains.rbegin(), gains.rend());
-    for (const auto& [gain, start_s] : gains) {
+    for (const std::pair<double, double>& found : gains) {
+      const double start_s = found.second;
       const bool near = std::any_of(out[run].begin(), out[run].end(), [&](double other) {
         return std::abs(other - start_s) < 2.0 * length_s;
       });

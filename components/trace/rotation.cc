@@ -114,10 +114,12 @@ std::set<std::string> AgreedEffects(const std::vector<Rotation>& rotations) {
           const FoundEffect* found = FindClass(rotation.trace.effects, name);
           return found != nullptr && found->confirmation.verdict == ConfirmationVerdict::kConfirmed;
         });
-    return static_cast<std::size_t>(confirming) >= needed && refuted.count(name) == 0;
+    return static_cast<std::size_t>(confirming) >= needed && !refuted.contains(name);
   };
   std::set<std::string> out;
-  for (const auto& [name, own] : gain) {
+  for (const std::pair<const std::string, double>& effect : gain) {
+    const std::string& name = effect.first;
+    const double own = effect.second;
     if (!agreed(name)) continue;
     // Of a class that goes by several names the one that gains most in all.
     const bool other = std::any_of(gain.begin(), gain.end(), [&](const auto& entry) {

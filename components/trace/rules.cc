@@ -17,7 +17,7 @@ std::set<std::string, std::less<>>& Absent() {
 }  // namespace
 
 double Limit(const Rule& rule) {
-  return Absent().count(std::string_view(rule.id)) == 0 ? rule.limit : rule.off;
+  return !Absent().contains(std::string_view(rule.id)) ? rule.limit : rule.off;
 }
 
 void TakeOut(std::string_view id) {

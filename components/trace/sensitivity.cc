@@ -169,7 +169,7 @@ Sensitivity FindSensitivity(const Problem& problem, const std::vector<Detectable
   }
   out.assessed.assign(shown.begin(), shown.end());
   for (const auto& [name, share] : smallest) {
-    if (shown.count(name) != 0) continue;
+    if (shown.contains(name)) continue;
     if (!std::isfinite(share)) {
       out.not_excited.push_back(
           {name, "the declared terms carry all of it: only a shift of parameters shows"});

@@ -70,7 +70,7 @@ bool Physical(const Evidence& evidence, const std::vector<Hypothesis>& hypothese
 SetSearch SearchSets(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
                      std::size_t largest, const std::set<std::string>& refuted) {
   const auto asked = [&](std::size_t h) {
-    return hypotheses[h].asked == Asked::kSearched && refuted.count(hypotheses[h].name) == 0;
+    return hypotheses[h].asked == Asked::kSearched && !refuted.contains(hypotheses[h].name);
   };
   SetSearch out;
   out.best.emplace_back();

@@ -161,7 +161,7 @@ Eigen::MatrixXd Whiten(const Likelihood& likelihood,
 
 Eigen::VectorXd WhitenTransposed(const Likelihood& likelihood,
                                  const Eigen::Ref<const Eigen::VectorXd>& whitened) {
-  const Eigen::VectorXd out = likelihood.noise.Transpose(whitened, likelihood.used.stretches);
+  Eigen::VectorXd out = likelihood.noise.Transpose(whitened, likelihood.used.stretches);
   if (likelihood.weight.size() == 0) return out;
   return likelihood.weight.cwiseProduct(out);
 }

@@ -39,7 +39,7 @@ struct Run {
   bool rigid_torque_later = false;  // rigid_torque is empty because it is computed later
 
   Eigen::Index size() const { return time_s.size(); }
-  bool Has(Signal signal) const { return signals.count(signal) != 0; }
+  bool Has(Signal signal) const { return signals.contains(signal); }
   // Throws std::invalid_argument that names the run and the missing signal.
   const Eigen::VectorXd& At(Signal signal) const;
 };

@@ -90,16 +90,16 @@ void CheckOrder(const std::vector<config::Section>& sections, const std::vector<
   for (bool progress = true; progress;) {
     progress = false;
     for (const Process& process : list) {
-      if (startable.count(process.name) != 0) continue;
+      if (startable.contains(process.name)) continue;
       if (std::all_of(process.after.begin(), process.after.end(),
-                      [&](const std::string& name) { return startable.count(name) != 0; })) {
+                      [&](const std::string& name) { return startable.contains(name); })) {
         startable.insert(process.name);
         progress = true;
       }
     }
   }
   for (std::size_t i = 0; i < list.size(); ++i) {
-    if (startable.count(list[i].name) == 0) {
+    if (!startable.contains(list[i].name)) {
       sections[i].Fail("after", "waits for itself in a circle, expected an order of starting");
     }
   }
@@ -297,12 +297,12 @@ Deployment LoadDeployment(const fs::path& file, const Overrides& overrides,
   }
   root.RejectUnknownKeys();
   if (sections.empty()) root.Fail("processes", "empty, expected at least one process");
-  if (!deployment.provider.empty() && names.count(deployment.provider) == 0) {
+  if (!deployment.provider.empty() && !names.contains(deployment.provider)) {
     root.Fail("provider", "'" + deployment.provider + "', expected the name of a process");
   }
   for (std::size_t i = 0; i < sections.size(); ++i) {
     for (const std::string& name : deployment.processes[i].after) {
-      if (names.count(name) == 0) {
+      if (!names.contains(name)) {
         sections[i].Fail("after", "'" + name + "', expected the name of a process");
       }
     }

@@ -85,11 +85,11 @@ bool EndedByStopSignal(int status) {
   return false;
 }
 
-enum class State { kWaiting, kRunning, kExited, kBackingOff, kEnded };
-
 }  // namespace
 
 struct Launcher::Impl {
+  enum class State { kWaiting, kRunning, kExited, kBackingOff, kEnded };
+
   struct Stream {
     explicit Stream(asio::io_context& context) : pipe(context) {}
     bp::async_pipe pipe;

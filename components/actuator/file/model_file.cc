@@ -41,7 +41,7 @@ ParameterValue ReadParameter(const Section& term, const effects::EffectInfo& eff
       right_keys.insert(effects::ParameterKey(other, kind));
     for (const std::string& other : term.Keys()) {
       const bool same_name = other == info.name || other.starts_with(info.name + "_");
-      if (same_name && right_keys.count(other) == 0) {
+      if (same_name && !right_keys.contains(other)) {
         term.Fail(other, "wrong unit, expected '" + key + "' (" + info.meaning + ")");
       }
     }

@@ -144,7 +144,7 @@ Columns ColumnsOf(const UniformSegment& segment, const actuator::JointModel& mod
     output.velocity = geared.velocity;
     output.acceleration = geared.acceleration;
   }
-  if (segment.signals.count(Measured::kMotorPosition) != 0) {
+  if (segment.signals.contains(Measured::kMotorPosition)) {
     columns.play =
         segment.signals.at(Measured::kMotorPosition) / model.constants.gear_ratio - position;
   }
