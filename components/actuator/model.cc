@@ -122,7 +122,7 @@ void JointModel::Advance(const effects::JointSample& x, double dt_s,
   });
 }
 
-double JointModel::TermTorque(int term, const effects::JointSample& x,
+double JointModel::TermTorque(int index, const effects::JointSample& x,
                               std::span<const double> memory) const noexcept {
   std::size_t at = 0;
   for (int i = 0; i < index; ++i) {

@@ -94,7 +94,7 @@ class JointModel {
   void Advance(const effects::JointSample& x, double dt_s, std::span<double> memory) const noexcept;
 
   // Torque of one term at x (positive in +position).
-  double TermTorque(int term, const effects::JointSample& x,
+  double TermTorque(int index, const effects::JointSample& x,
                     std::span<const double> memory) const noexcept;
   // Sum over the terms of a role.
   double Torque(effects::Role role, const effects::JointSample& x,
