@@ -9,7 +9,6 @@
 namespace sinew::experiment {
 namespace {
 
-constexpr double kMovedSpeed_rad_s = 0.03;
 constexpr double kBeyond_N = 2.0;  // past the force that moved the link: it stands at the end
 constexpr double kLongestDown_s = 4.0;
 constexpr double kLongestUp_s = 4.0;

@@ -12,7 +12,6 @@ namespace sinew::experiment {
 namespace {
 
 constexpr double kMarginShare = 0.12;  // of the play, at each end
-constexpr double kMovedSpeed_rad_s = 0.03;
 constexpr std::size_t kFewestRows = 6;
 constexpr double kReleased_N = 0.3;
 constexpr double kRest_rad_s = 0.01;

@@ -12,6 +12,9 @@
 
 namespace sinew::experiment {
 
+// A link that moves faster than this is on its way.
+inline constexpr double kMovedSpeed_rad_s = 0.03;
+
 // Means under a Hann window over some rows.
 struct WindowMean {
   double time_s = 0.0;

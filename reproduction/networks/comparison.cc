@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <mutex>
 #include <stdexcept>
 
 #include "components/identify/statistics.h"
@@ -21,7 +20,7 @@ using networks::Method;
 using networks::PublishedModel;
 using networks::Samples;
 using networks::Task;
-using Clock = std::chrono::steady_clock;
+using SteadyClock = std::chrono::steady_clock;
 
 // The data set on which hyper-parameters are chosen is none of those that are scored.
 constexpr std::uint64_t kSearchSet = 1000;
@@ -97,7 +96,7 @@ class Comparer {
 
   const ComparisonOptions options_;
   const Progress progress_;
-  const Clock::time_point start_ = Clock::now();
+  const SteadyClock::time_point start_ = SteadyClock::now();
   const networks::Task task_;
   const bool surrogate_;
   const bool as_published_;
@@ -251,7 +250,10 @@ void Comparer::AddGcvTwins() {
 }
 
 void Comparer::TrainFairly() {
-  std::mutex mutex;
+  // By model and seed, summed in order afterwards: no sum depends on the threads.
+  const std::size_t seeds = static_cast<std::size_t>(seeds_);
+  std::vector<std::vector<double>> quiet(result_.models.size(), std::vector<double>(seeds, 0.0));
+  std::vector<std::vector<double>> busy = quiet;
   std::vector<std::function<void()>> jobs;
   for (const std::size_t m : dear_) {
     const std::size_t best = static_cast<std::size_t>(
@@ -263,14 +265,11 @@ void Comparer::TrainFairly() {
       jobs.push_back([&, m, s, plan] {
         ComparedModel& model = result_.models[m];
         const ComparisonSet& set = SetOf(s);
+        const std::size_t at = static_cast<std::size_t>(s);
         const TimedFit timed =
             FitTimed(plan, set.fair, task_, options_.seed + static_cast<std::uint64_t>(s));
         Keep(&model.fair, s, timed);
-        double quiet = 0.0, busy = 0.0;
-        AddParts(set, timed.fit.predicted, set.fair, &quiet, &busy);
-        const std::lock_guard lock(mutex);
-        model.quiet_mse += quiet / seeds_;
-        model.busy_mse += busy / seeds_;
+        AddParts(set, timed.fit.predicted, set.fair, &quiet[m][at], &busy[m][at]);
         if (s == 0 && !as_published_) first_[m] = timed.fit.model;
       });
       if (twin_[m] == 0) continue;
@@ -278,19 +277,22 @@ void Comparer::TrainFairly() {
         PublishedModel by_gcv = plan;
         by_gcv.reservoir.beta_by_validation = false;
         const ComparisonSet& set = SetOf(s);
+        const std::size_t at = static_cast<std::size_t>(s);
         const TimedFit timed =
             FitTimed(by_gcv, set.fair, task_, options_.seed + static_cast<std::uint64_t>(s));
         ComparedModel& model = result_.models[twin_[m]];
         Keep(&model.fair, s, timed);
-        double quiet = 0.0, busy = 0.0;
-        AddParts(set, timed.fit.predicted, set.fair, &quiet, &busy);
-        const std::lock_guard lock(mutex);
-        model.quiet_mse += quiet / seeds_;
-        model.busy_mse += busy / seeds_;
+        AddParts(set, timed.fit.predicted, set.fair, &quiet[twin_[m]][at], &busy[twin_[m]][at]);
       });
     }
   }
   RunCounted(jobs);
+  for (std::size_t m = 0; m < result_.models.size(); ++m) {
+    for (std::size_t s = 0; s < seeds; ++s) {
+      result_.models[m].quiet_mse += quiet[m][s] / seeds_;
+      result_.models[m].busy_mse += busy[m][s] / seeds_;
+    }
+  }
 }
 
 // The two best of the published order on more and more sets of one specimen.
@@ -358,10 +360,10 @@ void Comparer::AddGreyBox() {
   for (int s = 0; s < seeds_; ++s) {
     const ComparisonSet& set = SetOf(s);
     const auto fit = [&](const Samples& samples, Runs* runs) {
-      const Clock::time_point begin = Clock::now();
+      const SteadyClock::time_point begin = SteadyClock::now();
       TimedFit timed;
       const networks::GreyBox model = networks::FitGreyBox(task_, samples, &timed.fit.predicted);
-      timed.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+      timed.seconds = std::chrono::duration<double>(SteadyClock::now() - begin).count();
       timed.fit.train_mse = networks::MeanSquare(samples, timed.fit.predicted, samples.train);
       timed.fit.test_mse = networks::MeanSquare(samples, timed.fit.predicted, samples.test);
       Keep(runs, s, timed);
@@ -422,7 +424,7 @@ ComparisonResult Comparer::Run() {
   DescribeData();
   if (as_published_) result_.order_published = Orders(result_.models, false);
   result_.order_fair = Orders(result_.models, true);
-  result_.seconds = std::chrono::duration<double>(Clock::now() - start_).count();
+  result_.seconds = std::chrono::duration<double>(SteadyClock::now() - start_).count();
   return result_;
 }
 

@@ -9,8 +9,6 @@
 
 namespace sinew::reproduction {
 
-using Clock = std::chrono::steady_clock;
-
 double Runs::Mean(const std::vector<double>& values) const { return identify::Mean(values); }
 double Runs::Deviation(const std::vector<double>& values) const {
   return identify::StandardDeviation(values);
@@ -38,6 +36,7 @@ PairedOrder ComparePaired(const std::vector<double>& better, const std::vector<d
 }
 
 double StepTime_us(const networks::Model& model) {
+  using Clock = std::chrono::steady_clock;
   networks::Stepper stepper(model);
   const Eigen::Index inputs = static_cast<Eigen::Index>(model.inputs.size());
   Eigen::MatrixXd u(inputs, 64);

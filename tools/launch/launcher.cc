@@ -27,6 +27,8 @@
 #include <sstream>
 #include <system_error>
 
+#include "tools/launch/process_end.h"
+
 namespace sinew::launch {
 
 namespace {
@@ -38,15 +40,6 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kKeptLines = 8;  // of each stream, printed when a process fails
 constexpr std::chrono::milliseconds kDrain(
     500);  // for output still in the pipes of an ended process
-constexpr double kLongestBackOff_s = 60.0;
-
-std::string CauseOf(int status) {
-  if (WIFSIGNALED(status)) {
-    const int signal = WTERMSIG(status);
-    return "signal " + std::to_string(signal) + " (" + strsignal(signal) + ")";
-  }
-  return "exit code " + std::to_string(WEXITSTATUS(status));
-}
 
 std::string Seconds(double seconds) {
   std::ostringstream out;
@@ -75,15 +68,6 @@ struct PrepareChild {
     ::signal(SIGPIPE, SIG_DFL);
   }
 };
-
-// A program may take our SIGINT or SIGTERM as its death, or say so with the shells' exit code.
-bool EndedByStopSignal(int status) {
-  for (const int signal : {SIGINT, SIGTERM}) {
-    if (WIFSIGNALED(status) && WTERMSIG(status) == signal) return true;
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 128 + signal) return true;
-  }
-  return false;
-}
 
 }  // namespace
 
@@ -279,14 +263,14 @@ struct Launcher::Impl {
   void Settle(Child* child) {
     child->timer->cancel();
     const Process& process = *child->process;
-    const bool stopping = phase != Phase::kRunning;
-    const bool asked_to_stop = phase > Phase::kSettling;
-    const bool failed = child->status != 0 && !(asked_to_stop && EndedByStopSignal(child->status));
     const bool is_provider = process.name == deployment.provider;
-    const bool wanted = process.restart == Restart::kAlways
-                            ? !(is_provider && !failed)
-                            : process.restart == Restart::kOnFailure && failed;
-    if (!stopping && wanted && child->restarts < process.max_restarts) {
+    const ProcessEnd end{.status = child->status,
+                         .deployment_stops = phase != Phase::kRunning,
+                         .asked_to_stop = phase > Phase::kSettling,
+                         .is_provider = is_provider,
+                         .restarts = child->restarts};
+    const bool failed = Failed(end);
+    if (StartsAgain(process, end)) {
       BackOff(child, failed);
       return;
     }
@@ -294,7 +278,7 @@ struct Launcher::Impl {
     if (failed) {
       const double age_s = std::chrono::duration<double>(Clock::now() - child->started).count();
       std::string cause = CauseOf(child->status) + " after " + Seconds(age_s);
-      if (asked_to_stop) cause += ", while stopping";
+      if (end.asked_to_stop) cause += ", while stopping";
       if (child->restarts > 0) {
         cause += ", restarted " + std::to_string(child->restarts) + " times before";
       }
@@ -313,9 +297,7 @@ struct Launcher::Impl {
   }
 
   void BackOff(Child* child, bool failed) {
-    const double wait_s =
-        std::min(kLongestBackOff_s, child->process->back_off_s *
-                                        static_cast<double>(1 << std::min(child->restarts, 20)));
+    const double wait_s = BackOff_s(*child->process, child->restarts);
     ++child->restarts;
     ++result.restarts;
     child->state = State::kBackingOff;

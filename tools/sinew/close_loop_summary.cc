@@ -3,6 +3,8 @@
 #include <set>
 
 #include "components/report/errors.h"
+#include "components/report/gate_page.h"
+#include "components/report/section.h"
 #include "tools/sinew/close_loop.h"
 
 namespace sinew::tools {

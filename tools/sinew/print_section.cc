@@ -52,4 +52,9 @@ void PrintSectionJson(const report::Section& section) {
   std::cout << all.dump(2) << '\n';
 }
 
+bool AllMet(const report::Section& section) {
+  return std::all_of(section.comparisons.begin(), section.comparisons.end(),
+                     [](const report::Comparison& c) { return c.met.value_or(true); });
+}
+
 }  // namespace sinew::tools

@@ -7,5 +7,7 @@ namespace sinew::tools {
 
 void PrintSection(const report::Section& section);
 void PrintSectionJson(const report::Section& section);
+// True when every target that there is was met.
+bool AllMet(const report::Section& section);
 
 }  // namespace sinew::tools
