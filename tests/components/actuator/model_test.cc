@@ -163,5 +163,38 @@ TEST(PhysicalValue, DividesWhatIsRelativeToTheDriveByItsFactor) {
   EXPECT_THROW(static_cast<void>(PhysicalValue(model, 12, 0)), std::out_of_range);
 }
 
+// A parameter relative to the drive is divided by the drive's factor, and so is its interval.
+TEST(PhysicalTerm, ScalesTheIntervalWithTheValue) {
+  JointModel model = Rig({"transport_delay"});
+  model.terms[10].linear[0].value = 0.77e-3;
+  model.terms[10].linear[0].half_width_95 = 0.077e-3;
+  const Term physical = PhysicalTerm(model, 10);
+  EXPECT_NEAR(physical.linear[0].value, 1e-3, 1e-15);
+  ASSERT_TRUE(physical.linear[0].half_width_95.has_value());
+  EXPECT_NEAR(*physical.linear[0].half_width_95, 0.1e-3, 1e-15);
+}
+
+TEST(JointModel, FindsTheSecondNonlinearParameterByItsName) {
+  JointModel model = Rig({"external_bump"});
+  model.terms.back().nonlinear[0].value = 3.0;
+  model.terms.back().nonlinear[1].value = 0.25;
+  const auto& names = model.terms.back().effect->info().nonlinear;
+  EXPECT_EQ(model.Parameter("external_bump", names[0].name), 3.0);
+  EXPECT_EQ(model.Parameter("external_bump", names[1].name), 0.25);
+}
+
+// Terms of other balances stand in the same file and leave this one as it is.
+TEST(JointModel, ItsResidualIsThatOfItsOwnBalance) {
+  JointModel model = Rig();
+  effects::JointSample x = Sample();
+  x.tooth_torque_Nm = 2.0;
+  x.tooth_side = 1.0;
+  const double alone = model.Residual(x, {});
+  model.terms.push_back(MakeTerm("gear_compliance", model.constants, effects::Balance::kKinematic));
+  model.terms.back().linear[0].value = 5.0;
+  ASSERT_NE(model.TermTorque(static_cast<int>(model.terms.size()) - 1, x, {}), 0.0);
+  EXPECT_EQ(model.Residual(x, {}), alone);
+}
+
 }  // namespace
 }  // namespace sinew::actuator

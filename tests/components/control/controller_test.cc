@@ -342,6 +342,28 @@ TEST(RobotController, ALostPositionLeavesDampingByTheMotor) {
   EXPECT_TRUE(controller.Step(input).stale);
 }
 
+// With a derivative gain alone the torque is - Kd x the velocity that was chosen.
+TEST(RobotController, TakesTheVelocityFromTheSourceThatIsConfigured) {
+  for (const VelocityFrom source : {VelocityFrom::kOutput, VelocityFrom::kMotor}) {
+    JointControlConfig config = RigConfig(Strategy::kPid);
+    config.pid = {.derivative_Nm_s_rad = 0.5, .anti_windup_s = 1.0};
+    config.shaft_per_output = 0.01;
+    config.takeover_s = 0.0;
+    config.velocity_from = source;
+    RobotController controller({config});
+    RobotInput input = Still(0.1);
+    input.reference_count = 1;
+    input.reference[0] = {0.1, 0.0, 0.0};
+    controller.Step(input);
+    input.joint[0].velocity_rad_s = 0.2;
+    input.joint[0].motor_velocity_rad_s = 30.0;
+    input.joint[0].motor_position_rad = 77.0;
+    const double velocity_rad_s = source == VelocityFrom::kMotor ? 30.0 / config.gear_ratio : 0.2;
+    EXPECT_NEAR(controller.Step(input).joint[0].motor_torque_Nm, -0.01 * 0.5 * velocity_rad_s,
+                1e-12);
+  }
+}
+
 TEST(RobotController, DoesNotWindUpWhileTheProviderBridgesAGap) {
   RobotController controller({RigConfig(Strategy::kPid)});
   static_cast<void>(controller.Step(Still(0.0)));

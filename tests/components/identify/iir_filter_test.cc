@@ -140,5 +140,10 @@ TEST(IirFilter, BadDesignsAreRefusedWithTheirValue) {
   }
 }
 
+TEST(Decimate, ByOneIsTheSignalItself) {
+  const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(50, 0.0, 49.0).array().sin();
+  EXPECT_EQ(Decimate(x, 1), x);
+}
+
 }  // namespace
 }  // namespace sinew::identify

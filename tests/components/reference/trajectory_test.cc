@@ -182,6 +182,30 @@ TEST(Move, KeepsSpeedAndAccelerationAndArrives) {
   EXPECT_EQ(nowhere.At(0.0).position_rad, 0.3);
 }
 
+TEST(Move, StaysWhereItArrived) {
+  const Move move(
+      {.from_rad = 0.1, .to_rad = -0.5, .speed_rad_s = 0.2, .acceleration_rad_s2 = 0.8});
+  for (const double after_s : {0.0, 0.001, 0.3, 1e6}) {
+    const Point p = move.At(move.duration_s() + after_s);
+    EXPECT_EQ(p.position_rad, -0.5) << after_s;
+    EXPECT_EQ(p.velocity_rad_s, 0.0) << after_s;
+    EXPECT_EQ(p.acceleration_rad_s2, 0.0) << after_s;
+  }
+}
+
+TEST(Sequence, FollowsEachPieceInItsOwnTime) {
+  const auto move = std::make_shared<Move>(
+      MoveConfig{.from_rad = 0.2, .to_rad = 0.6, .speed_rad_s = 0.5, .acceleration_rad_s2 = 2.0});
+  const Sequence sequence(std::vector<TrajectoryPtr>{std::make_shared<Hold>(0.2, 1.5), move,
+                                                     std::make_shared<Hold>(0.6, 2.0)});
+  for (const double t : {0.0, 0.7, 1.499}) EXPECT_EQ(sequence.At(t).position_rad, 0.2) << t;
+  for (const double t : {0.1, 0.5 * move->duration_s()}) {
+    EXPECT_NEAR(sequence.At(1.5 + t).position_rad, move->At(t).position_rad, 1e-12) << t;
+    EXPECT_NEAR(sequence.At(1.5 + t).velocity_rad_s, move->At(t).velocity_rad_s, 1e-12) << t;
+  }
+  EXPECT_EQ(sequence.At(1.5 + move->duration_s() + 1.0).position_rad, 0.6);
+}
+
 TEST(Samples, PassThroughEverySampleAndFollowASmoothCurve) {
   std::vector<double> t, q;
   for (int i = 0; i <= 400; ++i) {

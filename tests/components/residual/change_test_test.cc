@@ -99,6 +99,36 @@ TEST(ChangeTest, ReportsAChangeItsCauseItsSizeAndItsTime) {
   }
 }
 
+// One block of +3 Nm counts clip_sigmas = 5 standard deviations at once, less the slack of 0.01 Nm
+// over the noise of 0.01 Nm: Z = 4.
+TEST(ChangeTest, TheNewestBlockCountsAtOnce) {
+  ChangeTest test(Config(), Columns());
+  Blocks blocks(15);
+  ASSERT_LT(Feed(&test, &blocks, 400).statistic, 3.0);
+  blocks.extra_Nm = 3.0;
+  EXPECT_NEAR(test.Step(blocks.Next()).statistic, 4.0, 0.4);
+}
+
+// Blocks that do not follow each other in time say nothing about the noise's correlation.
+TEST(ChangeTest, MeasuresCorrelationOnlyBetweenBlocksThatFollowEachOther) {
+  for (const bool follows : {true, false}) {
+    ChangeTest test(Config(), Columns());
+    Blocks learnt(16);
+    Feed(&test, &learnt, 240);
+    Blocks correlated(17, 0.01, 0.8);
+    for (int i = 0; i < 1500; ++i) {
+      Block block = correlated.Next();
+      block.follows_last = follows;
+      test.Step(block);
+    }
+    if (follows) {
+      EXPECT_GT(test.correlation(), 3.0);
+    } else {
+      EXPECT_LT(test.correlation(), 2.0);
+    }
+  }
+}
+
 TEST(ChangeTest, NamesTheRivalThatTheMotionDoesNotDistinguish) {
   ChangeTest test(Config(), Columns());
   Blocks blocks(3);

@@ -188,6 +188,24 @@ TEST(Rls, ReturnsToTheOfflineReadoutInDirectionsThatAreNoLongerExcited) {
   EXPECT_LT(rls.readout().rightCols(3).norm(), 0.01);
 }
 
+// One feature, one output: weighted least squares in closed form, W = w phi y / (p + w phi^2), with
+// the weight w = limit / |innovation| that the header states, limit = clip_sigmas x
+// initial_innovation.
+TEST(Rls, AnOutlierCountsByTheLimitOverItsSize) {
+  Config config = Plain();
+  config.prior_precision = 2.0;
+  config.clip_sigmas = 3.0;
+  config.initial_innovation = 0.1;
+  for (const double y : {0.2, 1.0, 12.0}) {
+    RecursiveLeastSquares rls(config, Eigen::MatrixXd::Zero(1, 1));
+    const double phi = 1.5, w = std::min(1.0, 0.3 / y);
+    const UpdateStatus status =
+        rls.Update(Eigen::VectorXd::Constant(1, phi), Eigen::VectorXd::Constant(1, y));
+    EXPECT_EQ(status, w < 1.0 ? UpdateStatus::kClipped : UpdateStatus::kOk) << y;
+    EXPECT_NEAR(rls.readout()(0, 0), w * phi * y / (2.0 + w * phi * phi), kSame) << y;
+  }
+}
+
 TEST(Rls, FollowsAChangeAndASingleOutlierMovesLittle) {
   Random random(7);
   Config config;
