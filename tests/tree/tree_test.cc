@@ -381,6 +381,7 @@ TEST(Tree, PackagesAreExactlyWhatTheBuildAndTheProgramsNeed) {
                                      "systemd",
                                      "iproute2",
                                      "zsh",
+                                     "patch",
                                      "nodejs",
                                      "ca-certificates",
                                      "fonts-dejavu-core",
