@@ -1,20 +1,20 @@
 // Malformed, unknown and flooding frames into the bridge's plant of twelve joints on two buses: no
 // crash, and no joint moved that must not or otherwise than commanded. Every frame that leaves is
 // assessed (tests/fuzz/plant_watch.h). Exit code 1 when a rule was broken.
-//   build/release/bin/can_fuzz_soak [frames] [seed]       100000000 frames unless told
+//   build/release/bin/can_fuzz_soak [frames] [seed]       default 100000000 frames
 // Half of them with the joints of one bus behind a gateway.
 //
 // The buses are in memory and hand out what they are fed, without the filters that a real transport
 // has: the plant sees everything. Episodes of 120 cycles at 240 Hz, each with commands of its own
 // (about a third of the joints idle) and one kind of trouble:
 //   noise    unknown identifiers, extended, remote and error frames, impossible lengths, wrong
-//            lengths in the names of our nodes: nobody may notice; no fault, every setpoint as
+//            lengths with identifiers of our nodes: no effect; no fault, every setpoint as
 //            commanded
 //   flood    the same as bursts of up to 1500 frames a cycle on each bus, many times what 1 Mbit/s
-//            carries: nobody may notice either
-//   forged   whole answers with any content in the names of some joints, also as bursts: these may
-//            have faults, and move only as they may; the others may not notice
-//   mutated  what our nodes really said, with bits turned, bytes changed, cut or repeated
+//            carries: no effect either
+//   forged   whole answers with any content with identifiers of some joints, also as bursts: these
+//            may have faults and must keep the rules; the other joints are not affected
+//   mutated  what our nodes really sent, with bits turned, bytes changed, cut or repeated
 //   storm    all of it, with commands that are not finite and resets of faults at any time
 #include <array>
 #include <chrono>
@@ -93,7 +93,7 @@ class Soak {
       nodes_[std::size_t(c.bus)].push_back(static_cast<std::uint32_t>(c.node));
     }
     robot_.frequency_rad_s = 2.3;  // 3.68 rad/s at most: into the taper, not beyond the limit
-    buses_[0].on_wait = [this] { Speak(true); };
+    buses_[0].on_wait = [this] { SendMessages(true); };
     plant_.Reset(&sensors_);
     buses_[0].on_wait = nullptr;
   }
@@ -102,8 +102,8 @@ class Soak {
     const auto began = std::chrono::steady_clock::now();
     for (std::uint64_t episode = 0; fuzzed_ < frames && bad_ == 0; ++episode) {
       Episode(static_cast<Trouble>(episode % kNames.size()));
-      if (fuzzed_ / 10'000'000 != told_) {
-        told_ = fuzzed_ / 10'000'000;
+      if (fuzzed_ / 10'000'000 != printed_) {
+        printed_ = fuzzed_ / 10'000'000;
         std::printf("%llu frames\n", static_cast<unsigned long long>(fuzzed_));
         std::fflush(stdout);
       }
@@ -115,9 +115,10 @@ class Soak {
   }
 
  private:
-  void Speak(bool all) {
+  void SendMessages(bool all) {
     for (int bus = 0; bus < kBuses; ++bus) {
-      robot_.Speak(bus, 1e-9 * static_cast<double>(now_ns_), all, &buses_[std::size_t(bus)].feed);
+      robot_.SendMessages(bus, 1e-9 * static_cast<double>(now_ns_), all,
+                          &buses_[std::size_t(bus)].feed);
     }
   }
 
@@ -212,7 +213,7 @@ class Soak {
 
   void Cycle(Trouble trouble, std::uint32_t frames) {
     now_ns_ += fuzz::kPeriod_ns;
-    Speak(false);
+    SendMessages(false);
     for (std::size_t bus = 0; frames > 0 && bus < kBuses; ++bus) {
       honest_ = buses_[bus].feed;
       std::vector<can::Frame>& feed = buses_[bus].feed;
@@ -295,7 +296,7 @@ class Soak {
         break;
       default:
         frame.id &= 0x7FF;
-        if (ours_[bus][frame.id >> 5]) frame.id = (frame.id & 31) | 0x7E0;  // node 63: nobody
+        if (ours_[bus][frame.id >> 5]) frame.id = (frame.id & 31) | 0x7E0;  // node 63 is not used
         break;
     }
     return frame;
@@ -361,20 +362,18 @@ class Soak {
       std::printf("  %-8s %8ld episodes %16llu\n", kNames[i], episodes_[i],
                   static_cast<unsigned long long>(by_trouble_[i]));
     }
-    number("frames the plant took", counts.heard);
+    number("frames the plant took", counts.received);
     number("never read, a flood's rest", unread_);
-    number("told as malformed", plant_.malformed());
+    number("counted as malformed", plant_.malformed());
     number("cycles of 12 joints", static_cast<std::uint64_t>(cycles_));
     number("frames sent, every one assessed", counts.sent);
     number("setpoints", counts.setpoints);
     number("  that ask for motion", counts.moving);
     number("  checked to be the command", moved_as_commanded_);
-    static constexpr std::array kFaults = {
-        "none",    "axis error", "heartbeat lost", "estimates lost", "node lost",  "encoder jump",
-        "too hot", "overspeed",  "out of range",   "no closed loop", "zero check", "not finite"};
     std::printf("joint-cycles by fault, where trouble can make one:");
-    for (std::size_t i = 0; i < kFaults.size(); ++i) {
-      std::printf("%s %s %llu", i == 0 ? "" : ",", kFaults[i],
+    for (std::size_t i = 0; i < faults_.size(); ++i) {
+      std::printf("%s %s %llu", i == 0 ? "" : ",",
+                  bridge::FaultName(static_cast<bridge::FaultKind>(i)),
                   static_cast<unsigned long long>(faults_[i]));
     }
     std::printf("\nlongest message of a fault: %zu characters\n", longest_message_);
@@ -400,12 +399,12 @@ class Soak {
   std::vector<can::Frame> honest_;
 
   std::uint64_t fuzzed_ = 0;
-  std::uint64_t told_ = 0;
+  std::uint64_t printed_ = 0;
   std::uint64_t unread_ = 0;
   std::uint64_t moved_as_commanded_ = 0;
   std::array<std::uint64_t, kNames.size()> by_trouble_{};
   std::array<long, kNames.size()> episodes_{};
-  std::array<std::uint64_t, 12> faults_{};
+  std::array<std::uint64_t, bridge::kFaultKinds> faults_{};
   std::size_t longest_message_ = 0;
   long cycles_ = 0;
   int bad_ = 0;

@@ -75,7 +75,7 @@ void RunAxes(std::span<const std::uint8_t> input) {
       if (addressed[static_cast<std::size_t>(1 + j)]) continue;
       Check(axes.axis_state(j) == can::AxisState::kIdle && axes.input_torque_Nm(j) == 0.0 &&
                 rotors.torque_Nm[static_cast<std::size_t>(j)] == 0.0,
-            "an axis moved that nobody spoke to");
+            "an axis moved that was not addressed");
     }
     if (bytes.empty()) break;
   }

@@ -41,20 +41,21 @@ class Bench {
         robot_(config_),
         buses_{FedBus(0, now_ns_, &watch_), FedBus(1, now_ns_, &watch_)},
         plant_(config_, {&buses_[0], &buses_[1]}) {
-    buses_[0].on_wait = [this] { Speak(true); };
+    buses_[0].on_wait = [this] { SendMessages(true); };
     plant_.Reset(&sensors_);
     buses_[0].on_wait = nullptr;
   }
 
   void Feed(int bus, const can::Frame& frame) { buses_[std::size_t(bus)].feed.push_back(frame); }
-  void Speak(bool all) {
+  void SendMessages(bool all) {
     for (int bus = 0; bus < 2; ++bus) {
-      robot_.Speak(bus, 1e-9 * static_cast<double>(now_ns_), all, &buses_[std::size_t(bus)].feed);
+      robot_.SendMessages(bus, 1e-9 * static_cast<double>(now_ns_), all,
+                          &buses_[std::size_t(bus)].feed);
     }
   }
   void Cycle(bool with_robot) {
     now_ns_ += kPeriod_ns;
-    if (with_robot) Speak(false);
+    if (with_robot) SendMessages(false);
     watch_.Begin(plant_, command, kPeriod_s);
     plant_.Act(command, kPeriod_s);
     watch_.End();

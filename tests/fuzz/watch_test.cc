@@ -26,7 +26,7 @@ class Watched : public ::testing::Test {
         buses{FedBus(0, now_ns, &watch), FedBus(1, now_ns, &watch)},
         plant(config, {&buses[0], &buses[1]}) {
     robot.amplitude_rad = 0.5;
-    buses[0].on_wait = [this] { Speak(true); };
+    buses[0].on_wait = [this] { SendMessages(true); };
     plant.Reset(&sensors);
     buses[0].on_wait = nullptr;
     command.mode = {ControlMode::kTorque, ControlMode::kPosition, ControlMode::kVelocity,
@@ -38,13 +38,14 @@ class Watched : public ::testing::Test {
     for (int i = 0; i < 30; ++i) Cycle();
   }
 
-  void Speak(bool all) {
+  void SendMessages(bool all) {
     for (int bus = 0; bus < 2; ++bus)
-      robot.Speak(bus, 1e-9 * static_cast<double>(now_ns), all, &buses[std::size_t(bus)].feed);
+      robot.SendMessages(bus, 1e-9 * static_cast<double>(now_ns), all,
+                         &buses[std::size_t(bus)].feed);
   }
   void Cycle(const std::function<void()>& inside = {}) {
     now_ns += kPeriod_ns;
-    Speak(false);
+    SendMessages(false);
     watch.Begin(plant, command, kPeriod_s);
     plant.Act(command, kPeriod_s);
     if (inside) inside();
@@ -159,8 +160,8 @@ TEST_F(WatchedGateway, ReferenceThatJumpsIsSeen) {
 TEST_F(WatchedGateway, ReferenceThatMovesAnIdleJointIsSeen) {
   EXPECT_NE(Breaks(1, 3).find("must not move"), std::string::npos);
 }
-TEST_F(WatchedGateway, ReferenceForNobodyIsSeen) {
-  EXPECT_NE(Breaks(2, 1).find("nobody"), std::string::npos);
+TEST_F(WatchedGateway, ReferenceForAnUnusedFieldIsSeen) {
+  EXPECT_NE(Breaks(2, 1).find("unused field"), std::string::npos);
 }
 TEST_F(WatchedGateway, AnswerInTheGatewaysNameIsSeen) {
   watch.Sent(1, can::EncodeState(48, {})[0], now_ns);

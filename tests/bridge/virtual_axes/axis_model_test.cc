@@ -252,7 +252,7 @@ TEST_F(Model, ARebootIsThreeTenthsOfASecondOfSilenceAndForgetsErrorsAndLimits) {
   axis->CheckWatchdog(now_ns);
   EXPECT_EQ(axis->error(), 0U);
   (void)Take(can::SetAxisState{AxisState::kClosedLoopControl});
-  EXPECT_EQ(axis->state(), AxisState::kIdle) << "hears nothing";
+  EXPECT_EQ(axis->state(), AxisState::kIdle) << "receives nothing";
   now_ns += kMs_ns;
   EXPECT_FALSE(axis->is_silent(now_ns));
   CloseLoop(can::ControlMode::kTorque);
