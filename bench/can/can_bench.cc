@@ -43,8 +43,7 @@
 #include "bridge/joints/can_plant.h"
 #include "components/types/clock/clock.h"
 #include "components/types/control_mode.h"
-#include "tests/fuzz/live_robot.h"
-#include "tests/fuzz/plant_watch.h"
+#include "tests/fuzz/watched_plant.h"
 
 namespace sinew {
 namespace {

@@ -6,8 +6,8 @@
 #include "bridge/virtual_axes/virtual_axes.h"
 #include "tests/bridge/virtual_axes/rotors.h"
 #include "tests/fuzz/harness.h"
-#include "tests/fuzz/plant_watch.h"
 #include "tests/fuzz/property.h"
+#include "tests/fuzz/watched_plant.h"
 
 namespace sinew::fuzz {
 namespace {

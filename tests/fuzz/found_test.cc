@@ -6,8 +6,7 @@
 
 #include "bridge/can/candump.h"
 #include "components/types/control_mode.h"
-#include "tests/fuzz/live_robot.h"
-#include "tests/fuzz/plant_watch.h"
+#include "tests/fuzz/watched_plant.h"
 
 namespace sinew::fuzz {
 namespace {

@@ -23,7 +23,6 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -31,10 +30,6 @@
 #include "tests/fuzz/property.h"
 
 namespace sinew::fuzz {
-
-// Of the cycles that everything here runs in.
-inline constexpr double kPeriod_s = 1.0 / 240.0;
-inline constexpr std::int64_t kPeriod_ns = 4'166'667;
 
 struct WatchCounts {
   std::uint64_t received = 0;    // frames the plant took from a bus
@@ -114,48 +109,6 @@ class PlantWatch {
   bool in_cycle_ = false;
   WatchCounts counts_;
   std::string first_violation_;
-};
-
-// A robot for it: joints on two buses with the same node numbers on both, so that a frame on the
-// wrong bus would reach a joint; all three firmwares, both directions, with and without sensor
-// nodes.
-// With a gateway those of the second bus are behind it, node 48.
-bridge::BridgeConfig FuzzedRobot(int joints, bool gateway = false);
-
-// A bus that hands out what was fed and passes both directions to the watch. Time is the owner's;
-// only a Receive that waits lets it pass.
-class FedBus : public can::Transport {
- public:
-  FedBus(int bus, std::int64_t& now_ns, PlantWatch* watch)
-      : bus_(bus), now_ns_(now_ns), watch_(watch) {
-    feed.reserve(8192);
-    sent.reserve(256);
-  }
-
-  can::SendStatus Send(const can::Frame& frame) noexcept override;
-  bool Receive(std::chrono::nanoseconds timeout, can::Received* received) noexcept override;
-  can::Link link() const noexcept override { return can::Link::kUp; }
-  can::TransportCounters counters() const noexcept override { return counters_; }
-  std::int64_t now_ns() const noexcept override { return now_ns_; }
-  const std::string& name() const noexcept override { return name_; }
-
-  // Forgets what was not read: a full socket does, too.
-  void Clear() {
-    feed.clear();
-    next = 0;
-  }
-
-  std::vector<can::Frame> feed;
-  std::size_t next = 0;
-  std::vector<can::Frame> sent;   // since the owner cleared it
-  std::function<void()> on_wait;  // the plant waits and nothing is there: the owner may feed
-
- private:
-  int bus_;
-  std::int64_t& now_ns_;
-  PlantWatch* watch_;
-  can::TransportCounters counters_;
-  std::string name_ = "fed";
 };
 
 }  // namespace sinew::fuzz
