@@ -43,8 +43,7 @@
 #include "bridge/joints/can_plant.h"
 #include "components/types/clock/clock.h"
 #include "components/types/control_mode.h"
-#include "tests/fuzz/live_robot.h"
-#include "tests/fuzz/plant_watch.h"
+#include "tests/fuzz/watched_plant.h"
 
 namespace sinew {
 namespace {
@@ -71,7 +70,7 @@ class BusEnd {
       can::Packet welcome;
       welcome.kind = can::PacketKind::kWelcome;
       welcome.value = 1'000'000;
-      Tell(welcome);
+      SendPacket(welcome);
     });
     transport_ = std::make_unique<can::VirtualCan>(can::VirtualCanOptions{.bus = path_});
     accept.join();
@@ -87,7 +86,9 @@ class BusEnd {
   BusEnd& operator=(const BusEnd&) = delete;
 
   can::VirtualCan& transport() { return *transport_; }
-  void Feed(const can::Frame& frame) { Tell(can::FramePacket(frame, types::MonotonicNow_ns())); }
+  void Feed(const can::Frame& frame) {
+    SendPacket(can::FramePacket(frame, types::MonotonicNow_ns()));
+  }
   bool Take(can::Frame* frame) {
     can::Packet packet;
     if (::recv(socket_, &packet, sizeof packet, MSG_DONTWAIT) != sizeof packet) return false;
@@ -96,7 +97,7 @@ class BusEnd {
   }
 
  private:
-  void Tell(const can::Packet& packet) {
+  void SendPacket(const can::Packet& packet) {
     if (::send(socket_, &packet, sizeof packet, MSG_NOSIGNAL) != sizeof packet) std::abort();
   }
 
@@ -123,18 +124,18 @@ class Bench {
   bool Start() {
     // Reset throws away what waits, then listens: it is fed while it waits.
     if (sockets_) {
-      std::atomic<bool> heard{false};
+      std::atomic<bool> started{false};
       std::thread speaker([&] {
-        while (!heard) {
-          Speak(true);
+        while (!started) {
+          SendMessages(true);
           std::this_thread::sleep_for(std::chrono::milliseconds(2));
         }
       });
       plant_->Reset(&sensors_);
-      heard = true;
+      started = true;
       speaker.join();
     } else {
-      memory_[0]->on_wait = [this] { Speak(true); };
+      memory_[0]->on_wait = [this] { SendMessages(true); };
       plant_->Reset(&sensors_);
       memory_[0]->on_wait = nullptr;
     }
@@ -148,7 +149,7 @@ class Bench {
   // The time that the plant took.
   double Cycle() {
     now_ns_ += fuzz::kPeriod_ns;
-    Speak(false);
+    SendMessages(false);
     const double phase = 0.01 * static_cast<double>(cycle_++);
     for (std::size_t j = 0; j < kJoints; ++j) {
       command_.motor_torque_Nm[j] = 0.1 * std::sin(phase);
@@ -198,10 +199,10 @@ class Bench {
     return config;
   }
 
-  void Speak(bool all) {
+  void SendMessages(bool all) {
     for (int bus = 0; bus < kBuses; ++bus) {
       std::vector<can::Frame>& feed = memory_[std::size_t(bus)]->feed;
-      robot_.Speak(bus, 1e-9 * static_cast<double>(now_ns_), all, &feed);
+      robot_.SendMessages(bus, 1e-9 * static_cast<double>(now_ns_), all, &feed);
       if (!sockets_) continue;
       for (const can::Frame& frame : feed) socket_[std::size_t(bus)]->Feed(frame);
       feed.clear();

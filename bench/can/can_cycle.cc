@@ -54,7 +54,7 @@ std::string BridgeText(const std::string& folder, bool nodes) {
     if (nodes) text << ", sensor_node: {node: " << j + 33 << "}";
     text << "}\n";
   }
-  // Starved moments are told by the times, not by a fault.
+  // A cycle without processor time shows in the times; it must not end the run with a fault.
   text << "timing: {iq_every_cycles: 4, lost_after_ms: 1000, heartbeat_timeout_ms: 2000}\n"
           "guard: {missed_periods: 50, fault_after_ms: 2000}\n";
   return text.str();

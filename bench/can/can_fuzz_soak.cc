@@ -1,20 +1,20 @@
 // Malformed, unknown and flooding frames into the bridge's plant of twelve joints on two buses: no
 // crash, and no joint moved that must not or otherwise than commanded. Every frame that leaves is
 // assessed (tests/fuzz/plant_watch.h). Exit code 1 when a rule was broken.
-//   build/release/bin/can_fuzz_soak [frames] [seed]       100000000 frames unless told
+//   build/release/bin/can_fuzz_soak [frames] [seed]       default 100000000 frames
 // Half of them with the joints of one bus behind a gateway.
 //
 // The buses are in memory and hand out what they are fed, without the filters that a real transport
 // has: the plant sees everything. Episodes of 120 cycles at 240 Hz, each with commands of its own
 // (about a third of the joints idle) and one kind of trouble:
 //   noise    unknown identifiers, extended, remote and error frames, impossible lengths, wrong
-//            lengths in the names of our nodes: nobody may notice; no fault, every setpoint as
+//            lengths with identifiers of our nodes: no effect; no fault, every setpoint as
 //            commanded
 //   flood    the same as bursts of up to 1500 frames a cycle on each bus, many times what 1 Mbit/s
-//            carries: nobody may notice either
-//   forged   whole answers with any content in the names of some joints, also as bursts: these may
-//            have faults, and move only as they may; the others may not notice
-//   mutated  what our nodes really said, with bits turned, bytes changed, cut or repeated
+//            carries: no effect either
+//   forged   whole answers with any content with identifiers of some joints, also as bursts: these
+//            may have faults and must keep the rules; the other joints are not affected
+//   mutated  what our nodes really sent, with bits turned, bytes changed, cut or repeated
 //   storm    all of it, with commands that are not finite and resets of faults at any time
 #include <array>
 #include <chrono>
@@ -25,8 +25,7 @@
 #include <vector>
 
 #include "components/types/control_mode.h"
-#include "tests/fuzz/live_robot.h"
-#include "tests/fuzz/plant_watch.h"
+#include "tests/fuzz/watched_plant.h"
 
 namespace {
 
@@ -74,13 +73,8 @@ void FillData(Random& random, can::Frame* frame) {
 class Soak {
  public:
   Soak(std::uint64_t seed, bool gateway)
-      : random_(seed),
-        config_(fuzz::FuzzedRobot(kJoints, gateway)),
-        watch_(config_),
-        robot_(config_),
-        buses_{fuzz::FedBus(0, now_ns_, &watch_), fuzz::FedBus(1, now_ns_, &watch_)},
-        plant_(config_, {&buses_[0], &buses_[1]}) {
-    for (const bridge::JointConfig& c : config_.joints) {
+      : random_(seed), fed_(fuzz::FuzzedRobot(kJoints, gateway)) {
+    for (const bridge::JointConfig& c : fed_.config.joints) {
       ours_[std::size_t(c.bus)][std::size_t(c.node)] = true;
       nodes_[std::size_t(c.bus)].push_back(static_cast<std::uint32_t>(c.node));
       if (c.output) {
@@ -88,22 +82,20 @@ class Soak {
         nodes_[std::size_t(c.bus)].push_back(static_cast<std::uint32_t>(c.output->node));
       }
     }
-    for (const bridge::GatewayConfig& c : config_.gateways) {
+    for (const bridge::GatewayConfig& c : fed_.config.gateways) {
       ours_[std::size_t(c.bus)][std::size_t(c.node)] = true;
       nodes_[std::size_t(c.bus)].push_back(static_cast<std::uint32_t>(c.node));
     }
-    robot_.frequency_rad_s = 2.3;  // 3.68 rad/s at most: into the taper, not beyond the limit
-    buses_[0].on_wait = [this] { Speak(true); };
-    plant_.Reset(&sensors_);
-    buses_[0].on_wait = nullptr;
+    fed_.robot.frequency_rad_s = 2.3;  // 3.68 rad/s at most: into the taper, not beyond the limit
+    fed_.Start();
   }
 
   bool Run(std::uint64_t frames) {
     const auto began = std::chrono::steady_clock::now();
     for (std::uint64_t episode = 0; fuzzed_ < frames && bad_ == 0; ++episode) {
       Episode(static_cast<Trouble>(episode % kNames.size()));
-      if (fuzzed_ / 10'000'000 != told_) {
-        told_ = fuzzed_ / 10'000'000;
+      if (fuzzed_ / 10'000'000 != printed_) {
+        printed_ = fuzzed_ / 10'000'000;
         std::printf("%llu frames\n", static_cast<unsigned long long>(fuzzed_));
         std::fflush(stdout);
       }
@@ -111,66 +103,60 @@ class Soak {
     const double seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     Report(seconds);
-    return bad_ == 0 && watch_.counts().violations == 0 && moved_as_commanded_ > 0;
+    return bad_ == 0 && fed_.watch.counts().violations == 0 && moved_as_commanded_ > 0;
   }
 
  private:
-  void Speak(bool all) {
-    for (int bus = 0; bus < kBuses; ++bus) {
-      robot_.Speak(bus, 1e-9 * static_cast<double>(now_ns_), all, &buses_[std::size_t(bus)].feed);
-    }
-  }
-
   void Command(bool wild) {
     for (std::size_t j = 0; j < kJoints; ++j) {
       const std::uint32_t choice = random_.Below(6);
-      command_.mode[j] = choice < 2 ? ControlMode::kIdle : static_cast<ControlMode>(choice - 2);
+      fed_.command.mode[j] = choice < 2 ? ControlMode::kIdle : static_cast<ControlMode>(choice - 2);
       Demand(j, wild);
-      command_.valve_open[j] = random_.Below(2) == 0;
-      command_.compressor_on[j] = random_.Below(2) == 0;
-      command_.vent_open[j] = random_.Below(2) == 0;
+      fed_.command.valve_open[j] = random_.Below(2) == 0;
+      fed_.command.compressor_on[j] = random_.Below(2) == 0;
+      fed_.command.vent_open[j] = random_.Below(2) == 0;
     }
   }
   void Demand(std::size_t j, bool wild) {
-    command_.motor_torque_Nm[j] = random_.Within(0.5);
-    command_.position_rad[j] = random_.Within(2.0);
-    command_.velocity_rad_s[j] = random_.Within(6.0);
+    fed_.command.motor_torque_Nm[j] = random_.Within(0.5);
+    fed_.command.position_rad[j] = random_.Within(2.0);
+    fed_.command.velocity_rad_s[j] = random_.Within(6.0);
     if (!wild || random_.Below(64) != 0) return;
     constexpr std::array kWild = {std::numeric_limits<double>::quiet_NaN(),
                                   std::numeric_limits<double>::infinity(), 1e300, -1e300, 1e-300};
-    command_.motor_torque_Nm[j] = kWild[random_.Below(kWild.size())];
-    command_.position_rad[j] = kWild[random_.Below(kWild.size())];
-    command_.velocity_rad_s[j] = kWild[random_.Below(kWild.size())];
+    fed_.command.motor_torque_Nm[j] = kWild[random_.Below(kWild.size())];
+    fed_.command.position_rad[j] = kWild[random_.Below(kWild.size())];
+    fed_.command.velocity_rad_s[j] = kWild[random_.Below(kWild.size())];
   }
 
   void Episode(Trouble trouble) {
     const bool harmless = trouble == Trouble::kNoise || trouble == Trouble::kFlood;
     ++episodes_[std::size_t(trouble)];
     // All idle, all well.
-    command_ = {};
+    fed_.command = {};
     for (int i = 0; i < 4; ++i) Cycle(trouble, 0);
-    plant_.ClearFault();
+    fed_.plant.ClearFault();
     for (int i = 0; i < 4; ++i) Cycle(trouble, 0);
-    plant_.ClearFault();
+    fed_.plant.ClearFault();
     Command(trouble == Trouble::kStorm);
     ChooseVictims(trouble);
     for (int cycle = 0; cycle < kCycles && bad_ == 0; ++cycle) {
       for (std::size_t j = 0; j < kJoints; ++j) Demand(j, trouble == Trouble::kStorm);
-      if (!harmless && random_.Below(16) == 0) plant_.ClearFault();
+      if (!harmless && random_.Below(16) == 0) fed_.plant.ClearFault();
       if (trouble == Trouble::kStorm && random_.Below(16) == 0) Command(true);
       Cycle(trouble, Burst(trouble));
       if (!harmless) {
-        for (int j = 0; j < kJoints; ++j) ++faults_[std::size_t(plant_.fault(j))];
+        for (int j = 0; j < kJoints; ++j) ++faults_[std::size_t(fed_.plant.fault(j))];
       }
       if (!harmless && trouble != Trouble::kForged) continue;
       for (int j = 0; j < kJoints; ++j) {
         if (trouble == Trouble::kForged && victim_[std::size_t(j)]) continue;
-        if (plant_.fault(j) != bridge::FaultKind::kNone) {
-          return Bad("a fault though nothing was wrong: " + sensors_.message);
+        if (fed_.plant.fault(j) != bridge::FaultKind::kNone) {
+          return Bad("a fault though nothing was wrong: " + fed_.sensors.message);
         }
-        const bool moves = command_.mode[std::size_t(j)] != ControlMode::kIdle;
+        const bool moves = fed_.command.mode[std::size_t(j)] != ControlMode::kIdle;
         if (!moves || cycle < kArmingCycles) continue;
-        if (!watch_.moved_as_commanded(j)) return Bad("a joint did not get its command");
+        if (!fed_.watch.moved_as_commanded(j)) return Bad("a joint did not get its command");
         ++moved_as_commanded_;
       }
     }
@@ -181,14 +167,14 @@ class Soak {
     for (std::size_t j = 0; j < kJoints; ++j) {
       victim_[j] = trouble != Trouble::kForged || random_.Below(3) == 0;
     }
-    for (const bridge::GatewayConfig& gateway : config_.gateways) {
+    for (const bridge::GatewayConfig& gateway : fed_.config.gateways) {
       if (trouble == Trouble::kForged && random_.Below(2) == 0) continue;
       forged_[std::size_t(gateway.bus)].push_back(static_cast<std::uint32_t>(gateway.node));
       for (const int j : gateway.joints) victim_[std::size_t(j)] = true;
     }
     for (std::size_t j = 0; j < kJoints; ++j) {
       if (!victim_[j]) continue;
-      const bridge::JointConfig& c = config_.joints[j];
+      const bridge::JointConfig& c = fed_.config.joints[j];
       forged_[std::size_t(c.bus)].push_back(static_cast<std::uint32_t>(c.node));
       if (c.output) {
         forged_[std::size_t(c.bus)].push_back(static_cast<std::uint32_t>(c.output->node));
@@ -211,11 +197,11 @@ class Soak {
   }
 
   void Cycle(Trouble trouble, std::uint32_t frames) {
-    now_ns_ += fuzz::kPeriod_ns;
-    Speak(false);
+    fed_.Advance();
+    fed_.SendMessages(false);
     for (std::size_t bus = 0; frames > 0 && bus < kBuses; ++bus) {
-      honest_ = buses_[bus].feed;
-      std::vector<can::Frame>& feed = buses_[bus].feed;
+      honest_ = fed_.buses[bus].feed;
+      std::vector<can::Frame>& feed = fed_.buses[bus].feed;
       const bool before = random_.Below(2) == 0;  // the trouble comes before or after the truth
       if (before) feed.clear();
       const bool same = frames >= 1000;  // a flood is one frame again and again, or two
@@ -228,20 +214,10 @@ class Soak {
       fuzzed_ += frames;
       by_trouble_[std::size_t(trouble)] += frames;
     }
-    watch_.Begin(plant_, command_, fuzz::kPeriod_s);
-    plant_.Act(command_, fuzz::kPeriod_s);
-    watch_.End();
-    plant_.Step(command_, fuzz::kPeriod_s, &sensors_);
+    unread_ += fed_.Cycle();
     ++cycles_;
-    longest_message_ = std::max(longest_message_, sensors_.message.size());
-    for (int bus = 0; bus < kBuses; ++bus) {
-      fuzz::FedBus& fed = buses_[std::size_t(bus)];
-      for (const can::Frame& frame : fed.sent) robot_.Take(bus, frame);
-      fed.sent.clear();
-      unread_ += fed.feed.size() - fed.next;
-      fed.Clear();
-    }
-    if (watch_.counts().violations > 0) Bad(watch_.first_violation());
+    longest_message_ = std::max(longest_message_, fed_.sensors.message.size());
+    if (fed_.watch.counts().violations > 0) Bad(fed_.watch.first_violation());
   }
 
   can::Frame Make(Trouble trouble, std::size_t bus) {
@@ -295,7 +271,7 @@ class Soak {
         break;
       default:
         frame.id &= 0x7FF;
-        if (ours_[bus][frame.id >> 5]) frame.id = (frame.id & 31) | 0x7E0;  // node 63: nobody
+        if (ours_[bus][frame.id >> 5]) frame.id = (frame.id & 31) | 0x7E0;  // node 63 is not used
         break;
     }
     return frame;
@@ -352,7 +328,7 @@ class Soak {
   }
 
   void Report(double seconds) const {
-    const fuzz::WatchCounts& counts = watch_.counts();
+    const fuzz::WatchCounts& counts = fed_.watch.counts();
     const auto number = [](const char* name, std::uint64_t value) {
       std::printf("%-34s %12llu\n", name, static_cast<unsigned long long>(value));
     };
@@ -361,20 +337,18 @@ class Soak {
       std::printf("  %-8s %8ld episodes %16llu\n", kNames[i], episodes_[i],
                   static_cast<unsigned long long>(by_trouble_[i]));
     }
-    number("frames the plant took", counts.heard);
+    number("frames the plant took", counts.received);
     number("never read, a flood's rest", unread_);
-    number("told as malformed", plant_.malformed());
+    number("counted as malformed", fed_.plant.malformed());
     number("cycles of 12 joints", static_cast<std::uint64_t>(cycles_));
     number("frames sent, every one assessed", counts.sent);
     number("setpoints", counts.setpoints);
     number("  that ask for motion", counts.moving);
     number("  checked to be the command", moved_as_commanded_);
-    static constexpr std::array kFaults = {
-        "none",    "axis error", "heartbeat lost", "estimates lost", "node lost",  "encoder jump",
-        "too hot", "overspeed",  "out of range",   "no closed loop", "zero check", "not finite"};
     std::printf("joint-cycles by fault, where trouble can make one:");
-    for (std::size_t i = 0; i < kFaults.size(); ++i) {
-      std::printf("%s %s %llu", i == 0 ? "" : ",", kFaults[i],
+    for (std::size_t i = 0; i < faults_.size(); ++i) {
+      std::printf("%s %s %llu", i == 0 ? "" : ",",
+                  bridge::FaultName(static_cast<bridge::FaultKind>(i)),
                   static_cast<unsigned long long>(faults_[i]));
     }
     std::printf("\nlongest message of a fault: %zu characters\n", longest_message_);
@@ -385,14 +359,7 @@ class Soak {
   }
 
   Random random_;
-  bridge::BridgeConfig config_;
-  fuzz::PlantWatch watch_;
-  fuzz::LiveRobot robot_;
-  std::int64_t now_ns_ = 1'000'000'000;
-  std::array<fuzz::FedBus, kBuses> buses_;
-  bridge::CanPlant plant_;
-  provider::PlantCommand command_;
-  provider::PlantSensors sensors_;
+  fuzz::WatchedPlant fed_;
   std::array<std::array<bool, 64>, kBuses> ours_{};
   std::array<std::vector<std::uint32_t>, kBuses> nodes_;
   std::array<std::vector<std::uint32_t>, kBuses> forged_;  // nodes that are forged in an episode
@@ -400,12 +367,12 @@ class Soak {
   std::vector<can::Frame> honest_;
 
   std::uint64_t fuzzed_ = 0;
-  std::uint64_t told_ = 0;
+  std::uint64_t printed_ = 0;
   std::uint64_t unread_ = 0;
   std::uint64_t moved_as_commanded_ = 0;
   std::array<std::uint64_t, kNames.size()> by_trouble_{};
   std::array<long, kNames.size()> episodes_{};
-  std::array<std::uint64_t, 12> faults_{};
+  std::array<std::uint64_t, bridge::kFaultKinds> faults_{};
   std::size_t longest_message_ = 0;
   long cycles_ = 0;
   int bad_ = 0;

@@ -1,10 +1,10 @@
 // How many cycles a second the buses carry, from bit-true frames: the planned exchange of twelve
 // joints is played through the bus model (bridge/can/bus_model.h) and the rate raised until a cycle
 // is no longer over when the next begins.
-//   build/release/bin/can_rates [seconds of bus time per try]     5 unless told
+//   build/release/bin/can_rates [seconds of bus time per try]     default 5
 //
 // Every cycle starts with everything that is due in it; answers are offered the moment their
-// question was heard. Heartbeats are in all of it, 10 Hz from each of the twelve controllers,
+// question ended. Heartbeats are in all of it, 10 Hz from each of the twelve controllers,
 // behind the gateway as well.
 //
 //   random   plausible content; each heartbeat in a cycle of its own
@@ -130,7 +130,7 @@ class Player {
         refused = true;
       }
     };
-    int references_heard = 0;
+    int references_received = 0;
     const std::function<void(const Delivery&)> deliver = [&](const Delivery& d) {
       auto& queue = waiting[{d.frame.id, d.frame.remote}];
       const std::int64_t cycle = queue.front();
@@ -145,7 +145,7 @@ class Player {
       if (!IsIq(d.frame)) fast_end_ns[c] = std::max(fast_end_ns[c], d.end_ns);
       if (d.senders.front() != master) return;
       if (plan_.compact) {
-        if (++references_heard % kCompactReferenceFrames != 0) return;
+        if (++references_received % kCompactReferenceFrames != 0) return;
         for (const Frame& frame : State()) offer(gateway, frame, cycle, d.end_ns);
       } else if (d.frame.remote) {
         const auto address = AddressOf(d.frame);
@@ -287,7 +287,7 @@ int BoundBits(const Plan& plan, bool fullest) {
                     count * (WorstFrameBits(8) + (plan.iq_asked ? WorstFrameBits(0) : 0))));
 }
 
-void Tell(const Plan& plan, int goal_Hz, double seconds) {
+void PrintPlan(const Plan& plan, int goal_Hz, double seconds) {
   std::printf("\n%s\n", plan.name);
   std::printf("  %-16s | %10s %8s | %21s | %21s | %s\n", "", "", "", "setpoints, estimates",
               "with Iq", "highest rate, Hz");
@@ -320,41 +320,41 @@ int main(int argc, char** argv) {
   const double seconds = argc > 1 ? std::atof(argv[1]) : 5.0;
   std::printf("load and times at the goal's rate, from the start of a cycle\n");
   std::printf("\n== twelve joints through a gateway on one bus of 1 Mbit/s, goal 400 Hz\n");
-  Tell({.name = "compact frames; the gateway answers the third of the references",
-        .axes = kJoints,
-        .compact = true},
-       400, seconds);
+  PrintPlan({.name = "compact frames; the gateway answers the third of the references",
+             .axes = kJoints,
+             .compact = true},
+            400, seconds);
 
   std::printf("\n== twelve joints on two buses of 1 Mbit/s, CANSimple: six on each, goal 500 Hz\n");
   const int per_bus = kJoints / 2;
-  Tell({.name = "estimates by themselves; Iq of all asked for in every fourth cycle",
-        .axes = per_bus,
-        .iq_every = 4},
-       500, seconds);
-  Tell({.name = "estimates by themselves; Iq of one or two asked for in each cycle",
-        .axes = per_bus,
-        .iq_every = 4,
-        .iq_spread = true},
-       500, seconds);
-  Tell({.name = "estimates by themselves; Iq by themselves in every fourth cycle",
-        .axes = per_bus,
-        .iq_every = 4,
-        .iq_asked = false},
-       500, seconds);
-  Tell({.name = "estimates asked for; Iq of all asked for in every fourth cycle",
-        .axes = per_bus,
-        .requested = true,
-        .iq_every = 4},
-       500, seconds);
-  Tell({.name = "estimates asked for; Iq of one or two asked for in each cycle",
-        .axes = per_bus,
-        .requested = true,
-        .iq_every = 4,
-        .iq_spread = true},
-       500, seconds);
-  Tell({.name = "estimates and Iq by themselves in each cycle",
-        .axes = per_bus,
-        .iq_every = 1,
-        .iq_asked = false},
-       500, seconds);
+  PrintPlan({.name = "estimates by themselves; Iq of all asked for in every fourth cycle",
+             .axes = per_bus,
+             .iq_every = 4},
+            500, seconds);
+  PrintPlan({.name = "estimates by themselves; Iq of one or two asked for in each cycle",
+             .axes = per_bus,
+             .iq_every = 4,
+             .iq_spread = true},
+            500, seconds);
+  PrintPlan({.name = "estimates by themselves; Iq by themselves in every fourth cycle",
+             .axes = per_bus,
+             .iq_every = 4,
+             .iq_asked = false},
+            500, seconds);
+  PrintPlan({.name = "estimates asked for; Iq of all asked for in every fourth cycle",
+             .axes = per_bus,
+             .requested = true,
+             .iq_every = 4},
+            500, seconds);
+  PrintPlan({.name = "estimates asked for; Iq of one or two asked for in each cycle",
+             .axes = per_bus,
+             .requested = true,
+             .iq_every = 4,
+             .iq_spread = true},
+            500, seconds);
+  PrintPlan({.name = "estimates and Iq by themselves in each cycle",
+             .axes = per_bus,
+             .iq_every = 1,
+             .iq_asked = false},
+            500, seconds);
 }

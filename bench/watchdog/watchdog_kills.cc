@@ -1,10 +1,11 @@
 // What a controller's sudden death does on the bus: the whole path as processes (sinew-can-bus,
 // sinew-virtual-axes, sinew-can-bridge), a controller that is killed with SIGKILL again and again,
 // and the frames that follow. Measured on the bus, by its own stamps:
-//   last command -> first damping setpoint,   last command -> the axis is told to idle (fault).
+//   last command -> first damping setpoint,   last command -> the request of the idle state
+//   (fault).
 // Says after each kill how long it took, and at the end median, 99th percentile and worst beside
 // the goals.
-// Also how long a controller that is started anew takes to be heard.
+// Also how long a controller that is started anew takes until its first command arrives.
 //   watchdog_kills [--kills N] [--rate HZ] [--domain N] [--qos FILE]
 #include <signal.h>
 #include <sinew_idl/joint.h>
@@ -42,7 +43,7 @@ using std::chrono::seconds;
 using testing::Program;
 
 constexpr int kNode = 3;
-// Commands change every tick, so that a repeated one is told from a fresh one.
+// Commands change every tick, so that a repeated one is distinguished from a fresh one.
 constexpr double kTorque_Nm = 1e-3, kStep_Nm = 1e-6;
 constexpr int kPattern = 64;
 constexpr double kScale = 0.0137833 / 0.0159155;  // controller's torque over the motor's
@@ -195,7 +196,7 @@ class Bench {
   }
 
   // Milliseconds from the last command to damping and to the fault, and from the start of the
-  // controller to the first command that we hear.
+  // controller to the first command that we receive.
   struct Times {
     double damping_ms = 0.0, fault_ms = 0.0, start_ms = 0.0;
   };
@@ -204,12 +205,13 @@ class Bench {
     const std::int64_t start_ns = types::MonotonicNow_ns();
     Program commander(Arguments({self_, "--commander"}, place_));
     Await("commands on the topic", [&] {
-      while (commands_.TakeNext()) heard_ = true;
-      return heard_;
+      while (commands_.TakeNext()) received_ = true;
+      return received_;
     });
-    heard_ = false;
+    received_ = false;
     const double start_ms = 1e-6 * static_cast<double>(types::MonotonicNow_ns() - start_ns);
-    // The bridge may hear the commander later than we do: then arming ends in a fault once more.
+    // The bridge may discover the commander later than we do: then arming ends in a fault once
+    // more.
     watcher_->Clear();
     Await("commands on the bus", [&] { return ArmedAndMoving(); });
     std::this_thread::sleep_for(after);
@@ -270,11 +272,11 @@ class Bench {
   node::Reader<msg::JointCommand> commands_ = node_.MakeReader(node::kJointCommand);
   node::Writer<msg::OperatorCommand> operator_ = node_.MakeWriter(node::kOperatorCommand);
   msg::JointState last_;
-  bool heard_ = false;
+  bool received_ = false;
   int asked_ = 0;
 };
 
-void Tell(const char* what, std::vector<double> values_ms, double goal_ms = 0.0) {
+void PrintTimes(const char* what, std::vector<double> values_ms, double goal_ms = 0.0) {
   std::sort(values_ms.begin(), values_ms.end());
   const auto at = [&](double share) {
     return values_ms[static_cast<std::size_t>(share * static_cast<double>(values_ms.size() - 1))];
@@ -323,9 +325,9 @@ int Main(int argc, char** argv) {
   const double period_ms = 1e3 / rate_Hz;
   std::printf("%d kills at %g Hz; %d more in which the axis' own watchdog was first\n", kills,
               rate_Hz, stood_still);
-  Tell("last command to damping", damping_ms, 4.0 * period_ms);
-  Tell("last command to the fault", fault_ms, 60.0 + period_ms);
-  Tell("start to the first command", start_ms);
+  PrintTimes("last command to damping", damping_ms, 4.0 * period_ms);
+  PrintTimes("last command to the fault", fault_ms, 60.0 + period_ms);
+  PrintTimes("start to the first command", start_ms);
   return 0;
 }
 

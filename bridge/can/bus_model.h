@@ -54,7 +54,7 @@ class BusModel {
   // or bus-off. `now_ns` must not be before an earlier call's.
   bool Offer(int node, const Frame& frame, std::int64_t now_ns);
 
-  // Lets time pass up to `now_ns`; every frame that ended by then is told, in order.
+  // Lets time pass up to `now_ns`; every frame that ended by then is delivered, in order.
   void Advance(std::int64_t now_ns, const std::function<void(const Delivery&)>& deliver);
 
   // When the next thing ends by itself (the frame on the bus, or the one that will start next);

@@ -18,8 +18,8 @@
 
 namespace sinew::bridge {
 
-// From a question to its answer. An answer that nobody waits for, or with a stamp before the
-// question, is none.
+// Time from a request to its answer. An answer without a request, or with a stamp before the
+// request, does not count.
 class RequestTimer {
  public:
   void Start(std::int64_t now_ns) { asked_ns_ = now_ns; }

@@ -1,8 +1,8 @@
 // What the bridge sends to one joint's controller: setpoints, neutral setpoints, requests.
 //
-// Two ways: DirectExchange speaks CANSimple with the controller. GatewayExchange collects position
-// setpoints as references of the compact exchange (bridge/can/compact.h), in steps of 0.01 motor
-// turns; all else is CANSimple and passes the gateway as it is.
+// Two implementations: DirectExchange sends CANSimple to the controller. GatewayExchange collects
+// position setpoints as references of the compact exchange (bridge/can/compact.h), in steps of 0.01
+// motor turns; all else is CANSimple and passes the gateway as it is.
 //
 // A neutral setpoint moves nothing in any mode and feeds the controller's watchdog.
 //

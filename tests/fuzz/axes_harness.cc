@@ -6,8 +6,8 @@
 #include "bridge/virtual_axes/virtual_axes.h"
 #include "tests/bridge/virtual_axes/rotors.h"
 #include "tests/fuzz/harness.h"
-#include "tests/fuzz/plant_watch.h"
 #include "tests/fuzz/property.h"
+#include "tests/fuzz/watched_plant.h"
 
 namespace sinew::fuzz {
 namespace {
@@ -75,7 +75,7 @@ void RunAxes(std::span<const std::uint8_t> input) {
       if (addressed[static_cast<std::size_t>(1 + j)]) continue;
       Check(axes.axis_state(j) == can::AxisState::kIdle && axes.input_torque_Nm(j) == 0.0 &&
                 rotors.torque_Nm[static_cast<std::size_t>(j)] == 0.0,
-            "an axis moved that nobody spoke to");
+            "an axis moved that was not addressed");
     }
     if (bytes.empty()) break;
   }

@@ -148,10 +148,10 @@ void RunBusServer(std::span<const std::uint8_t> input) {
     server.RunOnce(std::chrono::milliseconds(1));
     return client;
   }();
-  Check(witness >= 0, "nobody can join the bus");
+  Check(witness >= 0, "no client can join the bus");
 
   const int hostile = Connect(server.path());
-  Check(hostile >= 0, "nobody else can join the bus");
+  Check(hostile >= 0, "no second client can join the bus");
   server.RunOnce(std::chrono::nanoseconds(0));
   Bytes bytes(input);
   for (int i = 0; i < 64 && !bytes.empty(); ++i) {
@@ -171,7 +171,7 @@ void RunBusServer(std::span<const std::uint8_t> input) {
   server.RunOnce(std::chrono::nanoseconds(0));
   ::close(hostile);
 
-  // The witness is still heard, and hears.
+  // The witness still sends and receives.
   can::Frame frame;
   frame.id = 0;
   frame.length = 1;
@@ -183,10 +183,10 @@ void RunBusServer(std::span<const std::uint8_t> input) {
     server.RunOnce(std::chrono::milliseconds(1));
   Check(server.counters().frames > before, "the bus stands still");
   Check(server.clients() <= 2, "clients that left are kept");
-  for (can::Packet told; ::recv(witness, &told, sizeof told, MSG_DONTWAIT) > 0;) {
-    Check(told.magic == can::Packet::kMagic, "a packet of another kind");
-    if (told.kind == can::PacketKind::kFrame) {
-      Check(can::IsValid(can::FrameOf(told)), "an impossible frame reached a client");
+  for (can::Packet received; ::recv(witness, &received, sizeof received, MSG_DONTWAIT) > 0;) {
+    Check(received.magic == can::Packet::kMagic, "a packet of another kind");
+    if (received.kind == can::PacketKind::kFrame) {
+      Check(can::IsValid(can::FrameOf(received)), "an impossible frame reached a client");
     }
   }
   Check(possible, "an impossible frame was on the bus");

@@ -66,7 +66,7 @@ void RunCandump(std::span<const std::uint8_t> input) {
   line.frame = bytes.Frame();
   line.frame.length = static_cast<std::uint8_t>(line.frame.length % 9);
   line.frame.id &= line.frame.extended || line.frame.error ? 0x1FFFFFFFU : 0x7FFU;
-  if (line.frame.error) line.frame.extended = false;  // the format does not tell them apart
+  if (line.frame.error) line.frame.extended = false;  // the format does not distinguish them
   const std::size_t used = line.frame.remote ? 0 : line.frame.length;
   std::fill(line.frame.data.begin() + static_cast<std::ptrdiff_t>(used), line.frame.data.end(),
             std::uint8_t{0});

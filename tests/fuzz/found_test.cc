@@ -6,8 +6,7 @@
 
 #include "bridge/can/candump.h"
 #include "components/types/control_mode.h"
-#include "tests/fuzz/live_robot.h"
-#include "tests/fuzz/plant_watch.h"
+#include "tests/fuzz/watched_plant.h"
 
 namespace sinew::fuzz {
 namespace {
@@ -24,14 +23,16 @@ struct OneJoint {
         other(1, now_ns, nullptr),
         plant(config, {&bus, &other}) {
     robot.amplitude_rad = 0.1;
-    bus.on_wait = [this] { Speak(true); };
+    bus.on_wait = [this] { SendMessages(true); };
     plant.Reset(&sensors);
     bus.on_wait = nullptr;
   }
-  void Speak(bool all) { robot.Speak(0, 1e-9 * static_cast<double>(now_ns), all, &bus.feed); }
+  void SendMessages(bool all) {
+    robot.SendMessages(0, 1e-9 * static_cast<double>(now_ns), all, &bus.feed);
+  }
   void Act() {
     now_ns += kPeriod_ns;
-    Speak(false);
+    SendMessages(false);
     plant.Act(command, kPeriod_s);
     for (const can::Frame& frame : bus.sent) robot.Take(0, frame);
     bus.sent.clear();
@@ -55,7 +56,8 @@ struct OneJoint {
   provider::PlantSensors sensors;
 };
 
-// A controller with motor_error_rate_ms set, or one that babbles: the message took in every answer.
+// A controller with motor_error_rate_ms set, or one that repeats itself: every answer was appended
+// to the message.
 TEST(Found, RepeatedAnswersAboutAnErrorDoNotMakeTheFaultsMessageGrow) {
   OneJoint joint;
   for (int i = 0; i < 10; ++i) joint.Cycle();
@@ -72,8 +74,8 @@ TEST(Found, RepeatedAnswersAboutAnErrorDoNotMakeTheFaultsMessageGrow) {
   EXPECT_LT(joint.sensors.message.size(), 512U);
 }
 
-// Told for up to estimate_timeout_s as a good measurement, and used for the position limits.
-TEST(Found, AngleThatTheSensorNodeCallsInvalidIsNotToldAsAMeasurement) {
+// Reported for up to estimate_timeout_s as a valid measurement, and used for the position limits.
+TEST(Found, AngleThatTheSensorNodeCallsInvalidIsNotReportedAsAMeasurement) {
   OneJoint joint;
   for (int i = 0; i < 10; ++i) joint.Cycle();
   ASSERT_TRUE(joint.sensors.valid[0]);
@@ -89,9 +91,9 @@ TEST(Found, AngleThatTheSensorNodeCallsInvalidIsNotToldAsAMeasurement) {
       << joint.sensors.position_rad[0] << " rad, valid";
 }
 
-// The provider takes operator commands between Act and Step: a reset there must not absorb a fault
-// that nobody has been told of, or the joint arms again by itself.
-TEST(Found, FaultThatRoseInActIsToldEvenWhenAResetComesBeforeTheStep) {
+// The provider takes operator commands between Act and Step: a reset there must not clear a fault
+// that was not reported, or the joint arms again by itself.
+TEST(Found, FaultThatRoseInActIsReportedEvenWhenAResetComesBeforeTheStep) {
   OneJoint joint;
   joint.command.mode[0] = ControlMode::kTorque;
   joint.command.motor_torque_Nm[0] = 0.01;

@@ -1,6 +1,6 @@
-// The honest part of a fuzzed bus: controllers and sensor nodes that say what they should, so that
+// The working part of a fuzzed bus: controllers and sensor nodes with correct messages, so that
 // there is a robot to move. Joints swing past their limits in position and up to those in velocity;
-// controllers are in closed loop from the moment they were told.
+// controllers are in closed loop from the moment of the request.
 #pragma once
 
 #include <cmath>
@@ -22,7 +22,7 @@ class LiveRobot {
 
   double amplitude_rad = 1.6;
   double frequency_rad_s = 2.4;
-  bool closes_loop = true;  // false: takes no orders
+  bool closes_loop = true;  // false: ignores the request of closed loop
 
   // What the bridge sent.
   void Take(int bus, const can::Frame& frame) {
@@ -37,7 +37,7 @@ class LiveRobot {
 
   // Frames of this moment on this bus: estimates and output encoders always, the rest every fifth
   // time and when `all`.
-  void Speak(int bus, double time_s, bool all, std::vector<can::Frame>* frames) {
+  void SendMessages(int bus, double time_s, bool all, std::vector<can::Frame>* frames) {
     ++sequence_;
     const bool slow = all || sequence_ % 5 == 0;
     for (std::size_t j = 0; j < closed_loop_.size(); ++j) {

@@ -6,9 +6,8 @@
 #include "bridge/can/compact.h"
 #include "components/types/control_mode.h"
 #include "tests/fuzz/harness.h"
-#include "tests/fuzz/live_robot.h"
-#include "tests/fuzz/plant_watch.h"
 #include "tests/fuzz/property.h"
+#include "tests/fuzz/watched_plant.h"
 
 namespace sinew::fuzz {
 namespace {
@@ -33,61 +32,25 @@ constexpr std::uint8_t kOps = 8;
 constexpr std::array<std::uint32_t, 8> kAimedKinds = {0x01, 0x03, 0x04, 0x09,
                                                       0x14, 0x1D, 0x0A, 0x00};
 
-class Bench {
+class Bench : public WatchedPlant {
  public:
-  explicit Bench(bool gateway)
-      : config_(FuzzedRobot(kJoints, gateway)),
-        watch_(config_),
-        robot_(config_),
-        buses_{FedBus(0, now_ns_, &watch_), FedBus(1, now_ns_, &watch_)},
-        plant_(config_, {&buses_[0], &buses_[1]}) {
-    buses_[0].on_wait = [this] { Speak(true); };
-    plant_.Reset(&sensors_);
-    buses_[0].on_wait = nullptr;
-  }
+  explicit Bench(bool gateway) : WatchedPlant(FuzzedRobot(kJoints, gateway)) { Start(); }
 
-  void Feed(int bus, const can::Frame& frame) { buses_[std::size_t(bus)].feed.push_back(frame); }
-  void Speak(bool all) {
-    for (int bus = 0; bus < 2; ++bus) {
-      robot_.Speak(bus, 1e-9 * static_cast<double>(now_ns_), all, &buses_[std::size_t(bus)].feed);
-    }
-  }
-  void Cycle(bool with_robot) {
-    now_ns_ += kPeriod_ns;
-    if (with_robot) Speak(false);
-    watch_.Begin(plant_, command, kPeriod_s);
-    plant_.Act(command, kPeriod_s);
-    watch_.End();
-    plant_.Step(command, kPeriod_s, &sensors_);
-    if (watch_.counts().violations > 0) throw Violation(watch_.first_violation());
-    for (int bus = 0; bus < 2; ++bus) {
-      FedBus& fed = buses_[std::size_t(bus)];
-      for (const can::Frame& frame : fed.sent) robot_.Take(bus, frame);
-      fed.sent.clear();
-      fed.Clear();
-    }
+  void Feed(int bus, const can::Frame& frame) { buses[std::size_t(bus)].feed.push_back(frame); }
+  void CheckedCycle(bool with_robot) {
+    Advance();
+    if (with_robot) SendMessages(false);
+    (void)Cycle();
+    if (watch.counts().violations > 0) throw Violation(watch.first_violation());
     for (std::size_t j = 0; j < kJoints; ++j) {
-      Check(std::isfinite(sensors_.position_rad[j]) && std::isfinite(sensors_.velocity_rad_s[j]) &&
-                std::isfinite(sensors_.torque_Nm[j]) &&
-                std::isfinite(sensors_.motor_position_rad[j]) &&
-                std::isfinite(sensors_.load_force_N[j]),
+      Check(std::isfinite(sensors.position_rad[j]) && std::isfinite(sensors.velocity_rad_s[j]) &&
+                std::isfinite(sensors.torque_Nm[j]) &&
+                std::isfinite(sensors.motor_position_rad[j]) &&
+                std::isfinite(sensors.load_force_N[j]),
             "a sensor value that is not finite");
-      Check(sensors_.age_us[j] >= 0, "a negative age");
+      Check(sensors.age_us[j] >= 0, "a negative age");
     }
   }
-  void ClearFault() { plant_.ClearFault(); }
-  const bridge::BridgeConfig& config() const { return config_; }
-
-  provider::PlantCommand command;
-
- private:
-  bridge::BridgeConfig config_;
-  PlantWatch watch_;
-  LiveRobot robot_;
-  std::int64_t now_ns_ = 1'000'000'000;
-  std::array<FedBus, 2> buses_;
-  bridge::CanPlant plant_;
-  provider::PlantSensors sensors_;
 };
 
 double Value(std::uint8_t choice, std::int16_t number) {
@@ -120,7 +83,7 @@ void Run(std::span<const std::uint8_t> input, bool gateway) {
         break;
       case Op::kAimed: {
         const std::uint8_t choice = bytes.Byte();
-        const bridge::JointConfig& c = bench.config().joints[choice % kJoints];
+        const bridge::JointConfig& c = bench.config.joints[choice % kJoints];
         const bool to_node = c.output && (choice & 4) != 0;
         last = can::Frame{};
         last.id = static_cast<std::uint32_t>(to_node ? c.output->node : c.node) << 5 |
@@ -145,11 +108,11 @@ void Run(std::span<const std::uint8_t> input, bool gateway) {
         break;
       }
       case Op::kCycle:
-        bench.Cycle(true);
+        bench.CheckedCycle(true);
         ++cycles;
         break;
       case Op::kCycleInSilence:
-        bench.Cycle(false);
+        bench.CheckedCycle(false);
         ++cycles;
         break;
       case Op::kArmAll:  // the way to moving joints is long for chance
@@ -159,17 +122,17 @@ void Run(std::span<const std::uint8_t> input, bool gateway) {
           bench.command.position_rad[j] = 0.3;
           bench.command.velocity_rad_s[j] = -0.5;
         }
-        for (int i = 0; i < 12; ++i, ++cycles) bench.Cycle(true);
+        for (int i = 0; i < 12; ++i, ++cycles) bench.CheckedCycle(true);
         break;
       case Op::kFlood:
         for (int i = 0; i < 64 * (op >> 3); ++i) bench.Feed(last_bus, last);
         break;
       case Op::kClearFault:
-        bench.ClearFault();
+        bench.plant.ClearFault();
         break;
     }
   }
-  bench.Cycle(true);
+  bench.CheckedCycle(true);
 }
 
 }  // namespace

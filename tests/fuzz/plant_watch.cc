@@ -50,14 +50,14 @@ PlantWatch::PlantWatch(const bridge::BridgeConfig& config) : config_(config) {
   }
 }
 
-void PlantWatch::Heard(int bus, const can::Frame& frame, std::int64_t now_ns) {
-  ++counts_.heard;
+void PlantWatch::Received(int bus, const can::Frame& frame, std::int64_t now_ns) {
+  ++counts_.received;
   if (frame.extended || frame.error || frame.remote || frame.id > 0x7FF || frame.length > 8) return;
   const std::size_t node = frame.id >> 5;
   const std::uint32_t kind = frame.id & 31;
   for (std::size_t g = 0; g < gateways_.size(); ++g) {
     const bridge::GatewayConfig& c = config_.gateways[g];
-    if (c.bus == bus && std::size_t(c.node) == node) return HeardState(g, frame);
+    if (c.bus == bus && std::size_t(c.node) == node) return ReceivedState(g, frame);
   }
   if (frame.length != 8) return;
   if (const int axis = axis_of_[std::size_t(bus)][node]; axis >= 0) {
@@ -81,7 +81,7 @@ void PlantWatch::Heard(int bus, const can::Frame& frame, std::int64_t now_ns) {
 }
 
 // Kinds 4 to 6 positions, 7 to 9 velocities, four fields each; all of 4 to 17 in their order.
-void PlantWatch::HeardState(std::size_t g, const can::Frame& frame) {
+void PlantWatch::ReceivedState(std::size_t g, const can::Frame& frame) {
   Gateway& gateway = gateways_[g];
   const std::uint32_t kind = frame.id & 31;
   if (kind < 4 || kind > 17 || frame.length < (kind == 17 ? 4 : 8)) return;
@@ -285,7 +285,7 @@ void PlantWatch::AssessVelocity(std::size_t j, int bus, const can::Frame& frame)
     return Break("a velocity for a joint in another mode", bus, frame);
   }
   if (frame.length != 8 || !(FloatAt(frame, 4) == 0.0)) {
-    return Break("a velocity with a torque nobody asked for", bus, frame);
+    return Break("a velocity with a torque that was not commanded", bus, frame);
   }
   const double wire_rev_s = FloatAt(frame, 0);
   const bool may = MayMove(j);
@@ -327,7 +327,7 @@ void PlantWatch::AssessPosition(std::size_t j, int bus, const can::Frame& frame)
   if (std::abs(0.001 * ahead) > most_rev_s + 0.001) {
     return Break("a feed-forward above the velocity limit", bus, frame);
   }
-  // What a gateway told is no float32.
+  // The position of a gateway is no float32.
   const bool neutral = joint.measured && Near(wire_rev, joint.position_rev) && ahead == 0;
   if (!MayMove(j)) {
     if (!neutral) Break("a position for a joint that must not move", bus, frame);
@@ -348,7 +348,7 @@ void PlantWatch::AssessReferences(std::size_t g, int bus, const can::Frame& fram
     const std::size_t field = (kind - 1) * 4 + i;
     const auto count = static_cast<std::int16_t>(frame.data[2 * i] | frame.data[2 * i + 1] << 8);
     if (field >= fields.size()) {
-      if (count != 0) Break("a reference for nobody", bus, frame);
+      if (count != 0) Break("a reference for an unused field", bus, frame);
       continue;
     }
     const auto j = static_cast<std::size_t>(fields[field]);
@@ -414,54 +414,6 @@ void PlantWatch::AssessValves(std::size_t j, int bus, const can::Frame& frame) {
       timeout_ms != static_cast<std::uint32_t>(config_.timing.valve_timeout_ms)) {
     Break("relays other than commanded", bus, frame);
   }
-}
-
-bridge::BridgeConfig FuzzedRobot(int joints, bool gateway) {
-  bridge::BridgeConfig config;
-  config.bitrate_bit_s = {1e6, 1e6};
-  const int per_bus = (joints + 1) / 2;
-  for (int j = 0; j < joints; ++j) {
-    bridge::JointConfig joint;
-    joint.name = "joint" + std::to_string(j);
-    joint.bus = j / per_bus;
-    joint.node = 1 + j % per_bus;
-    joint.firmware = static_cast<can::Firmware>(j % 3);
-    joint.direction = j % 2 == 0 ? 1 : -1;
-    joint.gear_ratio = j % 4 == 3 ? 1.0 : 50.0;
-    joint.zero_rev = 0.5 * j;
-    joint.torque_constant_Nm_A = 0.0159155;
-    joint.controller_torque_constant_Nm_A = 8.27 / 600;
-    joint.limits = {0.2 + 0.01 * j, 25.0, 4.0, -1.5, 1.5, 0.2, 90.0};
-    if (j % 2 == 0) joint.output = bridge::OutputNode{joint.node + 32, j % 4 == 0 ? 1 : -1, 0.25};
-    config.joints.push_back(joint);
-  }
-  if (gateway) {
-    bridge::GatewayConfig behind{1, 48, {}};
-    for (int j = per_bus; j < joints; ++j) behind.joints.push_back(j);
-    config.gateways.push_back(behind);
-  }
-  return config;
-}
-
-can::SendStatus FedBus::Send(const can::Frame& frame) noexcept {
-  ++counters_.sent;
-  sent.push_back(frame);
-  if (watch_ != nullptr) watch_->Sent(bus_, frame, now_ns_);
-  return can::SendStatus::kOk;
-}
-
-bool FedBus::Receive(std::chrono::nanoseconds timeout, can::Received* received) noexcept {
-  if (next >= feed.size()) {
-    if (timeout.count() <= 0) return false;
-    now_ns_ += timeout.count();
-    if (on_wait) on_wait();
-    if (next >= feed.size()) return false;
-  }
-  const can::Frame& frame = feed[next++];
-  ++counters_.received;
-  if (watch_ != nullptr) watch_->Heard(bus_, frame, now_ns_);
-  *received = {frame, now_ns_};
-  return true;
 }
 
 }  // namespace sinew::fuzz

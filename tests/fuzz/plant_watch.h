@@ -1,5 +1,5 @@
-// Watches what the bridge's plant hears and sends, and holds every frame that leaves against what
-// the commands allow. For the fuzz harness, the soak run and the speed measurement; allocates
+// Watches what the bridge's plant receives and sends, and compares every frame that leaves with
+// what the commands allow. For the fuzz harness, the soak run and the speed measurement; allocates
 // nothing after its setup.
 //
 // The rules, from docs/participants/can_bridge.md ("What may move a joint") and by hand from bytes,
@@ -16,14 +16,13 @@
 //     ends within the limits;
 //   - a reference through a gateway is the same as a position, rounded to 0.01 turns; that of a
 //   joint
-//     that is not in position mode is where it is, or was when that was last told;
+//     that is not in position mode is the measured position, now or when it was last sent;
 //   - relays are the commanded ones;
 //   - every joint gets a setpoint in every cycle.
 #pragma once
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -32,12 +31,8 @@
 
 namespace sinew::fuzz {
 
-// Of the cycles that everything here runs in.
-inline constexpr double kPeriod_s = 1.0 / 240.0;
-inline constexpr std::int64_t kPeriod_ns = 4'166'667;
-
 struct WatchCounts {
-  std::uint64_t heard = 0;       // frames the plant took from a bus
+  std::uint64_t received = 0;    // frames the plant took from a bus
   std::uint64_t sent = 0;        // frames the plant sent
   std::uint64_t setpoints = 0;   // of these, setpoints
   std::uint64_t moving = 0;      // setpoints that ask for a torque, a velocity, a new position
@@ -49,7 +44,7 @@ class PlantWatch {
   explicit PlantWatch(const bridge::BridgeConfig& config);
 
   // The plant takes this frame from this bus now.
-  void Heard(int bus, const can::Frame& frame, std::int64_t now_ns);
+  void Received(int bus, const can::Frame& frame, std::int64_t now_ns);
   // Call before and after each Act (or Step that sends).
   void Begin(const bridge::CanPlant& plant, const provider::PlantCommand& command, double period_s);
   void End();
@@ -64,7 +59,7 @@ class PlantWatch {
 
  private:
   struct Joint {
-    // Heard.
+    // Received.
     double position_rev = 0.0;
     double velocity_rev_s = 0.0;
     bool measured = false;
@@ -93,7 +88,7 @@ class PlantWatch {
   void AssessReferences(std::size_t gateway, int bus, const can::Frame& frame, std::int64_t now_ns);
   void AssessStep(std::size_t joint, double wire_rev, double rounding_rev, int bus,
                   const can::Frame& frame);
-  void HeardState(std::size_t gateway, const can::Frame& frame);
+  void ReceivedState(std::size_t gateway, const can::Frame& frame);
   void AssessValves(std::size_t joint, int bus, const can::Frame& frame);
   // Position at the output, from the last frame or from the last one that was valid.
   double OutputPosition(std::size_t joint, bool valid_only) const;
@@ -114,48 +109,6 @@ class PlantWatch {
   bool in_cycle_ = false;
   WatchCounts counts_;
   std::string first_violation_;
-};
-
-// A robot for it: joints on two buses with the same node numbers on both, so that a frame on the
-// wrong bus would reach a joint; all three firmwares, both directions, with and without sensor
-// nodes.
-// With a gateway those of the second bus are behind it, node 48.
-bridge::BridgeConfig FuzzedRobot(int joints, bool gateway = false);
-
-// A bus that hands out what was fed and tells the watch of both directions. Time is the owner's;
-// only a Receive that waits lets it pass.
-class FedBus : public can::Transport {
- public:
-  FedBus(int bus, std::int64_t& now_ns, PlantWatch* watch)
-      : bus_(bus), now_ns_(now_ns), watch_(watch) {
-    feed.reserve(8192);
-    sent.reserve(256);
-  }
-
-  can::SendStatus Send(const can::Frame& frame) noexcept override;
-  bool Receive(std::chrono::nanoseconds timeout, can::Received* received) noexcept override;
-  can::Link link() const noexcept override { return can::Link::kUp; }
-  can::TransportCounters counters() const noexcept override { return counters_; }
-  std::int64_t now_ns() const noexcept override { return now_ns_; }
-  const std::string& name() const noexcept override { return name_; }
-
-  // Forgets what was not read: a full socket does, too.
-  void Clear() {
-    feed.clear();
-    next = 0;
-  }
-
-  std::vector<can::Frame> feed;
-  std::size_t next = 0;
-  std::vector<can::Frame> sent;   // since the owner cleared it
-  std::function<void()> on_wait;  // the plant waits and nothing is there: the owner may feed
-
- private:
-  int bus_;
-  std::int64_t& now_ns_;
-  PlantWatch* watch_;
-  can::TransportCounters counters_;
-  std::string name_ = "fed";
 };
 
 }  // namespace sinew::fuzz

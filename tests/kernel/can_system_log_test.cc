@@ -209,7 +209,7 @@ TEST_F(CanSystemLog, HasOnlyFramesOfTheTwoSidesAndExactlyTheNoiseThatWasMade) {
   EXPECT_EQ(extended, run_.mark("noise_cangen"));
   EXPECT_EQ(foreign, run_.mark("noise_foreign"));
   EXPECT_EQ(broken, run_.mark("noise_broken"));
-  // Nobody was silent.
+  // Every node sent its messages.
   for (int j = 0; j < kJoints; ++j) {
     for (const Command command : {Command::kHeartbeat, Command::kGetEncoderEstimates,
                                   Command::kGetIq, Command::kSetInputTorque}) {

@@ -147,7 +147,7 @@ class System {
     EXPECT_TRUE(WaitUntil(seconds(20), [&] {
       return ReadText("/proc/net/can/rcvlist_all").find(Interface() + " ") != std::string::npos;
     })) << "candump does not listen";
-    // The bridge listens before the first axis speaks: it has to count all of their frames.
+    // The bridge listens before the first axis sends: it has to count all of their frames.
     bridge_ = Start({programs_ + "sinew-can-bridge", "--config", results_ + "bridge.yaml", "--rate",
                      "200", "--domain", std::to_string(kDomain)});
     EXPECT_TRUE(bridge_->WaitForText("12 joints on 1 buses", seconds(30))) << bridge_->error();
@@ -228,7 +228,7 @@ class System {
       return false;
     });
   }
-  // From here on nothing may move, from there on it may: told to the assess of the log.
+  // From here on nothing may move, from there on it may: written down for the check of the log.
   void Quiet() { Mark("quiet", std::to_string(state_.header().stamp_ns())); }
   bool Arm() {
     Mark("armed", std::to_string(types::EpochNow_ns()));
@@ -469,7 +469,7 @@ TEST_F(CanSystem, EndsWithTheCountsThatTheLogMustShow) {
             4)
       << said;
   EXPECT_EQ(errors, 2U);
-  // bus_status told the same, but for the frames of the last cycles.
+  // bus_status reported the same, except for the frames of the last cycles.
   EXPECT_LE(last.frames_sent()[0], sent);
   EXPECT_GE(last.frames_sent()[0] + 20 * 3 * kJoints, sent);
   EXPECT_LE(last.frames_received()[0], received);

@@ -140,7 +140,7 @@ TEST(SocketCanOnAKernel, SilenceEndsWithTheTimeout) {
   EXPECT_GE(a.now_ns() - before, 50'000'000);
 }
 
-TEST(SocketCanOnAKernel, ErrorFramesTellBusOffRestartAndPassive) {
+TEST(SocketCanOnAKernel, ErrorFramesReportBusOffRestartAndPassive) {
   SocketCan a({Interface(), {{0x1, 0x7FF, false}}, 0});  // filters for data do not hide errors
   const RawSocket injector;
   Received received;
@@ -156,7 +156,7 @@ TEST(SocketCanOnAKernel, ErrorFramesTellBusOffRestartAndPassive) {
   EXPECT_EQ(a.link(), Link::kUp);
   ASSERT_TRUE(injector.SendError(CAN_ERR_LOSTARB));
   EXPECT_FALSE(a.Receive(milliseconds(20), &received))
-      << "lost arbitration is no error worth telling";
+      << "lost arbitration is not reported as an error";
   EXPECT_EQ(a.counters().error_frames, 3U);
   EXPECT_EQ(a.counters().received, 0U);
 }

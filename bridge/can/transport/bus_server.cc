@@ -107,7 +107,7 @@ void BusServer::RunOnce(std::chrono::nanoseconds timeout) {
   for (std::size_t i = 1; i < sockets.size(); ++i) {
     if (sockets[i].revents != 0) Read(sockets[i].fd, now_ns);
   }
-  TellErrorsAndHealth();
+  SendErrorsAndHealth();
 }
 
 void BusServer::Accept() {
@@ -122,7 +122,7 @@ void BusServer::Accept() {
   Packet welcome;
   welcome.kind = PacketKind::kWelcome;
   welcome.value = static_cast<std::uint32_t>(model_.config().bitrate_bit_s);
-  Tell(socket, &welcome, sizeof welcome);
+  SendTo(socket, &welcome, sizeof welcome);
 }
 
 void BusServer::Read(int socket, std::int64_t now_ns) {
@@ -140,7 +140,7 @@ void BusServer::Read(int socket, std::int64_t now_ns) {
       continue;
     if (!model_.Offer(clients_.at(socket).node, FrameOf(packet), now_ns)) {
       packet.kind = PacketKind::kDropped;
-      Tell(socket, &packet, sizeof packet);
+      SendTo(socket, &packet, sizeof packet);
     }
   }
 }
@@ -159,16 +159,16 @@ void BusServer::Deliver(const Delivery& delivery) {
   for (const auto& [socket, client] : clients_) {
     const auto& senders = delivery.senders;
     if (std::find(senders.begin(), senders.end(), client.node) != senders.end()) continue;
-    if (model_.health(client.node) == NodeHealth::kBusOff) continue;  // neither sends nor hears
-    Tell(socket, &packet, sizeof packet);
+    if (model_.health(client.node) == NodeHealth::kBusOff) continue;  // neither sends nor receives
+    SendTo(socket, &packet, sizeof packet);
   }
 }
 
-void BusServer::TellErrorsAndHealth() {
+void BusServer::SendErrorsAndHealth() {
   Packet packet;
-  for (; told_errors_ < model_.counters().error_frames; ++told_errors_) {
+  for (; sent_errors_ < model_.counters().error_frames; ++sent_errors_) {
     packet.kind = PacketKind::kError;
-    for (const auto& [socket, client] : clients_) Tell(socket, &packet, sizeof packet);
+    for (const auto& [socket, client] : clients_) SendTo(socket, &packet, sizeof packet);
   }
   for (auto& [socket, client] : clients_) {
     const NodeHealth health = model_.health(client.node);
@@ -176,11 +176,11 @@ void BusServer::TellErrorsAndHealth() {
     client.health = health;
     packet.kind = PacketKind::kHealth;
     packet.value = static_cast<std::uint32_t>(health);
-    Tell(socket, &packet, sizeof packet);
+    SendTo(socket, &packet, sizeof packet);
   }
 }
 
-void BusServer::Tell(int socket, const void* data, std::size_t size) {
+void BusServer::SendTo(int socket, const void* data, std::size_t size) {
   if (::send(socket, data, size, MSG_DONTWAIT | MSG_NOSIGNAL) != static_cast<ssize_t>(size))
     ++lost_;
 }

@@ -44,8 +44,8 @@ class BusServer {
   void Read(int socket, std::int64_t now_ns);
   void Drop(int socket);
   void Deliver(const Delivery& delivery);
-  void TellErrorsAndHealth();
-  void Tell(int socket, const void* data, std::size_t size);
+  void SendErrorsAndHealth();
+  void SendTo(int socket, const void* data, std::size_t size);
 
   std::string path_;
   int listener_ = -1;
@@ -53,7 +53,7 @@ class BusServer {
   std::map<int, Client> clients_;  // by socket
   std::function<void(const Delivery&)> on_frame_;
   std::uint64_t lost_ = 0;
-  std::uint64_t told_errors_ = 0;
+  std::uint64_t sent_errors_ = 0;
 };
 
 }  // namespace sinew::can

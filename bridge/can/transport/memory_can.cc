@@ -58,7 +58,7 @@ class MemoryBus::Node : public Transport {
 
   void Take(const Delivery& delivery) {
     if (std::count(delivery.senders.begin(), delivery.senders.end(), node_) > 0) return;
-    if (link() == Link::kBusOff) return;  // neither sends nor hears
+    if (link() == Link::kBusOff) return;  // neither sends nor receives
     counters_.wire_bits += static_cast<std::uint64_t>(FrameBits(delivery.frame));
     if (!Passes(filters_, delivery.frame)) return;
     ++counters_.received;

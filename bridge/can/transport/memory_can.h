@@ -21,7 +21,7 @@ class MemoryBus {
   // The bus must outlive its nodes.
   std::unique_ptr<Transport> Join(std::string name, std::vector<IdFilter> filters = {});
 
-  // `next` says when the agent wants to run, `run` is called then.
+  // `next` returns when the agent runs next, `run` is called then.
   void AddAgent(std::function<std::int64_t()> next, std::function<void(std::int64_t now_ns)> run);
 
   void AdvanceTo(std::int64_t time_ns);

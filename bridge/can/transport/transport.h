@@ -36,7 +36,7 @@ struct TransportCounters {
   std::uint64_t sent = 0;
   std::uint64_t received = 0;  // data and remote frames
   std::uint64_t dropped = 0;   // own frames that never went
-  std::uint64_t lost = 0;      // others' frames that were not read in time, where the system tells
+  std::uint64_t lost = 0;  // others' frames that were not read in time, where the system reports it
   std::uint64_t error_frames = 0;  // reports of the controller, collisions
   std::uint64_t wire_bits = 0;     // of all frames sent and seen here, with their stuff bits
 };

@@ -54,7 +54,8 @@ bool VirtualCan::Connect() noexcept {
   return true;
 }
 
-// The server's first packet says that this node is on the bus: from then on it hears everything.
+// The server's first packet confirms that this node is on the bus: it receives everything from then
+// on.
 bool VirtualCan::AwaitWelcome(std::int64_t give_up_ns) noexcept {
   for (;;) {
     Packet packet;

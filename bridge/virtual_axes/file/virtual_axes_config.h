@@ -14,7 +14,7 @@ namespace sinew::virtual_axes {
 struct VirtualAxesFile {
   std::vector<can::BusEntry> buses;
   VirtualAxesConfig axes;
-  int joints = 1;                        // that the axes and nodes speak of
+  int joints = 1;                        // of the axes and nodes
   std::filesystem::path surrogate_path;  // empty: the surrogate's defaults
   std::filesystem::path world_path;      // a world instead of the surrogate
 };

@@ -20,8 +20,8 @@ namespace {
 
 using namespace sinew;
 
-// The person at the link: pushes as sim_disturbance says, which a robot on a bus would not hear,
-// and lets go when it falls silent.
+// The person at the link: pushes with the force of sim_disturbance, a topic that a robot on a bus
+// does not read, and lets go when no message arrives any more.
 class Hand {
  public:
   explicit Hand(const node::Options& options)
@@ -29,11 +29,11 @@ class Hand {
 
   void Push(virtual_axes::VirtualAxes& axes, int joints, std::int64_t now_ns) {
     if (const auto said = reader_.TakeLatest()) {
-      heard_ns_ = now_ns;
+      received_ns_ = now_ns;
       for (int j = 0; j < std::min<int>(joints, said->joint_count()); ++j) {
         axes.SetHand(j, said->load_force_N()[static_cast<std::size_t>(j)]);
       }
-    } else if (now_ns - heard_ns_ > kSilence_ns) {
+    } else if (now_ns - received_ns_ > kSilence_ns) {
       for (int j = 0; j < joints; ++j) axes.SetHand(j, 0.0);
     }
   }
@@ -42,7 +42,7 @@ class Hand {
   static constexpr std::int64_t kSilence_ns = 100'000'000;
   node::Node node_;
   node::Reader<msg::SimDisturbance> reader_;
-  std::int64_t heard_ns_ = 0;
+  std::int64_t received_ns_ = 0;
 };
 
 // What moves behind the axes: rigs side by side, or a world.

@@ -103,7 +103,7 @@ TEST(VirtualCan, FramesKeepTheirDistanceInBitTimes) {
   for (int i = 0; i < 10; ++i) {
     ASSERT_TRUE(b.Receive(seconds(5), &received));
     if (i > 0) {
-      // Never closer than the wire allows; the server was told of all ten within one frame's 0.9 ms
+      // Never closer than the wire allows; the server received all ten within one frame's 0.9 ms
       // or not.
       EXPECT_GE(received.stamp_ns - last, 8000 * FrameBits(frame));
     }
@@ -111,7 +111,7 @@ TEST(VirtualCan, FramesKeepTheirDistanceInBitTimes) {
   }
 }
 
-TEST(VirtualCan, FullQueueIsToldAndCountedAsDropped) {
+TEST(VirtualCan, FullQueueIsReportedAndCountedAsDropped) {
   const std::string path = Path("full");
   const RunningBus bus(path, {.bitrate_bit_s = 10e3, .queue_frames = 2});
   VirtualCan a({path});

@@ -218,7 +218,7 @@ TEST(CanPlant, FramesFromBeforeTheStartAreNotTakenForNews) {
 TEST(CanPlant, ExpiredWatchdogOfAnAxisThatIsJustBeingArmedIsClearedToo) {
   Bench bench({.watchdog_s = 0.02});
   bench.Start();
-  bench.buses[0]->AdvanceTo(bench.buses[0]->now_ns() + 300 * kMs_ns);  // the bridge is kept waiting
+  bench.buses[0]->AdvanceTo(bench.buses[0]->now_ns() + 300 * kMs_ns);  // the bridge is delayed
   EXPECT_NE(bench.axes->axis_error(0), 0U);
   bench.Arm();  // in the first cycle
   bench.Steps(120);
@@ -247,7 +247,7 @@ TEST(CanPlant, ExpiredWatchdogOfAnIdleAxisIsClearedAndOfAnActiveOneAFault) {
   Bench bench({.watchdog_s = 0.02});
   bench.Start();
   bench.Steps(10);
-  bench.buses[0]->AdvanceTo(bench.buses[0]->now_ns() + 300 * kMs_ns);  // the bridge is kept waiting
+  bench.buses[0]->AdvanceTo(bench.buses[0]->now_ns() + 300 * kMs_ns);  // the bridge is delayed
   EXPECT_NE(bench.axes->axis_error(0), 0U);
   bench.Steps(60);
   EXPECT_FALSE(bench.faulty()) << bench.sensors.message;
@@ -259,7 +259,7 @@ TEST(CanPlant, ExpiredWatchdogOfAnIdleAxisIsClearedAndOfAnActiveOneAFault) {
 }
 
 TEST(CanPlant, ErrorsFromBeforeTheStartAreCleared) {
-  Bench bench({.watchdog_s = 0.02});  // expires before the bridge speaks for the first time
+  Bench bench({.watchdog_s = 0.02});  // expires before the first frame of the bridge
   bench.buses[0]->AdvanceTo(500 * kMs_ns);
   bench.Start();
   bench.Steps(30);

@@ -10,22 +10,23 @@
 namespace sinew::bridge {
 namespace {
 
-TEST(CanPlant, NoSetpointLeavesForAnAxisThatHasJustToldAnError) {
+TEST(CanPlant, NoSetpointLeavesForAnAxisThatHasJustReportedAnError) {
   Bench bench;
   bench.Start();
   bench.Arm();
   bench.command.motor_torque_Nm[0] = 0.001;
   bench.Steps(5);
   bench.axes->SetAxisError(0, can::axis_error::kOverTemp);
-  bool told = false;
+  bool reported = false;
   int moving = 0;
   bench.buses[0]->OnFrame([&](const can::Delivery& d) {
-    if (const auto h = can::Decode<can::Heartbeat>(d.frame); h && h->axis_error != 0) told = true;
+    if (const auto h = can::Decode<can::Heartbeat>(d.frame); h && h->axis_error != 0)
+      reported = true;
     const auto torque = can::Decode<can::SetInputTorque>(d.frame);
-    if (told && torque && torque->torque_Nm != 0.0) ++moving;
+    if (reported && torque && torque->torque_Nm != 0.0) ++moving;
   });
   bench.Steps(60);
-  EXPECT_TRUE(told);
+  EXPECT_TRUE(reported);
   EXPECT_EQ(moving, 0);
 }
 
@@ -101,10 +102,10 @@ TEST(CanPlant, BusThatIsOffIsNamedInTheFault) {
   Bench bench({.output_nodes = false});
   bench.Start();
   bench.Steps(5);
-  // An impostor with the bridge's identifiers and other content, until both are bus-off.
-  const auto impostor = bench.buses[0]->Join("impostor");
+  // A second node with the bridge's identifiers and other content, until both are bus-off.
+  const auto second_node = bench.buses[0]->Join("second_node");
   for (int i = 0; i < 600 && bench.plant->fault(0) == FaultKind::kNone; ++i) {
-    (void)impostor->Send(can::Trim(can::Encode(1, can::SetInputTorque{0.5})));
+    (void)second_node->Send(can::Trim(can::Encode(1, can::SetInputTorque{0.5})));
     bench.Step();
   }
   EXPECT_EQ(bench.plant->fault(0), FaultKind::kEstimatesLost);

@@ -13,7 +13,7 @@ namespace sinew::bridge {
 namespace {
 
 // Whatever comes over the bus, forged answers of our own axes included: no setpoint beyond the
-// limits, none that is not finite, none to a joint that was not told to move.
+// limits, none that is not finite, none to a joint that is not commanded to move.
 // SINEW_FUZZ_FRAMES=100000000 makes a long run of it.
 TEST(CanPlant, FuzzedFramesNeverMakeASetpointBeyondTheLimitsNorToAnotherJoint) {
   const char* text = std::getenv("SINEW_FUZZ_FRAMES");
@@ -38,7 +38,7 @@ TEST(CanPlant, FuzzedFramesNeverMakeASetpointBeyondTheLimitsNorToAnotherJoint) {
       if (!(std::abs(t->torque_Nm) <= most_Nm)) ++wrong;
       if (t->torque_Nm != 0.0) {
         ++moved;
-        if (node != 2) ++wrong;  // only the second joint is told to move
+        if (node != 2) ++wrong;  // only the second joint is commanded to move
       }
     }
     if (const auto p = can::Decode<can::SetInputPos>(frame); p && node != 2) ++wrong;
@@ -92,7 +92,7 @@ TEST(CanPlant, NoiseOfForeignAndBrokenFramesMovesNoJointAndIsNoFault) {
       can::Frame frame;
       frame.extended = random() % 4 == 0;
       frame.id = random() & (frame.extended ? can::kMaxExtendedId : can::kMaxStandardId);
-      // Not in the names of our nodes: that is no noise but an impostor.
+      // Not with identifiers of our nodes: those frames are forged, not noise.
       if (!frame.extended && (frame.id >> 5 == 1 || frame.id >> 5 == 33)) continue;
       frame.length = static_cast<std::uint8_t>(random() % 9);
       for (std::size_t k = 0; k < frame.length; ++k)
@@ -105,7 +105,7 @@ TEST(CanPlant, NoiseOfForeignAndBrokenFramesMovesNoJointAndIsNoFault) {
   EXPECT_EQ(bench.rotors.angle_rad[0], 0.0);
 }
 
-TEST(CanPlant, TruncatedAndNonFiniteAnswersAreCountedAndNotBelieved) {
+TEST(CanPlant, TruncatedAndNonFiniteAnswersAreCountedAndRejected) {
   Bench bench;
   bench.Start();
   bench.Steps(5);

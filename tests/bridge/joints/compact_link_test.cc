@@ -39,7 +39,8 @@ TEST(CompactLink, ALostFrameNeverMixesTwoStates) {
       if (link.Take({frame, i + 1}) != CompactLink::Taken::kComplete) continue;
       ++complete;
       EXPECT_EQ(link.stamp_ns(), i + 1);
-      for (const double told : link.state().position_turns) EXPECT_NEAR(told, turns, 1e-9);
+      for (const double turns_back : link.state().position_turns)
+        EXPECT_NEAR(turns_back, turns, 1e-9);
     }
   }
   EXPECT_GT(complete, 500);

@@ -149,7 +149,7 @@ TEST(Gateway, ShutDownLeavesTheAxesIdle) {
   for (int j = 0; j < 12; ++j) EXPECT_EQ(bench.axes->axis_state(j), can::AxisState::kIdle) << j;
 }
 
-TEST(Gateway, FeetAndImuAreTold) {
+TEST(Gateway, FeetAndImuAreReported) {
   Bench bench(Twelve());
   bench.rotors.body.emplace();
   provider::BodySensors& body = *bench.rotors.body;
@@ -160,20 +160,20 @@ TEST(Gateway, FeetAndImuAreTold) {
   body.orientation_wxyz = {std::cos(half_rad), 0.0, std::sin(half_rad), 0.0};  // 0.4 rad of pitch
   bench.Start();
   bench.Steps(3);
-  const provider::BodySensors* told = bench.plant->body_sensors();
-  ASSERT_NE(told, nullptr);
+  const provider::BodySensors* reported = bench.plant->body_sensors();
+  ASSERT_NE(reported, nullptr);
   for (std::size_t i = 0; i < 8; ++i) {
-    EXPECT_NEAR(told->foot_force_N[i], body.foot_force_N[i], 0.051);
-    EXPECT_TRUE(told->foot_valid[i]);
+    EXPECT_NEAR(reported->foot_force_N[i], body.foot_force_N[i], 0.051);
+    EXPECT_TRUE(reported->foot_valid[i]);
   }
   for (std::size_t i = 0; i < 3; ++i) {
-    EXPECT_NEAR(told->acceleration_m_s2[i], body.acceleration_m_s2[i], 0.0051);
-    EXPECT_NEAR(told->angular_velocity_rad_s[i], body.angular_velocity_rad_s[i], 0.00051);
+    EXPECT_NEAR(reported->acceleration_m_s2[i], body.acceleration_m_s2[i], 0.0051);
+    EXPECT_NEAR(reported->angular_velocity_rad_s[i], body.angular_velocity_rad_s[i], 0.00051);
   }
   for (std::size_t i = 0; i < 4; ++i) {
-    EXPECT_NEAR(told->orientation_wxyz[i], body.orientation_wxyz[i], 1e-4) << i;
+    EXPECT_NEAR(reported->orientation_wxyz[i], body.orientation_wxyz[i], 1e-4) << i;
   }
-  EXPECT_TRUE(told->imu_valid);
+  EXPECT_TRUE(reported->imu_valid);
   Bench without({.joints = 1});
   without.Start();
   EXPECT_EQ(without.plant->body_sensors(), nullptr);

@@ -258,7 +258,7 @@ TEST(CanBridgeSystem, TorqueMovesTheLinkThroughFramesAndTheStateComesBack) {
 
   ASSERT_TRUE(rig.Run(0.0, seconds(10), [&](const msg::JointState&) {
     return rig.status() && rig.status()->load_percent()[0] > 0.0;
-  })) << "the load is told once a second";
+  })) << "the load is reported once a second";
   EXPECT_EQ(rig.status()->bus_count(), 1);
   EXPECT_TRUE(rig.status()->up()[0]);
   EXPECT_EQ(rig.status()->error_frames()[0], 0U);
@@ -288,7 +288,7 @@ TEST(CanBridgeSystem, DeadControllersAreAFaultThatOnlyAnOperatorEnds) {
   EXPECT_TRUE(rig.Run(0.0, seconds(10), [](const msg::JointState& s) {
     return s.robot_state() == msg::ROBOT_FAULT && !s.valid()[0];
   })) << rig.bridge().error();
-  // Estimates or the sensor node, whichever fell silent first.
+  // Estimates or the sensor node, whichever timed out first.
   EXPECT_TRUE(rig.bridge().WaitForText("fault: joint 'joint' (node 3): no", seconds(5)))
       << rig.bridge().error();
 
@@ -325,7 +325,7 @@ TEST(CanBridgeSystem, KilledBridgeLeavesTheMotorIdleByTheControllersWatchdog) {
   EXPECT_EQ(rig.last().robot_state(), msg::ROBOT_DISARMED) << rig.bridge().error();
   EXPECT_NEAR(rig.last().torque_Nm()[0], 0.0, 0.3) << "noise of the current sensor, times the gear";
   EXPECT_NE(ReadText(rig.log()).find(" 061#00080000"), std::string::npos)
-      << "the axis told the expiry of its watchdog";
+      << "the axis reported the expiry of its watchdog";
 }
 
 TEST(CanBridgeSystem, WhenOneJointFailsTheOtherHoldsAsDeclared) {
@@ -371,7 +371,7 @@ TEST(CanBridgeSystem, WhenOneJointFailsTheOtherHoldsAsDeclared) {
   EXPECT_TRUE(rig.Run(0.001, seconds(10), [&](const msg::JointState&) {
     const std::string frames = ReadText(rig.log());
     return frames.find(" 067#01000000", frames.find(" 06C#")) != std::string::npos;
-  })) << "the first is told to idle";
+  })) << "the first is requested to idle";
 }
 
 // The compact exchange as a way to run the bridge: references out, states in, forces and IMU as
@@ -467,7 +467,7 @@ struct BadFile {
 
 class BadInput : public ::testing::TestWithParam<BadFile> {};
 
-TEST_P(BadInput, IsToldInOneLineWithExitCodeTwo) {
+TEST_P(BadInput, IsReportedInOneLineWithExitCodeTwo) {
   const testing::TemporaryFolder folder;
   const std::string text =
       Replaced(ReadText(std::string(SINEW_SOURCE_DIR) + "/robots/rig/can_bridge.yaml"),

@@ -252,7 +252,7 @@ TEST_F(Model, ARebootIsThreeTenthsOfASecondOfSilenceAndForgetsErrorsAndLimits) {
   axis->CheckWatchdog(now_ns);
   EXPECT_EQ(axis->error(), 0U);
   (void)Take(can::SetAxisState{AxisState::kClosedLoopControl});
-  EXPECT_EQ(axis->state(), AxisState::kIdle) << "hears nothing";
+  EXPECT_EQ(axis->state(), AxisState::kIdle) << "receives nothing";
   now_ns += kMs_ns;
   EXPECT_FALSE(axis->is_silent(now_ns));
   CloseLoop(can::ControlMode::kTorque);
@@ -278,6 +278,8 @@ TEST_F(Model, AReferenceMovesPositionControlOnlyAndFeedsTheWatchdog) {
   (void)Take(can::Reboot{});
   axis->TakeReference(8.0, now_ns);
   now_ns += 300 * kMs_ns;
+  axis->CheckWatchdog(now_ns + 50 * kMs_ns);
+  EXPECT_EQ(axis->error(), 0U) << "the reference during the reboot is ignored: it feeds nothing";
   CloseLoop(can::ControlMode::kPosition);
   EXPECT_NEAR(Driven().position_rad[0], 1.25 * types::kTwoPi, 1e-12);
 }

@@ -53,7 +53,7 @@ class Master : public ::testing::Test {
   void Send(int node, const Message& message) {
     ASSERT_EQ(master_->Send(can::Encode(node, message, firmware_)), can::SendStatus::kOk);
   }
-  // Lets time pass and forgets what was heard.
+  // Lets time pass and drops what was received.
   void Pass(milliseconds time) {
     bus_.AdvanceTo(bus_.now_ns() + std::chrono::nanoseconds(time).count());
     can::Received received;
