@@ -55,7 +55,7 @@ void AddCloseLoopCommand(CLI::App& app) {
       ->required();
   command->add_option(
       "--held-out,--sealed", options.held_out,
-      "Recordings to assess by, never used for a fit; FILE or FILE@START:END. Without "
+      "Recordings for confirmation, never used for a fit; FILE or FILE@START:END. Without "
       "any, each of several training recordings is held out once");
   command->add_option("--out", options.out, "Folder for report.html, report.json and model.yaml")
       ->required();
@@ -68,7 +68,7 @@ void AddCloseLoopCommand(CLI::App& app) {
       ->capture_default_str();
   command
       ->add_option("--accept-fault", options.accepted_faults,
-                   "Go on in spite of this fault of the data (docs/data-gate.md); repeatable")
+                   "Continue in spite of this fault of the data (docs/data-gate.md); repeatable")
       ->allow_extra_args(false)
       ->check(CLI::IsMember(FaultNames()));
   command->add_flag("--keep-unconfirmed", options.keep_unconfirmed,
@@ -83,7 +83,7 @@ void AddCloseLoopCommand(CLI::App& app) {
             options.given.emplace(names.begin(), names.end());
             options.given->erase(kNoEffect);
           },
-          "Fit this effect, whatever it is worth, and search for no other; repeatable; \"none\": "
+          "Fit this effect without a search for others; repeatable; \"none\": "
           "the declared terms alone")
       ->allow_extra_args(false)
       ->check(CLI::IsMember(effects));
@@ -93,17 +93,16 @@ void AddCloseLoopCommand(CLI::App& app) {
           [](const std::vector<std::string>& ids) {
             for (const std::string& id : ids) trace::TakeOut(id);
           },
-          "Take a rule out (docs/closing-the-loop.md), to see what it is worth; repeatable")
+          "Disable a rule (docs/closing-the-loop.md), to measure its effect; repeatable")
       ->allow_extra_args(false)
       ->check(CLI::IsMember(RuleNames()));
   command->add_flag("--json", arguments->json, "Print the report as JSON");
   command->footer(
-      "The declared terms are fitted, the residual is traced over the catalogue (`sinew effects`), "
-      "the "
-      "effect is\nadded and the error printed before and after. model.yaml goes into world and "
-      "control as it "
-      "is.\n\nExamples:\n"
-      "  sinew close-loop --train train_1.csv train_2.csv --held-out sealed.csv --out found\n"
+      "Fits the declared terms, searches the catalogue (`sinew effects`) for the effects that "
+      "explain the\nresidual, adds the confirmed ones and reports the errors before and after. "
+      "World "
+      "and control load\nmodel.yaml unchanged.\n\nExamples:\n"
+      "  sinew close-loop --train train_1.csv train_2.csv --held-out test.csv --out found\n"
       "  sinew close-loop --train monday.csv tuesday.csv wednesday.csv --out found\n"
       "  sinew close-loop --train day.csv@:60 --held-out day.csv@60: --out found\n"
       "  sinew close-loop --model robots/emps/model.yaml --map robots/emps/csv_map.yaml \\\n"
