@@ -146,7 +146,7 @@ TEST(Recorder, CountsWhatDoesNotFitTheQueue) {
   EXPECT_EQ(recorder.state().messages, 10u);
 }
 
-TEST(Recorder, WaitsForRoomWhenNothingMayBeDropped) {
+TEST(Recorder, WaitsForCapacityWhenNothingMayBeDropped) {
   TestSink sink;
   sink.Hold(true);
   const std::size_t size = JointState(0).size();
