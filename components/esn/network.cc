@@ -1,35 +1,15 @@
 #include "components/esn/network.h"
 
 #include <algorithm>
-#include <stdexcept>
-#include <string>
 
 #include "components/esn/dispatch.h"
 
 namespace sinew::esn {
 
-namespace internal {
-
-const Kernel& KernelFor(simd::Instructions instructions) noexcept {
-#if defined(__x86_64__)
-  if (instructions == simd::Instructions::kAvx512) return kAvx512Kernel;
-  if (instructions == simd::Instructions::kAvx2) return kAvx2Kernel;
-#endif
-  (void)instructions;
-  return kPortableKernel;
-}
-
-int Padded(int count, int block) noexcept { return (count + block - 1) / block * block; }
-
-}  // namespace internal
-
-Network::Network(const Weights& weights, simd::Instructions instructions)
-    : instructions_(instructions) {
+Network::Network(const Weights& weights, std::optional<simd::Instructions> instructions)
+    : instructions_(instructions ? *instructions : internal::FastestStep()) {
   weights.Check();
-  if (!simd::Runs(instructions)) {
-    throw std::invalid_argument(std::string("instructions: ") + simd::Name(instructions) +
-                                " does not run on this machine");
-  }
+  simd::RequireRuns(instructions_);
   neurons_ = weights.neurons();
   inputs_ = weights.input_count();
   feature_count_ = weights.feature_count();
@@ -112,10 +92,7 @@ void Network::SetState(Eigen::Ref<const Eigen::VectorXd> state) noexcept {
 }
 
 void Tanh(Eigen::Ref<Eigen::VectorXd> values, simd::Instructions instructions) {
-  if (!simd::Runs(instructions)) {
-    throw std::invalid_argument(std::string("instructions: ") + simd::Name(instructions) +
-                                " does not run on this machine");
-  }
+  simd::RequireRuns(instructions);
   Eigen::VectorXd padded =
       Eigen::VectorXd::Zero(internal::Padded(static_cast<int>(values.size()), 8));
   padded.head(values.size()) = values;
