@@ -20,8 +20,10 @@
 namespace sinew::esn {
 namespace {
 
-Weights SomeWeights(int neurons, int inputs, int outputs) {
+Weights SomeWeights(int neurons, int inputs, int outputs,
+                    int shared_rows = Hyperparameters{}.shared_rows) {
   Hyperparameters hyper;
+  hyper.shared_rows = shared_rows;
   hyper.neurons = neurons;
   hyper.spectral_radius = 0.95;
   hyper.leak = 0.13;
@@ -39,7 +41,7 @@ Eigen::MatrixXd SomeInputs(int inputs, int count) {
   return u;
 }
 
-// Arguments: neurons, inputs, outputs, instruction set.
+// Arguments: neurons, inputs, outputs, instruction set, rows that share their columns.
 void Step(benchmark::State& state) {
   const int inputs = static_cast<int>(state.range(1));
   const auto instructions = static_cast<simd::Instructions>(state.range(3));
@@ -47,9 +49,9 @@ void Step(benchmark::State& state) {
     state.SkipWithError("instruction set not available here");
     return;
   }
-  Network network(
-      SomeWeights(static_cast<int>(state.range(0)), inputs, static_cast<int>(state.range(2))),
-      instructions);
+  Network network(SomeWeights(static_cast<int>(state.range(0)), inputs,
+                              static_cast<int>(state.range(2)), static_cast<int>(state.range(4))),
+                  instructions);
   const Eigen::MatrixXd u = SomeInputs(inputs, 1024);
   Eigen::Index t = 0;
   for (auto _ : state) {
@@ -59,7 +61,10 @@ void Step(benchmark::State& state) {
 }
 void StepArguments(benchmark::internal::Benchmark* b) {
   for (const int set : {0, 1, 2}) {
-    b->Args({470, 3, 1, set})->Args({78, 6, 1, set})->Args({76, 36, 12, set});
+    for (const int shared : {1, 4}) {
+      b->Args({470, 3, 1, set, shared})->Args({78, 6, 1, set, shared});
+      b->Args({76, 36, 12, set, shared});
+    }
   }
 }
 BENCHMARK(Step)->Apply(StepArguments)->Unit(benchmark::kMicrosecond);
@@ -113,12 +118,13 @@ double ThreadTime_us() {
 
 // The default step beside the dense one and beside the fastest instruction set: each the least of
 // many times of 20 steps, taken in turn, so that the ratios hold on a machine that does other work.
-// Arguments: neurons, inputs, outputs.
+// Arguments: neurons, inputs, outputs, rows that share their columns.
 void Ratio(benchmark::State& state) {
   constexpr int kSteps = 20;
   const int inputs = static_cast<int>(state.range(1));
   const Weights weights =
-      SomeWeights(static_cast<int>(state.range(0)), inputs, static_cast<int>(state.range(2)));
+      SomeWeights(static_cast<int>(state.range(0)), inputs, static_cast<int>(state.range(2)),
+                  static_cast<int>(state.range(3)));
   const Eigen::MatrixXd u = SomeInputs(inputs, kSteps);
   DenseNetwork dense(weights);
   Network by_default(weights);
@@ -148,9 +154,9 @@ void Ratio(benchmark::State& state) {
   state.counters["default/fastest"] = default_us / fastest_us;
 }
 BENCHMARK(Ratio)
-    ->Args({470, 3, 1})
-    ->Args({78, 6, 1})
-    ->Args({76, 36, 12})
+    ->ArgsProduct({{470}, {3}, {1}, {1, 4}})
+    ->ArgsProduct({{78}, {6}, {1}, {1, 4}})
+    ->ArgsProduct({{76}, {36}, {12}, {1, 4}})
     ->Iterations(200)
     ->Unit(benchmark::kMicrosecond);
 

@@ -15,32 +15,45 @@ const Kernel& KernelFor(simd::Instructions instructions) noexcept {
   return kPortableKernel;
 }
 
+namespace {
+
+using StepKernel = void (*Kernel::*)(const StepArguments&) noexcept;
+
+simd::Instructions FastestOf(StepKernel step) {
+  constexpr int kRows = 240;
+  constexpr int kEntries = 24;
+  constexpr int kInputs = 3;
+  std::vector<std::int32_t> column(kRows * kEntries);
+  for (std::size_t i = 0; i < column.size(); ++i) {
+    column[i] = static_cast<std::int32_t>(i * 97 % kRows);  // apart, as random columns are
+  }
+  const std::vector<double> value(kRows * kEntries, 0.01), bias(kRows, 0.1),
+      input_weight(kRows * kInputs, 0.1), input(kInputs, 0.5);
+  std::vector<double> state(kRows, 0.0), work(kRows);
+  StepArguments arguments;
+  arguments.rows = kRows;
+  arguments.entries = kEntries;
+  arguments.inputs = kInputs;
+  arguments.column = column.data();
+  arguments.value = value.data();
+  arguments.bias = bias.data();
+  arguments.input_weight = input_weight.data();
+  arguments.input = input.data();
+  arguments.leak = 0.1;
+  arguments.state = state.data();
+  arguments.work = work.data();
+  return simd::Fastest([&](simd::Instructions set) { (KernelFor(set).*step)(arguments); });
+}
+
+}  // namespace
+
 simd::Instructions FastestStep() {
-  static const simd::Instructions fastest = [] {
-    constexpr int kRows = 240;
-    constexpr int kEntries = 24;
-    constexpr int kInputs = 3;
-    std::vector<std::int32_t> column(kRows * kEntries);
-    for (std::size_t i = 0; i < column.size(); ++i) {
-      column[i] = static_cast<std::int32_t>(i * 97 % kRows);  // apart, as random columns are
-    }
-    const std::vector<double> value(kRows * kEntries, 0.01), bias(kRows, 0.1),
-        input_weight(kRows * kInputs, 0.1), input(kInputs, 0.5);
-    std::vector<double> state(kRows, 0.0), work(kRows);
-    StepArguments arguments;
-    arguments.rows = kRows;
-    arguments.entries = kEntries;
-    arguments.inputs = kInputs;
-    arguments.column = column.data();
-    arguments.value = value.data();
-    arguments.bias = bias.data();
-    arguments.input_weight = input_weight.data();
-    arguments.input = input.data();
-    arguments.leak = 0.1;
-    arguments.state = state.data();
-    arguments.work = work.data();
-    return simd::Fastest([&](simd::Instructions set) { KernelFor(set).step(arguments); });
-  }();
+  static const simd::Instructions fastest = FastestOf(&Kernel::step);
+  return fastest;
+}
+
+simd::Instructions FastestSharedStep() {
+  static const simd::Instructions fastest = FastestOf(&Kernel::step_shared);
   return fastest;
 }
 

@@ -12,6 +12,7 @@ const Kernel& KernelFor(simd::Instructions instructions) noexcept;
 // less than a millisecond (simd/fastest.h) and allocates; later ones return what it found. Any
 // thread.
 simd::Instructions FastestStep();
+simd::Instructions FastestSharedStep();
 simd::Instructions FastestGram();
 
 // The next multiple of block.

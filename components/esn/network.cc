@@ -6,10 +6,29 @@
 
 namespace sinew::esn {
 
-Network::Network(const Weights& weights, std::optional<simd::Instructions> instructions)
-    : instructions_(instructions ? *instructions : internal::FastestStep()) {
+namespace {
+
+// Every group of kSharedRows rows has one list of columns; the last group may be smaller.
+bool GroupsShareColumns(const EllMatrix& w) {
+  const auto entries = static_cast<std::ptrdiff_t>(w.entries);
+  for (int row = 0; row < w.rows; ++row) {
+    const auto first =
+        w.column.begin() + row / internal::kSharedRows * internal::kSharedRows * entries;
+    if (!std::equal(first, first + entries, w.column.begin() + row * entries)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+Network::Network(const Weights& weights, std::optional<simd::Instructions> instructions) {
   weights.Check();
-  simd::RequireRuns(instructions_);
+  shared_ = GroupsShareColumns(weights.reservoir);
+  const simd::Instructions set = instructions ? *instructions
+                                 : shared_    ? internal::FastestSharedStep()
+                                              : internal::FastestStep();
+  simd::RequireRuns(set);
+  instructions_ = set;
   neurons_ = weights.neurons();
   inputs_ = weights.input_count();
   feature_count_ = weights.feature_count();
@@ -21,7 +40,8 @@ Network::Network(const Weights& weights, std::optional<simd::Instructions> instr
   // Padding rows have zero weights and bias: their state stays 0.
   const std::size_t rows = static_cast<std::size_t>(rows_);
   const std::size_t entries = static_cast<std::size_t>(entries_);
-  column_.assign(rows * entries, 0);
+  const std::size_t group = shared_ ? internal::kSharedRows : 1;
+  column_.assign(rows / group * entries, 0);
   value_.assign(rows * entries, 0.0);
   bias_.assign(rows, 0.0);
   input_weight_.assign(rows * static_cast<std::size_t>(inputs_), 0.0);
@@ -29,9 +49,9 @@ Network::Network(const Weights& weights, std::optional<simd::Instructions> instr
   constexpr std::size_t kBlock = internal::kRowBlock;
   for (std::size_t row = 0; row < static_cast<std::size_t>(neurons_); ++row) {
     for (std::size_t j = 0; j < entries; ++j) {
-      const std::size_t to = (row / kBlock) * kBlock * entries + j * kBlock + row % kBlock;
-      column_[to] = weights.reservoir.column[row * entries + j];
-      value_[to] = weights.reservoir.value[row * entries + j];
+      const std::size_t block = row / kBlock * kBlock * entries + j * kBlock;  // of this entry
+      column_[block / group + row % kBlock / group] = weights.reservoir.column[row * entries + j];
+      value_[block + row % kBlock] = weights.reservoir.value[row * entries + j];
     }
     bias_[row] = weights.bias(static_cast<Eigen::Index>(row));
     for (std::size_t m = 0; m < static_cast<std::size_t>(inputs_); ++m) {
@@ -73,7 +93,8 @@ StepStatus Network::Step(Eigen::Ref<const Eigen::VectorXd> u) noexcept {
   arguments.leak = leak_;
   arguments.state = features_.data() + 1 + inputs_;
   arguments.work = work_.data();
-  internal::KernelFor(instructions_).step(arguments);
+  const internal::Kernel& kernel = internal::KernelFor(instructions_);
+  (shared_ ? kernel.step_shared : kernel.step)(arguments);
   prediction_.noalias() = readout_.lazyProduct(features_.head(feature_count_));
   return StepStatus::kOk;
 }

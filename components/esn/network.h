@@ -78,6 +78,7 @@ class Network {
   Eigen::VectorXd features_;  // padded behind x
   Eigen::MatrixXd readout_;
   Eigen::VectorXd prediction_;
+  bool shared_;  // groups of rows have the same columns
   simd::Instructions instructions_;
 };
 

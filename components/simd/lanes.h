@@ -79,6 +79,20 @@ SINEW_LANES_INLINE Lanes Gather(const double* from, const std::int32_t* index) {
   return result;
 }
 
+// from[index[0]] four times, then from[index[1]] four times.
+SINEW_LANES_INLINE Lanes Spread(const double* from, const std::int32_t* index) {
+  Lanes result;
+#if defined(__AVX512F__)
+  typedef double Four __attribute__((vector_size(32)));
+  const Four low = from[index[0]] - Four{};
+  const Four high = from[index[1]] - Four{};
+  result.pack[0] = __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
+#else
+  for (int p = 0; p < kPacks; ++p) result.pack[p] = from[index[p * kPackLanes / 4]] - Pack{};
+#endif
+  return result;
+}
+
 #define SINEW_LANES_OPERATOR(op)                                              \
   SINEW_LANES_INLINE Lanes operator op(const Lanes& a, const Lanes& b) {      \
     Lanes result;                                                             \
