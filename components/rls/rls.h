@@ -1,4 +1,4 @@
-// Recursive least squares with forgetting for the readout of a network, made to run for ever.
+// Recursive least squares with forgetting for the readout of a network, made to run without an end.
 //
 //   alpha = lambda + w phi' P phi,  k = w P phi / alpha
 //   e     = y - W phi,              W <- W + e k'
