@@ -1,9 +1,9 @@
 #include "bench/rigs/figures.h"
 
 #include <algorithm>
+#include <boost/math/special_functions/beta.hpp>
 #include <cmath>
 #include <cstdio>
-#include <functional>
 #include <stdexcept>
 
 #include "sim/rigs/random.h"
@@ -42,24 +42,6 @@ bool NamesVariable(const Outcome& outcome) {
   };
   const auto found = variables.find(outcome.effects.front().name);
   return found != variables.end() && Holds(found->second, outcome.variable);
-}
-
-double LogBinomial(int k, int n, double p) {
-  return std::lgamma(n + 1.0) - std::lgamma(k + 1.0) - std::lgamma(n - k + 1.0) + k * std::log(p) +
-         (n - k) * std::log1p(-p);
-}
-double AtLeast(int hits, int trials, double p) {
-  double sum = 0.0;
-  for (int k = hits; k <= trials; ++k) sum += std::exp(LogBinomial(k, trials, p));
-  return sum;
-}
-double Solve(const std::function<double(double)>& rising, double value) {
-  double low = 0.0, high = 1.0;
-  for (int i = 0; i < 60; ++i) {
-    const double middle = 0.5 * (low + high);
-    (rising(middle) < value ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
 }
 
 // Which cases a figure is counted on, and what is a hit.
@@ -168,10 +150,9 @@ std::pair<double, double> ClopperPearson(int hits, int trials) {
                                 ", expected 0 to the number of trials");
   }
   if (trials == 0) return {0.0, 1.0};
-  const double low =
-      hits == 0 ? 0.0 : Solve([&](double p) { return AtLeast(hits, trials, p); }, 0.025);
-  const double high =
-      hits == trials ? 1.0 : Solve([&](double p) { return AtLeast(hits + 1, trials, p); }, 0.975);
+  // P(at least k hits of n) is the incomplete beta function I_p(k, n - k + 1).
+  const double low = hits == 0 ? 0.0 : boost::math::ibeta_inv(hits, trials - hits + 1, 0.025);
+  const double high = hits == trials ? 1.0 : boost::math::ibeta_inv(hits + 1, trials - hits, 0.975);
   return {low, high};
 }
 

@@ -2,6 +2,6 @@
 
 namespace sinew::esn::internal {
 
-const Kernel kAvx2Kernel = {Step, TanhInPlace, Gram};
+const Kernel kAvx2Kernel = {Step<false>, Step<true>, TanhInPlace, Gram};
 
 }  // namespace sinew::esn::internal

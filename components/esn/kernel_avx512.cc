@@ -2,6 +2,6 @@
 
 namespace sinew::esn::internal {
 
-const Kernel kAvx512Kernel = {Step, TanhInPlace, Gram};
+const Kernel kAvx512Kernel = {Step<false>, Step<true>, TanhInPlace, Gram};
 
 }  // namespace sinew::esn::internal

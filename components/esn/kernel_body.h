@@ -33,8 +33,10 @@ SINEW_LANES_INLINE Lanes Tanh(const Lanes& x) {
   return WithSignOf(exp_y_minus_1 / (exp_y_minus_1 + Broadcast(2.0)), x);
 }
 
+template <bool kShared>
 void Step(const sinew::esn::internal::StepArguments& a) noexcept {
   using sinew::esn::internal::kRowBlock;
+  constexpr int kIndices = kShared ? kRowBlock / sinew::esn::internal::kSharedRows : kRowBlock;
   const std::int32_t* column = a.column;
   const double* value = a.value;
   for (int row = 0; row < a.rows; row += kRowBlock) {
@@ -47,10 +49,12 @@ void Step(const sinew::esn::internal::StepArguments& a) noexcept {
       sum1 = sum1 + Load(weight + kLanes) * u;
     }
     for (int j = 0; j < a.entries; ++j) {
-      sum0 = sum0 + Load(value) * Gather(a.state, column);
-      sum1 = sum1 + Load(value + kLanes) * Gather(a.state, column + kLanes);
+      const std::int32_t* other = column + kIndices / 2;
+      sum0 = sum0 + Load(value) * (kShared ? Spread(a.state, column) : Gather(a.state, column));
+      sum1 =
+          sum1 + Load(value + kLanes) * (kShared ? Spread(a.state, other) : Gather(a.state, other));
       value += kRowBlock;
-      column += kRowBlock;
+      column += kIndices;
     }
     Store(a.work + row, sum0);
     Store(a.work + row + kLanes, sum1);

@@ -2,6 +2,6 @@
 
 namespace sinew::esn::internal {
 
-const Kernel kPortableKernel = {Step, TanhInPlace, Gram};
+const Kernel kPortableKernel = {Step<false>, Step<true>, TanhInPlace, Gram};
 
 }  // namespace sinew::esn::internal

@@ -1,35 +1,34 @@
 #include "components/esn/network.h"
 
 #include <algorithm>
-#include <stdexcept>
-#include <string>
 
 #include "components/esn/dispatch.h"
 
 namespace sinew::esn {
 
-namespace internal {
+namespace {
 
-const Kernel& KernelFor(simd::Instructions instructions) noexcept {
-#if defined(__x86_64__)
-  if (instructions == simd::Instructions::kAvx512) return kAvx512Kernel;
-  if (instructions == simd::Instructions::kAvx2) return kAvx2Kernel;
-#endif
-  (void)instructions;
-  return kPortableKernel;
+// Every group of kSharedRows rows has one list of columns; the last group may be smaller.
+bool GroupsShareColumns(const EllMatrix& w) {
+  const auto entries = static_cast<std::ptrdiff_t>(w.entries);
+  for (int row = 0; row < w.rows; ++row) {
+    const auto first =
+        w.column.begin() + row / internal::kSharedRows * internal::kSharedRows * entries;
+    if (!std::equal(first, first + entries, w.column.begin() + row * entries)) return false;
+  }
+  return true;
 }
 
-int Padded(int count, int block) noexcept { return (count + block - 1) / block * block; }
+}  // namespace
 
-}  // namespace internal
-
-Network::Network(const Weights& weights, simd::Instructions instructions)
-    : instructions_(instructions) {
+Network::Network(const Weights& weights, std::optional<simd::Instructions> instructions) {
   weights.Check();
-  if (!simd::Runs(instructions)) {
-    throw std::invalid_argument(std::string("instructions: ") + simd::Name(instructions) +
-                                " does not run on this machine");
-  }
+  shared_ = GroupsShareColumns(weights.reservoir);
+  const simd::Instructions set = instructions ? *instructions
+                                 : shared_    ? internal::FastestSharedStep()
+                                              : internal::FastestStep();
+  simd::RequireRuns(set);
+  instructions_ = set;
   neurons_ = weights.neurons();
   inputs_ = weights.input_count();
   feature_count_ = weights.feature_count();
@@ -41,7 +40,8 @@ Network::Network(const Weights& weights, simd::Instructions instructions)
   // Padding rows have zero weights and bias: their state stays 0.
   const std::size_t rows = static_cast<std::size_t>(rows_);
   const std::size_t entries = static_cast<std::size_t>(entries_);
-  column_.assign(rows * entries, 0);
+  const std::size_t group = shared_ ? internal::kSharedRows : 1;
+  column_.assign(rows / group * entries, 0);
   value_.assign(rows * entries, 0.0);
   bias_.assign(rows, 0.0);
   input_weight_.assign(rows * static_cast<std::size_t>(inputs_), 0.0);
@@ -49,9 +49,9 @@ Network::Network(const Weights& weights, simd::Instructions instructions)
   constexpr std::size_t kBlock = internal::kRowBlock;
   for (std::size_t row = 0; row < static_cast<std::size_t>(neurons_); ++row) {
     for (std::size_t j = 0; j < entries; ++j) {
-      const std::size_t to = (row / kBlock) * kBlock * entries + j * kBlock + row % kBlock;
-      column_[to] = weights.reservoir.column[row * entries + j];
-      value_[to] = weights.reservoir.value[row * entries + j];
+      const std::size_t block = row / kBlock * kBlock * entries + j * kBlock;  // of this entry
+      column_[block / group + row % kBlock / group] = weights.reservoir.column[row * entries + j];
+      value_[block + row % kBlock] = weights.reservoir.value[row * entries + j];
     }
     bias_[row] = weights.bias(static_cast<Eigen::Index>(row));
     for (std::size_t m = 0; m < static_cast<std::size_t>(inputs_); ++m) {
@@ -93,7 +93,8 @@ StepStatus Network::Step(Eigen::Ref<const Eigen::VectorXd> u) noexcept {
   arguments.leak = leak_;
   arguments.state = features_.data() + 1 + inputs_;
   arguments.work = work_.data();
-  internal::KernelFor(instructions_).step(arguments);
+  const internal::Kernel& kernel = internal::KernelFor(instructions_);
+  (shared_ ? kernel.step_shared : kernel.step)(arguments);
   prediction_.noalias() = readout_.lazyProduct(features_.head(feature_count_));
   return StepStatus::kOk;
 }
@@ -112,10 +113,7 @@ void Network::SetState(Eigen::Ref<const Eigen::VectorXd> state) noexcept {
 }
 
 void Tanh(Eigen::Ref<Eigen::VectorXd> values, simd::Instructions instructions) {
-  if (!simd::Runs(instructions)) {
-    throw std::invalid_argument(std::string("instructions: ") + simd::Name(instructions) +
-                                " does not run on this machine");
-  }
+  simd::RequireRuns(instructions);
   Eigen::VectorXd padded =
       Eigen::VectorXd::Zero(internal::Padded(static_cast<int>(values.size()), 8));
   padded.head(values.size()) = values;

@@ -14,6 +14,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "components/esn/weights.h"
@@ -28,10 +29,9 @@ enum class [[nodiscard]] StepStatus{
 
 class Network {
  public:
-  // Throws std::invalid_argument as Weights::Check(), or when the instruction set does not run
-  // here.
-  explicit Network(const Weights& weights,
-                   simd::Instructions instructions = simd::BestInstructions());
+  // instructions: the fastest here if not given. Throws std::invalid_argument as Weights::Check(),
+  // or when the instruction set does not run here.
+  explicit Network(const Weights& weights, std::optional<simd::Instructions> instructions = {});
 
   // x = 0, prediction zero.
   void Reset() noexcept;
@@ -78,12 +78,13 @@ class Network {
   Eigen::VectorXd features_;  // padded behind x
   Eigen::MatrixXd readout_;
   Eigen::VectorXd prediction_;
+  bool shared_;  // groups of rows have the same columns
   simd::Instructions instructions_;
 };
 
 // values = tanh(values), with the step's own approximation. The error against std::tanh is at most
 // 5 units in the last place; +-1 beyond |x| = 20; not a number stays not a number.
-void Tanh(Eigen::Ref<Eigen::VectorXd> values,
-          simd::Instructions instructions = simd::BestInstructions());
+// For tests; allocates.
+void Tanh(Eigen::Ref<Eigen::VectorXd> values, simd::Instructions instructions);
 
 }  // namespace sinew::esn

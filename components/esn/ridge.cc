@@ -15,19 +15,17 @@ namespace sinew::esn {
 using internal::kPanelColumns;
 using internal::kPanelSamples;
 
-NormalEquations::NormalEquations(int features, int outputs, simd::Instructions instructions)
+NormalEquations::NormalEquations(int features, int outputs,
+                                 std::optional<simd::Instructions> instructions)
     : features_(features),
       outputs_(outputs),
       columns_(internal::Padded(features + outputs, kPanelColumns)),
-      instructions_(instructions) {
+      instructions_(instructions ? *instructions : internal::FastestGram()) {
   if (features < 1 || outputs < 1) {
     throw std::invalid_argument("normal equations: " + std::to_string(features) + " features and " +
                                 std::to_string(outputs) + " outputs, expected at least 1 of each");
   }
-  if (!simd::Runs(instructions)) {
-    throw std::invalid_argument(std::string("instructions: ") + simd::Name(instructions) +
-                                " does not run on this machine");
-  }
+  simd::RequireRuns(instructions_);
   const std::size_t columns = static_cast<std::size_t>(columns_);
   panels_.assign(columns * kPanelSamples, 0.0);
   gram_.assign(columns * columns, 0.0);

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "components/simd/instructions.h"
@@ -16,9 +17,9 @@ namespace sinew::esn {
 // Sums over samples, gathered sample by sample.
 class NormalEquations {
  public:
-  // Throws std::invalid_argument for counts below 1.
-  NormalEquations(int features, int outputs,
-                  simd::Instructions instructions = simd::BestInstructions());
+  // instructions: the fastest here if not given. Throws std::invalid_argument for counts below 1,
+  // or when the instruction set does not run here.
+  NormalEquations(int features, int outputs, std::optional<simd::Instructions> instructions = {});
 
   // A sample that is not finite is refused: false.
   [[nodiscard]] bool Add(Eigen::Ref<const Eigen::VectorXd> features,

@@ -47,6 +47,8 @@ void Hyperparameters::Check() const {
   Require(density > 0.0 && density <= 1.0,
           "density: " + number(density) + ", expected above 0, at most 1");
   Require(leak > 0.0 && leak <= 1.0, "leak: " + number(leak) + ", expected above 0, at most 1");
+  Require(shared_rows == 1 || shared_rows == 4,
+          "shared_rows: " + std::to_string(shared_rows) + ", expected 1 or 4");
   Require(std::isfinite(input_limit) && input_limit > 0.0,
           "input_limit: " + number(input_limit) + ", expected a number above 0");
 }
@@ -132,16 +134,19 @@ Weights MakeWeights(const Hyperparameters& hyper, int inputs, int outputs) {
   const std::size_t size = static_cast<std::size_t>(n) * static_cast<std::size_t>(w.entries);
   w.column.reserve(size);
   w.value.reserve(size);
+  std::vector<int> columns;
   std::vector<int> shuffled(static_cast<std::size_t>(n));
   std::iota(shuffled.begin(), shuffled.end(), 0);
   for (int row = 0; row < n; ++row) {
-    for (int j = 0; j < w.entries; ++j) {
-      std::swap(shuffled[static_cast<std::size_t>(j)],
-                shuffled[static_cast<std::size_t>(j + random.Below(n - j))]);
+    if (row % hyper.shared_rows == 0) {
+      for (int j = 0; j < w.entries; ++j) {
+        std::swap(shuffled[static_cast<std::size_t>(j)],
+                  shuffled[static_cast<std::size_t>(j + random.Below(n - j))]);
+      }
+      columns.assign(shuffled.begin(), shuffled.begin() + w.entries);
+      std::sort(columns.begin(), columns.end());
     }
-    const auto first =
-        w.column.insert(w.column.end(), shuffled.begin(), shuffled.begin() + w.entries);
-    std::sort(first, w.column.end());
+    w.column.insert(w.column.end(), columns.begin(), columns.end());
     for (int j = 0; j < w.entries; ++j) w.value.push_back(random.Next());
   }
   const double radius = SpectralRadius(w);

@@ -28,6 +28,10 @@ struct Hyperparameters {
   double input_variance = 0.1;    // alpha > 0, of normalised inputs
   double density = 0.1;  // share of W that is not zero, in (0, 1]: round(density N) entries a row
   double leak = 0.066;   // tau in (0, 1]
+  // Consecutive rows of W with the same columns: 4, or 1 (every row draws its own, as published),
+  // with which a step takes twice the time (docs/decisions/0011-vector-kernels.md). Files do not
+  // keep it: the columns show it.
+  int shared_rows = 4;
   double input_limit = 6.0;  // normalised inputs are clipped here, > 0: a wild reference stays tame
   std::uint64_t seed = 1;
 
@@ -55,7 +59,7 @@ struct Weights {
   Hyperparameters hyper;
   double period_s = 0.0;      // of a step, in training and in use; > 0
   std::vector<Input> inputs;  // what the columns of input_weight are, in order
-  std::string network;        // "sea", "pea" or another word that tells what it was trained for
+  std::string network;        // "sea", "pea" or another word for what it was trained for
   std::string target;         // name of the trained quantity with its unit, e.g. "drive_torque_Nm"
   EllMatrix reservoir;
   Eigen::MatrixXd input_weight;
@@ -77,7 +81,8 @@ struct Weights {
 };
 
 // A reservoir of random weights without a readout (zero). The numbers come from hyper.seed in this
-// order: row by row of W its columns, then its values; W_in row by row; b. So W does not depend on
+// order: row by row of W its columns (of the first row of those that share them), then its values;
+// W_in row by row; b. So W does not depend on
 // the inputs. W is scaled by all its eigenvalues to the spectral radius. Throws
 // std::invalid_argument: hyper-parameters, no inputs, or a W whose eigenvalues are all zero.
 Weights MakeWeights(const Hyperparameters& hyper, int inputs, int outputs);

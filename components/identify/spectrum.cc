@@ -4,33 +4,20 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
+#include <unsupported/Eigen/FFT>
 
 namespace sinew::identify {
 
-void FourierTransform(std::vector<std::complex<double>>& x) {
-  const std::size_t n = x.size();
-  if (!std::has_single_bit(n)) {
-    throw std::invalid_argument("Fourier transform of " + std::to_string(n) +
-                                " samples, expected a power of 2");
+std::vector<std::complex<double>> FourierTransform(std::span<const double> x) {
+  std::vector<std::complex<double>> out(x.size() / 2 + 1);
+  if (x.size() < 2) {  // Eigen's transform of one value reads what is not there
+    if (!x.empty()) out[0] = x[0];
+    return out;
   }
-  for (std::size_t i = 1, j = 0; i < n; ++i) {  // bit reversal
-    std::size_t bit = n >> 1;
-    for (; j & bit; bit >>= 1) j ^= bit;
-    j ^= bit;
-    if (i < j) std::swap(x[i], x[j]);
-  }
-  for (std::size_t size = 2; size <= n; size *= 2) {
-    const double angle = -2.0 * std::numbers::pi / static_cast<double>(size);
-    for (std::size_t k = 0; k < size / 2; ++k) {
-      const std::complex<double> w = std::polar(1.0, angle * static_cast<double>(k));
-      for (std::size_t i = k; i < n; i += size) {
-        const std::complex<double> odd = w * x[i + size / 2];
-        x[i + size / 2] = x[i] - odd;
-        x[i] += odd;
-      }
-    }
-  }
+  Eigen::FFT<double> fft;
+  fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
+  fft.fwd(out.data(), x.data(), static_cast<Eigen::Index>(x.size()));
+  return out;
 }
 
 Spectrum PowerDensity(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz, int length) {
@@ -47,15 +34,15 @@ Spectrum PowerDensity(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz
   const double mean = x.mean();
   out.frequency_Hz.resize(size / 2 + 1);
   out.density = Eigen::VectorXd::Zero(size / 2 + 1);
-  std::vector<std::complex<double>> piece(n);
+  std::vector<double> piece(n);
   int pieces = 0;
   for (Eigen::Index start = 0; start + size <= x.size(); start += size / 2, ++pieces) {
     for (Eigen::Index i = 0; i < size; ++i) {
       piece[static_cast<std::size_t>(i)] = (x[start + i] - mean) * window[i];
     }
-    FourierTransform(piece);
+    const std::vector<std::complex<double>> transform = FourierTransform(piece);
     for (Eigen::Index i = 0; i <= size / 2; ++i) {
-      out.density[i] += std::norm(piece[static_cast<std::size_t>(i)]);
+      out.density[i] += std::norm(transform[static_cast<std::size_t>(i)]);
     }
   }
   const double scale = 2.0 / (rate_Hz * window.squaredNorm() * pieces);

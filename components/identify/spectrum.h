@@ -1,15 +1,17 @@
-// Power over frequency, by the fast Fourier transform of the longest piece whose length is a power
-// of 2.
+// Power over frequency, by the fast Fourier transform, and the frequencies up to which a signal is
+// above its noise. Pure, any thread; allocates.
 #pragma once
 
 #include <Eigen/Core>
 #include <complex>
+#include <span>
 #include <vector>
 
 namespace sinew::identify {
 
-// In place; the size must be a power of 2.
-void FourierTransform(std::vector<std::complex<double>>& x);
+// sum over i of x[i] exp(-2 pi j k i / n), k = 0 .. n / 2, of n = x.size() values of a real signal.
+// Fastest for powers of 2.
+std::vector<std::complex<double>> FourierTransform(std::span<const double> x);
 
 struct Spectrum {
   Eigen::VectorXd frequency_Hz;

@@ -1,72 +1,18 @@
 #include "components/identify/statistics.h"
 
 #include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
 namespace sinew::identify {
 
-namespace {
-
-// Continued fraction of the incomplete beta function (Lentz).
-double BetaFraction(double a, double b, double x) {
-  constexpr double kTiny = 1e-300;
-  double c = 1.0;
-  double d = 1.0 - (a + b) * x / (a + 1.0);
-  if (std::abs(d) < kTiny) d = kTiny;
-  d = 1.0 / d;
-  double h = d;
-  for (int m = 1; m <= 300; ++m) {
-    const double even = m * (b - m) * x / ((a + 2 * m - 1) * (a + 2 * m));
-    d = 1.0 + even * d;
-    c = 1.0 + even / c;
-    if (std::abs(d) < kTiny) d = kTiny;
-    if (std::abs(c) < kTiny) c = kTiny;
-    d = 1.0 / d;
-    h *= d * c;
-    const double odd = -(a + m) * (a + b + m) * x / ((a + 2 * m) * (a + 2 * m + 1));
-    d = 1.0 + odd * d;
-    c = 1.0 + odd / c;
-    if (std::abs(d) < kTiny) d = kTiny;
-    if (std::abs(c) < kTiny) c = kTiny;
-    d = 1.0 / d;
-    const double change = d * c;
-    h *= change;
-    if (std::abs(change - 1.0) < 1e-15) break;
-  }
-  return h;
-}
-
-double IncompleteBeta(double a, double b, double x) {
-  if (x <= 0.0) return 0.0;
-  if (x >= 1.0) return 1.0;
-  const double front = std::exp(std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) +
-                                a * std::log(x) + b * std::log1p(-x));
-  if (x < (a + 1.0) / (a + b + 2.0)) return front * BetaFraction(a, b, x) / a;
-  return 1.0 - front * BetaFraction(b, a, 1.0 - x) / b;
-}
-
-}  // namespace
-
-double StudentCdf(double t, double freedom) {
-  const double tail = 0.5 * IncompleteBeta(0.5 * freedom, 0.5, freedom / (freedom + t * t));
-  return t > 0.0 ? 1.0 - tail : tail;
-}
-
 double StudentQuantile(double p, double freedom) {
   if (!(p > 0.0) || !(p < 1.0) || !(freedom > 0.0)) {
     return std::numeric_limits<double>::quiet_NaN();
   }
-  double low = -1.0;
-  double high = 1.0;
-  while (StudentCdf(low, freedom) > p) low *= 2.0;
-  while (StudentCdf(high, freedom) < p) high *= 2.0;
-  for (int i = 0; i < 100; ++i) {
-    const double middle = 0.5 * (low + high);
-    (StudentCdf(middle, freedom) < p ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
+  return boost::math::quantile(boost::math::students_t(freedom), p);
 }
 
 double Rms(const Eigen::Ref<const Eigen::VectorXd>& values) {

@@ -1,4 +1,4 @@
-// The few distributions that intervals and decisions need. Pure.
+// The statistics that intervals and decisions need. Pure, any thread; nothing throws.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,10 +7,8 @@
 
 namespace sinew::identify {
 
-// P(T <= t) of Student's t with `freedom` > 0 degrees of freedom, by the incomplete beta function
-// (Press et al.: Numerical Recipes, 6.4).
-double StudentCdf(double t, double freedom);
-// The t below which a share p in (0, 1) lies.
+// The t below which a share p in (0, 1) of Student's t with `freedom` > 0 degrees of freedom lies;
+// not a number for other arguments.
 double StudentQuantile(double p, double freedom);
 
 // Root mean square; 0 for none.

@@ -1,4 +1,4 @@
-// From the instruction set to its kernel. Private to this module.
+// From the instruction set to its kernel, and which set is the fastest. Private to this module.
 #pragma once
 
 #include <type_traits>
@@ -25,5 +25,12 @@ const Kernel<S>& KernelFor(simd::Instructions instructions) noexcept {
     return kPortableDouble;
   }
 }
+
+// The fastest set on this machine for tiles of samples (S: float or double), and for one sample at
+// a time. The first call measures for about a millisecond (simd/fastest.h) and allocates; later
+// ones return what it found. Any thread.
+template <typename S>
+simd::Instructions FastestTraining();
+simd::Instructions FastestSample();
 
 }  // namespace sinew::networks::internal

@@ -106,7 +106,7 @@ FitResult Fit(const PublishedModel& plan, const Samples& samples,
       model.ridge_beta = fitted.ridge_beta;
     }
   }
-  // A reservoir's start from zero teaches nothing and is not assessed.
+  // The start of a reservoir from zero is neither fitted nor assessed.
   std::vector<int> assessed;
   for (const int t : samples.train) {
     const int age = t - samples.first[static_cast<std::size_t>(t)];

@@ -34,14 +34,13 @@ void FillRow(S* tile, int row, int lanes, S value) {
 }  // namespace
 
 template <typename S>
-Net<S>::Net(const Architecture& architecture, std::uint64_t seed, simd::Instructions instructions)
+Net<S>::Net(const Architecture& architecture, std::uint64_t seed,
+            std::optional<simd::Instructions> instructions)
     : architecture_(architecture), dropout_state_(seed * 0x9e3779b97f4a7c15ULL + 1) {
   architecture.Check();
-  if (!simd::Runs(instructions)) {
-    throw std::invalid_argument(std::string("instructions: ") + simd::Name(instructions) +
-                                " does not run on this machine");
-  }
-  kernel_ = &internal::KernelFor<S>(instructions);
+  const simd::Instructions set = instructions ? *instructions : internal::FastestTraining<S>();
+  simd::RequireRuns(set);
+  kernel_ = &internal::KernelFor<S>(set);
   blocks_ = Blocks(architecture_);
   const int count = architecture_.ParameterCount();
   parameters_ = Vector::Zero(count);

@@ -11,6 +11,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -44,9 +45,10 @@ class Net {
   using Vector = Eigen::Matrix<S, Eigen::Dynamic, 1>;
 
   // Weights uniform by Glorot and Bengio (2010), biases 0, the forget gate's 1. Throws
-  // std::invalid_argument as Architecture::Check(), or when the instruction set does not run here.
+  // std::invalid_argument as Architecture::Check(), or when the instruction set does not run here;
+  // instructions: the fastest here if not given.
   Net(const Architecture& architecture, std::uint64_t seed,
-      simd::Instructions instructions = simd::BestInstructions());
+      std::optional<simd::Instructions> instructions = {});
 
   // The error over the samples of `indices`, and its gradient into gradient(). Dropout is at work.
   // Throws std::invalid_argument when the data's inputs or targets do not fit.

@@ -14,6 +14,7 @@ ReservoirConfig Reservoir(int neurons, double rho, double tau) {
   config.hyper.leak = tau;
   config.hyper.input_variance = 0.1;
   config.hyper.density = 0.1;
+  config.hyper.shared_rows = 1;
   config.ridge_beta = 0.01;
   return config;
 }

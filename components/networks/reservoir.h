@@ -4,7 +4,7 @@
 //
 // The reservoir is that of components/esn (4.38)-(4.40), the readout is by ridge regression (4.41)
 // with a given strength, or with the best of 20 by generalised cross-validation. The state starts
-// from 0 in every sequence; its first `washout` samples teach nothing.
+// from 0 in every sequence; its first `washout` samples are not used for the fit.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,5 +1,5 @@
 // Samples that a network learns from: inputs and targets of sequences, normalised, one after the
-// other, and which of them teach, stop or test.
+// other, and which of them train, validate or test.
 //
 // Normalised by mean and standard deviation of the training samples: value = (own - offset) /
 // scale. A mean squared error of normalised targets is a share of the variance of the training

@@ -17,14 +17,17 @@ std::size_t Size(int count) { return static_cast<std::size_t>(count); }
 
 }  // namespace
 
-Stepper::Stepper(const Model& model, RecurrentMode mode, simd::Instructions instructions)
+Stepper::Stepper(const Model& model, RecurrentMode mode,
+                 std::optional<simd::Instructions> instructions)
     : model_(model), mode_(mode) {
   model_.Check();
   if (model_.output.offset.size() != 1) {
     throw std::invalid_argument("stepper: " + std::to_string(model_.output.offset.size()) +
                                 " outputs, expected 1");
   }
-  kernel_ = &internal::KernelFor<float>(instructions);
+  const simd::Instructions set = instructions ? *instructions : internal::FastestSample();
+  simd::RequireRuns(set);
+  kernel_ = &internal::KernelFor<float>(set);
   measured_ = static_cast<int>(model_.inputs.size());
   inputs_ = measured_ + (model_.wiener() ? 1 : 0);
   now_ = Eigen::VectorXd::Zero(inputs_);

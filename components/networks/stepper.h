@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "components/esn/network.h"
@@ -19,9 +20,10 @@ enum class RecurrentMode {
 
 class Stepper {
  public:
-  // Throws std::invalid_argument as Model::Check(), or for several outputs.
+  // instructions: the fastest here if not given. Throws std::invalid_argument as Model::Check(),
+  // for several outputs, or when the instruction set does not run here.
   explicit Stepper(const Model& model, RecurrentMode mode = RecurrentMode::kWindow,
-                   simd::Instructions instructions = simd::BestInstructions());
+                   std::optional<simd::Instructions> instructions = {});
 
   // The next sample is the first of a sequence.
   void Reset() noexcept;

@@ -1,9 +1,9 @@
-// When to learn, and for which network; what from is said in target.h.
+// When to learn, and for which network; target.h says from what.
 //
 // Nothing is learnt (frozen) while
 //  - the robot is not armed, or the sample is not usable: no network counted, the command was not a
 //    torque command or a safe one, something was lost or late;
-//  - the joints stand still for longer than still_after_s: rest teaches friction of unknown sign.
+//  - the joints stand still for longer than still_after_s: at rest the sign of friction is unknown.
 //
 // A readout's version is the number of updates of all networks when it last changed; 0 is the
 // offline readout.

@@ -5,19 +5,10 @@
 #include <stdexcept>
 #include <string>
 
-#include "components/rls/kernel.h"
+#include "components/rls/dispatch.h"
 
 namespace sinew::rls {
 namespace {
-
-const internal::Kernel& KernelFor(simd::Instructions instructions) noexcept {
-#if defined(__x86_64__)
-  if (instructions == simd::Instructions::kAvx512) return internal::kAvx512Kernel;
-  if (instructions == simd::Instructions::kAvx2) return internal::kAvx2Kernel;
-#endif
-  (void)instructions;
-  return internal::kPortableKernel;
-}
 
 void Require(bool condition, const char* name, double value, const char* expected) {
   if (!condition) {
@@ -33,12 +24,12 @@ constexpr double kSmallestVariance = 1e-12;
 
 RecursiveLeastSquares::RecursiveLeastSquares(const Config& config,
                                              const Eigen::MatrixXd& offline_readout,
-                                             simd::Instructions instructions)
+                                             std::optional<simd::Instructions> instructions)
     : config_(config),
       size_(static_cast<int>(offline_readout.cols())),
       outputs_(static_cast<int>(offline_readout.rows())),
       stride_((size_ + 7) / 8 * 8),
-      instructions_(instructions) {
+      instructions_(instructions ? *instructions : internal::FastestUpdate()) {
   Require(config.forgetting > 0.0 && config.forgetting <= 1.0, "forgetting", config.forgetting,
           "above 0, at most 1");
   Require(std::isfinite(config.prior_precision) && config.prior_precision > 0.0, "prior_precision",
@@ -56,10 +47,7 @@ RecursiveLeastSquares::RecursiveLeastSquares(const Config& config,
                                 std::to_string(size_) +
                                 ", expected at least 1 x 1 and finite values");
   }
-  if (!simd::Runs(instructions)) {
-    throw std::invalid_argument(std::string("instructions: ") + simd::Name(instructions) +
-                                " does not run on this machine");
-  }
+  simd::RequireRuns(instructions_);
   pseudo_ = std::sqrt(config.leak * size_ * (1.0 - config.forgetting) * config.prior_precision);
 
   const std::size_t stride = static_cast<std::size_t>(stride_);
@@ -101,7 +89,7 @@ UpdateStatus RecursiveLeastSquares::Update(Eigen::Ref<const Eigen::VectorXd> fea
       !target.allFinite()) {
     return UpdateStatus::kBadInput;
   }
-  const internal::Kernel& kernel = KernelFor(instructions_);
+  const internal::Kernel& kernel = internal::KernelFor(instructions_);
   std::copy(features.data(), features.data() + size_, phi_.begin());
   double mean_square = 0.0;
   for (int o = 0; o < outputs_; ++o) {
@@ -144,7 +132,7 @@ UpdateStatus RecursiveLeastSquares::Update(Eigen::Ref<const Eigen::VectorXd> fea
 }
 
 void RecursiveLeastSquares::LeakOneCoordinate() noexcept {
-  const internal::Kernel& kernel = KernelFor(instructions_);
+  const internal::Kernel& kernel = internal::KernelFor(instructions_);
   const int i = coordinate_;
   coordinate_ = (coordinate_ + 1) % size_;
   // phi = sqrt(rho) e_i, so f is row i of U.
@@ -172,7 +160,7 @@ void RecursiveLeastSquares::LeakOneCoordinate() noexcept {
 }
 
 double RecursiveLeastSquares::CovarianceTrace() const noexcept {
-  const internal::Kernel& kernel = KernelFor(instructions_);
+  const internal::Kernel& kernel = internal::KernelFor(instructions_);
   double trace = 0.0;
   for (int j = 0; j < size_; ++j) {
     const double* column = u_.data() + static_cast<std::ptrdiff_t>(j) * stride_;

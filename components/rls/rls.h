@@ -1,4 +1,4 @@
-// Recursive least squares with forgetting for the readout of a network, made to run for ever.
+// Recursive least squares with forgetting for the readout of a network, made to run without an end.
 //
 //   alpha = lambda + w phi' P phi,  k = w P phi / alpha
 //   e     = y - W phi,              W <- W + e k'
@@ -28,6 +28,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "components/simd/instructions.h"
@@ -55,10 +56,10 @@ class RecursiveLeastSquares {
       Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>,
                  Eigen::Unaligned, Eigen::OuterStride<>>;
 
-  // offline_readout: outputs x features, at least 1 x 1, finite. Throws std::invalid_argument
-  // naming what is wrong.
+  // offline_readout: outputs x features, at least 1 x 1, finite. instructions: the fastest here if
+  // not given. Throws std::invalid_argument naming what is wrong.
   RecursiveLeastSquares(const Config& config, const Eigen::MatrixXd& offline_readout,
-                        simd::Instructions instructions = simd::BestInstructions());
+                        std::optional<simd::Instructions> instructions = {});
 
   // Back to the offline readout and the prior covariance.
   void Reset() noexcept;

@@ -61,7 +61,7 @@ struct TickData {
 
 class TargetEquation {
  public:
-  // The weights tell what the features are: reference position, velocity and acceleration of every
+  // The weights name the features: reference position, velocity and acceleration of every
   // output's joint are needed for carrying over. Throws std::invalid_argument naming what is
   // missing or out of range.
   TargetEquation(const TargetConfig& config, const actuator::RobotModel& robot,

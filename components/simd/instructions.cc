@@ -1,6 +1,7 @@
 #include "components/simd/instructions.h"
 
-#include <initializer_list>
+#include <stdexcept>
+#include <string>
 
 namespace sinew::simd {
 
@@ -19,11 +20,10 @@ bool Runs(Instructions instructions) noexcept {
   }
 }
 
-Instructions BestInstructions() noexcept {
-  for (const Instructions set : {Instructions::kAvx512, Instructions::kAvx2}) {
-    if (Runs(set)) return set;
-  }
-  return Instructions::kPortable;
+void RequireRuns(Instructions instructions) {
+  if (Runs(instructions)) return;
+  throw std::invalid_argument(std::string("instructions: ") + Name(instructions) +
+                              " does not run on this machine");
 }
 
 const char* Name(Instructions instructions) noexcept {

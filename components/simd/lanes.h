@@ -8,9 +8,6 @@
 #pragma once
 
 #include <cstdint>
-#if defined(__AVX2__) || defined(__AVX512F__)
-#include <immintrin.h>
-#endif
 
 namespace {
 
@@ -55,25 +52,43 @@ SINEW_LANES_INLINE void Store(double* to, const Lanes& a) {
   }
 }
 
-// from[index[0]] .. from[index[7]]. The masked forms: the plain ones read an undefined register,
-// which GCC 12 warns about.
+// from[index[0]] .. from[index[7]], by plain loads: gather instructions are slower than the loads
+// that they replace on the processors measured (docs/decisions/0011-vector-kernels.md). Two indices
+// are read at a time and split in a register, because loads are what limits the speed.
 SINEW_LANES_INLINE Lanes Gather(const double* from, const std::int32_t* index) {
+  typedef double Pair __attribute__((vector_size(16)));
+  Pair pair[kLanes / 2];
+  for (int p = 0; p < kLanes / 2; ++p) {
+    std::uint64_t two;
+    __builtin_memcpy(&two, index + 2 * p, sizeof two);
+    asm("" : "+r"(two));  // in an integer register: GCC would read it into a vector register
+    pair[p] = Pair{from[two & 0xffffffffU], from[two >> 32]};
+  }
   Lanes result;
 #if defined(__AVX512F__)
-  const __m256i i = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(index));
-  result.pack[0] = reinterpret_cast<Pack>(
-      _mm512_mask_i32gather_pd(_mm512_setzero_pd(), static_cast<__mmask8>(0xff), i, from, 8));
+  result.pack[0] = __builtin_shufflevector(__builtin_shufflevector(pair[0], pair[1], 0, 1, 2, 3),
+                                           __builtin_shufflevector(pair[2], pair[3], 0, 1, 2, 3), 0,
+                                           1, 2, 3, 4, 5, 6, 7);
 #elif defined(__AVX2__)
   for (int p = 0; p < kPacks; ++p) {
-    const __m128i i = _mm_loadu_si128(reinterpret_cast<const __m128i*>(index + p * kPackLanes));
-    const __m256d all = _mm256_castsi256_pd(_mm256_set1_epi64x(-1));
-    result.pack[p] =
-        reinterpret_cast<Pack>(_mm256_mask_i32gather_pd(_mm256_setzero_pd(), from, i, all, 8));
+    result.pack[p] = __builtin_shufflevector(pair[2 * p], pair[2 * p + 1], 0, 1, 2, 3);
   }
 #else
-  for (int p = 0; p < kPacks; ++p) {
-    for (int l = 0; l < kPackLanes; ++l) result.pack[p][l] = from[index[p * kPackLanes + l]];
-  }
+  for (int p = 0; p < kPacks; ++p) result.pack[p] = pair[p];
+#endif
+  return result;
+}
+
+// from[index[0]] four times, then from[index[1]] four times.
+SINEW_LANES_INLINE Lanes Spread(const double* from, const std::int32_t* index) {
+  Lanes result;
+#if defined(__AVX512F__)
+  typedef double Four __attribute__((vector_size(32)));
+  const Four low = from[index[0]] - Four{};
+  const Four high = from[index[1]] - Four{};
+  result.pack[0] = __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
+#else
+  for (int p = 0; p < kPacks; ++p) result.pack[p] = from[index[p * kPackLanes / 4]] - Pack{};
 #endif
   return result;
 }

@@ -39,7 +39,7 @@ OrderLine StrongestOrder(const Eigen::Ref<const Eigen::VectorXd>& g,
     size *= 2;
   }
   const double spacing = turns * kFiner / static_cast<double>(size);  // in turns
-  std::vector<std::complex<double>> grid(size);
+  std::vector<double> grid(size, 0.0);
   const double first = angle.minCoeff();
   for (Eigen::Index i = 0; i < g.size(); ++i) {
     const double at = (angle[i] - first) / (2.0 * std::numbers::pi * spacing);
@@ -48,13 +48,13 @@ OrderLine StrongestOrder(const Eigen::Ref<const Eigen::VectorXd>& g,
     grid[cell % size] += (1.0 - part) * g[i];
     grid[(cell + 1) % size] += part * g[i];
   }
-  identify::FourierTransform(grid);
+  const std::vector<std::complex<double>> transform = identify::FourierTransform(grid);
   const double step = 1.0 / (spacing * static_cast<double>(size));
   for (std::size_t k = 1; k < size / 2; ++k) {
     const double order = step * static_cast<double>(k);
     if (order < lowest) continue;
     if (order > highest) break;
-    if (std::norm(grid[k]) > best.power) best = {order, std::norm(grid[k])};
+    if (std::norm(transform[k]) > best.power) best = {order, std::norm(transform[k])};
   }
   return best;
 }

@@ -248,7 +248,7 @@ Dataset MakeDataset(const std::vector<types::Run>& runs, const actuator::JointMo
   if (needs_play && !(model.backlash_rad > 0.0)) {
     throw std::invalid_argument(
         "model " + model.name +
-        ": backlash_rad is 0, but the network is told apart by the backlash");
+        ": backlash_rad is 0, but the region of the network is defined by the backlash");
   }
 
   Dataset data;
@@ -259,8 +259,8 @@ Dataset MakeDataset(const std::vector<types::Run>& runs, const actuator::JointMo
     for (const UniformSegment& segment : identify::MakeUniform(run).segments) {
       Columns columns = ColumnsOf(segment, model, config, run.name);
       if (needs_play && columns.play.size() == 0) {
-        throw std::invalid_argument(run.name +
-                                    ": no signal 'motor_position', which tells the play");
+        throw std::invalid_argument(
+            run.name + ": no signal 'motor_position', which the play angle is computed from");
       }
       std::vector<char> good;
       Resample(segment, config.period_s, &columns, &good);

@@ -2,7 +2,7 @@
 //
 // A recording goes onto an even grid of the network's period. Position is smoothed and
 // differentiated without phase shift; a reference_* input is this measured motion. The target is
-// the torque that the drive put out, or the load's. Which samples teach is decided by the play
+// the torque that the drive put out, or the load's. Which samples train is decided by the play
 // between motor and output:
 //
 //     alpha(t) = motor_position / N - position - centre          inside:  |alpha| < backlash / 2 -
@@ -43,7 +43,7 @@ struct DatasetConfig {
   // Nothing: midway between the extremes that were recorded.
   std::optional<double> play_centre_rad = 0.0;
   double play_margin_rad = 8e-4;  // two counts of a 14 bit encoder
-  double region_guard_s = 0.0;    // samples this near to one of the other region teach nothing
+  double region_guard_s = 0.0;    // samples this near to one of the other region are left out
   int blocks = 10;                // each starts with its share of training, the rest is test
   double train_share = 0.7;       // in (0, 1]
 };

@@ -1,4 +1,4 @@
-// The three regression tasks as sequences: which column is what, which samples teach.
+// The three regression tasks as sequences: which column is what, which samples train.
 //
 // sea (5.1.2), inside the backlash. Set: from the first push (force above 1 N) until the link no
 //     longer comes back. Inputs (3): play angle motor / N - output, its velocity, chamber pressure.
@@ -7,7 +7,7 @@
 // pea (5.1.3), outside. Inputs (6): link position, link velocity, chamber pressure, load force,
 //     acceleration (of the motor / N, which moves as one with the link here and has the finer
 //     encoder; smoothed without phase), motor velocity. Target: motor torque, Nm at the shaft,
-//     told by the measured current. So neither the current nor a multiple of it is an input. The
+//     from the measured current. So neither the current nor a multiple of it is an input. The
 //     linear block reads three: acceleration, link velocity, load force, the linear part of (4.12)
 //     solved for the motor torque.
 // force: a cylinder. Inputs (3): position, velocity (of the position, smoothed without phase),

@@ -238,9 +238,10 @@ TEST(Dataset, NamesTheSignalThatIsMissing) {
               c.inputs.pop_back();
               r.signals.erase(Measured::kMotorPosition);
             }),
-            "synthetic: no signal 'motor_position', which tells the play");
-  EXPECT_EQ(message([](R&, M& m, C&) { m.backlash_rad = 0.0; }),
-            "model rig: backlash_rad is 0, but the network is told apart by the backlash");
+            "synthetic: no signal 'motor_position', which the play angle is computed from");
+  EXPECT_EQ(
+      message([](R&, M& m, C&) { m.backlash_rad = 0.0; }),
+      "model rig: backlash_rad is 0, but the region of the network is defined by the backlash");
   EXPECT_EQ(message([](R&, M& m, C&) { m.terms.clear(); }),
             "model rig: no drive term, which the target drive_torque_Nm needs");
   EXPECT_EQ(message([](R&, M&, C& c) { c.inputs.clear(); }), "inputs: none, expected at least one");
@@ -314,6 +315,9 @@ TEST(TrainingFile, NamesEveryMistakeWithItsLine) {
   EXPECT_THAT(PlanMessage(kPlan, "seed: 5", "sed: 5"), testing::StartsWith("t.yaml:17: "));
   EXPECT_THAT(PlanMessage(kPlan, "leak: 0.13", "leak: .nan", "sea"),
               testing::StartsWith("t.yaml:10: "));
+  EXPECT_THAT(
+      PlanMessage(kPlan, "leak: 0.13", "shared_rows: 2", "sea"),
+      testing::AllOf(testing::StartsWith("t.yaml:10: "), testing::HasSubstr("2, expected 1 or 4")));
   EXPECT_THAT(PlanMessage(kPlan, "region: inside", "region: within"),
               testing::StartsWith("t.yaml:6: "));
   EXPECT_THAT(PlanMessage(kPlan, "rate_Hz", "rate_hz"), testing::HasSubstr("rate_Hz"));

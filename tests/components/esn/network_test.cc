@@ -26,9 +26,10 @@ std::vector<Instructions> InstructionsHere() {
   return here;
 }
 
-Hyperparameters Published(int neurons) {
+Hyperparameters Published(int neurons, int shared_rows = 1) {
   Hyperparameters hyper;
   hyper.neurons = neurons;
+  hyper.shared_rows = shared_rows;
   hyper.spectral_radius = 0.95;
   hyper.leak = 0.13;
   hyper.seed = 7;
@@ -36,8 +37,8 @@ Hyperparameters Published(int neurons) {
 }
 
 // Random readout, normalisation that is not trivial.
-Weights SomeWeights(int neurons, int inputs, int outputs) {
-  Weights weights = MakeWeights(Published(neurons), inputs, outputs);
+Weights SomeWeights(int neurons, int inputs, int outputs, int shared_rows = 1) {
+  Weights weights = MakeWeights(Published(neurons, shared_rows), inputs, outputs);
   weights.period_s = 1.0 / 240.0;
   NormalGenerator random(99);
   for (Eigen::Index i = 0; i < weights.readout.size(); ++i)
@@ -88,9 +89,15 @@ class PlainNetwork {
 constexpr double kRounding = 1e-12;
 
 TEST(Network, StepEqualsTheDenseEquations) {
-  for (const auto& [neurons, inputs, outputs] :
-       {std::tuple{1, 1, 1}, {16, 3, 1}, {78, 6, 2}, {470, 3, 1}}) {
-    const Weights weights = SomeWeights(neurons, inputs, outputs);
+  for (const auto& [neurons, inputs, outputs, shared_rows] : {std::tuple{1, 1, 1, 1},
+                                                              {16, 3, 1, 1},
+                                                              {78, 6, 2, 1},
+                                                              {470, 3, 1, 1},
+                                                              {3, 1, 1, 4},
+                                                              {16, 3, 1, 4},
+                                                              {78, 6, 2, 4},
+                                                              {470, 3, 1, 4}}) {
+    const Weights weights = SomeWeights(neurons, inputs, outputs, shared_rows);
     Network network(weights);
     PlainNetwork plain(weights);
     for (int t = 0; t < 500; ++t) {
@@ -98,20 +105,46 @@ TEST(Network, StepEqualsTheDenseEquations) {
       const Eigen::VectorXd expected = plain.Step(u);
       ASSERT_EQ(network.Step(u), StepStatus::kOk);
       ASSERT_LT((network.prediction() - expected).cwiseAbs().maxCoeff(), kRounding)
-          << neurons << " at " << t;
+          << neurons << " neurons, " << shared_rows << " shared rows, at " << t;
     }
   }
 }
 
 TEST(Network, EveryInstructionSetGivesTheSameBits) {
-  const Weights weights = SomeWeights(77, 5, 3);
+  for (const int shared_rows : {1, 4}) {
+    const Weights weights = SomeWeights(77, 5, 3, shared_rows);
+    for (const Instructions set : InstructionsHere()) {
+      Network reference(weights, Instructions::kPortable);
+      Network network(weights, set);
+      for (int t = 0; t < 2000; ++t) {
+        const Eigen::VectorXd u = Excitation(5, t);
+        ASSERT_EQ(network.Step(u), reference.Step(u));
+        ASSERT_EQ(network.features(), reference.features())
+            << simd::Name(set) << ", " << shared_rows << " shared rows, at " << t;
+      }
+    }
+  }
+}
+
+// One entry of the last row is zero. In the second network it has another column, so that the rows
+// do not share their columns any more and the other loop is taken, which adds the same numbers.
+TEST(Network, SharedColumnsGiveTheBitsOfColumnsOfTheirOwn) {
   for (const Instructions set : InstructionsHere()) {
-    Network reference(weights, Instructions::kPortable);
-    Network network(weights, set);
-    for (int t = 0; t < 2000; ++t) {
-      const Eigen::VectorXd u = Excitation(5, t);
-      ASSERT_EQ(network.Step(u), reference.Step(u));
-      ASSERT_EQ(network.features(), reference.features()) << simd::Name(set) << " at " << t;
+    Weights weights = SomeWeights(80, 3, 1, 4);
+    weights.reservoir.value.back() = 0.0;
+    Weights other = weights;
+    int& column = other.reservoir.column.back();
+    column = column == 79 ? 78 : 79;
+    if (*(&column - 1) >= column) {
+      GTEST_FAIL() << "column " << column << " is taken: take another seed";
+    }
+    Network shared(weights, set);
+    Network own(other, set);
+    for (int t = 0; t < 500; ++t) {
+      ASSERT_EQ(shared.Step(Excitation(3, t)), StepStatus::kOk);
+      ASSERT_EQ(own.Step(Excitation(3, t)), StepStatus::kOk);
+      ASSERT_EQ(shared.features(), own.features()) << simd::Name(set) << " at " << t;
+      ASSERT_EQ(shared.prediction(), own.prediction()) << simd::Name(set) << " at " << t;
     }
   }
 }
@@ -227,6 +260,26 @@ TEST(Weights, SpectralRadiusIsWhatDenseEigenvaluesSay) {
   }
 }
 
+TEST(Weights, GroupsOfFourRowsShareTheirColumnsAndNotTheirValues) {
+  const Weights weights = MakeWeights(Published(470, 4), 3, 1);
+  const EllMatrix& w = weights.reservoir;
+  EXPECT_EQ(w.entries, 47);
+  EXPECT_NEAR(SpectralRadius(w), 0.95, 1e-10);
+  const auto columns = [&w](int row) {
+    return std::vector<int>(w.column.begin() + row * w.entries,
+                            w.column.begin() + (row + 1) * w.entries);
+  };
+  int equal_groups = 0;
+  for (int row = 0; row < 470; ++row) {
+    EXPECT_EQ(columns(row), columns(row / 4 * 4)) << row;
+    if (row % 4 == 0 && row > 0 && columns(row) == columns(row - 4)) ++equal_groups;
+    if (row == 0) continue;
+    const auto first = static_cast<std::size_t>(row * w.entries);
+    EXPECT_NE(w.value[first], w.value[first - static_cast<std::size_t>(w.entries)]) << row;
+  }
+  EXPECT_EQ(equal_groups, 0);
+}
+
 TEST(Weights, EveryRowHasTheSameNumberOfEntriesAndTheNumbersAreNormal) {
   Hyperparameters hyper = Published(470);
   hyper.input_variance = 0.1;
@@ -267,6 +320,8 @@ TEST(Weights, ImpossibleHyperparametersAreNamed) {
   EXPECT_THAT(message([](Hyperparameters& h) { h.leak = 1.5; }), testing::StartsWith("leak: 1.5"));
   EXPECT_THAT(message([](Hyperparameters& h) { h.density = 0.0; }),
               testing::StartsWith("density: 0"));
+  EXPECT_THAT(message([](Hyperparameters& h) { h.shared_rows = 2; }),
+              testing::StartsWith("shared_rows: 2"));
   EXPECT_THAT(message([](Hyperparameters& h) { h.spectral_radius = std::nan(""); }),
               testing::StartsWith("spectral_radius: "));
   EXPECT_THAT(message([](Hyperparameters& h) { h.input_variance = -1.0; }),

@@ -46,7 +46,7 @@ TEST(Predictor, TheRegimeChoosesTheNetworkAndNobodyGuesses) {
   EXPECT_FALSE(p.valid[0]);
   EXPECT_EQ(p.torque_Nm[0], 0.0);
   EXPECT_FALSE(p.chosen.has_value());
-  // What each would have said is told all the same.
+  // The prediction of each network is there all the same.
   EXPECT_EQ(p.sea_torque_Nm[0], 1.5);
   EXPECT_EQ(p.pea_torque_Nm[0], -2.5);
 }

@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <random>
 #include <stdexcept>
 
@@ -33,7 +34,7 @@ Problem SomeProblem(int features, int outputs, int samples, double noise) {
   return p;
 }
 
-NormalEquations Gather(const Problem& p, simd::Instructions set = simd::BestInstructions()) {
+NormalEquations Gather(const Problem& p, std::optional<simd::Instructions> set = {}) {
   NormalEquations equations(static_cast<int>(p.x.rows()), static_cast<int>(p.y.rows()), set);
   for (Eigen::Index t = 0; t < p.x.cols(); ++t) EXPECT_TRUE(equations.Add(p.x.col(t), p.y.col(t)));
   return equations;

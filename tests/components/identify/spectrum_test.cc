@@ -11,22 +11,20 @@ namespace {
 TEST(Spectrum, TransformAgreesWithItsDefinition) {
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
-  std::vector<std::complex<double>> x(16);
-  for (auto& value : x) value = {normal(random), normal(random)};
-  std::vector<std::complex<double>> fast = x;
-  FourierTransform(fast);
-  for (std::size_t k = 0; k < 16; ++k) {
-    std::complex<double> sum = 0.0;
-    for (std::size_t n = 0; n < 16; ++n) {
-      sum += x[n] * std::polar(1.0, -2.0 * M_PI * static_cast<double>(k * n) / 16.0);
+  for (const std::size_t size : {1U, 2U, 8U, 12U, 15U, 64U}) {
+    std::vector<double> x(size);
+    for (double& value : x) value = normal(random);
+    const std::vector<std::complex<double>> fast = FourierTransform(x);
+    ASSERT_EQ(fast.size(), size / 2 + 1);
+    for (std::size_t k = 0; k < fast.size(); ++k) {
+      std::complex<double> sum = 0.0;
+      for (std::size_t i = 0; i < size; ++i) {
+        sum += x[i] * std::polar(1.0, -2.0 * M_PI * static_cast<double>(k * i) /
+                                          static_cast<double>(size));
+      }
+      EXPECT_NEAR(std::abs(fast[k] - sum), 0.0, 1e-12) << size << ", " << k;
     }
-    EXPECT_NEAR(std::abs(fast[k] - sum), 0.0, 1e-12);
   }
-}
-
-TEST(Spectrum, TransformRefusesOtherSizes) {
-  std::vector<std::complex<double>> x(12);
-  EXPECT_THROW(FourierTransform(x), std::invalid_argument);
 }
 
 TEST(Spectrum, DensityIntegratesToTheVariance) {

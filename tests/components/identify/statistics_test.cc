@@ -14,17 +14,23 @@ TEST(Statistics, StudentQuantilesAgreeWithSciPy) {
   EXPECT_NEAR(StudentQuantile(0.975, 5), 2.5705818366147395, 2e-9);  // tables say 2.570581836
   EXPECT_NEAR(StudentQuantile(0.975, 30), 2.0422724563012373, 1e-10);
   EXPECT_NEAR(StudentQuantile(0.975, 200), 1.9718962236316089, 1e-10);
-  // scipy.stats.t.cdf(1.7, 7), cdf(-3, 2.5)
-  EXPECT_NEAR(StudentCdf(1.7, 7), 0.9335355516087225, 1e-12);
-  EXPECT_NEAR(StudentCdf(-3.0, 2.5), 0.036288047774515914, 1e-12);
+  // Shares from scipy.stats.t.cdf(1.7, 7), cdf(-3, 2.5)
+  EXPECT_NEAR(StudentQuantile(0.9335355516087225, 7), 1.7, 1e-12);
+  EXPECT_NEAR(StudentQuantile(0.036288047774515914, 2.5), -3.0, 1e-12);
 }
 
-TEST(Statistics, StudentIsSymmetricAndHalfAtZero) {
-  EXPECT_DOUBLE_EQ(StudentCdf(0.0, 4.0), 0.5);
-  for (const double t : {0.1, 1.0, 5.0}) {
-    EXPECT_NEAR(StudentCdf(t, 9.0) + StudentCdf(-t, 9.0), 1.0, 1e-14);
+TEST(Statistics, StudentIsSymmetricAndZeroAtHalf) {
+  EXPECT_EQ(StudentQuantile(0.5, 4.0), 0.0);
+  for (const double p : {0.6, 0.9, 0.999}) {
+    EXPECT_NEAR(StudentQuantile(p, 9.0) + StudentQuantile(1.0 - p, 9.0), 0.0, 1e-12);
   }
-  EXPECT_TRUE(std::isnan(StudentQuantile(1.0, 4.0)));
+}
+
+TEST(Statistics, StudentQuantilesOfImpossibleArgumentsAreNotANumber) {
+  for (const double p : {0.0, 1.0, -0.1, std::nan("")}) {
+    EXPECT_TRUE(std::isnan(StudentQuantile(p, 4.0))) << p;
+  }
+  EXPECT_TRUE(std::isnan(StudentQuantile(0.9, 0.0)));
 }
 
 TEST(Statistics, QuantilesLieBetweenOrderStatistics) {

@@ -3,20 +3,53 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <map>
+#include <stdexcept>
 
+#include "components/simd/fastest.h"
 #include "components/simd/instructions.h"
 #include "components/simd/lanes.h"  // for the instruction set of this file: the portable one
 
 namespace {
 
-using sinew::simd::BestInstructions;
+using sinew::simd::Fastest;
 using sinew::simd::Instructions;
+using sinew::simd::kAllInstructions;
+using sinew::simd::kFastestRounds;
+using sinew::simd::RequireRuns;
 using sinew::simd::Runs;
 
-TEST(Instructions, ThePortableSetRunsEverywhereAndTheBestOneRunsHere) {
+TEST(Instructions, ThePortableSetRunsEverywhere) {
   EXPECT_TRUE(Runs(Instructions::kPortable));
-  EXPECT_TRUE(Runs(BestInstructions()));
+  EXPECT_NO_THROW(RequireRuns(Instructions::kPortable));
   EXPECT_STREQ(sinew::simd::Name(Instructions::kAvx2), "AVX2");
+}
+
+TEST(Instructions, ASetThatDoesNotRunHereIsNamed) {
+  const auto none = static_cast<Instructions>(17);
+  EXPECT_FALSE(Runs(none));
+  EXPECT_THROW(RequireRuns(none), std::invalid_argument);
+}
+
+// Every set in turn is made the fastest: the others do a thousand times its work.
+TEST(Fastest, TheSetWithTheLeastTimeIsTaken) {
+  for (const Instructions fast : kAllInstructions) {
+    if (!Runs(fast)) continue;
+    volatile double sum = 0.0;
+    const auto work = [&](Instructions set) {
+      const int count = set == fast ? 100 : 100'000;
+      for (int i = 0; i < count; ++i) sum = sum + 1.0;
+    };
+    EXPECT_EQ(Fastest(work), fast) << sinew::simd::Name(fast);
+  }
+}
+
+TEST(Fastest, EverySetThatRunsHereIsRunEquallyOften) {
+  std::map<Instructions, int> runs;
+  Fastest([&](Instructions set) { ++runs[set]; });
+  for (const Instructions set : kAllInstructions) {
+    EXPECT_EQ(runs[set], Runs(set) ? kFastestRounds : 0) << sinew::simd::Name(set);
+  }
 }
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();

@@ -49,6 +49,10 @@ NetworkPlan ReadNetwork(const config::Section& s, double rate_Hz) {
   hyper.spectral_radius = s.NumberOr("spectral_radius", hyper.spectral_radius, config::kPositive);
   hyper.input_variance = s.NumberOr("input_variance", hyper.input_variance, config::kPositive);
   hyper.density = s.NumberOr("density", hyper.density, {1e-6, 1.0});
+  hyper.shared_rows = static_cast<int>(s.IntegerOr("shared_rows", hyper.shared_rows, {1, 4}));
+  if (hyper.shared_rows != 1 && hyper.shared_rows != 4) {
+    s.Fail("shared_rows", std::to_string(hyper.shared_rows) + ", expected 1 or 4");
+  }
   hyper.leak = s.NumberOr("leak", hyper.leak, {1e-9, 1.0});
   hyper.input_limit = s.NumberOr("input_limit", hyper.input_limit, config::kPositive);
   hyper.seed = static_cast<std::uint64_t>(s.IntegerOr("seed", 1, config::kNotNegative));
