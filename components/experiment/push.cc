@@ -9,7 +9,7 @@
 namespace sinew::experiment {
 namespace {
 
-constexpr double kMovedSpeed_rad_s = 0.03;
+constexpr double kPushedSpeed_rad_s = 0.03;
 constexpr double kBeyond_N = 2.0;  // past the force that moved the link: it stands at the end
 constexpr double kLongestDown_s = 4.0;
 constexpr double kLongestUp_s = 4.0;
@@ -55,7 +55,7 @@ Command PushProtocol::Step(const Reading& reading) noexcept {
       break;
     case Phase::kDown: {
       hand_speed_rad_s = -plan_.hand_speed_rad_s;
-      if (velocity_rad_s < -kMovedSpeed_rad_s) {
+      if (velocity_rad_s < -kPushedSpeed_rad_s) {
         moving_force_N_ += (reading.load_force_N - moving_force_N_) * (moved_s_ > 0.0 ? 0.1 : 1.0);
         moved_s_ = reading.time_s;
       }
@@ -71,7 +71,7 @@ Command PushProtocol::Step(const Reading& reading) noexcept {
     case Phase::kUp:
       hand_speed_rad_s = plan_.hand_speed_rad_s;
       if ((plan_.hand_N_rad * (angle_rad - hand_rad_) < -0.5 &&
-           std::abs(velocity_rad_s) < kMovedSpeed_rad_s) ||
+           std::abs(velocity_rad_s) < kPushedSpeed_rad_s) ||
           in_phase_s > kLongestUp_s) {
         phase_ = Phase::kPause;
         phase_s_ = reading.time_s;
