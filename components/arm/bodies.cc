@@ -28,8 +28,8 @@ int FindJoint(const Chain& chain, const std::string& joint_name) {
   return -1;
 }
 
-void OverrideLink(Chain& chain, int index, double inertia, bool gravity_elsewhere) {
-  Body& body = chain.bodies[static_cast<std::size_t>(index)];
+void OverrideLink(Chain& chain, int body_index, double inertia, bool gravity_elsewhere) {
+  Body& body = chain.bodies[static_cast<std::size_t>(body_index)];
   const std::string name = "joint '" + body.joint_name + "'";
   for (int p = body.parent; p >= 0; p = chain.bodies[static_cast<std::size_t>(p)].parent) {
     if (chain.bodies[static_cast<std::size_t>(p)].moves) {
@@ -39,22 +39,22 @@ void OverrideLink(Chain& chain, int index, double inertia, bool gravity_elsewher
   }
   double mass = 0.0;
   Eigen::Vector3d first_moment = Eigen::Vector3d::Zero();
-  for (int k = index; k < static_cast<int>(chain.bodies.size()); ++k) {
+  for (int k = body_index; k < static_cast<int>(chain.bodies.size()); ++k) {
     Body& other = chain.bodies[static_cast<std::size_t>(k)];
     bool below = false;
-    for (int p = k; p >= index; p = chain.bodies[static_cast<std::size_t>(p)].parent) {
-      below |= p == index;
+    for (int p = k; p >= body_index; p = chain.bodies[static_cast<std::size_t>(p)].parent) {
+      below |= p == body_index;
     }
     if (!below) continue;
-    if (k != index && other.moves) {
+    if (k != body_index && other.moves) {
       throw std::invalid_argument(
           name + " carries moving links: its link inertia and gravity belong in the URDF");
     }
     if (gravity_elsewhere) other.weightless = true;
     if (inertia > 0.0) {
       mass += other.mass_kg;
-      first_moment += other.mass_kg * (FrameIn(chain, k, index) * other.com_m);
-      if (k != index) {
+      first_moment += other.mass_kg * (FrameIn(chain, k, body_index) * other.com_m);
+      if (k != body_index) {
         other.mass_kg = 0.0;
         other.inertia_kg_m2.setZero();
       }

@@ -40,6 +40,6 @@ int FindJoint(const Chain& chain, const std::string& joint_name);
 // gravity_elsewhere: gravity acts through a term of the joint model, so it no longer acts on the
 // link. Throws std::invalid_argument: the joint is not on the fixed base, the link carries moving
 // links, or the inertia is smaller than mass x distance^2 of the URDF's centre of mass.
-void OverrideLink(Chain& chain, int body, double inertia, bool gravity_elsewhere);
+void OverrideLink(Chain& chain, int body_index, double inertia, bool gravity_elsewhere);
 
 }  // namespace sinew::arm

@@ -59,7 +59,7 @@ std::optional<double> ToNumber(const std::string& text) {
 // "viscous_Nm_s_rad" and "viscous_Nm" share the stem "viscous": names that differ only by their
 // unit.
 std::string Stem(const std::string& key) {
-  static const std::set<std::string> units = {
+  static const std::set<std::string> kUnits = {
       "N",   "Nm",      "rad",  "deg", "m",   "mm",  "s",    "ms", "us",   "ns", "Hz",
       "V",   "A",       "bar",  "Pa",  "kg",  "K",   "degC", "m2", "m3",   "s2", "rad2",
       "per", "percent", "turn", "rev", "W",   "ohm", "H",    "l",  "J",    "MB", "g",
@@ -67,7 +67,7 @@ std::string Stem(const std::string& key) {
   std::string stem = key;
   while (true) {
     const std::size_t cut = stem.rfind('_');
-    if (cut == std::string::npos || !units.contains(stem.substr(cut + 1))) return stem;
+    if (cut == std::string::npos || !kUnits.contains(stem.substr(cut + 1))) return stem;
     stem.resize(cut);
   }
 }

@@ -320,7 +320,7 @@ IoStatus McapWriter::Close() {
   // The checksum covers everything before itself.
   PutAt(&out, out.size() - 4, Crc32(std::span(out).first(out.size() - 4)));
   for (const unsigned char byte : kMcapMagic) out.push_back(std::byte{byte});
-  const IoStatus status = Emit(out);
+  IoStatus status = Emit(out);
   open_ = false;
   return status;
 }

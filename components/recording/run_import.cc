@@ -129,7 +129,7 @@ IoStatus RunImporter::Add(const types::Run& run,
       topic->SetInt("header.tick", row);
       topic->SetInt("header.stamp_ns", stamp_ns);
       if (topics.size() > 2 && topic == topics[2]) topic->SetInt("state_tick", row);
-      const IoStatus status =
+      IoStatus status =
           writer_.WriteMessage(topic->channel, log_offset_ns_ + stamp_ns, stamp_ns, topic->message);
       if (!status.ok()) return status;
     }

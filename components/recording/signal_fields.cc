@@ -4,7 +4,7 @@ namespace sinew::recording {
 
 const std::vector<SignalField>& SignalFields() {
   using types::Signal;
-  static const std::vector<SignalField> fields = {
+  static const std::vector<SignalField> kFields = {
       {Signal::kPosition, "joint_state", "position_rad"},
       {Signal::kVelocity, "joint_state", "velocity_rad_s"},
       {Signal::kMotorPosition, "actuator_state", "motor_position_rad"},
@@ -20,7 +20,7 @@ const std::vector<SignalField>& SignalFields() {
       {Signal::kTemperature, "actuator_state", "motor_temperature_degC"},
       {Signal::kReferencePosition, "reference", "position_rad"},
   };
-  return fields;
+  return kFields;
 }
 
 }  // namespace sinew::recording

@@ -176,6 +176,7 @@ Picture ResidualOverVariable(const Report& report, const Design& design, const A
   points += "EOD\n";
   // Means over bins with equal numbers of rows.
   std::vector<std::pair<double, Eigen::Index>> sorted;
+  sorted.reserve(used.size());
   for (const Eigen::Index i : used) sorted.emplace_back(x[i], i);
   std::sort(sorted.begin(), sorted.end());
   // Within a motor turn there may be many periods.
@@ -200,6 +201,7 @@ Picture ResidualOverVariable(const Report& report, const Design& design, const A
   }
   means += "EOD\n";
   std::vector<double> sizes;
+  sizes.reserve(used.size());
   for (const Eigen::Index i : used) sizes.push_back(std::abs(before[i]));
   const double limit = 1.3 * identify::Quantile(sizes, 0.995);
   Picture out;

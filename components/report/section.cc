@@ -68,6 +68,7 @@ std::string FormatSection(const Section& section) {
   for (const Table& table : section.tables) {
     out += "<h3>" + Escape(table.title) + "</h3>\n<div class=\"wide\"><table>";
     std::vector<std::string> header;
+    header.reserve(table.header.size());
     for (const std::string& cell : table.header) header.push_back(Escape(cell));
     out += HtmlRow(header, "th");
     for (const auto& row : table.rows) {

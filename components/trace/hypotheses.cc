@@ -211,10 +211,10 @@ class Builder {
 }  // namespace
 
 bool Hypothesis::from_rates() const {
-  static const std::set<std::string> rates = {"acceleration_rad_s2", "motor_acceleration_rad_s2",
-                                              "jerk_rad_s3", "snap_rad_s4", "drive_rate"};
+  static const std::set<std::string> kRates = {"acceleration_rad_s2", "motor_acceleration_rad_s2",
+                                               "jerk_rad_s3", "snap_rad_s4", "drive_rate"};
   return physical() && effect->info().balance == effects::Balance::kMotion &&
-         rates.contains(variable);
+         kRates.contains(variable);
 }
 
 double LeastShare(const Hypothesis& hypothesis) {

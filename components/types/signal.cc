@@ -55,12 +55,12 @@ std::string_view SignalUnit(Signal signal, JointKind kind) {
 }
 
 const std::vector<Signal>& AllSignals() {
-  static const std::vector<Signal> all = [] {
+  static const std::vector<Signal> kAll = [] {
     std::vector<Signal> signals;
     for (const SignalRow& row : kRows) signals.push_back(row.signal);
     return signals;
   }();
-  return all;
+  return kAll;
 }
 
 }  // namespace sinew::types

@@ -46,12 +46,12 @@ const char* WordOf(CaseKind kind) {
 }
 
 const char* RecordingName(int recording) {
-  static const char* const names[] = {"train_1", "train_2", "train_3", "sealed"};
-  return names[recording];
+  static const char* const kNames[] = {"train_1", "train_2", "train_3", "sealed"};
+  return kNames[recording];
 }
 
 const std::vector<std::vector<std::string>>& SameByDefinition() {
-  static const std::vector<std::vector<std::string>> same = {
+  static const std::vector<std::vector<std::string>> kSame = {
       // One constant while the joint moves.
       {"direction_dependent_coulomb", "current_offset", "offset"},
       // One column up to a declared efficiency.
@@ -59,7 +59,7 @@ const std::vector<std::vector<std::string>>& SameByDefinition() {
       // Elasticity behind a single encoder, cut off at another order.
       {"elastic_joint", "gear_compliance"},
   };
-  return same;
+  return kSame;
 }
 
 std::vector<Case> DrawCases(const Rig& rig) {

@@ -114,8 +114,8 @@ bool CanHave(const Rig& rig, const std::string& name) {
 }  // namespace
 
 const std::vector<EffectInfo>& AllEffects() {
-  static const std::vector<EffectInfo> all = MakeAll();
-  return all;
+  static const std::vector<EffectInfo> kAll = MakeAll();
+  return kAll;
 }
 
 const EffectInfo& FindEffect(const std::string& name) {

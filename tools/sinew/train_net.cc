@@ -28,7 +28,7 @@ struct Place {
   bool pea;
 };
 const std::map<std::string, Place>& Places() {
-  static const std::map<std::string, Place> places = {
+  static const std::map<std::string, Place> kPlaces = {
       {"lstm", {"LSTM", false}},
       {"gru", {"GRU", false}},
       {"ffnn", {"FFNN", false}},
@@ -41,7 +41,7 @@ const std::map<std::string, Place>& Places() {
       {"wiener-ffnn", {"Wiener FFNN", true}},
       {"wiener-ffnn-big", {"Wiener FFNN big", true}},
       {"wiener-esn", {"Wiener ESN", true}}};
-  return places;
+  return kPlaces;
 }
 
 networks::PublishedModel PlanOf(const TrainNetOptions& options, int measured) {
