@@ -9,6 +9,7 @@
 
 #include "components/types/control_mode.h"
 #include "sim/surrogate/rig.h"
+#include "tools/acceptance/rig_cycle.h"
 
 namespace sinew::acceptance {
 namespace {
@@ -19,7 +20,6 @@ using pneumatics::ManagerInput;
 using pneumatics::ManagerOutput;
 using pneumatics::PressureManager;
 
-constexpr double kPeriod_s = 1.0 / 240.0;
 constexpr double kAfterSettling_s = 0.5;
 constexpr double kBreaksAt_s = 20.0;
 constexpr double kFaultRun_s = 60.0;
@@ -41,7 +41,7 @@ class Stopwatch {
     }
     known_ = true;
     on_ = on;
-    since_s_ += kPeriod_s;
+    since_s_ += kCycle_s;
   }
   double shortest_on_s() const { return shortest_on_s_; }
   double shortest_off_s() const { return shortest_off_s_; }
@@ -58,7 +58,7 @@ class Stopwatch {
 // What the manager senses of the rig, and what the rig's relays are set to.
 ManagerInput Sense(const surrogate::RigReading& reading) {
   ManagerInput sensed;
-  sensed.period_s = kPeriod_s;
+  sensed.period_s = kCycle_s;
   sensed.active = sensed.valid = true;
   sensed.chamber_bar = reading.chamber_pressure_bar;
   sensed.reservoir_bar = reading.reservoir_pressure_bar;
@@ -116,9 +116,9 @@ HoldScore RunHoldCase(const ManagerConfig& config, const HoldCase& at) {
   auto last_correction = pneumatics::Mode::kIdle;
   surrogate::RigInput input;
   input.drive.mode = types::ControlMode::kPosition;
-  const auto count = static_cast<long>(at.seconds / kPeriod_s);
+  const auto count = static_cast<long>(at.seconds / kCycle_s);
   for (long k = 0; k < count; ++k) {
-    const double time_s = static_cast<double>(k) * kPeriod_s;
+    const double time_s = static_cast<double>(k) * kCycle_s;
     ManagerInput sensed = Sense(rig.Read());
     const ManagerOutput out = manager.Step(sensed);
     score.fault = out.fault;
@@ -145,7 +145,7 @@ HoldScore RunHoldCase(const ManagerConfig& config, const HoldCase& at) {
       input.drive.position_rad = parameters.gear.ratio * rise * std::numbers::pi / 6.0 *
                                  std::sin(2.0 * std::numbers::pi * 0.4 * time_s);
     }
-    rig.Advance(input, kPeriod_s);
+    rig.Advance(input, kCycle_s);
   }
   score.shortest_on_s = score.shortest_off_s = std::numeric_limits<double>::infinity();
   for (const Stopwatch& relay : relays) {
@@ -215,8 +215,8 @@ FaultScore RunFaultCase(const ManagerConfig& config, Breakage breakage) {
   bool reported = false;
   bool stays_safe = true;
   surrogate::RigInput input;
-  for (long k = 0; k < static_cast<long>(kFaultRun_s / kPeriod_s); ++k) {
-    const double time_s = static_cast<double>(k) * kPeriod_s;
+  for (long k = 0; k < static_cast<long>(kFaultRun_s / kCycle_s); ++k) {
+    const double time_s = static_cast<double>(k) * kCycle_s;
     const bool broken = time_s >= breaks_at_s;
     ManagerInput sensed = Sense(rig.Read());
     if (broken && breakage == Breakage::kSensorHigh) sensed.chamber_bar = 9.99;
@@ -225,7 +225,7 @@ FaultScore RunFaultCase(const ManagerConfig& config, Breakage breakage) {
     if (broken && breakage == Breakage::kValveStuckShut) sensed.valve_is_open = false;
     if (broken && breakage == Breakage::kValveStuckOpen) sensed.valve_is_open = true;
     if (broken && breakage == Breakage::kValveStuckMute) sensed.valve_is_open = input.valve_open;
-    if (time_s >= breaks_at_s && time_s < breaks_at_s + kPeriod_s) {
+    if (time_s >= breaks_at_s && time_s < breaks_at_s + kCycle_s) {
       double asked_bar = 4.0;
       if (breakage == Breakage::kCompressorDead || breakage == Breakage::kValveStuckMute) {
         asked_bar = 5.0;
@@ -258,7 +258,7 @@ FaultScore RunFaultCase(const ManagerConfig& config, Breakage breakage) {
       if (breakage == Breakage::kCompressorStuck) real.compressor_on = !reported;
       if (breakage == Breakage::kVentStuckShut) real.vent_open = false;
     }
-    rig.Advance(real, kPeriod_s);
+    rig.Advance(real, kCycle_s);
   }
   score.safe = reported && stays_safe;
   return score;

@@ -8,6 +8,7 @@
 #include "components/types/control_mode.h"
 #include "components/types/regime.h"
 #include "sim/surrogate/rig.h"
+#include "tools/acceptance/rig_cycle.h"
 
 namespace sinew::acceptance {
 namespace {
@@ -18,7 +19,6 @@ using regime::DetectorInput;
 using regime::DetectorOutput;
 using regime::RegimeDetector;
 
-constexpr double kPeriod_s = 1.0 / 240.0;
 constexpr double kOpen_rad = 2.0 * kCount_rad;
 constexpr double kSetupPressure_bar = 3.8;  // the least that regime_active.yaml asks for
 constexpr double kSetupVelocity_rad_s = 0.05;
@@ -42,7 +42,7 @@ DetectorConfig Config(const surrogate::RigParameters& rig) {
 DetectorInput Input(const surrogate::RigReading& reading, double motor_offset_rad = 0.0) {
   DetectorInput input;
   input.session_id = 1;
-  input.period_s = kPeriod_s;
+  input.period_s = kCycle_s;
   input.armed = input.valid = true;
   input.motor_position_rad = reading.motor_angle_rad + motor_offset_rad;
   input.output_position_rad = reading.output_angle_rad;
@@ -85,9 +85,9 @@ RegimeScore RunRegimeCase(const RegimeCase& at) {
   score.at = at;
   std::vector<Contact> truth, found;
   std::vector<double> open_rad;
-  const auto count = static_cast<long>(at.seconds / kPeriod_s);
+  const auto count = static_cast<long>(at.seconds / kCycle_s);
   for (long k = 0; k < count; ++k) {
-    rig.Advance(Drive(at, parameters.gear.ratio, static_cast<double>(k) * kPeriod_s), kPeriod_s);
+    rig.Advance(Drive(at, parameters.gear.ratio, static_cast<double>(k) * kCycle_s), kCycle_s);
     const surrogate::RigReading reading = rig.Read();
     const surrogate::RigTruth real = rig.truth();
     const DetectorOutput out = detector.Step(Input(reading));
@@ -150,19 +150,19 @@ SetupScore RunSetupCase(const SetupCase& at) {
   input.valve_open = true;
   input.drive.mode = types::ControlMode::kPosition;
   for (long k = 0; k < 240 * 45; ++k) {
-    rig.Advance(input, kPeriod_s);
+    rig.Advance(input, kCycle_s);
     const surrogate::RigReading reading = rig.Read();
     const DetectorOutput out = detector.Step(Input(reading, offset_motor_rad));
     score.trouble = out.trouble;
     if (detector.setup_done()) {
       score.done = true;
-      score.seconds = static_cast<double>(k) * kPeriod_s;
+      score.seconds = static_cast<double>(k) * kCycle_s;
       break;
     }
     if (out.trouble != regime::Trouble::kNone) break;
     if (out.request == regime::Request::kPush) {
       const double target_rad = parameters.gear.ratio * out.request_target_rad - offset_motor_rad;
-      const double step_rad = parameters.gear.ratio * config.velocity_rad_s * kPeriod_s;
+      const double step_rad = parameters.gear.ratio * config.velocity_rad_s * kCycle_s;
       input.drive.position_rad +=
           std::clamp(target_rad - input.drive.position_rad, -step_rad, step_rad);
     }
@@ -217,8 +217,8 @@ std::vector<UnknownCase> RunUnknownCases() {
     motion.speed_rad_s = 0.2;
     const double from_s = plan.slip_rad != 0.0 || plan.lost || plan.broken ? kFrom_s : 0.0;
     for (long k = 0; k < 240 * 20; ++k) {
-      const double time_s = static_cast<double>(k) * kPeriod_s;
-      rig.Advance(Drive(motion, parameters.gear.ratio, time_s), kPeriod_s);
+      const double time_s = static_cast<double>(k) * kCycle_s;
+      rig.Advance(Drive(motion, parameters.gear.ratio, time_s), kCycle_s);
       const bool later = time_s >= kFrom_s;
       DetectorInput input = Input(rig.Read(), later ? parameters.gear.ratio * plan.slip_rad : 0.0);
       input.armed = p != 0;
