@@ -154,7 +154,7 @@ TEST_F(Input, AnEffectThatTheRecordingsCannotShowIsSaidToBeOpen) {
   options.given = {"leak"};  // there is no gas
   const CloseLoopResult result = CloseLoop(options);
   EXPECT_TRUE(result.report.trace.effects.empty());
-  EXPECT_THAT(result.json, HasSubstr("These recordings give no possible size of leak."));
+  EXPECT_THAT(result.json, HasSubstr("These recordings do not determine a size of leak."));
 }
 
 TEST_F(Input, RangesOfOneFileMayNotShareRows) {
