@@ -11,8 +11,8 @@
 namespace sinew::trace {
 
 // The pushes that stand out most by rules::kEventPeak and rules::kEventAlone; residual of every
-// row, in units of the balance, as dry_friction, which only knows the direction of motion. has_play:
-// teeth may touch.
+// row, in units of the balance, as dry_friction, which only knows the direction of motion.
+// has_play: teeth may touch.
 std::optional<FoundEvent> FindPush(const identify::Design& design,
                                    std::shared_ptr<const effects::Effect> effect,
                                    double dry_friction, bool has_play,
