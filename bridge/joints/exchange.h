@@ -35,7 +35,7 @@ class FrameOutbox {
   std::span<const can::Frame> frames(int bus) const {
     return frames_[static_cast<std::size_t>(bus)];
   }
-  // One transport per bus. Frames that find no room are counted by the transport; the next cycle's
+  // One transport per bus. Frames that find no space are counted by the transport; the next cycle's
   // are newer.
   void Flush(std::span<can::Transport* const> transports);
 

@@ -1,4 +1,5 @@
-// A datagram socket that stands in for systemd: what a process under test tells it, word by word.
+// A datagram socket that stands in for systemd: it keeps what a process under test reports, word by
+// word.
 //
 // Sets NOTIFY_SOCKET, WATCHDOG_USEC and WATCHDOG_PID of this process (and so of its children) and
 // takes them away at the end. One thread.
@@ -49,7 +50,7 @@ class NotifySocket {
   NotifySocket(const NotifySocket&) = delete;
   NotifySocket& operator=(const NotifySocket&) = delete;
 
-  // Everything told so far and within the time, a word (READY=1) an entry.
+  // Everything reported so far and within the time, a word (READY=1) an entry.
   std::vector<std::string> Collect(std::chrono::milliseconds time) {
     const auto end = std::chrono::steady_clock::now() + time;
     while (Receive(end)) {

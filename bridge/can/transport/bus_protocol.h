@@ -16,7 +16,7 @@ namespace sinew::can {
 enum class PacketKind : std::uint8_t {
   kWelcome = 1,  // server -> client, first: value is the bit rate
   kFrame = 2,    // client -> server: to be sent; server -> client: seen on the bus at stamp_ns
-  kDropped = 3,  // server -> client: a frame found no room
+  kDropped = 3,  // server -> client: a frame found no space
   kHealth = 4,   // server -> client: value is the client's NodeHealth
   kError = 5,    // server -> client: an error frame was on the bus
 };

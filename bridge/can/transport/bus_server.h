@@ -32,7 +32,7 @@ class BusServer {
 
   const BusCounters& counters() const { return model_.counters(); }
   int clients() const { return static_cast<int>(clients_.size()); }
-  std::uint64_t lost() const { return lost_; }  // packets clients had no room for
+  std::uint64_t lost() const { return lost_; }  // packets clients had no space for
   const std::string& path() const { return path_; }
 
  private:

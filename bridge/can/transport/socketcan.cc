@@ -57,7 +57,7 @@ std::int64_t ToNs(const timespec& time) {
   return static_cast<std::int64_t>(time.tv_sec) * 1'000'000'000 + time.tv_nsec;
 }
 
-// The kernel's running count of frames it had no room for.
+// The kernel's running count of frames it had no space for.
 void ReadLost(msghdr& message, std::uint64_t* lost) {
   for (cmsghdr* c = CMSG_FIRSTHDR(&message); c != nullptr; c = CMSG_NXTHDR(&message, c)) {
     if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SO_RXQ_OVFL) continue;
@@ -92,7 +92,7 @@ std::int64_t MonotonicStamp(msghdr& message, const Clocks& now) {
   return now.monotonic_ns;
 }
 
-// Room for what the kernel writes of one or several frames.
+// Space for what the kernel writes of one or several frames.
 template <std::size_t kCount>
 class Messages {
  public:
@@ -282,7 +282,7 @@ void SocketCan::SendAll(std::span<const Frame> frames) noexcept {
       frames = frames.subspan(static_cast<std::size_t>(sent));
       continue;
     }
-    // The first one has no room, no bus, or cannot be carried: the next may.
+    // The first one has no space, no bus, or cannot be carried: the next may.
     if (count == 0) {
       ++counters_.dropped;
     } else {
@@ -314,9 +314,9 @@ std::size_t SocketCan::TakeWaiting(std::span<Received> received) noexcept {
   std::size_t taken = 0;
   while (socket_ >= 0 && taken < received.size()) {
     in.WithControl();
-    const std::size_t room = std::min(received.size() - taken, kFramesAtOnce);
+    const std::size_t space = std::min(received.size() - taken, kFramesAtOnce);
     const int count =
-        ::recvmmsg(socket_, in.headers.data(), static_cast<unsigned>(room), MSG_DONTWAIT, nullptr);
+        ::recvmmsg(socket_, in.headers.data(), static_cast<unsigned>(space), MSG_DONTWAIT, nullptr);
     if (count < 0 && errno != EAGAIN && errno != EINTR) OnErrno(errno);
     if (count <= 0) break;
     const Clocks now = ReadClocks();
@@ -335,7 +335,7 @@ std::size_t SocketCan::TakeWaiting(std::span<Received> received) noexcept {
         counters_.wire_bits += static_cast<std::uint64_t>(FrameBits(next.frame));
       }
     }
-    if (static_cast<std::size_t>(count) < room) break;  // none was left
+    if (static_cast<std::size_t>(count) < space) break;  // none was left
   }
   return taken;
 }

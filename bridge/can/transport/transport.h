@@ -19,7 +19,7 @@ namespace sinew::can {
 
 enum class [[nodiscard]] SendStatus{
     kOk,       // on its way
-    kDropped,  // no room: counted, forgotten
+    kDropped,  // no space: counted, forgotten
     kDown,     // the bus is down, bus-off or gone: counted, forgotten
 };
 
@@ -56,12 +56,12 @@ class Transport {
   virtual ~Transport() = default;
 
   virtual SendStatus Send(const Frame& frame) noexcept = 0;
-  // One after the other, with few system calls where the transport can; what finds no room is
+  // One after the other, with few system calls where the transport can; what finds no space is
   // counted and forgotten, what stands behind it is still tried.
   virtual void SendAll(std::span<const Frame> frames) noexcept;
   // The oldest waiting frame; waits at most `timeout` for one. Error frames are handed on, too.
   virtual bool Receive(std::chrono::nanoseconds timeout, Received* received) noexcept = 0;
-  // The oldest that wait, as many as there is room for, with few system calls where the transport
+  // The oldest that wait, as many as there is space for, with few system calls where the transport
   // can. Returns how many; 0: none waits. Never waits.
   virtual std::size_t TakeWaiting(std::span<Received> received) noexcept;
 

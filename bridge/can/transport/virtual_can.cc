@@ -180,14 +180,14 @@ std::size_t VirtualCan::TakeWaiting(std::span<Received> received) noexcept {
   for (std::size_t i = 0; i < kFramesAtOnce; ++i) data[i] = {&packets[i], sizeof(Packet)};
   std::size_t taken = 0;
   while (socket_ >= 0 && taken < received.size()) {
-    const std::size_t room = std::min(received.size() - taken, kFramesAtOnce);
-    for (std::size_t i = 0; i < room; ++i) {
+    const std::size_t space = std::min(received.size() - taken, kFramesAtOnce);
+    for (std::size_t i = 0; i < space; ++i) {
       headers[i] = {};
       headers[i].msg_hdr.msg_iov = &data[i];
       headers[i].msg_hdr.msg_iovlen = 1;
     }
     const int count =
-        ::recvmmsg(socket_, headers.data(), static_cast<unsigned>(room), MSG_DONTWAIT, nullptr);
+        ::recvmmsg(socket_, headers.data(), static_cast<unsigned>(space), MSG_DONTWAIT, nullptr);
     if (count < 0 && (errno == EAGAIN || errno == EINTR)) break;
     if (count <= 0) {
       Close();

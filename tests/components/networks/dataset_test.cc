@@ -60,7 +60,7 @@ TEST(Table, TenBlocksEachSplitSeventyToThirty) {
   EXPECT_EQ(changes, 19);
 }
 
-TEST(Table, TheCurrentIsNoInputOfTheTaskWhoseTargetItTells) {
+TEST(Table, TheCurrentIsNoInputOfTheTaskWhoseTargetItContains) {
   types::Run run = PushedLink();
   const Eigen::Index count = run.size();
   Eigen::VectorXd current(count), moving(count);

@@ -97,7 +97,7 @@ TEST(SystemdDds, ALoopIsReadyWhenConfiguredFedWhileItRunsAndSilentWhenItHangs) {
   node.reset();
 }
 
-TEST(SystemdDds, AFaultIsToldInWords) {
+TEST(SystemdDds, AFaultIsReportedInWords) {
   NotifySocket systemd(0us);
   Node node(UnderSystemd("loop", 136));
   node.SetState(Node::State::kFault, "joint 'knee': over-temperature");

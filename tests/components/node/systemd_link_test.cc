@@ -100,7 +100,7 @@ TEST(SystemdLink, ALoopThatHangsIsNotCoveredByItsThread) {
   EXPECT_TRUE(systemd.WaitFor("WATCHDOG=1", kEnough));
 }
 
-TEST(SystemdLink, WithoutAWatchdogOnlyStatesAreTold) {
+TEST(SystemdLink, WithoutAWatchdogOnlyStatesAreReported) {
   NotifySocket systemd(0us);
   SystemdLink link;
   link.SetStatus("active");

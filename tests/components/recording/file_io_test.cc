@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST(FileSink, TellsAFullDisk) {
+TEST(FileSink, ReportsAFullDisk) {
   SKIP_WITHOUT_KERNEL(fs::exists("/dev/full"), "/dev/full");
   FileSink sink("/dev/full", Existing::kReplace);
   McapWriter writer(sink);

@@ -232,7 +232,7 @@ TEST(McapWriter, WritesTheExactBytesOfATinyFile) {
 
 TEST(McapWriter, IsDeterministic) { EXPECT_EQ(MakeFile(40).bytes, MakeFile(40).bytes); }
 
-TEST(McapWriter, TellsAFullDiskAtOnceAndWritesNothingMore) {
+TEST(McapWriter, ReportsAFullDiskAtOnceAndWritesNothingMore) {
   const std::size_t whole = MakeFile(57).bytes.size();
   for (std::size_t capacity = 0; capacity < whole; capacity += 37) {
     SmallDisk disk(capacity);

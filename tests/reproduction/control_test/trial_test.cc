@@ -72,7 +72,7 @@ TEST(ControlTrial, EveryTrialHasANameOfItsOwn) {
   EXPECT_EQ(names.size(), 12u + 36u);
 }
 
-TEST(ControlSection, TellsWhatIsReachedAndWhatIsMissed) {
+TEST(ControlSection, MarksWhatIsReachedAndWhatIsMissed) {
   std::vector<Outcome> outcomes;
   for (const auto& [arm, mse_rad2] : {std::pair{Arm::kPid, 1e-3},
                                       {Arm::kLinear, 5e-4},

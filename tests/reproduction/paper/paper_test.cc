@@ -56,7 +56,7 @@ class Paper : public ::testing::Test {
   PaperPlan plan = LoadPaperPlan(folder.Write("plan.yaml", kPlan));
 };
 
-TEST_F(Paper, CollectsSectionsAndTellsFailures) {
+TEST_F(Paper, CollectsSectionsAndReportsFailures) {
   const auto results = MakePaper(plan, options, {});
   ASSERT_EQ(results.size(), 3u);
   EXPECT_TRUE(results[0].ok);
