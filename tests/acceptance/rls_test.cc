@@ -28,13 +28,5 @@ TEST(RlsAcceptance, StaysBoundedWhereThePlainRecursionDoesNot) {
   EXPECT_GT(score.plain_lost_after, 0) << "the plain recursion stayed in bounds";
 }
 
-// kUpdate_us holds on an idle core and is on the page of `sinew paper`; a busy machine slows both
-// recursions alike, so that their ratio can be tested anywhere. 0.44 was measured.
-TEST(RlsAcceptance, AnUpdateTakesAtMostThreeQuartersOfTheTextbookRecursion) {
-  const TimeScore score = TimeUpdates(76, 12);
-  EXPECT_LT(score.update_us, 0.75 * score.textbook_us)
-      << score.update_us << " us, textbook " << score.textbook_us << " us";
-}
-
 }  // namespace
 }  // namespace sinew::acceptance
