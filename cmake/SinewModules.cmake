@@ -14,7 +14,9 @@
 #   sinew_add_test(rls_test SOURCES rls_test.cc DEPENDS sinew::rls [LABELS dds] [SERIAL] [THREADS] [TIMEOUT s])
 #     -> a GoogleTest program; every case is a ctest of its own. Without LABELS it is a unit test: label `unit`, built
 #        by the target unit_tests. THREADS: its code starts threads; `tools/test --tsan` runs it too (label
-#        `unit-threads` or `dds-threads`, target thread_tests). A test that starts PROGRAMS names its LABELS: `programs`, or `dds` with SERIAL.
+#        `unit-threads` or `dds-threads`, target thread_tests). A test that starts PROGRAMS names its LABELS: `programs`,
+#        or `dds` with SERIAL. One on whole recordings or many runs of the surrogate has the label `acceptance`: it is
+#        not run under sanitizers.
 foreach(list SINEW_MODULES SINEW_PUBLIC_HEADERS SINEW_OTHER_HEADERS)
   set_property(GLOBAL PROPERTY ${list} "")
 endforeach()
@@ -23,9 +25,10 @@ set_property(GLOBAL PROPERTY SINEW_PROGRAMS "")
 # Mains, commands and tests hold no hot loops (these live in modules): less optimisation halves their build.
 set(SINEW_LIGHT_OPTIMISATION $<$<CONFIG:Release>:-O1>)
 
-# Precompiled headers: of modules, of the frames of programs, of programs. Tests have theirs in tests/support.
-set(frame_headers <CLI/CLI.hpp> <Eigen/Core> <filesystem> <nlohmann/json.hpp> <spdlog/spdlog.h> <string> <vector>)
-set(frame_libraries CLI11::CLI11 nlohmann_json::nlohmann_json spdlog::spdlog Eigen3::Eigen sinew_flags)
+# Precompiled headers: of modules, of modules that read files, of programs. Tests have theirs in tests/support. CLI11 is
+# not among them: every unit that sees it compiles 200 of its inline functions.
+set(frame_headers <Eigen/Core> <filesystem> <nlohmann/json.hpp> <spdlog/spdlog.h> <string> <vector>)
+set(frame_libraries nlohmann_json::nlohmann_json spdlog::spdlog Eigen3::Eigen sinew_flags)
 add_library(sinew_module_pch STATIC ${CMAKE_CURRENT_LIST_DIR}/pch/module.cc)
 target_link_libraries(sinew_module_pch PRIVATE Eigen3::Eigen sinew_flags)
 target_precompile_headers(sinew_module_pch PRIVATE <Eigen/Dense> <algorithm> <array> <cmath> <cstdint> <functional>

@@ -88,8 +88,7 @@ class BusModel {
 
   std::optional<std::int64_t> NextStart() const;
   Transmission Arbitrate(std::int64_t start_ns) const;
-  void Finish(const Transmission& transmission,
-              const std::function<void(const Delivery&)>& deliver);
+  void Finish(const Transmission& done, const std::function<void(const Delivery&)>& deliver);
   void RestartNodes(std::int64_t now_ns);
   std::int64_t BitsToNs(int bits) const;
 

@@ -84,38 +84,38 @@ std::string FormatCandump(const LogLine& line) {
   return result;
 }
 
-std::optional<LogLine> ParseCandump(std::string_view text) {
-  while (!text.empty() && (text.back() == '\r' || text.back() == ' ')) text.remove_suffix(1);
+std::optional<LogLine> ParseCandump(std::string_view line) {
+  while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.remove_suffix(1);
   // Newer versions append the direction.
-  if (text.ends_with(" T") || text.ends_with(" R")) text.remove_suffix(2);
-  LogLine line;
-  if (!Take(text, '(')) return std::nullopt;
-  const auto seconds = TakeDecimal(text);
-  if (!seconds || *seconds > 9'000'000'000 || !Take(text, '.')) return std::nullopt;
-  const std::size_t digits_before = text.size();
-  const auto fraction = TakeDecimal(text);
-  if (!fraction || digits_before - text.size() != 6 || !Take(text, ')') || !Take(text, ' ')) {
+  if (line.ends_with(" T") || line.ends_with(" R")) line.remove_suffix(2);
+  LogLine result;
+  if (!Take(line, '(')) return std::nullopt;
+  const auto seconds = TakeDecimal(line);
+  if (!seconds || *seconds > 9'000'000'000 || !Take(line, '.')) return std::nullopt;
+  const std::size_t digits_before = line.size();
+  const auto fraction = TakeDecimal(line);
+  if (!fraction || digits_before - line.size() != 6 || !Take(line, ')') || !Take(line, ' ')) {
     return std::nullopt;
   }
-  line.stamp_ns = *seconds * 1'000'000'000 + *fraction * 1000;
+  result.stamp_ns = *seconds * 1'000'000'000 + *fraction * 1000;
 
-  const std::size_t space = text.find(' ');
+  const std::size_t space = line.find(' ');
   if (space == std::string_view::npos || space == 0) return std::nullopt;
-  line.interface = text.substr(0, space);
-  text.remove_prefix(space + 1);
+  result.interface = line.substr(0, space);
+  line.remove_prefix(space + 1);
 
-  const std::size_t hash = text.find('#');
+  const std::size_t hash = line.find('#');
   if (hash != 3 && hash != 8) return std::nullopt;
-  const auto id = TakeHex(text, hash);
-  if (!id || !Take(text, '#')) return std::nullopt;
-  line.frame.id = *id;
+  const auto id = TakeHex(line, hash);
+  if (!id || !Take(line, '#')) return std::nullopt;
+  result.frame.id = *id;
   if (hash == 8) {
-    line.frame.error = (*id & kErrorFlag) != 0;
-    line.frame.extended = !line.frame.error;
-    line.frame.id &= ~kErrorFlag;
+    result.frame.error = (*id & kErrorFlag) != 0;
+    result.frame.extended = !result.frame.error;
+    result.frame.id &= ~kErrorFlag;
   }
-  if (!TakePayload(text, line.frame) || !IsValid(line.frame)) return std::nullopt;
-  return line;
+  if (!TakePayload(line, result.frame) || !IsValid(result.frame)) return std::nullopt;
+  return result;
 }
 
 }  // namespace sinew::can

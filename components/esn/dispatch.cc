@@ -48,24 +48,24 @@ simd::Instructions FastestOf(StepKernel step) {
 }  // namespace
 
 simd::Instructions FastestStep() {
-  static const simd::Instructions fastest = FastestOf(&Kernel::step);
-  return fastest;
+  static const simd::Instructions kFastest = FastestOf(&Kernel::step);
+  return kFastest;
 }
 
 simd::Instructions FastestSharedStep() {
-  static const simd::Instructions fastest = FastestOf(&Kernel::step_shared);
-  return fastest;
+  static const simd::Instructions kFastest = FastestOf(&Kernel::step_shared);
+  return kFastest;
 }
 
 simd::Instructions FastestGram() {
-  static const simd::Instructions fastest = [] {
+  static const simd::Instructions kFastest = [] {
     constexpr int kColumns = 2 * kPanelColumns;
     const std::vector<double> panels(kColumns * kPanelSamples, 0.1);
     std::vector<double> gram(kColumns * kColumns, 0.0);
     return simd::Fastest(
         [&](simd::Instructions set) { KernelFor(set).gram(panels.data(), kColumns, gram.data()); });
   }();
-  return fastest;
+  return kFastest;
 }
 
 int Padded(int count, int block) noexcept { return (count + block - 1) / block * block; }

@@ -73,7 +73,7 @@ void Network::Reset() noexcept {
   prediction_.setZero();
 }
 
-StepStatus Network::Step(Eigen::Ref<const Eigen::VectorXd> u) noexcept {
+StepStatus Network::Step(const Eigen::Ref<const Eigen::VectorXd>& u) noexcept {
   if (u.size() != inputs_ || !u.allFinite()) {
     prediction_.setZero();
     return StepStatus::kBadInput;
@@ -99,7 +99,7 @@ StepStatus Network::Step(Eigen::Ref<const Eigen::VectorXd> u) noexcept {
   return StepStatus::kOk;
 }
 
-bool Network::SetReadout(Eigen::Ref<const Eigen::MatrixXd> readout) noexcept {
+bool Network::SetReadout(const Eigen::Ref<const Eigen::MatrixXd>& readout) noexcept {
   if (readout.rows() != readout_.rows() || readout.cols() != readout_.cols() ||
       !readout.allFinite()) {
     return false;
@@ -108,7 +108,7 @@ bool Network::SetReadout(Eigen::Ref<const Eigen::MatrixXd> readout) noexcept {
   return true;
 }
 
-void Network::SetState(Eigen::Ref<const Eigen::VectorXd> state) noexcept {
+void Network::SetState(const Eigen::Ref<const Eigen::VectorXd>& state) noexcept {
   if (state.size() == neurons_) features_.segment(1 + inputs_, neurons_) = state;
 }
 

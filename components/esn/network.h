@@ -37,10 +37,10 @@ class Network {
   void Reset() noexcept;
 
   // u: M inputs in their own units.
-  StepStatus Step(Eigen::Ref<const Eigen::VectorXd> u) noexcept;
+  StepStatus Step(const Eigen::Ref<const Eigen::VectorXd>& u) noexcept;
 
   // Takes another W_out (O x (1 + M + N)). False, and nothing changes: wrong shape or not finite.
-  [[nodiscard]] bool SetReadout(Eigen::Ref<const Eigen::MatrixXd> readout) noexcept;
+  [[nodiscard]] bool SetReadout(const Eigen::Ref<const Eigen::MatrixXd>& readout) noexcept;
 
   // y of the last step, in the target's unit; zero after kBadInput.
   const Eigen::VectorXd& prediction() const noexcept { return prediction_; }
@@ -53,7 +53,7 @@ class Network {
   Eigen::Ref<const Eigen::VectorXd> state() const noexcept {
     return features_.segment(1 + inputs_, neurons_);
   }
-  void SetState(Eigen::Ref<const Eigen::VectorXd> state) noexcept;
+  void SetState(const Eigen::Ref<const Eigen::VectorXd>& state) noexcept;
 
   int input_count() const noexcept { return inputs_; }
   int output_count() const noexcept { return static_cast<int>(readout_.rows()); }

@@ -96,7 +96,7 @@ Prediction Predictor::Step(const Frame& frame, types::Regime regime) noexcept {
 }
 
 bool Predictor::SetReadout(Which which, std::uint64_t version,
-                           Eigen::Ref<const Eigen::MatrixXd> readout) noexcept {
+                           const Eigen::Ref<const Eigen::MatrixXd>& readout) noexcept {
   std::optional<Slot>& slot = slots_[Index(which)];
   if (!slot || !slot->network.SetReadout(readout)) return false;
   slot->version = version;

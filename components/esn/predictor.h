@@ -46,7 +46,7 @@ class Predictor {
 
   // False, and nothing changes: no such network, wrong shape, not finite.
   [[nodiscard]] bool SetReadout(Which which, std::uint64_t version,
-                                Eigen::Ref<const Eigen::MatrixXd> readout) noexcept;
+                                const Eigen::Ref<const Eigen::MatrixXd>& readout) noexcept;
 
   bool has(Which which) const noexcept { return slots_[Index(which)].has_value(); }
   bool needs_regime() const noexcept { return needs_regime_; }

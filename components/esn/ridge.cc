@@ -31,8 +31,8 @@ NormalEquations::NormalEquations(int features, int outputs,
   gram_.assign(columns * columns, 0.0);
 }
 
-bool NormalEquations::Add(Eigen::Ref<const Eigen::VectorXd> features,
-                          Eigen::Ref<const Eigen::VectorXd> target) {
+bool NormalEquations::Add(const Eigen::Ref<const Eigen::VectorXd>& features,
+                          const Eigen::Ref<const Eigen::VectorXd>& target) {
   if (features.size() != features_ || target.size() != outputs_ || !features.allFinite() ||
       !target.allFinite()) {
     return false;
@@ -148,6 +148,7 @@ std::vector<double> LogarithmicGrid(double lower, double upper, int count) {
                                 ", expected at least 2, 0 < lower < upper");
   }
   std::vector<double> grid;
+  grid.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
     grid.push_back(lower * std::pow(upper / lower, static_cast<double>(i) / (count - 1)));
   }

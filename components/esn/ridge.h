@@ -22,8 +22,8 @@ class NormalEquations {
   NormalEquations(int features, int outputs, std::optional<simd::Instructions> instructions = {});
 
   // A sample that is not finite is refused: false.
-  [[nodiscard]] bool Add(Eigen::Ref<const Eigen::VectorXd> features,
-                         Eigen::Ref<const Eigen::VectorXd> target);
+  [[nodiscard]] bool Add(const Eigen::Ref<const Eigen::VectorXd>& features,
+                         const Eigen::Ref<const Eigen::VectorXd>& target);
 
   int feature_count() const { return features_; }
   int output_count() const { return outputs_; }

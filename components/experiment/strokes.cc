@@ -119,6 +119,7 @@ Play FindStrokes(const Recording& rows) {
   }
   const auto mean_of = [&rows](const std::vector<std::size_t>& in, double* variance_rad2) {
     std::vector<double> angles_rad;
+    angles_rad.reserve(in.size());
     for (const std::size_t i : in) angles_rad.push_back(rows[i].output_angle_rad);
     *variance_rad2 = std::pow(identify::StandardDeviation(angles_rad), 2);
     return identify::Mean(angles_rad);

@@ -16,7 +16,7 @@ constexpr int kIn = 3 + kUnits + 1;
 
 template <typename S>
 simd::Instructions FastestTraining() {
-  static const simd::Instructions fastest = [] {
+  static const simd::Instructions kFastest = [] {
     constexpr int kLanes = 2 * kLanesOf<S>;
     constexpr int kCells = kUnits * kLanes;
     const std::vector<S> weights(kGates * kIn, S(0.1)), x(kIn * kLanes, S(0.1)), c(kCells, S(0.1));
@@ -29,14 +29,14 @@ simd::Instructions FastestTraining() {
       kernel.outer(gates.data(), x.data(), sum.data(), kGates, kIn, kLanes, 1, 0, 0);
     });
   }();
-  return fastest;
+  return kFastest;
 }
 
 template simd::Instructions FastestTraining<float>();
 template simd::Instructions FastestTraining<double>();
 
 simd::Instructions FastestSample() {
-  static const simd::Instructions fastest = [] {
+  static const simd::Instructions kFastest = [] {
     constexpr int kPadded = kLanesOf<float>;  // of kUnits
     constexpr int kRows = 4 * kPadded;
     constexpr int kSteps = 12;  // one takes a tenth of a microsecond
@@ -50,7 +50,7 @@ simd::Instructions FastestSample() {
       }
     });
   }();
-  return fastest;
+  return kFastest;
 }
 
 }  // namespace sinew::networks::internal

@@ -13,7 +13,7 @@ namespace {
 constexpr int kWidth = internal::kLanesOf<float>;
 
 int Padded(int count) { return (count + kWidth - 1) / kWidth * kWidth; }
-std::size_t Size(int count) { return static_cast<std::size_t>(count); }
+std::size_t Count(int count) { return static_cast<std::size_t>(count); }
 
 }  // namespace
 
@@ -32,7 +32,7 @@ Stepper::Stepper(const Model& model, RecurrentMode mode,
   inputs_ = measured_ + (model_.wiener() ? 1 : 0);
   now_ = Eigen::VectorXd::Zero(inputs_);
   if (model_.linear) {
-    linear_window_.assign(Size(model_.linear->parameter_count()), 0.0);
+    linear_window_.assign(Count(model_.linear->parameter_count()), 0.0);
   }
   if (model_.method == Method::kReservoir) {
     // A readout of [1, u, x] whose first parts are zero.
@@ -54,33 +54,33 @@ Stepper::Stepper(const Model& model, RecurrentMode mode,
     Layer layer;
     layer.in = block.in;
     layer.rows = gates ? block.out / hidden * units_ : Padded(block.out);
-    layer.columns.assign(Size(layer.rows) * Size(layer.in), 0.0F);
+    layer.columns.assign(Count(layer.rows) * Count(layer.in), 0.0F);
     for (int o = 0; o < block.out; ++o) {
       const int row = gates ? o / hidden * units_ + o % hidden : o;
       for (int i = 0; i < block.in; ++i) {
-        layer.columns[Size(i) * Size(layer.rows) + Size(row)] =
+        layer.columns[Count(i) * Count(layer.rows) + Count(row)] =
             model_.parameters(block.offset + o * block.in + i);
       }
     }
     layers_.push_back(std::move(layer));
   }
-  window_.assign(Size(a.memory) * Size(inputs_), 0.0F);
+  window_.assign(Count(a.memory) * Count(inputs_), 0.0F);
   if (recurrent) {
     // [x, h, 1], [h, 1]; the padding of h is behind the 1 and is overwritten by it.
-    x_.assign(Size(inputs_ + units_ + 1), 0.0F);
-    h_.assign(Size(units_ + 1), 0.0F);
-    for (std::vector<float>* v : {&c_, &c_next_, &tanh_c_}) v->assign(Size(units_), 0.0F);
-    gates_.assign(Size(layers_[0].rows), 0.0F);
-    from_h_.assign(Size(3 * units_), 0.0F);
+    x_.assign(Count(inputs_ + units_ + 1), 0.0F);
+    h_.assign(Count(units_ + 1), 0.0F);
+    for (std::vector<float>* v : {&c_, &c_next_, &tanh_c_}) v->assign(Count(units_), 0.0F);
+    gates_.assign(Count(layers_[0].rows), 0.0F);
+    from_h_.assign(Count(3 * units_), 0.0F);
   } else {
     int widest = 0;
     for (const Layer& layer : layers_) {
-      value_.emplace_back(Size(layer.in), 1.0F);
+      value_.emplace_back(Count(layer.in), 1.0F);
       widest = std::max(widest, layer.rows);
     }
-    gates_.assign(Size(widest), 0.0F);
+    gates_.assign(Count(widest), 0.0F);
   }
-  value_.emplace_back(Size(Padded(a.outputs)), 0.0F);
+  value_.emplace_back(Count(Padded(a.outputs)), 0.0F);
 }
 
 void Stepper::Reset() noexcept {
@@ -95,15 +95,15 @@ void Stepper::Cell(const float* u) noexcept {
   std::copy_n(u, inputs_, x_.data());
   if (model_.net.kind == Kind::kLstm) {
     std::copy_n(h_.data(), hidden, x_.data() + inputs_);
-    x_[Size(inputs_ + hidden)] = 1.0F;
+    x_[Count(inputs_ + hidden)] = 1.0F;
     kernel_->columns(layers_[0].columns.data(), x_.data(), gates_.data(), layers_[0].rows,
                      layers_[0].in);
     kernel_->lstm(gates_.data(), c_.data(), c_next_.data(), tanh_c_.data(), h_.data(), units_);
     c_.swap(c_next_);
     return;
   }
-  x_[Size(inputs_)] = 1.0F;
-  h_[Size(hidden)] = 1.0F;
+  x_[Count(inputs_)] = 1.0F;
+  h_[Count(hidden)] = 1.0F;
   kernel_->columns(layers_[0].columns.data(), x_.data(), gates_.data(), layers_[0].rows,
                    layers_[0].in);
   kernel_->columns(layers_[1].columns.data(), h_.data(), from_h_.data(), layers_[1].rows,
@@ -133,19 +133,19 @@ double Stepper::StepNet() noexcept {
     return static_cast<double>(y[0]);
   }
   if (mode_ == RecurrentMode::kCarry) {
-    Cell(window_.data() + window_.size() - Size(inputs_));
+    Cell(window_.data() + window_.size() - Count(inputs_));
   } else {
     std::fill(h_.begin(), h_.end(), 0.0F);
     std::fill(c_.begin(), c_.end(), 0.0F);
-    for (int t = 0; t < a.memory; ++t) Cell(window_.data() + Size(t) * Size(inputs_));
+    for (int t = 0; t < a.memory; ++t) Cell(window_.data() + Count(t) * Count(inputs_));
   }
-  h_[Size(a.hidden.front())] = 1.0F;
+  h_[Count(a.hidden.front())] = 1.0F;
   kernel_->columns(layers_.back().columns.data(), h_.data(), y, layers_.back().rows,
                    layers_.back().in);
   return static_cast<double>(y[0]);
 }
 
-double Stepper::Step(Eigen::Ref<const Eigen::VectorXd> u) noexcept {
+double Stepper::Step(const Eigen::Ref<const Eigen::VectorXd>& u) noexcept {
   if (u.size() != measured_ || !u.allFinite()) return std::numeric_limits<double>::quiet_NaN();
   for (int m = 0; m < measured_; ++m) {
     now_(m) = (u(m) - model_.input.offset(m)) / model_.input.scale(m);
@@ -154,7 +154,7 @@ double Stepper::Step(Eigen::Ref<const Eigen::VectorXd> u) noexcept {
   if (model_.linear) {
     const LinearModel& linear = *model_.linear;
     const std::size_t width = linear.inputs.size();
-    const std::size_t taps = Size(linear.taps);
+    const std::size_t taps = Count(linear.taps);
     for (std::size_t n = taps; n-- > 0;) {
       for (std::size_t i = 0; i < width; ++i) {
         const double newest = now_(linear.inputs[i]);
@@ -172,7 +172,7 @@ double Stepper::Step(Eigen::Ref<const Eigen::VectorXd> u) noexcept {
     (void)network_->Step(now_);
     y = network_->prediction()(0);
   } else if (model_.method == Method::kNet) {
-    const std::size_t width = Size(inputs_);
+    const std::size_t width = Count(inputs_);
     if (started_) std::copy(window_.begin() + inputs_, window_.end(), window_.begin());
     for (std::size_t at = started_ ? window_.size() - width : 0; at < window_.size(); at += width) {
       for (std::size_t m = 0; m < width; ++m) {

@@ -29,7 +29,7 @@ class Stepper {
   void Reset() noexcept;
   // u: the measured inputs in their own units. y in the target's unit; inputs that are not finite
   // or of the wrong number leave the state as it is and give not a number.
-  double Step(Eigen::Ref<const Eigen::VectorXd> u) noexcept;
+  double Step(const Eigen::Ref<const Eigen::VectorXd>& u) noexcept;
 
  private:
   struct Layer {

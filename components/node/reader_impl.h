@@ -19,8 +19,8 @@ namespace dds = eprosima::fastdds::dds;
 
 struct ReaderImpl final : public dds::DataReaderListener {
   // With a callback the queue stays empty.
-  ReaderImpl(std::shared_ptr<NodeImpl> node, const TopicInfo& topic,
-             Node::RawCallback callback = {});
+  ReaderImpl(std::shared_ptr<NodeImpl> owner, const TopicInfo& info,
+             Node::RawCallback on_sample = {});
   ~ReaderImpl() override;  // logs how many samples the queue has dropped
 
   std::optional<Sample> TakeNext();
@@ -32,7 +32,7 @@ struct ReaderImpl final : public dds::DataReaderListener {
   std::uint64_t lost() const { return lost_; }
   std::uint64_t dropped() const { return queue_.dropped(); }
 
-  void on_data_available(dds::DataReader* reader) override;
+  void on_data_available(dds::DataReader* source) override;
   void on_sample_lost(dds::DataReader*, const dds::SampleLostStatus& status) override;
   void on_requested_incompatible_qos(dds::DataReader*,
                                      const dds::RequestedIncompatibleQosStatus& status) override;

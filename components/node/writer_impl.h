@@ -16,7 +16,7 @@ namespace sinew::node::internal {
 namespace dds = eprosima::fastdds::dds;
 
 struct WriterImpl final : public dds::DataWriterListener {
-  WriterImpl(std::shared_ptr<NodeImpl> node, const TopicInfo& topic, int strength);
+  WriterImpl(std::shared_ptr<NodeImpl> owner, const TopicInfo& info, int strength);
   ~WriterImpl() override;  // in lockstep waits up to 2 s until every reader has everything
 
   WriteStatus Write(Bytes* bytes);

@@ -114,8 +114,8 @@ class ProviderCycle {
   types::RobotState state() const { return guard_.state(); }
   std::uint64_t refused() const { return guard_.refused(); }
   bool last(std::uint64_t tick) const { return tick == last_tick_; }
-  // One more than the newest tick of this session that was answered, whether the answer was
-  // accepted or not; 0: none.
+  // One more than the newest tick under the present session id that was answered, whether the
+  // answer was accepted or not; 0: none.
   std::uint64_t joint_answers() const { return joint_answers_; }
   std::uint64_t valve_answers() const { return valve_answers_; }
   std::uint64_t session_id() const { return config_.session_id; }

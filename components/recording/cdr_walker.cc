@@ -2,7 +2,11 @@
 
 namespace sinew::recording {
 
+namespace {
+
 using Kind = IdlType::Kind;
+
+}  // namespace
 
 bool ReadCdrHeader(std::span<const std::byte> payload) {
   if (payload.size() < kCdrHeaderSize)

@@ -16,7 +16,7 @@ const Kernel& KernelFor(simd::Instructions instructions) noexcept {
 }
 
 simd::Instructions FastestUpdate() {
-  static const simd::Instructions fastest = [] {
+  static const simd::Instructions kFastest = [] {
     constexpr int kSize = 96;  // of features: a multiple of 8
     std::vector<double> u(kSize * kSize, 0.0), d(kSize, 1.0), f(kSize), gain(kSize);
     for (std::size_t j = 0; j < kSize; ++j) u[j * kSize + j] = 1.0;
@@ -33,7 +33,7 @@ simd::Instructions FastestUpdate() {
       KernelFor(set).update(arguments);
     });
   }();
-  return fastest;
+  return kFastest;
 }
 
 }  // namespace sinew::rls::internal

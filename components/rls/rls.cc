@@ -83,8 +83,9 @@ void RecursiveLeastSquares::Reset() noexcept {
   clipped_ = 0;
 }
 
-UpdateStatus RecursiveLeastSquares::Update(Eigen::Ref<const Eigen::VectorXd> features,
-                                           Eigen::Ref<const Eigen::VectorXd> target) noexcept {
+UpdateStatus RecursiveLeastSquares::Update(
+    const Eigen::Ref<const Eigen::VectorXd>& features,
+    const Eigen::Ref<const Eigen::VectorXd>& target) noexcept {
   if (features.size() != size_ || target.size() != outputs_ || !features.allFinite() ||
       !target.allFinite()) {
     return UpdateStatus::kBadInput;

@@ -64,8 +64,8 @@ class RecursiveLeastSquares {
   // Back to the offline readout and the prior covariance.
   void Reset() noexcept;
 
-  UpdateStatus Update(Eigen::Ref<const Eigen::VectorXd> features,
-                      Eigen::Ref<const Eigen::VectorXd> target) noexcept;
+  UpdateStatus Update(const Eigen::Ref<const Eigen::VectorXd>& features,
+                      const Eigen::Ref<const Eigen::VectorXd>& target) noexcept;
 
   Readout readout() const noexcept {
     return Readout(weight_.data(), outputs_, size_, Eigen::OuterStride<>(stride_));

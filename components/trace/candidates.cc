@@ -32,7 +32,7 @@ namespace {
 constexpr double kSpeedOfGrid = 0.5;  // rad/s
 // Sliding lengths, share of half of the motion's range, up to all of it. What is shorter than some
 // counts of the encoder is a nuisance (nuisances.h) and no effect.
-constexpr double kShortestShare = 0.003, kLongestShare = 2.0;
+constexpr double kNarrowestShare = 0.003, kWidestShare = 2.0;
 
 // Resonances well within the band of the angles (beyond half of it their low-pass looks like one),
 // as close as half the width of the sharpest (2 z of flexible_link's grid).
@@ -85,7 +85,7 @@ std::vector<std::vector<double>> GridFor(const identify::Design& design,
       if (parameter.lower > 0.0) {  // a length, not a place
         parameter.grid.clear();
         const double seen = GivingLength(constants);
-        for (double share = kShortestShare; share < kLongestShare; share *= 2.0) {
+        for (double share = kNarrowestShare; share < kWidestShare; share *= 2.0) {
           if (share * scale >= seen) parameter.grid.push_back(share);
         }
       }

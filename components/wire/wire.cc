@@ -10,6 +10,8 @@ struct Pair {
   Type type;
   Wire wire;
 };
+template <class Type, class Wire>
+Pair(Type, Wire) -> Pair<Type, Wire>;  // clang 14 does not derive it
 
 // One table for both directions of a type.
 constexpr std::array kOrigin = {

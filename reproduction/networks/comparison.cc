@@ -384,6 +384,7 @@ void Comparer::DescribeData() {
   result_.test_samples = static_cast<long>(set.published.test.size());
   result_.duration_s = set.duration_s;
   std::vector<double> deviations;
+  deviations.reserve(static_cast<std::size_t>(seeds_));
   for (int s = 0; s < seeds_; ++s) deviations.push_back(SetOf(s).deviation);
   result_.target_deviation = identify::Mean(deviations);
   const double variance = result_.target_deviation * result_.target_deviation;

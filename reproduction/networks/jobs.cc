@@ -36,6 +36,7 @@ void RunJobs(const std::vector<std::function<void()>>& jobs, int threads,
   };
   std::vector<std::jthread> workers;
   const int count = running;
+  workers.reserve(static_cast<std::size_t>(count));
   for (int t = 0; t < count; ++t) workers.emplace_back(work);
   std::unique_lock lock(mutex);
   while (running > 0) {

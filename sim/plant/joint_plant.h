@@ -143,7 +143,6 @@ class JointPlant {
   std::vector<double> memory_;
   effects::JointSample sample_;
   DriveCommand command_;
-  double payload_mass_kg_ = 0.0;
   bool adds_payload_ = false, adds_load_force_ = false;           // the model has no such terms
   double rotor_position_rad_ = 0.0, rotor_velocity_rad_s_ = 0.0;  // motor / N
   double rotor_inertia_kg_m2_ = 0.0, controlled_inertia_kg_m2_ = 0.0, body_inertia_kg_m2_ = 0.0;

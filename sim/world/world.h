@@ -62,10 +62,10 @@ class World final : public provider::SimulatedPlant {
 
   // Following a recording: puts one joint where it says, at its velocity, the rotor within the play
   // of motor_position_rad (shaft), the terms' memory as given (actuator::JointModel's order).
-  void Start(int joint, const effects::JointSample& x, std::span<const double> memory);
+  void Start(int index, const effects::JointSample& x, std::span<const double> memory);
   // From now on pressure, load force, payload, temperature and valve of the joint are those of x
   // (JointPlant::SetSurroundings) instead of the command's and the pneumatics'.
-  void SetSurroundings(int joint, const effects::JointSample& x);
+  void SetSurroundings(int index, const effects::JointSample& x);
 
   // Truth, for tests and experiments.
   double position_rad(int joint) const { return position_[joint]; }

@@ -72,6 +72,7 @@ void RequireOtherRows(const std::vector<fs::path>& train, const std::vector<fs::
 
 std::vector<report::Recording> Describe(const std::vector<types::Run>& runs) {
   std::vector<report::Recording> out;
+  out.reserve(runs.size());
   for (const types::Run& run : runs) {
     out.push_back(
         {run.name, run.content_hash, run.size(), run.time_s[run.size() - 1] - run.time_s[0]});

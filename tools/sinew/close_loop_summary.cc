@@ -92,9 +92,9 @@ void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options
   if (!trace.detectable.empty()) {
     std::set<std::string> names;
     for (const trace::DetectableSize& size : trace.detectable) names.insert(size.effect);
-    std::cout << "smallest sizes that would have been found, of " << names.size()
-              << " effects, are in the report; " << trace.not_excited.size()
-              << " effects could hide\n";
+    std::cout << "not excited by this data: " << trace.not_excited.size()
+              << " effects; smallest detectable sizes of " << names.size()
+              << " others: see the report\n";
   }
   std::cout << "written: " << (options.out / "report.html").string()
             << ", report.json, model.yaml (" << Short(report.seconds) << " s)\n";

@@ -21,14 +21,13 @@ using Json = nlohmann::ordered_json;
 
 // As named, else beside the model file, else from where the command runs.
 fs::path FindUrdf(const CloseLoopOptions& options, const LoopInput& input) {
-  const fs::path wanted =
-      options.urdf.empty() ? fs::path(input.model.robot.urdf_path) : options.urdf;
+  fs::path wanted = options.urdf.empty() ? fs::path(input.model.robot.urdf_path) : options.urdf;
   if (wanted.empty()) {
     throw UsageError(input.model_path.string() +
                      ": joints with a term rigid_body need the arm's URDF, expected 'urdf' in the "
                      "model file or --urdf");
   }
-  const fs::path beside = input.model_path.parent_path() / wanted;
+  fs::path beside = input.model_path.parent_path() / wanted;
   if (wanted.is_relative() && fs::exists(beside)) return beside;
   if (!fs::exists(wanted)) {
     throw UsageError(wanted.string() + ": no such file, expected the arm's URDF");
@@ -131,6 +130,7 @@ std::vector<ArmFold> LeaveOneOut(const arm::Arm& arm, const actuator::RobotModel
 std::vector<trace::Fold> FoldsOfJoint(const arm::Arm& arm, std::vector<ArmFold>& folds,
                                       std::size_t j) {
   std::vector<trace::Fold> out;
+  out.reserve(folds.size());
   for (ArmFold& fold : folds) {
     out.push_back({fold.train[j], fold.held_out[j].front(), fold.loop.before.robot.joints[j],
                    [&arm, &fold, j](const actuator::JointModel& joint) {

@@ -1,10 +1,10 @@
 #include "bridge/can/transport/transport.h"
 
 #include <poll.h>
-#include <time.h>
 
 #include <algorithm>
 #include <array>
+#include <ctime>
 
 namespace sinew::can {
 

@@ -127,7 +127,7 @@ void Resample(const UniformSegment& segment, double period_s, Columns* c,
 }  // namespace
 
 const TaskInfo& InfoOf(Task task) {
-  static const std::array<TaskInfo, 3> infos = {
+  static const std::array<TaskInfo, 3> kInfos = {
       TaskInfo{"sea",
                {"play_angle_rad", "play_velocity_rad_s", "chamber_pressure_bar"},
                "load_torque_Nm",
@@ -144,7 +144,7 @@ const TaskInfo& InfoOf(Task task) {
                "load_force_N",
                "N",
                {0, 1, 2}}};
-  return infos[static_cast<std::size_t>(task)];
+  return kInfos[static_cast<std::size_t>(task)];
 }
 
 std::vector<esn::Sequence> MakeTable(const std::vector<types::Run>& runs,

@@ -1,10 +1,10 @@
 #include "components/provider/participant/run_provider.h"
 
 #include <spdlog/spdlog.h>
-#include <time.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <ctime>
 #include <random>
 
 #include "components/node/node.h"

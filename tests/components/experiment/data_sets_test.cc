@@ -77,8 +77,7 @@ TEST(PeaData, AHandTakesTheLinkFromUprightToHangingAndNeverPulls) {
     reading.time_s = i / 240.0;
     const Command command = protocol.Step(reading);
     ASSERT_GE(command.hand_force_N, 0.0);
-    ASSERT_EQ(command.drive, i == 0 || !protocol.done() ? types::ControlMode::kTorque
-                                                        : types::ControlMode::kTorque);
+    ASSERT_EQ(command.drive, types::ControlMode::kTorque);
     // A link without inertia: goes where the hand presses, comes back where it does not.
     reading.output_angle_rad += command.hand_force_N > 1.0 ? -0.02 : 0.02;
     reading.output_angle_rad = std::clamp(reading.output_angle_rad, -1.6, 1.5708);

@@ -1,5 +1,4 @@
-// close-loop as a whole: on measured data of another rig, on the example recordings of ours, on bad
-// input.
+// close-loop as a whole: on measured data of another rig and on the example recordings of ours.
 #include "tools/sinew/close_loop.h"
 
 #include <gmock/gmock.h>
@@ -13,6 +12,7 @@
 #include "components/recording/file/import.h"
 #include "tests/support/skip.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/tools/sinew/example_options.h"
 
 namespace sinew::tools {
 namespace {
@@ -24,7 +24,6 @@ using ::testing::IsSupersetOf;
 
 const fs::path kSource = SINEW_SOURCE_DIR;
 const fs::path kEmps = fs::path(SINEW_SHARED_DIR) / "data" / "emps";
-const fs::path kExamples = kSource / "tests" / "data" / "rig_examples";
 
 CloseLoopOptions EmpsOptions() {
   CloseLoopOptions options;
@@ -32,16 +31,6 @@ CloseLoopOptions EmpsOptions() {
   options.map = kSource / "robots" / "emps" / "csv_map.yaml";
   options.train = {kEmps / "DATA_EMPS.csv"};
   options.held_out = {kEmps / "DATA_EMPS_PULSES.csv"};
-  return options;
-}
-
-CloseLoopOptions ExampleOptions(const std::string& example) {
-  const fs::path folder = kExamples / example;
-  CloseLoopOptions options;
-  options.model = folder / "rig.json";
-  options.map = kSource / "robots" / "rig" / "csv_map.yaml";
-  options.train = {folder / "train_1.csv", folder / "train_2.csv", folder / "train_3.csv"};
-  options.held_out = {folder / "sealed.csv"};
   return options;
 }
 
@@ -105,8 +94,8 @@ TEST(CloseLoopOnEmps, ARecordingGivesTheSameFiguresAsItsCsv) {
 
 TEST(CloseLoopOnTheRig, TheHiddenEffectOfTheExampleIsNamed) {
   const CloseLoopResult result = CloseLoop(ExampleOptions("one_effect"));
-  const nlohmann::json truth =
-      nlohmann::json::parse(std::ifstream(kExamples / "one_effect" / "truth.json"));
+  const nlohmann::json truth = nlohmann::json::parse(
+      std::ifstream(kSource / "tests/data/rig_examples/one_effect/truth.json"));
   const trace::TraceResult& trace = result.report.trace;
   ASSERT_EQ(trace.verdict, trace::Verdict::kEffect);
   ASSERT_EQ(trace.effects.size(), 1u);
@@ -159,113 +148,6 @@ TEST(CloseLoop, WritesThreeFilesAndAModelThatLoads) {
   options.model = options.out / "model.yaml";
   options.out.clear();
   EXPECT_EQ(CloseLoop(options).report.trace.verdict, trace::Verdict::kNone);
-}
-
-TEST(CloseLoop, TooLittleDataIsAVerdictWithAReport) {
-  const testing::TemporaryFolder folder;
-  for (const bool training : {true, false}) {
-    CloseLoopOptions options = ExampleOptions("one_effect");
-    options.out = folder.path() / (training ? "training" : "held_out");
-    std::vector<fs::path>& part = training ? options.train : options.held_out;
-    part = {part.front().string() + "@10:13"};
-    const CloseLoopResult result = CloseLoop(options);
-    EXPECT_FALSE(result.assessed());
-    const nlohmann::json json = nlohmann::json::parse(std::ifstream(options.out / "report.json"));
-    EXPECT_EQ(json["verdict"], "too_little_data");
-    EXPECT_EQ(json["too_little_data"]["rule"], training ? "blocks" : "held_out_blocks");
-    EXPECT_TRUE(json["effects"].empty());
-    EXPECT_TRUE(fs::exists(options.out / "report.html"));
-    EXPECT_FALSE(fs::exists(options.out / "model.yaml"));  // nothing was fitted
-    EXPECT_THAT(result.html, HasSubstr("Too little data"));
-    EXPECT_EQ(result.model.robot.joints[0].history.size(), 0u);
-  }
-}
-
-// One line, the reason in it, and nothing written.
-void ExpectRefused(CloseLoopOptions options, const std::vector<std::string>& words) {
-  const testing::TemporaryFolder folder;
-  options.out = folder.path() / "out";
-  try {
-    CloseLoop(options);
-    FAIL() << "was not refused";
-  } catch (const UsageError& error) {
-    const std::string text = error.what();
-    EXPECT_EQ(text.find('\n'), std::string::npos) << text;
-    for (const std::string& word : words) EXPECT_THAT(text, HasSubstr(word));
-  }
-  EXPECT_FALSE(fs::exists(options.out));
-}
-
-// A changed copy of a text file.
-fs::path Changed(const testing::TemporaryFolder& folder, const fs::path& file,
-                 const std::string& from, const std::string& to) {
-  std::ifstream in(file);
-  std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  const std::size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  text.replace(at, from.size(), to);
-  const fs::path out = folder.path() / file.filename();
-  std::ofstream(out) << text;
-  return out;
-}
-
-TEST(CloseLoopBadInput, AnUnknownKeyOfTheModelIsNamed) {
-  const testing::TemporaryFolder folder;
-  CloseLoopOptions options = ExampleOptions("clean");
-  fs::copy(kSource / "robots" / "rig" / "rig.urdf", folder.path() / "rig.urdf");
-  options.model = Changed(folder, kSource / "robots" / "rig" / "model.yaml", "parallel_cutoff_Hz",
-                          "paralel_cutoff_Hz");
-  ExpectRefused(options, {"model.yaml:", "paralel_cutoff_Hz"});
-}
-
-TEST(CloseLoopBadInput, AWrongUnitOfTheMapIsNamed) {
-  const testing::TemporaryFolder folder;
-  CloseLoopOptions options = ExampleOptions("clean");
-  options.map = Changed(folder, options.map, "column: motor_current_A, unit: A",
-                        "column: motor_current_A, unit: V");
-  ExpectRefused(options, {"csv_map.yaml:", "unit"});
-}
-
-TEST(CloseLoopBadInput, ANotANumberCellIsNamedWithItsLine) {
-  const testing::TemporaryFolder folder;
-  CloseLoopOptions options = ExampleOptions("clean");
-  options.train = {Changed(folder, options.train[0], "5.771986", "nan")};
-  ExpectRefused(options, {"train_1.csv:3", "motor_angle_rad"});
-}
-
-TEST(CloseLoopBadInput, AMissingColumnIsNamed) {
-  const testing::TemporaryFolder folder;
-  CloseLoopOptions options = ExampleOptions("clean");
-  options.train = {Changed(folder, options.train[0], "load_force_N", "load_N")};
-  ExpectRefused(options, {"train_1.csv", "load_force_N"});
-}
-
-TEST(CloseLoopBadInput, ASignalTheModelNeedsIsNamed) {
-  const testing::TemporaryFolder folder;
-  CloseLoopOptions options = ExampleOptions("clean");
-  options.map = Changed(folder, options.map,
-                        "  motor_current: {column: motor_current_A, unit: A, sign: 1}\n", "");
-  ExpectRefused(options, {"train_1.csv", "motor_current"});
-}
-
-TEST(CloseLoopBadInput, ABrokenRecordingIsRefused) {
-  const testing::TemporaryFolder folder;
-  CloseLoopOptions options = ExampleOptions("clean");
-  std::ofstream(folder.path() / "broken.mcap") << "this is no recording";
-  options.train = {folder.path() / "broken.mcap"};
-  ExpectRefused(options, {"broken.mcap"});
-}
-
-TEST(CloseLoopBadInput, TheHeldOutRecordingMayNotBeTrainedOn) {
-  CloseLoopOptions options = ExampleOptions("clean");
-  options.held_out = {options.train[1]};
-  ExpectRefused(options, {"train_2.csv", "held-out"});
-}
-
-TEST(CloseLoopBadInput, AJointTheModelLacksIsRefused) {
-  CloseLoopOptions options = ExampleOptions("clean");
-  options.joint = 3;
-  ExpectRefused(options, {"--joint 3"});
 }
 
 }  // namespace
