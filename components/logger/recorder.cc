@@ -119,7 +119,7 @@ IoStatus Recorder::Write(Item* item) {
       return status;
     topic.channel = channel;
   }
-  const IoStatus status =
+  IoStatus status =
       writer_.WriteMessage(*topic.channel, std::max<std::int64_t>(item->reception_ns, 0),
                            std::max<std::int64_t>(stamp_ns, 0), item->payload);
   if (!status.ok()) return status;

@@ -73,6 +73,7 @@ std::string FormatSection(const Section& section) {
     out += HtmlRow(header, "th");
     for (const auto& row : table.rows) {
       std::vector<std::string> cells;
+      cells.reserve(row.size());
       for (const std::string& cell : row) cells.push_back(OrDash(cell));
       out += HtmlRow(cells);
     }

@@ -72,6 +72,7 @@ double Hat(const std::vector<double>& knots, std::size_t k, double value) {
 std::vector<double> Knots(const Eigen::VectorXd& values, const std::vector<Eigen::Index>& used,
                           int count) {
   std::vector<double> sorted;
+  sorted.reserve(used.size());
   for (const Eigen::Index i : used) sorted.push_back(values[i]);
   std::sort(sorted.begin(), sorted.end());
   std::vector<double> knots;

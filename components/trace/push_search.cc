@@ -173,6 +173,7 @@ std::optional<Pushes> PushesOf(const identify::Design& design, const Scan& scan,
   if (peaks.size() < 2 + kBackground) return std::nullopt;
   out.peak = std::abs(peaks.front().second.projection) / usual;
   std::vector<double> loudness;
+  loudness.reserve(peaks.size());
   for (const auto& [run, r] : peaks) loudness.push_back(std::abs(r.projection));
   std::size_t apart = 0;  // from the rest, all of one sign
   for (std::size_t k = 1; k + kBackground < peaks.size(); ++k) {

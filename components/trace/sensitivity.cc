@@ -145,6 +145,7 @@ std::vector<DetectableSize> FindDetectable(const Problem& problem,
     }
   }
   std::vector<DetectableSize> out;
+  out.reserve(best.size());
   for (auto& [key, size] : best) out.push_back(std::move(size));
   return out;
 }

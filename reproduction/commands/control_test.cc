@@ -1,10 +1,9 @@
 #include "reproduction/commands/control_test.h"
 
-#include <stdlib.h>
-
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -103,7 +102,9 @@ void RunControlTest(const ControlTestOptions& options) {
   }
 
   std::vector<std::uint64_t> seeds;
-  for (int i = 0; i < (options.quick ? 1 : options.repeats); ++i) {
+  const int repeats = options.quick ? 1 : options.repeats;
+  seeds.reserve(static_cast<std::size_t>(repeats));
+  for (int i = 0; i < repeats; ++i) {
     seeds.push_back(options.seed + static_cast<std::uint64_t>(i));
   }
   const std::vector<Trial> first = control_test::BenchmarkTrials(seeds);

@@ -26,7 +26,7 @@ struct PaperArguments {
 std::filesystem::path PlanFile(const std::string& paper) {
   if (paper.find('/') != std::string::npos || paper.find('.') != std::string::npos) return paper;
   const std::filesystem::path folder = tools::ShippedFolder("reproduction/papers");
-  const std::filesystem::path file = folder / (paper + ".yaml");
+  std::filesystem::path file = folder / (paper + ".yaml");
   if (folder.empty() || !std::filesystem::exists(file)) {
     throw UsageError("reproduction/papers/" + paper +
                      ".yaml: not found beside the program, expected the file's path");

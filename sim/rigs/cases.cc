@@ -67,7 +67,7 @@ std::vector<Case> DrawCases(const Rig& rig) {
   std::vector<Case> cases;
   auto pick = [&random](std::vector<std::string>& from) {
     const auto at = static_cast<std::size_t>(random.Integer(0, static_cast<int>(from.size()) - 1));
-    const std::string name = from[at];
+    std::string name = from[at];
     from.erase(from.begin() + static_cast<std::ptrdiff_t>(at));
     return name;
   };

@@ -31,7 +31,7 @@ class Sizer {
   Sizer(const Rig& rig, Excitation excitation);
 
   // Share and test of a set of effects in the balance.
-  Measured Measure(const Run& run, Shows shows, bool absorbed = false) const;
+  Measured Measure(const Run& run, Shows asked, bool absorbed = false) const;
 
   struct Sized {
     Effect effect;
@@ -57,7 +57,7 @@ class Sizer {
   Balance Noisy(const Run& run, Shows shows, int recordings) const;
   Signature SignatureOf(const Balance& with, const Balance& without) const;
 
-  double Share(const Run& run, Shows shows) const;
+  double Share(const Run& run, Shows asked) const;
   std::pair<double, double> Residuals(const Balance& noisy, Shows shows) const;
   const Balance& TwinBalance(Shows shows, bool noisy) const;
   const std::vector<Signature>& RivalsOf(const std::string& name, Shows shows) const;

@@ -7,7 +7,7 @@ namespace sinew::tools {
 
 // A folder of the project, by its path in the tree ("robots", "reproduction/papers"), beside the
 // installed program (../share/sinew) or in the tree that built it; empty when there is none.
-std::filesystem::path ShippedFolder(const std::filesystem::path& folder);
+std::filesystem::path ShippedFolder(const std::filesystem::path& wanted);
 
 // The folder robots/.
 std::filesystem::path RobotsFolder();

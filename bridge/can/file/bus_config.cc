@@ -42,6 +42,7 @@ std::vector<BusEntry> ReadBuses(const config::Section& section) {
 int ReadBusOf(const config::Section& section, const std::vector<BusEntry>& buses) {
   if (buses.size() == 1 && !section.Has("bus")) return 0;
   std::vector<std::string> names;
+  names.reserve(buses.size());
   for (const BusEntry& entry : buses) names.push_back(entry.name);
   const std::string name = section.Choice("bus", names);
   return static_cast<int>(std::find(names.begin(), names.end(), name) - names.begin());

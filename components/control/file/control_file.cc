@@ -42,6 +42,7 @@ template <class Enum>
 Enum Word(const Section& s, std::string_view key, std::string_view fallback,
           const std::vector<std::pair<std::string, Enum>>& words) {
   std::vector<std::string> allowed;
+  allowed.reserve(words.size());
   for (const auto& [word, value] : words) allowed.push_back(word);
   const std::string chosen = s.ChoiceOr(key, fallback, allowed);
   return std::find_if(words.begin(), words.end(), [&](const auto& w) { return w.first == chosen; })

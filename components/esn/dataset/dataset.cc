@@ -234,6 +234,7 @@ std::string_view TargetName(Target target) {
 
 std::vector<Input> InputsOfJoint(const std::vector<Signal>& signals, int joint) {
   std::vector<Input> inputs;
+  inputs.reserve(signals.size());
   for (const Signal signal : signals) inputs.push_back({signal, joint});
   return inputs;
 }

@@ -49,8 +49,8 @@ struct Playlist::Channel {
 };
 
 Playlist::Playlist(const recording::McapReader& reader, const std::string& file,
-                   const std::vector<recording::TopicSchema>& known, const PlaylistOptions& options)
-    : reader_(reader) {
+                   const std::vector<recording::TopicSchema>& known,
+                   const PlaylistOptions& options) {
   std::set<std::string> recorded;
   for (const auto& [id, channel] : reader.channels()) recorded.insert(channel.topic);
   std::string list;

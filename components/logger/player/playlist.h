@@ -64,7 +64,6 @@ class Playlist {
  private:
   struct Channel;
 
-  const recording::McapReader& reader_;
   std::map<recording::ChannelId, std::unique_ptr<Channel>> channels_;
   std::vector<std::string> published_;
   std::vector<const Channel*> by_topic_;

@@ -183,7 +183,7 @@ Section OpenSurrogate(const std::filesystem::path& path) {
 
 RigParameters LoadRig(const std::filesystem::path& path) {
   const Section section = OpenSurrogate(path);
-  const RigParameters rig = ReadRig(section);
+  RigParameters rig = ReadRig(section);
   const Section guard = section.ChildOrEmpty("guard");
   for (const std::string& key : guard.Keys()) guard.Has(key);
   section.RejectUnknownKeys();
