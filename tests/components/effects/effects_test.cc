@@ -392,7 +392,7 @@ TEST(ExternalBump, PeaksInItsMiddleAndIsOverAtItsEnd) {
   JointSample x;
   x.time_s = 3.25;
   EXPECT_NEAR(evaluate(x)[0], 1.0, 1e-12);
-  for (const double outside : {2.9, 3.0, 3.5, 4.0}) {
+  for (const double outside : {2.9, 3.0, 3.5, 3.6, 4.0}) {
     x.time_s = outside;
     EXPECT_NEAR(evaluate(x)[0], 0.0, 1e-12) << outside;
   }

@@ -18,7 +18,7 @@ Eigen::MatrixXd Random(Eigen::Index rows, Eigen::Index columns, unsigned seed) {
   return out;
 }
 
-struct Problem {
+struct Regression {
   Eigen::MatrixXd X = Random(400, 3, 1), Z = Random(400, 5, 2);
   Prior prior{Eigen::Vector3d(1.0, -2.0, 0.5), Eigen::Vector3d(4.0, 0.0, 100.0)};
   Eigen::VectorXd precision = Eigen::VectorXd::Constant(5, 0.5);
@@ -41,7 +41,7 @@ struct Problem {
 };
 
 TEST(Evidence, GainIsTheMisfitThatTheJointFitTakesAway) {
-  const Problem problem;
+  const Regression problem;
   const double alone = problem.Misfit({});
   EXPECT_NEAR(problem.evidence.misfit(), alone, 1e-6 * alone);
   for (const Columns& columns : {Columns{3}, Columns{0, 3}, Columns{0, 1, 2, 3, 4}}) {
@@ -50,7 +50,7 @@ TEST(Evidence, GainIsTheMisfitThatTheJointFitTakesAway) {
 }
 
 TEST(Evidence, CoefficientsAreThoseOfTheJointFit) {
-  const Problem problem;
+  const Regression problem;
   Eigen::VectorXd b;
   problem.Misfit({1, 3}, &b);
   const Eigen::VectorXd c = problem.evidence.Solve({1, 3});
@@ -59,7 +59,7 @@ TEST(Evidence, CoefficientsAreThoseOfTheJointFit) {
 }
 
 TEST(Evidence, PriorMisfitIsWhatTheDeclaredValuesMissTheirTolerancesBy) {
-  const Problem problem;
+  const Regression problem;
   Eigen::VectorXd b;
   problem.Misfit({1, 3}, &b);
   const double expected =
@@ -69,12 +69,12 @@ TEST(Evidence, PriorMisfitIsWhatTheDeclaredValuesMissTheirTolerancesBy) {
 }
 
 TEST(Evidence, NothingIsGainedByNoColumn) {
-  const Problem problem;
+  const Regression problem;
   EXPECT_EQ(problem.evidence.Gain({}), 0.0);
 }
 
 TEST(Evidence, AColumnThatTheDeclaredTermsCarryHasNoFreePart) {
-  Problem problem;
+  Regression problem;
   problem.Z.col(0) = problem.X * Eigen::Vector3d(0.0, 2.0, 0.0);
   const Prior flat{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   const Evidence evidence(problem.X, flat, problem.Z, problem.precision, problem.y);
@@ -83,7 +83,7 @@ TEST(Evidence, AColumnThatTheDeclaredTermsCarryHasNoFreePart) {
 }
 
 TEST(Evidence, CollinearColumnsShareTheirCoefficientInsteadOfExploding) {
-  Problem problem;
+  Regression problem;
   problem.Z.col(4) = problem.Z.col(3) * (1.0 + 1e-12);
   const Evidence evidence(problem.X, problem.prior, problem.Z, problem.precision, problem.y);
   const Eigen::VectorXd c = evidence.Solve({3, 4});
@@ -92,7 +92,7 @@ TEST(Evidence, CollinearColumnsShareTheirCoefficientInsteadOfExploding) {
 }
 
 TEST(Evidence, APriorHoldsWhatTheRowsDoNotShow) {
-  Problem problem;
+  Regression problem;
   problem.X.col(2).setZero();
   const Evidence evidence(problem.X, problem.prior, problem.Z, problem.precision, problem.y);
   EXPECT_NEAR(evidence.Declared({}, Eigen::VectorXd())[2], problem.prior.mean[2], 1e-9);
