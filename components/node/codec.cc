@@ -3,6 +3,7 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "components/node/all_checks.h"
 #include "components/node/all_codecs.h"
 #include "components/node/all_messages.h"
 
@@ -55,7 +56,7 @@ bool DecodeAs(const Bytes& bytes, Message* message) {
   thread_local PubSubType type;
   BorrowedPayload payload(const_cast<std::byte*>(bytes.data()), bytes.size());
   try {
-    return type.deserialize(payload.get(), message);
+    return type.deserialize(payload.get(), message) && internal::HasMeaning(*message);
   } catch (const std::exception&) {
     return false;
   }

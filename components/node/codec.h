@@ -16,7 +16,9 @@ using Bytes = std::vector<std::byte>;
 template <class Message>
 [[nodiscard]] bool Encode(const Message& message, Bytes* bytes);
 
-// False: the bytes are no such message.
+// False: the bytes are no such message, or say something that has no meaning: an enumerator without
+// a name, a joint_count above 12, a text or sequence beyond its bound. `message` may then hold
+// anything.
 template <class Message>
 [[nodiscard]] bool Decode(const Bytes& bytes, Message* message);
 

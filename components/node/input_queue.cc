@@ -32,15 +32,18 @@ void InputQueue::Accept(std::uint64_t tick, bool lockstep, const Decode& decode)
   fresh_ = accepted_tick_ && *accepted_tick_ >= wanted;
 }
 
-void InputQueue::AcceptFront(const Decode& decode) {
+bool InputQueue::AcceptFront(const Decode& decode) {
   const std::uint64_t tick = samples_.front().head.tick;
-  AcceptEntry(decode);
+  const bool decoded = AcceptEntry(decode);
   fresh_ = accepted_tick_ == tick;
+  return decoded;
 }
 
-void InputQueue::AcceptEntry(const Decode& decode) {
-  if (decode(samples_.front().bytes)) accepted_tick_ = samples_.front().head.tick;
+bool InputQueue::AcceptEntry(const Decode& decode) {
+  const bool decoded = decode(samples_.front().bytes);
+  if (decoded) accepted_tick_ = samples_.front().head.tick;
   samples_.pop_front();
+  return decoded;
 }
 
 void InputQueue::DropAllButNewest() {

@@ -28,8 +28,8 @@ class InputQueue {
   // Accepts the sample of tick - delay: in lockstep that very one, in real time (or when it is not
   // required) the newest.
   void Accept(std::uint64_t tick, bool lockstep, const Decode& decode);
-  // Of a trigger: accepts the oldest sample.
-  void AcceptFront(const Decode& decode);
+  // Of a trigger: accepts the oldest sample. False: it was malformed, and is dropped.
+  bool AcceptFront(const Decode& decode);
   void DropFront() { samples_.pop_front(); }
   void DropAllButNewest();
   // A new session: forgets what was accepted, and all samples.
@@ -47,7 +47,7 @@ class InputQueue {
     HeadOfMessage head;
     Bytes bytes;
   };
-  void AcceptEntry(const Decode& decode);
+  bool AcceptEntry(const Decode& decode);
 
   const InputRules rules_;
   const std::size_t limit_;

@@ -52,6 +52,8 @@ class Reader {
   std::uint64_t received() const;  // samples since the start
   std::uint64_t lost() const;      // samples that DDS reports as lost
   std::uint64_t dropped() const;   // samples dropped unread because the queue was full
+  // Samples that were no such message or had no meaning (codec.h); they are never handed on.
+  std::uint64_t malformed() const;
 
  private:
   friend class Node;

@@ -1,5 +1,7 @@
 #include <spdlog/spdlog.h>
 
+#include <bit>
+
 #include "components/node/all_messages.h"
 #include "components/node/node_impl.h"
 #include "components/node/reader_impl.h"
@@ -96,6 +98,14 @@ void ReaderImpl::WaitForSample(std::chrono::microseconds timeout) {
   if (queue_.empty()) node->signal.Wait(timeout, this);
 }
 
+void ReaderImpl::CountMalformed() {
+  const std::uint64_t count = malformed_.fetch_add(1, std::memory_order_relaxed) + 1;
+  // The 1st, 2nd, 4th, 8th: a writer that sends nothing else must not fill the log.
+  if (!std::has_single_bit(count)) return;
+  spdlog::warn("topic '{}': {} of {} samples were malformed and dropped", topic.name, count,
+               received());
+}
+
 int ReaderImpl::matched() const {
   dds::SubscriptionMatchedStatus status;
   reader_->get_subscription_matched_status(status);
@@ -106,12 +116,16 @@ int ReaderImpl::matched() const {
 
 namespace {
 
+// The next sample that means something; the malformed ones before it are counted and dropped.
 template <class Message>
-std::optional<Message> DecodeSample(std::optional<internal::Sample> sample) {
-  if (!sample) return std::nullopt;
-  Message message;
-  if (!Decode(sample->bytes, &message)) return std::nullopt;
-  return message;
+std::optional<Message> TakeDecoded(
+    internal::ReaderImpl& reader, std::optional<internal::Sample> (internal::ReaderImpl::*take)()) {
+  while (const auto sample = (reader.*take)()) {
+    Message message;
+    if (Decode(sample->bytes, &message)) return message;
+    reader.CountMalformed();
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -132,12 +146,12 @@ Reader<Message>::~Reader() = default;
 
 template <class Message>
 std::optional<Message> Reader<Message>::TakeNext() {
-  return DecodeSample<Message>(impl_->TakeNext());
+  return TakeDecoded<Message>(*impl_, &internal::ReaderImpl::TakeNext);
 }
 
 template <class Message>
 std::optional<Message> Reader<Message>::TakeLatest() {
-  return DecodeSample<Message>(impl_->TakeLatest());
+  return TakeDecoded<Message>(*impl_, &internal::ReaderImpl::TakeLatest);
 }
 
 template <class Message>
@@ -173,6 +187,10 @@ std::uint64_t Reader<Message>::lost() const {
 template <class Message>
 std::uint64_t Reader<Message>::dropped() const {
   return impl_->dropped();
+}
+template <class Message>
+std::uint64_t Reader<Message>::malformed() const {
+  return impl_->malformed();
 }
 
 #define SINEW_INSTANTIATE(Type)     \

@@ -31,6 +31,9 @@ struct ReaderImpl final : public dds::DataReaderListener {
   std::uint64_t received() const { return received_; }
   std::uint64_t lost() const { return lost_; }
   std::uint64_t dropped() const { return queue_.dropped(); }
+  // Of a sample taken from here that could not be decoded: counted, logged, forgotten.
+  void CountMalformed();
+  std::uint64_t malformed() const { return malformed_; }
 
   void on_data_available(dds::DataReader* source) override;
   void on_sample_lost(dds::DataReader*, const dds::SampleLostStatus& status) override;
@@ -50,6 +53,7 @@ struct ReaderImpl final : public dds::DataReaderListener {
   dds::DataReader* reader_ = nullptr;
   std::atomic<std::uint64_t> received_{0};
   std::atomic<std::uint64_t> lost_{0};
+  std::atomic<std::uint64_t> malformed_{0};
   Sample scratch_;  // DDS thread only
 };
 

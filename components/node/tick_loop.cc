@@ -38,12 +38,19 @@ class InputBase {
 
   const std::string& topic() const { return reader_->topic.name; }
   std::uint64_t dropped() const { return reader_->dropped() + queue.dropped(); }
+  // False: malformed, and the last value stays.
   virtual bool DecodeValue(const Bytes& bytes) = 0;
+  virtual msg::Origin origin() const = 0;  // of the value
   // Of a trigger: what its message says of the cycle.
   virtual void Describe(Tick* tick) const = 0;
 
   InputQueue queue;
-  const InputQueue::Decode decode = [this](const Bytes& bytes) { return DecodeValue(bytes); };
+  const InputQueue::Decode decode = [this](const Bytes& bytes) {
+    if (DecodeValue(bytes)) return true;
+    reader_->CountMalformed();
+    return false;
+  };
+  std::uint64_t malformed() const { return reader_->malformed(); }
 
  private:
   std::unique_ptr<ReaderImpl> reader_;
@@ -56,9 +63,14 @@ using internal::InputBase;
 template <class Message>
 struct TickInput<Message>::State final : public InputBase {
   using InputBase::InputBase;
-  Message message;
+  Message message, next;
 
-  bool DecodeValue(const Bytes& bytes) override { return Decode(bytes, &message); }
+  bool DecodeValue(const Bytes& bytes) override {
+    if (!Decode(bytes, &next)) return false;
+    std::swap(message, next);
+    return true;
+  }
+  msg::Origin origin() const override { return message.header().origin(); }
   void Describe(Tick* tick) const override {
     tick->stamp_ns = message.header().stamp_ns();
     tick->origin = static_cast<int>(message.header().origin());
@@ -88,6 +100,10 @@ std::uint64_t TickInput<Message>::tick() const {
 template <class Message>
 std::uint64_t TickInput<Message>::dropped() const {
   return state_->dropped();
+}
+template <class Message>
+std::uint64_t TickInput<Message>::malformed() const {
+  return state_->malformed();
 }
 
 struct TickLoop::Impl {
@@ -208,8 +224,11 @@ std::optional<Tick> TickLoop::Next() {
   if (!self.last_tick && self.counts.cycles == 0) {
     self.node.SetState(Node::State::kConfigured, "waiting for " + trigger.topic());
   }
-  const std::optional<HeadOfMessage> head = self.WaitForTrigger();
-  if (!head) return std::nullopt;
+  std::optional<HeadOfMessage> head;
+  do {
+    head = self.WaitForTrigger();
+    if (!head) return std::nullopt;
+  } while (!trigger.queue.AcceptFront(trigger.decode));  // a malformed one makes no cycle
   if (!self.last_tick || head->session_id != self.session_id) self.StartSession(*head);
 
   Tick tick;
@@ -225,11 +244,17 @@ std::optional<Tick> TickLoop::Next() {
     const bool expected = head->tick >= static_cast<std::uint64_t>(rules.delay_ticks);
     tick.any_stale |= rules.required && expected && !input.queue.fresh();
   }
-  trigger.queue.AcceptFront(trigger.decode);
   trigger.Describe(&tick);
   const double period_s = self.period.Next(tick.session_id, tick.tick, tick.stamp_ns,
                                            tick.origin == msg::ORIGIN_SIM, tick.nominal_period_s);
   tick.period_s = self.lockstep ? tick.nominal_period_s : period_s;
+  // What is computed from a recording is no live command, whatever triggered it.
+  for (std::size_t i = 1; i < self.inputs.size(); ++i) {
+    const InputBase& input = *self.inputs[i];
+    if (input.queue.accepted() && input.origin() == msg::ORIGIN_REPLAY) {
+      tick.origin = msg::ORIGIN_REPLAY;
+    }
+  }
 
   self.Count(tick);
   self.last_tick = tick.tick;

@@ -35,8 +35,8 @@ struct Tick {
   std::uint64_t session_id = 0;
   std::uint64_t tick = 0;
   std::int64_t stamp_ns = 0;  // of the trigger
-  int origin = 0;             // msg::Origin
-  double period_s = 0.0;      // since the last cycle: tick_period.h; in lockstep nominal_period_s
+  int origin = 0;         // msg::Origin of the trigger; REPLAY when any input is from a recording
+  double period_s = 0.0;  // since the last cycle: tick_period.h; in lockstep nominal_period_s
   double nominal_period_s = 0.0;
   bool last = false;  // the session's last tick: Next() returns nothing after it
   bool any_stale = false;
@@ -62,6 +62,7 @@ class TickInput {
   // Samples dropped unread because a queue was full (limits: see Reader), or in real time because
   // newer ones were there before the loop came to them.
   std::uint64_t dropped() const;
+  std::uint64_t malformed() const;  // as Reader::malformed
 
  private:
   friend class TickLoop;

@@ -130,25 +130,33 @@ def check_topics(arguments):
     def generate(rows, what):
         table = ["| topic | type | file | writer | readers | rate | QoS |", "| --- | --- | --- | --- | --- | --- | --- |"]
         table += [f"| {topic} | {type_} | {file} | - | - | - | {qos} |" for topic, type_, file, qos in rows]
-        readme.write_text("\n".join(["Topics.", ""] + table + ["", "No row.", ""]), encoding="utf-8")
+        after = ["", "Commanding topics: `imu`,", "`component_status`. No row.", ""]
+        readme.write_text("\n".join(["Topics.", ""] + table + after), encoding="utf-8")
         return run([sys.executable, str(arguments.idl.parent / "tools" / "idl" / "topics.py"), str(readme)] + what)
 
     for rows, reason in WRONG_TABLES:
         done = generate(rows, ["subjects"])
         if done.returncode == 0 or reason not in done.stdout or done.stdout.count("\n") != 1:
             sys.exit(f"{rows}: {done.stdout} (code {done.returncode}), expected one line with: {reason}")
+    done = generate([("imu", "Imu", "sensors", "state")], ["headers", str(work)])
+    if done.returncode == 0 or "commanding topic 'component_status' is not in the table" not in done.stdout:
+        sys.exit(f"a commanding topic that is none: {done.stdout} (code {done.returncode})")
     done = generate([("imu", "Imu", "sensors", "state"), ("body_imu", "Imu", "sensors", "event"),
                      ("component_status", "ComponentStatus", "status", "latched")], ["headers", str(work)])
     written = {name: (work / name).read_text(encoding="utf-8") if done.returncode == 0 else ""
-               for name in ("topic_list.h", "all_messages.h", "all_codecs.h")}
+               for name in ("topic_list.h", "all_messages.h", "all_codecs.h", "all_checks.h")}
     expected = [("topic_list.h", 'Topic<msg::Imu> kBodyImu{"body_imu", Profile::kEvent};', 1),
                 ("topic_list.h", "kBeginsWithHeader<msg::ComponentStatus> = false", 1),
                 ("topic_list.h", "kBeginsWithHeader<msg::Imu>", 0),
                 ("topic_list.h", "X(kBodyImu)", 1),
+                ("topic_list.h", 'string_view, 2> kCommandingTopics', 1),
                 ("all_messages.h", "X(Imu)", 2),  # once in each list, although two topics carry it
                 ("all_messages.h", "X(ComponentStatus)", 1),
                 ("all_messages.h", "#include <sinew_idl/sensors.h>", 1),
-                ("all_codecs.h", "#include <sinew_idl/statusPubSubTypes.h>", 1)]
+                ("all_codecs.h", "#include <sinew_idl/statusPubSubTypes.h>", 1),
+                ("all_checks.h", "HasMeaning(const msg::Imu& m)", 1),
+                ("all_checks.h", "Named(m.origin(), 3)", 1),
+                ("all_checks.h", "Named(m.state(), 4)", 1)]
     for name, text, count in expected:
         if written[name].count(text) != count:
             sys.exit(f"{name}: {written[name].count(text)} times '{text}', expected {count}\n{done.stdout}")

@@ -2,7 +2,8 @@
 """The topics: reads the first table of idl/README.md, a row per topic, and the structs of the idl files it names.
 
 Usage: topics.py README.md subjects      prints the idl files (without .idl), those they include first
-       topics.py README.md headers DIR   writes DIR/topic_list.h, DIR/all_messages.h and DIR/all_codecs.h
+       topics.py README.md headers DIR   writes DIR/topic_list.h, DIR/all_messages.h, DIR/all_codecs.h and
+                                         DIR/all_checks.h
 """
 import os
 import re
@@ -80,6 +81,18 @@ def subjects(readme, topics):
     return files
 
 
+def commanding(readme, topics):
+    """The names of the paragraph `Commanding topics:`, each one a topic."""
+    paragraph = re.search(r"^Commanding topics:(.*?)\.", read(readme), re.M | re.S)
+    if not paragraph:
+        sys.exit(f"{readme}: no paragraph that begins with 'Commanding topics:'")
+    names = re.findall(r"`(\w+)`", paragraph.group(1))
+    for name in names:
+        if name not in [topic.name for topic in topics]:
+            sys.exit(f"{readme}: commanding topic '{name}' is not in the table")
+    return names
+
+
 def unique(items):
     return list(dict.fromkeys(items))
 
@@ -89,10 +102,11 @@ def list_macro(name, what, items):
     return f"// {what}\n#define {name}(X){lines}\n"
 
 
-def topic_list(topics):
+def topic_list(topics, commands):
     types = unique(topic.type for topic in topics)
     without = unique(topic.type for topic in topics if not topic.begins_with_header)
     lines = [GENERATED, "// Included by components/node/topics.h: a constant per topic.", "#pragma once", "",
+             "#include <array>", "#include <string_view>", "",
              '#include "components/node/topic.h"', "", "namespace sinew::msg {"]
     lines += [f"class {type_};" for type_ in types]
     lines += ["}  // namespace sinew::msg", "", "namespace sinew::node {", ""]
@@ -100,6 +114,9 @@ def topic_list(topics):
               f"Profile::k{topic.profile.capitalize()}}};" for topic in topics]
     lines += [""] + [f"template <>\ninline constexpr bool kBeginsWithHeader<msg::{type_}> = false;"
                      for type_ in without]
+    names = "".join(f'\n    "{name}",' for name in commands)
+    lines += ["", "// What they say can move the robot; a player sends them only when they are named.",
+              f"inline constexpr std::array<std::string_view, {len(commands)}> kCommandingTopics = {{{names}}};"]
     lines += ["", "}  // namespace sinew::node", ""]
     lines += [list_macro("SINEW_FOR_EACH_TOPIC", "Every topic, in the order of the table.",
                          [topic.constant for topic in topics])]
@@ -121,6 +138,56 @@ def all_codecs(files):
     return "\n".join(lines + [f"#include <sinew_idl/{file}PubSubTypes.h>" for file in files] + [""])
 
 
+FIELD = re.compile(r"^\s*(?:@key\s+)?(sequence<\s*\w+\s*,\s*(?P<most>\d+)\s*>|string<\s*(?P<longest>\d+)\s*>|"
+                   r"(?P<type>\w+(?:\s+\w+)*))\s+(?P<name>\w+)(?:\[(?P<size>\d+)\])?\s*;", re.M)
+
+
+def without_comments(text):
+    return re.sub(r"//.*", "", text)
+
+
+def check_of(struct, body, enums, structs):
+    """The function that says whether every number of a message has a meaning."""
+    fields = [field.groupdict() for field in FIELD.finditer(body)]
+    sizes = [int(field["size"]) for field in fields if field["size"]]
+    conditions = []
+    for field in fields:
+        value = f"m.{field['name']}()"
+        if field["most"] or field["longest"]:
+            conditions.append(f"{value}.size() <= {field['most'] or field['longest']}")
+        elif field["type"] in enums:
+            conditions.append(f"Named({value}, {len(enums[field['type']])})")
+        elif field["type"] in structs:
+            conditions.append(f"HasMeaning({value})")
+        elif field["type"] == "octet" and field["name"].endswith("_count") and sizes:
+            conditions.append(f"{value} <= {min(sizes)}")
+    unused = "" if conditions else "[[maybe_unused]] "
+    body = "\n         ".join(" && ".join(conditions or ["true"]).replace(" && ", " &&\n").split("\n"))
+    return f"inline bool HasMeaning({unused}const msg::{struct}& m) {{\n  return {body};\n}}\n"
+
+
+def all_checks(readme, files):
+    folder, enums, structs, functions = os.path.dirname(os.path.abspath(readme)), {}, [], []
+    for file in files:
+        text = without_comments(read(os.path.join(folder, file + ".idl")))
+        for name, values in re.findall(r"\benum\s+(\w+)\s*{(.*?)}", text, re.S):
+            enums[name] = [value for value in re.split(r"[\s,]+", values) if value]
+        for name, body in re.findall(r"\bstruct\s+(\w+)\s*{(.*?)}", text, re.S):
+            functions.append(check_of(name, body, enums, structs))
+            structs.append(name)
+    lines = [GENERATED, "// Whether a decoded message means something: its enumerators have names, its counts fit their arrays,",
+             "// its texts and sequences their bounds. Internal to this module.", "#pragma once", "",
+             "#include <algorithm>", "#include <array>", "#include <cstddef>", "#include <cstdint>", "",
+             '#include "components/node/all_messages.h"', "", "namespace sinew::node::internal {", "",
+             "template <class Enum>", "bool Named(Enum value, std::uint32_t names) {",
+             "  return static_cast<std::uint32_t>(value) < names;", "}",
+             "template <class Enum, std::size_t n>",
+             "bool Named(const std::array<Enum, n>& values, std::uint32_t names) {",
+             "  return std::all_of(values.begin(), values.end(), [names](Enum value) { return Named(value, names); });",
+             "}", ""]
+    return "\n".join(lines + functions + ["", "}  // namespace sinew::node::internal", ""])
+
+
 def write(path, text):
     """Leaves a file that is right alone, so that nothing is compiled again."""
     if not os.path.exists(path) or read(path) != text:
@@ -137,9 +204,10 @@ def main():
         return
     folder = sys.argv[3]
     os.makedirs(folder, exist_ok=True)
-    write(os.path.join(folder, "topic_list.h"), topic_list(topics))
+    write(os.path.join(folder, "topic_list.h"), topic_list(topics, commanding(readme, topics)))
     write(os.path.join(folder, "all_messages.h"), all_messages(files, topics))
     write(os.path.join(folder, "all_codecs.h"), all_codecs(files))
+    write(os.path.join(folder, "all_checks.h"), all_checks(readme, files))
 
 
 if __name__ == "__main__":

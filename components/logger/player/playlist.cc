@@ -73,6 +73,11 @@ Playlist::Playlist(const recording::McapReader& reader, const std::string& file,
     const bool named = std::find(options.topics.begin(), options.topics.end(), channel.topic) !=
                        options.topics.end();
     if (!named && (!options.topics.empty() || kNotByDefault.contains(channel.topic))) continue;
+    if (!named && std::find(options.only_when_named.begin(), options.only_when_named.end(),
+                            channel.topic) != options.only_when_named.end()) {
+      not_named_.push_back(channel.topic);
+      continue;
+    }
     const auto remapped = options.remap.find(channel.topic);
     const std::string name = remapped == options.remap.end() ? channel.topic : remapped->second;
     const recording::TopicSchema* ours = Find(known, name);
@@ -107,7 +112,12 @@ Playlist::Playlist(const recording::McapReader& reader, const std::string& file,
     filter.topics->insert(channel.topic);
   }
 
-  if (channels_.empty()) throw std::invalid_argument(file + ": no topic to play");
+  if (channels_.empty()) {
+    throw std::invalid_argument(
+        file + ": no topic to play" +
+        (not_named_.empty() ? ""
+                            : "; those in it command, and are played when --topics names them"));
+  }
   const recording::McapStatistics& statistics = reader.statistics();
   const auto offset = [&statistics](double seconds) {
     const double ns = std::min(seconds * 1e9, 9e18 - static_cast<double>(statistics.start_time_ns));

@@ -21,7 +21,9 @@
 namespace sinew::logger {
 
 struct PlaylistOptions {
-  std::vector<std::string> topics;           // recorded names; empty: all but status and progress
+  // Recorded names; empty: all but component_status, recording_progress and only_when_named.
+  std::vector<std::string> topics;
+  std::vector<std::string> only_when_named;  // the topics that command
   std::map<std::string, std::string> remap;  // recorded name -> published name (of the same type)
   double start_s = 0.0;                      // from the first message
   double end_s = std::numeric_limits<double>::infinity();
@@ -47,9 +49,10 @@ class Playlist {
 
   // Names to publish, and how many messages there are in all.
   const std::vector<std::string>& published() const { return published_; }
-  const std::vector<std::string>& left_out() const {
-    return left_out_;
-  }  // topics this build has not
+  // Topics that this build has not.
+  const std::vector<std::string>& left_out() const { return left_out_; }
+  // Topics of only_when_named that are in the file and were not named.
+  const std::vector<std::string>& not_named() const { return not_named_; }
   std::uint64_t message_count() const { return message_count_; }
   std::int64_t duration_ns() const { return duration_ns_; }
 
@@ -67,7 +70,7 @@ class Playlist {
   std::map<recording::ChannelId, std::unique_ptr<Channel>> channels_;
   std::vector<std::string> published_;
   std::vector<const Channel*> by_topic_;
-  std::vector<std::string> left_out_;
+  std::vector<std::string> left_out_, not_named_;
   std::uint64_t message_count_ = 0;
   std::uint64_t state_count_ = 0;
   std::uint64_t states_played_ = 0;

@@ -109,6 +109,27 @@ TEST(Playlist, TakesASubsetATimeAndAnotherName) {
   EXPECT_EQ(FieldOf("joint_state", message.payload, "position_rad[0]"), 0.5 * 3);
 }
 
+TEST(Playlist, TopicsThatCommandAreSentOnlyWhenNamed) {
+  const Bytes bytes = MakeRecording();
+  recording::MemorySource source(bytes);
+  const recording::McapReader reader(source);
+  PlaylistOptions options;
+  options.only_when_named = {"reference", "joint_command"};
+  const Playlist quiet(reader, "run.mcap", Known(), options);
+  EXPECT_EQ(quiet.published(), (std::vector<std::string>{"joint_state"}));
+  EXPECT_EQ(quiet.not_named(), (std::vector<std::string>{"reference"}));
+  EXPECT_EQ(quiet.message_count(), 10u);
+  options.topics = {"reference"};
+  const Playlist named(reader, "run.mcap", Known(), options);
+  EXPECT_EQ(named.published(), (std::vector<std::string>{"reference"}));
+  EXPECT_TRUE(named.not_named().empty());
+  options.topics = {};
+  options.only_when_named = {"reference", "joint_state"};
+  EXPECT_EQ(ErrorOf(bytes, options),
+            "run.mcap: no topic to play; those in it command, and are played when --topics names "
+            "them");
+}
+
 TEST(Playlist, PutsAMessageIntoARunningSession) {
   const Bytes bytes = MakeRecording();
   recording::MemorySource source(bytes);

@@ -96,13 +96,21 @@ TEST(InputQueue, SkipsSamplesThatCannotBeDecoded) {
 TEST(InputQueue, OfATriggerGivesExactlyItsOldestSample) {
   Input input;
   for (const std::uint64_t tick : {3u, 4u}) input.Push(tick);
-  input.queue.AcceptFront(input.decode);
+  EXPECT_TRUE(input.queue.AcceptFront(input.decode));
   EXPECT_THAT(input.decoded, ElementsAre(3));
   EXPECT_TRUE(input.queue.fresh());
   EXPECT_EQ(input.queue.front()->tick, 4u);
   input.Push(5);
   input.queue.DropAllButNewest();
   EXPECT_EQ(input.queue.front()->tick, 5u);
+}
+
+TEST(InputQueue, OfATriggerSaysWhenItsOldestSampleWasMalformed) {
+  Input input;
+  for (const std::uint64_t tick : {3u, 4u}) input.Push(tick);
+  EXPECT_FALSE(input.queue.AcceptFront([](const Bytes&) { return false; }));
+  EXPECT_FALSE(input.queue.fresh());
+  EXPECT_EQ(input.queue.front()->tick, 4u) << "it is gone";
 }
 
 TEST(InputQueue, DropsItsOldestSampleWhenFullAndCountsIt) {

@@ -178,6 +178,98 @@ TEST(NodeDds, LoopFlagsAnInputThatNeverComesAsStaleInRealTime) {
   EXPECT_FALSE(input.has_value());
 }
 
+// A joint_state whose joint_count no array has.
+Bytes MalformedState(std::uint64_t tick) {
+  msg::JointState state = StateOfTick(tick);
+  state.joint_count(200);
+  Bytes bytes;
+  EXPECT_TRUE(Encode(state, &bytes));
+  return bytes;
+}
+
+TEST(NodeDds, MalformedSamplesAreCountedAndNeverHandedOn) {
+  Node a(MakeOptions("a", 170)), b(MakeOptions("b", 170));
+  const RawWriter write = a.MakeRawWriter(*FindTopic("joint_state"));
+  auto reader = b.MakeReader(kJointState);
+  const auto send = [&write](const Bytes& bytes) {
+    EXPECT_EQ(write(bytes.data(), bytes.size()), WriteStatus::kOk);
+  };
+  Bytes good;
+  ASSERT_TRUE(Encode(StateOfTick(3), &good));
+  send(MalformedState(1));
+  send(MalformedState(2));
+  send(good);
+  const auto state = reader.WaitNext(10s);
+  ASSERT_TRUE(state.has_value());
+  EXPECT_EQ(state->header().tick(), 3u);
+  EXPECT_EQ(reader.malformed(), 2u);
+}
+
+TEST(NodeDds, AMalformedTriggerMakesNoCycleAndAMalformedInputLeavesTheLastValue) {
+  Node provider(MakeOptions("provider", 171)), node(MakeOptions("loop", 171));
+  const RawWriter write_state = provider.MakeRawWriter(*FindTopic("joint_state"));
+  const RawWriter write_reference = provider.MakeRawWriter(*FindTopic("reference"));
+  const auto send_state = [&](std::uint64_t tick) {
+    Bytes bytes = MalformedState(tick);
+    if (tick != 1) {
+      ASSERT_TRUE(Encode(StateOfTick(tick, tick == 2), &bytes));
+    }
+    EXPECT_EQ(write_state(bytes.data(), bytes.size()), WriteStatus::kOk);
+  };
+  const auto send_reference = [&](std::uint64_t tick) {
+    msg::Reference message;
+    message.header().session_id(9);
+    message.header().tick(tick);
+    message.position_rad()[0] = 7.0 + static_cast<double>(tick);
+    if (tick == 2) message.joint_count(13);
+    Bytes bytes;
+    ASSERT_TRUE(Encode(message, &bytes));
+    EXPECT_EQ(write_reference(bytes.data(), bytes.size()), WriteStatus::kOk);
+  };
+  for (std::uint64_t tick = 0; tick < 3; ++tick) {
+    send_state(tick);
+    send_reference(tick);
+  }
+  StopFlag stop;
+  TickLoop loop(node, stop);
+  auto& trigger = loop.AddInput(kJointState);
+  auto& input = loop.AddInput(kReference);
+  const auto first = loop.Next();
+  ASSERT_TRUE(first.has_value());
+  EXPECT_EQ(first->tick, 0u);
+  EXPECT_EQ(input.value().position_rad()[0], 7.0);
+  const auto next = loop.Next();
+  ASSERT_TRUE(next.has_value());
+  EXPECT_EQ(next->tick, 2u) << "the malformed state of tick 1 made no cycle";
+  EXPECT_EQ(trigger.malformed(), 1u);
+  EXPECT_TRUE(next->any_stale);
+  EXPECT_EQ(input.value().position_rad()[0], 8.0) << "of tick 1, the last that could be read";
+  EXPECT_EQ(input.malformed(), 1u);
+}
+
+TEST(NodeDds, WhatIsComputedFromARecordingSaysSo) {
+  Node provider(MakeOptions("provider", 172)), node(MakeOptions("loop", 172));
+  auto state = provider.MakeWriter(kJointState);
+  auto reference = provider.MakeWriter(kReference);
+  for (std::uint64_t tick = 0; tick < 3; ++tick) {
+    msg::JointState message = StateOfTick(tick, tick == 2);
+    message.header().origin(msg::ORIGIN_LIVE);
+    EXPECT_EQ(state.Write(message), WriteStatus::kOk);
+    msg::Reference wanted;
+    wanted.header().session_id(9);
+    wanted.header().tick(tick);
+    wanted.header().origin(tick == 1 ? msg::ORIGIN_REPLAY : msg::ORIGIN_LIVE);
+    EXPECT_EQ(reference.Write(wanted), WriteStatus::kOk);
+  }
+  StopFlag stop;
+  TickLoop loop(node, stop);
+  loop.AddInput(kJointState);
+  loop.AddInput(kReference);
+  std::vector<int> origins;
+  while (const auto tick = loop.Next()) origins.push_back(tick->origin);
+  EXPECT_THAT(origins, ElementsAre(msg::ORIGIN_LIVE, msg::ORIGIN_REPLAY, msg::ORIGIN_LIVE));
+}
+
 template <class Message>
 concept CanBeAnInput = requires(TickLoop& loop, const Topic<Message>& topic) {
   loop.AddInput(topic);

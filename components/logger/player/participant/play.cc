@@ -34,6 +34,7 @@ std::vector<recording::TopicSchema> KnownTopics() {
 
 PlaylistOptions WithRemap(const PlayOptions& options) {
   PlaylistOptions list = options.list;
+  list.only_when_named.assign(node::kCommandingTopics.begin(), node::kCommandingTopics.end());
   for (const std::string& text : options.remap) {
     const std::size_t colon = text.find(':');
     if (colon == std::string::npos || colon == 0 || colon + 1 == text.size()) {
@@ -266,8 +267,8 @@ class Player {
 void AddPlayOptions(CLI::App& app, PlayOptions* options) {
   app.add_option("recording", options->path, "The recording, FILE.mcap")->required();
   app.add_option("--topics", options->list.topics,
-                 "Only these topics (comma or blank between); all but component_status and "
-                 "recording_progress by default")
+                 "Only these topics (comma or blank between); by default all but component_status, "
+                 "recording_progress and those that command (joint_command, reference, ...)")
       ->delimiter(',');
   app.add_option("--remap", options->remap,
                  "FROM:TO, publish a topic under the name of another of its type")
@@ -311,6 +312,10 @@ PlayResult Play(node::Node& node, const node::StopFlag& stop, const PlayOptions&
     for (const std::string& topic : playlist.left_out()) {
       spdlog::warn("{}: topic '{}' is not known to this build and not played",
                    options.path.string(), topic);
+    }
+    for (const std::string& topic : playlist.not_named()) {
+      spdlog::info("topic '{}' commands and is not played: name it with --topics to play it",
+                   topic);
     }
     Player player(node, stop, options, playlist);
     return player.Run(progress);
