@@ -120,7 +120,7 @@ void CanPlant::ClearFault() {
   Flush();
 }
 
-void CanPlant::ShutDown() {
+void CanPlant::ShutDown() noexcept {
   const std::int64_t now = now_ns();
   for (CanJoint& joint : joints_) joint.ShutDown(now);
   PostReferences();

@@ -52,8 +52,8 @@ class CanPlant : public provider::Plant {
   // wrong is a fault again at the next Step.
   void ClearFault() override;
 
-  // The last frames of a bridge that ends in order: neutral setpoints, axes idle, relays off.
-  void ShutDown();
+  // The last frames: neutral setpoints, axes idle, relays off.
+  void ShutDown() noexcept override;
 
   FaultKind fault(int joint) const {
     return joints_[static_cast<std::size_t>(joint)].fault().kind();

@@ -35,13 +35,7 @@ void Run(const node::Options& options, node::StopFlag& stop,
   bridge::CanPlant plant(file.bridge, pointers);
   spdlog::info("{} joints on {} buses, {}", file.bridge.joints.size(), file.buses.size(),
                file.bridge.live ? "live" : "simulated");
-  try {
-    provider::RunProvider(options, stop, provider_options, guard, plant);
-  } catch (...) {
-    plant.ShutDown();
-    throw;
-  }
-  plant.ShutDown();
+  provider::RunProvider(options, stop, provider_options, guard, plant);
   for (const can::Transport* bus : pointers) {
     const can::TransportCounters counters = bus->counters();
     spdlog::info("bus '{}': {} frames sent, {} received, {} dropped, {} error frames", bus->name(),

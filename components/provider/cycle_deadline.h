@@ -21,13 +21,13 @@ class CycleDeadline {
   }
 
   // At the end of a cycle's work. True: the deadline has passed, which counts as an overrun. After
-  // more than kCatchUp periods the following deadlines move by the delay, so that no burst of
-  // cycles catches up.
+  // more than a period the following deadlines move by the delay, so that no burst of cycles
+  // catches up.
   bool Missed(std::int64_t now_ns) noexcept {
     const std::int64_t late_ns = now_ns - deadline_ns_;
     if (late_ns <= 0) return false;
     ++overruns_;
-    if (late_ns > kCatchUp * period_ns_) deadline_ns_ += late_ns;
+    if (late_ns > period_ns_) deadline_ns_ += late_ns;
     return true;
   }
 
@@ -35,8 +35,6 @@ class CycleDeadline {
   std::uint64_t overruns() const noexcept { return overruns_; }
 
  private:
-  static constexpr int kCatchUp = 10;
-
   std::int64_t period_ns_;
   std::int64_t deadline_ns_;
   std::uint64_t overruns_ = 0;

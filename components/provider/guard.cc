@@ -1,5 +1,6 @@
 #include "components/provider/guard.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -93,17 +94,19 @@ bool CommandGuard::Overdue(std::uint64_t tick) const {
   return tick - last_tick_ > static_cast<std::uint64_t>(config_.missed_periods);
 }
 
-Verdict CommandGuard::Step(std::uint64_t tick, std::chrono::nanoseconds period) {
+Verdict CommandGuard::Step(std::uint64_t tick, std::chrono::nanoseconds period,
+                           std::chrono::nanoseconds age) {
   if (others_act_) {
     return config_.on_joint_fault == OtherJointsPolicy::kHold ? Verdict::kHold : Verdict::kDamp;
   }
   if (!types::MayMove(state_)) return Verdict::kIdle;
-  const std::uint64_t age = tick - last_tick_;
-  if (static_cast<std::int64_t>(age) * period > config_.fault_after) {
+  const std::chrono::nanoseconds old =
+      std::max(static_cast<std::int64_t>(tick - last_tick_) * period, age - period);
+  if (old > config_.fault_after) {
     Fault();
     return Verdict::kIdle;
   }
-  if (age >= static_cast<std::uint64_t>(config_.missed_periods)) {
+  if (old >= config_.missed_periods * period) {
     state_ = RobotState::kDamped;
     ++bridged_;
     return config_.bridging == Bridging::kHold ? Verdict::kHold : Verdict::kDamp;

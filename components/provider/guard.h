@@ -1,7 +1,9 @@
 // Who may move the robot: the state provider's assessment of arming and of each command's age.
 //
-// Pure and deterministic: time is the provider's own tick. A command is as old as the distance
-// between the provider's tick and the tick it echoes; foreign clocks never matter. When
+// Pure and deterministic: time is the provider's own tick and its own clock. A command is as old as
+// the distance between the provider's tick and the tick it echoes, and for hardware at least as old
+// as that tick by the clock, so that a provider that stalled does not take an old command for a
+// fresh one; foreign clocks never matter. When
 // missed_periods have passed without their commands the guard damps or holds (unlatched: a fresh
 // command ends it), after fault_after it latches a fault. Everything starts disarmed; a fault or an
 // estop ends only by Reset, and then by Arm. A joint's own fault idles that joint; what the other
@@ -22,12 +24,16 @@ enum class Bridging { kDamp, kHold };
 // fault: no command counts until Reset and Arm. Damping and holding end by Disarm, Estop or Reset.
 enum class OtherJointsPolicy { kIdle, kDamp, kHold, kContinue };
 
+// Relays of a robot in FAULT or ESTOPPED: all off, which keeps the pressure, or its air let out.
+enum class ValvesInFault { kHold, kVent };
+
 struct GuardConfig {
   int missed_periods = 3;                     // without their commands: bridge the gap
   std::chrono::milliseconds fault_after{60};  // older than this: latched fault
   Bridging bridging = Bridging::kDamp;
   double damping_Nm_s_rad = 2e-5;  // motor side, per motor rad/s
   OtherJointsPolicy on_joint_fault = OtherJointsPolicy::kIdle;
+  ValvesInFault valves_in_fault = ValvesInFault::kHold;
   bool live = false;  // hardware: only live commands count
 };
 
@@ -61,8 +67,12 @@ class CommandGuard {
   // The gap is being bridged: this period's command is waited for no longer.
   bool Overdue(std::uint64_t tick) const;
 
-  // Once a cycle, after Offer.
-  Verdict Step(std::uint64_t tick, std::chrono::nanoseconds period);
+  // Once a cycle, after Offer. `age`: by the clock, since the tick of the newest accepted command
+  // (last_tick) began; 0 where time is simulated. A command is used in its own period, which is
+  // therefore subtracted.
+  Verdict Step(std::uint64_t tick, std::chrono::nanoseconds period,
+               std::chrono::nanoseconds age = std::chrono::nanoseconds(0));
+  std::uint64_t last_tick() const { return last_tick_; }  // accepted, or of arming
 
   types::RobotState state() const { return state_; }
   std::uint64_t refused() const { return refused_; }

@@ -96,6 +96,9 @@ class Plant {
   virtual void Act(const PlantCommand& /*command*/, double /*period_s*/) {}
   // The operator's reset: faults that can be cleared are, before the next Step.
   virtual void ClearFault() {}
+  // Motors off, relays off, on their way before this returns. The provider calls it as soon as its
+  // loop has ended, whatever ended it, before any part of DDS is torn down.
+  virtual void ShutDown() noexcept {}
   virtual const BusReport* bus_report() const { return nullptr; }
   virtual const BodySensors* body_sensors() const { return nullptr; }
 };

@@ -38,12 +38,16 @@ ProviderCycle::ProviderCycle(const CycleConfig& config) : config_(config), guard
 }
 
 OperatorResult ProviderCycle::Take(const OperatorCommand& command, std::uint64_t tick) {
+  if (command.action == OperatorAction::kArm || command.action == OperatorAction::kReset) {
+    if (command.session_id != config_.session_id) return OperatorResult::kRefusedOtherSession;
+    const bool allowed =
+        config_.guard.live ? command.origin == Origin::kLive : command.origin != Origin::kReplay;
+    if (!allowed) return OperatorResult::kRefusedOrigin;
+  }
   switch (command.action) {
     case OperatorAction::kArm:
-      if (guard_.Arm(command.session_id, tick)) return OperatorResult::kDone;
-      return state() == RobotState::kFault || state() == RobotState::kEstopped
-                 ? OperatorResult::kRefusedResetFirst
-                 : OperatorResult::kRefusedOtherSession;
+      return guard_.Arm(command.session_id, tick) ? OperatorResult::kDone
+                                                  : OperatorResult::kRefusedResetFirst;
     case OperatorAction::kDisarm:
       guard_.Disarm();
       return OperatorResult::kDone;
@@ -91,9 +95,32 @@ types::MessageHeader ProviderCycle::Header(std::uint64_t tick, std::int64_t now_
   return header;
 }
 
-const PlantCommand& ProviderCycle::Command(std::uint64_t tick, const PlantSensors& sensors) {
-  const Verdict verdict = guard_.Step(tick, period_);
-  const bool valves_follow = ValvesFollow(tick);
+bool ProviderCycle::Begin(std::uint64_t tick, std::int64_t now_ns) {
+  if (!config_.ages_by_clock) return false;
+  const std::chrono::nanoseconds gap(now_ns - began_ns_[(tick + kTicksKept - 1) % kTicksKept]);
+  began_ns_[tick % kTicksKept] = now_ns;
+  if (tick == 0 || gap <= config_.guard.fault_after || !types::MayMove(state())) return false;
+  guard_.Fault();
+  return true;
+}
+
+std::chrono::nanoseconds ProviderCycle::AgeByClock(std::uint64_t tick, std::int64_t now_ns) const {
+  if (!config_.ages_by_clock) return std::chrono::nanoseconds(0);
+  const std::uint64_t of = guard_.last_tick();
+  if (tick - of >= kTicksKept) return std::chrono::nanoseconds::max();
+  return std::chrono::nanoseconds(now_ns - began_ns_[of % kTicksKept]);
+}
+
+const PlantCommand& ProviderCycle::Command(std::uint64_t tick, const PlantSensors& sensors,
+                                           std::int64_t now_ns) {
+  Verdict verdict = guard_.Step(tick, period_, AgeByClock(tick, now_ns));
+  if (verdict == Verdict::kPass && !CommandIsFinite()) {
+    guard_.Fault();
+    verdict = Verdict::kIdle;
+  }
+  const bool stopped = state() == RobotState::kFault || state() == RobotState::kEstopped;
+  const bool valves_follow = !stopped && ValvesFollow(tick);
+  const bool lets_out = stopped && config_.guard.valves_in_fault == ValvesInFault::kVent;
   const auto joints = static_cast<std::size_t>(config_.joint_count);
   for (std::size_t j = 0; j < joints; ++j) {
     command_.motor_torque_Nm[j] = 0.0;
@@ -116,9 +143,9 @@ const PlantCommand& ProviderCycle::Command(std::uint64_t tick, const PlantSensor
         break;
     }
     const bool follows = valves_follow && static_cast<int>(j) < valves_->joint_count;
-    command_.valve_open[j] = follows && valves_->valve_open[j];
+    command_.valve_open[j] = lets_out || (follows && valves_->valve_open[j]);
     command_.compressor_on[j] = follows && valves_->compressor_on[j];
-    command_.vent_open[j] = follows && valves_->vent_open[j];
+    command_.vent_open[j] = lets_out || (follows && valves_->vent_open[j]);
   }
   holding_ = verdict == Verdict::kHold;
   return command_;
@@ -130,13 +157,17 @@ void ProviderCycle::Pass(std::size_t j) {
   command_.motor_torque_Nm[j] = joints_.motor_torque_Nm[j];
   command_.position_rad[j] = joints_.position_rad[j];
   command_.velocity_rad_s[j] = joints_.velocity_rad_s[j];
-  if (std::isfinite(command_.motor_torque_Nm[j]) && std::isfinite(command_.position_rad[j]) &&
-      std::isfinite(command_.velocity_rad_s[j])) {
-    return;
+}
+
+bool ProviderCycle::CommandIsFinite() const {
+  const int count = std::min(config_.joint_count, joints_.joint_count);
+  for (std::size_t j = 0; static_cast<int>(j) < count; ++j) {
+    if (!std::isfinite(joints_.motor_torque_Nm[j]) || !std::isfinite(joints_.position_rad[j]) ||
+        !std::isfinite(joints_.velocity_rad_s[j])) {
+      return false;
+    }
   }
-  guard_.Fault();
-  command_.mode[j] = ControlMode::kIdle;
-  command_.motor_torque_Nm[j] = 0.0;
+  return true;
 }
 
 bool ProviderCycle::ValvesFollow(std::uint64_t tick) const {

@@ -6,19 +6,22 @@
 // One cycle, tick k:
 //
 //   Take(operator)    any number of times, also between the following
+//   Begin             when the tick begins, by the clock
 //   Header            of the messages that are published, with state() and last()
 //   Take(joint, valve)   commands that arrive until the cycle's end
 //   Command           the plant's command from k to k + 1, from the newest accepted messages
 //   Observe           sensors at k + 1: a fault of the plant or of joints changes the state
 //
 // Rules: CommandGuard (guard.h) says whether joint commands pass, or joints idle, damp or hold. A
-// joint with a fault of its own idles. A command with a value that is not finite is a fault: it
-// idles its joint at once and the robot from the next cycle on. Relays follow the newest valve
-// command while it is at most fault_after old, whatever the guard says; else they are off.
+// joint with a fault of its own idles. A command with a value that is not finite is a fault of the
+// robot: all joints idle in that very cycle, and no part of it reaches the plant. Relays follow the
+// newest valve command while it is at most fault_after old, else they are off; in FAULT and
+// ESTOPPED they are as GuardConfig::valves_in_fault declares.
 //
 // Units: SI, as plant.h. Thread: one. Nothing allocates after construction.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -55,13 +58,15 @@ struct ValveCommand {
 
 struct OperatorCommand {
   std::uint64_t session_id = 0;
+  types::Origin origin = types::Origin::kSim;
   types::OperatorAction action = types::OperatorAction::kStop;
 };
 
 enum class OperatorResult {
   kDone,
   kClearFaults,          // a reset: the plant's faults are to be cleared before its next step
-  kRefusedOtherSession,  // arm: meant for another session
+  kRefusedOtherSession,  // arm or reset: meant for another session
+  kRefusedOrigin,        // arm or reset: replayed, or for hardware not from a live operator
   kRefusedResetFirst,    // arm: after a fault or an estop
   kRefusedDisarmFirst,   // reset: a joint that had a fault would move at once
   kNotForProvider,       // start and stop are for reference generators
@@ -80,6 +85,9 @@ struct CycleConfig {
   double rate_Hz = 240.0;
   double duration_s = 0.0;      // 0: no end
   bool simulated_time = false;  // stamps: tick / rate instead of the time given
+  // Hardware moves on while its provider stalls: commands age by the clock too, and a cycle that
+  // begins more than guard.fault_after after the one before is a fault of a robot that may move.
+  bool ages_by_clock = false;
 };
 
 // The session id of a seed (splitmix64): spreads small seeds over 64 bits; never 0.
@@ -94,15 +102,21 @@ class ProviderCycle {
   // Armed from the first tick on, without an operator.
   void ArmAtStart() { guard_.Arm(config_.session_id, 0); }
 
+  // disarm and estop count whoever says so. arm and reset count only for this session and not from
+  // a recording.
   OperatorResult Take(const OperatorCommand& command, std::uint64_t tick);
   // True: the command counts and is the newest.
   bool Take(const JointCommand& command, std::uint64_t tick);
   bool Take(const ValveCommand& command, std::uint64_t tick);
 
+  // Once a cycle, first; of a clock that only goes forward, as Command's. True: it begins too long
+  // after the last one, which is a fault now.
+  bool Begin(std::uint64_t tick, std::int64_t now_ns);
   // now_ns: UTC; not read with simulated_time.
   types::MessageHeader Header(std::uint64_t tick, std::int64_t now_ns) const;
-  // Once a cycle. The reference is valid until the next call.
-  const PlantCommand& Command(std::uint64_t tick, const PlantSensors& sensors);
+  // Once a cycle. The reference is valid until the next call. now_ns: read with ages_by_clock only.
+  const PlantCommand& Command(std::uint64_t tick, const PlantSensors& sensors,
+                              std::int64_t now_ns = 0);
   FaultChange Observe(const PlantSensors& sensors);
 
   // Real time: the joint command of this tick is waited for. False: nobody may move, or the
@@ -125,10 +139,15 @@ class ProviderCycle {
  private:
   // Joint j of command_ as the accepted joint command says.
   void Pass(std::size_t joint);
+  bool CommandIsFinite() const;  // of the accepted joint command, every joint that it names
   bool ValvesFollow(std::uint64_t tick) const;
+  std::chrono::nanoseconds AgeByClock(std::uint64_t tick, std::int64_t now_ns) const;
+
+  static constexpr std::uint64_t kTicksKept = 1024;  // older than any command that counts
 
   CycleConfig config_;
   CommandGuard guard_;
+  std::array<std::int64_t, kTicksKept> began_ns_{};  // of tick k at k % kTicksKept; ages_by_clock
   std::chrono::nanoseconds period_{};
   double period_s_ = 0.0;
   std::optional<std::uint64_t> last_tick_;

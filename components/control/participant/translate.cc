@@ -39,7 +39,8 @@ RobotInput ControlInputs::Gather(const node::Tick& tick) {
   while (const auto command = operator_.TakeNext()) {
     const auto action = wire::FromWire(command->action());
     if (action == types::OperatorAction::kEstop) estopped_ = true;
-    if (action == types::OperatorAction::kReset) estopped_ = false;
+    const bool ours = command->header().session_id() == tick.session_id;
+    if (action == types::OperatorAction::kReset && ours) estopped_ = false;
   }
   const msg::JointState& state = state_.value();
   RobotInput input;

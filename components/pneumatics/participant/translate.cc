@@ -71,7 +71,8 @@ void RobotPneumatics::TakeRequests(const node::Tick& tick) {
   while (const auto command = operator_.TakeNext()) {
     const auto action = wire::FromWire(command->action());
     if (action == types::OperatorAction::kEstop) estopped_ = true;
-    if (action == types::OperatorAction::kReset) {
+    const bool ours = command->header().session_id() == tick.session_id;
+    if (action == types::OperatorAction::kReset && ours) {
       estopped_ = false;
       reset_ = true;
     }

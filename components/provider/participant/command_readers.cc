@@ -33,11 +33,13 @@ ValveCommand FromMessage(const msg::ValveCommand& message) {
 const char* Refusal(OperatorResult result) {
   switch (result) {
     case OperatorResult::kRefusedOtherSession:
-      return "arm refused: meant for another session";
+      return "refused: meant for another session";
+    case OperatorResult::kRefusedOrigin:
+      return "refused: it comes from a recording or a simulation";
     case OperatorResult::kRefusedResetFirst:
-      return "arm refused: reset first";
+      return "refused: reset first";
     case OperatorResult::kRefusedDisarmFirst:
-      return "reset refused: disarm first";
+      return "refused: disarm first";
     case OperatorResult::kDone:
     case OperatorResult::kClearFaults:
     case OperatorResult::kNotForProvider:
@@ -61,11 +63,12 @@ CommandReaders::CommandReaders(node::Node& node, ProviderCycle& cycle, Plant& pl
 void CommandReaders::TakeOperatorCommands(std::uint64_t tick) {
   while (const auto command = operator_command_.TakeNext()) {
     if (const auto action = wire::FromWire(command->action())) {
+      const types::MessageHeader header = wire::FromWire(command->header());
       const OperatorResult result = cycle_.Take(
-          OperatorCommand{.session_id = command->header().session_id(), .action = *action}, tick);
+          {.session_id = header.session_id, .origin = header.origin, .action = *action}, tick);
       if (result == OperatorResult::kClearFaults) plant_.ClearFault();
       if (const std::string_view refusal = Refusal(result); !refusal.empty()) {
-        spdlog::warn("{}", refusal);
+        spdlog::warn("operator: action {} {}", static_cast<int>(*action), refusal);
       }
     }
     spdlog::info("operator: action {}, reason '{}'", static_cast<int>(command->action()),

@@ -37,6 +37,9 @@ GuardConfig LoadGuardConfig(const config::Section& guard) {
                           : others == "hold"   ? OtherJointsPolicy::kHold
                           : others == "damp"   ? OtherJointsPolicy::kDamp
                                                : OtherJointsPolicy::kIdle;
+  config.valves_in_fault = guard.ChoiceOr("valves_in_fault", "hold", {"hold", "vent"}) == "vent"
+                               ? ValvesInFault::kVent
+                               : ValvesInFault::kHold;
   config.damping_Nm_s_rad =
       guard.NumberOr("damping_Nm_s_rad", config.damping_Nm_s_rad, config::kNotNegative);
   return config;

@@ -41,6 +41,7 @@ CycleConfig MakeCycleConfig(const node::Options& node_options, const ProviderOpt
   config.guard = guard;
   config.guard.live = plant.live();
   config.simulated_time = node_options.mode == node::TimeMode::kLockstep;
+  config.ages_by_clock = !config.simulated_time && plant.acts_at_once();
   config.session_id = config.simulated_time ? SessionFromSeed(node_options.seed) : RandomSession();
   config.joint_count = plant.joint_count();
   config.rate_Hz = options.rate_Hz;
@@ -68,7 +69,12 @@ class Provider {
         wait_(MakeAwaitedTopics(options.await, node_, cycle_, readers_), options.await_timeout_s) {}
 
   void Run() {
-    RefuseSecondProvider();
+    RefuseSecondProvider();  // which sends nothing: the plant is the other one's
+    // Motors off before anything else ends, after an exception too.
+    const struct MotorsOff {
+      Plant& plant;
+      ~MotorsOff() { plant.ShutDown(); }
+    } motors_off{plant_};
     plant_.Reset(&sensors_);
     if (options_.arm) cycle_.ArmAtStart();
     node_.SetState(node::Node::State::kActive);
@@ -76,6 +82,9 @@ class Provider {
     CycleDeadline deadline(cycle_.period(), MonotonicNow_ns());
     for (tick_ = 0; !stop_.requested(); ++tick_) {
       work_.Resume(MonotonicNow_ns());
+      if (cycle_.Begin(tick_, MonotonicNow_ns())) {
+        spdlog::warn("tick {}: this provider was stalled for longer than its fault time", tick_);
+      }
       readers_.TakeOperatorCommands(tick_);
       Publish();
       const PlantCommand* command = nullptr;
@@ -85,7 +94,7 @@ class Provider {
         command = PassRealTime(&deadline);
       }
       readers_.TakeAll(tick_);
-      if (command == nullptr) command = &cycle_.Command(tick_, sensors_);
+      if (command == nullptr) command = &cycle_.Command(tick_, sensors_, MonotonicNow_ns());
       plant_.Step(*command, cycle_.period_s(), &sensors_);
       if (cycle_.Observe(sensors_) == FaultChange::kJoint) {
         spdlog::warn("tick {}: {}", tick_, sensors_.message);
@@ -131,7 +140,7 @@ class Provider {
       // An overdue command is not waited for: the gap is bridged on time.
       const std::int64_t period_ns = cycle_.period().count();
       AwaitJointCommand(end_ns - (cycle_.Overdue(tick_) ? period_ns : period_ns / 2));
-      command = &cycle_.Command(tick_, sensors_);
+      command = &cycle_.Command(tick_, sensors_, MonotonicNow_ns());
       plant_.Act(*command, cycle_.period_s());
     }
     const std::int64_t now_ns = MonotonicNow_ns();

@@ -1,5 +1,5 @@
 // Real processes: sinew-can-bus, sinew-virtual-axes with the surrogate behind them,
-// sinew-can-bridge; this test plays control and operator over DDS. Domains 90-97.
+// sinew-can-bridge; this test plays control and operator over DDS. Domains 90-98.
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sinew_idl/actuator.h>
@@ -326,6 +326,21 @@ TEST(CanBridgeSystem, KilledBridgeLeavesTheMotorIdleByTheControllersWatchdog) {
   EXPECT_NEAR(rig.last().torque_Nm()[0], 0.0, 0.3) << "noise of the current sensor, times the gear";
   EXPECT_NE(ReadText(rig.log()).find(" 061#00080000"), std::string::npos)
       << "the axis reported the expiry of its watchdog";
+}
+
+TEST(CanBridgeSystem, AHangUpIdlesTheMotorBeforeTheBridgeEnds) {
+  Rig rig(98);
+  ASSERT_TRUE(rig.Run(0.0, seconds(20), [](const msg::JointState& s) { return s.valid()[0]; }));
+  ASSERT_TRUE(rig.Arm());
+  ASSERT_TRUE(
+      rig.Run(0.02, seconds(5), [](const msg::JointState& s) { return s.torque_Nm()[0] > 0.5; }));
+  rig.bridge().Signal(SIGHUP);
+  EXPECT_EQ(rig.bridge().Wait(seconds(10)), 0) << rig.bridge().error();
+  const std::string frames = ReadText(rig.log());
+  const std::size_t idle = frames.rfind(" 067#01000000");  // Set_Axis_State, IDLE
+  ASSERT_NE(idle, std::string::npos);
+  EXPECT_GT(idle, frames.rfind(" 067#08000000")) << "closed loop was asked before";
+  EXPECT_EQ(frames.find(" 06E#", idle), std::string::npos) << "no setpoint after it";
 }
 
 TEST(CanBridgeSystem, WhenOneJointFailsTheOtherHoldsAsDeclared) {

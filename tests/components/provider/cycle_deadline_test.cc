@@ -22,17 +22,17 @@ TEST(CycleDeadline, AnOverrunIsCountedAndCaughtUp) {
   deadline.Next();
   EXPECT_TRUE(deadline.Missed(1001));
   EXPECT_EQ(deadline.Next(), 2000);
-  EXPECT_TRUE(deadline.Missed(12'000)) << "ten periods late";
+  EXPECT_TRUE(deadline.Missed(3'000)) << "one period late";
   EXPECT_EQ(deadline.Next(), 3000);
   EXPECT_EQ(deadline.overruns(), 2u);
 }
 
-TEST(CycleDeadline, AfterALongStopDeadlinesStartFromNow) {
+TEST(CycleDeadline, NoBurstCatchesUpWithAStall) {
   CycleDeadline deadline(kDeadlinePeriod, 0);
   deadline.Next();
-  EXPECT_TRUE(deadline.Missed(11'001)) << "more than ten periods late";
-  EXPECT_EQ(deadline.deadline_ns(), 11'001);
-  EXPECT_EQ(deadline.Next(), 12'001);
+  EXPECT_TRUE(deadline.Missed(2'001)) << "more than one period late";
+  EXPECT_EQ(deadline.deadline_ns(), 2'001);
+  EXPECT_EQ(deadline.Next(), 3'001);
 }
 
 }  // namespace

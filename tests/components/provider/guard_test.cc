@@ -48,6 +48,25 @@ TEST(Guard, RefusesOtherSessionsTheFutureRepeatsAndOldCommands) {
   EXPECT_EQ(guard.refused(), 4u);
 }
 
+TEST(Guard, ACommandIsAsOldAsTheClockSaysWhenTicksSayLess) {
+  using std::chrono::milliseconds;
+  CommandGuard guard = Armed();
+  EXPECT_TRUE(guard.Offer(Head(1), 1));
+  EXPECT_EQ(guard.Step(1, kPeriod, milliseconds(3)), Verdict::kPass);
+  EXPECT_EQ(guard.Step(1, kPeriod, milliseconds(16)), Verdict::kPass) << "3.8 periods with its own";
+  EXPECT_EQ(guard.Step(1, kPeriod, milliseconds(17)), Verdict::kDamp);
+  EXPECT_EQ(guard.Step(1, kPeriod, milliseconds(64)), Verdict::kDamp);
+  EXPECT_EQ(guard.state(), types::RobotState::kDamped);
+  EXPECT_EQ(guard.Step(1, kPeriod, milliseconds(65)), Verdict::kIdle);
+  EXPECT_EQ(guard.state(), types::RobotState::kFault);
+}
+
+TEST(Guard, ACommandIsAsOldAsTicksSayWhenTheClockSaysLess) {
+  CommandGuard guard = Armed();
+  EXPECT_TRUE(guard.Offer(Head(1), 1));
+  EXPECT_EQ(guard.Step(4, kPeriod, std::chrono::milliseconds(1)), Verdict::kDamp);
+}
+
 TEST(Guard, OnLiveHardwareOnlyLiveCommandsCount) {
   GuardConfig config;
   config.live = true;

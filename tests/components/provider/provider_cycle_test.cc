@@ -242,21 +242,133 @@ TEST(ProviderCycle, HoldingKeepsThePositionOfItsFirstCycle) {
   EXPECT_EQ(cycle.Command(9, sensors).position_rad[0], 0.9) << "holds anew where it is now";
 }
 
-TEST(ProviderCycle, ACommandThatIsNotFiniteIdlesItsJointAndIsAFault) {
+TEST(ProviderCycle, ACommandThatIsNotFiniteIdlesAllJointsAtOnceAndIsAFault) {
   for (const auto field : {&JointCommand::motor_torque_Nm, &JointCommand::position_rad,
                            &JointCommand::velocity_rad_s}) {
     for (const double value : {kNaN, std::numeric_limits<double>::infinity()}) {
-      ProviderCycle cycle = ArmedCycle();
-      JointCommand sent = Torques(1, 0.01, 0.02);
-      (sent.*field)[0] = value;
-      ASSERT_TRUE(cycle.Take(sent, 1));
-      const PlantCommand& command = cycle.Command(1, {});
-      EXPECT_EQ(command.mode[0], ControlMode::kIdle);
-      EXPECT_EQ(command.motor_torque_Nm[0], 0.0);
-      EXPECT_EQ(cycle.state(), RobotState::kFault);
-      EXPECT_EQ(Modes(&cycle, 2), kIdle) << "and all joints from the next cycle on";
+      for (const std::size_t bad : {0u, 1u}) {
+        ProviderCycle cycle = ArmedCycle();
+        JointCommand sent = Torques(1, 0.01, 0.02);
+        (sent.*field)[bad] = value;
+        ASSERT_TRUE(cycle.Take(sent, 1));
+        const PlantCommand& command = cycle.Command(1, {});
+        for (const std::size_t j : {0u, 1u}) {
+          EXPECT_EQ(command.mode[j], ControlMode::kIdle) << j << ", bad " << bad;
+          EXPECT_EQ(command.motor_torque_Nm[j], 0.0) << j << ", bad " << bad;
+        }
+        EXPECT_EQ(cycle.state(), RobotState::kFault);
+        EXPECT_EQ(Modes(&cycle, 2), kIdle);
+      }
     }
   }
+}
+
+TEST(ProviderCycle, AJointThatTheCommandDoesNotNameMayHoldAnything) {
+  ProviderCycle cycle = ArmedCycle();
+  JointCommand sent = Torques(1, 0.01, kNaN);
+  sent.joint_count = 1;
+  ASSERT_TRUE(cycle.Take(sent, 1));
+  EXPECT_EQ(Modes(&cycle, 1), (std::array{ControlMode::kTorque, ControlMode::kIdle}));
+  EXPECT_EQ(cycle.state(), RobotState::kArmed);
+}
+
+// A cycle of hardware: it ages by the clock. The commands of ticks up to 10 came in time.
+ProviderCycle ClockedCycle() {
+  CycleConfig config = Config();
+  config.ages_by_clock = true;
+  ProviderCycle cycle(config);
+  cycle.ArmAtStart();
+  for (std::uint64_t tick = 0; tick <= 10; ++tick) {
+    const auto now_ns = static_cast<std::int64_t>(tick) * 4'166'667;
+    EXPECT_FALSE(cycle.Begin(tick, now_ns));
+    EXPECT_TRUE(cycle.Take(Torques(tick, 0.01, 0.02), tick));
+    (void)cycle.Command(tick, {}, now_ns + 2'000'000);
+  }
+  return cycle;
+}
+constexpr std::int64_t kTick10_ns = 10 * 4'166'667LL;
+
+TEST(ProviderCycle, AStallBetweenCyclesIsAFaultAlthoughNoTickIsMissing) {
+  for (const int stall_ms : {61, 80, 100, 5000}) {
+    ProviderCycle cycle = ClockedCycle();
+    const std::int64_t now_ns = kTick10_ns + stall_ms * 1'000'000LL;
+    EXPECT_TRUE(cycle.Begin(11, now_ns)) << stall_ms;
+    EXPECT_EQ(cycle.state(), RobotState::kFault);
+    EXPECT_EQ(cycle.Command(11, {}, now_ns).mode[0], ControlMode::kIdle) << stall_ms;
+  }
+  ProviderCycle cycle = ClockedCycle();
+  EXPECT_FALSE(cycle.Begin(11, kTick10_ns + 59'000'000));
+  EXPECT_EQ(cycle.state(), RobotState::kArmed);
+}
+
+TEST(ProviderCycle, ACommandFromBeforeAStallIsNotExecutedAfterIt) {
+  for (const int stall_ms : {17, 40, 64, 90}) {
+    ProviderCycle cycle = ClockedCycle();
+    ASSERT_FALSE(cycle.Begin(11, kTick10_ns + 4'166'667));
+    // The controller answers at once; this provider reads the answer only after its stall.
+    ASSERT_TRUE(cycle.Take(Torques(11, 0.5, 0.5), 11));
+    const std::int64_t now_ns = kTick10_ns + 4'166'667 + stall_ms * 1'000'000LL;
+    const PlantCommand& command = cycle.Command(11, {}, now_ns);
+    EXPECT_NE(command.motor_torque_Nm[0], 0.5) << stall_ms;
+    EXPECT_EQ(cycle.state(), stall_ms > 64 ? RobotState::kFault : RobotState::kDamped) << stall_ms;
+  }
+}
+
+TEST(ProviderCycle, ADisarmedRobotHasNoFaultAfterAStall) {
+  CycleConfig config = Config();
+  config.ages_by_clock = true;
+  ProviderCycle cycle(config);
+  EXPECT_FALSE(cycle.Begin(0, 0));
+  EXPECT_FALSE(cycle.Begin(1, 1'000'000'000));
+  EXPECT_EQ(cycle.state(), RobotState::kDisarmed);
+}
+
+TEST(ProviderCycle, AResetIsForItsOwnSessionOnly) {
+  ProviderCycle cycle = ArmedCycle();
+  ASSERT_EQ(Order(&cycle, OperatorAction::kEstop, 0, kCycleSession + 1), OperatorResult::kDone)
+      << "an estop counts whoever says it";
+  EXPECT_EQ(Order(&cycle, OperatorAction::kReset, 1, kCycleSession + 1),
+            OperatorResult::kRefusedOtherSession);
+  EXPECT_EQ(cycle.state(), RobotState::kEstopped);
+  EXPECT_EQ(Order(&cycle, OperatorAction::kReset, 1), OperatorResult::kClearFaults);
+}
+
+TEST(ProviderCycle, ARecordingNeitherArmsNorResetsButMayStop) {
+  for (const bool live : {true, false}) {
+    ProviderCycle cycle(Config({.live = live}));
+    const auto order = [&cycle](OperatorAction action, Origin origin) {
+      return cycle.Take({.session_id = kCycleSession, .origin = origin, .action = action}, 0);
+    };
+    EXPECT_EQ(order(OperatorAction::kArm, Origin::kReplay), OperatorResult::kRefusedOrigin);
+    EXPECT_EQ(order(OperatorAction::kArm, Origin::kSim) == OperatorResult::kDone, !live);
+    EXPECT_EQ(order(OperatorAction::kArm, Origin::kLive), OperatorResult::kDone);
+    EXPECT_EQ(order(OperatorAction::kEstop, Origin::kReplay), OperatorResult::kDone);
+    EXPECT_EQ(order(OperatorAction::kReset, Origin::kReplay), OperatorResult::kRefusedOrigin);
+    EXPECT_EQ(cycle.state(), RobotState::kEstopped);
+  }
+}
+
+TEST(ProviderCycle, RelaysOfAStoppedRobotAreOffOrLetTheAirOutAsDeclared) {
+  for (const ValvesInFault declared : {ValvesInFault::kHold, ValvesInFault::kVent}) {
+    for (const OperatorAction action : {OperatorAction::kEstop, OperatorAction::kDisarm}) {
+      ProviderCycle cycle = ArmedCycle({.valves_in_fault = declared});
+      ASSERT_TRUE(cycle.Take(Valves(1), 1));
+      ASSERT_EQ(Order(&cycle, action, 1), OperatorResult::kDone);
+      const PlantCommand& command = cycle.Command(1, {});
+      const bool stopped = action == OperatorAction::kEstop;
+      const bool vents = declared == ValvesInFault::kVent;
+      for (const std::size_t j : {0u, 1u}) {
+        EXPECT_EQ(command.valve_open[j], stopped ? vents : Valves(1).valve_open[j]) << j;
+        EXPECT_EQ(command.vent_open[j], stopped ? vents : Valves(1).vent_open[j]) << j;
+        EXPECT_EQ(command.compressor_on[j], !stopped && Valves(1).compressor_on[j]) << j;
+      }
+    }
+  }
+  ProviderCycle cycle = ArmedCycle();
+  ASSERT_TRUE(cycle.Take(Valves(1), 1));
+  JointCommand sent = Torques(1, kNaN, 0.0);
+  ASSERT_TRUE(cycle.Take(sent, 1));
+  EXPECT_FALSE(cycle.Command(1, {}).valve_open[0]) << "in the very cycle of the fault";
 }
 
 TEST(ProviderCycle, RelaysFollowTheirCommandWhoeverMovesAndAreOffWithoutOne) {

@@ -23,6 +23,7 @@ TEST(GuardConfig, HasTheDefaultsOfTheGuard) {
   EXPECT_EQ(loaded.bridging, expected.bridging);
   EXPECT_EQ(loaded.damping_Nm_s_rad, expected.damping_Nm_s_rad);
   EXPECT_EQ(loaded.on_joint_fault, expected.on_joint_fault);
+  EXPECT_EQ(loaded.valves_in_fault, ValvesInFault::kHold);
 }
 
 TEST(GuardConfig, ReadsEveryKey) {
@@ -41,10 +42,15 @@ TEST(GuardConfig, ReadsThePolicyForTheOtherJoints) {
   EXPECT_EQ(Load("on_joint_fault: continue").on_joint_fault, OtherJointsPolicy::kContinue);
 }
 
+TEST(GuardConfig, ReadsWhatTheValvesOfAStoppedRobotDo) {
+  EXPECT_EQ(Load("valves_in_fault: hold").valves_in_fault, ValvesInFault::kHold);
+  EXPECT_EQ(Load("valves_in_fault: vent").valves_in_fault, ValvesInFault::kVent);
+}
+
 TEST(GuardConfig, RefusesWhatHasNoMeaning) {
   for (const char* text :
        {"missed_periods: 0", "missed_periods: 101", "fault_after_ms: 0", "bridging: jump",
-        "damping_Nm_s_rad: -1", "on_joint_fault: rest", "unknown: 1"}) {
+        "damping_Nm_s_rad: -1", "on_joint_fault: rest", "valves_in_fault: close", "unknown: 1"}) {
     EXPECT_THROW(Load(text), UsageError) << text;
   }
 }
