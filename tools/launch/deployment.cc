@@ -24,6 +24,10 @@ constexpr int kRecordingWindow = 64;  // ticks a logger may lag; half of what a 
 const std::vector<std::string> kRestartWords = {"never", "on_failure", "always"};
 
 bool IsLogger(const Process& process) { return process.program.filename() == "sinew-logger"; }
+// Nothing that moves depends on what it publishes.
+bool IsObserver(const Process& process) {
+  return IsLogger(process) || process.program.filename() == "sinew-residual";
+}
 
 bool IsProgram(const fs::path& path) {
   std::error_code error;
@@ -61,7 +65,7 @@ bool IsName(const std::string& name) {
                      [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; });
 }
 
-Process ReadProcess(const config::Section& section, const fs::path& folder) {
+Process ReadProcess(const config::Section& section, const fs::path& folder, bool lockstep) {
   const fs::path base = section.file().parent_path();
   Process process;
   process.name = section.Text("name");
@@ -75,7 +79,9 @@ Process ReadProcess(const config::Section& section, const fs::path& folder) {
   if (section.Has("config")) process.config = fs::absolute(section.ExistingPath("config"));
   process.after = section.TextsOr("after", {});
   process.ready_when = section.TextOr("ready_when", "");
-  process.restart = RestartFromWord(section.ChoiceOr("restart", "never", kRestartWords));
+  process.vital = section.BoolOr("vital", !IsObserver(process));
+  process.restart = RestartFromWord(section.ChoiceOr(
+      "restart", process.vital || lockstep ? "never" : "on_failure", kRestartWords));
   process.max_restarts =
       static_cast<int>(section.IntegerOr("max_restarts", process.max_restarts, {0, 1000}));
   process.back_off_s = section.NumberOr("back_off_s", process.back_off_s, {0.0, 600.0});
@@ -230,6 +236,8 @@ void Record(const fs::path& path, const fs::path& folder, Deployment* deployment
   if (logger.program.empty()) throw UsageError("--record: " + NoProgram("sinew-logger", folder));
   logger.arguments = {"--out", output};
   logger.stop_last = true;
+  logger.vital = deployment->lockstep;
+  logger.restart = deployment->lockstep ? Restart::kNever : Restart::kOnFailure;
   deployment->processes.push_back(logger);
 }
 
@@ -289,7 +297,7 @@ Deployment LoadDeployment(const fs::path& file, const Overrides& overrides,
   const std::vector<config::Section> sections = root.List("processes");
   std::set<std::string> names;
   for (const config::Section& section : sections) {
-    Process process = ReadProcess(section, program_folder);
+    Process process = ReadProcess(section, program_folder, deployment.lockstep);
     if (!names.insert(process.name).second) {
       section.Fail("name", "'" + process.name + "' given twice, expected a name of its own");
     }
@@ -322,10 +330,19 @@ Deployment LoadDeployment(const fs::path& file, const Overrides& overrides,
     FindMutable(&deployment, text.substr(0, equals), "--arg", text)
         ->arguments.push_back(text.substr(equals + 1));
   }
+  for (Process& process : deployment.processes) {
+    if (process.name == deployment.provider && !process.vital) {
+      throw UsageError(file.string() + ": provider: '" + process.name +
+                       "' has vital: false, expected true");
+    }
+    // In lockstep the provider waits for observers too.
+    process.vital = process.vital || deployment.lockstep;
+  }
   return deployment;
 }
 
-std::vector<std::string> CommandLine(const Deployment& deployment, const Process& process) {
+std::vector<std::string> CommandLine(const Deployment& deployment, const Process& process,
+                                     int restarts) {
   std::vector<std::string> line{process.program.string()};
   if (!process.plain) {
     line.insert(line.end(),
@@ -338,6 +355,14 @@ std::vector<std::string> CommandLine(const Deployment& deployment, const Process
     if (IsLogger(process)) line.insert(line.end(), {"--note", "deployment=" + deployment.name});
   }
   line.insert(line.end(), process.arguments.begin(), process.arguments.end());
+  if (IsLogger(process) && restarts > 0) {
+    const auto out = std::find(line.begin(), line.end(), "--out");
+    if (out != line.end() && out + 1 != line.end()) {
+      const fs::path first = *(out + 1);
+      const std::string name = first.stem().string() + "-" + std::to_string(restarts + 1);
+      *(out + 1) = (first.parent_path() / (name + first.extension().string())).string();
+    }
+  }
   return line;
 }
 

@@ -25,6 +25,7 @@ struct Process {
   double back_off_s = 0.5;  // doubled at each restart
   bool plain = false;       // a foreign program: no common options
   bool stop_last = false;
+  bool vital = true;  // false: its failure is reported, and the others go on
 };
 
 struct Deployment {
@@ -60,7 +61,9 @@ std::filesystem::path ProgramFolder();
 Deployment LoadDeployment(const std::filesystem::path& file, const Overrides& overrides = {},
                           const std::filesystem::path& program_folder = ProgramFolder());
 
-// Program and arguments, ready for exec.
-std::vector<std::string> CommandLine(const Deployment& deployment, const Process& process);
+// Program and arguments, ready for exec. A logger that is started again writes beside its first
+// file: run.mcap, run-2.mcap, run-3.mcap.
+std::vector<std::string> CommandLine(const Deployment& deployment, const Process& process,
+                                     int restarts = 0);
 
 }  // namespace sinew::launch

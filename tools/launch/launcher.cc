@@ -63,7 +63,7 @@ struct PrepareChild {
   template <class Executor>
   void operator()(Executor&) const {
     ::setpgid(0, 0);
-    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    ::prctl(PR_SET_PDEATHSIG, SIGTERM);     // an end in order: motors off first
     if (::getppid() != parent) ::_exit(1);  // it died before prctl
     ::signal(SIGPIPE, SIG_DFL);
   }
@@ -162,7 +162,7 @@ struct Launcher::Impl {
   }
 
   void Start(Child* child) {
-    const std::vector<std::string> line = CommandLine(deployment, *child->process);
+    const std::vector<std::string> line = CommandLine(deployment, *child->process, child->restarts);
     for (std::size_t i = 0; i < 2; ++i) {
       auto stream = std::make_shared<Stream>(context);
       stream->splitter = std::make_unique<LineSplitter>(
@@ -323,9 +323,12 @@ struct Launcher::Impl {
           !child->streams[1]->kept.empty() ? child->streams[1]->kept : child->streams[0]->kept;
       failure.last_lines.assign(kept.begin(), kept.end());
     }
-    output.Say(failure.process + " failed: " + cause);
+    const bool ends_all =
+        child->process->vital && (phase == Phase::kRunning || phase == Phase::kSettling);
+    output.Say(failure.process + " failed: " + cause +
+               (child->process->vital || phase != Phase::kRunning ? "" : "; the others go on"));
     result.failures.push_back(std::move(failure));
-    if (phase == Phase::kRunning || phase == Phase::kSettling) StopAll();
+    if (ends_all) StopAll();
   }
 
   // --- stopping

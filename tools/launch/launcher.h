@@ -1,7 +1,8 @@
 // Starts the processes of a deployment, watches and restarts them, stops them in a good order.
 //
 // One thread, one run per object. Signals go to process groups that this object made, never to
-// anything else; if this process dies, the kernel kills its children.
+// anything else; if this process dies, the kernel sends SIGTERM to its children, which end in
+// order.
 #pragma once
 
 #include <memory>

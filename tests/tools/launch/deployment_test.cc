@@ -127,6 +127,29 @@ TEST_F(DeploymentTest, OverridesChangeWhatTheFileSays) {
               ElementsAre("--out", (std::filesystem::current_path() / "new.mcap").string()));
 }
 
+TEST_F(DeploymentTest, LoggersAreNoReasonToStopARobotInRealTime) {
+  const Deployment lockstep = Load(kTwo);
+  EXPECT_TRUE(lockstep.processes[1].vital) << "the provider waits for it";
+  Overrides overrides;
+  overrides.without = {"logger"};
+  overrides.settings = {"mode=realtime"};
+  overrides.record = folder_.path() / "run.mcap";
+  const Deployment two = Load(kTwo, overrides);
+  ASSERT_EQ(two.processes.size(), 2u);
+  EXPECT_TRUE(two.processes[0].vital);
+  EXPECT_FALSE(two.processes[1].vital);
+  EXPECT_EQ(two.processes[1].restart, Restart::kOnFailure);
+  EXPECT_THAT(CommandLine(two, two.processes[1]), Contains((folder_.path() / "run.mcap").string()));
+  EXPECT_THAT(CommandLine(two, two.processes[1], 2),
+              Contains((folder_.path() / "run-3.mcap").string()))
+      << "what was recorded before is not overwritten";
+}
+
+TEST_F(DeploymentTest, AProviderIsAlwaysVital) {
+  EXPECT_THAT(ErrorOf(Changed("    config: plant.yaml\n", "    vital: false\n")),
+              AllOf(HasSubstr("'plant'"), HasSubstr("vital: false")));
+}
+
 TEST_F(DeploymentTest, RecordAddsALoggerWhereThereIsNone) {
   Overrides overrides;
   overrides.without = {"logger"};

@@ -101,6 +101,31 @@ TEST_F(LauncherTest, RestartsEndAtTheirMaximum) {
   EXPECT_THAT(run.error, HasSubstr("restarted 2 times before"));
 }
 
+TEST_F(LauncherTest, AnObserverThatFailsDoesNotStopTheOthers) {
+  Add("watcher", "echo x >> " + Path("tries") + "; exit 5",
+      "vital: false, max_restarts: 1, back_off_s: 0.01, ");
+  Add("worker", "while ! [ -e " + Path("tries") + " ] || [ $(wc -l < " + Path("tries") +
+                    ") -lt 2 ]; do sleep 0.02; done; sleep 0.3; echo done");
+  const Finished run = Launch();
+  EXPECT_EQ(run.exit_code, 1) << "the failure is not forgotten";
+  EXPECT_THAT(run.output, HasSubstr("worker  | done"));
+  EXPECT_THAT(run.error, HasSubstr("watcher failed: exit code 5"));
+  EXPECT_THAT(run.error, HasSubstr("the others go on"));
+  EXPECT_THAT(run.error, HasSubstr("restart 1 of 1"));
+}
+
+TEST_F(LauncherTest, WhenTheLauncherIsKilledItsProcessesEndInOrder) {
+  Add("plant", "trap 'echo motors off > " + Path("off") + "; exit 0' TERM; echo $$ > " +
+                   Path("plant.pid") + "; echo up; while :; do sleep 0.05; done");
+  Program launch({kSinew, "launch", Deployment()});
+  ASSERT_TRUE(launch.WaitForText("up", kLimit));
+  launch.Signal(SIGKILL);
+  (void)launch.Wait(kLimit);
+  ASSERT_GT(PidIn("plant.pid"), 1);
+  EXPECT_TRUE(testing::WaitUntilGone(PidIn("plant.pid"), kLimit));
+  EXPECT_TRUE(std::filesystem::exists(Path("off"))) << "it was killed";
+}
+
 TEST_F(LauncherTest, SuccessIsNotRestartedOnFailureOnly) {
   Add("good", "echo x >> " + Path("tries"), "restart: on_failure, ");
   EXPECT_EQ(Launch().exit_code, 0);
