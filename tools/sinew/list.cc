@@ -12,6 +12,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "components/config/config.h"
@@ -54,7 +56,15 @@ std::string Plain(const std::string& dds_topic) {
   return dds_topic.rfind("rt/", 0) == 0 ? dds_topic.substr(3) : dds_topic;  // ROS 2 spelling
 }
 
-std::string Join(const std::set<std::string>& words) {
+// Two participants of one name are there twice.
+std::vector<std::string> Names(const std::set<std::pair<std::string, std::string>>& participants) {
+  std::vector<std::string> names;
+  names.reserve(participants.size());
+  for (const auto& [name, guid] : participants) names.push_back(name);
+  return names;
+}
+
+std::string Join(const std::vector<std::string>& words) {
   std::string text;
   for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
   return text;
@@ -63,12 +73,14 @@ std::string Join(const std::set<std::string>& words) {
 Json DescribeDomain(const ListOptions& options) {
   node::Node node(options.node);
   auto statuses = node.MakeReader(node::kComponentStatus);
-  std::map<std::string, msg::ComponentStatus> components;
+  // A name may be taken twice, so a row is a process.
+  std::map<std::tuple<std::string, std::string, std::uint32_t>, msg::ComponentStatus> components;
   const auto end = Clock::now() + std::chrono::duration<double>(options.wait_s);
   while (Clock::now() < end) {
     while (auto status = statuses.TakeNext()) {
-      if (status->name().to_string() != options.node.name)
-        components[status->name().to_string()] = *status;
+      const std::string name = status->name().to_string();
+      if (name == options.node.name) continue;
+      components[{name, status->host().to_string(), status->process_id()}] = *status;
     }
     node.WaitForData(milliseconds(50));
   }
@@ -79,8 +91,11 @@ Json DescribeDomain(const ListOptions& options) {
   report["participants"] = Json::array();
   const std::string own_hash = node::AllTopicsHash();
   std::set<std::string> named;
-  for (const auto& [name, status] : components) {
-    named.insert(name);
+  for (const auto& [key, status] : components) {
+    const std::string& name = std::get<0>(key);
+    if (!named.insert(name).second) {
+      problems.push_back("several participants are named '" + name + "'; give each its own --name");
+    }
     report["participants"].push_back({{"name", name},
                                       {"state", StateName(status.state())},
                                       {"process_id", status.process_id()},
@@ -104,13 +119,15 @@ Json DescribeDomain(const ListOptions& options) {
   }
 
   struct Row {
-    std::set<std::string> types, writers, readers;
+    std::set<std::string> types;
+    std::set<std::pair<std::string, std::string>> writers, readers;  // name and GUID of a participant
   };
   std::map<std::string, Row> topics;
   for (const node::Endpoint& endpoint : node.Endpoints()) {
     Row& row = topics[Plain(endpoint.topic)];
     row.types.insert(endpoint.type_name);
-    (endpoint.is_writer ? row.writers : row.readers).insert(endpoint.participant);
+    (endpoint.is_writer ? row.writers : row.readers)
+        .emplace(endpoint.participant, endpoint.guid.substr(0, endpoint.guid.find('|')));
     if (!endpoint.participant.empty() && named.insert(endpoint.participant).second) {
       report["participants"].push_back({{"name", endpoint.participant}, {"state", "unknown"}});
     }
@@ -120,10 +137,10 @@ Json DescribeDomain(const ListOptions& options) {
     report["topics"].push_back({{"name", name},
                                 {"types", row.types},
                                 {"known", node::FindTopic(name) != nullptr},
-                                {"writers", row.writers},
-                                {"readers", row.readers}});
+                                {"writers", Names(row.writers)},
+                                {"readers", Names(row.readers)}});
     if (name == node::kJointState.name && row.writers.size() > 1) {
-      problems.push_back("several state providers: " + Join(row.writers) +
+      problems.push_back("several state providers: " + Join(Names(row.writers)) +
                          "; there may be one a domain");
     }
   }
@@ -152,8 +169,8 @@ void PrintDomain(const Json& report) {
   if (!report["topics"].empty()) std::printf("\n%-20s %-40s %s\n", "topic", "writers", "readers");
   for (const Json& row : report["topics"]) {
     std::printf("%-20s %-40s %s\n", row["name"].get<std::string>().c_str(),
-                Join(row["writers"].get<std::set<std::string>>()).c_str(),
-                Join(row["readers"].get<std::set<std::string>>()).c_str());
+                Join(row["writers"].get<std::vector<std::string>>()).c_str(),
+                Join(row["readers"].get<std::vector<std::string>>()).c_str());
   }
   std::fflush(stdout);
   for (const Json& problem : report["problems"]) {

@@ -1,0 +1,54 @@
+// `sinew list` on processes that run. Domain 41.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <csignal>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/program.h"
+
+namespace sinew {
+namespace {
+
+using namespace std::chrono_literals;
+using sinew::testing::Finished;
+using sinew::testing::Program;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+constexpr auto kListLimit = 30s;
+const std::string kListBin = std::string(SINEW_BIN_DIR) + "/";
+
+TEST(List, TwoParticipantsOfOneNameAreTwoRowsAndAProblem) {
+  const std::vector<std::string> command = {
+      kListBin + "sinew-reference", "--domain", "41", "--config",
+      std::string(SINEW_SOURCE_DIR) + "/robots/rig/reference_benchmark.yaml"};
+  Program first(command), second(command);
+  nlohmann::json report;
+  // A loaded machine starts programs slowly: until both are seen.
+  const auto limit = std::chrono::steady_clock::now() + kListLimit;
+  do {
+    const Finished list =
+        testing::Run({kListBin + "sinew", "list", "--domain", "41", "--json"}, kListLimit);
+    ASSERT_EQ(list.exit_code, 0) << list.error;
+    report = nlohmann::json::parse(list.output);
+  } while (report["participants"].size() < 2 && std::chrono::steady_clock::now() < limit);
+
+  ASSERT_EQ(report["participants"].size(), 2u) << report.dump(1);
+  for (const auto& row : report["participants"]) EXPECT_EQ(row["name"], "reference");
+  EXPECT_NE(report["participants"][0]["process_id"], report["participants"][1]["process_id"]);
+  EXPECT_THAT(report["problems"].get<std::vector<std::string>>(),
+              Contains(HasSubstr("several participants are named 'reference'")));
+  for (const auto& topic : report["topics"]) {
+    if (topic["name"] != "reference") continue;
+    EXPECT_EQ(topic["writers"], nlohmann::json::array({"reference", "reference"}));
+  }
+  for (Program* program : {&first, &second}) {
+    program->Signal(SIGINT);
+    EXPECT_EQ(program->Wait(kListLimit), 0) << program->error();
+  }
+}
+
+}  // namespace
+}  // namespace sinew
