@@ -152,8 +152,11 @@ const PlantCommand& ProviderCycle::Command(std::uint64_t tick, const PlantSensor
 }
 
 void ProviderCycle::Pass(std::size_t j) {
-  command_.mode[j] =
-      static_cast<int>(j) < joints_.joint_count ? joints_.mode[j] : ControlMode::kIdle;
+  if (static_cast<int>(j) >= joints_.joint_count) {  // not named: whatever stands there is not read
+    command_.mode[j] = ControlMode::kIdle;
+    return;
+  }
+  command_.mode[j] = joints_.mode[j];
   command_.motor_torque_Nm[j] = joints_.motor_torque_Nm[j];
   command_.position_rad[j] = joints_.position_rad[j];
   command_.velocity_rad_s[j] = joints_.velocity_rad_s[j];

@@ -64,7 +64,7 @@ std::vector<std::string> Names(const std::set<std::pair<std::string, std::string
   return names;
 }
 
-std::string Join(const std::vector<std::string>& words) {
+std::string JoinNames(const std::vector<std::string>& words) {
   std::string text;
   for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
   return text;
@@ -140,7 +140,7 @@ Json DescribeDomain(const ListOptions& options) {
                                 {"writers", Names(row.writers)},
                                 {"readers", Names(row.readers)}});
     if (name == node::kJointState.name && row.writers.size() > 1) {
-      problems.push_back("several state providers: " + Join(Names(row.writers)) +
+      problems.push_back("several state providers: " + JoinNames(Names(row.writers)) +
                          "; there may be one a domain");
     }
   }
@@ -169,8 +169,8 @@ void PrintDomain(const Json& report) {
   if (!report["topics"].empty()) std::printf("\n%-20s %-40s %s\n", "topic", "writers", "readers");
   for (const Json& row : report["topics"]) {
     std::printf("%-20s %-40s %s\n", row["name"].get<std::string>().c_str(),
-                Join(row["writers"].get<std::vector<std::string>>()).c_str(),
-                Join(row["readers"].get<std::vector<std::string>>()).c_str());
+                JoinNames(row["writers"].get<std::vector<std::string>>()).c_str(),
+                JoinNames(row["readers"].get<std::vector<std::string>>()).c_str());
   }
   std::fflush(stdout);
   for (const Json& problem : report["problems"]) {

@@ -89,7 +89,7 @@ TEST_F(LoggerDds, ReplayedRecordingIsTheSameAfterTheWire) {
     const std::string copy = Path("copy" + domain + ".mcap");
     Program logger({kBin + "sinew-logger", "--lockstep", "--domain", domain, "--out", copy});
     Program player({kBin + "sinew-player", imported, "--lockstep", "--domain", domain, "--await",
-                    "recording_progress:64"});
+                    "recording_progress:64", "--topics", "joint_state,actuator_state,reference"});
     EXPECT_EQ(player.Wait(60s), 0) << player.error();
     EXPECT_EQ(logger.Wait(20s), 0) << logger.error();
     copies.push_back(copy);
@@ -224,9 +224,13 @@ TEST_F(LoggerDds, ThePlayerRefusesRecordingsOfOtherTypes) {
     ASSERT_TRUE(writer.WriteMessage(channel, 1, 1, testing::MakeMessage("reference", {})).ok());
     ASSERT_TRUE(writer.Close().ok());
   }
-  const Finished run = testing::Run({kBin + "sinew-player", path, "--domain", "24"}, 20s);
+  const Finished run = testing::Run(
+      {kBin + "sinew-player", path, "--domain", "24", "--topics", "reference"}, 20s);
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_THAT(run.error, HasSubstr("topic 'reference' was recorded with another type"));
+  const Finished unnamed = testing::Run({kBin + "sinew-player", path, "--domain", "24"}, 20s);
+  EXPECT_EQ(unnamed.exit_code, 2);
+  EXPECT_THAT(unnamed.error, HasSubstr("played when --topics names them"));
 }
 
 TEST_F(LoggerDds, APlayerStandsInForAComponentOfARunningSession) {

@@ -1,4 +1,4 @@
-// A state provider with a plant that only writes down what it is told. Domains 173 to 175.
+// A state provider whose plant only notes the calls. Domains 173 to 175.
 #include <gtest/gtest.h>
 
 #include <chrono>
