@@ -120,7 +120,8 @@ Json DescribeDomain(const ListOptions& options) {
 
   struct Row {
     std::set<std::string> types;
-    std::set<std::pair<std::string, std::string>> writers, readers;  // name and GUID of a participant
+    std::set<std::pair<std::string, std::string>> writers,
+        readers;  // name and GUID of a participant
   };
   std::map<std::string, Row> topics;
   for (const node::Endpoint& endpoint : node.Endpoints()) {

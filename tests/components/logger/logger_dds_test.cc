@@ -224,8 +224,8 @@ TEST_F(LoggerDds, ThePlayerRefusesRecordingsOfOtherTypes) {
     ASSERT_TRUE(writer.WriteMessage(channel, 1, 1, testing::MakeMessage("reference", {})).ok());
     ASSERT_TRUE(writer.Close().ok());
   }
-  const Finished run = testing::Run(
-      {kBin + "sinew-player", path, "--domain", "24", "--topics", "reference"}, 20s);
+  const Finished run =
+      testing::Run({kBin + "sinew-player", path, "--domain", "24", "--topics", "reference"}, 20s);
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_THAT(run.error, HasSubstr("topic 'reference' was recorded with another type"));
   const Finished unnamed = testing::Run({kBin + "sinew-player", path, "--domain", "24"}, 20s);

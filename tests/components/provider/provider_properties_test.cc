@@ -2,7 +2,8 @@
 // ProviderCycle, and after every cycle what the plant would get is held against the rules. The
 // specification knows what was said and when, not how the cycle decides.
 //
-// SINEW_SEQUENCES=10000000 runs as many sequences (10^7: four minutes); the default is for every build.
+// SINEW_SEQUENCES=10000000 runs as many sequences (10^7: four minutes); the default is for every
+// build.
 #include <gtest/gtest.h>
 
 #include <algorithm>
