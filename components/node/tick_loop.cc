@@ -73,7 +73,7 @@ struct TickInput<Message>::State final : public InputBase {
   msg::Origin origin() const override { return message.header().origin(); }
   void Describe(Tick* tick) const override {
     tick->stamp_ns = message.header().stamp_ns();
-    tick->origin = static_cast<int>(message.header().origin());
+    tick->origin = static_cast<int>(origin());
     if constexpr (std::is_same_v<Message, msg::JointState>) {
       tick->nominal_period_s = message.period_s();
       tick->last = message.last_tick();
@@ -236,6 +236,7 @@ std::optional<Tick> TickLoop::Next() {
   tick.tick = head->tick;
   tick.nominal_period_s = self.options.nominal_period_s;
   const auto deadline = Clock::now() + self.options.cut_off;
+  bool replayed = false;
   for (std::size_t i = 1; i < self.inputs.size(); ++i) {
     InputBase& input = *self.inputs[i];
     if (!self.WaitForInput(input, head->tick, deadline)) return std::nullopt;
@@ -243,18 +244,14 @@ std::optional<Tick> TickLoop::Next() {
     const InputRules& rules = input.queue.rules();
     const bool expected = head->tick >= static_cast<std::uint64_t>(rules.delay_ticks);
     tick.any_stale |= rules.required && expected && !input.queue.fresh();
+    replayed |= input.queue.accepted() && input.origin() == msg::ORIGIN_REPLAY;
   }
   trigger.Describe(&tick);
   const double period_s = self.period.Next(tick.session_id, tick.tick, tick.stamp_ns,
                                            tick.origin == msg::ORIGIN_SIM, tick.nominal_period_s);
   tick.period_s = self.lockstep ? tick.nominal_period_s : period_s;
   // What is computed from a recording is no live command, whatever triggered it.
-  for (std::size_t i = 1; i < self.inputs.size(); ++i) {
-    const InputBase& input = *self.inputs[i];
-    if (input.queue.accepted() && input.origin() == msg::ORIGIN_REPLAY) {
-      tick.origin = msg::ORIGIN_REPLAY;
-    }
-  }
+  if (replayed) tick.origin = msg::ORIGIN_REPLAY;
 
   self.Count(tick);
   self.last_tick = tick.tick;

@@ -3,11 +3,11 @@
 // Pure and deterministic: time is the provider's own tick and its own clock. A command is as old as
 // the distance between the provider's tick and the tick it echoes, and for hardware at least as old
 // as that tick by the clock, so that a provider that stalled does not take an old command for a
-// fresh one; foreign clocks never matter. When
-// missed_periods have passed without their commands the guard damps or holds (unlatched: a fresh
-// command ends it), after fault_after it latches a fault. Everything starts disarmed; a fault or an
-// estop ends only by Reset, and then by Arm. A joint's own fault idles that joint; what the other
-// joints do is configured (OtherJointsPolicy). Thread: one. Allocates nothing.
+// fresh one; foreign clocks never matter. When missed_periods have passed without their commands
+// the guard damps or holds (unlatched: a fresh command ends it), after fault_after it latches a
+// fault. Everything starts disarmed; a fault or an estop ends only by Reset, and then by Arm. A
+// joint's own fault idles that joint; what the other joints do is configured (OtherJointsPolicy).
+// Thread: one. Allocates nothing.
 #pragma once
 
 #include <chrono>

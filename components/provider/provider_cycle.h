@@ -102,8 +102,8 @@ class ProviderCycle {
   // Armed from the first tick on, without an operator.
   void ArmAtStart() { guard_.Arm(config_.session_id, 0); }
 
-  // disarm and estop count whoever says so. arm and reset count only for this session and not from
-  // a recording.
+  // disarm and estop count whoever sends them; arm and reset only with the cycle's own session_id,
+  // and not from a recording.
   OperatorResult Take(const OperatorCommand& command, std::uint64_t tick);
   // True: the command counts and is the newest.
   bool Take(const JointCommand& command, std::uint64_t tick);

@@ -162,7 +162,7 @@ def check_of(struct, body, enums, structs):
         elif field["type"] == "octet" and field["name"].endswith("_count") and sizes:
             conditions.append(f"{value} <= {min(sizes)}")
     unused = "" if conditions else "[[maybe_unused]] "
-    body = "\n         ".join(" && ".join(conditions or ["true"]).replace(" && ", " &&\n").split("\n"))
+    body = " &&\n         ".join(conditions or ["true"])
     return f"inline bool HasMeaning({unused}const msg::{struct}& m) {{\n  return {body};\n}}\n"
 
 

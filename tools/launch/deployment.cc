@@ -236,7 +236,7 @@ void Record(const fs::path& path, const fs::path& folder, Deployment* deployment
   if (logger.program.empty()) throw UsageError("--record: " + NoProgram("sinew-logger", folder));
   logger.arguments = {"--out", output};
   logger.stop_last = true;
-  logger.vital = deployment->lockstep;
+  logger.vital = false;
   logger.restart = deployment->lockstep ? Restart::kNever : Restart::kOnFailure;
   deployment->processes.push_back(logger);
 }

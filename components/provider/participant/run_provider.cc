@@ -81,8 +81,9 @@ class Provider {
     const auto start = Clock::now();
     CycleDeadline deadline(cycle_.period(), MonotonicNow_ns());
     for (tick_ = 0; !stop_.requested(); ++tick_) {
-      work_.Resume(MonotonicNow_ns());
-      if (cycle_.Begin(tick_, MonotonicNow_ns())) {
+      const std::int64_t begin_ns = MonotonicNow_ns();
+      work_.Resume(begin_ns);
+      if (cycle_.Begin(tick_, begin_ns)) {
         spdlog::warn("tick {}: this provider was stalled for longer than its fault time", tick_);
       }
       readers_.TakeOperatorCommands(tick_);
