@@ -18,7 +18,7 @@ struct NodeImpl {
       : options(node_options),
         discovery(signal),
         participant(options, &discovery),
-        status(options.name) {}
+        status(options.component, options.name) {}
 
   const Options options;
   WakeSignal signal;

@@ -15,7 +15,8 @@ namespace sinew::node::internal {
 
 class Status {
  public:
-  explicit Status(const std::string& component_name) : name_(component_name) {}
+  Status(const std::string& component, const std::string& name)
+      : component_(component), name_(name) {}
 
   // Publishes from here on, the first message at once.
   void Open(std::unique_ptr<WriterImpl> writer);
@@ -34,7 +35,7 @@ class Status {
   void Publish();
   void ReportToSystemd();
 
-  const std::string name_;
+  const std::string component_, name_;
   SystemdLink systemd_;
   std::unique_ptr<WriterImpl> writer_;
   std::chrono::steady_clock::time_point last_publication_{};

@@ -63,6 +63,8 @@ OperatorResult ProviderCycle::Take(const OperatorCommand& command, std::uint64_t
       return OperatorResult::kClearFaults;
     case OperatorAction::kStart:
     case OperatorAction::kStop:
+    case OperatorAction::kHandover:
+    case OperatorAction::kPermitReplay:
       break;
   }
   return OperatorResult::kNotForProvider;

@@ -69,7 +69,7 @@ enum class OperatorResult {
   kRefusedOrigin,        // arm or reset: replayed, or for hardware not from a live operator
   kRefusedResetFirst,    // arm: after a fault or an estop
   kRefusedDisarmFirst,   // reset: a joint that had a fault would move at once
-  kNotForProvider,       // start and stop are for reference generators
+  kNotForProvider,       // start, stop, handover and permissions are for others
 };
 
 enum class FaultChange {

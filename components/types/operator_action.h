@@ -4,12 +4,14 @@
 namespace sinew::types {
 
 enum class OperatorAction {
-  kDisarm,  // motors off
-  kArm,     // of one session: commands are accepted
-  kEstop,   // motors off, latched
-  kReset,   // ends a latched fault or estop: disarmed
-  kStart,   // reference generators: start the trajectory
-  kStop,    // reference generators: end the trajectory
+  kDisarm,        // motors off
+  kArm,           // of one session: commands are accepted
+  kEstop,         // motors off, latched
+  kReset,         // ends a latched fault or estop: disarmed
+  kStart,         // reference generators: start the trajectory
+  kStop,          // reference generators: end the trajectory
+  kHandover,      // a role goes to the participant that is named
+  kPermitReplay,  // the named player's reference may move live hardware in this session
 };
 
 }  // namespace sinew::types

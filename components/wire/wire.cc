@@ -54,6 +54,8 @@ constexpr std::array kOperatorAction = {
     Pair{types::OperatorAction::kReset, msg::OPERATOR_RESET},
     Pair{types::OperatorAction::kStart, msg::OPERATOR_START},
     Pair{types::OperatorAction::kStop, msg::OPERATOR_STOP},
+    Pair{types::OperatorAction::kHandover, msg::OPERATOR_HANDOVER},
+    Pair{types::OperatorAction::kPermitReplay, msg::OPERATOR_PERMIT_REPLAY},
 };
 
 // The fallback is for values that are not in the table: no enumerator of the project's own types is
