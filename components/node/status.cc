@@ -101,7 +101,7 @@ void Status::Publish() {
   ::gethostname(host, sizeof(host) - 1);
   msg::ComponentStatus status;
   status.name(name_);
-  status.component(component_);
+  status.component_kind(component_);
   status.header().session_id(session_id_);
   status.header().tick(tick_);
   status.header().stamp_ns(stamp_ns_);
