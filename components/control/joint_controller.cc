@@ -96,9 +96,10 @@ void JointController::Disarm() noexcept {
   if (compensator_) compensator_->Reset();
 }
 
-void JointController::Track(double applied_motor_torque_Nm) noexcept {
-  if (!started_ || !std::isfinite(applied_motor_torque_Nm)) return;
-  pid_.Track((applied_motor_torque_Nm - feed_forward_Nm_) / config_.shaft_per_output);
+void JointController::Follow(double difference_motor_torque_Nm) noexcept {
+  if (!started_ || !std::isfinite(difference_motor_torque_Nm)) return;
+  if (config_.pid.integral_Nm_rad_s == 0.0) return;
+  pid_.Shift(difference_motor_torque_Nm / config_.shaft_per_output);
 }
 
 double JointController::MeasuredVelocity(const JointMeasurement& m, double period_s) noexcept {

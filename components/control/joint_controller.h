@@ -80,9 +80,10 @@ class JointController {
   };
   Result Step(const JointInput& input) noexcept;
 
-  // The command that the robot got this tick came from another controller: go on from it when it is
-  // gone.
-  void Track(double applied_motor_torque_Nm) noexcept;
+  // The robot gets another controller's commands, which differ from the own ones by this much: the
+  // integral takes the difference, so that the commands go on from the other's when it is gone.
+  // Without an integral, or at rest, nothing changes.
+  void Follow(double difference_motor_torque_Nm) noexcept;
 
   const JointControlConfig& config() const noexcept { return config_; }
 

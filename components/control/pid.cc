@@ -55,12 +55,6 @@ void Pid::Limited(double excess_Nm, double period_s) noexcept {
   integral_Nm_ += std::min(1.0, period_s / config_.anti_windup_s) * excess_Nm;
 }
 
-void Pid::Track(double applied_Nm) noexcept {
-  if (config_.integral_Nm_rad_s == 0.0) return;
-  integral_Nm_ += applied_Nm - output_Nm_;
-  output_Nm_ = applied_Nm;
-}
-
 void Pid::Shift(double torque_Nm) noexcept {
   integral_Nm_ += torque_Nm;
   if (config_.integral_limit_Nm > 0.0) {

@@ -34,11 +34,8 @@ class Pid {
   double Step(double error_rad, double error_rate_rad_s, double period_s) noexcept;
   // The limited command was lower (or higher) by excess = s_k - u_k.
   void Limited(double excess_Nm, double period_s) noexcept;
-  // Another controller's command is applied: the integral takes what makes u_k equal to it.
-  void Track(double applied_Nm) noexcept;
-
   // The integral gets this much more: what another part of the command gives from now on, or no
-  // longer.
+  // longer, or what another controller's command had more.
   void Shift(double torque_Nm) noexcept;
 
   double integral_Nm() const noexcept { return integral_Nm_; }

@@ -75,9 +75,9 @@ RobotOutput RobotController::Step(const RobotInput& input) noexcept {
   return output;
 }
 
-void RobotController::Track(std::span<const double> applied_motor_torque_Nm) noexcept {
-  for (std::size_t j = 0; j < std::min(joints_.size(), applied_motor_torque_Nm.size()); ++j) {
-    joints_[j].Track(applied_motor_torque_Nm[j]);
+void RobotController::Follow(std::span<const double> difference_motor_torque_Nm) noexcept {
+  for (std::size_t j = 0; j < std::min(joints_.size(), difference_motor_torque_Nm.size()); ++j) {
+    joints_[j].Follow(difference_motor_torque_Nm[j]);
   }
 }
 

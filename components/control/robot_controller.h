@@ -17,8 +17,8 @@ class RobotController {
   explicit RobotController(const std::vector<JointControlConfig>& joints);
 
   RobotOutput Step(const RobotInput& input) noexcept;
-  // See JointController::Track; a value per joint.
-  void Track(std::span<const double> applied_motor_torque_Nm) noexcept;
+  // See JointController::Follow; a value per joint.
+  void Follow(std::span<const double> difference_motor_torque_Nm) noexcept;
 
   int joint_count() const noexcept { return static_cast<int>(joints_.size()); }
 

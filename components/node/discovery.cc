@@ -21,6 +21,14 @@ std::string Text(const Identity& identity) {
 
 }  // namespace
 
+std::string TextOf(const rtps::GUID_t& guid) { return Text(guid); }
+
+std::string Discovery::ParticipantOf(const rtps::GUID_t& guid) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = participant_names_.find(Text(guid.guidPrefix));
+  return found == participant_names_.end() ? "" : found->second;
+}
+
 void Discovery::AddProblem(const std::string& problem) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -55,7 +63,12 @@ void Discovery::on_subscriber_discovery(dds::DomainParticipant* participant,
 void Discovery::on_publisher_discovery(dds::DomainParticipant* participant,
                                        rtps::WriterDiscoveryInfo&& info) {
   Discovered(participant,
-             {true, info.info.topicName().to_string(), info.info.typeName().to_string(), {}, {}},
+             {true,
+              info.info.topicName().to_string(),
+              info.info.typeName().to_string(),
+              {},
+              {},
+              info.info.m_qos.m_ownershipStrength.value},
              info.info.guid(), info.status == rtps::WriterDiscoveryInfo::REMOVED_WRITER);
 }
 
@@ -83,6 +96,7 @@ void Discovery::Discovered(const dds::DomainParticipant* participant, Endpoint e
   }
   if (!problem.empty()) AddProblem(problem);
   signal_.Notify(nullptr);
+  if (on_change_) on_change_();
 }
 
 std::vector<Endpoint> Discovery::endpoints() const {

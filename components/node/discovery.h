@@ -3,9 +3,11 @@
 // Threads: DDS calls the listener functions; the others may be called by any thread.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "components/node/dds_pch.h"
@@ -16,12 +18,18 @@ namespace sinew::node::internal {
 
 namespace dds = eprosima::fastdds::dds;
 
+std::string TextOf(const eprosima::fastrtps::rtps::GUID_t& guid);
+
 class Discovery final : public dds::DomainParticipantListener {
  public:
-  explicit Discovery(WakeSignal& signal) : signal_(signal) {}
+  // on_change: called by DDS threads when an endpoint was found, changed or lost.
+  Discovery(WakeSignal& signal, std::function<void()> on_change)
+      : signal_(signal), on_change_(std::move(on_change)) {}
 
   std::vector<Endpoint> endpoints() const;  // of other participants
   std::vector<std::string> problems() const;
+  // The name of the participant of this endpoint; empty: not known, or gone.
+  std::string ParticipantOf(const eprosima::fastrtps::rtps::GUID_t& guid) const;
   // Logged as an error and kept; the same text only once.
   void AddProblem(const std::string& problem);
 
@@ -37,6 +45,7 @@ class Discovery final : public dds::DomainParticipantListener {
                   const eprosima::fastrtps::rtps::GUID_t& guid, bool gone);
 
   WakeSignal& signal_;
+  const std::function<void()> on_change_;
   mutable std::mutex mutex_;
   std::map<std::string, std::string> participant_names_;  // by GUID prefix
   std::map<std::string, Endpoint> endpoints_;             // by GUID

@@ -1,15 +1,18 @@
 #include "components/node/node.h"
 
+#include <algorithm>
+
 #include "components/node/node_impl.h"
 
 namespace sinew::node {
 
 Node::Node(const Options& options) : impl_(std::make_shared<internal::NodeImpl>(options)) {
   impl_->status.Open(
-      std::make_unique<internal::WriterImpl>(impl_, *FindTopic(kComponentStatus.name), 10));
+      std::make_unique<internal::WriterImpl>(impl_, *FindTopic(kComponentStatus.name)));
 }
 
 Node::~Node() {
+  impl_->ownership.Close();
   impl_->status.Close();
   impl_->raw_readers.clear();
 }
@@ -25,6 +28,25 @@ int Node::RawMatchedWriters(const std::string& topic) const {
     if (reader->topic.name == topic) count += reader->matched();
   }
   return count;
+}
+
+std::optional<Node::WriterName> Node::NameOf(const WriterId& writer) const {
+  eprosima::fastrtps::rtps::GUID_t guid;
+  std::copy_n(writer.begin(), guid.guidPrefix.size, guid.guidPrefix.value);
+  std::copy_n(writer.begin() + guid.guidPrefix.size, guid.entityId.size, guid.entityId.value);
+  WriterName name;
+  name.guid = internal::TextOf(guid);
+  name.own = guid.guidPrefix == impl_->participant.guid().guidPrefix;
+  name.participant = name.own ? impl_->options.name : impl_->discovery.ParticipantOf(guid);
+  if (name.participant.empty()) return std::nullopt;
+  return name;
+}
+
+void Node::SetPeriod(std::chrono::nanoseconds period) {
+  const std::lock_guard<std::mutex> lock(impl_->owned_readers_mutex);
+  if (period == impl_->period) return;
+  impl_->period = period;
+  for (internal::ReaderImpl* reader : impl_->owned_readers) reader->SetPeriod(period);
 }
 
 std::vector<Endpoint> Node::Endpoints() const { return impl_->discovery.endpoints(); }

@@ -15,6 +15,7 @@
 
 #include "components/node/options.h"
 #include "components/node/topics.h"
+#include "components/node/writer_id.h"
 
 namespace sinew::node {
 
@@ -54,9 +55,12 @@ class Reader {
   std::uint64_t dropped() const;   // samples dropped unread because the queue was full
   // Samples that were no such message or had no meaning (codec.h); they are never handed on.
   std::uint64_t malformed() const;
+  // Whose sample was taken last.
+  const WriterId& writer() const { return writer_; }
 
  private:
   friend class Node;
+  WriterId writer_{};
   explicit Reader(std::shared_ptr<internal::ReaderImpl> impl);
   std::shared_ptr<internal::ReaderImpl> impl_;
 };
@@ -107,6 +111,7 @@ struct Endpoint {
   std::string type_name;
   std::string participant;
   std::string guid;
+  std::uint32_t strength = 0;  // of writers of EXCLUSIVE topics: the greatest one is heard
 };
 
 class Node {
@@ -118,16 +123,27 @@ class Node {
 
   template <class Message>
   Reader<Message> MakeReader(const Topic<Message>& topic);
-  // strength: ownership strength for EXCLUSIVE topics; the highest live writer is heard.
+  // Of several writers of an EXCLUSIVE topic one is heard, by the rules of ownership.h.
   template <class Message>
-  Writer<Message> MakeWriter(const Topic<Message>& topic, int strength = 10);
+  Writer<Message> MakeWriter(const Topic<Message>& topic);
 
   // Untyped ends for recorders and players. The callback runs in a DDS thread: copy and return.
   using RawCallback = std::function<void(RawSample&&)>;
   void ReadRaw(const TopicInfo& topic, RawCallback callback);
-  RawWriter MakeRawWriter(const TopicInfo& topic, int strength = 10);
+  RawWriter MakeRawWriter(const TopicInfo& topic);
   // Number of writers matched to the raw readers of a topic.
   int RawMatchedWriters(const std::string& topic) const;
+
+  // Who writes: name and GUID of an endpoint of this participant or of a discovered one; nothing
+  // for one that has gone.
+  struct WriterName {
+    std::string participant, guid;
+    bool own = false;
+  };
+  std::optional<WriterName> NameOf(const WriterId& writer) const;
+  // The nominal period of the cycle, once it is known or when it has changed: it sets how long the
+  // owner of a topic may be silent (ownership.h).
+  void SetPeriod(std::chrono::nanoseconds period);
 
   // Endpoints of other participants seen so far, and problems (other type hash, incompatible QoS).
   std::vector<Endpoint> Endpoints() const;

@@ -1,11 +1,14 @@
 // The parts of a node. Readers and writers keep them alive, and may outlive the Node itself.
 #pragma once
 
+#include <chrono>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "components/node/discovery.h"
 #include "components/node/node.h"
+#include "components/node/ownership_keeper.h"
 #include "components/node/participant.h"
 #include "components/node/reader_impl.h"
 #include "components/node/status.h"
@@ -13,20 +16,27 @@
 
 namespace sinew::node::internal {
 
-struct NodeImpl {
+struct NodeImpl : public std::enable_shared_from_this<NodeImpl> {
   explicit NodeImpl(const Options& node_options)
       : options(node_options),
-        discovery(signal),
+        ownership(*this),
+        discovery(signal, [this] { ownership.Notify(); }),
         participant(options, &discovery),
-        status(options.component, options.name) {}
+        status(RoleOf(options), options.name) {}
 
   const Options options;
   WakeSignal signal;
+  OwnershipKeeper ownership;
   Discovery discovery;
   Participant participant;
   // Its writer and the raw readers hold a pointer to this: Node's destructor ends them.
   Status status;
   std::vector<std::unique_ptr<ReaderImpl>> raw_readers;
+
+  // Readers of EXCLUSIVE topics, which want to know the period.
+  std::mutex owned_readers_mutex;
+  std::vector<ReaderImpl*> owned_readers;
+  std::chrono::nanoseconds period{0};
 };
 
 }  // namespace sinew::node::internal

@@ -21,6 +21,7 @@ enum class TimeMode { kRealtime, kLockstep };
 struct Options {
   std::string component;                // kind of participant, e.g. "regime"
   std::string name;                     // of this instance; the component's name unless --name
+  std::string role;                     // what it can be handed over as; the component unless set
   int domain_id = 0;                    // --domain or SINEW_DOMAIN
   std::filesystem::path config_path;    // --config; may be empty
   std::string log_level = "info";       // --log-level
@@ -29,6 +30,11 @@ struct Options {
   std::uint64_t seed = 1;          // --seed
   std::filesystem::path qos_path;  // --qos: XML profiles instead of the built-in ones
 };
+
+// Whom a participant can stand in for.
+inline const std::string& RoleOf(const Options& options) {
+  return options.role.empty() ? options.component : options.role;
+}
 
 // Set by SIGINT and SIGTERM. Make it before any thread exists.
 class StopFlag {

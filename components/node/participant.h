@@ -28,6 +28,7 @@ class Participant {
   // The QoS profile that a topic uses in this time mode.
   std::string ProfileFor(const TopicInfo& info) const;
   dds::Publisher& publisher() const { return *publisher_; }
+  const eprosima::fastrtps::rtps::GUID_t& guid() const { return participant_->guid(); }
   dds::Subscriber& subscriber() const { return *subscriber_; }
 
  private:

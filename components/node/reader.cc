@@ -1,5 +1,6 @@
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <bit>
 
 #include "components/node/all_messages.h"
@@ -39,15 +40,38 @@ ReaderImpl::ReaderImpl(std::shared_ptr<NodeImpl> owner, const TopicInfo& info,
                                              << dds::StatusMask::sample_lost()
                                              << dds::StatusMask::requested_incompatible_qos());
   if (reader_ == nullptr) throw DdsError("no reader for topic '" + topic.name + "'");
+  if (!has_owners()) return;
+  const std::lock_guard<std::mutex> lock(node->owned_readers_mutex);
+  node->owned_readers.push_back(this);
+  if (node->period.count() > 0) SetPeriod(node->period);
 }
 
 ReaderImpl::~ReaderImpl() {
   if (reader_ == nullptr) return;
+  if (has_owners()) {
+    const std::lock_guard<std::mutex> lock(node->owned_readers_mutex);
+    std::erase(node->owned_readers, this);
+  }
   reader_->set_listener(nullptr);
   node->participant.subscriber().delete_datareader(reader_);
   if (dropped() > 0 && dropping_is_a_loss()) {
     spdlog::warn("topic '{}': {} of {} samples were dropped unread", topic.name, dropped(),
                  received());
+  }
+}
+
+bool ReaderImpl::has_owners() const {
+  return IsExclusive(topic.profile) && node->options.mode == TimeMode::kRealtime;
+}
+
+void ReaderImpl::SetPeriod(std::chrono::nanoseconds period) {
+  dds::DataReaderQos qos = reader_->get_qos();
+  const auto deadline_ns = Deadline(period).count();
+  if (qos.deadline().period.to_ns() == deadline_ns) return;
+  qos.deadline().period = eprosima::fastrtps::Duration_t(1e-9 * static_cast<double>(deadline_ns));
+  if (reader_->set_qos(qos) != ReturnCode_t::RETCODE_OK) {
+    node->discovery.AddProblem("topic '" + topic.name + "': the deadline of its reader cannot be " +
+                               std::to_string(deadline_ns / 1000000) + " ms");
   }
 }
 
@@ -63,6 +87,8 @@ void ReaderImpl::on_data_available(dds::DataReader* source) {
     if (!info.valid_data) continue;
     scratch_.source_stamp_ns = info.source_timestamp.to_ns();
     scratch_.reception_stamp_ns = types::EpochNow_ns();
+    std::copy_n(static_cast<const std::uint8_t*>(info.publication_handle.value),
+                scratch_.writer.size(), scratch_.writer.begin());
     received_.fetch_add(1, std::memory_order_relaxed);
     any = true;
     if (callback_) {
@@ -118,10 +144,12 @@ namespace {
 
 // The next sample that means something; the malformed ones before it are counted and dropped.
 template <class Message>
-std::optional<Message> TakeDecoded(
-    internal::ReaderImpl& reader, std::optional<internal::Sample> (internal::ReaderImpl::*take)()) {
+std::optional<Message> TakeDecoded(internal::ReaderImpl& reader,
+                                   std::optional<internal::Sample> (internal::ReaderImpl::*take)(),
+                                   WriterId* writer) {
   while (const auto sample = (reader.*take)()) {
     Message message;
+    *writer = sample->writer;
     if (Decode(sample->bytes, &message)) return message;
     reader.CountMalformed();
   }
@@ -146,12 +174,12 @@ Reader<Message>::~Reader() = default;
 
 template <class Message>
 std::optional<Message> Reader<Message>::TakeNext() {
-  return TakeDecoded<Message>(*impl_, &internal::ReaderImpl::TakeNext);
+  return TakeDecoded<Message>(*impl_, &internal::ReaderImpl::TakeNext, &writer_);
 }
 
 template <class Message>
 std::optional<Message> Reader<Message>::TakeLatest() {
-  return TakeDecoded<Message>(*impl_, &internal::ReaderImpl::TakeLatest);
+  return TakeDecoded<Message>(*impl_, &internal::ReaderImpl::TakeLatest, &writer_);
 }
 
 template <class Message>

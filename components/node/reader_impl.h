@@ -33,6 +33,8 @@ struct ReaderImpl final : public dds::DataReaderListener {
   std::uint64_t dropped() const { return queue_.dropped(); }
   // Of a sample taken from here that could not be decoded: counted, logged, forgotten.
   void CountMalformed();
+  // Of an EXCLUSIVE topic in real time: its owner may be silent for Deadline(period).
+  void SetPeriod(std::chrono::nanoseconds period);
   std::uint64_t malformed() const { return malformed_; }
 
   void on_data_available(dds::DataReader* source) override;
@@ -47,6 +49,7 @@ struct ReaderImpl final : public dds::DataReaderListener {
  private:
   // False where only the newest sample matters, so that dropping is no loss.
   bool dropping_is_a_loss() const;
+  bool has_owners() const;
 
   Node::RawCallback callback_;
   SampleQueue queue_;

@@ -13,6 +13,7 @@
 #include "components/node/codec.h"
 #include "components/node/options.h"
 #include "components/node/topic.h"
+#include "components/node/writer_id.h"
 
 namespace sinew::node::internal {
 
@@ -20,6 +21,7 @@ struct Sample {
   Bytes bytes;                          // CDR with its 4-byte header
   std::int64_t source_stamp_ns = 0;     // writer's clock
   std::int64_t reception_stamp_ns = 0;  // epoch time
+  WriterId writer{};
 };
 
 // How many samples a reader may leave unread, by what is lost with them. In real time states and
@@ -28,7 +30,7 @@ struct Sample {
 // not await may be minutes behind, and beyond the limit it has failed, not fallen behind.
 constexpr std::size_t QueueLimit(Profile profile, TimeMode mode) {
   if (mode == TimeMode::kLockstep) return 65536;
-  return profile == Profile::kState || profile == Profile::kControl ? 8 : 256;
+  return profile == Profile::kState || IsExclusive(profile) ? 8 : 256;
 }
 
 class SampleQueue {

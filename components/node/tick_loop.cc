@@ -179,6 +179,14 @@ struct TickLoop::Impl {
     return true;
   }
 
+  // The owner of a topic that has been silent for longer than its readers wait was replaced.
+  bool WasSilent(const HeadOfMessage& head, const Tick& tick) const {
+    if (lockstep || !last_tick || !(tick.nominal_period_s > 0.0)) return false;
+    const std::chrono::nanoseconds nominal(std::llround(1e9 * tick.nominal_period_s));
+    return static_cast<std::int64_t>(head.tick - *last_tick) * nominal >
+           internal::Deadline(nominal);
+  }
+
   void Count(const Tick& tick) {
     if (last_tick && tick.tick > *last_tick + 1) counts.missed_ticks += tick.tick - *last_tick - 1;
     if (tick.any_stale) ++counts.stale_inputs;
@@ -253,6 +261,11 @@ std::optional<Tick> TickLoop::Next() {
   // What is computed from a recording is no live command, whatever triggered it.
   if (replayed) tick.origin = msg::ORIGIN_REPLAY;
 
+  if (tick.nominal_period_s > 0.0) {
+    self.node.SetPeriod(std::chrono::nanoseconds(std::llround(1e9 * tick.nominal_period_s)));
+  }
+  if (self.WasSilent(*head, tick)) self.node.impl_->ownership.StepBelow();
+  self.node.impl_->ownership.SetCycle(tick.session_id, tick.origin);
   self.Count(tick);
   self.last_tick = tick.tick;
   self.ended = tick.last;

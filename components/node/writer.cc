@@ -8,7 +8,7 @@ namespace internal {
 
 using eprosima::fastrtps::types::ReturnCode_t;
 
-WriterImpl::WriterImpl(std::shared_ptr<NodeImpl> owner, const TopicInfo& info, int strength)
+WriterImpl::WriterImpl(std::shared_ptr<NodeImpl> owner, const TopicInfo& info)
     : node(std::move(owner)), topic(info) {
   dds::Topic* dds_topic = node->participant.FindOrMakeTopic(topic);
   dds::Publisher& publisher = node->participant.publisher();
@@ -17,19 +17,38 @@ WriterImpl::WriterImpl(std::shared_ptr<NodeImpl> owner, const TopicInfo& info, i
   if (publisher.get_datawriter_qos_from_profile(profile, qos) != ReturnCode_t::RETCODE_OK) {
     throw DdsError("no writer QoS profile '" + profile + "'");
   }
-  qos.ownership_strength().value = static_cast<std::uint32_t>(strength);
+  qos.ownership_strength().value = strength();
   writer_ = publisher.create_datawriter(dds_topic, qos, this,
                                         dds::StatusMask::offered_incompatible_qos());
   if (writer_ == nullptr) throw DdsError("no writer for topic '" + topic.name + "'");
+  guid_ = TextOf(writer_->guid());
+  if (HasOwners()) node->ownership.Add(this);
 }
 
 WriterImpl::~WriterImpl() {
   if (writer_ == nullptr) return;
+  if (HasOwners()) node->ownership.Remove(this);
   if (node->options.mode == TimeMode::kLockstep && matched() > 0) {
     writer_->wait_for_acknowledgments({2, 0});
   }
   writer_->set_listener(nullptr);
   node->participant.publisher().delete_datawriter(writer_);
+}
+
+bool WriterImpl::HasOwners() const {
+  return IsExclusive(topic.profile) && node->options.mode == TimeMode::kRealtime;
+}
+
+void WriterImpl::SetStrength(Strength strength) {
+  if (strength == this->strength()) return;
+  dds::DataWriterQos qos = writer_->get_qos();
+  qos.ownership_strength().value = strength;
+  if (writer_->set_qos(qos) != ReturnCode_t::RETCODE_OK) {
+    node->discovery.AddProblem("topic '" + topic.name + "': the ownership strength stays at " +
+                               std::to_string(this->strength()));
+    return;
+  }
+  strength_.store(strength, std::memory_order_relaxed);
 }
 
 WriteStatus WriterImpl::Write(Bytes* bytes) {
@@ -61,9 +80,8 @@ bool WriterImpl::WaitAcknowledged(std::chrono::milliseconds timeout) const {
 }  // namespace internal
 
 template <class Message>
-Writer<Message> Node::MakeWriter(const Topic<Message>& topic, int strength) {
-  return Writer<Message>(
-      std::make_shared<internal::WriterImpl>(impl_, *FindTopic(topic.name), strength));
+Writer<Message> Node::MakeWriter(const Topic<Message>& topic) {
+  return Writer<Message>(std::make_shared<internal::WriterImpl>(impl_, *FindTopic(topic.name)));
 }
 
 template <class Message>
@@ -86,8 +104,8 @@ int Writer<Message>::matched_readers() const {
   return impl_->matched();
 }
 
-RawWriter Node::MakeRawWriter(const TopicInfo& topic, int strength) {
-  return RawWriter(std::make_shared<internal::WriterImpl>(impl_, topic, strength));
+RawWriter Node::MakeRawWriter(const TopicInfo& topic) {
+  return RawWriter(std::make_shared<internal::WriterImpl>(impl_, topic));
 }
 
 RawWriter::RawWriter(std::shared_ptr<internal::WriterImpl> impl) : impl_(std::move(impl)) {}
@@ -105,7 +123,7 @@ bool RawWriter::WaitAcknowledged(std::chrono::milliseconds timeout) const {
 
 #define SINEW_INSTANTIATE(Type)     \
   template class Writer<msg::Type>; \
-  template Writer<msg::Type> Node::MakeWriter(const Topic<msg::Type>&, int);
+  template Writer<msg::Type> Node::MakeWriter(const Topic<msg::Type>&);
 SINEW_FOR_EACH_MESSAGE(SINEW_INSTANTIATE)
 #undef SINEW_INSTANTIATE
 

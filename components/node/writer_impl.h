@@ -1,27 +1,36 @@
 // Owner of a DDS writer.
 //
-// Threads: DDS calls the listener function; the others belong to the thread that writes. Throws
-// DdsError.
+// Threads: DDS calls the listener function; the others belong to the thread that writes, unless
+// they say otherwise. Throws DdsError.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <memory>
+#include <string>
 
 #include "components/node/codec.h"
 #include "components/node/dds_pch.h"
 #include "components/node/node.h"
+#include "components/node/ownership.h"
 
 namespace sinew::node::internal {
 
 namespace dds = eprosima::fastdds::dds;
 
 struct WriterImpl final : public dds::DataWriterListener {
-  WriterImpl(std::shared_ptr<NodeImpl> owner, const TopicInfo& info, int strength);
+  WriterImpl(std::shared_ptr<NodeImpl> owner, const TopicInfo& info);
   ~WriterImpl() override;  // in lockstep waits up to 2 s until every reader has everything
 
   WriteStatus Write(Bytes* bytes);
   bool WaitAcknowledged(std::chrono::milliseconds timeout) const;
   int matched() const;
+
+  // Of EXCLUSIVE topics. SetStrength tells all readers; it may be called by any one thread at a
+  // time, and does nothing when the strength is the same.
+  Strength strength() const noexcept { return strength_.load(std::memory_order_relaxed); }
+  void SetStrength(Strength strength);
+  const std::string& guid() const noexcept { return guid_; }
 
   void on_offered_incompatible_qos(dds::DataWriter*,
                                    const dds::OfferedIncompatibleQosStatus& status) override;
@@ -31,7 +40,11 @@ struct WriterImpl final : public dds::DataWriterListener {
   Bytes scratch;  // of the thread that writes
 
  private:
+  bool HasOwners() const;
+
   dds::DataWriter* writer_ = nullptr;
+  std::atomic<Strength> strength_{kJoiningStrength};
+  std::string guid_;
 };
 
 }  // namespace sinew::node::internal

@@ -10,8 +10,12 @@ import re
 import sys
 
 COLUMNS = ["topic", "type", "file", "writer", "readers", "rate", "QoS"]
-PROFILES = ["state", "control", "event", "latched"]
+PROFILES = ["state", "control", "control_latched", "event", "latched"]
 GENERATED = "// Generated from idl/README.md by tools/idl/topics.py."
+
+
+def camel(name):
+    return "k" + "".join(word.capitalize() for word in name.split("_"))
 
 
 class Topic:
@@ -20,7 +24,7 @@ class Topic:
 
     @property
     def constant(self):
-        return "k" + "".join(word.capitalize() for word in self.name.split("_"))
+        return camel(self.name)
 
 
 def read(path):
@@ -111,7 +115,7 @@ def topic_list(topics, commands):
     lines += [f"class {type_};" for type_ in types]
     lines += ["}  // namespace sinew::msg", "", "namespace sinew::node {", ""]
     lines += [f"inline constexpr Topic<msg::{topic.type}> {topic.constant}{{\"{topic.name}\", "
-              f"Profile::k{topic.profile.capitalize()}}};" for topic in topics]
+              f"Profile::{camel(topic.profile)}}};" for topic in topics]
     lines += [""] + [f"template <>\ninline constexpr bool kBeginsWithHeader<msg::{type_}> = false;"
                      for type_ in without]
     names = "".join(f'\n    "{name}",' for name in commands)

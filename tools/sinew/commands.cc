@@ -6,6 +6,7 @@
 #include "tools/sinew/echo.h"
 #include "tools/sinew/effects.h"
 #include "tools/sinew/experiment.h"
+#include "tools/sinew/handover.h"
 #include "tools/sinew/import.h"
 #include "tools/sinew/launch.h"
 #include "tools/sinew/list.h"
@@ -22,6 +23,7 @@ namespace sinew::tools {
 void AddCoreCommands(CLI::App& app) {
   AddLaunchCommand(app);
   AddOperatorCommands(app);
+  AddHandoverCommand(app);
   AddRecordCommand(app);
   AddReplayCommand(app);
   AddImportCommand(app);

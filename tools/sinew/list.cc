@@ -122,6 +122,8 @@ Json DescribeDomain(const ListOptions& options) {
     std::set<std::string> types;
     std::set<std::pair<std::string, std::string>> writers,
         readers;  // name and GUID of a participant
+    std::uint32_t greatest_strength = 0;
+    std::string owner;  // of an EXCLUSIVE topic with several writers: the one that is heard
   };
   std::map<std::string, Row> topics;
   for (const node::Endpoint& endpoint : node.Endpoints()) {
@@ -129,6 +131,12 @@ Json DescribeDomain(const ListOptions& options) {
     row.types.insert(endpoint.type_name);
     (endpoint.is_writer ? row.writers : row.readers)
         .emplace(endpoint.participant, endpoint.guid.substr(0, endpoint.guid.find('|')));
+    const node::TopicInfo* info = node::FindTopic(Plain(endpoint.topic));
+    if (endpoint.is_writer && info != nullptr && node::IsExclusive(info->profile) &&
+        endpoint.strength > row.greatest_strength) {
+      row.greatest_strength = endpoint.strength;
+      row.owner = endpoint.participant;
+    }
     if (!endpoint.participant.empty() && named.insert(endpoint.participant).second) {
       report["participants"].push_back({{"name", endpoint.participant}, {"state", "unknown"}});
     }
@@ -139,6 +147,7 @@ Json DescribeDomain(const ListOptions& options) {
                                 {"types", row.types},
                                 {"known", node::FindTopic(name) != nullptr},
                                 {"writers", Names(row.writers)},
+                                {"owner", row.writers.size() > 1 ? row.owner : ""},
                                 {"readers", Names(row.readers)}});
     if (name == node::kJointState.name && row.writers.size() > 1) {
       problems.push_back("several state providers: " + JoinNames(Names(row.writers)) +
@@ -169,8 +178,10 @@ void PrintDomain(const Json& report) {
   }
   if (!report["topics"].empty()) std::printf("\n%-20s %-40s %s\n", "topic", "writers", "readers");
   for (const Json& row : report["topics"]) {
-    std::printf("%-20s %-40s %s\n", row["name"].get<std::string>().c_str(),
-                JoinNames(row["writers"].get<std::vector<std::string>>()).c_str(),
+    std::string writers = JoinNames(row["writers"].get<std::vector<std::string>>());
+    const std::string owner = row["owner"].get<std::string>();
+    if (!owner.empty()) writers += " (heard: " + owner + ")";
+    std::printf("%-20s %-40s %s\n", row["name"].get<std::string>().c_str(), writers.c_str(),
                 JoinNames(row["readers"].get<std::vector<std::string>>()).c_str());
   }
   std::fflush(stdout);

@@ -234,8 +234,6 @@ ControlConfig ReadControl(const config::Section& section, const std::filesystem:
                                                   {"every_tick", MotionRequests::kEveryTick}});
   control.motion_timeout_s =
       section.NumberOr("motion_timeout_s", control.motion_timeout_s, kPositive);
-  control.follow_owner = section.BoolOr("follow_owner", false);
-  control.strength = static_cast<int>(section.IntegerOr("strength", control.strength, {1, 1000}));
   const std::vector<Section> joints = section.List("joints");
   if (joints.empty() || joints.size() > static_cast<std::size_t>(types::kMaxJoints)) {
     section.Fail("joints", "has " + std::to_string(joints.size()) + " entries, expected 1 to " +

@@ -20,9 +20,6 @@ struct ControlConfig {
   std::vector<JointControlConfig> joints;
   MotionRequests motion_requests = MotionRequests::kOff;
   double motion_timeout_s = 0.5;
-  // Standby: reads joint_command and goes on from what the owner commanded. Real time only.
-  bool follow_owner = false;
-  int strength = 10;  // ownership of joint_command
 
   bool needs_prediction() const;  // a joint uses pid_esn
   bool needs_regime() const;      // and chooses by regime

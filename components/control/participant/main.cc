@@ -14,27 +14,19 @@ void Run(const sinew::node::Options& options, sinew::node::StopFlag& stop,
     throw UsageError("--config: missing, expected a file with schema sinew-control/1");
   }
   const control::ControlConfig config = control::LoadControl(options.config_path, model_path);
-  if (config.follow_owner && options.mode == node::TimeMode::kLockstep) {
-    throw UsageError(options.config_path.string() +
-                     ": key 'follow_owner': a standby has no place in "
-                     "lockstep, expected false");
-  }
   control::RobotController controller(config.joints);
 
   node::Node node(options);
   node::TickLoop loop(node, stop);
   control::ControlInputs inputs(node, loop, config);
-  auto output = node.MakeWriter(node::kJointCommand, config.strength);
-  msg::JointCommand command;
+  auto output = node.MakeWriter(node::kJointCommand);
   std::string reported;
   while (const auto tick = loop.Next()) {
-    if (const auto owner = inputs.OwnersCommand(*tick, command)) {
-      controller.Track(owner->motor_torque_Nm());
-    }
+    inputs.FollowOwner(&controller);
     const control::RobotInput input = inputs.Gather(*tick);
     const control::RobotOutput result = controller.Step(input);
-    command = inputs.ToMessage(result, input);
-    command.header().tick(tick->tick);
+    const msg::JointCommand command = inputs.ToMessage(result, input);
+    inputs.Made(*tick, command);
     loop.Publish(output, command, *tick);
     if (const std::string fault = control::FaultLine(result); fault != reported) {
       reported = fault;

@@ -18,6 +18,7 @@ bool AllPosition(const ControlConfig& config) {
 
 ControlInputs::ControlInputs(node::Node& node, node::TickLoop& loop, const ControlConfig& config)
     : config_(config),
+      node_(node),
       state_(loop.AddInput(node::kJointState)),
       reference_(loop.AddInput(node::kReference)),
       operator_(node.MakeReader(node::kOperatorCommand)) {
@@ -32,7 +33,9 @@ ControlInputs::ControlInputs(node::Node& node, node::TickLoop& loop, const Contr
     motion_ = &loop.AddInput(node::kMotionRequest,
                              {.delay_ticks = every_tick ? 1 : 0, .required = every_tick});
   }
-  if (config.follow_owner) owner_.emplace(node.MakeReader(node::kJointCommand));
+  if (node.options().mode == node::TimeMode::kRealtime) {
+    owner_.emplace(node.MakeReader(node::kJointCommand));
+  }
 }
 
 RobotInput ControlInputs::Gather(const node::Tick& tick) {
@@ -104,16 +107,19 @@ RobotInput ControlInputs::Gather(const node::Tick& tick) {
   return input;
 }
 
-std::optional<msg::JointCommand> ControlInputs::OwnersCommand(const node::Tick& tick,
-                                                              const msg::JointCommand& own_last) {
-  if (!owner_) return std::nullopt;
-  auto command = owner_->TakeLatest();
-  if (!command || command->header().session_id() != tick.session_id ||
-      command->header().tick() != own_last.header().tick() ||
-      command->motor_torque_Nm() == own_last.motor_torque_Nm()) {
-    return std::nullopt;
+void ControlInputs::FollowOwner(RobotController* controller) {
+  if (!owner_) return;
+  while (const auto command = owner_->TakeNext()) {
+    const auto writer = node_.NameOf(owner_->writer());
+    if (writer && writer->own) continue;
+    const auto difference = follower_.Compare(command->header().session_id(),
+                                              command->header().tick(), command->motor_torque_Nm());
+    if (difference) controller->Follow(*difference);
   }
-  return command;
+}
+
+void ControlInputs::Made(const node::Tick& tick, const msg::JointCommand& command) {
+  follower_.Made(tick.session_id, tick.tick, command.motor_torque_Nm());
 }
 
 msg::JointCommand ControlInputs::ToMessage(const RobotOutput& output,

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "components/control/file/control_file.h"
+#include "components/control/follower.h"
 #include "components/control/robot_controller.h"
 #include "components/node/tick_loop.h"
 
@@ -23,13 +24,15 @@ class ControlInputs {
   ControlInputs(node::Node& node, node::TickLoop& loop, const ControlConfig& config);
 
   RobotInput Gather(const node::Tick& tick);
-  // What the robot got in the tick before, when another controller's command was the stronger one.
-  std::optional<msg::JointCommand> OwnersCommand(const node::Tick& tick,
-                                                 const msg::JointCommand& own_last);
+  // Before a step: takes another controller's commands that the robot got instead of the own ones.
+  void FollowOwner(RobotController* controller);
+  // After it: the own command of this tick.
+  void Made(const node::Tick& tick, const msg::JointCommand& command);
   msg::JointCommand ToMessage(const RobotOutput& output, const RobotInput& input) const;
 
  private:
   ControlConfig config_;
+  node::Node& node_;
   node::TickInput<msg::JointState>& state_;
   node::TickInput<msg::Reference>& reference_;
   node::TickInput<msg::ActuatorState>* actuator_ = nullptr;
@@ -37,7 +40,8 @@ class ControlInputs {
   node::TickInput<msg::RegimeState>* regime_ = nullptr;
   node::TickInput<msg::MotionRequest>* motion_ = nullptr;
   node::Reader<msg::OperatorCommand> operator_;
-  std::optional<node::Reader<msg::JointCommand>> owner_;
+  std::optional<node::Reader<msg::JointCommand>> owner_;  // of joint_command; real time only
+  Follower follower_;
   bool estopped_ = false;
 };
 

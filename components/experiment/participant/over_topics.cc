@@ -34,12 +34,24 @@ Reading ToReading(const msg::JointState& state, const msg::ActuatorState& actuat
   return reading;
 }
 
+// A protocol needs the robot for itself; in lockstep a second writer would answer in its place, in
+// real time it would stand by for ever.
+void RequireNoOtherWriter(const node::Node& node, std::string_view topic) {
+  for (const node::Endpoint& endpoint : node.Endpoints()) {
+    if (endpoint.is_writer && endpoint.topic == topic) {
+      throw std::runtime_error("'" + endpoint.participant + "' writes " + std::string(topic) +
+                               " in domain " + std::to_string(node.options().domain_id) +
+                               "; stop it: an experiment commands the robot by itself");
+    }
+  }
+}
+
 // The outgoing side: three topics a tick.
 class Output {
  public:
-  Output(node::Node& node, int strength)
-      : joint_(node.MakeWriter(node::kJointCommand, strength)),
-        valve_(node.MakeWriter(node::kValveCommand, strength)),
+  explicit Output(node::Node& node)
+      : joint_(node.MakeWriter(node::kJointCommand)),
+        valve_(node.MakeWriter(node::kValveCommand)),
         hand_(node.MakeWriter(node::kSimDisturbance)) {}
 
   void Send(node::TickLoop& loop, const node::Tick& tick, std::size_t joint, int joint_count,
@@ -80,7 +92,7 @@ TopicRun RunOverTopics(node::Node& node, node::StopFlag& stop, Prepared& protoco
   auto& actuator_input = loop.AddInput(node::kActuatorState);
   // Only to see whether there is a provider; nothing is read from it, so it ends with the wait.
   std::optional<node::Reader<msg::JointState>> presence = node.MakeReader(node::kJointState);
-  Output output(node, options.strength);
+  Output output(node);
   auto operator_writer = node.MakeWriter(node::kOperatorCommand);
   const auto joint = static_cast<std::size_t>(options.joint);
 
@@ -96,6 +108,8 @@ TopicRun RunOverTopics(node::Node& node, node::StopFlag& stop, Prepared& protoco
     node.WaitForData(std::chrono::milliseconds(50));
   }
   presence.reset();
+  RequireNoOtherWriter(node, node::kJointCommand.name);
+  RequireNoOtherWriter(node, node::kValveCommand.name);
 
   TopicRun run;
   std::optional<std::int64_t> first_stamp_ns;

@@ -18,7 +18,6 @@ namespace sinew::experiment {
 struct TopicOptions {
   int joint = 0;
   bool arm = false;  // sends `arm`; else an operator does
-  int strength = 20;
   double wait_s = 10.0;  // for the first joint_state
 };
 
@@ -37,7 +36,7 @@ struct TopicRun {
   std::string end;  // why it ended
 };
 
-// Throws std::runtime_error: no state provider.
+// Throws std::runtime_error: no state provider, or another participant commands the robot.
 TopicRun RunOverTopics(node::Node& node, node::StopFlag& stop, Prepared& protocol,
                        const TopicOptions& options,
                        const std::function<void(const TopicProgress&)>& progress = {});

@@ -56,7 +56,8 @@ CommandReaders::CommandReaders(node::Node& node, ProviderCycle& cycle, Plant& pl
       simulated_(dynamic_cast<SimulatedPlant*>(&plant)),
       joint_command_(node.MakeReader(node::kJointCommand)),
       valve_command_(node.MakeReader(node::kValveCommand)),
-      operator_command_(node.MakeReader(node::kOperatorCommand)) {
+      operator_command_(node.MakeReader(node::kOperatorCommand)),
+      source_(node) {
   if (simulated_ != nullptr) disturbance_.emplace(node.MakeReader(node::kSimDisturbance));
 }
 
@@ -83,8 +84,16 @@ void CommandReaders::TakeOperatorCommands(std::uint64_t tick) {
 
 void CommandReaders::TakeAll(std::uint64_t tick) {
   TakeOperatorCommands(tick);
-  while (const auto command = joint_command_.TakeNext()) cycle_.Take(FromMessage(*command), tick);
-  while (const auto command = valve_command_.TakeNext()) cycle_.Take(FromMessage(*command), tick);
+  while (const auto command = joint_command_.TakeNext()) {
+    if (cycle_.Take(FromMessage(*command), tick)) {
+      source_.SetJointCommandWriter(joint_command_.writer());
+    }
+  }
+  while (const auto command = valve_command_.TakeNext()) {
+    if (cycle_.Take(FromMessage(*command), tick)) {
+      source_.SetValveCommandWriter(valve_command_.writer());
+    }
+  }
 }
 
 }  // namespace sinew::provider

@@ -13,6 +13,7 @@
 #include <optional>
 
 #include "components/node/node.h"
+#include "components/provider/participant/command_source.h"
 #include "components/provider/provider_cycle.h"
 #include "components/provider/simulated_plant.h"
 
@@ -28,6 +29,9 @@ class CommandReaders {
   void TakeOperatorCommands(std::uint64_t tick);
   // The same, and then joint and valve commands.
   void TakeAll(std::uint64_t tick);
+
+  // Whose commands those are, when that has changed.
+  void PublishSource(const types::MessageHeader& header) { source_.Publish(header); }
 
   // Block until a sample arrives or the timeout is over.
   void WaitForJointCommand(std::chrono::microseconds timeout) {
@@ -45,6 +49,7 @@ class CommandReaders {
   node::Reader<msg::ValveCommand> valve_command_;
   node::Reader<msg::OperatorCommand> operator_command_;
   std::optional<node::Reader<msg::SimDisturbance>> disturbance_;
+  CommandSource source_;
 };
 
 }  // namespace sinew::provider

@@ -76,6 +76,7 @@ class Provider {
       ~MotorsOff() { plant.ShutDown(); }
     } motors_off{plant_};
     plant_.Reset(&sensors_);
+    node_.SetPeriod(cycle_.period());
     if (options_.arm) cycle_.ArmAtStart();
     node_.SetState(node::Node::State::kActive);
     const auto start = Clock::now();
@@ -127,6 +128,7 @@ class Provider {
 
   void Publish() {
     const types::MessageHeader header = cycle_.Header(tick_, types::EpochNow_ns());
+    readers_.PublishSource(header);
     node_.SetCycle(header.session_id, header.tick, header.stamp_ns,
                    static_cast<int>(wire::ToWire(header.origin)));
     publisher_.Publish(header, cycle_.state(), cycle_.last(tick_), cycle_.period_s(), sensors_);

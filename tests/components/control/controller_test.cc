@@ -380,8 +380,8 @@ TEST(RobotController, AStandbyGoesOnFromTheOwnersCommand) {
   for (int k = 0; k < 240; ++k) {
     applied_Nm = owner.Step(Still(k == 0 ? 0.0 : -0.05)).joint[0].motor_torque_Nm;
     if (k < 230) continue;  // the standby comes late: its integral would be another
-    static_cast<void>(standby.Step(Still(k == 230 ? 0.0 : -0.05)));
-    standby.Track(std::vector<double>{applied_Nm});
+    const double own_Nm = standby.Step(Still(k == 230 ? 0.0 : -0.05)).joint[0].motor_torque_Nm;
+    standby.Follow(std::vector<double>{applied_Nm - own_Nm});
   }
   const double next_Nm = standby.Step(Still(-0.05)).joint[0].motor_torque_Nm;
   const double integral_step_Nm =

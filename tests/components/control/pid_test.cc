@@ -92,13 +92,6 @@ TEST(Pid, IntegralStaysInsideItsLimit) {
   EXPECT_EQ(pid.integral_Nm(), 0.7);
 }
 
-TEST(Pid, GoesOnFromAnotherControllersCommand) {
-  Pid pid({.proportional_Nm_rad = 2.0, .integral_Nm_rad_s = 1.0});
-  static_cast<void>(pid.Step(0.1, 0.0, kPeriod_s));
-  pid.Track(3.7);
-  EXPECT_NEAR(pid.Step(0.1, 0.0, kPeriod_s), 3.7 + 0.1 * kPeriod_s, kRounding);
-}
-
 TEST(Pid, AMillionStepsInSaturationStayBounded) {
   Pid pid({.proportional_Nm_rad = 10.0,
            .integral_Nm_rad_s = 50.0,
