@@ -29,7 +29,7 @@ Strength StrengthAbove(Strength own, std::span<const Rival> rivals) {
   Strength highest = 0;
   for (const Rival& rival : rivals) highest = std::max(highest, rival.strength);
   if (own > highest && own > kJoiningStrength) return own;
-  // Not next to those that join: there must be room below.
+  // Not next to those that join: others must fit in below.
   if (highest < kFirstStrength) return kFirstStrength;
   return highest < std::numeric_limits<Strength>::max() - 1 ? highest + 1 : highest;
 }

@@ -28,7 +28,7 @@ Options OwnerOptions(const std::string& name, int domain) {
   return options;
 }
 
-// A controller without a loop: writes its tick until told otherwise.
+// A controller without a loop: writes until it ends or is made silent.
 class Controller {
  public:
   Controller(const std::string& name, int domain)

@@ -43,7 +43,7 @@ TEST(Ownership, WhoWasSilentGoesBelowAllButStaysWhereItIsAlone) {
 
 TEST(Ownership, AHandoverPutsItAboveAll) {
   const std::vector<Rival> rivals = {{"b", 90}, {"c", 80}};
-  EXPECT_EQ(StrengthAbove(70, rivals), kFirstStrength) << "with room below";
+  EXPECT_EQ(StrengthAbove(70, rivals), kFirstStrength) << "others must fit in below";
   EXPECT_EQ(StrengthAbove(91, rivals), 91u) << "a repeated command changes nothing";
   EXPECT_EQ(StrengthAbove(70, {}), 70u);
   const std::vector<Rival> settled = {{"b", kFirstStrength}}, joining = {{"b", kJoiningStrength}};

@@ -46,7 +46,7 @@ TEST(Wire, ANumberWithoutANameLetsTheRobotDoLeast) {
   EXPECT_EQ(FromWire(static_cast<msg::JointKind>(7)), types::JointKind::kRotary);
   EXPECT_EQ(FromWire(static_cast<msg::RegimeKind>(7)), types::Regime::kUnknown);
   EXPECT_EQ(FromWire(static_cast<msg::MotionKind>(7)), types::Motion::kNone);
-  EXPECT_EQ(FromWire(static_cast<msg::OperatorAction>(7)), std::nullopt);
+  EXPECT_EQ(FromWire(static_cast<msg::OperatorAction>(70)), std::nullopt);
 }
 
 TEST(Wire, AHeaderTranslatesBothWays) {
