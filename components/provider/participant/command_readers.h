@@ -1,5 +1,6 @@
 // The messages that a state provider reads, handed to the cycle's decisions: operator_command,
-// joint_command, valve_command; sim_disturbance goes to the plant, for simulated plants only.
+// joint_command, valve_command; sim_disturbance and sim_pressure go to the plant, for simulated
+// plants only.
 // Thread: the provider's loop.
 #pragma once
 
@@ -13,6 +14,7 @@
 #include <optional>
 
 #include "components/node/node.h"
+#include "components/provider/pressure_source.h"
 #include "components/provider/provider_cycle.h"
 #include "components/provider/simulated_plant.h"
 
@@ -26,7 +28,7 @@ class CommandReaders {
   // What has arrived since the last call. Operator commands are logged; a reset clears the plant's
   // faults.
   void TakeOperatorCommands(std::uint64_t tick);
-  // The same, and then joint and valve commands.
+  // The same, and then joint and valve commands and imposed pressures.
   void TakeAll(std::uint64_t tick);
 
   // Block until a sample arrives or the timeout is over.
@@ -36,6 +38,13 @@ class CommandReaders {
   void WaitForValveCommand(std::chrono::microseconds timeout) {
     valve_command_.WaitForSample(timeout);
   }
+  // Hardware answers nothing: waiting ends with its timeout.
+  void WaitForPressure(std::chrono::microseconds timeout) {
+    if (pressure_) pressure_->WaitForSample(timeout);
+  }
+  // As ProviderCycle::joint_answers, for sim_pressure.
+  std::uint64_t pressure_answers() const { return pressure_source_.answers(); }
+  bool simulated() const { return simulated_ != nullptr; }
 
  private:
   ProviderCycle& cycle_;
@@ -45,6 +54,8 @@ class CommandReaders {
   node::Reader<msg::ValveCommand> valve_command_;
   node::Reader<msg::OperatorCommand> operator_command_;
   std::optional<node::Reader<msg::SimDisturbance>> disturbance_;
+  std::optional<node::Reader<msg::SimPressure>> pressure_;
+  PressureSource pressure_source_;
 };
 
 }  // namespace sinew::provider
