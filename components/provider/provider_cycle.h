@@ -135,6 +135,7 @@ class ProviderCycle {
   std::uint64_t session_id() const { return config_.session_id; }
   std::chrono::nanoseconds period() const { return period_; }
   double period_s() const { return period_s_; }
+  std::chrono::nanoseconds fault_after() const { return config_.guard.fault_after; }
 
  private:
   // Joint j of command_ as the accepted joint command says.

@@ -1,7 +1,9 @@
-// A simulated plant: what acts on the links from outside is set by the simulation's user.
+// A simulated plant: what acts on links and chambers from outside is set by the simulation's user,
+// and what no sensor measures can be read.
 //
 // Only simulations implement this interface; a plant of hardware has no disturbances to set. A
-// state provider reads sim_disturbance only for a plant of this kind.
+// state provider reads sim_disturbance and sim_pressure, and writes sim_truth, only for a plant of
+// this kind.
 #pragma once
 
 #include "components/provider/plant.h"
@@ -15,11 +17,28 @@ struct Disturbance {
   types::JointArray<double> extra_payload_kg{};  // in addition to the declared payload
 };
 
+// Chambers whose pressure is imposed, whatever relays and gas would make of it.
+struct ImposedPressure {
+  types::JointArray<bool> imposed{};
+  types::JointArray<double> chamber_pressure_bar{};  // gauge
+};
+
+// The state of the gears when the sensors were read, without noise.
+struct GearTruth {
+  types::JointArray<int> contact{};            // 1: the motor pushes the link up, -1: down, 0: none
+  types::JointArray<double> play_angle_rad{};  // motor angle / N - output, from the lower contact
+  types::JointArray<double> backlash_rad{};    // 0: the joint has none
+};
+
 class SimulatedPlant : public Plant {
  public:
   // Acts from the next Step on, until the next call; Reset ends it. Does not allocate. Values that
   // are not finite: as the plant's own header says.
   virtual void Disturb(const Disturbance& disturbance) = 0;
+  // The same for the pressures of its chambers; joints without a chamber are left out.
+  virtual void ImposePressure(const ImposedPressure& pressure) = 0;
+  // Of the last Reset or Step.
+  virtual const GearTruth& gear_truth() const = 0;
 };
 
 }  // namespace sinew::provider

@@ -105,6 +105,7 @@ class JointPlant {
   // Kinetic energy of the rotor and elastic energy of the teeth.
   double stored_energy_J() const noexcept;
   bool has_play() const { return play_rad_ > 0.0; }
+  double play_rad() const { return play_rad_; }
   const actuator::JointModel& model() const { return model_; }
   // Inertia of the model's link terms (Role::kInertia on the output side), at zero payload.
   static double LinkInertia(const actuator::JointModel& model);

@@ -91,4 +91,10 @@ void PneumaticElement::Step(const Relays& relays, double position_rad, double dt
   pressure_bar_ = pressure;
 }
 
+void PneumaticElement::Impose(double pressure_bar, double position_rad) noexcept {
+  pressure_rate_bar_s_ = 0.0;
+  pressure_bar_ = pressure_bar;
+  chamber_bar_m3_ = (pressure_bar + kAmbientPressure_bar) * chamber_volume_m3(position_rad);
+}
+
 }  // namespace sinew::plant

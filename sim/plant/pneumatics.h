@@ -49,6 +49,10 @@ class PneumaticElement {
   void Step(const Relays& relays, double position_rad, double dt_s,
             double extra_rate_bar_s = 0.0) noexcept;
 
+  // The chamber's pressure from outside, in place of a Step; a change of it is a step without a
+  // rate.
+  void Impose(double pressure_bar, double position_rad) noexcept;
+
   double pressure_bar() const { return pressure_bar_; }
   double pressure_rate_bar_s() const { return pressure_rate_bar_s_; }
   double reservoir_pressure_bar() const { return reservoir_pressure_bar_; }

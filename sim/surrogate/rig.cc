@@ -282,6 +282,10 @@ Rig::Past Rig::Seen() const noexcept {
           output_observer_.velocity_rad_s()};
 }
 
+double Rig::Play_rad() const noexcept {
+  return std::max(0.0, parameters_.gear.play_rad + undeclared_.size(Effect::kBacklashWidth));
+}
+
 void Rig::Advance(const RigInput& input, double duration_s) noexcept {
   if (!(duration_s > 0.0)) return;
   const int steps =
@@ -357,6 +361,10 @@ void Rig::Substep(const RigInput& input, double dt_s) noexcept {
   }
   chamber_.ExchangeHeat(air.wall_temperature_K, dt_s, undeclared_.size(Effect::kGasHeatExchange));
   reservoir_.ExchangeHeat(air.wall_temperature_K, dt_s);
+  if (input.pressure_imposed) {
+    chamber_.Reset(chamber_.volume_m3(), air.atmosphere_Pa + input.imposed_pressure_bar * kPaPerBar,
+                   air.wall_temperature_K);
+  }
   const double gauge_Pa = chamber_.pressure_Pa() - air.atmosphere_Pa;
   pneumatic_Nm_ = gauge_Pa * Displacement_m3_rad(output_rad_) *
                   undeclared_.PneumaticShare(gauge_Pa / kPaPerBar);
@@ -366,8 +374,7 @@ void Rig::Substep(const RigInput& input, double dt_s) noexcept {
   // Teeth.
   const double twist_rad = motor_rad_ / gear.ratio - output_rad_;
   const double twist_rad_s = motor_rad_s_ / gear.ratio - output_rad_s_;
-  const double half_play_rad =
-      0.5 * std::max(0.0, gear.play_rad + undeclared_.size(Effect::kBacklashWidth));
+  const double half_play_rad = 0.5 * Play_rad();
   // Shafts in series with the teeth take the same share off spring and damper.
   const double stiff =
       1.0 / (1.0 + gear.contact_stiffness_Nm_rad * undeclared_.size(Effect::kGearCompliance));
@@ -521,7 +528,8 @@ RigTruth Rig::truth() const noexcept {
   t.iq_A = motor_.iq_A();
   t.tooth_torque_Nm = tooth_Nm_;
   const double twist_rad = motor_rad_ / parameters_.gear.ratio - output_rad_;
-  if (std::abs(twist_rad) > 0.5 * parameters_.gear.play_rad) t.contact = twist_rad > 0.0 ? 1 : -1;
+  t.play_rad = Play_rad();
+  if (std::abs(twist_rad) > 0.5 * t.play_rad) t.contact = twist_rad > 0.0 ? 1 : -1;
   t.friction_torque_Nm = friction_Nm_;
   t.yield_torque_Nm = output_friction_.yield_Nm();
   t.pneumatic_torque_Nm = pneumatic_Nm_;

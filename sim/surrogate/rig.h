@@ -29,6 +29,9 @@ struct RigInput {
   bool vent_open = false;
   double hand_force_N = 0.0;      // positive presses the link down
   double extra_payload_kg = 0.0;  // put on during the run
+  // The chamber's gauge pressure, at wall temperature, whatever relays and gas would make of it.
+  bool pressure_imposed = false;
+  double imposed_pressure_bar = 0.0;
 };
 
 // What a row of the lab's log holds.
@@ -58,6 +61,7 @@ struct RigTruth {
   double iq_A = 0.0;
   double tooth_torque_Nm = 0.0;     // on the output
   int contact = 0;                  // +1 motor pushes the link up, -1 down, 0 inside the play
+  double play_rad = 0.0;            // with what wear added to it
   double friction_torque_Nm = 0.0;  // on the output
   double yield_torque_Nm = 0.0;     // output friction that would have to be overcome now
   double pneumatic_torque_Nm = 0.0;
@@ -111,6 +115,7 @@ class Rig {
   void Substep(const RigInput& input, double dt_s) noexcept;
   double Displacement_m3_rad(double angle_rad) const noexcept;
   double ChamberVolume_m3(double angle_rad) const noexcept;
+  double Play_rad() const noexcept;
   double MotorCount() noexcept;
   void Remember() noexcept;
   double OutputCount() noexcept;

@@ -15,6 +15,9 @@ constexpr double kLargestForce_N = 500.0;
 constexpr double kLargestPayload_kg = 20.0;
 constexpr double kLargestAngle_rad = 100.0;
 constexpr double kLargestVelocity_rad_s = 100.0;
+// As initial_pressure_bar (rig.cc): near vacuum, and what the chamber's sensor range doubles to.
+constexpr double kLowestPressure_bar = -0.9;
+constexpr double kLargestPressure_bar = 20.0;
 
 }  // namespace
 
@@ -34,10 +37,12 @@ std::uint32_t Surrogate::measured_flags() const {
 void Surrogate::Reset(provider::PlantSensors* sensors) {
   refused_commands_ = 0;
   disturbance_ = {};
+  pressure_ = {};
+  truth_ = {};
   *sensors = provider::PlantSensors{};
   for (std::size_t j = 0; j < rigs_.size(); ++j) {
     rigs_[j].Reset();
-    Fill(j, rigs_[j].Read(), 0.0, sensors);
+    Fill(j, Read(j), 0.0, sensors);
   }
 }
 
@@ -71,6 +76,11 @@ bool Surrogate::StepRig(std::size_t joint, const provider::PlantCommand& command
   input.valve_open = command.valve_open[joint];
   input.compressor_on = command.compressor_on[joint];
   input.vent_open = command.vent_open[joint];
+  const double imposed_bar = pressure_.chamber_pressure_bar[joint];
+  input.pressure_imposed = pressure_.imposed[joint] && std::isfinite(imposed_bar);
+  if (input.pressure_imposed) {
+    input.imposed_pressure_bar = std::clamp(imposed_bar, kLowestPressure_bar, kLargestPressure_bar);
+  }
   if (finite) {
     input.drive.mode = command.mode[joint];
     input.drive.torque_Nm = command.motor_torque_Nm[joint];
@@ -85,10 +95,20 @@ bool Surrogate::StepRig(std::size_t joint, const provider::PlantCommand& command
   if (!(period_s > 0.0) || !std::isfinite(period_s)) return finite;
   const double until_latch_s = rig.parameters().sensors.latch_phase * period_s;
   rig.Advance(input, until_latch_s);
-  const RigReading reading = rig.Read();
+  const RigReading reading = Read(joint);
   rig.Advance(input, period_s - until_latch_s);
   Fill(joint, reading, period_s - until_latch_s, sensors);
   return finite;
+}
+
+RigReading Surrogate::Read(std::size_t joint) noexcept {
+  Rig& rig = rigs_[joint];
+  const RigTruth truth = rig.truth();
+  truth_.contact[joint] = truth.contact;
+  truth_.play_angle_rad[joint] = truth.motor_angle_rad / rig.parameters().gear.ratio -
+                                 truth.output_angle_rad + 0.5 * truth.play_rad;
+  truth_.backlash_rad[joint] = truth.play_rad;
+  return rig.Read();
 }
 
 void Surrogate::Fill(std::size_t joint, const RigReading& reading, double age_s,

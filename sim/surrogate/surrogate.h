@@ -25,6 +25,9 @@ class Surrogate : public provider::SimulatedPlant {
   std::uint32_t measured_flags() const override;
   void Reset(provider::PlantSensors* sensors) override;
   void Disturb(const provider::Disturbance& disturbance) override { disturbance_ = disturbance; }
+  // A pressure that is not finite is not imposed; others are limited (surrogate.cc).
+  void ImposePressure(const provider::ImposedPressure& pressure) override { pressure_ = pressure; }
+  const provider::GearTruth& gear_truth() const override { return truth_; }
   void Step(const provider::PlantCommand& command, double period_s,
             provider::PlantSensors* sensors) override;
 
@@ -36,11 +39,15 @@ class Surrogate : public provider::SimulatedPlant {
   // False: a value was not finite, and the drive idles.
   bool StepRig(std::size_t joint, const provider::PlantCommand& command, double period_s,
                provider::PlantSensors* sensors);
+  // Reads the rig's sensors and its gear's true state.
+  RigReading Read(std::size_t joint) noexcept;
   static void Fill(std::size_t joint, const RigReading& reading, double age_s,
                    provider::PlantSensors* sensors);
 
   std::vector<Rig> rigs_;
   provider::Disturbance disturbance_;
+  provider::ImposedPressure pressure_;
+  provider::GearTruth truth_;
   std::uint64_t refused_commands_ = 0;
 };
 

@@ -141,6 +141,7 @@ bool World::prismatic(int joint) const {
 
 void World::Reset(provider::PlantSensors* sensors) {
   disturbance_ = {};
+  imposed_ = {};
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     const auto at = static_cast<Eigen::Index>(j);
     position_[at] = joints_[j].config.position_rad;
@@ -214,6 +215,10 @@ void World::Step(const provider::PlantCommand& command, double period_s,
     joint.relays = {.valve_open = command.valve_open[j],
                     .compressor_on = command.compressor_on[j],
                     .vent_open = command.vent_open[j]};
+    const double imposed_bar = imposed_.chamber_pressure_bar[j];
+    joint.pressure_imposed = imposed_.imposed[j] && std::isfinite(imposed_bar);
+    joint.imposed_pressure_bar =
+        joint.pressure_imposed ? std::max(imposed_bar, -plant::kAmbientPressure_bar) : 0.0;
   }
   const long steps = std::max(1L, std::lround(std::ceil(period_s / substep_s_ - 1e-9)));
   const double dt = period_s / static_cast<double>(steps);
@@ -262,22 +267,29 @@ void World::Substep(double dt_s) noexcept {
     velocity_[j] = chain_velocity_[chain_joint_[static_cast<std::size_t>(j)]];
     position_[j] += 0.5 * dt_s * velocity_[j];
     joint.plant.End(position_[j], velocity_[j], dt_s);
-    if (joint.config.has_pneumatics && !joint.follows) {
-      plant::Relays relays = joint.relays;
-      relays.valve_open = joint.gas.Valve(relays.valve_open, dt_s);
-      const double volume = joint.pneumatics.chamber_volume_m3(position_[j]);
-      const double before = joint.pneumatics.chamber_volume_m3(position_[j] - dt_s * velocity_[j]);
-      const double extra = joint.gas.Rate_bar_s(
-          joint.pneumatics.pressure_bar(), joint.pneumatics.pressure_rate_bar_s(),
-          (volume - before) / (dt_s * volume), relays.valve_open, dt_s);
-      joint.pneumatics.Step(relays, position_[j], dt_s, extra);
-      joint.plant.SetPressure(joint.pneumatics.pressure_bar(),
-                              joint.pneumatics.pressure_rate_bar_s());
-    }
+    if (joint.config.has_pneumatics && !joint.follows) StepPneumatics(&joint, j, dt_s);
   }
 }
 
-void World::ReadSensors(provider::PlantSensors* sensors) const {
+void World::StepPneumatics(Joint* joint, Eigen::Index index, double dt_s) noexcept {
+  plant::PneumaticElement& element = joint->pneumatics;
+  const double position = position_[index];
+  if (joint->pressure_imposed) {
+    element.Impose(joint->imposed_pressure_bar, position);
+  } else {
+    plant::Relays relays = joint->relays;
+    relays.valve_open = joint->gas.Valve(relays.valve_open, dt_s);
+    const double volume = element.chamber_volume_m3(position);
+    const double before = element.chamber_volume_m3(position - dt_s * velocity_[index]);
+    const double extra =
+        joint->gas.Rate_bar_s(element.pressure_bar(), element.pressure_rate_bar_s(),
+                              (volume - before) / (dt_s * volume), relays.valve_open, dt_s);
+    element.Step(relays, position, dt_s, extra);
+  }
+  joint->plant.SetPressure(element.pressure_bar(), element.pressure_rate_bar_s());
+}
+
+void World::ReadSensors(provider::PlantSensors* sensors) {
   *sensors = provider::PlantSensors{};
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     const Joint& joint = joints_[j];
@@ -298,6 +310,12 @@ void World::ReadSensors(provider::PlantSensors* sensors) const {
       sensors->reservoir_pressure_bar[j] = joint.pneumatics.reservoir_pressure_bar();
       sensors->valve_open[j] = joint.relays.valve_open;
     }
+    const double play = joint.plant.play_rad();
+    const double gap =
+        joint.plant.motor_position_rad() / joint.plant.model().constants.gear_ratio - position_[at];
+    truth_.contact[j] = play > 0.0 && std::abs(gap) > 0.5 * play ? (gap > 0.0 ? 1 : -1) : 0;
+    truth_.play_angle_rad[j] = gap + 0.5 * play;
+    truth_.backlash_rad[j] = play;
     sensors->load_force_N[j] = joint.load_force_N;
     sensors->declared_payload_kg[j] = joint.config.declared_payload_kg;
     sensors->valid[j] = true;

@@ -57,6 +57,10 @@ class World final : public provider::SimulatedPlant {
   void Reset(provider::PlantSensors* sensors) override;
   // Forces and payloads that are not finite count as 0, payloads below 0 as 0.
   void Disturb(const provider::Disturbance& disturbance) override { disturbance_ = disturbance; }
+  // Pressures that are not finite are not imposed, nor those of joints without pneumatics; the
+  // lowest is a vacuum.
+  void ImposePressure(const provider::ImposedPressure& pressure) override { imposed_ = pressure; }
+  const provider::GearTruth& gear_truth() const override { return truth_; }
   void Step(const provider::PlantCommand& command, double period_s,
             provider::PlantSensors* sensors) override;
 
@@ -85,10 +89,14 @@ class World final : public provider::SimulatedPlant {
     plant::Relays relays;
     double load_force_N = 0.0;
     bool follows = false;  // a recording's surroundings
+    bool pressure_imposed = false;
+    double imposed_pressure_bar = 0.0;
   };
 
   void Substep(double dt_s) noexcept;
-  void ReadSensors(provider::PlantSensors* sensors) const;
+  // Of one joint, dt_s long, after its motion.
+  void StepPneumatics(Joint* joint, Eigen::Index index, double dt_s) noexcept;
+  void ReadSensors(provider::PlantSensors* sensors);
 
   RigidChain chain_;
   double substep_s_;
@@ -96,6 +104,8 @@ class World final : public provider::SimulatedPlant {
   std::vector<int> chain_joint_;  // index in the chain of each joint
   std::uint32_t measured_flags_ = 0;
   provider::Disturbance disturbance_;
+  provider::ImposedPressure imposed_;
+  provider::GearTruth truth_;
   JointVector position_, velocity_;  // in the order of the model
   // Work space of a step, in the order of the chain.
   JointVector chain_position_, chain_velocity_, acceleration_, torque_, added_, lower_, upper_,

@@ -25,80 +25,23 @@ msg::PneumaticMode ToMessage(Mode mode) {
 
 RobotPneumatics::RobotPneumatics(node::Node& node, node::TickLoop& loop,
                                  const PneumaticsConfig& config)
-    : config_(config),
-      state_(loop.AddInput(node::kJointState)),
+    : state_(loop.AddInput(node::kJointState)),
       actuator_(loop.AddInput(node::kActuatorState)),
-      requests_(node.MakeReader(node::kStiffnessRequest)),
-      operator_(node.MakeReader(node::kOperatorCommand)) {
-  for (std::size_t j = 0; j < config.joints.size(); ++j) {
-    managers_.emplace_back(config.joints[j]);
-    standing_target_bar_[j] = config.joints[j].target_bar;
-  }
-  // The requester publishes in every tick; one tick late, so that lockstep has no loop.
-  if (config.motion_requests) {
-    motion_ = &loop.AddInput(node::kMotionRequest, {.delay_ticks = 1, .required = true});
-  }
-}
-
-void RobotPneumatics::TakeRequests(const node::Tick& tick) {
-  while (const auto request = requests_.TakeNext()) {
-    if (request->header().session_id() != tick.session_id) continue;
-    for (std::size_t j = 0; j < managers_.size() && j < request->joint_count(); ++j) {
-      PressureManager& manager = managers_[j];
-      bool good = true;
-      if (request->kind()[j] == msg::STIFFNESS_PRESSURE) {
-        good = manager.RequestPressure(request->pressure_bar()[j]);
-      } else if (request->kind()[j] == msg::STIFFNESS_SECANT) {
-        good = manager.RequestStiffness(request->stiffness_Nm_rad()[j]);
-      } else {
-        continue;
-      }
-      if (good) standing_target_bar_[j] = manager.target_bar();
-    }
-  }
-  const bool asked = motion_ != nullptr && motion_->has_value() &&
-                     static_cast<double>(tick.tick - motion_->tick()) * tick.nominal_period_s <=
-                         config_.motion_timeout_s;
-  for (std::size_t j = 0; j < managers_.size(); ++j) {
-    double target_bar = standing_target_bar_[j];
-    if (asked && j < motion_->value().joint_count() &&
-        wire::FromWire(motion_->value().kind()[j]) != types::Motion::kNone &&
-        motion_->value().pressure_bar()[j] > 0.0) {
-      target_bar = motion_->value().pressure_bar()[j];
-    }
-    managers_[j].RequestPressure(target_bar);
-  }
-  while (const auto command = operator_.TakeNext()) {
-    const auto action = wire::FromWire(command->action());
-    if (action == types::OperatorAction::kEstop) estopped_ = true;
-    const bool ours = command->header().session_id() == tick.session_id;
-    if (action == types::OperatorAction::kReset && ours) {
-      estopped_ = false;
-      reset_ = true;
-    }
-  }
+      requests_(node, loop, config) {
+  for (const ManagerConfig& joint : config.joints) managers_.emplace_back(joint);
 }
 
 void RobotPneumatics::Step(const node::Tick& tick) {
-  if (tick.session_id != session_id_) {
-    session_id_ = tick.session_id;
-    estopped_ = false;
-    for (std::size_t j = 0; j < managers_.size(); ++j) {
-      managers_[j].Restart();
-      standing_target_bar_[j] = config_.joints[j].target_bar;
-    }
+  if (requests_.Take(tick, &managers_)) {
+    for (PressureManager& manager : managers_) manager.Restart();
   }
-  reset_ = false;
-  TakeRequests(tick);
   const msg::JointState& state = state_.value();
-  const types::RobotState robot_state = wire::FromWire(state.robot_state());
-  const bool armed = types::MayMove(robot_state);
-  const bool quiet = robot_state == types::RobotState::kDisarmed && config_.hold_disarmed;
+  const bool active = requests_.MayHold(wire::FromWire(state.robot_state()));
   for (std::size_t j = 0; j < managers_.size(); ++j) {
     ManagerInput input;
     input.period_s = tick.period_s;
-    input.active = (armed || quiet) && !estopped_;
-    input.reset = reset_;
+    input.active = active;
+    input.reset = requests_.reset();
     if (actuator_.fresh() && j < actuator_.value().joint_count()) {
       const msg::ActuatorState& inside = actuator_.value();
       input.valid = inside.valid()[j];

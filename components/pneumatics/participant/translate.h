@@ -3,16 +3,15 @@
 
 #include <sinew_idl/actuator.h>
 #include <sinew_idl/joint.h>
-#include <sinew_idl/operator.h>
 #include <sinew_idl/pneumatics.h>
 
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "components/node/tick_loop.h"
 #include "components/pneumatics/file/pneumatics_file.h"
 #include "components/pneumatics/manager.h"
+#include "components/pneumatics/participant/requests.h"
 #include "components/types/joints.h"
 
 namespace sinew::pneumatics {
@@ -28,20 +27,11 @@ class RobotPneumatics {
   std::string Trouble() const;
 
  private:
-  void TakeRequests(const node::Tick& tick);
-
-  PneumaticsConfig config_;
   std::vector<PressureManager> managers_;
   types::JointArray<ManagerOutput> output_{};
-  types::JointArray<double> standing_target_bar_{};  // without motion requests
   node::TickInput<msg::JointState>& state_;
   node::TickInput<msg::ActuatorState>& actuator_;
-  node::TickInput<msg::MotionRequest>* motion_ = nullptr;
-  node::Reader<msg::StiffnessRequest> requests_;
-  node::Reader<msg::OperatorCommand> operator_;
-  bool estopped_ = false;
-  bool reset_ = false;
-  std::uint64_t session_id_ = 0;
+  PressureRequests requests_;
 };
 
 }  // namespace sinew::pneumatics

@@ -4,6 +4,7 @@
 #include <memory>
 #include <utility>
 
+#include "components/config/config.h"
 #include "components/node/codec.h"
 #include "components/node/topics.h"
 
@@ -36,6 +37,12 @@ std::vector<AwaitedTopic> MakeAwaitedTopics(const std::vector<std::string>& awai
     } else if (topic.topic == node::kValveCommand.name) {
       topic.answers = [&cycle] { return cycle.valve_answers(); };
       topic.wait = [&readers](auto timeout) { readers.WaitForValveCommand(timeout); };
+    } else if (topic.topic == node::kSimPressure.name) {
+      if (!readers.simulated()) {
+        throw UsageError("--await: hardware reads no sim_pressure, expected a simulated robot");
+      }
+      topic.answers = [&readers] { return readers.pressure_answers(); };
+      topic.wait = [&readers](auto timeout) { readers.WaitForPressure(timeout); };
     } else {
       topic.answers = CountAnswers(topic.topic, cycle.session_id(), node);
       topic.wait = [&node](auto timeout) { node.WaitForData(timeout); };

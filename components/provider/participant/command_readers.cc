@@ -29,6 +29,13 @@ ValveCommand FromMessage(const msg::ValveCommand& message) {
           .vent_open = message.vent_open()};
 }
 
+PressureMessage FromMessage(const msg::SimPressure& message) {
+  return {.header = wire::FromWire(message.header()),
+          .joint_count = message.joint_count(),
+          .pressure = {.imposed = message.imposed(),
+                       .chamber_pressure_bar = message.chamber_pressure_bar()}};
+}
+
 // Empty: not refused.
 const char* Refusal(OperatorResult result) {
   switch (result) {
@@ -57,8 +64,11 @@ CommandReaders::CommandReaders(node::Node& node, ProviderCycle& cycle, Plant& pl
       joint_command_(node.MakeReader(node::kJointCommand)),
       valve_command_(node.MakeReader(node::kValveCommand)),
       operator_command_(node.MakeReader(node::kOperatorCommand)),
-      source_(node) {
-  if (simulated_ != nullptr) disturbance_.emplace(node.MakeReader(node::kSimDisturbance));
+      source_(node),
+      pressure_source_(cycle.session_id(), cycle.period(), cycle.fault_after()) {
+  if (simulated_ == nullptr) return;
+  disturbance_.emplace(node.MakeReader(node::kSimDisturbance));
+  pressure_.emplace(node.MakeReader(node::kSimPressure));
 }
 
 void CommandReaders::TakeOperatorCommands(std::uint64_t tick) {
@@ -94,6 +104,13 @@ void CommandReaders::TakeAll(std::uint64_t tick) {
       source_.SetValveCommandWriter(valve_command_.writer());
     }
   }
+  if (simulated_ == nullptr) return;
+  while (const auto pressure = pressure_->TakeNext()) {
+    pressure_source_.Take(FromMessage(*pressure), tick);
+  }
+  const bool stopped =
+      cycle_.state() == types::RobotState::kFault || cycle_.state() == types::RobotState::kEstopped;
+  simulated_->ImposePressure(pressure_source_.Current(tick, stopped));
 }
 
 }  // namespace sinew::provider

@@ -1,5 +1,6 @@
 // The messages that a state provider reads, handed to the cycle's decisions: operator_command,
-// joint_command, valve_command; sim_disturbance goes to the plant, for simulated plants only.
+// joint_command, valve_command; sim_disturbance and sim_pressure go to the plant, for simulated
+// plants only.
 // Thread: the provider's loop.
 #pragma once
 
@@ -14,6 +15,7 @@
 
 #include "components/node/node.h"
 #include "components/provider/participant/command_source.h"
+#include "components/provider/pressure_source.h"
 #include "components/provider/provider_cycle.h"
 #include "components/provider/simulated_plant.h"
 
@@ -27,7 +29,7 @@ class CommandReaders {
   // What has arrived since the last call. Operator commands are logged; a reset clears the plant's
   // faults.
   void TakeOperatorCommands(std::uint64_t tick);
-  // The same, and then joint and valve commands.
+  // The same, and then joint and valve commands and imposed pressures.
   void TakeAll(std::uint64_t tick);
 
   // Whose commands those are, when that has changed.
@@ -40,6 +42,13 @@ class CommandReaders {
   void WaitForValveCommand(std::chrono::microseconds timeout) {
     valve_command_.WaitForSample(timeout);
   }
+  // Hardware answers nothing: waiting ends with its timeout.
+  void WaitForPressure(std::chrono::microseconds timeout) {
+    if (pressure_) pressure_->WaitForSample(timeout);
+  }
+  // As ProviderCycle::joint_answers, for sim_pressure.
+  std::uint64_t pressure_answers() const { return pressure_source_.answers(); }
+  bool simulated() const { return simulated_ != nullptr; }
 
  private:
   ProviderCycle& cycle_;
@@ -50,6 +59,8 @@ class CommandReaders {
   node::Reader<msg::OperatorCommand> operator_command_;
   std::optional<node::Reader<msg::SimDisturbance>> disturbance_;
   CommandSource source_;
+  std::optional<node::Reader<msg::SimPressure>> pressure_;
+  PressureSource pressure_source_;
 };
 
 }  // namespace sinew::provider

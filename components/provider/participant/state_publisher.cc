@@ -7,6 +7,7 @@ namespace sinew::provider {
 
 StatePublisher::StatePublisher(node::Node& node, const Plant& plant)
     : plant_(plant),
+      simulated_(dynamic_cast<const SimulatedPlant*>(&plant)),
       joint_state_(node.MakeWriter(node::kJointState)),
       actuator_state_(node.MakeWriter(node::kActuatorState)) {
   if (plant.bus_report() != nullptr) bus_status_.emplace(node.MakeWriter(node::kBusStatus));
@@ -14,6 +15,7 @@ StatePublisher::StatePublisher(node::Node& node, const Plant& plant)
     foot_force_.emplace(node.MakeWriter(node::kFootForce));
     imu_.emplace(node.MakeWriter(node::kImu));
   }
+  if (simulated_ != nullptr) sim_truth_.emplace(node.MakeWriter(node::kSimTruth));
   const auto joints = static_cast<std::size_t>(plant.joint_count());
   joints_.joint_count(static_cast<std::uint8_t>(joints));
   actuators_.joint_count(static_cast<std::uint8_t>(joints));
@@ -30,6 +32,7 @@ void StatePublisher::Publish(const types::MessageHeader& header, types::RobotSta
   FillActuatorState(head, sensors);
   Count(actuator_state_.Write(actuators_));
   if (foot_force_) PublishBody(head, *plant_.body_sensors());
+  if (simulated_ != nullptr) PublishTruth(head, simulated_->gear_truth());
   joints_.robot_state(wire::ToWire(state));
   joints_.last_tick(last_tick);
   joints_.period_s(period_s);
@@ -61,6 +64,21 @@ void StatePublisher::FillActuatorState(const msg::Header& header, const PlantSen
   actuators_.valve_open(sensors.valve_open);
   actuators_.valid(sensors.valid);
   actuators_.measured_flags(plant_.measured_flags());
+}
+
+void StatePublisher::PublishTruth(const msg::Header& header, const GearTruth& truth) {
+  msg::SimTruth message;
+  message.header(header);
+  message.joint_count(joints_.joint_count());
+  for (std::size_t j = 0; j < truth.contact.size(); ++j) {
+    const int side = truth.contact[j];
+    message.contact()[j] = side > 0   ? msg::CONTACT_UPPER
+                           : side < 0 ? msg::CONTACT_LOWER
+                                      : msg::CONTACT_NONE;
+  }
+  message.play_angle_rad(truth.play_angle_rad);
+  message.backlash_rad(truth.backlash_rad);
+  Count(sim_truth_->Write(message));
 }
 
 void StatePublisher::PublishBody(const msg::Header& header, const BodySensors& body) {

@@ -1,18 +1,20 @@
 // The messages that a state provider publishes in a cycle: joint_state and actuator_state, and
-// bus_status, foot_force and imu where the plant has them. Units and signs as in idl/. Thread: the
-// provider's loop.
+// bus_status, foot_force and imu where the plant has them, sim_truth of simulated plants. Units and
+// signs as in idl/. Thread: the provider's loop.
 #pragma once
 
 #include <sinew_idl/actuator.h>
 #include <sinew_idl/bus.h>
 #include <sinew_idl/joint.h>
 #include <sinew_idl/sensors.h>
+#include <sinew_idl/simulation.h>
 
 #include <cstdint>
 #include <optional>
 
 #include "components/node/node.h"
 #include "components/provider/plant.h"
+#include "components/provider/simulated_plant.h"
 #include "components/types/message_header.h"
 #include "components/types/robot_state.h"
 
@@ -23,8 +25,8 @@ class StatePublisher {
   // The plant must outlive it. Throws DdsError.
   StatePublisher(node::Node& node, const Plant& plant);
 
-  // joint_state goes out after actuator_state and the body's sensors: it is the trigger of every
-  // participant's loop.
+  // joint_state goes out after actuator_state, the body's sensors and the truth: it is the trigger
+  // of every participant's loop.
   void Publish(const types::MessageHeader& header, types::RobotState state, bool last_tick,
                double period_s, const PlantSensors& sensors);
 
@@ -33,6 +35,7 @@ class StatePublisher {
  private:
   void FillJointState(const msg::Header& header, const PlantSensors& sensors);
   void FillActuatorState(const msg::Header& header, const PlantSensors& sensors);
+  void PublishTruth(const msg::Header& header, const GearTruth& truth);
   void PublishBody(const msg::Header& header, const BodySensors& body);
   void PublishBus(const msg::Header& header, const BusReport& report);
   void Count(node::WriteStatus status) {
@@ -40,11 +43,13 @@ class StatePublisher {
   }
 
   const Plant& plant_;
+  const SimulatedPlant* simulated_;  // the plant, where it is a simulation
   node::Writer<msg::JointState> joint_state_;
   node::Writer<msg::ActuatorState> actuator_state_;
   std::optional<node::Writer<msg::BusStatus>> bus_status_;
   std::optional<node::Writer<msg::FootForce>> foot_force_;
   std::optional<node::Writer<msg::Imu>> imu_;
+  std::optional<node::Writer<msg::SimTruth>> sim_truth_;
   msg::JointState joints_;
   msg::ActuatorState actuators_;
   std::uint64_t write_failures_ = 0;

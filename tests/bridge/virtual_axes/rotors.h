@@ -26,6 +26,8 @@ class Rotors : public provider::SimulatedPlant {
   const provider::BodySensors* body_sensors() const override { return body ? &*body : nullptr; }
   void Reset(provider::PlantSensors* sensors) override { Read(sensors); }
   void Disturb(const provider::Disturbance& d) override { disturbance = d; }
+  void ImposePressure(const provider::ImposedPressure&) override {}
+  const provider::GearTruth& gear_truth() const override { return truth; }
   void Step(const provider::PlantCommand& command, double period_s,
             provider::PlantSensors* sensors) override {
     constexpr int kSteps = 10;
@@ -65,6 +67,7 @@ class Rotors : public provider::SimulatedPlant {
   std::optional<provider::BodySensors> body;
   provider::PlantCommand last_command;
   provider::Disturbance disturbance;  // kept for tests; the rotors have no links to push
+  provider::GearTruth truth;          // rigid gears
 
  private:
   void Read(provider::PlantSensors* sensors) const {

@@ -1,0 +1,84 @@
+#include "components/pneumatics/participant/requests.h"
+
+#include "components/wire/wire.h"
+
+namespace sinew::pneumatics {
+
+PressureRequests::PressureRequests(node::Node& node, node::TickLoop& loop,
+                                   const PneumaticsConfig& config)
+    : config_(config),
+      requests_(node.MakeReader(node::kStiffnessRequest)),
+      operator_(node.MakeReader(node::kOperatorCommand)) {
+  for (std::size_t j = 0; j < config.joints.size(); ++j) {
+    standing_target_bar_[j] = config.joints[j].target_bar;
+  }
+  // The requester publishes in every tick; one tick late, so that lockstep has no loop.
+  if (config.motion_requests) {
+    motion_ = &loop.AddInput(node::kMotionRequest, {.delay_ticks = 1, .required = true});
+  }
+}
+
+bool PressureRequests::Take(const node::Tick& tick, std::vector<PressureManager>* managers) {
+  const bool is_new = tick.session_id != session_id_;
+  if (is_new) {
+    session_id_ = tick.session_id;
+    estopped_ = false;
+    for (std::size_t j = 0; j < managers->size(); ++j) {
+      standing_target_bar_[j] = config_.joints[j].target_bar;
+    }
+  }
+  TakeStiffness(tick, managers);
+  const bool asked = motion_ != nullptr && motion_->has_value() &&
+                     static_cast<double>(tick.tick - motion_->tick()) * tick.nominal_period_s <=
+                         config_.motion_timeout_s;
+  for (std::size_t j = 0; j < managers->size(); ++j) {
+    double target_bar = standing_target_bar_[j];
+    if (asked && j < motion_->value().joint_count() &&
+        wire::FromWire(motion_->value().kind()[j]) != types::Motion::kNone &&
+        motion_->value().pressure_bar()[j] > 0.0) {
+      target_bar = motion_->value().pressure_bar()[j];
+    }
+    (*managers)[j].RequestPressure(target_bar);
+  }
+  TakeOperator(tick);
+  return is_new;
+}
+
+void PressureRequests::TakeStiffness(const node::Tick& tick,
+                                     std::vector<PressureManager>* managers) {
+  while (const auto request = requests_.TakeNext()) {
+    if (request->header().session_id() != tick.session_id) continue;
+    for (std::size_t j = 0; j < managers->size() && j < request->joint_count(); ++j) {
+      PressureManager& manager = (*managers)[j];
+      bool good = true;
+      if (request->kind()[j] == msg::STIFFNESS_PRESSURE) {
+        good = manager.RequestPressure(request->pressure_bar()[j]);
+      } else if (request->kind()[j] == msg::STIFFNESS_SECANT) {
+        good = manager.RequestStiffness(request->stiffness_Nm_rad()[j]);
+      } else {
+        continue;
+      }
+      if (good) standing_target_bar_[j] = manager.target_bar();
+    }
+  }
+}
+
+void PressureRequests::TakeOperator(const node::Tick& tick) {
+  reset_ = false;
+  while (const auto command = operator_.TakeNext()) {
+    const auto action = wire::FromWire(command->action());
+    if (action == types::OperatorAction::kEstop) estopped_ = true;
+    const bool ours = command->header().session_id() == tick.session_id;
+    if (action == types::OperatorAction::kReset && ours) {
+      estopped_ = false;
+      reset_ = true;
+    }
+  }
+}
+
+bool PressureRequests::MayHold(types::RobotState state) const {
+  const bool quiet = state == types::RobotState::kDisarmed && config_.hold_disarmed;
+  return (types::MayMove(state) || quiet) && !estopped_;
+}
+
+}  // namespace sinew::pneumatics

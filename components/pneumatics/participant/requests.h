@@ -1,0 +1,44 @@
+// What is asked of the pressure managers of a robot: standing targets, requests, motion requests,
+// and whether pressure may be held at all.
+#pragma once
+
+#include <sinew_idl/joint.h>
+#include <sinew_idl/operator.h>
+#include <sinew_idl/pneumatics.h>
+
+#include <vector>
+
+#include "components/node/tick_loop.h"
+#include "components/pneumatics/file/pneumatics_file.h"
+#include "components/pneumatics/manager.h"
+#include "components/types/joints.h"
+#include "components/types/robot_state.h"
+
+namespace sinew::pneumatics {
+
+class PressureRequests {
+ public:
+  // Adds motion_request to the loop where the configuration asks for it.
+  PressureRequests(node::Node& node, node::TickLoop& loop, const PneumaticsConfig& config);
+
+  // Takes what has arrived and gives the managers (one a joint) their targets. A new session starts
+  // from the configuration. True: the session is new.
+  bool Take(const node::Tick& tick, std::vector<PressureManager>* managers);
+  bool MayHold(types::RobotState state) const;
+  bool reset() const { return reset_; }  // an operator's reset came with this tick
+
+ private:
+  void TakeStiffness(const node::Tick& tick, std::vector<PressureManager>* managers);
+  void TakeOperator(const node::Tick& tick);
+
+  PneumaticsConfig config_;
+  types::JointArray<double> standing_target_bar_{};  // without motion requests
+  node::TickInput<msg::MotionRequest>* motion_ = nullptr;
+  node::Reader<msg::StiffnessRequest> requests_;
+  node::Reader<msg::OperatorCommand> operator_;
+  bool estopped_ = false;
+  bool reset_ = false;
+  std::uint64_t session_id_ = 0;
+};
+
+}  // namespace sinew::pneumatics

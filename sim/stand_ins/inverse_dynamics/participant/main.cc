@@ -1,0 +1,36 @@
+// sinew-inverse-dynamics: stands in for sinew-esn: the torque that the reference motion needs by
+// the model file. It has no reservoir, so reservoir_state is not published.
+#include "components/esn/file/esn_config.h"
+#include "components/esn/participant/inference.h"
+#include "components/node/node.h"
+#include "components/node/tick_loop.h"
+#include "sim/stand_ins/participant/stands_in.h"
+
+namespace {
+
+using namespace sinew;
+
+void Run(const node::Options& options, node::StopFlag& stop) {
+  const esn::EsnConfig config = esn::LoadEsnConfig(options.config_path);
+  if (config.mode != esn::EsnConfig::Mode::kInverseDynamics) {
+    throw UsageError(options.config_path.string() +
+                     ": key 'mode': network, expected inverse_dynamics; sinew-esn runs networks");
+  }
+  esn::Inference inference(config);
+
+  node::Node node(stand_ins::StandsInFor("esn", options));
+  node::TickLoop loop(node, stop);
+  esn::Inputs inputs(loop, inference);
+  auto prediction = node.MakeWriter(node::kTorquePrediction);
+  while (const auto tick = loop.Next()) {
+    loop.Publish(prediction, inference.Step(inputs, *tick).prediction, *tick);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return sinew::node::RunParticipant(
+      argc, argv, "inverse-dynamics",
+      "Stands in for sinew-esn: the torque of the reference motion by the model file.", Run);
+}

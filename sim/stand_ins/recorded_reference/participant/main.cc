@@ -1,0 +1,40 @@
+// sinew-recorded-reference: stands in for sinew-reference: a recording's reference at the running
+// session's ticks, from rest where the robot stands. What is computed from it is marked as replay.
+#include <sinew_idl/joint.h>
+
+#include "components/node/node.h"
+#include "components/node/tick_loop.h"
+#include "components/reference/participant/translate.h"
+#include "sim/stand_ins/participant/stands_in.h"
+#include "sim/stand_ins/recorded_reference/file/recorded_file.h"
+
+namespace {
+
+using namespace sinew;
+
+void Run(const node::Options& options, node::StopFlag& stop) {
+  if (options.config_path.empty()) {
+    throw UsageError("--config: missing, expected a file with schema sinew-recorded-reference/1");
+  }
+  reference::RobotReference generator(stand_ins::LoadRecordedReference(options.config_path));
+
+  node::Node node(stand_ins::StandsInFor("reference", options));
+  node::TickLoop loop(node, stop);
+  auto& state = loop.AddInput(node::kJointState);
+  auto commands = node.MakeReader(node::kOperatorCommand);
+  auto output = node.MakeWriter(node::kReference);
+  while (auto tick = loop.Next()) {
+    reference::RobotReferenceInput input = reference::ToInput(*tick, state.value());
+    reference::AddOperatorCommands(commands, &input);
+    tick->origin = msg::ORIGIN_REPLAY;
+    loop.Publish(output, reference::ToMessage(generator.Step(input), *tick), *tick);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return sinew::node::RunParticipant(argc, argv, "recorded-reference",
+                                     "Stands in for sinew-reference: the reference of a recording.",
+                                     Run);
+}
