@@ -1,10 +1,12 @@
 #include "components/node/tick_loop.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <type_traits>
 
 #include "components/node/all_messages.h"
+#include "components/node/cut_off.h"
 #include "components/node/input_queue.h"
 #include "components/node/node_impl.h"
 #include "components/node/tick_period.h"
@@ -111,6 +113,7 @@ struct TickLoop::Impl {
   StopFlag& stop;
   const TickLoopOptions options;
   const bool lockstep;
+  const double cut_off_share;  // of the nominal period
   internal::Status& status;
   std::vector<std::shared_ptr<InputBase>> inputs;  // the first one is the trigger
   std::vector<std::shared_ptr<void>> handles;      // TickInput objects given out
@@ -154,7 +157,7 @@ struct TickLoop::Impl {
       if (const auto head = NextTrigger()) return head;
       if (stop.requested()) return std::nullopt;
       inputs.front()->Wait(std::chrono::milliseconds(50));
-      status.PublishIfDue();
+      status.Beat();
     }
   }
 
@@ -173,10 +176,16 @@ struct TickLoop::Impl {
       const auto left = std::chrono::duration_cast<microseconds>(deadline - Clock::now());
       if (!lockstep && left.count() <= 0) break;
       input.Wait(lockstep ? microseconds(std::chrono::milliseconds(50)) : left);
-      status.PublishIfDue();
+      status.Beat();
       input.Collect(session_id);
     }
     return true;
+  }
+
+  std::chrono::nanoseconds CutOff(double nominal_period_s) const {
+    // A period that a message claims is no reason to wait for more than a second, or to overflow.
+    const double period_s = nominal_period_s > 0.0 ? std::min(nominal_period_s, 1.0) : 0.0;
+    return std::chrono::nanoseconds(static_cast<std::int64_t>(cut_off_share * period_s * 1e9));
   }
 
   void Count(const Tick& tick) {
@@ -191,6 +200,9 @@ TickLoop::TickLoop(Node& node, StopFlag& stop, TickLoopOptions options)
                      .stop = stop,
                      .options = options,
                      .lockstep = node.options().mode == TimeMode::kLockstep,
+                     .cut_off_share = options.cut_off_share > 0.0
+                                          ? options.cut_off_share
+                                          : CutOffOf(node.options().component).share,
                      .status = node.impl_->status,
                      .inputs = {},
                      .handles = {},
@@ -235,7 +247,8 @@ std::optional<Tick> TickLoop::Next() {
   tick.session_id = head->session_id;
   tick.tick = head->tick;
   tick.nominal_period_s = self.options.nominal_period_s;
-  const auto deadline = Clock::now() + self.options.cut_off;
+  trigger.Describe(&tick);
+  const auto deadline = Clock::now() + self.CutOff(tick.nominal_period_s);
   bool replayed = false;
   for (std::size_t i = 1; i < self.inputs.size(); ++i) {
     InputBase& input = *self.inputs[i];
@@ -246,7 +259,6 @@ std::optional<Tick> TickLoop::Next() {
     tick.any_stale |= rules.required && expected && !input.queue.fresh();
     replayed |= input.queue.accepted() && input.origin() == msg::ORIGIN_REPLAY;
   }
-  trigger.Describe(&tick);
   const double period_s = self.period.Next(tick.session_id, tick.tick, tick.stamp_ns,
                                            tick.origin == msg::ORIGIN_SIM, tick.nominal_period_s);
   tick.period_s = self.lockstep ? tick.nominal_period_s : period_s;
