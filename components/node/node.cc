@@ -66,7 +66,7 @@ void Node::SetCycle(std::uint64_t session_id, std::uint64_t tick, std::int64_t s
 
 bool Node::WaitForData(std::chrono::microseconds timeout) {
   const bool raised = impl_->signal.Wait(timeout);
-  impl_->status.PublishIfDue();
+  impl_->status.Beat();
   return raised;
 }
 

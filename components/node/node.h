@@ -149,7 +149,8 @@ class Node {
   std::vector<Endpoint> Endpoints() const;
   std::vector<std::string> Problems() const;
 
-  // Publishes component_status: at once when the state or message changes, else once a second.
+  // component_status, published by a thread beside the loop: at once when the state or message
+  // changes, and once a second while the loop calls SetCycle, SetCounts or any wait of this node.
   enum class State { kConfigured, kActive, kFault, kStopped };
   void SetState(State state, const std::string& message = "");
   struct Counts {

@@ -1,16 +1,14 @@
 #include "components/node/options.h"
 
-#include <sched.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
-#include <sys/mman.h>
 
 #include <CLI/CLI.hpp>
-#include <cerrno>
+#include <chrono>
 #include <csignal>
-#include <cstring>
 #include <iostream>
 
+#include "components/node/log.h"
+#include "components/node/realtime.h"
 #include "components/node/version.h"
 
 namespace sinew::node {
@@ -21,30 +19,21 @@ std::atomic<bool> g_stop{false};
 
 extern "C" void OnStopSignal(int) { g_stop.store(true); }
 
-void BecomeRealtime() {
-  sched_param parameters{};
-  parameters.sched_priority = 40;
-  if (::sched_setscheduler(0, SCHED_FIFO, &parameters) != 0) {
-    throw std::runtime_error(std::string("--realtime: SCHED_FIFO refused (") +
-                             std::strerror(errno) +
-                             "); run as root or raise rtprio in /etc/security/limits.conf");
-  }
-  if (::mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
-    throw std::runtime_error(std::string("--realtime: memory cannot be locked (") +
-                             std::strerror(errno) +
-                             "); raise memlock in /etc/security/limits.conf");
-  }
-}
-
-void StartLog(const Options& options) {
-  auto logger = spdlog::stderr_color_mt(options.name);
-  logger->set_pattern("%H:%M:%S.%e %n %^%l%$ %v");
-  logger->set_level(spdlog::level::from_str(options.log_level));
-  spdlog::set_default_logger(logger);
+void LogStart(const Options& options) {
   spdlog::info("{} {}, domain {}, {}{}", options.component, kVersion, options.domain_id,
                options.mode == TimeMode::kLockstep ? "lockstep" : "real time",
                options.config_path.empty() ? "" : ", config " + options.config_path.string());
+  if (!options.realtime_priority) return;
+  const PriorityRule& rule = PriorityOf(options.component);
+  if (rule.priority == 0) {
+    spdlog::info("--realtime: SCHED_OTHER ({})", rule.reason);
+  } else {
+    spdlog::info("--realtime: SCHED_FIFO {} ({}), memory locked", rule.priority, rule.reason);
+  }
 }
+
+// How long an end waits for whoever reads the log.
+constexpr std::chrono::milliseconds kLogAtEnd{500};
 
 }  // namespace
 
@@ -104,7 +93,8 @@ int RunParticipant(int argc, char** argv, const std::string& component,
   bool lockstep = false;
   auto* lockstep_flag =
       app.add_flag("--lockstep", lockstep, "Simulated time: a tick waits for all replies");
-  app.add_flag("--realtime", options.realtime_priority, "SCHED_FIFO and locked memory")
+  app.add_flag("--realtime", options.realtime_priority,
+               "SCHED_FIFO and locked memory, as the kind of participant asks for")
       ->excludes(lockstep_flag);
   if (add_options) add_options(app);
   try {
@@ -118,16 +108,21 @@ int RunParticipant(int argc, char** argv, const std::string& component,
   if (options.name.empty()) options.name = component;
   options.mode = lockstep ? TimeMode::kLockstep : TimeMode::kRealtime;
   try {
-    if (options.realtime_priority) BecomeRealtime();
-    StartLog(options);
+    if (options.realtime_priority) BecomeRealtime(component);
+    internal::StartLog(options.name, options.log_level);
+    LogStart(options);
     body(options, stop);
     spdlog::info("stopped");
+    internal::FlushLog(kLogAtEnd);
     return EXIT_SUCCESS;
   } catch (const UsageError& error) {
-    std::cerr << "sinew-" << component << ": " << error.what() << '\n';
+    if (internal::FlushLog(kLogAtEnd)) {  // else nobody reads it, and it could not be written
+      std::cerr << "sinew-" << component << ": " << error.what() << '\n';
+    }
     return 2;
   } catch (const std::exception& error) {
     spdlog::critical("{}", error.what());
+    internal::FlushLog(kLogAtEnd);
     return EXIT_FAILURE;
   }
 }

@@ -26,9 +26,9 @@ struct Options {
   std::filesystem::path config_path;    // --config; may be empty
   std::string log_level = "info";       // --log-level
   TimeMode mode = TimeMode::kRealtime;  // --lockstep
-  bool realtime_priority = false;  // --realtime: SCHED_FIFO and mlockall before the first DDS call
-  std::uint64_t seed = 1;          // --seed
-  std::filesystem::path qos_path;  // --qos: XML profiles instead of the built-in ones
+  bool realtime_priority = false;       // --realtime: realtime.h, before the first DDS call
+  std::uint64_t seed = 1;               // --seed
+  std::filesystem::path qos_path;       // --qos: XML profiles instead of the built-in ones
 };
 
 // Whom a participant can stand in for.

@@ -97,7 +97,9 @@ void ReaderImpl::on_data_available(dds::DataReader* source) {
       scratch_.bytes = Bytes();
       continue;
     }
-    if (!queue_.Push(&scratch_) && queue_.dropped() == 1 && dropping_is_a_loss()) {
+    if (queue_.Push(&scratch_) || !dropping_is_a_loss()) continue;
+    node->status.CountDropped();
+    if (queue_.dropped() == 1) {
       spdlog::warn("topic '{}': {} samples wait to be read, the oldest are dropped from here on",
                    topic.name, queue_limit);
     }
@@ -126,6 +128,7 @@ void ReaderImpl::WaitForSample(std::chrono::microseconds timeout) {
 
 void ReaderImpl::CountMalformed() {
   const std::uint64_t count = malformed_.fetch_add(1, std::memory_order_relaxed) + 1;
+  node->status.CountMalformed();
   // The 1st, 2nd, 4th, 8th: a writer that sends nothing else must not fill the log.
   if (!std::has_single_bit(count)) return;
   spdlog::warn("topic '{}': {} of {} samples were malformed and dropped", topic.name, count,
@@ -197,7 +200,7 @@ std::optional<Message> Reader<Message>::WaitNext(std::chrono::milliseconds timeo
 template <class Message>
 void Reader<Message>::WaitForSample(std::chrono::microseconds timeout) {
   impl_->WaitForSample(timeout);
-  impl_->node->status.PublishIfDue();
+  impl_->node->status.Beat();
 }
 
 template <class Message>

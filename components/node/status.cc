@@ -4,6 +4,8 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <mutex>
+#include <utility>
 
 #include "components/node/version.h"
 
@@ -48,85 +50,123 @@ msg::ComponentState ToMessage(Node::State state) {
 
 }  // namespace
 
+Status::Status(const std::string& component, const std::string& name)
+    : component_(component), name_(name) {
+  char host[64] = {};
+  ::gethostname(host, sizeof(host) - 1);
+  host_ = host;
+}
+
 void Status::Open(std::unique_ptr<WriterImpl> writer) {
   writer_ = std::move(writer);
-  systemd_.Beat();
-  Publish();
+  Beat();
+  thread_ = std::thread([this] { Run(); });
 }
 
 void Status::Close() {
   systemd_.SetStopping();
-  if (state_ != Node::State::kFault) state_ = Node::State::kStopped;
-  systemd_.Beat();
-  Publish();
+  Beat();
+  {
+    const std::lock_guard<PriorityMutex> lock(mutex_);
+    if (values_.state != Node::State::kFault) values_.state = Node::State::kStopped;
+    ended_ = true;
+  }
+  wake_up_.Give();
+  if (thread_.joinable()) thread_.join();
   writer_.reset();
 }
 
-void Status::SetState(Node::State state, const std::string& message) {
-  const bool changed = state != state_ || message != message_;
-  state_ = state;
-  message_ = message;
+void Status::Beat() noexcept {
+  beats_.fetch_add(1, std::memory_order_relaxed);
   systemd_.Beat();
-  if (changed) {
-    Publish();
-  } else {
-    PublishIfDue();
+}
+
+void Status::SetState(Node::State state, const std::string& message) {
+  Beat();
+  {
+    const std::lock_guard<PriorityMutex> lock(mutex_);
+    if (values_.configured && state == values_.state && message == values_.message) return;
+    values_.configured = true;
+    values_.state = state;
+    values_.message = message;
+    changed_ = true;
   }
-  if (changed || !reported_to_systemd_) ReportToSystemd();
+  wake_up_.Give();
 }
 
 void Status::SetCounts(const Node::Counts& counts) {
-  counts_ = counts;
-  PublishIfDue();
+  Beat();
+  const std::lock_guard<PriorityMutex> lock(mutex_);
+  values_.counts = counts;
 }
 
 void Status::SetCycle(std::uint64_t session_id, std::uint64_t tick, std::int64_t stamp_ns,
                       int origin) {
-  session_id_ = session_id;
-  tick_ = tick;
-  stamp_ns_ = stamp_ns;
-  origin_ = origin;
-  systemd_.Beat();
+  Beat();
+  const std::lock_guard<PriorityMutex> lock(mutex_);
+  values_.session_id = session_id;
+  values_.tick = tick;
+  values_.stamp_ns = stamp_ns;
+  values_.origin = origin;
 }
 
-void Status::PublishIfDue() {
-  systemd_.Beat();
-  if (std::chrono::steady_clock::now() - last_publication_ >= std::chrono::seconds(1)) Publish();
-}
-
-void Status::Publish() {
-  if (writer_ == nullptr) return;
-  last_publication_ = std::chrono::steady_clock::now();
-  char host[64] = {};
-  ::gethostname(host, sizeof(host) - 1);
-  msg::ComponentStatus status;
-  status.name(name_);
-  status.component_kind(component_);
-  status.header().session_id(session_id_);
-  status.header().tick(tick_);
-  status.header().stamp_ns(stamp_ns_);
-  status.header().origin(static_cast<msg::Origin>(origin_));
-  status.state(ToMessage(state_));
-  status.process_id(static_cast<std::uint32_t>(::getpid()));
-  status.host(host);
-  status.version(kVersion);
-  status.idl_hash(AllTopicsHash());
-  status.cycles(counts_.cycles);
-  status.stale_inputs(counts_.stale_inputs);
-  status.missed_ticks(counts_.missed_ticks);
-  status.write_failures(counts_.write_failures);
-  status.resident_MB(ResidentMegabytes());
-  status.message(message_.substr(0, 255));
-  Bytes bytes;
-  if (!Encode(status, &bytes) || writer_->Write(&bytes) != WriteStatus::kOk) {
-    ++counts_.write_failures;
+void Status::Run() {
+  using std::chrono::steady_clock;
+  BecomeHelper("sinew-status");
+  auto due = steady_clock::now();
+  std::uint64_t published_beats = 0;
+  while (true) {
+    wake_up_.WaitUntil(due);
+    Values values;
+    bool changed = false, ended = false;
+    {
+      const std::lock_guard<PriorityMutex> lock(mutex_);
+      values = values_;
+      changed = std::exchange(changed_, false);
+      ended = ended_;
+    }
+    if (changed) ReportToSystemd(values);
+    const std::uint64_t beats = beats_.load(std::memory_order_relaxed);
+    const bool is_due = steady_clock::now() >= due;
+    if (is_due || changed) due = steady_clock::now() + std::chrono::seconds(1);
+    if (ended || changed || (is_due && beats != published_beats)) {
+      published_beats = beats;
+      Publish(values);
+    }
+    if (ended) return;
   }
 }
 
-void Status::ReportToSystemd() {
-  reported_to_systemd_ = true;
-  systemd_.SetStatus(Word(state_) + (message_.empty() ? "" : ": " + message_));
-  if (state_ == Node::State::kStopped) systemd_.SetStopping();
+void Status::Publish(const Values& values) {
+  msg::ComponentStatus status;
+  status.name(name_);
+  status.component_kind(component_);
+  status.header().session_id(values.session_id);
+  status.header().tick(values.tick);
+  status.header().stamp_ns(values.stamp_ns);
+  status.header().origin(static_cast<msg::Origin>(values.origin));
+  status.state(ToMessage(values.state));
+  status.process_id(static_cast<std::uint32_t>(::getpid()));
+  status.host(host_);
+  status.version(kVersion);
+  status.idl_hash(AllTopicsHash());
+  status.cycles(values.counts.cycles);
+  status.stale_inputs(values.counts.stale_inputs);
+  status.missed_ticks(values.counts.missed_ticks);
+  status.write_failures(values.counts.write_failures + failed_publications_);
+  status.malformed_samples(malformed_.load(std::memory_order_relaxed));
+  status.dropped_samples(dropped_.load(std::memory_order_relaxed));
+  status.resident_MB(ResidentMegabytes());
+  status.message(values.message.substr(0, 255));
+  Bytes bytes;
+  if (!Encode(status, &bytes) || writer_->Write(&bytes) != WriteStatus::kOk) {
+    ++failed_publications_;
+  }
+}
+
+void Status::ReportToSystemd(const Values& values) {
+  systemd_.SetStatus(Word(values.state) + (values.message.empty() ? "" : ": " + values.message));
+  if (values.state == Node::State::kStopped) systemd_.SetStopping();
 }
 
 }  // namespace sinew::node::internal

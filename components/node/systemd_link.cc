@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <utility>
 
+#include "components/node/helper_thread.h"
+
 namespace sinew::node {
 
 SystemdLink::SystemdLink() : active_(std::getenv("NOTIFY_SOCKET") != nullptr) {
@@ -56,6 +58,7 @@ void SystemdLink::SetStopping() {
 
 void SystemdLink::Run() {
   using std::chrono::steady_clock;
+  internal::BecomeHelper("sinew-systemd");
   auto next = steady_clock::now() + period_;
   std::uint64_t reported = 0;
   std::unique_lock<std::mutex> lock(mutex_);

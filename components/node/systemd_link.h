@@ -3,7 +3,7 @@
 // Without NOTIFY_SOCKET in the environment it does nothing. The loop only counts; a thread of this
 // class sends, so that a busy systemd never delays the loop. It sends WATCHDOG=1 every quarter of
 // the unit's WatchdogSec, and only if the loop has counted on since: a loop that hangs sends
-// nothing although its process lives. The thread has the priority of the thread that made it.
+// nothing although its process lives. The thread is of SCHED_OTHER.
 #pragma once
 
 #include <atomic>

@@ -1,10 +1,12 @@
 #include "components/node/tick_loop.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <type_traits>
 
 #include "components/node/all_messages.h"
+#include "components/node/cut_off.h"
 #include "components/node/input_queue.h"
 #include "components/node/node_impl.h"
 #include "components/node/tick_period.h"
@@ -111,6 +113,7 @@ struct TickLoop::Impl {
   StopFlag& stop;
   const TickLoopOptions options;
   const bool lockstep;
+  const double cut_off_share;  // of the nominal period
   internal::Status& status;
   std::vector<std::shared_ptr<InputBase>> inputs;  // the first one is the trigger
   std::vector<std::shared_ptr<void>> handles;      // TickInput objects given out
@@ -154,7 +157,7 @@ struct TickLoop::Impl {
       if (const auto head = NextTrigger()) return head;
       if (stop.requested()) return std::nullopt;
       inputs.front()->Wait(std::chrono::milliseconds(50));
-      status.PublishIfDue();
+      status.Beat();
     }
   }
 
@@ -173,18 +176,30 @@ struct TickLoop::Impl {
       const auto left = std::chrono::duration_cast<microseconds>(deadline - Clock::now());
       if (!lockstep && left.count() <= 0) break;
       input.Wait(lockstep ? microseconds(std::chrono::milliseconds(50)) : left);
-      status.PublishIfDue();
+      status.Beat();
       input.Collect(session_id);
     }
     return true;
   }
 
+  // A period that a message claims is no reason to wait for more than a second, or to overflow.
+  static std::chrono::nanoseconds Bounded(double nominal_period_s) {
+    const double period_s = nominal_period_s > 0.0 ? std::min(nominal_period_s, 1.0) : 0.0;
+    return std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 * period_s));
+  }
+
   // The owner of a topic that has been silent for longer than its readers wait was replaced.
   bool WasSilent(const HeadOfMessage& head, const Tick& tick) const {
-    if (lockstep || !last_tick || !(tick.nominal_period_s > 0.0)) return false;
-    const std::chrono::nanoseconds nominal(std::llround(1e9 * tick.nominal_period_s));
-    return static_cast<std::int64_t>(head.tick - *last_tick) * nominal >
-           internal::Deadline(nominal);
+    const std::chrono::nanoseconds period = Bounded(tick.nominal_period_s);
+    if (lockstep || !last_tick || period.count() == 0) return false;
+    // Counted in whole periods: a tick is any number that a message claims.
+    const auto missed = static_cast<std::uint64_t>(internal::Deadline(period) / period);
+    return head.tick - *last_tick > missed;
+  }
+
+  std::chrono::nanoseconds CutOff(double nominal_period_s) const {
+    return std::chrono::nanoseconds(static_cast<std::int64_t>(
+        cut_off_share * static_cast<double>(Bounded(nominal_period_s).count())));
   }
 
   void Count(const Tick& tick) {
@@ -199,6 +214,9 @@ TickLoop::TickLoop(Node& node, StopFlag& stop, TickLoopOptions options)
                      .stop = stop,
                      .options = options,
                      .lockstep = node.options().mode == TimeMode::kLockstep,
+                     .cut_off_share = options.cut_off_share > 0.0
+                                          ? options.cut_off_share
+                                          : CutOffOf(node.options().component).share,
                      .status = node.impl_->status,
                      .inputs = {},
                      .handles = {},
@@ -243,7 +261,8 @@ std::optional<Tick> TickLoop::Next() {
   tick.session_id = head->session_id;
   tick.tick = head->tick;
   tick.nominal_period_s = self.options.nominal_period_s;
-  const auto deadline = Clock::now() + self.options.cut_off;
+  trigger.Describe(&tick);
+  const auto deadline = Clock::now() + self.CutOff(tick.nominal_period_s);
   bool replayed = false;
   for (std::size_t i = 1; i < self.inputs.size(); ++i) {
     InputBase& input = *self.inputs[i];
@@ -254,16 +273,13 @@ std::optional<Tick> TickLoop::Next() {
     tick.any_stale |= rules.required && expected && !input.queue.fresh();
     replayed |= input.queue.accepted() && input.origin() == msg::ORIGIN_REPLAY;
   }
-  trigger.Describe(&tick);
   const double period_s = self.period.Next(tick.session_id, tick.tick, tick.stamp_ns,
                                            tick.origin == msg::ORIGIN_SIM, tick.nominal_period_s);
   tick.period_s = self.lockstep ? tick.nominal_period_s : period_s;
   // What is computed from a recording is no live command, whatever triggered it.
   if (replayed) tick.origin = msg::ORIGIN_REPLAY;
 
-  if (tick.nominal_period_s > 0.0) {
-    self.node.SetPeriod(std::chrono::nanoseconds(std::llround(1e9 * tick.nominal_period_s)));
-  }
+  if (tick.nominal_period_s > 0.0) self.node.SetPeriod(Impl::Bounded(tick.nominal_period_s));
   if (self.WasSilent(*head, tick)) self.node.impl_->ownership.StepBelow();
   self.node.impl_->ownership.SetCycle(tick.session_id, tick.origin);
   self.Count(tick);

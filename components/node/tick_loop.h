@@ -11,9 +11,9 @@
 //   }
 //
 // Real time: the trigger's newest sample starts the cycle; other inputs of that tick are awaited
-// until the cut-off and are stale afterwards. Lockstep: ticks come one by one, and a cycle starts
-// when every input has its sample of tick - delay (ticks before the delay have none: value() is
-// then empty).
+// until the cut-off (cut_off.h) and are stale afterwards. Lockstep: ticks come one by one, and a
+// cycle starts when every input has its sample of tick - delay (ticks before the delay have none:
+// value() is then empty).
 //
 // Trigger and inputs may be any message that begins with its header; another one does not compile.
 // Only joint_state carries a period and the end of the session: a loop with another trigger needs
@@ -48,7 +48,7 @@ struct InputRules {
 };
 
 struct TickLoopOptions {
-  std::chrono::microseconds cut_off = std::chrono::milliseconds(2);  // real time
+  double cut_off_share = 0.0;     // real time, of the nominal period; 0: by kind, cut_off.h
   double nominal_period_s = 0.0;  // of a trigger other than joint_state, which carries its own
 };
 

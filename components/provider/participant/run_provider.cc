@@ -7,6 +7,7 @@
 #include <ctime>
 #include <random>
 
+#include "components/node/cut_off.h"
 #include "components/node/node.h"
 #include "components/provider/cycle_deadline.h"
 #include "components/provider/participant/awaited_topics.h"
@@ -142,7 +143,9 @@ class Provider {
     if (plant_.acts_at_once()) {
       // An overdue command is not waited for: the gap is bridged on time.
       const std::int64_t period_ns = cycle_.period().count();
-      AwaitJointCommand(end_ns - (cycle_.Overdue(tick_) ? period_ns : period_ns / 2));
+      const auto cut_off_ns =
+          static_cast<std::int64_t>(node::kProviderCutOff * static_cast<double>(period_ns));
+      AwaitJointCommand(end_ns - period_ns + (cycle_.Overdue(tick_) ? 0 : cut_off_ns));
       command = &cycle_.Command(tick_, sensors_, MonotonicNow_ns());
       plant_.Act(*command, cycle_.period_s());
     }

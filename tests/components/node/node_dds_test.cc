@@ -159,7 +159,7 @@ TEST(NodeDds, LoopFlagsAnInputThatNeverComesAsStaleInRealTime) {
   Node node(MakeOptions("loop", 123, TimeMode::kRealtime));
   auto state = provider.MakeWriter(kJointState);
   StopFlag stop;
-  TickLoop loop(node, stop, {.cut_off = 5ms});
+  TickLoop loop(node, stop, {.cut_off_share = 0.5});
   loop.AddInput(kJointState);
   auto& input = loop.AddInput(kReference);
   std::atomic<bool> done{false};
@@ -391,6 +391,74 @@ TEST(NodeDds, StatusIsLatchedPerComponent) {
   EXPECT_EQ(seen["second"].message().to_string(), "sensor lost");
   EXPECT_EQ(seen["first"].idl_hash().to_string(), AllTopicsHash());
   EXPECT_GT(seen["first"].resident_MB(), 1.0);
+}
+
+TEST(NodeDds, StatusCountsWhatReadersCouldNotUse) {
+  Node a(MakeOptions("a", 173)), b(MakeOptions("b", 173));
+  const RawWriter write = a.MakeRawWriter(*FindTopic("joint_state"));
+  auto states = b.MakeReader(kJointState);
+  auto statuses = a.MakeReader(kComponentStatus);
+  for (std::uint64_t tick = 0; tick < 3; ++tick) {
+    const Bytes bytes = MalformedState(tick);
+    EXPECT_EQ(write(bytes.data(), bytes.size()), WriteStatus::kOk);
+  }
+  ASSERT_TRUE(WaitUntil(b, [&] { return states.received() == 3; }));
+  EXPECT_FALSE(states.TakeNext().has_value());
+  b.SetState(Node::State::kActive, "has read");
+  ASSERT_TRUE(WaitUntil(a, [&] {
+    while (const auto status = statuses.TakeNext()) {
+      if (status->message().to_string() == "has read") return status->malformed_samples() == 3;
+    }
+    return false;
+  }));
+}
+
+TEST(NodeDds, StatusCountsSamplesThatWereDroppedUnread) {
+  Node a(MakeOptions("a", 174, TimeMode::kRealtime)), b(MakeOptions("b", 174, TimeMode::kRealtime));
+  auto writer = a.MakeWriter(kOperatorCommand);
+  auto reader = b.MakeReader(kOperatorCommand);
+  auto statuses = a.MakeReader(kComponentStatus);
+  ASSERT_TRUE(WaitUntil(a, [&] { return writer.matched_readers() == 1; }));
+  constexpr std::uint64_t kSent = 260, kKept = 256;
+  for (std::uint64_t tick = 0; tick < kSent; ++tick) {
+    ASSERT_EQ(writer.Write(msg::OperatorCommand()), WriteStatus::kOk);
+    ASSERT_TRUE(WaitUntil(b, [&] { return reader.received() == tick + 1; }));
+  }
+  b.SetState(Node::State::kActive, "has not read");
+  ASSERT_TRUE(WaitUntil(a, [&] {
+    while (const auto status = statuses.TakeNext()) {
+      if (status->message().to_string() != "has not read") continue;
+      return status->dropped_samples() == kSent - kKept;
+    }
+    return false;
+  }));
+}
+
+TEST(NodeDds, StatusIsPublishedOnceASecondWhileTheLoopGoesRound) {
+  Node a(MakeOptions("a", 175)), b(MakeOptions("b", 175));
+  a.SetState(Node::State::kActive, "running");
+  auto reader = b.MakeReader(kComponentStatus);
+  std::vector<std::uint64_t> cycles;
+  Node::Counts counts;
+  ASSERT_TRUE(WaitUntil(b, [&] {
+    ++counts.cycles;
+    a.SetCounts(counts);
+    while (const auto status = reader.TakeNext()) {
+      if (status->name().to_string() == "a") cycles.push_back(status->cycles());
+    }
+    return cycles.size() >= 3;
+  }));
+  EXPECT_LT(cycles[1], cycles[2]);
+  // A loop that hangs: nothing more, although the process lives.
+  EXPECT_FALSE(WaitUntil(
+      b,
+      [&] {
+        while (const auto status = reader.TakeNext()) {
+          if (status->name().to_string() == "a") cycles.push_back(status->cycles());
+        }
+        return cycles.size() >= 6;  // one may be under way
+      },
+      4s));
 }
 
 TEST(NodeDds, EndpointsAreThoseOfOthersWithTheirNames) {

@@ -1,0 +1,83 @@
+#include "components/node/realtime.h"
+
+#include <pthread.h>
+#include <sched.h>
+#include <sys/mman.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+
+namespace sinew::node {
+
+// Who may be delayed by whom: along the chain of a tick the one that is awaited at the end comes
+// first, since it bounds how late a command is whatever the others do. Below the threads of the
+// kernel for interrupts (50), and below the units' LimitRTPRIO.
+const std::vector<PriorityRule>& PriorityRules() {
+  static const std::vector<PriorityRule> rules = {
+      {"estop", 48, "stops the robot whatever else runs"},
+      {"can-bus", 46, "the bus: hardware to everybody else"},
+      {"virtual-axes", 46, "the motor controllers: hardware to everybody else"},
+      {"can-bridge", 44, "state provider: the cycle's timer, guard and motors off"},
+      {"surrogate", 44, "state provider"},
+      {"world", 44, "state provider"},
+      {"control", 40, "the provider waits for its command"},
+      {"pneumatics", 38, "valves: slower than a cycle"},
+      {"reference", 36, "control waits for it"},
+      {"regime", 34, "control waits for it"},
+      {"esn", 32, "control waits for it, and goes on without it"},
+      {"rls", 30, "its readout is used one tick later"},
+      {"residual", 0, "observer"},
+      {"logger", 0, "observer, and waits for its disk"},
+      {"player", 0, "observer of a file; what it sends is no live command"},
+      {"", 28, "a kind that is not in this table: below all that are"},
+  };
+  return rules;
+}
+
+const PriorityRule& PriorityOf(std::string_view component) {
+  const std::vector<PriorityRule>& rules = PriorityRules();
+  for (const PriorityRule& rule : rules) {
+    if (rule.component == component) return rule;
+  }
+  return rules.back();
+}
+
+namespace {
+
+// The first thread's own stack grows while it is used: its pages are touched once, so that they are
+// there and locked.
+void TouchStack() {
+  std::array<volatile char, kThreadStackBytes / 2> stack;
+  for (std::size_t i = 0; i < stack.size(); i += 1024) stack[i] = 0;
+}
+
+[[noreturn]] void Refused(const std::string& what, int error, const std::string& remedy) {
+  throw std::runtime_error("--realtime: " + what + " (" + std::strerror(error) + "); " + remedy);
+}
+
+}  // namespace
+
+void BecomeRealtime(const std::string& component) {
+  const int priority = PriorityOf(component).priority;
+  if (priority == 0) return;
+  sched_param parameters{};
+  parameters.sched_priority = priority;
+  if (::sched_setscheduler(0, SCHED_FIFO, &parameters) != 0) {
+    Refused("SCHED_FIFO " + std::to_string(priority) + " refused", errno,
+            "run as root or raise rtprio in /etc/security/limits.conf");
+  }
+  pthread_attr_t attributes;
+  ::pthread_attr_init(&attributes);
+  ::pthread_attr_setstacksize(&attributes, kThreadStackBytes);
+  const int error = ::pthread_setattr_default_np(&attributes);
+  ::pthread_attr_destroy(&attributes);
+  if (error != 0) Refused("stacks of threads cannot be bounded", error, "a fault of the system");
+  if (::mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
+    Refused("memory cannot be locked", errno, "raise memlock in /etc/security/limits.conf");
+  }
+  TouchStack();
+}
+
+}  // namespace sinew::node
