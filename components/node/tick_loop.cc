@@ -190,10 +190,10 @@ struct TickLoop::Impl {
 
   // The owner of a topic that has been silent for longer than its readers wait was replaced.
   bool WasSilent(const HeadOfMessage& head, const Tick& tick) const {
-    const std::chrono::nanoseconds period = Bounded(tick.nominal_period_s);
-    if (lockstep || !last_tick || period.count() == 0) return false;
+    const std::chrono::nanoseconds nominal = Bounded(tick.nominal_period_s);
+    if (lockstep || !last_tick || nominal.count() == 0) return false;
     // Counted in whole periods: a tick is any number that a message claims.
-    const auto missed = static_cast<std::uint64_t>(internal::Deadline(period) / period);
+    const auto missed = static_cast<std::uint64_t>(internal::Deadline(nominal) / nominal);
     return head.tick - *last_tick > missed;
   }
 
