@@ -134,7 +134,7 @@ void JointController::ChooseAim(const JointInput& input) noexcept {
   const double position_rad = input.measured->position_rad;
   if (input.reference_expected) {
     if (!input.reference_fresh) return;  // stays with what it did
-    if (aim_ != Aim::kReference || stale_ticks_ > 0) {
+    if (aim_ != Aim::kReference || stale_ticks_ > 0 || input.reference_changed) {
       const double from_rad = aim_ == Aim::kPush ? position_rad : target_.position_rad;
       offset_rad_ = from_rad - input.reference.position_rad;
       offset_age_s_ = 0.0;
@@ -212,7 +212,7 @@ double JointController::FeedForward(const JointInput& input, const Point& target
       wanted_Nm = config_.shaft_per_output * prediction.pea_torque_Nm;
     }
   }
-  if (source != source_) {
+  if (source != source_ || (source >= 2 && input.prediction_changed)) {
     fade_Nm_ = feed_forward_Nm_ - wanted_Nm;
     if (source_ == 0) {  // what the integral held in the feed-forward's place, it gives up
       const double instead_Nm = wanted_Nm / config_.shaft_per_output;

@@ -59,8 +59,10 @@ struct JointInput {
   const JointMeasurement* measured = nullptr;
   bool reference_expected = false;  // the reference asks for this joint, or did when last heard
   bool reference_fresh = false;
+  bool reference_changed = false;  // to another generator's: the step to it fades out
   Point reference;
   bool prediction_fresh = false;
+  bool prediction_changed = false;  // to another predictor's: likewise
   JointPrediction prediction;
   types::Regime regime = types::Regime::kUnknown;
   MotionOrder motion;

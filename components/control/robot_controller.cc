@@ -43,8 +43,10 @@ RobotOutput RobotController::Step(const RobotInput& input) noexcept {
     joint.measured = j < input.joint_count ? &input.joint[j] : &kUnknown;
     joint.reference_expected = j < reference_count_;
     joint.reference_fresh = input.reference_fresh;
+    joint.reference_changed = input.reference_changed;
     joint.reference = input.reference[j];
     joint.prediction_fresh = input.prediction_fresh;
+    joint.prediction_changed = input.prediction_changed;
     joint.prediction = input.prediction[j];
     joint.regime = input.regime_fresh ? input.regime[j] : types::Regime::kUnknown;
     joint.motion = input.motion[j];

@@ -54,11 +54,13 @@ struct RobotInput {
   int joint_count = 0;
   types::JointArray<JointMeasurement> joint{};
 
-  bool reference_fresh = false;  // belongs to this tick and is not marked stale
-  int reference_count = 0;       // 0: nothing is asked for
+  bool reference_fresh = false;    // belongs to this tick and is not marked stale
+  bool reference_changed = false;  // it comes from another generator than the one before
+  int reference_count = 0;         // 0: nothing is asked for
   types::JointArray<Point> reference{};
 
   bool prediction_fresh = false;
+  bool prediction_changed = false;  // it comes from another predictor than the one before
   types::JointArray<JointPrediction> prediction{};
   bool regime_fresh = false;
   types::JointArray<types::Regime> regime{};

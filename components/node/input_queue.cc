@@ -4,12 +4,12 @@
 
 namespace sinew::node::internal {
 
-void InputQueue::Push(const HeadOfMessage& head, Bytes bytes) {
+void InputQueue::Push(const HeadOfMessage& head, Bytes bytes, const WriterId& writer) {
   if (samples_.size() >= limit_) {
     samples_.pop_front();
     ++dropped_;
   }
-  samples_.push_back({head, std::move(bytes)});
+  samples_.push_back({head, std::move(bytes), writer});
 }
 
 bool InputQueue::Reached(std::uint64_t tick) const {
@@ -22,7 +22,7 @@ bool InputQueue::Reached(std::uint64_t tick) const {
 
 void InputQueue::Accept(std::uint64_t tick, bool lockstep, const Decode& decode) {
   const auto delay = static_cast<std::uint64_t>(rules_.delay_ticks);
-  fresh_ = false;
+  fresh_ = writer_changed_ = false;
   if (tick < delay) return;
   const std::uint64_t wanted = tick - delay;
   const bool only_wanted = lockstep && rules_.required;
@@ -34,6 +34,7 @@ void InputQueue::Accept(std::uint64_t tick, bool lockstep, const Decode& decode)
 
 bool InputQueue::AcceptFront(const Decode& decode) {
   const std::uint64_t tick = samples_.front().head.tick;
+  writer_changed_ = false;
   const bool decoded = AcceptEntry(decode);
   fresh_ = accepted_tick_ == tick;
   return decoded;
@@ -41,7 +42,11 @@ bool InputQueue::AcceptFront(const Decode& decode) {
 
 bool InputQueue::AcceptEntry(const Decode& decode) {
   const bool decoded = decode(samples_.front().bytes);
-  if (decoded) accepted_tick_ = samples_.front().head.tick;
+  if (decoded) {
+    writer_changed_ |= accepted_tick_ && writer_ != samples_.front().writer;
+    writer_ = samples_.front().writer;
+    accepted_tick_ = samples_.front().head.tick;
+  }
   samples_.pop_front();
   return decoded;
 }
@@ -53,7 +58,7 @@ void InputQueue::DropAllButNewest() {
 void InputQueue::Reset() {
   samples_.clear();
   accepted_tick_.reset();
-  fresh_ = false;
+  fresh_ = writer_changed_ = false;
 }
 
 std::optional<HeadOfMessage> InputQueue::front() const {

@@ -21,7 +21,7 @@ class InputQueue {
   InputQueue(InputRules rules, std::size_t limit) : rules_(rules), limit_(limit) {}
 
   // A full queue drops its oldest sample.
-  void Push(const HeadOfMessage& head, Bytes bytes);
+  void Push(const HeadOfMessage& head, Bytes bytes, const WriterId& writer = {});
   // True when nothing better than what is here will come for this tick: the sample of tick - delay
   // or a later one is here or accepted, or the tick is before the delay.
   bool Reached(std::uint64_t tick) const;
@@ -39,6 +39,8 @@ class InputQueue {
   bool accepted() const { return accepted_tick_.has_value(); }
   std::uint64_t accepted_tick() const { return accepted_tick_.value_or(0); }
   bool fresh() const { return fresh_; }  // what was accepted belongs to the last cycle
+  // The last cycle's sample is another writer's than the one accepted before it.
+  bool writer_changed() const { return writer_changed_; }
   const InputRules& rules() const { return rules_; }
   std::uint64_t dropped() const { return dropped_; }  // by Push and DropAllButNewest
 
@@ -46,6 +48,7 @@ class InputQueue {
   struct Entry {
     HeadOfMessage head;
     Bytes bytes;
+    WriterId writer;
   };
   bool AcceptEntry(const Decode& decode);
 
@@ -54,6 +57,8 @@ class InputQueue {
   std::deque<Entry> samples_;
   std::optional<std::uint64_t> accepted_tick_;
   bool fresh_ = false;
+  WriterId writer_{};  // of what was accepted
+  bool writer_changed_ = false;
   std::uint64_t dropped_ = 0;
 };
 

@@ -57,6 +57,8 @@ void Node::SetState(State state, const std::string& message) {
   impl_->status.SetState(state, message);
 }
 
+void Node::SetStandby(bool standby) { impl_->status.SetStandby(standby); }
+
 void Node::SetCounts(const Counts& counts) { impl_->status.SetCounts(counts); }
 
 void Node::SetCycle(std::uint64_t session_id, std::uint64_t tick, std::int64_t stamp_ns,

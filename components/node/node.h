@@ -153,6 +153,8 @@ class Node {
   // changes, and once a second while the loop calls SetCycle, SetCounts or any wait of this node.
   enum class State { kConfigured, kActive, kFault, kStopped };
   void SetState(State state, const std::string& message = "");
+  // Another participant is heard in this one's place (other_owner.h).
+  void SetStandby(bool standby);
   struct Counts {
     std::uint64_t cycles = 0, stale_inputs = 0, missed_ticks = 0, write_failures = 0;
   };

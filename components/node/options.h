@@ -16,6 +16,8 @@ class App;
 
 namespace sinew::node {
 
+class Composition;
+
 enum class TimeMode { kRealtime, kLockstep };
 
 struct Options {
@@ -29,6 +31,8 @@ struct Options {
   bool realtime_priority = false;       // --realtime: realtime.h, before the first DDS call
   std::uint64_t seed = 1;               // --seed
   std::filesystem::path qos_path;       // --qos: XML profiles instead of the built-in ones
+  // The other nodes of this thread, where there are some: composition.h. Outlives the nodes.
+  Composition* composition = nullptr;
 };
 
 // Whom a participant can stand in for.

@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "components/node/all_messages.h"
+#include "components/node/composition.h"
 #include "components/node/node_impl.h"
 #include "components/node/reader_impl.h"
 #include "components/types/clock/clock.h"
@@ -40,6 +41,7 @@ ReaderImpl::ReaderImpl(std::shared_ptr<NodeImpl> owner, const TopicInfo& info,
                                              << dds::StatusMask::sample_lost()
                                              << dds::StatusMask::requested_incompatible_qos());
   if (reader_ == nullptr) throw DdsError("no reader for topic '" + topic.name + "'");
+  if (node->options.composition != nullptr) node->options.composition->Add(this);
   if (!has_owners()) return;
   const std::lock_guard<std::mutex> lock(node->owned_readers_mutex);
   node->owned_readers.push_back(this);
@@ -48,6 +50,7 @@ ReaderImpl::ReaderImpl(std::shared_ptr<NodeImpl> owner, const TopicInfo& info,
 
 ReaderImpl::~ReaderImpl() {
   if (reader_ == nullptr) return;
+  if (node->options.composition != nullptr) node->options.composition->Remove(this);
   if (has_owners()) {
     const std::lock_guard<std::mutex> lock(node->owned_readers_mutex);
     std::erase(node->owned_readers, this);
@@ -89,6 +92,11 @@ void ReaderImpl::on_data_available(dds::DataReader* source) {
     scratch_.reception_stamp_ns = types::EpochNow_ns();
     std::copy_n(static_cast<const std::uint8_t*>(info.publication_handle.value),
                 scratch_.writer.size(), scratch_.writer.begin());
+    if (const Composition* composition = node->options.composition; composition != nullptr) {
+      const bool composed = composition->Owns(scratch_.writer);
+      composed_heard_.store(composed, std::memory_order_relaxed);
+      if (composed && !callback_) continue;
+    }
     received_.fetch_add(1, std::memory_order_relaxed);
     any = true;
     if (callback_) {
@@ -97,14 +105,28 @@ void ReaderImpl::on_data_available(dds::DataReader* source) {
       scratch_.bytes = Bytes();
       continue;
     }
-    if (queue_.Push(&scratch_) || !dropping_is_a_loss()) continue;
-    node->status.CountDropped();
-    if (queue_.dropped() == 1) {
-      spdlog::warn("topic '{}': {} samples wait to be read, the oldest are dropped from here on",
-                   topic.name, queue_limit);
-    }
+    Queue(&scratch_);
   }
   if (any) node->signal.Notify(this);
+}
+
+void ReaderImpl::Queue(Sample* sample) {
+  if (queue_.Push(sample) || !dropping_is_a_loss()) return;
+  node->status.CountDropped();
+  if (queue_.dropped() == 1) {
+    spdlog::warn("topic '{}': {} samples wait to be read, the oldest are dropped from here on",
+                 topic.name, queue_limit);
+  }
+}
+
+void ReaderImpl::TakeComposed(const Bytes& bytes, std::int64_t stamp_ns, const WriterId& writer) {
+  if (callback_) return;  // recorders hear DDS
+  if (has_owners() && !composed_heard_.load(std::memory_order_relaxed)) return;
+  composed_.bytes = bytes;
+  composed_.source_stamp_ns = composed_.reception_stamp_ns = stamp_ns;
+  composed_.writer = writer;
+  received_.fetch_add(1, std::memory_order_relaxed);
+  Queue(&composed_);
 }
 
 void ReaderImpl::on_sample_lost(dds::DataReader*, const dds::SampleLostStatus& status) {

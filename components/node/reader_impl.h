@@ -36,6 +36,8 @@ struct ReaderImpl final : public dds::DataReaderListener {
   // Of an EXCLUSIVE topic in real time: its owner may be silent for Deadline(period).
   void SetPeriod(std::chrono::nanoseconds period);
   std::uint64_t malformed() const { return malformed_; }
+  // A sample of a composed writer (composition.h).
+  void TakeComposed(const Bytes& bytes, std::int64_t stamp_ns, const WriterId& writer);
 
   void on_data_available(dds::DataReader* source) override;
   void on_sample_lost(dds::DataReader*, const dds::SampleLostStatus& status) override;
@@ -50,6 +52,8 @@ struct ReaderImpl final : public dds::DataReaderListener {
   // False where only the newest sample matters, so that dropping is no loss.
   bool dropping_is_a_loss() const;
   bool has_owners() const;
+  // Queues the sample, and reports what a full queue dropped.
+  void Queue(Sample* sample);
 
   Node::RawCallback callback_;
   SampleQueue queue_;
@@ -57,7 +61,10 @@ struct ReaderImpl final : public dds::DataReaderListener {
   std::atomic<std::uint64_t> received_{0};
   std::atomic<std::uint64_t> lost_{0};
   std::atomic<std::uint64_t> malformed_{0};
-  Sample scratch_;  // DDS thread only
+  Sample scratch_;   // DDS thread only
+  Sample composed_;  // of the composition's thread only
+  // Of a topic with owners: what DDS brought last came from the composed writer.
+  std::atomic<bool> composed_heard_{true};
 };
 
 }  // namespace sinew::node::internal

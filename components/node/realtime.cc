@@ -20,6 +20,7 @@ const std::vector<PriorityRule>& PriorityRules() {
       {"can-bus", 46, "the bus: hardware to everybody else"},
       {"virtual-axes", 46, "the motor controllers: hardware to everybody else"},
       {"can-bridge", 44, "state provider: the cycle's timer, guard and motors off"},
+      {"compose", 44, "state provider with others in its thread"},
       {"surrogate", 44, "state provider"},
       {"world", 44, "state provider"},
       {"control", 40, "the provider waits for its command"},

@@ -94,6 +94,16 @@ void Status::SetState(Node::State state, const std::string& message) {
   wake_up_.Give();
 }
 
+void Status::SetStandby(bool standby) {
+  {
+    const std::lock_guard<PriorityMutex> lock(mutex_);
+    if (standby == values_.standby) return;
+    values_.standby = standby;
+    changed_ = true;
+  }
+  wake_up_.Give();
+}
+
 void Status::SetCounts(const Node::Counts& counts) {
   Beat();
   const std::lock_guard<PriorityMutex> lock(mutex_);
@@ -146,6 +156,7 @@ void Status::Publish(const Values& values) {
   status.header().stamp_ns(values.stamp_ns);
   status.header().origin(static_cast<msg::Origin>(values.origin));
   status.state(ToMessage(values.state));
+  status.standby(values.standby);
   status.process_id(static_cast<std::uint32_t>(::getpid()));
   status.host(host_);
   status.version(kVersion);

@@ -34,6 +34,8 @@ class Status {
   // last one. The first call means that the component is configured: systemd is notified that it is
   // ready.
   void SetState(Node::State state, const std::string& message);
+  // Published at once when it changes, as the state.
+  void SetStandby(bool standby);
   void SetCounts(const Node::Counts& counts);
   void SetCycle(std::uint64_t session_id, std::uint64_t tick, std::int64_t stamp_ns, int origin);
   // The loop goes round; to be called from every wait.
@@ -47,6 +49,7 @@ class Status {
   struct Values {
     Node::State state = Node::State::kConfigured;
     std::string message;
+    bool standby = false;
     bool configured = false;  // SetState was called
     Node::Counts counts;
     std::uint64_t session_id = 0, tick = 0;

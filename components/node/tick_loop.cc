@@ -9,6 +9,7 @@
 #include "components/node/cut_off.h"
 #include "components/node/input_queue.h"
 #include "components/node/node_impl.h"
+#include "components/node/other_owner.h"
 #include "components/node/tick_period.h"
 
 namespace sinew::node {
@@ -32,7 +33,7 @@ class InputBase {
       HeadOfMessage head;
       if (!PeekHead(sample->bytes.data(), sample->bytes.size(), &head)) continue;
       if (session_id != 0 && head.session_id != session_id) continue;
-      queue.Push(head, std::move(sample->bytes));
+      queue.Push(head, std::move(sample->bytes), sample->writer);
     }
   }
   // Sleeps until a sample of this input arrives or the timeout is over.
@@ -61,6 +62,29 @@ class InputBase {
 }  // namespace internal
 
 using internal::InputBase;
+
+namespace {
+
+// A period that a message claims is no reason to wait for more than a second, or to overflow.
+std::chrono::nanoseconds BoundedPeriod(double nominal_period_s) {
+  const double period_s = nominal_period_s > 0.0 ? std::min(nominal_period_s, 1.0) : 0.0;
+  return std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 * period_s));
+}
+
+// Of an owner, after which readers hear the next one, in whole periods: a tick is any number that a
+// message claims. Without a period: 0.
+std::uint64_t PeriodsOfSilence(double nominal_period_s) {
+  const std::chrono::nanoseconds period = BoundedPeriod(nominal_period_s);
+  if (period.count() == 0) return 0;
+  return static_cast<std::uint64_t>(internal::Deadline(period) / period);
+}
+
+}  // namespace
+
+bool StillOwner(std::uint64_t owner_tick, const Tick& tick) {
+  return owner_tick >= tick.tick ||
+         tick.tick - owner_tick <= PeriodsOfSilence(tick.nominal_period_s);
+}
 
 template <class Message>
 struct TickInput<Message>::State final : public InputBase {
@@ -94,6 +118,10 @@ const Message& TickInput<Message>::value() const {
 template <class Message>
 bool TickInput<Message>::fresh() const {
   return state_->queue.fresh();
+}
+template <class Message>
+bool TickInput<Message>::writer_changed() const {
+  return state_->queue.writer_changed();
 }
 template <class Message>
 std::uint64_t TickInput<Message>::tick() const {
@@ -182,24 +210,15 @@ struct TickLoop::Impl {
     return true;
   }
 
-  // A period that a message claims is no reason to wait for more than a second, or to overflow.
-  static std::chrono::nanoseconds Bounded(double nominal_period_s) {
-    const double period_s = nominal_period_s > 0.0 ? std::min(nominal_period_s, 1.0) : 0.0;
-    return std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 * period_s));
-  }
-
   // The owner of a topic that has been silent for longer than its readers wait was replaced.
   bool WasSilent(const HeadOfMessage& head, const Tick& tick) const {
-    const std::chrono::nanoseconds nominal = Bounded(tick.nominal_period_s);
-    if (lockstep || !last_tick || nominal.count() == 0) return false;
-    // Counted in whole periods: a tick is any number that a message claims.
-    const auto missed = static_cast<std::uint64_t>(internal::Deadline(nominal) / nominal);
-    return head.tick - *last_tick > missed;
+    if (lockstep || !last_tick || BoundedPeriod(tick.nominal_period_s).count() == 0) return false;
+    return head.tick - *last_tick > PeriodsOfSilence(tick.nominal_period_s);
   }
 
   std::chrono::nanoseconds CutOff(double nominal_period_s) const {
     return std::chrono::nanoseconds(static_cast<std::int64_t>(
-        cut_off_share * static_cast<double>(Bounded(nominal_period_s).count())));
+        cut_off_share * static_cast<double>(BoundedPeriod(nominal_period_s).count())));
   }
 
   void Count(const Tick& tick) {
@@ -214,7 +233,8 @@ TickLoop::TickLoop(Node& node, StopFlag& stop, TickLoopOptions options)
                      .stop = stop,
                      .options = options,
                      .lockstep = node.options().mode == TimeMode::kLockstep,
-                     .cut_off_share = options.cut_off_share > 0.0
+                     .cut_off_share = node.options().composition != nullptr ? 0.0
+                                      : options.cut_off_share > 0.0
                                           ? options.cut_off_share
                                           : CutOffOf(node.options().component).share,
                      .status = node.impl_->status,
@@ -239,6 +259,8 @@ requires kBeginsWithHeader<Message> TickInput<Message>
   impl_->handles.push_back(input);
   return *input;
 }
+
+bool TickLoop::Ready() { return !impl_->ended && impl_->NextTrigger().has_value(); }
 
 std::optional<Tick> TickLoop::Next() {
   Impl& self = *impl_;
@@ -279,7 +301,7 @@ std::optional<Tick> TickLoop::Next() {
   // What is computed from a recording is no live command, whatever triggered it.
   if (replayed) tick.origin = msg::ORIGIN_REPLAY;
 
-  if (tick.nominal_period_s > 0.0) self.node.SetPeriod(Impl::Bounded(tick.nominal_period_s));
+  if (tick.nominal_period_s > 0.0) self.node.SetPeriod(BoundedPeriod(tick.nominal_period_s));
   if (self.WasSilent(*head, tick)) self.node.impl_->ownership.StepBelow();
   self.node.impl_->ownership.SetCycle(tick.session_id, tick.origin);
   self.Count(tick);

@@ -58,7 +58,9 @@ class TickInput {
   bool has_value() const;        // false until the first sample
   const Message& value() const;  // the sample of this cycle, or the last one when stale
   bool fresh() const;            // belongs to this cycle (tick - delay)
-  std::uint64_t tick() const;    // of value()
+  // This cycle's sample is another writer's than the one before: its topic has a new owner.
+  bool writer_changed() const;
+  std::uint64_t tick() const;  // of value()
   // Samples dropped unread because a queue was full (limits: see Reader), or in real time because
   // newer ones were there before the loop came to them.
   std::uint64_t dropped() const;
@@ -81,6 +83,9 @@ class TickLoop {
   requires kBeginsWithHeader<Message> TickInput<Message>
   &AddInput(const Topic<Message>& topic, InputRules rules = {});
 
+  // A cycle has begun: Next() returns at once. For composed nodes (composition.h), which wait for
+  // neither trigger nor inputs: what has not come is stale.
+  bool Ready();
   // Blocks for the next cycle. Nothing: stop was requested or the session ended.
   std::optional<Tick> Next();
 

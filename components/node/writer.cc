@@ -1,4 +1,7 @@
+#include <algorithm>
+
 #include "components/node/all_messages.h"
+#include "components/node/composition.h"
 #include "components/node/node_impl.h"
 #include "components/node/writer_impl.h"
 
@@ -22,11 +25,15 @@ WriterImpl::WriterImpl(std::shared_ptr<NodeImpl> owner, const TopicInfo& info)
                                         dds::StatusMask::offered_incompatible_qos());
   if (writer_ == nullptr) throw DdsError("no writer for topic '" + topic.name + "'");
   guid_ = TextOf(writer_->guid());
+  std::copy_n(static_cast<const std::uint8_t*>(writer_->get_instance_handle().value), id_.size(),
+              id_.begin());
+  if (node->options.composition != nullptr) node->options.composition->Add(this);
   if (HasOwners()) node->ownership.Add(this);
 }
 
 WriterImpl::~WriterImpl() {
   if (writer_ == nullptr) return;
+  if (node->options.composition != nullptr) node->options.composition->Remove(this);
   if (HasOwners()) node->ownership.Remove(this);
   if (node->options.mode == TimeMode::kLockstep && matched() > 0) {
     writer_->wait_for_acknowledgments({2, 0});
@@ -53,6 +60,13 @@ void WriterImpl::SetStrength(Strength strength) {
 
 WriteStatus WriterImpl::Write(Bytes* bytes) {
   if (bytes->empty()) return WriteStatus::kFailed;
+  Composition* composition = node->options.composition;
+  if (composition == nullptr || !Composition::Carries(topic)) return WriteToDds(bytes);
+  composition->Write(this, *bytes);
+  return WriteStatus::kOk;
+}
+
+WriteStatus WriterImpl::WriteToDds(Bytes* bytes) {
   return writer_->write(static_cast<void*>(bytes)) ? WriteStatus::kOk : WriteStatus::kFailed;
 }
 

@@ -13,6 +13,7 @@
 #include "components/node/dds_pch.h"
 #include "components/node/node.h"
 #include "components/node/ownership.h"
+#include "components/node/writer_id.h"
 
 namespace sinew::node::internal {
 
@@ -23,6 +24,7 @@ struct WriterImpl final : public dds::DataWriterListener {
   ~WriterImpl() override;  // in lockstep waits up to 2 s until every reader has everything
 
   WriteStatus Write(Bytes* bytes);
+  WriteStatus WriteToDds(Bytes* bytes);  // at once, of a composed node too
   bool WaitAcknowledged(std::chrono::milliseconds timeout) const;
   int matched() const;
 
@@ -31,6 +33,7 @@ struct WriterImpl final : public dds::DataWriterListener {
   Strength strength() const noexcept { return strength_.load(std::memory_order_relaxed); }
   void SetStrength(Strength strength);
   const std::string& guid() const noexcept { return guid_; }
+  const WriterId& id() const noexcept { return id_; }
 
   void on_offered_incompatible_qos(dds::DataWriter*,
                                    const dds::OfferedIncompatibleQosStatus& status) override;
@@ -45,6 +48,7 @@ struct WriterImpl final : public dds::DataWriterListener {
   dds::DataWriter* writer_ = nullptr;
   std::atomic<Strength> strength_{kJoiningStrength};
   std::string guid_;
+  WriterId id_{};
 };
 
 }  // namespace sinew::node::internal

@@ -131,7 +131,7 @@ void PressureManager::Watch(const ManagerInput& input) noexcept {
   overpressure_s_ = input.chamber_bar > config_.max_pressure_bar ? overpressure_s_ + h : 0.0;
   if (overpressure_s_ > config_.sensor_time_s) fault_ = Fault::kOverpressure;
 
-  if (config_.valve_feedback) {
+  if (config_.valve_feedback && !input.standby) {
     feedback_s_ = input.valve_is_open != valve_.on() ? feedback_s_ + h : 0.0;
     if (feedback_s_ > config_.feedback_time_s) fault_ = Fault::kValve;
   }
@@ -269,6 +269,11 @@ ManagerOutput PressureManager::Step(const ManagerInput& input) noexcept {
   ManagerOutput output;
   if (fault_ != Fault::kNone) {
     output = AllOff(Mode::kSafe, config_.vent_when_safe);
+  } else if (input.standby) {
+    output = AllOff(Mode::kHold, false);
+    valve_.Force(input.valve_is_open);
+    output.valve_open = valve_.on();
+    still_s_ = feedback_s_ = 0.0;
   } else if (!input.active) {
     output = AllOff(Mode::kIdle, config_.vent_when_idle);
   } else if (!usable || !known_ || bad_sensor_s_ > 0.0) {

@@ -31,6 +31,14 @@ class Generator {
 
   // The joint stands at position_rad; time counts from here.
   void Start(double position_rad) noexcept;
+  // The same for a joint that moves: its velocity and acceleration pass into those of the soft
+  // start within kCarry_s, sooner where the position limit in its way leaves no room for that,
+  // later where it would take more than half of the acceleration limit:
+  //
+  //     c(u) = v0 T u (1 - u)^3 (1 + 3 u) + a0 T^2 / 2 u^2 (1 - u)^3,  u = t / T
+  //
+  // is added, the quintic with value 0, slope v0 and curvature a0 at 0 and nothing of each at T.
+  void Start(const Point& from) noexcept;
   // So that all joints of a robot reach their trajectories together. Right after Start.
   void LengthenSoftStart(double soft_start_s) noexcept;
   Point At(double since_start_s) const noexcept;
@@ -41,10 +49,14 @@ class Generator {
 
  private:
   Point SoftStart(double since_start_s, double soft_start_s) const noexcept;
+  Point Carried(double since_start_s) const noexcept;
+  Point Reference(double since_start_s) const noexcept;
 
   GeneratorConfig config_;
   double start_rad_ = 0.0;
   double soft_start_s_ = 0.0;
+  Point carried_;  // velocity and acceleration at the start
+  double carry_s_ = 0.0;
 };
 
 }  // namespace sinew::reference

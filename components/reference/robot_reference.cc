@@ -21,10 +21,41 @@ RobotReference::RobotReference(const RobotReferenceConfig& config)
   for (const GeneratorConfig& joint : config.joints) joints_.emplace_back(joint);
 }
 
+// All joints have started; they reach their trajectories together.
+void RobotReference::Begin(std::uint64_t tick) noexcept {
+  running_ = true;
+  holding_ = false;
+  start_tick_ = tick;
+  double longest_s = 0.0;
+  for (const Generator& joint : joints_) longest_s = std::max(longest_s, joint.soft_start_s());
+  for (Generator& joint : joints_) joint.LengthenSoftStart(longest_s);
+}
+
+void RobotReference::TakeOver(const RobotReferenceOutput& other,
+                              const RobotReferenceInput& input) noexcept {
+  session_id_ = input.session_id;
+  moving_ = input.may_move;
+  asked_ = running_ = holding_ = false;
+  allowed_tick_ = UINT64_MAX;
+  if (!input.may_move || other.idle) return;
+  bool at_rest = true;
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    at_rest = at_rest && other.joint[j].velocity_rad_s == 0.0 &&
+              other.joint[j].acceleration_rad_s2 == 0.0;
+  }
+  if (at_rest) {
+    holding_ = true;
+    held_ = other.joint;
+    return;
+  }
+  for (std::size_t j = 0; j < joints_.size(); ++j) joints_[j].Start(other.joint[j]);
+  Begin(input.tick);
+}
+
 RobotReferenceOutput RobotReference::Step(const RobotReferenceInput& input) noexcept {
   if (input.session_id != session_id_) {
     session_id_ = input.session_id;
-    moving_ = asked_ = running_ = false;
+    moving_ = asked_ = running_ = holding_ = false;
   }
   const int count = std::min<int>(static_cast<int>(joints_.size()), input.joint_count);
   RobotReferenceOutput output;
@@ -33,9 +64,8 @@ RobotReferenceOutput RobotReference::Step(const RobotReferenceInput& input) noex
 
   if (!input.may_move || input.operator_stop) {
     moving_ = input.may_move;
-    asked_ = running_ = false;
+    asked_ = running_ = holding_ = false;
     allowed_tick_ = UINT64_MAX;  // stopped until it is armed or asked again
-    allowed_tick_ = UINT64_MAX;  // stopped for good
     return output;
   }
   if (!moving_) {
@@ -48,7 +78,14 @@ RobotReferenceOutput RobotReference::Step(const RobotReferenceInput& input) noex
   }
 
   if (!running_) {
-    if (input.tick < allowed_tick_) return output;
+    if (input.tick < allowed_tick_) {
+      if (holding_) {
+        output.joint = held_;
+        output.idle = false;
+        output.finished = true;
+      }
+      return output;
+    }
     const double waited_s = static_cast<double>(input.tick - allowed_tick_) * input.period_s;
     if (waited_s < start_delay_s_) return output;
     bool all_known = count == static_cast<int>(joints_.size());
@@ -59,14 +96,10 @@ RobotReferenceOutput RobotReference::Step(const RobotReferenceInput& input) noex
       output.stale = true;
       return output;
     }
-    running_ = true;
-    start_tick_ = input.tick;
-    double longest_s = 0.0;
     for (int j = 0; j < count; ++j) {
-      joints_[j].Start(input.position_rad[j]);
-      longest_s = std::max(longest_s, joints_[j].soft_start_s());
+      joints_[j].Start(holding_ ? held_[j].position_rad : input.position_rad[j]);
     }
-    for (Generator& joint : joints_) joint.LengthenSoftStart(longest_s);
+    Begin(input.tick);
   }
 
   const double time_s = static_cast<double>(input.tick - start_tick_) * input.period_s;

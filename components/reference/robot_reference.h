@@ -50,15 +50,24 @@ class RobotReference {
   // Throws std::invalid_argument for 0 or more than kMaxJoints joints.
   explicit RobotReference(const RobotReferenceConfig& config);
   RobotReferenceOutput Step(const RobotReferenceInput& input) noexcept;
+  // Goes on from another generator's reference, which the joints followed until this tick; the next
+  // Step is this tick's. What moves passes into the own trajectory, from its beginning; what is at
+  // rest (it may have come to its end) is held, and what is idle stays idle, until the operator
+  // says start or the robot is armed anew.
+  void TakeOver(const RobotReferenceOutput& other, const RobotReferenceInput& input) noexcept;
   bool running() const noexcept { return running_; }
 
  private:
+  void Begin(std::uint64_t tick) noexcept;
+
   std::vector<Generator> joints_;
   StartRule start_;
   double start_delay_s_;
   bool moving_ = false;  // may_move at the last step
   bool asked_ = false;   // the operator said start
   bool running_ = false;
+  bool holding_ = false;  // held_, of a reference that was taken over
+  types::JointArray<Point> held_{};
   std::uint64_t session_id_ = 0;
   std::uint64_t allowed_tick_ = 0;  // when it became allowed to start
   std::uint64_t start_tick_ = 0;

@@ -144,12 +144,28 @@ void RegimeDetector::HandleSetup(const DetectorInput& input, DetectorOutput* out
   }
 }
 
+void RegimeDetector::StartSession(std::uint64_t session_id) noexcept {
+  if (session_known_ && session_id == session_id_) return;
+  session_known_ = true;
+  session_id_ = session_id;
+  Forget();
+}
+
+void RegimeDetector::Adopt(std::uint64_t session_id, double offset_rad) noexcept {
+  if (!std::isfinite(offset_rad)) return;
+  StartSession(session_id);
+  if (setup_done_) return;
+  play_.Reset();
+  offset_rad_ = offset_rad;
+  offset_error_rad_ = play_.sigma_rad();  // the owner's is not known here: that of one sample
+  setup_done_ = true;
+  stage_ = Stage::kIdle;
+  trouble_ = Trouble::kNone;
+  outside_ = 0;
+}
+
 DetectorOutput RegimeDetector::Step(const DetectorInput& input) noexcept {
-  if (!session_known_ || input.session_id != session_id_) {
-    session_known_ = true;
-    session_id_ = input.session_id;
-    Forget();
-  }
+  StartSession(input.session_id);
   if (!input.armed) {
     // A setup that was interrupted or failed may be tried again the next time.
     if (stage_ != Stage::kIdle) stage_ = Stage::kIdle;

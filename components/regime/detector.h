@@ -84,6 +84,10 @@ class RegimeDetector {
   // Throws std::invalid_argument with the value that is wrong.
   explicit RegimeDetector(const DetectorConfig& config);
 
+  // A standby's: another detector has found the contact of this session, and that counts here until
+  // an own setup. Nothing where there is one already.
+  void Adopt(std::uint64_t session_id, double offset_rad) noexcept;
+
   DetectorOutput Step(const DetectorInput& input) noexcept;
 
   bool setup_done() const noexcept { return setup_done_; }
@@ -93,6 +97,7 @@ class RegimeDetector {
   const DetectorConfig& config() const noexcept { return config_; }
 
  private:
+  void StartSession(std::uint64_t session_id) noexcept;
   enum class Stage { kIdle, kPressurise, kPush, kFailed };
 
   void Forget() noexcept;

@@ -1,5 +1,6 @@
 #include "components/rls/adapter.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -35,6 +36,16 @@ void Adapter::Reset() noexcept {
   network_ = slots_[1] ? 1 : 0;
   updates_ = 0;
   still_s_ = std::numeric_limits<double>::infinity();
+}
+
+bool Adapter::Adopt(int network, std::uint64_t version,
+                    const Eigen::Ref<const Eigen::MatrixXd>& readout) noexcept {
+  if (network < 0 || network > 1 || !has(network)) return false;
+  Slot& slot = *slots_[static_cast<std::size_t>(network)];
+  if (!slot.estimator.SetReadout(readout)) return false;
+  slot.version = version;
+  updates_ = std::max(updates_, version);
+  return true;
 }
 
 Frozen Adapter::Step(const Observation& o) noexcept {

@@ -48,6 +48,11 @@ class Adapter {
   // A new session: offline readouts, nothing excited.
   void Reset() noexcept;
 
+  // A standby's: the owner's readout of a network, from which this one goes on. False, and nothing
+  // changed: no such network here, or it does not fit.
+  [[nodiscard]] bool Adopt(int network, std::uint64_t version,
+                           const Eigen::Ref<const Eigen::MatrixXd>& readout) noexcept;
+
   Frozen Step(const Observation& observation) noexcept;
 
   // The network of the last usable sample; at the start one that is there.

@@ -83,6 +83,17 @@ void RecursiveLeastSquares::Reset() noexcept {
   clipped_ = 0;
 }
 
+bool RecursiveLeastSquares::SetReadout(const Eigen::Ref<const Eigen::MatrixXd>& readout) noexcept {
+  if (readout.rows() != outputs_ || readout.cols() != size_ || !readout.allFinite()) return false;
+  for (int o = 0; o < outputs_; ++o) {
+    for (int i = 0; i < size_; ++i) {
+      weight_[static_cast<std::size_t>(o) * static_cast<std::size_t>(stride_) +
+              static_cast<std::size_t>(i)] = readout(o, i);
+    }
+  }
+  return true;
+}
+
 UpdateStatus RecursiveLeastSquares::Update(
     const Eigen::Ref<const Eigen::VectorXd>& features,
     const Eigen::Ref<const Eigen::VectorXd>& target) noexcept {

@@ -64,6 +64,10 @@ class RecursiveLeastSquares {
   // Back to the offline readout and the prior covariance.
   void Reset() noexcept;
 
+  // Goes on from another estimator's readout; the covariance stays. False, and nothing changed: of
+  // another size, or not finite.
+  [[nodiscard]] bool SetReadout(const Eigen::Ref<const Eigen::MatrixXd>& readout) noexcept;
+
   UpdateStatus Update(const Eigen::Ref<const Eigen::VectorXd>& features,
                       const Eigen::Ref<const Eigen::VectorXd>& target) noexcept;
 

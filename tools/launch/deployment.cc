@@ -216,6 +216,51 @@ void RemoveProcess(const std::string& name, Deployment* deployment) {
   }
 }
 
+// Programs that sinew-compose can run (tools/compose/chain.cc).
+std::vector<std::string> WhatComposes(const Deployment& deployment) {
+  static const std::set<std::string> programs = {"sinew-reference",  "sinew-regime",
+                                                 "sinew-esn",        "sinew-control",
+                                                 "sinew-pneumatics", "sinew-rls"};
+  std::vector<std::string> names;
+  for (const Process& process : deployment.processes) {
+    if (programs.contains(process.program.filename().string()) && process.arguments.empty()) {
+      names.push_back(process.name);
+    }
+  }
+  return names;
+}
+
+// The provider's process becomes a sinew-compose that runs the others in its thread.
+void Compose(const std::vector<std::string>& names, const fs::path& program_folder,
+             Deployment* deployment) {
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ",") + name;
+  if (deployment->lockstep) {
+    FailOption("--compose", list, "mode realtime: lockstep has no use for it");
+  }
+  if (deployment->provider.empty()) FailOption("--compose", list, "a deployment with a provider");
+  Process composed = *deployment->Find(deployment->provider);
+  composed.arguments.insert(composed.arguments.begin(),
+                            {"--provider", composed.program.filename().string()});
+  for (const std::string& name : names) {
+    const Process* process = FindMutable(deployment, name, "--compose", list);
+    if (name == deployment->provider) continue;
+    if (!process->arguments.empty() || process->plain) {
+      FailOption("--compose", list, "processes without arguments; '" + name + "' has some");
+    }
+    composed.arguments.push_back("--component");
+    composed.arguments.push_back(name + "=" + process->program.filename().string() + "=" +
+                                 process->config.string());
+  }
+  composed.program = FindProgram("sinew-compose", fs::current_path(), program_folder);
+  if (composed.program.empty())
+    FailOption("--compose", list, NoProgram("sinew-compose", program_folder));
+  for (const std::string& name : names) {
+    if (name != deployment->provider) RemoveProcess(name, deployment);
+  }
+  *FindMutable(deployment, deployment->provider, "--compose", list) = std::move(composed);
+}
+
 // The logger of the deployment writes to `path`; one is added when there is none.
 void Record(const fs::path& path, const fs::path& folder, Deployment* deployment) {
   const std::string output = fs::absolute(path).lexically_normal().string();
@@ -322,6 +367,9 @@ Deployment LoadDeployment(const fs::path& file, const Overrides& overrides,
     ApplySetting(setting, program_folder, &deployment);
   }
   if (!overrides.record.empty()) Record(overrides.record, program_folder, &deployment);
+  std::vector<std::string> composed = overrides.compose;
+  if (overrides.compose_all) composed = WhatComposes(deployment);
+  if (overrides.compose_all || !composed.empty()) Compose(composed, program_folder, &deployment);
   for (const std::string& text : overrides.arguments) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos || equals == 0) {

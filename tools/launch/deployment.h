@@ -51,6 +51,8 @@ struct Overrides {
   std::vector<std::string> settings;
   std::vector<std::string> arguments;  // PROCESS=ARGUMENT, added to the process
   std::vector<std::string> without;    // names of processes left out
+  std::vector<std::string> compose;    // names of processes that run in the provider's thread
+  bool compose_all = false;            // all that can
   std::filesystem::path record;        // non-empty: the logger writes here; added if there is none
 };
 

@@ -22,6 +22,7 @@ namespace sinew::tools {
 
 void AddCoreCommands(CLI::App& app) {
   AddLaunchCommand(app);
+  AddComposeCommand(app);
   AddOperatorCommands(app);
   AddHandoverCommand(app);
   AddRecordCommand(app);

@@ -122,42 +122,51 @@ void RunLaunch(LaunchOptions options) {
   if (!result.ok()) throw CLI::RuntimeError(1);
 }
 
+void AddDeploymentOptions(CLI::App& command, LaunchOptions* options) {
+  command.add_option("file", options->file, "Deployment (schema sinew-deployment/1)")
+      ->required()
+      ->type_name("FILE.yaml");
+  command.add_option("--mode", options->mode, "Time: on the wall clock, or as fast as it goes")
+      ->check(CLI::IsMember({"realtime", "lockstep"}));
+  command.add_option("--duration", options->duration, "Length of the session in s, 0: no end")
+      ->type_name("SECONDS");
+  command.add_option("--seed", options->seed, "Seed of everything random")->type_name("NUMBER");
+  command.add_option("--domain", options->domain, "DDS domain, 0 to 232")
+      ->envname("SINEW_DOMAIN")
+      ->type_name("NUMBER");
+  command.add_option("--record", options->record, "Record to this file (adds a logger if needed)")
+      ->type_name("FILE.mcap");
+  command
+      .add_option("--set", options->overrides.settings,
+                  "Override a key: mode, duration_s, seed, domain_id, realtime_priority, grace_s, "
+                  "PROCESS.config, PROCESS.program, PROCESS.restart")
+      ->type_name("KEY=VALUE")
+      ->take_all()
+      ->expected(1);
+  command.add_option("--arg", options->overrides.arguments, "Add an argument to a process")
+      ->type_name("PROCESS=ARGUMENT")
+      ->take_all()
+      ->expected(1);
+  command.add_option("--without", options->overrides.without, "Leave a process out")
+      ->type_name("PROCESS")
+      ->take_all()
+      ->expected(1);
+  command.add_flag("--dry-run", options->dry_run, "Print the command lines and start nothing");
+  command.add_flag("--json", options->json,
+                   "Report as JSON on the standard output; lines of processes go to stderr");
+  command
+      .add_option("--compose", options->overrides.compose,
+                  "Processes that run in the provider's thread, comma-separated")
+      ->type_name("PROCESS,...")
+      ->delimiter(',');
+}
+
 }  // namespace
 
 void AddLaunchCommand(CLI::App& app) {
   auto options = std::make_shared<LaunchOptions>();
   CLI::App* command = app.add_subcommand("launch", "Start the processes of a deployment file");
-  command->add_option("file", options->file, "Deployment (schema sinew-deployment/1)")
-      ->required()
-      ->type_name("FILE.yaml");
-  command->add_option("--mode", options->mode, "Time: on the wall clock, or as fast as it goes")
-      ->check(CLI::IsMember({"realtime", "lockstep"}));
-  command->add_option("--duration", options->duration, "Length of the session in s, 0: no end")
-      ->type_name("SECONDS");
-  command->add_option("--seed", options->seed, "Seed of everything random")->type_name("NUMBER");
-  command->add_option("--domain", options->domain, "DDS domain, 0 to 232")
-      ->envname("SINEW_DOMAIN")
-      ->type_name("NUMBER");
-  command->add_option("--record", options->record, "Record to this file (adds a logger if needed)")
-      ->type_name("FILE.mcap");
-  command
-      ->add_option("--set", options->overrides.settings,
-                   "Override a key: mode, duration_s, seed, domain_id, realtime_priority, grace_s, "
-                   "PROCESS.config, PROCESS.program, PROCESS.restart")
-      ->type_name("KEY=VALUE")
-      ->take_all()
-      ->expected(1);
-  command->add_option("--arg", options->overrides.arguments, "Add an argument to a process")
-      ->type_name("PROCESS=ARGUMENT")
-      ->take_all()
-      ->expected(1);
-  command->add_option("--without", options->overrides.without, "Leave a process out")
-      ->type_name("PROCESS")
-      ->take_all()
-      ->expected(1);
-  command->add_flag("--dry-run", options->dry_run, "Print the command lines and start nothing");
-  command->add_flag("--json", options->json,
-                    "Report as JSON on the standard output; lines of processes go to stderr");
+  AddDeploymentOptions(*command, options.get());
   command->footer(
       "Ctrl-C stops all: the provider first, the logger last; a second one hurries.\n"
       "Exit code 1 when a process failed, with its cause and last lines.\n\n"
@@ -169,6 +178,24 @@ void AddLaunchCommand(CLI::App& app) {
       "surrogate=stribeck\n"
       "  sinew launch robots/rig/deploy_rig.yaml --set control.config=robots/rig/control_pid.yaml");
   command->callback([options] { RunLaunch(*options); });
+}
+
+void AddComposeCommand(CLI::App& app) {
+  auto options = std::make_shared<LaunchOptions>();
+  CLI::App* command = app.add_subcommand(
+      "compose", "As launch, with the provider and its chain as one process with one thread");
+  AddDeploymentOptions(*command, options.get());
+  command->footer(
+      "Without --compose: the processes of the deployment that are sinew-reference, sinew-regime, "
+      "sinew-esn,\nsinew-control, sinew-pneumatics or sinew-rls. The others start as ever. Topics "
+      "are the same;\na participant that is composed is still handed over to another process.\n\n"
+      "Examples:\n"
+      "  sinew compose robots/rig/deploy_esn.yaml --duration 14\n"
+      "  sinew compose robots/rig/deploy_esn.yaml --compose reference,control --dry-run");
+  command->callback([options] {
+    options->overrides.compose_all = options->overrides.compose.empty();
+    RunLaunch(*options);
+  });
 }
 
 }  // namespace sinew::tools

@@ -1,4 +1,5 @@
-// `sinew launch`: starts the processes of a deployment file.
+// `sinew launch`: starts the processes of a deployment file; `sinew compose`: with the provider's
+// chain as one process.
 #pragma once
 
 namespace CLI {
@@ -8,5 +9,6 @@ class App;
 namespace sinew::tools {
 
 void AddLaunchCommand(CLI::App& app);
+void AddComposeCommand(CLI::App& app);
 
 }  // namespace sinew::tools

@@ -98,6 +98,7 @@ Json DescribeDomain(const ListOptions& options) {
     }
     report["participants"].push_back({{"name", name},
                                       {"state", StateName(status.state())},
+                                      {"standby", status.standby()},
                                       {"process_id", status.process_id()},
                                       {"host", status.host().to_string()},
                                       {"version", status.version().to_string()},
@@ -158,6 +159,12 @@ Json DescribeDomain(const ListOptions& options) {
   return report;
 }
 
+// The state, and that another participant is heard in its place.
+std::string Standing(const Json& row) {
+  const std::string state = row["state"];
+  return row.value("standby", false) && state == "active" ? "standby" : state;
+}
+
 void PrintDomain(const Json& report) {
   std::cout << "domain " << report["domain"] << ": " << report["participants"].size()
             << " participants, " << report["topics"].size() << " topics\n";
@@ -167,7 +174,7 @@ void PrintDomain(const Json& report) {
   }
   for (const Json& row : report["participants"]) {
     std::printf("%-16s %-11s %8s %10s %8s %8s  %s\n", row["name"].get<std::string>().c_str(),
-                row["state"].get<std::string>().c_str(),
+                Standing(row).c_str(),
                 row.contains("process_id") ? row["process_id"].dump().c_str() : "-",
                 row.contains("cycles") ? row["cycles"].dump().c_str() : "-",
                 row.contains("stale_inputs") ? row["stale_inputs"].dump().c_str() : "-",

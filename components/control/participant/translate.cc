@@ -18,10 +18,10 @@ bool AllPosition(const ControlConfig& config) {
 
 ControlInputs::ControlInputs(node::Node& node, node::TickLoop& loop, const ControlConfig& config)
     : config_(config),
-      node_(node),
       state_(loop.AddInput(node::kJointState)),
       reference_(loop.AddInput(node::kReference)),
-      operator_(node.MakeReader(node::kOperatorCommand)) {
+      operator_(node.MakeReader(node::kOperatorCommand)),
+      owner_(node, node::kJointCommand) {
   const bool motion = config.motion_requests != MotionRequests::kOff;
   if (!AllPosition(config) || motion) actuator_ = &loop.AddInput(node::kActuatorState);
   if (config.needs_prediction()) {
@@ -32,9 +32,6 @@ ControlInputs::ControlInputs(node::Node& node, node::TickLoop& loop, const Contr
     const bool every_tick = config.motion_requests == MotionRequests::kEveryTick;
     motion_ = &loop.AddInput(node::kMotionRequest,
                              {.delay_ticks = every_tick ? 1 : 0, .required = every_tick});
-  }
-  if (node.options().mode == node::TimeMode::kRealtime) {
-    owner_.emplace(node.MakeReader(node::kJointCommand));
   }
 }
 
@@ -73,6 +70,7 @@ RobotInput ControlInputs::Gather(const node::Tick& tick) {
   if (reference_.has_value()) {
     const msg::Reference& reference = reference_.value();
     input.reference_fresh = reference_.fresh() && !reference.stale();
+    input.reference_changed = reference_.writer_changed();
     input.reference_count = reference.idle() ? 0 : reference.joint_count();
     for (std::size_t j = 0; j < static_cast<std::size_t>(types::kMaxJoints); ++j) {
       input.reference[j] = {reference.position_rad()[j], reference.velocity_rad_s()[j],
@@ -82,6 +80,7 @@ RobotInput ControlInputs::Gather(const node::Tick& tick) {
   if (prediction_ != nullptr && prediction_->has_value()) {
     const msg::TorquePrediction& prediction = prediction_->value();
     input.prediction_fresh = prediction_->fresh() && !prediction.stale();
+    input.prediction_changed = prediction_->writer_changed();
     for (std::size_t j = 0; j < prediction.joint_count(); ++j) {
       input.prediction[j] = {prediction.valid()[j], prediction.sea_torque_Nm()[j],
                              prediction.pea_torque_Nm()[j], prediction.torque_Nm()[j]};
@@ -107,15 +106,13 @@ RobotInput ControlInputs::Gather(const node::Tick& tick) {
   return input;
 }
 
-void ControlInputs::FollowOwner(RobotController* controller) {
-  if (!owner_) return;
-  while (const auto command = owner_->TakeNext()) {
-    const auto writer = node_.NameOf(owner_->writer());
-    if (writer && writer->own) continue;
+void ControlInputs::FollowOwner(const node::Tick& tick, RobotController* controller) {
+  while (const auto command = owner_.TakeNext(tick)) {
     const auto difference = follower_.Compare(command->header().session_id(),
                                               command->header().tick(), command->motor_torque_Nm());
     if (difference) controller->Follow(*difference);
   }
+  (void)owner_.StandsBy(tick);
 }
 
 void ControlInputs::Made(const node::Tick& tick, const msg::JointCommand& command) {

@@ -8,12 +8,12 @@
 #include <sinew_idl/reference.h>
 #include <sinew_idl/regime.h>
 
-#include <optional>
 #include <string>
 
 #include "components/control/file/control_file.h"
 #include "components/control/follower.h"
 #include "components/control/robot_controller.h"
+#include "components/node/other_owner.h"
 #include "components/node/tick_loop.h"
 
 namespace sinew::control {
@@ -25,14 +25,13 @@ class ControlInputs {
 
   RobotInput Gather(const node::Tick& tick);
   // Before a step: takes another controller's commands that the robot got instead of the own ones.
-  void FollowOwner(RobotController* controller);
+  void FollowOwner(const node::Tick& tick, RobotController* controller);
   // After it: the own command of this tick.
   void Made(const node::Tick& tick, const msg::JointCommand& command);
   msg::JointCommand ToMessage(const RobotOutput& output, const RobotInput& input) const;
 
  private:
   ControlConfig config_;
-  node::Node& node_;
   node::TickInput<msg::JointState>& state_;
   node::TickInput<msg::Reference>& reference_;
   node::TickInput<msg::ActuatorState>* actuator_ = nullptr;
@@ -40,7 +39,7 @@ class ControlInputs {
   node::TickInput<msg::RegimeState>* regime_ = nullptr;
   node::TickInput<msg::MotionRequest>* motion_ = nullptr;
   node::Reader<msg::OperatorCommand> operator_;
-  std::optional<node::Reader<msg::JointCommand>> owner_;  // of joint_command; real time only
+  node::OtherOwner<msg::JointCommand> owner_;
   Follower follower_;
   bool estopped_ = false;
 };

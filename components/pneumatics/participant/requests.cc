@@ -1,5 +1,7 @@
 #include "components/pneumatics/participant/requests.h"
 
+#include <cmath>
+
 #include "components/wire/wire.h"
 
 namespace sinew::pneumatics {
@@ -8,7 +10,8 @@ PressureRequests::PressureRequests(node::Node& node, node::TickLoop& loop,
                                    const PneumaticsConfig& config)
     : config_(config),
       requests_(node.MakeReader(node::kStiffnessRequest)),
-      operator_(node.MakeReader(node::kOperatorCommand)) {
+      operator_(node.MakeReader(node::kOperatorCommand)),
+      owner_(node, node::kPneumaticState) {
   for (std::size_t j = 0; j < config.joints.size(); ++j) {
     standing_target_bar_[j] = config.joints[j].target_bar;
   }
@@ -31,6 +34,7 @@ bool PressureRequests::Take(const node::Tick& tick, std::vector<PressureManager>
   const bool asked = motion_ != nullptr && motion_->has_value() &&
                      static_cast<double>(tick.tick - motion_->tick()) * tick.nominal_period_s <=
                          config_.motion_timeout_s;
+  FollowOwner(tick, asked);
   for (std::size_t j = 0; j < managers->size(); ++j) {
     double target_bar = standing_target_bar_[j];
     if (asked && j < motion_->value().joint_count() &&
@@ -61,6 +65,18 @@ void PressureRequests::TakeStiffness(const node::Tick& tick,
       if (good) standing_target_bar_[j] = manager.target_bar();
     }
   }
+}
+
+// Requests from before this one was started are in the owner's targets. While a motion request sets
+// them they are not what stands.
+void PressureRequests::FollowOwner(const node::Tick& tick, bool asked) {
+  while (const auto owner = owner_.TakeNext(tick)) {
+    for (std::size_t j = 0; j < config_.joints.size() && j < owner->joint_count() && !asked; ++j) {
+      const double target_bar = owner->target_pressure_bar()[j];
+      if (std::isfinite(target_bar)) standing_target_bar_[j] = target_bar;
+    }
+  }
+  standby_ = owner_.StandsBy(tick);
 }
 
 void PressureRequests::TakeOperator(const node::Tick& tick) {

@@ -8,6 +8,7 @@
 
 #include <vector>
 
+#include "components/node/other_owner.h"
 #include "components/node/tick_loop.h"
 #include "components/pneumatics/file/pneumatics_file.h"
 #include "components/pneumatics/manager.h"
@@ -25,10 +26,13 @@ class PressureRequests {
   // from the configuration. True: the session is new.
   bool Take(const node::Tick& tick, std::vector<PressureManager>* managers);
   bool MayHold(types::RobotState state) const;
+  // Another manager is the owner: its targets are followed.
+  bool standby() const { return standby_; }
   bool reset() const { return reset_; }  // an operator's reset came with this tick
 
  private:
   void TakeStiffness(const node::Tick& tick, std::vector<PressureManager>* managers);
+  void FollowOwner(const node::Tick& tick, bool asked);
   void TakeOperator(const node::Tick& tick);
 
   PneumaticsConfig config_;
@@ -36,8 +40,10 @@ class PressureRequests {
   node::TickInput<msg::MotionRequest>* motion_ = nullptr;
   node::Reader<msg::StiffnessRequest> requests_;
   node::Reader<msg::OperatorCommand> operator_;
+  node::OtherOwner<msg::PneumaticState> owner_;
   bool estopped_ = false;
   bool reset_ = false;
+  bool standby_ = false;
   std::uint64_t session_id_ = 0;
 };
 

@@ -42,6 +42,7 @@ void RobotPneumatics::Step(const node::Tick& tick) {
     input.period_s = tick.period_s;
     input.active = active;
     input.reset = requests_.reset();
+    input.standby = requests_.standby();
     if (actuator_.fresh() && j < actuator_.value().joint_count()) {
       const msg::ActuatorState& inside = actuator_.value();
       input.valid = inside.valid()[j];

@@ -6,6 +6,7 @@
 
 #include "components/config/config.h"
 #include "components/provider/guard.h"
+#include "components/provider/work_time.h"
 
 namespace CLI {
 class App;
@@ -13,13 +14,26 @@ class App;
 
 namespace sinew::provider {
 
+// Other participants in the state provider's thread (components/node/composition.h). Real time
+// only.
+class ComposedCycle {
+ public:
+  virtual ~ComposedCycle() = default;
+  // The state of a tick is published: they answer it.
+  virtual void Answer() = 0;
+  // The plant has its command: the rest may take its time.
+  virtual void Finish() = 0;
+};
+
 struct ProviderOptions {
   double rate_Hz = 240.0;
   double duration_s = 0.0;  // 0: until stopped
   bool arm = false;         // armed from tick 0; refused for live plants
   // Lockstep: "joint_command", "recording_progress:128" (window in ticks).
   std::vector<std::string> await;
-  double await_timeout_s = 30.0;  // a reply that takes longer ends the session with an error
+  double await_timeout_s = 30.0;      // a reply that takes longer ends the session with an error
+  ComposedCycle* composed = nullptr;  // what runs in this thread between state and command
+  WorkTime* answers = nullptr;  // real time: from the write of joint_state to its command, decoded
 };
 
 // Adds --rate, --duration, --arm, --await, --await-timeout to a participant.

@@ -38,6 +38,9 @@ CycleConfig MakeCycleConfig(const node::Options& node_options, const ProviderOpt
   if (options.arm && plant.live()) {
     throw UsageError("--arm: hardware is armed by an operator, with 'sinew arm'");
   }
+  if (options.composed != nullptr && node_options.mode == node::TimeMode::kLockstep) {
+    throw UsageError("--lockstep: a composition runs in real time, expected separate processes");
+  }
   CycleConfig config;
   config.guard = guard;
   config.guard.live = plant.live();
@@ -90,6 +93,7 @@ class Provider {
       }
       readers_.TakeOperatorCommands(tick_);
       Publish();
+      if (options_.composed != nullptr) options_.composed->Answer();
       const PlantCommand* command = nullptr;
       if (lockstep_) {
         if (!wait_.Answers(tick_, waiting_)) break;
@@ -149,6 +153,7 @@ class Provider {
       command = &cycle_.Command(tick_, sensors_, MonotonicNow_ns());
       plant_.Act(*command, cycle_.period_s());
     }
+    if (options_.composed != nullptr) options_.composed->Finish();
     const std::int64_t now_ns = MonotonicNow_ns();
     work_.Pause(now_ns);
     if (deadline->Missed(now_ns)) {
@@ -163,13 +168,20 @@ class Provider {
   void AwaitJointCommand(std::int64_t give_up_ns) {
     while (!stop_.requested()) {
       readers_.TakeAll(tick_);
-      if (!cycle_.AwaitsCommand(tick_)) return;
+      if (!cycle_.AwaitsCommand(tick_)) return NoteAnswer();
       const std::int64_t left_ns = give_up_ns - MonotonicNow_ns();
       if (left_ns <= 0) return;
       work_.Pause(MonotonicNow_ns());
       node_.WaitForData(std::chrono::microseconds(left_ns / 1000 + 1));
       work_.Resume(MonotonicNow_ns());
     }
+  }
+
+  void NoteAnswer() {
+    if (options_.answers == nullptr || tick_ == 0) return;
+    options_.answers->Resume(publisher_.written_ns());
+    options_.answers->Pause(MonotonicNow_ns());
+    options_.answers->EndCycle();
   }
 
   void SleepUntil(std::int64_t deadline_ns) {

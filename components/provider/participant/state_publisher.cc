@@ -1,5 +1,6 @@
 #include "components/provider/participant/state_publisher.h"
 
+#include "components/types/clock/clock.h"
 #include "components/types/joint_kind.h"
 #include "components/wire/wire.h"
 
@@ -37,6 +38,7 @@ void StatePublisher::Publish(const types::MessageHeader& header, types::RobotSta
   joints_.last_tick(last_tick);
   joints_.period_s(period_s);
   FillJointState(head, sensors);
+  written_ns_ = types::MonotonicNow_ns();
   Count(joint_state_.Write(joints_));
   if (bus_status_) PublishBus(head, *plant_.bus_report());
 }

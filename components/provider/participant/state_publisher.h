@@ -30,6 +30,8 @@ class StatePublisher {
   void Publish(const types::MessageHeader& header, types::RobotState state, bool last_tick,
                double period_s, const PlantSensors& sensors);
 
+  // Monotonic time at the last write of joint_state.
+  std::int64_t written_ns() const { return written_ns_; }
   std::uint64_t write_failures() const { return write_failures_; }
 
  private:
@@ -52,6 +54,7 @@ class StatePublisher {
   std::optional<node::Writer<msg::SimTruth>> sim_truth_;
   msg::JointState joints_;
   msg::ActuatorState actuators_;
+  std::int64_t written_ns_ = 0;
   std::uint64_t write_failures_ = 0;
 };
 

@@ -1,36 +1,10 @@
 // sinew-reference: publishes `reference`, where the joints should be.
-#include <spdlog/spdlog.h>
-
-#include "components/node/options.h"
-#include "components/node/tick_loop.h"
-#include "components/reference/file/reference_file.h"
-#include "components/reference/participant/translate.h"
-
-namespace {
-
-void Run(const sinew::node::Options& options, sinew::node::StopFlag& stop) {
-  using namespace sinew;
-  if (options.config_path.empty()) {
-    throw UsageError("--config: missing, expected a file with schema sinew-reference/1");
-  }
-  const reference::LoadedReference loaded = reference::LoadReference(options.config_path);
-  for (const std::string& note : loaded.notes) spdlog::info("{}", note);
-  reference::RobotReference generator(loaded.config);
-
-  node::Node node(options);
-  node::TickLoop loop(node, stop);
-  auto& state = loop.AddInput(node::kJointState);
-  auto commands = node.MakeReader(node::kOperatorCommand);
-  auto output = node.MakeWriter(node::kReference);
-  while (const auto tick = loop.Next()) {
-    reference::RobotReferenceInput input = reference::ToInput(*tick, state.value());
-    reference::AddOperatorCommands(commands, &input);
-    loop.Publish(output, reference::ToMessage(generator.Step(input), *tick), *tick);
-  }
-}
-
-}  // namespace
+#include "components/reference/participant/component.h"
 
 int main(int argc, char** argv) {
-  return sinew::node::RunParticipant(argc, argv, "reference", "Where the joints should be.", Run);
+  using namespace sinew;
+  return node::RunParticipant(argc, argv, "reference", "Where the joints should be.",
+                              [](const node::Options& options, node::StopFlag& stop) {
+                                reference::MakeReference(options, stop)->Run();
+                              });
 }

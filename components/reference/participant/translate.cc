@@ -31,6 +31,18 @@ void AddOperatorCommands(node::Reader<msg::OperatorCommand>& commands, RobotRefe
   }
 }
 
+RobotReferenceOutput FromMessage(const msg::Reference& message) {
+  RobotReferenceOutput output;
+  output.joint_count = message.joint_count();
+  output.idle = message.idle();
+  output.stale = message.stale();
+  for (std::size_t j = 0; j < output.joint.size(); ++j) {
+    output.joint[j] = {message.position_rad()[j], message.velocity_rad_s()[j],
+                       message.acceleration_rad_s2()[j]};
+  }
+  return output;
+}
+
 msg::Reference ToMessage(const RobotReferenceOutput& output, const node::Tick& tick) {
   msg::Reference message;
   message.state_tick(tick.tick);

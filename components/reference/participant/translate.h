@@ -14,6 +14,8 @@ namespace sinew::reference {
 RobotReferenceInput ToInput(const node::Tick& tick, const msg::JointState& state);
 // Start and stop commands of the operator in the running session since the last tick.
 void AddOperatorCommands(node::Reader<msg::OperatorCommand>& commands, RobotReferenceInput* input);
+// What a standby follows.
+RobotReferenceOutput FromMessage(const msg::Reference& message);
 msg::Reference ToMessage(const RobotReferenceOutput& output, const node::Tick& tick);
 
 }  // namespace sinew::reference

@@ -50,14 +50,29 @@ RobotRegime::RobotRegime(const std::vector<DetectorConfig>& joints) {
   for (const DetectorConfig& joint : joints) detectors.emplace_back(joint);
 }
 
+void RobotRegime::Follow(const node::Tick& tick, node::OtherOwner<msg::RegimeState>* owner) {
+  while (const auto message = owner->TakeNext(tick)) {
+    const Gaps& then = gaps_[message->header().tick() % kTicksKept];
+    if (!then.known || then.tick != message->header().tick()) continue;
+    for (std::size_t j = 0; j < detectors.size() && j < message->joint_count(); ++j) {
+      if (message->phase()[j] != msg::PHASE_EXECUTION) continue;
+      detectors[j].Adopt(tick.session_id, then.gap_rad[j] - message->play_angle_rad()[j]);
+    }
+  }
+  standby = owner->StandsBy(tick);
+}
+
 void RobotRegime::Step(const node::Tick& tick, const msg::JointState& state,
                        const node::TickInput<msg::ActuatorState>& actuator) {
   stale = !actuator.fresh();
+  Gaps& gaps = gaps_[tick.tick % kTicksKept];
+  gaps.tick = tick.tick;
+  gaps.known = !stale;
   for (std::size_t j = 0; j < detectors.size(); ++j) {
     DetectorInput input;
     input.session_id = tick.session_id;
     input.period_s = tick.period_s;
-    input.armed = types::MayMove(wire::FromWire(state.robot_state()));
+    input.armed = !standby && types::MayMove(wire::FromWire(state.robot_state()));
     if (!stale && j < state.joint_count() && j < actuator.value().joint_count()) {
       const msg::ActuatorState& inside = actuator.value();
       input.valid = state.valid()[j] && inside.valid()[j];
@@ -66,6 +81,9 @@ void RobotRegime::Step(const node::Tick& tick, const msg::JointState& state,
       input.output_velocity_rad_s = state.velocity_rad_s()[j];
       input.pressure_bar = inside.chamber_pressure_bar()[j];
     }
+    gaps.gap_rad[j] =
+        input.motor_position_rad / detectors[j].config().gear_ratio - input.output_position_rad;
+    gaps.known = gaps.known && input.valid;
     output[j] = detectors[j].Step(input);
   }
 }

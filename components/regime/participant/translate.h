@@ -6,9 +6,12 @@
 #include <sinew_idl/operator.h>
 #include <sinew_idl/regime.h>
 
+#include <array>
+#include <cstdint>
 #include <string>
 #include <vector>
 
+#include "components/node/other_owner.h"
 #include "components/node/tick_loop.h"
 #include "components/regime/detector.h"
 #include "components/types/joints.h"
@@ -19,12 +22,26 @@ struct RobotRegime {
   std::vector<RegimeDetector> detectors;
   types::JointArray<DetectorOutput> output{};
   bool stale = false;
+  bool standby = false;
 
   explicit RobotRegime(const std::vector<DetectorConfig>& joints);
+  // A standby's, before Step: the owner's setup counts here. owner_heard: another detector is the
+  // owner; this one asks for no motion.
+  void Follow(const node::Tick& tick, node::OtherOwner<msg::RegimeState>* owner);
   void Step(const node::Tick& tick, const msg::JointState& state,
             const node::TickInput<msg::ActuatorState>& actuator);
   // What is wrong with which joint, one line; empty: nothing.
   std::string Trouble() const;
+
+ private:
+  // motor / N - output of the last ticks, by tick: the owner's answer comes some ticks later.
+  static constexpr std::size_t kTicksKept = 32;
+  struct Gaps {
+    std::uint64_t tick = 0;
+    bool known = false;
+    types::JointArray<double> gap_rad{};
+  };
+  std::array<Gaps, kTicksKept> gaps_;
 };
 
 msg::RegimeState ToMessage(const RobotRegime& robot, const node::Tick& tick);

@@ -93,13 +93,27 @@ TickData Adaptation::Read(const Inputs& inputs, const node::Tick& tick) {
   return data;
 }
 
+void Adaptation::StartSession(const node::Tick& tick) {
+  if (session_id_ == tick.session_id) return;
+  session_id_ = tick.session_id;
+  equation_.Reset();
+  adapter_.Reset();
+  updates_ = 0;
+}
+
+void Adaptation::Follow(const msg::Readout& owner, const node::Tick& tick) {
+  StartSession(tick);
+  const Eigen::Index rows = owner.output_count();
+  const Eigen::Index columns = owner.feature_count();
+  if (static_cast<std::size_t>(rows * columns) != owner.weight().size()) return;
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const Eigen::MatrixXd readout = Eigen::Map<const RowMajor>(owner.weight().data(), rows, columns);
+  // One that does not fit is of other networks: there is nothing to follow.
+  (void)adapter_.Adopt(owner.network(), owner.version(), readout);
+}
+
 Outputs Adaptation::Step(const Inputs& inputs, const node::Tick& tick) {
-  if (session_id_ != tick.session_id) {
-    session_id_ = tick.session_id;
-    equation_.Reset();
-    adapter_.Reset();
-    updates_ = 0;
-  }
+  StartSession(tick);
   const msg::JointState& state = inputs.state.value();
   double fastest_rad_s = 0.0;
   for (std::size_t j = 0;

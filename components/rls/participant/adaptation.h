@@ -35,11 +35,14 @@ class Adaptation {
  public:
   explicit Adaptation(const RlsConfig& config);  // throws UsageError
 
+  // A standby's, before Step: the owner's readout, from which this one goes on.
+  void Follow(const msg::Readout& owner, const node::Tick& tick);
   Outputs Step(const Inputs& inputs, const node::Tick& tick);
 
   std::uint64_t updates() const { return updates_; }
 
  private:
+  void StartSession(const node::Tick& tick);
   TickData Read(const Inputs& inputs, const node::Tick& tick);
   double DriveTorque(std::size_t joint, const msg::ActuatorState& actuator,
                      const msg::JointCommand& command) const;

@@ -578,5 +578,45 @@ TEST(RobotController, BadConfigurationIsRefused) {
   EXPECT_THROW(RobotController({config}), std::invalid_argument);
 }
 
+TEST(RobotController, AnotherGeneratorsReferenceIsReachedWithoutAStep) {
+  RobotController controller({RigConfig(Strategy::kPid)});
+  RobotInput input = Still(0.2);
+  input.reference_count = 1;
+  input.reference[0] = {0.2, 0.0, 0.0};
+  for (int k = 0; k < 240; ++k) (void)controller.Step(input);
+  const double before_Nm = controller.Step(input).joint[0].motor_torque_Nm;
+  input.reference[0].position_rad = 0.5;
+  input.reference_changed = true;
+  RobotOutput out = controller.Step(input);
+  EXPECT_NEAR(out.joint[0].position_rad, 0.2, 1e-3);
+  EXPECT_NEAR(out.joint[0].motor_torque_Nm, before_Nm, 1e-3);
+  input.reference_changed = false;
+  for (int k = 0; k < 240; ++k) out = controller.Step(input);
+  EXPECT_NEAR(out.joint[0].position_rad, 0.5, 1e-9);
+}
+
+TEST(RobotController, AnotherPredictorsTorqueFadesIn) {
+  RobotController controller({RigConfig(Strategy::kPidEsn)});
+  RobotInput input = Still(0.2);
+  input.reference_count = 1;
+  input.reference[0] = {0.2, 0.0, 0.0};
+  input.prediction_fresh = input.regime_fresh = true;
+  input.regime[0] = types::Regime::kSea;
+  input.prediction[0] = {.valid = true, .sea_torque_Nm = 1.0};
+  for (int k = 0; k < 240; ++k) (void)controller.Step(input);
+  const double before_Nm = controller.Step(input).joint[0].compensation_Nm;
+  input.prediction[0].sea_torque_Nm = 3.0;
+  input.prediction_changed = true;
+  RobotOutput out = controller.Step(input);
+  // In a cycle a share of 1 - exp(-h / crossfade_s) of the difference.
+  const JointControlConfig config = RigConfig(Strategy::kPidEsn);
+  const double step_Nm = 2.0 * config.shaft_per_output;
+  EXPECT_NEAR(out.joint[0].compensation_Nm - before_Nm,
+              step_Nm * (1.0 - std::exp(-kCycle_s / config.crossfade_s)), 1e-9);
+  input.prediction_changed = false;
+  for (int k = 0; k < 240; ++k) out = controller.Step(input);
+  EXPECT_NEAR(out.joint[0].compensation_Nm - before_Nm, step_Nm, 1e-9);
+}
+
 }  // namespace
 }  // namespace sinew::control

@@ -138,5 +138,26 @@ TEST(InputQueue, ForgetsEverythingWithANewSession) {
   EXPECT_FALSE(input.queue.Reached(3));
 }
 
+TEST(InputQueue, SaysInTheCycleOfTheFirstSampleOfAnotherWriterThatTheWriterHasChanged) {
+  Input input;
+  const auto push = [&](std::uint64_t tick, std::uint8_t writer) {
+    input.queue.Push({kSession, tick}, Bytes{static_cast<std::byte>(tick)}, {writer});
+    input.Accept(tick, false);
+  };
+  push(0, 1);
+  EXPECT_FALSE(input.queue.writer_changed()) << "there was none before";
+  push(1, 1);
+  EXPECT_FALSE(input.queue.writer_changed());
+  push(2, 2);
+  EXPECT_TRUE(input.queue.writer_changed());
+  input.Accept(3, false);
+  EXPECT_FALSE(input.queue.writer_changed()) << "nothing came";
+  push(4, 2);
+  EXPECT_FALSE(input.queue.writer_changed());
+  input.queue.Reset();
+  push(5, 1);
+  EXPECT_FALSE(input.queue.writer_changed()) << "a new session";
+}
+
 }  // namespace
 }  // namespace sinew::node::internal

@@ -353,5 +353,33 @@ TEST(PressureManager, BadConfigurationIsRefused) {
   }
 }
 
+// The owner shuts the valve that this one would hold open, and lets the pressure fall.
+TEST(PressureManager, AStandbyJudgesNeitherTheOwnersRelaysNorWhatThePressureDoes) {
+  Bench bench(RigConfig());
+  for (int k = 0; k < 60 * 240; ++k) {
+    ManagerInput input = bench.Read();
+    input.standby = true;
+    input.valve_is_open = false;
+    input.chamber_bar = 4.0 - 0.05 * k * kPeriod_s;  // above leak_limit_bar_s
+    bench.out = bench.manager.Step(input);
+    ASSERT_EQ(bench.out.fault, Fault::kNone) << k;
+    ASSERT_FALSE(bench.out.compressor_on || bench.out.vent_open || bench.out.valve_open);
+  }
+  EXPECT_NEAR(bench.out.pressure_bar, 1.0, 0.01) << "it knows the pressure when it takes over";
+  bench.Step(bench.Read());
+  EXPECT_EQ(bench.out.fault, Fault::kNone);
+}
+
+TEST(PressureManager, AStandbyStillWatchesTheSensors) {
+  Bench bench(RigConfig());
+  for (int k = 0; k < 240; ++k) {
+    ManagerInput input = bench.Read();
+    input.standby = true;
+    input.chamber_bar = 7.5;
+    bench.out = bench.manager.Step(input);
+  }
+  EXPECT_EQ(bench.out.fault, Fault::kOverpressure);
+}
+
 }  // namespace
 }  // namespace sinew::pneumatics

@@ -238,5 +238,23 @@ TEST(RegimeDetector, BadConfigurationIsRefused) {
   EXPECT_THROW(RegimeDetector{config}, std::invalid_argument);
 }
 
+TEST(RegimeDetector, AStandbyTakesTheContactThatTheOwnerFound) {
+  RegimeDetector standby(Active());
+  Rig rig;
+  DetectorInput input = rig.Read(false);
+  ASSERT_EQ(standby.Step(input).phase, Phase::kWaiting);
+  const double offset_rad = rig.middle_rad - 0.5 * kBacklash_rad;
+  standby.Adopt(input.session_id, offset_rad);
+  const DetectorOutput out = standby.Step(rig.Read(true));
+  EXPECT_EQ(out.phase, Phase::kExecution);
+  EXPECT_EQ(out.request, Request::kNone) << "there is nothing left to find";
+  EXPECT_EQ(standby.offset_rad(), offset_rad);
+  EXPECT_GT(standby.offset_error_rad(), 0.0);
+  standby.Adopt(input.session_id, offset_rad + 0.01);
+  EXPECT_EQ(standby.offset_rad(), offset_rad) << "it has one already";
+  standby.Adopt(input.session_id + 1, std::nan(""));
+  EXPECT_TRUE(standby.setup_done()) << "no number, no session";
+}
+
 }  // namespace
 }  // namespace sinew::regime

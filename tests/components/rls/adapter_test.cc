@@ -126,5 +126,31 @@ TEST(Adapter, RefusesWhatCannotBe) {
   EXPECT_THROW(Adapter(config, kOffline, std::nullopt), std::invalid_argument);
 }
 
+TEST(Adapter, AStandbyGoesOnFromTheOwnersReadoutAndVersion) {
+  Adapter owner(AdapterConfig{}, std::nullopt, kOffline);
+  Adapter standby(AdapterConfig{}, std::nullopt, kOffline);
+  Plant plant(kTruth);
+  for (int t = 0; t < 500; ++t) (void)owner.Step(plant.Next());
+  ASSERT_TRUE(standby.Adopt(1, owner.version(1), owner.estimator(1).readout()));
+  EXPECT_EQ(standby.version(1), 500u);
+  EXPECT_EQ(Eigen::MatrixXd(standby.estimator(1).readout()),
+            Eigen::MatrixXd(owner.estimator(1).readout()));
+  ASSERT_EQ(standby.Step(plant.Next()), Frozen::kNo);
+  EXPECT_EQ(standby.version(1), 501u) << "a version says that the readout has changed";
+  EXPECT_LT((standby.estimator(1).readout() - owner.estimator(1).readout()).norm(), 0.1);
+}
+
+TEST(Adapter, AReadoutThatDoesNotFitIsNotFollowed) {
+  Adapter standby(AdapterConfig{}, std::nullopt, kOffline);
+  EXPECT_FALSE(standby.Adopt(0, 9, kTruth)) << "no such network";
+  EXPECT_FALSE(standby.Adopt(2, 9, kTruth));
+  EXPECT_FALSE(standby.Adopt(1, 9, Eigen::MatrixXd::Zero(1, 3)));
+  Eigen::MatrixXd broken = kTruth;
+  broken(0, 2) = std::nan("");
+  EXPECT_FALSE(standby.Adopt(1, 9, broken));
+  EXPECT_EQ(standby.version(1), 0u);
+  EXPECT_EQ(Eigen::MatrixXd(standby.estimator(1).readout()), kOffline);
+}
+
 }  // namespace
 }  // namespace sinew::rls

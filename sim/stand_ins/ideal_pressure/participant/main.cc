@@ -62,7 +62,9 @@ void Run(const node::Options& options, node::StopFlag& stop) {
       throw UsageError("the robot is hardware, expected a simulated one: air has no ideal source");
     }
     requests.Take(*tick, &targets);
-    const bool holds = requests.MayHold(wire::FromWire(state.value().robot_state()));
+    // As a standby it imposes nothing: the owner's relays act.
+    const bool holds =
+        !requests.standby() && requests.MayHold(wire::FromWire(state.value().robot_state()));
     const Outputs out = MakeOutputs(config, targets, holds, tick->tick);
     loop.Publish(pressure, out.pressure, *tick);
     loop.Publish(relays, out.relays, *tick);

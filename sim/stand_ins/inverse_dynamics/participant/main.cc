@@ -3,6 +3,7 @@
 #include "components/esn/file/esn_config.h"
 #include "components/esn/participant/inference.h"
 #include "components/node/node.h"
+#include "components/node/other_owner.h"
 #include "components/node/tick_loop.h"
 #include "sim/stand_ins/participant/stands_in.h"
 
@@ -22,7 +23,9 @@ void Run(const node::Options& options, node::StopFlag& stop) {
   node::TickLoop loop(node, stop);
   esn::Inputs inputs(loop, inference);
   auto prediction = node.MakeWriter(node::kTorquePrediction);
+  node::OtherOwner owner(node, node::kTorquePrediction);
   while (const auto tick = loop.Next()) {
+    owner.Watch(*tick);
     loop.Publish(prediction, inference.Step(inputs, *tick).prediction, *tick);
   }
 }

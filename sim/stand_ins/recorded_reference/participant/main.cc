@@ -3,8 +3,10 @@
 #include <sinew_idl/joint.h>
 
 #include "components/node/node.h"
+#include "components/node/other_owner.h"
 #include "components/node/tick_loop.h"
 #include "components/reference/participant/translate.h"
+#include "components/reference/standby.h"
 #include "sim/stand_ins/participant/stands_in.h"
 #include "sim/stand_ins/recorded_reference/file/recorded_file.h"
 
@@ -16,18 +18,23 @@ void Run(const node::Options& options, node::StopFlag& stop) {
   if (options.config_path.empty()) {
     throw UsageError("--config: missing, expected a file with schema sinew-recorded-reference/1");
   }
-  reference::RobotReference generator(stand_ins::LoadRecordedReference(options.config_path));
+  reference::Standby generator(stand_ins::LoadRecordedReference(options.config_path));
 
   node::Node node(stand_ins::StandsInFor("reference", options));
   node::TickLoop loop(node, stop);
   auto& state = loop.AddInput(node::kJointState);
   auto commands = node.MakeReader(node::kOperatorCommand);
   auto output = node.MakeWriter(node::kReference);
+  node::OtherOwner owner(node, node::kReference);
   while (auto tick = loop.Next()) {
     reference::RobotReferenceInput input = reference::ToInput(*tick, state.value());
     reference::AddOperatorCommands(commands, &input);
     tick->origin = msg::ORIGIN_REPLAY;
-    loop.Publish(output, reference::ToMessage(generator.Step(input), *tick), *tick);
+    while (const auto other = owner.TakeNext(*tick)) {
+      generator.Follow(other->header().tick(), reference::FromMessage(*other));
+    }
+    const reference::RobotReferenceOutput now = generator.Step(input, owner.StandsBy(*tick));
+    loop.Publish(output, reference::ToMessage(now, *tick), *tick);
   }
 }
 

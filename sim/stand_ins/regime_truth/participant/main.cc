@@ -4,6 +4,7 @@
 #include <sinew_idl/simulation.h>
 
 #include "components/node/node.h"
+#include "components/node/other_owner.h"
 #include "components/node/tick_loop.h"
 #include "components/wire/wire.h"
 #include "sim/stand_ins/participant/stands_in.h"
@@ -40,7 +41,9 @@ void Run(const node::Options& options, node::StopFlag& stop) {
   auto& state = loop.AddInput(node::kJointState);
   auto& truth = loop.AddInput(node::kSimTruth);
   auto output = node.MakeWriter(node::kRegime);
+  node::OtherOwner owner(node, node::kRegime);
   while (const auto tick = loop.Next()) {
+    owner.Watch(*tick);
     loop.Publish(output, ToRegime(truth, state.tick()), *tick);
   }
 }

@@ -1,0 +1,50 @@
+#include "components/esn/participant/component.h"
+
+#include <spdlog/spdlog.h>
+
+#include "components/esn/participant/inference.h"
+#include "components/node/node.h"
+#include "components/node/other_owner.h"
+#include "components/node/tick_loop.h"
+
+namespace sinew::esn {
+namespace {
+
+class EsnComponent final : public node::Component {
+ public:
+  EsnComponent(const node::Options& options, node::StopFlag& stop, const EsnConfig& config)
+      : inference_(config), node_(options), loop_(node_, stop), inputs_(loop_, inference_) {}
+  ~EsnComponent() override {
+    spdlog::info("{} readouts taken, {} refused", inference_.readouts_taken(),
+                 inference_.readouts_refused());
+  }
+
+  bool Ready() override { return loop_.Ready(); }
+  bool Step() override {
+    const auto tick = loop_.Next();
+    if (!tick) return false;
+    owner_.Watch(*tick);
+    const Outputs outputs = inference_.Step(inputs_, *tick);
+    loop_.Publish(prediction_, outputs.prediction, *tick);
+    loop_.Publish(reservoir_, outputs.reservoir, *tick);
+    return true;
+  }
+
+ private:
+  Inference inference_;
+  node::Node node_;
+  node::TickLoop loop_;
+  Inputs inputs_;
+  node::Writer<msg::TorquePrediction> prediction_ = node_.MakeWriter(node::kTorquePrediction);
+  node::Writer<msg::ReservoirState> reservoir_ = node_.MakeWriter(node::kReservoirState);
+  node::OtherOwner<msg::TorquePrediction> owner_{node_, node::kTorquePrediction};
+};
+
+}  // namespace
+
+std::unique_ptr<node::Component> MakeEsn(const node::Options& options, node::StopFlag& stop,
+                                         const WeightsPaths& given) {
+  return std::make_unique<EsnComponent>(options, stop, LoadEsnConfig(options.config_path, given));
+}
+
+}  // namespace sinew::esn

@@ -1,0 +1,73 @@
+#include "components/node/composition.h"
+
+#include <algorithm>
+#include <mutex>
+
+#include "components/node/reader_impl.h"
+#include "components/node/topics.h"
+#include "components/node/writer_impl.h"
+#include "components/types/clock/clock.h"
+
+namespace sinew::node {
+
+bool Composition::Carries(const TopicInfo& topic) {
+  return topic.profile == Profile::kState || IsExclusive(topic.profile);
+}
+
+void Composition::Add(internal::ReaderImpl* reader) {
+  if (Carries(reader->topic)) readers_.emplace(reader->topic.name, reader);
+}
+
+void Composition::Remove(internal::ReaderImpl* reader) {
+  std::erase_if(readers_, [reader](const auto& entry) { return entry.second == reader; });
+}
+
+void Composition::Add(const internal::WriterImpl* writer) {
+  if (!Carries(writer->topic)) return;
+  const std::unique_lock<std::shared_mutex> lock(writers_mutex_);
+  writers_.insert(writer->id());
+}
+
+void Composition::Remove(const internal::WriterImpl* writer) {
+  for (std::size_t k = 0; k < pending_count_; ++k) {
+    if (pending_[k].writer == writer) pending_[k].writer = nullptr;
+  }
+  const std::unique_lock<std::shared_mutex> lock(writers_mutex_);
+  writers_.erase(writer->id());
+}
+
+bool Composition::Owns(const WriterId& writer) const {
+  const std::shared_lock<std::shared_mutex> lock(writers_mutex_);
+  return writers_.contains(writer);
+}
+
+void Composition::Write(internal::WriterImpl* writer, const Bytes& bytes) {
+  const std::int64_t now_ns = types::EpochNow_ns();
+  const auto [first, last] = readers_.equal_range(writer->topic.name);
+  for (auto entry = first; entry != last; ++entry) {
+    if (entry->second->node == writer->node) continue;
+    entry->second->TakeComposed(bytes, now_ns, writer->id());
+  }
+  if (pending_count_ == pending_.size()) pending_.emplace_back();
+  pending_[pending_count_].writer = writer;
+  pending_[pending_count_].bytes = bytes;
+  ++pending_count_;
+}
+
+int Composition::Flush() {
+  int failed = 0;
+  const auto write = [&](bool joint_command) {
+    for (std::size_t k = 0; k < pending_count_; ++k) {
+      Pending& pending = pending_[k];
+      if (pending.writer == nullptr) continue;
+      if ((pending.writer->topic.name == kJointCommand.name) != joint_command) continue;
+      if (pending.writer->WriteToDds(&pending.bytes) != WriteStatus::kOk) ++failed;
+    }
+  };
+  write(true);
+  write(false);
+  pending_count_ = 0;
+  return failed;
+}
+
+}  // namespace sinew::node

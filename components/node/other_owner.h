@@ -1,0 +1,78 @@
+// What another participant publishes on an EXCLUSIVE topic that this one writes too, while the
+// other is heard: what a standby follows, sample by sample, so that its state is the owner's.
+//
+// Real time only: in lockstep no topic has owners, and there is never anything. Thread: the node's.
+#pragma once
+
+#include <sinew_idl/header.h>
+
+#include <cstdint>
+#include <optional>
+
+#include "components/node/tick_loop.h"
+
+namespace sinew::node {
+
+// True while a sample of owner_tick says that its writer still is the owner in this tick: for as
+// long as readers bear its silence (ownership.h).
+bool StillOwner(std::uint64_t owner_tick, const Tick& tick);
+
+template <class Message>
+class OtherOwner {
+ public:
+  // Throws DdsError.
+  OtherOwner(Node& node, const Topic<Message>& topic) : node_(node) {
+    if (node.options().mode == TimeMode::kRealtime) reader_.emplace(node.MakeReader(topic));
+  }
+
+  // The oldest one that was not taken; own samples and those of other sessions are left out.
+  std::optional<Message> TakeNext(const Tick& tick) {
+    while (reader_) {
+      auto message = reader_->TakeNext();
+      if (!message) break;
+      const auto writer = node_.NameOf(reader_->writer());
+      if (writer && writer->own) {
+        heard_tick_.reset();
+        continue;
+      }
+      if (message->header().session_id() != tick.session_id) continue;
+      session_id_ = tick.session_id;
+      heard_tick_ = message->header().tick();
+      replayed_ = message->header().origin() == msg::ORIGIN_REPLAY;
+      return message;
+    }
+    return std::nullopt;
+  }
+
+  // Another one is the owner, as far as was taken. component_status says it from here on.
+  bool StandsBy(const Tick& tick) {
+    const bool standby = Heard(tick);
+    node_.SetStandby(standby);
+    return standby;
+  }
+
+  // What is computed from a replayed owner says so.
+  void MarkOrigin(Tick* tick) const {
+    if (Heard(*tick) && replayed_) tick->origin = msg::ORIGIN_REPLAY;
+  }
+
+  // Of a participant that has no state to follow with: takes all and reports.
+  void Watch(const Tick& tick) {
+    while (TakeNext(tick)) {
+    }
+    (void)StandsBy(tick);
+  }
+
+ private:
+  bool Heard(const Tick& tick) const {
+    return heard_tick_ && session_id_ == tick.session_id && StillOwner(*heard_tick_, tick);
+  }
+
+  Node& node_;
+  std::optional<Reader<Message>> reader_;
+  std::uint64_t session_id_ = 0;
+  std::optional<std::uint64_t> heard_tick_;
+  bool replayed_ = false;
+};
+
+}  // namespace sinew::node

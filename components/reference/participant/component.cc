@@ -1,0 +1,59 @@
+#include "components/reference/participant/component.h"
+
+#include <spdlog/spdlog.h>
+
+#include "components/node/other_owner.h"
+#include "components/node/tick_loop.h"
+#include "components/reference/file/reference_file.h"
+#include "components/reference/participant/translate.h"
+#include "components/reference/standby.h"
+
+namespace sinew::reference {
+namespace {
+
+RobotReferenceConfig LoadConfig(const std::filesystem::path& path) {
+  if (path.empty()) {
+    throw UsageError("--config: missing, expected a file with schema sinew-reference/1");
+  }
+  LoadedReference loaded = LoadReference(path);
+  for (const std::string& note : loaded.notes) spdlog::info("{}", note);
+  return std::move(loaded.config);
+}
+
+class ReferenceComponent final : public node::Component {
+ public:
+  ReferenceComponent(const node::Options& options, node::StopFlag& stop)
+      : generator_(LoadConfig(options.config_path)), node_(options), loop_(node_, stop) {}
+
+  bool Ready() override { return loop_.Ready(); }
+  bool Step() override {
+    auto tick = loop_.Next();
+    if (!tick) return false;
+    RobotReferenceInput input = ToInput(*tick, state_.value());
+    AddOperatorCommands(commands_, &input);
+    while (const auto other = owner_.TakeNext(*tick)) {
+      generator_.Follow(other->header().tick(), FromMessage(*other));
+    }
+    owner_.MarkOrigin(&*tick);
+    const RobotReferenceOutput now = generator_.Step(input, owner_.StandsBy(*tick));
+    loop_.Publish(output_, ToMessage(now, *tick), *tick);
+    return true;
+  }
+
+ private:
+  Standby generator_;
+  node::Node node_;
+  node::TickLoop loop_;
+  node::TickInput<msg::JointState>& state_ = loop_.AddInput(node::kJointState);
+  node::Reader<msg::OperatorCommand> commands_ = node_.MakeReader(node::kOperatorCommand);
+  node::Writer<msg::Reference> output_ = node_.MakeWriter(node::kReference);
+  node::OtherOwner<msg::Reference> owner_{node_, node::kReference};
+};
+
+}  // namespace
+
+std::unique_ptr<node::Component> MakeReference(const node::Options& options, node::StopFlag& stop) {
+  return std::make_unique<ReferenceComponent>(options, stop);
+}
+
+}  // namespace sinew::reference

@@ -1,0 +1,48 @@
+#include "components/rls/participant/component.h"
+
+#include <spdlog/spdlog.h>
+
+#include "components/node/node.h"
+#include "components/node/other_owner.h"
+#include "components/node/tick_loop.h"
+#include "components/rls/participant/adaptation.h"
+
+namespace sinew::rls {
+namespace {
+
+class RlsComponent final : public node::Component {
+ public:
+  RlsComponent(const node::Options& options, node::StopFlag& stop, const RlsConfig& config)
+      : adaptation_(config), node_(options), loop_(node_, stop), inputs_(loop_) {}
+  ~RlsComponent() override { spdlog::info("{} updates", adaptation_.updates()); }
+
+  bool Ready() override { return loop_.Ready(); }
+  bool Step() override {
+    const auto tick = loop_.Next();
+    if (!tick) return false;
+    while (const auto other = owner_.TakeNext(*tick)) adaptation_.Follow(*other, *tick);
+    (void)owner_.StandsBy(*tick);
+    const Outputs outputs = adaptation_.Step(inputs_, *tick);
+    loop_.Publish(readout_, outputs.readout, *tick);
+    loop_.Publish(state_, outputs.adaptation, *tick);
+    return true;
+  }
+
+ private:
+  Adaptation adaptation_;
+  node::Node node_;
+  node::TickLoop loop_;
+  Inputs inputs_;
+  node::Writer<msg::Readout> readout_ = node_.MakeWriter(node::kReadout);
+  node::Writer<msg::AdaptationState> state_ = node_.MakeWriter(node::kAdaptationState);
+  node::OtherOwner<msg::Readout> owner_{node_, node::kReadout};
+};
+
+}  // namespace
+
+std::unique_ptr<node::Component> MakeRls(const node::Options& options, node::StopFlag& stop,
+                                         const esn::WeightsPaths& given) {
+  return std::make_unique<RlsComponent>(options, stop, LoadRlsConfig(options.config_path, given));
+}
+
+}  // namespace sinew::rls

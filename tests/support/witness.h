@@ -1,0 +1,48 @@
+// How late the machine is: a thread that asks to run every millisecond and notes by how much it was
+// late at most. What a bound on time may add on a machine that stalls. At the highest priority
+// where that is allowed. Thread: its own; Latest_ms from the owner's.
+#pragma once
+
+#include <pthread.h>
+#include <sched.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+namespace sinew::testing {
+
+class Witness {
+ public:
+  Witness() : thread_([this] { Watch(); }) {}
+  ~Witness() {
+    ended_ = true;
+    thread_.join();
+  }
+  Witness(const Witness&) = delete;
+  Witness& operator=(const Witness&) = delete;
+
+  double Latest_ms() const { return latest_ms_; }
+
+ private:
+  void Watch() {
+    sched_param parameters{.sched_priority = 90};
+    (void)::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &parameters);
+    auto next = std::chrono::steady_clock::now();
+    while (!ended_) {
+      next += std::chrono::milliseconds(1);
+      std::this_thread::sleep_until(next);
+      const std::chrono::duration<double, std::milli> late =
+          std::chrono::steady_clock::now() - next;
+      latest_ms_ = std::max(latest_ms_.load(), late.count());
+      if (late.count() > 1.0) next = std::chrono::steady_clock::now();
+    }
+  }
+
+  std::atomic<bool> ended_{false};
+  std::atomic<double> latest_ms_{0.0};
+  std::thread thread_;
+};
+
+}  // namespace sinew::testing

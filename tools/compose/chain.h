@@ -1,0 +1,47 @@
+// The participants of a composition in the order in which they answer a tick.
+//
+// Those whose answer the motors wait for run between the provider's state and its command, in the
+// order of the table in chain.cc; the others, and DDS, follow when the plant has its command. What
+// throws ends the provider, which switches the motors off. Thread: the provider's.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "components/node/component.h"
+#include "components/node/composition.h"
+#include "components/node/options.h"
+#include "components/provider/participant/provider_options.h"
+
+namespace sinew::compose {
+
+struct Part {
+  std::string name;
+  std::string program;           // e.g. sinew-control
+  std::filesystem::path config;  // may be empty
+};
+
+// NAME=PROGRAM=CONFIG. Throws UsageError.
+Part ParsePart(const std::string& text);
+
+class Chain final : public provider::ComposedCycle {
+ public:
+  // `common`: domain, mode, seed and log of all. Throws UsageError for a program that cannot be
+  // composed, two parts of one name, or a configuration; DdsError.
+  Chain(const node::Options& common, node::StopFlag& stop, const std::vector<Part>& parts);
+
+  node::Composition& composition() { return composition_; }
+  void Answer() override;
+  void Finish() override;
+
+ private:
+  using Components = std::vector<std::unique_ptr<node::Component>>;
+  static void StepAll(Components* components);
+
+  node::Composition composition_;
+  Components before_command_, after_command_;
+};
+
+}  // namespace sinew::compose
