@@ -5,6 +5,7 @@
 
 #include "bridge/joints/can_plant.h"
 #include "bridge/joints/file/bridge_config.h"
+#include "components/estop/estop_config.h"
 #include "components/node/options.h"
 #include "components/provider/participant/run_provider.h"
 
@@ -23,6 +24,8 @@ void Run(const node::Options& options, node::StopFlag& stop,
   const config::Section section = config::Section::Load(options.config_path, "sinew-can-bridge/1");
   const bridge::BridgeFile file = bridge::ReadBridge(section);
   const provider::GuardConfig guard = provider::LoadGuardConfig(section.ChildOrEmpty("guard"));
+  const estop::Config estop =
+      estop::LoadConfig(section.ChildOrEmpty("estop"), options.domain_id, file.bridge.live);
   section.RejectUnknownKeys();
 
   std::vector<std::unique_ptr<can::Transport>> transports;
@@ -35,7 +38,7 @@ void Run(const node::Options& options, node::StopFlag& stop,
   bridge::CanPlant plant(file.bridge, pointers);
   spdlog::info("{} joints on {} buses, {}", file.bridge.joints.size(), file.buses.size(),
                file.bridge.live ? "live" : "simulated");
-  provider::RunProvider(options, stop, provider_options, guard, plant);
+  provider::RunProvider(options, stop, provider_options, guard, plant, estop);
   for (const can::Transport* bus : pointers) {
     const can::TransportCounters counters = bus->counters();
     spdlog::info("bus '{}': {} frames sent, {} received, {} dropped, {} error frames", bus->name(),

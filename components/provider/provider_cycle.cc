@@ -58,6 +58,9 @@ OperatorResult ProviderCycle::Take(const OperatorCommand& command, std::uint64_t
       if (types::MayMove(state())) {
         return OperatorResult::kRefusedDisarmFirst;
       }
+      if (state() == RobotState::kEstopped && config_.estop_is_latched) {
+        return OperatorResult::kUnlatchFirst;
+      }
       faulty_joints_ = 0;
       guard_.Reset();
       return OperatorResult::kClearFaults;
@@ -68,6 +71,12 @@ OperatorResult ProviderCycle::Take(const OperatorCommand& command, std::uint64_t
       break;
   }
   return OperatorResult::kNotForProvider;
+}
+
+bool ProviderCycle::FinishReset() {
+  if (state() != RobotState::kEstopped) return false;
+  faulty_joints_ = 0;
+  return guard_.Reset();
 }
 
 bool ProviderCycle::Take(const JointCommand& command, std::uint64_t tick) {
