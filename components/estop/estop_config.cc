@@ -59,14 +59,23 @@ fs::path DefaultSocket(int domain_id) {
   return candidates.back();
 }
 
-fs::path DefaultLatch(int domain_id) {
-  const std::string name = "estop-" + std::to_string(domain_id) + ".latch";
+fs::path StateFolder() {
   std::error_code ignored;
-  if (fs::exists(kStateFolder, ignored)) return fs::path(kStateFolder) / name;
+  if (fs::exists(kStateFolder, ignored)) return kStateFolder;
   fs::path state = FolderOf("XDG_STATE_HOME");
-  if (state.empty()) state = FolderOf("HOME") / ".local" / "state";
-  if (!state.is_absolute()) state = "/tmp";
-  return state / "sinew" / name;
+  if (const fs::path home = FolderOf("HOME"); state.empty() && !home.empty()) {
+    state = home / ".local" / "state";
+  }
+  if (state.empty()) {
+    throw UsageError(std::string("no folder for what outlives the bridge: ") + kStateFolder +
+                     ", XDG_STATE_HOME or HOME is expected");
+  }
+  fs::create_directories(state / "sinew", ignored);  // what is missing is reported at its use
+  return state / "sinew";
+}
+
+fs::path DefaultLatch(int domain_id) {
+  return StateFolder() / ("estop-" + std::to_string(domain_id) + ".latch");
 }
 
 Config LoadConfig(const config::Section& section, int domain_id, bool live) {
@@ -82,8 +91,6 @@ Config LoadConfig(const config::Section& section, int domain_id, bool live) {
   const std::string latch = section.TextOr("latch", left_out);
   if (latch == "default") {
     config.latch = DefaultLatch(domain_id);
-    std::error_code ignored;  // what is missing is reported where the latch is read
-    fs::create_directories(config.latch->parent_path(), ignored);
   } else if (latch != "none") {
     config.latch = PathOf(section, latch);
   } else if (live) {

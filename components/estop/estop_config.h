@@ -29,9 +29,11 @@ struct Config {
 std::vector<std::filesystem::path> SocketCandidates(int domain_id);
 // The first candidate whose folder this process may write to.
 std::filesystem::path DefaultSocket(int domain_id);
-// /var/lib/sinew where that folder exists, whether it can be written to or not: who runs the bridge
-// does not decide which latch counts. Else below XDG_STATE_HOME or ~/.local/state.
-std::filesystem::path DefaultLatch(int domain_id);
+// Where a bridge keeps what outlives it: /var/lib/sinew where that folder exists, whether it can be
+// written to or not (who runs the bridge does not decide which latch counts), else XDG_STATE_HOME
+// or ~/.local/state. Throws UsageError: there is none of them.
+std::filesystem::path StateFolder();
+std::filesystem::path DefaultLatch(int domain_id);  // in it
 
 // Keys of an `estop:` block: `socket` and `latch`, each `default`, `none` or a path (relative ones
 // are relative to the file), and `socket_mode`, octal digits. Left out: `default` for hardware,

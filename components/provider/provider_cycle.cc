@@ -46,6 +46,7 @@ OperatorResult ProviderCycle::Take(const OperatorCommand& command, std::uint64_t
   }
   switch (command.action) {
     case OperatorAction::kArm:
+      if (!config_.plant_may_be_armed) return OperatorResult::kRefusedByPlant;
       return guard_.Arm(command.session_id, tick) ? OperatorResult::kDone
                                                   : OperatorResult::kRefusedResetFirst;
     case OperatorAction::kDisarm:

@@ -68,6 +68,7 @@ enum class OperatorResult {
   kUnlatchFirst,         // a reset: the latch on disk goes first, then FinishReset
   kRefusedOtherSession,  // arm or reset: meant for another session
   kRefusedOrigin,        // arm or reset: replayed, or for hardware not from a live operator
+  kRefusedByPlant,       // arm: Plant::ArmRefusal says why
   kRefusedResetFirst,    // arm: after a fault or an estop
   kRefusedDisarmFirst,   // reset: a joint that had a fault would move at once
   kNotForProvider,       // start, stop, handover and permissions are for others
@@ -89,6 +90,7 @@ struct CycleConfig {
   // Hardware moves on while its provider stalls: commands age by the clock too, and a cycle that
   // begins more than guard.fault_after after the one before is a fault of a robot that may move.
   bool ages_by_clock = false;
+  bool plant_may_be_armed = true;
   bool estop_is_latched = false;  // on disk: a reset from ESTOPPED is done in two steps
 };
 
@@ -102,7 +104,9 @@ class ProviderCycle {
   explicit ProviderCycle(const CycleConfig& config);
 
   // Armed from the first tick on, without an operator.
-  void ArmAtStart() { guard_.Arm(config_.session_id, 0); }
+  void ArmAtStart() {
+    if (config_.plant_may_be_armed) guard_.Arm(config_.session_id, 0);
+  }
 
   // disarm and estop count whoever sends them; arm and reset only with the cycle's own session_id,
   // and not from a recording.

@@ -2,6 +2,7 @@
 
 #include <sinew_idl/joint.h>
 #include <sinew_idl/operator.h>
+#include <sinew_idl/status.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -60,6 +61,16 @@ const char* StateName(msg::RobotState state) {
   return "unknown";
 }
 
+// What the provider says of a refused arm in its status; empty: nothing.
+std::string RefusalIn(node::Reader<msg::ComponentStatus>& statuses) {
+  std::string refusal;
+  while (const auto status = statuses.TakeNext()) {
+    const std::string message = status->message().to_string();
+    if (message.starts_with("arm refused")) refusal = status->name().to_string() + ": " + message;
+  }
+  return refusal;
+}
+
 // Why the requested state was not reached, for the operator.
 std::string Why(const Request& request, const std::optional<msg::JointState>& state, bool heard,
                 int domain_id) {
@@ -114,12 +125,17 @@ void RunOperator(const Request& request, OperatorOptions options) {
   node::Node node(options.node);
   auto states = node.MakeReader(node::kJointState);
   auto commands = node.MakeWriter(node::kOperatorCommand);
+  std::optional<node::Reader<msg::ComponentStatus>> statuses;
+  if (request.action == msg::OPERATOR_ARM)
+    statuses.emplace(node.MakeReader(node::kComponentStatus));
+  std::string refusal;
 
   const auto end = Clock::now() + std::chrono::duration<double>(options.timeout_s);
   auto next_send = Clock::now();
   std::optional<msg::JointState> state;
   bool sent = false, done = false;
-  while (!done && Clock::now() < end) {
+  while (!done && refusal.empty() && Clock::now() < end) {
+    if (sent && statuses) refusal = RefusalIn(*statuses);
     if (auto newest = states.WaitNext(milliseconds(20))) state = std::move(newest);
     if (state && sent) {
       done = std::find(request.reached.begin(), request.reached.end(), state->robot_state()) !=
@@ -135,7 +151,9 @@ void RunOperator(const Request& request, OperatorOptions options) {
     next_send = Clock::now() + kRepeat;
   }
 
-  const std::string why = done ? "" : Why(request, state, sent, options.node.domain_id);
+  const std::string why = done               ? ""
+                          : !refusal.empty() ? refusal
+                                             : Why(request, state, sent, options.node.domain_id);
   if (options.json) {
     nlohmann::ordered_json report = {{"action", request.name}, {"done", done}};
     if (state) report["robot_state"] = StateName(state->robot_state());

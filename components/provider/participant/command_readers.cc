@@ -43,6 +43,8 @@ const char* Refusal(OperatorResult result) {
       return "refused: meant for another session";
     case OperatorResult::kRefusedOrigin:
       return "refused: it comes from a recording or a simulation";
+    case OperatorResult::kRefusedByPlant:
+      return "refused by the plant";
     case OperatorResult::kRefusedResetFirst:
       return "refused: reset first";
     case OperatorResult::kRefusedDisarmFirst:

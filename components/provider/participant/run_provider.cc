@@ -50,6 +50,10 @@ CycleConfig MakeCycleConfig(const node::Options& node_options, const ProviderOpt
   config.rate_Hz = options.rate_Hz;
   config.duration_s = options.duration_s;
   config.estop_is_latched = latches;
+  config.plant_may_be_armed = plant.ArmRefusal().empty();
+  if (options.arm && !config.plant_may_be_armed) {
+    throw UsageError("--arm: refused: " + plant.ArmRefusal());
+  }
   return config;
 }
 
@@ -141,6 +145,11 @@ class Provider {
   void OnOperator(OperatorResult result, types::OperatorAction action, std::string_view reason) {
     if (action == types::OperatorAction::kEstop) desk_->OnEstop(reason);
     if (result == OperatorResult::kUnlatchFirst) desk_->OnReset();
+    if (result == OperatorResult::kRefusedByPlant) {  // for the log, and for who asked
+      const std::string why = "arm refused: " + plant_.ArmRefusal();
+      spdlog::error("{}", why);
+      node_.SetState(node::Node::State::kActive, why);
+    }
   }
 
   void TakeOperatorCommands() {

@@ -79,7 +79,8 @@ struct RigOptions {
   bool world = false;            // behind the axes, instead of the surrogate
   std::string bridge_more = "";  // at the end of the bridge's configuration
   std::vector<std::string> bridge_arguments = {};
-  int watchdog_ms = 500;  // of the axes
+  int watchdog_ms = 500;           // of the axes
+  std::string serial_number = "";  // in the joint map
 };
 
 class Rig {
@@ -118,6 +119,10 @@ class Rig {
     if (rig_options.gateway)
       bridge = Replaced(bridge, "timing:", "gateways:\n  - {node: 48, joints: [joint]}\ntiming:");
     if (rig_options.second_joint) bridge = Twice(bridge, "  - name: joint\n", "timing:");
+    if (!rig_options.serial_number.empty()) {
+      bridge = Replaced(bridge, "  - name: joint\n",
+                        "  - name: joint\n    serial_number: " + rig_options.serial_number + "\n");
+    }
     bridge_config_ = folder_.Write("can_bridge.yaml", bridge + rig_options.bridge_more);
     bridge_arguments_ = rig_options.bridge_arguments;
     log_ = (folder_.path() / "bus.log").string();

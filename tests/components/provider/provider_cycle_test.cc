@@ -352,6 +352,19 @@ TEST(ProviderCycle, AResetOfALatchedEstopWaitsForTheLatchToGo) {
             OperatorResult::kRefusedOtherSession);
 }
 
+TEST(ProviderCycle, APlantThatMayNotBeArmedIsNotArmed) {
+  CycleConfig config = Config();
+  config.plant_may_be_armed = false;
+  ProviderCycle cycle(config);
+  cycle.ArmAtStart();
+  EXPECT_EQ(cycle.state(), RobotState::kDisarmed);
+  EXPECT_EQ(Order(&cycle, OperatorAction::kArm, 0, kCycleSession + 1),
+            OperatorResult::kRefusedOtherSession);
+  EXPECT_EQ(Order(&cycle, OperatorAction::kArm), OperatorResult::kRefusedByPlant);
+  EXPECT_EQ(cycle.state(), RobotState::kDisarmed);
+  EXPECT_EQ(Order(&cycle, OperatorAction::kEstop), OperatorResult::kDone);
+}
+
 TEST(ProviderCycle, AFaultIsResetAtOnceWhereOnlyEstopsAreLatched) {
   CycleConfig config = Config();
   config.estop_is_latched = true;
