@@ -169,7 +169,7 @@ class Trial {
       const double after_ms = 1e-6 * static_cast<double>(heartbeat_ns_ - from_ns);
       if (InClosedLoop()) {
         result.runs_after_ms = after_ms;
-        if (heartbeat_ns_ - from_ns <= most_ns) continue;
+        if (heartbeat_ns_ - from_ns < ToNs(kWatchdogLimit_s)) continue;
         break;
       }
       result.idle_after_ms = after_ms;
