@@ -15,6 +15,8 @@ class Assertion {
 
   // Somebody has pressed; an estop goes out at once and until it is confirmed.
   void Press() { pressed_ = true, sent_ = false; }
+  // It has reached the robot, as somebody else than the robot's state says.
+  void Confirm() { pressed_ = pressed_ && !sent_; }
   // True: send now.
   bool Due(bool stopping_input, bool robot_is_stopped, std::int64_t now_ns) {
     // What the robot said before the first sending is no answer to it.

@@ -152,7 +152,7 @@ void Listener::Run() {
   while (!stop_) {
     waiting.assign({{signal_, POLLIN, 0}, {listener_, POLLIN, 0}});
     for (const Client& client : clients_) {
-      waiting.push_back({client.ended ? -1 : client.socket, POLLIN, 0});
+      waiting.push_back({client.press != 0 ? -1 : client.socket, POLLIN, 0});  // -1: not polled
     }
     int timeout_ms = -1;
     const std::int64_t now_ns = types::MonotonicNow_ns();
@@ -195,24 +195,15 @@ void Listener::Accept() {
 
 void Listener::Read(Client* client) {
   std::array<char, 256> text;
-  for (;;) {
-    const ssize_t size = ::recv(client->socket, text.data(), text.size(), MSG_DONTWAIT);
-    if (size > 0) {
-      if (client->press == 0) {
-        TakePressOf(client, std::string_view(text.data(), static_cast<std::size_t>(size)));
-      }
-      continue;  // there is one request; the rest of a text is not read as another
-    }
-    if (size < 0 && errno == EINTR) continue;
-    if (size < 0 && errno == EAGAIN) return;
-    // The caller has gone, or will only listen: then its answers still go out.
-    if (size == 0 && client->press != 0) {
-      client->ended = true;  // poll() would report its end again and again
-      return;
-    }
+  ssize_t size = 0;
+  do {
+    size = ::recv(client->socket, text.data(), text.size(), MSG_DONTWAIT);
+  } while (size < 0 && errno == EINTR);
+  if (size > 0) {
+    TakePressOf(client, std::string_view(text.data(), static_cast<std::size_t>(size)));
+  } else if (size == 0 || errno != EAGAIN) {
     ::close(client->socket);
     client->socket = -1;
-    return;
   }
 }
 
@@ -220,7 +211,10 @@ void Listener::TakePressOf(Client* client, std::string_view reason) {
   client->press = presses_.load(std::memory_order_relaxed) + 1;
   presses_.store(client->press, std::memory_order_release);
   callbacks_.wake();
-  pressed_ns_ = types::MonotonicNow_ns();
+  // Of the first press that the cycle has not answered: more of them do not put the latch off.
+  if (idle_.load(std::memory_order_acquire) + 1 >= client->press) {
+    pressed_ns_ = types::MonotonicNow_ns();
+  }
   const std::lock_guard lock(reason_mutex_);
   if (reason_.empty()) reason_ = std::string("socket: ") + std::string(reason);
 }

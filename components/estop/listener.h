@@ -71,9 +71,8 @@ class Listener {
  private:
   struct Client {
     int socket = -1;
-    std::uint64_t press = 0;  // 0: has sent nothing yet
+    std::uint64_t press = 0;  // 0: has sent nothing yet; else nothing more is read from it
     bool idle_said = false;
-    bool ended = false;  // sends no more, may still listen
   };
 
   void OpenSocket(const Config& config);

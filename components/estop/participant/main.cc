@@ -66,8 +66,13 @@ class InputThread {
     const std::lock_guard lock(mutex_);
     return stopping_;
   }
-  void PressSockets(const std::string& reason) const {
-    for (const auto& socket : sockets_) (void)estop::Press(socket, reason);
+  // True: a state provider of this host has sent its idle frames.
+  bool PressSockets(const std::string& reason) const {
+    std::vector<estop::Press> pressed;
+    for (const auto& socket : sockets_) pressed.emplace_back(socket, reason);
+    bool idle = false;
+    for (estop::Press& press : pressed) idle = press.Await(kAnswerLimit).idle || idle;
+    return idle;
   }
 
  private:
@@ -165,6 +170,7 @@ void Run(const node::Options& options, node::StopFlag& stop, const EstopOptions&
   std::string reason, reported = "?";
   node::Node::Counts counts;
   std::int64_t heard_ns = 0;
+  bool idled = false;  // by the socket, since the last press
   std::optional<std::int64_t> end_ns;
   for (;;) {
     if (stop.requested() && !end_ns) {
@@ -176,25 +182,29 @@ void Run(const node::Options& options, node::StopFlag& stop, const EstopOptions&
       }
     }
     const std::int64_t now_ns = types::MonotonicNow_ns();
-    if (auto newest = states.TakeLatest()) {
-      state = std::move(newest);
+    bool stopped = false;
+    while (auto next = states.TakeNext()) {  // ESTOPPED may last no longer than a cycle
+      stopped = stopped || next->robot_state() == msg::ROBOT_ESTOPPED;
+      state = std::move(next);
       heard_ns = now_ns;
     }
     if (auto press = thread.TakePress()) {
       reason = *press;
       assertion.Press();
+      idled = false;
     }
     const std::string stopping = thread.Stopping();
     if (!stopping.empty() && !assertion.pressed()) reason = stopping;
-    const bool stopped = state && state->robot_state() == msg::ROBOT_ESTOPPED &&
-                         now_ns - heard_ns < std::chrono::nanoseconds(kStateAge).count();
+    const bool heard = state && now_ns - heard_ns < std::chrono::nanoseconds(kStateAge).count();
+    stopped = stopped || (heard && state->robot_state() == msg::ROBOT_ESTOPPED);
+    if (!heard && idled) assertion.Confirm();  // without DDS the socket's answer counts
     if (assertion.Due(!stopping.empty(), stopped, now_ns)) {
       msg::OperatorCommand command;
       if (state) command.header(state->header());
       command.action(msg::OPERATOR_ESTOP);
       command.reason(reason.substr(0, 63));
       if (commands.Write(command) != node::WriteStatus::kOk) ++counts.write_failures;
-      thread.PressSockets(reason);
+      idled = thread.PressSockets(reason);
       ++counts.cycles;
     }
     const std::string message = assertion.pressed() ? "estop sent, not confirmed yet" : stopping;

@@ -33,9 +33,12 @@ EstopDesk::EstopDesk(const estop::Config& config, ProviderCycle& cycle, Plant& p
 
 void EstopDesk::Take(std::uint64_t tick) {
   if (listener_.TakePress()) {
+    if (cycle_.state() !=
+        types::RobotState::kEstopped) {  // a held button presses ten times a second
+      spdlog::warn("tick {}: estop by the socket", tick);
+    }
     (void)cycle_.Take({.action = types::OperatorAction::kEstop}, tick);
     OnEstop("socket");
-    spdlog::warn("tick {}: estop by the socket", tick);
   }
   if (!resets_) return;
   const estop::Listener::Unlatch unlatch = listener_.unlatch();

@@ -81,15 +81,15 @@ class Provider {
 
   void Run() {
     RefuseSecondProvider();  // which sends nothing: the plant is the other one's
+    desk_.emplace(estop_config_, cycle_, plant_, [this] {
+      node_.Wake();
+      sleep_.Wake();
+    });
     // Motors off before anything else ends, after an exception too.
     const struct MotorsOff {
       Plant& plant;
       ~MotorsOff() { plant.ShutDown(); }
     } motors_off{plant_};
-    desk_.emplace(estop_config_, cycle_, plant_, [this] {
-      node_.Wake();
-      sleep_.Wake();
-    });
     plant_.Reset(&sensors_);
     node_.SetPeriod(cycle_.period());
     if (options_.arm) cycle_.ArmAtStart();

@@ -201,6 +201,15 @@ TEST(EstopAssertion, AStateFromBeforeThePressDoesNotConfirmIt) {
   EXPECT_TRUE(assertion.pressed());
 }
 
+TEST(EstopAssertion, AnotherWaysAnswerConfirmsWhatWasSentOnly) {
+  Assertion assertion;
+  assertion.Press();
+  assertion.Confirm();
+  EXPECT_TRUE(assertion.Due(false, false, 1)) << "of an earlier press";
+  assertion.Confirm();
+  EXPECT_FALSE(assertion.pressed());
+}
+
 TEST(EstopAssertion, AnInputThatIsHeldKeepsTheRobotStopped) {
   Assertion assertion;
   EXPECT_TRUE(assertion.Due(true, false, 0)) << "somebody has reset";
