@@ -81,6 +81,7 @@ struct RigOptions {
   std::vector<std::string> bridge_arguments = {};
   int watchdog_ms = 500;           // of the axes
   std::string serial_number = "";  // in the joint map
+  bool realtime = false;           // bus, axes and bridge under SCHED_FIFO
 };
 
 class Rig {
@@ -126,7 +127,13 @@ class Rig {
     bridge_config_ = folder_.Write("can_bridge.yaml", bridge + rig_options.bridge_more);
     bridge_arguments_ = rig_options.bridge_arguments;
     log_ = (folder_.path() / "bus.log").string();
-    bus_ = Start({"sinew-can-bus", "--bus", bus_path, "--log", log_});
+    if (rig_options.realtime) {
+      realtime_ = {"--realtime"};
+      bridge_arguments_.push_back("--realtime");
+    }
+    std::vector<std::string> bus = {"sinew-can-bus", "--bus", bus_path, "--log", log_};
+    bus.insert(bus.end(), realtime_.begin(), realtime_.end());
+    bus_ = Start(bus);
     StartAxes();
     StartBridge();
   }
@@ -137,7 +144,11 @@ class Rig {
     (void)bridge_->Wait(seconds(10));
   }
 
-  void StartAxes() { axes_ = Start({"sinew-virtual-axes", "--config", axes_config_}); }
+  void StartAxes() {
+    std::vector<std::string> arguments = {"sinew-virtual-axes", "--config", axes_config_};
+    arguments.insert(arguments.end(), realtime_.begin(), realtime_.end());
+    axes_ = Start(arguments);
+  }
   void StartBridge() {
     std::vector<std::string> arguments = {"sinew-can-bridge", "--config", bridge_config_,
                                           "--domain", std::to_string(domain_)};
@@ -222,7 +233,7 @@ class Rig {
   int domain_;
   testing::TemporaryFolder folder_;
   std::string axes_config_, bridge_config_, log_, bus_path_;
-  std::vector<std::string> bridge_arguments_;
+  std::vector<std::string> bridge_arguments_, realtime_;
   node::Node node_;
   node::Reader<msg::JointState> states_ = node_.MakeReader(node::kJointState);
   node::Reader<msg::ActuatorState> actuators_ = node_.MakeReader(node::kActuatorState);
