@@ -12,6 +12,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "bridge/can/transport/transport.h"
@@ -35,6 +36,7 @@ class CanPlant : public provider::Plant {
   int joint_count() const override { return static_cast<int>(joints_.size()); }
   bool live() const override { return config_.live; }
   std::uint32_t measured_flags() const override;
+  std::string ArmRefusal() const override { return config_.arm_refusal; }
   // Clears the controllers' errors, waits until every node has reported. Throws std::runtime_error
   // naming what stayed silent.
   void Reset(provider::PlantSensors* sensors) override;

@@ -51,6 +51,9 @@ struct JointConfig {
   int bus = 0;
   int node = 0;
   can::Firmware firmware = can::Firmware::k0_5_6;
+  // Of the controller, hexadecimal digits in capitals; empty: not declared. No message of these
+  // firmwares carries it, so it is read over USB (docs/bring-up.md).
+  std::string serial_number = {};
   int direction = 1;
   double gear_ratio = 1.0;
   double zero_rev = 0.0;
@@ -94,6 +97,7 @@ struct BridgeConfig {
   std::vector<double> bitrate_bit_s;  // per bus, for the load
   bool short_frames = true;           // setpoints of 4 bytes: 95 bit times instead of 135
   BridgeTiming timing;
+  std::string arm_refusal = {};  // why the joints may not be armed; empty: they may
 };
 
 // Throws std::invalid_argument naming joint or gateway and value.

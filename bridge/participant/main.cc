@@ -1,10 +1,15 @@
 // sinew-can-bridge: the state provider of a robot whose joints are on CAN.
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <memory>
 
 #include "bridge/joints/can_plant.h"
 #include "bridge/joints/file/bridge_config.h"
+#include "bridge/participant/prove_watchdogs.h"
+#include "components/estop/estop_config.h"
+#include "components/estop/latch_file.h"
 #include "components/node/options.h"
 #include "components/provider/participant/run_provider.h"
 
@@ -13,7 +18,7 @@ namespace {
 using namespace sinew;
 
 void Run(const node::Options& options, node::StopFlag& stop,
-         const provider::ProviderOptions& provider_options) {
+         const provider::ProviderOptions& provider_options, bool prove_watchdogs) {
   if (options.config_path.empty())
     throw UsageError("--config: the joint map is needed, e.g. robots/rig/can_bridge.yaml");
   if (options.mode == node::TimeMode::kLockstep) {
@@ -21,9 +26,26 @@ void Run(const node::Options& options, node::StopFlag& stop,
         "--lockstep: a bus has its own time; use world or surrogate for simulated time");
   }
   const config::Section section = config::Section::Load(options.config_path, "sinew-can-bridge/1");
-  const bridge::BridgeFile file = bridge::ReadBridge(section);
+  bridge::BridgeFile file = bridge::ReadBridge(section);
+  // Whatever the file calls it: behind a CAN controller there are motors.
+  const bool hardware =
+      file.bridge.live || std::any_of(file.buses.begin(), file.buses.end(), can::IsHardware);
   const provider::GuardConfig guard = provider::LoadGuardConfig(section.ChildOrEmpty("guard"));
+  const estop::Config estop =
+      estop::LoadConfig(section.ChildOrEmpty("estop"), options.domain_id, hardware);
+  const std::filesystem::path proofs = bridge::ReadProofPath(section, hardware);
   section.RejectUnknownKeys();
+  if (prove_watchdogs) {
+    if (estop.latch) {
+      if (const auto latch = estop::LatchFile(*estop.latch).Read(); latch.latched) {
+        throw UsageError("--prove-watchdogs: the estop is latched (" + latch.why +
+                         "); 'sinew reset' first");
+      }
+    }
+    bridge::ProveWatchdogs(file, proofs, [&stop] { return stop.requested(); });
+    return;
+  }
+  file.bridge.arm_refusal = bridge::ArmRefusal(file.bridge, proofs, options.config_path.string());
 
   std::vector<std::unique_ptr<can::Transport>> transports;
   std::vector<can::Transport*> pointers;
@@ -35,7 +57,10 @@ void Run(const node::Options& options, node::StopFlag& stop,
   bridge::CanPlant plant(file.bridge, pointers);
   spdlog::info("{} joints on {} buses, {}", file.bridge.joints.size(), file.buses.size(),
                file.bridge.live ? "live" : "simulated");
-  provider::RunProvider(options, stop, provider_options, guard, plant);
+  if (!file.bridge.arm_refusal.empty()) {
+    spdlog::warn("cannot be armed: {}", file.bridge.arm_refusal);
+  }
+  provider::RunProvider(options, stop, provider_options, guard, plant, estop);
   for (const can::Transport* bus : pointers) {
     const can::TransportCounters counters = bus->counters();
     spdlog::info("bus '{}': {} frames sent, {} received, {} dropped, {} error frames", bus->name(),
@@ -47,10 +72,16 @@ void Run(const node::Options& options, node::StopFlag& stop,
 
 int main(int argc, char** argv) {
   provider::ProviderOptions provider_options;
+  bool prove_watchdogs = false;
   return node::RunParticipant(
       argc, argv, "can-bridge", "State provider of a robot whose joints are on CAN",
       [&](const node::Options& options, node::StopFlag& stop) {
-        Run(options, stop, provider_options);
+        Run(options, stop, provider_options, prove_watchdogs);
       },
-      [&](CLI::App& app) { provider::AddProviderOptions(app, &provider_options); });
+      [&](CLI::App& app) {
+        provider::AddProviderOptions(app, &provider_options);
+        node::AddFlag(app, "--prove-watchdogs", &prove_watchdogs,
+                      "Withhold the setpoints of each axis in turn and keep the proof that its "
+                      "watchdog idles it, then end");
+      });
 }

@@ -382,6 +382,17 @@ void WriteFileAtomically(const std::filesystem::path& path, std::string_view con
   }
 }
 
+void SyncFolderOf(const std::filesystem::path& path) {
+  const std::filesystem::path parent = path.parent_path();
+  const std::filesystem::path folder = parent.empty() ? "." : parent;
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) FailOnFile(folder, "cannot be opened", errno);
+  const bool synced = ::fsync(descriptor) == 0;
+  const int error = errno;
+  ::close(descriptor);
+  if (!synced) FailOnFile(folder, "cannot be written to disk", error);
+}
+
 std::string ReadFile(const std::filesystem::path& path) {
   std::error_code status_error;
   if (std::filesystem::is_directory(path, status_error)) {

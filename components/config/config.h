@@ -91,6 +91,11 @@ class Section {
 // Throws UsageError naming the path and the system's reason.
 void WriteFileAtomically(const std::filesystem::path& path, std::string_view content);
 
+// After WriteFileAtomically or a removal: what has changed in the file's folder is on disk when
+// this returns, and outlives a power cut. Throws UsageError naming the folder and the system's
+// reason.
+void SyncFolderOf(const std::filesystem::path& path);
+
 // Reads a whole file; throws UsageError naming the path.
 std::string ReadFile(const std::filesystem::path& path);
 

@@ -72,6 +72,8 @@ bool Node::WaitForData(std::chrono::microseconds timeout) {
   return raised;
 }
 
+void Node::Wake() { impl_->signal.Notify(nullptr); }
+
 const Options& Node::options() const { return impl_->options; }
 
 }  // namespace sinew::node

@@ -164,6 +164,8 @@ class Node {
 
   // Blocks until anything arrived on any reader of this node, or the timeout.
   bool WaitForData(std::chrono::microseconds timeout);
+  // Any thread: the present WaitForData, or else the next one, returns at once.
+  void Wake();
 
   const Options& options() const;
 

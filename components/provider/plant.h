@@ -83,7 +83,9 @@ class Plant {
   virtual ~Plant() = default;
   virtual int joint_count() const = 0;
   virtual bool prismatic(int /*joint*/) const { return false; }
-  virtual bool live() const { return false; }        // hardware: commands must have origin live
+  virtual bool live() const { return false; }  // hardware: commands must have origin live
+  // Why this plant may not be armed, found before the start; empty: it may.
+  virtual std::string ArmRefusal() const { return ""; }
   virtual std::uint32_t measured_flags() const = 0;  // bit per types::Signal
   // Sensors at the start, before any command.
   virtual void Reset(PlantSensors* sensors) = 0;

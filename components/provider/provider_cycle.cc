@@ -46,6 +46,7 @@ OperatorResult ProviderCycle::Take(const OperatorCommand& command, std::uint64_t
   }
   switch (command.action) {
     case OperatorAction::kArm:
+      if (!config_.plant_may_be_armed) return OperatorResult::kRefusedByPlant;
       return guard_.Arm(command.session_id, tick) ? OperatorResult::kDone
                                                   : OperatorResult::kRefusedResetFirst;
     case OperatorAction::kDisarm:
@@ -58,6 +59,9 @@ OperatorResult ProviderCycle::Take(const OperatorCommand& command, std::uint64_t
       if (types::MayMove(state())) {
         return OperatorResult::kRefusedDisarmFirst;
       }
+      if (state() == RobotState::kEstopped && config_.estop_is_latched) {
+        return OperatorResult::kUnlatchFirst;
+      }
       faulty_joints_ = 0;
       guard_.Reset();
       return OperatorResult::kClearFaults;
@@ -68,6 +72,12 @@ OperatorResult ProviderCycle::Take(const OperatorCommand& command, std::uint64_t
       break;
   }
   return OperatorResult::kNotForProvider;
+}
+
+bool ProviderCycle::FinishReset() {
+  if (state() != RobotState::kEstopped) return false;
+  faulty_joints_ = 0;
+  return guard_.Reset();
 }
 
 bool ProviderCycle::Take(const JointCommand& command, std::uint64_t tick) {

@@ -65,8 +65,10 @@ struct OperatorCommand {
 enum class OperatorResult {
   kDone,
   kClearFaults,          // a reset: the plant's faults are to be cleared before its next step
+  kUnlatchFirst,         // a reset: the latch on disk goes first, then FinishReset
   kRefusedOtherSession,  // arm or reset: meant for another session
   kRefusedOrigin,        // arm or reset: replayed, or for hardware not from a live operator
+  kRefusedByPlant,       // arm: Plant::ArmRefusal says why
   kRefusedResetFirst,    // arm: after a fault or an estop
   kRefusedDisarmFirst,   // reset: a joint that had a fault would move at once
   kNotForProvider,       // start, stop, handover and permissions are for others
@@ -88,6 +90,8 @@ struct CycleConfig {
   // Hardware moves on while its provider stalls: commands age by the clock too, and a cycle that
   // begins more than guard.fault_after after the one before is a fault of a robot that may move.
   bool ages_by_clock = false;
+  bool plant_may_be_armed = true;
+  bool estop_is_latched = false;  // on disk: a reset from ESTOPPED is done in two steps
 };
 
 // The session id of a seed (splitmix64): spreads small seeds over 64 bits; never 0.
@@ -100,11 +104,16 @@ class ProviderCycle {
   explicit ProviderCycle(const CycleConfig& config);
 
   // Armed from the first tick on, without an operator.
-  void ArmAtStart() { guard_.Arm(config_.session_id, 0); }
+  void ArmAtStart() {
+    if (config_.plant_may_be_armed) guard_.Arm(config_.session_id, 0);
+  }
 
   // disarm and estop count whoever sends them; arm and reset only with the cycle's own session_id,
   // and not from a recording.
   OperatorResult Take(const OperatorCommand& command, std::uint64_t tick);
+  // After kUnlatchFirst, when nothing on disk latches the estop any more: the reset itself. Does
+  // nothing in another state than ESTOPPED. True: the plant's faults are to be cleared.
+  bool FinishReset();
   // True: the command counts and is the newest.
   bool Take(const JointCommand& command, std::uint64_t tick);
   bool Take(const ValveCommand& command, std::uint64_t tick);
@@ -114,7 +123,8 @@ class ProviderCycle {
   bool Begin(std::uint64_t tick, std::int64_t now_ns);
   // now_ns: UTC; not read with simulated_time.
   types::MessageHeader Header(std::uint64_t tick, std::int64_t now_ns) const;
-  // Once a cycle. The reference is valid until the next call. now_ns: read with ages_by_clock only.
+  // Once a cycle, and again in one in which an estop came after it. The reference is valid until
+  // the next call. now_ns: read with ages_by_clock only.
   const PlantCommand& Command(std::uint64_t tick, const PlantSensors& sensors,
                               std::int64_t now_ns = 0);
   FaultChange Observe(const PlantSensors& sensors);

@@ -77,13 +77,15 @@ std::string BusText() {
   return "buses:\n  - name: bus\n    transport: socketcan\n    interface: " + Interface() + "\n";
 }
 
+std::string Serial(int joint) { return "A" + std::to_string(joint); }
+
 std::string BridgeText() {
   std::ostringstream text;
   text << "schema: sinew-can-bridge/1\norigin: live\n" << BusText() << "joints:\n";
   for (int j = 0; j < kJoints; ++j) {
-    text << "  - {name: joint" << j << ", node: " << AxisNode(j) << ", direction: " << Direction(j)
-         << ", gear_ratio: " << kGearRatio << ", zero_rev: " << ZeroRev(j)
-         << ", torque_constant_Nm_A: " << kTorqueConstant_Nm_A
+    text << "  - {name: joint" << j << ", node: " << AxisNode(j) << ", serial_number: " << Serial(j)
+         << ", direction: " << Direction(j) << ", gear_ratio: " << kGearRatio
+         << ", zero_rev: " << ZeroRev(j) << ", torque_constant_Nm_A: " << kTorqueConstant_Nm_A
          << ", controller_torque_constant_Nm_A: " << kControllerTorqueConstant_Nm_A
          << ", limits: {motor_torque_Nm: 0.398, current_A: 25, velocity_rad_s: 25"
          << ", lower_rad: -1000, upper_rad: 1000}";
@@ -97,7 +99,21 @@ std::string BridgeText() {
   text << "timing: {iq_every_cycles: 4, estimate_timeout_ms: 300, lost_after_ms: 700, "
           "heartbeat_timeout_ms: 2000, "
           "start_timeout_ms: 60000, closed_loop_timeout_ms: 5000, valve_timeout_ms: 500}\n"
-          "guard: {missed_periods: 100, fault_after_ms: 10000}\n";
+          "guard: {missed_periods: 100, fault_after_ms: 10000}\n"
+          "estop: {socket: none, latch: estop.latch}\n"
+          "watchdog_proof: proof.yaml\n";
+  return text.str();
+}
+
+// Live hardware is armed with proofs only. These are written by hand: an emulated machine does not
+// keep the times that a proof asks for.
+std::string ProofText() {
+  std::ostringstream text;
+  text << "schema: sinew-watchdog-proof/1\nproofs:\n";
+  for (int j = 0; j < kJoints; ++j) {
+    text << "  - {joint: joint" << j << ", serial_number: " << Serial(j)
+         << ", node: " << AxisNode(j) << ", idle_after_ms: 100, made: test}\n";
+  }
   return text.str();
 }
 
@@ -139,6 +155,7 @@ class System {
     std::ofstream(results_ + "surrogate.yaml") << testing::kMotorsAlone;
     std::ofstream(results_ + "bridge.yaml") << BridgeText();
     std::ofstream(results_ + "axes.yaml") << AxesText();
+    std::ofstream(results_ + "proof.yaml") << ProofText();
     // Sockets that keep the frames of seconds: every frame is counted, also while a reader is held.
     std::ofstream("/proc/sys/net/core/rmem_default") << 16777216;
     candump_ =

@@ -46,6 +46,7 @@ std::vector<Include> IncludesOf(const std::string& file) {
 // for its folders participant/ (a process) and file/ (reading and writing).
 const std::map<std::string, std::string> kNotPure = {
     {"components/config", "reads and writes files"},
+    {"components/estop", "a socket, a file, and the devices that are pressed"},
     {"components/logger", "a queue and a thread in front of a file"},
     {"components/types/clock", "reads the clock"},
     {"components/node", "owns DDS, options, logs and clocks"},

@@ -2,10 +2,12 @@
 
 #include <sinew_idl/joint.h>
 #include <sinew_idl/operator.h>
+#include <sinew_idl/status.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -13,6 +15,8 @@
 #include <string>
 #include <vector>
 
+#include "components/estop/estop_config.h"
+#include "components/estop/press.h"
 #include "components/node/node.h"
 
 namespace sinew::tools {
@@ -22,6 +26,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
+constexpr milliseconds kAnswerLimit(500);  // of the socket: idle frames 100 ms, then its disk
 constexpr milliseconds kRepeat(100);  // arm is volatile and estop must get through: say it again
 
 struct Request {
@@ -37,6 +42,7 @@ struct OperatorOptions {
   double timeout_s = 5.0;
   std::string reason;
   bool json = false;
+  std::vector<std::string> sockets;  // estop
 };
 
 const char* StateName(msg::RobotState state) {
@@ -55,6 +61,16 @@ const char* StateName(msg::RobotState state) {
   return "unknown";
 }
 
+// What the provider says of a refused arm in its status; empty: nothing.
+std::string RefusalIn(node::Reader<msg::ComponentStatus>& statuses) {
+  std::string refusal;
+  while (const auto status = statuses.TakeNext()) {
+    const std::string message = status->message().to_string();
+    if (message.starts_with("arm refused")) refusal = status->name().to_string() + ": " + message;
+  }
+  return refusal;
+}
+
 // Why the requested state was not reached, for the operator.
 std::string Why(const Request& request, const std::optional<msg::JointState>& state, bool heard,
                 int domain_id) {
@@ -71,19 +87,55 @@ std::string Why(const Request& request, const std::optional<msg::JointState>& st
   return "the robot stays in '" + now + "'";
 }
 
+// The socket of a state provider on this host, which needs no DDS: pressed before DDS is started.
+struct LocalEstop {
+  std::filesystem::path socket;  // empty: there is none
+  estop::Press::Answer answer;
+};
+
+LocalEstop PressLocally(const std::vector<std::string>& sockets, int domain_id,
+                        const std::string& reason) {
+  std::vector<std::filesystem::path> paths(sockets.begin(), sockets.end());
+  if (paths.empty()) paths = estop::SocketCandidates(domain_id);
+  std::vector<estop::Press> pressed;
+  for (const auto& path : paths) pressed.emplace_back(path, reason);
+  LocalEstop local;
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    if (!pressed[i].sent()) {
+      if (!sockets.empty()) std::cerr << "sinew estop: " << pressed[i].error() << '\n';
+      continue;
+    }
+    local = {paths[i], pressed[i].Await(kAnswerLimit)};
+    if (!local.answer.latched) {
+      std::cerr << "sinew estop: " << paths[i].string() << ": "
+                << (local.answer.text.empty() ? "no answer\n" : local.answer.text);
+    }
+  }
+  return local;
+}
+
 void RunOperator(const Request& request, OperatorOptions options) {
+  LocalEstop local;
+  if (request.action == msg::OPERATOR_ESTOP) {
+    local = PressLocally(options.sockets, options.node.domain_id, options.reason);
+  }
   options.node.component = "operator";
   options.node.name = "operator";
   options.node.mode = options.lockstep ? node::TimeMode::kLockstep : node::TimeMode::kRealtime;
   node::Node node(options.node);
   auto states = node.MakeReader(node::kJointState);
   auto commands = node.MakeWriter(node::kOperatorCommand);
+  std::optional<node::Reader<msg::ComponentStatus>> statuses;
+  if (request.action == msg::OPERATOR_ARM)
+    statuses.emplace(node.MakeReader(node::kComponentStatus));
+  std::string refusal;
 
   const auto end = Clock::now() + std::chrono::duration<double>(options.timeout_s);
   auto next_send = Clock::now();
   std::optional<msg::JointState> state;
   bool sent = false, done = false;
-  while (!done && Clock::now() < end) {
+  while (!done && refusal.empty() && Clock::now() < end) {
+    if (sent && statuses) refusal = RefusalIn(*statuses);
     if (auto newest = states.WaitNext(milliseconds(20))) state = std::move(newest);
     if (state && sent) {
       done = std::find(request.reached.begin(), request.reached.end(), state->robot_state()) !=
@@ -99,10 +151,17 @@ void RunOperator(const Request& request, OperatorOptions options) {
     next_send = Clock::now() + kRepeat;
   }
 
-  const std::string why = done ? "" : Why(request, state, sent, options.node.domain_id);
+  const std::string why = done               ? ""
+                          : !refusal.empty() ? refusal
+                                             : Why(request, state, sent, options.node.domain_id);
   if (options.json) {
     nlohmann::ordered_json report = {{"action", request.name}, {"done", done}};
     if (state) report["robot_state"] = StateName(state->robot_state());
+    if (!local.socket.empty()) {
+      report["socket"] = {{"path", local.socket.string()},
+                          {"idle", local.answer.idle},
+                          {"latched", local.answer.latched}};
+    }
     if (!done) report["why"] = why;
     std::cout << report.dump() << '\n';
   } else if (done) {
@@ -110,6 +169,11 @@ void RunOperator(const Request& request, OperatorOptions options) {
   }
   if (done) return;
   std::cerr << "sinew " << request.name << ": " << why << '\n';
+  if (local.answer.idle) {
+    std::cerr << "sinew estop: motors are off, by " << local.socket.string()
+              << "; DDS did not confirm it\n";
+    return;
+  }
   throw CLI::RuntimeError(1);
 }
 
@@ -124,6 +188,10 @@ void AddOne(CLI::App& app, const Request& request, const std::string& descriptio
   command->add_option("--timeout", options->timeout_s, "Seconds to wait for the robot's answer")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  if (request.action == msg::OPERATOR_ESTOP) {
+    command->add_option("--socket", options->sockets,
+                        "Socket of a state provider on this host; the usual places by default");
+  }
   command->add_flag("--lockstep", options->lockstep, "The deployment runs in lockstep");
   command->add_flag("--json", options->json, "As JSON");
   command->footer(note +
@@ -146,7 +214,8 @@ void AddOperatorCommands(CLI::App& app) {
          "Motors off", "A robot in fault or estopped has its motors off already.");
   AddOne(app, {msg::OPERATOR_ESTOP, "estop", {msg::ROBOT_ESTOPPED}, false},
          "Motors off and latched until reset",
-         "Repeated until the robot reports that it has stopped.");
+         "By the socket of a state provider on this host, where there is one, and by DDS: repeated "
+         "until the robot reports that it has stopped.");
   AddOne(app, {msg::OPERATOR_RESET, "reset", {msg::ROBOT_DISARMED}, true},
          "From fault or estop to disarmed", "Arm it again afterwards.");
 }

@@ -62,6 +62,24 @@ std::unique_ptr<Transport> OpenBus(const BusEntry& entry, const std::vector<IdFi
       VirtualCanOptions{entry.bus, filters, std::chrono::milliseconds(entry.connect_timeout_ms)});
 }
 
+bool IsHardware(const BusEntry& entry) {
+  std::error_code ignored;  // an interface that is not there is reported by OpenBus
+  return entry.kind == TransportKind::kSocketCan &&
+         std::filesystem::exists("/sys/class/net/" + entry.interface + "/device", ignored);
+}
+
+const char* FirmwareName(Firmware firmware) {
+  switch (firmware) {
+    case Firmware::k0_5_1:
+      return "0.5.1";
+    case Firmware::k0_5_4:
+      return "0.5.4";
+    case Firmware::k0_5_6:
+      break;
+  }
+  return "0.5.6";
+}
+
 Firmware ReadFirmware(const config::Section& section) {
   const std::string text = section.ChoiceOr("firmware", "0.5.6", {"0.5.1", "0.5.4", "0.5.6"});
   return text == "0.5.1" ? Firmware::k0_5_1 : text == "0.5.4" ? Firmware::k0_5_4 : Firmware::k0_5_6;

@@ -40,6 +40,11 @@ int ReadBusOf(const config::Section& section, const std::vector<BusEntry>& buses
 // Throws UsageError when it cannot be opened.
 std::unique_ptr<Transport> OpenBus(const BusEntry& entry, const std::vector<IdFilter>& filters);
 
+// The bus is a CAN controller of this machine, and no interface of software such as vcan.
+bool IsHardware(const BusEntry& entry);
+
+// "0.5.6"
+const char* FirmwareName(Firmware firmware);
 // The key `firmware`: "0.5.1", "0.5.4" or "0.5.6" (the default).
 Firmware ReadFirmware(const config::Section& section);
 

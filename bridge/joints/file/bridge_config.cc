@@ -1,6 +1,7 @@
 #include "bridge/joints/file/bridge_config.h"
 
 #include <algorithm>
+#include <cctype>
 #include <stdexcept>
 
 #include "components/types/joints.h"
@@ -34,12 +35,28 @@ JointLimits ReadLimits(const config::Section& section) {
   return limits;
 }
 
+// As odrivetool prints it: hexadecimal, with or without 0x.
+std::string ReadSerialNumber(const config::Section& section) {
+  if (!section.Has("serial_number")) return "";
+  const std::string text = section.Text("serial_number");
+  std::string digits = text.starts_with("0x") || text.starts_with("0X") ? text.substr(2) : text;
+  for (char& c : digits) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  const bool is_hex = std::all_of(digits.begin(), digits.end(),
+                                  [](unsigned char c) { return std::isxdigit(c) != 0; });
+  if (digits.empty() || digits.size() > 16 || !is_hex) {
+    section.Fail("serial_number",
+                 "is '" + text + "', expected hexadecimal digits such as 3861324D3037");
+  }
+  return digits;
+}
+
 JointConfig ReadJoint(const config::Section& section, const std::vector<can::BusEntry>& buses) {
   JointConfig joint;
   joint.name = section.Text("name");
   joint.bus = can::ReadBusOf(section, buses);
   joint.node = ReadNode(section);
   joint.firmware = can::ReadFirmware(section);
+  joint.serial_number = ReadSerialNumber(section);
   joint.direction = ReadDirection(section);
   joint.gear_ratio = section.Number("gear_ratio", config::kPositive);
   joint.zero_rev = section.NumberOr("zero_rev", 0.0);

@@ -43,12 +43,15 @@ const char* Refusal(OperatorResult result) {
       return "refused: meant for another session";
     case OperatorResult::kRefusedOrigin:
       return "refused: it comes from a recording or a simulation";
+    case OperatorResult::kRefusedByPlant:
+      return "refused by the plant";
     case OperatorResult::kRefusedResetFirst:
       return "refused: reset first";
     case OperatorResult::kRefusedDisarmFirst:
       return "refused: disarm first";
     case OperatorResult::kDone:
     case OperatorResult::kClearFaults:
+    case OperatorResult::kUnlatchFirst:
     case OperatorResult::kNotForProvider:
       break;
   }
@@ -57,9 +60,11 @@ const char* Refusal(OperatorResult result) {
 
 }  // namespace
 
-CommandReaders::CommandReaders(node::Node& node, ProviderCycle& cycle, Plant& plant)
+CommandReaders::CommandReaders(node::Node& node, ProviderCycle& cycle, Plant& plant,
+                               OnOperator on_operator)
     : cycle_(cycle),
       plant_(plant),
+      on_operator_(std::move(on_operator)),
       simulated_(dynamic_cast<SimulatedPlant*>(&plant)),
       joint_command_(node.MakeReader(node::kJointCommand)),
       valve_command_(node.MakeReader(node::kValveCommand)),
@@ -78,6 +83,7 @@ void CommandReaders::TakeOperatorCommands(std::uint64_t tick) {
       const OperatorResult result = cycle_.Take(
           {.session_id = header.session_id, .origin = header.origin, .action = *action}, tick);
       if (result == OperatorResult::kClearFaults) plant_.ClearFault();
+      on_operator_(result, *action, command->reason().to_string());
       if (const std::string_view refusal = Refusal(result); !refusal.empty()) {
         spdlog::warn("operator: action {} {}", static_cast<int>(*action), refusal);
       }

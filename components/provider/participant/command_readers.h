@@ -11,7 +11,9 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <optional>
+#include <string_view>
 
 #include "components/node/node.h"
 #include "components/provider/participant/command_source.h"
@@ -23,8 +25,11 @@ namespace sinew::provider {
 
 class CommandReaders {
  public:
+  // Of an estop that was taken, and of a reset that unlatches first; with the operator's reason.
+  using OnOperator = std::function<void(OperatorResult result, types::OperatorAction action,
+                                        std::string_view reason)>;
   // Cycle and plant must outlive it. Throws DdsError.
-  CommandReaders(node::Node& node, ProviderCycle& cycle, Plant& plant);
+  CommandReaders(node::Node& node, ProviderCycle& cycle, Plant& plant, OnOperator on_operator);
 
   // What has arrived since the last call. Operator commands are logged; a reset clears the plant's
   // faults.
@@ -53,6 +58,7 @@ class CommandReaders {
  private:
   ProviderCycle& cycle_;
   Plant& plant_;
+  OnOperator on_operator_;
   SimulatedPlant* simulated_;  // the plant, where it is a simulation
   node::Reader<msg::JointCommand> joint_command_;
   node::Reader<msg::ValveCommand> valve_command_;

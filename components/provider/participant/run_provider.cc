@@ -3,15 +3,17 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <ctime>
+#include <optional>
 #include <random>
+#include <string_view>
 
 #include "components/node/cut_off.h"
 #include "components/node/node.h"
 #include "components/provider/cycle_deadline.h"
 #include "components/provider/participant/awaited_topics.h"
 #include "components/provider/participant/command_readers.h"
+#include "components/provider/participant/cycle_sleep.h"
+#include "components/provider/participant/estop_desk.h"
 #include "components/provider/participant/lockstep_wait.h"
 #include "components/provider/participant/state_publisher.h"
 #include "components/provider/provider_cycle.h"
@@ -34,7 +36,7 @@ std::uint64_t RandomSession() {
 }
 
 CycleConfig MakeCycleConfig(const node::Options& node_options, const ProviderOptions& options,
-                            const GuardConfig& guard, const Plant& plant) {
+                            const GuardConfig& guard, const Plant& plant, bool latches) {
   if (options.arm && plant.live()) {
     throw UsageError("--arm: hardware is armed by an operator, with 'sinew arm'");
   }
@@ -50,6 +52,11 @@ CycleConfig MakeCycleConfig(const node::Options& node_options, const ProviderOpt
   config.joint_count = plant.joint_count();
   config.rate_Hz = options.rate_Hz;
   config.duration_s = options.duration_s;
+  config.estop_is_latched = latches;
+  config.plant_may_be_armed = plant.ArmRefusal().empty();
+  if (options.arm && !config.plant_may_be_armed) {
+    throw UsageError("--arm: refused: " + plant.ArmRefusal());
+  }
   return config;
 }
 
@@ -61,19 +68,26 @@ const char* Name(RobotState state) {
 class Provider {
  public:
   Provider(const node::Options& node_options, node::StopFlag& stop, const ProviderOptions& options,
-           const GuardConfig& guard, Plant& plant)
+           const GuardConfig& guard, Plant& plant, const estop::Config& estop)
       : stop_(stop),
         options_(options),
         plant_(plant),
+        estop_config_(estop),
         lockstep_(node_options.mode == node::TimeMode::kLockstep),
-        cycle_(MakeCycleConfig(node_options, options, guard, plant)),
+        cycle_(MakeCycleConfig(node_options, options, guard, plant, estop.latch.has_value())),
         node_(node_options),
         publisher_(node_, plant),
-        readers_(node_, cycle_, plant),
+        readers_(node_, cycle_, plant,
+                 [this](OperatorResult result, types::OperatorAction action,
+                        std::string_view reason) { OnOperator(result, action, reason); }),
         wait_(MakeAwaitedTopics(options.await, node_, cycle_, readers_), options.await_timeout_s) {}
 
   void Run() {
     RefuseSecondProvider();  // which sends nothing: the plant is the other one's
+    desk_.emplace(estop_config_, cycle_, plant_, [this] {
+      node_.Wake();
+      sleep_.Wake();
+    });
     // Motors off before anything else ends, after an exception too.
     const struct MotorsOff {
       Plant& plant;
@@ -91,7 +105,7 @@ class Provider {
       if (cycle_.Begin(tick_, begin_ns)) {
         spdlog::warn("tick {}: this provider was stalled for longer than its fault time", tick_);
       }
-      readers_.TakeOperatorCommands(tick_);
+      TakeOperatorCommands();
       Publish();
       if (options_.composed != nullptr) options_.composed->Answer();
       const PlantCommand* command = nullptr;
@@ -100,9 +114,10 @@ class Provider {
       } else {
         command = PassRealTime(&deadline);
       }
-      readers_.TakeAll(tick_);
-      if (command == nullptr) command = &cycle_.Command(tick_, sensors_, MonotonicNow_ns());
+      TakeAll();
+      if (command == nullptr) command = &MakeCommand();
       plant_.Step(*command, cycle_.period_s(), &sensors_);
+      desk_->CommandSent();
       if (cycle_.Observe(sensors_) == FaultChange::kJoint) {
         spdlog::warn("tick {}: {}", tick_, sensors_.message);
       }
@@ -131,6 +146,44 @@ class Provider {
     }
   }
 
+  void OnOperator(OperatorResult result, types::OperatorAction action, std::string_view reason) {
+    if (action == types::OperatorAction::kEstop) desk_->OnEstop(reason);
+    if (result == OperatorResult::kUnlatchFirst) desk_->OnReset();
+    if (result == OperatorResult::kRefusedByPlant) {  // for the log, and for who asked
+      const std::string why = "arm refused: " + plant_.ArmRefusal();
+      spdlog::error("{}", why);
+      node_.SetState(node::Node::State::kActive, why);
+    }
+  }
+
+  void TakeOperatorCommands() {
+    desk_->Take(tick_);
+    readers_.TakeOperatorCommands(tick_);
+    IdleAfterEstop();
+  }
+
+  void TakeAll() {
+    desk_->Take(tick_);
+    readers_.TakeAll(tick_);
+    IdleAfterEstop();
+  }
+
+  // A plant that acts at once does not wait for the next command to be idled.
+  void IdleAfterEstop() {
+    if (cycle_.state() != RobotState::kEstopped) {
+      idled_ = false;
+    } else if (!idled_ && plant_.acts_at_once() && !lockstep_) {
+      plant_.Act(MakeCommand(), cycle_.period_s());
+      desk_->CommandSent();
+    }
+  }
+
+  const PlantCommand& MakeCommand() {
+    desk_->CommandMade();
+    idled_ = cycle_.state() == RobotState::kEstopped;
+    return cycle_.Command(tick_, sensors_, MonotonicNow_ns());
+  }
+
   void Publish() {
     const types::MessageHeader header = cycle_.Header(tick_, types::EpochNow_ns());
     readers_.PublishSource(header);
@@ -150,8 +203,9 @@ class Provider {
       const auto cut_off_ns =
           static_cast<std::int64_t>(node::kProviderCutOff * static_cast<double>(period_ns));
       AwaitJointCommand(end_ns - period_ns + (cycle_.Overdue(tick_) ? 0 : cut_off_ns));
-      command = &cycle_.Command(tick_, sensors_, MonotonicNow_ns());
+      command = &MakeCommand();
       plant_.Act(*command, cycle_.period_s());
+      desk_->CommandSent();
     }
     if (options_.composed != nullptr) options_.composed->Finish();
     const std::int64_t now_ns = MonotonicNow_ns();
@@ -167,7 +221,7 @@ class Provider {
 
   void AwaitJointCommand(std::int64_t give_up_ns) {
     while (!stop_.requested()) {
-      readers_.TakeAll(tick_);
+      TakeAll();
       if (!cycle_.AwaitsCommand(tick_)) return NoteAnswer();
       const std::int64_t left_ns = give_up_ns - MonotonicNow_ns();
       if (left_ns <= 0) return;
@@ -185,12 +239,7 @@ class Provider {
   }
 
   void SleepUntil(std::int64_t deadline_ns) {
-    timespec until{};
-    until.tv_sec = deadline_ns / 1000000000ll;
-    until.tv_nsec = deadline_ns % 1000000000ll;
-    while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR &&
-           !stop_.requested()) {
-    }
+    while (sleep_.Until(deadline_ns) && !stop_.requested()) TakeOperatorCommands();
   }
 
   // Logs and publishes (component_status) a new state of the robot or a new message of the plant.
@@ -227,16 +276,19 @@ class Provider {
   node::StopFlag& stop_;
   const ProviderOptions& options_;
   Plant& plant_;
+  const estop::Config& estop_config_;
   bool lockstep_;
   ProviderCycle cycle_;
   node::Node node_;
   StatePublisher publisher_;
   CommandReaders readers_;
   LockstepWait wait_;
-  LockstepWait::Caller waiting_{[this] { readers_.TakeAll(tick_); },
-                                [this] { return stop_.requested(); }};
+  LockstepWait::Caller waiting_{[this] { TakeAll(); }, [this] { return stop_.requested(); }};
   std::uint64_t tick_ = 0;
-  WorkTime work_;  // of real-time cycles
+  CycleSleep sleep_;
+  std::optional<EstopDesk> desk_;  // while the loop runs; its thread uses node and sleep
+  bool idled_ = false;             // the plant's command is of ESTOPPED
+  WorkTime work_;                  // of real-time cycles
   PlantSensors sensors_;
   node::Node::Counts counts_;
   RobotState reported_state_ = RobotState::kDisarmed;
@@ -246,8 +298,9 @@ class Provider {
 }  // namespace
 
 void RunProvider(const node::Options& node_options, node::StopFlag& stop,
-                 const ProviderOptions& options, const GuardConfig& guard, Plant& plant) {
-  Provider(node_options, stop, options, guard, plant).Run();
+                 const ProviderOptions& options, const GuardConfig& guard, Plant& plant,
+                 const estop::Config& estop) {
+  Provider(node_options, stop, options, guard, plant, estop).Run();
 }
 
 }  // namespace sinew::provider

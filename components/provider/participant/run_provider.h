@@ -5,8 +5,12 @@
 // k to k + 1. Real time: absolute CLOCK_MONOTONIC deadlines, overruns counted. Lockstep: tick k
 // ends when every topic of `await` has answered it (or is at most its window behind), however long
 // that takes.
+//
+// An estop of the socket ends every wait of a real-time cycle: a plant that acts at once is idled
+// before anything else is done.
 #pragma once
 
+#include "components/estop/estop_config.h"
 #include "components/node/options.h"
 #include "components/provider/guard.h"
 #include "components/provider/participant/provider_options.h"
@@ -14,10 +18,12 @@
 
 namespace sinew::provider {
 
-// Returns when the session ended or stop was requested. guard.live is taken from the plant. Throws
-// UsageError (bad options, a second state provider in the domain), std::runtime_error (a reply
-// never came).
+// Returns when the session ended or stop was requested. guard.live is taken from the plant.
+// `estop`: the socket that takes an estop without DDS and the latch that outlives the process; with
+// neither, an estop comes by DDS and ends with the process. Throws UsageError (bad options, a
+// second state provider in the domain or at the socket), std::runtime_error (a reply never came).
 void RunProvider(const node::Options& node_options, node::StopFlag& stop,
-                 const ProviderOptions& options, const GuardConfig& guard, Plant& plant);
+                 const ProviderOptions& options, const GuardConfig& guard, Plant& plant,
+                 const estop::Config& estop = {});
 
 }  // namespace sinew::provider

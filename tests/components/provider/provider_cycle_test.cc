@@ -333,6 +333,48 @@ TEST(ProviderCycle, AResetIsForItsOwnSessionOnly) {
   EXPECT_EQ(Order(&cycle, OperatorAction::kReset, 1), OperatorResult::kClearFaults);
 }
 
+TEST(ProviderCycle, AResetOfALatchedEstopWaitsForTheLatchToGo) {
+  CycleConfig config = Config();
+  config.estop_is_latched = true;
+  ProviderCycle cycle(config);
+  cycle.ArmAtStart();
+  EXPECT_FALSE(cycle.FinishReset()) << "there is nothing to reset";
+  EXPECT_EQ(cycle.state(), RobotState::kArmed);
+  ASSERT_EQ(Order(&cycle, OperatorAction::kEstop, 0), OperatorResult::kDone);
+  EXPECT_EQ(Order(&cycle, OperatorAction::kReset, 1), OperatorResult::kUnlatchFirst);
+  EXPECT_EQ(cycle.state(), RobotState::kEstopped);
+  EXPECT_EQ(Order(&cycle, OperatorAction::kArm, 1), OperatorResult::kRefusedResetFirst);
+  EXPECT_EQ(Modes(&cycle, 1), kIdle);
+  EXPECT_TRUE(cycle.FinishReset());
+  EXPECT_EQ(cycle.state(), RobotState::kDisarmed);
+  EXPECT_EQ(Order(&cycle, OperatorAction::kArm, 2), OperatorResult::kDone);
+  EXPECT_EQ(Order(&cycle, OperatorAction::kReset, 2, kCycleSession + 1),
+            OperatorResult::kRefusedOtherSession);
+}
+
+TEST(ProviderCycle, APlantThatMayNotBeArmedIsNotArmed) {
+  CycleConfig config = Config();
+  config.plant_may_be_armed = false;
+  ProviderCycle cycle(config);
+  cycle.ArmAtStart();
+  EXPECT_EQ(cycle.state(), RobotState::kDisarmed);
+  EXPECT_EQ(Order(&cycle, OperatorAction::kArm, 0, kCycleSession + 1),
+            OperatorResult::kRefusedOtherSession);
+  EXPECT_EQ(Order(&cycle, OperatorAction::kArm), OperatorResult::kRefusedByPlant);
+  EXPECT_EQ(cycle.state(), RobotState::kDisarmed);
+  EXPECT_EQ(Order(&cycle, OperatorAction::kEstop), OperatorResult::kDone);
+}
+
+TEST(ProviderCycle, AFaultIsResetAtOnceWhereOnlyEstopsAreLatched) {
+  CycleConfig config = Config();
+  config.estop_is_latched = true;
+  ProviderCycle cycle(config);
+  PlantSensors sensors;
+  sensors.fault = true;
+  ASSERT_EQ(cycle.Observe(sensors), FaultChange::kRobot);
+  EXPECT_EQ(Order(&cycle, OperatorAction::kReset, 1), OperatorResult::kClearFaults);
+}
+
 TEST(ProviderCycle, ARecordingNeitherArmsNorResetsButMayStop) {
   for (const bool live : {true, false}) {
     ProviderCycle cycle(Config({.live = live}));

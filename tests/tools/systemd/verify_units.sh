@@ -11,7 +11,7 @@ prefix=$(mktemp -d)
 trap 'rm -rf "$prefix"' EXIT
 "$cmake" -DCMAKE_INSTALL_PREFIX="$prefix" -P "$install_script" > /dev/null
 units=$prefix/lib/systemd/system
-for file in "$units"/{sinew.target,sinew@.service,sinew-logger.service,sinew-can@.service} \
+for file in "$units"/{sinew.target,sinew@.service,sinew-logger.service,sinew-estop.service,sinew-can@.service} \
             "$units"/sinew@can-bridge.service.d/order.conf "$prefix"/lib/sysusers.d/sinew.conf; do
   [ -s "$file" ] || fail "$file is not installed"
   if grep -n '@[A-Z_]*@' "$file"; then fail "$file: a name was not filled in"; fi
@@ -23,14 +23,14 @@ command -v systemd-analyze > /dev/null ||
 # What the drop-in names, too: a name that is no program would never be waited for, silently.
 names=$(grep -oh 'sinew@[a-z-]*\.service' "$units/sinew@can-bridge.service.d/order.conf" "$units/sinew-can@.service" | sort -u)
 mkdir -p "$prefix/bin"
-for name in $names sinew@logger.service; do
+for name in $names sinew@logger.service sinew@estop.service; do
   program=${name#sinew@}
   printf '#!/bin/sh\n' > "$prefix/bin/sinew-${program%.service}"
 done
 chmod +x "$prefix"/bin/*
 export SYSTEMD_UNIT_PATH=$units:
 # Words about other units of this machine are not ours.
-said=$(systemd-analyze verify sinew.target sinew-logger.service sinew-can@can0.service $names 2>&1) || status=$?
+said=$(systemd-analyze verify sinew.target sinew-logger.service sinew-estop.service sinew-can@can0.service $names 2>&1) || status=$?
 echo "$said"
 [ "${status:-0}" -eq 0 ] || fail "systemd-analyze verify ends with $status"
 if grep -i sinew <<< "$said"; then fail "systemd-analyze verify has something to say"; fi
@@ -40,11 +40,13 @@ systemd-analyze verify sinewbroken@control.service 2>&1 | grep -q WatchDogSec ||
 rm "$prefix/bin/sinew-control"
 if systemd-analyze verify sinew@control.service > /dev/null 2>&1; then fail "a missing program is not noticed"; fi
 
+grep -q '^RuntimeDirectory=sinew$' "$units/sinew@can-bridge.service.d/order.conf" || fail "no folder for the estop's socket"
+
 # --realtime asks for SCHED_FIFO and locked memory.
-for unit in sinew@.service sinew-logger.service; do
+for unit in sinew@.service sinew-logger.service sinew-estop.service; do
   grep -q '^LimitMEMLOCK=infinity$' "$units/$unit" || fail "$unit: memory cannot be locked"
   limit=$(sed -n 's/^LimitRTPRIO=//p' "$units/$unit")
-  [ "${limit:-0}" -ge 40 ] || fail "$unit: LimitRTPRIO is ${limit:-0}, --realtime asks for 40"
+  [ "${limit:-0}" -ge 48 ] || fail "$unit: LimitRTPRIO is ${limit:-0}, --realtime asks for up to 48"
   if grep -E '^(RestrictRealtime|PrivateNetwork|PrivateIPC)=yes' "$units/$unit"; then
     fail "$unit: that takes SCHED_FIFO, the network or /dev/shm away"
   fi

@@ -1,0 +1,46 @@
+// Presses the estop of this host: the client of estop::Listener.
+//
+// A stream socket: the answer comes back without an address of the caller, and every tool that can
+// write to a Unix socket can press it (`echo hand | socat - UNIX-CONNECT:PATH`). Boundaries of
+// messages are not needed, since there is one request: whatever is written is an estop, and its
+// text the reason. The answers are lines:
+//
+//     idle                    the frames that idle the axes have been sent
+//     idle not confirmed      the cycle did not answer in time; the estop is latched all the same
+//     latched | not latched: WHY
+//
+// Thread: one.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+
+namespace sinew::estop {
+
+class Press {
+ public:
+  // Connects and sends; waits for neither, but for a socket whose queue is full at most 100 ms.
+  Press(const std::filesystem::path& socket, const std::string& reason);
+  ~Press();
+  Press(Press&& other) noexcept;
+  Press(const Press&) = delete;
+  Press& operator=(const Press&) = delete;
+
+  bool sent() const { return socket_ >= 0; }
+  const std::string& error() const { return error_; }  // not sent: why
+
+  struct Answer {
+    bool idle = false;
+    bool latched = false;
+    std::string text;  // of the lines
+  };
+  // Until the last line or the time is over.
+  Answer Await(std::chrono::milliseconds timeout);
+
+ private:
+  int socket_ = -1;
+  std::string error_;
+};
+
+}  // namespace sinew::estop

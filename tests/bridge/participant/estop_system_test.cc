@@ -1,0 +1,197 @@
+// The estop beside DDS, with bridge, bus and virtual axes as processes. Domains 42 to 45.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <linux/joystick.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "components/estop/latch_file.h"
+#include "components/estop/press.h"
+#include "tests/bridge/participant/can_rig.h"
+
+namespace sinew {
+namespace {
+
+using ::testing::HasSubstr;
+
+const char* const kEstopBlock = "estop: {socket: estop.sock, latch: estop.latch}\n";
+
+std::string DomainText(int domain) { return std::to_string(domain); }
+
+// Armed and following a torque that moves nothing.
+bool Drives(Rig* rig) {
+  return rig->Arm() && rig->Run(0.001, seconds(15), [](const msg::JointState& s) {
+    return s.robot_state() == msg::ROBOT_ARMED;
+  });
+}
+
+bool Reaches(Rig* rig, msg::RobotState state) {
+  return rig->Run(0.0, seconds(15),
+                  [&](const msg::JointState& s) { return s.robot_state() == state; });
+}
+
+// Presses 20 times, at any moment of a cycle; the median, since a loaded machine stalls processes.
+// bench/estop measures the 99th percentile.
+TEST(EstopSystem, FromThePressOfTheSocketToTheIdleFramesItIsUnderTwentyMilliseconds) {
+  for (const char* rate : {"240", "500"}) {
+    Rig rig(42, {.bridge_more = kEstopBlock, .bridge_arguments = {"--rate", rate}});
+    AxisWatch watch(rig);
+    std::vector<double> took_ms;
+    for (int k = 0; k < 20; ++k) {
+      ASSERT_TRUE(Drives(&rig)) << rig.bridge().error();
+      const std::int64_t pressed_ns = types::MonotonicNow_ns();
+      estop::Press press(rig.folder() / "estop.sock", "hand");
+      ASSERT_TRUE(press.sent()) << press.error();
+      const auto idle_ms = watch.IdleAfter(pressed_ns);
+      ASSERT_TRUE(idle_ms) << rig.bridge().error();
+      took_ms.push_back(*idle_ms);
+      EXPECT_EQ(press.Await(seconds(5)).text, "idle\nlatched\n");
+      ASSERT_TRUE(rig.Order(msg::OPERATOR_RESET, msg::ROBOT_DISARMED)) << rig.bridge().error();
+      EXPECT_FALSE(std::filesystem::exists(rig.folder() / "estop.latch"));
+    }
+    std::sort(took_ms.begin(), took_ms.end());
+    EXPECT_LT(took_ms[10], 20.0) << "at " << rate << " Hz";
+    RecordProperty(std::string("median_us_at_") + rate + "_Hz",
+                   static_cast<int>(1e3 * took_ms[10]));
+  }
+}
+
+// At 4 Hz a cycle waits 250 ms: for its command first, then for its end.
+TEST(EstopSystem, ACycleThatWaitsIsWoken) {
+  Rig rig(43,
+          {.bridge_more = kEstopBlock, .bridge_arguments = {"--rate", "4"}, .watchdog_ms = 2000});
+  AxisWatch watch(rig);
+  for (int k = 0; k < 2; ++k) {
+    ASSERT_TRUE(Drives(&rig)) << rig.bridge().error();
+    // The cycle's command is on the bus: from now on it sleeps.
+    const auto command_ms =
+        watch.FrameAfter(types::MonotonicNow_ns(), seconds(5), [](const can::Frame& frame) {
+          return can::Decode<can::SetInputTorque>(frame, can::Firmware::k0_5_6).has_value();
+        });
+    ASSERT_TRUE(command_ms) << rig.bridge().error();
+    const std::int64_t pressed_ns = types::MonotonicNow_ns();
+    const estop::Press press(rig.folder() / "estop.sock", "hand");
+    const auto idle_ms = watch.IdleAfter(pressed_ns);
+    ASSERT_TRUE(idle_ms) << rig.bridge().error();
+    EXPECT_LT(*idle_ms, 125.0) << "half a period";
+    ASSERT_TRUE(rig.Order(msg::OPERATOR_RESET, msg::ROBOT_DISARMED)) << rig.bridge().error();
+  }
+}
+
+TEST(EstopSystem, ALatchedEstopOutlivesTheBridgeUntilAReset) {
+  Rig rig(44, {.bridge_more = kEstopBlock});
+  const std::filesystem::path latch = rig.folder() / "estop.latch";
+  ASSERT_TRUE(Drives(&rig)) << rig.bridge().error();
+  // By DDS only: the file is the same.
+  const auto estop = [&](const std::string& socket) {
+    return testing::Run({std::string(SINEW_BIN_DIR) + "/sinew", "estop", "--domain", "44", "--json",
+                         "--reason", "a hand", "--socket", socket});
+  };
+  const testing::Finished far = estop((rig.folder() / "nobody.sock").string());
+  ASSERT_EQ(far.exit_code, 0) << far.error;
+  ASSERT_TRUE(Reaches(&rig, msg::ROBOT_ESTOPPED));
+  ASSERT_TRUE(rig.bridge().WaitForText("estop.latch: latched", seconds(10)));
+  EXPECT_EQ(estop::LatchFile(latch).Read().why, "a hand");
+
+  const auto restart = [&] {
+    const std::uint64_t session = rig.last().header().session_id();
+    rig.bridge().Signal(SIGKILL);
+    (void)rig.bridge().Wait(seconds(5));
+    rig.StartBridge();
+    return rig.Run(0.001, seconds(20), [&](const msg::JointState& s) {
+      return s.header().session_id() != session && s.valid()[0];
+    });
+  };
+  ASSERT_TRUE(restart()) << rig.bridge().error();
+  EXPECT_EQ(rig.last().robot_state(), msg::ROBOT_ESTOPPED);
+  EXPECT_TRUE(rig.bridge().WaitForText("by the latch of an earlier estop: a hand", seconds(5)));
+  const std::uint64_t until = rig.last().header().tick() + 120;
+  ASSERT_TRUE(rig.Run(0.001, seconds(10), [&](const msg::JointState& s) {
+    if (s.header().tick() % 20 == 0) rig.Operator(msg::OPERATOR_ARM);
+    return s.header().tick() > until;
+  }));
+  EXPECT_EQ(rig.last().robot_state(), msg::ROBOT_ESTOPPED) << "arm is refused";
+
+  ASSERT_TRUE(rig.Order(msg::OPERATOR_RESET, msg::ROBOT_DISARMED)) << rig.bridge().error();
+  EXPECT_FALSE(std::filesystem::exists(latch)) << "before the state left ESTOPPED";
+  ASSERT_TRUE(restart()) << rig.bridge().error();
+  EXPECT_EQ(rig.last().robot_state(), msg::ROBOT_DISARMED);
+
+  // On the same host: by the socket and by DDS.
+  const testing::Finished here = estop((rig.folder() / "estop.sock").string());
+  ASSERT_EQ(here.exit_code, 0) << here.error;
+  const auto report = nlohmann::json::parse(here.output);
+  EXPECT_EQ(report["robot_state"], "estopped");
+  EXPECT_TRUE(report["socket"]["idle"]);
+  EXPECT_TRUE(report["socket"]["latched"]);
+}
+
+TEST(EstopSystem, ALatchThatCannotBeReadIsAnEstopAndNoResetEndsIt) {
+  const testing::TemporaryFolder elsewhere;  // a folder stands where the file should be
+  Rig rig(44, {.bridge_more = "estop: {latch: " + elsewhere.path().string() + "}\n"});
+  ASSERT_TRUE(rig.Run(0.0, seconds(20), [](const msg::JointState& s) { return s.valid()[0]; }))
+      << rig.bridge().error();
+  EXPECT_EQ(rig.last().robot_state(), msg::ROBOT_ESTOPPED);
+  EXPECT_TRUE(rig.bridge().WaitForText("is a folder", seconds(5))) << rig.bridge().error();
+  rig.Operator(msg::OPERATOR_RESET);
+  ASSERT_TRUE(rig.Run(0.0, seconds(10), [&](const msg::JointState&) {
+    return rig.bridge().WaitForText("reset refused", milliseconds(0));
+  })) << rig.bridge().error();
+  EXPECT_TRUE(rig.bridge().WaitForText("cannot be removed", seconds(5)));
+  EXPECT_EQ(rig.last().robot_state(), msg::ROBOT_ESTOPPED);
+}
+
+// A simulated joystick: a FIFO that carries its events.
+TEST(EstopSystem, AButtonStopsTheRobotAndALostOneKeepsItStopped) {
+  Rig rig(45, {.bridge_more = kEstopBlock});
+  const std::string device = (rig.folder() / "js0").string();
+  ASSERT_EQ(::mkfifo(device.c_str(), 0600), 0);
+  int stick = ::open(device.c_str(), O_RDWR | O_CLOEXEC);  // the reader finds a writer
+  const auto press = [&](int value) {
+    js_event event{};
+    event.type = JS_EVENT_BUTTON;
+    event.number = 3;
+    event.value = static_cast<__s16>(value);
+    ASSERT_EQ(::write(stick, &event, sizeof event), static_cast<ssize_t>(sizeof event));
+  };
+  Program estop({std::string(SINEW_BIN_DIR) + "/sinew-estop", "--domain", DomainText(45),
+                 "--joystick", device, "--button", "3", "--socket", "none.sock"});
+  ASSERT_TRUE(estop.WaitForText("watches", seconds(10))) << estop.error();
+  ASSERT_TRUE(Drives(&rig)) << rig.bridge().error();
+  press(1);
+  ASSERT_TRUE(Reaches(&rig, msg::ROBOT_ESTOPPED)) << estop.error();
+  // While it is held, a reset does not last.
+  ASSERT_TRUE(rig.Order(msg::OPERATOR_RESET, msg::ROBOT_DISARMED)) << rig.bridge().error();
+  ASSERT_TRUE(Reaches(&rig, msg::ROBOT_ESTOPPED)) << estop.error();
+  press(0);
+  ASSERT_TRUE(rig.Order(msg::OPERATOR_RESET, msg::ROBOT_DISARMED));
+  ASSERT_TRUE(Drives(&rig)) << rig.bridge().error();
+
+  ::close(stick);  // unplugged
+  ASSERT_TRUE(Reaches(&rig, msg::ROBOT_ESTOPPED)) << estop.error();
+  EXPECT_TRUE(estop.WaitForText("end of the input", seconds(5))) << estop.error();
+  ASSERT_TRUE(rig.Order(msg::OPERATOR_RESET, msg::ROBOT_DISARMED));
+  ASSERT_TRUE(Reaches(&rig, msg::ROBOT_ESTOPPED)) << "nobody watches";
+
+  stick = ::open(device.c_str(), O_RDWR | O_CLOEXEC);  // plugged in again
+  ASSERT_TRUE(estop.WaitForText("is there again", seconds(10))) << estop.error();
+  ASSERT_TRUE(rig.Order(msg::OPERATOR_RESET, msg::ROBOT_DISARMED));
+  EXPECT_TRUE(Drives(&rig)) << estop.error();
+  ::close(stick);
+  estop.Signal(SIGTERM);
+  EXPECT_EQ(estop.Wait(seconds(10)), 0) << estop.error();
+}
+
+TEST(EstopSystem, AnEstopParticipantWithoutInputIsRefused) {
+  const testing::Finished run =
+      testing::Run({std::string(SINEW_BIN_DIR) + "/sinew-estop", "--domain", "45"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.error, HasSubstr("--joystick"));
+}
+
+}  // namespace
+}  // namespace sinew
