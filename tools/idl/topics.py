@@ -2,8 +2,8 @@
 """The topics: reads the first table of idl/README.md, a row per topic, and the structs of the idl files it names.
 
 Usage: topics.py README.md subjects      prints the idl files (without .idl), those they include first
-       topics.py README.md headers DIR   writes DIR/topic_list.h, DIR/all_messages.h, DIR/all_codecs.h and
-                                         DIR/all_checks.h
+       topics.py README.md headers DIR   writes DIR/topic_list.h, DIR/all_messages.h, DIR/all_codecs.h,
+                                         DIR/all_checks.h and DIR/topic_parties.h
 """
 import os
 import re
@@ -18,9 +18,20 @@ def camel(name):
     return "k" + "".join(word.capitalize() for word in name.split("_"))
 
 
+def parties(cell):
+    """(party, always) of a cell: "regime (set-up), experiments" is regime, not always, and experiments."""
+    found = []
+    for word in re.split(r",\s*", cell.replace("`", "")):
+        name, condition = re.fullmatch(r"(.*?)\s*(\(.*\))?", word).groups()
+        if name != "-":
+            found.append((name, condition is None))
+    return found
+
+
 class Topic:
     def __init__(self, cells):
         self.name, self.type, self.file, self.profile = cells[0], cells[1], cells[2], cells[6]
+        self.writers, self.readers = parties(cells[3]), parties(cells[4])
 
     @property
     def constant(self):
@@ -136,6 +147,19 @@ def all_messages(files, topics):
     return "\n".join(lines)
 
 
+def topic_parties(topics):
+    rows = [f'    {{"{topic.name}", "{party}", {access}, {str(always).lower()}}},'
+            for topic in topics for parties_, access in ((topic.writers, "Access::kWrites"), (topic.readers, "Access::kReads"))
+            for party, always in parties_]
+    lines = [GENERATED, "// Who writes and reads a topic, in the words of the table: a role, a kind of program, \"all\".",
+             "#pragma once", "", "#include <array>", "#include <string_view>", "", "namespace sinew::node {", "",
+             "enum class Access { kWrites, kReads };", "",
+             "struct TopicParty {", "  std::string_view topic, party;", "  Access access;",
+             "  bool always;  // false: only under the condition in parentheses", "};", "",
+             f"inline constexpr std::array<TopicParty, {len(rows)}> kTopicParties = {{{{"] + rows + ["}};", ""]
+    return "\n".join(lines + ["}  // namespace sinew::node", ""])
+
+
 def all_codecs(files):
     lines = [GENERATED, "// The types that encode and decode every message. Internal to this module.",
              "#pragma once", ""]
@@ -212,6 +236,7 @@ def main():
     write(os.path.join(folder, "all_messages.h"), all_messages(files, topics))
     write(os.path.join(folder, "all_codecs.h"), all_codecs(files))
     write(os.path.join(folder, "all_checks.h"), all_checks(readme, files))
+    write(os.path.join(folder, "topic_parties.h"), topic_parties(topics))
 
 
 if __name__ == "__main__":

@@ -1,0 +1,210 @@
+// Inputs that stop, come from a recording, from another session, or are damaged.
+#include <algorithm>
+
+#include "components/node/topics.h"
+#include "tools/conform/real_time_run.h"
+
+namespace sinew::conform {
+
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kCounted(2500);  // component_status comes once a second
+constexpr std::uint64_t kOtherSession = 2;
+constexpr int kRecovery = 10;     // ticks until what came back is used
+constexpr int kGoesStale = 5;     // ticks until what stopped is reported
+constexpr std::size_t kCut = 10;  // bytes: shorter than a header
+constexpr std::uint32_t kNoOrigin = 77;
+
+bool IsStale(const Facts& facts) { return facts.stale.value_or(false); }
+bool IsFresh(const Facts& facts) { return !IsStale(facts); }
+bool IsReplayed(const Facts& facts) { return facts.origin == msg::ORIGIN_REPLAY; }
+bool IsLive(const Facts& facts) { return facts.origin == msg::ORIGIN_LIVE; }
+
+// Inputs of the role's rules that this program reads.
+std::vector<StaleRule> RulesOf(const RealTimeRun& run) {
+  std::vector<StaleRule> rules;
+  for (const StaleRule& rule : StaleRules()) {
+    if (rule.role == run.role.name && run.stage.SubjectReads(rule.input)) rules.push_back(rule);
+  }
+  return rules;
+}
+
+// Topics that are played and that the program reads.
+std::vector<std::string> PlayedInputs(const RealTimeRun& run) {
+  std::vector<std::string> inputs;
+  for (const std::string_view topic : PlayedTopics()) {
+    if (!run.role.Writes(topic) && run.stage.SubjectReads(topic)) inputs.emplace_back(topic);
+  }
+  return inputs;
+}
+
+}  // namespace
+
+void CheckLostInputs(RealTimeRun& run) {
+  const std::vector<StaleRule> rules = RulesOf(run);
+  std::string silent, unmarked, stuck, marked;
+  for (const std::string& input : PlayedInputs(run)) {
+    if (input == node::kJointState.name) continue;  // it makes the ticks
+    (void)run.stage.Play(run.Armed(), kRecovery);
+    Moment without = run.Armed();
+    without.withheld = input;
+    (void)run.stage.Play(without, kGoesStale);
+    const Window window = run.stage.Play(without, kWindowTicks);
+    if (!AnsweredMost(run.role, window)) {
+      silent += " without " + input + ": " + AnsweredText(run.role, window) + ";";
+    }
+    for (const StaleRule& rule : rules) {
+      if (rule.input != input) continue;
+      const std::string output(rule.output);
+      const double share = ShareOf(window.Of(output), &IsStale);
+      if (share < kMostTicks) {
+        unmarked += " without " + input + ": " + output + " stale in " + Percent(share) + ";";
+      }
+      marked += " " + input;
+      (void)run.stage.Play(run.Armed(), kRecovery);
+      const Window again = run.stage.Play(run.Armed(), kWindowTicks);
+      const double back = ShareOf(again.Of(output), &IsFresh);
+      // What settles only after a while may stay unsettled.
+      if (back < kMostTicks && output != node::kPneumaticState.name) {
+        stuck += " " + input + " is back: " + output + " fresh in " + Percent(back) + ";";
+      }
+    }
+  }
+  run.report.Add("goes_on_without_inputs", silent.empty(),
+                 "answers " + Percent(kMostTicks) + " of the ticks while an input does not come",
+                 silent.empty() ? "every tick answered" : silent.substr(1));
+  if (rules.empty()) {
+    run.report.Skip("marks_lost_inputs", "no input whose loss the role reports");
+    run.report.Skip("recovers", "no input whose loss the role reports");
+    run.report.Skip("refuses_other_sessions", "no input whose loss the role reports");
+    return;
+  }
+  run.report.Add("marks_lost_inputs", unmarked.empty(),
+                 "the output is stale in " + Percent(kMostTicks) + " of the ticks",
+                 unmarked.empty() ? "reported:" + marked : unmarked.substr(1));
+  run.report.Add("recovers", stuck.empty(), "the output is not stale when the input has come back",
+                 stuck.empty() ? "all inputs" : stuck.substr(1));
+
+  std::string mixed;
+  for (const StaleRule& rule : rules) {
+    (void)run.stage.Play(run.Armed(), kRecovery);
+    Moment foreign = run.Armed();
+    foreign.foreign = std::string(rule.input);
+    (void)run.stage.Play(foreign, kGoesStale);
+    const Window window = run.stage.Play(foreign, kWindowTicks);
+    const double share = ShareOf(window.Of(std::string(rule.output)), &IsStale);
+    if (share < kMostTicks) {
+      mixed += " " + foreign.foreign + ": stale in " + Percent(share) + ";";
+    }
+  }
+  run.report.Add("refuses_other_sessions", mixed.empty(),
+                 "an input with another session_id counts as lost",
+                 mixed.empty() ? "refused" : mixed.substr(1));
+}
+
+void CheckOrigins(RealTimeRun& run) {
+  (void)run.stage.Play(run.Armed(), kRecovery);
+  const Window simulated = run.stage.Play(run.Armed(), kWindowTicks);
+  std::string laundered;
+  for (const node::TopicInfo& topic : run.role.must_write) {
+    const double live = ShareOf(simulated.Of(topic.name), &IsLive);
+    if (live > 0.0) laundered += " " + topic.name + " says ORIGIN_LIVE in a simulation;";
+  }
+  std::vector<std::string> inputs{std::string(node::kJointState.name)};
+  for (const StaleRule& rule : RulesOf(run)) inputs.emplace_back(rule.input);
+  for (const std::string& input : inputs) {
+    Moment replayed = run.Armed();
+    replayed.replayed = input;
+    (void)run.stage.Play(replayed, kGoesStale);
+    const Window window = run.stage.Play(replayed, kWindowTicks);
+    for (const node::TopicInfo& topic : run.role.must_write) {
+      const double share = ShareOf(window.Of(topic.name), &IsReplayed);
+      if (share < kMostTicks) {
+        laundered +=
+            " " + input + " replayed: " + topic.name + " says so in " + Percent(share) + ";";
+      }
+    }
+    (void)run.stage.Play(run.Armed(), kRecovery);
+  }
+  run.report.Add("origin", laundered.empty(),
+                 "what is computed from a recording has ORIGIN_REPLAY, nothing ORIGIN_LIVE",
+                 laundered.empty() ? std::to_string(inputs.size()) + " inputs replayed in turn"
+                                   : laundered.substr(1));
+}
+
+void CheckSessions(RealTimeRun& run) {
+  const std::uint64_t before = run.stage.session_id();
+  run.stage.StartSession(kOtherSession);
+  const Window window = run.stage.Play(run.Armed(), kWindowTicks);
+  std::string mixed;
+  for (const node::TopicInfo& topic : run.role.must_write) {
+    const auto outputs = window.outputs.find(topic.name);
+    if (outputs == window.outputs.end()) continue;
+    bool followed = false;
+    for (const Output& output : outputs->second) {
+      if (!output.facts) continue;
+      followed = followed || output.facts->session_id == kOtherSession;
+      if (followed && output.facts->session_id == before) {
+        mixed += " " + topic.name + ": an output of the session before after one of the new one;";
+      }
+    }
+  }
+  const bool answered = AnsweredMost(run.role, window);
+  run.report.Add("new_session", answered && mixed.empty(),
+                 "follows a new session_id, whose ticks begin at 0, at once",
+                 mixed.empty() ? AnsweredText(run.role, window) : mixed.substr(1));
+}
+
+namespace {
+
+void SendMalformed(RealTimeRun& run) {
+  for (const std::string& input : PlayedInputs(run)) {
+    Moment like = run.Armed();
+    like.session_id = run.stage.session_id();
+    like.period_s = 1.0 / run.options.rate_Hz;
+    const node::Bytes good = PlayedMessage(input, like);
+    node::Bytes cut(good.begin(), good.begin() + kCut);
+    node::Bytes half(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(good.size() / 2));
+    node::Bytes nameless = good;
+    (void)node::PokeOrigin(nameless.data(), nameless.size(), kNoOrigin);
+    for (node::Bytes damaged : {cut, half, nameless, WithImpossibleCount(input, good)}) {
+      if (damaged.empty()) continue;
+      run.stage.Damage(input, std::move(damaged));
+      (void)run.stage.Play(run.Armed(), 1);
+    }
+  }
+}
+
+}  // namespace
+
+void CheckMalformed(RealTimeRun& run) {
+  SendMalformed(run);
+  // Those that DDS itself cannot find: a count is any octet.
+  std::vector<std::string> counted;
+  for (const std::string& input : PlayedInputs(run)) {
+    if (!WithImpossibleCount(input, PlayedMessage(input, run.Armed())).empty()) {
+      counted.push_back(input);
+    }
+  }
+  const Window window = run.stage.Play(run.Armed(), kWindowTicks);
+  run.report.Add("malformed_goes_on", AnsweredMost(run.role, window),
+                 "answers " + Percent(kMostTicks) + " of the ticks after damaged messages",
+                 AnsweredText(run.role, window));
+  std::uint64_t count = 0;
+  (void)run.stage.PlayUntil(
+      run.Armed(),
+      [&] {
+        const auto status = run.stage.status();
+        count = status ? status->malformed_samples() : 0;
+        return count >= counted.size();
+      },
+      kCounted);
+  run.report.Add("malformed_counted", count >= counted.size(),
+                 "component_status.malformed_samples at least " + std::to_string(counted.size()) +
+                     ", one for each input whose joint_count was damaged",
+                 std::to_string(count));
+}
+
+}  // namespace sinew::conform
