@@ -2,6 +2,7 @@
 // check_inputs.cc and check_commands.cc look at it in turn.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,9 @@ void CheckSessions(RealTimeRun& run);
 void CheckMalformed(RealTimeRun& run);
 void CheckSigterm(RealTimeRun& run);
 
+// Plays windows of ticks like the moment until one is good, kWindows at most; gives the last one.
+Window PlayWindows(RealTimeRun& run, const Moment& like,
+                   const std::function<bool(const Window&)>& is_good);
 // "joint_command 30, readout 12 of 30"
 std::string AnsweredText(const Role& role, const Window& window);
 // Every topic that the role must write answered most of the ticks.

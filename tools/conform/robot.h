@@ -22,10 +22,10 @@ struct Moment {
   int joints = 1;
   msg::RobotState robot_state = msg::ROBOT_DISARMED;
   bool last_tick = false;
-  bool valve_open = false;         // the contact of the valves
-  bool positions_are_nan = false;  // of joint_state, marked valid
-  std::string withheld{}, replayed{}; // a topic that is not sent; one that is from a recording
-  std::string foreign{};            // a topic that still comes from another session
+  bool valve_open = false;             // the contact of the valves
+  bool positions_are_nan = false;      // of joint_state, marked valid
+  std::string withheld{}, replayed{};  // a topic that is not sent; one that is from a recording
+  std::string foreign{};               // a topic that still comes from another session
 };
 
 // Topics that can be played.

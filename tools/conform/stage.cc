@@ -151,7 +151,7 @@ Window Stage::PlayTicks(const Moment& like, int ticks, milliseconds last_answer)
     const std::uint64_t tick = next_tick_;
     const bool lockstep = options_.mode == node::TimeMode::kLockstep;
     if (!lockstep) {
-      due_ = std::max(due_ + period, StageClock::now() - period);  // no burst after a stall
+      due_ = std::max(due_ + period, StageClock::now());  // no burst after a stall
       WaitUntil([] { return false; }, std::chrono::ceil<microseconds>(due_ - StageClock::now()));
     }
     PublishTick(like);

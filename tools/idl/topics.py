@@ -4,10 +4,13 @@
 Usage: topics.py README.md subjects      prints the idl files (without .idl), those they include first
        topics.py README.md headers DIR   writes DIR/topic_list.h, DIR/all_messages.h, DIR/all_codecs.h,
                                          DIR/all_checks.h and DIR/topic_parties.h
+       topics.py README.md types FILE    writes a header for C: the registered name of every topic's type
 """
 import os
 import re
 import sys
+
+import embed_idl
 
 COLUMNS = ["topic", "type", "file", "writer", "readers", "rate", "QoS"]
 PROFILES = ["state", "control", "control_latched", "event", "latched"]
@@ -216,6 +219,18 @@ def all_checks(readme, files):
     return "\n".join(lines + functions + ["", "}  // namespace sinew::node::internal", ""])
 
 
+def topic_types(readme, topics):
+    folder, hashes = os.path.dirname(os.path.abspath(readme)), {}
+    for topic in topics:
+        entries = embed_idl.entries_of(os.path.join(folder, topic.file + ".idl"))
+        hashes[topic.name] = next(digest for name, _, digest in entries if name == topic.type)
+    lines = [GENERATED, "// For programs of other DDS implementations: registered names of types, which end with the hash of",
+             "// their IDL, and idl_hash of component_status.", "#pragma once", "",
+             f'#define SINEW_TOPICS_HASH "{embed_idl.fnv1a("".join(t.name + hashes[t.name] for t in topics))}"']
+    lines += [f'#define SINEW_TYPE_{topic.name.upper()} "sinew::msg::{topic.type}_{hashes[topic.name]}"' for topic in topics]
+    return "\n".join(lines + [""])
+
+
 def write(path, text):
     """Leaves a file that is right alone, so that nothing is compiled again."""
     if not os.path.exists(path) or read(path) != text:
@@ -229,6 +244,9 @@ def main():
     files = subjects(readme, topics)
     if what == "subjects":
         print(";".join(files), end="")
+        return
+    if what == "types":
+        write(sys.argv[3], topic_types(readme, topics))
         return
     folder = sys.argv[3]
     os.makedirs(folder, exist_ok=True)

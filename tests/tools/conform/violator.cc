@@ -52,7 +52,16 @@ class FalseStatus {
     options.name = "impostor";
     node_ = std::make_unique<node::Node>(options);
     writer_.emplace(node_->MakeWriter(node::kComponentStatus));
+    thread_ = std::thread([this] {
+      for (; !ended_; std::this_thread::sleep_for(std::chrono::milliseconds(1))) Publish();
+    });
   }
+  ~FalseStatus() {
+    ended_ = true;
+    thread_.join();
+  }
+
+ private:
   void Publish() {
     msg::ComponentStatus status;
     status.name(name_);
@@ -62,10 +71,11 @@ class FalseStatus {
     (void)writer_->Write(status);
   }
 
- private:
   std::string name_;
   std::unique_ptr<node::Node> node_;
   std::optional<node::Writer<msg::ComponentStatus>> writer_;
+  std::atomic<bool> ended_{false};
+  std::thread thread_;
 };
 
 // A controller on readers of its own: it neither looks at sessions nor counts what is malformed,
@@ -143,7 +153,6 @@ class Violator {
     node::Bytes bytes;
     if (!node::Encode(command, &bytes)) return;
     if (output_) (void)(*output_)(bytes.data(), bytes.size());
-    if (status_) status_->Publish();
     if (handover_) HandOverToItself(tick);
   }
 
