@@ -8,7 +8,6 @@
 #include <iterator>
 #include <memory>
 #include <optional>
-#include <sstream>
 #include <system_error>
 #include <utility>
 
@@ -107,15 +106,6 @@ std::unique_ptr<Program> StartWith(const Options& options) {
 void EndInOrder(Program& program) {
   program.Signal(SIGTERM);
   (void)program.Wait(kEnd);
-}
-
-std::string LastLine(const Program& program) {
-  std::istringstream lines(program.output() + program.error());
-  std::string last;
-  for (std::string line; std::getline(lines, line);) {
-    if (!line.empty()) last = line;
-  }
-  return last;
 }
 
 // Refused with a message that holds one of the words.

@@ -1,6 +1,5 @@
 // Inputs that stop, come from a recording, from another session, or are damaged.
 #include <algorithm>
-#include <map>
 
 #include "components/node/topics.h"
 #include "tools/conform/real_time_run.h"
@@ -172,14 +171,21 @@ void CheckSessions(RealTimeRun& run) {
 
 namespace {
 
-// What a message is damaged to. An impossible count is one that DDS itself cannot find: any octet
-// is one. It is found and counted by the program.
-std::vector<node::Bytes> Damaged(const node::Bytes& good) {
-  node::Bytes nameless = good;
-  (void)node::PokeOrigin(nameless.data(), nameless.size(), kNoOrigin);
-  return {node::Bytes(good.begin(), good.begin() + kCut),
-          node::Bytes(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(good.size() / 2)),
-          nameless};
+// What DDS may find itself, or a decoder. A count beyond its array is any octet for DDS: that the
+// program finds, and counts.
+const std::vector<Stage::Damaging>& Damages() {
+  static const std::vector<Stage::Damaging> kDamages = {
+      [](const node::Bytes& good) { return node::Bytes(good.begin(), good.begin() + kCut); },
+      [](const node::Bytes& good) {
+        return node::Bytes(good.begin(),
+                           good.begin() + static_cast<std::ptrdiff_t>(good.size() / 2));
+      },
+      [](const node::Bytes& good) {
+        node::Bytes nameless = good;
+        (void)node::PokeOrigin(nameless.data(), nameless.size(), kNoOrigin);
+        return nameless;
+      }};
+  return kDamages;
 }
 
 std::uint64_t MalformedCount(RealTimeRun& run) {
@@ -190,21 +196,20 @@ std::uint64_t MalformedCount(RealTimeRun& run) {
 }  // namespace
 
 void CheckMalformed(RealTimeRun& run) {
-  std::map<std::string, node::Bytes> good, counted;
-  Moment like = run.Armed();
-  like.session_id = run.stage.session_id();
-  like.period_s = 1.0 / run.options.rate_Hz;
-  for (const std::string& input : PlayedInputs(run)) {
-    good[input] = PlayedMessage(input, like);
-    node::Bytes damaged = WithImpossibleCount(input, good[input]);
-    if (!damaged.empty()) counted[input] = damaged;
+  const std::vector<std::string> inputs = PlayedInputs(run);
+  std::vector<std::string> counted;
+  for (const std::string& input : inputs) {
+    if (!WithImpossibleCount(input, PlayedMessage(input, run.Armed())).empty()) {
+      counted.push_back(input);
+    }
   }
   // One of each input, so that the number shows that none is left out; again when one was lost.
   std::uint64_t before = MalformedCount(run), more = 0;
   for (int i = 0; i < kRounds && more < counted.size(); ++i) {
     before = MalformedCount(run);
-    for (const auto& [input, damaged] : counted) {
-      run.stage.Damage(input, damaged);
+    for (const std::string& input : counted) {
+      run.stage.Damage(
+          input, [&input](const node::Bytes& good) { return WithImpossibleCount(input, good); });
       (void)run.stage.Play(run.Armed(), 1);
     }
     (void)run.stage.PlayUntil(
@@ -215,9 +220,9 @@ void CheckMalformed(RealTimeRun& run) {
         },
         kCounted);
   }
-  for (const auto& [input, payload] : good) {
-    for (const node::Bytes& damaged : Damaged(payload)) {
-      run.stage.Damage(input, damaged);
+  for (const std::string& input : inputs) {
+    for (const Stage::Damaging& damage : Damages()) {
+      run.stage.Damage(input, damage);
       (void)run.stage.Play(run.Armed(), 1);
     }
   }

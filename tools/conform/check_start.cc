@@ -82,8 +82,6 @@ void CheckStart(RealTimeRun& run) {
   std::string seen;
   if (!status) {
     seen = "no component_status of '" + run.stage.options().subject + "'";
-    const int exit_code = run.program.Wait(milliseconds(0));
-    if (exit_code != launch::Program::kTimeout) seen += "; " + EndText(exit_code);
   } else {
     seen = StateText(status->state());
     if (!status->message().to_string().empty()) seen += ": " + status->message().to_string();
@@ -92,6 +90,10 @@ void CheckStart(RealTimeRun& run) {
     }
     if (!run.stage.SubjectReads(node::kJointState.name)) seen += "; no reader of joint_state";
     if (up) seen += ", ready after " + std::to_string(std::lround(1e3 * seconds)) + " ms";
+  }
+  const int exit_code = run.program.Wait(milliseconds(0));
+  if (exit_code != launch::Program::kTimeout) {
+    seen += "; " + EndText(exit_code) + ": " + LastLine(run.program);
   }
   run.report.Add("start", active,
                  "component_status of its name, active within " + std::to_string(kStart.count()) +

@@ -1,7 +1,7 @@
 // One output a tick, of that tick, within its cycle.
 #include <algorithm>
 #include <cmath>
-#include <csignal>
+#include <sstream>
 #include <vector>
 
 #include "tools/conform/real_time_run.h"
@@ -30,8 +30,8 @@ std::string TickFault(const Window& window, const std::string& topic) {
       return topic + ": session " + std::to_string(facts.session_id) + " instead of " +
              std::to_string(window.session_id);
     }
-    if (facts.tick >= window.first_tick + static_cast<std::uint64_t>(window.ticks)) {
-      return topic + ": tick " + std::to_string(facts.tick) + ", which has not come";
+    if (output.early) {
+      return topic + ": tick " + std::to_string(facts.tick) + ", before its joint_state";
     }
     if (any && facts.tick <= last) {
       return topic + ": tick " + std::to_string(facts.tick) + " after " + std::to_string(last);
@@ -50,6 +50,15 @@ std::string EndText(int exit_code) {
   }
   if (exit_code < 0) return "ended by signal " + std::to_string(-exit_code);
   return "exit code " + std::to_string(exit_code);
+}
+
+std::string LastLine(const launch::Program& program) {
+  std::istringstream lines(program.output() + program.error());
+  std::string last;
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.empty()) last = line;
+  }
+  return last;
 }
 
 std::string Percent(double share) { return std::to_string(std::lround(100.0 * share)) + " %"; }

@@ -52,5 +52,7 @@ double ShareOf(const std::vector<const Output*>& outputs, bool (*condition)(cons
 std::string Percent(double share);
 // What ended a program, in words.
 std::string EndText(int exit_code);
+// Of its output.
+std::string LastLine(const launch::Program& program);
 
 }  // namespace sinew::conform

@@ -65,6 +65,7 @@ msg::JointState MakeJointState(const Moment& moment) {
 
 msg::ActuatorState MakeActuatorState(const Moment& moment) {
   auto message = WithJoints<msg::ActuatorState>(moment);
+  message.measured_flags(~0u);  // every signal
   const Swing swing = SwingAt(moment);
   for (std::size_t j = 0; j < message.joint_count(); ++j) {
     message.motor_position_rad()[j] = kGearRatio * swing.position_rad;

@@ -96,8 +96,8 @@ void Stage::PublishTick(const Moment& like) {
     const auto writer = writers_.find(std::string(name));
     if (writer == writers_.end() || name == moment.withheld) continue;
     const auto damaged = damaged_.find(writer->first);
-    const node::Bytes bytes =
-        damaged == damaged_.end() ? PlayedMessage(name, moment) : damaged->second;
+    node::Bytes bytes = PlayedMessage(name, moment);
+    if (damaged != damaged_.end()) bytes = damaged->second(bytes);
     if (name == node::kJointState.name) sent_[moment.tick] = StageClock::now();
     (void)writer->second(bytes.data(), bytes.size());
   }
@@ -118,7 +118,9 @@ void Stage::Collect(Window* window) {
     if (output.facts) {
       if (sample.topic == node::kValveCommand.name) valve_open_ = output.facts->valve_open;
       const auto sent = sent_.find(output.facts->tick);
-      if (sent != sent_.end() && output.facts->session_id == session_id_) {
+      const bool asked = sent != sent_.end() && sent->second <= sample.at;
+      output.early = output.facts->session_id == session_id_ && !asked;
+      if (asked) {
         output.latency_s = std::chrono::duration<double>(sample.at - sent->second).count();
       }
     }
@@ -199,8 +201,8 @@ void Stage::Send(msg::OperatorAction action, const std::string& target) {
   (void)operator_.Write(command);
 }
 
-void Stage::Damage(const std::string& topic, node::Bytes payload) {
-  damaged_[topic] = std::move(payload);
+void Stage::Damage(const std::string& topic, Damaging damaging) {
+  damaged_[topic] = std::move(damaging);
 }
 
 std::optional<msg::ComponentStatus> Stage::status() {

@@ -73,8 +73,9 @@ class Stage {
   void EndOwner();
 
   void Send(msg::OperatorAction action, const std::string& target = "");
-  // In place of the topic's message of the next tick, or beside the ticks of operator_command.
-  void Damage(const std::string& topic, node::Bytes payload);
+  // The topic's message of the next tick is sent as this function gives it.
+  using Damaging = std::function<node::Bytes(const node::Bytes&)>;
+  void Damage(const std::string& topic, Damaging damaging);
 
   // Of the program under test; nothing: not seen yet.
   std::optional<msg::ComponentStatus> status();
@@ -114,7 +115,7 @@ class Stage {
   std::uint64_t session_id_ = 1, next_tick_ = 0;
   std::map<std::uint64_t, StageClock::time_point> sent_;  // of the session's ticks
   StageClock::time_point due_ = StageClock::now();
-  std::map<std::string, node::Bytes> damaged_;  // for the next tick
+  std::map<std::string, Damaging> damaged_;  // for the next tick
   bool valve_open_ = false;
 };
 

@@ -1,5 +1,6 @@
 // Each check of `sinew conform` fails for a program that breaks its rule, and no other one does.
-// Domain 67.
+// Domains
+// 67, 77, 78, 79.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,12 +11,13 @@
 #include <vector>
 
 #include "tests/support/temporary_folder.h"
+#include "tests/tools/conform/run_all.h"
 #include "tools/conform/conform.h"
 
 namespace sinew::conform {
 namespace {
 
-constexpr int kDomain = 67;
+const std::vector<int> kDomains = {67, 77, 78, 79};
 
 struct Case {
   std::string violation;
@@ -62,42 +64,44 @@ const Case kCases[] = {
     {"ignores_last_tick", {"end_of_session", "sigint"}, {"end_of_session"}},
 };
 
-class Violations : public ::testing::TestWithParam<Case> {};
-
-TEST_P(Violations, AreFoundByTheirCheckAlone) {
-  const testing::TemporaryFolder folder;
-  const std::filesystem::path config = folder.path() / "violator.yaml";
-  std::ofstream(config) << "schema: sinew-violator/1\n";
+Options ToOptions(const Case& violation, const std::filesystem::path& config) {
   Options options;
   options.role = "control";
   options.program = std::string(SINEW_TEST_BIN_DIR) + "/conform_violator";
   options.arguments = {"--config", config.string()};
-  if (!GetParam().violation.empty()) {
-    options.arguments.insert(options.arguments.end(), {"--violate", GetParam().violation});
+  if (!violation.violation.empty()) {
+    options.arguments.insert(options.arguments.end(), {"--violate", violation.violation});
   }
-  options.domain_id = kDomain;
-  options.only = GetParam().only;
-  const Report report = RunConform(options);
-  std::ostringstream table;
-  Print(report, table);
+  options.only = violation.only;
+  return options;
+}
+
+std::vector<std::string> FailedChecks(const Report& report) {
   std::vector<std::string> failed;
   for (const Row& row : report.rows) {
     if (row.verdict == Verdict::kFail) failed.push_back(row.check);
   }
-  std::vector<std::string> expected = GetParam().failed;
   std::sort(failed.begin(), failed.end());
-  std::sort(expected.begin(), expected.end());
-  EXPECT_EQ(failed, expected) << table.str();
-  EXPECT_EQ(report.rows.size(), options.only.empty() ? CheckNames().size() : options.only.size())
-      << table.str();
+  return failed;
 }
 
-std::string CaseName(const ::testing::TestParamInfo<Case>& info) {
-  const Case& violation = info.param;
-  if (violation.violation.empty()) return "none";
-  return violation.violation + "_" + violation.only.front();
+TEST(Violations, AreFoundByTheirCheckAlone) {
+  const testing::TemporaryFolder folder;
+  const std::filesystem::path config = folder.path() / "violator.yaml";
+  std::ofstream(config) << "schema: sinew-violator/1\n";
+  std::vector<Options> all;
+  for (const Case& violation : kCases) all.push_back(ToOptions(violation, config));
+  const std::vector<Report> reports = RunAll(all, kDomains);
+  for (std::size_t i = 0; i < reports.size(); ++i) {
+    std::ostringstream table;
+    Print(reports[i], table);
+    std::vector<std::string> expected = kCases[i].failed;
+    std::sort(expected.begin(), expected.end());
+    const std::size_t rows = kCases[i].only.empty() ? CheckNames().size() : kCases[i].only.size();
+    EXPECT_EQ(FailedChecks(reports[i]), expected) << kCases[i].violation << '\n' << table.str();
+    EXPECT_EQ(reports[i].rows.size(), rows) << kCases[i].violation << '\n' << table.str();
+  }
 }
-INSTANTIATE_TEST_SUITE_P(Conform, Violations, ::testing::ValuesIn(kCases), CaseName);
 
 // A check that no case above makes fail proves nothing.
 TEST(ConformChecks, EachHasAProgramThatFailsIt) {

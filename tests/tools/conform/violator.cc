@@ -52,6 +52,7 @@ class FalseStatus {
     options.name = "impostor";
     node_ = std::make_unique<node::Node>(options);
     writer_.emplace(node_->MakeWriter(node::kComponentStatus));
+    while (writer_->matched_readers() == 0) node_->WaitForData(std::chrono::milliseconds(5));
     thread_ = std::thread([this] {
       for (; !ended_; std::this_thread::sleep_for(std::chrono::milliseconds(1))) Publish();
     });
