@@ -59,6 +59,7 @@ endif()
 
 if(SINEW_BUILD_TESTS)
   sinew_find(GTest libgtest-dev)
+  sinew_find(CycloneDDS cyclonedds-dev CONFIG)
   include(GoogleTest)
 endif()
 if(SINEW_BUILD_BENCH)

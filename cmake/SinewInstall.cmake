@@ -5,8 +5,10 @@ get_property(modules GLOBAL PROPERTY SINEW_MODULES)
 install(TARGETS ${modules} EXPORT sinewTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT sinewTargets NAMESPACE sinew:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/sinew)
+set(SINEW_IDL_INSTALL_DIR share/sinew/idl)
+set(SINEW_INCLUDE_INSTALL_DIR include/sinew)
 configure_package_config_file(cmake/sinewConfig.cmake.in ${CMAKE_BINARY_DIR}/sinewConfig.cmake
-  INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/sinew)
+  INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/sinew PATH_VARS SINEW_IDL_INSTALL_DIR SINEW_INCLUDE_INSTALL_DIR)
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/sinewConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/sinewConfig.cmake ${CMAKE_BINARY_DIR}/sinewConfigVersion.cmake
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/sinew)

@@ -31,7 +31,10 @@ class InputBase {
   void Collect(std::uint64_t session_id) {
     while (auto sample = reader_->TakeNext()) {
       HeadOfMessage head;
-      if (!PeekHead(sample->bytes.data(), sample->bytes.size(), &head)) continue;
+      if (!PeekHead(sample->bytes.data(), sample->bytes.size(), &head)) {
+        reader_->CountMalformed();
+        continue;
+      }
       if (session_id != 0 && head.session_id != session_id) continue;
       queue.Push(head, std::move(sample->bytes), sample->writer);
     }

@@ -27,10 +27,9 @@ def skip(reason):
 def flattened(idl, work):
     """One self-contained file per idl file, as embed_idl.py makes them; gives their paths."""
     path = idl.parent / "tools" / "idl" / "embed_idl.py"
-    source = path.read_text(encoding="utf-8").replace("\nmain()\n", "\n")  # its functions only
-    spec = importlib.util.spec_from_loader("embed_idl", loader=None)
+    spec = importlib.util.spec_from_file_location("embed_idl", path)
     embed = importlib.util.module_from_spec(spec)
-    exec(compile(source, str(path), "exec"), embed.__dict__)
+    spec.loader.exec_module(embed)
     work.mkdir(parents=True, exist_ok=True)
     files = []
     for file in sorted(idl.glob("*.idl")):

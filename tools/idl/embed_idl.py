@@ -32,15 +32,18 @@ def fnv1a(text):
     return f"{value:08x}"
 
 
+def entries_of(path):
+    """(struct, flattened text, hash) of every struct of a file."""
+    with open(path, encoding="utf-8") as source:
+        structs = re.findall(r"^struct\s+(\w+)", source.read(), re.M)
+    text = flatten(path, set())
+    bare = re.sub(r"\s+", "", re.sub(r"//[^\n]*", "", text))
+    return [(name, text, fnv1a(name + bare)) for name in structs]
+
+
 def main():
     output, files = sys.argv[1], sys.argv[2:]
-    entries = []
-    for path in files:
-        with open(path, encoding="utf-8") as source:
-            structs = re.findall(r"^struct\s+(\w+)", source.read(), re.M)
-        text = flatten(path, set())
-        bare = re.sub(r"\s+", "", re.sub(r"//[^\n]*", "", text))
-        entries += [(name, text, fnv1a(name + bare)) for name in structs]
+    entries = [entry for path in files for entry in entries_of(path)]
     with open(output, "w", encoding="utf-8") as out:
         out.write('// Generated from idl/ by tools/idl/embed_idl.py.\n#include "idl/embedded_idl.h"\n\n')
         out.write("namespace sinew::idl {\n\nconst std::vector<EmbeddedType>& EmbeddedTypes() {\n")
@@ -50,4 +53,5 @@ def main():
         out.write("  };\n  return kTypes;\n}\n\n}  // namespace sinew::idl\n")
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -2,12 +2,15 @@
 """The topics: reads the first table of idl/README.md, a row per topic, and the structs of the idl files it names.
 
 Usage: topics.py README.md subjects      prints the idl files (without .idl), those they include first
-       topics.py README.md headers DIR   writes DIR/topic_list.h, DIR/all_messages.h, DIR/all_codecs.h and
-                                         DIR/all_checks.h
+       topics.py README.md headers DIR   writes DIR/topic_list.h, DIR/all_messages.h, DIR/all_codecs.h,
+                                         DIR/all_checks.h and DIR/topic_parties.h
+       topics.py README.md types FILE    writes a header for C: the registered name of every topic's type
 """
 import os
 import re
 import sys
+
+import embed_idl
 
 COLUMNS = ["topic", "type", "file", "writer", "readers", "rate", "QoS"]
 PROFILES = ["state", "control", "control_latched", "event", "latched"]
@@ -18,9 +21,20 @@ def camel(name):
     return "k" + "".join(word.capitalize() for word in name.split("_"))
 
 
+def parties(cell):
+    """(party, always) of a cell: "regime (set-up), experiments" is regime, not always, and experiments."""
+    found = []
+    for word in re.split(r",\s*", cell.replace("`", "")):
+        name, condition = re.fullmatch(r"(.*?)\s*(\(.*\))?", word).groups()
+        if name != "-":
+            found.append((name, condition is None))
+    return found
+
+
 class Topic:
     def __init__(self, cells):
         self.name, self.type, self.file, self.profile = cells[0], cells[1], cells[2], cells[6]
+        self.writers, self.readers = parties(cells[3]), parties(cells[4])
 
     @property
     def constant(self):
@@ -136,6 +150,19 @@ def all_messages(files, topics):
     return "\n".join(lines)
 
 
+def topic_parties(topics):
+    rows = [f'    {{"{topic.name}", "{party}", {access}, {str(always).lower()}}},'
+            for topic in topics for parties_, access in ((topic.writers, "Access::kWrites"), (topic.readers, "Access::kReads"))
+            for party, always in parties_]
+    lines = [GENERATED, "// Who writes and reads a topic, in the words of the table: a role, a kind of program, \"all\".",
+             "#pragma once", "", "#include <array>", "#include <string_view>", "", "namespace sinew::node {", "",
+             "enum class Access { kWrites, kReads };", "",
+             "struct TopicParty {", "  std::string_view topic, party;", "  Access access;",
+             "  bool always;  // false: only under the condition in parentheses", "};", "",
+             f"inline constexpr std::array<TopicParty, {len(rows)}> kTopicParties = {{{{"] + rows + ["}};", ""]
+    return "\n".join(lines + ["}  // namespace sinew::node", ""])
+
+
 def all_codecs(files):
     lines = [GENERATED, "// The types that encode and decode every message. Internal to this module.",
              "#pragma once", ""]
@@ -192,6 +219,18 @@ def all_checks(readme, files):
     return "\n".join(lines + functions + ["", "}  // namespace sinew::node::internal", ""])
 
 
+def topic_types(readme, topics):
+    folder, hashes = os.path.dirname(os.path.abspath(readme)), {}
+    for topic in topics:
+        entries = embed_idl.entries_of(os.path.join(folder, topic.file + ".idl"))
+        hashes[topic.name] = next(digest for name, _, digest in entries if name == topic.type)
+    lines = [GENERATED, "// For programs of other DDS implementations: registered names of types, which end with the hash of",
+             "// their IDL, and idl_hash of component_status.", "#pragma once", "",
+             f'#define SINEW_TOPICS_HASH "{embed_idl.fnv1a("".join(t.name + hashes[t.name] for t in topics))}"']
+    lines += [f'#define SINEW_TYPE_{topic.name.upper()} "sinew::msg::{topic.type}_{hashes[topic.name]}"' for topic in topics]
+    return "\n".join(lines + [""])
+
+
 def write(path, text):
     """Leaves a file that is right alone, so that nothing is compiled again."""
     if not os.path.exists(path) or read(path) != text:
@@ -206,12 +245,16 @@ def main():
     if what == "subjects":
         print(";".join(files), end="")
         return
+    if what == "types":
+        write(sys.argv[3], topic_types(readme, topics))
+        return
     folder = sys.argv[3]
     os.makedirs(folder, exist_ok=True)
     write(os.path.join(folder, "topic_list.h"), topic_list(topics, commanding(readme, topics)))
     write(os.path.join(folder, "all_messages.h"), all_messages(files, topics))
     write(os.path.join(folder, "all_codecs.h"), all_codecs(files))
     write(os.path.join(folder, "all_checks.h"), all_checks(readme, files))
+    write(os.path.join(folder, "topic_parties.h"), topic_parties(topics))
 
 
 if __name__ == "__main__":

@@ -1,10 +1,7 @@
 #include "tools/launch/deployment.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <charconv>
-#include <cstdlib>
 #include <optional>
 #include <set>
 #include <sstream>
@@ -27,31 +24,6 @@ bool IsLogger(const Process& process) { return process.program.filename() == "si
 // Nothing that moves depends on what it publishes.
 bool IsObserver(const Process& process) {
   return IsLogger(process) || process.program.filename() == "sinew-residual";
-}
-
-bool IsProgram(const fs::path& path) {
-  std::error_code error;
-  return fs::is_regular_file(path, error) && ::access(path.c_str(), X_OK) == 0;
-}
-
-// Empty: not found.
-fs::path FindProgram(const std::string& program, const fs::path& base, const fs::path& folder) {
-  if (program.find('/') != std::string::npos) {
-    const fs::path path = fs::path(program).is_absolute() ? fs::path(program) : base / program;
-    return IsProgram(path) ? fs::absolute(path).lexically_normal() : fs::path();
-  }
-  if (IsProgram(folder / program)) return folder / program;
-  const char* search_path = std::getenv("PATH");
-  std::istringstream folders(search_path != nullptr ? search_path : "");
-  for (std::string entry; std::getline(folders, entry, ':');) {
-    if (!entry.empty() && IsProgram(fs::path(entry) / program)) return fs::path(entry) / program;
-  }
-  return {};
-}
-
-std::string NoProgram(const std::string& program, const fs::path& folder) {
-  return "no program '" + program + "', expected one in " + folder.string() +
-         ", in PATH, or a path to an executable file";
 }
 
 Restart RestartFromWord(const std::string& word) {
@@ -316,12 +288,6 @@ const Process* Deployment::Find(const std::string& process_name) const {
     if (process.name == process_name) return &process;
   }
   return nullptr;
-}
-
-fs::path ProgramFolder() {
-  std::error_code error;
-  const fs::path self = fs::read_symlink("/proc/self/exe", error);
-  return error ? fs::path() : self.parent_path();
 }
 
 Deployment LoadDeployment(const fs::path& file, const Overrides& overrides,

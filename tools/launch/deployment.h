@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "tools/launch/find_program.h"
+
 namespace sinew::launch {
 
 enum class Restart { kNever, kOnFailure, kAlways };
@@ -56,10 +58,8 @@ struct Overrides {
   std::filesystem::path record;        // non-empty: the logger writes here; added if there is none
 };
 
-// Folder where programs named without a slash are looked for before PATH: that of this program.
-std::filesystem::path ProgramFolder();
-
-// `program_folder` as above; throws UsageError for anything wrong in the file or the overrides.
+// `program_folder`: where programs named without a slash are looked for before PATH. Throws
+// UsageError for anything wrong in the file or the overrides.
 Deployment LoadDeployment(const std::filesystem::path& file, const Overrides& overrides = {},
                           const std::filesystem::path& program_folder = ProgramFolder());
 

@@ -3,6 +3,7 @@
 #include "tools/sinew/check_data.h"
 #include "tools/sinew/close_loop.h"
 #include "tools/sinew/completion.h"
+#include "tools/sinew/conform.h"
 #include "tools/sinew/echo.h"
 #include "tools/sinew/effects.h"
 #include "tools/sinew/experiment.h"
@@ -25,6 +26,7 @@ void AddCoreCommands(CLI::App& app) {
   AddComposeCommand(app);
   AddOperatorCommands(app);
   AddHandoverCommand(app);
+  AddConformCommand(app);
   AddRecordCommand(app);
   AddReplayCommand(app);
   AddImportCommand(app);

@@ -225,6 +225,8 @@ TEST(NodeDds, AMalformedTriggerMakesNoCycleAndAMalformedInputLeavesTheLastValue)
     Bytes bytes;
     ASSERT_TRUE(Encode(message, &bytes));
     EXPECT_EQ(write_reference(bytes.data(), bytes.size()), WriteStatus::kOk);
+    constexpr std::size_t kCut = 10;  // shorter than session and tick
+    if (tick == 2) EXPECT_EQ(write_reference(bytes.data(), kCut), WriteStatus::kOk);
   };
   for (std::uint64_t tick = 0; tick < 3; ++tick) {
     send_state(tick);
@@ -244,7 +246,7 @@ TEST(NodeDds, AMalformedTriggerMakesNoCycleAndAMalformedInputLeavesTheLastValue)
   EXPECT_EQ(trigger.malformed(), 1u);
   EXPECT_TRUE(next->any_stale);
   EXPECT_EQ(input.value().position_rad()[0], 8.0) << "of tick 1, the last that could be read";
-  EXPECT_EQ(input.malformed(), 1u);
+  EXPECT_EQ(input.malformed(), 2u) << "a count beyond its array, and ten bytes";
 }
 
 TEST(NodeDds, WhatIsComputedFromARecordingSaysSo) {

@@ -1,6 +1,7 @@
 #include "components/node/topics.h"
 
 #include <gtest/gtest.h>
+#include <sinew_idl/topic_types.h>
 
 #include <fstream>
 #include <map>
@@ -33,6 +34,14 @@ std::map<std::string, std::vector<std::string>> ReadTable() {
   rows.erase("topic");
   rows.erase("---");
   return rows;
+}
+
+TEST(Topics, TheHeaderForOtherImplementationsHasTheRegisteredNames) {
+  EXPECT_EQ(AllTopicsHash(), SINEW_TOPICS_HASH);
+  EXPECT_EQ(FindTopic("joint_state")->type_name + "_" + FindTopic("joint_state")->idl_hash,
+            SINEW_TYPE_JOINT_STATE);
+  EXPECT_EQ(FindTopic("joint_command")->type_name + "_" + FindTopic("joint_command")->idl_hash,
+            SINEW_TYPE_JOINT_COMMAND);
 }
 
 TEST(Topics, AreThoseOfTheTableInTheReadme) {

@@ -3,6 +3,7 @@
 #include <sinew_idl/regime.h>
 #include <sinew_idl/simulation.h>
 
+#include "components/config/config.h"
 #include "components/node/node.h"
 #include "components/node/other_owner.h"
 #include "components/node/tick_loop.h"
@@ -36,6 +37,9 @@ msg::RegimeState ToRegime(const node::TickInput<msg::SimTruth>& input, std::uint
 }
 
 void Run(const node::Options& options, node::StopFlag& stop) {
+  if (!options.config_path.empty()) {
+    throw UsageError("--config: the true regime has no configuration file, expected none");
+  }
   node::Node node(stand_ins::StandsInFor("regime", options));
   node::TickLoop loop(node, stop);
   auto& state = loop.AddInput(node::kJointState);

@@ -1,4 +1,4 @@
-#include "tests/support/program.h"
+#include "tools/launch/program.h"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -14,7 +14,7 @@
 #include <fstream>
 #include <stdexcept>
 
-namespace sinew::testing {
+namespace sinew::launch {
 
 namespace {
 
@@ -152,4 +152,4 @@ bool WaitUntilGone(pid_t pid, std::chrono::milliseconds limit) {
   return !IsRunning(pid);
 }
 
-}  // namespace sinew::testing
+}  // namespace sinew::launch

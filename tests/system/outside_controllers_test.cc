@@ -1,0 +1,179 @@
+// Controllers from outside of the tree take over in the moving rig, and give it back. Domains
+// 74, 75.
+#include <gtest/gtest.h>
+#include <sinew_idl/joint.h>
+#include <sinew_idl/operator.h>
+#include <sinew_idl/reference.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <string>
+
+#include "components/node/node.h"
+#include "tests/support/program.h"
+#include "tests/support/sinew_program.h"
+
+namespace sinew::testing {
+namespace {
+
+using namespace std::chrono_literals;
+using OutsideClock = std::chrono::steady_clock;
+
+const std::string kBin = SINEW_BIN_DIR;
+const std::string kRigFolder = SINEW_SOURCE_DIR "/robots/rig/";
+constexpr double kTorqueLimit_Nm = 0.398;                // robots/rig/surrogate_model.yaml
+constexpr double kMostStep_Nm = 0.05 * kTorqueLimit_Nm;  // beyond what the motion itself asks for
+constexpr double kMostError_rad = 0.05;
+
+node::Options OutsideObserver(int domain) {
+  node::Options options;
+  options.component = options.name = "observer";
+  options.domain_id = domain;
+  return options;
+}
+
+// The rig in real time, moving, with its own controller as owner.
+class MovingRig {
+ public:
+  explicit MovingRig(int domain)
+      : domain_(std::to_string(domain)),
+        surrogate_(Line("sinew-surrogate", "surrogate.yaml", {"--arm", "--rate", "240"})),
+        pneumatics_(Line("sinew-pneumatics", "pneumatics.yaml")),
+        reference_(Line("sinew-reference", "reference_benchmark.yaml")),
+        control_(Line("sinew-control", "control_pid.yaml", {"--name", "own"})),
+        node_(OutsideObserver(domain)),
+        states_(node_.MakeReader(node::kJointState)),
+        references_(node_.MakeReader(node::kReference)),
+        commands_(node_.MakeReader(node::kJointCommand)),
+        sources_(node_.MakeReader(node::kCommandSource)) {}
+
+  std::vector<std::string> Line(const std::string& program, const std::string& config,
+                                const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> line{kBin + "/" + program, "--config", kRigFolder + config, "--domain",
+                                  domain_};
+    line.insert(line.end(), more.begin(), more.end());
+    return line;
+  }
+
+  int HandOver(const std::string& name) {
+    return Run({kSinew, "handover", "control", name, "--domain", domain_}).exit_code;
+  }
+
+  // What there is to see in a time.
+  struct Seen {
+    double largest_step_Nm = 0.0;  // of the command, from one tick to the next
+    double largest_error_rad = 0.0;
+    int commands = 0, fault_ticks = 0, idle_references = 0;
+  };
+  Seen Watch(std::chrono::milliseconds time) {
+    Seen seen;
+    const auto end = OutsideClock::now() + time;
+    while (OutsideClock::now() < end) {
+      node_.WaitForData(5ms);
+      while (const auto source = sources_.TakeNext()) {
+        driver_ = source->joint_command_participant().to_string();
+      }
+      while (const auto reference = references_.TakeNext()) {
+        seen.idle_references += reference->idle() ? 1 : 0;
+        reference_rad_[reference->header().tick()] = reference->position_rad()[0];
+      }
+      while (const auto state = states_.TakeNext()) {
+        seen.fault_ticks += state->robot_state() == msg::ROBOT_FAULT ? 1 : 0;
+        const auto wanted = reference_rad_.find(state->header().tick());
+        if (wanted == reference_rad_.end()) continue;
+        seen.largest_error_rad =
+            std::max(seen.largest_error_rad, std::abs(state->position_rad()[0] - wanted->second));
+      }
+      while (const auto command = commands_.TakeNext()) {
+        ++seen.commands;
+        const double torque_Nm = command->motor_torque_Nm()[0];
+        if (command->header().tick() == last_tick_ + 1) {
+          seen.largest_step_Nm = std::max(seen.largest_step_Nm, std::abs(torque_Nm - torque_Nm_));
+        }
+        last_tick_ = command->header().tick();
+        torque_Nm_ = torque_Nm;
+      }
+    }
+    return seen;
+  }
+  bool WatchUntilDrivenBy(const std::string& name) {
+    const auto end = OutsideClock::now() + 10s;
+    while (driver_ != name && OutsideClock::now() < end) (void)Watch(20ms);
+    return driver_ == name;
+  }
+  const std::string& driver() const { return driver_; }
+  // Of a writer of joint_command.
+  std::uint32_t StrengthOf(const std::string& name) const {
+    for (const node::Endpoint& endpoint : node_.Endpoints()) {
+      const bool of_topic = endpoint.is_writer && endpoint.topic == node::kJointCommand.name;
+      if (of_topic && endpoint.participant == name) return endpoint.strength;
+    }
+    return 0;
+  }
+
+ private:
+  std::string domain_;
+  Program surrogate_, pneumatics_, reference_, control_;
+  node::Node node_;
+  node::Reader<msg::JointState> states_;
+  node::Reader<msg::Reference> references_;
+  node::Reader<msg::JointCommand> commands_;
+  node::Reader<msg::CommandSource> sources_;
+  std::map<std::uint64_t, double> reference_rad_;
+  std::string driver_;
+  std::uint64_t last_tick_ = 0;
+  double torque_Nm_ = 0.0;
+};
+
+struct Outside {
+  std::string program;
+  int domain;
+};
+
+class OutsideControllers : public ::testing::TestWithParam<Outside> {};
+
+TEST_P(OutsideControllers, TakeOverInTheMovingRigWithoutAJumpAndGiveItBack) {
+  ::setenv("CYCLONEDDS_URI", "file://" SINEW_SOURCE_DIR "/tests/install/cyclone/loopback.xml", 1);
+  MovingRig rig(GetParam().domain);
+  ASSERT_TRUE(rig.WatchUntilDrivenBy("own"));
+  Program outside({SINEW_TEST_BIN_DIR "/" + GetParam().program, "--name", "outside", "--domain",
+                   std::to_string(GetParam().domain)});
+  // Joined, settled below the owner, and past the soft start of the reference.
+  (void)rig.Watch(4000ms);
+  EXPECT_EQ(rig.driver(), "own");
+  EXPECT_GT(rig.StrengthOf("outside"), 1u) << "has settled";
+  EXPECT_LT(rig.StrengthOf("outside"), rig.StrengthOf("own"));
+  const MovingRig::Seen before = rig.Watch(1000ms);
+
+  ASSERT_EQ(rig.HandOver("outside"), 0);
+  const MovingRig::Seen there = rig.Watch(1500ms);
+  EXPECT_EQ(rig.driver(), "outside");
+  ASSERT_EQ(rig.HandOver("own"), 0);
+  const MovingRig::Seen back = rig.Watch(1000ms);
+  EXPECT_EQ(rig.driver(), "own");
+  std::printf("step %.4f Nm before, %.4f and %.4f with the handovers; error %.4f, %.4f, %.4f rad\n",
+              before.largest_step_Nm, there.largest_step_Nm, back.largest_step_Nm,
+              before.largest_error_rad, there.largest_error_rad, back.largest_error_rad);
+  for (const MovingRig::Seen& seen : {there, back}) {
+    EXPECT_LT(seen.largest_step_Nm, before.largest_step_Nm + kMostStep_Nm);
+    EXPECT_LT(seen.largest_error_rad, kMostError_rad);
+    EXPECT_GT(seen.commands, 100);
+    EXPECT_EQ(seen.fault_ticks, 0);
+    EXPECT_EQ(seen.idle_references, 0) << "the rig stood still: nothing was shown";
+  }
+  outside.Signal(SIGTERM);
+  EXPECT_EQ(outside.Wait(2s), 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(System, OutsideControllers,
+                         ::testing::Values(Outside{"pid-controller", 74},
+                                           Outside{"cyclone-controller", 75}),
+                         [](const auto& outside) {
+                           return outside.param.domain == 74 ? std::string("Installed")
+                                                             : std::string("Cyclone");
+                         });
+
+}  // namespace
+}  // namespace sinew::testing

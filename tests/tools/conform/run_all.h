@@ -1,0 +1,44 @@
+// Several contract tests at a time, each in a domain of its own: they wait more than they compute.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <exception>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tools/conform/conform.h"
+
+namespace sinew::conform {
+
+// A report for each of the options, whose domain is replaced by one of `domains`. Throws what a
+// test threw.
+inline std::vector<Report> RunAll(const std::vector<Options>& all,
+                                  const std::vector<int>& domains) {
+  std::vector<Report> reports(all.size());
+  std::atomic<std::size_t> next{0};
+  std::mutex mutex;
+  std::exception_ptr error;  // guarded by mutex
+  std::vector<std::thread> workers;
+  for (const int domain : domains) {
+    workers.emplace_back([&, domain] {
+      for (std::size_t i = next++; i < all.size(); i = next++) {
+        try {
+          Options options = all[i];
+          options.domain_id = domain;
+          reports[i] = RunConform(options);
+        } catch (...) {
+          const std::lock_guard lock(mutex);
+          error = std::current_exception();
+        }
+      }
+    });
+  }
+  for (std::thread& worker : workers) worker.join();
+  if (error) std::rethrow_exception(error);
+  return reports;
+}
+
+}  // namespace sinew::conform

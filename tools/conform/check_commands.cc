@@ -1,0 +1,87 @@
+// joint_command: what a controller may never send, whatever comes in.
+#include <algorithm>
+
+#include "components/node/topics.h"
+#include "tools/conform/real_time_run.h"
+
+namespace sinew::conform {
+
+namespace {
+
+constexpr int kSettleTicks = 5;  // until a change of state has arrived
+
+bool Drives(const Facts& facts) { return facts.drives; }
+bool IsNotFinite(const Facts& facts) { return !facts.finite; }
+
+// Ticks like the moment, and the share of the role's outputs for which the condition holds.
+double ShareWhile(RealTimeRun& run, const Moment& moment, bool (*condition)(const Facts&)) {
+  (void)run.stage.Play(moment, kSettleTicks);
+  const Window window = run.stage.Play(moment, kWindowTicks);
+  double share = 0.0;
+  for (const node::TopicInfo& topic : run.role.must_write) {
+    share = std::max(share, ShareOf(window.Of(topic.name), condition));
+  }
+  return share;
+}
+
+}  // namespace
+
+void CheckJointCommands(RealTimeRun& run) {
+  const Window window = run.stage.Play(run.Armed(), kWindowTicks);
+  std::string wrong_count;
+  for (const node::TopicInfo& topic : run.role.must_write) {
+    for (const Output* output : window.Of(topic.name)) {
+      const auto count = output->facts->joint_count;
+      if (count && *count != run.options.joints) {
+        wrong_count = topic.name + ": " + std::to_string(*count);
+      }
+    }
+  }
+  run.report.Add("joint_count", wrong_count.empty(),
+                 std::to_string(run.options.joints) + " joints, as joint_state has",
+                 wrong_count.empty() ? std::to_string(run.options.joints) : wrong_count);
+  const double not_finite = ShareWhile(run, run.Armed(), &IsNotFinite);
+  run.report.Add("finite", not_finite == 0.0, "every number is finite",
+                 not_finite == 0.0 ? "all" : Percent(not_finite) + " of the outputs are not");
+  if (!run.role.commands_joints) {
+    for (const char* check : {"no_torque_unarmed", "estop", "finite_without_positions"}) {
+      run.report.Skip(check, "the role commands no joints");
+    }
+    return;
+  }
+
+  std::string moved;
+  constexpr std::pair<msg::RobotState, const char*> kStates[] = {{msg::ROBOT_DISARMED, "disarmed"},
+                                                                 {msg::ROBOT_FAULT, "fault"},
+                                                                 {msg::ROBOT_ESTOPPED, "estopped"}};
+  for (const auto& [state, name] : kStates) {
+    Moment moment = run.Armed();
+    moment.robot_state = state;
+    const double share = ShareWhile(run, moment, &Drives);
+    if (share > 0.0) moved += std::string(" ") + name + ": in " + Percent(share) + ";";
+  }
+  run.report.Add("no_torque_unarmed", moved.empty(),
+                 "COMMAND_IDLE or no torque while the robot is disarmed, in fault or estopped",
+                 moved.empty() ? "none" : "torque" + moved);
+
+  (void)run.stage.Play(run.Armed(), kSettleTicks);
+  run.stage.Send(msg::OPERATOR_ESTOP);
+  const double after_estop = ShareWhile(run, run.Armed(), &Drives);
+  run.stage.Send(msg::OPERATOR_RESET);
+  (void)run.stage.Play(run.Disarmed(), kSettleTicks);
+  run.report.Add("estop", after_estop == 0.0,
+                 "no torque after OPERATOR_ESTOP, before the state provider reports it",
+                 after_estop == 0.0 ? "none" : "torque in " + Percent(after_estop));
+
+  (void)run.stage.Play(run.Armed(), kSettleTicks);
+  Moment lost = run.Armed();
+  lost.positions_are_nan = true;
+  const double broken = ShareWhile(run, lost, &IsNotFinite);
+  // A fault that this latched is for the operator to clear: disarmed, and armed again.
+  (void)run.stage.Play(run.Disarmed(), kSettleTicks);
+  run.report.Add("finite_without_positions", broken == 0.0,
+                 "every number is finite while the positions are not",
+                 broken == 0.0 ? "all" : Percent(broken) + " of the outputs are not");
+}
+
+}  // namespace sinew::conform

@@ -1,0 +1,136 @@
+// One output a tick, of that tick, within its cycle.
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <vector>
+
+#include "tools/conform/real_time_run.h"
+
+namespace sinew::conform {
+
+namespace {
+
+double Median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// What is wrong with the ticks of a topic's outputs; empty: nothing.
+std::string TickFault(const Window& window, const std::string& topic) {
+  const auto outputs = window.outputs.find(topic);
+  if (outputs == window.outputs.end()) return "";
+  std::uint64_t last = 0;
+  bool any = false;
+  for (const Output& output : outputs->second) {
+    if (!output.facts) return topic + ": " + std::to_string(output.size) + " bytes are no message";
+    const Facts& facts = *output.facts;
+    if (facts.session_id != window.session_id) {
+      return topic + ": session " + std::to_string(facts.session_id) + " instead of " +
+             std::to_string(window.session_id);
+    }
+    if (output.early) {
+      return topic + ": tick " + std::to_string(facts.tick) + ", before its joint_state";
+    }
+    if (any && facts.tick <= last) {
+      return topic + ": tick " + std::to_string(facts.tick) + " after " + std::to_string(last);
+    }
+    last = facts.tick;
+    any = true;
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string EndText(int exit_code) {
+  if (exit_code == launch::Program::kTimeout) {
+    return "still runs after " + std::to_string(kEnd.count()) + " ms";
+  }
+  if (exit_code < 0) return "ended by signal " + std::to_string(-exit_code);
+  return "exit code " + std::to_string(exit_code);
+}
+
+std::string LastLine(const launch::Program& program) {
+  std::istringstream lines(program.output() + program.error());
+  std::string last;
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.empty()) last = line;
+  }
+  return last;
+}
+
+std::string Percent(double share) { return std::to_string(std::lround(100.0 * share)) + " %"; }
+
+double ShareOf(const std::vector<const Output*>& outputs, bool (*condition)(const Facts&)) {
+  if (outputs.empty()) return 0.0;
+  const auto count = std::count_if(outputs.begin(), outputs.end(),
+                                   [condition](const Output* o) { return condition(*o->facts); });
+  return static_cast<double>(count) / static_cast<double>(outputs.size());
+}
+
+Window PlayWindows(RealTimeRun& run, const Moment& like,
+                   const std::function<bool(const Window&)>& is_good) {
+  Window window;
+  for (int i = 0; i < kWindows; ++i) {
+    window = run.stage.Play(like, kWindowTicks);
+    if (is_good(window)) break;
+  }
+  return window;
+}
+
+std::string AnsweredText(const Role& role, const Window& window) {
+  std::string text;
+  for (const node::TopicInfo& topic : role.must_write) {
+    text +=
+        (text.empty() ? "" : ", ") + topic.name + " " + std::to_string(window.Answered(topic.name));
+  }
+  return text + " of " + std::to_string(window.ticks) + " ticks";
+}
+
+bool AnsweredMost(const Role& role, const Window& window) {
+  return std::all_of(role.must_write.begin(), role.must_write.end(),
+                     [&window](const node::TopicInfo& topic) {
+                       return window.Answered(topic.name) >= kMostTicks * window.ticks;
+                     });
+}
+
+void CheckTicks(RealTimeRun& run) {
+  (void)run.stage.Play(run.Disarmed(), kWindowTicks);
+  const double period_s = 1.0 / run.options.rate_Hz;
+  std::string fault;
+  int outputs = 0;
+  double median_s = 0.0;
+  bool all_answered = false, in_time = false;
+  std::string answered;
+  (void)PlayWindows(run, run.Armed(), [&](const Window& window) {
+    std::vector<double> latencies_s;
+    for (const node::TopicInfo& topic : run.role.must_write) {
+      if (fault.empty()) fault = TickFault(window, topic.name);
+      for (const Output* output : window.Of(topic.name)) {
+        latencies_s.push_back(output->latency_s);
+      }
+    }
+    outputs += static_cast<int>(latencies_s.size());
+    median_s = Median(latencies_s);
+    if (!all_answered) answered = AnsweredText(run.role, window);
+    all_answered = all_answered || AnsweredMost(run.role, window);
+    in_time = in_time || (!latencies_s.empty() && median_s < period_s);
+    return all_answered && in_time;
+  });
+  run.report.Add("answers_every_tick", all_answered,
+                 "an output of every topic for " + Percent(kMostTicks) + " of the ticks", answered);
+  run.report.Add("tick_and_session", fault.empty() && outputs > 0,
+                 "an output has session and tick of its joint_state, each tick once, in order",
+                 !fault.empty() ? fault
+                 : outputs == 0 ? "no outputs"
+                                : std::to_string(outputs) + " outputs");
+  run.report.Add(
+      "answers_within_a_cycle", in_time,
+      "half of the outputs within " + std::to_string(std::lround(1e6 * period_s)) + " us",
+      outputs == 0 ? "no outputs"
+                   : "median " + std::to_string(std::lround(1e6 * median_s)) + " us");
+}
+
+}  // namespace sinew::conform
