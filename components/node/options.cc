@@ -72,6 +72,19 @@ void AddFlag(CLI::App& app, const std::string& name, bool* value, const std::str
   app.add_flag(name, *value, help);
 }
 
+void AddDomainOptions(CLI::App& app, Options* options) {
+  app.add_option("--domain", options->domain_id, "DDS domain, 0 to 232")
+      ->envname("SINEW_DOMAIN")
+      ->check(CLI::Range(0, 232));
+  app.add_option("--interface", options->interfaces,
+                 "Network interface to be reached on, beside loopback; may be repeated")
+      ->envname("SINEW_INTERFACE")
+      ->delimiter(',')
+      ->type_name("NAME")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
 int RunParticipant(int argc, char** argv, const std::string& component,
                    const std::string& description, const Body& body,
                    const AddOptions& add_options) {
@@ -81,9 +94,7 @@ int RunParticipant(int argc, char** argv, const std::string& component,
   CLI::App app(description, "sinew-" + component);
   app.set_version_flag("--version", std::string(kVersion));
   app.add_option("--name", options.name, "Name of this instance; the component's name by default");
-  app.add_option("--domain", options.domain_id, "DDS domain")
-      ->envname("SINEW_DOMAIN")
-      ->check(CLI::Range(0, 232));
+  AddDomainOptions(app, &options);
   app.add_option("--config", options.config_path, "Configuration file");
   app.add_option("--log-level", options.log_level, "trace, debug, info, warning, error or off")
       ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error", "off"}));

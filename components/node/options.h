@@ -25,6 +25,7 @@ struct Options {
   std::string name;                     // of this instance; the component's name unless --name
   std::string role;                     // what it can be handed over as; the component unless set
   int domain_id = 0;                    // --domain or SINEW_DOMAIN
+  std::vector<std::string> interfaces;  // --interface or SINEW_INTERFACE; none: loopback alone
   std::filesystem::path config_path;    // --config; may be empty
   std::string log_level = "info";       // --log-level
   TimeMode mode = TimeMode::kRealtime;  // --lockstep
@@ -47,6 +48,9 @@ class StopFlag {
   bool requested() const noexcept;
   void Request() noexcept;
 };
+
+// --domain and --interface, of every program that joins a DDS domain.
+void AddDomainOptions(CLI::App& app, Options* options);
 
 // What a participant adds to the common options; called before parsing.
 using AddOptions = std::function<void(CLI::App&)>;

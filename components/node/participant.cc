@@ -7,6 +7,7 @@
 #include "components/node/builtin_qos.h"
 #include "components/node/bytes_type.h"
 #include "components/node/node.h"
+#include "components/node/transports.h"
 
 namespace sinew::node::internal {
 
@@ -86,6 +87,7 @@ Participant::Participant(const Options& options, dds::DomainParticipantListener*
   }
   qos.name(options.name.c_str());
   UseFreshPorts(options.domain_id, &qos);
+  RestrictTransports(options, &qos);
   participant_ = factory->create_participant(static_cast<std::uint32_t>(options.domain_id), qos,
                                              listener, dds::StatusMask::none());
   if (participant_ == nullptr) {

@@ -1,5 +1,8 @@
 #include "tools/launch/deployment.h"
 
+#include <net/if.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <charconv>
 #include <optional>
@@ -35,6 +38,36 @@ bool IsName(const std::string& name) {
   return !name.empty() && name.size() <= 64 &&
          std::all_of(name.begin(), name.end(),
                      [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; });
+}
+
+// Names of this machine's interfaces, as text for messages.
+std::string InterfaceNames() {
+  std::string names;
+  struct if_nameindex* list = ::if_nameindex();
+  if (list == nullptr) return "none can be listed";
+  for (const struct if_nameindex* entry = list; entry->if_index != 0; ++entry) {
+    names += (names.empty() ? "" : ", ") + std::string(entry->if_name);
+  }
+  ::if_freenameindex(list);
+  return names;
+}
+
+// Empty: every name is an interface of this machine.
+std::string UnknownInterface(const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    if (::if_nametoindex(name.c_str()) == 0) return name;
+  }
+  return {};
+}
+
+std::vector<std::string> ReadInterfaces(const config::Section& network) {
+  std::vector<std::string> names = network.TextsOr("interfaces", {});
+  const std::string unknown = UnknownInterface(names);
+  if (!unknown.empty()) {
+    network.Fail("interfaces", "no interface '" + unknown +
+                                   "', expected names of this machine's: " + InterfaceNames());
+  }
+  return names;
 }
 
 Process ReadProcess(const config::Section& section, const fs::path& folder, bool lockstep) {
@@ -163,12 +196,19 @@ void ApplySetting(const std::string& setting, const fs::path& folder, Deployment
     deployment->seed = ParseWhole(setting, value, ~std::uint64_t{0});
   } else if (key == "domain_id") {
     deployment->domain_id = static_cast<int>(ParseWhole(setting, value, kLargestDomain));
+  } else if (key == "interfaces") {
+    deployment->interfaces.clear();
+    std::istringstream names(value);
+    for (std::string name; std::getline(names, name, ',');) deployment->interfaces.push_back(name);
+    if (!UnknownInterface(deployment->interfaces).empty()) {
+      FailOption("--set", setting, "names of this machine's interfaces: " + InterfaceNames());
+    }
   } else if (key == "realtime_priority") {
     if (value != "true" && value != "false") FailOption("--set", setting, "true or false");
     deployment->realtime_priority = value == "true";
   } else {
     FailOption("--set", setting,
-               "one of mode, duration_s, seed, domain_id, realtime_priority, grace_s, "
+               "one of mode, duration_s, seed, domain_id, interfaces, realtime_priority, grace_s, "
                "PROCESS.config, PROCESS.program, PROCESS.restart");
   }
 }
@@ -281,6 +321,14 @@ void AddProviderOptions(const Deployment& deployment, std::vector<std::string>* 
   if (!await.empty()) line->insert(line->end(), {"--await", await});
 }
 
+// Named also when it is loopback alone, so that SINEW_INTERFACE of a shell opens no robot.
+void AddInterfaces(const Deployment& deployment, std::vector<std::string>* line) {
+  for (const std::string& name : deployment.interfaces) {
+    line->insert(line->end(), {"--interface", name});
+  }
+  if (deployment.interfaces.empty()) line->insert(line->end(), {"--interface", "lo"});
+}
+
 }  // namespace
 
 const Process* Deployment::Find(const std::string& process_name) const {
@@ -297,6 +345,7 @@ Deployment LoadDeployment(const fs::path& file, const Overrides& overrides,
   deployment.file = file;
   deployment.name = root.TextOr("name", file.stem().string());
   deployment.domain_id = static_cast<int>(root.IntegerOr("domain_id", 0, {0, kLargestDomain}));
+  deployment.interfaces = ReadInterfaces(root.ChildOrEmpty("network"));
   deployment.lockstep = root.ChoiceOr("mode", "realtime", {"realtime", "lockstep"}) == "lockstep";
   deployment.duration_s = root.NumberOr("duration_s", 0.0, config::kNotNegative);
   deployment.seed = static_cast<std::uint64_t>(root.IntegerOr("seed", 1, config::kNotNegative));
@@ -362,6 +411,7 @@ std::vector<std::string> CommandLine(const Deployment& deployment, const Process
     line.insert(line.end(),
                 {"--name", process.name, "--domain", std::to_string(deployment.domain_id), "--seed",
                  std::to_string(deployment.seed)});
+    AddInterfaces(deployment, &line);
     if (deployment.lockstep) line.push_back("--lockstep");
     if (deployment.realtime_priority) line.push_back("--realtime");
     if (!process.config.empty()) line.insert(line.end(), {"--config", process.config.string()});

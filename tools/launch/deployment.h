@@ -34,6 +34,7 @@ struct Deployment {
   std::filesystem::path file;
   std::string name;
   int domain_id = 0;
+  std::vector<std::string> interfaces;  // beside loopback; empty: nobody on a network is heard
   bool lockstep = false;
   double duration_s = 0.0;  // 0: until stopped
   std::uint64_t seed = 1;
@@ -48,8 +49,9 @@ struct Deployment {
 
 // What a user changes on the command line without editing the file.
 struct Overrides {
-  // KEY=VALUE with KEY one of mode, duration_s, seed, domain_id, realtime_priority, grace_s or
-  // PROCESS.config, PROCESS.program, PROCESS.restart (paths relative to the working folder).
+  // KEY=VALUE with KEY one of mode, duration_s, seed, domain_id, interfaces (NAME,NAME),
+  // realtime_priority, grace_s or PROCESS.config, PROCESS.program, PROCESS.restart (paths relative
+  // to the working folder).
   std::vector<std::string> settings;
   std::vector<std::string> arguments;  // PROCESS=ARGUMENT, added to the process
   std::vector<std::string> without;    // names of processes left out

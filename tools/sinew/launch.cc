@@ -138,7 +138,8 @@ void AddDeploymentOptions(CLI::App& command, LaunchOptions* options) {
       ->type_name("FILE.mcap");
   command
       .add_option("--set", options->overrides.settings,
-                  "Override a key: mode, duration_s, seed, domain_id, realtime_priority, grace_s, "
+                  "Override a key: mode, duration_s, seed, domain_id, interfaces, realtime_priority, "
+                  "grace_s, "
                   "PROCESS.config, PROCESS.program, PROCESS.restart")
       ->type_name("KEY=VALUE")
       ->take_all()

@@ -11,13 +11,11 @@
 
 namespace sinew::tools {
 
-// --domain, --lockstep, --qos. The component is the command's name.
+// --domain, --interface, --lockstep, --qos. The component is the command's name.
 inline void AddNodeOptions(CLI::App& command, node::Options* options) {
   options->component = command.get_name();
   options->name = command.get_name();
-  command.add_option("--domain", options->domain_id, "DDS domain, 0 to 232")
-      ->envname("SINEW_DOMAIN")
-      ->check(CLI::Range(0, 232));
+  node::AddDomainOptions(command, options);
   command.add_flag_callback(
       "--lockstep", [options] { options->mode = node::TimeMode::kLockstep; },
       "The deployment runs in lockstep");

@@ -181,9 +181,7 @@ void AddOne(CLI::App& app, const Request& request, const std::string& descriptio
             const std::string& note) {
   auto options = std::make_shared<OperatorOptions>();
   CLI::App* command = app.add_subcommand(request.name, description);
-  command->add_option("--domain", options->node.domain_id, "DDS domain, 0 to 232")
-      ->envname("SINEW_DOMAIN")
-      ->check(CLI::Range(0, 232));
+  node::AddDomainOptions(*command, &options->node);
   command->add_option("--reason", options->reason, "For the log of the provider, 63 characters");
   command->add_option("--timeout", options->timeout_s, "Seconds to wait for the robot's answer")
       ->check(CLI::PositiveNumber)

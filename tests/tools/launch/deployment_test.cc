@@ -93,15 +93,29 @@ TEST_F(DeploymentTest, ReadsWhatTheFileSays) {
 
 TEST_F(DeploymentTest, CommandLinesCarryTheCommonOptionsThenTheirOwn) {
   const Deployment two = Load(kTwo);
-  EXPECT_THAT(CommandLine(two, two.processes[0]),
-              ElementsAre((folder_.path() / "bin/sinew-plant").string(), "--name", "plant",
-                          "--domain", "7", "--seed", "9", "--lockstep", "--config",
-                          (folder_.path() / "plant.yaml").string(), "--duration", "2.5", "--await",
-                          "joint_command,recording_progress:64", "--effect", "stribeck"));
+  EXPECT_THAT(
+      CommandLine(two, two.processes[0]),
+      ElementsAre((folder_.path() / "bin/sinew-plant").string(), "--name", "plant", "--domain", "7",
+                  "--seed", "9", "--interface", "lo", "--lockstep", "--config",
+                  (folder_.path() / "plant.yaml").string(), "--duration", "2.5", "--await",
+                  "joint_command,recording_progress:64", "--effect", "stribeck"));
   EXPECT_THAT(CommandLine(two, two.processes[1]),
               ElementsAre((folder_.path() / "bin/sinew-logger").string(), "--name", "logger",
-                          "--domain", "7", "--seed", "9", "--lockstep", "--note", "deployment=two",
-                          "--out", "old.mcap"));
+                          "--domain", "7", "--seed", "9", "--interface", "lo", "--lockstep",
+                          "--note", "deployment=two", "--out", "old.mcap"));
+}
+
+TEST_F(DeploymentTest, NamedInterfacesAreHandedToEveryProgram) {
+  Overrides overrides;
+  const Deployment named =
+      Load(Changed("domain_id: 7\n", "domain_id: 7\nnetwork: {interfaces: [lo]}\n"));
+  EXPECT_THAT(named.interfaces, ElementsAre("lo"));
+  overrides.settings = {"interfaces=lo,lo"};
+  const Deployment two = Load(kTwo, overrides);
+  for (const Process& process : two.processes) {
+    const std::vector<std::string> line = CommandLine(two, process);
+    EXPECT_EQ(std::count(line.begin(), line.end(), "--interface"), 2) << process.name;
+  }
 }
 
 TEST_F(DeploymentTest, PlainProgramsGetTheirOwnArgumentsOnly) {
@@ -118,10 +132,10 @@ TEST_F(DeploymentTest, OverridesChangeWhatTheFileSays) {
   overrides.arguments = {"plant=--scale=2=3"};
   overrides.record = "new.mcap";
   const Deployment two = Load(kTwo, overrides);
-  EXPECT_THAT(
-      CommandLine(two, two.processes[0]),
-      ElementsAre((folder_.path() / "bin/sinew-plant").string(), "--name", "plant", "--domain",
-                  "11", "--seed", "3", "--config", other_, "--effect", "stribeck", "--scale=2=3"));
+  EXPECT_THAT(CommandLine(two, two.processes[0]),
+              ElementsAre((folder_.path() / "bin/sinew-plant").string(), "--name", "plant",
+                          "--domain", "11", "--seed", "3", "--interface", "lo", "--config", other_,
+                          "--effect", "stribeck", "--scale=2=3"));
   EXPECT_EQ(two.processes[0].restart, Restart::kAlways);
   EXPECT_THAT(two.processes[1].arguments,
               ElementsAre("--out", (std::filesystem::current_path() / "new.mcap").string()));
@@ -198,6 +212,11 @@ INSTANTIATE_TEST_SUITE_P(
         BadFile{"duration_s: 2.5", "duration_s: .nan", {":5:", "duration_s"}},
         BadFile{"duration_s: 2.5", "duration_s: -1", {":5:", "duration_s"}},
         BadFile{"domain_id: 7", "domain_id: 233", {":3:", "domain_id", "232"}},
+        BadFile{"domain_id: 7",
+                "network: {interfaces: [nowhere0]}",
+                {":3:", "network.interfaces", "'nowhere0'", "lo"}},
+        BadFile{
+            "domain_id: 7", "network: {interface: lo}", {":3:", "'network.interface'", "unknown"}},
         BadFile{"mode: lockstep", "mode: fast", {":4:", "realtime, lockstep"}},
         BadFile{"provider: plant", "provider: robot", {":7:", "'robot'", "name of a process"}},
         BadFile{"program: sinew-plant", "program: sinew-plan", {":11:", "'sinew-plan'", "PATH"}},
@@ -243,6 +262,7 @@ INSTANTIATE_TEST_SUITE_P(
                       BadOverride{{{"seed=x"}, {}, {}, {}}, "whole number"},
                       BadOverride{{{"seed=-1"}, {}, {}, {}}, "whole number"},
                       BadOverride{{{"domain_id=300"}, {}, {}, {}}, "232"},
+                      BadOverride{{{"interfaces=nowhere0"}, {}, {}, {}}, "interfaces: lo"},
                       BadOverride{{{"duration_s=nan"}, {}, {}, {}}, "number"},
                       BadOverride{{{"speed=1"}, {}, {}, {}}, "mode"},
                       BadOverride{{{"robot.config=x"}, {}, {}, {}}, "plant, logger"},

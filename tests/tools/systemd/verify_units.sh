@@ -45,6 +45,9 @@ grep -q '^RuntimeDirectory=sinew$' "$units/sinew@can-bridge.service.d/order.conf
 # --realtime asks for SCHED_FIFO and locked memory.
 for unit in sinew@.service sinew-logger.service sinew-estop.service; do
   grep -q '^LimitMEMLOCK=infinity$' "$units/$unit" || fail "$unit: memory cannot be locked"
+  grep -q '^IPAddressDeny=any$' "$units/$unit" || fail "$unit: every network reaches it"
+  allowed=$(sed -n 's/^IPAddressAllow=//p' "$units/$unit")
+  [ "$allowed" = "localhost 239.255.0.1" ] || fail "$unit: '$allowed' is let through, expected loopback and discovery there"
   limit=$(sed -n 's/^LimitRTPRIO=//p' "$units/$unit")
   [ "${limit:-0}" -ge 48 ] || fail "$unit: LimitRTPRIO is ${limit:-0}, --realtime asks for up to 48"
   if grep -E '^(RestrictRealtime|PrivateNetwork|PrivateIPC)=yes' "$units/$unit"; then
