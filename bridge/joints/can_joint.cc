@@ -32,6 +32,7 @@ CanJoint::CanJoint(const JointConfig& config, const BridgeTiming& timing,
       outbox_(outbox),
       measured_(config),
       fault_(config),
+      encoders_(config),
       axis_(ToNs(timing.closed_loop_timeout_s)) {}
 
 void CanJoint::Reset() {
@@ -71,9 +72,13 @@ void CanJoint::ShutDown(std::int64_t now_ns) {
 void CanJoint::Assess(std::int64_t now_ns, const can::Transport& bus) {
   const ErrorAction action = axis_.AssessErrors(now_ns, fault_, &measured_);
   if (action == ErrorAction::kClear) exchange_->Send(can::ClearErrors{});
+  const bool active = axis_.phase() == AxisPhase::kActive;
+  if (!active) encoders_.Restart();
+  encoders_.Update(measured_, now_ns);
   const FaultRule* rule = AssessFaults({.measured = measured_,
                                         .timing = timing_,
-                                        .active = axis_.phase() == AxisPhase::kActive,
+                                        .encoders = encoders_,
+                                        .active = active,
                                         .now_ns = now_ns},
                                        &fault_);
   if (rule != nullptr && rule->silence && bus.link() != can::Link::kUp) {
@@ -195,7 +200,7 @@ CanJoint::News CanJoint::TakeFromAxis(const can::Received& received) {
 }
 
 CanJoint::News CanJoint::TakeFromNode(const can::Received& received) {
-  return {.malformed = measured_.TakeFromNode(received) == Taken::kMalformed};
+  return {.malformed = measured_.TakeFromNode(received, &fault_) == Taken::kMalformed};
 }
 
 void CanJoint::TakeFromGateway(const can::EncoderEstimates& estimates, double iq_A,

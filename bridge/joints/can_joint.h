@@ -94,6 +94,7 @@ class CanJoint {
   FrameOutbox* outbox_;
   JointMeasurement measured_;
   FaultLatch fault_;
+  EncoderWatch encoders_;
   AxisStateMachine axis_;
   double setpoint_rad_ = 0.0;  // last position setpoint, output
   PositionRange range_;        // where torque may move it

@@ -95,6 +95,7 @@ void CheckJoint(const JointConfig& c, NodeNumbers* nodes) {
   Require(limits.motor_torque_Nm > 0.0 && limits.current_A > 0.0 && limits.velocity_rad_s > 0.0,
           who + "limits of torque, current and velocity must be positive");
   CheckZeroCheck(who, c);
+  Require(c.compliance_rad >= 0.0, who + "compliance_rad must not be negative");
   Require(
       limits.lower_rad < limits.upper_rad && limits.margin_rad >= 0.0,
       who + "position limits must have lower_rad < upper_rad and a margin that is not negative");

@@ -73,6 +73,8 @@ JointConfig ReadJoint(const config::Section& section, const std::vector<can::Bus
                                  check.Number("tolerance_rad", config::kPositive)};
     check.RejectUnknownKeys();
   }
+  joint.compliance_rad =
+      section.NumberOr("compliance_rad", joint.compliance_rad, config::kNotNegative);
   joint.home_by_whole_turns =
       section.ChoiceOr("homing", "none", {"none", "whole_turns"}) == "whole_turns";
   section.RejectUnknownKeys();
