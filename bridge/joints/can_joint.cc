@@ -32,6 +32,7 @@ CanJoint::CanJoint(const JointConfig& config, const BridgeTiming& timing,
       outbox_(outbox),
       measured_(config),
       fault_(config),
+      encoders_(config),
       axis_(ToNs(timing.closed_loop_timeout_s)) {}
 
 void CanJoint::Reset() {
@@ -71,9 +72,13 @@ void CanJoint::ShutDown(std::int64_t now_ns) {
 void CanJoint::Assess(std::int64_t now_ns, const can::Transport& bus) {
   const ErrorAction action = axis_.AssessErrors(now_ns, fault_, &measured_);
   if (action == ErrorAction::kClear) exchange_->Send(can::ClearErrors{});
+  const bool active = axis_.phase() == AxisPhase::kActive;
+  if (!active) encoders_.Restart();
+  encoders_.Update(measured_, now_ns);
   const FaultRule* rule = AssessFaults({.measured = measured_,
                                         .timing = timing_,
-                                        .active = axis_.phase() == AxisPhase::kActive,
+                                        .encoders = encoders_,
+                                        .active = active,
                                         .now_ns = now_ns},
                                        &fault_);
   if (rule != nullptr && rule->silence && bus.link() != can::Link::kUp) {
@@ -92,7 +97,10 @@ void CanJoint::Command(const JointCommand& command, double period_s, std::int64_
   if (command.mode != ControlMode::kIdle && !finite) {
     fault_.Fail(FaultKind::kNotFinite, "a command that is not finite");
   }
+  const bool was_active = axis_.phase() == AxisPhase::kActive;
   const AxisDecision decision = axis_.Step(command.mode, measured_, now_ns, &fault_);
+  range_ = was_active ? Narrowed(config_.limits, range_, measured_.position_rad())
+                      : RangeFrom(config_.limits, measured_.position_rad());
   if (decision.restart_setpoint) setpoint_rad_ = measured_.motor_position_at_output_rad();
   switch (decision.request) {
     case AxisRequest::kIdle:
@@ -119,19 +127,21 @@ void CanJoint::Command(const JointCommand& command, double period_s, std::int64_
 void CanJoint::SendSetpoint(const JointCommand& command, double period_s) {
   const JointConfig& c = config_;
   const double rev_per_rad = c.direction * c.gear_ratio / types::kTwoPi;
+  const Envelope envelope = EnvelopeOf(c, period_s);
+  const MeasuredMotion motion{measured_.motor_velocity_rad_s() / c.gear_ratio,
+                              measured_.position_rad()};
   switch (axis_.mode()) {
     case ControlMode::kTorque: {
-      const MeasuredMotion motion{measured_.motor_velocity_rad_s() / c.gear_ratio,
-                                  measured_.position_rad()};
       const double torque_Nm =
-          LimitTorque(c.limits, c.torque_constant_Nm_A, motion, command.motor_torque_Nm);
+          LimitTorque(c.limits, envelope, range_, motion, command.motor_torque_Nm);
       exchange_->Send(can::SetInputTorque{
           c.direction * torque_Nm * c.controller_torque_constant_Nm_A / c.torque_constant_Nm_A});
       break;
     }
     case ControlMode::kPosition: {
-      const PositionSetpoint setpoint = LimitPosition(
-          c.limits, setpoint_rad_, period_s, {command.position_rad, command.velocity_rad_s});
+      const PositionSetpoint setpoint =
+          LimitPosition(c.limits, envelope, setpoint_rad_, period_s,
+                        {command.position_rad, command.velocity_rad_s});
       setpoint_rad_ = setpoint.position_rad;
       if (!exchange_->SendPosition(measured_.Revolutions(setpoint.position_rad),
                                    setpoint.velocity_rad_s * rev_per_rad)) {
@@ -141,7 +151,7 @@ void CanJoint::SendSetpoint(const JointCommand& command, double period_s) {
     }
     case ControlMode::kVelocity: {
       const double velocity_rad_s =
-          LimitVelocity(c.limits, measured_.position_rad(), command.velocity_rad_s);
+          LimitVelocity(c.limits, envelope, motion, command.velocity_rad_s);
       exchange_->Send(can::SetInputVel{velocity_rad_s * rev_per_rad, 0.0});
       break;
     }
@@ -190,7 +200,7 @@ CanJoint::News CanJoint::TakeFromAxis(const can::Received& received) {
 }
 
 CanJoint::News CanJoint::TakeFromNode(const can::Received& received) {
-  return {.malformed = measured_.TakeFromNode(received) == Taken::kMalformed};
+  return {.malformed = measured_.TakeFromNode(received, &fault_) == Taken::kMalformed};
 }
 
 void CanJoint::TakeFromGateway(const can::EncoderEstimates& estimates, double iq_A,

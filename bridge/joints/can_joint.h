@@ -21,6 +21,7 @@
 #include "bridge/can/sensor_node.h"
 #include "bridge/can/transport/transport.h"
 #include "bridge/joints/axis_state.h"
+#include "bridge/joints/braking.h"
 #include "bridge/joints/bus_statistics.h"
 #include "bridge/joints/exchange.h"
 #include "bridge/joints/faults.h"
@@ -93,8 +94,10 @@ class CanJoint {
   FrameOutbox* outbox_;
   JointMeasurement measured_;
   FaultLatch fault_;
+  EncoderWatch encoders_;
   AxisStateMachine axis_;
   double setpoint_rad_ = 0.0;  // last position setpoint, output
+  PositionRange range_;        // where torque may move it
   std::uint8_t valve_sequence_ = 0;
   RequestTimer estimates_request_;
   RequestTimer iq_request_;

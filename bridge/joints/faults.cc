@@ -11,6 +11,13 @@ bool IsOlder(const FaultInput& in, std::int64_t stamp_ns, double limit_s) {
   return in.now_ns - stamp_ns > ToNs(limit_s);
 }
 
+std::string Beyond(const char* what, double beyond_rad) {
+  char text[128];
+  std::snprintf(text, sizeof text, "%s, %.3f rad more than play and compliance allow", what,
+                beyond_rad);
+  return text;
+}
+
 constexpr std::array kRules = {
     FaultRule{FaultKind::kAxisError,
               [](const FaultInput& in) { return in.measured.heartbeat.axis_error != 0; },
@@ -59,14 +66,56 @@ constexpr std::array kRules = {
                               in.measured.position_rad());
                 return std::string(text);
               }},
+    // Limits: encoder_watch.h. A frozen encoder slips as well, so that it comes first.
+    FaultRule{FaultKind::kEncoderFrozen,
+              [](const FaultInput& in) {
+                return in.active && (in.encoders.output_still_rad() > 0.0 ||
+                                     in.encoders.motor_still_rad() > 0.0);
+              },
+              [](const FaultInput& in) {
+                return in.encoders.output_still_rad() > 0.0
+                           ? Beyond("the output encoder stands still while the motor turns",
+                                    in.encoders.output_still_rad())
+                           : Beyond("the motor encoder stands still while the joint turns",
+                                    in.encoders.motor_still_rad());
+              }},
+    FaultRule{FaultKind::kEncodersDisagree,
+              [](const FaultInput& in) {
+                return in.active && in.encoders.slip_s() > kSlipPersists_s &&
+                       in.encoders.slip_grows();
+              },
+              [](const FaultInput& in) {
+                return Beyond("the output does not turn as fast as the motor: the encoders differ",
+                              in.encoders.slip_rad());
+              }},
+    FaultRule{
+        FaultKind::kEncoderSlipped,
+        [](const FaultInput& in) { return in.active && in.encoders.slip_s() > kSlipPersists_s; },
+        [](const FaultInput& in) {
+          return Beyond("an encoder or the gear slipped: the encoders differ",
+                        in.encoders.slip_rad());
+        }},
 };
 
 }  // namespace
 
 const char* FaultName(FaultKind kind) {
-  static constexpr std::array<const char*, kFaultKinds> kNames = {
-      "none",    "axis error", "heartbeat lost", "estimates lost", "node lost",  "encoder jump",
-      "too hot", "overspeed",  "out of range",   "no closed loop", "zero check", "not finite"};
+  static constexpr std::array<const char*, kFaultKinds> kNames = {"none",
+                                                                  "axis error",
+                                                                  "heartbeat lost",
+                                                                  "estimates lost",
+                                                                  "node lost",
+                                                                  "encoder jump",
+                                                                  "too hot",
+                                                                  "overspeed",
+                                                                  "out of range",
+                                                                  "no closed loop",
+                                                                  "zero check",
+                                                                  "not finite",
+                                                                  "output encoder jump",
+                                                                  "encoder frozen",
+                                                                  "encoder slipped",
+                                                                  "encoders disagree"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 

@@ -3,9 +3,9 @@
 //
 // A fault is latched until the operator's reset, and only a fault that was reported is reset. The
 // first fault is the cause; later ones change nothing. The rules of the table are assessed in
-// order, in every cycle. Faults of events are raised where the event is: kEncoderJump by
-// JointMeasurement, kNoClosedLoop and kZero by AxisStateMachine, kNotFinite and the compact
-// exchange's kOutOfRange by CanPlant.
+// order, in every cycle. Faults of events are raised where the event is: kEncoderJump and
+// kOutputJump by JointMeasurement, kNoClosedLoop and kZero by AxisStateMachine, kNotFinite and the
+// compact exchange's kOutOfRange by CanPlant.
 //
 // Pure; one thread; allocates only when a fault begins or gets an error code.
 #pragma once
@@ -15,6 +15,7 @@
 #include <string>
 #include <string_view>
 
+#include "bridge/joints/encoder_watch.h"
 #include "bridge/joints/joint_config.h"
 #include "bridge/joints/joint_measurement.h"
 
@@ -33,8 +34,12 @@ enum class FaultKind {
   kNoClosedLoop,
   kZero,
   kNotFinite,
+  kOutputJump,
+  kEncoderFrozen,
+  kEncoderSlipped,
+  kEncodersDisagree,
 };
-inline constexpr int kFaultKinds = static_cast<int>(FaultKind::kNotFinite) + 1;
+inline constexpr int kFaultKinds = static_cast<int>(FaultKind::kEncodersDisagree) + 1;
 
 const char* FaultName(FaultKind kind);  // "axis error"
 
@@ -74,6 +79,7 @@ class FaultLatch {
 struct FaultInput {
   const JointMeasurement& measured;
   const BridgeTiming& timing;
+  const EncoderWatch& encoders;
   bool active = false;  // in closed-loop control, following commands
   std::int64_t now_ns = 0;
 };

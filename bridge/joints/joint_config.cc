@@ -8,6 +8,7 @@
 
 #include "bridge/can/compact.h"
 #include "bridge/can/sensor_node.h"
+#include "bridge/joints/braking.h"
 #include "components/provider/plant.h"
 #include "components/types/angle.h"
 #include "components/types/joints.h"
@@ -64,6 +65,21 @@ void CheckZeroCheck(const std::string& who, const JointConfig& c) {
   Require(!c.home_by_whole_turns || largest_rev < 0.5, who + text);
 }
 
+void CheckBraking(const std::string& who, const JointConfig& c) {
+  const Braking& b = *c.limits.braking;
+  Require(b.reflected_inertia_kg_m2 > 0.0 && b.max_inertia_kg_m2 >= b.reflected_inertia_kg_m2,
+          who + "braking needs 0 < reflected_inertia_kg_m2 <= max_inertia_kg_m2");
+  Require(b.load_torque_Nm >= 0.0 && b.command_delay_s >= 0.0,
+          who + "braking needs load_torque_Nm >= 0 and command_delay_ms >= 0");
+  char text[128];
+  const double a = BrakingDeceleration(c);
+  std::snprintf(text, sizeof text,
+                "braking: the motor cannot brake a load of %.3g Nm (%.3g rad/s^2 remain), expected "
+                "above 0",
+                b.load_torque_Nm, a);
+  Require(a > 0.0, who + text);
+}
+
 void CheckJoint(const JointConfig& c, NodeNumbers* nodes) {
   const std::string who = "joint '" + c.name + "': ";
   nodes->Claim(who, c.bus, c.node);
@@ -79,9 +95,11 @@ void CheckJoint(const JointConfig& c, NodeNumbers* nodes) {
   Require(limits.motor_torque_Nm > 0.0 && limits.current_A > 0.0 && limits.velocity_rad_s > 0.0,
           who + "limits of torque, current and velocity must be positive");
   CheckZeroCheck(who, c);
+  Require(c.compliance_rad >= 0.0, who + "compliance_rad must not be negative");
   Require(
       limits.lower_rad < limits.upper_rad && limits.margin_rad >= 0.0,
       who + "position limits must have lower_rad < upper_rad and a margin that is not negative");
+  if (limits.braking) CheckBraking(who, c);
 }
 
 }  // namespace

@@ -132,7 +132,22 @@ void JointMeasurement::TakeEstimates(const can::EncoderEstimates& news, std::int
   estimates_ns = stamp_ns;
 }
 
-Taken JointMeasurement::TakeFromNode(const can::Received& received) {
+void JointMeasurement::AssessOutputStep(const can::OutputEncoder& before, std::int64_t stamp_ns,
+                                        FaultLatch* fault) const {
+  const double dt_s =
+      1e-9 * static_cast<double>(std::max<std::int64_t>(stamp_ns - output_ns, 0)) + kQueued_s;
+  const double play_rad = config->zero_check ? config->zero_check->play_rad : 0.0;
+  const double fastest_rad_s =
+      std::max(kOverspeed * config->limits.velocity_rad_s, std::abs(before.velocity_rad_s));
+  const double step_rad = std::abs(output.angle_rad - before.angle_rad);
+  if (step_rad <= fastest_rad_s * dt_s + play_rad + kOutputJump_rad) return;
+  char text[96];
+  std::snprintf(text, sizeof text, "the output encoder jumped by %.3f rad in %.1f ms", step_rad,
+                1e3 * (dt_s - kQueued_s));
+  fault->Fail(FaultKind::kOutputJump, text);
+}
+
+Taken JointMeasurement::TakeFromNode(const can::Received& received, FaultLatch* fault) {
   switch (static_cast<can::NodeCommand>(can::AddressOf(received.frame)->command)) {
     case can::NodeCommand::kOutputEncoder:
       if (const auto m = can::DecodeOutputEncoder(received.frame)) {
@@ -144,7 +159,10 @@ Taken JointMeasurement::TakeFromNode(const can::Received& received) {
           output.angle_rad = before.angle_rad;
           output.velocity_rad_s = before.velocity_rad_s;
         }
-        if (fresh && m->encoder_valid) output_ns = received.stamp_ns;
+        if (fresh && m->encoder_valid) {
+          if (output_ns != 0) AssessOutputStep(before, received.stamp_ns, fault);
+          output_ns = received.stamp_ns;
+        }
         return Taken::kStored;
       }
       break;

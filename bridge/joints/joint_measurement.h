@@ -6,7 +6,9 @@
 //     q = node direction * (angle - zero_rad), or m / gear_ratio without a sensor node
 //
 // Estimates that jump further than the joint can turn are a fault (kEncoderJump): more than the
-// overspeed limit or the last velocity allows in the time between, and a quarter turn.
+// overspeed limit or the last velocity allows in the time between, and a quarter turn. The output's
+// angle (kOutputJump) may in addition be thrown through the play, and kOutputJump_rad: 30 steps of
+// a 14 bit encoder.
 //
 // Stamps are those of the frames on the transport's clock; 0: nothing came since the start.
 // Pure; one thread; allocates only for the text of a fault.
@@ -24,6 +26,8 @@ namespace sinew::bridge {
 
 class FaultLatch;
 
+inline constexpr double kOutputJump_rad = 0.0115;
+
 enum class Taken {
   kUnused,     // a message that the bridge does not use
   kMalformed,  // too short, or a value that is not finite: nothing changed
@@ -39,7 +43,7 @@ struct JointMeasurement {
   // the fault they explain.
   Taken TakeFromAxis(const can::Received& received, FaultLatch* fault);
   // A frame of the joint's sensor node.
-  Taken TakeFromNode(const can::Received& received);
+  Taken TakeFromNode(const can::Received& received, FaultLatch* fault);
   void TakeEstimates(const can::EncoderEstimates& news, std::int64_t stamp_ns, FaultLatch* fault);
 
   // The controller's errors are cleared now; a heartbeat up to this stamp is from before that.
@@ -58,6 +62,10 @@ struct JointMeasurement {
   std::int64_t oldest_ns() const;
   // What has not been received since the start, as "no heartbeat of axis node 3"; empty: nothing.
   std::string Missing() const;
+
+  // Raises kOutputJump; `output` is the new one.
+  void AssessOutputStep(const can::OutputEncoder& before, std::int64_t stamp_ns,
+                        FaultLatch* fault) const;
 
   const JointConfig* config;
   can::Heartbeat heartbeat;

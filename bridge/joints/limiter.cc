@@ -1,44 +1,82 @@
 #include "bridge/joints/limiter.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace sinew::bridge {
 namespace {
 
-bool IsOutwards(const JointLimits& limits, double position_rad, double command) {
-  return (command > 0.0 && position_rad > limits.upper_rad) ||
-         (command < 0.0 && position_rad < limits.lower_rad);
+// A setpoint so near to the wanted one is it: the envelope's last part has no end.
+constexpr double kArrived_rad = 1e-6;
+
+double Taper(double limit_rad_s, double forward_rad_s) {
+  if (limit_rad_s <= 0.0) return 0.0;
+  return std::clamp((limit_rad_s - forward_rad_s) / (kTaper * limit_rad_s), 0.0, 1.0);
+}
+
+// The largest velocity towards each limit, from a distance to it.
+double FastestOutwards(const JointLimits& limits, const Envelope& envelope, double distance_rad) {
+  return std::clamp(EnvelopeVelocity(envelope, distance_rad), 0.0, limits.velocity_rad_s);
+}
+
+double ClampVelocity(const JointLimits& limits, const Envelope& envelope, double to_lower_rad,
+                     double to_upper_rad, double velocity_rad_s) {
+  return std::clamp(velocity_rad_s, -FastestOutwards(limits, envelope, to_lower_rad),
+                    FastestOutwards(limits, envelope, to_upper_rad));
 }
 
 }  // namespace
 
-double LimitTorque(const JointLimits& limits, double torque_constant_Nm_A,
+double LimitTorque(const JointLimits& limits, const Envelope& envelope, const PositionRange& range,
                    const MeasuredMotion& measured, double torque_Nm) {
-  const double most_Nm = std::min(limits.motor_torque_Nm, limits.current_A * torque_constant_Nm_A);
+  const double most_Nm = envelope.motor_torque_Nm;
   const double clamped_Nm = std::clamp(torque_Nm, -most_Nm, most_Nm);
-  const double forward_rad_s =
-      clamped_Nm > 0.0 ? measured.velocity_rad_s : -measured.velocity_rad_s;
-  const double share = (limits.velocity_rad_s - forward_rad_s) / (kTaper * limits.velocity_rad_s);
-  const double tapered_Nm = clamped_Nm * std::clamp(share, 0.0, 1.0);
-  return IsOutwards(limits, measured.position_rad, tapered_Nm) ? 0.0 : tapered_Nm;
+  const double v = measured.velocity_rad_s;
+  const double to_upper_rad = range.upper_rad - measured.position_rad;
+  const double to_lower_rad = measured.position_rad - range.lower_rad;
+  const bool up = clamped_Nm > 0.0;
+  const double forward_rad_s = up ? v : -v;
+  double fastest_rad_s = limits.velocity_rad_s;
+  if (!envelope.brakes()) {
+    const double distance_rad =
+        DistanceAfterLatency(envelope, up ? to_upper_rad : to_lower_rad, forward_rad_s);
+    fastest_rad_s = FastestOutwards(limits, envelope, distance_rad);
+  }
+  const double tapered_Nm = clamped_Nm * Taper(fastest_rad_s, forward_rad_s);
+  if (!envelope.brakes()) return tapered_Nm;
+  const double most_up_Nm = LargestTorque(envelope, to_upper_rad, v);
+  const double most_down_Nm = -LargestTorque(envelope, to_lower_rad, -v);
+  // The limit that the joint moves to has the last word.
+  return v >= 0.0 ? std::min(std::max(tapered_Nm, most_down_Nm), most_up_Nm)
+                  : std::max(std::min(tapered_Nm, most_up_Nm), most_down_Nm);
 }
 
-double LimitVelocity(const JointLimits& limits, double position_rad, double velocity_rad_s) {
-  const double clamped_rad_s =
-      std::clamp(velocity_rad_s, -limits.velocity_rad_s, limits.velocity_rad_s);
-  return IsOutwards(limits, position_rad, clamped_rad_s) ? 0.0 : clamped_rad_s;
+double LimitVelocity(const JointLimits& limits, const Envelope& envelope,
+                     const MeasuredMotion& measured, double velocity_rad_s) {
+  const double v = measured.velocity_rad_s;
+  return ClampVelocity(limits, envelope,
+                       DistanceAfterLatency(envelope, measured.position_rad - limits.lower_rad, -v),
+                       DistanceAfterLatency(envelope, limits.upper_rad - measured.position_rad, v),
+                       velocity_rad_s);
 }
 
-PositionSetpoint LimitPosition(const JointLimits& limits, double last_rad, double period_s,
-                               const PositionSetpoint& command) {
+PositionSetpoint LimitPosition(const JointLimits& limits, const Envelope& envelope, double last_rad,
+                               double period_s, const PositionSetpoint& command) {
   const double wanted_rad = std::clamp(command.position_rad, limits.lower_rad, limits.upper_rad);
-  const double step_rad = limits.velocity_rad_s * period_s;
+  const double way_rad = wanted_rad - last_rad;
+  // From outside it comes back at the velocity limit; the other limit's envelope is far away.
+  const double step_rad = period_s * FastestOutwards(limits, envelope,
+                                                     way_rad > 0.0 ? limits.upper_rad - last_rad
+                                                                   : last_rad - limits.lower_rad);
   PositionSetpoint next;
-  next.position_rad = last_rad + std::clamp(wanted_rad - last_rad, -step_rad, step_rad);
+  next.position_rad = std::abs(way_rad) <= kArrived_rad
+                          ? wanted_rad
+                          : last_rad + std::clamp(way_rad, -step_rad, step_rad);
   const bool reached = wanted_rad == command.position_rad && next.position_rad == wanted_rad;
   if (reached) {
     next.velocity_rad_s =
-        std::clamp(command.velocity_rad_s, -limits.velocity_rad_s, limits.velocity_rad_s);
+        ClampVelocity(limits, envelope, next.position_rad - limits.lower_rad,
+                      limits.upper_rad - next.position_rad, command.velocity_rad_s);
   }
   return next;
 }

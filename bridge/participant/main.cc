@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "bridge/joints/braking.h"
 #include "bridge/joints/can_plant.h"
 #include "bridge/joints/file/bridge_config.h"
 #include "bridge/participant/prove_watchdogs.h"
@@ -16,6 +17,27 @@
 namespace {
 
 using namespace sinew;
+
+void LogBraking(const bridge::BridgeConfig& config, double period_s) {
+  for (const bridge::JointConfig& joint : config.joints) {
+    const bridge::Envelope e = bridge::EnvelopeOf(joint, period_s);
+    if (!e.brakes()) {
+      spdlog::warn(
+          "joint '{}': no limits.braking: torque towards a position limit is taken away "
+          "within {:.2f} rad of it, but nothing brakes",
+          joint.name, joint.limits.margin_rad);
+      continue;
+    }
+    spdlog::info(
+        "joint '{}': brakes at {:.1f} rad/s^2 before a position limit, a load may hold it "
+        "{:.3f} rad beyond",
+        joint.name, e.deceleration_rad_s2, e.load_beyond_rad);
+    if (e.load_beyond_rad >= joint.limits.margin_rad) {
+      spdlog::warn("joint '{}': that is more than margin_rad, {:.3f} rad: a fault of the joint",
+                   joint.name, joint.limits.margin_rad);
+    }
+  }
+}
 
 void Run(const node::Options& options, node::StopFlag& stop,
          const provider::ProviderOptions& provider_options, bool prove_watchdogs) {
@@ -60,6 +82,7 @@ void Run(const node::Options& options, node::StopFlag& stop,
   if (!file.bridge.arm_refusal.empty()) {
     spdlog::warn("cannot be armed: {}", file.bridge.arm_refusal);
   }
+  LogBraking(file.bridge, 1.0 / provider_options.rate_Hz);
   provider::RunProvider(options, stop, provider_options, guard, plant, estop);
   for (const can::Transport* bus : pointers) {
     const can::TransportCounters counters = bus->counters();

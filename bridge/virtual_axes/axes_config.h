@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "bridge/can/codec.h"
+#include "bridge/virtual_axes/false_encoder.h"
 
 namespace sinew::virtual_axes {
 
@@ -35,6 +36,7 @@ struct AxisConfig {
   double bus_voltage_V = 24.0;
   double encoder_counts_rev = 16384.0;
   AxisRates rates;
+  EncoderFault encoder_fault;  // in revolutions
 };
 
 struct SensorNodeConfig {
@@ -46,6 +48,7 @@ struct SensorNodeConfig {
   int encoder_ms = 4;
   int sensors_ms = 4;
   int heartbeat_ms = 100;
+  EncoderFault encoder_fault;  // in radians
 };
 
 struct GatewayConfig {

@@ -49,7 +49,8 @@ std::int32_t ToInt32(double value) {
 AxisModel::AxisModel(const AxisConfig& config)
     : config_(config),
       velocity_limit_rev_s_(config.velocity_limit_rev_s),
-      current_limit_A_(config.current_limit_A) {
+      current_limit_A_(config.current_limit_A),
+      encoder_(config.encoder_fault) {
   const AxisRates& r = config.rates;
   const std::array every_ms = {r.heartbeat_ms,       r.encoder_ms,     r.iq_ms,
                                r.bus_voltage_ms,     r.motor_error_ms, r.encoder_error_ms,
@@ -64,8 +65,17 @@ MotorState AxisModel::MotorOf(const provider::PlantSensors& sensors) const {
           config_.direction * sensors.motor_current_A[j]};
 }
 
+MotorState AxisModel::Reported(const provider::PlantSensors& sensors, std::int64_t now_ns) {
+  MotorState motor = MotorOf(sensors);
+  const FalseEncoder::Reading reading = encoder_.Of(
+      {motor.position_rev, motor.velocity_rev_s}, 1e-9 * static_cast<double>(now_ns - started_ns_));
+  motor.position_rev = reading.position;
+  motor.velocity_rev_s = reading.velocity;
+  return motor;
+}
+
 void AxisModel::Start(std::int64_t now_ns, std::int64_t spread_ns) {
-  fed_ns_ = now_ns;
+  fed_ns_ = started_ns_ = now_ns;
   for (Schedule& schedule : schedules_) schedule.Start(now_ns, spread_ns);
 }
 

@@ -41,6 +41,8 @@ class AxisModel {
   int bus() const { return config_.bus; }
   int node() const { return config_.node; }  // Set_Axis_Node_ID changes it
   MotorState MotorOf(const provider::PlantSensors& sensors) const;
+  // As its encoder reports it, which is what it sends.
+  MotorState Reported(const provider::PlantSensors& sensors, std::int64_t now_ns);
 
   // The first cyclic messages are due after `spread_ns`.
   void Start(std::int64_t now_ns, std::int64_t spread_ns);
@@ -60,6 +62,7 @@ class AxisModel {
   // Silent: sends nothing. For tests and for tools that stage failures.
   void Silence(bool silent) { silenced_ = silent; }
   void Fail(std::uint32_t axis_error);
+  void Falsify(const EncoderFault& fault) { encoder_.Plant(fault); }
   bool is_silent(std::int64_t now_ns) const { return silenced_ || is_rebooting(now_ns); }
 
   can::AxisState state() const { return state_; }
@@ -91,6 +94,8 @@ class AxisModel {
   double velocity_limit_rev_s_;
   double current_limit_A_;
   double iq_setpoint_A_ = 0.0;
+  FalseEncoder encoder_;
+  std::int64_t started_ns_ = 0;
   std::int64_t fed_ns_ = 0;
   std::int64_t silent_until_ns_ = 0;
   bool silenced_ = false;

@@ -17,12 +17,12 @@ bool GatewayModel::Take(const can::Frame& frame, std::span<AxisModel> axes, std:
 }
 
 std::array<can::Frame, can::kCompactStateFrames> GatewayModel::State(
-    std::span<const AxisModel> axes, const provider::PlantSensors& sensors,
+    std::span<AxisModel> axes, const provider::PlantSensors& sensors,
     const provider::BodySensors* body, std::int64_t now_ns) {
   for (std::size_t i = 0; i < axes_.size(); ++i) {
-    const AxisModel& axis = axes[axes_[i]];
+    AxisModel& axis = axes[axes_[i]];
     if (axis.is_silent(now_ns)) continue;
-    const MotorState motor = axis.MotorOf(sensors);
+    const MotorState motor = axis.Reported(sensors, now_ns);
     state_.position_turns[i] = motor.position_rev;
     state_.velocity_turns_s[i] = motor.velocity_rev_s;
     state_.iq_A[i] = motor.iq_A;

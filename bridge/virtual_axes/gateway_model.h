@@ -30,7 +30,7 @@ class GatewayModel {
   // answer.
   bool Take(const can::Frame& frame, std::span<AxisModel> axes, std::int64_t now_ns);
   // `body`: the plant's, or nullptr.
-  std::array<can::Frame, can::kCompactStateFrames> State(std::span<const AxisModel> axes,
+  std::array<can::Frame, can::kCompactStateFrames> State(std::span<AxisModel> axes,
                                                          const provider::PlantSensors& sensors,
                                                          const provider::BodySensors* body,
                                                          std::int64_t now_ns);

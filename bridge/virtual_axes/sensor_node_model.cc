@@ -4,6 +4,7 @@ namespace sinew::virtual_axes {
 
 SensorNodeModel::SensorNodeModel(const SensorNodeConfig& config)
     : config_(config),
+      false_encoder_(config.encoder_fault),
       heartbeat_(config.heartbeat_ms),
       encoder_(config.encoder_ms),
       sensors_(config.sensors_ms) {}
@@ -32,7 +33,7 @@ DueFrames<SensorNodeModel::kCyclicMessages> SensorNodeModel::Due(
     const auto uptime_ms = static_cast<std::uint32_t>((now_ns - started_ns_) / kMs_ns);
     due.Add(can::Encode(config_.node, can::NodeHeartbeat{uptime_ms, 0, 1}));
   }
-  if (encoder_.IsDue(now_ns)) due.Add(can::Encode(config_.node, Output(sensors, command)));
+  if (encoder_.IsDue(now_ns)) due.Add(can::Encode(config_.node, Output(sensors, command, now_ns)));
   if (sensors_.IsDue(now_ns)) {
     due.Add(can::Encode(
         config_.node,
@@ -43,11 +44,16 @@ DueFrames<SensorNodeModel::kCyclicMessages> SensorNodeModel::Due(
 }
 
 can::OutputEncoder SensorNodeModel::Output(const provider::PlantSensors& sensors,
-                                           const provider::PlantCommand& command) {
+                                           const provider::PlantCommand& command,
+                                           std::int64_t now_ns) {
   const auto j = static_cast<std::size_t>(config_.joint);
   can::OutputEncoder m;
-  m.angle_rad = config_.direction * sensors.position_rad[j] + config_.zero_rad;
-  m.velocity_rad_s = config_.direction * sensors.velocity_rad_s[j];
+  const FalseEncoder::Reading reading =
+      false_encoder_.Of({config_.direction * sensors.position_rad[j] + config_.zero_rad,
+                         config_.direction * sensors.velocity_rad_s[j]},
+                        1e-9 * static_cast<double>(now_ns - started_ns_));
+  m.angle_rad = reading.position;
+  m.velocity_rad_s = reading.velocity;
   m.sequence = sequence_++;
   m.encoder_valid = m.pressure_valid = m.load_valid = sensors.valid[j];
   m.valve_open = sensors.valve_open[j];

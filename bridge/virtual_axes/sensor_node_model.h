@@ -33,13 +33,17 @@ class SensorNodeModel {
   // The relays of its joint.
   void Drive(provider::PlantCommand* command) const;
 
+  // For tests and for tools that stage failures.
+  void Falsify(const EncoderFault& fault) { false_encoder_.Plant(fault); }
+
   bool valve_open() const { return valves_.valve_open; }
 
  private:
   can::OutputEncoder Output(const provider::PlantSensors& sensors,
-                            const provider::PlantCommand& command);
+                            const provider::PlantCommand& command, std::int64_t now_ns);
 
   SensorNodeConfig config_;
+  FalseEncoder false_encoder_;
   can::ValveCommand valves_;
   std::int64_t fed_ns_ = 0;
   bool watchdog_expired_ = false;

@@ -92,7 +92,8 @@ void VirtualAxes::Take(int bus, const can::Frame& frame, std::int64_t now_ns) {
     return found == models.end() ? nullptr : &*found;
   };
   if (AxisModel* axis = find(axes_)) {
-    if (const auto answer = axis->Take(frame, axis->MotorOf(sensors_), now_ns)) Send(bus, *answer);
+    if (const auto answer = axis->Take(frame, axis->Reported(sensors_, now_ns), now_ns))
+      Send(bus, *answer);
   } else if (SensorNodeModel* node = find(nodes_)) {
     node->Take(frame, now_ns);
   } else if (GatewayModel* gateway = find(gateways_)) {
@@ -105,7 +106,7 @@ void VirtualAxes::Take(int bus, const can::Frame& frame, std::int64_t now_ns) {
 
 void VirtualAxes::SendDue(std::int64_t now_ns) {
   for (AxisModel& axis : axes_) {
-    for (const can::Frame& frame : axis.Due(axis.MotorOf(sensors_), now_ns)) {
+    for (const can::Frame& frame : axis.Due(axis.Reported(sensors_, now_ns), now_ns)) {
       Send(axis.bus(), frame);
     }
   }

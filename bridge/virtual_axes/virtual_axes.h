@@ -44,6 +44,10 @@ class VirtualAxes {
   // For tests and for tools that stage failures.
   void SetAxisError(int axis, std::uint32_t error) { At(axis).Fail(error); }
   void Silence(int axis, bool silent) { At(axis).Silence(silent); }
+  void FalsifyMotorEncoder(int axis, const EncoderFault& fault) { At(axis).Falsify(fault); }
+  void FalsifyOutputEncoder(int node, const EncoderFault& fault) {
+    nodes_.at(static_cast<std::size_t>(node)).Falsify(fault);
+  }
   can::AxisState axis_state(int axis) const { return At(axis).state(); }
   std::uint32_t axis_error(int axis) const { return At(axis).error(); }
   double input_torque_Nm(int axis) const { return At(axis).input_torque_Nm(); }

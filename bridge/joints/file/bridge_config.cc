@@ -19,6 +19,18 @@ int ReadNode(const config::Section& section) {
   return static_cast<int>(section.Integer("node", {0, can::kMaxNode}));
 }
 
+Braking ReadBraking(const config::Section& section) {
+  Braking braking;
+  braking.reflected_inertia_kg_m2 = section.Number("reflected_inertia_kg_m2", config::kPositive);
+  braking.max_inertia_kg_m2 = section.Number("max_inertia_kg_m2", config::kPositive);
+  braking.load_torque_Nm = section.Number("load_torque_Nm", config::kNotNegative);
+  braking.command_delay_s =
+      1e-3 *
+      section.NumberOr("command_delay_ms", 1e3 * braking.command_delay_s, config::kNotNegative);
+  section.RejectUnknownKeys();
+  return braking;
+}
+
 JointLimits ReadLimits(const config::Section& section) {
   JointLimits limits;
   limits.motor_torque_Nm = section.Number("motor_torque_Nm", config::kPositive);
@@ -31,6 +43,7 @@ JointLimits ReadLimits(const config::Section& section) {
   if (section.Has("motor_temperature_degC")) {
     limits.motor_temperature_degC = section.Number("motor_temperature_degC");
   }
+  if (section.Has("braking")) limits.braking = ReadBraking(section.Child("braking"));
   section.RejectUnknownKeys();
   return limits;
 }
@@ -77,6 +90,8 @@ JointConfig ReadJoint(const config::Section& section, const std::vector<can::Bus
                                  check.Number("tolerance_rad", config::kPositive)};
     check.RejectUnknownKeys();
   }
+  joint.compliance_rad =
+      section.NumberOr("compliance_rad", joint.compliance_rad, config::kNotNegative);
   joint.home_by_whole_turns =
       section.ChoiceOr("homing", "none", {"none", "whole_turns"}) == "whole_turns";
   section.RejectUnknownKeys();

@@ -17,6 +17,26 @@ int ReadPeriod(const config::Section& section, const char* key, int fallback_ms)
   return static_cast<int>(section.IntegerOr(key, fallback_ms, {0, 60000}));
 }
 
+// `encoder_fault: {kind, after_s, size_...}`; `size_key` has the encoder's unit.
+EncoderFault ReadEncoderFault(const config::Section& section, const char* size_key) {
+  EncoderFault fault;
+  if (!section.Has("encoder_fault")) return fault;
+  const config::Section given = section.Child("encoder_fault");
+  const std::string kind = given.Choice("kind", {"frozen", "offset", "scaled"});
+  fault.after_s = given.NumberOr("after_s", 0.0, config::kNotNegative);
+  if (kind == "frozen") {
+    fault.kind = EncoderFaultKind::kFrozen;
+  } else if (kind == "offset") {
+    fault.kind = EncoderFaultKind::kOffset;
+    fault.size = given.Number(size_key);
+  } else {
+    fault.kind = EncoderFaultKind::kScaled;
+    fault.size = given.Number("share");
+  }
+  given.RejectUnknownKeys();
+  return fault;
+}
+
 AxisConfig ReadAxis(const config::Section& section, const std::vector<can::BusEntry>& buses) {
   AxisConfig axis;
   axis.bus = can::ReadBusOf(section, buses);
@@ -41,6 +61,7 @@ AxisConfig ReadAxis(const config::Section& section, const std::vector<can::BusEn
   rates.encoder_ms = ReadPeriod(section, "encoder_ms", rates.encoder_ms);
   rates.iq_ms = ReadPeriod(section, "iq_ms", rates.iq_ms);
   rates.bus_voltage_ms = ReadPeriod(section, "bus_voltage_ms", rates.bus_voltage_ms);
+  axis.encoder_fault = ReadEncoderFault(section, "size_rev");
   section.RejectUnknownKeys();
   return axis;
 }
@@ -55,6 +76,7 @@ SensorNodeConfig ReadNode(const config::Section& section, const std::vector<can:
   node.encoder_ms = ReadPeriod(section, "encoder_ms", node.encoder_ms);
   node.sensors_ms = ReadPeriod(section, "sensors_ms", node.sensors_ms);
   node.heartbeat_ms = ReadPeriod(section, "heartbeat_ms", node.heartbeat_ms);
+  node.encoder_fault = ReadEncoderFault(section, "size_rad");
   section.RejectUnknownKeys();
   return node;
 }

@@ -60,6 +60,58 @@ TEST(CanPlant, NoTorqueOutwardsBeyondAPositionLimitButInwardsYes) {
   EXPECT_NEAR(bench.rotors.torque_Nm[0], -0.005, 1e-8);
 }
 
+// The whole chain: encoders on the bus, commands back, drives that follow as well as they do. The
+// rotors' own 0.1 kg m^2 is the lightest inertia.
+class BrakedOnTheBus : public testing::TestWithParam<ControlMode> {};
+
+TEST_P(BrakedOnTheBus, FullCommandsTowardsALimitStopThere) {
+  Bench bench;
+  JointLimits& limits = bench.config.joints[0].limits;
+  limits.motor_torque_Nm = 0.1;  // 100 rad/s^2
+  limits.braking = Braking{0.1, 0.25, 2.0};
+  limits.lower_rad = -0.8;
+  limits.upper_rad = 0.8;
+  bench.Start();
+  bench.Arm(GetParam());
+  bench.command.motor_torque_Nm[0] = 9.0;
+  bench.command.velocity_rad_s[0] = 9.0;
+  bench.command.position_rad[0] = 9.0;
+  double highest_rad = -1.0, fastest_rad_s = 0.0;
+  for (int i = 0; i < 240 * 3; ++i) {
+    bench.Step();
+    highest_rad = std::max(highest_rad, bench.rotors.angle_rad[0] / 100.0);
+    fastest_rad_s = std::max(fastest_rad_s, bench.rotors.velocity_rad_s[0] / 100.0);
+    ASSERT_FALSE(bench.faulty()) << bench.sensors.message;
+  }
+  EXPECT_GT(fastest_rad_s, 3.0) << "it came fast";
+  // The drives' own loops lag by some milliseconds in position and velocity mode: 0.02 rad.
+  const double allowed_rad = GetParam() == ControlMode::kTorque ? 1e-3 : 0.02;
+  EXPECT_LT(highest_rad, 0.8 + allowed_rad);
+  EXPECT_GT(highest_rad, 0.75) << "but it gets there";
+  EXPECT_NEAR(bench.rotors.velocity_rad_s[0], 0.0, 0.05);
+}
+
+INSTANTIATE_TEST_SUITE_P(Modes, BrakedOnTheBus,
+                         testing::Values(ControlMode::kTorque, ControlMode::kVelocity,
+                                         ControlMode::kPosition));
+
+TEST(CanPlant, WithoutCommandAJointThatRunsToItsLimitIsBraked) {
+  Bench bench;
+  JointLimits& limits = bench.config.joints[0].limits;
+  limits.braking = Braking{0.1, 0.25, 2.0};
+  bench.Start();
+  bench.Arm();
+  bench.rotors.velocity_rad_s[0] = 390.0;  // 3.9 rad/s, thrown
+  double highest_rad = -1.0;
+  for (int i = 0; i < 240 * 3; ++i) {
+    bench.Step();
+    highest_rad = std::max(highest_rad, bench.rotors.angle_rad[0] / 100.0);
+  }
+  EXPECT_GT(highest_rad, 1.3) << "not before it must";
+  EXPECT_LT(highest_rad, 1.501);
+  EXPECT_FALSE(bench.faulty()) << bench.sensors.message;
+}
+
 TEST(CanPlant, PositionModeLeavesTheMeasuredPositionWithoutAJumpAndNoFasterThanTheLimit) {
   Bench bench;
   bench.config.joints[0].limits.velocity_rad_s = 0.5;

@@ -114,7 +114,7 @@ TEST(CanPlant, ActAndStepTakeNothingFromTheHeap) {
   const Bench bench;
   Deaf bus;
   bus.frames = {can::Encode(1, can::Heartbeat{0, can::AxisState::kClosedLoopControl}),
-                can::Encode(1, can::EncoderEstimates{0.1, 0.2}), can::Encode(1, can::Iq{0.1, 0.2}),
+                can::Encode(1, can::EncoderEstimates{0.1, 0.0}), can::Encode(1, can::Iq{0.1, 0.2}),
                 can::Encode(33, can::OutputEncoder{0.25, 0, 0, true}),
                 can::Encode(33, can::JointSensors{})};
   CanPlant plant(bench.config, {&bus});

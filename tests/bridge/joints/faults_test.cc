@@ -18,15 +18,19 @@ constexpr std::int64_t kNow_ns = 10'000 * kMs_ns;
 // A joint that is well: everything is of now.
 class Rules : public ::testing::Test {
  protected:
-  Rules() : config(Knee()), measured(config), fault(config) {
+  Rules() : config(Knee()), measured(config), encoders(config), fault(config) {
     measured.heartbeat_ns = measured.estimates_ns = measured.iq_ns = measured.output_ns =
         measured.sensors_ns = kNow_ns;
     measured.sensors.motor_temperature_degC = 40.0;
   }
   FaultKind Assess(bool active = true) {
     fault = FaultLatch(config);
-    const FaultRule* rule = AssessFaults(
-        {.measured = measured, .timing = timing, .active = active, .now_ns = kNow_ns}, &fault);
+    const FaultRule* rule = AssessFaults({.measured = measured,
+                                          .timing = timing,
+                                          .encoders = encoders,
+                                          .active = active,
+                                          .now_ns = kNow_ns},
+                                         &fault);
     EXPECT_EQ(rule != nullptr, fault.active());
     if (rule != nullptr) {
       EXPECT_EQ(rule->kind, fault.kind());
@@ -37,6 +41,7 @@ class Rules : public ::testing::Test {
   JointConfig config;
   BridgeTiming timing;
   JointMeasurement measured;
+  EncoderWatch encoders;
   FaultLatch fault;
 };
 
@@ -129,7 +134,9 @@ TEST_F(Rules, ALatchedFaultIsNotAssessedAgain) {
   measured.estimates_ns = 0;
   ASSERT_EQ(Assess(), FaultKind::kEstimatesLost);
   measured.heartbeat.axis_error = 1;
-  EXPECT_EQ(AssessFaults({.measured = measured, .timing = timing, .now_ns = kNow_ns}, &fault),
+  EXPECT_EQ(AssessFaults(
+                {.measured = measured, .timing = timing, .encoders = encoders, .now_ns = kNow_ns},
+                &fault),
             nullptr);
   EXPECT_EQ(fault.kind(), FaultKind::kEstimatesLost);
 }
@@ -142,7 +149,7 @@ TEST(FaultRules, EveryKindIsThereOnceAndSilenceNamesTheBus) {
                       rule.kind == FaultKind::kEstimatesLost || rule.kind == FaultKind::kNodeLost;
     EXPECT_EQ(rule.silence, lost) << FaultName(rule.kind);
   }
-  EXPECT_EQ(kinds.size(), 7U);
+  EXPECT_EQ(kinds.size(), 10U);
 }
 
 TEST(FaultName, EveryKindHasOneOfItsOwn) {

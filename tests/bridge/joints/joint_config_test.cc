@@ -57,6 +57,10 @@ TEST(BridgeConfig, BadValuesAreRefusedWithTheJointsName) {
   refuse([](BridgeConfig& c) { c.joints[0].output->node = c.joints[0].node; });
   refuse([](BridgeConfig& c) { c.joints[0].zero_check = ZeroCheck{0.04, 0.0}; });
   refuse([](BridgeConfig& c) { c.joints[0].home_by_whole_turns = true; });
+  refuse([](BridgeConfig& c) { c.joints[0].limits.braking = Braking{0.2, 0.1, 0.0}; });
+  refuse([](BridgeConfig& c) { c.joints[0].limits.braking = Braking{0.0, 0.1, 0.0}; });
+  refuse([](BridgeConfig& c) { c.joints[0].limits.braking = Braking{0.1, 0.1, -1.0}; });
+  refuse([](BridgeConfig& c) { c.joints[0].limits.braking = Braking{0.1, 0.1, 40.0}; });  // 39.8
   refuse([](BridgeConfig& c) {  // 0.72 of a turn
     c.joints[0].zero_check = ZeroCheck{0.08, 0.005};
     c.joints[0].home_by_whole_turns = true;

@@ -70,8 +70,8 @@ TEST(JointMeasurement, EveryMessageIsStoredWithItsStamp) {
             Taken::kStored);
   EXPECT_EQ(m.TakeFromAxis(At(11, can::EncoderEstimates{1.5, 0.5}), &fault), Taken::kEstimates);
   EXPECT_EQ(m.TakeFromAxis(At(12, can::Iq{1.0, 2.0}), &fault), Taken::kIq);
-  EXPECT_EQ(m.TakeFromNode(Output(13, 0.5, 1, true)), Taken::kStored);
-  EXPECT_EQ(m.TakeFromNode({can::Encode(35, can::JointSensors{4.0, 6.0, 12.0, 31.0}), 14}),
+  EXPECT_EQ(m.TakeFromNode(Output(13, 0.5, 1, true), &fault), Taken::kStored);
+  EXPECT_EQ(m.TakeFromNode({can::Encode(35, can::JointSensors{4.0, 6.0, 12.0, 31.0}), 14}, &fault),
             Taken::kStored);
   EXPECT_EQ(m.heartbeat_ns, 10);
   EXPECT_EQ(m.estimates_ns, 11);
@@ -128,10 +128,11 @@ TEST(JointMeasurement, FramesThatCannotBeReadChangeNothing) {
         At(1, can::EncoderEstimates{0.0, inf}), At(1, can::Iq{0.0, nan})}) {
     EXPECT_EQ(m.TakeFromAxis(received, &fault), Taken::kMalformed) << received.frame.id;
   }
-  EXPECT_EQ(m.TakeFromNode(cut(Output(1, 0.0, 0, true))), Taken::kMalformed);
-  EXPECT_EQ(m.TakeFromNode(cut({can::Encode(35, can::JointSensors{}), 1})), Taken::kMalformed);
+  EXPECT_EQ(m.TakeFromNode(cut(Output(1, 0.0, 0, true)), &fault), Taken::kMalformed);
+  EXPECT_EQ(m.TakeFromNode(cut({can::Encode(35, can::JointSensors{}), 1}), &fault),
+            Taken::kMalformed);
   EXPECT_EQ(m.TakeFromAxis(At(1, can::BusVoltageCurrent{}), &fault), Taken::kUnused);
-  EXPECT_EQ(m.TakeFromNode({can::Encode(35, can::NodeHeartbeat{}), 1}), Taken::kUnused);
+  EXPECT_EQ(m.TakeFromNode({can::Encode(35, can::NodeHeartbeat{}), 1}, &fault), Taken::kUnused);
   EXPECT_EQ(m.heartbeat_ns + m.estimates_ns + m.iq_ns + m.output_ns + m.sensors_ns, 0);
   EXPECT_FALSE(fault.active());
 }
@@ -196,16 +197,33 @@ TEST(JointMeasurement, AFastMotorMayHaveWaitedForTheBus) {
 TEST(JointMeasurement, AnInvalidOutputAngleKeepsTheLastOneAndTakesTheRelays) {
   const JointConfig config = Joint();
   JointMeasurement m(config);
-  (void)m.TakeFromNode(Output(1, 0.5, 1, true));
-  (void)m.TakeFromNode(Output(2, 0.9, 2, false));
+  FaultLatch fault(config);
+  (void)m.TakeFromNode(Output(1, 0.5, 1, true), &fault);
+  (void)m.TakeFromNode(Output(2, 0.9, 2, false), &fault);
   EXPECT_EQ(m.output.angle_rad, 0.5);
   EXPECT_TRUE(m.output.valve_open);
   EXPECT_EQ(m.output_ns, 1) << "no measurement";
-  (void)m.TakeFromNode(Output(3, 0.9, 2, true));
+  (void)m.TakeFromNode(Output(3, 0.9, 2, true), &fault);
   EXPECT_EQ(m.output_ns, 1) << "a sequence number that stands still";
-  (void)m.TakeFromNode(Output(4, 0.9, 3, true));
+  (void)m.TakeFromNode(Output(4, 0.9, 3, true), &fault);
   EXPECT_EQ(m.output_ns, 4);
   EXPECT_NEAR(m.output.angle_rad, 0.9, 1e-9);  // steps of 1e-6 on the wire
+}
+
+// 2 rad/s, 10 ms of waiting and 4 ms between the frames: 1.5 * 2 * 0.014 = 0.042, play 0.04 and
+// 0.0115.
+TEST(JointMeasurement, AnOutputAngleThatStepsFurtherThanTheJointCanTurnIsAJump) {
+  JointConfig config = Joint();
+  config.limits.velocity_rad_s = 2.0;
+  config.zero_check = ZeroCheck{0.04, 0.006};
+  for (const double step_rad : {0.093, -0.093, 0.094, -0.094}) {
+    JointMeasurement m(config);
+    FaultLatch fault(config);
+    (void)m.TakeFromNode(Output(1 * kMs_ns, 0.5, 1, true), &fault);
+    (void)m.TakeFromNode(Output(5 * kMs_ns, 0.5 + step_rad, 2, true), &fault);
+    EXPECT_EQ(fault.kind(), std::abs(step_rad) > 0.0935 ? FaultKind::kOutputJump : FaultKind::kNone)
+        << step_rad << " rad: " << fault.text();
+  }
 }
 
 }  // namespace

@@ -39,6 +39,7 @@ struct BenchSetup {
   double bitrate_bit_s = 1e6;
   bool gateway = false;  // all joints behind the gateway of node 48 on the first bus
   double rate_Hz = 240.0;
+  provider::SimulatedPlant* plant = nullptr;  // instead of the rotors
 };
 
 class Bench {
@@ -111,7 +112,8 @@ class Bench {
       ends.push_back(buses[b]->Join("axes"));
       axes_ends.push_back(ends.back().get());
     }
-    axes = std::make_unique<virtual_axes::VirtualAxes>(axes_config, rotors, axes_ends);
+    axes = std::make_unique<virtual_axes::VirtualAxes>(
+        axes_config, setup_.plant != nullptr ? *setup_.plant : rotors, axes_ends);
     axes->Start(0);
     buses[0]->AddAgent([this] { return axes->next_ns(); },
                        [this](std::int64_t now) { RunAxes(now); });
