@@ -331,7 +331,7 @@ class Replacement {
   Replacement(const std::string& role, int domain) : rig_(domain), name_(role) {}
 
   void Run() {
-    rig_.RecordAReference();
+    if (name_ == "reference") rig_.RecordAReference();
     if (::testing::Test::HasFatalFailure()) return;
     rig_.StartAll();
     if (::testing::Test::HasFatalFailure()) return;
@@ -410,9 +410,13 @@ class Replacement {
                   state.robot_state() == msg::ROBOT_DAMPED)
           << "tick " << tick << ": " << state.robot_state();
     }
-    const std::vector<std::string> expected = {name_, kStandIn, name_, kStandIn,
-                                               name_, kStandIn, name_};
-    EXPECT_EQ(WhoDrove(recorded, name_), expected);
+    // In this order; a machine that stalls for longer than the deadline may make more of it.
+    const std::vector<std::string> drove = WhoDrove(recorded, name_);
+    std::size_t seen = 0;
+    for (const std::string& name : drove) {
+      if (seen < events_.size() + 1 && name == (seen % 2 == 0 ? name_ : kStandIn)) ++seen;
+    }
+    EXPECT_EQ(seen, events_.size() + 1) << ::testing::PrintToString(drove);
   }
 
   LiveRig rig_;

@@ -40,7 +40,8 @@ constexpr char kTwo[] =
 class DeploymentTest : public ::testing::Test {
  protected:
   DeploymentTest() {
-    for (const char* name : {"bin/sinew-plant", "bin/sinew-logger"}) {
+    for (const char* name :
+         {"bin/sinew-plant", "bin/sinew-logger", "bin/sinew-control", "bin/sinew-compose"}) {
       std::filesystem::permissions(folder_.Write(name, "#!/bin/sh\n"),
                                    std::filesystem::perms::owner_all);
     }
@@ -195,6 +196,30 @@ struct BadFile {
 };
 
 class BadDeployment : public DeploymentTest, public ::testing::WithParamInterface<BadFile> {};
+
+TEST_F(DeploymentTest, ComposedProcessesRunInTheProvidersThread) {
+  const std::string text = std::string(kTwo) +
+                           "  - name: pid\n    program: sinew-control\n    config: other.yaml\n"
+                           "  - name: watch\n    program: sinew-control\n    arguments: [--x]\n";
+  Overrides overrides;
+  overrides.compose = {"pid"};
+  EXPECT_THAT(ErrorOf(text, overrides), HasSubstr("--compose pid: expected mode realtime"));
+  overrides.settings = {"mode=realtime"};
+  const Deployment composed = Load(text, overrides);
+  EXPECT_EQ(composed.Find("pid"), nullptr);
+  const Process* plant = composed.Find("plant");
+  ASSERT_NE(plant, nullptr);
+  EXPECT_EQ(plant->program.filename(), "sinew-compose");
+  EXPECT_THAT(plant->arguments, ElementsAre("--provider", "sinew-plant", "--effect", "stribeck",
+                                            "--component", "pid=sinew-control=" + other_.string()));
+  overrides.compose.clear();
+  overrides.compose_all = true;  // one with arguments of its own stays a process
+  EXPECT_NE(Load(text, overrides).Find("watch"), nullptr);
+  EXPECT_EQ(Load(text, overrides).Find("pid"), nullptr);
+  overrides.compose = {"watch"};
+  overrides.compose_all = false;
+  EXPECT_THAT(ErrorOf(text, overrides), HasSubstr("'watch' has some"));
+}
 
 TEST_P(BadDeployment, IsRefusedInOneLineWithLineKeyAndWhatWasExpected) {
   const std::string message = ErrorOf(Changed(GetParam().from, GetParam().to));
