@@ -44,7 +44,7 @@ void CheckJointCommands(RealTimeRun& run) {
   run.report.Add("finite", not_finite == 0.0, "every number is finite",
                  not_finite == 0.0 ? "all" : Percent(not_finite) + " of the outputs are not");
   if (!run.role.commands_joints) {
-    for (const char* check : {"no_torque_unarmed", "estop", "finite_without_positions"}) {
+    for (const char* check : {"no_torque_unarmed", "estop", "finite_from_broken_inputs"}) {
       run.report.Skip(check, "the role commands no joints");
     }
     return;
@@ -73,14 +73,17 @@ void CheckJointCommands(RealTimeRun& run) {
                  "no torque after OPERATOR_ESTOP, before the state provider reports it",
                  after_estop == 0.0 ? "none" : "torque in " + Percent(after_estop));
 
-  (void)run.stage.Play(run.Armed(), kSettleTicks);
-  Moment lost = run.Armed();
-  lost.positions_are_nan = true;
-  const double broken = ShareWhile(run, lost, &IsNotFinite);
-  // A fault that this latched is for the operator to clear: disarmed, and armed again.
-  (void)run.stage.Play(run.Disarmed(), kSettleTicks);
-  run.report.Add("finite_without_positions", broken == 0.0,
-                 "every number is finite while the positions are not",
+  double broken = 0.0;
+  for (const bool of_reference : {false, true}) {
+    (void)run.stage.Play(run.Armed(), kSettleTicks);
+    Moment lost = run.Armed();
+    (of_reference ? lost.reference_is_nan : lost.positions_are_nan) = true;
+    broken = std::max(broken, ShareWhile(run, lost, &IsNotFinite));
+    // A fault that this latched is for the operator to clear: disarmed, and armed again.
+    (void)run.stage.Play(run.Disarmed(), kSettleTicks);
+  }
+  run.report.Add("finite_from_broken_inputs", broken == 0.0,
+                 "every number is finite while measured positions or the reference are not",
                  broken == 0.0 ? "all" : Percent(broken) + " of the outputs are not");
 }
 

@@ -27,7 +27,7 @@ const std::vector<RealTimePart>& RealTimeParts() {
       {{"joins_below", "handover"}, &CheckOwnership},
       {{"writes_its_topics", "types", "no_other_topics", "qos"}, &CheckTypes},
       {{"answers_every_tick", "tick_and_session", "answers_within_a_cycle"}, &CheckTicks},
-      {{"joint_count", "finite", "no_torque_unarmed", "estop", "finite_without_positions"},
+      {{"joint_count", "finite", "no_torque_unarmed", "estop", "finite_from_broken_inputs"},
        &CheckJointCommands},
       {{"goes_on_without_inputs", "marks_lost_inputs", "recovers", "refuses_other_sessions"},
        &CheckLostInputs},

@@ -24,7 +24,7 @@ inline constexpr std::chrono::milliseconds kStart(5000);
 // one window may miss it: a program that breaks a rule misses it in all.
 inline constexpr int kWindowTicks = 12;
 inline constexpr double kMostTicks = 0.8;
-inline constexpr int kWindows = 6;
+inline constexpr int kWindows = 30;
 
 // Program, common options and its own arguments.
 std::vector<std::string> SubjectCommandLine(const Options& options, const std::string& name,

@@ -87,6 +87,8 @@ msg::Reference MakeReference(const Moment& moment) {
     message.position_rad()[j] = swing.position_rad + kReferenceAhead_rad;
     message.velocity_rad_s()[j] = swing.velocity_rad_s;
     message.acceleration_rad_s2()[j] = swing.acceleration_rad_s2;
+    if (!moment.reference_is_nan) continue;
+    message.position_rad()[j] = message.velocity_rad_s()[j] = std::nan("");
   }
   return message;
 }

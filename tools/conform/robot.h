@@ -24,6 +24,7 @@ struct Moment {
   bool last_tick = false;
   bool valve_open = false;             // the contact of the valves
   bool positions_are_nan = false;      // of joint_state, marked valid
+  bool reference_is_nan = false;       // positions and velocities of reference
   std::string withheld{}, replayed{};  // a topic that is not sent; one that is from a recording
   std::string foreign{};               // a topic that still comes from another session
 };

@@ -36,9 +36,10 @@ void Run(const sinew::node::Options& options, sinew::node::StopFlag& stop) {
     while (const auto theirs = owner.TakeNext()) {  // of the last tick, when another one drives
       const auto writer = node.NameOf(owner.writer());
       const msg::Header& head = theirs->header();
-      if (writer && writer->own) continue;
+      const double torque_Nm = theirs->motor_torque_Nm()[0];
+      if ((writer && writer->own) || !std::isfinite(torque_Nm)) continue;
       if (head.session_id() != session || head.tick() != last_tick) continue;
-      integral_Nm = theirs->motor_torque_Nm()[0] - feedback_Nm;
+      integral_Nm = torque_Nm - feedback_Nm;
     }
     const msg::JointState& s = state.value();
     const double position_rad = s.position_rad()[0], velocity_rad_s = s.velocity_rad_s()[0];
@@ -48,12 +49,14 @@ void Run(const sinew::node::Options& options, sinew::node::StopFlag& stop) {
     if (!driving || session != tick->session_id) target_rad = position_rad, integral_Nm = 0.0;
     driving = drives, session = tick->session_id, last_tick = tick->tick;
 
-    const bool led = reference.fresh() && !reference.value().idle() && !reference.value().stale();
-    if (led) target_rad = reference.value().position_rad()[0];
-    const double rate_rad_s = led ? reference.value().velocity_rad_s()[0] : 0.0;
+    const msg::Reference& r = reference.value();
+    const bool led = reference.fresh() && !r.idle() && !r.stale() &&
+                     std::isfinite(r.position_rad()[0]) && std::isfinite(r.velocity_rad_s()[0]);
+    if (led) target_rad = r.position_rad()[0];
+    const double rate_rad_s = led ? r.velocity_rad_s()[0] : 0.0;
     msg::JointCommand command;
     command.reference_tick(reference.has_value() ? reference.tick() : 0);
-    command.stale(!reference.fresh() || !known);
+    command.stale(!known || !(led || (reference.fresh() && r.idle())));
     command.joint_count(s.joint_count());
     if (drives) {
       const double error_rad = target_rad - position_rad;

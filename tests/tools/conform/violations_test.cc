@@ -46,7 +46,7 @@ const Case kCases[] = {
     {"not_finite", {"joint_count", "finite", "no_torque_unarmed"}, {"finite"}},
     {"torque_when_disarmed", {"no_torque_unarmed", "finite"}, {"no_torque_unarmed"}},
     {"ignores_estop", {"no_torque_unarmed", "estop"}, {"estop"}},
-    {"passes_nan_on", {"finite", "finite_without_positions"}, {"finite_without_positions"}},
+    {"passes_nan_on", {"finite", "finite_from_broken_inputs"}, {"finite_from_broken_inputs"}},
     {"never_stale", {"goes_on_without_inputs", "marks_lost_inputs"}, {"marks_lost_inputs"}},
     {"stays_stale", {"marks_lost_inputs", "recovers"}, {"recovers"}},
     {"reads_alone", {"marks_lost_inputs", "refuses_other_sessions"}, {"refuses_other_sessions"}},
