@@ -43,9 +43,10 @@ std::vector<Message> MessagesOf(const std::map<std::string, std::vector<std::str
 TEST(Compose, OneProcessDrivesTheRigWithTheSameTopics) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "run.mcap";
-  const Finished run = Run({kSinew, "compose", kComposedRig + "deploy_esn.yaml", "--duration", "6",
-                            "--domain", "107", "--record", file.string()},
-                           60s);
+  const Finished run =
+      testing::Run({kSinew, "compose", kComposedRig + "deploy_esn.yaml", "--duration", "6",
+                    "--domain", "107", "--record", file.string()},
+                   60s);
   ASSERT_EQ(run.exit_code, 0) << run.output << run.error;
 
   const auto recording = PayloadsByTopic(file);
@@ -120,7 +121,7 @@ TEST(Compose, AComposedControllerIsHandedOverAndTakesOverFromTheDead) {
                        kComposedRig + "control_pid_linear.yaml", "--name", "other", "--domain",
                        "108"});
   const Finished handover =
-      Run({kSinew, "handover", "control", "other", "--timeout", "15", "--domain", "108"});
+      testing::Run({kSinew, "handover", "control", "other", "--timeout", "15", "--domain", "108"});
   ASSERT_EQ(handover.exit_code, 0) << handover.error << other.error();
   ASSERT_TRUE(source.WaitFor("other"));
   other.Signal(SIGKILL);

@@ -211,7 +211,7 @@ TEST_F(DeploymentTest, ComposedProcessesRunInTheProvidersThread) {
   ASSERT_NE(plant, nullptr);
   EXPECT_EQ(plant->program.filename(), "sinew-compose");
   EXPECT_THAT(plant->arguments, ElementsAre("--provider", "sinew-plant", "--effect", "stribeck",
-                                            "--component", "pid=sinew-control=" + other_.string()));
+                                            "--component", "pid=sinew-control=" + other_));
   overrides.compose.clear();
   overrides.compose_all = true;  // one with arguments of its own stays a process
   EXPECT_NE(Load(text, overrides).Find("watch"), nullptr);
