@@ -22,10 +22,10 @@
 //
 // A frozen encoder is found by `still`; an encoder or gear that slipped by `slip`; one that counts
 // wrong (scale, lost counts, wrong sign) by a slip that grows: the output does not turn as fast as
-// the motor, though it is not in the play. That is judged by angles: velocities of sensor nodes are
-// filtered, and lag behind by more than the play in a reversal. Steps of an angle are found where
-// it arrives (JointMeasurement). Without a zero check the play is not declared, and only `own` is
-// watched.
+// the motor, though it is not in the play. That is decided by angles: velocities of sensor nodes
+// are filtered, and lag behind by more than the play in a reversal. Steps of an angle are found
+// where it arrives (JointMeasurement). Without a zero check the play is not declared, and only
+// `own` is watched.
 //
 // Pure; one thread; allocates nothing.
 #pragma once

@@ -183,7 +183,7 @@ void Listener::Accept() {
   Client client{.socket = socket};
   Read(&client);  // the text is there already, as a rule
   if (client.socket < 0) return;
-  if (clients_.size() >= kMostClients) {  // those who say nothing make room
+  if (clients_.size() >= kMostClients) {  // those who say nothing give way
     const auto silent = std::find_if(clients_.begin(), clients_.end(),
                                      [](const Client& c) { return c.press == 0; });
     const auto oldest = silent != clients_.end() ? silent : clients_.begin();

@@ -79,7 +79,7 @@ struct ManagerInput {
   bool valve_is_open = false;
   bool reset = false;  // the operator's word after a fault
   // Another manager switches the relays, and this one stands by: it filters and checks the sensors,
-  // takes the relays as they are, and judges neither them nor what the pressure does.
+  // takes the relays as they are, and checks neither them nor what the pressure does.
   bool standby = false;
 };
 

@@ -20,9 +20,9 @@ double CarryTime(const Point& from, const Limits& limits) noexcept {
   const double speed_rad_s = std::abs(from.velocity_rad_s);
   if (speed_rad_s == 0.0) return kCarry_s;
   const double gentle_s = 2.0 * kCarriedAcceleration * speed_rad_s / limits.acceleration_rad_s2;
-  const double room_rad = from.velocity_rad_s > 0.0 ? limits.position_upper_rad - from.position_rad
-                                                    : from.position_rad - limits.position_lower_rad;
-  const double fits_s = std::max(room_rad, 0.0) / (kCarriedExcursion * speed_rad_s);
+  const double way_rad = from.velocity_rad_s > 0.0 ? limits.position_upper_rad - from.position_rad
+                                                   : from.position_rad - limits.position_lower_rad;
+  const double fits_s = std::max(way_rad, 0.0) / (kCarriedExcursion * speed_rad_s);
   return std::min(std::max(kCarry_s, gentle_s), fits_s);
 }
 

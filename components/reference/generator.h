@@ -32,7 +32,7 @@ class Generator {
   // The joint stands at position_rad; time counts from here.
   void Start(double position_rad) noexcept;
   // The same for a joint that moves: its velocity and acceleration pass into those of the soft
-  // start within kCarry_s, sooner where the position limit in its way leaves no room for that,
+  // start within kCarry_s, sooner where the position limit in its way is too near for that,
   // later where it would take more than half of the acceleration limit:
   //
   //     c(u) = v0 T u (1 - u)^3 (1 + 3 u) + a0 T^2 / 2 u^2 (1 - u)^3,  u = t / T

@@ -1,7 +1,7 @@
 // Replacement while the robot moves: with the whole rig in real time each role goes to its stand-in
 // and back by handover, and to the stand-in that stands by when its owner is killed or stopped.
 //
-// Judged from the recording: the torque never steps, nobody stays without an owner for long, no
+// Assessed from the recording: the torque never steps, nobody stays without an owner for long, no
 // command comes twice or late, the joint stays near where it should be, nothing else restarts, and
 // the recording says who drove when. Domains 100 to 106.
 #include <gtest/gtest.h>
@@ -360,7 +360,7 @@ class Replacement {
     }
     rig_.EndRecording();
     if (::testing::Test::HasFatalFailure()) return;
-    Judge(Recorded(rig_.recording()));
+    Assess(Recorded(rig_.recording()));
   }
 
  private:
@@ -384,7 +384,7 @@ class Replacement {
     events_.push_back({what, begin, rig_.tick(), witness.Latest_ms(), true});
   }
 
-  void Judge(const Recorded& recorded) {
+  void Assess(const Recorded& recorded) {
     const Role& role = rig_.role(name_);
     std::printf("%-26s %12s %16s %14s %12s\n", role.name.c_str(), "gap, ms", "torque step, %",
                 "deviation, mrad", "stall, ms");

@@ -354,7 +354,7 @@ TEST(PressureManager, BadConfigurationIsRefused) {
 }
 
 // The owner shuts the valve that this one would hold open, and lets the pressure fall.
-TEST(PressureManager, AStandbyJudgesNeitherTheOwnersRelaysNorWhatThePressureDoes) {
+TEST(PressureManager, AStandbyChecksNeitherTheOwnersRelaysNorWhatThePressureDoes) {
   Bench bench(RigConfig());
   for (int k = 0; k < 60 * 240; ++k) {
     ManagerInput input = bench.Read();
