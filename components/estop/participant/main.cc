@@ -158,12 +158,14 @@ void Run(const node::Options& options, node::StopFlag& stop, const EstopOptions&
   std::vector<std::filesystem::path> sockets(estop_options.sockets.begin(),
                                              estop_options.sockets.end());
   if (sockets.empty()) sockets = estop::SocketCandidates(options.domain_id);
-  for (const auto& input : inputs) spdlog::info("watches {}", input->name());
+  std::string names;
+  for (const auto& input : inputs) names += (names.empty() ? "" : "; ") + input->name();
 
   node::Node node(options);
   auto states = node.MakeReader(node::kJointState);
   auto commands = node.MakeWriter(node::kOperatorCommand);
   InputThread thread(std::move(inputs), std::move(sockets), [&node] { node.Wake(); });
+  spdlog::info("watches {}", names);
 
   estop::Assertion assertion;
   std::optional<msg::JointState> state;

@@ -197,20 +197,19 @@ class Rig {
     command.action(action);
     (void)operator_.Write(command);
   }
-  // Sends this action until the provider is in the state.
+  // Sends this action, again every 0.2 s, until the provider is in the state.
   bool Order(msg::OperatorAction action, msg::RobotState state) {
-    return Run(0.0, seconds(15), [&, k = 0](const msg::JointState& s) mutable {
-      if (k++ % 50 == 0) Operator(action);
-      return s.robot_state() == state;
+    auto next = std::chrono::steady_clock::now();
+    return Run(0.0, seconds(15), [&](const msg::JointState& s) {
+      if (s.robot_state() == state) return true;
+      if (std::chrono::steady_clock::now() >= next) {
+        Operator(action);
+        next = std::chrono::steady_clock::now() + milliseconds(200);
+      }
+      return false;
     });
   }
-  // Sends arm until the provider says armed.
-  bool Arm() {
-    return Run(0.0, seconds(15), [this, k = 0](const msg::JointState& s) mutable {
-      if (k++ % 50 == 0) Operator(msg::OPERATOR_ARM);
-      return s.robot_state() == msg::ROBOT_ARMED;
-    });
-  }
+  bool Arm() { return Order(msg::OPERATOR_ARM, msg::ROBOT_ARMED); }
 
   const msg::JointState& last() const { return last_; }
   const std::optional<msg::ActuatorState>& actuator() const { return actuator_; }
@@ -252,6 +251,18 @@ class AxisWatch {
  public:
   explicit AxisWatch(const Rig& rig) : bus_({.bus = rig.bus_path()}) {}
 
+  // By the axis' newest heartbeat.
+  bool InClosedLoop() {
+    can::Received received;
+    while (bus_.Receive(std::chrono::nanoseconds(0), &received)) {
+      const auto address = can::AddressOf(received.frame);
+      const auto heartbeat = can::Decode<can::Heartbeat>(received.frame, can::Firmware::k0_5_6);
+      if (!address || address->node != 3 || !heartbeat) continue;
+      closed_loop_ = heartbeat->axis_state == can::AxisState::kClosedLoopControl;
+    }
+    return closed_loop_;
+  }
+
   // When the axis was requested to idle at or after a time, in ms since then; nothing: not within
   // the limit.
   std::optional<double> IdleAfter(std::int64_t since_ns, milliseconds limit = seconds(5)) {
@@ -269,6 +280,7 @@ class AxisWatch {
       if (!bus_.Receive(milliseconds(20), &received) || received.stamp_ns < since_ns) continue;
       const auto address = can::AddressOf(received.frame);
       if (!address || address->node != 3 || !condition(received.frame)) continue;
+      closed_loop_ = false;  // not known any more
       return 1e-6 * static_cast<double>(received.stamp_ns - since_ns);
     }
     return std::nullopt;
@@ -276,6 +288,7 @@ class AxisWatch {
 
  private:
   can::VirtualCan bus_;
+  bool closed_loop_ = false;
 };
 
 }  // namespace sinew

