@@ -36,7 +36,8 @@ struct StageOptions {
 struct Output {
   std::optional<Facts> facts;  // empty: no message of the topic
   std::size_t size = 0;        // bytes of the payload
-  double latency_s = 0.0;  // since joint_state of its tick was sent; 0: of no tick of the window
+  double latency_s = 0.0;      // since joint_state of its tick was sent
+  bool early = false;          // it came before that
 };
 
 // What was played, and what came back.
