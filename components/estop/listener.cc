@@ -234,12 +234,12 @@ void Listener::AnswerIdle() {
   }
 }
 
-// The file as the newest desire says. The cycle has desired the latch of every press that it has
-// answered, and maybe a reset since; one that it has not answered is latched without it.
+// The file as the newest desire says; a press that the cycle has not taken yet counts, too.
 void Listener::MatchFile() {
   std::uint64_t desired = desired_.load();
-  const bool unanswered = idle_.load(std::memory_order_acquire) < presses_.load();
-  if (unanswered && desired % 2 == 0) {
+  const bool pressed = std::any_of(clients_.begin(), clients_.end(),
+                                   [](const Client& client) { return client.press != 0; });
+  if (pressed && desired % 2 == 0) {
     (void)Desire(true);
     desired = desired_.load();
   }
@@ -277,10 +277,9 @@ void Listener::AnswerLatch() {
   for (Client& client : clients_) {
     if (client.press == 0) continue;
     if (!client.idle_said) Say(&client, "idle not confirmed\n");
-    Say(&client, !latch_             ? std::string("not latched: no latch file is declared\n")
-                 : on_disk_          ? std::string("latched\n")
-                 : !problem_.empty() ? "not latched: " + problem_ + "\n"
-                                     : std::string("not latched: it has been reset since\n"));
+    Say(&client, !latch_            ? std::string("not latched: no latch file is declared\n")
+                 : problem_.empty() ? std::string("latched\n")
+                                    : "not latched: " + problem_ + "\n");
     ::close(client.socket);
     client.socket = -1;
   }
