@@ -34,6 +34,7 @@ Program::Program(const std::vector<std::string>& arguments, const std::string& f
     throw std::runtime_error("no pipe");
   }
   std::vector<char*> words;
+  words.reserve(arguments.size() + 1);
   for (const std::string& word : arguments) words.push_back(const_cast<char*>(word.c_str()));
   words.push_back(nullptr);
   pid_ = ::fork();

@@ -137,10 +137,11 @@ void AddDeploymentOptions(CLI::App& command, LaunchOptions* options) {
   command.add_option("--record", options->record, "Record to this file (adds a logger if needed)")
       ->type_name("FILE.mcap");
   command
-      .add_option("--set", options->overrides.settings,
-                  "Override a key: mode, duration_s, seed, domain_id, interfaces, realtime_priority, "
-                  "grace_s, "
-                  "PROCESS.config, PROCESS.program, PROCESS.restart")
+      .add_option(
+          "--set", options->overrides.settings,
+          "Override a key: mode, duration_s, seed, domain_id, interfaces, realtime_priority, "
+          "grace_s, "
+          "PROCESS.config, PROCESS.program, PROCESS.restart")
       ->type_name("KEY=VALUE")
       ->take_all()
       ->expected(1);

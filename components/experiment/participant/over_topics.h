@@ -17,7 +17,7 @@ namespace sinew::experiment {
 
 struct TopicOptions {
   int joint = 0;
-  bool arm = false;  // sends `arm`; else an operator does
+  bool arm = false;      // sends `arm`; else an operator does
   double wait_s = 10.0;  // for the first joint_state
 };
 

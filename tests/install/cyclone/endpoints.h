@@ -1,15 +1,15 @@
-// Readers and writers of the robot's topics with Cyclone DDS: the QoS of idl/README.md, type names with the hash of their
-// IDL, and the ownership of joint_command by the rules of components/node/ownership.h. One thread; errors end the program.
+// Readers and writers of the robot's topics with Cyclone DDS: the QoS of idl/README.md, type names
+// with the hash of their IDL, and the ownership of joint_command by the rules of
+// components/node/ownership.h. One thread; errors end the program.
 #pragma once
 
+#include <dds/dds.h>
+#include <sinew_idl/topic_types.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <dds/dds.h>
-#include <sinew_idl/topic_types.h>
 
 static const uint32_t kJoining = 1, kFirst = 1u << 30;  // ownership strengths
 
@@ -26,16 +26,19 @@ static dds_entity_t Check(dds_entity_t entity, const char *what) {
 
 typedef enum { kState, kControl, kEvent, kLatched } Profile;  // of idl/README.md
 
-// Of an owner that is silent for longer a reader takes the next one: five periods at 200 Hz, so for a robot of at least
-// that rate (Cyclone DDS 0.10 cannot change it later). Writers offer 20 ms to all readers.
+// Of an owner that is silent for longer a reader takes the next one: five periods at 200 Hz, so for
+// a robot of at least that rate (Cyclone DDS 0.10 cannot change it later). Writers offer 20 ms to
+// all readers.
 static const dds_duration_t kReaderDeadline = DDS_MSECS(25), kWriterDeadline = DDS_MSECS(20);
 
 static dds_qos_t *QosOf(Profile profile, dds_duration_t deadline) {
   dds_qos_t *qos = dds_create_qos();
   const bool stepped = lockstep && profile != kLatched;
   const bool reliable = stepped || profile == kEvent || profile == kLatched;
-  dds_qset_reliability(qos, reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT, DDS_SECS(1));
-  dds_qset_durability(qos, stepped || profile == kLatched ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
+  dds_qset_reliability(qos, reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
+                       DDS_SECS(1));
+  dds_qset_durability(qos, stepped || profile == kLatched ? DDS_DURABILITY_TRANSIENT_LOCAL
+                                                          : DDS_DURABILITY_VOLATILE);
   dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, stepped ? 256 : profile == kEvent ? 16 : 1);
   if (profile == kControl && !stepped) {
     dds_qset_ownership(qos, DDS_OWNERSHIP_EXCLUSIVE);
@@ -66,7 +69,8 @@ static dds_entity_t Writer(dds_entity_t topic, Profile profile) {
 
 static dds_entity_t WaitsetOf(dds_entity_t reader) {
   const dds_entity_t waitset = Check(dds_create_waitset(participant), "waitset");
-  dds_waitset_attach(waitset, Check(dds_create_readcondition(reader, DDS_ANY_STATE), "condition"), 0);
+  dds_waitset_attach(waitset, Check(dds_create_readcondition(reader, DDS_ANY_STATE), "condition"),
+                     0);
   return waitset;
 }
 
@@ -82,7 +86,8 @@ static bool Take(dds_entity_t reader, void *sample) {
 // ---- ownership: the rules of components/node/ownership.h
 
 typedef struct {
-  uint32_t lowest, highest;  // of the other writers of joint_command; lowest: of those that have settled
+  uint32_t lowest,
+      highest;  // of the other writers of joint_command; lowest: of those that have settled
 } Rivals;
 
 static Rivals FindRivals(dds_entity_t publications, dds_entity_t writer) {
@@ -99,7 +104,8 @@ static Rivals FindRivals(dds_entity_t publications, dds_entity_t writer) {
     if (memcmp(&other->key, &own, sizeof own) == 0) continue;
     dds_qget_ownership_strength(other->qos, &strength);
     if ((uint32_t)strength > rivals.highest) rivals.highest = (uint32_t)strength;
-    if ((uint32_t)strength > kJoining && (uint32_t)strength < rivals.lowest) rivals.lowest = (uint32_t)strength;
+    if ((uint32_t)strength > kJoining && (uint32_t)strength < rivals.lowest)
+      rivals.lowest = (uint32_t)strength;
   }
   if (count > 0) dds_return_loan(publications, samples, count);
   return rivals;
