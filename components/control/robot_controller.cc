@@ -43,6 +43,7 @@ RobotOutput RobotController::Step(const RobotInput& input) noexcept {
     joint.measured = j < input.joint_count ? &input.joint[j] : &kUnknown;
     joint.reference_expected = j < reference_count_;
     joint.reference_fresh = input.reference_fresh;
+    joint.reference_replayed = input.reference_replayed;
     joint.reference = input.reference[j];
     joint.prediction_fresh = input.prediction_fresh;
     joint.prediction = input.prediction[j];

@@ -8,6 +8,7 @@
 
 #include <vector>
 
+#include "components/node/command_gate.h"
 #include "components/node/tick_loop.h"
 #include "components/pneumatics/file/pneumatics_file.h"
 #include "components/pneumatics/manager.h"
@@ -23,19 +24,23 @@ class PressureRequests {
 
   // Takes what has arrived and gives the managers (one a joint) their targets. A new session starts
   // from the configuration. True: the session is new.
-  bool Take(const node::Tick& tick, std::vector<PressureManager>* managers);
+  // origin: the state provider's, which decides what counts (components/types/command_rule.h).
+  bool Take(const node::Tick& tick, types::Origin origin, std::vector<PressureManager>* managers);
   bool MayHold(types::RobotState state) const;
+  std::uint64_t refused() const { return stiffness_gate_.refused() + reset_gate_.refused(); }
   bool reset() const { return reset_; }  // an operator's reset came with this tick
 
  private:
-  void TakeStiffness(const node::Tick& tick, std::vector<PressureManager>* managers);
-  void TakeOperator(const node::Tick& tick);
+  void TakeStiffness(const types::RunningSession& running, std::vector<PressureManager>* managers);
+  void TakeOperator(const types::RunningSession& running);
 
   PneumaticsConfig config_;
   types::JointArray<double> standing_target_bar_{};  // without motion requests
   node::TickInput<msg::MotionRequest>* motion_ = nullptr;
   node::Reader<msg::StiffnessRequest> requests_;
   node::Reader<msg::OperatorCommand> operator_;
+  node::CommandGate stiffness_gate_{"stiffness_request"};
+  node::CommandGate reset_gate_{"reset"};
   bool estopped_ = false;
   bool reset_ = false;
   std::uint64_t session_id_ = 0;

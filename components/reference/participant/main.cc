@@ -5,6 +5,7 @@
 #include "components/node/tick_loop.h"
 #include "components/reference/file/reference_file.h"
 #include "components/reference/participant/translate.h"
+#include "components/wire/wire.h"
 
 namespace {
 
@@ -20,11 +21,11 @@ void Run(const sinew::node::Options& options, sinew::node::StopFlag& stop) {
   node::Node node(options);
   node::TickLoop loop(node, stop);
   auto& state = loop.AddInput(node::kJointState);
-  auto commands = node.MakeReader(node::kOperatorCommand);
+  reference::OperatorStarts starts(node);
   auto output = node.MakeWriter(node::kReference);
   while (const auto tick = loop.Next()) {
     reference::RobotReferenceInput input = reference::ToInput(*tick, state.value());
-    reference::AddOperatorCommands(commands, &input);
+    starts.AddTo(&input, wire::FromWire(state.value().header().origin()));
     loop.Publish(output, reference::ToMessage(generator.Step(input), *tick), *tick);
   }
 }
