@@ -11,8 +11,9 @@ namespace sinew::node {
 namespace {
 
 TEST(PriorityRules, AreGradedFromTheBusToTheAdaptation) {
-  const char* const order[] = {"estop",     "can-bus", "can-bridge", "control", "pneumatics",
-                               "reference", "regime",  "esn",        "rls",     "a kind of a user's"};
+  const char* const order[] = {"estop",      "can-bus",           "can-bridge", "control",
+                               "pneumatics", "reference",         "regime",     "esn",
+                               "rls",        "a kind of a user's"};
   for (std::size_t i = 1; i < std::size(order); ++i) {
     EXPECT_GT(PriorityOf(order[i - 1]).priority, PriorityOf(order[i]).priority) << order[i];
   }
