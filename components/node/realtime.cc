@@ -15,7 +15,7 @@ namespace sinew::node {
 // first, since it bounds how late a command is whatever the others do. Below the threads of the
 // kernel for interrupts (50), and below the units' LimitRTPRIO.
 const std::vector<PriorityRule>& PriorityRules() {
-  static const std::vector<PriorityRule> rules = {
+  static const std::vector<PriorityRule> kRules = {
       {"estop", 48, "stops the robot whatever else runs"},
       {"can-bus", 46, "the bus: hardware to everybody else"},
       {"virtual-axes", 46, "the motor controllers: hardware to everybody else"},
@@ -34,7 +34,7 @@ const std::vector<PriorityRule>& PriorityRules() {
       {"player", 0, "observer of a file; what it sends is no live command"},
       {"", 28, "a kind that is not in this table: below all that are"},
   };
-  return rules;
+  return kRules;
 }
 
 const PriorityRule& PriorityOf(std::string_view component) {

@@ -26,6 +26,7 @@ bool HasSecurity(const dds::DomainParticipantQos& qos) {
 
 std::vector<std::string> AddressTexts(const std::vector<InterfaceAddress>& allowed) {
   std::vector<std::string> texts;
+  texts.reserve(allowed.size());
   for (const InterfaceAddress& entry : allowed) texts.push_back(entry.address);
   return texts;
 }

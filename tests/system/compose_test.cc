@@ -16,6 +16,7 @@
 #include "components/node/codec.h"
 #include "components/node/node.h"
 #include "tests/support/program.h"
+#include "tests/support/realtime.h"
 #include "tests/support/sinew_program.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/system/recording_payloads.h"
@@ -40,12 +41,17 @@ std::vector<Message> MessagesOf(const std::map<std::string, std::vector<std::str
   return messages;
 }
 
+// As a deployment says it.
+std::string RealtimeSetting() {
+  return std::string("realtime_priority=") + (MayBecomeRealtime() ? "true" : "false");
+}
+
 TEST(Compose, OneProcessDrivesTheRigWithTheSameTopics) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "run.mcap";
   const Finished run =
       testing::Run({kSinew, "compose", kComposedRig + "deploy_esn.yaml", "--duration", "6",
-                    "--domain", "107", "--record", file.string()},
+                    "--domain", "107", "--record", file.string(), "--set", RealtimeSetting()},
                    60s);
   ASSERT_EQ(run.exit_code, 0) << run.output << run.error;
 
@@ -114,12 +120,18 @@ class SourceWatch {
 
 TEST(Compose, AComposedControllerIsHandedOverAndTakesOverFromTheDead) {
   SourceWatch source(108);
-  const Program rig(
-      {kSinew, "compose", kComposedRig + "deploy_esn.yaml", "--duration", "0", "--domain", "108"});
+  const Program rig({kSinew, "compose", kComposedRig + "deploy_esn.yaml", "--duration", "0",
+                     "--domain", "108", "--set", RealtimeSetting()});
   ASSERT_TRUE(source.WaitFor("control")) << rig.error();
-  const Program other({SINEW_BIN_DIR "/sinew-control", "--config",
-                       kComposedRig + "control_pid_linear.yaml", "--name", "other", "--domain",
-                       "108"});
+  std::vector<std::string> line{SINEW_BIN_DIR "/sinew-control",
+                                "--config",
+                                kComposedRig + "control_pid_linear.yaml",
+                                "--name",
+                                "other",
+                                "--domain",
+                                "108"};
+  if (MayBecomeRealtime()) line.push_back("--realtime");
+  const Program other(line);
   const Finished handover =
       testing::Run({kSinew, "handover", "control", "other", "--timeout", "15", "--domain", "108"});
   ASSERT_EQ(handover.exit_code, 0) << handover.error << other.error();

@@ -5,7 +5,6 @@
 // command comes twice or late, the joint stays near where it should be, nothing else restarts, and
 // the recording says who drove when. Domains 100 to 106.
 #include <gtest/gtest.h>
-#include <sched.h>
 #include <signal.h>
 #include <sinew_idl/joint.h>
 #include <sinew_idl/status.h>
@@ -24,6 +23,7 @@
 #include "components/node/codec.h"
 #include "components/node/node.h"
 #include "tests/support/program.h"
+#include "tests/support/realtime.h"
 #include "tests/support/sinew_program.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/witness.h"
@@ -76,13 +76,6 @@ std::vector<Role> Roles(const TemporaryFolder& folder) {
       {"control", "joint_command", Configured("sinew-control", "control_pid_esn.yaml"),
        Configured("sinew-control", "control_pid_linear.yaml")},
   };
-}
-
-bool MayBecomeRealtime() {
-  sched_param parameters{.sched_priority = 1};
-  if (::sched_setscheduler(0, SCHED_FIFO, &parameters) != 0) return false;
-  parameters.sched_priority = 0;
-  return ::sched_setscheduler(0, SCHED_OTHER, &parameters) == 0;
 }
 
 node::Options ObserverOptions(int domain) {

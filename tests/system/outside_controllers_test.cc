@@ -13,6 +13,7 @@
 
 #include "components/node/node.h"
 #include "tests/support/program.h"
+#include "tests/support/realtime.h"
 #include "tests/support/sinew_program.h"
 
 namespace sinew::testing {
@@ -54,6 +55,7 @@ class MovingRig {
     std::vector<std::string> line{kBin + "/" + program, "--config", kRigFolder + config, "--domain",
                                   domain_};
     line.insert(line.end(), more.begin(), more.end());
+    if (MayBecomeRealtime()) line.push_back("--realtime");
     return line;
   }
 

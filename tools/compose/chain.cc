@@ -24,7 +24,7 @@ struct ComposedKind {
 
 // In the order in which they answer: each after those whose answers it reads.
 const std::array<ComposedKind, 6>& Kinds() {
-  static const std::array<ComposedKind, 6> kinds = {{
+  static const std::array<ComposedKind, 6> kKinds = {{
       {"sinew-reference", true, reference::MakeReference},
       {"sinew-regime", true, regime::MakeRegime},
       {"sinew-esn", true, [](const auto& o, auto& stop) { return esn::MakeEsn(o, stop); }},
@@ -33,7 +33,7 @@ const std::array<ComposedKind, 6>& Kinds() {
       {"sinew-pneumatics", false, pneumatics::MakePneumatics},
       {"sinew-rls", false, [](const auto& o, auto& stop) { return rls::MakeRls(o, stop); }},
   }};
-  return kinds;
+  return kKinds;
 }
 
 std::string ProgramsThatCompose() {

@@ -21,7 +21,7 @@ struct LockstepRun {
   int exit_code = launch::Program::kTimeout;
 };
 
-void Append(Window* all, Window part) {
+void Append(Window* all, Window&& part) {
   all->ticks += part.ticks;
   for (auto& [topic, outputs] : part.outputs) {
     auto& to = all->outputs[topic];

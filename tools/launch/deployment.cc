@@ -230,12 +230,12 @@ void RemoveProcess(const std::string& name, Deployment* deployment) {
 
 // Programs that sinew-compose can run (tools/compose/chain.cc).
 std::vector<std::string> WhatComposes(const Deployment& deployment) {
-  static const std::set<std::string> programs = {"sinew-reference",  "sinew-regime",
-                                                 "sinew-esn",        "sinew-control",
-                                                 "sinew-pneumatics", "sinew-rls"};
+  static const std::set<std::string> kPrograms = {"sinew-reference",  "sinew-regime",
+                                                  "sinew-esn",        "sinew-control",
+                                                  "sinew-pneumatics", "sinew-rls"};
   std::vector<std::string> names;
   for (const Process& process : deployment.processes) {
-    if (programs.contains(process.program.filename().string()) && process.arguments.empty()) {
+    if (kPrograms.contains(process.program.filename().string()) && process.arguments.empty()) {
       names.push_back(process.name);
     }
   }

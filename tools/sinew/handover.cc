@@ -26,7 +26,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr milliseconds kRepeatHandover(200);  // the command is volatile: said again until it is done
+constexpr milliseconds kRepeatHandover(
+    200);  // the command is volatile: said again until it is done
 
 struct HandoverOptions {
   node::Options node;
@@ -71,7 +72,7 @@ class Handover {
     bool sent = false;
     while (Clock::now() < end) {
       Listen();
-      if (const std::string why = NotToBe(); !why.empty()) return why;
+      if (std::string why = NotToBe(); !why.empty()) return why;
       if (HeardOfAll(TopicsOf(node_, options_.target)) && target_) return "";
       if (state_ && target_ && commands_.matched_readers() > 0 && Clock::now() >= next_send) {
         sent = Send() || sent;

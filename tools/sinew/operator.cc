@@ -98,6 +98,7 @@ LocalEstop PressLocally(const std::vector<std::string>& sockets, int domain_id,
   std::vector<std::filesystem::path> paths(sockets.begin(), sockets.end());
   if (paths.empty()) paths = estop::SocketCandidates(domain_id);
   std::vector<estop::Press> pressed;
+  pressed.reserve(paths.size());
   for (const auto& path : paths) pressed.emplace_back(path, reason);
   LocalEstop local;
   for (std::size_t i = 0; i < paths.size(); ++i) {
