@@ -11,10 +11,10 @@
 #        needs no header of the library. sinew_finish_commands(TARGET) writes the calls, after the last of these.
 #   sinew_add_participant(rls SOURCES participant/main.cc DEPENDS sinew::rls)
 #     -> program sinew_rls_participant, installed and built as bin/sinew-rls; links sinew::node.
-#   sinew_add_test(rls_test SOURCES rls_test.cc DEPENDS sinew::rls [LABELS dds] [SERIAL] [THREADS] [TIMEOUT s])
-#     -> a GoogleTest program; every case is a ctest of its own. Without LABELS it is a unit test: label `unit`, built
+#   sinew_add_test(rls_test SOURCES rls_test.cc DEPENDS sinew::rls [LABEL dds] [SERIAL] [THREADS] [TIMEOUT s])
+#     -> a GoogleTest program; every case is a ctest of its own. Without LABEL it is a unit test: label `unit`, built
 #        by the target unit_tests. THREADS: its code starts threads; `tools/test --tsan` runs it too (label
-#        `unit-threads` or `dds-threads`, target thread_tests). A test that starts PROGRAMS names its LABELS: `programs`,
+#        `unit-threads` or `dds-threads`, target thread_tests). A test that starts PROGRAMS names its LABEL: `programs`,
 #        or `dds` with SERIAL. One on whole recordings or many runs of the surrogate has the label `acceptance`: it is
 #        not run under sanitizers.
 foreach(list SINEW_MODULES SINEW_PUBLIC_HEADERS SINEW_OTHER_HEADERS)
@@ -151,7 +151,11 @@ if(SINEW_BUILD_TESTS)
 endif()
 
 function(sinew_add_test name)
-  cmake_parse_arguments(ARG "SERIAL;THREADS" "TIMEOUT" "SOURCES;DEPENDS;LABELS;DEFINITIONS;PROGRAMS" ${ARGN})
+  # One label: gtest_discover_tests keeps the first of a list and drops the others without a word.
+  cmake_parse_arguments(ARG "SERIAL;THREADS" "LABEL;TIMEOUT" "SOURCES;DEPENDS;DEFINITIONS;PROGRAMS" ${ARGN})
+  if(ARG_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "${name}: '${ARG_UNPARSED_ARGUMENTS}' belongs to no keyword; a test has one LABEL")
+  endif()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_DEPENDS} Eigen3::Eigen GTest::gtest GTest::gmock GTest::gtest_main sinew_flags)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
@@ -167,23 +171,22 @@ function(sinew_add_test name)
   if(ARG_PROGRAMS)
     add_dependencies(${name} ${ARG_PROGRAMS})
   endif()
-  if(NOT ARG_LABELS)
+  if(NOT ARG_LABEL)
     if(ARG_PROGRAMS)
-      message(FATAL_ERROR "${name} starts programs: LABELS programs, or LABELS dds SERIAL")
+      message(FATAL_ERROR "${name} starts programs: LABEL programs, or LABEL dds SERIAL")
     endif()
-    set(ARG_LABELS unit)
+    set(ARG_LABEL unit)
     add_dependencies(unit_tests ${name})
   endif()
   if(ARG_THREADS)
-    string(APPEND ARG_LABELS -threads)  # one word: gtest_discover_tests takes no list of labels
+    string(APPEND ARG_LABEL -threads)
     add_dependencies(thread_tests ${name})
   endif()
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 180)
   endif()
-  set(properties TIMEOUT ${ARG_TIMEOUT})
-  list(APPEND properties LABELS "${ARG_LABELS}")
-  if(ARG_SERIAL)
+  set(properties TIMEOUT ${ARG_TIMEOUT} LABELS ${ARG_LABEL})
+    if(ARG_SERIAL)
     list(APPEND properties RUN_SERIAL TRUE)
   endif()
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES ${properties})

@@ -69,6 +69,7 @@ JointController::JointController(const JointControlConfig& config)
   Require(config.shaft_per_output > 0.0, "motor torque per output torque", config.shaft_per_output);
   Require(config.motor_torque_limit_Nm > 0.0, "motor torque limit", config.motor_torque_limit_Nm);
   Require(config.takeover_s >= 0.0, "take-over time", config.takeover_s);
+  Require(config.replay_takeover_s >= 0.0, "take-over time of a replay", config.replay_takeover_s);
   Require(config.crossfade_s >= 0.0, "cross-fade time", config.crossfade_s);
   Require(config.tracking_error_limit_rad >= 0.0, "tracking error limit",
           config.tracking_error_limit_rad);
@@ -134,10 +135,13 @@ void JointController::ChooseAim(const JointInput& input) noexcept {
   const double position_rad = input.measured->position_rad;
   if (input.reference_expected) {
     if (!input.reference_fresh) return;  // stays with what it did
-    if (aim_ != Aim::kReference || stale_ticks_ > 0 || input.reference_changed) {
+    if (aim_ != Aim::kReference || stale_ticks_ > 0 || input.reference_changed ||
+        input.reference_replayed != replayed_) {
       const double from_rad = aim_ == Aim::kPush ? position_rad : target_.position_rad;
       offset_rad_ = from_rad - input.reference.position_rad;
       offset_age_s_ = 0.0;
+      replayed_ = input.reference_replayed;
+      offset_fades_s_ = replayed_ ? config_.replay_takeover_s : config_.takeover_s;
       aim_ = Aim::kReference;
     }
     return;
@@ -176,7 +180,7 @@ void JointController::ChooseAim(const JointInput& input) noexcept {
 Point JointController::Target(const JointInput& input) noexcept {
   if (aim_ == Aim::kReference) {
     if (!input.reference_fresh) return {target_.position_rad, 0.0, 0.0};
-    const reference::BlendWeight w = reference::Blend(offset_age_s_, config_.takeover_s);
+    const reference::BlendWeight w = reference::Blend(offset_age_s_, offset_fades_s_);
     offset_age_s_ += input.period_s;
     return {input.reference.position_rad + offset_rad_ * (1.0 - w.value),
             input.reference.velocity_rad_s - offset_rad_ * w.rate_per_s,

@@ -2,8 +2,9 @@
 //
 // What it follows, in this order: the reference; else a motion order; else it holds. Whenever that
 // changes (arming included) it goes on from where it is: the difference to the new target fades out
-// over takeover_s (quintic), and a jump of the feed-forward fades out with the time constant
-// crossfade_s. Where a feed-forward begins, the integral gives up what it held in its place.
+// over takeover_s (quintic; replay_takeover_s where a recording begins to move live hardware), and
+// a jump of the feed-forward fades out with the time constant crossfade_s. Where a feed-forward
+// begins, the integral gives up what it held in its place.
 //
 // Command, torque strategies: limit(PID / (N efficiency) + feed-forward) at the motor shaft; the
 // cut part goes back into the integral. kPosition gives the target to the drive's own loops.
@@ -45,6 +46,7 @@ struct JointControlConfig {
   double shaft_per_output = 1.0;       // 1 / (N efficiency)
   double motor_torque_limit_Nm = 0.0;  // more than 0
   double takeover_s = 0.3;
+  double replay_takeover_s = 2.0;  // to a recording's reference on live hardware
   double crossfade_s = 0.02;
   double tracking_error_limit_rad = 0.0;  // 0: none
   double damping_Nm_s_rad = 0.3;          // of safe commands, at the output
@@ -60,6 +62,7 @@ struct JointInput {
   bool reference_expected = false;  // the reference asks for this joint, or did when last heard
   bool reference_fresh = false;
   bool reference_changed = false;  // to another generator's: the step to it fades out
+  bool reference_replayed = false;
   Point reference;
   bool prediction_fresh = false;
   bool prediction_changed = false;  // to another predictor's: likewise
@@ -109,6 +112,8 @@ class JointController {
   Point target_;             // of the last tick
   double offset_rad_ = 0.0;  // fades out over takeover_s
   double offset_age_s_ = 0.0;
+  double offset_fades_s_ = 0.0;
+  bool replayed_ = false;  // the reference that is followed
   int stale_ticks_ = 0;
   MotionOrder motion_;  // being executed
   std::optional<reference::Move> move_;

@@ -44,6 +44,7 @@ RobotOutput RobotController::Step(const RobotInput& input) noexcept {
     joint.reference_expected = j < reference_count_;
     joint.reference_fresh = input.reference_fresh;
     joint.reference_changed = input.reference_changed;
+    joint.reference_replayed = input.reference_replayed;
     joint.reference = input.reference[j];
     joint.prediction_fresh = input.prediction_fresh;
     joint.prediction_changed = input.prediction_changed;

@@ -54,9 +54,10 @@ struct RobotInput {
   int joint_count = 0;
   types::JointArray<JointMeasurement> joint{};
 
-  bool reference_fresh = false;    // belongs to this tick and is not marked stale
-  bool reference_changed = false;  // it comes from another generator than the one before
-  int reference_count = 0;         // 0: nothing is asked for
+  bool reference_fresh = false;     // belongs to this tick and is not marked stale
+  bool reference_changed = false;   // it comes from another generator than the one before
+  int reference_count = 0;          // 0: nothing is asked for
+  bool reference_replayed = false;  // a recording's, on live hardware
   types::JointArray<Point> reference{};
 
   bool prediction_fresh = false;

@@ -89,21 +89,29 @@ std::uint64_t Load64(const std::byte* bytes, bool little) {
 SINEW_FOR_EACH_MESSAGE(SINEW_CODEC)
 #undef SINEW_CODEC
 
+constexpr std::size_t kOriginOffset = 4 + 8 + 8 + 8;  // encapsulation, session, tick, stamp
+
 bool PeekHead(const std::byte* bytes, std::size_t size, HeadOfMessage* head) {
-  if (size < 4 + 16) return false;
+  if (size < kOriginOffset + 4) return false;
   const bool little = (bytes[1] & std::byte{1}) != std::byte{0};
   head->session_id = Load64(bytes + 4, little);
   head->tick = Load64(bytes + 12, little);
+  head->origin = 0;
+  for (int i = 0; i < 4; ++i) {
+    const int shift = little ? 8 * i : 8 * (3 - i);
+    head->origin |= static_cast<std::uint32_t>(bytes[kOriginOffset + static_cast<std::size_t>(i)])
+                    << shift;
+  }
   return true;
 }
 
 bool PokeOrigin(std::byte* bytes, std::size_t size, std::uint32_t origin) {
-  constexpr std::size_t kOffset = 4 + 8 + 8 + 8;
-  if (size < kOffset + 4) return false;
+  if (size < kOriginOffset + 4) return false;
   const bool little = (bytes[1] & std::byte{1}) != std::byte{0};
   for (int i = 0; i < 4; ++i) {
     const int shift = little ? 8 * i : 8 * (3 - i);
-    bytes[kOffset + static_cast<std::size_t>(i)] = static_cast<std::byte>((origin >> shift) & 0xFF);
+    bytes[kOriginOffset + static_cast<std::size_t>(i)] =
+        static_cast<std::byte>((origin >> shift) & 0xFF);
   }
   return true;
 }

@@ -26,6 +26,7 @@ template <class Message>
 struct HeadOfMessage {
   std::uint64_t session_id = 0;
   std::uint64_t tick = 0;
+  std::uint32_t origin = 0;  // as it is on the wire: any number
 };
 [[nodiscard]] bool PeekHead(const std::byte* bytes, std::size_t size, HeadOfMessage* head);
 

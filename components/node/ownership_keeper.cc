@@ -7,6 +7,7 @@
 
 #include "components/node/codec.h"
 #include "components/node/node_impl.h"
+#include "components/wire/wire.h"
 
 namespace sinew::node::internal {
 
@@ -58,13 +59,14 @@ void OwnershipKeeper::TakeOperatorCommand(RawSample&& sample) {
   msg::OperatorCommand command;
   if (!Decode(sample.payload, &command) || command.action() != msg::OPERATOR_HANDOVER) return;
   if (command.target() != node_.options.name) return;
-  const bool live = origin_.load(std::memory_order_relaxed) == msg::ORIGIN_LIVE;
-  const bool allowed = live ? command.header().origin() == msg::ORIGIN_LIVE
-                            : command.header().origin() != msg::ORIGIN_REPLAY;
-  if (command.role() != RoleOf(node_.options) || !allowed ||
-      command.header().session_id() != session_id_.load(std::memory_order_relaxed)) {
-    spdlog::warn("handover of '{}' refused: this is '{}', or it is of another session or origin",
-                 command.role(), RoleOf(node_.options));
+  const types::RunningSession running{
+      session_id_.load(std::memory_order_relaxed),
+      wire::FromWire(static_cast<msg::Origin>(origin_.load(std::memory_order_relaxed)))};
+  if (!gate_.Admits(types::CommandKind::kPermission, wire::FromWire(command.header()), running)) {
+    return;
+  }
+  if (command.role() != RoleOf(node_.options)) {
+    spdlog::warn("handover of '{}' refused: this is '{}'", command.role(), RoleOf(node_.options));
     return;
   }
   {

@@ -18,6 +18,7 @@
 #include <thread>
 #include <vector>
 
+#include "components/node/command_gate.h"
 #include "components/node/node.h"
 #include "components/node/ownership.h"
 
@@ -70,7 +71,8 @@ class OwnershipKeeper {
   NodeImpl& node_;
   std::atomic<std::uint64_t> session_id_{0};
   std::atomic<int> origin_{0};
-  std::mutex writers_mutex_;  // held while strengths change, so never waited for by DDS threads
+  CommandGate gate_{"handover"};  // DDS thread
+  std::mutex writers_mutex_;      // held while strengths change, so never waited for by DDS threads
   std::vector<Entry> writers_;
   std::mutex news_mutex_;
   std::condition_variable wake_;

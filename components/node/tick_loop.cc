@@ -6,11 +6,15 @@
 #include <type_traits>
 
 #include "components/node/all_messages.h"
+#include "components/node/command_gate.h"
 #include "components/node/cut_off.h"
 #include "components/node/input_queue.h"
 #include "components/node/node_impl.h"
 #include "components/node/other_owner.h"
+#include "components/node/replay_gate.h"
 #include "components/node/tick_period.h"
+#include "components/types/command_rule.h"
+#include "components/wire/wire.h"
 
 namespace sinew::node {
 
@@ -26,18 +30,39 @@ class InputBase {
       : queue(rules, reader->queue_limit), reader_(std::move(reader)) {}
   virtual ~InputBase() = default;
 
-  // Moves what DDS has received into the queue. Samples of other sessions are dropped; session 0:
-  // of none.
-  void Collect(std::uint64_t session_id) {
-    while (auto sample = reader_->TakeNext()) {
-      HeadOfMessage head;
-      if (!PeekHead(sample->bytes.data(), sample->bytes.size(), &head)) {
-        reader_->CountMalformed();
-        continue;
+  // Moves what DDS has received into the queue: all of a trigger.
+  void CollectAll() {
+    Collect([](const HeadOfMessage&, const WriterId&) { return true; });
+  }
+  // Only what belongs to the session, and of a commanding topic what the rule admits.
+  void Collect(const types::RunningSession& running) {
+    Collect([&](const HeadOfMessage& head, const WriterId& writer) {
+      if (!commands_) return head.session_id == running.session_id;
+      const types::MessageHeader header{
+          .session_id = head.session_id,
+          .tick = head.tick,
+          .origin = wire::FromWire(static_cast<msg::Origin>(head.origin))};
+      const types::CommandRefusal refusal =
+          types::RefusalOf(types::CommandKind::kRequest, header, running);
+      // Everybody's reference is heard: another one's ends a permission.
+      const bool permitted = replay && replay->Admits(writer);
+      const bool replayed =
+          refusal == types::CommandRefusal::kOrigin && header.origin == types::Origin::kReplay;
+      if (!replay || !replayed) {
+        return gate_.Admits(types::CommandKind::kRequest, header, running);
       }
-      if (session_id != 0 && head.session_id != session_id) continue;
-      queue.Push(head, std::move(sample->bytes), sample->writer);
-    }
+      if (!permitted) gate_.Refuse(replay->Refusal(writer));
+      return permitted;
+    });
+  }
+  // Live hardware has no permission any more for what was taken by one: it never came.
+  void ForgetReplay(const types::RunningSession& running) {
+    if (!replay || running.origin != types::Origin::kLive || replay->holds()) return;
+    if (queue.accepted() && origin() == msg::ORIGIN_REPLAY) queue.Reset();
+  }
+  // The value counts as live.
+  bool replay_permitted() const {
+    return replay && replay->holds() && queue.accepted() && origin() == msg::ORIGIN_REPLAY;
   }
   // Sleeps until a sample of this input arrives or the timeout is over.
   void Wait(std::chrono::microseconds timeout) { reader_->WaitForSample(timeout); }
@@ -49,6 +74,9 @@ class InputBase {
   virtual msg::Origin origin() const = 0;  // of the value
   // Of a trigger: what its message says of the cycle.
   virtual void Describe(Tick* tick) const = 0;
+  virtual bool robot_may_move() const = 0;  // of a trigger
+
+  std::optional<ReplayGate> replay;  // of a reference, in real time
 
   InputQueue queue;
   const InputQueue::Decode decode = [this](const Bytes& bytes) {
@@ -57,9 +85,26 @@ class InputBase {
     return false;
   };
   std::uint64_t malformed() const { return reader_->malformed(); }
+  std::uint64_t refused() const { return gate_.refused(); }
 
  private:
+  template <class Admits>
+  void Collect(const Admits& admits) {
+    while (auto sample = reader_->TakeNext()) {
+      HeadOfMessage head;
+      if (!PeekHead(sample->bytes.data(), sample->bytes.size(), &head)) {
+        reader_->CountMalformed();
+        continue;
+      }
+      if (!admits(head, sample->writer)) continue;
+      queue.Push(head, std::move(sample->bytes), sample->writer);
+    }
+  }
+
   std::unique_ptr<ReaderImpl> reader_;
+  CommandGate gate_{topic()};
+  const bool commands_ = std::find(kCommandingTopics.begin(), kCommandingTopics.end(), topic()) !=
+                         kCommandingTopics.end();
 };
 
 }  // namespace internal
@@ -98,6 +143,12 @@ struct TickInput<Message>::State final : public InputBase {
     if (!Decode(bytes, &next)) return false;
     std::swap(message, next);
     return true;
+  }
+  bool robot_may_move() const override {
+    if constexpr (std::is_same_v<Message, msg::JointState>) {
+      return types::MayMove(wire::FromWire(message.robot_state()));
+    }
+    return false;
   }
   msg::Origin origin() const override { return message.header().origin(); }
   void Describe(Tick* tick) const override {
@@ -139,6 +190,11 @@ std::uint64_t TickInput<Message>::malformed() const {
   return state_->malformed();
 }
 
+template <class Message>
+std::uint64_t TickInput<Message>::refused() const {
+  return state_->refused();
+}
+
 struct TickLoop::Impl {
   Node& node;
   StopFlag& stop;
@@ -151,6 +207,7 @@ struct TickLoop::Impl {
   Node::Counts counts;
   TickPeriod period;
   std::uint64_t session_id = 0;
+  types::RunningSession running;  // as the trigger's last message says
   std::optional<std::uint64_t> last_tick;
   bool ended = false;
 
@@ -172,7 +229,7 @@ struct TickLoop::Impl {
   // The head of the next trigger sample, when there is one; it is the oldest of the queue.
   std::optional<HeadOfMessage> NextTrigger() {
     InputBase& trigger = *inputs.front();
-    trigger.Collect(0);
+    trigger.CollectAll();
     if (!lockstep) trigger.queue.DropAllButNewest();
     while (const auto head = trigger.queue.front()) {
       const bool seen = last_tick && head->session_id == session_id && head->tick <= *last_tick;
@@ -201,14 +258,14 @@ struct TickLoop::Impl {
   // Until the sample of the tick is here, or in real time the deadline. False: stop was requested.
   bool WaitForInput(InputBase& input, std::uint64_t tick, Clock::time_point deadline) {
     using std::chrono::microseconds;
-    input.Collect(session_id);
+    input.Collect(running);
     while (input.queue.rules().required && !input.queue.Reached(tick)) {
       if (stop.requested()) return false;
       const auto left = std::chrono::duration_cast<microseconds>(deadline - Clock::now());
       if (!lockstep && left.count() <= 0) break;
       input.Wait(lockstep ? microseconds(std::chrono::milliseconds(50)) : left);
       status.Beat();
-      input.Collect(session_id);
+      input.Collect(running);
     }
     return true;
   }
@@ -245,6 +302,7 @@ TickLoop::TickLoop(Node& node, StopFlag& stop, TickLoopOptions options)
                      .handles = {},
                      .counts = {},
                      .period = {},
+                     .running = {},
                      .last_tick = {}}) {}
 
 TickLoop::~TickLoop() = default;
@@ -258,6 +316,9 @@ requires kBeginsWithHeader<Message> TickInput<Message>
   auto reader = std::make_unique<internal::ReaderImpl>(impl_->node.impl_, *FindTopic(topic.name));
   auto input = std::make_shared<TickInput<Message>>();
   input->state_ = std::make_shared<typename TickInput<Message>::State>(std::move(reader), rules);
+  if (!impl_->lockstep && !impl_->inputs.empty() && topic.name == kReference.name) {
+    input->state_->replay.emplace(impl_->node, impl_->node.impl_);
+  }
   impl_->inputs.push_back(input->state_);
   impl_->handles.push_back(input);
   return *input;
@@ -287,16 +348,21 @@ std::optional<Tick> TickLoop::Next() {
   tick.tick = head->tick;
   tick.nominal_period_s = self.options.nominal_period_s;
   trigger.Describe(&tick);
+  self.running = {tick.session_id, wire::FromWire(trigger.origin())};
   const auto deadline = Clock::now() + self.CutOff(tick.nominal_period_s);
   bool replayed = false;
   for (std::size_t i = 1; i < self.inputs.size(); ++i) {
     InputBase& input = *self.inputs[i];
+    if (input.replay) input.replay->Cycle(self.running, trigger.robot_may_move());
     if (!self.WaitForInput(input, head->tick, deadline)) return std::nullopt;
     input.queue.Accept(head->tick, self.lockstep, input.decode);
     const InputRules& rules = input.queue.rules();
     const bool expected = head->tick >= static_cast<std::uint64_t>(rules.delay_ticks);
     tick.any_stale |= rules.required && expected && !input.queue.fresh();
-    replayed |= input.queue.accepted() && input.origin() == msg::ORIGIN_REPLAY;
+    input.ForgetReplay(self.running);
+    const bool permitted = self.running.origin == types::Origin::kLive && input.replay_permitted();
+    tick.replay_permitted |= permitted;
+    replayed |= input.queue.accepted() && input.origin() == msg::ORIGIN_REPLAY && !permitted;
   }
   const double period_s = self.period.Next(tick.session_id, tick.tick, tick.stamp_ns,
                                            tick.origin == msg::ORIGIN_SIM, tick.nominal_period_s);
@@ -306,7 +372,7 @@ std::optional<Tick> TickLoop::Next() {
 
   if (tick.nominal_period_s > 0.0) self.node.SetPeriod(BoundedPeriod(tick.nominal_period_s));
   if (self.WasSilent(*head, tick)) self.node.impl_->ownership.StepBelow();
-  self.node.impl_->ownership.SetCycle(tick.session_id, tick.origin);
+  self.node.impl_->ownership.SetCycle(tick.session_id, static_cast<int>(trigger.origin()));
   self.Count(tick);
   self.last_tick = tick.tick;
   self.ended = tick.last;

@@ -15,6 +15,11 @@
 // cycle starts when every input has its sample of tick - delay (ticks before the delay have none:
 // value() is then empty).
 //
+// Of a commanding topic (idl/README.md) an input takes what the rule of components/types/
+// command_rule.h admits; the state provider's origin and session are those of the trigger. What is
+// refused is counted and logged, and is as if it had never come. Live hardware takes the reference
+// of a recording with an operator's permission only (replay_permission.h).
+//
 // Trigger and inputs may be any message that begins with its header; another one does not compile.
 // Only joint_state carries a period and the end of the session: a loop with another trigger needs
 // TickLoopOptions::nominal_period_s, and runs until stop is requested.
@@ -40,6 +45,7 @@ struct Tick {
   double nominal_period_s = 0.0;
   bool last = false;  // the session's last tick: Next() returns nothing after it
   bool any_stale = false;
+  bool replay_permitted = false;  // the reference is a recording's that may move live hardware
 };
 
 struct InputRules {
@@ -65,6 +71,7 @@ class TickInput {
   // newer ones were there before the loop came to them.
   std::uint64_t dropped() const;
   std::uint64_t malformed() const;  // as Reader::malformed
+  std::uint64_t refused() const;    // of a commanding topic, by the rule of command_rule.h
 
  private:
   friend class TickLoop;

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "components/types/command_rule.h"
 #include "components/types/robot_state.h"
 
 namespace sinew::provider {
@@ -75,9 +76,10 @@ bool CommandGuard::Reset() {
 }
 
 bool CommandGuard::Offer(const types::MessageHeader& header, std::uint64_t tick) {
-  const bool counts = header.session_id == session_id_ && header.tick <= tick &&
-                      (!config_.live || header.origin == Origin::kLive) &&
-                      (!has_command_ || header.tick > last_tick_);
+  const types::RunningSession running{session_id_, config_.live ? Origin::kLive : Origin::kSim};
+  const bool counts = types::RefusalOf(types::CommandKind::kRequest, header, running) ==
+                          types::CommandRefusal::kNone &&
+                      header.tick <= tick && (!has_command_ || header.tick > last_tick_);
   if (!counts) {
     ++refused_;
     return false;

@@ -2,10 +2,15 @@
 
 #include <cmath>
 
+#include "components/types/command_rule.h"
+
 namespace sinew::provider {
 
 bool PressureSource::Take(const PressureMessage& message, std::uint64_t tick) noexcept {
-  if (message.header.session_id != session_id_) return false;
+  if (types::RefusalOf(types::CommandKind::kRequest, message.header,
+                       {session_id_, types::Origin::kSim}) != types::CommandRefusal::kNone) {
+    return false;
+  }
   answers_ = message.header.tick + 1;
   if (message.header.tick > tick) return false;
   last_ = message;

@@ -39,10 +39,16 @@ ProviderCycle::ProviderCycle(const CycleConfig& config) : config_(config), guard
 
 OperatorResult ProviderCycle::Take(const OperatorCommand& command, std::uint64_t tick) {
   if (command.action == OperatorAction::kArm || command.action == OperatorAction::kReset) {
-    if (command.session_id != config_.session_id) return OperatorResult::kRefusedOtherSession;
-    const bool allowed =
-        config_.guard.live ? command.origin == Origin::kLive : command.origin != Origin::kReplay;
-    if (!allowed) return OperatorResult::kRefusedOrigin;
+    switch (types::RefusalOf(types::KindOf(command.action),
+                             {.session_id = command.session_id, .origin = command.origin},
+                             running())) {
+      case types::CommandRefusal::kNone:
+        break;
+      case types::CommandRefusal::kOtherSession:
+        return OperatorResult::kRefusedOtherSession;
+      case types::CommandRefusal::kOrigin:
+        return OperatorResult::kRefusedOrigin;
+    }
   }
   switch (command.action) {
     case OperatorAction::kArm:
@@ -91,7 +97,7 @@ bool ProviderCycle::Take(const ValveCommand& command, std::uint64_t tick) {
   if (command.header.session_id != config_.session_id) return false;
   valve_answers_ = command.header.tick + 1;
   if (command.header.tick > tick) return false;
-  if (config_.guard.live && command.header.origin != Origin::kLive) return false;
+  if (!Admits(command.header)) return false;
   valves_ = command;
   return true;
 }

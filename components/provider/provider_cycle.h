@@ -29,6 +29,7 @@
 
 #include "components/provider/guard.h"
 #include "components/provider/plant.h"
+#include "components/types/command_rule.h"
 #include "components/types/control_mode.h"
 #include "components/types/joints.h"
 #include "components/types/message_header.h"
@@ -143,6 +144,14 @@ class ProviderCycle {
   std::uint64_t joint_answers() const { return joint_answers_; }
   std::uint64_t valve_answers() const { return valve_answers_; }
   std::uint64_t session_id() const { return config_.session_id; }
+  types::RunningSession running() const {
+    return {config_.session_id, config_.guard.live ? types::Origin::kLive : types::Origin::kSim};
+  }
+  // The rule of components/types/command_rule.h for a request to this provider.
+  bool Admits(const types::MessageHeader& header) const {
+    return types::RefusalOf(types::CommandKind::kRequest, header, running()) ==
+           types::CommandRefusal::kNone;
+  }
   std::chrono::nanoseconds period() const { return period_; }
   double period_s() const { return period_s_; }
   std::chrono::nanoseconds fault_after() const { return config_.guard.fault_after; }

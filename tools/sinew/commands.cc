@@ -13,6 +13,7 @@
 #include "tools/sinew/list.h"
 #include "tools/sinew/model.h"
 #include "tools/sinew/operator.h"
+#include "tools/sinew/permit_replay.h"
 #include "tools/sinew/record.h"
 #include "tools/sinew/replay.h"
 #include "tools/sinew/score.h"
@@ -27,6 +28,7 @@ void AddCoreCommands(CLI::App& app) {
   AddOperatorCommands(app);
   AddHandoverCommand(app);
   AddConformCommand(app);
+  AddPermitReplayCommand(app);
   AddRecordCommand(app);
   AddReplayCommand(app);
   AddImportCommand(app);

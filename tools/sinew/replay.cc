@@ -24,7 +24,9 @@ void AddReplayCommand(CLI::App& app) {
   logger::AddPlayOptions(*command, &options->play);
   command->add_flag("--json", options->json, "Result as JSON");
   command->footer(
-      "Messages are marked as replay: live hardware never moves by them. With joint_state among "
+      "Messages are marked as replay: live hardware moves by none of them but a reference that an "
+      "operator\n"
+      "permits (sinew permit-replay). With joint_state among "
       "the topics\n"
       "replay is the state provider; without it, it can stand in for others (--follow). In "
       "lockstep nothing\n"

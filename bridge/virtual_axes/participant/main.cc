@@ -1,4 +1,5 @@
 // sinew-virtual-axes: motor controllers and sensor nodes on a bus, with the surrogate behind them.
+#include <sinew_idl/joint.h>
 #include <sinew_idl/simulation.h>
 #include <spdlog/spdlog.h>
 
@@ -9,9 +10,11 @@
 
 #include "bridge/virtual_axes/file/virtual_axes_config.h"
 #include "bridge/virtual_axes/virtual_axes.h"
+#include "components/node/command_gate.h"
 #include "components/node/node.h"
 #include "components/node/options.h"
 #include "components/types/clock/clock.h"
+#include "components/wire/wire.h"
 #include "sim/surrogate/file/surrogate_file.h"
 #include "sim/surrogate/surrogate.h"
 #include "sim/world/file/world_file.h"
@@ -21,14 +24,22 @@ namespace {
 using namespace sinew;
 
 // The person at the link: pushes with the force of sim_disturbance, a topic that a robot on a bus
-// does not read, and lets go when no message arrives any more.
+// does not read, in the session that runs, and lets go when no message arrives any more.
 class Hand {
  public:
   explicit Hand(const node::Options& options)
-      : node_(options), reader_(node_.MakeReader(node::kSimDisturbance)) {}
+      : node_(options),
+        states_(node_.MakeReader(node::kJointState)),
+        reader_(node_.MakeReader(node::kSimDisturbance)) {}
 
   void Push(virtual_axes::VirtualAxes& axes, int joints, std::int64_t now_ns) {
-    if (const auto said = reader_.TakeLatest()) {
+    if (const auto state = states_.TakeLatest()) {
+      const types::MessageHeader header = wire::FromWire(state->header());
+      running_ = {header.session_id, header.origin};
+    }
+    const auto said = reader_.TakeLatest();
+    if (said &&
+        gate_.Admits(types::CommandKind::kRequest, wire::FromWire(said->header()), running_)) {
       received_ns_ = now_ns;
       for (int j = 0; j < std::min<int>(joints, said->joint_count()); ++j) {
         axes.SetHand(j, said->load_force_N()[static_cast<std::size_t>(j)]);
@@ -41,7 +52,10 @@ class Hand {
  private:
   static constexpr std::int64_t kSilence_ns = 100'000'000;
   node::Node node_;
+  node::Reader<msg::JointState> states_;
   node::Reader<msg::SimDisturbance> reader_;
+  node::CommandGate gate_{"sim_disturbance"};
+  types::RunningSession running_;
   std::int64_t received_ns_ = 0;
 };
 

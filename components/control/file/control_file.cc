@@ -197,6 +197,7 @@ JointControlConfig ReadJoint(const Section& s, std::size_t index,
   }
   if (joint.strategy == Strategy::kPidEsn) joint.by_regime = s.BoolOr("by_regime", true);
   joint.takeover_s = s.NumberOr("takeover_s", joint.takeover_s, kNotNegative);
+  joint.replay_takeover_s = s.NumberOr("replay_takeover_s", joint.replay_takeover_s, kNotNegative);
   joint.crossfade_s = s.NumberOr("crossfade_s", joint.crossfade_s, kNotNegative);
   joint.tracking_error_limit_rad =
       s.NumberOr(units.Length("tracking_error_limit"), 0.0, kNotNegative);

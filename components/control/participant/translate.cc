@@ -36,13 +36,16 @@ ControlInputs::ControlInputs(node::Node& node, node::TickLoop& loop, const Contr
 }
 
 RobotInput ControlInputs::Gather(const node::Tick& tick) {
+  const msg::JointState& state = state_.value();
   while (const auto command = operator_.TakeNext()) {
     const auto action = wire::FromWire(command->action());
     if (action == types::OperatorAction::kEstop) estopped_ = true;
-    const bool ours = command->header().session_id() == tick.session_id;
-    if (action == types::OperatorAction::kReset && ours) estopped_ = false;
+    if (action == types::OperatorAction::kReset &&
+        reset_gate_.Admits(types::CommandKind::kPermission, wire::FromWire(command->header()),
+                           {tick.session_id, wire::FromWire(state.header().origin())})) {
+      estopped_ = false;
+    }
   }
-  const msg::JointState& state = state_.value();
   RobotInput input;
   input.session_id = tick.session_id;
   input.period_s = tick.period_s;
@@ -71,6 +74,7 @@ RobotInput ControlInputs::Gather(const node::Tick& tick) {
     const msg::Reference& reference = reference_.value();
     input.reference_fresh = reference_.fresh() && !reference.stale();
     input.reference_changed = reference_.writer_changed();
+    input.reference_replayed = tick.replay_permitted;
     input.reference_count = reference.idle() ? 0 : reference.joint_count();
     for (std::size_t j = 0; j < static_cast<std::size_t>(types::kMaxJoints); ++j) {
       input.reference[j] = {reference.position_rad()[j], reference.velocity_rad_s()[j],

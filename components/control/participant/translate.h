@@ -13,6 +13,7 @@
 #include "components/control/file/control_file.h"
 #include "components/control/follower.h"
 #include "components/control/robot_controller.h"
+#include "components/node/command_gate.h"
 #include "components/node/other_owner.h"
 #include "components/node/tick_loop.h"
 
@@ -24,6 +25,10 @@ class ControlInputs {
   ControlInputs(node::Node& node, node::TickLoop& loop, const ControlConfig& config);
 
   RobotInput Gather(const node::Tick& tick);
+  // Operator's resets and motion requests that do not count (components/types/command_rule.h).
+  std::uint64_t refused() const {
+    return reset_gate_.refused() + (motion_ != nullptr ? motion_->refused() : 0);
+  }
   // Before a step: takes another controller's commands that the robot got instead of the own ones.
   void FollowOwner(const node::Tick& tick, RobotController* controller);
   // After it: the own command of this tick.
@@ -41,6 +46,7 @@ class ControlInputs {
   node::Reader<msg::OperatorCommand> operator_;
   node::OtherOwner<msg::JointCommand> owner_;
   Follower follower_;
+  node::CommandGate reset_gate_{"reset"};
   bool estopped_ = false;
 };
 

@@ -21,7 +21,9 @@ PressureRequests::PressureRequests(node::Node& node, node::TickLoop& loop,
   }
 }
 
-bool PressureRequests::Take(const node::Tick& tick, std::vector<PressureManager>* managers) {
+bool PressureRequests::Take(const node::Tick& tick, types::Origin origin,
+                            std::vector<PressureManager>* managers) {
+  const types::RunningSession running{tick.session_id, origin};
   const bool is_new = tick.session_id != session_id_;
   if (is_new) {
     session_id_ = tick.session_id;
@@ -30,7 +32,7 @@ bool PressureRequests::Take(const node::Tick& tick, std::vector<PressureManager>
       standing_target_bar_[j] = config_.joints[j].target_bar;
     }
   }
-  TakeStiffness(tick, managers);
+  TakeStiffness(running, managers);
   const bool asked = motion_ != nullptr && motion_->has_value() &&
                      static_cast<double>(tick.tick - motion_->tick()) * tick.nominal_period_s <=
                          config_.motion_timeout_s;
@@ -44,14 +46,17 @@ bool PressureRequests::Take(const node::Tick& tick, std::vector<PressureManager>
     }
     (*managers)[j].RequestPressure(target_bar);
   }
-  TakeOperator(tick);
+  TakeOperator(running);
   return is_new;
 }
 
-void PressureRequests::TakeStiffness(const node::Tick& tick,
+void PressureRequests::TakeStiffness(const types::RunningSession& running,
                                      std::vector<PressureManager>* managers) {
   while (const auto request = requests_.TakeNext()) {
-    if (request->header().session_id() != tick.session_id) continue;
+    if (!stiffness_gate_.Admits(types::CommandKind::kRequest, wire::FromWire(request->header()),
+                                running)) {
+      continue;
+    }
     for (std::size_t j = 0; j < managers->size() && j < request->joint_count(); ++j) {
       PressureManager& manager = (*managers)[j];
       bool good = true;
@@ -79,13 +84,14 @@ void PressureRequests::FollowOwner(const node::Tick& tick, bool asked) {
   standby_ = owner_.StandsBy(tick);
 }
 
-void PressureRequests::TakeOperator(const node::Tick& tick) {
+void PressureRequests::TakeOperator(const types::RunningSession& running) {
   reset_ = false;
   while (const auto command = operator_.TakeNext()) {
     const auto action = wire::FromWire(command->action());
     if (action == types::OperatorAction::kEstop) estopped_ = true;
-    const bool ours = command->header().session_id() == tick.session_id;
-    if (action == types::OperatorAction::kReset && ours) {
+    if (action == types::OperatorAction::kReset &&
+        reset_gate_.Admits(types::CommandKind::kPermission, wire::FromWire(command->header()),
+                           running)) {
       estopped_ = false;
       reset_ = true;
     }

@@ -8,6 +8,7 @@
 
 #include <vector>
 
+#include "components/node/command_gate.h"
 #include "components/node/other_owner.h"
 #include "components/node/tick_loop.h"
 #include "components/pneumatics/file/pneumatics_file.h"
@@ -24,16 +25,18 @@ class PressureRequests {
 
   // Takes what has arrived and gives the managers (one a joint) their targets. A new session starts
   // from the configuration. True: the session is new.
-  bool Take(const node::Tick& tick, std::vector<PressureManager>* managers);
+  // origin: the state provider's, which decides what counts (components/types/command_rule.h).
+  bool Take(const node::Tick& tick, types::Origin origin, std::vector<PressureManager>* managers);
   bool MayHold(types::RobotState state) const;
   // Another manager is the owner: its targets are followed.
   bool standby() const { return standby_; }
+  std::uint64_t refused() const { return stiffness_gate_.refused() + reset_gate_.refused(); }
   bool reset() const { return reset_; }  // an operator's reset came with this tick
 
  private:
-  void TakeStiffness(const node::Tick& tick, std::vector<PressureManager>* managers);
+  void TakeStiffness(const types::RunningSession& running, std::vector<PressureManager>* managers);
   void FollowOwner(const node::Tick& tick, bool asked);
-  void TakeOperator(const node::Tick& tick);
+  void TakeOperator(const types::RunningSession& running);
 
   PneumaticsConfig config_;
   types::JointArray<double> standing_target_bar_{};  // without motion requests
@@ -41,6 +44,8 @@ class PressureRequests {
   node::Reader<msg::StiffnessRequest> requests_;
   node::Reader<msg::OperatorCommand> operator_;
   node::OtherOwner<msg::PneumaticState> owner_;
+  node::CommandGate stiffness_gate_{"stiffness_request"};
+  node::CommandGate reset_gate_{"reset"};
   bool estopped_ = false;
   bool reset_ = false;
   bool standby_ = false;

@@ -32,7 +32,8 @@ RobotPneumatics::RobotPneumatics(node::Node& node, node::TickLoop& loop,
 }
 
 void RobotPneumatics::Step(const node::Tick& tick) {
-  if (requests_.Take(tick, &managers_)) {
+  const types::Origin origin = wire::FromWire(state_.value().header().origin());
+  if (requests_.Take(tick, origin, &managers_)) {
     for (PressureManager& manager : managers_) manager.Restart();
   }
   const msg::JointState& state = state_.value();

@@ -93,6 +93,10 @@ void CommandReaders::TakeOperatorCommands(std::uint64_t tick) {
   }
   if (simulated_ == nullptr) return;
   while (const auto disturbance = disturbance_->TakeNext()) {
+    if (!disturbance_gate_.Admits(types::CommandKind::kRequest,
+                                  wire::FromWire(disturbance->header()), cycle_.running())) {
+      continue;
+    }
     simulated_->Disturb({.hand_force_N = disturbance->load_force_N(),
                          .extra_payload_kg = disturbance->payload_kg()});
   }

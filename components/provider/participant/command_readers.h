@@ -15,6 +15,7 @@
 #include <optional>
 #include <string_view>
 
+#include "components/node/command_gate.h"
 #include "components/node/node.h"
 #include "components/provider/participant/command_source.h"
 #include "components/provider/pressure_source.h"
@@ -64,6 +65,7 @@ class CommandReaders {
   node::Reader<msg::ValveCommand> valve_command_;
   node::Reader<msg::OperatorCommand> operator_command_;
   std::optional<node::Reader<msg::SimDisturbance>> disturbance_;
+  node::CommandGate disturbance_gate_{"sim_disturbance"};
   CommandSource source_;
   std::optional<node::Reader<msg::SimPressure>> pressure_;
   PressureSource pressure_source_;

@@ -7,6 +7,7 @@
 #include "components/reference/file/reference_file.h"
 #include "components/reference/participant/translate.h"
 #include "components/reference/standby.h"
+#include "components/wire/wire.h"
 
 namespace sinew::reference {
 namespace {
@@ -30,7 +31,7 @@ class ReferenceComponent final : public node::Component {
     auto tick = loop_.Next();
     if (!tick) return false;
     RobotReferenceInput input = ToInput(*tick, state_.value());
-    AddOperatorCommands(commands_, &input);
+    starts_.AddTo(&input, wire::FromWire(state_.value().header().origin()));
     while (const auto other = owner_.TakeNext(*tick)) {
       generator_.Follow(other->header().tick(), FromMessage(*other));
     }
@@ -45,7 +46,7 @@ class ReferenceComponent final : public node::Component {
   node::Node node_;
   node::TickLoop loop_;
   node::TickInput<msg::JointState>& state_ = loop_.AddInput(node::kJointState);
-  node::Reader<msg::OperatorCommand> commands_ = node_.MakeReader(node::kOperatorCommand);
+  OperatorStarts starts_{node_};
   node::Writer<msg::Reference> output_ = node_.MakeWriter(node::kReference);
   node::OtherOwner<msg::Reference> owner_{node_, node::kReference};
 };

@@ -16,18 +16,20 @@ RobotReferenceInput ToInput(const node::Tick& tick, const msg::JointState& state
   return input;
 }
 
-void AddOperatorCommands(node::Reader<msg::OperatorCommand>& commands, RobotReferenceInput* input) {
-  while (const auto command = commands.TakeNext()) {
-    if (command->header().session_id() != input->session_id) continue;
+OperatorStarts::OperatorStarts(node::Node& node)
+    : commands_(node.MakeReader(node::kOperatorCommand)) {}
+
+void OperatorStarts::AddTo(RobotReferenceInput* input, types::Origin origin) {
+  while (const auto command = commands_.TakeNext()) {
     const auto action = wire::FromWire(command->action());
-    if (action == types::OperatorAction::kStart) {
-      input->operator_start = true;
-      input->operator_stop = false;
+    const bool start = action == types::OperatorAction::kStart;
+    if (!start && action != types::OperatorAction::kStop) continue;
+    if (!gate_.Admits(types::KindOf(*action), wire::FromWire(command->header()),
+                      {input->session_id, origin})) {
+      continue;
     }
-    if (action == types::OperatorAction::kStop) {
-      input->operator_start = false;
-      input->operator_stop = true;
-    }
+    input->operator_start = start;
+    input->operator_stop = !start;
   }
 }
 

@@ -5,6 +5,7 @@
 #include <sinew_idl/operator.h>
 #include <sinew_idl/reference.h>
 
+#include "components/node/command_gate.h"
 #include "components/node/tick_loop.h"
 #include "components/reference/robot_reference.h"
 
@@ -12,10 +13,23 @@ namespace sinew::reference {
 
 // The spans of the result point into `state`.
 RobotReferenceInput ToInput(const node::Tick& tick, const msg::JointState& state);
-// Start and stop commands of the operator in the running session since the last tick.
-void AddOperatorCommands(node::Reader<msg::OperatorCommand>& commands, RobotReferenceInput* input);
 // What a standby follows.
 RobotReferenceOutput FromMessage(const msg::Reference& message);
+
+// Start and stop commands of the operator.
+class OperatorStarts {
+ public:
+  explicit OperatorStarts(node::Node& node);
+  // Those that came since the last tick and count in the running session, whose state provider has
+  // this origin.
+  void AddTo(RobotReferenceInput* input, types::Origin origin);
+  std::uint64_t refused() const { return gate_.refused(); }
+
+ private:
+  node::Reader<msg::OperatorCommand> commands_;
+  node::CommandGate gate_{"operator's start or stop"};
+};
+
 msg::Reference ToMessage(const RobotReferenceOutput& output, const node::Tick& tick);
 
 }  // namespace sinew::reference

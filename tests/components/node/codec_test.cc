@@ -71,7 +71,7 @@ TEST(Codec, RefusesEveryTruncatedLength) {
     EXPECT_FALSE(Decode(Bytes(bytes.begin(), bytes.begin() + static_cast<long>(length)), &back))
         << length;
     HeadOfMessage head;
-    EXPECT_EQ(PeekHead(bytes.data(), length, &head), length >= 20) << length;
+    EXPECT_EQ(PeekHead(bytes.data(), length, &head), length >= 32) << length;
   }
 }
 

@@ -4,6 +4,7 @@
 #include <sinew_idl/joint.h>
 #include <sinew_idl/operator.h>
 #include <sinew_idl/reference.h>
+#include <sinew_idl/regime.h>
 #include <sinew_idl/residual.h>
 #include <sinew_idl/status.h>
 
@@ -250,27 +251,84 @@ TEST(NodeDds, AMalformedTriggerMakesNoCycleAndAMalformedInputLeavesTheLastValue)
   EXPECT_EQ(input.malformed(), 2u) << "a count beyond its array, and ten bytes";
 }
 
-TEST(NodeDds, WhatIsComputedFromARecordingSaysSo) {
-  Node provider(MakeOptions("provider", 172)), node(MakeOptions("loop", 172));
-  auto state = provider.MakeWriter(kJointState);
-  auto reference = provider.MakeWriter(kReference);
-  for (std::uint64_t tick = 0; tick < 3; ++tick) {
-    msg::JointState message = StateOfTick(tick, tick == 2);
-    message.header().origin(msg::ORIGIN_LIVE);
-    EXPECT_EQ(state.Write(message), WriteStatus::kOk);
-    msg::Reference wanted;
-    wanted.header().session_id(9);
-    wanted.header().tick(tick);
-    wanted.header().origin(tick == 1 ? msg::ORIGIN_REPLAY : msg::ORIGIN_LIVE);
-    EXPECT_EQ(reference.Write(wanted), WriteStatus::kOk);
-  }
+// Three ticks of joint_state, regime and reference; the second reference is as given.
+struct Origins {
+  msg::Origin state, regime, reference;
+  std::uint64_t reference_session = 9;
+};
+
+struct Cycles {
+  std::vector<int> origins;            // of what is computed
+  std::vector<bool> reference_is_new;  // false: it was refused
+};
+
+Cycles CyclesOf(const Origins& given) {
+  Node provider(MakeOptions("provider", 172, TimeMode::kRealtime));
+  Node node(MakeOptions("loop", 172, TimeMode::kRealtime));
   StopFlag stop;
-  TickLoop loop(node, stop);
+  TickLoop loop(node, stop, {.cut_off_share = 0.5});
   loop.AddInput(kJointState);
-  loop.AddInput(kReference);
-  std::vector<int> origins;
-  while (const auto tick = loop.Next()) origins.push_back(tick->origin);
-  EXPECT_THAT(origins, ElementsAre(msg::ORIGIN_LIVE, msg::ORIGIN_REPLAY, msg::ORIGIN_LIVE));
+  auto& input = loop.AddInput(kReference);
+  loop.AddInput(kRegime);
+  // Best effort, so that all is said again until its cycle is over.
+  std::atomic<std::uint64_t> now{0};
+  std::atomic<bool> done{false};
+  std::thread writer([&] {
+    auto state = provider.MakeWriter(kJointState);
+    auto reference = provider.MakeWriter(kReference);
+    auto regime = provider.MakeWriter(kRegime);
+    while (!done) {
+      const std::uint64_t k = now;
+      msg::JointState message = StateOfTick(k);
+      message.period_s(1.0);  // a reference that never comes is awaited for half a second
+      message.header().origin(given.state);
+      msg::Reference wanted;
+      wanted.header(message.header());
+      wanted.header().session_id(k == 1 ? given.reference_session : 9);
+      wanted.header().origin(k == 1 ? given.reference : given.state);
+      msg::RegimeState found;
+      found.header(message.header());
+      found.header().origin(k == 1 ? given.regime : given.state);
+      EXPECT_EQ(reference.Write(wanted), WriteStatus::kOk);
+      EXPECT_EQ(regime.Write(found), WriteStatus::kOk);
+      EXPECT_EQ(state.Write(message), WriteStatus::kOk);
+      provider.WaitForData(20ms);
+    }
+  });
+  Cycles cycles;
+  while (now < 3) {
+    const auto tick = loop.Next();
+    if (!tick) break;
+    cycles.origins.push_back(tick->origin);
+    cycles.reference_is_new.push_back(input.fresh());
+    ++now;
+  }
+  done = true;
+  writer.join();
+  return cycles;
+}
+
+TEST(NodeDds, WhatIsComputedFromARecordingSaysSo) {
+  using enum msg::Origin;
+  const Cycles live = CyclesOf({ORIGIN_LIVE, ORIGIN_REPLAY, ORIGIN_LIVE});
+  EXPECT_THAT(live.origins, ElementsAre(ORIGIN_LIVE, ORIGIN_REPLAY, ORIGIN_LIVE));
+  const Cycles simulated = CyclesOf({ORIGIN_SIM, ORIGIN_SIM, ORIGIN_REPLAY});
+  EXPECT_THAT(simulated.origins, ElementsAre(ORIGIN_SIM, ORIGIN_REPLAY, ORIGIN_SIM));
+  EXPECT_THAT(simulated.reference_is_new, ElementsAre(true, true, true));
+}
+
+TEST(NodeDds, OnLiveHardwareAReplayedRequestIsAsIfItHadNeverCome) {
+  using enum msg::Origin;
+  const Cycles cycles = CyclesOf({ORIGIN_LIVE, ORIGIN_LIVE, ORIGIN_REPLAY});
+  EXPECT_THAT(cycles.reference_is_new, ElementsAre(true, false, true));
+  EXPECT_THAT(cycles.origins, ElementsAre(ORIGIN_LIVE, ORIGIN_LIVE, ORIGIN_LIVE))
+      << "what is refused does not make the outputs replayed";
+}
+
+TEST(NodeDds, ARequestOfAnotherSessionIsAsIfItHadNeverCome) {
+  using enum msg::Origin;
+  EXPECT_THAT(CyclesOf({ORIGIN_SIM, ORIGIN_SIM, ORIGIN_SIM, 8}).reference_is_new,
+              ElementsAre(true, false, true));
 }
 
 template <class Message>

@@ -98,7 +98,7 @@ class Sequence {
     const OperatorCommand command{
         .session_id = SomeSession(),
         .origin = SomeOrigin(),
-        .action = Chance(2) ? OperatorAction::kArm : static_cast<OperatorAction>(Below(6))};
+        .action = Chance(2) ? OperatorAction::kArm : static_cast<OperatorAction>(Below(8))};
     const RobotState before = cycle->state();
     (void)cycle->Take(command, tick);
     const RobotState after = cycle->state();
@@ -121,7 +121,15 @@ class Sequence {
     if (command.action == OperatorAction::kDisarm) {
       ASSERT_FALSE(types::MayMove(after));
     }
+    if (command.action == OperatorAction::kHandover ||
+        command.action == OperatorAction::kPermitReplay) {
+      ASSERT_EQ(after, before) << "whoever drives, the provider arms for itself";
+    }
     state_ = after;
+    // Any other request, of a disturbance: the running session, and live where the plant is live.
+    const types::MessageHeader header = SomeHeader(tick);
+    ASSERT_EQ(cycle->Admits(header), header.session_id == kOurs &&
+                                         (!config_.guard.live || header.origin == Origin::kLive));
   }
 
   void SayJoints(ProviderCycle* cycle, std::uint64_t tick) {

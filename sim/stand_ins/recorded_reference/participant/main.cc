@@ -7,6 +7,7 @@
 #include "components/node/tick_loop.h"
 #include "components/reference/participant/translate.h"
 #include "components/reference/standby.h"
+#include "components/wire/wire.h"
 #include "sim/stand_ins/participant/stands_in.h"
 #include "sim/stand_ins/recorded_reference/file/recorded_file.h"
 
@@ -23,12 +24,12 @@ void Run(const node::Options& options, node::StopFlag& stop) {
   node::Node node(stand_ins::StandsInFor("reference", options));
   node::TickLoop loop(node, stop);
   auto& state = loop.AddInput(node::kJointState);
-  auto commands = node.MakeReader(node::kOperatorCommand);
+  reference::OperatorStarts starts(node);
   auto output = node.MakeWriter(node::kReference);
   node::OtherOwner owner(node, node::kReference);
   while (auto tick = loop.Next()) {
     reference::RobotReferenceInput input = reference::ToInput(*tick, state.value());
-    reference::AddOperatorCommands(commands, &input);
+    starts.AddTo(&input, wire::FromWire(state.value().header().origin()));
     tick->origin = msg::ORIGIN_REPLAY;
     while (const auto other = owner.TakeNext(*tick)) {
       generator.Follow(other->header().tick(), reference::FromMessage(*other));
