@@ -66,13 +66,23 @@ class InputThread {
     const std::lock_guard lock(mutex_);
     return stopping_;
   }
-  // True: a state provider of this host has sent its idle frames.
-  bool PressSockets(const std::string& reason) const {
+  struct Answers {
+    bool idle = false;  // a state provider of this host has sent its idle frames
+    std::string text;
+  };
+  Answers PressSockets(const std::string& reason) const {
     std::vector<estop::Press> pressed;
     for (const auto& socket : sockets_) pressed.emplace_back(socket, reason);
-    bool idle = false;
-    for (estop::Press& press : pressed) idle = press.Await(kAnswerLimit).idle || idle;
-    return idle;
+    Answers answers;
+    for (std::size_t i = 0; i < pressed.size(); ++i) {
+      if (!pressed[i].sent()) continue;
+      const estop::Press::Answer answer = pressed[i].Await(kAnswerLimit);
+      answers.idle = answer.idle || answers.idle;
+      answers.text += sockets_[i].string() + ": " +
+                      (answer.text.empty() ? std::string("no answer\n") : answer.text);
+    }
+    std::replace(answers.text.begin(), answers.text.end(), '\n', ' ');
+    return answers;
   }
 
  private:
@@ -90,10 +100,10 @@ class InputThread {
     }
   }
 
+  // Sends and goes on reading: who waits for the answers is the loop, which presses once more.
   void Stop(const estop::Input& input) {
     const std::string reason = input.lost() ? input.why() : input.name();
-    std::vector<estop::Press> pressed;
-    for (const auto& socket : sockets_) pressed.emplace_back(socket, reason);
+    for (const auto& socket : sockets_) (void)estop::Press(socket, reason);
     {
       const std::lock_guard lock(mutex_);
       press_ = reason;
@@ -101,12 +111,6 @@ class InputThread {
     Note();
     wake_();
     spdlog::warn("estop: {}", reason);
-    for (std::size_t i = 0; i < pressed.size(); ++i) {
-      if (!pressed[i].sent()) continue;
-      std::string text = pressed[i].Await(kAnswerLimit).text;
-      std::replace(text.begin(), text.end(), '\n', ';');
-      spdlog::info("{}: {}", sockets_[i].string(), text.empty() ? "no answer" : text);
-    }
   }
 
   void ReopenLost() {
@@ -206,7 +210,9 @@ void Run(const node::Options& options, node::StopFlag& stop, const EstopOptions&
       command.action(msg::OPERATOR_ESTOP);
       command.reason(reason.substr(0, 63));
       if (commands.Write(command) != node::WriteStatus::kOk) ++counts.write_failures;
-      idled = thread.PressSockets(reason);
+      const InputThread::Answers answers = thread.PressSockets(reason);
+      if (!idled && !answers.text.empty()) spdlog::info("{}", answers.text);
+      idled = answers.idle;
       ++counts.cycles;
     }
     const std::string message = assertion.pressed() ? "estop sent, not confirmed yet" : stopping;
