@@ -71,9 +71,11 @@ class Bench {
   void Release() { Button(0); }
   // With this socket; another DDS domain than the bridge's leaves the socket alone.
   std::unique_ptr<Program> Resident(const std::string& domain, const std::string& socket) {
-    auto program = std::make_unique<Program>(
-        std::vector<std::string>{std::string(SINEW_BIN_DIR) + "/sinew-estop", "--domain", domain,
-                                 "--joystick", device_, "--socket", socket});
+    std::vector<std::string> arguments = {std::string(SINEW_BIN_DIR) + "/sinew-estop"};
+    arguments.insert(arguments.end(),
+                     {"--domain", domain, "--joystick", device_, "--socket", socket});
+    if (realtime_) arguments.push_back("--realtime");
+    auto program = std::make_unique<Program>(arguments);
     if (!program->WaitForText("watches", seconds(10))) throw std::runtime_error(program->error());
     // Until DDS has found its peers.
     (void)rig_.Run(0.0, seconds(2), [](const msg::JointState&) { return false; });
