@@ -59,6 +59,12 @@ class Bench {
       if (!idle_ms) throw std::runtime_error("no idle frame\n" + Last(rig_.bridge().error()));
       took_ms.push_back(*idle_ms);
       Release();
+      // Until everybody has heard that the robot has stopped.
+      if (!rig_.Run(0.0, seconds(15), [&, n = 0](const msg::JointState& s) mutable {
+            return s.robot_state() == msg::ROBOT_ESTOPPED && ++n > 5;
+          })) {
+        throw std::runtime_error("not estopped\n" + Last(rig_.bridge().error()));
+      }
       if (!rig_.Order(msg::OPERATOR_RESET, msg::ROBOT_DISARMED)) {
         throw std::runtime_error("no reset\n" + Last(rig_.bridge().error()));
       }
