@@ -15,7 +15,7 @@
 #     -> a GoogleTest program; every case is a ctest of its own. Without LABEL it is a unit test: label `unit`, built
 #        by the target unit_tests. THREADS: its code starts threads; `tools/test --tsan` runs it too (label
 #        `unit-threads` or `dds-threads`, target thread_tests). A test that starts PROGRAMS names its LABEL: `programs`,
-#        or `dds` with SERIAL. One on whole recordings or many runs of the surrogate has the label `acceptance`: it is
+#        or `dds` or `system` with SERIAL. One on whole recordings or many runs of the surrogate has the label `acceptance`: it is
 #        not run under sanitizers.
 foreach(list SINEW_MODULES SINEW_PUBLIC_HEADERS SINEW_OTHER_HEADERS)
   set_property(GLOBAL PROPERTY ${list} "")

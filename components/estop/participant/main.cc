@@ -7,12 +7,15 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "components/estop/assertion.h"
@@ -43,6 +46,11 @@ struct EstopOptions {
 // A thread that waits for the inputs and presses the sockets itself, whatever DDS does meanwhile.
 class InputThread {
  public:
+  struct Socket {
+    std::string path;
+    estop::Press press;
+  };
+
   InputThread(std::vector<std::unique_ptr<estop::Input>> inputs,
               std::vector<std::filesystem::path> sockets, std::function<void()> wake)
       : inputs_(std::move(inputs)), sockets_(std::move(sockets)), wake_(std::move(wake)) {
@@ -56,8 +64,12 @@ class InputThread {
     thread_.join();
   }
 
-  // A press since the last call; its reason.
-  std::optional<std::string> TakePress() {
+  struct Pressed {
+    std::string reason;
+    std::vector<Socket> sockets;  // pressed already; their answers are to come
+  };
+  // A press since the last call.
+  std::optional<Pressed> TakePress() {
     const std::lock_guard lock(mutex_);
     return std::exchange(press_, std::nullopt);
   }
@@ -66,13 +78,26 @@ class InputThread {
     const std::lock_guard lock(mutex_);
     return stopping_;
   }
-  // True: a state provider of this host has sent its idle frames.
-  bool PressSockets(const std::string& reason) const {
-    std::vector<estop::Press> pressed;
-    for (const auto& socket : sockets_) pressed.emplace_back(socket, reason);
-    bool idle = false;
-    for (estop::Press& press : pressed) idle = press.Await(kAnswerLimit).idle || idle;
-    return idle;
+  struct Answers {
+    bool idle = false;  // a state provider of this host has sent its idle frames
+    std::string text;
+  };
+  static Answers Await(std::vector<Socket> pressed) {
+    Answers answers;
+    for (Socket& socket : pressed) {
+      if (!socket.press.sent()) continue;
+      const estop::Press::Answer answer = socket.press.Await(kAnswerLimit);
+      answers.idle = answer.idle || answers.idle;
+      answers.text +=
+          socket.path + ": " + (answer.text.empty() ? std::string("no answer\n") : answer.text);
+    }
+    std::replace(answers.text.begin(), answers.text.end(), '\n', ' ');
+    return answers;
+  }
+  std::vector<Socket> PressSockets(const std::string& reason) const {
+    std::vector<Socket> pressed;
+    for (const auto& path : sockets_) pressed.push_back({path.string(), {path, reason}});
+    return pressed;
   }
 
  private:
@@ -90,23 +115,17 @@ class InputThread {
     }
   }
 
+  // Sends and goes on reading: who waits for the answers is the loop.
   void Stop(const estop::Input& input) {
     const std::string reason = input.lost() ? input.why() : input.name();
-    std::vector<estop::Press> pressed;
-    for (const auto& socket : sockets_) pressed.emplace_back(socket, reason);
+    std::vector<Socket> pressed = PressSockets(reason);
     {
       const std::lock_guard lock(mutex_);
-      press_ = reason;
+      press_ = {reason, std::move(pressed)};
     }
     Note();
     wake_();
     spdlog::warn("estop: {}", reason);
-    for (std::size_t i = 0; i < pressed.size(); ++i) {
-      if (!pressed[i].sent()) continue;
-      std::string text = pressed[i].Await(kAnswerLimit).text;
-      std::replace(text.begin(), text.end(), '\n', ';');
-      spdlog::info("{}: {}", sockets_[i].string(), text.empty() ? "no answer" : text);
-    }
   }
 
   void ReopenLost() {
@@ -135,7 +154,7 @@ class InputThread {
   std::atomic<bool> stop_{false};
   std::int64_t reopen_ns_ = 0;
   std::mutex mutex_;
-  std::optional<std::string> press_;
+  std::optional<Pressed> press_;
   std::string stopping_;
   std::thread thread_;
 };
@@ -173,6 +192,7 @@ void Run(const node::Options& options, node::StopFlag& stop, const EstopOptions&
   node::Node::Counts counts;
   std::int64_t heard_ns = 0;
   bool idled = false;  // by the socket, since the last press
+  std::vector<InputThread::Socket> pressed;
   std::optional<std::int64_t> end_ns;
   for (;;) {
     if (stop.requested() && !end_ns) {
@@ -191,7 +211,8 @@ void Run(const node::Options& options, node::StopFlag& stop, const EstopOptions&
       heard_ns = now_ns;
     }
     if (auto press = thread.TakePress()) {
-      reason = *press;
+      reason = press->reason;
+      pressed = std::move(press->sockets);
       assertion.Press();
       idled = false;
     }
@@ -206,7 +227,11 @@ void Run(const node::Options& options, node::StopFlag& stop, const EstopOptions&
       command.action(msg::OPERATOR_ESTOP);
       command.reason(reason.substr(0, 63));
       if (commands.Write(command) != node::WriteStatus::kOk) ++counts.write_failures;
-      idled = thread.PressSockets(reason);
+      if (pressed.empty()) pressed = thread.PressSockets(reason);
+      const InputThread::Answers answers =
+          InputThread::Await(std::exchange(pressed, std::vector<InputThread::Socket>()));
+      if (!idled && !answers.text.empty()) spdlog::info("{}", answers.text);
+      idled = answers.idle;
       ++counts.cycles;
     }
     const std::string message = assertion.pressed() ? "estop sent, not confirmed yet" : stopping;

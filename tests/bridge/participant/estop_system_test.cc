@@ -44,7 +44,7 @@ bool Reaches(Rig* rig, msg::RobotState state) {
                   [&](const msg::JointState& s) { return s.robot_state() == state; });
 }
 
-// Presses 20 times; the median, since a loaded machine stalls this test. bench/estop measures the
+// Presses 12 times; the median, since a loaded machine stalls this test. bench/estop measures the
 // 99th percentile. Without SCHED_FIFO the bound is a third of what the axis' watchdog needs.
 TEST(EstopSystem, FromThePressOfTheSocketToTheIdleFramesItIsUnderTwentyMilliseconds) {
   const bool realtime = MayBeRealtime();
@@ -54,7 +54,7 @@ TEST(EstopSystem, FromThePressOfTheSocketToTheIdleFramesItIsUnderTwentyMilliseco
         {.bridge_more = kEstopBlock, .bridge_arguments = {"--rate", rate}, .realtime = realtime});
     AxisWatch watch(rig);
     std::vector<double> took_ms;
-    for (int k = 0; k < 20; ++k) {
+    for (int k = 0; k < 12; ++k) {
       ASSERT_TRUE(Drives(&rig, &watch)) << rig.bridge().error();
       const std::int64_t pressed_ns = types::MonotonicNow_ns();
       estop::Press press(rig.folder() / "estop.sock", "hand");
@@ -67,9 +67,8 @@ TEST(EstopSystem, FromThePressOfTheSocketToTheIdleFramesItIsUnderTwentyMilliseco
       EXPECT_FALSE(std::filesystem::exists(rig.folder() / "estop.latch"));
     }
     std::sort(took_ms.begin(), took_ms.end());
-    EXPECT_LT(took_ms[10], realtime ? 20.0 : 150.0) << "at " << rate << " Hz";
-    RecordProperty(std::string("median_us_at_") + rate + "_Hz",
-                   static_cast<int>(1e3 * took_ms[10]));
+    EXPECT_LT(took_ms[6], realtime ? 20.0 : 150.0) << "at " << rate << " Hz";
+    RecordProperty(std::string("median_us_at_") + rate + "_Hz", static_cast<int>(1e3 * took_ms[6]));
   }
 }
 
