@@ -39,7 +39,7 @@ class MovingRig {
  public:
   explicit MovingRig(int domain)
       : domain_(std::to_string(domain)),
-        surrogate_(Line("sinew-surrogate", "surrogate.yaml", {"--arm", "--rate", "240"})),
+        surrogate_(Line("sinew-surrogate", "surrogate.yaml", {"--arm", "--rate", "100"})),
         pneumatics_(Line("sinew-pneumatics", "pneumatics.yaml")),
         reference_(Line("sinew-reference", "reference_benchmark.yaml")),
         control_(Line("sinew-control", "control_pid.yaml", {"--name", "own"})),
@@ -67,8 +67,7 @@ class MovingRig {
     double largest_error_rad = 0.0;
     int commands = 0, fault_ticks = 0, idle_references = 0;
   };
-  Seen Watch(std::chrono::milliseconds time) {
-    Seen seen;
+  Seen Watch(std::chrono::milliseconds time, Seen seen = {}) {
     const auto end = OutsideClock::now() + time;
     while (OutsideClock::now() < end) {
       node_.WaitForData(5ms);
@@ -98,9 +97,9 @@ class MovingRig {
     }
     return seen;
   }
-  bool WatchUntilDrivenBy(const std::string& name) {
+  bool WatchUntilDrivenBy(const std::string& name, Seen* seen) {
     const auto end = OutsideClock::now() + 10s;
-    while (driver_ != name && OutsideClock::now() < end) (void)Watch(20ms);
+    while (driver_ != name && OutsideClock::now() < end) *seen = Watch(20ms, *seen);
     return driver_ == name;
   }
   const std::string& driver() const { return driver_; }
@@ -137,7 +136,8 @@ class OutsideControllers : public ::testing::TestWithParam<Outside> {};
 TEST_P(OutsideControllers, TakeOverInTheMovingRigWithoutAJumpAndGiveItBack) {
   ::setenv("CYCLONEDDS_URI", "file://" SINEW_SOURCE_DIR "/tests/install/cyclone/loopback.xml", 1);
   MovingRig rig(GetParam().domain);
-  ASSERT_TRUE(rig.WatchUntilDrivenBy("own"));
+  MovingRig::Seen unused;
+  ASSERT_TRUE(rig.WatchUntilDrivenBy("own", &unused));
   Program outside({SINEW_TEST_BIN_DIR "/" + GetParam().program, "--name", "outside", "--domain",
                    std::to_string(GetParam().domain)});
   // Joined, settled below the owner, and past the soft start of the reference.
@@ -147,12 +147,13 @@ TEST_P(OutsideControllers, TakeOverInTheMovingRigWithoutAJumpAndGiveItBack) {
   EXPECT_LT(rig.StrengthOf("outside"), rig.StrengthOf("own"));
   const MovingRig::Seen before = rig.Watch(1000ms);
 
+  MovingRig::Seen there, back;
   ASSERT_EQ(rig.HandOver("outside"), 0);
-  const MovingRig::Seen there = rig.Watch(1500ms);
-  EXPECT_EQ(rig.driver(), "outside");
+  EXPECT_TRUE(rig.WatchUntilDrivenBy("outside", &there));
+  there = rig.Watch(1500ms, there);
   ASSERT_EQ(rig.HandOver("own"), 0);
-  const MovingRig::Seen back = rig.Watch(1000ms);
-  EXPECT_EQ(rig.driver(), "own");
+  EXPECT_TRUE(rig.WatchUntilDrivenBy("own", &back));
+  back = rig.Watch(1000ms, back);
   std::printf("step %.4f Nm before, %.4f and %.4f with the handovers; error %.4f, %.4f, %.4f rad\n",
               before.largest_step_Nm, there.largest_step_Nm, back.largest_step_Nm,
               before.largest_error_rad, there.largest_error_rad, back.largest_error_rad);
