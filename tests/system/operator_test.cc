@@ -3,10 +3,10 @@
 #include <signal.h>
 #include <sinew_idl/joint.h>
 
-#include "components/config/config.h"
 #include "components/node/node.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/system/patient_config.h"
 
 namespace sinew::testing {
 namespace {
@@ -54,20 +54,6 @@ struct Rig {
 
   int Command(const std::string& word) {
     return Run({kBin + "/sinew", word, "--domain", domain}).exit_code;
-  }
-
-  // The rig's own configuration with a guard that bears the pauses of a busy machine: these tests
-  // ask what follows on what, not how fast (that is the guard's own test).
-  static std::string PatientConfig(const TemporaryFolder& folder) {
-    std::string text = config::ReadFile(kRig + "surrogate.yaml");
-    for (const auto& [from, to] :
-         {std::pair<std::string, std::string>{"missed_periods: 3", "missed_periods: 100"},
-          {"fault_after_ms: 60", "fault_after_ms: 3000"}}) {
-      const std::size_t at = text.find(from);
-      EXPECT_NE(at, std::string::npos) << from;
-      if (at != std::string::npos) text.replace(at, from.size(), to);
-    }
-    return folder.Write("surrogate.yaml", text);
   }
 
   TemporaryFolder folder;
