@@ -113,6 +113,9 @@ using internal::InputBase;
 
 namespace {
 
+// A cycle as long as that controls nothing: who claims more is not understood.
+constexpr double kLongestPeriod_s = 10.0;
+
 // A period that a message claims is no reason to wait for more than a second, or to overflow.
 std::chrono::nanoseconds BoundedPeriod(double nominal_period_s) {
   const double period_s = nominal_period_s > 0.0 ? std::min(nominal_period_s, 1.0) : 0.0;
@@ -141,6 +144,10 @@ struct TickInput<Message>::State final : public InputBase {
 
   bool DecodeValue(const Bytes& bytes) override {
     if (!Decode(bytes, &next)) return false;
+    if constexpr (std::is_same_v<Message, msg::JointState>) {
+      // Every participant divides by it or makes filters of it.
+      if (!(next.period_s() > 0.0 && next.period_s() <= kLongestPeriod_s)) return false;
+    }
     std::swap(message, next);
     return true;
   }

@@ -111,15 +111,15 @@ void EndInOrder(Program& program) {
 // Refused with a message that holds one of the words.
 void CheckRefused(const std::string& check, Program& program, const std::vector<std::string>& words,
                   Report* report) {
-  const int exit_code = program.Wait(kEnd);
+  const int exit_code = program.Wait(kStart);
   const std::string said = program.output() + program.error();
   const bool named = std::any_of(words.begin(), words.end(), [&said](const std::string& word) {
     return said.find(word) != std::string::npos;
   });
   report->Add(check, exit_code > 0 && named,
-              "exit code above 0 within " + std::to_string(kEnd.count()) +
+              "exit code above 0 within " + std::to_string(kStart.count()) +
                   " ms and a message that names '" + words.front() + "'",
-              EndText(exit_code) + ": " + LastLine(program));
+              EndText(exit_code, kStart) + ": " + LastLine(program));
   if (exit_code == Program::kTimeout) EndInOrder(program);
 }
 

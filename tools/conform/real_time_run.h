@@ -2,6 +2,7 @@
 // check_inputs.cc and check_commands.cc look at it in turn.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <string>
 #include <vector>
@@ -40,7 +41,8 @@ void CheckSessions(RealTimeRun& run);
 void CheckMalformed(RealTimeRun& run);
 void CheckSigterm(RealTimeRun& run);
 
-// Plays windows of ticks like the moment until one is good, kWindows at most; gives the last one.
+// Plays windows of ticks like the moment until one is good, those of kWindows at most; gives the
+// last one.
 Window PlayWindows(RealTimeRun& run, const Moment& like,
                    const std::function<bool(const Window&)>& is_good);
 // "joint_command 30, readout 12 of 30"
@@ -51,7 +53,7 @@ bool AnsweredMost(const Role& role, const Window& window);
 double ShareOf(const std::vector<const Output*>& outputs, bool (*condition)(const Facts&));
 std::string Percent(double share);
 // What ended a program, in words.
-std::string EndText(int exit_code);
+std::string EndText(int exit_code, std::chrono::milliseconds limit = kEnd);
 // Of its output.
 std::string LastLine(const launch::Program& program);
 

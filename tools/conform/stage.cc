@@ -49,7 +49,8 @@ Stage::Stage(const Role& role, StageOptions options)
       options_(std::move(options)),
       node_(StageNodeOptions(options_)),
       statuses_(node_.MakeReader(node::kComponentStatus)),
-      operator_(node_.MakeWriter(node::kOperatorCommand)) {
+      operator_(node_.MakeWriter(node::kOperatorCommand)),
+      rate_Hz_(options_.rate_Hz) {
   for (const std::string_view name : PlayedTopics()) {
     if (role_.Writes(name)) continue;
     writers_.emplace(name, node_.MakeRawWriter(*node::FindTopic(name)));
@@ -76,6 +77,12 @@ void Stage::PlayOwner() {
 
 void Stage::EndOwner() { owners_.clear(); }
 
+void Stage::SetRate(double rate_Hz) {
+  rate_Hz_ = rate_Hz;
+  node_.SetPeriod(std::chrono::duration_cast<std::chrono::nanoseconds>(
+      std::chrono::duration<double>(1.0 / rate_Hz)));
+}
+
 void Stage::StartSession(std::uint64_t session_id) {
   session_id_ = session_id;
   next_tick_ = 0;
@@ -86,7 +93,7 @@ void Stage::PublishTick(const Moment& like) {
   Moment moment = like;
   moment.session_id = session_id_;
   moment.tick = next_tick_++;
-  moment.period_s = 1.0 / options_.rate_Hz;
+  moment.period_s = 1.0 / rate_Hz_;
   moment.valve_open = valve_open_;
   for (const auto& [topic, write] : owners_) {
     const node::Bytes bytes = PlayedMessage(topic, moment);
@@ -148,7 +155,7 @@ Window Stage::PlayTicks(const Moment& like, int ticks, milliseconds last_answer)
   Window before;  // what was still under way
   Collect(&before);
   const auto period = std::chrono::duration_cast<StageClock::duration>(
-      std::chrono::duration<double>(1.0 / options_.rate_Hz));
+      std::chrono::duration<double>(1.0 / rate_Hz_));
   for (int i = 0; i < ticks; ++i) {
     const std::uint64_t tick = next_tick_;
     const bool lockstep = options_.mode == node::TimeMode::kLockstep;

@@ -65,6 +65,8 @@ class Stage {
                  std::chrono::milliseconds limit);
   // Waits without ticks.
   bool WaitUntil(const std::function<bool()>& condition, std::chrono::microseconds limit);
+  // The period that ticks have and say, from the next one on.
+  void SetRate(double rate_Hz);
   // Ticks of another session count from 0.
   void StartSession(std::uint64_t session_id);
   std::uint64_t session_id() const { return session_id_; }
@@ -113,6 +115,7 @@ class Stage {
   std::mutex mutex_;
   std::vector<Heard> heard_;  // guarded by mutex_
 
+  double rate_Hz_;
   std::uint64_t session_id_ = 1, next_tick_ = 0;
   std::map<std::uint64_t, StageClock::time_point> sent_;  // of the session's ticks
   StageClock::time_point due_ = StageClock::now();

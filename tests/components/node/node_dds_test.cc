@@ -251,6 +251,32 @@ TEST(NodeDds, AMalformedTriggerMakesNoCycleAndAMalformedInputLeavesTheLastValue)
   EXPECT_EQ(input.malformed(), 2u) << "a count beyond its array, and ten bytes";
 }
 
+// Who divides by the period, or makes filters of it, never sees one that is none.
+TEST(NodeDds, AStateWhosePeriodIsNoneMakesNoCycle) {
+  Node provider(MakeOptions("provider", 171)), node(MakeOptions("loop", 171));
+  const RawWriter write = provider.MakeRawWriter(*FindTopic("joint_state"));
+  constexpr double kNone[] = {std::numeric_limits<double>::quiet_NaN(), 0.0, -0.004, 1e300,
+                              std::numeric_limits<double>::infinity()};
+  std::uint64_t tick = 0;
+  const auto send = [&](double period_s) {
+    msg::JointState state = StateOfTick(tick, false);
+    state.period_s(period_s);
+    Bytes bytes;
+    ASSERT_TRUE(Encode(state, &bytes));
+    EXPECT_EQ(write(bytes.data(), bytes.size()), WriteStatus::kOk);
+    ++tick;
+  };
+  for (const double period_s : kNone) send(period_s);
+  send(0.004);
+  StopFlag stop;
+  TickLoop loop(node, stop);
+  auto& trigger = loop.AddInput(kJointState);
+  const auto first = loop.Next();
+  ASSERT_TRUE(first.has_value());
+  EXPECT_EQ(first->tick, std::size(kNone));
+  EXPECT_EQ(trigger.malformed(), std::size(kNone));
+}
+
 // Three ticks of joint_state, regime and reference; the second reference is as given.
 struct Origins {
   msg::Origin state, regime, reference;

@@ -61,7 +61,7 @@ void Run(const node::Options& options, node::StopFlag& stop) {
     if (state.value().header().origin() == msg::ORIGIN_LIVE) {
       throw UsageError("the robot is hardware, expected a simulated one: air has no ideal source");
     }
-    requests.Take(*tick, &targets);
+    requests.Take(*tick, wire::FromWire(state.value().header().origin()), &targets);
     // As a standby it imposes nothing: the owner's relays act.
     const bool holds =
         !requests.standby() && requests.MayHold(wire::FromWire(state.value().robot_state()));
