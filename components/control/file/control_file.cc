@@ -200,7 +200,8 @@ JointControlConfig ReadJoint(const Section& s, std::size_t index,
   joint.replay_takeover_s = s.NumberOr("replay_takeover_s", joint.replay_takeover_s, kNotNegative);
   joint.crossfade_s = s.NumberOr("crossfade_s", joint.crossfade_s, kNotNegative);
   joint.tracking_error_limit_rad =
-      s.NumberOr(units.Length("tracking_error_limit"), 0.0, kNotNegative);
+      s.NumberOr(units.Length("tracking_error_limit"),
+                 units.linear ? kTrackingErrorLimit_m : kTrackingErrorLimit_rad, kNotNegative);
   joint.damping_Nm_s_rad =
       s.NumberOr(units.Damping("safe_damping"), joint.damping_Nm_s_rad, kNotNegative);
   joint.on_stale =

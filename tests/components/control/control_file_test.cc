@@ -40,6 +40,8 @@ joints:
   EXPECT_NEAR(config.joints[0].shaft_per_output, 1.0 / 77.0, 1e-15);
   EXPECT_EQ(config.joints[0].velocity_from, VelocityFrom::kMotor);
   EXPECT_EQ(config.motion_requests, MotionRequests::kEveryTick);
+  EXPECT_EQ(config.joints[0].tracking_error_limit_rad, kTrackingErrorLimit_rad);
+  EXPECT_EQ(config.joints[0].replay_takeover_s, 2.0);
   EXPECT_FALSE(config.needs_prediction());
 }
 
@@ -88,6 +90,7 @@ TEST(ControlFile, APrismaticAxisCarriesNewtonsAndMetres) {
       head + "    pid: {proportional_N_m: 60000, integral_N_m_s: 1000, derivative_N_s_m: 3000}\n");
   EXPECT_EQ(config.joints[0].pid.proportional_Nm_rad, 60000.0);
   EXPECT_NEAR(config.joints[0].shaft_per_output, 1.0, 1e-9);
+  EXPECT_EQ(config.joints[0].tracking_error_limit_rad, kTrackingErrorLimit_m);
   EXPECT_THAT(ErrorOf(head + "    pid: {proportional_Nm_rad: 60000}\n"),
               HasSubstr("proportional_N_m"));
 }

@@ -291,6 +291,32 @@ TEST(RobotController, TooLargeATrackingErrorIsAFault) {
   EXPECT_EQ(controller.Step(input).fault, Fault::kTrackingError);
 }
 
+// A recording that takes over, from a hold or from another reference: no step, over its own time.
+TEST(RobotController, ARecordingIsBlendedInOverItsOwnTime) {
+  JointControlConfig config = RigConfig(Strategy::kPosition);
+  config.takeover_s = 0.3;
+  config.replay_takeover_s = 2.0;
+  RobotController controller({config});
+  RobotInput input = Still(0.2);
+  (void)controller.Step(input);
+  input.reference_count = 1;
+  input.reference[0] = {0.2, 0.0, 0.0};
+  for (int k = 0; k < 200; ++k) (void)controller.Step(input);  // another reference, where it is
+  input.reference_replayed = true;
+  input.reference[0] = {1.2, 0.0, 0.0};
+  double last_rad = 0.2;
+  double reached_s = 0.0;
+  for (int k = 0; k < 1000; ++k) {
+    const double now_rad = controller.Step(input).joint[0].position_rad;
+    // A quintic's largest velocity is 15/8 of the mean: 1 rad in 2 s.
+    ASSERT_LE(std::abs(now_rad - last_rad), 15.0 / 8.0 / 2.0 * input.period_s * 1.001);
+    if (now_rad < 1.2 - 1e-9) reached_s += input.period_s;
+    last_rad = now_rad;
+  }
+  EXPECT_NEAR(last_rad, 1.2, 1e-9);
+  EXPECT_NEAR(reached_s, 2.0, 0.05);
+}
+
 TEST(RobotController, ALostReferenceIsMarkedAndTheJointStaysThenDamps) {
   for (const OnStale on_stale : {OnStale::kHold, OnStale::kDamp}) {
     JointControlConfig config = RigConfig(Strategy::kPid);
