@@ -74,7 +74,8 @@ class MovingRig {
     double largest_error_rad = 0.0;
     int commands = 0, fault_ticks = 0, idle_references = 0;
   };
-  Seen Watch(std::chrono::milliseconds time, Seen seen = {}) {
+  Seen Watch(std::chrono::milliseconds time) { return Watch(time, Seen()); }
+  Seen Watch(std::chrono::milliseconds time, Seen seen) {
     const auto end = OutsideClock::now() + time;
     while (OutsideClock::now() < end) {
       node_.WaitForData(5ms);

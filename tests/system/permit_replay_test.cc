@@ -121,7 +121,7 @@ class LiveRobot : public ::testing::Test {
   static Finished Command(std::vector<std::string> words, const char* timeout_s = "20") {
     words.insert(words.begin(), kSinew);
     words.insert(words.end(), {"--domain", std::to_string(kPermitDomain), "--timeout", timeout_s});
-    return Run(words, 40s);
+    return launch::Run(words, 40s);
   }
   // Lets the robot run this many cycles; false when it does not.
   bool Cycles(std::uint64_t count) {
