@@ -100,7 +100,7 @@ int main(int argc, char** argv) try {
   const config::Section rig_file = surrogate::OpenSurrogate(rig_path);
   bench.rig = surrogate::ReadRig(rig_file);
   bench.joint = control::LoadControl(control_path).joints.at(0);
-  bench.joint.tracking_error_limit_rad = 0.0;  // the error is what candidates are judged by
+  bench.joint.tracking_error_limit_rad = 0.0;  // the error is what candidates are assessed by
   bench.reference = reference::LoadReference(reference_path).config;
   bench.pneumatics = pneumatics::LoadPneumatics(pneumatics_path).joints;
   const reference::GeneratorConfig& trajectory = bench.reference.joints.at(0);
