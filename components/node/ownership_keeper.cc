@@ -58,10 +58,19 @@ void OwnershipKeeper::Notify() {
 void OwnershipKeeper::TakeOperatorCommand(RawSample&& sample) {
   msg::OperatorCommand command;
   if (!Decode(sample.payload, &command) || command.action() != msg::OPERATOR_HANDOVER) return;
-  if (command.target() != node_.options.name) return;
   const types::RunningSession running{
       session_id_.load(std::memory_order_relaxed),
       wire::FromWire(static_cast<msg::Origin>(origin_.load(std::memory_order_relaxed)))};
+  if (command.target() != node_.options.name) {
+    // The last handover counts: one to this participant that has not been acted on is superseded.
+    if (command.role() == RoleOf(node_.options) &&
+        types::RefusalOf(types::CommandKind::kPermission, wire::FromWire(command.header()),
+                         running) == types::CommandRefusal::kNone) {
+      const std::lock_guard<std::mutex> lock(news_mutex_);
+      hand_over_ = false;
+    }
+    return;
+  }
   if (!gate_.Admits(types::CommandKind::kPermission, wire::FromWire(command.header()), running)) {
     return;
   }
