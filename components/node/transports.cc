@@ -4,6 +4,7 @@
 #include <fastdds/rtps/transport/SocketTransportDescriptor.h>
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
+#include <fastrtps/utils/IPLocator.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -68,6 +69,30 @@ std::string OpenAddresses(const dds::DomainParticipantQos& qos,
   return text;
 }
 
+eprosima::fastrtps::rtps::Locator_t UdpLocator(const std::string& address) {
+  eprosima::fastrtps::rtps::Locator_t locator;  // port 0: by the rule for all participants
+  eprosima::fastrtps::rtps::IPLocator::createLocator(LOCATOR_KIND_UDPv4, address, 0, locator);
+  return locator;
+}
+
+// Without shared memory, loopback is how peers on this host that name no interface reach one that
+// does, and Fast DDS announces it only where it is alone. A user's own locators are left.
+void AnnounceAll(const std::vector<std::string>& addresses, dds::DomainParticipantQos* qos) {
+  auto& wire = qos->wire_protocol();
+  auto& builtin = wire.builtin;
+  if (addresses.size() < 2 || !wire.default_unicast_locator_list.empty() ||
+      !builtin.metatrafficUnicastLocatorList.empty() ||
+      !builtin.metatrafficMulticastLocatorList.empty()) {
+    return;
+  }
+  for (const std::string& address : addresses) {
+    wire.default_unicast_locator_list.push_back(UdpLocator(address));
+    builtin.metatrafficUnicastLocatorList.push_back(UdpLocator(address));
+  }
+  constexpr char kDiscoveryGroup[] = "239.255.0.1";  // of the RTPS standard, 9.6.1.4
+  builtin.metatrafficMulticastLocatorList.push_back(UdpLocator(kDiscoveryGroup));
+}
+
 void WarnWhenOpen(const dds::DomainParticipantQos& qos,
                   const std::vector<InterfaceAddress>& running) {
   static std::once_flag once;
@@ -98,9 +123,13 @@ void RestrictTransports(const Options& options, dds::DomainParticipantQos* qos) 
     udp->sendBufferSize = used.send_socket_buffer_size;
     udp->receiveBufferSize = used.listen_socket_buffer_size;
     used.user_transports.push_back(udp);
-    auto shared_memory = std::make_shared<transport::SharedMemTransportDescriptor>();
-    shared_memory->max_message_size(udp->max_message_size());
-    used.user_transports.push_back(shared_memory);
+    if (options.mode == TimeMode::kLockstep) {
+      auto shared_memory = std::make_shared<transport::SharedMemTransportDescriptor>();
+      shared_memory->max_message_size(udp->max_message_size());
+      used.user_transports.push_back(shared_memory);
+    } else {
+      AnnounceAll(addresses, qos);
+    }
   }
   WarnWhenOpen(*qos, running);
 }

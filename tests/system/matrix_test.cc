@@ -36,12 +36,20 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
 const std::string kRigFolder = SINEW_SOURCE_DIR "/robots/rig/";
-constexpr double kPeriod_ms = 1000.0 / 240.0;
+
+// MatrixAtFullRate is the requirement, and wants a machine whose cores bear ten real-time processes
+// at 240 Hz (label soak). Matrix is the same at a rate that every machine bears.
+constexpr double kFullRate_Hz = 240.0, kLowRate_Hz = 100.0;
 
 // What the issue of a replacement may cost.
 constexpr double kTorqueLimit_Nm = 0.398;  // robots/rig: torque_limit_Nm of the drive
 constexpr double kTorqueStep_Nm = 0.05 * kTorqueLimit_Nm;
-constexpr double kTakeOver_ms = 35.0;
+// The deadline of a reader, which is 20 ms or five periods, and three periods: at 240 Hz the 33 ms
+// that the requirement rounds to 35.
+constexpr double TakeOver_ms(double rate_Hz) {
+  const double period_ms = 1000.0 / rate_Hz;
+  return rate_Hz == kFullRate_Hz ? 35.0 : std::max(20.0, 5.0 * period_ms) + 3.0 * period_ms;
+}
 // Between target and joint, while a gap is bridged: a third of the play of 2.66 degrees more than
 // what the rig needs in this motion anyway (1 mrad rms).
 constexpr double kDeviation_rad = 0.0155;
@@ -87,8 +95,9 @@ node::Options ObserverOptions(int domain) {
 
 class LiveRig {
  public:
-  explicit LiveRig(int domain)
-      : domain_(std::to_string(domain)),
+  LiveRig(int domain, double rate_Hz)
+      : rate_Hz_(rate_Hz),
+        domain_(std::to_string(domain)),
         realtime_(MayBecomeRealtime()),
         observer_(ObserverOptions(domain)),
         states_(observer_.MakeReader(node::kJointState)),
@@ -128,7 +137,8 @@ class LiveRig {
   void StartAll() {
     Start("logger", {SINEW_BIN_DIR "/sinew-logger", "--out", recording().string()});
     Start("surrogate", {SINEW_BIN_DIR "/sinew-surrogate", "--config",
-                        (folder_.path() / "surrogate.yaml").string(), "--seed", "3"});
+                        (folder_.path() / "surrogate.yaml").string(), "--seed", "3", "--rate",
+                        std::to_string(rate_Hz_)});
     for (const Role& role : roles_) Start(role.name, role.owner);
     ASSERT_TRUE(WaitFor([&] { return robot_state_ == msg::ROBOT_DISARMED; }));
     for (const Role& role : roles_) {
@@ -139,7 +149,7 @@ class LiveRig {
     const Finished arm = testing::Run({kSinew, "arm", "--domain", domain_});
     ASSERT_EQ(arm.exit_code, 0) << arm.error;
     ASSERT_TRUE(WaitFor([&] { return robot_state_ == msg::ROBOT_ARMED; }));
-    WaitTicks(3 * 240);  // start delay and soft start
+    WaitFor_s(3.0);  // start delay and soft start
   }
 
   // Active, and heard or standing by.
@@ -151,10 +161,14 @@ class LiveRig {
              found->second.process_id() == static_cast<std::uint32_t>(programs_.at(name)->pid());
     });
   }
-  void WaitTicks(std::uint64_t ticks) {
-    const std::uint64_t end = tick_ + ticks;
+  void WaitFor_s(double time_s) {
+    const std::uint64_t end = tick_ + TicksOf_s(time_s);
     EXPECT_TRUE(WaitFor([&] { return tick_ >= end; }));
   }
+  std::uint64_t TicksOf_s(double time_s) const {
+    return static_cast<std::uint64_t>(time_s * rate_Hz_);
+  }
+  double rate_Hz() const { return rate_Hz_; }
   void HandOver(const std::string& role, const std::string& name) {
     const Finished run = testing::Run({kSinew, "handover", role, name, "--domain", domain_});
     EXPECT_EQ(run.exit_code, 0) << run.output << run.error;
@@ -200,6 +214,7 @@ class LiveRig {
   }
 
   TemporaryFolder folder_;
+  const double rate_Hz_;
   const std::string domain_;
   const bool realtime_;
   std::vector<Role> roles_;
@@ -223,7 +238,8 @@ struct Event {
 
 class Recorded {
  public:
-  explicit Recorded(const std::filesystem::path& file) : payloads_(PayloadsByTopic(file)) {
+  Recorded(const std::filesystem::path& file, double rate_Hz)
+      : payloads_(PayloadsByTopic(file)), period_ms_(1000.0 / rate_Hz) {
     for (const msg::JointCommand& command : All<msg::JointCommand>("joint_command")) {
       commands_.push_back(command);
     }
@@ -281,7 +297,7 @@ class Recorded {
       longest = std::max(
           longest, std::distance(states_.upper_bound(ticks[k - 1]), states_.upper_bound(ticks[k])));
     }
-    return kPeriod_ms * static_cast<double>(longest);
+    return period_ms_ * static_cast<double>(longest);
   }
   const std::vector<msg::JointCommand>& commands() const { return commands_; }
   const std::map<std::uint64_t, msg::JointState>& states() const { return states_; }
@@ -296,6 +312,7 @@ class Recorded {
   }
 
   std::map<std::string, std::vector<std::string>> payloads_;
+  const double period_ms_;
   std::vector<msg::JointCommand> commands_;
   std::map<std::uint64_t, msg::JointState> states_;
 };
@@ -316,12 +333,12 @@ std::vector<std::string> WhoDrove(const Recorded& recorded, const std::string& r
   return drove;
 }
 
-constexpr std::uint64_t kAround = 60;  // ticks, a quarter of a second
-constexpr std::uint64_t kAfter = 180;
+constexpr double kAround_s = 0.25, kAfter_s = 0.75;
 
 class Replacement {
  public:
-  Replacement(const std::string& role, int domain) : rig_(domain), name_(role) {}
+  Replacement(const std::string& role, int domain, double rate_Hz)
+      : rig_(domain, rate_Hz), name_(role) {}
 
   void Run() {
     if (name_ == "reference") rig_.RecordAReference();
@@ -343,7 +360,7 @@ class Replacement {
     Suddenly("stopped", SIGSTOP);
     rig_.Signal(name_, SIGCONT);
     ASSERT_TRUE(rig_.WaitForStanding(name_, true)) << "who comes back stays below";
-    rig_.WaitTicks(kAfter);
+    rig_.WaitFor_s(kAfter_s);
     ASSERT_TRUE(rig_.WaitForStanding(kStandIn, false));
     ByHandover(name_, kStandIn);
 
@@ -353,7 +370,7 @@ class Replacement {
     }
     rig_.EndRecording();
     if (::testing::Test::HasFatalFailure()) return;
-    Assess(Recorded(rig_.recording()));
+    Assess(Recorded(rig_.recording(), rig_.rate_Hz()));
   }
 
  private:
@@ -365,15 +382,15 @@ class Replacement {
     rig_.HandOver(name_, to);
     EXPECT_TRUE(rig_.WaitForStanding(to, false)) << to;
     EXPECT_TRUE(rig_.WaitForStanding(from, true)) << from;
-    rig_.WaitTicks(kAfter);
+    rig_.WaitFor_s(kAfter_s);
     events_.push_back({"handover to " + to, begin, rig_.tick(), witness.Latest_ms(), false});
   }
   void Suddenly(const std::string& what, int signal) {
-    const std::uint64_t begin = rig_.tick() - kAround;
+    const std::uint64_t begin = rig_.tick() - rig_.TicksOf_s(kAround_s);
     Witness witness;
     rig_.Signal(name_, signal);
     EXPECT_TRUE(rig_.WaitForStanding(kStandIn, false)) << "the stand-in did not take over";
-    rig_.WaitTicks(kAfter);
+    rig_.WaitFor_s(kAfter_s);
     events_.push_back({what, begin, rig_.tick(), witness.Latest_ms(), true});
   }
 
@@ -387,7 +404,7 @@ class Replacement {
       const double deviation_rad = recorded.LargestDeviation_rad(event);
       std::printf("%-26s %12.1f %16.2f %14.2f %12.1f\n", event.what.c_str(), gap_ms,
                   100.0 * step_Nm / kTorqueLimit_Nm, 1e3 * deviation_rad, event.stall_ms);
-      EXPECT_LE(gap_ms, kTakeOver_ms + event.stall_ms) << event.what;
+      EXPECT_LE(gap_ms, TakeOver_ms(rig_.rate_Hz()) + event.stall_ms) << event.what;
       EXPECT_LE(step_Nm, kTorqueStep_Nm) << event.what;
       EXPECT_LE(deviation_rad, kDeviation_rad) << event.what;
     }
@@ -417,12 +434,43 @@ class Replacement {
   std::vector<Event> events_;
 };
 
-TEST(Matrix, PneumaticsIsReplacedByTheIdealSource) { Replacement("pneumatics", 100).Run(); }
-TEST(Matrix, RegimeIsReplacedByTheTruth) { Replacement("regime", 101).Run(); }
-TEST(Matrix, ReferenceIsReplacedByARecording) { Replacement("reference", 102).Run(); }
-TEST(Matrix, EsnIsReplacedByInverseDynamics) { Replacement("esn", 103).Run(); }
-TEST(Matrix, RlsIsReplacedByAFrozenReadout) { Replacement("rls", 104).Run(); }
-TEST(Matrix, ControlIsReplacedByAnotherController) { Replacement("control", 105).Run(); }
+TEST(Matrix, PneumaticsIsReplacedByTheIdealSource) {
+  Replacement("pneumatics", 100, kLowRate_Hz).Run();
+}
+TEST(Matrix, RegimeIsReplacedByTheTruth) {
+  Replacement("regime", 101, kLowRate_Hz).Run();
+}
+TEST(Matrix, ReferenceIsReplacedByARecording) {
+  Replacement("reference", 102, kLowRate_Hz).Run();
+}
+TEST(Matrix, EsnIsReplacedByInverseDynamics) {
+  Replacement("esn", 103, kLowRate_Hz).Run();
+}
+TEST(Matrix, RlsIsReplacedByAFrozenReadout) {
+  Replacement("rls", 104, kLowRate_Hz).Run();
+}
+TEST(Matrix, ControlIsReplacedByAnotherController) {
+  Replacement("control", 105, kLowRate_Hz).Run();
+}
+
+TEST(MatrixAtFullRate, PneumaticsIsReplacedByTheIdealSource) {
+  Replacement("pneumatics", 100, kFullRate_Hz).Run();
+}
+TEST(MatrixAtFullRate, RegimeIsReplacedByTheTruth) {
+  Replacement("regime", 101, kFullRate_Hz).Run();
+}
+TEST(MatrixAtFullRate, ReferenceIsReplacedByARecording) {
+  Replacement("reference", 102, kFullRate_Hz).Run();
+}
+TEST(MatrixAtFullRate, EsnIsReplacedByInverseDynamics) {
+  Replacement("esn", 103, kFullRate_Hz).Run();
+}
+TEST(MatrixAtFullRate, RlsIsReplacedByAFrozenReadout) {
+  Replacement("rls", 104, kFullRate_Hz).Run();
+}
+TEST(MatrixAtFullRate, ControlIsReplacedByAnotherController) {
+  Replacement("control", 105, kFullRate_Hz).Run();
+}
 
 }  // namespace
 }  // namespace sinew::testing
