@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 #include "components/types/run.h"
@@ -96,7 +97,7 @@ std::string RobotResidual::Unfit(const msg::JointState& state,
   return "";
 }
 
-void RobotResidual::Begin(const node::Tick& tick, const msg::ActuatorState& actuator) {
+void RobotResidual::Begin(const node::Tick& tick, const msg::ActuatorState& actuator) try {
   has_motor_ = IsMeasured(actuator.measured_flags(), types::Signal::kMotorPosition);
   session_id_ = tick.session_id;
   first_tick_ = tick.tick;
@@ -106,6 +107,10 @@ void RobotResidual::Begin(const node::Tick& tick, const msg::ActuatorState& actu
   for (const actuator::JointModel& joint : config_.robot.joints) {
     monitors_.emplace_back(joint, config_.monitor, period_s_);
   }
+  output_ = {};
+} catch (const std::invalid_argument& error) {  // of the period: it is the message's
+  unfit_ = error.what();
+  monitors_.clear();
   output_ = {};
 }
 
@@ -122,6 +127,7 @@ void RobotResidual::Step(const node::Tick& tick, const msg::JointState& state,
       return;
     }
     Begin(tick, actuator.value());
+    if (!unfit_.empty()) return;
   }
   const auto seconds = [&](std::uint64_t at) {
     return static_cast<double>(at - first_tick_) * period_s_;

@@ -26,11 +26,11 @@ class UnfitRobot : public ::testing::Test {
     options.composition = &composition_;
     return options;
   }
-  void Step(std::uint8_t joints, std::uint32_t measured_flags) {
+  void Step(std::uint8_t joints, std::uint32_t measured_flags, double period_s = 1.0 / 240.0) {
     msg::JointState state;
     state.header().session_id(7);
     state.header().tick(++tick_);
-    state.period_s(1.0 / 240.0);
+    state.period_s(period_s);
     state.joint_count(joints);
     state.valid().fill(true);
     msg::ActuatorState actuator;
@@ -63,6 +63,8 @@ TEST_F(UnfitRobot, DoesNotEndTheParticipant) {
   Step(0, kAllSignals);
   EXPECT_EQ(StateOfTheFirstJoint(), msg::RESIDUAL_LOST);
   Step(1, 0);
+  EXPECT_EQ(StateOfTheFirstJoint(), msg::RESIDUAL_LOST);
+  Step(1, kAllSignals, 1e-300);  // no window has so many samples
   EXPECT_EQ(StateOfTheFirstJoint(), msg::RESIDUAL_LOST);
   for (int n = 0; n < 50; ++n) Step(1, kAllSignals);
   EXPECT_EQ(StateOfTheFirstJoint(), msg::RESIDUAL_NOT_EXCITED);  // at rest, and monitored
