@@ -127,7 +127,8 @@ JointOutput JointController::Damping(const JointMeasurement& m) const noexcept {
   output.motor_torque_Nm =
       std::clamp(-config_.damping_Nm_s_rad * config_.shaft_per_output * velocity_rad_s,
                  -config_.motor_torque_limit_Nm, config_.motor_torque_limit_Nm);
-  output.position_rad = m.position_rad;
+  // Of a lost joint it may be anything.
+  output.position_rad = std::isfinite(m.position_rad) ? m.position_rad : target_.position_rad;
   return output;
 }
 
@@ -319,11 +320,17 @@ JointController::Result JointController::Step(const JointInput& input) noexcept 
   }
   if (aim_ == Aim::kPush) {
     result.output = Push(now);
-    if (!std::isfinite(result.output.motor_torque_Nm)) return latch(Fault::kNonFiniteOutput);
+    if (!std::isfinite(result.output.motor_torque_Nm) ||
+        !std::isfinite(result.output.position_rad)) {
+      return latch(Fault::kNonFiniteOutput);
+    }
     return result;
   }
 
-  target_ = Target(now);
+  const Point target = Target(now);
+  // A finite reference far away and the step to it may add up to more than a number holds.
+  if (!Finite(target)) return latch(Fault::kNonFiniteReference);
+  target_ = target;
   const double error_rad = target_.position_rad - m.position_rad;
   const double velocity_rad_s = MeasuredVelocity(m, input.period_s);
   if (config_.tracking_error_limit_rad > 0.0 && aim_ == Aim::kReference &&

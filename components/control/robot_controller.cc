@@ -1,6 +1,7 @@
 #include "components/control/robot_controller.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 
@@ -28,7 +29,8 @@ RobotOutput RobotController::Step(const RobotInput& input) noexcept {
   }
   if (!input.armed) {
     for (int j = 0; j < std::min(joint_count(), input.joint_count); ++j) {
-      output.joint[j].position_rad = input.joint[j].position_rad;
+      const double position_rad = input.joint[j].position_rad;
+      if (std::isfinite(position_rad)) output.joint[j].position_rad = position_rad;
     }
     return output;
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <mutex>
 
+#include "components/node/node_impl.h"
 #include "components/node/reader_impl.h"
 #include "components/node/topics.h"
 #include "components/node/writer_impl.h"
@@ -10,8 +11,8 @@
 
 namespace sinew::node {
 
-bool Composition::Carries(const TopicInfo& topic) {
-  return topic.profile == Profile::kState || IsExclusive(topic.profile);
+bool Composition::Carries(const TopicInfo& topic) const {
+  return apart() || topic.profile == Profile::kState || IsExclusive(topic.profile);
 }
 
 void Composition::Add(internal::ReaderImpl* reader) {
@@ -25,7 +26,7 @@ void Composition::Remove(internal::ReaderImpl* reader) {
 void Composition::Add(const internal::WriterImpl* writer) {
   if (!Carries(writer->topic)) return;
   const std::unique_lock<std::shared_mutex> lock(writers_mutex_);
-  writers_.insert(writer->id());
+  writers_.emplace(writer->id(), writer);
 }
 
 void Composition::Remove(const internal::WriterImpl* writer) {
@@ -36,9 +37,36 @@ void Composition::Remove(const internal::WriterImpl* writer) {
   writers_.erase(writer->id());
 }
 
+Composition::Taken Composition::taken(std::string_view topic) const {
+  Taken taken;
+  const auto [first, last] = readers_.equal_range(std::string(topic));
+  for (auto entry = first; entry != last; ++entry) {
+    ++taken.readers;
+    taken.received += entry->second->received();
+    taken.malformed += entry->second->malformed();
+  }
+  return taken;
+}
+
 bool Composition::Owns(const WriterId& writer) const {
   const std::shared_lock<std::shared_mutex> lock(writers_mutex_);
   return writers_.contains(writer);
+}
+
+WriterId Composition::NewId() {
+  ++ids_;
+  WriterId id{};
+  for (std::size_t i = 0; i < sizeof(ids_); ++i) {
+    id[id.size() - 1 - i] = static_cast<std::uint8_t>(ids_ >> (8 * i));
+  }
+  return id;
+}
+
+std::optional<std::string> Composition::NameOf(const WriterId& writer) const {
+  const std::shared_lock<std::shared_mutex> lock(writers_mutex_);
+  const auto found = writers_.find(writer);
+  if (found == writers_.end()) return std::nullopt;
+  return found->second->node->options.name;
 }
 
 void Composition::Write(internal::WriterImpl* writer, const Bytes& bytes) {
@@ -48,6 +76,7 @@ void Composition::Write(internal::WriterImpl* writer, const Bytes& bytes) {
     if (entry->second->node == writer->node) continue;
     entry->second->TakeComposed(bytes, now_ns, writer->id());
   }
+  if (apart()) return;
   if (pending_count_ == pending_.size()) pending_.emplace_back();
   pending_[pending_count_].writer = writer;
   pending_[pending_count_].bytes = bytes;

@@ -31,12 +31,17 @@ int Node::RawMatchedWriters(const std::string& topic) const {
 }
 
 std::optional<Node::WriterName> Node::NameOf(const WriterId& writer) const {
+  if (impl_->apart()) {
+    const auto found = impl_->options.composition->NameOf(writer);
+    if (!found) return std::nullopt;
+    return WriterName{.participant = *found, .guid = "", .own = *found == impl_->options.name};
+  }
   eprosima::fastrtps::rtps::GUID_t guid;
   std::copy_n(writer.begin(), guid.guidPrefix.size, guid.guidPrefix.value);
   std::copy_n(writer.begin() + guid.guidPrefix.size, guid.entityId.size, guid.entityId.value);
   WriterName name;
   name.guid = internal::TextOf(guid);
-  name.own = guid.guidPrefix == impl_->participant.guid().guidPrefix;
+  name.own = guid.guidPrefix == impl_->participant->guid().guidPrefix;
   name.participant = name.own ? impl_->options.name : impl_->discovery.ParticipantOf(guid);
   if (name.participant.empty()) return std::nullopt;
   return name;

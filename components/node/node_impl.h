@@ -4,8 +4,10 @@
 #include <chrono>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
+#include "components/node/composition.h"
 #include "components/node/discovery.h"
 #include "components/node/node.h"
 #include "components/node/ownership_keeper.h"
@@ -21,14 +23,18 @@ struct NodeImpl : public std::enable_shared_from_this<NodeImpl> {
       : options(node_options),
         ownership(*this),
         discovery(signal, [this] { ownership.Notify(); }),
-        participant(options, &discovery),
-        status(RoleOf(options), options.name) {}
+        status(RoleOf(options), options.name) {
+    if (!apart()) participant.emplace(options, &discovery);
+  }
+
+  // No DDS: composition.h.
+  bool apart() const { return options.composition != nullptr && options.composition->apart(); }
 
   const Options options;
   WakeSignal signal;
   OwnershipKeeper ownership;
   Discovery discovery;
-  Participant participant;
+  std::optional<Participant> participant;  // none: apart
   // Its writer and the raw readers hold a pointer to this: Node's destructor ends them.
   Status status;
   std::vector<std::unique_ptr<ReaderImpl>> raw_readers;

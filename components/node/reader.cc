@@ -22,10 +22,19 @@ ReaderImpl::ReaderImpl(std::shared_ptr<NodeImpl> owner, const TopicInfo& info,
       queue_limit(QueueLimit(info.profile, node->options.mode)),
       callback_(std::move(on_sample)),
       queue_(queue_limit) {
-  dds::Topic* dds_topic = node->participant.FindOrMakeTopic(topic);
-  dds::Subscriber& subscriber = node->participant.subscriber();
+  if (!node->apart()) OpenDds();
+  if (node->options.composition != nullptr) node->options.composition->Add(this);
+  if (!has_owners()) return;
+  const std::lock_guard<std::mutex> lock(node->owned_readers_mutex);
+  node->owned_readers.push_back(this);
+  if (node->period.count() > 0) SetPeriod(node->period);
+}
+
+void ReaderImpl::OpenDds() {
+  dds::Topic* dds_topic = node->participant->FindOrMakeTopic(topic);
+  dds::Subscriber& subscriber = node->participant->subscriber();
   dds::DataReaderQos qos;
-  const std::string profile = node->participant.ProfileFor(topic);
+  const std::string profile = node->participant->ProfileFor(topic);
   if (subscriber.get_datareader_qos_from_profile(profile, qos) != ReturnCode_t::RETCODE_OK) {
     throw DdsError("no reader QoS profile '" + profile + "'");
   }
@@ -41,22 +50,18 @@ ReaderImpl::ReaderImpl(std::shared_ptr<NodeImpl> owner, const TopicInfo& info,
                                              << dds::StatusMask::sample_lost()
                                              << dds::StatusMask::requested_incompatible_qos());
   if (reader_ == nullptr) throw DdsError("no reader for topic '" + topic.name + "'");
-  if (node->options.composition != nullptr) node->options.composition->Add(this);
-  if (!has_owners()) return;
-  const std::lock_guard<std::mutex> lock(node->owned_readers_mutex);
-  node->owned_readers.push_back(this);
-  if (node->period.count() > 0) SetPeriod(node->period);
 }
 
 ReaderImpl::~ReaderImpl() {
-  if (reader_ == nullptr) return;
   if (node->options.composition != nullptr) node->options.composition->Remove(this);
   if (has_owners()) {
     const std::lock_guard<std::mutex> lock(node->owned_readers_mutex);
     std::erase(node->owned_readers, this);
   }
-  reader_->set_listener(nullptr);
-  node->participant.subscriber().delete_datareader(reader_);
+  if (reader_ != nullptr) {
+    reader_->set_listener(nullptr);
+    node->participant->subscriber().delete_datareader(reader_);
+  }
   if (dropped() > 0 && dropping_is_a_loss()) {
     spdlog::warn("topic '{}': {} of {} samples were dropped unread", topic.name, dropped(),
                  received());
@@ -68,6 +73,7 @@ bool ReaderImpl::has_owners() const {
 }
 
 void ReaderImpl::SetPeriod(std::chrono::nanoseconds period) {
+  if (reader_ == nullptr) return;
   dds::DataReaderQos qos = reader_->get_qos();
   const auto deadline_ns = Deadline(period).count();
   if (qos.deadline().period.to_ns() == deadline_ns) return;
@@ -120,7 +126,12 @@ void ReaderImpl::Queue(Sample* sample) {
 }
 
 void ReaderImpl::TakeComposed(const Bytes& bytes, std::int64_t stamp_ns, const WriterId& writer) {
-  if (callback_) return;  // recorders hear DDS
+  if (callback_) {  // recorders hear DDS, where there is one
+    if (!node->apart()) return;
+    received_.fetch_add(1, std::memory_order_relaxed);
+    callback_(RawSample{topic.name, bytes, stamp_ns, stamp_ns});
+    return;
+  }
   if (has_owners() && !composed_heard_.load(std::memory_order_relaxed)) return;
   composed_.bytes = bytes;
   composed_.source_stamp_ns = composed_.reception_stamp_ns = stamp_ns;
@@ -158,6 +169,7 @@ void ReaderImpl::CountMalformed() {
 }
 
 int ReaderImpl::matched() const {
+  if (reader_ == nullptr) return 0;
   dds::SubscriptionMatchedStatus status;
   reader_->get_subscription_matched_status(status);
   return status.current_count;

@@ -49,6 +49,7 @@ struct ReaderImpl final : public dds::DataReaderListener {
   const std::size_t queue_limit;
 
  private:
+  void OpenDds();
   // False where only the newest sample matters, so that dropping is no loss.
   bool dropping_is_a_loss() const;
   bool has_owners() const;
@@ -57,7 +58,7 @@ struct ReaderImpl final : public dds::DataReaderListener {
 
   Node::RawCallback callback_;
   SampleQueue queue_;
-  dds::DataReader* reader_ = nullptr;
+  dds::DataReader* reader_ = nullptr;  // stays null in a composition apart
   std::atomic<std::uint64_t> received_{0};
   std::atomic<std::uint64_t> lost_{0};
   std::atomic<std::uint64_t> malformed_{0};

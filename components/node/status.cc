@@ -170,7 +170,7 @@ void Status::Publish(const Values& values) {
   status.resident_MB(ResidentMegabytes());
   status.message(values.message.substr(0, 255));
   Bytes bytes;
-  if (!Encode(status, &bytes) || writer_->Write(&bytes) != WriteStatus::kOk) {
+  if (!Encode(status, &bytes) || writer_->WriteToDds(&bytes) != WriteStatus::kOk) {
     ++failed_publications_;
   }
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <type_traits>
+#include <utility>
 
 #include "components/node/all_messages.h"
 #include "components/node/command_gate.h"
@@ -217,6 +218,7 @@ struct TickLoop::Impl {
   types::RunningSession running;  // as the trigger's last message says
   std::optional<std::uint64_t> last_tick;
   bool ended = false;
+  std::optional<HeadOfMessage> begun{};  // the trigger of the next cycle, accepted
 
   // A trigger must say how long a cycle is, itself or in the options.
   void CheckTrigger(std::string_view topic, bool carries_period, const InputRules& rules) const {
@@ -246,14 +248,25 @@ struct TickLoop::Impl {
     return std::nullopt;
   }
 
+  // A trigger sample that means something has come; malformed ones make no cycle.
+  bool AcceptTrigger() {
+    InputBase& trigger = *inputs.front();
+    while (!begun) {
+      const auto head = NextTrigger();
+      if (!head) return false;
+      if (trigger.queue.AcceptFront(trigger.decode)) begun = head;
+    }
+    return true;
+  }
+
   // Nothing: stop was requested.
   std::optional<HeadOfMessage> WaitForTrigger() {
-    while (true) {
-      if (const auto head = NextTrigger()) return head;
+    while (!AcceptTrigger()) {
       if (stop.requested()) return std::nullopt;
       inputs.front()->Wait(std::chrono::milliseconds(50));
       status.Beat();
     }
+    return std::exchange(begun, std::nullopt);
   }
 
   void StartSession(const HeadOfMessage& head) {
@@ -331,7 +344,7 @@ requires kBeginsWithHeader<Message> TickInput<Message>
   return *input;
 }
 
-bool TickLoop::Ready() { return !impl_->ended && impl_->NextTrigger().has_value(); }
+bool TickLoop::Ready() { return !impl_->ended && impl_->AcceptTrigger(); }
 
 std::optional<Tick> TickLoop::Next() {
   Impl& self = *impl_;
@@ -343,11 +356,8 @@ std::optional<Tick> TickLoop::Next() {
   if (!self.last_tick && self.counts.cycles == 0) {
     self.node.SetState(Node::State::kConfigured, "waiting for " + trigger.topic());
   }
-  std::optional<HeadOfMessage> head;
-  do {
-    head = self.WaitForTrigger();
-    if (!head) return std::nullopt;
-  } while (!trigger.queue.AcceptFront(trigger.decode));  // a malformed one makes no cycle
+  const std::optional<HeadOfMessage> head = self.WaitForTrigger();
+  if (!head) return std::nullopt;
   if (!self.last_tick || head->session_id != self.session_id) self.StartSession(*head);
 
   Tick tick;

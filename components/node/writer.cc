@@ -13,10 +13,20 @@ using eprosima::fastrtps::types::ReturnCode_t;
 
 WriterImpl::WriterImpl(std::shared_ptr<NodeImpl> owner, const TopicInfo& info)
     : node(std::move(owner)), topic(info) {
-  dds::Topic* dds_topic = node->participant.FindOrMakeTopic(topic);
-  dds::Publisher& publisher = node->participant.publisher();
+  if (node->apart()) {
+    id_ = node->options.composition->NewId();
+  } else {
+    OpenDds();
+  }
+  if (node->options.composition != nullptr) node->options.composition->Add(this);
+  if (HasOwners()) node->ownership.Add(this);
+}
+
+void WriterImpl::OpenDds() {
+  dds::Topic* dds_topic = node->participant->FindOrMakeTopic(topic);
+  dds::Publisher& publisher = node->participant->publisher();
   dds::DataWriterQos qos;
-  const std::string profile = node->participant.ProfileFor(topic);
+  const std::string profile = node->participant->ProfileFor(topic);
   if (publisher.get_datawriter_qos_from_profile(profile, qos) != ReturnCode_t::RETCODE_OK) {
     throw DdsError("no writer QoS profile '" + profile + "'");
   }
@@ -27,19 +37,17 @@ WriterImpl::WriterImpl(std::shared_ptr<NodeImpl> owner, const TopicInfo& info)
   guid_ = TextOf(writer_->guid());
   std::copy_n(static_cast<const std::uint8_t*>(writer_->get_instance_handle().value), id_.size(),
               id_.begin());
-  if (node->options.composition != nullptr) node->options.composition->Add(this);
-  if (HasOwners()) node->ownership.Add(this);
 }
 
 WriterImpl::~WriterImpl() {
-  if (writer_ == nullptr) return;
   if (node->options.composition != nullptr) node->options.composition->Remove(this);
   if (HasOwners()) node->ownership.Remove(this);
+  if (writer_ == nullptr) return;
   if (node->options.mode == TimeMode::kLockstep && matched() > 0) {
     writer_->wait_for_acknowledgments({2, 0});
   }
   writer_->set_listener(nullptr);
-  node->participant.publisher().delete_datawriter(writer_);
+  node->participant->publisher().delete_datawriter(writer_);
 }
 
 bool WriterImpl::HasOwners() const {
@@ -48,6 +56,10 @@ bool WriterImpl::HasOwners() const {
 
 void WriterImpl::SetStrength(Strength strength) {
   if (strength == this->strength()) return;
+  if (writer_ == nullptr) {
+    strength_.store(strength, std::memory_order_relaxed);
+    return;
+  }
   dds::DataWriterQos qos = writer_->get_qos();
   qos.ownership_strength().value = strength;
   if (writer_->set_qos(qos) != ReturnCode_t::RETCODE_OK) {
@@ -61,16 +73,18 @@ void WriterImpl::SetStrength(Strength strength) {
 WriteStatus WriterImpl::Write(Bytes* bytes) {
   if (bytes->empty()) return WriteStatus::kFailed;
   Composition* composition = node->options.composition;
-  if (composition == nullptr || !Composition::Carries(topic)) return WriteToDds(bytes);
+  if (composition == nullptr || !composition->Carries(topic)) return WriteToDds(bytes);
   composition->Write(this, *bytes);
   return WriteStatus::kOk;
 }
 
 WriteStatus WriterImpl::WriteToDds(Bytes* bytes) {
+  if (writer_ == nullptr) return WriteStatus::kOk;  // apart: nobody is there
   return writer_->write(static_cast<void*>(bytes)) ? WriteStatus::kOk : WriteStatus::kFailed;
 }
 
 int WriterImpl::matched() const {
+  if (writer_ == nullptr) return 0;
   dds::PublicationMatchedStatus status;
   writer_->get_publication_matched_status(status);
   return status.current_count;
@@ -84,6 +98,7 @@ void WriterImpl::on_offered_incompatible_qos(dds::DataWriter*,
 }
 
 bool WriterImpl::WaitAcknowledged(std::chrono::milliseconds timeout) const {
+  if (writer_ == nullptr) return true;
   const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(timeout);
   const auto remainder = std::chrono::duration_cast<std::chrono::nanoseconds>(timeout - seconds);
   const eprosima::fastrtps::Duration_t limit(static_cast<std::int32_t>(seconds.count()),

@@ -43,9 +43,10 @@ struct WriterImpl final : public dds::DataWriterListener {
   Bytes scratch;  // of the thread that writes
 
  private:
+  void OpenDds();
   bool HasOwners() const;
 
-  dds::DataWriter* writer_ = nullptr;
+  dds::DataWriter* writer_ = nullptr;  // stays null in a composition apart
   std::atomic<Strength> strength_{kJoiningStrength};
   std::string guid_;
   WriterId id_{};

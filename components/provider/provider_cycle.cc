@@ -150,14 +150,19 @@ const PlantCommand& ProviderCycle::Command(std::uint64_t tick, const PlantSensor
         Pass(j);
         break;
       case Verdict::kHold:
-        if (!holding_) command_.position_rad[j] = sensors.position_rad[j];
-        command_.mode[j] = ControlMode::kPosition;
+        if (!holding_) {
+          held_[j] = std::isfinite(sensors.position_rad[j]);
+          if (held_[j]) command_.position_rad[j] = sensors.position_rad[j];
+        }
+        command_.mode[j] = held_[j] ? ControlMode::kPosition : ControlMode::kIdle;
         command_.velocity_rad_s[j] = 0.0;
         break;
       case Verdict::kDamp:
         command_.mode[j] = ControlMode::kTorque;
-        command_.motor_torque_Nm[j] =
-            -config_.guard.damping_Nm_s_rad * sensors.motor_velocity_rad_s[j];
+        if (std::isfinite(sensors.motor_velocity_rad_s[j])) {
+          command_.motor_torque_Nm[j] =
+              -config_.guard.damping_Nm_s_rad * sensors.motor_velocity_rad_s[j];
+        }
         break;
     }
     const bool follows = valves_follow && static_cast<int>(j) < valves_->joint_count;

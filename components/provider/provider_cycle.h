@@ -14,9 +14,10 @@
 //
 // Rules: CommandGuard (guard.h) says whether joint commands pass, or joints idle, damp or hold. A
 // joint with a fault of its own idles. A command with a value that is not finite is a fault of the
-// robot: all joints idle in that very cycle, and no part of it reaches the plant. Relays follow the
-// newest valve command while it is at most fault_after old, else they are off; in FAULT and
-// ESTOPPED they are as GuardConfig::valves_in_fault declares.
+// robot: all joints idle in that very cycle, and no part of it reaches the plant. Nor does a
+// reading of the sensors that is not finite: such a joint idles instead of holding and is damped
+// without torque. Relays follow the newest valve command while it is at most fault_after old, else
+// they are off; in FAULT and ESTOPPED they are as GuardConfig::valves_in_fault declares.
 //
 // Units: SI, as plant.h. Thread: one. Nothing allocates after construction.
 #pragma once
@@ -174,7 +175,8 @@ class ProviderCycle {
   JointCommand joints_;                 // the last accepted
   std::optional<ValveCommand> valves_;  // the last accepted
   PlantCommand command_;
-  bool holding_ = false;  // the positions to hold were taken in an earlier cycle
+  bool holding_ = false;            // the positions to hold were taken in an earlier cycle
+  types::JointArray<bool> held_{};  // those that were known
   std::ptrdiff_t faulty_joints_ = 0;
   std::uint64_t joint_answers_ = 0, valve_answers_ = 0;
 };

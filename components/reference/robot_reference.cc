@@ -9,6 +9,13 @@
 
 namespace sinew::reference {
 
+bool AllFinite(const RobotReferenceOutput& output) noexcept {
+  return std::all_of(output.joint.begin(), output.joint.end(), [](const Point& point) {
+    return std::isfinite(point.position_rad) && std::isfinite(point.velocity_rad_s) &&
+           std::isfinite(point.acceleration_rad_s2);
+  });
+}
+
 RobotReference::RobotReference(const RobotReferenceConfig& config)
     : start_(config.start), start_delay_s_(config.start_delay_s) {
   if (config.joints.empty() || config.joints.size() > static_cast<std::size_t>(types::kMaxJoints)) {
@@ -60,7 +67,11 @@ RobotReferenceOutput RobotReference::Step(const RobotReferenceInput& input) noex
   const int count = std::min<int>(static_cast<int>(joints_.size()), input.joint_count);
   RobotReferenceOutput output;
   output.joint_count = static_cast<int>(joints_.size());
-  for (int j = 0; j < count; ++j) output.joint[j].position_rad = input.position_rad[j];
+  for (int j = 0; j < count; ++j) {
+    if (std::isfinite(input.position_rad[j])) {
+      output.joint[j].position_rad = input.position_rad[j];
+    }
+  }
 
   if (!input.may_move || input.operator_stop) {
     moving_ = input.may_move;
@@ -103,12 +114,17 @@ RobotReferenceOutput RobotReference::Step(const RobotReferenceInput& input) noex
   }
 
   const double time_s = static_cast<double>(input.tick - start_tick_) * input.period_s;
-  output.idle = false;
-  output.finished = true;
+  RobotReferenceOutput moving = output;
+  moving.idle = false;
+  moving.finished = true;
   for (std::size_t j = 0; j < joints_.size(); ++j) {
-    output.joint[j] = joints_[j].At(time_s);
-    output.finished = output.finished && joints_[j].Finished(time_s);
+    moving.joint[j] = joints_[j].At(time_s);
+    moving.finished = moving.finished && joints_[j].Finished(time_s);
   }
+  if (AllFinite(moving)) return moving;
+  asked_ = running_ = holding_ = false;
+  allowed_tick_ = UINT64_MAX;
+  output.stale = true;
   return output;
 }
 

@@ -4,7 +4,9 @@
 // Time is ticks since the start times the period, so that the same ticks give the same reference.
 // It starts start_delay_s after the robot is armed, or at the operator's word while it is armed,
 // and stops when the robot is no longer armed. Before and after it is idle: it asks for nothing,
-// and the points hold the measured positions. Thread: one. Step is noexcept and allocates nothing.
+// and the points hold the measured positions, 0 for one that is not finite. A start from so far
+// away that the way there is not finite ends at once, idle and stale, until it is armed or asked
+// anew. Thread: one. Step is noexcept and allocates nothing.
 #pragma once
 
 #include <array>
@@ -44,6 +46,8 @@ struct RobotReferenceOutput {
   bool finished = false;
   types::JointArray<Point> joint{};
 };
+
+bool AllFinite(const RobotReferenceOutput& output) noexcept;
 
 class RobotReference {
  public:

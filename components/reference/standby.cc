@@ -3,6 +3,7 @@
 namespace sinew::reference {
 
 void Standby::Follow(std::uint64_t tick, const RobotReferenceOutput& owner) noexcept {
+  if (!AllFinite(owner)) return;
   owner_ = owner;
   owner_tick_ = tick;
   follows_ = true;
@@ -17,6 +18,7 @@ RobotReferenceOutput Standby::CarriedOn(const RobotReferenceInput& input) const 
         time_s * (point.velocity_rad_s + 0.5 * time_s * point.acceleration_rad_s2);
     point.velocity_rad_s += time_s * point.acceleration_rad_s2;
   }
+  if (!AllFinite(output)) return owner_;
   return output;
 }
 

@@ -17,7 +17,7 @@ class Standby {
   // Throws as RobotReference.
   explicit Standby(const RobotReferenceConfig& config) : own_(config) {}
 
-  // The owner's reference of a tick of the running session.
+  // The owner's reference of a tick of the running session. One that is not finite is left out.
   void Follow(std::uint64_t tick, const RobotReferenceOutput& owner) noexcept;
   // owner_heard: another one is the owner. What is published in this tick.
   RobotReferenceOutput Step(const RobotReferenceInput& input, bool owner_heard) noexcept;

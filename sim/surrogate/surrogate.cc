@@ -19,6 +19,14 @@ constexpr double kLargestVelocity_rad_s = 100.0;
 constexpr double kLowestPressure_bar = -0.9;
 constexpr double kLargestPressure_bar = 20.0;
 
+bool IsFinite(const RigReading& reading) {
+  return std::isfinite(reading.output_angle_rad) && std::isfinite(reading.output_velocity_rad_s) &&
+         std::isfinite(reading.motor_angle_rad) && std::isfinite(reading.motor_velocity_rad_s) &&
+         std::isfinite(reading.motor_current_A) && std::isfinite(reading.motor_temperature_degC) &&
+         std::isfinite(reading.chamber_pressure_bar) &&
+         std::isfinite(reading.reservoir_pressure_bar);
+}
+
 }  // namespace
 
 Surrogate::Surrogate(const RigParameters& parameters, int joints) {
@@ -48,11 +56,14 @@ void Surrogate::Reset(provider::PlantSensors* sensors) {
 
 void Surrogate::Step(const provider::PlantCommand& command, double period_s,
                      provider::PlantSensors* sensors) {
-  bool finite = true;
+  bool finite = true, diverged = false;
   for (std::size_t j = 0; j < rigs_.size(); ++j) {
-    finite = StepRig(j, command, period_s, sensors) && finite;
+    finite = StepRig(j, command, period_s, sensors, &diverged) && finite;
   }
-  if (!finite) {
+  if (diverged) {
+    sensors->fault = true;
+    sensors->message = "the simulation has diverged and begins anew";
+  } else if (!finite) {
     ++refused_commands_;
     sensors->fault = true;
     sensors->message = "command with a value that is not finite: drive idles";
@@ -63,7 +74,7 @@ void Surrogate::Step(const provider::PlantCommand& command, double period_s,
 }
 
 bool Surrogate::StepRig(std::size_t joint, const provider::PlantCommand& command, double period_s,
-                        provider::PlantSensors* sensors) {
+                        provider::PlantSensors* sensors, bool* diverged) {
   Rig& rig = rigs_[joint];
   const double force_N = disturbance_.hand_force_N[joint];
   const double payload_kg = disturbance_.extra_payload_kg[joint];
@@ -95,7 +106,12 @@ bool Surrogate::StepRig(std::size_t joint, const provider::PlantCommand& command
   if (!(period_s > 0.0) || !std::isfinite(period_s)) return finite;
   const double until_latch_s = rig.parameters().sensors.latch_phase * period_s;
   rig.Advance(input, until_latch_s);
-  const RigReading reading = Read(joint);
+  RigReading reading = Read(joint);
+  if (!IsFinite(reading)) {
+    *diverged = true;
+    rig.Reset();
+    reading = Read(joint);
+  }
   rig.Advance(input, period_s - until_latch_s);
   Fill(joint, reading, period_s - until_latch_s, sensors);
   return finite;

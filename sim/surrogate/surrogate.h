@@ -4,7 +4,9 @@
 // Commands are at the output (position, velocity) or at the motor shaft (torque), as everywhere;
 // the drive gets them at the motor shaft. A command or a disturbance with a value that is not
 // finite is not executed: the drive idles for that cycle and the sensors report a fault. Angles,
-// velocities, forces and payloads are limited (surrogate.cc). One owner; Step does not allocate
+// velocities, forces and payloads are limited (surrogate.cc). Limited ones can still be more than
+// the integration bears (the largest force to and fro on an imposed pressure): a rig whose readings
+// are not finite starts anew, and the sensors report a fault. One owner; Step does not allocate
 // while commands are finite.
 #pragma once
 
@@ -38,7 +40,7 @@ class Surrogate : public provider::SimulatedPlant {
  private:
   // False: a value was not finite, and the drive idles.
   bool StepRig(std::size_t joint, const provider::PlantCommand& command, double period_s,
-               provider::PlantSensors* sensors);
+               provider::PlantSensors* sensors, bool* diverged);
   // Reads the rig's sensors and its gear's true state.
   RigReading Read(std::size_t joint) noexcept;
   static void Fill(std::size_t joint, const RigReading& reading, double age_s,

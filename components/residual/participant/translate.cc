@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 #include "components/types/run.h"
@@ -63,21 +64,20 @@ msg::ResidualCause ToMessage(Cause cause) {
 
 }  // namespace
 
-void RobotResidual::Begin(const node::Tick& tick, const msg::JointState& state,
-                          const msg::ActuatorState& actuator) {
+std::string RobotResidual::Unfit(const msg::JointState& state,
+                                 const msg::ActuatorState& actuator) const {
   const std::size_t joints = config_.robot.joints.size();
   if (state.joint_count() < joints) {
-    throw UsageError("the model has " + std::to_string(joints) + " joints, the robot " +
-                     std::to_string(state.joint_count()));
+    return "the model has " + std::to_string(joints) + " joints, the robot " +
+           std::to_string(state.joint_count());
   }
   const std::uint32_t flags = actuator.measured_flags();
-  has_motor_ = IsMeasured(flags, types::Signal::kMotorPosition);
   for (const actuator::JointModel& joint : config_.robot.joints) {
+    std::string missing;
     const auto need = [&](types::Signal signal, const std::string& reader) {
-      if (IsMeasured(flags, signal)) return;
-      throw UsageError("joint '" + joint.name + "': the model's term '" + reader + "' reads '" +
-                       std::string(types::SignalName(signal)) +
-                       "', which this robot does not measure");
+      if (IsMeasured(flags, signal) || !missing.empty()) return;
+      missing = "joint '" + joint.name + "': the model's term '" + reader + "' reads '" +
+                std::string(types::SignalName(signal)) + "', which this robot does not measure";
     };
     for (const actuator::Term& term : joint.terms) {
       const effects::EffectInfo& info = term.effect->info();
@@ -92,7 +92,13 @@ void RobotResidual::Begin(const node::Tick& tick, const msg::JointState& state,
         }
       }
     }
+    if (!missing.empty()) return missing;
   }
+  return "";
+}
+
+void RobotResidual::Begin(const node::Tick& tick, const msg::ActuatorState& actuator) try {
+  has_motor_ = IsMeasured(actuator.measured_flags(), types::Signal::kMotorPosition);
   session_id_ = tick.session_id;
   first_tick_ = tick.tick;
   last_tick_ = tick.tick;
@@ -102,6 +108,10 @@ void RobotResidual::Begin(const node::Tick& tick, const msg::JointState& state,
     monitors_.emplace_back(joint, config_.monitor, period_s_);
   }
   output_ = {};
+} catch (const std::invalid_argument& error) {  // of the period: it is the message's
+  unfit_ = error.what();
+  monitors_.clear();
+  output_ = {};
 }
 
 void RobotResidual::Step(const node::Tick& tick, const msg::JointState& state,
@@ -110,7 +120,14 @@ void RobotResidual::Step(const node::Tick& tick, const msg::JointState& state,
   const bool begun = !monitors_.empty() && tick.session_id == session_id_;
   if (!begun) {
     if (stale_) return;  // actuator_state lists what is measured
-    Begin(tick, state, actuator.value());
+    unfit_ = Unfit(state, actuator.value());
+    if (!unfit_.empty()) {  // of the message: the next one may say otherwise
+      monitors_.clear();
+      output_ = {};
+      return;
+    }
+    Begin(tick, actuator.value());
+    if (!unfit_.empty()) return;
   }
   const auto seconds = [&](std::uint64_t at) {
     return static_cast<double>(at - first_tick_) * period_s_;
@@ -167,6 +184,7 @@ msg::ResidualState RobotResidual::ToMessage(const node::Tick& tick) const {
 }
 
 std::string RobotResidual::Line(bool with_cause) const {
+  if (!unfit_.empty()) return unfit_;
   for (std::size_t j = 0; j < monitors_.size(); ++j) {
     const MonitorOutput& out = output_[j];
     if (!out.alarm) continue;

@@ -1,0 +1,86 @@
+#include "bench/payloads/crew.h"
+
+#include "bench/payloads/provider_member.h"
+#include "components/control/participant/component.h"
+#include "components/esn/participant/component.h"
+#include "components/pneumatics/participant/component.h"
+#include "components/reference/participant/component.h"
+#include "components/regime/participant/component.h"
+#include "components/residual/participant/component.h"
+#include "components/rls/participant/component.h"
+
+namespace sinew::payloads {
+namespace {
+
+// A maker of two arguments, as the programs have them.
+template <class Function>
+auto Simple(Function make) {
+  return [make](const node::Options& options, Ship& ship) { return make(options, ship.stop); };
+}
+
+MemberSpec Reference(const std::filesystem::path& config) {
+  return {"reference", Simple(reference::MakeReference), config, ""};
+}
+MemberSpec Regime(const std::filesystem::path& config) {
+  return {"regime", Simple(regime::MakeRegime), config, ""};
+}
+MemberSpec Esn(const std::filesystem::path& config) {
+  return {"esn", Simple([](const auto& o, auto& stop) { return esn::MakeEsn(o, stop); }), config,
+          ""};
+}
+MemberSpec Control(const std::filesystem::path& config) {
+  return {"control",
+          Simple([](const auto& o, auto& stop) { return control::MakeControl(o, stop); }), config,
+          ""};
+}
+MemberSpec Pneumatics(const std::filesystem::path& config) {
+  return {"pneumatics", Simple(pneumatics::MakePneumatics), config, ""};
+}
+MemberSpec Rls(const std::filesystem::path& config) {
+  return {"rls", Simple([](const auto& o, auto& stop) { return rls::MakeRls(o, stop); }), config,
+          ""};
+}
+MemberSpec Residual(const std::filesystem::path& config) {
+  return {"residual",
+          Simple([](const auto& o, auto& stop) { return residual::MakeResidual(o, stop); }), config,
+          ""};
+}
+
+}  // namespace
+
+std::vector<Crew> AllCrews(const std::filesystem::path& folder, const std::filesystem::path& rig) {
+  return {
+      {"networks",
+       {Reference(rig / "reference_watch.yaml"),
+        Regime(rig / "regime_active.yaml"),
+        Esn(rig / "esn_adaptive.yaml"),
+        Control(folder / "control_networks.yaml"),
+        Pneumatics(folder / "pneumatics.yaml"),
+        Rls(rig / "rls.yaml"),
+        Residual(folder / "residual.yaml"),
+        {"provider", MakeProvider, rig / "surrogate.yaml", "surrogate"}}},
+      {"models",
+       {Reference(rig / "reference_benchmark.yaml"),
+        Regime(rig / "regime.yaml"),
+        Esn(rig / "esn_model.yaml"),
+        Control(folder / "control_model.yaml"),
+        Pneumatics(rig / "pneumatics.yaml"),
+        Residual(folder / "residual.yaml"),
+        {"provider", MakeProvider, rig / "surrogate.yaml", "surrogate"}}},
+      {"recording",
+       {Control(rig / "control_position.yaml"),
+        Reference(rig / "reference_watch.yaml"),
+        {"logger", MakeLogger, "", ""}}},
+  };
+}
+
+std::unique_ptr<node::Component> Make(const MemberSpec& spec, Ship& ship) {
+  node::Options options;
+  options.component = spec.kind.empty() ? spec.name : spec.kind;
+  options.name = spec.name;
+  options.config_path = spec.config;
+  options.composition = &ship.composition;
+  return spec.make(options, ship);
+}
+
+}  // namespace sinew::payloads

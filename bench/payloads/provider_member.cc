@@ -1,0 +1,138 @@
+#include "bench/payloads/provider_member.h"
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "components/logger/recorder.h"
+#include "components/node/node.h"
+#include "components/provider/participant/command_readers.h"
+#include "components/provider/participant/provider_options.h"
+#include "components/provider/provider_cycle.h"
+#include "sim/surrogate/file/surrogate_file.h"
+#include "sim/surrogate/surrogate.h"
+
+namespace sinew::payloads {
+namespace {
+
+constexpr double kProviderRate_Hz = 240.0;
+
+struct ProviderConfig {
+  surrogate::RigParameters rig;
+  provider::CycleConfig cycle;
+};
+
+ProviderConfig LoadProvider(const node::Options& options, std::uint64_t session_id) {
+  const config::Section file = surrogate::OpenSurrogate(options.config_path);
+  ProviderConfig config;
+  config.rig = surrogate::ReadRig(file);
+  config.cycle.guard = provider::LoadGuardConfig(file.ChildOrEmpty("guard"));
+  config.cycle.session_id = session_id;
+  config.cycle.rate_Hz = kProviderRate_Hz;
+  config.cycle.simulated_time = true;
+  return config;
+}
+
+class ProviderMember final : public node::Component {
+ public:
+  ProviderMember(const node::Options& options, Ship& ship, const ProviderConfig& config)
+      : ship_(ship),
+        plant_(config.rig),
+        cycle_(config.cycle),
+        node_(options),
+        readers_(node_, cycle_, plant_,
+                 [](provider::OperatorResult, types::OperatorAction, std::string_view) {}) {
+    plant_.Reset(&sensors_);
+    cycle_.ArmAtStart();
+  }
+
+  bool Ready() override { return ship_.tick != tick_; }
+  bool Step() override {
+    tick_ = ship_.tick;
+    (void)cycle_.Begin(tick_, 0);
+    readers_.TakeOperatorCommands(tick_);
+    readers_.PublishSource(cycle_.Header(tick_, 0));
+    readers_.TakeAll(tick_);
+    const provider::PlantCommand& command = cycle_.Command(tick_, sensors_);
+    for (std::size_t j = 0; j < command.mode.size(); ++j) {
+      if (std::isfinite(command.motor_torque_Nm[j]) && std::isfinite(command.position_rad[j]) &&
+          std::isfinite(command.velocity_rad_s[j])) {
+        continue;
+      }
+      throw Violation("the plant gets a command that is not finite");
+    }
+    plant_.Step(command, cycle_.period_s(), &sensors_);
+    for (std::size_t j = 0; j < static_cast<std::size_t>(plant_.joint_count()); ++j) {
+      if (std::isfinite(sensors_.position_rad[j]) && std::isfinite(sensors_.velocity_rad_s[j]) &&
+          std::isfinite(sensors_.chamber_pressure_bar[j])) {
+        continue;
+      }
+      throw Violation("the simulated plant's sensors are not finite");
+    }
+    (void)cycle_.Observe(sensors_);
+    return true;
+  }
+
+ private:
+  Ship& ship_;
+  std::uint64_t tick_ = 0;
+  surrogate::Surrogate plant_;
+  provider::ProviderCycle cycle_;
+  provider::PlantSensors sensors_;
+  node::Node node_;
+  provider::CommandReaders readers_;
+};
+
+class CountingSink final : public recording::ByteSink {
+ public:
+  recording::IoStatus Write(std::span<const std::byte> bytes) override {
+    bytes_ += bytes.size();
+    return recording::IoStatus::Ok();
+  }
+
+ private:
+  std::uint64_t bytes_ = 0;
+};
+
+std::vector<recording::TopicSchema> Schemas() {
+  std::vector<recording::TopicSchema> schemas;
+  schemas.reserve(node::AllTopics().size());
+  for (const node::TopicInfo& topic : node::AllTopics()) {
+    schemas.push_back({topic.name, topic.type_name, topic.idl, topic.idl_hash});
+  }
+  return schemas;
+}
+
+class LoggerMember final : public node::Component {
+ public:
+  explicit LoggerMember(const node::Options& options)
+      : recorder_(sink_, Schemas(), {}, logger::RecorderOptions{.wait_for_capacity = true}),
+        node_(options) {
+    for (std::size_t i = 0; i < node::AllTopics().size(); ++i) {
+      node_.ReadRaw(node::AllTopics()[i], [this, i](node::RawSample&& sample) {
+        (void)recorder_.Offer(i, std::move(sample.payload), sample.reception_stamp_ns);
+      });
+    }
+  }
+
+  bool Ready() override { return false; }  // its work is done as samples come, and in its thread
+  bool Step() override { return true; }
+
+ private:
+  CountingSink sink_;
+  logger::Recorder recorder_;
+  node::Node node_;
+};
+
+}  // namespace
+
+std::unique_ptr<node::Component> MakeProvider(const node::Options& options, Ship& ship) {
+  return std::make_unique<ProviderMember>(options, ship,
+                                          LoadProvider(options, ship.provider_session));
+}
+
+std::unique_ptr<node::Component> MakeLogger(const node::Options& options, Ship&) {
+  return std::make_unique<LoggerMember>(options);
+}
+
+}  // namespace sinew::payloads
