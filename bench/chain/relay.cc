@@ -1,12 +1,18 @@
 // A relay with Fast DDS alone, none of Sinew's code: what the middleware costs by itself.
 //
-//   relay source --rate HZ --seconds S --out TOPIC:BYTES ... --in TOPIC    the provider's place
-//   relay relay --in TOPIC ... --out TOPIC:BYTES ...                       a participant's place
+//   chain_relay source --rate HZ --seconds S --out TOPIC:PROFILE:BYTES ... --await TOPIC:PROFILE
+//   chain_relay relay --await TOPIC:PROFILE ... --in TOPIC:PROFILE ... --out TOPIC:PROFILE:BYTES
+//   ...
 //
-// The source writes its topics at the rate, the last one last, and measures until the sample of its
-// input that carries the same number is there. A relay answers in the listener of its last input
-// with that sample's number. Payloads, QoS, transport and readers a topic are those of the
-// participants that are compared.
+// The source stands for the provider: it writes its topics at the rate, the last one last, and
+// measures until the sample of its input that carries the same number is there; an answer that
+// comes after half of the period is late. A relay stands for a participant: it answers in the
+// listener, when the samples of a number have come on all topics of --await; those of --in are only
+// read. Payloads, QoS (--qos, the profiles of components/node), transports, readers a topic,
+// threads and memory are those of the participants that are compared. --transports both, udp or
+// shm: both as ours.
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
 #include <pthread.h>
 #include <sched.h>
 #include <signal.h>
@@ -31,6 +37,8 @@
 #include <fastdds/dds/topic/TopicDataType.hpp>
 #include <fastdds/dds/topic/TypeSupport.hpp>
 #include <memory>
+#include <mutex>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -38,8 +46,12 @@ namespace {
 
 namespace dds = eprosima::fastdds::dds;
 namespace rtps = eprosima::fastrtps::rtps;
+namespace transport = eprosima::fastdds::rtps;
 
 constexpr std::uint32_t kLargest = 65536;
+constexpr std::size_t kThreadStackBytes = 512 * 1024;  // as components/node/realtime.h
+constexpr double kLateShare = 0.5;                  // of the period, as components/node/cut_off.h
+constexpr std::int64_t kWarmUp_ns = 4'000'000'000;  // until all have found each other
 
 struct Message {
   std::uint64_t number = 0;
@@ -83,6 +95,20 @@ struct Out {
   std::uint32_t size;
 };
 
+// TOPIC:PROFILE or TOPIC:PROFILE:BYTES
+struct End {
+  explicit End(const std::string& text) {
+    const std::size_t first = text.find(':'), second = text.find(':', first + 1);
+    topic = text.substr(0, first);
+    profile = text.substr(first + 1, second - first - 1);
+    if (second != std::string::npos) {
+      bytes = static_cast<std::uint32_t>(std::stoul(text.substr(second + 1)));
+    }
+  }
+  std::string topic, profile;
+  std::uint32_t bytes = 0;
+};
+
 std::int64_t Now_ns() {
   timespec now{};
   ::clock_gettime(CLOCK_MONOTONIC, &now);
@@ -92,42 +118,64 @@ std::int64_t Now_ns() {
 std::atomic<bool> g_stop{false};
 extern "C" void OnSignal(int) { g_stop = true; }
 
+template <class Entity>
+Entity* Made(Entity* entity, const char* what) {
+  if (entity == nullptr) throw std::runtime_error(std::string("cannot make a ") + what);
+  return entity;
+}
+
 class Participant {
  public:
-  explicit Participant(int domain) {
+  Participant(int domain, const std::string& qos_file, const std::string& transports) {
     auto* factory = dds::DomainParticipantFactory::get_instance();
-    participant_ = factory->create_participant(static_cast<std::uint32_t>(domain),
-                                               dds::PARTICIPANT_QOS_DEFAULT);
+    if (factory->load_XML_profiles_file(qos_file) != ReturnCode_t::RETCODE_OK) {
+      throw std::runtime_error(qos_file + ": no QoS profiles");
+    }
+    dds::DomainParticipantQos qos;
+    (void)factory->get_participant_qos_from_profile("sinew", qos);
+    auto& used = qos.transport();  // as components/node/transports.cc
+    used.use_builtin_transports = false;
+    if (transports != "shm") {
+      auto udp = std::make_shared<transport::UDPv4TransportDescriptor>();
+      udp->interfaceWhiteList = {"127.0.0.1"};
+      udp->sendBufferSize = used.send_socket_buffer_size;
+      udp->receiveBufferSize = used.listen_socket_buffer_size;
+      used.user_transports.push_back(udp);
+    }
+    if (transports != "udp") {
+      auto shared_memory = std::make_shared<transport::SharedMemTransportDescriptor>();
+      shared_memory->max_message_size(65500);  // as UDP
+      used.user_transports.push_back(shared_memory);
+    }
+    participant_ =
+        Made(factory->create_participant(static_cast<std::uint32_t>(domain), qos), "participant");
     type_.register_type(participant_);
-    publisher_ = participant_->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
-    subscriber_ = participant_->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);
+    publisher_ = Made(participant_->create_publisher(dds::PUBLISHER_QOS_DEFAULT), "publisher");
+    subscriber_ = Made(participant_->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT), "subscriber");
   }
   ~Participant() {
     participant_->delete_contained_entities();
     dds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
   }
+  Participant(const Participant&) = delete;
+  Participant& operator=(const Participant&) = delete;
 
-  Out MakeWriter(const std::string& text) {
-    const std::size_t colon = text.find(':');
+  Out MakeWriter(const End& end) {
     dds::DataWriterQos qos;
-    qos.reliability().kind = dds::BEST_EFFORT_RELIABILITY_QOS;
-    qos.reliability().max_blocking_time = {0, 1'000'000};
-    qos.durability().kind = dds::VOLATILE_DURABILITY_QOS;
-    qos.history().depth = 1;
-    qos.data_sharing().off();
-    qos.endpoint().history_memory_policy = rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
-    return {publisher_->create_datawriter(Topic(text.substr(0, colon)), qos),
-            static_cast<std::uint32_t>(std::stoul(text.substr(colon + 1)))};
+    if (publisher_->get_datawriter_qos_from_profile(end.profile, qos) != ReturnCode_t::RETCODE_OK) {
+      throw std::runtime_error("no writer profile " + end.profile);
+    }
+    return {Made(publisher_->create_datawriter(Topic(end.topic), qos), "writer"), end.bytes};
   }
-  dds::DataReader* MakeReader(const std::string& name, dds::DataReaderListener* listener) {
+  dds::DataReader* MakeReader(const End& end, dds::DataReaderListener* listener) {
     dds::DataReaderQos qos;
-    qos.reliability().kind = dds::BEST_EFFORT_RELIABILITY_QOS;
-    qos.durability().kind = dds::VOLATILE_DURABILITY_QOS;
-    qos.history().depth = 1;
-    qos.data_sharing().off();
-    qos.endpoint().history_memory_policy = rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
-    return subscriber_->create_datareader(Topic(name), qos, listener,
-                                          dds::StatusMask::data_available());
+    if (subscriber_->get_datareader_qos_from_profile(end.profile, qos) !=
+        ReturnCode_t::RETCODE_OK) {
+      throw std::runtime_error("no reader profile " + end.profile);
+    }
+    return Made(subscriber_->create_datareader(Topic(end.topic), qos, listener,
+                                               dds::StatusMask::data_available()),
+                "reader");
   }
 
  private:
@@ -135,7 +183,7 @@ class Participant {
     if (auto* found = participant_->lookup_topicdescription(name)) {
       return dynamic_cast<dds::Topic*>(found);
     }
-    return participant_->create_topic(name, "relay_message", dds::TOPIC_QOS_DEFAULT);
+    return Made(participant_->create_topic(name, "relay_message", dds::TOPIC_QOS_DEFAULT), "topic");
   }
   dds::TypeSupport type_{new Type};
   dds::DomainParticipant* participant_ = nullptr;
@@ -143,25 +191,46 @@ class Participant {
   dds::Subscriber* subscriber_ = nullptr;
 };
 
-// Reads and, where it has outputs, answers at once.
+// Answers in the thread that brought the last of the awaited samples of a number.
+class Answerer {
+ public:
+  void Await(std::size_t inputs) { numbers_.assign(inputs, 0); }
+  void Arrived(std::size_t input, std::uint64_t number) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    numbers_[input] = number;
+    for (const std::uint64_t other : numbers_) {
+      if (other != number) return;
+    }
+    for (const Out& out : outs) {
+      Message answer{number, out.size};
+      (void)out.writer->write(&answer);
+    }
+    arrived_ns = Now_ns();
+    complete = number;
+  }
+  std::vector<Out> outs;
+  std::atomic<std::int64_t> arrived_ns{0};
+  std::atomic<std::uint64_t> complete{0};
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::uint64_t> numbers_;
+};
+
 class Listener final : public dds::DataReaderListener {
  public:
+  Listener(Answerer* answerer, std::size_t input) : answerer_(answerer), input_(input) {}
   void on_data_available(dds::DataReader* reader) override {
     Message message;
     dds::SampleInfo info;
     while (reader->take_next_sample(&message, &info) == ReturnCode_t::RETCODE_OK) {
-      if (!info.valid_data) continue;
-      for (const Out& out : outs) {
-        Message answer{message.number, out.size};
-        (void)out.writer->write(&answer);
-      }
-      arrived_ns = Now_ns();
-      number = message.number;
+      if (info.valid_data && answerer_ != nullptr) answerer_->Arrived(input_, message.number);
     }
   }
-  std::vector<Out> outs;
-  std::atomic<std::int64_t> arrived_ns{0};
-  std::atomic<std::uint64_t> number{0};
+
+ private:
+  Answerer* answerer_;  // null: only read
+  std::size_t input_;
 };
 
 void SleepUntil(std::int64_t end_ns) {
@@ -171,78 +240,112 @@ void SleepUntil(std::int64_t end_ns) {
   }
 }
 
-void RunSource(const std::vector<Out>& outs, const Listener& answer, double rate_Hz,
+double Quantile_us(std::vector<std::int64_t>* times_ns, double share) {
+  if (times_ns->empty()) return 0.0;
+  std::sort(times_ns->begin(), times_ns->end());
+  const auto at = static_cast<std::size_t>(share * static_cast<double>(times_ns->size() - 1));
+  return 1e-3 * static_cast<double>((*times_ns)[at]);
+}
+
+void RunSource(const std::vector<Out>& outs, const Answerer& answer, double rate_Hz,
                double seconds) {
+  constexpr std::int64_t kLate_ns = 20'000'000;  // what a late answer counts as
   const auto period_ns = static_cast<std::int64_t>(1e9 / rate_Hz);
-  const auto cycles = static_cast<std::uint64_t>(seconds * rate_Hz);
+  const auto late_after_ns = static_cast<std::int64_t>(kLateShare * 1e9 / rate_Hz);
   std::vector<std::int64_t> latency_ns;
-  std::uint64_t lost = 0;
+  latency_ns.reserve(static_cast<std::size_t>(seconds * rate_Hz) + 1);
+  std::uint64_t late = 0;
   std::int64_t next_ns = Now_ns();
-  for (std::uint64_t number = 1; number <= cycles && !g_stop; ++number) {
+  const std::int64_t begin_ns = next_ns + kWarmUp_ns;
+  const std::int64_t end_ns = begin_ns + static_cast<std::int64_t>(1e9 * seconds);
+  for (std::uint64_t number = 1; next_ns < end_ns && !g_stop; ++number) {
     std::int64_t written_ns = 0;
     for (const Out& out : outs) {
       Message message{number, out.size};
       written_ns = Now_ns();
       (void)out.writer->write(&message);
     }
+    const bool counts = next_ns >= begin_ns;
     next_ns += period_ns;
     SleepUntil(next_ns);
-    if (answer.number == number) {
-      latency_ns.push_back(answer.arrived_ns - written_ns);
-    } else {
-      ++lost;
+    if (!counts) continue;
+    const std::int64_t took_ns = answer.arrived_ns - written_ns;
+    const bool in_time = answer.complete == number && took_ns <= late_after_ns;
+    if (!in_time) ++late;
+    latency_ns.push_back(in_time ? took_ns : kLate_ns);
+  }
+  const double p50_us = Quantile_us(&latency_ns, 0.5), p999_us = Quantile_us(&latency_ns, 0.999);
+  std::printf("{\"cycles\": %zu, \"late\": %llu, \"p50_us\": %.1f, \"p999_us\": %.1f}\n",
+              latency_ns.size(), static_cast<unsigned long long>(late), p50_us, p999_us);
+}
+
+// As components/node/realtime.cc.
+void BecomeRealtime(int priority) {
+  const sched_param parameters{.sched_priority = priority};
+  pthread_attr_t attributes;
+  ::pthread_attr_init(&attributes);
+  ::pthread_attr_setstacksize(&attributes, kThreadStackBytes);
+  const bool done = ::sched_setscheduler(0, SCHED_FIFO, &parameters) == 0 &&
+                    ::pthread_setattr_default_np(&attributes) == 0 &&
+                    ::mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
+  ::pthread_attr_destroy(&attributes);
+  if (!done) throw std::runtime_error("SCHED_FIFO or locked memory refused");
+}
+
+struct Arguments {
+  Arguments(int argc, char** argv) {
+    kind = argc > 1 ? argv[1] : "";
+    for (int k = 2; k + 1 < argc; k += 2) {
+      const std::string key = argv[k], value = argv[k + 1];
+      if (key == "--in") ins.emplace_back(value);
+      if (key == "--await") awaited.emplace_back(value);
+      if (key == "--out") outs.emplace_back(value);
+      if (key == "--rate") rate_Hz = std::stod(value);
+      if (key == "--seconds") seconds = std::stod(value);
+      if (key == "--domain") domain = std::stoi(value);
+      if (key == "--priority") priority = std::stoi(value);
+      if (key == "--qos") qos_file = value;
+      if (key == "--transports") transports = value;
+    }
+    if ((kind != "source" && kind != "relay") || awaited.empty() || qos_file.empty()) {
+      throw std::runtime_error("usage: see the head of bench/chain/relay.cc");
     }
   }
-  std::sort(latency_ns.begin(), latency_ns.end());
-  const auto quantile_us = [&](double share) {
-    if (latency_ns.empty()) return 0.0;
-    const auto at = static_cast<std::size_t>(share * static_cast<double>(latency_ns.size() - 1));
-    return 1e-3 * static_cast<double>(latency_ns[at]);
-  };
-  std::printf("{\"cycles\": %zu, \"lost\": %llu, \"p50_us\": %.1f, \"p999_us\": %.1f}\n",
-              latency_ns.size(), static_cast<unsigned long long>(lost), quantile_us(0.5),
-              quantile_us(0.999));
-}
+  std::string kind, qos_file, transports = "both";
+  std::vector<End> ins, awaited, outs;
+  double rate_Hz = 240.0, seconds = 10.0;
+  int domain = 0, priority = 0;
+};
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  std::string kind = argc > 1 ? argv[1] : "";
-  std::vector<std::string> ins, outs;
-  double rate_Hz = 240.0, seconds = 10.0;
-  int domain = 0, priority = 0;
-  for (int k = 2; k + 1 < argc; k += 2) {
-    const std::string key = argv[k], value = argv[k + 1];
-    if (key == "--in") ins.push_back(value);
-    if (key == "--out") outs.push_back(value);
-    if (key == "--rate") rate_Hz = std::stod(value);
-    if (key == "--seconds") seconds = std::stod(value);
-    if (key == "--domain") domain = std::stoi(value);
-    if (key == "--priority") priority = std::stoi(value);
-  }
-  if ((kind != "source" && kind != "relay") || ins.empty()) {
-    std::fprintf(stderr, "see the head of bench/chain/relay.cc\n");
-    return 2;
-  }
+int main(int argc, char** argv) try {
+  const Arguments arguments(argc, argv);
   ::signal(SIGINT, OnSignal);
   ::signal(SIGTERM, OnSignal);
-  if (priority > 0) {
-    const sched_param parameters{.sched_priority = priority};
-    if (::sched_setscheduler(0, SCHED_FIFO, &parameters) != 0) std::perror("SCHED_FIFO");
-  }
-  Participant participant(domain);
-  Listener last, others;  // the last input is answered
+  if (arguments.priority > 0) BecomeRealtime(arguments.priority);
+  Answerer answerer;
+  answerer.Await(arguments.awaited.size());
+  std::vector<std::unique_ptr<Listener>> listeners;  // outlive the participant
+  Participant participant(arguments.domain, arguments.qos_file, arguments.transports);
   std::vector<Out> writers;
-  for (const std::string& out : outs) writers.push_back(participant.MakeWriter(out));
-  if (kind == "relay") last.outs = writers;
-  for (std::size_t k = 0; k < ins.size(); ++k) {
-    participant.MakeReader(ins[k], k + 1 == ins.size() ? &last : &others);
+  for (const End& end : arguments.outs) writers.push_back(participant.MakeWriter(end));
+  if (arguments.kind == "relay") answerer.outs = writers;
+  for (const End& end : arguments.ins) {
+    listeners.push_back(std::make_unique<Listener>(nullptr, 0));
+    participant.MakeReader(end, listeners.back().get());
   }
-  if (kind == "source") {
-    SleepUntil(Now_ns() + 2'000'000'000);  // until all have found each other
-    RunSource(writers, last, rate_Hz, seconds);
+  for (std::size_t k = 0; k < arguments.awaited.size(); ++k) {
+    listeners.push_back(std::make_unique<Listener>(&answerer, k));
+    participant.MakeReader(arguments.awaited[k], listeners.back().get());
+  }
+  if (arguments.kind == "source") {
+    RunSource(writers, answerer, arguments.rate_Hz, arguments.seconds);
   } else {
     while (!g_stop) SleepUntil(Now_ns() + 100'000'000);
   }
   return 0;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "chain_relay: %s\n", error.what());
+  return 1;
 }

@@ -1,14 +1,17 @@
 #!/usr/bin/env python3
 """Latency of the chain state, reference, esn, control, command as ratios to relays of Fast DDS alone in the same run.
 
-    bench/chain/run.py [--pairs 5] [--seconds 60] [--bin build/release/bin]
+    bench/chain/run.py [--pairs 5] [--seconds 12] [--only A] [--bin build/release/bin]
 
 A: the chain alone, four processes at 1 kHz, beside four relays. B: eight processes at 240 Hz beside eight relays in the
-same graph. C: the chain in one process (sinew-compose's chain) beside one relay there and back. Pairs ABAB: ours, relays,
-ours, relays; the median of the ratios is printed. Both under SCHED_FIFO where that is allowed. Nothing else may run.
+same graph. C: the chain in one process (as sinew-compose) beside one relay there and back. H: one relay there and back
+with joint_state and joint_command alone; half of it is a message from process to process. Pairs ABAB: ours, relays,
+ours, relays; the median of the ratios is printed. Both under SCHED_FIFO with the same priorities. The relays' payloads
+are as large as ours were in a run before. Nothing else may run.
 """
 import argparse
 import json
+import math
 import pathlib
 import signal
 import statistics
@@ -18,16 +21,56 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 RIG = ROOT / "robots/rig"
+HERE = pathlib.Path(__file__).resolve().parent
+QOS = ROOT / "components/node/qos_profiles.xml"
 
-# Payloads in bytes, as measured by `sinew echo --raw` on the rig; the relays carry as many.
-SIZES = {"joint_state": 453, "actuator_state": 1148, "sim_truth": 300, "reference": 335, "torque_prediction": 372,
-         "reservoir_state": 872, "joint_command": 360, "regime": 404, "valve_command": 68, "pneumatic_state": 380,
-         "readout": 700, "adaptation_state": 168}
+# QoS profile of a topic (idl/README.md), where it is not "control".
+PROFILES = {"joint_state": "state", "actuator_state": "state", "residual": "state", "readout": "control_latched"}
+PRIORITIES = {"reference": 36, "regime": 34, "pneumatics": 38, "esn": 32, "rls": 30, "control": 40, "residual": 0}
+SOURCE_PRIORITY = 44
+
+# Name, program, configuration.
+CHAIN = [("reference", "sinew-reference", HERE / "reference.yaml"), ("esn", "sinew-esn", RIG / "esn_model.yaml"),
+         ("control", "sinew-control", HERE / "control.yaml")]
+ALL = [("reference", "sinew-reference", HERE / "reference.yaml"), ("regime", "sinew-regime", RIG / "regime.yaml"),
+       ("pneumatics", "sinew-pneumatics", RIG / "pneumatics.yaml"), ("esn", "sinew-esn", RIG / "esn_adaptive.yaml"),
+       ("rls", "sinew-rls", RIG / "rls.yaml"), ("control", "sinew-control", RIG / "control_pid_esn.yaml"),
+       ("residual", "sinew-residual", RIG / "residual.yaml")]
+
+# A relay: the topics that it answers when all have come, those that it only reads, and those that it writes. As
+# `sinew list` shows our participants: most of them read the topic that they write, to notice another owner.
+STATE = ["joint_state", "actuator_state"]
+SOURCE = {"awaits": ["joint_command"], "reads": [], "writes": ["actuator_state", "joint_state"]}
+CHAIN_RELAYS = {
+    "reference": {"awaits": ["joint_state"], "reads": ["reference"], "writes": ["reference"]},
+    "esn": {"awaits": [*STATE, "reference"], "reads": ["torque_prediction"], "writes": ["torque_prediction"]},
+    "control": {"awaits": [*STATE, "reference", "torque_prediction"], "reads": ["joint_command"],
+                "writes": ["joint_command"]}}
+ALL_SOURCE = {**SOURCE, "reads": ["valve_command"]}
+ALL_RELAYS = {
+    "reference": CHAIN_RELAYS["reference"],
+    "regime": {"awaits": STATE, "reads": ["regime"], "writes": ["regime"]},
+    "pneumatics": {"awaits": STATE, "reads": ["pneumatic_state"], "writes": ["valve_command", "pneumatic_state"]},
+    "esn": {"awaits": [*STATE, "reference", "regime"], "reads": ["readout", "torque_prediction"],
+            "writes": ["torque_prediction", "reservoir_state"]},
+    "rls": {"awaits": [*STATE, "joint_command", "reservoir_state"], "reads": ["readout"],
+            "writes": ["readout", "adaptation_state"]},
+    "control": {"awaits": [*STATE, "reference", "regime", "torque_prediction"], "reads": ["joint_command"],
+                "writes": ["joint_command"]},
+    "residual": {"awaits": STATE, "reads": [], "writes": ["residual"]}}
+ONE_RELAY = {"control": {"awaits": STATE, "reads": [], "writes": ["joint_command"]}}
+HOP_SOURCE = {"awaits": ["joint_command"], "reads": [], "writes": ["joint_state"]}
+HOP_RELAY = {"control": {"awaits": ["joint_state"], "reads": [], "writes": ["joint_command"]}}
 
 
 class Processes:
-    def __init__(self, realtime):
-        self.realtime, self.children = realtime, []
+    """Children that are ended when the block ends."""
+
+    def __init__(self):
+        self.children = []
+
+    def __enter__(self):
+        return self
 
     def start(self, arguments):
         child = subprocess.Popen([str(word) for word in arguments], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
@@ -35,7 +78,7 @@ class Processes:
         self.children.append(child)
         return child
 
-    def stop(self):
+    def __exit__(self, *_):
         for child in self.children:
             if child.poll() is None:
                 child.send_signal(signal.SIGINT)
@@ -47,104 +90,134 @@ class Processes:
                 child.wait()
 
 
-def result_of(child, seconds):
-    out, _ = child.communicate(timeout=seconds + 60)
-    return json.loads(out.splitlines()[-1])
+def statuses(options):
+    """Cycles and cycles with a stale input of each participant, from its component_status."""
+    out = subprocess.run([str(options.bin / "sinew"), "list", "--domain", str(options.domain), "--json", "--wait", "1.5"],
+                         capture_output=True, text=True, check=False).stdout
+    participants = json.loads(out)["participants"]
+    return {entry["name"]: (entry["cycles"], entry["stale_inputs"]) for entry in participants if "cycles" in entry}
 
 
-def ours(options, rate, seconds, components, compose=False):
-    processes = Processes(options.realtime)
+def stale_share(before, after):
+    """The largest share of cycles with a stale input of a participant whose answer control waits for."""
+    shares = []
+    for name in set(after) & {"reference", "regime", "esn", "control"}:
+        cycles, stale = before.get(name, (0, 0))
+        shares.append((after[name][1] - stale) / max(1, after[name][0] - cycles))
+    return max(shares, default=math.nan)
+
+
+def ours(options, rate, seconds, components, compose=False, sizes=False):
     common = ["--domain", options.domain] + (["--realtime"] if options.realtime else [])
-    provider = [options.bin / "chain_provider", *common, "--name", "provider", "--rate", rate, "--duration", seconds + 3,
-                "--arm"]
-    try:
+    provider = [options.bin / "chain_provider", *common, "--name", "provider", "--rate", rate, "--seconds", seconds,
+                *(["--sizes"] if sizes else [])]
+    with Processes() as processes:
         for name, program, config in components:
             if compose:
-                provider += ["--component", f"{name}={program}={RIG / config}"]
+                provider += ["--component", f"{name}={program}={config}"]
             else:
-                processes.start([options.bin / program, *common, "--name", name, "--config", RIG / config])
+                processes.start([options.bin / program, *common, "--name", name, "--config", config])
         if not compose:
-            time.sleep(2.0)  # all wait for joint_state
-        return result_of(processes.start(provider), seconds)
-    finally:
-        processes.stop()
+            time.sleep(1.0)  # all wait for joint_state
+        child = processes.start(provider)
+        if child.stdout.readline() != "warm\n":
+            sys.exit("chain_provider ended early")
+        subprocess.run([str(options.bin / "sinew"), "arm", "--domain", str(options.domain)], capture_output=True, check=True)
+        before = {} if compose else statuses(options)
+        result = json.loads(child.stdout.readline())
+        result["stale"] = 0.0 if compose else stale_share(before, statuses(options))
+        if sizes:
+            result["sizes"] = json.loads(child.stdout.read())
+        return result
 
 
-def relays(options, rate, seconds, graph):
-    """graph: the source's outputs and input, then (inputs, outputs) of each relay; the last input triggers."""
-    processes = Processes(options.realtime)
-    relay = options.bin / "chain_relay"
+def relays(options, rate, seconds, source, graph, sizes):
+    def ends(flag, topics):
+        words = []
+        for topic in topics:
+            size = f":{sizes[topic]}" if flag == "--out" else ""
+            words += [flag, f"{topic}:{PROFILES.get(topic, 'control')}{size}"]
+        return words
 
-    def ends(flag, names):
-        return [word for name in names for word in (flag, f"{name}:{SIZES[name]}" if flag == "--out" else name)]
+    def command(kind, priority, ports):
+        scheduling = ["--priority", priority] if options.realtime and priority else []
+        return [options.bin / "chain_relay", kind, "--domain", options.domain, "--qos", QOS, *scheduling,
+                "--transports", options.transports,
+                *ends("--await", ports["awaits"]), *ends("--in", ports["reads"]), *ends("--out", ports["writes"])]
 
-    def common(priority):
-        return ["--domain", options.domain] + (["--priority", priority] if options.realtime else [])
-
-    (outs, answer), others = graph[0], graph[1:]
-    try:
-        for inputs, outputs, priority in others:
-            processes.start([relay, "relay", *common(priority), *ends("--in", inputs), *ends("--out", outputs)])
-        source = processes.start([relay, "source", *common(44), *ends("--out", outs), "--in", answer, "--rate", rate,
-                                  "--seconds", seconds])
-        return result_of(source, seconds)
-    finally:
-        processes.stop()
+    with Processes() as processes:
+        for name, ports in graph.items():
+            processes.start(command("relay", PRIORITIES[name], ports))
+        time.sleep(1.0)
+        child = processes.start(command("source", SOURCE_PRIORITY, source) + ["--rate", rate, "--seconds", seconds])
+        out, _ = child.communicate(timeout=seconds + 60)
+        return json.loads(out.splitlines()[-1])
 
 
-CHAIN = [("reference", "sinew-reference", "reference_benchmark.yaml"), ("esn", "sinew-esn", "esn_model.yaml"),
-         ("control", "sinew-control", ROOT / "bench/chain/control.yaml")]
-CHAIN_RELAYS = [((["actuator_state", "joint_state"], "joint_command")),
-                (["joint_state"], ["reference"], 36),
-                (["joint_state", "actuator_state", "reference"], ["torque_prediction"], 32),
-                (["joint_state", "actuator_state", "reference", "torque_prediction"], ["joint_command"], 40)]
-ALL = [("reference", "sinew-reference", "reference_benchmark.yaml"), ("regime", "sinew-regime", "regime.yaml"),
-       ("pneumatics", "sinew-pneumatics", "pneumatics.yaml"), ("esn", "sinew-esn", "esn_adaptive.yaml"),
-       ("rls", "sinew-rls", "rls.yaml"), ("control", "sinew-control", "control_pid_esn.yaml"),
-       ("residual", "sinew-residual", "residual.yaml")]
-ALL_RELAYS = [((["actuator_state", "joint_state"], "joint_command")),
-              (["joint_state"], ["reference"], 36),
-              (["joint_state", "actuator_state"], ["regime"], 34),
-              (["joint_state", "actuator_state"], ["valve_command", "pneumatic_state"], 38),
-              (["joint_state", "actuator_state", "readout", "regime", "reference"],
-               ["torque_prediction", "reservoir_state"], 32),
-              (["joint_state", "actuator_state", "joint_command", "reservoir_state"], ["readout", "adaptation_state"], 30),
-              (["joint_state", "actuator_state", "reference", "regime", "torque_prediction"], ["joint_command"], 40),
-              (["joint_state", "actuator_state"], ["adaptation_state"], 1)]
-ONE_RELAY = [((["actuator_state", "joint_state"], "joint_command")),
-             (["actuator_state", "joint_state"], ["joint_command"], 40)]
+def text_of(result):
+    return (f"p50 {result['p50_us']:.0f} us, p99.9 {result['p999_us']:.0f} us, late {result['late']} of "
+            f"{result['cycles']}")
+
+
+def compare(options, letter, what, goal, run_ours, run_relays):
+    """The medians of the ratios; a quantile that falls among the late answers has no ratio."""
+    ratios50, ratios999 = [], []
+    for pair in range(options.pairs):
+        a, b = run_ours(), run_relays()
+        ratios50.append(a["p50_us"] / b["p50_us"])
+        ratios999.append(a["p999_us"] / b["p999_us"])
+        print(f"{letter} {pair + 1}: ours {text_of(a)}, stale {100 * a['stale']:.2f} %; relays {text_of(b)}", flush=True)
+    print(f"{letter}: {what}: p50 {statistics.median(ratios50):.2f} x relays "
+          f"({min(ratios50):.2f} to {max(ratios50):.2f}), p99.9 {statistics.median(ratios999):.2f} x "
+          f"({min(ratios999):.2f} to {max(ratios999):.2f}); {goal}", flush=True)
+
+
+def hop(options, sizes):
+    halves50, halves999 = [], []
+    for _ in range(options.pairs):
+        result = relays(options, 240, options.seconds, HOP_SOURCE, HOP_RELAY, sizes)
+        halves50.append(result["p50_us"] / 2)
+        halves999.append(result["p999_us"] / 2)
+    print(f"H: process to process, half of there and back: p50 {statistics.median(halves50):.0f} us "
+          f"({min(halves50):.0f} to {max(halves50):.0f}), p99.9 {statistics.median(halves999):.0f} us "
+          f"({min(halves999):.0f} to {max(halves999):.0f})", flush=True)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--pairs", type=int, default=5)
-    parser.add_argument("--seconds", type=float, default=60.0)
+    parser.add_argument("--seconds", type=float, default=12.0, help="measured in each run")
     parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build/release/bin")
-    parser.add_argument("--domain", type=int, default=229)
+    parser.add_argument("--domain", type=int, default=200)
+    parser.add_argument("--rate", type=int, default=1000, help="of comparison A, Hz")
     parser.add_argument("--no-realtime", dest="realtime", action="store_false")
-    parser.add_argument("--only", default="ABC", help="letters of the comparisons")
+    parser.add_argument("--transports", default="both", choices=["both", "udp", "shm"], help="of the relays")
+    parser.add_argument("--only", default="ABCH", help="letters of the comparisons")
+    parser.add_argument("--sizes", type=pathlib.Path, help="payload sizes: read from this file, or written to it")
     options = parser.parse_args()
+    if options.sizes and options.sizes.exists():
+        sizes = json.loads(options.sizes.read_text())
+    else:
+        sizes = ours(options, 240, 3, ALL, sizes=True)["sizes"]
+        print("payloads in bytes:", ", ".join(f"{topic} {size}" for topic, size in sizes.items()), flush=True)
+        if options.sizes:
+            options.sizes.write_text(json.dumps(sizes))
+    seconds = options.seconds
     comparisons = {
-        "A": ("chain of four processes, 1 kHz", 1000, lambda: ours(options, 1000, options.seconds, CHAIN), CHAIN_RELAYS,
-              "goal p50 1.3, p99.9 1.5"),
-        "B": ("eight processes, 240 Hz", 240, lambda: ours(options, 240, options.seconds, ALL), ALL_RELAYS, "goal p50 1.5"),
-        "C": ("the chain in one process, 1 kHz", 1000, lambda: ours(options, 1000, options.seconds, CHAIN, True), ONE_RELAY,
-              "goal p50 1.3"),
-    }
+        "A": (f"chain of four processes, {options.rate} Hz", "goal p50 1.3, p99.9 1.5",
+              lambda: ours(options, options.rate, seconds, CHAIN),
+              lambda: relays(options, options.rate, seconds, SOURCE, CHAIN_RELAYS, sizes)),
+        "B": ("eight processes, 240 Hz", "goal p50 1.5",
+              lambda: ours(options, 240, seconds, ALL),
+              lambda: relays(options, 240, seconds, ALL_SOURCE, ALL_RELAYS, sizes)),
+        "C": ("the chain in one process, 1 kHz", "goal p50 1.3",
+              lambda: ours(options, 1000, seconds, CHAIN, compose=True),
+              lambda: relays(options, 1000, seconds, SOURCE, ONE_RELAY, sizes))}
     for letter in options.only:
-        what, rate, run, graph, goal = comparisons[letter]
-        ratios50, ratios999 = [], []
-        for pair in range(options.pairs):
-            a, b = run(), relays(options, rate, options.seconds, graph)
-            if not a["cycles"] or not b["cycles"]:
-                sys.exit(f"{letter}: no command came back ({a}, {b})")
-            ratios50.append(a["p50_us"] / b["p50_us"])
-            ratios999.append(a["p999_us"] / b["p999_us"])
-            print(f"{letter} {pair + 1}: ours p50 {a['p50_us']:.0f} us, p99.9 {a['p999_us']:.0f} us ({a['cycles']} cycles); "
-                  f"relays {b['p50_us']:.0f} us, {b['p999_us']:.0f} us ({b['cycles']} cycles)", flush=True)
-        print(f"{letter}: {what}: p50 {statistics.median(ratios50):.2f} x relays "
-              f"({min(ratios50):.2f} to {max(ratios50):.2f}), p99.9 {statistics.median(ratios999):.2f} x "
-              f"({min(ratios999):.2f} to {max(ratios999):.2f}); {goal}", flush=True)
+        if letter == "H":
+            hop(options, sizes)
+        else:
+            compare(options, letter, *comparisons[letter])
 
 
 if __name__ == "__main__":

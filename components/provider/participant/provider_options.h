@@ -33,7 +33,8 @@ struct ProviderOptions {
   std::vector<std::string> await;
   double await_timeout_s = 30.0;      // a reply that takes longer ends the session with an error
   ComposedCycle* composed = nullptr;  // what runs in this thread between state and command
-  WorkTime* answers = nullptr;  // real time: from the write of joint_state to its command, decoded
+  // Real time, armed: from the write of joint_state to its command, decoded.
+  WorkTime* answers = nullptr;
 };
 
 // Adds --rate, --duration, --arm, --await, --await-timeout to a participant.

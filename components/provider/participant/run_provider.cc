@@ -232,7 +232,7 @@ class Provider {
   }
 
   void NoteAnswer() {
-    if (options_.answers == nullptr || tick_ == 0) return;
+    if (options_.answers == nullptr || tick_ == 0 || !types::MayMove(cycle_.state())) return;
     options_.answers->Resume(publisher_.written_ns());
     options_.answers->Pause(MonotonicNow_ns());
     options_.answers->EndCycle();
