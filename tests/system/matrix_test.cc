@@ -437,18 +437,10 @@ class Replacement {
 TEST(Matrix, PneumaticsIsReplacedByTheIdealSource) {
   Replacement("pneumatics", 100, kLowRate_Hz).Run();
 }
-TEST(Matrix, RegimeIsReplacedByTheTruth) {
-  Replacement("regime", 101, kLowRate_Hz).Run();
-}
-TEST(Matrix, ReferenceIsReplacedByARecording) {
-  Replacement("reference", 102, kLowRate_Hz).Run();
-}
-TEST(Matrix, EsnIsReplacedByInverseDynamics) {
-  Replacement("esn", 103, kLowRate_Hz).Run();
-}
-TEST(Matrix, RlsIsReplacedByAFrozenReadout) {
-  Replacement("rls", 104, kLowRate_Hz).Run();
-}
+TEST(Matrix, RegimeIsReplacedByTheTruth) { Replacement("regime", 101, kLowRate_Hz).Run(); }
+TEST(Matrix, ReferenceIsReplacedByARecording) { Replacement("reference", 102, kLowRate_Hz).Run(); }
+TEST(Matrix, EsnIsReplacedByInverseDynamics) { Replacement("esn", 103, kLowRate_Hz).Run(); }
+TEST(Matrix, RlsIsReplacedByAFrozenReadout) { Replacement("rls", 104, kLowRate_Hz).Run(); }
 TEST(Matrix, ControlIsReplacedByAnotherController) {
   Replacement("control", 105, kLowRate_Hz).Run();
 }

@@ -15,10 +15,10 @@
 #include <string>
 
 #include "components/node/node.h"
+#include "tests/support/patient_guard.h"
 #include "tests/support/program.h"
 #include "tests/support/realtime.h"
 #include "tests/support/sinew_program.h"
-#include "tests/support/patient_guard.h"
 
 namespace sinew::testing {
 namespace {
