@@ -146,8 +146,8 @@ void AddPermitReplayCommand(CLI::App& app) {
       "somebody else's\nreference is heard. The joints go from where they are held to the "
       "recording "
       "over replay_takeover_s.\nSimulations need no permission.\nExit code 1 when it could not be "
-      "said in time.\n\nExample:\n  sinew replay run.mcap --topics reference &\n  sinew arm && "
-      "sinew permit-replay player");
+      "said in time.\n\nExample:\n  sinew replay run.mcap --topics reference &\n  sinew arm\n"
+      "  sinew permit-replay player");
   command->callback([options] {
     StartCommandLog("permit-replay");
     RunPermit(*options);

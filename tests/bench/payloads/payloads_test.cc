@@ -71,7 +71,7 @@ TEST_F(Payloads, OfEveryTopicEndNoParticipantWithModels) {
 
 TEST_F(Payloads, OfEveryTopicDoNotStopARecording) { ExpectNoDefect(Crews()[2], PayloadsOf(0.2)); }
 
-// A participant with two faults: it trusts the counts of a readout, and sends on what it is told.
+// A participant with two faults: it trusts the counts of a readout, and sends on what it is sent.
 class Careless final : public node::Component {
  public:
   Careless(const node::Options& options, node::StopFlag& stop)
