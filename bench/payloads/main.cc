@@ -19,14 +19,14 @@ constexpr std::uint64_t kChunk = 20'000;  // between looks at the clock
 struct ProgramOptions {
   std::uint64_t payloads = 1'000'000;
   double seconds = 0.0;  // 0: no limit
-  std::string crew;
+  std::string group;
   std::string root = SINEW_SOURCE_DIR;
   payloads::SoakOptions soak;
 };
 
-void Print(const payloads::Crew& crew, const payloads::Soak& soak, double seconds) {
-  std::printf("crew %s: %llu mutated payloads, %llu cycles, %.1f s, %.0f payloads/s\n",
-              crew.name.c_str(), static_cast<unsigned long long>(soak.payloads()),
+void Print(const payloads::Group& group, const payloads::Soak& soak, double seconds) {
+  std::printf("group %s: %llu mutated payloads, %llu cycles, %.1f s, %.0f payloads/s\n",
+              group.name.c_str(), static_cast<unsigned long long>(soak.payloads()),
               static_cast<unsigned long long>(soak.cycles()), seconds,
               static_cast<double>(soak.payloads()) / seconds);
   std::printf("  %-20s %12s %12s %8s %12s %12s\n", "topic", "mutated", "well-formed", "readers",
@@ -52,15 +52,16 @@ void Print(const payloads::Crew& crew, const payloads::Soak& soak, double second
 }
 
 // Number of defects.
-std::size_t Run(const payloads::Crew& crew, const ProgramOptions& options, double seconds,
+std::size_t Run(const payloads::Group& group, const ProgramOptions& options, double seconds,
                 std::uint64_t payloads) {
-  payloads::Soak soak(crew, options.soak);
+  payloads::Soak soak(group, options.soak);
   const auto begin = Clock::now();
   const auto passed_s = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
-  while (soak.payloads() < payloads && (seconds <= 0.0 || passed_s() < seconds)) {
+  while (!soak.stopped() && soak.payloads() < payloads &&
+         (seconds <= 0.0 || passed_s() < seconds)) {
     soak.Run(std::min(kChunk, payloads - soak.payloads()));
   }
-  Print(crew, soak, passed_s());
+  Print(group, soak, passed_s());
   return soak.defects().size();
 }
 
@@ -69,26 +70,29 @@ std::size_t Run(const payloads::Crew& crew, const ProgramOptions& options, doubl
 int main(int argc, char** argv) {
   ProgramOptions options;
   CLI::App app("Mutated payloads of every topic into every participant.", "payload_soak");
-  app.add_option("--payloads", options.payloads, "Mutated payloads, of all crews together");
+  app.add_option("--payloads", options.payloads, "Mutated payloads, of all groups together");
   app.add_option("--seconds", options.seconds, "Ends earlier than that; 0: no limit");
   app.add_option("--seed", options.soak.seed, "Of all that is drawn");
   app.add_option("--topic", options.soak.topic, "Mutates this topic alone");
-  app.add_option("--crew", options.crew, "Runs this crew alone");
+  app.add_option("--group", options.group, "Runs this group alone");
   app.add_option("--root", options.root, "Where robots/ and bench/ are");
   CLI11_PARSE(app, argc, argv);
   // Every line is made, and nobody reads it.
   spdlog::set_default_logger(
       std::make_shared<spdlog::logger>("", std::make_shared<spdlog::sinks::null_sink_mt>()));
   const std::filesystem::path root = options.root;
-  std::vector<payloads::Crew> crews =
-      payloads::AllCrews(root / "bench/payloads", root / "robots/rig");
-  if (!options.crew.empty()) {
-    std::erase_if(crews, [&](const payloads::Crew& crew) { return crew.name != options.crew; });
+  std::vector<payloads::Group> groups =
+      payloads::AllGroups(root / "bench/payloads", root / "robots/rig");
+  if (!options.group.empty()) {
+    std::erase_if(groups,
+                  [&](const payloads::Group& group) { return group.name != options.group; });
   }
   std::size_t defects = 0;
-  for (const payloads::Crew& crew : crews) {
-    const auto count = static_cast<double>(crews.size());
-    defects += Run(crew, options, options.seconds / count, options.payloads / crews.size());
+  const node::StopFlag stop;
+  for (const payloads::Group& group : groups) {
+    if (stop.requested()) break;
+    const auto count = static_cast<double>(groups.size());
+    defects += Run(group, options, options.seconds / count, options.payloads / groups.size());
   }
   return defects == 0 ? 0 : 1;
 }

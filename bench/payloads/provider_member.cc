@@ -35,8 +35,9 @@ ProviderConfig LoadProvider(const node::Options& options, std::uint64_t session_
 
 class ProviderMember final : public node::Component {
  public:
-  ProviderMember(const node::Options& options, Ship& ship, const ProviderConfig& config)
-      : ship_(ship),
+  ProviderMember(const node::Options& options, Environment& environment,
+                 const ProviderConfig& config)
+      : environment_(environment),
         plant_(config.rig),
         cycle_(config.cycle),
         node_(options),
@@ -46,9 +47,9 @@ class ProviderMember final : public node::Component {
     cycle_.ArmAtStart();
   }
 
-  bool Ready() override { return ship_.tick != tick_; }
+  bool Ready() override { return environment_.tick != tick_; }
   bool Step() override {
-    tick_ = ship_.tick;
+    tick_ = environment_.tick;
     (void)cycle_.Begin(tick_, 0);
     readers_.TakeOperatorCommands(tick_);
     readers_.PublishSource(cycle_.Header(tick_, 0));
@@ -74,7 +75,7 @@ class ProviderMember final : public node::Component {
   }
 
  private:
-  Ship& ship_;
+  Environment& environment_;
   std::uint64_t tick_ = 0;
   surrogate::Surrogate plant_;
   provider::ProviderCycle cycle_;
@@ -126,12 +127,13 @@ class LoggerMember final : public node::Component {
 
 }  // namespace
 
-std::unique_ptr<node::Component> MakeProvider(const node::Options& options, Ship& ship) {
-  return std::make_unique<ProviderMember>(options, ship,
-                                          LoadProvider(options, ship.provider_session));
+std::unique_ptr<node::Component> MakeProvider(const node::Options& options,
+                                              Environment& environment) {
+  return std::make_unique<ProviderMember>(options, environment,
+                                          LoadProvider(options, environment.provider_session));
 }
 
-std::unique_ptr<node::Component> MakeLogger(const node::Options& options, Ship&) {
+std::unique_ptr<node::Component> MakeLogger(const node::Options& options, Environment&) {
   return std::make_unique<LoggerMember>(options);
 }
 

@@ -4,13 +4,14 @@
 
 #include <memory>
 
-#include "bench/payloads/crew.h"
+#include "bench/payloads/group.h"
 
 namespace sinew::payloads {
 
-std::unique_ptr<node::Component> MakeProvider(const node::Options& options, Ship& ship);
+std::unique_ptr<node::Component> MakeProvider(const node::Options& options,
+                                              Environment& environment);
 
 // The recorder with all topics; what it writes is counted and dropped.
-std::unique_ptr<node::Component> MakeLogger(const node::Options& options, Ship& ship);
+std::unique_ptr<node::Component> MakeLogger(const node::Options& options, Environment& environment);
 
 }  // namespace sinew::payloads

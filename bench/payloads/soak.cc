@@ -37,7 +37,7 @@ bool IsInputOfWarmUp(std::string_view topic) {
 
 }  // namespace
 
-Soak::Soak(const Crew& crew, const SoakOptions& options)
+Soak::Soak(const Group& group, const SoakOptions& options)
     : options_(options), mutator_(options.seed), last_tick_offset_(LastTickOffset()) {
   if (!options.topic.empty()) (void)IndexOf(options.topic);
   for (std::size_t state = 0; state < kRobotStates; ++state) {
@@ -49,7 +49,7 @@ Soak::Soak(const Crew& crew, const SoakOptions& options)
   const auto node_of = [this](const char* name) {
     node::Options of_node;
     of_node.component = of_node.name = name;
-    of_node.composition = &ship_.composition;
+    of_node.composition = &environment_.composition;
     return std::make_unique<node::Node>(of_node);
   };
   outside_ = node_of("outside");
@@ -62,9 +62,9 @@ Soak::Soak(const Crew& crew, const SoakOptions& options)
                        .writer = {outside_->MakeRawWriter(topic)}});
     watch_->ReadRaw(topic, [this, i](node::RawSample&& sample) { Watch(i, sample.payload); });
   }
-  for (const MemberSpec& spec : crew.members) {
+  for (const MemberSpec& spec : group.members) {
     members_.push_back(
-        {.spec = spec, .component = Make(spec, ship_), .count = {.name = spec.name}});
+        {.spec = spec, .component = Make(spec, environment_), .count = {.name = spec.name}});
   }
   WarmUp();
 }
@@ -73,10 +73,10 @@ Soak::~Soak() { members_.clear(); }
 
 void Soak::WarmUp() {
   warm_ = true;
-  session_id_ = ship_.provider_session;
+  session_id_ = environment_.provider_session;
   robot_state_ = kArmed;
   for (std::uint64_t n = 0; n < kWarmUp; ++n) {
-    ship_.tick = ++cycle_;
+    environment_.tick = ++cycle_;
     for (std::size_t i = 0; i < topics_.size(); ++i) {
       if (IsInputOfWarmUp(node::AllTopics()[i].name)) Send(i, false);
     }
@@ -88,12 +88,12 @@ void Soak::WarmUp() {
 
 void Soak::Run(std::uint64_t payloads) {
   const std::uint64_t goal = payloads_ + payloads;
-  while (payloads_ < goal) Cycle();
+  while (payloads_ < goal && !stopped()) Cycle();
 }
 
 void Soak::StartEpisode() {
   left_of_episode_ = mutator_.OneIn(8) ? 2000 : 50 + mutator_.Below(350);
-  session_id_ = mutator_.OneIn(2) ? mutator_.Random() : ship_.provider_session;
+  session_id_ = mutator_.OneIn(2) ? mutator_.Random() : environment_.provider_session;
   robot_state_ = mutator_.OneIn(4) ? mutator_.Below(kRobotStates) : kArmed;
   for (std::size_t i = 0; i < topics_.size(); ++i) {
     const std::size_t drawn = mutator_.Below(4);
@@ -111,7 +111,7 @@ void Soak::StartEpisode() {
 void Soak::Cycle() {
   if (left_of_episode_ == 0) StartEpisode();
   --left_of_episode_;
-  ship_.tick = ++cycle_;
+  environment_.tick = ++cycle_;
   for (std::size_t i = 0; i < topics_.size(); ++i) {
     if (node::AllTopics()[i].name == node::kJointState.name) continue;
     if (topics_[i].from == From::kWellFormed) Send(i, false);
@@ -129,8 +129,8 @@ void Soak::Send(std::size_t topic, bool mutated) {
   scratch_ = of.seeds[mutated ? mutator_.Below(of.seeds.size()) : cycle_ % of.seeds.size()];
   if (node::AllTopics()[topic].name != node::kComponentStatus.name) {
     const bool to_provider = mutator_.OneIn(4);
-    SetHead(to_provider ? ship_.provider_session : session_id_,
-            mutator_.OneIn(4) ? ship_.tick - 1 : ship_.tick, &scratch_);
+    SetHead(to_provider ? environment_.provider_session : session_id_,
+            mutator_.OneIn(4) ? environment_.tick - 1 : environment_.tick, &scratch_);
   }
   if (mutated) mutator_.Mutate(of.most_bytes, &scratch_);
   ++(mutated ? of.mutated : of.well_formed);
@@ -141,7 +141,7 @@ void Soak::Send(std::size_t topic, bool mutated) {
 bool Soak::SendTrigger(bool mutated) {
   const std::size_t index = IndexOf(node::kJointState.name);
   scratch_ = state_seeds_[robot_state_][cycle_ % kPhases];
-  SetHead(session_id_, ship_.tick, &scratch_);
+  SetHead(session_id_, environment_.tick, &scratch_);
   bool jumps = false;
   if (mutated) {
     mutator_.Mutate(topics_[index].most_bytes, &scratch_);
@@ -151,7 +151,7 @@ bool Soak::SendTrigger(bool mutated) {
     }
     thread_local msg::JointState state;
     jumps = node::Decode(scratch_, &state) && state.header().session_id() == session_id_ &&
-            state.header().tick() > ship_.tick;
+            state.header().tick() > environment_.tick;
   }
   ++(mutated ? topics_[index].mutated : topics_[index].well_formed);
   if (mutated) ++payloads_;
@@ -187,7 +187,7 @@ void Soak::Step(Member* member) {
   }
   if (goes_on) return;
   member->component.reset();  // before its successor: it stands for the same name
-  member->component = Make(member->spec, ship_);
+  member->component = Make(member->spec, environment_);
 }
 
 void Soak::Watch(std::size_t topic, const node::Bytes& payload) {
@@ -219,7 +219,7 @@ std::vector<TopicCount> Soak::topics() const {
   counts.reserve(topics_.size());
   for (std::size_t i = 0; i < topics_.size(); ++i) {
     const std::string& name = node::AllTopics()[i].name;
-    const node::Composition::Taken taken = ship_.composition.taken(name);
+    const node::Composition::Taken taken = environment_.composition.taken(name);
     counts.push_back({.topic = name,
                       .mutated = topics_[i].mutated,
                       .well_formed = topics_[i].well_formed,

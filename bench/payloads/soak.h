@@ -1,6 +1,6 @@
-// Mutated payloads of every topic into a crew of participants, cycle by cycle.
+// Mutated payloads of every topic into a group of participants, cycle by cycle.
 //
-// First the crew runs on well-formed inputs for kWarmUp cycles; what it publishes are seeds too.
+// First the group runs on well-formed inputs for kWarmUp cycles; what it publishes are seeds too.
 // Then episodes: of each topic a writer from outside is silent, sends well-formed payloads, or
 // sends mutated ones; the session is the provider's or another. In every cycle all participants
 // that have a trigger make their step. What must hold: no exception; what they publish decodes and
@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/payloads/crew.h"
+#include "bench/payloads/group.h"
 #include "bench/payloads/mutator.h"
 #include "components/node/node.h"
 
@@ -48,13 +48,15 @@ struct Defect {
 
 class Soak {
  public:
-  Soak(const Crew& crew, const SoakOptions& options);
+  Soak(const Group& group, const SoakOptions& options);
   ~Soak();
   Soak(const Soak&) = delete;
   Soak& operator=(const Soak&) = delete;
 
-  // Until at least so many further mutated payloads were sent.
+  // Until at least so many further mutated payloads were sent, or SIGINT or SIGTERM came, which
+  // ends the participants too.
   void Run(std::uint64_t payloads);
+  bool stopped() const { return environment_.stop.requested(); }
 
   std::uint64_t payloads() const { return payloads_; }
   std::uint64_t cycles() const { return cycle_; }
@@ -92,7 +94,7 @@ class Soak {
 
   const SoakOptions options_;
   Mutator mutator_;
-  Ship ship_;
+  Environment environment_;
   std::vector<Topic> topics_;
   std::vector<Member> members_;
   std::unique_ptr<node::Node> outside_;  // writes payloads

@@ -26,58 +26,56 @@ std::string Finite(const Ranges&... values) {
   return good ? "" : "a number that is not finite";
 }
 
-std::string FaultOf(const msg::JointCommand& m) {
+std::string Check(const msg::JointCommand& m) {
   for (const double torque_Nm : m.motor_torque_Nm()) {
     if (std::abs(torque_Nm) > kMotorTorqueLimit_Nm) return "a motor torque above its limit";
   }
   return Finite(m.motor_torque_Nm(), m.position_rad(), m.velocity_rad_s());
 }
-std::string FaultOf(const msg::Reference& m) {
+std::string Check(const msg::Reference& m) {
   return Finite(m.position_rad(), m.velocity_rad_s(), m.acceleration_rad_s2());
 }
-std::string FaultOf(const msg::TorquePrediction& m) {
+std::string Check(const msg::TorquePrediction& m) {
   for (std::size_t j = 0; j < m.valid().size(); ++j) {
     if (m.valid()[j] && !IsFinite(m.torque_Nm()[j])) return "a valid torque that is not finite";
   }
   return "";
 }
-std::string FaultOf(const msg::RegimeState& m) {
-  return Finite(m.play_angle_rad(), m.confidence());
-}
-std::string FaultOf(const msg::MotionRequest& m) {
+std::string Check(const msg::RegimeState& m) { return Finite(m.play_angle_rad(), m.confidence()); }
+std::string Check(const msg::MotionRequest& m) {
   return Finite(m.target_rad(), m.velocity_limit_rad_s(), m.motor_torque_limit_Nm(),
                 m.pressure_bar());
 }
-std::string FaultOf(const msg::ReservoirState& m) {
+std::string Check(const msg::ReservoirState& m) {
   return m.feature().size() == m.feature_count() ? "" : "another number of features than it says";
 }
-std::string FaultOf(const msg::Readout& m) {
+std::string Check(const msg::Readout& m) {
   if (m.weight().size() != std::size_t{m.output_count()} * m.feature_count()) {
     return "another number of weights than it says";
   }
   return Finite(m.weight());
 }
-std::string FaultOf(const msg::PneumaticState& m) {
+std::string Check(const msg::PneumaticState& m) {
   return Finite(m.target_pressure_bar(), m.pressure_bar(), m.stiffness_Nm_rad());
 }
-std::string FaultOf(const msg::ResidualState& m) {
+std::string Check(const msg::ResidualState& m) {
   return Finite(m.learnt_share(), m.residual_Nm(), m.rms_Nm(), m.statistic(), m.change(),
                 m.change_error());
 }
-std::string FaultOf(const msg::AdaptationState& m) {
+std::string Check(const msg::AdaptationState& m) {
   std::string wrong = Finite(m.innovation_Nm());
   if (!IsFinite(m.clipped_share()) || !IsFinite(m.covariance_trace()))
     wrong = Finite(std::array{NAN});
   return wrong;
 }
-std::string FaultOf(const msg::SimPressure& m) { return Finite(m.chamber_pressure_bar()); }
-std::string FaultOf(const msg::ValveCommand&) { return ""; }
+std::string Check(const msg::SimPressure& m) { return Finite(m.chamber_pressure_bar()); }
+std::string Check(const msg::ValveCommand&) { return ""; }
 
 template <class Message>
 std::string AssessAs(const node::Bytes& payload) {
   thread_local Message message;
   if (!node::Decode(payload, &message)) return "a malformed message";
-  return FaultOf(message);
+  return Check(message);
 }
 
 }  // namespace

@@ -17,7 +17,7 @@
 namespace sinew::payloads {
 namespace {
 
-constexpr std::uint64_t kPayloads = 1'000'000;  // of all crews
+constexpr std::uint64_t kPayloads = 1'000'000;  // of all groups
 
 std::uint64_t PayloadsOf(double share) {
   const char* text = std::getenv("SINEW_PAYLOADS");
@@ -25,9 +25,9 @@ std::uint64_t PayloadsOf(double share) {
   return static_cast<std::uint64_t>(share * static_cast<double>(all));
 }
 
-std::vector<Crew> Crews() {
+std::vector<Group> Groups() {
   const std::filesystem::path root = SINEW_SOURCE_DIR;
-  return AllCrews(root / "bench/payloads", root / "robots/rig");
+  return AllGroups(root / "bench/payloads", root / "robots/rig");
 }
 
 class Payloads : public ::testing::Test {
@@ -43,11 +43,12 @@ class Payloads : public ::testing::Test {
   std::shared_ptr<spdlog::logger> before_ = spdlog::default_logger();
 };
 
-void ExpectNoDefect(const Crew& crew, std::uint64_t payloads) {
-  Soak soak(crew, {});
+void ExpectNoDefect(const Group& group, std::uint64_t payloads) {
+  Soak soak(group, {});
   soak.Run(payloads);
+  ASSERT_FALSE(soak.stopped()) << "by a signal";
   for (const Defect& defect : soak.defects()) {
-    ADD_FAILURE() << crew.name << ", " << defect.member << ": " << defect.what << ", "
+    ADD_FAILURE() << group.name << ", " << defect.member << ": " << defect.what << ", "
                   << defect.times << " times, first in cycle " << defect.cycle;
   }
   for (const MemberCount& member : soak.members()) {
@@ -56,22 +57,23 @@ void ExpectNoDefect(const Crew& crew, std::uint64_t payloads) {
   }
   for (const TopicCount& topic : soak.topics()) {
     EXPECT_GT(topic.mutated, 0u) << topic.topic;
-    if (topic.readers == 0 || crew.name == "recording") continue;  // which keeps what is malformed
+    if (topic.readers == 0 || group.name == "recording") continue;  // which keeps what is malformed
     EXPECT_GT(topic.malformed, 0u) << topic.topic;
   }
 }
 
 TEST_F(Payloads, OfEveryTopicEndNoParticipantWithNetworks) {
-  ExpectNoDefect(Crews()[0], PayloadsOf(0.4));
+  ExpectNoDefect(Groups()[0], PayloadsOf(0.4));
 }
 
 TEST_F(Payloads, OfEveryTopicEndNoParticipantWithModels) {
-  ExpectNoDefect(Crews()[1], PayloadsOf(0.4));
+  ExpectNoDefect(Groups()[1], PayloadsOf(0.4));
 }
 
-TEST_F(Payloads, OfEveryTopicDoNotStopARecording) { ExpectNoDefect(Crews()[2], PayloadsOf(0.2)); }
+TEST_F(Payloads, OfEveryTopicDoNotStopARecording) { ExpectNoDefect(Groups()[2], PayloadsOf(0.2)); }
 
-// A participant with two faults: it trusts the counts of a readout, and sends on what it is sent.
+// A participant with two faults: it trusts the counts of a readout, and publishes its weights
+// unchecked.
 class Careless final : public node::Component {
  public:
   Careless(const node::Options& options, node::StopFlag& stop)
@@ -97,12 +99,13 @@ class Careless final : public node::Component {
 };
 
 TEST_F(Payloads, FindAPlantedFault) {
-  const Crew crew{
+  const Group group{
       .name = "planted",
-      .members = {{.name = "careless", .make = [](const node::Options& options, Ship& ship) {
-                     return std::make_unique<Careless>(options, ship.stop);
-                   }}}};
-  Soak soak(crew, {.topic = "readout"});
+      .members = {
+          {.name = "careless", .make = [](const node::Options& options, Environment& environment) {
+             return std::make_unique<Careless>(options, environment.stop);
+           }}}};
+  Soak soak(group, {.topic = "readout"});
   soak.Run(5'000);
   bool ended = false, not_finite = false;
   for (const Defect& defect : soak.defects()) {

@@ -1,4 +1,4 @@
-#include "bench/payloads/crew.h"
+#include "bench/payloads/group.h"
 
 #include "bench/payloads/provider_member.h"
 #include "components/control/participant/component.h"
@@ -15,7 +15,9 @@ namespace {
 // A maker of two arguments, as the programs have them.
 template <class Function>
 auto Simple(Function make) {
-  return [make](const node::Options& options, Ship& ship) { return make(options, ship.stop); };
+  return [make](const node::Options& options, Environment& environment) {
+    return make(options, environment.stop);
+  };
 }
 
 MemberSpec Reference(const std::filesystem::path& config) {
@@ -48,7 +50,8 @@ MemberSpec Residual(const std::filesystem::path& config) {
 
 }  // namespace
 
-std::vector<Crew> AllCrews(const std::filesystem::path& folder, const std::filesystem::path& rig) {
+std::vector<Group> AllGroups(const std::filesystem::path& folder,
+                             const std::filesystem::path& rig) {
   return {
       {"networks",
        {Reference(rig / "reference_watch.yaml"),
@@ -74,13 +77,13 @@ std::vector<Crew> AllCrews(const std::filesystem::path& folder, const std::files
   };
 }
 
-std::unique_ptr<node::Component> Make(const MemberSpec& spec, Ship& ship) {
+std::unique_ptr<node::Component> Make(const MemberSpec& spec, Environment& environment) {
   node::Options options;
   options.component = spec.kind.empty() ? spec.name : spec.kind;
   options.name = spec.name;
   options.config_path = spec.config;
-  options.composition = &ship.composition;
-  return spec.make(options, ship);
+  options.composition = &environment.composition;
+  return spec.make(options, environment);
 }
 
 }  // namespace sinew::payloads

@@ -1,13 +1,15 @@
 // The participants under test: the programs' own classes, made as in their main(), in a composition
 // apart (components/node/composition.h).
 //
-// A crew has one participant a role, as a robot has: two of one role would stand by for each other.
+// A group has one participant a role, as a robot has: two of one role would stand by for each
+// other.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -24,7 +26,7 @@ class Violation : public std::runtime_error {
 };
 
 // What a member needs to be made; outlives it.
-struct Ship {
+struct Environment {
   node::Composition composition{node::Composition::Reach::kApart};
   node::StopFlag stop;
   std::uint64_t tick = 0;                    // of the cycle
@@ -33,19 +35,19 @@ struct Ship {
 
 struct MemberSpec {
   std::string name;
-  std::function<std::unique_ptr<node::Component>(const node::Options&, Ship&)> make;
+  std::function<std::unique_ptr<node::Component>(const node::Options&, Environment&)> make;
   std::filesystem::path config;
   std::string kind;  // component; the name when empty
 };
 
-struct Crew {
+struct Group {
   std::string name;
   std::vector<MemberSpec> members;
 };
 
 // `folder`: bench/payloads; `rig`: robots/rig.
-std::vector<Crew> AllCrews(const std::filesystem::path& folder, const std::filesystem::path& rig);
+std::vector<Group> AllGroups(const std::filesystem::path& folder, const std::filesystem::path& rig);
 
-std::unique_ptr<node::Component> Make(const MemberSpec& spec, Ship& ship);
+std::unique_ptr<node::Component> Make(const MemberSpec& spec, Environment& environment);
 
 }  // namespace sinew::payloads
