@@ -159,17 +159,26 @@ def text_of(result):
             f"{result['cycles']}")
 
 
+LATE_US = 20000  # what a late answer counts as, in both programs
+
+
+def spread(ratios, pairs):
+    """Median and range of the ratios; None stands for a quantile among the late answers."""
+    known = [ratio for ratio in ratios if ratio is not None]
+    text = "no ratio" if not known else f"{statistics.median(known):.2f} x relays ({min(known):.2f} to {max(known):.2f})"
+    return text + (f", late answers in {pairs - len(known)} of {pairs} pairs" if len(known) < pairs else "")
+
+
 def compare(options, letter, what, goal, run_ours, run_relays):
-    """The medians of the ratios; a quantile that falls among the late answers has no ratio."""
-    ratios50, ratios999 = [], []
+    """The medians of the ratios; a quantile that falls among the late answers of either side has none."""
+    ratios = {"p50_us": [], "p999_us": []}
     for pair in range(options.pairs):
         a, b = run_ours(), run_relays()
-        ratios50.append(a["p50_us"] / b["p50_us"])
-        ratios999.append(a["p999_us"] / b["p999_us"])
+        for key, values in ratios.items():
+            values.append(a[key] / b[key] if max(a[key], b[key]) < LATE_US else None)
         print(f"{letter} {pair + 1}: ours {text_of(a)}, stale {100 * a['stale']:.2f} %; relays {text_of(b)}", flush=True)
-    print(f"{letter}: {what}: p50 {statistics.median(ratios50):.2f} x relays "
-          f"({min(ratios50):.2f} to {max(ratios50):.2f}), p99.9 {statistics.median(ratios999):.2f} x "
-          f"({min(ratios999):.2f} to {max(ratios999):.2f}); {goal}", flush=True)
+    print(f"{letter}: {what}: p50 {spread(ratios['p50_us'], options.pairs)}; p99.9 "
+          f"{spread(ratios['p999_us'], options.pairs)}; {goal}", flush=True)
 
 
 def hop(options, sizes):

@@ -10,11 +10,13 @@
 //   share of the period   0.2                0.3   0.4        0.5
 //                         reference, regime  esn   control    provider
 //
-// The step of 0.1 is for computing and sending the answer: 200 us at 500 Hz. A step of the largest
-// network takes 6 us and a controller's less (bench/esn); what a message takes from process to
-// process is measured by bench/chain, on the machine that is to run the robot. At 240 Hz control
-// gives up after 1.7 ms. rls answers for the next tick and is the only one that waits for control
-// and the provider's part: 0.7, which leaves it 1.2 ms at 240 Hz.
+// The step of 0.1 is for computing and sending the answer: 200 us at 500 Hz, 420 us at 240 Hz.
+// Measured: a step of the largest network takes 6 us and a controller's less. A message from
+// process to process under SCHED_FIFO, Fast DDS alone (bench/chain, H), on a virtual machine with
+// two cores: 180 us at the median and 0.8 ms at 99.9 %, and within one core 27 us and 0.15 ms. So a
+// machine like that keeps to the steps at 240 Hz at the median, and not at 99.9 % or at 500 Hz. At
+// 240 Hz control gives up after 1.7 ms. rls answers for the next tick and is the only one that
+// waits for control and the provider's part: 0.7, which leaves it 1.2 ms at 240 Hz.
 #pragma once
 
 #include <string_view>
