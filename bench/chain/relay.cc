@@ -9,8 +9,8 @@
 // comes after half of the period is late. A relay stands for a participant: it answers in the
 // listener, when the samples of a number have come on all topics of --await; those of --in are only
 // read. Payloads, QoS (--qos, the profiles of components/node), transports, readers a topic,
-// threads and memory are those of the participants that are compared. --transports both, udp or
-// shm: both as ours.
+// threads and memory are those of the participants that are compared. --transports udp, as ours in
+// real time, both or shm.
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
 #include <pthread.h>
@@ -311,7 +311,7 @@ struct Arguments {
       throw std::runtime_error("usage: see the head of bench/chain/relay.cc");
     }
   }
-  std::string kind, qos_file, transports = "both";
+  std::string kind, qos_file, transports = "udp";
   std::vector<End> ins, awaited, outs;
   double rate_Hz = 240.0, seconds = 10.0;
   int domain = 0, priority = 0;

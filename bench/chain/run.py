@@ -200,7 +200,7 @@ def main():
     parser.add_argument("--domain", type=int, default=200)
     parser.add_argument("--rate", type=int, default=1000, help="of comparison A, Hz")
     parser.add_argument("--no-realtime", dest="realtime", action="store_false")
-    parser.add_argument("--transports", default="both", choices=["both", "udp", "shm"], help="of the relays")
+    parser.add_argument("--transports", default="udp", choices=["both", "udp", "shm"], help="of the relays")
     parser.add_argument("--only", default="ABCH", help="letters of the comparisons")
     parser.add_argument("--sizes", type=pathlib.Path, help="payload sizes: read from this file, or written to it")
     options = parser.parse_args()

@@ -30,15 +30,17 @@ UDP = ("<transport_descriptor><transport_id>udp</transport_id><type>UDPv4</type>
 SHARED_MEMORY = ("<transport_descriptor><transport_id>shm</transport_id><type>SHM</type>"
                  "<maxMessageSize>65500</maxMessageSize></transport_descriptor>")
 DESCRIPTORS = {"udp": UDP, "shm": SHARED_MEMORY}
+USED = {"both": ["udp", "shm"], "udp": ["udp"], "shm": ["shm"]}
 
 
 def profiles_of(transport, folder):
-    """The built-in profiles with the transport in place of both, as a file; none for both."""
-    if transport == "both":
-        return None
+    """The built-in profiles with these transports, as a file."""
+    used = USED[transport]
     text = PROFILES.read_text()
-    text = text.replace("<profiles>", f"<profiles><transport_descriptors>{DESCRIPTORS[transport]}</transport_descriptors>", 1)
-    text = text.replace("<rtps>", f"<rtps><userTransports><transport_id>{transport}</transport_id></userTransports>"
+    descriptors = "".join(DESCRIPTORS[name] for name in used)
+    text = text.replace("<profiles>", f"<profiles><transport_descriptors>{descriptors}</transport_descriptors>", 1)
+    identifiers = "".join(f"<transport_id>{name}</transport_id>" for name in used)
+    text = text.replace("<rtps>", f"<rtps><userTransports>{identifiers}</userTransports>"
                         "<useBuiltinTransports>false</useBuiltinTransports>")
     path = folder / f"{transport}.xml"
     path.write_text(text)
