@@ -26,9 +26,12 @@ class TestHost {
   const std::string& why_not() const { return why_not_; }  // empty: it is there
   pid_t pid() const { return holder_.pid(); }
 
-  // The command line that runs a program there, for Program and Run; it becomes that program.
+  // The command line that runs a program there, for Program and Run; it becomes that program. -r
+  // and -w: in root and folder of the host's own process, which after chroot is not that of its
+  // namespace.
   std::vector<std::string> Line(const std::vector<std::string>& line) const {
-    std::vector<std::string> words = {"nsenter", "-t", std::to_string(pid()), "-n", "-m", "--"};
+    std::vector<std::string> words = {"nsenter", "-t", std::to_string(pid()), "-n", "-m", "-r",
+                                      "-w",      "--"};
     words.insert(words.end(), line.begin(), line.end());
     return words;
   }
