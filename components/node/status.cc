@@ -73,6 +73,10 @@ void Status::Close() {
   }
   wake_up_.Give();
   if (thread_.joinable()) thread_.join();
+  // Why it ends is what an observer must hear: a reader that sees the writer go drops what it has
+  // not taken yet. One that is stopped holds the end up no longer than this.
+  constexpr std::chrono::milliseconds kHeard(200);
+  if (writer_) (void)writer_->WaitAcknowledged(kHeard);
   writer_.reset();
 }
 
