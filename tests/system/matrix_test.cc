@@ -37,8 +37,8 @@ using Clock = std::chrono::steady_clock;
 
 const std::string kRigFolder = SINEW_SOURCE_DIR "/robots/rig/";
 
-// MatrixAtFullRate is the requirement, and wants a machine whose cores bear ten real-time processes
-// at 240 Hz (label soak). Matrix is the same at a rate that every machine bears.
+// The full rate is the requirement, and wants a machine whose cores bear ten real-time processes at
+// 240 Hz. The low one asks the same of a smaller machine.
 constexpr double kFullRate_Hz = 240.0, kLowRate_Hz = 100.0;
 
 // What the issue of a replacement may cost.
@@ -434,35 +434,22 @@ class Replacement {
   std::vector<Event> events_;
 };
 
-TEST(Matrix, PneumaticsIsReplacedByTheIdealSource) {
-  Replacement("pneumatics", 100, kLowRate_Hz).Run();
+// Of the rate, in Hz.
+class Matrix : public ::testing::TestWithParam<double> {};
+
+TEST_P(Matrix, PneumaticsIsReplacedByTheIdealSource) {
+  Replacement("pneumatics", 100, GetParam()).Run();
 }
-TEST(Matrix, RegimeIsReplacedByTheTruth) { Replacement("regime", 101, kLowRate_Hz).Run(); }
-TEST(Matrix, ReferenceIsReplacedByARecording) { Replacement("reference", 102, kLowRate_Hz).Run(); }
-TEST(Matrix, EsnIsReplacedByInverseDynamics) { Replacement("esn", 103, kLowRate_Hz).Run(); }
-TEST(Matrix, RlsIsReplacedByAFrozenReadout) { Replacement("rls", 104, kLowRate_Hz).Run(); }
-TEST(Matrix, ControlIsReplacedByAnotherController) {
-  Replacement("control", 105, kLowRate_Hz).Run();
+TEST_P(Matrix, RegimeIsReplacedByTheTruth) { Replacement("regime", 101, GetParam()).Run(); }
+TEST_P(Matrix, ReferenceIsReplacedByARecording) { Replacement("reference", 102, GetParam()).Run(); }
+TEST_P(Matrix, EsnIsReplacedByInverseDynamics) { Replacement("esn", 103, GetParam()).Run(); }
+TEST_P(Matrix, RlsIsReplacedByAFrozenReadout) { Replacement("rls", 104, GetParam()).Run(); }
+TEST_P(Matrix, ControlIsReplacedByAnotherController) {
+  Replacement("control", 105, GetParam()).Run();
 }
 
-TEST(MatrixAtFullRate, PneumaticsIsReplacedByTheIdealSource) {
-  Replacement("pneumatics", 100, kFullRate_Hz).Run();
-}
-TEST(MatrixAtFullRate, RegimeIsReplacedByTheTruth) {
-  Replacement("regime", 101, kFullRate_Hz).Run();
-}
-TEST(MatrixAtFullRate, ReferenceIsReplacedByARecording) {
-  Replacement("reference", 102, kFullRate_Hz).Run();
-}
-TEST(MatrixAtFullRate, EsnIsReplacedByInverseDynamics) {
-  Replacement("esn", 103, kFullRate_Hz).Run();
-}
-TEST(MatrixAtFullRate, RlsIsReplacedByAFrozenReadout) {
-  Replacement("rls", 104, kFullRate_Hz).Run();
-}
-TEST(MatrixAtFullRate, ControlIsReplacedByAnotherController) {
-  Replacement("control", 105, kFullRate_Hz).Run();
-}
+INSTANTIATE_TEST_SUITE_P(LowRate, Matrix, ::testing::Values(kLowRate_Hz));
+INSTANTIATE_TEST_SUITE_P(FullRate, Matrix, ::testing::Values(kFullRate_Hz));
 
 }  // namespace
 }  // namespace sinew::testing
