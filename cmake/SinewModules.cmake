@@ -15,8 +15,8 @@
 #     -> a GoogleTest program; every case is a ctest of its own. Without LABEL it is a unit test: label `unit`, built
 #        by the target unit_tests. THREADS: its code starts threads; `tools/test --tsan` runs it too (label
 #        `unit-threads` or `dds-threads`, target thread_tests). A test that starts PROGRAMS names its LABEL: `programs`,
-#        or `dds` or `system` with SERIAL. One on whole recordings or many runs of the surrogate has the label `acceptance`: it is
-#        not run under sanitizers.
+#        or `dds`, `system` or `soak` (not in tools/test) with SERIAL. One on whole recordings or many runs of the
+#        surrogate has the label `acceptance`: it is not run under sanitizers.
 foreach(list SINEW_MODULES SINEW_PUBLIC_HEADERS SINEW_OTHER_HEADERS)
   set_property(GLOBAL PROPERTY ${list} "")
 endforeach()
@@ -186,7 +186,7 @@ function(sinew_add_test name)
     set(ARG_TIMEOUT 180)
   endif()
   set(properties TIMEOUT ${ARG_TIMEOUT} LABELS ${ARG_LABEL})
-    if(ARG_SERIAL)
+  if(ARG_SERIAL)
     list(APPEND properties RUN_SERIAL TRUE)
   endif()
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES ${properties})

@@ -11,7 +11,7 @@ enum class OperatorAction {
   kStart,         // reference generators: start the trajectory
   kStop,          // reference generators: end the trajectory
   kHandover,      // a role goes to the participant that is named
-  kPermitReplay,  // the named player's reference may move live hardware in this session
+  kPermitReplay,  // the named player's reference may move live hardware
 };
 
 }  // namespace sinew::types

@@ -37,7 +37,7 @@ struct Output {
   std::optional<Facts> facts;  // empty: no message of the topic
   std::size_t size = 0;        // bytes of the payload
   double latency_s = 0.0;  // since joint_state of its tick was sent; 0: of no tick of the window
-  bool early = false;      // of this session, but of a tick that was not asked for yet
+  bool early = false;      // of the played session_id, but of a tick that was not asked for yet
 };
 
 // What was played, and what came back.

@@ -142,7 +142,7 @@ void AddPermitReplayCommand(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--json", options->json, "As JSON");
   command->footer(
-      "In this session, for this one player, until the robot is disarmed, stopped or in fault, or "
+      "For this one player, until the robot is disarmed, stopped, in fault or started anew, or "
       "somebody else's\nreference is heard. The joints go from where they are held to the "
       "recording "
       "over replay_takeover_s.\nSimulations need no permission.\nExit code 1 when it could not be "
