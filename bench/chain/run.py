@@ -26,7 +26,7 @@ QOS = ROOT / "components/node/qos_profiles.xml"
 
 # QoS profile of a topic (idl/README.md), where it is not "control".
 PROFILES = {"joint_state": "state", "actuator_state": "state", "residual": "state", "readout": "control_latched"}
-PRIORITIES = {"reference": 36, "regime": 34, "pneumatics": 38, "esn": 32, "rls": 30, "control": 40, "residual": 0}
+PRIORITIES = {"reference": 36, "regime": 34, "pneumatics": 31, "esn": 32, "rls": 30, "control": 40, "residual": 0}
 SOURCE_PRIORITY = 44
 
 # Name, program, configuration.

@@ -6,7 +6,15 @@
 // Says after each kill how long it took, and at the end median, 99th percentile and worst beside
 // the goals.
 // Also how long a controller that is started anew takes until its first command arrives.
-//   watchdog_kills [--kills N] [--rate HZ] [--domain N] [--qos FILE]
+//
+// With --standby a second controller stands by each time, and the gap between the commands of the
+// dead one and its own is measured instead; nothing may be a fault then.
+//
+// With --realtime all are under SCHED_FIFO, and so is a witness above them that wants to run every
+// millisecond: a time beyond its goal in which the witness was over 1 ms late itself is the
+// machine's, and is counted apart.
+//   watchdog_kills [--kills N] [--rate HZ] [--standby] [--realtime] [--load] [--domain N]
+//                  [--qos FILE]
 #include <signal.h>
 #include <sinew_idl/joint.h>
 #include <sinew_idl/operator.h>
@@ -31,9 +39,11 @@
 #include "bridge/can/codec.h"
 #include "bridge/can/transport/virtual_can.h"
 #include "components/node/node.h"
+#include "components/node/realtime.h"
 #include "components/types/clock/clock.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/witness.h"
 
 namespace sinew {
 namespace {
@@ -52,9 +62,10 @@ constexpr double kScale = 0.0137833 / 0.0159155;  // controller's torque over th
 struct Place {
   int domain = 97;
   std::string qos;  // a file of profiles instead of the built-in ones
+  bool realtime = false;
 };
 
-node::Options NodeOptions(const Place& place, const char* name) {
+node::Options NodeOptions(const Place& place, const std::string& name) {
   node::Options options;
   options.component = options.name = name;
   options.domain_id = place.domain;
@@ -65,12 +76,14 @@ node::Options NodeOptions(const Place& place, const char* name) {
 std::vector<std::string> Arguments(std::vector<std::string> program, const Place& place) {
   program.insert(program.end(), {"--domain", std::to_string(place.domain)});
   if (!place.qos.empty()) program.insert(program.end(), {"--qos", place.qos});
+  if (place.realtime) program.emplace_back("--realtime");
   return program;
 }
 
 // The controller that will be killed: answers every joint_state.
-int Command(const Place& place) {
-  node::Node node(NodeOptions(place, "commander"));
+int Command(const Place& place, const std::string& name) {
+  if (place.realtime) node::BecomeRealtime("control");
+  node::Node node(NodeOptions(place, name));
   auto states = node.MakeReader(node::kJointState);
   auto commands = node.MakeWriter(node::kJointCommand);
   while (::getppid() != 1) {
@@ -100,6 +113,7 @@ class Watcher {
     std::int64_t fresh_ns = 0;    // last setpoint that was a new command
     std::int64_t damping_ns = 0;  // first setpoint after it that was no command's
     std::int64_t idle_ns = 0;     // first idle state after it
+    std::int64_t gap_ns = 0;      // longest between two new commands
     int fresh = 0;
     bool watchdog = false;  // the axis' own has expired: the whole machine stood still
   };
@@ -127,8 +141,11 @@ class Watcher {
         if (torque_Nm > 0.5 * kTorque_Nm) {
           if (torque_Nm == last_Nm) continue;  // the last command once more
           last_Nm = torque_Nm;
-          seen_ = {
-              .fresh_ns = received.stamp_ns, .fresh = seen_.fresh + 1, .watchdog = seen_.watchdog};
+          const std::int64_t gap_ns = seen_.fresh > 0 ? received.stamp_ns - seen_.fresh_ns : 0;
+          seen_ = {.fresh_ns = received.stamp_ns,
+                   .gap_ns = std::max(seen_.gap_ns, gap_ns),
+                   .fresh = seen_.fresh + 1,
+                   .watchdog = seen_.watchdog};
         } else if (seen_.fresh > 0 && seen_.damping_ns == 0) {
           seen_.damping_ns = received.stamp_ns;
         }
@@ -177,9 +194,13 @@ class Bench {
       arguments[0] = bin + arguments[0];
       programs_.push_back(std::make_unique<Program>(arguments));
     };
-    start({"sinew-can-bus", "--bus", bus});
-    start({"sinew-virtual-axes", "--config",
-           folder_.Write("virtual_axes.yaml", WithBus(rig + "virtual_axes.yaml", bus))});
+    const auto beside = [&](std::vector<std::string> arguments) {
+      if (place.realtime) arguments.emplace_back("--realtime");
+      start(arguments);
+    };
+    beside({"sinew-can-bus", "--bus", bus});
+    beside({"sinew-virtual-axes", "--config",
+            folder_.Write("virtual_axes.yaml", WithBus(rig + "virtual_axes.yaml", bus))});
     // Pushed a thousand times one way, the link comes to its end stop: no fault here.
     const std::string map =
         folder_.Write("map.yaml", With(rig + "can_bridge.yaml", "upper_rad: 1.9", "upper_rad: 3"));
@@ -196,9 +217,9 @@ class Bench {
   }
 
   // Milliseconds from the last command to damping and to the fault, and from the start of the
-  // controller to the first command that we receive.
+  // controller to the first command that we receive. witness_ms: how late the machine was.
   struct Times {
-    double damping_ms = 0.0, fault_ms = 0.0, start_ms = 0.0;
+    double damping_ms = 0.0, fault_ms = 0.0, start_ms = 0.0, witness_ms = 0.0;
   };
   // Nothing when the machine stood still so long that the axis' own watchdog ended it (0.1 s).
   std::optional<Times> Kill(milliseconds after) {
@@ -215,6 +236,7 @@ class Bench {
     watcher_->Clear();
     Await("commands on the bus", [&] { return ArmedAndMoving(); });
     std::this_thread::sleep_for(after);
+    const testing::Witness witness;
     commander.Signal(SIGKILL);
     Await("the fault", [&] { return watcher_->seen().idle_ns != 0; });
     const Watcher::Seen seen = watcher_->seen();
@@ -228,10 +250,52 @@ class Bench {
     }
     if (seen.watchdog) return std::nullopt;
     return Times{1e-6 * static_cast<double>(seen.damping_ns - seen.fresh_ns),
-                 1e-6 * static_cast<double>(seen.idle_ns - seen.fresh_ns), start_ms};
+                 1e-6 * static_cast<double>(seen.idle_ns - seen.fresh_ns), start_ms,
+                 witness.Latest_ms()};
+  }
+
+  // The longest time without a new command on the bus when the owner dies beside a standby.
+  struct TakeOver {
+    double gap_ms = 0.0, witness_ms = 0.0;
+  };
+  TakeOver KillBesideStandby(milliseconds after) {
+    while (controllers_.size() < 2) {
+      controllers_.push_back(std::make_unique<Program>(Arguments(
+          {self_, "--commander", "--name", "commander_" + std::to_string(started_++)}, place_)));
+      if (controllers_.size() == 1) {
+        Await("commands on the bus", [&] { return ArmedAndMoving(); });
+      }
+    }
+    Await("an owner and one that stands by", [&] { return OneOwnerAndOneBelow(); });
+    std::this_thread::sleep_for(after);
+    watcher_->Clear();
+    Await("commands on the bus", [&] { return watcher_->seen().fresh > 5; });
+    const testing::Witness witness;
+    const std::int64_t kill_ns = types::MonotonicNow_ns();
+    controllers_.front()->Signal(SIGKILL);
+    (void)controllers_.front()->Wait(seconds(5));
+    controllers_.erase(controllers_.begin());
+    Await("commands after the kill", [&] {
+      const Watcher::Seen seen = watcher_->seen();
+      return seen.idle_ns != 0 || types::MonotonicNow_ns() - kill_ns > 150'000'000;
+    });
+    const Watcher::Seen seen = watcher_->seen();
+    if (seen.idle_ns != 0) throw std::runtime_error("a fault beside a standby");
+    return {1e-6 * static_cast<double>(seen.gap_ns), witness.Latest_ms()};
   }
 
  private:
+  // As their announcements say: the first controller above the other, both settled.
+  bool OneOwnerAndOneBelow() {
+    std::uint32_t owner = 0, below = 0;
+    for (const node::Endpoint& endpoint : node_.Endpoints()) {
+      if (!endpoint.is_writer || endpoint.topic != node::kJointCommand.name) continue;
+      const bool newest = endpoint.participant == "commander_" + std::to_string(started_ - 1);
+      (newest ? below : owner) = endpoint.strength;
+    }
+    return below > 1 && owner > below;
+  }
+
   bool ArmedAndMoving() {
     while (const auto state = states_.TakeNext()) last_ = *state;
     const bool fault = last_.robot_state() == msg::ROBOT_FAULT;
@@ -266,6 +330,8 @@ class Bench {
   Place place_;
   testing::TemporaryFolder folder_;
   std::vector<std::unique_ptr<Program>> programs_;
+  std::vector<std::unique_ptr<Program>> controllers_;  // the owner, and who stands by
+  int started_ = 0;
   std::unique_ptr<Watcher> watcher_;
   node::Node node_;
   node::Reader<msg::JointState> states_ = node_.MakeReader(node::kJointState);
@@ -276,58 +342,114 @@ class Bench {
   int asked_ = 0;
 };
 
-void PrintTimes(const char* what, std::vector<double> values_ms, double goal_ms = 0.0) {
+struct Measured {
+  double value_ms, witness_ms;
+};
+
+constexpr double kWitnessGoal_ms = 1.0;
+
+void PrintTimes(const char* what, const std::vector<Measured>& measured, double goal_ms = 0.0) {
+  std::vector<double> values_ms;
+  values_ms.reserve(measured.size());
+  int late = 0, late_machine = 0, disturbed = 0;
+  for (const Measured& one : measured) {
+    values_ms.push_back(one.value_ms);
+    const bool machine = one.witness_ms > kWitnessGoal_ms;
+    disturbed += machine ? 1 : 0;
+    if (one.value_ms > goal_ms) ++(machine ? late_machine : late);
+  }
   std::sort(values_ms.begin(), values_ms.end());
   const auto at = [&](double share) {
     return values_ms[static_cast<std::size_t>(share * static_cast<double>(values_ms.size() - 1))];
   };
-  const auto late = std::count_if(values_ms.begin(), values_ms.end(),
-                                  [&](double value) { return value > goal_ms; });
   std::printf("%-28s median %7.2f  99 %% %7.2f  worst %7.2f ms", what, at(0.5), at(0.99),
               values_ms.back());
   if (goal_ms > 0.0) {
-    std::printf("   goal %6.2f ms, later %ld of %zu", goal_ms, static_cast<long>(late),
-                values_ms.size());
+    std::printf("   goal %6.2f ms, later %d of %zu; %d more while the machine was late itself (%d)",
+                goal_ms, late, values_ms.size(), late_machine, disturbed);
   }
   std::printf("\n");
+}
+
+// One busy process a core, at the lowest priority that the other programs of a machine have.
+class Load {
+ public:
+  Load() {
+    for (unsigned k = 0; k < std::thread::hardware_concurrency(); ++k) {
+      busy_.push_back(std::make_unique<Program>(
+          std::vector<std::string>{"/bin/sh", "-c", "while :; do :; done"}));
+    }
+  }
+
+ private:
+  std::vector<std::unique_ptr<Program>> busy_;
+};
+
+void MeasureTakeOvers(Bench* bench, int kills, double period_ms) {
+  std::mt19937 random(1);
+  std::vector<Measured> gaps;
+  for (int k = 1; k <= kills; ++k) {
+    const auto [gap_ms, witness_ms] =
+        bench->KillBesideStandby(milliseconds(20 + static_cast<int>(random() % 100)));
+    gaps.push_back({gap_ms, witness_ms});
+    if (k % 100 == 0) std::fprintf(stderr, "%d of %d\n", k, kills);
+  }
+  std::printf("%d kills beside a standby, period %.2f ms\n", kills, period_ms);
+  PrintTimes("command to command", gaps, 35.0);
+}
+
+void MeasureFaults(Bench* bench, int kills, double period_ms) {
+  std::mt19937 random(1);
+  std::vector<Measured> damping, fault, start;
+  int stood_still = 0;
+  for (int k = 0; k < kills;) {
+    const auto times = bench->Kill(milliseconds(20 + static_cast<int>(random() % 100)));
+    if (!times) {
+      if (++stood_still > kills / 10 + 1) {
+        throw std::runtime_error("the machine stands still too often");
+      }
+      continue;
+    }
+    damping.push_back({times->damping_ms, times->witness_ms});
+    fault.push_back({times->fault_ms, times->witness_ms});
+    start.push_back({times->start_ms, times->witness_ms});
+    if (++k % 100 == 0) std::fprintf(stderr, "%d of %d\n", k, kills);
+  }
+  std::printf("%d kills, period %.2f ms; %d more in which the axis' own watchdog was first\n",
+              kills, period_ms, stood_still);
+  PrintTimes("last command to damping", damping, 4.0 * period_ms);
+  PrintTimes("last command to the fault", fault, 60.0 + period_ms);
+  PrintTimes("start to the first command", start);
 }
 
 int Main(int argc, char** argv) {
   int kills = 1000;
   Place place;
   double rate_Hz = 240.0;
-  bool commander = false;
+  bool commander = false, standby = false, loaded = false;
+  std::string name = "commander";
   CLI::App app("Kills the controller and measures what the bridge does on the bus");
   app.add_option("--kills", kills, "How often")->capture_default_str();
   app.add_option("--rate", rate_Hz, "Cycles per second of the bridge")->capture_default_str();
   app.add_option("--domain", place.domain, "DDS domain")->capture_default_str();
   app.add_option("--qos", place.qos, "XML file with QoS profiles instead of the built-in ones");
+  app.add_flag("--realtime", place.realtime, "All processes under SCHED_FIFO");
+  app.add_flag("--standby", standby, "Another controller stands by: measure how it takes over");
+  app.add_flag("--load", loaded, "One busy process a core beside it");
   app.add_flag("--commander", commander, "Be the controller that is killed");
+  app.add_option("--name", name, "Of that controller");
   CLI11_PARSE(app, argc, argv);
-  if (commander) return Command(place);
+  if (commander) return Command(place, name);
 
-  Bench bench(std::filesystem::read_symlink("/proc/self/exe").string(), place, rate_Hz);
-  std::mt19937 random(1);
-  std::vector<double> damping_ms, fault_ms, start_ms;
-  int stood_still = 0;
-  for (int k = 0; k < kills;) {
-    const auto times = bench.Kill(milliseconds(20 + static_cast<int>(random() % 100)));
-    if (!times) {
-      if (++stood_still > kills / 10 + 1)
-        throw std::runtime_error("the machine stands still too often");
-      continue;
-    }
-    damping_ms.push_back(times->damping_ms);
-    fault_ms.push_back(times->fault_ms);
-    start_ms.push_back(times->start_ms);
-    if (++k % 100 == 0) std::fprintf(stderr, "%d of %d\n", k, kills);
-  }
   const double period_ms = 1e3 / rate_Hz;
-  std::printf("%d kills at %g Hz; %d more in which the axis' own watchdog was first\n", kills,
-              rate_Hz, stood_still);
-  PrintTimes("last command to damping", damping_ms, 4.0 * period_ms);
-  PrintTimes("last command to the fault", fault_ms, 60.0 + period_ms);
-  PrintTimes("start to the first command", start_ms);
+  Bench bench(std::filesystem::read_symlink("/proc/self/exe").string(), place, rate_Hz);
+  std::optional<Load> load;
+  if (loaded) load.emplace();
+  if (standby) {
+    MeasureTakeOvers(&bench, kills, period_ms);
+  } else {
+    MeasureFaults(&bench, kills, period_ms);
+  }
   return 0;
 }
 

@@ -76,7 +76,7 @@ JointController::JointController(const JointControlConfig& config)
   Require(config.damping_Nm_s_rad >= 0.0, "damping", config.damping_Nm_s_rad);
   Require(config.motion_acceleration_rad_s2 > 0.0, "motion acceleration",
           config.motion_acceleration_rad_s2);
-  Require(config.stale_grace_ticks >= 0, "grace ticks", config.stale_grace_ticks);
+  Require(config.stale_grace_s >= 0.0, "grace", config.stale_grace_s);
   if (config.strategy == Strategy::kPidLinear) {
     if (!config.model) throw std::invalid_argument("pid_linear needs a model");
     compensator_.emplace(*config.model, config.compensator);
@@ -87,10 +87,12 @@ void JointController::Disarm() noexcept {
   started_ = false;
   latched_ = Fault::kNone;
   aim_ = Aim::kNone;
-  stale_ticks_ = 0;
+  last_reference_.Forget();
+  last_prediction_.Forget();
+  last_regime_.Forget();
   last_position_known_ = false;
   source_ = 0;
-  feed_forward_Nm_ = fade_Nm_ = 0.0;
+  feed_forward_Nm_ = fade_Nm_ = integral_alone_Nm_ = 0.0;
   motion_ = {};
   move_.reset();
   pid_.Reset();
@@ -132,11 +134,43 @@ JointOutput JointController::Damping(const JointMeasurement& m) const noexcept {
   return output;
 }
 
+void JointController::BridgeLateInputs(JointInput* input) noexcept {
+  const double grace_s = config_.stale_grace_s;
+  if (input->reference_fresh) {
+    // After a loss it is taken up like another generator's.
+    input->reference_changed |= last_reference_.late_s() > grace_s;
+    last_reference_.Came(input->reference);
+  } else {
+    last_reference_.Missed(input->period_s);
+    if (aim_ == Aim::kReference && last_reference_.Within(grace_s)) {
+      const Point& last = last_reference_.value();
+      const double t_s = last_reference_.late_s();
+      input->reference = {
+          last.position_rad + t_s * (last.velocity_rad_s + 0.5 * t_s * last.acceleration_rad_s2),
+          last.velocity_rad_s + t_s * last.acceleration_rad_s2, last.acceleration_rad_s2};
+      input->reference_fresh = true;
+    }
+  }
+  if (input->prediction_fresh) {
+    last_prediction_.Came(input->prediction);
+  } else {
+    last_prediction_.Missed(input->period_s);
+    input->prediction_fresh = last_prediction_.Within(grace_s);
+    input->prediction = last_prediction_.value();
+  }
+  if (input->regime_fresh) {
+    last_regime_.Came(input->regime);
+  } else {
+    last_regime_.Missed(input->period_s);
+    input->regime = last_regime_.Within(grace_s) ? last_regime_.value() : types::Regime::kUnknown;
+  }
+}
+
 void JointController::ChooseAim(const JointInput& input) noexcept {
   const double position_rad = input.measured->position_rad;
   if (input.reference_expected) {
     if (!input.reference_fresh) return;  // stays with what it did
-    if (aim_ != Aim::kReference || stale_ticks_ > 0 || input.reference_changed ||
+    if (aim_ != Aim::kReference || input.reference_changed ||
         input.reference_replayed != replayed_) {
       const double from_rad = aim_ == Aim::kPush ? position_rad : target_.position_rad;
       offset_rad_ = from_rad - input.reference.position_rad;
@@ -219,10 +253,12 @@ double JointController::FeedForward(const JointInput& input, const Point& target
   }
   if (source != source_ || (source >= 2 && input.prediction_changed)) {
     fade_Nm_ = feed_forward_Nm_ - wanted_Nm;
-    if (source_ == 0) {  // what the integral held in the feed-forward's place, it gives up
+    if (source == 0) {
+      integral_alone_Nm_ = pid_.integral_Nm();
+    } else if (source_ == 0) {  // what the integral took over from the feed-forward, it gives back
       const double instead_Nm = wanted_Nm / config_.shaft_per_output;
-      const double held_Nm =
-          std::clamp(pid_.integral_Nm(), std::min(0.0, instead_Nm), std::max(0.0, instead_Nm));
+      const double held_Nm = std::clamp(pid_.integral_Nm() - integral_alone_Nm_,
+                                        std::min(0.0, instead_Nm), std::max(0.0, instead_Nm));
       pid_.Shift(-held_Nm);
       fade_Nm_ += config_.shaft_per_output * held_Nm;
     }
@@ -308,16 +344,12 @@ JointController::Result JointController::Step(const JointInput& input) noexcept 
 
   JointInput now = input;
   now.measured = &m;
+  BridgeLateInputs(&now);
   const Aim before_aim = aim_;
   ChooseAim(now);
   if (before_aim == Aim::kPush && aim_ != Aim::kPush) pid_.Reset();  // it was the motor's own
-  const bool lost = input.reference_expected && !input.reference_fresh;
-  if (lost) {
-    result.stale = true;
-    stale_ticks_ = std::min(stale_ticks_ + 1, 1 << 20);
-  } else {
-    stale_ticks_ = 0;
-  }
+  if (input.reference_expected && !input.reference_fresh) result.stale = true;
+  const bool lost = input.reference_expected && !now.reference_fresh;
   if (aim_ == Aim::kPush) {
     result.output = Push(now);
     if (!std::isfinite(result.output.motor_torque_Nm) ||
@@ -345,14 +377,13 @@ JointController::Result JointController::Step(const JointInput& input) noexcept 
     output.mode = types::ControlMode::kPosition;
     return result;
   }
-  if (lost && stale_ticks_ > config_.stale_grace_ticks && config_.on_stale == OnStale::kDamp) {
+  if (lost && config_.on_stale == OnStale::kDamp) {
     result.output = Damping(m);
     return result;
   }
-  if (config_.strategy == Strategy::kPidEsn && input.prediction_fresh && input.prediction.valid &&
-      !(std::isfinite(input.prediction.sea_torque_Nm) &&
-        std::isfinite(input.prediction.pea_torque_Nm) &&
-        std::isfinite(input.prediction.torque_Nm))) {
+  if (config_.strategy == Strategy::kPidEsn && now.prediction_fresh && now.prediction.valid &&
+      !(std::isfinite(now.prediction.sea_torque_Nm) &&
+        std::isfinite(now.prediction.pea_torque_Nm) && std::isfinite(now.prediction.torque_Nm))) {
     now.prediction.valid = false;
     result.fault = Fault::kNonFinitePrediction;
     result.stale = true;

@@ -9,14 +9,17 @@
 // Command, torque strategies: limit(PID / (N efficiency) + feed-forward) at the motor shaft; the
 // cut part goes back into the integral. kPosition gives the target to the drive's own loops.
 //
-// Lost input: a reference that does not come leaves the target where it was, at rest, for
-// grace_ticks and then by configuration (hold: stays there; damp: only damping). A lost position
-// leaves damping by motor velocity, or no torque. All of it is marked stale. Non-finite input, or a
-// tracking error above its limit, latches a fault: motor off until disarmed.
+// Late input: for stale_grace_s the reference goes on at its last acceleration, and the last
+// prediction and the last regime stay. Then it is lost: without a reference the target stays where
+// it was, at rest, or there is only damping (on_stale); without prediction or regime there is no
+// network. A lost position leaves damping by motor velocity, or no torque. All of it is marked
+// stale. Non-finite input, or a tracking error above its limit, latches a fault: motor off until
+// disarmed.
 //
 // Thread: one. Step is noexcept and allocates nothing.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 
@@ -51,7 +54,7 @@ struct JointControlConfig {
   double tracking_error_limit_rad = 0.0;  // 0: none
   double damping_Nm_s_rad = 0.3;          // of safe commands, at the output
   OnStale on_stale = OnStale::kHold;
-  int stale_grace_ticks = 3;
+  double stale_grace_s = 0.035;  // what a standby needs to take over: docs/safety.md
   double motion_acceleration_rad_s2 = 1.0;
 };
 
@@ -67,8 +70,31 @@ struct JointInput {
   bool prediction_fresh = false;
   bool prediction_changed = false;  // to another predictor's: likewise
   JointPrediction prediction;
+  bool regime_fresh = false;
   types::Regime regime = types::Regime::kUnknown;
   MotionOrder motion;
+};
+
+// The last value of an input that comes every tick, and for how long it has not come.
+template <class Value>
+class LateInput {
+ public:
+  void Came(const Value& value) noexcept {
+    value_ = value;
+    late_s_ = 0.0;
+    known_ = true;
+  }
+  void Missed(double period_s) noexcept { late_s_ = std::min(late_s_ + period_s, 1e6); }
+  void Forget() noexcept { *this = {}; }
+  double late_s() const noexcept { return late_s_; }
+  // The last value counts, late or not.
+  bool Within(double grace_s) const noexcept { return known_ && late_s_ <= grace_s; }
+  const Value& value() const noexcept { return value_; }
+
+ private:
+  Value value_{};
+  double late_s_ = 0.0;
+  bool known_ = false;
 };
 
 class JointController {
@@ -95,6 +121,8 @@ class JointController {
  private:
   enum class Aim { kNone, kHold, kReference, kMove, kPush };
 
+  // Puts the last values in the place of what is late, until it is lost.
+  void BridgeLateInputs(JointInput* input) noexcept;
   void ChooseAim(const JointInput& input) noexcept;
   Point Target(const JointInput& input) noexcept;
   double MeasuredVelocity(const JointMeasurement& m, double period_s) noexcept;
@@ -114,7 +142,9 @@ class JointController {
   double offset_age_s_ = 0.0;
   double offset_fades_s_ = 0.0;
   bool replayed_ = false;  // the reference that is followed
-  int stale_ticks_ = 0;
+  LateInput<Point> last_reference_;
+  LateInput<JointPrediction> last_prediction_;
+  LateInput<types::Regime> last_regime_;
   MotionOrder motion_;  // being executed
   std::optional<reference::Move> move_;
   double move_age_s_ = 0.0;
@@ -125,6 +155,7 @@ class JointController {
   int source_ = 0;                  // of the feed-forward: 0 none, 1 model, 2 SEA, 3 PEA, 4 network
   double feed_forward_Nm_ = 0.0;    // applied in the last tick
   double fade_Nm_ = 0.0;
+  double integral_alone_Nm_ = 0.0;  // where the feed-forward ended
 };
 
 }  // namespace sinew::control

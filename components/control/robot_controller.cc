@@ -51,7 +51,8 @@ RobotOutput RobotController::Step(const RobotInput& input) noexcept {
     joint.prediction_fresh = input.prediction_fresh;
     joint.prediction_changed = input.prediction_changed;
     joint.prediction = input.prediction[j];
-    joint.regime = input.regime_fresh ? input.regime[j] : types::Regime::kUnknown;
+    joint.regime_fresh = input.regime_fresh;
+    joint.regime = input.regime[j];
     joint.motion = input.motion[j];
     const JointController::Result result = joints_[j].Step(joint);
     output.joint[j] = result.output;

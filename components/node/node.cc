@@ -41,10 +41,19 @@ std::optional<Node::WriterName> Node::NameOf(const WriterId& writer) const {
   std::copy_n(writer.begin() + guid.guidPrefix.size, guid.entityId.size, guid.entityId.value);
   WriterName name;
   name.guid = internal::TextOf(guid);
-  name.own = guid.guidPrefix == impl_->participant->guid().guidPrefix;
+  name.own = Owns(writer);
   name.participant = name.own ? impl_->options.name : impl_->discovery.ParticipantOf(guid);
   if (name.participant.empty()) return std::nullopt;
   return name;
+}
+
+bool Node::Owns(const WriterId& writer) const {
+  if (impl_->apart()) {
+    const auto name = impl_->options.composition->NameOf(writer);
+    return name && *name == impl_->options.name;
+  }
+  const auto& prefix = impl_->participant->guid().guidPrefix;
+  return std::equal(prefix.value, prefix.value + prefix.size, writer.begin());
 }
 
 void Node::SetPeriod(std::chrono::nanoseconds period) {

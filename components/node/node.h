@@ -141,6 +141,8 @@ class Node {
     bool own = false;
   };
   std::optional<WriterName> NameOf(const WriterId& writer) const;
+  // This node's own writer. Cheap, unlike NameOf.
+  bool Owns(const WriterId& writer) const;
   // The nominal period of the cycle, once it is known or when it has changed: it sets how long the
   // owner of a topic may be silent (ownership.h).
   void SetPeriod(std::chrono::nanoseconds period);

@@ -30,8 +30,7 @@ class OtherOwner {
     while (reader_) {
       auto message = reader_->TakeNext();
       if (!message) break;
-      const auto writer = node_.NameOf(reader_->writer());
-      if (writer && writer->own) {
+      if (node_.Owns(reader_->writer())) {
         heard_tick_.reset();
         continue;
       }

@@ -151,7 +151,7 @@ void OwnershipKeeper::HandOver() {
   spdlog::info("handover: '{}' takes over", node_.options.name);
 }
 
-void OwnershipKeeper::StepBelow() {
+bool OwnershipKeeper::StepBelow() {
   const std::lock_guard<std::mutex> lock(writers_mutex_);
   bool stepped = false;
   for (Entry& entry : writers_) {
@@ -162,6 +162,7 @@ void OwnershipKeeper::StepBelow() {
     stepped = stepped || entry.writer->strength() != before;
   }
   if (stepped) spdlog::warn("silent for too long: another participant has taken over");
+  return stepped;
 }
 
 }  // namespace sinew::node::internal

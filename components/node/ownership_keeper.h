@@ -41,8 +41,8 @@ class OwnershipKeeper {
   void Close();
 
   // This participant was silent for longer than the deadline: its writers go below all others
-  // before this returns.
-  void StepBelow();
+  // before this returns. True: there are others.
+  bool StepBelow();
   // Of the running cycle: a handover counts for its session only, on live hardware from a live
   // operator only, and never from a recording.
   void SetCycle(std::uint64_t session_id, int origin) {

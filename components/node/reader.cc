@@ -156,7 +156,8 @@ std::optional<Sample> ReaderImpl::TakeNext() { return queue_.TakeNext(); }
 std::optional<Sample> ReaderImpl::TakeLatest() { return queue_.TakeLatest(); }
 
 void ReaderImpl::WaitForSample(std::chrono::microseconds timeout) {
-  if (queue_.empty()) node->signal.Wait(timeout, this);
+  const void* const sources[] = {this};
+  if (queue_.empty()) node->signal.Wait(timeout, sources);
 }
 
 void ReaderImpl::CountMalformed() {

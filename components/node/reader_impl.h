@@ -25,6 +25,7 @@ struct ReaderImpl final : public dds::DataReaderListener {
 
   std::optional<Sample> TakeNext();
   std::optional<Sample> TakeLatest();
+  bool empty() const { return queue_.empty(); }
   // Returns when a sample is waiting here or the timeout is over.
   void WaitForSample(std::chrono::microseconds timeout);
   int matched() const;

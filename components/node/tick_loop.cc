@@ -14,6 +14,7 @@
 #include "components/node/other_owner.h"
 #include "components/node/replay_gate.h"
 #include "components/node/tick_period.h"
+#include "components/types/clock/clock.h"
 #include "components/types/command_rule.h"
 #include "components/wire/wire.h"
 
@@ -65,8 +66,16 @@ class InputBase {
   bool replay_permitted() const {
     return replay && replay->holds() && queue.accepted() && origin() == msg::ORIGIN_REPLAY;
   }
-  // Sleeps until a sample of this input arrives or the timeout is over.
-  void Wait(std::chrono::microseconds timeout) { reader_->WaitForSample(timeout); }
+  // What wakes who waits for this input (wake_signal.h).
+  const void* source() const { return reader_.get(); }
+  // Nothing for the cycle of this tick is here, taken or not.
+  bool Missing(std::uint64_t tick) const {
+    return queue.rules().required && !queue.Reached(tick) && reader_->empty();
+  }
+  // How long ago the newest sample that was taken had come.
+  std::chrono::nanoseconds Age() const {
+    return std::chrono::nanoseconds(types::EpochNow_ns() - newest_came_ns_);
+  }
 
   const std::string& topic() const { return reader_->topic.name; }
   std::uint64_t dropped() const { return reader_->dropped() + queue.dropped(); }
@@ -98,11 +107,13 @@ class InputBase {
         continue;
       }
       if (!admits(head, sample->writer)) continue;
+      newest_came_ns_ = sample->reception_stamp_ns;
       queue.Push(head, std::move(sample->bytes), sample->writer);
     }
   }
 
   std::unique_ptr<ReaderImpl> reader_;
+  std::int64_t newest_came_ns_ = 0;  // epoch
   CommandGate gate_{topic()};
   const bool commands_ = std::find(kCommandingTopics.begin(), kCommandingTopics.end(), topic()) !=
                          kCommandingTopics.end();
@@ -219,6 +230,11 @@ struct TickLoop::Impl {
   std::optional<std::uint64_t> last_tick;
   bool ended = false;
   std::optional<HeadOfMessage> begun{};  // the trigger of the next cycle, accepted
+  std::vector<const void*> awaited{};    // scratch: the sources of a wait
+  Clock::time_point next_cut_off{};      // when the next cycle goes on without late inputs
+  Clock::time_point last_cycle{};        // of last_tick
+  std::int64_t last_stamp_ns = 0;        // of last_tick's trigger
+  Clock::time_point quiet_until{};
 
   // A trigger must say how long a cycle is, itself or in the options.
   void CheckTrigger(std::string_view topic, bool carries_period, const InputRules& rules) const {
@@ -263,48 +279,106 @@ struct TickLoop::Impl {
   std::optional<HeadOfMessage> WaitForTrigger() {
     while (!AcceptTrigger()) {
       if (stop.requested()) return std::nullopt;
-      inputs.front()->Wait(std::chrono::milliseconds(50));
+      AwaitTrigger();
       status.Beat();
     }
     return std::exchange(begun, std::nullopt);
   }
 
-  void StartSession(const HeadOfMessage& head) {
-    session_id = head.session_id;
-    last_tick.reset();
-    for (std::size_t i = 1; i < inputs.size(); ++i) inputs[i]->queue.Reset();
+  // One wake-up a cycle: with the trigger the inputs of the next tick are awaited, in real time
+  // until the cut-off after the trigger is expected. Without one by then, for the trigger alone.
+  void AwaitTrigger() {
+    using std::chrono::microseconds;
+    microseconds timeout = std::chrono::milliseconds(50);
+    awaited.assign(1, inputs.front()->source());
+    const auto left = std::chrono::duration_cast<microseconds>(next_cut_off - Clock::now());
+    if (last_tick && (lockstep || left.count() > 0)) {
+      if (!lockstep) timeout = std::min(timeout, left);
+      for (std::size_t i = 1; i < inputs.size(); ++i) {
+        if (inputs[i]->Missing(*last_tick + 1)) awaited.push_back(inputs[i]->source());
+      }
+    }
+    node.impl_->signal.Wait(timeout, awaited);
   }
 
-  // Until the sample of the tick is here, or in real time the deadline. False: stop was requested.
-  bool WaitForInput(InputBase& input, std::uint64_t tick, Clock::time_point deadline) {
+  Tick Begin(const HeadOfMessage& head) {
+    if (!last_tick || head.session_id != session_id) {
+      session_id = head.session_id;
+      last_tick.reset();
+      for (std::size_t i = 1; i < inputs.size(); ++i) inputs[i]->queue.Reset();
+    }
+    Tick tick;
+    tick.session_id = head.session_id;
+    tick.tick = head.tick;
+    tick.nominal_period_s = options.nominal_period_s;
+    inputs.front()->Describe(&tick);
+    return tick;
+  }
+
+  // Until all samples of the tick are here, or in real time the deadline. False: stop was
+  // requested.
+  bool AwaitInputs(std::uint64_t tick, Clock::time_point deadline) {
     using std::chrono::microseconds;
-    input.Collect(running);
-    while (input.queue.rules().required && !input.queue.Reached(tick)) {
+    while (true) {
+      awaited.clear();
+      for (std::size_t i = 1; i < inputs.size(); ++i) {
+        inputs[i]->Collect(running);
+        if (inputs[i]->Missing(tick)) awaited.push_back(inputs[i]->source());
+      }
+      if (awaited.empty()) return true;
       if (stop.requested()) return false;
       const auto left = std::chrono::duration_cast<microseconds>(deadline - Clock::now());
-      if (!lockstep && left.count() <= 0) break;
-      input.Wait(lockstep ? microseconds(std::chrono::milliseconds(50)) : left);
+      if (!lockstep && left.count() <= 0) return true;
+      node.impl_->signal.Wait(lockstep ? microseconds(std::chrono::milliseconds(50)) : left,
+                              awaited);
       status.Beat();
-      input.Collect(running);
     }
-    return true;
   }
 
-  // The owner of a topic that has been silent for longer than its readers wait was replaced.
-  bool WasSilent(const HeadOfMessage& head, const Tick& tick) const {
-    if (lockstep || !last_tick || BoundedPeriod(tick.nominal_period_s).count() == 0) return false;
-    return head.tick - *last_tick > PeriodsOfSilence(tick.nominal_period_s);
+  // Of the cycle whose trigger was taken: counted from when that came, which may be a while ago.
+  Clock::time_point GiveUpAt(double nominal_period_s) {
+    const std::chrono::nanoseconds cycle = BoundedPeriod(nominal_period_s);
+    const auto age = std::clamp(inputs.front()->Age(), std::chrono::nanoseconds(0), cycle);
+    const Clock::time_point give_up = Clock::now() - age + CutOff(nominal_period_s);
+    next_cut_off = give_up + cycle;
+    return give_up;
+  }
+
+  // The owner of a topic that has been silent for longer than its readers wait was replaced: by
+  // ticks, or by the clock, since what waited in the sockets of a process that was stopped seems to
+  // come in time. A trigger that was itself late is not the participant's silence.
+  bool WasSilent(const Tick& tick) const {
+    const std::chrono::nanoseconds nominal = BoundedPeriod(tick.nominal_period_s);
+    if (lockstep || !last_tick || nominal.count() == 0) return false;
+    if (node.options().composition != nullptr) return false;  // silent with its provider
+    const std::uint64_t ticks = tick.tick - *last_tick;
+    if (ticks > PeriodsOfSilence(tick.nominal_period_s)) return true;
+    const std::chrono::nanoseconds triggers(
+        std::max<std::int64_t>(tick.stamp_ns - last_stamp_ns, 0));
+    const auto passed =
+        std::max<std::chrono::nanoseconds>(triggers, static_cast<std::int64_t>(ticks) * nominal);
+    return Clock::now() - last_cycle - passed > internal::Deadline(nominal);
+  }
+
+  // Who was silent and has been replaced is quiet for as long as the others may need to learn that
+  // he is below, and takes no trigger from before.
+  bool MustBeQuiet(const Tick& tick) {
+    const auto now = Clock::now();
+    if (WasSilent(tick) && node.impl_->ownership.StepBelow()) {
+      quiet_until = now + internal::Deadline(BoundedPeriod(tick.nominal_period_s));
+    }
+    if (last_tick && tick.tick > *last_tick + 1) counts.missed_ticks += tick.tick - *last_tick - 1;
+    last_tick = tick.tick;
+    last_stamp_ns = tick.stamp_ns;
+    last_cycle = now;
+    if (now >= quiet_until || tick.last) return false;
+    ++counts.missed_ticks;
+    return true;
   }
 
   std::chrono::nanoseconds CutOff(double nominal_period_s) const {
     return std::chrono::nanoseconds(static_cast<std::int64_t>(
         cut_off_share * static_cast<double>(BoundedPeriod(nominal_period_s).count())));
-  }
-
-  void Count(const Tick& tick) {
-    if (last_tick && tick.tick > *last_tick + 1) counts.missed_ticks += tick.tick - *last_tick - 1;
-    if (tick.any_stale) ++counts.stale_inputs;
-    ++counts.cycles;
   }
 };
 
@@ -316,7 +390,7 @@ TickLoop::TickLoop(Node& node, StopFlag& stop, TickLoopOptions options)
                      .cut_off_share = node.options().composition != nullptr ? 0.0
                                       : options.cut_off_share > 0.0
                                           ? options.cut_off_share
-                                          : CutOffOf(node.options().component).share,
+                                          : CutOffOf(RoleOf(node.options())).share,
                      .status = node.impl_->status,
                      .inputs = {},
                      .handles = {},
@@ -356,22 +430,21 @@ std::optional<Tick> TickLoop::Next() {
   if (!self.last_tick && self.counts.cycles == 0) {
     self.node.SetState(Node::State::kConfigured, "waiting for " + trigger.topic());
   }
-  const std::optional<HeadOfMessage> head = self.WaitForTrigger();
-  if (!head) return std::nullopt;
-  if (!self.last_tick || head->session_id != self.session_id) self.StartSession(*head);
-
+  std::optional<HeadOfMessage> head;
   Tick tick;
-  tick.session_id = head->session_id;
-  tick.tick = head->tick;
-  tick.nominal_period_s = self.options.nominal_period_s;
-  trigger.Describe(&tick);
+  do {
+    head = self.WaitForTrigger();
+    if (!head) return std::nullopt;
+    tick = self.Begin(*head);
+  } while (self.MustBeQuiet(tick));
   self.running = {tick.session_id, wire::FromWire(trigger.origin())};
-  const auto deadline = Clock::now() + self.CutOff(tick.nominal_period_s);
+  for (const std::shared_ptr<InputBase>& input : self.inputs) {
+    if (input->replay) input->replay->Cycle(self.running, trigger.robot_may_move());
+  }
+  if (!self.AwaitInputs(head->tick, self.GiveUpAt(tick.nominal_period_s))) return std::nullopt;
   bool replayed = false;
   for (std::size_t i = 1; i < self.inputs.size(); ++i) {
     InputBase& input = *self.inputs[i];
-    if (input.replay) input.replay->Cycle(self.running, trigger.robot_may_move());
-    if (!self.WaitForInput(input, head->tick, deadline)) return std::nullopt;
     input.queue.Accept(head->tick, self.lockstep, input.decode);
     const InputRules& rules = input.queue.rules();
     const bool expected = head->tick >= static_cast<std::uint64_t>(rules.delay_ticks);
@@ -388,10 +461,9 @@ std::optional<Tick> TickLoop::Next() {
   if (replayed) tick.origin = msg::ORIGIN_REPLAY;
 
   if (tick.nominal_period_s > 0.0) self.node.SetPeriod(BoundedPeriod(tick.nominal_period_s));
-  if (self.WasSilent(*head, tick)) self.node.impl_->ownership.StepBelow();
   self.node.impl_->ownership.SetCycle(tick.session_id, static_cast<int>(trigger.origin()));
-  self.Count(tick);
-  self.last_tick = tick.tick;
+  if (tick.any_stale) ++self.counts.stale_inputs;
+  ++self.counts.cycles;
   self.ended = tick.last;
   self.node.SetCycle(tick.session_id, tick.tick, tick.stamp_ns, tick.origin);
   if (self.counts.cycles == 1) self.node.SetState(Node::State::kActive);

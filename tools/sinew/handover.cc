@@ -73,7 +73,8 @@ class Handover {
     while (Clock::now() < end) {
       Listen();
       if (std::string why = NotToBe(); !why.empty()) return why;
-      if (HeardOfAll(TopicsOf(node_, options_.target)) && target_) return "";
+      // Strengths alone do not say it: the others may not have been discovered yet.
+      if (sent && !target_->standby() && HeardOfAll(TopicsOf(node_, options_.target))) return "";
       if (state_ && target_ && commands_.matched_readers() > 0 && Clock::now() >= next_send) {
         sent = Send() || sent;
         next_send = Clock::now() + kRepeatHandover;

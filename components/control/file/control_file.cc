@@ -206,8 +206,7 @@ JointControlConfig ReadJoint(const Section& s, std::size_t index,
       s.NumberOr(units.Damping("safe_damping"), joint.damping_Nm_s_rad, kNotNegative);
   joint.on_stale =
       Word<OnStale>(s, "on_stale", "hold", {{"hold", OnStale::kHold}, {"damp", OnStale::kDamp}});
-  joint.stale_grace_ticks =
-      static_cast<int>(s.IntegerOr("stale_grace_ticks", joint.stale_grace_ticks, {0, 1000}));
+  joint.stale_grace_s = s.NumberOr("stale_grace_s", joint.stale_grace_s, {0.0, 0.2});
   joint.motion_acceleration_rad_s2 = s.NumberOr(units.Acceleration("motion_acceleration"),
                                                 joint.motion_acceleration_rad_s2, kPositive);
   s.RejectUnknownKeys();

@@ -317,7 +317,10 @@ TEST(RobotController, ARecordingIsBlendedInOverItsOwnTime) {
   EXPECT_NEAR(reached_s, 2.0, 0.05);
 }
 
-TEST(RobotController, ALostReferenceIsMarkedAndTheJointStaysThenDamps) {
+// Of an input that is late: what a standby needs to take over, in whole cycles.
+const int kGraceTicks = static_cast<int>(JointControlConfig{}.stale_grace_s / kCycle_s);
+
+TEST(RobotController, ALateReferenceGoesOnAndALostOneStaysOrIsDamped) {
   for (const OnStale on_stale : {OnStale::kHold, OnStale::kDamp}) {
     JointControlConfig config = RigConfig(Strategy::kPid);
     config.on_stale = on_stale;
@@ -329,13 +332,17 @@ TEST(RobotController, ALostReferenceIsMarkedAndTheJointStaysThenDamps) {
       EXPECT_FALSE(controller.Step(input).stale);
     }
     input.reference_fresh = false;
-    for (int k = 0; k < 10; ++k) {
+    const double end_rad = 0.299 + 0.001 * kGraceTicks;
+    for (int k = 1; k < 20; ++k) {
       input.reference[0] = {99.0, 99.0, 99.0};  // must not be read
       const RobotOutput out = controller.Step(input);
       EXPECT_TRUE(out.stale);
       EXPECT_EQ(out.joint[0].mode, types::ControlMode::kTorque);
-      if (k < 3 || on_stale == OnStale::kHold) {
-        EXPECT_NEAR(out.joint[0].position_rad, 0.299, 1e-12);
+      if (k <= kGraceTicks) {
+        EXPECT_NEAR(out.joint[0].position_rad, 0.299 + 0.001 * k, 1e-12);
+        EXPECT_NEAR(out.joint[0].velocity_rad_s, 0.24, 1e-12);
+      } else if (on_stale == OnStale::kHold) {
+        EXPECT_NEAR(out.joint[0].position_rad, end_rad, 1e-12);
         EXPECT_EQ(out.joint[0].velocity_rad_s, 0.0);
         EXPECT_GT(out.joint[0].motor_torque_Nm, 0.0);
       } else {
@@ -346,8 +353,72 @@ TEST(RobotController, ALostReferenceIsMarkedAndTheJointStaysThenDamps) {
     input.reference[0] = {0.5, 0.0, 0.0};
     const RobotOutput out = controller.Step(input);
     EXPECT_FALSE(out.stale);
-    EXPECT_NEAR(out.joint[0].position_rad, 0.299, 1e-12) << "goes on without a jump";
+    EXPECT_NEAR(out.joint[0].position_rad, end_rad, 1e-12) << "goes on without a jump";
   }
+}
+
+// A smooth reference of which every fourth sample is late is followed as if none were.
+TEST(RobotController, LateReferencesLeaveTheMotionAsItIs) {
+  RobotController late({RigConfig(Strategy::kPid)}), whole({RigConfig(Strategy::kPid)});
+  RobotInput input = Still(0.0);
+  input.reference_count = 1;
+  for (int k = 0; k < 960; ++k) {
+    const double t_s = kCycle_s * k, w = 2.5;
+    input.reference[0] = {0.5 * std::sin(w * t_s), 0.5 * w * std::cos(w * t_s),
+                          -0.5 * w * w * std::sin(w * t_s)};
+    input.reference_fresh = true;
+    const JointOutput expected = whole.Step(input).joint[0];
+    input.reference_fresh = k % 4 != 3;
+    const JointOutput out = late.Step(input).joint[0];
+    EXPECT_NEAR(out.position_rad, expected.position_rad, 1e-6);
+    EXPECT_NEAR(out.motor_torque_Nm, expected.motor_torque_Nm, 1e-5);
+  }
+}
+
+// A prediction or a regime that is late now and then takes nothing from the feed-forward, nor from
+// the integral.
+TEST(RobotController, LatePredictionsAndRegimesLeaveTheFeedForwardAsItIs) {
+  RobotController controller({RigConfig(Strategy::kPidEsn)});
+  RobotInput input = Still(0.0);
+  input.reference_count = 1;
+  input.prediction_fresh = input.regime_fresh = true;
+  input.regime[0] = types::Regime::kSea;
+  input.prediction[0] = {.valid = true, .sea_torque_Nm = 2.0};
+  input.reference[0].position_rad = 0.05;  // the integral fills
+  for (int k = 0; k < 240; ++k) (void)controller.Step(input);
+  input.reference[0].position_rad = 0.0;
+  for (int k = 0; k < 240; ++k) (void)controller.Step(input);
+  const double before_Nm = controller.Step(input).joint[0].motor_torque_Nm;
+  for (int k = 0; k < 960; ++k) {
+    input.prediction_fresh = k % 5 > 1;
+    input.regime_fresh = k % 7 > 0;
+    const RobotOutput out = controller.Step(input);
+    EXPECT_NEAR(out.joint[0].motor_torque_Nm, before_Nm, 1e-9);
+    EXPECT_EQ(out.stale, !(input.prediction_fresh && input.regime_fresh));
+  }
+}
+
+// Lost for longer, the feed-forward fades out; back, it leaves the integral what was its own.
+TEST(RobotController, AFeedForwardThatWasLostLeavesTheIntegralItsOwn) {
+  RobotController controller({RigConfig(Strategy::kPidEsn)});
+  RobotInput input = Still(0.0);
+  input.reference_count = 1;
+  input.prediction_fresh = input.regime_fresh = true;
+  input.regime[0] = types::Regime::kSea;
+  input.prediction[0] = {.valid = true, .sea_torque_Nm = 2.0};
+  input.reference[0].position_rad = 0.05;
+  for (int k = 0; k < 240; ++k) (void)controller.Step(input);
+  input.reference[0].position_rad = 0.0;
+  for (int k = 0; k < 240; ++k) (void)controller.Step(input);
+  const double before_Nm = controller.Step(input).joint[0].motor_torque_Nm;
+  input.prediction_fresh = false;
+  double without_Nm = 0.0;
+  for (int k = 0; k < 240; ++k) without_Nm = controller.Step(input).joint[0].motor_torque_Nm;
+  EXPECT_LT(without_Nm, 0.7 * before_Nm) << "no network";
+  input.prediction_fresh = true;
+  double after_Nm = 0.0;
+  for (int k = 0; k < 240; ++k) after_Nm = controller.Step(input).joint[0].motor_torque_Nm;
+  EXPECT_NEAR(after_Nm, before_Nm, 1e-6);
 }
 
 TEST(RobotController, ALostPositionLeavesDampingByTheMotor) {

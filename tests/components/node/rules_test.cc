@@ -11,9 +11,8 @@ namespace sinew::node {
 namespace {
 
 TEST(PriorityRules, AreGradedFromTheBusToTheAdaptation) {
-  const char* const order[] = {"estop",      "can-bus",           "can-bridge", "control",
-                               "pneumatics", "reference",         "regime",     "esn",
-                               "rls",        "a kind of a user's"};
+  const char* const order[] = {"estop",  "can-bus", "can-bridge", "control", "reference",
+                               "regime", "esn",     "pneumatics", "rls",     "a kind of a user's"};
   for (std::size_t i = 1; i < std::size(order); ++i) {
     EXPECT_GT(PriorityOf(order[i - 1]).priority, PriorityOf(order[i]).priority) << order[i];
   }
@@ -22,6 +21,17 @@ TEST(PriorityRules, AreGradedFromTheBusToTheAdaptation) {
   }
   for (const char* observer : {"logger", "player", "residual"}) {
     EXPECT_EQ(PriorityOf(observer).priority, 0) << "SCHED_OTHER";
+  }
+}
+
+TEST(PriorityRules, AStandInHasThePriorityOfItsRole) {
+  const std::pair<const char*, const char*> stand_ins[] = {{"recorded-reference", "reference"},
+                                                           {"regime-truth", "regime"},
+                                                           {"inverse-dynamics", "esn"},
+                                                           {"ideal-pressure", "pneumatics"},
+                                                           {"frozen-readout", "rls"}};
+  for (const auto& [stand_in, role] : stand_ins) {
+    EXPECT_EQ(PriorityOf(stand_in).priority, PriorityOf(role).priority) << stand_in;
   }
 }
 

@@ -39,7 +39,7 @@ TEST(FileSink, RefusesToReplaceARecording) {
 TEST(FileSink, NamesTheFileThatCannotBeMade) {
   EXPECT_THROW(FileSink("/no/such/folder/x.mcap", Existing::kReplace), UsageError);
   EXPECT_THROW(FileSource("/no/such/file.mcap"), UsageError);
-  EXPECT_THROW(FileSource(testing::TempDir()), UsageError);
+  EXPECT_THROW(FileSource{testing::TempDir()}, UsageError);
 }
 
 TEST(WholeFileSink, LeavesTheOldFileUntilItIsCommitted) {

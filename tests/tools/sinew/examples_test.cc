@@ -65,7 +65,7 @@ struct Settings {
 };
 
 Rows RowsOf(const Recording& run, const actuator::JointModel& model, const Settings& settings) {
-  const identify::UniformRun uniform = identify::MakeUniform(run, 0.25, 0.2);
+  const identify::UniformRun uniform = identify::MakeUniform(run);
   const identify::UniformSegment& piece = uniform.segments.front();
   const auto filter = identify::ButterworthLowPass(4, settings.cutoff_Hz, piece.rate_Hz());
   const auto smooth = [&](Signal signal) -> Eigen::VectorXd {
