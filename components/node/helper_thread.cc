@@ -37,4 +37,12 @@ void BecomeHelper(const char* name) noexcept {
   ::pthread_setname_np(::pthread_self(), name);
 }
 
+HelpersBegin::HelpersBegin() noexcept {
+  ::pthread_getschedparam(::pthread_self(), &policy_, &parameters_);
+  const sched_param none{};
+  ::pthread_setschedparam(::pthread_self(), SCHED_OTHER, &none);
+}
+
+HelpersBegin::~HelpersBegin() { ::pthread_setschedparam(::pthread_self(), policy_, &parameters_); }
+
 }  // namespace sinew::node::internal

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <pthread.h>
+#include <sched.h>
 #include <semaphore.h>
 
 #include <chrono>
@@ -45,5 +46,19 @@ class WakeUp {
 // The calling thread leaves SCHED_FIFO, which it inherited. `name`: of at most 15 characters, shown
 // by `ps -L`.
 void BecomeHelper(const char* name) noexcept;
+
+// While it lives the calling thread is out of SCHED_FIFO, and so are threads that it starts, for
+// good.
+class HelpersBegin {
+ public:
+  HelpersBegin() noexcept;
+  ~HelpersBegin();
+  HelpersBegin(const HelpersBegin&) = delete;
+  HelpersBegin& operator=(const HelpersBegin&) = delete;
+
+ private:
+  int policy_ = 0;
+  sched_param parameters_{};
+};
 
 }  // namespace sinew::node::internal
