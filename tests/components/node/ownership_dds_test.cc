@@ -13,6 +13,7 @@
 
 #include "components/node/node.h"
 #include "components/node/tick_loop.h"
+#include "components/types/clock/clock.h"
 
 namespace sinew::node {
 namespace {
@@ -165,8 +166,8 @@ TEST(OwnershipDds, ASilentOwnerIsReplacedWithinTheDeadlineAndAFewPeriods) {
   EXPECT_TRUE(rig.provider.WaitUntilHeard("second"));
 }
 
-// A loop whose thread was stopped sees that ticks are missing; its writers go below before it
-// publishes again.
+// A loop whose thread was stopped sees that ticks are missing; its writers go below, and it takes
+// no trigger before the others know.
 TEST(OwnershipDds, ALoopThatMissedTicksStandsByWhenItIsBack) {
   Node provider(OwnerOptions("provider", 156));
   auto state = provider.MakeWriter(kJointState);
@@ -186,14 +187,15 @@ TEST(OwnershipDds, ALoopThatMissedTicksStandsByWhenItIsBack) {
     }
     return std::uint32_t{0};
   };
-  // Ticks one by one, each sent until the loop has it.
-  const auto step = [&](std::uint64_t number) {
+  // Sends a tick until the loop has it, or ticks from there on until the loop has one.
+  const auto step = [&](std::uint64_t number, bool goes_on = false) {
     std::atomic<bool> taken{false};
     std::thread sender([&] {
-      while (!taken) {
+      for (std::uint64_t sent = number; !taken; sent += goes_on ? 1 : 0) {
         msg::JointState message;
         message.header().session_id(9);
-        message.header().tick(number);
+        message.header().tick(sent);
+        message.header().stamp_ns(types::EpochNow_ns());
         message.period_s(0.004);
         message.joint_count(1);
         (void)state.Write(message);
@@ -203,10 +205,10 @@ TEST(OwnershipDds, ALoopThatMissedTicksStandsByWhenItIsBack) {
     const auto tick = loop.Next();
     taken = true;
     sender.join();
-    EXPECT_EQ(tick.value_or(Tick{}).tick, number);
     loop.Publish(writer, msg::JointCommand(), tick.value_or(Tick{}));
+    return tick.value_or(Tick{}).tick;
   };
-  step(0);
+  EXPECT_EQ(step(0), 0u);
   const auto wait_until = [&](const std::function<bool()>& condition) {
     const auto deadline = Clock::now() + 10s;
     while (!condition() && Clock::now() < deadline) provider.WaitForData(5ms);
@@ -223,10 +225,10 @@ TEST(OwnershipDds, ALoopThatMissedTicksStandsByWhenItIsBack) {
   ASSERT_TRUE(wait_until([&] {
     return strength_of("second") > kSettled && strength_of("first") > strength_of("second");
   }));
-  step(5);  // 20 ms after tick 0: within the deadline
+  EXPECT_EQ(step(5), 5u);  // 20 ms after tick 0: within the deadline
   const std::uint32_t before = strength_of("first");
   EXPECT_GT(before, strength_of("second"));
-  step(11);  // 24 ms later
+  EXPECT_GT(step(11, true), 11u);  // 24 ms later
   EXPECT_TRUE(wait_until([&] { return strength_of("first") < strength_of("second"); }));
   EXPECT_LT(strength_of("first"), before);
 }
