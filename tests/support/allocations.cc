@@ -13,7 +13,7 @@ long Allocations() noexcept { return allocations.load(); }
 
 }  // namespace sinew::test
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if !defined(SINEW_SANITIZED)
 // The C library's own names; defining malloc in the program takes precedence over the shared
 // library's.
 extern "C" {
