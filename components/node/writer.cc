@@ -33,8 +33,8 @@ void WriterImpl::OpenDds() {
   }
   qos.ownership_strength().value = strength();
   // The first reliable writer of a participant starts Fast DDS' thread for retransmissions. That
-  // spins while another thread is about to remove a sample (FlowControllerImpl::run of 2.9.1):
-  // under SCHED_FIFO it keeps the core from the very thread that it waits for, for good.
+  // spins while another thread is about to remove a sample (FlowControllerImpl::run of 2.9.1),
+  // which under SCHED_FIFO it may keep from its core.
   const HelpersBegin retransmissions;
   writer_ = publisher.create_datawriter(dds_topic, qos, this,
                                         dds::StatusMask::offered_incompatible_qos());

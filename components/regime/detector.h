@@ -84,7 +84,7 @@ class RegimeDetector {
   // Throws std::invalid_argument with the value that is wrong.
   explicit RegimeDetector(const DetectorConfig& config);
 
-  // A standby's: another detector has found the contact under this session_id, and that counts here
+  // Of a standby: another detector has found the contact. Of the same session_id that counts here
   // until an own setup. Nothing where there is one already.
   void Adopt(std::uint64_t session_id, double offset_rad) noexcept;
 

@@ -44,8 +44,6 @@ constexpr double kPeriod_ms = 1000.0 / kRate_Hz;
 constexpr double kTorqueLimit_Nm = 0.398;  // robots/rig: torque_limit_Nm of the drive
 constexpr double kTorqueStep_Nm = 0.05 * kTorqueLimit_Nm;
 constexpr double kTakeOver_ms = 35.0;
-// An event in which the machine stood still for longer than a take-over leaves is not assessed.
-constexpr double kStall_ms = 14.0;  // kTakeOver_ms less the readers' deadline of five periods
 // Between target and joint, while a gap is bridged: a third of the play of 2.66 degrees more than
 // what the rig needs in this motion anyway (1 mrad rms).
 constexpr double kDeviation_rad = 0.0155;
@@ -389,20 +387,16 @@ class Replacement {
     const Role& role = rig_.role(name_);
     std::printf("%-26s %12s %16s %14s %12s\n", role.name.c_str(), "gap, ms", "torque step, %",
                 "deviation, mrad", "stall, ms");
-    std::size_t assessed = 0;
     for (const Event& event : events_) {
       const double gap_ms = recorded.LongestGap_ms(role.topic, event);
       const double step_Nm = recorded.LargestTorqueStep_Nm(event);
       const double deviation_rad = recorded.LargestDeviation_rad(event);
       std::printf("%-26s %12.1f %16.2f %14.2f %12.1f\n", event.what.c_str(), gap_ms,
                   100.0 * step_Nm / kTorqueLimit_Nm, 1e3 * deviation_rad, event.stall_ms);
-      if (event.stall_ms > kStall_ms) continue;
-      ++assessed;
       EXPECT_LE(gap_ms, kTakeOver_ms + event.stall_ms) << event.what;
       EXPECT_LE(step_Nm, kTorqueStep_Nm) << event.what;
       EXPECT_LE(deviation_rad, kDeviation_rad) << event.what;
     }
-    EXPECT_GE(2 * assessed, events_.size()) << "the machine stood still too often";
     // No command twice, none late.
     const std::vector<msg::JointCommand>& commands = recorded.commands();
     for (std::size_t k = 1; k < commands.size(); ++k) {

@@ -375,20 +375,25 @@ TEST(RobotController, LateReferencesLeaveTheMotionAsItIs) {
   }
 }
 
+// At rest with a network's feed-forward and an integral that is not empty; the motor's torque.
+double SettleWithNetworkAndIntegral(RobotController* controller, RobotInput* input) {
+  input->reference_count = 1;
+  input->prediction_fresh = input->regime_fresh = true;
+  input->regime[0] = types::Regime::kSea;
+  input->prediction[0] = {.valid = true, .sea_torque_Nm = 2.0};
+  input->reference[0].position_rad = 0.05;  // the integral fills
+  for (int k = 0; k < 240; ++k) (void)controller->Step(*input);
+  input->reference[0].position_rad = 0.0;
+  for (int k = 0; k < 240; ++k) (void)controller->Step(*input);
+  return controller->Step(*input).joint[0].motor_torque_Nm;
+}
+
 // A prediction or a regime that is late now and then takes nothing from the feed-forward, nor from
 // the integral.
 TEST(RobotController, LatePredictionsAndRegimesLeaveTheFeedForwardAsItIs) {
   RobotController controller({RigConfig(Strategy::kPidEsn)});
   RobotInput input = Still(0.0);
-  input.reference_count = 1;
-  input.prediction_fresh = input.regime_fresh = true;
-  input.regime[0] = types::Regime::kSea;
-  input.prediction[0] = {.valid = true, .sea_torque_Nm = 2.0};
-  input.reference[0].position_rad = 0.05;  // the integral fills
-  for (int k = 0; k < 240; ++k) (void)controller.Step(input);
-  input.reference[0].position_rad = 0.0;
-  for (int k = 0; k < 240; ++k) (void)controller.Step(input);
-  const double before_Nm = controller.Step(input).joint[0].motor_torque_Nm;
+  const double before_Nm = SettleWithNetworkAndIntegral(&controller, &input);
   for (int k = 0; k < 960; ++k) {
     input.prediction_fresh = k % 5 > 1;
     input.regime_fresh = k % 7 > 0;
@@ -402,15 +407,7 @@ TEST(RobotController, LatePredictionsAndRegimesLeaveTheFeedForwardAsItIs) {
 TEST(RobotController, AFeedForwardThatWasLostLeavesTheIntegralItsOwn) {
   RobotController controller({RigConfig(Strategy::kPidEsn)});
   RobotInput input = Still(0.0);
-  input.reference_count = 1;
-  input.prediction_fresh = input.regime_fresh = true;
-  input.regime[0] = types::Regime::kSea;
-  input.prediction[0] = {.valid = true, .sea_torque_Nm = 2.0};
-  input.reference[0].position_rad = 0.05;
-  for (int k = 0; k < 240; ++k) (void)controller.Step(input);
-  input.reference[0].position_rad = 0.0;
-  for (int k = 0; k < 240; ++k) (void)controller.Step(input);
-  const double before_Nm = controller.Step(input).joint[0].motor_torque_Nm;
+  const double before_Nm = SettleWithNetworkAndIntegral(&controller, &input);
   input.prediction_fresh = false;
   double without_Nm = 0.0;
   for (int k = 0; k < 240; ++k) without_Nm = controller.Step(input).joint[0].motor_torque_Nm;
