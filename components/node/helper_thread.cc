@@ -37,12 +37,15 @@ void BecomeHelper(const char* name) noexcept {
   ::pthread_setname_np(::pthread_self(), name);
 }
 
-HelpersBegin::HelpersBegin() noexcept {
+HelpersBegin::HelpersBegin(const char* name) noexcept {
   ::pthread_getschedparam(::pthread_self(), &policy_, &parameters_);
-  const sched_param none{};
-  ::pthread_setschedparam(::pthread_self(), SCHED_OTHER, &none);
+  ::pthread_getname_np(::pthread_self(), name_, sizeof name_);
+  BecomeHelper(name);
 }
 
-HelpersBegin::~HelpersBegin() { ::pthread_setschedparam(::pthread_self(), policy_, &parameters_); }
+HelpersBegin::~HelpersBegin() {
+  ::pthread_setname_np(::pthread_self(), name_);
+  ::pthread_setschedparam(::pthread_self(), policy_, &parameters_);
+}
 
 }  // namespace sinew::node::internal

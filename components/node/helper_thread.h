@@ -47,11 +47,11 @@ class WakeUp {
 // by `ps -L`.
 void BecomeHelper(const char* name) noexcept;
 
-// While it lives the calling thread is out of SCHED_FIFO, and so are threads that it starts, for
-// good.
+// While it lives the calling thread is out of SCHED_FIFO and bears `name` (at most 15 characters),
+// and so do threads that it starts, for good.
 class HelpersBegin {
  public:
-  HelpersBegin() noexcept;
+  explicit HelpersBegin(const char* name) noexcept;
   ~HelpersBegin();
   HelpersBegin(const HelpersBegin&) = delete;
   HelpersBegin& operator=(const HelpersBegin&) = delete;
@@ -59,6 +59,7 @@ class HelpersBegin {
  private:
   int policy_ = 0;
   sched_param parameters_{};
+  char name_[16] = {};
 };
 
 }  // namespace sinew::node::internal

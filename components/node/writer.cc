@@ -2,7 +2,6 @@
 
 #include "components/node/all_messages.h"
 #include "components/node/composition.h"
-#include "components/node/helper_thread.h"
 #include "components/node/node_impl.h"
 #include "components/node/writer_impl.h"
 
@@ -32,10 +31,6 @@ void WriterImpl::OpenDds() {
     throw DdsError("no writer QoS profile '" + profile + "'");
   }
   qos.ownership_strength().value = strength();
-  // The first reliable writer of a participant starts Fast DDS' thread for retransmissions. That
-  // spins while another thread is about to remove a sample (FlowControllerImpl::run of 2.9.1),
-  // which under SCHED_FIFO it may keep from its core.
-  const HelpersBegin retransmissions;
   writer_ = publisher.create_datawriter(dds_topic, qos, this,
                                         dds::StatusMask::offered_incompatible_qos());
   if (writer_ == nullptr) throw DdsError("no writer for topic '" + topic.name + "'");

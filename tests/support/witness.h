@@ -24,6 +24,8 @@ class Witness {
   Witness& operator=(const Witness&) = delete;
 
   double Latest_ms() const { return latest_ms_; }
+  // The same, and begins anew.
+  double Take_ms() { return latest_ms_.exchange(0.0); }
 
  private:
   void Watch() {

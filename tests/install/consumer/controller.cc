@@ -13,6 +13,7 @@ namespace {
 
 // At the motor shaft: the rig's 18.7 N m/rad, 5.75 N m/(rad s), 0.945 N m s/rad / (100 x 0.77).
 constexpr double kProportional = 0.243, kIntegral = 0.0747, kDerivative = 0.0123, kLimit_Nm = 0.398;
+constexpr double kGrace_s = 0.035;  // a late reference is continued for this long, as in a take-over
 
 void Run(const sinew::node::Options& options, sinew::node::StopFlag& stop) {
   using namespace sinew;
@@ -50,13 +51,14 @@ void Run(const sinew::node::Options& options, sinew::node::StopFlag& stop) {
     driving = drives, session = tick->session_id, last_tick = tick->tick;
 
     const msg::Reference& r = reference.value();
-    const bool led = reference.fresh() && !r.idle() && !r.stale() &&
+    const double late_s = tick->period_s * static_cast<double>(tick->tick - reference.tick());
+    const bool led = reference.has_value() && late_s <= kGrace_s && !r.idle() && !r.stale() &&
                      std::isfinite(r.position_rad()[0]) && std::isfinite(r.velocity_rad_s()[0]);
-    if (led) target_rad = r.position_rad()[0];
+    if (led) target_rad = r.position_rad()[0] + late_s * r.velocity_rad_s()[0];
     const double rate_rad_s = led ? r.velocity_rad_s()[0] : 0.0;
     msg::JointCommand command;
     command.reference_tick(reference.has_value() ? reference.tick() : 0);
-    command.stale(!known || !(led || (reference.fresh() && r.idle())));
+    command.stale(!known || !reference.fresh() || !(led || r.idle()));
     command.joint_count(s.joint_count());
     if (drives) {
       const double error_rad = target_rad - position_rad;

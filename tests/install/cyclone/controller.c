@@ -16,6 +16,7 @@
 #include "status.h"
 
 static const double kProportional = 0.243, kIntegral = 0.0747, kDerivative = 0.0123, kLimit_Nm = 0.398;
+static const double kGrace_s = 0.035;  // a late reference is continued for this long, as in a take-over
 enum { kMostJoints = 12 };
 
 static volatile sig_atomic_t stop_requested;
@@ -38,13 +39,16 @@ static void Step(Controller *c, const sinew_msg_JointState *s, const sinew_msg_R
   if (!c->driving || c->session != s->header.session_id) c->target_rad = position_rad, c->integral_Nm = 0.0;
   c->driving = drives, c->session = s->header.session_id, c->tick = s->header.tick;
 
-  const bool led = fresh && !r->idle && !r->stale && isfinite(r->position_rad[0]) && isfinite(r->velocity_rad_s[0]);
-  if (led) c->target_rad = r->position_rad[0];
+  const bool late = r->header.tick < s->header.tick, of_session = r->header.session_id == s->header.session_id;
+  const double late_s = late ? s->period_s * (double)(s->header.tick - r->header.tick) : 0.0;
+  const bool led = of_session && late_s <= kGrace_s && !r->idle && !r->stale && isfinite(r->position_rad[0]) &&
+                   isfinite(r->velocity_rad_s[0]);
+  if (led) c->target_rad = r->position_rad[0] + late_s * r->velocity_rad_s[0];
   memset(command, 0, sizeof *command);
   command->header = s->header;
   if (r->header.origin == sinew_msg_ORIGIN_REPLAY) command->header.origin = sinew_msg_ORIGIN_REPLAY;
   command->reference_tick = r->header.tick;
-  command->stale = !known || !(led || (fresh && r->idle));
+  command->stale = !known || !fresh || !(led || r->idle);
   command->joint_count = s->joint_count;
   if (!drives) return;
   const double error_rad = c->target_rad - position_rad;

@@ -1,0 +1,198 @@
+#include "bench/signals/soak.h"
+
+#include <signal.h>
+#include <sinew_idl/joint.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "components/node/codec.h"
+#include "components/node/topics.h"
+#include "components/types/clock/clock.h"
+
+namespace sinew::signals {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr double kLauncherShare = 0.03;  // of the signals: its end is that of all the others
+constexpr double kShortestStop_s = 0.005, kLongestStop_s = 2.0;
+constexpr auto kWordPeriod = 250ms;  // between words of the operator
+constexpr auto kStuck = 60s;
+constexpr auto kEnds = 10s;           // the processes of a launcher that has ended
+constexpr double kMoving_ms = 350.0;  // since the newest command: assessed 300 ms later
+
+node::Options WatchOptions(int domain) {
+  node::Options options;
+  options.component = options.name = "observer";
+  options.domain_id = domain;
+  return options;
+}
+
+template <class Message>
+bool DecodeSample(const node::RawSample& sample, Message* message) {
+  node::Bytes bytes(sample.payload.size());
+  std::copy(sample.payload.begin(), sample.payload.end(), bytes.begin());
+  return node::Decode(bytes, message);
+}
+
+}  // namespace
+
+Soak::Soak(const Wanted& wanted)
+    : wanted_(wanted),
+      random_(wanted.seed),
+      deployment_(wanted.domain, wanted.realtime),
+      node_(WatchOptions(wanted.domain)),
+      operator_(node_.MakeWriter(node::kOperatorCommand)),
+      bus_(deployment_.bus()) {
+  outcome_.before = InSharedMemory();
+  for (const auto topic : {node::kJointState.name, node::kJointCommand.name}) {
+    node_.ReadRaw(*node::FindTopic(topic), [this](node::RawSample&& sample) {
+      const std::lock_guard lock(mutex_);
+      samples_.push_back(std::move(sample));
+    });
+  }
+}
+
+Outcome Soak::Run() {
+  const auto begin = Clock::now(),
+             end = begin + std::chrono::duration_cast<Clock::duration>(
+                               std::chrono::duration<double>(wanted_.seconds));
+  Launch();
+  auto before = begin;
+  while (Clock::now() < end) {
+    node_.WaitForData(5ms);
+    Take();
+    bus_.Assess(published_, types::MonotonicNow_ns());
+    const auto now = Clock::now();
+    if (bus_.WithoutCommand_ms(types::MonotonicNow_ns()) < kMoving_ms) {
+      moved_ = now;
+      outcome_.moving_s += std::chrono::duration<double>(now - before).count();
+    }
+    before = now;
+    Operate();
+    Continue(false);
+    SendSignals();
+    KeepLaunched();
+    if (now > sampled_ + 1s) {
+      sampled_ = now;
+      std::vector<Target> all = deployment_.Targets();
+      if (!all.empty()) known_ = all;
+      const std::vector<Target> hardware = deployment_.Hardware();
+      all.insert(all.end(), hardware.begin(), hardware.end());
+      growth_.Sample(all);
+    }
+  }
+  Continue(true);
+  if (!deployment_.Stop()) Note("the last deployment did not end\n" + deployment_.Log());
+  outcome_.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+  outcome_.bus = bus_.findings();
+  outcome_.grown = growth_.largest();
+  outcome_.after = InSharedMemory();
+  return outcome_;
+}
+
+void Soak::Take() {
+  std::vector<node::RawSample> samples;
+  {
+    const std::lock_guard lock(mutex_);
+    samples.swap(samples_);
+  }
+  msg::JointState state;
+  msg::JointCommand command;
+  for (const node::RawSample& sample : samples) {
+    if (sample.topic == node::kJointState.name) {
+      if (!DecodeSample(sample, &state)) continue;
+      published_.Add(state, types::MonotonicNow_ns());
+      state_ = state;
+    } else if (DecodeSample(sample, &command)) {
+      published_.Add(command);
+    }
+  }
+}
+
+void Soak::Operate() {
+  const auto now = Clock::now();
+  const bool fault = state_.robot_state() == msg::ROBOT_FAULT;
+  if (now < next_word_ || !(fault || state_.robot_state() == msg::ROBOT_DISARMED)) return;
+  next_word_ = now + kWordPeriod;
+  msg::OperatorCommand word;
+  word.header(state_.header());
+  word.action(fault ? msg::OPERATOR_RESET : msg::OPERATOR_ARM);
+  (void)operator_.Write(word);
+}
+
+void Soak::SendSignals() {
+  const auto now = Clock::now();
+  if (now < next_signal_) return;
+  // Of three signals two are an event's first: a SIGKILL, or a SIGSTOP with its SIGCONT.
+  const double mean_s = wanted_.seconds / wanted_.signals * 1.5;
+  const double wait_s = std::uniform_real_distribution<double>(0.2, 1.8)(random_) * mean_s;
+  next_signal_ =
+      now + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(wait_s));
+  std::vector<Target> targets = deployment_.Targets();
+  if (targets.size() < 2) return;
+  const bool launcher = std::bernoulli_distribution(kLauncherShare)(random_);
+  const std::size_t k =
+      launcher ? 0 : std::uniform_int_distribution<std::size_t>(1, targets.size() - 1)(random_);
+  const Target target = targets[k];
+  ++outcome_.signals[target.name];
+  if (std::bernoulli_distribution(0.5)(random_)) {
+    ++outcome_.kills;
+    ::kill(target.pid, SIGKILL);
+    std::fprintf(stderr, "%8.1f s SIGKILL %s\n", outcome_.moving_s, target.name.c_str());
+    return;
+  }
+  ++outcome_.stops;
+  const double log_s = std::uniform_real_distribution<double>(std::log(kShortestStop_s),
+                                                              std::log(kLongestStop_s))(random_);
+  ::kill(target.pid, SIGSTOP);
+  std::fprintf(stderr, "%8.1f s SIGSTOP %s for %.3f s\n", outcome_.moving_s, target.name.c_str(),
+               std::exp(log_s));
+  stopped_.push_back({now + std::chrono::duration_cast<Clock::duration>(
+                                std::chrono::duration<double>(std::exp(log_s))),
+                      target});
+}
+
+void Soak::Continue(bool all) {
+  const auto now = Clock::now();
+  std::erase_if(stopped_, [&](const Stopped& stopped) {
+    if (!all && now < stopped.until) return false;
+    ++outcome_.continues;
+    if (testing::IsRunning(stopped.target.pid)) ::kill(stopped.target.pid, SIGCONT);
+    return true;
+  });
+}
+
+void Soak::KeepLaunched() {
+  if (deployment_.launched() && Clock::now() - moved_ < kStuck) return;
+  if (deployment_.launched()) {
+    ++outcome_.stuck;
+    std::fprintf(stderr, "stuck in state %d\n%s\n", static_cast<int>(state_.robot_state()),
+                 deployment_.Log().c_str());
+    Continue(true);
+    if (!deployment_.Stop()) Note("a deployment did not end\n" + deployment_.Log());
+  }
+  Continue(true);
+  for (const Target& target : deployment_.LeftBehind(known_, kEnds)) {
+    Note("left behind by the launcher: " + target.name);
+    ::kill(target.pid, SIGKILL);
+  }
+  Launch();
+}
+
+void Soak::Launch() {
+  ++outcome_.launches;
+  deployment_.Launch();
+  moved_ = Clock::now();
+  next_signal_ = std::max(next_signal_, moved_ + 5s);
+}
+
+void Soak::Note(const std::string& what) {
+  std::fprintf(stderr, "%s\n", what.c_str());
+  outcome_.violations.push_back(what);
+}
+
+}  // namespace sinew::signals

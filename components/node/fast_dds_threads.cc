@@ -1,0 +1,44 @@
+// Keeps one thread of Fast DDS out of SCHED_FIFO: docs/decisions/0014.
+#include <dlfcn.h>
+
+#include <cstring>
+#include <system_error>
+#include <thread>
+#include <typeinfo>
+
+#include "components/node/helper_thread.h"
+
+namespace sinew::node::internal {
+namespace {
+
+// As GCC's and Clang's ABI writes std::thread::_M_start_thread(std::thread::_State_ptr, void (*)()).
+constexpr const char* kStartThread =
+    "_ZNSt6thread15_M_start_threadESt10unique_ptrINS_6_StateESt14default_deleteIS1_EEPFvvE";
+
+// The thread that retransmits. Fast DDS 2.9 starts it inside of create_participant(), with no way
+// to name, find or configure it; the type of what a new thread runs names it.
+bool IsRetransmission(const std::type_info& runs) noexcept {
+  return std::strstr(runs.name(), "FlowControllerImpl") != nullptr;
+}
+
+}  // namespace
+}  // namespace sinew::node::internal
+
+// Every std::thread of the process is started here, Fast DDS' too: a definition in the program
+// comes before libstdc++'s, which it calls.
+void std::thread::_M_start_thread(_State_ptr state, void (*depend)()) {
+  using Start = void (*)(std::thread*, _State_ptr, void (*)());
+  static const auto start =
+      reinterpret_cast<Start>(::dlsym(RTLD_NEXT, sinew::node::internal::kStartThread));
+  if (start == nullptr) {
+    throw std::system_error(std::make_error_code(std::errc::function_not_supported),
+                            "libstdc++ without std::thread::_M_start_thread");
+  }
+  const _State& runs = *state;
+  if (!sinew::node::internal::IsRetransmission(typeid(runs))) {
+    start(this, std::move(state), depend);
+    return;
+  }
+  const sinew::node::internal::HelpersBegin out_of_fifo("dds-resend");
+  start(this, std::move(state), depend);
+}
