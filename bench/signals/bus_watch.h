@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -19,6 +20,12 @@
 #include "tests/support/witness.h"
 
 namespace sinew::signals {
+
+// The calling thread, and those that it starts, run before the processes that are watched, where
+// the system lets them: what comes too late here would look like a finding.
+void BecomeWatcher();
+// What the calling thread starts from now on does not.
+void StartOrdinaryProcesses();
 
 // The published commands by the value that their torque has on the bus, and when the states were
 // measured that they answer.
@@ -35,8 +42,9 @@ class Published {
   using Tick = std::pair<std::uint64_t, std::uint64_t>;  // session and tick
   std::map<Tick, std::int64_t> measured_ns_;
   std::deque<Tick> states_;
-  std::map<float, std::int64_t> newest_ns_;
-  std::deque<std::pair<float, std::int64_t>> commands_;
+  // A command may come here before the state that it answers.
+  std::map<float, Tick> newest_;
+  std::deque<std::pair<float, Tick>> commands_;
 };
 
 struct Findings {
@@ -44,6 +52,7 @@ struct Findings {
   double oldest_ms = 0.0;  // age of a command that was executed, beyond what the machine was late
   // Longest time in closed loop without a new command, beyond what the machine was late.
   double longest_without_ms = 0.0;
+  std::uint64_t windows = 0, late_windows = 0;  // of 5 ms; a witness was over 1 ms late
   std::vector<std::string> violations;
 };
 
@@ -73,7 +82,9 @@ class BusWatch {
   void Violate(const Frame& frame, const std::string& what);
 
   can::VirtualCan bus_;
-  testing::Witness witness_;
+  // One a core: what the system withholds from all of one core (its limit of real-time work, a lent
+  // core) a thread on another one does not see.
+  std::vector<std::unique_ptr<testing::Witness>> witnesses_;
   std::deque<std::pair<std::int64_t, double>> late_ms_;  // by the time at which it was read
   std::mutex mutex_;
   std::deque<Frame> frames_;

@@ -1,13 +1,23 @@
 // Random signals to the processes of a rig behind its bus: bench/signals/README.md.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <string>
+#include <vector>
 
 #include "bench/signals/soak.h"
 
 namespace {
 
 using namespace sinew;
+
+void PrintFirst(const std::vector<std::string>& lines) {
+  constexpr std::size_t kMost = 20;
+  for (std::size_t i = 0; i < std::min(lines.size(), kMost); ++i) {
+    std::printf("  %s\n", lines[i].c_str());
+  }
+}
 
 void Print(const signals::Outcome& outcome) {
   std::printf("%.0f s, moving %.0f s; %d SIGKILL, %d SIGSTOP, %d SIGCONT; %d launches, %d stuck\n",
@@ -21,6 +31,9 @@ void Print(const signals::Outcome& outcome) {
       "closed loop without a command %.0f ms (goal 264)\n",
       static_cast<unsigned long long>(bus.setpoints), static_cast<unsigned long long>(bus.matched),
       bus.oldest_ms, bus.longest_without_ms);
+  std::printf("a witness of the highest priority was over 1 ms late in %.1f %% of the time\n",
+              100.0 * static_cast<double>(bus.late_windows) /
+                  static_cast<double>(std::max<std::uint64_t>(bus.windows, 1)));
   std::printf("/dev/shm: %zu files with %.1f MB before, %zu with %.1f MB after\n",
               outcome.before.files, 1e-6 * static_cast<double>(outcome.before.bytes),
               outcome.after.files, 1e-6 * static_cast<double>(outcome.after.bytes));
@@ -31,8 +44,8 @@ void Print(const signals::Outcome& outcome) {
   }
   std::printf("%zu violations on the bus, %zu beside it\n", bus.violations.size(),
               outcome.violations.size());
-  for (const std::string& line : bus.violations) std::printf("  %s\n", line.c_str());
-  for (const std::string& line : outcome.violations) std::printf("  %s\n", line.c_str());
+  PrintFirst(bus.violations);
+  PrintFirst(outcome.violations);
 }
 
 }  // namespace

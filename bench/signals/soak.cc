@@ -25,6 +25,7 @@ constexpr auto kEnds = 10s;           // the processes of a launcher that has en
 constexpr double kMoving_ms = 350.0;  // since the newest command: assessed 300 ms later
 
 node::Options WatchOptions(int domain) {
+  BecomeWatcher();
   node::Options options;
   options.component = options.name = "observer";
   options.domain_id = domain;
@@ -43,9 +44,9 @@ bool DecodeSample(const node::RawSample& sample, Message* message) {
 Soak::Soak(const Wanted& wanted)
     : wanted_(wanted),
       random_(wanted.seed),
-      deployment_(wanted.domain, wanted.realtime),
       node_(WatchOptions(wanted.domain)),
       operator_(node_.MakeWriter(node::kOperatorCommand)),
+      deployment_(wanted.domain, wanted.realtime),
       bus_(deployment_.bus()) {
   outcome_.before = InSharedMemory();
   for (const auto topic : {node::kJointState.name, node::kJointCommand.name}) {
@@ -60,8 +61,9 @@ Outcome Soak::Run() {
   const auto begin = Clock::now(),
              end = begin + std::chrono::duration_cast<Clock::duration>(
                                std::chrono::duration<double>(wanted_.seconds));
+  Log("begins at " + std::to_string(1e-9 * static_cast<double>(types::MonotonicNow_ns())) + " s");
   Launch();
-  auto before = begin;
+  auto before = began_;
   while (Clock::now() < end) {
     node_.WaitForData(5ms);
     Take();
@@ -87,7 +89,7 @@ Outcome Soak::Run() {
   }
   Continue(true);
   if (!deployment_.Stop()) Note("the last deployment did not end\n" + deployment_.Log());
-  outcome_.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+  outcome_.seconds = std::chrono::duration<double>(Clock::now() - began_).count();
   outcome_.bus = bus_.findings();
   outcome_.grown = growth_.largest();
   outcome_.after = InSharedMemory();
@@ -106,6 +108,9 @@ void Soak::Take() {
     if (sample.topic == node::kJointState.name) {
       if (!DecodeSample(sample, &state)) continue;
       published_.Add(state, types::MonotonicNow_ns());
+      if (state.robot_state() != state_.robot_state()) {
+        Log("state " + std::to_string(static_cast<int>(state.robot_state())));
+      }
       state_ = state;
     } else if (DecodeSample(sample, &command)) {
       published_.Add(command);
@@ -142,15 +147,14 @@ void Soak::SendSignals() {
   if (std::bernoulli_distribution(0.5)(random_)) {
     ++outcome_.kills;
     ::kill(target.pid, SIGKILL);
-    std::fprintf(stderr, "%8.1f s SIGKILL %s\n", outcome_.moving_s, target.name.c_str());
+    Log("SIGKILL " + target.name);
     return;
   }
   ++outcome_.stops;
   const double log_s = std::uniform_real_distribution<double>(std::log(kShortestStop_s),
                                                               std::log(kLongestStop_s))(random_);
   ::kill(target.pid, SIGSTOP);
-  std::fprintf(stderr, "%8.1f s SIGSTOP %s for %.3f s\n", outcome_.moving_s, target.name.c_str(),
-               std::exp(log_s));
+  Log("SIGSTOP " + target.name + " for " + std::to_string(std::exp(log_s)) + " s");
   stopped_.push_back({now + std::chrono::duration_cast<Clock::duration>(
                                 std::chrono::duration<double>(std::exp(log_s))),
                       target});
@@ -170,8 +174,7 @@ void Soak::KeepLaunched() {
   if (deployment_.launched() && Clock::now() - moved_ < kStuck) return;
   if (deployment_.launched()) {
     ++outcome_.stuck;
-    std::fprintf(stderr, "stuck in state %d\n%s\n", static_cast<int>(state_.robot_state()),
-                 deployment_.Log().c_str());
+    Log("stuck\n" + deployment_.Log());
     Continue(true);
     if (!deployment_.Stop()) Note("a deployment did not end\n" + deployment_.Log());
   }
@@ -190,8 +193,13 @@ void Soak::Launch() {
   next_signal_ = std::max(next_signal_, moved_ + 5s);
 }
 
+void Soak::Log(const std::string& what) const {
+  const std::chrono::duration<double> since = Clock::now() - began_;
+  std::fprintf(stderr, "%9.3f s %s\n", since.count(), what.c_str());
+}
+
 void Soak::Note(const std::string& what) {
-  std::fprintf(stderr, "%s\n", what.c_str());
+  Log(what);
   outcome_.violations.push_back(what);
 }
 

@@ -56,20 +56,22 @@ class Soak {
   void Continue(bool all);
   void KeepLaunched();
   void Launch();
-  void Note(const std::string& what);
+  void Log(const std::string& what) const;
+  void Note(const std::string& what);  // a violation
 
   Wanted wanted_;
   std::mt19937 random_;
   Outcome outcome_;
-  Deployment deployment_;
   node::Node node_;
   node::Writer<msg::OperatorCommand> operator_;
+  Deployment deployment_;
   std::mutex mutex_;
   std::vector<node::RawSample> samples_;  // joint_state and joint_command, from a DDS thread
   Published published_;
   BusWatch bus_;
   Growth growth_;
   msg::JointState state_;
+  const Clock::time_point began_ = Clock::now();
   Clock::time_point next_signal_, next_word_, moved_, sampled_;
   std::vector<Stopped> stopped_;
   std::vector<Target> known_;  // who lived when last looked

@@ -15,7 +15,8 @@ namespace sinew::testing {
 
 class Witness {
  public:
-  Witness() : thread_([this] { Watch(); }) {}
+  // cpu: where it runs; -1: where the system lets it.
+  explicit Witness(int cpu = -1) : thread_([this, cpu] { Watch(cpu); }) {}
   ~Witness() {
     ended_ = true;
     thread_.join();
@@ -28,7 +29,13 @@ class Witness {
   double Take_ms() { return latest_ms_.exchange(0.0); }
 
  private:
-  void Watch() {
+  void Watch(int cpu) {
+    if (cpu >= 0) {
+      cpu_set_t cpus;
+      CPU_ZERO(&cpus);
+      CPU_SET(static_cast<std::size_t>(cpu), &cpus);
+      (void)::pthread_setaffinity_np(::pthread_self(), sizeof cpus, &cpus);
+    }
     sched_param parameters{.sched_priority = 90};
     (void)::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &parameters);
     auto next = std::chrono::steady_clock::now();
