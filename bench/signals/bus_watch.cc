@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 #include <limits>
 
 #include "bridge/can/codec.h"
@@ -52,6 +53,8 @@ void Published::Add(const msg::JointState& state, std::int64_t now_ns) {
   const std::int64_t epoch_ns = types::EpochNow_ns();
   measured_ns_[tick] = now_ns - std::max<std::int64_t>(0, epoch_ns - state.header().stamp_ns());
   states_.push_back(tick);
+  if (state.robot_state() == msg::ROBOT_ARMED) armed_ns_.push_back(measured_ns_[tick]);
+  while (armed_ns_.size() > kTicks) armed_ns_.pop_front();
   while (states_.size() > kTicks) {
     measured_ns_.erase(states_.front());
     states_.pop_front();
@@ -81,6 +84,11 @@ std::int64_t Published::MeasuredAt_ns(float torque_Nm) const {
     if (measured != measured_ns_.end()) newest_ns = std::max(newest_ns, measured->second);
   }
   return newest_ns;
+}
+
+std::int64_t Published::ArmedUntil_ns(std::int64_t at_ns) const {
+  const auto later = std::upper_bound(armed_ns_.begin(), armed_ns_.end(), at_ns);
+  return later == armed_ns_.begin() ? 0 : *std::prev(later);
 }
 
 BusWatch::BusWatch(const std::string& bus) : bus_({.bus = bus}) {
@@ -129,7 +137,7 @@ void BusWatch::Assess(const Published& published, std::int64_t now_ns) {
       frame = frames_.front();
       frames_.pop_front();
     }
-    frame.heartbeat ? AssessHeartbeat(frame) : AssessSetpoint(frame, published);
+    frame.heartbeat ? AssessHeartbeat(frame, published) : AssessSetpoint(frame, published);
   }
 }
 
@@ -153,11 +161,14 @@ void BusWatch::AssessSetpoint(const Frame& frame, const Published& published) {
   command_ns_ = frame.stamp_ns;
 }
 
-void BusWatch::AssessHeartbeat(const Frame& frame) {
+void BusWatch::AssessHeartbeat(const Frame& frame, const Published& published) {
   if (frame.closed_loop && !closed_loop_) closed_since_ns_ = frame.stamp_ns;
   closed_loop_ = frame.closed_loop;
   if (!closed_loop_) return;
-  const std::int64_t since_ns = std::max(closed_since_ns_, command_ns_);
+  // Of two writers the provider may hear one while DDS lets us hear the other, which is stopped:
+  // then the provider's word stands for the commands.
+  const std::int64_t since_ns =
+      std::max({closed_since_ns_, command_ns_, published.ArmedUntil_ns(frame.stamp_ns)});
   const double without_ms =
       Milliseconds(frame.stamp_ns - since_ns) - Late_ms(since_ns, frame.stamp_ns);
   findings_.longest_without_ms = std::max(findings_.longest_without_ms, without_ms);

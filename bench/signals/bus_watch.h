@@ -37,11 +37,15 @@ class Published {
   // When the state of the newest command of this value was measured (CLOCK_MONOTONIC); 0: no
   // command has it.
   std::int64_t MeasuredAt_ns(float torque_Nm) const;
+  // The last time, up to this one, at which the provider said that it was armed: that it had a
+  // fresh command.
+  std::int64_t ArmedUntil_ns(std::int64_t at_ns) const;
 
  private:
   using Tick = std::pair<std::uint64_t, std::uint64_t>;  // session and tick
   std::map<Tick, std::int64_t> measured_ns_;
   std::deque<Tick> states_;
+  std::deque<std::int64_t> armed_ns_;
   // A command may come here before the state that it answers.
   std::map<float, Tick> newest_;
   std::deque<std::pair<float, Tick>> commands_;
@@ -50,7 +54,8 @@ class Published {
 struct Findings {
   std::uint64_t setpoints = 0, matched = 0;
   double oldest_ms = 0.0;  // age of a command that was executed, beyond what the machine was late
-  // Longest time in closed loop without a new command, beyond what the machine was late.
+  // Longest time in closed loop without a new command or the provider's word that it has one,
+  // beyond what the machine was late.
   double longest_without_ms = 0.0;
   std::uint64_t windows = 0, late_windows = 0;  // of 5 ms; a witness was over 1 ms late
   std::vector<std::string> violations;
@@ -77,7 +82,7 @@ class BusWatch {
   };
   void Receive();
   void AssessSetpoint(const Frame& frame, const Published& published);
-  void AssessHeartbeat(const Frame& frame);
+  void AssessHeartbeat(const Frame& frame, const Published& published);
   double Late_ms(std::int64_t from_ns, std::int64_t to_ns) const;
   void Violate(const Frame& frame, const std::string& what);
 
