@@ -11,7 +11,8 @@
 namespace sinew::node::internal {
 namespace {
 
-// As GCC's and Clang's ABI writes std::thread::_M_start_thread(std::thread::_State_ptr, void (*)()).
+// As GCC's and Clang's ABI writes std::thread::_M_start_thread(std::thread::_State_ptr, void
+// (*)()).
 constexpr const char* kStartThread =
     "_ZNSt6thread15_M_start_threadESt10unique_ptrINS_6_StateESt14default_deleteIS1_EEPFvvE";
 
@@ -28,17 +29,17 @@ bool IsRetransmission(const std::type_info& runs) noexcept {
 // comes before libstdc++'s, which it calls.
 void std::thread::_M_start_thread(_State_ptr state, void (*depend)()) {
   using Start = void (*)(std::thread*, _State_ptr, void (*)());
-  static const auto start =
+  static const auto kStart =
       reinterpret_cast<Start>(::dlsym(RTLD_NEXT, sinew::node::internal::kStartThread));
-  if (start == nullptr) {
+  if (kStart == nullptr) {
     throw std::system_error(std::make_error_code(std::errc::function_not_supported),
                             "libstdc++ without std::thread::_M_start_thread");
   }
   const _State& runs = *state;
   if (!sinew::node::internal::IsRetransmission(typeid(runs))) {
-    start(this, std::move(state), depend);
+    kStart(this, std::move(state), depend);
     return;
   }
   const sinew::node::internal::HelpersBegin out_of_fifo("dds-resend");
-  start(this, std::move(state), depend);
+  kStart(this, std::move(state), depend);
 }

@@ -167,7 +167,8 @@ std::string TakeOverAndGiveBack(const Outside& which) {
   if (!rig.WatchUntilDrivenBy("own", &back)) return "the provider does not obey its own again";
   back = rig.Watch(kHalfPeriod, back);
   std::printf(
-      "step %.4f N m before, %.4f and %.4f with the handovers; error %.4f, %.4f, %.4f, alone %.4f rad\n",
+      "step %.4f N m before, %.4f and %.4f with the handovers; error %.4f, %.4f, %.4f, alone %.4f "
+      "rad\n",
       before.largest_step_Nm, there.largest_step_Nm, back.largest_step_Nm, before.largest_error_rad,
       there.largest_error_rad, back.largest_error_rad, alone.largest_error_rad);
   const double most_error_rad =
