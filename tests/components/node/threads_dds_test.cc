@@ -12,6 +12,7 @@
 
 #include "components/node/node.h"
 #include "tests/support/realtime.h"
+#include "tests/support/skip.h"
 
 namespace sinew::node {
 namespace {
@@ -41,7 +42,7 @@ class UnderFifo {
 // It spins while another thread holds a writer's mutex. Two of them at a real-time priority took
 // both cores of a machine for good, from the thread that held it too.
 TEST(ThreadsDds, WhatRetransmitsIsOutOfFifoAndReceptionIsNot) {
-  if (!sinew::testing::MayBecomeRealtime()) GTEST_SKIP() << "SCHED_FIFO is refused";
+  SKIP_WITHOUT_KERNEL(sinew::testing::MayBecomeRealtime(), "SCHED_FIFO for who runs this");
   const auto before = ThreadsOfThisProcess();
   const UnderFifo fifo;
   Options options;
