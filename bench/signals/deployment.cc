@@ -111,7 +111,6 @@ void Deployment::Launch() {
   for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) {
     if (entry.path().extension() == ".mcap") std::filesystem::remove(entry.path());
   }
-  ++recordings_;
   launch_ = std::make_unique<Program>(
       std::vector<std::string>{kBin + "sinew", "launch", deployment_, "--domain",
                                std::to_string(domain_), "--record", recording});

@@ -41,7 +41,6 @@ class Deployment {
   testing::TemporaryFolder folder_;
   std::string bus_path_, deployment_;
   std::unique_ptr<testing::Program> hardware_bus_, axes_, launch_;
-  int recordings_ = 0;
 };
 
 }  // namespace sinew::signals

@@ -11,8 +11,7 @@
 namespace sinew::node::internal {
 namespace {
 
-// As GCC's and Clang's ABI writes std::thread::_M_start_thread(std::thread::_State_ptr, void
-// (*)()).
+// std::thread::_M_start_thread(_State_ptr, void (*)()) as the ABI of GCC and Clang writes it.
 constexpr const char* kStartThread =
     "_ZNSt6thread15_M_start_threadESt10unique_ptrINS_6_StateESt14default_deleteIS1_EEPFvvE";
 

@@ -13,8 +13,8 @@ namespace {
 
 // At the motor shaft: the rig's 18.7 N m/rad, 5.75 N m/(rad s), 0.945 N m s/rad / (100 x 0.77).
 constexpr double kProportional = 0.243, kIntegral = 0.0747, kDerivative = 0.0123, kLimit_Nm = 0.398;
-constexpr double kGrace_s =
-    0.035;  // a late reference is continued for this long, as in a take-over
+// A late reference is continued for this long, as in a take-over.
+constexpr double kGrace_s = 0.035;
 
 void Run(const sinew::node::Options& options, sinew::node::StopFlag& stop) {
   using namespace sinew;
