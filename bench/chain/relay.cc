@@ -280,16 +280,20 @@ void RunSource(const std::vector<Out>& outs, const Answerer& answer, double rate
 }
 
 // As components/node/realtime.cc.
-void BecomeRealtime(int priority) {
+void BecomeRealtime(int priority, int cpu) {
   const sched_param parameters{.sched_priority = priority};
+  cpu_set_t cpus;
+  CPU_ZERO(&cpus);
+  CPU_SET(static_cast<std::size_t>(cpu), &cpus);
   pthread_attr_t attributes;
   ::pthread_attr_init(&attributes);
   ::pthread_attr_setstacksize(&attributes, kThreadStackBytes);
   const bool done = ::sched_setscheduler(0, SCHED_FIFO, &parameters) == 0 &&
+                    ::sched_setaffinity(0, sizeof cpus, &cpus) == 0 &&
                     ::pthread_setattr_default_np(&attributes) == 0 &&
                     ::mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
   ::pthread_attr_destroy(&attributes);
-  if (!done) throw std::runtime_error("SCHED_FIFO or locked memory refused");
+  if (!done) throw std::runtime_error("SCHED_FIFO, the core or locked memory refused");
 }
 
 struct Arguments {
@@ -304,6 +308,7 @@ struct Arguments {
       if (key == "--seconds") seconds = std::stod(value);
       if (key == "--domain") domain = std::stoi(value);
       if (key == "--priority") priority = std::stoi(value);
+      if (key == "--cpu") cpu = std::stoi(value);
       if (key == "--qos") qos_file = value;
       if (key == "--transports") transports = value;
     }
@@ -314,7 +319,7 @@ struct Arguments {
   std::string kind, qos_file, transports = "udp";
   std::vector<End> ins, awaited, outs;
   double rate_Hz = 240.0, seconds = 10.0;
-  int domain = 0, priority = 0;
+  int domain = 0, priority = 0, cpu = 0;
 };
 
 }  // namespace
@@ -323,7 +328,7 @@ int main(int argc, char** argv) try {
   const Arguments arguments(argc, argv);
   ::signal(SIGINT, OnSignal);
   ::signal(SIGTERM, OnSignal);
-  if (arguments.priority > 0) BecomeRealtime(arguments.priority);
+  if (arguments.priority > 0) BecomeRealtime(arguments.priority, arguments.cpu);
   Answerer answerer;
   answerer.Await(arguments.awaited.size());
   std::vector<std::unique_ptr<Listener>> listeners;  // outlive the participant

@@ -12,6 +12,7 @@ are as large as ours were in a run before. Nothing else may run.
 import argparse
 import json
 import math
+import os
 import pathlib
 import signal
 import statistics
@@ -108,7 +109,7 @@ def stale_share(before, after):
 
 
 def ours(options, rate, seconds, components, compose=False, sizes=False):
-    common = ["--domain", options.domain] + (["--realtime"] if options.realtime else [])
+    common = ["--domain", options.domain] + (["--realtime", "--cpu", options.cpu] if options.realtime else [])
     provider = [options.bin / "chain_provider", *common, "--name", "provider", "--rate", rate, "--seconds", seconds,
                 *(["--sizes"] if sizes else [])]
     with Processes() as processes:
@@ -140,7 +141,7 @@ def relays(options, rate, seconds, source, graph, sizes):
         return words
 
     def command(kind, priority, ports):
-        scheduling = ["--priority", priority] if options.realtime and priority else []
+        scheduling = ["--priority", priority, "--cpu", options.cpu] if options.realtime and priority else []
         return [options.bin / "chain_relay", kind, "--domain", options.domain, "--qos", QOS, *scheduling,
                 "--transports", options.transports,
                 *ends("--await", ports["awaits"]), *ends("--in", ports["reads"]), *ends("--out", ports["writes"])]
@@ -199,6 +200,7 @@ def main():
     parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build/release/bin")
     parser.add_argument("--domain", type=int, default=200)
     parser.add_argument("--rate", type=int, default=1000, help="of comparison A, Hz")
+    parser.add_argument("--cpu", type=int, default=max(os.sched_getaffinity(0)), help="core of both sides")
     parser.add_argument("--no-realtime", dest="realtime", action="store_false")
     parser.add_argument("--transports", default="udp", choices=["both", "udp", "shm"], help="of the relays")
     parser.add_argument("--only", default="ABCH", help="letters of the comparisons")

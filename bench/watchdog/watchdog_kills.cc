@@ -82,10 +82,11 @@ std::vector<std::string> Arguments(std::vector<std::string> program, const Place
 
 // The controller that will be killed: answers every joint_state.
 int Command(const Place& place, const std::string& name) {
-  if (place.realtime) node::BecomeRealtime("control");
+  if (place.realtime) node::PrepareRealtime("control");
   node::Node node(NodeOptions(place, name));
   auto states = node.MakeReader(node::kJointState);
   auto commands = node.MakeWriter(node::kJointCommand);
+  node::BeginRealtime();
   while (::getppid() != 1) {
     const auto state = states.WaitNext(milliseconds(200));
     if (!state) continue;

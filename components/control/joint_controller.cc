@@ -135,33 +135,31 @@ JointOutput JointController::Damping(const JointMeasurement& m) const noexcept {
 }
 
 void JointController::BridgeLateInputs(JointInput* input) noexcept {
-  const double grace_s = config_.stale_grace_s;
-  if (input->reference_fresh) {
-    // After a loss it is taken up like another generator's.
-    input->reference_changed |= last_reference_.late_s() > grace_s;
-    last_reference_.Came(input->reference);
-  } else {
-    last_reference_.Missed(input->period_s);
-    if (aim_ == Aim::kReference && last_reference_.Within(grace_s)) {
-      const Point& last = last_reference_.value();
-      const double t_s = last_reference_.late_s();
-      input->reference = {
-          last.position_rad + t_s * (last.velocity_rad_s + 0.5 * t_s * last.acceleration_rad_s2),
-          last.velocity_rad_s + t_s * last.acceleration_rad_s2, last.acceleration_rad_s2};
-      input->reference_fresh = true;
-    }
+  const double grace_s = config_.stale_grace_s, period_s = input->period_s;
+  const auto age_s = [](bool fresh, double late_s) { return fresh ? 0.0 : late_s; };
+
+  const bool was_lost = last_reference_.late_s() > grace_s;
+  const bool came = last_reference_.Take(
+      input->reference, age_s(input->reference_fresh, input->reference_late_s), period_s);
+  // After a loss it is taken up like another generator's.
+  input->reference_changed |= came && was_lost;
+  const bool follows = came || aim_ == Aim::kReference;
+  if (!input->reference_fresh && follows && last_reference_.Within(grace_s)) {
+    const Point& last = last_reference_.value();
+    const double t_s = last_reference_.late_s();
+    input->reference = {
+        last.position_rad + t_s * (last.velocity_rad_s + 0.5 * t_s * last.acceleration_rad_s2),
+        last.velocity_rad_s + t_s * last.acceleration_rad_s2, last.acceleration_rad_s2};
+    input->reference_fresh = true;
   }
-  if (input->prediction_fresh) {
-    last_prediction_.Came(input->prediction);
-  } else {
-    last_prediction_.Missed(input->period_s);
+  last_prediction_.Take(input->prediction, age_s(input->prediction_fresh, input->prediction_late_s),
+                        period_s);
+  if (!input->prediction_fresh) {
     input->prediction_fresh = last_prediction_.Within(grace_s);
     input->prediction = last_prediction_.value();
   }
-  if (input->regime_fresh) {
-    last_regime_.Came(input->regime);
-  } else {
-    last_regime_.Missed(input->period_s);
+  last_regime_.Take(input->regime, age_s(input->regime_fresh, input->regime_late_s), period_s);
+  if (!input->regime_fresh) {
     input->regime = last_regime_.Within(grace_s) ? last_regime_.value() : types::Regime::kUnknown;
   }
 }

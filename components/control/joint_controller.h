@@ -9,12 +9,12 @@
 // Command, torque strategies: limit(PID / (N efficiency) + feed-forward) at the motor shaft; the
 // cut part goes back into the integral. kPosition gives the target to the drive's own loops.
 //
-// Late input: for stale_grace_s the reference goes on at its last acceleration, and the last
-// prediction and the last regime stay. Then it is lost: without a reference the target stays where
-// it was, at rest, or there is only damping (on_stale); without prediction or regime there is no
-// network. A lost position leaves damping by motor velocity, or no torque. All of it is marked
-// stale. Non-finite input, or a tracking error above its limit, latches a fault: motor off until
-// disarmed.
+// Late input: until it is stale_grace_s old the reference goes on at its last acceleration, and the
+// last prediction and the last regime stay; one that comes a tick late every time is as good.
+// Older, it is lost: without a reference the target stays where it was, at rest, or there is only
+// damping (on_stale); without prediction or regime there is no network. A lost position leaves
+// damping by motor velocity, or no torque. All of it is marked stale. Non-finite input, or a
+// tracking error above its limit, latches a fault: motor off until disarmed.
 //
 // Thread: one. Step is noexcept and allocates nothing.
 #pragma once
@@ -64,27 +64,36 @@ struct JointInput {
   const JointMeasurement* measured = nullptr;
   bool reference_expected = false;  // the reference asks for this joint, or did when last heard
   bool reference_fresh = false;
-  bool reference_changed = false;  // to another generator's: the step to it fades out
+  double reference_late_s = kNoInput;  // RobotInput
+  bool reference_changed = false;      // to another generator's: the step to it fades out
   bool reference_replayed = false;
   Point reference;
   bool prediction_fresh = false;
+  double prediction_late_s = kNoInput;
   bool prediction_changed = false;  // to another predictor's: likewise
   JointPrediction prediction;
   bool regime_fresh = false;
+  double regime_late_s = kNoInput;
   types::Regime regime = types::Regime::kUnknown;
   MotionOrder motion;
 };
 
-// The last value of an input that comes every tick, and for how long it has not come.
+// The newest value of an input that comes every tick, and how old it is.
 template <class Value>
 class LateInput {
  public:
-  void Came(const Value& value) noexcept {
-    value_ = value;
-    late_s_ = 0.0;
-    known_ = true;
+  // A cycle. `late_s`: of `value`, 0 when it is of this tick, kNoInput when there is none. False:
+  // it is no newer than what was known.
+  bool Take(const Value& value, double late_s, double period_s) noexcept {
+    const double aged_s = std::min(late_s_ + period_s, 1e6);
+    const bool newer = late_s <= 0.0 || late_s < (known_ ? aged_s - 0.5 * period_s : kNoInput);
+    if (newer) {
+      value_ = value;
+      known_ = true;
+    }
+    late_s_ = newer ? late_s : aged_s;
+    return newer;
   }
-  void Missed(double period_s) noexcept { late_s_ = std::min(late_s_ + period_s, 1e6); }
   void Forget() noexcept { *this = {}; }
   double late_s() const noexcept { return late_s_; }
   // The last value counts, late or not.

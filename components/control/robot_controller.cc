@@ -34,7 +34,9 @@ RobotOutput RobotController::Step(const RobotInput& input) noexcept {
     }
     return output;
   }
-  if (input.reference_fresh) reference_count_ = input.reference_count;
+  if (input.reference_fresh || std::isfinite(input.reference_late_s)) {
+    reference_count_ = input.reference_count;
+  }
 
   bool off = false;
   static constexpr JointMeasurement kUnknown;
@@ -45,13 +47,16 @@ RobotOutput RobotController::Step(const RobotInput& input) noexcept {
     joint.measured = j < input.joint_count ? &input.joint[j] : &kUnknown;
     joint.reference_expected = j < reference_count_;
     joint.reference_fresh = input.reference_fresh;
+    joint.reference_late_s = input.reference_late_s;
     joint.reference_changed = input.reference_changed;
     joint.reference_replayed = input.reference_replayed;
     joint.reference = input.reference[j];
     joint.prediction_fresh = input.prediction_fresh;
+    joint.prediction_late_s = input.prediction_late_s;
     joint.prediction_changed = input.prediction_changed;
     joint.prediction = input.prediction[j];
     joint.regime_fresh = input.regime_fresh;
+    joint.regime_late_s = input.regime_late_s;
     joint.regime = input.regime[j];
     joint.motion = input.motion[j];
     const JointController::Result result = joints_[j].Step(joint);

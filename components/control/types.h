@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 
 #include "components/reference/trajectory.h"
 #include "components/types/control_mode.h"
@@ -45,6 +46,9 @@ struct MotionOrder {
   double motor_torque_limit_Nm = 0.0;  // 0: the joint's own
 };
 
+// How late an input is of which there is nothing.
+inline constexpr double kNoInput = std::numeric_limits<double>::infinity();
+
 struct RobotInput {
   std::uint64_t session_id = 0;
   double period_s = 0.0;
@@ -54,16 +58,19 @@ struct RobotInput {
   int joint_count = 0;
   types::JointArray<JointMeasurement> joint{};
 
-  bool reference_fresh = false;     // belongs to this tick and is not marked stale
-  bool reference_changed = false;   // it comes from another generator than the one before
-  int reference_count = 0;          // 0: nothing is asked for
-  bool reference_replayed = false;  // a recording's, on live hardware
+  bool reference_fresh = false;        // belongs to this tick and is not marked stale
+  double reference_late_s = kNoInput;  // else: how old it is
+  bool reference_changed = false;      // it comes from another generator than the one before
+  int reference_count = 0;             // 0: nothing is asked for
+  bool reference_replayed = false;     // a recording's, on live hardware
   types::JointArray<Point> reference{};
 
   bool prediction_fresh = false;
+  double prediction_late_s = kNoInput;
   bool prediction_changed = false;  // it comes from another predictor than the one before
   types::JointArray<JointPrediction> prediction{};
   bool regime_fresh = false;
+  double regime_late_s = kNoInput;
   types::JointArray<types::Regime> regime{};
 
   types::JointArray<MotionOrder> motion{};

@@ -1,9 +1,16 @@
 #include "components/node/helper_thread.h"
 
 #include <sched.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <ctime>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
 
 namespace sinew::node::internal {
 
@@ -31,21 +38,90 @@ bool WakeUp::WaitUntil(std::chrono::steady_clock::time_point end) noexcept {
   return result == 0;
 }
 
-void BecomeHelper(const char* name) noexcept {
-  const sched_param none{};
-  ::pthread_setschedparam(::pthread_self(), SCHED_OTHER, &none);  // always allowed
+namespace {
+
+enum class Duty { kHelper, kDiscovery };
+
+// The kernel's ids of the threads that are not raised like the others. Held while policies change,
+// so that a thread is raised before it gets its duty or not at all. Never destroyed: helpers may
+// outlive main().
+struct Duties {
+  std::mutex mutex;
+  std::map<pid_t, Duty> threads;
+  std::optional<cpu_set_t> process_cpus;  // once the others were raised
+};
+
+Duties& TheDuties() {
+  static auto* const kDuties = new Duties;
+  return *kDuties;
+}
+
+// Ids are used again.
+struct UntilThreadEnds {
+  ~UntilThreadEnds() {
+    Duties& duties = TheDuties();
+    const std::lock_guard<std::mutex> lock(duties.mutex);
+    duties.threads.erase(::gettid());
+  }
+};
+
+int SetFifo(pid_t thread, int priority) noexcept {
+  const sched_param parameters{.sched_priority = priority};
+  return ::sched_setscheduler(thread, SCHED_FIFO, &parameters) == 0 ? 0 : errno;
+}
+
+// An error, or 0.
+int Raise(const Duties& duties, pid_t thread, int priority, const cpu_set_t* cpus) {
+  const auto duty = duties.threads.find(thread);
+  if (duty != duties.threads.end()) {
+    return SetFifo(thread, std::min(priority, kDiscoveryPriority));
+  }
+  if (cpus != nullptr && ::sched_setaffinity(thread, sizeof *cpus, cpus) != 0) return errno;
+  return SetFifo(thread, priority);
+}
+
+void Take(Duty duty, const char* name) noexcept {
   ::pthread_setname_np(::pthread_self(), name);
+  Duties& duties = TheDuties();
+  const std::lock_guard<std::mutex> lock(duties.mutex);
+  duties.threads[::gettid()] = duty;
+  static thread_local const UntilThreadEnds kUntilThreadEnds;
+  if (duty == Duty::kHelper) {
+    const sched_param none{};
+    ::pthread_setschedparam(::pthread_self(), SCHED_OTHER, &none);  // always allowed
+  }
+  if (!duties.process_cpus) return;  // RaiseThreads will see it
+  (void)::sched_setaffinity(0, sizeof(cpu_set_t), &*duties.process_cpus);
+  if (duty == Duty::kDiscovery) (void)SetFifo(0, kDiscoveryPriority);
 }
 
-HelpersBegin::HelpersBegin(const char* name) noexcept {
-  ::pthread_getschedparam(::pthread_self(), &policy_, &parameters_);
-  ::pthread_getname_np(::pthread_self(), name_, sizeof name_);
-  BecomeHelper(name);
-}
+}  // namespace
 
-HelpersBegin::~HelpersBegin() {
-  ::pthread_setname_np(::pthread_self(), name_);
-  ::pthread_setschedparam(::pthread_self(), policy_, &parameters_);
+void BecomeHelper(const char* name) noexcept { Take(Duty::kHelper, name); }
+void BecomeDiscovery() noexcept { Take(Duty::kDiscovery, "dds-discovery"); }
+
+int RaiseThreads(int priority, std::span<const int> cpus) {
+  cpu_set_t own, all;
+  CPU_ZERO(&own);
+  for (const int cpu : cpus) CPU_SET(static_cast<std::size_t>(cpu), &own);
+  if (::sched_getaffinity(0, sizeof all, &all) != 0) return errno;
+  Duties& duties = TheDuties();
+  const std::lock_guard<std::mutex> lock(duties.mutex);
+  duties.process_cpus = all;
+  // Again for those that a thread has started meanwhile which was not raised yet.
+  for (bool raised = true; raised;) {
+    raised = false;
+    for (const auto& entry : std::filesystem::directory_iterator("/proc/self/task")) {
+      const pid_t thread = std::stoi(entry.path().filename().string());
+      const auto duty = duties.threads.find(thread);
+      const bool helps = duty != duties.threads.end() && duty->second == Duty::kHelper;
+      if (helps || ::sched_getscheduler(thread) == SCHED_FIFO) continue;
+      const int error = Raise(duties, thread, priority, cpus.empty() ? nullptr : &own);
+      if (error != 0 && error != ESRCH) return error;  // else it has ended
+      raised |= error == 0;
+    }
+  }
+  return 0;
 }
 
 }  // namespace sinew::node::internal

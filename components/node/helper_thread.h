@@ -3,10 +3,10 @@
 #pragma once
 
 #include <pthread.h>
-#include <sched.h>
 #include <semaphore.h>
 
 #include <chrono>
+#include <span>
 
 namespace sinew::node::internal {
 
@@ -43,23 +43,19 @@ class WakeUp {
   sem_t semaphore_;
 };
 
-// The calling thread leaves SCHED_FIFO, which it inherited. `name`: of at most 15 characters, shown
-// by `ps -L`.
+// The calling thread is out of SCHED_FIFO until it ends, on any core of the process, whatever it
+// inherited and whoever raises the others. `name`: of at most 15 characters, shown by `ps -L`.
 void BecomeHelper(const char* name) noexcept;
 
-// While it lives the calling thread is out of SCHED_FIFO and bears `name` (at most 15 characters),
-// and so do threads that it starts, for good.
-class HelpersBegin {
- public:
-  explicit HelpersBegin(const char* name) noexcept;
-  ~HelpersBegin();
-  HelpersBegin(const HelpersBegin&) = delete;
-  HelpersBegin& operator=(const HelpersBegin&) = delete;
+// The calling thread takes part in discovery, whose bursts (a participant that joins exchanges some
+// 40 endpoints with each other one) are no work of a cycle: once the process is raised it is below
+// every cycle, on any core of the process.
+void BecomeDiscovery() noexcept;
+inline constexpr int kDiscoveryPriority = 10;  // above SCHED_OTHER: it holds locks of writers
 
- private:
-  int policy_ = 0;
-  sched_param parameters_{};
-  char name_[16] = {};
-};
+// SCHED_FIFO `priority`, on `cpus` alone (none: wherever they may run), for every thread of the
+// process that is neither a helper nor discovery nor under SCHED_FIFO already. The error of the one
+// that was refused, or 0. Thread: any.
+int RaiseThreads(int priority, std::span<const int> cpus);
 
 }  // namespace sinew::node::internal

@@ -1,5 +1,6 @@
 #include "components/node/options.h"
 
+#include <sched.h>
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
@@ -25,11 +26,7 @@ void LogStart(const Options& options) {
                options.config_path.empty() ? "" : ", config " + options.config_path.string());
   if (!options.realtime_priority) return;
   const PriorityRule& rule = PriorityOf(options.component);
-  if (rule.priority == 0) {
-    spdlog::info("--realtime: SCHED_OTHER ({})", rule.reason);
-  } else {
-    spdlog::info("--realtime: SCHED_FIFO {} ({}), memory locked", rule.priority, rule.reason);
-  }
+  if (rule.priority == 0) spdlog::info("--realtime: SCHED_OTHER ({})", rule.reason);
 }
 
 // How long an end waits for whoever reads the log.
@@ -107,6 +104,14 @@ int RunParticipant(int argc, char** argv, const std::string& component,
   app.add_flag("--realtime", options.realtime_priority,
                "SCHED_FIFO and locked memory, as the kind of participant asks for")
       ->excludes(lockstep_flag);
+  app.add_option("--cpu", options.cpus,
+                 "Cores of the threads in real time, by default the last one it may use")
+      ->envname("SINEW_CPU")
+      ->check(CLI::Range(0, CPU_SETSIZE - 1))
+      ->delimiter(',')
+      ->type_name("NUMBER")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   if (add_options) add_options(app);
   try {
     app.parse(argc, argv);
@@ -119,7 +124,7 @@ int RunParticipant(int argc, char** argv, const std::string& component,
   if (options.name.empty()) options.name = component;
   options.mode = lockstep ? TimeMode::kLockstep : TimeMode::kRealtime;
   try {
-    if (options.realtime_priority) BecomeRealtime(component);
+    if (options.realtime_priority) PrepareRealtime(component, options.cpus);
     internal::StartLog(options.name, options.log_level);
     LogStart(options);
     body(options, stop);

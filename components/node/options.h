@@ -29,7 +29,8 @@ struct Options {
   std::filesystem::path config_path;    // --config; may be empty
   std::string log_level = "info";       // --log-level
   TimeMode mode = TimeMode::kRealtime;  // --lockstep
-  bool realtime_priority = false;       // --realtime: realtime.h, before the first DDS call
+  bool realtime_priority = false;       // --realtime: realtime.h
+  std::vector<int> cpus;                // --cpu or SINEW_CPU: of --realtime; none: DefaultCpu
   std::uint64_t seed = 1;               // --seed
   std::filesystem::path qos_path;       // --qos: XML profiles instead of the built-in ones
   // The other nodes of this thread, where there are some: composition.h. Outlives the nodes.

@@ -7,6 +7,7 @@
 
 #include "components/node/codec.h"
 #include "components/node/node_impl.h"
+#include "components/node/realtime.h"
 #include "components/wire/wire.h"
 
 namespace sinew::node::internal {
@@ -102,7 +103,10 @@ void OwnershipKeeper::Run() {
       hand_over = std::exchange(hand_over_, false);
     }
     const std::lock_guard<std::mutex> lock(writers_mutex_);
-    if (hand_over) HandOver();
+    if (hand_over) {
+      BeginRealtime();  // who takes over is, however young
+      HandOver();
+    }
     Settle(Clock::now());
     next = NextToSettle();
   }

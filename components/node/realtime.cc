@@ -2,12 +2,20 @@
 
 #include <pthread.h>
 #include <sched.h>
+#include <spdlog/spdlog.h>
 #include <sys/mman.h>
 
+#include <algorithm>
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <mutex>
+#include <optional>
 #include <stdexcept>
+
+#include "components/config/config.h"
+#include "components/node/helper_thread.h"
 
 namespace sinew::node {
 
@@ -17,8 +25,8 @@ namespace sinew::node {
 const std::vector<PriorityRule>& PriorityRules() {
   static const std::vector<PriorityRule> kRules = {
       {"estop", 48, "stops the robot whatever else runs"},
-      {"can-bus", 46, "the bus: hardware to everybody else"},
-      {"virtual-axes", 46, "the motor controllers: hardware to everybody else"},
+      {"can-bus", 46, "the bus: hardware to everybody else", true},
+      {"virtual-axes", 46, "the motor controllers: hardware to everybody else", true},
       {"can-bridge", 44, "state provider: the cycle's timer, guard and motors off"},
       {"compose", 44, "state provider with others in its thread"},
       {"surrogate", 44, "state provider"},
@@ -53,7 +61,7 @@ const PriorityRule& PriorityOf(std::string_view component) {
 namespace {
 
 // The first thread's own stack grows while it is used: its pages are touched once, so that they are
-// there and locked.
+// there and locked. Another thread's is small and there.
 void TouchStack() {
   std::array<volatile char, kThreadStackBytes / 2> stack;
   for (std::size_t i = 0; i < stack.size(); i += 1024) stack[i] = 0;
@@ -63,17 +71,56 @@ void TouchStack() {
   throw std::runtime_error("--realtime: " + what + " (" + std::strerror(error) + "); " + remedy);
 }
 
+[[noreturn]] void Refused(int priority, int error) {
+  Refused("SCHED_FIFO " + std::to_string(priority) + " refused", error,
+          "run as root or raise rtprio in /etc/security/limits.conf");
+}
+
+// What BeginRealtime will give.
+struct Prepared {
+  const PriorityRule* rule = nullptr;
+  std::vector<int> cpus;
+};
+std::mutex g_mutex;  // of g_prepared
+std::optional<Prepared> g_prepared;
+std::atomic<bool> g_to_begin{false};
+
+std::vector<int> UsableCpus() {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  std::vector<int> usable;
+  if (::sched_getaffinity(0, sizeof set, &set) != 0) return usable;  // more than 1024 cores
+  for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
+    if (CPU_ISSET(cpu, &set)) usable.push_back(cpu);
+  }
+  return usable;
+}
+
+void CheckCpus(const std::vector<int>& cpus, const std::vector<int>& usable) {
+  for (const int cpu : cpus) {
+    if (std::find(usable.begin(), usable.end(), cpu) != usable.end()) continue;
+    throw UsageError(
+        fmt::format("--cpu {}: this process may use the cores {}", cpu, fmt::join(usable, ", ")));
+  }
+}
+
 }  // namespace
 
-void BecomeRealtime(const std::string& component) {
-  const int priority = PriorityOf(component).priority;
-  if (priority == 0) return;
+int DefaultCpu(std::string_view component, std::span<const int> usable) {
+  const bool apart = PriorityOf(component).hardware && usable.size() > 1;
+  return usable[usable.size() - (apart ? 2 : 1)];
+}
+
+void PrepareRealtime(const std::string& component, const std::vector<int>& cpus) {
+  const PriorityRule& rule = PriorityOf(component);
+  if (rule.priority == 0) return;
+  const std::vector<int> usable = UsableCpus();
+  CheckCpus(cpus, usable);
   sched_param parameters{};
-  parameters.sched_priority = priority;
-  if (::sched_setscheduler(0, SCHED_FIFO, &parameters) != 0) {
-    Refused("SCHED_FIFO " + std::to_string(priority) + " refused", errno,
-            "run as root or raise rtprio in /etc/security/limits.conf");
-  }
+  parameters.sched_priority = rule.priority;
+  if (::sched_setscheduler(0, SCHED_FIFO, &parameters) != 0) Refused(rule.priority, errno);
+  const sched_param none{};
+  ::sched_setscheduler(0, SCHED_OTHER, &none);  // always allowed
   pthread_attr_t attributes;
   ::pthread_attr_init(&attributes);
   ::pthread_attr_setstacksize(&attributes, kThreadStackBytes);
@@ -83,7 +130,21 @@ void BecomeRealtime(const std::string& component) {
   if (::mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
     Refused("memory cannot be locked", errno, "raise memlock in /etc/security/limits.conf");
   }
+  const std::lock_guard<std::mutex> lock(g_mutex);
+  g_prepared = {&rule, cpus};
+  if (cpus.empty() && !usable.empty()) g_prepared->cpus = {DefaultCpu(component, usable)};
+  g_to_begin = true;
+}
+
+void BeginRealtime() {
+  if (!g_to_begin.load(std::memory_order_relaxed) || !g_to_begin.exchange(false)) return;
+  const std::lock_guard<std::mutex> lock(g_mutex);
+  const PriorityRule& rule = *g_prepared->rule;
   TouchStack();
+  const int error = internal::RaiseThreads(rule.priority, g_prepared->cpus);
+  if (error != 0) Refused(rule.priority, error);
+  spdlog::info("set up: SCHED_FIFO {} ({}), core {}", rule.priority, rule.reason,
+               fmt::join(g_prepared->cpus, ", "));
 }
 
 }  // namespace sinew::node

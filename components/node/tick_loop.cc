@@ -12,6 +12,7 @@
 #include "components/node/input_queue.h"
 #include "components/node/node_impl.h"
 #include "components/node/other_owner.h"
+#include "components/node/realtime.h"
 #include "components/node/replay_gate.h"
 #include "components/node/tick_period.h"
 #include "components/types/clock/clock.h"
@@ -235,6 +236,8 @@ struct TickLoop::Impl {
   Clock::time_point last_cycle{};        // of last_tick
   std::int64_t last_stamp_ns = 0;        // of last_tick's trigger
   Clock::time_point quiet_until{};
+  // Until then it joins below others, and they exchange what they are: work for later (realtime.h).
+  const Clock::time_point settled = Clock::now() + internal::kSettleTime;
 
   // A trigger must say how long a cycle is, itself or in the options.
   void CheckTrigger(std::string_view topic, bool carries_period, const InputRules& rules) const {
@@ -376,6 +379,12 @@ struct TickLoop::Impl {
     return true;
   }
 
+  bool TooLate(const Tick& tick) const {
+    const std::chrono::nanoseconds nominal = BoundedPeriod(tick.nominal_period_s);
+    return !lockstep && nominal.count() > 0 &&
+           Clock::now() - last_cycle > internal::Deadline(nominal);
+  }
+
   std::chrono::nanoseconds CutOff(double nominal_period_s) const {
     return std::chrono::nanoseconds(static_cast<std::int64_t>(
         cut_off_share * static_cast<double>(BoundedPeriod(nominal_period_s).count())));
@@ -436,6 +445,8 @@ std::optional<Tick> TickLoop::Next() {
     head = self.WaitForTrigger();
     if (!head) return std::nullopt;
     tick = self.Begin(*head);
+    tick.settled = self.lockstep || Clock::now() >= self.settled;
+    if (tick.settled) BeginRealtime();
   } while (self.MustBeQuiet(tick));
   self.running = {tick.session_id, wire::FromWire(trigger.origin())};
   for (const std::shared_ptr<InputBase>& input : self.inputs) {
@@ -474,6 +485,10 @@ std::optional<Tick> TickLoop::Next() {
 template <class Message>
 requires kBeginsWithHeader<Message>
 void TickLoop::Publish(Writer<Message>& writer, Message message, const Tick& tick) {
+  if (impl_->TooLate(tick)) {
+    ++impl_->counts.missed_ticks;
+    return;
+  }
   message.header().session_id(tick.session_id);
   message.header().tick(tick.tick);
   message.header().stamp_ns(tick.stamp_ns);

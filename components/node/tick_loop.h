@@ -45,6 +45,7 @@ struct Tick {
   double nominal_period_s = 0.0;
   bool last = false;  // the session's last tick: Next() returns nothing after it
   bool any_stale = false;
+  bool settled = false;  // who else writes the participant's topics is known by now (ownership.h)
   bool replay_permitted = false;  // the reference is a recording's that may move live hardware
 };
 
@@ -96,6 +97,8 @@ class TickLoop {
   // Blocks for the next cycle. Nothing: stop was requested or the session ended.
   std::optional<Tick> Next();
 
+  // Fills the header. In real time nothing is published that comes later than readers wait for an
+  // owner (ownership.h): who was stopped in the middle of a cycle does not end it.
   template <class Message>
   requires kBeginsWithHeader<Message>
   void Publish(Writer<Message>& writer, Message message, const Tick& tick);

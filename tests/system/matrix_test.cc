@@ -281,10 +281,15 @@ class Recorded {
   // Between two samples of a topic, in ticks whose state was recorded: what the logger itself lost
   // on a busy machine is no gap.
   double LongestGap_ms(const std::string& topic, const Event& event) const {
-    const std::vector<std::uint64_t> ticks = TicksOf(topic);
+    std::vector<std::uint64_t> ticks;
+    for (const std::uint64_t tick : TicksOf(topic)) {
+      // Who was stopped in the middle of a cycle ends it when it goes on: its readers know the
+      // tick.
+      if (ticks.empty() || tick > ticks.back()) ticks.push_back(tick);
+    }
     std::ptrdiff_t longest = 0;
     for (std::size_t k = 1; k < ticks.size(); ++k) {
-      if (ticks[k] < event.begin || ticks[k - 1] > event.end || ticks[k] <= ticks[k - 1]) continue;
+      if (ticks[k] < event.begin || ticks[k - 1] >= event.end) continue;
       longest = std::max(
           longest, std::distance(states_.upper_bound(ticks[k - 1]), states_.upper_bound(ticks[k])));
     }

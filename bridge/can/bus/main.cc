@@ -9,6 +9,7 @@
 #include "bridge/can/transport/bus_server.h"
 #include "bridge/can/transport/transport.h"
 #include "components/node/options.h"
+#include "components/node/realtime.h"
 #include "components/types/clock/clock.h"
 
 namespace {
@@ -48,6 +49,7 @@ void Run(const BusOptions& options, node::StopFlag& stop) {
     if (log_failed) spdlog::error("--log {}: cannot be written any more", options.log_path);
   });
   std::int64_t next_flush_ns = 0;
+  node::BeginRealtime();
   while (!stop.requested()) {
     server.RunOnce(std::chrono::milliseconds(50));
     if (log && !log_failed && types::MonotonicNow_ns() > next_flush_ns) {

@@ -13,6 +13,7 @@
 #include "components/node/command_gate.h"
 #include "components/node/node.h"
 #include "components/node/options.h"
+#include "components/node/realtime.h"
 #include "components/types/clock/clock.h"
 #include "components/wire/wire.h"
 #include "sim/surrogate/file/surrogate_file.h"
@@ -102,6 +103,7 @@ void Run(const node::Options& options, node::StopFlag& stop,
                file.axes.nodes.size(), file.buses.size());
   std::optional<Hand> hand;
   if (with_hand) hand.emplace(options);
+  node::BeginRealtime();
   axes.Start(types::MonotonicNow_ns());
   while (!stop.requested()) {
     const std::int64_t now_ns = types::MonotonicNow_ns();

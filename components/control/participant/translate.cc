@@ -14,6 +14,19 @@ bool AllPosition(const ControlConfig& config) {
       [](const JointControlConfig& joint) { return joint.strategy == Strategy::kPosition; });
 }
 
+double Late_s(const node::Tick& tick, std::uint64_t of_tick) {
+  return of_tick >= tick.tick ? 0.0
+                              : static_cast<double>(tick.tick - of_tick) * tick.nominal_period_s;
+}
+
+// The tick of what a prediction was computed from: one that went on with an older reference says so
+// by being stale. Tick 0: its predictor lacked something else.
+std::uint64_t PredictedFrom(const msg::TorquePrediction& prediction) {
+  const std::uint64_t own = prediction.header().tick();
+  if (!prediction.stale()) return own;
+  return prediction.reference_tick() < own ? prediction.reference_tick() : 0;
+}
+
 }  // namespace
 
 ControlInputs::ControlInputs(node::Node& node, node::TickLoop& loop, const ControlConfig& config)
@@ -73,6 +86,7 @@ RobotInput ControlInputs::Gather(const node::Tick& tick) {
   if (reference_.has_value()) {
     const msg::Reference& reference = reference_.value();
     input.reference_fresh = reference_.fresh() && !reference.stale();
+    if (!reference.stale()) input.reference_late_s = Late_s(tick, reference_.tick());
     input.reference_changed = reference_.writer_changed();
     input.reference_replayed = tick.replay_permitted;
     input.reference_count = reference.idle() ? 0 : reference.joint_count();
@@ -84,6 +98,7 @@ RobotInput ControlInputs::Gather(const node::Tick& tick) {
   if (prediction_ != nullptr && prediction_->has_value()) {
     const msg::TorquePrediction& prediction = prediction_->value();
     input.prediction_fresh = prediction_->fresh() && !prediction.stale();
+    input.prediction_late_s = Late_s(tick, PredictedFrom(prediction));
     input.prediction_changed = prediction_->writer_changed();
     for (std::size_t j = 0; j < prediction.joint_count(); ++j) {
       input.prediction[j] = {prediction.valid()[j], prediction.sea_torque_Nm()[j],
@@ -93,6 +108,7 @@ RobotInput ControlInputs::Gather(const node::Tick& tick) {
   if (regime_ != nullptr && regime_->has_value()) {
     const msg::RegimeState& regime = regime_->value();
     input.regime_fresh = regime_->fresh() && !regime.stale();
+    if (!regime.stale()) input.regime_late_s = Late_s(tick, regime_->tick());
     for (std::size_t j = 0; j < regime.joint_count(); ++j) {
       input.regime[j] = wire::FromWire(regime.regime()[j]);
     }

@@ -24,6 +24,7 @@
 #include "components/estop/press.h"
 #include "components/node/node.h"
 #include "components/node/options.h"
+#include "components/node/realtime.h"
 #include "components/types/clock/clock.h"
 
 namespace {
@@ -194,6 +195,7 @@ void Run(const node::Options& options, node::StopFlag& stop, const EstopOptions&
   bool idled = false;  // by the socket, since the last press
   std::vector<InputThread::Socket> pressed;
   std::optional<std::int64_t> end_ns;
+  node::BeginRealtime();
   for (;;) {
     if (stop.requested() && !end_ns) {
       end_ns = types::MonotonicNow_ns() + std::chrono::nanoseconds(kEndLimit).count();

@@ -9,6 +9,7 @@
 
 #include "components/node/cut_off.h"
 #include "components/node/node.h"
+#include "components/node/realtime.h"
 #include "components/provider/cycle_deadline.h"
 #include "components/provider/participant/awaited_topics.h"
 #include "components/provider/participant/command_readers.h"
@@ -84,6 +85,7 @@ class Provider {
 
   void Run() {
     RefuseSecondProvider();  // which sends nothing: the plant is the other one's
+    node::BeginRealtime();
     desk_.emplace(estop_config_, cycle_, plant_, [this] {
       node_.Wake();
       sleep_.Wake();

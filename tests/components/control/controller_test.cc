@@ -403,6 +403,56 @@ TEST(RobotController, LatePredictionsAndRegimesLeaveTheFeedForwardAsItIs) {
   }
 }
 
+// One that comes a tick late every time is as good as one that stays away for a tick.
+TEST(RobotController, APredictionThatIsAlwaysATickLateIsNotLost) {
+  RobotController controller({RigConfig(Strategy::kPidEsn)});
+  RobotInput input = Still(0.0);
+  const double before_Nm = SettleWithNetworkAndIntegral(&controller, &input);
+  input.prediction_fresh = input.regime_fresh = false;
+  input.prediction_late_s = input.regime_late_s = kCycle_s;
+  for (int k = 0; k < 240; ++k) {
+    const RobotOutput out = controller.Step(input);
+    EXPECT_NEAR(out.joint[0].motor_torque_Nm, before_Nm, 1e-9);
+    EXPECT_TRUE(out.stale);
+  }
+  input.prediction_late_s = 2.0 * JointControlConfig{}.stale_grace_s;  // what comes is too old
+  double without_Nm = 0.0;
+  for (int k = 0; k < 240; ++k) without_Nm = controller.Step(input).joint[0].motor_torque_Nm;
+  EXPECT_LT(without_Nm, 0.7 * before_Nm) << "no network";
+}
+
+// A reference that is always late is followed where it would be by now, also after a loss.
+TEST(RobotController, AReferenceThatIsAlwaysATickLateIsFollowedWithoutALag) {
+  RobotController late({RigConfig(Strategy::kPid)}), whole({RigConfig(Strategy::kPid)});
+  RobotInput input = Still(0.0);
+  input.reference_count = 1;
+  const auto at = [](double t_s) {
+    const double w = 2.5;
+    return Point{0.5 * std::sin(w * t_s), 0.5 * w * std::cos(w * t_s),
+                 -0.5 * w * w * std::sin(w * t_s)};
+  };
+  for (int k = 1; k < 960; ++k) {
+    input.reference[0] = at(kCycle_s * k);
+    input.reference_fresh = true;
+    input.reference_late_s = kNoInput;
+    const JointOutput expected = whole.Step(input).joint[0];
+    if (k > 10) {
+      input.reference_fresh = false;
+      input.reference[0] = at(kCycle_s * (k - 1));
+      input.reference_late_s = kCycle_s;
+    }
+    const JointOutput out = late.Step(input).joint[0];
+    EXPECT_NEAR(out.position_rad, expected.position_rad, 1e-6);
+    EXPECT_NEAR(out.motor_torque_Nm, expected.motor_torque_Nm, 1e-5);
+  }
+  input.reference_late_s = kNoInput;  // lost
+  double last_rad = 0.0;
+  for (int k = 0; k < 60; ++k) last_rad = late.Step(input).joint[0].position_rad;
+  input.reference[0] = {last_rad + 0.2, 0.0, 0.0};
+  input.reference_late_s = kCycle_s;
+  EXPECT_NEAR(late.Step(input).joint[0].position_rad, last_rad, 1e-9) << "without a jump";
+}
+
 // Lost for longer, the feed-forward fades out; back, it leaves the integral what was its own.
 TEST(RobotController, AFeedForwardThatWasLostLeavesTheIntegralItsOwn) {
   RobotController controller({RigConfig(Strategy::kPidEsn)});

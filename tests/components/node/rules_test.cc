@@ -45,6 +45,18 @@ TEST(PriorityRules, StayBelowTheInterruptThreadsOfTheKernel) {
   EXPECT_EQ(PriorityRules().back().component, "");
 }
 
+TEST(CpuRules, AllShareTheLastCoreButWhatStandsForHardware) {
+  const int several[] = {0, 2, 5}, one[] = {3};
+  for (const char* kind : {"can-bridge", "control", "rls", "a kind of a user's"}) {
+    EXPECT_EQ(DefaultCpu(kind, several), 5) << kind;
+    EXPECT_EQ(DefaultCpu(kind, one), 3) << kind;
+  }
+  for (const char* kind : {"can-bus", "virtual-axes"}) {
+    EXPECT_EQ(DefaultCpu(kind, several), 2) << kind;
+    EXPECT_EQ(DefaultCpu(kind, one), 3) << kind;
+  }
+}
+
 TEST(CutOffRules, WhoIsAwaitedGivesUpBeforeThoseWhoWaitForHim) {
   constexpr double kStep = 0.1 - 1e-12;  // for computing and sending the answer
   const auto share = [](std::string_view component) { return CutOffOf(component).share; };

@@ -3,13 +3,17 @@
 #include <pthread.h>
 #include <sched.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <set>
+#include <span>
 #include <string>
+#include <thread>
 
+#include "components/node/helper_thread.h"
 #include "components/node/node.h"
 #include "tests/support/realtime.h"
 #include "tests/support/skip.h"
@@ -39,30 +43,113 @@ class UnderFifo {
   }
 };
 
+Node MakeNode() {
+  Options options;
+  options.component = options.name = "real";
+  options.domain_id = 176;
+  return Node(options);
+}
+
+struct Threads {
+  std::size_t under_fifo = 0;
+  std::multiset<std::string> out_of_fifo;
+};
+
+// Those that were not there before.
+Threads ThreadsSince(const std::map<pid_t, std::string>& before) {
+  Threads threads;
+  for (const auto& [thread, name] : ThreadsOfThisProcess()) {
+    if (before.contains(thread)) continue;
+    if (::sched_getscheduler(thread) == SCHED_FIFO) {
+      ++threads.under_fifo;
+    } else {
+      threads.out_of_fifo.insert(name);
+    }
+  }
+  return threads;
+}
+
+// A thread names itself once it runs.
+Threads WithHelpersSince(const std::map<pid_t, std::string>& before) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  Threads threads = ThreadsSince(before);
+  while (std::chrono::steady_clock::now() < end &&
+         (!threads.out_of_fifo.contains("dds-resend") ||
+          !threads.out_of_fifo.contains("sinew-status"))) {
+    std::this_thread::yield();
+    threads = ThreadsSince(before);
+  }
+  return threads;
+}
+
+int FirstOf(const cpu_set_t& cpus) {
+  for (std::size_t cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
+    if (CPU_ISSET(cpu, &cpus)) return static_cast<int>(cpu);
+  }
+  return -1;
+}
+
+constexpr int kPriority = internal::kDiscoveryPriority + 2;
+constexpr std::size_t kReceptionAndEvents = 4;  // a reception thread per socket
+
 // It spins while another thread holds a writer's mutex. Two of them at a real-time priority took
 // both cores of a machine for good, from the thread that held it too.
 TEST(ThreadsDds, WhatRetransmitsIsOutOfFifoAndReceptionIsNot) {
   SKIP_WITHOUT_KERNEL(sinew::testing::MayBecomeRealtime(), "SCHED_FIFO for who runs this");
   const auto before = ThreadsOfThisProcess();
   const UnderFifo fifo;
-  Options options;
-  options.component = options.name = "real";
-  options.domain_id = 176;
-  Node node(options);
+  Node node = MakeNode();
   auto writer = node.MakeWriter(kOperatorCommand);  // reliable
 
-  std::size_t under_fifo = 0;
-  std::multiset<std::string> out_of_fifo;
+  const Threads threads = WithHelpersSince(before);
+  EXPECT_EQ(threads.out_of_fifo.count("dds-resend"), 1u);
+  EXPECT_GE(threads.under_fifo, kReceptionAndEvents);
+}
+
+TEST(ThreadsDds, StartUpIsOutOfFifoAndTheHelpersStayOut) {
+  SKIP_WITHOUT_KERNEL(sinew::testing::MayBecomeRealtime(), "SCHED_FIFO for who runs this");
+  const auto before = ThreadsOfThisProcess();
+  Node node = MakeNode();
+  auto writer = node.MakeWriter(kOperatorCommand);
+  const Threads at_start = WithHelpersSince(before);
+  EXPECT_EQ(at_start.under_fifo, 0u);
+
+  cpu_set_t all;
+  ASSERT_EQ(::sched_getaffinity(0, sizeof all, &all), 0);
+  const int core = FirstOf(all);
+  ASSERT_EQ(internal::RaiseThreads(kPriority, std::span(&core, 1)), 0);
+  const Threads raised = ThreadsSince(before);
+  EXPECT_EQ(::sched_getscheduler(0), SCHED_FIFO) << "who asked for it too";
+  std::size_t discovery = 0;
   for (const auto& [thread, name] : ThreadsOfThisProcess()) {
     if (before.contains(thread)) continue;
-    if (::sched_getscheduler(thread) == SCHED_FIFO) {
-      ++under_fifo;
-    } else {
-      out_of_fifo.insert(name);
+    cpu_set_t may_use;
+    ASSERT_EQ(::sched_getaffinity(thread, sizeof may_use, &may_use), 0);
+    const bool cycles = ::sched_getscheduler(thread) == SCHED_FIFO && name != "dds-discovery";
+    EXPECT_EQ(CPU_COUNT(&may_use), cycles ? 1 : CPU_COUNT(&all)) << name;
+    sched_param parameters{};
+    ASSERT_EQ(::sched_getparam(thread, &parameters), 0);
+    if (cycles) {
+      EXPECT_EQ(parameters.sched_priority, kPriority) << name;
+    }
+    if (name == "dds-discovery") {
+      ++discovery;
+      EXPECT_EQ(parameters.sched_priority, internal::kDiscoveryPriority);
     }
   }
-  EXPECT_EQ(out_of_fifo.count("dds-resend"), 1u);
-  EXPECT_GE(under_fifo, 4u) << "events, and a reception thread per socket";
+  EXPECT_GE(discovery, 2u) << "multicast and unicast";
+  EXPECT_EQ(raised.out_of_fifo, (std::multiset<std::string>{"dds-resend", "sinew-status"}));
+  EXPECT_EQ(raised.under_fifo + 2, at_start.out_of_fifo.size());
+  EXPECT_GE(raised.under_fifo, kReceptionAndEvents);
+  const sched_param none{};
+  ::pthread_setschedparam(::pthread_self(), SCHED_OTHER, &none);
+  std::thread([&] {
+    internal::BecomeHelper("late");
+    cpu_set_t may_use;
+    ASSERT_EQ(::sched_getaffinity(0, sizeof may_use, &may_use), 0);
+    EXPECT_EQ(CPU_COUNT(&may_use), CPU_COUNT(&all)) << "a helper is on any core";
+  }).join();
+  ::sched_setaffinity(0, sizeof all, &all);
 }
 
 }  // namespace
