@@ -26,7 +26,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 QOS = ROOT / "components/node/qos_profiles.xml"
 
 # QoS profile of a topic (idl/README.md), where it is not "control".
-PROFILES = {"joint_state": "state", "actuator_state": "state", "residual": "state", "readout": "control_latched"}
+PROFILES = {"joint_state": "state", "actuator_state": "state", "residual": "state"}
 PRIORITIES = {"reference": 36, "regime": 34, "pneumatics": 31, "esn": 32, "rls": 30, "control": 40, "residual": 0}
 SOURCE_PRIORITY = 44
 

@@ -52,9 +52,9 @@ inline constexpr double kNoInput = std::numeric_limits<double>::infinity();
 struct RobotInput {
   std::uint64_t session_id = 0;
   double period_s = 0.0;
-  bool armed = false;  // the provider lets commands through
-  bool interrupted =
-      false;  // armed, but the provider bridges a gap: the last command did not count
+  bool armed = false;        // the provider lets commands through
+  bool interrupted = false;  // armed, but the last command did not count or may not have: the
+                             // provider bridges a gap
   int joint_count = 0;
   types::JointArray<JointMeasurement> joint{};
 

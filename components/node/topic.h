@@ -7,21 +7,18 @@ namespace sinew::node {
 
 // How a topic travels in real time; in lockstep every topic but the latched ones uses `lockstep`.
 enum class Profile {
-  kState,    // BEST_EFFORT, KEEP_LAST 1: the newest sample is the only one that matters
-  kControl,  // as kState, EXCLUSIVE ownership with a deadline: one writer at a time (ownership.h)
-  kControlLatched,  // as kControl, RELIABLE and TRANSIENT_LOCAL: the readout
-  kEvent,           // RELIABLE, KEEP_LAST 16, volatile: requests and arm
-  kLatched,         // RELIABLE, TRANSIENT_LOCAL, KEEP_LAST 1 per key: status, readout
-  kLog,             // readers of recorders: RELIABLE where offered, KEEP_ALL
-  kLockstep,        // RELIABLE, TRANSIENT_LOCAL, KEEP_LAST 256, no wall-clock QoS: nothing dropped
+  kState,     // BEST_EFFORT, KEEP_LAST 1: the newest sample is the only one that matters
+  kControl,   // as kState, EXCLUSIVE ownership with a deadline: one writer at a time (ownership.h)
+  kEvent,     // RELIABLE, KEEP_LAST 16, volatile: requests and arm
+  kLatched,   // RELIABLE, TRANSIENT_LOCAL, KEEP_LAST 1 per key: status
+  kLog,       // readers of recorders: RELIABLE where offered, KEEP_ALL
+  kLockstep,  // RELIABLE, TRANSIENT_LOCAL, KEEP_LAST 256, no wall-clock QoS: nothing dropped
 };
 
 std::string_view ProfileName(Profile profile);
 
 // One writer is heard at a time.
-constexpr bool IsExclusive(Profile profile) noexcept {
-  return profile == Profile::kControl || profile == Profile::kControlLatched;
-}
+constexpr bool IsExclusive(Profile profile) noexcept { return profile == Profile::kControl; }
 
 template <class Message>
 struct Topic {

@@ -11,8 +11,6 @@ std::string_view ProfileName(Profile profile) {
       return "state";
     case Profile::kControl:
       return "control";
-    case Profile::kControlLatched:
-      return "control_latched";
     case Profile::kEvent:
       return "event";
     case Profile::kLatched:

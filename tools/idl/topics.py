@@ -13,7 +13,7 @@ import sys
 import embed_idl
 
 COLUMNS = ["topic", "type", "file", "writer", "readers", "rate", "QoS"]
-PROFILES = ["state", "control", "control_latched", "event", "latched"]
+PROFILES = ["state", "control", "event", "latched"]
 GENERATED = "// Generated from idl/README.md by tools/idl/topics.py."
 
 

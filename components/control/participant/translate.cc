@@ -63,7 +63,8 @@ RobotInput ControlInputs::Gather(const node::Tick& tick) {
   input.session_id = tick.session_id;
   input.period_s = tick.period_s;
   const types::RobotState robot_state = wire::FromWire(state.robot_state());
-  input.interrupted = robot_state == types::RobotState::kDamped;
+  // Who has just begun may not know yet that another one is obeyed.
+  input.interrupted = robot_state == types::RobotState::kDamped || !tick.settled;
   input.armed = !estopped_ && types::MayMove(robot_state);
   input.joint_count = std::min<int>(state.joint_count(), types::kMaxJoints);
   for (std::size_t j = 0; j < static_cast<std::size_t>(input.joint_count); ++j) {
