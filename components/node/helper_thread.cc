@@ -76,8 +76,10 @@ int Raise(const Duties& duties, pid_t thread, int priority, const cpu_set_t* cpu
   if (duty != duties.threads.end()) {
     return SetFifo(thread, std::min(priority, kDiscoveryPriority));
   }
-  if (cpus != nullptr && ::sched_setaffinity(thread, sizeof *cpus, cpus) != 0) return errno;
-  return SetFifo(thread, priority);
+  // In this order: on a core that real-time threads keep busy it is one of them already.
+  const int error = SetFifo(thread, priority);
+  if (error != 0 || cpus == nullptr) return error;
+  return ::sched_setaffinity(thread, sizeof *cpus, cpus) == 0 ? 0 : errno;
 }
 
 void Take(Duty duty, const char* name) noexcept {
@@ -108,7 +110,12 @@ int RaiseThreads(int priority, std::span<const int> cpus) {
   Duties& duties = TheDuties();
   const std::lock_guard<std::mutex> lock(duties.mutex);
   duties.process_cpus = all;
-  // Again for those that a thread has started meanwhile which was not raised yet.
+  // The caller first: nobody keeps it from raising the others. Then again for those that a thread
+  // has started meanwhile which was not raised yet.
+  const cpu_set_t* const bound = cpus.empty() ? nullptr : &own;
+  if (!duties.threads.contains(::gettid())) {
+    if (const int error = Raise(duties, ::gettid(), priority, bound); error != 0) return error;
+  }
   for (bool raised = true; raised;) {
     raised = false;
     for (const auto& entry : std::filesystem::directory_iterator("/proc/self/task")) {
@@ -116,7 +123,7 @@ int RaiseThreads(int priority, std::span<const int> cpus) {
       const auto duty = duties.threads.find(thread);
       const bool helps = duty != duties.threads.end() && duty->second == Duty::kHelper;
       if (helps || ::sched_getscheduler(thread) == SCHED_FIFO) continue;
-      const int error = Raise(duties, thread, priority, cpus.empty() ? nullptr : &own);
+      const int error = Raise(duties, thread, priority, bound);
       if (error != 0 && error != ESRCH) return error;  // else it has ended
       raised |= error == 0;
     }

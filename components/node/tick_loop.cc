@@ -364,11 +364,12 @@ struct TickLoop::Impl {
   }
 
   // Who was silent and has been replaced is quiet for as long as the others may need to learn that
-  // he is below, and takes no trigger from before.
+  // it is below, as one that joins, and takes no trigger from before: what it would say first is of
+  // before it was stopped, and a deadline is too short since discovery is below the cycles.
   bool MustBeQuiet(const Tick& tick) {
     const auto now = Clock::now();
     if (WasSilent(tick) && node.impl_->ownership.StepBelow()) {
-      quiet_until = now + internal::Deadline(BoundedPeriod(tick.nominal_period_s));
+      quiet_until = now + internal::kSettleTime;
     }
     if (last_tick && tick.tick > *last_tick + 1) counts.missed_ticks += tick.tick - *last_tick - 1;
     last_tick = tick.tick;
