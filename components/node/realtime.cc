@@ -10,8 +10,6 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
-#include <mutex>
-#include <optional>
 #include <stdexcept>
 
 #include "components/config/config.h"
@@ -76,13 +74,12 @@ void TouchStack() {
           "run as root or raise rtprio in /etc/security/limits.conf");
 }
 
-// What BeginRealtime will give.
+// What BeginRealtime will give; written before g_to_begin is.
 struct Prepared {
   const PriorityRule* rule = nullptr;
   std::vector<int> cpus;
 };
-std::mutex g_mutex;  // of g_prepared
-std::optional<Prepared> g_prepared;
+Prepared g_prepared;
 std::atomic<bool> g_to_begin{false};
 
 std::vector<int> UsableCpus() {
@@ -130,21 +127,19 @@ void PrepareRealtime(const std::string& component, const std::vector<int>& cpus)
   if (::mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
     Refused("memory cannot be locked", errno, "raise memlock in /etc/security/limits.conf");
   }
-  const std::lock_guard<std::mutex> lock(g_mutex);
   g_prepared = {&rule, cpus};
-  if (cpus.empty() && !usable.empty()) g_prepared->cpus = {DefaultCpu(component, usable)};
+  if (cpus.empty() && !usable.empty()) g_prepared.cpus = {DefaultCpu(component, usable)};
   g_to_begin = true;
 }
 
 void BeginRealtime() {
   if (!g_to_begin.load(std::memory_order_relaxed) || !g_to_begin.exchange(false)) return;
-  const std::lock_guard<std::mutex> lock(g_mutex);
-  const PriorityRule& rule = *g_prepared->rule;
+  const PriorityRule& rule = *g_prepared.rule;
   TouchStack();
-  const int error = internal::RaiseThreads(rule.priority, g_prepared->cpus);
+  const int error = internal::RaiseThreads(rule.priority, g_prepared.cpus);
   if (error != 0) Refused(rule.priority, error);
   spdlog::info("set up: SCHED_FIFO {} ({}), core {}", rule.priority, rule.reason,
-               fmt::join(g_prepared->cpus, ", "));
+               fmt::join(g_prepared.cpus, ", "));
 }
 
 }  // namespace sinew::node

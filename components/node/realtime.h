@@ -39,9 +39,9 @@ inline constexpr std::size_t kThreadStackBytes = 512 * 1024;
 void PrepareRealtime(const std::string& component, const std::vector<int>& cpus = {});
 
 // The core of the kind's threads in real time, of the ones that may be used (ascending, not empty).
-// All participants share one, the last: a tick wakes some fifty threads one after the other, and to
-// wake one on another core costs several times as much (docs/decisions/0015). What stands for
-// hardware has another one, where there is one.
+// All participants share one, the last: a tick wakes threads some hundred times, one after the
+// other, and to wake one on another core costs several times as much (docs/decisions/0015). What
+// stands for hardware has another one, where there is one.
 int DefaultCpu(std::string_view component, std::span<const int> usable);
 
 // Second, once: all threads but the helpers, and those that they start from then on. TickLoop does
