@@ -113,22 +113,28 @@ void CheckOwnership(RealTimeRun& run) {
     run.report.Skip("handover", "no topic of the role has owners");
     return;
   }
-  // Until the program has settled, and a little longer.
-  (void)run.stage.PlayUntil(
-      run.Disarmed(), [] { return false; }, kSettled);
-  std::vector<std::uint32_t> strengths = Strengths(run);
-  const bool below = std::all_of(strengths.begin(), strengths.end(), [](std::uint32_t strength) {
-    return strength < node::internal::kFirstStrength;
-  });
-  run.report.Add("joins_below", below,
+  std::vector<std::uint32_t> strengths;
+  const auto any_of = [&](auto condition) {
+    strengths = Strengths(run);
+    return std::any_of(strengths.begin(), strengths.end(), condition);
+  };
+  const auto is_above = [](std::uint32_t strength) {
+    return strength > node::internal::kFirstStrength;
+  };
+  const auto is_level = [](std::uint32_t strength) {
+    return strength == node::internal::kFirstStrength;
+  };
+  // Until the program has settled, and a little longer. At no moment above the owner: who has taken
+  // over and is stalled after that is below again.
+  const bool rose = run.stage.PlayUntil(
+      run.Disarmed(), [&] { return any_of(is_above); }, kSettled);
+  run.report.Add("joins_below", !rose && !any_of(is_level),
                  "a writer that is started later has a strength below the owner's",
                  StrengthText(strengths));
 
   const auto above = [&] {
     strengths = Strengths(run);
-    return std::all_of(strengths.begin(), strengths.end(), [](std::uint32_t strength) {
-      return strength > node::internal::kFirstStrength;
-    });
+    return std::all_of(strengths.begin(), strengths.end(), is_above);
   };
   bool taken = false;
   const auto end = StageClock::now() + kHandover;
