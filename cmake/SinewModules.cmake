@@ -11,9 +11,11 @@
 #        needs no header of the library. sinew_finish_commands(TARGET) writes the calls, after the last of these.
 #   sinew_add_participant(rls SOURCES participant/main.cc DEPENDS sinew::rls)
 #     -> program sinew_rls_participant, installed and built as bin/sinew-rls; links sinew::node.
-#   sinew_add_test(rls_test SOURCES rls_test.cc DEPENDS sinew::rls [LABEL dds] [SERIAL] [THREADS] [TIMEOUT s])
-#     -> a GoogleTest program; every case is a ctest of its own. Without LABEL it is a unit test: label `unit`, built
-#        by the target unit_tests. THREADS: its code starts threads; `tools/test --tsan` runs it too (label
+#   sinew_add_test(rls_test SOURCES rls_test.cc DEPENDS sinew::rls [LABEL dds] [SERIAL] [THREADS] [TIMEOUT s]
+#                  [LONG Suite.Case])
+#     -> a GoogleTest program; every case is a ctest of its own, under sanitizers the program is one. Without LABEL it
+#        is a unit test: label `unit`, built by the target unit_tests. LONG: cases, or patterns of them, that repeat
+#        for many seeds or recordings what others do once; sanitized builds leave them out. THREADS: its code starts threads; `tools/test --tsan` runs it too (label
 #        `unit-threads` or `dds-threads`, target thread_tests). A test that starts PROGRAMS names its LABEL: `programs`,
 #        or `dds`, `system` or `soak` (not in tools/test) with SERIAL. One on whole recordings or many runs of the
 #        surrogate has the label `acceptance`: it is not run under sanitizers.
@@ -152,7 +154,7 @@ endif()
 
 function(sinew_add_test name)
   # One label: gtest_discover_tests keeps the first of a list and drops the others without a word.
-  cmake_parse_arguments(ARG "SERIAL;THREADS" "LABEL;TIMEOUT" "SOURCES;DEPENDS;DEFINITIONS;PROGRAMS" ${ARGN})
+  cmake_parse_arguments(ARG "SERIAL;THREADS" "LABEL;TIMEOUT" "SOURCES;DEPENDS;DEFINITIONS;PROGRAMS;LONG" ${ARGN})
   if(ARG_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "${name}: '${ARG_UNPARSED_ARGUMENTS}' belongs to no keyword; a test has one LABEL")
   endif()
@@ -176,6 +178,7 @@ function(sinew_add_test name)
       message(FATAL_ERROR "${name} starts programs: LABEL programs, or LABEL dds SERIAL")
     endif()
     set(ARG_LABEL unit)
+    set(is_unit TRUE)
     add_dependencies(unit_tests ${name})
   endif()
   if(ARG_THREADS)
@@ -189,5 +192,12 @@ function(sinew_add_test name)
   if(ARG_SERIAL)
     list(APPEND properties RUN_SERIAL TRUE)
   endif()
-  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES ${properties})
+  if(SINEW_SANITIZE AND is_unit)
+    # One process for all: an instrumented program takes longer to start than most tests. The longest ones begin first.
+    list(JOIN ARG_LONG ":" left_out)
+    add_test(NAME ${name} COMMAND ${name} --gtest_brief=1 --gtest_filter=-${left_out})
+    set_tests_properties(${name} PROPERTIES ${properties} COST ${ARG_TIMEOUT})
+  else()
+    gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES ${properties})
+  endif()
 endfunction()
