@@ -62,11 +62,11 @@ class Soak {
   Wanted wanted_;
   std::mt19937 random_;
   Outcome outcome_;
+  std::mutex mutex_;
+  std::vector<node::RawSample> samples_;  // joint_state and joint_command; outlive node_'s threads
   node::Node node_;
   node::Writer<msg::OperatorCommand> operator_;
   Deployment deployment_;
-  std::mutex mutex_;
-  std::vector<node::RawSample> samples_;  // joint_state and joint_command, from a DDS thread
   Published published_;
   BusWatch bus_;
   Growth growth_;

@@ -97,6 +97,8 @@ class RawWriter {
   // True once every matched reliable reader has everything (best-effort readers are not waited
   // for).
   bool WaitAcknowledged(std::chrono::milliseconds timeout) const;
+  // Of an EXCLUSIVE topic, in real time: now; it changes by the rules of ownership.h.
+  std::uint32_t strength() const;
 
  private:
   friend class Node;

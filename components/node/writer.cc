@@ -146,6 +146,8 @@ WriteStatus RawWriter::operator()(const std::byte* payload, std::size_t size) co
 
 int RawWriter::matched_readers() const { return impl_->matched(); }
 
+std::uint32_t RawWriter::strength() const { return impl_->strength(); }
+
 bool RawWriter::WaitAcknowledged(std::chrono::milliseconds timeout) const {
   return impl_->WaitAcknowledged(timeout);
 }

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <set>
+#include <stdexcept>
 #include <utility>
+
+#include "components/node/ownership.h"
 
 namespace sinew::conform {
 
@@ -13,6 +16,8 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kLockstepAnswer(2000);  // a tick's answers; a healthy program takes 1 ms
 constexpr milliseconds kLastAnswer(50);        // after a window of real time, for what is under way
+constexpr milliseconds kOwnerSettles =
+    5 * node::internal::kSettleTime;  // of the owner that is played
 
 node::Options StageNodeOptions(const StageOptions& options) {
   node::Options node;
@@ -72,6 +77,14 @@ void Stage::PlayOwner() {
   for (const node::TopicInfo& topic : role_.must_write) {
     if (!node::IsExclusive(topic.profile)) continue;
     owners_.emplace(topic.name, node_.MakeRawWriter(topic));
+  }
+  const auto settled = [this] {
+    return std::all_of(owners_.begin(), owners_.end(), [](const auto& owner) {
+      return owner.second.strength() == node::internal::kFirstStrength;
+    });
+  };
+  if (!WaitUntil(settled, kOwnerSettles)) {
+    throw std::runtime_error("the owner that is played has not settled");
   }
 }
 

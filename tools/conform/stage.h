@@ -72,7 +72,8 @@ class Stage {
   std::uint64_t session_id() const { return session_id_; }
 
   // Also plays the topics of the role itself, as the owner that is there when the program starts.
-  void PlayOwner();
+  // Waits until it has settled: whoever is handed the role before that may have its strength.
+  void PlayOwner();  // throws std::runtime_error: it has not settled in time
   void EndOwner();
 
   void Send(msg::OperatorAction action, const std::string& target = "");
@@ -106,14 +107,13 @@ class Stage {
 
   const Role role_;
   const StageOptions options_;
+  std::mutex mutex_;
+  std::vector<Heard> heard_;  // guarded by mutex_; node_'s threads write it, so it outlives them
   node::Node node_;
   node::Reader<msg::ComponentStatus> statuses_;
   node::Writer<msg::OperatorCommand> operator_;
   std::map<std::string, node::RawWriter> writers_, owners_;
   std::optional<msg::ComponentStatus> status_;
-
-  std::mutex mutex_;
-  std::vector<Heard> heard_;  // guarded by mutex_
 
   double rate_Hz_;
   std::uint64_t session_id_ = 1, next_tick_ = 0;
