@@ -1,5 +1,5 @@
 // Keeps one thread of Fast DDS out of SCHED_FIFO (docs/decisions/0014) and those of its discovery
-// below the cycles (0015).
+// and timers below the cycles (0015).
 #include <dlfcn.h>
 #include <fastdds/rtps/common/Locator.h>
 
@@ -28,6 +28,11 @@ constexpr const char* kStartThread =
 // to name, find or configure it; the type of what a new thread runs names it.
 bool IsRetransmission(const std::type_info& runs) noexcept {
   return std::strstr(runs.name(), "FlowControllerImpl") != nullptr;
+}
+
+// The thread of all timers of a participant.
+bool KeepsTimers(const std::type_info& runs) noexcept {
+  return std::strstr(runs.name(), "ResourceEvent") != nullptr;
 }
 
 // Of a socket that receives. RTPS 9.6.1.1: discovery has even ports (d0 = 0, d1 = 10, the gains are
@@ -69,6 +74,8 @@ void std::thread::_M_start_thread(_State_ptr state, void (*depend)()) {
   if (sinew::node::internal::IsRetransmission(type)) {
     state = std::make_unique<WithDuty>(std::move(state),
                                        [] { sinew::node::internal::BecomeHelper("dds-resend"); });
+  } else if (sinew::node::internal::KeepsTimers(type)) {
+    state = std::make_unique<WithDuty>(std::move(state), &sinew::node::internal::BecomeTimers);
   } else if (type == typeid(Receives)) {
     const auto& receives = static_cast<const Receives&>(runs);
     if (sinew::node::internal::IsDiscovery(std::get<2>(receives._M_func._M_t))) {

@@ -40,7 +40,7 @@ bool WakeUp::WaitUntil(std::chrono::steady_clock::time_point end) noexcept {
 
 namespace {
 
-enum class Duty { kHelper, kDiscovery };
+enum class Duty { kHelper, kDiscovery, kTimers };
 
 // The kernel's ids of the threads that are not raised like the others. Held while policies change,
 // so that a thread is raised before it gets its duty or not at all. Never destroyed: helpers may
@@ -70,11 +70,16 @@ int SetFifo(pid_t thread, int priority) noexcept {
   return ::sched_setscheduler(thread, SCHED_FIFO, &parameters) == 0 ? 0 : errno;
 }
 
+int PriorityOf(Duty duty) noexcept {
+  return duty == Duty::kTimers ? kTimerPriority : kDiscoveryPriority;
+}
+
 // An error, or 0.
 int Raise(const Duties& duties, pid_t thread, int priority, const cpu_set_t* cpus) {
   const auto duty = duties.threads.find(thread);
   if (duty != duties.threads.end()) {
-    return SetFifo(thread, std::min(priority, kDiscoveryPriority));
+    priority = std::min(priority, PriorityOf(duty->second));
+    if (duty->second == Duty::kDiscovery) return SetFifo(thread, priority);
   }
   // In this order: on a core that real-time threads keep busy it is one of them already.
   const int error = SetFifo(thread, priority);
@@ -93,14 +98,17 @@ void Take(Duty duty, const char* name) noexcept {
     ::pthread_setschedparam(::pthread_self(), SCHED_OTHER, &none);  // always allowed
   }
   if (!duties.process_cpus) return;  // RaiseThreads will see it
-  (void)::sched_setaffinity(0, sizeof(cpu_set_t), &*duties.process_cpus);
-  if (duty == Duty::kDiscovery) (void)SetFifo(0, kDiscoveryPriority);
+  if (duty != Duty::kTimers) {
+    (void)::sched_setaffinity(0, sizeof(cpu_set_t), &*duties.process_cpus);
+  }
+  if (duty != Duty::kHelper) (void)SetFifo(0, PriorityOf(duty));
 }
 
 }  // namespace
 
 void BecomeHelper(const char* name) noexcept { Take(Duty::kHelper, name); }
 void BecomeDiscovery() noexcept { Take(Duty::kDiscovery, "dds-discovery"); }
+void BecomeTimers() noexcept { Take(Duty::kTimers, "dds-timers"); }
 
 int RaiseThreads(int priority, std::span<const int> cpus) {
   cpu_set_t own, all;

@@ -53,8 +53,13 @@ void BecomeHelper(const char* name) noexcept;
 void BecomeDiscovery() noexcept;
 inline constexpr int kDiscoveryPriority = 10;  // above SCHED_OTHER: it holds locks of writers
 
+// The calling thread keeps DDS' timers, the deadlines of topics above all, which every sample sets
+// anew: once the process is raised it is below every cycle, on the cores of the others.
+void BecomeTimers() noexcept;
+inline constexpr int kTimerPriority = 20;  // above discovery: a take-over waits for a deadline
+
 // SCHED_FIFO `priority`, on `cpus` alone (none: wherever they may run), for every thread of the
-// process that is neither a helper nor discovery nor under SCHED_FIFO already. The error of the one
+// process that has no duty of these and is not under SCHED_FIFO already. The error of the one
 // that was refused, or 0. Thread: any.
 int RaiseThreads(int priority, std::span<const int> cpus);
 

@@ -89,8 +89,8 @@ int FirstOf(const cpu_set_t& cpus) {
   return -1;
 }
 
-constexpr int kPriority = internal::kDiscoveryPriority + 2;
-constexpr std::size_t kReceptionAndEvents = 4;  // a reception thread per socket
+constexpr int kPriority = internal::kTimerPriority + 2;
+constexpr std::size_t kReceptionAndTimers = 4;  // a reception thread per socket
 
 // It spins while another thread holds a writer's mutex. Two of them at a real-time priority took
 // both cores of a machine for good, from the thread that held it too.
@@ -103,7 +103,7 @@ TEST(ThreadsDds, WhatRetransmitsIsOutOfFifoAndReceptionIsNot) {
 
   const Threads threads = WithHelpersSince(before);
   EXPECT_EQ(threads.out_of_fifo.count("dds-resend"), 1u);
-  EXPECT_GE(threads.under_fifo, kReceptionAndEvents);
+  EXPECT_GE(threads.under_fifo, kReceptionAndTimers);
 }
 
 TEST(ThreadsDds, StartUpIsOutOfFifoAndTheHelpersStayOut) {
@@ -120,7 +120,7 @@ TEST(ThreadsDds, StartUpIsOutOfFifoAndTheHelpersStayOut) {
   ASSERT_EQ(internal::RaiseThreads(kPriority, std::span(&core, 1)), 0);
   const Threads raised = ThreadsSince(before);
   EXPECT_EQ(::sched_getscheduler(0), SCHED_FIFO) << "who asked for it too";
-  std::size_t discovery = 0;
+  std::size_t discovery = 0, timers = 0;
   for (const auto& [thread, name] : ThreadsOfThisProcess()) {
     if (before.contains(thread)) continue;
     cpu_set_t may_use;
@@ -129,18 +129,21 @@ TEST(ThreadsDds, StartUpIsOutOfFifoAndTheHelpersStayOut) {
     EXPECT_EQ(CPU_COUNT(&may_use), cycles ? 1 : CPU_COUNT(&all)) << name;
     sched_param parameters{};
     ASSERT_EQ(::sched_getparam(thread, &parameters), 0);
-    if (cycles) {
-      EXPECT_EQ(parameters.sched_priority, kPriority) << name;
-    }
     if (name == "dds-discovery") {
       ++discovery;
       EXPECT_EQ(parameters.sched_priority, internal::kDiscoveryPriority);
+    } else if (name == "dds-timers") {
+      ++timers;
+      EXPECT_EQ(parameters.sched_priority, internal::kTimerPriority);
+    } else if (cycles) {
+      EXPECT_EQ(parameters.sched_priority, kPriority) << name;
     }
   }
+  EXPECT_EQ(timers, 1u);
   EXPECT_GE(discovery, 2u) << "multicast and unicast";
   EXPECT_EQ(raised.out_of_fifo, (std::multiset<std::string>{"dds-resend", "sinew-status"}));
   EXPECT_EQ(raised.under_fifo + 2, at_start.out_of_fifo.size());
-  EXPECT_GE(raised.under_fifo, kReceptionAndEvents);
+  EXPECT_GE(raised.under_fifo, kReceptionAndTimers);
   const sched_param none{};
   ::pthread_setschedparam(::pthread_self(), SCHED_OTHER, &none);
   std::thread([&] {
