@@ -339,6 +339,9 @@ JointController::Result JointController::Step(const JointInput& input) noexcept 
     target_ = {m.position_rad, 0.0, 0.0};
     aim_ = Aim::kHold;
   }
+  if (input.stands_by && aim_ == Aim::kHold && motion_.kind == types::Motion::kNone) {
+    target_ = {m.position_rad, 0.0, 0.0};
+  }
 
   JointInput now = input;
   now.measured = &m;

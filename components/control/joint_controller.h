@@ -61,6 +61,7 @@ struct JointControlConfig {
 struct JointInput {
   double period_s = 0.0;
   bool interrupted = false;
+  bool stands_by = false;  // what it holds is where the joint is: another controller moves it
   const JointMeasurement* measured = nullptr;
   bool reference_expected = false;  // the reference asks for this joint, or did when last heard
   bool reference_fresh = false;

@@ -44,6 +44,7 @@ RobotOutput RobotController::Step(const RobotInput& input) noexcept {
     JointInput joint;
     joint.period_s = input.period_s;
     joint.interrupted = input.interrupted;
+    joint.stands_by = input.stands_by;
     joint.measured = j < input.joint_count ? &input.joint[j] : &kUnknown;
     joint.reference_expected = j < reference_count_;
     joint.reference_fresh = input.reference_fresh;

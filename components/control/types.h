@@ -55,6 +55,7 @@ struct RobotInput {
   bool armed = false;        // the provider lets commands through
   bool interrupted = false;  // armed, but the last command did not count or may not have: the
                              // provider bridges a gap
+  bool stands_by = false;    // the robot gets another controller's commands, or may get them
   int joint_count = 0;
   types::JointArray<JointMeasurement> joint{};
 

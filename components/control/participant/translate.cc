@@ -63,8 +63,8 @@ RobotInput ControlInputs::Gather(const node::Tick& tick) {
   input.session_id = tick.session_id;
   input.period_s = tick.period_s;
   const types::RobotState robot_state = wire::FromWire(state.robot_state());
-  // Who has just begun may not know yet that another one is obeyed.
   input.interrupted = robot_state == types::RobotState::kDamped || !tick.settled;
+  input.stands_by = stands_by_;
   input.armed = !estopped_ && types::MayMove(robot_state);
   input.joint_count = std::min<int>(state.joint_count(), types::kMaxJoints);
   for (std::size_t j = 0; j < static_cast<std::size_t>(input.joint_count); ++j) {
@@ -133,7 +133,8 @@ void ControlInputs::FollowOwner(const node::Tick& tick, RobotController* control
                                               command->header().tick(), command->motor_torque_Nm());
     if (difference) controller->Follow(*difference);
   }
-  (void)owner_.StandsBy(tick);
+  // Who has just begun may not know yet that another one is obeyed.
+  stands_by_ = owner_.StandsBy(tick) || !tick.settled;
 }
 
 void ControlInputs::Made(const node::Tick& tick, const msg::JointCommand& command) {

@@ -48,6 +48,7 @@ class ControlInputs {
   Follower follower_;
   node::CommandGate reset_gate_{"reset"};
   bool estopped_ = false;
+  bool stands_by_ = true;  // RobotInput
 };
 
 // One line about a fault; empty: none.

@@ -517,6 +517,27 @@ TEST(RobotController, DoesNotWindUpWhileTheProviderBridgesAGap) {
   EXPECT_NEAR(controller.Step(Still(0.0)).joint[0].motor_torque_Nm, 0.0, 1e-12);
 }
 
+// The joint moves while the reference has not come yet. What a newcomer held since it started was
+// the start of its way to the reference: up to 0.4 rad away when it was handed the robot.
+TEST(RobotController, AStandbyThatHearsTheReferenceLateBeginsWhereTheJointIs) {
+  RobotController standby({RigConfig(Strategy::kPid)});
+  RobotInput input = Still(0.0);
+  input.stands_by = true;
+  static_cast<void>(standby.Step(input));
+  for (int k = 1; k <= 30; ++k) {
+    input.joint[0].position_rad = 0.01 * k;
+    EXPECT_EQ(standby.Step(input).joint[0].position_rad, 0.01 * k);
+  }
+  input.reference_count = 1;
+  input.reference_fresh = true;
+  input.reference[0] = {0.301, 0.0, 0.0};
+  EXPECT_NEAR(standby.Step(input).joint[0].position_rad, 0.3, 1e-4);
+
+  RobotController owner({RigConfig(Strategy::kPid)});
+  static_cast<void>(owner.Step(Still(0.0)));
+  EXPECT_EQ(owner.Step(Still(0.01)).joint[0].position_rad, 0.0) << "who is obeyed holds";
+}
+
 TEST(RobotController, AStandbyGoesOnFromTheOwnersCommand) {
   RobotController owner({RigConfig(Strategy::kPid)});
   RobotController standby({RigConfig(Strategy::kPid)});
