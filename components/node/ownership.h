@@ -12,7 +12,8 @@
 //     which is not heard, goes below all
 //   a writer that was silent for longer than the deadline while others were not goes below all,
 //     before it writes again: who was replaced stays so
-//   a handover, the operator's command, puts the writer above all
+//   a handover, the operator's command, puts the writer above all, once it has settled: before that
+//     it may not hear yet what it computes its samples from
 //
 // A participant that is started again is a new writer: it joins below its successor.
 //

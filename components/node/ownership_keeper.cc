@@ -15,9 +15,14 @@ namespace sinew::node::internal {
 OwnershipKeeper::~OwnershipKeeper() { Close(); }
 
 void OwnershipKeeper::Add(WriterImpl* writer) {
+  const Clock::time_point settles = Clock::now() + kSettleTime;
   {
     const std::lock_guard<std::mutex> lock(writers_mutex_);
-    writers_.push_back({.writer = writer, .settles = Clock::now() + kSettleTime});
+    writers_.push_back({.writer = writer, .settles = settles});
+  }
+  {
+    const std::lock_guard<std::mutex> lock(news_mutex_);
+    all_settle_ = settles;
   }
   if (thread_.joinable()) {
     Notify();
@@ -92,7 +97,8 @@ void OwnershipKeeper::Run() {
     bool hand_over = false;
     {
       std::unique_lock<std::mutex> lock(news_mutex_);
-      const auto roused = [this] { return stop_ || news_ || hand_over_; };
+      const auto may_take_over = [this] { return hand_over_ && Clock::now() >= all_settle_; };
+      const auto roused = [&] { return stop_ || news_ || may_take_over(); };
       if (next) {
         wake_.wait_until(lock, *next, roused);
       } else {
@@ -100,11 +106,12 @@ void OwnershipKeeper::Run() {
       }
       if (stop_) return;
       news_ = false;
-      hand_over = std::exchange(hand_over_, false);
+      hand_over = may_take_over();
+      if (hand_over) hand_over_ = false;
     }
     const std::lock_guard<std::mutex> lock(writers_mutex_);
     if (hand_over) {
-      BeginRealtime();  // who takes over is, however young
+      BeginRealtime();  // before its first command counts
       HandOver();
     }
     Settle(Clock::now());

@@ -77,7 +77,8 @@ class OwnershipKeeper {
   std::mutex news_mutex_;
   std::condition_variable wake_;
   bool news_ = false;
-  bool hand_over_ = false;
+  bool hand_over_ = false;  // acted on when all have settled
+  Clock::time_point all_settle_{};
   bool stop_ = false;
   std::unique_ptr<ReaderImpl> operator_command_;
   std::thread thread_;

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "components/node/node.h"
+#include "components/node/ownership.h"
 #include "components/node/tick_loop.h"
 #include "components/types/clock/clock.h"
 
@@ -157,6 +158,19 @@ TEST(OwnershipDds, TheOperatorHandsOverByRoleNameSessionAndOrigin) {
   EXPECT_GT(rig.provider.StrengthOf("second"), before);
   rig.provider.HandOver("first");
   ASSERT_TRUE(rig.provider.WaitUntilHeard("first"));
+}
+
+// Who has just begun may not hear its inputs yet: handed the robot, a controller once moved a joint
+// by 0.9 rad.
+TEST(OwnershipDds, AHandoverWaitsUntilTheNewcomerHasSettled) {
+  Provider provider(162);
+  Controller first("first", 162);
+  ASSERT_TRUE(provider.WaitUntilHeard("first"));
+  const auto begin = Clock::now();
+  Controller second("second", 162);
+  provider.HandOver("second");
+  ASSERT_TRUE(provider.WaitUntilHeard("second"));
+  EXPECT_GE(Clock::now() - begin, internal::kSettleTime);
 }
 
 TEST(OwnershipDds, ASilentOwnerIsReplacedWithinTheDeadlineAndAFewPeriods) {
