@@ -423,7 +423,7 @@ class Replacement {
 
   // No command twice, none late.
   void AssessOrder(const Recorded& recorded) const {
-    bool resumed = false;
+    bool resumed = name_ != "control";  // nobody else's command may come again
     std::uint64_t newest = 0;
     for (const msg::JointCommand& command : recorded.commands()) {
       const std::uint64_t tick = command.header().tick();

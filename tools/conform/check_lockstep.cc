@@ -75,7 +75,8 @@ std::string Difference(const Role& role, const LockstepRun& one, const LockstepR
       return topic.name + ": " + std::to_string(first.size()) + " and " +
              std::to_string(second.size()) + " outputs";
     }
-    // By tick: the first outputs of a topic that nobody waited for may be lost.
+    // By tick: the first outputs of a topic that the role may write, whose reader nobody waited
+    // for, may be lost.
     std::map<std::uint64_t, const Output*> of_tick;
     for (const Output* output : second) {
       if (output->facts) of_tick[output->facts->tick] = output;
@@ -83,8 +84,9 @@ std::string Difference(const Role& role, const LockstepRun& one, const LockstepR
     for (std::size_t i = 0; i + 1 < first.size(); ++i) {
       if (!first[i]->facts) continue;
       const auto same = of_tick.find(first[i]->facts->tick);
-      if (same == of_tick.end()) continue;
-      if (first[i]->facts->canonical != same->second->facts->canonical) {
+      const bool lost = same == of_tick.end();
+      if (lost && !must) continue;
+      if (lost || first[i]->facts->canonical != same->second->facts->canonical) {
         return topic.name + " differs at tick " + std::to_string(first[i]->facts->tick);
       }
     }
