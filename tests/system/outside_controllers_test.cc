@@ -76,6 +76,7 @@ class MovingRig {
     double largest_step_Nm = 0.0;  // of the command, from one tick to the next
     double largest_error_rad = 0.0;
     int commands = 0, fault_ticks = 0, idle_references = 0;
+    int pairs = 0;  // of a state and its reference
   };
   Seen Watch(std::chrono::milliseconds time) { return Watch(time, Seen()); }
   Seen Watch(std::chrono::milliseconds time, Seen seen) {
@@ -85,16 +86,18 @@ class MovingRig {
       while (const auto source = sources_.TakeNext()) {
         driver_ = source->joint_command_participant().to_string();
       }
-      while (const auto reference = references_.TakeNext()) {
-        seen.idle_references += reference->idle() ? 1 : 0;
-        reference_rad_[reference->header().tick()] = reference->position_rad()[0];
-      }
       while (const auto state = states_.TakeNext()) {
         seen.fault_ticks += state->robot_state() == msg::ROBOT_FAULT ? 1 : 0;
-        const auto wanted = reference_rad_.find(state->header().tick());
-        if (wanted == reference_rad_.end()) continue;
-        seen.largest_error_rad =
-            std::max(seen.largest_error_rad, std::abs(state->position_rad()[0] - wanted->second));
+        position_rad_[state->header().tick()] = state->position_rad()[0];
+      }
+      // A reference answers the state of its tick, so the state is there already.
+      while (const auto reference = references_.TakeNext()) {
+        seen.idle_references += reference->idle() ? 1 : 0;
+        const auto position = position_rad_.find(reference->header().tick());
+        if (position == position_rad_.end()) continue;
+        ++seen.pairs;
+        seen.largest_error_rad = std::max(
+            seen.largest_error_rad, std::abs(reference->position_rad()[0] - position->second));
       }
       while (const auto command = commands_.TakeNext()) {
         ++seen.commands;
@@ -132,7 +135,7 @@ class MovingRig {
   node::Reader<msg::Reference> references_;
   node::Reader<msg::JointCommand> commands_;
   node::Reader<msg::CommandSource> sources_;
-  std::map<std::uint64_t, double> reference_rad_;
+  std::map<std::uint64_t, double> position_rad_;
   std::string driver_;
   std::uint64_t last_tick_ = 0;
   double torque_Nm_ = 0.0;
@@ -179,6 +182,7 @@ std::string TakeOverAndGiveBack(const Outside& which) {
     if (seen.largest_error_rad > most_error_rad) return "a tracking error";
     if (seen.fault_ticks != 0) return "a fault of the robot";
     if (seen.idle_references != 0 || seen.commands < 50) return "the rig stood still";
+    if (seen.pairs < 50) return "the error was not seen";
   }
   outside.Signal(SIGTERM);
   return outside.Wait(2s) == 0 ? "" : "it did not end in order";
