@@ -2,7 +2,8 @@
 // within 0.05 rad of its reference for ever, and a plant that acts as soon as it has its command.
 // With --component the chain runs in its thread, as under sinew-compose. Measured: how long after
 // the write of joint_state the joint_command is decoded, in the cycles of --seconds after the
-// warm-up. A command that does not come until the provider gives up counts as 20 ms and is late.
+// warm-up, and the work of a cycle without its waits. A command that does not come until the
+// provider gives up counts as 20 ms and is late.
 //
 // Prints "warm" before the measured time, when it can be armed, and the result after it, and runs
 // for a while after each: then counts can be asked for with `sinew list`. With --sizes it also
@@ -29,8 +30,8 @@ constexpr double kWarm_s = 1.5, kBegin_s = 6.0, kAfter_s = 3.0;
 
 class SwingingJoint final : public provider::Plant {
  public:
-  SwingingJoint(double seconds, provider::WorkTime* answers)
-      : end_s_(kBegin_s + seconds), answers_(answers) {}
+  SwingingJoint(double seconds, provider::WorkTime* answers, provider::WorkTime* work)
+      : end_s_(kBegin_s + seconds), answers_(answers), work_(work) {}
   int joint_count() const override { return 1; }
   std::uint32_t measured_flags() const override { return ~0u; }
   bool acts_at_once() const override { return true; }
@@ -44,7 +45,10 @@ class SwingingJoint final : public provider::Plant {
       std::fflush(stdout);
     }
     if (before_s >= kBegin_s && before_s < end_s_) ++cycles_;
-    if (before_s < kBegin_s && time_s_ >= kBegin_s) *answers_ = provider::WorkTime();
+    if (before_s < kBegin_s && time_s_ >= kBegin_s) {
+      *answers_ = provider::WorkTime();
+      *work_ = provider::WorkTime();
+    }
     if (before_s < end_s_ && time_s_ >= end_s_) PrintResult();
     Read(sensors);
   }
@@ -58,9 +62,12 @@ class SwingingJoint final : public provider::Plant {
       answers_->Pause(20'000'000);
       answers_->EndCycle();
     }
-    std::printf("{\"cycles\": %llu, \"late\": %llu, \"p50_us\": %.0f, \"p999_us\": %.0f}\n",
-                static_cast<unsigned long long>(cycles_), static_cast<unsigned long long>(late),
-                answers_->Quantile_us(0.5), answers_->Quantile_us(0.999));
+    std::printf(
+        "{\"cycles\": %llu, \"late\": %llu, \"p50_us\": %.0f, \"p999_us\": %.0f, "
+        "\"work_p50_us\": %.0f, \"work_p999_us\": %.0f}\n",
+        static_cast<unsigned long long>(cycles_), static_cast<unsigned long long>(late),
+        answers_->Quantile_us(0.5), answers_->Quantile_us(0.999), work_->Quantile_us(0.5),
+        work_->Quantile_us(0.999));
     std::fflush(stdout);
   }
   void Read(provider::PlantSensors* sensors) const {
@@ -75,6 +82,7 @@ class SwingingJoint final : public provider::Plant {
   }
   const double end_s_;
   provider::WorkTime* answers_;
+  provider::WorkTime* work_;
   double time_s_ = 0.0;
   std::uint64_t cycles_ = 0;  // of the measured time
 };
@@ -131,10 +139,11 @@ int main(int argc, char** argv) {
     }
     std::optional<PayloadSizes> payloads;
     if (sizes) payloads.emplace(node_options);
-    provider::WorkTime answers;
+    provider::WorkTime answers, work;
     options.answers = &answers;
+    options.work = &work;
     options.duration_s = kBegin_s + seconds + kAfter_s;
-    SwingingJoint plant(seconds, &answers);
+    SwingingJoint plant(seconds, &answers, &work);
     provider::RunProvider(own, stop, options, provider::GuardConfig{}, plant);
     if (payloads) payloads->Print();
   };

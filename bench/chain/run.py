@@ -5,7 +5,9 @@
 
 A: the chain alone, four processes at 1 kHz, beside four relays. B: eight processes at 240 Hz beside eight relays in the
 same graph. C: the chain in one process (as sinew-compose) beside one relay there and back. H: one relay there and back
-with joint_state and joint_command alone; half of it is a message from process to process. Pairs ABAB: ours, relays,
+with joint_state and joint_command alone; half of it is a message from process to process. S: the work of the provider's
+cycle among the eight processes and a logger, undisturbed and while each of them is stopped in turn (SIGSTOP, SIGCONT after
+half a second; control last, as the robot has a fault then). Pairs ABAB: ours, relays,
 ours, relays; the median of the ratios is printed. Both under SCHED_FIFO with the same priorities. The relays' payloads
 are as large as ours were in a run before. Nothing else may run.
 """
@@ -18,6 +20,7 @@ import signal
 import statistics
 import subprocess
 import sys
+import tempfile
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -108,16 +111,17 @@ def stale_share(before, after):
     return max(shares, default=math.nan)
 
 
-def ours(options, rate, seconds, components, compose=False, sizes=False):
+def ours(options, rate, seconds, components, compose=False, sizes=False, disturb=None):
     common = ["--domain", options.domain] + (["--realtime", "--cpu", options.cpu] if options.realtime else [])
     provider = [options.bin / "chain_provider", *common, "--name", "provider", "--rate", rate, "--seconds", seconds,
                 *(["--sizes"] if sizes else [])]
     with Processes() as processes:
-        for name, program, config in components:
+        for name, program, config, *more in components:
             if compose:
                 provider += ["--component", f"{name}={program}={config}"]
             else:
-                processes.start([options.bin / program, *common, "--name", name, "--config", config])
+                words = ["--config", config] if config else more[0]
+                processes.start([options.bin / program, *common, "--name", name, *words])
         if not compose:
             time.sleep(1.0)  # all wait for joint_state
         child = processes.start(provider)
@@ -125,6 +129,8 @@ def ours(options, rate, seconds, components, compose=False, sizes=False):
             sys.exit("chain_provider ended early")
         subprocess.run([str(options.bin / "sinew"), "arm", "--domain", str(options.domain)], capture_output=True, check=True)
         before = {} if compose else statuses(options)
+        if disturb:
+            disturb(processes.children[:-1], seconds)
         result = json.loads(child.stdout.readline())
         result["stale"] = 0.0 if compose else stale_share(before, statuses(options))
         if sizes:
@@ -182,6 +188,37 @@ def compare(options, letter, what, goal, run_ours, run_relays):
           f"{spread(ratios['p999_us'], options.pairs)}; {goal}", flush=True)
 
 
+def stop_in_turn(children, seconds):
+    """SIGSTOP for half a second to each child but the last, round and round; the last one at the end, for good."""
+    end = time.monotonic() + seconds
+    while True:
+        for child in children[:-1]:
+            if time.monotonic() > end - 2.0:
+                children[-1].send_signal(signal.SIGSTOP)
+                time.sleep(1.0)
+                children[-1].send_signal(signal.SIGCONT)
+                return
+            child.send_signal(signal.SIGSTOP)
+            time.sleep(0.5)
+            child.send_signal(signal.SIGCONT)
+            time.sleep(0.1)
+
+
+def stopped_peers(options):
+    """Undisturbed, disturbed, undisturbed: quantiles of the work of the provider's cycle."""
+    with tempfile.TemporaryDirectory() as folder:
+        logger = ("logger", "sinew-logger", None, ["--out", pathlib.Path(folder) / "run.mcap", "--overwrite"])
+        last = [part for part in ALL if part[0] == "control"]
+        graph = [*(part for part in ALL if part[0] != "control"), logger, *last]
+        names = ["undisturbed", "stopped", "undisturbed"]
+        for pair in range(options.pairs):
+            for name in names:
+                disturb = stop_in_turn if name == "stopped" else None
+                result = ours(options, 240, options.seconds, graph, disturb=disturb)
+                print(f"S {pair + 1}, {name}: work of a cycle p50 {result['work_p50_us']:.0f} us, p99.9 "
+                      f"{result['work_p999_us']:.0f} us; answers {text_of(result)}", flush=True)
+
+
 def hop(options, sizes):
     halves50, halves999 = [], []
     for _ in range(options.pairs):
@@ -203,7 +240,7 @@ def main():
     parser.add_argument("--cpu", type=int, default=max(os.sched_getaffinity(0)), help="core of both sides")
     parser.add_argument("--no-realtime", dest="realtime", action="store_false")
     parser.add_argument("--transports", default="udp", choices=["both", "udp", "shm"], help="of the relays")
-    parser.add_argument("--only", default="ABCH", help="letters of the comparisons")
+    parser.add_argument("--only", default="ABCHS", help="letters of the comparisons")
     parser.add_argument("--sizes", type=pathlib.Path, help="payload sizes: read from this file, or written to it")
     options = parser.parse_args()
     if options.sizes and options.sizes.exists():
@@ -227,6 +264,8 @@ def main():
     for letter in options.only:
         if letter == "H":
             hop(options, sizes)
+        elif letter == "S":
+            stopped_peers(options)
         else:
             compare(options, letter, *comparisons[letter])
 

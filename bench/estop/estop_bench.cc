@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <functional>
 #include <future>
+#include <optional>
 #include <random>
 #include <stdexcept>
 #include <thread>
@@ -16,6 +17,7 @@
 
 #include "components/estop/press.h"
 #include "tests/bridge/participant/can_rig.h"
+#include "tests/support/test_host.h"
 
 namespace sinew {
 namespace {
@@ -30,10 +32,10 @@ std::string Last(const std::string& log) {
 
 class Bench {
  public:
-  Bench(int domain, const std::string& rate, bool realtime)
+  Bench(int domain, std::vector<std::string> bridge_arguments, bool realtime)
       : domain_(std::to_string(domain)),
         rig_(domain, {.bridge_more = "estop: {socket: estop.sock, latch: estop.latch}\n",
-                      .bridge_arguments = {"--rate", rate},
+                      .bridge_arguments = std::move(bridge_arguments),
                       .realtime = realtime}),
         realtime_(realtime),
         watch_(rig_),
@@ -113,6 +115,16 @@ class Bench {
   std::mt19937 random_{1};
 };
 
+// This program and what it starts move to the first of two hosts; call it before the first thread.
+void MoveToFirst(const testing::TwoHosts& hosts) {
+  if (!hosts.why_not().empty()) throw std::runtime_error("no two hosts: " + hosts.why_not());
+  const std::string path = "/proc/" + std::to_string(hosts.pid(0)) + "/ns/net";
+  const int space = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const int result = ::setns(space, CLONE_NEWNET);
+  ::close(space);
+  if (result != 0) throw std::runtime_error(path + " cannot be entered");
+}
+
 // False: the 99th percentile is beyond the goal.
 bool PrintPresses(const char* what, std::vector<double> values_ms, double goal_ms) {
   if (values_ms.empty()) return true;
@@ -128,7 +140,7 @@ bool PrintPresses(const char* what, std::vector<double> values_ms, double goal_m
 int Main(int argc, char** argv) {
   int presses = 300, one_shots = 50, domain = 47;
   std::string rate = "240";
-  bool realtime = false;
+  bool realtime = false, two_hosts = false;
   CLI::App app("Presses the estop and measures when the axis is idled");
   app.add_option("--presses", presses, "Of each resident way")->capture_default_str();
   app.add_option("--one-shots", one_shots, "Of the command")->capture_default_str();
@@ -136,7 +148,15 @@ int Main(int argc, char** argv) {
   app.add_option("--domain", domain, "DDS domain; the next one is used, too")
       ->capture_default_str();
   app.add_flag("--realtime", realtime, "Everything resident under SCHED_FIFO, this program too");
+  app.add_flag("--two-hosts", two_hosts, "The command on another host, as network namespaces");
   CLI11_PARSE(app, argc, argv);
+
+  std::optional<testing::TwoHosts> hosts;
+  std::vector<std::string> bridge_arguments = {"--rate", rate};
+  if (two_hosts) {
+    MoveToFirst(hosts.emplace());
+    bridge_arguments.insert(bridge_arguments.end(), {"--interface", "wire0"});
+  }
 
   if (realtime) {  // not what it starts: these ask for themselves
     sched_param parameters{};
@@ -145,7 +165,7 @@ int Main(int argc, char** argv) {
       throw std::runtime_error("SCHED_FIFO is refused");
     }
   }
-  Bench bench(domain, rate, realtime);
+  Bench bench(domain, bridge_arguments, realtime);
   const std::string nowhere = "/nonexistent/estop.sock";
   std::printf("%s Hz\n", rate.c_str());
   bool good =
@@ -173,8 +193,15 @@ int Main(int argc, char** argv) {
   const auto one_shot = [&] {
     begin_ns = types::MonotonicNow_ns();
     command = std::async(std::launch::async, [&] {
-      return testing::Run({std::string(SINEW_BIN_DIR) + "/sinew", "estop", "--domain",
-                           bench.domain(), "--socket", nowhere});
+      std::vector<std::string> line = {std::string(SINEW_BIN_DIR) + "/sinew",
+                                       "estop",
+                                       "--domain",
+                                       bench.domain(),
+                                       "--socket",
+                                       nowhere};
+      if (!hosts) return testing::Run(line);
+      line.insert(line.end(), {"--interface", "wire0"});
+      return testing::Run(hosts->On(1, line));
     });
   };
   const auto finish = [&] {

@@ -92,9 +92,6 @@ std::int64_t Published::ArmedUntil_ns(std::int64_t at_ns) const {
 }
 
 BusWatch::BusWatch(const std::string& bus) : bus_({.bus = bus}) {
-  for (unsigned cpu = 0; cpu < std::thread::hardware_concurrency(); ++cpu) {
-    witnesses_.push_back(std::make_unique<testing::Witness>(static_cast<int>(cpu)));
-  }
   thread_ = std::thread([this] { Receive(); });
 }
 
@@ -123,8 +120,7 @@ void BusWatch::Receive() {
 }
 
 void BusWatch::Assess(const Published& published, std::int64_t now_ns) {
-  double late_ms = 0.0;
-  for (const auto& witness : witnesses_) late_ms = std::max(late_ms, witness->Take_ms());
+  const double late_ms = witness_.Take_ms();
   late_ms_.emplace_back(now_ns, late_ms);
   if (late_ms > 1.0) ++findings_.late_windows;
   ++findings_.windows;

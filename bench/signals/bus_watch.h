@@ -9,7 +9,6 @@
 #include <cstdint>
 #include <deque>
 #include <map>
-#include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -87,9 +86,7 @@ class BusWatch {
   void Violate(const Frame& frame, const std::string& what);
 
   can::VirtualCan bus_;
-  // One a core: what the system withholds from all of one core (its limit of real-time work, a lent
-  // core) a thread on another one does not see.
-  std::vector<std::unique_ptr<testing::Witness>> witnesses_;
+  testing::Witness witness_;
   std::deque<std::pair<std::int64_t, double>> late_ms_;  // by the time at which it was read
   std::mutex mutex_;
   std::deque<Frame> frames_;

@@ -5,10 +5,9 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
-#include <stdexcept>
 
 #include "bench/signals/bus_watch.h"
+#include "tests/support/edited_config.h"
 
 namespace sinew::signals {
 namespace {
@@ -20,23 +19,6 @@ using testing::Program;
 const std::string kRig = SINEW_SOURCE_DIR "/robots/rig/";
 const std::string kBin = SINEW_BIN_DIR "/";
 constexpr std::size_t kLogEnd = 4000;  // characters that are worth showing
-
-struct Change {
-  std::string from, to;
-};
-
-// A configuration of the rig with places replaced.
-std::string Changed(const std::string& file, const std::vector<Change>& changes) {
-  std::ostringstream whole;
-  whole << std::ifstream(kRig + file).rdbuf();
-  std::string text = whole.str();
-  for (const auto& [from, to] : changes) {
-    const std::size_t at = text.find(from);
-    if (at == std::string::npos) throw std::runtime_error(file + ": no '" + from + "'");
-    text.replace(at, from.size(), to);
-  }
-  return text;
-}
 
 std::string ProcessText(const std::string& name, const std::string& program,
                         const std::string& config, bool vital = false) {
@@ -67,19 +49,19 @@ std::string NameOf(pid_t pid) {
 Deployment::Deployment(int domain, bool realtime)
     : domain_(domain), bus_path_((folder_.path() / "bus").string()) {
   StartOrdinaryProcesses();
-  const Change here{"transport: virtual", "transport: virtual\n    bus: " + bus_path_};
   std::filesystem::copy_file(kRig + "surrogate.yaml", folder_.path() / "surrogate.yaml");
-  const std::string axes = folder_.Write("virtual_axes.yaml", Changed("virtual_axes.yaml", {here}));
+  const std::string axes =
+      folder_.Write("virtual_axes.yaml", testing::RigConfigOnBus("virtual_axes.yaml", bus_path_));
   // A link whose motor is idle comes to its end stops, and back from there fast: neither faults nor
   // limits then, so that the setpoints are those that were commanded.
   const std::string bridge = folder_.Write(
-      "can_bridge.yaml", Changed("can_bridge.yaml", {here,
-                                                     {"velocity_rad_s: 8.0", "velocity_rad_s: 80"},
-                                                     {"lower_rad: -1.9", "lower_rad: -6"},
-                                                     {"upper_rad: 1.9", "upper_rad: 6"}}));
-  const std::string reference =
-      folder_.Write("reference.yaml",
-                    Changed("reference_benchmark.yaml", {{"duration_s: 10", "duration_s: 36000"}}));
+      "can_bridge.yaml", testing::RigConfigOnBus("can_bridge.yaml", bus_path_,
+                                                 {{"velocity_rad_s: 8.0", "velocity_rad_s: 80"},
+                                                  {"lower_rad: -1.9", "lower_rad: -6"},
+                                                  {"upper_rad: 1.9", "upper_rad: 6"}}));
+  const std::string reference = folder_.Write(
+      "reference.yaml", testing::EditedRigConfig("reference_benchmark.yaml",
+                                                 {{"duration_s: 10", "duration_s: 36000"}}));
   deployment_ = folder_.Write(
       "deploy.yaml",
       "schema: sinew-deployment/1\nname: signals\nmode: realtime\nduration_s: 0\nseed: 1\n"

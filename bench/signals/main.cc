@@ -23,7 +23,7 @@ void Print(const signals::Outcome& outcome) {
   std::printf("%.0f s, moving %.0f s; %d SIGKILL, %d SIGSTOP, %d SIGCONT; %d launches, %d stuck\n",
               outcome.seconds, outcome.moving_s, outcome.kills, outcome.stops, outcome.continues,
               outcome.launches, outcome.stuck);
-  std::printf("signals to:");
+  std::printf("%d switches between who is obeyed; signals to:", outcome.switches);
   for (const auto& [name, count] : outcome.signals) std::printf(" %s %d", name.c_str(), count);
   const signals::Findings& bus = outcome.bus;
   std::printf(

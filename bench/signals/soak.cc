@@ -49,7 +49,8 @@ Soak::Soak(const Wanted& wanted)
       deployment_(wanted.domain, wanted.realtime),
       bus_(deployment_.bus()) {
   outcome_.before = InSharedMemory();
-  for (const auto topic : {node::kJointState.name, node::kJointCommand.name}) {
+  for (const auto topic :
+       {node::kJointState.name, node::kJointCommand.name, node::kCommandSource.name}) {
     node_.ReadRaw(*node::FindTopic(topic), [this](node::RawSample&& sample) {
       const std::lock_guard lock(mutex_);
       samples_.push_back(std::move(sample));
@@ -104,6 +105,7 @@ void Soak::Take() {
   }
   msg::JointState state;
   msg::JointCommand command;
+  msg::CommandSource source;
   for (const node::RawSample& sample : samples) {
     if (sample.topic == node::kJointState.name) {
       if (!DecodeSample(sample, &state)) continue;
@@ -112,10 +114,26 @@ void Soak::Take() {
         Log("state " + std::to_string(static_cast<int>(state.robot_state())));
       }
       state_ = state;
-    } else if (DecodeSample(sample, &command)) {
-      published_.Add(command);
+    } else if (sample.topic == node::kJointCommand.name) {
+      if (DecodeSample(sample, &command)) published_.Add(command);
+    } else if (DecodeSample(sample, &source)) {
+      NoteDriver(source.joint_command_participant().to_string());
     }
   }
+}
+
+void Soak::NoteDriver(const std::string& name) {
+  if (name.empty() || name == driver_) return;
+  if (!driver_.empty()) {
+    ++outcome_.switches;
+    const std::string what = "driven by " + name + " instead of " + driver_;
+    if (wanted_.signals == 0) {
+      Note(what + ", both healthy");
+    } else {
+      Log(what);
+    }
+  }
+  driver_ = name;
 }
 
 void Soak::Operate() {
@@ -131,7 +149,7 @@ void Soak::Operate() {
 
 void Soak::SendSignals() {
   const auto now = Clock::now();
-  if (now < next_signal_) return;
+  if (wanted_.signals == 0 || now < next_signal_) return;
   // Of three signals two are an event's first: a SIGKILL, or a SIGSTOP with its SIGCONT.
   const double mean_s = wanted_.seconds / wanted_.signals * 1.5;
   const double wait_s = std::uniform_real_distribution<double>(0.2, 1.8)(random_) * mean_s;
@@ -190,6 +208,7 @@ void Soak::Launch() {
   ++outcome_.launches;
   deployment_.Launch();
   moved_ = Clock::now();
+  driver_.clear();
   next_signal_ = std::max(next_signal_, moved_ + 5s);
 }
 

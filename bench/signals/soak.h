@@ -22,14 +22,15 @@ namespace sinew::signals {
 struct Wanted {
   int domain = 179;
   double seconds = 3600.0;
-  int signals = 1000;  // in that time
+  int signals = 1000;  // in that time; 0: the standby must never be heard
   unsigned seed = 1;
   bool realtime = true;
 };
 
 struct Outcome {
   int kills = 0, stops = 0, continues = 0, launches = 0;
-  int stuck = 0;  // not moving again within a minute, so stopped in order and launched anew
+  int switches = 0;  // between who is obeyed, from command_source
+  int stuck = 0;     // not moving again within a minute, so stopped in order and launched anew
   double moving_s = 0.0, seconds = 0.0;
   Findings bus;
   std::vector<std::string> violations;  // beyond the bus'
@@ -51,6 +52,7 @@ class Soak {
   };
 
   void Take();  // what came over DDS
+  void NoteDriver(const std::string& name);
   void Operate();
   void SendSignals();
   void Continue(bool all);
@@ -63,7 +65,7 @@ class Soak {
   std::mt19937 random_;
   Outcome outcome_;
   std::mutex mutex_;
-  std::vector<node::RawSample> samples_;  // joint_state and joint_command; outlive node_'s threads
+  std::vector<node::RawSample> samples_;  // outlive node_'s threads
   node::Node node_;
   node::Writer<msg::OperatorCommand> operator_;
   Deployment deployment_;
@@ -71,6 +73,7 @@ class Soak {
   BusWatch bus_;
   Growth growth_;
   msg::JointState state_;
+  std::string driver_;  // of this launch
   const Clock::time_point began_ = Clock::now();
   Clock::time_point next_signal_, next_word_, moved_, sampled_;
   std::vector<Stopped> stopped_;

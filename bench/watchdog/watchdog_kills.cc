@@ -27,12 +27,10 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <random>
-#include <sstream>
 #include <stdexcept>
 #include <thread>
 
@@ -41,6 +39,7 @@
 #include "components/node/node.h"
 #include "components/node/realtime.h"
 #include "components/types/clock/clock.h"
+#include "tests/support/edited_config.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/witness.h"
@@ -169,20 +168,6 @@ class Watcher {
   std::thread thread_;
 };
 
-// The file's text with one place replaced.
-std::string With(const std::string& file, const std::string& text, const std::string& instead) {
-  std::ostringstream whole;
-  whole << std::ifstream(file).rdbuf();
-  std::string out = whole.str();
-  const std::size_t at = out.find(text);
-  if (at == std::string::npos) throw std::runtime_error(file + ": no '" + text + "'");
-  return out.replace(at, text.size(), instead);
-}
-
-std::string WithBus(const std::string& file, const std::string& bus) {
-  return With(file, "transport: virtual", "transport: virtual\n    bus: " + bus);
-}
-
 class Bench {
  public:
   Bench(const std::string& self, const Place& place, double rate_Hz)
@@ -201,14 +186,13 @@ class Bench {
     };
     beside({"sinew-can-bus", "--bus", bus});
     beside({"sinew-virtual-axes", "--config",
-            folder_.Write("virtual_axes.yaml", WithBus(rig + "virtual_axes.yaml", bus))});
+            folder_.Write("virtual_axes.yaml", testing::RigConfigOnBus("virtual_axes.yaml", bus))});
     // Pushed a thousand times one way, the link comes to its end stop: no fault here.
-    const std::string map =
-        folder_.Write("map.yaml", With(rig + "can_bridge.yaml", "upper_rad: 1.9", "upper_rad: 3"));
-    start(Arguments(
-        {"sinew-can-bridge", "--config", folder_.Write("can_bridge.yaml", WithBus(map, bus)),
-         "--rate", std::to_string(rate_Hz)},
-        place));
+    const std::string bridge = folder_.Write(
+        "can_bridge.yaml",
+        testing::RigConfigOnBus("can_bridge.yaml", bus, {{"upper_rad: 1.9", "upper_rad: 3"}}));
+    start(Arguments({"sinew-can-bridge", "--config", bridge, "--rate", std::to_string(rate_Hz)},
+                    place));
     watcher_ = std::make_unique<Watcher>(bus);
   }
 

@@ -78,6 +78,7 @@ class TwoHosts {
   }
 
   std::string why_not() const { return hosts_[0].why_not() + hosts_[1].why_not(); }
+  pid_t pid(int host) const { return hosts_[static_cast<std::size_t>(host)].pid(); }
   static std::string Address(int host) { return "10.54.0." + std::to_string(host + 1); }
   std::vector<std::string> On(int host, const std::vector<std::string>& line) const {
     return hosts_[static_cast<std::size_t>(host)].Line(line);

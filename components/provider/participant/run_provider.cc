@@ -81,7 +81,8 @@ class Provider {
         readers_(node_, cycle_, plant,
                  [this](OperatorResult result, types::OperatorAction action,
                         std::string_view reason) { OnOperator(result, action, reason); }),
-        wait_(MakeAwaitedTopics(options.await, node_, cycle_, readers_), options.await_timeout_s) {}
+        wait_(MakeAwaitedTopics(options.await, node_, cycle_, readers_), options.await_timeout_s),
+        work_(options.work != nullptr ? *options.work : own_work_) {}
 
   void Run() {
     RefuseSecondProvider();  // which sends nothing: the plant is the other one's
@@ -290,7 +291,8 @@ class Provider {
   CycleSleep sleep_;
   std::optional<EstopDesk> desk_;  // while the loop runs; its thread uses node and sleep
   bool idled_ = false;             // the plant's command is of ESTOPPED
-  WorkTime work_;                  // of real-time cycles
+  WorkTime own_work_;
+  WorkTime& work_;  // of real-time cycles
   PlantSensors sensors_;
   node::Node::Counts counts_;
   RobotState reported_state_ = RobotState::kDisarmed;

@@ -281,10 +281,9 @@ class BadInput : public ::testing::TestWithParam<BadFile> {};
 
 TEST_P(BadInput, IsReportedInOneLineWithExitCodeTwo) {
   const testing::TemporaryFolder folder;
-  const std::string text =
-      Replaced(ReadText(std::string(SINEW_SOURCE_DIR) + "/robots/rig/can_bridge.yaml"),
-               GetParam().from, GetParam().to);
-  const std::string file = folder.Write("can_bridge.yaml", text);
+  const std::string file =
+      folder.Write("can_bridge.yaml",
+                   testing::EditedRigConfig("can_bridge.yaml", {{GetParam().from, GetParam().to}}));
   const testing::Finished run =
       testing::Run({std::string(SINEW_BIN_DIR) + "/sinew-can-bridge", "--config", file, "--domain",
                     "93", "--log-level", "off"},

@@ -27,6 +27,7 @@
 #include "bridge/can/transport/virtual_can.h"
 #include "components/node/node.h"
 #include "components/types/clock/clock.h"
+#include "tests/support/edited_config.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
 
@@ -40,13 +41,6 @@ inline std::string ReadText(const std::string& path) {
   std::ostringstream text;
   text << std::ifstream(path).rdbuf();
   return text.str();
-}
-
-inline std::string Replaced(std::string text, const std::string& from, const std::string& to) {
-  const std::size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  if (at != std::string::npos) text.replace(at, from.size(), to);
-  return text;
 }
 
 // The four bytes of a torque setpoint, as candump writes them.
@@ -67,7 +61,7 @@ inline std::string Twice(const std::string& text, const std::string& from, const
   for (const auto& [number, next] :
        {std::pair("node: 33", "node: 34"), std::pair("node: 3\n", "node: 4\n"),
         std::pair("joint: 0", "joint: 1"), std::pair("name: joint\n", "name: second\n")}) {
-    if (entry.find(number) != std::string::npos) entry = Replaced(entry, number, next);
+    if (entry.find(number) != std::string::npos) entry = testing::Edited(entry, {{number, next}});
   }
   return text.substr(0, end) + entry + text.substr(end);
 }
@@ -90,39 +84,39 @@ class Rig {
       : domain_(domain), node_(NodeOptions(domain)) {
     const std::string bus_path = (folder_.path() / "bus").string();
     bus_path_ = bus_path;
-    const std::string rig = std::string(SINEW_SOURCE_DIR) + "/robots/rig/";
-    const auto on_our_bus = [&](const std::string& file) {
-      return Replaced(ReadText(rig + file), "transport: virtual",
-                      "transport: virtual\n    bus: " + bus_path);
-    };
+    using testing::Edited;
     // About what gravity needs: the link does not run to its end while a loaded machine stalls us.
     folder_.Write("surrogate.yaml",
-                  Replaced(ReadText(rig + "surrogate.yaml"), "initial_pressure_bar: 4.0",
-                           "initial_pressure_bar: 2.0"));
+                  testing::EditedRigConfig("surrogate.yaml", {{"initial_pressure_bar: 4.0",
+                                                               "initial_pressure_bar: 2.0"}}));
     // A loaded machine stalls a process for 100 ms now and then: what is tested here is what
     // follows, not when.
-    std::string axes = Replaced(on_our_bus("virtual_axes.yaml"), "watchdog_ms: 100",
-                                "watchdog_ms: " + std::to_string(rig_options.watchdog_ms));
+    std::string axes = testing::RigConfigOnBus(
+        "virtual_axes.yaml", bus_path,
+        {{"watchdog_ms: 100", "watchdog_ms: " + std::to_string(rig_options.watchdog_ms)}});
     if (rig_options.second_joint)
       axes = Twice(Twice(axes + "#\n", "  - node: 33", "#\n"), "  - node: 3\n", "sensor_nodes");
     if (rig_options.gateway) {
-      axes = Replaced(axes, "encoder_ms: 2", "encoder_ms: 0");  // the state carries it
+      axes = Edited(axes, {{"encoder_ms: 2", "encoder_ms: 0"}});  // the state carries it
       axes += "gateways:\n  - {node: 48, axes: [3]}\n";
     }
-    if (rig_options.world)
-      axes = Replaced(axes, "surrogate: surrogate.yaml", "world: " + rig + "world.yaml");
+    if (rig_options.world) {
+      axes = Edited(axes, {{"surrogate: surrogate.yaml",
+                            "world: " SINEW_SOURCE_DIR "/robots/rig/world.yaml"}});
+    }
     axes_config_ = folder_.Write("virtual_axes.yaml", axes);
-    std::string bridge = Replaced(on_our_bus("can_bridge.yaml"), "lost_after_ms: 60",
-                                  "lost_after_ms: 1000\n  closed_loop_timeout_ms: 5000");
-    bridge = Replaced(bridge, "heartbeat_timeout_ms: 350", "heartbeat_timeout_ms: 3000");
-    bridge = Replaced(bridge, "fault_after_ms: 60", "fault_after_ms: 1000");
-    bridge = Replaced(bridge, "on_joint_fault: idle", "on_joint_fault: " + rig_options.rest);
+    testing::Edits edits = {
+        {"lost_after_ms: 60", "lost_after_ms: 1000\n  closed_loop_timeout_ms: 5000"},
+        {"heartbeat_timeout_ms: 350", "heartbeat_timeout_ms: 3000"},
+        {"fault_after_ms: 60", "fault_after_ms: 1000"},
+        {"on_joint_fault: idle", "on_joint_fault: " + rig_options.rest}};
     if (rig_options.gateway)
-      bridge = Replaced(bridge, "timing:", "gateways:\n  - {node: 48, joints: [joint]}\ntiming:");
+      edits.emplace_back("timing:", "gateways:\n  - {node: 48, joints: [joint]}\ntiming:");
+    std::string bridge = testing::RigConfigOnBus("can_bridge.yaml", bus_path, edits);
     if (rig_options.second_joint) bridge = Twice(bridge, "  - name: joint\n", "timing:");
     if (!rig_options.serial_number.empty()) {
-      bridge = Replaced(bridge, "  - name: joint\n",
-                        "  - name: joint\n    serial_number: " + rig_options.serial_number + "\n");
+      bridge = Edited(bridge, {{"  - name: joint\n", "  - name: joint\n    serial_number: " +
+                                                         rig_options.serial_number + "\n"}});
     }
     bridge_config_ = folder_.Write("can_bridge.yaml", bridge + rig_options.bridge_more);
     bridge_arguments_ = rig_options.bridge_arguments;
