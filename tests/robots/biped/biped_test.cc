@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
+#include "components/arm/file/urdf_file.h"
 #include "components/leg/geometry.h"
-#include "sim/world/file/urdf_file.h"
 
 namespace sinew {
 namespace {
@@ -33,7 +33,7 @@ std::string ReadUrdf() {
   return text.str();
 }
 
-arm::Chain Biped() { return world::ParseUrdf(ReadUrdf(), "biped.urdf"); }
+arm::Chain Biped() { return arm::ParseUrdf(ReadUrdf(), "biped.urdf"); }
 
 const arm::Body* FindLink(const arm::Chain& chain, const std::string& name) {
   for (const arm::Body& body : chain.bodies) {
