@@ -74,8 +74,9 @@ class ChirpSquat final : public Trajectory {
 enum class SquatJoint { kHipPitch, kKnee, kAnklePitch };
 
 // One of them, from the base's height by SquatAt of components/leg: sole flat, torso upright.
-// Throws when the leg is straight, folded or does not reach anywhere on a grid of 1 ms; before 0
-// and after the end, where a leg would not reach, it rests at the nearest pose that it does.
+// Throws when the leg is straight, folded or does not reach anywhere on a grid of 1 ms. Before 0
+// and after the end, where the height may be out of reach, it rests at the pose of the start or of
+// the end.
 class SquatTrajectory final : public Trajectory {
  public:
   SquatTrajectory(TrajectoryPtr base_height, const leg::LegGeometry& geometry,

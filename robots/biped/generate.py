@@ -255,9 +255,9 @@ def robot():
         raise ValueError(f"the parts weigh {mass} kg, expected {TOTAL_MASS_KG} kg")
     out = [
         '<?xml version="1.0"?>',
-        "<!-- NU-Biped-4.7 as a model, written by generate.py from shapes.csv: change these, not this file. README.md",
-        "     derives every figure. Frames are parallel with all joints at 0: x forward, y left, z up; the base is midway",
-        "     between the hip centres. Driven joints have a transmission and an effort above 0. -->",
+        "<!-- NU-Biped-4.7 as a model, written by generate.py from shapes.csv: change these, not this file.",
+        "     README.md derives every figure. Frames are parallel with all joints at 0: x forward, y left, z up;",
+        "     the base is midway between the hip centres. Driven joints have a transmission and an effort above 0. -->",
         '<robot name="biped">',
     ]
     out += link("base", [])

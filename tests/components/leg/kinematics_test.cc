@@ -148,6 +148,10 @@ TEST(LegKinematics, OutOfReachReportsByHowMuchAndTheNearestLeg) {
   EXPECT_EQ(solution.reach, Reach::kTooFar);
   EXPECT_NEAR(solution.miss_m, 0.05, 1e-12);
   EXPECT_EQ(solution.q[kKnee], 0.0);
+  // The straight leg in that direction, the sole as asked.
+  const Eigen::Isometry3d nearest = Forward(g, solution.q);
+  EXPECT_LT((nearest.linear() - pose.linear()).norm(), 1e-12);
+  EXPECT_NEAR((nearest.translation() - pose.translation()).norm(), 0.05, 1e-12);
 
   pose.translation().z() += 0.05 + 0.538 - 0.010;  // the ankle 0.010 below the hip
   solution = Inverse(g, pose);

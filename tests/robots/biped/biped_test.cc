@@ -16,6 +16,7 @@
 
 #include "components/arm/file/urdf_file.h"
 #include "components/leg/geometry.h"
+#include "components/leg/squat.h"
 
 namespace sinew {
 namespace {
@@ -42,15 +43,33 @@ const arm::Body* FindLink(const arm::Chain& chain, const std::string& name) {
   return nullptr;
 }
 
-// Origin of a link with all joints at 0, in the base's frame.
-Eigen::Vector3d Place(const arm::Chain& chain, const std::string& link) {
-  Eigen::Vector3d at = Eigen::Vector3d::Zero();
-  const arm::Body* body = FindLink(chain, link);
+using Angles = std::map<std::string, double>;  // joint name -> rad; absent: 0
+
+// A link's frame in the base's.
+Eigen::Isometry3d FrameOf(const arm::Chain& chain, const arm::Body* body,
+                          const Angles& angles = {}) {
+  Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
   while (body != nullptr) {
-    at = body->parent_from_joint * at;
+    const auto angle = angles.find(body->joint_name);
+    if (angle != angles.end()) frame = Eigen::AngleAxisd(angle->second, body->axis) * frame;
+    frame = body->parent_from_joint * frame;
     body = body->parent < 0 ? nullptr : &chain.bodies[static_cast<std::size_t>(body->parent)];
   }
-  return at;
+  return frame;
+}
+
+Eigen::Vector3d Place(const arm::Chain& chain, const std::string& link, const Angles& angles = {}) {
+  return FrameOf(chain, FindLink(chain, link), angles).translation();
+}
+
+Eigen::Vector3d CentreOfMass(const arm::Chain& chain, const Angles& angles = {}) {
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+  double mass_kg = 0.0;
+  for (const arm::Body& body : chain.bodies) {
+    moment += body.mass_kg * (FrameOf(chain, &body, angles) * body.com_m);
+    mass_kg += body.mass_kg;
+  }
+  return moment / mass_kg;
 }
 
 TEST(Biped, TheUrdfIsWhatTheGeneratorWrites) {
@@ -201,12 +220,8 @@ TEST(Biped, IsAMetreHighAndStandsOnItsSensors) {
   const double ground = Place(chain, "left_sole").z();
   EXPECT_NEAR(Place(chain, "torso").z() + 0.143 - ground, 0.243 + 0.776, kRounding);
   EXPECT_GT(Place(chain, "imu").z(), 0.1);
-  // Centre of mass within the area of the sensors, standing straight.
-  Eigen::Vector3d moment = Eigen::Vector3d::Zero();
-  for (const arm::Body& body : chain.bodies) {
-    moment += body.mass_kg * (Place(chain, body.link_name) + body.com_m);
-  }
-  const Eigen::Vector3d com = moment / 17.1;
+  // The centre of mass is within the area of the sensors, standing straight.
+  const Eigen::Vector3d com = CentreOfMass(chain);
   EXPECT_NEAR(com.y(), 0.0, kRounding);
   for (const std::string side : {"left", "right"}) {
     for (const std::string across : {"_outer", "_inner"}) {
@@ -217,6 +232,28 @@ TEST(Biped, IsAMetreHighAndStandsOnItsSensors) {
       EXPECT_LT(rear.x(), com.x());
       EXPECT_GT(front.x(), com.x());
     }
+  }
+}
+
+// The published squat down to 0.4 m, feet below the hips, needs no lean of the torso.
+TEST(Biped, SquatsOverItsFeet) {
+  const arm::Chain chain = Biped();
+  const leg::LegGeometry g = leg::GeometryOf(chain, leg::NamesOfSide("left"), "left_sole");
+  for (int centimetres = 2; centimetres <= 40; ++centimetres) {
+    const double depth_m = 0.01 * centimetres;
+    const auto squat = leg::SquatAt(g, 0.0, {leg::StraightHeight(g, 0.0) - depth_m, 0.0, 0.0});
+    ASSERT_TRUE(squat.has_value()) << depth_m;
+    Angles angles;
+    for (const std::string side : {"left_", "right_"}) {
+      angles[side + "hip_pitch"] = squat->hip_pitch.position_rad;
+      angles[side + "knee"] = squat->knee.position_rad;
+      angles[side + "ankle_pitch"] = squat->ankle_pitch.position_rad;
+    }
+    ASSERT_NEAR(Place(chain, "left_sole", angles).z(), -0.776 + depth_m, kRounding);
+    const double com_x = CentreOfMass(chain, angles).x();
+    constexpr double kMargin_m = 0.03;
+    EXPECT_GT(com_x, Place(chain, "left_force_rear_outer", angles).x() + kMargin_m) << depth_m;
+    EXPECT_LT(com_x, Place(chain, "left_force_front_outer", angles).x() - kMargin_m) << depth_m;
   }
 }
 
