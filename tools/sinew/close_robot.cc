@@ -10,7 +10,7 @@
 #include "components/report/gate_page.h"
 #include "components/report/section.h"
 #include "components/trace/close_loop.h"
-#include "sim/world/file/urdf_file.h"
+#include "components/arm/file/urdf_file.h"
 
 namespace sinew::tools {
 
@@ -207,7 +207,7 @@ CloseRobotResult CloseRobot(const CloseLoopOptions& options, std::vector<int> jo
     }
     if (is_arm && faulty.empty()) {
       const fs::path urdf = FindUrdf(options, input);
-      arm.emplace(world::ParseUrdf(config::ReadFile(urdf), urdf.string()), robot);
+      arm.emplace(arm::ParseUrdf(config::ReadFile(urdf), urdf.string()), robot);
       const identify::ProcessingOptions wished =
           identify::ReadProcessing(input.model.root, robot.joints[0].kind);
       if (rotates) folds = LeaveOneOut(*arm, robot, wished, train);

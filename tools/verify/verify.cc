@@ -8,7 +8,7 @@
 #include "components/config/config.h"
 #include "components/types/control_mode.h"
 #include "sim/surrogate/surrogate.h"
-#include "sim/world/file/urdf_file.h"
+#include "components/arm/file/urdf_file.h"
 #include "sim/world/world.h"
 
 namespace sinew::verify {
@@ -128,7 +128,7 @@ free_run::MakeBody InWorld(const actuator::RobotModel& robot) {
   const arm::Chain chain =
       robot.urdf_path.empty()
           ? PointChain(robot.joints.front())
-          : world::ParseUrdf(config::ReadFile(robot.urdf_path), robot.urdf_path);
+          : arm::ParseUrdf(config::ReadFile(robot.urdf_path), robot.urdf_path);
   return [chain](const actuator::JointModel& model) {
     return std::make_unique<WorldBody>(model, chain);
   };

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <string_view>
 
+#include "components/reference/file/squat_file.h"
 #include "components/types/joints.h"
 
 namespace sinew::reference {
@@ -228,6 +229,13 @@ LoadedReference ReadReference(const config::Section& section) {
                             ? StartRule::kOperator
                             : StartRule::kArmed;
   loaded.config.start_delay_s = section.NumberOr("start_delay_s", 0.0, kNotNegative);
+  if (section.Has("squat")) {
+    if (section.Has("joints"))
+      section.Fail("joints", "and 'squat' are there, expected one of them");
+    ReadSquat(section.Child("squat"), &loaded);
+    section.RejectUnknownKeys();
+    return loaded;
+  }
   const std::vector<Section> joints = section.List("joints");
   if (joints.empty() || joints.size() > static_cast<std::size_t>(types::kMaxJoints)) {
     section.Fail("joints", "has " + std::to_string(joints.size()) + " entries, expected 1 to " +

@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "components/actuator/file/model_file.h"
-#include "sim/world/file/urdf_file.h"
+#include "components/arm/file/urdf_file.h"
 
 namespace sinew::world {
 
@@ -69,7 +69,7 @@ WorldFile LoadWorldFile(const std::filesystem::path& path, const std::filesystem
   };
   file.config.model = actuator::LoadRobotModel(chosen("model", model_path));
   const std::filesystem::path urdf = chosen("urdf", urdf_path);
-  file.config.chain = ParseUrdf(config::ReadFile(urdf), urdf.string());
+  file.config.chain = arm::ParseUrdf(config::ReadFile(urdf), urdf.string());
   file.config.substep_s = root.NumberOr("substep_s", 1e-4, {1e-6, 1e-2});
   file.guard = root.ChildOrEmpty("guard");
   const auto& models = file.config.model.joints;

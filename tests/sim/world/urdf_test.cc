@@ -5,12 +5,13 @@
 
 #include "components/config/config.h"
 #include "sim/world/chain.h"
-#include "sim/world/file/urdf_file.h"
+#include "components/arm/file/urdf_file.h"
 #include "tests/support/skip.h"
 
 namespace sinew::world {
 namespace {
 
+using arm::ParseUrdf;
 using ::testing::HasSubstr;
 
 std::string Robot(const std::string& inertial, const std::string& joint,

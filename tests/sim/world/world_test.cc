@@ -15,7 +15,7 @@
 #include "components/actuator/file/model_file.h"
 #include "components/types/control_mode.h"
 #include "sim/plant/single_joint.h"
-#include "sim/world/file/urdf_file.h"
+#include "components/arm/file/urdf_file.h"
 #include "sim/world/file/world_file.h"
 #include "tests/support/skip.h"
 
@@ -260,7 +260,7 @@ TEST(World, TakesAnArmOfSevenJoints) {
       SINEW_SHARED_DIR "/data/kuka_lwr4_inverse_dynamics/kuka_lwr4.urdf";
   SKIP_WITHOUT_DATA(urdf);
   WorldConfig config;
-  config.chain = ParseUrdf(config::ReadFile(urdf), urdf.string());
+  config.chain = arm::ParseUrdf(config::ReadFile(urdf), urdf.string());
   for (const arm::Body& body : config.chain.bodies) {
     if (!body.moves) continue;
     actuator::JointModel joint;

@@ -7,9 +7,9 @@
 
 #include "components/arm/bodies.h"
 
-namespace sinew::world {
+namespace sinew::arm {
 
 // file_name stands for the file in messages.
-arm::Chain ParseUrdf(const std::string& xml, const std::string& file_name);
+Chain ParseUrdf(const std::string& xml, const std::string& file_name);
 
-}  // namespace sinew::world
+}  // namespace sinew::arm

@@ -1,4 +1,4 @@
-#include "sim/world/file/urdf_file.h"
+#include "components/arm/file/urdf_file.h"
 
 #include <console_bridge/console.h>
 #include <tinyxml.h>
@@ -11,7 +11,7 @@
 
 #include "components/config/config.h"
 
-namespace sinew::world {
+namespace sinew::arm {
 
 namespace {
 
@@ -65,7 +65,7 @@ Eigen::Isometry3d ToIsometry(const urdf::Pose& pose) {
   return out;
 }
 
-void ReadInertial(const urdf::Link& link, const Where& where, arm::Body* body) {
+void ReadInertial(const urdf::Link& link, const Where& where, Body* body) {
   if (!link.inertial) return;
   const urdf::Inertial& in = *link.inertial;
   const double all[] = {in.mass, in.ixx, in.ixy, in.ixz, in.iyy, in.iyz, in.izz};
@@ -97,7 +97,7 @@ void ReadInertial(const urdf::Link& link, const Where& where, arm::Body* body) {
   body->inertia_kg_m2 = frame.linear() * inertia * frame.linear().transpose();
 }
 
-void ReadJoint(const urdf::Joint& joint, const Where& where, arm::Body* body) {
+void ReadJoint(const urdf::Joint& joint, const Where& where, Body* body) {
   using urdf::Joint;
   body->joint_name = joint.name;
   body->parent_from_joint = ToIsometry(joint.parent_to_joint_origin_transform);
@@ -129,14 +129,14 @@ void ReadJoint(const urdf::Joint& joint, const Where& where, arm::Body* body) {
 }
 
 // True when `body` is `root` or fixed to it.
-bool IsCarried(const arm::Chain& chain, int body, int root) {
+bool IsCarried(const Chain& chain, int body, int root) {
   while (body > root) body = chain.bodies[static_cast<std::size_t>(body)].parent;
   return body == root;
 }
 
 }  // namespace
 
-arm::Chain ParseUrdf(const std::string& xml, const std::string& file_name) {
+Chain ParseUrdf(const std::string& xml, const std::string& file_name) {
   TiXmlDocument document;
   document.Parse(xml.c_str());
   if (document.Error()) {
@@ -163,7 +163,7 @@ arm::Chain ParseUrdf(const std::string& xml, const std::string& file_name) {
                      (complaint.empty() ? "the parser gives no reason" : complaint));
   }
 
-  arm::Chain chain;
+  Chain chain;
   chain.name = model->getName();
   const std::function<void(const urdf::LinkConstSharedPtr&, int)> add =
       [&](const urdf::LinkConstSharedPtr& link, int parent) {
@@ -171,7 +171,7 @@ arm::Chain ParseUrdf(const std::string& xml, const std::string& file_name) {
         std::sort(children.begin(), children.end(),
                   [](const auto& a, const auto& b) { return a->name < b->name; });
         for (const urdf::LinkSharedPtr& child : children) {
-          arm::Body body;
+          Body body;
           body.link_name = child->name;
           body.parent = parent;
           ReadJoint(*child->parent_joint, where, &body);
@@ -184,7 +184,7 @@ arm::Chain ParseUrdf(const std::string& xml, const std::string& file_name) {
 
   bool any_moves = false;
   for (int i = 0; i < static_cast<int>(chain.bodies.size()); ++i) {
-    const arm::Body& body = chain.bodies[static_cast<std::size_t>(i)];
+    const Body& body = chain.bodies[static_cast<std::size_t>(i)];
     if (!body.moves) continue;
     any_moves = true;
     double mass = 0.0;
@@ -200,4 +200,4 @@ arm::Chain ParseUrdf(const std::string& xml, const std::string& file_name) {
   return chain;
 }
 
-}  // namespace sinew::world
+}  // namespace sinew::arm

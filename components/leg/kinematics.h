@@ -1,0 +1,95 @@
+// Kinematics of a leg of six revolute joints, forward and inverse, both in closed form.
+//
+// Frames, parallel to each other when every joint is at 0: x forward, y to the left, z up.
+//
+//     pelvis   --hip_in_pelvis-->  hip centre: yaw about z, then roll about x, then pitch about y
+//              --thigh down-->     knee: pitch about y
+//              --shank down-->     ankle pitch about y
+//              --offset down-->    ankle roll about x (offset: L5 of the source)
+//              --sole_in_ankle-->  sole
+//
+// With B = Rz(yaw) Rx(roll), s = hip pitch + knee + ankle pitch, e = (0, 0, 1):
+//
+//     R = B Ry(s) Rx(ankle roll)                                                             (1)
+//     d = B (-thigh Ry(hip) e - shank Ry(hip + knee) e - offset Ry(s) e)                     (2)
+//     p = hip_in_pelvis + d + R sole_in_ankle                                                (3)
+//
+// Inverse. The ankle's axes do not meet, so the usual decoupling of a spherical ankle does not
+// hold. But pitch and offset lie in one plane, that of B's x and z; hence:
+//
+//  1. The centre of the ankle roll is known: d = p - hip_in_pelvis - R sole_in_ankle.
+//  2. d has no part along B y, which is the ankle pitch axis. In the foot's frame that axis is
+//     (0, cos a, -sin a), a the ankle roll, and d is r = R' d, so r_y cos a = r_z sin a:
+//     a = atan2(-r_y, -r_z). The other solution, a + pi, has the hip below the foot.
+//  3. M = R Rx(-a) = B Ry(s) has the second column (-sin yaw cos roll, cos yaw cos roll, sin roll)
+//     and the third row (-cos roll sin s, sin roll, cos roll cos s): yaw, roll (within +-90
+//     degrees) and s.
+//  4. The ankle pitch axis lies offset M e above the roll axis: c = B' (d + offset M e), c_y = 0.
+//     What is left is a planar chain of two links. With D = |c|,
+//         tan^2(knee / 2) = ((thigh + shank)^2 - D^2) / (D^2 - (thigh - shank)^2)
+//         hip pitch = atan2(-c_x, -c_z) - atan2(shank sin knee, thigh + shank cos knee)
+//         ankle pitch = s - hip pitch - knee
+//
+// The knee bends backwards, as a human's: knee in [0, pi], so the shank turns back from the thigh.
+// A positive pitch moves what is below the joint back; both legs have the same axes, so mirroring a
+// pose changes the signs of yaw and of both rolls. Inverse(Forward(q)) is q (to multiples of 2 pi)
+// where
+//
+//     knee in [0, pi], |hip roll| < pi / 2 and
+//     offset + shank cos(ankle pitch) + thigh cos(knee + ankle pitch) > 0  (hip above the foot) (4)
+//
+// Near a straight or a folded knee the knee's angle follows from D as a square root: an error of
+// 1e-16 of D is 1e-8 rad there. The sole's pose is exact all the same.
+//
+// Source: lengths and order of axes of NU-Biped-4.7, section 3.2.1 and Table 3.1; the derivation is
+// our own. SI units. Thread: free functions. Allocates nothing, throws nothing.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace sinew::leg {
+
+enum LegJoint { kHipYaw, kHipRoll, kHipPitch, kKnee, kAnklePitch, kAnkleRoll };
+inline constexpr int kLegJoints = 6;
+
+// In the order of LegJoint, rad.
+using LegAngles = Eigen::Matrix<double, kLegJoints, 1>;
+
+struct LegGeometry {
+  Eigen::Vector3d hip_in_pelvis_m = Eigen::Vector3d::Zero();
+  double thigh_m = 0.0;                                       // hip centre to knee
+  double shank_m = 0.0;                                       // knee to ankle pitch axis
+  double ankle_offset_m = 0.0;                                // ankle pitch axis to ankle roll axis
+  Eigen::Vector3d sole_in_ankle_m = Eigen::Vector3d::Zero();  // from the ankle roll axis
+};
+
+// Of the sole in the pelvis's frame, (1) and (3).
+Eigen::Isometry3d Forward(const LegGeometry& geometry, const LegAngles& q) noexcept;
+
+enum class Reach {
+  kReached,
+  kTooFar,     // the ankle is further from the hip than thigh + shank
+  kTooNear,    // nearer than |thigh - shank|
+  kUndefined,  // not finite, no rotation, hip on the ankle roll axis, or hip roll of 90 degrees
+};
+
+struct LegSolution {
+  Reach reach = Reach::kUndefined;
+  // How far beyond what the leg reaches the ankle pitch axis lies, m; 0 when reached.
+  double miss_m = 0.0;
+  // When too far or too near: of the straight or the folded leg in that direction, with the asked
+  // orientation of the sole. Zero when undefined.
+  LegAngles q = LegAngles::Zero();
+
+  bool ok() const noexcept { return reach == Reach::kReached; }
+};
+
+// The rotation part must be orthonormal to 1e-6, else the pose is kUndefined.
+LegSolution Inverse(const LegGeometry& geometry,
+                    const Eigen::Isometry3d& pelvis_from_sole) noexcept;
+
+// Condition (4), and the ranges of knee and hip roll: Inverse gives these angles back.
+bool InDeclaredBranch(const LegGeometry& geometry, const LegAngles& q) noexcept;
+
+}  // namespace sinew::leg
