@@ -19,7 +19,7 @@
 //                     168 N: 4.9 times that on one sensor, 19 times on the four of a foot. Half a
 //                     step is 0.06 % of the weight; on a foot that carries all of it, errors of
 //                     that size at both ends of 0.134 m move the centre of pressure by 0.08 mm.
-//   specific force    int16, 0.005 m/s^2: +-163.8 m/s^2 = 16.7 g. An IMU set to +-8 g has room
+//   specific force    int16, 0.005 m/s^2: +-163.8 m/s^2 = 16.7 g. An IMU set to +-8 g has a margin
 //                     for impacts of the feet; a step is below its noise (BMI088, typical:
 //                     175 ug/sqrt(Hz), 0.017 m/s^2 rms in 100 Hz).
 //   angular velocity  int16, 0.001 rad/s: +-32.77 rad/s = 1877 deg/s; the noise of the same part
