@@ -143,13 +143,14 @@ void BodyMeasurement::FillFoot(bool fresh, provider::BodySensors* body) const {
 }
 
 void BodyMeasurement::FillImu(bool fresh, provider::BodySensors* body) const {
+  body->imu_valid = fresh && imu_.valid;
+  if (!clock_.newest_ns()) return;  // nothing to turn: what is there stays
   const Eigen::Quaterniond q_BS = MountingOf(config_);
   const auto& o = imu_.orientation_wxyz;
   const Eigen::Quaterniond q_WB = Eigen::Quaterniond(o[0], o[1], o[2], o[3]) * q_BS.conjugate();
   body->acceleration_m_s2 = Rotated(q_BS, imu_.force_m_s2);
   body->angular_velocity_rad_s = Rotated(q_BS, imu_.rate_rad_s);
   body->orientation_wxyz = {q_WB.w(), q_WB.x(), q_WB.y(), q_WB.z()};
-  body->imu_valid = fresh && imu_.valid;
 }
 
 }  // namespace sinew::bridge

@@ -78,6 +78,7 @@ void CanPlant::Reset(provider::PlantSensors* sensors) {
   Drain();  // what waited in the sockets since they were opened is old
   for (CanJoint& joint : joints_) joint.Reset();
   for (BodyMeasurement& node : body_nodes_) node.Reset(now_ns());
+  body_ = {};
   Flush();
   AwaitAllNodes();
   ClearFault();
