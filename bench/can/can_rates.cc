@@ -28,6 +28,7 @@
 #include <vector>
 
 #include "bridge/can/bit_timing.h"
+#include "bridge/can/body_node.h"
 #include "bridge/can/bus_model.h"
 #include "bridge/can/codec.h"
 #include "bridge/can/compact.h"
@@ -40,6 +41,9 @@ constexpr double kBitrate_bit_s = 1e6;
 constexpr double kHeartbeat_Hz = 10.0;
 constexpr int kJoints = 12;
 constexpr int kGatewayNode = 0;
+// Of body nodes: the first numbers behind those of twelve controllers and their sensor nodes.
+constexpr int kFootNode = 60;
+constexpr int kImuNode = 61;
 
 enum class Content { kRandom, kWorst };
 
@@ -52,6 +56,8 @@ struct Plan {
   int iq_every = 0;        // of an axis; 0: never
   bool iq_spread = false;  // a part of the axes each cycle, else all in the same one
   bool iq_asked = true;    // else sent by the controllers themselves
+  bool foot = false;       // a foot and the IMU as nodes of their own on this bus
+  bool imu = false;
 };
 
 // The data that take longest: hill climbing from several starts, repeatable.
@@ -112,9 +118,18 @@ class Player {
     const int gateway = bus.Attach();
     std::vector<int> axes;
     for (int a = 0; a < plan_.axes; ++a) axes.push_back(bus.Attach());
+    // Who sends heartbeats, as node on the bus and by number.
+    std::vector<std::pair<int, int>> beating;
+    for (int a = 0; a < plan_.axes; ++a) beating.emplace_back(axes[std::size_t(a)], a + 1);
+    const int foot = bus.Attach(), imu = bus.Attach();
+    if (plan_.foot) beating.emplace_back(foot, kFootNode);
+    if (plan_.imu) beating.emplace_back(imu, kImuNode);
     std::vector<double> next_heartbeat_s;
-    for (int a = 0; a < plan_.axes; ++a) {
-      next_heartbeat_s.push_back(together_ ? 0.0 : a / (plan_.axes * kHeartbeat_Hz));
+    for (std::size_t a = 0; a < beating.size(); ++a) {
+      next_heartbeat_s.push_back(together_
+                                     ? 0.0
+                                     : static_cast<double>(a) /
+                                           (static_cast<double>(beating.size()) * kHeartbeat_Hz));
     }
     const auto period_ns = static_cast<std::int64_t>(std::llround(1e9 / rate_Hz));
     const auto cycles = static_cast<std::int64_t>(seconds * rate_Hz);
@@ -155,11 +170,18 @@ class Player {
     for (std::int64_t cycle = 0; cycle < cycles && !refused; ++cycle) {
       const std::int64_t start_ns = cycle * period_ns;
       AdvanceWithAnswers(bus, start_ns, deliver);
-      for (std::size_t a = 0; a < axes.size(); ++a) {
+      for (std::size_t a = 0; a < beating.size(); ++a) {
         if (1e-9 * static_cast<double>(start_ns) < next_heartbeat_s[a]) continue;
         next_heartbeat_s[a] += 1.0 / kHeartbeat_Hz;
-        offer(axes[a], Encode(static_cast<int>(a) + 1, Heartbeat{0, AxisState::kClosedLoopControl}),
+        const auto [node, number] = beating[a];
+        offer(node,
+              number >= kFootNode ? Encode(number, NodeHeartbeat{})
+                                  : Encode(number, Heartbeat{0, AxisState::kClosedLoopControl}),
               cycle, start_ns);
+      }
+      if (plan_.foot) offer(foot, Foot(), cycle, start_ns);
+      if (plan_.imu) {
+        for (const Frame& frame : Imu()) offer(imu, frame, cycle, start_ns);
       }
       if (plan_.compact) {
         for (const Frame& frame : References()) offer(master, frame, cycle, start_ns);
@@ -247,6 +269,19 @@ class Player {
     }
     return Encode(address.node, EncoderEstimates{Uniform(30.0), Uniform(40.0)});
   }
+  Frame Foot() {
+    FootForces forces;
+    for (double& force_N : forces.force_N) force_N = 200.0 + Uniform(200.0);
+    forces.valid.fill(true);
+    forces.sequence = ++sequence_;
+    return Encode(kFootNode, forces);
+  }
+  std::array<Frame, 3> Imu() {
+    ImuForce force{{Uniform(15.0), Uniform(15.0), Uniform(15.0)}, ++sequence_, true, true, true};
+    const ImuRate rate{{Uniform(5.0), Uniform(5.0), Uniform(5.0)}, sequence_, 40};
+    const ImuOrientation orientation{{Uniform(0.2), Uniform(0.2), Uniform(0.2)}, sequence_, 0};
+    return {Encode(kImuNode, force), Encode(kImuNode, rate), Encode(kImuNode, orientation)};
+  }
   std::array<Frame, kCompactReferenceFrames> References() {
     CompactReferences references;
     for (double& turns : references.position_turns) turns = Uniform(30.0);
@@ -280,6 +315,8 @@ int BoundBits(const Plan& plan, bool fullest) {
   }
   int bits = plan.axes * (WorstFrameBits(4) + WorstFrameBits(8));
   if (plan.requested) bits += plan.axes * WorstFrameBits(0);
+  if (plan.foot) bits += WorstFrameBits(8);
+  if (plan.imu) bits += 3 * WorstFrameBits(8);
   if (plan.iq_every == 0) return bits;
   const int asked = plan.iq_spread ? (plan.axes + plan.iq_every - 1) / plan.iq_every : plan.axes;
   const double count = fullest ? asked : static_cast<double>(plan.axes) / plan.iq_every;
@@ -304,7 +341,8 @@ void PrintPlan(const Plan& plan, int goal_Hz, double seconds) {
   row("random", Content::kRandom, false);
   row("worst", Content::kWorst, false);
   row("worst, together", Content::kWorst, true);
-  const double heartbeat_bits_s = kHeartbeat_Hz * plan.axes * WorstFrameBits(8);
+  const int beating = plan.axes + (plan.foot ? 1 : 0) + (plan.imu ? 1 : 0);
+  const double heartbeat_bits_s = kHeartbeat_Hz * beating * WorstFrameBits(8);
   const int mean_bits = BoundBits(plan, false);
   // One heartbeat in the fullest cycle.
   const int full_bits = BoundBits(plan, true) + WorstFrameBits(8);
@@ -357,4 +395,24 @@ int main(int argc, char** argv) {
              .iq_every = 1,
              .iq_asked = false},
             500, seconds);
+
+  std::printf("\n== the same two buses, each foot on its leg's bus, the IMU on one, goal 400 Hz\n");
+  PrintPlan({.name = "bus with a foot and the IMU; estimates by themselves, no Iq",
+             .axes = per_bus,
+             .foot = true,
+             .imu = true},
+            400, seconds);
+  PrintPlan({.name = "bus with a foot and the IMU; Iq of one or two asked for in each cycle",
+             .axes = per_bus,
+             .iq_every = 4,
+             .iq_spread = true,
+             .foot = true,
+             .imu = true},
+            400, seconds);
+  PrintPlan({.name = "bus with a foot only; Iq of one or two asked for in each cycle",
+             .axes = per_bus,
+             .iq_every = 4,
+             .iq_spread = true,
+             .foot = true},
+            400, seconds);
 }

@@ -1,7 +1,7 @@
 #include "bridge/can/sensor_node.h"
 
 #include "bridge/can/bytes.h"
-#include "bridge/can/codec.h"
+#include "bridge/can/node_frame.h"
 
 namespace sinew::can {
 namespace {
@@ -13,27 +13,10 @@ constexpr double kForceStep_N = 0.01;
 constexpr double kTemperatureStep_degC = 0.1;
 constexpr int kValveLength = 4;
 
-Frame Make(int node, NodeCommand command, int length) {
-  Frame frame;
-  frame.id = Identifier(node & kMaxNode, command);
-  frame.length = static_cast<std::uint8_t>(length);
-  return frame;
-}
-
-bool Matches(const Frame& frame, NodeCommand command, int length) {
-  const auto address = AddressOf(frame);
-  return address && !frame.remote && static_cast<NodeCommand>(address->command) == command &&
-         frame.length >= length && frame.length <= kMaxDataBytes;
-}
-
-std::uint8_t Bit(bool value, int bit) { return static_cast<std::uint8_t>(value ? 1 << bit : 0); }
-
-bool Bit(std::uint8_t bits, int bit) { return (bits >> bit & 1) != 0; }
-
 }  // namespace
 
 Frame Encode(int node, const NodeHeartbeat& m) noexcept {
-  Frame frame = Make(node, NodeCommand::kHeartbeat, 8);
+  Frame frame = MakeNodeFrame(node, NodeCommand::kHeartbeat, 8);
   PutInteger(frame, 0, m.uptime_ms);
   frame.data[4] = m.error;
   frame.data[5] = m.version;
@@ -41,12 +24,12 @@ Frame Encode(int node, const NodeHeartbeat& m) noexcept {
 }
 
 std::optional<NodeHeartbeat> DecodeNodeHeartbeat(const Frame& frame) noexcept {
-  if (!Matches(frame, NodeCommand::kHeartbeat, 6)) return std::nullopt;
+  if (!IsNodeFrame(frame, NodeCommand::kHeartbeat, 6)) return std::nullopt;
   return NodeHeartbeat{GetInteger<std::uint32_t>(frame, 0), frame.data[4], frame.data[5]};
 }
 
 Frame Encode(int node, const OutputEncoder& m) noexcept {
-  Frame frame = Make(node, NodeCommand::kOutputEncoder, 8);
+  Frame frame = MakeNodeFrame(node, NodeCommand::kOutputEncoder, 8);
   PutInteger(frame, 0, Quantise<std::int32_t>(m.angle_rad, kAngleStep_rad));
   PutInteger(frame, 4, Quantise<std::int16_t>(m.velocity_rad_s, kVelocityStep_rad_s));
   frame.data[6] = m.sequence;
@@ -58,7 +41,7 @@ Frame Encode(int node, const OutputEncoder& m) noexcept {
 }
 
 std::optional<OutputEncoder> DecodeOutputEncoder(const Frame& frame) noexcept {
-  if (!Matches(frame, NodeCommand::kOutputEncoder, 8)) return std::nullopt;
+  if (!IsNodeFrame(frame, NodeCommand::kOutputEncoder, 8)) return std::nullopt;
   OutputEncoder m;
   m.angle_rad = kAngleStep_rad * GetInteger<std::int32_t>(frame, 0);
   m.velocity_rad_s = kVelocityStep_rad_s * GetInteger<std::int16_t>(frame, 4);
@@ -75,7 +58,7 @@ std::optional<OutputEncoder> DecodeOutputEncoder(const Frame& frame) noexcept {
 }
 
 Frame Encode(int node, const JointSensors& m) noexcept {
-  Frame frame = Make(node, NodeCommand::kJointSensors, 8);
+  Frame frame = MakeNodeFrame(node, NodeCommand::kJointSensors, 8);
   PutInteger(frame, 0, Quantise<std::int16_t>(m.chamber_pressure_bar, kPressureStep_bar));
   PutInteger(frame, 2, Quantise<std::int16_t>(m.reservoir_pressure_bar, kPressureStep_bar));
   PutInteger(frame, 4, Quantise<std::int16_t>(m.load_force_N, kForceStep_N));
@@ -84,7 +67,7 @@ Frame Encode(int node, const JointSensors& m) noexcept {
 }
 
 std::optional<JointSensors> DecodeJointSensors(const Frame& frame) noexcept {
-  if (!Matches(frame, NodeCommand::kJointSensors, 8)) return std::nullopt;
+  if (!IsNodeFrame(frame, NodeCommand::kJointSensors, 8)) return std::nullopt;
   return JointSensors{kPressureStep_bar * GetInteger<std::int16_t>(frame, 0),
                       kPressureStep_bar * GetInteger<std::int16_t>(frame, 2),
                       kForceStep_N * GetInteger<std::int16_t>(frame, 4),
@@ -92,7 +75,7 @@ std::optional<JointSensors> DecodeJointSensors(const Frame& frame) noexcept {
 }
 
 Frame Encode(int node, const ValveCommand& m) noexcept {
-  Frame frame = Make(node, NodeCommand::kValveCommand, kValveLength);
+  Frame frame = MakeNodeFrame(node, NodeCommand::kValveCommand, kValveLength);
   frame.data[0] = static_cast<std::uint8_t>(Bit(m.valve_open, 0) | Bit(m.compressor_on, 1) |
                                             Bit(m.vent_open, 2));
   frame.data[1] = m.sequence;
@@ -101,7 +84,7 @@ Frame Encode(int node, const ValveCommand& m) noexcept {
 }
 
 std::optional<ValveCommand> DecodeValveCommand(const Frame& frame) noexcept {
-  if (!Matches(frame, NodeCommand::kValveCommand, kValveLength)) return std::nullopt;
+  if (!IsNodeFrame(frame, NodeCommand::kValveCommand, kValveLength)) return std::nullopt;
   ValveCommand m;
   m.valve_open = Bit(frame.data[0], 0);
   m.compressor_on = Bit(frame.data[0], 1);

@@ -26,6 +26,11 @@ enum class NodeCommand : std::uint8_t {
   kOutputEncoder = 0x09,
   kJointSensors = 0x0A,
   kValveCommand = 0x0B,
+  // Of body nodes (body_node.h).
+  kFootForces = 0x0C,
+  kImuForce = 0x0D,
+  kImuRate = 0x0E,
+  kImuOrientation = 0x0F,
 };
 
 // Bits of NodeHeartbeat::error.
@@ -34,12 +39,18 @@ inline constexpr std::uint8_t kEncoder = 0x01;
 inline constexpr std::uint8_t kPressure = 0x02;
 inline constexpr std::uint8_t kLoadCell = 0x04;
 inline constexpr std::uint8_t kTemperature = 0x08;
+inline constexpr std::uint8_t kFootForce = 0x10;    // a force sensor of a foot
+inline constexpr std::uint8_t kInertial = 0x20;     // accelerometer or gyroscope
+inline constexpr std::uint8_t kOrientation = 0x40;  // the IMU's estimate of its orientation
 }  // namespace node_error
+
+// Of all our frames. A frame that is added does not change it, other bytes of one that is there do.
+inline constexpr std::uint8_t kNodeFramesVersion = 1;
 
 struct NodeHeartbeat {
   std::uint32_t uptime_ms = 0;
   std::uint8_t error = 0;
-  std::uint8_t version = 1;  // of these frames
+  std::uint8_t version = kNodeFramesVersion;
   friend bool operator==(const NodeHeartbeat&, const NodeHeartbeat&) = default;
 };
 

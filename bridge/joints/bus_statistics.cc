@@ -40,6 +40,8 @@ void BusStatistics::Update(std::span<const BusSample> buses, double work_us, std
     report_.frames_dropped[b] = counters.dropped;
     report_.frames_lost[b] = counters.lost;
     report_.error_frames[b] = counters.error_frames;
+    report_.body_samples_missed[b] = buses[b].body.samples_missed;
+    report_.body_nodes_lost[b] = buses[b].body.lost;
   }
   const std::int64_t span_ns = now_ns - second_ns_;
   if (span_ns < kSecond_ns) return;

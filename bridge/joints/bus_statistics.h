@@ -1,5 +1,5 @@
-// Health of the buses as provider::BusReport: link and counters of now, and of the last second the
-// load, the answer times and the bridge's work per cycle.
+// Health of the buses as provider::BusReport: link and counters of now, those of the body nodes
+// included, and of the last second the load, the answer times and the bridge's work per cycle.
 //
 //     load = bits on the wire in the second / (bit rate * span)
 //
@@ -44,9 +44,16 @@ class RecentTimes {
   std::size_t count_ = 0;
 };
 
+// Since the start.
+struct BodyCounts {
+  std::uint64_t samples_missed = 0;  // by the gaps in the sequence numbers
+  std::uint64_t lost = 0;            // how often a node fell silent, or its sequence stood still
+};
+
 struct BusSample {
   can::Link link = can::Link::kDown;
   can::TransportCounters counters;
+  BodyCounts body = {};  // of the body nodes on this bus together
 };
 
 class BusStatistics {

@@ -56,6 +56,13 @@ CanPlant::CanPlant(const BridgeConfig& config, std::vector<can::Transport*> tran
     joints_.emplace_back(c, config_.timing, std::move(exchanges[j]), &outbox_);
     turns_.push_back(on_bus[static_cast<std::size_t>(c.bus)]++);
   }
+  for (std::size_t i = 0; i < config_.body_nodes.size(); ++i) {
+    const BodyNodeConfig& c = config_.body_nodes[i];
+    own(c.bus, c.node, Owner::kBodyNode, i);
+    body_nodes_.emplace_back(c, config_.timing);
+  }
+  has_body_ = !body_nodes_.empty() || (!links_.empty() && (config_.gateways.front().carries_feet ||
+                                                           config_.gateways.front().carries_imu));
 }
 
 std::uint32_t CanPlant::measured_flags() const {
@@ -70,6 +77,8 @@ void CanPlant::Reset(provider::PlantSensors* sensors) {
   *sensors = provider::PlantSensors{};
   Drain();  // what waited in the sockets since they were opened is old
   for (CanJoint& joint : joints_) joint.Reset();
+  for (BodyMeasurement& node : body_nodes_) node.Reset(now_ns());
+  body_ = {};
   Flush();
   AwaitAllNodes();
   ClearFault();
@@ -197,6 +206,9 @@ void CanPlant::Take(int bus, const can::Received& received) {
     case Owner::kGateway:
       TakeFromGateway(node.index, received);
       break;
+    case Owner::kBodyNode:
+      news.malformed = body_nodes_[node.index].Take(received) == BodyMeasurement::Taken::kMalformed;
+      break;
     case Owner::kNobody:
       break;
   }
@@ -275,7 +287,7 @@ void CanPlant::PostReferences() {
 void CanPlant::Fill(provider::PlantSensors* sensors) {
   const std::int64_t now = now_ns();
   for (std::size_t j = 0; j < joints_.size(); ++j) joints_[j].Fill(j, now, sensors);
-  if (!links_.empty()) FillBody(now);
+  FillBody(now);
   const auto first = std::find_if(joints_.begin(), joints_.end(),
                                   [](const CanJoint& joint) { return joint.fault().active(); });
   if (first == joints_.end()) {
@@ -286,22 +298,37 @@ void CanPlant::Fill(provider::PlantSensors* sensors) {
 }
 
 void CanPlant::FillBody(std::int64_t now_ns) {
+  if (!links_.empty()) FillBodyFromGateway(now_ns);
+  for (BodyMeasurement& node : body_nodes_) node.Fill(now_ns, &body_);
+}
+
+void CanPlant::FillBodyFromGateway(std::int64_t now_ns) {
+  const GatewayConfig& gateway = config_.gateways.front();
   const CompactLink& link = links_.front();
   const can::CompactState& state = link.state();
   const bool fresh =
       link.stamp_ns() != 0 && now_ns - link.stamp_ns() <= ToNs(config_.timing.estimate_timeout_s);
-  body_.foot_force_N = state.force_N;
-  body_.foot_valid.fill(fresh);
-  body_.acceleration_m_s2 = state.acceleration_m_s2;
-  body_.angular_velocity_rad_s = state.angular_velocity_rad_s;
-  body_.orientation_wxyz = QuaternionOf(state.roll_pitch_yaw_rad);
-  body_.imu_valid = fresh;
+  if (gateway.carries_feet) {
+    body_.foot_force_N = state.force_N;
+    body_.foot_valid.fill(fresh);
+  }
+  if (gateway.carries_imu) {
+    body_.acceleration_m_s2 = state.acceleration_m_s2;
+    body_.angular_velocity_rad_s = state.angular_velocity_rad_s;
+    body_.orientation_wxyz = QuaternionOf(state.roll_pitch_yaw_rad);
+    body_.imu_valid = fresh;
+  }
 }
 
 void CanPlant::UpdateStatistics(std::int64_t start_ns) {
   std::array<BusSample, provider::BusReport::kMaxBuses> samples;
   for (std::size_t b = 0; b < transports_.size(); ++b) {
     samples[b] = {transports_[b]->link(), transports_[b]->counters()};
+  }
+  for (const BodyMeasurement& node : body_nodes_) {
+    BodyCounts& counts = samples[static_cast<std::size_t>(node.config().bus)].body;
+    counts.samples_missed += node.counts().samples_missed;
+    counts.lost += node.counts().lost;
   }
   const std::int64_t end_ns = now_ns();
   statistics_.Update(std::span(samples).first(transports_.size()),

@@ -4,6 +4,9 @@
 // node at its output. This class has the buses: it distributes what is received, waits for
 // requested estimates, and keeps the order of a cycle.
 //
+// Feet and IMU come from a gateway or from nodes of their own (body_measurement.h). The start does
+// not wait for these, and no joint stops for them: without them the sensors are not valid.
+//
 // Every cycle carries a setpoint to each joint, so that the controllers' watchdogs are fed while
 // the bridge lives. A joint with a fault idles; what the others do is the provider's (guard.h).
 //
@@ -12,10 +15,12 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "bridge/can/transport/transport.h"
+#include "bridge/joints/body_measurement.h"
 #include "bridge/joints/bus_statistics.h"
 #include "bridge/joints/can_joint.h"
 #include "bridge/joints/compact_link.h"
@@ -47,7 +52,7 @@ class CanPlant : public provider::Plant {
   void Act(const provider::PlantCommand& command, double period_s) override;
   const provider::BusReport* bus_report() const override { return &statistics_.report(); }
   const provider::BodySensors* body_sensors() const override {
-    return links_.empty() ? nullptr : &body_;
+    return has_body_ ? &body_ : nullptr;
   }
 
   // The operator's reset: errors of the controllers and reported faults are cleared. What is still
@@ -60,13 +65,15 @@ class CanPlant : public provider::Plant {
   FaultKind fault(int joint) const {
     return joints_[static_cast<std::size_t>(joint)].fault().kind();
   }
+  // In the order of the configuration.
+  std::span<const BodyMeasurement> body_nodes() const { return body_nodes_; }
   std::uint64_t malformed() const { return malformed_; }  // frames of ours that could not be read
 
  private:
-  enum class Owner { kNobody, kAxis, kSensorNode, kGateway };
+  enum class Owner { kNobody, kAxis, kSensorNode, kGateway, kBodyNode };
   struct Node {
     Owner owner = Owner::kNobody;
-    std::size_t index = 0;  // joint or gateway
+    std::size_t index = 0;  // joint, gateway or body node
   };
 
   std::int64_t now_ns() const { return transports_.front()->now_ns(); }
@@ -87,6 +94,7 @@ class CanPlant : public provider::Plant {
   void Flush() { outbox_.Flush(transports_); }
   void Fill(provider::PlantSensors* sensors);
   void FillBody(std::int64_t now_ns);
+  void FillBodyFromGateway(std::int64_t now_ns);
   void UpdateStatistics(std::int64_t start_ns);
 
   const BridgeConfig config_;
@@ -98,6 +106,8 @@ class CanPlant : public provider::Plant {
   std::vector<int> turns_;                   // per joint: its turn among those of its bus
   std::vector<std::array<Node, 64>> nodes_;  // per bus and node number
   BusStatistics statistics_;
+  std::vector<BodyMeasurement> body_nodes_;
+  bool has_body_ = false;
   provider::BodySensors body_;
   std::uint64_t cycle_ = 0;
   bool acted_ = false;

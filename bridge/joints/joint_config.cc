@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdio>
 #include <set>
+#include <span>
 #include <stdexcept>
 #include <utility>
 
@@ -24,6 +25,9 @@ constexpr std::array kAxisCommands = {Command::kHeartbeat,       Command::kGetMo
 constexpr std::array kNodeCommands = {can::NodeCommand::kHeartbeat,
                                       can::NodeCommand::kOutputEncoder,
                                       can::NodeCommand::kJointSensors};
+constexpr std::array kFootCommands = {can::NodeCommand::kHeartbeat, can::NodeCommand::kFootForces};
+constexpr std::array kImuCommands = {can::NodeCommand::kHeartbeat, can::NodeCommand::kImuForce,
+                                     can::NodeCommand::kImuRate, can::NodeCommand::kImuOrientation};
 
 void Require(bool holds, const std::string& message) {
   if (!holds) throw std::invalid_argument(message);
@@ -102,6 +106,26 @@ void CheckJoint(const JointConfig& c, NodeNumbers* nodes) {
   if (limits.braking) CheckBraking(who, c);
 }
 
+void CheckBodyNodes(const BridgeConfig& config, NodeNumbers* nodes) {
+  std::set<can::BodyPart> measured;
+  for (const BodyNodeConfig& c : config.body_nodes) {
+    const std::string part = can::BodyPartName(c.part);
+    const std::string who = part + " of node " + std::to_string(c.node) + ": ";
+    nodes->Claim(who, c.bus, c.node);
+    Require(measured.insert(c.part).second, who + "another node measures the " + part);
+    const bool is_imu = c.part == can::BodyPart::kImu;
+    for (const double angle_rad : c.mounting_rpy_rad) {
+      Require(std::isfinite(angle_rad), who + "mounting_rpy_rad must be finite");
+      Require(is_imu || angle_rad == 0.0, who + "mounting_rpy_rad is for an imu");
+    }
+    if (config.gateways.empty()) continue;
+    const GatewayConfig& gateway = config.gateways.front();
+    Require(!(is_imu ? gateway.carries_imu : gateway.carries_feet),
+            who + "the gateway of node " + std::to_string(gateway.node) + " carries the " +
+                (is_imu ? "imu" : "feet") + " already");
+  }
+}
+
 }  // namespace
 
 void CheckBridgeConfig(const BridgeConfig& config) {
@@ -130,6 +154,7 @@ void CheckBridgeConfig(const BridgeConfig& config) {
       Require(behind.insert(j).second, who + "joint '" + c.name + "' is behind a gateway already");
     }
   }
+  CheckBodyNodes(config, &nodes);
 }
 
 std::vector<can::IdFilter> ReceiveFilters(const BridgeConfig& config, int bus) {
@@ -150,6 +175,13 @@ std::vector<can::IdFilter> ReceiveFilters(const BridgeConfig& config, int bus) {
     for (int k = 0; k < can::kCompactStateFrames; ++k) {
       pass(can::Identifier(gateway.node, can::StateCommand(k)));
     }
+  }
+  for (const BodyNodeConfig& body : config.body_nodes) {
+    if (body.bus != bus) continue;
+    const auto commands = body.part == can::BodyPart::kImu
+                              ? std::span<const can::NodeCommand>(kImuCommands)
+                              : std::span<const can::NodeCommand>(kFootCommands);
+    for (const can::NodeCommand command : commands) pass(can::Identifier(body.node, command));
   }
   return filters;
 }

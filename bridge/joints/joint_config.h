@@ -1,10 +1,11 @@
-// Configuration of the bridge: the joints, their limits, the gateways and the time limits; its
-// check; the identifiers that the bridge reads.
+// Configuration of the bridge: the joints, their limits, the gateways, the body nodes and the time
+// limits; its check; the identifiers that the bridge reads.
 //
 // Position limits and velocity limit are those of the output, torque and current those of the
 // motor. Pure; Check and ReceiveFilters allocate and are for the start only.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -12,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "bridge/can/body_node.h"
 #include "bridge/can/codec.h"
 #include "bridge/can/transport/transport.h"
 
@@ -80,11 +82,26 @@ struct JointConfig {
   bool home_by_whole_turns = false;  // needs the zero check
 };
 
-// A gateway serves joints of one bus. The first gateway also carries foot forces and IMU.
+// A gateway serves joints of one bus. The first gateway also carries foot forces and IMU, unless it
+// is declared not to.
 struct GatewayConfig {
   int bus = 0;
   int node = 0;
   std::vector<int> joints;  // in the order of its fields, at most can::kCompactJoints
+  bool carries_feet = true;
+  bool carries_imu = true;
+};
+
+// A foot or the IMU as a node of its own (bridge/can/body_node.h). Nothing of it is a joint's: what
+// it reports, or that it is silent, is no fault of a joint.
+struct BodyNodeConfig {
+  int bus = 0;
+  int node = 0;
+  can::BodyPart part = can::BodyPart::kRightFoot;
+  // Of an IMU: its housing in the torso (x forward, y left, z up), as the rotation R that takes
+  // vectors of the housing to the torso, v_torso = R v_housing; roll about x, then pitch about y,
+  // then yaw about z of the torso.
+  std::array<double, 3> mounting_rpy_rad = {};
 };
 
 enum class Estimates { kCyclic, kRequested };
@@ -95,8 +112,8 @@ struct BridgeTiming {
   // controllers send it by themselves.
   int iq_every_cycles = 1;
   double answer_window_s = 0.0015;    // requested estimates are awaited so long within a cycle
-  double estimate_timeout_s = 0.02;   // older: the joint is not valid
-  double lost_after_s = 0.06;         // older: fault
+  double estimate_timeout_s = 0.02;   // older: the joint, or a sensor of the body, is not valid
+  double lost_after_s = 0.06;         // older: fault; of a body node: it counts as lost
   double heartbeat_timeout_s = 0.35;  // 10 Hz, three missed
   double closed_loop_timeout_s = 1.0;
   double start_timeout_s = 5.0;
@@ -107,13 +124,14 @@ struct BridgeConfig {
   bool live = false;  // hardware: only live commands count
   std::vector<JointConfig> joints;
   std::vector<GatewayConfig> gateways;
+  std::vector<BodyNodeConfig> body_nodes = {};
   std::vector<double> bitrate_bit_s;  // per bus, for the load
   bool short_frames = true;           // setpoints of 4 bytes: 95 bit times instead of 135
   BridgeTiming timing;
   std::string arm_refusal = {};  // why the joints may not be armed; empty: they may
 };
 
-// Throws std::invalid_argument naming joint or gateway and value.
+// Throws std::invalid_argument naming joint, gateway or body node and value.
 void CheckBridgeConfig(const BridgeConfig& config);
 
 // The identifiers that the transport of this bus has to pass: exactly those that the bridge reads.

@@ -89,6 +89,17 @@ void Run(const node::Options& options, node::StopFlag& stop,
     spdlog::info("bus '{}': {} frames sent, {} received, {} dropped, {} error frames", bus->name(),
                  counters.sent, counters.received, counters.dropped, counters.error_frames);
   }
+  for (const bridge::BodyMeasurement& node : plant.body_nodes()) {
+    const bridge::BodyCounts counts = node.counts();
+    spdlog::info("{} of node {}: lost {} times, {} samples missed{}",
+                 can::BodyPartName(node.config().part), node.config().node, counts.lost,
+                 counts.samples_missed, node.heartbeat() ? "" : ", no heartbeat");
+    if (node.heartbeat() && node.heartbeat()->version != can::kNodeFramesVersion) {
+      spdlog::warn("{} of node {}: frames of version {}, expected {}: never valid",
+                   can::BodyPartName(node.config().part), node.config().node,
+                   node.heartbeat()->version, can::kNodeFramesVersion);
+    }
+  }
 }
 
 }  // namespace

@@ -46,6 +46,18 @@ void CheckVirtualAxesConfig(const VirtualAxesConfig& config, int joints, int bus
   for (const SensorNodeConfig& n : config.nodes) {
     check("sensor node", n.bus, n.node, n.joint, n.direction);
   }
+  for (const BodyNodeConfig& n : config.body_nodes) {
+    const std::string part = can::BodyPartName(n.part);
+    check(part, n.bus, n.node, 0, 1);
+    const bool is_imu = n.part == can::BodyPart::kImu;
+    for (const double angle_rad : n.mounting_rpy_rad) {
+      Require(std::isfinite(angle_rad), part + ": mounting_rpy_rad must be finite");
+      Require(is_imu || angle_rad == 0.0, part + ": mounting_rpy_rad is for an imu");
+    }
+    Require(n.sample_ms >= 0 && n.heartbeat_ms >= 0, part + ": periods must not be negative");
+    Require(std::isfinite(n.fault.after_s) && n.fault.after_s >= 0.0,
+            part + ": after_s must not be negative");
+  }
   std::set<std::pair<int, int>> behind;
   for (const GatewayConfig& g : config.gateways) {
     check("gateway", g.bus, g.node, 0, 1);

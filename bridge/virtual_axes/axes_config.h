@@ -1,8 +1,10 @@
-// Configuration of the virtual axes, sensor nodes and gateways, and its check. Pure.
+// Configuration of the virtual axes, sensor nodes, gateways and body nodes, and its check. Pure.
 #pragma once
 
+#include <array>
 #include <vector>
 
+#include "bridge/can/body_node.h"
 #include "bridge/can/codec.h"
 #include "bridge/virtual_axes/false_encoder.h"
 
@@ -57,10 +59,35 @@ struct GatewayConfig {
   std::vector<int> axes;  // node numbers on its bus, in the order of its fields
 };
 
+// A body node that reports what is not so, from a time since the start of the axes on.
+enum class BodyFaultKind {
+  kNone,
+  kFrozen,  // the last sample again and again: its sequence number stands still
+  kLost,    // nothing is sent
+};
+
+struct BodyFault {
+  BodyFaultKind kind = BodyFaultKind::kNone;
+  double after_s = 0.0;
+};
+
+// A foot or the IMU as a node of its own (bridge/can/body_node.h).
+struct BodyNodeConfig {
+  int bus = 0;
+  int node = 0;
+  can::BodyPart part = can::BodyPart::kRightFoot;
+  // Of an IMU: its housing in the torso; v_torso = R v_housing, R = Rz(yaw) Ry(pitch) Rx(roll).
+  std::array<double, 3> mounting_rpy_rad = {};
+  int sample_ms = 2;
+  int heartbeat_ms = 100;
+  BodyFault fault = {};
+};
+
 struct VirtualAxesConfig {
   std::vector<AxisConfig> axes;
   std::vector<GatewayConfig> gateways;
   std::vector<SensorNodeConfig> nodes;
+  std::vector<BodyNodeConfig> body_nodes = {};
   double step_s = 0.001;  // of the plant; also how often frames are looked at
 };
 

@@ -30,6 +30,7 @@ VirtualAxes::VirtualAxes(const VirtualAxesConfig& config, provider::SimulatedPla
     }
     gateways_.emplace_back(gateway, std::move(behind));
   }
+  for (const BodyNodeConfig& node : config.body_nodes) body_nodes_.emplace_back(node);
   step_ns_ = std::llround(1e9 * config.step_s);
   plant_.Reset(&sensors_);
 }
@@ -43,6 +44,10 @@ void VirtualAxes::Start(std::int64_t now_ns) {
     spread_ns += kSpread_ns;
   }
   for (SensorNodeModel& node : nodes_) {
+    node.Start(now_ns, spread_ns);
+    spread_ns += kSpread_ns;
+  }
+  for (BodyNodeModel& node : body_nodes_) {
     node.Start(now_ns, spread_ns);
     spread_ns += kSpread_ns;
   }
@@ -112,6 +117,9 @@ void VirtualAxes::SendDue(std::int64_t now_ns) {
   }
   for (SensorNodeModel& node : nodes_) {
     for (const can::Frame& frame : node.Due(sensors_, command_, now_ns)) Send(node.bus(), frame);
+  }
+  for (BodyNodeModel& node : body_nodes_) {
+    for (const can::Frame& frame : node.Due(plant_.body_sensors(), now_ns)) Send(node.bus(), frame);
   }
 }
 

@@ -1,10 +1,10 @@
-// Motor controllers, sensor nodes and gateways that exist only as frames, with a simulated plant
-// behind them.
+// Motor controllers, sensor nodes, gateways and body nodes that exist only as frames, with a
+// simulated plant behind them.
 //
-// The nodes are models of their own (axis_model.h, sensor_node_model.h, gateway_model.h). This
-// class hands them the frames of their number, steps the plant (a provider::SimulatedPlant: the
-// surrogate, a world, or a test's) at a fixed period with what they demand, and sends what they
-// answer.
+// The nodes are models of their own (axis_model.h, sensor_node_model.h, gateway_model.h,
+// body_node_model.h). This class hands them the frames of their number, steps the plant (a
+// provider::SimulatedPlant: the surrogate, a world, or a test's) at a fixed period with what they
+// demand, and sends what they answer.
 //
 // Pure but for its transports: time comes from Run's argument. One thread.
 #pragma once
@@ -15,6 +15,7 @@
 #include "bridge/can/transport/transport.h"
 #include "bridge/virtual_axes/axes_config.h"
 #include "bridge/virtual_axes/axis_model.h"
+#include "bridge/virtual_axes/body_node_model.h"
 #include "bridge/virtual_axes/gateway_model.h"
 #include "bridge/virtual_axes/sensor_node_model.h"
 #include "components/provider/simulated_plant.h"
@@ -48,6 +49,9 @@ class VirtualAxes {
   void FalsifyOutputEncoder(int node, const EncoderFault& fault) {
     nodes_.at(static_cast<std::size_t>(node)).Falsify(fault);
   }
+  void FalsifyBodyNode(int node, const BodyFault& fault) {
+    body_nodes_.at(static_cast<std::size_t>(node)).Falsify(fault);
+  }
   can::AxisState axis_state(int axis) const { return At(axis).state(); }
   std::uint32_t axis_error(int axis) const { return At(axis).error(); }
   double input_torque_Nm(int axis) const { return At(axis).input_torque_Nm(); }
@@ -70,6 +74,7 @@ class VirtualAxes {
   std::vector<AxisModel> axes_;
   std::vector<SensorNodeModel> nodes_;
   std::vector<GatewayModel> gateways_;
+  std::vector<BodyNodeModel> body_nodes_;
   std::int64_t step_ns_ = 0;
   std::int64_t next_step_ns_ = 0;
   provider::PlantCommand command_;

@@ -1,6 +1,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "bridge/virtual_axes/virtual_axes.h"
@@ -32,6 +33,13 @@ virtual_axes::VirtualAxesConfig Config() {
     node.node = 33 + j;
     node.joint = j;
     config.nodes.push_back(node);
+  }
+  for (const auto& [number, part] :
+       {std::pair{50, can::BodyPart::kRightFoot}, std::pair{51, can::BodyPart::kImu}}) {
+    virtual_axes::BodyNodeConfig body;
+    body.node = number;
+    body.part = part;
+    config.body_nodes.push_back(body);
   }
   return config;
 }

@@ -2,6 +2,7 @@
 #include <string>
 
 #include "bridge/can/bit_timing.h"
+#include "bridge/can/body_node.h"
 #include "bridge/can/codec.h"
 #include "bridge/can/compact.h"
 #include "bridge/can/sensor_node.h"
@@ -116,6 +117,23 @@ void CheckNode(const Frame& frame) {
   CheckNodeMessage(frame, can::DecodeOutputEncoder(frame), 0x09, 8, can::DecodeOutputEncoder);
   CheckNodeMessage(frame, can::DecodeJointSensors(frame), 0x0A, 8, can::DecodeJointSensors);
   CheckNodeMessage(frame, can::DecodeValveCommand(frame), 0x0B, 4, can::DecodeValveCommand);
+  CheckNodeMessage(frame, can::DecodeFootForces(frame), 0x0C, 8, can::DecodeFootForces);
+  CheckNodeMessage(frame, can::DecodeImuForce(frame), 0x0D, 8, can::DecodeImuForce);
+  CheckNodeMessage(frame, can::DecodeImuRate(frame), 0x0E, 8, can::DecodeImuRate);
+  CheckNodeMessage(frame, can::DecodeImuOrientation(frame), 0x0F, 8, can::DecodeImuOrientation);
+}
+
+// What three components stand for is a rotation, or is refused.
+void CheckOrientation(const Frame& frame) {
+  const auto message = can::DecodeImuOrientation(frame);
+  if (!message) return;
+  const auto q = can::Restore(*message);
+  if (!q) return;
+  double square = 0.0;
+  for (const double c : *q) square += c * c;
+  Check(std::abs(square - 1.0) < 1e-12, "an orientation that is not of length 1");
+  const auto again = can::OmitLargest(*q, message->sequence);
+  Check(again.has_value() && can::Restore(*again).has_value(), "an orientation cannot be sent on");
 }
 
 void CheckGateway(const Frame& frame, int gateway) {
@@ -172,6 +190,7 @@ void RunCodec(std::span<const std::uint8_t> input) {
     const Frame frame = bytes.Frame();
     CheckController(frame, firmware);
     CheckNode(frame);
+    CheckOrientation(frame);
     CheckGateway(frame, choice >> 2);
     CheckTiming(frame);
   }

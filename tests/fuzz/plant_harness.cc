@@ -17,7 +17,7 @@ using types::ControlMode;
 constexpr int kJoints = 4;
 constexpr int kMostCycles = 400;
 
-// What the bytes choose. kAimed is a frame of a chosen length to a node of ours, in its kinds.
+// What the bytes choose. kAimed is a frame of a chosen length from a node of ours, in its kinds.
 enum class Op : std::uint8_t {
   kAnyFrame,
   kAimed,
@@ -32,9 +32,25 @@ constexpr std::uint8_t kOps = 8;
 constexpr std::array<std::uint32_t, 8> kAimedKinds = {0x01, 0x03, 0x04, 0x09,
                                                       0x14, 0x1D, 0x0A, 0x00};
 
+constexpr std::array<std::uint32_t, 8> kBodyKinds = {0x01, 0x0C, 0x0D, 0x0E,
+                                                     0x0F, 0x09, 0x0C, 0x00};
+constexpr std::uint8_t kAimsAtBody = 64;  // bit of a choice
+constexpr double kMostFoot_N = 819.2;
+
+// Without a gateway feet and IMU are nodes of their own, one number on both buses.
+bridge::BridgeConfig WithBody(bool gateway) {
+  bridge::BridgeConfig config = FuzzedRobot(kJoints, gateway);
+  if (!gateway) {
+    config.body_nodes = {{0, 50, can::BodyPart::kRightFoot},
+                         {1, 50, can::BodyPart::kLeftFoot},
+                         {1, 51, can::BodyPart::kImu, {0.1, -0.2, 3.0}}};
+  }
+  return config;
+}
+
 class Bench : public WatchedPlant {
  public:
-  explicit Bench(bool gateway) : WatchedPlant(FuzzedRobot(kJoints, gateway)) { Start(); }
+  explicit Bench(bool gateway) : WatchedPlant(WithBody(gateway)) { Start(); }
 
   void Feed(int bus, const can::Frame& frame) { buses[std::size_t(bus)].feed.push_back(frame); }
   void CheckedCycle(bool with_robot) {
@@ -49,6 +65,20 @@ class Bench : public WatchedPlant {
                 std::isfinite(sensors.load_force_N[j]),
             "a sensor value that is not finite");
       Check(sensors.age_us[j] >= 0, "a negative age");
+    }
+    if (!config.body_nodes.empty()) CheckBody(*plant.body_sensors());
+  }
+  static void CheckBody(const provider::BodySensors& body) {
+    for (const double force_N : body.foot_force_N) {
+      Check(std::abs(force_N) <= kMostFoot_N + 1e-9, "a force beyond its field");
+    }
+    double square = 0.0;
+    for (const double c : body.orientation_wxyz) square += c * c;
+    Check(std::abs(square - 1.0) < 1e-9, "an orientation that is not of length 1");
+    for (std::size_t i = 0; i < 3; ++i) {
+      Check(
+          std::isfinite(body.acceleration_m_s2[i]) && std::isfinite(body.angular_velocity_rad_s[i]),
+          "a value of the IMU that is not finite");
     }
   }
 };
@@ -84,13 +114,19 @@ void Run(std::span<const std::uint8_t> input, bool gateway) {
       case Op::kAimed: {
         const std::uint8_t choice = bytes.Byte();
         const bridge::JointConfig& c = bench.config.joints[choice % kJoints];
-        const bool to_node = c.output && (choice & 4) != 0;
+        const bool from_node = c.output && (choice & 4) != 0;
         last = can::Frame{};
-        last.id = static_cast<std::uint32_t>(to_node ? c.output->node : c.node) << 5 |
+        last_bus = c.bus;
+        last.id = static_cast<std::uint32_t>(from_node ? c.output->node : c.node) << 5 |
                   kAimedKinds[choice >> 3 & 7];
+        const auto& body = bench.config.body_nodes;
+        if ((choice & kAimsAtBody) != 0 && !body.empty()) {
+          const bridge::BodyNodeConfig& node = body[(choice & 3U) % body.size()];
+          last_bus = node.bus;
+          last.id = static_cast<std::uint32_t>(node.node) << 5 | kBodyKinds[choice >> 3 & 7];
+        }
         last.length = static_cast<std::uint8_t>((op >> 3) == 0 ? 8 : (op >> 3) % 10);
         for (auto& byte : last.data) byte = bytes.Byte();
-        last_bus = c.bus;
         bench.Feed(last_bus, last);
         break;
       }
@@ -174,6 +210,27 @@ std::vector<Input> PlantSeeds() {
         seeds.push_back(seed);
       }
     }
+  }
+  // Body nodes: every kind of each, of right and of wrong length; samples of an IMU, whole and with
+  // a hole.
+  for (std::uint8_t node = 0; node < 3; ++node) {
+    Input body{op(Op::kArmAll, node)};
+    for (int kind = 0; kind < 8; ++kind) {
+      const auto choice = static_cast<std::uint8_t>(kAimsAtBody | node);
+      aimed(body, choice, kind, false, 8, {0x10, 0x27, 0xF0, 0xD8, 0, 0x40, kind, 0xF7});
+      aimed(body, choice, kind, false, 7, {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF});
+      cycles(body, 2);
+    }
+    for (int sequence = 0; sequence < 8; ++sequence) {
+      aimed(body, static_cast<std::uint8_t>(kAimsAtBody | node), 0, false, 8, {1, 0, 0, 0, 0, 1});
+      for (int kind = 1; kind <= 4; ++kind) {
+        if (sequence == 4 && kind == 3) continue;
+        aimed(body, static_cast<std::uint8_t>(kAimsAtBody | node), kind, false, 8,
+              {sequence, 0x20, 0, 0xE0, 0, 0, sequence, kind == 4 ? sequence % 4 : 7});
+      }
+      cycles(body, 1);
+    }
+    seeds.push_back(body);
   }
   Input silence{op(Op::kArmAll)};
   silence.insert(silence.end(), 20, op(Op::kCycleInSilence));

@@ -5,6 +5,7 @@
 #include "bridge/can/transport/replay_can.h"
 #include "bridge/can/transport/socketcan.h"
 #include "bridge/can/transport/virtual_can.h"
+#include "components/types/angle.h"
 
 namespace sinew::can {
 
@@ -83,6 +84,22 @@ const char* FirmwareName(Firmware firmware) {
 Firmware ReadFirmware(const config::Section& section) {
   const std::string text = section.ChoiceOr("firmware", "0.5.6", {"0.5.1", "0.5.4", "0.5.6"});
   return text == "0.5.1" ? Firmware::k0_5_1 : text == "0.5.4" ? Firmware::k0_5_4 : Firmware::k0_5_6;
+}
+
+BodyPart ReadBodyPart(const config::Section& section) {
+  const std::string text = section.Choice("sensor", {"right_foot", "left_foot", "imu"});
+  if (text == "imu") return BodyPart::kImu;
+  return text == "right_foot" ? BodyPart::kRightFoot : BodyPart::kLeftFoot;
+}
+
+std::array<double, 3> ReadMounting(const config::Section& section) {
+  const std::vector<double> angles =
+      section.NumbersOr("mounting_rpy_rad", {0.0, 0.0, 0.0}, {-types::kTwoPi, types::kTwoPi});
+  if (angles.size() != 3) {
+    section.Fail("mounting_rpy_rad",
+                 "has " + std::to_string(angles.size()) + " numbers, expected 3: roll, pitch, yaw");
+  }
+  return {angles[0], angles[1], angles[2]};
 }
 
 }  // namespace sinew::can

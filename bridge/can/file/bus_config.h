@@ -9,10 +9,12 @@
 //       bitrate_bit_s: 1000000   # for the load; the interface itself is set by ip link
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "bridge/can/body_node.h"
 #include "bridge/can/codec.h"
 #include "bridge/can/transport/transport.h"
 #include "components/config/config.h"
@@ -47,5 +49,9 @@ bool IsHardware(const BusEntry& entry);
 const char* FirmwareName(Firmware firmware);
 // The key `firmware`: "0.5.1", "0.5.4" or "0.5.6" (the default).
 Firmware ReadFirmware(const config::Section& section);
+// The key `sensor`: "right_foot", "left_foot" or "imu".
+BodyPart ReadBodyPart(const config::Section& section);
+// The key `mounting_rpy_rad`: three angles; nothing is no rotation.
+std::array<double, 3> ReadMounting(const config::Section& section);
 
 }  // namespace sinew::can

@@ -110,8 +110,27 @@ GatewayConfig ReadGateway(const config::Section& section, const std::vector<can:
       section.Fail("joints", "has '" + name + "', which is no joint's name");
     gateway.joints.push_back(static_cast<int>(joint - joints.begin()));
   }
+  const std::vector<std::string> carried = section.TextsOr("body", {"feet", "imu"});
+  gateway.carries_feet = gateway.carries_imu = false;
+  for (const std::string& sensor : carried) {
+    if (sensor != "feet" && sensor != "imu") {
+      section.Fail("body", "has '" + sensor + "', expected feet or imu");
+    }
+    (sensor == "feet" ? gateway.carries_feet : gateway.carries_imu) = true;
+  }
   section.RejectUnknownKeys();
   return gateway;
+}
+
+BodyNodeConfig ReadBodyNode(const config::Section& section,
+                            const std::vector<can::BusEntry>& buses) {
+  BodyNodeConfig node;
+  node.bus = can::ReadBusOf(section, buses);
+  node.node = ReadNode(section);
+  node.part = can::ReadBodyPart(section);
+  if (node.part == can::BodyPart::kImu) node.mounting_rpy_rad = can::ReadMounting(section);
+  section.RejectUnknownKeys();
+  return node;
 }
 
 BridgeTiming ReadTiming(const config::Section& section) {
@@ -159,6 +178,9 @@ BridgeFile ReadBridge(const config::Section& section) {
   }
   for (const config::Section& gateway : section.ListOrEmpty("gateways")) {
     file.bridge.gateways.push_back(ReadGateway(gateway, file.buses, file.bridge.joints));
+  }
+  for (const config::Section& node : section.ListOrEmpty("body_nodes")) {
+    file.bridge.body_nodes.push_back(ReadBodyNode(node, file.buses));
   }
   file.bridge.timing = ReadTiming(section.ChildOrEmpty("timing"));
   try {

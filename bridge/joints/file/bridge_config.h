@@ -16,7 +16,8 @@ struct BridgeFile {
   BridgeConfig bridge;
 };
 
-// Keys `buses`, `origin`, `joints`, `timing`, `short_frames`. Other keys are the caller's.
+// Keys `buses`, `origin`, `joints`, `gateways`, `body_nodes`, `timing`, `short_frames`. Other keys
+// are the caller's.
 BridgeFile ReadBridge(const config::Section& section);
 
 }  // namespace sinew::bridge

@@ -81,6 +81,26 @@ SensorNodeConfig ReadNode(const config::Section& section, const std::vector<can:
   return node;
 }
 
+BodyNodeConfig ReadBodyNode(const config::Section& section,
+                            const std::vector<can::BusEntry>& buses) {
+  BodyNodeConfig node;
+  node.bus = can::ReadBusOf(section, buses);
+  node.node = static_cast<int>(section.Integer("node", {0, can::kMaxNode}));
+  node.part = can::ReadBodyPart(section);
+  if (node.part == can::BodyPart::kImu) node.mounting_rpy_rad = can::ReadMounting(section);
+  node.sample_ms = ReadPeriod(section, "sample_ms", node.sample_ms);
+  node.heartbeat_ms = ReadPeriod(section, "heartbeat_ms", node.heartbeat_ms);
+  if (section.Has("fault")) {
+    const config::Section fault = section.Child("fault");
+    node.fault.kind = fault.Choice("kind", {"frozen", "lost"}) == "frozen" ? BodyFaultKind::kFrozen
+                                                                           : BodyFaultKind::kLost;
+    node.fault.after_s = fault.NumberOr("after_s", 0.0, config::kNotNegative);
+    fault.RejectUnknownKeys();
+  }
+  section.RejectUnknownKeys();
+  return node;
+}
+
 GatewayConfig ReadGateway(const config::Section& section, const std::vector<can::BusEntry>& buses) {
   GatewayConfig gateway;
   gateway.bus = can::ReadBusOf(section, buses);
@@ -104,6 +124,9 @@ VirtualAxesFile ReadVirtualAxes(const config::Section& section) {
   }
   for (const config::Section& gateway : section.ListOrEmpty("gateways")) {
     file.axes.gateways.push_back(ReadGateway(gateway, file.buses));
+  }
+  for (const config::Section& node : section.ListOrEmpty("body_nodes")) {
+    file.axes.body_nodes.push_back(ReadBodyNode(node, file.buses));
   }
   file.axes.step_s = 1e-3 * section.NumberOr("step_ms", 1.0, {0.01, 100.0});
   for (const AxisConfig& axis : file.axes.axes) file.joints = std::max(file.joints, axis.joint + 1);

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "bridge/can/body_node.h"
 #include "bridge/can/codec.h"
 #include "bridge/can/compact.h"
 #include "bridge/can/sensor_node.h"
@@ -200,6 +201,60 @@ TEST_F(IndependentReader, ReadsOurOwnFramesWithOurFile) {
   EXPECT_NEAR(all.at("Angular_Velocity_x"), -1.234, 1e-9);
   EXPECT_NEAR(all.at("Yaw"), 3.0001, 1e-9);
   EXPECT_EQ(all.at("State_Sequence"), 77);
+}
+
+TEST_F(IndependentReader, ReadsTheFramesOfBodyNodesWithOurFile) {
+  const std::vector<Frame> frames = {
+      Encode(40, NodeHeartbeat{98765, node_error::kFootForce}),
+      Encode(40, FootForces{{123.4, -0.6, 819.0, -819.2}, {true, false, true, false}, 251}),
+      Encode(42, NodeHeartbeat{98765, node_error::kOrientation}),
+      Encode(42, ImuForce{{-163.84, 0.005, 9.81}, 252, true, false, true}),
+      Encode(42, ImuRate{{-32.768, 17.453, 0.001}, 253, -40}),
+      Encode(42, ImuOrientation{{-0.7040, 0.000022, 0.5}, 254, 3}),
+      Encode(42, ImuRate{}),
+  };
+  const auto messages = Read(kOurs, frames);
+  ASSERT_EQ(messages.size(), frames.size());
+  Expect(messages[0], "Foot_Heartbeat",
+         {{"Uptime", 98765}, {"Node_Error", 16}, {"Frames_Version", 1}}, 0);
+  Expect(messages[1], "Foot_Forces",
+         {{"Foot_Force_0", 123.4},
+          {"Foot_Force_1", -0.6},
+          {"Foot_Force_2", 819.0},
+          {"Foot_Force_3", -819.2},
+          {"Foot_Sequence", 251},
+          {"Foot_Valid_0", 1},
+          {"Foot_Valid_1", 0},
+          {"Foot_Valid_2", 1},
+          {"Foot_Valid_3", 0}},
+         1e-9);
+  Expect(messages[2], "Imu_Heartbeat",
+         {{"Uptime", 98765}, {"Node_Error", 64}, {"Frames_Version", 1}}, 0);
+  Expect(messages[3], "Imu_Force",
+         {{"Specific_Force_x", -163.84},
+          {"Specific_Force_y", 0.005},
+          {"Specific_Force_z", 9.81},
+          {"Force_Sequence", 252},
+          {"Force_Valid", 1},
+          {"Rate_Valid", 0},
+          {"Orientation_Valid", 1}},
+         1e-9);
+  Expect(messages[4], "Imu_Rate",
+         {{"Rate_x", -32.768},
+          {"Rate_y", 17.453},
+          {"Rate_z", 0.001},
+          {"Rate_Sequence", 253},
+          {"Imu_Temperature", -40}},
+         1e-9);
+  // Steps of 2.2e-5: what was asked for within half of one.
+  Expect(messages[5], "Imu_Orientation",
+         {{"Component_0", -0.7040},
+          {"Component_1", 0.000022},
+          {"Component_2", 0.5},
+          {"Orientation_Sequence", 254},
+          {"Omitted", 3}},
+         1.1e-5);
+  Expect(messages[6], "Imu_Rate", {{"Imu_Temperature", -128}}, 0);
 }
 
 }  // namespace
