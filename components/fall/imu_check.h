@@ -14,26 +14,27 @@
 
 #include <Eigen/Core>
 
+#include "components/types/angle.h"
+
 namespace sinew::fall {
 
 inline constexpr double kGravity_m_s2 = 9.81;
-inline constexpr double kDegrees_rad = 0.017453292519943295;
 inline constexpr double kSaturatedShare = 0.999;  // derived above
 
-// What is stated of the IMU. The defaults are the data sheet's of a consumer part, MPU-6050
-// (PS-MPU- 6000A rev. 3.4, 6.1 and 6.2), uncalibrated; they are to be replaced by those of the
-// robot's part. tilt_filter.h turns them into gains and an error bound.
+// What is stated of the IMU. The defaults are those of the data sheet of a consumer part, MPU-6050
+// (PS-MPU-6000A revision 3.4, sections 6.1 and 6.2), uncalibrated; they are to be replaced by those
+// of the robot's part. tilt_filter.h turns them into gains and an error bound.
 struct ImuBounds {
   double force_range_m_s2 = 2.0 * kGravity_m_s2;
   double force_bias_m_s2 = 0.7;    // horizontal part: 50 mg on x and on y
   double force_noise_m_s2 = 0.05;  // standard deviation per axis: 400 ug/sqrt(Hz) in 100 Hz
-  double rate_range_rad_s = 500.0 * kDegrees_rad;
-  double rate_bias_rad_s = 35.0 * kDegrees_rad;  // when switched on; 20 deg/s on each axis
+  double rate_range_rad_s = 500.0 * types::kDegree_rad;
+  double rate_bias_rad_s = 35.0 * types::kDegree_rad;  // when switched on; 20 deg/s on each axis
   // 20 deg/s over 60 K is 0.33 deg/s/K, with 20 K within an hour (after warming up: the first
   // minutes are not to be faster).
-  double rate_drift_rad_s2 = 7.0 * kDegrees_rad / 3600.0;
-  double rate_noise_rad_s = 0.1 * kDegrees_rad;  // per axis; twice the 0.05 deg/s in 100 Hz
-  double rate_scale_error = 0.03;                // of the reading
+  double rate_drift_rad_s2 = 7.0 * types::kDegree_rad / 3600.0;
+  double rate_noise_rad_s = 0.1 * types::kDegree_rad;  // per axis; twice the 0.05 deg/s in 100 Hz
+  double rate_scale_error = 0.03;                      // of the reading
 };
 
 struct ImuSample {

@@ -13,8 +13,8 @@
 // delay of kP / lambda^2. The gain is the largest that keeps a stated delay d, since the errors
 // from the gyroscope's bias shrink with it:
 //
-//     kP = d g / l     (d = 15 ms, l = 1 m: 0.147 1/s),     kI = kP^2 / 4 (two equal poles at kP /
-//     2)
+//     kP = d g / l     (d = 15 ms, l = 1 m: 0.147 1/s)
+//     kI = kP^2 / 4    (two equal poles at kP / 2)
 //
 // Specific forces that are not near g (||f| - g| > gate) are not used: gate = bias + motion + four
 // standard deviations of the noise. Without them the rotation alone is integrated.
@@ -51,16 +51,16 @@ namespace sinew::fall {
 
 struct TiltConfig {
   ImuBounds imu;
-  double limit_rad = 30.0 * kDegrees_rad;  // the tilt that matters
-  double pendulum_length_m = 1.0;          // l: foot to highest mass; a shorter one falls faster
-  double filter_delay_s = 0.015;           // d
+  double limit_rad = 30.0 * types::kDegree_rad;  // the tilt that matters
+  double pendulum_length_m = 1.0;  // l: foot to highest mass; a shorter one falls faster
+  double filter_delay_s = 0.015;   // d
   double start_s = 2.0;
-  double start_sway_rad = 0.2 * kDegrees_rad;
+  double start_sway_rad = 0.2 * types::kDegree_rad;
   // Accelerations of the torso in healthy motion. The benchmark squat (0.2 m amplitude, 0.2 Hz) has
   // 0.32 m/s2 vertically; three times that for tracking errors, also sideways.
   double motion_m_s2 = 1.0;
   double motion_rad_s = 1.2566;  // 0.2 Hz, the slowest of them: slower ones are filtered less
-  double coast_error_rad = 0.5 * kDegrees_rad;
+  double coast_error_rad = 0.5 * types::kDegree_rad;
 };
 
 class TiltFilter {

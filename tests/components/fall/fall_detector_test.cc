@@ -88,7 +88,7 @@ TEST(FallDetector, ReportsFallingWhenItIsStartedLyingDown) {
   FallDetector detector(FallConfig{}, kFallPeriod_s);
   SensorModel sensors(3);
   BodyState lying;
-  lying.lean_rad = 80.0 * kDegrees_rad;
+  lying.lean_rad = 80.0 * types::kDegree_rad;
   FallOutput out;
   for (std::uint64_t tick = 0; tick < 720; ++tick) {
     out = detector.Step(sensors.Read(tick, 0.0, lying));
@@ -171,7 +171,7 @@ TEST(FallDetector, IsUnknownAfterALossOfFiftyMilliseconds) {
       {"rate is infinite", Unknown::kImu,
        [](FallInput* input) { input->imu.rate_rad_s.x() = 1.0 / 0.0; }},
       {"saturated gyroscope", Unknown::kImu,
-       [](FallInput* input) { input->imu.rate_rad_s.z() = -500.0 * kDegrees_rad; }},
+       [](FallInput* input) { input->imu.rate_rad_s.z() = -500.0 * types::kDegree_rad; }},
       {"frozen gyroscope", Unknown::kImu,
        [&frozen](FallInput* input) { input->imu.rate_rad_s = frozen.imu.rate_rad_s; }},
       {"frozen accelerometer", Unknown::kImu,

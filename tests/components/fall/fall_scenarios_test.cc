@@ -16,7 +16,7 @@ namespace {
 constexpr int kSeeds = 100;
 constexpr double kRequired_s = 0.100;
 constexpr double kStart_s = 3.0;  // standing still first
-constexpr double kTurn = 6.283185307179586;
+constexpr double kTurn = types::kTwoPi;
 
 // The loop of the biped and the bus that the thesis measured.
 double RateOf(int seed) { return seed % 4 == 0 ? 82.0 : 240.0; }
@@ -172,7 +172,7 @@ TEST(FallScenarios, ASlowLeanIsFoundInTime) {
     SensorModel sensors(static_cast<std::uint64_t>(seed) + 5000);
     BodyState body;
     body.direction_rad = sensors.Between(0.0, kTurn);
-    const double lean_rad_s = sensors.Between(2.0, 20.0) * kDegrees_rad;
+    const double lean_rad_s = sensors.Between(2.0, 20.0) * types::kDegree_rad;
     return LatencyOf(seed, body, &sensors, [&](BodyState* b, double, double step_s) {
       b->lean_rad_s = lean_rad_s;
       b->lean_rad += lean_rad_s * step_s;
@@ -189,8 +189,8 @@ TEST(FallScenarios, HealthySquatsRaiseNoAlarm) {
     const double period_s = 1.0 / RateOf(seed);
     FallDetector detector(FallConfig{}, period_s);
     const double w = kTurn * 0.2, late_s = sensors.Between(0.0, 0.05);
-    const double pitch_rad = sensors.Between(2.0, 8.0) * kDegrees_rad;
-    const double sway_rad = sensors.Between(0.0, 0.7) * kDegrees_rad;
+    const double pitch_rad = sensors.Between(2.0, 8.0) * types::kDegree_rad;
+    const double sway_rad = sensors.Between(0.0, 0.7) * types::kDegree_rad;
     const double sway_rad_s = kTurn * sensors.Between(0.8, 2.5);
     const double direction_rad = sensors.Between(-0.5, 0.5);
     double shock_at_s = kStart_s + 0.3, ring_Hz = 30.0;
@@ -237,7 +237,7 @@ TEST(FallScenarios, HealthySquatsRaiseNoAlarm) {
       least_share = std::min(least_share, out.height_share);
     }
   }
-  RecordProperty("most_tilt_deg", std::to_string(most_tilt_rad / kDegrees_rad));
+  RecordProperty("most_tilt_deg", std::to_string(most_tilt_rad / types::kDegree_rad));
   RecordProperty("least_height_share", std::to_string(least_share));
 }
 

@@ -40,7 +40,7 @@ struct BodyState {
   double base_height_m() const { return leg_vertical ? leg_m : leg_m * std::cos(lean_rad); }
   // The truth that the detector is held to.
   bool fallen() const {
-    return std::abs(lean_rad) > 30.0 * kDegrees_rad || base_height_m() < 0.8 * reference_m;
+    return std::abs(lean_rad) > 30.0 * types::kDegree_rad || base_height_m() < 0.8 * reference_m;
   }
 };
 

@@ -46,7 +46,7 @@ TEST(TiltFilter, HasTheGainsOfItsDelay) {
   const TiltFilter filter(TiltConfig{}, kTiltPeriod_s);
   EXPECT_NEAR(filter.gain_1_s(), 0.015 * 9.81, 1e-12);
   EXPECT_NEAR(filter.gate_m_s2(), 0.7 + 1.0 + 0.2, 1e-12);
-  EXPECT_NEAR(filter.error_bound_rad() / kDegrees_rad, 7.3, 0.1);  // as the header's table
+  EXPECT_NEAR(filter.error_bound_rad() / types::kDegree_rad, 7.3, 0.1);  // as the header's table
 }
 
 TEST(TiltFilter, KeepsItsErrorBoundOverAnHourOfStanding) {
@@ -54,7 +54,7 @@ TEST(TiltFilter, KeepsItsErrorBoundOverAnHourOfStanding) {
   for (std::uint64_t seed = 0; seed < 2; ++seed) {
     Rig rig(seed);
     BodyState body;
-    body.lean_rad = 2.0 * kDegrees_rad;
+    body.lean_rad = 2.0 * types::kDegree_rad;
     for (int i = 0; i < 3600 * 240; ++i) {
       rig.Step(body);
       if (rig.filter.started()) {
@@ -65,7 +65,7 @@ TEST(TiltFilter, KeepsItsErrorBoundOverAnHourOfStanding) {
     EXPECT_NEAR(rig.filter.up().norm(), 1.0, 1e-12);
   }
   EXPECT_LT(worst_rad, TiltFilter(TiltConfig{}, kTiltPeriod_s).error_bound_rad());
-  RecordProperty("worst_deg", std::to_string(worst_rad / kDegrees_rad));
+  RecordProperty("worst_deg", std::to_string(worst_rad / types::kDegree_rad));
 }
 
 TEST(TiltFilter, KeepsItsErrorBoundInMotionWithItsLargestAcceleration) {
@@ -77,7 +77,7 @@ TEST(TiltFilter, KeepsItsErrorBoundInMotionWithItsLargestAcceleration) {
     double worst_rad = 0.0;
     for (int i = 0; i < 60 * 240; ++i) {
       const double phase = 1.2566 * i * kTiltPeriod_s;
-      const double w = 1.2566, amplitude_rad = 6.0 * kDegrees_rad;
+      const double w = 1.2566, amplitude_rad = 6.0 * types::kDegree_rad;
       body.horizontal_m_s2 = std::cos(phase);
       body.lean_rad = amplitude_rad * std::sin(phase);
       body.lean_rad_s = amplitude_rad * w * std::cos(phase);
@@ -108,8 +108,8 @@ TEST(TiltFilter, IsLateByItsStatedDelayInAFallThatTheSpecificForceDoesNotShow) {
     imu.rate_rad_s = {0.0, lean_rad_s, 0.0};
     imu.force_m_s2 = {0.0, 0.0, kGravity_m_s2 * std::cos(lean_rad) - lean_rad_s * lean_rad_s};
     filter.Step(imu, use, 1e-3);
-    if (truth_s == 0.0 && lean_rad > 30.0 * kDegrees_rad) truth_s = i * 1e-3;
-    if (filter.tilt_rad() > 30.0 * kDegrees_rad) shown_s = i * 1e-3;
+    if (truth_s == 0.0 && lean_rad > 30.0 * types::kDegree_rad) truth_s = i * 1e-3;
+    if (filter.tilt_rad() > 30.0 * types::kDegree_rad) shown_s = i * 1e-3;
   }
   EXPECT_GT(shown_s, truth_s);
   EXPECT_LE(shown_s - truth_s, 0.015 + 1e-3);
@@ -120,8 +120,8 @@ TEST(TiltFilter, DoesNotStartWhileTheTorsoMoves) {
   BodyState body;
   for (int i = 0; i < 20 * 240; ++i) {
     const double phase = 3.0 * i * kTiltPeriod_s;
-    body.lean_rad = 3.0 * kDegrees_rad * std::sin(phase);
-    body.lean_rad_s = 9.0 * kDegrees_rad * std::cos(phase);
+    body.lean_rad = 3.0 * types::kDegree_rad * std::sin(phase);
+    body.lean_rad_s = 9.0 * types::kDegree_rad * std::cos(phase);
     rig.Step(body);
     ASSERT_FALSE(rig.filter.started()) << i;
   }
@@ -133,10 +133,10 @@ TEST(TiltFilter, DoesNotStartWhileTheTorsoMoves) {
 TEST(TiltFilter, StartsInAnyAttitude) {
   Rig rig(6);
   BodyState lying;
-  lying.lean_rad = 90.0 * kDegrees_rad;
+  lying.lean_rad = 90.0 * types::kDegree_rad;
   rig.Stand(3.0, lying);
   ASSERT_TRUE(rig.filter.started());
-  EXPECT_NEAR(rig.filter.tilt_rad() / kDegrees_rad, 90.0, 6.0);
+  EXPECT_NEAR(rig.filter.tilt_rad() / types::kDegree_rad, 90.0, 6.0);
 }
 
 TEST(TiltFilter, CoastsOnTheGyroscopeWhileTheSpecificForceIsNotNearG) {
