@@ -5,12 +5,12 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "components/arm/file/urdf_file.h"
 #include "components/config/config.h"
 #include "components/identify/file/processing_file.h"
 #include "components/report/gate_page.h"
 #include "components/report/section.h"
 #include "components/trace/close_loop.h"
-#include "components/arm/file/urdf_file.h"
 
 namespace sinew::tools {
 

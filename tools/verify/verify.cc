@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "components/arm/file/urdf_file.h"
 #include "components/config/config.h"
 #include "components/types/control_mode.h"
 #include "sim/surrogate/surrogate.h"
-#include "components/arm/file/urdf_file.h"
 #include "sim/world/world.h"
 
 namespace sinew::verify {
@@ -125,10 +125,9 @@ free_run::MakeBody InWorld(const actuator::RobotModel& robot) {
                                 " joints, expected 1: a recording of one joint does not say what "
                                 "the others did");
   }
-  const arm::Chain chain =
-      robot.urdf_path.empty()
-          ? PointChain(robot.joints.front())
-          : arm::ParseUrdf(config::ReadFile(robot.urdf_path), robot.urdf_path);
+  const arm::Chain chain = robot.urdf_path.empty()
+                               ? PointChain(robot.joints.front())
+                               : arm::ParseUrdf(config::ReadFile(robot.urdf_path), robot.urdf_path);
   return [chain](const actuator::JointModel& model) {
     return std::make_unique<WorldBody>(model, chain);
   };

@@ -113,6 +113,9 @@ TEST(SquatHeight, TheChirpIsThePublishedOneWhereNothingLimitsIt) {
 
 TEST(SquatHeight, TheChirpsDerivativesAreExact) {
   ExpectExactDerivatives(ChirpSquat({}), 1e-5, 1e-6);
+  ChirpSquatConfig fast;  // so that the derivatives of the limited amplitude matter
+  fast.shape.duration_s = 10.0;
+  ExpectExactDerivatives(ChirpSquat(fast), 1e-5, 1e-6);
 }
 
 TEST(SquatHeight, TheChirpRefusesOneGAndMore) {

@@ -3,9 +3,9 @@
 
 #include <filesystem>
 
+#include "components/arm/file/urdf_file.h"
 #include "components/config/config.h"
 #include "sim/world/chain.h"
-#include "components/arm/file/urdf_file.h"
 #include "tests/support/skip.h"
 
 namespace sinew::world {

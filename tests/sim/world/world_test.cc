@@ -13,9 +13,9 @@
 #include <limits>
 
 #include "components/actuator/file/model_file.h"
+#include "components/arm/file/urdf_file.h"
 #include "components/types/control_mode.h"
 #include "sim/plant/single_joint.h"
-#include "components/arm/file/urdf_file.h"
 #include "sim/world/file/world_file.h"
 #include "tests/support/skip.h"
 
