@@ -102,8 +102,8 @@ std::optional<ImuOrientation> DecodeImuOrientation(const Frame& frame) noexcept;
 // for one that is not finite or shorter than 1e-6.
 std::optional<ImuOrientation> OmitLargest(const std::array<double, 4>& orientation_wxyz,
                                           std::uint8_t sequence) noexcept;
-// w, x, y, z of length 1. Nothing where the omitted component would be the smaller part: no node
-// that leaves out the largest sends that.
+// w, x, y, z of length 1. Nothing where the squares of the three add up to more than 3/4 and the
+// rounding of their fields: the component that was left out was not the largest.
 std::optional<std::array<double, 4>> Restore(const ImuOrientation& message) noexcept;
 
 }  // namespace sinew::can

@@ -45,6 +45,7 @@ BusSample Sample(can::Link link, std::uint64_t wire_bits) {
   BusSample sample;
   sample.link = link;
   sample.counters = {11, 12, 13, 14, 15, wire_bits};
+  sample.body = {16, 17};
   return sample;
 }
 
@@ -64,6 +65,8 @@ TEST(BusStatistics, LinkAndCountersAreOfNow) {
   EXPECT_EQ(report.frames_dropped[3], 13U);
   EXPECT_EQ(report.frames_lost[3], 14U);
   EXPECT_EQ(report.error_frames[3], 15U);
+  EXPECT_EQ(report.body_samples_missed[3], 16U);
+  EXPECT_EQ(report.body_nodes_lost[3], 17U);
 }
 
 TEST(BusStatistics, LoadAnswersAndWorkAreOfTheLastSecond) {
