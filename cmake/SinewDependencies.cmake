@@ -57,6 +57,10 @@ if(NOT Boost_FOUND)
   sinew_missing(Boost "libboost-dev libboost-filesystem-dev")
 endif()
 
+if(SINEW_BUILD_TESTS OR SINEW_BUILD_BENCH)
+  # The reference of rigid-body dynamics. Its target would ask for C++11: only DART_LINK_LIBRARIES is used.
+  sinew_find_pc(DART dart libdart-dev)
+endif()
 if(SINEW_BUILD_TESTS)
   sinew_find(GTest libgtest-dev)
   sinew_find(CycloneDDS cyclonedds-dev CONFIG)

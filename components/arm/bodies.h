@@ -1,6 +1,6 @@
-// The bodies and joints of a robot on a fixed base: a tree of revolute, prismatic and fixed joints.
-// SI units; a prismatic joint has m and N where a revolute one has rad and Nm. Plain data: any
-// thread.
+// The bodies and joints of a robot on a fixed or floating base: a tree of revolute, prismatic and
+// fixed joints. SI units; a prismatic joint has m and N where a revolute one has rad and Nm. Plain
+// data: any thread.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -13,7 +13,7 @@ namespace sinew::arm {
 // A link other than the base, with the joint that carries it. Links come parents first.
 struct Body {
   std::string link_name, joint_name;
-  int parent = -1;     // index of a body; -1: the fixed base
+  int parent = -1;     // index of a body; -1: the base
   bool moves = false;  // false: fixed joint
   bool prismatic = false;
   Eigen::Isometry3d parent_from_joint = Eigen::Isometry3d::Identity();  // at position 0
@@ -27,9 +27,18 @@ struct Body {
   bool weightless = false;  // gravity acts through a term of the joint model
 };
 
+// The base link. A fixed base needs none of it, so ParseUrdf reads it without a check.
+struct Base {
+  std::string link_name;
+  double mass_kg = 0.0;
+  Eigen::Vector3d com_m = Eigen::Vector3d::Zero();          // in the link's frame
+  Eigen::Matrix3d inertia_kg_m2 = Eigen::Matrix3d::Zero();  // about the centre of mass, link's axes
+};
+
 struct Chain {
   std::string name;
   std::vector<Body> bodies;
+  Base base = {};
 };
 
 // Index of the body that a joint moves, or -1.

@@ -65,6 +65,17 @@ Eigen::Isometry3d ToIsometry(const urdf::Pose& pose) {
   return out;
 }
 
+// body: a Body or a Base.
+template <typename Inertial>
+void SetInertial(const urdf::Inertial& in, Inertial* body) {
+  const Eigen::Isometry3d frame = ToIsometry(in.origin);
+  Eigen::Matrix3d inertia;
+  inertia << in.ixx, in.ixy, in.ixz, in.ixy, in.iyy, in.iyz, in.ixz, in.iyz, in.izz;
+  body->mass_kg = in.mass;
+  body->com_m = frame.translation();
+  body->inertia_kg_m2 = frame.linear() * inertia * frame.linear().transpose();
+}
+
 void ReadInertial(const urdf::Link& link, const Where& where, Body* body) {
   if (!link.inertial) return;
   const urdf::Inertial& in = *link.inertial;
@@ -77,7 +88,6 @@ void ReadInertial(const urdf::Link& link, const Where& where, Body* body) {
   if (!(in.mass > 0.0)) {
     where.Fail("link", link.name, "mass " + std::to_string(in.mass) + ", expected kg above 0");
   }
-  const Eigen::Isometry3d frame = ToIsometry(in.origin);
   Eigen::Matrix3d inertia;
   inertia << in.ixx, in.ixy, in.ixz, in.ixy, in.iyy, in.iyz, in.ixz, in.iyz, in.izz;
   const Eigen::Vector3d principal =
@@ -92,9 +102,7 @@ void ReadInertial(const urdf::Link& link, const Where& where, Body* body) {
     where.Fail("link", link.name,
                "inertia breaks the triangle inequality: no body has these moments");
   }
-  body->mass_kg = in.mass;
-  body->com_m = frame.translation();
-  body->inertia_kg_m2 = frame.linear() * inertia * frame.linear().transpose();
+  SetInertial(in, body);
 }
 
 void ReadJoint(const urdf::Joint& joint, const Where& where, Body* body) {
@@ -165,6 +173,8 @@ Chain ParseUrdf(const std::string& xml, const std::string& file_name) {
 
   Chain chain;
   chain.name = model->getName();
+  chain.base.link_name = model->getRoot()->name;
+  if (model->getRoot()->inertial) SetInertial(*model->getRoot()->inertial, &chain.base);
   const std::function<void(const urdf::LinkConstSharedPtr&, int)> add =
       [&](const urdf::LinkConstSharedPtr& link, int parent) {
         std::vector<urdf::LinkSharedPtr> children = link->child_links;

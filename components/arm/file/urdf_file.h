@@ -1,5 +1,5 @@
-// A URDF read as plain bodies and joints: a tree on a fixed base, revolute, continuous, prismatic
-// and fixed joints. Throws UsageError, one line naming file, line and element, for everything that
+// A URDF read as plain bodies and joints: a tree of revolute, continuous, prismatic and fixed
+// joints. Throws UsageError, one line naming file, line and element, for everything that
 // cannot be simulated: bad XML, a missing or impossible inertia, a floating joint.
 #pragma once
 
@@ -9,7 +9,8 @@
 
 namespace sinew::arm {
 
-// file_name stands for the file in messages.
+// file_name stands for the file in messages. The inertia of the base link is copied as it stands:
+// it matters to a floating base only (FloatingChain checks it).
 Chain ParseUrdf(const std::string& xml, const std::string& file_name);
 
 }  // namespace sinew::arm

@@ -49,6 +49,30 @@ TEST(ParseUrdf, ReadsBodiesJointsAndUnitAxes) {
   EXPECT_EQ(arm::FindJoint(chain, "k"), -1);
 }
 
+// A floating base needs the inertia of the root link; its frame is turned by 90 degrees about z.
+TEST(ParseUrdf, ReadsTheInertiaOfTheBase) {
+  std::string xml = Robot(kInertial, kRevolute);
+  const std::string bare = "<link name=\"base\"/>";
+  EXPECT_EQ(ParseUrdf(xml, "r.urdf").base.mass_kg, 0.0);
+  EXPECT_EQ(ParseUrdf(xml, "r.urdf").base.link_name, "base");
+  const auto with = [&](const std::string& mass) {
+    return std::string(xml).replace(
+        xml.find(bare), bare.size(),
+        "<link name=\"base\"><inertial><origin xyz=\"1 2 3\" rpy=\"0 0 1.5707963267948966\"/>"
+        "<mass value=\"" +
+            mass +
+            "\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"2\" iyz=\"0\" izz=\"2.5\"/>"
+            "</inertial></link>");
+  };
+  const arm::Base base = ParseUrdf(with("4"), "r.urdf").base;
+  EXPECT_EQ(base.mass_kg, 4.0);
+  EXPECT_EQ(base.com_m, Eigen::Vector3d(1.0, 2.0, 3.0));
+  const Eigen::Matrix3d expected = Eigen::Vector3d(2.0, 1.0, 2.5).asDiagonal();
+  EXPECT_LT((base.inertia_kg_m2 - expected).norm(), 1e-15);
+  // It matters to no fixed base.
+  EXPECT_EQ(ParseUrdf(with("-4"), "r.urdf").bodies.size(), 1u);
+}
+
 TEST(ParseUrdf, ReportsAnErrorInOneLine) {
   EXPECT_THAT(ErrorOf("<robot name=\"r\">\n<link name=\"base\">\n</robot>"),
               ::testing::AllOf(HasSubstr("bad.urdf:"), HasSubstr("no valid XML")));

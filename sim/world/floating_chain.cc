@@ -1,0 +1,313 @@
+#include "sim/world/floating_chain.h"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "sim/world/multi_body.h"
+
+namespace sinew::world {
+
+namespace {
+
+// Bodies are triangular to rounding of decimal input, as in urdf_file.cc.
+constexpr double kTriangleSlack = 1e-3;
+
+Eigen::Vector3d ToEigen(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
+
+void CheckBase(const arm::Base& base) {
+  const std::string name = "base link '" + base.link_name + "'";
+  if (!(base.mass_kg > 0.0) || !std::isfinite(base.mass_kg)) {
+    throw std::invalid_argument(name + ": mass " + std::to_string(base.mass_kg) +
+                                ", expected kg above 0 for a floating base");
+  }
+  if (!base.com_m.allFinite() || !base.inertia_kg_m2.allFinite()) {
+    throw std::invalid_argument(name + ": centre of mass or inertia is not finite");
+  }
+  const Eigen::Vector3d moments =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(base.inertia_kg_m2).eigenvalues();
+  if (!(moments[0] > 0.0)) {
+    throw std::invalid_argument(name + ": inertia has the principal moment " +
+                                std::to_string(moments[0]) + ", expected all above 0");
+  }
+  if (moments[0] + moments[1] < moments[2] * (1.0 - kTriangleSlack)) {
+    throw std::invalid_argument(name +
+                                ": inertia breaks the triangle inequality: no body has these "
+                                "moments");
+  }
+}
+
+}  // namespace
+
+void Drift(double time_s, FloatingState* state) noexcept {
+  const Eigen::Vector3d half = 0.5 * time_s * state->velocity.head<3>();
+  const double angle = half.norm();
+  // sin(x)/x; the series' next term is below rounding at the limit: x^4/120 < 1e-18.
+  const double ratio = angle < 1e-4 ? 1.0 - angle * angle / 6.0 : std::sin(angle) / angle;
+  Eigen::Quaterniond turn;
+  turn.w() = std::cos(angle);
+  turn.vec() = ratio * half;
+  state->orientation = turn * state->orientation;
+  state->orientation.normalize();
+  state->position_m += time_s * state->velocity.segment<3>(3);
+  const Eigen::Index joints = state->joint_position_rad.size();
+  state->joint_position_rad += time_s * state->velocity.tail(joints);
+}
+
+struct FloatingChain::Impl {
+  // A link in the world; its own arrays, as Bullet keeps none of the links' origins.
+  struct Link {
+    Eigen::Matrix3d rotation;  // link to world
+    Eigen::Vector3d origin, com;
+    Eigen::Vector3d angular, linear;  // of the origin
+  };
+  struct Constants {
+    int parent = kBaseBody;
+    int joint = -1;
+    bool prismatic = false, weightless = false;
+    Eigen::Isometry3d parent_from_joint;
+    Eigen::Vector3d axis, com;
+    double mass = 0.0;
+    Eigen::Matrix3d inertia;
+  };
+
+  MultiBody multi;
+  Eigen::Vector3d gravity, base_weight_N;
+  double mass = 0.0;
+  std::vector<Constants> constants;  // base first
+  std::vector<Link> links;           // base first
+  Eigen::VectorXd nu;                // of the last SetState
+  btAlignedObjectArray<btScalar> scratch_r, force, response;
+  btAlignedObjectArray<btVector3> scratch_v;
+  btAlignedObjectArray<btMatrix3x3> scratch_m;
+
+  const Link& link(int body) const { return links[static_cast<std::size_t>(body + 1)]; }
+  Eigen::Vector3d base_lever() const { return links.front().com - links.front().origin; }
+  Eigen::Vector3d ComVelocity(std::size_t i) const {
+    return links[i].linear + links[i].angular.cross(links[i].com - links[i].origin);
+  }
+  // Bullet's base velocity is that of the centre of mass.
+  void SetVelocity() noexcept {
+    const Eigen::Vector3d angular = nu.head<3>();
+    const Eigen::Vector3d linear = nu.segment<3>(3) + angular.cross(base_lever());
+    multi.body->setBaseOmega(ToBullet(angular));
+    multi.body->setBaseVel(ToBullet(linear));
+    for (std::size_t j = 0; j < multi.joint_bodies.size(); ++j) {
+      multi.body->setJointVel(multi.joint_bodies[j],
+                              nu[kBaseFreedom + static_cast<Eigen::Index>(j)]);
+    }
+  }
+};
+
+FloatingChain::FloatingChain(const arm::Chain& chain, const Eigen::Vector3d& gravity_m_s2)
+    : impl_(std::make_unique<Impl>()) {
+  CheckBase(chain.base);
+  impl_->multi = MakeMultiBody(chain, gravity_m_s2, /*fixed_base=*/false);
+  impl_->gravity = gravity_m_s2;
+  impl_->base_weight_N = chain.base.mass_kg * gravity_m_s2;
+  impl_->mass = chain.base.mass_kg;
+  impl_->constants.push_back({.parent_from_joint = Eigen::Isometry3d::Identity(),
+                              .axis = Eigen::Vector3d::UnitX(),
+                              .com = chain.base.com_m,
+                              .mass = chain.base.mass_kg,
+                              .inertia = chain.base.inertia_kg_m2});
+  int joint = 0;
+  for (const arm::Body& body : chain.bodies) {
+    impl_->constants.push_back({.parent = body.parent,
+                                .joint = body.moves ? joint++ : -1,
+                                .prismatic = body.prismatic,
+                                .weightless = body.weightless,
+                                .parent_from_joint = body.parent_from_joint,
+                                .axis = body.axis,
+                                .com = body.com_m,
+                                .mass = body.mass_kg,
+                                .inertia = body.inertia_kg_m2});
+    impl_->mass += body.mass_kg;
+  }
+  impl_->links.resize(impl_->constants.size());
+  impl_->nu = Eigen::VectorXd::Zero(freedom());
+  impl_->force.resize(freedom());
+  impl_->response.resize(freedom());
+  SetState(Rest());
+}
+
+FloatingChain::~FloatingChain() = default;
+FloatingChain::FloatingChain(FloatingChain&&) noexcept = default;
+
+int FloatingChain::joint_count() const {
+  return static_cast<int>(impl_->multi.joint_bodies.size());
+}
+int FloatingChain::body_count() const { return static_cast<int>(impl_->constants.size()) - 1; }
+const std::vector<int>& FloatingChain::joint_bodies() const { return impl_->multi.joint_bodies; }
+double FloatingChain::mass_kg() const { return impl_->mass; }
+const Eigen::Vector3d& FloatingChain::gravity_m_s2() const { return impl_->gravity; }
+
+FloatingState FloatingChain::Rest() const {
+  FloatingState state;
+  state.joint_position_rad = Eigen::VectorXd::Zero(joint_count());
+  state.velocity = Eigen::VectorXd::Zero(freedom());
+  return state;
+}
+
+void FloatingChain::SetState(const FloatingState& state) noexcept {
+  Impl& impl = *impl_;
+  impl.nu = state.velocity;
+  for (std::size_t i = 0; i < impl.links.size(); ++i) {
+    const Impl::Constants& fixed = impl.constants[i];
+    Impl::Link& link = impl.links[i];
+    if (i == 0) {
+      link.rotation = state.orientation.toRotationMatrix();
+      link.origin = state.position_m;
+      link.angular = state.velocity.head<3>();
+      link.linear = state.velocity.segment<3>(3);
+    } else {
+      const Impl::Link& parent = impl.links[static_cast<std::size_t>(fixed.parent + 1)];
+      link.rotation.noalias() = parent.rotation * fixed.parent_from_joint.linear();
+      link.origin = parent.origin + parent.rotation * fixed.parent_from_joint.translation();
+      link.angular = parent.angular;
+      if (fixed.joint >= 0) {
+        const double q = state.joint_position_rad[fixed.joint];
+        const double rate = state.velocity[kBaseFreedom + fixed.joint];
+        const Eigen::Vector3d axis = link.rotation * fixed.axis;
+        if (fixed.prismatic) {
+          link.origin += q * axis;
+        } else {
+          const Eigen::Matrix3d turned =
+              link.rotation * Eigen::AngleAxisd(q, fixed.axis).toRotationMatrix();
+          link.rotation = turned;
+          link.angular += rate * axis;
+        }
+        link.linear = parent.linear + parent.angular.cross(link.origin - parent.origin);
+        if (fixed.prismatic) link.linear += rate * axis;
+      } else {
+        link.linear = parent.linear + parent.angular.cross(link.origin - parent.origin);
+      }
+    }
+    link.com = link.origin + link.rotation * fixed.com;
+  }
+  btMultiBody& multi = *impl.multi.body;
+  const Eigen::Quaterniond& q = state.orientation;
+  const btQuaternion principal_to_world =
+      btQuaternion(q.x(), q.y(), q.z(), q.w()) * impl.multi.base.frame.getRotation();
+  multi.setBasePos(ToBullet(impl.links.front().com));
+  multi.setWorldToBaseRot(principal_to_world.inverse());
+  for (std::size_t j = 0; j < impl.multi.joint_bodies.size(); ++j) {
+    multi.setJointPos(impl.multi.joint_bodies[j],
+                      state.joint_position_rad[static_cast<Eigen::Index>(j)]);
+  }
+  impl.SetVelocity();
+}
+
+Eigen::Isometry3d FloatingChain::Pose(int body) const noexcept {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = impl_->link(body).rotation;
+  pose.translation() = impl_->link(body).origin;
+  return pose;
+}
+
+PointMotion FloatingChain::Point(int body, const Eigen::Vector3d& point_m) const noexcept {
+  const Impl::Link& link = impl_->link(body);
+  const Eigen::Vector3d arm = link.rotation * point_m;
+  return {link.origin + arm, link.linear + link.angular.cross(arm)};
+}
+
+double FloatingChain::Energy() const noexcept {
+  double energy = 0.0;
+  for (std::size_t i = 0; i < impl_->links.size(); ++i) {
+    const Impl::Link& link = impl_->links[i];
+    const Impl::Constants& fixed = impl_->constants[i];
+    const Eigen::Vector3d spin = link.rotation.transpose() * link.angular;
+    energy += 0.5 * fixed.mass * impl_->ComVelocity(i).squaredNorm() +
+              0.5 * spin.dot(fixed.inertia * spin);
+    if (!fixed.weightless) energy -= fixed.mass * impl_->gravity.dot(link.com);
+  }
+  return energy;
+}
+
+Eigen::Vector3d FloatingChain::CenterOfMass() const noexcept {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < impl_->links.size(); ++i) {
+    sum += impl_->constants[i].mass * impl_->links[i].com;
+  }
+  return sum / impl_->mass;
+}
+
+Eigen::Vector3d FloatingChain::AngularMomentum() const noexcept {
+  const Eigen::Vector3d center = CenterOfMass();
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < impl_->links.size(); ++i) {
+    const Impl::Link& link = impl_->links[i];
+    const Impl::Constants& fixed = impl_->constants[i];
+    const Eigen::Vector3d spin = link.rotation.transpose() * link.angular;
+    sum += link.rotation * (fixed.inertia * spin) +
+           fixed.mass * (link.com - center).cross(impl_->ComVelocity(i));
+  }
+  return sum;
+}
+
+void FloatingChain::Solve(const Eigen::Ref<const Eigen::VectorXd>& torque_Nm,
+                          std::span<const LinkForce> forces,
+                          Eigen::Ref<Eigen::VectorXd> acceleration) noexcept {
+  Impl& impl = *impl_;
+  btMultiBody& multi = *impl.multi.body;
+  multi.clearForcesAndTorques();
+  multi.addBaseForce(ToBullet(impl.base_weight_N));
+  for (int i = 0; i < multi.getNumLinks(); ++i) {
+    multi.addLinkForce(i, impl.multi.weight_N[static_cast<std::size_t>(i)]);
+  }
+  for (const LinkForce& at : forces) {
+    const Impl::Link& link = impl.link(at.body);
+    const Eigen::Vector3d arm = link.origin + link.rotation * at.point_m - link.com;
+    const btVector3 moment = ToBullet(Eigen::Vector3d(arm.cross(at.force_N)));
+    if (at.body == kBaseBody) {
+      multi.addBaseForce(ToBullet(at.force_N));
+      multi.addBaseTorque(moment);
+    } else {
+      multi.addLinkForce(at.body, ToBullet(at.force_N));
+      multi.addLinkTorque(at.body, moment);
+    }
+  }
+  for (std::size_t j = 0; j < impl.multi.joint_bodies.size(); ++j) {
+    multi.addJointTorque(impl.multi.joint_bodies[j], torque_Nm[static_cast<Eigen::Index>(j)]);
+  }
+  // Bullet adds dt x acceleration to the velocities; with dt = 1 the difference is the
+  // acceleration.
+  Eigen::Vector3d before = ToEigen(multi.getBaseVel());
+  multi.computeAccelerationsArticulatedBodyAlgorithmMultiDof(1.0, impl.scratch_r, impl.scratch_v,
+                                                             impl.scratch_m, false, false, false);
+  const btScalar* after = multi.getVelocityVector();
+  for (int k = 0; k < freedom(); ++k) acceleration[k] = after[k] - impl.nu[k];
+  for (int k = 0; k < 3; ++k) acceleration[3 + k] = after[3 + k] - before[k];
+  impl.SetVelocity();
+  const Eigen::Vector3d lever = impl.base_lever();
+  const Eigen::Vector3d turning = acceleration.head<3>();
+  const Eigen::Vector3d angular = impl.nu.head<3>();
+  acceleration.segment<3>(3) -= turning.cross(lever) + angular.cross(angular.cross(lever));
+}
+
+void FloatingChain::Responses(Eigen::Ref<Eigen::MatrixXd> inverse_inertia) noexcept {
+  Impl& impl = *impl_;
+  const Eigen::Vector3d lever = impl.base_lever();
+  for (int k = 0; k < impl.force.size(); ++k) impl.force[k] = 0.0;
+  for (int column = 0; column < freedom(); ++column) {
+    impl.force[column] = 1.0;
+    Eigen::Vector3d shifted = Eigen::Vector3d::Zero();
+    if (column >= 3 && column < kBaseFreedom) {
+      // A force at the origin has a moment about the centre of mass.
+      shifted = -lever.cross(Eigen::Vector3d::Unit(column - 3));
+      for (int k = 0; k < 3; ++k) impl.force[k] = shifted[k];
+    }
+    impl.multi.body->calcAccelerationDeltasMultiDof(&impl.force[0], &impl.response[0],
+                                                    impl.scratch_r, impl.scratch_v);
+    impl.force[column] = 0.0;
+    for (int k = 0; k < 3; ++k) {
+      if (column >= 3) impl.force[k] = 0.0;
+    }
+    for (int k = 0; k < freedom(); ++k) inverse_inertia(k, column) = impl.response[k];
+    const Eigen::Vector3d turning = inverse_inertia.col(column).head<3>();
+    inverse_inertia.col(column).segment<3>(3) -= turning.cross(lever);
+  }
+}
+
+}  // namespace sinew::world
