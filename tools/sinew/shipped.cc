@@ -18,7 +18,8 @@ fs::path ShippedFolder(const fs::path& wanted) {
   return {};
 }
 
-fs::path RobotsFolder() { return ShippedFolder("robots"); }
+// Found by the rig's: a build tree mirrors the source and has empty folders of the same names.
+fs::path RobotsFolder() { return ShippedFolder("robots/rig").parent_path(); }
 
 fs::path ShippedRobotFile(const fs::path& file) {
   const fs::path folder = RobotsFolder();
