@@ -111,7 +111,8 @@ Frame Encode(int node, const ImuRate& m) noexcept {
 std::optional<ImuRate> DecodeImuRate(const Frame& frame) noexcept {
   if (!IsNodeFrame(frame, NodeCommand::kImuRate, 8)) return std::nullopt;
   ImuRate m{GetThree(frame, kRateStep_rad_s), frame.data[6]};
-  const int temperature = GetInteger<std::int8_t>(frame, 7);
+  const int byte = frame.data[7];
+  const int temperature = byte < 128 ? byte : byte - 256;
   if (temperature != kNoTemperature) m.temperature_degC = temperature;
   return m;
 }
