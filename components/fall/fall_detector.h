@@ -26,9 +26,8 @@
 //   defaults), so no fall is missed, however slow. No alarm while the true tilt is below 30 minus
 //   twice the bound (15 degrees); healthy motion must stay below. The filter is smooth: one tick
 //   suffices. Latest detection: the filter's delay (15 ms) and a tick.
-// - Base height: p, the vector from the sole of the loaded foot to the base by leg kinematics in
-// the
-//   IMU's frame, along the filter's up. An encoder step (0.072 degrees, thesis 3.2.3) moves the
+// - Base height: p, the vector from the sole of the loaded foot to the base by leg kinematics, in
+//   the IMU's frame, along the filter's up. An encoder step (0.072 degrees, thesis 3.2.3) moves the
 //   base by 2.5 mm at most, 1 % at the lowest reference; a squat's tracking error by 3 %. 20 ms are
 //   at least two ticks from 50 Hz up, so that one corrupt position is no fall; a base that sinks at
 //   1 m/s sinks by 20 mm meanwhile.
