@@ -102,7 +102,7 @@ int main(int argc, char **argv) {
 
   Controller controller = {0};
   bool waiting = false, settled = lockstep, known_reference = false, ended = false;
-  const dds_time_t began = dds_time();
+  dds_time_t heard = 0;  // the first joint_state: before it, others need not have been discovered
   dds_time_t give_up = 0, status_due = 0;
   uint32_t strength = kJoining;
   while (!stop_requested && !ended) {
@@ -110,7 +110,7 @@ int main(int argc, char **argv) {
       dds_write(statuses, &status);
       status_due = dds_time() + DDS_SECS(1);
     }
-    if (!settled && dds_time() - began > DDS_SECS(1)) {
+    if (!settled && heard != 0 && dds_time() - heard > DDS_SECS(1)) {
       SetStrength(commands, strength = FindRivals(publications, commands).lowest - 1);
       settled = true;
     }
@@ -131,6 +131,7 @@ int main(int argc, char **argv) {
     }
     // In real time the newest state counts, in lockstep each in its turn.
     if ((!waiting || !lockstep) && Take(states, &state)) {
+      if (heard == 0) heard = dds_time();
       if (state.joint_count > kMostJoints) {
         ++status.malformed_samples;
         continue;
