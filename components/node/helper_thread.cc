@@ -88,10 +88,10 @@ int Raise(const Duties& duties, pid_t thread, int priority, const cpu_set_t* cpu
 }
 
 void Take(Duty duty, const char* name) noexcept {
-  ::pthread_setname_np(::pthread_self(), name);
   Duties& duties = TheDuties();
   const std::lock_guard<std::mutex> lock(duties.mutex);
   duties.threads[::gettid()] = duty;
+  ::pthread_setname_np(::pthread_self(), name);
   static thread_local const UntilThreadEnds kUntilThreadEnds;
   if (duty == Duty::kHelper) {
     const sched_param none{};

@@ -89,15 +89,12 @@ class MovingRig {
       while (const auto state = states_.TakeNext()) {
         seen.fault_ticks += state->robot_state() == msg::ROBOT_FAULT ? 1 : 0;
         position_rad_[state->header().tick()] = state->position_rad()[0];
+        Compare(state->header().tick(), &seen);
       }
-      // A reference answers the state of its tick, so the state is there already.
       while (const auto reference = references_.TakeNext()) {
         seen.idle_references += reference->idle() ? 1 : 0;
-        const auto position = position_rad_.find(reference->header().tick());
-        if (position == position_rad_.end()) continue;
-        ++seen.pairs;
-        seen.largest_error_rad = std::max(
-            seen.largest_error_rad, std::abs(reference->position_rad()[0] - position->second));
+        reference_rad_[reference->header().tick()] = reference->position_rad()[0];
+        Compare(reference->header().tick(), &seen);
       }
       while (const auto command = commands_.TakeNext()) {
         ++seen.commands;
@@ -127,6 +124,15 @@ class MovingRig {
   }
 
  private:
+  // Whichever of the two comes last.
+  void Compare(std::uint64_t tick, Seen* seen) const {
+    const auto position = position_rad_.find(tick), reference = reference_rad_.find(tick);
+    if (position == position_rad_.end() || reference == reference_rad_.end()) return;
+    ++seen->pairs;
+    seen->largest_error_rad =
+        std::max(seen->largest_error_rad, std::abs(reference->second - position->second));
+  }
+
   std::string domain_;
   TemporaryFolder folder_;
   Program surrogate_, pneumatics_, reference_, control_;
@@ -135,7 +141,7 @@ class MovingRig {
   node::Reader<msg::Reference> references_;
   node::Reader<msg::JointCommand> commands_;
   node::Reader<msg::CommandSource> sources_;
-  std::map<std::uint64_t, double> position_rad_;
+  std::map<std::uint64_t, double> position_rad_, reference_rad_;  // by tick
   std::string driver_;
   std::uint64_t last_tick_ = 0;
   double torque_Nm_ = 0.0;
@@ -182,7 +188,7 @@ std::string TakeOverAndGiveBack(const Outside& which) {
     if (seen.largest_error_rad > most_error_rad) return "a tracking error";
     if (seen.fault_ticks != 0) return "a fault of the robot";
     if (seen.idle_references != 0 || seen.commands < 50) return "the rig stood still";
-    if (seen.pairs < 50) return "the error was not seen";
+    if (seen.pairs < 50) return "the error was seen " + std::to_string(seen.pairs) + " times";
   }
   outside.Signal(SIGTERM);
   return outside.Wait(2s) == 0 ? "" : "it did not end in order";

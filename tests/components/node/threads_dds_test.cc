@@ -53,6 +53,7 @@ Node MakeNode() {
 struct Threads {
   std::size_t under_fifo = 0;
   std::multiset<std::string> out_of_fifo;
+  std::multiset<std::string> names;
 };
 
 // Those that were not there before.
@@ -60,6 +61,7 @@ Threads ThreadsSince(const std::map<pid_t, std::string>& before) {
   Threads threads;
   for (const auto& [thread, name] : ThreadsOfThisProcess()) {
     if (before.contains(thread)) continue;
+    threads.names.insert(name);
     if (::sched_getscheduler(thread) == SCHED_FIFO) {
       ++threads.under_fifo;
     } else {
@@ -69,13 +71,16 @@ Threads ThreadsSince(const std::map<pid_t, std::string>& before) {
   return threads;
 }
 
-// A thread names itself once it runs.
+// A thread has its name as soon as its duty is known: one that is raised before that lowers itself
+// when it runs next.
 Threads WithHelpersSince(const std::map<pid_t, std::string>& before) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
   Threads threads = ThreadsSince(before);
-  while (std::chrono::steady_clock::now() < end &&
-         (!threads.out_of_fifo.contains("dds-resend") ||
-          !threads.out_of_fifo.contains("sinew-status"))) {
+  const auto all_there = [&threads] {
+    return threads.names.contains("dds-resend") && threads.names.contains("sinew-status") &&
+           threads.names.contains("dds-timers") && threads.names.count("dds-discovery") >= 2;
+  };
+  while (std::chrono::steady_clock::now() < end && !all_there()) {
     std::this_thread::yield();
     threads = ThreadsSince(before);
   }
