@@ -21,7 +21,8 @@ constexpr double kLauncherShare = 0.03;  // of the signals: its end is that of a
 constexpr double kShortestStop_s = 0.005, kLongestStop_s = 2.0;
 constexpr auto kWordPeriod = 250ms;  // between words of the operator
 constexpr auto kStuck = 60s;
-constexpr auto kEnds = 10s;           // the processes of a launcher that has ended
+constexpr auto kSettled = 3s;  // after a launch: who joined together takes its place within 1 s
+constexpr auto kEnds = 10s;    // the processes of a launcher that has ended
 constexpr double kMoving_ms = 350.0;  // since the newest command: assessed 300 ms later
 
 node::Options WatchOptions(int domain) {
@@ -127,7 +128,7 @@ void Soak::NoteDriver(const std::string& name) {
   if (!driver_.empty()) {
     ++outcome_.switches;
     const std::string what = "driven by " + name + " instead of " + driver_;
-    if (wanted_.signals == 0) {
+    if (wanted_.signals == 0 && Clock::now() - launched_ > kSettled) {
       Note(what + ", both healthy");
     } else {
       Log(what);
@@ -207,7 +208,7 @@ void Soak::KeepLaunched() {
 void Soak::Launch() {
   ++outcome_.launches;
   deployment_.Launch();
-  moved_ = Clock::now();
+  moved_ = launched_ = Clock::now();
   driver_.clear();
   next_signal_ = std::max(next_signal_, moved_ + 5s);
 }

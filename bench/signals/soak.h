@@ -22,7 +22,7 @@ namespace sinew::signals {
 struct Wanted {
   int domain = 179;
   double seconds = 3600.0;
-  int signals = 1000;  // in that time; 0: the standby must never be heard
+  int signals = 1000;  // in that time; 0: who is obeyed must not change
   unsigned seed = 1;
   bool realtime = true;
 };
@@ -75,7 +75,7 @@ class Soak {
   msg::JointState state_;
   std::string driver_;  // of this launch
   const Clock::time_point began_ = Clock::now();
-  Clock::time_point next_signal_, next_word_, moved_, sampled_;
+  Clock::time_point next_signal_, next_word_, launched_, moved_, sampled_;
   std::vector<Stopped> stopped_;
   std::vector<Target> known_;  // who lived when last looked
 };
