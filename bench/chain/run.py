@@ -189,7 +189,7 @@ def compare(options, letter, what, goal, run_ours, run_relays):
 
 
 def stop_in_turn(children, seconds):
-    """SIGSTOP for half a second to each child but the last, round and round; the last one at the end, for good."""
+    """SIGSTOP for half a second to each child but the last, round and round; the last one for a second at the end."""
     end = time.monotonic() + seconds
     while True:
         for child in children[:-1]:

@@ -9,6 +9,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -207,5 +208,15 @@ class Deaf : public can::Transport {
  private:
   std::string name_ = "deaf";
 };
+
+// What CheckBridgeConfig says of it, or "accepted".
+inline std::string RefusalOf(const BridgeConfig& config) {
+  try {
+    CheckBridgeConfig(config);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "accepted";
+}
 
 }  // namespace sinew::bridge

@@ -78,12 +78,13 @@ Difference FixedAgainstDart(const arm::Chain& chain, int states, unsigned seed) 
 constexpr double kAgreement = 1e-12;
 constexpr int kStates = 2000;
 
-TEST(FloatingChain, AgreesWithDartOnRandomTrees) {
+// compare: FloatingAgainstDart or FixedAgainstDart.
+template <typename Compare>
+void ExpectAgreementOnRandomTrees(int moving, Compare compare) {
   constexpr int kTrees = 20;
   Difference worst;
   for (unsigned seed = 1; seed <= kTrees; ++seed) {
-    const Difference found =
-        FloatingAgainstDart(RandomTree(seed, /*moving=*/14), kStates / kTrees, seed);
+    const Difference found = compare(RandomTree(seed, moving), kStates / kTrees, seed);
     worst.acceleration = std::max(worst.acceleration, found.acceleration);
     worst.response = std::max(worst.response, found.response);
   }
@@ -91,17 +92,12 @@ TEST(FloatingChain, AgreesWithDartOnRandomTrees) {
   EXPECT_LT(worst.response, kAgreement);
 }
 
+TEST(FloatingChain, AgreesWithDartOnRandomTrees) {
+  ExpectAgreementOnRandomTrees(14, FloatingAgainstDart);
+}
+
 TEST(RigidChain, AgreesWithDartOnRandomTrees) {
-  constexpr int kTrees = 20;
-  Difference worst;
-  for (unsigned seed = 1; seed <= kTrees; ++seed) {
-    const Difference found =
-        FixedAgainstDart(RandomTree(seed, /*moving=*/12), kStates / kTrees, seed);
-    worst.acceleration = std::max(worst.acceleration, found.acceleration);
-    worst.response = std::max(worst.response, found.response);
-  }
-  EXPECT_LT(worst.acceleration, kAgreement);
-  EXPECT_LT(worst.response, kAgreement);
+  ExpectAgreementOnRandomTrees(12, FixedAgainstDart);
 }
 
 class Biped : public testing::TestWithParam<const char*> {};
