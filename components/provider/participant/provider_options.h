@@ -35,8 +35,8 @@ struct ProviderOptions {
   ComposedCycle* composed = nullptr;  // what runs in this thread between state and command
   // Real time, armed: from the write of joint_state to its command, decoded.
   WorkTime* answers = nullptr;
-  WorkTime* work =
-      nullptr;  // of real-time cycles, without their waits; null: measured all the same
+  // Of real-time cycles, without their waits; null: measured all the same.
+  WorkTime* work = nullptr;
 };
 
 // Adds --rate, --duration, --arm, --await, --await-timeout to a participant.
