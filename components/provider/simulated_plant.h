@@ -6,6 +6,9 @@
 // this kind.
 #pragma once
 
+#include <array>
+#include <string>
+
 #include "components/provider/plant.h"
 #include "components/types/joints.h"
 
@@ -21,6 +24,28 @@ struct Disturbance {
 struct ImposedPressure {
   types::JointArray<bool> imposed{};
   types::JointArray<double> chamber_pressure_bar{};  // gauge
+};
+
+// What acts on the body of a robot on a floating base from outside: a payload fixed to a link, and
+// a push. A name that is no link counts as the base link's.
+struct BodyDisturbance {
+  std::string payload_link;              // as in the URDF
+  double payload_kg = 0.0;               // a point mass; 0: none
+  std::array<double, 3> payload_m{};     // in the link's frame
+  std::string push_link;                 // as in the URDF
+  std::array<double, 3> push_force_N{};  // world axes
+  std::array<double, 3> push_m{};        // where, in the link's frame
+};
+
+// Base and contacts of a robot on a floating base when the sensors were read, without noise. World
+// axes, z up; the base's values are of the origin of the base link.
+struct BodyTruth {
+  std::array<double, 3> position_m{};
+  std::array<double, 4> orientation_wxyz{1.0, 0.0, 0.0, 0.0};  // base to world, unit
+  std::array<double, 3> velocity_m_s{};
+  std::array<double, 3> angular_velocity_rad_s{};
+  // On the robot, of each force sensor of the feet, in the order of BodySensors::foot_force_N.
+  std::array<std::array<double, 3>, 8> contact_force_N{};
 };
 
 // The state of the gears when the sensors were read, without noise.
@@ -39,6 +64,11 @@ class SimulatedPlant : public Plant {
   virtual void ImposePressure(const ImposedPressure& pressure) = 0;
   // Of the last Reset or Step.
   virtual const GearTruth& gear_truth() const = 0;
+
+  // Only a robot on a floating base has these. Acts as Disturb does.
+  virtual void DisturbBody(const BodyDisturbance& /*disturbance*/) {}
+  // Of the last Reset or Step; nothing for a fixed base.
+  virtual const BodyTruth* body_truth() const { return nullptr; }
 };
 
 }  // namespace sinew::provider
