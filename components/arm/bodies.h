@@ -5,10 +5,17 @@
 
 #include <Eigen/Geometry>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace sinew::arm {
+
+// Spring and damper of a joint without a drive, at rest at position 0: tau = -k q - c q'.
+struct Passive {
+  double stiffness_Nm_rad = 0.0;  // at least 0
+  double damping_Nms_rad = 0.0;   // at least 0
+};
 
 // A link other than the base, with the joint that carries it. Links come parents first.
 struct Body {
@@ -24,6 +31,7 @@ struct Body {
   double mass_kg = 0.0;
   Eigen::Vector3d com_m = Eigen::Vector3d::Zero();          // in the link's frame
   Eigen::Matrix3d inertia_kg_m2 = Eigen::Matrix3d::Zero();  // about the centre of mass, link's axes
+  std::optional<Passive> passive;                           // of a moving joint without a drive
   bool weightless = false;  // gravity acts through a term of the joint model
 };
 

@@ -65,7 +65,8 @@ class SimulatedPlant : public Plant {
   // Of the last Reset or Step.
   virtual const GearTruth& gear_truth() const = 0;
 
-  // Only a robot on a floating base has these. Acts as Disturb does.
+  // Only a robot on a floating base has these. Acts as Disturb does, but may allocate when the
+  // payload changes.
   virtual void DisturbBody(const BodyDisturbance& /*disturbance*/) {}
   // Of the last Reset or Step; nothing for a fixed base.
   virtual const BodyTruth* body_truth() const { return nullptr; }

@@ -21,4 +21,10 @@ void ApplyImpulses(std::span<const double> inverse_inertia, std::span<const doub
                    std::span<const double> upper, std::span<double> impulse,
                    std::span<double> velocity) noexcept;
 
+// The same from an estimate of the impulses, such as those of the step before: fewer rounds for
+// many joints.
+void ApplyImpulsesFrom(std::span<const double> inverse_inertia, std::span<const double> lower,
+                       std::span<const double> upper, std::span<double> impulse,
+                       std::span<double> velocity) noexcept;
+
 }  // namespace sinew::plant

@@ -66,14 +66,17 @@ class GroundLaw {
   explicit GroundLaw(const GroundConfig& config);
 
   // Force on a point at position and velocity, and the memory that follows: the argument's stays as
-  // it is.
+  // it is. Damping: how much the force falls with the point's velocity, -dN/dv up and -dT/dv along;
+  // 0 where the force does not touch, where it is cut off at 0, and along where it slides.
   struct Result {
     ContactForce force;
     ContactMemory memory;
+    double normal_damping_N_s_m = 0.0, tangential_damping_N_s_m = 0.0;
   };
   Result Force(const Eigen::Vector3d& position_m, const Eigen::Vector3d& velocity_m_s,
                const ContactMemory& memory) const noexcept;
 
+  double height_m() const { return height_m_; }
   double stiffness_N_m() const { return stiffness_N_m_; }
   double damping_s_m() const { return damping_s_m_; }  // a
   double tangential_stiffness_N_m() const { return tangential_stiffness_N_m_; }

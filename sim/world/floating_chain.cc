@@ -16,6 +16,30 @@ constexpr double kTriangleSlack = 1e-3;
 
 Eigen::Vector3d ToEigen(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
 
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+// [v] w = v x w.
+Eigen::Matrix3d CrossMatrix(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d out;
+  out << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
+  return out;
+}
+
+// Spatial inertia (moment, force) = I (angular, linear) about the origin, of a body whose `linear`
+// inertia acts at `at` and which has `about` of its own: for a body mass 1 at the centre of mass.
+Matrix6 SpatialInertia(const Eigen::Vector3d& linear, const Eigen::Vector3d& at,
+                       const Eigen::Matrix3d& about) {
+  const Eigen::Matrix3d cross = CrossMatrix(at);
+  const Eigen::Matrix3d lever = cross * linear.asDiagonal();
+  Matrix6 out;
+  out.topLeftCorner<3, 3>().noalias() = about - lever * cross;
+  out.topRightCorner<3, 3>() = lever;
+  out.bottomLeftCorner<3, 3>() = lever.transpose();
+  out.bottomRightCorner<3, 3>() = linear.asDiagonal();
+  return out;
+}
+
 void CheckBase(const arm::Base& base) {
   const std::string name = "base link '" + base.link_name + "'";
   if (!(base.mass_kg > 0.0) || !std::isfinite(base.mass_kg)) {
@@ -61,6 +85,9 @@ struct FloatingChain::Impl {
     Eigen::Matrix3d rotation;  // link to world
     Eigen::Vector3d origin, com;
     Eigen::Vector3d angular, linear;  // of the origin
+    // Of its joint: (angular, linear) velocity of the base link's origin, carried along, for a unit
+    // of the joint's.
+    Vector6 motion = Vector6::Zero();
   };
   struct Constants {
     int parent = kBaseBody;
@@ -78,6 +105,8 @@ struct FloatingChain::Impl {
   std::vector<Constants> constants;  // base first
   std::vector<Link> links;           // base first
   Eigen::VectorXd nu;                // of the last SetState
+  std::vector<int> parents;          // FloatingChain::parents
+  std::vector<Matrix6> composite;    // work space of Inertia, base first
   btAlignedObjectArray<btScalar> scratch_r, force, response;
   btAlignedObjectArray<btVector3> scratch_v;
   btAlignedObjectArray<btMatrix3x3> scratch_m;
@@ -126,6 +155,16 @@ FloatingChain::FloatingChain(const arm::Chain& chain, const Eigen::Vector3d& gra
     impl_->mass += body.mass_kg;
   }
   impl_->links.resize(impl_->constants.size());
+  impl_->composite.resize(impl_->constants.size());
+  for (int k = 0; k < kBaseFreedom; ++k) impl_->parents.push_back(k - 1);
+  for (const Impl::Constants& body : impl_->constants) {
+    if (body.joint < 0) continue;
+    const Impl::Constants* at = &impl_->constants[static_cast<std::size_t>(body.parent + 1)];
+    while (at->joint < 0 && at != impl_->constants.data()) {
+      at = &impl_->constants[static_cast<std::size_t>(at->parent + 1)];
+    }
+    impl_->parents.push_back(kBaseFreedom + at->joint);
+  }
   impl_->nu = Eigen::VectorXd::Zero(freedom());
   impl_->force.resize(freedom());
   impl_->response.resize(freedom());
@@ -134,12 +173,14 @@ FloatingChain::FloatingChain(const arm::Chain& chain, const Eigen::Vector3d& gra
 
 FloatingChain::~FloatingChain() = default;
 FloatingChain::FloatingChain(FloatingChain&&) noexcept = default;
+FloatingChain& FloatingChain::operator=(FloatingChain&&) noexcept = default;
 
 int FloatingChain::joint_count() const {
   return static_cast<int>(impl_->multi.joint_bodies.size());
 }
 int FloatingChain::body_count() const { return static_cast<int>(impl_->constants.size()) - 1; }
 const std::vector<int>& FloatingChain::joint_bodies() const { return impl_->multi.joint_bodies; }
+const std::vector<int>& FloatingChain::parents() const { return impl_->parents; }
 double FloatingChain::mass_kg() const { return impl_->mass; }
 const Eigen::Vector3d& FloatingChain::gravity_m_s2() const { return impl_->gravity; }
 
@@ -172,7 +213,9 @@ void FloatingChain::SetState(const FloatingState& state) noexcept {
         const Eigen::Vector3d axis = link.rotation * fixed.axis;
         if (fixed.prismatic) {
           link.origin += q * axis;
+          link.motion.tail<3>() = axis;
         } else {
+          link.motion << axis, (link.origin - state.position_m).cross(axis);
           const Eigen::Matrix3d turned =
               link.rotation * Eigen::AngleAxisd(q, fixed.axis).toRotationMatrix();
           link.rotation = turned;
@@ -210,6 +253,63 @@ PointMotion FloatingChain::Point(int body, const Eigen::Vector3d& point_m) const
   const Impl::Link& link = impl_->link(body);
   const Eigen::Vector3d arm = link.rotation * point_m;
   return {link.origin + arm, link.linear + link.angular.cross(arm)};
+}
+
+void FloatingChain::Jacobian(int body, const Eigen::Vector3d& point_m,
+                             Eigen::Ref<Eigen::Matrix3Xd> jacobian) const noexcept {
+  const Impl::Link& base = impl_->links.front();
+  const Impl::Link& link = impl_->link(body);
+  const Eigen::Vector3d arm = link.origin + link.rotation * point_m - base.origin;
+  jacobian.setZero();
+  jacobian.leftCols<3>() = CrossMatrix(-arm);
+  jacobian.middleCols<3>(3).setIdentity();
+  for (int at = body; at != kBaseBody;) {
+    const Impl::Constants& fixed = impl_->constants[static_cast<std::size_t>(at + 1)];
+    if (fixed.joint >= 0) {
+      const Vector6& motion = impl_->link(at).motion;
+      jacobian.col(kBaseFreedom + fixed.joint) = motion.tail<3>() + motion.head<3>().cross(arm);
+    }
+    at = fixed.parent;
+  }
+}
+
+void FloatingChain::Inertia(std::span<const PointInertia> added,
+                            Eigen::Ref<Eigen::MatrixXd> inertia) noexcept {
+  Impl& impl = *impl_;
+  const Eigen::Vector3d origin = impl.links.front().origin;
+  for (std::size_t i = 0; i < impl.links.size(); ++i) {
+    const Impl::Link& link = impl.links[i];
+    const Impl::Constants& fixed = impl.constants[i];
+    const Eigen::Matrix3d about = link.rotation * fixed.inertia * link.rotation.transpose();
+    impl.composite[i] =
+        SpatialInertia(Eigen::Vector3d::Constant(fixed.mass), link.com - origin, about);
+  }
+  for (const PointInertia& at : added) {
+    const Impl::Link& link = impl.link(at.body);
+    impl.composite[static_cast<std::size_t>(at.body + 1)] += SpatialInertia(
+        at.mass_kg, link.origin + link.rotation * at.point_m - origin, Eigen::Matrix3d::Zero());
+  }
+  inertia.setZero();
+  for (std::size_t i = impl.links.size() - 1; i > 0; --i) {
+    const Impl::Constants& fixed = impl.constants[i];
+    impl.composite[static_cast<std::size_t>(fixed.parent + 1)] += impl.composite[i];
+    if (fixed.joint < 0) continue;
+    const Vector6& motion = impl.links[i].motion;
+    const Vector6 momentum = impl.composite[i] * motion;
+    const int row = kBaseFreedom + fixed.joint;
+    inertia(row, row) = motion.dot(momentum);
+    for (int body = fixed.parent; body != kBaseBody;) {
+      const Impl::Constants& before = impl.constants[static_cast<std::size_t>(body + 1)];
+      if (before.joint >= 0) {
+        const int column = kBaseFreedom + before.joint;
+        inertia(row, column) = inertia(column, row) = impl.link(body).motion.dot(momentum);
+      }
+      body = before.parent;
+    }
+    inertia.col(row).head<6>() = momentum;
+    inertia.row(row).head<6>() = momentum.transpose();
+  }
+  inertia.topLeftCorner<6, 6>() = impl.composite.front();
 }
 
 double FloatingChain::Energy() const noexcept {

@@ -48,6 +48,13 @@ struct PointMotion {
   Eigen::Vector3d position_m, velocity_m_s;
 };
 
+// An inertia that acts on the velocity of a point alone: along the world's axes, kg.
+struct PointInertia {
+  int body = kBaseBody;
+  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();  // in the link's frame
+  Eigen::Vector3d mass_kg = Eigen::Vector3d::Zero();
+};
+
 class FloatingChain {
  public:
   // gravity: world axes. Throws std::invalid_argument: the base has no mass, or an inertia that no
@@ -56,12 +63,16 @@ class FloatingChain {
                          const Eigen::Vector3d& gravity_m_s2 = Eigen::Vector3d(0.0, 0.0, -9.81));
   ~FloatingChain();
   FloatingChain(FloatingChain&&) noexcept;
+  FloatingChain& operator=(FloatingChain&&) noexcept;
 
   int joint_count() const;
   int freedom() const { return kBaseFreedom + joint_count(); }
   int body_count() const;
   // Body index of each joint, in joint order.
   const std::vector<int>& joint_bodies() const;
+  // For every component of nu the one next to it on the way to the base, -1 for the first: those
+  // before it on this way are all that it shares an entry of H with (TreeFactor).
+  const std::vector<int>& parents() const;
   double mass_kg() const;  // of all bodies
   const Eigen::Vector3d& gravity_m_s2() const;
 
@@ -78,6 +89,14 @@ class FloatingChain {
   double Energy() const noexcept;
   Eigen::Vector3d AngularMomentum() const noexcept;
   Eigen::Vector3d CenterOfMass() const noexcept;
+
+  // J, 3 x freedom: the velocity of a point, world axes, is J nu.
+  void Jacobian(int body, const Eigen::Vector3d& point_m,
+                Eigen::Ref<Eigen::Matrix3Xd> jacobian) const noexcept;
+  // H + sum over `added` of J' diag(mass) J, freedom x freedom, by the composite-rigid-body
+  // algorithm (Featherstone: Rigid Body Dynamics Algorithms, 6.2 and 9.3) about the base link's
+  // origin.
+  void Inertia(std::span<const PointInertia> added, Eigen::Ref<Eigen::MatrixXd> inertia) noexcept;
 
   // nu' for joint torques (one a joint) and external forces; gravity acts in addition.
   void Solve(const Eigen::Ref<const Eigen::VectorXd>& torque_Nm, std::span<const LinkForce> forces,

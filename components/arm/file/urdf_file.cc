@@ -39,13 +39,14 @@ class Where {
   Where(const TiXmlDocument& document, std::string file)
       : document_(document), file_(std::move(file)) {}
 
+  // attribute: by which the element is named.
   [[noreturn]] void Fail(const std::string& element, const std::string& name,
-                         const std::string& message) const {
+                         const std::string& message, const char* attribute = "name") const {
     int row = 0;
     const TiXmlElement* root = document_.RootElement();
     for (const TiXmlElement* e = root->FirstChildElement(element.c_str()); e != nullptr;
          e = e->NextSiblingElement(element.c_str())) {
-      if (e->Attribute("name") != nullptr && name == e->Attribute("name")) row = e->Row();
+      if (e->Attribute(attribute) != nullptr && name == e->Attribute(attribute)) row = e->Row();
     }
     throw UsageError(file_ + (row > 0 ? ":" + std::to_string(row) : "") + ": " + element + " '" +
                      name + "': " + message);
@@ -136,6 +137,49 @@ void ReadJoint(const urdf::Joint& joint, const Where& where, Body* body) {
   }
 }
 
+// Elements of the robot, which urdfdom leaves out:
+//   <passive joint="toe" stiffness_Nm_rad="9.75" damping_Nms_rad="0.02"/>
+void ReadPassive(const TiXmlDocument& document, const Where& where, Chain* chain) {
+  const TiXmlElement* root = document.RootElement();
+  for (const TiXmlElement* e = root->FirstChildElement("passive"); e != nullptr;
+       e = e->NextSiblingElement("passive")) {
+    const char* joint = e->Attribute("joint");
+    if (joint == nullptr) {
+      throw UsageError(where.file() + ":" + std::to_string(e->Row()) +
+                       ": passive: no attribute 'joint', expected the name of a joint");
+    }
+    const auto fail = [&](const std::string& message) {
+      where.Fail("passive", joint, message, "joint");
+    };
+    const auto number = [&](const char* attribute) {
+      double value = 0.0;
+      if (e->QueryDoubleAttribute(attribute, &value) != TIXML_SUCCESS || !std::isfinite(value) ||
+          value < 0.0) {
+        const char* text = e->Attribute(attribute);
+        fail(std::string(attribute) + (text != nullptr ? " = '" + std::string(text) + "'" : "") +
+             ", expected a number of at least 0");
+      }
+      return value;
+    };
+    const int index = FindJoint(*chain, joint);
+    if (index < 0) fail("no moving joint has this name");
+    Body& body = chain->bodies[static_cast<std::size_t>(index)];
+    if (body.passive) fail("given twice");
+    if (body.effort > 0.0) {
+      fail("the joint's effort is " + std::to_string(body.effort) +
+           ", expected 0 where no drive is");
+    }
+    for (const TiXmlElement* t = root->FirstChildElement("transmission"); t != nullptr;
+         t = t->NextSiblingElement("transmission")) {
+      const TiXmlElement* driven = t->FirstChildElement("joint");
+      const char* name = driven != nullptr ? driven->Attribute("name") : nullptr;
+      if (name != nullptr && body.joint_name == name) fail("the joint has a transmission");
+    }
+    body.passive = Passive{.stiffness_Nm_rad = number("stiffness_Nm_rad"),
+                           .damping_Nms_rad = number("damping_Nms_rad")};
+  }
+}
+
 // True when `body` is `root` or fixed to it.
 bool IsCarried(const Chain& chain, int body, int root) {
   while (body > root) body = chain.bodies[static_cast<std::size_t>(body)].parent;
@@ -191,6 +235,7 @@ Chain ParseUrdf(const std::string& xml, const std::string& file_name) {
         }
       };
   add(model->getRoot(), -1);
+  ReadPassive(document, where, &chain);
 
   bool any_moves = false;
   for (int i = 0; i < static_cast<int>(chain.bodies.size()); ++i) {

@@ -1,6 +1,8 @@
 // A URDF read as plain bodies and joints: a tree of revolute, continuous, prismatic and fixed
-// joints. Throws UsageError, one line naming file, line and element, for everything that
-// cannot be simulated: bad XML, a missing or impossible inertia, a floating joint.
+// joints. An element `passive` of the robot names a joint without a drive, its stiffness and
+// damping (Body::passive); such a joint has effort 0 and no transmission. Throws UsageError, one
+// line naming file, line and element, for everything that cannot be simulated: bad XML, a missing
+// or impossible inertia, a floating joint.
 #pragma once
 
 #include <string>

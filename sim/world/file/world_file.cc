@@ -58,6 +58,40 @@ WorldJointConfig ReadJoint(const Section& section, const actuator::JointModel& m
   return joint;
 }
 
+GroundConfig ReadGround(const Section& section) {
+  GroundConfig ground;
+  ground.height_m = section.NumberOr("height_m", ground.height_m);
+  ground.friction = section.NumberOr("friction", ground.friction, config::kNotNegative);
+  ground.static_load_N = section.NumberOr("static_load_N", ground.static_load_N, config::kPositive);
+  ground.static_sink_m = section.NumberOr("static_sink_m", ground.static_sink_m, config::kPositive);
+  ground.restitution = section.NumberOr("restitution", ground.restitution);
+  ground.impact_speed_m_s =
+      section.NumberOr("impact_speed_m_s", ground.impact_speed_m_s, config::kPositive);
+  ground.tangential_damping_ratio = section.NumberOr(
+      "tangential_damping_ratio", ground.tangential_damping_ratio, config::kNotNegative);
+  if (!(ground.restitution > 0.0 && ground.restitution < 1.0)) {
+    section.Fail("restitution", "expected above 0 and below 1");
+  }
+  return ground;
+}
+
+FloatingBase ReadFloatingBase(const Section& section) {
+  FloatingBase base;
+  for (const std::string& link : section.TextsOr("contacts", {})) {
+    base.contacts.push_back({.link = link});
+  }
+  for (const Section& point : section.ListOrEmpty("contact_points")) {
+    const std::vector<double> at = point.Numbers("point_m");
+    if (at.size() != 3) point.Fail("point_m", "expected x, y and z");
+    base.contacts.push_back({.link = point.Text("link"), .point_m = {at[0], at[1], at[2]}});
+  }
+  base.ground = ReadGround(section.ChildOrEmpty("ground"));
+  base.imu_link = section.TextOr("imu", "");
+  if (section.Has("base_height_m")) base.base_height_m = section.Number("base_height_m");
+  section.RejectUnknownKeys();
+  return base;
+}
+
 }  // namespace
 
 WorldFile LoadWorldFile(const std::filesystem::path& path, const std::filesystem::path& model_path,
@@ -70,9 +104,14 @@ WorldFile LoadWorldFile(const std::filesystem::path& path, const std::filesystem
   file.config.model = actuator::LoadRobotModel(chosen("model", model_path));
   const std::filesystem::path urdf = chosen("urdf", urdf_path);
   file.config.chain = arm::ParseUrdf(config::ReadFile(urdf), urdf.string());
-  file.config.substep_s = root.NumberOr("substep_s", 1e-4, {1e-6, 1e-2});
-  file.guard = root.ChildOrEmpty("guard");
   const auto& models = file.config.model.joints;
+  const bool has_play = std::any_of(models.begin(), models.end(),
+                                    [](const auto& joint) { return joint.backlash_rad > 0.0; });
+  if (root.Has("floating_base")) file.floating_base = ReadFloatingBase(root.Child("floating_base"));
+  file.config.substep_s = root.NumberOr(
+      "substep_s", file.floating_base && !has_play ? kRobotSubstep_s : WorldConfig{}.substep_s,
+      {1e-6, 1e-2});
+  file.guard = root.ChildOrEmpty("guard");
   file.config.joints.resize(models.size());
   std::vector<bool> seen(models.size());
   for (const Section& section : root.ListOrEmpty("joints")) {
@@ -95,18 +134,33 @@ WorldFile LoadWorldFile(const std::filesystem::path& path, const std::filesystem
     }
   }
   // The guard's keys are asked for by their owner; here only its name is known.
+  const std::vector<std::string> known = {"schema", "urdf",   "model",        "substep_s",
+                                          "guard",  "joints", "floating_base"};
   for (const std::string& key : root.Keys()) {
-    const bool known = key == "schema" || key == "urdf" || key == "model" || key == "substep_s" ||
-                       key == "guard" || key == "joints";
-    if (!known) {
-      root.Fail(key, "unknown, expected one of schema, urdf, model, substep_s, guard, joints");
-    }
+    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+    std::string list;
+    for (const std::string& name : known) list += (list.empty() ? "" : ", ") + name;
+    root.Fail(key, "unknown, expected one of " + list);
   }
   return file;
 }
 
-std::unique_ptr<World> MakeWorld(const WorldFile& file, const std::filesystem::path& path) {
+FloatingRobotConfig RobotConfig(const WorldFile& file) {
+  const FloatingBase base = file.floating_base.value();
+  return {.chain = file.config.chain,
+          .model = file.config.model,
+          .joints = file.config.joints,
+          .contacts = base.contacts,
+          .ground = base.ground,
+          .imu_link = base.imu_link,
+          .base_height_m = base.base_height_m,
+          .substep_s = file.config.substep_s};
+}
+
+std::unique_ptr<provider::SimulatedPlant> MakeWorld(const WorldFile& file,
+                                                    const std::filesystem::path& path) {
   try {
+    if (file.floating_base) return std::make_unique<FloatingRobot>(RobotConfig(file));
     return std::make_unique<World>(file.config);
   } catch (const std::invalid_argument& error) {
     throw UsageError(path.string() + ": " + error.what());

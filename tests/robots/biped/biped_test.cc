@@ -97,7 +97,9 @@ TEST(Biped, WeighsWhatThePrototypeWeighs) {
 TEST(Biped, TwelveJointsAreDrivenInTheirOrderAndTwoToesAreNot) {
   std::vector<std::string> driven, passive;
   for (const arm::Body& body : Biped().bodies) {
-    if (body.moves) (body.effort > 0.0 ? driven : passive).push_back(body.joint_name);
+    if (!body.moves) continue;
+    (body.effort > 0.0 ? driven : passive).push_back(body.joint_name);
+    EXPECT_EQ(body.passive.has_value(), body.effort == 0.0) << body.joint_name;
   }
   EXPECT_THAT(driven, ElementsAre("left_hip_yaw", "left_hip_roll", "left_hip_pitch", "left_knee",
                                   "left_ankle_pitch", "left_ankle_roll", "right_hip_yaw",

@@ -54,6 +54,9 @@ TEST(ApplyImpulses, SolvesCoupledBodies) {
       free[i] = velocity[i] = normal(random);
     }
     ApplyImpulses(inverse, lower, upper, impulse, velocity);
+    std::array<double, 3> from{normal(random), normal(random), normal(random)}, same = free;
+    ApplyImpulsesFrom(inverse, lower, upper, from, same);
+    for (std::size_t i = 0; i < kJoints; ++i) EXPECT_NEAR(same[i], velocity[i], 1e-9);
     for (std::size_t i = 0; i < kJoints; ++i) {
       double expected = free[i];
       for (std::size_t k = 0; k < kJoints; ++k) expected += inverse[i * kJoints + k] * impulse[k];

@@ -119,6 +119,39 @@ TEST(ParseUrdf, ReportsAnErrorInOneLine) {
               HasSubstr("no joint moves"));
 }
 
+TEST(ParseUrdf, ReadsPassiveJoints) {
+  const std::string free = "type=\"continuous\"><axis xyz=\"0 0 1\"/>";
+  const auto with = [&](const std::string& passive, const std::string& joint) {
+    return Robot(kInertial, joint, passive);
+  };
+  const arm::Chain chain = ParseUrdf(
+      with("<passive joint=\"j\" stiffness_Nm_rad=\"9.5\" damping_Nms_rad=\"0.25\"/>\n", free),
+      "r.urdf");
+  ASSERT_TRUE(chain.bodies[0].passive);
+  EXPECT_EQ(chain.bodies[0].passive->stiffness_Nm_rad, 9.5);
+  EXPECT_EQ(chain.bodies[0].passive->damping_Nms_rad, 0.25);
+  EXPECT_FALSE(ParseUrdf(with("", free), "r.urdf").bodies[0].passive);
+
+  const auto refuses = [&](const std::string& passive, const std::string& field,
+                           const std::string& joint) {
+    EXPECT_THAT(ErrorOf(with(passive + "\n", joint)),
+                ::testing::AllOf(HasSubstr("bad.urdf:5: passive"), HasSubstr(field)));
+  };
+  refuses("<passive stiffness_Nm_rad=\"1\" damping_Nms_rad=\"1\"/>", "'joint'", free);
+  refuses("<passive joint=\"k\" stiffness_Nm_rad=\"1\" damping_Nms_rad=\"1\"/>", "'k'", free);
+  refuses("<passive joint=\"j\" damping_Nms_rad=\"1\"/>", "stiffness_Nm_rad", free);
+  refuses("<passive joint=\"j\" stiffness_Nm_rad=\"stiff\" damping_Nms_rad=\"1\"/>", "'stiff'",
+          free);
+  refuses("<passive joint=\"j\" stiffness_Nm_rad=\"1\" damping_Nms_rad=\"-1\"/>", "damping_Nms_rad",
+          free);
+  const std::string good = "<passive joint=\"j\" stiffness_Nm_rad=\"1\" damping_Nms_rad=\"1\"/>";
+  refuses(good, "effort",
+          "type=\"continuous\"><axis xyz=\"0 0 1\"/><limit effort=\"3\" velocity=\"1\"/>");
+  refuses(good + "<transmission name=\"t\"><joint name=\"j\"/></transmission>", "transmission",
+          free);
+  refuses(good + good, "twice", free);
+}
+
 // Two crossed axes in one point, the link between them without mass: each turns the last link
 // alone.
 TEST(ParseUrdf, ALinkWithoutMassMayCarryOneThatHasSome) {

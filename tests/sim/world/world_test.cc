@@ -316,6 +316,23 @@ TEST(World, RefusesModelsThatDoNotFitTheUrdf) {
   EXPECT_THAT(error_of(config), HasSubstr("substep_s"));
 }
 
+TEST(World, RefusesPassiveJoints) {
+  WorldConfig config = Rig().config;
+  config.chain.bodies[0].passive = arm::Passive{.stiffness_Nm_rad = 1.0, .damping_Nms_rad = 0.1};
+  const auto error_of = [&]() -> std::string {
+    try {
+      World world(config);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  EXPECT_THAT(error_of(), ::testing::AllOf(HasSubstr("'joint'"), HasSubstr("passive")));
+  config.model.joints.clear();
+  config.joints.clear();
+  EXPECT_THAT(error_of(), HasSubstr("floating base"));
+}
+
 TEST(World, ReportsAFaultWhenItDiverges) {
   WorldConfig config = Rig().config;
   actuator::JointModel& joint = config.model.joints[0];
@@ -418,6 +435,62 @@ TEST_F(WorldFileTest, ReportsAnErrorInOneLine) {
   EXPECT_THAT(ErrorOf(head + "substep_s: 1.0e-3\n"), HasSubstr("free play"));
   std::ofstream(folder_ / "rig.urdf") << "<robot name='r'><link name='a'>";
   EXPECT_THAT(ErrorOf(head), ::testing::AllOf(HasSubstr("rig.urdf:"), HasSubstr("no valid XML")));
+}
+
+// The rig's drive on a floating base: a box that swings an arm.
+TEST_F(WorldFileTest, ReadsAFloatingBase) {
+  const std::string head =
+      "schema: sinew-world/1\nurdf: box.urdf\nmodel: box_model.yaml\nfloating_base:\n";
+  std::ofstream(folder_ / "box.urdf")
+      << "<robot name='box'><link name='base'/><link name='box'><inertial><mass value='2'/>"
+         "<inertia ixx='0.01' ixy='0' ixz='0' iyy='0.01' iyz='0' izz='0.01'/></inertial></link>"
+         "<joint name='mount' type='fixed'><parent link='base'/><child link='box'/></joint>"
+         "<link name='arm'><inertial><origin xyz='0 0 0.05'/><mass value='0.1'/>"
+         "<inertia ixx='1e-4' ixy='0' ixz='0' iyy='1e-4' iyz='0' izz='1e-4'/></inertial></link>"
+         "<joint name='joint' type='continuous'><parent link='box'/><child link='arm'/>"
+         "<axis xyz='0 1 0'/></joint></robot>\n";
+  actuator::ModelFile model = actuator::LoadModelFile(SINEW_SOURCE_DIR "/robots/rig/model.yaml");
+  actuator::JointModel& joint = model.robot.joints[0];
+  std::erase_if(joint.terms, [](const actuator::Term& term) {
+    const std::string& name = term.effect->info().name;
+    return name != "drive_current" && name != "rotor_inertia";
+  });
+  joint.backlash_rad = 0.0;
+  actuator::SaveModelFile(folder_ / "box_model.yaml", model);
+  const std::string corners =
+      "  contact_points:\n"
+      "    - {link: box, point_m: [0.1, 0.1, -0.1]}\n    - {link: box, point_m: [0.1, -0.1, "
+      "-0.1]}\n"
+      "    - {link: box, point_m: [-0.1, 0.1, -0.1]}\n"
+      "    - {link: box, point_m: [-0.1, -0.1, -0.1]}\n";
+  EXPECT_EQ(ErrorOf(head + "  contacts: [arm]\n"), "no error");
+  EXPECT_EQ(ErrorOf(head + corners + "  imu: box\n  ground: {friction: 0.5, static_load_N: 5}\n"),
+            "no error");
+  const WorldFile file = LoadWorldFile(folder_ / "world.yaml");
+  ASSERT_TRUE(file.floating_base);
+  EXPECT_EQ(file.floating_base->contacts.size(), 4u);
+  EXPECT_EQ(file.floating_base->ground.friction, 0.5);
+  EXPECT_EQ(file.floating_base->ground.static_sink_m, GroundConfig{}.static_sink_m);
+  EXPECT_EQ(file.config.substep_s, kRobotSubstep_s);
+  const auto robot = MakeWorld(file, folder_ / "world.yaml");
+  ASSERT_NE(robot->body_sensors(), nullptr);
+  const auto& force_N = robot->body_sensors()->foot_force_N;
+  EXPECT_NEAR(force_N[0] + force_N[1] + force_N[2] + force_N[3], 2.1 * 9.81, 1e-9);
+  EXPECT_TRUE(robot->body_sensors()->foot_valid[3]);
+  EXPECT_FALSE(robot->body_sensors()->foot_valid[4]);
+  EXPECT_NE(robot->body_truth(), nullptr);
+
+  EXPECT_THAT(ErrorOf(head + "  contacts: [hand]\n"), HasSubstr("'hand'"));
+  EXPECT_THAT(ErrorOf(head + "  contact_points:\n    - {link: box, point_m: [0, 1]}\n"),
+              ::testing::AllOf(HasSubstr("world.yaml:6"), HasSubstr("point_m")));
+  EXPECT_THAT(ErrorOf(head + corners + "  imu: arm\n"), HasSubstr("moves"));
+  EXPECT_THAT(ErrorOf(head + corners + "  ground: {restitution: 1.0}\n"),
+              ::testing::AllOf(HasSubstr("world.yaml:"), HasSubstr("restitution")));
+  EXPECT_THAT(ErrorOf(head + corners + "  ground: {mu: 1.0}\n"),
+              HasSubstr("'floating_base.ground"));
+  EXPECT_THAT(ErrorOf(head + corners + "  height_m: 1.0\n"), HasSubstr("height_m"));
+  EXPECT_THAT(ErrorOf(head + "  base_height_m: 1.0\n"), "no error");
+  EXPECT_THAT(ErrorOf(head + "  imu: box\n"), HasSubstr("base_height_m"));
 }
 
 TEST_F(WorldFileTest, TakesALaboratorysRigJsonAsTheModel) {

@@ -78,7 +78,7 @@ TEST(Verify, EveryEffectGoesUnchangedFromTheFileIntoWorldAndControl) {
     EXPECT_FALSE(read.joints[0].terms.back().declared);
 
     const world::WorldFile file = world::LoadWorldFile(kRig / "world.yaml", path);
-    const std::unique_ptr<world::World> world = world::MakeWorld(file, path);
+    const std::unique_ptr<provider::SimulatedPlant> world = world::MakeWorld(file, path);
     tune::ClosedLoopConfig loop = Loop(path);
     loop.pneumatics.clear();
     loop.duration_s = 1.5;

@@ -1,0 +1,453 @@
+// The robot on a floating base with actuated joints: energy, standing, friction, rotors, payload,
+// sensors.
+#include "sim/world/floating_robot.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+#include <vector>
+
+#include "tests/sim/world/dart_skeleton.h"
+#include "tests/sim/world/robot.h"
+#include "tests/support/allocations.h"
+#include "tests/support/skip.h"
+
+namespace sinew::world {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kCycle_s = 2e-3;  // of the controller
+constexpr double kWeightShare = 1e-3;
+constexpr double kSettled_s = 5.0;  // ten time constants of rocking (robot.h)
+
+double FeetSum(const FloatingRobot& robot) {
+  const auto& forces = robot.body_sensors()->foot_force_N;
+  return std::accumulate(forces.begin(), forces.end(), 0.0);
+}
+
+void Simulate(FloatingRobot* robot, const provider::PlantCommand& command, double time_s) {
+  provider::PlantSensors sensors;
+  const long cycles = std::lround(time_s / kCycle_s);
+  for (long k = 0; k < cycles; ++k) {
+    robot->Step(command, kCycle_s, &sensors);
+    ASSERT_FALSE(sensors.fault) << k << ": " << sensors.message;
+  }
+}
+
+// In the air, without stops and friction: what moves it once keeps its energy.
+FloatingRobotConfig Flying(double substep_s) {
+  FloatingRobotConfig config = SquattingBiped({.rotor_inertia_kg_m2 = 0.05, .coulomb_Nm = 0.0});
+  for (arm::Body& body : config.chain.bodies) {
+    body.upper = std::numeric_limits<double>::infinity();
+    body.lower = -body.upper;
+    if (body.passive) body.passive->damping_Nms_rad = 0.0;
+  }
+  config.base_height_m = 100.0;
+  config.substep_s = substep_s;
+  return config;
+}
+
+double TotalEnergy(const FloatingRobot& robot) {
+  const arm::Chain& merged = robot.links().chain;
+  FloatingChain chain(merged);
+  chain.SetState(robot.state());
+  double energy_J = chain.Energy();
+  for (int c = 0; c < chain.joint_count(); ++c) {
+    const auto& passive = merged.bodies[static_cast<std::size_t>(c)].passive;
+    const double q = robot.state().joint_position_rad[c];
+    const double v = robot.state().velocity[kBaseFreedom + c];
+    energy_J += passive ? 0.5 * passive->stiffness_Nm_rad * q * q : 0.5 * 0.05 * v * v;
+  }
+  return energy_J;
+}
+
+// Largest deviation of the energy in a second, after torques and a push of 50 ms.
+double EnergyDrift(double substep_s) {
+  FloatingRobot robot(Flying(substep_s));
+  provider::PlantSensors sensors;
+  provider::PlantCommand command;
+  for (int j = 0; j < robot.joint_count(); ++j) {
+    const auto at = static_cast<std::size_t>(j);
+    command.mode[at] = types::ControlMode::kTorque;
+    command.motor_torque_Nm[at] = 0.05 * std::sin(1.0 + j);
+  }
+  robot.DisturbBody(
+      {.push_link = "torso", .push_force_N = {60.0, -40.0, 20.0}, .push_m = {0.0, 0.1, 0.1}});
+  for (int k = 0; k < 25; ++k) robot.Step(command, kCycle_s, &sensors);
+  robot.DisturbBody({});
+  robot.Step({}, kCycle_s, &sensors);
+  const double energy_J = TotalEnergy(robot);
+  double worst_J = 0.0;
+  for (int k = 0; k < 500; ++k) {
+    robot.Step({}, kCycle_s, &sensors);
+    worst_J = std::max(worst_J, std::abs(TotalEnergy(robot) - energy_J));
+  }
+  EXPECT_FALSE(sensors.fault);
+  return worst_J;
+}
+
+TEST(FloatingRobot, TheEnergyOfFlightConvergesWithTheSquareOfTheStep) {
+  const double coarse_J = EnergyDrift(kRobotSubstep_s), fine_J = EnergyDrift(0.5 * kRobotSubstep_s);
+  EXPECT_LT(coarse_J, 1.5e-4);  // three times what was found, 5.1e-5 J
+  EXPECT_NEAR(coarse_J / fine_J, 4.0, 0.6);
+}
+
+TEST(FloatingRobot, ASquattingBipedStandsAndItsForceSensorsCarryItsWeight) {
+  const FloatingRobotConfig config = SquattingBiped();
+  FloatingRobot robot(config);
+  const double weight_N = 17.1 * 9.81;
+  EXPECT_NEAR(robot.chain().mass_kg(), 17.1, 1e-9);
+  EXPECT_NEAR(FeetSum(robot), weight_N, 1e-9 * weight_N);  // at the start
+  Simulate(&robot, HoldStart(config), kSettled_s);
+  EXPECT_NEAR(FeetSum(robot), weight_N, kWeightShare * weight_N);
+  EXPECT_LT(robot.state().velocity.norm(), 1e-3);
+  for (const double force_N : robot.body_sensors()->foot_force_N) EXPECT_GT(force_N, 1.0);
+  for (const bool valid : robot.body_sensors()->foot_valid) EXPECT_TRUE(valid);
+  EXPECT_LT(robot.state().orientation.angularDistance(Eigen::Quaterniond::Identity()), 0.1);
+  // The truth is the same robot.
+  const provider::BodyTruth& truth = *robot.body_truth();
+  EXPECT_EQ(truth.position_m[2], robot.state().position_m.z());
+  double truth_N = 0.0;
+  for (const auto& force : truth.contact_force_N) truth_N += force[2];
+  EXPECT_EQ(truth_N, FeetSum(robot));
+}
+
+TEST(FloatingRobot, TheImuOfAStandingRobotFeelsGravity) {
+  const FloatingRobotConfig config = SquattingBiped();
+  FloatingRobot robot(config);
+  const provider::BodySensors& imu = *robot.body_sensors();
+  EXPECT_TRUE(imu.imu_valid);
+  EXPECT_NEAR(imu.acceleration_m_s2[2], 9.81, 1e-12);  // at the start: at rest
+  Simulate(&robot, HoldStart(config), kSettled_s);
+  const Eigen::Quaterniond& q = robot.state().orientation;
+  const Eigen::Vector3d expected = q.conjugate() * Eigen::Vector3d(0.0, 0.0, 9.81);
+  for (int k = 0; k < 3; ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    EXPECT_NEAR(imu.acceleration_m_s2[at], expected[k], 5e-3);
+    EXPECT_NEAR(imu.angular_velocity_rad_s[at], 0.0, 1e-3);
+  }
+  EXPECT_NEAR(std::abs(imu.orientation_wxyz[0]), std::abs(q.w()), 1e-12);
+}
+
+// Forces on the contacts give the base's motion: the momentum of a step is that of what the sensors
+// read, in a landing as well.
+TEST(FloatingRobot, TheForceSensorsReadWhatChangesTheMomentum) {
+  FloatingRobotConfig config = SquattingBiped();
+  config.base_height_m = FloatingRobot(config).state().position_m.z() + 0.02;
+  FloatingRobot robot(config);
+  const provider::PlantCommand command = HoldStart(config);
+  FloatingChain chain(robot.links().chain);
+  const auto rise_m = [&] {
+    chain.SetState(robot.state());
+    return chain.CenterOfMass().z();
+  };
+  provider::PlantSensors sensors;
+  double largest_N = 0.0;
+  const double h = kRobotSubstep_s;
+  double before_m = rise_m();
+  robot.Step(command, h, &sensors);
+  double now_m = rise_m();
+  for (int k = 0; k < 1200; ++k) {
+    const double force_N = FeetSum(robot);  // of the step before
+    robot.Step(command, h, &sensors);
+    const double after_m = rise_m();
+    // Second difference: acceleration over the two half steps about `now`, with the mean of the two
+    // kicks' forces.
+    const double acceleration = (after_m - 2.0 * now_m + before_m) / (h * h);
+    const double mean_N = 0.5 * (force_N + FeetSum(robot));
+    largest_N = std::max(largest_N, mean_N);
+    ASSERT_NEAR(17.1 * (acceleration + 9.81), mean_N, 2.0) << k;
+    before_m = now_m;
+    now_m = after_m;
+  }
+  EXPECT_GT(largest_N, 300.0);  // it did land
+}
+
+TEST(FloatingRobot, JointsThatFrictionHoldsStandExactlyStill) {
+  const FloatingRobotConfig config =
+      SquattingBiped({.rotor_inertia_kg_m2 = 0.05, .coulomb_Nm = 200.0});
+  FloatingRobot robot(config);
+  Simulate(&robot, {}, kSettled_s);  // motors off
+  const Eigen::VectorXd& q = robot.state().joint_position_rad;
+  for (std::size_t j = 0; j < config.joints.size(); ++j) {
+    const int body = arm::FindJoint(robot.links().chain, config.model.joints[j].name);
+    EXPECT_EQ(q[body], config.joints[j].position_rad) << j;
+  }
+  EXPECT_NEAR(FeetSum(robot), 17.1 * 9.81, kWeightShare * 17.1 * 9.81);
+}
+
+// At the sole, so that the robot does not tip; friction carries 0.8 of the foot's 84 N.
+TEST(FloatingRobot, FeetDoNotCreepUnderAPushBelowTheLimitOfFriction) {
+  const FloatingRobotConfig config = SquattingBiped();
+  FloatingRobot robot(config);
+  const provider::PlantCommand command = HoldStart(config);
+  robot.DisturbBody(
+      {.push_link = "left_sole", .push_force_N = {0.0, 50.0, 0.0}, .push_m = {0.0, 0.0, 0.01}});
+  Simulate(&robot, command, kSettled_s);
+  const auto sole_m = [&] {
+    const arm::LinkFrame& sole = *arm::FindLink(robot.links(), "left_sole");
+    return robot.chain().Point(sole.body, sole.body_from_link.translation()).position_m;
+  };
+  const Eigen::Vector3d before = sole_m();
+  Simulate(&robot, command, kSettled_s);
+  EXPECT_LT((sole_m() - before).norm(), 1e-5);
+  double along_N = 0.0;
+  for (const auto& force : robot.body_truth()->contact_force_N) along_N += force[1];
+  EXPECT_NEAR(along_N, -50.0, 0.05);
+}
+
+// One step from rest, against DART's inverse inertia with the rotors added to the inertia.
+TEST(FloatingRobot, RotorsAddTheirInertiaToTheJoints) {
+  FloatingRobotConfig config = Flying(1e-4);
+  FloatingRobot robot(config);
+  const arm::Chain& merged = robot.links().chain;
+  DartChain dart(merged, /*fixed_base=*/false);
+  provider::PlantCommand command;
+  Eigen::VectorXd torque = Eigen::VectorXd::Zero(robot.chain().joint_count());
+  for (int j = 0; j < robot.joint_count(); ++j) {
+    const auto at = static_cast<std::size_t>(j);
+    command.mode[at] = types::ControlMode::kTorque;
+    command.motor_torque_Nm[at] = 0.02 * std::cos(3.0 * j);
+    const int body = arm::FindJoint(merged, config.model.joints[at].name);
+    torque[body] = 100.0 * command.motor_torque_Nm[at];
+  }
+  dart.SetState(robot.state());
+  Eigen::VectorXd free(robot.chain().freedom());
+  dart.Solve(torque, {}, free);
+  const Eigen::MatrixXd inertia = dart.Responses().inverse();
+  Eigen::MatrixXd with_rotors = inertia;
+  for (std::size_t c = 0; c < merged.bodies.size(); ++c) {
+    const auto at = kBaseFreedom + static_cast<Eigen::Index>(c);
+    if (!merged.bodies[c].passive) with_rotors(at, at) += 0.05;
+  }
+  const Eigen::VectorXd expected = with_rotors.ldlt().solve(inertia * free);
+  provider::PlantSensors sensors;
+  robot.Step(command, 1e-4, &sensors);
+  const Eigen::VectorXd found = robot.state().velocity / 1e-4;
+  EXPECT_LT((found - expected).norm(), 1e-9 * expected.norm());
+  EXPECT_GT((free - expected).norm(), 0.1 * free.norm());
+}
+
+TEST(FloatingRobot, APayloadOfFourKilogramsIsCarriedByTheFeet) {
+  const FloatingRobotConfig config = SquattingBiped();
+  FloatingRobot robot(config);
+  const provider::PlantCommand command = HoldStart(config);
+  Simulate(&robot, command, kSettled_s);
+  const double before_N = FeetSum(robot);
+  robot.DisturbBody({.payload_link = "torso", .payload_kg = 4.0, .payload_m = {0.0, 0.0, 0.05}});
+  EXPECT_NEAR(robot.chain().mass_kg(), 21.1, 1e-9);
+  Simulate(&robot, command, kSettled_s);
+  EXPECT_NEAR(FeetSum(robot) - before_N, 4.0 * 9.81, kWeightShare * 4.0 * 9.81);
+  // Reset takes it off.
+  provider::PlantSensors sensors;
+  robot.Reset(&sensors);
+  EXPECT_NEAR(robot.chain().mass_kg(), 17.1, 1e-9);
+  EXPECT_NEAR(FeetSum(robot), 17.1 * 9.81, 1e-9 * 17.1 * 9.81);
+}
+
+TEST(FloatingRobot, APayloadHasInertia) {
+  provider::PlantSensors sensors;
+  const auto falls_m_s = [&](double payload_kg) {
+    FloatingRobot robot(Flying(1e-4));
+    robot.DisturbBody({.payload_link = "torso",
+                       .payload_kg = payload_kg,
+                       .push_link = "torso",
+                       .push_force_N = {0.0, 0.0, 200.0}});
+    robot.Step({}, kCycle_s, &sensors);
+    return robot.state().velocity[5];
+  };
+  // The robot as one body would lose F t (1 / m - 1 / (m + 4 kg)) of its speed; its legs lag.
+  const double without = falls_m_s(0.0), with = falls_m_s(4.0);
+  EXPECT_LT(with, without - 200.0 * kCycle_s * (1.0 / 17.1 - 1.0 / 21.1));
+  EXPECT_EQ(falls_m_s(std::nan("")), without);
+  EXPECT_EQ(falls_m_s(-1.0), without);
+}
+
+TEST(FloatingRobot, TheSpringOfAToeCarriesItsLoad) {
+  const FloatingRobotConfig config = SquattingBiped();
+  FloatingRobot robot(config);
+  Simulate(&robot, HoldStart(config), kSettled_s);
+  const int toe = arm::FindJoint(robot.links().chain, "left_toe_passive");
+  const arm::Body& body = robot.links().chain.bodies[static_cast<std::size_t>(toe)];
+  const Eigen::Isometry3d pose = robot.chain().Pose(toe);
+  const Eigen::Vector3d axis = pose.linear() * body.axis;
+  Eigen::Vector3d moment_Nm =
+      (pose.linear() * body.com_m).cross(Eigen::Vector3d(0.0, 0.0, -9.81 * body.mass_kg));
+  for (const std::size_t k : {6u, 7u}) {  // left front
+    const arm::LinkFrame& frame = *arm::FindLink(robot.links(), config.contacts[k].link);
+    EXPECT_EQ(frame.body, toe);
+    const auto& force = robot.body_truth()->contact_force_N[k];
+    moment_Nm += (pose.linear() * frame.body_from_link.translation())
+                     .cross(Eigen::Vector3d(force[0], force[1], force[2]));
+  }
+  const double q = robot.state().joint_position_rad[toe];
+  EXPECT_LT(q, -1e-2);
+  EXPECT_NEAR(body.passive->stiffness_Nm_rad * q, moment_Nm.dot(axis), 2e-3);
+}
+
+std::vector<double> TraceOf(FloatingRobot* robot, const FloatingRobotConfig& config) {
+  provider::PlantSensors sensors;
+  robot->Reset(&sensors);
+  std::vector<double> trace;
+  provider::PlantCommand command = HoldStart(config);
+  for (int k = 0; k < 500; ++k) {
+    command.position_rad[3] += 1e-3;
+    if (k == 100) {
+      robot->DisturbBody({.payload_link = "torso",
+                          .payload_kg = 2.0,
+                          .push_link = "left_toe",
+                          .push_force_N = {1.0, 2.0, 3.0}});
+    }
+    robot->Step(command, kCycle_s, &sensors);
+    const FloatingState& state = robot->state();
+    trace.insert(trace.end(), state.velocity.begin(), state.velocity.end());
+    trace.insert(trace.end(), state.joint_position_rad.begin(), state.joint_position_rad.end());
+    const auto& forces = robot->body_sensors()->foot_force_N;
+    trace.insert(trace.end(), forces.begin(), forces.end());
+  }
+  return trace;
+}
+
+TEST(FloatingRobot, TwoRunsAreEqualToTheBit) {
+  const FloatingRobotConfig config = SquattingBiped();
+  FloatingRobot first(config), second(config);
+  const std::vector<double> a = TraceOf(&first, config), b = TraceOf(&second, config);
+  EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(double)), 0);
+  const std::vector<double> again = TraceOf(&first, config);
+  EXPECT_EQ(std::memcmp(a.data(), again.data(), a.size() * sizeof(double)), 0);
+}
+
+void StandsFor(const FloatingRobotConfig& config, double time_s) {
+  FloatingRobot robot(config);
+  Simulate(&robot, HoldStart(config), time_s);
+  const double weight_N = 9.81 * robot.chain().mass_kg();
+  EXPECT_NEAR(FeetSum(robot), weight_N, kWeightShare * weight_N);
+  EXPECT_LT(robot.state().velocity.norm(), 1e-3);
+  EXPECT_LT(robot.state().orientation.angularDistance(Eigen::Quaterniond::Identity()), 0.1);
+}
+
+TEST(FloatingRobot, TheBerkeleyHumanoidStands) {
+  SKIP_WITHOUT_DATA(BipedPath(kBerkeleyBiped));
+  StandsFor(BerkeleyRobot(), 4.0);
+}
+
+TEST(FloatingRobot, TheHighTorquePaiStands) {
+  SKIP_WITHOUT_DATA(BipedPath(kPai));
+  StandsFor(PaiRobot(), 4.0);
+}
+
+TEST(FloatingRobot, AStepAllocatesNothing) {
+  const FloatingRobotConfig config = SquattingBiped();
+  FloatingRobot robot(config);
+  const provider::PlantCommand command = HoldStart(config);
+  provider::PlantSensors sensors;
+  robot.DisturbBody({.payload_link = "torso", .payload_kg = 1.0});
+  const long before = test::Allocations();
+  for (int k = 0; k < 10; ++k) robot.Step(command, kCycle_s, &sensors);
+  EXPECT_EQ(test::Allocations(), before);
+}
+
+TEST(FloatingRobot, StopsAtTheLimitsOfTheUrdf) {
+  FloatingRobotConfig config = SquattingBiped();
+  config.base_height_m = 50.0;
+  FloatingRobot robot(config);
+  provider::PlantCommand command;
+  const std::size_t knee = 3;
+  ASSERT_EQ(config.model.joints[knee].name, "left_knee");
+  command.mode[knee] = types::ControlMode::kTorque;
+  command.motor_torque_Nm[knee] = -0.1;
+  Simulate(&robot, command, 1.0);
+  const int c = arm::FindJoint(robot.links().chain, "left_knee");
+  EXPECT_NEAR(robot.state().joint_position_rad[c], 0.0, 2e-3);
+  EXPECT_EQ(robot.state().velocity[kBaseFreedom + c], 0.0);
+}
+
+TEST(FloatingRobot, TakesValuesThatAreNotFiniteAsNone) {
+  const FloatingRobotConfig config = SquattingBiped();
+  FloatingRobot robot(config), other(config);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  provider::PlantCommand bad;
+  bad.mode[0] = types::ControlMode::kTorque;
+  bad.motor_torque_Nm[0] = nan;
+  robot.Disturb({.hand_force_N = {nan}, .extra_payload_kg = {nan}});
+  robot.DisturbBody({.payload_kg = nan, .push_force_N = {nan, 0.0, 0.0}});
+  provider::PlantSensors sensors;
+  robot.Step(bad, kCycle_s, &sensors);
+  EXPECT_FALSE(sensors.fault);
+  other.Step({}, kCycle_s, &sensors);
+  EXPECT_EQ(robot.state().velocity, other.state().velocity);
+}
+
+TEST(FloatingRobot, AStateThatWouldNotBeFiniteIsAFaultUntilReset) {
+  FloatingRobotConfig config = SquattingBiped();
+  config.model.joints[0].terms[0].linear[0].value = 1e306;
+  config.model.joints[0].motor_torque_limit_Nm = 0.0;
+  FloatingRobot robot(config);
+  provider::PlantCommand command;
+  command.mode[0] = types::ControlMode::kTorque;
+  command.motor_torque_Nm[0] = 1e9;
+  provider::PlantSensors sensors;
+  for (int k = 0; k < 10; ++k) robot.Step(command, kCycle_s, &sensors);
+  EXPECT_TRUE(sensors.fault);
+  EXPECT_FALSE(sensors.valid[0]);
+  EXPECT_THAT(sensors.message, HasSubstr("diverged"));
+  EXPECT_TRUE(robot.state().velocity.allFinite());
+  EXPECT_FALSE(robot.body_sensors()->imu_valid);
+  robot.Reset(&sensors);
+  robot.Step({}, kCycle_s, &sensors);
+  EXPECT_FALSE(sensors.fault);
+  EXPECT_TRUE(robot.body_sensors()->imu_valid);
+}
+
+TEST(FloatingRobot, RefusesWhatCannotBe) {
+  const auto error_of = [](const FloatingRobotConfig& config) -> std::string {
+    try {
+      FloatingRobot robot(config);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  const FloatingRobotConfig good = SquattingBiped();
+  FloatingRobotConfig config = good;
+  config.contacts[0].link = "left_hand";
+  EXPECT_THAT(error_of(config), HasSubstr("left_hand"));
+  config = good;
+  config.contacts[0].point_m.x() = std::nan("");
+  EXPECT_THAT(error_of(config), HasSubstr("not finite"));
+  config = good;
+  config.imu_link = "left_foot";
+  EXPECT_THAT(error_of(config), ::testing::AllOf(HasSubstr("left_foot"), HasSubstr("moves")));
+  config = good;
+  config.contacts.clear();
+  EXPECT_THAT(error_of(config), HasSubstr("base_height_m"));
+  config = good;
+  config.model.joints[2].terms.push_back(
+      actuator::MakeTerm("gravity", config.model.joints[2].constants));
+  EXPECT_THAT(error_of(config), HasSubstr("left_hip_pitch"));
+  config = good;
+  config.joints[1].declared_payload_kg = 1.0;
+  EXPECT_THAT(error_of(config), HasSubstr("payload"));
+  config = good;
+  config.model.joints.pop_back();
+  config.joints.pop_back();
+  EXPECT_THAT(error_of(config),
+              ::testing::AllOf(HasSubstr("right_ankle_roll"), HasSubstr("model")));
+  config = good;
+  for (arm::Body& body : config.chain.bodies) body.passive.reset();
+  EXPECT_THAT(error_of(config), HasSubstr("left_toe_passive"));
+  config = good;
+  config.substep_s = 0.0;
+  EXPECT_THAT(error_of(config), HasSubstr("substep_s"));
+}
+
+}  // namespace
+}  // namespace sinew::world
