@@ -54,6 +54,8 @@ const char* Refusal(OperatorResult result) {
       return "refused: it comes from a recording or a simulation";
     case OperatorResult::kRefusedByPlant:
       return "refused by the plant";
+    case OperatorResult::kRefusedByFallGuard:
+      return "refused by the fall detector";
     case OperatorResult::kRefusedResetFirst:
       return "refused: reset first";
     case OperatorResult::kRefusedDisarmFirst:

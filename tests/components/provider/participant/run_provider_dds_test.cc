@@ -1,10 +1,13 @@
 // A state provider whose plant only notes the calls. Domains 51, 173 to 175 and 177.
 #include <gtest/gtest.h>
 #include <sinew_idl/joint.h>
+#include <sinew_idl/recording.h>
 #include <sinew_idl/simulation.h>
+#include <sinew_idl/status.h>
 
 #include <chrono>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -204,6 +207,104 @@ TEST(RunProvider, AFixedBaseHasNoTopicsOfABody) {
   EXPECT_NE(FindEndpoint(endpoints, node::kSimTruth.name, true), nullptr);
   EXPECT_EQ(FindEndpoint(endpoints, node::kSimBodyTruth.name, true), nullptr);
   EXPECT_EQ(FindEndpoint(endpoints, node::kSimBodyDisturbance.name, false), nullptr);
+}
+
+// Stands upright; from `blind_from` on its IMU says nothing any more. Disarmed: nobody commands.
+class StandingPlant final : public NotedPlant {
+ public:
+  StandingPlant(const node::Node& witness, int blind_from)
+      : NotedPlant(witness), blind_from_(blind_from) {}
+  int joint_count() const override { return types::kMaxJoints; }
+  void Reset(PlantSensors* sensors) override { Read(sensors); }
+  void Step(const PlantCommand& command, double, PlantSensors* sensors) override {
+    ++steps;
+    for (const types::ControlMode mode : command.mode) {
+      if (mode != types::ControlMode::kIdle) calls.push_back("moved");
+    }
+    Read(sensors);
+  }
+  const BodySensors* body_sensors() const override { return &body_; }
+
+ private:
+  void Read(PlantSensors* sensors) {
+    sensors->valid.fill(true);
+    body_.foot_force_N.fill(20.0);
+    body_.foot_valid.fill(true);
+    const double noise = 1e-6 * (steps % 2);  // a sensor that is read anew never says the same
+    body_.acceleration_m_s2 = {noise, noise, 9.81 + noise};
+    body_.angular_velocity_rad_s = {noise, noise, noise};
+    body_.imu_valid = steps < blind_from_;
+  }
+
+  int blind_from_;
+  BodySensors body_;
+};
+
+GuardConfig FallsOfTheBiped() {
+  const config::Section file = config::Section::Parse(
+      "schema: test/1\nguard: {fall: {urdf: " SINEW_SOURCE_DIR "/robots/biped/biped.urdf}}\n",
+      "guard.yaml", "test/1");
+  return LoadGuardConfig(file.Child("guard"));
+}
+
+TEST(RunProvider, ALostImuIsAFaultOfAGuardedRobotWithin100ms) {
+  constexpr int kBlindFrom = 720;
+  constexpr double kRate_Hz = 240.0;
+  node::Options options = OptionsOf("witness", 177);
+  options.mode = node::TimeMode::kLockstep;
+  node::Node witness(options);
+  auto states = witness.MakeReader(node::kJointState);
+  auto statuses = witness.MakeReader(node::kComponentStatus);
+  auto answers = witness.MakeWriter(node::kRecordingProgress);  // so that no state is missed
+  StandingPlant plant(witness, kBlindFrom);
+  node::StopFlag stop;
+  options.component = options.name = "provider";
+  ProviderOptions run;
+  run.duration_s = 4.0;
+  run.await = {"recording_progress"};
+  std::thread provider([&] { RunProvider(options, stop, run, FallsOfTheBiped(), plant); });
+  std::optional<std::uint64_t> fault_tick;
+  bool last = false;
+  while (!last) {
+    const auto state = states.WaitNext(20s);
+    if (!state) break;
+    if (!fault_tick && state->robot_state() == msg::ROBOT_FAULT)
+      fault_tick = state->header().tick();
+    last = state->last_tick();
+    msg::RecordingProgress answer;
+    answer.header(state->header());
+    EXPECT_EQ(answers.Write(answer), node::WriteStatus::kOk);
+  }
+  provider.join();
+  std::string message;
+  while (const auto status = statuses.TakeNext()) {
+    if (status->message().to_string().find("fall") != std::string::npos) {
+      message = status->message().to_string();
+    }
+  }
+  ASSERT_TRUE(fault_tick);
+  EXPECT_GT(*fault_tick, static_cast<std::uint64_t>(kBlindFrom));
+  EXPECT_LE(static_cast<double>(*fault_tick) - kBlindFrom, 0.1 * kRate_Hz);
+  EXPECT_EQ(message, "fall: not known, lost: imu");
+}
+
+TEST(RunProvider, AGuardAgainstFallsNeedsSensorsOfTheBodyAndTheRobotsJoints) {
+  const node::Node witness(OptionsOf("witness", 177));
+  const auto error_of = [&](Plant& plant, double rate_Hz) -> std::string {
+    node::StopFlag stop;
+    try {
+      RunProvider(OptionsOf("provider", 177), stop, {.rate_Hz = rate_Hz}, FallsOfTheBiped(), plant);
+    } catch (const UsageError& error) {
+      return error.what();
+    }
+    return "none";
+  };
+  using ::testing::HasSubstr;
+  NotedPlant without(witness);
+  EXPECT_THAT(error_of(without, 240.0), HasSubstr("measures neither feet nor torso"));
+  EXPECT_TRUE(without.calls.empty());
+  StandingPlant slow(witness, 0);
+  EXPECT_THAT(error_of(slow, 10.0), HasSubstr("guard.fall: ")) << "no tick in 100 ms";
 }
 
 // The last one: a stop that was requested is one for the whole process.
