@@ -33,6 +33,21 @@ ProviderConfig LoadProvider(const node::Options& options, std::uint64_t session_
   return config;
 }
 
+// The surrogate with a base that nothing moves, for the topics of a floating one.
+class FloatingSurrogate final : public surrogate::Surrogate {
+ public:
+  using Surrogate::Surrogate;
+  void DisturbBody(const provider::BodyDisturbance& disturbance) override {
+    if (!provider::IsPossible(disturbance)) {
+      throw Violation("the plant gets a disturbance that is not possible");
+    }
+  }
+  const provider::BodyTruth* body_truth() const override { return &body_truth_; }
+
+ private:
+  provider::BodyTruth body_truth_;
+};
+
 class ProviderMember final : public node::Component {
  public:
   ProviderMember(const node::Options& options, Environment& environment,
@@ -77,7 +92,7 @@ class ProviderMember final : public node::Component {
  private:
   Environment& environment_;
   std::uint64_t tick_ = 0;
-  surrogate::Surrogate plant_;
+  FloatingSurrogate plant_;
   provider::ProviderCycle cycle_;
   provider::PlantSensors sensors_;
   node::Node node_;

@@ -181,6 +181,20 @@ void AddSimulation(Collection* seeds) {
     truth.play_angle_rad().fill(0.02);
     truth.backlash_rad().fill(0.0464);
     seeds->Add(node::kSimTruth, truth);
+    msg::SimBodyDisturbance load;
+    load.header().origin(msg::ORIGIN_SIM);
+    load.payload_link(phase % 16 == 0 ? "pelvis" : "");
+    load.payload_kg(4.0);
+    load.payload_m().fill(motion.position_rad);
+    load.push_link("torso");
+    load.push_force_N().fill(100.0 * motion.position_rad);
+    seeds->Add(node::kSimBodyDisturbance, load);
+    msg::SimBodyTruth body;
+    body.header().origin(msg::ORIGIN_SIM);
+    body.position_m({0.0, 0.0, 0.7 + motion.position_rad});
+    body.orientation_wxyz({1.0, 0.0, 0.0, 0.0});
+    body.contact_force_N().fill(20.0);
+    seeds->Add(node::kSimBodyTruth, body);
   }
 }
 

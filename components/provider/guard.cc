@@ -13,6 +13,23 @@ namespace sinew::provider {
 using types::Origin;
 using types::RobotState;
 
+namespace {
+
+Verdict VerdictOf(OtherJointsPolicy policy) {
+  switch (policy) {
+    case OtherJointsPolicy::kDamp:
+      return Verdict::kDamp;
+    case OtherJointsPolicy::kHold:
+      return Verdict::kHold;
+    case OtherJointsPolicy::kIdle:
+    case OtherJointsPolicy::kContinue:
+      break;
+  }
+  return Verdict::kIdle;
+}
+
+}  // namespace
+
 CommandGuard::CommandGuard(const GuardConfig& config) : config_(config) {
   if (config.missed_periods < 1) {
     throw std::invalid_argument("missed_periods must be at least 1, is " +
@@ -45,31 +62,37 @@ bool CommandGuard::Arm(std::uint64_t session_id, std::uint64_t tick) {
 }
 
 void CommandGuard::Disarm() {
-  others_act_ = false;
+  in_fault_ = Verdict::kIdle;
   if (types::MayMove(state_)) state_ = RobotState::kDisarmed;
 }
 
 void CommandGuard::Estop() {
-  others_act_ = false;
+  in_fault_ = Verdict::kIdle;
   state_ = RobotState::kEstopped;
 }
 
 void CommandGuard::JointFault() {
   if (config_.on_joint_fault == OtherJointsPolicy::kContinue) return;
-  const bool moved = others_act_ || types::MayMove(state_);
+  const bool moved = in_fault_ != Verdict::kIdle || types::MayMove(state_);
   Fault();
-  if (moved) others_act_ = config_.on_joint_fault != OtherJointsPolicy::kIdle;
+  if (moved) in_fault_ = VerdictOf(config_.on_joint_fault);
+}
+
+void CommandGuard::Fall() {
+  const bool moved = in_fault_ != Verdict::kIdle || types::MayMove(state_);
+  Fault();
+  if (moved && config_.on_fall == FallPolicy::kDamp) in_fault_ = Verdict::kDamp;
 }
 
 void CommandGuard::Fault() {
-  others_act_ = false;
+  in_fault_ = Verdict::kIdle;
   if (state_ == RobotState::kEstopped || state_ == RobotState::kFault) return;
   state_ = RobotState::kFault;
   ++faults_;
 }
 
 bool CommandGuard::Reset() {
-  others_act_ = false;
+  in_fault_ = Verdict::kIdle;
   if (state_ != RobotState::kFault && state_ != RobotState::kEstopped) return false;
   state_ = RobotState::kDisarmed;
   return true;
@@ -98,9 +121,7 @@ bool CommandGuard::Overdue(std::uint64_t tick) const {
 
 Verdict CommandGuard::Step(std::uint64_t tick, std::chrono::nanoseconds period,
                            std::chrono::nanoseconds age) {
-  if (others_act_) {
-    return config_.on_joint_fault == OtherJointsPolicy::kHold ? Verdict::kHold : Verdict::kDamp;
-  }
+  if (in_fault_ != Verdict::kIdle) return in_fault_;
   if (!types::MayMove(state_)) return Verdict::kIdle;
   const std::chrono::nanoseconds old =
       std::max(static_cast<std::int64_t>(tick - last_tick_) * period, age - period);

@@ -7,11 +7,13 @@
 // the guard damps or holds (unlatched: a fresh command ends it), after fault_after it latches a
 // fault. Everything starts disarmed; a fault or an estop ends only by Reset, and then by Arm. A
 // joint's own fault idles that joint; what the other joints do is configured (OtherJointsPolicy).
+// A fall latches a fault, in which the joints idle or are damped (FallPolicy).
 // Thread: one. Allocates nothing.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
+#include <memory>
 
 #include "components/provider/plant.h"
 #include "components/types/message_header.h"
@@ -24,6 +26,10 @@ enum class Bridging { kDamp, kHold };
 // fault: no command counts until Reset and Arm. Damping and holding end by Disarm, Estop or Reset.
 enum class OtherJointsPolicy { kIdle, kDamp, kHold, kContinue };
 
+// What the joints of a robot that falls do, until Disarm, Estop or Reset.
+enum class FallPolicy { kIdle, kDamp };
+struct FallGuardConfig;  // fall_guard.h
+
 // Relays of a robot in FAULT or ESTOPPED: all off, which keeps the pressure, or its air let out.
 enum class ValvesInFault { kHold, kVent };
 
@@ -35,6 +41,8 @@ struct GuardConfig {
   OtherJointsPolicy on_joint_fault = OtherJointsPolicy::kIdle;
   ValvesInFault valves_in_fault = ValvesInFault::kHold;
   bool live = false;  // hardware: only live commands count
+  FallPolicy on_fall = FallPolicy::kIdle;
+  std::shared_ptr<const FallGuardConfig> fall;  // null: nobody looks for falls
 };
 
 enum class Verdict {
@@ -58,6 +66,7 @@ class CommandGuard {
   void Estop();
   void Fault();       // of the plant
   void JointFault();  // of a joint: the others follow the OtherJointsPolicy
+  void Fall();        // of the robot: its joints follow the FallPolicy
   bool Reset();       // from fault or estop to disarmed
 
   // True when the command counts: own session, allowed origin, not from the future, newer than the
@@ -83,9 +92,9 @@ class CommandGuard {
   GuardConfig config_;
   types::RobotState state_ = types::RobotState::kDisarmed;
   std::uint64_t session_id_ = 0;
-  std::uint64_t last_tick_ = 0;  // of the last accepted command, or of arming
-  bool has_command_ = false;     // since arming
-  bool others_act_ = false;      // the other joints damp or hold although the robot has a fault
+  std::uint64_t last_tick_ = 0;        // of the last accepted command, or of arming
+  bool has_command_ = false;           // since arming
+  Verdict in_fault_ = Verdict::kIdle;  // what the joints do although the robot has a fault
   std::uint64_t refused_ = 0, bridged_ = 0, faults_ = 0;
 };
 

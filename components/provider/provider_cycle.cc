@@ -29,6 +29,14 @@ ProviderCycle::ProviderCycle(const CycleConfig& config) : config_(config), guard
     throw std::invalid_argument("a rate of " + std::to_string(config.rate_Hz) +
                                 " Hz, expected above 0");
   }
+  if (config.guard.fall != nullptr) {
+    const FallGuardConfig& fall = *config.guard.fall;
+    if (fall.joint_count != config.joint_count) {
+      throw std::invalid_argument("the fall guard's robot has " + std::to_string(fall.joint_count) +
+                                  " joints, expected " + std::to_string(config.joint_count));
+    }
+    fall_.emplace(fall, 1.0 / config.rate_Hz);
+  }
   guard_.StartSession(config.session_id);
   period_ = std::chrono::nanoseconds(std::llround(1e9 / config.rate_Hz));
   period_s_ = 1.0 / config.rate_Hz;
@@ -53,6 +61,9 @@ OperatorResult ProviderCycle::Take(const OperatorCommand& command, std::uint64_t
   switch (command.action) {
     case OperatorAction::kArm:
       if (!config_.plant_may_be_armed) return OperatorResult::kRefusedByPlant;
+      if (fall_ && state() == RobotState::kDisarmed && !fall_->upright()) {
+        return OperatorResult::kRefusedByFallGuard;
+      }
       return guard_.Arm(command.session_id, tick) ? OperatorResult::kDone
                                                   : OperatorResult::kRefusedResetFirst;
     case OperatorAction::kDisarm:
@@ -68,7 +79,7 @@ OperatorResult ProviderCycle::Take(const OperatorCommand& command, std::uint64_t
       if (state() == RobotState::kEstopped && config_.estop_is_latched) {
         return OperatorResult::kUnlatchFirst;
       }
-      faulty_joints_ = 0;
+      ResetFaults();
       guard_.Reset();
       return OperatorResult::kClearFaults;
     case OperatorAction::kStart:
@@ -82,8 +93,13 @@ OperatorResult ProviderCycle::Take(const OperatorCommand& command, std::uint64_t
 
 bool ProviderCycle::FinishReset() {
   if (state() != RobotState::kEstopped) return false;
-  faulty_joints_ = 0;
+  ResetFaults();
   return guard_.Reset();
+}
+
+void ProviderCycle::ResetFaults() {
+  faulty_joints_ = 0;
+  if (fall_ && fall_->fallen()) fall_->Reset();
 }
 
 bool ProviderCycle::Take(const JointCommand& command, std::uint64_t tick) {
@@ -171,6 +187,7 @@ const PlantCommand& ProviderCycle::Command(std::uint64_t tick, const PlantSensor
     command_.vent_open[j] = lets_out || (follows && valves_->vent_open[j]);
   }
   holding_ = verdict == Verdict::kHold;
+  asks_ = verdict == Verdict::kHold || verdict == Verdict::kPass;
   return command_;
 }
 
@@ -215,6 +232,15 @@ FaultChange ProviderCycle::Observe(const PlantSensors& sensors) {
   }
   faulty_joints_ = faulty;
   return change;
+}
+
+FaultChange ProviderCycle::ObserveBody(std::uint64_t tick, const PlantSensors& sensors,
+                                       const BodySensors& body) {
+  if (!fall_ || !fall_->Step(tick, sensors, body, state(), asks_ ? &command_ : nullptr)) {
+    return FaultChange::kNone;
+  }
+  guard_.Fall();
+  return FaultChange::kRobot;
 }
 
 bool ProviderCycle::AwaitsCommand(std::uint64_t tick) const {

@@ -11,6 +11,7 @@
 //   Take(joint, valve)   commands that arrive until the cycle's end
 //   Command           the plant's command from k to k + 1, from the newest accepted messages
 //   Observe           sensors at k + 1: a fault of the plant or of joints changes the state
+//   ObserveBody       where GuardConfig::fall is given: a fall does (fall_guard.h)
 //
 // Rules: CommandGuard (guard.h) says whether joint commands pass, or joints idle, damp or hold. A
 // joint with a fault of its own idles. A command with a value that is not finite is a fault of the
@@ -27,7 +28,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
+#include <string_view>
 
+#include "components/provider/fall_guard.h"
 #include "components/provider/guard.h"
 #include "components/provider/plant.h"
 #include "components/types/command_rule.h"
@@ -71,6 +75,7 @@ enum class OperatorResult {
   kRefusedOtherSession,  // arm or reset: meant for another session
   kRefusedOrigin,        // arm or reset: replayed, or for hardware not from a live operator
   kRefusedByPlant,       // arm: Plant::ArmRefusal says why
+  kRefusedByFallGuard,   // arm: ProviderCycle::FallRefusal says why
   kRefusedResetFirst,    // arm: after a fault or an estop
   kRefusedDisarmFirst,   // reset: a joint that had a fault would move at once
   kNotForProvider,       // start, stop, handover and permissions are for others
@@ -102,10 +107,10 @@ std::uint64_t SessionFromSeed(std::uint64_t seed) noexcept;
 class ProviderCycle {
  public:
   // Throws std::invalid_argument: joint_count outside 1 to types::kMaxJoints, a rate that is not
-  // positive, or what CommandGuard refuses.
+  // positive, or what CommandGuard and FallGuard refuse; a fall guard of another number of joints.
   explicit ProviderCycle(const CycleConfig& config);
 
-  // Armed from the first tick on, without an operator.
+  // Armed from the first tick on, without an operator, and before a fall detector can have started.
   void ArmAtStart() {
     if (config_.plant_may_be_armed) guard_.Arm(config_.session_id, 0);
   }
@@ -130,6 +135,14 @@ class ProviderCycle {
   const PlantCommand& Command(std::uint64_t tick, const PlantSensors& sensors,
                               std::int64_t now_ns = 0);
   FaultChange Observe(const PlantSensors& sensors);
+  // After Observe, where falls() are looked for. kRobot: a fall was found; it is a fault now.
+  FaultChange ObserveBody(std::uint64_t tick, const PlantSensors& sensors, const BodySensors& body);
+  bool falls() const { return fall_.has_value(); }
+  bool upright() const { return fall_ && fall_->upright(); }
+  // The fall that was found, until the operator's reset; empty: none.
+  std::string_view fall_message() const { return fall_ ? fall_->message() : std::string_view(); }
+  // Why the fall detector lets nobody arm; empty: it does. Allocates.
+  std::string FallRefusal() const { return fall_ ? fall_->ArmRefusal() : std::string(); }
 
   // Real time: the joint command of this tick is waited for. False: nobody may move, or the
   // command has arrived.
@@ -166,8 +179,12 @@ class ProviderCycle {
 
   static constexpr std::uint64_t kTicksKept = 1024;  // older than any command that counts
 
+  void ResetFaults();  // of joints and falls, by the operator
+
   CycleConfig config_;
   CommandGuard guard_;
+  std::optional<FallGuard> fall_;
+  bool asks_ = false;                                // command_ is a controller's or a hold
   std::array<std::int64_t, kTicksKept> began_ns_{};  // of tick k at k % kTicksKept; ages_by_clock
   std::chrono::nanoseconds period_{};
   double period_s_ = 0.0;

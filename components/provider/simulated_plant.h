@@ -3,10 +3,13 @@
 //
 // Only simulations implement this interface; a plant of hardware has no disturbances to set. A
 // state provider reads sim_disturbance and sim_pressure, and writes sim_truth, only for a plant of
-// this kind.
+// this kind; it reads sim_body_disturbance and writes sim_body_truth only for one with a
+// body_truth.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <string>
 
 #include "components/provider/plant.h"
@@ -29,6 +32,8 @@ struct ImposedPressure {
 // What acts on the body of a robot on a floating base from outside: a payload fixed to a link, and
 // a push. A name that is no link counts as the base link's.
 struct BodyDisturbance {
+  bool operator==(const BodyDisturbance&) const = default;
+
   std::string payload_link;              // as in the URDF
   double payload_kg = 0.0;               // a point mass; 0: none
   std::array<double, 3> payload_m{};     // in the link's frame
@@ -36,6 +41,16 @@ struct BodyDisturbance {
   std::array<double, 3> push_force_N{};  // world axes
   std::array<double, 3> push_m{};        // where, in the link's frame
 };
+
+// A payload below 0 or a value that is not finite cannot act; a state provider passes on the rest.
+inline bool IsPossible(const BodyDisturbance& disturbance) noexcept {
+  const auto finite = [](const std::array<double, 3>& values) {
+    return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+  };
+  return std::isfinite(disturbance.payload_kg) && disturbance.payload_kg >= 0.0 &&
+         finite(disturbance.payload_m) && finite(disturbance.push_force_N) &&
+         finite(disturbance.push_m);
+}
 
 // Base and contacts of a robot on a floating base when the sensors were read, without noise. World
 // axes, z up; the base's values are of the origin of the base link.

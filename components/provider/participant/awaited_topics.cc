@@ -43,6 +43,12 @@ std::vector<AwaitedTopic> MakeAwaitedTopics(const std::vector<std::string>& awai
       }
       topic.answers = [&readers] { return readers.pressure_answers(); };
       topic.wait = [&readers](auto timeout) { readers.WaitForPressure(timeout); };
+    } else if (topic.topic == node::kSimBodyDisturbance.name) {
+      if (!readers.has_body()) {
+        throw UsageError("--await: a robot on a fixed base reads no sim_body_disturbance");
+      }
+      topic.answers = [&readers] { return readers.body_disturbance_answers(); };
+      topic.wait = [&readers](auto timeout) { readers.WaitForBodyDisturbance(timeout); };
     } else {
       topic.answers = CountAnswers(topic.topic, cycle.session_id(), node);
       topic.wait = [&node](auto timeout) { node.WaitForData(timeout); };

@@ -36,6 +36,15 @@ PressureMessage FromMessage(const msg::SimPressure& message) {
                        .chamber_pressure_bar = message.chamber_pressure_bar()}};
 }
 
+BodyDisturbance FromMessage(const msg::SimBodyDisturbance& message) {
+  return {.payload_link = message.payload_link().to_string(),
+          .payload_kg = message.payload_kg(),
+          .payload_m = message.payload_m(),
+          .push_link = message.push_link().to_string(),
+          .push_force_N = message.push_force_N(),
+          .push_m = message.push_m()};
+}
+
 // Empty: not refused.
 const char* Refusal(OperatorResult result) {
   switch (result) {
@@ -45,6 +54,8 @@ const char* Refusal(OperatorResult result) {
       return "refused: it comes from a recording or a simulation";
     case OperatorResult::kRefusedByPlant:
       return "refused by the plant";
+    case OperatorResult::kRefusedByFallGuard:
+      return "refused by the fall detector";
     case OperatorResult::kRefusedResetFirst:
       return "refused: reset first";
     case OperatorResult::kRefusedDisarmFirst:
@@ -74,6 +85,8 @@ CommandReaders::CommandReaders(node::Node& node, ProviderCycle& cycle, Plant& pl
   if (simulated_ == nullptr) return;
   disturbance_.emplace(node.MakeReader(node::kSimDisturbance));
   pressure_.emplace(node.MakeReader(node::kSimPressure));
+  if (simulated_->body_truth() == nullptr) return;
+  body_disturbance_.emplace(node.MakeReader(node::kSimBodyDisturbance));
 }
 
 void CommandReaders::TakeOperatorCommands(std::uint64_t tick) {
@@ -91,7 +104,10 @@ void CommandReaders::TakeOperatorCommands(std::uint64_t tick) {
     spdlog::info("operator: action {}, reason '{}'", static_cast<int>(command->action()),
                  command->reason());
   }
-  if (simulated_ == nullptr) return;
+  if (simulated_ != nullptr) TakeDisturbances();
+}
+
+void CommandReaders::TakeDisturbances() {
   while (const auto disturbance = disturbance_->TakeNext()) {
     if (!disturbance_gate_.Admits(types::CommandKind::kRequest,
                                   wire::FromWire(disturbance->header()), cycle_.running())) {
@@ -99,6 +115,19 @@ void CommandReaders::TakeOperatorCommands(std::uint64_t tick) {
     }
     simulated_->Disturb({.hand_force_N = disturbance->load_force_N(),
                          .extra_payload_kg = disturbance->payload_kg()});
+  }
+  while (body_disturbance_) {
+    const auto message = body_disturbance_->TakeNext();
+    if (!message) break;
+    const types::MessageHeader header = wire::FromWire(message->header());
+    if (header.session_id == cycle_.session_id()) body_answers_ = header.tick + 1;
+    if (!body_gate_.Admits(types::CommandKind::kRequest, header, cycle_.running())) continue;
+    const BodyDisturbance disturbance = FromMessage(*message);
+    if (IsPossible(disturbance)) {
+      simulated_->DisturbBody(disturbance);
+    } else {
+      body_gate_.Refuse("a value that is not finite, or a mass below 0");
+    }
   }
 }
 

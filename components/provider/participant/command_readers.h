@@ -1,6 +1,6 @@
 // The messages that a state provider reads, handed to the cycle's decisions: operator_command,
 // joint_command, valve_command; sim_disturbance and sim_pressure go to the plant, for simulated
-// plants only.
+// plants only, and sim_body_disturbance for those on a floating base.
 // Thread: the provider's loop.
 #pragma once
 
@@ -52,11 +52,19 @@ class CommandReaders {
   void WaitForPressure(std::chrono::microseconds timeout) {
     if (pressure_) pressure_->WaitForSample(timeout);
   }
-  // As ProviderCycle::joint_answers, for sim_pressure.
+  // Only where has_body(): a fixed base reads none.
+  void WaitForBodyDisturbance(std::chrono::microseconds timeout) {
+    if (body_disturbance_) body_disturbance_->WaitForSample(timeout);
+  }
+  // As ProviderCycle::joint_answers, for sim_pressure and sim_body_disturbance.
   std::uint64_t pressure_answers() const { return pressure_source_.answers(); }
+  std::uint64_t body_disturbance_answers() const { return body_answers_; }
   bool simulated() const { return simulated_ != nullptr; }
+  bool has_body() const { return body_disturbance_.has_value(); }
 
  private:
+  void TakeDisturbances();
+
   ProviderCycle& cycle_;
   Plant& plant_;
   OnOperator on_operator_;
@@ -66,6 +74,9 @@ class CommandReaders {
   node::Reader<msg::OperatorCommand> operator_command_;
   std::optional<node::Reader<msg::SimDisturbance>> disturbance_;
   node::CommandGate disturbance_gate_{"sim_disturbance"};
+  std::optional<node::Reader<msg::SimBodyDisturbance>> body_disturbance_;
+  node::CommandGate body_gate_{"sim_body_disturbance"};
+  std::uint64_t body_answers_ = 0;
   CommandSource source_;
   std::optional<node::Reader<msg::SimPressure>> pressure_;
   PressureSource pressure_source_;

@@ -2,7 +2,10 @@
 
 #include <CLI/CLI.hpp>
 #include <chrono>
+#include <memory>
 #include <string>
+
+#include "components/provider/participant/fall_section.h"
 
 namespace sinew::provider {
 
@@ -42,6 +45,13 @@ GuardConfig LoadGuardConfig(const config::Section& guard) {
                                : ValvesInFault::kHold;
   config.damping_Nm_s_rad =
       guard.NumberOr("damping_Nm_s_rad", config.damping_Nm_s_rad, config::kNotNegative);
+  if (guard.Has("fall")) {
+    const config::Section fall = guard.Child("fall");
+    config.on_fall = fall.ChoiceOr("on_fall", "idle", {"idle", "damp"}) == "damp"
+                         ? FallPolicy::kDamp
+                         : FallPolicy::kIdle;
+    config.fall = std::make_shared<const FallGuardConfig>(ReadFallGuard(fall));
+  }
   return config;
 }
 

@@ -43,8 +43,8 @@ struct ProviderOptions {
 void AddProviderOptions(CLI::App& app, ProviderOptions* options);
 
 // Keys of a `guard:` block: missed_periods, fault_after_ms, bridging (damp|hold), damping_Nm_s_rad,
-// on_joint_fault (idle|damp|hold|continue), valves_in_fault (hold|vent). Throws UsageError, one
-// line with file and key.
+// on_joint_fault (idle|damp|hold|continue), valves_in_fault (hold|vent), fall (fall_section.h).
+// Throws UsageError, one line with file and key.
 GuardConfig LoadGuardConfig(const config::Section& guard);
 
 }  // namespace sinew::provider

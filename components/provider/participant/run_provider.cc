@@ -36,6 +36,23 @@ std::uint64_t RandomSession() {
   return ((static_cast<std::uint64_t>(device()) << 32) | device()) | 1u;
 }
 
+void CheckFallGuard(const FallGuardConfig& fall, const Plant& plant, double rate_Hz) {
+  if (plant.body_sensors() == nullptr) {
+    throw UsageError(
+        "guard.fall: this robot measures neither feet nor torso, expected sensors of "
+        "the body or no such section");
+  }
+  if (fall.joint_count != plant.joint_count()) {
+    throw UsageError("guard.fall: the URDF has " + std::to_string(fall.joint_count) +
+                     " driven joints and the robot " + std::to_string(plant.joint_count()));
+  }
+  try {
+    (void)FallGuard(fall, 1.0 / rate_Hz);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(std::string("guard.fall: ") + error.what());
+  }
+}
+
 CycleConfig MakeCycleConfig(const node::Options& node_options, const ProviderOptions& options,
                             const GuardConfig& guard, const Plant& plant, bool latches) {
   if (options.arm && plant.live()) {
@@ -44,6 +61,7 @@ CycleConfig MakeCycleConfig(const node::Options& node_options, const ProviderOpt
   if (options.composed != nullptr && node_options.mode == node::TimeMode::kLockstep) {
     throw UsageError("--lockstep: a composition runs in real time, expected separate processes");
   }
+  if (guard.fall != nullptr) CheckFallGuard(*guard.fall, plant, options.rate_Hz);
   CycleConfig config;
   config.guard = guard;
   config.guard.live = plant.live();
@@ -124,6 +142,7 @@ class Provider {
       if (cycle_.Observe(sensors_) == FaultChange::kJoint) {
         spdlog::warn("tick {}: {}", tick_, sensors_.message);
       }
+      if (cycle_.falls()) (void)cycle_.ObserveBody(tick_, sensors_, *plant_.body_sensors());
       Report();
       work_.Pause(MonotonicNow_ns());
       work_.EndCycle();
@@ -152,8 +171,10 @@ class Provider {
   void OnOperator(OperatorResult result, types::OperatorAction action, std::string_view reason) {
     if (action == types::OperatorAction::kEstop) desk_->OnEstop(reason);
     if (result == OperatorResult::kUnlatchFirst) desk_->OnReset();
-    if (result == OperatorResult::kRefusedByPlant) {  // for the log, and for who asked
-      const std::string why = "arm refused: " + plant_.ArmRefusal();
+    const bool by_plant = result == OperatorResult::kRefusedByPlant;
+    if (by_plant || result == OperatorResult::kRefusedByFallGuard) {  // for who asked, and the log
+      const std::string why =
+          "arm refused: " + (by_plant ? plant_.ArmRefusal() : cycle_.FallRefusal());
       spdlog::error("{}", why);
       node_.SetState(node::Node::State::kActive, why);
     }
@@ -245,20 +266,27 @@ class Provider {
     while (sleep_.Until(deadline_ns) && !stop_.requested()) TakeOperatorCommands();
   }
 
-  // Logs and publishes (component_status) a new state of the robot or a new message of the plant.
+  // Logs and publishes (component_status) a new state of the robot, or a new message of the plant
+  // or of the fall guard.
   void Report() {
     ++counts_.cycles;
     counts_.write_failures = publisher_.write_failures();
     const RobotState state = cycle_.state();
-    if (state != reported_state_ || sensors_.message != reported_message_) {
+    const std::string_view fall = cycle_.fall_message();
+    const std::string_view message = fall.empty() ? std::string_view(sensors_.message) : fall;
+    if (state != reported_state_ || message != reported_message_) {
       reported_state_ = state;
-      reported_message_ = sensors_.message;
-      spdlog::info("tick {}: {}{}{}", tick_, Name(state), sensors_.message.empty() ? "" : ": ",
-                   sensors_.message);
+      reported_message_ = message;
+      spdlog::info("tick {}: {}{}{}", tick_, Name(state), message.empty() ? "" : ": ", message);
       node_.SetState(state == RobotState::kFault || state == RobotState::kEstopped
                          ? node::Node::State::kFault
                          : node::Node::State::kActive,
-                     sensors_.message.empty() ? Name(state) : sensors_.message);
+                     message.empty() ? Name(state) : reported_message_);
+    }
+    if (cycle_.upright() != reported_upright_) {
+      reported_upright_ = !reported_upright_;
+      spdlog::info("tick {}: fall detector: {}", tick_,
+                   reported_upright_ ? "upright" : "not upright");
     }
     if (!lockstep_ || (counts_.cycles & 63u) == 0) node_.SetCounts(counts_);
   }
@@ -297,6 +325,7 @@ class Provider {
   node::Node::Counts counts_;
   RobotState reported_state_ = RobotState::kDisarmed;
   std::string reported_message_;
+  bool reported_upright_ = false;
 };
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "components/provider/participant/state_publisher.h"
 
+#include <algorithm>
+
 #include "components/types/clock/clock.h"
 #include "components/types/joint_kind.h"
 #include "components/wire/wire.h"
@@ -17,6 +19,9 @@ StatePublisher::StatePublisher(node::Node& node, const Plant& plant)
     imu_.emplace(node.MakeWriter(node::kImu));
   }
   if (simulated_ != nullptr) sim_truth_.emplace(node.MakeWriter(node::kSimTruth));
+  if (simulated_ != nullptr && simulated_->body_truth() != nullptr) {
+    sim_body_truth_.emplace(node.MakeWriter(node::kSimBodyTruth));
+  }
   const auto joints = static_cast<std::size_t>(plant.joint_count());
   joints_.joint_count(static_cast<std::uint8_t>(joints));
   actuators_.joint_count(static_cast<std::uint8_t>(joints));
@@ -34,6 +39,7 @@ void StatePublisher::Publish(const types::MessageHeader& header, types::RobotSta
   Count(actuator_state_.Write(actuators_));
   if (foot_force_) PublishBody(head, *plant_.body_sensors());
   if (simulated_ != nullptr) PublishTruth(head, simulated_->gear_truth());
+  if (sim_body_truth_) PublishBodyTruth(head, *simulated_->body_truth());
   joints_.robot_state(wire::ToWire(state));
   joints_.last_tick(last_tick);
   joints_.period_s(period_s);
@@ -81,6 +87,20 @@ void StatePublisher::PublishTruth(const msg::Header& header, const GearTruth& tr
   message.play_angle_rad(truth.play_angle_rad);
   message.backlash_rad(truth.backlash_rad);
   Count(sim_truth_->Write(message));
+}
+
+void StatePublisher::PublishBodyTruth(const msg::Header& header, const BodyTruth& truth) {
+  msg::SimBodyTruth message;
+  message.header(header);
+  message.position_m(truth.position_m);
+  message.orientation_wxyz(truth.orientation_wxyz);
+  message.velocity_m_s(truth.velocity_m_s);
+  message.angular_velocity_rad_s(truth.angular_velocity_rad_s);
+  auto to = message.contact_force_N().begin();
+  for (const auto& force_N : truth.contact_force_N) {
+    to = std::copy(force_N.begin(), force_N.end(), to);
+  }
+  Count(sim_body_truth_->Write(message));
 }
 
 void StatePublisher::PublishBody(const msg::Header& header, const BodySensors& body) {

@@ -1,6 +1,7 @@
 // The messages that a state provider publishes in a cycle: joint_state and actuator_state, and
-// bus_status, foot_force and imu where the plant has them, sim_truth of simulated plants. Units and
-// signs as in idl/. Thread: the provider's loop.
+// bus_status, foot_force and imu where the plant has them, sim_truth of simulated plants,
+// sim_body_truth of those on a floating base. Units and signs as in idl/. Thread: the provider's
+// loop.
 #pragma once
 
 #include <sinew_idl/actuator.h>
@@ -38,6 +39,7 @@ class StatePublisher {
   void FillJointState(const msg::Header& header, const PlantSensors& sensors);
   void FillActuatorState(const msg::Header& header, const PlantSensors& sensors);
   void PublishTruth(const msg::Header& header, const GearTruth& truth);
+  void PublishBodyTruth(const msg::Header& header, const BodyTruth& truth);
   void PublishBody(const msg::Header& header, const BodySensors& body);
   void PublishBus(const msg::Header& header, const BusReport& report);
   void Count(node::WriteStatus status) {
@@ -52,6 +54,7 @@ class StatePublisher {
   std::optional<node::Writer<msg::FootForce>> foot_force_;
   std::optional<node::Writer<msg::Imu>> imu_;
   std::optional<node::Writer<msg::SimTruth>> sim_truth_;
+  std::optional<node::Writer<msg::SimBodyTruth>> sim_body_truth_;
   msg::JointState joints_;
   msg::ActuatorState actuators_;
   std::int64_t written_ns_ = 0;

@@ -150,6 +150,24 @@ TEST(Guard, AJointsFaultWhileDisarmedHoldsNothing) {
   EXPECT_EQ(guard.Step(1, kPeriod), Verdict::kIdle);
 }
 
+TEST(Guard, AFallIsAFaultInWhichTheJointsIdleOrAreDamped) {
+  const auto after = [](FallPolicy policy, void (*before)(CommandGuard*)) {
+    CommandGuard guard = Armed({.on_joint_fault = OtherJointsPolicy::kHold, .on_fall = policy});
+    before(&guard);
+    guard.Fall();
+    EXPECT_EQ(guard.state(), types::RobotState::kFault);
+    return guard.Step(500, kPeriod);
+  };
+  const auto nothing = [](CommandGuard*) {};
+  EXPECT_EQ(after(FallPolicy::kIdle, nothing), Verdict::kIdle);
+  EXPECT_EQ(after(FallPolicy::kDamp, nothing), Verdict::kDamp);
+  const auto joint_fault = [](CommandGuard* guard) { guard->JointFault(); };
+  EXPECT_EQ(after(FallPolicy::kIdle, joint_fault), Verdict::kIdle) << "the others held until then";
+  EXPECT_EQ(after(FallPolicy::kDamp, joint_fault), Verdict::kDamp);
+  const auto disarm = [](CommandGuard* guard) { guard->Disarm(); };
+  EXPECT_EQ(after(FallPolicy::kDamp, disarm), Verdict::kIdle) << "nothing moved";
+}
+
 TEST(Guard, EstopIsLatchedAndStrongerThanAFault) {
   CommandGuard guard = Armed();
   guard.Estop();

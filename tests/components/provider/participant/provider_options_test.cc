@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <chrono>
 #include <string>
+
+#include "components/provider/fall_guard.h"
 
 namespace sinew::provider {
 namespace {
@@ -45,6 +48,54 @@ TEST(GuardConfig, ReadsThePolicyForTheOtherJoints) {
 TEST(GuardConfig, ReadsWhatTheValvesOfAStoppedRobotDo) {
   EXPECT_EQ(Load("valves_in_fault: hold").valves_in_fault, ValvesInFault::kHold);
   EXPECT_EQ(Load("valves_in_fault: vent").valves_in_fault, ValvesInFault::kVent);
+}
+
+std::string ErrorOf(const std::string& guard) {
+  try {
+    (void)Load(guard);
+  } catch (const UsageError& error) {
+    return error.what();
+  }
+  return "none";
+}
+
+const std::string kBipedUrdf = SINEW_SOURCE_DIR "/robots/biped/biped.urdf";
+
+TEST(GuardConfig, LooksForFallsOnlyWhenTheyAreDeclared) { EXPECT_EQ(Load("").fall, nullptr); }
+
+TEST(GuardConfig, TakesLegsMassAndTheImusMountingOfTheFallGuardFromTheUrdf) {
+  const GuardConfig config = Load(
+      "fall: {urdf: " + kBipedUrdf +
+      ", on_fall: damp, start_within_s: 5, pendulum_length_m: 0.9, imu: {rate_bias_rad_s: 0.1}}");
+  ASSERT_NE(config.fall, nullptr);
+  EXPECT_EQ(config.on_fall, FallPolicy::kDamp);
+  const FallGuardConfig& fall = *config.fall;
+  EXPECT_EQ(fall.joint_count, 12);
+  EXPECT_EQ(fall.left.joint, (std::array{0, 1, 2, 3, 4, 5}));
+  EXPECT_EQ(fall.right.joint, (std::array{6, 7, 8, 9, 10, 11}));
+  EXPECT_NEAR(fall.left.geometry.hip_in_pelvis_m.y(), 0.075, 1e-12);
+  EXPECT_NEAR(fall.right.geometry.thigh_m, 0.278, 1e-12);
+  EXPECT_NEAR(fall.detector.mass_kg, 17.1, 1e-9);
+  EXPECT_NEAR((fall.imu_from_base - Eigen::Matrix3d::Identity()).norm(), 0.0, 1e-12);
+  EXPECT_EQ(fall.start_within_s, 5.0);
+  EXPECT_EQ(fall.detector.tilt.pendulum_length_m, 0.9);
+  EXPECT_EQ(fall.detector.tilt.imu.rate_bias_rad_s, 0.1);
+  EXPECT_EQ(fall.detector.tilt.imu.force_bias_m_s2, fall::ImuBounds{}.force_bias_m_s2);
+  EXPECT_NO_THROW(FallGuard(fall, 1.0 / 240.0));
+}
+
+TEST(GuardConfig, SaysWhatIsWrongWithAFallGuard) {
+  using ::testing::HasSubstr;
+  const std::string urdf = "urdf: " + kBipedUrdf;
+  EXPECT_EQ(Load("fall: {" + urdf + "}").on_fall, FallPolicy::kIdle);
+  EXPECT_THAT(ErrorOf("fall: {}"), HasSubstr("urdf"));
+  EXPECT_THAT(ErrorOf("fall: {urdf: absent.urdf}"), HasSubstr("absent.urdf"));
+  EXPECT_THAT(ErrorOf("fall: {urdf: " SINEW_SOURCE_DIR "/robots/rig/rig.urdf}"),
+              HasSubstr("right_hip_yaw"));
+  EXPECT_THAT(ErrorOf("fall: {" + urdf + ", on_fall: hold}"), HasSubstr("idle"));
+  EXPECT_THAT(ErrorOf("fall: {" + urdf + ", start_within_s: 0}"), HasSubstr("start_within_s"));
+  EXPECT_THAT(ErrorOf("fall: {" + urdf + ", imu: {noise: 1}}"), HasSubstr("noise"));
+  EXPECT_THAT(ErrorOf("fall: {" + urdf + ", tilt_deg: 30}"), HasSubstr("tilt_deg"));
 }
 
 TEST(GuardConfig, RefusesWhatHasNoMeaning) {

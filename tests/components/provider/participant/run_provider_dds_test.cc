@@ -1,9 +1,13 @@
-// A state provider whose plant only notes the calls. Domains 51 and 173 to 175.
+// A state provider whose plant only notes the calls. Domains 51, 173 to 175 and 177.
 #include <gtest/gtest.h>
 #include <sinew_idl/joint.h>
+#include <sinew_idl/recording.h>
 #include <sinew_idl/simulation.h>
+#include <sinew_idl/status.h>
 
 #include <chrono>
+#include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -87,7 +91,7 @@ TEST(RunProvider, ASecondProviderTouchesNothing) {
   EXPECT_TRUE(plant.calls.empty()) << "its frames would stop the robot of the first";
 }
 
-class PushedPlant final : public SimulatedPlant {
+class PushedPlant : public SimulatedPlant {
  public:
   int joint_count() const override { return 1; }
   std::uint32_t measured_flags() const override { return 0; }
@@ -103,6 +107,207 @@ class PushedPlant final : public SimulatedPlant {
   GearTruth truth_;
 };
 
+constexpr double kSession_s = 3.0;  // discovery of the witness and of the sender included
+
+class FloatingPlant final : public PushedPlant {
+ public:
+  FloatingPlant() {
+    truth_.position_m = {0.1, 0.2, 0.7};
+    truth_.contact_force_N[0] = {1.0, 2.0, 3.0};
+    truth_.contact_force_N[7] = {4.0, 5.0, 6.0};
+  }
+  void DisturbBody(const BodyDisturbance& d) override { disturbances.push_back(d); }
+  const BodyTruth* body_truth() const override { return &truth_; }
+
+  std::vector<BodyDisturbance> disturbances;
+
+ private:
+  BodyTruth truth_;
+};
+
+const node::Endpoint* FindEndpoint(const std::vector<node::Endpoint>& endpoints,
+                                   std::string_view topic, bool is_writer) {
+  for (const node::Endpoint& endpoint : endpoints) {
+    if (endpoint.topic == topic && endpoint.is_writer == is_writer) return &endpoint;
+  }
+  return nullptr;
+}
+
+TEST(RunProvider, ABodyIsDisturbedInItsSessionAndItsTruthIsPublished) {
+  node::Node sender(OptionsOf("sender", 177));
+  auto writer = sender.MakeWriter(node::kSimBodyDisturbance);
+  auto states = sender.MakeReader(node::kJointState);
+  auto truths = sender.MakeReader(node::kSimBodyTruth);
+  FloatingPlant plant;
+  node::StopFlag stop;
+  std::thread provider([&] {
+    RunProvider(OptionsOf("provider", 177), stop, {.duration_s = kSession_s}, {}, plant);
+  });
+  const BodyDisturbance sent{.payload_link = "pelvis",
+                             .payload_kg = 4.0,
+                             .payload_m = {0.0, 0.01, 0.2},
+                             .push_link = std::string(64, 'x'),
+                             .push_force_N = {10.0, -20.0, 30.0},
+                             .push_m = {0.1, 0.2, 0.3}};
+  const auto send = [&](std::uint64_t session_id, double payload_kg) {
+    msg::SimBodyDisturbance message;
+    message.header().session_id(session_id);
+    message.header().origin(msg::ORIGIN_SIM);
+    message.payload_link(sent.payload_link);
+    message.payload_kg(payload_kg);
+    message.payload_m(sent.payload_m);
+    message.push_link(sent.push_link);
+    message.push_force_N(sent.push_force_N);
+    message.push_m(sent.push_m);
+    EXPECT_EQ(writer.Write(message), node::WriteStatus::kOk);
+  };
+  const auto state = states.WaitNext(10s);
+  const auto truth = truths.WaitNext(10s);
+  for (int i = 0; i < 1000 && writer.matched_readers() == 0; ++i) sender.WaitForData(10ms);
+  if (state) {
+    const std::uint64_t session_id = state->header().session_id();
+    send(session_id + 1, 1.0);
+    send(session_id, -1.0);
+    send(session_id, std::numeric_limits<double>::quiet_NaN());
+    send(session_id, sent.payload_kg);
+  }
+  provider.join();
+  ASSERT_TRUE(state);
+  EXPECT_EQ(plant.disturbances, std::vector<BodyDisturbance>{sent});
+  ASSERT_TRUE(truth);
+  EXPECT_EQ(truth->position_m(), (std::array{0.1, 0.2, 0.7}));
+  EXPECT_EQ(truth->orientation_wxyz(), (std::array{1.0, 0.0, 0.0, 0.0}));
+  std::array<double, 24> forces_N{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    forces_N[i] = 1.0 + static_cast<double>(i);
+    forces_N[21 + i] = 4.0 + static_cast<double>(i);
+  }
+  EXPECT_EQ(truth->contact_force_N(), forces_N);
+}
+
+TEST(RunProvider, AFixedBaseHasNoTopicsOfABody) {
+  node::Node witness(OptionsOf("witness", 177));
+  auto states = witness.MakeReader(node::kJointState);
+  PushedPlant plant;
+  node::StopFlag stop;
+  std::thread provider([&] {
+    RunProvider(OptionsOf("provider", 177), stop, {.duration_s = kSession_s}, {}, plant);
+  });
+  std::vector<node::Endpoint> endpoints;
+  bool last = false;
+  while (!last) {  // to the end of the session: its endpoints are known by then
+    const auto state = states.WaitNext(10s);
+    if (!state) break;
+    endpoints = witness.Endpoints();
+    last = state->last_tick();
+  }
+  provider.join();
+  EXPECT_TRUE(last);
+  EXPECT_NE(FindEndpoint(endpoints, node::kSimPressure.name, false), nullptr);
+  EXPECT_NE(FindEndpoint(endpoints, node::kSimTruth.name, true), nullptr);
+  EXPECT_EQ(FindEndpoint(endpoints, node::kSimBodyTruth.name, true), nullptr);
+  EXPECT_EQ(FindEndpoint(endpoints, node::kSimBodyDisturbance.name, false), nullptr);
+}
+
+// Stands upright; from `blind_from` on its IMU says nothing any more. Disarmed: nobody commands.
+class StandingPlant final : public NotedPlant {
+ public:
+  StandingPlant(const node::Node& witness, int blind_from)
+      : NotedPlant(witness), blind_from_(blind_from) {}
+  int joint_count() const override { return types::kMaxJoints; }
+  void Reset(PlantSensors* sensors) override { Read(sensors); }
+  void Step(const PlantCommand& command, double, PlantSensors* sensors) override {
+    ++steps;
+    for (const types::ControlMode mode : command.mode) {
+      if (mode != types::ControlMode::kIdle) calls.push_back("moved");
+    }
+    Read(sensors);
+  }
+  const BodySensors* body_sensors() const override { return &body_; }
+
+ private:
+  void Read(PlantSensors* sensors) {
+    sensors->valid.fill(true);
+    body_.foot_force_N.fill(20.0);
+    body_.foot_valid.fill(true);
+    const double noise = 1e-6 * (steps % 2);  // a sensor that is read anew never says the same
+    body_.acceleration_m_s2 = {noise, noise, 9.81 + noise};
+    body_.angular_velocity_rad_s = {noise, noise, noise};
+    body_.imu_valid = steps < blind_from_;
+  }
+
+  int blind_from_;
+  BodySensors body_;
+};
+
+GuardConfig FallsOfTheBiped() {
+  const config::Section file = config::Section::Parse(
+      "schema: test/1\nguard: {fall: {urdf: " SINEW_SOURCE_DIR "/robots/biped/biped.urdf}}\n",
+      "guard.yaml", "test/1");
+  return LoadGuardConfig(file.Child("guard"));
+}
+
+TEST(RunProvider, ALostImuIsAFaultOfAGuardedRobotWithin100ms) {
+  constexpr int kBlindFrom = 720;
+  constexpr double kRate_Hz = 240.0;
+  node::Options options = OptionsOf("witness", 177);
+  options.mode = node::TimeMode::kLockstep;
+  node::Node witness(options);
+  auto states = witness.MakeReader(node::kJointState);
+  auto statuses = witness.MakeReader(node::kComponentStatus);
+  auto answers = witness.MakeWriter(node::kRecordingProgress);  // so that no state is missed
+  StandingPlant plant(witness, kBlindFrom);
+  node::StopFlag stop;
+  options.component = options.name = "provider";
+  ProviderOptions run;
+  run.duration_s = 4.0;
+  run.await = {"recording_progress"};
+  std::thread provider([&] { RunProvider(options, stop, run, FallsOfTheBiped(), plant); });
+  std::optional<std::uint64_t> fault_tick;
+  bool last = false;
+  while (!last) {
+    const auto state = states.WaitNext(20s);
+    if (!state) break;
+    if (!fault_tick && state->robot_state() == msg::ROBOT_FAULT)
+      fault_tick = state->header().tick();
+    last = state->last_tick();
+    msg::RecordingProgress answer;
+    answer.header(state->header());
+    EXPECT_EQ(answers.Write(answer), node::WriteStatus::kOk);
+  }
+  provider.join();
+  std::string message;
+  while (const auto status = statuses.TakeNext()) {
+    if (status->message().to_string().find("fall") != std::string::npos) {
+      message = status->message().to_string();
+    }
+  }
+  ASSERT_TRUE(fault_tick);
+  EXPECT_GT(*fault_tick, static_cast<std::uint64_t>(kBlindFrom));
+  EXPECT_LE(static_cast<double>(*fault_tick) - kBlindFrom, 0.1 * kRate_Hz);
+  EXPECT_EQ(message, "fall: not known, lost: imu");
+}
+
+TEST(RunProvider, AGuardAgainstFallsNeedsSensorsOfTheBodyAndTheRobotsJoints) {
+  const node::Node witness(OptionsOf("witness", 177));
+  const auto error_of = [&](Plant& plant, double rate_Hz) -> std::string {
+    node::StopFlag stop;
+    try {
+      RunProvider(OptionsOf("provider", 177), stop, {.rate_Hz = rate_Hz}, FallsOfTheBiped(), plant);
+    } catch (const UsageError& error) {
+      return error.what();
+    }
+    return "none";
+  };
+  using ::testing::HasSubstr;
+  NotedPlant without(witness);
+  EXPECT_THAT(error_of(without, 240.0), HasSubstr("measures neither feet nor torso"));
+  EXPECT_TRUE(without.calls.empty());
+  StandingPlant slow(witness, 0);
+  EXPECT_THAT(error_of(slow, 10.0), HasSubstr("guard.fall: ")) << "no tick in 100 ms";
+}
+
+// The last one: a stop that was requested is one for the whole process.
 TEST(RunProvider, ADisturbanceOfAnotherSessionIsRefused) {
   node::Node sender(OptionsOf("sender", 51));
   auto hand = sender.MakeWriter(node::kSimDisturbance);

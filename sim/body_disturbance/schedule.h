@@ -1,0 +1,57 @@
+// Which payload and which push act on the body of a simulated robot, tick by tick.
+//
+// An entry acts from at_s to until_s after the start, in ticks k since the start with
+//
+//     round(at_s / T) <= k < round(until_s / T),    T the period
+//
+// so that equal ticks give equal disturbances, whatever the clock says. At a time one payload and
+// one push can act. SI units. Pure; one thread; At allocates for names of links.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "components/provider/simulated_plant.h"
+
+namespace sinew::body_disturbance {
+
+inline constexpr double kForEver_s = std::numeric_limits<double>::infinity();
+
+struct Interval {
+  double at_s = 0.0;            // not negative
+  double until_s = kForEver_s;  // after at_s
+};
+
+// A point mass fixed to a link.
+struct Payload {
+  Interval when;
+  std::string link;
+  double mass_kg = 0.0;
+  std::array<double, 3> place_m{};  // in the link's frame
+};
+
+struct Push {
+  Interval when;
+  std::string link;
+  std::array<double, 3> force_N{};  // world axes
+  std::array<double, 3> place_m{};  // in the link's frame
+};
+
+class Schedule {
+ public:
+  // Throws std::invalid_argument: an interval that begins before 0 or does not end after its begin,
+  // two payloads or two pushes at a time, a value that is not finite, a mass below 0.
+  Schedule(std::vector<Payload> payloads, std::vector<Push> pushes);
+
+  // period_s: positive.
+  provider::BodyDisturbance At(std::uint64_t ticks_since_start, double period_s) const;
+
+ private:
+  std::vector<Payload> payloads_;
+  std::vector<Push> pushes_;
+};
+
+}  // namespace sinew::body_disturbance
