@@ -3,6 +3,7 @@
 #include "bench/payloads/provider_member.h"
 #include "components/control/participant/component.h"
 #include "components/esn/participant/component.h"
+#include "components/performance/participant/component.h"
 #include "components/pneumatics/participant/component.h"
 #include "components/reference/participant/component.h"
 #include "components/regime/participant/component.h"
@@ -48,6 +49,10 @@ MemberSpec Residual(const std::filesystem::path& config) {
           ""};
 }
 
+MemberSpec Performance(const std::filesystem::path& config) {
+  return {"performance", Simple(performance::MakePerformance), config, ""};
+}
+
 }  // namespace
 
 std::vector<Group> AllGroups(const std::filesystem::path& folder,
@@ -61,6 +66,7 @@ std::vector<Group> AllGroups(const std::filesystem::path& folder,
         Pneumatics(folder / "pneumatics.yaml"),
         Rls(rig / "rls.yaml"),
         Residual(folder / "residual.yaml"),
+        Performance(rig / "performance.yaml"),
         {"provider", MakeProvider, rig / "surrogate.yaml", "surrogate"}}},
       {"models",
        {Reference(rig / "reference_benchmark.yaml"),

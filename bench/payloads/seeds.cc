@@ -5,6 +5,7 @@
 #include <sinew_idl/joint.h>
 #include <sinew_idl/learning.h>
 #include <sinew_idl/operator.h>
+#include <sinew_idl/performance.h>
 #include <sinew_idl/pneumatics.h>
 #include <sinew_idl/recording.h>
 #include <sinew_idl/reference.h>
@@ -84,6 +85,7 @@ class Collection {
     AddEmpty(node::kReservoirState);
     AddEmpty(node::kAdaptationState);
     AddEmpty(node::kResidual);
+    AddEmpty(node::kPerformance);
     AddEmpty(node::kReference);
     AddEmpty(node::kCommandSource);
     AddEmpty(node::kFootForce);

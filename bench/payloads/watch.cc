@@ -3,6 +3,7 @@
 #include <sinew_idl/joint.h>
 #include <sinew_idl/learning.h>
 #include <sinew_idl/operator.h>
+#include <sinew_idl/performance.h>
 #include <sinew_idl/pneumatics.h>
 #include <sinew_idl/reference.h>
 #include <sinew_idl/regime.h>
@@ -62,6 +63,13 @@ std::string Check(const msg::ResidualState& m) {
   return Finite(m.learnt_share(), m.residual_Nm(), m.rms_Nm(), m.statistic(), m.change(),
                 m.change_error());
 }
+std::string Check(const msg::PerformanceState& m) {
+  return Finite(m.error_rad(), m.sliding_rms_rad(), m.window_share(), m.mean_square_error_rad2(),
+                m.absolute_work_J(), m.positive_work_J(), m.net_work_J(), m.electrical_J(),
+                std::array{m.robot_mean_square_error_rad2(), m.robot_absolute_work_J(),
+                           m.robot_positive_work_J(), m.robot_net_work_J(), m.robot_electrical_J(),
+                           m.rise_m(), m.lifting_work_J()});
+}
 std::string Check(const msg::AdaptationState& m) {
   std::string wrong = Finite(m.innovation_Nm());
   if (!IsFinite(m.clipped_share()) || !IsFinite(m.covariance_trace()))
@@ -92,6 +100,7 @@ std::string Assess(std::string_view topic, const node::Bytes& payload) {
       {node::kReadout.name, AssessAs<msg::Readout>},
       {node::kPneumaticState.name, AssessAs<msg::PneumaticState>},
       {node::kResidual.name, AssessAs<msg::ResidualState>},
+      {node::kPerformance.name, AssessAs<msg::PerformanceState>},
       {node::kAdaptationState.name, AssessAs<msg::AdaptationState>},
       {node::kSimPressure.name, AssessAs<msg::SimPressure>},
       {node::kValveCommand.name, AssessAs<msg::ValveCommand>},

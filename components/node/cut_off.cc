@@ -4,10 +4,15 @@ namespace sinew::node {
 
 const std::vector<CutOffRule>& CutOffRules() {
   static const std::vector<CutOffRule> kRules = {
-      {"reference", 0.2, "the provider"},  {"regime", 0.2, "the provider"},
-      {"pneumatics", 0.2, "the provider"}, {"residual", 0.2, "the provider"},
-      {"esn", 0.3, "reference, regime"},   {"control", 0.4, "reference, regime, esn"},
-      {"rls", 0.7, "esn, control"},        {"", 0.4, "as control"},
+      {"reference", 0.2, "the provider"},
+      {"regime", 0.2, "the provider"},
+      {"pneumatics", 0.2, "the provider"},
+      {"residual", 0.2, "the provider"},
+      {"esn", 0.3, "reference, regime"},
+      {"control", 0.4, "reference, regime, esn"},
+      {"rls", 0.7, "esn, control"},
+      {"performance", 0.7, "reference"},
+      {"", 0.4, "as control"},
   };
   return kRules;
 }

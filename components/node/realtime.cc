@@ -41,6 +41,7 @@ const std::vector<PriorityRule>& PriorityRules() {
       {"ideal-pressure", 31, "stands in for pneumatics"},
       {"frozen-readout", 30, "stands in for rls"},
       {"residual", 0, "observer"},
+      {"performance", 0, "observer"},
       {"logger", 0, "observer, and waits for its disk"},
       {"player", 0, "observer of a file; what it sends is no live command"},
       {"", 28, "a kind that is not in this table: below all that are"},

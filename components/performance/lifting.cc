@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "components/performance/sliding_window.h"
+
 namespace sinew::performance {
 
 double LiftingWork_J(double mass_kg, double rise_m, double gravity_m_s2) noexcept {
@@ -22,7 +24,7 @@ LiftingBound::LiftingBound(double mass_kg, double band_m, double gravity_m_s2)
 }
 
 void LiftingBound::Step(double height_m) noexcept {
-  if (!std::isfinite(height_m)) {
+  if (!IsUsable(height_m)) {
     ++lost_;
     return;
   }

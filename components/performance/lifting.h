@@ -26,7 +26,8 @@ class LiftingBound {
   LiftingBound(double mass_kg, double band_m, double gravity_m_s2 = kGravity_m_s2);
 
   // height_m: of the centre of mass (of the base, times the share of it by which the centre moves),
-  // upwards, any origin. One that is not finite is left out and counted.
+  // upwards, any origin. One that is not usable (sliding_window.h) is left out and
+  // counted.
   void Step(double height_m) noexcept;
 
   double rise_m() const noexcept;  // all rises, the present one included

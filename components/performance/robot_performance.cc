@@ -33,7 +33,8 @@ void AddTo(Energies* sum, const Energies& joint) noexcept {
 }  // namespace
 
 RobotPerformance::RobotPerformance(const RobotPerformanceConfig& config, double period_s)
-    : drawn_(period_s, CommonBridge_s(config)), lifting_(config.mass_kg, config.lift_band_m) {
+    : drawn_(period_s, CommonBridge_s(config)) {
+  if (config.mass_kg) lifting_.emplace(*config.mass_kg, config.lift_band_m);
   joints_.reserve(config.joints.size());
   for (const JointPerformanceConfig& joint : config.joints) joints_.emplace_back(joint, period_s);
 }
@@ -61,13 +62,16 @@ RobotPerformanceOutput RobotPerformance::Step(std::uint64_t tick,
   if (!repeated) {
     last_tick_ = tick;
     drawn_.Step(tick, electrical_W);
-    lifting_.Step(centre_height_m);
+    if (lifting_) lifting_->Step(centre_height_m);
+    has_height_ = has_height_ || IsUsable(centre_height_m);
   }
   output.drawn_J = drawn_.positive_J();
   output.drawn = drawn_.coverage();
-  output.rise_m = lifting_.rise_m();
-  output.lifting_J = lifting_.work_J();
-  output.height_lost = lifting_.lost();
+  if (!lifting_) return output;
+  output.lifting_known = has_height_;
+  output.rise_m = lifting_->rise_m();
+  output.lifting_J = lifting_->work_J();
+  output.height_lost = lifting_->lost();
   return output;
 }
 

@@ -14,6 +14,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -25,7 +26,8 @@ namespace sinew::performance {
 
 struct RobotPerformanceConfig {
   std::vector<JointPerformanceConfig> joints;  // 1 to types::kMaxJoints
-  double mass_kg = 0.0;                        // all of it, payload included
+  // All of it, payload included; empty: not known, and there is no lifting bound.
+  std::optional<double> mass_kg;
   // Turns of the height below this are noise. Default: four times 2.5 mm, what an encoder step of
   // 0.072 degrees (thesis 3.2.3) in three joints moves a leg of 0.65 m at most (0.65 x 3
   // x 1.26e-3).
@@ -39,6 +41,8 @@ struct RobotPerformanceOutput {
   Energies energies;  // sums; electrical_known when all joints know theirs
   double drawn_J = 0.0;
   Coverage drawn;
+  bool lifting_known =
+      false;  // the mass is known and there was a height; the next two are 0 otherwise
   double rise_m = 0.0;
   double lifting_J = 0.0;
   std::uint64_t height_lost = 0;  // ticks without a height
@@ -58,7 +62,8 @@ class RobotPerformance {
  private:
   std::vector<JointPerformance> joints_;
   PowerIntegral drawn_;
-  LiftingBound lifting_;
+  std::optional<LiftingBound> lifting_;
+  bool has_height_ = false;
   bool started_ = false;
   std::uint64_t last_tick_ = 0;
 };

@@ -45,6 +45,7 @@ const Subject kSubjects[] = {
     {"control", "sinew-control", "control_pid_esn.yaml"},
     {"control", "sinew-control", "control_position.yaml"},
     {"residual", "sinew-residual", "residual.yaml"},
+    {"performance", "sinew-performance", "performance.yaml"},
 };
 
 // A second of a played reference as a recording, and the configuration that names it.

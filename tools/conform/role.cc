@@ -12,7 +12,7 @@ namespace {
 // Parties of the table that answer every tick of a robot that others play. A state provider makes
 // the ticks itself, a logger writes files.
 constexpr std::string_view kRoles[] = {"pneumatics", "regime",  "reference", "esn",
-                                       "rls",        "control", "residual"};
+                                       "rls",        "control", "residual",  "performance"};
 
 constexpr StaleRule kStaleRules[] = {
     // docs/participants/control.md, "When an input is missing"
@@ -35,6 +35,8 @@ constexpr StaleRule kStaleRules[] = {
     {"pneumatics", "actuator_state", "pneumatic_state"},
     // docs/participants/residual.md, state LOST
     {"residual", "actuator_state", "residual"},
+    // docs/participants/performance.md, "Lost samples"
+    {"performance", "reference", "performance"},
 };
 
 bool Contains(const std::vector<node::TopicInfo>& topics, std::string_view name) {

@@ -26,7 +26,8 @@ const std::vector<std::string> kRestartWords = {"never", "on_failure", "always"}
 bool IsLogger(const Process& process) { return process.program.filename() == "sinew-logger"; }
 // Nothing that moves depends on what it publishes.
 bool IsObserver(const Process& process) {
-  return IsLogger(process) || process.program.filename() == "sinew-residual";
+  const std::filesystem::path program = process.program.filename();
+  return IsLogger(process) || program == "sinew-residual" || program == "sinew-performance";
 }
 
 Restart RestartFromWord(const std::string& word) {

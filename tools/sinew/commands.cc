@@ -13,6 +13,7 @@
 #include "tools/sinew/list.h"
 #include "tools/sinew/model.h"
 #include "tools/sinew/operator.h"
+#include "tools/sinew/performance.h"
 #include "tools/sinew/permit_replay.h"
 #include "tools/sinew/record.h"
 #include "tools/sinew/replay.h"
@@ -42,6 +43,7 @@ void AddCoreCommands(CLI::App& app) {
   AddModelCommand(app);
   AddTrainCommand(app);
   AddScoreCommand(app);
+  AddPerformanceCommand(app);
   AddCompletionCommand(app);
 }
 

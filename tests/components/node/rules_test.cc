@@ -19,7 +19,7 @@ TEST(PriorityRules, AreGradedFromTheBusToTheAdaptation) {
   for (const char* provider : {"world", "surrogate"}) {
     EXPECT_EQ(PriorityOf(provider).priority, PriorityOf("can-bridge").priority);
   }
-  for (const char* observer : {"logger", "player", "residual"}) {
+  for (const char* observer : {"logger", "player", "residual", "performance"}) {
     EXPECT_EQ(PriorityOf(observer).priority, 0) << "SCHED_OTHER";
   }
 }
