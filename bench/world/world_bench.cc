@@ -1,5 +1,5 @@
 // How fast a biped with twelve joints stands on the ground in simulation, beside the same step with
-// DART's dynamics.
+// DART's dynamics; and how long the inverse dynamics of a biped on both soles takes.
 //   cmake --preset release -DSINEW_BUILD_BENCH=ON && cmake --build build/release --target
 //   world_bench build/release/bin/world_bench
 #include <benchmark/benchmark.h>
@@ -10,6 +10,7 @@
 #include "sim/world/contact.h"
 #include "sim/world/floating_chain.h"
 #include "sim/world/floating_world.h"
+#include "tests/components/stance/biped.h"
 #include "tests/sim/world/biped.h"
 #include "tests/sim/world/dart_skeleton.h"
 
@@ -158,6 +159,19 @@ void SolveWithDart(benchmark::State& state) {
   }
 }
 BENCHMARK(SolveWithDart)->Unit(benchmark::kMicrosecond);
+
+// Inverse dynamics of robots/biped on both soles: what the stand-in of the networks does in a tick.
+void SolveDoubleSupport(benchmark::State& state) {
+  const arm::Chain chain = stance::ReadNuBiped();
+  stance::DoubleSupport stance(chain);
+  const leg::LegGeometry geometry = leg::GeometryOf(chain, leg::NamesOfSide("left"), "left_sole");
+  const stance::JointsMotion motion = stance::Squat(
+      stance.dynamics(), geometry, {leg::StraightHeight(geometry, 0.0) - 0.2, 0.1, 1.0});
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(stance.Solve(motion.q, motion.v, motion.a).torque.data());
+  }
+}
+BENCHMARK(SolveDoubleSupport)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace sinew::world

@@ -81,6 +81,10 @@ JointController::JointController(const JointControlConfig& config)
     if (!config.model) throw std::invalid_argument("pid_linear needs a model");
     compensator_.emplace(*config.model, config.compensator);
   }
+  if (config.strategy == Strategy::kComputedTorque) {
+    Require(config.pid.integral_Nm_rad_s == 0.0, "integral gain of computed_torque",
+            config.pid.integral_Nm_rad_s);
+  }
 }
 
 void JointController::Disarm() noexcept {
@@ -226,6 +230,11 @@ Point JointController::Target(const JointInput& input) noexcept {
   return {target_.position_rad, 0.0, 0.0};
 }
 
+bool JointController::PredictionCounts(const JointInput& input) const noexcept {
+  if (aim_ == Aim::kReference) return input.reference_fresh;
+  return config_.strategy == Strategy::kComputedTorque && aim_ == Aim::kHold;
+}
+
 double JointController::FeedForward(const JointInput& input, const Point& target) noexcept {
   int source = 0;
   double wanted_Nm = 0.0;
@@ -235,10 +244,10 @@ double JointController::FeedForward(const JointInput& input, const Point& target
     JointMeasurement m = last_actuator_;
     m.actuator_valid = input.measured->actuator_valid;
     wanted_Nm = compensator_->Step(target, m, input.period_s);
-  } else if (config_.strategy == Strategy::kPidEsn && aim_ == Aim::kReference &&
-             input.reference_fresh && input.prediction_fresh && input.prediction.valid) {
+  } else if (UsesPrediction(config_.strategy) && input.prediction_fresh && input.prediction.valid &&
+             PredictionCounts(input)) {
     const JointPrediction& prediction = input.prediction;
-    if (!config_.by_regime) {
+    if (!config_.needs_regime()) {
       source = 4;
       wanted_Nm = config_.shaft_per_output * prediction.torque_Nm;
     } else if (input.regime == types::Regime::kSea) {
@@ -382,7 +391,7 @@ JointController::Result JointController::Step(const JointInput& input) noexcept 
     result.output = Damping(m);
     return result;
   }
-  if (config_.strategy == Strategy::kPidEsn && now.prediction_fresh && now.prediction.valid &&
+  if (UsesPrediction(config_.strategy) && now.prediction_fresh && now.prediction.valid &&
       !(std::isfinite(now.prediction.sea_torque_Nm) &&
         std::isfinite(now.prediction.pea_torque_Nm) && std::isfinite(now.prediction.torque_Nm))) {
     now.prediction.valid = false;

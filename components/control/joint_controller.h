@@ -8,6 +8,9 @@
 //
 // Command, torque strategies: limit(PID / (N efficiency) + feed-forward) at the motor shaft; the
 // cut part goes back into the integral. kPosition gives the target to the drive's own loops.
+// kComputedTorque: PD and the torque prediction (thesis Fig. 7.6), without an integral: what the
+// motion needs is the prediction's part. So it counts while the joint holds, too, where kPidEsn has
+// its integral; an idle reference names the measured positions, at rest.
 //
 // Late input: until it is stale_grace_s old the reference goes on at its last acceleration, and the
 // last prediction and the last regime stay; one that comes a tick late every time is as good.
@@ -32,7 +35,13 @@
 
 namespace sinew::control {
 
-enum class Strategy { kPosition, kPid, kPidLinear, kPidEsn };
+enum class Strategy { kPosition, kPid, kPidLinear, kPidEsn, kComputedTorque };
+
+// The command has the torque prediction in it.
+constexpr bool UsesPrediction(Strategy strategy) noexcept {
+  return strategy == Strategy::kPidEsn || strategy == Strategy::kComputedTorque;
+}
+
 enum class DerivativeOf { kError, kMeasurement };
 enum class VelocityFrom { kOutputDifference, kOutput, kMotor };
 enum class OnStale { kHold, kDamp };
@@ -56,6 +65,8 @@ struct JointControlConfig {
   OnStale on_stale = OnStale::kHold;
   double stale_grace_s = 0.035;  // what a standby needs to take over: docs/safety.md
   double motion_acceleration_rad_s2 = 1.0;
+
+  bool needs_regime() const noexcept { return strategy == Strategy::kPidEsn && by_regime; }
 };
 
 struct JointInput {
@@ -136,6 +147,7 @@ class JointController {
   void ChooseAim(const JointInput& input) noexcept;
   Point Target(const JointInput& input) noexcept;
   double MeasuredVelocity(const JointMeasurement& m, double period_s) noexcept;
+  bool PredictionCounts(const JointInput& input) const noexcept;
   double FeedForward(const JointInput& input, const Point& target) noexcept;
   JointOutput Damping(const JointMeasurement& m) const noexcept;
   JointOutput Push(const JointInput& input) noexcept;

@@ -63,9 +63,10 @@ RobotOutput RobotController::Step(const RobotInput& input) noexcept {
     const JointController::Result result = joints_[j].Step(joint);
     output.joint[j] = result.output;
     output.stale = output.stale || result.stale;
-    const bool esn = joints_[j].config().strategy == Strategy::kPidEsn;
-    const bool regime_known = input.regime_fresh || !joints_[j].config().by_regime;
-    if (esn && joint.reference_expected && !(input.prediction_fresh && regime_known)) {
+    const JointControlConfig& config = joints_[j].config();
+    const bool regime_known = input.regime_fresh || !config.needs_regime();
+    if (UsesPrediction(config.strategy) && joint.reference_expected &&
+        !(input.prediction_fresh && regime_known)) {
       output.stale = true;
     }
     if (result.fault != Fault::kNone &&

@@ -66,8 +66,10 @@ TargetEquation::TargetEquation(const TargetConfig& config, const actuator::Robot
   for (const actuator::JointModel& joint : robot.joints)
     gear_ratio_.push_back(joint.constants.gear_ratio);
   if (config.carry_over) {
-    at_reference_.emplace(robot, config.smoothing_rad_s);
-    at_motion_.emplace(robot, config.smoothing_rad_s);
+    const esn::InverseDynamicsConfig inverse{
+        .robot = robot, .smoothing_rad_s = config.smoothing_rad_s, .stance = config.stance};
+    at_reference_.emplace(inverse);
+    at_motion_.emplace(inverse);
   }
   ring_.resize(static_cast<std::size_t>(2 * half_ + 1));
   for (Slot& slot : ring_) slot.features = Eigen::VectorXd::Zero(most_features);

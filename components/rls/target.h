@@ -42,7 +42,8 @@ struct TargetConfig {
   int half_window_ticks = 8;  // h, 1 .. 100
   bool motion_from_motor =
       true;  // velocity and acceleration of the motor's angle / N, else of the output's
-  double smoothing_rad_s = 0.05;  // of the model's dry friction, > 0
+  double smoothing_rad_s = 0.05;                           // of the model's dry friction, > 0
+  std::optional<esn::StanceConfig> stance = std::nullopt;  // rigid bodies of a biped, in M
 };
 
 // What one tick brought. Arrays are by joint.

@@ -3,12 +3,32 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <stdexcept>
+#include <string>
 
 namespace sinew::tune {
+namespace {
+
+void CheckScored(const std::vector<int>& scored_joints, int joint_count) {
+  const bool good = std::all_of(scored_joints.begin(), scored_joints.end(),
+                                [joint_count](int j) { return j >= 0 && j < joint_count; });
+  if (good && !scored_joints.empty()) return;
+  throw std::invalid_argument("scored joints: expected one at least, each 0 .. " +
+                              std::to_string(joint_count - 1));
+}
+
+}  // namespace
+
+bool HasFallen(const provider::SimulatedPlant& plant, double least_m) noexcept {
+  const provider::BodyTruth* body = plant.body_truth();
+  return body != nullptr && !(body->position_m[2] >= least_m);
+}
+
 ClosedLoopScore RunClosedLoop(const ClosedLoopConfig& config, provider::Plant& plant,
                               std::vector<ClosedLoopTick>* trace) {
   const double period_s = 1.0 / config.rate_Hz;
   const int joints = plant.joint_count();
+  CheckScored(config.scored_joints, joints);
   control::RobotController controller(config.control);
   reference::RobotReference generator(config.reference);
   std::vector<pneumatics::PressureManager> managers;
@@ -19,7 +39,7 @@ ClosedLoopScore RunClosedLoop(const ClosedLoopConfig& config, provider::Plant& p
   std::deque<provider::PlantCommand> waiting;
   plant.Reset(&sensors);
   ClosedLoopScore score;
-  double torque_before_Nm = 0.0;
+  types::JointArray<double> torque_before_Nm{};
   long scored = 0, saturated = 0;
   double squares = 0.0, torque_squares = 0.0, change_squares = 0.0;
   const auto ticks = static_cast<std::uint64_t>(std::llround(config.duration_s * config.rate_Hz));
@@ -61,20 +81,25 @@ ClosedLoopScore RunClosedLoop(const ClosedLoopConfig& config, provider::Plant& p
 
     const double time_s = static_cast<double>(tick) * period_s;
     if (trace != nullptr) {
-      trace->push_back({time_s, wanted.idle, wanted.joint[0].position_rad, sensors.position_rad[0],
-                        output.joint[0].motor_torque_Nm, output.joint[0].compensation_Nm});
+      const auto j = static_cast<std::size_t>(config.scored_joints.front());
+      trace->push_back({time_s, wanted.idle, wanted.joint[j].position_rad, sensors.position_rad[j],
+                        output.joint[j].motor_torque_Nm, output.joint[j].compensation_Nm});
     }
-    if (!wanted.idle && time_s >= config.score_from_s && time_s < config.score_to_s) {
-      const double error_rad = wanted.joint[0].position_rad - sensors.position_rad[0];
-      const double torque_Nm = output.joint[0].motor_torque_Nm;
+    const bool scores = !wanted.idle && time_s >= config.score_from_s && time_s < config.score_to_s;
+    for (const int joint : config.scored_joints) {
+      const auto j = static_cast<std::size_t>(joint);
+      const double torque_Nm = output.joint[j].motor_torque_Nm;
+      const double change_Nm = torque_Nm - torque_before_Nm[j];
+      torque_before_Nm[j] = torque_Nm;
+      if (!scores) continue;
+      const double error_rad = wanted.joint[j].position_rad - sensors.position_rad[j];
       squares += error_rad * error_rad;
       score.worst_rad = std::max(score.worst_rad, std::abs(error_rad));
       torque_squares += torque_Nm * torque_Nm;
-      change_squares += (torque_Nm - torque_before_Nm) * (torque_Nm - torque_before_Nm);
-      saturated += output.joint[0].saturated;
+      change_squares += change_Nm * change_Nm;
+      saturated += output.joint[j].saturated;
       ++scored;
     }
-    torque_before_Nm = output.joint[0].motor_torque_Nm;
 
     for (int j = 0; j < joints; ++j) {
       command.mode[j] = output.joint[j].mode;
@@ -97,6 +122,10 @@ ClosedLoopScore RunClosedLoop(const ClosedLoopConfig& config, provider::Plant& p
     waiting.push_back(command);
     plant.Step(waiting.front(), period_s, &sensors);
     if (waiting.size() > static_cast<std::size_t>(config.delay_ticks)) waiting.pop_front();
+    if (config.fallen && config.fallen()) {
+      score.fell_at_s = static_cast<double>(tick + 1) * period_s;
+      break;
+    }
   }
   if (scored > 0) {
     const auto count = static_cast<double>(scored);

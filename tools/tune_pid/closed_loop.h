@@ -6,11 +6,13 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "components/control/robot_controller.h"
 #include "components/pneumatics/manager.h"
 #include "components/provider/plant.h"
+#include "components/provider/simulated_plant.h"
 #include "components/reference/robot_reference.h"
 
 namespace sinew::tune {
@@ -24,11 +26,14 @@ struct ClosedLoopConfig {
   double duration_s = 0.0;    // from arming
   double score_from_s = 0.0;  // earlier samples do not count
   double score_to_s = 1e9;
+  std::vector<int> scored_joints = {0};  // the source scores the six joints that squat
   // Sees what the sensors say at every tick, before the command; may be empty.
   std::function<void(double time_s, const provider::PlantSensors&)> each_tick = {};
+  // Asked at the end of every tick: true ends the run, the robot fell (HasFallen). May be empty.
+  std::function<bool()> fallen = {};
 };
 
-// The first joint in one tick.
+// The first scored joint in one tick.
 struct ClosedLoopTick {
   double time_s = 0.0;  // from arming
   bool idle = true;     // no reference
@@ -38,7 +43,7 @@ struct ClosedLoopTick {
   double compensation_Nm = 0.0;  // its feed-forward part
 };
 
-// Of the first joint.
+// Of the scored joints, means over joints and ticks.
 struct ClosedLoopScore {
   double mse_rad2 = 0.0;  // reference against measured output
   double worst_rad = 0.0;
@@ -46,9 +51,15 @@ struct ClosedLoopScore {
   double torque_change_rms_Nm = 0.0;  // from tick to tick: chatter
   double saturated_share = 0.0;
   bool faulted = false;
+  std::optional<double> fell_at_s;  // from arming; what is above is of the ticks before
 };
 
-// trace: a row a tick; may be null.
+// The base of a simulated robot is below least_m: Z_base link < Z_min, Algorithm 2, line 6. False
+// for a robot on a fixed base.
+bool HasFallen(const provider::SimulatedPlant& plant, double least_m) noexcept;
+
+// trace: a row a tick; may be null. Throws std::invalid_argument: no scored joint, or one that the
+// plant lacks.
 ClosedLoopScore RunClosedLoop(const ClosedLoopConfig& config, provider::Plant& plant,
                               std::vector<ClosedLoopTick>* trace = nullptr);
 

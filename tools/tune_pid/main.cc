@@ -3,12 +3,11 @@
 // Objective: mean squared tracking error of the reference's trajectories at 3 and 5 bar, without
 // and with a payload. Constraint: with every gain four times as large (12 dB of gain margin) no run
 // swings. Both in the laboratory's loop: 80 Hz, commands one period late. Stage 1 draws from the
-// whole ranges, stage 2 around the best.
+// whole ranges, stage 2 around the best (search.h).
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
 #include <iostream>
-#include <random>
 
 #include "components/control/file/control_file.h"
 #include "components/pneumatics/file/pneumatics_file.h"
@@ -16,6 +15,7 @@
 #include "sim/surrogate/file/surrogate_file.h"
 #include "sim/surrogate/surrogate.h"
 #include "tools/tune_pid/closed_loop.h"
+#include "tools/tune_pid/search.h"
 
 namespace {
 
@@ -52,13 +52,13 @@ struct Bench {
   }
 };
 
-// The mean squared error, or infinity where the constraint fails.
+// The mean squared error; discarded where the constraint fails.
 double Cost(const Bench& bench, const control::PidConfig& pid, double best) {
   double sum = 0.0;
   for (const double pressure_bar : {3.0, 5.0}) {
     for (const double payload_kg : {0.0, 0.5}) {
-      sum += bench.Run(pid, pressure_bar, payload_kg, 80.0, 1).mse_rad2 / 4.0;
-      if (!(sum < best)) return HUGE_VAL;
+      sum += tune::TrackingCost(bench.Run(pid, pressure_bar, payload_kg, 80.0, 1)) / 4.0;
+      if (!(sum < best)) return tune::kDiscarded;
     }
   }
   control::PidConfig harder = pid;
@@ -69,7 +69,7 @@ double Cost(const Bench& bench, const control::PidConfig& pid, double best) {
     const tune::ClosedLoopScore score = bench.Run(harder, 4.0, payload_kg, 80.0, 1);
     if (score.faulted || !(score.torque_change_rms_Nm < kSwing_Nm) ||
         !(score.worst_rad < kLost_rad)) {
-      return HUGE_VAL;
+      return tune::kDiscarded;
     }
   }
   return sum;
@@ -80,8 +80,7 @@ double Cost(const Bench& bench, const control::PidConfig& pid, double best) {
 int main(int argc, char** argv) try {
   CLI::App app{"Finds PID gains against the surrogate, in process."};
   std::filesystem::path rig_path, control_path, reference_path, pneumatics_path;
-  int trials = 80;
-  std::uint64_t seed = 1;
+  tune::SearchConfig search;
   app.add_option("--surrogate", rig_path, "Surrogate, schema sinew-surrogate/1");
   app.add_option("--control", control_path, "Controller whose gains are sought, sinew-control/1")
       ->required();
@@ -89,8 +88,9 @@ int main(int argc, char** argv) try {
       ->required();
   app.add_option("--pneumatics", pneumatics_path, "Pressure manager, sinew-pneumatics/1")
       ->required();
-  app.add_option("--trials", trials, "Draws in each of the two stages")->check(CLI::PositiveNumber);
-  app.add_option("--seed", seed, "Seed of the draws");
+  app.add_option("--trials", search.trials, "Draws in each of the two stages")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--seed", search.seed, "Seed of the draws");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -111,43 +111,23 @@ int main(int argc, char** argv) try {
   bench.duration_s =
       bench.reference.start_delay_s + trajectory.soft_start_s + trajectory.trajectory->duration_s();
 
-  std::mt19937_64 random(seed);
-  const auto draw = [&random](double lower, double upper) {  // even in the logarithm
-    const double u = static_cast<double>(random() >> 11) * 0x1.0p-53;
-    return lower * std::pow(upper / lower, u);
+  const auto print = [](const tune::Draw& draw) {
+    std::printf(
+        "stage %d draw %3d: Kp %7.3f Nm/rad  Ki %7.3f Nm/(rad s)  Kd %6.3f Nm s/rad  MSE %.6f "
+        "rad2\n",
+        draw.stage, draw.number, draw.pid.proportional_Nm_rad, draw.pid.integral_Nm_rad_s,
+        draw.pid.derivative_Nm_s_rad, draw.cost);
+    std::fflush(stdout);
   };
-  control::PidConfig best_pid = bench.joint.pid;
-  double best = HUGE_VAL;
-  for (int stage = 1; stage <= 2; ++stage) {
-    const control::PidConfig center = best_pid;
-    for (int i = 0; i < trials; ++i) {
-      control::PidConfig pid = bench.joint.pid;
-      if (stage == 1) {
-        pid.proportional_Nm_rad = draw(1.0, 100.0);
-        pid.integral_Nm_rad_s = draw(0.1, 100.0);
-        pid.derivative_Nm_s_rad = draw(0.05, 5.0);
-      } else {
-        pid.proportional_Nm_rad = center.proportional_Nm_rad * draw(0.7, 1.4);
-        pid.integral_Nm_rad_s = center.integral_Nm_rad_s * draw(0.7, 1.4);
-        pid.derivative_Nm_s_rad = center.derivative_Nm_s_rad * draw(0.7, 1.4);
-      }
-      const double cost = Cost(bench, pid, best);
-      if (cost < best) {
-        best = cost;
-        best_pid = pid;
-        std::printf(
-            "stage %d draw %3d: Kp %7.3f Nm/rad  Ki %7.3f Nm/(rad s)  Kd %6.3f Nm s/rad  MSE %.6f "
-            "rad2\n",
-            stage, i, pid.proportional_Nm_rad, pid.integral_Nm_rad_s, pid.derivative_Nm_s_rad,
-            cost);
-        std::fflush(stdout);
-      }
-    }
-  }
-  if (!std::isfinite(best)) {
+  const auto cost = [&bench](const control::PidConfig& pid, double best) {
+    return Cost(bench, pid, best);
+  };
+  const auto found = tune::SearchGains(search, bench.joint.pid, cost, print);
+  if (!found) {
     std::cerr << "no draw kept the margin; try more --trials\n";
     return 1;
   }
+  const control::PidConfig& best_pid = found->pid;
   std::printf(
       "pid: {proportional_Nm_rad: %.4g, integral_Nm_rad_s: %.4g, derivative_Nm_s_rad: %.4g, "
       "derivative_filter_Hz: %g, anti_windup_s: %g}\n",

@@ -110,7 +110,8 @@ JointControlConfig ReadJoint(const Section& s, std::size_t index,
                                   {{"position", Strategy::kPosition},
                                    {"pid", Strategy::kPid},
                                    {"pid_linear", Strategy::kPidLinear},
-                                   {"pid_esn", Strategy::kPidEsn}});
+                                   {"pid_esn", Strategy::kPidEsn},
+                                   {"computed_torque", Strategy::kComputedTorque}});
 
   // The drive: from the model file, or given here.
   Units units;
@@ -171,8 +172,12 @@ JointControlConfig ReadJoint(const Section& s, std::size_t index,
   }
   joint.motor_torque_limit_Nm = limit_Nm;
 
-  if (joint.strategy != Strategy::kPosition || s.Has("pid"))
+  if (joint.strategy != Strategy::kPosition || s.Has("pid")) {
     joint.pid = ReadPid(s.Child("pid"), units);
+    if (joint.strategy == Strategy::kComputedTorque && joint.pid.integral_Nm_rad_s > 0.0) {
+      s.Fail("pid", "has an integral gain, expected none beside computed_torque (pid_esn has one)");
+    }
+  }
   joint.derivative_of = Word<DerivativeOf>(
       s, "derivative_of", "error",
       {{"error", DerivativeOf::kError}, {"measurement", DerivativeOf::kMeasurement}});
@@ -217,14 +222,13 @@ JointControlConfig ReadJoint(const Section& s, std::size_t index,
 
 bool ControlConfig::needs_prediction() const {
   return std::any_of(joints.begin(), joints.end(), [](const JointControlConfig& joint) {
-    return joint.strategy == Strategy::kPidEsn;
+    return UsesPrediction(joint.strategy);
   });
 }
 
 bool ControlConfig::needs_regime() const {
-  return std::any_of(joints.begin(), joints.end(), [](const JointControlConfig& joint) {
-    return joint.strategy == Strategy::kPidEsn && joint.by_regime;
-  });
+  return std::any_of(joints.begin(), joints.end(),
+                     [](const JointControlConfig& joint) { return joint.needs_regime(); });
 }
 
 ControlConfig ReadControl(const config::Section& section, const std::filesystem::path& model_path) {

@@ -29,7 +29,7 @@ struct ControlConfig {
   MotionRequests motion_requests = MotionRequests::kOff;
   double motion_timeout_s = 0.5;
 
-  bool needs_prediction() const;  // a joint uses pid_esn
+  bool needs_prediction() const;  // a joint uses pid_esn or computed_torque
   bool needs_regime() const;      // and chooses by regime
 };
 

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "components/actuator/file/model_file.h"
+#include "components/arm/file/urdf_file.h"
 #include "components/config/config.h"
 #include "components/esn/file/weights_file.h"
 
@@ -11,7 +12,30 @@ namespace {
 
 constexpr std::string_view kSchema = "sinew-esn-participant/1";
 
+InverseDynamicsConfig ReadInverseDynamics(const config::Section& s) {
+  InverseDynamicsConfig config;
+  config.robot = actuator::LoadRobotModel(s.ExistingPath("model"));
+  config.smoothing_rad_s = s.NumberOr("smoothing_rad_s", config.smoothing_rad_s, config::kPositive);
+  if (s.ChoiceOr("state", "reference", {"reference", "measured"}) == "measured") {
+    config.state = MotionState::kMeasured;
+  }
+  const config::Section feedback = s.ChildOrEmpty("feedback");
+  config.proportional_1_s2 = feedback.NumberOr("proportional_1_s2", 0.0, config::kNotNegative);
+  config.derivative_1_s = feedback.NumberOr("derivative_1_s", 0.0, config::kNotNegative);
+  feedback.RejectUnknownKeys();
+  config.stance = ReadStance(s);
+  return config;
+}
+
 }  // namespace
+
+std::optional<StanceConfig> ReadStance(const config::Section& s) {
+  if (s.ChoiceOr("stance", "none", {"none", "double"}) == "none") return std::nullopt;
+  const std::filesystem::path urdf = s.ExistingPath("urdf");
+  StanceConfig stance;
+  stance.chain = arm::ParseUrdf(config::ReadFile(urdf), urdf.string());
+  return stance;
+}
 
 std::optional<Weights> LoadWeightsFor(const config::Section& s, const char* key,
                                       const std::filesystem::path& given) {
@@ -44,9 +68,7 @@ EsnConfig LoadEsnConfig(const std::filesystem::path& path, const WeightsPaths& g
     config.adaptation = s.BoolOr("adaptation", false);
   } else {
     config.mode = EsnConfig::Mode::kInverseDynamics;
-    config.robot = actuator::LoadRobotModel(s.ExistingPath("model"));
-    config.smoothing_rad_s =
-        s.NumberOr("smoothing_rad_s", config.smoothing_rad_s, config::kPositive);
+    config.inverse_dynamics = ReadInverseDynamics(s);
   }
   s.RejectUnknownKeys();
   return config;

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <optional>
 
-#include "components/actuator/model.h"
 #include "components/config/config.h"
+#include "components/esn/inverse_dynamics.h"
 #include "components/esn/weights.h"
 
 namespace sinew::esn {
@@ -16,10 +16,8 @@ struct EsnConfig {
   // kNetwork: at least one.
   std::optional<Weights> sea;
   std::optional<Weights> pea;
-  bool adaptation = false;  // readouts are awaited from sinew-rls
-  // kInverseDynamics
-  actuator::RobotModel robot;
-  double smoothing_rad_s = 0.05;
+  bool adaptation = false;                 // readouts are awaited from sinew-rls
+  InverseDynamicsConfig inverse_dynamics;  // kInverseDynamics
 };
 
 // Weights given on the command line, in place of those in the file. Empty: as the file says.
@@ -31,6 +29,9 @@ struct WeightsPaths {
 // The weights that a key names, or those given instead; nothing: neither. Throws UsageError.
 std::optional<Weights> LoadWeightsFor(const config::Section& section, const char* key,
                                       const std::filesystem::path& given);
+
+// Keys `stance` (none, double) and `urdf`. Throws UsageError.
+std::optional<StanceConfig> ReadStance(const config::Section& section);
 
 // path may be empty when weights are given. Throws UsageError: file, line, key, expected.
 EsnConfig LoadEsnConfig(const std::filesystem::path& path, const WeightsPaths& given = {});

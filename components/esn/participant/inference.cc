@@ -42,7 +42,7 @@ bool Fill(const node::TickInput<Message>* input, Frame* frame) {
 Inference::Inference(const EsnConfig& config) {
   try {
     if (config.mode == EsnConfig::Mode::kInverseDynamics) {
-      inverse_.emplace(config.robot, config.smoothing_rad_s);
+      inverse_.emplace(config.inverse_dynamics);
       return;
     }
     predictor_.emplace(config.sea, config.pea);

@@ -101,6 +101,15 @@ TEST(ControlFile, NetworksNeedPredictions) {
           .needs_prediction());
 }
 
+TEST(ControlFile, ComputedTorqueNeedsPredictionsAndNoRegime) {
+  const ControlConfig config = Parse(
+      "joints: [{strategy: computed_torque, drive: {gear_ratio: 100, "
+      "motor_torque_limit_Nm: 0.4}, pid: {proportional_Nm_rad: 25, derivative_Nm_s_rad: 0.1}}]\n");
+  EXPECT_EQ(config.joints[0].strategy, Strategy::kComputedTorque);
+  EXPECT_TRUE(config.needs_prediction());
+  EXPECT_FALSE(config.needs_regime());
+}
+
 TEST(ControlFile, ReportsAnErrorInOneLine) {
   const std::string drive = "drive: {gear_ratio: 100, motor_torque_limit_Nm: 0.4}";
   const struct {
@@ -135,6 +144,9 @@ TEST(ControlFile, ReportsAnErrorInOneLine) {
       {"joints: [{strategy: pid, " + drive +
            ", pid: {proportional_Nm_rad: 1}, smoothing_rad_s: 1}]\n",
        "smoothing_rad_s"},
+      {"joints: [{strategy: computed_torque, " + drive +
+           ", pid: {proportional_Nm_rad: 1, integral_Nm_rad_s: 1}}]\n",
+       "integral gain"},
       {"motion_requests: maybe\njoints: [{strategy: position}]\n", "motion_requests"},
   };
   for (const auto& c : kCases) {

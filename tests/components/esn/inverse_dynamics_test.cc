@@ -71,6 +71,58 @@ TEST(InverseDynamics, DryFrictionTurnsSmoothlyThroughZeroVelocity) {
   EXPECT_GT(up - down, 0.4);
 }
 
+// The plant is the model: with measured position and velocity and feedback on the acceleration the
+// error obeys e'' + Kd e' + Kp e = 0, here critically damped.
+TEST(InverseDynamics, ComputedTorqueMakesTheErrorALinearOscillator) {
+  const actuator::RobotModel rig = Rig();
+  constexpr double kRate_1_s = 10.0, kStep_s = 1e-5;
+  InverseDynamicsConfig config{.robot = rig, .stance = std::nullopt};
+  config.state = MotionState::kMeasured;
+  config.proportional_1_s2 = kRate_1_s * kRate_1_s;
+  config.derivative_1_s = 2.0 * kRate_1_s;
+  InverseDynamics inverse(config);
+  const auto value = [&](const char* effect, const char* parameter) {
+    return rig.joints[0].Parameter(effect, parameter);
+  };
+  const double inertia =
+      value("rotor_inertia", "rotor_inertia") + value("link_inertia", "link_inertia");
+  constexpr double kStart_rad = 0.3, kReference_rad_s = 0.8;
+  double q = -kStart_rad, v = kReference_rad_s;  // the reference: 0.8 rad/s through 0
+  for (int k = 0; k < 40000; ++k) {
+    const double t_s = kStep_s * k;
+    Frame frame = FrameAt({kReference_rad_s * t_s, kReference_rad_s, 0.0, 2.0, 0.0, 0.0});
+    frame.Set(Signal::kPosition, 0, q);
+    frame.Set(Signal::kVelocity, 0, v);
+    const Prediction prediction = inverse.Step(frame, kStep_s);
+    ASSERT_TRUE(prediction.valid[0]);
+    if (k % 1000 == 0) {
+      const double expected = kStart_rad * (1.0 + kRate_1_s * t_s) * std::exp(-kRate_1_s * t_s);
+      // First order in the step: rate x step of the error.
+      EXPECT_NEAR(kReference_rad_s * t_s - q, expected, 2.0 * kRate_1_s * kStep_s * kStart_rad);
+    }
+    const double passive = Balance(rig.joints[0], {q, v, 0.0, 2.0, 0.0, 0.0});
+    v += kStep_s * (prediction.torque_Nm[0] - passive) / inertia;
+    q += kStep_s * v;
+  }
+}
+
+// Feedback adds Kp e + Kd e' to the acceleration, wherever the motion is taken from.
+TEST(InverseDynamics, FeedbackActsOnTheAcceleration) {
+  const actuator::RobotModel rig = Rig();
+  InverseDynamicsConfig config{.robot = rig, .stance = std::nullopt};
+  config.proportional_1_s2 = 40.0;
+  config.derivative_1_s = 6.0;
+  InverseDynamics inverse(config);
+  Frame frame = FrameAt({0.4, 1.2, 5.0, 4.0, 0.0, 0.0});
+  frame.Set(Signal::kPosition, 0, 0.3);
+  frame.Set(Signal::kVelocity, 0, 1.0);
+  EXPECT_NEAR(inverse.Step(frame, 0.01).torque_Nm[0],
+              Balance(rig.joints[0], {0.4, 1.2, 5.0 + 40.0 * 0.1 + 6.0 * 0.2, 4.0, 0.0, 0.0}),
+              1e-12);
+  frame.Set(Signal::kVelocity, 0, std::nan(""));
+  EXPECT_FALSE(inverse.Step(frame, 0.01).valid[0]);
+}
+
 TEST(InverseDynamics, SaysSoWhenTheReferenceIsNotKnown) {
   InverseDynamics inverse(Rig(), 0.05);
   const Prediction nothing = inverse.Step(Frame{}, 0.01);
@@ -85,6 +137,9 @@ TEST(InverseDynamics, RefusesWhatCannotBe) {
   EXPECT_THROW(InverseDynamics(actuator::RobotModel{}, 0.05), std::invalid_argument);
   EXPECT_THROW(InverseDynamics(Rig(), 0.0), std::invalid_argument);
   EXPECT_THROW(InverseDynamics(Rig(), std::nan("")), std::invalid_argument);
+  InverseDynamicsConfig config{.robot = Rig(), .stance = std::nullopt};
+  config.derivative_1_s = -1.0;
+  EXPECT_THROW(InverseDynamics{config}, std::invalid_argument);
 }
 
 }  // namespace

@@ -83,7 +83,32 @@ TEST_F(LearningConfig, EsnStandsInWithInverseDynamics) {
   const esn::EsnConfig config = esn::LoadEsnConfig(
       Write("schema: sinew-esn-participant/1\nmode: inverse_dynamics\n" + kModel));
   EXPECT_EQ(config.mode, esn::EsnConfig::Mode::kInverseDynamics);
-  EXPECT_EQ(config.robot.joints.size(), 1u);
+  EXPECT_EQ(config.inverse_dynamics.robot.joints.size(), 1u);
+  EXPECT_EQ(config.inverse_dynamics.state, esn::MotionState::kReference);
+  EXPECT_FALSE(config.inverse_dynamics.stance.has_value());
+}
+
+TEST_F(LearningConfig, EsnStandsInWithABipedOnBothSoles) {
+  const std::string head = "schema: sinew-esn-participant/1\nmode: inverse_dynamics\n" + kModel;
+  const std::string urdf = std::string(SINEW_SOURCE_DIR) + "/robots/biped/biped.urdf";
+  const esn::EsnConfig config = esn::LoadEsnConfig(
+      Write(head + "stance: double\nurdf: " + urdf +
+            "\nstate: measured\nfeedback: {proportional_1_s2: 100, derivative_1_s: 20}\n"));
+  const esn::InverseDynamicsConfig& inverse = config.inverse_dynamics;
+  ASSERT_TRUE(inverse.stance.has_value());
+  EXPECT_EQ(inverse.stance->chain.name, "biped");
+  EXPECT_EQ(inverse.state, esn::MotionState::kMeasured);
+  EXPECT_EQ(inverse.proportional_1_s2, 100.0);
+  EXPECT_EQ(inverse.derivative_1_s, 20.0);
+  const auto message = [&](const std::string& text) {
+    return MessageOf([&] { esn::LoadEsnConfig(Write(head + text)); });
+  };
+  EXPECT_THAT(message("stance: double\n"), HasSubstr("urdf"));
+  EXPECT_THAT(message("stance: single\n"), HasSubstr("key 'stance'"));
+  EXPECT_THAT(message("urdf: " + urdf + "\n"), HasSubstr("urdf"));
+  EXPECT_THAT(message("state: guessed\n"), HasSubstr("key 'state'"));
+  EXPECT_THAT(message("feedback: {proportional_1_s2: -1}\n"), HasSubstr("proportional_1_s2"));
+  EXPECT_THAT(message("feedback: {gain: 1}\n"), HasSubstr("gain"));
 }
 
 TEST_F(LearningConfig, EsnNamesEveryMistake) {
@@ -118,6 +143,15 @@ TEST_F(LearningConfig, RlsReadsItsFigures) {
   EXPECT_EQ(config.adapter.slowest_velocity_rad_s, 0.1);
   EXPECT_EQ(config.adapter.still_after_s, 0.5);
   EXPECT_FALSE(config.sea.has_value());
+}
+
+TEST_F(LearningConfig, RlsTakesTheBodiesOfABiped) {
+  const std::string head = "schema: sinew-rls-participant/1\npea_weights: pea.json\n" + kModel;
+  EXPECT_FALSE(rls::LoadRlsConfig(Write(head)).target.stance.has_value());
+  const rls::RlsConfig config = rls::LoadRlsConfig(
+      Write(head + "stance: double\nurdf: " SINEW_SOURCE_DIR "/robots/biped/biped.urdf\n"));
+  ASSERT_TRUE(config.target.stance.has_value());
+  EXPECT_EQ(config.target.stance->chain.name, "biped");
 }
 
 TEST_F(LearningConfig, RlsNamesEveryMistake) {

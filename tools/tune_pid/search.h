@@ -1,0 +1,54 @@
+// Two-stage random search of PID gains (Algorithm 2 of the source): stage 1 draws from the whole
+// ranges, stage 2 around the best of stage 1; all draws even in the logarithm.
+//
+// A trial's cost is a function of the gains; kDiscarded, as for gains with which the robot fell
+// (lines 5 to 8 of Algorithm 2: the base below its least height ends the trial and the gains do not
+// count), is never the best. One thread. Costs are asked for in the order of the draws, which
+// depend on the seed alone and not on the costs of their own stage.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <optional>
+
+#include "components/control/pid.h"
+#include "tools/tune_pid/closed_loop.h"
+
+namespace sinew::tune {
+
+inline constexpr double kDiscarded = HUGE_VAL;
+
+struct GainRange {
+  double lower = 0.0, upper = 0.0;  // 0 < lower <= upper
+};
+
+struct SearchConfig {
+  int trials = 80;  // in each stage
+  std::uint64_t seed = 1;
+  // Nm/rad, Nm/(rad s), Nm s/rad at the output.
+  GainRange proportional{1.0, 100.0}, integral{0.1, 100.0}, derivative{0.05, 5.0};
+  GainRange around_best{0.7, 1.4};  // factors of stage 2
+};
+
+struct Draw {
+  int stage = 0, number = 0;
+  control::PidConfig pid;
+  double cost = kDiscarded;
+};
+
+// `best`: the least cost so far; a trial whose cost cannot come below it may return kDiscarded.
+using TrialCost = std::function<double(const control::PidConfig& pid, double best)>;
+
+// The draw of least cost; nothing when all were discarded. The filter and limits of `rest` stay.
+// better: sees every draw that is better than all before; may be empty. Throws
+// std::invalid_argument: no trials, or a range that is none.
+std::optional<Draw> SearchGains(const SearchConfig& config, const control::PidConfig& rest,
+                                const TrialCost& cost,
+                                const std::function<void(const Draw&)>& better = {});
+
+// Mean squared error of a trial in the closed loop, rad^2; kDiscarded when the robot fell or a
+// fault stopped it.
+double TrackingCost(const ClosedLoopScore& score) noexcept;
+
+}  // namespace sinew::tune
