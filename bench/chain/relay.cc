@@ -6,11 +6,11 @@
 //
 // The source stands for the provider: it writes its topics at the rate, the last one last, and
 // measures until the sample of its input that carries the same number is there; an answer that
-// comes after half of the period is late. A relay stands for a participant: it answers in the
-// listener, when the samples of a number have come on all topics of --await; those of --in are only
-// read. Payloads, QoS (--qos, the profiles of components/node), transports, readers a topic,
-// threads and memory are those of the participants that are compared. --transports udp, as ours in
-// real time, both or shm.
+// comes after half of the period is late; the time that a cycle's writes take is printed too. A
+// relay stands for a participant: it answers in the listener, when the samples of a number have
+// come on all topics of --await; those of --in are only read. Payloads, QoS (--qos, the profiles of
+// components/node), transports, readers a topic, threads and memory are those of the participants
+// that are compared. --transports udp, as ours in real time, both or shm.
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
 #include <pthread.h>
@@ -252,31 +252,39 @@ void RunSource(const std::vector<Out>& outs, const Answerer& answer, double rate
   constexpr std::int64_t kLate_ns = 20'000'000;  // what a late answer counts as
   const auto period_ns = static_cast<std::int64_t>(1e9 / rate_Hz);
   const auto late_after_ns = static_cast<std::int64_t>(kLateShare * 1e9 / rate_Hz);
-  std::vector<std::int64_t> latency_ns;
-  latency_ns.reserve(static_cast<std::size_t>(seconds * rate_Hz) + 1);
+  std::vector<std::int64_t> latency_ns, writes_ns;
+  for (auto* times : {&latency_ns, &writes_ns}) {
+    times->reserve(static_cast<std::size_t>(seconds * rate_Hz) + 1);
+  }
   std::uint64_t late = 0;
   std::int64_t next_ns = Now_ns();
   const std::int64_t begin_ns = next_ns + kWarmUp_ns;
   const std::int64_t end_ns = begin_ns + static_cast<std::int64_t>(1e9 * seconds);
   for (std::uint64_t number = 1; next_ns < end_ns && !g_stop; ++number) {
-    std::int64_t written_ns = 0;
+    const std::int64_t start_ns = Now_ns();
+    std::int64_t written_ns = start_ns;
     for (const Out& out : outs) {
       Message message{number, out.size};
       written_ns = Now_ns();
       (void)out.writer->write(&message);
     }
+    const std::int64_t all_written_ns = Now_ns();
     const bool counts = next_ns >= begin_ns;
     next_ns += period_ns;
     SleepUntil(next_ns);
     if (!counts) continue;
+    writes_ns.push_back(all_written_ns - start_ns);
     const std::int64_t took_ns = answer.arrived_ns - written_ns;
     const bool in_time = answer.complete == number && took_ns <= late_after_ns;
     if (!in_time) ++late;
     latency_ns.push_back(in_time ? took_ns : kLate_ns);
   }
   const double p50_us = Quantile_us(&latency_ns, 0.5), p999_us = Quantile_us(&latency_ns, 0.999);
-  std::printf("{\"cycles\": %zu, \"late\": %llu, \"p50_us\": %.1f, \"p999_us\": %.1f}\n",
-              latency_ns.size(), static_cast<unsigned long long>(late), p50_us, p999_us);
+  std::printf(
+      "{\"cycles\": %zu, \"late\": %llu, \"p50_us\": %.1f, \"p999_us\": %.1f, "
+      "\"writes_p50_us\": %.1f}\n",
+      latency_ns.size(), static_cast<unsigned long long>(late), p50_us, p999_us,
+      Quantile_us(&writes_ns, 0.5));
 }
 
 // As components/node/realtime.cc.

@@ -7,7 +7,8 @@ A: the chain alone, four processes at 1 kHz, beside four relays. B: eight proces
 same graph. C: the chain in one process (as sinew-compose) beside one relay there and back. H: one relay there and back
 with joint_state and joint_command alone; half of it is a message from process to process. S: the work of the provider's
 cycle among the eight processes and a logger, undisturbed and while each of them is stopped in turn (SIGSTOP, SIGCONT after
-half a second; control last, as the robot has a fault then). Pairs ABAB: ours, relays,
+half a second; control last, as the robot has a fault then). T: the bridge's cycle with topics, twelve joints on two
+virtual buses, beside the sum of its work without topics and bare writes of the same payloads to as many readers. Pairs ABAB: ours, relays,
 ours, relays; the median of the ratios is printed. Both under SCHED_FIFO with the same priorities. The relays' payloads
 are as large as ours were in a run before. Nothing else may run.
 """
@@ -16,6 +17,7 @@ import json
 import math
 import os
 import pathlib
+import re
 import signal
 import statistics
 import subprocess
@@ -230,6 +232,30 @@ def hop(options, sizes):
           f"({min(halves999):.0f} to {max(halves999):.0f})", flush=True)
 
 
+# The controller of bench/can reads joint_state alone.
+BRIDGE_SOURCE = {"awaits": ["joint_command"], "reads": [], "writes": ["actuator_state", "joint_state"]}
+
+
+def work_of_bridge(options, *more):
+    """Median of the work of a cycle, us."""
+    command = [options.bin / "can_cycle", "--seconds", options.seconds, "--domain", options.domain,
+               *(["--realtime"] if options.realtime else []), *more]
+    out = subprocess.run([str(word) for word in command], capture_output=True, text=True, check=True).stdout
+    return float(re.search(r"work of a cycle.*: median (\d+) us", out).group(1))
+
+
+def bridge_cycle(options, sizes):
+    ratios = []
+    for pair in range(options.pairs):
+        whole = work_of_bridge(options)
+        work = work_of_bridge(options, "--without-topics")
+        writes = relays(options, 240, options.seconds, BRIDGE_SOURCE, HOP_RELAY, sizes)["writes_p50_us"]
+        ratios.append(whole / (work + writes))
+        print(f"T {pair + 1}: with topics {whole:.0f} us; without {work:.0f} us, bare writes {writes:.0f} us", flush=True)
+    print(f"T: the bridge's cycle at 240 Hz: p50 {statistics.median(ratios):.2f} x work and bare writes ({min(ratios):.2f} "
+          f"to {max(ratios):.2f}); goal 1.2", flush=True)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--pairs", type=int, default=5)
@@ -240,7 +266,7 @@ def main():
     parser.add_argument("--cpu", type=int, default=max(os.sched_getaffinity(0)), help="core of both sides")
     parser.add_argument("--no-realtime", dest="realtime", action="store_false")
     parser.add_argument("--transports", default="udp", choices=["both", "udp", "shm"], help="of the relays")
-    parser.add_argument("--only", default="ABCHS", help="letters of the comparisons")
+    parser.add_argument("--only", default="ABCHST", help="letters of the comparisons")
     parser.add_argument("--sizes", type=pathlib.Path, help="payload sizes: read from this file, or written to it")
     options = parser.parse_args()
     if options.sizes and options.sizes.exists():
@@ -264,6 +290,8 @@ def main():
     for letter in options.only:
         if letter == "H":
             hop(options, sizes)
+        elif letter == "T":
+            bridge_cycle(options, sizes)
         elif letter == "S":
             stopped_peers(options)
         else:

@@ -1,14 +1,15 @@
 #include "components/node/ownership.h"
 
 #include <limits>
+#include <ratio>
 
 namespace sinew::node::internal {
 
 namespace {
 
-// The lowest strength of those that have settled; one above kFirstStrength where there is none.
+// The lowest strength of those that have settled; above all where there is none.
 Strength Lowest(std::span<const Rival> rivals) {
-  Strength lowest = kFirstStrength + 1;
+  Strength lowest = std::numeric_limits<Strength>::max();
   for (const Rival& rival : rivals) {
     if (rival.strength > kJoiningStrength) lowest = std::min(lowest, rival.strength);
   }
@@ -20,21 +21,33 @@ Strength OneBelow(Strength strength) { return std::max(strength - 1, kJoiningStr
 
 }  // namespace
 
+Strength FirstStrength(std::chrono::system_clock::time_point started) noexcept {
+  using std::chrono::sys_days, std::chrono::year, std::chrono::January;
+  using Quarters = std::chrono::duration<std::int64_t, std::ratio<1, 4>>;
+  constexpr sys_days kBegin = year(2024) / January / 1;
+  const std::int64_t age = std::chrono::floor<Quarters>(started - kBegin).count();
+  // Never among those that join, whatever the clock says.
+  constexpr std::int64_t kMost = kGreatestFirstStrength - (1u << 20);
+  return kGreatestFirstStrength - static_cast<Strength>(std::clamp<std::int64_t>(age, 0, kMost));
+}
+
 Strength StrengthBelow(Strength own, std::span<const Rival> rivals) {
   const Strength lowest = Lowest(rivals);
   return rivals.empty() || own < lowest ? own : OneBelow(lowest);
 }
 
-Strength StrengthAbove(Strength own, std::span<const Rival> rivals) {
+Strength StrengthAbove(Strength own, Strength first, std::span<const Rival> rivals) {
   Strength highest = 0;
   for (const Rival& rival : rivals) highest = std::max(highest, rival.strength);
   if (own > highest && own > kJoiningStrength) return own;
   // Not next to those that join: others must fit in below.
-  if (highest < kFirstStrength) return kFirstStrength;
+  if (highest < first) return first;
   return highest < std::numeric_limits<Strength>::max() - 1 ? highest + 1 : highest;
 }
 
-Strength SettledStrength(std::span<const Rival> rivals) { return OneBelow(Lowest(rivals)); }
+Strength SettledStrength(Strength first, std::span<const Rival> rivals) {
+  return std::min(first, OneBelow(Lowest(rivals)));
+}
 
 Strength StrengthWithoutTie(Strength own, const std::string& own_guid,
                             std::span<const Rival> rivals) {

@@ -7,9 +7,11 @@
 //
 //   a writer begins at kJoiningStrength, below every settled one: it never takes over from them;
 //     of several that begin at the same time the lower GUID is heard until they settle
-//   after kSettleTime it settles: at kFirstStrength when there is no settled one, else below all
-//   two that settled at the same time, before they found each other: the one with the higher GUID,
-//     which is not heard, goes below all
+//   after kSettleTime it settles: at FirstStrength of its start when it knows of no settled one,
+//     else below all, and never above FirstStrength: who is started later is below an owner that
+//     discovery has not found yet, with readers that have found both
+//   two of one strength, started within a quarter of a second of each other: the one with the
+//     higher GUID, which is not heard, goes below all
 //   a writer that was silent for longer than the deadline while others were not goes below all,
 //     before it writes again: who was replaced stays so
 //   a handover, the operator's command, puts the writer above all, once it has settled: before that
@@ -31,8 +33,13 @@ namespace sinew::node::internal {
 using Strength = std::uint32_t;
 
 inline constexpr Strength kJoiningStrength = 1;
-inline constexpr Strength kFirstStrength = 1u
-                                           << 30;  // a milliard of handovers and joins either way
+
+// Of a writer that was started then: a step less every quarter of a second since 2024, until 2040.
+// Cyclone DDS has signed strengths: 2^31 is the limit, a million handovers above the greatest. The
+// hosts' clocks must agree to their participants' ages; a clock that is set back makes whoever
+// starts after it as old as it says, which matters only until discovery has found the owner.
+inline constexpr Strength kGreatestFirstStrength = (1u << 31) - (1u << 20);
+Strength FirstStrength(std::chrono::system_clock::time_point started) noexcept;
 
 // A participant announces itself twice in this time (leaseAnnouncement of qos_profiles.xml) and
 // answers newcomers at once: whoever writes is known by then, even if an announcement was lost.
@@ -53,10 +60,11 @@ struct Rival {
   Strength strength = 0;
 };
 
+// first: FirstStrength of the writer's own start.
 Strength StrengthBelow(Strength own, std::span<const Rival> rivals);
-Strength StrengthAbove(Strength own, std::span<const Rival> rivals);
+Strength StrengthAbove(Strength own, Strength first, std::span<const Rival> rivals);
 // Of a writer whose time to settle is over.
-Strength SettledStrength(std::span<const Rival> rivals);
+Strength SettledStrength(Strength first, std::span<const Rival> rivals);
 // Of a settled writer: below all when it has its strength in common with a lower GUID.
 Strength StrengthWithoutTie(Strength own, const std::string& own_guid,
                             std::span<const Rival> rivals);

@@ -18,7 +18,9 @@ void OwnershipKeeper::Add(WriterImpl* writer) {
   const Clock::time_point settles = Clock::now() + kSettleTime;
   {
     const std::lock_guard<std::mutex> lock(writers_mutex_);
-    writers_.push_back({.writer = writer, .settles = settles});
+    writers_.push_back({.writer = writer,
+                        .settles = settles,
+                        .first = FirstStrength(std::chrono::system_clock::now())});
   }
   {
     const std::lock_guard<std::mutex> lock(news_mutex_);
@@ -145,7 +147,7 @@ void OwnershipKeeper::Settle(Clock::time_point now) {
           StrengthWithoutTie(entry.writer->strength(), entry.writer->guid(), rivals));
     } else if (now >= entry.settles) {
       entry.settled = true;
-      entry.writer->SetStrength(SettledStrength(rivals));
+      entry.writer->SetStrength(SettledStrength(entry.first, rivals));
       if (!rivals.empty()) {
         spdlog::info("topic '{}': another participant writes it, this one stands by",
                      entry.writer->topic.name);
@@ -157,7 +159,8 @@ void OwnershipKeeper::Settle(Clock::time_point now) {
 void OwnershipKeeper::HandOver() {
   for (Entry& entry : writers_) {
     entry.settled = true;
-    entry.writer->SetStrength(StrengthAbove(entry.writer->strength(), RivalsOf(*entry.writer)));
+    entry.writer->SetStrength(
+        StrengthAbove(entry.writer->strength(), entry.first, RivalsOf(*entry.writer)));
   }
   spdlog::info("handover: '{}' takes over", node_.options.name);
 }

@@ -56,6 +56,7 @@ class OwnershipKeeper {
   struct Entry {
     WriterImpl* writer;
     Clock::time_point settles;
+    Strength first;  // FirstStrength of its start
     bool settled = false;
   };
 

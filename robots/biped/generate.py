@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Writes biped.urdf from the lengths and motors below and the parts of shapes.csv. README.md derives each figure.
+"""Writes the robot's files from the lengths and motors below and the parts of shapes.csv. README.md derives each figure.
 
-    generate.py            writes biped.urdf beside this file
-    generate.py --print    writes it to the standard output
+    generate.py                writes all of FILES beside this file
+    generate.py --print NAME   writes one of them to the standard output
 """
 
 import csv
@@ -36,6 +36,26 @@ DRIVES = {
     "planetary_100": ("ML3510", 100.0),
     "harmonic_80": ("ML5008", 80.0),
 }
+
+# Rotors: stator diameter and height by the motor's name. The ML3510 behind a planetary gearbox of 100:1 is the rig's
+# actuator, whose declared values (robots/rig/model.yaml, at the output) are taken over; others are scaled from it.
+STATOR_M = {"ML3510": (0.035, 0.010), "ML5008": (0.050, 0.008)}
+RIG_GEAR_RATIO = 100.0
+RIG_ROTOR_INERTIA_KG_M2 = 0.115 / RIG_GEAR_RATIO**2
+RIG_VISCOUS_NM_S_RAD = 0.31 / RIG_GEAR_RATIO**2
+RIG_COULOMB_NM = 0.22 / RIG_GEAR_RATIO
+BELL_BEYOND_STATOR_M = 0.0015  # from the stator's edge to the middle of the ring of magnets and iron
+WAVE_GENERATOR_COULOMB_NM = 0.02
+DECLARED_TOLERANCE, SCALED_TOLERANCE = 0.15, 0.3
+
+# SEA-PEA actuators: the rig's free play, and an element that carries this share of the joint's static torque at the
+# squat's lowest point under this pressure. The joint's limit at which it has no torque: lower or upper.
+BACKLASH_RAD = 0.0464258
+TEETH_COMPLIANCE_RAD_NM = 5.0e-5
+ELEMENT_SHARE, ELEMENT_PRESSURE_BAR = 0.5, 4.0
+ELEMENT_SLACK_AT = {"knee": "lower", "ankle_pitch": "upper"}
+SQUAT_DEPTH_M = 0.4
+GRAVITY_M_S2 = 9.81
 
 # name, parent, child, origin, axis, lower, upper, drive. In the order of the joints.
 LEG_JOINTS = [
@@ -209,7 +229,26 @@ def transmission(name, drive):
     ]
 
 
-def leg(side, parts):
+def toe_joint(side, locked):
+    origin = (TOE_AXIS_X_M, 0.0, -L6 + FOOT_THICKNESS_M / 2.0)
+    if locked:
+        return joint(f"{side}_toe_locked", "fixed", f"{side}_foot", f"{side}_toe", origin)
+    out = joint(
+        f"{side}_toe_passive",
+        "revolute",
+        f"{side}_foot",
+        f"{side}_toe",
+        origin,
+        turning("0 1 0", TOE_LOWER_RAD, TOE_UPPER_RAD, "0", "20")
+        + [f'<dynamics damping="{number(TOE_DAMPING_NMS_RAD)}" friction="0"/>'],
+    )
+    return out + [
+        f'  <passive joint="{side}_toe_passive" stiffness_Nm_rad="{number(TOE_STIFFNESS_NM_RAD)}" '
+        f'damping_Nms_rad="{number(TOE_DAMPING_NMS_RAD)}"/>'
+    ]
+
+
+def leg(side, parts, toes_locked):
     sign = 1.0 if side == "left" else -1.0
     out = []
     for name, parent, child, origin, axis, lower, upper, drive in LEG_JOINTS:
@@ -223,21 +262,10 @@ def leg(side, parts):
             turning(axis, lower, upper, f"{effort(drive):.2f}", f"{speed(drive):.2f}"),
         )
         out += transmission(f"{side}_{name}", drive)
-    out += ["  <!-- Passive: the elastic segment of the foot. No drive, effort 0. -->"]
+    if not toes_locked:
+        out += ["  <!-- Passive: the elastic segment of the foot. No drive, effort 0. -->"]
     out += link(f"{side}_toe", parts.pop(f"{side}_toe"))
-    out += joint(
-        f"{side}_toe_passive",
-        "revolute",
-        f"{side}_foot",
-        f"{side}_toe",
-        (TOE_AXIS_X_M, 0.0, -L6 + FOOT_THICKNESS_M / 2.0),
-        turning("0 1 0", TOE_LOWER_RAD, TOE_UPPER_RAD, "0", "20")
-        + [f'<dynamics damping="{number(TOE_DAMPING_NMS_RAD)}" friction="0"/>'],
-    )
-    out += [
-        f'  <passive joint="{side}_toe_passive" stiffness_Nm_rad="{number(TOE_STIFFNESS_NM_RAD)}" '
-        f'damping_Nms_rad="{number(TOE_DAMPING_NMS_RAD)}"/>'
-    ]
+    out += toe_joint(side, toes_locked)
     out += frame(f"{side}_sole", f"{side}_foot", (0.0, 0.0, -L6))
     for name, parent, at in FORCE_SENSORS:
         out += frame(f"{side}_{name}", f"{side}_{parent}", (at[0], sign * at[1], at[2]))
@@ -248,7 +276,7 @@ def frame(name, parent, at):
     return link(name, []) + joint(f"{name}_frame", "fixed", parent, name, at)
 
 
-def robot():
+def urdf(toes_locked):
     parts = read_parts()
     mass = sum(p.mass for of_link in parts.values() for p in of_link)
     if abs(mass - TOTAL_MASS_KG) > 1e-9:
@@ -258,13 +286,15 @@ def robot():
         "<!-- NU-Biped-4.7 as a model, written by generate.py from shapes.csv: change these, not this file.",
         "     README.md derives every figure. Frames are parallel with all joints at 0: x forward, y left, z up;",
         "     the base is midway between the hip centres. Driven joints have a transmission and an effort above 0. -->",
-        '<robot name="biped">',
+        f'<robot name="{"biped_stand" if toes_locked else "biped"}">',
     ]
+    if toes_locked:
+        out.insert(-1, "<!-- On the stand: the base is fixed, the toes do not move in their joints. -->")
     out += link("base", [])
     out += link("pelvis", parts.pop("pelvis"))
     out += joint("pelvis_mount", "fixed", "base", "pelvis", (0.0, 0.0, 0.0))
     for side in ("left", "right"):
-        out += leg(side, parts)
+        out += leg(side, parts, toes_locked)
     out += link("torso", parts.pop("torso"))
     out += joint("torso_mount", "fixed", "pelvis", "torso", (0.0, 0.0, L1 - TORSO_HEIGHT_M))
     out += frame("imu", "torso", (0.0, 0.0, 0.06))
@@ -273,13 +303,144 @@ def robot():
     return "\n".join(out + ["</robot>", ""])
 
 
+def rotor_inertia(motor):
+    """Of the motor alone, kg m2: a ring has the inertia 2 pi rho t h r^3, so that of another motor is as h r^3."""
+
+    def size(name):
+        diameter, height = STATOR_M[name]
+        return height * (diameter / 2.0 + BELL_BEYOND_STATOR_M) ** 3
+
+    return RIG_ROTOR_INERTIA_KG_M2 * size(motor) / size("ML3510")
+
+
+def static_torques():
+    """Joint -> torque of its drive, N m, that holds the squat's lowest point, one leg bearing half of the robot.
+
+    In the plane of a leg, foot flat below the hip: the torque of the weights above the joint about it.
+    """
+    parts = read_parts()
+    height = L3 + L4 - SQUAT_DEPTH_M
+    knee = math.acos((height**2 - L3**2 - L4**2) / (2.0 * L3 * L4))
+    hip = -math.atan2(L4 * math.sin(knee), L3 + L4 * math.cos(knee))
+
+    def turned(angle, at):  # about y, positive moves what is below back
+        return at[0] * math.cos(angle) + at[2] * math.sin(angle)
+
+    def moment(link_name, origin_x, angle, share=1.0):  # mass and mass times x, x forward of the hip
+        of_link = parts[link_name]
+        mass = share * sum(p.mass for p in of_link)
+        return mass, share * sum(p.mass * (origin_x + turned(angle, p.at)) for p in of_link)
+
+    knee_x = turned(hip, (0.0, 0.0, -L3))
+    above = [moment("pelvis", 0.0, 0.0, 0.5), moment("torso", 0.0, 0.0, 0.5)]
+    above += [moment("left_hip_yaw_link", 0.0, 0.0), moment("left_hip_roll_link", 0.0, 0.0)]
+    above += [moment("left_thigh", 0.0, hip)]
+    torque = {"knee": GRAVITY_M_S2 * sum(mx - m * knee_x for m, mx in above)}
+    above += [moment("left_shank", knee_x, hip + knee)]  # the ankle is below the hip
+    torque["ankle_pitch"] = GRAVITY_M_S2 * sum(mx for _, mx in above)
+    return torque, {"knee": knee, "ankle_pitch": -hip - knee}
+
+
+def parameter(value, tolerance=0.0, fixed=False):
+    more = f", tolerance: {tolerance:g}" if tolerance else ""
+    return f"{{value: {value:.6g}{more}{', fixed: true' if fixed else ''}}}"
+
+
+def term(effect, *parameters):
+    return [f"      - effect: {effect}"] + [f"        {key}: {value}" for key, value in parameters]
+
+
+def friction(drive):
+    """Coulomb and viscous friction of motor and gearbox, both at the joint."""
+    _, reduction = DRIVES[drive]
+    motor_side = WAVE_GENERATOR_COULOMB_NM if drive.startswith("harmonic") else RIG_COULOMB_NM
+    return motor_side * reduction, RIG_VISCOUS_NM_S_RAD * reduction**2
+
+
+def sea_pea_terms(name, lower, upper):
+    torque, lowest = static_torques()
+    slope = ELEMENT_SHARE * torque[name] / ELEMENT_PRESSURE_BAR  # at the lowest point, N m/bar
+    slack_at = lower if ELEMENT_SLACK_AT[name] == "lower" else upper
+    stiffness = slope / (slack_at - lowest[name])  # so that slope - stiffness (slack - lowest) is 0
+    return (
+        term("pneumatic_torque", ("pneumatic_torque_Nm_bar", parameter(slope, SCALED_TOLERANCE)))
+        + term(
+            "pneumatic_stiffness",
+            ("pneumatic_stiffness_Nm_rad_bar", parameter(stiffness, SCALED_TOLERANCE)),
+            ("rest_angle_rad", parameter(lowest[name], fixed=True)),
+        )
+        + term("encoder_difference", ("balance", "kinematic"), ("share", parameter(1.0, fixed=True)))
+        + term(
+            "free_play",
+            ("balance", "kinematic"),
+            ("width_rad", parameter(BACKLASH_RAD, fixed=True)),
+            ("compliance_rad_Nm", parameter(TEETH_COMPLIANCE_RAD_NM, fixed=True)),
+        )
+        + term("encoder_offset", ("balance", "kinematic"), ("offset_rad", parameter(0.0)))
+    )
+
+
+def joint_model(side, row, sea_pea):
+    name, _, _, _, _, lower, upper, drive = row
+    motor, reduction = DRIVES[drive]
+    known = drive == "planetary_100"
+    tolerance = DECLARED_TOLERANCE if known else SCALED_TOLERANCE
+    coulomb, viscous = friction(drive)
+    has_play = sea_pea and name in ELEMENT_SLACK_AT
+    out = [
+        f"  - name: {side}_{name}",
+        "    kind: rotary",
+        f"    constants: {{gear_ratio: {reduction:g}, torque_constant_Nm_A: {torque_constant(motor):.6g}}}",
+    ]
+    if has_play:
+        out += [f"    backlash_rad: {BACKLASH_RAD}"]
+    out += [
+        f"    motor_torque_limit_Nm: {torque_constant(motor) * CURRENT_LIMIT_A:.6g}",
+        "    terms:",
+    ]
+    out += term("drive_current", ("efficiency", parameter(EFFICIENCY, DECLARED_TOLERANCE)))
+    inertia = rotor_inertia(motor) * reduction**2
+    out += term("rotor_inertia", ("rotor_inertia_kg_m2", parameter(inertia, tolerance)))
+    out += term("motor_viscous", ("viscous_Nm_s_rad", parameter(viscous, tolerance)))
+    out += term("coulomb", ("coulomb_Nm", parameter(coulomb, tolerance)))
+    if has_play:
+        out += sea_pea_terms(name, lower, upper)
+    return out + ["    history: []"]
+
+
+def model(sea_pea):
+    what = "SEA-PEA actuators in knees and ankle pitch, rigid ones elsewhere" if sea_pea else "rigid actuators"
+    out = [
+        f"# The biped's joints, {what}. Written by generate.py: change that, not this file.",
+        "# Inertia and weight of the links are the URDF's; README.md derives the values.",
+        "schema: sinew-model/1",
+        f"name: {'biped_sea_pea' if sea_pea else 'biped'}",
+        "urdf: biped.urdf",
+        "joints:",
+    ]
+    for side in ("left", "right"):
+        for row in LEG_JOINTS:
+            out += joint_model(side, row, sea_pea)
+    return "\n".join(out + [""])
+
+
+FILES = {
+    "biped.urdf": lambda: urdf(toes_locked=False),
+    "biped_stand.urdf": lambda: urdf(toes_locked=True),
+    "model.yaml": lambda: model(sea_pea=False),
+    "model_sea_pea.yaml": lambda: model(sea_pea=True),
+}
+
+
 def main():
-    if sys.argv[1:] == ["--print"]:
-        sys.stdout.write(robot())
-    elif not sys.argv[1:]:
-        (HERE / "biped.urdf").write_text(robot(), encoding="utf-8")
+    arguments = sys.argv[1:]
+    if len(arguments) == 2 and arguments[0] == "--print" and arguments[1] in FILES:
+        sys.stdout.write(FILES[arguments[1]]())
+    elif not arguments:
+        for name, text in FILES.items():
+            (HERE / name).write_text(text(), encoding="utf-8")
     else:
-        sys.exit(__doc__)
+        sys.exit(__doc__ + "\nFILES: " + ", ".join(FILES))
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 #!/bin/bash
-# Runs a test program where SocketCAN is real: on this kernel if it has vcan, else under qemu (software emulation) with
-# Debian's kernel, its CAN modules and the program in an initramfs. Ends with the program's exit code; 77 means skipped,
+# Runs a test program where SocketCAN and joysticks are real: on this kernel if it has vcan, else under qemu (software
+# emulation) with Debian's kernel, its modules for both and the program in an initramfs. Ends with the program's exit code; 77 means skipped,
 # and the last line says why (tests/support/skip.h has the words it begins with), as does FOLDER/skipped.
 #   run_on_kernel.sh [--with PROGRAM]... [--results FOLDER] PROGRAM CACHE_FOLDER
 # The program finds the interface in SINEW_CAN_INTERFACE, the programs of --with in the folder SINEW_PROGRAMS; what it
@@ -60,7 +60,7 @@ done
 
 # The kernel package is fetched once and unpacked, never installed. Modules are in the order in which they are loaded;
 # virtio_blk is the disk on which the results leave the machine.
-modules=(can can-raw can-dev vcan
+modules=(can can-raw can-dev vcan uinput joydev
   virtio_ring virtio virtio_pci_legacy_dev virtio_pci_modern_dev virtio_pci virtio_blk)
 package=$(apt-cache depends linux-image-amd64 2> /dev/null | awk '/Depends/{print $2; exit}') || true
 [ -n "$package" ] || skip "package: apt knows no linux-image-amd64; apt-get update"

@@ -34,28 +34,33 @@ std::vector<node::Endpoint> OwnedEndpoints(const RealTimeRun& run) {
   return endpoints;
 }
 
-// The greatest strength of each owned topic that the role must write: a program may keep an old
-// writer of a topic for a moment.
-std::vector<std::uint32_t> Strengths(const RealTimeRun& run) {
-  std::vector<std::uint32_t> strengths;
+struct Strengths {
+  std::uint32_t own = 0, owners = 0;
+};
+
+// Of each owned topic that the role must write. own: the greatest, because a program may keep an
+// old writer of a topic for a moment.
+std::vector<Strengths> StrengthsOf(const RealTimeRun& run) {
+  std::vector<Strengths> strengths;
   const auto endpoints = OwnedEndpoints(run);
   for (const node::TopicInfo& topic : run.role.must_write) {
     if (!node::IsExclusive(topic.profile)) continue;
-    std::uint32_t strength = 0;
+    Strengths both{.own = 0, .owners = run.stage.OwnerStrength(topic.name)};
     for (const node::Endpoint& endpoint : endpoints) {
-      if (endpoint.topic == topic.name) strength = std::max(strength, endpoint.strength);
+      if (endpoint.topic == topic.name) both.own = std::max(both.own, endpoint.strength);
     }
-    strengths.push_back(strength);
+    strengths.push_back(both);
   }
   return strengths;
 }
 
-std::string StrengthText(const std::vector<std::uint32_t>& strengths) {
-  std::string text = "strength ";
-  for (std::size_t i = 0; i < strengths.size(); ++i) {
-    text += (i == 0 ? "" : ", ") + std::to_string(strengths[i]);
+std::string StrengthText(const std::vector<Strengths>& strengths) {
+  std::string text;
+  for (const Strengths& both : strengths) {
+    text += (text.empty() ? "strength " : ", ") + std::to_string(both.own) +
+            " beside the owner's " + std::to_string(both.owners);
   }
-  return text + "; the owner has " + std::to_string(node::internal::kFirstStrength);
+  return text;
 }
 
 }  // namespace
@@ -113,17 +118,13 @@ void CheckOwnership(RealTimeRun& run) {
     run.report.Skip("handover", "no topic of the role has owners");
     return;
   }
-  std::vector<std::uint32_t> strengths;
+  std::vector<Strengths> strengths;
   const auto any_of = [&](auto condition) {
-    strengths = Strengths(run);
+    strengths = StrengthsOf(run);
     return std::any_of(strengths.begin(), strengths.end(), condition);
   };
-  const auto is_above = [](std::uint32_t strength) {
-    return strength > node::internal::kFirstStrength;
-  };
-  const auto is_level = [](std::uint32_t strength) {
-    return strength == node::internal::kFirstStrength;
-  };
+  const auto is_above = [](const Strengths& both) { return both.own > both.owners; };
+  const auto is_level = [](const Strengths& both) { return both.own == both.owners; };
   // Until the program has settled, and a little longer. At no moment above the owner: who has taken
   // over and is stalled after that is below again.
   const bool rose = run.stage.PlayUntil(
@@ -133,7 +134,7 @@ void CheckOwnership(RealTimeRun& run) {
                  StrengthText(strengths));
 
   const auto above = [&] {
-    strengths = Strengths(run);
+    strengths = StrengthsOf(run);
     return std::all_of(strengths.begin(), strengths.end(), is_above);
   };
   bool taken = false;

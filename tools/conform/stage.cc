@@ -80,12 +80,17 @@ void Stage::PlayOwner() {
   }
   const auto settled = [this] {
     return std::all_of(owners_.begin(), owners_.end(), [](const auto& owner) {
-      return owner.second.strength() == node::internal::kFirstStrength;
+      return owner.second.strength() > node::internal::kJoiningStrength;
     });
   };
   if (!WaitUntil(settled, kOwnerSettles)) {
     throw std::runtime_error("the owner that is played has not settled");
   }
+}
+
+std::uint32_t Stage::OwnerStrength(std::string_view topic) const {
+  const auto owner = owners_.find(std::string(topic));
+  return owner == owners_.end() ? 0 : owner->second.strength();
 }
 
 void Stage::EndOwner() { owners_.clear(); }

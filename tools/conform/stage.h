@@ -74,6 +74,8 @@ class Stage {
   // Also plays the topics of the role itself, as the owner that is there when the program starts.
   // Waits until it has settled: whoever is handed the role before that may have its strength.
   void PlayOwner();  // throws std::runtime_error: it has not settled in time
+  // Of the played owner's writer of the topic; 0 when it is not played.
+  std::uint32_t OwnerStrength(std::string_view topic) const;
   void EndOwner();
 
   void Send(msg::OperatorAction action, const std::string& target = "");

@@ -1,5 +1,5 @@
-// Inputs through a pipe: the reading code is that of devices, which no test machine has (gpio-sim
-// and uinput are kernel modules).
+// Inputs through a pipe: the reading code is that of devices. A joystick of the kernel's own is in
+// tests/kernel; a GPIO line is not (Debian's kernel has no gpio-sim).
 #include "components/estop/inputs.h"
 
 #include <fcntl.h>

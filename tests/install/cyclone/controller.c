@@ -105,13 +105,15 @@ int main(int argc, char **argv) {
   dds_time_t heard = 0;  // the first joint_state: before it, others need not have been discovered
   dds_time_t give_up = 0, status_due = 0;
   uint32_t strength = kJoining;
+  const uint32_t first = FirstStrength();
   while (!stop_requested && !ended) {
     if (dds_time() >= status_due) {
       dds_write(statuses, &status);
       status_due = dds_time() + DDS_SECS(1);
     }
     if (!settled && heard != 0 && dds_time() - heard > DDS_SECS(1)) {
-      SetStrength(commands, strength = FindRivals(publications, commands).lowest - 1);
+      const uint32_t below = FindRivals(publications, commands).lowest - 1;
+      SetStrength(commands, strength = below < first ? below : first);
       settled = true;
     }
     const dds_time_t limit = waiting && !lockstep ? give_up : dds_time() + DDS_MSECS(50);
@@ -124,7 +126,7 @@ int main(int argc, char **argv) {
       if (word.action == sinew_msg_OPERATOR_HANDOVER && ours && strcmp(word.role, "control") == 0 &&
           strcmp(word.target, name) == 0 && word.header.origin != sinew_msg_ORIGIN_REPLAY) {
         const uint32_t highest = FindRivals(publications, commands).highest;
-        const uint32_t above = highest < kFirst ? kFirst : highest + 1;
+        const uint32_t above = highest < first ? first : highest + 1;
         if (strength <= highest) SetStrength(commands, strength = above);
         settled = true;
       }
