@@ -13,6 +13,7 @@
 #include "tests/components/stance/biped.h"
 #include "tests/sim/world/biped.h"
 #include "tests/sim/world/dart_skeleton.h"
+#include "tests/sim/world/robot.h"
 
 namespace sinew::world {
 namespace {
@@ -25,11 +26,10 @@ bool HasBiped(benchmark::State& state) {
   return false;
 }
 
-// simulated_s_per_s: the real-time factor. weight_share: what the feet carry at the end over the
-// weight, 1 when the robot stands.
-void Report(benchmark::State& state, double substep_s, double normal_N, double mass_kg) {
-  const double simulated_s =
-      static_cast<double>(state.iterations()) * kStepsPerIteration * substep_s;
+// iteration_s: simulated time of one. simulated_s_per_s: the real-time factor. weight_share: what
+// the feet carry at the end over the weight, 1 when the robot stands.
+void Report(benchmark::State& state, double iteration_s, double normal_N, double mass_kg) {
+  const double simulated_s = static_cast<double>(state.iterations()) * iteration_s;
   state.counters["simulated_s_per_s"] =
       benchmark::Counter(simulated_s, benchmark::Counter::kIsRate);
   state.counters["weight_share"] = normal_N / (9.81 * mass_kg);
@@ -49,9 +49,26 @@ void Standing(benchmark::State& state) {
   }
   double normal_N = 0.0;
   for (const ContactForce& force : world.contact_forces()) normal_N += force.normal_N;
-  Report(state, world.substep_s(), normal_N, world.chain().mass_kg());
+  Report(state, kStepsPerIteration * world.substep_s(), normal_N, world.chain().mass_kg());
 }
 BENCHMARK(Standing)->Unit(benchmark::kMillisecond);
+
+// robots/biped with drives, rotors, friction and elastic toes in position mode, in cycles of 2 ms.
+void StandingRobot(benchmark::State& state) {
+  constexpr double kCycle_s = 2e-3;
+  const FloatingRobotConfig config = SquattingBiped();
+  FloatingRobot robot(config);
+  const provider::PlantCommand command = HoldStart(config);
+  provider::PlantSensors sensors;
+  for (auto _ : state) {
+    robot.Step(command, kCycle_s, &sensors);
+    if (sensors.fault) state.SkipWithError("the simulation failed");
+  }
+  double normal_N = 0.0;
+  for (const double force_N : robot.body_sensors()->foot_force_N) normal_N += force_N;
+  Report(state, kCycle_s, normal_N, robot.chain().mass_kg());
+}
+BENCHMARK(StandingRobot)->Unit(benchmark::kMillisecond);
 
 // FloatingWorld's step (drift, explicit midpoint kick, drift; the same law of contact) with DART's
 // kinematics and articulated-body algorithm.
@@ -126,7 +143,7 @@ void StandingWithDart(benchmark::State& state) {
       world.Step(torque);
     }
   }
-  Report(state, biped.config.substep_s, world.normal_N(),
+  Report(state, kStepsPerIteration * biped.config.substep_s, world.normal_N(),
          FloatingChain(biped.config.chain).mass_kg());
 }
 BENCHMARK(StandingWithDart)->Unit(benchmark::kMillisecond);

@@ -176,6 +176,13 @@ TEST(BipedFiles, TheWorldBeginsWhereTheSquatsDo) {
         world::LoadWorldFile(kRobot + "world_stand.yaml", kRobot + model);
     EXPECT_EQ(world::MakeWorld(stand, "world_stand.yaml")->joint_count(), 12);
     const world::WorldFile ground = world::LoadWorldFile(kRobot + "world.yaml", kRobot + model);
+    const auto robot = world::MakeWorld(ground, "world.yaml");
+    EXPECT_EQ(robot->joint_count(), 12);
+    ASSERT_NE(robot->body_sensors(), nullptr);
+    EXPECT_TRUE(robot->body_sensors()->imu_valid);
+    double feet_N = 0.0;
+    for (const double force_N : robot->body_sensors()->foot_force_N) feet_N += force_N;
+    EXPECT_NEAR(feet_N, 17.1 * 9.81, 1e-6);
     for (const char* squat : {"reference_benchmark.yaml", "reference_six.yaml"}) {
       const reference::LoadedReference loaded = reference::LoadReference(kRobot + squat);
       for (std::size_t j = 0; j < kDriven; ++j) {

@@ -65,7 +65,7 @@ inline FloatingRobotConfig SquattingBiped(const DriveModel& drive = {}) {
   }
   config.model = ModelOf(config.chain, drive);
   for (const actuator::JointModel& joint : config.model.joints) {
-    config.joints.push_back({.position_rad = SquatAngle(joint.name, 0.3)});
+    config.joints.emplace_back().position_rad = SquatAngle(joint.name, 0.3);
   }
   for (const char* side : {"right", "left"}) {
     for (const char* place : {"rear_outer", "rear_inner", "front_outer", "front_inner"}) {
@@ -83,7 +83,7 @@ inline FloatingRobotConfig BerkeleyRobot() {
   config.chain = biped.config.chain;
   config.model = ModelOf(config.chain);
   for (const actuator::JointModel& joint : config.model.joints) {
-    config.joints.push_back({.position_rad = SquatAngle(joint.name, 0.2)});
+    config.joints.emplace_back().position_rad = SquatAngle(joint.name, 0.2);
   }
   for (const ContactPoint& contact : biped.config.contacts) {
     config.contacts.push_back({.link = contact.name, .point_m = contact.point_m});
