@@ -68,8 +68,8 @@ WorldFile LoadWorldFile(const std::filesystem::path& path, const std::filesystem
     return instead.empty() ? root.ExistingPath(key) : instead;
   };
   file.config.model = actuator::LoadRobotModel(chosen("model", model_path));
-  const std::filesystem::path urdf = chosen("urdf", urdf_path);
-  file.config.chain = arm::ParseUrdf(config::ReadFile(urdf), urdf.string());
+  file.urdf = chosen("urdf", urdf_path);
+  file.config.chain = arm::ParseUrdf(config::ReadFile(file.urdf), file.urdf.string());
   file.config.substep_s = root.NumberOr("substep_s", 1e-4, {1e-6, 1e-2});
   file.guard = root.ChildOrEmpty("guard");
   const auto& models = file.config.model.joints;

@@ -32,6 +32,7 @@ namespace sinew::world {
 
 struct WorldFile {
   WorldConfig config;
+  std::filesystem::path urdf;                          // that was read
   config::Section guard = config::Section::Empty("");  // for provider::LoadGuardConfig
 };
 
