@@ -1,11 +1,13 @@
 // Options and configuration of a state provider's loop.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "components/config/config.h"
 #include "components/provider/guard.h"
+#include "components/provider/plant.h"
 #include "components/provider/work_time.h"
 
 namespace CLI {
@@ -37,6 +39,9 @@ struct ProviderOptions {
   WorkTime* answers = nullptr;
   // Of real-time cycles, without their waits; null: measured all the same.
   WorkTime* work = nullptr;
+  // Called in the loop with what the plant's sensors read and when, s since the start: after Reset
+  // with 0, and after each Step. Must not wait in real time.
+  std::function<void(double time_s, const PlantSensors& sensors)> stepped;
 };
 
 // Adds --rate, --duration, --arm, --await, --await-timeout to a participant.

@@ -115,6 +115,7 @@ class Provider {
       ~MotorsOff() { plant.ShutDown(); }
     } motors_off{plant_};
     plant_.Reset(&sensors_);
+    if (options_.stepped) options_.stepped(0.0, sensors_);
     node_.SetPeriod(cycle_.period());
     if (options_.arm) cycle_.ArmAtStart();
     node_.SetState(node::Node::State::kActive);
@@ -139,6 +140,9 @@ class Provider {
       if (command == nullptr) command = &MakeCommand();
       plant_.Step(*command, cycle_.period_s(), &sensors_);
       desk_->CommandSent();
+      if (options_.stepped) {
+        options_.stepped(static_cast<double>(tick_ + 1) * cycle_.period_s(), sensors_);
+      }
       if (cycle_.Observe(sensors_) == FaultChange::kJoint) {
         spdlog::warn("tick {}: {}", tick_, sensors_.message);
       }

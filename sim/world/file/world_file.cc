@@ -102,8 +102,8 @@ WorldFile LoadWorldFile(const std::filesystem::path& path, const std::filesystem
     return instead.empty() ? root.ExistingPath(key) : instead;
   };
   file.config.model = actuator::LoadRobotModel(chosen("model", model_path));
-  const std::filesystem::path urdf = chosen("urdf", urdf_path);
-  file.config.chain = arm::ParseUrdf(config::ReadFile(urdf), urdf.string());
+  file.urdf = chosen("urdf", urdf_path);
+  file.config.chain = arm::ParseUrdf(config::ReadFile(file.urdf), file.urdf.string());
   const auto& models = file.config.model.joints;
   const bool has_play = std::any_of(models.begin(), models.end(),
                                     [](const auto& joint) { return joint.backlash_rad > 0.0; });

@@ -31,6 +31,7 @@ struct FloatingBase {
 struct WorldFile {
   WorldConfig config;
   std::optional<FloatingBase> floating_base;           // absent: the base is fixed
+  std::filesystem::path urdf;                          // that was read
   config::Section guard = config::Section::Empty("");  // for provider::LoadGuardConfig
 };
 
