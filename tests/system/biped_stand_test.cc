@@ -138,10 +138,11 @@ TEST(BipedStand, SquatsWithTheReferenceOfTwelveJoints) {
   const StandRun run = Squat(180, "control_position.yaml");
   ExpectTwelveJointsInEveryTick(run);
   if (HasFatalFailure()) return;
-  // From where the joints stand, which is where the squats begin.
-  for (const std::size_t knee : {kLeftKnee, kRightKnee}) {
-    EXPECT_NEAR(run.references[kArmedTicks].position_rad()[knee], kTopKnee_rad, kSink_rad);
-    EXPECT_NEAR(run.references[kFirstTop].position_rad()[knee], kTopKnee_rad, 1e-6);
+  // The joints stand where the squats begin: the soft start moves nothing.
+  for (std::size_t t = kArmedTicks; t <= kFirstTop; ++t) {
+    for (const std::size_t knee : {kLeftKnee, kRightKnee}) {
+      ASSERT_NEAR(run.references[t].position_rad()[knee], kTopKnee_rad, kSink_rad) << t;
+    }
   }
   // Down and up again, both legs alike, at rest at the bottom.
   for (const std::size_t bottom : {kFirstBottom, kFirstBottom + 1200}) {
