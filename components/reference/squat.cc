@@ -30,6 +30,20 @@ Point PointOf(const leg::SquatMotion& motion, SquatJoint joint) noexcept {
   return PointOf(joint == SquatJoint::kKnee ? motion.knee : motion.ankle_pitch);
 }
 
+// Whole cycles from the top, at rest before and after.
+class Squats final : public Trajectory {
+ public:
+  explicit Squats(const SineConfig& sine) : sine_(sine) {}
+  Point At(double time_s) const noexcept override {
+    if (time_s >= 0.0 && time_s <= duration_s()) return sine_.At(time_s);
+    return {sine_.At(0.0).position_rad, 0.0, 0.0};
+  }
+  double duration_s() const noexcept override { return sine_.duration_s(); }
+
+ private:
+  Sine sine_;
+};
+
 }  // namespace
 
 TrajectoryPtr MakeSquats(const SquatsConfig& config) {
@@ -51,7 +65,7 @@ TrajectoryPtr MakeSquats(const SquatsConfig& config) {
     message << "the base's acceleration reaches " << peak_m_s2 << " m/s2, expected less than 1 g";
     throw std::invalid_argument(message.str());
   }
-  return std::make_shared<Sine>(sine);
+  return std::make_shared<Squats>(sine);
 }
 
 ChirpSquat::ChirpSquat(const ChirpSquatConfig& config)

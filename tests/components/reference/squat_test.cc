@@ -59,9 +59,21 @@ TEST(SquatHeight, GoesFromTopToBottomAndBackInEveryCycle) {
   for (int i = 0; i <= 6; ++i) {
     EXPECT_NEAR(squats->At(5.0 * i).position_rad, -0.02, kExactHeight_m);
     EXPECT_NEAR(squats->At(5.0 * i).velocity_rad_s, 0.0, kExactHeight_m);
-    EXPECT_NEAR(squats->At(5.0 * i + 2.5).position_rad, -0.4, kExactHeight_m);  // periodic
+    if (i == 6) break;
+    EXPECT_NEAR(squats->At(5.0 * i + 2.5).position_rad, -0.4, kExactHeight_m);
   }
   ExpectExactDerivatives(*squats, 1e-5, 1e-6);
+}
+
+TEST(SquatHeight, IsAtRestBeforeAndAfter) {
+  const TrajectoryPtr squats = MakeSquats({});
+  for (const double time_s : {-3.0, -1e-9, 10.0 + 1e-9, 12.5}) {
+    EXPECT_NEAR(squats->At(time_s).position_rad, -0.02, kExactHeight_m) << time_s;
+    EXPECT_EQ(squats->At(time_s).velocity_rad_s, 0.0) << time_s;
+    EXPECT_EQ(squats->At(time_s).acceleration_rad_s2, 0.0) << time_s;
+  }
+  // The step at the beginning that squat.h states.
+  EXPECT_NEAR(squats->At(0.0).acceleration_rad_s2, -0.3, 0.001);
 }
 
 TEST(SquatHeight, RefusesWhatNoLegCanDo) {
