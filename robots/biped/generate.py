@@ -87,6 +87,15 @@ FORCE_SENSORS = [
 # Parts that touch the ground.
 CONTACT_PARTS = {"rear_segment", "front_segment"}
 
+# Colours of the parts, red green blue alpha: what a viewer draws. The legs differ, so that left and right do.
+MATERIALS = {
+    "body": "0.80 0.82 0.85 1",
+    "left": "0.22 0.45 0.80 1",
+    "right": "0.92 0.52 0.18 1",
+    "actuator": "0.25 0.27 0.30 1",
+    "sole": "0.38 0.38 0.40 1",
+}
+
 ALONG = {"x": "0 1.570796327 0", "y": "1.570796327 0 0", "z": "0 0 0"}
 
 
@@ -125,6 +134,11 @@ class Part:
         self.at = [float(v) for v in row["at_m"].split()]
         if side == "right":
             self.at[1] = -self.at[1]
+        self.material = side or "body"
+        if self.shape == "cylinder":
+            self.material = "actuator"
+        elif self.name in CONTACT_PARTS:
+            self.material = "sole"
         wanted = {"box": 3, "cylinder": 2}[self.shape]
         if len(self.size) != wanted or len(self.at) != 3 or not self.mass > 0.0:
             raise ValueError(f"part {self.name}: {row}")
@@ -149,6 +163,7 @@ class Part:
             f'    <{tag} name="{self.name}">',
             f'      <origin xyz="{triple(self.at)}"{rpy}/>',
             f"      <geometry>{form}</geometry>",
+            *([f'      <material name="{self.material}"/>'] if tag == "visual" else []),
             f"    </{tag}>",
         ]
 
@@ -290,6 +305,8 @@ def urdf(toes_locked):
     ]
     if toes_locked:
         out.insert(-1, "<!-- On the stand: the base is fixed, the toes do not move in their joints. -->")
+    for name, rgba in MATERIALS.items():
+        out += [f'  <material name="{name}"><color rgba="{rgba}"/></material>']
     out += link("base", [])
     out += link("pelvis", parts.pop("pelvis"))
     out += joint("pelvis_mount", "fixed", "base", "pelvis", (0.0, 0.0, 0.0))

@@ -382,6 +382,7 @@ TEST(Tree, PackagesAreExactlyWhatTheBuildAndTheProgramsNeed) {
                                      "ccache",
                                      "libgmock-dev",
                                      "gnuplot-nox",
+                                     "libgl1-mesa-dri",
                                      "procps",
                                      "systemd",
                                      "iproute2",
@@ -397,7 +398,7 @@ TEST(Tree, PackagesAreExactlyWhatTheBuildAndTheProgramsNeed) {
                                      "can-utils",
                                      "python3-canmatrix"};
   // Part of every compiler installation, or only for measurements.
-  const std::set<std::string> implied = {"libc6-dev", "libbenchmark-dev"};
+  const std::set<std::string> implied = {"libc6-dev", "libbenchmark-dev", "libmujoco-dev"};
   const std::set<std::string> listed = Packages();
   const std::set<std::string> named = PackagesThatCMakeNames();
   EXPECT_GE(named.size(), 10u);

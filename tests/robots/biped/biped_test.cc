@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <sstream>
 #include <string>
@@ -106,6 +107,71 @@ TEST(Biped, TwelveJointsAreDrivenInTheirOrderAndTwoToesAreNot) {
     EXPECT_GT(std::stod(e->Attribute("stiffness_Nm_rad")), 0.0);
   }
   EXPECT_EQ(joints, passive);
+}
+
+struct TablePart {
+  std::string link, name, shape, size, material;
+};
+
+// Of shapes.csv, both legs.
+std::vector<TablePart> PartsOfTheTable() {
+  std::vector<TablePart> parts;
+  std::ifstream in(kFolder + "shapes.csv");
+  for (std::string line; std::getline(in, line);) {
+    if (line.empty() || line.front() == '#' || line.rfind("link,", 0) == 0) continue;
+    std::array<std::string, 7> cells;
+    std::istringstream row(line);
+    for (std::string& cell : cells) std::getline(row, cell, ',');
+    const bool of_leg = cells[0].find("{side}") != std::string::npos;
+    for (const std::string side : {"left", "right"}) {
+      TablePart part{cells[0], cells[1], cells[2], cells[5], of_leg ? side : "body"};
+      if (of_leg) part.link.replace(part.link.find("{side}"), 6, side);
+      if (part.shape == "cylinder") part.material = "actuator";
+      if (part.name == "rear_segment" || part.name == "front_segment") part.material = "sole";
+      parts.push_back(part);
+      if (!of_leg) break;
+    }
+  }
+  return parts;
+}
+
+std::vector<double> NumbersIn(const std::string& text) {
+  std::istringstream in(text);
+  return {std::istream_iterator<double>(in), {}};
+}
+
+TEST(Biped, EveryPartIsDrawnWithItsShapeAndTheColourOfItsSide) {
+  TiXmlDocument document;
+  document.Parse(ReadUrdf().c_str());
+  std::map<std::string, const TiXmlElement*> visuals;  // "link/part"
+  for (const TiXmlElement* link = document.RootElement()->FirstChildElement("link");
+       link != nullptr; link = link->NextSiblingElement("link")) {
+    for (const TiXmlElement* e = link->FirstChildElement("visual"); e != nullptr;
+         e = e->NextSiblingElement("visual")) {
+      visuals[std::string(link->Attribute("name")) + "/" + e->Attribute("name")] = e;
+    }
+  }
+  std::map<std::string, std::string> colours;
+  for (const TiXmlElement* e = document.RootElement()->FirstChildElement("material"); e != nullptr;
+       e = e->NextSiblingElement("material")) {
+    colours[e->Attribute("name")] = e->FirstChildElement("color")->Attribute("rgba");
+  }
+  const std::vector<TablePart> parts = PartsOfTheTable();
+  EXPECT_EQ(parts.size(), visuals.size());
+  for (const TablePart& part : parts) {
+    const auto found = visuals.find(part.link + "/" + part.name);
+    ASSERT_NE(found, visuals.end()) << part.link << '/' << part.name;
+    const TiXmlElement* form = found->second->FirstChildElement("geometry")->FirstChildElement();
+    EXPECT_EQ(form->ValueStr(), part.shape);
+    const std::string size = part.shape == "box" ? form->Attribute("size")
+                                                 : std::string(form->Attribute("radius")) + " " +
+                                                       form->Attribute("length");
+    EXPECT_EQ(NumbersIn(size), NumbersIn(part.size)) << found->first;
+    const std::string material = found->second->FirstChildElement("material")->Attribute("name");
+    EXPECT_EQ(material, part.material) << found->first;
+    EXPECT_EQ(NumbersIn(colours[material]).size(), 4u) << material;
+  }
+  EXPECT_NE(colours["left"], colours["right"]);
 }
 
 TEST(Biped, EffortIsMotorTimesReductionTimesEfficiency) {
