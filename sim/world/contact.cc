@@ -72,7 +72,8 @@ GroundLaw::Result GroundLaw::Force(const Eigen::Vector3d& position_m,
   if (size > limit) force *= limit / size;
   result.force = {normal, force};
   result.memory = {point - stretch, true};
-  if (normal > 0.0) result.normal_damping_N_s_m = stiffness_N_m_ * depth * damping_s_m_;
+  if (!(normal > 0.0)) return result;
+  result.normal_damping_N_s_m = stiffness_N_m_ * depth * damping_s_m_;
   if (size <= limit) result.tangential_damping_N_s_m = tangential_damping_N_s_m_;
   return result;
 }

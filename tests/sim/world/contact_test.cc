@@ -91,6 +91,29 @@ TEST(Contact, TheBristleHoldsBelowTheLimitAndSlidesAtIt) {
   EXPECT_NEAR(slid.memory.anchor_m.y(), 2.0 - 4.0 * reach, 1e-12);
 }
 
+// By a difference of the forces, which are linear in the velocity where they are not cut off.
+TEST(Contact, ItsDampingIsHowTheForceFallsWithTheVelocity) {
+  const GroundLaw law(GroundConfig{});
+  const ContactMemory held{.anchor_m = {0.0, 0.0}, .touches = true};
+  const Eigen::Vector3d at(0.0, 0.0, -1e-3), velocity(0.01, -0.02, 0.03);
+  const GroundLaw::Result slow = law.Force(at, velocity, held);
+  const GroundLaw::Result fast = law.Force(at, 1.5 * velocity, held);
+  const Eigen::Vector2d along = slow.force.tangential_N - fast.force.tangential_N;
+  EXPECT_NEAR(along.x(), slow.tangential_damping_N_s_m * 0.005, 1e-9);
+  EXPECT_NEAR(along.y(), slow.tangential_damping_N_s_m * -0.01, 1e-9);
+  EXPECT_NEAR(slow.force.normal_N - fast.force.normal_N, slow.normal_damping_N_s_m * 0.015, 1e-9);
+  EXPECT_GT(slow.normal_damping_N_s_m, 0.0);
+  // None where it slides, where it would pull, and above the ground.
+  const GroundLaw::Result slides = law.Force(at, {5.0, 0.0, 0.0}, held);
+  EXPECT_EQ(slides.tangential_damping_N_s_m, 0.0);
+  EXPECT_GT(slides.normal_damping_N_s_m, 0.0);
+  for (const GroundLaw::Result& none :
+       {law.Force(at, {0.0, 0.0, 10.0}, held), law.Force({0.0, 0.0, 1e-6}, velocity, held)}) {
+    EXPECT_EQ(none.normal_damping_N_s_m, 0.0);
+    EXPECT_EQ(none.tangential_damping_N_s_m, 0.0);
+  }
+}
+
 TEST(Contact, RefusesWhatNoGroundHas) {
   const auto refuses = [](double GroundConfig::*field, double value) {
     GroundConfig config;

@@ -42,9 +42,10 @@ void ExpectUsageError(const std::string& arguments, const std::string& expected)
 
 const std::string kRig = SINEW_SOURCE_DIR "/robots/rig/world.yaml";
 const std::string kEmps = SINEW_SOURCE_DIR "/robots/emps/world.yaml";
+const std::string kBiped = SINEW_SOURCE_DIR "/robots/biped/world.yaml";  // on a floating base
 
 TEST(SinewWorld, RunsASessionInLockstep) {
-  for (const std::string& config : {kRig, kEmps}) {
+  for (const std::string& config : {kRig, kEmps, kBiped}) {
     const Result result = Call("--config " + config + " --lockstep --duration 0.5");
     EXPECT_EQ(result.exit_code, 0) << result.output;
   }
