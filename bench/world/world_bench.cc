@@ -1,12 +1,15 @@
 // How fast a biped with twelve joints stands on the ground in simulation, beside the same step with
-// DART's dynamics; and how long the inverse dynamics of a biped on both soles takes.
+// DART's dynamics and beside MuJoCo; and how long the inverse dynamics of a biped on both soles
+// takes.
 //   cmake --preset release -DSINEW_BUILD_BENCH=ON && cmake --build build/release --target
 //   world_bench build/release/bin/world_bench
 #include <benchmark/benchmark.h>
 
+#include <cmath>
 #include <filesystem>
 #include <vector>
 
+#include "bench/world/mujoco_world.h"
 #include "sim/world/contact.h"
 #include "sim/world/floating_chain.h"
 #include "sim/world/floating_world.h"
@@ -148,6 +151,27 @@ void StandingWithDart(benchmark::State& state) {
 }
 BENCHMARK(StandingWithDart)->Unit(benchmark::kMillisecond);
 
+void StandingWithMujoco(benchmark::State& state) {
+  if (!HasBiped(state)) return;
+  const StandingBiped biped = MakeStandingBiped();
+  MujocoWorld world(biped.config);
+  world.Reset(biped.state);
+  const double mass_kg = FloatingChain(biped.config.chain).mass_kg();
+  if (std::abs(world.mass_kg() - mass_kg) > 1e-9 * mass_kg) {
+    state.SkipWithError("MuJoCo's model has another mass");
+    return;
+  }
+  Eigen::VectorXd torque = Eigen::VectorXd::Zero(world.joint_count());
+  for (auto _ : state) {
+    for (int k = 0; k < kStepsPerIteration; ++k) {
+      HoldPosture(biped, world.state(), &torque);
+      world.Step(torque);
+    }
+  }
+  Report(state, biped.config.substep_s, world.normal_N(), world.mass_kg());
+}
+BENCHMARK(StandingWithMujoco)->Unit(benchmark::kMillisecond);
+
 // Accelerations alone: state set, equations solved.
 void Solve(benchmark::State& state) {
   if (!HasBiped(state)) return;
@@ -189,6 +213,18 @@ void SolveDoubleSupport(benchmark::State& state) {
   }
 }
 BENCHMARK(SolveDoubleSupport)->Unit(benchmark::kMicrosecond);
+
+void SolveWithMujoco(benchmark::State& state) {
+  if (!HasBiped(state)) return;
+  const StandingBiped biped = MakeStandingBiped();
+  MujocoWorld world(biped.config);
+  world.Reset(biped.state);
+  for (auto _ : state) {
+    world.Solve();
+    benchmark::DoNotOptimize(*world.acceleration());
+  }
+}
+BENCHMARK(SolveWithMujoco)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace sinew::world

@@ -13,19 +13,14 @@ constexpr double kDegree_rad = std::numbers::pi / 180.0;
 constexpr double kFieldOfView_rad = 26.0 * kDegree_rad;  // of a lens of 52 mm on 24 mm x 36 mm
 constexpr double kMargin = 1.08;                         // of the picture around the robot
 
-// azimuth_rad: from forward to the left; elevation_rad: above the horizon.
-Camera ViewFrom(const Scene& scene, double azimuth_rad, double elevation_rad) {
-  const Eigen::AlignedBox3d box = Extent(scene, StandingPose(scene));
-  Camera camera;
-  camera.field_of_view_rad = kFieldOfView_rad;
-  camera.target_m = box.isEmpty() ? Vector3d(0.0, 0.0, 0.0) : Vector3d(box.center());
-  const double radius_m = box.isEmpty() ? 1.0 : 0.5 * box.diagonal().norm();
-  const double distance_m = kMargin * radius_m / std::sin(0.5 * camera.field_of_view_rad);
-  camera.eye_m =
-      camera.target_m + distance_m * Vector3d(std::cos(elevation_rad) * std::cos(azimuth_rad),
-                                              std::cos(elevation_rad) * std::sin(azimuth_rad),
-                                              std::sin(elevation_rad));
-  return camera;
+struct Direction {
+  double azimuth_rad;    // from forward to the left
+  double elevation_rad;  // above the horizon
+};
+
+Direction DirectionOf(View view) {
+  if (view == View::kSide) return {90.0 * kDegree_rad, 6.0 * kDegree_rad};
+  return {50.0 * kDegree_rad, 14.0 * kDegree_rad};
 }
 
 }  // namespace
@@ -54,12 +49,26 @@ Eigen::Vector2d Project(const Camera& camera, int width, int height, const Vecto
   return {0.5 * width * (1.0 + clip.x() / clip.w()), 0.5 * height * (1.0 - clip.y() / clip.w())};
 }
 
-Camera ThreeQuarterView(const Scene& scene) {
-  return ViewFrom(scene, 50.0 * kDegree_rad, 14.0 * kDegree_rad);
-}
-
-Camera SideView(const Scene& scene) {
-  return ViewFrom(scene, 90.0 * kDegree_rad, 6.0 * kDegree_rad);
+Camera CameraOf(const Scene& scene, View view, bool fixed_base) {
+  Camera camera;
+  camera.field_of_view_rad = kFieldOfView_rad;
+  double radius_m = 1.0;
+  if (fixed_base && !scene.visuals.empty()) {
+    const Eigen::AlignedBox3d box = PostureBox(scene);
+    camera.target_m = MountedPose(scene).world_from_base * box.center();
+    radius_m = 0.5 * box.sizes().maxCoeff();  // of the balls in it, not of its corners
+  } else if (!scene.visuals.empty()) {
+    const Eigen::AlignedBox3d box = Extent(scene, StandingPose(scene));
+    camera.target_m = box.center();
+    radius_m = 0.5 * box.diagonal().norm();
+  }
+  const auto [azimuth_rad, elevation_rad] = DirectionOf(view);
+  const double distance_m = kMargin * radius_m / std::sin(0.5 * camera.field_of_view_rad);
+  camera.eye_m =
+      camera.target_m + distance_m * Vector3d(std::cos(elevation_rad) * std::cos(azimuth_rad),
+                                              std::cos(elevation_rad) * std::sin(azimuth_rad),
+                                              std::sin(elevation_rad));
+  return camera;
 }
 
 Camera Follow(const Camera& camera, const RobotPose& pose) {

@@ -28,11 +28,14 @@ Eigen::Matrix4d ClipFromWorld(const Camera& camera, double aspect);
 Eigen::Vector2d Project(const Camera& camera, int width, int height,
                         const Eigen::Vector3d& point_m);
 
-// From the front and the left of the robot (forward: x), a little above, so far away that a sphere
-// about the standing robot fits into the picture's height.
-Camera ThreeQuarterView(const Scene& scene);
-// From the robot's left side, at right angles to its forward axis.
-Camera SideView(const Scene& scene);
+enum class View {
+  kThreeQuarter,  // from the front (forward: x) and the left of the robot, a little above
+  kSide,          // from its left side, at right angles to its forward axis
+};
+
+// So far away that a sphere about the standing robot fits into the picture's height; of a robot on
+// a fixed base a sphere about all its postures (PostureBox).
+Camera CameraOf(const Scene& scene, View view, bool fixed_base = false);
 
 // The same view of a robot that has moved: follows the base on the ground, never up or down, so
 // that a squat is seen.

@@ -102,6 +102,54 @@ RobotPose StandingPose(const Scene& scene) {
   return pose;
 }
 
+Eigen::AlignedBox3d PostureBox(const Scene& scene) {
+  // Of a link's origin: a ball around the first moving joint that carries it, or its own place.
+  struct Ball {
+    Vector3d center = Vector3d::Zero();
+    double radius_m = 0.0;
+    bool moves = false;
+  };
+  RobotPose zero;
+  zero.joint_rad.assign(MovingJoints(scene.chain).size(), 0.0);
+  const std::vector<Isometry3d> links = LinkFrames(scene.chain, zero);
+  std::vector<Ball> balls;
+  for (std::size_t i = 0; i < scene.chain.bodies.size(); ++i) {
+    const arm::Body& body = scene.chain.bodies[i];
+    Ball ball = body.parent < 0 ? Ball{} : balls[static_cast<std::size_t>(body.parent)];
+    if (ball.moves) {
+      ball.radius_m += body.parent_from_joint.translation().norm();
+    } else {
+      ball.center = links[i].translation();
+    }
+    ball.moves = ball.moves || body.moves;
+    for (const double limit_m : {body.lower, body.upper}) {
+      if (body.prismatic && std::isfinite(limit_m)) ball.radius_m += std::abs(limit_m);
+    }
+    balls.push_back(ball);
+  }
+  Eigen::AlignedBox3d box;
+  for (const Visual& visual : scene.visuals) {
+    const Ball ball = visual.body < 0 ? Ball{} : balls[static_cast<std::size_t>(visual.body)];
+    const double size_m = visual.shape == Shape::kBox ? 0.5 * visual.size_m.norm()
+                          : visual.shape == Shape::kCylinder
+                              ? std::hypot(visual.size_m.x(), 0.5 * visual.size_m.z())
+                              : visual.size_m.x();
+    const double radius_m = ball.radius_m + visual.link_from_visual.translation().norm() + size_m;
+    box.extend(ball.center - Vector3d::Constant(radius_m));
+    box.extend(ball.center + Vector3d::Constant(radius_m));
+  }
+  return box;
+}
+
+RobotPose MountedPose(const Scene& scene) {
+  RobotPose pose;
+  pose.joint_rad.assign(MovingJoints(scene.chain).size(), 0.0);
+  if (!scene.visuals.empty()) {
+    pose.world_from_base.translation().z() = std::max(0.0, -PostureBox(scene).min().z());
+  }
+  return pose;
+}
+
 void StandOnLink(const arm::Chain& chain, const std::string& link,
                  const Isometry3d& world_from_link, RobotPose* pose) {
   const auto found = std::find_if(chain.bodies.begin(), chain.bodies.end(),

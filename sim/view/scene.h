@@ -62,6 +62,14 @@ Eigen::AlignedBox3d Extent(const Scene& scene, const RobotPose& pose);
 // All joints at 0, the base upright, x and y 0, so high that the lowest shape touches the ground.
 RobotPose StandingPose(const Scene& scene);
 
+// Box, in the base's frame, around all shapes in all postures: whatever the joints' positions, a
+// shape is no further from the first moving joint that carries it than the links between are long.
+Eigen::AlignedBox3d PostureBox(const Scene& scene);
+
+// Of a robot whose base is fixed, such as a hanging arm: all joints at 0, the base upright, x and y
+// 0, on the ground, or so high that no posture reaches below it.
+RobotPose MountedPose(const Scene& scene);
+
 // Moves a pose so that a link's frame, its origin on the ground, has this place and heading:
 // world_from_link = (x, y, 0) and a rotation about z. What a robot whose sole is flat on the ground
 // knows of its base: leg kinematics. Throws std::invalid_argument: no such link.

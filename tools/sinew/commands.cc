@@ -16,6 +16,7 @@
 #include "tools/sinew/performance.h"
 #include "tools/sinew/permit_replay.h"
 #include "tools/sinew/record.h"
+#include "tools/sinew/render.h"
 #include "tools/sinew/replay.h"
 #include "tools/sinew/score.h"
 #include "tools/sinew/train.h"
@@ -32,6 +33,7 @@ void AddCoreCommands(CLI::App& app) {
   AddPermitReplayCommand(app);
   AddRecordCommand(app);
   AddReplayCommand(app);
+  AddRenderCommand(app);
   AddImportCommand(app);
   AddCheckDataCommand(app);
   AddCloseLoopCommand(app);

@@ -49,7 +49,7 @@ std::string Written(const char* format, double value) {
 struct Film::Impl {
   Impl(const Scene& scene, const FilmOptions& film_options)
       : options(Checked(film_options)),
-        camera(options.view == View::kSide ? SideView(scene) : ThreeQuarterView(scene)),
+        camera(CameraOf(scene, options.view, options.fixed_base)),
         renderer(scene, options.width, options.height),
         caption(kCaptionFont, static_cast<int>(kLetterHeight * options.height)) {
     if (!options.video.empty()) {

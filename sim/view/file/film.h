@@ -7,11 +7,10 @@
 #include <filesystem>
 #include <memory>
 
+#include "sim/view/camera.h"
 #include "sim/view/scene.h"
 
 namespace sinew::view {
-
-enum class View { kThreeQuarter, kSide };
 
 struct FilmOptions {
   std::filesystem::path video;   // FILE.mp4; empty: none
@@ -20,6 +19,7 @@ struct FilmOptions {
   int height = 720;
   int frames_per_s = 25;  // of the time that is given with the poses
   View view = View::kThreeQuarter;
+  bool fixed_base = false;  // for the camera, see CameraOf
 };
 
 class Film {

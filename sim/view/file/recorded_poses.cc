@@ -159,7 +159,7 @@ Recorded ReadFile(const std::filesystem::path& path) {
 
 }  // namespace
 
-void PlaceBase(const Scene& scene, RobotPose* pose) {
+bool PlaceBase(const Scene& scene, RobotPose* pose) {
   const RobotPose standing = StandingPose(scene);
   pose->world_from_base.setIdentity();
   const std::vector<Isometry3d> upright = LinkFrames(scene.chain, *pose);
@@ -175,15 +175,16 @@ void PlaceBase(const Scene& scene, RobotPose* pose) {
     }
   }
   if (soles < 2) {
-    pose->world_from_base = standing.world_from_base;
-    return;
+    pose->world_from_base = MountedPose(scene).world_from_base;
+    return false;
   }
   const auto sole = static_cast<std::size_t>(lowest);
   StandOnLink(scene.chain, scene.chain.bodies[sole].link_name, at_rest[sole], pose);
+  return true;
 }
 
-std::vector<TimedPose> ReadPoses(const std::filesystem::path& recording, const Scene& scene,
-                                 const RecordedPosesOptions& options) {
+RecordedPoses ReadPoses(const std::filesystem::path& recording, const Scene& scene,
+                        const RecordedPosesOptions& options) {
   const Recorded recorded = ReadFile(recording);
   const std::string file = recording.string();
   if (recorded.joints.empty()) throw UsageError(file + ": joint_state has no message");
@@ -191,7 +192,7 @@ std::vector<TimedPose> ReadPoses(const std::filesystem::path& recording, const S
       JointsOfState(scene.chain, recorded.joints.front().values.size(), file);
   const std::int64_t start_ns = recorded.joints.front().stamp_ns;
   const double end_s = 1e-9 * static_cast<double>(recorded.joints.back().stamp_ns - start_ns);
-  std::vector<TimedPose> poses;
+  RecordedPoses out;
   for (std::int64_t k = 0;; ++k) {
     TimedPose one;
     one.time_s = options.from_s + static_cast<double>(k) / options.frames_per_s;
@@ -203,17 +204,17 @@ std::vector<TimedPose> ReadPoses(const std::filesystem::path& recording, const S
       one.pose.joint_rad[indices[i]] = joints.values[i];
     }
     if (recorded.base.empty()) {
-      PlaceBase(scene, &one.pose);
+      out.fixed_base = !PlaceBase(scene, &one.pose);
     } else {
       one.pose.world_from_base = ToFrame(NewestAt(recorded.base, stamp_ns).values);
     }
-    poses.push_back(std::move(one));
+    out.poses.push_back(std::move(one));
   }
-  if (poses.empty()) {
+  if (out.poses.empty()) {
     throw UsageError(file + ": no state from " + std::to_string(options.from_s) +
                      " s on; it ends at " + std::to_string(end_s) + " s");
   }
-  return poses;
+  return out;
 }
 
 }  // namespace sinew::view

@@ -7,7 +7,7 @@
 // Base: sim_body_truth where the recording has it. Else, of a robot with the links left_sole and
 // right_sole, leg kinematics: the sole that is lower below an upright base is flat on the ground
 // where it was when the robot stood, so that the base leans and sinks as the joints say. Else the
-// base is fixed.
+// base is fixed (MountedPose).
 #pragma once
 
 #include <filesystem>
@@ -29,13 +29,18 @@ struct RecordedPosesOptions {
   int frames_per_s = 25;
 };
 
+struct RecordedPoses {
+  std::vector<TimedPose> poses;
+  bool fixed_base = false;
+};
+
 // A pose for each of from_s, from_s + 1 / frames_per_s and so on: the newest of that time. Of
 // several sessions the first. Throws UsageError naming file and what is missing: no joint_state, a
 // number of joints that is not the robot's, no state in the range.
-std::vector<TimedPose> ReadPoses(const std::filesystem::path& recording, const Scene& scene,
-                                 const RecordedPosesOptions& options);
+RecordedPoses ReadPoses(const std::filesystem::path& recording, const Scene& scene,
+                        const RecordedPosesOptions& options);
 
-// Without sim_body_truth: the base as the joints say, see above.
-void PlaceBase(const Scene& scene, RobotPose* pose);
+// Without sim_body_truth: the base as the joints say, see above. False: it is fixed.
+bool PlaceBase(const Scene& scene, RobotPose* pose);
 
 }  // namespace sinew::view

@@ -21,9 +21,10 @@ Isometry3d BaseOf(const provider::BodyTruth& truth) {
 }
 
 LiveViewOptions ToOptions(const std::vector<std::string>& joint_names,
-                          const std::filesystem::path& video, bool lockstep) {
+                          const std::filesystem::path& video, bool fixed_base, bool lockstep) {
   LiveViewOptions out;
   out.film.video = video;
+  out.film.fixed_base = fixed_base;
   out.joint_names = joint_names;
   out.waits = lockstep;
   return out;
@@ -36,8 +37,9 @@ PlantView::PlantView(const provider::SimulatedPlant& plant,
                      const std::filesystem::path& video, bool lockstep)
     : plant_(plant),
       video_(video),
-      fixed_base_(StandingPose(LoadScene(urdf)).world_from_base),
-      live_(LoadScene(urdf), ToOptions(joint_names, video, lockstep)) {}
+      fixed_base_(MountedPose(LoadScene(urdf)).world_from_base),
+      live_(LoadScene(urdf),
+            ToOptions(joint_names, video, plant.body_truth() == nullptr, lockstep)) {}
 
 std::function<void(double, const provider::PlantSensors&)> PlantView::Observer() {
   return [this](double time_s, const provider::PlantSensors& sensors) {

@@ -1,7 +1,7 @@
 // --view of a simulated state provider: a video of its plant.
 //
-// The base is that of the plant's body_truth; a fixed base stands so high that the robot's lowest
-// shape, with all joints at 0, touches the ground. Joints are where their sensors read.
+// The base is that of the plant's body_truth; a fixed base is that of MountedPose. Joints are where
+// their sensors read.
 #pragma once
 
 #include <filesystem>

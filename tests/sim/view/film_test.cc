@@ -67,7 +67,7 @@ TEST(Film, AFrameIsThePictureWithItsTime) {
   film.Add(1.28, squat.At(1.28));
   const Image frame = ReadPng(folder.path() / "frame_00000.png");
   const Image bare = Renderer(squat.scene(), kFilmWidth, kFilmHeight)
-                         .Render(squat.At(1.28), ThreeQuarterView(squat.scene()));
+                         .Render(squat.At(1.28), CameraOf(squat.scene(), View::kThreeQuarter));
   int changed = 0;
   for (int y = 0; y < kFilmHeight; ++y) {
     for (int x = 0; x < kFilmWidth; ++x) {

@@ -12,6 +12,7 @@
 #include "components/recording/file/cdr_json.h"
 #include "components/recording/file/file_io.h"
 #include "components/recording/mcap_writer.h"
+#include "sim/view/camera.h"
 #include "tests/sim/view/biped_squat.h"
 #include "tests/support/temporary_folder.h"
 
@@ -124,7 +125,9 @@ TEST(RecordedPoses, AreThoseOfTheTimeOfEachFrame) {
   const testing::TemporaryFolder folder;
   const BipedSquat squat;
   const auto path = WriteSquat(folder, squat, false);
-  const std::vector<TimedPose> poses = ReadPoses(path, squat.scene(), {});
+  const RecordedPoses recorded = ReadPoses(path, squat.scene(), {});
+  EXPECT_FALSE(recorded.fixed_base);
+  const std::vector<TimedPose>& poses = recorded.poses;
   ASSERT_EQ(poses.size(), 26u);  // 0 s and 1 s, and 24 between
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const double time_s = 0.04 * static_cast<double>(i);
@@ -145,7 +148,7 @@ TEST(RecordedPoses, TheBaseIsTheRecordedOne) {
   options.from_s = 0.5;
   options.to_s = 0.7;
   options.frames_per_s = 10;
-  const std::vector<TimedPose> poses = ReadPoses(path, squat.scene(), options);
+  const std::vector<TimedPose> poses = ReadPoses(path, squat.scene(), options).poses;
   ASSERT_EQ(poses.size(), 3u);
   const Eigen::Isometry3d& base = poses[0].pose.world_from_base;
   EXPECT_NEAR(base.translation().x(), kShift_m, 1e-12);
@@ -153,14 +156,19 @@ TEST(RecordedPoses, TheBaseIsTheRecordedOne) {
   EXPECT_LT((base.linear() * Eigen::Vector3d::UnitX() + Eigen::Vector3d::UnitX()).norm(), 1e-12);
 }
 
-TEST(RecordedPoses, AFixedBaseStandsOnTheGround) {
+TEST(RecordedPoses, AFixedBaseIsSoHighThatNoPostureReachesTheGround) {
   const Scene scene = LoadScene(SINEW_SOURCE_DIR "/robots/rig/rig.urdf");
-  RobotPose pose = StandingPose(scene);
-  pose.joint_rad.assign(pose.joint_rad.size(), 0.5);
-  const double height_m = pose.world_from_base.translation().z();
-  pose.world_from_base.translation().z() = -3.0;
-  PlaceBase(scene, &pose);
-  EXPECT_EQ(pose.world_from_base.translation().z(), height_m);
+  RobotPose pose = MountedPose(scene);
+  for (double angle_rad = -3.2; angle_rad <= 3.2; angle_rad += 0.1) {
+    pose.joint_rad.assign(pose.joint_rad.size(), angle_rad);
+    pose.world_from_base.translation().z() = -3.0;
+    EXPECT_FALSE(PlaceBase(scene, &pose));
+    EXPECT_GE(Extent(scene, pose).min().z(), 0.0) << angle_rad;
+    const Camera camera = CameraOf(scene, View::kThreeQuarter, true);
+    const Eigen::Vector2d seen = Project(camera, 960, 720, Extent(scene, pose).center());
+    EXPECT_GT(seen.minCoeff(), 0.0);
+    EXPECT_LT(seen.y(), 720.0);
+  }
 }
 
 TEST(RecordedPoses, RefusalsNameTheFileAndWhatIsMissing) {

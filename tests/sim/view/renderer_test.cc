@@ -60,7 +60,7 @@ Rows RobotRows(const Renderer& renderer, const RobotPose& pose, const Camera& ca
 
 TEST(Renderer, TheRobotMovesDownByTheDepthOfTheSquat) {
   const BipedSquat squat;
-  const Camera camera = SideView(squat.scene());
+  const Camera camera = CameraOf(squat.scene(), View::kSide);
   const Renderer renderer(squat.scene(), kWidth, kHeight);
   const RobotPose top = squat.At(0.0), bottom = squat.At(2.5);
   const Rows high = RobotRows(renderer, top, camera), low = RobotRows(renderer, bottom, camera);
@@ -88,7 +88,7 @@ TEST(Renderer, TheRobotMovesDownByTheDepthOfTheSquat) {
 
 TEST(Renderer, TheSolesAreDrawnOnTheGround) {
   const BipedSquat squat;
-  const Camera camera = SideView(squat.scene());
+  const Camera camera = CameraOf(squat.scene(), View::kSide);
   const Renderer renderer(squat.scene(), kWidth, kHeight);
   const Rows rows = RobotRows(renderer, squat.At(1.0), camera);
   // The nearest lower edge of the robot: the left foot's outer side.
@@ -98,7 +98,7 @@ TEST(Renderer, TheSolesAreDrawnOnTheGround) {
 
 TEST(Renderer, TheGroundHidesWhatIsBelowIt) {
   const BipedSquat squat;
-  const Camera camera = ThreeQuarterView(squat.scene());
+  const Camera camera = CameraOf(squat.scene(), View::kThreeQuarter);
   const Renderer renderer(squat.scene(), kWidth, kHeight);
   RobotPose pose = squat.At(0.0);
   EXPECT_GT(RowsWith(renderer.Render(pose, camera), IsLeg).last, 0);
@@ -108,7 +108,7 @@ TEST(Renderer, TheGroundHidesWhatIsBelowIt) {
 
 TEST(Renderer, AFootAboveTheGroundLeavesItsShadow) {
   const BipedSquat squat;
-  const Camera camera = SideView(squat.scene());
+  const Camera camera = CameraOf(squat.scene(), View::kSide);
   const Renderer renderer(squat.scene(), kWidth, kHeight);
   RobotPose pose = squat.At(0.0);
   const auto ground_below_the_foot = [&] {
@@ -128,7 +128,7 @@ TEST(Renderer, AFootAboveTheGroundLeavesItsShadow) {
 TEST(Renderer, LeftIsBlueAndRightIsOrange) {
   const BipedSquat squat;
   const Renderer renderer(squat.scene(), kWidth, kHeight);
-  Camera front = SideView(squat.scene());
+  Camera front = CameraOf(squat.scene(), View::kSide);
   front.eye_m = front.target_m + Eigen::Vector3d((front.eye_m - front.target_m).norm(), 0.0, 0.0);
   const Image image = renderer.Render(squat.At(0.0), front);
   int blue = 0, orange = 0;
@@ -148,7 +148,7 @@ TEST(Renderer, LeftIsBlueAndRightIsOrange) {
 
 TEST(Renderer, TheSamePoseGivesTheSamePicture) {
   const BipedSquat squat;
-  const Camera camera = ThreeQuarterView(squat.scene());
+  const Camera camera = CameraOf(squat.scene(), View::kThreeQuarter);
   const Renderer first(squat.scene(), kWidth, kHeight), second(squat.scene(), kWidth, kHeight);
   const Image a = first.Render(squat.At(1.3), camera);
   (void)first.Render(squat.At(2.0), camera);

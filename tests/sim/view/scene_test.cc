@@ -147,7 +147,7 @@ TEST(Camera, SizesAreThoseOfAPinhole) {
 
 TEST(Camera, FollowsOnTheGroundButNotUpOrDown) {
   const BipedSquat squat;
-  const Camera camera = ThreeQuarterView(squat.scene());
+  const Camera camera = CameraOf(squat.scene(), View::kThreeQuarter);
   RobotPose pose = squat.At(2.5);
   EXPECT_EQ(Follow(camera, pose).eye_m, camera.eye_m);
   pose.world_from_base.translation().x() += 2.0;
@@ -157,7 +157,8 @@ TEST(Camera, FollowsOnTheGroundButNotUpOrDown) {
 
 TEST(Camera, TheWholeRobotIsInThePicture) {
   const BipedSquat squat;
-  for (const Camera& camera : {ThreeQuarterView(squat.scene()), SideView(squat.scene())}) {
+  for (const Camera& camera :
+       {CameraOf(squat.scene(), View::kThreeQuarter), CameraOf(squat.scene(), View::kSide)}) {
     const Eigen::AlignedBox3d box = Extent(squat.scene(), StandingPose(squat.scene()));
     for (int corner = 0; corner < 8; ++corner) {
       const Vector3d point = box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner));

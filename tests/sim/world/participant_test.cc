@@ -51,6 +51,16 @@ TEST(SinewWorld, RunsASessionInLockstep) {
   }
 }
 
+TEST(SinewWorld, WritesAVideoOfItsSession) {
+  const std::filesystem::path video = std::filesystem::temp_directory_path() /
+                                      ("sinew_world_view_" + std::to_string(::getpid()) + ".mp4");
+  const Result result =
+      Call("--config " + kRig + " --lockstep --duration 0.2 --view " + video.string());
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_TRUE(std::filesystem::exists(video));
+  std::filesystem::remove(video);
+}
+
 TEST(SinewWorld, ReportsBadInputInOneLineAndExitsWithTwo) {
   const std::filesystem::path folder =
       std::filesystem::temp_directory_path() / ("sinew_world_bad_" + std::to_string(::getpid()));
@@ -59,6 +69,7 @@ TEST(SinewWorld, ReportsBadInputInOneLineAndExitsWithTwo) {
   std::ofstream(urdf) << "<robot name='r'>\n<link name='a'>\n</robot>\n";
   ExpectUsageError("", "--config");
   ExpectUsageError("--config /no/such/file.yaml", "/no/such/file.yaml");
+  ExpectUsageError("--config " + kRig + " --view rig.avi", "expected a name that ends in .mp4");
   ExpectUsageError("--config " + kRig + " --urdf " + urdf, "bad.urdf:3: no valid XML");
   ExpectUsageError("--config " + kRig + " --model " SINEW_SOURCE_DIR "/robots/emps/model.yaml",
                    "world.yaml:8");

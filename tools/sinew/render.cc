@@ -1,0 +1,78 @@
+#include "tools/sinew/render.h"
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sim/view/file/film.h"
+#include "sim/view/file/recorded_poses.h"
+#include "sim/view/file/scene_file.h"
+
+namespace sinew::tools {
+
+namespace {
+
+struct RenderOptions {
+  std::filesystem::path recording, urdf;
+  std::string seen_from = "three-quarter";
+  view::FilmOptions film;
+  view::RecordedPosesOptions poses;
+};
+
+void Render(RenderOptions options) {
+  if (options.seen_from == "side") options.film.view = view::View::kSide;
+  options.poses.frames_per_s = options.film.frames_per_s;
+  const view::Scene scene = view::LoadScene(options.urdf);
+  if (scene.mesh_count > 0) {
+    std::cerr << "sinew render: " << scene.mesh_count << " meshes of " << options.urdf.string()
+              << " are not drawn\n";
+  }
+  const view::RecordedPoses recorded = view::ReadPoses(options.recording, scene, options.poses);
+  options.film.fixed_base = recorded.fixed_base;
+  view::Film film(scene, options.film);
+  for (const view::TimedPose& one : recorded.poses) film.Add(one.time_s, one.pose);
+  film.Finish();
+  std::cout << film.frame_count() << " frames from " << recorded.poses.front().time_s << " s to "
+            << recorded.poses.back().time_s << " s\n";
+}
+
+}  // namespace
+
+void AddRenderCommand(CLI::App& app) {
+  auto options = std::make_shared<RenderOptions>();
+  CLI::App* command = app.add_subcommand("render", "Draw a recording: a video, PNG files or both");
+  command->add_option("--recording", options->recording, "MCAP with joint_state")
+      ->required()
+      ->check(CLI::ExistingFile);
+  command->add_option("--urdf", options->urdf, "URDF of the robot, with visual elements")
+      ->required()
+      ->check(CLI::ExistingFile);
+  command->add_option("--out", options->film.video, "Video, e.g. squat.mp4")->type_name("FILE.mp4");
+  command->add_option("--frames", options->film.frames, "Folder for a PNG file of each frame")
+      ->type_name("DIR");
+  command->add_option("--from", options->poses.from_s, "Start, s since the first state")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_option("--to", options->poses.to_s, "End, s since the first state; default: the end")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--rate", options->film.frames_per_s, "Frames in a second of recorded time")
+      ->check(CLI::Range(1, 120))
+      ->capture_default_str();
+  command->add_option("--width", options->film.width, "Pixels, even")->capture_default_str();
+  command->add_option("--height", options->film.height, "Pixels, even")->capture_default_str();
+  command->add_option("--view", options->seen_from, "From where the robot is seen")
+      ->check(CLI::IsMember({"three-quarter", "side"}))
+      ->capture_default_str();
+  command->footer(
+      "The base is that of sim_body_truth; without it, of a biped, its lower sole is flat on the "
+      "ground.\n\n"
+      "Examples:\n"
+      "  sinew render --recording squat.mcap --urdf robots/biped/biped.urdf --out squat.mp4\n"
+      "  sinew render --recording squat.mcap --urdf robots/biped/biped.urdf --frames pictures \\\n"
+      "    --from 2 --to 4 --view side");
+  command->callback([options] { Render(*options); });
+}
+
+}  // namespace sinew::tools
