@@ -373,12 +373,16 @@ JointController::Result JointController::Step(const JointInput& input) noexcept 
   // A finite reference far away and the step to it may add up to more than a number holds.
   if (!Finite(target)) return latch(Fault::kNonFiniteReference);
   target_ = target;
-  const double error_rad = target_.position_rad - m.position_rad;
   const double velocity_rad_s = MeasuredVelocity(m, input.period_s);
   if (config_.tracking_error_limit_rad > 0.0 && aim_ == Aim::kReference &&
-      std::abs(error_rad) > config_.tracking_error_limit_rad) {
-    return latch(Fault::kTrackingError);
+      std::abs(target_.position_rad - m.position_rad) > config_.tracking_error_limit_rad) {
+    if (!input.stands_by) return latch(Fault::kTrackingError);
+    // Another one moves the joint: the error is not of these commands. After a stop of this process
+    // it is that of an old target. The reference is taken up anew, from where the joint is.
+    target_ = {m.position_rad, 0.0, 0.0};
+    aim_ = Aim::kHold;
   }
+  const double error_rad = target_.position_rad - m.position_rad;
 
   JointOutput& output = result.output;
   output.position_rad = target_.position_rad;

@@ -43,11 +43,19 @@ class OtherOwner {
     return std::nullopt;
   }
 
-  // Another one is the owner, as far as was taken. component_status says it from here on.
+  // Another one is the owner, as far as was taken; or was when this one was stopped: what it has
+  // said since may still wait in the sockets. component_status says it from here on.
   bool StandsBy(const Tick& tick) {
-    const bool standby = Heard(tick);
-    node_.SetStandby(standby);
-    return standby;
+    const bool same_session = last_ && last_->session_id == tick.session_id;
+    if (!same_session) {
+      resumed_tick_.reset();
+    } else if (stood_by_ && !StillOwner(last_->tick, tick)) {
+      resumed_tick_ = tick.tick;
+    }
+    stood_by_ = Heard(tick) || (resumed_tick_ && StillOwner(*resumed_tick_, tick));
+    last_ = tick;
+    node_.SetStandby(stood_by_);
+    return stood_by_;
   }
 
   // What is computed from a replayed owner says so.
@@ -72,6 +80,10 @@ class OtherOwner {
   std::uint64_t session_id_ = 0;
   std::optional<std::uint64_t> heard_tick_;
   bool replayed_ = false;
+  // Of the last StandsBy: its tick and answer, and the first tick after a silence of this one.
+  std::optional<Tick> last_;
+  bool stood_by_ = false;
+  std::optional<std::uint64_t> resumed_tick_;
 };
 
 }  // namespace sinew::node

@@ -148,7 +148,7 @@ void FallGuard::Find() noexcept {
             config_.detector.mass_kg * fall::kGravity_m_s2);
       break;
     case fall::Criterion::kNone:
-      Write("fall");
+      Write("%s", "fall");
       break;
   }
 }

@@ -20,6 +20,12 @@ void Require(bool condition, const char* name, double value, const char* expecte
 // The running innovation variance never falls to zero, where everything would be clipped.
 constexpr double kSmallestVariance = 1e-12;
 
+// Also where a value is not a number.
+template <class Derived>
+bool Takes(const Eigen::MatrixBase<Derived>& values) noexcept {
+  return (values.array().abs() <= kLargest).all();
+}
+
 }  // namespace
 
 RecursiveLeastSquares::RecursiveLeastSquares(const Config& config,
@@ -64,7 +70,7 @@ RecursiveLeastSquares::RecursiveLeastSquares(const Config& config,
     }
   }
   weight_ = offline_;
-  innovation_ = Eigen::VectorXd::Zero(outputs_);
+  innovation_ = error_ = Eigen::VectorXd::Zero(outputs_);
   Reset();
 }
 
@@ -84,7 +90,7 @@ void RecursiveLeastSquares::Reset() noexcept {
 }
 
 bool RecursiveLeastSquares::SetReadout(const Eigen::Ref<const Eigen::MatrixXd>& readout) noexcept {
-  if (readout.rows() != outputs_ || readout.cols() != size_ || !readout.allFinite()) return false;
+  if (readout.rows() != outputs_ || readout.cols() != size_ || !Takes(readout)) return false;
   for (int o = 0; o < outputs_; ++o) {
     for (int i = 0; i < size_; ++i) {
       weight_[static_cast<std::size_t>(o) * static_cast<std::size_t>(stride_) +
@@ -97,17 +103,18 @@ bool RecursiveLeastSquares::SetReadout(const Eigen::Ref<const Eigen::MatrixXd>& 
 UpdateStatus RecursiveLeastSquares::Update(
     const Eigen::Ref<const Eigen::VectorXd>& features,
     const Eigen::Ref<const Eigen::VectorXd>& target) noexcept {
-  if (features.size() != size_ || target.size() != outputs_ || !features.allFinite() ||
-      !target.allFinite()) {
+  if (features.size() != size_ || target.size() != outputs_ || !Takes(features) || !Takes(target)) {
     return UpdateStatus::kBadInput;
   }
   const internal::Kernel& kernel = internal::KernelFor(instructions_);
   std::copy(features.data(), features.data() + size_, phi_.begin());
-  double mean_square = 0.0;
   for (int o = 0; o < outputs_; ++o) {
-    innovation_(o) = target(o) - kernel.dot(weight_.data() + o * stride_, phi_.data(), stride_);
-    mean_square += innovation_(o) * innovation_(o) / outputs_;
+    error_(o) = target(o) - kernel.dot(weight_.data() + o * stride_, phi_.data(), stride_);
   }
+  if (!Takes(error_)) return UpdateStatus::kBadInput;
+  innovation_ = error_;
+  double mean_square = 0.0;
+  for (const double error : innovation_) mean_square += error * error / outputs_;
   double root_weight = 1.0;
   if (config_.clip_sigmas > 0.0) {
     const double limit = config_.clip_sigmas * config_.clip_sigmas * innovation_variance_;

@@ -47,8 +47,13 @@ struct Config {
 enum class [[nodiscard]] UpdateStatus{
     kOk,
     kClipped,   // updated, with a weight below 1
-    kBadInput,  // not finite or of the wrong size: nothing changed
+    kBadInput,  // of the wrong size, not finite, or beyond kLargest: nothing changed
 };
+
+// The largest feature, target, weight and innovation that is taken. States of a reservoir are
+// within 1, its inputs and torques within 10^4 in their units; the products and squares of larger
+// values would overflow, and what is not a number would stay in weights and covariance for good.
+inline constexpr double kLargest = 1e9;
 
 class RecursiveLeastSquares {
  public:
@@ -65,7 +70,7 @@ class RecursiveLeastSquares {
   void Reset() noexcept;
 
   // Goes on from another estimator's readout; the covariance stays. False, and nothing changed: of
-  // another size, or not finite.
+  // another size, not finite, or beyond kLargest.
   [[nodiscard]] bool SetReadout(const Eigen::Ref<const Eigen::MatrixXd>& readout) noexcept;
 
   UpdateStatus Update(const Eigen::Ref<const Eigen::VectorXd>& features,
@@ -106,6 +111,7 @@ class RecursiveLeastSquares {
   std::vector<double> weight_;   // outputs x stride, row by row
   std::vector<double> offline_;  // as weight_
   Eigen::VectorXd innovation_;
+  Eigen::VectorXd error_;  // that may become the innovation
 };
 
 }  // namespace sinew::rls

@@ -48,7 +48,7 @@ EGLDeviceEXT SoftwareDevice() {
 
 // One of the process, never ended: eglTerminate would end it for every context.
 EGLDisplay SoftwareDisplay() {
-  static const EGLDisplay display = [] {
+  static const EGLDisplay kDisplay = [] {
     const auto get_display =
         EglExtension<PFNEGLGETPLATFORMDISPLAYEXTPROC>("eglGetPlatformDisplayEXT");
     const EGLDisplay made = get_display(EGL_PLATFORM_DEVICE_EXT, SoftwareDevice(), nullptr);
@@ -56,7 +56,7 @@ EGLDisplay SoftwareDisplay() {
     if (eglInitialize(made, nullptr, nullptr) != EGL_TRUE) FailEgl("eglInitialize");
     return made;
   }();
-  return display;
+  return kDisplay;
 }
 
 }  // namespace

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 
@@ -112,8 +114,9 @@ UploadedShape Upload(const std::vector<Vertex>& vertices) {
                vertices.data(), GL_STATIC_DRAW);
   for (const GLuint attribute : {0u, 1u}) {  // position, normal
     glEnableVertexAttribArray(attribute);
-    glVertexAttribPointer(attribute, 3, GL_FLOAT, GL_FALSE, sizeof(Vertex),
-                          reinterpret_cast<const void*>(attribute * sizeof(Vertex::position)));
+    glVertexAttribPointer(
+        attribute, 3, GL_FLOAT, GL_FALSE, sizeof(Vertex),
+        std::bit_cast<const void*>(std::uintptr_t{attribute} * sizeof(Vertex::position)));
   }
   return out;
 }

@@ -71,10 +71,10 @@ class ActuatedJoints {
   void Reset(std::span<const double> body_inertia_kg_m2);
   // One joint at the angle and velocity of x, its rotor within the play of x.motor_position_rad
   // (shaft), the terms' memory as given (actuator::JointModel's order).
-  void Start(int joint, const effects::JointSample& x, double body_inertia_kg_m2,
+  void Start(int index, const effects::JointSample& x, double body_inertia_kg_m2,
              std::span<const double> memory);
   // From now on the joint's surroundings are those of x (JointPlant::SetSurroundings), until Reset.
-  void SetSurroundings(int joint, const effects::JointSample& x);
+  void SetSurroundings(int index, const effects::JointSample& x);
 
   // Both act from the next Command on. Forces and payloads that are not finite count as 0, payloads
   // below 0 as 0. Pressures that are not finite are not imposed, nor those of joints without
@@ -84,12 +84,12 @@ class ActuatedJoints {
   // For the steps of one cycle.
   void Command(const provider::PlantCommand& command) noexcept;
 
-  JointLoad Begin(int joint, double position_rad, double velocity_rad_s, double dt_s) noexcept;
-  void End(int joint, double position_rad, double velocity_rad_s, double dt_s) noexcept;
+  JointLoad Begin(int index, double position_rad, double velocity_rad_s, double dt_s) noexcept;
+  void End(int index, double position_rad, double velocity_rad_s, double dt_s) noexcept;
 
   // Readings of one joint's sensors and the state of its gear. Sets `fault` and `message` where
   // angle or velocity is not finite.
-  void Read(int joint, double position_rad, double velocity_rad_s, provider::PlantSensors* sensors,
+  void Read(int index, double position_rad, double velocity_rad_s, provider::PlantSensors* sensors,
             provider::GearTruth* truth) const;
 
  private:

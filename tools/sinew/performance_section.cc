@@ -104,31 +104,31 @@ report::Picture SlidingErrors(const MeasuredSession& m) {
 
 }  // namespace
 
-report::Section MakePerformanceSection(const MeasuredSession& m, const std::string& id) {
+report::Section MakePerformanceSection(const MeasuredSession& session, const std::string& id) {
   report::Section section;
   section.id = id;
-  section.title = "Performance: " + m.name;
-  if (m.output.lifting_known) {
-    section.paragraphs.push_back("The centre of mass rose by " + Short(m.output.rise_m) +
-                                 " m in all: at least " + Short(m.output.lifting_J) +
+  section.title = "Performance: " + session.name;
+  if (session.output.lifting_known) {
+    section.paragraphs.push_back("The centre of mass rose by " + Short(session.output.rise_m) +
+                                 " m in all: at least " + Short(session.output.lifting_J) +
                                  " J of positive work.");
   }
-  section.tables.push_back(JointTable(m));
-  if (!m.time_s.empty()) section.pictures.push_back(SlidingErrors(m));
+  section.tables.push_back(JointTable(session));
+  if (!session.time_s.empty()) section.pictures.push_back(SlidingErrors(session));
   return section;
 }
 
-nlohmann::ordered_json PerformanceJson(const MeasuredSession& m) {
+nlohmann::ordered_json PerformanceJson(const MeasuredSession& session) {
   const auto work = [](const Energies& e) {
     return nlohmann::ordered_json{{"absolute_work_J", e.absolute_J},
                                   {"positive_work_J", e.positive_J},
                                   {"net_work_J", e.net_J}};
   };
   nlohmann::ordered_json joints = nlohmann::ordered_json::array();
-  for (std::size_t j = 0; j < m.config.joint_names.size(); ++j) {
-    const auto& joint = m.output.joint[j];
-    const std::string length = LengthUnit(m, j);
-    nlohmann::ordered_json one = {{"name", m.config.joint_names[j]}};
+  for (std::size_t j = 0; j < session.config.joint_names.size(); ++j) {
+    const auto& joint = session.output.joint[j];
+    const std::string length = LengthUnit(session, j);
+    nlohmann::ordered_json one = {{"name", session.config.joint_names[j]}};
     if (joint.error_samples > 0) {
       one["mean_square_error_" + length + "2"] = joint.mean_square_error_rad2;
     }
@@ -136,34 +136,35 @@ nlohmann::ordered_json PerformanceJson(const MeasuredSession& m) {
     if (joint.rms_known) one["sliding_rms_" + length] = joint.sliding_rms_rad;
     one.update(work(joint.energies));
     if (joint.energies.electrical_known) one["electrical_J"] = joint.energies.electrical_drawn_J;
-    if (!m.settle.empty() && m.settle[j].state == SettleResult::State::kSettled) {
-      one["settle_s"] = m.settle[j].settle_s;
-      one["plateau_" + length] = m.settle[j].plateau;
+    if (!session.settle.empty() && session.settle[j].state == SettleResult::State::kSettled) {
+      one["settle_s"] = session.settle[j].settle_s;
+      one["plateau_" + length] = session.settle[j].plateau;
     }
     joints.push_back(std::move(one));
   }
-  nlohmann::ordered_json robot = {{"mean_square_error_rad2", m.output.mean_square_error_rad2}};
-  robot.update(work(m.output.energies));
-  if (m.output.energies.electrical_known) robot["electrical_J"] = m.output.drawn_J;
-  if (m.output.lifting_known) {
-    robot["rise_m"] = m.output.rise_m;
-    robot["lifting_work_J"] = m.output.lifting_J;
+  nlohmann::ordered_json robot = {
+      {"mean_square_error_rad2", session.output.mean_square_error_rad2}};
+  robot.update(work(session.output.energies));
+  if (session.output.energies.electrical_known) robot["electrical_J"] = session.output.drawn_J;
+  if (session.output.lifting_known) {
+    robot["rise_m"] = session.output.rise_m;
+    robot["lifting_work_J"] = session.output.lifting_J;
   }
-  return {{"name", m.name}, {"robot", std::move(robot)}, {"joints", std::move(joints)}};
+  return {{"name", session.name}, {"robot", std::move(robot)}, {"joints", std::move(joints)}};
 }
 
-std::string PerformanceCsv(const MeasuredSession& m) {
+std::string PerformanceCsv(const MeasuredSession& session) {
   std::ostringstream csv;
   csv << "time_s";
-  for (std::size_t j = 0; j < m.config.joint_names.size(); ++j) {
-    csv << ',' << m.config.joint_names[j] << '_' << LengthUnit(m, j);
+  for (std::size_t j = 0; j < session.config.joint_names.size(); ++j) {
+    csv << ',' << session.config.joint_names[j] << '_' << LengthUnit(session, j);
   }
   csv << '\n';
-  for (std::size_t i = 0; i < m.time_s.size(); ++i) {
-    csv << m.time_s[i];
-    for (std::size_t j = 0; j < m.config.joint_names.size(); ++j) {
+  for (std::size_t i = 0; i < session.time_s.size(); ++i) {
+    csv << session.time_s[i];
+    for (std::size_t j = 0; j < session.config.joint_names.size(); ++j) {
       csv << ',';
-      if (std::isfinite(m.rms_rad[i][j])) csv << m.rms_rad[i][j];
+      if (std::isfinite(session.rms_rad[i][j])) csv << session.rms_rad[i][j];
     }
     csv << '\n';
   }

@@ -1,10 +1,10 @@
 #include "sim/view/participant/live_view.h"
 
 #include <pthread.h>
-#include <stdlib.h>
 
 #include <algorithm>
 #include <atomic>
+#include <cstdlib>
 #include <exception>
 #include <stdexcept>
 #include <string>
@@ -44,7 +44,7 @@ struct LiveView::Impl {
     if (::setenv("LP_NUM_THREADS", "0", 1) != 0) {
       throw std::system_error(errno, std::generic_category(), "LP_NUM_THREADS");
     }
-    Film(scene, options.film);  // refuses here what it would refuse in the thread
+    const Film refuses_here(scene, options.film);  // what it would refuse in the thread
     pthread_attr_t attributes;
     ::pthread_attr_init(&attributes);
     ::pthread_attr_setstacksize(&attributes, kDrawingStackBytes);

@@ -538,6 +538,36 @@ TEST(RobotController, AStandbyThatHearsTheReferenceLateBeginsWhereTheJointIs) {
   EXPECT_EQ(owner.Step(Still(0.01)).joint[0].position_rad, 0.0) << "who is obeyed holds";
 }
 
+// A standby was stopped for 1.5 s. The joint had gone on meanwhile, the first reference since then
+// had not been read: the old target was too far away, and the fault stayed until disarmed.
+TEST(RobotController, AStandbyWithAnOldTargetTakesTheReferenceUpAnew) {
+  JointControlConfig config = RigConfig(Strategy::kPid);
+  config.tracking_error_limit_rad = 0.6;
+  config.takeover_s = 0.0;
+  RobotController standby({config});
+  RobotInput input = Still(0.0);
+  input.stands_by = true;
+  input.reference_count = 1;
+  input.reference_fresh = true;
+  input.reference_late_s = 0.0;
+  input.reference[0] = {0.0, 0.0, 0.0};
+  for (int k = 0; k < 10; ++k) ASSERT_EQ(standby.Step(input).fault, Fault::kNone);
+  input.joint[0].position_rad = 0.9;
+  input.reference_fresh = false;
+  input.reference_late_s = 1.5;
+  RobotOutput out = standby.Step(input);
+  EXPECT_EQ(out.fault, Fault::kNone);
+  EXPECT_EQ(out.joint[0].position_rad, 0.9) << "from where the joint is";
+  input.reference_fresh = true;
+  input.reference_late_s = 0.0;
+  input.reference[0] = {0.91, 0.0, 0.0};
+  static_cast<void>(standby.Step(input));
+  input.stands_by = false;  // it is obeyed now
+  EXPECT_NEAR(standby.Step(input).joint[0].position_rad, 0.91, 1e-12);
+  input.joint[0].position_rad = 0.2;
+  EXPECT_EQ(standby.Step(input).fault, Fault::kTrackingError) << "of its own commands it is one";
+}
+
 TEST(RobotController, AStandbyGoesOnFromTheOwnersCommand) {
   RobotController owner({RigConfig(Strategy::kPid)});
   RobotController standby({RigConfig(Strategy::kPid)});

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "components/node/node.h"
+#include "components/node/other_owner.h"
 #include "components/node/ownership.h"
 #include "components/node/tick_loop.h"
 #include "components/types/clock/clock.h"
@@ -178,6 +179,38 @@ TEST(OwnershipDds, ASilentOwnerIsReplacedWithinTheDeadlineAndAFewPeriods) {
   ASSERT_EQ(rig.provider.Heard(), "first");
   rig.first->SetSilent(true);
   EXPECT_TRUE(rig.provider.WaitUntilHeard("second"));
+}
+
+// What the owner said while this one was stopped may still wait in the sockets.
+TEST(OwnershipDds, AStandbyThatWasStoppedStandsByUntilItKnowsBetter) {
+  Node owner(OwnerOptions("first", 183)), node(OwnerOptions("second", 183));
+  auto writer = owner.MakeWriter(kJointCommand);
+  OtherOwner<msg::JointCommand> other(node, kJointCommand);
+  Tick tick;
+  tick.session_id = 9;
+  tick.tick = 10;
+  tick.nominal_period_s = 0.004;
+  msg::JointCommand command;
+  command.header().session_id(9);
+  command.header().tick(10);
+  bool heard = false;
+  const auto end = Clock::now() + 10s;
+  while (!heard && Clock::now() < end) {
+    (void)writer.Write(command);
+    node.WaitForData(5ms);
+    heard = other.TakeNext(tick).has_value();
+  }
+  ASSERT_TRUE(heard);
+  EXPECT_TRUE(other.StandsBy(tick));
+  const auto at = [&](std::uint64_t number) {
+    tick.tick = number;
+    return other.StandsBy(tick);
+  };
+  EXPECT_TRUE(at(11));
+  EXPECT_TRUE(at(400)) << "stopped from 12 to 399";
+  EXPECT_TRUE(at(402));
+  EXPECT_FALSE(at(407)) << "the owner is silent";
+  EXPECT_FALSE(at(900)) << "it did not stand by when it was stopped";
 }
 
 // A loop whose thread was stopped sees that ticks are missing; its writers go below, and it takes

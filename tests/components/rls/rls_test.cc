@@ -253,6 +253,30 @@ TEST(Rls, InputThatIsNotFiniteOrDoesNotFitChangesNothing) {
   EXPECT_EQ(rls.updates(), 1u);
 }
 
+// Forged messages hold any finite value; before there was a limit, an innovation that overflowed
+// made the readout not a number until the next session.
+TEST(Rls, NoFiniteInputMakesReadoutOrCovarianceOverflow) {
+  Random random(18);
+  RecursiveLeastSquares rls(Config{}, random.Matrix(1, 5));
+  std::mt19937 choose(18);
+  std::uniform_real_distribution<double> exponent(-308.0, 308.0);
+  const auto huge = [&](double value) { return value * std::pow(10.0, exponent(choose)); };
+  int refused = 0, taken = 0;
+  for (int k = 0; k < 20000; ++k) {
+    Eigen::VectorXd phi = random.Vector(5), y = random.Vector(1);
+    Eigen::MatrixXd readout = random.Matrix(1, 5);
+    for (Eigen::VectorXd* values : {&phi, &y}) {
+      if (choose() % 2 == 0) *values = values->unaryExpr(huge);
+    }
+    if (choose() % 4 == 0) (void)rls.SetReadout(readout.unaryExpr(huge));
+    ++(rls.Update(phi, y) == UpdateStatus::kBadInput ? refused : taken);
+    ASSERT_TRUE(rls.readout().allFinite()) << "update " << k;
+    ASSERT_TRUE(std::isfinite(rls.CovarianceTrace())) << "update " << k;
+  }
+  EXPECT_GT(refused, 5000);
+  EXPECT_GT(taken, 5000);
+}
+
 TEST(Rls, ZeroFeaturesTeachNothing) {
   Config config = Plain();
   Random random(9);
