@@ -1,14 +1,8 @@
 // Inverse dynamics of a fixed-base tree, and its regressor: tau = Y(q, v, a) phi.
 //
-// Per moving body ten parameters about the origin of its link frame, in its axes:
-//
-//     phi = m, m c (3), Ixx, Ixy, Ixz, Iyy, Iyz, Izz        (I about the origin)
-//     f = m a + dw x (m c) + w x (w x (m c)),   n = (m c) x a + I dw + w x (I w)
-//
-// with a the acceleration of the origin less gravity, w and dw the angular velocity and
-// acceleration, all in the link's axes (Khalil, Dombre: Modeling, Identification and Control of
-// Robots (2002), 9.3; Featherstone: Rigid Body Dynamics Algorithms, 5.3). Bodies on fixed joints
-// are part of the body that carries them. rad, Nm; a prismatic joint m, N. Pure; allocates.
+// phi: per moving body the ten parameters of inertial.h about the origin of its link frame, in its
+// axes. Equations and sources: newton_euler.h. Bodies on fixed joints are part of the body that
+// carries them. rad, Nm; a prismatic joint m, N. Pure; allocates.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,10 +10,9 @@
 #include <vector>
 
 #include "components/arm/bodies.h"
+#include "components/arm/newton_euler.h"
 
 namespace sinew::arm {
-
-inline constexpr int kParametersPerBody = 10;
 
 class ArmDynamics {
  public:
@@ -45,23 +38,11 @@ class ArmDynamics {
                          const Eigen::Ref<const Eigen::VectorXd>& phi) const;
 
  private:
-  struct Link {
-    int parent = -1;  // moving link
-    bool prismatic = false;
-    Eigen::Isometry3d parent_from_joint = Eigen::Isometry3d::Identity();
-    Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
-  };
-  // Of one link, in its axes.
-  struct Motion {
-    Eigen::Matrix3d parent_from_link;
-    Eigen::Vector3d origin_in_parent;
-    Eigen::Vector3d w, dw, a;
-  };
-  std::vector<Motion> Forward(const Eigen::Ref<const Eigen::VectorXd>& q,
-                              const Eigen::Ref<const Eigen::VectorXd>& v,
-                              const Eigen::Ref<const Eigen::VectorXd>& a) const;
+  std::vector<LinkMotion> Forward(const Eigen::Ref<const Eigen::VectorXd>& q,
+                                  const Eigen::Ref<const Eigen::VectorXd>& v,
+                                  const Eigen::Ref<const Eigen::VectorXd>& a) const;
 
-  std::vector<Link> links_;
+  std::vector<MovingLink> links_;
   std::vector<std::string> joint_names_, parameter_names_;
   Eigen::VectorXd nominal_;
   Eigen::Vector3d gravity_;
@@ -78,7 +59,11 @@ struct BaseParameters {
   Eigen::VectorXd Of(const Eigen::Ref<const Eigen::VectorXd>& phi) const;
 };
 
-// By a rank-revealing QR of regressors at random states; the seed decides those.
+// Of regressors stacked row by row, of more rows than columns, at states that excite everything: by
+// a rank-revealing QR.
+BaseParameters BaseParametersOf(const Eigen::Ref<const Eigen::MatrixXd>& regressors);
+
+// At random states; the seed decides those.
 BaseParameters FindBaseParameters(const ArmDynamics& dynamics, unsigned seed = 1);
 
 }  // namespace sinew::arm

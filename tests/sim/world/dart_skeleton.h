@@ -90,6 +90,32 @@ class DartChain {
     }
   }
 
+  // H nu' + h, as FloatingChain defines nu', in the state that was set: DART's own inverse
+  // dynamics. Floating base only.
+  void Force(const Eigen::Ref<const Eigen::VectorXd>& acceleration,
+             Eigen::Ref<Eigen::VectorXd> force) {
+    skeleton_->clearExternalForces();
+    auto* free = static_cast<dart::dynamics::FreeJoint*>(skeleton_->getRootJoint());
+    const Eigen::Matrix3d rotation = free->getChildBodyNode()->getWorldTransform().linear();
+    // Base axes: the derivative of [w; v].
+    const Eigen::Vector6d twist = free->getRelativeSpatialVelocity();
+    Eigen::Vector6d change;
+    change.head<3>() = rotation.transpose() * acceleration.head<3>();
+    change.tail<3>() =
+        rotation.transpose() * acceleration.segment<3>(3) - twist.head<3>().cross(twist.tail<3>());
+    free->setRelativeSpatialAcceleration(change);
+    for (std::size_t j = 0; j < joints_.size(); ++j) {
+      joints_[j]->setAcceleration(0, acceleration[kBaseFreedom + static_cast<Eigen::Index>(j)]);
+    }
+    skeleton_->computeInverseDynamics();
+    const Eigen::Vector6d on_base = nodes_.front()->getBodyForce();
+    force.head<3>() = rotation * on_base.head<3>();
+    force.segment<3>(3) = rotation * on_base.tail<3>();
+    for (std::size_t j = 0; j < joints_.size(); ++j) {
+      force[kBaseFreedom + static_cast<Eigen::Index>(j)] = joints_[j]->getForce(0);
+    }
+  }
+
   // H^-1 in FloatingChain's coordinates, or of the joints alone with a fixed base: accelerations of
   // unit forces at rest without gravity. getInvMassMatrix of DART 6.12 differs from these by half
   // of their size on the random trees, not on the bipeds. Leaves the velocities at 0.
