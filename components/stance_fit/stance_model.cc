@@ -402,6 +402,7 @@ StanceLayout StanceModel::Layout(const std::vector<StanceRecording>& train) cons
   out.moves.assign(robot_.joints.size(), 0);
   for (std::size_t j = 0; j < robot_.joints.size(); ++j) {
     std::vector<types::Run> runs;
+    runs.reserve(train.size());
     for (const StanceRecording& recording : train) runs.push_back(recording.joints.at(j));
     out.processing.push_back(
         identify::FromMotion(runs, robot_.joints[j], identify::ProcessingOptions().longest_gap_s));

@@ -122,7 +122,10 @@ class DartChain {
   Eigen::MatrixXd Responses() {
     const Eigen::Vector3d gravity = skeleton_->getGravity();
     skeleton_->setGravity(Eigen::Vector3d::Zero());
-    skeleton_->setVelocities(Eigen::VectorXd::Zero(skeleton_->getVelocities().size()));
+    // Not getVelocities(): a vector that DART allocates must not be freed here, where under the
+    // address sanitizer Eigen allocates in another way.
+    skeleton_->setVelocities(
+        Eigen::VectorXd::Zero(static_cast<Eigen::Index>(skeleton_->getNumDofs())));
     const auto joints = static_cast<Eigen::Index>(joints_.size());
     const Eigen::Index all = kBaseFreedom + joints;
     Eigen::MatrixXd inverse(all, all);
