@@ -69,10 +69,9 @@ class InputBase {
   }
   // What wakes who waits for this input (wake_signal.h).
   const void* source() const { return reader_.get(); }
-  // Nothing for the cycle of this tick is here, taken or not.
-  bool Missing(std::uint64_t tick) const {
-    return queue.rules().required && !queue.Reached(tick) && reader_->empty();
-  }
+  // Nothing for the cycle of this tick was collected.
+  bool Missing(std::uint64_t tick) const { return queue.rules().required && !queue.Reached(tick); }
+  bool HasMore() const { return !reader_->empty(); }  // to collect
   // How long ago the newest sample that was taken had come.
   std::chrono::nanoseconds Age() const {
     return std::chrono::nanoseconds(types::EpochNow_ns() - newest_came_ns_);
@@ -298,7 +297,9 @@ struct TickLoop::Impl {
     if (last_tick && (lockstep || left.count() > 0)) {
       if (!lockstep) timeout = std::min(timeout, left);
       for (std::size_t i = 1; i < inputs.size(); ++i) {
-        if (inputs[i]->Missing(*last_tick + 1)) awaited.push_back(inputs[i]->source());
+        if (inputs[i]->Missing(*last_tick + 1) && !inputs[i]->HasMore()) {
+          awaited.push_back(inputs[i]->source());
+        }
       }
     }
     node.impl_->signal.Wait(timeout, awaited);
@@ -324,14 +325,21 @@ struct TickLoop::Impl {
     using std::chrono::microseconds;
     while (true) {
       awaited.clear();
+      bool more = false;  // came after it was looked for: the cycle must not begin without it
       for (std::size_t i = 1; i < inputs.size(); ++i) {
         inputs[i]->Collect(running);
-        if (inputs[i]->Missing(tick)) awaited.push_back(inputs[i]->source());
+        if (!inputs[i]->Missing(tick)) continue;
+        if (inputs[i]->HasMore()) {
+          more = true;
+        } else {
+          awaited.push_back(inputs[i]->source());
+        }
       }
-      if (awaited.empty()) return true;
+      if (awaited.empty() && !more) return true;
       if (stop.requested()) return false;
       const auto left = std::chrono::duration_cast<microseconds>(deadline - Clock::now());
       if (!lockstep && left.count() <= 0) return true;
+      if (more) continue;
       node.impl_->signal.Wait(lockstep ? microseconds(std::chrono::milliseconds(50)) : left,
                               awaited);
       status.Beat();
