@@ -49,6 +49,9 @@ struct Chain {
   Base base = {};
 };
 
+// Moved by a motor of its own: the joints of the topics are those, in the chain's order.
+inline bool IsDriven(const Body& body) noexcept { return body.moves && body.effort > 0.0; }
+
 // Index of the body that a joint moves, or -1.
 int FindJoint(const Chain& chain, const std::string& joint_name);
 

@@ -92,7 +92,7 @@ void InverseDynamics::AddStance(const StanceConfig& config) {
 
 void InverseDynamics::CheckDriven(const arm::Chain& chain) const {
   for (const arm::Body& body : chain.bodies) {
-    if (!body.moves || !(body.effort > 0.0)) continue;
+    if (!arm::IsDriven(body)) continue;
     const bool named = std::any_of(joints_.begin(), joints_.end(), [&body](const Joint& joint) {
       return joint.model.name == body.joint_name;
     });

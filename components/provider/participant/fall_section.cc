@@ -19,7 +19,7 @@ const arm::Body& BodyOf(const arm::Chain& chain, int index) {
 std::vector<std::string> DrivenJoints(const arm::Chain& chain) {
   std::vector<std::string> names;
   for (const arm::Body& body : chain.bodies) {
-    if (body.moves && body.effort > 0.0) names.push_back(body.joint_name);
+    if (arm::IsDriven(body)) names.push_back(body.joint_name);
   }
   return names;
 }

@@ -98,7 +98,7 @@ void ReadSquat(const config::Section& section, LoadedReference* loaded) {
   limits.RejectUnknownKeys();
 
   for (const arm::Body& body : chain.bodies) {
-    if (!body.moves || !(body.effort > 0.0)) continue;
+    if (!arm::IsDriven(body)) continue;
     GeneratorConfig joint = common;
     joint.limits.position_lower_rad = body.lower;
     joint.limits.position_upper_rad = body.upper;

@@ -13,7 +13,7 @@ inline actuator::RobotModel BipedModel(const arm::Chain& chain) {
   actuator::RobotModel robot;
   robot.name = "biped";
   for (const arm::Body& body : chain.bodies) {
-    if (!body.moves || !(body.effort > 0.0)) continue;
+    if (!arm::IsDriven(body)) continue;
     actuator::JointModel joint;
     joint.name = body.joint_name;
     joint.constants = {.gear_ratio = 80.0, .torque_constant_Nm_A = 0.0159};

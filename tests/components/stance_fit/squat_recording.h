@@ -14,8 +14,8 @@
 
 #include "components/actuator/model.h"
 #include "components/arm/file/urdf_file.h"
+#include "components/arm/fixed_links.h"
 #include "components/arm/floating_dynamics.h"
-#include "components/arm/links.h"
 #include "components/leg/geometry.h"
 #include "components/leg/squat.h"
 #include "components/stance_fit/stance_model.h"
@@ -33,7 +33,7 @@ inline arm::Chain ReadRobot() {
 inline std::vector<std::string> DrivenJoints(const arm::Chain& chain) {
   std::vector<std::string> out;
   for (const arm::Body& body : chain.bodies) {
-    if (body.moves && body.effort > 0.0) out.push_back(body.joint_name);
+    if (arm::IsDriven(body)) out.push_back(body.joint_name);
   }
   return out;
 }
@@ -51,34 +51,6 @@ inline actuator::RobotModel DeclaredRobot(const arm::Chain& chain) {
     robot.joints.push_back(joint);
   }
   return robot;
-}
-
-// Bodies on fixed joints merged into those that carry them.
-inline arm::Chain Merged(const arm::Chain& chain) {
-  const arm::MovingLinks links = arm::MovingLinksOf(chain);
-  const auto split = [](const arm::Inertial& phi, double* mass, Eigen::Vector3d* com,
-                        Eigen::Matrix3d* inertia) {
-    *mass = phi[0];
-    *com = phi.segment<3>(1) / phi[0];
-    const Eigen::Matrix3d c = arm::Cross(*com);
-    *inertia = arm::InertiaOf(phi) + phi[0] * c * c;
-  };
-  arm::Chain out;
-  out.name = chain.name;
-  out.base.link_name = chain.base.link_name;
-  split(links.base, &out.base.mass_kg, &out.base.com_m, &out.base.inertia_kg_m2);
-  for (const arm::MovingLink& link : links.links) {
-    arm::Body body;
-    body.link_name = link.link_name;
-    body.joint_name = link.joint_name;
-    body.parent = link.parent;
-    body.moves = true;
-    body.parent_from_joint = link.parent_from_joint;
-    body.axis = link.axis;
-    split(link.inertial, &body.mass_kg, &body.com_m, &body.inertia_kg_m2);
-    out.bodies.push_back(body);
-  }
-  return out;
 }
 
 // What the declared model does not know.
@@ -113,32 +85,20 @@ inline constexpr double kSubstep_s = 1e-3 / kSubsteps;
 // Throws std::runtime_error when the robot falls.
 inline Motion Squat(const Undeclared& undeclared, const SquatPlan& plan) {
   const arm::Chain urdf = ReadRobot();
-  const arm::MovingLinks links = arm::MovingLinksOf(urdf);
-  const arm::Chain nominal = Merged(urdf);
+  const arm::MergedChain links = arm::MergeFixedLinks(urdf);
+  const arm::Chain& nominal = links.chain;
   world::FloatingWorldConfig config;
   config.chain = nominal;
   config.substep_s = kSubstep_s;
   if (undeclared.payload_kg > 0.0) {
-    arm::Base& base = config.chain.base;
-    const double total = base.mass_kg + undeclared.payload_kg;
-    const Eigen::Vector3d com =
-        (base.mass_kg * base.com_m + undeclared.payload_kg * undeclared.place_m) / total;
-    const auto at = [](double mass, const Eigen::Vector3d& d) -> Eigen::Matrix3d {
-      return mass * (d.squaredNorm() * Eigen::Matrix3d::Identity() - d * d.transpose());
-    };
-    base.inertia_kg_m2 +=
-        at(base.mass_kg, base.com_m - com) + at(undeclared.payload_kg, undeclared.place_m - com);
-    base.com_m = com;
-    base.mass_kg = total;
+    arm::AddPointMass(undeclared.payload_kg, undeclared.place_m, &config.chain.base);
   }
   for (const char* side : {"right", "left"}) {
     for (const char* place : {"rear_outer", "rear_inner", "front_outer", "front_inner"}) {
       const std::string name = std::string(side) + "_force_" + place;
-      for (std::size_t b = 0; b < urdf.bodies.size(); ++b) {
-        if (urdf.bodies[b].link_name != name) continue;
-        const arm::Carried& on = links.bodies[b];
-        config.contacts.push_back({name, on.link, on.link_from_body.translation()});
-      }
+      const arm::LinkFrame* frame = arm::FindLink(links, name);
+      if (frame == nullptr) throw std::runtime_error("no link " + name);
+      config.contacts.push_back({name, frame->body, frame->body_from_link.translation()});
     }
   }
   Motion out;
