@@ -64,6 +64,7 @@ Network::Network(const Weights& weights, std::optional<simd::Instructions> instr
   features_.resize(1 + inputs_ + rows_);
   readout_ = weights.readout;
   prediction_.resize(readout_.rows());
+  settling_.resize(neurons_);
   Reset();
 }
 
@@ -97,6 +98,16 @@ StepStatus Network::Step(const Eigen::Ref<const Eigen::VectorXd>& u) noexcept {
   (shared_ ? kernel.step_shared : kernel.step)(arguments);
   prediction_.noalias() = readout_.lazyProduct(features_.head(feature_count_));
   return StepStatus::kOk;
+}
+
+StepStatus Network::Settle(const Eigen::Ref<const Eigen::VectorXd>& u) noexcept {
+  StepStatus status = StepStatus::kOk;
+  for (int k = 0; k < kSettleSteps && status == StepStatus::kOk; ++k) {
+    settling_ = state();
+    status = Step(u);
+    if ((state() - settling_).lpNorm<Eigen::Infinity>() < kSettled) break;
+  }
+  return status;
 }
 
 bool Network::SetReadout(const Eigen::Ref<const Eigen::MatrixXd>& readout) noexcept {

@@ -27,6 +27,11 @@ enum class [[nodiscard]] StepStatus{
     kBadInput,  // an input was not finite or of the wrong size: state kept, prediction zero
 };
 
+// A state's change in a step that no longer shows: of states of up to 1.
+inline constexpr double kSettled = 1e-9;
+// A reservoir that does not come to rest (spectral radius above 1) stops here: 8 s at 240 Hz.
+inline constexpr int kSettleSteps = 2000;
+
 class Network {
  public:
   // instructions: the fastest here if not given. Throws std::invalid_argument as Weights::Check(),
@@ -38,6 +43,11 @@ class Network {
 
   // u: M inputs in their own units.
   StepStatus Step(const Eigen::Ref<const Eigen::VectorXd>& u) noexcept;
+
+  // Steps with one input until no state changes by more than kSettled, at most kSettleSteps times:
+  // the network as if the input had always been this one. Else the way there from x = 0 would be
+  // part of the first predictions; training leaves it out as washout.
+  StepStatus Settle(const Eigen::Ref<const Eigen::VectorXd>& u) noexcept;
 
   // Takes another W_out (O x (1 + M + N)). False, and nothing changes: wrong shape or not finite.
   [[nodiscard]] bool SetReadout(const Eigen::Ref<const Eigen::MatrixXd>& readout) noexcept;
@@ -76,6 +86,7 @@ class Network {
   Eigen::VectorXd offset_;
   Eigen::VectorXd scale_;
   Eigen::VectorXd features_;  // padded behind x
+  Eigen::VectorXd settling_;  // x of the step before, in Settle
   Eigen::MatrixXd readout_;
   Eigen::VectorXd prediction_;
   bool shared_;  // groups of rows have the same columns

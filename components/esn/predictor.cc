@@ -58,7 +58,9 @@ Predictor::Predictor(const std::optional<Weights>& sea, const std::optional<Weig
 
 void Predictor::Reset() noexcept {
   for (auto& slot : slots_) {
-    if (slot) slot->network.Reset();
+    if (!slot) continue;
+    slot->network.Reset();
+    slot->settled = false;
   }
 }
 
@@ -71,8 +73,10 @@ Prediction Predictor::Step(const Frame& frame, types::Regime regime) noexcept {
     for (std::size_t m = 0; m < slot.inputs.size(); ++m) {
       slot.u(static_cast<Eigen::Index>(m)) = frame.Get(slot.inputs[m]);
     }
-    slot.good =
-        slot.network.Step(slot.u) == StepStatus::kOk && slot.network.prediction().allFinite();
+    const StepStatus status =
+        slot.settled ? slot.network.Step(slot.u) : slot.network.Settle(slot.u);
+    slot.settled = slot.settled || status == StepStatus::kOk;
+    slot.good = status == StepStatus::kOk && slot.network.prediction().allFinite();
     if (!slot.good) continue;
     auto& torque = i == 0 ? prediction.sea_torque_Nm : prediction.pea_torque_Nm;
     for (int j = 0; j < outputs_; ++j)

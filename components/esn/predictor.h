@@ -6,6 +6,9 @@
 //    pea_torque_Nm). It is meant for all of the motion, or for robots without free play, and needs
 //    no regime detector.
 //
+// The first input that a network has settles it (Network::Settle): a robot that begins at rest is
+// not moved by a reservoir that runs in.
+//
 // A network that lacks an input (a signal that is not a number) has no prediction in that tick and
 // keeps its state.
 //
@@ -63,6 +66,7 @@ class Predictor {
     Eigen::VectorXd u;
     std::uint64_t version = 0;
     bool good = false;
+    bool settled = false;  // has had an input
   };
   static std::size_t Index(Which which) { return static_cast<std::size_t>(which); }
 

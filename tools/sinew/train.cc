@@ -38,27 +38,50 @@ struct TrainOptions {
 };
 
 std::vector<types::Run> ReadAll(const std::vector<std::filesystem::path>& paths,
-                                const TrainOptions& options) {
+                                const TrainOptions& options, int joint) {
   std::vector<types::Run> runs;
   for (const std::filesystem::path& path : paths) {
     for (types::Run& run : recording::ReadRuns(
-             path, options.map, recording::ParseRecordingPath(path).IsMcap() ? options.joint : 0)) {
+             path, options.map, recording::ParseRecordingPath(path).IsMcap() ? joint : 0)) {
       runs.push_back(std::move(run));
     }
   }
   return runs;
 }
 
-std::string JoinedHash(const std::vector<types::Run>& runs) {
-  std::string hash;
-  for (const types::Run& run : runs) hash += (hash.empty() ? "" : "+") + run.content_hash;
-  return hash;
-}
+// Recordings as the plan wants them: of --joint, or of all joints of the model.
+struct TrainingRuns {
+  const esn::NetworkPlan* plan;
+  const actuator::RobotModel* robot;
+  const TrainOptions* options;
+
+  esn::Dataset Make(const std::vector<std::filesystem::path>& paths,
+                    const esn::DatasetConfig& config, bool test_only, std::string* hash) const {
+    std::vector<std::vector<types::Run>> runs;
+    if (!plan->all_joints) {
+      runs.push_back(ReadAll(paths, *options, options->joint));
+    } else {
+      for (std::size_t j = 0; j < robot->joints.size(); ++j) {
+        runs.push_back(ReadAll(paths, *options, static_cast<int>(j)));
+      }
+    }
+    if (hash != nullptr) {
+      for (const std::vector<types::Run>& of_joint : runs) {
+        for (const types::Run& run : of_joint) {
+          *hash += (hash->empty() ? "" : "+") + run.content_hash;
+        }
+      }
+    }
+    if (plan->all_joints) return esn::MakeRobotDataset(runs, robot->joints, config, test_only);
+    return esn::MakeDataset(runs[0], robot->joints[static_cast<std::size_t>(options->joint)],
+                            config, test_only);
+  }
+};
 
 struct Outcome {
   esn::TrainingResult result;
   esn::Dataset data;
-  long test_samples = 0;
+  std::vector<std::string> outputs;  // joints
   double seconds = 0.0;
 };
 
@@ -71,12 +94,11 @@ Outcome TrainNetwork(const TrainOptions& options) {
                      std::to_string(robot.joints.size()) + " joints, expected joint " +
                      std::to_string(options.joint) + " of --joint");
   }
-  const actuator::JointModel& model = robot.joints[static_cast<std::size_t>(options.joint)];
-  const std::vector<types::Run> runs = ReadAll(options.recordings, options);
-
+  const TrainingRuns runs{&plan, &robot, &options};
   Outcome outcome;
+  std::string hash;
   try {
-    outcome.data = esn::MakeDataset(runs, model, plan.dataset);
+    outcome.data = runs.Make(options.recordings, plan.dataset, false, &hash);
     std::vector<esn::Sequence> sequences = outcome.data.sequences;
     if (!options.tests.empty()) {
       // The test is elsewhere: everything here teaches.
@@ -88,8 +110,7 @@ Outcome TrainNetwork(const TrainOptions& options) {
       // The play's centre is a fact of the rig, not of a recording.
       esn::DatasetConfig test_plan = plan.dataset;
       test_plan.play_centre_rad = outcome.data.play_centre_rad;
-      const esn::Dataset test =
-          esn::MakeDataset(ReadAll(options.tests, options), model, test_plan, true);
+      const esn::Dataset test = runs.Make(options.tests, test_plan, true, nullptr);
       sequences.insert(sequences.end(), test.sequences.begin(), test.sequences.end());
     }
     outcome.result = esn::Train(sequences, plan.training);
@@ -99,8 +120,16 @@ Outcome TrainNetwork(const TrainOptions& options) {
   esn::Weights& weights = outcome.result.weights;
   weights.network = plan.name;
   weights.target = esn::TargetName(plan.dataset.target);
-  weights.inputs = esn::InputsOfJoint(plan.dataset.inputs, options.joint);
-  weights.training_data_hash = JoinedHash(runs);
+  weights.inputs = plan.all_joints ? esn::InputsOfRobot(plan.dataset.inputs,
+                                                        static_cast<int>(robot.joints.size()))
+                                   : esn::InputsOfJoint(plan.dataset.inputs, options.joint);
+  weights.training_data_hash = hash;
+  for (const actuator::JointModel& joint : robot.joints) {
+    if (plan.all_joints) outcome.outputs.push_back(joint.name);
+  }
+  if (!plan.all_joints) {
+    outcome.outputs.push_back(robot.joints[static_cast<std::size_t>(options.joint)].name);
+  }
   esn::SaveWeights(options.out, weights);
   outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return outcome;
@@ -111,14 +140,16 @@ void PrintScore(const char* name, const esn::Score& score) {
     std::printf("%-6s no samples\n", name);
     return;
   }
+  const double mse = score.mse.mean();
   std::printf("%-6s MSE %.6f Nm^2, rms %.4f Nm, share of the variance %.4f %%, %ld samples\n", name,
-              score.mse(0), std::sqrt(score.mse(0)), 100.0 * score.normalised(0), score.samples);
+              mse, std::sqrt(mse), 100.0 * score.normalised.mean(), score.samples);
 }
 
 nlohmann::ordered_json ScoreJson(const esn::Score& score) {
   if (score.samples == 0) return nullptr;
-  return {
-      {"samples", score.samples}, {"mse_Nm2", score.mse(0)}, {"normalised", score.normalised(0)}};
+  return {{"samples", score.samples},
+          {"mse_Nm2", score.mse.mean()},
+          {"normalised", score.normalised.mean()}};
 }
 
 void Print(const TrainOptions& options, const Outcome& outcome) {
@@ -153,6 +184,16 @@ void Print(const TrainOptions& options, const Outcome& outcome) {
               result.gcv.empty() ? "" : " by generalised cross-validation");
   PrintScore("train", result.train);
   PrintScore("test", result.test);
+  for (std::size_t j = 0; outcome.outputs.size() > 1 && j < outcome.outputs.size(); ++j) {
+    const auto k = static_cast<Eigen::Index>(j);
+    std::printf("       %-20s rms %.4f Nm of the training samples", outcome.outputs[j].c_str(),
+                std::sqrt(result.train.mse(k)));
+    if (result.test.samples > 0) {
+      std::printf(", %.4f Nm of the test, share of the variance %.4f %%",
+                  std::sqrt(result.test.mse(k)), 100.0 * result.test.normalised(k));
+    }
+    std::printf("\n");
+  }
   std::printf("%s written, %.2f s\n", options.out.string().c_str(), outcome.seconds);
 }
 

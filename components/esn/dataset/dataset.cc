@@ -239,6 +239,58 @@ std::vector<Input> InputsOfJoint(const std::vector<Signal>& signals, int joint) 
   return inputs;
 }
 
+std::vector<Input> InputsOfRobot(const std::vector<Signal>& signals, int count) {
+  std::vector<Input> inputs;
+  for (int joint = 0; joint < count; ++joint) {
+    for (const Input& input : InputsOfJoint(signals, joint)) inputs.push_back(input);
+  }
+  return inputs;
+}
+
+Dataset MakeRobotDataset(const std::vector<std::vector<types::Run>>& runs_of_joint,
+                         const std::vector<actuator::JointModel>& models,
+                         const DatasetConfig& config, bool test_only) {
+  if (models.empty() || runs_of_joint.size() != models.size()) {
+    throw std::invalid_argument("training: recordings of " + std::to_string(runs_of_joint.size()) +
+                                " joints, expected those of the model's " +
+                                std::to_string(models.size()));
+  }
+  const bool reads_play = std::find(config.inputs.begin(), config.inputs.end(),
+                                    Signal::kPlayAngle) != config.inputs.end();
+  if (config.region != Region::kAll || reads_play) {
+    throw std::invalid_argument(
+        "training: a network of all joints has region 'all' and no input play_angle_rad, since "
+        "each "
+        "joint has a play of its own");
+  }
+  Dataset robot = MakeDataset(runs_of_joint[0], models[0], config, test_only);
+  for (std::size_t j = 1; j < models.size(); ++j) {
+    const Dataset joint = MakeDataset(runs_of_joint[j], models[j], config, test_only);
+    bool same = joint.sequences.size() == robot.sequences.size();
+    for (std::size_t s = 0; same && s < joint.sequences.size(); ++s) {
+      same = joint.sequences[s].use.size() == robot.sequences[s].use.size();
+    }
+    if (!same) {
+      throw std::invalid_argument("training: the recordings of joint '" + models[j].name +
+                                  "' have other lengths than those of '" + models[0].name +
+                                  "', expected every joint in every tick");
+    }
+    for (std::size_t s = 0; s < joint.sequences.size(); ++s) {
+      const Sequence& from = joint.sequences[s];
+      Sequence& to = robot.sequences[s];
+      to.inputs.conservativeResize(Eigen::NoChange, to.inputs.cols() + from.inputs.cols());
+      to.inputs.rightCols(from.inputs.cols()) = from.inputs;
+      to.targets.conservativeResize(Eigen::NoChange, to.targets.cols() + from.targets.cols());
+      to.targets.rightCols(from.targets.cols()) = from.targets;
+      for (std::size_t t = 0; t < from.use.size(); ++t) {
+        if (from.use[t] == Use::kNone) to.use[t] = Use::kNone;
+      }
+    }
+    robot.inside += joint.inside;
+  }
+  return robot;
+}
+
 Dataset MakeDataset(const std::vector<types::Run>& runs, const actuator::JointModel& model,
                     const DatasetConfig& config, bool test_only) {
   CheckConfig(config);

@@ -63,7 +63,17 @@ struct Dataset {
 Dataset MakeDataset(const std::vector<types::Run>& runs, const actuator::JointModel& model,
                     const DatasetConfig& config, bool test_only = false);
 
+// All joints of a robot side by side: the inputs of joint 0, those of joint 1, ...; a target for
+// each joint. A sample is used where all joints use it. runs_of_joint: for each joint of the model
+// the same recordings. config.region must be kAll, and no input the play angle. Throws as
+// MakeDataset does, and for joints whose recordings differ in length.
+Dataset MakeRobotDataset(const std::vector<std::vector<types::Run>>& runs_of_joint,
+                         const std::vector<actuator::JointModel>& models,
+                         const DatasetConfig& config, bool test_only = false);
+
 // Inputs with their joint, as weights hold them.
 std::vector<Input> InputsOfJoint(const std::vector<Signal>& signals, int joint);
+// Of joints 0 .. count - 1, in the order of MakeRobotDataset.
+std::vector<Input> InputsOfRobot(const std::vector<Signal>& signals, int count);
 
 }  // namespace sinew::esn

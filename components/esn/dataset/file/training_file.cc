@@ -23,9 +23,16 @@ NetworkPlan ReadNetwork(const config::Section& s, double rate_Hz) {
   data.region = region == "inside"    ? Region::kInside
                 : region == "outside" ? Region::kOutside
                                       : Region::kAll;
+  plan.all_joints = s.ChoiceOr("joints", "one", {"one", "all"}) == "all";
+  if (plan.all_joints && data.region != Region::kAll) {
+    s.Fail("region", "'" + region + "', expected 'all' with 'joints: all'");
+  }
   for (const std::string& name : s.TextsOr("inputs", {})) {
     const std::optional<Signal> signal = SignalFromName(name);
     if (!signal) s.Fail("inputs", "'" + name + "', expected " + std::string(SignalNames()));
+    if (plan.all_joints && *signal == Signal::kPlayAngle) {
+      s.Fail("inputs", "'" + name + "', expected none of it with 'joints: all'");
+    }
     data.inputs.push_back(*signal);
   }
   if (data.inputs.empty())

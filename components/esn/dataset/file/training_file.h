@@ -6,6 +6,7 @@
 //     - name: pea
 //       target: drive_torque_Nm          # or load_torque_Nm
 //       region: outside                  # inside, all
+//       joints: one                      # or all: one network for the whole robot
 //       inputs: [reference_position_rad, reference_velocity_rad_s, chamber_pressure_bar]
 //       neurons: 78
 //       ...
@@ -21,6 +22,7 @@ namespace sinew::esn {
 
 struct NetworkPlan {
   std::string name;
+  bool all_joints = false;  // inputs and targets of every joint of the model, MakeRobotDataset
   DatasetConfig dataset;
   TrainingConfig training;
 };
