@@ -9,7 +9,7 @@
 #include "components/networks/grey_box.h"
 #include "reproduction/networks/comparison_models.h"
 #include "reproduction/networks/comparison_set.h"
-#include "reproduction/networks/jobs.h"
+#include "tools/jobs/jobs.h"
 #include "tools/training_sets/training_sets.h"
 
 namespace sinew::reproduction {
@@ -164,7 +164,7 @@ Comparer::Comparer(const ComparisonOptions& options, const Progress& progress)
 }
 
 void Comparer::RunCounted(const std::vector<std::function<void()>>& jobs) {
-  RunJobs(jobs, options_.threads, [&](std::size_t done) {
+  tools::RunJobs(jobs, options_.threads, [&](std::size_t done) {
     if (progress_) progress_(before_ + done, total_);
   });
   before_ += jobs.size();
@@ -314,7 +314,7 @@ void Comparer::MeasureLearningCurve() {
                                                 .specimen_seed = options_.seed});
     });
   }
-  RunJobs(jobs, options_.threads);
+  tools::RunJobs(jobs, options_.threads);
   const std::size_t curve_seeds = static_cast<std::size_t>(options_.curve_seeds);
   std::vector<Samples> samples;
   std::vector<std::vector<double>> first_mse, second_mse;

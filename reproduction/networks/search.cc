@@ -11,7 +11,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "reproduction/networks/jobs.h"
+#include "tools/jobs/jobs.h"
 #include "tools/training_sets/training_sets.h"
 
 namespace sinew::reproduction {
@@ -151,7 +151,7 @@ void RunSearch(const SearchOptions& options, std::vector<SearchPoint>* points,
   }
   using Clock = std::chrono::steady_clock;
   Clock::time_point next = Clock::now() + std::chrono::seconds(1);
-  RunJobs(jobs, options.threads, [&](std::size_t done) {
+  tools::RunJobs(jobs, options.threads, [&](std::size_t done) {
     if (progress) progress(done_before + done, points->size());
     if (Clock::now() < next) return;
     next = Clock::now() + std::chrono::seconds(1);

@@ -19,9 +19,13 @@ void CheckScored(const std::vector<int>& scored_joints, int joint_count) {
 
 }  // namespace
 
-bool HasFallen(const provider::SimulatedPlant& plant, double least_m) noexcept {
+bool HasFallen(const provider::SimulatedPlant& plant, const FallLimits& limits) noexcept {
   const provider::BodyTruth* body = plant.body_truth();
-  return body != nullptr && !(body->position_m[2] >= least_m);
+  if (body == nullptr) return false;
+  // z_base . z_world of the rotation of a unit quaternion.
+  const double x = body->orientation_wxyz[1], y = body->orientation_wxyz[2];
+  const double tilt_rad = std::acos(std::clamp(1.0 - 2.0 * (x * x + y * y), -1.0, 1.0));
+  return !(body->position_m[2] >= limits.least_height_m) || !(tilt_rad <= limits.most_tilt_rad);
 }
 
 ClosedLoopScore RunClosedLoop(const ClosedLoopConfig& config, provider::Plant& plant,

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <functional>
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -54,9 +55,14 @@ struct ClosedLoopScore {
   std::optional<double> fell_at_s;  // from arming; what is above is of the ticks before
 };
 
-// The base of a simulated robot is below least_m: Z_base link < Z_min, Algorithm 2, line 6. False
-// for a robot on a fixed base.
-bool HasFallen(const provider::SimulatedPlant& plant, double least_m) noexcept;
+struct FallLimits {
+  double least_height_m = 0.0;              // of the base's origin above z = 0
+  double most_tilt_rad = std::numbers::pi;  // of the base's z axis from the world's
+};
+
+// The base of a simulated robot is below its least height (Z_base link < Z_min, Algorithm 2, line
+// 6), or tilted by more than the most. False for a robot on a fixed base.
+bool HasFallen(const provider::SimulatedPlant& plant, const FallLimits& limits) noexcept;
 
 // trace: a row a tick; may be null. Throws std::invalid_argument: no scored joint, or one that the
 // plant lacks.

@@ -16,12 +16,14 @@ void CheckRange(const char* name, const GainRange& range) {
 
 }  // namespace
 
-std::optional<Draw> SearchGains(const SearchConfig& config, const control::PidConfig& rest,
-                                const TrialCost& cost,
-                                const std::function<void(const Draw&)>& better) {
+std::vector<control::PidConfig> DrawStage(const SearchConfig& config, int stage,
+                                          const control::PidConfig& center) {
   if (config.trials < 1) {
     throw std::invalid_argument("trials: " + std::to_string(config.trials) +
                                 ", expected 1 or more");
+  }
+  if (stage != 1 && stage != 2) {
+    throw std::invalid_argument("stage: " + std::to_string(stage) + ", expected 1 or 2");
   }
   CheckRange("proportional", config.proportional);
   CheckRange("integral", config.integral);
@@ -32,27 +34,38 @@ std::optional<Draw> SearchGains(const SearchConfig& config, const control::PidCo
     const double u = static_cast<double>(random() >> 11) * 0x1.0p-53;
     return range.lower * std::pow(range.upper / range.lower, u);
   };
+  // One sequence for both stages, three numbers a draw.
+  if (stage == 2) random.discard(3ULL * static_cast<unsigned long long>(config.trials));
+  std::vector<control::PidConfig> draws(static_cast<std::size_t>(config.trials), center);
+  for (control::PidConfig& pid : draws) {
+    if (stage == 1) {
+      pid.proportional_Nm_rad = draw(config.proportional);
+      pid.integral_Nm_rad_s = draw(config.integral);
+      pid.derivative_Nm_s_rad = draw(config.derivative);
+    } else {
+      pid.proportional_Nm_rad *= draw(config.around_best);
+      pid.integral_Nm_rad_s *= draw(config.around_best);
+      pid.derivative_Nm_s_rad *= draw(config.around_best);
+    }
+  }
+  return draws;
+}
+
+std::optional<Draw> SearchGains(const SearchConfig& config, const control::PidConfig& rest,
+                                const TrialCost& cost,
+                                const std::function<void(const Draw&)>& better) {
   Draw best{.pid = rest};
   for (int stage = 1; stage <= 2; ++stage) {
-    const control::PidConfig center = best.pid;
-    for (int i = 0; i < config.trials; ++i) {
-      control::PidConfig pid = rest;
-      if (stage == 1) {
-        pid.proportional_Nm_rad = draw(config.proportional);
-        pid.integral_Nm_rad_s = draw(config.integral);
-        pid.derivative_Nm_s_rad = draw(config.derivative);
-      } else {
-        pid.proportional_Nm_rad = center.proportional_Nm_rad * draw(config.around_best);
-        pid.integral_Nm_rad_s = center.integral_Nm_rad_s * draw(config.around_best);
-        pid.derivative_Nm_s_rad = center.derivative_Nm_s_rad * draw(config.around_best);
-      }
-      const double found = cost(pid, best.cost);
+    // Without a best, stage 2 would be around `rest`, which nobody asked for.
+    if (stage == 2 && best.stage == 0) return std::nullopt;
+    const std::vector<control::PidConfig> draws = DrawStage(config, stage, best.pid);
+    for (std::size_t i = 0; i < draws.size(); ++i) {
+      const double found = cost(draws[i], best.cost);
       if (!(found < best.cost)) continue;
-      best = {stage, i, pid, found};
+      best = {stage, static_cast<int>(i), draws[i], found};
       if (better) better(best);
     }
   }
-  if (best.stage == 0) return std::nullopt;
   return best;
 }
 

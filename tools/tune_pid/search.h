@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <vector>
 
 #include "components/control/pid.h"
 #include "tools/tune_pid/closed_loop.h"
@@ -36,6 +37,13 @@ struct Draw {
   control::PidConfig pid;
   double cost = kDiscarded;
 };
+
+// All draws of a stage, in their order: 1 from the whole ranges, 2 around `center`, the best of
+// stage 1. Filter and limits are the center's. They depend on seed, stage and center alone, so that
+// trials may run in any order. Throws std::invalid_argument: no trials, another stage, or a range
+// that is none.
+std::vector<control::PidConfig> DrawStage(const SearchConfig& config, int stage,
+                                          const control::PidConfig& center);
 
 // `best`: the least cost so far; a trial whose cost cannot come below it may return kDiscarded.
 using TrialCost = std::function<double(const control::PidConfig& pid, double best)>;

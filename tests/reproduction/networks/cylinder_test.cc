@@ -6,7 +6,6 @@
 #include "components/config/config.h"
 #include "components/networks/grey_box.h"
 #include "components/networks/samples.h"
-#include "reproduction/networks/jobs.h"
 #include "tests/support/skip.h"
 #include "tests/support/temporary_folder.h"
 
@@ -15,18 +14,6 @@ namespace {
 
 using networks::Task;
 using ::testing::HasSubstr;
-
-TEST(Jobs, EveryOneRunsOnceAndAFailureIsThrown) {
-  std::vector<int> count(50, 0);
-  std::vector<std::function<void()>> jobs;
-  for (int& c : count) jobs.push_back([&c] { ++c; });
-  std::size_t last = 0;
-  RunJobs(jobs, 2, [&](std::size_t done) { last = done; });
-  for (const int c : count) EXPECT_EQ(c, 1);
-  EXPECT_EQ(last, 50U);
-  jobs.push_back([] { throw std::invalid_argument("this one"); });
-  EXPECT_THROW(RunJobs(jobs, 2), std::invalid_argument);
-}
 
 TEST(Cylinder, AFolderWithoutRecordingsIsRefusedWithItsName) {
   sinew::testing::TemporaryFolder folder;

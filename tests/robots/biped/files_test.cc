@@ -16,6 +16,7 @@
 #include "components/control/file/control_file.h"
 #include "components/leg/geometry.h"
 #include "components/leg/squat.h"
+#include "components/pneumatics/file/pneumatics_file.h"
 #include "components/reference/file/reference_file.h"
 #include "sim/world/file/world_file.h"
 
@@ -193,6 +194,31 @@ TEST(BipedFiles, TheWorldBeginsWhereTheSquatsDo) {
                   HasElement(stand.config.model.joints[j].name));
       }
     }
+  }
+}
+
+TEST(BipedFiles, TheWorldWithElementsBeginsAtThePressureThatIsHeld) {
+  const world::WorldFile rigid = world::LoadWorldFile(kRobot + "world.yaml");
+  const world::WorldFile elastic = world::LoadWorldFile(kRobot + "world_sea_pea.yaml");
+  const auto managers = pneumatics::LoadPneumatics(kRobot + "pneumatics.yaml").joints;
+  ASSERT_EQ(managers.size(), kDriven);
+  ASSERT_TRUE(rigid.floating_base && elastic.floating_base);
+  EXPECT_EQ(rigid.floating_base->ground.static_load_N, elastic.floating_base->ground.static_load_N);
+  ASSERT_EQ(rigid.floating_base->contacts.size(), elastic.floating_base->contacts.size());
+  for (std::size_t i = 0; i < rigid.floating_base->contacts.size(); ++i) {
+    EXPECT_EQ(rigid.floating_base->contacts[i].link, elastic.floating_base->contacts[i].link);
+  }
+  for (std::size_t j = 0; j < kDriven; ++j) {
+    const world::WorldJointConfig &a = rigid.config.joints[j], &b = elastic.config.joints[j];
+    const bool has_element = HasElement(elastic.config.model.joints[j].name);
+    EXPECT_EQ(a.position_rad, b.position_rad);
+    EXPECT_EQ(a.motor_encoder_counts, b.motor_encoder_counts);
+    EXPECT_EQ(b.has_pneumatics, has_element);
+    EXPECT_EQ(managers[j].target_bar > 0.0, has_element);
+    if (!has_element) continue;
+    EXPECT_EQ(a.pneumatics.chamber_volume_m3, b.pneumatics.chamber_volume_m3);
+    EXPECT_EQ(b.pneumatics.initial_pressure_bar, managers[j].target_bar);
+    EXPECT_EQ(b.pneumatics.source_pressure_bar, managers[j].target_bar);
   }
 }
 

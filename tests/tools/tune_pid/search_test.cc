@@ -80,7 +80,7 @@ control::PidConfig Pd(double proportional_Nm_rad, double derivative_Nm_s_rad) {
 ClosedLoopScore RunWithFalls(const control::PidConfig& pid) {
   SaggingRobot robot;
   ClosedLoopConfig config = Hold(pid);
-  config.fallen = [&robot] { return HasFallen(robot, 0.5); };
+  config.fallen = [&robot] { return HasFallen(robot, {.least_height_m = 0.5}); };
   return RunClosedLoop(config, robot);
 }
 
@@ -132,7 +132,7 @@ TEST(ClosedLoop, ARobotOnAFixedBaseDoesNotFall) {
    private:
     provider::GearTruth gears_;
   };
-  EXPECT_FALSE(HasFallen(FixedRobot(), 0.5));
+  EXPECT_FALSE(HasFallen(FixedRobot(), {.least_height_m = 0.5, .most_tilt_rad = 0.1}));
 }
 
 // A bowl in the logarithms of the gains, with its bottom at 20, 2, 0.5.

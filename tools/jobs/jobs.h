@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-namespace sinew::reproduction {
+namespace sinew::tools {
 
 // Runs every job once, on `threads` threads (at least 1). `progress` is called in the calling
 // thread, about ten times a second and at the end, with the number of jobs done; may be empty. The
@@ -12,4 +12,4 @@ namespace sinew::reproduction {
 void RunJobs(const std::vector<std::function<void()>>& jobs, int threads,
              const std::function<void(std::size_t)>& progress = {});
 
-}  // namespace sinew::reproduction
+}  // namespace sinew::tools

@@ -1,4 +1,4 @@
-#include "reproduction/networks/jobs.h"
+#include "tools/jobs/jobs.h"
 
 #include <algorithm>
 #include <chrono>
@@ -7,7 +7,7 @@
 #include <mutex>
 #include <thread>
 
-namespace sinew::reproduction {
+namespace sinew::tools {
 
 void RunJobs(const std::vector<std::function<void()>>& jobs, int threads,
              const std::function<void(std::size_t)>& progress) {
@@ -52,4 +52,4 @@ void RunJobs(const std::vector<std::function<void()>>& jobs, int threads,
   if (failure) std::rethrow_exception(failure);
 }
 
-}  // namespace sinew::reproduction
+}  // namespace sinew::tools

@@ -1,0 +1,150 @@
+#include "tools/tune_robot/trial_table.h"
+
+#include <cerrno>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "components/config/config.h"
+
+namespace sinew::tune {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kTableSchema = "sinew-tune-trials/1";
+
+Json HeadJson(const TableHead& head) {
+  return {{"schema", kTableSchema},
+          {"trials", head.trials},
+          {"seed", head.seed},
+          {"inputs", head.inputs}};
+}
+
+std::string LineOf(const GainTrial& trial) {
+  const ClosedLoopScore& score = trial.score.value();
+  Json json = {{"stage", trial.stage},
+               {"trial", trial.number},
+               {"name", trial.name},
+               {"proportional_Nm_rad", trial.pid.proportional_Nm_rad},
+               {"integral_Nm_rad_s", trial.pid.integral_Nm_rad_s},
+               {"derivative_Nm_s_rad", trial.pid.derivative_Nm_s_rad},
+               {"mse_rad2", score.mse_rad2},
+               {"worst_rad", score.worst_rad},
+               {"torque_rms_Nm", score.torque_rms_Nm},
+               {"torque_change_rms_Nm", score.torque_change_rms_Nm},
+               {"saturated_share", score.saturated_share},
+               {"faulted", score.faulted},
+               {"fell_at_s", nullptr}};
+  if (score.fell_at_s) json["fell_at_s"] = *score.fell_at_s;
+  return json.dump() + "\n";
+}
+
+GainTrial TrialOf(const Json& json) {
+  GainTrial trial;
+  trial.stage = json.at("stage").get<int>();
+  trial.number = json.at("trial").get<int>();
+  trial.name = json.at("name").get<std::string>();
+  trial.pid.proportional_Nm_rad = json.at("proportional_Nm_rad").get<double>();
+  trial.pid.integral_Nm_rad_s = json.at("integral_Nm_rad_s").get<double>();
+  trial.pid.derivative_Nm_s_rad = json.at("derivative_Nm_s_rad").get<double>();
+  ClosedLoopScore score;
+  score.mse_rad2 = json.at("mse_rad2").get<double>();
+  score.worst_rad = json.at("worst_rad").get<double>();
+  score.torque_rms_Nm = json.at("torque_rms_Nm").get<double>();
+  score.torque_change_rms_Nm = json.at("torque_change_rms_Nm").get<double>();
+  score.saturated_share = json.at("saturated_share").get<double>();
+  score.faulted = json.at("faulted").get<bool>();
+  if (!json.at("fell_at_s").is_null()) score.fell_at_s = json.at("fell_at_s").get<double>();
+  trial.score = score;
+  return trial;
+}
+
+// What is another search's; empty: nothing.
+std::string Difference(const Json& found, const Json& wanted) {
+  for (const char* key : {"schema", "trials", "seed"}) {
+    if (!found.contains(key) || found[key] != wanted[key]) {
+      return "'" + std::string(key) + "' is " +
+             (found.contains(key) ? found[key].dump() : std::string("missing")) + ", expected " +
+             wanted[key].dump();
+    }
+  }
+  const Json inputs = found.value("inputs", Json::object());
+  for (const auto& [name, hash] : wanted["inputs"].items()) {
+    if (!inputs.contains(name) || inputs[name] != hash) {
+      return "'" + name + "' has changed since, expected the files of this table";
+    }
+  }
+  if (inputs.size() != wanted["inputs"].size()) return "it has other inputs";
+  return "";
+}
+
+}  // namespace
+
+std::string HashOfFile(const std::filesystem::path& path) {
+  std::uint64_t hash = 0xcbf29ce484222325ULL;  // FNV-1a, 64 bits
+  for (const char byte : config::ReadFile(path)) {
+    hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001b3ULL;
+  }
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
+  return text;
+}
+
+TrialTable::TrialTable(const std::filesystem::path& path, const TableHead& head)
+    : path_(path), head_(HeadJson(head).dump() + "\n") {
+  const bool there = std::filesystem::exists(path);
+  const std::string text = there ? config::ReadFile(path) : "";
+  const std::size_t whole = text.rfind('\n') + 1;  // 0: not even a first line
+  Read(text.substr(0, whole));
+  if (there && whole < text.size()) std::filesystem::resize_file(path, whole);
+  file_.reset(std::fopen(path.c_str(), "ab"));
+  if (!file_) FailToWrite();
+  if (whole == 0) Write(head_);
+}
+
+void TrialTable::Read(const std::string& text) {
+  int line_number = 0;
+  for (std::size_t from = 0; from < text.size();) {
+    const std::size_t end = text.find('\n', from);
+    const std::string line = text.substr(from, end - from);
+    from = end + 1;
+    const std::string place = path_.string() + ":" + std::to_string(++line_number) + ": ";
+    try {
+      const Json json = Json::parse(line);
+      if (line_number > 1) {
+        known_.push_back(TrialOf(json));
+        continue;
+      }
+      const std::string difference =
+          json.is_object() ? Difference(json, Json::parse(head_)) : "no table of trials";
+      if (!difference.empty()) {
+        throw UsageError(place + "another search: " + difference +
+                         "; remove the file to begin anew");
+      }
+    } catch (const nlohmann::json::exception& error) {
+      throw UsageError(place + "no line of a table of trials (" + error.what() + ")");
+    }
+  }
+}
+
+void TrialTable::FailToWrite() const {
+  throw UsageError(path_.string() + ": cannot be written: " + std::strerror(errno));
+}
+
+void TrialTable::Write(const std::string& line) {
+  const bool written = std::fwrite(line.data(), 1, line.size(), file_.get()) == line.size();
+  if (!written || std::fflush(file_.get()) != 0) FailToWrite();
+}
+
+void TrialTable::Append(const GainTrial& trial) { Write(LineOf(trial)); }
+
+void TrialTable::Finish(const std::vector<GainTrial>& trials) {
+  file_.reset();
+  std::string text = head_;
+  for (const GainTrial& trial : trials) {
+    if (trial.score) text += LineOf(trial);
+  }
+  config::WriteFileAtomically(path_, text);
+}
+
+}  // namespace sinew::tune
