@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -113,6 +114,13 @@ class CanBiped {
   const provider::ProviderCycle& cycle() const { return *cycle_; }
   const reference::LoadedReference& reference() const { return reference_; }
   virtual_axes::VirtualAxes& axes() { return *axes_; }
+  // On the pelvis, world axes, from now on.
+  void Push(const std::array<double, 3>& force_N) {
+    provider::BodyDisturbance push;
+    push.push_link = "pelvis";
+    push.push_force_N = force_N;
+    robot_->DisturbBody(push);
+  }
   const virtual_axes::VirtualAxesConfig& axes_config() const { return axes_file_.axes; }
   const bridge::BridgeConfig& map() const { return bridge_.bridge; }
   // The robot itself: what no frame has passed.

@@ -25,9 +25,9 @@ constexpr double kBottom_s = 2.5;   // of the reference: half of a squat
 constexpr double kMse_rad2 = 1e-5;  // 3.3e-6 found; 6.0e-7 with the world as state provider
 constexpr double kGravity_m_s2 = 9.81;
 // What is carried is a sample, its way and a cycle old, 9 ms at most, in which load and motion go
-// on; twice what was found (3.3 N, 4.0 mrad; it rocks on its toes). Noise: five deviations of 1.7 mrad/s on each of
-// three axes beside that. Mean specific force: 1 % of g (0.075 found: the torso shakes with the
-// steps of the setpoints, and the node samples it without a low-pass).
+// on; twice what was found (3.3 N, 4.0 mrad; it rocks on its toes). Noise: five deviations of 1.7
+// mrad/s on each of three axes beside that. Mean specific force: 1 % of g (0.075 found: the torso
+// shakes with the steps of the setpoints, and the node samples it without a low-pass).
 constexpr double kFoot_N = 7.0, kOrientation_rad = 0.008, kRate_rad_s = 0.05, kForce_m_s2 = 0.1;
 constexpr int kLeftFoot = 0, kRightFoot = 1, kImu = 2;  // in the order of virtual_axes.yaml
 
@@ -97,6 +97,23 @@ TEST(BipedThroughCan, SquatsAndFeetAndImuReportWhatTheWorldHas) {
     EXPECT_EQ(biped.report().frames_dropped[bus], 0U);
     EXPECT_EQ(biped.report().body_samples_missed[bus], 0U);
   }
+}
+
+// Pushed to the left, it stands on its left foot, and on the outer side of both.
+TEST(BipedThroughCan, EachForceSensorIsItsOwn) {
+  CanBiped biped;
+  biped.StandUp();
+  if (HasFatalFailure()) return;
+  biped.Push({0.0, 10.0, 0.0});
+  biped.StandFor(1.0);
+  ASSERT_EQ(biped.state(), RobotState::kArmed) << biped.message();
+  const provider::BodyTruth& truth = *biped.robot().body_truth();
+  double left_N = 0.0, right_N = 0.0;
+  for (std::size_t i = 0; i < 8; ++i) {
+    EXPECT_NEAR(biped.body().foot_force_N[i], truth.contact_force_N[i][2], kFoot_N) << i;
+    (i < 4 ? right_N : left_N) += biped.body().foot_force_N[i];
+  }
+  EXPECT_GT(left_N, right_N + 8.0 * kFoot_N);
 }
 
 struct Loss {
