@@ -67,11 +67,13 @@ LEG_JOINTS = [
     ("ankle_roll", "ankle", "foot", (0.0, 0.0, -L5), "1 0 0", -0.5, 0.5, "planetary_50"),
 ]
 
-# The elastic segment as a beam of TPU: stiffness E w h^3 / (12 l).
+# The elastic segment as a beam of TPU, as high as the plates that it joins: stiffness E w h^3 / (12 l). Its damping from
+# the loss factor of TPU at room temperature: loss factor x stiffness / (2 pi f), f the frequency at which the robot rocks.
 TPU_MODULUS_PA = 26e6
-TPU_WIDTH_M, TPU_HEIGHT_M, TPU_LENGTH_M = 0.09, 0.01, 0.02
+TPU_WIDTH_M, TPU_HEIGHT_M, TPU_LENGTH_M = 0.09, FOOT_THICKNESS_M, 0.02
 TOE_STIFFNESS_NM_RAD = TPU_MODULUS_PA * TPU_WIDTH_M * TPU_HEIGHT_M**3 / (12.0 * TPU_LENGTH_M)
-TOE_DAMPING_NMS_RAD = 0.02
+TPU_LOSS_FACTOR, ROCKING_HZ = 0.1, 2.0
+TOE_DAMPING_NMS_RAD = TPU_LOSS_FACTOR * TOE_STIFFNESS_NM_RAD / (2.0 * math.pi * ROCKING_HZ)
 TOE_LOWER_RAD, TOE_UPPER_RAD = -0.7, 0.2
 
 # Force sensors: name, link, position in that link's frame (left foot), at the height of the sole.

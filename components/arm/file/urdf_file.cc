@@ -138,7 +138,7 @@ void ReadJoint(const urdf::Joint& joint, const Where& where, Body* body) {
 }
 
 // Elements of the robot, which urdfdom leaves out:
-//   <passive joint="toe" stiffness_Nm_rad="9.75" damping_Nms_rad="0.02"/>
+//   <passive joint="toe" stiffness_Nm_rad="78" damping_Nms_rad="0.62"/>
 void ReadPassive(const TiXmlDocument& document, const Where& where, Chain* chain) {
   const TiXmlElement* root = document.RootElement();
   for (const TiXmlElement* e = root->FirstChildElement("passive"); e != nullptr;

@@ -106,12 +106,13 @@ inline Motion Squat(const Undeclared& undeclared, const SquatPlan& plan) {
   std::vector<int> driven;
   const auto count = static_cast<Eigen::Index>(nominal.bodies.size());
   for (Eigen::Index j = 0; j < count; ++j) {
-    const std::string& name = nominal.bodies[static_cast<std::size_t>(j)].joint_name;
-    if (name.find("toe") == std::string::npos) {
+    const std::optional<arm::Passive>& toe = nominal.bodies[static_cast<std::size_t>(j)].passive;
+    if (!toe) {
       driven.push_back(static_cast<int>(j));
       continue;
     }
-    config.elastic_joints.push_back({static_cast<int>(j), 9.75, 0.02, 0.0});
+    config.elastic_joints.push_back(
+        {static_cast<int>(j), toe->stiffness_Nm_rad, toe->damping_Nms_rad, 0.0});
   }
   Eigen::VectorXd has_drive = Eigen::VectorXd::Ones(count);
   for (const world::ElasticJoint& toe : config.elastic_joints) has_drive[toe.joint] = 0.0;

@@ -26,7 +26,7 @@ using ::testing::HasSubstr;
 
 constexpr double kCycle_s = 2e-3;  // of the controller
 constexpr double kWeightShare = 1e-3;
-constexpr double kSettled_s = 5.0;  // ten time constants of rocking (robot.h)
+constexpr double kSettled_s = 10.0;  // ten time constants of rocking
 
 double FeetSum(const FloatingRobot& robot) {
   const auto& forces = robot.body_sensors()->foot_force_N;

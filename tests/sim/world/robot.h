@@ -50,22 +50,18 @@ inline double SquatAngle(const std::string& joint, double bend_rad) {
   return has("knee") ? 2.0 * bend_rad : 0.0;
 }
 
-// robots/biped on its eight force sensors, knees bent by 0.6 rad. With the toes' own damping, 0.02
-// Nms/rad, it rocks on them for a minute: about the rear sensors k = 280 Nm/rad of the toes less m
-// g h = 100 Nm/rad, and 6.5 kg m^2, are 5 rad/s. A toe turns 3.8 times as far as the body, so that
-// 1 Nms/rad is 0.4 of critical.
+// robots/biped on its eight force sensors, knees bent by 0.6 rad.
 inline FloatingRobotConfig SquattingBiped(const DriveModel& drive = {}) {
   std::ifstream stream(SINEW_SOURCE_DIR "/robots/biped/biped.urdf");
   std::ostringstream text;
   text << stream.rdbuf();
   FloatingRobotConfig config;
   config.chain = arm::ParseUrdf(text.str(), "biped.urdf");
-  for (arm::Body& body : config.chain.bodies) {
-    if (body.passive) body.passive->damping_Nms_rad = 1.0;
-  }
   config.model = ModelOf(config.chain, drive);
   for (const actuator::JointModel& joint : config.model.joints) {
-    config.joints.emplace_back().position_rad = SquatAngle(joint.name, 0.3);
+    WorldJointConfig& start = config.joints.emplace_back();
+    start.position_rad = SquatAngle(joint.name, 0.3);
+    start.plant.velocity_integral_1_s = 0.0;  // robots/biped/README.md, "Rocking"
   }
   for (const char* side : {"right", "left"}) {
     for (const char* place : {"rear_outer", "rear_inner", "front_outer", "front_inner"}) {
