@@ -43,6 +43,33 @@ Eigen::Vector3d ImuVelocity(const provider::BodyTruth& base) {
   return Vector(base.velocity_m_s) + Vector(base.angular_velocity_rad_s).cross(arm_m);
 }
 
+// README.md, "Through CAN": bits a second at worst stuffing, from the two files.
+struct Load {
+  int bus;
+  double rate_Hz;
+  bool torque;
+};
+
+double WorstLoad_percent(const virtual_axes::VirtualAxesConfig& nodes,
+                         const bridge::BridgeConfig& map, const Load& load) {
+  const auto per_s = [](int every_ms) { return every_ms > 0 ? 1e3 / every_ms : 0.0; };
+  double bits_s = 0.0;
+  for (const virtual_axes::AxisConfig& axis : nodes.axes) {
+    if (axis.bus != load.bus) continue;
+    const double iq_s = load.rate_Hz / map.timing.iq_every_cycles;
+    bits_s +=
+        load.rate_Hz * can::WorstFrameBits(load.torque ? 4 : 8) +
+        iq_s * (can::WorstFrameBits(0) + can::WorstFrameBits(8)) +
+        (per_s(axis.rates.encoder_ms) + per_s(axis.rates.heartbeat_ms)) * can::WorstFrameBits(8);
+  }
+  for (const virtual_axes::BodyNodeConfig& node : nodes.body_nodes) {
+    if (node.bus != load.bus) continue;
+    const int frames = node.part == can::BodyPart::kImu ? 3 : 1;
+    bits_s += (frames * per_s(node.sample_ms) + per_s(node.heartbeat_ms)) * can::WorstFrameBits(8);
+  }
+  return 100.0 * bits_s / map.bitrate_bit_s[static_cast<std::size_t>(load.bus)];
+}
+
 // What the IMU measures adds up to what the base has done: the specific force, turned into world
 // axes, less gravity, to the change of its own velocity.
 TEST(BipedThroughCan, SquatsAndFeetAndImuReportWhatTheWorldHas) {
@@ -96,6 +123,12 @@ TEST(BipedThroughCan, SquatsAndFeetAndImuReportWhatTheWorldHas) {
   for (std::size_t bus = 0; bus < 2; ++bus) {
     EXPECT_EQ(biped.report().frames_dropped[bus], 0U);
     EXPECT_EQ(biped.report().body_samples_missed[bus], 0U);
+    const double worst =
+        WorstLoad_percent(biped.axes_config(), biped.map(), {static_cast<int>(bus), 240.0, false});
+    std::printf("load of bus %zu: %.1f %%, at worst %.1f %%\n", bus,
+                biped.report().load_percent[bus], worst);
+    EXPECT_LT(biped.report().load_percent[bus], worst);
+    EXPECT_GT(biped.report().load_percent[bus], 0.8 * worst) << "111 of 135 bits are not stuffed";
   }
 }
 
@@ -167,33 +200,6 @@ TEST(BipedThroughCan, TheRobotHangsUntilAllItsAxesAreDriven) {
   biped.StandFor(1.0);
   EXPECT_TRUE(biped.axes().held());
   EXPECT_EQ(biped.robot().body_truth()->position_m[2], start_m);
-}
-
-// README.md, "Through CAN": bits a second at worst stuffing, from the two files.
-struct Load {
-  int bus;
-  double rate_Hz;
-  bool torque;
-};
-
-double WorstLoad_percent(const virtual_axes::VirtualAxesConfig& nodes,
-                         const bridge::BridgeConfig& map, const Load& load) {
-  const auto per_s = [](int every_ms) { return every_ms > 0 ? 1e3 / every_ms : 0.0; };
-  double bits_s = 0.0;
-  for (const virtual_axes::AxisConfig& axis : nodes.axes) {
-    if (axis.bus != load.bus) continue;
-    const double iq_s = load.rate_Hz / map.timing.iq_every_cycles;
-    bits_s +=
-        load.rate_Hz * can::WorstFrameBits(load.torque ? 4 : 8) +
-        iq_s * (can::WorstFrameBits(0) + can::WorstFrameBits(8)) +
-        (per_s(axis.rates.encoder_ms) + per_s(axis.rates.heartbeat_ms)) * can::WorstFrameBits(8);
-  }
-  for (const virtual_axes::BodyNodeConfig& node : nodes.body_nodes) {
-    if (node.bus != load.bus) continue;
-    const int frames = node.part == can::BodyPart::kImu ? 3 : 1;
-    bits_s += (frames * per_s(node.sample_ms) + per_s(node.heartbeat_ms)) * can::WorstFrameBits(8);
-  }
-  return 100.0 * bits_s / map.bitrate_bit_s[static_cast<std::size_t>(load.bus)];
 }
 
 TEST(BipedThroughCan, TheBusesHaveTheLoadThatTheReadmeStates) {

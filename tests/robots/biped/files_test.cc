@@ -48,9 +48,8 @@ bool HasElement(const std::string& joint_name) {
 }
 
 TEST(BipedFiles, AreWhatTheGeneratorWrites) {
-  for (const std::string name :
-       {"biped.urdf", "biped_stand.urdf", "model.yaml", "model_sea_pea.yaml", "can_bridge.yaml",
-        "virtual_axes.yaml"}) {
+  for (const std::string name : {"biped.urdf", "biped_stand.urdf", "model.yaml",
+                                 "model_sea_pea.yaml", "can_bridge.yaml", "virtual_axes.yaml"}) {
     const std::string command =
         std::string(SINEW_PYTHON) + " -B " + kRobot + "generate.py --print " + name;
     std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(command.c_str(), "r"), pclose);
