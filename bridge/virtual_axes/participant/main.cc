@@ -1,4 +1,5 @@
-// sinew-virtual-axes: motor controllers and sensor nodes on a bus, with the surrogate behind them.
+// sinew-virtual-axes: motor controllers and sensor nodes on buses, with the surrogate or a world
+// behind them.
 #include <spdlog/spdlog.h>
 
 #include <memory>

@@ -193,6 +193,21 @@ INSTANTIATE_TEST_SUITE_P(BipedThroughCan, LostNode,
                                            Loss{kImu, BodyFaultKind::kLost, "imu"},
                                            Loss{kImu, BodyFaultKind::kFrozen, "imu"}));
 
+TEST(BipedThroughCan, ARobotWhoseFootOrImuIsAbsentIsNotArmed) {
+  for (const int node : {kLeftFoot, kRightFoot, kImu}) {
+    CanBiped biped;
+    biped.axes().FalsifyBodyNode(node, {BodyFaultKind::kLost, 0.0});
+    biped.StandFor(2.0 * CanBiped::kDetectorStarts_s);
+    EXPECT_EQ(biped.Arm(), provider::OperatorResult::kRefusedByFallGuard) << node;
+    EXPECT_EQ(biped.state(), RobotState::kDisarmed);
+    EXPECT_TRUE(biped.axes().held());
+    // What is still there is reported all the same.
+    EXPECT_EQ(biped.body().foot_valid[0], node != kRightFoot);
+    EXPECT_EQ(biped.body().foot_valid[4], node != kLeftFoot);
+    EXPECT_EQ(biped.body().imu_valid, node != kImu);
+  }
+}
+
 // Without the hoist the legs give way before the bridge has armed the axes.
 TEST(BipedThroughCan, TheRobotHangsUntilAllItsAxesAreDriven) {
   CanBiped biped;
