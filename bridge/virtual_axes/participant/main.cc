@@ -81,6 +81,9 @@ void Run(const node::Options& options, node::StopFlag& stop,
     }
   }
   spdlog::info("{} frames taken, {} steps", axes.frames_taken(), axes.steps());
+  if (simulation && simulation->write_failures() > 0) {
+    spdlog::warn("{} messages of the truth not written", simulation->write_failures());
+  }
 }
 
 }  // namespace
