@@ -67,6 +67,7 @@ std::map<std::uint64_t, Message> ByTick(const std::vector<Message>& messages) {
 
 // The drives' position loops, and computed torque.
 struct Mode {
+  const char* name;
   const char* deployment;
   int domain;
   msg::CommandMode mode;
@@ -137,8 +138,9 @@ TEST_P(BipedCanSquat, ReportsWhatTheWorldBehindTheAxesHas) {
 
 INSTANTIATE_TEST_SUITE_P(
     Deployments, BipedCanSquat,
-    ::testing::Values(Mode{"deploy_biped_can.yaml", 188, msg::COMMAND_POSITION},
-                      Mode{"deploy_biped_can_torque.yaml", 191, msg::COMMAND_TORQUE}));
+    ::testing::Values(Mode{"Position", "deploy_biped_can.yaml", 188, msg::COMMAND_POSITION},
+                      Mode{"Torque", "deploy_biped_can_torque.yaml", 191, msg::COMMAND_TORQUE}),
+    [](const auto& tested) { return std::string(tested.param.name); });
 
 // The node of the IMU sends nothing any more, 6 s after the start of the axes: the robot is armed
 // about a second after that start, and squats. Without motors it collapses.

@@ -150,6 +150,7 @@ TEST(BipedThroughCan, EachForceSensorIsItsOwn) {
 }
 
 struct Loss {
+  const char* name;
   int node;  // in the configuration's order
   BodyFaultKind kind;
   const char* lost;
@@ -187,11 +188,13 @@ TEST_P(LostNode, IsAFaultWithItsNameAndMotorsOffAsTheGuardDeclares) {
   EXPECT_EQ(biped.report().body_nodes_lost[1 - bus], 0U);
 }
 
-INSTANTIATE_TEST_SUITE_P(BipedThroughCan, LostNode,
-                         ::testing::Values(Loss{kLeftFoot, BodyFaultKind::kLost, "feet"},
-                                           Loss{kRightFoot, BodyFaultKind::kFrozen, "feet"},
-                                           Loss{kImu, BodyFaultKind::kLost, "imu"},
-                                           Loss{kImu, BodyFaultKind::kFrozen, "imu"}));
+INSTANTIATE_TEST_SUITE_P(
+    BipedThroughCan, LostNode,
+    ::testing::Values(Loss{"LeftFootSilent", kLeftFoot, BodyFaultKind::kLost, "feet"},
+                      Loss{"RightFootFrozen", kRightFoot, BodyFaultKind::kFrozen, "feet"},
+                      Loss{"ImuSilent", kImu, BodyFaultKind::kLost, "imu"},
+                      Loss{"ImuFrozen", kImu, BodyFaultKind::kFrozen, "imu"}),
+    [](const auto& tested) { return std::string(tested.param.name); });
 
 TEST(BipedThroughCan, ARobotWhoseFootOrImuIsAbsentIsNotArmed) {
   for (const int node : {kLeftFoot, kRightFoot, kImu}) {
