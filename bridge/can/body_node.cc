@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "bridge/can/bytes.h"
 #include "bridge/can/node_frame.h"
@@ -38,6 +39,15 @@ std::array<double, 3> GetThree(const Frame& frame, double step) {
     values[static_cast<std::size_t>(i)] = step * GetInteger<std::int16_t>(frame, 2 * i);
   }
   return values;
+}
+
+// At an end of int16, as decoded or before it was encoded.
+bool AnyAtEnd(const std::array<double, 3>& values, double step) {
+  return std::any_of(values.begin(), values.end(), [step](double value) {
+    const auto field = Quantise<std::int16_t>(value, step);
+    return field == std::numeric_limits<std::int16_t>::min() ||
+           field == std::numeric_limits<std::int16_t>::max();
+  });
 }
 
 }  // namespace
@@ -129,6 +139,19 @@ std::optional<ImuOrientation> DecodeImuOrientation(const Frame& frame) noexcept 
   if (!IsNodeFrame(frame, NodeCommand::kImuOrientation, 8)) return std::nullopt;
   return ImuOrientation{GetThree(frame, kQuaternionStep), frame.data[6],
                         static_cast<std::uint8_t>(frame.data[7] & 3U)};
+}
+
+bool AtFieldEnd(const FootForces& message, std::size_t sensor) noexcept {
+  const int steps = Quantise<std::int16_t>(message.force_N[sensor], kFootForceStep_N);
+  return steps <= kForceMin || steps >= kForceMax;
+}
+
+bool AtFieldEnd(const ImuForce& message) noexcept {
+  return AnyAtEnd(message.specific_force_m_s2, kSpecificForceStep_m_s2);
+}
+
+bool AtFieldEnd(const ImuRate& message) noexcept {
+  return AnyAtEnd(message.angular_velocity_rad_s, kRateStep_rad_s);
 }
 
 std::optional<ImuOrientation> OmitLargest(const std::array<double, 4>& orientation_wxyz,

@@ -31,11 +31,13 @@
 //                     wrong by at most 2 sqrt(3 + 9) h = 7.7e-5 rad.
 //   temperature       int8, 1 degC: -127 to 127; -128: none.
 //
-// A value beyond its field is held at the field's end, NaN is sent as 0. Any thread; allocates
+// A value beyond its field is held at the field's end, NaN is sent as 0. What is at an end may be
+// anything beyond, and is not to be taken for a measurement (AtFieldEnd). Any thread; allocates
 // nothing.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
@@ -97,6 +99,11 @@ std::optional<FootForces> DecodeFootForces(const Frame& frame) noexcept;
 std::optional<ImuForce> DecodeImuForce(const Frame& frame) noexcept;
 std::optional<ImuRate> DecodeImuRate(const Frame& frame) noexcept;
 std::optional<ImuOrientation> DecodeImuOrientation(const Frame& frame) noexcept;
+
+// The force of this sensor, or one of the three values, is at an end of its field: saturated.
+bool AtFieldEnd(const FootForces& message, std::size_t sensor) noexcept;
+bool AtFieldEnd(const ImuForce& message) noexcept;
+bool AtFieldEnd(const ImuRate& message) noexcept;
 
 // The largest component of w, x, y, z is left out; of either sign, need not be of length 1. Nothing
 // for one that is not finite or shorter than 1e-6.

@@ -72,6 +72,7 @@ BodyMeasurement::Taken BodyMeasurement::TakeImu(const can::Received& received) {
       if (const auto m = can::DecodeImuForce(received.frame)) {
         if (ImuSample* sample = Coming(m->sequence, received.stamp_ns)) {
           sample->force_m_s2 = m->specific_force_m_s2;
+          sample->saturated = sample->saturated || can::AtFieldEnd(*m);
           sample->valid = m->force_valid && m->rate_valid && m->orientation_valid;
           Complete(kForce);
         }
@@ -82,6 +83,7 @@ BodyMeasurement::Taken BodyMeasurement::TakeImu(const can::Received& received) {
       if (const auto m = can::DecodeImuRate(received.frame)) {
         if (ImuSample* sample = Coming(m->sequence, received.stamp_ns)) {
           sample->rate_rad_s = m->angular_velocity_rad_s;
+          sample->saturated = sample->saturated || can::AtFieldEnd(*m);
           Complete(kRate);
         }
         return Taken::kStored;
@@ -138,12 +140,12 @@ void BodyMeasurement::FillFoot(bool fresh, provider::BodySensors* body) const {
       config_.part == can::BodyPart::kRightFoot ? 0 : std::size_t{can::kFootSensors};
   for (std::size_t i = 0; i < std::size_t{can::kFootSensors}; ++i) {
     body->foot_force_N[first + i] = foot_.force_N[i];
-    body->foot_valid[first + i] = fresh && foot_.valid[i];
+    body->foot_valid[first + i] = fresh && foot_.valid[i] && !can::AtFieldEnd(foot_, i);
   }
 }
 
 void BodyMeasurement::FillImu(bool fresh, provider::BodySensors* body) const {
-  body->imu_valid = fresh && imu_.valid;
+  body->imu_valid = fresh && imu_.valid && !imu_.saturated;
   if (!clock_.newest_ns()) return;  // nothing to turn: what is there stays
   const Eigen::Quaterniond q_BS = MountingOf(config_);
   const auto& o = imu_.orientation_wxyz;

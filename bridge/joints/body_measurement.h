@@ -3,8 +3,9 @@
 // A measurement is new when its sequence number differs from that of the last one: a number that
 // stands still is a measurement that stands still. With the age t of the last new one:
 //
-//     valid   valid bits of the sample, t <= estimate_timeout, and the node's last heartbeat has
-//             the version of our frames (before the first heartbeat nothing is valid)
+//     valid   valid bits of the sample, no value at an end of its field (can::AtFieldEnd), t <=
+//             estimate_timeout, and the node's last heartbeat has the version of our frames (before
+//             the first heartbeat nothing is valid)
 //     lost    t > lost_after; counted once, until a new measurement comes
 //
 // Of an IMU the three frames of a sample count together, when the last of them has come; the age is
@@ -74,6 +75,7 @@ class BodyMeasurement {
     std::array<double, 3> rate_rad_s{};
     std::array<double, 4> orientation_wxyz{1.0, 0.0, 0.0, 0.0};
     bool valid = false;
+    bool saturated = false;  // a value of it is at an end of its field
   };
 
   Taken TakeFoot(const can::Received& received);

@@ -22,6 +22,11 @@ void CheckVirtualAxesConfig(const VirtualAxesConfig& config, int joints, int bus
   Require(config.step_s >= 1e-5 && config.step_s <= 0.1,
           "step_s = " + std::to_string(config.step_s) + ", expected 1e-5 to 0.1");
   Require(!config.axes.empty() || !config.nodes.empty(), "no axes and no sensor nodes");
+  if (config.hold_start_s) {
+    Require(std::isfinite(*config.hold_start_s) && *config.hold_start_s >= 0.0,
+            "hold_start_s must not be negative");
+    Require(!config.axes.empty(), "hold_start_s: no axis would ever let the plant go");
+  }
   std::set<std::pair<int, int>> used;
   const auto check = [&](const std::string& what, int bus, int node, int joint, int direction) {
     Require(bus >= 0 && bus < buses, what + ": no bus " + std::to_string(bus));
@@ -53,6 +58,10 @@ void CheckVirtualAxesConfig(const VirtualAxesConfig& config, int joints, int bus
     for (const double angle_rad : n.mounting_rpy_rad) {
       Require(std::isfinite(angle_rad), part + ": mounting_rpy_rad must be finite");
       Require(is_imu || angle_rad == 0.0, part + ": mounting_rpy_rad is for an imu");
+    }
+    for (const double noise : {n.force_noise_m_s2, n.rate_noise_rad_s}) {
+      Require(std::isfinite(noise) && noise >= 0.0, part + ": noise must not be negative");
+      Require(is_imu || noise == 0.0, part + ": noise is for an imu");
     }
     Require(n.sample_ms >= 0 && n.heartbeat_ms >= 0, part + ": periods must not be negative");
     Require(std::isfinite(n.fault.after_s) && n.fault.after_s >= 0.0,

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "bridge/can/body_node.h"
@@ -81,6 +83,9 @@ struct BodyNodeConfig {
   int sample_ms = 2;
   int heartbeat_ms = 100;
   BodyFault fault = {};
+  // Of an IMU, standard deviation of each axis and sample, white and Gaussian; 0: none.
+  double force_noise_m_s2 = 0.0;
+  double rate_noise_rad_s = 0.0;
 };
 
 struct VirtualAxesConfig {
@@ -89,6 +94,11 @@ struct VirtualAxesConfig {
   std::vector<SensorNodeConfig> nodes;
   std::vector<BodyNodeConfig> body_nodes = {};
   double step_s = 0.001;  // of the plant; also how often frames are looked at
+  // The plant is held where it starts until all axes have been in closed-loop control for this
+  // long: a robot on legs hangs from a hoist until its drives carry it. Once let go it is not held
+  // again. Nothing: it moves from the start.
+  std::optional<double> hold_start_s = {};
+  std::uint64_t seed = 1;  // of the noise
 };
 
 // Throws std::invalid_argument: a joint that the plant does not have, a node number used twice on a

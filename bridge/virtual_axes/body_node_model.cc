@@ -21,8 +21,13 @@ std::array<double, 3> InHousing(const Eigen::Quaterniond& q_BS, const std::array
 
 }  // namespace
 
-BodyNodeModel::BodyNodeModel(const BodyNodeConfig& config)
-    : config_(config), heartbeat_(config.heartbeat_ms), samples_(config.sample_ms) {}
+BodyNodeModel::BodyNodeModel(const BodyNodeConfig& config, std::uint64_t seed)
+    : config_(config), heartbeat_(config.heartbeat_ms), samples_(config.sample_ms) {
+  std::seed_seq of_node{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32),
+                        static_cast<std::uint32_t>(config.bus),
+                        static_cast<std::uint32_t>(config.node)};
+  random_.seed(of_node);
+}
 
 void BodyNodeModel::Start(std::int64_t now_ns, std::int64_t spread_ns) {
   started_ns_ = now_ns;
@@ -79,10 +84,19 @@ void BodyNodeModel::MeasureImu(const provider::BodySensors& body) {
   const auto& o = body.orientation_wxyz;
   const Eigen::Quaterniond q_WS = Eigen::Quaterniond(o[0], o[1], o[2], o[3]) * q_BS;
   const auto orientation = can::OmitLargest({q_WS.w(), q_WS.x(), q_WS.y(), q_WS.z()}, sequence_);
-  force_ = {InHousing(q_BS, body.acceleration_m_s2), sequence_, body.imu_valid, body.imu_valid,
-            body.imu_valid && orientation.has_value()};
-  rate_ = {InHousing(q_BS, body.angular_velocity_rad_s), sequence_, kImuTemperature_degC};
+  force_ = {Noisy(InHousing(q_BS, body.acceleration_m_s2), config_.force_noise_m_s2), sequence_,
+            body.imu_valid, body.imu_valid, body.imu_valid && orientation.has_value()};
+  rate_ = {Noisy(InHousing(q_BS, body.angular_velocity_rad_s), config_.rate_noise_rad_s), sequence_,
+           kImuTemperature_degC};
   orientation_ = orientation.value_or(can::ImuOrientation{{}, sequence_, 0});
+}
+
+std::array<double, 3> BodyNodeModel::Noisy(std::array<double, 3> values,
+                                           double standard_deviation) {
+  if (standard_deviation > 0.0) {
+    for (double& value : values) value += standard_deviation * gaussian_(random_);
+  }
+  return values;
 }
 
 }  // namespace sinew::virtual_axes

@@ -5,10 +5,14 @@
 //
 //     f_S = R^T f_B        w_S = R^T w_B        q_WS = q_WB q_BS,  q_BS the quaternion of R
 //
-// Pure: the plant's sensors and the time come in. One thread; allocates nothing.
+// and to f_S and w_S of each sample noise is added (axes_config.h).
+//
+// Pure: the plant's sensors, the time and the noise's seed come in. One thread; allocates nothing.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <random>
 
 #include "bridge/can/body_node.h"
 #include "bridge/virtual_axes/axes_config.h"
@@ -21,7 +25,8 @@ class BodyNodeModel {
  public:
   static constexpr std::size_t kCyclicMessages = 4;
 
-  explicit BodyNodeModel(const BodyNodeConfig& config);
+  // Nodes of one seed have noise of their own, by bus and number.
+  explicit BodyNodeModel(const BodyNodeConfig& config, std::uint64_t seed = 1);
 
   int bus() const { return config_.bus; }
   int node() const { return config_.node; }
@@ -36,10 +41,13 @@ class BodyNodeModel {
  private:
   void MeasureFoot(const provider::BodySensors& body);
   void MeasureImu(const provider::BodySensors& body);
+  std::array<double, 3> Noisy(std::array<double, 3> values, double standard_deviation);
 
   BodyNodeConfig config_;
   Schedule heartbeat_, samples_;
   std::int64_t started_ns_ = 0;
+  std::mt19937_64 random_;
+  std::normal_distribution<double> gaussian_;
   // The last sample.
   std::uint8_t sequence_ = 0;
   can::FootForces foot_;

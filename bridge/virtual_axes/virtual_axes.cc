@@ -30,8 +30,9 @@ VirtualAxes::VirtualAxes(const VirtualAxesConfig& config, provider::SimulatedPla
     }
     gateways_.emplace_back(gateway, std::move(behind));
   }
-  for (const BodyNodeConfig& node : config.body_nodes) body_nodes_.emplace_back(node);
+  for (const BodyNodeConfig& node : config.body_nodes) body_nodes_.emplace_back(node, config.seed);
   step_ns_ = std::llround(1e9 * config.step_s);
+  held_ = config.hold_start_s.has_value();
   plant_.Reset(&sensors_);
 }
 
@@ -59,12 +60,24 @@ void VirtualAxes::Run(std::int64_t now_ns) {
   while (next_step_ns_ <= now_ns) {
     for (AxisModel& axis : axes_) axis.CheckWatchdog(next_step_ns_);
     for (SensorNodeModel& node : nodes_) node.CheckWatchdog(next_step_ns_);
-    StepPlant();
+    if (held_) WatchHold();
+    if (!held_) StepPlant();
     for (AxisModel& axis : axes_) axis.CheckSpeed(axis.MotorOf(sensors_));
     next_step_ns_ += step_ns_;
     ++steps_;
   }
   SendDue(now_ns);
+}
+
+void VirtualAxes::WatchHold() {
+  const bool driven = std::all_of(axes_.begin(), axes_.end(), [](const AxisModel& axis) {
+    return axis.state() == can::AxisState::kClosedLoopControl;
+  });
+  if (!driven) {
+    hold_ends_ns_ = next_step_ns_ + std::llround(1e9 * *config_.hold_start_s);
+  } else if (next_step_ns_ >= hold_ends_ns_) {
+    held_ = false;
+  }
 }
 
 void VirtualAxes::StepPlant() {

@@ -52,6 +52,8 @@ class VirtualAxes {
   void FalsifyBodyNode(int node, const BodyFault& fault) {
     body_nodes_.at(static_cast<std::size_t>(node)).Falsify(fault);
   }
+  // The plant is held where it started (axes_config.h).
+  bool held() const { return held_; }
   can::AxisState axis_state(int axis) const { return At(axis).state(); }
   std::uint32_t axis_error(int axis) const { return At(axis).error(); }
   double input_torque_Nm(int axis) const { return At(axis).input_torque_Nm(); }
@@ -65,6 +67,8 @@ class VirtualAxes {
   const AxisModel& At(int axis) const { return axes_.at(static_cast<std::size_t>(axis)); }
   void Take(int bus, const can::Frame& frame, std::int64_t now_ns);
   void SendDue(std::int64_t now_ns);
+  // Lets the plant go when all axes have been in closed-loop control for long enough.
+  void WatchHold();
   void StepPlant();
   void Send(int bus, const can::Frame& frame);
 
@@ -77,6 +81,8 @@ class VirtualAxes {
   std::vector<BodyNodeModel> body_nodes_;
   std::int64_t step_ns_ = 0;
   std::int64_t next_step_ns_ = 0;
+  bool held_ = false;
+  std::int64_t hold_ends_ns_ = 0;  // unless an axis leaves closed-loop control before
   provider::PlantCommand command_;
   provider::Disturbance disturbance_;
   provider::PlantSensors sensors_;

@@ -86,6 +86,19 @@ FORCE_SENSORS = [
     ("force_front_inner", "toe", (0.05, -0.03, FRONT_Z)),
 ]
 
+# Through CAN: a bus for each leg, axes 1 to 6 in the order of LEG_JOINTS. ODrive's rule for its torque constant is
+# 8.27 / KV. Twice the reference's velocity limit is the joints' (reference_benchmark.yaml).
+ODRIVE_TORQUE_CONSTANT_KV = 8.27
+JOINT_VELOCITY_RAD_S = 4.0
+# ms: the fuller bus carries what README.md computes from them.
+ESTIMATES_EVERY_MS, BODY_SAMPLES_EVERY_MS, WATCHDOG_MS = 3, 4, 100
+# Standard deviations of the simulated IMU: the bounds of components/fall/imu_check.h.
+IMU_FORCE_NOISE_M_S2, IMU_RATE_NOISE_RAD_S = 0.05, 1.7e-3
+CAN_BUSES = """buses:
+  - {name: left, transport: virtual, bus: biped_left, bitrate_bit_s: 1000000}
+  - {name: right, transport: virtual, bus: biped_right, bitrate_bit_s: 1000000}
+"""
+
 # Parts that touch the ground.
 CONTACT_PARTS = {"rear_segment", "front_segment"}
 
@@ -443,11 +456,97 @@ def model(sea_pea):
     return "\n".join(out + [""])
 
 
+def constants(drive):
+    """Of an axis, as bridge and virtual axes name them."""
+    motor, reduction = DRIVES[drive]
+    return (
+        f"gear_ratio: {reduction:g}, torque_constant_Nm_A: {torque_constant(motor):.6g}, "
+        f"controller_torque_constant_Nm_A: {ODRIVE_TORQUE_CONSTANT_KV / KV_RPM_V[motor]:.6g}"
+    )
+
+
+def can_bridge():
+    out = [
+        "# The biped behind CAN: who is where on the two buses, and the limits. Keys: docs/participants/can_bridge.md.",
+        "# Written by generate.py: change that, not this file. As it stands it joins the virtual buses biped_left and",
+        "# biped_right; for the robot: origin: live, transport: socketcan, interface; firmware, serial_number, direction and",
+        "# zero_rev of each axis, mounting_rpy_rad of the IMU.",
+        "schema: sinew-can-bridge/1",
+        "origin: sim",
+        CAN_BUSES.rstrip(),
+        "joints:  # no limits.braking: on the ground a leg stops the whole robot, which is no inertia of one joint",
+    ]
+    for side in ("left", "right"):
+        for node, (name, *_, lower, upper, drive) in enumerate(LEG_JOINTS, 1):
+            motor_torque = torque_constant(DRIVES[drive][0]) * CURRENT_LIMIT_A
+            out += [
+                f"  - {{name: {side}_{name}, bus: {side}, node: {node}, torque_efficiency: {EFFICIENCY},",
+                f"     {constants(drive)},",
+                f"     limits: {{motor_torque_Nm: {motor_torque:.6g}, current_A: {CURRENT_LIMIT_A:g}, "
+                f"velocity_rad_s: {JOINT_VELOCITY_RAD_S:g}, lower_rad: {lower:g}, upper_rad: {upper:g}}}}}",
+            ]
+    return (
+        "\n".join(out)
+        + """
+body_nodes:
+  - {bus: left, node: 40, sensor: left_foot}
+  - {bus: right, node: 40, sensor: right_foot}
+  - {bus: left, node: 42, sensor: imu}
+timing:
+  estimates: cyclic
+  iq_every_cycles: 4
+  estimate_timeout_ms: 20    # older: not valid
+  lost_after_ms: 60          # older: fault of the joint; of a foot or the IMU: it counts as lost
+  heartbeat_timeout_ms: 350
+  start_timeout_ms: 10000
+guard:
+  missed_periods: 3
+  fault_after_ms: 60
+  bridging: hold             # a robot that is damped falls
+  on_joint_fault: hold
+  fall: {urdf: biped.urdf, on_fall: idle}   # a fall, or the loss of IMU, feet or leg positions: motors off
+"""
+    )
+
+
+def virtual_axes():
+    out = [
+        "# The biped's motor controllers, feet and IMU as nodes on two buses, with the robot of world.yaml behind them.",
+        "# docs/participants/virtual_axes.md has the keys. Written by generate.py: change that, not this file.",
+        "schema: sinew-virtual-axes/1",
+        CAN_BUSES.rstrip(),
+        "world: world.yaml",
+        "step_ms: 1",
+        "hold_start_s: 2.5            # it hangs until its drives can carry it and the fall detector has started (2 s)",
+        "axes:",
+    ]
+    for side_index, side in enumerate(("left", "right")):
+        for index, (*_, drive) in enumerate(LEG_JOINTS):
+            motor, _ = DRIVES[drive]
+            out += [
+                f"  - {{bus: {side}, node: {index + 1}, joint: {len(LEG_JOINTS) * side_index + index},",
+                f"     {constants(drive)},",
+                f"     velocity_limit_rev_s: {KV_RPM_V[motor] * SUPPLY_V / 60.0:g}, current_limit_A: {CURRENT_LIMIT_A:g}, "
+                f"watchdog_ms: {WATCHDOG_MS}, encoder_ms: {ESTIMATES_EVERY_MS}}}",
+            ]
+    body = f"sample_ms: {BODY_SAMPLES_EVERY_MS}"
+    noise = f"force_noise_m_s2: {IMU_FORCE_NOISE_M_S2}, rate_noise_rad_s: {IMU_RATE_NOISE_RAD_S}"
+    out += [
+        "body_nodes:",
+        f"  - {{bus: left, node: 40, sensor: left_foot, {body}}}",
+        f"  - {{bus: right, node: 40, sensor: right_foot, {body}}}",
+        f"  - {{bus: left, node: 42, sensor: imu, {body}, {noise}}}",
+    ]
+    return "\n".join(out + [""])
+
+
 FILES = {
     "biped.urdf": lambda: urdf(toes_locked=False),
     "biped_stand.urdf": lambda: urdf(toes_locked=True),
     "model.yaml": lambda: model(sea_pea=False),
     "model_sea_pea.yaml": lambda: model(sea_pea=True),
+    "can_bridge.yaml": can_bridge,
+    "virtual_axes.yaml": virtual_axes,
 }
 
 

@@ -7,17 +7,14 @@
 
 #include <cmath>
 #include <cstdio>
-#include <cstring>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "components/node/codec.h"
 #include "tests/support/program.h"
 #include "tests/support/sinew_program.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/system/recording_payloads.h"
+#include "tests/system/recorded_messages.h"
 
 namespace sinew::testing {
 namespace {
@@ -42,18 +39,6 @@ struct StandRun {
   nlohmann::json offline;  // `sinew performance` of the recording: its one session
 };
 
-template <class Message>
-std::vector<Message> Decoded(const std::map<std::string, std::vector<std::string>>& recording,
-                             const std::string& topic) {
-  std::vector<Message> messages;
-  for (const std::string& payload : recording.at(topic)) {
-    node::Bytes bytes(payload.size());
-    std::memcpy(bytes.data(), payload.data(), payload.size());
-    EXPECT_TRUE(node::Decode(bytes, &messages.emplace_back())) << topic;
-  }
-  return messages;
-}
-
 StandRun Squat(int domain, const std::string& control, const std::vector<std::string>& more = {}) {
   const TemporaryFolder folder;
   const std::string file = (folder.path() / "run.mcap").string();
@@ -73,10 +58,10 @@ StandRun Squat(int domain, const std::string& control, const std::vector<std::st
   const Finished offline = Run(
       {kSinew, "performance", file, "--config", kBipedFolder + "performance_stand.yaml", "--json"});
   EXPECT_EQ(offline.exit_code, 0) << offline.error;
-  return {Decoded<msg::JointState>(recording, "joint_state"),
-          Decoded<msg::Reference>(recording, "reference"),
-          Decoded<msg::JointCommand>(recording, "joint_command"),
-          Decoded<msg::PerformanceState>(recording, "performance"),
+  return {MessagesOf<msg::JointState>(recording, "joint_state"),
+          MessagesOf<msg::Reference>(recording, "reference"),
+          MessagesOf<msg::JointCommand>(recording, "joint_command"),
+          MessagesOf<msg::PerformanceState>(recording, "performance"),
           nlohmann::json::parse(offline.output).at(0)};
 }
 

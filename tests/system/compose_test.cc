@@ -7,19 +7,17 @@
 #include <sinew_idl/status.h>
 
 #include <cmath>
-#include <cstring>
 #include <map>
 #include <set>
 #include <string>
 #include <vector>
 
-#include "components/node/codec.h"
 #include "components/node/node.h"
 #include "tests/support/program.h"
 #include "tests/support/realtime.h"
 #include "tests/support/sinew_program.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/system/recording_payloads.h"
+#include "tests/system/recorded_messages.h"
 
 namespace sinew::testing {
 namespace {
@@ -27,19 +25,6 @@ namespace {
 using namespace std::chrono_literals;
 
 const std::string kComposedRig = SINEW_SOURCE_DIR "/robots/rig/";
-
-template <class Message>
-std::vector<Message> MessagesOf(const std::map<std::string, std::vector<std::string>>& recording,
-                                const std::string& topic) {
-  std::vector<Message> messages;
-  for (const std::string& payload : recording.at(topic)) {
-    node::Bytes bytes(payload.size());
-    std::memcpy(bytes.data(), payload.data(), payload.size());
-    messages.emplace_back();
-    EXPECT_TRUE(node::Decode(bytes, &messages.back())) << topic;
-  }
-  return messages;
-}
 
 // As a deployment says it.
 std::string RealtimeSetting() {

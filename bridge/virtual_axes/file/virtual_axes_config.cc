@@ -87,7 +87,11 @@ BodyNodeConfig ReadBodyNode(const config::Section& section,
   node.bus = can::ReadBusOf(section, buses);
   node.node = static_cast<int>(section.Integer("node", {0, can::kMaxNode}));
   node.part = can::ReadBodyPart(section);
-  if (node.part == can::BodyPart::kImu) node.mounting_rpy_rad = can::ReadMounting(section);
+  if (node.part == can::BodyPart::kImu) {
+    node.mounting_rpy_rad = can::ReadMounting(section);
+    node.force_noise_m_s2 = section.NumberOr("force_noise_m_s2", 0.0, config::kNotNegative);
+    node.rate_noise_rad_s = section.NumberOr("rate_noise_rad_s", 0.0, config::kNotNegative);
+  }
   node.sample_ms = ReadPeriod(section, "sample_ms", node.sample_ms);
   node.heartbeat_ms = ReadPeriod(section, "heartbeat_ms", node.heartbeat_ms);
   if (section.Has("fault")) {
@@ -129,6 +133,9 @@ VirtualAxesFile ReadVirtualAxes(const config::Section& section) {
     file.axes.body_nodes.push_back(ReadBodyNode(node, file.buses));
   }
   file.axes.step_s = 1e-3 * section.NumberOr("step_ms", 1.0, {0.01, 100.0});
+  if (section.Has("hold_start_s")) {
+    file.axes.hold_start_s = section.Number("hold_start_s", config::kNotNegative);
+  }
   for (const AxisConfig& axis : file.axes.axes) file.joints = std::max(file.joints, axis.joint + 1);
   for (const SensorNodeConfig& node : file.axes.nodes) {
     file.joints = std::max(file.joints, node.joint + 1);

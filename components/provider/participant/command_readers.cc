@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "components/provider/participant/simulation_messages.h"
 #include "components/wire/wire.h"
 
 namespace sinew::provider {
@@ -34,15 +35,6 @@ PressureMessage FromMessage(const msg::SimPressure& message) {
           .joint_count = message.joint_count(),
           .pressure = {.imposed = message.imposed(),
                        .chamber_pressure_bar = message.chamber_pressure_bar()}};
-}
-
-BodyDisturbance FromMessage(const msg::SimBodyDisturbance& message) {
-  return {.payload_link = message.payload_link().to_string(),
-          .payload_kg = message.payload_kg(),
-          .payload_m = message.payload_m(),
-          .push_link = message.push_link().to_string(),
-          .push_force_N = message.push_force_N(),
-          .push_m = message.push_m()};
 }
 
 // Empty: not refused.

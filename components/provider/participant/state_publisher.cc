@@ -1,7 +1,6 @@
 #include "components/provider/participant/state_publisher.h"
 
-#include <algorithm>
-
+#include "components/provider/participant/simulation_messages.h"
 #include "components/types/clock/clock.h"
 #include "components/types/joint_kind.h"
 #include "components/wire/wire.h"
@@ -38,8 +37,10 @@ void StatePublisher::Publish(const types::MessageHeader& header, types::RobotSta
   FillActuatorState(head, sensors);
   Count(actuator_state_.Write(actuators_));
   if (foot_force_) PublishBody(head, *plant_.body_sensors());
-  if (simulated_ != nullptr) PublishTruth(head, simulated_->gear_truth());
-  if (sim_body_truth_) PublishBodyTruth(head, *simulated_->body_truth());
+  if (sim_truth_) {
+    Count(sim_truth_->Write(ToMessage(head, plant_.joint_count(), simulated_->gear_truth())));
+  }
+  if (sim_body_truth_) Count(sim_body_truth_->Write(ToMessage(head, *simulated_->body_truth())));
   joints_.robot_state(wire::ToWire(state));
   joints_.last_tick(last_tick);
   joints_.period_s(period_s);
@@ -72,35 +73,6 @@ void StatePublisher::FillActuatorState(const msg::Header& header, const PlantSen
   actuators_.valve_open(sensors.valve_open);
   actuators_.valid(sensors.valid);
   actuators_.measured_flags(plant_.measured_flags());
-}
-
-void StatePublisher::PublishTruth(const msg::Header& header, const GearTruth& truth) {
-  msg::SimTruth message;
-  message.header(header);
-  message.joint_count(joints_.joint_count());
-  for (std::size_t j = 0; j < truth.contact.size(); ++j) {
-    const int side = truth.contact[j];
-    message.contact()[j] = side > 0   ? msg::CONTACT_UPPER
-                           : side < 0 ? msg::CONTACT_LOWER
-                                      : msg::CONTACT_NONE;
-  }
-  message.play_angle_rad(truth.play_angle_rad);
-  message.backlash_rad(truth.backlash_rad);
-  Count(sim_truth_->Write(message));
-}
-
-void StatePublisher::PublishBodyTruth(const msg::Header& header, const BodyTruth& truth) {
-  msg::SimBodyTruth message;
-  message.header(header);
-  message.position_m(truth.position_m);
-  message.orientation_wxyz(truth.orientation_wxyz);
-  message.velocity_m_s(truth.velocity_m_s);
-  message.angular_velocity_rad_s(truth.angular_velocity_rad_s);
-  auto to = message.contact_force_N().begin();
-  for (const auto& force_N : truth.contact_force_N) {
-    to = std::copy(force_N.begin(), force_N.end(), to);
-  }
-  Count(sim_body_truth_->Write(message));
 }
 
 void StatePublisher::PublishBody(const msg::Header& header, const BodySensors& body) {

@@ -38,8 +38,6 @@ class StatePublisher {
  private:
   void FillJointState(const msg::Header& header, const PlantSensors& sensors);
   void FillActuatorState(const msg::Header& header, const PlantSensors& sensors);
-  void PublishTruth(const msg::Header& header, const GearTruth& truth);
-  void PublishBodyTruth(const msg::Header& header, const BodyTruth& truth);
   void PublishBody(const msg::Header& header, const BodySensors& body);
   void PublishBus(const msg::Header& header, const BusReport& report);
   void Count(node::WriteStatus status) {

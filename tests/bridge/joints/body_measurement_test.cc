@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 namespace sinew::bridge {
 namespace {
@@ -100,6 +102,18 @@ TEST_F(FootMeasurement, GapsOfTheSequenceAreMissedSamplesAlsoWhereItBeginsAnew) 
   EXPECT_EQ(measured.counts().samples_missed, 2U + 50U + 0U + 1U);
   Send(200, 1.0, 0);  // 58 back: the node has started again
   EXPECT_EQ(measured.counts().samples_missed, 53U);
+}
+
+TEST_F(FootMeasurement, AForceAtAnEndOfItsFieldMayBeAnythingBeyond) {
+  std::uint8_t sequence = 0;
+  for (const auto& [force_N, valid] :
+       {std::pair{818.8, true}, {819.0, false}, {5000.0, false}, {-819.0, true}, {-819.2, false}}) {
+    Send(++sequence, force_N, 0);
+    const provider::BodySensors read = At(0);
+    EXPECT_EQ(read.foot_valid[4], valid) << force_N;
+    EXPECT_TRUE(read.foot_valid[5]) << "its neighbour";
+  }
+  EXPECT_NEAR(body.foot_force_N[4], -819.2, 1e-9) << "held";
 }
 
 TEST_F(FootMeasurement, AnotherVersionOfTheFramesIsNotValid) {
@@ -202,6 +216,23 @@ TEST_F(ImuMeasurement, AnySensorThatIsNotValidMakesTheSampleNotValid) {
   }
   Send(3, 0.0, 0);
   EXPECT_TRUE(At(0).imu_valid);
+}
+
+TEST_F(ImuMeasurement, AValueAtAnEndOfItsFieldMakesTheSampleNotValid) {
+  std::uint8_t sequence = 0;
+  for (const auto& [force_m_s2, rate_rad_s, valid] : {std::tuple{163.83, 32.766, true},
+                                                      {163.835, 1.0, false},
+                                                      {-163.83, -32.767, true},
+                                                      {-163.84, 1.0, false},
+                                                      {9.81, 32.767, false},
+                                                      {9.81, -40.0, false},
+                                                      {9.81, 0.0, true}}) {
+    ++sequence;
+    Take(can::Encode(42, can::ImuForce{{0.0, force_m_s2, 0.0}, sequence, true, true, true}), 0);
+    Take(can::Encode(42, can::ImuRate{{0.0, 0.0, rate_rad_s}, sequence, {}}), 0);
+    Send(sequence, 0.0, 0, 4);
+    EXPECT_EQ(At(0).imu_valid, valid) << force_m_s2 << ' ' << rate_rad_s;
+  }
 }
 
 TEST_F(ImuMeasurement, AnOrientationThatIsNoRotationIsMalformed) {

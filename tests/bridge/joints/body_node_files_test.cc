@@ -117,7 +117,8 @@ TEST(BodyNodeFiles, AGatewayAndANodeForTheSameSensorAreRefused) {
 TEST(BodyNodeFiles, VirtualNodesHavePeriodsAndFaults) {
   const auto file = ReadAxesFile(
       "body_nodes:\n  - {bus: left, node: 42, sensor: imu, mounting_rpy_rad: [0, 0, 1], "
-      "sample_ms: 4, heartbeat_ms: 200, fault: {kind: frozen, after_s: 5}}\n"
+      "sample_ms: 4, heartbeat_ms: 200, force_noise_m_s2: 0.05, rate_noise_rad_s: 0.0017, "
+      "fault: {kind: frozen, after_s: 5}}\n"
       "  - {bus: right, node: 40, sensor: right_foot, fault: {kind: lost}}\n");
   ASSERT_EQ(file.axes.body_nodes.size(), 2U);
   const virtual_axes::BodyNodeConfig& imu = file.axes.body_nodes[0];
@@ -129,6 +130,9 @@ TEST(BodyNodeFiles, VirtualNodesHavePeriodsAndFaults) {
   EXPECT_EQ(imu.heartbeat_ms, 200);
   EXPECT_EQ(imu.fault.kind, virtual_axes::BodyFaultKind::kFrozen);
   EXPECT_EQ(imu.fault.after_s, 5.0);
+  EXPECT_EQ(imu.force_noise_m_s2, 0.05);
+  EXPECT_EQ(imu.rate_noise_rad_s, 0.0017);
+  EXPECT_EQ(file.axes.body_nodes[1].force_noise_m_s2, 0.0);
   EXPECT_EQ(file.axes.body_nodes[1].fault.kind, virtual_axes::BodyFaultKind::kLost);
   EXPECT_EQ(file.axes.body_nodes[1].sample_ms, 2);
 }
@@ -142,6 +146,16 @@ TEST(BodyNodeFiles, MistakesOfVirtualNodesAreReportedInOneLine) {
               HasSubstr("size"));
   EXPECT_THAT(error(Node("bus: left, node: 40, sensor: imu, sample_ms: -1")),
               HasSubstr("sample_ms"));
+  EXPECT_THAT(error(Node("bus: left, node: 40, sensor: imu, force_noise_m_s2: -1")),
+              HasSubstr("force_noise_m_s2"));
+  EXPECT_THAT(error(Node("bus: left, node: 40, sensor: left_foot, rate_noise_rad_s: 0.1")),
+              HasSubstr("rate_noise_rad_s"));
+}
+
+TEST(BodyNodeFiles, AVirtualRobotMayBeHeldAtItsStart) {
+  EXPECT_EQ(ReadAxesFile("").axes.hold_start_s, std::nullopt);
+  EXPECT_EQ(ReadAxesFile("hold_start_s: 0.5\n").axes.hold_start_s, 0.5);
+  EXPECT_THAT(ErrorOf(ReadAxesFile, "hold_start_s: -1\n"), HasSubstr("hold_start_s"));
 }
 
 // What bridge and virtual nodes are given side by side is the same text.

@@ -58,6 +58,47 @@ TEST_F(BodyNode, AFootSendsItsFourSensorsAtItsPeriodAndAHeartbeatAtTenHertz) {
   EXPECT_EQ(heartbeats, 10);
 }
 
+// Against the law of the mean and of the variance, within four of their own deviations.
+TEST_F(BodyNode, AnImuHasTheNoiseOfItsConfigurationAndNodesOfOneSeedHaveTheirOwn) {
+  BodyNodeConfig config = Config(can::BodyPart::kImu);
+  config.force_noise_m_s2 = 0.05;
+  config.rate_noise_rad_s = 0.01;
+  BodyNodeModel node(config, 3), again(config, 3), other(config, 4);
+  BodyNodeConfig of_other_number = config;
+  of_other_number.node = 41;
+  BodyNodeModel neighbour(of_other_number, 3);
+  for (BodyNodeModel* n : {&node, &again, &other, &neighbour}) n->Start(0, 0);
+  constexpr int kSamples = 2000;
+  double sum = 0.0, squares = 0.0, rate_squares = 0.0;
+  int same_other = 0, same_neighbour = 0;
+  for (int i = 0; i < kSamples; ++i) {
+    const auto force = [&](BodyNodeModel& n, double* rate_rad_s = nullptr) {
+      double x_m_s2 = NAN;
+      for (const can::Frame& frame : DueOf(n, 2 * i)) {
+        if (const auto f = can::DecodeImuForce(frame)) x_m_s2 = f->specific_force_m_s2[0];
+        const auto rate = can::DecodeImuRate(frame);
+        if (rate && rate_rad_s != nullptr) *rate_rad_s = rate->angular_velocity_rad_s[2];
+      }
+      return x_m_s2;
+    };
+    double rate_rad_s = 0.0;
+    const double x_m_s2 = force(node, &rate_rad_s);
+    ASSERT_EQ(force(again), x_m_s2) << i;
+    same_other += force(other) == x_m_s2 ? 1 : 0;
+    same_neighbour += force(neighbour) == x_m_s2 ? 1 : 0;
+    sum += x_m_s2 - 1.0;
+    squares += (x_m_s2 - 1.0) * (x_m_s2 - 1.0);
+    rate_squares += (rate_rad_s - 0.3) * (rate_rad_s - 0.3);
+  }
+  const double of_variance = 4.0 * std::sqrt(2.0 / kSamples);
+  EXPECT_NEAR(sum / kSamples, 0.0, 4.0 * 0.05 / std::sqrt(kSamples));
+  EXPECT_NEAR(squares / kSamples / (0.05 * 0.05), 1.0, of_variance);
+  EXPECT_NEAR(rate_squares / kSamples / (0.01 * 0.01), 1.0, of_variance);
+  // Steps of 0.005: two that are independent agree with 0.005 / (2 sqrt(pi) 0.05) = 0.028.
+  EXPECT_LT(same_other, kSamples / 20);
+  EXPECT_LT(same_neighbour, kSamples / 20);
+}
+
 // Turned by 90 degrees about z, in a level torso.
 TEST_F(BodyNode, AnImuMeasuresInItsHousing) {
   BodyNodeConfig config = Config(can::BodyPart::kImu);

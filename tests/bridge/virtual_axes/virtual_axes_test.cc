@@ -393,6 +393,33 @@ TEST_F(Master, LongPauseIsNotCaughtUpInABurst) {
   EXPECT_LE(axes_->steps() - before, 60U);
 }
 
+TEST_F(Master, APlantThatIsHeldMovesOnceAllAxesHaveBeenDrivenForItsTime) {
+  VirtualAxesConfig config;
+  config.axes = {Axis(3), Axis(4)};  // two motors of one joint, which moves by either
+  config.hold_start_s = 0.2;
+  Build(config);
+  rotors_.angle_rad[0] = 0.0;
+  rotors_.velocity_rad_s[0] = 1.0;
+  CloseLoop(3);
+  Pass(milliseconds(1000));
+  EXPECT_TRUE(axes_->held()) << "one of two";
+  EXPECT_EQ(rotors_.angle_rad[0], 0.0);
+  CloseLoop(4);
+  Pass(milliseconds(150));
+  Send(3, can::SetAxisState{AxisState::kIdle});
+  Pass(milliseconds(10));
+  CloseLoop(3);
+  Pass(milliseconds(150));
+  EXPECT_TRUE(axes_->held()) << "its time begins anew";
+  EXPECT_EQ(rotors_.angle_rad[0], 0.0);
+  Pass(milliseconds(60));
+  EXPECT_FALSE(axes_->held());
+  EXPECT_GT(rotors_.angle_rad[0], 0.0);
+  Send(3, can::SetAxisState{AxisState::kIdle});
+  Pass(milliseconds(10));
+  EXPECT_FALSE(axes_->held()) << "a robot that falls falls";
+}
+
 TEST(VirtualAxesConfig, BadValuesAreRefused) {
   test::Rotors rotors(1);
   can::MemoryBus bus({});
@@ -423,6 +450,16 @@ TEST(VirtualAxesConfig, BadValuesAreRefused) {
   EXPECT_THROW(build(config), std::invalid_argument) << "one node number twice";
   config.axes.pop_back();
   config.step_s = 0.0;
+  EXPECT_THROW(build(config), std::invalid_argument);
+  config.step_s = 0.001;
+  config.hold_start_s = std::nan("");
+  EXPECT_THROW(build(config), std::invalid_argument);
+  config.hold_start_s = 0.0;
+  config.body_nodes = {{.node = 40, .part = can::BodyPart::kLeftFoot}};
+  EXPECT_NO_THROW(build(config));
+  config.body_nodes[0].force_noise_m_s2 = 0.1;
+  EXPECT_THROW(build(config), std::invalid_argument) << "of a foot";
+  config.body_nodes = {{.node = 40, .part = can::BodyPart::kImu, .rate_noise_rad_s = -0.1}};
   EXPECT_THROW(build(config), std::invalid_argument);
 }
 
