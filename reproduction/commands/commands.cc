@@ -7,6 +7,7 @@
 #include "reproduction/commands/experiment.h"
 #include "reproduction/commands/paper.h"
 #include "reproduction/commands/search.h"
+#include "reproduction/commands/squat_test.h"
 #include "reproduction/commands/tables.h"
 #include "tools/sinew/experiment.h"
 
@@ -19,6 +20,7 @@ void AddCommands(CLI::App& app) {
   AddCompareCommand(app);
   AddSearchCommand(app);
   AddControlTestCommand(app);
+  AddSquatTestCommand(app);
   AddTablesCommand(app);
   AddPaperCommand(app);
 }

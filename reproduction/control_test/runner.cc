@@ -3,7 +3,6 @@
 #include <yaml-cpp/yaml.h>
 
 #include <cstdio>
-#include <fstream>
 #include <stdexcept>
 
 #include "components/config/config.h"
@@ -12,8 +11,7 @@
 #include "components/recording/file/run_reader.h"
 #include "components/reference/file/reference_file.h"
 #include "sim/surrogate/file/surrogate_file.h"
-#include "tools/launch/deployment.h"
-#include "tools/launch/launcher.h"
+#include "tools/launch/recorded_run.h"
 
 namespace sinew::control_test {
 namespace {
@@ -125,34 +123,21 @@ const char* DeploymentName(Arm arm) {
 }
 
 void Launch(const RunnerConfig& config, const Trial& trial, const TrialFiles& files) {
-  const fs::path part = fs::path(files.recording).replace_filename("part.mcap");
-  fs::remove(part);
-  launch::Overrides overrides;
-  overrides.settings = {"mode=lockstep",
-                        "seed=" + std::to_string(trial.seed),
-                        "duration_s=" + std::to_string(trial.duration_s()),
-                        "domain_id=" + std::to_string(config.domain_id),
-                        "surrogate.config=" + files.surrogate.string(),
-                        "pneumatics.config=" + files.pneumatics.string(),
-                        "reference.config=" + files.reference.string(),
-                        "control.config=" + files.control.string()};
-  overrides.record = part;
-  const launch::Deployment deployment =
-      launch::LoadDeployment(config.rig / "control_test" / DeploymentName(trial.arm), overrides,
-                             config.programs.empty() ? launch::ProgramFolder() : config.programs);
-  std::vector<std::string> names;
-  for (const launch::Process& process : deployment.processes) names.push_back(process.name);
-  std::ofstream log(files.log);
-  launch::Output output(log, log, false, names);
-  const launch::Result result = launch::Launcher(deployment, output).Run();
-  if (result.stopped_by_user) throw std::runtime_error("stopped as asked");
-  if (!result.ok()) {
-    const launch::Failure& failure = result.failures.front();
-    std::string text = trial.name() + ": " + failure.process + ": " + failure.cause;
-    for (const std::string& line : failure.last_lines) text += "\n    " + line;
-    throw std::runtime_error(text);
-  }
-  fs::rename(part, files.recording);
+  launch::RecordedRun run;
+  run.name = trial.name();
+  run.deployment = config.rig / "control_test" / DeploymentName(trial.arm);
+  run.overrides.settings = {"mode=lockstep",
+                            "seed=" + std::to_string(trial.seed),
+                            "duration_s=" + std::to_string(trial.duration_s()),
+                            "domain_id=" + std::to_string(config.domain_id),
+                            "surrogate.config=" + files.surrogate.string(),
+                            "pneumatics.config=" + files.pneumatics.string(),
+                            "reference.config=" + files.reference.string(),
+                            "control.config=" + files.control.string()};
+  run.recording = files.recording;
+  run.log = files.log;
+  run.programs = config.programs;
+  launch::RunRecorded(run);
 }
 
 }  // namespace
@@ -213,14 +198,7 @@ Outcome Runner::Run(const Trial& trial) {
       fs::exists(files.recording) && fs::exists(files.key) && config::ReadFile(files.key) == key;
   if (!there) {
     fs::remove(files.recording);
-    try {
-      Launch(config_, trial, files);
-    } catch (const std::runtime_error& error) {
-      // Nothing has moved yet: processes of a busy machine that did not find each other.
-      if (std::string(error.what()).find("for tick 0 within") == std::string::npos) throw;
-      std::fprintf(stderr, "%s\nstarted once more\n", error.what());
-      Launch(config_, trial, files);
-    }
+    Launch(config_, trial, files);
     config::WriteFileAtomically(files.key, key);
   }
   const surrogate::MotorParameters motor = surrogate::LoadRig(files.surrogate).motor;

@@ -1,0 +1,62 @@
+#include "reproduction/squat_test/arms.h"
+
+namespace sinew::squat_test {
+
+const std::vector<Arm>& Arms() {
+  static const std::vector<Arm> kArms = {
+      {.id = "position",
+       .title = "position control",
+       .deployment = "deploy.yaml",
+       .control = "control_position.yaml",
+       .simulated = {0.0070, 0.0070, 113.45, 179.23},
+       .prototype = {0.0808, 0.0, 134.12, 0.0},
+       .figure = "Fig 6.20"},
+      {.id = "pid-published",
+       .title = "PID, published gains",
+       .deployment = "deploy.yaml",
+       .control = "control_pid.yaml",
+       .simulated = {0.0180, 0.0461, 100.90, 233.86},
+       .prototype = {0.0606, 0.0, 117.19, 0.0},
+       .figure = ""},
+      {.id = "pid",
+       .title = "PID, tuned on this robot",
+       .deployment = "deploy.yaml",
+       .control = "control_pid_tuned.yaml",
+       .figure = "Figs 6.21, 7.5",
+       .six_squats = true},
+      {.id = "pid-esn",
+       .title = "PID + ESN feed-forward",
+       .deployment = "deploy_esn.yaml",
+       .control = "control_pid_esn.yaml",
+       .esn = "esn.yaml",
+       .esn_program = "sinew-esn",
+       .simulated = {0.0024, 0.0089, 42.44, 89.56},
+       .figure = "Fig 6.22"},
+      {.id = "computed-torque",
+       .title = "computed torque (PD + ESN)",
+       .deployment = "deploy_esn.yaml",
+       .control = "control_computed_torque_stiff.yaml",
+       .esn = "esn.yaml",
+       .esn_program = "sinew-esn",
+       .prototype = {0.0152, 0.0944, 76.54, 154.35},
+       .figure = "Figs 7.7, 7.8",
+       .six_squats = true},
+      {.id = "computed-torque-model",
+       .title = "computed torque (PD + model's inverse dynamics)",
+       .deployment = "deploy_esn.yaml",
+       .control = "control_computed_torque_stiff.yaml",
+       .esn = "esn_model.yaml",
+       .esn_program = "sinew-inverse-dynamics"},
+      {.id = "adapted",
+       .title = "computed torque, ESN + RLS",
+       .deployment = "deploy_rls.yaml",
+       .control = "control_computed_torque_stiff.yaml",
+       .esn = "esn_adaptive.yaml",
+       .esn_program = "sinew-esn",
+       .prototype = {0.0, 0.0276, 0.0, 123.79},
+       .six_squats = true},
+  };
+  return kArms;
+}
+
+}  // namespace sinew::squat_test
