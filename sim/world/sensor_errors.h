@@ -65,8 +65,8 @@ inline constexpr ImuErrors kMpu6050{.force = {.bandwidth_Hz = 100.0,
 class SensorRow {
  public:
   // Throws std::invalid_argument, with `what` and the value: a value that is negative or not
-  // finite, noise without a bandwidth, a scale error of 1 or more. stream: tells rows of one seed
-  // apart.
+  // finite, noise without a bandwidth, a scale error of 1 or more. stream: rows of one seed differ
+  // by it.
   SensorRow(std::string_view what, const SensorErrors& errors, std::size_t count,
             std::uint64_t seed, std::uint64_t stream);
 
