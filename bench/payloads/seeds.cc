@@ -190,6 +190,8 @@ void AddSimulation(Collection* seeds) {
     load.payload_m().fill(motion.position_rad);
     load.push_link("torso");
     load.push_force_N().fill(100.0 * motion.position_rad);
+    load.lost_drive(phase % 8 == 0 ? "left_knee" : "");
+    load.lost_friction(0.5);
     seeds->Add(node::kSimBodyDisturbance, load);
     msg::SimBodyTruth body;
     body.header().origin(msg::ORIGIN_SIM);

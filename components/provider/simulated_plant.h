@@ -29,8 +29,9 @@ struct ImposedPressure {
   types::JointArray<double> chamber_pressure_bar{};  // gauge
 };
 
-// What acts on the body of a robot on a floating base from outside: a payload fixed to a link, and
-// a push. A name that is no link counts as the base link's.
+// What happens to a robot on a floating base from outside: a payload fixed to a link, a push, a
+// drive that is lost, ground that becomes slippery. A name that is no link counts as the base
+// link's.
 struct BodyDisturbance {
   bool operator==(const BodyDisturbance&) const = default;
 
@@ -40,16 +41,20 @@ struct BodyDisturbance {
   std::string push_link;                 // as in the URDF
   std::array<double, 3> push_force_N{};  // world axes
   std::array<double, 3> push_m{};        // where, in the link's frame
+  std::string lost_drive;                // a joint of the model; empty: none
+  double lost_friction = 0.0;            // share of the ground's coefficient, 0 to 1
 };
 
-// A payload below 0 or a value that is not finite cannot act; a state provider passes on the rest.
+// A payload below 0, a share outside 0 to 1 or a value that is not finite cannot act; a state
+// provider passes on the rest.
 inline bool IsPossible(const BodyDisturbance& disturbance) noexcept {
   const auto finite = [](const std::array<double, 3>& values) {
     return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
   };
   return std::isfinite(disturbance.payload_kg) && disturbance.payload_kg >= 0.0 &&
          finite(disturbance.payload_m) && finite(disturbance.push_force_N) &&
-         finite(disturbance.push_m);
+         finite(disturbance.push_m) && disturbance.lost_friction >= 0.0 &&
+         disturbance.lost_friction <= 1.0;
 }
 
 // Base and contacts of a robot on a floating base when the sensors were read, without noise. World
@@ -83,6 +88,8 @@ class SimulatedPlant : public Plant {
   // Only a robot on a floating base has these. Acts as Disturb does, but may allocate when the
   // payload changes.
   virtual void DisturbBody(const BodyDisturbance& /*disturbance*/) {}
+  // The model has a joint of this name, whose drive can be lost.
+  virtual bool HasDrive(const std::string& /*joint*/) const { return false; }
   // Of the last Reset or Step; nothing for a fixed base.
   virtual const BodyTruth* body_truth() const { return nullptr; }
 };

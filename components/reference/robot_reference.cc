@@ -17,13 +17,16 @@ bool AllFinite(const RobotReferenceOutput& output) noexcept {
 }
 
 RobotReference::RobotReference(const RobotReferenceConfig& config)
-    : start_(config.start), start_delay_s_(config.start_delay_s) {
+    : start_(config.start), start_delay_s_(config.start_delay_s), hold_s_(config.hold_s) {
   if (config.joints.empty() || config.joints.size() > static_cast<std::size_t>(types::kMaxJoints)) {
     throw std::invalid_argument(std::to_string(config.joints.size()) + " joints, expected 1 to " +
                                 std::to_string(types::kMaxJoints));
   }
   if (!(config.start_delay_s >= 0.0) || !std::isfinite(config.start_delay_s)) {
     throw std::invalid_argument("start delay is negative or not finite");
+  }
+  if (!(config.hold_s >= 0.0) || !std::isfinite(config.hold_s)) {
+    throw std::invalid_argument("hold is negative or not finite");
   }
   for (const GeneratorConfig& joint : config.joints) joints_.emplace_back(joint);
 }
@@ -105,6 +108,13 @@ RobotReferenceOutput RobotReference::Step(const RobotReferenceInput& input) noex
     }
     if (!all_known) {  // where it stands is not known: it cannot start from there
       output.stale = true;
+      return output;
+    }
+    if (waited_s < start_delay_s_ + hold_s_) {
+      if (!holding_) held_ = output.joint;
+      holding_ = true;
+      output.joint = held_;
+      output.idle = false;
       return output;
     }
     for (int j = 0; j < count; ++j) {

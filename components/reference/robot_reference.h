@@ -3,10 +3,11 @@
 //
 // Time is ticks since the start times the period, so that the same ticks give the same reference.
 // It starts start_delay_s after the robot is armed, or at the operator's word while it is armed,
-// and stops when the robot is no longer armed. Before and after it is idle: it asks for nothing,
-// and the points hold the measured positions, 0 for one that is not finite. A start from so far
-// away that the way there is not finite ends at once, idle and stale, until it is armed or asked
-// anew. Thread: one. Step is noexcept and allocates nothing.
+// and stops when the robot is no longer armed. For the first hold_s it asks for the positions that
+// were measured when it started: a robot that has to carry itself stands before it moves. Before
+// and after it is idle: it asks for nothing, and the points hold the measured positions, 0 for one
+// that is not finite. A start from so far away that the way there is not finite ends at once, idle
+// and stale, until it is armed or asked anew. Thread: one. Step is noexcept and allocates nothing.
 #pragma once
 
 #include <array>
@@ -24,6 +25,7 @@ enum class StartRule { kArmed, kOperator };
 struct RobotReferenceConfig {
   StartRule start = StartRule::kArmed;
   double start_delay_s = 0.0;
+  double hold_s = 0.0;
   std::vector<GeneratorConfig> joints;
 };
 
@@ -66,11 +68,11 @@ class RobotReference {
 
   std::vector<Generator> joints_;
   StartRule start_;
-  double start_delay_s_;
+  double start_delay_s_, hold_s_;
   bool moving_ = false;  // may_move at the last step
   bool asked_ = false;   // the operator said start
   bool running_ = false;
-  bool holding_ = false;  // held_, of a reference that was taken over
+  bool holding_ = false;  // held_, of a reference that was taken over, or measured at the start
   types::JointArray<Point> held_{};
   std::uint64_t session_id_ = 0;
   std::uint64_t allowed_tick_ = 0;  // when it became allowed to start

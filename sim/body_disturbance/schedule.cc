@@ -52,33 +52,53 @@ void Put(const Push& push, provider::BodyDisturbance* disturbance) {
   disturbance->push_m = push.place_m;
 }
 
+void Put(const LostDrive& lost, provider::BodyDisturbance* disturbance) {
+  disturbance->lost_drive = lost.joint;
+}
+
+void Put(const LostFriction& lost, provider::BodyDisturbance* disturbance) {
+  disturbance->lost_friction = lost.share;
+}
+
 template <class Entry>
-void RequirePossible(const Entry& entry) {
-  provider::BodyDisturbance disturbance;
-  Put(entry, &disturbance);
-  if (provider::IsPossible(disturbance)) return;
-  throw std::invalid_argument("what acts on link '" + entry.link +
-                              "' has a value that is not finite, or a mass below 0");
+void RequirePossible(const std::vector<Entry>& entries, const std::string& what) {
+  CheckIntervals(entries, what);
+  for (const Entry& entry : entries) {
+    provider::BodyDisturbance disturbance;
+    Put(entry, &disturbance);
+    if (provider::IsPossible(disturbance)) continue;
+    throw std::invalid_argument(
+        "the " + what + " from " + std::to_string(entry.when.at_s) +
+        " s on has a value that is not finite, a mass below 0, or a share outside 0 to 1");
+  }
+}
+
+template <class Entry>
+void PutActing(const std::vector<Entry>& entries, std::uint64_t tick, double period_s,
+               provider::BodyDisturbance* disturbance) {
+  if (const Entry* entry = ActingIn(entries, tick, period_s)) Put(*entry, disturbance);
 }
 
 }  // namespace
 
-Schedule::Schedule(std::vector<Payload> payloads, std::vector<Push> pushes)
-    : payloads_(std::move(payloads)), pushes_(std::move(pushes)) {
-  CheckIntervals(payloads_, "payload");
-  CheckIntervals(pushes_, "push");
-  for (const Payload& payload : payloads_) RequirePossible(payload);
-  for (const Push& push : pushes_) RequirePossible(push);
+Schedule::Schedule(std::vector<Payload> payloads, std::vector<Push> pushes,
+                   std::vector<LostDrive> lost_drives, std::vector<LostFriction> lost_frictions)
+    : payloads_(std::move(payloads)),
+      pushes_(std::move(pushes)),
+      lost_drives_(std::move(lost_drives)),
+      lost_frictions_(std::move(lost_frictions)) {
+  RequirePossible(payloads_, "payload");
+  RequirePossible(pushes_, "push");
+  RequirePossible(lost_drives_, "lost drive");
+  RequirePossible(lost_frictions_, "lost friction");
 }
 
 provider::BodyDisturbance Schedule::At(std::uint64_t ticks_since_start, double period_s) const {
   provider::BodyDisturbance disturbance;
-  if (const Payload* payload = ActingIn(payloads_, ticks_since_start, period_s)) {
-    Put(*payload, &disturbance);
-  }
-  if (const Push* push = ActingIn(pushes_, ticks_since_start, period_s)) {
-    Put(*push, &disturbance);
-  }
+  PutActing(payloads_, ticks_since_start, period_s, &disturbance);
+  PutActing(pushes_, ticks_since_start, period_s, &disturbance);
+  PutActing(lost_drives_, ticks_since_start, period_s, &disturbance);
+  PutActing(lost_frictions_, ticks_since_start, period_s, &disturbance);
   return disturbance;
 }
 

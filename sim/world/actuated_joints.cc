@@ -136,6 +136,7 @@ ActuatedJoints::ActuatedJoints(const arm::Chain& chain, const actuator::RobotMod
 void ActuatedJoints::Reset(std::span<const double> body_inertia_kg_m2) {
   disturbance_ = {};
   imposed_ = {};
+  lost_drive_ = -1;
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     Joint& joint = joints_[j];
     joint.plant.Reset(joint.config.position_rad, body_inertia_kg_m2[j]);
@@ -169,6 +170,13 @@ void ActuatedJoints::SetSurroundings(int index, const effects::JointSample& x) {
   joint.plant.SetSurroundings(x);
 }
 
+int ActuatedJoints::Find(const std::string& name) const noexcept {
+  const auto found = std::find_if(joints_.begin(), joints_.end(), [&name](const Joint& joint) {
+    return joint.plant.model().name == name;
+  });
+  return found == joints_.end() ? -1 : static_cast<int>(found - joints_.begin());
+}
+
 void ActuatedJoints::Command(const provider::PlantCommand& command) noexcept {
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     Joint& joint = joints_[j];
@@ -177,6 +185,7 @@ void ActuatedJoints::Command(const provider::PlantCommand& command) noexcept {
     drive.motor_torque_Nm = command.motor_torque_Nm[j];
     drive.position_rad = command.position_rad[j];
     drive.velocity_rad_s = command.velocity_rad_s[j];
+    if (static_cast<int>(j) == lost_drive_) drive = {};
     joint.plant.SetCommand(drive);
     const double force_N = disturbance_.hand_force_N[j];
     const double payload_kg = disturbance_.extra_payload_kg[j];

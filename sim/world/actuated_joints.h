@@ -62,6 +62,8 @@ class ActuatedJoints {
   int count() const { return static_cast<int>(joints_.size()); }
   bool prismatic(int joint) const { return at(joint).prismatic; }
   int chain_joint(int joint) const { return at(joint).chain_joint; }
+  // Of a joint of the model; -1: there is none of this name.
+  int Find(const std::string& name) const noexcept;
   double start_position_rad(int joint) const { return at(joint).config.position_rad; }
   std::uint32_t measured_flags() const { return measured_flags_; }
   const plant::JointPlant& plant(int joint) const { return at(joint).plant; }
@@ -81,6 +83,8 @@ class ActuatedJoints {
   // pneumatics; the lowest is a vacuum.
   void Disturb(const provider::Disturbance& disturbance) { disturbance_ = disturbance; }
   void ImposePressure(const provider::ImposedPressure& pressure) { imposed_ = pressure; }
+  // This joint's drive has no torque from the next Command on; -1: none is lost.
+  void LoseDrive(int joint) noexcept { lost_drive_ = joint; }
   // For the steps of one cycle.
   void Command(const provider::PlantCommand& command) noexcept;
 
@@ -117,6 +121,7 @@ class ActuatedJoints {
   std::uint32_t measured_flags_ = 0;
   provider::Disturbance disturbance_;
   provider::ImposedPressure imposed_;
+  int lost_drive_ = -1;
 };
 
 }  // namespace sinew::world

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <stdexcept>
 
 #include "components/types/joints.h"
 #include "sim/plant/friction.h"
+#include "sim/world/rest_pose.h"
 
 namespace sinew::world {
 
@@ -19,6 +21,9 @@ void CheckRobot(const FloatingRobotConfig& config) {
   }
   if (config.base_height_m && !std::isfinite(*config.base_height_m)) {
     throw std::invalid_argument("base_height_m = " + std::to_string(*config.base_height_m));
+  }
+  if (config.base_height_m && config.start == StartPose::kAtRest) {
+    throw std::invalid_argument("a start at rest has its own height, expected no base_height_m");
   }
   for (const actuator::JointModel& joint : config.model.joints) {
     for (const char* term : {"gravity", "link_inertia", "inertia"}) {
@@ -34,6 +39,10 @@ void CheckRobot(const FloatingRobotConfig& config) {
                                 " kg, expected 0: on a floating base it belongs in the URDF");
   }
 }
+
+// Streams of the seed.
+constexpr std::uint64_t kForceStream = 0, kRateStream = 1, kFeetStream = 2;
+constexpr std::size_t kAxes = 3;
 
 template <typename Array>
 void CopyTo(const Eigen::Vector3d& from, Array* to) {
@@ -52,9 +61,16 @@ FloatingRobot::FloatingRobot(const FloatingRobotConfig& config)
     : merged_(arm::MergeFixedLinks(config.chain)),
       chain_(merged_.chain),
       joints_(merged_.chain, config.model, config.joints),
+      ground_config_(config.ground),
       ground_(config.ground),
       substep_s_(config.substep_s),
-      factor_(chain_.parents()) {
+      factor_(chain_.parents()),
+      force_axes_("the IMU's specific force", config.imu_errors.force, kAxes, config.seed,
+                  kForceStream),
+      rate_axes_("the IMU's angular velocity", config.imu_errors.rate, kAxes, config.seed,
+                 kRateStream),
+      feet_("the feet's force sensors", config.foot_errors,
+            std::min(config.contacts.size(), foot_force_N_.size()), config.seed, kFeetStream) {
   CheckRobot(config);
   const int n = chain_.joint_count();
   for (const ContactFrame& frame : config.contacts) {
@@ -99,6 +115,7 @@ FloatingRobot::FloatingRobot(const FloatingRobotConfig& config)
     start_.joint_position_rad[joints_.chain_joint(j)] = joints_.start_position_rad(j);
   }
   start_.position_m.z() = StartHeight(start_, config.base_height_m);
+  if (config.start == StartPose::kAtRest) start_ = AtRest(start_);
   before_ = state_ = start_;
   chain_.Solve(torque_, {}, chain_acceleration_);  // the first call allocates
   provider::PlantSensors sensors;
@@ -139,9 +156,28 @@ double FloatingRobot::StartHeight(const FloatingState& upright, std::optional<do
   return height_m;
 }
 
+FloatingState FloatingRobot::AtRest(const FloatingState& upright) {
+  std::vector<RestContact> contacts;
+  for (const Contact& contact : contacts_) contacts.push_back({contact.body, contact.point_m});
+  std::vector<RestSpring> springs;
+  for (const PassiveJoint& passive : passive_) {
+    springs.push_back({passive.joint, passive.law.stiffness_Nm_rad});
+  }
+  const RestGround ground{ground_.height_m(), ground_.stiffness_N_m()};
+  FloatingState rest = RestPose(merged_.chain, contacts, springs, ground, upright, chain_);
+  for (const PassiveJoint& passive : passive_) {
+    const double position = rest.joint_position_rad[passive.joint];
+    if (position > passive.lower && position < passive.upper) continue;
+    throw std::invalid_argument("no pose at rest: a passive joint would be at " +
+                                std::to_string(position) + ", beyond its stop");
+  }
+  return rest;
+}
+
 void FloatingRobot::Reset(provider::PlantSensors* sensors) {
   SetPayload({});
   forces_.back() = {};
+  ground_ = GroundLaw(ground_config_);
   state_ = start_;
   acceleration_.setZero();
   impulse_.setZero();
@@ -157,9 +193,14 @@ void FloatingRobot::Reset(provider::PlantSensors* sensors) {
   joints_.Reset(body_inertia_kg_m2);
   for (Contact& contact : contacts_) contact.memory = {};
   TouchGround(0.0);
-  specific_force_m_s2_ = -chain_.gravity_m_s2();
+  specific_force_m_s2_ = state_.orientation.conjugate() * -chain_.gravity_m_s2();
   if (base_from_imu_)
     specific_force_m_s2_ = base_from_imu_->linear().transpose() * specific_force_m_s2_;
+  const Eigen::Vector3d rate_rad_s = AngularVelocityOfImu();
+  force_axes_.Reset({specific_force_m_s2_.data(), kAxes});
+  rate_axes_.Reset({rate_rad_s.data(), kAxes});
+  GatherFeet();
+  feet_.Reset(foot_force_N_);
   ReadSensors(sensors);
 }
 
@@ -203,6 +244,11 @@ void FloatingRobot::DisturbBody(const provider::BodyDisturbance& disturbance) {
     const arm::LinkFrame& on = link(disturbance.push_link);
     push = {.body = on.body, .point_m = on.body_from_link * push_m, .force_N = force_N};
   }
+  joints_.LoseDrive(joints_.Find(disturbance.lost_drive));
+  const double lost = disturbance.lost_friction;
+  GroundConfig ground = ground_config_;
+  if (lost > 0.0 && lost <= 1.0) ground.friction *= 1.0 - lost;
+  ground_ = GroundLaw(ground);
 }
 
 void FloatingRobot::Step(const provider::PlantCommand& command, double period_s,
@@ -235,6 +281,7 @@ bool FloatingRobot::Substep(double dt_s) noexcept {
     const int c = joints_.chain_joint(j);
     joints_.End(j, state_.joint_position_rad[c], state_.velocity[kBaseFreedom + c], dt_s);
   }
+  FollowSensors(dt_s);
   return true;
 }
 
@@ -333,6 +380,25 @@ void FloatingRobot::ReadImu() noexcept {
                          (state_.orientation.conjugate() * (linear - chain_.gravity_m_s2()));
 }
 
+Eigen::Vector3d FloatingRobot::AngularVelocityOfImu() const noexcept {
+  if (!base_from_imu_) return Eigen::Vector3d::Zero();
+  return base_from_imu_->linear().transpose() *
+         (state_.orientation.conjugate() * Eigen::Vector3d(state_.velocity.head<3>()));
+}
+
+void FloatingRobot::GatherFeet() noexcept {
+  const std::size_t feet = std::min(contacts_.size(), foot_force_N_.size());
+  for (std::size_t i = 0; i < feet; ++i) foot_force_N_[i] = contact_forces_[i].normal_N;
+}
+
+void FloatingRobot::FollowSensors(double dt_s) noexcept {
+  const Eigen::Vector3d rate_rad_s = AngularVelocityOfImu();
+  force_axes_.Follow({specific_force_m_s2_.data(), kAxes}, dt_s);
+  rate_axes_.Follow({rate_rad_s.data(), kAxes}, dt_s);
+  GatherFeet();
+  feet_.Follow(foot_force_N_, dt_s);
+}
+
 void FloatingRobot::ReadSensors(provider::PlantSensors* sensors) {
   *sensors = provider::PlantSensors{};
   for (int j = 0; j < joints_.count(); ++j) {
@@ -346,8 +412,8 @@ void FloatingRobot::ReadSensors(provider::PlantSensors* sensors) {
     sensors->message = "the simulation diverged";
   }
   const std::size_t feet = std::min(contacts_.size(), body_sensors_.foot_force_N.size());
+  feet_.Read(std::span(body_sensors_.foot_force_N).first(feet));
   for (std::size_t i = 0; i < feet; ++i) {
-    body_sensors_.foot_force_N[i] = contact_forces_[i].normal_N;
     body_sensors_.foot_valid[i] = !diverged_;
     body_truth_.contact_force_N[i] = {contact_forces_[i].tangential_N.x(),
                                       contact_forces_[i].tangential_N.y(),
@@ -360,9 +426,8 @@ void FloatingRobot::ReadSensors(provider::PlantSensors* sensors) {
   if (!base_from_imu_) return;
   const Eigen::Quaterniond world_from_imu =
       state_.orientation * Eigen::Quaterniond(base_from_imu_->linear());
-  CopyTo(specific_force_m_s2_, &body_sensors_.acceleration_m_s2);
-  CopyTo(world_from_imu.conjugate() * Eigen::Vector3d(state_.velocity.head<3>()),
-         &body_sensors_.angular_velocity_rad_s);
+  force_axes_.Read(body_sensors_.acceleration_m_s2);
+  rate_axes_.Read(body_sensors_.angular_velocity_rad_s);
   CopyQuaternion(world_from_imu.normalized(), &body_sensors_.orientation_wxyz);
   body_sensors_.imu_valid = !diverged_;
 }

@@ -20,12 +20,16 @@
 // the joints' block of M^-1. Springs are explicit: h must stay below 2 over the fastest sqrt(k/m)
 // (kRobotSubstep_s has its figures).
 //
-// What a force sensor reads is the mean of the last step, the one that the kick used.
+// What a force sensor feels is the mean of the last step, the one that the kick used. Readings of
+// force sensors and IMU have the errors of sensor_errors.h; the IMU's orientation and the truth
+// have none.
 //
 // SI units; world axes, z up, ground as GroundConfig. Joints: a linear one reads m for rad and N
 // for Nm. Thread: one. Two robots of one configuration give bit-identical results.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,6 +40,7 @@
 #include "sim/world/actuated_joints.h"
 #include "sim/world/contact.h"
 #include "sim/world/floating_chain.h"
+#include "sim/world/sensor_errors.h"
 #include "sim/world/tree_factor.h"
 
 namespace sinew::world {
@@ -51,6 +56,12 @@ struct ContactFrame {
 // 1e-4 s, as in World.
 inline constexpr double kRobotSubstep_s = 2.5e-4;
 
+// The pose of the base and of the passive joints at the start.
+enum class StartPose {
+  kUpright,  // passive joints at 0: those with load on them give way, and the robot rocks on them
+  kAtRest,   // as rest_pose.h finds it
+};
+
 struct FloatingRobotConfig {
   arm::Chain chain;                      // as read from the URDF
   actuator::RobotModel model;            // a joint for every moving joint that is not passive
@@ -64,6 +75,10 @@ struct FloatingRobotConfig {
   // contacts carry the weight at rest, joints at their start.
   std::optional<double> base_height_m;
   double substep_s = kRobotSubstep_s;
+  StartPose start = StartPose::kUpright;
+  ImuErrors imu_errors;
+  SensorErrors foot_errors;  // N
+  std::uint64_t seed = 1;    // of the sensors' errors
 };
 
 class FloatingRobot final : public provider::SimulatedPlant {
@@ -71,13 +86,15 @@ class FloatingRobot final : public provider::SimulatedPlant {
   // Throws std::invalid_argument naming joint or link: what ActuatedJoints, FloatingChain and
   // GroundLaw refuse; a model with inertia or gravity of its link, or a declared payload (both are
   // the URDF's); a link that is not there; an IMU on a moving link; no contact to stand on and no
-  // height; values that are not finite.
+  // height; a start at rest with a height, or where there is no rest; values that are not finite;
+  // what SensorRow refuses.
   explicit FloatingRobot(const FloatingRobotConfig& config);
 
   int joint_count() const override { return joints_.count(); }
   bool prismatic(int joint) const override { return joints_.prismatic(joint); }
   std::uint32_t measured_flags() const override { return joints_.measured_flags(); }
-  // Forces of the feet are those of the start; the IMU reads what it does at rest.
+  // Forces of the feet are those of the start; the IMU reads what it does at rest. The sensors'
+  // errors begin anew with the seed.
   void Reset(provider::PlantSensors* sensors) override;
   // Both: values that are not finite as in ActuatedJoints. Hand forces act through the model's
   // link length, in the joint alone; a payload on the body is DisturbBody's.
@@ -87,9 +104,11 @@ class FloatingRobot final : public provider::SimulatedPlant {
   }
   const provider::GearTruth& gear_truth() const override { return gear_truth_; }
   // A payload is a point mass that the link carries from now on. Payload or push with a value that
-  // is not finite, and payloads below 0, are none. Allocates when the payload changes: the chain is
-  // built again.
+  // is not finite, and payloads below 0, are none. A lost drive has no torque, whatever it is
+  // commanded; its rotor and friction stay. Lost friction outside 0 to 1 is none. Allocates when
+  // the payload changes: the chain is built again.
   void DisturbBody(const provider::BodyDisturbance& disturbance) override;
+  bool HasDrive(const std::string& joint) const override { return joints_.Find(joint) >= 0; }
   const provider::BodyTruth* body_truth() const override { return &body_truth_; }
   const provider::BodySensors* body_sensors() const override { return &body_sensors_; }
   // Allocates nothing. A state that would not be finite is not taken: the plant reports a fault and
@@ -127,6 +146,7 @@ class FloatingRobot final : public provider::SimulatedPlant {
 
   const arm::LinkFrame& Link(const std::string& name, const std::string& what) const;
   double StartHeight(const FloatingState& upright, std::optional<double> asked_m);
+  FloatingState AtRest(const FloatingState& upright);
   void SetPayload(const Payload& payload);
   bool Substep(double dt_s) noexcept;  // false: the state would not be finite and stays
   // Forces of the contacts at nu, and what they add to M.
@@ -137,11 +157,15 @@ class FloatingRobot final : public provider::SimulatedPlant {
   bool Kick(double dt_s) noexcept;
   void ReadContacts() noexcept;
   void ReadImu() noexcept;
+  void FollowSensors(double dt_s) noexcept;  // as they feel the end of a step
+  Eigen::Vector3d AngularVelocityOfImu() const noexcept;
+  void GatherFeet() noexcept;
   void ReadSensors(provider::PlantSensors* sensors);
 
   arm::MergedChain merged_;
   FloatingChain chain_;
   ActuatedJoints joints_;
+  GroundConfig ground_config_;
   GroundLaw ground_;
   double substep_s_;
   std::vector<Contact> contacts_;
@@ -164,6 +188,8 @@ class FloatingRobot final : public provider::SimulatedPlant {
   std::vector<PointInertia> damping_;  // h/2 C of the contacts
   std::vector<ContactForce> contact_forces_;
   Eigen::Vector3d specific_force_m_s2_ = Eigen::Vector3d::Zero();
+  std::array<double, 8> foot_force_N_{};  // without errors
+  SensorRow force_axes_, rate_axes_, feet_;
 
   provider::GearTruth gear_truth_;
   provider::BodySensors body_sensors_;

@@ -26,7 +26,9 @@ std::unique_ptr<provider::SimulatedPlant> MakePlant(const virtual_axes::VirtualA
                                                     const std::vector<std::string>& effects) {
   if (!file.world_path.empty()) {
     if (!effects.empty()) throw UsageError("--effect: only the surrogate has undeclared effects");
-    return world::MakeWorld(world::LoadWorldFile(file.world_path), file.world_path);
+    world::WorldFile world = world::LoadWorldFile(file.world_path);
+    world.seed = options.seed;
+    return world::MakeWorld(world, file.world_path);
   }
   surrogate::RigParameters rig = surrogate::LoadRig(file.surrogate_path);
   rig.seed = options.seed;

@@ -115,10 +115,12 @@ void CommandReaders::TakeDisturbances() {
     if (header.session_id == cycle_.session_id()) body_answers_ = header.tick + 1;
     if (!body_gate_.Admits(types::CommandKind::kRequest, header, cycle_.running())) continue;
     const BodyDisturbance disturbance = FromMessage(*message);
-    if (IsPossible(disturbance)) {
-      simulated_->DisturbBody(disturbance);
+    if (!IsPossible(disturbance)) {
+      body_gate_.Refuse("a value that is not finite, a mass below 0, or a share outside 0 to 1");
+    } else if (!disturbance.lost_drive.empty() && !simulated_->HasDrive(disturbance.lost_drive)) {
+      body_gate_.Refuse("lost_drive is no joint of this robot: " + disturbance.lost_drive);
     } else {
-      body_gate_.Refuse("a value that is not finite, or a mass below 0");
+      simulated_->DisturbBody(disturbance);
     }
   }
 }

@@ -39,7 +39,9 @@ BodyDisturbance FromMessage(const msg::SimBodyDisturbance& message) {
           .payload_m = message.payload_m(),
           .push_link = message.push_link().to_string(),
           .push_force_N = message.push_force_N(),
-          .push_m = message.push_m()};
+          .push_m = message.push_m(),
+          .lost_drive = message.lost_drive().to_string(),
+          .lost_friction = message.lost_friction()};
 }
 
 }  // namespace sinew::provider

@@ -229,6 +229,7 @@ LoadedReference ReadReference(const config::Section& section) {
                             ? StartRule::kOperator
                             : StartRule::kArmed;
   loaded.config.start_delay_s = section.NumberOr("start_delay_s", 0.0, kNotNegative);
+  loaded.config.hold_s = section.NumberOr("hold_s", 0.0, kNotNegative);
   if (section.Has("squat")) {
     if (section.Has("joints"))
       section.Fail("joints", "and 'squat' are there, expected one of them");

@@ -24,13 +24,18 @@ msg::SimBodyDisturbance ToMessage(const provider::BodyDisturbance& disturbance) 
   message.push_link(disturbance.push_link);
   message.push_force_N(disturbance.push_force_N);
   message.push_m(disturbance.push_m);
+  message.lost_drive(disturbance.lost_drive);
+  message.lost_friction(disturbance.lost_friction);
   return message;
 }
 
 void Log(std::uint64_t tick, const provider::BodyDisturbance& now) {
   const auto& f = now.push_force_N;
-  spdlog::info("tick {}: payload {} kg on '{}', push {} {} {} N on '{}'", tick, now.payload_kg,
-               now.payload_link, f[0], f[1], f[2], now.push_link);
+  spdlog::info(
+      "tick {}: payload {} kg on '{}', push {} {} {} N on '{}', lost drive '{}', "
+      "lost friction {}",
+      tick, now.payload_kg, now.payload_link, f[0], f[1], f[2], now.push_link, now.lost_drive,
+      now.lost_friction);
 }
 
 void Run(const node::Options& options, node::StopFlag& stop) {
@@ -69,5 +74,7 @@ void Run(const node::Options& options, node::StopFlag& stop) {
 int main(int argc, char** argv) {
   return sinew::node::RunParticipant(
       argc, argv, "body-disturbance",
-      "Loads and pushes the body of a simulated robot on a floating base, as a file says.", Run);
+      "Loads and pushes the body of a simulated robot on a floating base, takes drives and "
+      "friction away, as a file says.",
+      Run);
 }

@@ -75,6 +75,30 @@ GroundConfig ReadGround(const Section& section) {
   return ground;
 }
 
+// Keys by unit: "_m_s2", "_rad_s", "_N". What is left out stays as in `errors`.
+SensorErrors ReadErrors(const Section& section, const std::string& unit, SensorErrors errors) {
+  const auto number = [&](const std::string& key, double* value) {
+    *value = section.NumberOr(key, *value, config::kNotNegative);
+  };
+  number("bandwidth_Hz", &errors.bandwidth_Hz);
+  number("noise_density" + unit + "_sqrtHz", &errors.noise_density);
+  number("bias" + unit, &errors.bias);
+  number("scale_error", &errors.scale_error);
+  number("step" + unit, &errors.step);
+  number("range" + unit, &errors.range);
+  section.RejectUnknownKeys();
+  return errors;
+}
+
+ImuErrors ReadImuErrors(const Section& section) {
+  ImuErrors errors;
+  if (section.ChoiceOr("part", "none", {"none", "mpu6050"}) == "mpu6050") errors = kMpu6050;
+  errors.force = ReadErrors(section.ChildOrEmpty("force"), "_m_s2", errors.force);
+  errors.rate = ReadErrors(section.ChildOrEmpty("rate"), "_rad_s", errors.rate);
+  section.RejectUnknownKeys();
+  return errors;
+}
+
 FloatingBase ReadFloatingBase(const Section& section) {
   FloatingBase base;
   for (const std::string& link : section.TextsOr("contacts", {})) {
@@ -88,6 +112,11 @@ FloatingBase ReadFloatingBase(const Section& section) {
   base.ground = ReadGround(section.ChildOrEmpty("ground"));
   base.imu_link = section.TextOr("imu", "");
   if (section.Has("base_height_m")) base.base_height_m = section.Number("base_height_m");
+  base.start = section.ChoiceOr("start", "upright", {"upright", "at_rest"}) == "at_rest"
+                   ? StartPose::kAtRest
+                   : StartPose::kUpright;
+  base.imu_errors = ReadImuErrors(section.ChildOrEmpty("imu_errors"));
+  base.foot_errors = ReadErrors(section.ChildOrEmpty("foot_errors"), "_N", {});
   section.RejectUnknownKeys();
   return base;
 }
@@ -154,7 +183,11 @@ FloatingRobotConfig RobotConfig(const WorldFile& file) {
           .ground = base.ground,
           .imu_link = base.imu_link,
           .base_height_m = base.base_height_m,
-          .substep_s = file.config.substep_s};
+          .substep_s = file.config.substep_s,
+          .start = base.start,
+          .imu_errors = base.imu_errors,
+          .foot_errors = base.foot_errors,
+          .seed = file.seed};
 }
 
 std::unique_ptr<provider::SimulatedPlant> MakeWorld(const WorldFile& file,

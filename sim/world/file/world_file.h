@@ -7,6 +7,7 @@
 // Throws UsageError (one line: file, line, key, expected), also for the URDF and the model.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -26,9 +27,13 @@ struct FloatingBase {
   GroundConfig ground;
   std::string imu_link;
   std::optional<double> base_height_m;
+  StartPose start = StartPose::kUpright;
+  ImuErrors imu_errors;
+  SensorErrors foot_errors;
 };
 
 struct WorldFile {
+  std::uint64_t seed = 1;  // of the sensors' errors: the session's, not the file's
   WorldConfig config;
   std::optional<FloatingBase> floating_base;           // absent: the base is fixed
   std::filesystem::path urdf;                          // that was read

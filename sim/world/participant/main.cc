@@ -14,7 +14,8 @@ int main(int argc, char** argv) {
   std::filesystem::path model_path, urdf_path, video;
   const auto body = [&](const node::Options& options, node::StopFlag& stop) {
     if (options.config_path.empty()) throw UsageError("--config is missing, expected a world file");
-    const world::WorldFile file = world::LoadWorldFile(options.config_path, model_path, urdf_path);
+    world::WorldFile file = world::LoadWorldFile(options.config_path, model_path, urdf_path);
+    file.seed = options.seed;
     const provider::GuardConfig guard = provider::LoadGuardConfig(file.guard);
     file.guard.RejectUnknownKeys();
     const auto plant = world::MakeWorld(file, options.config_path);

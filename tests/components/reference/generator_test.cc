@@ -146,6 +146,33 @@ TEST(RobotReference, WaitsForTheDelayAndForTheOperator) {
   }
 }
 
+TEST(RobotReference, HoldsWhereTheJointsStandBeforeItMoves) {
+  RobotReferenceConfig config = TwoJoints();
+  RobotReference at_once(config);
+  config.start_delay_s = 0.5;
+  config.hold_s = 1.0;
+  RobotReference holds(config);
+  Robot robot;
+  for (std::uint64_t k = 0; k < 360; ++k) {
+    const RobotReferenceOutput out = holds.Step(robot.At(k, true));
+    EXPECT_EQ(out.idle, k < 120) << k;
+    EXPECT_FALSE(out.finished) << k;
+    EXPECT_EQ(out.joint[0].position_rad, 0.3) << k;
+    EXPECT_EQ(out.joint[0].velocity_rad_s, 0.0) << k;
+    if (k == 120) robot.position = {0.4, -0.3};  // it sags: what is asked stays
+  }
+  // From what was held, as another one starts from where it is.
+  robot.position = {0.3, -0.2};
+  for (std::uint64_t k = 0; k < 500; ++k) {
+    const RobotReferenceOutput now = at_once.Step(robot.At(k, true));
+    EXPECT_EQ(holds.Step(robot.At(360 + k, true)).joint[1].position_rad, now.joint[1].position_rad);
+  }
+  EXPECT_TRUE(holds.Step(robot.At(860, false)).idle);
+  EXPECT_TRUE(holds.Step(robot.At(861, true)).idle) << "armed anew: the delay begins again";
+  config.hold_s = -1.0;
+  EXPECT_THROW(RobotReference{config}, std::invalid_argument);
+}
+
 TEST(RobotReference, ADisarmedRobotStartsAnewAndSoDoesANewSession) {
   RobotReference reference(TwoJoints());
   Robot robot;

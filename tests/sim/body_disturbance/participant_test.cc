@@ -41,6 +41,7 @@ class NotingPlant final : public provider::SimulatedPlant {
     acting_ = disturbance;
     noted.push_back({steps_, disturbance});
   }
+  bool HasDrive(const std::string& joint) const override { return joint == "knee"; }
   const provider::BodyTruth* body_truth() const override { return &body_; }
 
   std::vector<Noted> noted;
@@ -57,7 +58,8 @@ constexpr const char* kLoads =
     "disturbances:\n"
     "  - {at_s: 1, for_s: 0.5, payload: {link: torso, mass_kg: 4, place_m: [0.1, 0, 0.2]}}\n"
     "  - {at_s: 1.25, for_s: 0.05, push: {link: pelvis, force_N: [60, 0, 0], place_m: [0, 0, "
-    "0]}}\n";
+    "0]}}\n"
+    "  - {at_s: 1.6, for_s: 0.1, lost_drive: knee, lost_friction: 0.9}\n";
 
 std::vector<Noted> Session(const std::string& config) {
   NotingPlant plant;
@@ -85,11 +87,17 @@ TEST(SinewBodyDisturbance, ActsFromTheTickThatTheFileSaysInEverySession) {
                              .payload_m = {0.1, 0.0, 0.2},
                              .push_link = "",
                              .push_force_N = {},
-                             .push_m = {}};
+                             .push_m = {},
+                             .lost_drive = "",
+                             .lost_friction = 0.0};
   BodyDisturbance both = load;
   both.push_link = "pelvis";
   both.push_force_N = {60.0, 0.0, 0.0};
-  const std::vector<Noted> expected = {{240, load}, {300, both}, {312, load}, {360, {}}};
+  BodyDisturbance lost;
+  lost.lost_drive = "knee";
+  lost.lost_friction = 0.9;
+  const std::vector<Noted> expected = {{240, load}, {300, both}, {312, load},
+                                       {360, {}},   {384, lost}, {408, {}}};
   EXPECT_EQ(Session(config), expected);
   EXPECT_EQ(Session(config), expected);
 }

@@ -67,6 +67,11 @@ TEST(Schedule, WhatCannotActIsRefused) {
   EXPECT_THROW(Schedule({Load(3.0, 4.0), Load(0.0, 3.5)}, {}), std::invalid_argument);
   EXPECT_THROW(Schedule({}, {Shove(0.0, kForEver_s), Shove(9.0, 9.5)}), std::invalid_argument);
   EXPECT_NO_THROW(Schedule({Load(3.0, 4.0)}, {Shove(3.0, 4.0)})) << "a load and a push at a time";
+  EXPECT_THROW(Schedule({}, {}, {{{1.0, 3.0}, "knee"}, {{2.0, 4.0}, "hip"}}),
+               std::invalid_argument);
+  EXPECT_THROW(Schedule({}, {}, {}, {{{1.0, 3.0}, 1.1}}), std::invalid_argument);
+  EXPECT_THROW(Schedule({}, {}, {}, {{{1.0, 3.0}, -0.1}}), std::invalid_argument);
+  EXPECT_THROW(Schedule({}, {}, {}, {{{1.0, 3.0}, nan}}), std::invalid_argument);
 }
 
 config::Section ScheduleText(const std::string& text) {
@@ -91,6 +96,19 @@ TEST(ScheduleFile, HoldsEntriesWithLoadPushOrBoth) {
   EXPECT_EQ(later.push_force_N[0], 0.0);
 }
 
+TEST(ScheduleFile, TakesDrivesAndFrictionAway) {
+  const Schedule schedule =
+      ReadSchedule(ScheduleText("disturbances:\n"
+                                "  - {at_s: 1, lost_drive: left_knee}\n"
+                                "  - {at_s: 2, for_s: 0.5, lost_friction: 0.95}\n"));
+  EXPECT_EQ(schedule.At(239, kSchedulePeriod_s), provider::BodyDisturbance{});
+  EXPECT_EQ(schedule.At(240, kSchedulePeriod_s).lost_drive, "left_knee");
+  EXPECT_EQ(schedule.At(240, kSchedulePeriod_s).lost_friction, 0.0);
+  EXPECT_EQ(schedule.At(480, kSchedulePeriod_s).lost_friction, 0.95);
+  EXPECT_EQ(schedule.At(600, kSchedulePeriod_s).lost_friction, 0.0);
+  EXPECT_EQ(schedule.At(600, kSchedulePeriod_s).lost_drive, "left_knee") << "for good";
+}
+
 TEST(ScheduleFile, NamesLineAndKeyOfWhatIsWrong) {
   const auto error_of = [](const std::string& entry) -> std::string {
     try {
@@ -101,7 +119,8 @@ TEST(ScheduleFile, NamesLineAndKeyOfWhatIsWrong) {
     return "none";
   };
   using ::testing::HasSubstr;
-  EXPECT_THAT(error_of("{at_s: 1}"), HasSubstr("expected a payload or a push"));
+  EXPECT_THAT(error_of("{at_s: 1}"),
+              HasSubstr("expected payload, push, lost_drive or lost_friction"));
   EXPECT_THAT(error_of("{at_s: 1, payload: {link: a, mass_kg: 4, place_m: [0, 0]}}"),
               HasSubstr("2 numbers, expected x, y, z"));
   EXPECT_THAT(error_of("{at_s: 1, payload: {link: a, mass_g: 4, place_m: [0, 0, 0]}}"),
@@ -109,6 +128,8 @@ TEST(ScheduleFile, NamesLineAndKeyOfWhatIsWrong) {
   EXPECT_THAT(error_of("{at_s: 1, payload: {link: " + std::string(65, 'a') +
                        ", mass_kg: 4, place_m: [0, 0, 0]}}"),
               HasSubstr("1 to 64 characters"));
+  EXPECT_THAT(error_of("{at_s: 1, lost_friction: 1.5}"), HasSubstr("lost_friction"));
+  EXPECT_THAT(error_of("{at_s: 1, lost_drive: ''}"), HasSubstr("1 to 64 characters"));
   EXPECT_THAT(error_of("{at_s: 1, weight: 2, payload: {link: a, mass_kg: 4, place_m: [0, 0, 0]}}"),
               HasSubstr("weight"));
 }

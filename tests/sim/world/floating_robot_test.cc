@@ -7,6 +7,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -405,6 +406,119 @@ TEST(FloatingRobot, AStateThatWouldNotBeFiniteIsAFaultUntilReset) {
   robot.Step({}, kCycle_s, &sensors);
   EXPECT_FALSE(sensors.fault);
   EXPECT_TRUE(robot.body_sensors()->imu_valid);
+}
+
+// Contacts and toes carry the weight from the first step on. Joints that friction holds: nothing
+// else gives way.
+TEST(FloatingRobot, AStartAtRestIsInEquilibriumAndMovesAHundredTimesLessThanAnUprightOne) {
+  FloatingRobotConfig config = SquattingBiped({.coulomb_Nm = 50.0});
+  FloatingRobot upright(config);
+  config.start = StartPose::kAtRest;
+  FloatingRobot rest(config);
+  EXPECT_NEAR(FeetSum(rest), 17.1 * 9.81, 1e-6);
+  // The moment of the feet about the centre of mass is 0.
+  double moment_Nm = 0.0;
+  for (std::size_t i = 0; i < config.contacts.size(); ++i) {
+    const arm::LinkFrame* link = arm::FindLink(rest.links(), config.contacts[i].link);
+    const Eigen::Vector3d at =
+        rest.chain().Point(link->body, link->body_from_link.translation()).position_m;
+    moment_Nm += rest.contact_forces()[i].normal_N * (at.x() - rest.chain().CenterOfMass().x());
+  }
+  EXPECT_NEAR(moment_Nm, 0.0, 1e-6);
+  const auto largest_rad_s = [&](FloatingRobot* robot) {
+    provider::PlantSensors sensors;
+    double largest = 0.0;
+    for (int k = 0; k < 500; ++k) {
+      robot->Step(HoldStart(config), kCycle_s, &sensors);
+      largest = std::max(largest, robot->state().velocity.head<3>().norm());
+    }
+    return largest;
+  };
+  const double from_upright = largest_rad_s(&upright), from_rest = largest_rad_s(&rest);
+  EXPECT_LT(from_rest, 0.01 * from_upright) << from_rest << " and " << from_upright << " rad/s";
+}
+
+TEST(FloatingRobot, ThereIsNoRestWhereTheRobotFallsOver) {
+  FloatingRobotConfig config = SquattingBiped();
+  config.start = StartPose::kAtRest;
+  config.base_height_m = 0.7;
+  EXPECT_THROW(FloatingRobot{config}, std::invalid_argument) << "two heights";
+  config.base_height_m.reset();
+  for (const char* side : {"left_ankle_pitch", "right_ankle_pitch"}) {  // far in front of the feet
+    for (std::size_t j = 0; j < config.model.joints.size(); ++j) {
+      if (config.model.joints[j].name == side) config.joints[j].position_rad = 0.7;
+    }
+  }
+  EXPECT_THROW(FloatingRobot{config}, std::invalid_argument);
+}
+
+TEST(FloatingRobot, TheErrorsOfItsSensorsRepeatWithTheSeedAndLeaveTheMotionAlone) {
+  FloatingRobotConfig config = SquattingBiped();
+  FloatingRobot exact(config);
+  config.imu_errors = kMpu6050;
+  config.foot_errors = {.bandwidth_Hz = 50.0, .noise_density = 0.05, .bias = 2.0};
+  FloatingRobot first(config), second(config);
+  config.seed = 2;
+  FloatingRobot other(config);
+  for (FloatingRobot* robot : {&exact, &first, &second, &other}) {
+    Simulate(robot, HoldStart(config), 0.1);
+  }
+  EXPECT_EQ(first.body_sensors()->acceleration_m_s2, second.body_sensors()->acceleration_m_s2);
+  EXPECT_EQ(first.body_sensors()->foot_force_N, second.body_sensors()->foot_force_N);
+  EXPECT_NE(first.body_sensors()->acceleration_m_s2, other.body_sensors()->acceleration_m_s2);
+  EXPECT_NE(first.body_sensors()->foot_force_N, other.body_sensors()->foot_force_N);
+  EXPECT_EQ(first.state().velocity, exact.state().velocity);
+  EXPECT_EQ(first.body_truth()->contact_force_N, exact.body_truth()->contact_force_N);
+  const std::array<double, 3> before = first.body_sensors()->angular_velocity_rad_s;
+  provider::PlantSensors sensors;
+  first.Reset(&sensors);
+  Simulate(&first, HoldStart(config), 0.1);
+  EXPECT_EQ(first.body_sensors()->angular_velocity_rad_s, before) << "a reset begins anew";
+}
+
+// The knee without its drive folds under the load, and comes back under power.
+TEST(FloatingRobot, ALostDriveHasNoTorque) {
+  const FloatingRobotConfig config = SquattingBiped();
+  FloatingRobot robot(config);
+  EXPECT_TRUE(robot.HasDrive("left_knee"));
+  EXPECT_FALSE(robot.HasDrive("left_toe_passive"));
+  EXPECT_FALSE(robot.HasDrive(""));
+  Simulate(&robot, HoldStart(config), 0.5);
+  robot.DisturbBody({.lost_drive = "left_knee"});
+  provider::PlantSensors sensors;
+  for (int k = 0; k < 50; ++k) robot.Step(HoldStart(config), kCycle_s, &sensors);
+  const auto torque_Nm = [&](const std::string& name) {
+    for (std::size_t j = 0; j < config.model.joints.size(); ++j) {
+      if (config.model.joints[j].name == name) return sensors.torque_Nm[j];
+    }
+    ADD_FAILURE() << name;
+    return 0.0;
+  };
+  EXPECT_EQ(torque_Nm("left_knee"), 0.0);
+  EXPECT_GT(std::abs(torque_Nm("right_knee")), 1.0);
+  robot.DisturbBody({});
+  robot.Step(HoldStart(config), kCycle_s, &sensors);
+  EXPECT_NE(torque_Nm("left_knee"), 0.0);
+}
+
+// A push below the limit of friction: with a tenth of the friction the feet slide.
+TEST(FloatingRobot, OnSlipperyGroundThePushedRobotSlides) {
+  const FloatingRobotConfig config = SquattingBiped();
+  const auto slid_m = [&config](double lost_friction) {
+    FloatingRobot robot(config);
+    Simulate(&robot, HoldStart(config), 1.0);
+    robot.DisturbBody(
+        {.push_link = "pelvis", .push_force_N = {0.0, 25.0, 0.0}, .lost_friction = lost_friction});
+    const arm::LinkFrame* foot = arm::FindLink(robot.links(), "left_foot");
+    const auto place = [&] {
+      return robot.chain().Point(foot->body, Eigen::Vector3d::Zero()).position_m.y();
+    };
+    const double before_m = place();
+    Simulate(&robot, HoldStart(config), 0.3);
+    return place() - before_m;
+  };
+  EXPECT_LT(std::abs(slid_m(0.0)), 1e-2);
+  EXPECT_GT(slid_m(0.9), 2e-2) << "0.08 of the weight are 13 N";
 }
 
 TEST(FloatingRobot, RefusesWhatCannotBe) {

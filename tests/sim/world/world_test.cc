@@ -480,6 +480,25 @@ TEST_F(WorldFileTest, ReadsAFloatingBase) {
   EXPECT_FALSE(robot->body_sensors()->foot_valid[4]);
   EXPECT_NE(robot->body_truth(), nullptr);
 
+  EXPECT_EQ(ErrorOf(head + corners +
+                    "  imu: box\n  start: at_rest\n  imu_errors: {part: mpu6050, rate: "
+                    "{bias_rad_s: 0.1}}\n  foot_errors: {step_N: 0.5}\n"),
+            "no error");
+  const WorldFile sensors = LoadWorldFile(folder_ / "world.yaml");
+  EXPECT_EQ(sensors.floating_base->start, StartPose::kAtRest);
+  EXPECT_EQ(sensors.floating_base->imu_errors.force.bias, kMpu6050.force.bias);
+  EXPECT_EQ(sensors.floating_base->imu_errors.rate.bias, 0.1);
+  EXPECT_EQ(sensors.floating_base->imu_errors.rate.step, kMpu6050.rate.step);
+  EXPECT_EQ(sensors.floating_base->foot_errors.step, 0.5);
+  EXPECT_EQ(file.floating_base->imu_errors.force.bias, 0.0) << "ideal where nothing is said";
+  EXPECT_THAT(ErrorOf(head + corners + "  imu_errors: {part: mpu9250}\n"), HasSubstr("mpu6050"));
+  EXPECT_THAT(ErrorOf(head + corners + "  imu_errors: {force: {bias_N: 1}}\n"),
+              HasSubstr("bias_N"));
+  EXPECT_THAT(ErrorOf(head + corners + "  foot_errors: {noise_density_N_sqrtHz: 1}\n"),
+              HasSubstr("needs a bandwidth"));
+  EXPECT_THAT(ErrorOf(head + corners + "  base_height_m: 1.0\n  start: at_rest\n"),
+              HasSubstr("at rest"));
+
   EXPECT_THAT(ErrorOf(head + "  contacts: [hand]\n"), HasSubstr("'hand'"));
   EXPECT_THAT(ErrorOf(head + "  contact_points:\n    - {link: box, point_m: [0, 1]}\n"),
               ::testing::AllOf(HasSubstr("world.yaml:6"), HasSubstr("point_m")));

@@ -117,6 +117,7 @@ class FloatingPlant final : public PushedPlant {
     truth_.contact_force_N[7] = {4.0, 5.0, 6.0};
   }
   void DisturbBody(const BodyDisturbance& d) override { disturbances.push_back(d); }
+  bool HasDrive(const std::string& joint) const override { return joint == "knee"; }
   const BodyTruth* body_truth() const override { return &truth_; }
 
   std::vector<BodyDisturbance> disturbances;
@@ -148,8 +149,11 @@ TEST(RunProvider, ABodyIsDisturbedInItsSessionAndItsTruthIsPublished) {
                              .payload_m = {0.0, 0.01, 0.2},
                              .push_link = std::string(64, 'x'),
                              .push_force_N = {10.0, -20.0, 30.0},
-                             .push_m = {0.1, 0.2, 0.3}};
-  const auto send = [&](std::uint64_t session_id, double payload_kg) {
+                             .push_m = {0.1, 0.2, 0.3},
+                             .lost_drive = "knee",
+                             .lost_friction = 0.5};
+  const auto send = [&](std::uint64_t session_id, double payload_kg,
+                        const std::string& lost_drive = "knee", double lost_friction = 0.5) {
     msg::SimBodyDisturbance message;
     message.header().session_id(session_id);
     message.header().origin(msg::ORIGIN_SIM);
@@ -159,6 +163,8 @@ TEST(RunProvider, ABodyIsDisturbedInItsSessionAndItsTruthIsPublished) {
     message.push_link(sent.push_link);
     message.push_force_N(sent.push_force_N);
     message.push_m(sent.push_m);
+    message.lost_drive(lost_drive);
+    message.lost_friction(lost_friction);
     EXPECT_EQ(writer.Write(message), node::WriteStatus::kOk);
   };
   const auto state = states.WaitNext(10s);
@@ -169,6 +175,8 @@ TEST(RunProvider, ABodyIsDisturbedInItsSessionAndItsTruthIsPublished) {
     send(session_id + 1, 1.0);
     send(session_id, -1.0);
     send(session_id, std::numeric_limits<double>::quiet_NaN());
+    send(session_id, sent.payload_kg, "elbow");
+    send(session_id, sent.payload_kg, "knee", 1.5);
     send(session_id, sent.payload_kg);
   }
   provider.join();
