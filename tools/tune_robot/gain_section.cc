@@ -107,7 +107,8 @@ report::Picture StageTwo(const GainSearchResult& result) {
   picture.script =
       report::PictureHead(520) +
       "set xlabel 'Kp, N m/rad'\nset ylabel 'Ki, N m/(rad s)'\nset zlabel 'Kd, N m s/rad' rotate\n"
-      "set cblabel 'MSE, rad2'\nset format cb '%.1e'\nset ticslevel 0\nset view 62,38\n"
+      "set cblabel 'MSE, rad2'\nset logscale cb\nset format cb '%.0e'\nset ticslevel 0\nset view "
+      "62,38\n"
       "set cbrange [" +
       PictureNumber(range.least) + ":" + PictureNumber(1.01 * range.most) +
       "]\n"
