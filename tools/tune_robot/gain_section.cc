@@ -40,6 +40,21 @@ std::string OutcomeText(const GainTrial& trial) {
   return "MSE " + Short(trial.score->mse_rad2) + " rad2";
 }
 
+struct ErrorRange {
+  double least = kDiscarded, most = 0.0;
+};
+
+// Of the trials of a stage that stand.
+ErrorRange ErrorsOf(const std::vector<GainTrial>& trials, int stage) {
+  ErrorRange range;
+  for (const GainTrial& trial : trials) {
+    if (trial.stage != stage || !Stands(trial)) continue;
+    range.most = std::max(range.most, trial.score->mse_rad2);
+    range.least = std::min(range.least, trial.score->mse_rad2);
+  }
+  return range;
+}
+
 struct Axis {
   const char* label;
   int column;
@@ -56,14 +71,9 @@ report::Picture StageOne(const std::vector<GainTrial>& trials) {
   const auto first = [](bool stands) {
     return [stands](const GainTrial& t) { return t.stage == 1 && Stands(t) == stands; };
   };
-  double most = 0.0, least = kDiscarded;
-  for (const GainTrial& trial : trials) {
-    if (trial.stage != 1 || !Stands(trial)) continue;
-    most = std::max(most, trial.score->mse_rad2);
-    least = std::min(least, trial.score->mse_rad2);
-  }
-  const bool any = most > 0.0 && least > 0.0;
-  const double top = any ? 3.0 * most : 1.0, bottom = any ? 0.5 * least : 0.1;
+  const ErrorRange range = ErrorsOf(trials, 1);
+  const bool any = range.most > 0.0 && range.least > 0.0;
+  const double top = any ? 3.0 * range.most : 1.0, bottom = any ? 0.5 * range.least : 0.1;
   picture.script = report::PictureHead(360) + GainBlock("stand", trials, first(true)) +
                    GainBlock("fall", trials, first(false)) +
                    "set multiplot layout 1,3\nset logscale xy\n"
@@ -93,10 +103,15 @@ report::Picture StageTwo(const GainSearchResult& result) {
   picture.caption = "Draws around the best of stage 1. Best: " + GainsText(result.best->pid) +
                     ", " + OutcomeText(*result.best) + ".";
   const GainTrial& best = *result.best;
+  const ErrorRange range = ErrorsOf(result.trials, 2);  // gnuplot would take the heights in
   picture.script =
       report::PictureHead(520) +
       "set xlabel 'Kp, N m/rad'\nset ylabel 'Ki, N m/(rad s)'\nset zlabel 'Kd, N m s/rad' rotate\n"
-      "set cblabel 'MSE, rad2'\nset format cb '%.1e'\nset ticslevel 0\nset view 62,38\n"
+      "set cblabel 'MSE, rad2'\nset logscale cb\nset format cb '%.0e'\nset ticslevel 0\nset view "
+      "62,38\n"
+      "set cbrange [" +
+      PictureNumber(range.least) + ":" + PictureNumber(1.01 * range.most) +
+      "]\n"
       "set palette defined (0 '#1b7f9e', 1 '#c9a227', 2 '#b5525c')\n" +
       GainBlock("trials", result.trials,
                 [](const GainTrial& t) { return t.stage == 2 && Stands(t); }) +

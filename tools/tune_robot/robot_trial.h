@@ -22,7 +22,7 @@ struct RobotTrialConfig {
   std::vector<pneumatics::ManagerConfig> pneumatics;  // empty: relays stay off
   performance::PerformanceConfig performance;
   double rate_Hz = 240.0;
-  int delay_ticks = 0;  // a command acts this much later: slow buses
+  int delay_ticks = 0;      // a command acts this much later: slow buses
   double duration_s = 0.0;  // from arming
   FallLimits fall;
 };

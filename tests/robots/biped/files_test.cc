@@ -247,6 +247,12 @@ TEST(BipedFiles, ControllersHaveAllJointsAndThePublishedGains) {
       EXPECT_EQ(pid.joints[8].gear_ratio, 80.0);
     }
   }
+  for (const char* name : {"control_pid_tuned.yaml", "control_pid_sea_pea.yaml"}) {
+    const control::ControlConfig pid = control::LoadControl(kRobot + name);
+    ASSERT_EQ(pid.joints.size(), kDriven) << name;
+    EXPECT_EQ(pid.joints[3].gear_ratio, 100.0);
+    EXPECT_GT(pid.joints[0].pid.proportional_Nm_rad, 60.0) << "with the published ones it falls";
+  }
 }
 
 }  // namespace

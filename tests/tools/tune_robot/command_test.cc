@@ -52,7 +52,7 @@ std::string ShortSearch(const TemporaryFolder& folder) {
 std::vector<std::string> TunePidArguments(const std::string& search,
                                           const std::filesystem::path& out, int threads) {
   return {kSinew,  "tune",  "pid",        search,      "--trials",
-          "12",    "--out", out.string(), "--threads", std::to_string(threads),
+          "20",    "--out", out.string(), "--threads", std::to_string(threads),
           "--json"};
 }
 
@@ -60,12 +60,13 @@ TEST(TuneCommand, KilledAndStartedAgainItEndsWithTheSameTable) {
   const TemporaryFolder folder;
   const std::string search = ShortSearch(folder);
   const auto whole = folder.path() / "whole", resumed = folder.path() / "resumed";
-  const Finished once = testing::Run(TunePidArguments(search, whole, 1), 120s);
+  const Finished once = testing::Run(TunePidArguments(search, whole, 2), 120s);
   ASSERT_EQ(once.exit_code, 0) << once.error;
   {
-    Program killed(TunePidArguments(search, resumed, 2));
-    // Prints the table as it grows.
-    Program table({"tail", "-n", "+1", "-F", (resumed / "trials.jsonl").string()});
+    // Prints the table as it grows; a table that is there is watched without delay.
+    const std::string begun = folder.Write("resumed/trials.jsonl", "");
+    Program killed(TunePidArguments(search, resumed, 1));
+    Program table({"tail", "-n", "+1", "-F", begun});
     ASSERT_TRUE(table.WaitForText("{\"stage\":1,", 60s)) << killed.error();
     killed.Signal(SIGKILL);
     EXPECT_EQ(killed.Wait(10s), -SIGKILL);
@@ -78,7 +79,7 @@ TEST(TuneCommand, KilledAndStartedAgainItEndsWithTheSameTable) {
   EXPECT_EQ(FileText(resumed / "trials.jsonl"), FileText(whole / "trials.jsonl"));
   EXPECT_EQ(again.output, once.output);
   const nlohmann::json result = nlohmann::json::parse(again.output);
-  EXPECT_EQ(result.at("trials"), 2 + 2 * 12);
+  EXPECT_EQ(result.at("trials"), 2 + 2 * 20);
   EXPECT_GT(result.at("fell"), 0);
   EXPECT_GT(result.at("best").at("proportional_Nm_rad"), 60.0);
   for (const char* file : {"control.yaml", "section.json", "tune-pid-1.svg", "tune-pid-2.svg"}) {

@@ -16,6 +16,7 @@ const std::string kSearchFile = SINEW_SOURCE_DIR "/robots/biped/tune_pid.yaml";
 
 RobotTrialConfig TrialWith(double proportional, double integral, double derivative) {
   RobotTrialConfig trial = LoadTune(kSearchFile).trial;
+  trial.delay_ticks = 0;
   for (control::JointControlConfig& joint : trial.control) {
     joint.pid.proportional_Nm_rad = proportional;
     joint.pid.integral_Nm_rad_s = integral;
@@ -57,6 +58,19 @@ TEST(RobotTrial, StandsStillWithStifferGainsAndNoSlowerInAnotherThread) {
   EXPECT_EQ(results[0].score.mse_rad2, results[1].score.mse_rad2);
   EXPECT_EQ(results[0].performance.drawn_J, results[1].performance.drawn_J);
   EXPECT_EQ(results[0].peak_torque_Nm, results[1].peak_torque_Nm);
+}
+
+// README.md of the robot: the gains of least error without a delay.
+TEST(RobotTrial, StiffGainsFallWithATickOfDelayAndSofterOnesDoNot) {
+  const auto fell_at_s = [](RobotTrialConfig trial, int delay_ticks) {
+    trial.duration_s = 3.0;
+    trial.delay_ticks = delay_ticks;
+    return RunRobotTrial(trial).score.fell_at_s;
+  };
+  const RobotTrialConfig stiff = TrialWith(605.7, 621.1, 1.485), soft = TrialWith(200.0, 20.0, 5.0);
+  EXPECT_FALSE(fell_at_s(stiff, 0).has_value());
+  EXPECT_TRUE(fell_at_s(stiff, 1).has_value());
+  EXPECT_FALSE(fell_at_s(soft, 1).has_value());
 }
 
 TEST(RobotTrial, RefusesPartsThatAreOfAnotherRobot) {
