@@ -87,6 +87,7 @@ void RunLegs(const CompareOptions& options) {
   }
   LegsTableOptions table;
   table.seeds = options.quick ? 2 : options.seeds;
+  table.trials = options.quick ? 2 : options.trials;
   if (options.quick) table.epochs = 10;
   table.threads = options.threads;
   table.seed = options.seed;

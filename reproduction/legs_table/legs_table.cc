@@ -1,10 +1,14 @@
 #include "reproduction/legs_table/legs_table.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "components/identify/statistics.h"
 #include "components/networks/model.h"
+#include "reproduction/networks/comparison_models.h"
 #include "tools/jobs/jobs.h"
 
 namespace sinew::reproduction {
@@ -32,13 +36,11 @@ void Fill(const PublishedModel& plan, const networks::Samples& samples, std::uin
   scores->test_mse[at] = fit.test_mse;
 }
 
-PublishedModel FairPlan(PublishedModel plan, const LegsTableOptions& options) {
-  plan.training.epochs = options.epochs;
-  plan.training.patience = options.patience;
-  plan.training.batch = kFairBatch;
-  plan.reservoir.ridge_beta.reset();
-  plan.reservoir.beta_by_validation = true;
-  return plan;
+ComparisonOptions FairOptions(const LegsTableOptions& options) {
+  ComparisonOptions fair;
+  fair.fair_epochs = options.epochs;
+  fair.patience = options.patience;
+  return fair;
 }
 
 std::string MeanAndDeviation(const std::vector<double>& values) {
@@ -71,8 +73,9 @@ report::Comparison EsnOverFfnn(const std::vector<LegsModel>& models, const char*
 std::vector<LegsModel> FillLegsTable(
     const std::vector<LegsData>& data, const LegsTableOptions& options,
     const std::function<void(std::size_t done, std::size_t total)>& progress) {
-  if (options.seeds < 2 || options.epochs < 1 || options.patience < 1) {
-    throw std::invalid_argument("table 6.5: expected at least 2 seeds, 1 epoch, patience 1");
+  if (options.seeds < 2 || options.trials < 1 || options.epochs < 1 || options.patience < 1) {
+    throw std::invalid_argument(
+        "table 6.5: expected at least 2 seeds, 1 trial, 1 epoch, patience 1");
   }
   std::vector<LegsModel> models;
   for (const LegsData& set : data) {
@@ -86,25 +89,56 @@ std::vector<LegsModel> FillLegsTable(
       models.push_back(std::move(model));
     }
   }
+  const auto data_of = [&data](const LegsModel& model) -> const LegsData& {
+    return *std::find_if(data.begin(), data.end(),
+                         [&](const LegsData& set) { return set.joints == model.joints; });
+  };
+  const ComparisonOptions fair = FairOptions(options);
+  const auto trials = static_cast<std::size_t>(options.trials);
+  const auto seeds = static_cast<std::size_t>(options.seeds);
+  const std::size_t total = models.size() * (trials + 2 * seeds);
+  std::size_t before = 0;
+  const auto run = [&](const std::vector<std::function<void()>>& jobs) {
+    tools::RunJobs(jobs, options.threads, [&](std::size_t done) {
+      if (progress) progress(before + done, total);
+    });
+    before += jobs.size();
+  };
+
+  std::vector<std::vector<double>> validation(models.size(), std::vector<double>(trials));
+  const auto draw = [&](std::size_t m, std::size_t trial) {
+    return DrawHyperParameters(models[m].plan, static_cast<int>(trial), options.seed + m, fair);
+  };
   std::vector<std::function<void()>> jobs;
-  for (LegsModel& model : models) {
-    const LegsData* set = nullptr;
-    for (const LegsData& one : data) {
-      if (one.joints == model.joints) set = &one;
-    }
-    for (int s = 0; s < options.seeds; ++s) {
-      const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(s);
-      const auto at = static_cast<std::size_t>(s);
-      jobs.push_back(
-          [&model, set, seed, at] { Fill(model.plan, set->all, seed, at, &model.published); });
-      jobs.push_back([&model, &options, set, seed, at] {
-        Fill(FairPlan(model.plan, options), set->fair, seed, at, &model.fair);
+  for (std::size_t m = 0; m < models.size(); ++m) {
+    for (std::size_t k = 0; k < trials; ++k) {
+      jobs.push_back([&, m, k] {
+        const double error =
+            networks::Fit(draw(m, k), data_of(models[m]).fair, {}, options.seed + kSearchSeed)
+                .validation_mse;
+        validation[m][k] = std::isfinite(error) ? error : std::numeric_limits<double>::max();
       });
     }
   }
-  tools::RunJobs(jobs, options.threads, [&](std::size_t done) {
-    if (progress) progress(done, jobs.size());
-  });
+  run(jobs);
+
+  jobs.clear();
+  for (std::size_t m = 0; m < models.size(); ++m) {
+    const auto best = std::min_element(validation[m].begin(), validation[m].end());
+    const PublishedModel plan = draw(m, static_cast<std::size_t>(best - validation[m].begin()));
+    models[m].chosen = HyperText(plan);
+    for (std::size_t s = 0; s < seeds; ++s) {
+      jobs.push_back([&, m, s] {
+        LegsModel& model = models[m];
+        Fill(model.plan, data_of(model).all, options.seed + s, s, &model.published);
+      });
+      jobs.push_back([&, m, s, plan] {
+        LegsModel& model = models[m];
+        Fill(plan, data_of(model).fair, options.seed + s, s, &model.fair);
+      });
+    }
+  }
+  run(jobs);
   return models;
 }
 
@@ -124,13 +158,13 @@ report::Section LegsSection(const std::vector<LegsModel>& models, const LegsTabl
       "for "
       "table 6.4, once until the validation error stops falling."};
   section.comparisons.push_back(EsnOverFfnn(models, "10 epochs", &LegsModel::published));
-  section.comparisons.push_back(EsnOverFfnn(models, "validation stop", &LegsModel::fair));
+  section.comparisons.push_back(EsnOverFfnn(models, "fair", &LegsModel::fair));
   report::Table table;
   table.title = "Table 6.5";
   table.caption = Text("Mean and standard deviation over %d seeds, one recording.", options.seeds);
-  table.header = {
-      "model",      "inputs / outputs",      "parameters", "test MSE published", "ours, 10 epochs",
-      "training s", "ours, validation stop", "training s"};
+  table.header = {"model",           "inputs / outputs", "parameters", "test MSE published",
+                  "ours, 10 epochs", "training s",       "ours, fair", "training s",
+                  "chosen"};
   for (const LegsModel& model : models) {
     const bool counted = model.joints == 12;
     table.rows.push_back(

@@ -93,6 +93,60 @@ DatasetConfig Config(Region region) {
   return config;
 }
 
+DatasetConfig RobotConfig() {
+  DatasetConfig config;
+  config.inputs = {Signal::kReferencePosition, Signal::kReferenceVelocity};
+  return config;
+}
+
+TEST(RobotDataset, JointsStandSideBySide) {
+  const std::vector<types::Run> first = {Record(20.0, 240.0, 0.0)};
+  std::vector<types::Run> second = first;
+  second[0].signals[Measured::kPosition] *= 2.0;
+  second[0].signals[Measured::kMotorCurrent] *= -1.0;
+  const Dataset robot = MakeRobotDataset({first, second}, {RigModel(), RigModel()}, RobotConfig());
+  const Sequence& both = robot.sequences.at(0);
+  const Sequence one = MakeDataset(first, RigModel(), RobotConfig()).sequences.at(0);
+  const Sequence two = MakeDataset(second, RigModel(), RobotConfig()).sequences.at(0);
+  ASSERT_EQ(both.inputs.cols(), 4);
+  ASSERT_EQ(both.targets.cols(), 2);
+  EXPECT_EQ(both.inputs.leftCols(2), one.inputs);
+  EXPECT_EQ(both.inputs.rightCols(2), two.inputs);
+  EXPECT_EQ(both.targets.col(0), one.targets.col(0));
+  EXPECT_EQ(both.targets.col(1), two.targets.col(0));
+  EXPECT_EQ(both.use, one.use);
+  EXPECT_EQ(InputsOfRobot(RobotConfig().inputs, 2),
+            (std::vector<Input>{{Signal::kReferencePosition, 0},
+                                {Signal::kReferenceVelocity, 0},
+                                {Signal::kReferencePosition, 1},
+                                {Signal::kReferenceVelocity, 1}}));
+}
+
+TEST(RobotDataset, WhatDoesNotFitIsNamed) {
+  const std::vector<types::Run> run = {Record(20.0, 240.0, 0.0)};
+  const auto what = [](const auto& make) -> std::string {
+    try {
+      make();
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const std::vector<actuator::JointModel> models = {RigModel(), RigModel()};
+  EXPECT_THAT(what([&] { MakeRobotDataset({run}, models, RobotConfig()); }),
+              ::testing::HasSubstr("1 joints, expected those of the model's 2"));
+  EXPECT_THAT(what([&] {
+                MakeRobotDataset({run, {Record(10.0, 240.0, 0.0)}}, models, RobotConfig());
+              }),
+              ::testing::HasSubstr("other lengths"));
+  DatasetConfig outside = RobotConfig();
+  outside.region = Region::kOutside;
+  EXPECT_THAT(what([&] {
+                MakeRobotDataset({run, run}, models, outside);
+              }),
+              ::testing::HasSubstr("region 'all'"));
+}
+
 TEST(Dataset, InputsAreTheMotionAndItsDerivativesAndTheTargetIsTheDriveTorque) {
   for (const double rate_Hz : {240.0, 80.0, 1000.0}) {
     const Dataset data =

@@ -163,6 +163,22 @@ TEST(Network, ForgetsItsInitialStateWhenTheSpectralRadiusIsBelowOne) {
   EXPECT_LT((a.state() - b.state()).norm(), 1e-12 * start);
 }
 
+TEST(Network, SettlingGoesWhereAConstantInputEndsFromAnyState) {
+  const Weights weights = SomeWeights(100, 3, 1);
+  Network settled(weights);
+  ASSERT_EQ(settled.Settle(Excitation(3, 7)), StepStatus::kOk);
+  const Eigen::VectorXd before = settled.state();
+  const Eigen::VectorXd prediction = settled.prediction();
+  ASSERT_EQ(settled.Step(Excitation(3, 7)), StepStatus::kOk);
+  EXPECT_LT((settled.state() - before).lpNorm<Eigen::Infinity>(), kSettled);
+  EXPECT_LT((settled.prediction() - prediction).norm(), 1e-6 * (1.0 + prediction.norm()));
+  Network stepped(weights);
+  stepped.SetState(Eigen::VectorXd::LinSpaced(100, -1.0, 1.0));
+  for (int t = 0; t < 3000; ++t) ASSERT_EQ(stepped.Step(Excitation(3, 7)), StepStatus::kOk);
+  EXPECT_LT((stepped.state() - before).lpNorm<Eigen::Infinity>(), 1e-6);
+  EXPECT_EQ(settled.Settle(Eigen::VectorXd::Zero(2)), StepStatus::kBadInput);
+}
+
 TEST(Network, StateStaysWithinOneForAnyInput) {
   Hyperparameters hyper = Published(60);
   hyper.spectral_radius = 1.5;

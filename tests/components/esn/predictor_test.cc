@@ -51,6 +51,18 @@ TEST(Predictor, TheRegimeChoosesTheNetworkAndNobodyGuesses) {
   EXPECT_EQ(p.pea_torque_Nm[0], -2.5);
 }
 
+// A robot that begins at rest is not moved by a reservoir that runs in.
+TEST(Predictor, TheFirstInputSettlesTheNetwork) {
+  Weights weights = Constant(0.0);
+  weights.readout.setConstant(0.3);
+  Predictor predictor({}, weights);
+  const double first = predictor.Step(At(0.4), types::Regime::kUnknown).torque_Nm[0];
+  EXPECT_NEAR(predictor.Step(At(0.4), types::Regime::kUnknown).torque_Nm[0], first, 1e-7);
+  EXPECT_GT(std::abs(predictor.Step(At(-0.4), types::Regime::kUnknown).torque_Nm[0] - first), 1e-3);
+  predictor.Reset();
+  EXPECT_NEAR(predictor.Step(At(0.4), types::Regime::kUnknown).torque_Nm[0], first, 1e-12);
+}
+
 TEST(Predictor, OneNetworkCountsInEveryRegime) {
   Predictor predictor(std::nullopt, Constant(-2.5));
   EXPECT_FALSE(predictor.needs_regime());
