@@ -6,6 +6,7 @@
 
 #include "components/actuator/file/model_file.h"
 #include "components/arm/file/urdf_file.h"
+#include "components/arm/payloads.h"
 
 namespace sinew::world {
 
@@ -75,6 +76,22 @@ GroundConfig ReadGround(const Section& section) {
   return ground;
 }
 
+SensorNoise ReadNoise(const Section& section) {
+  SensorNoise noise;
+  noise.seed = static_cast<std::uint64_t>(section.IntegerOr("seed", 1, config::kNotNegative));
+  const auto number = [&](const char* key, double* value) {
+    *value = section.NumberOr(key, 0.0, config::kNotNegative);
+  };
+  number("motor_current_A", &noise.motor_current_A);
+  number("foot_force_N", &noise.foot_force_N);
+  // Beyond this a turn is no small one.
+  noise.orientation_rad = section.NumberOr("orientation_rad", 0.0, {0.0, 0.1});
+  number("angular_velocity_rad_s", &noise.angular_velocity_rad_s);
+  number("acceleration_m_s2", &noise.acceleration_m_s2);
+  section.RejectUnknownKeys();
+  return noise;
+}
+
 FloatingBase ReadFloatingBase(const Section& section) {
   FloatingBase base;
   for (const std::string& link : section.TextsOr("contacts", {})) {
@@ -88,6 +105,7 @@ FloatingBase ReadFloatingBase(const Section& section) {
   base.ground = ReadGround(section.ChildOrEmpty("ground"));
   base.imu_link = section.TextOr("imu", "");
   if (section.Has("base_height_m")) base.base_height_m = section.Number("base_height_m");
+  base.noise = ReadNoise(section.ChildOrEmpty("noise"));
   section.RejectUnknownKeys();
   return base;
 }
@@ -101,9 +119,16 @@ WorldFile LoadWorldFile(const std::filesystem::path& path, const std::filesystem
   const auto chosen = [&](const char* key, const std::filesystem::path& instead) {
     return instead.empty() ? root.ExistingPath(key) : instead;
   };
-  file.config.model = actuator::LoadRobotModel(chosen("model", model_path));
+  const std::filesystem::path model = chosen("model", model_path);
+  file.config.model = actuator::LoadRobotModel(model);
   file.urdf = chosen("urdf", urdf_path);
-  file.config.chain = arm::ParseUrdf(config::ReadFile(file.urdf), file.urdf.string());
+  try {
+    file.config.chain =
+        arm::WithPayloads(arm::ParseUrdf(config::ReadFile(file.urdf), file.urdf.string()),
+                          file.config.model.payloads);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(model.string() + ": " + error.what());
+  }
   const auto& models = file.config.model.joints;
   const bool has_play = std::any_of(models.begin(), models.end(),
                                     [](const auto& joint) { return joint.backlash_rad > 0.0; });
@@ -154,7 +179,8 @@ FloatingRobotConfig RobotConfig(const WorldFile& file) {
           .ground = base.ground,
           .imu_link = base.imu_link,
           .base_height_m = base.base_height_m,
-          .substep_s = file.config.substep_s};
+          .substep_s = file.config.substep_s,
+          .noise = base.noise};
 }
 
 std::unique_ptr<provider::SimulatedPlant> MakeWorld(const WorldFile& file,

@@ -4,6 +4,8 @@
 // (FloatingRobot), without it the base is fixed (World). Without `substep_s`: kRobotSubstep_s on a
 // floating base whose joints have no free play, else 1e-4.
 //
+// The chain has the model file's payloads.
+//
 // Throws UsageError (one line: file, line, key, expected), also for the URDF and the model.
 #pragma once
 
@@ -26,6 +28,7 @@ struct FloatingBase {
   GroundConfig ground;
   std::string imu_link;
   std::optional<double> base_height_m;
+  SensorNoise noise;
 };
 
 struct WorldFile {
