@@ -24,6 +24,7 @@ std::string Listed(const std::vector<std::string>& words) {
 
 std::string Names(const std::vector<Recording>& recordings) {
   std::vector<std::string> names;
+  names.reserve(recordings.size());
   for (const Recording& recording : recordings) names.push_back(recording.name);
   return Listed(names);
 }

@@ -163,7 +163,8 @@ std::filesystem::path FindUrdf(const CloseLoopOptions& options, const LoopInput&
   if (wanted.empty()) {
     throw UsageError(
         input.model_path.string() +
-        ": the rigid bodies are those of a URDF, expected 'urdf' in the model file or --urdf");
+        ": joints with a term rigid_body, and a robot on two feet, need the robot's URDF, expected "
+        "'urdf' in the model file or --urdf");
   }
   std::filesystem::path beside = input.model_path.parent_path() / wanted;
   if (wanted.is_relative() && std::filesystem::exists(beside)) return beside;
