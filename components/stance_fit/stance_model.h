@@ -195,7 +195,7 @@ class StanceModel {
   // Middle and size; group_of: of each moving link.
   void Measure(const std::vector<std::size_t>& group_of, std::vector<RigidGroup>* groups) const;
   std::vector<Eigen::Index> RowsInUse(const Motion& motion, const StanceLayout& layout) const;
-  // Axes of the groups from one recording's vertical; `used`: rows in use.
+  // Axes of the groups, from the vertical in the rows in use.
   void FindAxes(const std::vector<StanceRecording>& train, StanceLayout* layout) const;
   // Numbers of the layout's rows in the order of the dynamics.
   std::vector<Eigen::Index> OfDynamics(const StanceLayout& layout) const;
