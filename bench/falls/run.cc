@@ -235,11 +235,24 @@ class Session {
   RunResult result_;
 };
 
+// Ten times the bias that taring in the air leaves of robots/biped's force sensors, and a scale
+// that nobody has calibrated.
+constexpr world::SensorErrors kUncalibratedFoot{.bandwidth_Hz = 50.0,
+                                                .noise_density = 0.056,
+                                                .bias = 2.0,
+                                                .scale_error = 0.02,
+                                                .step = 0.061,
+                                                .range = 250.0};
+
 }  // namespace
 
 RunConfig LoadRun(const RunFiles& files) {
   RunConfig config;
   config.world = world::LoadWorldFile(files.world);
+  if (config.world.floating_base) {
+    config.world.floating_base->imu_errors = world::kMpu6050;
+    config.world.floating_base->foot_errors = kUncalibratedFoot;
+  }
   config.guard = provider::LoadGuardConfig(config.world.guard);
   config.world.guard.RejectUnknownKeys();
   if (config.guard.fall == nullptr) {

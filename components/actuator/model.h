@@ -2,6 +2,7 @@
 // The same object is fitted (identify), simulated (sim/plant) and compensated (control).
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <span>
@@ -126,10 +127,33 @@ double PhysicalValue(const JointModel& model, int term, int linear_parameter);
 // std::out_of_range.
 Term PhysicalTerm(const JointModel& model, int term);
 
+// A point mass that the robot carries and its URDF lacks (components/arm/payloads.h).
+struct Payload {
+  std::string link;                     // of the URDF
+  double mass_kg = 0.0;                 // above 0
+  std::array<double, 3> position_m{};   // in the link's frame
+  bool declared = true;                 // false: added by close-loop
+  std::optional<double> half_width_95;  // of the mass, kg, of the fit that added it
+  // Of the position, m. A coordinate whose half width exceeds the length of the link is assumed.
+  std::optional<std::array<double, 3>> position_half_width_95;
+};
+
+// What a robot that stands on two feet measures of its body, and how well its links and its IMU are
+// known: the base floats, and all joints share one balance (components/stance_fit).
+struct FloatingBase {
+  std::array<std::string, 8> force_links;  // in the order of the topic foot_force
+  std::string imu_link;
+  double mass_tolerance = 0.01;  // standard deviations: share of the mass of links that move as one
+  double com_tolerance_m = 1e-3;     // of their centre of mass, per axis
+  double tilt_tolerance_rad = 1e-3;  // of the IMU against the base, about x and y
+};
+
 struct RobotModel {
   std::string name;
   std::string urdf_path;  // relative to the model file; empty: none
   std::vector<JointModel> joints;
+  std::vector<Payload> payloads = {};
+  std::optional<FloatingBase> floating_base = std::nullopt;
 };
 
 }  // namespace sinew::actuator

@@ -8,10 +8,13 @@
 // priors of the declared tolerances; their 95 % intervals come from the scores of long blocks
 // (identify/block_regression.h), because what is left is correlated:
 //
-//     cov = A^-1 (sum_b s_b s_b' + P) A^-1,   A = X'X + P,   P the priors' precision
+//     cov = A^-1 (sum_b s_b s_b' / f^2 + P) A^-1,   A = X'X / f + P,   P the priors' precision
 //
-// A payload is (m, m c): its mass and its place c in the frame of the group's first link. A
-// coordinate of c whose interval is wider than kWidestPlace_m is not excited: an upright torso
+// f, the dispersion, is explained in stance_sizes.h.
+//
+// A payload is its mass and its first moments about the middle of its group; of these, the one
+// along the vertical only where the group turns against it (kLeastTurn_rad). A coordinate of its
+// place whose interval is wider than kWidestPlace_m is reported as not excited: an upright torso
 // does not show the height of what it carries. What the payload adds to the moments of inertia is
 // left out: a point mass at the largest distance, 4 kg at 0.3 m, is 0.36 kg m^2, which the angular
 // acceleration of a torso that stays upright does not excite.
@@ -40,12 +43,13 @@ namespace sinew::stance_fit {
 inline constexpr double kWidestPlace_m = 0.02;
 
 // What is known of the declared bodies and of the IMU beforehand: standard deviations. The defaults
-// are those of a robot whose links were weighed on a kitchen scale and measured by ruler, and of an
-// IMU that was levelled with a spirit level.
+// are those of a robot whose links were weighed on a kitchen scale and measured by ruler, of an IMU
+// that was levelled with a spirit level, and of force sensors that were calibrated with a weight.
 struct Tolerances {
-  double mass_share = 0.01;  // of each rigid group's mass
-  double com_m = 1e-3;       // of its centre of mass, per axis
-  double tilt_rad = 1e-3;    // of the IMU against the base, about x and y
+  double mass_share = 0.01;   // of each rigid group's mass
+  double com_m = 1e-3;        // of its centre of mass, per axis
+  double tilt_rad = 1e-3;     // of the IMU against the base, about x and y
+  double force_share = 3e-3;  // of the gain that the feet's sensors have in common
 };
 
 struct StanceOptions {
@@ -59,7 +63,8 @@ struct PlacedPayload {
   std::string link_name;
   std::vector<std::string> rigid_with;  // links of the group: no recorded joint moved between them
   double mass_kg = 0.0, mass_half_width_95 = 0.0;
-  Eigen::Vector3d place_m = Eigen::Vector3d::Zero();  // of the link's frame; 0 if not excited
+  // In the link's frame; along an axis that does not show it is that of the link's centre of mass.
+  Eigen::Vector3d place_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d place_half_width_95 = Eigen::Vector3d::Zero();
   std::array<bool, 3> excited{};  // of x, y, z
 };
@@ -80,6 +85,14 @@ struct StanceEffect {
 struct StanceError {
   double moment_x_Nm = 0.0, moment_y_Nm = 0.0, force_z_N = 0.0;  // rows that close alone
   double share = 0.0;  // of all channels, in units of the sensors' noise
+  // Of StanceResult::moving_joints, once the forces that no sensor measures took what fits them.
+  std::vector<double> joints_Nm;
+};
+
+// What the rows that close alone leave over time: m_x, m_y, f_z.
+struct BalanceSeries {
+  Eigen::VectorXd time_s;         // of the recordings, one after the other
+  Eigen::MatrixXd before, after;  // rows x 3, Nm, Nm, N
 };
 
 // Smallest size found in 80 % of such recordings (trace/sensitivity.h).
@@ -100,10 +113,14 @@ struct StanceResult {
   std::vector<SmallestSize> detectable;
   StanceError train_before, train_after;  // as declared; refitted with the effects in the model
   StanceError held_out_before, held_out_after;  // 0 without held-out recordings
+  BalanceSeries held_out;                       // empty without
+  std::vector<std::string> moving_joints;
   std::size_t rows = 0, blocks = 0;
   Eigen::Index channels = 0;
   double low_pass_Hz = 0.0;
-  actuator::RobotModel corrected;  // with the terms and payloads that are in_model
+  // With the terms and payloads that are in_model: a term that the joint has already is changed, a
+  // payload is added to those that are declared.
+  actuator::RobotModel corrected;
   std::vector<PlacedPayload> payloads;
 };
 

@@ -27,6 +27,11 @@ constexpr std::array<Eigen::Index, kUnknownsPerFoot> kOwnRow = {3, 4, 2};
 constexpr double kQuietest = 6e-4;
 // Low-pass where no joint moves: four times the sway of a pendulum of 1 m, sqrt(g / l) / 2 pi.
 constexpr double kSway_Hz = 2.0;
+// Low-pass at the widest: ten harmonics of squats of 2 s, and more than twice the 2 Hz at which
+// robots/biped rocks on its feet. The angles of the joints would often allow more, but not the
+// rates of the IMU, differentiated: their noise is in the column of a payload and in the declared
+// bodies' part of the balance at once, so that a fit cancels it by a payload that is not there.
+constexpr double kWidest_Hz = 5.0;
 // An angle by which a derivative with respect to the tilt of the IMU is taken; the equations are
 // linear in it to 1e-4 of their size.
 constexpr double kSmallTilt_rad = 1e-4;
@@ -69,7 +74,7 @@ struct StanceModel::Motion {
   Eigen::MatrixXd w, dw;                 // rows x 3, world axes
   Eigen::MatrixXd origin_v, origin_a;    // of the base, rows x 3, world axes
   Eigen::MatrixXd force_N;               // rows x 8, as measured
-  Eigen::MatrixXd smooth_force_N;        // the same behind the low-pass
+  Eigen::RowVectorXd mean_force_N;       // over the rows in use
   Eigen::MatrixXd drive_Nm;              // rows x joints of the model, as measured
   std::vector<std::vector<effects::JointSample>> samples;  // [joint][row]
   std::vector<std::vector<char>> usable;                   // [joint][row]
@@ -82,25 +87,12 @@ struct StanceModel::Instant {
 };
 
 struct StanceModel::Equation {
-  Eigen::VectorXd left;                   // S' tau + J' f - Y phi_nominal, 6 + n rows
-  Eigen::VectorXd forces, smooth_forces;  // J' f
-  Eigen::MatrixXd unknown;                // J_t', 6 + n rows x 6
-  Eigen::Matrix3d to_ground;              // Cross(G from the base's origin)
+  Eigen::VectorXd left;                 // S' tau + J' f - Y phi_nominal, 6 + n rows
+  Eigen::VectorXd forces, mean_forces;  // J' f
+  Eigen::MatrixXd unknown;              // J_t', 6 + n rows x 6
+  Eigen::Matrix3d to_ground;            // Cross(G from the base's origin)
   arm::FloatingMotion motion;
 };
-
-Eigen::VectorXd StanceRows::AtJoint(const StanceLayout& layout, std::size_t joint,
-                                    const Eigen::Ref<const Eigen::VectorXd>& torque_Nm) const {
-  const auto row = static_cast<Eigen::Index>(joint) + kBaseRows;
-  const auto found = std::find(layout.rows.begin(), layout.rows.end(), row);
-  Eigen::VectorXd out = Eigen::VectorXd::Zero(stacked());
-  if (found == layout.rows.end()) return out;
-  const Eigen::Index at = found - layout.rows.begin(), m = layout.channels();
-  for (Eigen::Index i = 0; i < size(); ++i) {
-    out.segment(i * m, m) = torque_Nm[i] * project[static_cast<std::size_t>(i)].col(at);
-  }
-  return out;
-}
 
 StanceModel::StanceModel(const arm::Chain& chain, const actuator::RobotModel& robot,
                          const StanceConfig& config)
@@ -147,17 +139,6 @@ StanceModel::StanceModel(const arm::Chain& chain, const actuator::RobotModel& ro
   const Instant at = At(Eigen::VectorXd::Zero(dynamics_.joints()));
   for (const Eigen::Vector3d& p : at.p) reach_m_ = std::max(reach_m_, p.norm());
   for (const Eigen::Vector3d& p : at.sensor) reach_m_ = std::max(reach_m_, p.norm());
-}
-
-double StanceModel::MassOf(const RigidGroup& group) const {
-  double sum = group.link == arm::kBaseLink ? links_.base[0] : 0.0;
-  for (const arm::MovingLink& link : links_.links) {
-    const auto& names = group.link_names;
-    if (std::find(names.begin(), names.end(), link.link_name) != names.end()) {
-      sum += link.inertial[0];
-    }
-  }
-  return sum;
 }
 
 StanceModel::Instant StanceModel::At(const Eigen::Ref<const Eigen::VectorXd>& q) const {
@@ -239,6 +220,7 @@ StanceModel::Motion StanceModel::MotionOf(
   }
   Motion out;
   out.force_N = recording.foot_force_N;
+  out.mean_force_N = out.force_N.colwise().mean();
   out.q = out.v = out.a = Eigen::MatrixXd::Zero(rows, dynamics_.joints());
   out.drive_Nm.resize(rows, static_cast<Eigen::Index>(robot_.joints.size()));
   for (std::size_t j = 0; j < robot_.joints.size(); ++j) {
@@ -266,7 +248,6 @@ StanceModel::Motion StanceModel::MotionOf(
   }
   const identify::ProcessingOptions& low_pass = processing.front();
   const double rate_Hz = 1.0 / recording.period_s;
-  out.smooth_force_N = SmoothColumns(out.force_N, low_pass, rate_Hz);
   // Small turns against the first orientation, so that they can be filtered.
   std::vector<Eigen::Quaterniond> read;
   for (Eigen::Index i = 0; i < rows; ++i) {
@@ -286,7 +267,7 @@ StanceModel::Motion StanceModel::MotionOf(
   turn = SmoothColumns(turn, low_pass, rate_Hz);
   const Eigen::MatrixXd w_imu = SmoothColumns(recording.angular_velocity_rad_s, low_pass, rate_Hz);
   out.w.resize(rows, 3);
-  Eigen::MatrixXd origin(rows, 3);
+  Eigen::MatrixXd mean(rows, 3);  // place of the force sensors, base axes
   for (Eigen::Index i = 0; i < rows; ++i) {
     const double angle = turn.row(i).norm();
     Eigen::Quaterniond now = read.front();
@@ -296,14 +277,24 @@ StanceModel::Motion StanceModel::MotionOf(
     out.turn.push_back(now);
     out.w.row(i) = now * (base_from_imu_ * w_imu.row(i).transpose());
     const Instant at = At(out.q.row(i).transpose());
-    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-    for (const Eigen::Vector3d& sensor : at.sensor) mean += sensor / kFootSensors;
-    origin.row(i) = -(now * mean).transpose();
+    mean.row(i).setZero();
+    for (const Eigen::Vector3d& sensor : at.sensor)
+      mean.row(i) += sensor.transpose() / kFootSensors;
   }
-  // Angles and turns are filtered already.
+  // Angles and rates are filtered already.
   out.dw = RateOfColumns(out.w, recording.period_s);
-  out.origin_v = RateOfColumns(origin, recording.period_s);
-  out.origin_a = RateOfColumns(out.origin_v, recording.period_s);
+  const Eigen::MatrixXd mean_v = RateOfColumns(mean, recording.period_s);
+  const Eigen::MatrixXd mean_a = RateOfColumns(mean_v, recording.period_s);
+  out.origin_v.resize(rows, 3);
+  out.origin_a.resize(rows, 3);
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    const Eigen::Quaterniond& R = out.turn[static_cast<std::size_t>(i)];
+    const Eigen::Vector3d w = out.w.row(i), dw = out.dw.row(i);
+    const Eigen::Vector3d c = R * mean.row(i).transpose(), v = R * mean_v.row(i).transpose();
+    out.origin_v.row(i) = -(w.cross(c) + v);
+    out.origin_a.row(i) =
+        -(dw.cross(c) + w.cross(w.cross(c)) + 2.0 * w.cross(v) + R * mean_a.row(i).transpose());
+  }
   return out;
 }
 
@@ -344,14 +335,14 @@ StanceModel::Equation StanceModel::EquationAt(const Motion& motion, Eigen::Index
                                  : axis.dot((point - R * at.p[l]).cross(force) + moment);
     }
   };
-  out.forces = out.smooth_forces = Eigen::VectorXd::Zero(dynamics_.freedom());
+  out.forces = out.mean_forces = Eigen::VectorXd::Zero(dynamics_.freedom());
   for (std::size_t k = 0; k < kFootSensors; ++k) {
     const auto sensor = static_cast<Eigen::Index>(k);
     const Eigen::Vector3d point = R * at.sensor[k], zero = Eigen::Vector3d::Zero();
     const Eigen::Vector3d measured(0.0, 0.0, motion.force_N(i, sensor));
-    const Eigen::Vector3d smooth(0.0, 0.0, motion.smooth_force_N(i, sensor));
+    const Eigen::Vector3d mean(0.0, 0.0, motion.mean_force_N[sensor]);
     add(k / kSensorsPerFoot, point, measured, zero, out.forces);
-    add(k / kSensorsPerFoot, point, smooth, zero, out.smooth_forces);
+    add(k / kSensorsPerFoot, point, mean, zero, out.mean_forces);
   }
   out.unknown = Eigen::MatrixXd::Zero(dynamics_.freedom(), kFeet * kUnknownsPerFoot);
   for (std::size_t side = 0; side < kFeet; ++side) {
@@ -369,28 +360,6 @@ StanceModel::Equation StanceModel::EquationAt(const Motion& motion, Eigen::Index
   out.left = out.forces - needed;
   for (std::size_t j = 0; j < joint_.size(); ++j) {
     out.left[kBaseRows + joint_[j]] += motion.drive_Nm(i, static_cast<Eigen::Index>(j));
-  }
-  return out;
-}
-
-std::vector<RigidGroup> StanceModel::Groups(const std::vector<char>& moves) const {
-  std::vector<RigidGroup> out = {{arm::kBaseLink, "", {}}};
-  const std::string first = dynamics_.parameter_names().front();
-  out.front().name = first.substr(0, first.rfind('.'));
-  out.front().link_names.push_back(out.front().name);
-  std::vector<std::size_t> group_of;
-  for (std::size_t l = 0; l < links_.links.size(); ++l) {
-    const arm::MovingLink& link = links_.links[l];
-    const auto found = std::find(joint_.begin(), joint_.end(), static_cast<Eigen::Index>(l));
-    const bool parted =
-        found != joint_.end() && moves[static_cast<std::size_t>(found - joint_.begin())] != 0;
-    std::size_t group = link.parent < 0 ? 0 : group_of[static_cast<std::size_t>(link.parent)];
-    if (parted) {
-      group = out.size();
-      out.push_back({static_cast<int>(l), link.link_name, {}});
-    }
-    out[group].link_names.push_back(link.link_name);
-    group_of.push_back(group);
   }
   return out;
 }
@@ -421,7 +390,7 @@ StanceLayout StanceModel::Layout(const std::vector<StanceRecording>& train) cons
     if (out.moves[j]) widest_Hz = std::max(widest_Hz, cutoff_Hz);
   }
   for (identify::ProcessingOptions& options : out.processing) {
-    options.state_cutoff_Hz = widest_Hz > 0.0 ? widest_Hz : kSway_Hz;
+    options.state_cutoff_Hz = widest_Hz > 0.0 ? std::min(widest_Hz, kWidest_Hz) : kSway_Hz;
     options.border_s = 2.0 / options.state_cutoff_Hz;
   }
   out.groups = Groups(out.moves);
@@ -430,7 +399,39 @@ StanceLayout StanceModel::Layout(const std::vector<StanceRecording>& train) cons
     if (out.moves[j]) out.rows.push_back(kBaseRows + static_cast<Eigen::Index>(j));
   }
   FindBasis(train, &out);
+  FindAxes(train, &out);
   return out;
+}
+
+void StanceModel::FindAxes(const std::vector<StanceRecording>& train, StanceLayout* layout) const {
+  std::vector<Eigen::Vector3d> sum(layout->groups.size(), Eigen::Vector3d::Zero());
+  double count = 0.0;
+  for (const StanceRecording& recording : train) {
+    const Motion motion = MotionOf(recording, layout->processing);
+    for (const Eigen::Index i : RowsInUse(motion, *layout)) {
+      const Instant at = At(motion.q.row(i).transpose());
+      const Eigen::Vector3d up =
+          motion.turn[static_cast<std::size_t>(i)].conjugate() * Eigen::Vector3d::UnitZ();
+      for (std::size_t g = 0; g < sum.size(); ++g) {
+        const int link = layout->groups[g].link;
+        sum[g] += link < 0 ? up : at.R[static_cast<std::size_t>(link)].transpose() * up;
+      }
+      count += 1.0;
+    }
+  }
+  for (std::size_t g = 0; g < sum.size(); ++g) {
+    RigidGroup& group = layout->groups[g];
+    // Of unit vectors the length of the mean is sqrt(1 - mean square of their distances to it).
+    const Eigen::Vector3d mean = sum[g] / std::max(1.0, count);
+    const double turn_rad = std::sqrt(std::max(0.0, 1.0 - mean.squaredNorm()));
+    group.excited = turn_rad > kLeastTurn_rad ? 3 : 2;
+    group.axes.col(2) = mean.normalized();
+    const Eigen::Vector3d other = std::abs(group.axes(1, 2)) < std::abs(group.axes(0, 2))
+                                      ? Eigen::Vector3d::UnitY()
+                                      : Eigen::Vector3d::UnitX();
+    group.axes.col(1) = group.axes.col(2).cross(other).normalized();
+    group.axes.col(0) = group.axes.col(1).cross(group.axes.col(2));
+  }
 }
 
 std::vector<Eigen::Index> StanceModel::RowsInUse(const Motion& motion,
@@ -536,8 +537,9 @@ void StanceModel::FindBasis(const std::vector<StanceRecording>& train, StanceLay
 }
 
 StanceRows StanceModel::Rows(const StanceRecording& recording, const StanceLayout& layout) const {
-  const Motion motion = MotionOf(recording, layout.processing);
+  Motion motion = MotionOf(recording, layout.processing);
   const std::vector<Eigen::Index> used = RowsInUse(motion, layout);
+  if (!used.empty()) motion.mean_force_N = motion.force_N(used, Eigen::all).colwise().mean();
   const std::vector<Eigen::Index> rows = OfDynamics(layout), unknown = UnknownsOf(layout);
   const auto n = static_cast<Eigen::Index>(used.size());
   const Eigen::Index m = layout.channels();
@@ -572,7 +574,7 @@ StanceRows StanceModel::Rows(const StanceRecording& recording, const StanceLayou
     const Eigen::MatrixXd basis = free * of_free.operatorInverseSqrt();
     const Eigen::MatrixXd project = basis.transpose() * layout.noise.cwiseInverse().asDiagonal();
     out.target.segment(i * m, m) = project * equation.left(rows);
-    out.forces.block(i * m, 0, m, 1) = -project * equation.smooth_forces(rows);
+    out.forces.block(i * m, 0, m, 1) = -project * equation.mean_forces(rows);
     out.base.row(i) << equation.left[kMomentX], equation.left[kMomentY], equation.left[kForceZ];
     for (Eigen::Index axis = 0; axis < 2; ++axis) {
       const Eigen::Matrix3d turned =

@@ -25,10 +25,17 @@
 // base that it enters by itself. A squat with yaw and roll at rest keeps m_x, m_y, f_z, f_x and six
 // joints, 10 rows less 2 unknowns; a robot that stands still keeps m_x, m_y and f_z.
 //
-// Motion. Angles through the low-pass of identify/processing_settings.h, differentiated as there.
+// Motion. Angles through the low-pass of identify/processing_settings.h, at most at 5 Hz,
+// differentiated as there.
 // Orientation and angular velocity of the base are the IMU's, through the same low-pass. Base
-// velocity and acceleration: the mean of the places that the force sensors touch does not move, so
-// the base's origin is at minus that mean in the base's axes. Joints that the model does not name
+// velocity and acceleration: the mean of the places that the force sensors touch does not move.
+// With c that mean from the base's origin, in the base's axes, R the base's orientation, w its
+// angular velocity (in the world's),
+//
+//     v = -(w x R c + R c'),   a = -(w' x R c + w x (w x R c) + 2 w x R c' + R c'')
+//
+// so that w is differentiated once and the orientation never: 1 mrad of it, twice differentiated
+// below 10 Hz, would be 1 m/s^2 at the end of a leg. Joints that the model does not name
 // (elastic toes) are rigid at 0.
 //
 // Rows in use: every moving joint away from rest and reversals (identify/processing.h), and both
@@ -66,6 +73,12 @@ inline constexpr double kLeastLoad = 0.15;
 inline constexpr double kCentral = 0.9;
 inline constexpr double kWeakest = 0.1;
 
+// How far a link has to turn against the vertical for a payload's place along the vertical to show,
+// rms. The moment of a place c along it is m g c sin(turn); below this, what the noise of the IMU
+// puts into the same column, and into the declared bodies' part of the balance, is as large: the
+// estimate would cancel that noise by a payload far below the ground.
+inline constexpr double kLeastTurn_rad = 0.1;
+
 // A joint moves when it is in use in this share of the rows; else it stands. Guards about reversals
 // leave a third of the strokes of one that moves all the time (identify/processing_settings.cc),
 // the borders of a recording half of that; of one that stands noise leaves none.
@@ -99,6 +112,15 @@ struct RigidGroup {
   int link = arm::kBaseLink;            // nearest to the base, whose frame counts
   std::string name;                     // of that link
   std::vector<std::string> link_names;  // all of them, links on fixed joints apart
+  // Centre of mass of the first link, in its frame; and how far the farthest link or joint of the
+  // group is from it, joints at 0.
+  Eigen::Vector3d center_m = Eigen::Vector3d::Zero();
+  double size_m = 0.0;
+  // Of the place of a payload on it, an orthonormal basis in the first link's frame; the last axis
+  // is the mean direction of the vertical. The first `excited` of them show: the last only where
+  // the vertical turns against the link by kLeastTurn_rad, rms.
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+  int excited = 2;
 };
 
 // What all recordings of one analysis share: found from those that are trained on.
@@ -128,7 +150,8 @@ struct StanceRows {
   Eigen::MatrixXd drive;   // used rows x joints, measured torque at the declared drive factor
   Eigen::VectorXd target;  // S' tau + J' f - Y phi_nominal, stacked
   Eigen::MatrixXd bodies;  // Y of m, m x, m y, m z of each group's first link, stacked
-  // -J' f behind the low-pass: all sensors read too high by the same share, stacked.
+  // -J' of the recording's mean forces: all sensors read too high by the same share, stacked. Not
+  // of the forces themselves: their noise is in the target as well.
   Eigen::MatrixXd forces;
   Eigen::MatrixXd tilt;       // of target per rad by which the IMU is turned about x, y, stacked
   Eigen::MatrixXd base;       // target of the three rows that close alone: m_x, m_y, f_z
@@ -169,7 +192,11 @@ class StanceModel {
   bool FeetFlat(const Instant& at, const Eigen::Ref<const Eigen::VectorXd>& force_N) const;
   Equation EquationAt(const Motion& motion, Eigen::Index i, const Eigen::Matrix3d& turned) const;
   std::vector<RigidGroup> Groups(const std::vector<char>& moves) const;
+  // Middle and size; group_of: of each moving link.
+  void Measure(const std::vector<std::size_t>& group_of, std::vector<RigidGroup>* groups) const;
   std::vector<Eigen::Index> RowsInUse(const Motion& motion, const StanceLayout& layout) const;
+  // Axes of the groups, from the vertical in the rows in use.
+  void FindAxes(const std::vector<StanceRecording>& train, StanceLayout* layout) const;
   // Numbers of the layout's rows in the order of the dynamics.
   std::vector<Eigen::Index> OfDynamics(const StanceLayout& layout) const;
   // Columns of J_t' that the layout's rows contain.

@@ -143,6 +143,10 @@ class Builder {
         if (spread > 0.0) Declare(Body(g, c), spread);
       }
     }
+    if (tolerances_.force_share > 0.0) {
+      Declare(Stacked([](const StanceRows& rows) { return rows.forces; }).col(0),
+              tolerances_.force_share);
+    }
     if (tolerances_.tilt_rad > 0.0) {
       const Eigen::MatrixXd tilt = Stacked([](const StanceRows& rows) { return rows.tilt; });
       for (Eigen::Index axis = 0; axis < tilt.cols(); ++axis) {
@@ -177,16 +181,23 @@ class Builder {
     out_.subjects.push_back(subject);
   }
 
+  // Mass at the middle of the group, then first moments about it along the axes that show.
   void AddPayloads() {
     const double mass = trace::kPlausibleShare * model_.mass_kg();
     for (std::size_t g = 0; g < layout_.groups.size(); ++g) {
-      Hypothesis h = Named("payload of " + layout_.groups[g].name, "payload", "");
-      for (int c = 0; c < kPayloadColumns; ++c) {
-        const double largest = c == 0 ? mass : mass * model_.reach_m();
-        const Columns at = AddColumn(Body(g, c), largest);
-        h.columns.push_back(at.front());
-        h.lower.push_back(c == 0 ? 0.0 : -2.0 * largest);
+      const RigidGroup& group = layout_.groups[g];
+      const Eigen::MatrixXd body =
+          bodies_.middleCols(kPayloadColumns * static_cast<Eigen::Index>(g), kPayloadColumns);
+      Hypothesis h = Named("payload of " + group.name, "payload", "");
+      const auto add = [&](const Eigen::VectorXd& column, double largest, double lower) {
+        h.columns.push_back(AddColumn(column, largest).front());
+        h.lower.push_back(lower);
         h.upper.push_back(2.0 * largest);
+      };
+      add(body.col(0) + body.rightCols<3>() * group.center_m, mass, 0.0);
+      const double moment = mass * group.size_m;
+      for (int axis = 0; axis < group.excited; ++axis) {
+        add(body.rightCols<3>() * group.axes.col(axis), moment, -2.0 * moment);
       }
       h.settings.push_back({{}, h.columns});
       Finish(std::move(h), {Subject::Kind::kPayload, g}, 0.0);
@@ -214,7 +225,17 @@ class Builder {
                  double rms, double peak) {
     const std::shared_ptr<const effects::Effect> effect =
         effects::MakeEffect(name, joint.constants);
-    if (joint.Find(name) >= 0 && effect->info().nonlinear.empty()) return;
+    // More or less of a declared term than its tolerance allows; without a tolerance the refit
+    // takes it all.
+    const int known = effect->info().nonlinear.empty() ? joint.Find(name, joint.balance) : -1;
+    const actuator::Term* declared =
+        known >= 0 ? &joint.terms[static_cast<std::size_t>(known)] : nullptr;
+    if (declared != nullptr &&
+        std::any_of(declared->linear.begin(), declared->linear.end(), [](const auto& value) {
+          return !value.fixed && !(actuator::PriorSpread(value) > 0.0);
+        })) {
+      return;
+    }
     // A declared drive factor that is refitted is this one.
     const bool stated =
         name == kTorqueConstant &&
@@ -248,7 +269,9 @@ class Builder {
         // Nothing is stronger than what the drive was seen to do.
         const effects::ParameterInfo& info = effect->info().linear[static_cast<std::size_t>(c)];
         const double most = largest > 0.0 ? peak / largest : 0.0;
-        h.lower.push_back(info.lower < 0.0 ? -most : 0.0);
+        const double less =
+            declared != nullptr ? declared->linear[static_cast<std::size_t>(c)].value : 0.0;
+        h.lower.push_back(info.lower < 0.0 ? -most : -less);
         h.upper.push_back(info.upper > 0.0 ? most : 0.0);
       }
       h.settings.push_back({psi, h.columns});

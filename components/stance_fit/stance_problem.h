@@ -3,11 +3,12 @@
 //
 //     target = declared b + columns c + noise
 //
-// declared: free parameters of the joints' terms (as changes of their values), bodies and tilt of
-// the IMU within their tolerances. columns: a payload on each rigid group (m, m x, m y, m z);
-// friction of each moving joint, by effect of the catalogue; its torque constant; the gain of the
-// feet's sensors (`load_cell_gain`); free curves over each moving joint's angle and velocity. The
-// noise of each channel has a colour of its own (trace/noise_model.h). Pure; allocates.
+// declared: free parameters of the joints' terms (as changes of their values), bodies, gain of the
+// feet's sensors and tilt of the IMU within their tolerances. columns: a payload on each rigid
+// group (mass at its middle, first moments about that along the axes that show); friction of each
+// moving joint, by effect of the catalogue; its torque constant; the gain of the feet's sensors
+// (`load_cell_gain`); free curves over each moving joint's angle and velocity. The noise of each
+// channel has a colour of its own (trace/noise_model.h). Pure; allocates.
 #pragma once
 
 #include <optional>

@@ -18,7 +18,8 @@ using networks::Method;
 using networks::PublishedModel;
 using report::Text;
 
-constexpr int kFairBatch = 64;     // as of the other tables
+// No training that is scored has the seed of those that choose hyper-parameters.
+constexpr std::uint64_t kSearchSeed = 1000;
 constexpr double kEsnGoal = 0.86;  // test MSE of the ESN over the FFNN's: published 0.0157 / 0.0183
 
 LegsScores EmptyScores(int seeds) {

@@ -453,6 +453,11 @@ def model(sea_pea):
     for side in ("left", "right"):
         for row in LEG_JOINTS:
             out += joint_model(side, row, sea_pea)
+    out += ["floating_base:", "  foot_force:          # in the order of the topic"]
+    for side in ("right", "left"):
+        for place in ("rear_outer", "rear_inner", "front_outer", "front_inner"):
+            out.append(f"    - {side}_force_{place}")
+    out.append("  imu: imu")
     return "\n".join(out + [""])
 
 

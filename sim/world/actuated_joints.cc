@@ -145,6 +145,7 @@ void ActuatedJoints::Reset(std::span<const double> body_inertia_kg_m2) {
     joint.pneumatics.Reset(joint.config.position_rad);
     if (joint.config.has_pneumatics) joint.plant.SetPressure(joint.pneumatics.pressure_bar(), 0.0);
     joint.relays = {};
+    joint.steps = 0;
     joint.gas.Reset();
     joint.load_force_N = 0.0;
     joint.follows = false;
@@ -187,6 +188,7 @@ void ActuatedJoints::Command(const provider::PlantCommand& command) noexcept {
     drive.velocity_rad_s = command.velocity_rad_s[j];
     if (static_cast<int>(j) == lost_drive_) drive = {};
     joint.plant.SetCommand(drive);
+    joint.steps = 0;
     const double force_N = disturbance_.hand_force_N[j];
     const double payload_kg = disturbance_.extra_payload_kg[j];
     joint.load_force_N = std::isfinite(force_N) ? force_N : 0.0;
@@ -220,6 +222,11 @@ void ActuatedJoints::End(int index, double position_rad, double velocity_rad_s,
                          double dt_s) noexcept {
   Joint& joint = joints_[static_cast<std::size_t>(index)];
   joint.plant.End(position_rad, velocity_rad_s, dt_s);
+  if (joint.steps == 0) joint.mean_drive_input = joint.mean_drive_torque_Nm = 0.0;
+  ++joint.steps;  // equal values have that mean to the bit
+  joint.mean_drive_input += (joint.plant.drive_input() - joint.mean_drive_input) / joint.steps;
+  joint.mean_drive_torque_Nm +=
+      (joint.plant.drive_torque_Nm() - joint.mean_drive_torque_Nm) / joint.steps;
   if (joint.config.has_pneumatics && !joint.follows) {
     StepPneumatics(&joint, position_rad, velocity_rad_s, dt_s);
   }
@@ -251,12 +258,13 @@ void ActuatedJoints::Read(int index, double position_rad, double velocity_rad_s,
   sensors->position_rad[j] =
       joint.prismatic ? reading : Quantised(reading, joint.config.output_encoder_counts);
   sensors->velocity_rad_s[j] = velocity_rad_s;
-  sensors->torque_Nm[j] = joint.plant.drive_torque_Nm();
+  const bool moved = joint.steps > 0;
+  sensors->torque_Nm[j] = moved ? joint.mean_drive_torque_Nm : joint.plant.drive_torque_Nm();
   sensors->motor_position_rad[j] =
       Quantised(joint.plant.motor_position_rad(), joint.config.motor_encoder_counts);
   sensors->motor_velocity_rad_s[j] = joint.plant.motor_velocity_rad_s();
   (joint.current_drive ? sensors->motor_current_A[j] : sensors->drive_voltage_V[j]) =
-      joint.plant.drive_input();
+      moved ? joint.mean_drive_input : joint.plant.drive_input();
   sensors->motor_temperature_degC[j] = joint.plant.motor_temperature_degC();
   if (joint.config.has_pneumatics) {
     sensors->chamber_pressure_bar[j] = joint.pneumatics.pressure_bar();

@@ -91,8 +91,10 @@ class ActuatedJoints {
   JointLoad Begin(int index, double position_rad, double velocity_rad_s, double dt_s) noexcept;
   void End(int index, double position_rad, double velocity_rad_s, double dt_s) noexcept;
 
-  // Readings of one joint's sensors and the state of its gear. Sets `fault` and `message` where
-  // angle or velocity is not finite.
+  // Readings of one joint's sensors and the state of its gear. Current (or voltage) and torque are
+  // the means over the cycle, as meters of that bandwidth read: within a cycle the set point stands
+  // still, and a position loop's torque falls by what its rotor runs ahead of it. Sets `fault` and
+  // `message` where angle or velocity is not finite.
   void Read(int index, double position_rad, double velocity_rad_s, provider::PlantSensors* sensors,
             provider::GearTruth* truth) const;
 
@@ -110,6 +112,9 @@ class ActuatedJoints {
     bool follows = false;  // a recording's surroundings
     bool pressure_imposed = false;
     double imposed_pressure_bar = 0.0;
+    // Means over the steps since the last command, of which there were so many.
+    double mean_drive_input = 0.0, mean_drive_torque_Nm = 0.0;
+    int steps = 0;
   };
 
   const Joint& at(int joint) const { return joints_[static_cast<std::size_t>(joint)]; }

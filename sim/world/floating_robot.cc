@@ -64,6 +64,7 @@ FloatingRobot::FloatingRobot(const FloatingRobotConfig& config)
       ground_config_(config.ground),
       ground_(config.ground),
       substep_s_(config.substep_s),
+      noise_(config.noise),
       factor_(chain_.parents()),
       force_axes_("the IMU's specific force", config.imu_errors.force, kAxes, config.seed,
                   kForceStream),
@@ -182,6 +183,8 @@ void FloatingRobot::Reset(provider::PlantSensors* sensors) {
   acceleration_.setZero();
   impulse_.setZero();
   diverged_ = false;
+  random_.seed(noise_.seed);
+  normal_.reset();
   chain_.SetState(state_);
   chain_.Inertia({}, inertia_);
   types::JointArray<double> body_inertia_kg_m2{};
@@ -423,13 +426,43 @@ void FloatingRobot::ReadSensors(provider::PlantSensors* sensors) {
   CopyQuaternion(state_.orientation, &body_truth_.orientation_wxyz);
   CopyTo(state_.velocity.segment<3>(3), &body_truth_.velocity_m_s);
   CopyTo(state_.velocity.head<3>(), &body_truth_.angular_velocity_rad_s);
-  if (!base_from_imu_) return;
+  if (base_from_imu_) ReadOrientation();
+  if (noise_.any()) AddNoise(sensors);
+}
+
+void FloatingRobot::ReadOrientation() noexcept {
   const Eigen::Quaterniond world_from_imu =
       state_.orientation * Eigen::Quaterniond(base_from_imu_->linear());
   force_axes_.Read(body_sensors_.acceleration_m_s2);
   rate_axes_.Read(body_sensors_.angular_velocity_rad_s);
   CopyQuaternion(world_from_imu.normalized(), &body_sensors_.orientation_wxyz);
   body_sensors_.imu_valid = !diverged_;
+}
+
+void FloatingRobot::AddNoise(provider::PlantSensors* sensors) noexcept {
+  const auto add = [this](double deviation, double* value) {
+    *value += deviation * normal_(random_);
+  };
+  for (int j = 0; j < joints_.count(); ++j) {
+    if (!joints_.prismatic(j)) {
+      add(noise_.motor_current_A, &sensors->motor_current_A[static_cast<std::size_t>(j)]);
+    }
+  }
+  const std::size_t feet = std::min(contacts_.size(), body_sensors_.foot_force_N.size());
+  for (std::size_t i = 0; i < feet; ++i) add(noise_.foot_force_N, &body_sensors_.foot_force_N[i]);
+  if (!base_from_imu_) return;
+  Eigen::Vector3d turn;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    turn[axis] = noise_.orientation_rad * normal_(random_);
+    const auto k = static_cast<std::size_t>(axis);
+    add(noise_.angular_velocity_rad_s, &body_sensors_.angular_velocity_rad_s[k]);
+    add(noise_.acceleration_m_s2, &body_sensors_.acceleration_m_s2[k]);
+  }
+  const std::array<double, 4>& read = body_sensors_.orientation_wxyz;
+  const Eigen::Quaterniond exact(read[0], read[1], read[2], read[3]);
+  // A turn of a few milliradians: twice the vector part of its quaternion, to third order.
+  const Eigen::Quaterniond off(1.0, 0.5 * turn.x(), 0.5 * turn.y(), 0.5 * turn.z());
+  CopyQuaternion((exact * off).normalized(), &body_sensors_.orientation_wxyz);
 }
 
 }  // namespace sinew::world

@@ -31,6 +31,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -62,6 +63,22 @@ enum class StartPose {
   kAtRest,   // as rest_pose.h finds it
 };
 
+// White noise of the sensors, standard deviations of every reading; 0: none. It is in what is
+// read: the drives' own loops close on the truth. A force sensor has it where nothing touches, too,
+// and may read below 0. The first reading after Reset starts the sequence of the seed.
+struct SensorNoise {
+  std::uint64_t seed = 1;
+  double motor_current_A = 0.0;
+  double foot_force_N = 0.0;
+  double orientation_rad = 0.0;         // a turn about each axis of the IMU
+  double angular_velocity_rad_s = 0.0;  // per axis
+  double acceleration_m_s2 = 0.0;       // per axis
+  bool any() const {
+    return motor_current_A > 0.0 || foot_force_N > 0.0 || orientation_rad > 0.0 ||
+           angular_velocity_rad_s > 0.0 || acceleration_m_s2 > 0.0;
+  }
+};
+
 struct FloatingRobotConfig {
   arm::Chain chain;                      // as read from the URDF
   actuator::RobotModel model;            // a joint for every moving joint that is not passive
@@ -79,6 +96,7 @@ struct FloatingRobotConfig {
   ImuErrors imu_errors;
   SensorErrors foot_errors;  // N
   std::uint64_t seed = 1;    // of the sensors' errors
+  SensorNoise noise = {};
 };
 
 class FloatingRobot final : public provider::SimulatedPlant {
@@ -161,6 +179,8 @@ class FloatingRobot final : public provider::SimulatedPlant {
   Eigen::Vector3d AngularVelocityOfImu() const noexcept;
   void GatherFeet() noexcept;
   void ReadSensors(provider::PlantSensors* sensors);
+  void ReadOrientation() noexcept;
+  void AddNoise(provider::PlantSensors* sensors) noexcept;
 
   arm::MergedChain merged_;
   FloatingChain chain_;
@@ -174,6 +194,9 @@ class FloatingRobot final : public provider::SimulatedPlant {
   FloatingState start_, state_;
   Payload payload_;
   bool diverged_ = false;
+  SensorNoise noise_;
+  std::mt19937_64 random_;
+  std::normal_distribution<double> normal_;
 
   // Work space of a step. Vectors of joints: in the order of the chain.
   FloatingState before_;

@@ -9,6 +9,7 @@
 #include "components/trace/rules.h"
 #include "tools/sinew/close_loop.h"
 #include "tools/sinew/close_robot.h"
+#include "tools/sinew/close_stance.h"
 #include "tools/sinew/progress.h"
 
 namespace sinew::tools {
@@ -106,7 +107,10 @@ void AddCloseLoopCommand(CLI::App& app) {
       "  sinew close-loop --train monday.csv tuesday.csv wednesday.csv --out found\n"
       "  sinew close-loop --train day.csv@:60 --held-out day.csv@60: --out found\n"
       "  sinew close-loop --model robots/emps/model.yaml --map robots/emps/csv_map.yaml \\\n"
-      "    --train DATA_EMPS.csv --held-out DATA_EMPS_PULSES.csv --out found");
+      "    --train DATA_EMPS.csv --held-out DATA_EMPS_PULSES.csv --out found\n"
+      "  sinew close-loop --model robots/biped/model.yaml --train run_1.mcap --held-out run_2.mcap "
+      "\\\n"
+      "    --out found                       # payload and friction of a robot on two feet");
   command->callback([arguments] {
     ProgressBar bar("close-loop", "%", 100);
     arguments->options.progress = [&bar](const std::string&, double share) {
@@ -115,6 +119,16 @@ void AddCloseLoopCommand(CLI::App& app) {
     CloseLoopOptions& asked = arguments->options;
     asked.joint = arguments->joint.value_or(0);
     const actuator::RobotModel robot = LoadLoopInput(asked).model.robot;
+    if (StandsOnTwoFeet(robot)) {
+      const CloseStanceResult result = CloseStance(asked, arguments->joint.has_value());
+      bar.Finish();
+      if (arguments->json) {
+        std::cout << result.json;
+      } else {
+        PrintSummary(result, asked);
+      }
+      return;
+    }
     const bool arm = std::any_of(
         robot.joints.begin(), robot.joints.end(),
         [](const actuator::JointModel& joint) { return joint.Find("rigid_body") >= 0; });

@@ -6,11 +6,13 @@
 #include <numeric>
 
 #include "components/arm/file/urdf_file.h"
+#include "components/arm/payloads.h"
 #include "components/config/config.h"
 #include "components/identify/file/processing_file.h"
 #include "components/report/gate_page.h"
 #include "components/report/section.h"
 #include "components/trace/close_loop.h"
+#include "tools/sinew/find_urdf.h"
 
 namespace sinew::tools {
 
@@ -18,22 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-// As named, else beside the model file, else from where the command runs.
-fs::path FindUrdf(const CloseLoopOptions& options, const LoopInput& input) {
-  fs::path wanted = options.urdf.empty() ? fs::path(input.model.robot.urdf_path) : options.urdf;
-  if (wanted.empty()) {
-    throw UsageError(input.model_path.string() +
-                     ": joints with a term rigid_body need the arm's URDF, expected 'urdf' in the "
-                     "model file or --urdf");
-  }
-  fs::path beside = input.model_path.parent_path() / wanted;
-  if (wanted.is_relative() && fs::exists(beside)) return beside;
-  if (!fs::exists(wanted)) {
-    throw UsageError(wanted.string() + ": no such file, expected the arm's URDF");
-  }
-  return wanted;
-}
 
 Json ErrorJson(const arm::ArmError& error) {
   return {{"nrms_percent", error.nrms_percent},
@@ -171,6 +157,23 @@ void PoolFolds(const arm::Arm& arm, const std::vector<CloseLoopResult>& joints,
 
 }  // namespace
 
+std::filesystem::path FindUrdf(const CloseLoopOptions& options, const LoopInput& input) {
+  std::filesystem::path wanted =
+      options.urdf.empty() ? std::filesystem::path(input.model.robot.urdf_path) : options.urdf;
+  if (wanted.empty()) {
+    throw UsageError(
+        input.model_path.string() +
+        ": joints with a term rigid_body, and a robot on two feet, need the robot's URDF, expected "
+        "'urdf' in the model file or --urdf");
+  }
+  std::filesystem::path beside = input.model_path.parent_path() / wanted;
+  if (wanted.is_relative() && std::filesystem::exists(beside)) return beside;
+  if (!std::filesystem::exists(wanted)) {
+    throw UsageError(wanted.string() + ": no such file, expected the robot's URDF");
+  }
+  return wanted;
+}
+
 CloseRobotResult CloseRobot(const CloseLoopOptions& options, std::vector<int> joints) {
   LoopInput input = LoadLoopInput(options);
   actuator::RobotModel& robot = input.model.robot;
@@ -207,7 +210,9 @@ CloseRobotResult CloseRobot(const CloseLoopOptions& options, std::vector<int> jo
     }
     if (is_arm && faulty.empty()) {
       const fs::path urdf = FindUrdf(options, input);
-      arm.emplace(arm::ParseUrdf(config::ReadFile(urdf), urdf.string()), robot);
+      arm.emplace(
+          arm::WithPayloads(arm::ParseUrdf(config::ReadFile(urdf), urdf.string()), robot.payloads),
+          robot);
       const identify::ProcessingOptions wished =
           identify::ReadProcessing(input.model.root, robot.joints[0].kind);
       if (rotates) folds = LeaveOneOut(*arm, robot, wished, train);

@@ -3,6 +3,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -183,6 +184,50 @@ JointModel ReadJoint(const Section& section) {
   return joint;
 }
 
+Payload ReadPayload(const Section& section) {
+  const auto place = [&](const char* key, config::Range range) {
+    const std::vector<double> numbers = section.Numbers(key, range);
+    if (numbers.size() != 3) section.Fail(key, "expected x, y and z");
+    return std::array<double, 3>{numbers[0], numbers[1], numbers[2]};
+  };
+  Payload payload;
+  payload.link = section.Text("link");
+  if (section.IsScalar("mass_kg")) {
+    payload.mass_kg = section.Number("mass_kg", config::kPositive);
+  } else {
+    const Section mass = section.Child("mass_kg");
+    payload.mass_kg = mass.Number("value", config::kPositive);
+    if (mass.Has("half_width_95")) {
+      payload.half_width_95 = mass.Number("half_width_95", config::kNotNegative);
+    }
+  }
+  payload.position_m = place("position_m", {});
+  payload.declared = section.BoolOr("declared", true);
+  if (section.Has("position_half_width_95_m")) {
+    payload.position_half_width_95 = place("position_half_width_95_m", config::kNotNegative);
+  }
+  return payload;
+}
+
+FloatingBase ReadFloatingBase(const Section& section) {
+  FloatingBase base;
+  const std::vector<std::string> links = section.TextsOr("foot_force", {});
+  if (links.size() != base.force_links.size()) {
+    section.Fail("foot_force", std::to_string(links.size()) + " links, expected " +
+                                   std::to_string(base.force_links.size()) +
+                                   ", those of the topic foot_force in its order");
+  }
+  std::copy(links.begin(), links.end(), base.force_links.begin());
+  base.imu_link = section.Text("imu");
+  base.mass_tolerance =
+      section.NumberOr("mass_tolerance", base.mass_tolerance, config::kNotNegative);
+  base.com_tolerance_m =
+      section.NumberOr("com_tolerance_m", base.com_tolerance_m, config::kNotNegative);
+  base.tilt_tolerance_rad =
+      section.NumberOr("tilt_tolerance_rad", base.tilt_tolerance_rad, config::kNotNegative);
+  return base;
+}
+
 std::string Quoted(const std::string& text) {
   YAML::Emitter out;
   out << YAML::DoubleQuoted << text;
@@ -266,6 +311,34 @@ void WriteJoint(std::string& out, const JointModel& joint) {
   }
 }
 
+std::string Triple(const std::array<double, 3>& values) {
+  return "[" + Number(values[0]) + ", " + Number(values[1]) + ", " + Number(values[2]) + "]";
+}
+
+void WritePayloads(std::string& out, const std::vector<Payload>& payloads) {
+  if (payloads.empty()) return;
+  out += "payloads:\n";
+  for (const Payload& payload : payloads) {
+    out += "  - link: " + Quoted(payload.link) + "\n";
+    if (!payload.declared) out += "    declared: false\n";
+    out += "    mass_kg: {value: " + Number(payload.mass_kg);
+    if (payload.half_width_95) out += ", half_width_95: " + Number(*payload.half_width_95);
+    out += "}\n    position_m: " + Triple(payload.position_m) + "\n";
+    if (payload.position_half_width_95) {
+      out += "    position_half_width_95_m: " + Triple(*payload.position_half_width_95) + "\n";
+    }
+  }
+}
+
+void WriteFloatingBase(std::string& out, const FloatingBase& base) {
+  out += "floating_base:\n  foot_force:\n";
+  for (const std::string& link : base.force_links) out += "    - " + Quoted(link) + "\n";
+  out += "  imu: " + Quoted(base.imu_link) + "\n";
+  out += "  mass_tolerance: " + Number(base.mass_tolerance) + "\n";
+  out += "  com_tolerance_m: " + Number(base.com_tolerance_m) + "\n";
+  out += "  tilt_tolerance_rad: " + Number(base.tilt_tolerance_rad) + "\n";
+}
+
 }  // namespace
 
 ModelFile LoadModelFile(const std::filesystem::path& path) {
@@ -289,6 +362,12 @@ ModelFile LoadModelFile(const std::filesystem::path& path) {
     if (!names.insert(file.robot.joints.back().name).second) {
       joint.Fail("name", "'" + file.robot.joints.back().name + "' is given twice");
     }
+  }
+  for (const Section& payload : root.ListOrEmpty("payloads")) {
+    file.robot.payloads.push_back(ReadPayload(payload));
+  }
+  if (root.Has("floating_base")) {
+    file.robot.floating_base = ReadFloatingBase(root.Child("floating_base"));
   }
   if (file.robot.joints.empty()) root.Fail("joints", "empty, expected at least one joint");
   const YAML::Node document = YAML::Load(text);
@@ -431,6 +510,8 @@ std::string FormatModel(const RobotModel& robot,
   }
   out += "joints:\n";
   for (const JointModel& joint : robot.joints) WriteJoint(out, joint);
+  WritePayloads(out, robot.payloads);
+  if (robot.floating_base) WriteFloatingBase(out, *robot.floating_base);
   for (const auto& [key, text] : foreign_text) {
     YAML::Emitter emitter;
     emitter << YAML::BeginMap << YAML::Key << key << YAML::Value << YAML::Load(text)

@@ -23,6 +23,18 @@
 //           stribeck_velocity_rad_s: {value: 0.05, fixed: true}
 //       history:
 //         - {when: "2026-01-01T00:00:00Z", effect: stribeck, recording: train_1.csv, note: "..."}
+//   payloads:                            # optional: point masses that the URDF lacks
+//     - link: torso                      # of the URDF
+//       mass_kg: 4                       # or {value: 3.95, half_width_95: 0.25}
+//       position_m: [0.03, 0.02, 0.07]   # in the link's frame
+//       declared: false                  # added by close-loop
+//       position_half_width_95_m: [0.009, 0.009, 0.3]
+//   floating_base:                       # optional: the robot stands on two feet
+//     foot_force: [right_force_rear_outer, ...]   # eight links, in the order of the topic
+//     imu: imu                           # link
+//     mass_tolerance: 0.01               # of links that move as one: share; standard deviations
+//     com_tolerance_m: 0.001             # of their centre of mass
+//     tilt_tolerance_rad: 0.001          # of the IMU against the base
 //   processing: {...}                    # owned by identify, kept as they are
 //   as_published: {...}
 //   data_gate: {...}

@@ -1,9 +1,11 @@
 #include "components/esn/file/esn_config.h"
 
+#include <stdexcept>
 #include <string>
 
 #include "components/actuator/file/model_file.h"
 #include "components/arm/file/urdf_file.h"
+#include "components/arm/payloads.h"
 #include "components/config/config.h"
 #include "components/esn/file/weights_file.h"
 
@@ -12,9 +14,11 @@ namespace {
 
 constexpr std::string_view kSchema = "sinew-esn-participant/1";
 
-InverseDynamicsConfig ReadInverseDynamics(const config::Section& s) {
+InverseDynamicsConfig ReadInverseDynamics(const config::Section& s,
+                                          const std::filesystem::path& model) {
   InverseDynamicsConfig config;
-  config.robot = actuator::LoadRobotModel(s.ExistingPath("model"));
+  const std::filesystem::path named = s.ExistingPath("model");
+  config.robot = actuator::LoadRobotModel(model.empty() ? named : model);
   config.smoothing_rad_s = s.NumberOr("smoothing_rad_s", config.smoothing_rad_s, config::kPositive);
   if (s.ChoiceOr("state", "reference", {"reference", "measured"}) == "measured") {
     config.state = MotionState::kMeasured;
@@ -23,17 +27,23 @@ InverseDynamicsConfig ReadInverseDynamics(const config::Section& s) {
   config.proportional_1_s2 = feedback.NumberOr("proportional_1_s2", 0.0, config::kNotNegative);
   config.derivative_1_s = feedback.NumberOr("derivative_1_s", 0.0, config::kNotNegative);
   feedback.RejectUnknownKeys();
-  config.stance = ReadStance(s);
+  config.stance = ReadStance(s, config.robot);
   return config;
 }
 
 }  // namespace
 
-std::optional<StanceConfig> ReadStance(const config::Section& s) {
+std::optional<StanceConfig> ReadStance(const config::Section& s,
+                                       const actuator::RobotModel& robot) {
   if (s.ChoiceOr("stance", "none", {"none", "double"}) == "none") return std::nullopt;
   const std::filesystem::path urdf = s.ExistingPath("urdf");
   StanceConfig stance;
-  stance.chain = arm::ParseUrdf(config::ReadFile(urdf), urdf.string());
+  try {
+    stance.chain =
+        arm::WithPayloads(arm::ParseUrdf(config::ReadFile(urdf), urdf.string()), robot.payloads);
+  } catch (const std::invalid_argument& error) {
+    s.Fail("model", error.what());
+  }
   return stance;
 }
 
@@ -50,7 +60,8 @@ std::optional<Weights> LoadWeightsFor(const config::Section& s, const char* key,
   return LoadWeights(s.ExistingPath(key));
 }
 
-EsnConfig LoadEsnConfig(const std::filesystem::path& path, const WeightsPaths& given) {
+EsnConfig LoadEsnConfig(const std::filesystem::path& path, const WeightsPaths& given,
+                        const std::filesystem::path& model) {
   if (path.empty() && given.sea.empty() && given.pea.empty()) {
     throw UsageError("--config: missing, expected a file of schema " + std::string(kSchema) +
                      ", or --sea-weights or --pea-weights");
@@ -68,7 +79,7 @@ EsnConfig LoadEsnConfig(const std::filesystem::path& path, const WeightsPaths& g
     config.adaptation = s.BoolOr("adaptation", false);
   } else {
     config.mode = EsnConfig::Mode::kInverseDynamics;
-    config.inverse_dynamics = ReadInverseDynamics(s);
+    config.inverse_dynamics = ReadInverseDynamics(s, model);
   }
   s.RejectUnknownKeys();
   return config;

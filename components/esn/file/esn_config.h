@@ -30,10 +30,14 @@ struct WeightsPaths {
 std::optional<Weights> LoadWeightsFor(const config::Section& section, const char* key,
                                       const std::filesystem::path& given);
 
-// Keys `stance` (none, double) and `urdf`. Throws UsageError.
-std::optional<StanceConfig> ReadStance(const config::Section& section);
+// Keys `stance` (none, double) and `urdf`; the bodies carry the robot's payloads. Throws
+// UsageError.
+std::optional<StanceConfig> ReadStance(const config::Section& section,
+                                       const actuator::RobotModel& robot);
 
-// path may be empty when weights are given. Throws UsageError: file, line, key, expected.
-EsnConfig LoadEsnConfig(const std::filesystem::path& path, const WeightsPaths& given = {});
+// path may be empty when weights are given. model: of inverse dynamics, in place of the one that
+// the file names; empty: that one. Throws UsageError: file, line, key, expected.
+EsnConfig LoadEsnConfig(const std::filesystem::path& path, const WeightsPaths& given = {},
+                        const std::filesystem::path& model = {});
 
 }  // namespace sinew::esn

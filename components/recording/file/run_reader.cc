@@ -52,4 +52,21 @@ std::vector<types::Run> ReadRuns(const std::filesystem::path& path,
   }
 }
 
+BodyRun ReadBody(const std::filesystem::path& path) {
+  const RecordingPath given = ParseRecordingPath(path);
+  const std::string name = given.file.string();
+  if (!given.IsMcap()) {
+    throw UsageError(name + ": no recording (.mcap), expected one with foot_force and imu");
+  }
+  try {
+    FileSource source(given.file);
+    const McapReader reader(source);
+    return BodyOfRecording(reader, name);
+  } catch (const McapError& error) {
+    throw UsageError(name + ": " + error.what());
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what());
+  }
+}
+
 }  // namespace sinew::recording

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "components/recording/body_builder.h"
 #include "components/types/run.h"
 
 namespace sinew::recording {
@@ -22,5 +23,10 @@ namespace sinew::recording {
 // Throws UsageError naming the file and line, key or byte.
 std::vector<types::Run> ReadRuns(const std::filesystem::path& path,
                                  const std::filesystem::path& map = {}, int joint = 0);
+
+// Forces of the feet and IMU of an MCAP recording (body_builder.h), its whole time: of
+// FILE@START:END the range is not applied, since rows are matched with those of ReadRuns by their
+// time. Throws UsageError naming the file and the topic.
+BodyRun ReadBody(const std::filesystem::path& path);
 
 }  // namespace sinew::recording

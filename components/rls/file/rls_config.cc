@@ -48,7 +48,7 @@ RlsConfig LoadRlsConfig(const std::filesystem::path& path, const esn::WeightsPat
       static_cast<int>(s.IntegerOr("half_window_ticks", target.half_window_ticks, {1, 100}));
   target.motion_from_motor = s.ChoiceOr("motion_from", "motor", {"motor", "output"}) == "motor";
   target.smoothing_rad_s = s.NumberOr("smoothing_rad_s", target.smoothing_rad_s, config::kPositive);
-  target.stance = esn::ReadStance(s);
+  target.stance = esn::ReadStance(s, config.robot);
   AdapterConfig& adapter = config.adapter;
   Config& rls = adapter.rls;
   constexpr double kNearlyOne = 1.0 - 1e-12;

@@ -6,6 +6,7 @@
 
 #include "components/actuator/file/model_file.h"
 #include "components/arm/file/urdf_file.h"
+#include "components/arm/payloads.h"
 
 namespace sinew::world {
 
@@ -99,6 +100,22 @@ ImuErrors ReadImuErrors(const Section& section) {
   return errors;
 }
 
+SensorNoise ReadNoise(const Section& section) {
+  SensorNoise noise;
+  noise.seed = static_cast<std::uint64_t>(section.IntegerOr("seed", 1, config::kNotNegative));
+  const auto number = [&](const char* key, double* value) {
+    *value = section.NumberOr(key, 0.0, config::kNotNegative);
+  };
+  number("motor_current_A", &noise.motor_current_A);
+  number("foot_force_N", &noise.foot_force_N);
+  // Beyond this a turn is no small one.
+  noise.orientation_rad = section.NumberOr("orientation_rad", 0.0, {0.0, 0.1});
+  number("angular_velocity_rad_s", &noise.angular_velocity_rad_s);
+  number("acceleration_m_s2", &noise.acceleration_m_s2);
+  section.RejectUnknownKeys();
+  return noise;
+}
+
 FloatingBase ReadFloatingBase(const Section& section) {
   FloatingBase base;
   for (const std::string& link : section.TextsOr("contacts", {})) {
@@ -117,6 +134,7 @@ FloatingBase ReadFloatingBase(const Section& section) {
                    : StartPose::kUpright;
   base.imu_errors = ReadImuErrors(section.ChildOrEmpty("imu_errors"));
   base.foot_errors = ReadErrors(section.ChildOrEmpty("foot_errors"), "_N", {});
+  base.noise = ReadNoise(section.ChildOrEmpty("noise"));
   section.RejectUnknownKeys();
   return base;
 }
@@ -130,9 +148,16 @@ WorldFile LoadWorldFile(const std::filesystem::path& path, const std::filesystem
   const auto chosen = [&](const char* key, const std::filesystem::path& instead) {
     return instead.empty() ? root.ExistingPath(key) : instead;
   };
-  file.config.model = actuator::LoadRobotModel(chosen("model", model_path));
+  const std::filesystem::path model = chosen("model", model_path);
+  file.config.model = actuator::LoadRobotModel(model);
   file.urdf = chosen("urdf", urdf_path);
-  file.config.chain = arm::ParseUrdf(config::ReadFile(file.urdf), file.urdf.string());
+  try {
+    file.config.chain =
+        arm::WithPayloads(arm::ParseUrdf(config::ReadFile(file.urdf), file.urdf.string()),
+                          file.config.model.payloads);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(model.string() + ": " + error.what());
+  }
   const auto& models = file.config.model.joints;
   const bool has_play = std::any_of(models.begin(), models.end(),
                                     [](const auto& joint) { return joint.backlash_rad > 0.0; });
@@ -187,7 +212,8 @@ FloatingRobotConfig RobotConfig(const WorldFile& file) {
           .start = base.start,
           .imu_errors = base.imu_errors,
           .foot_errors = base.foot_errors,
-          .seed = file.seed};
+          .seed = file.seed,
+          .noise = base.noise};
 }
 
 std::unique_ptr<provider::SimulatedPlant> MakeWorld(const WorldFile& file,

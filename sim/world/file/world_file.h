@@ -4,6 +4,8 @@
 // (FloatingRobot), without it the base is fixed (World). Without `substep_s`: kRobotSubstep_s on a
 // floating base whose joints have no free play, else 1e-4.
 //
+// The chain has the model file's payloads.
+//
 // Throws UsageError (one line: file, line, key, expected), also for the URDF and the model.
 #pragma once
 
@@ -30,6 +32,7 @@ struct FloatingBase {
   StartPose start = StartPose::kUpright;
   ImuErrors imu_errors;
   SensorErrors foot_errors;
+  SensorNoise noise;
 };
 
 struct WorldFile {

@@ -258,5 +258,49 @@ TEST_F(ModelFileTest, ReportsAnErrorInARigJson) {
               HasSubstr("'mm', expected 'm'"));
 }
 
+constexpr const char* kBareTerms = "      - effect: coulomb\n        coulomb_Nm: 0.2\n";
+
+TEST_F(ModelFileTest, PayloadsAndTheFloatingBaseSurviveSaving) {
+  const RobotModel read = LoadRobotModel(
+      Write(Joint(kBareTerms,
+                  "payloads:\n  - {link: torso, mass_kg: 4, position_m: [0.03, -0.02, 0.07]}\n"
+                  "  - link: left_foot\n    declared: false\n"
+                  "    mass_kg: {value: 0.5, half_width_95: 0.1}\n    position_m: [0, 0, 0.1]\n"
+                  "    position_half_width_95_m: [0.01, 0.02, 0.3]\n"
+                  "floating_base: {foot_force: [a, b, c, d, e, f, g, h], imu: i, "
+                  "mass_tolerance: 0.02, com_tolerance_m: 0.003, tilt_tolerance_rad: 0.004}\n")));
+  SaveRobotModel(folder_ / "saved.yaml", read);
+  for (const RobotModel& robot : {read, LoadRobotModel(folder_ / "saved.yaml")}) {
+    ASSERT_EQ(robot.payloads.size(), 2u);
+    EXPECT_EQ(robot.payloads[0].link, "torso");
+    EXPECT_EQ(robot.payloads[0].mass_kg, 4.0);
+    EXPECT_EQ(robot.payloads[0].position_m, (std::array<double, 3>{0.03, -0.02, 0.07}));
+    EXPECT_TRUE(robot.payloads[0].declared);
+    EXPECT_FALSE(robot.payloads[0].half_width_95.has_value());
+    EXPECT_FALSE(robot.payloads[1].declared);
+    EXPECT_EQ(robot.payloads[1].half_width_95, 0.1);
+    EXPECT_EQ(robot.payloads[1].position_half_width_95, (std::array<double, 3>{0.01, 0.02, 0.3}));
+    ASSERT_TRUE(robot.floating_base.has_value());
+    EXPECT_EQ(robot.floating_base->force_links[7], "h");
+    EXPECT_EQ(robot.floating_base->imu_link, "i");
+    EXPECT_EQ(robot.floating_base->mass_tolerance, 0.02);
+    EXPECT_EQ(robot.floating_base->com_tolerance_m, 0.003);
+    EXPECT_EQ(robot.floating_base->tilt_tolerance_rad, 0.004);
+  }
+}
+
+TEST_F(ModelFileTest, RefusesPayloadsAndFloatingBasesThatCannotBe) {
+  const auto error = [&](const std::string& more) { return ErrorOf(Joint(kBareTerms, more)); };
+  EXPECT_THAT(error("payloads: [{link: torso, mass_kg: 0, position_m: [0, 0, 0]}]\n"),
+              HasSubstr("mass_kg"));
+  EXPECT_THAT(error("payloads: [{link: torso, mass_kg: 1, position_m: [0, 0]}]\n"),
+              HasSubstr("position_m"));
+  EXPECT_THAT(error("payloads: [{link: torso, mass_kg: 1, position_mm: [0, 0, 0]}]\n"),
+              HasSubstr("position_m"));
+  EXPECT_THAT(error("payloads: [{mass_kg: 1, position_m: [0, 0, 0]}]\n"), HasSubstr("link"));
+  EXPECT_THAT(error("floating_base: {foot_force: [a, b], imu: i}\n"), HasSubstr("2 links"));
+  EXPECT_THAT(error("floating_base: {foot_force: [a, b, c, d, e, f, g, h]}\n"), HasSubstr("imu"));
+}
+
 }  // namespace
 }  // namespace sinew::actuator

@@ -272,6 +272,52 @@ TEST(FloatingRobot, APayloadHasInertia) {
   EXPECT_EQ(falls_m_s(-1.0), without);
 }
 
+// Readings of a standing robot over `ticks` cycles: foot force 2, current of joint 3, rate of the
+// IMU about y, its turn about x.
+std::vector<std::array<double, 4>> StandingReadings(const SensorNoise& noise, int ticks) {
+  FloatingRobotConfig config = SquattingBiped();
+  config.noise = noise;
+  FloatingRobot robot(config);
+  const provider::PlantCommand command = HoldStart(config);
+  provider::PlantSensors sensors;
+  robot.Reset(&sensors);
+  std::vector<std::array<double, 4>> out;
+  for (int tick = 0; tick < ticks; ++tick) {
+    robot.Step(command, kCycle_s, &sensors);
+    const provider::BodySensors& body = *robot.body_sensors();
+    out.push_back({body.foot_force_N[2], sensors.motor_current_A[3], body.angular_velocity_rad_s[1],
+                   2.0 * body.orientation_wxyz[1] * body.orientation_wxyz[0]});
+  }
+  return out;
+}
+
+TEST(FloatingRobot, ItsSensorsHaveTheNoiseThatTheyAreGivenAndTheMotionHasNone) {
+  constexpr int kTicks = 400;
+  const SensorNoise noise = {.seed = 5,
+                             .motor_current_A = 0.03,
+                             .foot_force_N = 2.0,
+                             .orientation_rad = 1e-3,
+                             .angular_velocity_rad_s = 3e-3};
+  const std::array<double, 4> deviations = {2.0, 0.03, 3e-3, 1e-3};
+  const auto exact = StandingReadings({}, kTicks);
+  const auto noisy = StandingReadings(noise, kTicks);
+  EXPECT_EQ(noisy, StandingReadings(noise, kTicks));
+  SensorNoise other = noise;
+  other.seed = 6;
+  EXPECT_NE(noisy, StandingReadings(other, kTicks));
+  for (std::size_t k = 0; k < deviations.size(); ++k) {
+    double sum = 0.0, squares = 0.0;
+    for (std::size_t i = 0; i < exact.size(); ++i) {
+      const double off = noisy[i][k] - exact[i][k];
+      sum += off;
+      squares += off * off;
+    }
+    // Of 400 values the deviation is known to 1 / sqrt(800), the mean to 1 / 20: four of these.
+    EXPECT_NEAR(std::sqrt(squares / kTicks) / deviations[k], 1.0, 4.0 / std::sqrt(2.0 * kTicks));
+    EXPECT_NEAR(sum / kTicks / deviations[k], 0.0, 4.0 / std::sqrt(kTicks));
+  }
+}
+
 TEST(FloatingRobot, TheSpringOfAToeCarriesItsLoad) {
   const FloatingRobotConfig config = SquattingBiped();
   FloatingRobot robot(config);

@@ -11,8 +11,9 @@ namespace {
 
 using namespace sinew;
 
-void Run(const node::Options& options, node::StopFlag& stop) {
-  const esn::EsnConfig config = esn::LoadEsnConfig(options.config_path);
+void Run(const node::Options& options, node::StopFlag& stop,
+         const std::filesystem::path& model_path) {
+  const esn::EsnConfig config = esn::LoadEsnConfig(options.config_path, {}, model_path);
   if (config.mode != esn::EsnConfig::Mode::kInverseDynamics) {
     throw UsageError(options.config_path.string() +
                      ": key 'mode': network, expected inverse_dynamics; sinew-esn runs networks");
@@ -33,7 +34,14 @@ void Run(const node::Options& options, node::StopFlag& stop) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return sinew::node::RunParticipant(
+  using namespace sinew;
+  std::filesystem::path model_path;
+  return node::RunParticipant(
       argc, argv, "inverse-dynamics",
-      "Stands in for sinew-esn: the torque of the reference motion by the model file.", Run);
+      "Stands in for sinew-esn: the torque of the reference motion by the model file.",
+      [&](const node::Options& options, node::StopFlag& stop) { Run(options, stop, model_path); },
+      [&](CLI::App& app) {
+        node::AddOption(app, "--model", &model_path,
+                        "Model file that takes the place of the one the configuration names");
+      });
 }
