@@ -175,7 +175,8 @@ report::Section LegsSection(const std::vector<LegsModel>& models, const LegsTabl
          counted ? Text("%.4f +- %.4f", model.plan.test_mse, model.plan.test_sd) : "",
          MeanAndDeviation(model.published.test_mse),
          Text("%.2f", identify::Mean(model.published.seconds)),
-         MeanAndDeviation(model.fair.test_mse), Text("%.2f", identify::Mean(model.fair.seconds))});
+         MeanAndDeviation(model.fair.test_mse), Text("%.2f", identify::Mean(model.fair.seconds)),
+         model.chosen});
     if (counted && !model.plan.remark.empty()) {
       section.paragraphs.push_back(model.plan.name + ": " + model.plan.remark + ".");
     }

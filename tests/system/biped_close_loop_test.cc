@@ -48,6 +48,7 @@ fs::path WriteText(const fs::path& file, const std::string& text) {
 fs::path NoisyWorld(const fs::path& folder, int seed) {
   std::string text = TextOf(kRobotFolder + "world.yaml");
   text = Replaced(text, "urdf: biped.urdf", "urdf: " + kRobotFolder + "biped.urdf");
+  text = Replaced(text, "fall: {urdf: biped.urdf", "fall: {urdf: " + kRobotFolder + "biped.urdf");
   text = Replaced(text, "model: model.yaml", "model: " + kRobotFolder + "model.yaml");
   text = Replaced(text, "  imu: imu\n",
                   "  imu: imu\n  noise: {seed: " + std::to_string(seed) +

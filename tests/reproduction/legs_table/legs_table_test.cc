@@ -49,7 +49,9 @@ TEST(LegsTable, HasThePublishedModelsForBothCountsAndTheSameOnAnyNumberOfThreads
   EXPECT_EQ(last, total);
   EXPECT_EQ(total, 8U * (2 + 4));
   for (const LegsModel& model : models) {
-    if (model.joints == 12) EXPECT_EQ(model.parameters, model.plan.published_parameters);
+    if (model.joints == 12) {
+      EXPECT_EQ(model.parameters, model.plan.published_parameters);
+    }
     for (const double mse : model.published.test_mse) EXPECT_GT(mse, 0.0);
     EXPECT_FALSE(model.chosen.empty());
   }
