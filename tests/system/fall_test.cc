@@ -8,17 +8,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "components/node/codec.h"
 #include "components/types/angle.h"
 #include "tests/support/program.h"
 #include "tests/support/sinew_program.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/system/recording_payloads.h"
+#include "tests/system/recorded_messages.h"
 
 namespace sinew::testing {
 namespace {
@@ -55,18 +53,6 @@ struct FallSession {
   }
 };
 
-template <class Message>
-std::vector<Message> AllOf(const std::map<std::string, std::vector<std::string>>& recording,
-                           const std::string& topic) {
-  std::vector<Message> messages;
-  for (const std::string& payload : recording.at(topic)) {
-    node::Bytes bytes(payload.size());
-    std::memcpy(bytes.data(), payload.data(), payload.size());
-    EXPECT_TRUE(node::Decode(bytes, &messages.emplace_back())) << topic;
-  }
-  return messages;
-}
-
 // `disturbances`: entries of a sinew-body-disturbance/1 file; empty: that of the robot's folder.
 FallSession Launch(int domain, const std::string& disturbances,
                    const std::vector<std::string>& more = {}) {
@@ -88,9 +74,9 @@ FallSession Launch(int domain, const std::string& disturbances,
   const Finished run = Run(arguments, 200s);
   EXPECT_EQ(run.exit_code, 0) << run.output << run.error;
   const auto recording = PayloadsByTopic(file);
-  return {run.output + run.error, AllOf<msg::JointState>(recording, "joint_state"),
-          AllOf<msg::ActuatorState>(recording, "actuator_state"),
-          AllOf<msg::SimBodyTruth>(recording, "sim_body_truth")};
+  return {run.output + run.error, MessagesOf<msg::JointState>(recording, "joint_state"),
+          MessagesOf<msg::ActuatorState>(recording, "actuator_state"),
+          MessagesOf<msg::SimBodyTruth>(recording, "sim_body_truth")};
 }
 
 // The motors: no current in any joint from the fault on, to the end of the session.

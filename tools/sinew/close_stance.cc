@@ -65,6 +65,7 @@ std::vector<stance_fit::StanceRecording> ReadAll(const std::vector<fs::path>& fi
 
 std::vector<report::Recording> Described(const std::vector<stance_fit::StanceRecording>& pieces) {
   std::vector<report::Recording> out;
+  out.reserve(pieces.size());
   for (const stance_fit::StanceRecording& piece : pieces) {
     out.push_back({piece.name, recording::ContentHash(piece.joints.front()), piece.size(),
                    piece.period_s * static_cast<double>(piece.size() - 1)});

@@ -10,9 +10,10 @@
 namespace sinew::tools {
 
 struct MeasureOptions {
-  std::string config;             // sinew-performance/1
-  std::optional<double> event_s = std::nullopt;  // settle times after this, since each session's first tick
-  double band_rad = 0.01;         // settled: within this of the plateau
+  std::string config;  // sinew-performance/1
+  std::optional<double> event_s =
+      std::nullopt;        // settle times after this, since each session's first tick
+  double band_rad = 0.01;  // settled: within this of the plateau
 };
 
 // All sessions of the files, in order. Throws UsageError: a file that cannot be read, was recorded
