@@ -70,3 +70,13 @@ Strength StrengthWithoutTie(Strength own, const std::string& own_guid,
                             std::span<const Rival> rivals);
 
 }  // namespace sinew::node::internal
+
+namespace sinew::node {
+
+// Whether a writer of this strength (Endpoint::strength) has settled. Until then nothing can be
+// said about who is heard: an observer may know of the newcomer and not yet of the owner.
+inline bool HasSettled(std::uint32_t strength) noexcept {
+  return strength > internal::kJoiningStrength;
+}
+
+}  // namespace sinew::node

@@ -1,5 +1,7 @@
 #include "reproduction/squat_test/runner.h"
 
+#include <yaml-cpp/yaml.h>
+
 #include <stdexcept>
 
 #include "components/config/config.h"
@@ -18,6 +20,25 @@ const char* LoadName(Load load) {
 fs::path LoadFile(const fs::path& robot, Load load) {
   if (load == Load::kNone) return robot / "squat_test/no_load.yaml";
   return robot / (load == Load::kFromStart ? "payload_start.yaml" : "payload.yaml");
+}
+
+// robots/biped/world.yaml without its guard against falls, as a file of another folder: what is
+// compared falls by itself or not at all.
+std::string UnguardedWorld(const fs::path& robot) {
+  const fs::path file = robot / "world.yaml";
+  try {
+    YAML::Node root = YAML::Load(config::ReadFile(file));
+    root["guard"].remove("fall");
+    for (const char* key : {"urdf", "model"}) {
+      root[key] = (robot / root[key].as<std::string>()).string();
+    }
+    YAML::Emitter emitter;
+    emitter.SetDoublePrecision(17);
+    emitter << root;
+    return std::string(emitter.c_str()) + "\n";
+  } catch (const YAML::Exception& error) {
+    throw UsageError(file.string() + ": " + error.what());
+  }
 }
 
 }  // namespace
@@ -45,7 +66,8 @@ Squats RunSquats(const RunnerConfig& config, const Arm& arm, Load load) {
     return file.string();
   };
   use(run.deployment);
-  for (const char* name : {"world.yaml", "biped.urdf", "model.yaml"}) use(robot / name);
+  for (const char* name : {"biped.urdf", "model.yaml"}) use(robot / name);
+  config::WriteFileAtomically(folder / "world.yaml", UnguardedWorld(robot));
   run.overrides.settings = {
       "duration_s=" + std::to_string(end_s + kRest_s),
       "domain_id=" + std::to_string(config.domain_id), "hand.config=" + use(LoadFile(robot, load)),

@@ -210,14 +210,17 @@ report::Section MakeSection(const std::vector<Squats>& benchmark, const std::vec
   report::Section section;
   section.id = "squats";
   section.title = "Squats of the biped (tables 6.6, 6.7, 7.1; Figs 6.14, 6.20-6.22, 7.5-7.10)";
+  const auto& lifted = Find(benchmark, "pid", Load::kNone).session.output;
   section.paragraphs = {
       "Simulated here by another engine and another robot than the source's: ratios and order "
       "count, "
       "absolute values differ. Every run is the real processes in lockstep at 240 Hz.",
-      "The source gives energies without a formula. Lifting 17.1 kg by 0.4 m twice is 134 J at "
-      "most, "
-      "so its 42 J for PID + ESN cannot be positive work. Net work can be any value near the "
-      "losses, since lowering gives back what lifting took.",
+      Text("The source gives energies without a formula. By its joint angles the centre of mass "
+           "rises by %s m in all, so positive work is at least %s J: 42 J for PID + ESN can be no "
+           "positive work, and no electrical energy either. Of these definitions only net work, "
+           "which "
+           "subtracts what lowering returns, can be as small.",
+           Short(lifted.rise_m).c_str(), Short(lifted.lifting_J).c_str()),
       "With the published gains (60, 3.5, 1.0) this robot falls (robots/biped/README.md), so PID "
       "and "
       "PID + ESN have gains tuned on it, and computed torque has stiffer ones (200, 0, 5)."};

@@ -17,6 +17,7 @@
 
 #include "components/config/config.h"
 #include "components/node/node.h"
+#include "components/node/ownership.h"
 #include "tools/sinew/node_options.h"
 
 namespace sinew::tools {
@@ -47,7 +48,9 @@ std::map<std::string, bool> TopicsOf(const node::Node& node, const std::string& 
     strength = std::max(strength, endpoint.strength);
   }
   std::map<std::string, bool> heard;
-  for (const auto& [topic, strength] : own) heard[topic] = strength > others[topic];
+  for (const auto& [topic, strength] : own) {
+    heard[topic] = node::HasSettled(strength) && strength > others[topic];
+  }
   return heard;
 }
 
