@@ -70,7 +70,9 @@ Squats RunSquats(const RunnerConfig& config, const Arm& arm, Load load) {
   config::WriteFileAtomically(folder / "world.yaml", UnguardedWorld(robot));
   run.overrides.settings = {
       "duration_s=" + std::to_string(end_s + kRest_s),
-      "domain_id=" + std::to_string(config.domain_id), "hand.config=" + use(LoadFile(robot, load)),
+      "domain_id=" + std::to_string(config.domain_id),
+      "world.config=" + use(folder / "world.yaml"),
+      "hand.config=" + use(LoadFile(robot, load)),
       "reference.config=" +
           use(robot / (load == Load::kPutOn ? "reference_six.yaml" : "reference_benchmark.yaml")),
       "control.config=" + use(robot / arm.control)};
