@@ -12,6 +12,8 @@
 #include "components/provider/participant/provider_options.h"
 #include "components/provider/provider_cycle.h"
 #include "components/reference/file/reference_file.h"
+#include "components/types/angle.h"
+#include "tools/tune_pid/closed_loop.h"
 
 namespace sinew::falls {
 
@@ -135,14 +137,7 @@ class Session {
     input.reference_count = wanted_.idle ? 0 : wanted_.joint_count;
     const auto joints = static_cast<std::size_t>(plant_->joint_count());
     for (std::size_t j = 0; j < joints; ++j) {
-      control::JointMeasurement& m = input.joint[j];
-      m.valid = m.actuator_valid = sensors_.valid[j];
-      m.position_rad = sensors_.position_rad[j];
-      m.velocity_rad_s = sensors_.velocity_rad_s[j];
-      m.motor_position_rad = sensors_.motor_position_rad[j];
-      m.motor_velocity_rad_s = sensors_.motor_velocity_rad_s[j];
-      m.pressure_bar = sensors_.chamber_pressure_bar[j];
-      m.temperature_degC = sensors_.motor_temperature_degC[j];
+      input.joint[j] = tune::MeasuredJoint(sensors_, j);
       input.reference[j] = wanted_.joint[j];
     }
     if (inverse_) Predict(&input);
@@ -196,10 +191,8 @@ class Session {
 
   Truth TruthNow() const {
     const provider::BodyTruth& body = *plant_->body_truth();
-    const auto& q = body.orientation_wxyz;
-    const double up = 1.0 - 2.0 * (q[1] * q[1] + q[2] * q[2]);  // z of the base's z axis
     const double ground_m = config_.world.floating_base->ground.height_m;
-    return {.tilt_rad = std::acos(std::clamp(up, -1.0, 1.0)),
+    return {.tilt_rad = types::Tilt(body.orientation_wxyz),
             .share = (body.position_m[2] - ground_m) / nominal_.Of(wanted_.joint)};
   }
 

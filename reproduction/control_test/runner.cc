@@ -1,7 +1,5 @@
 #include "reproduction/control_test/runner.h"
 
-#include <yaml-cpp/yaml.h>
-
 #include <cstdio>
 #include <stdexcept>
 
@@ -10,6 +8,7 @@
 #include "components/pneumatics/file/pneumatics_file.h"
 #include "components/recording/file/run_reader.h"
 #include "components/reference/file/reference_file.h"
+#include "reproduction/edited_yaml/edited_yaml.h"
 #include "sim/surrogate/file/surrogate_file.h"
 #include "tools/launch/recorded_run.h"
 
@@ -18,22 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kScoredDigits = 17;
-
-YAML::Node LoadYaml(const fs::path& path) {
-  try {
-    return YAML::Load(config::ReadFile(path));
-  } catch (const YAML::Exception& error) {
-    throw UsageError(path.string() + ": " + error.what());
-  }
-}
-
-std::string YamlText(const YAML::Node& node) {
-  YAML::Emitter emitter;
-  emitter.SetDoublePrecision(kScoredDigits);
-  emitter << node;
-  return std::string(emitter.c_str()) + "\n";
-}
+using reproduction::LoadYaml;
+using reproduction::YamlText;
 
 struct TrialFiles {
   fs::path surrogate, pneumatics, reference, control, recorded_torque, recording, log, key;

@@ -1,10 +1,9 @@
 #include "reproduction/squat_test/runner.h"
 
-#include <yaml-cpp/yaml.h>
-
 #include <stdexcept>
 
 #include "components/config/config.h"
+#include "reproduction/edited_yaml/edited_yaml.h"
 #include "tools/launch/recorded_run.h"
 #include "tools/sinew/performance_sessions.h"
 
@@ -26,19 +25,15 @@ fs::path LoadFile(const fs::path& robot, Load load) {
 // compared falls by itself or not at all.
 std::string UnguardedWorld(const fs::path& robot) {
   const fs::path file = robot / "world.yaml";
-  try {
-    YAML::Node root = YAML::Load(config::ReadFile(file));
-    root["guard"].remove("fall");
-    for (const char* key : {"urdf", "model"}) {
-      root[key] = (robot / root[key].as<std::string>()).string();
+  YAML::Node root = reproduction::LoadYaml(file);
+  root["guard"].remove("fall");
+  for (const char* key : {"urdf", "model"}) {
+    if (!root[key] || !root[key].IsScalar()) {
+      throw UsageError(file.string() + ": key '" + key + "': missing, expected a file");
     }
-    YAML::Emitter emitter;
-    emitter.SetDoublePrecision(17);
-    emitter << root;
-    return std::string(emitter.c_str()) + "\n";
-  } catch (const YAML::Exception& error) {
-    throw UsageError(file.string() + ": " + error.what());
+    root[key] = (robot / root[key].as<std::string>()).string();
   }
+  return reproduction::YamlText(root);
 }
 
 }  // namespace

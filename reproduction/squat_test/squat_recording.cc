@@ -5,7 +5,6 @@
 #include <sinew_idl/simulation.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -19,6 +18,7 @@
 #include "components/node/topics.h"
 #include "components/recording/file/file_io.h"
 #include "components/recording/mcap_reader.h"
+#include "components/types/angle.h"
 
 namespace sinew::squat_test {
 namespace {
@@ -65,12 +65,6 @@ std::map<std::uint64_t, Tick> ReadTicks(const std::filesystem::path& file) {
   return ticks;
 }
 
-// The angle between the base's z axis and the world's.
-double Tilt(const std::array<double, 4>& wxyz) {
-  const double up = 1.0 - 2.0 * (wxyz[1] * wxyz[1] + wxyz[2] * wxyz[2]);
-  return std::acos(std::clamp(up, -1.0, 1.0));
-}
-
 }  // namespace
 
 SquatRecording ReadSquats(const std::filesystem::path& file) {
@@ -90,7 +84,7 @@ SquatRecording ReadSquats(const std::filesystem::path& file) {
     squats.reference_rad.push_back(reference);
     squats.position_rad.push_back(position);
     squats.height_m.push_back(tick.truth->position_m()[2]);
-    squats.tilt_rad.push_back(Tilt(tick.truth->orientation_wxyz()));
+    squats.tilt_rad.push_back(types::Tilt(tick.truth->orientation_wxyz()));
   }
   if (squats.time_s.empty()) {
     throw UsageError(file.string() +

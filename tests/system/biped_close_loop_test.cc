@@ -71,13 +71,7 @@ fs::path Truth(const fs::path& folder) {
 
 // Computed torque with PD gains that carry the payload: with the published ones (60, 1.0) the
 // loaded robot falls whatever the model.
-fs::path StiffControl(const fs::path& folder) {
-  std::string text = TextOf(kRobotFolder + "control_computed_torque.yaml");
-  text = Replaced(text, "model: model.yaml", "model: " + kRobotFolder + "model.yaml");
-  text = Replaced(text, "proportional_Nm_rad: 60", "proportional_Nm_rad: 200");
-  text = Replaced(text, "derivative_Nm_s_rad: 1.0", "derivative_Nm_s_rad: 5");
-  return WriteText(folder / "control.yaml", text);
-}
+const std::string kStiffControl = kRobotFolder + "control_computed_torque_stiff.yaml";
 
 struct SquatRun {
   fs::path recording;
@@ -111,7 +105,7 @@ SquatRun Record(const fs::path& folder, const std::string& name, int seed, doubl
       "--arg",
       "world=" + Truth(folder).string()};
   if (!model.empty()) {
-    arguments.insert(arguments.end(), {"--set", "control.config=" + StiffControl(folder).string()});
+    arguments.insert(arguments.end(), {"--set", "control.config=" + kStiffControl});
     for (const char* process : {"esn", "control"}) {
       arguments.insert(arguments.end(), {"--arg", std::string(process) + "=--model", "--arg",
                                          process + ("=" + model.string())});

@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "components/types/angle.h"
+
 namespace sinew::tune {
 namespace {
 
@@ -22,10 +24,24 @@ void CheckScored(const std::vector<int>& scored_joints, int joint_count) {
 bool HasFallen(const provider::SimulatedPlant& plant, const FallLimits& limits) noexcept {
   const provider::BodyTruth* body = plant.body_truth();
   if (body == nullptr) return false;
-  // z_base . z_world of the rotation of a unit quaternion.
-  const double x = body->orientation_wxyz[1], y = body->orientation_wxyz[2];
-  const double tilt_rad = std::acos(std::clamp(1.0 - 2.0 * (x * x + y * y), -1.0, 1.0));
+  const double tilt_rad = types::Tilt(body->orientation_wxyz);
   return !(body->position_m[2] >= limits.least_height_m) || !(tilt_rad <= limits.most_tilt_rad);
+}
+
+control::JointMeasurement MeasuredJoint(const provider::PlantSensors& sensors,
+                                        std::size_t joint) noexcept {
+  control::JointMeasurement measured;
+  measured.valid = measured.actuator_valid = sensors.valid[joint];
+  measured.position_rad = sensors.position_rad[joint];
+  measured.velocity_rad_s = sensors.velocity_rad_s[joint];
+  measured.motor_position_rad = sensors.motor_position_rad[joint];
+  measured.motor_velocity_rad_s = sensors.motor_velocity_rad_s[joint];
+  measured.pressure_bar = sensors.chamber_pressure_bar[joint];
+  measured.load_force_N = sensors.load_force_N[joint];
+  measured.payload_kg = sensors.declared_payload_kg[joint];
+  measured.temperature_degC = sensors.motor_temperature_degC[joint];
+  measured.valve_open = sensors.valve_open[joint];
+  return measured;
 }
 
 ClosedLoopScore RunClosedLoop(const ClosedLoopConfig& config, provider::Plant& plant,
@@ -67,17 +83,7 @@ ClosedLoopScore RunClosedLoop(const ClosedLoopConfig& config, provider::Plant& p
     input.reference_fresh = true;
     input.reference_count = wanted.idle ? 0 : wanted.joint_count;
     for (int j = 0; j < joints; ++j) {
-      control::JointMeasurement& m = input.joint[j];
-      m.valid = m.actuator_valid = sensors.valid[j];
-      m.position_rad = sensors.position_rad[j];
-      m.velocity_rad_s = sensors.velocity_rad_s[j];
-      m.motor_position_rad = sensors.motor_position_rad[j];
-      m.motor_velocity_rad_s = sensors.motor_velocity_rad_s[j];
-      m.pressure_bar = sensors.chamber_pressure_bar[j];
-      m.load_force_N = sensors.load_force_N[j];
-      m.payload_kg = sensors.declared_payload_kg[j];
-      m.temperature_degC = sensors.motor_temperature_degC[j];
-      m.valve_open = sensors.valve_open[j];
+      input.joint[j] = MeasuredJoint(sensors, static_cast<std::size_t>(j));
       input.reference[j] = wanted.joint[j];
     }
     const control::RobotOutput output = controller.Step(input);

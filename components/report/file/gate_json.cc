@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "components/gate/rules.h"
+#include "components/report/file/recordings_json.h"
 #include "components/report/file/report_file.h"
 
 namespace sinew::report {
@@ -17,17 +18,6 @@ Json FindingsJson(const std::vector<identify::Finding>& findings) {
                    {"text", finding.text},
                    {"value", finding.value},
                    {"unit", finding.unit}});
-  }
-  return out;
-}
-
-Json RecordingList(const std::vector<Recording>& recordings) {
-  Json out = Json::array();
-  for (const Recording& recording : recordings) {
-    out.push_back({{"name", recording.name},
-                   {"content_hash", recording.content_hash},
-                   {"rows", recording.rows},
-                   {"duration_s", recording.duration_s}});
   }
   return out;
 }
@@ -64,7 +54,7 @@ std::string FormatCheckJson(const DataCheck& check) {
   out["robot"] = check.robot;
   out["joint"] = check.joint;
   out["model"] = check.model_file;
-  out["recordings"] = RecordingList(check.train);
+  out["recordings"] = RecordingsJson(check.train);
   out["faults"] = FaultsJson(check.gate.faults);
   out["findings"] = FindingsJson(check.gate.findings);
   out["rules"] = Json::array();
@@ -100,8 +90,8 @@ Json UntracedJson(const Untraced& report) {
   out["robot"] = report.robot;
   out["joint"] = report.joint;
   out["model"] = report.model_file;
-  out["recordings"] = {{"train", RecordingList(report.train)},
-                       {"held_out", RecordingList(report.held_out)}};
+  out["recordings"] = {{"train", RecordingsJson(report.train)},
+                       {"held_out", RecordingsJson(report.held_out)}};
   out["faults"] = FaultsJson(report.faults);
   for (const char* key :
        {"effects", "refuted", "events", "errors", "rises", "balances", "rounds", "not_excited"}) {

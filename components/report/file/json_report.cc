@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "components/report/errors.h"
+#include "components/report/file/recordings_json.h"
 #include "components/report/file/report_file.h"
 #include "components/trace/rules.h"
 
@@ -10,17 +11,6 @@ namespace sinew::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json Recordings(const std::vector<Recording>& recordings) {
-  Json out = Json::array();
-  for (const Recording& recording : recordings) {
-    out.push_back({{"name", recording.name},
-                   {"content_hash", recording.content_hash},
-                   {"rows", recording.rows},
-                   {"duration_s", recording.duration_s}});
-  }
-  return out;
-}
 
 Json Value(double value, const std::optional<double>& half_width, bool fixed) {
   Json out = {{"value", value}};
@@ -241,8 +231,8 @@ std::string FormatJson(const Report& report) {
   out["robot"] = report.robot;
   out["joint"] = trace.corrected.name;
   out["model"] = report.model_file;
-  out["recordings"] = {{"train", Recordings(report.train)},
-                       {"held_out", Recordings(report.held_out)}};
+  out["recordings"] = {{"train", RecordingsJson(report.train)},
+                       {"held_out", RecordingsJson(report.held_out)}};
 
   out["p_global"] = trace.p_global ? Json(*trace.p_global) : Json(nullptr);
   out["faults"] = FaultsJson(report.faults);

@@ -2,22 +2,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include "components/report/file/recordings_json.h"
+
 namespace sinew::report {
 
 namespace {
 
 using StanceJson = nlohmann::ordered_json;
-
-StanceJson Files(const std::vector<Recording>& recordings) {
-  StanceJson out = StanceJson::array();
-  for (const Recording& recording : recordings) {
-    out.push_back({{"name", recording.name},
-                   {"content_hash", recording.content_hash},
-                   {"rows", recording.rows},
-                   {"duration_s", recording.duration_s}});
-  }
-  return out;
-}
 
 StanceJson OfPayload(const stance_fit::PlacedPayload& payload) {
   StanceJson place = StanceJson::array(), width = place, excited = place;
@@ -122,8 +113,8 @@ std::string FormatJson(const StanceReport& report) {
   } else {
     out["too_little"] = result.too_little;
   }
-  out["train"] = Files(report.train);
-  out["held_out"] = Files(report.held_out);
+  out["train"] = RecordingsJson(report.train);
+  out["held_out"] = RecordingsJson(report.held_out);
   out["seed"] = report.seed;
   out["seconds"] = report.seconds;
   return out.dump(2) + "\n";
