@@ -5,7 +5,8 @@
 
 namespace sinew::report {
 
-// One picture as a gnuplot script that prints SVG; the data stand in the script.
+// One picture as a gnuplot script that prints SVG; numbers stand in the script, photographs in PNG
+// files that it names.
 struct Picture {
   std::string title;
   std::string caption;

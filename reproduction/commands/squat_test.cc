@@ -12,6 +12,7 @@
 
 #include "components/config/config.h"
 #include "components/report/file/section_file.h"
+#include "reproduction/squat_test/photographs.h"
 #include "reproduction/squat_test/section.h"
 #include "tools/sinew/print_section.h"
 #include "tools/sinew/progress.h"
@@ -68,6 +69,21 @@ nlohmann::ordered_json SquatsJson(const squat_test::Squats& squats) {
   return json;
 }
 
+// The first of the runs, which is one without load, from two sides, before the other pictures.
+void AddPhotographs(const squat_test::Squats& squats, const fs::path& urdf, const fs::path& folder,
+                    report::Section* section) {
+  const char* names[] = {"side", "front"};
+  const view::View views[] = {view::View::kSide, view::View::kThreeQuarter};
+  for (std::size_t n = 0; n < 2; ++n) {
+    report::Picture picture =
+        squat_test::PhotographSquat(squats.file, urdf, folder / names[n], views[n]);
+    picture.title = "A squat, " + squats.arm->title +
+                    (n == 0 ? ", from the side" : ", from the front") + " (Figs 6.15, 6.16)";
+    picture.caption = "Drawn from the recording; the time is that of the recording.";
+    section->pictures.insert(section->pictures.begin() + static_cast<std::ptrdiff_t>(n), picture);
+  }
+}
+
 void RunSquatTest(const SquatTestOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   squat_test::RunnerConfig config;
@@ -89,6 +105,8 @@ void RunSquatTest(const SquatTestOptions& options) {
   }
   bar.Finish();
   report::Section section = squat_test::MakeSection(benchmark, six);
+  AddPhotographs(benchmark.front(), config.robot / "biped.urdf", options.out / "photographs",
+                 &section);
   section.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   report::WriteSection(options.out, section);
   if (options.json) {

@@ -83,6 +83,7 @@ Squats RunSquats(const RunnerConfig& config, const Arm& arm, Load load) {
     config::WriteFileAtomically(made_with, key);
   }
 
+  squats.file = run.recording;
   squats.recording = ReadSquats(run.recording);
   try {
     squats.mse_rad2 = MeanSquareError(squats.recording, kStart_s, end_s);
