@@ -66,14 +66,15 @@ TiltFilter::TiltFilter(const TiltConfig& config, double period_s) : config_(conf
   error_bound_rad_ = ErrorBound_rad(config, gain_1_s_, integral_gain_1_s2_, period_s);
   coast_s_ = config.coast_error_rad /
              (config.start_sway_rad / config.start_s + 4.0 * imu.rate_drift_rad_s2 / gain_1_s_);
-  start_ticks_ = std::max(1, static_cast<int>(std::ceil(0.5 * config.start_s / period_s)));
+  // Half a period less than that whole number, against rounding of the sum.
+  half_s_ = (std::max(1.0, std::ceil(0.5 * config.start_s / period_s)) - 0.5) * period_s;
+  const double noise_of_sway =
+      kSigmas * imu.rate_noise_rad_s * config.start_s / config.start_sway_rad;
+  half_count_ = std::max(1, static_cast<int>(std::ceil(noise_of_sway * noise_of_sway)));
   start_span_rad_s_ = 2.0 * (kStartSigmas * imu.rate_noise_rad_s +
                              std::numbers::pi * config.start_sway_rad / config.start_s);
   start_rate_rad_s_ = imu.rate_bias_rad_s + kSigmas * std::sqrt(3.0) * imu.rate_noise_rad_s +
                       config.start_sway_rad / config.start_s;
-  // Two means of start_ticks_ samples each, two horizontal axes.
-  start_direction_rad_ = config.start_sway_rad + kSigmas * imu.force_noise_m_s2 / kGravity_m_s2 *
-                                                     std::sqrt(4.0 / start_ticks_);
 }
 
 void TiltFilter::Reset() noexcept {
@@ -85,38 +86,48 @@ void TiltFilter::Reset() noexcept {
 }
 
 void TiltFilter::BeginStart() noexcept {
-  start_count_ = 0;
-  first_half_.setZero();
-  second_half_.setZero();
+  first_half_ = {};
+  second_half_ = {};
   rate_sum_.setZero();
 }
 
 double TiltFilter::tilt_rad() const noexcept { return std::atan2(up_.head<2>().norm(), up_.z()); }
 
-void TiltFilter::StepStart(const ImuSample& sample, const ImuUse& use) noexcept {
+void TiltFilter::StepStart(const ImuSample& sample, const ImuUse& use, double elapsed_s) noexcept {
+  const auto over = [this](const Half& half) {
+    return half.elapsed_s >= half_s_ && half.count >= half_count_;
+  };
+  Half& half = over(first_half_) ? second_half_ : first_half_;
   // A sensor that is read faster than it measures repeats itself; what is lost for long is the
   // caller's to see (fall_detector.h).
+  if (first_half_.count > 0 || use.rate_usable) half.elapsed_s += elapsed_s;
   if (!use.rate_usable) return;
   const bool still = use.force_usable && sample.rate_rad_s.norm() <= start_rate_rad_s_ &&
                      std::abs(sample.force_m_s2.norm() - kGravity_m_s2) <= gate_m_s2_;
-  if (start_count_ == 0) rate_low_ = rate_high_ = sample.rate_rad_s;
+  if (first_half_.count == 0) rate_low_ = rate_high_ = sample.rate_rad_s;
   rate_low_ = rate_low_.cwiseMin(sample.rate_rad_s);
   rate_high_ = rate_high_.cwiseMax(sample.rate_rad_s);
   if (!still || (rate_high_ - rate_low_).maxCoeff() > start_span_rad_s_) {
     BeginStart();
     return;
   }
-  (start_count_ < start_ticks_ ? first_half_ : second_half_) += sample.force_m_s2;
+  half.force_sum_m_s2 += sample.force_m_s2;
   rate_sum_ += sample.rate_rad_s;
-  if (++start_count_ < 2 * start_ticks_) return;
+  ++half.count;
+  if (!over(first_half_) || !over(second_half_)) return;
+  const Eigen::Vector3d first_m_s2 = first_half_.force_sum_m_s2 / first_half_.count;
+  const Eigen::Vector3d second_m_s2 = second_half_.force_sum_m_s2 / second_half_.count;
   const double turned_rad =
-      std::atan2(first_half_.cross(second_half_).norm(), first_half_.dot(second_half_));
-  if (turned_rad > start_direction_rad_) {
+      std::atan2(first_m_s2.cross(second_m_s2).norm(), first_m_s2.dot(second_m_s2));
+  // Two means of so many samples, two horizontal axes.
+  const double noise_rad = config_.imu.force_noise_m_s2 / kGravity_m_s2 *
+                           std::sqrt(2.0 / first_half_.count + 2.0 / second_half_.count);
+  if (turned_rad > config_.start_sway_rad + kSigmas * noise_rad) {
     BeginStart();
     return;
   }
-  up_ = (first_half_ + second_half_).normalized();
-  bias_rad_s_ = rate_sum_ / start_count_;
+  up_ = (first_m_s2 + second_m_s2).normalized();
+  bias_rad_s_ = rate_sum_ / (first_half_.count + second_half_.count);
   rate_rad_s_ = sample.rate_rad_s;
   coasting_s_ = 0.0;
   started_ = true;
@@ -124,7 +135,7 @@ void TiltFilter::StepStart(const ImuSample& sample, const ImuUse& use) noexcept 
 
 void TiltFilter::Step(const ImuSample& sample, const ImuUse& use, double elapsed_s) noexcept {
   if (!started_) {
-    StepStart(sample, use);
+    StepStart(sample, use, elapsed_s);
     return;
   }
   const Eigen::Vector3d last_rad_s = rate_rad_s_;

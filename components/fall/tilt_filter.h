@@ -38,7 +38,9 @@
 // is faster than the bounds allow at rest; when an axis of the gyroscope spans more than
 // 2 (5 rate_noise + pi sway / start_s), the second part being a sway of period 2 start_s (of the
 // 1440 samples at 240 Hz one is beyond 5 standard deviations in 1 of 1200 starts); and when the
-// mean directions of its halves differ by more than sway and noise.
+// mean directions of its halves differ by more than sway and noise. A sensor that is read faster
+// than it measures gives fewer samples in that time; a half lasts longer when it has fewer than (4
+// rate_noise start_s / sway)^2, so that noise adds less to b than sway does.
 //
 // Frames, signs: imu_check.h. Thread: one. Step is noexcept and allocates nothing.
 #pragma once
@@ -91,18 +93,22 @@ class TiltFilter {
   double coast_s() const noexcept { return coast_s_; }
 
  private:
-  void StepStart(const ImuSample& sample, const ImuUse& use) noexcept;
+  void StepStart(const ImuSample& sample, const ImuUse& use, double elapsed_s) noexcept;
   void BeginStart() noexcept;
 
   TiltConfig config_;
   double gain_1_s_, integral_gain_1_s2_, gate_m_s2_, error_bound_rad_, coast_s_;
-  int start_ticks_;             // of each half
-  double start_span_rad_s_;     // largest of an axis
-  double start_rate_rad_s_;     // largest at rest
-  double start_direction_rad_;  // largest difference of the halves
+  double half_s_;            // shortest half of the start: a whole number of periods
+  int half_count_;           // fewest samples of a half
+  double start_span_rad_s_;  // largest of an axis
+  double start_rate_rad_s_;  // largest at rest
   bool started_ = false;
-  int start_count_ = 0;
-  Eigen::Vector3d first_half_ = Eigen::Vector3d::Zero(), second_half_ = Eigen::Vector3d::Zero();
+  struct Half {
+    double elapsed_s = 0.0;
+    int count = 0;
+    Eigen::Vector3d force_sum_m_s2 = Eigen::Vector3d::Zero();
+  };
+  Half first_half_, second_half_;
   Eigen::Vector3d rate_sum_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d rate_low_ = Eigen::Vector3d::Zero(), rate_high_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d up_ = Eigen::Vector3d::UnitZ();

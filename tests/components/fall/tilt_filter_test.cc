@@ -130,6 +130,24 @@ TEST(TiltFilter, DoesNotStartWhileTheTorsoMoves) {
   EXPECT_TRUE(rig.filter.started());
 }
 
+TEST(TiltFilter, StartsInTheSameTimeWhenReadFasterThanTheSensorMeasures) {
+  for (const int repeats : {1, 2, 5}) {
+    const double period_s = kTiltPeriod_s / repeats;
+    TiltFilter filter(TiltConfig{}, period_s);
+    ImuCheck check(TiltConfig{}.imu);
+    SensorModel sensors(8, TiltConfig{}.imu);
+    int steps = 0;
+    while (!filter.started() && steps < 10 * 240 * repeats) {
+      const auto measured = static_cast<std::uint64_t>(steps / repeats);
+      const ImuSample imu =
+          sensors.Read(measured, static_cast<double>(measured) * kTiltPeriod_s, BodyState{}).imu;
+      filter.Step(imu, check.Step(imu), period_s);
+      ++steps;
+    }
+    EXPECT_NEAR(steps * period_s, TiltConfig{}.start_s, 2.0 * kTiltPeriod_s) << repeats;
+  }
+}
+
 TEST(TiltFilter, StartsInAnyAttitude) {
   Rig rig(6);
   BodyState lying;
