@@ -1,19 +1,29 @@
 // Ten million updates, of which most are at rest: 76 neurons move for 4000 samples, then stand for
 // 10000, again and again; the truth changes and changes back. Prints the errors and the covariance;
 // exit code 1 when anything left its bounds. About half a minute.
-//   build/release/bin/rls_soak [updates]
+//   build/release/bin/rls_soak [updates] [--directional]
+// --directional: forgetting, leak and prior of robots/biped/rls.yaml.
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <random>
+#include <string_view>
 
 #include "components/esn/network.h"
 #include "components/rls/rls.h"
 
 int main(int argc, char** argv) {
   using namespace sinew;
-  const long updates = argc > 1 ? std::atol(argv[1]) : 10'000'000;
+  long updates = 10'000'000;
+  bool directional = false;
+  for (int i = 1; i < argc; ++i) {
+    if (std::string_view(argv[i]) == "--directional") {
+      directional = true;
+    } else {
+      updates = std::atol(argv[i]);
+    }
+  }
   constexpr int kOutputs = 12;
   constexpr int kInputs = 18;
   constexpr long kMoving = 4000;
@@ -50,6 +60,12 @@ int main(int argc, char** argv) {
   const Eigen::MatrixXd offline = random(1.0);
   const Eigen::MatrixXd change = random(0.2);
   rls::Config config;
+  if (directional) {
+    config.directional = true;
+    config.forgetting = 0.993;
+    config.leak = 0.02;
+    config.prior_precision = 700.0;
+  }
   rls::RecursiveLeastSquares rls(config, offline);
   double settled = 0.0;
   long settled_count = 0;

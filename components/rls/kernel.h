@@ -10,8 +10,9 @@ namespace sinew::rls::internal {
 struct UpdateArguments {
   int size = 0;
   int stride = 0;
-  int first = 0;  // columns before it have f = 0 and do not change
-  double forgetting = 1.0;
+  int first = 0;              // columns before it have f = 0 and do not change
+  double noise = 1.0;         // variance; negative: information is taken away, see rls.h
+  double forgetting = 1.0;    // what D is divided by
   const double* f = nullptr;  // U' phi, stride
   double* u = nullptr;
   double* d = nullptr;     // stride
@@ -21,8 +22,8 @@ struct UpdateArguments {
 struct Kernel {
   // f = U' phi; phi and f padded with zeros to stride.
   void (*project)(const double* u, const double* phi, int size, int stride, double* f) noexcept;
-  // Bierman's measurement update of U and D with noise variance `forgetting`, then D / forgetting.
-  // Returns alpha = forgetting + phi' P phi.
+  // Bierman's measurement update of U and D, then D / forgetting. Returns alpha = noise + phi' P
+  // phi, which has the sign of noise.
   double (*update)(const UpdateArguments& arguments) noexcept;
   // a' b; stride a multiple of 8.
   double (*dot)(const double* a, const double* b, int stride) noexcept;

@@ -20,7 +20,7 @@ void Project(const double* u, const double* phi, int size, int stride, double* f
 double Update(const sinew::rls::internal::UpdateArguments& a) noexcept {
   const int first = a.first & ~1;
   for (int r = 0; r < a.stride; r += kLanes) Store(a.gain + r, Broadcast(0.0));
-  double alpha = a.forgetting;
+  double alpha = a.noise;
   const double inverse = 1.0 / a.forgetting;
   for (int j = 0; j < first; ++j) a.d[j] *= inverse;
   for (int j = first; j < a.size; j += 2) {

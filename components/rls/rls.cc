@@ -20,6 +20,15 @@ void Require(bool condition, const char* name, double value, const char* expecte
 // The running innovation variance never falls to zero, where everything would be clipped.
 constexpr double kSmallestVariance = 1e-12;
 
+// 1 / epsilon of rls.h, spread = phi' P phi > 0. Without information in it, phi changes nothing,
+// and where as much comes as is forgotten nothing does: noise without bound.
+double DirectionalNoise(double forgetting, double spread) noexcept {
+  constexpr double kBoundless = 1e30;
+  const double noise = spread / (forgetting * spread - (1.0 - forgetting));
+  return std::isfinite(noise) && spread > 0.0 ? std::clamp(noise, -kBoundless, kBoundless)
+                                              : kBoundless;
+}
+
 // Also where a value is not a number.
 template <class Derived>
 bool Takes(const Eigen::MatrixBase<Derived>& values) noexcept {
@@ -134,12 +143,24 @@ UpdateStatus RecursiveLeastSquares::Update(
   internal::UpdateArguments arguments;
   arguments.size = size_;
   arguments.stride = stride_;
-  arguments.forgetting = config_.forgetting;
   arguments.f = f_.data();
   arguments.u = u_.data();
   arguments.d = d_.data();
   arguments.gain = gain_.data();
-  const double alpha = kernel.update(arguments);
+  double alpha = 1.0;
+  if (config_.directional) {
+    double spread = 0.0;  // phi' P phi
+    for (int j = 0; j < size_; ++j) {
+      const auto at = static_cast<std::size_t>(j);
+      spread += d_[at] * f_[at] * f_[at];
+    }
+    arguments.noise = DirectionalNoise(config_.forgetting, spread);
+    kernel.update(arguments);
+    alpha = 1.0 + spread;
+  } else {
+    arguments.noise = arguments.forgetting = config_.forgetting;
+    alpha = kernel.update(arguments);
+  }
   for (int o = 0; o < outputs_; ++o) {
     kernel.add_scaled(root_weight * innovation_(o) / alpha, gain_.data(), stride_,
                       weight_.data() + o * stride_);

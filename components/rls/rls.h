@@ -18,6 +18,16 @@
 //    1964), else 1. A single wrong sample moves little, and since it counts less in P too, a
 //    lasting change is followed within some tens of samples.
 //
+// With `directional` only what the sample says anew is forgotten (Kulhavy 1987, (18)):
+//
+//   alpha = 1 + w phi' P phi,  inverse of P += epsilon w phi phi',
+//   epsilon = lambda - (1 - lambda) / (w phi' P phi)
+//
+// A direction that is not excited keeps its covariance and its weights, where the recursion above
+// lets P grow by 1 / lambda in each update until the leak stops it. A direction by itself is
+// forgotten as above; of n directions excited in turn each is forgotten in its turns only, so that
+// lambda^n does what lambda does above.
+//
 //   symbol  here
 //   lambda  forgetting
 //   delta   prior_precision; P starts as I / delta
@@ -37,6 +47,7 @@ namespace sinew::rls {
 
 struct Config {
   double forgetting = 0.999;         // lambda in (0, 1]; 1: nothing is forgotten
+  bool directional = false;          // forget in the direction of the sample only
   double prior_precision = 0.01;     // delta > 0, of weights in target unit / feature unit
   double leak = 1.0;                 // >= 0; 0: none. Without forgetting there is none either.
   double clip_sigmas = 3.0;          // >= 0; 0: no clipping

@@ -53,6 +53,7 @@ RlsConfig LoadRlsConfig(const std::filesystem::path& path, const esn::WeightsPat
   Config& rls = adapter.rls;
   constexpr double kNearlyOne = 1.0 - 1e-12;
   rls.forgetting = s.NumberOr("forgetting", rls.forgetting, {1e-6, 1.0});
+  rls.directional = s.BoolOr("directional", rls.directional);
   rls.prior_precision = s.NumberOr("prior_precision", rls.prior_precision, config::kPositive);
   rls.leak = s.NumberOr("leak", rls.leak, config::kNotNegative);
   rls.clip_sigmas = s.NumberOr("clip_sigmas", rls.clip_sigmas, config::kNotNegative);

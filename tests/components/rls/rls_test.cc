@@ -100,11 +100,88 @@ TEST(Rls, EqualsWeightedBatchLeastSquaresWithForgettingAndLeak) {
   EXPECT_LT((rls.Covariance() - covariance).norm(), kSame * covariance.norm());
 }
 
+// Kulhavy's recursion as it is printed, with the information matrix itself.
+TEST(Rls, DirectionalForgettingIsThatOfItsSource) {
+  Random random(12);
+  const int features = 9;
+  Config config = Plain();
+  config.forgetting = 0.9;
+  config.directional = true;
+  const Eigen::MatrixXd offline = random.Matrix(2, features);
+  RecursiveLeastSquares rls(config, offline);
+  Eigen::MatrixXd information =
+      config.prior_precision * Eigen::MatrixXd::Identity(features, features);
+  Eigen::MatrixXd weight = offline;
+  for (int t = 0; t < 300; ++t) {
+    // Of different size, so that epsilon has either sign.
+    const Eigen::VectorXd phi = std::pow(10.0, random.Next()) * random.Vector(features);
+    const Eigen::VectorXd y = random.Vector(2);
+    ASSERT_EQ(rls.Update(phi, y), UpdateStatus::kOk);
+    const Eigen::VectorXd p_phi = information.ldlt().solve(phi);
+    const double spread = phi.dot(p_phi);
+    weight += (y - weight * phi) * p_phi.transpose() / (1.0 + spread);
+    information += (config.forgetting - (1.0 - config.forgetting) / spread) * phi * phi.transpose();
+  }
+  EXPECT_LT((rls.readout() - weight).norm(), 1e-7 * weight.norm());
+  const Eigen::MatrixXd covariance = information.inverse();
+  EXPECT_LT((rls.Covariance() - covariance).norm(), 1e-7 * covariance.norm());
+}
+
+TEST(Rls, DirectionalForgettingKeepsWhatIsNotExcited) {
+  Random random(13);
+  const int features = 8;
+  Config config = Plain();
+  config.forgetting = 0.95;
+  const Eigen::MatrixXd truth = random.Matrix(1, features);
+  for (const bool directional : {true, false}) {
+    config.directional = directional;
+    RecursiveLeastSquares rls(config, Eigen::MatrixXd::Zero(1, features));
+    for (int t = 0; t < 300; ++t) {
+      const Eigen::VectorXd phi = random.Vector(features);
+      ASSERT_EQ(rls.Update(phi, truth * phi), UpdateStatus::kOk);
+    }
+    const double before = rls.Covariance()(features - 1, features - 1);
+    for (int t = 0; t < 300; ++t) {
+      Eigen::VectorXd phi = random.Vector(features);
+      phi(features - 1) = 0.0;
+      ASSERT_EQ(rls.Update(phi, truth * phi), UpdateStatus::kOk);
+    }
+    const double growth = rls.Covariance()(features - 1, features - 1) / before;
+    if (directional) {
+      EXPECT_LT(growth, 2.0);
+      EXPECT_LT((rls.readout() - truth).norm(), 1e-3);
+    } else {
+      EXPECT_GT(growth, 1e6);  // 1 / 0.95^300
+    }
+  }
+}
+
+TEST(Rls, DirectionalForgettingFollowsAChange) {
+  Random random(14);
+  const int features = 20;
+  Config config = Plain();
+  config.forgetting = 0.6;  // 50 samples for each of 20 directions
+  config.directional = true;
+  RecursiveLeastSquares rls(config, Eigen::MatrixXd::Zero(1, features));
+  for (int change = 0; change < 3; ++change) {
+    const Eigen::MatrixXd truth = random.Matrix(1, features);
+    for (int t = 0; t < 2000; ++t) {
+      const Eigen::VectorXd phi = random.Vector(features);
+      ASSERT_EQ(rls.Update(phi, truth * phi), UpdateStatus::kOk);
+    }
+    EXPECT_LT((rls.readout() - truth).norm(), 1e-3 * truth.norm()) << change;
+  }
+}
+
 TEST(Rls, EveryInstructionSetGivesTheSameBits) {
   Config config;
   config.forgetting = 0.99;
-  for (const simd::Instructions set : {simd::Instructions::kAvx2, simd::Instructions::kAvx512}) {
+  for (const auto& [set, directional] : {std::pair{simd::Instructions::kAvx2, false},
+                                         {simd::Instructions::kAvx512, false},
+                                         {simd::Instructions::kAvx2, true},
+                                         {simd::Instructions::kAvx512, true}}) {
     if (!simd::Runs(set)) continue;
+    config.directional = directional;
     Random random(3);
     const Eigen::MatrixXd offline = random.Matrix(2, 21);
     RecursiveLeastSquares reference(config, offline, simd::Instructions::kPortable);
@@ -256,25 +333,29 @@ TEST(Rls, InputThatIsNotFiniteOrDoesNotFitChangesNothing) {
 // Forged messages hold any finite value; before there was a limit, an innovation that overflowed
 // made the readout not a number until the next session.
 TEST(Rls, NoFiniteInputMakesReadoutOrCovarianceOverflow) {
-  Random random(18);
-  RecursiveLeastSquares rls(Config{}, random.Matrix(1, 5));
-  std::mt19937 choose(18);
-  std::uniform_real_distribution<double> exponent(-308.0, 308.0);
-  const auto huge = [&](double value) { return value * std::pow(10.0, exponent(choose)); };
-  int refused = 0, taken = 0;
-  for (int k = 0; k < 20000; ++k) {
-    Eigen::VectorXd phi = random.Vector(5), y = random.Vector(1);
-    Eigen::MatrixXd readout = random.Matrix(1, 5);
-    for (Eigen::VectorXd* values : {&phi, &y}) {
-      if (choose() % 2 == 0) *values = values->unaryExpr(huge);
+  for (const bool directional : {false, true}) {
+    Random random(18);
+    Config config;
+    config.directional = directional;
+    RecursiveLeastSquares rls(config, random.Matrix(1, 5));
+    std::mt19937 choose(18);
+    std::uniform_real_distribution<double> exponent(-308.0, 308.0);
+    const auto huge = [&](double value) { return value * std::pow(10.0, exponent(choose)); };
+    int refused = 0, taken = 0;
+    for (int k = 0; k < 20000; ++k) {
+      Eigen::VectorXd phi = random.Vector(5), y = random.Vector(1);
+      Eigen::MatrixXd readout = random.Matrix(1, 5);
+      for (Eigen::VectorXd* values : {&phi, &y}) {
+        if (choose() % 2 == 0) *values = values->unaryExpr(huge);
+      }
+      if (choose() % 4 == 0) (void)rls.SetReadout(readout.unaryExpr(huge));
+      ++(rls.Update(phi, y) == UpdateStatus::kBadInput ? refused : taken);
+      ASSERT_TRUE(rls.readout().allFinite()) << "update " << k;
+      ASSERT_TRUE(std::isfinite(rls.CovarianceTrace())) << "update " << k;
     }
-    if (choose() % 4 == 0) (void)rls.SetReadout(readout.unaryExpr(huge));
-    ++(rls.Update(phi, y) == UpdateStatus::kBadInput ? refused : taken);
-    ASSERT_TRUE(rls.readout().allFinite()) << "update " << k;
-    ASSERT_TRUE(std::isfinite(rls.CovarianceTrace())) << "update " << k;
+    EXPECT_GT(refused, 5000);
+    EXPECT_GT(taken, 5000);
   }
-  EXPECT_GT(refused, 5000);
-  EXPECT_GT(taken, 5000);
 }
 
 TEST(Rls, ZeroFeaturesTeachNothing) {
