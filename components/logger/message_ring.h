@@ -16,7 +16,7 @@ class MessageRing {
   // span: of reception times. bytes: of payloads and what is kept beside each.
   MessageRing(std::chrono::nanoseconds span, std::size_t bytes) : span_(span), bytes_(bytes) {}
 
-  void Push(RecordedMessage message);  // what is older than the span, or too much, is forgotten
+  void Push(RecordedMessage message);    // what is older than the span, or too much, is forgotten
   std::optional<RecordedMessage> Pop();  // the oldest
   std::size_t size() const { return messages_.size(); }
   // Messages within the span that did not fit the bytes: what is here is shorter than the span.

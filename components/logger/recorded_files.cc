@@ -63,8 +63,8 @@ IoStatus RecordedFiles::Begin(const std::vector<McapMetadata>& more) {
     if (status.ok()) status = writer_->WriteAttachment(attachment);
   }
   for (std::size_t i = 0; status.ok() && i < topics_.size(); ++i) {
-    status = writer_->AddSchema(topics_[i].type_name, "omgidl", topics_[i].idl,
-                                &channels_[i].schema);
+    status =
+        writer_->AddSchema(topics_[i].type_name, "omgidl", topics_[i].idl, &channels_[i].schema);
   }
   return status;
 }

@@ -76,7 +76,7 @@ class RecordedFiles {
   recording::IoStatus End();
 
   void SetLosses(std::vector<TopicLosses> losses) { losses_ = std::move(losses); }  // by topic
-  int files() const { return next_number_; }  // begun so far
+  int files() const { return next_number_; }                                        // begun so far
   std::uint64_t messages() const { return messages_; }
   std::uint64_t bytes() const;  // of all files
 

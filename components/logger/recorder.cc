@@ -53,8 +53,8 @@ bool Recorder::Offer(std::size_t topic, Bytes payload, std::int64_t reception_ns
   queue_.push_back({topic, std::move(payload), reception_ns, 0, origin});
   // A wake-up for each sample would cost more than the sample.
   const std::size_t early = options_.queue_bytes / 4;
-  const bool wake = options_.wait_for_capacity ? queue_.size() == 1
-                                               : before < early && queued_bytes_ >= early;
+  const bool wake =
+      options_.wait_for_capacity ? queue_.size() == 1 : before < early && queued_bytes_ >= early;
   lock.unlock();
   if (wake) offered_.notify_one();
   return true;
@@ -121,8 +121,8 @@ void Recorder::Note(const RecordedMessage& message, const MessageFacts& facts) {
     if (topic.messages > 1 && topic.session_id == facts.session_id && facts.tick > topic.tick) {
       own_.missing_ticks += facts.tick - topic.tick - 1;
     }
-    own_.session = SessionState{facts.session_id, facts.tick, facts.stamp_ns, facts.origin,
-                                facts.last_tick};
+    own_.session =
+        SessionState{facts.session_id, facts.tick, facts.stamp_ns, facts.origin, facts.last_tick};
   }
   topic.session_id = facts.session_id;
   topic.tick = facts.tick;

@@ -31,7 +31,7 @@ namespace sinew::logger {
 struct RingOptions {
   std::chrono::nanoseconds last{0};  // 0: no ring, everything is written
   std::chrono::nanoseconds after = std::chrono::seconds(10);
-  bool on_fault = false;          // a fault of a component or of the robot is a trigger
+  bool on_fault = false;           // a fault of a component or of the robot is a trigger
   std::size_t bytes = 512u << 20;  // of memory at most
 };
 
@@ -64,13 +64,13 @@ struct SessionState {
 struct RecorderState {
   std::vector<TopicState> topics;  // as given to the constructor
   std::optional<SessionState> session;
-  TopicLosses losses;               // of all topics
-  std::uint64_t messages = 0;       // taken from the queue
-  std::uint64_t written = 0;        // of them in files; the others were or are in the ring
-  std::uint64_t missing_ticks = 0;  // gaps in the ticks of joint_state
-  std::uint64_t bytes = 0;          // of the files
-  int files = 0;                    // begun
-  int triggers = 0;                 // of the ring
+  TopicLosses losses;                // of all topics
+  std::uint64_t messages = 0;        // taken from the queue
+  std::uint64_t written = 0;         // of them in files; the others were or are in the ring
+  std::uint64_t missing_ticks = 0;   // gaps in the ticks of joint_state
+  std::uint64_t bytes = 0;           // of the files
+  int files = 0;                     // begun
+  int triggers = 0;                  // of the ring
   std::uint64_t ring_forgotten = 0;  // messages that a ring too small in bytes lacked
   std::string last_trigger;
   recording::IoStatus status;  // the first write error

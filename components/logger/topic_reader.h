@@ -40,7 +40,7 @@ class TopicReader {
   recording::IdlSchema idl_;
   const recording::IdlType& type_;
   recording::CdrField session_id_, tick_, stamp_ns_, origin_;
-  std::optional<recording::CdrField> last_tick_, robot_state_;              // joint_state
+  std::optional<recording::CdrField> last_tick_, robot_state_;               // joint_state
   std::optional<recording::CdrField> component_state_, component_, reason_;  // component_status
 };
 

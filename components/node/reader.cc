@@ -107,10 +107,10 @@ void ReaderImpl::on_data_available(dds::DataReader* source) {
     received_.fetch_add(1, std::memory_order_relaxed);
     any = true;
     if (callback_) {
-      callback_(RawSample{
-          topic.name, std::move(scratch_.bytes), scratch_.source_stamp_ns,
-          scratch_.reception_stamp_ns, scratch_.writer,
-          static_cast<std::uint64_t>(info.sample_identity.sequence_number().to64long())});
+      callback_(
+          RawSample{topic.name, std::move(scratch_.bytes), scratch_.source_stamp_ns,
+                    scratch_.reception_stamp_ns, scratch_.writer,
+                    static_cast<std::uint64_t>(info.sample_identity.sequence_number().to64long())});
       scratch_.bytes = Bytes();
       continue;
     }

@@ -267,8 +267,7 @@ void PrintRecording(const Json& report) {
   for (const Json& row : report["topics"]) {
     std::printf("%-20s %-16s %10s  %-10s %s\n", row["name"].get<std::string>().c_str(),
                 row["writer"].get<std::string>().c_str(), row["messages"].dump().c_str(),
-                row["idl_hash"].get<std::string>().c_str(),
-                row["type"].get<std::string>().c_str());
+                row["idl_hash"].get<std::string>().c_str(), row["type"].get<std::string>().c_str());
   }
 }
 

@@ -33,7 +33,7 @@ std::string HashFile(const fs::path& file, std::string* text, std::uintmax_t* si
     throw UsageError("--attach: " + file.string() + ": cannot be read, expected a file");
   }
   const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context(EVP_MD_CTX_new(),
-                                                                       &EVP_MD_CTX_free);
+                                                                        &EVP_MD_CTX_free);
   if (context == nullptr || EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr) != 1) {
     throw std::runtime_error("OpenSSL has no SHA-256");
   }

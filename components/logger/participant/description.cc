@@ -39,8 +39,7 @@ void DescribeMachine(recording::TextMap* values) {
   (*values)["host"] = host;
   utsname system{};
   if (::uname(&system) == 0) {
-    (*values)["system"] =
-        std::string(system.sysname) + " " + system.release + " " + system.machine;
+    (*values)["system"] = std::string(system.sysname) + " " + system.release + " " + system.machine;
   }
 #ifdef __clang__
   (*values)["compiler"] = std::string("clang ") + __clang_version__;

@@ -86,8 +86,8 @@ class Session {
     recorder_options.files.describe_writer = [&node](const WriterGuid& writer) {
       return DescribeWriter(node, writer);
     };
-    open_ = std::make_shared<OpenRecording>(options, schemas, description.metadata,
-                                            recorder_options);
+    open_ =
+        std::make_shared<OpenRecording>(options, schemas, description.metadata, recorder_options);
     for (std::size_t i = 0; i < topics_.size(); ++i) {
       // Of several writers of an EXCLUSIVE topic one is heard: the numbers of the others have gaps.
       const bool exclusive = node::IsExclusive(topics_[i]->profile);
@@ -181,8 +181,9 @@ class Session {
   void ReportTriggers() {
     if (state_.triggers == reported_triggers_) return;
     reported_triggers_ = state_.triggers;
-    spdlog::warn("{}: the last {} s and {} s more are written ({})", open_->files.current().string(),
-                 options_.last_s, options_.after_s, state_.last_trigger);
+    spdlog::warn("{}: the last {} s and {} s more are written ({})",
+                 open_->files.current().string(), options_.last_s, options_.after_s,
+                 state_.last_trigger);
     if (state_.ring_forgotten == 0) return;
     spdlog::warn("{} messages were too many for {} MiB of memory: less than {} s were kept",
                  state_.ring_forgotten, RingOptions{}.bytes >> 20, options_.last_s);

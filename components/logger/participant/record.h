@@ -33,13 +33,13 @@ struct RecordOptions {
   bool keep_going = false;  // further sessions go into the same file
   double duration_s = 0.0;  // wall clock; 0: no limit
   recording::Compression compression = recording::Compression::kZstd;
-  std::uint64_t split_bytes = 0;   // numbered files of about this size; 0: one file
-  double split_s = 0.0;            // numbered files of this length; 0: one file
-  std::optional<double> sync_s;    // to the disk so often; 0: at the end. None: 1 in real time, 0
-                                   // in lockstep
-  double last_s = 0.0;             // > 0: nothing is written but after a trigger, see ring
-  double after_s = 10.0;           // what is written after a trigger
-  bool on_fault = false;           // a fault is a trigger, as SIGUSR1 is
+  std::uint64_t split_bytes = 0;  // numbered files of about this size; 0: one file
+  double split_s = 0.0;           // numbered files of this length; 0: one file
+  std::optional<double> sync_s;   // to the disk so often; 0: at the end. None: 1 in real time, 0
+                                  // in lockstep
+  double last_s = 0.0;            // > 0: nothing is written but after a trigger, see ring
+  double after_s = 10.0;          // what is written after a trigger
+  bool on_fault = false;          // a fault is a trigger, as SIGUSR1 is
 };
 
 // The options of `sinew-logger` and `sinew record`.
