@@ -1,15 +1,14 @@
 // CPU time of sinew-logger beside a process that reads the same topics and does nothing.
-#include <unistd.h>
+#include <signal.h>
 
 #include <chrono>
 #include <cstdio>
-#include <fstream>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <thread>
 
 #include "bench/logger/measures.h"
+#include "bench/logger/process_cpu.h"
 #include "bench/logger/traffic.h"
 #include "components/node/options.h"
 #include "components/recording/file/file_io.h"
@@ -21,19 +20,6 @@ namespace sinew::logger_bench {
 namespace {
 
 constexpr double kGoalRatio = 1.5;
-
-// User and system time so far, s: fields 14 and 15 of /proc/PID/stat, after the name in brackets.
-double CpuOf_s(pid_t pid) {
-  std::ifstream in("/proc/" + std::to_string(pid) + "/stat");
-  std::stringstream text;
-  text << in.rdbuf();
-  std::istringstream rest(text.str().substr(text.str().rfind(')') + 1));
-  std::string skipped;
-  for (int field = 3; field < 14; ++field) rest >> skipped;
-  double user = 0.0, system = 0.0;
-  rest >> user >> system;
-  return (user + system) / static_cast<double>(::sysconf(_SC_CLK_TCK));
-}
 
 void WaitForReaders(const Traffic& traffic, int count) {
   const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(30);

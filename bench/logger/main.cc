@@ -22,6 +22,13 @@ int main(int argc, char** argv) try {
   cpu->add_option("--compression", cpu_options.compression, "none, lz4 or zstd");
   cpu->callback([&] { met = MeasureCpu(cpu_options); });
 
+  CpuOptions lcm_options = cpu_options;
+  CLI::App* lcm = app.add_subcommand("lcm", "CPU time of lcm-logger on the same bytes");
+  lcm->add_option("--rate", lcm_options.rate_Hz, "Hz")->check(CLI::PositiveNumber);
+  lcm->add_option("--seconds", lcm_options.seconds, "How long")->check(CLI::PositiveNumber);
+  lcm->add_option("--folder", lcm_options.folder, "For the logs")->check(CLI::ExistingDirectory);
+  lcm->callback([&] { met = MeasureLcm(lcm_options); });
+
   int reader_domain = 0;
   CLI::App* reader = app.add_subcommand("reader", "The reader that does nothing");
   reader->add_option("--domain", reader_domain, "DDS domain");

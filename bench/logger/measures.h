@@ -14,6 +14,7 @@ struct CpuOptions {
   std::string compression = "none";
 };
 bool MeasureCpu(const CpuOptions& options);
+bool MeasureLcm(const CpuOptions& options);  // lcm-logger and lcm-logplayer in the PATH
 // The process that it is compared with: reads the same topics and does nothing, until SIGTERM.
 void ReadInVain(int domain_id);
 
