@@ -13,6 +13,8 @@ namespace sinew::testing {
 // Thread: the recorder writes, the test reads between.
 class MemorySeries final : public logger::RecordingSink {
  public:
+  // capacity: bytes of all files together, like a disk.
+  explicit MemorySeries(std::size_t capacity = ~std::size_t{0}) : capacity_(capacity) {}
   recording::IoStatus Begin(int number) override {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (static_cast<std::size_t>(number) != files_.size()) {
@@ -23,6 +25,8 @@ class MemorySeries final : public logger::RecordingSink {
   }
   recording::IoStatus Write(std::span<const std::byte> bytes) override {
     const std::lock_guard<std::mutex> lock(mutex_);
+    if (bytes.size() > capacity_) return recording::IoStatus::Failed("No space left on device");
+    capacity_ -= bytes.size();
     files_.back().insert(files_.back().end(), bytes.begin(), bytes.end());
     return recording::IoStatus::Ok();
   }
@@ -51,6 +55,7 @@ class MemorySeries final : public logger::RecordingSink {
 
  private:
   mutable std::mutex mutex_;
+  std::size_t capacity_;
   std::vector<recording::Bytes> files_;
   int syncs_ = 0;
   std::size_t ended_ = 0;

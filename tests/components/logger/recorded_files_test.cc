@@ -106,6 +106,30 @@ TEST(RecordedFiles, LosesNothingWhereItIsSplitBySize) {
   }
 }
 
+TEST(RecordedFiles, AFullDiskLeavesTheFilesBeforeItWhole) {
+  MemorySeries sink(100'000);
+  FilesOptions options = WithAttachment();
+  options.compression = recording::Compression::kNone;
+  options.split_bytes = 30'000;
+  RecordedFiles files(sink, {SchemaOf("joint_state"), SchemaOf("reference")},
+                      {{"sinew.recording", {{"seed", "3"}}}}, options);
+  recording::IoStatus status = files.Begin();
+  int written = 0;
+  for (; status.ok() && written < 10'000; ++written) {
+    status = files.Write(MessageAt(1'000'000'000 + 10'000'000LL * written));
+  }
+  EXPECT_EQ(status.message(), "No space left on device");
+  std::vector<Bytes> whole = sink.files();
+  ASSERT_GE(whole.size(), 3u);
+  recording::MemorySource last(whole.back());
+  const McapReader cut_off(last);  // opens
+  EXPECT_TRUE(cut_off.recovery().has_value());
+  whole.pop_back();
+  const std::vector<std::int64_t> times = TimesOf(whole);
+  EXPECT_EQ(times, ExpectedTimes(static_cast<int>(times.size())));
+  EXPECT_GT(times.size(), 50u);
+}
+
 TEST(RecordedFiles, EveryWriterOfATopicHasAChannelWithItsName) {
   MemorySeries sink;
   FilesOptions options;
