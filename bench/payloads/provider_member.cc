@@ -99,8 +99,11 @@ class ProviderMember final : public node::Component {
   provider::CommandReaders readers_;
 };
 
-class CountingSink final : public recording::ByteSink {
+class CountingSink final : public logger::RecordingSink {
  public:
+  recording::IoStatus Begin(int) override { return recording::IoStatus::Ok(); }
+  recording::IoStatus Sync() override { return recording::IoStatus::Ok(); }
+  recording::IoStatus End() override { return recording::IoStatus::Ok(); }
   recording::IoStatus Write(std::span<const std::byte> bytes) override {
     bytes_ += bytes.size();
     return recording::IoStatus::Ok();

@@ -6,41 +6,20 @@
 namespace sinew::logger {
 
 using recording::Bytes;
-using recording::CdrField;
-using recording::IdlSchema;
-using recording::IdlType;
 using recording::IoStatus;
 
-struct Recorder::Topic {
-  explicit Topic(recording::TopicSchema topic_schema)
-      : schema(std::move(topic_schema)),
-        idl(IdlSchema::Parse(schema.idl)),
-        type(idl.Struct(schema.type_name)),
-        session_id(type, "header.session_id"),
-        tick(type, "header.tick"),
-        stamp_ns(type, "header.stamp_ns"),
-        origin(type, "header.origin") {
-    if (schema.topic == "joint_state") last_tick.emplace(type, "last_tick");
-  }
-
-  recording::TopicSchema schema;
-  IdlSchema idl;
-  const IdlType& type;
-  CdrField session_id, tick, stamp_ns, origin;
-  std::optional<CdrField> last_tick;  // joint_state only
-  std::optional<recording::ChannelId> channel;
-};
-
-Recorder::Recorder(recording::ByteSink& sink, std::vector<recording::TopicSchema> topics,
+Recorder::Recorder(RecordingSink& sink, std::vector<recording::TopicSchema> topics,
                    std::vector<recording::McapMetadata> metadata, RecorderOptions options)
-    : options_(options),
-      writer_(sink, {"sinew", recording::Compression::kZstd,
-                     std::chrono::nanoseconds(options.chunk_span).count(), 1u << 20}),
-      metadata_(std::move(metadata)) {
-  for (recording::TopicSchema& topic : topics) {
-    topics_.push_back(std::make_unique<Topic>(std::move(topic)));
+    : options_(std::move(options)),
+      files_(sink, topics, std::move(metadata), options_.files),
+      ring_(options_.ring.last, options_.ring.bytes),
+      lost_(topics.size(), 0),
+      dropped_(topics.size(), 0) {
+  for (const recording::TopicSchema& topic : topics) {
+    readers_.push_back(std::make_unique<TopicReader>(topic));
   }
-  state_.topics.resize(topics_.size());
+  own_.topics.resize(topics.size());
+  state_.topics.resize(topics.size());
   thread_ = std::thread([this] { Run(); });
 }
 
@@ -55,30 +34,59 @@ Recorder::~Recorder() {
   if (thread_.joinable()) thread_.join();
 }
 
-bool Recorder::Offer(std::size_t topic, Bytes payload, std::int64_t reception_ns) {
+bool Recorder::Offer(std::size_t topic, Bytes payload, std::int64_t reception_ns,
+                     const SampleOrigin& origin) {
   std::unique_lock<std::mutex> lock(mutex_);
   const auto fits = [this, &payload] {
     return queue_.empty() || queued_bytes_ + payload.size() <= options_.queue_bytes;
   };
   if (options_.wait_for_capacity) {
-    taken_.wait(lock, [&] { return fits() || finishing_ || !state_.status.ok(); });
+    taken_.wait(lock, [&] { return fits() || finishing_ || !Takes(); });
   }
-  if (finishing_ || !state_.status.ok()) return false;
+  if (finishing_ || !Takes()) return false;
   if (!fits()) {
-    ++state_.topics[topic].dropped;
-    ++state_.dropped;
+    ++dropped_[topic];
     return false;
   }
+  const std::size_t before = queued_bytes_;
   queued_bytes_ += payload.size();
-  queue_.push_back({topic, std::move(payload), reception_ns});
+  queue_.push_back({topic, std::move(payload), reception_ns, 0, origin});
+  // A wake-up for each sample would cost more than the sample.
+  const std::size_t early = options_.queue_bytes / 4;
+  const bool wake =
+      options_.wait_for_capacity ? queue_.size() == 1 : before < early && queued_bytes_ >= early;
   lock.unlock();
-  offered_.notify_one();
+  if (wake) offered_.notify_one();
   return true;
+}
+
+void Recorder::SetLost(std::size_t topic, std::uint64_t lost) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  lost_[topic] = lost;
+}
+
+void Recorder::Trigger(const std::string& reason) {
+  if (!has_ring()) return;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    request_ = reason;
+  }
+  offered_.notify_one();
 }
 
 RecorderState Recorder::state() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return state_;
+  RecorderState state = state_;
+  for (std::size_t i = 0; i < state.topics.size(); ++i) {
+    TopicLosses& losses = state.topics[i].losses;
+    losses.lost = lost_[i];
+    losses.dropped = dropped_[i];
+    state.losses.lost += losses.lost;
+    state.losses.missing += losses.missing;
+    state.losses.dropped += losses.dropped;
+    state.losses.malformed += losses.malformed;
+  }
+  return state;
 }
 
 IoStatus Recorder::Finish() {
@@ -94,93 +102,139 @@ IoStatus Recorder::Finish() {
   return state_.status;
 }
 
-IoStatus Recorder::Write(Item* item) {
-  Topic& topic = *topics_[item->topic];
-  TopicState news;
-  std::optional<SessionState> session;
-  std::int64_t stamp_ns = item->reception_ns;
-  bool malformed = false;
-  try {
-    recording::CanonicalizeCdr(topic.type, &item->payload);
-    news.session_id = static_cast<std::uint64_t>(topic.session_id.AsInt(item->payload));
-    news.tick = static_cast<std::uint64_t>(topic.tick.AsInt(item->payload));
-    stamp_ns = topic.stamp_ns.AsInt(item->payload);
-    if (topic.last_tick) {
-      session =
-          SessionState{news.session_id, news.tick, stamp_ns, topic.origin.AsInt(item->payload),
-                       topic.last_tick->AsInt(item->payload) != 0};
+void Recorder::Note(const RecordedMessage& message, const MessageFacts& facts) {
+  TopicState& topic = own_.topics[message.topic];
+  ++topic.messages;
+  ++own_.messages;
+  if (message.origin.sequence > 0) {
+    std::uint64_t& last = last_sequence_[{message.topic, message.origin.writer}];
+    if (last > 0 && message.origin.sequence > last + 1) {
+      topic.losses.missing += message.origin.sequence - last - 1;
     }
-  } catch (const recording::CdrError&) {
-    malformed = true;
+    last = std::max(last, message.origin.sequence);
   }
-  if (!topic.channel) {
-    recording::ChannelId channel{};
-    if (IoStatus status = recording::AddTopic(topic.schema, &writer_, &channel); !status.ok())
-      return status;
-    topic.channel = channel;
+  if (facts.malformed) {
+    ++topic.losses.malformed;
+    return;
   }
-  IoStatus status =
-      writer_.WriteMessage(*topic.channel, std::max<std::int64_t>(item->reception_ns, 0),
-                           std::max<std::int64_t>(stamp_ns, 0), item->payload);
-  if (!status.ok()) return status;
+  if (readers_[message.topic]->is_joint_state()) {
+    if (topic.messages > 1 && topic.session_id == facts.session_id && facts.tick > topic.tick) {
+      own_.missing_ticks += facts.tick - topic.tick - 1;
+    }
+    own_.session =
+        SessionState{facts.session_id, facts.tick, facts.stamp_ns, facts.origin, facts.last_tick};
+  }
+  topic.session_id = facts.session_id;
+  topic.tick = facts.tick;
+}
 
-  const std::lock_guard<std::mutex> lock(mutex_);
-  TopicState& state = state_.topics[item->topic];
-  ++state.messages;
-  ++state_.messages;
-  state_.bytes = writer_.bytes_written();
-  if (malformed) {
-    ++state.malformed;
-    ++state_.malformed;
-    return status;
+bool Recorder::IsNewFault(const RecordedMessage& message, const MessageFacts& facts) {
+  if (!options_.ring.on_fault || facts.malformed) return false;
+  bool& in_fault = in_fault_[{message.topic, message.origin.writer}];
+  const bool fresh = facts.fault && !in_fault;
+  in_fault = facts.fault;
+  return fresh;
+}
+
+IoStatus Recorder::WriteRing(const std::string& reason) {
+  ++own_.triggers;
+  own_.last_trigger = reason;
+  ring_closes_ = std::chrono::steady_clock::now() + options_.ring.after;
+  if (files_.open()) return IoStatus::Ok();  // it goes on for longer
+  IoStatus status = files_.Begin({{"sinew.trigger", {{"reason", reason}}}});
+  while (status.ok()) {
+    const std::optional<RecordedMessage> message = ring_.Pop();
+    if (!message) break;
+    status = files_.Write(*message);
   }
-  if (session && state.messages > 1 && state.session_id == news.session_id &&
-      news.tick > state.tick) {
-    state_.missing_ticks += news.tick - state.tick - 1;
-  }
-  state.session_id = news.session_id;
-  state.tick = news.tick;
-  if (session) state_.session = session;
   return status;
 }
 
-void Recorder::Run() {
-  IoStatus status = writer_.Open();
-  for (const recording::McapMetadata& metadata : metadata_) {
-    if (status.ok()) status = writer_.WriteMetadata(metadata);
+IoStatus Recorder::Take(RecordedMessage&& message) {
+  const TopicReader& reader = *readers_[message.topic];
+  const MessageFacts facts = reader.Read(&message.payload);
+  message.stamp_ns = facts.malformed ? message.reception_ns : facts.stamp_ns;
+  Note(message, facts);
+  if (!has_ring()) return files_.Write(message);
+  const bool fault = IsNewFault(message, facts);
+  const std::string reason = fault ? reader.FaultText(message.payload) : std::string();
+  IoStatus status;
+  if (files_.open()) {
+    status = files_.Write(message);
+  } else {
+    ring_.Push(std::move(message));
   }
-  std::deque<Item> batch;
+  if (fault && status.ok()) status = WriteRing(reason);
+  return status;
+}
+
+IoStatus Recorder::TakeBatch(std::vector<RecordedMessage>* batch,
+                             const std::optional<std::string>& request) {
+  IoStatus status;
+  for (RecordedMessage& message : *batch) {
+    status = Take(std::move(message));
+    if (!status.ok()) return status;
+  }
+  if (request) status = WriteRing(*request);
+  const Instant now = std::chrono::steady_clock::now();
+  if (status.ok()) status = files_.Tend(now);
+  if (status.ok() && has_ring() && files_.open() && now >= ring_closes_) status = files_.End();
+  return status;
+}
+
+void Recorder::ReadOn(std::vector<RecordedMessage>* batch) {
+  for (RecordedMessage& message : *batch) {
+    Note(message, readers_[message.topic]->Read(&message.payload));
+  }
+}
+
+void Recorder::Publish(const IoStatus& status) {
+  own_.status = status;
+  own_.bytes = files_.bytes();
+  own_.files = files_.files();
+  own_.written = files_.messages();
+  own_.ring_forgotten = ring_.forgotten();
+  state_ = own_;
+}
+
+void Recorder::Run() {
+  IoStatus status = has_ring() ? IoStatus::Ok() : files_.Begin();
+  std::vector<RecordedMessage> batch;
+  std::vector<TopicLosses> losses(readers_.size());
   std::unique_lock<std::mutex> lock(mutex_);
-  while (status.ok()) {
-    const bool news = offered_.wait_for(lock, options_.chunk_span,
-                                        [this] { return !queue_.empty() || finishing_; });
-    if (!news || queue_.empty()) {  // silence, or the end
-      const bool end = finishing_;
-      lock.unlock();
-      status = writer_.CloseChunk();
-      lock.lock();
-      state_.bytes = writer_.bytes_written();
-      if (end && queue_.empty()) break;
-      continue;
-    }
+  while (status.ok() || options_.read_on_after_error) {
+    offered_.wait_for(lock, options_.batch_span, [this] {
+      return finishing_ || request_ || queued_bytes_ >= options_.queue_bytes / 4 ||
+             (options_.wait_for_capacity && !queue_.empty());
+    });
     if (abandoned_) break;
+    const bool end = finishing_ && queue_.empty();
     batch.swap(queue_);
     queued_bytes_ = 0;
+    const std::optional<std::string> request = std::exchange(request_, std::nullopt);
+    for (std::size_t i = 0; i < losses.size(); ++i) {
+      losses[i] = own_.topics[i].losses;
+      losses[i].lost = lost_[i];
+      losses[i].dropped = dropped_[i];
+    }
     lock.unlock();
     taken_.notify_all();
-    for (Item& item : batch) {
-      status = Write(&item);
-      if (!status.ok()) break;
+    files_.SetLosses(losses);
+    if (status.ok()) {
+      status = TakeBatch(&batch, request);
+    } else {
+      ReadOn(&batch);
     }
     batch.clear();
     lock.lock();
+    Publish(status);
+    if (end) break;
   }
   const bool close = status.ok() && !abandoned_;
   lock.unlock();
-  if (close) status = writer_.Close();
+  if (close) status = files_.End();
   lock.lock();
-  state_.status = status;
-  state_.bytes = writer_.bytes_written();
+  Publish(status);
   queue_.clear();
   lock.unlock();
   taken_.notify_all();

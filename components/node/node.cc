@@ -17,15 +17,23 @@ Node::~Node() {
   impl_->raw_readers.clear();
 }
 
-void Node::ReadRaw(const TopicInfo& topic, RawCallback callback) {
+void Node::ReadRaw(const TopicInfo& topic, RawCallback callback, bool wakes) {
   impl_->raw_readers.push_back(
-      std::make_unique<internal::ReaderImpl>(impl_, topic, std::move(callback)));
+      std::make_unique<internal::ReaderImpl>(impl_, topic, std::move(callback), wakes));
 }
 
 int Node::RawMatchedWriters(const std::string& topic) const {
   int count = 0;
   for (const auto& reader : impl_->raw_readers) {
     if (reader->topic.name == topic) count += reader->matched();
+  }
+  return count;
+}
+
+std::uint64_t Node::RawLost(const std::string& topic) const {
+  std::uint64_t count = 0;
+  for (const auto& reader : impl_->raw_readers) {
+    if (reader->topic.name == topic) count += reader->lost();
   }
   return count;
 }

@@ -87,6 +87,9 @@ struct RawSample {
   std::vector<std::byte> payload;
   std::int64_t source_stamp_ns = 0;     // writer's clock
   std::int64_t reception_stamp_ns = 0;  // epoch time
+  WriterId writer{};
+  // DDS numbers the samples of a writer from 1 on, without gaps. 0: not known (composition.h).
+  std::uint64_t sequence = 0;
 };
 
 // Writes payloads as they are. Copies write through the same DDS writer.
@@ -130,11 +133,14 @@ class Node {
   Writer<Message> MakeWriter(const Topic<Message>& topic);
 
   // Untyped ends for recorders and players. The callback runs in a DDS thread: copy and return.
+  // wakes: samples end WaitForData. A callback that hands its sample to another thread needs none.
   using RawCallback = std::function<void(RawSample&&)>;
-  void ReadRaw(const TopicInfo& topic, RawCallback callback);
+  void ReadRaw(const TopicInfo& topic, RawCallback callback, bool wakes = true);
   RawWriter MakeRawWriter(const TopicInfo& topic);
   // Number of writers matched to the raw readers of a topic.
   int RawMatchedWriters(const std::string& topic) const;
+  // Samples that DDS reports as lost to the raw readers of a topic (SAMPLE_LOST).
+  std::uint64_t RawLost(const std::string& topic) const;
 
   // Who writes: name and GUID of an endpoint of this participant or of a discovered one; nothing
   // for one that has gone.

@@ -16,11 +16,12 @@ namespace internal {
 using eprosima::fastrtps::types::ReturnCode_t;
 
 ReaderImpl::ReaderImpl(std::shared_ptr<NodeImpl> owner, const TopicInfo& info,
-                       Node::RawCallback on_sample)
+                       Node::RawCallback on_sample, bool wakes)
     : node(std::move(owner)),
       topic(info),
       queue_limit(QueueLimit(info.profile, node->options.mode)),
       callback_(std::move(on_sample)),
+      wakes_(wakes),
       queue_(queue_limit) {
   if (!node->apart()) OpenDds();
   if (node->options.composition != nullptr) node->options.composition->Add(this);
@@ -106,14 +107,16 @@ void ReaderImpl::on_data_available(dds::DataReader* source) {
     received_.fetch_add(1, std::memory_order_relaxed);
     any = true;
     if (callback_) {
-      callback_(RawSample{topic.name, std::move(scratch_.bytes), scratch_.source_stamp_ns,
-                          scratch_.reception_stamp_ns});
+      callback_(
+          RawSample{topic.name, std::move(scratch_.bytes), scratch_.source_stamp_ns,
+                    scratch_.reception_stamp_ns, scratch_.writer,
+                    static_cast<std::uint64_t>(info.sample_identity.sequence_number().to64long())});
       scratch_.bytes = Bytes();
       continue;
     }
     Queue(&scratch_);
   }
-  if (any) node->signal.Notify(this);
+  if (any && wakes_) node->signal.Notify(this);
 }
 
 void ReaderImpl::Queue(Sample* sample) {
@@ -129,7 +132,7 @@ void ReaderImpl::TakeComposed(const Bytes& bytes, std::int64_t stamp_ns, const W
   if (callback_) {  // recorders hear DDS, where there is one
     if (!node->apart()) return;
     received_.fetch_add(1, std::memory_order_relaxed);
-    callback_(RawSample{topic.name, bytes, stamp_ns, stamp_ns});
+    callback_(RawSample{topic.name, bytes, stamp_ns, stamp_ns, writer});
     return;
   }
   if (has_owners() && !composed_heard_.load(std::memory_order_relaxed)) return;

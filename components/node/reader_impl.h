@@ -18,9 +18,9 @@ namespace sinew::node::internal {
 namespace dds = eprosima::fastdds::dds;
 
 struct ReaderImpl final : public dds::DataReaderListener {
-  // With a callback the queue stays empty.
+  // With a callback the queue stays empty. wakes: samples wake the thread that waits on the node.
   ReaderImpl(std::shared_ptr<NodeImpl> owner, const TopicInfo& info,
-             Node::RawCallback on_sample = {});
+             Node::RawCallback on_sample = {}, bool wakes = true);
   ~ReaderImpl() override;  // logs how many samples the queue has dropped
 
   std::optional<Sample> TakeNext();
@@ -58,6 +58,7 @@ struct ReaderImpl final : public dds::DataReaderListener {
   void Queue(Sample* sample);
 
   Node::RawCallback callback_;
+  const bool wakes_;
   SampleQueue queue_;
   dds::DataReader* reader_ = nullptr;  // stays null in a composition apart
   std::atomic<std::uint64_t> received_{0};

@@ -1,6 +1,7 @@
 // The rig as separate processes in lockstep: repeatable to the byte.
 #include <gtest/gtest.h>
 
+#include "components/config/config.h"
 #include "tests/support/program.h"
 #include "tests/support/sinew_program.h"
 #include "tests/support/temporary_folder.h"
@@ -50,6 +51,16 @@ TEST(Lockstep, AnotherSeedGivesOtherMeasurements) {
   const auto second = RunRig(folder.path() / "second.mcap", 143, 8);
   ASSERT_EQ(first.at("actuator_state").size(), second.at("actuator_state").size());
   EXPECT_FALSE(first.at("actuator_state") == second.at("actuator_state"));
+
+  // The recording carries what it was made with.
+  const std::string file = (folder.path() / "first.mcap").string();
+  const Finished attachments = testing::Run({kSinew, "attachments", file});
+  for (const char* name :
+       {"deploy_rig.yaml", "surrogate.yaml", "control_pid_model.yaml", "esn_sea.json"}) {
+    EXPECT_NE(attachments.output.find(name), std::string::npos) << name << attachments.output;
+  }
+  EXPECT_EQ(testing::Run({kSinew, "attachments", file, "deploy_rig.yaml"}).output,
+            config::ReadFile(kDeployment));
 }
 
 TEST(Lockstep, AMissingReplyEndsTheSessionAndIsNamed) {

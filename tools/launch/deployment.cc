@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "components/config/config.h"
+#include "tools/launch/deployment_files.h"
 
 namespace sinew::launch {
 
@@ -402,6 +403,11 @@ Deployment LoadDeployment(const fs::path& file, const Overrides& overrides,
     // In lockstep the provider waits for observers too.
     process.vital = process.vital || deployment.lockstep;
   }
+  if (std::any_of(deployment.processes.begin(), deployment.processes.end(), IsLogger)) {
+    for (const DeploymentFile& attached : FilesOf(deployment)) {
+      deployment.attachments.push_back(attached.name + "=" + attached.path.string());
+    }
+  }
   return deployment;
 }
 
@@ -417,7 +423,12 @@ std::vector<std::string> CommandLine(const Deployment& deployment, const Process
     if (deployment.realtime_priority) line.push_back("--realtime");
     if (!process.config.empty()) line.insert(line.end(), {"--config", process.config.string()});
     if (process.name == deployment.provider) AddProviderOptions(deployment, &line);
-    if (IsLogger(process)) line.insert(line.end(), {"--note", "deployment=" + deployment.name});
+    if (IsLogger(process)) {
+      line.insert(line.end(), {"--note", "deployment=" + deployment.name});
+      for (const std::string& file : deployment.attachments) {
+        line.insert(line.end(), {"--attach", file});
+      }
+    }
   }
   line.insert(line.end(), process.arguments.begin(), process.arguments.end());
   if (IsLogger(process) && restarts > 0) {

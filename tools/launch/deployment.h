@@ -43,6 +43,7 @@ struct Deployment {
   bool realtime_priority = false;
   double grace_s = 3.0;
   std::vector<Process> processes;
+  std::vector<std::string> attachments;  // NAME=FILE: what its loggers attach to recordings
 
   const Process* Find(const std::string& process_name) const;  // nullptr: no such process
 };

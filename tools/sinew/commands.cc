@@ -1,5 +1,6 @@
 #include "tools/sinew/commands.h"
 
+#include "tools/sinew/attachments.h"
 #include "tools/sinew/check_data.h"
 #include "tools/sinew/close_loop.h"
 #include "tools/sinew/completion.h"
@@ -16,6 +17,7 @@
 #include "tools/sinew/performance.h"
 #include "tools/sinew/permit_replay.h"
 #include "tools/sinew/record.h"
+#include "tools/sinew/recover.h"
 #include "tools/sinew/render.h"
 #include "tools/sinew/replay.h"
 #include "tools/sinew/score.h"
@@ -35,6 +37,8 @@ void AddCoreCommands(CLI::App& app) {
   AddReplayCommand(app);
   AddRenderCommand(app);
   AddImportCommand(app);
+  AddRecoverCommand(app);
+  AddAttachmentsCommand(app);
   AddCheckDataCommand(app);
   AddCloseLoopCommand(app);
   AddVerifyCommand(app);

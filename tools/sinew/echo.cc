@@ -9,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -105,8 +106,9 @@ void EchoFile(const EchoOptions& options) {
     const recording::McapReader reader(source);
     const recording::McapSchema* schema = nullptr;
     std::string list;
+    std::set<std::string> names;
     for (const auto& [id, channel] : reader.channels()) {
-      list += (list.empty() ? "" : ", ") + channel.topic;
+      if (names.insert(channel.topic).second) list += (list.empty() ? "" : ", ") + channel.topic;
       if (channel.topic == options.topic) schema = reader.SchemaOf(channel);
     }
     if (schema == nullptr) {

@@ -219,10 +219,12 @@ Json DescribeRecording(const std::filesystem::path& path) {
       const recording::McapSchema* schema = reader.SchemaOf(channel);
       const auto count = statistics.channel_message_counts.find(id);
       const auto hash = channel.metadata.find("idl_hash");
+      const auto writer = channel.metadata.find("participant");
       report["topics"].push_back(
           {{"name", channel.topic},
            {"type", schema == nullptr ? "" : schema->name},
            {"idl_hash", hash == channel.metadata.end() ? "" : hash->second},
+           {"writer", writer == channel.metadata.end() ? "" : writer->second},
            {"messages", count == statistics.channel_message_counts.end() ? 0 : count->second}});
     }
     report["metadata"] = Json::array();
@@ -230,6 +232,11 @@ Json DescribeRecording(const std::filesystem::path& path) {
       Json entry = {{"name", metadata.name}};
       for (const auto& [key, value] : metadata.values) entry[key] = value;
       report["metadata"].push_back(entry);
+    }
+    report["attachments"] = Json::array();
+    for (const recording::McapAttachment& attachment : reader.ReadAttachments()) {
+      report["attachments"].push_back(
+          {{"name", attachment.name}, {"bytes", attachment.data.size()}});
     }
     return report;
   } catch (const recording::McapError& error) {
@@ -252,11 +259,15 @@ void PrintRecording(const Json& report) {
     }
     std::cout << '\n';
   }
-  std::printf("\n%-20s %10s  %-10s %s\n", "topic", "messages", "hash", "type");
+  for (const Json& attachment : report["attachments"]) {
+    std::cout << "attachment: " << attachment["name"].get<std::string>() << ", "
+              << attachment["bytes"] << " bytes\n";
+  }
+  std::printf("\n%-20s %-16s %10s  %-10s %s\n", "topic", "writer", "messages", "hash", "type");
   for (const Json& row : report["topics"]) {
-    std::printf("%-20s %10s  %-10s %s\n", row["name"].get<std::string>().c_str(),
-                row["messages"].dump().c_str(), row["idl_hash"].get<std::string>().c_str(),
-                row["type"].get<std::string>().c_str());
+    std::printf("%-20s %-16s %10s  %-10s %s\n", row["name"].get<std::string>().c_str(),
+                row["writer"].get<std::string>().c_str(), row["messages"].dump().c_str(),
+                row["idl_hash"].get<std::string>().c_str(), row["type"].get<std::string>().c_str());
   }
 }
 

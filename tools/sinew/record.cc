@@ -25,10 +25,12 @@ void AddRecordCommand(CLI::App& app) {
   command->add_flag("--json", options->json, "Result as JSON");
   command->footer(
       "Ends with the session, after --duration, or with Ctrl-C; the file is whole in each case.\n"
-      "A recorder that is killed leaves a file that can be read but for the last 200 "
-      "ms.\n\nExamples:\n"
+      "A recorder that is killed leaves a file that can be read but for the last 200 ms; sinew "
+      "recover makes it\nwhole.\n\nExamples:\n"
       "  sinew record --out run.mcap --domain 0\n"
-      "  sinew record --out run.mcap --topics joint_state,actuator_state --duration 60");
+      "  sinew record --out run.mcap --topics joint_state,actuator_state --duration 60\n"
+      "  sinew record --out run.mcap --exclude 'sim_.*' --split-duration 1h --keep-going\n"
+      "  sinew record --out fault.mcap --last 30s --on-fault --keep-going");
   command->callback([options] {
     node::StopFlag stop;
     StartCommandLog("record");
@@ -44,7 +46,11 @@ void AddRecordCommand(CLI::App& app) {
                                           {"topics", result.topics},
                                           {"bytes", result.bytes},
                                           {"dropped", result.dropped},
+                                          {"lost", result.lost},
+                                          {"missing", result.missing},
                                           {"missing_ticks", result.missing_ticks},
+                                          {"files", result.files},
+                                          {"triggers", result.triggers},
                                           {"end", result.end}}
                        .dump()
                 << '\n';
@@ -52,8 +58,13 @@ void AddRecordCommand(CLI::App& app) {
       std::cout << options->record.out.string() << ": " << result.messages << " messages of "
                 << result.topics << " topics, " << result.bytes << " bytes (" << result.end
                 << ")\n";
+      if (result.files != 1) std::cout << result.files << " files\n";
       if (result.dropped > 0)
         std::cout << result.dropped << " messages were dropped: the disk was too slow\n";
+      if (result.lost > 0 || result.missing > 0) {
+        std::cout << result.lost << " samples were reported lost on the way, " << result.missing
+                  << " are missing in the numbers of their writers\n";
+      }
       if (result.missing_ticks > 0) {
         std::cout << result.missing_ticks << " ticks of joint_state never arrived\n";
       }

@@ -1,6 +1,8 @@
 // The logger: every topic of a domain into an MCAP file.
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+
 #include "components/logger/participant/record.h"
 
 int main(int argc, char** argv) {
@@ -12,9 +14,11 @@ int main(int argc, char** argv) {
     }
     sinew::node::Node node(options);
     const sinew::logger::RecordResult result = sinew::logger::Record(node, stop, record);
-    spdlog::info("{}: {} messages of {} topics, {} bytes, {} dropped, {} ticks missing, {}",
-                 record.out.string(), result.messages, result.topics, result.bytes, result.dropped,
-                 result.missing_ticks, result.end);
+    spdlog::info(
+        "{}: {} messages of {} topics, {} bytes in {} files, {} dropped, {} lost on the way, {} "
+        "ticks missing, {}",
+        record.out.string(), result.messages, result.topics, result.bytes, result.files,
+        result.dropped, std::max(result.lost, result.missing), result.missing_ticks, result.end);
   };
   return sinew::node::RunParticipant(
       argc, argv, "logger", "Writes every topic of a domain into an MCAP recording", body,

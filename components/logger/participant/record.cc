@@ -2,19 +2,17 @@
 
 #include <sinew_idl/recording.h>
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <memory>
 #include <optional>
 
-#include "components/config/config.h"
+#include "components/logger/file/file_series.h"
+#include "components/logger/participant/description.h"
+#include "components/logger/participant/dump_signal.h"
+#include "components/logger/participant/topic_choice.h"
 #include "components/logger/recorder.h"
-#include "components/node/version.h"
-#include "components/recording/file/file_io.h"
-#include "components/types/clock/utc.h"
 
 namespace sinew::logger {
 
@@ -28,50 +26,45 @@ constexpr milliseconds kQuiet(500);        // nothing more comes
 constexpr milliseconds kLongestEnd(5000);  // for topics that answer every tick
 constexpr milliseconds kQuietProgress(5);  // a provider may be waiting
 
-std::vector<const node::TopicInfo*> ChooseTopics(const std::vector<std::string>& names) {
-  std::vector<const node::TopicInfo*> topics;
-  if (names.empty()) {
-    for (const node::TopicInfo& topic : node::AllTopics()) {
-      // Its numbers depend on the moment: it would make two equal runs differ.
-      if (topic.name != node::kRecordingProgress.name) topics.push_back(&topic);
-    }
-    return topics;
-  }
-  for (const std::string& name : names) {
-    const node::TopicInfo* topic = node::FindTopic(name);
-    if (topic == nullptr) {
-      std::string list;
-      for (const node::TopicInfo& known : node::AllTopics())
-        list += (list.empty() ? "" : ", ") + known.name;
-      throw UsageError("--topics: no topic '" + name + "', expected one of: " + list);
-    }
-    if (std::find(topics.begin(), topics.end(), topic) == topics.end()) topics.push_back(topic);
-  }
-  return topics;
+std::chrono::nanoseconds Nanoseconds(double seconds) {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+      std::chrono::duration<double>(seconds));
 }
 
-recording::McapMetadata Describe(const node::Options& options,
-                                 const std::vector<std::string>& notes) {
-  recording::McapMetadata metadata{"sinew.recording", {}};
-  for (const std::string& note : notes) {
-    const std::size_t equals = note.find('=');
-    if (equals == std::string::npos || equals == 0) {
-      throw UsageError("--note: '" + note + "', expected KEY=VALUE");
-    }
-    metadata.values[note.substr(0, equals)] = note.substr(equals + 1);
-  }
-  char host[64] = {};
-  ::gethostname(host, sizeof(host) - 1);
-  metadata.values["version"] = node::kVersion;
-  metadata.values["topics_hash"] = node::AllTopicsHash();
-  metadata.values["domain_id"] = std::to_string(options.domain_id);
-  metadata.values["mode"] = options.mode == node::TimeMode::kLockstep ? "lockstep" : "realtime";
-  metadata.values["seed"] = std::to_string(options.seed);
-  metadata.values["recorder"] = options.name;
-  metadata.values["host"] = host;
-  metadata.values["started"] = types::UtcNow();
-  return metadata;
+RecorderOptions OptionsOf(const RecordOptions& options, bool lockstep) {
+  RecorderOptions out;
+  out.wait_for_capacity = lockstep;
+  out.read_on_after_error = lockstep;  // the provider waits for recording_progress
+  out.files.compression = options.compression;
+  out.files.split_bytes = options.split_bytes;
+  out.files.split_span = Nanoseconds(options.split_s);
+  // Simulated time can be recorded again.
+  out.files.sync_span = std::chrono::duration_cast<milliseconds>(
+      Nanoseconds(options.sync_s.value_or(lockstep ? 0.0 : 1.0)));
+  out.ring.last = Nanoseconds(options.last_s);
+  out.ring.after = Nanoseconds(options.after_s);
+  out.ring.on_fault = options.on_fault;
+  // While a ring is written, samples go on to come.
+  if (lockstep || options.last_s > 0.0) out.queue_bytes = 64u << 20;
+  return out;
 }
+
+bool IsNumbered(const RecordOptions& options) {
+  return options.split_bytes > 0 || options.split_s > 0.0 || options.last_s > 0.0;
+}
+
+// DDS may call for as long as the node lives: what it calls owns the files too.
+struct OpenRecording {
+  OpenRecording(const RecordOptions& options, const std::vector<recording::TopicSchema>& schemas,
+                const std::vector<recording::McapMetadata>& metadata,
+                const RecorderOptions& recorder_options)
+      : files(options.out, IsNumbered(options),
+              options.overwrite ? recording::Existing::kReplace : recording::Existing::kRefuse),
+        recorder(files, schemas, metadata, recorder_options) {}
+
+  FileSeries files;
+  Recorder recorder;
+};
 
 // One recording: topics, recorder, progress, end.
 class Session {
@@ -80,26 +73,33 @@ class Session {
       : node_(node),
         options_(options),
         lockstep_(node.options().mode == node::TimeMode::kLockstep),
-        topics_(ChooseTopics(options.topics)),
-        metadata_(Describe(node.options(), options.notes)),  // before the file: it may throw
-        sink_(options.out,
-              options.overwrite ? recording::Existing::kReplace : recording::Existing::kRefuse),
+        topics_(ChooseTopics(options.topics, options.exclude)),
         progress_writer_(node.MakeWriter(node::kRecordingProgress)) {
+    if (options.last_s > 0.0) dump_signal_.emplace();
     std::vector<recording::TopicSchema> schemas;
     for (const node::TopicInfo* topic : topics_) {
       schemas.push_back({topic->name, topic->type_name, topic->idl, topic->idl_hash});
     }
-    RecorderOptions recorder_options;
-    recorder_options.wait_for_capacity = lockstep_;
-    if (lockstep_) recorder_options.queue_bytes = 64u << 20;
-    recorder_ = std::make_shared<Recorder>(sink_, std::move(schemas),
-                                           std::vector<recording::McapMetadata>{metadata_},
-                                           recorder_options);
+    Description description = Describe(node.options(), options.notes, options.attach);
+    RecorderOptions recorder_options = OptionsOf(options, lockstep_);
+    recorder_options.files.attachments = std::move(description.attachments);
+    recorder_options.files.describe_writer = [&node](const WriterGuid& writer) {
+      return DescribeWriter(node, writer);
+    };
+    open_ =
+        std::make_shared<OpenRecording>(options, schemas, description.metadata, recorder_options);
     for (std::size_t i = 0; i < topics_.size(); ++i) {
-      // The recorder lives as long as DDS may call.
-      node_.ReadRaw(*topics_[i], [recorder = recorder_, i](node::RawSample&& sample) {
-        (void)recorder->Offer(i, std::move(sample.payload), sample.reception_stamp_ns);
-      });
+      // Of several writers of an EXCLUSIVE topic one is heard: the numbers of the others have gaps.
+      const bool exclusive = node::IsExclusive(topics_[i]->profile);
+      // In real time this thread looks after the recording now and then; a wake-up for each sample
+      // would cost more than the recording.
+      node_.ReadRaw(
+          *topics_[i],
+          [open = open_, i, exclusive](node::RawSample&& sample) {
+            (void)open->recorder.Offer(i, std::move(sample.payload), sample.reception_stamp_ns,
+                                       {sample.writer, exclusive ? 0 : sample.sequence});
+          },
+          /*wakes=*/lockstep_);
     }
   }
 
@@ -111,9 +111,10 @@ class Session {
     std::string end;
     while (end.empty()) {
       node_.WaitForData(lockstep_ ? kQuietProgress : milliseconds(50));
-      state_ = recorder_->state();
+      state_ = open_->recorder.state();
       CheckFile();
       const auto now = Clock::now();
+      if (dump_signal_ && DumpSignal::Take()) open_->recorder.Trigger("SIGUSR1");
       if (state_.messages != seen_messages_) {
         seen_messages_ = state_.messages;
         last_news_ = now;
@@ -122,7 +123,9 @@ class Session {
       ReportDrops(now);
       if (now >= next_report) {
         next_report = now + milliseconds(100);
-        node_.SetCounts({state_.messages, 0, 0, state_.dropped});
+        node_.SetCounts({state_.messages, 0, 0, state_.losses.dropped});
+        CountLost();
+        ReportTriggers();
         if (progress) progress(Result(""));
       }
       if (stop.requested()) {
@@ -138,11 +141,11 @@ class Session {
     const auto give_up = Clock::now() + kQuiet;
     while (lockstep_ && Clock::now() < give_up && node_.WaitForData(milliseconds(50))) {
     }
-    const recording::IoStatus written = recorder_->Finish();
-    state_ = recorder_->state();
-    CheckFile();
-    const recording::IoStatus closed = written.ok() ? sink_.Close() : written;
-    if (!closed.ok()) Fail(closed);
+    CountLost();
+    const recording::IoStatus written = open_->recorder.Finish();
+    state_ = open_->recorder.state();
+    if (!written.ok()) Fail();
+    ReportTriggers();
     if (state_.session) PublishTick(state_.session->tick + 1);
     if (progress) progress(Result(end));
     node_.SetState(node::Node::State::kStopped, end);
@@ -150,21 +153,54 @@ class Session {
   }
 
  private:
-  [[noreturn]] void Fail(const recording::IoStatus& status) {
-    const std::string what = options_.out.string() + ": cannot be written: " + status.message() +
-                             "; the recording ends after " + std::to_string(state_.messages) +
-                             " messages";
-    node_.SetState(node::Node::State::kFault, what);
-    throw std::runtime_error(what);
+  std::string Failure() const {
+    return open_->files.current().string() + ": cannot be written: " + state_.status.message() +
+           "; the recording ends after " + std::to_string(state_.written) + " messages";
   }
+  [[noreturn]] void Fail() {
+    node_.SetState(node::Node::State::kFault, Failure());
+    throw std::runtime_error(Failure());
+  }
+  // A robot in real time does not need this process. In lockstep the provider waits for it: it
+  // answers until the session ends, and fails then.
+  void CheckFile() {
+    if (state_.status.ok()) return;
+    if (!lockstep_) Fail();
+    if (failed_) return;
+    failed_ = true;
+    node_.SetState(node::Node::State::kFault, Failure());
+    spdlog::error("{}; recording_progress goes on without it", Failure());
+  }
+
+  void CountLost() {
+    for (std::size_t i = 0; i < topics_.size(); ++i) {
+      open_->recorder.SetLost(i, node_.RawLost(topics_[i]->name));
+    }
+  }
+
+  void ReportTriggers() {
+    if (state_.triggers == reported_triggers_) return;
+    reported_triggers_ = state_.triggers;
+    spdlog::warn("{}: the last {} s and {} s more are written ({})",
+                 open_->files.current().string(), options_.last_s, options_.after_s,
+                 state_.last_trigger);
+    if (state_.ring_forgotten == 0) return;
+    spdlog::warn("{} messages were too many for {} MiB of memory: less than {} s were kept",
+                 state_.ring_forgotten, RingOptions{}.bytes >> 20, options_.last_s);
+  }
+
   void CheckFile() {
     if (!state_.status.ok()) Fail(state_.status);
   }
 
   RecordResult Result(const std::string& end) const {
     RecordResult result;
-    result.messages = state_.messages;
-    result.dropped = state_.dropped;
+    result.messages = state_.written;
+    result.dropped = state_.losses.dropped;
+    result.lost = state_.losses.lost;
+    result.missing = state_.losses.missing;
+    result.files = state_.files;
+    result.triggers = state_.triggers;
     result.missing_ticks = state_.missing_ticks;
     result.bytes = state_.bytes;
     result.end = end;
@@ -202,11 +238,11 @@ class Session {
   }
 
   void ReportDrops(Clock::time_point now) {
-    if (state_.dropped == reported_dropped_ || now < next_drop_report_) return;
+    if (state_.losses.dropped == reported_dropped_ || now < next_drop_report_) return;
     spdlog::warn(
         "{} messages did not fit the queue and are not in the recording: the disk is too slow",
-        state_.dropped - reported_dropped_);
-    reported_dropped_ = state_.dropped;
+        state_.losses.dropped - reported_dropped_);
+    reported_dropped_ = state_.losses.dropped;
     next_drop_report_ = now + milliseconds(1000);
   }
 
@@ -238,15 +274,16 @@ class Session {
   const RecordOptions& options_;
   const bool lockstep_;
   std::vector<const node::TopicInfo*> topics_;
-  const recording::McapMetadata metadata_;
-  recording::FileSink sink_;
   node::Writer<msg::RecordingProgress> progress_writer_;
-  std::shared_ptr<Recorder> recorder_;
+  std::optional<DumpSignal> dump_signal_;  // of a ring
+  std::shared_ptr<OpenRecording> open_;
   RecorderState state_;
   std::uint64_t seen_messages_ = 0;
   Clock::time_point last_news_ = Clock::now();
   Clock::time_point next_drop_report_{};
   std::uint64_t reported_dropped_ = 0;
+  int reported_triggers_ = 0;
+  bool failed_ = false;  // lockstep: the file could not be written any more
   std::uint64_t published_session_ = 0;
   std::uint64_t published_tick_ = 0;
   bool reported_unsent_ = false;
@@ -254,22 +291,6 @@ class Session {
 };
 
 }  // namespace
-
-void AddRecordOptions(CLI::App& app, RecordOptions* options) {
-  app.add_option("--out", options->out, "The recording to write, FILE.mcap")->required();
-  app.add_option("--topics", options->topics,
-                 "Only these topics (comma or blank between); all by default")
-      ->delimiter(',');
-  app.add_option("--note", options->notes,
-                 "KEY=VALUE for the recording's metadata; may be repeated")
-      ->allow_extra_args(false);
-  app.add_flag("--overwrite", options->overwrite, "Replace the file if it is there");
-  app.add_flag("--keep-going", options->keep_going,
-               "Do not end with the session: further sessions go into the same file");
-  app.add_option("--duration", options->duration_s,
-                 "Seconds to record; until the session ends by default")
-      ->check(CLI::NonNegativeNumber);
-}
 
 RecordResult Record(node::Node& node, const node::StopFlag& stop, const RecordOptions& options,
                     const std::function<void(const RecordResult&)>& progress) {

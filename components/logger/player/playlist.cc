@@ -29,6 +29,11 @@ const recording::TopicSchema* Find(const std::vector<recording::TopicSchema>& kn
   return nullptr;
 }
 
+// A topic with several writers has several channels.
+void AddOnce(const std::string& name, std::vector<std::string>* names) {
+  if (std::find(names->begin(), names->end(), name) == names->end()) names->push_back(name);
+}
+
 }  // namespace
 
 struct Playlist::Channel {
@@ -75,7 +80,7 @@ Playlist::Playlist(const recording::McapReader& reader, const std::string& file,
     if (!named && (!options.topics.empty() || kNotByDefault.contains(channel.topic))) continue;
     if (!named && std::find(options.only_when_named.begin(), options.only_when_named.end(),
                             channel.topic) != options.only_when_named.end()) {
-      not_named_.push_back(channel.topic);
+      AddOnce(channel.topic, &not_named_);
       continue;
     }
     const auto remapped = options.remap.find(channel.topic);
@@ -85,7 +90,7 @@ Playlist::Playlist(const recording::McapReader& reader, const std::string& file,
     if (ours == nullptr) {
       if (named)
         throw std::invalid_argument(file + ": topic '" + name + "' is not known to this build");
-      left_out_.push_back(channel.topic);
+      AddOnce(channel.topic, &left_out_);
       continue;
     }
     const bool same = theirs != nullptr && channel.message_encoding == "cdr" &&

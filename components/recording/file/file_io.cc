@@ -42,6 +42,12 @@ IoStatus FileSink::Write(std::span<const std::byte> bytes) {
   return IoStatus::Ok();
 }
 
+IoStatus FileSink::Sync() {
+  // Pipes and devices cannot be synced.
+  if (::fdatasync(descriptor_) == 0 || errno == EINVAL || errno == EROFS) return IoStatus::Ok();
+  return IoStatus::Failed(Reason());
+}
+
 IoStatus FileSink::Close() {
   if (descriptor_ < 0) return IoStatus::Ok();
   const bool synced =

@@ -20,6 +20,7 @@ class FileSink : public ByteSink {
   FileSink& operator=(const FileSink&) = delete;
 
   IoStatus Write(std::span<const std::byte> bytes) override;
+  IoStatus Sync();   // what was written is on the disk
   IoStatus Close();  // flushes to the disk
 
  private:

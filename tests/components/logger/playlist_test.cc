@@ -66,6 +66,38 @@ std::string ErrorOf(const Bytes& bytes, const PlaylistOptions& options) {
   return "";
 }
 
+TEST(Playlist, TakesTheChannelsOfATopicsWritersTogether) {
+  recording::MemorySink sink;
+  recording::McapWriter writer(sink);
+  recording::ChannelId one{}, other{}, foreign{};
+  ASSERT_TRUE(writer.Open().ok());
+  ASSERT_TRUE(recording::AddTopic(SchemaOf("reference"), &writer, &one).ok());
+  ASSERT_TRUE(recording::AddTopic(SchemaOf("reference"), &writer, &other).ok());
+  recording::TopicSchema unknown = SchemaOf("reference");
+  unknown.topic = "no_topic";
+  ASSERT_TRUE(recording::AddTopic(unknown, &writer, &foreign).ok());
+  ASSERT_TRUE(recording::AddTopic(unknown, &writer, &foreign).ok());
+  for (int tick = 0; tick < 10; ++tick) {
+    ASSERT_TRUE(writer
+                    .WriteMessage(tick % 3 == 0 ? one : other, tick, 0,
+                                  MakeMessage("reference", {{"header.tick", tick}}))
+                    .ok());
+  }
+  ASSERT_TRUE(writer.Close().ok());
+  recording::MemorySource source(sink.bytes());
+  const recording::McapReader reader(source);
+  Playlist playlist(reader, "run.mcap", Known(), {});
+  EXPECT_EQ(playlist.published(), std::vector<std::string>{"reference"});
+  EXPECT_EQ(playlist.left_out(), std::vector<std::string>{"no_topic"});
+  PlayedMessage message;
+  for (std::uint64_t tick = 0; tick < 10; ++tick) {
+    ASSERT_TRUE(playlist.Next(&message));
+    EXPECT_EQ(message.topic, 0u);
+    EXPECT_EQ(message.tick, tick);
+  }
+  EXPECT_FALSE(playlist.Next(&message));
+}
+
 TEST(Playlist, PlaysAllButStatusInOrderMarkedAsReplay) {
   const Bytes bytes = MakeRecording();
   recording::MemorySource source(bytes);

@@ -16,7 +16,7 @@ using testing::MakeMessage;
 using testing::SchemaOf;
 
 // A sink that can be read while it is written, can be held, and can be full.
-class TestSink : public recording::ByteSink {
+class TestSink : public RecordingSink {
  public:
   explicit TestSink(std::size_t capacity = ~std::size_t{0}) : capacity_(capacity) {}
   IoStatus Write(std::span<const std::byte> bytes) override {
@@ -28,6 +28,9 @@ class TestSink : public recording::ByteSink {
     changed_.notify_all();
     return IoStatus::Ok();
   }
+  IoStatus Begin(int) override { return IoStatus::Ok(); }
+  IoStatus Sync() override { return IoStatus::Ok(); }
+  IoStatus End() override { return IoStatus::Ok(); }
   void Hold(bool held) {
     const std::lock_guard<std::mutex> lock(mutex_);
     held_ = held;
@@ -85,6 +88,7 @@ TEST(Recorder, WritesEveryOfferedMessageWithItsStamps) {
   const recording::McapReader reader(source);
   EXPECT_FALSE(reader.recovery().has_value());
   EXPECT_EQ(reader.channels().size(), 1u);  // topics without messages have no channel
+  EXPECT_EQ(reader.schemas().size(), 2u);   // but their types are there
   EXPECT_EQ(reader.ReadMetadata().at(0).values.at("seed"), "3");
   recording::McapMessages messages = reader.Messages();
   recording::McapMessage message;
@@ -96,7 +100,7 @@ TEST(Recorder, WritesEveryOfferedMessageWithItsStamps) {
   }
   const RecorderState state = recorder.state();
   EXPECT_EQ(state.messages, 500u);
-  EXPECT_EQ(state.dropped, 0u);
+  EXPECT_EQ(state.losses.dropped, 0u);
   ASSERT_TRUE(state.session.has_value());
   EXPECT_EQ(state.session->session_id, 5u);
   EXPECT_EQ(state.session->tick, 499u);
@@ -139,8 +143,8 @@ TEST(Recorder, CountsWhatDoesNotFitTheQueue) {
   int taken = 0;
   for (int tick = 0; tick < 100; ++tick) taken += recorder.Offer(0, JointState(tick), tick) ? 1 : 0;
   EXPECT_EQ(taken, 10);
-  EXPECT_EQ(recorder.state().dropped, 90u);
-  EXPECT_EQ(recorder.state().topics[0].dropped, 90u);
+  EXPECT_EQ(recorder.state().losses.dropped, 90u);
+  EXPECT_EQ(recorder.state().topics[0].losses.dropped, 90u);
   sink.Hold(false);
   ASSERT_TRUE(recorder.Finish().ok());
   EXPECT_EQ(recorder.state().messages, 10u);
@@ -163,7 +167,7 @@ TEST(Recorder, WaitsForCapacityWhenNothingMayBeDropped) {
   EXPECT_EQ(taken, 100);
   ASSERT_TRUE(recorder.Finish().ok());
   EXPECT_EQ(recorder.state().messages, 100u);
-  EXPECT_EQ(recorder.state().dropped, 0u);
+  EXPECT_EQ(recorder.state().losses.dropped, 0u);
 }
 
 TEST(Recorder, ReportsAFullDiskAndTakesNothingMore) {
@@ -175,13 +179,27 @@ TEST(Recorder, ReportsAFullDiskAndTakesNothingMore) {
   EXPECT_EQ(recorder.Finish().message(), "No space left on device");
 }
 
+TEST(Recorder, ReadsOnAfterAFullDiskWhereAProviderWaitsForIt) {
+  TestSink sink(3000);
+  Recorder recorder(sink, {SchemaOf("joint_state")}, {},
+                    {.wait_for_capacity = true, .read_on_after_error = true});
+  for (int tick = 0; tick < 500; ++tick) {
+    ASSERT_TRUE(recorder.Offer(0, JointState(tick), 50'000'000LL * tick));
+  }
+  EXPECT_EQ(recorder.Finish().message(), "No space left on device");
+  const RecorderState state = recorder.state();
+  ASSERT_TRUE(state.session.has_value());
+  EXPECT_EQ(state.session->tick, 499u);
+  EXPECT_LT(state.written, 500u);
+}
+
 TEST(Recorder, KeepsMessagesThatDoNotFitTheirType) {
   TestSink sink;
   Recorder recorder(sink, {SchemaOf("joint_state")}, {});
   const Bytes odd = {std::byte{0}, std::byte{1}, std::byte{0}, std::byte{0}, std::byte{42}};
   ASSERT_TRUE(recorder.Offer(0, odd, 3));
   ASSERT_TRUE(recorder.Finish().ok());
-  EXPECT_EQ(recorder.state().malformed, 1u);
+  EXPECT_EQ(recorder.state().losses.malformed, 1u);
   EXPECT_EQ(recorder.state().messages, 1u);
   EXPECT_FALSE(recorder.state().session.has_value());
 }

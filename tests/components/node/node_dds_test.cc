@@ -116,6 +116,36 @@ TEST(NodeDds, RecordersSeeTheBytesThatWereWritten) {
   EXPECT_GT(samples[0].reception_stamp_ns, 0);
 }
 
+TEST(NodeDds, RecordersSeeWhoWroteWhichSample) {
+  Node a(MakeOptions("a", 121)), b(MakeOptions("b", 121));
+  std::mutex mutex;
+  std::vector<RawSample> samples;
+  b.ReadRaw(
+      *FindTopic("joint_state"),
+      [&](RawSample&& sample) {
+        const std::lock_guard<std::mutex> lock(mutex);
+        samples.push_back(std::move(sample));
+      },
+      /*wakes=*/false);
+  auto writer = a.MakeWriter(kJointState);
+  for (int tick = 0; tick < 5; ++tick) {
+    ASSERT_EQ(writer.Write(StateOfTick(tick)), WriteStatus::kOk);
+  }
+  ASSERT_TRUE(WaitUntil(b, [&] {
+    const std::lock_guard<std::mutex> lock(mutex);
+    return samples.size() == 5;
+  }));
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    EXPECT_EQ(samples[i].sequence, i + 1);
+    EXPECT_EQ(samples[i].writer, samples[0].writer);
+  }
+  const auto name = b.NameOf(samples[0].writer);
+  ASSERT_TRUE(name.has_value());
+  EXPECT_EQ(name->participant, "a");
+  EXPECT_EQ(b.RawLost("joint_state"), 0u);
+  EXPECT_EQ(b.RawLost("reference"), 0u) << "nobody reads it";
+}
+
 TEST(NodeDds, LoopTakesTicksOneByOneAndWaitsForEveryInput) {
   Node provider(MakeOptions("provider", 122)), node(MakeOptions("loop", 122));
   auto state = provider.MakeWriter(kJointState);

@@ -5,6 +5,7 @@
 
 #include "components/config/config.h"
 #include "tests/support/temporary_folder.h"
+#include "tools/launch/deployment_files.h"
 
 namespace sinew::launch {
 namespace {
@@ -100,10 +101,34 @@ TEST_F(DeploymentTest, CommandLinesCarryTheCommonOptionsThenTheirOwn) {
                   "--seed", "9", "--interface", "lo", "--lockstep", "--config",
                   (folder_.path() / "plant.yaml").string(), "--duration", "2.5", "--await",
                   "joint_command,recording_progress:64", "--effect", "stribeck"));
-  EXPECT_THAT(CommandLine(two, two.processes[1]),
-              ElementsAre((folder_.path() / "bin/sinew-logger").string(), "--name", "logger",
-                          "--domain", "7", "--seed", "9", "--interface", "lo", "--lockstep",
-                          "--note", "deployment=two", "--out", "old.mcap"));
+  EXPECT_THAT(
+      CommandLine(two, two.processes[1]),
+      ElementsAre((folder_.path() / "bin/sinew-logger").string(), "--name", "logger", "--domain",
+                  "7", "--seed", "9", "--interface", "lo", "--lockstep", "--note", "deployment=two",
+                  "--attach", "deploy.yaml=" + (folder_.path() / "deploy.yaml").string(),
+                  "--attach", "plant.yaml=" + (folder_.path() / "plant.yaml").string(), "--out",
+                  "old.mcap"));
+}
+
+TEST_F(DeploymentTest, ALoggerGetsEveryFileThatTheDeploymentNames) {
+  folder_.Write("plant.yaml",
+                "model: models/rig.yaml\nother: [missing.yaml, {a: weights.bin}]\n"
+                "from: old.mcap\nself: plant.yaml\n");
+  folder_.Write("models/rig.yaml", "urdf: rig.urdf\nbroken: ../broken.yaml\n");
+  folder_.Write("models/rig.urdf", "<robot/>");
+  folder_.Write("broken.yaml", "a: [\n");
+  folder_.Write("weights.bin", "w");
+  folder_.Write("old.mcap", "a recording is no configuration");
+  std::vector<std::string> names;
+  for (const DeploymentFile& file : FilesOf(Load(kTwo))) {
+    EXPECT_TRUE(std::filesystem::equivalent(file.path, folder_.path() / file.name)) << file.name;
+    names.push_back(file.name);
+  }
+  EXPECT_THAT(names, ElementsAre("deploy.yaml", "plant.yaml", "models/rig.yaml", "models/rig.urdf",
+                                 "broken.yaml", "weights.bin"));
+  Overrides overrides;
+  overrides.without = {"logger"};
+  EXPECT_TRUE(Load(kTwo, overrides).attachments.empty()) << "nobody records";
 }
 
 TEST_F(DeploymentTest, NamedInterfacesAreHandedToEveryProgram) {

@@ -1,0 +1,96 @@
+#include "tools/sinew/attachments.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "components/config/config.h"
+#include "components/recording/file/file_io.h"
+#include "components/recording/mcap_reader.h"
+
+namespace sinew::tools {
+
+namespace {
+
+struct AttachmentsOptions {
+  std::filesystem::path file, out;
+  std::string name;
+  bool overwrite = false;
+  bool json = false;
+};
+
+void PrintAttachments(const std::vector<recording::McapAttachment>& attachments, bool json) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const recording::McapAttachment& attachment : attachments) {
+    rows.push_back({{"name", attachment.name},
+                    {"media_type", attachment.media_type},
+                    {"bytes", attachment.data.size()}});
+    if (json) continue;
+    std::printf("%10zu  %-24s %s\n", attachment.data.size(), attachment.media_type.c_str(),
+                attachment.name.c_str());
+  }
+  std::fflush(stdout);
+  if (json) std::cout << rows.dump() << '\n';
+}
+
+void TakeOut(const recording::McapAttachment& attachment, const AttachmentsOptions& options) {
+  if (options.out.empty()) {
+    std::cout << attachment.data << std::flush;
+    return;
+  }
+  if (!options.overwrite && std::filesystem::exists(options.out)) {
+    throw UsageError(options.out.string() +
+                     ": is there already, expected a new name (or --overwrite)");
+  }
+  config::WriteFileAtomically(options.out, attachment.data);
+}
+
+void ShowAttachments(const AttachmentsOptions& options) {
+  recording::FileSource source(options.file);
+  try {
+    const std::vector<recording::McapAttachment> attachments =
+        recording::McapReader(source).ReadAttachments();
+    if (options.name.empty()) return PrintAttachments(attachments, options.json);
+    const auto found = std::find_if(
+        attachments.begin(), attachments.end(),
+        [&options](const auto& attachment) { return attachment.name == options.name; });
+    if (found != attachments.end()) return TakeOut(*found, options);
+    std::string names;
+    for (const auto& attachment : attachments) {
+      names += (names.empty() ? "" : ", ") + attachment.name;
+    }
+    throw UsageError(options.file.string() + ": no attachment '" + options.name + "', expected " +
+                     (names.empty() ? "a recording with attachments" : "one of: " + names));
+  } catch (const recording::McapError& error) {
+    throw UsageError(options.file.string() + ": " + error.what());
+  }
+}
+
+}  // namespace
+
+void AddAttachmentsCommand(CLI::App& app) {
+  auto options = std::make_shared<AttachmentsOptions>();
+  CLI::App* command = app.add_subcommand(
+      "attachments", "The files that a recording carries, such as its deployment; or one of them");
+  command->add_option("file", options->file, "Recording")->required()->type_name("FILE.mcap");
+  auto* name = command->add_option("name", options->name, "The attachment to take out");
+  command
+      ->add_option("--out", options->out,
+                   "Where the attachment goes; by default to the standard output")
+      ->needs(name)
+      ->type_name("FILE");
+  command->add_flag("--overwrite", options->overwrite, "Replace the file if it is there");
+  command->add_flag("--json", options->json, "The list as JSON");
+  command->footer(
+      "Examples:\n  sinew attachments run.mcap\n"
+      "  sinew attachments run.mcap deploy_rig.yaml --out deploy_rig.yaml");
+  command->callback([options] { ShowAttachments(*options); });
+}
+
+}  // namespace sinew::tools
