@@ -60,6 +60,7 @@ msg::JointState StateAt(std::size_t phase, std::size_t robot_state) {
   state.header().origin(msg::ORIGIN_SIM);
   state.robot_state(static_cast<msg::RobotState>(robot_state));
   state.period_s(1.0 / kSeedRate_Hz);
+  state.measured_period_s(1.0 / kSeedRate_Hz);
   state.joint_count(CountAt(phase));
   state.position_rad().fill(motion.position_rad);
   state.velocity_rad_s().fill(motion.velocity_rad_s);

@@ -89,6 +89,14 @@ std::uint64_t Load64(const std::byte* bytes, bool little) {
 SINEW_FOR_EACH_MESSAGE(SINEW_CODEC)
 #undef SINEW_CODEC
 
+std::uint64_t EventId(std::span<const std::byte> canonical_payload) {
+  std::uint64_t hash = 0xCBF29CE484222325u;
+  for (const std::byte byte : canonical_payload) {
+    hash = (hash ^ static_cast<std::uint64_t>(byte)) * 0x100000001B3u;
+  }
+  return hash;
+}
+
 constexpr std::size_t kOriginOffset = 4 + 8 + 8 + 8;  // encapsulation, session, tick, stamp
 
 bool PeekHead(const std::byte* bytes, std::size_t size, HeadOfMessage* head) {

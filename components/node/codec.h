@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -32,6 +33,15 @@ struct HeadOfMessage {
 
 // Overwrites header.origin in place; for players.
 [[nodiscard]] bool PokeOrigin(std::byte* bytes, std::size_t size, std::uint32_t origin);
+
+// Names an event: FNV-1a (64 bits) of its CDR payload with alignment bytes zero, as recorders write
+// it (recording/cdr.h, CanonicalizeCdr). Equal messages have equal ids. Allocates.
+[[nodiscard]] std::uint64_t EventId(std::span<const std::byte> canonical_payload);
+template <class Message>
+[[nodiscard]] std::uint64_t EventId(const Message& message) {
+  Bytes bytes;  // fresh: what the encoder leaves out is zero
+  return Encode(message, &bytes) ? EventId(std::span<const std::byte>(bytes)) : 0;
+}
 
 // Fully qualified IDL name, e.g. "sinew::msg::JointState".
 template <class Message>

@@ -1,6 +1,7 @@
 #include "components/node/tick_loop.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <type_traits>
@@ -214,11 +215,55 @@ std::uint64_t TickInput<Message>::refused() const {
   return state_->refused();
 }
 
+namespace {
+
+// The field of an output that names the tick of an input, by the input's topic (idl/header.idl).
+// Outputs that have no such field are left as they are.
+template <class Message>
+void SetInputTick([[maybe_unused]] std::string_view topic, [[maybe_unused]] std::uint64_t tick,
+                  [[maybe_unused]] Message* message) {
+  if constexpr (requires { message->state_tick(tick); }) {
+    if (topic == kJointState.name) message->state_tick(tick);
+  }
+  if constexpr (requires { message->actuator_tick(tick); }) {
+    if (topic == kActuatorState.name) message->actuator_tick(tick);
+  }
+  if constexpr (requires { message->reference_tick(tick); }) {
+    if (topic == kReference.name) message->reference_tick(tick);
+  }
+  if constexpr (requires { message->regime_tick(tick); }) {
+    if (topic == kRegime.name) message->regime_tick(tick);
+  }
+  if constexpr (requires { message->prediction_tick(tick); }) {
+    if (topic == kTorquePrediction.name) message->prediction_tick(tick);
+  }
+  if constexpr (requires { message->readout_tick(tick); }) {
+    if (topic == kReadout.name) message->readout_tick(tick);
+  }
+  if constexpr (requires { message->motion_tick(tick); }) {
+    if (topic == kMotionRequest.name) message->motion_tick(tick);
+  }
+  if constexpr (requires { message->reservoir_tick(tick); }) {
+    if (topic == kReservoirState.name) message->reservoir_tick(tick);
+  }
+  if constexpr (requires { message->command_tick(tick); }) {
+    if (topic == kJointCommand.name) message->command_tick(tick);
+  }
+}
+
+constexpr std::array<std::string_view, 8> kOptionalInputs = {
+    kActuatorState.name, kReference.name,     kRegime.name,         kTorquePrediction.name,
+    kReadout.name,       kMotionRequest.name, kReservoirState.name, kJointCommand.name};
+constexpr std::size_t kMostEvents = 16;  // bound of event_ids
+
+}  // namespace
+
 struct TickLoop::Impl {
   Node& node;
   StopFlag& stop;
   const TickLoopOptions options;
   const bool lockstep;
+  const bool waits;            // for inputs: a composed participant hears nothing while it waits
   const double cut_off_share;  // of the nominal period
   internal::Status& status;
   std::vector<std::shared_ptr<InputBase>> inputs;  // the first one is the trigger
@@ -229,6 +274,7 @@ struct TickLoop::Impl {
   types::RunningSession running;  // as the trigger's last message says
   std::optional<std::uint64_t> last_tick;
   bool ended = false;
+  std::vector<std::uint64_t> events{};   // that count in this cycle
   std::optional<HeadOfMessage> begun{};  // the trigger of the next cycle, accepted
   std::vector<const void*> awaited{};    // scratch: the sources of a wait
   Clock::time_point next_cut_off{};      // when the next cycle goes on without late inputs
@@ -338,7 +384,7 @@ struct TickLoop::Impl {
       if (awaited.empty() && !more) return true;
       if (stop.requested()) return false;
       const auto left = std::chrono::duration_cast<microseconds>(deadline - Clock::now());
-      if (!lockstep && left.count() <= 0) return true;
+      if (!waits || (!lockstep && left.count() <= 0)) return true;
       if (more) continue;
       node.impl_->signal.Wait(lockstep ? microseconds(std::chrono::milliseconds(50)) : left,
                               awaited);
@@ -394,6 +440,16 @@ struct TickLoop::Impl {
            Clock::now() - last_cycle > internal::Deadline(nominal);
   }
 
+  template <class Message>
+  void NameInputs([[maybe_unused]] Message* message) const {
+    for (const std::string_view topic : kOptionalInputs) SetInputTick(topic, kNoTick, message);
+    for (const std::shared_ptr<InputBase>& input : inputs) {
+      const bool used = input->queue.accepted();
+      SetInputTick(input->topic(), used ? input->queue.accepted_tick() : kNoTick, message);
+    }
+    if constexpr (requires { message->event_ids(events); }) message->event_ids(events);
+  }
+
   std::chrono::nanoseconds CutOff(double nominal_period_s) const {
     return std::chrono::nanoseconds(static_cast<std::int64_t>(
         cut_off_share * static_cast<double>(BoundedPeriod(nominal_period_s).count())));
@@ -405,6 +461,7 @@ TickLoop::TickLoop(Node& node, StopFlag& stop, TickLoopOptions options)
                      .stop = stop,
                      .options = options,
                      .lockstep = node.options().mode == TimeMode::kLockstep,
+                     .waits = node.options().composition == nullptr,
                      .cut_off_share = node.options().composition != nullptr ? 0.0
                                       : options.cut_off_share > 0.0
                                           ? options.cut_off_share
@@ -434,6 +491,12 @@ requires kBeginsWithHeader<Message> TickInput<Message>
   impl_->inputs.push_back(input->state_);
   impl_->handles.push_back(input);
   return *input;
+}
+
+void TickLoop::Used(std::uint64_t event_id) {
+  std::vector<std::uint64_t>& events = impl_->events;
+  const bool known = std::find(events.begin(), events.end(), event_id) != events.end();
+  if (!known && events.size() < kMostEvents) events.push_back(event_id);
 }
 
 bool TickLoop::Ready() { return !impl_->ended && impl_->AcceptTrigger(); }
@@ -485,6 +548,7 @@ std::optional<Tick> TickLoop::Next() {
   if (tick.any_stale) ++self.counts.stale_inputs;
   ++self.counts.cycles;
   self.ended = tick.last;
+  self.events.clear();
   self.node.SetCycle(tick.session_id, tick.tick, tick.stamp_ns, tick.origin);
   if (self.counts.cycles == 1) self.node.SetState(Node::State::kActive);
   if (!self.lockstep || (self.counts.cycles & 63u) == 0) self.node.SetCounts(self.counts);
@@ -502,6 +566,7 @@ void TickLoop::Publish(Writer<Message>& writer, Message message, const Tick& tic
   message.header().tick(tick.tick);
   message.header().stamp_ns(tick.stamp_ns);
   message.header().origin(static_cast<msg::Origin>(tick.origin));
+  impl_->NameInputs(&message);
   if (writer.Write(message) != WriteStatus::kOk) ++impl_->counts.write_failures;
 }
 

@@ -7,7 +7,8 @@
 //   auto output = node.MakeWriter(node::kTorquePrediction);
 //   while (const auto tick = loop.Next()) {
 //     msg::TorquePrediction message = ...;
-//     loop.Publish(output, std::move(message), *tick);         // fills the header, counts failures
+//     loop.Publish(output, std::move(message), *tick);  // fills header and input ticks, counts
+//     failures
 //   }
 //
 // Real time: the trigger's newest sample starts the cycle; other inputs of that tick are awaited
@@ -29,12 +30,16 @@
 
 #include <chrono>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 
 #include "components/node/node.h"
 
 namespace sinew::node {
+
+// What an output's *_tick says when there was no input (idl/header.idl).
+inline constexpr std::uint64_t kNoTick = std::numeric_limits<std::uint64_t>::max();
 
 struct Tick {
   std::uint64_t session_id = 0;
@@ -97,8 +102,12 @@ class TickLoop {
   // Blocks for the next cycle. Nothing: stop was requested or the session ended.
   std::optional<Tick> Next();
 
-  // Fills the header. In real time nothing is published that comes later than readers wait for an
-  // owner (ownership.h): who was stopped in the middle of a cycle does not end it.
+  // An event counts in this cycle: outputs that carry event_ids name it. EventId, codec.h.
+  void Used(std::uint64_t event_id);
+
+  // Fills the header, the ticks of the inputs that were used and the events. In real time nothing
+  // is published that comes later than readers wait for an owner (ownership.h): who was stopped in
+  // the middle of a cycle does not end it.
   template <class Message>
   requires kBeginsWithHeader<Message>
   void Publish(Writer<Message>& writer, Message message, const Tick& tick);

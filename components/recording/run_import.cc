@@ -124,6 +124,7 @@ IoStatus RunImporter::Add(const types::Run& run,
     const std::int64_t stamp_ns = StampFromSeconds(run.time_s[row]);
     for (const Source& source : sources)
       source.field.Set(source.topic->message, (*source.values)[row]);
+    joint.Set("measured_period_s", row == 0 ? *middle : run.time_s[row] - run.time_s[row - 1]);
     if (row + 1 == rows) joint.SetInt("last_tick", 1);
     for (Topic* topic : topics) {
       topic->SetInt("header.tick", row);

@@ -54,6 +54,7 @@ msg::JointState MakeJointState(const Moment& moment) {
   message.robot_state(moment.robot_state);
   message.last_tick(moment.last_tick);
   message.period_s(moment.period_s);
+  message.measured_period_s(moment.period_s);
   const Swing swing = SwingAt(moment);
   for (std::size_t j = 0; j < message.joint_count(); ++j) {
     message.position_rad()[j] = moment.positions_are_nan ? std::nan("") : swing.position_rad;

@@ -169,7 +169,7 @@ def all_codecs(files):
     return "\n".join(lines + [f"#include <sinew_idl/{file}PubSubTypes.h>" for file in files] + [""])
 
 
-FIELD = re.compile(r"^\s*(?:@key\s+)?(sequence<\s*\w+\s*,\s*(?P<most>\d+)\s*>|string<\s*(?P<longest>\d+)\s*>|"
+FIELD = re.compile(r"^\s*(?:@key\s+)?(sequence<\s*\w+(?:\s+\w+)*\s*,\s*(?P<most>\d+)\s*>|string<\s*(?P<longest>\d+)\s*>|"
                    r"(?P<type>\w+(?:\s+\w+)*))\s+(?P<name>\w+)(?:\[(?P<size>\d+)\])?\s*;", re.M)
 
 

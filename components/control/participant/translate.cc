@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "components/node/codec.h"
 #include "components/types/joints.h"
 #include "components/wire/wire.h"
 
@@ -30,7 +31,8 @@ std::uint64_t PredictedFrom(const msg::TorquePrediction& prediction) {
 }  // namespace
 
 ControlInputs::ControlInputs(node::Node& node, node::TickLoop& loop, const ControlConfig& config)
-    : config_(config),
+    : loop_(loop),
+      config_(config),
       state_(loop.AddInput(node::kJointState)),
       reference_(loop.AddInput(node::kReference)),
       operator_(node.MakeReader(node::kOperatorCommand)),
@@ -52,11 +54,15 @@ RobotInput ControlInputs::Gather(const node::Tick& tick) {
   const msg::JointState& state = state_.value();
   while (const auto command = operator_.TakeNext()) {
     const auto action = wire::FromWire(command->action());
-    if (action == types::OperatorAction::kEstop) estopped_ = true;
+    if (action == types::OperatorAction::kEstop) {
+      estopped_ = true;
+      loop_.Used(node::EventId(*command));
+    }
     if (action == types::OperatorAction::kReset &&
         reset_gate_.Admits(types::CommandKind::kPermission, wire::FromWire(command->header()),
                            {tick.session_id, wire::FromWire(state.header().origin())})) {
       estopped_ = false;
+      loop_.Used(node::EventId(*command));
     }
   }
   RobotInput input;
@@ -144,9 +150,6 @@ void ControlInputs::Made(const node::Tick& tick, const msg::JointCommand& comman
 msg::JointCommand ControlInputs::ToMessage(const RobotOutput& output,
                                            const RobotInput& input) const {
   msg::JointCommand message;
-  message.reference_tick(reference_.has_value() ? reference_.tick() : 0);
-  message.prediction_tick(prediction_ != nullptr && prediction_->has_value() ? prediction_->tick()
-                                                                             : 0);
   message.stale(output.stale && input.armed);
   message.joint_count(static_cast<std::uint8_t>(output.joint_count));
   for (std::size_t j = 0; j < static_cast<std::size_t>(output.joint_count); ++j) {

@@ -36,6 +36,7 @@ class ControlInputs {
   msg::JointCommand ToMessage(const RobotOutput& output, const RobotInput& input) const;
 
  private:
+  node::TickLoop& loop_;
   ControlConfig config_;
   node::TickInput<msg::JointState>& state_;
   node::TickInput<msg::Reference>& reference_;

@@ -104,11 +104,6 @@ Outputs Inference::Step(const Inputs& inputs, const node::Tick& tick) {
   Outputs outputs;
   outputs.prediction = ToMessage(prediction);
   outputs.prediction.stale(!good);
-  outputs.prediction.state_tick(inputs.state.tick());
-  if (inputs.reference != nullptr) outputs.prediction.reference_tick(inputs.reference->tick());
-  if (inputs.readout != nullptr && inputs.readout->has_value()) {
-    outputs.prediction.readout_tick(inputs.readout->tick());
-  }
   if (predictor_) {
     outputs.reservoir = ReservoirMessage(prediction, *predictor_);
     outputs.prediction.readout_version(outputs.reservoir.readout_version());

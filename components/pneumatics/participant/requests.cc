@@ -2,13 +2,15 @@
 
 #include <cmath>
 
+#include "components/node/codec.h"
 #include "components/wire/wire.h"
 
 namespace sinew::pneumatics {
 
 PressureRequests::PressureRequests(node::Node& node, node::TickLoop& loop,
                                    const PneumaticsConfig& config)
-    : config_(config),
+    : loop_(loop),
+      config_(config),
       requests_(node.MakeReader(node::kStiffnessRequest)),
       operator_(node.MakeReader(node::kOperatorCommand)),
       owner_(node, node::kPneumaticState) {
@@ -57,6 +59,7 @@ void PressureRequests::TakeStiffness(const types::RunningSession& running,
                                 running)) {
       continue;
     }
+    loop_.Used(node::EventId(*request));
     for (std::size_t j = 0; j < managers->size() && j < request->joint_count(); ++j) {
       PressureManager& manager = (*managers)[j];
       bool good = true;
@@ -88,12 +91,16 @@ void PressureRequests::TakeOperator(const types::RunningSession& running) {
   reset_ = false;
   while (const auto command = operator_.TakeNext()) {
     const auto action = wire::FromWire(command->action());
-    if (action == types::OperatorAction::kEstop) estopped_ = true;
+    if (action == types::OperatorAction::kEstop) {
+      estopped_ = true;
+      loop_.Used(node::EventId(*command));
+    }
     if (action == types::OperatorAction::kReset &&
         reset_gate_.Admits(types::CommandKind::kPermission, wire::FromWire(command->header()),
                            running)) {
       estopped_ = false;
       reset_ = true;
+      loop_.Used(node::EventId(*command));
     }
   }
 }

@@ -38,6 +38,7 @@ class PressureRequests {
   void FollowOwner(const node::Tick& tick, bool asked);
   void TakeOperator(const types::RunningSession& running);
 
+  node::TickLoop& loop_;
   PneumaticsConfig config_;
   types::JointArray<double> standing_target_bar_{};  // without motion requests
   node::TickInput<msg::MotionRequest>* motion_ = nullptr;

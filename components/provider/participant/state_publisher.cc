@@ -44,6 +44,9 @@ void StatePublisher::Publish(const types::MessageHeader& header, types::RobotSta
   joints_.robot_state(wire::ToWire(state));
   joints_.last_tick(last_tick);
   joints_.period_s(period_s);
+  joints_.measured_period_s(
+      last_stamp_ns_ ? 1e-9 * static_cast<double>(header.stamp_ns - *last_stamp_ns_) : period_s);
+  last_stamp_ns_ = header.stamp_ns;
   FillJointState(head, sensors);
   written_ns_ = types::MonotonicNow_ns();
   Count(joint_state_.Write(joints_));

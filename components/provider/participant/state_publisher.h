@@ -55,6 +55,7 @@ class StatePublisher {
   std::optional<node::Writer<msg::SimBodyTruth>> sim_body_truth_;
   msg::JointState joints_;
   msg::ActuatorState actuators_;
+  std::optional<std::int64_t> last_stamp_ns_;  // of the cycle before
   std::int64_t written_ns_ = 0;
   std::uint64_t write_failures_ = 0;
 };

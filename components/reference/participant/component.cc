@@ -31,7 +31,7 @@ class ReferenceComponent final : public node::Component {
     auto tick = loop_.Next();
     if (!tick) return false;
     RobotReferenceInput input = ToInput(*tick, state_.value());
-    starts_.AddTo(&input, wire::FromWire(state_.value().header().origin()));
+    starts_.AddTo(&input, wire::FromWire(state_.value().header().origin()), &loop_);
     while (const auto other = owner_.TakeNext(*tick)) {
       generator_.Follow(other->header().tick(), FromMessage(*other));
     }

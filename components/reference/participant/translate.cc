@@ -1,5 +1,6 @@
 #include "components/reference/participant/translate.h"
 
+#include "components/node/codec.h"
 #include "components/wire/wire.h"
 
 namespace sinew::reference {
@@ -19,7 +20,7 @@ RobotReferenceInput ToInput(const node::Tick& tick, const msg::JointState& state
 OperatorStarts::OperatorStarts(node::Node& node)
     : commands_(node.MakeReader(node::kOperatorCommand)) {}
 
-void OperatorStarts::AddTo(RobotReferenceInput* input, types::Origin origin) {
+void OperatorStarts::AddTo(RobotReferenceInput* input, types::Origin origin, node::TickLoop* loop) {
   while (const auto command = commands_.TakeNext()) {
     const auto action = wire::FromWire(command->action());
     const bool start = action == types::OperatorAction::kStart;
@@ -28,6 +29,7 @@ void OperatorStarts::AddTo(RobotReferenceInput* input, types::Origin origin) {
                       {input->session_id, origin})) {
       continue;
     }
+    loop->Used(node::EventId(*command));
     input->operator_start = start;
     input->operator_stop = !start;
   }

@@ -21,8 +21,8 @@ class OperatorStarts {
  public:
   explicit OperatorStarts(node::Node& node);
   // Those that came since the last tick and count in the running session, whose state provider has
-  // this origin.
-  void AddTo(RobotReferenceInput* input, types::Origin origin);
+  // this origin; the loop's outputs name them.
+  void AddTo(RobotReferenceInput* input, types::Origin origin, node::TickLoop* loop);
   std::uint64_t refused() const { return gate_.refused(); }
 
  private:

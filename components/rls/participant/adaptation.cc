@@ -148,7 +148,6 @@ Outputs Adaptation::Step(const Inputs& inputs, const node::Tick& tick) {
   }
 
   out.adaptation.version(out.readout.version());
-  out.adaptation.state_tick(inputs.state.tick());
   out.adaptation.stale(tick.any_stale);
   out.adaptation.frozen(frozen != Frozen::kNo);
   out.adaptation.output_count(out.readout.output_count());

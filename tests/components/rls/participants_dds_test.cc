@@ -15,6 +15,7 @@
 #include "components/esn/file/weights_file.h"
 #include "components/esn/predictor.h"
 #include "components/node/node.h"
+#include "components/node/tick_loop.h"
 #include "components/types/regime.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
@@ -198,7 +199,7 @@ TEST_F(LearningDds, PredictionsAreThoseOfTheNetworksWithTheReadoutOfTheTickBefor
     ASSERT_EQ(got.valid()[0], !unknown) << tick;
     ASSERT_FALSE(got.stale()) << tick;
     ASSERT_EQ(got.reference_tick(), tick);
-    ASSERT_EQ(got.readout_tick(), tick == 0 ? 0 : tick - 1);
+    ASSERT_EQ(got.readout_tick(), tick == 0 ? node::kNoTick : tick - 1);
   }
 }
 
