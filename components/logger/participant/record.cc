@@ -189,10 +189,6 @@ class Session {
                  state_.ring_forgotten, RingOptions{}.bytes >> 20, options_.last_s);
   }
 
-  void CheckFile() {
-    if (!state_.status.ok()) Fail(state_.status);
-  }
-
   RecordResult Result(const std::string& end) const {
     RecordResult result;
     result.messages = state_.written;
