@@ -48,7 +48,7 @@ IoStatus RecordedFiles::Begin(const std::vector<McapMetadata>& more) {
   chunk_since_.reset();
   chunks_seen_ = 0;
   bytes_synced_ = 0;
-  written_losses_.clear();
+  written_losses_ = losses_;
 
   IoStatus status = writer_->Open();
   for (const auto* list : {&metadata_, &more}) {

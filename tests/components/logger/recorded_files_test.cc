@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "components/logger/message_ring.h"
+#include "components/recording/run_builder.h"
 #include "tests/components/logger/memory_series.h"
 #include "tests/components/logger/messages.h"
 
@@ -158,6 +159,33 @@ TEST(RecordedFiles, EveryWriterOfATopicHasAChannelWithItsName) {
   EXPECT_EQ(counts, (std::map<std::string, std::uint64_t>{{"one", 10}, {"other", 20}}));
   EXPECT_EQ(guids.at("one"), "01020300000000000000000000000000");
   EXPECT_EQ(guids.at("other"), "abcd0000000000000000000000000000");
+}
+
+TEST(RecordedFiles, ARunIsReadFromAllWritersOfItsTopic) {
+  MemorySeries sink;
+  RecordedFiles files(sink, {SchemaOf("joint_state")}, {}, {});
+  ASSERT_TRUE(files.Begin().ok());
+  for (int tick = 0; tick < 30; ++tick) {  // the provider was started again, or another took over
+    const Bytes payload = MakeMessage("joint_state", {{"header.session_id", 5},
+                                                      {"header.tick", tick},
+                                                      {"header.stamp_ns", 1e6 * tick},
+                                                      {"joint_count", 1},
+                                                      {"valid[0]", 1},
+                                                      {"position_rad[0]", 0.5 * tick}});
+    ASSERT_TRUE(
+        files.Write({0, payload, tick, tick, {tick < 10 ? kOneWriter : kOtherWriter, 0}}).ok());
+  }
+  ASSERT_TRUE(files.End().ok());
+  const std::vector<Bytes> written = sink.files();
+  recording::MemorySource source(written.at(0));
+  const McapReader reader(source);
+  ASSERT_EQ(reader.channels().size(), 2u);
+  const std::vector<types::Run> runs = recording::RunsOfRecording(reader, "run.mcap", 0);
+  ASSERT_EQ(runs.size(), 1u);
+  ASSERT_EQ(runs[0].size(), 30);
+  for (Eigen::Index i = 0; i < 30; ++i) {
+    EXPECT_EQ(runs[0].At(types::Signal::kPosition)[i], 0.5 * static_cast<double>(i));
+  }
 }
 
 TEST(RecordedFiles, NotesLossesWhileItRecordsAndAtTheEnd) {
