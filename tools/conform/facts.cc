@@ -13,6 +13,7 @@
 #include <sinew_idl/residual.h>
 #include <sinew_idl/sensors.h>
 #include <sinew_idl/simulation.h>
+#include <sinew_idl/snapshot.h>
 #include <sinew_idl/status.h>
 
 #include <algorithm>
