@@ -28,3 +28,4 @@ install(DIRECTORY ${CMAKE_BINARY_DIR}/generated/sinew_idl DESTINATION include/si
   FILES_MATCHING PATTERN "*.h")
 install(DIRECTORY idl DESTINATION share/sinew FILES_MATCHING PATTERN "*.idl" PATTERN "README.md")
 install(DIRECTORY robots DESTINATION share/sinew)
+install(FILES tools/python/sinew_recording.py DESTINATION share/sinew/python)

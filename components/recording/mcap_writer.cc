@@ -80,12 +80,14 @@ IoStatus McapWriter::Emit(const Bytes& bytes) {
   return status_;
 }
 
-IoStatus McapWriter::Open() {
+IoStatus McapWriter::Open() { return Open(""); }
+
+IoStatus McapWriter::Open(const std::string& profile) {
   if (open_) return IoStatus::Failed("the file is open already");
   Bytes out;
   for (const unsigned char byte : kMcapMagic) out.push_back(std::byte{byte});
   const std::size_t start = StartRecord(&out, Opcode::kHeader);
-  PutText(&out, "");  // profile
+  PutText(&out, profile);
   PutText(&out, options_.library);
   FinishRecord(&out, start);
   open_ = true;

@@ -35,6 +35,8 @@ class McapWriter {
   McapWriter& operator=(const McapWriter&) = delete;
 
   IoStatus Open();  // magic and header
+  // With a profile of the MCAP registry, "ros2"; Open() has none.
+  IoStatus Open(const std::string& profile);
   IoStatus AddSchema(const std::string& name, const std::string& encoding, const std::string& data,
                      SchemaId* id);
   IoStatus AddChannel(SchemaId schema_id, const std::string& topic,

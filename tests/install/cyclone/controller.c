@@ -112,7 +112,7 @@ int main(int argc, char **argv) {
       status_due = dds_time() + DDS_SECS(1);
     }
     if (!settled && heard != 0 && dds_time() - heard > DDS_SECS(1)) {
-      const uint32_t below = FindRivals(publications, commands).lowest - 1;
+      const uint32_t below = FindRivals(publications, commands, "joint_command").lowest - 1;
       SetStrength(commands, strength = below < first ? below : first);
       settled = true;
     }
@@ -125,7 +125,7 @@ int main(int argc, char **argv) {
       if (word.action == sinew_msg_OPERATOR_RESET && ours) controller.estopped = false;
       if (word.action == sinew_msg_OPERATOR_HANDOVER && ours && strcmp(word.role, "control") == 0 &&
           strcmp(word.target, name) == 0 && word.header.origin != sinew_msg_ORIGIN_REPLAY) {
-        const uint32_t highest = FindRivals(publications, commands).highest;
+        const uint32_t highest = FindRivals(publications, commands, "joint_command").highest;
         const uint32_t above = highest < first ? first : highest + 1;
         if (strength <= highest) SetStrength(commands, strength = above);
         settled = true;
@@ -142,7 +142,7 @@ int main(int argc, char **argv) {
       const uint64_t gap = state.header.tick - controller.tick;
       const double silent_s = (double)gap * state.period_s;
       if (settled && !lockstep && state.header.session_id == controller.session && gap > 5 && silent_s > 0.02) {
-        const uint32_t lowest = FindRivals(publications, commands).lowest;  // who was replaced stays so
+        const uint32_t lowest = FindRivals(publications, commands, "joint_command").lowest;  // who was replaced stays so
         if (lowest <= strength) SetStrength(commands, strength = lowest - 1);
       }
       waiting = true;

@@ -1,6 +1,6 @@
 // Readers and writers of the robot's topics with Cyclone DDS: the QoS of idl/README.md, type names
-// with the hash of their IDL, and the ownership of joint_command by the rules of
-// components/node/ownership.h. One thread; errors end the program.
+// with the hash of their IDL, and ownership by the rules of components/node/ownership.h. One thread;
+// errors end the program.
 #pragma once
 
 #include <dds/dds.h>
@@ -96,10 +96,10 @@ static uint32_t FirstStrength(void) {
 
 typedef struct {
   uint32_t lowest,
-      highest;  // of the other writers of joint_command; lowest: of those that have settled
+      highest;  // of the other writers of a topic; lowest: of those that have settled
 } Rivals;
 
-static Rivals FindRivals(dds_entity_t publications, dds_entity_t writer) {
+static Rivals FindRivals(dds_entity_t publications, dds_entity_t writer, const char *topic) {
   Rivals rivals = {UINT32_MAX, 0};
   dds_guid_t own;
   dds_get_guid(writer, &own);
@@ -109,7 +109,7 @@ static Rivals FindRivals(dds_entity_t publications, dds_entity_t writer) {
   for (int i = 0; i < count; ++i) {
     const dds_builtintopic_endpoint_t *other = samples[i];
     int32_t strength = 0;
-    if (!info[i].valid_data || strcmp(other->topic_name, "joint_command") != 0) continue;
+    if (!info[i].valid_data || strcmp(other->topic_name, topic) != 0) continue;
     if (memcmp(&other->key, &own, sizeof own) == 0) continue;
     dds_qget_ownership_strength(other->qos, &strength);
     if ((uint32_t)strength > rivals.highest) rivals.highest = (uint32_t)strength;

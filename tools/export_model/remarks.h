@@ -1,0 +1,20 @@
+// What an exported model says of itself: where it comes from, what the format does not carry and
+// what that costs. Pure; allocates.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/export_model/cost.h"
+#include "tools/export_model/described_robot.h"
+#include "tools/export_model/write_model.h"
+
+namespace sinew::export_model {
+
+// source: the model file's name; recordings: names of the held-out ones, empty: none was given, and
+// costs are empty. kind: of the joint that the costs are of.
+Remarks MakeRemarks(Format format, const actuator::RobotModel& robot, const std::string& source,
+                    const std::vector<Dropped>& dropped, const std::vector<Cost>& costs,
+                    const std::string& recordings, types::JointKind kind);
+
+}  // namespace sinew::export_model

@@ -1,0 +1,32 @@
+// A described robot as text of another simulator's format.
+//
+// Every file begins with comments: what was dropped, and what dropping it costs. Bodies and joints
+// only: no shapes but in a URDF, which keeps those of the model's own. Pure; allocates.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/export_model/described_robot.h"
+
+namespace sinew::export_model {
+
+// One line each, for the head of the file. Of "--", which XML comments may not contain, the second
+// dash is left out.
+using Remarks = std::vector<std::string>;
+
+// MuJoCo 2.2 XML, angles in radians. Links on fixed joints are sites of the body that carries them.
+// A drive is a motor: control is the torque at its shaft, N m, within its limit; where the model
+// has a servo, control is the set point, rad or m.
+std::string WriteMjcf(const DescribedRobot& robot, const Remarks& remarks);
+
+// SDF 1.9. Links on fixed joints are frames of the link that carries them; a fixed base is fixed to
+// the world.
+std::string WriteSdf(const DescribedRobot& robot, const Remarks& remarks);
+
+// The URDF of the model, its shapes and comments kept: `dynamics` and the limit's effort of every
+// joint of the model, inertial of the links that the model changes. Throws std::invalid_argument:
+// no XML, a joint that it lacks.
+std::string WriteUrdf(const DescribedRobot& robot, const std::string& urdf, const Remarks& remarks);
+
+}  // namespace sinew::export_model

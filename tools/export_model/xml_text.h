@@ -1,0 +1,64 @@
+// Numbers, names and comments in XML. Pure; allocates.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <charconv>
+#include <initializer_list>
+#include <string>
+
+namespace sinew::export_model {
+
+// As many digits as give the number back exactly; -0 is 0.
+inline std::string XmlNumber(double value) {
+  std::array<char, 32> text;
+  const double plain = value == 0.0 ? 0.0 : value;
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), plain).ptr};
+}
+
+inline std::string XmlNumbers(std::initializer_list<double> values) {
+  std::string out;
+  for (const double value : values) out += (out.empty() ? "" : " ") + XmlNumber(value);
+  return out;
+}
+
+inline std::string XmlVector(const Eigen::Vector3d& v) { return XmlNumbers({v.x(), v.y(), v.z()}); }
+
+// For attributes in double quotes and for contents.
+inline std::string XmlEscaped(const std::string& text) {
+  std::string out;
+  for (const char letter : text) {
+    switch (letter) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += letter;
+    }
+  }
+  return out;
+}
+
+// Without the dashes that would end it.
+inline std::string XmlComment(std::string text) {
+  for (std::size_t at; (at = text.find("--")) != std::string::npos;) text.erase(at, 1);
+  return "<!-- " + text + " -->";
+}
+
+// Fixed axes x, y, z (URDF, SDF): R = Rz(yaw) Ry(pitch) Rx(roll).
+inline Eigen::Vector3d RollPitchYaw(const Eigen::Matrix3d& rotation) {
+  const double pitch = std::atan2(-rotation(2, 0), std::hypot(rotation(2, 1), rotation(2, 2)));
+  return {std::atan2(rotation(2, 1), rotation(2, 2)), pitch,
+          std::atan2(rotation(1, 0), rotation(0, 0))};
+}
+
+}  // namespace sinew::export_model

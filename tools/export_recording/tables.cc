@@ -1,0 +1,116 @@
+#include "tools/export_recording/tables.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+
+#include "components/config/config.h"
+
+namespace sinew::export_recording {
+namespace {
+
+using recording::McapChannel;
+using recording::McapMessage;
+
+std::string TopicsOf(const recording::McapReader& reader) {
+  std::set<std::string> names;
+  for (const auto& [id, channel] : reader.channels()) names.insert(channel.topic);
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text.empty() ? "none" : text;
+}
+
+}  // namespace
+
+bool IsInside(const McapMessage& message, const std::optional<recording::TimeRange>& range) {
+  if (!range) return true;
+  const double time_s = 1e-9 * static_cast<double>(message.publish_time_ns);
+  return time_s >= range->start_s && time_s < range->end_s;
+}
+
+Tables::Tables(const recording::RecordingPath& path, const std::set<std::string>& topics)
+    : path_(path), source_(path.file) {
+  const std::string file = path_.file.string();
+  try {
+    reader_ = std::make_unique<recording::McapReader>(source_);
+    std::map<std::string, const recording::McapSchema*> schemas;
+    for (const auto& [id, channel] : reader_->channels()) {
+      if (!topics.empty() && topics.count(channel.topic) == 0) continue;
+      const recording::McapSchema* schema = reader_->SchemaOf(channel);
+      if (schema == nullptr || schema->encoding != "omgidl" || channel.message_encoding != "cdr") {
+        throw UsageError(file + ": topic '" + channel.topic + "' has messages '" +
+                         channel.message_encoding + "' with a schema '" +
+                         (schema == nullptr ? "" : schema->encoding) +
+                         "', expected 'cdr' and 'omgidl'; choose others with --topic");
+      }
+      const auto [known, is_new] = schemas.emplace(channel.topic, schema);
+      if (!is_new && (known->second->data != schema->data || known->second->name != schema->name)) {
+        throw UsageError(file + ": topic '" + channel.topic +
+                         "' was recorded with two types, expected one");
+      }
+    }
+    for (const std::string& topic : topics) {
+      if (schemas.count(topic) == 0) {
+        throw UsageError(file + ": no topic '" + topic +
+                         "', expected one of: " + TopicsOf(*reader_));
+      }
+    }
+    for (const auto& [topic, schema] : schemas) {
+      auto table = std::make_unique<TopicTable>();
+      table->topic = topic;
+      try {
+        table->schema = recording::IdlSchema::Parse(schema->data);
+        table->columns = std::make_unique<Columns>(table->schema.Struct(schema->name));
+      } catch (const recording::IdlError& error) {
+        throw UsageError(file + ": schema of '" + topic + "': " + error.what());
+      }
+      list_.push_back(std::move(table));
+    }
+  } catch (const recording::McapError& error) {
+    throw UsageError(file + ": " + error.what());
+  }
+  Widen();
+  std::erase_if(list_, [](const auto& table) { return table->rows == 0; });
+  if (list_.empty()) {
+    throw UsageError(file + ": no message" + (path_.range ? " in " + path_.range->text : "") +
+                     ", expected some");
+  }
+}
+
+std::string Tables::cut_off() const {
+  return reader_->recovery() ? reader_->recovery()->reason : std::string();
+}
+
+void Tables::Widen() {
+  Read([this](std::size_t table, const McapMessage& message) {
+    list_[table]->columns->Widen(message.data);
+    ++list_[table]->rows;
+  });
+}
+
+void Tables::Read(const Take& take, std::optional<std::size_t> only) const {
+  std::map<std::string, std::size_t> table_of;
+  recording::MessageFilter filter;
+  filter.topics.emplace();
+  for (std::size_t i = 0; i < list_.size(); ++i) {
+    if (only && *only != i) continue;
+    table_of[list_[i]->topic] = i;
+    filter.topics->insert(list_[i]->topic);
+  }
+  std::string topic;
+  try {
+    recording::McapMessages messages = reader_->Messages(filter);
+    McapMessage message;
+    while (messages.Next(&message)) {
+      if (!IsInside(message, path_.range)) continue;
+      topic = reader_->channels().at(message.channel_id).topic;
+      take(table_of.at(topic), message);
+    }
+  } catch (const recording::McapError& error) {
+    throw UsageError(path_.file.string() + ": " + error.what());
+  } catch (const recording::CdrError& error) {
+    throw UsageError(path_.file.string() + ": a message of '" + topic + "': " + error.what());
+  }
+}
+
+}  // namespace sinew::export_recording
