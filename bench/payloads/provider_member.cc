@@ -122,11 +122,16 @@ std::vector<recording::TopicSchema> Schemas() {
   return schemas;
 }
 
+logger::RecorderOptions WaitingRecorder() {
+  logger::RecorderOptions options;
+  options.wait_for_capacity = true;
+  return options;
+}
+
 class LoggerMember final : public node::Component {
  public:
   explicit LoggerMember(const node::Options& options)
-      : recorder_(sink_, Schemas(), {}, logger::RecorderOptions{.wait_for_capacity = true}),
-        node_(options) {
+      : recorder_(sink_, Schemas(), {}, WaitingRecorder()), node_(options) {
     for (std::size_t i = 0; i < node::AllTopics().size(); ++i) {
       node_.ReadRaw(node::AllTopics()[i], [this, i](node::RawSample&& sample) {
         (void)recorder_.Offer(i, std::move(sample.payload), sample.reception_stamp_ns);
