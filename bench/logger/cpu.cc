@@ -47,7 +47,8 @@ recording::TextMap LossesOf(const std::filesystem::path& file, std::uint64_t* me
 void ReadInVain(int domain_id) {
   node::StopFlag stop;
   node::Options options;
-  options.name = options.component = "reader";
+  options.name = "reader";
+  options.component = "record";  // a socket as large as the logger's
   options.domain_id = domain_id;
   node::Node node(options);
   for (const std::string& topic : RigTopics()) {
