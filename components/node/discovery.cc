@@ -4,6 +4,7 @@
 
 #include <sstream>
 
+#include "components/node/names.h"
 #include "components/node/participant.h"
 
 namespace sinew::node::internal {

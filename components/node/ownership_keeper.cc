@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "components/node/codec.h"
+#include "components/node/names.h"
 #include "components/node/node_impl.h"
 #include "components/node/realtime.h"
 #include "components/wire/wire.h"

@@ -6,6 +6,7 @@
 #include "components/config/config.h"
 #include "components/node/builtin_qos.h"
 #include "components/node/bytes_type.h"
+#include "components/node/names.h"
 #include "components/node/node.h"
 #include "components/node/transports.h"
 
@@ -67,14 +68,6 @@ void UseFreshPorts(int domain, dds::DomainParticipantQos* qos) {
 }
 
 }  // namespace
-
-std::string RegisteredTopicName(const std::string& name) {
-#ifdef SINEW_ROS2_NAMES
-  return "rt/" + name;
-#else
-  return name;
-#endif
-}
 
 Participant::Participant(const Options& options, dds::DomainParticipantListener* listener)
     : mode_(options.mode) {

@@ -40,9 +40,6 @@ class Participant {
   std::map<std::string, dds::Topic*> topics_;
 };
 
-// The name of a topic on the wire: as it is, or "rt/..." for ROS 2.
-std::string RegisteredTopicName(const std::string& name);
-
 // The name of a QoS policy in messages, e.g. "durability".
 std::string PolicyName(dds::QosPolicyId_t id);
 

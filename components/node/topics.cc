@@ -1,6 +1,7 @@
 #include "components/node/topics.h"
 
 #include "components/node/codec.h"
+#include "components/node/names.h"
 #include "idl/embedded_idl.h"
 
 namespace sinew::node {
@@ -37,12 +38,7 @@ void Add(const Topic<Message>& topic, std::vector<TopicInfo>* topics) {
       info.idl_hash = type.hash;
     }
   }
-#ifdef SINEW_ROS2_NAMES
-  const std::size_t cut = info.type_name.rfind("::");
-  info.dds_type_name = info.type_name.substr(0, cut) + "::dds_" + info.type_name.substr(cut) + "_";
-#else
-  info.dds_type_name = info.type_name + "_" + info.idl_hash;
-#endif
+  info.dds_type_name = internal::RegisteredTypeName(info.type_name, info.idl_hash);
   topics->push_back(std::move(info));
 }
 

@@ -292,6 +292,7 @@ JointModel Without(JointModel joint, const std::string& effect) {
                   [](const Term& term) { return term.effect->info().name == "free_play"; });
     return joint;
   }
+  if (effect == "rotor_inertia") joint = Without(std::move(joint), "backlash");
   std::erase_if(joint.terms, [&effect](const Term& term) {
     const effects::EffectInfo& info = term.effect->info();
     return info.name == effect && info.balance != effects::Balance::kKinematic;

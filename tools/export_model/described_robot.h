@@ -92,7 +92,8 @@ DescribedRobot Describe(const actuator::RobotModel& robot, const arm::Chain& cha
 // In the order of the model's joints and terms.
 std::vector<Dropped> DroppedBy(Format format, const actuator::RobotModel& robot);
 
-// The joint without what was dropped, for a simulation: the term, or the play, taken out.
+// The joint without what was dropped, for a simulation: the term, or the play, taken out. The play
+// goes with the rotor's inertia: nothing would hold a rotor without inertia between the teeth.
 actuator::JointModel Without(actuator::JointModel joint, const std::string& effect);
 
 }  // namespace sinew::export_model

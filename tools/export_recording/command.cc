@@ -129,8 +129,9 @@ void RunExport(const Options& options) {
   }
   std::size_t messages = 0;
   for (const Written& topic : exported.topics) messages += topic.messages;
-  std::cout << options.out.string() << ": " << messages << " messages of " << exported.topics.size()
-            << " topics\n";
+  const std::size_t topics = exported.topics.size();
+  std::cout << options.out.string() << ": " << messages << " messages of " << topics
+            << (topics == 1 ? " topic\n" : " topics\n");
   if (exported.left_out.empty()) return;
   std::cout << "not in a bag: ";
   for (std::size_t i = 0; i < exported.left_out.size(); ++i) {

@@ -106,7 +106,7 @@ class BagFile {
 // The fields of one topic, by its schema in the recording.
 class Fields {
  public:
-  Fields(const recording::McapSchema& schema)
+  explicit Fields(const recording::McapSchema& schema)
       : idl_(recording::IdlSchema::Parse(schema.data)), type_(idl_.Struct(schema.name)) {}
 
   CdrField Get(const std::string& path) const { return CdrField(type_, path); }

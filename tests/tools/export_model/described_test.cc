@@ -48,6 +48,18 @@ TEST(DroppedBy, EveryEffectOfTheMotionIsCarriedOrListed) {
   EXPECT_EQ(DroppedBy(Format::kUrdf, spring).size(), 1u) << "URDF has no spring";
 }
 
+TEST(Without, TakesOutOneTermAndThePlayWithTheRotor) {
+  const actuator::JointModel joint = RigRobot().joints[0];
+  const actuator::JointModel frictionless = Without(joint, "coulomb");
+  EXPECT_EQ(frictionless.terms.size(), joint.terms.size() - 1);
+  EXPECT_EQ(frictionless.Find("coulomb"), -1);
+  EXPECT_EQ(frictionless.backlash_rad, joint.backlash_rad);
+  const actuator::JointModel rotorless = Without(joint, "rotor_inertia");
+  EXPECT_EQ(rotorless.Find("rotor_inertia"), -1);
+  EXPECT_EQ(rotorless.Find("free_play"), -1);
+  EXPECT_EQ(rotorless.backlash_rad, 0.0);
+}
+
 TEST(Describe, ScalesTheBodyToInertiaAndWeightOfTheModel) {
   actuator::RobotModel rig = RigRobot();
   actuator::JointModel& joint = rig.joints[0];

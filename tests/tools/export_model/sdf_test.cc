@@ -69,10 +69,13 @@ TEST(Sdf, OfTheBipedPlacesItsLinksWhereTheUrdfDoes) {
     EXPECT_NE(model->FrameByName(link), nullptr) << link;
   }
   // A passive joint of the URDF is a spring.
+  const std::size_t toe_body =
+      static_cast<std::size_t>(arm::FindJoint(described.links.chain, "left_toe_passive"));
+  const arm::Passive& passive = *described.links.chain.bodies.at(toe_body).passive;
   const sdf::Joint* toe = model->JointByName("left_toe_passive");
   ASSERT_NE(toe, nullptr);
-  EXPECT_EQ(toe->Axis(0)->SpringStiffness(), 78.0);
-  EXPECT_EQ(toe->Axis(0)->Damping(), 0.62);
+  EXPECT_EQ(toe->Axis(0)->SpringStiffness(), passive.stiffness_Nm_rad);
+  EXPECT_EQ(toe->Axis(0)->Damping(), passive.damping_Nms_rad);
 }
 
 }  // namespace

@@ -285,6 +285,16 @@ def check_broken(arguments, folder):
         before = messages
     path.write_bytes(sample[:len(sample) // 2])
     expect(Recording(path).cut_off, "a cut file counts as whole")
+    done = run(arguments.sinew, "export", path, "--format", "npz", "--out", folder / "cut.npz")
+    expect("cut off (" in done.stderr, done.stderr)
+    with np.load(folder / "cut.npz") as exported:
+        for topic in exported.files:
+            if topic.endswith(".log_time_ns"):
+                whole = Recording(path)[topic.removesuffix(".log_time_ns")]["log_time_ns"]
+                expect(np.array_equal(exported[topic], whole), f"{topic} of a cut file")
+    refused_by_command = run(arguments.sinew, "export", folder / "absent.mcap", "--format", "npz", "--out",
+                             folder / "no.npz", code=2)
+    expect("absent.mcap: cannot be read" in refused_by_command.stderr, refused_by_command.stderr)
     print("broken files are refused by their reason, cut ones are read")
 
 
