@@ -27,6 +27,8 @@ struct Heard {
 Heard HeardOf(std::uint64_t session_id, msg::Origin origin, types::Origin running) {
   node::Node sender(StartOptions("sender")), node(StartOptions("reference"));
   auto writer = sender.MakeWriter(node::kOperatorCommand);
+  node::StopFlag stop;
+  node::TickLoop loop(node, stop);
   OperatorStarts starts(node);
   msg::OperatorCommand command;
   command.header().session_id(session_id);
@@ -41,7 +43,7 @@ Heard HeardOf(std::uint64_t session_id, msg::Origin origin, types::Origin runnin
     }
     RobotReferenceInput input;
     input.session_id = 9;
-    starts.AddTo(&input, running);
+    starts.AddTo(&input, running, &loop);
     heard = {input.operator_start, starts.refused()};
     node.WaitForData(5ms);
   }

@@ -29,7 +29,7 @@ void Run(const node::Options& options, node::StopFlag& stop) {
   node::OtherOwner owner(node, node::kReference);
   while (auto tick = loop.Next()) {
     reference::RobotReferenceInput input = reference::ToInput(*tick, state.value());
-    starts.AddTo(&input, wire::FromWire(state.value().header().origin()));
+    starts.AddTo(&input, wire::FromWire(state.value().header().origin()), &loop);
     tick->origin = msg::ORIGIN_REPLAY;
     while (const auto other = owner.TakeNext(*tick)) {
       generator.Follow(other->header().tick(), reference::FromMessage(*other));
