@@ -28,6 +28,10 @@
 #include "components/actuator/model.h"
 #include "components/control/types.h"
 
+namespace sinew::types {
+class StateArchive;
+}
+
 namespace sinew::control {
 
 enum class CompensatorKind { kNone, kLinear, kModel, kRecorded };
@@ -61,6 +65,9 @@ class Compensator {
   // Motor torque at the shaft. Reads the actuator values of m even when they are old: the caller
   // decides.
   double Step(const Point& reference, const JointMeasurement& m, double period_s) noexcept;
+  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
+  // std::invalid_argument.
+  void Exchange(types::StateArchive& archive);
 
  private:
   double Recorded() const noexcept;

@@ -15,6 +15,10 @@
 
 #include "components/types/joints.h"
 
+namespace sinew::types {
+class StateArchive;
+}
+
 namespace sinew::control {
 
 class Follower {
@@ -33,6 +37,9 @@ class Follower {
   std::optional<types::JointArray<double>> Compare(
       std::uint64_t session_id, std::uint64_t tick,
       const types::JointArray<double>& owner_motor_torque_Nm) noexcept;
+  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
+  // std::invalid_argument.
+  void Exchange(types::StateArchive& archive);
 
  private:
   struct Own {
@@ -40,6 +47,8 @@ class Follower {
     bool known = false;
     types::JointArray<double> motor_torque_Nm{};
     types::JointArray<double> given_Nm{};  // by then, since the start
+
+    void Exchange(types::StateArchive& archive);
   };
   std::array<Own, kTicksKept> own_;
   types::JointArray<double> given_Nm_{};

@@ -111,6 +111,10 @@ class LateInput {
   // The last value counts, late or not.
   bool Within(double grace_s) const noexcept { return known_ && late_s_ <= grace_s; }
   const Value& value() const noexcept { return value_; }
+  template <class Archive>
+  void Exchange(Archive& archive) {
+    archive(value_, late_s_, known_);
+  }
 
  private:
   Value value_{};
@@ -136,6 +140,9 @@ class JointController {
   // integral takes the difference, so that the commands go on from the other's when it is gone.
   // Without an integral, or at rest, nothing changes.
   void Follow(double difference_motor_torque_Nm) noexcept;
+  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
+  // std::invalid_argument.
+  void Exchange(types::StateArchive& archive);
 
   const JointControlConfig& config() const noexcept { return config_; }
 

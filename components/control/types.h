@@ -12,6 +12,10 @@
 #include "components/types/motion.h"
 #include "components/types/regime.h"
 
+namespace sinew::types {
+class StateArchive;
+}
+
 namespace sinew::control {
 
 using reference::Point;
@@ -29,6 +33,8 @@ struct JointMeasurement {
   double payload_kg = 0.0;
   double temperature_degC = 25.0;
   bool valve_open = false;
+
+  void Exchange(types::StateArchive& archive);  // types/state_archive.h
 };
 
 // Drive torques at the output that the networks ask for.
@@ -37,6 +43,8 @@ struct JointPrediction {
   double sea_torque_Nm = 0.0;
   double pea_torque_Nm = 0.0;
   double torque_Nm = 0.0;  // of the network that the predictor chose
+
+  void Exchange(types::StateArchive& archive);  // types/state_archive.h
 };
 
 struct MotionOrder {
@@ -44,6 +52,8 @@ struct MotionOrder {
   double target_rad = 0.0;
   double velocity_limit_rad_s = 0.0;
   double motor_torque_limit_Nm = 0.0;  // 0: the joint's own
+
+  void Exchange(types::StateArchive& archive);  // types/state_archive.h
 };
 
 // How late an input is of which there is nothing.

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "components/types/joints.h"
+#include "components/types/state_archive.h"
 
 namespace sinew::esn {
 namespace {
@@ -168,5 +169,9 @@ Prediction InverseDynamics::Step(const Frame& frame, double period_s) noexcept {
   }
   return prediction;
 }
+
+void InverseDynamics::Joint::Exchange(types::StateArchive& archive) { archive(memory, started); }
+
+void InverseDynamics::Exchange(types::StateArchive& archive) { archive(joints_, q_, v_, a_); }
 
 }  // namespace sinew::esn

@@ -68,6 +68,9 @@ class InverseDynamics {
   // such joint leaves none valid. Signals that the robot does not measure count as 0 (temperature:
   // 25 degrees).
   Prediction Step(const Frame& frame, double period_s) noexcept;
+  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
+  // std::invalid_argument.
+  void Exchange(types::StateArchive& archive);
 
   int joint_count() const noexcept { return static_cast<int>(joints_.size()); }
   // Of the last Step; null without a stance.
@@ -81,6 +84,8 @@ class InverseDynamics {
     std::vector<double> memory;
     bool started = false;
     Eigen::Index of_robot = -1;  // among the joints of the stance's robot
+
+    void Exchange(types::StateArchive& archive);
   };
   struct Motion {
     double q = 0.0, v = 0.0, a = 0.0;

@@ -20,6 +20,10 @@
 #include "components/esn/weights.h"
 #include "components/simd/instructions.h"
 
+namespace sinew::types {
+class StateArchive;
+}
+
 namespace sinew::esn {
 
 enum class [[nodiscard]] StepStatus{
@@ -64,6 +68,9 @@ class Network {
     return features_.segment(1 + inputs_, neurons_);
   }
   void SetState(const Eigen::Ref<const Eigen::VectorXd>& state) noexcept;
+  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
+  // std::invalid_argument.
+  void Exchange(types::StateArchive& archive);
 
   int input_count() const noexcept { return inputs_; }
   int output_count() const noexcept { return static_cast<int>(readout_.rows()); }

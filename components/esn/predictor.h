@@ -50,6 +50,9 @@ class Predictor {
   // False, and nothing changes: no such network, wrong shape, not finite.
   [[nodiscard]] bool SetReadout(Which which, std::uint64_t version,
                                 const Eigen::Ref<const Eigen::MatrixXd>& readout) noexcept;
+  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
+  // std::invalid_argument.
+  void Exchange(types::StateArchive& archive);
 
   bool has(Which which) const noexcept { return slots_[Index(which)].has_value(); }
   bool needs_regime() const noexcept { return needs_regime_; }
@@ -67,6 +70,8 @@ class Predictor {
     std::uint64_t version = 0;
     bool good = false;
     bool settled = false;  // has had an input
+
+    void Exchange(types::StateArchive& archive);
   };
   static std::size_t Index(Which which) { return static_cast<std::size_t>(which); }
 

@@ -16,6 +16,10 @@
 
 #include "components/types/joints.h"
 
+namespace sinew::types {
+class StateArchive;
+}
+
 namespace sinew::esn {
 
 // Velocity over which reference_direction turns.
@@ -62,6 +66,7 @@ class Frame {
   double Get(Input input) const noexcept {
     return value_[static_cast<std::size_t>(input.signal)][static_cast<std::size_t>(input.joint)];
   }
+  void Exchange(types::StateArchive& archive);  // types/state_archive.h
 
  private:
   std::array<types::JointArray<double>, kSignalCount> value_;

@@ -4,7 +4,18 @@
 // It owns its node; component_status says that it stopped when it ends. Thread: one.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+
 namespace sinew::node {
+
+// A component's state between two cycles, from a component_snapshot.
+struct SavedState {
+  std::uint32_t version = 0;
+  std::span<const std::byte> content;
+};
 
 class Component {
  public:
@@ -15,6 +26,12 @@ class Component {
   virtual bool Ready() = 0;  // TickLoop::Ready
   // One cycle, waited for. False: stop was requested or the session ended.
   virtual bool Step() = 0;
+  // Takes the cycle that waits as done, and goes on from the state after it. Throws
+  // std::invalid_argument: not a state of this component with this configuration (it is then to be
+  // thrown away), or no cycle waits.
+  virtual void Resume(const SavedState&) {
+    throw std::invalid_argument("this component has no state to go on from");
+  }
 
   void Run() {
     while (Step()) {

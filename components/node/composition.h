@@ -8,10 +8,10 @@
 // another process takes over from it, and is taken over from, as between processes.
 //
 // A composition apart has no DDS at all: every topic is carried, from raw writers and to recorders
-// too, and nothing else is heard. In it payloads of any kind reach participants as if received
-// (bench/payloads).
+// too, and nothing else is heard; no participant waits or looks at a clock, in lockstep too. In it
+// payloads of any kind reach participants as if received (bench/payloads).
 //
-// Real time only. Threads: the one that makes, uses and ends the nodes; Owns: any.
+// With DDS, real time only. Threads: the one that makes, uses and ends the nodes; Owns: any.
 #pragma once
 
 #include <cstddef>

@@ -263,6 +263,7 @@ struct TickLoop::Impl {
   StopFlag& stop;
   const TickLoopOptions options;
   const bool lockstep;
+  const bool apart;            // no clock counts: composition.h
   const bool waits;            // for inputs: a composed participant hears nothing while it waits
   const double cut_off_share;  // of the nominal period
   internal::Status& status;
@@ -436,7 +437,7 @@ struct TickLoop::Impl {
 
   bool TooLate(const Tick& tick) const {
     const std::chrono::nanoseconds nominal = BoundedPeriod(tick.nominal_period_s);
-    return !lockstep && nominal.count() > 0 &&
+    return !lockstep && !apart && nominal.count() > 0 &&
            Clock::now() - last_cycle > internal::Deadline(nominal);
   }
 
@@ -461,6 +462,7 @@ TickLoop::TickLoop(Node& node, StopFlag& stop, TickLoopOptions options)
                      .stop = stop,
                      .options = options,
                      .lockstep = node.options().mode == TimeMode::kLockstep,
+                     .apart = node.impl_->apart(),
                      .waits = node.options().composition == nullptr,
                      .cut_off_share = node.options().composition != nullptr ? 0.0
                                       : options.cut_off_share > 0.0
@@ -517,7 +519,7 @@ std::optional<Tick> TickLoop::Next() {
     head = self.WaitForTrigger();
     if (!head) return std::nullopt;
     tick = self.Begin(*head);
-    tick.settled = self.lockstep || Clock::now() >= self.settled;
+    tick.settled = self.lockstep || self.apart || Clock::now() >= self.settled;
     if (tick.settled) BeginRealtime();
   } while (self.MustBeQuiet(tick));
   self.running = {tick.session_id, wire::FromWire(trigger.origin())};

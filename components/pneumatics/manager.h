@@ -110,6 +110,9 @@ class PressureManager {
 
   // Forgets faults and filters: a new session.
   void Restart() noexcept;
+  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
+  // std::invalid_argument.
+  void Exchange(types::StateArchive& archive);
 
   double target_bar() const noexcept { return target_bar_; }
   // Fall of pressure at rest, averaged; 0 until there is enough of it.
@@ -124,6 +127,7 @@ class PressureManager {
     double rate_bar_s = 0.0;
     // Moves toward a sample; returns by how much.
     double Step(double sample_bar, double share, double period_s) noexcept;
+    void Exchange(types::StateArchive& archive);
   };
 
   void Watch(const ManagerInput& input) noexcept;

@@ -2,6 +2,10 @@
 // Thread: one. Allocates nothing.
 #pragma once
 
+namespace sinew::types {
+class StateArchive;
+}
+
 namespace sinew::pneumatics {
 
 struct RelayTimes {
@@ -18,6 +22,9 @@ class Relay {
   bool Step(bool wanted, double period_s) noexcept;
   // Switches at once, whatever the times say: the safe state does not wait.
   void Force(bool on) noexcept;
+  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
+  // std::invalid_argument.
+  void Exchange(types::StateArchive& archive);
 
   bool on() const noexcept { return on_; }
   long switches() const noexcept { return switches_; }

@@ -47,6 +47,8 @@ struct RobotReferenceOutput {
   bool stale = false;  // a joint was lost when the reference should have started
   bool finished = false;
   types::JointArray<Point> joint{};
+
+  void Exchange(types::StateArchive& archive);  // types/state_archive.h
 };
 
 bool AllFinite(const RobotReferenceOutput& output) noexcept;
@@ -62,6 +64,9 @@ class RobotReference {
   // says start or the robot is armed anew.
   void TakeOver(const RobotReferenceOutput& other, const RobotReferenceInput& input) noexcept;
   bool running() const noexcept { return running_; }
+  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
+  // std::invalid_argument.
+  void Exchange(types::StateArchive& archive);
 
  private:
   void Begin(std::uint64_t tick) noexcept;

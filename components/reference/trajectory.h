@@ -12,12 +12,18 @@
 #include <memory>
 #include <vector>
 
+namespace sinew::types {
+class StateArchive;
+}
+
 namespace sinew::reference {
 
 struct Point {
   double position_rad = 0.0;
   double velocity_rad_s = 0.0;
   double acceleration_rad_s2 = 0.0;
+
+  void Exchange(types::StateArchive& archive);  // types/state_archive.h
 };
 
 inline constexpr double kEndless = std::numeric_limits<double>::infinity();
@@ -160,6 +166,9 @@ class Move final : public Trajectory {
   explicit Move(const MoveConfig& config);
   Point At(double time_s) const noexcept override;
   double duration_s() const noexcept override { return 2.0 * ramp_s_ + cruise_s_; }
+  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
+  // std::invalid_argument.
+  void Exchange(types::StateArchive& archive);
 
  private:
   MoveConfig config_;

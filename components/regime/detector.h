@@ -89,6 +89,9 @@ class RegimeDetector {
   void Adopt(std::uint64_t session_id, double offset_rad) noexcept;
 
   DetectorOutput Step(const DetectorInput& input) noexcept;
+  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
+  // std::invalid_argument.
+  void Exchange(types::StateArchive& archive);
 
   bool setup_done() const noexcept { return setup_done_; }
   // motor / N - output at the lower contact, and its standard error; after the setup.

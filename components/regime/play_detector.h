@@ -23,6 +23,10 @@
 
 #include "components/types/regime.h"
 
+namespace sinew::types {
+class StateArchive;
+}
+
 namespace sinew::regime {
 
 enum class Contact { kNone, kLower, kUpper };
@@ -50,6 +54,9 @@ class PlayDetector {
   void Reset() noexcept;
   // alpha_rad is finite; velocity_rad_s of the output widens sigma by the sampling skew.
   PlayDecision Step(double alpha_rad, double velocity_rad_s) noexcept;
+  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
+  // std::invalid_argument.
+  void Exchange(types::StateArchive& archive);
 
   // Standard deviation of alpha at rest.
   double sigma_rad() const noexcept { return sigma_rad_; }

@@ -54,6 +54,9 @@ class Adapter {
                            const Eigen::Ref<const Eigen::MatrixXd>& readout) noexcept;
 
   Frozen Step(const Observation& observation) noexcept;
+  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
+  // std::invalid_argument.
+  void Exchange(types::StateArchive& archive);
 
   // The network of the last usable sample; at the start one that is there.
   int network() const noexcept { return network_; }
@@ -71,6 +74,8 @@ class Adapter {
   struct Slot {
     RecursiveLeastSquares estimator;
     std::uint64_t version = 0;
+
+    void Exchange(types::StateArchive& archive);
   };
 
   AdapterConfig config_;

@@ -43,6 +43,10 @@
 
 #include "components/simd/instructions.h"
 
+namespace sinew::types {
+class StateArchive;
+}
+
 namespace sinew::rls {
 
 struct Config {
@@ -97,6 +101,9 @@ class RecursiveLeastSquares {
   // O(features^2).
   double CovarianceTrace() const noexcept;
   Eigen::MatrixXd Covariance() const;
+  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
+  // std::invalid_argument.
+  void Exchange(types::StateArchive& archive);
 
   int feature_count() const noexcept { return size_; }
   int output_count() const noexcept { return outputs_; }

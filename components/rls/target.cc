@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "components/types/state_archive.h"
+
 namespace sinew::rls {
 namespace {
 
@@ -173,6 +175,22 @@ bool TargetEquation::CarryOver(const Slot& centre, const Network& network, doubl
     target_Nm_(o) += wanted.torque_Nm[j] - was.torque_Nm[j];
   }
   return true;
+}
+
+void TargetEquation::Slot::Exchange(types::StateArchive& archive) {
+  archive(usable, positions_valid, features, position_rad, motor_rad, drive_torque_Nm, measured);
+  archive.Bounded(network, 255);  // as messages have it; only 0 and 1 are ever usable
+}
+
+void TargetEquation::Exchange(types::StateArchive& archive) {
+  archive(ring_, last_tick_, at_reference_, at_motion_);
+  archive.Bounded(newest_, ring_.size() - 1);
+  archive.Bounded(filled_, static_cast<int>(ring_.size()));
+  for (const Slot& slot : ring_) {
+    if (slot.usable && (slot.network > 1 || !networks_[static_cast<std::size_t>(slot.network)])) {
+      throw std::invalid_argument("state: it has features of a network that is not here");
+    }
+  }
 }
 
 }  // namespace sinew::rls

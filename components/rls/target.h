@@ -35,6 +35,10 @@
 #include "components/esn/weights.h"
 #include "components/types/joints.h"
 
+namespace sinew::types {
+class StateArchive;
+}
+
 namespace sinew::rls {
 
 struct TargetConfig {
@@ -78,6 +82,9 @@ class TargetEquation {
   };
   // Nothing: no whole window yet, or something in it was not usable. Valid until the next call.
   std::optional<Sample> Push(const TickData& data) noexcept;
+  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
+  // std::invalid_argument.
+  void Exchange(types::StateArchive& archive);
 
  private:
   struct Network {
@@ -98,6 +105,8 @@ class TargetEquation {
     types::JointArray<double> motor_rad{};  // over the gear
     types::JointArray<double> drive_torque_Nm{};
     esn::Frame measured;
+
+    void Exchange(types::StateArchive& archive);
   };
 
   const Slot& At(int ticks_ago) const noexcept;

@@ -1,6 +1,8 @@
 // The rig as separate processes in lockstep: repeatable to the byte.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "components/config/config.h"
 #include "tests/support/program.h"
 #include "tests/support/sinew_program.h"
@@ -24,6 +26,9 @@ std::map<std::string, std::vector<std::string>> RunRig(const std::filesystem::pa
   EXPECT_EQ(run.exit_code, 0) << run.output << run.error;
   auto payloads = PayloadsByTopic(file);
   payloads.erase("component_status");  // carries wall-clock facts
+  // Of several writers, whose order among each other is that of their threads.
+  auto& snapshots = payloads["component_snapshot"];
+  std::sort(snapshots.begin(), snapshots.end());
   return payloads;
 }
 

@@ -70,17 +70,34 @@ Part ParsePart(const std::string& text) {
           text.substr(second + 1)};
 }
 
+std::vector<std::string> ComposedPrograms() {
+  std::vector<std::string> programs;
+  for (const ComposedKind& kind : Kinds()) programs.emplace_back(kind.program);
+  return programs;
+}
+
+std::unique_ptr<node::Component> MakePart(const Part& part, const node::Options& common,
+                                          node::StopFlag& stop) {
+  CheckParts({part});
+  node::Options options = common;
+  options.component = part.program.substr(std::string("sinew-").size());
+  options.name = part.name;
+  options.config_path = part.config;
+  for (const ComposedKind& kind : Kinds()) {
+    if (part.program == kind.program) return kind.make(options, stop);
+  }
+  throw std::logic_error("checked above: " + part.program);
+}
+
 Chain::Chain(const node::Options& common, node::StopFlag& stop, const std::vector<Part>& parts) {
   CheckParts(parts);
   for (const ComposedKind& kind : Kinds()) {
     for (const Part& part : parts) {
       if (part.program != kind.program) continue;
       node::Options options = common;
-      options.component = part.program.substr(std::string("sinew-").size());
-      options.name = part.name;
-      options.config_path = part.config;
       options.composition = &composition_;
-      (kind.before_command ? before_command_ : after_command_).push_back(kind.make(options, stop));
+      (kind.before_command ? before_command_ : after_command_)
+          .push_back(MakePart(part, options, stop));
       spdlog::info("'{}' runs in this thread, {} the command", part.name,
                    kind.before_command ? "before" : "after");
     }

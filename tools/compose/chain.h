@@ -26,6 +26,13 @@ struct Part {
 // NAME=PROGRAM=CONFIG. Throws UsageError.
 Part ParsePart(const std::string& text);
 
+// Programs that can be composed, in the order in which they answer a tick.
+std::vector<std::string> ComposedPrograms();
+// A part's participant. `common`: domain, mode, seed, log and composition. `stop` outlives it.
+// Throws UsageError for a program that cannot be composed or a configuration; DdsError.
+std::unique_ptr<node::Component> MakePart(const Part& part, const node::Options& common,
+                                          node::StopFlag& stop);
+
 class Chain final : public provider::ComposedCycle {
  public:
   // `common`: domain, mode, seed and log of all. Throws UsageError for a program that cannot be

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "components/control/participant/translate.h"
+#include "components/node/snapshot.h"
 
 namespace sinew::control {
 namespace {
@@ -16,6 +17,9 @@ ControlConfig LoadConfig(const std::filesystem::path& path,
   }
   return LoadControl(path, model_path);
 }
+
+// Of the fields of Exchange and of all that they contain.
+constexpr std::uint32_t kControlStateVersion = 1;
 
 class ControlComponent final : public node::Component {
  public:
@@ -35,9 +39,15 @@ class ControlComponent final : public node::Component {
     const msg::JointCommand command = inputs_.ToMessage(result, input);
     inputs_.Made(*tick, command);
     loop_.Publish(output_, command, *tick);
+    snapshots_.Cycle(*tick);
     Report(FaultLine(result));
     return true;
   }
+  void Resume(const node::SavedState& saved) override {
+    node::SkipCycle(loop_);
+    snapshots_.Restore(saved);
+  }
+  void Exchange(types::StateArchive& archive) { archive(controller_, inputs_); }
 
  private:
   void Report(const std::string& fault) {
@@ -52,6 +62,7 @@ class ControlComponent final : public node::Component {
   node::TickLoop loop_;
   ControlInputs inputs_;
   node::Writer<msg::JointCommand> output_ = node_.MakeWriter(node::kJointCommand);
+  node::Snapshots<ControlComponent> snapshots_{node_, kControlStateVersion, this};
   std::string reported_;
 };
 

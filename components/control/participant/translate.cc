@@ -4,6 +4,7 @@
 
 #include "components/node/codec.h"
 #include "components/types/joints.h"
+#include "components/types/state_archive.h"
 #include "components/wire/wire.h"
 
 namespace sinew::control {
@@ -160,6 +161,10 @@ msg::JointCommand ControlInputs::ToMessage(const RobotOutput& output,
     message.velocity_rad_s()[j] = joint.velocity_rad_s;
   }
   return message;
+}
+
+void ControlInputs::Exchange(types::StateArchive& archive) {
+  archive(follower_, estopped_, stands_by_);
 }
 
 std::string FaultLine(const RobotOutput& output) {

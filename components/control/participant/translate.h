@@ -17,6 +17,10 @@
 #include "components/node/other_owner.h"
 #include "components/node/tick_loop.h"
 
+namespace sinew::types {
+class StateArchive;
+}
+
 namespace sinew::control {
 
 // The inputs that the configured strategies need, gathered tick by tick.
@@ -33,6 +37,7 @@ class ControlInputs {
   void FollowOwner(const node::Tick& tick, RobotController* controller);
   // After it: the own command of this tick.
   void Made(const node::Tick& tick, const msg::JointCommand& command);
+  void Exchange(types::StateArchive& archive);  // types/state_archive.h
   msg::JointCommand ToMessage(const RobotOutput& output, const RobotInput& input) const;
 
  private:

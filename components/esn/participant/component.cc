@@ -5,10 +5,14 @@
 #include "components/esn/participant/inference.h"
 #include "components/node/node.h"
 #include "components/node/other_owner.h"
+#include "components/node/snapshot.h"
 #include "components/node/tick_loop.h"
 
 namespace sinew::esn {
 namespace {
+
+// Of the fields of Exchange and of all that they contain.
+constexpr std::uint32_t kEsnStateVersion = 1;
 
 class EsnComponent final : public node::Component {
  public:
@@ -27,7 +31,12 @@ class EsnComponent final : public node::Component {
     const Outputs outputs = inference_.Step(inputs_, *tick);
     loop_.Publish(prediction_, outputs.prediction, *tick);
     loop_.Publish(reservoir_, outputs.reservoir, *tick);
+    snapshots_.Cycle(*tick);
     return true;
+  }
+  void Resume(const node::SavedState& saved) override {
+    node::SkipCycle(loop_);
+    snapshots_.Restore(saved);
   }
 
  private:
@@ -37,6 +46,7 @@ class EsnComponent final : public node::Component {
   Inputs inputs_;
   node::Writer<msg::TorquePrediction> prediction_ = node_.MakeWriter(node::kTorquePrediction);
   node::Writer<msg::ReservoirState> reservoir_ = node_.MakeWriter(node::kReservoirState);
+  node::Snapshots<Inference> snapshots_{node_, kEsnStateVersion, &inference_};
   node::OtherOwner<msg::TorquePrediction> owner_{node_, node::kTorquePrediction};
 };
 

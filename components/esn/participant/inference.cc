@@ -8,6 +8,7 @@
 
 #include "components/config/config.h"
 #include "components/types/regime.h"
+#include "components/types/state_archive.h"
 
 namespace sinew::esn {
 namespace {
@@ -109,6 +110,10 @@ Outputs Inference::Step(const Inputs& inputs, const node::Tick& tick) {
     outputs.prediction.readout_version(outputs.reservoir.readout_version());
   }
   return outputs;
+}
+
+void Inference::Exchange(types::StateArchive& archive) {
+  archive(predictor_, inverse_, session_id_);
 }
 
 }  // namespace sinew::esn

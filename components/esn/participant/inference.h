@@ -10,6 +10,10 @@
 #include "components/esn/predictor.h"
 #include "components/node/tick_loop.h"
 
+namespace sinew::types {
+class StateArchive;
+}
+
 namespace sinew::esn {
 
 struct Outputs {
@@ -24,6 +28,8 @@ class Inference {
   explicit Inference(const EsnConfig& config);  // throws UsageError
 
   Outputs Step(const Inputs& inputs, const node::Tick& tick);
+
+  void Exchange(types::StateArchive& archive);  // types/state_archive.h
 
   // Topics that the networks read; others need not exist in the deployment.
   bool needs_actuator_state() const { return needs_actuator_state_; }

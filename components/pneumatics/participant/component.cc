@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "components/node/snapshot.h"
 #include "components/pneumatics/participant/translate.h"
 
 namespace sinew::pneumatics {
@@ -15,6 +16,9 @@ PneumaticsConfig LoadConfig(const std::filesystem::path& path) {
   }
   return LoadPneumatics(path);
 }
+
+// Of the fields of Exchange and of all that they contain.
+constexpr std::uint32_t kPneumaticsStateVersion = 1;
 
 class PneumaticsComponent final : public node::Component {
  public:
@@ -28,8 +32,13 @@ class PneumaticsComponent final : public node::Component {
     robot_.Step(*tick);
     loop_.Publish(command_, robot_.Command(), *tick);
     loop_.Publish(state_, robot_.State(*tick), *tick);
+    snapshots_.Cycle(*tick);
     Report(robot_.Trouble());
     return true;
+  }
+  void Resume(const node::SavedState& saved) override {
+    node::SkipCycle(loop_);
+    snapshots_.Restore(saved);
   }
 
  private:
@@ -49,6 +58,7 @@ class PneumaticsComponent final : public node::Component {
   RobotPneumatics robot_;
   node::Writer<msg::ValveCommand> command_ = node_.MakeWriter(node::kValveCommand);
   node::Writer<msg::PneumaticState> state_ = node_.MakeWriter(node::kPneumaticState);
+  node::Snapshots<RobotPneumatics> snapshots_{node_, kPneumaticsStateVersion, &robot_};
   std::string reported_;
 };
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "components/node/codec.h"
+#include "components/types/state_archive.h"
 #include "components/wire/wire.h"
 
 namespace sinew::pneumatics {
@@ -108,6 +109,10 @@ void PressureRequests::TakeOperator(const types::RunningSession& running) {
 bool PressureRequests::MayHold(types::RobotState state) const {
   const bool quiet = state == types::RobotState::kDisarmed && config_.hold_disarmed;
   return (types::MayMove(state) || quiet) && !estopped_;
+}
+
+void PressureRequests::Exchange(types::StateArchive& archive) {
+  archive(standing_target_bar_, estopped_, session_id_);
 }
 
 }  // namespace sinew::pneumatics

@@ -16,6 +16,10 @@
 #include "components/types/joints.h"
 #include "components/types/robot_state.h"
 
+namespace sinew::types {
+class StateArchive;
+}
+
 namespace sinew::pneumatics {
 
 class PressureRequests {
@@ -31,7 +35,8 @@ class PressureRequests {
   // Another manager is the owner: its targets are followed.
   bool standby() const { return standby_; }
   std::uint64_t refused() const { return stiffness_gate_.refused() + reset_gate_.refused(); }
-  bool reset() const { return reset_; }  // an operator's reset came with this tick
+  void Exchange(types::StateArchive& archive);  // types/state_archive.h
+  bool reset() const { return reset_; }         // an operator's reset came with this tick
 
  private:
   void TakeStiffness(const types::RunningSession& running, std::vector<PressureManager>* managers);

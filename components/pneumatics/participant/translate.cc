@@ -1,5 +1,6 @@
 #include "components/pneumatics/participant/translate.h"
 
+#include "components/types/state_archive.h"
 #include "components/wire/wire.h"
 
 namespace sinew::pneumatics {
@@ -90,5 +91,7 @@ std::string RobotPneumatics::Trouble() const {
   }
   return "";
 }
+
+void RobotPneumatics::Exchange(types::StateArchive& archive) { archive(managers_, requests_); }
 
 }  // namespace sinew::pneumatics

@@ -14,6 +14,10 @@
 #include "components/pneumatics/participant/requests.h"
 #include "components/types/joints.h"
 
+namespace sinew::types {
+class StateArchive;
+}
+
 namespace sinew::pneumatics {
 
 class RobotPneumatics {
@@ -25,6 +29,7 @@ class RobotPneumatics {
   msg::PneumaticState State(const node::Tick& tick) const;
   // What is wrong with which joint, one line; empty: nothing.
   std::string Trouble() const;
+  void Exchange(types::StateArchive& archive);  // types/state_archive.h
 
  private:
   std::vector<PressureManager> managers_;

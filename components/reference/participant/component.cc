@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include "components/node/other_owner.h"
+#include "components/node/snapshot.h"
 #include "components/node/tick_loop.h"
 #include "components/reference/file/reference_file.h"
 #include "components/reference/participant/translate.h"
@@ -21,6 +22,9 @@ RobotReferenceConfig LoadConfig(const std::filesystem::path& path) {
   return std::move(loaded.config);
 }
 
+// Of the fields of Exchange and of all that they contain.
+constexpr std::uint32_t kReferenceStateVersion = 1;
+
 class ReferenceComponent final : public node::Component {
  public:
   ReferenceComponent(const node::Options& options, node::StopFlag& stop)
@@ -38,7 +42,12 @@ class ReferenceComponent final : public node::Component {
     owner_.MarkOrigin(&*tick);
     const RobotReferenceOutput now = generator_.Step(input, owner_.StandsBy(*tick));
     loop_.Publish(output_, ToMessage(now, *tick), *tick);
+    snapshots_.Cycle(*tick);
     return true;
+  }
+  void Resume(const node::SavedState& saved) override {
+    node::SkipCycle(loop_);
+    snapshots_.Restore(saved);
   }
 
  private:
@@ -48,6 +57,7 @@ class ReferenceComponent final : public node::Component {
   node::TickInput<msg::JointState>& state_ = loop_.AddInput(node::kJointState);
   OperatorStarts starts_{node_};
   node::Writer<msg::Reference> output_ = node_.MakeWriter(node::kReference);
+  node::Snapshots<Standby> snapshots_{node_, kReferenceStateVersion, &generator_};
   node::OtherOwner<msg::Reference> owner_{node_, node::kReference};
 };
 

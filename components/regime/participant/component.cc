@@ -6,6 +6,7 @@
 #include <string>
 
 #include "components/node/other_owner.h"
+#include "components/node/snapshot.h"
 #include "components/node/tick_loop.h"
 #include "components/regime/file/regime_file.h"
 #include "components/regime/participant/translate.h"
@@ -20,6 +21,9 @@ RegimeConfig LoadConfig(const std::filesystem::path& path) {
   return LoadRegime(path);
 }
 
+// Of the fields of Exchange and of all that they contain.
+constexpr std::uint32_t kRegimeStateVersion = 1;
+
 class RegimeComponent final : public node::Component {
  public:
   RegimeComponent(const node::Options& options, node::StopFlag& stop)
@@ -33,8 +37,13 @@ class RegimeComponent final : public node::Component {
     robot_.Step(*tick, state_.value(), actuator_);
     loop_.Publish(output_, ToMessage(robot_, *tick), *tick);
     if (requests_) loop_.Publish(*requests_, ToRequest(robot_), *tick);
+    snapshots_.Cycle(*tick);
     Report(robot_.Trouble());
     return true;
+  }
+  void Resume(const node::SavedState& saved) override {
+    node::SkipCycle(loop_);
+    snapshots_.Restore(saved);
   }
 
  private:
@@ -57,6 +66,7 @@ class RegimeComponent final : public node::Component {
   node::TickInput<msg::ActuatorState>& actuator_ = loop_.AddInput(node::kActuatorState);
   node::Writer<msg::RegimeState> output_ = node_.MakeWriter(node::kRegime);
   std::optional<node::Writer<msg::MotionRequest>> requests_;
+  node::Snapshots<RobotRegime> snapshots_{node_, kRegimeStateVersion, &robot_};
   node::OtherOwner<msg::RegimeState> owner_{node_, node::kRegime};
   std::string reported_;
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "components/types/motion.h"
+#include "components/types/state_archive.h"
 #include "components/wire/wire.h"
 
 namespace sinew::regime {
@@ -95,6 +96,11 @@ std::string RobotRegime::Trouble() const {
   }
   return "";
 }
+
+void RobotRegime::Gaps::Exchange(types::StateArchive& archive) { archive(tick, known, gap_rad); }
+
+// What a step gives is made anew.
+void RobotRegime::Exchange(types::StateArchive& archive) { archive(detectors, gaps_); }
 
 msg::RegimeState ToMessage(const RobotRegime& robot, const node::Tick& tick) {
   msg::RegimeState message;

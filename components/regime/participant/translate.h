@@ -16,6 +16,10 @@
 #include "components/regime/detector.h"
 #include "components/types/joints.h"
 
+namespace sinew::types {
+class StateArchive;
+}
+
 namespace sinew::regime {
 
 struct RobotRegime {
@@ -32,6 +36,7 @@ struct RobotRegime {
             const node::TickInput<msg::ActuatorState>& actuator);
   // What is wrong with which joint, one line; empty: nothing.
   std::string Trouble() const;
+  void Exchange(types::StateArchive& archive);  // types/state_archive.h
 
  private:
   // motor / N - output of the last ticks, by tick: the owner's answer comes some ticks later.
@@ -40,6 +45,8 @@ struct RobotRegime {
     std::uint64_t tick = 0;
     bool known = false;
     types::JointArray<double> gap_rad{};
+
+    void Exchange(types::StateArchive& archive);
   };
   std::array<Gaps, kTicksKept> gaps_;
 };

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "components/config/config.h"
+#include "components/types/state_archive.h"
 #include "components/wire/wire.h"
 
 namespace sinew::rls {
@@ -162,6 +163,10 @@ Outputs Adaptation::Step(const Inputs& inputs, const node::Tick& tick) {
   }
   out.adaptation.covariance_trace(estimator.CovarianceTrace());
   return out;
+}
+
+void Adaptation::Exchange(types::StateArchive& archive) {
+  archive(equation_, adapter_, session_id_, updates_);
 }
 
 }  // namespace sinew::rls

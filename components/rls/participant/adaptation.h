@@ -9,6 +9,10 @@
 #include "components/rls/adapter.h"
 #include "components/rls/file/rls_config.h"
 
+namespace sinew::types {
+class StateArchive;
+}
+
 namespace sinew::rls {
 
 // joint_state is the trigger. Features and command are those of the tick before: the target is what
@@ -40,6 +44,7 @@ class Adaptation {
   Outputs Step(const Inputs& inputs, const node::Tick& tick);
 
   std::uint64_t updates() const { return updates_; }
+  void Exchange(types::StateArchive& archive);  // types/state_archive.h
 
  private:
   void StartSession(const node::Tick& tick);

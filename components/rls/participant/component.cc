@@ -4,11 +4,15 @@
 
 #include "components/node/node.h"
 #include "components/node/other_owner.h"
+#include "components/node/snapshot.h"
 #include "components/node/tick_loop.h"
 #include "components/rls/participant/adaptation.h"
 
 namespace sinew::rls {
 namespace {
+
+// Of the fields of Exchange and of all that they contain.
+constexpr std::uint32_t kRlsStateVersion = 1;
 
 class RlsComponent final : public node::Component {
  public:
@@ -25,7 +29,12 @@ class RlsComponent final : public node::Component {
     const Outputs outputs = adaptation_.Step(inputs_, *tick);
     loop_.Publish(readout_, outputs.readout, *tick);
     loop_.Publish(state_, outputs.adaptation, *tick);
+    snapshots_.Cycle(*tick);
     return true;
+  }
+  void Resume(const node::SavedState& saved) override {
+    node::SkipCycle(loop_);
+    snapshots_.Restore(saved);
   }
 
  private:
@@ -35,6 +44,7 @@ class RlsComponent final : public node::Component {
   Inputs inputs_;
   node::Writer<msg::Readout> readout_ = node_.MakeWriter(node::kReadout);
   node::Writer<msg::AdaptationState> state_ = node_.MakeWriter(node::kAdaptationState);
+  node::Snapshots<Adaptation> snapshots_{node_, kRlsStateVersion, &adaptation_};
   node::OtherOwner<msg::Readout> owner_{node_, node::kReadout};
 };
 

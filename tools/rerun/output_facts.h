@@ -1,0 +1,38 @@
+// What a recorded output says it was computed from: ticks of inputs and ids of events
+// (idl/header.idl). Pure.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <set>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "components/recording/cdr.h"
+
+namespace sinew::rerun {
+
+struct UsedInputs {
+  bool any_output = false;
+  std::map<std::string, std::uint64_t> tick;  // by input topic; node::kNoTick: none was there
+  std::set<std::uint64_t> events;
+};
+
+class OutputFacts {
+ public:
+  // Throws std::invalid_argument: no such topic.
+  explicit OutputFacts(const std::string& topic);
+
+  const std::string& topic() const { return topic_; }
+  // A payload that is no such message adds nothing.
+  void AddTo(std::span<const std::byte> payload, UsedInputs* used) const;
+
+ private:
+  std::string topic_;
+  std::vector<std::pair<std::string, recording::CdrField>> ticks_;
+  std::vector<recording::CdrField> events_;  // event_ids[0], event_ids[1] ...
+};
+
+}  // namespace sinew::rerun
