@@ -13,6 +13,7 @@
 #include <sinew_idl/residual.h>
 #include <sinew_idl/sensors.h>
 #include <sinew_idl/simulation.h>
+#include <sinew_idl/snapshot.h>
 #include <sinew_idl/status.h>
 
 #include <array>
@@ -163,6 +164,24 @@ void AddRequests(Collection* seeds) {
   }
 }
 
+void AddSnapshots(Collection* seeds) {
+  for (const char* name : {"", "control"}) {
+    msg::SnapshotRequest request;
+    request.header().origin(msg::ORIGIN_SIM);
+    request.name(name);
+    request.after_tick(1);
+    seeds->Add(node::kSnapshotRequest, request);
+  }
+  msg::ComponentSnapshot part;
+  part.header().origin(msg::ORIGIN_SIM);
+  part.name("control");
+  part.component_kind("control");
+  part.version(1);
+  part.part_count(2);
+  part.content().assign(100, 7);
+  seeds->Add(node::kComponentSnapshot, part);
+}
+
 void AddSimulation(Collection* seeds) {
   for (std::size_t phase = 0; phase < kPhases; phase += 8) {
     const Motion motion = At(phase);
@@ -240,6 +259,7 @@ std::vector<std::vector<node::Bytes>> HandmadeSeeds() {
   readout.weight().assign(4, 0.1);
   seeds.Add(node::kReadout, readout);
   AddRequests(&seeds);
+  AddSnapshots(&seeds);
   AddSimulation(&seeds);
   return seeds.Take();
 }

@@ -76,7 +76,7 @@ def compare_rows(recording, topic):
             array = arrays[path]
             if isinstance(value, str) and array.dtype.kind == "u":
                 value = recording.labels(topic, path).index(value)
-            in_use = used is None or not indices or path in ("feature", "weight") or indices[0] < used
+            in_use = used is None or not indices or path in ("feature", "weight", "event_ids", "content") or indices[0] < used
             if not in_use:
                 if indices[0] < array.shape[1]:
                     left = array[(row,) + indices]
