@@ -20,6 +20,33 @@ std::string Text(const Identity& identity) {
   return out.str();
 }
 
+// Of the QoS of a writer or a reader.
+template <class Qos>
+EndpointQos TermsOf(const Qos& qos) {
+  EndpointQos terms;
+  terms.reliable = qos.m_reliability.kind == dds::RELIABLE_RELIABILITY_QOS;
+  switch (qos.m_durability.kind) {
+    case dds::VOLATILE_DURABILITY_QOS:
+      terms.durability = EndpointQos::Durability::kVolatile;
+      break;
+    case dds::TRANSIENT_LOCAL_DURABILITY_QOS:
+      terms.durability = EndpointQos::Durability::kTransientLocal;
+      break;
+    case dds::TRANSIENT_DURABILITY_QOS:
+      terms.durability = EndpointQos::Durability::kTransient;
+      break;
+    case dds::PERSISTENT_DURABILITY_QOS:
+      terms.durability = EndpointQos::Durability::kPersistent;
+      break;
+  }
+  terms.exclusive = qos.m_ownership.kind == dds::EXCLUSIVE_OWNERSHIP_QOS;
+  const auto& period = qos.m_deadline.period;
+  if (!period.is_infinite()) {
+    terms.deadline = std::chrono::nanoseconds(period.to_ns());
+  }
+  return terms;
+}
+
 }  // namespace
 
 std::string TextOf(const rtps::GUID_t& guid) { return Text(guid); }
@@ -57,7 +84,13 @@ void Discovery::on_participant_discovery(dds::DomainParticipant*,
 void Discovery::on_subscriber_discovery(dds::DomainParticipant* participant,
                                         rtps::ReaderDiscoveryInfo&& info) {
   Discovered(participant,
-             {false, info.info.topicName().to_string(), info.info.typeName().to_string(), {}, {}},
+             {false,
+              info.info.topicName().to_string(),
+              info.info.typeName().to_string(),
+              {},
+              {},
+              0,
+              TermsOf(info.info.m_qos)},
              info.info.guid(), info.status == rtps::ReaderDiscoveryInfo::REMOVED_READER);
 }
 
@@ -69,7 +102,8 @@ void Discovery::on_publisher_discovery(dds::DomainParticipant* participant,
               info.info.typeName().to_string(),
               {},
               {},
-              info.info.m_qos.m_ownershipStrength.value},
+              info.info.m_qos.m_ownershipStrength.value,
+              TermsOf(info.info.m_qos)},
              info.info.guid(), info.status == rtps::WriterDiscoveryInfo::REMOVED_WRITER);
 }
 

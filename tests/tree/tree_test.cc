@@ -382,6 +382,7 @@ TEST(Tree, PackagesAreExactlyWhatTheBuildAndTheProgramsNeed) {
                                      "ccache",
                                      "libgmock-dev",
                                      "gnuplot-nox",
+                                     "graphviz",
                                      "libgl1-mesa-dri",
                                      "procps",
                                      "systemd",

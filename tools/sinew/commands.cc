@@ -5,10 +5,13 @@
 #include "tools/sinew/close_loop.h"
 #include "tools/sinew/completion.h"
 #include "tools/sinew/conform.h"
+#include "tools/sinew/doctor.h"
 #include "tools/sinew/echo.h"
 #include "tools/sinew/effects.h"
 #include "tools/sinew/experiment.h"
+#include "tools/sinew/graph.h"
 #include "tools/sinew/handover.h"
+#include "tools/sinew/hz.h"
 #include "tools/sinew/import.h"
 #include "tools/sinew/launch.h"
 #include "tools/sinew/list.h"
@@ -20,6 +23,7 @@
 #include "tools/sinew/recover.h"
 #include "tools/sinew/render.h"
 #include "tools/sinew/replay.h"
+#include "tools/sinew/replay_control.h"
 #include "tools/sinew/score.h"
 #include "tools/sinew/train.h"
 #include "tools/sinew/verify.h"
@@ -35,6 +39,7 @@ void AddCoreCommands(CLI::App& app) {
   AddPermitReplayCommand(app);
   AddRecordCommand(app);
   AddReplayCommand(app);
+  AddReplayControlCommand(app);
   AddRenderCommand(app);
   AddImportCommand(app);
   AddRecoverCommand(app);
@@ -45,6 +50,9 @@ void AddCoreCommands(CLI::App& app) {
   AddExperimentCommand(app);
   AddListCommand(app);
   AddEchoCommand(app);
+  AddHzCommand(app);
+  AddGraphCommand(app);
+  AddDoctorCommand(app);
   AddEffectsCommand(app);
   AddModelCommand(app);
   AddTrainCommand(app);

@@ -1,5 +1,7 @@
 #include "tools/sinew/echo.h"
 
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <condition_variable>
@@ -9,16 +11,19 @@
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "components/config/config.h"
 #include "components/node/node.h"
 #include "components/recording/cdr.h"
-#include "components/recording/file/cdr_json.h"
 #include "components/recording/file/file_io.h"
 #include "components/recording/mcap_reader.h"
+#include "tools/inspect/message_text.h"
+#include "tools/sinew/echo_plot.h"
 #include "tools/sinew/node_options.h"
 
 namespace sinew::tools {
@@ -36,13 +41,66 @@ struct EchoOptions {
   std::string topic;
   std::filesystem::path from;
   std::vector<std::string> fields;
+  std::vector<std::string> plot;
+  std::filesystem::path png;
+  double window_s = 10.0;
   std::uint64_t count = 0;
   double timeout_s = 0.0;
   bool json = false;
 };
 
+// What is done with the messages of a topic.
+class MessageSink {
+ public:
+  virtual ~MessageSink() = default;
+  // Throws recording::CdrError.
+  virtual void Take(std::span<const std::byte> payload, std::int64_t arrival_ns) = 0;
+  virtual void Idle() {}  // several times a second, live
+  virtual void End() {}
+};
+
+// Draws fields of messages.
+class Plotter : public MessageSink {
+ public:
+  Plotter(const std::string& topic, const std::string& type_name, const std::string& idl,
+          const EchoOptions& options)
+      : idl_(recording::IdlSchema::Parse(idl)),
+        options_(options),
+        live_(options.from.empty()),
+        draws_live_(live_ && ::isatty(STDOUT_FILENO) == 1) {
+    try {
+      plot_.emplace(topic, idl_.Struct(type_name), options.plot, live_ ? options.window_s : 0.0);
+    } catch (const recording::CdrError& error) {
+      throw UsageError("--plot: topic '" + topic + "': " + error.what());
+    } catch (const std::invalid_argument& error) {
+      throw UsageError("--plot: topic '" + topic + "': " + error.what());
+    }
+  }
+
+  void Take(std::span<const std::byte> payload, std::int64_t arrival_ns) override {
+    plot_->Add(payload, arrival_ns);
+  }
+  void Idle() override {
+    if (!draws_live_ || plot_->messages() == 0 || Clock::now() < next_) return;
+    next_ = Clock::now() + milliseconds(500);
+    std::cout << "\x1b[H\x1b[2J" << plot_->Draw() << std::flush;
+  }
+  void End() override {
+    if (plot_->messages() == 0) return;
+    if (!draws_live_) std::cout << plot_->Draw();
+    if (!options_.png.empty()) plot_->WritePng(options_.png);
+  }
+
+ private:
+  recording::IdlSchema idl_;
+  const EchoOptions& options_;
+  const bool live_, draws_live_;
+  std::optional<EchoPlot> plot_;
+  Clock::time_point next_{};
+};
+
 // Prints messages of one type.
-class Printer {
+class Printer : public MessageSink {
  public:
   Printer(const std::string& topic, const std::string& type_name, const std::string& idl,
           const EchoOptions& options)
@@ -54,9 +112,9 @@ class Printer {
     }
   }
 
-  void Print(std::span<const std::byte> payload) const {
+  void Take(std::span<const std::byte> payload, std::int64_t) override {
     if (fields_.empty()) {
-      const Json json = recording::CdrToJson(type_, payload);
+      const Json json = inspect::MessageJson(type_, payload);
       std::cout << json.dump(options_.json ? -1 : 2) << '\n';
       return;
     }
@@ -100,6 +158,13 @@ class Printer {
   std::vector<recording::CdrField> fields_;
 };
 
+// Keeps a reference to the options.
+std::unique_ptr<MessageSink> MakeSink(const std::string& topic, const std::string& type_name,
+                                      const std::string& idl, const EchoOptions& options) {
+  if (!options.plot.empty()) return std::make_unique<Plotter>(topic, type_name, idl, options);
+  return std::make_unique<Printer>(topic, type_name, idl, options);
+}
+
 void EchoFile(const EchoOptions& options) {
   recording::FileSource source(options.from);
   try {
@@ -115,17 +180,21 @@ void EchoFile(const EchoOptions& options) {
       throw UsageError(options.from.string() + ": no topic '" + options.topic +
                        "', expected one of: " + list);
     }
-    const Printer printer(options.topic, schema->name, schema->data, options);
+    const auto sink = MakeSink(options.topic, schema->name, schema->data, options);
     recording::MessageFilter filter;
     filter.topics = std::set<std::string>{options.topic};
     recording::McapMessages messages = reader.Messages(filter);
     recording::McapMessage message;
     for (std::uint64_t i = 0; (options.count == 0 || i < options.count) && messages.Next(&message);
          ++i) {
-      printer.Print(message.data);
+      sink->Take(message.data, message.log_time_ns);
     }
+    sink->End();
   } catch (const recording::McapError& error) {
     throw UsageError(options.from.string() + ": " + error.what());
+  } catch (const recording::CdrError& error) {
+    throw UsageError(options.from.string() + ": message of '" + options.topic +
+                     "': " + error.what());
   } catch (const recording::IdlError& error) {
     throw UsageError(options.from.string() + ": schema of '" + options.topic +
                      "': " + error.what());
@@ -140,46 +209,47 @@ void EchoDomain(const EchoOptions& options, const node::StopFlag& stop) {
       list += (list.empty() ? "" : ", ") + known.name;
     throw UsageError("no topic '" + options.topic + "', expected one of: " + list);
   }
-  const Printer printer(topic->name, topic->type_name, topic->idl, options);
+  const auto sink = MakeSink(topic->name, topic->type_name, topic->idl, options);
 
   struct Queue {
     std::mutex mutex;
-    std::deque<std::vector<std::byte>> payloads;
+    std::deque<node::RawSample> samples;
     std::uint64_t dropped = 0;
   };
   auto queue = std::make_shared<Queue>();
   node::Node node(options.node);
   node.ReadRaw(*topic, [queue](node::RawSample&& sample) {
     const std::lock_guard<std::mutex> lock(queue->mutex);
-    if (queue->payloads.size() >= kQueue) {
+    if (queue->samples.size() >= kQueue) {
       ++queue->dropped;
       return;
     }
-    queue->payloads.push_back(std::move(sample.payload));
+    queue->samples.push_back(std::move(sample));
   });
   std::uint64_t printed = 0;
   auto last = Clock::now();
   while (!stop.requested() && (options.count == 0 || printed < options.count)) {
-    std::deque<std::vector<std::byte>> payloads;
+    std::deque<node::RawSample> samples;
     std::uint64_t dropped = 0;
     {
       const std::lock_guard<std::mutex> lock(queue->mutex);
-      payloads.swap(queue->payloads);
+      samples.swap(queue->samples);
       std::swap(dropped, queue->dropped);
     }
     if (dropped > 0) std::cerr << "sinew echo: " << dropped << " messages came too fast to print\n";
-    for (const auto& payload : payloads) {
+    for (const node::RawSample& sample : samples) {
       if (options.count > 0 && printed == options.count) break;
       try {
-        printer.Print(payload);
+        sink->Take(sample.payload, sample.reception_stamp_ns);
         ++printed;
       } catch (const recording::CdrError& error) {
         std::cerr << "sinew echo: " << error.what() << '\n';
       }
     }
+    sink->Idle();
     std::cout.flush();
     if (!std::cout) return;  // the reader of a pipe is gone
-    if (!payloads.empty()) {
+    if (!samples.empty()) {
       last = Clock::now();
       continue;
     }
@@ -187,10 +257,12 @@ void EchoDomain(const EchoOptions& options, const node::StopFlag& stop) {
         Clock::now() - last > std::chrono::duration<double>(options.timeout_s)) {
       std::cerr << "sinew echo: nothing on '" << options.topic << "' in domain "
                 << options.node.domain_id << " for " << options.timeout_s << " s\n";
+      sink->End();
       throw CLI::RuntimeError(1);
     }
     node.WaitForData(milliseconds(50));
   }
+  sink->End();
 }
 
 }  // namespace
@@ -212,10 +284,24 @@ void AddEchoCommand(CLI::App& app) {
                    "Give up after so many seconds of silence (exit code 1)")
       ->check(CLI::NonNegativeNumber);
   command->add_flag("--json", options->json, "One JSON object a line");
+  CLI::Option* plot =
+      command
+          ->add_option("--plot", options->plot,
+                       "Draw this field over time instead of printing, e.g. position_rad[0]; may "
+                       "be repeated")
+          ->allow_extra_args(false);
+  command->add_option("--png", options->png, "Write the plot of the end to this PNG file, too")
+      ->needs(plot);
+  command->add_option("--window", options->window_s, "Seconds that a live plot keeps")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   command->footer(
-      "Examples:\n  sinew echo joint_state\n"
+      "Of joint arrays the joint_count entries in use are printed.\n\nExamples:\n"
+      "  sinew echo joint_state\n"
       "  sinew echo joint_state --field header.tick --field position_rad[0] -n 100\n"
-      "  sinew echo reference --from run.mcap --json");
+      "  sinew echo reference --from run.mcap --json\n"
+      "  sinew echo joint_state --plot position_rad[0] --plot velocity_rad_s[0]\n"
+      "  sinew echo joint_state --from run.mcap --plot torque_Nm[0] --png torque.png");
   command->callback([options] {
     node::StopFlag stop;
     StartCommandLog("echo");

@@ -17,10 +17,12 @@
 #include <vector>
 
 #include "components/config/config.h"
+#include "components/node/matching.h"
 #include "components/node/node.h"
 #include "components/recording/file/file_io.h"
 #include "components/recording/mcap_reader.h"
 #include "components/recording/run_import.h"
+#include "tools/inspect/peer_checks.h"
 #include "tools/sinew/node_options.h"
 
 namespace sinew::tools {
@@ -68,6 +70,84 @@ std::string JoinNames(const std::vector<std::string>& words) {
   std::string text;
   for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
   return text;
+}
+
+std::string ParticipantId(const node::Endpoint& endpoint) {
+  return endpoint.guid.substr(0, endpoint.guid.find('|'));
+}
+
+Json DescribeTopics(const std::vector<node::Endpoint>& endpoints,
+                    std::vector<std::string>* problems) {
+  struct Row {
+    std::set<std::string> types;
+    std::set<std::pair<std::string, std::string>> writers,
+        readers;  // name and GUID of a participant
+    std::uint32_t greatest_strength = 0;
+    std::string owner;  // of an EXCLUSIVE topic with several writers: the one that is heard
+  };
+  std::map<std::string, Row> topics;
+  for (const node::Endpoint& endpoint : endpoints) {
+    Row& row = topics[Plain(endpoint.topic)];
+    row.types.insert(endpoint.type_name);
+    (endpoint.is_writer ? row.writers : row.readers)
+        .emplace(endpoint.participant, ParticipantId(endpoint));
+    const node::TopicInfo* info = node::FindTopic(Plain(endpoint.topic));
+    if (endpoint.is_writer && info != nullptr && node::IsExclusive(info->profile) &&
+        endpoint.strength > row.greatest_strength) {
+      row.greatest_strength = endpoint.strength;
+      row.owner = endpoint.participant;
+    }
+  }
+  Json rows = Json::array();
+  for (const auto& [name, row] : topics) {
+    rows.push_back({{"name", name},
+                    {"types", row.types},
+                    {"known", node::FindTopic(name) != nullptr},
+                    {"writers", Names(row.writers)},
+                    {"owner", row.writers.size() > 1 ? row.owner : ""},
+                    {"readers", Names(row.readers)}});
+    if (name == node::kJointState.name && row.writers.size() > 1) {
+      problems->push_back("several state providers: " + JoinNames(Names(row.writers)) +
+                          "; there may be one a domain");
+    }
+  }
+  return rows;
+}
+
+// A row for each writer and reader: two writers of one topic are two rows.
+Json DescribeEndpoints(const std::vector<node::Endpoint>& endpoints,
+                       const std::vector<inspect::Mismatch>& mismatches) {
+  std::vector<node::Endpoint> sorted = endpoints;
+  std::sort(sorted.begin(), sorted.end(), [](const node::Endpoint& a, const node::Endpoint& b) {
+    return std::tie(a.topic, b.is_writer, a.participant, a.guid) <
+           std::tie(b.topic, a.is_writer, b.participant, b.guid);
+  });
+  Json rows = Json::array();
+  for (const node::Endpoint& endpoint : sorted) {
+    std::set<std::pair<std::string, std::string>> matched;
+    for (const node::Endpoint& other : endpoints) {
+      if (other.topic == endpoint.topic && other.is_writer != endpoint.is_writer &&
+          ParticipantId(other) != ParticipantId(endpoint)) {
+        matched.emplace(other.participant, other.guid);
+      }
+    }
+    Json unmatched = Json::array();
+    for (const inspect::Mismatch& mismatch : mismatches) {
+      const node::Endpoint& own = endpoint.is_writer ? mismatch.writer : mismatch.reader;
+      const node::Endpoint& other = endpoint.is_writer ? mismatch.reader : mismatch.writer;
+      if (own.guid != endpoint.guid) continue;
+      matched.erase({other.participant, other.guid});
+      unmatched.push_back({{"participant", other.participant}, {"why", mismatch.reasons}});
+    }
+    Json row = {
+        {"topic", Plain(endpoint.topic)},      {"role", endpoint.is_writer ? "writer" : "reader"},
+        {"participant", endpoint.participant}, {"guid", endpoint.guid},
+        {"type", endpoint.type_name},          {"qos", node::DescribeQos(endpoint.qos)},
+        {"matched", Names(matched)},           {"unmatched", unmatched}};
+    if (endpoint.is_writer && endpoint.qos.exclusive) row["strength"] = endpoint.strength;
+    rows.push_back(std::move(row));
+  }
+  return rows;
 }
 
 Json DescribeDomain(const ListOptions& options) {
@@ -119,40 +199,20 @@ Json DescribeDomain(const ListOptions& options) {
     }
   }
 
-  struct Row {
-    std::set<std::string> types;
-    std::set<std::pair<std::string, std::string>> writers,
-        readers;  // name and GUID of a participant
-    std::uint32_t greatest_strength = 0;
-    std::string owner;  // of an EXCLUSIVE topic with several writers: the one that is heard
-  };
-  std::map<std::string, Row> topics;
-  for (const node::Endpoint& endpoint : node.Endpoints()) {
-    Row& row = topics[Plain(endpoint.topic)];
-    row.types.insert(endpoint.type_name);
-    (endpoint.is_writer ? row.writers : row.readers)
-        .emplace(endpoint.participant, endpoint.guid.substr(0, endpoint.guid.find('|')));
-    const node::TopicInfo* info = node::FindTopic(Plain(endpoint.topic));
-    if (endpoint.is_writer && info != nullptr && node::IsExclusive(info->profile) &&
-        endpoint.strength > row.greatest_strength) {
-      row.greatest_strength = endpoint.strength;
-      row.owner = endpoint.participant;
-    }
+  const std::vector<node::Endpoint> endpoints = node.Endpoints();
+  const std::vector<inspect::Mismatch> mismatches = inspect::Mismatches(endpoints);
+  for (const node::Endpoint& endpoint : endpoints) {
     if (!endpoint.participant.empty() && named.insert(endpoint.participant).second) {
       report["participants"].push_back({{"name", endpoint.participant}, {"state", "unknown"}});
     }
   }
-  report["topics"] = Json::array();
-  for (const auto& [name, row] : topics) {
-    report["topics"].push_back({{"name", name},
-                                {"types", row.types},
-                                {"known", node::FindTopic(name) != nullptr},
-                                {"writers", Names(row.writers)},
-                                {"owner", row.writers.size() > 1 ? row.owner : ""},
-                                {"readers", Names(row.readers)}});
-    if (name == node::kJointState.name && row.writers.size() > 1) {
-      problems.push_back("several state providers: " + JoinNames(Names(row.writers)) +
-                         "; there may be one a domain");
+  report["topics"] = DescribeTopics(endpoints, &problems);
+  report["endpoints"] = DescribeEndpoints(endpoints, mismatches);
+  for (const inspect::Mismatch& mismatch : mismatches) {
+    for (const std::string& reason : mismatch.reasons) {
+      problems.push_back("topic '" + Plain(mismatch.writer.topic) + "': '" +
+                         mismatch.writer.participant + "' is not heard by '" +
+                         mismatch.reader.participant + "': " + reason);
     }
   }
   report["problems"] = problems;
@@ -163,6 +223,33 @@ Json DescribeDomain(const ListOptions& options) {
 std::string Standing(const Json& row) {
   const std::string state = row["state"];
   return row.value("standby", false) && state == "active" ? "standby" : state;
+}
+
+void PrintTopicRow(const std::string& topic, const std::string& writer, const std::string& qos,
+                   const std::string& readers) {
+  std::printf("%-20s %-22s %-44s %s\n", topic.c_str(), writer.c_str(), qos.c_str(),
+              readers.c_str());
+}
+
+// A row for each writer with the readers that it matches; a topic without writers is a row, too.
+void PrintTopics(const Json& report) {
+  if (report["topics"].empty()) return;
+  std::printf("\n");
+  PrintTopicRow("topic", "writer", "QoS", "readers");
+  for (const Json& topic : report["topics"]) {
+    const std::string name = topic["name"].get<std::string>();
+    const std::string owner = topic["owner"].get<std::string>();
+    for (const Json& row : report["endpoints"]) {
+      if (row["topic"] != name || row["role"] != "writer") continue;
+      std::string writer = row["participant"].get<std::string>();
+      if (!owner.empty() && writer == owner) writer += " (heard)";
+      PrintTopicRow(name, writer, row["qos"].get<std::string>(),
+                    JoinNames(row["matched"].get<std::vector<std::string>>()));
+    }
+    if (topic["writers"].empty()) {
+      PrintTopicRow(name, "-", "-", JoinNames(topic["readers"].get<std::vector<std::string>>()));
+    }
+  }
 }
 
 void PrintDomain(const Json& report) {
@@ -183,14 +270,7 @@ void PrintDomain(const Json& report) {
                     : "-",
                 row.value("message", "").c_str());
   }
-  if (!report["topics"].empty()) std::printf("\n%-20s %-40s %s\n", "topic", "writers", "readers");
-  for (const Json& row : report["topics"]) {
-    std::string writers = JoinNames(row["writers"].get<std::vector<std::string>>());
-    const std::string owner = row["owner"].get<std::string>();
-    if (!owner.empty()) writers += " (heard: " + owner + ")";
-    std::printf("%-20s %-40s %s\n", row["name"].get<std::string>().c_str(), writers.c_str(),
-                JoinNames(row["readers"].get<std::vector<std::string>>()).c_str());
-  }
+  PrintTopics(report);
   std::fflush(stdout);
   for (const Json& problem : report["problems"]) {
     std::cout << "problem: " << problem.get<std::string>() << '\n';
@@ -285,9 +365,13 @@ void AddListCommand(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--json", options->json, "As JSON");
   command->footer(
-      "Problems are builds with other topic types, QoS that does not match, faults, two state "
-      "providers; with\n"
-      "any, the exit code is 1.\n\nExamples:\n  sinew list --domain 0\n  sinew list run.mcap "
+      "A row for each writer, with the readers that hear it; --json has each reader as well, with "
+      "its "
+      "QoS, and why\n"
+      "a writer is not heard. Problems are builds with other topic types, QoS that does not match, "
+      "faults, two\n"
+      "state providers; with any, the exit code is 1.\n\nExamples:\n  sinew list --domain 0\n  "
+      "sinew list run.mcap "
       "--json");
   command->callback([options] {
     StartCommandLog("list");

@@ -1,16 +1,57 @@
 #include "tools/sinew/replay.h"
 
+#include <sys/ioctl.h>
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
 
 #include "components/logger/player/participant/play.h"
 #include "tools/sinew/node_options.h"
-#include "tools/sinew/progress.h"
+#include "tools/sinew/replay_screen.h"
+#include "tools/sinew/terminal_keys.h"
 
 namespace sinew::tools {
+
+namespace {
+
+// The keys and the line, each only where there is a terminal.
+class ReplayScreen {
+ public:
+  explicit ReplayScreen(logger::PlayControl& control)
+      : visible_(::isatty(STDERR_FILENO) == 1), keys_([this, &control](char byte) {
+          const std::optional<std::string> request = decoder_.Take(byte);
+          if (request) control.Post(logger::ParsePlayRequest(*request));
+        }) {}
+  ~ReplayScreen() { Finish(); }
+  ReplayScreen(const ReplayScreen&) = delete;
+  ReplayScreen& operator=(const ReplayScreen&) = delete;
+
+  void Show(const logger::PlayStatus& status) {
+    if (!visible_) return;
+    winsize size{};
+    const bool known = ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1;
+    std::cerr << "\r\x1b[K" << ReplayLine(status, known ? size.ws_col - 1u : 79u) << std::flush;
+    drawn_ = true;
+  }
+  void Finish() {
+    if (drawn_) std::cerr << "\r\x1b[K" << std::flush;
+    drawn_ = false;
+  }
+
+ private:
+  const bool visible_;
+  bool drawn_ = false;
+  KeyDecoder decoder_;  // of the keys' thread
+  TerminalKeys keys_;
+};
+
+}  // namespace
 
 void AddReplayCommand(CLI::App& app) {
   struct Options {
@@ -21,6 +62,10 @@ void AddReplayCommand(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("replay", "Send the topics of a recording into a domain");
   AddNodeOptions(*command, &options->node);
+  command
+      ->add_option("--name", options->node.name,
+                   "Participant name, by which replay-control reaches it")
+      ->capture_default_str();
   logger::AddPlayOptions(*command, &options->play);
   command->add_flag("--json", options->json, "Result as JSON");
   command->footer(
@@ -30,19 +75,26 @@ void AddReplayCommand(CLI::App& app) {
       "the topics\n"
       "replay is the state provider; without it, it can stand in for others (--follow). In "
       "lockstep nothing\n"
-      "is lost, and it runs as fast as the readers take it.\n\nExamples:\n"
-      "  sinew replay run.mcap --rate 2\n"
+      "is lost, and it runs as fast as the readers take it. Keys on a terminal: space pauses, s "
+      "steps a tick, left\n"
+      "and right seek 5 s, down and up 60 s, + and - change the rate, q ends; from elsewhere: "
+      "sinew replay-control.\n"
+      "A seek and each loop begin a new session.\n\nExamples:\n"
+      "  sinew replay run.mcap --rate 2 --loop 0\n"
+      "  sinew replay run.mcap --rate max --topics '.*_state' --exclude reservoir_state\n"
+      "  sinew replay run.mcap --paused --name bench\n"
       "  sinew replay run.mcap --lockstep --wait-readers 1\n"
       "  sinew replay run.mcap --topics reference --follow");
   command->callback([options] {
     node::StopFlag stop;
     StartCommandLog("replay");
     node::Node node(options->node);
-    ProgressBar bar("replay", "messages", 0);
-    const logger::PlayResult result = logger::Play(
-        node, stop, options->play,
-        [&bar](const logger::PlayResult& now) { bar.Update(now.messages, now.message_count); });
-    bar.Finish();
+    logger::PlayControl control;
+    ReplayScreen screen(control);
+    const logger::PlayResult result =
+        logger::Play(node, stop, options->play, control,
+                     [&screen](const logger::PlayResult& now) { screen.Show(now.status); });
+    screen.Finish();
     if (options->json) {
       std::cout << nlohmann::ordered_json{{"file", options->play.path.string()},
                                           {"messages", result.messages},

@@ -1,6 +1,9 @@
 #include "components/logger/player/playlist.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <set>
 
 #include "components/recording/mcap_writer.h"
 #include "tests/components/logger/messages.h"
@@ -10,6 +13,7 @@ namespace {
 
 using recording::Bytes;
 using testing::FieldOf;
+using ::testing::HasSubstr;
 using testing::MakeMessage;
 using testing::SchemaOf;
 
@@ -160,6 +164,98 @@ TEST(Playlist, TopicsThatCommandAreSentOnlyWhenNamed) {
   EXPECT_EQ(ErrorOf(bytes, options),
             "run.mcap: no topic to play; those in it command, and are played when --topics names "
             "them");
+}
+
+TEST(Playlist, TopicsAreChosenAndExcludedByRegularExpressions) {
+  const Bytes bytes = MakeRecording();
+  recording::MemorySource source(bytes);
+  const recording::McapReader reader(source);
+  PlaylistOptions options;
+  options.topics = {".*_state"};
+  EXPECT_EQ(Playlist(reader, "run.mcap", Known(), options).published(),
+            (std::vector<std::string>{"joint_state"}));
+  options.topics = {"joint.*", "ref.*"};
+  EXPECT_EQ(Playlist(reader, "run.mcap", Known(), options).published(),
+            (std::vector<std::string>{"joint_state", "reference"}));
+  options.topics = {};
+  options.exclude = {"ref.*"};
+  EXPECT_EQ(Playlist(reader, "run.mcap", Known(), options).published(),
+            (std::vector<std::string>{"joint_state"}));
+  options.exclude = {"("};
+  EXPECT_THAT(ErrorOf(bytes, options), HasSubstr("--exclude: '(' is no regular expression"));
+  options.exclude = {};
+  options.topics = {"joint"};  // of whole names
+  EXPECT_EQ(ErrorOf(bytes, options),
+            "--topics: topic 'joint' is not in run.mcap, expected one of: component_status, "
+            "joint_state, reference");
+}
+
+TEST(Playlist, AnExpressionDoesNotNameATopicThatCommands) {
+  const Bytes bytes = MakeRecording();
+  recording::MemorySource source(bytes);
+  const recording::McapReader reader(source);
+  PlaylistOptions options;
+  options.only_when_named = {"reference"};
+  options.topics = {".*"};
+  const Playlist quiet(reader, "run.mcap", Known(), options);
+  EXPECT_EQ(quiet.published(), (std::vector<std::string>{"joint_state"}));
+  EXPECT_EQ(quiet.not_named(), (std::vector<std::string>{"reference"}));
+  options.topics = {".*", "reference"};
+  const Playlist named(reader, "run.mcap", Known(), options);
+  EXPECT_EQ(named.published(), (std::vector<std::string>{"joint_state", "reference"}));
+}
+
+TEST(Playlist, EveryPassHasSessionsOfItsOwnAndTicksThatGrow) {
+  const Bytes bytes = MakeRecording();
+  recording::MemorySource source(bytes);
+  const recording::McapReader reader(source);
+  PlaylistOptions options;
+  options.topics = {"joint_state"};
+  Playlist playlist(reader, "run.mcap", Known(), options);
+  std::set<std::uint64_t> sessions;
+  std::uint64_t session = 0, tick = 0;
+  PlayedMessage message;
+  for (std::uint64_t pass = 0; pass < 3; ++pass) {
+    playlist.BeginPass(pass, 0, pass == 2);
+    for (int i = 0; i < 10; ++i) {
+      ASSERT_TRUE(playlist.Next(&message));
+      EXPECT_EQ(FieldOf("joint_state", message.payload, "last_tick"),
+                pass == 2 && i == 9 ? 1.0 : 0.0);
+      const bool is_new = sessions.insert(message.session_id).second;
+      EXPECT_EQ(is_new, i % 5 == 0) << "pass " << pass << " message " << i;
+      if (is_new) {
+        session = message.session_id;
+      } else {
+        EXPECT_EQ(message.session_id, session);
+        EXPECT_GT(message.tick, tick);
+      }
+      tick = message.tick;
+    }
+    EXPECT_FALSE(playlist.Next(&message));
+  }
+  EXPECT_EQ(sessions.size(), 6u);
+  EXPECT_EQ(*sessions.begin(), 1u) << "pass 0 keeps the recorded sessions 1 and 2";
+  EXPECT_EQ(SessionInPass(17, 0), 17u);
+}
+
+TEST(Playlist, AJumpBeginsWithAWholeTick) {
+  const Bytes bytes = MakeRecording();
+  recording::MemorySource source(bytes);
+  const recording::McapReader reader(source);
+  Playlist playlist(reader, "run.mcap", Known(), {});
+  PlayedMessage message;
+  playlist.BeginPass(1, 30'000'001, true);  // the reference of tick 3
+  ASSERT_TRUE(playlist.Next(&message));
+  EXPECT_TRUE(message.is_state);
+  EXPECT_EQ(message.due_ns, 40'000'000);
+  playlist.BeginPass(2, 20'000'000, true);
+  ASSERT_TRUE(playlist.Next(&message));
+  EXPECT_EQ(message.due_ns, 20'000'000);
+  playlist.BeginPass(3, 1'000'000'000, true);  // cut to the end, where no whole tick is left
+  EXPECT_FALSE(playlist.Next(&message));
+  playlist.BeginPass(4, -5, true);
+  ASSERT_TRUE(playlist.Next(&message));
+  EXPECT_EQ(message.due_ns, 0);
 }
 
 TEST(Playlist, PutsAMessageIntoARunningSession) {

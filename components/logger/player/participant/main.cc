@@ -11,7 +11,8 @@ int main(int argc, char** argv) {
           "--config: the player has no configuration file, expected options only");
     }
     sinew::node::Node node(options);
-    const sinew::logger::PlayResult result = sinew::logger::Play(node, stop, play);
+    sinew::logger::PlayControl control;
+    const sinew::logger::PlayResult result = sinew::logger::Play(node, stop, play, control);
     spdlog::info("{} of {} messages, {:.1f} s of recording in {:.1f} s, {} writes failed",
                  result.messages, result.message_count, result.recorded_s, result.wall_s,
                  result.write_failures);

@@ -1,7 +1,9 @@
 // Sends a recording into a domain.
 //
 // Two ways. On its own: messages go out at the recorded pace (times `rate`), or in lockstep as fast
-// as readers take them; with joint_state among them the player is the state provider. Following:
+// as readers take them; with joint_state among them the player is the state provider. It can be
+// paused, stepped and moved while it runs (play_control.h), by its caller and by the socket of
+// control_socket.h. Following:
 // without joint_state the player stands in for other components of a running session: what was
 // recorded at tick k goes out at the k-th tick of that session, with its session and stamp.
 #pragma once
@@ -12,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "components/logger/player/play_control.h"
 #include "components/logger/player/playlist.h"
 #include "components/node/node.h"
 #include "components/node/options.h"
@@ -26,15 +29,19 @@ struct PlayOptions {
   std::filesystem::path path;
   PlaylistOptions list;
   std::vector<std::string> remap;  // FROM:TO
-  double rate = -1.0;  // times real time; 0: as fast as it goes; below 0: 1, in lockstep 0
+  double rate = -1.0;      // times real time (pace.h); below 0: 1, in lockstep as fast as it goes
+  std::uint64_t loop = 1;  // how often it is played; 0: until it is stopped
+  bool paused = false;     // from the start
   bool follow = false;
-  int wait_readers = -1;  // of every topic; below 0: 0, in lockstep some reader of the first topic
+  // Of every topic. Below 0: some readers of any topic, and no new one for 300 ms; in real time
+  // without any it begins after 2 s.
+  int wait_readers = -1;
   double wait_timeout_s = 30.0;    // for readers, and for a running session when following
   std::vector<std::string> await;  // TOPIC or TOPIC:WINDOW, lockstep
 };
 
-// FILE, --topics, --remap, --rate, --start, --end, --follow, --wait-readers, --wait-timeout,
-// --await.
+// FILE, --topics, --exclude, --remap, --rate, --loop, --paused, --start, --end, --follow,
+// --wait-readers, --wait-timeout, --await.
 void AddPlayOptions(CLI::App& app, PlayOptions* options);
 
 struct PlayResult {
@@ -42,13 +49,15 @@ struct PlayResult {
   std::uint64_t message_count = 0;  // of the playlist
   std::uint64_t write_failures = 0;
   double wall_s = 0.0;
-  double recorded_s = 0.0;  // of what was played
+  double recorded_s = 0.0;  // of what was played, all passes together
+  PlayStatus status;
 };
 
-// Throws UsageError (broken file, other types, no readers, a second state provider),
-// std::runtime_error when a reliable reader does not take messages. `progress` is called about ten
-// times a second, if given.
+// Takes the requests of `control`, its own and those of its socket, and replies with "ok STATUS"
+// or "error REASON"; without a socket (another player has this name) it warns. Throws UsageError
+// (broken file, other types, no readers, a second state provider), std::runtime_error when a
+// reliable reader does not take messages. `progress` is called about ten times a second, if given.
 PlayResult Play(node::Node& node, const node::StopFlag& stop, const PlayOptions& options,
-                const std::function<void(const PlayResult&)>& progress = {});
+                PlayControl& control, const std::function<void(const PlayResult&)>& progress = {});
 
 }  // namespace sinew::logger

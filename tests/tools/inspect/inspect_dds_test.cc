@@ -1,0 +1,179 @@
+// hz, list, echo, graph and doctor on the rig that runs in real time, and of a recording.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <chrono>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "components/config/config.h"
+#include "tests/support/patient_guard.h"
+#include "tests/support/program.h"
+#include "tests/support/sinew_program.h"
+#include "tests/support/temporary_folder.h"
+
+namespace sinew::testing {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+constexpr auto kInspectLimit = 60s;
+const std::string kInspectBin = std::string(SINEW_BIN_DIR) + "/";
+const std::string kInspectRig = std::string(SINEW_SOURCE_DIR) + "/robots/rig/";
+
+// The rig in real time at 100 Hz, which a loaded machine keeps up with.
+class RunningRig : public ::testing::Test {
+ protected:
+  explicit RunningRig(const std::string& domain = "207")
+      : domain_(domain),
+        surrogate_({kInspectBin + "sinew-surrogate", "--config", PatientSurrogate(folder_),
+                    "--domain", domain, "--rate", "100"}),
+        pneumatics_(Line("sinew-pneumatics", "pneumatics.yaml")),
+        reference_(Line("sinew-reference", "reference_benchmark.yaml")),
+        control_(Line("sinew-control", "control_pid.yaml")) {}
+
+  std::vector<std::string> Line(const std::string& program, const std::string& config) const {
+    return {kInspectBin + program, "--config", kInspectRig + config, "--domain", domain_};
+  }
+  Finished Sinew(std::vector<std::string> words) const {
+    words.insert(words.begin(), kSinew);
+    words.insert(words.end(), {"--domain", domain_});
+    return testing::Run(words, kInspectLimit);
+  }
+  // Until all four are seen.
+  nlohmann::json List() const {
+    nlohmann::json report;
+    const auto end = std::chrono::steady_clock::now() + kInspectLimit;
+    do {
+      const Finished list = Sinew({"list", "--json"});
+      report = nlohmann::json::parse(list.output, nullptr, false);
+    } while (report["participants"].size() < 4 && std::chrono::steady_clock::now() < end);
+    return report;
+  }
+
+  TemporaryFolder folder_;
+  std::string domain_;
+  Program surrogate_, pneumatics_, reference_, control_;
+};
+
+TEST_F(RunningRig, IsSeenByEveryCommand) {
+  const nlohmann::json report = List();
+  ASSERT_EQ(report["participants"].size(), 4u) << report.dump(1);
+  EXPECT_TRUE(report["problems"].empty()) << report["problems"].dump(1);
+  bool written = false;
+  for (const auto& row : report["endpoints"]) {
+    EXPECT_TRUE(row["unmatched"].empty()) << row.dump();
+    if (row["topic"] != "joint_command" || row["role"] != "writer") continue;
+    written = true;
+    EXPECT_EQ(row["participant"], "control");
+    EXPECT_THAT(row["qos"].get<std::string>(),
+                StartsWith("best-effort, volatile, exclusive, deadline "));
+    EXPECT_THAT(row["matched"].get<std::vector<std::string>>(), Contains("surrogate"));
+    EXPECT_THAT(row["type"].get<std::string>(), StartsWith("sinew::msg::JointCommand_"));
+  }
+  EXPECT_TRUE(written);
+
+  const Finished hz = Sinew({"hz", "joint_state", "joint_command", "--duration", "3", "--json"});
+  ASSERT_EQ(hz.exit_code, 0) << hz.error;
+  const auto rates = nlohmann::json::parse(hz.output);
+  ASSERT_EQ(rates.size(), 2u) << hz.output;
+  for (const auto& row : rates) {
+    // A loaded machine loses ticks; what came and what was lost are all that were sent.
+    const double sent = row["messages"].get<double>() + row["lost"].get<double>();
+    EXPECT_NEAR((sent - 1.0) / row["seconds"].get<double>(), 100.0, 10.0) << row.dump();
+    EXPECT_EQ(row["sessions"], 1);
+    EXPECT_GT(row["delay_ms"]["mean"].get<double>(), 0.0);
+    EXPECT_GE(row["age_ms"]["largest"].get<double>(), row["delay_ms"]["least"].get<double>());
+    EXPECT_LT(row["age_ms"]["least"].get<double>(), 1000.0);
+  }
+
+  const Finished echo = Sinew({"echo", "joint_state", "-n", "1", "--json"});
+  ASSERT_EQ(echo.exit_code, 0) << echo.error;
+  EXPECT_EQ(nlohmann::json::parse(echo.output)["position_rad"].size(), 1u) << "the rig's joint";
+
+  const std::string png = (folder_.path() / "q.png").string();
+  const Finished plot =
+      Sinew({"echo", "joint_state", "-n", "100", "--plot", "position_rad[0]", "--png", png});
+  ASSERT_EQ(plot.exit_code, 0) << plot.error;
+  EXPECT_THAT(plot.output, HasSubstr("position_rad[0]"));
+  EXPECT_THAT(config::ReadFile(png), StartsWith("\x89PNG"));
+
+  const std::string svg = (folder_.path() / "rig.svg").string();
+  const Finished graph = Sinew({"graph", "--out", svg});
+  ASSERT_EQ(graph.exit_code, 0) << graph.error;
+  const std::string drawn = config::ReadFile(svg);
+  for (const char* word : {"surrogate", "control", "reference", "joint_command"}) {
+    EXPECT_THAT(drawn, HasSubstr(std::string(">") + word + "<"));
+  }
+
+  const Finished doctor = Sinew({"doctor", "--json", "--recordings", folder_.path().string()});
+  const auto findings = nlohmann::json::parse(doctor.output)["findings"];
+  std::map<std::string, std::string> severities;
+  for (const auto& row : findings) severities[row["check"]] = row["severity"];
+  EXPECT_EQ(severities["matching"], "ok") << findings.dump(1);
+  EXPECT_EQ(severities["clocks"], "ok") << findings.dump(1);
+  for (const char* check :
+       {"shared_memory", "rtprio", "memlock", "cpu_governor", "disk_space", "can"}) {
+    EXPECT_EQ(severities.count(check), 1u) << check;
+  }
+  for (Program* program : {&control_, &reference_, &pneumatics_, &surrogate_}) {
+    program->Signal(SIGINT);
+    EXPECT_EQ(program->Wait(kInspectLimit), 0) << program->error();
+  }
+}
+
+TEST(Inspect, ARecordingInLockstepHasRatesAndAGraph) {
+  const TemporaryFolder folder;
+  const std::string run = (folder.path() / "run.mcap").string();
+  const Finished launch =
+      testing::Run({kSinew, "launch", kInspectRig + "deploy_rig.yaml", "--mode", "lockstep",
+                    "--domain", "208", "--duration", "2", "--record", run},
+                   kInspectLimit);
+  ASSERT_EQ(launch.exit_code, 0) << launch.error;
+  const Finished hz = testing::Run({kSinew, "hz", "--from", run, "--json"});
+  ASSERT_EQ(hz.exit_code, 0) << hz.error;
+  for (const auto& row : nlohmann::json::parse(hz.output)) {
+    if (row["topic"] != "joint_state") continue;
+    EXPECT_EQ(row["lost"], 0) << "nothing is lost in lockstep";
+    EXPECT_TRUE(row["age_ms"].is_null()) << "simulated time";
+    EXPECT_EQ(row["messages"], 481) << "2 s at 240 Hz, and the last tick";
+  }
+  const Finished graph = testing::Run({kSinew, "graph", "--from", run});
+  ASSERT_EQ(graph.exit_code, 0) << graph.error;
+  EXPECT_THAT(graph.output, HasSubstr("-> \"t:joint_state\""));
+  EXPECT_THAT(graph.output, HasSubstr("\"t:joint_command\" -> \"p:surrogate\""));
+  const std::string png = (folder.path() / "graph.png").string();
+  EXPECT_EQ(testing::Run({kSinew, "graph", "--from", run, "--out", png}).exit_code, 0);
+  EXPECT_THAT(config::ReadFile(png), StartsWith("\x89PNG"));
+}
+
+TEST(Inspect, WrongRequestsAreOneLineAndExitCode2) {
+  const TemporaryFolder folder;
+  const auto expect = [](std::vector<std::string> words, const std::string& what) {
+    words.insert(words.begin(), kSinew);
+    const Finished run = testing::Run(words);
+    EXPECT_EQ(run.exit_code, 2) << words[1] << run.error;
+    EXPECT_THAT(run.error, HasSubstr(what));
+  };
+  const std::string text = folder.Write("text.mcap", "no recording");
+  expect({"hz", "joints", "--domain", "209"}, "no topic 'joints'");
+  expect({"hz", "--from", text}, "byte 0: no MCAP file");
+  expect({"graph", "--from", text}, "byte 0: no MCAP file");
+  expect({"echo", "joint_state", "--plot", "angle", "--domain", "209"}, "no field 'angle'");
+  expect({"echo", "joint_state", "--png", "x.png", "--domain", "209"}, "--plot");
+  expect({"doctor", "--offline", "--recordings", "/no/such/folder"}, "/no/such/folder");
+}
+
+TEST(Inspect, AnEmptyDomainHasNoMessageAndNoGraph) {
+  EXPECT_EQ(testing::Run({kSinew, "hz", "--duration", "0.5", "--domain", "209"}).exit_code, 1);
+  EXPECT_EQ(testing::Run({kSinew, "graph", "--wait", "0.5", "--domain", "209"}).exit_code, 1);
+}
+
+}  // namespace
+}  // namespace sinew::testing

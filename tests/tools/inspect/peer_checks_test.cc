@@ -1,0 +1,75 @@
+#include "tools/inspect/peer_checks.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace sinew::inspect {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+constexpr std::int64_t kMillisecond_ns = 1'000'000;
+
+node::Endpoint Peer(const std::string& name, bool is_writer, bool reliable) {
+  node::Endpoint endpoint;
+  endpoint.participant = name;
+  endpoint.guid = name + "|1";
+  endpoint.topic = "imu";
+  endpoint.type_name = "T";
+  endpoint.is_writer = is_writer;
+  endpoint.qos.reliable = reliable;
+  return endpoint;
+}
+
+TEST(PeerChecks, AWriterAndAReaderThatDoNotMatchAreAFault) {
+  const std::vector<node::Endpoint> endpoints = {
+      Peer("world", true, false), Peer("watch", false, false), Peer("strict", false, true)};
+  EXPECT_THAT(Mismatches(endpoints), SizeIs(1));
+  const auto findings = CheckPeers(endpoints, {});
+  ASSERT_THAT(findings, SizeIs(1));
+  EXPECT_EQ(findings[0].severity, Severity::kFault);
+  EXPECT_THAT(findings[0].text, HasSubstr("topic 'imu': 'world' is not heard by 'strict'"));
+}
+
+TEST(PeerChecks, MatchingParticipantsAndThoseOfOneProcessAreFine) {
+  EXPECT_EQ(CheckPeers({Peer("a", true, true), Peer("b", false, true)}, {})[0].severity,
+            Severity::kOk);
+  EXPECT_THAT(Mismatches({Peer("a", true, false), Peer("a", false, true)}), SizeIs(0));
+}
+
+TEST(PeerChecks, ProblemsOfTheNodeAreFaults) {
+  const auto findings = CheckPeers({}, {"topic 'imu': participant 'x' uses type A"});
+  ASSERT_THAT(findings, SizeIs(1));
+  EXPECT_EQ(findings[0].severity, Severity::kFault);
+}
+
+TEST(Clocks, TheLeastDelayBoundsTheOffset) {
+  // Delays of 1 to 9 ms over a clock that is 50 ms ahead.
+  std::vector<ClockSample> samples;
+  for (int k = 1; k < 10; ++k) {
+    samples.push_back({"robot", 50 * kMillisecond_ns, k * kMillisecond_ns});
+  }
+  const auto ahead = CheckClocks(samples, "desk");
+  ASSERT_THAT(ahead, SizeIs(1));
+  EXPECT_EQ(ahead[0].severity, Severity::kWarning);
+  EXPECT_EQ(ahead[0].text, "the clock of host 'robot' is ahead by at least 49.0 ms");
+}
+
+TEST(Clocks, LateMessagesOfLoadAreNoOffsetWhenOneIsOnTime) {
+  const auto fine =
+      CheckClocks({{"robot", 0, 900 * kMillisecond_ns}, {"robot", 0, 300'000}}, "desk");
+  EXPECT_EQ(fine[0].severity, Severity::kOk);
+  EXPECT_THAT(fine[0].text, HasSubstr("at most 0.30 ms"));
+  const auto late = CheckClocks({{"robot", 0, 900 * kMillisecond_ns}}, "desk");
+  EXPECT_EQ(late[0].severity, Severity::kWarning);
+}
+
+TEST(Clocks, OfThisHostNothingIsCompared) {
+  const auto findings = CheckClocks({{"desk", 0, -900 * kMillisecond_ns}}, "desk");
+  ASSERT_THAT(findings, SizeIs(1));
+  EXPECT_EQ(findings[0].severity, Severity::kOk);
+}
+
+}  // namespace
+}  // namespace sinew::inspect

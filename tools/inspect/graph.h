@@ -1,0 +1,45 @@
+// Who speaks to whom, as a graph of participants (boxes) and topics (ellipses) in the language of
+// Graphviz. Pure.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "components/node/node.h"
+
+namespace sinew::inspect {
+
+struct GraphLink {
+  std::string participant;  // a unique name: two of one name carry a number
+  std::string topic;
+  bool writes = false;     // else reads
+  bool inferred = false;   // by the table of topics, not seen: drawn dashed
+  bool unmatched = false;  // a reader that no writer of the topic matches: drawn red
+};
+
+struct Graph {
+  std::vector<std::string> participants;  // those without links too
+  std::vector<GraphLink> links;
+};
+
+// Of what discovery reports. component_status and recording_progress, which all write or a recorder
+// alone, only with `all`.
+Graph GraphOfDomain(const std::vector<node::Endpoint>& endpoints, bool all);
+
+// Of a recording: its writers, and its participants by name and kind (component_status).
+struct RecordedWriter {
+  std::string topic;
+  std::string participant;  // the channel's metadata writer_name; empty: not recorded
+};
+struct RecordedParticipant {
+  std::string name, kind;
+};
+// Who read is in no recording, and who wrote only in newer ones: what is missing is inferred from
+// the parties of idl/README.md.
+Graph GraphOfRecording(const std::vector<RecordedWriter>& writers,
+                       const std::vector<RecordedParticipant>& participants, bool all);
+
+std::string DotText(const Graph& graph, const std::string& title);
+
+}  // namespace sinew::inspect

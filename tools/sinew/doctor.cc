@@ -1,0 +1,187 @@
+#include "tools/sinew/doctor.h"
+
+#include <sinew_idl/status.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "components/node/codec.h"
+#include "components/node/node.h"
+#include "components/node/realtime.h"
+#include "tools/inspect/can_check.h"
+#include "tools/inspect/findings.h"
+#include "tools/inspect/host_checks.h"
+#include "tools/inspect/peer_checks.h"
+#include "tools/inspect/run_tool.h"
+#include "tools/inspect/shared_memory.h"
+#include "tools/sinew/node_options.h"
+
+namespace sinew::tools {
+
+namespace {
+
+using inspect::Finding;
+using inspect::Severity;
+
+struct DoctorOptions {
+  node::Options node;
+  std::filesystem::path root = "/";
+  std::filesystem::path recordings = ".";
+  double wait_s = 3.0;  // two announcements of component_status and discovery
+  double recording_bytes_s = 1.2e6;
+  inspect::CanSettings can;
+  bool offline = false;
+  bool clean = false;
+  bool strict = false;
+  bool json = false;
+};
+
+void Append(std::vector<Finding>* all, const std::vector<Finding>& more) {
+  all->insert(all->end(), more.begin(), more.end());
+}
+
+std::string OwnHostName() {
+  char name[256] = {};
+  (void)::gethostname(name, sizeof(name) - 1);
+  return name;
+}
+
+// The highest priority that --realtime asks for.
+int HighestPriority() {
+  int highest = 0;
+  for (const node::PriorityRule& rule : node::PriorityRules()) {
+    highest = std::max(highest, rule.priority);
+  }
+  return highest;
+}
+
+std::vector<Finding> CheckCanInterfaces(const inspect::CanSettings& settings) {
+  const inspect::ToolResult ip =
+      inspect::RunTool("ip", {"-json", "-details", "-statistics", "link", "show"});
+  if (!ip.found) {
+    return {{"can", Severity::kNote, "the program 'ip' was not found", "apt-get install iproute2"}};
+  }
+  try {
+    return inspect::CheckCan(ip.output, settings);
+  } catch (const std::invalid_argument& error) {
+    return {{"can", Severity::kNote, error.what(), "ip -details link show"}};
+  }
+}
+
+// Listens in the domain.
+std::vector<Finding> CheckDomain(const DoctorOptions& options) {
+  struct Heard {
+    std::mutex mutex;
+    std::vector<inspect::ClockSample> samples;
+  };
+  const auto heard = std::make_shared<Heard>();
+  node::Node node(options.node);
+  node.ReadRaw(*node::FindTopic(node::kComponentStatus.name), [heard](node::RawSample&& sample) {
+    msg::ComponentStatus status;
+    if (!node::Decode(sample.payload, &status)) return;
+    const std::lock_guard lock(heard->mutex);
+    heard->samples.push_back(
+        {status.host().to_string(), sample.source_stamp_ns, sample.reception_stamp_ns});
+  });
+  using DoctorClock = std::chrono::steady_clock;
+  const auto end = DoctorClock::now() + std::chrono::duration<double>(options.wait_s);
+  while (DoctorClock::now() < end) node.WaitForData(std::chrono::milliseconds(50));
+  const std::vector<node::Endpoint> endpoints = node.Endpoints();
+  std::vector<Finding> findings;
+  if (endpoints.empty()) {
+    return {{"participants", Severity::kNote,
+             "none in domain " + std::to_string(options.node.domain_id),
+             "start the deployment first, or --domain, --interface of another one"}};
+  }
+  Append(&findings, inspect::CheckPeers(endpoints, node.Problems()));
+  const std::lock_guard lock(heard->mutex);
+  Append(&findings, inspect::CheckClocks(heard->samples, OwnHostName()));
+  return findings;
+}
+
+std::vector<Finding> Examine(const DoctorOptions& options) {
+  std::vector<Finding> findings;
+  // Before this process becomes a participant itself.
+  if (options.clean) {
+    findings.push_back(inspect::CleanSharedMemory(options.root, ::getpid()));
+  } else {
+    findings.push_back(
+        inspect::CheckSharedMemory(inspect::ReadSharedMemory(options.root, ::getpid())));
+  }
+  const std::filesystem::path shared = options.root / "dev/shm";
+  if (std::filesystem::exists(shared)) {
+    findings.push_back(inspect::CheckSharedMemorySpace(inspect::ReadDiskSpace(shared)));
+  }
+  Append(&findings, inspect::CheckRealtimeLimits(options.root, HighestPriority()));
+  findings.push_back(inspect::CheckCpuGovernor(options.root));
+  findings.push_back(inspect::CheckDiskSpace(inspect::ReadDiskSpace(options.recordings),
+                                             options.recording_bytes_s));
+  Append(&findings, CheckCanInterfaces(options.can));
+  if (!options.offline) Append(&findings, CheckDomain(options));
+  return findings;
+}
+
+}  // namespace
+
+void AddDoctorCommand(CLI::App& app) {
+  auto options = std::make_shared<DoctorOptions>();
+  CLI::App* command =
+      app.add_subcommand("doctor", "Check host, shared memory, CAN and participants, with advice");
+  AddNodeOptions(*command, &options->node);
+  command->add_option("--wait", options->wait_s, "Seconds to listen in the domain")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_flag("--offline", options->offline, "Only this host, without joining the domain");
+  command->add_flag("--clean", options->clean,
+                    "Remove the files of Fast DDS in /dev/shm; never while a participant lives");
+  command->add_option("--recordings", options->recordings, "Folder that recordings go to")
+      ->capture_default_str();
+  command
+      ->add_option("--recording-rate", options->recording_bytes_s,
+                   "Bytes a second of a recording; the default is above the rig's with all "
+                   "topics at 240 Hz")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--bitrate", options->can.bitrate_bit_s, "Bits per second of the CAN buses")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command
+      ->add_option("--root", options->root,
+                   "Folder that stands for / in the checks of files (dev/shm, proc, sys)")
+      ->capture_default_str();
+  command->add_flag("--strict", options->strict, "Exit code 1 for warnings, too");
+  command->add_flag("--json", options->json, "As JSON");
+  command->footer(
+      "Severities: ok, note (not checked, or it matters only in some uses), warning, fault. Exit "
+      "code 1 with\n"
+      "any fault.\n\nExamples:\n"
+      "  sinew doctor --domain 0\n"
+      "  sinew doctor --offline --recordings /var/recordings --strict\n"
+      "  sinew doctor --clean --offline");
+  command->callback([options] {
+    StartCommandLog("doctor");
+    spdlog::set_level(spdlog::level::off);  // problems are part of the report
+    const std::vector<Finding> findings = Examine(*options);
+    if (options->json) {
+      const int code = inspect::ExitCode(findings, options->strict);
+      std::cout << nlohmann::ordered_json{{"healthy", code == 0},
+                                          {"findings", inspect::FindingsJson(findings)}}
+                       .dump()
+                << '\n';
+    } else {
+      std::cout << inspect::FormatFindings(findings);
+    }
+    if (inspect::ExitCode(findings, options->strict) != 0) throw CLI::RuntimeError(1);
+  });
+}
+
+}  // namespace sinew::tools

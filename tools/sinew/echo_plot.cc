@@ -1,0 +1,63 @@
+#include "tools/sinew/echo_plot.h"
+
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "components/config/config.h"
+#include "tools/inspect/run_tool.h"
+
+namespace sinew::tools {
+
+EchoPlot::EchoPlot(std::string topic, const recording::IdlType& type,
+                   const std::vector<std::string>& fields, double window_s)
+    : topic_(std::move(topic)), window_s_(window_s) {
+  for (const std::string& path : fields) {
+    fields_.emplace_back(type, path);
+    if (!fields_.back().type().is_number()) {
+      throw std::invalid_argument("field '" + path + "' is a text, expected a number");
+    }
+    curves_.push_back({path, {}, {}});
+  }
+  if (recording::HasField(type, "header.stamp_ns")) stamp_.emplace(type, "header.stamp_ns");
+}
+
+void EchoPlot::Add(std::span<const std::byte> payload, std::int64_t arrival_ns) {
+  const std::int64_t now_ns = stamp_ ? stamp_->AsInt(payload) : arrival_ns;
+  std::vector<double> values;
+  values.reserve(fields_.size());
+  for (const recording::CdrField& field : fields_) values.push_back(field.AsDouble(payload));
+  if (!first_ns_) first_ns_ = now_ns;
+  const double time_s = static_cast<double>(now_ns - *first_ns_) * 1e-9;
+  for (std::size_t i = 0; i < curves_.size(); ++i) {
+    curves_[i].time_s.push_back(time_s);
+    curves_[i].value.push_back(values[i]);
+  }
+  ++messages_;
+  if (window_s_ <= 0.0) return;
+  for (inspect::Curve& curve : curves_) {
+    const auto keep = std::find_if(curve.time_s.begin(), curve.time_s.end(),
+                                   [&](double at) { return at >= time_s - window_s_; });
+    const auto old = keep - curve.time_s.begin();
+    curve.time_s.erase(curve.time_s.begin(), keep);
+    curve.value.erase(curve.value.begin(), curve.value.begin() + old);
+  }
+}
+
+std::string EchoPlot::Draw() const {
+  winsize size{};
+  const bool known = ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+  return inspect::OutputOf("gnuplot", "gnuplot-nox", {},
+                           inspect::TerminalScript(topic_, curves_, known ? size.ws_col - 1 : 79,
+                                                   known ? size.ws_row - 2 : 24));
+}
+
+void EchoPlot::WritePng(const std::filesystem::path& path) const {
+  config::WriteFileAtomically(
+      path, inspect::OutputOf("gnuplot", "gnuplot-nox", {}, inspect::PngScript(topic_, curves_)));
+}
+
+}  // namespace sinew::tools

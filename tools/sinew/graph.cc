@@ -1,0 +1,134 @@
+#include "tools/sinew/graph.h"
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <filesystem>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "components/config/config.h"
+#include "components/node/node.h"
+#include "components/recording/cdr.h"
+#include "components/recording/file/file_io.h"
+#include "components/recording/mcap_reader.h"
+#include "tools/inspect/graph.h"
+#include "tools/inspect/run_tool.h"
+#include "tools/sinew/node_options.h"
+
+namespace sinew::tools {
+
+namespace {
+
+struct GraphOptions {
+  node::Options node;
+  std::string from;
+  std::filesystem::path out;
+  double wait_s = 2.0;
+  bool all = false;
+};
+
+inspect::Graph ListenForGraph(const GraphOptions& options) {
+  using GraphClock = std::chrono::steady_clock;
+  node::Node node(options.node);
+  const auto end = GraphClock::now() + std::chrono::duration<double>(options.wait_s);
+  while (GraphClock::now() < end) {
+    node.WaitForData(std::chrono::milliseconds(50));
+  }
+  return inspect::GraphOfDomain(node.Endpoints(), options.all);
+}
+
+inspect::Graph GraphFromFile(const GraphOptions& options) {
+  recording::FileSource source(options.from);
+  try {
+    const recording::McapReader reader(source);
+    std::vector<inspect::RecordedWriter> writers;
+    std::map<std::string, std::string> kinds;  // by name
+    for (const auto& [id, channel] : reader.channels()) {
+      const auto writer = channel.metadata.find("writer_name");
+      writers.push_back({channel.topic, writer == channel.metadata.end() ? "" : writer->second});
+      if (channel.topic != node::kComponentStatus.name) continue;
+      const recording::McapSchema* schema = reader.SchemaOf(channel);
+      if (schema == nullptr) continue;
+      const recording::IdlSchema idl = recording::IdlSchema::Parse(schema->data);
+      const recording::IdlType& type = idl.Struct(schema->name);
+      const recording::CdrField name(type, "name"), kind(type, "component_kind");
+      recording::MessageFilter filter;
+      filter.topics = std::set<std::string>{channel.topic};
+      recording::McapMessages messages = reader.Messages(filter);
+      recording::McapMessage message;
+      while (messages.Next(&message)) {
+        if (message.channel_id == id) kinds[name.AsText(message.data)] = kind.AsText(message.data);
+      }
+    }
+    std::vector<inspect::RecordedParticipant> participants;
+    for (const auto& [name, kind] : kinds) participants.push_back({name, kind});
+    return inspect::GraphOfRecording(writers, participants, options.all);
+  } catch (const recording::McapError& error) {
+    throw UsageError(options.from + ": " + error.what());
+  } catch (const recording::IdlError& error) {
+    throw UsageError(options.from + ": schema of component_status: " + error.what());
+  } catch (const recording::CdrError& error) {
+    throw UsageError(options.from + ": component_status: " + error.what());
+  }
+}
+
+// As the ending of the file's name asks for.
+std::string Render(const std::string& dot, const std::filesystem::path& out) {
+  const std::string ending = out.extension().string();
+  if (ending == ".dot" || ending == ".gv") return dot;
+  if (ending != ".svg" && ending != ".png" && ending != ".pdf") {
+    throw UsageError("--out: '" + out.string() +
+                     "', expected a name that ends in .dot, .gv, .svg, "
+                     ".png or .pdf");
+  }
+  return inspect::OutputOf("dot", "graphviz", {"-T" + ending.substr(1)}, dot);
+}
+
+}  // namespace
+
+void AddGraphCommand(CLI::App& app) {
+  auto options = std::make_shared<GraphOptions>();
+  CLI::App* command =
+      app.add_subcommand("graph", "A picture of who speaks to whom, live or from a recording");
+  AddNodeOptions(*command, &options->node);
+  command->add_option("--from", options->from, "Read this recording instead of a domain");
+  command->add_option("--out", options->out,
+                      "File to write: .dot, .gv, .svg, .png or .pdf; by default the graph's text "
+                      "in the language of Graphviz on standard output");
+  command->add_option("--wait", options->wait_s, "Seconds to listen")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_flag("--all", options->all, "With component_status and recording_progress");
+  command->footer(
+      "Boxes are participants, ellipses topics. Red: a reader that no writer matches (sinew list "
+      "says why).\n"
+      "Dashed, of a recording: by the table of topics, since a recording does not contain who "
+      "read.\n\nExamples:\n"
+      "  sinew graph --out rig.svg\n"
+      "  sinew graph --from run.mcap --out run.png\n"
+      "  sinew graph | dot -Tx11");
+  command->callback([options] {
+    StartCommandLog("graph");
+    const inspect::Graph graph =
+        options->from.empty() ? ListenForGraph(*options) : GraphFromFile(*options);
+    const std::string title = options->from.empty()
+                                  ? "domain " + std::to_string(options->node.domain_id)
+                                  : std::filesystem::path(options->from).filename().string();
+    const std::string dot = inspect::DotText(graph, title);
+    if (graph.participants.empty() && graph.links.empty()) {
+      std::cerr << "sinew graph: " << title << ": no participant\n";
+      throw CLI::RuntimeError(1);
+    }
+    if (options->out.empty()) {
+      std::cout << dot;
+      return;
+    }
+    config::WriteFileAtomically(options->out, Render(dot, options->out));
+  });
+}
+
+}  // namespace sinew::tools

@@ -1,0 +1,296 @@
+#include "tools/sinew/hz.h"
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "components/config/config.h"
+#include "components/node/node.h"
+#include "components/recording/cdr.h"
+#include "components/recording/file/file_io.h"
+#include "components/recording/mcap_reader.h"
+#include "tools/inspect/rate_meter.h"
+#include "tools/sinew/node_options.h"
+
+namespace sinew::tools {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using HzClock = std::chrono::steady_clock;
+using inspect::Arrival;
+using inspect::RateMeter;
+using inspect::RateSummary;
+using inspect::Spread;
+
+constexpr std::int64_t kReplayOrigin = 2;  // msg::ORIGIN_REPLAY
+
+struct HzOptions {
+  node::Options node;
+  std::vector<std::string> topics;
+  std::string from;
+  double duration_s = 0.0;
+  double every_s = 1.0;
+  bool json = false;
+};
+
+// The header of the messages of a topic.
+class HeaderFields {
+ public:
+  // Throws IdlError.
+  HeaderFields(const std::string& type_name, const std::string& idl)
+      : idl_(recording::IdlSchema::Parse(idl)),
+        type_(idl_.Struct(type_name)),
+        session_(type_, "header.session_id"),
+        tick_(type_, "header.tick"),
+        stamp_(type_, "header.stamp_ns"),
+        origin_(type_, "header.origin") {}
+
+  // A payload that is cut off has no header.
+  void Read(std::span<const std::byte> payload, Arrival* arrival) const try {
+    arrival->session_id = static_cast<std::uint64_t>(session_.AsInt(payload));
+    arrival->tick = static_cast<std::uint64_t>(tick_.AsInt(payload));
+    arrival->stamp_ns = stamp_.AsInt(payload);
+    arrival->is_replay = origin_.AsInt(payload) == kReplayOrigin;
+  } catch (const recording::CdrError&) {
+    arrival->session_id.reset();
+  }
+
+ private:
+  recording::IdlSchema idl_;
+  const recording::IdlType& type_;
+  recording::CdrField session_, tick_, stamp_, origin_;
+};
+
+// Meters by topic; DDS threads add, the command reads.
+struct Meters {
+  std::mutex mutex;
+  std::map<std::string, RateMeter> by_topic;
+};
+using Summaries = std::map<std::string, RateSummary>;
+
+Summaries Summarize(Meters& meters) {
+  const std::lock_guard lock(meters.mutex);
+  Summaries summaries;
+  for (const auto& [topic, meter] : meters.by_topic) summaries[topic] = meter.Summary();
+  return summaries;
+}
+
+Json SpreadJson(const std::optional<Spread>& spread) {
+  if (!spread) return nullptr;
+  return {{"mean", spread->mean},
+          {"deviation", spread->deviation},
+          {"least", spread->least},
+          {"largest", spread->largest}};
+}
+
+template <class Value>
+Json OrNull(const std::optional<Value>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+Json SummariesJson(const Summaries& summaries) {
+  Json rows = Json::array();
+  for (const auto& [topic, summary] : summaries) {
+    rows.push_back({{"topic", topic},
+                    {"messages", summary.messages},
+                    {"seconds", summary.seconds},
+                    {"rate_Hz", OrNull(summary.rate_Hz)},
+                    {"interval_ms", SpreadJson(summary.interval_ms)},
+                    {"age_ms", SpreadJson(summary.age_ms)},
+                    {"delay_ms", SpreadJson(summary.delay_ms)},
+                    {"tick_step", OrNull(summary.tick_step)},
+                    {"lost", OrNull(summary.lost)},
+                    {"lost_share", OrNull(summary.lost_share)},
+                    {"repeated", summary.repeated},
+                    {"sessions", summary.sessions}});
+  }
+  return rows;
+}
+
+std::string Cell(const char* format, const std::optional<double>& value) {
+  if (!value) return "-";
+  char text[32];
+  // One of this file's own formats.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wformat-nonliteral"
+  std::snprintf(text, sizeof(text), format, *value);
+#pragma GCC diagnostic pop
+  return text;
+}
+
+void PrintSummaries(const Summaries& summaries) {
+  std::printf("%-20s %9s %9s %9s %9s %9s %9s %9s %9s\n", "topic", "messages", "Hz", "jitter ms",
+              "longest", "age ms", "oldest", "delay ms", "lost");
+  for (const auto& [topic, summary] : summaries) {
+    const auto of = [](const std::optional<Spread>& spread, double Spread::*member) {
+      return spread ? std::optional<double>((*spread).*member) : std::nullopt;
+    };
+    std::string lost = summary.lost ? std::to_string(*summary.lost) : "-";
+    if (summary.lost_share && *summary.lost > 0) {
+      lost += Cell(" (%.2f %%)", 100.0 * *summary.lost_share);
+    }
+    std::printf("%-20s %9llu %9s %9s %9s %9s %9s %9s %9s\n", topic.c_str(),
+                static_cast<unsigned long long>(summary.messages),
+                Cell("%.1f", summary.rate_Hz).c_str(),
+                Cell("%.3f", of(summary.interval_ms, &Spread::deviation)).c_str(),
+                Cell("%.2f", of(summary.interval_ms, &Spread::largest)).c_str(),
+                Cell("%.2f", of(summary.age_ms, &Spread::mean)).c_str(),
+                Cell("%.2f", of(summary.age_ms, &Spread::largest)).c_str(),
+                Cell("%.2f", of(summary.delay_ms, &Spread::mean)).c_str(), lost.c_str());
+    if (summary.repeated > 0) {
+      std::printf("%-20s %llu ticks came again or late: several writers?\n", "",
+                  static_cast<unsigned long long>(summary.repeated));
+    }
+  }
+  std::fflush(stdout);
+}
+
+Summaries OfRecording(const HzOptions& options) {
+  recording::FileSource source(options.from);
+  try {
+    const recording::McapReader reader(source);
+    std::set<std::string> recorded;
+    std::string list;
+    std::map<recording::ChannelId, std::optional<HeaderFields>> fields;
+    for (const auto& [id, channel] : reader.channels()) {
+      recorded.insert(channel.topic);
+      const recording::McapSchema* schema = reader.SchemaOf(channel);
+      std::optional<HeaderFields>& field = fields[id];
+      try {
+        if (schema != nullptr && schema->encoding == "omgidl") {
+          field.emplace(schema->name, schema->data);
+        }
+      } catch (const std::runtime_error&) {  // a foreign type without our header: rate alone
+      }
+    }
+    for (const std::string& topic : recorded) list += (list.empty() ? "" : ", ") + topic;
+    recording::MessageFilter filter;
+    if (!options.topics.empty()) filter.topics.emplace();
+    for (const std::string& topic : options.topics) {
+      if (!recorded.contains(topic)) {
+        throw UsageError(options.from + ": no topic '" + topic + "', expected one of: " + list);
+      }
+      filter.topics->insert(topic);
+    }
+    std::map<std::string, RateMeter> meters;
+    recording::McapMessages messages = reader.Messages(filter);
+    recording::McapMessage message;
+    while (messages.Next(&message)) {
+      Arrival arrival;
+      arrival.arrival_ns = message.log_time_ns;
+      const std::optional<HeaderFields>& field = fields.at(message.channel_id);
+      if (field) field->Read(message.data, &arrival);
+      meters[reader.channels().at(message.channel_id).topic].Add(arrival);
+    }
+    Summaries summaries;
+    for (const auto& [topic, meter] : meters) summaries[topic] = meter.Summary();
+    return summaries;
+  } catch (const recording::McapError& error) {
+    throw UsageError(options.from + ": " + error.what());
+  }
+}
+
+std::vector<const node::TopicInfo*> WantedTopics(const std::vector<std::string>& names) {
+  std::vector<const node::TopicInfo*> wanted;
+  std::string list;
+  for (const node::TopicInfo& topic : node::AllTopics()) {
+    list += (list.empty() ? "" : ", ") + topic.name;
+    if (names.empty()) wanted.push_back(&topic);
+  }
+  for (const std::string& name : names) {
+    const node::TopicInfo* topic = node::FindTopic(name);
+    if (topic == nullptr) throw UsageError("no topic '" + name + "', expected one of: " + list);
+    wanted.push_back(topic);
+  }
+  return wanted;
+}
+
+Summaries OfDomain(const HzOptions& options, const node::StopFlag& stop) {
+  const std::vector<const node::TopicInfo*> wanted = WantedTopics(options.topics);
+  auto meters = std::make_shared<Meters>();
+  node::Node node(options.node);
+  for (const node::TopicInfo* topic : wanted) {
+    if (!options.topics.empty()) meters->by_topic[topic->name];  // silent ones are shown, too
+    const auto fields = std::make_shared<HeaderFields>(topic->type_name, topic->idl);
+    node.ReadRaw(*topic, [meters, fields, name = topic->name](node::RawSample&& sample) {
+      Arrival arrival;
+      arrival.arrival_ns = sample.reception_stamp_ns;
+      arrival.sent_ns = sample.source_stamp_ns;
+      fields->Read(sample.payload, &arrival);
+      const std::lock_guard lock(meters->mutex);
+      meters->by_topic[name].Add(arrival);
+    });
+  }
+  const auto begin = HzClock::now();
+  const std::chrono::duration<double> every(options.every_s);
+  auto next = begin + every;
+  while (!stop.requested()) {
+    const auto now = HzClock::now();
+    if (options.duration_s > 0.0 &&
+        now - begin >= std::chrono::duration<double>(options.duration_s)) {
+      break;
+    }
+    if (now >= next) {
+      next += std::chrono::duration_cast<HzClock::duration>(every);
+      if (!options.json) PrintSummaries(Summarize(*meters));
+      if (!std::cout) break;  // the reader of a pipe is gone
+    }
+    node.WaitForData(std::chrono::milliseconds(20));
+  }
+  return Summarize(*meters);
+}
+
+}  // namespace
+
+void AddHzCommand(CLI::App& app) {
+  auto options = std::make_shared<HzOptions>();
+  CLI::App* command =
+      app.add_subcommand("hz", "Rate, jitter, age and loss of topics, live or from a recording");
+  AddNodeOptions(*command, &options->node);
+  command->add_option("topics", options->topics, "Names of topics; by default all");
+  command->add_option("--from", options->from, "Read this recording instead of a domain");
+  command->add_option("--duration", options->duration_s, "Seconds; by default until Ctrl-C")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--every", options->every_s, "Seconds between two tables")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "The figures of the end as JSON");
+  command->footer(
+      "jitter: standard deviation of the time between two messages; longest: the longest one. age: "
+      "from\n"
+      "header.stamp_ns to arrival (none of simulated time and replays); delay: from sending to "
+      "arrival. lost:\n"
+      "missing ticks by gaps of header.tick within a session. Exit code 1 when no message "
+      "came.\n\nExamples:\n"
+      "  sinew hz joint_state joint_command\n"
+      "  sinew hz --duration 5 --json\n"
+      "  sinew hz --from run.mcap");
+  command->callback([options] {
+    node::StopFlag stop;
+    StartCommandLog("hz");
+    const Summaries summaries =
+        options->from.empty() ? OfDomain(*options, stop) : OfRecording(*options);
+    if (options->json) {
+      std::cout << SummariesJson(summaries).dump() << '\n';
+    } else {
+      PrintSummaries(summaries);
+    }
+    for (const auto& [topic, summary] : summaries) {
+      if (summary.messages > 0) return;
+    }
+    std::cerr << "sinew hz: no message\n";
+    throw CLI::RuntimeError(1);
+  });
+}
+
+}  // namespace sinew::tools
