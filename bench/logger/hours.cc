@@ -15,7 +15,7 @@ namespace sinew::logger_bench {
 
 namespace {
 
-constexpr double kGoalGrowth_MB = 8.0;  // a file's index of an hour, and what the allocator keeps
+constexpr double kGoalGrowth_MB = 4.0;  // what an allocator keeps may vary by
 const std::vector<std::string> kTopics = {"joint_state", "actuator_state", "reference", "regime"};
 
 class CountingSeries final : public logger::RecordingSink {
@@ -66,7 +66,8 @@ bool MeasureHours(const HourOptions& options) {
     }
     if ((tick + 1) % ticks_an_hour != 0) continue;
     last_MB = Resident_MB();
-    if (first_MB == 0.0) first_MB = last_MB;
+    // While the first file's index is made whole at its end, it is in memory twice.
+    if (tick + 1 <= 2 * ticks_an_hour) first_MB = last_MB;
     const logger::RecorderState state = recorder.state();
     std::printf("%6.0f %12llu %10.1f %6d\n",
                 static_cast<double>(tick + 1) / static_cast<double>(ticks_an_hour),
@@ -78,8 +79,8 @@ bool MeasureHours(const HourOptions& options) {
   }
   const double took_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  std::printf("grown by %.1f MB since the first hour (goal: %.1f), in %.0f s\n", last_MB - first_MB,
-              kGoalGrowth_MB, took_s);
+  std::printf("grown by %.1f MB since the second hour (goal: %.1f), in %.0f s\n",
+              last_MB - first_MB, kGoalGrowth_MB, took_s);
   return last_MB - first_MB <= kGoalGrowth_MB;
 }
 
