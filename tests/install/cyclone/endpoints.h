@@ -1,6 +1,6 @@
 // Readers and writers of the robot's topics with Cyclone DDS: the QoS of idl/README.md, type names
-// with the hash of their IDL, and ownership by the rules of components/node/ownership.h. One thread;
-// errors end the program.
+// with the hash of their IDL, and ownership by the rules of components/node/ownership.h. One
+// thread; errors end the program.
 #pragma once
 
 #include <dds/dds.h>
