@@ -17,7 +17,7 @@
 #        is a unit test: label `unit`, built by the target unit_tests. LONG: cases, or patterns of them, that repeat
 #        for many seeds or recordings what others do once; sanitized builds leave them out. THREADS: its code starts
 #        threads; `tools/test --tsan` runs it too (label `unit-threads` or `dds-threads`, target thread_tests). A test
-#        that starts PROGRAMS names its LABEL: `programs`, or `dds`, `system` or `soak` (not in tools/test) with SERIAL.
+#        that starts PROGRAMS names its LABEL: `programs`, or `dds`, `system`, or `soak` and `browser` (not in tools/test) with SERIAL.
 #        One on whole recordings or many runs of the surrogate has the label `acceptance`: it is not run under sanitizers.
 foreach(list SINEW_MODULES SINEW_PUBLIC_HEADERS SINEW_OTHER_HEADERS)
   set_property(GLOBAL PROPERTY ${list} "")

@@ -42,6 +42,7 @@ const std::vector<PriorityRule>& PriorityRules() {
       {"frozen-readout", 30, "stands in for rls"},
       {"residual", 0, "observer"},
       {"performance", 0, "observer"},
+      {"view", 0, "observer; its page may be slow"},
       {"logger", 0, "observer, and waits for its disk"},
       {"player", 0, "observer of a file; what it sends is no live command"},
       {"", 28, "a kind that is not in this table: below all that are"},

@@ -1,5 +1,6 @@
 // Writes a recording with messages of every topic, and what a reader must find in it, a JSON line
-// each. Usage: idl_write_sample OUT.mcap EXPECTED.jsonl
+// each, with schema and payload (hexadecimal) for readers of messages alone. Usage:
+// idl_write_sample OUT.mcap EXPECTED.jsonl
 #include <cstdint>
 #include <fstream>
 #include <iostream>
@@ -91,6 +92,16 @@ Value MakeValue(const IdlType& type, std::mt19937_64* random) {
   return {};
 }
 
+std::string Hex(const sinew::recording::Bytes& bytes) {
+  constexpr char kDigits[] = "0123456789abcdef";
+  std::string text;
+  for (const std::byte byte : bytes) {
+    text += kDigits[std::to_integer<unsigned>(byte) >> 4];
+    text += kDigits[std::to_integer<unsigned>(byte) & 15];
+  }
+  return text;
+}
+
 int Write(const std::string& path, const std::string& expected_path) {
   using namespace sinew::recording;
   FileSink sink(path, Existing::kReplace);
@@ -109,12 +120,15 @@ int Write(const std::string& path, const std::string& expected_path) {
     for (int i = 0; i < 20; ++i) {
       const Value value = MakeValue(type, &random);
       time_ns += 7'000'000;
-      ok = ok &&
-           writer.WriteMessage(channel, time_ns, time_ns - 1, JsonToCdr(type, value.input)).ok();
+      const Bytes payload = JsonToCdr(type, value.input);
+      ok = ok && writer.WriteMessage(channel, time_ns, time_ns - 1, payload).ok();
       expected << Json{{"topic", topic.name},
                        {"log_time", std::to_string(time_ns)},
                        {"publish_time", std::to_string(time_ns - 1)},
-                       {"value", value.expected}}
+                       {"value", value.expected},
+                       {"schema_name", topic.type_name},
+                       {"schema", topic.idl},
+                       {"payload", Hex(payload)}}
                       .dump()
                << '\n';
     }

@@ -259,8 +259,9 @@ TEST(Language, FilesThatTheDocumentsCiteAreThere) {
 TEST(Language, CommandsThatTheDocumentsCiteAreThere) {
   static const std::regex kCommand("(?:^|`|\n *)sinew ([a-z][a-z-]+)");
   std::string sources;
-  for (const char* folder : {"tools/sinew", "tools/export_recording", "tools/export_model",
-                             "tools/rerun", "tools/tune_robot", "reproduction/commands"}) {
+  for (const char* folder :
+       {"tools/sinew", "tools/export_recording", "tools/export_model", "tools/rerun",
+        "tools/tune_robot", "tools/view", "reproduction/commands"}) {
     for (const std::string& file : Files(folder)) {
       if (EndsWith(file, ".cc")) sources += Read(kRoot / file);
     }

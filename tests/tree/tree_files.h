@@ -26,7 +26,8 @@ inline std::vector<std::string> Lines(const std::string& text) {
   return lines;
 }
 
-// Files of the project below a folder; build trees and hidden folders left out.
+// Files of the project below a folder; build trees, hidden folders and what others wrote (vendor/)
+// left out.
 inline std::vector<std::string> Files(const std::string& below = "") {
   namespace fs = std::filesystem;
   std::vector<std::string> files;
@@ -36,7 +37,7 @@ inline std::vector<std::string> Files(const std::string& below = "") {
        ++it) {
     const std::string name = it->path().filename();
     if (it->is_directory() && (name == "build" || name == "install" || name == "node_modules" ||
-                               (name.front() == '.' && name != ".ci"))) {
+                               name == "vendor" || (name.front() == '.' && name != ".ci"))) {
       it.disable_recursion_pending();
     } else if (it->is_regular_file()) {
       files.push_back(fs::relative(it->path(), kRoot).string());

@@ -28,7 +28,8 @@ bool IsLogger(const Process& process) { return process.program.filename() == "si
 // Nothing that moves depends on what it publishes.
 bool IsObserver(const Process& process) {
   const std::filesystem::path program = process.program.filename();
-  return IsLogger(process) || program == "sinew-residual" || program == "sinew-performance";
+  return IsLogger(process) || program == "sinew-residual" || program == "sinew-performance" ||
+         program == "sinew-view";
 }
 
 Restart RestartFromWord(const std::string& word) {

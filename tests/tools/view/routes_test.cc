@@ -1,0 +1,155 @@
+// What is answered to which request, without sockets: the page's files, the robot, commands.
+#include "tools/view/routes.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "components/config/config.h"
+#include "tests/support/temporary_folder.h"
+#include "tools/view/view_config.h"
+
+namespace sinew::live {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+const std::filesystem::path kViewRobotsFolder = SINEW_SOURCE_DIR "/robots";
+
+HttpRequest Get(const std::string& path) {
+  HttpRequest request;
+  request.method = "GET";
+  request.path = path;
+  return request;
+}
+
+HttpRequest Post(const std::string& path, const std::string& why_no_command = "") {
+  HttpRequest request = Get(path);
+  request.method = "POST";
+  request.why_no_command = why_no_command;
+  return request;
+}
+
+TEST(ViewRoutes, ThePageIsServedWithItsTokenAndNothingElseIs) {
+  const testing::TemporaryFolder folder;
+  std::filesystem::create_directory(folder.path() / "vendor");
+  std::ofstream(folder.path() / "index.html") << "<meta content=\"@TOKEN@\">";
+  std::ofstream(folder.path() / "vendor" / "a.js") << "export {};";
+  const Page page(folder.path());
+  Routes routes;
+  routes.page = &page;
+  HttpRequest request = Get("/");
+  request.page_token = "secret";
+  EXPECT_EQ(routes.Answer(request).body, "<meta content=\"secret\">");
+  request.page_token.clear();
+  EXPECT_EQ(routes.Answer(request).body, "<meta content=\"\">");
+  EXPECT_EQ(routes.Answer(Get("/vendor/a.js")).content_type, "text/javascript; charset=utf-8");
+  for (const char* path : {"/vendor", "/../index.html", "/vendor/../index.html", "/b.js", ""}) {
+    EXPECT_EQ(routes.Answer(Get(path)).status, 404u) << path;
+  }
+  EXPECT_THROW(Page(folder.path() / "vendor"), UsageError);
+}
+
+TEST(ViewRoutes, CommandsNeedPermissionAndArmingNeedsTheOption) {
+  Routes routes;
+  std::vector<Command> taken;
+  routes.command = [&taken](Command command) {
+    taken.push_back(command);
+    return std::string();
+  };
+  EXPECT_EQ(routes.Answer(Post("/api/estop", "no valid token")).status, 403u);
+  EXPECT_EQ(routes.Answer(Get("/api/status")).status, 404u);
+  EXPECT_EQ(routes.Answer(Post("/api/arm")).status, 403u);
+  EXPECT_EQ(routes.Answer(Post("/api/reset")).status, 403u);
+  EXPECT_EQ(routes.Answer(Post("/api/fly")).status, 404u);
+  EXPECT_TRUE(taken.empty());
+  EXPECT_EQ(routes.Answer(Post("/api/estop")).status, 202u);
+  routes.allow_arming = true;
+  EXPECT_EQ(routes.Answer(Post("/api/arm")).status, 202u);
+  EXPECT_THAT(taken, ElementsAre(Command::kEstop, Command::kArm));
+  routes.command = [](Command) { return std::string("an estop is not confirmed yet"); };
+  EXPECT_EQ(routes.Answer(Post("/api/arm")).status, 409u);
+  routes.command = nullptr;
+  EXPECT_EQ(routes.Answer(Post("/api/estop")).status, 409u) << "a recording takes none";
+  HttpRequest put = Get("/");
+  put.method = "PUT";
+  EXPECT_EQ(routes.Answer(put).status, 405u);
+}
+
+TEST(ViewRoutes, OnlyFilesThatTheUrdfNamesAreServed) {
+  const testing::TemporaryFolder folder;
+  std::filesystem::create_directories(folder.path() / "urdf");
+  std::filesystem::create_directories(folder.path() / "meshes");
+  std::ofstream(folder.path() / "meshes" / "a b.stl") << "solid";
+  std::ofstream(folder.path() / "meshes" / "other.stl") << "solid";
+  std::ofstream(folder.path() / "urdf" / "robot.urdf")
+      << R"(<robot name="r"><link name="base"><visual><geometry>)"
+      << R"(<mesh filename="package://meshes/a b.stl"/></geometry></visual></link>)"
+      << R"(<link name="arm"><inertial><mass value="1"/>)"
+      << R"(<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>)"
+      << R"(<joint name="j" type="revolute"><parent link="base"/><child link="arm"/>)"
+      << R"(<axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>)"
+      << R"(</robot>)";
+  const Robot robot(folder.path() / "urdf" / "robot.urdf");
+  Routes routes;
+  routes.robot = &robot;
+  EXPECT_EQ(routes.Answer(Get("/robot/meshes/a%20b.stl")).body, "solid");
+  EXPECT_EQ(routes.Answer(Get("/robot/meshes/other.stl")).status, 404u);
+  EXPECT_EQ(routes.Answer(Get("/robot/../urdf/robot.urdf")).status, 404u);
+  EXPECT_THAT(routes.Answer(Get("/robot.urdf")).body, HasSubstr("<robot"));
+  routes.robot = nullptr;
+  EXPECT_EQ(routes.Answer(Get("/robot.urdf")).status, 404u);
+  EXPECT_EQ(PercentDecoded("%41%2f%4x%"), "A/%4x%");
+}
+
+TEST(ViewRoutes, TheBipedHasTwelveDrivenJoints) {
+  const Robot robot(kViewRobotsFolder / "biped" / "biped.urdf");
+  EXPECT_EQ(robot.driven().size(), 12u);
+  EXPECT_GE(robot.moving().size(), 12u);
+}
+
+TEST(ViewConfig, OptionsGoBeforeTheFile) {
+  const ViewOptions of_file = WithConfiguration({}, kViewRobotsFolder / "rig" / "view.yaml");
+  EXPECT_EQ(of_file.urdf.filename(), "rig.urdf");
+  EXPECT_EQ(of_file.port, kDefaultPort);
+  ViewOptions given;
+  given.port = 0;
+  given.urdf = "mine.urdf";
+  const ViewOptions merged = WithConfiguration(given, kViewRobotsFolder / "rig" / "view.yaml");
+  EXPECT_EQ(merged.port, 0);
+  EXPECT_EQ(merged.urdf, "mine.urdf");
+  EXPECT_EQ(WithConfiguration({}, "").port, kDefaultPort);
+}
+
+TEST(ViewConfig, WhatIsWrongIsNamedByFileAndKey) {
+  const testing::TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "view.yaml";
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"port: 70000\n", "port"}, {"urdf: none.urdf\n", "none.urdf"}, {"ports: 1\n", "ports"}};
+  for (const auto& [text, expected] : cases) {
+    std::ofstream(file, std::ios::trunc) << "schema: sinew-view/1\n" << text;
+    try {
+      WithConfiguration({}, file);
+      FAIL() << text;
+    } catch (const UsageError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("view.yaml:2"));
+      EXPECT_THAT(error.what(), HasSubstr(expected));
+    }
+  }
+}
+
+TEST(RecordedViewQuery, IsReadOrNamedWhatIsMissing) {
+  const RecordedView::Query query = ParseQuery("topics=a,b&from_ns=-5&to_ns=7");
+  EXPECT_THAT(query.topics, ElementsAre("a", "b"));
+  EXPECT_EQ(query.from_ns, -5);
+  EXPECT_EQ(query.to_ns, 7);
+  for (const char* text : {"", "topics=a", "topics=a&from_ns=1", "topics=a&from_ns=1&to_ns=x",
+                           "topics=a&from_ns=1&to_ns="}) {
+    EXPECT_THROW(ParseQuery(text), UsageError) << text;
+  }
+}
+
+}  // namespace
+}  // namespace sinew::live

@@ -1,0 +1,202 @@
+// The server on sockets: a client that does not read loses its oldest messages and delays nobody.
+#include "tools/view/server.h"
+
+#include <arpa/inet.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <thread>
+
+#include "components/config/config.h"
+
+namespace sinew::live {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+constexpr std::chrono::seconds kServerLimit(20);
+
+class Connection {
+ public:
+  explicit Connection(unsigned short port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    const timeval limit{kServerLimit.count(), 0};
+    ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
+    const int small = 16 << 10;
+    ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &small, sizeof small);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(port);
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    connected_ = ::connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
+  }
+  ~Connection() { ::close(socket_); }
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
+
+  bool connected() const { return connected_; }
+  void Send(const std::string& bytes) {
+    ASSERT_EQ(::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL),
+              static_cast<ssize_t>(bytes.size()));
+  }
+  // Exactly so many bytes; fewer when the time is over or the other end has closed.
+  std::string Read(std::size_t size) {
+    std::string bytes(size, '\0');
+    std::size_t done = 0;
+    while (done < size) {
+      const ssize_t more = ::recv(socket_, bytes.data() + done, size - done, 0);
+      if (more <= 0) break;
+      done += static_cast<std::size_t>(more);
+    }
+    bytes.resize(done);
+    return bytes;
+  }
+  std::string ReadHead() {
+    std::string head;
+    while (!head.ends_with("\r\n\r\n")) {
+      const std::string next = Read(1);
+      if (next.empty()) break;
+      head += next;
+    }
+    return head;
+  }
+  // RFC 6455, 5.2: a text of less than 126 bytes, masked with zeros.
+  void SendText(const std::string& text) {
+    std::string frame = {
+        static_cast<char>(0x81), static_cast<char>(0x80 | text.size()), 0, 0, 0, 0};
+    Send(frame + text);
+  }
+  struct Received {
+    bool text = false;
+    std::string payload;
+  };
+  Received ReadFrame() {
+    const std::string head = Read(2);
+    if (head.size() < 2) return {};
+    std::size_t size = static_cast<unsigned char>(head[1]);
+    if (size >= 126) {
+      const std::string length = Read(size == 126 ? 2 : 8);
+      size = 0;
+      for (const char byte : length) size = size << 8 | static_cast<unsigned char>(byte);
+    }
+    return {(head[0] & 15) == 1, Read(size)};
+  }
+  void Upgrade(unsigned short port) {
+    Send("GET / HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port) +
+         "\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
+         "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+         "Sec-WebSocket-Protocol: foxglove.websocket.v1\r\n\r\n");
+    EXPECT_THAT(ReadHead(), StartsWith("HTTP/1.1 101"));
+    EXPECT_THAT(ReadFrame().payload, HasSubstr("serverInfo"));
+    EXPECT_THAT(ReadFrame().payload, HasSubstr("advertise"));
+  }
+
+ private:
+  int socket_;
+  bool connected_ = false;
+};
+
+ServerOptions SmallServer() {
+  ServerOptions options;
+  options.name = "test";
+  options.session = "1";
+  options.token = "0123456789abcdef";
+  options.queue_bytes = 1u << 20;
+  return options;
+}
+
+HttpReply Echo(const HttpRequest& request) {
+  return {200, "text/plain", request.method + " " + request.path + " " + request.query};
+}
+
+bool WaitUntil(const std::function<bool()>& condition) {
+  const auto end = std::chrono::steady_clock::now() + kServerLimit;
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::yield();
+  }
+  return true;
+}
+
+TEST(ViewServer, ASlowClientLosesItsOldestMessagesAndIsSentHowMany) {
+  Server server(SmallServer(), {{ChannelNumber{1}, "a", "A", "struct A {};"}}, Echo);
+  Connection slow(server.port());
+  ASSERT_TRUE(slow.connected());
+  slow.Upgrade(server.port());
+  slow.SendText(R"({"op":"subscribe","subscriptions":[{"id":9,"channelId":1}]})");
+  ASSERT_TRUE(WaitUntil([&] {
+    const auto clients = server.clients();
+    return clients.size() == 1 && clients[0].subscriptions == 1;
+  }));
+  // More than its queue and the buffers of both sockets hold, by far.
+  constexpr std::uint32_t kMessages = 2000;
+  constexpr std::size_t kSize = 16u << 10;
+  for (std::uint32_t i = 0; i < kMessages; ++i) {
+    std::vector<std::byte> payload(kSize);
+    for (std::size_t k = 0; k < 4; ++k) payload[k] = static_cast<std::byte>(i >> (8 * k));
+    server.Publish(ChannelNumber{1}, i, std::move(payload));
+  }
+  const ClientCounts counts = server.clients().at(0);
+  EXPECT_GT(counts.lost, 0u);
+  EXPECT_LE(counts.waiting * kSize, (1u << 20) + kSize);
+
+  std::uint32_t received = 0;
+  std::int64_t last = -1;
+  bool reported = false;
+  while (last != kMessages - 1 || !reported) {  // the report follows what waited before it
+    const Connection::Received frame = slow.ReadFrame();
+    ASSERT_FALSE(frame.payload.empty()) << "after " << received << ", the last one " << last;
+    if (frame.text) {
+      reported = reported || frame.payload.find("reads too slowly") != std::string::npos;
+      continue;
+    }
+    ASSERT_EQ(frame.payload.size(), 13 + kSize);
+    std::uint32_t number = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      number |= std::uint32_t{static_cast<unsigned char>(frame.payload[13 + k])} << (8 * k);
+    }
+    EXPECT_GT(number, last) << "the order stays";
+    last = number;
+    ++received;
+  }
+  EXPECT_EQ(received + server.clients().at(0).lost, kMessages);
+}
+
+TEST(ViewServer, PagesAreAnsweredAndForeignNamesAreNot) {
+  Server server(SmallServer(), {}, Echo);
+  const std::string host = "127.0.0.1:" + std::to_string(server.port());
+  Connection page(server.port());
+  page.Send("GET /a/b?c=1 HTTP/1.1\r\nHost: " + host + "\r\n\r\n");
+  const std::string head = page.ReadHead();
+  EXPECT_THAT(head, StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(head, HasSubstr("frame-ancestors 'none'"));
+  EXPECT_EQ(page.Read(12), "GET /a/b c=1");
+  page.Send("GET / HTTP/1.1\r\nHost: evil.example\r\n\r\n");
+  EXPECT_THAT(page.ReadHead(), StartsWith("HTTP/1.1 403"));
+  Connection other(server.port());
+  other.Send("GET / HTTP/1.1\r\nHost: " + host +
+             "\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
+             "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n");
+  EXPECT_THAT(other.ReadHead(), StartsWith("HTTP/1.1 404")) << "no live data";
+}
+
+TEST(ViewServer, APortThatIsTakenIsAnErrorThatNamesIt) {
+  const Server server(SmallServer(), {}, Echo);
+  ServerOptions same = SmallServer();
+  same.port = server.port();
+  try {
+    const Server second(same, {}, Echo);
+    FAIL() << "two servers on one port";
+  } catch (const UsageError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("127.0.0.1:" + std::to_string(server.port())));
+    EXPECT_THAT(error.what(), HasSubstr("--port"));
+  }
+}
+
+}  // namespace
+}  // namespace sinew::live

@@ -1,0 +1,329 @@
+#include "tools/view/live_view.h"
+
+#include <sinew_idl/status.h>
+#include <spdlog/spdlog.h>
+#include <sys/random.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "components/node/node.h"
+#include "components/node/realtime.h"
+#include "components/node/version.h"
+#include "components/types/clock/clock.h"
+#include "tools/view/operator_desk.h"
+#include "tools/view/participants.h"
+#include "tools/view/recorder_process.h"
+#include "tools/view/routes.h"
+#include "tools/view/server.h"
+#include "tools/view/topic_rates.h"
+
+namespace sinew::live {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using std::chrono::milliseconds;
+
+constexpr milliseconds kLongestWait(50);
+constexpr std::int64_t kReport_ns = 500'000'000;    // the page asks once a second
+constexpr std::int64_t kSample_ns = 1'000'000'000;  // rates and loads: 100 clock ticks of a process
+constexpr std::size_t kTokenBytes = 16;             // 128 bits
+
+std::string RandomHex(std::size_t bytes) {
+  std::vector<unsigned char> random(bytes);
+  if (::getrandom(random.data(), random.size(), 0) != static_cast<ssize_t>(random.size())) {
+    throw std::runtime_error("the system has no random numbers");
+  }
+  constexpr char kDigits[] = "0123456789abcdef";
+  std::string text;
+  for (const unsigned char byte : random) {
+    text += kDigits[byte >> 4];
+    text += kDigits[byte & 15];
+  }
+  return text;
+}
+
+std::string HostName() {
+  std::array<char, 256> host{};
+  ::gethostname(host.data(), host.size() - 1);
+  return host.data();
+}
+
+Json RobotInfo(const Robot* robot) {
+  if (robot == nullptr) return nullptr;
+  return {{"driven", robot->driven()}, {"moving", robot->moving()}};
+}
+
+ServerOptions OptionsOfServer(const node::Options& options, const ViewOptions& view) {
+  ServerOptions server;
+  server.address = view.address;
+  server.port = static_cast<unsigned short>(view.port);
+  server.name = options.name + ", domain " + std::to_string(options.domain_id);
+  server.session = RandomHex(kTokenBytes);
+  server.token = RandomHex(kTokenBytes);
+  return server;
+}
+
+std::string AddressOf(const Server& server, const ServerOptions& options) {
+  return "http://" + options.address + ":" + std::to_string(server.port()) + "/";
+}
+
+void Announce(const Server& server, const ServerOptions& options) {
+  const std::string address = AddressOf(server, options);
+  spdlog::info("page and Foxglove WebSocket at {}", address);
+  if (!options.address.starts_with("127.")) {
+    spdlog::warn("other hosts reach it; with commands: {}#token={}", address, options.token);
+  }
+}
+
+// Counts of what came, by topic; written by the threads of DDS.
+struct Arrivals {
+  explicit Arrivals(std::size_t topics) : counts(topics) {}
+  std::vector<std::atomic<std::uint64_t>> counts;
+  std::vector<std::uint64_t> Read() const {
+    std::vector<std::uint64_t> out;
+    for (const auto& count : counts) out.push_back(count.load(std::memory_order_relaxed));
+    return out;
+  }
+};
+
+class Live {
+ public:
+  Live(const node::Options& options, const ViewOptions& view, const Page& page, const Robot* robot)
+      : recorder_(options, view.record_folder),
+        arrivals_(std::make_shared<Arrivals>(node::AllTopics().size())),
+        rates_(node::AllTopics().size()),
+        node_(options),
+        desk_(node_, {view.sockets.begin(), view.sockets.end()}),
+        statuses_(node_.MakeReader(node::kComponentStatus)),
+        participants_(HostName(), options.name, static_cast<double>(::sysconf(_SC_CLK_TCK))) {
+    routes_.page = &page;
+    routes_.robot = robot;
+    routes_.allow_arming = view.allow_arming;
+    routes_.info = Json{
+        {"mode", "live"},
+        {"name", options.name},
+        {"domain", options.domain_id},
+        {"version", node::kVersion},
+        {"allow_arming", view.allow_arming},
+        {"robot", RobotInfo(robot)},
+        {"signals", view.signals},
+        {"recording",
+         nullptr}}.dump();
+    routes_.status = [this] {
+      const std::lock_guard lock(mutex_);
+      return status_;
+    };
+    routes_.command = [this](Command command) { return Take(command); };
+    server_options_ = OptionsOfServer(options, view);
+    server_ = std::make_shared<Server>(
+        server_options_, ChannelsOf(),
+        [this](const HttpRequest& request) { return routes_.Answer(request); });
+    server_end_.server = server_;
+    std::uint32_t number = 1;
+    for (const node::TopicInfo& topic : node::AllTopics()) {
+      // Server and counts live as long as DDS may call.
+      node_.ReadRaw(topic, [server = server_, arrivals = arrivals_,
+                            channel = ChannelNumber{number}](node::RawSample&& sample) {
+        ++arrivals->counts[static_cast<std::uint32_t>(channel) - 1];
+        server->Publish(channel, sample.reception_stamp_ns, std::move(sample.payload));
+      });
+      ++number;
+    }
+  }
+  Live(const Live&) = delete;
+  Live& operator=(const Live&) = delete;
+
+  const Server& server() const { return *server_; }
+  const ServerOptions& server_options() const { return server_options_; }
+
+  void Run(const node::StopFlag& stop) {
+    node_.SetState(node::Node::State::kActive, "page at " + AddressOf(*server_, server_options_));
+    node::BeginRealtime();
+    std::int64_t sample_ns = 0, report_ns = 0;
+    while (!stop.requested()) {
+      node_.WaitForData(kLongestWait);
+      const std::int64_t now_ns = types::MonotonicNow_ns();
+      while (const auto status = statuses_.TakeNext()) participants_.Hear(*status, now_ns);
+      TakeCommands();
+      desk_.Step(now_ns);
+      recorder_.Step();
+      if (now_ns >= sample_ns) {
+        sample_ns = now_ns + kSample_ns;
+        rates_.Sample(arrivals_->Read(), now_ns);
+        participants_.Refresh(now_ns);
+        ++cycles_;
+        node_.SetCounts({cycles_, 0, 0, 0});
+      }
+      if (now_ns >= report_ns) {
+        report_ns = now_ns + kReport_ns;
+        std::string report = Report(now_ns);
+        const std::lock_guard lock(mutex_);
+        status_ = std::move(report);
+      }
+    }
+  }
+
+ private:
+  static std::vector<Channel> ChannelsOf() {
+    std::vector<Channel> channels;
+    for (const node::TopicInfo& topic : node::AllTopics()) {
+      channels.push_back({ChannelNumber{static_cast<std::uint32_t>(channels.size() + 1)},
+                          topic.name, topic.type_name, topic.idl});
+    }
+    return channels;
+  }
+
+  // The thread of the server.
+  std::string Take(Command command) {
+    switch (command) {
+      case Command::kEstop:
+        return desk_.Ask(Action::kEstop);
+      case Command::kDisarm:
+        return desk_.Ask(Action::kDisarm);
+      case Command::kArm:
+        return desk_.Ask(Action::kArm);
+      case Command::kReset:
+        return desk_.Ask(Action::kReset);
+      case Command::kStartRecording:
+      case Command::kStopRecording:
+        break;
+    }
+    {
+      const std::lock_guard lock(mutex_);
+      record_ = command == Command::kStartRecording;
+    }
+    node_.Wake();
+    return {};
+  }
+
+  // The logger belongs to the thread that starts it.
+  void TakeCommands() {
+    std::optional<bool> record;
+    {
+      const std::lock_guard lock(mutex_);
+      record = std::exchange(record_, std::nullopt);
+    }
+    if (!record) return;
+    if (!*record) return recorder_.Stop();
+    const std::string problem = recorder_.Start();
+    if (problem.empty()) {
+      spdlog::info("records into {}", recorder_.file().string());
+    } else {
+      spdlog::warn("recording not started: {}", problem);
+    }
+  }
+
+  std::string Report(std::int64_t now_ns) const {
+    Json topics = Json::array();
+    for (std::size_t i = 0; i < rates_.topics().size(); ++i) {
+      const TopicRates::Topic& topic = rates_.topics()[i];
+      if (topic.messages == 0) continue;
+      topics.push_back({{"name", node::AllTopics()[i].name},
+                        {"messages", topic.messages},
+                        {"rate_Hz", topic.rate_Hz},
+                        {"age_s", 1e-9 * static_cast<double>(now_ns - topic.news_ns)}});
+    }
+    Json clients = Json::array();
+    for (const ClientCounts& client : server_->clients()) {
+      clients.push_back({{"address", client.address},
+                         {"subscriptions", client.subscriptions},
+                         {"sent", client.sent},
+                         {"lost", client.lost},
+                         {"waiting", client.waiting}});
+    }
+    const auto robot = desk_.robot(now_ns);
+    return Json{{"robot_state", robot ? Json(NameOf(*robot)) : Json(nullptr)},
+                {"action", desk_.Report()},
+                {"recording",
+                 {{"running", recorder_.running()},
+                  {"stopping", recorder_.stopping()},
+                  {"file", recorder_.file().string()},
+                  {"problem", recorder_.problem()}}},
+                {"participants", participants_.Rows(now_ns)},
+                {"topics", std::move(topics)},
+                {"clients", std::move(clients)},
+                {"problems", node_.Problems()}}
+        .dump(-1, ' ', false, Json::error_handler_t::replace);
+  }
+
+  RecorderProcess recorder_;
+  std::shared_ptr<Arrivals> arrivals_;
+  TopicRates rates_;
+  node::Node node_;
+  OperatorDesk desk_;
+  node::Reader<msg::ComponentStatus> statuses_;
+  Participants participants_;
+  Routes routes_;
+  ServerOptions server_options_;
+  std::mutex mutex_;
+  std::string status_ = "{}";   // guarded
+  std::optional<bool> record_;  // guarded: asked for since the last look
+  std::uint64_t cycles_ = 0;
+  std::shared_ptr<Server> server_;
+  // Goes first: the server's thread calls this object, and the callbacks of DDS keep the server.
+  struct ServerEnd {
+    std::shared_ptr<Server> server;
+    ~ServerEnd() {
+      if (server) server->Stop();
+    }
+  } server_end_;
+};
+
+}  // namespace
+
+void RunLive(const node::Options& options, const node::StopFlag& stop, const ViewOptions& view,
+             const Page& page, const Robot* robot) {
+  Live live(options, view, page, robot);
+  Announce(live.server(), live.server_options());
+  live.Run(stop);
+}
+
+void RunRecorded(const node::Options& options, const node::StopFlag& stop, const ViewOptions& view,
+                 const Page& page, const Robot* robot) {
+  const RecordedView recorded(view.recording);
+  Json topics = Json::array();
+  for (const RecordedTopic& topic : recorded.topics()) {
+    topics.push_back({{"topic", topic.topic},
+                      {"schemaName", topic.schema_name},
+                      {"schema", topic.schema},
+                      {"messages", topic.messages}});
+  }
+  Routes routes;
+  routes.page = &page;
+  routes.robot = robot;
+  routes.recorded = &recorded;
+  // Nanoseconds as texts: a number of JavaScript has 53 bits.
+  routes.info = Json{{"mode", "recording"},
+                     {"name", options.name},
+                     {"domain", nullptr},
+                     {"version", node::kVersion},
+                     {"allow_arming", false},
+                     {"robot", RobotInfo(robot)},
+                     {"signals", view.signals},
+                     {"recording",
+                      {{"file", view.recording.string()},
+                       {"start_ns", std::to_string(recorded.start_ns())},
+                       {"end_ns", std::to_string(recorded.end_ns())},
+                       {"more_sessions", recorded.more_sessions()},
+                       {"topics", std::move(topics)}}}}
+                    .dump();
+  const ServerOptions server_options = OptionsOfServer(options, view);
+  const Server server(server_options, {},
+                      [&routes](const HttpRequest& request) { return routes.Answer(request); });
+  Announce(server, server_options);
+  while (!stop.requested()) std::this_thread::sleep_for(kLongestWait);
+}
+
+}  // namespace sinew::live

@@ -1,0 +1,141 @@
+#include "tools/view/operator_desk.h"
+
+#include <sinew_idl/joint.h>
+#include <sinew_idl/operator.h>
+#include <sinew_idl/status.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "components/estop/estop_config.h"
+#include "components/estop/press.h"
+
+namespace sinew::live {
+
+namespace {
+
+constexpr std::chrono::milliseconds kAnswerLimit(500);  // idle frames 100 ms, then the disk
+constexpr std::int64_t kStateAge_ns = 1'000'000'000;    // older: the robot is not heard
+constexpr const char* kReason = "page of sinew-view";
+
+msg::OperatorAction MessageOf(Action action) {
+  switch (action) {
+    case Action::kDisarm:
+      return msg::OPERATOR_DISARM;
+    case Action::kArm:
+      return msg::OPERATOR_ARM;
+    case Action::kEstop:
+      return msg::OPERATOR_ESTOP;
+    case Action::kReset:
+      return msg::OPERATOR_RESET;
+  }
+  return msg::OPERATOR_DISARM;
+}
+
+}  // namespace
+
+OperatorDesk::OperatorDesk(node::Node& node, std::vector<std::filesystem::path> sockets)
+    : node_(node),
+      sockets_(sockets.empty() ? estop::SocketCandidates(node.options().domain_id)
+                               : std::move(sockets)),
+      states_(node.MakeReader(node::kJointState)),
+      statuses_(node.MakeReader(node::kComponentStatus)),
+      commands_(node.MakeWriter(node::kOperatorCommand)) {}
+
+std::string OperatorDesk::Ask(Action action) {
+  {
+    const std::lock_guard lock(mutex_);
+    const bool estop_waits = estop_pending_ || asked_ == Action::kEstop;
+    if (estop_waits && action != Action::kEstop) return "an estop is not confirmed yet";
+    asked_ = action;
+  }
+  node_.Wake();
+  return {};
+}
+
+void OperatorDesk::Step(std::int64_t now_ns) {
+  bool stopped = false;
+  while (const auto state = states_.TakeNext()) {  // ESTOPPED may last no longer than a cycle
+    robot_ = static_cast<RobotIs>(state->robot_state());
+    stopped = stopped || *robot_ == RobotIs::kEstopped;
+    session_id_ = state->header().session_id();
+    tick_ = state->header().tick();
+    stamp_ns_ = state->header().stamp_ns();
+    origin_ = static_cast<int>(state->header().origin());
+    heard_ns_ = now_ns;
+  }
+  std::string refusal;
+  while (const auto status = statuses_.TakeNext()) {
+    const std::string message = status->message().to_string();
+    if (message.starts_with("arm refused")) refusal = status->name().to_string() + ": " + message;
+  }
+
+  std::optional<Action> asked;
+  {
+    const std::lock_guard lock(mutex_);
+    asked = std::exchange(asked_, std::nullopt);
+  }
+  if (asked && action_.Ask(*asked, now_ns)) {
+    spdlog::warn("{} asked for on the page", NameOf(*asked));
+    idled_ = false;
+    refusal.clear();  // an earlier one's
+  }
+  const std::optional<RobotIs> now = stopped ? std::optional(RobotIs::kEstopped) : robot(now_ns);
+  if (!refusal.empty() && action_.pending() && action_.report()->action == Action::kArm) {
+    action_.End(false, refusal);
+  }
+  if (const auto due = action_.Due(now, now_ns)) {
+    Send(*due);
+    if (*due == Action::kEstop) PressSockets(now_ns);
+  }
+  const std::lock_guard lock(mutex_);
+  estop_pending_ = action_.pending() && action_.report()->action == Action::kEstop;
+}
+
+void OperatorDesk::Send(Action action) {
+  msg::OperatorCommand command;
+  command.header().session_id(session_id_);
+  command.header().tick(tick_);
+  command.header().stamp_ns(stamp_ns_);
+  command.header().origin(static_cast<msg::Origin>(origin_));
+  command.action(MessageOf(action));
+  command.reason(kReason);
+  if (commands_.Write(command) != node::WriteStatus::kOk) {
+    spdlog::warn("{} could not be written; it is repeated", NameOf(action));
+  }
+}
+
+void OperatorDesk::PressSockets(std::int64_t now_ns) {
+  if (idled_) return;
+  std::vector<estop::Press> pressed;
+  pressed.reserve(sockets_.size());
+  for (const auto& path : sockets_) pressed.emplace_back(path, kReason);
+  for (std::size_t i = 0; i < pressed.size(); ++i) {
+    if (!pressed[i].sent()) continue;
+    const estop::Press::Answer answer = pressed[i].Await(kAnswerLimit);
+    idled_ = idled_ || answer.idle;
+    std::string text = answer.text.empty() ? "no answer" : answer.text;
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    spdlog::info("{}: {}", sockets_[i].string(), text);
+  }
+  // Without DDS the socket's answer counts.
+  if (idled_ && !robot(now_ns)) action_.End(true, "");
+}
+
+std::optional<RobotIs> OperatorDesk::robot(std::int64_t now_ns) const {
+  return now_ns - heard_ns_ < kStateAge_ns ? robot_ : std::nullopt;
+}
+
+nlohmann::ordered_json OperatorDesk::Report() const {
+  using Json = nlohmann::ordered_json;
+  if (!action_.report()) return nullptr;
+  const PendingAction::Report& report = *action_.report();
+  return Json{{"action", NameOf(report.action)},
+              {"pending", action_.pending()},
+              {"done", report.done},
+              {"why", report.why}};
+}
+
+}  // namespace sinew::live

@@ -1,0 +1,92 @@
+#include "tools/view/pending_action.h"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+namespace sinew::live {
+
+namespace {
+
+struct ActionRule {
+  Action action;
+  const char* name;
+  std::vector<RobotIs> reached;  // states that mean it was done, as `sinew arm` and so on have them
+  bool needs_session;
+  bool given_up;  // after kLimit_ns
+};
+
+const ActionRule& RuleOf(Action action) {
+  static const std::array<ActionRule, 4> kRules = {{
+      {Action::kDisarm,
+       "disarm",
+       {RobotIs::kDisarmed, RobotIs::kFault, RobotIs::kEstopped},
+       false,
+       true},
+      {Action::kArm, "arm", {RobotIs::kArmed, RobotIs::kDamped}, true, true},
+      {Action::kEstop, "estop", {RobotIs::kEstopped}, false, false},
+      {Action::kReset, "reset", {RobotIs::kDisarmed}, true, true},
+  }};
+  return *std::find_if(kRules.begin(), kRules.end(),
+                       [action](const ActionRule& rule) { return rule.action == action; });
+}
+
+}  // namespace
+
+const char* NameOf(Action action) { return RuleOf(action).name; }
+
+const char* NameOf(RobotIs state) {
+  switch (state) {
+    case RobotIs::kDisarmed:
+      return "disarmed";
+    case RobotIs::kArmed:
+      return "armed";
+    case RobotIs::kDamped:
+      return "damped";
+    case RobotIs::kFault:
+      return "fault";
+    case RobotIs::kEstopped:
+      return "estopped";
+  }
+  return "unknown";
+}
+
+bool PendingAction::Ask(Action action, std::int64_t now_ns) {
+  if (pending_ && report_->action == Action::kEstop && action != Action::kEstop) return false;
+  report_ = Report{action, false, {}};
+  pending_ = true;
+  sent_ = false;
+  asked_ns_ = now_ns;
+  return true;
+}
+
+std::optional<Action> PendingAction::Due(std::optional<RobotIs> robot, std::int64_t now_ns) {
+  if (!pending_) return std::nullopt;
+  const ActionRule& rule = RuleOf(report_->action);
+  // What the robot said before the first sending is no answer to it.
+  if (sent_ && robot &&
+      std::find(rule.reached.begin(), rule.reached.end(), *robot) != rule.reached.end()) {
+    End(true, "");
+    return std::nullopt;
+  }
+  if (rule.given_up && now_ns - asked_ns_ >= kLimit_ns) {
+    End(false, robot ? std::string("the robot stays in '") + NameOf(*robot) + "'"
+                     : "no state provider heard");
+    return std::nullopt;
+  }
+  if ((rule.needs_session && !robot) || (sent_ && now_ns - sent_ns_ < kRepeat_ns)) {
+    return std::nullopt;
+  }
+  sent_ = true;
+  sent_ns_ = now_ns;
+  return rule.action;
+}
+
+void PendingAction::End(bool done, const std::string& why) {
+  if (!pending_) return;
+  pending_ = false;
+  report_->done = done;
+  report_->why = why;
+}
+
+}  // namespace sinew::live

@@ -1,0 +1,78 @@
+// HTTP and the Foxglove WebSocket protocol on one port (Boost.Beast).
+//
+// Threads: the server has one of its own, in which the handler is called: it must not wait.
+// Publish, clients and Stop may be called by any thread. A client that reads too slowly loses its
+// oldest data (frame_queue.h) and is sent a status that says so; it never delays anybody else.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tools/view/protocol.h"
+#include "tools/view/request_rule.h"
+
+namespace sinew::live {
+
+struct HttpRequest {
+  std::string method;  // "GET"
+  std::string path;    // "/api/status"
+  std::string query;   // after '?', as sent; may be empty
+  std::string body;
+  std::string why_no_command;  // request_rule.h; empty: it may command
+  std::string page_token;      // for the page, should it be asked for; empty: none
+};
+
+struct HttpReply {
+  unsigned status = 200;
+  std::string content_type = "text/plain; charset=utf-8";
+  std::string body;
+};
+
+using HttpHandler = std::function<HttpReply(const HttpRequest&)>;
+
+struct ServerOptions {
+  std::string address = "127.0.0.1";  // IPv4, of this host
+  unsigned short port = 0;            // 0: any that is free
+  std::string name;                   // in serverInfo
+  std::string session;                // in serverInfo; changes with every start
+  std::string token;                  // of commands (request_rule.h)
+  // What may wait for a client: at 2.5 MB/s, all topics of the rig at 240 Hz, more than 3 s.
+  std::size_t queue_bytes = 8u << 20;
+  std::size_t most_connections = 64;
+};
+
+// Of a client of the WebSocket.
+struct ClientCounts {
+  std::string address;  // "127.0.0.1:40312"
+  std::size_t subscriptions = 0;
+  std::uint64_t sent = 0;  // data frames
+  std::uint64_t lost = 0;
+  std::size_t waiting = 0;  // frames
+};
+
+class Server {
+ public:
+  // Listens at once. Without channels (numbered from 1 on) there is no WebSocket. Throws UsageError
+  // naming address and port when they cannot be had.
+  Server(const ServerOptions& options, std::vector<Channel> channels, HttpHandler handler);
+  ~Server();  // closes all connections
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  unsigned short port() const;
+  // Waits for nothing. payload: CDR with its header; stamp_ns: reception, epoch time.
+  void Publish(ChannelNumber channel, std::int64_t stamp_ns, std::vector<std::byte> payload);
+  std::vector<ClientCounts> clients() const;
+  // The handler is not called any more when this returns.
+  void Stop();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace sinew::live

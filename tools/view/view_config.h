@@ -1,0 +1,35 @@
+// Options of sinew-view, and its configuration, schema sinew-view/1 (docs/participants/view.md).
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace sinew::live {
+
+inline constexpr unsigned short kDefaultPort = 8765;  // where Foxglove looks first
+
+struct ViewOptions {
+  std::string address = "127.0.0.1";
+  int port = -1;                    // -1: of the configuration, else kDefaultPort
+  std::filesystem::path urdf;       // empty: of the configuration, else no robot is drawn
+  std::filesystem::path recording;  // empty: live
+  std::filesystem::path record_folder = ".";
+  std::vector<std::string> signals;  // plotted at first, "joint_state.position_rad[0]"
+  std::vector<std::string> sockets;  // of an estop; empty: the usual places
+  bool allow_arming = false;
+};
+
+void AddViewOptions(CLI::App& app, ViewOptions* options);
+// The words of a command line that AddViewOptions reads as these options.
+std::vector<std::string> WordsOf(const ViewOptions& options);
+
+// What the file adds to options that were not given. Throws UsageError.
+ViewOptions WithConfiguration(ViewOptions options, const std::filesystem::path& file);
+
+}  // namespace sinew::live
