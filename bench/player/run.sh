@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Speed of the player alone on a recording of the rig, as a ratio to real time (required: 50).
+# Speed of the player alone on a recording of the rig, as a ratio to the rig's time (required: 50).
 #   bench/player/run.sh [SECONDS] [REPEATS]      (60 s recorded, played three times)
 # All topics of the recording but those that command and the status. Build first; nothing else should run on the machine.
 set -euo pipefail
@@ -16,7 +16,9 @@ for run in $(seq "$repeats"); do
   "$bin/sinew" replay "$work/run.mcap" --domain 209 --rate max --json |
     python3 -c '
 import json, sys
+seconds, run = float(sys.argv[1]), sys.argv[2]
 result = json.load(sys.stdin)
-ratio = result["recorded_s"] / result["wall_s"]
-print("run '"$run"': {messages} messages, {recorded_s:.1f} s in {wall_s:.2f} s, ".format(**result) + f"{ratio:.0f} x real time")'
+ratio = seconds / result["wall_s"]
+print("run %s: %d messages, %g s of the rig in %.2f s, %.0f x real time"
+      % (run, result["messages"], seconds, result["wall_s"], ratio))' "$seconds" "$run"
 done

@@ -41,6 +41,12 @@ bool IsParty(std::string_view party, const std::string& kind) {
   return provider && party.starts_with("state provider");
 }
 
+bool Writes(const Graph& graph, const std::string& participant, const std::string& topic) {
+  return std::any_of(graph.links.begin(), graph.links.end(), [&](const GraphLink& link) {
+    return link.writes && link.participant == participant && link.topic == topic;
+  });
+}
+
 void AddLink(Graph* graph, const GraphLink& link) {
   const bool there =
       std::any_of(graph->links.begin(), graph->links.end(), [&](const GraphLink& other) {
@@ -103,10 +109,11 @@ Graph GraphOfRecording(const std::vector<RecordedWriter>& writers,
     for (const node::TopicParty& party : node::kTopicParties) {
       if (party.topic != writer.topic) continue;
       const bool writes = party.access == node::Access::kWrites;
-      if (writes && !writer.participant.empty()) continue;
+      if (writes ? !writer.participant.empty() : !party.always) continue;
       for (const RecordedParticipant& participant : participants) {
         const bool is_recorder = participant.kind == "logger" || participant.kind == "record";
         if (is_recorder || !IsParty(party.party, participant.kind)) continue;
+        if (!writes && Writes(graph, participant.name, writer.topic)) continue;
         AddLink(&graph, {participant.name, writer.topic, writes, true, false});
       }
     }

@@ -36,7 +36,7 @@ struct RecordedParticipant {
   std::string name, kind;
 };
 // Who read is in no recording, and who wrote only in newer ones: what is missing is inferred from
-// the parties of idl/README.md.
+// the parties of idl/README.md, readers without a condition only.
 Graph GraphOfRecording(const std::vector<RecordedWriter>& writers,
                        const std::vector<RecordedParticipant>& participants, bool all);
 

@@ -50,7 +50,8 @@ std::string Frame(const std::string& title) {
 
 std::string TerminalScript(const std::string& title, const std::vector<Curve>& curves, int columns,
                            int rows) {
-  std::string out = "set terminal dumb size " + std::to_string(std::max(columns, 40)) + "," +
+  // gnuplot ends each line with a blank.
+  std::string out = "set terminal dumb size " + std::to_string(std::max(columns, 40) - 1) + "," +
                     std::to_string(std::max(rows, 10)) +
                     " noenhanced\nset key outside top right horizontal\n";
   out += Frame(title) + DataBlocks(curves) + "plot ";

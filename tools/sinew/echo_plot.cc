@@ -51,7 +51,7 @@ std::string EchoPlot::Draw() const {
   winsize size{};
   const bool known = ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
   return inspect::OutputOf("gnuplot", "gnuplot-nox", {},
-                           inspect::TerminalScript(topic_, curves_, known ? size.ws_col - 1 : 79,
+                           inspect::TerminalScript(topic_, curves_, known ? size.ws_col : 80,
                                                    known ? size.ws_row - 2 : 24));
 }
 

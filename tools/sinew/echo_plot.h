@@ -26,7 +26,7 @@ class EchoPlot {
   void Add(std::span<const std::byte> payload, std::int64_t arrival_ns);
   std::uint64_t messages() const { return messages_; }
 
-  // Text of a plot as large as the terminal, or 79 x 24 without one. Throws UsageError without
+  // Text of a plot as large as the terminal, or 80 x 24 without one. Throws UsageError without
   // gnuplot, std::runtime_error when it fails.
   std::string Draw() const;
   // Throws as Draw does, and UsageError when the file cannot be written.

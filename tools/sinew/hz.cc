@@ -147,7 +147,7 @@ void PrintSummaries(const Summaries& summaries) {
                 Cell("%.2f", of(summary.age_ms, &Spread::mean)).c_str(),
                 Cell("%.2f", of(summary.age_ms, &Spread::largest)).c_str(),
                 Cell("%.2f", of(summary.delay_ms, &Spread::mean)).c_str(), lost.c_str());
-    if (summary.repeated > 0) {
+    if (summary.repeated > 0 && summary.tick_step) {
       std::printf("%-20s %llu ticks came again or late: several writers?\n", "",
                   static_cast<unsigned long long>(summary.repeated));
     }

@@ -69,6 +69,8 @@ TEST(Graph, OfARecordingTheWriterIsItsMetadataAndTheReadersAreInferred) {
   EXPECT_THAT(dot, HasSubstr("\"p:plant\" -> \"t:actuator_state\" [style=dashed];"));
   EXPECT_THAT(dot, HasSubstr("\"t:actuator_state\" -> \"p:left\" [style=dashed];"));
   EXPECT_THAT(dot, Not(HasSubstr("\"p:recorder\" ->")));
+  EXPECT_THAT(dot, Not(HasSubstr("\"t:actuator_state\" -> \"p:plant\""))) << "its own topic";
+  EXPECT_THAT(dot, Not(HasSubstr("\"t:joint_command\" -> \"p:left\""))) << "a condition";
 }
 
 TEST(Graph, AWriterWithoutStatusIsABoxAllTheSame) {
