@@ -94,10 +94,12 @@ TEST(State, OfARegimeDetector) {
         input.session_id = 5;
         input.period_s = kStatePeriod_s;
         input.armed = input.valid = true;
-        const double gap_rad = 0.5 * detector.config().play.backlash_rad * Wave(i, 0.3);
-        input.motor_position_rad =
-            detector.config().gear_ratio * (detector.config().play_center_rad + gap_rad);
-        input.output_position_rad = 2e-4 * Wave(i, 37.0);
+        // In firm lower contact, then a little above the threshold of 2.5 sigma, where the contact
+        // is kept and nobody who comes there sees one (play_detector.h; sigma is 1.9e-4 rad).
+        const double alpha_rad = i < kStepsBefore - 100 ? 0.0 : 5.4e-4;
+        const regime::DetectorConfig& config = detector.config();
+        input.motor_position_rad = config.gear_ratio * (config.play_center_rad -
+                                                        0.5 * config.play.backlash_rad + alpha_rad);
         const regime::DetectorOutput output = detector.Step(input);
         return Values{output.alpha_rad, output.confidence, static_cast<double>(output.regime),
                       static_cast<double>(output.contact)};
