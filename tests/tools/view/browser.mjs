@@ -9,6 +9,7 @@ import { join } from 'node:path';
 const { WebSocket } = createRequire(import.meta.url)('./vendor/foxglove_client.cjs');
 const [address, seconds, picture, button] = process.argv.slice(2);
 const START_MS = 60000;
+const LIMIT_MS = 140000;  // the browser ends with this program: below the test's own limit
 const folder = mkdtempSync(join(tmpdir(), 'sinew_browser.'));
 const chromium = spawn('chromium', ['--headless=new', '--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
   '--remote-debugging-port=0', `--user-data-dir=${folder}`, '--window-size=1500,1250', '--hide-scrollbars', 'about:blank'],
@@ -99,6 +100,10 @@ async function run() {
   return errors.length === 0 ? 0 : 1;
 }
 
+setTimeout(() => {
+  console.error(`not done within ${LIMIT_MS} ms`);
+  end(1);
+}, LIMIT_MS).unref();
 run().then(end, (error) => {
   console.error(error.message);
   end(1);
