@@ -41,8 +41,8 @@ struct RecorderOptions {
   // After a write error: go on reading what is offered, so that state().session goes on too.
   bool read_on_after_error = false;
   std::chrono::milliseconds batch_span{20};
-  FilesOptions files;
-  RingOptions ring;
+  FilesOptions files = {};
+  RingOptions ring = {};
 };
 
 struct TopicState {
