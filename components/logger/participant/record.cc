@@ -256,7 +256,9 @@ class Session {
       if (topic.messages == 0 || topic.session_id != state_.session->session_id ||
           topic.tick >= last)
         continue;
-      if (topics_[i]->name == node::kComponentStatus.name) continue;  // not bound to ticks
+      // Not bound to ticks: status by the clock, states now and then.
+      const std::string& name = topics_[i]->name;
+      if (name == node::kComponentStatus.name || name == node::kComponentSnapshot.name) continue;
       all_there = false;
       // A topic that answered nearly every tick will answer the last ones too.
       regular_missing = regular_missing || 10 * topic.messages >= 9 * (last + 1);
