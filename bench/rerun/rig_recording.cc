@@ -6,6 +6,7 @@
 #include <string_view>
 #include <utility>
 
+#include "components/logger/file/file_series.h"
 #include "components/logger/recorder.h"
 #include "components/node/component.h"
 #include "components/node/composition.h"
@@ -13,7 +14,6 @@
 #include "components/provider/participant/provider_options.h"
 #include "components/provider/participant/state_publisher.h"
 #include "components/provider/provider_cycle.h"
-#include "components/recording/file/file_io.h"
 #include "sim/surrogate/file/surrogate_file.h"
 #include "sim/surrogate/surrogate.h"
 
@@ -51,9 +51,9 @@ class RecordedRig {
  public:
   RecordedRig(const RigRecordingOptions& options, const config::Section& surrogate)
       : options_(options),
-        sink_(options.out, recording::Existing::kReplace),
+        files_(options.out, /*numbered=*/false, recording::Existing::kReplace),
         recorder_(
-            sink_, SchemasOfAllTopics(),
+            files_, SchemasOfAllTopics(),
             {{"sinew.recording",
               {{"mode", options.mode == node::TimeMode::kLockstep ? "lockstep" : "realtime"}}}},
             logger::RecorderOptions{.wait_for_capacity = true}),
@@ -99,7 +99,7 @@ class RecordedRig {
     }
     components_.clear();
     const recording::IoStatus written = recorder_.Finish();
-    if (!written.ok() || !sink_.Close().ok()) {
+    if (!written.ok()) {
       throw std::runtime_error(options_.out.string() + ": cannot be written");
     }
   }
@@ -116,7 +116,7 @@ class RecordedRig {
   const RigRecordingOptions options_;
   node::StopFlag stop_;
   node::Composition composition_{node::Composition::Reach::kApart};
-  recording::FileSink sink_;
+  logger::FileSeries files_;
   logger::Recorder recorder_;
   std::int64_t received_ = 0;
   node::Node recorder_node_, operators_;
