@@ -35,7 +35,7 @@ Tables::Tables(const recording::RecordingPath& path, const std::set<std::string>
     reader_ = std::make_unique<recording::McapReader>(source_);
     std::map<std::string, const recording::McapSchema*> schemas;
     for (const auto& [id, channel] : reader_->channels()) {
-      if (!topics.empty() && topics.count(channel.topic) == 0) continue;
+      if (!topics.empty() && !topics.contains(channel.topic)) continue;
       const recording::McapSchema* schema = reader_->SchemaOf(channel);
       if (schema == nullptr || schema->encoding != "omgidl" || channel.message_encoding != "cdr") {
         throw UsageError(file + ": topic '" + channel.topic + "' has messages '" +
@@ -50,7 +50,7 @@ Tables::Tables(const recording::RecordingPath& path, const std::set<std::string>
       }
     }
     for (const std::string& topic : topics) {
-      if (schemas.count(topic) == 0) {
+      if (!schemas.contains(topic)) {
         throw UsageError(file + ": no topic '" + topic +
                          "', expected one of: " + TopicsOf(*reader_));
       }

@@ -1,5 +1,5 @@
 // MuJoCo reads what is written, and has the values of the model file. Oracle: the balance of the
-// model, inverse dynamics of components/arm.
+// model in closed form; mass and its centre from the bodies of the URDF one by one.
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
