@@ -89,6 +89,20 @@ def compare_rows(recording, topic):
     return compared
 
 
+MAX_JOINTS = 12
+
+
+def same(printed, message):
+    """Whether a message is what echo prints of it: of arrays of joints those that the message has."""
+    if isinstance(message, dict):
+        return printed.keys() == message.keys() and all(same(printed[name], message[name]) for name in message)
+    if isinstance(message, list) and len(message) == MAX_JOINTS and len(printed) < MAX_JOINTS:
+        return same(printed, message[: len(printed)])
+    if isinstance(message, list):
+        return len(printed) == len(message) and all(same(one, other) for one, other in zip(printed, message))
+    return printed == message
+
+
 def check_echo(arguments, folder):
     sample = write_sample(arguments, folder)
     recording = Recording(sample)
@@ -97,7 +111,9 @@ def check_echo(arguments, folder):
     for topic in recording.topics:
         printed = run(arguments.sinew, "echo", topic, "--from", sample, "--json").stdout.splitlines()
         messages = list(recording.messages(topic))
-        expect(len(printed) == 20 and [json.loads(line) for line in printed] == messages, f"{topic}: another message")
+        expect(len(printed) == len(messages) == 20, f"{topic}: {len(printed)} lines of {len(messages)} messages")
+        for line, message in zip(printed, messages):
+            expect(same(json.loads(line), message), f"{topic}: another message")
         values += compare_rows(recording, topic)
     expect(values > 20000, f"only {values} values were compared")
     only = Recording(sample, topics=["imu"])
