@@ -53,7 +53,16 @@ class HeaderFields {
         session_(type_, "header.session_id"),
         tick_(type_, "header.tick"),
         stamp_(type_, "header.stamp_ns"),
-        origin_(type_, "header.origin") {}
+        origin_(type_, "header.origin") {
+    if (type_name == "sinew::msg::ComponentStatus") name_.emplace(type_, "name");
+  }
+
+  // The message is the component_status of this participant.
+  bool IsStatusOf(const std::string& participant, std::span<const std::byte> payload) const try {
+    return name_ && name_->AsText(payload) == participant;
+  } catch (const recording::CdrError&) {
+    return false;
+  }
 
   // A payload that is cut off has no header.
   void Read(std::span<const std::byte> payload, Arrival* arrival) const try {
@@ -69,6 +78,7 @@ class HeaderFields {
   recording::IdlSchema idl_;
   const recording::IdlType& type_;
   recording::CdrField session_, tick_, stamp_, origin_;
+  std::optional<recording::CdrField> name_;  // component_status only
 };
 
 // Meters by topic; DDS threads add, the command reads.
@@ -222,7 +232,9 @@ Summaries OfDomain(const HzOptions& options, const node::StopFlag& stop) {
   for (const node::TopicInfo* topic : wanted) {
     if (!options.topics.empty()) meters->by_topic[topic->name];  // silent ones are shown, too
     const auto fields = std::make_shared<HeaderFields>(topic->type_name, topic->idl);
-    node.ReadRaw(*topic, [meters, fields, name = topic->name](node::RawSample&& sample) {
+    node.ReadRaw(*topic, [meters, fields, name = topic->name,
+                          own = options.node.name](node::RawSample&& sample) {
+      if (fields->IsStatusOf(own, sample.payload)) return;
       Arrival arrival;
       arrival.arrival_ns = sample.reception_stamp_ns;
       arrival.sent_ns = sample.source_stamp_ns;
