@@ -26,7 +26,7 @@ struct Squats {
   const Arm* arm = nullptr;
   Load load = Load::kNone;
   int count = 0;
-  std::filesystem::path file;      // the recording
+  std::filesystem::path file;  // the recording
   SquatRecording recording;
   double mse_rad2 = 0.0;           // of all joints, from the first squat to the last one's end
   std::optional<double> fall_s;    // it fell
