@@ -46,6 +46,7 @@ struct ViewCommandOptions {
   const std::vector<std::string> words = WordsOf(options.view);
   line.insert(line.end(), words.begin(), words.end());
   std::vector<char*> pointers;
+  pointers.reserve(line.size() + 1);
   for (std::string& word : line) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   ::execv(pointers[0], pointers.data());

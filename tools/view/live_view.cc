@@ -93,6 +93,7 @@ struct Arrivals {
   std::vector<std::atomic<std::uint64_t>> counts;
   std::vector<std::uint64_t> Read() const {
     std::vector<std::uint64_t> out;
+    out.reserve(counts.size());
     for (const auto& count : counts) out.push_back(count.load(std::memory_order_relaxed));
     return out;
   }
@@ -178,6 +179,7 @@ class Live {
  private:
   static std::vector<Channel> ChannelsOf() {
     std::vector<Channel> channels;
+    channels.reserve(node::AllTopics().size());
     for (const node::TopicInfo& topic : node::AllTopics()) {
       channels.push_back({ChannelNumber{static_cast<std::uint32_t>(channels.size() + 1)},
                           topic.name, topic.type_name, topic.idl});

@@ -37,7 +37,7 @@ Page::Page(const fs::path& folder) {
     files_["/" + fs::relative(entry.path(), folder).generic_string()] = {
         200, ContentType(entry.path()), config::ReadFile(entry.path())};
   }
-  if (files_.find(kIndex) == files_.end()) {
+  if (!files_.contains(kIndex)) {
     throw UsageError(folder.string() + ": no index.html, expected the page's files in this folder");
   }
 }

@@ -42,7 +42,7 @@ RecordedView::Query ParseQuery(const std::string& query) {
     if (equals != std::string::npos) values[part.substr(0, equals)] = part.substr(equals + 1);
   }
   for (const char* key : {"topics", "from_ns", "to_ns"}) {
-    if (values.count(key) == 0) {
+    if (!values.contains(key)) {
       throw UsageError(std::string("no ") + key + ", expected topics=A,B&from_ns=N&to_ns=N");
     }
   }

@@ -410,6 +410,7 @@ void Server::Publish(ChannelNumber channel, std::int64_t stamp_ns, std::vector<s
 std::vector<ClientCounts> Server::clients() const {
   const std::lock_guard lock(impl_->shared->mutex);
   std::vector<ClientCounts> counts;
+  counts.reserve(impl_->shared->clients.size());
   for (const auto& client : impl_->shared->clients) counts.push_back(client->counts());
   return counts;
 }

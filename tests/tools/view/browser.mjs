@@ -100,6 +100,7 @@ async function run() {
   return errors.length === 0 ? 0 : 1;
 }
 
+process.on('SIGTERM', () => end(1));
 setTimeout(() => {
   console.error(`not done within ${LIMIT_MS} ms`);
   end(1);
