@@ -1,7 +1,9 @@
 // Lockstep: nothing is lost, and two runs are equal to the bit.
+#include <algorithm>
 #include <csignal>
 #include <map>
 #include <optional>
+#include <vector>
 
 #include "components/node/topics.h"
 #include "tools/conform/real_time_run.h"
@@ -75,18 +77,25 @@ std::string Difference(const Role& role, const LockstepRun& one, const LockstepR
       return topic.name + ": " + std::to_string(first.size()) + " and " +
              std::to_string(second.size()) + " outputs";
     }
-    // By tick: the first outputs of a topic that the role may write, whose reader nobody waited
-    // for, may be lost.
-    std::map<std::uint64_t, const Output*> of_tick;
+    // By tick, of which a topic may have several outputs (parts of a snapshot). The first outputs
+    // of a topic that the role may write, whose reader nobody waited for, may be lost.
+    std::map<std::uint64_t, std::vector<const Output*>> of_tick;
+    std::map<std::uint64_t, std::size_t> first_count;
     for (const Output* output : second) {
-      if (output->facts) of_tick[output->facts->tick] = output;
+      if (output->facts) of_tick[output->facts->tick].push_back(output);
+    }
+    for (const Output* output : first) {
+      if (output->facts) ++first_count[output->facts->tick];
     }
     for (std::size_t i = 0; i + 1 < first.size(); ++i) {
       if (!first[i]->facts) continue;
-      const auto same = of_tick.find(first[i]->facts->tick);
-      const bool lost = same == of_tick.end();
-      if (lost && !must) continue;
-      if (lost || first[i]->facts->canonical != same->second->facts->canonical) {
+      const std::uint64_t tick = first[i]->facts->tick;
+      const std::vector<const Output*>& same = of_tick[tick];
+      if (!must && same.size() < first_count[tick]) continue;
+      const bool repeated = std::any_of(same.begin(), same.end(), [&](const Output* output) {
+        return output->facts->canonical == first[i]->facts->canonical;
+      });
+      if (!repeated) {
         return topic.name + " differs at tick " + std::to_string(first[i]->facts->tick);
       }
     }
