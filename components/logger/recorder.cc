@@ -8,7 +8,7 @@ namespace sinew::logger {
 using recording::Bytes;
 using recording::IoStatus;
 
-Recorder::Recorder(RecordingSink& sink, std::vector<recording::TopicSchema> topics,
+Recorder::Recorder(RecordingSink& sink, const std::vector<recording::TopicSchema>& topics,
                    std::vector<recording::McapMetadata> metadata, RecorderOptions options)
     : options_(std::move(options)),
       files_(sink, topics, std::move(metadata), options_.files),

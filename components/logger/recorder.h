@@ -80,7 +80,7 @@ class Recorder {
  public:
   // Starts the thread; it begins the first file, but for a ring. Keeps a reference to the sink.
   // Throws recording::IdlError when a topic's schema cannot be read.
-  Recorder(RecordingSink& sink, std::vector<recording::TopicSchema> topics,
+  Recorder(RecordingSink& sink, const std::vector<recording::TopicSchema>& topics,
            std::vector<recording::McapMetadata> metadata, RecorderOptions options = {});
   ~Recorder();  // ends the thread; without Finish the file has no summary
   Recorder(const Recorder&) = delete;

@@ -43,6 +43,7 @@ std::vector<Finding> CheckPeers(const std::vector<node::Endpoint>& endpoints,
   std::vector<Finding> findings;
   std::set<std::string> participants;
   for (const node::Endpoint& endpoint : endpoints) participants.insert(ParticipantOf(endpoint));
+  findings.reserve(problems.size());
   for (const std::string& problem : problems) {
     findings.push_back({"participants", Severity::kFault, problem, "rebuild all from one source"});
   }

@@ -1,9 +1,9 @@
 #include "tools/inspect/run_tool.h"
 
-#include <stdlib.h>
 #include <unistd.h>
 
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>

@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 // Where an attachment is written: its name below the folder, absolute names by their last parts.
 fs::path PlaceOf(const std::string& name, const std::string& file) {
-  const fs::path place = fs::path(name).lexically_normal().relative_path();
+  fs::path place = fs::path(name).lexically_normal().relative_path();
   const bool leads_out =
       std::any_of(place.begin(), place.end(), [](const fs::path& part) { return part == ".."; });
   if (place.empty() || leads_out) {

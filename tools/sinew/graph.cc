@@ -65,6 +65,7 @@ inspect::Graph GraphFromFile(const GraphOptions& options) {
       }
     }
     std::vector<inspect::RecordedParticipant> participants;
+    participants.reserve(kinds.size());
     for (const auto& [name, kind] : kinds) participants.push_back({name, kind});
     return inspect::GraphOfRecording(writers, participants, options.all);
   } catch (const recording::McapError& error) {

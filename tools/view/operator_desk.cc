@@ -129,13 +129,12 @@ std::optional<RobotIs> OperatorDesk::robot(std::int64_t now_ns) const {
 }
 
 nlohmann::ordered_json OperatorDesk::Report() const {
-  using Json = nlohmann::ordered_json;
   if (!action_.report()) return nullptr;
   const PendingAction::Report& report = *action_.report();
-  return Json{{"action", NameOf(report.action)},
-              {"pending", action_.pending()},
-              {"done", report.done},
-              {"why", report.why}};
+  return nlohmann::ordered_json{{"action", NameOf(report.action)},
+                                {"pending", action_.pending()},
+                                {"done", report.done},
+                                {"why", report.why}};
 }
 
 }  // namespace sinew::live

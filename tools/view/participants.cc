@@ -61,27 +61,28 @@ void Participants::Refresh(std::int64_t now_ns) {
 }
 
 nlohmann::ordered_json Participants::Rows(std::int64_t now_ns) const {
-  using Json = nlohmann::ordered_json;
-  Json rows = Json::array();
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   for (const auto& [key, row] : rows_) {
     const msg::ComponentStatus& status = row.status;
-    rows.push_back({{"name", std::get<0>(key)},
-                    {"kind", status.component_kind().to_string()},
-                    {"state", NameOfState(status.state())},
-                    {"standby", status.standby()},
-                    {"process_id", status.process_id()},
-                    {"host", std::get<1>(key)},
-                    {"age_s", 1e-9 * static_cast<double>(now_ns - row.heard_ns)},
-                    {"cycles", status.cycles()},
-                    {"cycles_Hz", row.cycles_Hz},
-                    {"stale_inputs", status.stale_inputs()},
-                    {"missed_ticks", status.missed_ticks()},
-                    {"write_failures", status.write_failures()},
-                    {"malformed_samples", status.malformed_samples()},
-                    {"dropped_samples", status.dropped_samples()},
-                    {"resident_MB", status.resident_MB()},
-                    {"cpu_percent", row.cpu_percent < 0.0 ? Json(nullptr) : Json(row.cpu_percent)},
-                    {"message", status.message().to_string()}});
+    rows.push_back(
+        {{"name", std::get<0>(key)},
+         {"kind", status.component_kind().to_string()},
+         {"state", NameOfState(status.state())},
+         {"standby", status.standby()},
+         {"process_id", status.process_id()},
+         {"host", std::get<1>(key)},
+         {"age_s", 1e-9 * static_cast<double>(now_ns - row.heard_ns)},
+         {"cycles", status.cycles()},
+         {"cycles_Hz", row.cycles_Hz},
+         {"stale_inputs", status.stale_inputs()},
+         {"missed_ticks", status.missed_ticks()},
+         {"write_failures", status.write_failures()},
+         {"malformed_samples", status.malformed_samples()},
+         {"dropped_samples", status.dropped_samples()},
+         {"resident_MB", status.resident_MB()},
+         {"cpu_percent", row.cpu_percent < 0.0 ? nlohmann::ordered_json(nullptr)
+                                               : nlohmann::ordered_json(row.cpu_percent)},
+         {"message", status.message().to_string()}});
   }
   return rows;
 }

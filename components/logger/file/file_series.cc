@@ -75,7 +75,7 @@ IoStatus FileSeries::Sync() {
 }
 
 IoStatus FileSeries::End() {
-  const IoStatus status = file_->Close();
+  IoStatus status = file_->Close();
   file_.reset();
   return status;
 }

@@ -1,7 +1,7 @@
 // SIGUSR1 as a request to write what a ring holds. One object at a time; any thread asks it.
 #pragma once
 
-#include <signal.h>
+#include <csignal>
 
 namespace sinew::logger {
 

@@ -167,7 +167,7 @@ std::string AskPlayer(const fs::path& path, const std::string& line, millisecond
   if (size != static_cast<ssize_t>(request.size())) {
     throw UsageError("the player at " + path.string() + " took no request");
   }
-  const std::string answer = ReadLine(client.get(), limit);
+  std::string answer = ReadLine(client.get(), limit);
   if (answer.empty()) throw UsageError("the player at " + path.string() + " gave no answer");
   return answer;
 }
