@@ -8,7 +8,7 @@
 #include "components/pneumatics/file/pneumatics_file.h"
 #include "components/recording/file/run_reader.h"
 #include "components/reference/file/reference_file.h"
-#include "reproduction/edited_yaml/edited_yaml.h"
+#include "tools/edited_yaml/edited_yaml.h"
 #include "sim/surrogate/file/surrogate_file.h"
 #include "tools/launch/recorded_run.h"
 
@@ -17,8 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-using reproduction::LoadYaml;
-using reproduction::YamlText;
+using edited_yaml::LoadYaml;
+using edited_yaml::YamlText;
 
 struct TrialFiles {
   fs::path surrogate, pneumatics, reference, control, recorded_torque, recording, log, key;

@@ -3,7 +3,7 @@
 #include <stdexcept>
 
 #include "components/config/config.h"
-#include "reproduction/edited_yaml/edited_yaml.h"
+#include "tools/edited_yaml/edited_yaml.h"
 #include "tools/launch/recorded_run.h"
 #include "tools/sinew/performance_sessions.h"
 
@@ -25,7 +25,7 @@ fs::path LoadFile(const fs::path& robot, Load load) {
 // compared falls by itself or not at all.
 std::string UnguardedWorld(const fs::path& robot) {
   const fs::path file = robot / "world.yaml";
-  YAML::Node root = reproduction::LoadYaml(file);
+  YAML::Node root = edited_yaml::LoadYaml(file);
   root["guard"].remove("fall");
   for (const char* key : {"urdf", "model"}) {
     if (!root[key] || !root[key].IsScalar()) {
@@ -33,7 +33,7 @@ std::string UnguardedWorld(const fs::path& robot) {
     }
     root[key] = (robot / root[key].as<std::string>()).string();
   }
-  return reproduction::YamlText(root);
+  return edited_yaml::YamlText(root);
 }
 
 }  // namespace

@@ -13,6 +13,9 @@
 #include "components/config/config.h"
 #include "components/recording/file/file_io.h"
 #include "components/recording/mcap_record.h"
+#include "tools/inspect/plot.h"
+#include "tools/inspect/run_tool.h"
+#include "tools/rerun/edited_parts.h"
 #include "tools/rerun/recorded_parts.h"
 #include "tools/rerun/rerun.h"
 #include "tools/sinew/progress.h"
@@ -26,28 +29,31 @@ struct RerunOptions {
   fs::path recording, deployment;
   std::vector<std::string> components;
   std::vector<std::string> settings;
+  std::vector<std::string> edits;
+  std::string field;
+  fs::path picture;
   std::size_t session = 1;
   std::optional<double> from_s;
   bool all_differences = false;
   bool json = false;
 };
 
-// Of the files of a recording, for as long as they are read.
-class UnpackedFolder {
+// A folder of files that are read, for as long as they are.
+class TemporaryFiles {
  public:
-  UnpackedFolder() {
+  TemporaryFiles() {
     std::string name = (fs::temp_directory_path() / "sinew_rerun.XXXXXX").string();
     if (::mkdtemp(name.data()) == nullptr) {
       throw UsageError(name + ": the folder cannot be made");
     }
     path_ = name;
   }
-  ~UnpackedFolder() {
+  ~TemporaryFiles() {
     std::error_code ignored;
     fs::remove_all(path_, ignored);
   }
-  UnpackedFolder(const UnpackedFolder&) = delete;
-  UnpackedFolder& operator=(const UnpackedFolder&) = delete;
+  TemporaryFiles(const TemporaryFiles&) = delete;
+  TemporaryFiles& operator=(const TemporaryFiles&) = delete;
 
   const fs::path& path() const { return path_; }
 
@@ -153,6 +159,34 @@ void PrintJson(const RerunResult& result) {
   std::cout << report.dump(2) << '\n';
 }
 
+RerunInput::Field ParseField(const std::string& text) {
+  const std::size_t dot = text.find('.');
+  if (dot == std::string::npos || dot == 0 || dot + 1 == text.size()) {
+    throw UsageError("--field " + text +
+                     ": expected TOPIC.FIELD, e.g. joint_command.position_rad[0]");
+  }
+  return {text.substr(0, dot), text.substr(dot + 1)};
+}
+
+// What a picture shows when nothing was named: the first number that differs.
+RerunInput::Field FirstField(const RerunResult& result) {
+  for (const ComponentResult& component : result.components) {
+    for (const FieldSummary& field : component.differences) {
+      if (field.largest != 0.0 && field.field.find("[]") == std::string::npos) {
+        return {field.topic, field.field};
+      }
+    }
+  }
+  throw UsageError("--png: nothing differs, expected --field TOPIC.FIELD");
+}
+
+void WritePicture(const fs::path& path, const FieldCurve& curve) {
+  const std::string script = inspect::PngScript(
+      curve.topic + "." + curve.field,
+      {{"recorded", curve.time_s, curve.recorded}, {"run again", curve.time_s, curve.rerun}});
+  config::WriteFileAtomically(path, inspect::OutputOf("gnuplot", "gnuplot-nox", {}, script));
+}
+
 // Exit code.
 int RunCommand(const RerunOptions& options) {
   const std::string file = options.recording.string();
@@ -164,7 +198,7 @@ int RunCommand(const RerunOptions& options) {
     throw UsageError(file + ": session " + std::to_string(options.session) + ", expected 1 to " +
                      std::to_string(sessions.size()));
   }
-  const UnpackedFolder folder;
+  const TemporaryFiles folder, edited;
   launch::Overrides overrides;
   overrides.settings = options.settings;
   const launch::Deployment deployment = launch::LoadDeployment(
@@ -176,11 +210,29 @@ int RunCommand(const RerunOptions& options) {
                    .mode = ModeOf(reader, file),
                    .parts = PartsOf(deployment, options.components),
                    .from_s = options.from_s,
-                   .all_differences = options.all_differences};
-  tools::ProgressBar bar("rerun", "ticks", input.session.last_tick + 1);
-  const RerunResult result =
-      Rerun(reader, input, stop, [&](std::uint64_t done, std::uint64_t) { bar.Update(done); });
-  bar.Finish();
+                   .all_differences = options.all_differences || !options.picture.empty()};
+  if (!options.edits.empty()) {
+    std::vector<Edit> edits;
+    for (const std::string& text : options.edits) edits.push_back(ParseEdit(text));
+    input.parts = EditParts(input.parts, edits, edited.path());
+    input.all_differences = true;
+  }
+  if (!options.field.empty()) input.curve = ParseField(options.field);
+  const auto run = [&] {
+    tools::ProgressBar bar("rerun", "ticks", input.session.last_tick + 1);
+    RerunResult result =
+        Rerun(reader, input, stop, [&](std::uint64_t done, std::uint64_t) { bar.Update(done); });
+    bar.Finish();
+    return result;
+  };
+  RerunResult result = run();
+  if (!options.picture.empty()) {
+    if (!input.curve) {
+      input.curve = FirstField(result);
+      result = run();
+    }
+    WritePicture(options.picture, *result.curve);
+  }
   options.json ? PrintJson(result) : PrintText(options, sessions.size(), result);
   return result.identical() ? 0 : 1;
 }
@@ -212,6 +264,18 @@ void AddRerunCommand(CLI::App& app) {
       ->add_option("--from", options->from_s,
                    "Seconds: each component from its last snapshot up to here")
       ->check(CLI::NonNegativeNumber);
+  command
+      ->add_option(
+          "--with", options->edits,
+          "[COMPONENT.]KEY=VALUE, may be repeated: what would the components have done that "
+          "have this entry in their configuration?")
+      ->type_name("EDIT");
+  command->add_option("--png", options->picture, "Picture of a field, recorded and run again")
+      ->type_name("FILE.png");
+  command
+      ->add_option("--field", options->field,
+                   "Of the picture; the first number that differs by default")
+      ->type_name("TOPIC.FIELD");
   command->add_flag("--all-differences", options->all_differences,
                     "Go on after the first difference, and sum up all of them by field");
   command->add_flag("--json", options->json, "As JSON");
@@ -219,7 +283,9 @@ void AddRerunCommand(CLI::App& app) {
       "Exit code 0: identical; 1: not.\n\n"
       "Examples:\n"
       "  sinew rerun run.mcap --deployment deploy_esn.yaml\n"
-      "  sinew rerun run.mcap --deployment deploy_esn.yaml --component esn,control --from 30");
+      "  sinew rerun run.mcap --deployment deploy_esn.yaml --component esn,control --from 30\n"
+      "  sinew rerun run.mcap --with model=found/model.yaml --png torque.png \\\n"
+      "    --field joint_command.motor_torque_Nm[0]");
   command->callback([options] {
     int exit_code = 1;
     try {

@@ -45,6 +45,16 @@ class Run {
     for (const std::string& topic : stage_.outputs()) facts_.emplace_back(topic);
   }
 
+  // Collects this field of an output.
+  void Collect(FieldCurve* curve, double period_s) {
+    curve_ = curve;
+    period_s_ = period_s;
+    curve_field_.emplace(TypeOf(curve->topic), curve->field);
+    if (!curve_field_->type().is_number()) {
+      throw recording::CdrError("field '" + curve->field + "' is a text, expected a number");
+    }
+  }
+
   const Stage& stage() const { return stage_; }
   ComponentResult result() const {
     ComponentResult result = result_;
@@ -146,6 +156,11 @@ class Run {
       }
       return;
     }
+    if (curve_ != nullptr && curve_->topic == topic && now != nullptr) {
+      curve_->time_s.push_back(static_cast<double>(tick) * period_s_);
+      curve_->recorded.push_back(curve_field_->AsDouble(then->back()));
+      curve_->rerun.push_back(curve_field_->AsDouble(*now));
+    }
     ++result_.messages;
     if (result_.verdict == Verdict::kNothing) result_.verdict = Verdict::kIdentical;
     const node::Bytes nothing;
@@ -176,6 +191,9 @@ class Run {
   std::map<std::string, std::uint64_t> fed_;  // the last tick of each input
   ComponentResult result_;
   Differences differences_;
+  FieldCurve* curve_ = nullptr;
+  std::optional<recording::CdrField> curve_field_;
+  double period_s_ = 0.0;
   bool over_ = false;
 };
 
@@ -212,6 +230,23 @@ std::map<std::string, Snapshot> SnapshotsFor(const recording::McapReader& reader
   return snapshots;
 }
 
+// The component that writes the topic collects it.
+void CollectCurve(const RerunInput& input, const std::vector<std::unique_ptr<Run>>& runs,
+                  FieldCurve* curve) {
+  *curve = {input.curve->topic, input.curve->field, {}, {}, {}};
+  for (const auto& run : runs) {
+    const std::vector<std::string>& outputs = run->stage().outputs();
+    if (std::find(outputs.begin(), outputs.end(), curve->topic) == outputs.end()) continue;
+    try {
+      run->Collect(curve, input.session.period_s);
+    } catch (const recording::CdrError& error) {
+      throw UsageError("topic '" + curve->topic + "': " + error.what());
+    }
+    return;
+  }
+  throw UsageError("topic '" + curve->topic + "': no component that is run again writes it");
+}
+
 }  // namespace
 
 bool RerunResult::identical() const {
@@ -242,6 +277,8 @@ RerunResult Rerun(const recording::McapReader& reader, const RerunInput& input,
     topics.insert(stage.inputs().begin(), stage.inputs().end());
     topics.insert(stage.outputs().begin(), stage.outputs().end());
   }
+  RerunResult result;
+  if (input.curve) CollectCurve(input, runs, &result.curve.emplace());
   const std::vector<std::string> read(topics.begin(), topics.end());
   CheckTypes(reader, input.file, read);
   RecordedTicks recorded(reader, input.session, read);
@@ -256,7 +293,6 @@ RerunResult Rerun(const recording::McapReader& reader, const RerunInput& input,
     if (all_over) break;
     if (progress) progress(*tick + 1, input.session.last_tick + 1);
   }
-  RerunResult result;
   result.session = input.session;
   result.lockstep = input.mode == node::TimeMode::kLockstep;
   for (const auto& run : runs) result.components.push_back(run->result());

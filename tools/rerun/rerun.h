@@ -49,10 +49,17 @@ struct ComponentResult {
   std::vector<FieldSummary> differences;  // of all messages, where they are asked for
 };
 
+// A field over time, as recorded and as it is now; s since the session's tick 0.
+struct FieldCurve {
+  std::string topic, field;
+  std::vector<double> time_s, recorded, rerun;
+};
+
 struct RerunResult {
   Session session;
   bool lockstep = false;
   std::vector<ComponentResult> components;
+  std::optional<FieldCurve> curve;  // where it is asked for
   double wall_s = 0.0;
 
   bool identical() const;
@@ -68,6 +75,11 @@ struct RerunInput {
   std::optional<double> from_s{};
   // Goes on after the first difference, with the recorded inputs, and sums all up.
   bool all_differences = false;
+  // A number in an output of a component, collected over all ticks.
+  struct Field {
+    std::string topic, field;
+  };
+  std::optional<Field> curve{};
 };
 
 // `progress` receives the ticks done and those of the session, if given. Throws UsageError for a

@@ -90,6 +90,45 @@ TEST_F(RerunCommand, FromASnapshotInJson) {
   EXPECT_NE(result.output.find("\"ticks\": 479"), std::string::npos) << result.output;
 }
 
+TEST_F(RerunCommand, ShowsWhatOtherValuesWouldHaveDone) {
+  const std::string picture = (folder_.path() / "torque.png").string();
+  const CommandResult result = RunRerun({recording_, "--deployment", deployment_, "--with",
+                                         "control.proportional_Nm_rad=3", "--png", picture});
+  EXPECT_EQ(result.exit_code, 1) << result.error;
+  EXPECT_NE(result.output.find("control: differs at tick "), std::string::npos) << result.output;
+  EXPECT_NE(result.output.find("joint_command.motor_torque_Nm[0]: in "), std::string::npos)
+      << result.output;
+  EXPECT_EQ(result.output.find("pneumatics"), std::string::npos) << "it has no such entry";
+  EXPECT_EQ(config::ReadFile(picture).substr(1, 3), "PNG");
+}
+
+// The model that is there, by another name: rls and control read it, and do what they did.
+TEST_F(RerunCommand, AnotherFileOfTheSameContentIsIdentical) {
+  const std::string model =
+      folder_.Write("found.yaml", config::ReadFile(kRigOfCommand / "surrogate_model.yaml"));
+  std::filesystem::copy_file(kRigOfCommand / "rig.urdf", folder_.path() / "rig.urdf");
+  const CommandResult result = RunRerun(
+      {recording_, "--deployment", deployment_, "--with", "model=" + model, "--field",
+       "joint_command.motor_torque_Nm[0]", "--png", (folder_.path() / "same.png").string()});
+  EXPECT_EQ(result.exit_code, 0) << result.output << result.error;
+  EXPECT_NE(result.output.find("control: identical"), std::string::npos) << result.output;
+  EXPECT_NE(result.output.find("rls: identical"), std::string::npos) << result.output;
+}
+
+TEST_F(RerunCommand, AWrongEditOrFieldIsNamed) {
+  const auto error_of = [&](const char* option, const char* text) {
+    return RunRerun({recording_, "--deployment", deployment_, option, text}).error;
+  };
+  EXPECT_EQ(error_of("--with", "model"), "--with model: expected KEY=VALUE or COMPONENT.KEY=VALUE");
+  EXPECT_EQ(error_of("--with", "no_such_entry=1"),
+            "--with no_such_entry: no configuration has such an entry, expected a key that is "
+            "written there");
+  EXPECT_NE(error_of("--with", "control.model=absent.yaml").find("absent.yaml"), std::string::npos);
+  EXPECT_EQ(error_of("--field", "joint_command.no_such").find("topic 'joint_command': "), 0u);
+  EXPECT_EQ(error_of("--field", "joint_state.velocity_rad_s[0]"),
+            "topic 'joint_state': no component that is run again writes it");
+}
+
 TEST_F(RerunCommand, AWrongRequestNamesFileAndWhatWasExpected) {
   EXPECT_EQ(RunRerun({recording_}).error,
             recording_ + ": no deployment is attached, expected --deployment FILE");
