@@ -8,8 +8,8 @@
 #include "components/pneumatics/file/pneumatics_file.h"
 #include "components/recording/file/run_reader.h"
 #include "components/reference/file/reference_file.h"
-#include "tools/edited_yaml/edited_yaml.h"
 #include "sim/surrogate/file/surrogate_file.h"
+#include "tools/edited_yaml/edited_yaml.h"
 #include "tools/launch/recorded_run.h"
 
 namespace sinew::control_test {

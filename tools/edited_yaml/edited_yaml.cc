@@ -14,7 +14,7 @@ YAML::Node LoadYaml(const std::filesystem::path& path) {
   }
 }
 
-int ReplaceEntries(YAML::Node node, const std::string& key, const YAML::Node& value) {
+int ReplaceEntries(const YAML::Node& node, const std::string& key, const YAML::Node& value) {
   int count = 0;
   if (node.IsMap()) {
     for (auto entry : node) {

@@ -11,8 +11,9 @@ namespace sinew::edited_yaml {
 // Throws UsageError naming the file.
 YAML::Node LoadYaml(const std::filesystem::path& path);
 
-// Gives every entry `key`, at any depth, the value; how many there were.
-int ReplaceEntries(YAML::Node node, const std::string& key, const YAML::Node& value);
+// Gives every entry `key`, at any depth, the value; how many there were. A node refers to its
+// content, which changes.
+int ReplaceEntries(const YAML::Node& node, const std::string& key, const YAML::Node& value);
 
 // Scalars that name a file relative to `folder` name it by its absolute path, so that the text may
 // stand elsewhere.
