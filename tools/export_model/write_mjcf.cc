@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "components/report/section.h"
 #include "tools/export_model/write_model.h"
 #include "tools/export_model/xml_text.h"
 
@@ -11,11 +12,11 @@ class MjcfText {
   explicit MjcfText(const DescribedRobot& robot) : robot_(robot) {}
 
   std::string Write(const Remarks& remarks) {
-    text_ = "<mujoco model=\"" + XmlEscaped(robot_.name) + "\">\n";
+    text_ = "<mujoco model=\"" + report::Escape(robot_.name) + "\">\n";
     for (const std::string& remark : remarks) text_ += "  " + XmlComment(remark) + "\n";
     text_ += "  <compiler angle=\"radian\" balanceinertia=\"false\" inertiafromgeom=\"false\"/>\n";
     text_ += "  <option gravity=\"" + XmlNumbers({0.0, 0.0, -robot_.gravity_m_s2}) + "\"/>\n";
-    text_ += "  <worldbody>\n    <body name=\"" + XmlEscaped(Chain().base.link_name) + "\">\n";
+    text_ += "  <worldbody>\n    <body name=\"" + report::Escape(Chain().base.link_name) + "\">\n";
     if (robot_.floating) {
       text_ += "      <freejoint/>\n";
       Inertial(Chain().base, "      ");
@@ -56,7 +57,7 @@ class MjcfText {
                                        ? Chain().base.link_name
                                        : Chain().bodies[static_cast<std::size_t>(body)].link_name;
       if (frame.body != body || frame.link_name == carrier) continue;
-      text_ += indent + "<site name=\"" + XmlEscaped(frame.link_name) + "\" " +
+      text_ += indent + "<site name=\"" + report::Escape(frame.link_name) + "\" " +
                Pose(frame.body_from_link) + "/>\n";
     }
   }
@@ -65,7 +66,7 @@ class MjcfText {
     for (std::size_t i = 0; i < Chain().bodies.size(); ++i) {
       const arm::Body& body = Chain().bodies[i];
       if (body.parent != parent) continue;
-      text_ += indent + "<body name=\"" + XmlEscaped(body.link_name) + "\" " +
+      text_ += indent + "<body name=\"" + report::Escape(body.link_name) + "\" " +
                Pose(body.parent_from_joint) + ">\n";
       Inertial(body, indent + "  ");
       Joint(body, indent + "  ");
@@ -82,7 +83,7 @@ class MjcfText {
       joint.spring_Nm_rad += body.passive->stiffness_Nm_rad;
       joint.damping_Nm_s_rad += body.passive->damping_Nms_rad;
     }
-    text_ += indent + "<joint name=\"" + XmlEscaped(body.joint_name) + "\" type=\"" +
+    text_ += indent + "<joint name=\"" + report::Escape(body.joint_name) + "\" type=\"" +
              (body.prismatic ? "slide" : "hinge") + "\" axis=\"" + XmlVector(body.axis) + "\"";
     if (std::isfinite(body.lower) && std::isfinite(body.upper)) {
       text_ += " limited=\"true\" range=\"" + XmlNumbers({body.lower, body.upper}) + "\"";
@@ -100,7 +101,7 @@ class MjcfText {
 
   void Actuator(const DescribedJoint& joint) {
     if (joint.gear == 0.0) return;
-    const std::string name = XmlEscaped(joint.name);
+    const std::string name = report::Escape(joint.name);
     if (joint.servo) {
       // force = gain (control - q) - velocity_gain q'
       text_ += "    <general name=\"" + name + "\" joint=\"" + name + "\" gainprm=\"" +

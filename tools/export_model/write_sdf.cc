@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "components/report/section.h"
 #include "tools/export_model/write_model.h"
 #include "tools/export_model/xml_text.h"
 
@@ -37,11 +38,11 @@ std::string SdfJoint(const DescribedRobot& robot, const arm::Body& body,
     joint.spring_Nm_rad += body.passive->stiffness_Nm_rad;
     joint.damping_Nm_s_rad += body.passive->damping_Nms_rad;
   }
-  std::string text = "    <joint name=\"" + XmlEscaped(body.joint_name) + "\" type=\"" +
+  std::string text = "    <joint name=\"" + report::Escape(body.joint_name) + "\" type=\"" +
                      (body.prismatic ? "prismatic" : "revolute") + "\">\n";
   text += "      <pose relative_to=\"" + parent + "\">" + SdfPose(body.parent_from_joint) +
           "</pose>\n      <parent>" + parent + "</parent>\n      <child>" +
-          XmlEscaped(body.link_name) + "</child>\n      <axis>\n        <xyz>" +
+          report::Escape(body.link_name) + "</child>\n      <axis>\n        <xyz>" +
           XmlVector(body.axis) + "</xyz>\n        <limit>";
   if (std::isfinite(body.lower)) text += SdfElement("lower", body.lower);
   if (std::isfinite(body.upper)) text += SdfElement("upper", body.upper);
@@ -57,12 +58,12 @@ std::string SdfJoint(const DescribedRobot& robot, const arm::Body& body,
 
 std::string WriteSdf(const DescribedRobot& robot, const Remarks& remarks) {
   const arm::Chain& chain = robot.links.chain;
-  const std::string base = XmlEscaped(chain.base.link_name);
+  const std::string base = report::Escape(chain.base.link_name);
   const auto link_name = [&](int body) {
-    return body < 0 ? base : XmlEscaped(chain.bodies[static_cast<std::size_t>(body)].link_name);
+    return body < 0 ? base : report::Escape(chain.bodies[static_cast<std::size_t>(body)].link_name);
   };
   std::string text = "<?xml version=\"1.0\"?>\n<sdf version=\"1.9\">\n  <model name=\"" +
-                     XmlEscaped(robot.name) + "\">\n";
+                     report::Escape(robot.name) + "\">\n";
   for (const std::string& remark : remarks) text += "    " + XmlComment(remark) + "\n";
   text += "    <link name=\"" + base + "\">\n" +
           (robot.floating ? SdfInertial(chain.base) : std::string()) + "    </link>\n";
@@ -71,13 +72,13 @@ std::string WriteSdf(const DescribedRobot& robot, const Remarks& remarks) {
             "</parent>\n      <child>" + base + "</child>\n    </joint>\n";
   }
   for (const arm::Body& body : chain.bodies) {
-    text += "    <link name=\"" + XmlEscaped(body.link_name) + "\">\n      <pose relative_to=\"" +
-            XmlEscaped(body.joint_name) + "\"/>\n" + SdfInertial(body) + "    </link>\n" +
-            SdfJoint(robot, body, link_name(body.parent));
+    text += "    <link name=\"" + report::Escape(body.link_name) +
+            "\">\n      <pose relative_to=\"" + report::Escape(body.joint_name) + "\"/>\n" +
+            SdfInertial(body) + "    </link>\n" + SdfJoint(robot, body, link_name(body.parent));
   }
   for (const arm::LinkFrame& frame : robot.links.frames) {
-    if (XmlEscaped(frame.link_name) == link_name(frame.body)) continue;
-    text += "    <frame name=\"" + XmlEscaped(frame.link_name) + "\" attached_to=\"" +
+    if (report::Escape(frame.link_name) == link_name(frame.body)) continue;
+    text += "    <frame name=\"" + report::Escape(frame.link_name) + "\" attached_to=\"" +
             link_name(frame.body) + "\">\n      <pose>" + SdfPose(frame.body_from_link) +
             "</pose>\n    </frame>\n";
   }

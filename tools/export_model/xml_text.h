@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <initializer_list>
 #include <string>
 
@@ -23,30 +24,6 @@ inline std::string XmlNumbers(std::initializer_list<double> values) {
 }
 
 inline std::string XmlVector(const Eigen::Vector3d& v) { return XmlNumbers({v.x(), v.y(), v.z()}); }
-
-// For attributes in double quotes and for contents.
-inline std::string XmlEscaped(const std::string& text) {
-  std::string out;
-  for (const char letter : text) {
-    switch (letter) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += letter;
-    }
-  }
-  return out;
-}
 
 // Without the dashes that would end it.
 inline std::string XmlComment(std::string text) {

@@ -39,6 +39,9 @@ std::vector<compose::Part> EditParts(const std::vector<compose::Part>& parts,
                                      const std::vector<Edit>& edits, const fs::path& folder) {
   std::vector<compose::Part> edited;
   std::vector<int> changed(edits.size(), 0);
+  std::vector<YAML::Node> values;
+  values.reserve(edits.size());
+  for (const Edit& edit : edits) values.push_back(ValueOf(edit));
   for (const compose::Part& part : parts) {
     if (part.config.empty()) continue;
     YAML::Node root = edited_yaml::LoadYaml(part.config);
@@ -46,7 +49,7 @@ std::vector<compose::Part> EditParts(const std::vector<compose::Part>& parts,
     for (std::size_t i = 0; i < edits.size(); ++i) {
       const Edit& edit = edits[i];
       if (!edit.component.empty() && edit.component != part.name) continue;
-      const int entries = edited_yaml::ReplaceEntries(root, edit.key, ValueOf(edit));
+      const int entries = edited_yaml::ReplaceEntries(root, edit.key, values[i]);
       changed[i] += entries;
       count += entries;
     }
