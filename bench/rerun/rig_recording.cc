@@ -84,6 +84,7 @@ class RecordedRig {
     plant_.Reset(&sensors_);
     cycle_.ArmAtStart();
     for (std::uint64_t tick = 0; tick < options_.ticks && !stop_.requested(); ++tick) {
+      composition_.SetSettled(tick >= options_.joining_ticks);
       if (options_.before) options_.before(operators_, cycle_.session_id(), tick);
       (void)cycle_.Begin(tick, 0);
       readers_.TakeOperatorCommands(tick);

@@ -22,6 +22,7 @@ struct RigRecordingOptions {
   std::uint64_t ticks = 0;  // of 240 Hz
   std::uint64_t seed = 1;
   node::TimeMode mode = node::TimeMode::kLockstep;
+  std::uint64_t joining_ticks = 0;  // real time: in the first ones all stand by (Tick::settled)
   // Called before each tick, if given: what an operator sends.
   std::function<void(node::Node& operators, std::uint64_t session_id, std::uint64_t tick)> before{};
   // A participant that misses this tick, if given: real time, where the others go on without it.

@@ -47,6 +47,9 @@ class Composition {
   int Flush();
 
   bool apart() const { return reach_ == Reach::kApart; }
+  // Apart: whether its participants have settled (Tick::settled); at first they have.
+  void SetSettled(bool settled) { settled_ = settled; }
+  bool settled() const { return settled_; }
   // Of a topic, by all readers that there are now.
   struct Taken {
     int readers = 0;
@@ -78,6 +81,7 @@ class Composition {
   std::optional<std::string> NameOf(const WriterId& writer) const;
 
   const Reach reach_;
+  bool settled_ = true;
   std::multimap<std::string, internal::ReaderImpl*> readers_;  // by topic
   mutable std::shared_mutex writers_mutex_;
   std::map<WriterId, const internal::WriterImpl*> writers_;

@@ -274,6 +274,8 @@ struct TickLoop::Impl {
   std::uint64_t session_id = 0;
   types::RunningSession running;  // as the trigger's last message says
   std::optional<std::uint64_t> last_tick;
+  // Of the last two cycles in the session, which not every accepted trigger is.
+  std::optional<std::uint64_t> last_cycle_tick{}, previous_cycle{};
   bool ended = false;
   std::vector<std::uint64_t> events{};   // that count in this cycle
   std::optional<HeadOfMessage> begun{};  // the trigger of the next cycle, accepted
@@ -284,6 +286,11 @@ struct TickLoop::Impl {
   Clock::time_point quiet_until{};
   // Until then it joins below others, and they exchange what they are: work for later (realtime.h).
   const Clock::time_point settled = Clock::now() + internal::kSettleTime;
+
+  bool Settled() const {
+    if (apart) return node.options().composition->settled();
+    return lockstep || Clock::now() >= settled;
+  }
 
   // A trigger must say how long a cycle is, itself or in the options.
   void CheckTrigger(std::string_view topic, bool carries_period, const InputRules& rules) const {
@@ -356,6 +363,7 @@ struct TickLoop::Impl {
     if (!last_tick || head.session_id != session_id) {
       session_id = head.session_id;
       last_tick.reset();
+      last_cycle_tick.reset();
       for (std::size_t i = 1; i < inputs.size(); ++i) inputs[i]->queue.Reset();
     }
     Tick tick;
@@ -442,13 +450,17 @@ struct TickLoop::Impl {
   }
 
   template <class Message>
-  void NameInputs([[maybe_unused]] Message* message) const {
+  void NameInputs([[maybe_unused]] const Tick& tick, [[maybe_unused]] Message* message) const {
     for (const std::string_view topic : kOptionalInputs) SetInputTick(topic, kNoTick, message);
     for (const std::shared_ptr<InputBase>& input : inputs) {
       const bool used = input->queue.accepted();
       SetInputTick(input->topic(), used ? input->queue.accepted_tick() : kNoTick, message);
     }
     if constexpr (requires { message->event_ids(events); }) message->event_ids(events);
+    if constexpr (requires { message->previous_tick(kNoTick); }) {
+      message->previous_tick(previous_cycle.value_or(kNoTick));
+    }
+    if constexpr (requires { message->joining(true); }) message->joining(!tick.settled);
   }
 
   std::chrono::nanoseconds CutOff(double nominal_period_s) const {
@@ -519,7 +531,7 @@ std::optional<Tick> TickLoop::Next() {
     head = self.WaitForTrigger();
     if (!head) return std::nullopt;
     tick = self.Begin(*head);
-    tick.settled = self.lockstep || self.apart || Clock::now() >= self.settled;
+    tick.settled = self.Settled();
     if (tick.settled) BeginRealtime();
   } while (self.MustBeQuiet(tick));
   self.running = {tick.session_id, wire::FromWire(trigger.origin())};
@@ -527,6 +539,7 @@ std::optional<Tick> TickLoop::Next() {
     if (input->replay) input->replay->Cycle(self.running, trigger.robot_may_move());
   }
   if (!self.AwaitInputs(head->tick, self.GiveUpAt(tick.nominal_period_s))) return std::nullopt;
+  self.previous_cycle = std::exchange(self.last_cycle_tick, tick.tick);
   bool replayed = false;
   for (std::size_t i = 1; i < self.inputs.size(); ++i) {
     InputBase& input = *self.inputs[i];
@@ -568,7 +581,7 @@ void TickLoop::Publish(Writer<Message>& writer, Message message, const Tick& tic
   message.header().tick(tick.tick);
   message.header().stamp_ns(tick.stamp_ns);
   message.header().origin(static_cast<msg::Origin>(tick.origin));
-  impl_->NameInputs(&message);
+  impl_->NameInputs(tick, &message);
   if (writer.Write(message) != WriteStatus::kOk) ++impl_->counts.write_failures;
 }
 

@@ -105,7 +105,7 @@ class TickLoop {
   // An event counts in this cycle: outputs that carry event_ids name it. EventId, codec.h.
   void Used(std::uint64_t event_id);
 
-  // Fills the header, the ticks of the inputs that were used and the events. In real time nothing
+  // Fills the header and what header.idl says of outputs. In real time nothing
   // is published that comes later than readers wait for an owner (ownership.h): who was stopped in
   // the middle of a cycle does not end it.
   template <class Message>

@@ -1,7 +1,8 @@
-// A lockstep recording of the rig's processes, run again in one process with the files that it
-// carries. Domain 216.
+// Recordings of the rig's processes, run again in one process with the files that they carry.
+// Domain 216.
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "tests/support/program.h"
@@ -40,6 +41,26 @@ TEST(Rerun, OfTheRigsProcessesIsIdenticalAndAnotherControllerIsNot) {
   EXPECT_EQ(other.exit_code, 1) << other.error;
   EXPECT_NE(other.output.find("control: differs at tick "), std::string::npos) << other.output;
   EXPECT_NE(other.output.find(": joint_command."), std::string::npos) << other.output;
+}
+
+// Also in their first second, in which they stand by. What was published too late or lost is no
+// difference.
+TEST(Rerun, OfTheRigsProcessesInRealTimeDiffersNowhere) {
+  const TemporaryFolder folder;
+  const std::string file = (folder.path() / "rig.mcap").string();
+  const Finished recorded = testing::Run({kSinew, "launch", kRerunRig + "deploy_rig.yaml",
+                                          "--duration", "3", "--domain", "216", "--record", file},
+                                         120s);
+  ASSERT_EQ(recorded.exit_code, 0) << recorded.output << recorded.error;
+
+  const Finished again = testing::Run({kSinew, "rerun", file, "--json"}, 60s);
+  ASSERT_TRUE(nlohmann::json::accept(again.output)) << again.output << again.error;
+  const nlohmann::json components = nlohmann::json::parse(again.output)["components"];
+  EXPECT_EQ(components.size(), 6u);
+  for (const auto& component : components) {
+    EXPECT_NE(component["verdict"], "differs") << component;
+    EXPECT_NE(component["verdict"], "nothing recorded") << component;
+  }
 }
 
 }  // namespace

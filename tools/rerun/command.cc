@@ -18,6 +18,7 @@
 #include "tools/rerun/edited_parts.h"
 #include "tools/rerun/recorded_parts.h"
 #include "tools/rerun/rerun.h"
+#include "tools/sinew/node_options.h"
 #include "tools/sinew/progress.h"
 
 namespace sinew::rerun {
@@ -287,6 +288,7 @@ void AddRerunCommand(CLI::App& app) {
       "  sinew rerun run.mcap --with model=found/model.yaml --png torque.png \\\n"
       "    --field joint_command.motor_torque_Nm[0]");
   command->callback([options] {
+    tools::StartCommandLog("rerun");
     int exit_code = 1;
     try {
       exit_code = RunCommand(*options);

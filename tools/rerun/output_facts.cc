@@ -34,6 +34,8 @@ OutputFacts::OutputFacts(const std::string& topic) : topic_(topic) {
       ticks_.emplace_back(name.topic, recording::CdrField(type, name.field));
     }
   }
+  if (recording::HasField(type, "joining")) joining_.emplace(type, "joining");
+  if (recording::HasField(type, "previous_tick")) previous_.emplace(type, "previous_tick");
   for (std::uint32_t i = 0; recording::HasField(type, EventField(i)); ++i) {
     events_.emplace_back(type, EventField(i));
   }
@@ -45,6 +47,8 @@ void OutputFacts::AddTo(std::span<const std::byte> payload, UsedInputs* used) co
     for (const auto& [input, field] : ticks_) {
       used->tick[input] = static_cast<std::uint64_t>(field.AsInt(payload));
     }
+    if (previous_) used->previous_cycle = static_cast<std::uint64_t>(previous_->AsInt(payload));
+    if (joining_) used->joining = joining_->AsInt(payload) != 0;
     for (const recording::CdrField& id : events_) {
       used->events.insert(static_cast<std::uint64_t>(id.AsInt(payload)));
     }

@@ -1,9 +1,10 @@
-// What a recorded output says it was computed from: ticks of inputs and ids of events
-// (idl/header.idl). Pure.
+// What a recorded output says it was computed from: ticks of inputs, ids of events
+// (idl/header.idl), and whether its writer stood by in its first second. Pure.
 #pragma once
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -18,6 +19,8 @@ struct UsedInputs {
   bool any_output = false;
   std::map<std::string, std::uint64_t> tick;  // by input topic; node::kNoTick: none was there
   std::set<std::uint64_t> events;
+  bool joining = false;
+  std::optional<std::uint64_t> previous_cycle;  // node::kNoTick: this is the first
 };
 
 class OutputFacts {
@@ -32,6 +35,7 @@ class OutputFacts {
  private:
   std::string topic_;
   std::vector<std::pair<std::string, recording::CdrField>> ticks_;
+  std::optional<recording::CdrField> joining_, previous_;
   std::vector<recording::CdrField> events_;  // event_ids[0], event_ids[1] ...
 };
 

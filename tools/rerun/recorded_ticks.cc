@@ -2,6 +2,7 @@
 
 #include <sinew_idl/joint.h>
 
+#include <iterator>
 #include <set>
 
 #include "components/config/config.h"
@@ -37,6 +38,28 @@ void CheckTypes(const recording::McapReader& reader, const std::string& file,
                        (known != nullptr ? known->type_name : std::string("topics")) +
                        ", expected a recording of the same build or one with equal types");
     }
+  }
+}
+
+void CheckWriters(const recording::McapReader& reader, const std::string& file,
+                  const std::vector<std::string>& topics) {
+  const auto& counts = reader.statistics().channel_message_counts;
+  for (const std::string& name : topics) {
+    const node::TopicInfo* info = node::FindTopic(name);
+    if (info == nullptr || info->profile == node::Profile::kEvent) continue;
+    std::set<std::string> writers;
+    for (const auto& [id, channel] : reader.channels()) {
+      const auto writer = channel.metadata.find("participant");
+      const auto count = counts.find(id);
+      const bool wrote = count != counts.end() && count->second > 0;
+      if (channel.topic == name && wrote && writer != channel.metadata.end()) {
+        writers.insert(writer->second);
+      }
+    }
+    if (writers.size() < 2) continue;
+    throw UsageError(file + ": topic '" + name + "' has several writers (" + *writers.begin() +
+                     ", " + *std::next(writers.begin()) +
+                     "), expected one: which of them was heard is not recorded");
   }
 }
 

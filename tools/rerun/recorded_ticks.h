@@ -32,6 +32,11 @@ std::vector<Session> SessionsOf(const recording::McapReader& reader, const std::
 void CheckTypes(const recording::McapReader& reader, const std::string& file,
                 const std::vector<std::string>& topics);
 
+// Throws UsageError naming a topic of states or commands that participants of several names wrote:
+// which of them was heard in a tick is not recorded.
+void CheckWriters(const recording::McapReader& reader, const std::string& file,
+                  const std::vector<std::string>& topics);
+
 class RecordedTicks {
  public:
   // In lockstep no writer is further ahead of a reader than its history is deep (256 samples, the

@@ -65,8 +65,19 @@ class Run {
 
   void Cycle(const RecordedTicks& recorded, std::uint64_t tick) {
     if (snapshot_ && tick < snapshot_->tick) return;
+    if (snapshot_ && tick > snapshot_->tick) {
+      return Lose(tick, At("joint_state", snapshot_->tick) +
+                            " is not in the recording, from which its snapshot goes on");
+    }
     const UsedInputs used = UsedIn(recorded, tick);
-    if (!lockstep_ && !used.any_output) return;  // it had no cycle
+    const bool at_snapshot = snapshot_ && snapshot_->tick == tick;
+    if (!lockstep_ && !at_snapshot) {
+      if (!used.any_output) return;  // it had no cycle, or the next output names it
+      if (used.previous_cycle) CheckCycles(*used.previous_cycle, tick);
+      if (over_) return;
+    }
+    last_cycle_ = tick;
+    stage_.SetJoining(used.joining);
     FeedInputs(recorded, tick, used);
     if (!snapshot_) FeedEvents(recorded, tick, used);
     if (over_) return;
@@ -80,6 +91,19 @@ class Run {
   }
 
  private:
+  // Its cycle before this one must be the last that was run again.
+  void CheckCycles(std::uint64_t previous, std::uint64_t tick) {
+    if (previous == last_cycle_.value_or(node::kNoTick)) return;
+    const std::string in_tick = " in tick " + std::to_string(tick);
+    if (previous == node::kNoTick) {
+      End(Verdict::kOutputLost, tick, stage_.name() + " was started again" + in_tick);
+    } else {
+      End(Verdict::kOutputLost, tick,
+          "the outputs of its cycle in tick " + std::to_string(previous) + ", which it names" +
+              in_tick + ", are not in the recording");
+    }
+  }
+
   // What was fed is that of the snapshot's cycle.
   void Resume() {
     try {
@@ -183,7 +207,8 @@ class Run {
     over_ = true;
   }
 
-  std::optional<Snapshot> snapshot_;  // until it is reached
+  std::optional<Snapshot> snapshot_;         // until it is reached
+  std::optional<std::uint64_t> last_cycle_;  // that was run again, or of the snapshot
   const bool all_differences_;
   const bool lockstep_;
   Stage stage_;
@@ -281,6 +306,7 @@ RerunResult Rerun(const recording::McapReader& reader, const RerunInput& input,
   if (input.curve) CollectCurve(input, runs, &result.curve.emplace());
   const std::vector<std::string> read(topics.begin(), topics.end());
   CheckTypes(reader, input.file, read);
+  CheckWriters(reader, input.file, read);
   RecordedTicks recorded(reader, input.session, read);
   CheckInputs(recorded, input.file, runs);
   while (const auto tick = recorded.Next()) {

@@ -27,8 +27,9 @@ enum class Verdict {
   kIdentical,
   kDiffers,     // `difference`
   kInputLost,   // `lost`: a sample that was used is not in the recording
-  kOutputLost,  // `lost`: lockstep, where the recording must have every output
-  kNothing,     // the recording has no output of it
+  kOutputLost,  // `lost`: of a cycle whose outputs the recording lacks, and so its inputs; or it
+                // was started again
+  kNothing,  // the recording has no output of it
 };
 
 struct Difference {
@@ -84,8 +85,8 @@ struct RerunInput {
 
 // `progress` receives the ticks done and those of the session, if given. Throws UsageError for a
 // configuration, a session that does not begin with tick 0 or has no snapshot up to from_s, a topic
-// that a component reads and the recording has not, or types of another build;
-// recording::McapError.
+// that a component reads and the recording has not, one with several writers, or types of another
+// build; recording::McapError.
 RerunResult Rerun(const recording::McapReader& reader, const RerunInput& input,
                   node::StopFlag& stop,
                   const std::function<void(std::uint64_t, std::uint64_t)>& progress = {});

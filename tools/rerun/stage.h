@@ -32,6 +32,8 @@ class Stage {
   bool Reads(std::string_view topic) const;
 
   void Feed(const std::string& topic, std::span<const std::byte> payload);
+  // Whether it stands by in its next cycles, as in a participant's first second (Tick::settled).
+  void SetJoining(bool joining) { composition_.SetSettled(!joining); }
   // One cycle, with what was fed. False: no cycle had begun, or its session has ended.
   bool Step();
   // The cycle with what was fed is over, and this the state after it. Throws std::invalid_argument.

@@ -49,6 +49,7 @@ static void Step(Swing *s, const sinew_msg_JointState *state, sinew_msg_Referenc
   memset(out, 0, sizeof *out);
   out->header = state->header;
   out->state_tick = state->header.tick;
+  out->previous_tick = s->session == state->header.session_id ? s->tick : UINT64_MAX;
   out->joint_count = state->joint_count;
   if (s->session != state->header.session_id) {
     memset(s->last_rad, 0, sizeof s->last_rad);

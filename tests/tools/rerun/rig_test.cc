@@ -17,11 +17,13 @@
 #include "bench/rerun/rig_recording.h"
 #include "components/config/config.h"
 #include "components/node/codec.h"
+#include "components/recording/cdr.h"
 #include "components/recording/file/file_io.h"
 #include "components/recording/mcap_writer.h"
 #include "tests/support/temporary_folder.h"
 #include "tools/rerun/recorded_parts.h"
 #include "tools/rerun/rerun.h"
+#include "tools/rerun/stage.h"
 
 namespace sinew::rerun {
 namespace {
@@ -99,9 +101,10 @@ class RerunOfTheRig : public ::testing::Test {
                  stop);
   }
 
-  // A copy of a recording.
+  // A copy of a recording; the last message of `shared`, if named, is another participant's.
   static std::filesystem::path Copy(const std::string& name, const Edit& edit,
-                                    const std::filesystem::path& from = Recording()) {
+                                    const std::filesystem::path& from = Recording(),
+                                    const std::string& shared = "") {
     recording::FileSource source(from);
     const recording::McapReader reader(source);
     recording::FileSink sink(folder_->path() / name, recording::Existing::kReplace);
@@ -111,13 +114,22 @@ class RerunOfTheRig : public ::testing::Test {
       EXPECT_TRUE(writer.WriteMetadata(metadata).ok());
     }
     std::map<recording::ChannelId, recording::ChannelId> channels;
+    recording::ChannelId other{};
     for (const auto& [id, channel] : reader.channels()) {
       const recording::McapSchema* schema = reader.SchemaOf(channel);
       recording::SchemaId schema_id{};
       EXPECT_TRUE(writer.AddSchema(schema->name, schema->encoding, schema->data, &schema_id).ok());
+      auto metadata = channel.metadata;
+      if (channel.topic == shared) {
+        metadata["participant"] = shared;
+        EXPECT_TRUE(writer
+                        .AddChannel(schema_id, channel.topic, channel.message_encoding,
+                                    {{"participant", "other"}}, &other)
+                        .ok());
+      }
       EXPECT_TRUE(writer
-                      .AddChannel(schema_id, channel.topic, channel.message_encoding,
-                                  channel.metadata, &channels[id])
+                      .AddChannel(schema_id, channel.topic, channel.message_encoding, metadata,
+                                  &channels[id])
                       .ok());
     }
     recording::McapMessages messages = reader.Messages();
@@ -126,10 +138,12 @@ class RerunOfTheRig : public ::testing::Test {
       node::Bytes payload(message.data.begin(), message.data.end());
       node::HeadOfMessage head;
       EXPECT_TRUE(node::PeekHead(payload.data(), payload.size(), &head));
-      if (!edit(reader.channels().at(message.channel_id).topic, head.tick, &payload)) continue;
+      const std::string& topic = reader.channels().at(message.channel_id).topic;
+      if (!edit(topic, head.tick, &payload)) continue;
+      const bool others = topic == shared && head.tick == kRecordedTicks - 1;
       EXPECT_TRUE(writer
-                      .WriteMessage(channels[message.channel_id], message.log_time_ns,
-                                    message.publish_time_ns, payload)
+                      .WriteMessage(others ? other : channels[message.channel_id],
+                                    message.log_time_ns, message.publish_time_ns, payload)
                       .ok());
     }
     EXPECT_TRUE(writer.Close().ok());
@@ -347,12 +361,16 @@ TEST_F(RerunOfTheRig, ALostRequestIsALostInput) {
   EXPECT_EQ(Of(result, "pneumatics").lost_tick, kRequestTick);
 }
 
-// In real time, with a regime detector that misses every 100th tick and a recorder that hears all.
+constexpr std::uint64_t kJoiningTicks = 240;  // node::internal::kSettleTime at the rig's rate
+
+// In real time, with participants that stand by at first, a regime detector that misses every 100th
+// tick and a recorder that hears all.
 std::filesystem::path RecordRealTime(const std::filesystem::path& file) {
   RecordRig({.rig = kRig,
              .out = file,
              .ticks = kRecordedTicks,
              .mode = node::TimeMode::kRealtime,
+             .joining_ticks = kJoiningTicks,
              .before = RequestPressure,
              .misses = [](const std::string& name, std::uint64_t tick) {
                return name == "regime" && tick % 100 == 99;
@@ -377,6 +395,30 @@ TEST_F(RerunOfTheRig, InRealTimeTheInputsAreThoseThatTheOutputsName) {
   EXPECT_EQ(Of(result, "regime").ticks, kRecordedTicks - kRecordedTicks / 100);
 }
 
+// What a participant does in its first second is not what it does later.
+TEST_F(RerunOfTheRig, InRealTimeAFirstSecondThatIsNotNamedIsADifference) {
+  const TemporaryFolder folder;
+  const auto whole = RecordRealTime(folder.path() / "whole.mcap");
+  const recording::CdrField of_control(TypeOf("joint_command"), "joining");
+  const recording::CdrField of_pneumatics(TypeOf("valve_command"), "joining");
+  const auto file = Copy(
+      "settled.mcap",
+      [&](const std::string& topic, std::uint64_t tick, node::Bytes* payload) {
+        const auto& field = topic == "joint_command" ? of_control : of_pneumatics;
+        if (topic == "joint_command" || topic == "valve_command") {
+          EXPECT_EQ(field.AsInt(*payload), tick < kJoiningTicks ? 1 : 0) << topic << ' ' << tick;
+          field.Set(*payload, 0.0);
+        }
+        return true;
+      },
+      whole);
+  const RerunResult result = Again(file, {"control", "pneumatics"});
+  ASSERT_EQ(Of(result, "control").verdict, Verdict::kDiffers);
+  EXPECT_LT(Of(result, "control").difference->tick, kJoiningTicks);
+  // It switches nothing before the request, and has another state by then.
+  EXPECT_EQ(Of(result, "pneumatics").verdict, Verdict::kDiffers);
+}
+
 TEST_F(RerunOfTheRig, InRealTimeASampleThatTheRecorderLostIsALostInput) {
   const TemporaryFolder folder;
   const auto whole = RecordRealTime(folder.path() / "whole.mcap");
@@ -394,6 +436,39 @@ TEST_F(RerunOfTheRig, InRealTimeASampleThatTheRecorderLostIsALostInput) {
             "regime of tick 398 is not in the recording; control used it in tick 398");
   EXPECT_EQ(Of(result, "pneumatics").verdict, Verdict::kIdentical);
   EXPECT_EQ(Of(result, "rls").verdict, Verdict::kIdentical);
+}
+
+TEST_F(RerunOfTheRig, InRealTimeACycleWithoutOutputsIsNoDifference) {
+  const TemporaryFolder folder;
+  const auto whole = RecordRealTime(folder.path() / "whole.mcap");
+  const auto file = Copy(
+      "unpublished.mcap",
+      [](const std::string& topic, std::uint64_t tick, node::Bytes*) {
+        return tick != 600 || (topic != "torque_prediction" && topic != "reservoir_state");
+      },
+      whole);
+  const RerunResult result = Again(file, {"esn"});
+  ASSERT_EQ(Of(result, "esn").verdict, Verdict::kOutputLost);
+  EXPECT_EQ(Of(result, "esn").lost,
+            "the outputs of its cycle in tick 600, which it names in tick 601, are not in the "
+            "recording");
+  EXPECT_EQ(Of(result, "esn").ticks, 600u);
+  EXPECT_EQ(Of(Again(file, {"esn"}, {}, 3.0), "esn").verdict, Verdict::kOutputLost);
+}
+
+TEST_F(RerunOfTheRig, ATopicOfSeveralWritersIsRefused) {
+  const auto file = Copy(
+      "shared.mcap", [](const std::string&, std::uint64_t, node::Bytes*) { return true; },
+      Recording(), "regime");
+  try {
+    (void)Again(file, {"control"});
+    FAIL() << "expected a UsageError";
+  } catch (const UsageError& error) {
+    EXPECT_EQ(std::string(error.what()).substr(file.string().size()),
+              ": topic 'regime' has several writers (other, regime), expected one: which of them "
+              "was heard is not recorded");
+  }
+  EXPECT_EQ(Of(Again(file, {"pneumatics"}), "pneumatics").verdict, Verdict::kIdentical);
 }
 
 }  // namespace
