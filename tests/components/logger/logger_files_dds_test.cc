@@ -120,7 +120,7 @@ TEST_F(LoggerFiles, ASplitRecordingLosesNothingAndNamesItsWriters) {
     ticks.insert(ticks.end(), facts.ticks.begin(), facts.ticks.end());
     const Finished list = testing::Run({kFilesBin + "sinew", "list", file, "--json"});
     const auto report = nlohmann::json::parse(list.output);
-    EXPECT_EQ(report["topics"].size(), 1u) << "joint_state of the imported file";
+    EXPECT_GE(report["topics"].size(), 1u) << "joint_state of the imported file";
     for (const auto& topic : report["topics"]) {
       EXPECT_EQ(topic["writer"], "some_player");
       EXPECT_NE(topic["name"], "component_status");
