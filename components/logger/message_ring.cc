@@ -24,6 +24,7 @@ std::optional<RecordedMessage> MessageRing::Pop() {
 }
 
 void MessageRing::RemoveOldest() {
+  if (forget_) forget_(messages_.front());
   used_ -= SizeOf(messages_.front());
   messages_.pop_front();
 }

@@ -1,20 +1,27 @@
 // The newest messages of a recording, in memory, for a recorder that writes only when something
-// has happened. Bounded in time and in bytes. Thread: one at a time.
+// has happened. Bounded in time and in bytes. What it forgets is handed to the caller, oldest
+// first. Thread: one at a time.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <optional>
+#include <utility>
 
-#include "components/logger/recorded_files.h"
+#include "components/logger/recorded_message.h"
 
 namespace sinew::logger {
 
 class MessageRing {
  public:
-  // span: of reception times. bytes: of payloads and what is kept beside each.
-  MessageRing(std::chrono::nanoseconds span, std::size_t bytes) : span_(span), bytes_(bytes) {}
+  using Forgotten = std::function<void(const RecordedMessage&)>;
+
+  // span: of reception times. bytes: of payloads and what is kept beside each. forget: called for
+  // each message that is forgotten, if given.
+  MessageRing(std::chrono::nanoseconds span, std::size_t bytes, Forgotten forget = {})
+      : span_(span), bytes_(bytes), forget_(std::move(forget)) {}
 
   void Push(RecordedMessage message);    // what is older than the span, or too much, is forgotten
   std::optional<RecordedMessage> Pop();  // the oldest
@@ -30,6 +37,7 @@ class MessageRing {
 
   const std::chrono::nanoseconds span_;
   const std::size_t bytes_;
+  const Forgotten forget_;
   std::deque<RecordedMessage> messages_;
   std::size_t used_ = 0;
   std::uint64_t forgotten_ = 0;

@@ -31,6 +31,7 @@ RecordedFiles::RecordedFiles(RecordingSink& sink, std::vector<recording::TopicSc
       topics_(std::move(topics)),
       metadata_(std::move(metadata)),
       options_(std::move(options)),
+      latched_(options_.repeats),
       losses_(topics_.size()) {}
 
 std::uint64_t RecordedFiles::bytes() const {
@@ -76,14 +77,54 @@ bool RecordedFiles::SplitIsDue(const RecordedMessage& message) const {
           message.reception_ns - *first_ns_ >= options_.split_span.count());
 }
 
-IoStatus RecordedFiles::AddChannel(const RecordedMessage& message, recording::ChannelId* id) {
+IoStatus RecordedFiles::AddChannel(const RecordedMessage& message, recording::TextMap writer,
+                                   recording::ChannelId* id) {
   const recording::TopicSchema& topic = topics_[message.topic];
   recording::TextMap metadata = {{"idl_hash", topic.idl_hash}};
   if (message.origin.writer != WriterGuid{}) {
     metadata["writer_guid"] = GuidText(message.origin.writer);
-    if (options_.describe_writer) metadata.merge(options_.describe_writer(message.origin.writer));
+    metadata.merge(writer);
   }
-  return writer_->AddChannel(channels_[message.topic].schema, topic.topic, "cdr", metadata, id);
+  IoStatus status =
+      writer_->AddChannel(channels_[message.topic].schema, topic.topic, "cdr", metadata, id);
+  if (status.ok()) channels_[message.topic].by_writer.emplace(message.origin.writer, *id);
+  return status;
+}
+
+IoStatus RecordedFiles::WriteTo(recording::ChannelId channel, const RecordedMessage& message,
+                                std::int64_t log_time_ns) {
+  // 32 bits of the format, of which a writer at 1 kHz needs 49 days.
+  std::optional<std::uint32_t> sequence;
+  if (message.origin.sequence > 0) {
+    sequence = static_cast<std::uint32_t>(message.origin.sequence);
+  }
+  return writer_->WriteMessage(channel, std::max<std::int64_t>(log_time_ns, 0),
+                               std::max<std::int64_t>(message.stamp_ns, 0), message.payload,
+                               sequence);
+}
+
+IoStatus RecordedFiles::WriteRepeated(std::int64_t log_time_ns) {
+  const std::vector<const LatchedSample*> samples = latched_.Now(options_.writer_is_live);
+  if (samples.empty()) return IoStatus::Ok();
+  IoStatus status =
+      writer_->WriteMetadata({"sinew.repeated", {{"messages", std::to_string(samples.size())}}});
+  for (const LatchedSample* sample : samples) {
+    const RecordedMessage& message = sample->message;
+    const auto& by_writer = channels_[message.topic].by_writer;
+    const auto known = by_writer.find(message.origin.writer);
+    recording::ChannelId channel{};
+    if (known != by_writer.end()) {
+      channel = known->second;
+    } else if (status.ok()) {
+      status = AddChannel(message, sample->writer, &channel);
+    }
+    if (status.ok()) status = WriteTo(channel, message, log_time_ns);
+  }
+  return status;
+}
+
+void RecordedFiles::Pass(const RecordedMessage& message) {
+  latched_.Keep(message, options_.describe_writer);
 }
 
 IoStatus RecordedFiles::Write(const RecordedMessage& message) {
@@ -91,17 +132,26 @@ IoStatus RecordedFiles::Write(const RecordedMessage& message) {
     if (IoStatus status = End(); !status.ok()) return status;
     if (IoStatus status = Begin(); !status.ok()) return status;
   }
-  if (!first_ns_) first_ns_ = message.reception_ns;
-  auto& by_writer = channels_[message.topic].by_writer;
-  auto channel = by_writer.find(message.origin.writer);
-  if (channel == by_writer.end()) {
-    recording::ChannelId id{};
-    if (IoStatus status = AddChannel(message, &id); !status.ok()) return status;
-    channel = by_writer.emplace(message.origin.writer, id).first;
+  if (!first_ns_) {
+    first_ns_ = message.reception_ns;
+    if (IoStatus status = WriteRepeated(*first_ns_); !status.ok()) return status;
+  }
+  const auto& by_writer = channels_[message.topic].by_writer;
+  recording::ChannelId channel{};
+  if (const auto known = by_writer.find(message.origin.writer); known != by_writer.end()) {
+    channel = known->second;
+  } else {
+    recording::TextMap writer;
+    if (options_.describe_writer && message.origin.writer != WriterGuid{}) {
+      writer = options_.describe_writer(message.origin.writer);
+    }
+    if (IoStatus status = AddChannel(message, std::move(writer), &channel); !status.ok()) {
+      return status;
+    }
   }
   ++messages_;
-  return writer_->WriteMessage(channel->second, std::max<std::int64_t>(message.reception_ns, 0),
-                               std::max<std::int64_t>(message.stamp_ns, 0), message.payload);
+  Pass(message);
+  return WriteTo(channel, message, message.reception_ns);
 }
 
 IoStatus RecordedFiles::Tend(Instant now) {

@@ -1,11 +1,11 @@
 // Messages into MCAP files: a channel per topic and writer, files one after another, each readable
 // without the others, and what was lost beside what was recorded.
 //
-// Every file begins with the metadata, the attachments and the schemas of all topics, and ends with
-// a metadata record `sinew.losses`. Thread: one at a time.
+// Every file begins with the metadata, the attachments and the schemas of all topics, then with the
+// samples of what came before it that are still valid (latched_samples.h), and ends with a metadata
+// record `sinew.losses`. Thread: one at a time.
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -14,28 +14,13 @@
 #include <string>
 #include <vector>
 
+#include "components/logger/latched_samples.h"
+#include "components/logger/recorded_message.h"
 #include "components/logger/recording_sink.h"
-#include "components/recording/bytes.h"
 #include "components/recording/mcap_writer.h"
 #include "components/recording/run_import.h"
 
 namespace sinew::logger {
-
-using WriterGuid = std::array<std::uint8_t, 16>;  // of a DDS writer; zeros: not known
-
-// Whose sample it is, and which of its samples, counted from 1 on without gaps; 0: not known.
-struct SampleOrigin {
-  WriterGuid writer{};
-  std::uint64_t sequence = 0;
-};
-
-struct RecordedMessage {
-  std::size_t topic = 0;
-  recording::Bytes payload;       // CDR
-  std::int64_t reception_ns = 0;  // epoch
-  std::int64_t stamp_ns = 0;      // of its header
-  SampleOrigin origin;
-};
 
 struct TopicLosses {
   std::uint64_t lost = 0;       // reported by DDS (SAMPLE_LOST)
@@ -55,6 +40,9 @@ struct FilesOptions {
   std::vector<recording::McapAttachment> attachments;
   // What a channel's metadata say of its writer, such as its participant's name.
   std::function<recording::TextMap(const WriterGuid&)> describe_writer;
+  // What a file repeats of the files before it, by topic; empty: nothing.
+  std::vector<Repeats> repeats;
+  std::function<bool(const WriterGuid&)> writer_is_live;  // none: all are
 };
 
 class RecordedFiles {
@@ -69,7 +57,12 @@ class RecordedFiles {
   // Begins the next file; `more` belongs to this one alone.
   recording::IoStatus Begin(const std::vector<recording::McapMetadata>& more = {});
   // A file must be open. Ends it before the message and begins the next one where the split says.
+  // Before the first message of a file goes what is repeated, with the message's reception time, as
+  // if it had been received when the file began; stamp, writer and sequence number are its own.
   recording::IoStatus Write(const RecordedMessage& message);
+  // A message that goes into no file, older than all that will: the next file repeats it if it is
+  // to be repeated.
+  void Pass(const RecordedMessage& message);
   // Closes a chunk that is older than chunk_span, syncs, and notes losses (at most every 10 s).
   // To be called much more often than every chunk_span.
   recording::IoStatus Tend(Instant now);
@@ -77,15 +70,20 @@ class RecordedFiles {
 
   void SetLosses(std::vector<TopicLosses> losses) { losses_ = std::move(losses); }  // by topic
   int files() const { return next_number_; }                                        // begun so far
-  std::uint64_t messages() const { return messages_; }
-  std::uint64_t bytes() const;  // of all files
+  std::uint64_t messages() const { return messages_; }  // in files, repeated ones not counted
+  std::uint64_t bytes() const;                          // of all files
 
  private:
   struct Channels {
     recording::SchemaId schema{};
     std::map<WriterGuid, recording::ChannelId> by_writer;
   };
-  recording::IoStatus AddChannel(const RecordedMessage& message, recording::ChannelId* id);
+  // writer: what is known of the message's.
+  recording::IoStatus AddChannel(const RecordedMessage& message, recording::TextMap writer,
+                                 recording::ChannelId* id);
+  recording::IoStatus WriteTo(recording::ChannelId channel, const RecordedMessage& message,
+                              std::int64_t log_time_ns);
+  recording::IoStatus WriteRepeated(std::int64_t log_time_ns);
   recording::IoStatus WriteLosses();
   bool SplitIsDue(const RecordedMessage& message) const;
 
@@ -94,6 +92,7 @@ class RecordedFiles {
   const std::vector<recording::McapMetadata> metadata_;
   const FilesOptions options_;
 
+  LatchedSamples latched_;
   std::optional<recording::McapWriter> writer_;  // of the open file
   std::vector<Channels> channels_;               // of the open file, by topic
   std::optional<std::int64_t> first_ns_;         // reception of its first message

@@ -12,7 +12,8 @@ Recorder::Recorder(RecordingSink& sink, const std::vector<recording::TopicSchema
                    std::vector<recording::McapMetadata> metadata, RecorderOptions options)
     : options_(std::move(options)),
       files_(sink, topics, std::move(metadata), options_.files),
-      ring_(options_.ring.last, options_.ring.bytes),
+      ring_(options_.ring.last, options_.ring.bytes,
+            [this](const RecordedMessage& message) { files_.Pass(message); }),
       lost_(topics.size(), 0),
       dropped_(topics.size(), 0) {
   for (const recording::TopicSchema& topic : topics) {
@@ -50,7 +51,11 @@ bool Recorder::Offer(std::size_t topic, Bytes payload, std::int64_t reception_ns
   }
   const std::size_t before = queued_bytes_;
   queued_bytes_ += payload.size();
-  queue_.push_back({topic, std::move(payload), reception_ns, 0, origin});
+  RecordedMessage& message = queue_.emplace_back();
+  message.topic = topic;
+  message.payload = std::move(payload);
+  message.reception_ns = reception_ns;
+  message.origin = origin;
   // A wake-up for each sample would cost more than the sample.
   const std::size_t early = options_.queue_bytes / 4;
   const bool wake =
@@ -154,6 +159,9 @@ IoStatus Recorder::Take(RecordedMessage&& message) {
   const TopicReader& reader = *readers_[message.topic];
   const MessageFacts facts = reader.Read(&message.payload);
   message.stamp_ns = facts.malformed ? message.reception_ns : facts.stamp_ns;
+  message.session_id = facts.session_id;
+  message.instance = facts.instance;
+  message.malformed = facts.malformed;
   Note(message, facts);
   if (!has_ring()) return files_.Write(message);
   const bool fault = IsNewFault(message, facts);

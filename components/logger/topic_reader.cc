@@ -1,5 +1,7 @@
 #include "components/logger/topic_reader.h"
 
+#include <functional>
+
 namespace sinew::logger {
 
 namespace {
@@ -7,6 +9,17 @@ namespace {
 constexpr std::int64_t kRobotFault = 3;      // msg::ROBOT_FAULT
 constexpr std::int64_t kRobotEstopped = 4;   // msg::ROBOT_ESTOPPED
 constexpr std::int64_t kComponentFault = 2;  // msg::COMPONENT_FAULT
+
+std::uint64_t InstanceOf(const std::vector<recording::CdrField>& keys,
+                         const recording::Bytes& payload) {
+  if (keys.empty()) return 0;
+  std::string text;
+  for (const recording::CdrField& key : keys) {
+    text += key.type().is_number() ? std::to_string(key.AsInt(payload)) : key.AsText(payload);
+    text += '\n';
+  }
+  return std::hash<std::string>()(text);
+}
 
 }  // namespace
 
@@ -17,6 +30,7 @@ TopicReader::TopicReader(const recording::TopicSchema& schema)
       tick_(type_, "header.tick"),
       stamp_ns_(type_, "header.stamp_ns"),
       origin_(type_, "header.origin") {
+  for (const std::string& key : recording::KeyFields(type_)) keys_.emplace_back(type_, key);
   if (schema.topic == "joint_state") {
     last_tick_.emplace(type_, "last_tick");
     robot_state_.emplace(type_, "robot_state");
@@ -35,6 +49,7 @@ MessageFacts TopicReader::Read(recording::Bytes* payload) const {
     facts.session_id = static_cast<std::uint64_t>(session_id_.AsInt(*payload));
     facts.tick = static_cast<std::uint64_t>(tick_.AsInt(*payload));
     facts.stamp_ns = stamp_ns_.AsInt(*payload);
+    facts.instance = InstanceOf(keys_, *payload);
     if (last_tick_) {
       facts.origin = origin_.AsInt(*payload);
       facts.last_tick = last_tick_->AsInt(*payload) != 0;

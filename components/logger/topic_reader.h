@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "components/recording/cdr.h"
 #include "components/recording/idl_schema.h"
@@ -18,8 +19,9 @@ struct MessageFacts {
   std::uint64_t tick = 0;
   std::int64_t stamp_ns = 0;
   std::int64_t origin = 0;
-  bool last_tick = false;  // joint_state
-  bool fault = false;      // joint_state: fault or estop of the robot; component_status: fault
+  std::uint64_t instance = 0;  // a hash of the key fields; 0 without any
+  bool last_tick = false;      // joint_state
+  bool fault = false;          // joint_state: fault or estop of the robot; component_status: fault
 };
 
 class TopicReader {
@@ -40,6 +42,7 @@ class TopicReader {
   recording::IdlSchema idl_;
   const recording::IdlType& type_;
   recording::CdrField session_id_, tick_, stamp_ns_, origin_;
+  std::vector<recording::CdrField> keys_;
   std::optional<recording::CdrField> last_tick_, robot_state_;               // joint_state
   std::optional<recording::CdrField> component_state_, component_, reason_;  // component_status
 };

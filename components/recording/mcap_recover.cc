@@ -59,7 +59,7 @@ IoStatus RecoverMcap(const McapReader& reader, ByteSink& sink) {
   McapMessage message;
   while (status.ok() && messages.Next(&message)) {
     status = writer.WriteMessage(channels.at(message.channel_id), message.log_time_ns,
-                                 message.publish_time_ns, message.data);
+                                 message.publish_time_ns, message.data, message.sequence);
   }
   return status.ok() ? writer.Close() : status;
 }

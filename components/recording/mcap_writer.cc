@@ -125,7 +125,8 @@ IoStatus McapWriter::AddChannel(SchemaId schema_id, const std::string& topic,
 }
 
 IoStatus McapWriter::WriteMessage(ChannelId channel_id, std::int64_t log_time_ns,
-                                  std::int64_t publish_time_ns, std::span<const std::byte> data) {
+                                  std::int64_t publish_time_ns, std::span<const std::byte> data,
+                                  std::optional<std::uint32_t> sequence) {
   if (!open_) return IoStatus::Failed("the file is not open");
   if (!status_.ok()) return status_;
   const auto channel = static_cast<std::size_t>(channel_id);
@@ -145,7 +146,7 @@ IoStatus McapWriter::WriteMessage(ChannelId channel_id, std::int64_t log_time_ns
 
   const std::size_t start = StartRecord(&chunk_, Opcode::kMessage);
   Put(&chunk_, static_cast<std::uint16_t>(channel_id));
-  Put(&chunk_, sequences_[channel - 1]++);
+  Put(&chunk_, sequence ? *sequence : sequences_[channel - 1]++);
   Put(&chunk_, static_cast<std::uint64_t>(log_time_ns));
   Put(&chunk_, static_cast<std::uint64_t>(publish_time_ns));
   chunk_.insert(chunk_.end(), data.begin(), data.end());

@@ -9,6 +9,7 @@
 #include <boost/crc.hpp>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -41,9 +42,11 @@ class McapWriter {
                      SchemaId* id);
   IoStatus AddChannel(SchemaId schema_id, const std::string& topic,
                       const std::string& message_encoding, const TextMap& metadata, ChannelId* id);
-  // Numbers the messages of a channel itself. Negative times are refused.
+  // sequence: of the message record; none: the messages of the channel are numbered from 0 on.
+  // Negative times are refused.
   IoStatus WriteMessage(ChannelId channel_id, std::int64_t log_time_ns,
-                        std::int64_t publish_time_ns, std::span<const std::byte> data);
+                        std::int64_t publish_time_ns, std::span<const std::byte> data,
+                        std::optional<std::uint32_t> sequence = std::nullopt);
   IoStatus WriteMetadata(const McapMetadata& metadata);
   IoStatus WriteAttachment(const McapAttachment& attachment);
   // Hands the open chunk to the sink. Nothing to do when it is empty.

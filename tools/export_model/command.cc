@@ -13,6 +13,7 @@
 #include "components/arm/file/urdf_file.h"
 #include "components/config/config.h"
 #include "components/identify/file/processing_file.h"
+#include "components/identify/interpolated.h"
 #include "components/recording/file/run_reader.h"
 #include "tools/export_model/cost.h"
 #include "tools/export_model/described_robot.h"
@@ -37,25 +38,40 @@ Format FormatOf(const std::string& name) {
   return name == "mjcf" ? Format::kMjcf : name == "urdf" ? Format::kUrdf : Format::kSdf;
 }
 
-std::vector<Cost> Costs(const Options& options, const actuator::ModelFile& file,
-                        const std::vector<Dropped>& dropped) {
-  if (options.recordings.empty()) return {};
-  if (file.robot.joints.size() != 1) {
-    throw UsageError("--recording: " + options.model.string() + " has " +
-                     std::to_string(file.robot.joints.size()) +
-                     " joints, expected 1: a joint alone is simulated beside a recording");
-  }
+std::vector<types::Run> RunsOfJoint(const Options& options, std::size_t joint) {
   const fs::path map = options.map.empty() ? tools::DefaultCsvMap(options.model) : options.map;
   std::vector<types::Run> runs;
   for (const std::string& recording : options.recordings) {
-    std::vector<types::Run> some = recording::ReadRuns(recording, map);
-    if (some.empty()) throw UsageError(recording + ": no run of joint 0, expected joint_state");
+    std::vector<types::Run> some = recording::ReadRuns(recording, map, static_cast<int>(joint));
+    if (some.empty()) {
+      throw UsageError(recording + ": no run of joint " + std::to_string(joint) +
+                       ", expected joint_state");
+    }
     for (types::Run& run : some) runs.push_back(std::move(run));
   }
+  return runs;
+}
+
+Costs ReadCosts(const Options& options, const actuator::ModelFile& file, const arm::Chain& chain,
+                const std::vector<Dropped>& dropped) {
+  if (options.recordings.empty()) return {};
+  RequireFixedBase(file.robot);
+  std::vector<std::vector<types::Run>> runs;
+  for (std::size_t j = 0; j < file.robot.joints.size(); ++j) {
+    runs.push_back(RunsOfJoint(options, j));
+  }
+  const identify::ProcessingOptions wished =
+      identify::ReadProcessing(file.root, file.robot.joints[0].kind);
   try {
-    const identify::ProcessingOptions processing =
-        identify::Resolve(identify::ReadProcessing(file.root, file.robot.joints[0].kind), runs);
-    return CostsOf(dropped, file.robot, runs, processing, options.horizon_s);
+    if (runs.size() == 1) {
+      return CostsOf(dropped, file.robot, runs[0], identify::Resolve(wished, runs[0]),
+                     options.horizon_s);
+    }
+    // As close-loop reads them for the same balance.
+    for (std::vector<types::Run>& of_joint : runs) {
+      for (types::Run& run : of_joint) run = identify::WithoutInterpolatedRows(std::move(run));
+    }
+    return TorqueCostsOf(dropped, file.robot, chain, runs, wished);
   } catch (const std::invalid_argument& error) {
     throw UsageError(options.recordings.front() + " with " + options.model.string() + ": " +
                      error.what());
@@ -71,28 +87,33 @@ std::string NamesOf(const std::vector<std::string>& recordings) {
 }
 
 nlohmann::ordered_json ToJson(const Options& options, const std::vector<Dropped>& dropped,
-                              const std::vector<Cost>& costs) {
+                              const Costs& costs, const actuator::RobotModel& robot) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (std::size_t i = 0; i < std::max(dropped.size(), costs.size()); ++i) {
+  for (std::size_t i = 0; i < std::max(dropped.size(), costs.of.size()); ++i) {
     nlohmann::ordered_json entry;
     if (i < dropped.size()) {
       entry = {{"joint", dropped[i].joint},
                {"effect", dropped[i].effect},
                {"parameters", dropped[i].parameters}};
     } else {
-      entry = {{"effect", costs[i].effect}};
+      entry = {{"joint", costs.of[i].joint}, {"effect", costs.of[i].effect}};
     }
-    if (i < costs.size()) {
+    if (i < costs.of.size()) {
+      const Cost& cost = costs.of[i];
       const auto number = [](const std::optional<double>& value) {
         return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
       };
-      entry["rms_without"] = number(costs[i].without);
-      entry["rms_with"] = number(costs[i].with);
-      if (!costs[i].why_not.empty()) entry["why_not"] = costs[i].why_not;
+      entry["unit"] = UnitOf(costs.measure, robot, cost.joint);
+      entry["rms_without"] = number(cost.without);
+      entry["rms_with"] = number(cost.with);
+      if (!cost.why_not.empty()) entry["why_not"] = cost.why_not;
     }
     list.push_back(std::move(entry));
   }
-  return {{"out", options.out.string()}, {"format", options.format}, {"dropped", list}};
+  nlohmann::ordered_json out = {{"out", options.out.string()}, {"format", options.format}};
+  if (!costs.of.empty()) out["measure"] = MeasureName(costs.measure);
+  out["dropped"] = list;
+  return out;
 }
 
 void RunExportModel(const Options& options) {
@@ -108,13 +129,14 @@ void RunExportModel(const Options& options) {
   const std::string urdf = config::ReadFile(file.robot.urdf_path);
   const std::vector<Dropped> dropped = DroppedBy(format, file.robot);
   std::string text;
-  std::vector<Cost> costs;
+  Costs costs;
   Remarks remarks;
   try {
-    const DescribedRobot robot = Describe(file.robot, arm::ParseUrdf(urdf, file.robot.urdf_path));
-    costs = Costs(options, file, dropped);
+    const arm::Chain chain = arm::ParseUrdf(urdf, file.robot.urdf_path);
+    const DescribedRobot robot = Describe(file.robot, chain);
+    costs = ReadCosts(options, file, chain, dropped);
     remarks = MakeRemarks(format, file.robot, options.model.filename().string(), dropped, costs,
-                          NamesOf(options.recordings), file.robot.joints.front().kind);
+                          NamesOf(options.recordings));
     text = format == Format::kMjcf   ? WriteMjcf(robot, remarks)
            : format == Format::kUrdf ? WriteUrdf(robot, urdf, remarks)
                                      : WriteSdf(robot, remarks);
@@ -127,7 +149,7 @@ void RunExportModel(const Options& options) {
   }
   config::WriteFileAtomically(options.out, text);
   if (options.json) {
-    std::cout << ToJson(options, dropped, costs).dump(2) << '\n';
+    std::cout << ToJson(options, dropped, costs, file.robot).dump(2) << '\n';
     return;
   }
   std::cout << options.out.string() << '\n';

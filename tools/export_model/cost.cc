@@ -1,5 +1,6 @@
 #include "tools/export_model/cost.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -8,10 +9,11 @@
 namespace sinew::export_model {
 namespace {
 
-Cost CostOf(const std::string& effect, const actuator::JointModel& without,
-            const actuator::RobotModel& robot, const std::vector<types::Run>& runs,
-            const identify::ProcessingOptions& processing, double horizon_s) {
+Cost SimulatedCost(const std::string& effect, const actuator::JointModel& without,
+                   const actuator::RobotModel& robot, const std::vector<types::Run>& runs,
+                   const identify::ProcessingOptions& processing, double horizon_s) {
   Cost cost;
+  cost.joint = without.name;
   cost.effect = effect;
   actuator::RobotModel reduced = robot;
   reduced.joints.front() = without;
@@ -36,20 +38,34 @@ Cost CostOf(const std::string& effect, const actuator::JointModel& without,
 
 }  // namespace
 
-std::vector<Cost> CostsOf(const std::vector<Dropped>& dropped, const actuator::RobotModel& robot,
-                          const std::vector<types::Run>& runs,
-                          const identify::ProcessingOptions& processing, double horizon_s) {
+std::string_view MeasureName(Measure measure) {
+  return measure == Measure::kSimulatedPosition ? "simulated_position" : "predicted_torque";
+}
+
+std::string_view UnitOf(Measure measure, const actuator::RobotModel& robot,
+                        const std::string& joint_name) {
+  const auto joint =
+      std::find_if(robot.joints.begin(), robot.joints.end(),
+                   [&](const actuator::JointModel& other) { return other.name == joint_name; });
+  const bool rotary = joint == robot.joints.end() || joint->kind == types::JointKind::kRotary;
+  if (measure == Measure::kSimulatedPosition) return rotary ? "rad" : "m";
+  return rotary ? "Nm" : "N";
+}
+
+Costs CostsOf(const std::vector<Dropped>& dropped, const actuator::RobotModel& robot,
+              const std::vector<types::Run>& runs, const identify::ProcessingOptions& processing,
+              double horizon_s) {
   // With the same model twice, what is thrown is about robot and recordings.
   static_cast<void>(verify::FollowRecordings(runs, robot, robot, processing, horizon_s));
-  std::vector<Cost> costs;
+  Costs costs{Measure::kSimulatedPosition, {}};
   actuator::JointModel none = robot.joints.front();
   for (const Dropped& part : dropped) {
     none = Without(none, part.effect);
-    costs.push_back(CostOf(part.effect, Without(robot.joints.front(), part.effect), robot, runs,
-                           processing, horizon_s));
+    costs.of.push_back(SimulatedCost(part.effect, Without(robot.joints.front(), part.effect), robot,
+                                     runs, processing, horizon_s));
   }
   if (dropped.size() > 1) {
-    costs.push_back(CostOf("all", none, robot, runs, processing, horizon_s));
+    costs.of.push_back(SimulatedCost("all", none, robot, runs, processing, horizon_s));
   }
   return costs;
 }

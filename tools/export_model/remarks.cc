@@ -5,36 +5,52 @@
 namespace sinew::export_model {
 namespace {
 
-std::string InMilli(double value, types::JointKind kind) {
+// Positions in thousandths of the unit.
+std::string ErrorText(double value, Measure measure, std::string_view unit) {
+  const bool milli = measure == Measure::kSimulatedPosition;
   char text[32];
-  std::snprintf(text, sizeof text, "%.3g %s", 1e3 * value,
-                kind == types::JointKind::kRotary ? "mrad" : "mm");
+  std::snprintf(text, sizeof text, "%.3g %s%s", milli ? 1e3 * value : value, milli ? "m" : "",
+                std::string(unit).c_str());
   return text;
 }
 
-std::string CostText(const Cost& cost, types::JointKind kind) {
+std::string CostText(const Cost& cost, Measure measure, std::string_view unit) {
   if (!cost.without || !cost.with) return "; " + cost.why_not;
-  return "; simulated position wrong by " + InMilli(*cost.without, kind) + " rms without, by " +
-         InMilli(*cost.with, kind) + " rms with";
+  return (measure == Measure::kSimulatedPosition ? "; simulated position wrong by "
+                                                 : "; predicted torque wrong by ") +
+         ErrorText(*cost.without, measure, unit) + " rms without, by " +
+         ErrorText(*cost.with, measure, unit) + " rms with";
+}
+
+std::string Heading(Measure measure, const std::string& recordings) {
+  if (measure == Measure::kSimulatedPosition) {
+    return "Errors below: simulated beside " + recordings + ".";
+  }
+  return "Errors below: the torque that each joint needs for the motion of " + recordings +
+         ", predicted by its balance with the bodies of the URDF, less the measured one; robots of "
+         "several joints are not simulated beside a recording.";
 }
 
 }  // namespace
 
 Remarks MakeRemarks(Format format, const actuator::RobotModel& robot, const std::string& source,
-                    const std::vector<Dropped>& dropped, const std::vector<Cost>& costs,
-                    const std::string& recordings, types::JointKind kind) {
+                    const std::vector<Dropped>& dropped, const Costs& costs,
+                    const std::string& recordings) {
   const std::string name(FormatName(format));
   Remarks remarks = {"Written by sinew export-model from " + source +
                      ". Units: m, kg, s, rad, N, N m."};
-  if (!recordings.empty()) remarks.push_back("Errors below: simulated beside " + recordings + ".");
+  if (!recordings.empty()) remarks.push_back(Heading(costs.measure, recordings));
+  const auto cost_text = [&](const Cost& cost) {
+    return CostText(cost, costs.measure, UnitOf(costs.measure, robot, cost.joint));
+  };
   for (std::size_t i = 0; i < dropped.size(); ++i) {
     const Dropped& part = dropped[i];
     remarks.push_back("Not in " + name + ": joint " + part.joint + ", " + part.effect + " (" +
                       part.parameters + ")" +
-                      (i < costs.size() ? CostText(costs[i], kind) : std::string()) + ".");
+                      (i < costs.of.size() ? cost_text(costs.of[i]) : std::string()) + ".");
   }
-  if (costs.size() > dropped.size()) {
-    remarks.push_back("All of these" + CostText(costs.back(), kind) + ".");
+  for (std::size_t i = dropped.size(); i < costs.of.size(); ++i) {
+    remarks.push_back("All of these of joint " + costs.of[i].joint + cost_text(costs.of[i]) + ".");
   }
   for (const actuator::JointModel& joint : robot.joints) {
     for (const actuator::Term& term : joint.terms) {

@@ -1,12 +1,14 @@
 #include "components/logger/participant/record.h"
 
 #include <sinew_idl/recording.h>
+#include <sinew_idl/snapshot.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "components/logger/file/file_series.h"
 #include "components/logger/participant/description.h"
@@ -53,6 +55,51 @@ bool IsNumbered(const RecordOptions& options) {
   return options.split_bytes > 0 || options.split_s > 0.0 || options.last_s > 0.0;
 }
 
+// Status and requests stay valid until the next one, everything else is sent every cycle.
+Repeats RepeatsOf(const node::TopicInfo& topic) {
+  if (topic.profile == node::Profile::kLatched) return Repeats::kOfLiveWriters;
+  if (topic.profile != node::Profile::kEvent) return Repeats::kNothing;
+  // A state of an earlier cycle does not fit the inputs of this file: it is asked for anew.
+  for (const auto& no_request : {node::kComponentSnapshot.name, node::kSnapshotRequest.name,
+                                 node::kRecordingProgress.name}) {
+    if (topic.name == no_request) return Repeats::kNothing;
+  }
+  return Repeats::kOfTheSession;
+}
+
+// Of all components, at the beginning of every file but the first (to which a recorder that comes
+// and a session that begins bring them), and twice in the span of a ring, so that what a ring has
+// kept holds a state of its first half.
+class SnapshotRequests {
+ public:
+  SnapshotRequests(node::Node& node, std::chrono::nanoseconds ring)
+      : writer_(node.MakeWriter(node::kSnapshotRequest)), ring_(ring), last_(Clock::now()) {}
+
+  void Tend(const RecorderState& state, Clock::time_point now) {
+    const bool file = state.files > files_ && state.files > 1;
+    const bool half = ring_.count() > 0 && now - last_ >= ring_ / 2;
+    if (!state.session || (!file && !half)) return;
+    files_ = state.files;
+    last_ = now;
+    msg::SnapshotRequest request;
+    request.header().session_id(state.session->session_id);
+    request.header().tick(state.session->tick);
+    request.header().stamp_ns(state.session->stamp_ns);
+    request.header().origin(static_cast<msg::Origin>(state.session->origin));
+    request.after_tick(state.session->tick);
+    if (writer_.Write(request) != node::WriteStatus::kOk && !std::exchange(reported_, true)) {
+      spdlog::warn("snapshot_request could not be sent: files lack the states of components");
+    }
+  }
+
+ private:
+  node::Writer<msg::SnapshotRequest> writer_;
+  const std::chrono::nanoseconds ring_;
+  int files_ = 0;  // begun at the last request
+  Clock::time_point last_;
+  bool reported_ = false;
+};
+
 // DDS may call for as long as the node lives: what it calls owns the files too.
 struct OpenRecording {
   OpenRecording(const RecordOptions& options, const std::vector<recording::TopicSchema>& schemas,
@@ -79,12 +126,20 @@ class Session {
     std::vector<recording::TopicSchema> schemas;
     for (const node::TopicInfo* topic : topics_) {
       schemas.push_back({topic->name, topic->type_name, topic->idl, topic->idl_hash});
+      const bool snapshots = topic->name == node::kComponentSnapshot.name;
+      if (snapshots && IsNumbered(options)) snapshots_.emplace(node, Nanoseconds(options.last_s));
     }
     Description description = Describe(node.options(), options.notes, options.attach);
     RecorderOptions recorder_options = OptionsOf(options, lockstep_);
     recorder_options.files.attachments = std::move(description.attachments);
     recorder_options.files.describe_writer = [&node](const WriterGuid& writer) {
       return DescribeWriter(node, writer);
+    };
+    for (const node::TopicInfo* topic : topics_) {
+      recorder_options.files.repeats.push_back(RepeatsOf(*topic));
+    }
+    recorder_options.files.writer_is_live = [&node](const WriterGuid& writer) {
+      return node.NameOf(writer).has_value();
     };
     open_ =
         std::make_shared<OpenRecording>(options, schemas, description.metadata, recorder_options);
@@ -120,6 +175,7 @@ class Session {
         last_news_ = now;
       }
       PublishProgress(now);
+      if (snapshots_) snapshots_->Tend(state_, now);
       ReportDrops(now);
       if (now >= next_report) {
         next_report = now + milliseconds(100);
@@ -258,7 +314,10 @@ class Session {
         continue;
       // Not bound to ticks: status by the clock, states now and then.
       const std::string& name = topics_[i]->name;
-      if (name == node::kComponentStatus.name || name == node::kComponentSnapshot.name) continue;
+      if (name == node::kComponentStatus.name || name == node::kComponentSnapshot.name ||
+          name == node::kSnapshotRequest.name) {
+        continue;
+      }
       all_there = false;
       // A topic that answered nearly every tick will answer the last ones too.
       regular_missing = regular_missing || 10 * topic.messages >= 9 * (last + 1);
@@ -273,7 +332,8 @@ class Session {
   const bool lockstep_;
   std::vector<const node::TopicInfo*> topics_;
   node::Writer<msg::RecordingProgress> progress_writer_;
-  std::optional<DumpSignal> dump_signal_;  // of a ring
+  std::optional<SnapshotRequests> snapshots_;  // of numbered files
+  std::optional<DumpSignal> dump_signal_;      // of a ring
   std::shared_ptr<OpenRecording> open_;
   RecorderState state_;
   std::uint64_t seen_messages_ = 0;

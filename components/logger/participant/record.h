@@ -3,6 +3,10 @@
 // Lockstep: recording_progress goes out every 16 ticks (and when it is quiet), so that a state
 // provider can wait for the recorder; at the session's last tick the file ends once every topic has
 // reached it.
+//
+// Numbered files (split, or of a ring) are read one by one: each begins with what is still valid of
+// what came before it (recorded_files.h), and snapshot_request asks the components for their state
+// when one begins and twice in the span of a ring.
 #pragma once
 
 #include <cstdint>

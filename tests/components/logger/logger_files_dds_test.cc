@@ -119,7 +119,9 @@ TEST_F(LoggerFiles, ASplitRecordingLosesNothingAndNamesItsWriters) {
     EXPECT_EQ(facts.metadata.at("sinew.recording").at("domain_id"), "202");
     ticks.insert(ticks.end(), facts.ticks.begin(), facts.ticks.end());
     const Finished list = testing::Run({kFilesBin + "sinew", "list", file, "--json"});
-    for (const auto& topic : nlohmann::json::parse(list.output)["topics"]) {
+    const auto report = nlohmann::json::parse(list.output);
+    EXPECT_GE(report["topics"].size(), 1u) << "joint_state of the imported file";
+    for (const auto& topic : report["topics"]) {
       EXPECT_EQ(topic["writer"], "some_player");
       EXPECT_NE(topic["name"], "component_status");
     }

@@ -16,7 +16,8 @@ inline recording::TopicSchema SchemaOf(const std::string& topic) {
       {"joint_state", "sinew::msg::JointState"},
       {"actuator_state", "sinew::msg::ActuatorState"},
       {"reference", "sinew::msg::Reference"},
-      {"component_status", "sinew::msg::ComponentStatus"}};
+      {"component_status", "sinew::msg::ComponentStatus"},
+      {"operator_command", "sinew::msg::OperatorCommand"}};
   for (const idl::EmbeddedType& type : idl::EmbeddedTypes()) {
     if (type.type_name == kTypes.at(topic)) {
       return {topic, std::string(type.type_name), std::string(type.text), std::string(type.hash)};

@@ -83,20 +83,22 @@ TEST(Costs, AreThoseOfAnEffectThatTheRecordingHas) {
   const actuator::RobotModel robot = ModelWithEffect();
   const std::vector<types::Run> runs{RecordSurrogate(8.0)};
   const std::vector<Dropped> dropped = DroppedBy(Format::kMjcf, robot);
-  const std::vector<Cost> costs = CostsOf(dropped, robot, runs, identify::Resolve({}, runs), 0.5);
-  ASSERT_EQ(costs.size(), dropped.size() + 1);
-  EXPECT_EQ(costs.back().effect, "all");
+  const Costs costs = CostsOf(dropped, robot, runs, identify::Resolve({}, runs), 0.5);
+  EXPECT_EQ(costs.measure, Measure::kSimulatedPosition);
+  ASSERT_EQ(costs.of.size(), dropped.size() + 1);
+  EXPECT_EQ(costs.of.back().effect, "all");
   bool seen = false;
   for (std::size_t i = 0; i < dropped.size(); ++i) {
-    EXPECT_EQ(costs[i].effect, dropped[i].effect);
-    if (costs[i].effect != "quadratic_viscous") continue;
+    const Cost& cost = costs.of[i];
+    EXPECT_EQ(cost.effect, dropped[i].effect);
+    if (cost.effect != "quadratic_viscous") continue;
     seen = true;
-    ASSERT_TRUE(costs[i].without && costs[i].with) << costs[i].why_not;
-    EXPECT_GT(*costs[i].without, 1.4 * *costs[i].with);
+    ASSERT_TRUE(cost.without && cost.with) << cost.why_not;
+    EXPECT_GT(*cost.without, 1.4 * *cost.with);
   }
   EXPECT_TRUE(seen) << "MJCF has no friction that grows with the square of velocity";
-  const Remarks remarks = MakeRemarks(Format::kMjcf, robot, "model.yaml", dropped, costs,
-                                      "held_out.mcap", types::JointKind::kRotary);
+  const Remarks remarks =
+      MakeRemarks(Format::kMjcf, robot, "model.yaml", dropped, costs, "held_out.mcap");
   std::string text;
   for (const std::string& remark : remarks) text += remark + "\n";
   EXPECT_THAT(text,
@@ -106,7 +108,7 @@ TEST(Costs, AreThoseOfAnEffectThatTheRecordingHas) {
   EXPECT_THAT(text, HasSubstr("From outside: joint joint, load_force; here it is 0."));
 }
 
-TEST(Costs, OfARobotOfSeveralJointsAreRefused) {
+TEST(Costs, OfOneJointAreNotThoseOfSeveral) {
   actuator::RobotModel robot = ModelWithEffect();
   robot.joints.push_back(robot.joints[0]);
   EXPECT_THROW(CostsOf({}, robot, {}, {}, 0.5), std::invalid_argument);
@@ -141,10 +143,10 @@ TEST(ExportModelCommand, SaysWhatIsWrong) {
   EXPECT_EQ(none.exit_code, 2);
   EXPECT_THAT(none.error, HasSubstr("names no urdf, expected one, or --urdf FILE"));
   const std::string biped = std::string(SINEW_SOURCE_DIR) + "/robots/biped/model.yaml";
-  const testing::Finished several =
+  const testing::Finished on_feet =
       testing::Run({kSinew, "export-model", biped, "--format", "sdf", "--recording", bare});
-  EXPECT_EQ(several.exit_code, 2);
-  EXPECT_THAT(several.error, HasSubstr("12 joints, expected 1"));
+  EXPECT_EQ(on_feet.exit_code, 2);
+  EXPECT_THAT(on_feet.error, HasSubstr("expected one on a fixed base"));
 }
 
 }  // namespace
