@@ -36,6 +36,7 @@
 
 #include "bridge/can/codec.h"
 #include "bridge/can/transport/virtual_can.h"
+#include "components/node/endpoint.h"
 #include "components/node/node.h"
 #include "components/node/realtime.h"
 #include "components/types/clock/clock.h"

@@ -6,6 +6,7 @@
 
 #include "components/node/names.h"
 #include "components/node/participant.h"
+#include "components/node/topics.h"
 
 namespace sinew::node::internal {
 
@@ -20,30 +21,86 @@ std::string Text(const Identity& identity) {
   return out.str();
 }
 
+std::chrono::nanoseconds DurationOf(const eprosima::fastrtps::Duration_t& duration) {
+  return duration.is_infinite() ? kUnlimited : std::chrono::nanoseconds(duration.to_ns());
+}
+
+EndpointQos::Durability DurabilityOf(dds::DurabilityQosPolicyKind kind) {
+  switch (kind) {
+    case dds::VOLATILE_DURABILITY_QOS:
+      return EndpointQos::Durability::kVolatile;
+    case dds::TRANSIENT_LOCAL_DURABILITY_QOS:
+      return EndpointQos::Durability::kTransientLocal;
+    case dds::TRANSIENT_DURABILITY_QOS:
+      return EndpointQos::Durability::kTransient;
+    case dds::PERSISTENT_DURABILITY_QOS:
+      return EndpointQos::Durability::kPersistent;
+  }
+  return EndpointQos::Durability::kVolatile;
+}
+
+EndpointQos::Liveliness LivelinessOf(dds::LivelinessQosPolicyKind kind) {
+  switch (kind) {
+    case dds::AUTOMATIC_LIVELINESS_QOS:
+      return EndpointQos::Liveliness::kAutomatic;
+    case dds::MANUAL_BY_PARTICIPANT_LIVELINESS_QOS:
+      return EndpointQos::Liveliness::kManualByParticipant;
+    case dds::MANUAL_BY_TOPIC_LIVELINESS_QOS:
+      return EndpointQos::Liveliness::kManualByTopic;
+  }
+  return EndpointQos::Liveliness::kAutomatic;
+}
+
+EndpointQos::AccessScope AccessScopeOf(dds::PresentationQosPolicyAccessScopeKind scope) {
+  switch (scope) {
+    case dds::INSTANCE_PRESENTATION_QOS:
+      return EndpointQos::AccessScope::kInstance;
+    case dds::TOPIC_PRESENTATION_QOS:
+      return EndpointQos::AccessScope::kTopic;
+    case dds::GROUP_PRESENTATION_QOS:
+      return EndpointQos::AccessScope::kGroup;
+  }
+  return EndpointQos::AccessScope::kInstance;
+}
+
+// Without the numbers that XTypes gives no name.
+std::vector<EndpointQos::Representation> NamedRepresentations(
+    const std::vector<dds::DataRepresentationId_t>& ids) {
+  std::vector<EndpointQos::Representation> named;
+  for (const dds::DataRepresentationId_t id : ids) {
+    switch (id) {
+      case dds::XCDR_DATA_REPRESENTATION:
+        named.push_back(EndpointQos::Representation::kXcdr1);
+        break;
+      case dds::XML_DATA_REPRESENTATION:
+        named.push_back(EndpointQos::Representation::kXml);
+        break;
+      case dds::XCDR2_DATA_REPRESENTATION:
+        named.push_back(EndpointQos::Representation::kXcdr2);
+        break;
+    }
+  }
+  return named;
+}
+
 // Of the QoS of a writer or a reader.
 template <class Qos>
 EndpointQos TermsOf(const Qos& qos) {
   EndpointQos terms;
   terms.reliable = qos.m_reliability.kind == dds::RELIABLE_RELIABILITY_QOS;
-  switch (qos.m_durability.kind) {
-    case dds::VOLATILE_DURABILITY_QOS:
-      terms.durability = EndpointQos::Durability::kVolatile;
-      break;
-    case dds::TRANSIENT_LOCAL_DURABILITY_QOS:
-      terms.durability = EndpointQos::Durability::kTransientLocal;
-      break;
-    case dds::TRANSIENT_DURABILITY_QOS:
-      terms.durability = EndpointQos::Durability::kTransient;
-      break;
-    case dds::PERSISTENT_DURABILITY_QOS:
-      terms.durability = EndpointQos::Durability::kPersistent;
-      break;
-  }
+  terms.durability = DurabilityOf(qos.m_durability.kind);
   terms.exclusive = qos.m_ownership.kind == dds::EXCLUSIVE_OWNERSHIP_QOS;
-  const auto& period = qos.m_deadline.period;
-  if (!period.is_infinite()) {
-    terms.deadline = std::chrono::nanoseconds(period.to_ns());
-  }
+  terms.deadline = DurationOf(qos.m_deadline.period);
+  terms.latency_budget = DurationOf(qos.m_latencyBudget.duration);
+  terms.liveliness = LivelinessOf(qos.m_liveliness.kind);
+  terms.lease = DurationOf(qos.m_liveliness.lease_duration);
+  terms.by_source_stamp =
+      qos.m_destinationOrder.kind == dds::BY_SOURCE_TIMESTAMP_DESTINATIONORDER_QOS;
+  terms.access_scope = AccessScopeOf(qos.m_presentation.access_scope);
+  terms.coherent_access = qos.m_presentation.coherent_access;
+  terms.ordered_access = qos.m_presentation.ordered_access;
+  terms.partitions = qos.m_partition.names();
+  terms.representations = NamedRepresentations(qos.representation.m_value);
   return terms;
 }
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "components/node/dds_pch.h"
-#include "components/node/node.h"
+#include "components/node/endpoint.h"
 #include "components/node/wake_signal.h"
 
 namespace sinew::node::internal {

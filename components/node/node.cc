@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "components/node/endpoint.h"
 #include "components/node/node_impl.h"
 
 namespace sinew::node {

@@ -109,26 +109,7 @@ class RawWriter {
   std::shared_ptr<internal::WriterImpl> impl_;
 };
 
-// The terms of an endpoint that decide whether it matches another one (matching.h).
-inline constexpr std::chrono::nanoseconds kNoDeadline = std::chrono::nanoseconds::max();
-struct EndpointQos {
-  enum class Durability { kVolatile, kTransientLocal, kTransient, kPersistent };  // weakest first
-  bool reliable = false;
-  Durability durability = Durability::kVolatile;
-  bool exclusive = false;  // ownership
-  std::chrono::nanoseconds deadline = kNoDeadline;
-};
-
-// Endpoint somewhere in the domain, as discovery reports it.
-struct Endpoint {
-  bool is_writer = false;
-  std::string topic;
-  std::string type_name;
-  std::string participant;
-  std::string guid;
-  std::uint32_t strength = 0;  // of writers of EXCLUSIVE topics: the greatest one is heard
-  EndpointQos qos{};
-};
+struct Endpoint;  // endpoint.h
 
 class Node {
  public:

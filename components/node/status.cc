@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "components/node/version.h"
+#include "components/wire/component_state.h"
 
 namespace sinew::node::internal {
 
@@ -18,20 +19,6 @@ double ResidentMegabytes() {
   long total = 0, resident = 0;
   statm >> total >> resident;
   return static_cast<double>(resident) * static_cast<double>(::sysconf(_SC_PAGESIZE)) / 1e6;
-}
-
-const char* Word(Node::State state) {
-  switch (state) {
-    case Node::State::kConfigured:
-      return "configured";
-    case Node::State::kActive:
-      return "active";
-    case Node::State::kFault:
-      return "fault";
-    case Node::State::kStopped:
-      return "stopped";
-  }
-  return "fault";
 }
 
 msg::ComponentState ToMessage(Node::State state) {
@@ -180,7 +167,8 @@ void Status::Publish(const Values& values) {
 }
 
 void Status::ReportToSystemd(const Values& values) {
-  systemd_.SetStatus(Word(values.state) + (values.message.empty() ? "" : ": " + values.message));
+  systemd_.SetStatus(wire::NameOf(ToMessage(values.state)) +
+                     (values.message.empty() ? "" : ": " + values.message));
   if (values.state == Node::State::kStopped) systemd_.SetStopping();
 }
 

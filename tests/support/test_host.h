@@ -1,6 +1,7 @@
-// A host of its own, as namespaces of this machine: network (loopback as a new machine has it,
-// without multicast flag or route), and /dev/shm, because shared memory ends at a host. TwoHosts:
-// two with a cable between them, the interface "wire0". Needs root. Nothing outside is changed.
+// A host of its own, as namespaces of this machine: its name, network (loopback as a new machine
+// has it, without multicast flag or route), and /dev/shm, because shared memory ends at a host.
+// TwoHosts: two with a cable between them, the interface "wire0". Needs root. Nothing outside is
+// changed.
 #pragma once
 
 #include <array>
@@ -13,11 +14,14 @@ namespace sinew::testing {
 
 class TestHost {
  public:
-  TestHost()
+  explicit TestHost(const std::string& name = "host")
       // Private first: a tmpfs over a shared mount would be one over this machine's /dev/shm.
-      : holder_({"unshare", "--net", "--mount", "--propagation", "unchanged", "--", "sh", "-c",
-                 "mount --make-private /dev/shm && mount -t tmpfs host /dev/shm && "
-                 "ip link set lo up && echo ready && exec sleep 600"}) {
+      : holder_({"unshare", "--net", "--uts", "--mount", "--propagation", "unchanged", "--", "sh",
+                 "-c",
+                 "hostname \"$0\" && mount --make-private /dev/shm && "
+                 "mount -t tmpfs host /dev/shm && ip link set lo up && echo ready && "
+                 "exec sleep 600",
+                 name}) {
     if (!holder_.WaitForText("ready", std::chrono::seconds(10))) {
       why_not_ = "namespaces: " + holder_.error();
     }
@@ -30,8 +34,8 @@ class TestHost {
   // and -w: in root and folder of the host's own process, which after chroot is not that of its
   // namespace.
   std::vector<std::string> Line(const std::vector<std::string>& line) const {
-    std::vector<std::string> words = {"nsenter", "-t", std::to_string(pid()), "-n", "-m", "-r",
-                                      "-w",      "--"};
+    std::vector<std::string> words = {
+        "nsenter", "-t", std::to_string(pid()), "-n", "-u", "-m", "-r", "-w", "--"};
     words.insert(words.end(), line.begin(), line.end());
     return words;
   }
@@ -79,13 +83,14 @@ class TwoHosts {
 
   std::string why_not() const { return hosts_[0].why_not() + hosts_[1].why_not(); }
   pid_t pid(int host) const { return hosts_[static_cast<std::size_t>(host)].pid(); }
+  static std::string Name(int host) { return "host" + std::to_string(host); }
   static std::string Address(int host) { return "10.54.0." + std::to_string(host + 1); }
   std::vector<std::string> On(int host, const std::vector<std::string>& line) const {
     return hosts_[static_cast<std::size_t>(host)].Line(line);
   }
 
  private:
-  std::array<TestHost, 2> hosts_;
+  std::array<TestHost, 2> hosts_ = {TestHost(Name(0)), TestHost(Name(1))};
 };
 
 }  // namespace sinew::testing

@@ -14,6 +14,7 @@
 #include <map>
 #include <string>
 
+#include "components/node/endpoint.h"
 #include "components/node/node.h"
 #include "tests/support/patient_guard.h"
 #include "tests/support/program.h"

@@ -387,6 +387,7 @@ TEST(Tree, PackagesAreExactlyWhatTheBuildAndTheProgramsNeed) {
                                      "procps",
                                      "systemd",
                                      "iproute2",
+                                     "libfaketime",
                                      "zsh",
                                      "patch",
                                      "nodejs",

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <csignal>
 
+#include "components/node/endpoint.h"
 #include "components/node/ownership.h"
 #include "components/node/topics.h"
+#include "components/wire/component_state.h"
 #include "tools/conform/real_time_run.h"
 
 namespace sinew::conform {
@@ -18,11 +20,6 @@ constexpr milliseconds kHandover(2000);  // `sinew handover` gives up after 5 s
 // A writer settles within kSettleTime of its creation (ownership.h); news of it take half a second
 // at most (leaseAnnouncement).
 constexpr milliseconds kSettled = node::internal::kSettleTime + milliseconds(500);
-
-const char* StateText(msg::ComponentState state) {
-  constexpr const char* kNames[] = {"configured", "active", "fault", "stopped"};
-  return kNames[static_cast<int>(state)];
-}
 
 // The topics that the program writes and of which one writer is heard, with their strengths.
 std::vector<node::Endpoint> OwnedEndpoints(const RealTimeRun& run) {
@@ -88,7 +85,7 @@ void CheckStart(RealTimeRun& run) {
   if (!status) {
     seen = "no component_status of '" + run.stage.options().subject + "'";
   } else {
-    seen = StateText(status->state());
+    seen = wire::NameOf(status->state());
     if (!status->message().to_string().empty()) seen += ": " + status->message().to_string();
     for (const node::TopicInfo& topic : run.role.must_write) {
       if (!run.stage.SubjectWrites(topic.name)) seen += "; no writer of " + topic.name;

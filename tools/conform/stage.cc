@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "components/node/endpoint.h"
 #include "components/node/ownership.h"
 
 namespace sinew::conform {

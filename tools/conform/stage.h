@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "components/node/endpoint.h"
 #include "components/node/node.h"
 #include "tools/conform/facts.h"
 #include "tools/conform/robot.h"

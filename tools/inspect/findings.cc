@@ -27,14 +27,21 @@ int ExitCode(const std::vector<Finding>& findings, bool strict) {
 }
 
 std::string FormatFindings(const std::vector<Finding>& findings) {
+  constexpr std::size_t kSeverityWidth = 9;  // "warning" and a gap
+  std::size_t text_column = 0;
+  for (const Finding& finding : findings) {
+    text_column = std::max(text_column, kSeverityWidth + finding.check.size() + 2);
+  }
   std::string out;
   for (const Finding& finding : findings) {
     std::string line = SeverityName(finding.severity);
-    line.resize(9, ' ');
+    line.resize(kSeverityWidth, ' ');
     line += finding.check;
-    line.resize(std::max<std::size_t>(line.size() + 1, 25), ' ');
+    line.resize(text_column, ' ');
     out += line + finding.text + "\n";
-    if (!finding.advice.empty()) out += std::string(25, ' ') + "-> " + finding.advice + "\n";
+    if (!finding.advice.empty()) {
+      out += std::string(text_column, ' ') + "-> " + finding.advice + "\n";
+    }
   }
   return out;
 }

@@ -56,6 +56,14 @@ void AddLink(Graph* graph, const GraphLink& link) {
   if (!there) graph->links.push_back(link);
 }
 
+std::string ParticipantIdOf(const node::Endpoint& endpoint) {
+  return endpoint.guid.substr(0, endpoint.guid.find('|'));
+}
+
+bool IsRecorder(const RecordedParticipant& participant) {
+  return participant.kind == "logger" || participant.kind == "record";
+}
+
 }  // namespace
 
 Graph GraphOfDomain(const std::vector<node::Endpoint>& endpoints, bool all) {
@@ -64,7 +72,7 @@ Graph GraphOfDomain(const std::vector<node::Endpoint>& endpoints, bool all) {
   std::map<std::string, std::string> names;
   std::map<std::string, int> taken;
   for (const node::Endpoint& endpoint : endpoints) {
-    const std::string id = endpoint.guid.substr(0, endpoint.guid.find('|'));
+    const std::string id = ParticipantIdOf(endpoint);
     const auto [at, is_new] = names.try_emplace(id, endpoint.participant);
     if (!is_new) continue;
     if (at->second.empty()) at->second = id;
@@ -72,22 +80,29 @@ Graph GraphOfDomain(const std::vector<node::Endpoint>& endpoints, bool all) {
     if (count > 1) at->second += " (" + std::to_string(count) + ")";
     graph.participants.push_back(at->second);
   }
+  std::set<std::string> unwritten;
   for (const node::Endpoint& endpoint : endpoints) {
     const std::string topic = PlainTopic(endpoint.topic);
     if (!IsShown(topic, all)) continue;
-    GraphLink link{names.at(endpoint.guid.substr(0, endpoint.guid.find('|'))), topic,
-                   endpoint.is_writer, false, false};
+    GraphLink link{names.at(ParticipantIdOf(endpoint)), topic, endpoint.is_writer, false, false};
     if (!endpoint.is_writer) {
-      bool written = false, matched = false;
+      bool written_here = false, written_elsewhere = false, matched = false;
       for (const node::Endpoint& writer : endpoints) {
         if (!writer.is_writer || writer.topic != endpoint.topic) continue;
-        written = true;
+        if (names.at(ParticipantIdOf(writer)) == link.participant) {
+          written_here = true;
+          continue;
+        }
+        written_elsewhere = true;
         matched = matched || node::WhyNotMatched(writer, endpoint).empty();
       }
-      link.unmatched = written && !matched;
+      if (written_here && !written_elsewhere) continue;
+      link.unmatched = written_elsewhere && !matched;
+      if (!written_elsewhere) unwritten.insert(topic);
     }
     AddLink(&graph, link);
   }
+  graph.unwritten.assign(unwritten.begin(), unwritten.end());
   return graph;
 }
 
@@ -95,7 +110,7 @@ Graph GraphOfRecording(const std::vector<RecordedWriter>& writers,
                        const std::vector<RecordedParticipant>& participants, bool all) {
   Graph graph;
   for (const RecordedParticipant& participant : participants) {
-    graph.participants.push_back(participant.name);
+    if (all || !IsRecorder(participant)) graph.participants.push_back(participant.name);
   }
   for (const RecordedWriter& writer : writers) {
     if (!IsShown(writer.topic, all)) continue;
@@ -111,8 +126,7 @@ Graph GraphOfRecording(const std::vector<RecordedWriter>& writers,
       const bool writes = party.access == node::Access::kWrites;
       if (writes ? !writer.participant.empty() : !party.always) continue;
       for (const RecordedParticipant& participant : participants) {
-        const bool is_recorder = participant.kind == "logger" || participant.kind == "record";
-        if (is_recorder || !IsParty(party.party, participant.kind)) continue;
+        if (IsRecorder(participant) || !IsParty(party.party, participant.kind)) continue;
         if (!writes && Writes(graph, participant.name, writer.topic)) continue;
         AddLink(&graph, {participant.name, writer.topic, writes, true, false});
       }
@@ -132,8 +146,13 @@ std::string DotText(const Graph& graph, const std::string& title) {
   }
   std::set<std::string> topics;
   for (const GraphLink& link : graph.links) topics.insert(link.topic);
+  const auto is_unwritten = [&graph](const std::string& topic) {
+    return std::find(graph.unwritten.begin(), graph.unwritten.end(), topic) !=
+           graph.unwritten.end();
+  };
   for (const std::string& topic : topics) {
-    out += "  " + DotQuoted("t:" + topic) + " [label=" + DotQuoted(topic) + ", shape=ellipse];\n";
+    out += "  " + DotQuoted("t:" + topic) + " [label=" + DotQuoted(topic) + ", shape=ellipse" +
+           (is_unwritten(topic) ? ", color=\"#aab4bc\", fontcolor=\"#7b8791\"" : "") + "];\n";
   }
   std::vector<GraphLink> links = graph.links;
   std::sort(links.begin(), links.end(), [](const GraphLink& a, const GraphLink& b) {
@@ -147,6 +166,8 @@ std::string DotText(const Graph& graph, const std::string& title) {
       out += " [color=\"#b5402a\", style=dashed, label=\"no match\", fontcolor=\"#b5402a\"]";
     } else if (link.inferred) {
       out += " [style=dashed]";
+    } else if (is_unwritten(link.topic)) {
+      out += " [color=\"#c8d0d6\"]";
     }
     out += ";\n";
   }

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "components/node/node.h"
+#include "components/node/endpoint.h"
 
 namespace sinew::inspect {
 
@@ -21,22 +21,24 @@ struct GraphLink {
 struct Graph {
   std::vector<std::string> participants;  // those without links too
   std::vector<GraphLink> links;
+  std::vector<std::string> unwritten;  // topics that are read and that nobody writes: drawn grey
 };
 
 // Of what discovery reports. component_status and recording_progress, which all write or a recorder
-// alone, only with `all`.
+// alone, only with `all`. A participant that reads its own topic, to hear of another owner, is a
+// reader only when there is another writer.
 Graph GraphOfDomain(const std::vector<node::Endpoint>& endpoints, bool all);
 
 // Of a recording: its writers, and its participants by name and kind (component_status).
 struct RecordedWriter {
   std::string topic;
-  std::string participant;  // the channel's metadata writer_name; empty: not recorded
+  std::string participant;  // of the channel's metadata; empty: not recorded
 };
 struct RecordedParticipant {
   std::string name, kind;
 };
 // Who read is in no recording, and who wrote only in newer ones: what is missing is inferred from
-// the parties of idl/README.md, readers without a condition only.
+// the parties of idl/README.md, readers without a condition only. Recorders only with `all`.
 Graph GraphOfRecording(const std::vector<RecordedWriter>& writers,
                        const std::vector<RecordedParticipant>& participants, bool all);
 

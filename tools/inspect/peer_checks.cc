@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "components/node/matching.h"
@@ -18,6 +19,34 @@ constexpr double kMostOffset_ms = 1000.0 / 240.0;
 
 std::string ParticipantOf(const node::Endpoint& endpoint) {
   return endpoint.guid.substr(0, endpoint.guid.find('|'));
+}
+
+// difference_ms: the least one of arrival - sending.
+Finding CheckClock(const std::string& host, std::optional<double> difference_ms) {
+  const std::string name = "host '" + host + "'";
+  if (!difference_ms) {
+    return {"clocks", Severity::kNote,
+            name + ": its clock was not compared, no new component_status",
+            "a longer --wait; a participant whose loop hangs sends none"};
+  }
+  char text[64];
+  if (std::abs(*difference_ms) <= kMostOffset_ms) {
+    std::snprintf(text, sizeof(text), ": messages arrive %.2f ms after they were sent",
+                  *difference_ms);
+    return {"clocks", Severity::kOk, name + text + ", the clocks agree", ""};
+  }
+  const std::string advice =
+      "synchronise both hosts with chrony (chronyc tracking shows the offset) or PTP: recordings "
+      "hold stamps of both";
+  std::snprintf(text, sizeof(text), "%.1f ms", std::abs(*difference_ms));
+  if (*difference_ms < 0.0) {
+    return {"clocks", Severity::kWarning,
+            "the clock of " + name + " is ahead of this one by at least " + text, advice};
+  }
+  return {"clocks", Severity::kWarning,
+          "the clock of " + name + " is behind this one by at most " + text +
+              ", or its messages take that long",
+          advice};
 }
 
 }  // namespace
@@ -57,8 +86,8 @@ std::vector<Finding> CheckPeers(const std::vector<node::Endpoint>& endpoints,
   }
   if (findings.empty()) {
     findings.push_back({"matching", Severity::kOk,
-                        std::to_string(participants.size()) + " participants, " +
-                            std::to_string(endpoints.size()) + " endpoints, all match",
+                        "participants: " + std::to_string(participants.size()) +
+                            ", endpoints: " + std::to_string(endpoints.size()) + ", all match",
                         ""});
   }
   return findings;
@@ -66,33 +95,17 @@ std::vector<Finding> CheckPeers(const std::vector<node::Endpoint>& endpoints,
 
 std::vector<Finding> CheckClocks(const std::vector<ClockSample>& samples,
                                  const std::string& own_host) {
-  std::map<std::string, double> least_ms;
+  std::map<std::string, std::optional<double>> least_ms;  // none: only samples from history
   for (const ClockSample& sample : samples) {
+    if (sample.host == own_host) continue;
+    std::optional<double>& least = least_ms[sample.host];
+    if (sample.from_history) continue;
     const double difference_ms = static_cast<double>(sample.arrived_ns - sample.sent_ns) * 1e-6;
-    const auto [at, is_new] = least_ms.try_emplace(sample.host, difference_ms);
-    if (!is_new) at->second = std::min(at->second, difference_ms);
+    least = std::min(least.value_or(difference_ms), difference_ms);
   }
   std::vector<Finding> findings;
-  for (const auto& [host, difference_ms] : least_ms) {
-    if (host == own_host) continue;
-    char text[160];
-    if (std::abs(difference_ms) <= kMostOffset_ms) {
-      std::snprintf(text, sizeof(text), "host '%s': at most %.2f ms from this one", host.c_str(),
-                    std::abs(difference_ms));
-      findings.push_back({"clocks", Severity::kOk, text, ""});
-      continue;
-    }
-    if (difference_ms < 0.0) {
-      std::snprintf(text, sizeof(text), "the clock of host '%s' is ahead by at least %.1f ms",
-                    host.c_str(), -difference_ms);
-    } else {
-      std::snprintf(text, sizeof(text),
-                    "messages of host '%s' arrive %.1f ms after they were sent, at least",
-                    host.c_str(), difference_ms);
-    }
-    findings.push_back({"clocks", Severity::kWarning, text,
-                        "chrony or PTP on both hosts: stamps of recordings are of two clocks"});
-  }
+  for (const auto& [host, difference_ms] : least_ms)
+    findings.push_back(CheckClock(host, difference_ms));
   if (findings.empty()) {
     findings.push_back({"clocks", Severity::kOk, "all participants are on this host", ""});
   }

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "components/node/node.h"
+#include "components/node/endpoint.h"
 #include "tools/inspect/findings.h"
 
 namespace sinew::inspect {
@@ -26,10 +26,12 @@ std::vector<Finding> CheckPeers(const std::vector<node::Endpoint>& endpoints,
 struct ClockSample {
   std::string host;
   std::int64_t sent_ns = 0, arrived_ns = 0;
+  bool from_history = false;  // may have been sent long before it was asked for (TRANSIENT_LOCAL)
 };
-// Arrival - sending is delay + offset of the clocks; the delay is never negative, so the least
-// difference bounds the offset from above: a negative one is a clock that is ahead by at least so
-// much. A difference above the limit is a clock that is behind, or a slow network.
+// Arrival - sending is the delay minus the offset of the sender's clock (positive: ahead); the
+// delay is never negative. So a negative least difference is a clock that is ahead by at least so
+// much, and a positive one a clock that is behind by at most so much. Up to a cycle of the rig in
+// either direction is no finding. Samples from history are not compared.
 std::vector<Finding> CheckClocks(const std::vector<ClockSample>& samples,
                                  const std::string& own_host);
 

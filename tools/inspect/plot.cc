@@ -53,7 +53,7 @@ std::string TerminalScript(const std::string& title, const std::vector<Curve>& c
   // gnuplot ends each line with a blank.
   std::string out = "set terminal dumb size " + std::to_string(std::max(columns, 40) - 1) + "," +
                     std::to_string(std::max(rows, 10)) +
-                    " noenhanced\nset key outside top right horizontal\n";
+                    " noenhanced\nset key outside top right horizontal width 2\n";
   out += Frame(title) + DataBlocks(curves) + "plot ";
   for (std::size_t i = 0; i < curves.size(); ++i) {
     out += (i > 0 ? ", " : "") + ("$d" + std::to_string(i)) + " using 1:2 with lines title " +

@@ -34,6 +34,10 @@ std::optional<Spread> RateMeter::Sum::Get() const {
 }
 
 void RateMeter::Add(const Arrival& arrival) {
+  if (arrival.from_history) {
+    ++from_history_;
+    return;
+  }
   if (messages_ == 0) {
     first_ns_ = arrival.arrival_ns;
   } else {
@@ -45,13 +49,14 @@ void RateMeter::Add(const Arrival& arrival) {
   if (arrival.stamp_ns && !arrival.is_replay && *arrival.stamp_ns >= kLeastEpochStamp_ns) {
     age_ms_.Add(Milliseconds(arrival.arrival_ns - *arrival.stamp_ns));
   }
-  if (!arrival.session_id || !arrival.tick) return;
+  if (!arrival.session_id) return;
   if (session_ != arrival.session_id) {
     ++sessions_;
     session_ = arrival.session_id;
     tick_ = arrival.tick;
     return;
   }
+  if (!arrival.tick || !tick_) return;
   if (*arrival.tick <= *tick_) {
     ++repeated_;
     return;
@@ -65,11 +70,12 @@ void RateMeter::Add(const Arrival& arrival) {
   }
 }
 
-RateSummary RateMeter::Summary() const {
+RateSummary RateMeter::Summary(std::optional<std::int64_t> end_ns) const {
   RateSummary summary;
-  summary.messages = messages_;
+  summary.messages = messages_ + from_history_;
   summary.seconds = static_cast<double>(last_ns_ - first_ns_) * 1e-9;
-  if (messages_ > 1 && last_ns_ > first_ns_) {
+  const std::int64_t silent_ns = end_ns.value_or(last_ns_) - last_ns_;
+  if (messages_ > 1 && last_ns_ > first_ns_ && silent_ns <= last_ns_ - first_ns_) {
     summary.rate_Hz = static_cast<double>(messages_ - 1) / summary.seconds;
   }
   summary.interval_ms = interval_ms_.Get();

@@ -1,6 +1,8 @@
 // Rate, jitter, age and loss of a topic, from the arrival and the header of each message.
 //
-//   rate    (n - 1) / (last arrival - first arrival)
+//   rate    (n - 1) / (last arrival - first arrival); none of a topic that has been silent for
+//   longer
+//           than that: a burst on request has no rate
 //   jitter  standard deviation of the intervals between arrivals
 //   age     arrival - header.stamp_ns: how old the measurement is when the message arrives
 //   delay   arrival - the time at which DDS sent it
@@ -22,7 +24,8 @@ struct Arrival {
   std::optional<std::int64_t> sent_ns;   // epoch, by the sender's clock; none in recordings
   std::optional<std::int64_t> stamp_ns;  // of the header
   std::optional<std::uint64_t> session_id, tick;
-  bool is_replay = false;  // its stamp is of another time: no age
+  bool is_replay = false;     // its stamp is of another time: no age
+  bool from_history = false;  // sent before anybody listened (TRANSIENT_LOCAL): is counted alone
 };
 
 struct Spread {
@@ -30,8 +33,8 @@ struct Spread {
 };
 
 struct RateSummary {
-  std::uint64_t messages = 0;
-  double seconds = 0.0;  // from the first arrival to the last
+  std::uint64_t messages = 0;  // those from history too
+  double seconds = 0.0;        // from the first arrival to the last, without history
   std::optional<double> rate_Hz;
   std::optional<Spread> interval_ms;  // deviation: the jitter
   std::optional<Spread> age_ms;
@@ -47,7 +50,8 @@ struct RateSummary {
 class RateMeter {
  public:
   void Add(const Arrival& arrival);
-  RateSummary Summary() const;
+  // end_ns: until when it was listened, epoch; none: until the last message.
+  RateSummary Summary(std::optional<std::int64_t> end_ns = std::nullopt) const;
 
  private:
   // Welford 1962: mean and sum of squared deviations in one pass.
@@ -58,7 +62,7 @@ class RateMeter {
     std::optional<Spread> Get() const;
   };
 
-  std::uint64_t messages_ = 0;
+  std::uint64_t messages_ = 0, from_history_ = 0;
   std::int64_t first_ns_ = 0, last_ns_ = 0;
   Sum interval_ms_, age_ms_, delay_ms_;
   std::optional<std::uint64_t> session_, tick_;

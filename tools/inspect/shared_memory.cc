@@ -128,8 +128,10 @@ Finding CheckSharedMemory(const SharedMemory& memory) {
     ++stale;
     bytes += file.bytes;
   }
-  const std::string of = std::to_string(memory.files.size()) + " files of Fast DDS, " +
-                         std::to_string(memory.participants.size()) + " processes that use it";
+  const std::string of =
+      std::to_string(memory.files.size()) + " files of Fast DDS, " +
+      std::to_string(memory.participants.size()) +
+      (memory.participants.size() == 1 ? " process uses it" : " processes use it");
   if (stale == 0) return {kSharedCheck, Severity::kOk, of + ", none left behind", ""};
   const std::string left =
       std::to_string(stale) + " of " + of + ": used by no process, " + Megabytes(bytes);

@@ -11,10 +11,12 @@
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "components/node/codec.h"
+#include "components/node/endpoint.h"
 #include "components/node/node.h"
 #include "components/node/realtime.h"
 #include "tools/inspect/can_check.h"
@@ -24,6 +26,7 @@
 #include "tools/inspect/run_tool.h"
 #include "tools/inspect/shared_memory.h"
 #include "tools/sinew/node_options.h"
+#include "tools/sinew/own_host.h"
 
 namespace sinew::tools {
 
@@ -47,12 +50,6 @@ struct DoctorOptions {
 
 void Append(std::vector<Finding>* all, const std::vector<Finding>& more) {
   all->insert(all->end(), more.begin(), more.end());
-}
-
-std::string OwnHostName() {
-  char name[256] = {};
-  (void)::gethostname(name, sizeof(name) - 1);
-  return name;
 }
 
 // The highest priority that --realtime asks for.
@@ -82,6 +79,7 @@ std::vector<Finding> CheckDomain(const DoctorOptions& options) {
   struct Heard {
     std::mutex mutex;
     std::vector<inspect::ClockSample> samples;
+    std::set<node::WriterId> writers;  // of them
   };
   const auto heard = std::make_shared<Heard>();
   node::Node node(options.node);
@@ -89,8 +87,10 @@ std::vector<Finding> CheckDomain(const DoctorOptions& options) {
     msg::ComponentStatus status;
     if (!node::Decode(sample.payload, &status)) return;
     const std::lock_guard lock(heard->mutex);
-    heard->samples.push_back(
-        {status.host().to_string(), sample.source_stamp_ns, sample.reception_stamp_ns});
+    // component_status is latched: the first one of a writer may be old.
+    const bool from_history = heard->writers.insert(sample.writer).second;
+    heard->samples.push_back({status.host().to_string(), sample.source_stamp_ns,
+                              sample.reception_stamp_ns, from_history});
   });
   using DoctorClock = std::chrono::steady_clock;
   const auto end = DoctorClock::now() + std::chrono::duration<double>(options.wait_s);

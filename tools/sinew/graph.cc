@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "components/config/config.h"
+#include "components/node/endpoint.h"
 #include "components/node/node.h"
 #include "components/recording/cdr.h"
 #include "components/recording/file/file_io.h"
@@ -48,7 +49,7 @@ inspect::Graph GraphFromFile(const GraphOptions& options) {
     std::vector<inspect::RecordedWriter> writers;
     std::map<std::string, std::string> kinds;  // by name
     for (const auto& [id, channel] : reader.channels()) {
-      const auto writer = channel.metadata.find("writer_name");
+      const auto writer = channel.metadata.find("participant");
       writers.push_back({channel.topic, writer == channel.metadata.end() ? "" : writer->second});
       if (channel.topic != node::kComponentStatus.name) continue;
       const recording::McapSchema* schema = reader.SchemaOf(channel);
@@ -106,7 +107,8 @@ void AddGraphCommand(CLI::App& app) {
   command->add_flag("--all", options->all, "With component_status and recording_progress");
   command->footer(
       "Boxes are participants, ellipses topics. Red: a reader that no writer matches (sinew list "
-      "says why).\n"
+      "says why);\n"
+      "grey: a topic that nobody writes now.\n"
       "Dashed, of a recording: by the table of topics, since a recording does not contain who "
       "read.\n\nExamples:\n"
       "  sinew graph --out rig.svg\n"

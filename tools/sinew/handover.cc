@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "components/config/config.h"
+#include "components/node/endpoint.h"
 #include "components/node/node.h"
 #include "components/node/ownership.h"
 #include "tools/sinew/node_options.h"

@@ -18,6 +18,7 @@
 #include "components/recording/cdr.h"
 #include "components/recording/file/file_io.h"
 #include "components/recording/mcap_reader.h"
+#include "components/types/clock/clock.h"
 #include "tools/inspect/rate_meter.h"
 #include "tools/sinew/node_options.h"
 
@@ -32,7 +33,8 @@ using inspect::RateMeter;
 using inspect::RateSummary;
 using inspect::Spread;
 
-constexpr std::int64_t kReplayOrigin = 2;  // msg::ORIGIN_REPLAY
+constexpr std::int64_t kReplayOrigin = 2;      // msg::ORIGIN_REPLAY
+constexpr std::uint64_t kLockstepDepth = 256;  // history of the profile "lockstep"
 
 struct HzOptions {
   node::Options node;
@@ -85,14 +87,30 @@ class HeaderFields {
 struct Meters {
   std::mutex mutex;
   std::map<std::string, RateMeter> by_topic;
+  std::map<node::WriterId, std::uint64_t> samples;  // of each writer
 };
 using Summaries = std::map<std::string, RateSummary>;
 
-Summaries Summarize(Meters& meters) {
-  const std::lock_guard lock(meters.mutex);
+// end_ns: until when it was listened, epoch.
+Summaries Summarize(const std::map<std::string, RateMeter>& meters, std::int64_t end_ns) {
   Summaries summaries;
-  for (const auto& [topic, meter] : meters.by_topic) summaries[topic] = meter.Summary();
+  for (const auto& [topic, meter] : meters) summaries[topic] = meter.Summary(end_ns);
   return summaries;
+}
+
+Summaries SummarizeNow(Meters& meters) {
+  const std::lock_guard lock(meters.mutex);
+  return Summarize(meters.by_topic, types::EpochNow_ns());
+}
+
+// Cycles are counted on the topics of every cycle alone: others come on request or on change, of
+// several writers. The first message of a writer of a latched topic may be as old as the writer.
+// number: of the message among those of its writer, from 1 on.
+void ApplyProfile(const node::TopicInfo* topic, std::uint64_t number, Arrival* arrival) {
+  if (topic == nullptr) return;
+  const bool latched = topic->profile == node::Profile::kLatched;
+  if (latched || topic->profile == node::Profile::kEvent) arrival->tick.reset();
+  arrival->from_history = latched && number == 1;
 }
 
 Json SpreadJson(const std::optional<Spread>& spread) {
@@ -139,7 +157,7 @@ std::string Cell(const char* format, const std::optional<double>& value) {
 }
 
 void PrintSummaries(const Summaries& summaries) {
-  std::printf("%-20s %9s %9s %9s %9s %9s %9s %9s %9s\n", "topic", "messages", "Hz", "jitter ms",
+  std::printf("%-20s %9s %9s %9s %9s %9s %9s %9s  %s\n", "topic", "messages", "Hz", "jitter ms",
               "longest", "age ms", "oldest", "delay ms", "lost");
   for (const auto& [topic, summary] : summaries) {
     const auto of = [](const std::optional<Spread>& spread, double Spread::*member) {
@@ -149,7 +167,7 @@ void PrintSummaries(const Summaries& summaries) {
     if (summary.lost_share && *summary.lost > 0) {
       lost += Cell(" (%.2f %%)", 100.0 * *summary.lost_share);
     }
-    std::printf("%-20s %9llu %9s %9s %9s %9s %9s %9s %9s\n", topic.c_str(),
+    std::printf("%-20s %9llu %9s %9s %9s %9s %9s %9s  %s\n", topic.c_str(),
                 static_cast<unsigned long long>(summary.messages),
                 Cell("%.1f", summary.rate_Hz).c_str(),
                 Cell("%.3f", of(summary.interval_ms, &Spread::deviation)).c_str(),
@@ -193,6 +211,7 @@ Summaries OfRecording(const HzOptions& options) {
       filter.topics->insert(topic);
     }
     std::map<std::string, RateMeter> meters;
+    std::map<recording::ChannelId, std::uint64_t> numbers;  // a channel is a writer
     recording::McapMessages messages = reader.Messages(filter);
     recording::McapMessage message;
     while (messages.Next(&message)) {
@@ -200,11 +219,11 @@ Summaries OfRecording(const HzOptions& options) {
       arrival.arrival_ns = message.log_time_ns;
       const std::optional<HeaderFields>& field = fields.at(message.channel_id);
       if (field) field->Read(message.data, &arrival);
-      meters[reader.channels().at(message.channel_id).topic].Add(arrival);
+      const std::string& topic = reader.channels().at(message.channel_id).topic;
+      ApplyProfile(node::FindTopic(topic), ++numbers[message.channel_id], &arrival);
+      meters[topic].Add(arrival);
     }
-    Summaries summaries;
-    for (const auto& [topic, meter] : meters) summaries[topic] = meter.Summary();
-    return summaries;
+    return Summarize(meters, reader.statistics().end_time_ns);
   } catch (const recording::McapError& error) {
     throw UsageError(options.from + ": " + error.what());
   }
@@ -229,10 +248,12 @@ Summaries OfDomain(const HzOptions& options, const node::StopFlag& stop) {
   const std::vector<const node::TopicInfo*> wanted = WantedTopics(options.topics);
   auto meters = std::make_shared<Meters>();
   node::Node node(options.node);
+  const bool lockstep = options.node.mode == node::TimeMode::kLockstep;
+  const std::int64_t begin_ns = types::EpochNow_ns();
   for (const node::TopicInfo* topic : wanted) {
     if (!options.topics.empty()) meters->by_topic[topic->name];  // silent ones are shown, too
     const auto fields = std::make_shared<HeaderFields>(topic->type_name, topic->idl);
-    node.ReadRaw(*topic, [meters, fields, name = topic->name,
+    node.ReadRaw(*topic, [meters, fields, topic, lockstep, begin_ns,
                           own = options.node.name](node::RawSample&& sample) {
       if (fields->IsStatusOf(own, sample.payload)) return;
       Arrival arrival;
@@ -240,7 +261,12 @@ Summaries OfDomain(const HzOptions& options, const node::StopFlag& stop) {
       arrival.sent_ns = sample.source_stamp_ns;
       fields->Read(sample.payload, &arrival);
       const std::lock_guard lock(meters->mutex);
-      meters->by_topic[name].Add(arrival);
+      const std::uint64_t number = ++meters->samples[sample.writer];
+      ApplyProfile(topic, number, &arrival);
+      if (lockstep && number <= kLockstepDepth && sample.source_stamp_ns < begin_ns) {
+        arrival.from_history = true;
+      }
+      meters->by_topic[topic->name].Add(arrival);
     });
   }
   const auto begin = HzClock::now();
@@ -254,12 +280,12 @@ Summaries OfDomain(const HzOptions& options, const node::StopFlag& stop) {
     }
     if (now >= next) {
       next += std::chrono::duration_cast<HzClock::duration>(every);
-      if (!options.json) PrintSummaries(Summarize(*meters));
+      if (!options.json) PrintSummaries(SummarizeNow(*meters));
       if (!std::cout) break;  // the reader of a pipe is gone
     }
     node.WaitForData(std::chrono::milliseconds(20));
   }
-  return Summarize(*meters);
+  return SummarizeNow(*meters);
 }
 
 }  // namespace

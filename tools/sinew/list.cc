@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <iostream>
@@ -12,18 +13,23 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <utility>
 #include <vector>
 
 #include "components/config/config.h"
+#include "components/node/endpoint.h"
 #include "components/node/matching.h"
 #include "components/node/node.h"
 #include "components/recording/file/file_io.h"
 #include "components/recording/mcap_reader.h"
 #include "components/recording/run_import.h"
+#include "components/wire/component_state.h"
 #include "tools/inspect/peer_checks.h"
+#include "tools/inspect/topic_table.h"
 #include "tools/sinew/node_options.h"
+#include "tools/sinew/own_host.h"
 
 namespace sinew::tools {
 
@@ -33,26 +39,15 @@ using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
+// Characters of a line: the readers of the rig's joint_state then take two lines.
+constexpr std::size_t kTableWidth = 128;
+
 struct ListOptions {
   node::Options node;
   std::filesystem::path recording;
   double wait_s = 2.0;
   bool json = false;
 };
-
-const char* StateName(msg::ComponentState state) {
-  switch (state) {
-    case msg::COMPONENT_CONFIGURED:
-      return "configured";
-    case msg::COMPONENT_ACTIVE:
-      return "active";
-    case msg::COMPONENT_FAULT:
-      return "fault";
-    case msg::COMPONENT_STOPPED:
-      return "stopped";
-  }
-  return "unknown";
-}
 
 std::string Plain(const std::string& dds_topic) {
   return dds_topic.rfind("rt/", 0) == 0 ? dds_topic.substr(3) : dds_topic;  // ROS 2 spelling
@@ -167,6 +162,7 @@ Json DescribeDomain(const ListOptions& options) {
 
   Json report;
   report["domain"] = options.node.domain_id;
+  report["host"] = OwnHostName();
   std::vector<std::string> problems = node.Problems();
   report["participants"] = Json::array();
   const std::string own_hash = node::AllTopicsHash();
@@ -177,7 +173,7 @@ Json DescribeDomain(const ListOptions& options) {
       problems.push_back("several participants are named '" + name + "'; give each its own --name");
     }
     report["participants"].push_back({{"name", name},
-                                      {"state", StateName(status.state())},
+                                      {"state", wire::NameOf(status.state())},
                                       {"standby", status.standby()},
                                       {"process_id", status.process_id()},
                                       {"host", status.host().to_string()},
@@ -225,53 +221,113 @@ std::string Standing(const Json& row) {
   return row.value("standby", false) && state == "active" ? "standby" : state;
 }
 
-void PrintTopicRow(const std::string& topic, const std::string& writer, const std::string& qos,
-                   const std::string& readers) {
-  std::printf("%-20s %-22s %-44s %s\n", topic.c_str(), writer.c_str(), qos.c_str(),
-              readers.c_str());
+// Participants of other implementations may have none.
+std::string ShownName(const Json& participant) {
+  const std::string name = participant.get<std::string>();
+  return name.empty() ? "(no name)" : name;
 }
 
-// A row for each writer with the readers that it matches; a topic without writers is a row, too.
+std::vector<std::string> ShownNames(const Json& participants) {
+  std::vector<std::string> names;
+  for (const Json& participant : participants) names.push_back(ShownName(participant));
+  return names;
+}
+
+inspect::TopicRow RowOfWriter(const Json& endpoint, const std::string& owner) {
+  inspect::TopicRow row;
+  row.topic = endpoint["topic"].get<std::string>();
+  row.type = inspect::DisplayedType(row.topic, endpoint["type"].get<std::string>());
+  row.writer = ShownName(endpoint["participant"]);
+  if (!owner.empty() && row.writer == owner) row.writer += " (heard)";
+  row.qos = endpoint["qos"].get<std::string>();
+  row.readers = ShownNames(endpoint["matched"]);
+  for (const Json& reader : endpoint["unmatched"]) {
+    row.unmatched.push_back(
+        {ShownName(reader["participant"]), reader["why"].get<std::vector<std::string>>()});
+  }
+  return row;
+}
+
+inspect::TopicRow RowWithoutWriter(const Json& topic) {
+  inspect::TopicRow row;
+  row.topic = topic["name"].get<std::string>();
+  std::vector<std::string> types;
+  for (const Json& type : topic["types"]) {
+    types.push_back(inspect::DisplayedType(row.topic, type.get<std::string>()));
+  }
+  row.type = JoinNames(types);
+  row.writer = row.qos = "-";
+  row.readers = ShownNames(topic["readers"]);
+  return row;
+}
+
+// A row for each writer; a topic without writers is a row, too.
 void PrintTopics(const Json& report) {
-  if (report["topics"].empty()) return;
-  std::printf("\n");
-  PrintTopicRow("topic", "writer", "QoS", "readers");
+  std::vector<inspect::TopicRow> rows;
   for (const Json& topic : report["topics"]) {
-    const std::string name = topic["name"].get<std::string>();
     const std::string owner = topic["owner"].get<std::string>();
-    for (const Json& row : report["endpoints"]) {
-      if (row["topic"] != name || row["role"] != "writer") continue;
-      std::string writer = row["participant"].get<std::string>();
-      if (!owner.empty() && writer == owner) writer += " (heard)";
-      PrintTopicRow(name, writer, row["qos"].get<std::string>(),
-                    JoinNames(row["matched"].get<std::vector<std::string>>()));
+    if (topic["writers"].empty()) rows.push_back(RowWithoutWriter(topic));
+    for (const Json& endpoint : report["endpoints"]) {
+      if (endpoint["topic"] != topic["name"] || endpoint["role"] != "writer") continue;
+      rows.push_back(RowOfWriter(endpoint, owner));
     }
-    if (topic["writers"].empty()) {
-      PrintTopicRow(name, "-", "-", JoinNames(topic["readers"].get<std::vector<std::string>>()));
-    }
+  }
+  if (rows.empty()) return;
+  std::printf("\n%s", inspect::FormatTopicTable(rows, kTableWidth).c_str());
+}
+
+// A value of a participant's row, as text; "-" for one that sends no component_status.
+std::string Cell(const Json& row, const char* key) {
+  return row.contains(key) ? row[key].dump() : "-";
+}
+
+// own_host: where this command runs.
+void PrintParticipants(const Json& rows, const std::string& own_host) {
+  if (rows.empty()) return;
+  std::size_t name_width = std::string_view("participant").size();
+  std::set<std::string> hosts = {own_host};
+  for (const Json& row : rows) {
+    name_width = std::max(name_width, row["name"].get<std::string>().size());
+    if (row.contains("host")) hosts.insert(row["host"].get<std::string>());
+  }
+  // Hosts are a column only where there are several.
+  std::size_t host_width = 0;
+  if (hosts.size() > 1) {
+    host_width = std::string_view("host").size() + 2;
+    for (const std::string& host : hosts) host_width = std::max(host_width, host.size() + 2);
+  }
+  const auto print = [&](const std::string& name, const std::string& host, const std::string& state,
+                         const std::array<std::string, 4>& numbers, const std::string& message) {
+    std::string line = name + std::string(name_width + 2 - name.size(), ' ');
+    if (host_width > 0) line += host + std::string(host_width - host.size(), ' ');
+    char columns[80];
+    std::snprintf(columns, sizeof(columns), "%-10s %8s %10s %8s %6s", state.c_str(),
+                  numbers[0].c_str(), numbers[1].c_str(), numbers[2].c_str(), numbers[3].c_str());
+    line += columns;
+    if (!message.empty()) line += "  " + message;
+    std::printf("%s\n", line.c_str());
+  };
+  std::printf("\n");
+  print("participant", "host", "state", {"pid", "cycles", "stale", "MB"}, "message");
+  for (const Json& row : rows) {
+    const std::string memory =
+        row.contains("resident_MB")
+            ? std::to_string(static_cast<int>(row["resident_MB"].get<double>()))
+            : "-";
+    print(row["name"].get<std::string>(), row.value("host", "-"), Standing(row),
+          {Cell(row, "process_id"), Cell(row, "cycles"), Cell(row, "stale_inputs"), memory},
+          row.value("message", ""));
   }
 }
 
 void PrintDomain(const Json& report) {
   std::cout << "domain " << report["domain"] << ": " << report["participants"].size()
             << " participants, " << report["topics"].size() << " topics\n";
-  if (!report["participants"].empty()) {
-    std::printf("\n%-16s %-11s %8s %10s %8s %8s  %s\n", "participant", "state", "pid", "cycles",
-                "stale", "MB", "message");
-  }
-  for (const Json& row : report["participants"]) {
-    std::printf("%-16s %-11s %8s %10s %8s %8s  %s\n", row["name"].get<std::string>().c_str(),
-                Standing(row).c_str(),
-                row.contains("process_id") ? row["process_id"].dump().c_str() : "-",
-                row.contains("cycles") ? row["cycles"].dump().c_str() : "-",
-                row.contains("stale_inputs") ? row["stale_inputs"].dump().c_str() : "-",
-                row.contains("resident_MB")
-                    ? std::to_string(static_cast<int>(row["resident_MB"].get<double>())).c_str()
-                    : "-",
-                row.value("message", "").c_str());
-  }
+  std::cout.flush();
+  PrintParticipants(report["participants"], report["host"].get<std::string>());
   PrintTopics(report);
   std::fflush(stdout);
+  if (!report["problems"].empty()) std::cout << '\n';
   for (const Json& problem : report["problems"]) {
     std::cout << "problem: " << problem.get<std::string>() << '\n';
   }
@@ -307,6 +363,9 @@ Json DescribeRecording(const std::filesystem::path& path) {
            {"writer", writer == channel.metadata.end() ? "" : writer->second},
            {"messages", count == statistics.channel_message_counts.end() ? 0 : count->second}});
     }
+    std::sort(report["topics"].begin(), report["topics"].end(), [](const Json& a, const Json& b) {
+      return std::tie(a["name"], a["writer"]) < std::tie(b["name"], b["writer"]);
+    });
     report["metadata"] = Json::array();
     for (const recording::McapMetadata& metadata : reader.ReadMetadata()) {
       Json entry = {{"name", metadata.name}};
@@ -365,14 +424,14 @@ void AddListCommand(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--json", options->json, "As JSON");
   command->footer(
-      "A row for each writer, with the readers that hear it; --json has each reader as well, with "
-      "its "
-      "QoS, and why\n"
-      "a writer is not heard. Problems are builds with other topic types, QoS that does not match, "
-      "faults, two\n"
-      "state providers; with any, the exit code is 1.\n\nExamples:\n  sinew list --domain 0\n  "
-      "sinew list run.mcap "
-      "--json");
+      "A row for each writer with type, QoS and the readers that hear it; below it those that do "
+      "not "
+      "match, and why.\n"
+      "--json has a row for each reader as well. Problems are builds with other topic types, QoS "
+      "that "
+      "does not match,\n"
+      "faults, two state providers; with any, the exit code is 1.\n\nExamples:\n"
+      "  sinew list --domain 0\n  sinew list run.mcap --json");
   command->callback([options] {
     StartCommandLog("list");
     if (!options->recording.empty()) {

@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 
+#include "components/node/endpoint.h"
 #include "components/node/node.h"
 #include "components/types/robot_state.h"
 #include "components/wire/wire.h"

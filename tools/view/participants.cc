@@ -2,25 +2,13 @@
 
 #include <utility>
 
+#include "components/wire/component_state.h"
+
 namespace sinew::live {
 
 namespace {
 
 constexpr std::int64_t kCountedFor_ns = 900'000'000;  // component_status comes once a second
-
-const char* NameOfState(msg::ComponentState state) {
-  switch (state) {
-    case msg::COMPONENT_CONFIGURED:
-      return "configured";
-    case msg::COMPONENT_ACTIVE:
-      return "active";
-    case msg::COMPONENT_FAULT:
-      return "fault";
-    case msg::COMPONENT_STOPPED:
-      return "stopped";
-  }
-  return "unknown";
-}
 
 }  // namespace
 
@@ -67,7 +55,7 @@ nlohmann::ordered_json Participants::Rows(std::int64_t now_ns) const {
     rows.push_back(
         {{"name", std::get<0>(key)},
          {"kind", status.component_kind().to_string()},
-         {"state", NameOfState(status.state())},
+         {"state", wire::NameOf(status.state())},
          {"standby", status.standby()},
          {"process_id", status.process_id()},
          {"host", std::get<1>(key)},

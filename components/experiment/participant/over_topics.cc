@@ -9,6 +9,7 @@
 #include <chrono>
 #include <stdexcept>
 
+#include "components/node/endpoint.h"
 #include "components/node/tick_loop.h"
 #include "components/wire/wire.h"
 

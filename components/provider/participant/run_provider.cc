@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "components/node/cut_off.h"
+#include "components/node/endpoint.h"
 #include "components/node/node.h"
 #include "components/node/realtime.h"
 #include "components/provider/cycle_deadline.h"

@@ -16,6 +16,7 @@
 #include <thread>
 
 #include "components/node/codec.h"
+#include "components/node/endpoint.h"
 #include "components/node/node.h"
 #include "components/node/tick_loop.h"
 

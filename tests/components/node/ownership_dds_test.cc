@@ -11,6 +11,7 @@
 #include <string>
 #include <thread>
 
+#include "components/node/endpoint.h"
 #include "components/node/node.h"
 #include "components/node/other_owner.h"
 #include "components/node/ownership.h"

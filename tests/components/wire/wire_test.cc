@@ -4,6 +4,8 @@
 
 #include <vector>
 
+#include "components/wire/component_state.h"
+
 namespace sinew::wire {
 namespace {
 
@@ -47,6 +49,14 @@ TEST(Wire, ANumberWithoutANameLetsTheRobotDoLeast) {
   EXPECT_EQ(FromWire(static_cast<msg::RegimeKind>(7)), types::Regime::kUnknown);
   EXPECT_EQ(FromWire(static_cast<msg::MotionKind>(7)), types::Motion::kNone);
   EXPECT_EQ(FromWire(static_cast<msg::OperatorAction>(70)), std::nullopt);
+}
+
+TEST(Wire, StatesOfAComponentHaveNames) {
+  EXPECT_STREQ(NameOf(msg::COMPONENT_CONFIGURED), "configured");
+  EXPECT_STREQ(NameOf(msg::COMPONENT_ACTIVE), "active");
+  EXPECT_STREQ(NameOf(msg::COMPONENT_FAULT), "fault");
+  EXPECT_STREQ(NameOf(msg::COMPONENT_STOPPED), "stopped");
+  EXPECT_STREQ(NameOf(static_cast<msg::ComponentState>(7)), "unknown");
 }
 
 TEST(Wire, AHeaderTranslatesBothWays) {

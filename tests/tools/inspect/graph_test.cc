@@ -57,6 +57,29 @@ TEST(Graph, AReaderThatNoWriterMatchesIsRed) {
   EXPECT_FALSE(GraphOfDomain({reader}, false).links[0].unmatched) << "nobody writes it";
 }
 
+TEST(Graph, AParticipantThatHearsOfOtherOwnersIsAReaderOnlyWhenThereIsOne) {
+  const auto alone = GraphOfDomain({EndpointOf("control", "1", "joint_command", true),
+                                    EndpointOf("control", "1", "joint_command", false)},
+                                   false);
+  EXPECT_EQ(alone.links.size(), 1u);
+  const auto both = GraphOfDomain({EndpointOf("control", "1", "joint_command", true),
+                                   EndpointOf("standby", "2", "joint_command", true),
+                                   EndpointOf("standby", "2", "joint_command", false)},
+                                  false);
+  EXPECT_THAT(DotText(both, "t"), HasSubstr("\"t:joint_command\" -> \"p:standby\";"));
+}
+
+TEST(Graph, ATopicThatNobodyWritesIsGrey) {
+  const Graph graph = GraphOfDomain({EndpointOf("surrogate", "1", "operator_command", false),
+                                     EndpointOf("surrogate", "1", "joint_state", true)},
+                                    false);
+  EXPECT_THAT(graph.unwritten, ElementsAre("operator_command"));
+  const std::string dot = DotText(graph, "t");
+  EXPECT_THAT(dot, HasSubstr("[label=\"operator_command\", shape=ellipse, color="));
+  EXPECT_THAT(dot, HasSubstr("[label=\"joint_state\", shape=ellipse];"));
+  EXPECT_THAT(dot, HasSubstr("\"t:operator_command\" -> \"p:surrogate\" [color="));
+}
+
 TEST(Graph, OfARecordingTheWriterIsItsMetadataAndTheReadersAreInferred) {
   const std::vector<RecordedParticipant> participants = {
       {"plant", "surrogate"}, {"left", "control"}, {"recorder", "logger"}};
@@ -68,7 +91,8 @@ TEST(Graph, OfARecordingTheWriterIsItsMetadataAndTheReadersAreInferred) {
   EXPECT_THAT(dot, HasSubstr("\"t:joint_command\" -> \"p:plant\" [style=dashed];"));
   EXPECT_THAT(dot, HasSubstr("\"p:plant\" -> \"t:actuator_state\" [style=dashed];"));
   EXPECT_THAT(dot, HasSubstr("\"t:actuator_state\" -> \"p:left\" [style=dashed];"));
-  EXPECT_THAT(dot, Not(HasSubstr("\"p:recorder\" ->")));
+  EXPECT_THAT(dot, Not(HasSubstr("\"p:recorder\""))) << "it only records";
+  EXPECT_THAT(DotText(GraphOfRecording({}, participants, true), "t"), HasSubstr("\"p:recorder\""));
   EXPECT_THAT(dot, Not(HasSubstr("\"t:actuator_state\" -> \"p:plant\""))) << "its own topic";
   EXPECT_THAT(dot, Not(HasSubstr("\"t:joint_command\" -> \"p:left\""))) << "a condition";
 }

@@ -101,8 +101,10 @@ TEST(Findings, FaultsSetTheExitCodeAndWarningsOnlyWhenStrict) {
   EXPECT_EQ(ExitCode({ok, warning}, false), 0);
   EXPECT_EQ(ExitCode({ok, warning}, true), 1);
   EXPECT_EQ(ExitCode({fault, ok}, false), 1);
-  EXPECT_EQ(FormatFindings({warning}),
-            "warning  b               so\n                         -> do\n");
+  EXPECT_EQ(FormatFindings({{"longer", Severity::kOk, "fine", ""}, warning}),
+            "ok       longer  fine\n"
+            "warning  b       so\n"
+            "                 -> do\n");
   EXPECT_EQ(FindingsJson({fault})[0]["severity"], "fault");
 }
 

@@ -53,16 +53,27 @@ TEST(Clocks, TheLeastDelayBoundsTheOffset) {
   const auto ahead = CheckClocks(samples, "desk");
   ASSERT_THAT(ahead, SizeIs(1));
   EXPECT_EQ(ahead[0].severity, Severity::kWarning);
-  EXPECT_EQ(ahead[0].text, "the clock of host 'robot' is ahead by at least 49.0 ms");
+  EXPECT_EQ(ahead[0].text, "the clock of host 'robot' is ahead of this one by at least 49.0 ms");
 }
 
 TEST(Clocks, LateMessagesOfLoadAreNoOffsetWhenOneIsOnTime) {
   const auto fine =
       CheckClocks({{"robot", 0, 900 * kMillisecond_ns}, {"robot", 0, 300'000}}, "desk");
   EXPECT_EQ(fine[0].severity, Severity::kOk);
-  EXPECT_THAT(fine[0].text, HasSubstr("at most 0.30 ms"));
+  EXPECT_THAT(fine[0].text, HasSubstr("host 'robot': messages arrive 0.30 ms after"));
   const auto late = CheckClocks({{"robot", 0, 900 * kMillisecond_ns}}, "desk");
   EXPECT_EQ(late[0].severity, Severity::kWarning);
+  EXPECT_THAT(late[0].text, HasSubstr("host 'robot' is behind this one by at most 900.0 ms"));
+  EXPECT_THAT(late[0].advice, HasSubstr("chrony"));
+}
+
+TEST(Clocks, AMessageFromHistoryIsNotCompared) {
+  const ClockSample old{"robot", 0, 60'000 * kMillisecond_ns, true};
+  const auto alone = CheckClocks({old}, "desk");
+  ASSERT_THAT(alone, SizeIs(1));
+  EXPECT_EQ(alone[0].severity, Severity::kNote);
+  EXPECT_THAT(alone[0].text, HasSubstr("host 'robot': its clock was not compared"));
+  EXPECT_EQ(CheckClocks({old, {"robot", 0, kMillisecond_ns}}, "desk")[0].severity, Severity::kOk);
 }
 
 TEST(Clocks, OfThisHostNothingIsCompared) {

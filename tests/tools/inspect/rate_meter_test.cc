@@ -31,6 +31,43 @@ TEST(RateMeter, ARegularTopicHasItsRateAndNoJitter) {
   EXPECT_EQ(summary.sessions, 1u);
 }
 
+TEST(RateMeter, ABurstThatIsLongOverHasNoRate) {
+  RateMeter meter;
+  for (std::uint64_t tick = 0; tick <= 10; ++tick) meter.Add(At(tick));
+  const std::int64_t last_ns = At(10).arrival_ns, spoke_ns = 10 * kStep_ns;
+  EXPECT_NEAR(*meter.Summary().rate_Hz, 250.0, 1e-9);
+  EXPECT_TRUE(meter.Summary(last_ns + spoke_ns).rate_Hz.has_value());
+  EXPECT_FALSE(meter.Summary(last_ns + spoke_ns + 1).rate_Hz.has_value());
+  EXPECT_EQ(meter.Summary(last_ns + spoke_ns + 1).messages, 11u);
+}
+
+TEST(RateMeter, AMessageFromHistoryIsCountedAndNothingElse) {
+  RateMeter meter;
+  Arrival old = At(0, 60'000'000'000);
+  old.from_history = true;
+  meter.Add(old);
+  EXPECT_EQ(meter.Summary().messages, 1u);
+  EXPECT_FALSE(meter.Summary().age_ms || meter.Summary().delay_ms || meter.Summary().rate_Hz);
+  for (std::uint64_t tick = 100; tick <= 110; ++tick) meter.Add(At(tick));
+  EXPECT_EQ(meter.Summary().messages, 12u);
+  EXPECT_NEAR(*meter.Summary().rate_Hz, 250.0, 1e-9);
+  EXPECT_NEAR(meter.Summary().age_ms->largest, 1.0, 1e-9);
+  EXPECT_EQ(meter.Summary().lost, 0u);
+}
+
+TEST(RateMeter, WithoutTicksNothingIsLostAndSessionsCount) {
+  RateMeter meter;
+  for (std::uint64_t k = 0; k < 5; ++k) {
+    Arrival arrival = At(240 * k);
+    arrival.tick.reset();
+    arrival.session_id = k < 3 ? 7 : 8;
+    meter.Add(arrival);
+  }
+  EXPECT_FALSE(meter.Summary().lost.has_value());
+  EXPECT_EQ(meter.Summary().repeated, 0u);
+  EXPECT_EQ(meter.Summary().sessions, 2u);
+}
+
 TEST(RateMeter, JitterIsTheStandardDeviationOfTheIntervals) {
   RateMeter meter;
   // Every other message is 1 ms late: intervals of 5 and 3 ms.

@@ -14,6 +14,7 @@
 #include "components/logger/player/pace.h"
 #include "components/logger/player/participant/answers.h"
 #include "components/logger/player/participant/live_ticks.h"
+#include "components/node/endpoint.h"
 #include "components/recording/file/file_io.h"
 
 namespace sinew::logger {

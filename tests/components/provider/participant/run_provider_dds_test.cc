@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "components/node/endpoint.h"
 #include "components/node/node.h"
 #include "components/provider/participant/run_provider.h"
 #include "components/provider/simulated_plant.h"
