@@ -5,6 +5,7 @@ import { createHash } from 'node:crypto';
 import { readFileSync, readdirSync } from 'node:fs';
 import { test } from 'node:test';
 import { decode, getter, numberPaths, parseIdl } from '../../../tools/view/page/cdr.js';
+import { Connection } from '../../../tools/view/page/connection.js';
 import { Frames } from '../../../tools/view/page/frames.js';
 import { fill } from '../../../tools/view/page/panels.js';
 import { Recording } from '../../../tools/view/page/recording.js';
@@ -299,6 +300,25 @@ test('a session that changes begins anew, another one is not mixed in, and lost 
   assert.equal(topics.take('joint_state', message(line.payload, 2, 0)), true);
   assert.equal(topics.newest('imu'), undefined);
   assert.equal(topics.table.end - topics.table.first, 1);
+});
+
+test('messages come in batches from our server, and one by one from another', () => {
+  const frame = (subscription, payload) => [1, subscription, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, ...payload];
+  const sized = (bytes) => [bytes.length, 0, 0, 0, ...bytes];
+  const batch = [...sized(frame(1, [7, 8])), ...sized(frame(2, [])), ...sized(frame(3, [5])), ...sized(frame(1, [9]))];
+  for (const [protocol, frames] of [['sinew.batch.v1', [batch]], ['foxglove.websocket.v1', [frame(1, [7, 8]), frame(2, []), frame(3, [5]), frame(1, [9])]]]) {
+    globalThis.WebSocket = class {
+      constructor(url, protocols) { assert.ok(protocols.includes(protocol)); this.protocol = protocol; }
+      send(text) { this.sent = text; }
+    };
+    const came = [];
+    const handlers = { advertise: () => {}, state: () => {}, report: () => {}, message: (topic, view) => came.push([topic, [...new Uint8Array(view.buffer, view.byteOffset, view.byteLength)]]) };
+    const connection = new Connection('ws://here/', handlers);
+    connection.take(JSON.stringify({ op: 'advertise', channels: [{ topic: 'a', id: 11 }, { topic: 'b', id: 12 }] }));
+    connection.subscribe(['a', 'b']);
+    for (const bytes of frames) connection.take(Uint8Array.from(bytes).buffer);
+    assert.deepEqual(came, [['a', [7, 8]], ['b', []], ['a', [9]]], protocol);
+  }
 });
 
 // A server with a recording of two sessions: joint_state at 10 Hz, 30 s from 5 s on, then 20 s from 2 s on.
