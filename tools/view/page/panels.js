@@ -27,7 +27,7 @@ function put(element, value) {
 export function fill(table, head, rows, empty) {
   const kept = head.map((_, i) => i).filter((i) => i === 0 || rows.length === 0 || rows.some((row) => !['', NOTHING].includes(textOf(row[i]))));
   // A head stands over its column as the values do.
-  const heads = kept.map((i) => [head[i], rows.length > 0 && kindOf(rows[0][i]).startsWith('number') ? 'number' : '']);
+  const heads = kept.map((i) => [head[i], rows.length > 0 ? /^(number|wide|)/.exec(kindOf(rows[0][i]))[0] : '']);
   const lines = [heads, ...(rows.length > 0 ? rows.map((row) => kept.map((i) => row[i])) : [[[empty, 'empty']]])];
   while (table.rows.length > lines.length) table.deleteRow(-1);
   lines.forEach((line, i) => {

@@ -87,7 +87,7 @@ class Plot {
     heading.textContent = this.unit ? `${this.title}, ${this.unit}` : this.title;
     this.element.append(heading);
     const axis = { stroke: css('--quiet'), grid: { stroke: css('--line'), width: 1 }, ticks: { stroke: css('--line'), width: 1 }, font: '11px system-ui' };
-    const value = (plot, number) => (Number.isFinite(number) ? Number(number.toPrecision(DIGITS)).toString() : '-');
+    const value = (plot, number) => (Number.isFinite(number) ? Number(number.toPrecision(DIGITS)).toString() : '');
     const there = (plot, series, i) => (Number.isFinite(plot.data[series][i]) ? i : null);
     this.uplot = new uPlot({
       width: this.width(), height: this.height,
@@ -97,7 +97,7 @@ class Plot {
       // What is read for a plot has its range already; uPlot would look for it again, and take NaN for one.
       scales: { x: { time: false }, y: { auto: false, range: () => this.range } },
       axes: [{ ...axis, size: 26 }, { ...axis, size: 62, values: (plot, ticks) => ticks.map((tick) => Number(tick.toPrecision(DIGITS)).toString()) }],
-      series: [{ label: 't', value: (plot, t) => (Number.isFinite(t) ? `${t.toFixed(3)} s` : '-') },
+      series: [{ label: 'time', value: (plot, t) => (Number.isFinite(t) ? `${t.toFixed(3)} s` : '') },
         ...this.signals.map((signal, i) => ({ label: signal, stroke: COLOURS[i % COLOURS.length], width: LINE, pxAlign: 0,
           points: { show: false }, value, paths: linePath, dash: i >= COLOURS.length ? [4, 3] : undefined }))],
       hooks: {
