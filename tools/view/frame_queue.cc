@@ -30,4 +30,15 @@ std::optional<Frame> FrameQueue::Pop() {
   return frame;
 }
 
+std::vector<Frame> FrameQueue::PopData(std::size_t most_bytes) {
+  std::vector<Frame> popped;
+  std::size_t bytes = 0;
+  while (!frames_.empty() && frames_.front().payload) {
+    bytes += frames_.front().size();
+    if (!popped.empty() && bytes > most_bytes) break;
+    popped.push_back(*Pop());
+  }
+  return popped;
+}
+
 }  // namespace sinew::live

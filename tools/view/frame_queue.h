@@ -32,6 +32,9 @@ class FrameQueue {
 
   void Push(Frame frame);
   std::optional<Frame> Pop();  // the oldest
+  // Data frames as far as they are the oldest, of up to so many bytes, but one at least; empty: the
+  // oldest is a text, or there is none.
+  std::vector<Frame> PopData(std::size_t most_bytes);
 
   std::size_t waiting() const { return frames_.size(); }
   std::size_t waiting_bytes() const { return data_bytes_; }  // of data

@@ -65,6 +65,39 @@ Json RobotInfo(const Robot* robot) {
   return {{"driven", robot->driven()}, {"moving", robot->moving()}};
 }
 
+const char* NameOfState(msg::ComponentState state) {
+  switch (state) {
+    case msg::COMPONENT_CONFIGURED:
+      return "configured";
+    case msg::COMPONENT_ACTIVE:
+      return "active";
+    case msg::COMPONENT_FAULT:
+      return "fault";
+    case msg::COMPONENT_STOPPED:
+      return "stopped";
+  }
+  return "unknown";
+}
+
+ParticipantStatus StatusOf(const msg::ComponentStatus& message) {
+  ParticipantStatus status;
+  status.name = message.name().to_string();
+  status.kind = message.component_kind().to_string();
+  status.state = NameOfState(message.state());
+  status.host = message.host().to_string();
+  status.message = message.message().to_string();
+  status.standby = message.standby();
+  status.process_id = message.process_id();
+  status.cycles = message.cycles();
+  status.stale_inputs = message.stale_inputs();
+  status.missed_ticks = message.missed_ticks();
+  status.write_failures = message.write_failures();
+  status.malformed_samples = message.malformed_samples();
+  status.dropped_samples = message.dropped_samples();
+  status.resident_MB = message.resident_MB();
+  return status;
+}
+
 ServerOptions OptionsOfServer(const node::Options& options, const ViewOptions& view) {
   ServerOptions server;
   server.address = view.address;
@@ -119,9 +152,8 @@ class Live {
         {"version", node::kVersion},
         {"allow_arming", view.allow_arming},
         {"robot", RobotInfo(robot)},
-        {"signals", view.signals},
-        {"recording",
-         nullptr}}.dump();
+        {"signals",
+         view.signals}}.dump();
     routes_.status = [this] {
       const std::lock_guard lock(mutex_);
       return status_;
@@ -156,7 +188,9 @@ class Live {
     while (!stop.requested()) {
       node_.WaitForData(kLongestWait);
       const std::int64_t now_ns = types::MonotonicNow_ns();
-      while (const auto status = statuses_.TakeNext()) participants_.Hear(*status, now_ns);
+      while (const auto status = statuses_.TakeNext()) {
+        participants_.Hear(StatusOf(*status), now_ns);
+      }
       TakeCommands();
       desk_.Step(now_ns);
       recorder_.Step();
@@ -295,32 +329,15 @@ void RunLive(const node::Options& options, const node::StopFlag& stop, const Vie
 void RunRecorded(const node::Options& options, const node::StopFlag& stop, const ViewOptions& view,
                  const Page& page, const Robot* robot) {
   const RecordedView recorded(view.recording);
-  Json topics = Json::array();
-  for (const RecordedTopic& topic : recorded.topics()) {
-    topics.push_back({{"topic", topic.topic},
-                      {"schemaName", topic.schema_name},
-                      {"schema", topic.schema},
-                      {"messages", topic.messages}});
-  }
   Routes routes;
   routes.page = &page;
   routes.robot = robot;
   routes.recorded = &recorded;
-  // Nanoseconds as texts: a number of JavaScript has 53 bits.
-  routes.info = Json{{"mode", "recording"},
-                     {"name", options.name},
-                     {"domain", nullptr},
-                     {"version", node::kVersion},
-                     {"allow_arming", false},
-                     {"robot", RobotInfo(robot)},
-                     {"signals", view.signals},
-                     {"recording",
-                      {{"file", view.recording.string()},
-                       {"start_ns", std::to_string(recorded.start_ns())},
-                       {"end_ns", std::to_string(recorded.end_ns())},
-                       {"more_sessions", recorded.more_sessions()},
-                       {"topics", std::move(topics)}}}}
-                    .dump();
+  routes.info =
+      Json{{"mode", "recording"},       {"name", options.name},  {"domain", nullptr},
+           {"version", node::kVersion}, {"allow_arming", false}, {"robot", RobotInfo(robot)},
+           {"signals", view.signals}}
+          .dump();
   const ServerOptions server_options = OptionsOfServer(options, view);
   const Server server(server_options, {},
                       [&routes](const HttpRequest& request) { return routes.Answer(request); });

@@ -1,7 +1,8 @@
-// The participants that are there, from their component_status. Not synchronized.
+// The participants that are there, from their component_status: of a domain, or at a moment of a
+// recording.
+//
+// Times are those of reception, on any one clock. Not synchronized.
 #pragma once
-
-#include <sinew_idl/status.h>
 
 #include <cstdint>
 #include <map>
@@ -13,16 +14,32 @@
 
 namespace sinew::live {
 
+// What a participant says of itself (idl/status.idl), as far as it is shown.
+struct ParticipantStatus {
+  std::string name, kind, state, host, message;  // state: "active"
+  bool standby = false;
+  std::uint32_t process_id = 0;
+  std::uint64_t cycles = 0, stale_inputs = 0, missed_ticks = 0;
+  std::uint64_t write_failures = 0, malformed_samples = 0, dropped_samples = 0;
+  double resident_MB = 0.0;
+};
+
 class Participants {
  public:
   // Rows that were not heard for as long are left out: ten times what a live participant needs.
   static constexpr std::int64_t kForgotten_ns = 10'000'000'000;
+  // A rate of cycles is of at least this time, since a status on change may follow at once.
+  static constexpr std::int64_t kCountedFor_ns = 900'000'000;
 
+  // Without loads of processes.
+  Participants() : Participants({}, {}, 1.0) {}
   // host: of this process; the load of its processes is read. own_name: is no row.
   Participants(std::string host, std::string own_name, double ticks_per_s);
 
-  void Hear(const msg::ComponentStatus& status, std::int64_t now_ns);
-  // Reads the loads and drops rows that are forgotten; about once a second.
+  void Hear(const ParticipantStatus& status, std::int64_t now_ns);
+  // Drops the rows that were not heard for kForgotten_ns.
+  void Forget(std::int64_t now_ns);
+  // Forgets, and reads the loads; about once a second.
   void Refresh(std::int64_t now_ns);
 
   // An array, a row a process: name, kind, state, standby, process_id, host, age_s, cycles,
@@ -33,7 +50,7 @@ class Participants {
 
  private:
   struct Row {
-    msg::ComponentStatus status;
+    ParticipantStatus status;
     std::int64_t heard_ns = 0;
     double cycles_Hz = 0.0;
     std::uint64_t counted_cycles = 0;  // at counted_ns

@@ -114,16 +114,27 @@ DataHead MessageDataHead(SubscriptionNumber subscription, std::int64_t stamp_ns)
   return head;
 }
 
-bool OffersSubprotocol(std::string_view header) {
+void AppendToBatch(const DataHead& head, std::span<const std::byte> payload,
+                   std::vector<std::byte>* batch) {
+  std::array<std::byte, sizeof(std::uint32_t)> length{};
+  PutLittleEndian(static_cast<std::uint32_t>(head.size() + payload.size()), length.data());
+  batch->insert(batch->end(), length.begin(), length.end());
+  batch->insert(batch->end(), head.begin(), head.end());
+  batch->insert(batch->end(), payload.begin(), payload.end());
+}
+
+std::string_view ChooseSubprotocol(std::string_view header) {
   while (!header.empty()) {
     const std::size_t comma = std::min(header.find(','), header.size());
     std::string_view word = header.substr(0, comma);
     while (!word.empty() && (word.front() == ' ' || word.front() == '\t')) word.remove_prefix(1);
     while (!word.empty() && (word.back() == ' ' || word.back() == '\t')) word.remove_suffix(1);
-    if (word == kSubprotocol) return true;
+    for (const std::string_view ours : {kSubprotocol, kBatchSubprotocol}) {
+      if (word == ours) return ours;
+    }
     header.remove_prefix(std::min(comma + 1, header.size()));
   }
-  return false;
+  return {};
 }
 
 }  // namespace sinew::live

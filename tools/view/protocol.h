@@ -1,12 +1,17 @@
 // The Foxglove WebSocket protocol, as far as a server that only sends needs it
 // (https://github.com/foxglove/ws-protocol, docs/spec.md): texts and frames, without sockets.
 //
+// Our own page takes a second subprotocol, which differs in the binary frames alone: each is a
+// batch of message data frames, one after the other, with their length (uint32, little-endian)
+// before each. A browser needs more time for a frame than for what is in it.
+//
 // Pure: any thread. Client publishing, parameters and services are not offered.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -15,6 +20,7 @@
 namespace sinew::live {
 
 inline constexpr std::string_view kSubprotocol = "foxglove.websocket.v1";
+inline constexpr std::string_view kBatchSubprotocol = "sinew.batch.v1";
 
 // Of the channels, from 1 on; of a client's subscriptions, which the client numbers.
 enum class ChannelNumber : std::uint32_t {};
@@ -58,7 +64,10 @@ ClientMessage ParseClientText(std::string_view text);
 using DataHead = std::array<std::byte, 13>;
 DataHead MessageDataHead(SubscriptionNumber subscription, std::int64_t stamp_ns);
 
-// Whether a Sec-WebSocket-Protocol header ("a, b") offers our subprotocol.
-bool OffersSubprotocol(std::string_view header);
+void AppendToBatch(const DataHead& head, std::span<const std::byte> payload,
+                   std::vector<std::byte>* batch);
+
+// The first of our subprotocols that a Sec-WebSocket-Protocol header ("a, b") offers; empty: none.
+std::string_view ChooseSubprotocol(std::string_view header);
 
 }  // namespace sinew::live

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <charconv>
+#include <initializer_list>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
 
@@ -12,6 +14,7 @@ namespace sinew::live {
 namespace {
 
 constexpr const char* kTickTopic = "joint_state";
+constexpr const char* kStatusTopic = "component_status";
 // By how much a message may be received after the joint_state of its tick: a second is as long as
 // the rarest topic of a cycle, component_status, waits.
 constexpr std::int64_t kLogMargin_ns = 1'000'000'000;
@@ -23,72 +26,86 @@ void AppendLittleEndian(Value value, std::string* out) {
   }
 }
 
-std::int64_t ToStamp(const std::string& key, const std::string& text) {
-  std::int64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) {
-    throw UsageError(key + "=" + text + ": expected whole nanoseconds");
-  }
-  return value;
-}
+using QueryValues = std::map<std::string, std::string>;
 
-}  // namespace
-
-RecordedView::Query ParseQuery(const std::string& query) {
-  std::map<std::string, std::string> values;
+QueryValues ValuesOf(const std::string& query, std::initializer_list<const char*> required,
+                     const char* form) {
+  QueryValues values;
   std::istringstream parts(query);
   for (std::string part; std::getline(parts, part, '&');) {
     const std::size_t equals = part.find('=');
     if (equals != std::string::npos) values[part.substr(0, equals)] = part.substr(equals + 1);
   }
-  for (const char* key : {"topics", "from_ns", "to_ns"}) {
+  for (const char* key : required) {
     if (!values.contains(key)) {
-      throw UsageError(std::string("no ") + key + ", expected topics=A,B&from_ns=N&to_ns=N");
+      throw UsageError(std::string("no ") + key + ", expected " + form);
     }
   }
+  return values;
+}
+
+template <class Whole>
+Whole ToWhole(const QueryValues& values, const std::string& key, const char* expected) {
+  const std::string& text = values.at(key);
+  Whole value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) {
+    throw UsageError(key + "=" + text + ": expected " + expected);
+  }
+  return value;
+}
+
+std::int64_t ToStamp(const QueryValues& values, const std::string& key) {
+  return ToWhole<std::int64_t>(values, key, "whole nanoseconds");
+}
+
+std::size_t ToSession(const QueryValues& values) {
+  if (!values.contains("session")) return 1;
+  return ToWhole<std::size_t>(values, "session", "the number of a session, from 1 on");
+}
+
+}  // namespace
+
+RecordedView::Query ParseQuery(const std::string& query) {
+  const QueryValues values = ValuesOf(query, {"topics", "from_ns", "to_ns"},
+                                      "topics=A,B&from_ns=N&to_ns=N, and session=N for another "
+                                      "session than the first");
   RecordedView::Query out;
-  std::istringstream names(values["topics"]);
+  out.session = ToSession(values);
+  std::istringstream names(values.at("topics"));
   for (std::string name; std::getline(names, name, ',');) out.topics.push_back(name);
-  out.from_ns = ToStamp("from_ns", values["from_ns"]);
-  out.to_ns = ToStamp("to_ns", values["to_ns"]);
+  out.from_ns = ToStamp(values, "from_ns");
+  out.to_ns = ToStamp(values, "to_ns");
   return out;
+}
+
+RecordedView::Moment ParseMoment(const std::string& query) {
+  const QueryValues values =
+      ValuesOf(query, {"at_ns"}, "at_ns=N, and session=N for another session than the first");
+  return {ToSession(values), ToStamp(values, "at_ns")};
 }
 
 RecordedView::RecordedView(const std::filesystem::path& file) try
     : file_(file.string()), source_(file), reader_(source_) {
   const auto& counts = reader_.statistics().channel_message_counts;
   for (const auto& [id, channel] : reader_.channels()) {
-    const recording::McapSchema* schema = reader_.SchemaOf(channel);
-    if (schema == nullptr || schema->encoding != "omgidl" || channel.message_encoding != "cdr") {
-      continue;
-    }
-    auto idl = std::make_unique<recording::IdlSchema>(recording::IdlSchema::Parse(schema->data));
-    const recording::IdlType& type = idl->Struct(schema->name);
-    if (!recording::HasField(type, "header.session_id")) continue;
-    recording::CdrField session(type, "header.session_id"), stamp(type, "header.stamp_ns");
-    readers_.emplace(id,
-                     Reader{topics_.size(), std::move(idl), std::move(session), std::move(stamp)});
     const auto count = counts.find(id);
-    topics_.push_back(
-        {channel.topic, schema->name, schema->data, count == counts.end() ? 0 : count->second});
+    AddChannel(id, channel, count == counts.end() ? 0 : count->second);
   }
   recording::MessageFilter filter;
-  filter.topics = std::set<std::string>{kTickTopic};
+  filter.topics = std::set<std::string>{kTickTopic, kStatusTopic};
   recording::McapMessages messages = reader_.Messages(filter);
   recording::McapMessage message;
   while (messages.Next(&message)) {
     const auto reader = readers_.find(message.channel_id);
     if (reader == readers_.end()) continue;
-    const std::int64_t session = reader->second.session.AsInt(message.data);
-    if (times_.empty()) session_ = session;
-    const std::int64_t stamp_ns = reader->second.stamp.AsInt(message.data);
-    if (session != session_) {
-      more_sessions_ = true;
-    } else if (times_.empty() || stamp_ns > times_.back().stamp_ns) {
-      times_.push_back({stamp_ns, message.log_time_ns});
+    if (topics_[reader->second.index].topic == kTickTopic) {
+      AddTick(reader->second, message);
+    } else {
+      AddStatus(reader->second, message);
     }
   }
-  if (times_.empty()) {
+  if (sessions_.empty()) {
     throw UsageError(file_ + ": no " + kTickTopic + ", expected a recording of a robot");
   }
 } catch (const recording::McapError& error) {
@@ -99,17 +116,100 @@ RecordedView::RecordedView(const std::filesystem::path& file) try
   throw UsageError(file.string() + ": a message of joint_state: " + error.what());
 }
 
+void RecordedView::AddChannel(recording::ChannelId id, const recording::McapChannel& channel,
+                              std::uint64_t messages) {
+  const recording::McapSchema* schema = reader_.SchemaOf(channel);
+  if (schema == nullptr || schema->encoding != "omgidl" || channel.message_encoding != "cdr") {
+    return;
+  }
+  auto idl = std::make_unique<recording::IdlSchema>(recording::IdlSchema::Parse(schema->data));
+  const recording::IdlType& type = idl->Struct(schema->name);
+  if (!recording::HasField(type, "header.session_id")) return;
+  auto topic = std::find_if(topics_.begin(), topics_.end(), [&](const RecordedTopic& other) {
+    return other.topic == channel.topic && other.schema == schema->data;
+  });
+  if (topic == topics_.end()) {
+    topic = topics_.insert(topic, {channel.topic, schema->name, schema->data, 0});
+  }
+  topic->messages += messages;
+  Reader reader{static_cast<std::size_t>(topic - topics_.begin()), std::move(idl),
+                recording::CdrField(type, "header.session_id"),
+                recording::CdrField(type, "header.stamp_ns"), std::nullopt};
+  if (channel.topic == kStatusTopic) reader.status.emplace(type);
+  readers_.emplace(id, std::move(reader));
+}
+
+void RecordedView::AddTick(const Reader& reader, const recording::McapMessage& message) {
+  const auto id = static_cast<std::uint64_t>(reader.session.AsInt(message.data));
+  const std::int64_t stamp_ns = reader.stamp.AsInt(message.data);
+  // The newest first: a session that has ended has no later tick.
+  const auto found = std::find_if(sessions_.rbegin(), sessions_.rend(),
+                                  [id](const RecordedSession& other) { return other.id == id; });
+  if (found == sessions_.rend()) {
+    sessions_.push_back({id, stamp_ns, stamp_ns, 1});
+    times_.push_back({{stamp_ns, message.log_time_ns}});
+    return;
+  }
+  if (stamp_ns <= found->end_ns) return;
+  found->end_ns = stamp_ns;
+  ++found->ticks;
+  times_[static_cast<std::size_t>(sessions_.rend() - found) - 1].push_back(
+      {stamp_ns, message.log_time_ns});
+}
+
+void RecordedView::AddStatus(const Reader& reader, const recording::McapMessage& message) {
+  try {
+    participants_.Add(message.log_time_ns, reader.status->Read(message.data));
+  } catch (const recording::CdrError&) {
+    // A recorder keeps malformed messages as they came; nobody is shown by them.
+  }
+}
+
+std::string RecordedView::Description() const {
+  nlohmann::ordered_json sessions = nlohmann::ordered_json::array();
+  for (const RecordedSession& session : sessions_) {
+    sessions.push_back({{"session", sessions.size() + 1},
+                        {"session_id", std::to_string(session.id)},
+                        {"start_ns", std::to_string(session.start_ns)},
+                        {"end_ns", std::to_string(session.end_ns)},
+                        {"length_s", static_cast<double>(session.end_ns - session.start_ns) / 1e9},
+                        {"ticks", session.ticks}});
+  }
+  nlohmann::ordered_json topics = nlohmann::ordered_json::array();
+  for (const RecordedTopic& topic : topics_) {
+    topics.push_back({{"topic", topic.topic},
+                      {"schemaName", topic.schema_name},
+                      {"schema", topic.schema},
+                      {"messages", topic.messages}});
+  }
+  return nlohmann::ordered_json{
+      {"file", file_}, {"sessions", std::move(sessions)}, {"topics", std::move(topics)}}
+      .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+std::size_t RecordedView::IndexOf(std::size_t session) const {
+  if (session < 1 || session > sessions_.size()) {
+    throw UsageError("session=" + std::to_string(session) + ": expected 1 to " +
+                     std::to_string(sessions_.size()));
+  }
+  return session - 1;
+}
+
+std::int64_t RecordedView::LogTime(std::size_t index, std::int64_t stamp_ns) const {
+  const std::vector<Times>& times = times_[index];
+  const auto found =
+      std::lower_bound(times.begin(), times.end(), stamp_ns,
+                       [](const Times& at, std::int64_t value) { return at.stamp_ns < value; });
+  return found == times.end() ? times.back().log_ns : found->log_ns;
+}
+
 std::string RecordedView::Messages(const Query& query) const {
-  const auto log_at = [this](std::int64_t stamp_ns) {
-    const auto found = std::lower_bound(
-        times_.begin(), times_.end(), stamp_ns,
-        [](const Times& times, std::int64_t value) { return times.stamp_ns < value; });
-    return found == times_.end() ? times_.back().log_ns : found->log_ns;
-  };
+  const std::size_t index = IndexOf(query.session);
+  const std::uint64_t id = sessions_[index].id;
   recording::MessageFilter filter;
   filter.topics = std::set<std::string>(query.topics.begin(), query.topics.end());
-  filter.start_ns = std::max<std::int64_t>(log_at(query.from_ns) - kLogMargin_ns, 0);
-  filter.end_ns = log_at(query.to_ns) + kLogMargin_ns;
+  filter.start_ns = std::max<std::int64_t>(LogTime(index, query.from_ns) - kLogMargin_ns, 0);
+  filter.end_ns = LogTime(index, query.to_ns) + kLogMargin_ns;
   recording::McapMessages messages = reader_.Messages(filter);
   recording::McapMessage message;
   std::string out;
@@ -118,7 +218,7 @@ std::string RecordedView::Messages(const Query& query) const {
       const auto found = readers_.find(message.channel_id);
       if (found == readers_.end()) continue;
       const Reader& reader = found->second;
-      if (reader.session.AsInt(message.data) != session_) continue;
+      if (static_cast<std::uint64_t>(reader.session.AsInt(message.data)) != id) continue;
       const std::int64_t stamp_ns = reader.stamp.AsInt(message.data);
       if (stamp_ns < query.from_ns || stamp_ns > query.to_ns) continue;
       AppendLittleEndian(static_cast<std::uint16_t>(reader.index), &out);
@@ -136,6 +236,12 @@ std::string RecordedView::Messages(const Query& query) const {
     throw UsageError(file_ + ": a message that does not fit its schema: " + error.what());
   }
   return out;
+}
+
+std::string RecordedView::ParticipantsAt(const Moment& moment) const {
+  const std::size_t index = IndexOf(moment.session);
+  return participants_.Rows(LogTime(index, moment.at_ns))
+      .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 }  // namespace sinew::live

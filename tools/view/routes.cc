@@ -24,6 +24,7 @@ constexpr std::array<CommandRoute, 6> kCommands = {{
     {"/api/record/stop", Command::kStopRecording, false},
 }};
 constexpr std::string_view kMeshFolder = "/robot/";
+constexpr std::string_view kRecordingPath = "/api/recording";
 
 HttpReply Refuse(unsigned status, const std::string& why) {
   return {status, "text/plain; charset=utf-8", why + "\n"};
@@ -41,6 +42,23 @@ HttpReply AnswerCommand(const Routes& routes, const HttpRequest& request) {
     return why.empty() ? Refuse(202, "taken") : Refuse(409, why);
   }
   return Refuse(404, request.path + ": no such command");
+}
+
+HttpReply AnswerRecording(const RecordedView* recorded, const HttpRequest& request) {
+  if (recorded == nullptr) return Refuse(404, "no recording is shown");
+  const std::string_view what = std::string_view(request.path).substr(kRecordingPath.size());
+  try {
+    if (what.empty()) return {200, "application/json", recorded->Description()};
+    if (what == "/messages") {
+      return {200, "application/octet-stream", recorded->Messages(ParseQuery(request.query))};
+    }
+    if (what == "/participants") {
+      return {200, "application/json", recorded->ParticipantsAt(ParseMoment(request.query))};
+    }
+  } catch (const UsageError& error) {
+    return Refuse(400, error.what());
+  }
+  return Refuse(404, request.path + ": a recording has /messages and /participants");
 }
 
 }  // namespace
@@ -69,14 +87,7 @@ HttpReply Routes::Answer(const HttpRequest& request) const {
     return status ? HttpReply{200, "application/json", status()}
                   : Refuse(404, "a recording has no status");
   }
-  if (request.path == "/api/recording/messages") {
-    if (recorded == nullptr) return Refuse(404, "no recording is shown");
-    try {
-      return {200, "application/octet-stream", recorded->Messages(ParseQuery(request.query))};
-    } catch (const UsageError& error) {
-      return Refuse(400, error.what());
-    }
-  }
+  if (request.path.starts_with(kRecordingPath)) return AnswerRecording(recorded, request);
   if (request.path == "/robot.urdf") {
     return robot == nullptr ? Refuse(404, "no URDF, expected --urdf")
                             : HttpReply{200, "application/xml", robot->urdf()};

@@ -4,7 +4,9 @@
 //   GET  /robot.urdf, /robot/F   the URDF, and the files that it names
 //   GET  /api/info               what does not change: JSON
 //   GET  /api/status             what does: JSON
-//   GET  /api/recording/messages?topics=A,B&from_ns=N&to_ns=N   of a recording (recorded_view.h)
+//   GET  /api/recording          of a recording (recorded_view.h): file, sessions and topics, JSON
+//   GET  /api/recording/messages?session=N&topics=A,B&from_ns=N&to_ns=N   a span of time
+//   GET  /api/recording/participants?session=N&at_ns=N          a moment: JSON
 //   POST /api/estop, disarm, arm, reset, record/start, record/stop   commands, 202 when taken
 //
 // Called by the thread of the server; the functions must not wait.

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
@@ -36,6 +37,8 @@ constexpr std::chrono::seconds kRequestLimit(30);  // for a request to come and 
 constexpr std::size_t kLargestRequest = 64u << 10;
 constexpr std::size_t kLargestClientText = 256u << 10;  // 1000 subscriptions are 40 kB
 constexpr std::chrono::seconds kLossReports(1);         // between two to the same client
+constexpr std::chrono::milliseconds kBatches(20);       // between two: the page draws every 50 ms
+constexpr std::size_t kLargestBatch = 1u << 20;
 // Nothing of the page comes from elsewhere, nothing runs in the page of another site.
 constexpr const char* kContentPolicy =
     "default-src 'self'; connect-src 'self' ws:; img-src 'self' blob: data:; "
@@ -81,6 +84,7 @@ class Client : public std::enable_shared_from_this<Client> {
       : shared_(std::move(shared)),
         count_(std::move(count)),
         socket_(std::move(stream)),
+        batch_timer_(socket_.get_executor()),
         subscriptions_(shared_->channels.size()),
         queue_(shared_->options.queue_bytes) {
     Error error;
@@ -88,12 +92,15 @@ class Client : public std::enable_shared_from_this<Client> {
     address_ = error ? "unknown" : EndpointText(remote);
   }
 
-  void Start(HttpMessage request) {
+  // subprotocol: one of ours.
+  void Start(HttpMessage request, std::string_view subprotocol) {
+    batches_ = subprotocol == kBatchSubprotocol;
     beast::get_lowest_layer(socket_).expires_never();
     socket_.set_option(websocket::stream_base::timeout::suggested(beast::role_type::server));
-    socket_.set_option(websocket::stream_base::decorator([](websocket::response_type& reply) {
-      reply.set(http::field::sec_websocket_protocol, std::string(kSubprotocol));
-    }));
+    socket_.set_option(
+        websocket::stream_base::decorator([subprotocol](websocket::response_type& reply) {
+          reply.set(http::field::sec_websocket_protocol, std::string(subprotocol));
+        }));
     socket_.read_message_max(kLargestClientText);
     socket_.auto_fragment(false);
     request_ = std::move(request);
@@ -142,14 +149,24 @@ class Client : public std::enable_shared_from_this<Client> {
     {
       const std::lock_guard lock(mutex_);
       ReportLoss();
-      std::optional<Frame> next = queue_.Pop();
-      if (!next) {
-        writing_ = false;
-        return;
+      batch_.clear();
+      if (batches_) {
+        for (const Frame& frame : queue_.PopData(kLargestBatch)) {
+          AppendToBatch(frame.head, *frame.payload, &batch_);
+          ++sent_;
+        }
       }
-      frame_ = std::move(*next);
-      if (frame_.payload) ++sent_;
+      if (batch_.empty()) {
+        std::optional<Frame> next = queue_.Pop();
+        if (!next) {
+          writing_ = false;
+          return;
+        }
+        frame_ = std::move(*next);
+        if (frame_.payload) ++sent_;
+      }
     }
+    if (!batch_.empty()) return WriteBatch();
     socket_.binary(frame_.payload != nullptr);
     const auto done = [self = shared_from_this()](Error error, std::size_t) {
       if (error) return self->End();
@@ -163,6 +180,16 @@ class Client : public std::enable_shared_from_this<Client> {
     } else {
       socket_.async_write(asio::buffer(frame_.text), done);
     }
+  }
+
+  void WriteBatch() {
+    socket_.binary(true);
+    socket_.async_write(asio::buffer(batch_),
+                        [self = shared_from_this()](Error error, std::size_t) {
+                          if (error) return self->End();
+                          self->batch_timer_.expires_after(kBatches);
+                          self->batch_timer_.async_wait([self](Error) { self->Write(); });
+                        });
   }
 
   // With the mutex.
@@ -224,7 +251,10 @@ class Client : public std::enable_shared_from_this<Client> {
   std::string address_;
   HttpMessage request_;
   beast::flat_buffer buffer_;
-  Frame frame_;  // on its way
+  bool batches_ = false;
+  asio::steady_timer batch_timer_;
+  Frame frame_;                   // on its way
+  std::vector<std::byte> batch_;  // likewise
 
   mutable std::mutex mutex_;
   Subscriptions subscriptions_;
@@ -262,12 +292,13 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
       if (shared_->channels.empty()) {
         return Send(request, {404, "text/plain; charset=utf-8", "no live data here\n"});
       }
-      if (!OffersSubprotocol({offered.data(), offered.size()})) {
+      const std::string_view subprotocol = ChooseSubprotocol({offered.data(), offered.size()});
+      if (subprotocol.empty()) {
         return Send(request, {400, "text/plain; charset=utf-8",
                               "expected the subprotocol " + std::string(kSubprotocol) + "\n"});
       }
       std::make_shared<Client>(std::move(stream_), shared_, std::move(count_))
-          ->Start(std::move(request));
+          ->Start(std::move(request), subprotocol);
       return;
     }
     HttpRequest parsed;

@@ -11,7 +11,9 @@ const [address, seconds, picture, button] = process.argv.slice(2);
 const START_MS = 60000;
 const LIMIT_MS = 140000;  // the browser ends with this program: below the test's own limit
 const folder = mkdtempSync(join(tmpdir(), 'sinew_browser.'));
-const chromium = spawn('chromium', ['--headless=new', '--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
+// Without --disable-gpu a browser that has none draws canvases in a process of its own, once a second: the page would seem to
+// cost nothing.
+const chromium = spawn('chromium', ['--headless=new', '--no-sandbox', '--disable-gpu', '--enable-unsafe-swiftshader',
   '--remote-debugging-port=0', `--user-data-dir=${folder}`, '--window-size=1500,1250', '--hide-scrollbars', 'about:blank'],
 { stdio: ['ignore', 'ignore', 'pipe'] });
 
@@ -90,10 +92,13 @@ async function run() {
     seconds: elapsed_s, task_share: (after.task_s - before.task_s) / elapsed_s, script_share: (after.script_s - before.script_s) / elapsed_s,
     samples_per_s: (after.page.samples - before.page.samples) / elapsed_s, lost: after.page.lost, signals: after.page.signals,
     draws_per_s: (after.page.plot_draws - before.page.plot_draws) / elapsed_s,
+    plot_share: (after.page.plot_ms - before.page.plot_ms) / 1000 / elapsed_s,  // of its script; task_share has all that it makes
+    message_share: (after.page.message_ms - before.page.message_ms) / 1000 / elapsed_s,
     robot_frames_per_s: (after.page.robot_frames - before.page.robot_frames) / elapsed_s,
     robot_share: (after.page.robot_ms - before.page.robot_ms) / 1000 / elapsed_s,
     client: after.page.received > 0 ? (await evaluate("fetch('/api/status').then((reply) => reply.json())")).clients.at(-1) : null,
     received: await evaluate('window.sinew.figures().received'),
+    participants: await evaluate("document.querySelectorAll('#participants tr').length - 1"),
     robot_state: await evaluate("document.getElementById('robot_state').textContent"),
     message: await evaluate("document.getElementById('message').textContent"), errors,
   }));

@@ -49,6 +49,21 @@ TEST(FrameQueue, OneThatIsLargerThanAllPassesAlone) {
   EXPECT_EQ(MarkOf(queue.Pop().value()), 2u);
 }
 
+TEST(FrameQueue, DataIsReadTogetherAsFarAsItIsTheOldestAndFits) {
+  FrameQueue queue(10000);
+  EXPECT_TRUE(queue.PopData(250).empty());
+  for (unsigned i = 1; i <= 3; ++i) queue.Push(Data(100, i));
+  queue.Push({"a text", {}, nullptr});
+  queue.Push(Data(1000, 4));
+  EXPECT_EQ(queue.PopData(250).size(), 2u);
+  EXPECT_EQ(queue.waiting_bytes(), 1100u);
+  EXPECT_EQ(MarkOf(queue.PopData(250).at(0)), 3u);
+  EXPECT_TRUE(queue.PopData(250).empty()) << "a text is the oldest";
+  EXPECT_EQ(queue.Pop().value().text, "a text");
+  EXPECT_EQ(queue.PopData(250).size(), 1u) << "one at least";
+  EXPECT_EQ(queue.waiting_bytes(), 0u);
+}
+
 TEST(FrameQueue, WhatIsLostAndWhatIsReadAreAllThatCame) {
   FrameQueue queue(1000);
   std::uint64_t read = 0;

@@ -125,10 +125,15 @@ async function record(file) {
 async function recorded() {
   const info = await (await fetch(`${site}/api/info`)).json();
   assert.equal(info.mode, 'recording');
-  const topic = info.recording.topics.findIndex((other) => other.topic === 'joint_state');
-  const { messages } = info.recording.topics[topic];
+  const described = await (await fetch(`${site}/api/recording`)).json();
+  assert.equal(described.sessions.length, 1);
+  const [session] = described.sessions;
+  assert.equal(session.length_s, Number(BigInt(session.end_ns) - BigInt(session.start_ns)) / 1e9);
+  const topic = described.topics.findIndex((other) => other.topic === 'joint_state');
+  const { messages } = described.topics[topic];
+  assert.equal(session.ticks, messages);
   const ask = (query) => fetch(`${site}/api/recording/messages?${query}`);
-  const reply = await ask(`topics=joint_state&from_ns=${info.recording.start_ns}&to_ns=${info.recording.end_ns}`);
+  const reply = await ask(`topics=joint_state&from_ns=${session.start_ns}&to_ns=${session.end_ns}`);
   const bytes = new DataView(await reply.arrayBuffer());
   const stampsOf = (view) => {
     const stamps = [];
@@ -141,12 +146,18 @@ async function recorded() {
   const stamps = stampsOf(bytes);
   assert.ok(stamps.every((stamp, i) => i === 0 || stamp > stamps[i - 1]));
   assert.equal(stamps.length, messages);
-  assert.equal(stamps.at(-1).toString(), info.recording.end_ns);
-  const middle = (BigInt(info.recording.start_ns) + BigInt(info.recording.end_ns)) / 2n;
-  const half = await (await ask(`topics=joint_state&from_ns=${middle}&to_ns=${info.recording.end_ns}`)).arrayBuffer();
+  assert.equal(stamps.at(-1).toString(), session.end_ns);
+  const middle = (BigInt(session.start_ns) + BigInt(session.end_ns)) / 2n;
+  const half = await (await ask(`topics=joint_state&from_ns=${middle}&to_ns=${session.end_ns}`)).arrayBuffer();
   assert.deepEqual(stampsOf(new DataView(half)), stamps.filter((stamp) => stamp >= middle));
   assert.equal((await ask('topics=joint_state&from_ns=1')).status, 400);
   assert.equal((await ask('topics=joint_state&from_ns=x&to_ns=1')).status, 400);
+  assert.equal((await ask(`session=2&topics=joint_state&from_ns=0&to_ns=${session.end_ns}`)).status, 400);
+  const rows = await (await fetch(`${site}/api/recording/participants?at_ns=${session.end_ns}`)).json();
+  const row = rows.find((other) => other.name === 'surrogate');
+  assert.ok(row, JSON.stringify(rows));
+  assert.equal(row.state, 'active');
+  assert.ok(row.age_s >= 0 && row.age_s < 2.5 && row.resident_MB > 1 && row.cpu_percent === null, JSON.stringify(row));
   assert.equal(await post('estop', { 'X-Sinew-Token': await tokenOfPage(), Origin: site }), 409);
   console.log(JSON.stringify({ messages }));
 }

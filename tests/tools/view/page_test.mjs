@@ -5,7 +5,12 @@ import { createHash } from 'node:crypto';
 import { readFileSync, readdirSync } from 'node:fs';
 import { test } from 'node:test';
 import { decode, getter, numberPaths, parseIdl } from '../../../tools/view/page/cdr.js';
-import { Table, plotData } from '../../../tools/view/page/series.js';
+import { Connection } from '../../../tools/view/page/connection.js';
+import { Frames } from '../../../tools/view/page/frames.js';
+import { fill } from '../../../tools/view/page/panels.js';
+import { Recording } from '../../../tools/view/page/recording.js';
+import { PlotData, Table } from '../../../tools/view/page/series.js';
+import { nameOfSession } from '../../../tools/view/page/timeline.js';
 import { Topics } from '../../../tools/view/page/topics.js';
 
 const here = import.meta.url;
@@ -66,6 +71,22 @@ test('what is no number, and IDL that is none, are errors that name it', () => {
   assert.throws(() => decode(type, viewOf(line.payload.slice(0, 80))), RangeError);
 });
 
+test('64-bit integers are the nearest numbers, in either order of bytes', () => {
+  const type = parseIdl('@final struct A { unsigned long long a; long long b; };').get('A');
+  for (const value of [0n, 1n, 2n ** 32n - 1n, 2n ** 53n + 1n, 2n ** 63n - 1n, 2n ** 64n - 1n, 0xfedcba9876543210n]) {
+    for (const little of [true, false]) {
+      const view = new DataView(new ArrayBuffer(20));
+      view.setUint8(1, little ? 1 : 0);
+      view.setBigUint64(4, value, little);
+      view.setBigInt64(12, -(value >> 1n), little);
+      assert.equal(getter(type, 'a')(view), Number(value));
+      assert.equal(getter(type, 'b')(view), Number(-(value >> 1n)));
+    }
+  }
+});
+
+const plotData = (...of) => new PlotData().read(...of).map((column) => [...column]);
+
 test('rows are ticks: gaps stay empty, the oldest go, time rises', () => {
   const table = new Table(8);
   const column = table.column('a');
@@ -73,9 +94,9 @@ test('rows are ticks: gaps stay empty, the oldest go, time rises', () => {
     if (table.open(tick, 1e9 + tick * 1e8)) column[tick % 8] = value;
   };
   for (const tick of [100, 101, 104]) put(tick, tick);
-  assert.deepEqual(plotData(table, ['a'], -1, 9, 100)[1], [100, 101, null, null, 104]);
+  assert.deepEqual(plotData(table, ['a'], -1, 9, 100)[1], [100, 101, NaN, NaN, 104]);
   put(102, 102);  // late, and still kept
-  assert.deepEqual(plotData(table, ['a'], -1, 9, 100)[1], [100, 101, 102, null, 104]);
+  assert.deepEqual(plotData(table, ['a'], -1, 9, 100)[1], [100, 101, 102, NaN, 104]);
   for (let tick = 105; tick < 120; ++tick) put(tick, tick);
   assert.equal(table.first, 112);
   put(111, 7);
@@ -91,12 +112,165 @@ test('a plot that is narrower than its samples shows the least and the greatest 
     table.open(tick, tick * 1e6);
     column[tick] = tick === 1234 ? 5 : tick === 2345 ? -7 : Math.sin(tick / 100);
   }
-  const [times, values] = plotData(table, ['a', 'nothing'], 0, 4, 300);
+  const [times, values, nothing] = plotData(table, ['a', 'nothing'], 0, 4, 300);
   assert.ok(times.length <= 2 * 301 && times.length > 300);
   assert.equal(times.length, values.length);
   assert.equal(Math.max(...values), 5);
   assert.equal(Math.min(...values), -7);
+  assert.ok(nothing.every(Number.isNaN));
 });
+
+test('what is read for a plot keeps its arrays, and has the range of the signals that are shown', () => {
+  const table = new Table(4096);
+  const a = table.column('a');
+  const b = table.column('b');
+  for (let tick = 0; tick < 4000; ++tick) {
+    table.open(tick, tick * 1e6);
+    a[tick] = tick % 7 === 0 ? NaN : Math.sin(tick);
+    b[tick] = 100 + tick;
+  }
+  const read = new PlotData();
+  for (const width of [300, 5000]) {  // groups, and every sample
+    read.read(table, ['a', 'b'], 0, 4, width, (i) => i === 0);
+    assert.ok(read.least >= -1 && read.greatest <= 1 && read.greatest - read.least > 1.99, `${read.least} ${read.greatest}`);
+    read.read(table, ['a', 'b'], 0, 4, width);
+    assert.equal(read.greatest, 4099);
+  }
+  const [times] = read.read(table, ['a', 'b'], 0, 4, 300);
+  const [again] = read.read(table, ['a', 'b'], 0.5, 4, 300);
+  assert.equal(times.buffer, again.buffer);
+  read.read(table, ['nothing'], 0, 4, 300);
+  assert.ok(Number.isNaN(read.least) && Number.isNaN(read.greatest));
+});
+
+test('groups do not change while the window moves', () => {
+  const table = new Table(4096);
+  const column = table.column('a');
+  for (let tick = 0; tick < 4000; ++tick) {
+    table.open(tick, tick * 1e6);
+    column[tick] = (tick * 7919) % 997;
+  }
+  const groupsFrom = (from_s) => {
+    const [times, values] = plotData(table, ['a'], from_s, from_s + 2, 100);
+    const groups = new Map();
+    for (let i = 0; i < times.length; i += 2) groups.set(times[i], [values[i], values[i + 1]]);
+    return groups;
+  };
+  const before = groupsFrom(1);
+  const both = [...groupsFrom(1.303)].filter(([time]) => before.has(time) && time < 2.9);
+  assert.ok(both.length > 50, `${both.length}`);
+  for (const [time, values] of both) assert.deepEqual(values, before.get(time));
+});
+
+// A clock, and frames that come when the test says so.
+class Display {
+  constructor() {
+    this.ms = 0;
+    this.frames = [];
+    this.timers = [];
+    this.paint_ms = 0;  // what layout and painting take
+  }
+  now() { return this.ms; }
+  after(ms, call) { this.timers.push({ at_ms: this.ms + ms, call }); return this.timers.at(-1); }
+  cancel(timer) { this.timers = this.timers.filter((other) => other !== timer); }
+  frame(call) { this.frames.push(call); }
+  painted(call) { this.ms += this.paint_ms; call(); }
+  // Time goes on to `until_ms`; a frame comes at most every 16 ms.
+  run(until_ms) {
+    while (this.ms < until_ms) {
+      this.ms += 1;
+      for (const timer of this.timers.filter((other) => other.at_ms <= this.ms)) {
+        this.cancel(timer);
+        timer.call();
+      }
+      if (this.frames.length > 0 && this.ms % 16 < 1) for (const call of this.frames.splice(0)) call();
+    }
+  }
+}
+
+test('what has not changed is not drawn, and no frame is asked for', () => {
+  const display = new Display();
+  const frames = new Frames(display);
+  let draws = 0;
+  const job = frames.add({ least_ms: 50, share: 0.2, draw: () => { ++draws; return true; } });
+  display.run(1000);
+  assert.equal(draws, 0);
+  frames.want(job);
+  display.run(2000);
+  assert.equal(draws, 1);
+  assert.equal(display.frames.length + display.timers.length, 0);
+});
+
+test('a job that is wanted all the time is drawn at its rate, and less often when that takes long', () => {
+  for (const [draw_ms, paint_ms, least, most] of [[1, 0, 15, 20], [20, 0, 8, 10], [1, 99, 1, 2]]) {
+    const display = new Display();
+    const frames = new Frames(display);
+    display.paint_ms = paint_ms;
+    let draws = 0;
+    let other_draws = 0;
+    const job = frames.add({ least_ms: 50, share: 0.2, draw: () => {
+      ++draws;
+      display.ms += draw_ms;
+      frames.want(job);
+      return true;
+    } });
+    const other = frames.add({ least_ms: 250, share: 0.05, draw: () => { ++other_draws; frames.want(other); return false; } });
+    frames.want(job);
+    frames.want(other);
+    display.run(1000);
+    assert.ok(draws >= least && draws <= most, `${draws} draws of ${draw_ms} + ${paint_ms} ms`);
+    assert.ok(other_draws >= 1 && other_draws <= 4, `${other_draws}`);
+  }
+});
+
+test('a hidden tab draws nothing, and what has changed when it is seen again', () => {
+  const display = new Display();
+  const frames = new Frames(display);
+  let draws = 0;
+  const job = frames.add({ least_ms: 50, share: 0.2, draw: () => { ++draws; return true; } });
+  frames.hide(true);
+  frames.want(job);
+  display.run(60000);
+  assert.equal(draws, 0);
+  assert.equal(display.frames.length, 0);
+  frames.hide(false);
+  display.run(60100);
+  assert.equal(draws, 1);
+});
+
+// As much of a table as the page uses.
+class Cell {
+  constructor(tag) { Object.assign(this, { tag, cells: [], writes: 0, className: '', colSpan: 1 }); }
+  set textContent(text) { this.text = text; ++this.writes; }
+  replaceChildren(...cells) { this.cells = cells; }
+}
+class FakeTable {
+  constructor() { this.rows = []; }
+  insertRow() { this.rows.push(new Cell('tr')); return this.rows.at(-1); }
+  deleteRow() { this.rows.pop(); }
+  get texts() { return this.rows.map((row) => row.cells.map((cell) => cell.text)); }
+  get writes() { return this.rows.reduce((sum, row) => sum + row.cells.reduce((part, cell) => part + cell.writes, 0), 0); }
+}
+
+test('a table leaves out columns that nothing fills, and writes only what has changed', () => {
+  globalThis.document = { createElement: (tag) => new Cell(tag) };
+  const table = new FakeTable();
+  const head = ['name', 'a', 'b'];
+  fill(table, head, [], 'nothing yet');
+  assert.deepEqual(table.texts, [head, ['nothing yet']]);
+  assert.equal(table.rows[1].cells[0].colSpan, 3);
+  fill(table, head, [['x', ['1', 'number'], '-'], ['y', ['-', 'number bad'], '-']], '');
+  assert.deepEqual(table.texts, [['name', 'a'], ['x', '1'], ['y', '-']]);
+  assert.equal(table.rows[0].cells[1].className, 'number');
+  assert.equal(table.rows[1].cells[0].colSpan, 1);
+  const before = table.writes;
+  fill(table, head, [['x', ['1', 'number'], '-'], ['y', ['2', 'number'], '-']], '');
+  assert.equal(table.writes, before + 1);
+  assert.equal(table.rows[2].cells[1].className, 'number');
+  fill(table, head, [['x', ['1', 'number'], 'new']], '');
+  assert.deepEqual(table.texts, [head, ['x', '1', 'new']]);
+});
+
 
 test('a session that changes begins anew, another one is not mixed in, and lost ticks are counted', () => {
   const line = lines.find((other) => other.topic === 'joint_state');
@@ -126,6 +300,135 @@ test('a session that changes begins anew, another one is not mixed in, and lost 
   assert.equal(topics.take('joint_state', message(line.payload, 2, 0)), true);
   assert.equal(topics.newest('imu'), undefined);
   assert.equal(topics.table.end - topics.table.first, 1);
+});
+
+test('messages come in batches from our server, and one by one from another', () => {
+  const frame = (subscription, payload) => [1, subscription, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, ...payload];
+  const sized = (bytes) => [bytes.length, 0, 0, 0, ...bytes];
+  const batch = [...sized(frame(1, [7, 8])), ...sized(frame(2, [])), ...sized(frame(3, [5])), ...sized(frame(1, [9]))];
+  for (const [protocol, frames] of [['sinew.batch.v1', [batch]], ['foxglove.websocket.v1', [frame(1, [7, 8]), frame(2, []), frame(3, [5]), frame(1, [9])]]]) {
+    globalThis.WebSocket = class {
+      constructor(url, protocols) { assert.ok(protocols.includes(protocol)); this.protocol = protocol; }
+      send(text) { this.sent = text; }
+    };
+    const came = [];
+    const handlers = { advertise: () => {}, state: () => {}, report: () => {}, message: (topic, view) => came.push([topic, [...new Uint8Array(view.buffer, view.byteOffset, view.byteLength)]]) };
+    const connection = new Connection('ws://here/', handlers);
+    connection.take(JSON.stringify({ op: 'advertise', channels: [{ topic: 'a', id: 11 }, { topic: 'b', id: 12 }] }));
+    connection.subscribe(['a', 'b']);
+    for (const bytes of frames) connection.take(Uint8Array.from(bytes).buffer);
+    assert.deepEqual(came, [['a', [7, 8]], ['b', []], ['a', [9]]], protocol);
+  }
+});
+
+// A server with a recording of two sessions: joint_state at 10 Hz, 30 s from 5 s on, then 20 s from 2 s on.
+function serveTwoSessions(replies) {
+  const line = lines.find((other) => other.topic === 'joint_state');
+  const sessions = [{ session: 1, session_id: '71', start_ns: '5000000000', length_s: 30 }, { session: 2, session_id: '72', start_ns: '2000000000', length_s: 20 }];
+  globalThis.fetch = async (address) => {
+    const query = new URL(address, 'http://here').searchParams;
+    replies.push(address);
+    if (address.includes('/participants')) return { ok: true, json: async () => [{ name: `of ${query.get('session')} at ${query.get('at_ns')}` }] };
+    const session = sessions[query.get('session') - 1];
+    if (!session) return { ok: false, text: async () => 'no such session\n' };
+    const parts = [];
+    for (let tick = 0; tick <= session.length_s * 10; ++tick) {
+      const stamp_ns = BigInt(session.start_ns) + BigInt(tick) * 100000000n;
+      if (stamp_ns < BigInt(query.get('from_ns')) || stamp_ns > BigInt(query.get('to_ns'))) continue;
+      const message = viewOf(line.payload);
+      message.setBigUint64(4, BigInt(session.session_id), true);
+      message.setBigUint64(12, BigInt(tick), true);
+      message.setBigInt64(20, stamp_ns, true);
+      const head = new DataView(new ArrayBuffer(14));
+      head.setBigInt64(2, stamp_ns, true);
+      head.setUint32(10, message.byteLength, true);
+      parts.push(new Uint8Array(head.buffer), new Uint8Array(message.buffer));
+    }
+    const body = Buffer.concat(parts);
+    return { ok: true, arrayBuffer: async () => body.buffer.slice(body.byteOffset, body.byteOffset + body.length) };
+  };
+  const topics = new Topics();
+  topics.add('joint_state', line.schema_name, line.schema);
+  topics.plot('joint_state.header.stamp_ns');
+  const recording = new Recording({ file: 'two.mcap', sessions, topics: [
+    { topic: 'joint_state', messages: 502 }, { topic: 'component_status', messages: 40 }] }, topics);
+  recording.want(['joint_state', 'regime', 'joint_state']);
+  return { topics, recording };
+}
+
+test('a session of a recording has its own time, span and messages', async () => {
+  const replies = [];
+  const { topics, recording } = serveTwoSessions(replies);
+  assert.equal(recording.length_s, 30);
+  recording.at_s = 12;
+  assert.equal(await recording.load(10), true);
+  assert.match(replies.at(-1), /session=1&topics=joint_state&from_ns=5000000000&to_ns=22000000000$/);
+  recording.show();
+  assert.equal(topics.newest('joint_state').header.tick, 120);
+  assert.equal(topics.newest('joint_state').header.session_id, 71);
+  assert.equal(await recording.load(10), false, 'it is there');
+  recording.select(2);
+  assert.equal(recording.length_s, 20);
+  assert.equal(recording.at_s, 0);
+  assert.equal(topics.newest('joint_state'), undefined, 'nothing of the other session is left');
+  recording.at_s = 18;
+  assert.equal(await recording.load(10), true);
+  assert.match(replies.at(-1), /session=2&topics=joint_state&from_ns=5000000000&to_ns=22000000000$/);
+  recording.show();
+  assert.equal(topics.newest('joint_state').header.session_id, 72);
+  assert.equal(topics.newest('joint_state').header.tick, 180);
+  assert.ok(Math.abs(topics.table.newest - 20) < 1e-9, `${topics.table.newest}`);
+  assert.throws(() => recording.select(3), /expected 1 to 2/);
+  recording.session = 9;
+  recording.loaded = undefined;
+  await assert.rejects(recording.load(10), /no such session/);
+});
+
+test('what was asked for before another session was chosen does not come into it', async () => {
+  const { topics, recording } = serveTwoSessions([]);
+  recording.at_s = 12;
+  const late = recording.load(10);
+  recording.select(2);
+  recording.at_s = 1;
+  assert.equal(await late, true, 'to be asked for again');
+  assert.equal(topics.table.end, 0);
+  assert.equal(await recording.load(10), true);
+  recording.show();
+  assert.equal(topics.newest('joint_state').header.session_id, 72);
+});
+
+test('a recording that plays asks for the next span before it is needed, and other signals of what is there need none', async () => {
+  const replies = [];
+  const { topics, recording } = serveTwoSessions(replies);
+  recording.at_s = 10;
+  await recording.load(10);
+  recording.at_s = 14.5;
+  assert.equal(await recording.load(10), false);
+  recording.playing = true;
+  assert.equal(await recording.load(10), true);
+  const asked = replies.length;
+  topics.plot('joint_state.header.tick');
+  recording.want(['joint_state']);
+  assert.equal(await recording.load(10), false);
+  assert.equal(replies.length, asked);
+  assert.equal(topics.table.columns.get('joint_state.header.tick')[50], 50);
+});
+
+test('the participants of a moment are asked for once', async () => {
+  const { recording } = serveTwoSessions([]);
+  recording.select(2);
+  recording.at_s = 1.5;
+  const [rows, second] = await Promise.all([recording.participants(), recording.participants()]);
+  assert.deepEqual(rows, [{ name: 'of 2 at 3500000000' }]);
+  assert.equal(second, undefined);
+  assert.equal(await recording.participants(), undefined);
+  recording.at_s = 2;
+  assert.deepEqual(await recording.participants(), [{ name: 'of 2 at 4000000000' }]);
+});
+
+test('a session is named by its length, and by its start where that is a time of day', () => {
+  assert.equal(nameOfSession({ session: 2, start_ns: '2000000000', length_s: 12.34 }), '2: 12.3 s');
+  assert.match(nameOfSession({ session: 1, start_ns: '1700000000000000000', length_s: 1 }), /^1: 1\.0 s, .*2023/);
 });
 
 test('vendored files are the ones that are named', () => {

@@ -102,11 +102,27 @@ TEST(ViewProtocol, AnyBytesOfAClientAreReadWithoutHarm) {
 }
 
 TEST(ViewProtocol, TheSubprotocolIsOneOfAList) {
-  EXPECT_TRUE(OffersSubprotocol("foxglove.websocket.v1"));
-  EXPECT_TRUE(OffersSubprotocol("foxglove.sdk.v1, foxglove.websocket.v1"));
-  EXPECT_TRUE(OffersSubprotocol("foxglove.websocket.v1,x"));
-  EXPECT_FALSE(OffersSubprotocol(""));
-  EXPECT_FALSE(OffersSubprotocol("foxglove.websocket.v12"));
+  EXPECT_EQ(ChooseSubprotocol("foxglove.websocket.v1"), kSubprotocol);
+  EXPECT_EQ(ChooseSubprotocol("foxglove.sdk.v1, foxglove.websocket.v1"), kSubprotocol);
+  EXPECT_EQ(ChooseSubprotocol("foxglove.websocket.v1,x"), kSubprotocol);
+  EXPECT_EQ(ChooseSubprotocol("sinew.batch.v1, foxglove.websocket.v1"), kBatchSubprotocol);
+  EXPECT_EQ(ChooseSubprotocol("foxglove.websocket.v1, sinew.batch.v1"), kSubprotocol);
+  EXPECT_EQ(ChooseSubprotocol(""), "");
+  EXPECT_EQ(ChooseSubprotocol("foxglove.websocket.v12"), "");
+}
+
+TEST(ViewProtocol, ABatchIsFramesWithTheirLengths) {
+  std::vector<std::byte> batch;
+  const std::array<std::byte, 2> payload = {std::byte{0xaa}, std::byte{0xbb}};
+  AppendToBatch(MessageDataHead(SubscriptionNumber{7}, 1), payload, &batch);
+  AppendToBatch(MessageDataHead(SubscriptionNumber{8}, 2), {}, &batch);
+  const std::vector<unsigned> expected = {15, 0, 0, 0, 1, 7,    0,    0,  0, 1, 0, 0,
+                                          0,  0, 0, 0, 0, 0xaa, 0xbb, 13, 0, 0, 0, 1,
+                                          8,  0, 0, 0, 2, 0,    0,    0,  0, 0, 0, 0};
+  ASSERT_EQ(batch.size(), expected.size());
+  for (std::size_t i = 0; i < batch.size(); ++i) {
+    EXPECT_EQ(std::to_integer<unsigned>(batch[i]), expected[i]) << i;
+  }
 }
 
 TEST(ViewSubscriptions, AChannelGoesToAllWhoAskedUntilTheyLeave) {

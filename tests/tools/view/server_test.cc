@@ -86,12 +86,16 @@ class Connection {
     }
     return {(head[0] & 15) == 1, Read(size)};
   }
-  void Upgrade(unsigned short port) {
+  void Upgrade(unsigned short port, const std::string& subprotocols = "foxglove.websocket.v1",
+               const std::string& chosen = "foxglove.websocket.v1") {
     Send("GET / HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port) +
          "\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
          "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
-         "Sec-WebSocket-Protocol: foxglove.websocket.v1\r\n\r\n");
-    EXPECT_THAT(ReadHead(), StartsWith("HTTP/1.1 101"));
+         "Sec-WebSocket-Protocol: " +
+         subprotocols + "\r\n\r\n");
+    const std::string head = ReadHead();
+    EXPECT_THAT(head, StartsWith("HTTP/1.1 101"));
+    EXPECT_THAT(head, HasSubstr("Sec-WebSocket-Protocol: " + chosen + "\r\n"));
     EXPECT_THAT(ReadFrame().payload, HasSubstr("serverInfo"));
     EXPECT_THAT(ReadFrame().payload, HasSubstr("advertise"));
   }
@@ -165,6 +169,41 @@ TEST(ViewServer, ASlowClientLosesItsOldestMessagesAndIsSentHowMany) {
     ++received;
   }
   EXPECT_EQ(received + server.clients().at(0).lost, kMessages);
+}
+
+TEST(ViewServer, ThePageReceivesEveryMessageInFewFrames) {
+  Server server(SmallServer(), {{ChannelNumber{1}, "a", "A", "struct A {};"}}, Echo);
+  Connection page(server.port());
+  page.Upgrade(server.port(), "sinew.batch.v1, foxglove.websocket.v1", "sinew.batch.v1");
+  page.SendText(R"({"op":"subscribe","subscriptions":[{"id":9,"channelId":1}]})");
+  ASSERT_TRUE(WaitUntil([&] {
+    const auto clients = server.clients();
+    return clients.size() == 1 && clients[0].subscriptions == 1;
+  }));
+  constexpr std::size_t kMessages = 500;
+  for (std::size_t i = 0; i < kMessages; ++i) {
+    server.Publish(ChannelNumber{1}, static_cast<std::int64_t>(i), {std::byte{7}, std::byte{8}});
+  }
+  std::size_t received = 0, frames = 0;
+  while (received < kMessages) {
+    const Connection::Received frame = page.ReadFrame();
+    ASSERT_FALSE(frame.payload.empty()) << "after " << received;
+    ASSERT_FALSE(frame.text) << frame.payload;
+    ++frames;
+    // Length 15: opcode, subscription, stamp, two bytes.
+    ASSERT_EQ(frame.payload.size() % 19, 0u);
+    for (std::size_t at = 0; at < frame.payload.size(); at += 19) {
+      EXPECT_EQ(frame.payload.substr(at, 6), std::string("\x0f\0\0\0\x01\x09", 6));
+      const auto stamp = static_cast<unsigned char>(frame.payload[at + 9]) |
+                         static_cast<unsigned char>(frame.payload[at + 10]) << 8;
+      EXPECT_EQ(static_cast<std::size_t>(stamp), received++);
+      EXPECT_EQ(frame.payload.substr(at + 17, 2), "\x07\x08");
+    }
+  }
+  EXPECT_EQ(received, kMessages);
+  EXPECT_LT(frames, kMessages / 10);
+  EXPECT_EQ(server.clients().at(0).sent, kMessages);
+  EXPECT_EQ(server.clients().at(0).lost, 0u);
 }
 
 TEST(ViewServer, PagesAreAnsweredAndForeignNamesAreNot) {

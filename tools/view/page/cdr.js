@@ -7,6 +7,8 @@ const SIZES = {
   bool: 1, octet: 1, char: 1, int16: 2, uint16: 2, int32: 4, uint32: 4, int64: 8, uint64: 8, float: 4, double: 8, enum: 4,
 };
 
+const HIGH_WORD = 2 ** 32;  // the sum rounds once, as the conversion of a BigInt does, which would be made for every message
+
 const READ = {
   bool: (view, at) => view.getUint8(at),
   octet: (view, at) => view.getUint8(at),
@@ -15,8 +17,8 @@ const READ = {
   uint16: (view, at, little) => view.getUint16(at, little),
   int32: (view, at, little) => view.getInt32(at, little),
   uint32: (view, at, little) => view.getUint32(at, little),
-  int64: (view, at, little) => Number(view.getBigInt64(at, little)),
-  uint64: (view, at, little) => Number(view.getBigUint64(at, little)),
+  int64: (view, at, little) => view.getInt32(little ? at + 4 : at, little) * HIGH_WORD + view.getUint32(little ? at : at + 4, little),
+  uint64: (view, at, little) => view.getUint32(little ? at + 4 : at, little) * HIGH_WORD + view.getUint32(little ? at : at + 4, little),
   float: (view, at, little) => view.getFloat32(at, little),
   double: (view, at, little) => view.getFloat64(at, little),
   enum: (view, at, little) => view.getUint32(at, little),

@@ -1,8 +1,11 @@
 // A client of the Foxglove WebSocket protocol that connects again by itself.
 
+// The first: many messages in a frame (tools/view/protocol.h); servers of others have the second alone.
+const BATCHES = 'sinew.batch.v1';
 const SUBPROTOCOL = 'foxglove.websocket.v1';
 const MESSAGE_DATA = 1;
 const HEAD_BYTES = 13;  // opcode, subscription, stamp
+const LENGTH_BYTES = 4;
 const FIRST_WAIT_MS = 500;
 const LONGEST_WAIT_MS = 5000;
 
@@ -21,7 +24,7 @@ export class Connection {
     this.subscribed = new Map();  // subscription -> topic
     this.next = 1;
     this.handlers.state('connecting');
-    this.socket = new WebSocket(this.url, [SUBPROTOCOL]);
+    this.socket = new WebSocket(this.url, [BATCHES, SUBPROTOCOL]);
     this.socket.binaryType = 'arraybuffer';
     this.socket.onmessage = (event) => this.take(event.data);
     this.socket.onclose = () => {
@@ -60,9 +63,23 @@ export class Connection {
       }
       return;
     }
-    const head = new DataView(data);
-    if (head.getUint8(0) !== MESSAGE_DATA) return;
-    const topic = this.subscribed.get(head.getUint32(1, true));
-    if (topic !== undefined) this.handlers.message(topic, new DataView(data, HEAD_BYTES));
+    const view = new DataView(data);
+    if (this.socket.protocol !== BATCHES) {
+      this.takeMessage(view, 0, view.byteLength);
+      return;
+    }
+    for (let at = 0; at < view.byteLength;) {
+      const size = view.getUint32(at, true);
+      at += LENGTH_BYTES;
+      this.takeMessage(view, at, size);
+      at += size;
+    }
+  }
+
+  // A message data frame of `size` bytes from `at` on.
+  takeMessage(view, at, size) {
+    if (view.getUint8(at) !== MESSAGE_DATA) return;
+    const topic = this.subscribed.get(view.getUint32(at + 1, true));
+    if (topic !== undefined) this.handlers.message(topic, new DataView(view.buffer, at + HEAD_BYTES, size - HEAD_BYTES));
   }
 }

@@ -1,13 +1,19 @@
-// The page: one state (topics, plots, robot), drawn at three rates: plots 20, robot 15, tables 4 times a second.
+// The page: one state (topics, plots, robot). What has changed is drawn: plots at most 20, the robot 15, tables 4 times a
+// second (frames.js).
 
 import { Connection } from './connection.js';
+import { Frames } from './frames.js';
 import { Topics } from './topics.js';
 import { Plots } from './plots.js';
 import { Recording } from './recording.js';
+import { Timeline } from './timeline.js';
 import * as panels from './panels.js';
 
-const PLOT_MS = 50;
-const TABLE_MS = 250;
+// Shares of the time: of one core all drawing together takes no more than half.
+const PLOTS = { least_ms: 50, share: 0.2 };
+const ROBOT = { least_ms: 1000 / 15, most_ms: 3000, share: 0.2, heavy: true };
+const TABLES = { least_ms: 250, share: 0.05 };
+const PLAY_MS = 50;
 const STATUS_MS = 1000;
 const CONFIRM_MS = 3000;
 // Read for the tables, beside what is plotted.
@@ -23,20 +29,33 @@ const $ = (id) => document.getElementById(id);
 const given = document.querySelector('meta[name=sinew-token]').content;
 const token = given || new URLSearchParams(location.hash.slice(1)).get('token') || '';
 
+const frames = new Frames();
 const topics = new Topics();
-const plots = new Plots($('plots'), topics);
+const drawing = {
+  play: frames.add({ least_ms: PLAY_MS, share: 1, draw: playOn }),  // first: the others show the moment that it makes
+  plots: frames.add({ ...PLOTS, draw: () => plots.draw() }),
+  robot: frames.add({ ...ROBOT, draw: drawRobot }),
+  tables: frames.add({ ...TABLES, draw: showTables }),
+};
+const want = (job) => frames.want(job);
+const plots = new Plots($('plots'), topics, () => want(drawing.plots));
 const figures = { received: 0, message_ms: 0, began_ms: performance.now() };
 let info;
 let status;
 let connection;
 let connected = 'connecting';
 let recording;
+let timeline;
 let robot;
 let joint = 0;
 let names;
 let extra;
 let reported = '';
 const chosen = [];
+
+function put(id, text) {
+  if ($(id).textContent !== text) $(id).textContent = text;
+}
 
 function say(text) {
   reported = text;
@@ -89,9 +108,12 @@ function choose() {
       if (at >= 0) chosen.splice(at, 1);
     }
   }
-  if (recording) recording.loaded = undefined;
-  connection?.subscribe([...SHOWN, ...[...signals].map((signal) => signal.slice(0, signal.indexOf('.')))]);
+  const read = [...SHOWN, ...[...signals].map((signal) => signal.slice(0, signal.indexOf('.')))];
+  connection?.subscribe(read);
+  recording?.want(read);
+  if (recording) refreshRecording();
   arrange();
+  want(drawing.plots);
 }
 
 // A plot is shown when one of its signals comes.
@@ -101,7 +123,6 @@ function arrange() {
     plots.list[i].show(here);
   });
   extra.show(chosen.filter((signal) => topics.table.columns.has(signal)));
-  plots.dirty = true;
 }
 
 function offerSignals() {
@@ -121,6 +142,9 @@ function addChannels(channels) {
 function onMessage(topic, view) {
   const begin = performance.now();
   if (topics.take(topic, view)) plots.restart();
+  if (plots.follows) want(drawing.plots);
+  if (robot) want(drawing.robot);
+  want(drawing.tables);
   ++figures.received;
   figures.message_ms += performance.now() - begin;
 }
@@ -130,14 +154,14 @@ function showState() {
   const live = !recording;
   const fresh = recording || (connected === 'connected' && status?.robot_state);
   const word = state && fresh ? state.robot_state.replace('ROBOT_', '').toLowerCase() : connected === 'connected' || recording ? 'not heard' : connected;
-  $('robot_state').textContent = word;
-  $('robot_state').className = `badge ${word}`;
+  put('robot_state', word);
+  if ($('robot_state').className !== `badge ${word}`) $('robot_state').className = `badge ${word}`;
   const parts = [];
   if (state) parts.push(`tick ${state.header.tick}`, state.header.origin.replace('ORIGIN_', '').toLowerCase());
   if (live && topics.lost > 0) parts.push(`${topics.lost} ticks missing`);
   if (live && topics.sessions > 1) parts.push(`${topics.sessions} sessions`);
-  if (recording) parts.push(info.recording.file + (info.recording.more_sessions ? ' (first session)' : ''));
-  $('facts').textContent = parts.join(', ');
+  if (recording) parts.push(recording.file.split('/').at(-1));
+  put('facts', parts.join(', '));
   const count = state?.joint_count ?? 0;
   if (info.robot) names = info.robot.driven.length === count ? info.robot.driven : info.robot.moving.length === count ? info.robot.moving : undefined;
   if ($('joint').length !== count && count > 0) {
@@ -151,14 +175,18 @@ function showTables() {
   arrange();
   panels.joints($('joints'), topics, names);
   panels.buses($('buses'), topics.newest('bus_status'));
-  if (status) {
-    panels.participants($('participants'), status.participants);
+  if (recording) askParticipants();
+  if (status) panels.participants($('participants'), status.participants);
+  if (status && !recording) {
     panels.topics($('topics'), status.topics, topics);
     panels.clients($('clients'), status.clients);
   }
   const problems = [...topics.problems, ...(status?.problems ?? [])];
   $('problems_card').hidden = problems.length === 0;
-  $('problems').replaceChildren(...problems.map((problem) => Object.assign(document.createElement('li'), { textContent: problem })));
+  if ($('problems').childElementCount !== problems.length || problems.some((problem, i) => $('problems').children[i].textContent !== problem)) {
+    $('problems').replaceChildren(...problems.map((problem) => Object.assign(document.createElement('li'), { textContent: problem })));
+  }
+  return true;
 }
 
 function showStatus() {
@@ -183,43 +211,62 @@ async function readStatus() {
   } catch {
     status = undefined;
   }
+  want(drawing.tables);
 }
 
-async function showRecording() {
-  const slider = $('slider');
-  $('timeline').hidden = false;
+async function showRecording(query) {
+  const reply = await fetch('/api/recording');
+  if (!reply.ok) throw new Error(await reply.text());
+  const described = await reply.json();
   document.querySelectorAll('.live').forEach((element) => { element.hidden = true; });
   document.querySelector('.buttons').hidden = true;
-  slider.max = recording.length_s;
-  const move = (time_s) => {
-    recording.at_s = Math.min(Math.max(time_s, 0), recording.length_s);
-    slider.value = recording.at_s;
-    $('moment').textContent = `${recording.at_s.toFixed(2)} of ${recording.length_s.toFixed(2)} s`;
-    plots.at_s = recording.at_s;
-    plots.dirty = true;
-  };
-  slider.addEventListener('input', () => move(Number(slider.value)));
-  $('play').addEventListener('click', () => {
-    recording.playing = !recording.playing;
-    if (recording.playing && recording.at_s >= recording.length_s) move(0);
-    $('play').textContent = recording.playing ? 'Hold' : 'Play';
-  });
-  recording.step = (elapsed_s) => {
-    if (!recording.playing) return;
-    move(recording.at_s + elapsed_s);
-    if (recording.at_s >= recording.length_s) $('play').click();
-  };
-  const asked_s = Number(new URLSearchParams(location.search).get('at'));
-  move(asked_s > 0 ? asked_s : Math.min(plots.window_s, recording.length_s));
+  $('pause').hidden = true;
+  recording = new Recording(described, topics);
+  $('facts').title = recording.file;
+  $('participants_card').hidden = !recording.has_participants;
+  timeline = new Timeline(recording, $('timeline'), { on_move: moved, on_session: () => plots.restart() });
+  const asked = query.get('session');
+  const there = asked === null || (Number(asked) >= 1 && Number(asked) <= recording.sessions.length && Number.isInteger(Number(asked)));
+  if (!there) say(`session=${asked}: the recording has 1 to ${recording.sessions.length}; the first one is shown`);
+  const at = query.get('at');
+  const session = there && asked !== null ? Number(asked) : 1;
+  timeline.select(session, at === null || Number.isNaN(Number(at)) ? plots.window_s : Number(at));
+  addChannels(described.topics);
+}
+
+// The moment of the recording, or its session, has changed.
+function moved() {
+  plots.at_s = recording.at_s;
+  if (plots.zoomed) plots.zoom();
+  recording.show();
+  refreshRecording();
+  for (const job of Object.values(drawing)) want(job);
+}
+
+function playOn(now_ms) {
+  if (timeline?.step(now_ms)) want(drawing.play);
+  return false;
 }
 
 async function refreshRecording() {
   try {
-    if (await recording.load(plots.window_s)) plots.dirty = true;
+    while (await recording.load(plots.window_s)) {
+      for (const job of Object.values(drawing)) want(job);
+    }
   } catch (error) {
-    say(error.message.trim());
+    say(error.message);
   }
-  recording.show();
+}
+
+async function askParticipants() {
+  try {
+    const rows = await recording.participants();
+    if (!rows) return;
+    status = { participants: rows };
+    want(drawing.tables);
+  } catch (error) {
+    say(error.message);
+  }
 }
 
 async function startRobot() {
@@ -228,35 +275,18 @@ async function startRobot() {
   const { RobotView } = await import('./robot.js');
   $('scene').replaceChildren();
   try {
-    robot = new RobotView($('scene'), await reply.text(), info.robot);
+    robot = new RobotView($('scene'), await reply.text(), info.robot, () => want(drawing.robot));
+    want(drawing.robot);
   } catch (error) {
     $('scene').innerHTML = '<p class="empty"></p>';
     $('scene').firstChild.textContent = `The robot cannot be drawn: ${error.message}`;
   }
 }
 
-let plotted_ms = 0;
-let tabled_ms = 0;
-let last_ms = performance.now();
-function frame(now_ms) {
-  if (recording) {
-    recording.step((now_ms - last_ms) / 1000);
-    refreshRecording();
-  }
-  last_ms = now_ms;
-  if (now_ms - plotted_ms >= PLOT_MS) {
-    plotted_ms = now_ms;
-    plots.draw();
-  }
-  if (robot?.due(now_ms)) {
-    robot.pose(topics.newest('joint_state'), topics.newest('sim_body_truth'));
-    robot.draw(now_ms);
-  }
-  if (now_ms - tabled_ms >= TABLE_MS) {
-    tabled_ms = now_ms;
-    showTables();
-  }
-  requestAnimationFrame(frame);
+function drawRobot() {
+  if (!robot) return false;
+  robot.pose(topics.newest('joint_state'), topics.newest('sim_body_truth'));
+  return robot.draw();
 }
 
 async function start() {
@@ -285,8 +315,8 @@ async function start() {
   });
   $('window').addEventListener('change', () => {
     plots.window_s = Number($('window').value);
-    plots.zoomed = undefined;
-    plots.dirty = true;
+    plots.zoom();
+    if (recording) refreshRecording();
   });
   $('signal').addEventListener('change', () => {
     const signal = $('signal').value.trim();
@@ -301,31 +331,31 @@ async function start() {
   confirmed($('arm'), 'arm');
   confirmed($('reset'), 'reset');
   $('record').addEventListener('click', () => command(status?.recording.running ? 'record/stop' : 'record/start'));
-  if (info.recording) {
-    recording = new Recording(info.recording, topics);
-    addChannels(info.recording.topics);
-    await showRecording();
+  if (info.mode === 'recording') {
+    await showRecording(query);
   } else {
     connection = new Connection(`ws://${location.host}/`, {
       advertise: addChannels,
       message: onMessage,
-      state: (text) => { connected = text; },
+      state: (text) => { connected = text; want(drawing.tables); },
       report: say,
     });
     readStatus();
     setInterval(readStatus, STATUS_MS);
   }
   if (info.robot) startRobot();
-  requestAnimationFrame(frame);
+  want(drawing.tables);
 }
+
+document.addEventListener('visibilitychange', () => frames.hide(document.hidden));
 
 // For tests and for whoever wants to know: what the page costs and what it missed.
 window.sinew = {
   topics, plots,
   figures: () => ({
     seconds: (performance.now() - figures.began_ms) / 1000, received: figures.received, samples: topics.samples, lost: topics.lost,
-    message_ms: figures.message_ms, plot_ms: plots.task_ms, plot_draws: plots.draws, robot_ms: robot?.task_ms ?? 0,
-    robot_frames: robot?.frames ?? 0, signals: topics.table.columns.size, state: connected,
+    message_ms: figures.message_ms, plot_ms: plots.task_ms, plot_draws: plots.draws, plot_cost_ms: drawing.plots.cost_ms,
+    robot_ms: robot?.task_ms ?? 0, robot_frames: robot?.frames ?? 0, signals: topics.table.columns.size, state: connected,
   }),
 };
 

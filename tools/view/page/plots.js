@@ -1,32 +1,80 @@
 // Plots of signals over time (uPlot), with one cursor for all, zoom and pause.
 //
-// Drag in a plot: zoom, which pauses; double click: all of the window again. While paused the data go on coming.
+// Drag in a plot: zoom, which pauses; double click: all of the window again. While paused the data go on coming. A plot
+// that is scrolled out of the window is not drawn.
 
 import uPlot from './vendor/uPlot.esm.js';
-import { plotData } from './series.js';
+import { watchVisibility } from './frames.js';
+import { PlotData } from './series.js';
 
 const COLOURS = ['#3987e5', '#e8833a', '#3aa757', '#c94f7c', '#8e6bd8', '#23a6a6', '#b58a00', '#d9534f', '#6b7f95', '#7cb342'];
-const HEIGHT = 170;
+const LEAST_HEIGHT = 150;
+const MOST_HEIGHT = 320;
 const DIGITS = 5;
+const LINE = 1;  // pixels: wider lines cost several times as much without a GPU
+const DOT = 1.5;
+const RANGE_PART = 0.1;  // of the values' range, left above and below them
+const LEAST_SPAN_S = 0.01;  // at the beginning of a recording
 
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
+// The line of a signal in pixels of the canvas: NaN ends it, a value between two NaN is a dot.
+function linePath(plot, index, first, last) {
+  const [times] = plot.data;
+  const values = plot.data[index];
+  const { x, y } = plot.scales;
+  const { left, top, width, height } = plot.bbox;
+  const per_x = width / (x.max - x.min);
+  const per_y = height / (y.max - y.min);
+  const stroke = new Path2D();
+  let drawing = false;
+  for (let i = first; i <= last; ++i) {
+    const value = values[i];
+    if (value !== value) {
+      drawing = false;
+      continue;
+    }
+    const at_x = left + (times[i] - x.min) * per_x;
+    const at_y = top + (y.max - value) * per_y;
+    if (drawing) {
+      stroke.lineTo(at_x, at_y);
+    } else {
+      stroke.moveTo(at_x, at_y);
+      drawing = true;
+      if (i === last || values[i + 1] !== values[i + 1]) stroke.lineTo(at_x + DOT, at_y);
+    }
+  }
+  return { stroke, fill: null, clip: null, band: null, gaps: null, flags: 0 };
+}
+
 class Plot {
-  constructor(parent, title, unit, on_zoom, on_remove) {
+  // want(): it is to be drawn again.
+  constructor(parent, title, unit, { on_zoom, on_remove, want }) {
     this.title = title;
     this.unit = unit;
     this.signals = [];
     this.on_zoom = on_zoom;
     this.on_remove = on_remove;
+    this.want = want;
+    this.read = new PlotData();
+    this.range = [0, 1];
+    this.height = LEAST_HEIGHT;
+    this.visible = true;
     this.element = document.createElement('section');
     this.element.className = 'plot';
+    this.element.hidden = true;
     parent.append(this.element);
+    watchVisibility(this.element, (visible) => {
+      this.visible = visible;
+      if (visible) want();
+    });
   }
 
   show(signals) {
-    if (this.uplot && signals.join() === this.signals.join()) return;
+    if (signals.join() === this.signals.join()) return;
     this.signals = [...signals];
     this.make();
+    this.want();
   }
 
   make() {
@@ -39,22 +87,27 @@ class Plot {
     heading.textContent = this.unit ? `${this.title}, ${this.unit}` : this.title;
     this.element.append(heading);
     const axis = { stroke: css('--quiet'), grid: { stroke: css('--line'), width: 1 }, ticks: { stroke: css('--line'), width: 1 }, font: '11px system-ui' };
-    const value = (plot, number) => (number === null || number === undefined ? '-' : Number(number.toPrecision(DIGITS)).toString());
+    const value = (plot, number) => (Number.isFinite(number) ? Number(number.toPrecision(DIGITS)).toString() : '');
+    const there = (plot, series, i) => (Number.isFinite(plot.data[series][i]) ? i : null);
     this.uplot = new uPlot({
-      width: this.width(), height: HEIGHT, pxAlign: false,
-      cursor: { sync: { key: 'sinew', setSeries: false }, drag: { x: true, y: false, setScale: false }, points: { show: this.signals.length <= 6 } },
+      width: this.width(), height: this.height,
+      cursor: { sync: { key: 'sinew', setSeries: false }, drag: { x: true, y: false, setScale: false }, points: { show: this.signals.length <= 6 }, dataIdx: there },
       select: { show: true },
       legend: { live: true, isolate: false },
-      scales: { x: { time: false } },
+      // What is read for a plot has its range already; uPlot would look for it again, and take NaN for one.
+      scales: { x: { time: false }, y: { auto: false, range: () => this.range } },
       axes: [{ ...axis, size: 26 }, { ...axis, size: 62, values: (plot, ticks) => ticks.map((tick) => Number(tick.toPrecision(DIGITS)).toString()) }],
-      series: [{ label: 't', value: (plot, t) => (t === null || t === undefined ? '-' : `${t.toFixed(3)} s`) },
-        ...this.signals.map((signal, i) => ({ label: signal, stroke: COLOURS[i % COLOURS.length], width: 1.25, points: { show: false }, value,
-          dash: i >= COLOURS.length ? [4, 3] : undefined }))],
-      hooks: { setSelect: [(plot) => {
-        if (plot.select.width < 3) return;
-        this.on_zoom(plot.posToVal(plot.select.left, 'x'), plot.posToVal(plot.select.left + plot.select.width, 'x'));
-        plot.setSelect({ left: 0, width: 0, top: 0, height: 0 }, false);
-      }] },
+      series: [{ label: 'time', value: (plot, t) => (Number.isFinite(t) ? `${t.toFixed(3)} s` : '') },
+        ...this.signals.map((signal, i) => ({ label: signal, stroke: COLOURS[i % COLOURS.length], width: LINE, pxAlign: 0,
+          points: { show: false }, value, paths: linePath, dash: i >= COLOURS.length ? [4, 3] : undefined }))],
+      hooks: {
+        setSelect: [(plot) => {
+          if (plot.select.width < 3) return;
+          this.on_zoom(plot.posToVal(plot.select.left, 'x'), plot.posToVal(plot.select.left + plot.select.width, 'x'));
+          plot.setSelect({ left: 0, width: 0, top: 0, height: 0 }, false);
+        }],
+        setSeries: [() => this.want()],
+      },
     }, [[], ...this.signals.map(() => [])], this.element);
     this.uplot.over.addEventListener('dblclick', () => this.on_zoom());
     if (this.on_remove) this.removers();
@@ -72,24 +125,42 @@ class Plot {
     });
   }
 
-  width() { return Math.max(this.element.clientWidth - 2, 200); }
-
-  draw(table, from_s, to_s) {
-    if (!this.uplot) return;
-    const points = Math.max(100, this.uplot.bbox.width / devicePixelRatio);
-    this.uplot.batch(() => {
-      this.uplot.setData(plotData(table, this.signals, from_s, to_s, points), true);
-      this.uplot.setScale('x', { min: from_s, max: to_s });
-    });
+  width() {
+    const style = getComputedStyle(this.element);
+    return Math.max(this.element.clientWidth - Number.parseFloat(style.paddingLeft) - Number.parseFloat(style.paddingRight), 200);
   }
 
-  resize() { this.uplot?.setSize({ width: this.width(), height: HEIGHT }); }
+  // True: it was drawn.
+  draw(table, from_s, to_s) {
+    if (!this.uplot || !this.visible) return false;
+    const points = Math.max(100, this.uplot.bbox.width / devicePixelRatio);
+    const data = this.read.read(table, this.signals, from_s, to_s, points, (i) => this.uplot.series[i + 1].show);
+    this.range = Number.isNaN(this.read.least) ? [0, 1] : uPlot.rangeNum(this.read.least, this.read.greatest, RANGE_PART, true);
+    this.uplot.batch(() => {
+      this.uplot.setData(data, false);
+      this.uplot.setScale('x', { min: from_s, max: to_s });
+      this.uplot.setScale('y', { min: this.range[0], max: this.range[1] });
+    });
+    return true;
+  }
+
+  // What is above and below the picture: heading, legend, margins.
+  get frame_height() { return this.element.offsetHeight - this.height; }
+
+  resize(height) {
+    this.height = height;
+    if (!this.uplot || (this.uplot.width === this.width() && this.uplot.height === height)) return;
+    this.uplot.setSize({ width: this.width(), height });
+    this.want();
+  }
 }
 
 export class Plots {
-  constructor(parent, topics) {
+  // want(): something has changed, draw() is to be called.
+  constructor(parent, topics, want) {
     this.parent = parent;
     this.topics = topics;
+    this.want = want;
     this.window_s = 10;
     this.paused = undefined;  // a snapshot of the table
     this.zoomed = undefined;  // [from_s, to_s]
@@ -98,11 +169,26 @@ export class Plots {
     this.task_ms = 0;
     this.draws = 0;
     this.on_change = () => {};
-    new ResizeObserver(() => this.list.forEach((plot) => plot.resize())).observe(parent);
+    new ResizeObserver(() => this.resize()).observe(parent);
+    window.addEventListener('resize', () => this.resize());
   }
 
+  // The plots fill the window; what does not fit is below.
+  resize() {
+    const shown = this.list.filter((plot) => plot.uplot);
+    if (shown.length === 0) return;
+    const gap = Number.parseFloat(getComputedStyle(this.parent).rowGap) || 0;
+    const frames = shown.reduce((sum, plot) => sum + plot.frame_height + gap, 0);
+    const free = window.innerHeight - (this.parent.getBoundingClientRect().top + window.scrollY) - frames - gap;
+    const height = Math.min(Math.max(Math.floor(free / shown.length), LEAST_HEIGHT), MOST_HEIGHT);
+    shown.forEach((plot) => plot.resize(height));
+  }
+
+  // Whether new data change what is shown.
+  get follows() { return this.paused === undefined; }
+
   add(title, unit, on_remove) {
-    const plot = new Plot(this.parent, title, unit, (from_s, to_s) => this.zoom(from_s, to_s), on_remove);
+    const plot = new Plot(this.parent, title, unit, { on_zoom: (from_s, to_s) => this.zoom(from_s, to_s), on_remove, want: this.want });
     this.list.push(plot);
     return plot;
   }
@@ -114,7 +200,7 @@ export class Plots {
     } else if (!this.paused) {
       this.paused = this.topics.table.snapshot();
     }
-    this.dirty = true;
+    this.want();
     this.on_change();
   }
 
@@ -125,7 +211,7 @@ export class Plots {
       this.zoomed = [from_s, to_s];
       if (!this.paused && this.at_s === undefined) this.paused = this.topics.table.snapshot();
     }
-    this.dirty = true;
+    this.want();
     this.on_change();
   }
 
@@ -134,16 +220,18 @@ export class Plots {
     this.pause(false);
   }
 
+  // True: something was drawn.
   draw() {
-    if ((this.paused || this.at_s !== undefined) && !this.dirty) return;
-    this.dirty = false;
     const begin = performance.now();
     const table = this.paused ?? this.topics.table;
-    const to_s = this.zoomed?.[1] ?? this.at_s ?? table.newest;
     const begin_s = this.at_s === undefined ? -Infinity : 0;  // a recording has nothing before
-    const from_s = this.zoomed?.[0] ?? Math.max(to_s - this.window_s, begin_s);
-    for (const plot of this.list) plot.draw(table, from_s, to_s);
+    const end_s = this.zoomed?.[1] ?? this.at_s ?? table.newest;
+    const from_s = this.zoomed?.[0] ?? Math.max(end_s - this.window_s, begin_s);
+    const to_s = Math.max(end_s, from_s + LEAST_SPAN_S);
+    let drawn = false;
+    for (const plot of this.list) drawn = plot.draw(table, from_s, to_s) || drawn;
     this.task_ms += performance.now() - begin;
-    ++this.draws;
+    if (drawn) ++this.draws;
+    return drawn;
   }
 }

@@ -1,39 +1,70 @@
-// A recording: fills the table for the window that the slider shows, and plays.
+// A recording: fills the table for the window that the slider shows, a session of it at a time.
 //
-// The table holds the span [from, to] around the moment; the rest is fetched when the moment leaves it.
+// The table holds the span around the moment; the rest is fetched when the moment leaves it.
 
 const AHEAD_S = 5;
+const EARLY_S = 1;  // while it plays, the next span is asked for so long before it is needed
 const RECORD_BYTES = 14;  // index of the topic, stamp, size
 
 export class Recording {
+  // info: of /api/recording. Shows the first session.
   constructor(info, topics) {
     this.topics = topics;
+    this.file = info.file;
+    this.sessions = info.sessions;
     this.names = info.topics.map((topic) => topic.topic);
-    this.start_ns = BigInt(info.start_ns);
-    this.length_s = Number(BigInt(info.end_ns) - this.start_ns) * 1e-9;
+    this.has_participants = info.topics.some((topic) => topic.topic === 'component_status' && topic.messages > 0);
+    this.wanted = [];  // topics that are fetched
+    this.busy = false;
+    this.asking = false;
+    this.bytes = 0;
+    this.select(1);
+  }
+
+  // Shows a session, numbered from 1 on, from its beginning. Throws Error: there is no such session.
+  select(number) {
+    const session = this.sessions[number - 1];
+    if (!session) throw new Error(`session ${number}: expected 1 to ${this.sessions.length}`);
+    this.session = number;
+    this.start_ns = BigInt(session.start_ns);
+    this.length_s = session.length_s;
     this.at_s = 0;
     this.playing = false;
-    this.loaded = undefined;  // [from_s, to_s]
+    this.loaded = undefined;  // {span: [from_s, to_s], names, buffer}
+    this.asked = undefined;
     this.moments = new Map();  // topic -> [{time_s, view}]
-    this.busy = false;
-    this.bytes = 0;
+    this.topics.restart(undefined);
+    for (const topic of this.topics.topics.values()) topic.received = 0;
   }
+
+  // Topics to fetch from now on. Those that are there already go into the table again, since its signals have changed.
+  want(names) {
+    this.wanted = [...new Set(names)].filter((name) => this.names.includes(name) && this.topics.topics.has(name));
+    if (!this.loaded) return;
+    if (this.wanted.every((name) => this.loaded.names.includes(name))) this.fill(this.loaded.buffer);
+    else this.loaded = undefined;
+  }
+
+  stamp(time_s) { return (this.start_ns + BigInt(Math.round(time_s * 1e9))).toString(); }
 
   // Fetches what the window needs; true: the table has changed.
   async load(window_s) {
     const from_s = Math.max(this.at_s - window_s, 0);
-    const to_s = this.at_s;
-    if (this.busy || (this.loaded && from_s >= this.loaded[0] && to_s <= this.loaded[1])) return false;
+    const to_s = Math.min(this.at_s + (this.playing ? EARLY_S : 0), this.length_s);
+    if (this.busy || this.wanted.length === 0) return false;
+    if (this.loaded && from_s >= this.loaded.span[0] && to_s <= this.loaded.span[1]) return false;
     this.busy = true;
     try {
       const span = [Math.max(from_s - AHEAD_S, 0), Math.min(to_s + AHEAD_S, this.length_s)];
-      const ns = (time_s) => (this.start_ns + BigInt(Math.round(time_s * 1e9))).toString();
-      const wanted = this.names.filter((name) => this.topics.topics.has(name) && name !== 'component_status'
-        && name !== 'reservoir_state' && name !== 'readout');
-      const reply = await fetch(`/api/recording/messages?topics=${wanted.join(',')}&from_ns=${ns(span[0])}&to_ns=${ns(span[1])}`);
-      if (!reply.ok) throw new Error(await reply.text());
-      this.fill(await reply.arrayBuffer());
-      this.loaded = span;
+      const { session, wanted } = this;
+      const reply = await fetch(`/api/recording/messages?session=${session}&topics=${wanted.join(',')}`
+        + `&from_ns=${this.stamp(span[0])}&to_ns=${this.stamp(span[1])}`);
+      if (!reply.ok) throw new Error((await reply.text()).trim());
+      const buffer = await reply.arrayBuffer();
+      this.bytes += buffer.byteLength;
+      if (session !== this.session || wanted !== this.wanted) return true;  // asked for something else meanwhile: once more
+      this.loaded = { span, names: wanted, buffer };
+      this.fill(buffer);
       return true;
     } finally {
       this.busy = false;
@@ -64,7 +95,7 @@ export class Recording {
       if (!this.moments.has(name)) this.moments.set(name, []);
       this.moments.get(name).push({ time_s: Number(stamp_ns - this.start_ns) * 1e-9, view });
     }
-    this.bytes += buffer.byteLength;
+    this.show();
   }
 
   // The newest messages of the moment become those of the topics.
@@ -77,7 +108,22 @@ export class Recording {
         if (list[middle].time_s <= this.at_s + 1e-6) low = middle + 1;
         else high = middle;
       }
-      this.topics.topics.get(name).newest = list[Math.max(low - 1, 0)]?.view;
+      this.topics.topics.get(name).newest = low > 0 ? list[low - 1].view : undefined;
+    }
+  }
+
+  // Rows of the participants at the moment; undefined: they are those of the last call, or on their way.
+  async participants() {
+    const moment = `session=${this.session}&at_ns=${this.stamp(this.at_s)}`;
+    if (!this.has_participants || this.asking || moment === this.asked) return undefined;
+    this.asking = true;
+    this.asked = moment;
+    try {
+      const reply = await fetch(`/api/recording/participants?${moment}`);
+      if (!reply.ok) throw new Error((await reply.text()).trim());
+      return await reply.json();
+    } finally {
+      this.asking = false;
     }
   }
 }

@@ -78,46 +78,93 @@ export class Table {
   }
 }
 
-// Rows from from_s to to_s for a plot that is `width` points wide: [times, values of each column], null where there is
-// none. With more than two rows a point, each group of rows becomes its least and its greatest value, in their order, so
-// that every sample shows.
-export function plotData(table, names, from_s, to_s, width) {
-  const begin = table.tickAt(from_s);
-  let end = table.tickAt(to_s);
-  if (end < table.end) ++end;
-  const rows = table.rows;
-  const columns = names.map((name) => table.columns.get(name));
-  const group = Math.ceil((end - begin) / Math.max(width, 1));
-  const times = [];
-  const values = names.map(() => []);
-  if (group <= 2) {
-    for (let tick = begin; tick < end; ++tick) {
-      times.push(table.time[tick % rows]);
-      columns.forEach((column, i) => {
-        const value = column ? column[tick % rows] : NaN;
-        values[i].push(value === value ? value : null);
-      });
-    }
-    return [times, ...values];
+// Rows of a table for a plot. With more than two rows a point, each group of rows becomes its least and its greatest
+// value, in their order, so that every sample shows. The arrays are kept and filled again.
+export class PlotData {
+  constructor() {
+    this.columns = [];  // Float64Array: times, then a column a signal
+    this.least = NaN;     // of the values that were read; NaN: there were none
+    this.greatest = NaN;
   }
-  // Groups begin at multiples of their size, so that they do not change while the window moves.
-  for (let tick = begin - (begin % group); tick < end; tick += group) {
-    const from = Math.max(tick, table.first);
-    const to = Math.min(tick + group, table.end);
-    if (from >= to) continue;
-    times.push(table.time[from % rows], table.time[(to - 1) % rows]);
-    for (let i = 0; i < columns.length; ++i) {
-      const column = columns[i];
-      let least = Infinity, greatest = -Infinity, least_at = 0, greatest_at = 0;
-      for (let k = from; column && k < to; ++k) {
-        const value = column[k % rows];
-        if (value < least) { least = value; least_at = k; }
-        if (value > greatest) { greatest = value; greatest_at = k; }
+
+  // From from_s to to_s, for `width` points: [times, values of each name], NaN where there is none. They are views that the
+  // next call fills again. shown(i): whether name i counts for least and greatest; all by default.
+  read(table, names, from_s, to_s, width, shown = () => true) {
+    const begin = table.tickAt(from_s);
+    let end = table.tickAt(to_s);
+    if (end < table.end) ++end;
+    const group = Math.ceil((end - begin) / Math.max(width, 1));
+    // Groups begin at multiples of their size, so that they do not change while the window moves.
+    const first = group <= 2 ? begin : begin - (begin % group);
+    const most = group <= 2 ? end - begin : 2 * Math.ceil((end - first) / group);
+    while (this.columns.length <= names.length) this.columns.push(new Float64Array(0));
+    for (let i = 0; i <= names.length; ++i) {
+      if (this.columns[i].length < most) this.columns[i] = new Float64Array(Math.ceil(1.25 * most));
+    }
+    this.least = Infinity;
+    this.greatest = -Infinity;
+    const count = group <= 2 ? this.every(table, names, begin, end, shown) : this.grouped(table, names, first, end, group, shown);
+    if (this.least > this.greatest) this.least = this.greatest = NaN;
+    return this.columns.slice(0, names.length + 1).map((column) => column.subarray(0, count));
+  }
+
+  every(table, names, begin, end, shown) {
+    const { rows } = table;
+    for (let i = -1; i < names.length; ++i) {
+      const from = i < 0 ? table.time : table.columns.get(names[i]);
+      const to = this.columns[i + 1];
+      let at = begin % rows;
+      let least = Infinity, greatest = -Infinity;
+      for (let k = 0; k < end - begin; ++k) {
+        const value = from ? from[at] : NaN;
+        to[k] = value;
+        if (value < least) least = value;
+        if (value > greatest) greatest = value;
+        if (++at === rows) at = 0;
       }
-      if (least === Infinity) values[i].push(null, null);
-      else if (least_at <= greatest_at) values[i].push(least, greatest);
-      else values[i].push(greatest, least);
+      if (i >= 0 && shown(i)) this.widen(least, greatest);
     }
+    return end - begin;
   }
-  return [times, ...values];
+
+  grouped(table, names, first, end, group, shown) {
+    const { rows } = table;
+    let count = 0;
+    for (let i = -1; i < names.length; ++i) {
+      const from = i < 0 ? table.time : table.columns.get(names[i]);
+      const to = this.columns[i + 1];
+      let low = Infinity, high = -Infinity;
+      count = 0;
+      for (let tick = first; tick < end; tick += group) {
+        const start = Math.max(tick, table.first);
+        const stop = Math.min(tick + group, table.end);
+        if (start >= stop) continue;
+        if (i < 0) {
+          to[count++] = from[start % rows];
+          to[count++] = from[(stop - 1) % rows];
+          continue;
+        }
+        let least = Infinity, greatest = -Infinity, least_k = 0, greatest_k = 0;
+        let at = start % rows;
+        for (let k = start; from && k < stop; ++k) {
+          const value = from[at];
+          if (value < least) { least = value; least_k = k; }
+          if (value > greatest) { greatest = value; greatest_k = k; }
+          if (++at === rows) at = 0;
+        }
+        if (least === Infinity) least = greatest = NaN;
+        else if (least < low) low = least;
+        if (greatest > high) high = greatest;
+        to[count++] = least_k <= greatest_k ? least : greatest;
+        to[count++] = least_k <= greatest_k ? greatest : least;
+      }
+      if (i >= 0 && shown(i)) this.widen(low, high);
+    }
+    return count;
+  }
+
+  widen(least, greatest) {
+    if (least < this.least) this.least = least;
+    if (greatest > this.greatest) this.greatest = greatest;
+  }
 }

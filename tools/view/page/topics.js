@@ -8,7 +8,7 @@ const PROVIDER = 'joint_state';  // its session is the one that is shown
 export class Topics {
   constructor() {
     this.table = new Table();
-    this.topics = new Map();  // name -> {type, head, signals, newest, received, lost, tick}
+    this.topics = new Map();  // name -> {type, head, signals, newest, decoded, decoded_of, received, lost, tick}
     this.session = undefined;
     this.sessions = 0;
     this.samples = 0;  // values that went into the table
@@ -54,10 +54,7 @@ export class Topics {
     this.session = session;
     ++this.sessions;
     this.table.reset();
-    for (const topic of this.topics.values()) {
-      topic.newest = undefined;
-      topic.tick = undefined;
-    }
+    for (const topic of this.topics.values()) Object.assign(topic, { newest: undefined, decoded_of: undefined, tick: undefined });
   }
 
   // A message as it came: DataView with the 4-byte header. True: a new session began with it.
@@ -82,10 +79,15 @@ export class Topics {
     return begins;
   }
 
-  // The newest message as an object; undefined: none came.
+  // The newest message as an object, the same one until another message comes; undefined: none came.
   newest(name) {
     const topic = this.topics.get(name);
-    return topic?.newest ? decode(topic.type, topic.newest) : undefined;
+    if (!topic?.newest) return undefined;
+    if (topic.decoded_of !== topic.newest) {
+      topic.decoded = decode(topic.type, topic.newest);
+      topic.decoded_of = topic.newest;
+    }
+    return topic.decoded;
   }
 
   // Of the topics that are plotted: ticks that did not come.
