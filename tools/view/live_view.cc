@@ -21,6 +21,7 @@
 #include "components/node/realtime.h"
 #include "components/node/version.h"
 #include "components/types/clock/clock.h"
+#include "components/wire/component_state.h"
 #include "tools/view/operator_desk.h"
 #include "tools/view/participants.h"
 #include "tools/view/recorder_process.h"
@@ -65,25 +66,11 @@ Json RobotInfo(const Robot* robot) {
   return {{"driven", robot->driven()}, {"moving", robot->moving()}};
 }
 
-const char* NameOfState(msg::ComponentState state) {
-  switch (state) {
-    case msg::COMPONENT_CONFIGURED:
-      return "configured";
-    case msg::COMPONENT_ACTIVE:
-      return "active";
-    case msg::COMPONENT_FAULT:
-      return "fault";
-    case msg::COMPONENT_STOPPED:
-      return "stopped";
-  }
-  return "unknown";
-}
-
 ParticipantStatus StatusOf(const msg::ComponentStatus& message) {
   ParticipantStatus status;
   status.name = message.name().to_string();
   status.kind = message.component_kind().to_string();
-  status.state = NameOfState(message.state());
+  status.state = wire::NameOf(message.state());
   status.host = message.host().to_string();
   status.message = message.message().to_string();
   status.standby = message.standby();

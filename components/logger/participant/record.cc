@@ -59,9 +59,10 @@ bool IsNumbered(const RecordOptions& options) {
 Repeats RepeatsOf(const node::TopicInfo& topic) {
   if (topic.profile == node::Profile::kLatched) return Repeats::kOfLiveWriters;
   if (topic.profile != node::Profile::kEvent) return Repeats::kNothing;
-  // A state of an earlier cycle does not fit the inputs of this file: it is asked for anew.
-  for (const auto& no_request : {node::kComponentSnapshot.name, node::kSnapshotRequest.name,
-                                 node::kRecordingProgress.name}) {
+  // An operator's order counts once: arming is not in force later, and nobody may send it again. A
+  // state of an earlier cycle does not fit the inputs of this file: it is asked for anew.
+  for (const auto& no_request : {node::kOperatorCommand.name, node::kComponentSnapshot.name,
+                                 node::kSnapshotRequest.name, node::kRecordingProgress.name}) {
     if (topic.name == no_request) return Repeats::kNothing;
   }
   return Repeats::kOfTheSession;
