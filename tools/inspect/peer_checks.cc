@@ -95,6 +95,11 @@ std::vector<Finding> CheckPeers(const std::vector<node::Endpoint>& endpoints,
 
 std::vector<Finding> CheckClocks(const std::vector<ClockSample>& samples,
                                  const std::string& own_host) {
+  if (samples.empty()) {
+    return {
+        {"clocks", Severity::kNote, "no component_status was received, no clock was compared",
+         "is discovery let through and data not? UDP on all ports (docs/how-to/several-hosts.md)"}};
+  }
   std::map<std::string, std::optional<double>> least_ms;  // none: only samples from history
   for (const ClockSample& sample : samples) {
     if (sample.host == own_host) continue;

@@ -76,6 +76,13 @@ TEST(Clocks, AMessageFromHistoryIsNotCompared) {
   EXPECT_EQ(CheckClocks({old, {"robot", 0, kMillisecond_ns}}, "desk")[0].severity, Severity::kOk);
 }
 
+TEST(Clocks, WithoutAnyMessageNothingIsSaidOfTheHosts) {
+  const auto findings = CheckClocks({}, "desk");
+  ASSERT_THAT(findings, SizeIs(1));
+  EXPECT_EQ(findings[0].severity, Severity::kNote);
+  EXPECT_THAT(findings[0].text, HasSubstr("no component_status was received"));
+}
+
 TEST(Clocks, OfThisHostNothingIsCompared) {
   const auto findings = CheckClocks({{"desk", 0, -900 * kMillisecond_ns}}, "desk");
   ASSERT_THAT(findings, SizeIs(1));

@@ -1,12 +1,15 @@
-// `sinew list` on processes that run. Domain 41.
+// `sinew list` on processes that run. Domains 41 and 231.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
 #include <csignal>
+#include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "tests/support/program.h"
+#include "tests/support/temporary_folder.h"
 
 namespace sinew {
 namespace {
@@ -48,6 +51,34 @@ TEST(List, TwoParticipantsOfOneNameAreTwoRowsAndAProblem) {
     program->Signal(SIGINT);
     EXPECT_EQ(program->Wait(kListLimit), 0) << program->error();
   }
+}
+
+// Fast DDS reports nothing of partitions that do not meet.
+TEST(List, AReaderInAnotherPartitionIsBelowTheWriterWithTheReason) {
+  std::ifstream profiles(std::string(SINEW_SOURCE_DIR) + "/components/node/qos_profiles.xml");
+  std::string xml{std::istreambuf_iterator<char>(profiles), {}};
+  const std::string qos = "<qos>";
+  xml.insert(xml.find(qos, xml.find("<data_reader profile_name=\"state\">")) + qos.size(),
+             "<partition><names><name>left</name></names></partition>");
+  const testing::TemporaryFolder folder;
+  Program provider({kListBin + "sinew-surrogate", "--domain", "231"});
+  Program reference({kListBin + "sinew-reference", "--domain", "231", "--config",
+                     std::string(SINEW_SOURCE_DIR) + "/robots/rig/reference_benchmark.yaml",
+                     "--qos", folder.Write("qos.xml", xml)});
+  const std::string expected =
+      "\n  not matched: reference: partition: the writer is in the default partition, the reader "
+      "in "
+      "partition 'left'\n";
+  Finished list;
+  const auto limit = std::chrono::steady_clock::now() + kListLimit;
+  do {
+    list = testing::Run({kListBin + "sinew", "list", "--domain", "231"}, kListLimit);
+  } while (list.output.find(expected) == std::string::npos &&
+           std::chrono::steady_clock::now() < limit);
+  EXPECT_THAT(list.output, HasSubstr(expected)) << list.error;
+  EXPECT_THAT(list.output, HasSubstr("problem: topic 'joint_state': 'surrogate' is not heard by "
+                                     "'reference': partition: "));
+  EXPECT_EQ(list.exit_code, 1);
 }
 
 }  // namespace
