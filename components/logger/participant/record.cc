@@ -87,13 +87,19 @@ class SnapshotRequests {
     request.header().tick(state.session->tick);
     request.header().stamp_ns(state.session->stamp_ns);
     request.header().origin(static_cast<msg::Origin>(state.session->origin));
-    request.after_tick(state.session->tick);
+    request.after_tick(state.session->tick + kAhead_ticks);
     if (writer_.Write(request) != node::WriteStatus::kOk && !std::exchange(reported_, true)) {
       spdlog::warn("snapshot_request could not be sent: files lack the states of components");
     }
   }
 
  private:
+  // A state needs the inputs of its tick and of the one before in the same file, and topics come
+  // at their own pace: in lockstep the state provider, and with it everybody, is this far ahead of
+  // the joint_state that is written (recording_progress:64, tools/launch); in real time by less.
+  // The first tick that is surely in the file, and the next one.
+  static constexpr std::uint64_t kAhead_ticks = 64 + 2;
+
   node::Writer<msg::SnapshotRequest> writer_;
   const std::chrono::nanoseconds ring_;
   int files_ = 0;  // begun at the last request
