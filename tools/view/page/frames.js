@@ -83,21 +83,23 @@ export class Frames {
     this.charge(now_ms - this.asked_ms - FRAME_MS);  // it was waiting for the pictures of the last ones
     const drawn = [];
     this.drawn = [drawn, ...this.drawn].slice(0, FRAMES_BEHIND);
-    if (!this.hidden) {
-      for (const job of this.jobs) {
-        if (!job.wanted || job.next_ms > now_ms + 1) continue;
-        job.wanted = false;
-        job.began_ms = this.host.now();
-        const has_drawn = job.draw(now_ms);
-        job.cost_ms = this.host.now() - job.began_ms;
-        this.wait(job);
-        if (has_drawn) drawn.push(job);
-      }
+    try {
+      if (!this.hidden) for (const job of this.jobs) if (job.wanted && job.next_ms <= now_ms + 1) this.draw(job, now_ms, drawn);
+    } finally {  // a job that throws does not stop the others
+      const done_ms = this.host.now();
+      this.asked_ms = undefined;
+      if (drawn.length > 0) this.host.painted(() => this.charge(this.host.now() - done_ms));
+      this.plan();
     }
-    const done_ms = this.host.now();
-    this.asked_ms = undefined;
-    if (drawn.length > 0) this.host.painted(() => this.charge(this.host.now() - done_ms));
-    this.plan();
+  }
+
+  draw(job, now_ms, drawn) {
+    job.wanted = false;
+    job.began_ms = this.host.now();
+    const has_drawn = job.draw(now_ms);
+    job.cost_ms = this.host.now() - job.began_ms;
+    this.wait(job);
+    if (has_drawn) drawn.push(job);
   }
 
   wait(job) { job.next_ms = job.began_ms + Math.max(job.least_ms, Math.min(job.cost_ms / job.share, job.most_ms)); }
