@@ -216,7 +216,7 @@ test('what has not changed is not drawn, and no frame is asked for', () => {
 });
 
 test('a job that is wanted all the time is drawn at its rate, and less often when that takes long', () => {
-  for (const [draw_ms, paint_ms, least, most] of [[1, 0, 15, 20], [20, 0, 8, 10], [1, 99, 1, 2]]) {
+  for (const [draw_ms, paint_ms, least, most] of [[1, 0, 19, 21], [20, 0, 8, 11], [1, 99, 1, 3]]) {
     const display = new Display();
     const frames = new Frames(display);
     display.paint_ms = paint_ms;

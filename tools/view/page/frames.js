@@ -6,6 +6,7 @@
 // job (3-D) bears the latter alone when it was in one of the last frames.
 
 const FRAME_MS = 17;  // between two frames of a display; what the browser needs longer is its work for the last ones
+const EARLY_MS = FRAME_MS / 2;  // a job is drawn in the frame that is nearest to its time
 const FRAMES_BEHIND = 3;  // pictures that may wait to be made
 
 // A browser as the frames need it; tests have another one.
@@ -59,14 +60,15 @@ export class Frames {
     for (const job of this.jobs) if (job.wanted && job.next_ms < next_ms) next_ms = job.next_ms;
     if (next_ms === Infinity) return;
     const now_ms = this.host.now();
-    if (next_ms - now_ms < 1) {
+    const wait_ms = next_ms - EARLY_MS - now_ms;
+    if (wait_ms < 1) {
       this.host.cancel(this.timer);
       this.timer_ms = Infinity;
       this.ask();
     } else if (next_ms < this.timer_ms) {
       this.host.cancel(this.timer);
       this.timer_ms = next_ms;
-      this.timer = this.host.after(next_ms - now_ms, () => {
+      this.timer = this.host.after(wait_ms, () => {
         this.timer_ms = Infinity;
         if (!this.hidden && this.asked_ms === undefined) this.ask();
       });
@@ -84,7 +86,7 @@ export class Frames {
     const drawn = [];
     this.drawn = [drawn, ...this.drawn].slice(0, FRAMES_BEHIND);
     try {
-      if (!this.hidden) for (const job of this.jobs) if (job.wanted && job.next_ms <= now_ms + 1) this.draw(job, now_ms, drawn);
+      if (!this.hidden) for (const job of this.jobs) if (job.wanted && job.next_ms <= now_ms + EARLY_MS) this.draw(job, now_ms, drawn);
     } finally {  // a job that throws does not stop the others
       const done_ms = this.host.now();
       this.asked_ms = undefined;
