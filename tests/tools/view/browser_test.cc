@@ -27,8 +27,8 @@ constexpr double kRate_Hz = 240.0;
 constexpr double kSignals = 20.0;
 constexpr double kTopicsOfPlots = 9.0;  // read by the page: a second may be on its way
 // Of one core, for 20 signals at 240 Hz, the robot's picture apart. Plots are drawn 20 times a
-// second (tools/view/page/main.js), and less often when that takes more than a fifth of the time: a
-// page that draws half as often does not cost little.
+// second (tools/view/page/main.js), and less often when that takes more than a quarter of the time:
+// a page that draws half as often does not cost little.
 constexpr double kMostTaskShare = 0.30;
 constexpr double kLeastDraws_Hz = 10.0;
 

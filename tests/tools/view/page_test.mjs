@@ -10,7 +10,7 @@ import { Frames } from '../../../tools/view/page/frames.js';
 import { fill } from '../../../tools/view/page/panels.js';
 import { Recording } from '../../../tools/view/page/recording.js';
 import { PlotData, Table } from '../../../tools/view/page/series.js';
-import { nameOfSession } from '../../../tools/view/page/timeline.js';
+import { Timeline, nameOfSession } from '../../../tools/view/page/timeline.js';
 import { Topics } from '../../../tools/view/page/topics.js';
 
 const here = import.meta.url;
@@ -143,6 +143,20 @@ test('what is read for a plot keeps its arrays, and has the range of the signals
   assert.ok(Number.isNaN(read.least) && Number.isNaN(read.greatest));
 });
 
+test('the least and the greatest of a group come in their order', () => {
+  const table = new Table(4096);
+  const rising = table.column('rising');
+  const falling = table.column('falling');
+  for (let tick = 0; tick < 4000; ++tick) {
+    table.open(tick, tick * 1e6);
+    rising[tick] = tick;
+    falling[tick] = -tick;
+  }
+  const [, up, down] = plotData(table, ['rising', 'falling'], 0, 4, 300);
+  assert.ok(up.every((value, i) => i === 0 || value > up[i - 1]));
+  assert.ok(down.every((value, i) => i === 0 || value < down[i - 1]));
+});
+
 test('groups do not change while the window moves', () => {
   const table = new Table(4096);
   const column = table.column('a');
@@ -202,7 +216,7 @@ test('what has not changed is not drawn, and no frame is asked for', () => {
 });
 
 test('a job that is wanted all the time is drawn at its rate, and less often when that takes long', () => {
-  for (const [draw_ms, paint_ms, least, most] of [[1, 0, 15, 20], [20, 0, 8, 10], [1, 99, 1, 2]]) {
+  for (const [draw_ms, paint_ms, least, most] of [[1, 0, 19, 21], [20, 0, 8, 11], [1, 99, 1, 3]]) {
     const display = new Display();
     const frames = new Frames(display);
     display.paint_ms = paint_ms;
@@ -221,6 +235,19 @@ test('a job that is wanted all the time is drawn at its rate, and less often whe
     assert.ok(draws >= least && draws <= most, `${draws} draws of ${draw_ms} + ${paint_ms} ms`);
     assert.ok(other_draws >= 1 && other_draws <= 4, `${other_draws}`);
   }
+});
+
+test('a job that throws does not stop the others', () => {
+  const display = new Display();
+  const frames = new Frames(display);
+  let draws = 0;
+  const bad = frames.add({ least_ms: 50, share: 0.2, draw: () => { throw new Error('bad'); } });
+  const good = frames.add({ least_ms: 50, share: 0.2, draw: () => { ++draws; return true; } });
+  frames.want(bad);
+  frames.want(good);
+  assert.throws(() => display.run(100), /bad/);
+  display.run(200);
+  assert.equal(draws, 1);
 });
 
 test('a hidden tab draws nothing, and what has changed when it is seen again', () => {
@@ -424,6 +451,54 @@ test('the participants of a moment are asked for once', async () => {
   assert.equal(await recording.participants(), undefined);
   recording.at_s = 2;
   assert.deepEqual(await recording.participants(), [{ name: 'of 2 at 4000000000' }]);
+});
+
+// As much of the elements of the timeline as it uses.
+class Part {
+  constructor() { Object.assign(this, { on: {}, hidden: true, children: [] }); }
+  addEventListener(name, call) { this.on[name] = call; }
+  replaceChildren(...children) { this.children = children; }
+}
+
+test('the timeline follows the session, and lists sessions where there are several', () => {
+  globalThis.Option = class { constructor(text, value) { Object.assign(this, { text, value }); } };
+  for (const count of [2, 1]) {
+    const { recording } = serveTwoSessions([]);
+    recording.sessions = recording.sessions.slice(0, count);
+    const parts = new Map();
+    const element = new Part();
+    element.querySelector = (name) => {
+      if (!parts.has(name)) parts.set(name, new Part());
+      return parts.get(name);
+    };
+    const calls = [];
+    const timeline = new Timeline(recording, element, { on_move: () => calls.push(recording.at_s), on_session: () => calls.push(`session ${recording.session}`) });
+    assert.equal(element.hidden, false);
+    assert.equal(parts.get('#session_label').hidden, count === 1);
+    timeline.select(1, 99);
+    assert.deepEqual(calls, ['session 1', 30], 'no more than there is');
+    if (count === 1) continue;
+    assert.deepEqual(parts.get('#session').children.map((option) => option.text), ['1: 30.0 s', '2: 20.0 s']);
+    parts.get('#session').value = '2';
+    parts.get('#session').on.change();
+    assert.equal(recording.session, 2);
+    assert.equal(parts.get('#slider').max, 20);
+    assert.equal(parts.get('#moment').textContent, '0.00 of 20.00 s');
+    parts.get('#play').on.click();
+    assert.equal(parts.get('#play').textContent, 'Hold');
+    assert.equal(timeline.step(1000), true);
+    assert.equal(timeline.step(1500), true);
+    assert.equal(recording.at_s, 0.5);
+    timeline.step(600000);
+    assert.equal(recording.at_s, 1.5, 'it was hidden');
+    parts.get('#slider').value = '19.9';
+    parts.get('#slider').on.input();
+    assert.equal(timeline.step(600500), false, 'the end');
+    assert.equal(recording.at_s, 20);
+    assert.equal(parts.get('#play').textContent, 'Play');
+    parts.get('#play').on.click();
+    assert.equal(recording.at_s, 0, 'again from the beginning');
+  }
 });
 
 test('a session is named by its length, and by its start where that is a time of day', () => {

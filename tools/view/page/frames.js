@@ -6,6 +6,7 @@
 // job (3-D) bears the latter alone when it was in one of the last frames.
 
 const FRAME_MS = 17;  // between two frames of a display; what the browser needs longer is its work for the last ones
+const EARLY_MS = FRAME_MS / 2;  // a job is drawn in the frame that is nearest to its time
 const FRAMES_BEHIND = 3;  // pictures that may wait to be made
 
 // A browser as the frames need it; tests have another one.
@@ -59,14 +60,15 @@ export class Frames {
     for (const job of this.jobs) if (job.wanted && job.next_ms < next_ms) next_ms = job.next_ms;
     if (next_ms === Infinity) return;
     const now_ms = this.host.now();
-    if (next_ms - now_ms < 1) {
+    const wait_ms = next_ms - EARLY_MS - now_ms;
+    if (wait_ms < 1) {
       this.host.cancel(this.timer);
       this.timer_ms = Infinity;
       this.ask();
     } else if (next_ms < this.timer_ms) {
       this.host.cancel(this.timer);
       this.timer_ms = next_ms;
-      this.timer = this.host.after(next_ms - now_ms, () => {
+      this.timer = this.host.after(wait_ms, () => {
         this.timer_ms = Infinity;
         if (!this.hidden && this.asked_ms === undefined) this.ask();
       });
@@ -83,21 +85,23 @@ export class Frames {
     this.charge(now_ms - this.asked_ms - FRAME_MS);  // it was waiting for the pictures of the last ones
     const drawn = [];
     this.drawn = [drawn, ...this.drawn].slice(0, FRAMES_BEHIND);
-    if (!this.hidden) {
-      for (const job of this.jobs) {
-        if (!job.wanted || job.next_ms > now_ms + 1) continue;
-        job.wanted = false;
-        job.began_ms = this.host.now();
-        const has_drawn = job.draw(now_ms);
-        job.cost_ms = this.host.now() - job.began_ms;
-        this.wait(job);
-        if (has_drawn) drawn.push(job);
-      }
+    try {
+      if (!this.hidden) for (const job of this.jobs) if (job.wanted && job.next_ms <= now_ms + EARLY_MS) this.draw(job, now_ms, drawn);
+    } finally {  // a job that throws does not stop the others
+      const done_ms = this.host.now();
+      this.asked_ms = undefined;
+      if (drawn.length > 0) this.host.painted(() => this.charge(this.host.now() - done_ms));
+      this.plan();
     }
-    const done_ms = this.host.now();
-    this.asked_ms = undefined;
-    if (drawn.length > 0) this.host.painted(() => this.charge(this.host.now() - done_ms));
-    this.plan();
+  }
+
+  draw(job, now_ms, drawn) {
+    job.wanted = false;
+    job.began_ms = this.host.now();
+    const has_drawn = job.draw(now_ms);
+    job.cost_ms = this.host.now() - job.began_ms;
+    this.wait(job);
+    if (has_drawn) drawn.push(job);
   }
 
   wait(job) { job.next_ms = job.began_ms + Math.max(job.least_ms, Math.min(job.cost_ms / job.share, job.most_ms)); }

@@ -10,7 +10,7 @@ import { Timeline } from './timeline.js';
 import * as panels from './panels.js';
 
 // Shares of the time: of one core all drawing together takes no more than half.
-const PLOTS = { least_ms: 50, share: 0.2 };
+const PLOTS = { least_ms: 50, share: 0.25 };
 const ROBOT = { least_ms: 1000 / 15, most_ms: 3000, share: 0.2, heavy: true };
 const TABLES = { least_ms: 250, share: 0.05 };
 const PLAY_MS = 50;

@@ -18,6 +18,14 @@ const LEAST_SPAN_S = 0.01;  // at the beginning of a recording
 
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
+// Of the axis, for values from least to greatest (NaN: there are none): a line that is flat lies in the middle.
+function rangeOf(least, greatest) {
+  if (Number.isNaN(least)) return [0, 1];
+  if (least < greatest) return uPlot.rangeNum(least, greatest, RANGE_PART, true);
+  const around = RANGE_PART * Math.abs(least) || 1;
+  return [least - around, least + around];
+}
+
 // The line of a signal in pixels of the canvas: NaN ends it, a value between two NaN is a dot.
 function linePath(plot, index, first, last) {
   const [times] = plot.data;
@@ -135,7 +143,7 @@ class Plot {
     if (!this.uplot || !this.visible) return false;
     const points = Math.max(100, this.uplot.bbox.width / devicePixelRatio);
     const data = this.read.read(table, this.signals, from_s, to_s, points, (i) => this.uplot.series[i + 1].show);
-    this.range = Number.isNaN(this.read.least) ? [0, 1] : uPlot.rangeNum(this.read.least, this.read.greatest, RANGE_PART, true);
+    this.range = rangeOf(this.read.least, this.read.greatest);
     this.uplot.batch(() => {
       this.uplot.setData(data, false);
       this.uplot.setScale('x', { min: from_s, max: to_s });

@@ -2,6 +2,8 @@
 
 const CLOCK_NS = 1e18;  // stamps from September 2001 on are times of day; those of a simulation begin at 0
 
+const LONGEST_STEP_S = 1;  // what passes while the tab is hidden is not played
+
 // What the list of sessions says of one of them.
 export function nameOfSession(session) {
   const name = `${session.session}: ${session.length_s.toFixed(1)} s`;
@@ -58,7 +60,7 @@ export class Timeline {
   step(now_ms) {
     const { recording } = this;
     if (!recording.playing) return false;
-    if (this.stepped_ms !== undefined) this.move(recording.at_s + (now_ms - this.stepped_ms) / 1000);
+    if (this.stepped_ms !== undefined) this.move(recording.at_s + Math.min((now_ms - this.stepped_ms) / 1000, LONGEST_STEP_S));
     this.stepped_ms = now_ms;
     if (recording.at_s >= recording.length_s) this.play(false);
     return recording.playing;
