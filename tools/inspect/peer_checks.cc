@@ -109,8 +109,10 @@ std::vector<Finding> CheckClocks(const std::vector<ClockSample>& samples,
     least = std::min(least.value_or(difference_ms), difference_ms);
   }
   std::vector<Finding> findings;
-  for (const auto& [host, difference_ms] : least_ms)
+  findings.reserve(least_ms.size());
+  for (const auto& [host, difference_ms] : least_ms) {
     findings.push_back(CheckClock(host, difference_ms));
+  }
   if (findings.empty()) {
     findings.push_back({"clocks", Severity::kOk, "all participants are on this host", ""});
   }
