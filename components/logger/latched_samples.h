@@ -6,12 +6,13 @@
 // their types (about 1 KiB), so that the memory is, too. Thread: one at a time. Allocates.
 #pragma once
 
-#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <optional>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "components/logger/recorded_message.h"
