@@ -127,7 +127,10 @@ std::optional<std::uint64_t> RecordedTicks::Next() {
   tick_ = next->first;
   if (*tick_ > kTicksKept) {
     for (auto& [name, topic] : recorded_) {
-      topic.by_tick.erase(topic.by_tick.begin(), topic.by_tick.lower_bound(*tick_ - kTicksKept));
+      // The newest one before may still be in force, such as a motion_request.
+      auto kept = topic.by_tick.lower_bound(*tick_ - kTicksKept);
+      if (kept != topic.by_tick.begin()) --kept;
+      topic.by_tick.erase(topic.by_tick.begin(), kept);
     }
   }
   return tick_;

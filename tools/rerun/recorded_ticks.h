@@ -1,7 +1,8 @@
 // A session of a recording, tick by tick: what was sent on each topic in a tick, and events by id.
 //
-// Reads the file once, from its start, and keeps kTicksKept ticks before and after the present one,
-// so that memory does not grow with the recording. Thread: one.
+// Reads the file once, from its start, and keeps kTicksKept ticks before and after the present one
+// and of each topic the newest one before them, so that memory does not grow with the recording.
+// Thread: one.
 #pragma once
 
 #include <cstdint>

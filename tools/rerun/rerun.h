@@ -29,7 +29,7 @@ enum class Verdict {
   kInputLost,   // `lost`: a sample that was used is not in the recording
   kOutputLost,  // `lost`: of a cycle whose outputs the recording lacks, and so its inputs; or it
                 // was started again
-  kNothing,  // the recording has no output of it
+  kNothing,     // the recording has no output of it
 };
 
 struct Difference {

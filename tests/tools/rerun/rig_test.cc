@@ -1,5 +1,6 @@
 // A lockstep recording of the rig, run again: all of it in one process, without DDS.
 #include <gtest/gtest.h>
+#include <sinew_idl/operator.h>
 #include <sinew_idl/pneumatics.h>
 #include <sinew_idl/snapshot.h>
 #include <spdlog/spdlog.h>
@@ -22,6 +23,7 @@
 #include "components/recording/mcap_writer.h"
 #include "tests/support/temporary_folder.h"
 #include "tools/rerun/recorded_parts.h"
+#include "tools/rerun/recorded_ticks.h"
 #include "tools/rerun/rerun.h"
 #include "tools/rerun/stage.h"
 
@@ -454,6 +456,34 @@ TEST_F(RerunOfTheRig, InRealTimeACycleWithoutOutputsIsNoDifference) {
             "recording");
   EXPECT_EQ(Of(result, "esn").ticks, 600u);
   EXPECT_EQ(Of(Again(file, {"esn"}, {}, 3.0), "esn").verdict, Verdict::kOutputLost);
+}
+
+void RequestMotion(node::Node& operators, std::uint64_t session_id, std::uint64_t tick) {
+  if (tick != 5) return;
+  auto writer = operators.MakeWriter(node::kMotionRequest);
+  msg::MotionRequest request;
+  request.header().session_id(session_id);
+  request.header().tick(tick);
+  request.header().origin(msg::ORIGIN_SIM);
+  EXPECT_EQ(writer.Write(request), node::WriteStatus::kOk);
+}
+
+TEST(RecordedTicks, ARequestIsKeptAsLongAsItMayBeInForce) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "requested.mcap";
+  RecordRig({.rig = kRig, .out = file, .ticks = kRecordedTicks, .before = RequestMotion});
+  recording::FileSource source(file);
+  const recording::McapReader reader(source);
+  const Session session = SessionsOf(reader, file.string()).at(0);
+  RecordedTicks recorded(reader, session, {"joint_state", "joint_command", "motion_request"});
+  std::optional<std::uint64_t> tick;
+  do {
+    tick = recorded.Next();
+    ASSERT_TRUE(tick);
+  } while (*tick < kRecordedTicks - 1);
+  EXPECT_NE(recorded.Find("motion_request", 5), nullptr);
+  EXPECT_EQ(recorded.Find("joint_command", 5), nullptr);
+  EXPECT_NE(recorded.Find("joint_command", *tick - RecordedTicks::kTicksKept), nullptr);
 }
 
 TEST_F(RerunOfTheRig, ATopicOfSeveralWritersIsRefused) {
