@@ -42,4 +42,9 @@ struct Endpoint {
   EndpointQos qos{};
 };
 
+// The part of the GUID that all endpoints of a participant have in common.
+inline std::string ParticipantId(const Endpoint& endpoint) {
+  return endpoint.guid.substr(0, endpoint.guid.find('|'));
+}
+
 }  // namespace sinew::node

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <utility>
 
+#include "components/node/host_name.h"
 #include "components/node/version.h"
 #include "components/wire/component_state.h"
 
@@ -39,9 +40,7 @@ msg::ComponentState ToMessage(Node::State state) {
 
 Status::Status(const std::string& component, const std::string& name)
     : component_(component), name_(name) {
-  char host[64] = {};
-  ::gethostname(host, sizeof(host) - 1);
-  host_ = host;
+  host_ = HostName();
 }
 
 void Status::Open(std::unique_ptr<WriterImpl> writer) {

@@ -4,8 +4,7 @@
 // - a robot of one joint: the error of the simulated position beside the recordings, by sim/world
 //   (tools/verify)
 // - a robot of several joints on a fixed base: the error of the torque that each joint's drive
-// needs
-//   for the recorded motion, by the balance that `sinew close-loop` reports (components/arm,
+//   needs for the recorded motion, by the balance that `sinew close-loop` reports (components/arm,
 //   without a term rigid_body components/identify). A joint driven by effort beside others needs
 //   the whole robot simulated, which free_run does not do.
 //

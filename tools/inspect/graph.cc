@@ -56,10 +56,6 @@ void AddLink(Graph* graph, const GraphLink& link) {
   if (!there) graph->links.push_back(link);
 }
 
-std::string ParticipantIdOf(const node::Endpoint& endpoint) {
-  return endpoint.guid.substr(0, endpoint.guid.find('|'));
-}
-
 bool IsRecorder(const RecordedParticipant& participant) {
   return participant.kind == "logger" || participant.kind == "record";
 }
@@ -72,7 +68,7 @@ Graph GraphOfDomain(const std::vector<node::Endpoint>& endpoints, bool all) {
   std::map<std::string, std::string> names;
   std::map<std::string, int> taken;
   for (const node::Endpoint& endpoint : endpoints) {
-    const std::string id = ParticipantIdOf(endpoint);
+    const std::string id = node::ParticipantId(endpoint);
     const auto [at, is_new] = names.try_emplace(id, endpoint.participant);
     if (!is_new) continue;
     if (at->second.empty()) at->second = id;
@@ -84,12 +80,13 @@ Graph GraphOfDomain(const std::vector<node::Endpoint>& endpoints, bool all) {
   for (const node::Endpoint& endpoint : endpoints) {
     const std::string topic = PlainTopic(endpoint.topic);
     if (!IsShown(topic, all)) continue;
-    GraphLink link{names.at(ParticipantIdOf(endpoint)), topic, endpoint.is_writer, false, false};
+    GraphLink link{names.at(node::ParticipantId(endpoint)), topic, endpoint.is_writer, false,
+                   false};
     if (!endpoint.is_writer) {
       bool written_here = false, written_elsewhere = false, matched = false;
       for (const node::Endpoint& writer : endpoints) {
         if (!writer.is_writer || writer.topic != endpoint.topic) continue;
-        if (names.at(ParticipantIdOf(writer)) == link.participant) {
+        if (names.at(node::ParticipantId(writer)) == link.participant) {
           written_here = true;
           continue;
         }

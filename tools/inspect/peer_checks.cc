@@ -17,10 +17,6 @@ namespace {
 // order.
 constexpr double kMostOffset_ms = 1000.0 / 240.0;
 
-std::string ParticipantOf(const node::Endpoint& endpoint) {
-  return endpoint.guid.substr(0, endpoint.guid.find('|'));
-}
-
 // difference_ms: the least one of arrival - sending.
 Finding CheckClock(const std::string& host, std::optional<double> difference_ms) {
   const std::string name = "host '" + host + "'";
@@ -57,7 +53,7 @@ std::vector<Mismatch> Mismatches(const std::vector<node::Endpoint>& endpoints) {
     if (!writer.is_writer) continue;
     for (const node::Endpoint& reader : endpoints) {
       if (reader.is_writer || reader.topic != writer.topic ||
-          ParticipantOf(reader) == ParticipantOf(writer)) {
+          node::ParticipantId(reader) == node::ParticipantId(writer)) {
         continue;
       }
       std::vector<std::string> reasons = node::WhyNotMatched(writer, reader);
@@ -71,7 +67,8 @@ std::vector<Finding> CheckPeers(const std::vector<node::Endpoint>& endpoints,
                                 const std::vector<std::string>& problems) {
   std::vector<Finding> findings;
   std::set<std::string> participants;
-  for (const node::Endpoint& endpoint : endpoints) participants.insert(ParticipantOf(endpoint));
+  for (const node::Endpoint& endpoint : endpoints)
+    participants.insert(node::ParticipantId(endpoint));
   findings.reserve(problems.size());
   for (const std::string& problem : problems) {
     findings.push_back({"participants", Severity::kFault, problem, "rebuild all from one source"});

@@ -17,6 +17,7 @@
 
 #include "components/node/codec.h"
 #include "components/node/endpoint.h"
+#include "components/node/host_name.h"
 #include "components/node/node.h"
 #include "components/node/realtime.h"
 #include "tools/inspect/can_check.h"
@@ -26,7 +27,6 @@
 #include "tools/inspect/run_tool.h"
 #include "tools/inspect/shared_memory.h"
 #include "tools/sinew/node_options.h"
-#include "tools/sinew/own_host.h"
 
 namespace sinew::tools {
 
@@ -104,7 +104,7 @@ std::vector<Finding> CheckDomain(const DoctorOptions& options) {
   }
   Append(&findings, inspect::CheckPeers(endpoints, node.Problems()));
   const std::lock_guard lock(heard->mutex);
-  Append(&findings, inspect::CheckClocks(heard->samples, OwnHostName()));
+  Append(&findings, inspect::CheckClocks(heard->samples, node::HostName()));
   return findings;
 }
 

@@ -20,6 +20,7 @@
 
 #include "components/config/config.h"
 #include "components/node/endpoint.h"
+#include "components/node/host_name.h"
 #include "components/node/matching.h"
 #include "components/node/node.h"
 #include "components/recording/file/file_io.h"
@@ -29,7 +30,6 @@
 #include "tools/inspect/peer_checks.h"
 #include "tools/inspect/topic_table.h"
 #include "tools/sinew/node_options.h"
-#include "tools/sinew/own_host.h"
 
 namespace sinew::tools {
 
@@ -67,10 +67,6 @@ std::string JoinNames(const std::vector<std::string>& words) {
   return text;
 }
 
-std::string ParticipantId(const node::Endpoint& endpoint) {
-  return endpoint.guid.substr(0, endpoint.guid.find('|'));
-}
-
 Json DescribeTopics(const std::vector<node::Endpoint>& endpoints,
                     std::vector<std::string>* problems) {
   struct Row {
@@ -85,7 +81,7 @@ Json DescribeTopics(const std::vector<node::Endpoint>& endpoints,
     Row& row = topics[Plain(endpoint.topic)];
     row.types.insert(endpoint.type_name);
     (endpoint.is_writer ? row.writers : row.readers)
-        .emplace(endpoint.participant, ParticipantId(endpoint));
+        .emplace(endpoint.participant, node::ParticipantId(endpoint));
     const node::TopicInfo* info = node::FindTopic(Plain(endpoint.topic));
     if (endpoint.is_writer && info != nullptr && node::IsExclusive(info->profile) &&
         endpoint.strength > row.greatest_strength) {
@@ -122,7 +118,7 @@ Json DescribeEndpoints(const std::vector<node::Endpoint>& endpoints,
     std::set<std::pair<std::string, std::string>> matched;
     for (const node::Endpoint& other : endpoints) {
       if (other.topic == endpoint.topic && other.is_writer != endpoint.is_writer &&
-          ParticipantId(other) != ParticipantId(endpoint)) {
+          node::ParticipantId(other) != node::ParticipantId(endpoint)) {
         matched.emplace(other.participant, other.guid);
       }
     }
@@ -162,7 +158,7 @@ Json DescribeDomain(const ListOptions& options) {
 
   Json report;
   report["domain"] = options.node.domain_id;
-  report["host"] = OwnHostName();
+  report["host"] = node::HostName();
   std::vector<std::string> problems = node.Problems();
   report["participants"] = Json::array();
   const std::string own_hash = node::AllTopicsHash();

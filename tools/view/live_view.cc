@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "components/node/host_name.h"
 #include "components/node/node.h"
 #include "components/node/realtime.h"
 #include "components/node/version.h"
@@ -53,12 +54,6 @@ std::string RandomHex(std::size_t bytes) {
     text += kDigits[byte & 15];
   }
   return text;
-}
-
-std::string HostName() {
-  std::array<char, 256> host{};
-  ::gethostname(host.data(), host.size() - 1);
-  return host.data();
 }
 
 Json RobotInfo(const Robot* robot) {
@@ -128,7 +123,7 @@ class Live {
         node_(options),
         desk_(node_, {view.sockets.begin(), view.sockets.end()}),
         statuses_(node_.MakeReader(node::kComponentStatus)),
-        participants_(HostName(), options.name, static_cast<double>(::sysconf(_SC_CLK_TCK))) {
+        participants_(node::HostName(), options.name, static_cast<double>(::sysconf(_SC_CLK_TCK))) {
     routes_.page = &page;
     routes_.robot = robot;
     routes_.allow_arming = view.allow_arming;

@@ -2,12 +2,12 @@
 
 #include <sys/timex.h>
 #include <sys/utsname.h>
-#include <unistd.h>
 
 #include <fstream>
 
 #include "components/config/config.h"
 #include "components/logger/file/attached_file.h"
+#include "components/node/host_name.h"
 #include "components/node/version.h"
 #include "components/types/clock/clock.h"
 #include "components/types/clock/utc.h"
@@ -34,9 +34,7 @@ void DescribeClock(recording::TextMap* values) {
 }
 
 void DescribeMachine(recording::TextMap* values) {
-  char host[64] = {};
-  ::gethostname(host, sizeof(host) - 1);
-  (*values)["host"] = host;
+  (*values)["host"] = node::HostName();
   utsname system{};
   if (::uname(&system) == 0) {
     (*values)["system"] = std::string(system.sysname) + " " + system.release + " " + system.machine;

@@ -142,8 +142,10 @@ class Session {
     recorder_options.files.describe_writer = [&node](const WriterGuid& writer) {
       return DescribeWriter(node, writer);
     };
-    for (const node::TopicInfo* topic : topics_) {
-      recorder_options.files.repeats.push_back(RepeatsOf(*topic));
+    if (IsNumbered(options)) {
+      for (const node::TopicInfo* topic : topics_) {
+        recorder_options.files.repeats.push_back(RepeatsOf(*topic));
+      }
     }
     recorder_options.files.writer_is_live = [&node](const WriterGuid& writer) {
       return node.NameOf(writer).has_value();
