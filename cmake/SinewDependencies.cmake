@@ -5,7 +5,7 @@ function(sinew_missing what debian)
   message(FATAL_ERROR "${what} not found. Install it with:\n"
     "  apt-get install ${debian}\n"
     "or everything at once with:\n"
-    "  apt-get install --no-install-recommends $(grep -v '^#' tools/packages.txt)")
+    "  apt-get install --no-install-recommends $(grep -hv '^#' tools/packages.txt tools/oracle_packages.txt)")
 endfunction()
 
 macro(sinew_find name debian)
@@ -65,20 +65,17 @@ if(NOT Boost_FOUND)
   sinew_missing(Boost "libboost-dev libboost-filesystem-dev")
 endif()
 
-if(SINEW_BUILD_TESTS OR SINEW_BUILD_BENCH)
-  # The reference of rigid-body dynamics. Its target would ask for C++11: only DART_LINK_LIBRARIES is used.
-  sinew_find_pc(DART dart libdart-dev)
-endif()
 if(SINEW_BUILD_TESTS)
   sinew_find(GTest libgtest-dev)
   sinew_find(CycloneDDS cyclonedds-dev CONFIG)
-  sinew_find(sdformat12 libsdformat-dev CONFIG)
-  include(GoogleTest)
 endif()
 if(SINEW_BUILD_BENCH)
   sinew_find(benchmark libbenchmark-dev CONFIG)
 endif()
-if(SINEW_BUILD_TESTS OR SINEW_BUILD_BENCH)
+if(SINEW_ORACLES OR SINEW_BUILD_BENCH)
+  # DART's target would ask for C++11: only DART_LINK_LIBRARIES is used.
+  sinew_find_pc(DART dart libdart-dev)
+  sinew_find(sdformat12 libsdformat-dev CONFIG)
   # Its CMake target names a folder of another package; header and library are in the usual places.
   find_library(SINEW_MUJOCO mujoco)
   if(NOT SINEW_MUJOCO)

@@ -11,14 +11,19 @@
 #        needs no header of the library. sinew_finish_commands(TARGET) writes the calls, after the last of these.
 #   sinew_add_participant(rls SOURCES participant/main.cc DEPENDS sinew::rls)
 #     -> program sinew_rls_participant, installed and built as bin/sinew-rls; links sinew::node.
-#   sinew_add_test(rls_test SOURCES rls_test.cc DEPENDS sinew::rls [LABEL dds] [SERIAL] [THREADS] [TIMEOUT s]
+#   sinew_add_test(rls_test SOURCES rls_test.cc DEPENDS sinew::rls [BYTES] [THREADS] [NIGHT] [LABEL dds] [SERIAL] [TIMEOUT s]
 #                  [LONG Suite.Case])
-#     -> a GoogleTest program; every case is a ctest of its own, under sanitizers the program is one. Without LABEL it
-#        is a unit test: label `unit`, built by the target unit_tests. LONG: cases, or patterns of them, that repeat
-#        for many seeds or recordings what others do once; sanitized builds leave them out. THREADS: its code starts
-#        threads; `tools/test --tsan` runs it too (label `unit-threads` or `dds-threads`, target thread_tests). A test
-#        that starts PROGRAMS names its LABEL: `programs`, or `dds`, `system`, or `soak` and `browser` (not in tools/test) with SERIAL.
-#        One on whole recordings or many runs of the surrogate has the label `acceptance`: it is not run under sanitizers.
+#     -> a GoogleTest program and one ctest; its cases are counted from GoogleTest's result file. Without LABEL it is a
+#        unit test. A test that starts PROGRAMS names its LABEL: `programs`, or `dds`, `system`, or `soak` and `browser`
+#        (not in tools/test). SERIAL: it runs in real time, so nothing runs beside it. One on whole recordings or many
+#        runs of the surrogate has the label `acceptance`.
+#        BYTES: it handles bytes, messages or files; THREADS: its code starts threads. .ci/run runs a unit test in one
+#        configuration: these under the address sanitizer (those with THREADS also under the thread sanitizer), all
+#        others with assertions. NIGHT: only tools/test and .ci/night run it, not .ci/run.
+#        LONG: cases, or patterns of them, that repeat for many seeds or recordings what others do once; sanitized builds
+#        leave them out.
+# A configuration defines only the tests that it is for: SINEW_TESTS (cmake/SinewOptions.cmake). The target chosen_tests
+# builds them, soak_tests and browser_tests those of these labels.
 foreach(list SINEW_MODULES SINEW_PUBLIC_HEADERS SINEW_OTHER_HEADERS)
   set_property(GLOBAL PROPERTY ${list} "")
 endforeach()
@@ -147,17 +152,44 @@ function(sinew_add_participant name)
     SOURCES ${ARG_SOURCES} DEPENDS sinew::node ${ARG_DEPENDS})
 endfunction()
 
-if(SINEW_BUILD_TESTS)
-  add_custom_target(unit_tests)
-  add_custom_target(thread_tests)
-endif()
+foreach(target chosen_tests soak_tests browser_tests)
+  add_custom_target(${target})
+endforeach()
+set(SINEW_TEST_RESULTS ${CMAKE_BINARY_DIR}/test_results)
 
 function(sinew_add_test name)
-  # One label: gtest_discover_tests keeps the first of a list and drops the others without a word.
-  cmake_parse_arguments(ARG "SERIAL;THREADS" "LABEL;TIMEOUT" "SOURCES;DEPENDS;DEFINITIONS;PROGRAMS;LONG" ${ARGN})
+  cmake_parse_arguments(ARG "BYTES;NIGHT;SERIAL;THREADS" "LABEL;TIMEOUT" "SOURCES;DEPENDS;DEFINITIONS;PROGRAMS;LONG" ${ARGN})
   if(ARG_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "${name}: '${ARG_UNPARSED_ARGUMENTS}' belongs to no keyword; a test has one LABEL")
   endif()
+  if(ARG_PROGRAMS AND NOT ARG_LABEL)
+    message(FATAL_ERROR "${name} starts programs: LABEL programs, or LABEL dds SERIAL")
+  endif()
+  # Whether this configuration is for the test.
+  set(sanitized FALSE)
+  if(NOT ARG_LABEL AND (ARG_BYTES OR ARG_THREADS))
+    set(sanitized TRUE)
+  endif()
+  if(SINEW_TESTS STREQUAL day AND ARG_NIGHT)
+    return()
+  elseif(SINEW_SANITIZE MATCHES thread)
+    if(NOT ARG_THREADS)
+      return()
+    endif()
+  elseif(SINEW_SANITIZE)
+    if(ARG_LABEL OR (SINEW_TESTS STREQUAL day AND NOT sanitized))
+      return()
+    endif()
+  elseif(SINEW_TESTS STREQUAL day AND sanitized)
+    return()
+  endif()
+  if(NOT ARG_LABEL)
+    set(ARG_LABEL unit)
+  endif()
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 300)
+  endif()
+
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_DEPENDS} Eigen3::Eigen GTest::gtest GTest::gmock GTest::gtest_main sinew_flags)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
@@ -170,34 +202,24 @@ function(sinew_add_test name)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   target_precompile_headers(${name} REUSE_FROM sinew_test_pch)
   set_target_properties(${name} PROPERTIES UNITY_BUILD ${SINEW_UNITY})
+  if(ARG_LABEL MATCHES "soak|browser")
+    add_dependencies(${ARG_LABEL}_tests ${name})
+    set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL TRUE)
+  else()
+    add_dependencies(chosen_tests ${name})
+  endif()
   if(ARG_PROGRAMS)
     add_dependencies(${name} ${ARG_PROGRAMS})
   endif()
-  if(NOT ARG_LABEL)
-    if(ARG_PROGRAMS)
-      message(FATAL_ERROR "${name} starts programs: LABEL programs, or LABEL dds SERIAL")
-    endif()
-    set(ARG_LABEL unit)
-    set(is_unit TRUE)
-    add_dependencies(unit_tests ${name})
-  endif()
-  if(ARG_THREADS)
-    string(APPEND ARG_LABEL -threads)
-    add_dependencies(thread_tests ${name})
-  endif()
-  if(NOT ARG_TIMEOUT)
-    set(ARG_TIMEOUT 180)
-  endif()
-  set(properties TIMEOUT ${ARG_TIMEOUT} LABELS ${ARG_LABEL})
-  if(ARG_SERIAL)
-    list(APPEND properties RUN_SERIAL TRUE)
-  endif()
-  if(SINEW_SANITIZE AND is_unit)
-    # One process for all: an instrumented program takes longer to start than most tests. The longest ones begin first.
+  set(filter "")
+  if(SINEW_SANITIZE AND ARG_LONG)
     list(JOIN ARG_LONG ":" left_out)
-    add_test(NAME ${name} COMMAND ${name} --gtest_brief=1 --gtest_filter=-${left_out})
-    set_tests_properties(${name} PROPERTIES ${properties} COST ${ARG_TIMEOUT})
-  else()
-    gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES ${properties})
+    set(filter --gtest_filter=-${left_out})
+  endif()
+  # The longest ones begin first.
+  add_test(NAME ${name} COMMAND ${name} --gtest_brief=1 --gtest_output=xml:${SINEW_TEST_RESULTS}/${name}.xml ${filter})
+  set_tests_properties(${name} PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT} COST ${ARG_TIMEOUT})
+  if(ARG_SERIAL)
+    set_tests_properties(${name} PROPERTIES RUN_SERIAL TRUE)
   endif()
 endfunction()

@@ -5,6 +5,14 @@
 
 say() { printf '\n== %s\n' "$*"; }
 
+# timed NAME COMMAND...: adds a line "NAME SECONDS" to the file SINEW_TIMES, where it is set.
+timed() {
+  local name=$1 began=$SECONDS
+  shift
+  "$@"
+  echo "$name $((SECONDS - began))" >> "${SINEW_TIMES:-/dev/null}"
+}
+
 package_lists=("$root/tools/packages.txt")
 packages() { sed 's/#.*//' "${package_lists[@]}" | tr -s '[:space:]' '\n' | sed '/^$/d'; }
 
@@ -49,15 +57,19 @@ show_versions() {
   dpkg-query -W -f='  ${Package} ${Version}\n' $(packages)
 }
 
-# configure_and_build PRESET [TARGET...]
-configure_and_build() {
+# configure PRESET [CMAKE-OPTION...]
+configure() {
   local preset=$1
   shift
   say "Configuring build/$preset"
-  cmake --preset "$preset" -S "$root" | grep -v -e '^-- Detecting' -e '^-- Check for' -e 'Performing Test'
+  cmake --preset "$preset" -S "$root" "$@" | grep -v -e '^-- Detecting' -e '^-- Check for' -e 'Performing Test'
+}
+
+# build PRESET [TARGET...]: of what was configured.
+build() {
+  local preset=$1 began=$SECONDS targets=()
+  shift
   say "Building build/$preset on $(nproc) cores${*:+: $*}"
-  local began=$SECONDS
-  local targets=()
   [ $# -eq 0 ] || targets=(--target "$@")
   (cd "$root" && cmake --build --preset "$preset" -j "$(nproc)" "${targets[@]}")
   echo "built in $((SECONDS - began)) s; programs are in build/$preset/bin"

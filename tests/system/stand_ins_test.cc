@@ -1,4 +1,4 @@
-// The rig in lockstep with stand-ins in the place of participants. Domains 151 to 154.
+// The rig in lockstep with stand-ins in the place of participants. Domains 161 to 163.
 #include <gtest/gtest.h>
 #include <sinew_idl/actuator.h>
 #include <sinew_idl/joint.h>
@@ -85,7 +85,7 @@ class StandIns : public ::testing::Test {
   // The rig with its own participants: recorded once.
   static void SetUpTestSuite() {
     folder_ = new TemporaryFolder;
-    original_ = new Recording(RunRig("deploy_esn.yaml", 151, folder_->path() / "original.mcap"));
+    original_ = new Recording(RunRig("deploy_esn.yaml", 161, folder_->path() / "original.mcap"));
   }
   static void TearDownTestSuite() {
     delete original_;
@@ -124,7 +124,7 @@ TEST_F(StandIns, TheDetectorAgreesWithThePublishedTruth) {
 }
 
 TEST_F(StandIns, IdealPressureTrueRegimeAndTheModelDriveTheRig) {
-  const Recording run = RunRig("deploy_stand_ins.yaml", 152, Path("stand_ins.mcap"));
+  const Recording run = RunRig("deploy_stand_ins.yaml", 162, Path("stand_ins.mcap"));
 
   const auto inside = Messages<msg::ActuatorState>(run, "actuator_state");
   const auto state = Messages<msg::PneumaticState>(run, "pneumatic_state");
@@ -172,7 +172,7 @@ TEST_F(StandIns, ARecordedReferenceAndAFrozenReadoutTakeTheirPlaces) {
                         << "soft_start_s: 0.25\n";  // 60 ticks
 
   const Recording run =
-      RunRig("deploy_esn.yaml", 153, Path("recorded.mcap"),
+      RunRig("deploy_esn.yaml", 163, Path("recorded.mcap"),
              {"--set", "reference.program=" SINEW_BIN_DIR "/sinew-recorded-reference", "--set",
               "reference.config=" + config.string(), "--set",
               "rls.program=" SINEW_BIN_DIR "/sinew-frozen-readout"});

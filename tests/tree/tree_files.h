@@ -54,4 +54,31 @@ inline bool StartsWith(const std::string& text, const std::string& begin) {
   return text.rfind(begin, 0) == 0;
 }
 
+// Cells of the rows of a Markdown table below a heading, its two header rows left out.
+inline std::vector<std::vector<std::string>> TableBelow(const std::string& text,
+                                                        const std::string& heading) {
+  std::vector<std::vector<std::string>> rows;
+  bool below = false;
+  for (const std::string& line : Lines(text)) {
+    if (StartsWith(line, "#")) below = line == heading;
+    if (!below || !StartsWith(line, "| ")) continue;
+    std::vector<std::string> cells;
+    for (std::size_t at = 1; at < line.size();) {
+      const std::size_t end = std::min(line.find('|', at), line.size());
+      const std::string cell = line.substr(at, end - at);
+      const std::size_t first = cell.find_first_not_of(' ');
+      if (end < line.size() || first != std::string::npos) {
+        cells.push_back(
+            first == std::string::npos
+                ? ""
+                : cell.substr(first, cell.find_last_not_of(' ') - first + std::size_t{1}));
+      }
+      at = end + 1;
+    }
+    rows.push_back(std::move(cells));
+  }
+  if (rows.size() < 2) return {};
+  return {rows.begin() + 2, rows.end()};
+}
+
 }  // namespace sinew

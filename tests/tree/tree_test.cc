@@ -351,7 +351,9 @@ TEST(Tree, EveryLibraryIsIncludedByATest) {
 
 std::set<std::string> Packages() {
   std::set<std::string> packages;
-  for (const std::string& line : Lines(Read(kRoot / "tools/packages.txt"))) {
+  const std::string lists =
+      Read(kRoot / "tools/packages.txt") + Read(kRoot / "tools/oracle_packages.txt");
+  for (const std::string& line : Lines(lists)) {
     std::istringstream words(line.substr(0, line.find('#')));
     for (std::string word; words >> word;) packages.insert(word);
   }
@@ -380,6 +382,7 @@ TEST(Tree, PackagesAreExactlyWhatTheBuildAndTheProgramsNeed) {
                                      "cmake",
                                      "ninja-build",
                                      "ccache",
+                                     "mold",
                                      "libgmock-dev",
                                      "gnuplot-nox",
                                      "graphviz",
@@ -409,7 +412,7 @@ TEST(Tree, PackagesAreExactlyWhatTheBuildAndTheProgramsNeed) {
   EXPECT_GE(named.size(), 10u);
   for (const std::string& package : named) {
     if (implied.count(package) == 0) {
-      EXPECT_EQ(listed.count(package), 1u) << package << " is asked for but not in packages.txt";
+      EXPECT_EQ(listed.count(package), 1u) << package << " is asked for but in no list of tools/";
     }
   }
   for (const std::string& package : listed) {
@@ -519,7 +522,8 @@ TEST(Tree, EveryDecisionIsListedAndHasItsFourParts) {
 }
 
 TEST(Tree, TheCommandsAreThereAndCanBeRun) {
-  for (const char* name : {"tools/demo", "tools/test", ".ci/run", ".ci/bare_root", ".ci/checks"}) {
+  for (const char* name :
+       {"tools/demo", "tools/test", ".ci/run", ".ci/night", ".ci/bare_root", ".ci/checks"}) {
     ASSERT_TRUE(fs::exists(kRoot / name)) << name;
     const auto permissions = fs::status(kRoot / name).permissions();
     EXPECT_NE(permissions & fs::perms::owner_exec, fs::perms::none) << name;

@@ -1,5 +1,6 @@
-// Inverse dynamics on a floating base against DART's recursion and against the forward dynamics of
-// sim/world (Bullet's articulated bodies), on random states of trees and bipeds.
+// Inverse dynamics on a floating base against the forward dynamics of sim/world (Bullet's
+// articulated bodies), on random states of trees; floating_dynamics_dart_test.cc has DART's
+// recursion.
 #include "components/arm/floating_dynamics.h"
 
 #include <gtest/gtest.h>
@@ -10,18 +11,14 @@
 #include <string>
 
 #include "sim/world/floating_chain.h"
-#include "tests/sim/world/biped.h"
-#include "tests/sim/world/dart_skeleton.h"
 #include "tests/sim/world/random_tree.h"
 #include "tests/support/allocations.h"
-#include "tests/support/skip.h"
 
 namespace sinew::arm {
 namespace {
 
 // Of forces, relative. Found against DART: at most 3.3e-15 (random trees), 1.8e-15 (bipeds).
 constexpr double kAgreement = 1e-12;
-constexpr int kStates = 2000;
 
 FloatingMotion MotionOf(const world::FloatingState& state, const Eigen::VectorXd& acceleration) {
   return {state.orientation, state.joint_position_rad, state.velocity, acceleration};
@@ -32,47 +29,6 @@ Eigen::VectorXd ForceOf(FloatingDynamics& dynamics, const FloatingMotion& motion
   dynamics.Force(motion, dynamics.nominal(), force);
   return force;
 }
-
-// Largest relative difference of F over random states and accelerations.
-double AgainstDart(const Chain& chain, int states, unsigned seed) {
-  FloatingDynamics ours(chain);
-  const world::FloatingChain sizes(chain);
-  world::DartChain reference(chain, /*fixed_base=*/false);
-  world::RandomStates random(seed);
-  Eigen::VectorXd expected(ours.freedom());
-  double worst = 0.0;
-  for (int k = 0; k < states; ++k) {
-    const world::FloatingState state = random.State(sizes);
-    const Eigen::VectorXd acceleration = random.Vector(ours.freedom(), 20.0);
-    reference.SetState(state);
-    reference.Force(acceleration, expected);
-    const Eigen::VectorXd force = ForceOf(ours, MotionOf(state, acceleration));
-    worst = std::max(worst, (force - expected).norm() / expected.norm());
-  }
-  return worst;
-}
-
-TEST(FloatingDynamics, AgreesWithDartOnRandomTrees) {
-  constexpr int kTrees = 20;
-  for (unsigned seed = 1; seed <= kTrees; ++seed) {
-    EXPECT_LT(AgainstDart(world::RandomTree(seed, 14), kStates / kTrees, seed), kAgreement) << seed;
-  }
-}
-
-class BipedDynamics : public testing::TestWithParam<const char*> {};
-
-TEST_P(BipedDynamics, AgreesWithDart) {
-  SKIP_WITHOUT_DATA(world::BipedPath(GetParam()));
-  EXPECT_LT(AgainstDart(world::ReadBiped(GetParam()), kStates, 7), kAgreement);
-}
-
-INSTANTIATE_TEST_SUITE_P(FloatingDynamics, BipedDynamics,
-                         testing::Values("berkeley_humanoid_lite_biped.urdf",
-                                         "hightorque_pai_12dof.urdf"),
-                         [](const auto& biped) {
-                           return std::string(biped.index == 0 ? "BerkeleyHumanoidLite"
-                                                               : "HighTorquePi");
-                         });
 
 // Forward dynamics and back: F are the torques and the force on the base that were put in.
 TEST(FloatingDynamics, GivesBackTheForcesOfTheForwardDynamics) {

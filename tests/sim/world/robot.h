@@ -117,4 +117,17 @@ inline provider::PlantCommand HoldStart(const FloatingRobotConfig& config) {
   return command;
 }
 
+// In the air, without stops and friction: what moves it once keeps its energy.
+inline FloatingRobotConfig Flying(double substep_s) {
+  FloatingRobotConfig config = SquattingBiped({.rotor_inertia_kg_m2 = 0.05, .coulomb_Nm = 0.0});
+  for (arm::Body& body : config.chain.bodies) {
+    body.upper = std::numeric_limits<double>::infinity();
+    body.lower = -body.upper;
+    if (body.passive) body.passive->damping_Nms_rad = 0.0;
+  }
+  config.base_height_m = 100.0;
+  config.substep_s = substep_s;
+  return config;
+}
+
 }  // namespace sinew::world

@@ -37,8 +37,14 @@ const std::string kGone =
     "<testcase name=\"gone\" status=\"notrun\">"
     "<skipped message=\"Unable to find executable\"/></testcase>";
 
-Finished Summarize(const std::string& cases, const std::vector<std::string>& options = {}) {
+// What ctest wrote, and what the GoogleTest program `program` wrote.
+Finished Summarize(const std::string& cases, const std::vector<std::string>& options = {},
+                   const std::string& program = "") {
   const TemporaryFolder folder;
+  if (!program.empty()) {
+    folder.Write("test_results/program.xml",
+                 "<testsuites><testsuite>" + program + "</testsuite></testsuites>");
+  }
   std::vector<std::string> command = {"python3", SINEW_SOURCE_DIR "/tools/test_summary.py"};
   command.insert(command.end(), options.begin(), options.end());
   command.push_back(folder.Write("r.xml", "<testsuite>" + cases + "</testsuite>"));
@@ -84,6 +90,39 @@ TEST(Summary, WhereSkipsFailASkipWithoutAReasonHasFailed) {
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_EQ(run.output,
             "FAILED: silent: skipped: no reason given\n1 passed, 1 failed, 0 skipped\n");
+}
+
+const std::string kProgramRan = R"(<testcase name="program" status="run"><system-out/></testcase>)";
+const std::string kProgramFailed =
+    R"(<testcase name="program" status="fail"><failure message=""/></testcase>)";
+const std::string kGoodCase =
+    R"(<testcase name="Good" classname="Suite" status="run" result="completed"/>)";
+const std::string kBadCase =
+    R"(<testcase name="Bad" classname="Suite" status="run" result="completed">)"
+    R"(<failure message="x"/></testcase>)";
+const std::string kSkippedCase =
+    R"(<testcase name="Skipped" classname="Suite" status="run" result="skipped">)"
+    R"(<skipped message="x.cc:3&#x0A;data: no recording"/></testcase>)";
+
+TEST(Summary, CountsTheCasesOfAGoogleTestProgram) {
+  EXPECT_EQ(Summarize(kGood + kProgramRan, {}, kGoodCase + kGoodCase).output,
+            "3 passed, 0 failed, 0 skipped\n");
+  EXPECT_EQ(Summarize(kProgramRan, {}, kGoodCase + kSkippedCase).output,
+            "skipped: Suite.Skipped: data: no recording\n1 passed, 0 failed, 1 skipped\n");
+  EXPECT_EQ(Summarize(kProgramRan, {"--skips-fail"}, kGoodCase + kSkippedCase).output,
+            "FAILED: Suite.Skipped: skipped: data: no recording\n1 passed, 1 failed, 0 skipped\n");
+}
+
+TEST(Summary, NamesTheCaseThatFailedAndAProgramThatFailedWithoutOne) {
+  const Finished run = Summarize(kProgramFailed, {}, kGoodCase + kBadCase);
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_EQ(run.output, "FAILED: Suite.Bad\n1 passed, 1 failed, 0 skipped\n");
+  EXPECT_EQ(Summarize(kProgramFailed, {}, kGoodCase).output,
+            "FAILED: program\n1 passed, 1 failed, 0 skipped\n");
+}
+
+TEST(Summary, AProgramThatWroteNoResultIsOneCase) {
+  EXPECT_EQ(Summarize(kProgramRan + kBad).output, "FAILED: bad\n1 passed, 1 failed, 0 skipped\n");
 }
 
 TEST(Summary, ATestWhoseProgramIsMissingHasFailed) {

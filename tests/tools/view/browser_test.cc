@@ -1,7 +1,7 @@
 // The page in a real Chromium. Not in tools/test: the browser's packages are 115 MB to fetch and
 // 368 MB installed. It wants a machine that does nothing else: the rig runs in real time, and a
 // browser without a GPU draws on the CPU.
-//   apt-get install --no-install-recommends chromium; ctest --test-dir build/release -L browser
+//   tools/test --browser
 // Pictures are left in build/release/tests/tools/view. Domains 223 and 224.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
