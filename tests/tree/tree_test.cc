@@ -56,13 +56,17 @@ const std::map<std::string, std::string> kNotPure = {
     {"bridge/can/transport", "sockets to buses"},
 };
 
+// Pure libraries outside of these wings.
+const std::vector<std::string> kPureElsewhere = {"bench/rigs/drawn/"};
+
 bool IsPure(const std::string& file) {
   if (!IsSource(file)) return false;
   const fs::path path(file);
-  if (path.begin()->string() != "components" && path.begin()->string() != "bridge" &&
-      path.begin()->string() != "sim") {
-    return false;
-  }
+  const std::string top = path.begin()->string();
+  const bool elsewhere =
+      std::any_of(kPureElsewhere.begin(), kPureElsewhere.end(),
+                  [&file](const std::string& folder) { return StartsWith(file, folder); });
+  if (top != "components" && top != "bridge" && top != "sim" && !elsewhere) return false;
   for (const fs::path& part : path) {
     if (part == "participant" || part == "file") return false;
   }

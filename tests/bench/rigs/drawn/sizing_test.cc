@@ -1,12 +1,12 @@
 // Sizes and the test for the known effect, against closed forms.
-#include "sim/rigs/sizing.h"
+#include "bench/rigs/drawn/sizing.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "sim/rigs/random.h"
+#include "bench/rigs/drawn/random.h"
 
 namespace sinew::rigs {
 namespace {

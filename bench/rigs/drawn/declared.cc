@@ -1,10 +1,10 @@
-#include "sim/rigs/declared.h"
+#include "bench/rigs/drawn/declared.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "sim/rigs/random.h"
+#include "bench/rigs/drawn/random.h"
 
 namespace sinew::rigs {
 namespace {

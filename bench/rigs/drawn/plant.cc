@@ -1,11 +1,11 @@
-#include "sim/rigs/plant.h"
+#include "bench/rigs/drawn/plant.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "bench/rigs/drawn/forces.h"
+#include "bench/rigs/drawn/gas.h"
 #include "components/types/angle.h"
-#include "sim/rigs/forces.h"
-#include "sim/rigs/gas.h"
 
 namespace sinew::rigs {
 namespace {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "sim/rigs/rig.h"
-#include "sim/rigs/sensors.h"
-#include "sim/rigs/undeclared.h"
+#include "bench/rigs/drawn/rig.h"
+#include "bench/rigs/drawn/sensors.h"
+#include "bench/rigs/drawn/undeclared.h"
 
 namespace sinew::rigs {
 

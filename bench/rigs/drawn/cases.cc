@@ -1,12 +1,12 @@
-#include "sim/rigs/cases.h"
+#include "bench/rigs/drawn/cases.h"
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
+#include "bench/rigs/drawn/random.h"
+#include "bench/rigs/drawn/sizing.h"
 #include "components/types/angle.h"
-#include "sim/rigs/random.h"
-#include "sim/rigs/sizing.h"
 
 namespace sinew::rigs {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim/rigs/sizing.h"
+#include "bench/rigs/drawn/sizing.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

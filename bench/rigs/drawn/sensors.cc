@@ -1,9 +1,9 @@
-#include "sim/rigs/sensors.h"
+#include "bench/rigs/drawn/sensors.h"
 
 #include <cmath>
 
+#include "bench/rigs/drawn/random.h"
 #include "components/types/angle.h"
-#include "sim/rigs/random.h"
 
 namespace sinew::rigs {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "sim/rigs/plant.h"
-#include "sim/rigs/rig.h"
+#include "bench/rigs/drawn/plant.h"
+#include "bench/rigs/drawn/rig.h"
 
 namespace sinew::rigs {
 

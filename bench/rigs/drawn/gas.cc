@@ -1,4 +1,4 @@
-#include "sim/rigs/gas.h"
+#include "bench/rigs/drawn/gas.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,10 @@
-#include "sim/rigs/rig.h"
+#include "bench/rigs/drawn/rig.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "bench/rigs/drawn/random.h"
 #include "components/types/angle.h"
-#include "sim/rigs/random.h"
 
 namespace sinew::rigs {
 namespace {

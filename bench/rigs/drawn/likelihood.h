@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "sim/rigs/declared.h"
+#include "bench/rigs/drawn/declared.h"
 
 namespace sinew::rigs {
 

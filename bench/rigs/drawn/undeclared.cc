@@ -1,11 +1,11 @@
-#include "sim/rigs/undeclared.h"
+#include "bench/rigs/drawn/undeclared.h"
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
+#include "bench/rigs/drawn/random.h"
 #include "components/types/angle.h"
-#include "sim/rigs/random.h"
 
 namespace sinew::rigs {
 namespace {

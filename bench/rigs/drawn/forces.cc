@@ -1,11 +1,11 @@
-#include "sim/rigs/forces.h"
+#include "bench/rigs/drawn/forces.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "bench/rigs/drawn/random.h"
 #include "components/types/angle.h"
-#include "sim/rigs/random.h"
 
 namespace sinew::rigs {
 namespace {

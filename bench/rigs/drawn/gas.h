@@ -4,7 +4,7 @@
 //   0.35)
 #pragma once
 
-#include "sim/rigs/rig.h"
+#include "bench/rigs/drawn/rig.h"
 
 namespace sinew::rigs {
 

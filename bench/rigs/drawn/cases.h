@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "sim/rigs/declared.h"
-#include "sim/rigs/motion.h"
-#include "sim/rigs/sensors.h"
-#include "sim/rigs/undeclared.h"
+#include "bench/rigs/drawn/declared.h"
+#include "bench/rigs/drawn/motion.h"
+#include "bench/rigs/drawn/sensors.h"
+#include "bench/rigs/drawn/undeclared.h"
 
 namespace sinew::rigs {
 

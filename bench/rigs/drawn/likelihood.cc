@@ -1,4 +1,4 @@
-#include "sim/rigs/likelihood.h"
+#include "bench/rigs/drawn/likelihood.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/QR>

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/rigs/rig.h"
+#include "bench/rigs/drawn/rig.h"
 
 namespace sinew::rigs {
 

@@ -8,9 +8,9 @@
 
 #include <vector>
 
-#include "sim/rigs/motion.h"
-#include "sim/rigs/rig.h"
-#include "sim/rigs/undeclared.h"
+#include "bench/rigs/drawn/motion.h"
+#include "bench/rigs/drawn/rig.h"
+#include "bench/rigs/drawn/undeclared.h"
 
 namespace sinew::rigs {
 

@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "sim/rigs/likelihood.h"
-#include "sim/rigs/motion.h"
-#include "sim/rigs/undeclared.h"
+#include "bench/rigs/drawn/likelihood.h"
+#include "bench/rigs/drawn/motion.h"
+#include "bench/rigs/drawn/undeclared.h"
 
 namespace sinew::rigs {
 

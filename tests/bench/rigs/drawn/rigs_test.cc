@@ -4,10 +4,10 @@
 #include <cmath>
 #include <set>
 
-#include "sim/rigs/cases.h"
-#include "sim/rigs/gas.h"
-#include "sim/rigs/plant.h"
-#include "sim/rigs/sensors.h"
+#include "bench/rigs/drawn/cases.h"
+#include "bench/rigs/drawn/gas.h"
+#include "bench/rigs/drawn/plant.h"
+#include "bench/rigs/drawn/sensors.h"
 
 namespace sinew::rigs {
 namespace {
