@@ -1,4 +1,4 @@
-#include "tools/acceptance/pressure.h"
+#include "bench/acceptance/pressure.h"
 
 #include <algorithm>
 #include <array>
@@ -7,9 +7,9 @@
 #include <limits>
 #include <numbers>
 
+#include "bench/acceptance/rig_cycle.h"
 #include "components/types/control_mode.h"
 #include "sim/surrogate/rig.h"
-#include "tools/acceptance/rig_cycle.h"
 
 namespace sinew::acceptance {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/acceptance/rls.h"
+#include "bench/acceptance/rls.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>

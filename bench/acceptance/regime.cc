@@ -1,14 +1,14 @@
-#include "tools/acceptance/regime.h"
+#include "bench/acceptance/regime.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
 
+#include "bench/acceptance/rig_cycle.h"
 #include "components/types/control_mode.h"
 #include "components/types/regime.h"
 #include "sim/surrogate/rig.h"
-#include "tools/acceptance/rig_cycle.h"
 
 namespace sinew::acceptance {
 namespace {

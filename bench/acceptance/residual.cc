@@ -1,4 +1,4 @@
-#include "tools/acceptance/residual.h"
+#include "bench/acceptance/residual.h"
 
 #include <algorithm>
 #include <cmath>
