@@ -44,7 +44,8 @@ std::vector<Include> IncludesOf(const std::string& file) {
 
 // Modules of bench/: what tests and reproduction include of it. The rest of bench/ are programs; as
 // tests they include from everywhere.
-const std::vector<std::string> kBenchModules = {"bench/acceptance/", "bench/rigs/"};
+const std::vector<std::string> kBenchModules = {"bench/acceptance/", "bench/floating_world/",
+                                                "bench/rigs/"};
 
 bool IsBelowOneOf(const std::vector<std::string>& folders, const std::string& file) {
   return std::any_of(folders.begin(), folders.end(),
@@ -72,7 +73,7 @@ const std::map<std::string, std::string> kNotPure = {
 };
 
 // Pure libraries outside of these wings.
-const std::vector<std::string> kPureElsewhere = {"bench/rigs/drawn/"};
+const std::vector<std::string> kPureElsewhere = {"bench/floating_world/", "bench/rigs/drawn/"};
 
 bool IsPure(const std::string& file) {
   if (!IsSource(file)) return false;

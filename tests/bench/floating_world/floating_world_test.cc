@@ -1,5 +1,5 @@
 // Laws of motion of the robot on a floating base: energy, angular momentum, contact, standing.
-#include "sim/world/floating_world.h"
+#include "bench/floating_world/floating_world.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sim/world/floating_world.h"
+#include "bench/floating_world/floating_world.h"
 
 #include <algorithm>
 #include <cmath>
