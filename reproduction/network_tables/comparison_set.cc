@@ -1,4 +1,4 @@
-#include "reproduction/networks/comparison_set.h"
+#include "reproduction/network_tables/comparison_set.h"
 
 #include <cmath>
 

@@ -5,7 +5,7 @@
 
 #include "components/identify/statistics.h"
 #include "components/networks/stepper.h"
-#include "reproduction/networks/comparison.h"
+#include "reproduction/network_tables/comparison.h"
 
 namespace sinew::reproduction {
 

@@ -1,4 +1,4 @@
-#include "reproduction/networks/comparison.h"
+#include "reproduction/network_tables/comparison.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "reproduction/networks/comparison_text.h"
+#include "reproduction/network_tables/comparison_text.h"
 
 namespace sinew::reproduction {
 namespace {

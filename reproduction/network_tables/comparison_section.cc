@@ -1,4 +1,4 @@
-#include "reproduction/networks/comparison_text.h"
+#include "reproduction/network_tables/comparison_text.h"
 
 namespace sinew::reproduction {
 

@@ -1,4 +1,4 @@
-#include "reproduction/networks/cylinder.h"
+#include "reproduction/network_tables/cylinder.h"
 
 #include <algorithm>
 #include <stdexcept>

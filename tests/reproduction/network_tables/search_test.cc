@@ -1,4 +1,4 @@
-#include "reproduction/networks/search.h"
+#include "reproduction/network_tables/search.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "reproduction/networks/comparison.h"
+#include "reproduction/network_tables/comparison.h"
 
 #include <algorithm>
 #include <chrono>
@@ -7,8 +7,8 @@
 
 #include "components/identify/statistics.h"
 #include "components/networks/grey_box.h"
-#include "reproduction/networks/comparison_models.h"
-#include "reproduction/networks/comparison_set.h"
+#include "reproduction/network_tables/comparison_models.h"
+#include "reproduction/network_tables/comparison_set.h"
 #include "tools/jobs/jobs.h"
 #include "tools/training_sets/training_sets.h"
 

@@ -9,7 +9,7 @@
 #include "components/networks/dataset/dataset.h"
 #include "components/networks/model.h"
 #include "components/networks/samples.h"
-#include "reproduction/networks/comparison.h"
+#include "reproduction/network_tables/comparison.h"
 
 namespace sinew::reproduction {
 

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "reproduction/networks/comparison_text.h"
+#include "reproduction/network_tables/comparison_text.h"
 
 namespace sinew::reproduction {
 namespace {

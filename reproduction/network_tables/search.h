@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "components/report/picture.h"
-#include "reproduction/networks/comparison.h"
+#include "reproduction/network_tables/comparison.h"
 
 namespace sinew::reproduction {
 

@@ -1,4 +1,4 @@
-#include "reproduction/networks/comparison_models.h"
+#include "reproduction/network_tables/comparison_models.h"
 
 #include <chrono>
 #include <cmath>

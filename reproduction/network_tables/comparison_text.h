@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "components/report/section.h"
-#include "reproduction/networks/comparison.h"
+#include "reproduction/network_tables/comparison.h"
 
 namespace sinew::reproduction {
 
