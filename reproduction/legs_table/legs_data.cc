@@ -7,8 +7,8 @@
 #include "components/config/config.h"
 #include "components/esn/dataset/dataset.h"
 #include "components/recording/file/run_reader.h"
+#include "reproduction/training_sets/training_sets.h"
 #include "tools/launch/recorded_run.h"
-#include "tools/training_sets/training_sets.h"
 
 namespace sinew::reproduction {
 namespace {
@@ -61,7 +61,7 @@ std::vector<LegsData> ReadLegsData(const fs::path& recording, const fs::path& ro
                         const std::vector<actuator::JointModel>& models) {
     const esn::Dataset set = esn::MakeRobotDataset(runs, models, config);
     return LegsData{static_cast<int>(models.size()), networks::MakeSamples(set.sequences),
-                    networks::MakeSamples(set.sequences, tools::kValidationShare, tools::kGap)};
+                    networks::MakeSamples(set.sequences, kValidationShare, kGap)};
   };
   try {
     return {make(all_runs, all_models), make(pitch_runs, pitch_models)};

@@ -9,8 +9,8 @@
 #include "components/networks/grey_box.h"
 #include "reproduction/network_tables/comparison_models.h"
 #include "reproduction/network_tables/comparison_set.h"
+#include "reproduction/training_sets/training_sets.h"
 #include "tools/jobs/jobs.h"
-#include "tools/training_sets/training_sets.h"
 
 namespace sinew::reproduction {
 namespace {
@@ -179,7 +179,7 @@ void Comparer::MakeSets() {
           options_.seed + (s + 1 == set_jobs_ ? kSearchSet : static_cast<std::uint64_t>(s));
       sets_[s] = surrogate_
                      ? MakeComparisonSet(
-                           {tools::MakeSurrogateRun(
+                           {MakeSurrogateRun(
                                {.task = task_, .duration_s = options_.duration_s, .seed = seed})},
                            task_, options_.period_s)
                      : MakeComparisonSet(options_.runs, task_, options_.period_s);
@@ -308,10 +308,10 @@ void Comparer::MeasureLearningCurve() {
   std::vector<std::function<void()>> jobs;
   for (std::size_t s = 0; s < sets_of_one.size(); ++s) {
     jobs.push_back([&, s] {
-      sets_of_one[s] = tools::MakeSurrogateRun({.task = task_,
-                                                .duration_s = options_.duration_s,
-                                                .seed = options_.seed + 2 * kSearchSet + s,
-                                                .specimen_seed = options_.seed});
+      sets_of_one[s] = MakeSurrogateRun({.task = task_,
+                                         .duration_s = options_.duration_s,
+                                         .seed = options_.seed + 2 * kSearchSet + s,
+                                         .specimen_seed = options_.seed});
     });
   }
   tools::RunJobs(jobs, options_.threads);
@@ -389,10 +389,10 @@ void Comparer::DescribeData() {
   result_.target_deviation = identify::Mean(deviations);
   const double variance = result_.target_deviation * result_.target_deviation;
   if (surrogate_) {
-    result_.noise_floor = tools::NoiseFloor(task_) / variance;
+    result_.noise_floor = NoiseFloor(task_) / variance;
   } else {
     const Eigen::VectorXd targets = set.published.targets.row(0).transpose();
-    result_.noise_floor = tools::NoiseFromDifferences(targets);
+    result_.noise_floor = NoiseFromDifferences(targets);
   }
   for (const int t : set.published.test) {
     result_.quiet_share += set.quiet(t) / static_cast<double>(set.published.test.size());
@@ -402,11 +402,10 @@ void Comparer::DescribeData() {
                                         : "piston slower than 1 mm/s";
   result_.busy = task_ == Task::kSea ? "link moving between the stops" : "moving";
   if (surrogate_ && task_ == Task::kPea) {
-    const types::Run constant = tools::MakeSurrogateRun(
+    const types::Run constant = MakeSurrogateRun(
         {.task = task_, .duration_s = 20.0, .seed = options_.seed, .constant_torque = true});
     const ComparisonSet flat = MakeComparisonSet({constant}, task_, options_.period_s);
-    result_.constant_torque_noise_share =
-        tools::NoiseFloor(task_) / (flat.deviation * flat.deviation);
+    result_.constant_torque_noise_share = NoiseFloor(task_) / (flat.deviation * flat.deviation);
   }
 }
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "components/identify/statistics.h"
-#include "tools/training_sets/training_sets.h"
+#include "reproduction/training_sets/training_sets.h"
 
 namespace sinew::reproduction {
 
@@ -26,9 +26,8 @@ ComparisonSet MakeComparisonSet(const std::vector<types::Run>& runs, Task task, 
       runs, {.task = task, .period_s = period_s, .blocks = cylinder ? kCylinderBlocks : 10});
   ComparisonSet set;
   set.published = networks::MakeSamples(sequences);
-  set.fair = networks::MakeSamples(sequences,
-                                   cylinder ? kCylinderValidationShare : tools::kValidationShare,
-                                   cylinder ? 1 : tools::kGap);
+  set.fair = networks::MakeSamples(
+      sequences, cylinder ? kCylinderValidationShare : kValidationShare, cylinder ? 1 : kGap);
   set.deviation = set.published.output.scale(0);
   set.duration_s = set.published.count() * period_s;
   const Samples& s = set.published;

@@ -11,8 +11,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "reproduction/training_sets/training_sets.h"
 #include "tools/jobs/jobs.h"
-#include "tools/training_sets/training_sets.h"
 
 namespace sinew::reproduction {
 namespace {
@@ -110,10 +110,10 @@ void RunSearch(const SearchOptions& options, std::vector<SearchPoint>* points,
                const Progress& progress, const std::function<void()>& save) {
   const networks::Samples samples = networks::MakeSamples(
       networks::MakeTable(
-          {tools::MakeSurrogateRun(
+          {MakeSurrogateRun(
               {.task = options.task, .duration_s = options.duration_s, .seed = options.seed})},
           {.task = options.task}),
-      tools::kValidationShare, tools::kGap);
+      kValidationShare, kGap);
   ReservoirConfig config =
       (options.task == networks::Task::kSea ? networks::Table62() : networks::Table64())
           .back()

@@ -1,4 +1,4 @@
-#include "tools/training_sets/training_sets.h"
+#include "reproduction/training_sets/training_sets.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include "components/esn/normal.h"
 #include "components/networks/samples.h"
 
-namespace sinew::tools {
+namespace sinew::reproduction {
 namespace {
 
 using networks::Task;
@@ -59,4 +59,4 @@ TEST(Sets, NoiseFromDifferencesIsThatOfTheNoise) {
 }
 
 }  // namespace
-}  // namespace sinew::tools
+}  // namespace sinew::reproduction

@@ -13,7 +13,7 @@
 #include "components/types/run.h"
 #include "sim/surrogate/experiment.h"
 
-namespace sinew::tools {
+namespace sinew::reproduction {
 
 // Of the training samples: what stops a training, and the samples between it and what teaches.
 inline constexpr double kValidationShare = 0.2;
@@ -40,4 +40,4 @@ double NoiseFloor(networks::Task task);
 // The same of any smooth signal, from its third differences: var(d3) / 20, by their median.
 double NoiseFromDifferences(const Eigen::VectorXd& signal);
 
-}  // namespace sinew::tools
+}  // namespace sinew::reproduction

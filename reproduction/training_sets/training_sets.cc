@@ -1,4 +1,4 @@
-#include "tools/training_sets/training_sets.h"
+#include "reproduction/training_sets/training_sets.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include "sim/surrogate/parameters.h"
 #include "sim/surrogate/random.h"
 
-namespace sinew::tools {
+namespace sinew::reproduction {
 namespace {
 
 using networks::Task;
@@ -125,4 +125,4 @@ double NoiseFromDifferences(const Eigen::VectorXd& signal) {
   return deviation * deviation / 20.0;
 }
 
-}  // namespace sinew::tools
+}  // namespace sinew::reproduction
