@@ -15,11 +15,11 @@
 
 #include "components/actuator/file/model_file.h"
 #include "components/config/config.h"
-#include "components/networks/dataset/dataset.h"
-#include "components/networks/file/model_file.h"
-#include "components/networks/model.h"
 #include "components/recording/file/recording_path.h"
 #include "components/recording/file/run_reader.h"
+#include "reproduction/networks/dataset/dataset.h"
+#include "reproduction/networks/file/model_file.h"
+#include "reproduction/networks/model.h"
 #include "reproduction/training_sets/training_sets.h"
 #include "tools/sinew/progress.h"
 

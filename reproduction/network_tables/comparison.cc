@@ -6,9 +6,9 @@
 #include <stdexcept>
 
 #include "components/identify/statistics.h"
-#include "components/networks/grey_box.h"
 #include "reproduction/network_tables/comparison_models.h"
 #include "reproduction/network_tables/comparison_set.h"
+#include "reproduction/networks/grey_box.h"
 #include "reproduction/training_sets/training_sets.h"
 #include "tools/jobs/jobs.h"
 

@@ -18,9 +18,9 @@
 #include <string>
 #include <vector>
 
-#include "components/networks/dataset/dataset.h"
-#include "components/networks/model.h"
-#include "components/networks/samples.h"
+#include "reproduction/networks/dataset/dataset.h"
+#include "reproduction/networks/model.h"
+#include "reproduction/networks/samples.h"
 
 namespace sinew::reproduction {
 

@@ -5,9 +5,9 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "components/networks/dataset/dataset.h"
-#include "components/networks/samples.h"
 #include "components/types/run.h"
+#include "reproduction/networks/dataset/dataset.h"
+#include "reproduction/networks/samples.h"
 
 namespace sinew::reproduction {
 

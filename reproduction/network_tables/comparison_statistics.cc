@@ -4,8 +4,8 @@
 #include <stdexcept>
 
 #include "components/identify/statistics.h"
-#include "components/networks/stepper.h"
 #include "reproduction/network_tables/comparison.h"
+#include "reproduction/networks/stepper.h"
 
 namespace sinew::reproduction {
 

@@ -1,4 +1,4 @@
-// Data sets of the surrogate for the tasks of components/networks/dataset, made in process.
+// Data sets of the surrogate for the tasks of reproduction/networks/dataset, made in process.
 //
 // sea: 110 s as in 5.1.2. pea: 350 s as in 5.1.3 (100 strokes of a hand), with the level of the
 // motor's torque changed every second or so: the source does not say how it varied, and a motor in
@@ -9,8 +9,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "components/networks/dataset/dataset.h"
 #include "components/types/run.h"
+#include "reproduction/networks/dataset/dataset.h"
 #include "sim/surrogate/experiment.h"
 
 namespace sinew::reproduction {

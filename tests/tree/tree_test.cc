@@ -73,7 +73,8 @@ const std::map<std::string, std::string> kNotPure = {
 };
 
 // Pure libraries outside of these wings.
-const std::vector<std::string> kPureElsewhere = {"bench/floating_world/", "bench/rigs/drawn/"};
+const std::vector<std::string> kPureElsewhere = {"bench/floating_world/", "bench/rigs/drawn/",
+                                                 "reproduction/networks/"};
 
 bool IsPure(const std::string& file) {
   if (!IsSource(file)) return false;

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "components/config/config.h"
-#include "components/networks/grey_box.h"
-#include "components/networks/samples.h"
+#include "reproduction/networks/grey_box.h"
+#include "reproduction/networks/samples.h"
 #include "tests/support/skip.h"
 #include "tests/support/temporary_folder.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "components/esn/normal.h"
-#include "components/networks/samples.h"
+#include "reproduction/networks/samples.h"
 
 namespace sinew::reproduction {
 namespace {
