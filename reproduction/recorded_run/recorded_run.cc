@@ -1,4 +1,4 @@
-#include "tools/launch/recorded_run.h"
+#include "reproduction/recorded_run/recorded_run.h"
 
 #include <cstdio>
 #include <fstream>
@@ -9,25 +9,25 @@
 #include "tools/launch/launcher.h"
 #include "tools/launch/output.h"
 
-namespace sinew::launch {
+namespace sinew::reproduction {
 namespace {
 
 void RunOnce(const RecordedRun& run) {
   const std::filesystem::path part =
       std::filesystem::path(run.recording).replace_extension(".part.mcap");
   std::filesystem::remove(part);
-  Overrides overrides = run.overrides;
+  launch::Overrides overrides = run.overrides;
   overrides.record = part;
-  const Deployment deployment = LoadDeployment(
-      run.deployment, overrides, run.programs.empty() ? ProgramFolder() : run.programs);
+  const launch::Deployment deployment = launch::LoadDeployment(
+      run.deployment, overrides, run.programs.empty() ? launch::ProgramFolder() : run.programs);
   std::vector<std::string> names;
-  for (const Process& process : deployment.processes) names.push_back(process.name);
+  for (const launch::Process& process : deployment.processes) names.push_back(process.name);
   std::ofstream log(run.log);
-  Output output(log, log, false, names);
-  const Result result = Launcher(deployment, output).Run();
+  launch::Output output(log, log, false, names);
+  const launch::Result result = launch::Launcher(deployment, output).Run();
   if (result.stopped_by_user) throw std::runtime_error("stopped as asked");
   if (!result.ok()) {
-    const Failure& failure = result.failures.front();
+    const launch::Failure& failure = result.failures.front();
     std::string text = run.name + ": " + failure.process + ": " + failure.cause;
     for (const std::string& line : failure.last_lines) text += "\n    " + line;
     throw std::runtime_error(text);
@@ -48,4 +48,4 @@ void RunRecorded(const RecordedRun& run) {
   }
 }
 
-}  // namespace sinew::launch
+}  // namespace sinew::reproduction

@@ -8,12 +8,12 @@
 
 #include "tools/launch/deployment.h"
 
-namespace sinew::launch {
+namespace sinew::reproduction {
 
 struct RecordedRun {
   std::string name;  // in messages
   std::filesystem::path deployment;
-  Overrides overrides;              // `record` is set here
+  launch::Overrides overrides;      // `record` is set here
   std::filesystem::path recording;  // FILE.mcap; one that is there is replaced
   std::filesystem::path log;        // what the processes write
   std::filesystem::path programs;   // folder of the participants; empty: that of this program
@@ -24,4 +24,4 @@ struct RecordedRun {
 // files, std::runtime_error naming the process that failed, its cause and last lines.
 void RunRecorded(const RecordedRun& run);
 
-}  // namespace sinew::launch
+}  // namespace sinew::reproduction
