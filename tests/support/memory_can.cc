@@ -1,4 +1,4 @@
-#include "bridge/can/transport/memory_can.h"
+#include "tests/support/memory_can.h"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
-// A bus in one process on simulated time: BusModel behind the transport interface. For tests, and
-// for running bridge and virtual axes without sockets or waiting. One thread.
+// A bus in one process on simulated time: BusModel behind the transport interface, so that bridge
+// and virtual axes run without sockets or waiting. One thread.
 //
 // Time passes when a node waits in Receive, or by AdvanceTo. Agents (virtual axes) are run at their
 // own times in between, so that one thread plays both ends.
