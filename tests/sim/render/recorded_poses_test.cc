@@ -9,11 +9,11 @@
 #include <nlohmann/json.hpp>
 
 #include "components/config/config.h"
-#include "components/recording/file/cdr_json.h"
 #include "components/recording/file/file_io.h"
 #include "components/recording/mcap_writer.h"
 #include "sim/render/camera.h"
 #include "tests/sim/render/biped_squat.h"
+#include "tests/support/json_cdr.h"
 #include "tests/support/temporary_folder.h"
 
 namespace sinew::render {
