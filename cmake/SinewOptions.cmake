@@ -1,6 +1,6 @@
 # Options of the build and the flags every target shares.
 option(SINEW_BUILD_TESTS "Build the tests" ON)
-option(SINEW_BUILD_REPRODUCTION "Build what regenerates the published tables: sinew compare, search, control-test, paper" ON)
+option(SINEW_BUILD_REPRODUCTION "Build what regenerates the published tables: sinew compare, search, train --net, control-test, paper" ON)
 option(SINEW_BUILD_BENCH "Build the speed measurements (Google Benchmark)" OFF)
 option(SINEW_WARNINGS_AS_ERRORS "Treat warnings as errors" ON)
 option(SINEW_ROS2_NAMES "Name topics and types as ROS 2 does (rt/..., dds_::..._)" OFF)
