@@ -4,7 +4,7 @@ set(SINEW_TESTS all CACHE STRING "Which tests: all, or what .ci/run runs in this
 set_property(CACHE SINEW_TESTS PROPERTY STRINGS all day)
 option(SINEW_ORACLES "Tests against DART, MuJoCo and SDFormat (tools/oracle_packages.txt)" OFF)
 option(SINEW_ASSERTIONS "Keep assert, eigen_assert and the assertions of the standard library in Release" OFF)
-option(SINEW_BUILD_REPRODUCTION "Build what regenerates the published tables: sinew compare, search, control-test, paper" ON)
+option(SINEW_BUILD_REPRODUCTION "Build what regenerates the published tables: sinew compare, search, train --net, control-test, paper" ON)
 option(SINEW_BUILD_BENCH "Build the speed measurements (Google Benchmark)" OFF)
 option(SINEW_WARNINGS_AS_ERRORS "Treat warnings as errors" ON)
 option(SINEW_ROS2_NAMES "Name topics and types as ROS 2 does (rt/..., dds_::..._)" OFF)

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "sim/rigs/random.h"
+#include "bench/rigs/drawn/random.h"
 
 namespace sinew::falls {
 

@@ -6,9 +6,9 @@
 
 #include <cmath>
 
-#include "components/networks/adam.h"
-#include "components/networks/model.h"
-#include "components/networks/stepper.h"
+#include "reproduction/networks/adam.h"
+#include "reproduction/networks/model.h"
+#include "reproduction/networks/stepper.h"
 
 namespace sinew::networks {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "sim/rigs/random.h"
+#include "bench/rigs/drawn/random.h"
 
 namespace sinew::rig_bank {
 namespace {

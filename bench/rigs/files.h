@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/rigs/cases.h"
-#include "sim/rigs/sizing.h"
+#include "bench/rigs/drawn/cases.h"
+#include "bench/rigs/drawn/sizing.h"
 
 namespace sinew::rig_bank {
 

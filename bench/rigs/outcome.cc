@@ -4,7 +4,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "sim/rigs/cases.h"
+#include "bench/rigs/drawn/cases.h"
 
 namespace sinew::rig_bank {
 namespace {

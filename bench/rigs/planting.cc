@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sim/rigs/random.h"
+#include "bench/rigs/drawn/random.h"
 
 namespace sinew::rig_bank {
 namespace {
@@ -61,7 +61,7 @@ const Conversion kConversions[] = {
     {"torque_constant_saturation",
      [](const Rig& rig, double s) { return SaturationShare(s, LimitOf(rig)); }},
     {"flexible_link", [](const Rig& rig, double inertia) { return inertia / rig.link_inertia; }},
-    // Force at typical speed: |w|^1.5 (0.15 + |w|)^0.5 of it (sim/rigs/plant.cc).
+    // Force at typical speed: |w|^1.5 (0.15 + |w|)^0.5 of it (bench/rigs/drawn/plant.cc).
     {"quadratic_viscous",
      [](const Rig& rig, double c) { return c * rig.speed() * rig.speed() / std::sqrt(1.15); }},
     {"pressure_lag",

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/world/floating_world.h"
+#include "bench/floating_world/floating_world.h"
 
 namespace sinew::world {
 

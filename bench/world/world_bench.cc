@@ -9,10 +9,10 @@
 #include <filesystem>
 #include <vector>
 
+#include "bench/floating_world/floating_world.h"
 #include "bench/world/mujoco_world.h"
 #include "sim/world/contact.h"
 #include "sim/world/floating_chain.h"
-#include "sim/world/floating_world.h"
 #include "tests/components/stance/biped.h"
 #include "tests/sim/world/biped.h"
 #include "tests/sim/world/dart_skeleton.h"

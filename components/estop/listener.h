@@ -53,7 +53,6 @@ class Listener {
 
   // Of the latch file as it was found; latched: the robot starts ESTOPPED.
   const LatchFile::State& at_start() const { return at_start_; }
-  bool keeps_latch() const { return latch_.has_value(); }
 
   // --- the cycle's thread; none of these waits
 

@@ -21,18 +21,6 @@ void RequireWithin(double value, double largest, const char* name) {
 
 }  // namespace
 
-std::string_view FallStateName(FallState state) noexcept {
-  switch (state) {
-    case FallState::kUnknown:
-      return "unknown";
-    case FallState::kUpright:
-      return "upright";
-    case FallState::kFalling:
-      return "falling";
-  }
-  return "";
-}
-
 std::string_view CriterionName(Criterion criterion) noexcept {
   switch (criterion) {
     case Criterion::kNone:

@@ -65,7 +65,6 @@
 namespace sinew::fall {
 
 enum class FallState { kUnknown, kUpright, kFalling };
-std::string_view FallStateName(FallState state) noexcept;  // "falling"
 
 enum class Criterion { kNone, kTilt, kBaseHeight, kFreeFall };
 std::string_view CriterionName(Criterion criterion) noexcept;  // "base_height"

@@ -148,10 +148,4 @@ Balance MakeBalance(const Design& design, const actuator::JointModel& model, boo
   return out;
 }
 
-Eigen::VectorXd ResidualTorque(const Design& design, const actuator::JointModel& model) {
-  const Balance balance = MakeBalance(design, model);
-  return balance.Scale(balance.nominal) * (balance.fits_scale ? 1.0 : 1.0 / balance.drive_factor) *
-         (balance.target - balance.columns * balance.nominal);
-}
-
 }  // namespace sinew::identify

@@ -52,7 +52,4 @@ struct Balance {
 Balance MakeBalance(const Design& design, const actuator::JointModel& model,
                     bool keep_scale = false);
 
-// Residual of the balance (drive + everything else) at the output, every row, of a model as it is.
-Eigen::VectorXd ResidualTorque(const Design& design, const actuator::JointModel& model);
-
 }  // namespace sinew::identify

@@ -131,7 +131,6 @@ Verdict CommandGuard::Step(std::uint64_t tick, std::chrono::nanoseconds period,
   }
   if (old >= config_.missed_periods * period) {
     state_ = RobotState::kDamped;
-    ++bridged_;
     return config_.bridging == Bridging::kHold ? Verdict::kHold : Verdict::kDamp;
   }
   state_ = RobotState::kArmed;

@@ -85,7 +85,6 @@ class CommandGuard {
 
   types::RobotState state() const { return state_; }
   std::uint64_t refused() const { return refused_; }
-  std::uint64_t bridged_cycles() const { return bridged_; }
   std::uint64_t faults() const { return faults_; }
 
  private:
@@ -95,7 +94,7 @@ class CommandGuard {
   std::uint64_t last_tick_ = 0;        // of the last accepted command, or of arming
   bool has_command_ = false;           // since arming
   Verdict in_fault_ = Verdict::kIdle;  // what the joints do although the robot has a fault
-  std::uint64_t refused_ = 0, bridged_ = 0, faults_ = 0;
+  std::uint64_t refused_ = 0, faults_ = 0;
 };
 
 }  // namespace sinew::provider

@@ -46,7 +46,6 @@ class RunImporter {
 
  private:
   struct Topic;
-  Topic& TopicOf(std::string_view name);
 
   const FindSchema& find_schema_;
   McapWriter& writer_;

@@ -27,68 +27,6 @@ ul{margin:6px 0;padding-left:20px}.big{display:flex;gap:14px;flex-wrap:wrap;marg
 .wide{overflow-x:auto}h3{font-size:14px;margin:18px 0 6px}.met{color:#4c7a2f}.missed{color:#b5402a;font-weight:600}
 )";
 
-std::string OrDash(const std::string& text) { return text.empty() ? "&ndash;" : Escape(text); }
-
-std::string Verdict(const std::optional<bool>& met) {
-  if (!met) return "&ndash;";
-  return *met ? "<span class=\"met\">met</span>" : "<span class=\"missed\">missed</span>";
-}
-
-std::vector<std::string> Cells(const Comparison& line) {
-  std::string name = Escape(line.name);
-  if (!line.unit.empty()) name += ", " + Escape(line.unit);
-  if (!line.remark.empty())
-    name += "<br><span class=\"caption\">" + Escape(line.remark) + "</span>";
-  std::string published = OrDash(line.published);
-  if (!line.source.empty()) {
-    published += " <span class=\"caption\">" + Escape(line.source) + "</span>";
-  }
-  return {name,
-          published,
-          OrDash(line.ours),
-          OrDash(line.interval),
-          OrDash(line.truth),
-          OrDash(line.target),
-          Verdict(line.met)};
-}
-
-const std::vector<std::string> kHeader{"figure",           "published", "here",   "95 % interval",
-                                       "of the surrogate", "target",    "reached"};
-
-std::string FormatSection(const Section& section) {
-  std::string out = "<h2 id=\"" + section.id + "\">" + Escape(section.title) + "</h2>\n";
-  for (const std::string& paragraph : section.paragraphs) {
-    out += "<p>" + Escape(paragraph) + "</p>\n";
-  }
-  if (!section.comparisons.empty()) {
-    out += "<div class=\"wide\"><table>" + HtmlRow(kHeader, "th");
-    for (const Comparison& line : section.comparisons) out += HtmlRow(Cells(line));
-    out += "</table></div>\n";
-  }
-  for (const Table& table : section.tables) {
-    out += "<h3>" + Escape(table.title) + "</h3>\n<div class=\"wide\"><table>";
-    std::vector<std::string> header;
-    header.reserve(table.header.size());
-    for (const std::string& cell : table.header) header.push_back(Escape(cell));
-    out += HtmlRow(header, "th");
-    for (const auto& row : table.rows) {
-      std::vector<std::string> cells;
-      cells.reserve(row.size());
-      for (const std::string& cell : row) cells.push_back(OrDash(cell));
-      out += HtmlRow(cells);
-    }
-    out += "</table></div>\n";
-    if (!table.caption.empty()) out += "<p class=\"caption\">" + Escape(table.caption) + "</p>\n";
-  }
-  for (std::size_t i = 0; i < section.pictures.size() && i < section.svgs.size(); ++i) {
-    out += "<figure><h3>" + Escape(section.pictures[i].title) + "</h3>" + section.svgs[i] +
-           "<p class=\"caption\">" + Escape(section.pictures[i].caption) + "</p></figure>\n";
-  }
-  char took[64];
-  std::snprintf(took, sizeof took, "<p class=\"caption\">It took %.1f s.</p>\n", section.seconds);
-  return out + took;
-}
-
 }  // namespace
 
 void CheckSection(const Section& section) {
@@ -108,33 +46,6 @@ void CheckSection(const Section& section) {
       }
     }
   }
-}
-
-std::string FormatPage(const PageText& text, const std::vector<Section>& sections) {
-  std::string out = HtmlHead(text.title);
-  out += "<h1>" + Escape(text.title) + "</h1>\n<div class=\"meta\">" + Escape(text.introduction) +
-         "</div>\n<ul>";
-  for (const Section& section : sections) {
-    out += "<li><a href=\"#" + section.id + "\">" + Escape(section.title) + "</a></li>";
-  }
-  out += "</ul>\n";
-  std::string targets;
-  int met = 0, all = 0;
-  for (const Section& section : sections) {
-    for (const Comparison& line : section.comparisons) {
-      if (!line.met) continue;
-      ++all;
-      met += *line.met ? 1 : 0;
-      targets += HtmlRow(Cells(line));
-    }
-  }
-  if (all > 0) {
-    out += "<h2 id=\"targets\">Targets: " + std::to_string(met) + " of " + std::to_string(all) +
-           " reached</h2>\n<div class=\"wide\"><table>" + HtmlRow(kHeader, "th") + targets +
-           "</table></div>\n";
-  }
-  for (const Section& section : sections) out += FormatSection(section);
-  return out + "</main></body></html>\n";
 }
 
 std::string Escape(const std::string& text) {

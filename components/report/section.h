@@ -48,14 +48,6 @@ struct Section {
 // Throws std::invalid_argument naming what is wrong: id, empty title, rows of another length.
 void CheckSection(const Section& section);
 
-struct PageText {
-  std::string title;
-  std::string introduction;
-};
-
-// One HTML file: contents, a summary of all comparisons with a target, the sections.
-std::string FormatPage(const PageText& text, const std::vector<Section>& sections);
-
 // Pieces of pages.
 std::string Escape(const std::string& text);
 // cells are HTML.

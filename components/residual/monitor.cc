@@ -51,25 +51,6 @@ std::string_view CauseName(Cause cause) noexcept {
   return "nothing";
 }
 
-std::string_view CauseUnit(Cause cause, types::JointKind kind) noexcept {
-  const bool linear = kind == types::JointKind::kLinear;
-  switch (cause) {
-    case Cause::kOffset:
-    case Cause::kDryFriction:
-      return linear ? "N" : "Nm";
-    case Cause::kViscousFriction:
-      return linear ? "N s/m" : "Nm s/rad";
-    case Cause::kPayload:
-      return "kg";
-    case Cause::kPressure:
-      return linear ? "N/bar" : "Nm/bar";
-    case Cause::kDrive:
-    case Cause::kNothing:
-      break;
-  }
-  return "1";
-}
-
 std::string_view StateName(State state) noexcept {
   switch (state) {
     case State::kLearning:

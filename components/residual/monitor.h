@@ -38,7 +38,6 @@ enum class Cause {
   kDrive,            // the drive's torque: torque constant, efficiency
 };
 std::string_view CauseName(Cause cause) noexcept;  // "dry_friction"
-std::string_view CauseUnit(Cause cause, types::JointKind kind) noexcept;
 
 enum class State {
   kLearning,  // what the model leaves, from moving samples: no change can be detected yet

@@ -173,8 +173,6 @@ class StanceModel {
 
   const actuator::RobotModel& robot() const { return robot_; }
   double mass_kg() const { return dynamics_.mass_kg(); }
-  // Largest distance of a joint or force sensor from the base's origin, joints at 0, m.
-  double reach_m() const { return reach_m_; }
   // Nominal mass of a group, kg.
   double MassOf(const RigidGroup& group) const;
 
@@ -212,6 +210,7 @@ class StanceModel {
   std::vector<std::array<bool, kFeet>> carries_;  // [link]: is it on the way to that foot?
   Eigen::Matrix3d base_from_imu_ = Eigen::Matrix3d::Identity();
   double gravity_m_s2_;
+  // Largest distance of a joint or force sensor from the base's origin, joints at 0.
   double reach_m_ = 0.0;
 };
 

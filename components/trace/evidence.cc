@@ -39,8 +39,7 @@ Evidence::Evidence(const Eigen::Ref<const Eigen::MatrixXd>& X, const Prior& prio
     m_ = Z.transpose() * target - cross.transpose() * deviation;
   }
   const Eigen::VectorXd e = target - X * deviation;
-  squared_error_ = e.squaredNorm();
-  misfit_ = squared_error_ + (prior_of_X.precision.array() * deviation.array().square()).sum();
+  misfit_ = e.squaredNorm() + (prior_of_X.precision.array() * deviation.array().square()).sum();
 }
 
 Eigen::VectorXd Evidence::Solve(const Columns& columns) const {

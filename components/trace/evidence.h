@@ -35,8 +35,6 @@ class Evidence {
 
   // Misfit of the declared terms alone, at their best.
   double misfit() const { return misfit_; }
-  // Part of it that is the rows', not the priors'.
-  double squared_error() const { return squared_error_; }
   // Part of the misfit that is the priors' of the declared terms, with those columns of Z.
   double PriorMisfit(const Columns& columns, const Eigen::VectorXd& c) const;
   // Misfit that the columns of Z take away; >= 0.
@@ -62,7 +60,7 @@ class Evidence {
   Eigen::VectorXd b_;  // declared alone
   Prior prior_;        // of the declared columns
   Eigen::VectorXd precision_, power_;
-  double misfit_ = 0.0, squared_error_ = 0.0;
+  double misfit_ = 0.0;
 };
 
 }  // namespace sinew::trace

@@ -9,7 +9,9 @@
 #include "reproduction/commands/search.h"
 #include "reproduction/commands/squat_test.h"
 #include "reproduction/commands/tables.h"
+#include "reproduction/commands/train_net.h"
 #include "tools/sinew/experiment.h"
+#include "tools/sinew/train.h"
 
 namespace sinew::reproduction {
 
@@ -17,6 +19,9 @@ void AddCommands(CLI::App& app) {
   // The same command with the surrogate beside topics and recordings.
   app.remove_subcommand(app.get_subcommand("experiment"));
   tools::AddExperimentCommand(app, MakeSurrogateExperiments());
+  // The same command with the published models beside the echo state networks.
+  app.remove_subcommand(app.get_subcommand("train"));
+  tools::AddTrainCommand(app, MakePublishedNetworks());
   AddCompareCommand(app);
   AddSearchCommand(app);
   AddControlTestCommand(app);

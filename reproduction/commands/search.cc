@@ -12,7 +12,7 @@
 
 #include "components/config/config.h"
 #include "components/report/file/section_file.h"
-#include "reproduction/networks/search.h"
+#include "reproduction/network_tables/search.h"
 #include "tools/sinew/progress.h"
 
 namespace sinew::reproduction {

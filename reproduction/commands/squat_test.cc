@@ -73,7 +73,7 @@ nlohmann::ordered_json SquatsJson(const squat_test::Squats& squats) {
 void AddPhotographs(const squat_test::Squats& squats, const fs::path& urdf, const fs::path& folder,
                     report::Section* section) {
   const char* names[] = {"side", "front"};
-  const view::View views[] = {view::View::kSide, view::View::kThreeQuarter};
+  const render::View views[] = {render::View::kSide, render::View::kThreeQuarter};
   for (std::size_t n = 0; n < 2; ++n) {
     report::Picture picture =
         squat_test::PhotographSquat(squats.file, urdf, folder / names[n], views[n]);

@@ -5,7 +5,9 @@
 #include <chrono>
 #include <filesystem>
 #include <functional>
+#include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "components/pneumatics/file/pneumatics_file.h"
@@ -60,6 +62,24 @@ report::Section RlsTables(const TablesOptions& options) {
                          acceptance::TimeUpdates(207, 1)});
 }
 
+void PrintJson(const report::Section& section) {
+  nlohmann::ordered_json lines = nlohmann::ordered_json::array();
+  for (const report::Comparison& c : section.comparisons) {
+    nlohmann::ordered_json line = {{"name", c.name},           {"unit", c.unit},
+                                   {"published", c.published}, {"ours", c.ours},
+                                   {"target", c.target},       {"remark", c.remark}};
+    if (c.met) line["met"] = *c.met;
+    lines.push_back(std::move(line));
+  }
+  nlohmann::ordered_json tables = nlohmann::ordered_json::array();
+  for (const report::Table& table : section.tables) {
+    tables.push_back({{"title", table.title}, {"header", table.header}, {"rows", table.rows}});
+  }
+  const nlohmann::ordered_json all = {
+      {"id", section.id}, {"comparisons", lines}, {"tables", tables}};
+  std::cout << all.dump(2) << '\n';
+}
+
 CLI::App* AddModule(CLI::App* tables, const std::shared_ptr<TablesOptions>& options,
                     const std::string& name, const char* text,
                     const std::function<report::Section(const TablesOptions&)>& measure) {
@@ -77,7 +97,7 @@ CLI::App* AddModule(CLI::App* tables, const std::shared_ptr<TablesOptions>& opti
     section.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (!options->out.empty()) report::WriteSection(options->out, section);
-    options->json ? tools::PrintSectionJson(section) : tools::PrintSection(section);
+    options->json ? PrintJson(section) : tools::PrintSection(section);
   });
   return command;
 }

@@ -8,9 +8,9 @@
 #include "components/pneumatics/file/pneumatics_file.h"
 #include "components/recording/file/run_reader.h"
 #include "components/reference/file/reference_file.h"
+#include "reproduction/recorded_run/recorded_run.h"
 #include "sim/surrogate/file/surrogate_file.h"
 #include "tools/edited_yaml/edited_yaml.h"
-#include "tools/launch/recorded_run.h"
 
 namespace sinew::control_test {
 namespace {
@@ -108,7 +108,7 @@ const char* DeploymentName(Arm arm) {
 }
 
 void Launch(const RunnerConfig& config, const Trial& trial, const TrialFiles& files) {
-  launch::RecordedRun run;
+  reproduction::RecordedRun run;
   run.name = trial.name();
   run.deployment = config.rig / "control_test" / DeploymentName(trial.arm);
   run.overrides.settings = {"mode=lockstep",
@@ -122,7 +122,7 @@ void Launch(const RunnerConfig& config, const Trial& trial, const TrialFiles& fi
   run.recording = files.recording;
   run.log = files.log;
   run.programs = config.programs;
-  launch::RunRecorded(run);
+  reproduction::RunRecorded(run);
 }
 
 }  // namespace

@@ -7,8 +7,8 @@
 #include "components/config/config.h"
 #include "components/esn/dataset/dataset.h"
 #include "components/recording/file/run_reader.h"
-#include "tools/launch/recorded_run.h"
-#include "tools/training_sets/training_sets.h"
+#include "reproduction/recorded_run/recorded_run.h"
+#include "reproduction/training_sets/training_sets.h"
 
 namespace sinew::reproduction {
 namespace {
@@ -25,7 +25,7 @@ bool IsPitchJoint(const std::string& name) {
 
 fs::path RecordChirp(const LegsRecording& options) {
   fs::create_directories(options.folder);
-  launch::RecordedRun run;
+  RecordedRun run;
   run.name = "chirp squat";
   run.recording = fs::absolute(options.folder) / "chirp.mcap";
   if (fs::exists(run.recording)) return run.recording;
@@ -36,7 +36,7 @@ fs::path RecordChirp(const LegsRecording& options) {
                             "reference.config=" + (robot / "reference_chirp.yaml").string()};
   run.log = run.recording.parent_path() / "processes.log";
   run.programs = options.programs;
-  launch::RunRecorded(run);
+  RunRecorded(run);
   return run.recording;
 }
 
@@ -61,7 +61,7 @@ std::vector<LegsData> ReadLegsData(const fs::path& recording, const fs::path& ro
                         const std::vector<actuator::JointModel>& models) {
     const esn::Dataset set = esn::MakeRobotDataset(runs, models, config);
     return LegsData{static_cast<int>(models.size()), networks::MakeSamples(set.sequences),
-                    networks::MakeSamples(set.sequences, tools::kValidationShare, tools::kGap)};
+                    networks::MakeSamples(set.sequences, kValidationShare, kGap)};
   };
   try {
     return {make(all_runs, all_models), make(pitch_runs, pitch_models)};

@@ -7,8 +7,8 @@
 #include <stdexcept>
 
 #include "components/identify/statistics.h"
-#include "components/networks/model.h"
-#include "reproduction/networks/comparison_models.h"
+#include "reproduction/network_tables/comparison_models.h"
+#include "reproduction/networks/model.h"
 #include "tools/jobs/jobs.h"
 
 namespace sinew::reproduction {

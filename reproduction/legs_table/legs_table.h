@@ -17,9 +17,9 @@
 #include <string>
 #include <vector>
 
-#include "components/networks/published.h"
-#include "components/networks/samples.h"
 #include "components/report/section.h"
+#include "reproduction/networks/published.h"
+#include "reproduction/networks/samples.h"
 
 namespace sinew::reproduction {
 

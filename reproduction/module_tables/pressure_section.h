@@ -1,8 +1,8 @@
 // The pressure manager on the surrogate's air supply as a section of a page.
 #pragma once
 
+#include "bench/acceptance/pressure.h"
 #include "components/report/section.h"
-#include "tools/acceptance/pressure.h"
 
 namespace sinew::reproduction {
 

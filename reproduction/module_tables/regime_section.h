@@ -1,8 +1,8 @@
 // The regime detector on the surrogate as a section of a page (Fig 7.1).
 #pragma once
 
+#include "bench/acceptance/regime.h"
 #include "components/report/section.h"
-#include "tools/acceptance/regime.h"
 
 namespace sinew::reproduction {
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "bench/acceptance/rls.h"
 #include "components/report/section.h"
-#include "tools/acceptance/rls.h"
 
 namespace sinew::reproduction {
 

@@ -10,6 +10,7 @@
 
 #include "components/config/config.h"
 #include "components/report/file/section_file.h"
+#include "reproduction/paper/page.h"
 
 namespace sinew::reproduction {
 
@@ -149,7 +150,7 @@ std::vector<PaperStepResult> MakePaper(const PaperPlan& plan, const PaperOptions
     results.push_back(std::move(result));
   }
   config::WriteFileAtomically(options.out / "index.html",
-                              report::FormatPage({plan.title, plan.introduction}, sections));
+                              FormatPage({plan.title, plan.introduction}, sections));
   return results;
 }
 

@@ -3,9 +3,9 @@
 #include <cstdio>
 
 #include "reproduction/squat_test/arms.h"
-#include "sim/view/file/film.h"
-#include "sim/view/file/recorded_poses.h"
-#include "sim/view/file/scene_file.h"
+#include "sim/render/file/film.h"
+#include "sim/render/file/recorded_poses.h"
+#include "sim/render/file/scene_file.h"
 
 namespace sinew::squat_test {
 namespace {
@@ -32,19 +32,19 @@ std::string Quoted(const std::string& text) {
 }  // namespace
 
 report::Picture PhotographSquat(const fs::path& recording, const fs::path& urdf,
-                                const fs::path& folder, view::View view) {
-  const view::Scene scene = view::LoadScene(urdf);
+                                const fs::path& folder, render::View view) {
+  const render::Scene scene = render::LoadScene(urdf);
   const double spacing_s = kSquat_s / (kPhotographs - 1);
-  const view::RecordedPoses recorded = view::ReadPoses(
+  const render::RecordedPoses recorded = render::ReadPoses(
       recording, scene,
       {.from_s = kStart_s, .to_s = kStart_s + kSquat_s, .frames_per_s = kPosesPerSecond});
-  view::FilmOptions options;
+  render::FilmOptions options;
   options.frames = folder;
   options.width = kWidth;
   options.height = kHeight;
   options.view = view;
   options.fixed_base = recorded.fixed_base;
-  view::Film film(scene, options);
+  render::Film film(scene, options);
   for (int n = 0; n < kPhotographs; ++n) {
     const auto index = static_cast<std::size_t>(n * spacing_s * kPosesPerSecond);
     if (index >= recorded.poses.size()) break;  // the recording ends before the squat does

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "components/report/picture.h"
-#include "sim/view/camera.h"
+#include "sim/render/camera.h"
 
 namespace sinew::squat_test {
 
@@ -15,6 +15,6 @@ inline constexpr int kPhotographs = 5;  // from standing to standing at equal ti
 // drawn. Throws UsageError (ReadPoses, LoadScene, Film), std::runtime_error (no OpenGL).
 report::Picture PhotographSquat(const std::filesystem::path& recording,
                                 const std::filesystem::path& urdf,
-                                const std::filesystem::path& folder, view::View view);
+                                const std::filesystem::path& folder, render::View view);
 
 }  // namespace sinew::squat_test

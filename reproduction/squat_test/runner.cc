@@ -3,8 +3,8 @@
 #include <stdexcept>
 
 #include "components/config/config.h"
+#include "reproduction/recorded_run/recorded_run.h"
 #include "tools/edited_yaml/edited_yaml.h"
-#include "tools/launch/recorded_run.h"
 #include "tools/sinew/performance_sessions.h"
 
 namespace sinew::squat_test {
@@ -46,7 +46,7 @@ Squats RunSquats(const RunnerConfig& config, const Arm& arm, Load load) {
   squats.count = load == Load::kPutOn ? kSixSquats : kBenchmarkSquats;
   const double end_s = kStart_s + squats.count * kSquat_s;
 
-  launch::RecordedRun run;
+  reproduction::RecordedRun run;
   run.name = arm.id + "-" + LoadName(load);
   const fs::path folder = fs::absolute(config.folder) / run.name;
   fs::create_directories(folder);
@@ -79,7 +79,7 @@ Squats RunSquats(const RunnerConfig& config, const Arm& arm, Load load) {
   const fs::path made_with = folder / "made_with.txt";
   if (!fs::exists(run.recording) || !fs::exists(made_with) || config::ReadFile(made_with) != key) {
     fs::remove(run.recording);
-    launch::RunRecorded(run);
+    reproduction::RunRecorded(run);
     config::WriteFileAtomically(made_with, key);
   }
 

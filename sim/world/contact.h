@@ -78,7 +78,6 @@ class GroundLaw {
 
   double height_m() const { return height_m_; }
   double stiffness_N_m() const { return stiffness_N_m_; }
-  double damping_s_m() const { return damping_s_m_; }  // a
   double tangential_stiffness_N_m() const { return tangential_stiffness_N_m_; }
   double tangential_damping_N_s_m() const { return tangential_damping_N_s_m_; }
 

@@ -1,6 +1,6 @@
 // What the pressure manager must reach on the surrogate's air supply. Oracle: the surrogate's true
 // pressure, breakages whose name is known.
-#include "tools/acceptance/pressure.h"
+#include "bench/acceptance/pressure.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // What the regime detector must reach on the surrogate. Oracle: the surrogate's truth about its
 // teeth.
-#include "tools/acceptance/regime.h"
+#include "bench/acceptance/regime.h"
 
 #include <gtest/gtest.h>
 

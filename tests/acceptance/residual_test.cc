@@ -1,6 +1,6 @@
 // What the residual monitor must reach on the surrogate under control, whose physics it does not
 // share.
-#include "tools/acceptance/residual.h"
+#include "bench/acceptance/residual.h"
 
 #include <gtest/gtest.h>
 

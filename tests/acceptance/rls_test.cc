@@ -1,6 +1,6 @@
 // What recursive least squares must reach. Oracle: the batch solution; the plain recursion is known
 // to leave its bounds.
-#include "tools/acceptance/rls.h"
+#include "bench/acceptance/rls.h"
 
 #include <gtest/gtest.h>
 

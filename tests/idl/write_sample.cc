@@ -9,10 +9,10 @@
 #include <string>
 
 #include "components/node/topics.h"
-#include "components/recording/file/cdr_json.h"
 #include "components/recording/file/file_io.h"
 #include "components/recording/mcap_writer.h"
 #include "components/recording/run_import.h"
+#include "tests/support/json_cdr.h"
 
 namespace {
 

@@ -11,7 +11,6 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
-#include <fstream>
 #include <stdexcept>
 
 namespace sinew::launch {
@@ -131,26 +130,6 @@ Finished Run(const std::vector<std::string>& arguments, std::chrono::millisecond
   Program program(arguments);
   const int exit_code = program.Wait(limit);
   return {exit_code, program.output(), program.error()};
-}
-
-bool IsRunning(pid_t pid) {
-  std::ifstream stat("/proc/" + std::to_string(pid) + "/stat");
-  std::string text;
-  if (!std::getline(stat, text)) return false;
-  const std::size_t name_end = text.rfind(')');
-  return name_end != std::string::npos && name_end + 2 < text.size() && text[name_end + 2] != 'Z' &&
-         text[name_end + 2] != 'X';
-}
-
-bool WaitUntilGone(pid_t pid, std::chrono::milliseconds limit) {
-  const Clock::time_point end = Clock::now() + limit;
-  const int handle = static_cast<int>(::syscall(SYS_pidfd_open, pid, 0));
-  if (handle < 0) return !IsRunning(pid);
-  pollfd fd = {handle, POLLIN, 0};
-  while (::poll(&fd, 1, MillisecondsUntil(end)) < 0 && errno == EINTR) {
-  }
-  ::close(handle);
-  return !IsRunning(pid);
 }
 
 }  // namespace sinew::launch

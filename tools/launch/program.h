@@ -57,9 +57,4 @@ struct Finished {
 Finished Run(const std::vector<std::string>& arguments,
              std::chrono::milliseconds limit = std::chrono::seconds(30));
 
-// True while a process of this id exists and is no zombie.
-bool IsRunning(pid_t pid);
-// Waits until it is not.
-bool WaitUntilGone(pid_t pid, std::chrono::milliseconds limit);
-
 }  // namespace sinew::launch

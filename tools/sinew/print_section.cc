@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <iostream>
-#include <nlohmann/json.hpp>
 
 namespace sinew::tools {
 
@@ -32,24 +30,6 @@ void PrintSection(const report::Section& section) {
     print(table.header);
     for (const auto& row : table.rows) print(row);
   }
-}
-
-void PrintSectionJson(const report::Section& section) {
-  nlohmann::ordered_json lines = nlohmann::ordered_json::array();
-  for (const report::Comparison& c : section.comparisons) {
-    nlohmann::ordered_json line = {{"name", c.name},           {"unit", c.unit},
-                                   {"published", c.published}, {"ours", c.ours},
-                                   {"target", c.target},       {"remark", c.remark}};
-    if (c.met) line["met"] = *c.met;
-    lines.push_back(std::move(line));
-  }
-  nlohmann::ordered_json tables = nlohmann::ordered_json::array();
-  for (const report::Table& table : section.tables) {
-    tables.push_back({{"title", table.title}, {"header", table.header}, {"rows", table.rows}});
-  }
-  const nlohmann::ordered_json all = {
-      {"id", section.id}, {"comparisons", lines}, {"tables", tables}};
-  std::cout << all.dump(2) << '\n';
 }
 
 bool AllMet(const report::Section& section) {

@@ -1,4 +1,4 @@
-// A section of results as text and JSON on the standard output.
+// A section of results as text on the standard output.
 #pragma once
 
 #include "components/report/section.h"
@@ -6,7 +6,6 @@
 namespace sinew::tools {
 
 void PrintSection(const report::Section& section);
-void PrintSectionJson(const report::Section& section);
 // True when every target that there is was met.
 bool AllMet(const report::Section& section);
 

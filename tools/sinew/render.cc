@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "sim/view/file/film.h"
-#include "sim/view/file/recorded_poses.h"
-#include "sim/view/file/scene_file.h"
+#include "sim/render/file/film.h"
+#include "sim/render/file/recorded_poses.h"
+#include "sim/render/file/scene_file.h"
 
 namespace sinew::tools {
 
@@ -17,22 +17,22 @@ namespace {
 struct RenderOptions {
   std::filesystem::path recording, urdf;
   std::string seen_from = "three-quarter";
-  view::FilmOptions film;
-  view::RecordedPosesOptions poses;
+  render::FilmOptions film;
+  render::RecordedPosesOptions poses;
 };
 
 void Render(RenderOptions options) {
-  if (options.seen_from == "side") options.film.view = view::View::kSide;
+  if (options.seen_from == "side") options.film.view = render::View::kSide;
   options.poses.frames_per_s = options.film.frames_per_s;
-  const view::Scene scene = view::LoadScene(options.urdf);
+  const render::Scene scene = render::LoadScene(options.urdf);
   if (scene.mesh_count > 0) {
     std::cerr << "sinew render: " << scene.mesh_count << " meshes of " << options.urdf.string()
               << " are not drawn\n";
   }
-  const view::RecordedPoses recorded = view::ReadPoses(options.recording, scene, options.poses);
+  const render::RecordedPoses recorded = render::ReadPoses(options.recording, scene, options.poses);
   options.film.fixed_base = recorded.fixed_base;
-  view::Film film(scene, options.film);
-  for (const view::TimedPose& one : recorded.poses) film.Add(one.time_s, one.pose);
+  render::Film film(scene, options.film);
+  for (const render::TimedPose& one : recorded.poses) film.Add(one.time_s, one.pose);
   film.Finish();
   std::cout << film.frame_count() << " frames from " << recorded.poses.front().time_s << " s to "
             << recorded.poses.back().time_s << " s\n";

@@ -20,22 +20,9 @@
 #include "components/esn/training.h"
 #include "components/recording/file/recording_path.h"
 #include "components/recording/file/run_reader.h"
-#include "tools/sinew/train_net.h"
 
 namespace sinew::tools {
 namespace {
-
-struct TrainOptions {
-  std::filesystem::path model;
-  std::vector<std::filesystem::path> recordings;
-  std::vector<std::filesystem::path> tests;
-  std::filesystem::path map;
-  std::filesystem::path config;
-  std::filesystem::path out;
-  std::string network;
-  int joint = 0;
-  bool json = false;
-};
 
 std::vector<types::Run> ReadAll(const std::vector<std::filesystem::path>& paths,
                                 const TrainOptions& options, int joint) {
@@ -199,18 +186,18 @@ void Print(const TrainOptions& options, const Outcome& outcome) {
 
 }  // namespace
 
-void AddTrainCommand(CLI::App& app) {
+void AddTrainCommand(CLI::App& app, const OtherNetworks& others) {
   CLI::App* command = app.add_subcommand("train", "Train a network on recordings");
+  const std::string help = others.help.empty()
+                               ? "An echo state network as the configuration says, for sinew-esn.\n"
+                               : others.help;
   command->footer(
-      "Without --net: an echo state network as the configuration says, for sinew-esn. With --net:\n"
-      "one of the published models, from recordings or, without them, from the surrogate.\n"
+      help +
       "Example:\n"
       "  sinew train --model robots/rig/model.yaml --recording run.mcap --network pea \\\n"
-      "    --config robots/rig/esn_train.yaml --out pea.json\n"
-      "  sinew train --net wiener-esn --task pea --out wiener_esn.json\n"
-      "  sinew train --net lstm --task sea --recording run.mcap --patience 50 --out lstm.json");
+      "    --config robots/rig/esn_train.yaml --out pea.json" +
+      (others.examples.empty() ? "" : "\n" + others.examples));
   auto options = std::make_shared<TrainOptions>();
-  auto net = std::make_shared<TrainNetOptions>();
   CLI::Option* model =
       command->add_option("--model", options->model, "Model file: gear ratio, backlash, drive");
   CLI::Option* recording = command->add_option("--recording", options->recordings,
@@ -225,50 +212,17 @@ void AddTrainCommand(CLI::App& app) {
   command->add_option("--out", options->out, "Weights file to write")->required();
   command->add_option("--joint", options->joint, "Index of the joint in messages and model")
       ->check(CLI::Range(0, 11));
-  CLI::Option* kind = command->add_option("--net", net->net, "One of the published models")
-                          ->check(CLI::IsMember(NetNames()));
-  CLI::Option* task =
-      command->add_option("--task", net->task, "With --net: inputs, target and data set")
-          ->check(CLI::IsMember({"sea", "pea", "force"}));
-  const auto with_net = [&](CLI::Option* option) { return option->needs(kind); };
-  task->needs(kind);
-  with_net(command->add_option("--epochs", net->epochs, "Instead of the published ones"))
-      ->check(CLI::Range(1, 1000000));
-  with_net(command->add_option("--batch", net->batch, "Samples an update, instead of as published"))
-      ->check(CLI::Range(1, 10000000));
-  with_net(command->add_option("--rate", net->rate, "Of Adam, instead of 0.001"))
-      ->check(CLI::Range(1e-9, 1.0));
-  with_net(command->add_option("--patience", net->patience,
-                               "Stop after so many epochs without a better validation error"))
-      ->check(CLI::Range(1, 1000000));
-  with_net(command->add_option("--period", net->period_s, "Of a sample, s"))
-      ->check(CLI::Range(1e-4, 10.0))
-      ->capture_default_str();
-  with_net(command->add_flag("--gcv", net->gcv, "Ridge strength by cross-validation"));
-  with_net(command->add_option("--seed", net->seed, "Of weights, batches and the surrogate"));
+  const CLI::Option* other = others.add_options ? others.add_options(*command) : nullptr;
   command->add_flag("--json", options->json, "Result as JSON");
-  command->callback([options, net, model, recording, network, config, kind, task] {
-    if (kind->count() == 0) {
-      for (const CLI::Option* needed : {model, recording, network, config}) {
-        if (needed->count() == 0) throw CLI::RequiredError(needed->get_name());
-      }
-      Print(*options, TrainNetwork(*options));
+  command->callback([options, train = others.train, model, recording, network, config, other] {
+    if (other != nullptr && other->count() > 0) {
+      train(*options);
       return;
     }
-    if (task->count() == 0) throw CLI::RequiredError("--task");
-    if (net->task == "force" && options->recordings.empty()) {
-      throw CLI::RequiredError("--recording (the surrogate has no cylinder)");
+    for (const CLI::Option* needed : {model, recording, network, config}) {
+      if (needed->count() == 0) throw CLI::RequiredError(needed->get_name());
     }
-    if (!options->tests.empty() || network->count() > 0 || config->count() > 0) {
-      throw CLI::ExcludesError("--net", "--test, --network, --config");
-    }
-    net->recordings = options->recordings;
-    net->map = options->map;
-    net->model = options->model;
-    net->out = options->out;
-    net->joint = options->joint;
-    net->json = options->json;
-    TrainNet(*net);
+    Print(*options, TrainNetwork(*options));
   });
 }
 

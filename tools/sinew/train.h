@@ -1,12 +1,41 @@
 // `sinew train`: a network from recordings of the robot.
 #pragma once
 
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace sinew::tools {
 
-void AddTrainCommand(CLI::App& app);
+struct TrainOptions {
+  std::filesystem::path model;
+  std::vector<std::filesystem::path> recordings;
+  std::vector<std::filesystem::path> tests;
+  std::filesystem::path map;
+  std::filesystem::path config;
+  std::filesystem::path out;
+  std::string network;
+  int joint = 0;
+  bool json = false;
+};
+
+// Networks beside the echo state networks of a configuration, selected by an option of their own.
+struct OtherNetworks {
+  std::string help;      // of the command, with its examples below
+  std::string examples;  // lines
+  // Adds options to the command and returns the one that selects these networks.
+  std::function<CLI::Option*(CLI::App& train)> add_options;
+  // Throws UsageError, CLI::Error.
+  std::function<void(const TrainOptions& options)> train;
+};
+
+// others: nothing where none are built.
+void AddTrainCommand(CLI::App& app, const OtherNetworks& others = {});
 
 }  // namespace sinew::tools

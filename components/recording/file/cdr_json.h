@@ -12,8 +12,4 @@ namespace sinew::recording {
 // "-Infinity". Throws CdrError.
 nlohmann::ordered_json CdrToJson(const IdlType& type, std::span<const std::byte> payload);
 
-// The reverse, little-endian. Members left out are 0 or empty; arrays may be given shorter than
-// they are. Throws CdrError naming the member when a value does not fit or is not known.
-Bytes JsonToCdr(const IdlType& type, const nlohmann::ordered_json& json);
-
 }  // namespace sinew::recording

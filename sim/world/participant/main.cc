@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "components/provider/participant/run_provider.h"
-#include "sim/view/participant/plant_view.h"
+#include "sim/render/participant/plant_film.h"
 #include "sim/world/file/world_file.h"
 
 int main(int argc, char** argv) {
@@ -19,7 +19,7 @@ int main(int argc, char** argv) {
     const provider::GuardConfig guard = provider::LoadGuardConfig(file.guard);
     file.guard.RejectUnknownKeys();
     const auto plant = world::MakeWorld(file, options.config_path);
-    std::optional<view::PlantView> film;
+    std::optional<render::PlantFilm> film;
     if (!video.empty()) {
       std::vector<std::string> names;
       for (const auto& joint : file.config.model.joints) names.push_back(joint.name);

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <set>
 
-#include "sim/rigs/forces.h"
+#include "bench/rigs/drawn/forces.h"
 #include "tests/support/temporary_folder.h"
 
 namespace sinew::rig_bank {

@@ -17,12 +17,12 @@
 #include "bridge/can/codec.h"
 #include "bridge/can/transport/bus_protocol.h"
 #include "bridge/can/transport/bus_server.h"
-#include "bridge/can/transport/memory_can.h"
 #include "bridge/can/transport/replay_can.h"
 #include "bridge/can/transport/socketcan.h"
 #include "bridge/can/transport/virtual_can.h"
 #include "components/config/config.h"
 #include "components/types/clock/clock.h"
+#include "tests/support/memory_can.h"
 
 namespace sinew::can {
 namespace {

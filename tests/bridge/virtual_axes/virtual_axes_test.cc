@@ -8,9 +8,9 @@
 #include <random>
 #include <stdexcept>
 
-#include "bridge/can/transport/memory_can.h"
 #include "components/types/angle.h"
 #include "tests/bridge/virtual_axes/rotors.h"
+#include "tests/support/memory_can.h"
 
 namespace sinew::virtual_axes {
 namespace {

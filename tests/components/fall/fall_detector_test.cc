@@ -272,8 +272,7 @@ TEST(FallDetector, AllocatesNothingInAStep) {
   EXPECT_EQ(test::Allocations(), before);
 }
 
-TEST(FallDetector, NamesItsStates) {
-  EXPECT_EQ(FallStateName(FallState::kFalling), "falling");
+TEST(FallDetector, NamesCriteriaAndWhatIsUnknown) {
   EXPECT_EQ(CriterionName(Criterion::kBaseHeight), "base_height");
   EXPECT_EQ(UnknownName(Unknown::kSpecificForce), "specific_force");
 }

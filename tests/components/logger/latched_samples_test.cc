@@ -16,6 +16,7 @@
 #include "components/recording/mcap_recover.h"
 #include "tests/components/logger/memory_series.h"
 #include "tests/components/logger/messages.h"
+#include "tests/support/memory_io.h"
 
 namespace sinew::logger {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "components/recording/mcap_writer.h"
 #include "tests/components/logger/messages.h"
+#include "tests/support/memory_io.h"
 
 namespace sinew::logger {
 namespace {

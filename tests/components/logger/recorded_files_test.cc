@@ -6,6 +6,7 @@
 #include "components/recording/run_builder.h"
 #include "tests/components/logger/memory_series.h"
 #include "tests/components/logger/messages.h"
+#include "tests/support/memory_io.h"
 
 namespace sinew::logger {
 namespace {

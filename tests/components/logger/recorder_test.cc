@@ -6,6 +6,7 @@
 
 #include "components/recording/mcap_reader.h"
 #include "tests/components/logger/messages.h"
+#include "tests/support/memory_io.h"
 
 namespace sinew::logger {
 namespace {

@@ -7,6 +7,7 @@
 #include "components/logger/recorder.h"
 #include "tests/components/logger/memory_series.h"
 #include "tests/components/logger/messages.h"
+#include "tests/support/memory_io.h"
 
 namespace sinew::logger {
 namespace {

@@ -13,6 +13,7 @@
 #include "components/recording/mcap_writer.h"
 #include "components/recording/run_import.h"
 #include "idl/embedded_idl.h"
+#include "tests/support/memory_io.h"
 
 namespace sinew::recording {
 namespace {

@@ -15,6 +15,7 @@
 #include "components/node/codec.h"
 #include "components/node/topics.h"
 #include "components/recording/file/cdr_json.h"
+#include "tests/support/json_cdr.h"
 
 namespace sinew::recording {
 namespace {

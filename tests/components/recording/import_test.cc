@@ -17,6 +17,7 @@
 #include "components/recording/run_builder.h"
 #include "components/recording/signal_fields.h"
 #include "idl/embedded_idl.h"
+#include "tests/support/memory_io.h"
 #include "tests/support/skip.h"
 
 namespace sinew::recording {

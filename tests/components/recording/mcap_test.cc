@@ -7,6 +7,7 @@
 
 #include "components/recording/mcap_reader.h"
 #include "components/recording/mcap_writer.h"
+#include "tests/support/memory_io.h"
 
 namespace sinew::recording {
 namespace {

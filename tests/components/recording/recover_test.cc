@@ -8,6 +8,7 @@
 
 #include "components/recording/mcap_recover.h"
 #include "components/recording/mcap_writer.h"
+#include "tests/support/memory_io.h"
 
 namespace sinew::recording {
 namespace {

@@ -48,14 +48,6 @@ TEST(Section, IsReadAsItWasWritten) {
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "deep" / "er" / "backlash-2.svg"));
 }
 
-TEST(Section, PageCountsTargetsAndEscapesText) {
-  const std::string page = FormatPage({"All & everything", "intro"}, {Example()});
-  EXPECT_NE(page.find("Targets: 1 of 2 reached"), std::string::npos);
-  EXPECT_NE(page.find("All &amp; everything"), std::string::npos);
-  EXPECT_NE(page.find("Backlash &lt;of the gear&gt;"), std::string::npos);
-  EXPECT_EQ(page.find("<of the gear>"), std::string::npos);
-}
-
 TEST(Section, PicturesOfOnePageShareNoNames) {
   const auto svgs = DrawPictures(Example().pictures);
   ASSERT_EQ(svgs.size(), 2u);

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/floating_world/floating_world.h"
 #include "components/actuator/model.h"
 #include "components/arm/file/urdf_file.h"
 #include "components/arm/fixed_links.h"
@@ -19,7 +20,6 @@
 #include "components/leg/geometry.h"
 #include "components/leg/squat.h"
 #include "components/stance_fit/stance_model.h"
-#include "sim/world/floating_world.h"
 
 namespace sinew::stance_fit {
 

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "bench/floating_world/floating_world.h"
 #include "components/arm/bodies.h"
 #include "components/arm/file/urdf_file.h"
-#include "sim/world/floating_world.h"
 
 namespace sinew::world {
 

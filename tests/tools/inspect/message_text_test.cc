@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "components/recording/file/cdr_json.h"
+#include "tests/support/json_cdr.h"
 
 namespace sinew::inspect {
 namespace {

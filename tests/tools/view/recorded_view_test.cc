@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "components/config/config.h"
-#include "components/recording/file/cdr_json.h"
 #include "components/recording/file/file_io.h"
 #include "components/recording/mcap_writer.h"
 #include "idl/embedded_idl.h"
+#include "tests/support/json_cdr.h"
 #include "tests/support/temporary_folder.h"
 #include "tools/view/routes.h"
 

@@ -1,8 +1,0 @@
-#include "components/networks/kernel_body.h"
-
-namespace sinew::networks::internal {
-
-const Kernel<float> kPortableFloat = MakeKernel<float>();
-const Kernel<double> kPortableDouble = MakeKernel<double>();
-
-}  // namespace sinew::networks::internal
