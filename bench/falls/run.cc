@@ -102,7 +102,7 @@ class Session {
     const types::MessageHeader header = cycle_.Header(tick, 0);
     const bool may_move = types::MayMove(cycle_.state());
     wanted_ = Wanted(tick, may_move);
-    provider::JointCommand command = Controlled(may_move);
+    provider::JointSetpoints command = Controlled(may_move);
     command.header = header;
     (void)cycle_.Take(command, tick);
     plant_->DisturbBody(config_.schedule.At(tick, kPeriod_s));
@@ -126,7 +126,7 @@ class Session {
     return reference_.Step(asked);
   }
 
-  provider::JointCommand Controlled(bool may_move) {
+  provider::JointSetpoints Controlled(bool may_move) {
     control::RobotInput input;
     input.session_id = cycle_.session_id();
     input.period_s = kPeriod_s;
@@ -142,7 +142,7 @@ class Session {
     }
     if (inverse_) Predict(&input);
     const control::RobotOutput output = controller_.Step(input);
-    provider::JointCommand command;
+    provider::JointSetpoints command;
     command.joint_count = output.joint_count;
     for (std::size_t j = 0; j < joints; ++j) {
       command.mode[j] = output.joint[j].mode;

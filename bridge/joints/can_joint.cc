@@ -17,7 +17,7 @@ constexpr const char* kBeyondCompact = "its position is beyond the range of the 
 
 }  // namespace
 
-JointCommand CommandOf(const provider::PlantCommand& command, std::size_t joint) {
+ActuatorCommand CommandOf(const provider::PlantCommand& command, std::size_t joint) {
   return {command.mode[joint],         command.motor_torque_Nm[joint],
           command.position_rad[joint], command.velocity_rad_s[joint],
           command.valve_open[joint],   command.compressor_on[joint],
@@ -91,7 +91,7 @@ void CanJoint::Assess(std::int64_t now_ns, const can::Transport& bus) {
   }
 }
 
-void CanJoint::Command(const JointCommand& command, double period_s, std::int64_t now_ns) {
+void CanJoint::Command(const ActuatorCommand& command, double period_s, std::int64_t now_ns) {
   const bool finite = std::isfinite(command.motor_torque_Nm) &&
                       std::isfinite(command.position_rad) && std::isfinite(command.velocity_rad_s);
   if (command.mode != ControlMode::kIdle && !finite) {
@@ -124,7 +124,7 @@ void CanJoint::Command(const JointCommand& command, double period_s, std::int64_
   }
 }
 
-void CanJoint::SendSetpoint(const JointCommand& command, double period_s) {
+void CanJoint::SendSetpoint(const ActuatorCommand& command, double period_s) {
   const JointConfig& c = config_;
   const double rev_per_rad = c.direction * c.gear_ratio / types::kTwoPi;
   const Envelope envelope = EnvelopeOf(c, period_s);
@@ -166,7 +166,7 @@ void CanJoint::SendNeutral() {
   }
 }
 
-void CanJoint::SendValves(const JointCommand& command) {
+void CanJoint::SendValves(const ActuatorCommand& command) {
   if (!config_.output) return;
   const can::ValveCommand valves{command.valve_open, command.compressor_on, command.vent_open,
                                  valve_sequence_++,

@@ -32,8 +32,8 @@
 
 namespace sinew::bridge {
 
-// A joint's part of provider::PlantCommand.
-struct JointCommand {
+// A joint's part of provider::PlantCommand: setpoints of the drive, relays of the pneumatics.
+struct ActuatorCommand {
   types::ControlMode mode = types::ControlMode::kIdle;
   double motor_torque_Nm = 0.0;
   double position_rad = 0.0;
@@ -42,7 +42,7 @@ struct JointCommand {
   bool compressor_on = false;
   bool vent_open = false;
 };
-JointCommand CommandOf(const provider::PlantCommand& command, std::size_t joint);
+ActuatorCommand CommandOf(const provider::PlantCommand& command, std::size_t joint);
 
 class CanJoint {
  public:
@@ -66,10 +66,10 @@ class CanJoint {
   // Faults by the newest measurements; the bus is named in the text of a silent node's fault.
   void Assess(std::int64_t now_ns, const can::Transport& bus);
   // The setpoint of a cycle.
-  void Command(const JointCommand& command, double period_s, std::int64_t now_ns);
+  void Command(const ActuatorCommand& command, double period_s, std::int64_t now_ns);
   void SendNeutral();
   // The relays of the sensor node, where there is one.
-  void SendValves(const JointCommand& command);
+  void SendValves(const ActuatorCommand& command);
   void RequestEstimates(std::int64_t now_ns);
   void RequestIq(std::int64_t now_ns);
 
@@ -86,7 +86,7 @@ class CanJoint {
   void Fill(std::size_t joint, std::int64_t now_ns, provider::PlantSensors* sensors);
 
  private:
-  void SendSetpoint(const JointCommand& command, double period_s);
+  void SendSetpoint(const ActuatorCommand& command, double period_s);
 
   const JointConfig& config_;
   const BridgeTiming& timing_;

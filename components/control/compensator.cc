@@ -79,7 +79,7 @@ Compensator::Compensator(const actuator::JointModel& model, const CompensatorCon
 void Compensator::Reset() noexcept { started_ = false; }
 
 effects::JointSample Compensator::Sample(const Point& reference,
-                                         const JointMeasurement& m) const noexcept {
+                                         const MeasuredJointState& m) const noexcept {
   effects::JointSample x;
   const double ratio = model_.constants.gear_ratio;
   x.time_s = time_s_;
@@ -98,7 +98,7 @@ effects::JointSample Compensator::Sample(const Point& reference,
   return x;
 }
 
-double Compensator::Linear(const Point& reference, const JointMeasurement& m) const noexcept {
+double Compensator::Linear(const Point& reference, const MeasuredJointState& m) const noexcept {
   const double length_m = model_.constants.link_length_m;
   const double inertia = inertia_kg_m2_ + payload_share_ * m.payload_kg * length_m * length_m;
   const double output_Nm =
@@ -108,7 +108,7 @@ double Compensator::Linear(const Point& reference, const JointMeasurement& m) co
   return shaft_per_output_ * output_Nm;
 }
 
-double Compensator::Model(const Point& reference, const JointMeasurement& m,
+double Compensator::Model(const Point& reference, const MeasuredJointState& m,
                           double period_s) noexcept {
   effects::JointSample x = Sample(reference, m);
   if (memory_.empty()) {
@@ -141,7 +141,7 @@ double Compensator::Recorded() const noexcept {
   return (1.0 - share) * torque_Nm[before] + share * torque_Nm[after];
 }
 
-double Compensator::Step(const Point& reference, const JointMeasurement& m,
+double Compensator::Step(const Point& reference, const MeasuredJointState& m,
                          double period_s) noexcept {
   if (config_.kind == CompensatorKind::kNone) return 0.0;
   if (!started_) {

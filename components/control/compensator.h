@@ -64,16 +64,16 @@ class Compensator {
   void Reset() noexcept;
   // Motor torque at the shaft. Reads the actuator values of m even when they are old: the caller
   // decides.
-  double Step(const Point& reference, const JointMeasurement& m, double period_s) noexcept;
+  double Step(const Point& reference, const MeasuredJointState& m, double period_s) noexcept;
   // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
   // std::invalid_argument.
   void Exchange(types::StateArchive& archive);
 
  private:
   double Recorded() const noexcept;
-  double Linear(const Point& reference, const JointMeasurement& m) const noexcept;
-  double Model(const Point& reference, const JointMeasurement& m, double period_s) noexcept;
-  effects::JointSample Sample(const Point& reference, const JointMeasurement& m) const noexcept;
+  double Linear(const Point& reference, const MeasuredJointState& m) const noexcept;
+  double Model(const Point& reference, const MeasuredJointState& m, double period_s) noexcept;
+  effects::JointSample Sample(const Point& reference, const MeasuredJointState& m) const noexcept;
 
   actuator::JointModel model_;
   CompensatorConfig config_;

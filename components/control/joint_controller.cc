@@ -23,7 +23,7 @@ bool Finite(const Point& p) noexcept {
          std::isfinite(p.acceleration_rad_s2);
 }
 
-bool ActuatorFinite(const JointMeasurement& m) noexcept {
+bool ActuatorFinite(const MeasuredJointState& m) noexcept {
   return std::isfinite(m.motor_position_rad) && std::isfinite(m.motor_velocity_rad_s) &&
          std::isfinite(m.pressure_bar) && std::isfinite(m.load_force_N) &&
          std::isfinite(m.payload_kg) && std::isfinite(m.temperature_degC);
@@ -109,7 +109,7 @@ void JointController::Follow(double difference_motor_torque_Nm) noexcept {
   pid_.Shift(difference_motor_torque_Nm / config_.shaft_per_output);
 }
 
-double JointController::MeasuredVelocity(const JointMeasurement& m, double period_s) noexcept {
+double JointController::MeasuredVelocity(const MeasuredJointState& m, double period_s) noexcept {
   double velocity_rad_s = m.velocity_rad_s;
   if (config_.velocity_from == VelocityFrom::kMotor && m.actuator_valid) {
     velocity_rad_s = m.motor_velocity_rad_s / config_.gear_ratio;
@@ -121,7 +121,7 @@ double JointController::MeasuredVelocity(const JointMeasurement& m, double perio
   return velocity_rad_s;
 }
 
-JointOutput JointController::Damping(const JointMeasurement& m) const noexcept {
+JointOutput JointController::Damping(const MeasuredJointState& m) const noexcept {
   JointOutput output;
   output.mode = types::ControlMode::kTorque;
   double velocity_rad_s = 0.0;
@@ -241,7 +241,7 @@ double JointController::FeedForward(const JointInput& input, const Point& target
   const bool recorded = config_.compensator.kind == CompensatorKind::kRecorded;
   if (config_.strategy == Strategy::kPidLinear && (!recorded || aim_ == Aim::kReference)) {
     source = 1;
-    JointMeasurement m = last_actuator_;
+    MeasuredJointState m = last_actuator_;
     m.actuator_valid = input.measured->actuator_valid;
     wanted_Nm = compensator_->Step(target, m, input.period_s);
   } else if (UsesPrediction(config_.strategy) && input.prediction_fresh && input.prediction.valid &&
@@ -279,7 +279,7 @@ double JointController::FeedForward(const JointInput& input, const Point& target
 // The motor turns toward the target at the velocity limit, pushing no harder than allowed: a PID on
 // the motor's own angle whose target waits when the torque is at its limit.
 JointOutput JointController::Push(const JointInput& input) noexcept {
-  const JointMeasurement& m = *input.measured;
+  const MeasuredJointState& m = *input.measured;
   if (!m.actuator_valid) return Damping(m);
   double limit_Nm = config_.motor_torque_limit_Nm;
   if (motion_.motor_torque_limit_Nm > 0.0)
@@ -309,7 +309,7 @@ JointOutput JointController::Push(const JointInput& input) noexcept {
 
 JointController::Result JointController::Step(const JointInput& input) noexcept {
   Result result;
-  JointMeasurement m = *input.measured;
+  MeasuredJointState m = *input.measured;
   if (latched_ != Fault::kNone) {
     result.fault = latched_;
     result.output.position_rad = target_.position_rad;

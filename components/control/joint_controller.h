@@ -73,7 +73,7 @@ struct JointInput {
   double period_s = 0.0;
   bool interrupted = false;
   bool stands_by = false;  // what it holds is where the joint is: another controller moves it
-  const JointMeasurement* measured = nullptr;
+  const MeasuredJointState* measured = nullptr;
   bool reference_expected = false;  // the reference asks for this joint, or did when last heard
   bool reference_fresh = false;
   double reference_late_s = kNoInput;  // RobotInput
@@ -153,10 +153,10 @@ class JointController {
   void BridgeLateInputs(JointInput* input) noexcept;
   void ChooseAim(const JointInput& input) noexcept;
   Point Target(const JointInput& input) noexcept;
-  double MeasuredVelocity(const JointMeasurement& m, double period_s) noexcept;
+  double MeasuredVelocity(const MeasuredJointState& m, double period_s) noexcept;
   bool PredictionCounts(const JointInput& input) const noexcept;
   double FeedForward(const JointInput& input, const Point& target) noexcept;
-  JointOutput Damping(const JointMeasurement& m) const noexcept;
+  JointOutput Damping(const MeasuredJointState& m) const noexcept;
   JointOutput Push(const JointInput& input) noexcept;
 
   JointControlConfig config_;
@@ -180,9 +180,9 @@ class JointController {
   double push_at_rad_ = 0.0;
   double last_position_rad_ = 0.0;
   bool last_position_known_ = false;
-  JointMeasurement last_actuator_;  // last valid
-  int source_ = 0;                  // of the feed-forward: 0 none, 1 model, 2 SEA, 3 PEA, 4 network
-  double feed_forward_Nm_ = 0.0;    // applied in the last tick
+  MeasuredJointState last_actuator_;  // last valid
+  int source_ = 0;                // of the feed-forward: 0 none, 1 model, 2 SEA, 3 PEA, 4 network
+  double feed_forward_Nm_ = 0.0;  // applied in the last tick
   double fade_Nm_ = 0.0;
   double integral_alone_Nm_ = 0.0;  // where the feed-forward ended
 };

@@ -39,7 +39,7 @@ RobotOutput RobotController::Step(const RobotInput& input) noexcept {
   }
 
   bool off = false;
-  static constexpr JointMeasurement kUnknown;
+  static constexpr MeasuredJointState kUnknown;
   for (int j = 0; j < joint_count(); ++j) {
     JointInput joint;
     joint.period_s = input.period_s;

@@ -5,7 +5,7 @@
 
 namespace sinew::control {
 
-void JointMeasurement::Exchange(types::StateArchive& archive) {
+void MeasuredJointState::Exchange(types::StateArchive& archive) {
   archive(valid, position_rad, velocity_rad_s, actuator_valid, motor_position_rad,
           motor_velocity_rad_s, pressure_bar, load_force_N, payload_kg, temperature_degC,
           valve_open);

@@ -20,8 +20,8 @@ namespace sinew::control {
 
 using reference::Point;
 
-// Sensor values of one joint.
-struct JointMeasurement {
+// Sensor values of one joint, from joint_state and actuator_state.
+struct MeasuredJointState {
   bool valid = false;                 // position and velocity
   double position_rad = 0.0;          // output
   double velocity_rad_s = 0.0;        // output
@@ -67,7 +67,7 @@ struct RobotInput {
                              // provider bridges a gap
   bool stands_by = false;    // the robot gets another controller's commands, or may get them
   int joint_count = 0;
-  types::JointArray<JointMeasurement> joint{};
+  types::JointArray<MeasuredJointState> joint{};
 
   bool reference_fresh = false;        // belongs to this tick and is not marked stale
   double reference_late_s = kNoInput;  // else: how old it is

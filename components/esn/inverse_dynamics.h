@@ -74,7 +74,7 @@ class InverseDynamics {
 
   int joint_count() const noexcept { return static_cast<int>(joints_.size()); }
   // Of the last Step; null without a stance.
-  const stance::StanceResult* stance() const noexcept {
+  const stance::DoubleSupportSolution* stance() const noexcept {
     return stance_ ? &stance_->result() : nullptr;
   }
 

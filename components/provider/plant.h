@@ -61,7 +61,7 @@ struct BusReport {
   std::array<std::uint64_t, kMaxBuses> frames_dropped{};
   std::array<std::uint64_t, kMaxBuses> frames_lost{};
   std::array<std::uint64_t, kMaxBuses> error_frames{};
-  // Of nodes in feet and torso: samples that never came, and losses of a node.
+  // Of nodes in feet and torso, since the start: samples that never came, and losses of a node.
   std::array<std::uint64_t, kMaxBuses> body_samples_missed{};
   std::array<std::uint64_t, kMaxBuses> body_nodes_lost{};
   std::array<double, kMaxBuses> load_percent{};

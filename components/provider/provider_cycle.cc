@@ -102,7 +102,7 @@ void ProviderCycle::ResetFaults() {
   if (fall_ && fall_->fallen()) fall_->Reset();
 }
 
-bool ProviderCycle::Take(const JointCommand& command, std::uint64_t tick) {
+bool ProviderCycle::Take(const JointSetpoints& command, std::uint64_t tick) {
   if (command.header.session_id == config_.session_id) joint_answers_ = command.header.tick + 1;
   if (!guard_.Offer(command.header, tick)) return false;
   joints_ = command;

@@ -43,8 +43,8 @@
 
 namespace sinew::provider {
 
-// A joint_command, decoded. Entries from joint_count on idle.
-struct JointCommand {
+// A joint_command, decoded: mode and setpoints of each joint. Entries from joint_count on idle.
+struct JointSetpoints {
   types::MessageHeader header;
   int joint_count = 0;
   types::JointArray<types::ControlMode> mode{};
@@ -122,7 +122,7 @@ class ProviderCycle {
   // nothing in another state than ESTOPPED. True: the plant's faults are to be cleared.
   bool FinishReset();
   // True: the command counts and is the newest.
-  bool Take(const JointCommand& command, std::uint64_t tick);
+  bool Take(const JointSetpoints& command, std::uint64_t tick);
   bool Take(const ValveCommand& command, std::uint64_t tick);
 
   // Once a cycle, first; of a clock that only goes forward, as Command's. True: it begins too long
@@ -189,7 +189,7 @@ class ProviderCycle {
   std::chrono::nanoseconds period_{};
   double period_s_ = 0.0;
   std::optional<std::uint64_t> last_tick_;
-  JointCommand joints_;                 // the last accepted
+  JointSetpoints joints_;               // the last accepted
   std::optional<ValveCommand> valves_;  // the last accepted
   PlantCommand command_;
   bool holding_ = false;            // the positions to hold were taken in an earlier cycle

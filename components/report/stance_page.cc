@@ -11,7 +11,7 @@ namespace {
 
 using stance_fit::PlacedPayload;
 using stance_fit::StanceEffect;
-using stance_fit::StanceResult;
+using stance_fit::StanceFitResult;
 
 constexpr Eigen::Index kMostRows = 2500;  // of a picture
 constexpr const char* kAxisNames[] = {"x", "y", "z"};
@@ -60,7 +60,7 @@ std::string ConfirmedText(const trace::Confirmation& confirmation) {
          Short(confirmation.upper) + "]";
 }
 
-std::string ErrorTableHtml(const StanceResult& result) {
+std::string ErrorTableHtml(const StanceFitResult& result) {
   std::string out = "<h2>Errors</h2>\n";
   for (const bool held_out : {true, false}) {
     out += "<table>" + HtmlRow({held_out ? "rms, held-out recordings" : "rms, training recordings",
@@ -94,7 +94,7 @@ std::string EffectTable(const std::vector<StanceEffect>& effects, const char* ti
   return out + "</table>\n";
 }
 
-std::string Hidden(const StanceResult& result) {
+std::string Hidden(const StanceFitResult& result) {
   std::string out =
       "<h2>Not excited by these recordings</h2>\n<table>" + HtmlRow({"what", "why"}, "th");
   for (const trace::NotExcited& hidden : result.not_excited) {
@@ -104,7 +104,7 @@ std::string Hidden(const StanceResult& result) {
   return out + "</table>\n";
 }
 
-std::string SmallestSizes(const StanceResult& result) {
+std::string SmallestSizes(const StanceFitResult& result) {
   if (result.detectable.empty()) return "";
   std::string out =
       "<h2>Smallest detectable sizes</h2>\n<p class=\"caption\">The smallest size of each effect "
@@ -189,7 +189,7 @@ std::string StanceEffectText(const StanceEffect& effect) {
 }
 
 std::string VerdictSentence(const StanceReport& report) {
-  const StanceResult& result = report.result;
+  const StanceFitResult& result = report.result;
   if (!result.too_little.empty()) return "These recordings cannot show it: " + result.too_little;
   std::string found, unconfirmed;
   for (const StanceEffect& effect : result.effects) {
@@ -213,7 +213,7 @@ std::string VerdictSentence(const StanceReport& report) {
          "recordings better than their noise.";
 }
 
-std::vector<StanceErrorLine> StanceErrors(const StanceResult& result, bool held_out) {
+std::vector<StanceErrorLine> StanceErrors(const StanceFitResult& result, bool held_out) {
   const stance_fit::StanceError& before = held_out ? result.held_out_before : result.train_before;
   const stance_fit::StanceError& after = held_out ? result.held_out_after : result.train_after;
   std::vector<StanceErrorLine> out = {
@@ -270,7 +270,7 @@ std::vector<Picture> MakePictures(const StanceReport& report) {
 
 std::string FormatHtml(const StanceReport& report, const std::vector<Picture>& pictures,
                        const std::vector<std::string>& svgs) {
-  const StanceResult& result = report.result;
+  const StanceFitResult& result = report.result;
   std::string out = HtmlHead("Closing the loop: " + report.robot);
   out += "<h1>Closing the loop: " + Escape(report.robot) + ", on two feet</h1>\n" +
          "<div class=\"meta\">Trained on " + Escape(Names(report.train)) +

@@ -17,7 +17,7 @@ struct StanceReport {
   std::string model_file;
   std::vector<Recording> train;
   std::vector<Recording> held_out;
-  stance_fit::StanceResult result;
+  stance_fit::StanceFitResult result;
   actuator::RobotModel declared;  // that was analysed
   std::uint64_t seed = 1;
   double seconds = 0.0;  // it took
@@ -39,7 +39,7 @@ struct StanceErrorLine {
 };
 
 // Vertical force, moments, torque of every joint that moves, share of all.
-std::vector<StanceErrorLine> StanceErrors(const stance_fit::StanceResult& result, bool held_out);
+std::vector<StanceErrorLine> StanceErrors(const stance_fit::StanceFitResult& result, bool held_out);
 
 // A declared value that the refit moved by more than kShift tolerances: friction that grew by less
 // than what names an effect is there.

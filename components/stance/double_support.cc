@@ -211,9 +211,9 @@ void DoubleSupport::Clear() noexcept {
   result_.mismatch = {};
 }
 
-const StanceResult& DoubleSupport::Solve(const Eigen::Ref<const Eigen::VectorXd>& q,
-                                         const Eigen::Ref<const Eigen::VectorXd>& v,
-                                         const Eigen::Ref<const Eigen::VectorXd>& a) noexcept {
+const DoubleSupportSolution& DoubleSupport::Solve(
+    const Eigen::Ref<const Eigen::VectorXd>& q, const Eigen::Ref<const Eigen::VectorXd>& v,
+    const Eigen::Ref<const Eigen::VectorXd>& a) noexcept {
   Clear();
   if (!q.allFinite() || !v.allFinite() || !a.allFinite()) return result_;
   Kinematics(q, v, a);

@@ -88,7 +88,7 @@ struct StancePoint {
   Eigen::Vector3d force_N = Eigen::Vector3d::Zero();  // world axes
 };
 
-struct StanceResult {
+struct DoubleSupportSolution {
   // False: input that is not finite, or soles that face each other. All below is then 0.
   bool ok = false;
   arm::FloatingMotion motion;  // orientation, nu, nu'
@@ -111,11 +111,11 @@ class DoubleSupport {
 
   // Position, velocity and acceleration of every joint of the chain. The reference stays valid
   // until the next call. Allocates nothing.
-  const StanceResult& Solve(const Eigen::Ref<const Eigen::VectorXd>& q,
-                            const Eigen::Ref<const Eigen::VectorXd>& v,
-                            const Eigen::Ref<const Eigen::VectorXd>& a) noexcept;
+  const DoubleSupportSolution& Solve(const Eigen::Ref<const Eigen::VectorXd>& q,
+                                     const Eigen::Ref<const Eigen::VectorXd>& v,
+                                     const Eigen::Ref<const Eigen::VectorXd>& a) noexcept;
   // Of the last Solve; not ok before.
-  const StanceResult& result() const { return result_; }
+  const DoubleSupportSolution& result() const { return result_; }
 
  private:
   // Of a link, the base at rest, in the base's axes and from its origin; v, a of the link's origin.
@@ -148,7 +148,7 @@ class DoubleSupport {
   std::vector<InBase> in_base_;  // base first
   std::array<InBase, kSoles> sole_in_base_;
   Eigen::VectorXd force_;
-  StanceResult result_;
+  DoubleSupportSolution result_;
 };
 
 }  // namespace sinew::stance

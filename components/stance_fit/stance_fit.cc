@@ -55,8 +55,8 @@ class Closer {
   Closer(const StanceModel& model, const StanceOptions& options)
       : model_(model), options_(options) {}
 
-  StanceResult Close(const std::vector<StanceRecording>& train,
-                     const std::vector<StanceRecording>& held_out) {
+  StanceFitResult Close(const std::vector<StanceRecording>& train,
+                        const std::vector<StanceRecording>& held_out) {
     out_.corrected = model_.robot();
     try {
       layout_ = model_.Layout(train);
@@ -102,7 +102,7 @@ class Closer {
   }
 
  private:
-  StanceResult TooLittle(const std::string& why) {
+  StanceFitResult TooLittle(const std::string& why) {
     out_.verdict = trace::Verdict::kTooLittleData;
     out_.too_little = why;
     return std::move(out_);
@@ -333,14 +333,14 @@ class Closer {
   StanceLayout layout_;
   std::vector<StanceRows> rows_, held_out_rows_;
   Regression regression_;
-  StanceResult out_;
+  StanceFitResult out_;
 };
 
 }  // namespace
 
-StanceResult CloseStance(const StanceModel& model, const std::vector<StanceRecording>& train,
-                         const std::vector<StanceRecording>& held_out,
-                         const StanceOptions& options) {
+StanceFitResult FitStance(const StanceModel& model, const std::vector<StanceRecording>& train,
+                          const std::vector<StanceRecording>& held_out,
+                          const StanceOptions& options) {
   return Closer(model, options).Close(train, held_out);
 }
 

@@ -85,7 +85,7 @@ struct StanceEffect {
 struct StanceError {
   double moment_x_Nm = 0.0, moment_y_Nm = 0.0, force_z_N = 0.0;  // rows that close alone
   double share = 0.0;  // of all channels, in units of the sensors' noise
-  // Of StanceResult::moving_joints, once the forces that no sensor measures took what fits them.
+  // Of StanceFitResult::moving_joints, once the forces that no sensor measures took what fits them.
   std::vector<double> joints_Nm;
 };
 
@@ -102,7 +102,7 @@ struct SmallestSize {
   double size = 0.0;
 };
 
-struct StanceResult {
+struct StanceFitResult {
   trace::Verdict verdict = trace::Verdict::kNone;
   std::string too_little;  // why nothing was fitted
   std::optional<double> p_global;
@@ -126,8 +126,8 @@ struct StanceResult {
 
 // held_out may be empty: nothing is confirmed then, and every effect that was selected is in the
 // model.
-StanceResult CloseStance(const StanceModel& model, const std::vector<StanceRecording>& train,
-                         const std::vector<StanceRecording>& held_out,
-                         const StanceOptions& options = {});
+StanceFitResult FitStance(const StanceModel& model, const std::vector<StanceRecording>& train,
+                          const std::vector<StanceRecording>& held_out,
+                          const StanceOptions& options = {});
 
 }  // namespace sinew::stance_fit

@@ -305,7 +305,7 @@ void MakeFolder(const fs::path& folder) {
   if (error) throw UsageError(folder.string() + ": " + error.message() + ", expected a folder");
 }
 
-CloseLoopResult CloseLoop(const CloseLoopOptions& options) {
+CloseLoopResult RunCloseLoop(const CloseLoopOptions& options) {
   const LoopInput input = LoadLoopInput(options);
   const actuator::JointModel& joint =
       input.model.robot.joints[static_cast<std::size_t>(options.joint)];

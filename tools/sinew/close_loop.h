@@ -50,7 +50,7 @@ struct CloseLoopResult {
 // Reads, traces, draws; then writes report.html, report.json and, when a fit was made,
 // model.yaml into the folder, each as a whole, after everything has succeeded. Throws UsageError
 // (one line) for anything a user can mend.
-CloseLoopResult CloseLoop(const CloseLoopOptions& options);
+CloseLoopResult RunCloseLoop(const CloseLoopOptions& options);
 
 // Model and mappings that the options name, the shipped ones where they name none.
 struct LoopInput {

@@ -120,7 +120,7 @@ void AddCloseLoopCommand(CLI::App& app) {
     asked.joint = arguments->joint.value_or(0);
     const actuator::RobotModel robot = LoadLoopInput(asked).model.robot;
     if (StandsOnTwoFeet(robot)) {
-      const CloseStanceResult result = CloseStance(asked, arguments->joint.has_value());
+      const CloseStanceResult result = RunCloseStance(asked, arguments->joint.has_value());
       bar.Finish();
       if (arguments->json) {
         std::cout << result.json;
@@ -143,7 +143,7 @@ void AddCloseLoopCommand(CLI::App& app) {
       }
       return;
     }
-    const CloseLoopResult result = CloseLoop(asked);
+    const CloseLoopResult result = RunCloseLoop(asked);
     bar.Finish();
     if (arguments->json) {
       std::cout << result.json;

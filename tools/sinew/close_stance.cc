@@ -104,7 +104,7 @@ std::string RecordingNames(const std::vector<report::Recording>& recordings) {
 // What was added to a joint is in its history; a payload is in that of the first joint.
 void AddStanceHistory(const report::StanceReport& report, actuator::RobotModel* robot) {
   const std::string when = types::UtcNow(), from = RecordingNames(report.train);
-  const stance_fit::StanceResult& result = report.result;
+  const stance_fit::StanceFitResult& result = report.result;
   const std::string errors = "held out on " + RecordingNames(report.held_out) +
                              ": vertical force " + report::Short(result.held_out_before.force_z_N) +
                              " -> " + report::Short(result.held_out_after.force_z_N) +
@@ -131,7 +131,7 @@ void AddStanceHistory(const report::StanceReport& report, actuator::RobotModel* 
 
 bool StandsOnTwoFeet(const actuator::RobotModel& robot) { return robot.floating_base.has_value(); }
 
-CloseStanceResult CloseStance(const CloseLoopOptions& options, bool one_joint) {
+CloseStanceResult RunCloseStance(const CloseLoopOptions& options, bool one_joint) {
   const auto start = std::chrono::steady_clock::now();
   RefuseOthersOptions(options, one_joint);
   const LoopInput input = LoadLoopInput(options);
@@ -164,7 +164,7 @@ CloseStanceResult CloseStance(const CloseLoopOptions& options, bool one_joint) {
     stance_options.tolerances = {base.mass_tolerance, base.com_tolerance_m,
                                  base.tilt_tolerance_rad};
     progress("balance of the floating base", 0.1);
-    report.result = stance_fit::CloseStance(model, train, held_out, stance_options);
+    report.result = stance_fit::FitStance(model, train, held_out, stance_options);
   } catch (const std::invalid_argument& error) {
     throw UsageError(input.model_path.string() + ": " + error.what());
   }
@@ -185,7 +185,7 @@ CloseStanceResult CloseStance(const CloseLoopOptions& options, bool one_joint) {
 }
 
 void PrintSummary(const CloseStanceResult& result, const CloseLoopOptions& options) {
-  const stance_fit::StanceResult& found = result.report.result;
+  const stance_fit::StanceFitResult& found = result.report.result;
   std::cout << "verdict: " << report::VerdictWord(found.verdict) << '\n'
             << report::VerdictSentence(result.report) << '\n';
   if (result.assessed()) {

@@ -24,7 +24,7 @@ bool StandsOnTwoFeet(const actuator::RobotModel& robot);
 // Writes report.html, report.json and, when something was fitted, model.yaml into options.out
 // (empty: nothing is written). Throws UsageError, also for options that mean nothing here: map,
 // joint, given effects, accepted faults; and for recordings without foot_force or imu.
-CloseStanceResult CloseStance(const CloseLoopOptions& options, bool one_joint = false);
+CloseStanceResult RunCloseStance(const CloseLoopOptions& options, bool one_joint = false);
 
 void PrintSummary(const CloseStanceResult& result, const CloseLoopOptions& options);
 

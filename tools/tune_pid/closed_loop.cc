@@ -28,9 +28,9 @@ bool HasFallen(const provider::SimulatedPlant& plant, const FallLimits& limits) 
   return !(body->position_m[2] >= limits.least_height_m) || !(tilt_rad <= limits.most_tilt_rad);
 }
 
-control::JointMeasurement MeasuredJoint(const provider::PlantSensors& sensors,
-                                        std::size_t joint) noexcept {
-  control::JointMeasurement measured;
+control::MeasuredJointState MeasuredJoint(const provider::PlantSensors& sensors,
+                                          std::size_t joint) noexcept {
+  control::MeasuredJointState measured;
   measured.valid = measured.actuator_valid = sensors.valid[joint];
   measured.position_rad = sensors.position_rad[joint];
   measured.velocity_rad_s = sensors.velocity_rad_s[joint];

@@ -65,8 +65,8 @@ struct FallLimits {
 bool HasFallen(const provider::SimulatedPlant& plant, const FallLimits& limits) noexcept;
 
 // What a controller is given of a joint, as the topics would carry it.
-control::JointMeasurement MeasuredJoint(const provider::PlantSensors& sensors,
-                                        std::size_t joint) noexcept;
+control::MeasuredJointState MeasuredJoint(const provider::PlantSensors& sensors,
+                                          std::size_t joint) noexcept;
 
 // trace: a row a tick; may be null. Throws std::invalid_argument: no scored joint, or one that the
 // plant lacks.

@@ -75,7 +75,7 @@ RobotInput ControlInputs::Gather(const node::Tick& tick) {
   input.armed = !estopped_ && types::MayMove(robot_state);
   input.joint_count = std::min<int>(state.joint_count(), types::kMaxJoints);
   for (std::size_t j = 0; j < static_cast<std::size_t>(input.joint_count); ++j) {
-    JointMeasurement& m = input.joint[j];
+    MeasuredJointState& m = input.joint[j];
     m.valid = state.valid()[j];
     m.position_rad = state.position_rad()[j];
     m.velocity_rad_s = state.velocity_rad_s()[j];

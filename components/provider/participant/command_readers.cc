@@ -9,8 +9,8 @@ namespace sinew::provider {
 
 namespace {
 
-JointCommand FromMessage(const msg::JointCommand& message) {
-  JointCommand command;
+JointSetpoints FromMessage(const msg::JointCommand& message) {
+  JointSetpoints command;
   command.header = wire::FromWire(message.header());
   command.joint_count = message.joint_count();
   for (std::size_t j = 0; j < command.mode.size(); ++j) {

@@ -103,6 +103,8 @@ void StatePublisher::PublishBus(const msg::Header& header, const BusReport& repo
   status.frames_dropped(report.frames_dropped);
   status.frames_lost(report.frames_lost);
   status.error_frames(report.error_frames);
+  status.body_samples_missed(report.body_samples_missed);
+  status.body_nodes_lost(report.body_nodes_lost);
   status.load_percent(report.load_percent);
   status.answer_p50_us(report.answer_p50_us);
   status.answer_max_us(report.answer_max_us);

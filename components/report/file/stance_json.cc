@@ -64,7 +64,7 @@ StanceJson OfEffects(const std::vector<stance_fit::StanceEffect>& effects) {
   return out;
 }
 
-StanceJson OfErrors(const stance_fit::StanceResult& result, bool held_out) {
+StanceJson OfErrors(const stance_fit::StanceFitResult& result, bool held_out) {
   StanceJson out = StanceJson::object();
   for (const StanceErrorLine& line : StanceErrors(result, held_out)) {
     out[line.key] = {
@@ -76,7 +76,7 @@ StanceJson OfErrors(const stance_fit::StanceResult& result, bool held_out) {
 }  // namespace
 
 std::string FormatJson(const StanceReport& report) {
-  const stance_fit::StanceResult& result = report.result;
+  const stance_fit::StanceFitResult& result = report.result;
   StanceJson out = {{"robot", report.robot},
                     {"model_file", report.model_file},
                     {"verdict", VerdictWord(result.verdict)},

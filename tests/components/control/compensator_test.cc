@@ -37,8 +37,8 @@ actuator::JointModel Rig() {
   return model;
 }
 
-JointMeasurement Measured() {
-  JointMeasurement m;
+MeasuredJointState Measured() {
+  MeasuredJointState m;
   m.valid = m.actuator_valid = true;
   m.position_rad = 0.1;
   m.motor_position_rad = 12.0;
@@ -51,7 +51,7 @@ JointMeasurement Measured() {
 const Point kMoving{0.3, 0.8, -2.0};
 
 TEST(Compensator, LinearIsEquation71AtTheMotorShaft) {
-  const JointMeasurement m = Measured();
+  const MeasuredJointState m = Measured();
   Compensator compensator(Rig(), {.kind = CompensatorKind::kLinear});
   const double j_total = (kJm + kJl + m.payload_kg * kL * kL) / (kN * kN);
   const double b_total = kB / (kN * kN);
@@ -63,21 +63,21 @@ TEST(Compensator, LinearIsEquation71AtTheMotorShaft) {
   EXPECT_NEAR(compensator.Step(kMoving, m, kCycle_s), tau_c / kEta, kTolerance);
 }
 
-double Balance(const Point& p, const JointMeasurement& m, double sign_v) {
+double Balance(const Point& p, const MeasuredJointState& m, double sign_v) {
   return (kJm + kJl + m.payload_kg * kL * kL) * p.acceleration_rad_s2 + kB * p.velocity_rad_s +
          kTc * sign_v + (kTg + m.payload_kg * kG * kL) * std::cos(p.position_rad) -
          kK * m.pressure_bar + kK1 * m.pressure_bar * (p.position_rad - kQ0) + kL * m.load_force_N;
 }
 
 TEST(Compensator, ModelIsTheWholeDeclaredBalance) {
-  const JointMeasurement m = Measured();
+  const MeasuredJointState m = Measured();
   Compensator compensator(Rig(), {.kind = CompensatorKind::kModel});
   EXPECT_NEAR(compensator.Step(kMoving, m, kCycle_s), Balance(kMoving, m, 1.0) / (kN * kEta),
               kTolerance);
 }
 
 TEST(Compensator, SmoothsTheSignOfVelocityByAStraightLine) {
-  const JointMeasurement m = Measured();
+  const MeasuredJointState m = Measured();
   const double v_s = 0.05;
   Compensator compensator(Rig(), {.kind = CompensatorKind::kModel, .smoothing_rad_s = v_s});
   for (double v = -0.1; v <= 0.1; v += 0.01) {
@@ -89,7 +89,7 @@ TEST(Compensator, SmoothsTheSignOfVelocityByAStraightLine) {
 }
 
 TEST(Compensator, CompensatesAnEffectThatWasAddedToTheModel) {
-  const JointMeasurement m = Measured();
+  const MeasuredJointState m = Measured();
   for (const char* name :
        {"stribeck", "direction_dependent_viscous", "quadratic_viscous", "cogging", "offset"}) {
     actuator::JointModel more = Rig();
@@ -113,7 +113,7 @@ TEST(Compensator, CompensatesAnEffectThatWasAddedToTheModel) {
 TEST(Compensator, HysteresisFollowsTheReference) {
   actuator::JointModel more = Rig();
   AddTerm(&more, "seal_hysteresis", {0.1}, {0.01});
-  const JointMeasurement m = Measured();
+  const MeasuredJointState m = Measured();
   Compensator declared(Rig(), {.kind = CompensatorKind::kModel});
   Compensator corrected(more, {.kind = CompensatorKind::kModel});
   double extra = 0.0;
@@ -140,7 +140,7 @@ TEST(Compensator, APrismaticAxisGetsForceAtTheOutput) {
 }
 
 TEST(Compensator, LeadLooksAlongTheReference) {
-  const JointMeasurement m = Measured();
+  const MeasuredJointState m = Measured();
   Compensator now(Rig(), {.kind = CompensatorKind::kLinear});
   Compensator ahead(Rig(), {.kind = CompensatorKind::kLinear, .lead_s = 0.01});
   const Point later{

@@ -58,7 +58,7 @@ RobotInput InputOf(const TestRig& rig) {
   input.period_s = kCycle_s;
   input.armed = true;
   input.joint_count = 1;
-  JointMeasurement& m = input.joint[0];
+  MeasuredJointState& m = input.joint[0];
   m.valid = m.actuator_valid = true;
   m.position_rad = rig.encoder_rad();
   m.velocity_rad_s = rig.link_rad_s;

@@ -140,8 +140,8 @@ class GuardedBiped {
             .rate_Hz = kBipedRate_Hz};
   }
 
-  JointCommand CommandFor(const Now& now) const {
-    JointCommand command;
+  JointSetpoints CommandFor(const Now& now) const {
+    JointSetpoints command;
     command.header = {.session_id = kBipedSession, .tick = tick_};
     command.joint_count = types::kMaxJoints;
     command.mode.fill(now.mode);

@@ -36,8 +36,8 @@ ProviderCycle ArmedCycle(GuardConfig guard = {}) {
   return cycle;
 }
 
-JointCommand Torques(std::uint64_t tick, double first_Nm, double second_Nm) {
-  JointCommand command;
+JointSetpoints Torques(std::uint64_t tick, double first_Nm, double second_Nm) {
+  JointSetpoints command;
   command.header = {.session_id = kCycleSession, .tick = tick};
   command.joint_count = kCycleJoints;
   command.mode = {ControlMode::kTorque, ControlMode::kTorque};
@@ -92,7 +92,7 @@ TEST(ProviderCycle, AnOperatorArmsTheSessionThatHeMeansOnly) {
 TEST(ProviderCycle, AnArmedRobotGetsTheNewestCommandOfItsTick) {
   ProviderCycle cycle = ArmedCycle();
   EXPECT_EQ(Modes(&cycle, 0), kIdle) << "nothing was commanded yet";
-  JointCommand sent = Torques(1, 0.01, -0.02);
+  JointSetpoints sent = Torques(1, 0.01, -0.02);
   sent.mode[1] = ControlMode::kPosition;
   sent.position_rad[1] = 0.3;
   sent.velocity_rad_s[1] = -0.4;
@@ -108,7 +108,7 @@ TEST(ProviderCycle, AnArmedRobotGetsTheNewestCommandOfItsTick) {
 
 TEST(ProviderCycle, JointsThatACommandDoesNotNameIdle) {
   ProviderCycle cycle = ArmedCycle();
-  JointCommand sent = Torques(1, 0.01, 0.02);
+  JointSetpoints sent = Torques(1, 0.01, 0.02);
   sent.joint_count = 1;
   ASSERT_TRUE(cycle.Take(sent, 1));
   EXPECT_EQ(Modes(&cycle, 1), (std::array{ControlMode::kTorque, ControlMode::kIdle}));
@@ -117,7 +117,7 @@ TEST(ProviderCycle, JointsThatACommandDoesNotNameIdle) {
 TEST(ProviderCycle, CommandsOfAnotherSessionTheFutureOrThePastAreRefused) {
   ProviderCycle cycle = ArmedCycle();
   ASSERT_TRUE(cycle.Take(Torques(5, 0.01, 0.01), 5));
-  JointCommand foreign = Torques(6, 0.05, 0.05);
+  JointSetpoints foreign = Torques(6, 0.05, 0.05);
   foreign.header.session_id = kCycleSession + 1;
   EXPECT_FALSE(cycle.Take(foreign, 6));
   EXPECT_EQ(cycle.joint_answers(), 6u) << "a foreign session answers nothing";
@@ -131,7 +131,7 @@ TEST(ProviderCycle, CommandsOfAnotherSessionTheFutureOrThePastAreRefused) {
 TEST(ProviderCycle, LiveHardwareTakesLiveCommandsOnly) {
   ProviderCycle cycle = ArmedCycle({.live = true});
   for (const Origin origin : {Origin::kSim, Origin::kReplay}) {
-    JointCommand joints = Torques(1, 0.01, 0.01);
+    JointSetpoints joints = Torques(1, 0.01, 0.01);
     joints.header.origin = origin;
     EXPECT_FALSE(cycle.Take(joints, 1));
     ValveCommand valves = Valves(1);
@@ -140,7 +140,7 @@ TEST(ProviderCycle, LiveHardwareTakesLiveCommandsOnly) {
   }
   EXPECT_EQ(Modes(&cycle, 1), kIdle);
   EXPECT_FALSE(cycle.Command(1, {}).valve_open[0]);
-  JointCommand joints = Torques(1, 0.01, 0.01);
+  JointSetpoints joints = Torques(1, 0.01, 0.01);
   joints.header.origin = Origin::kLive;
   EXPECT_TRUE(cycle.Take(joints, 1));
   ValveCommand valves = Valves(1);
@@ -152,7 +152,7 @@ TEST(ProviderCycle, LiveHardwareTakesLiveCommandsOnly) {
 
 TEST(ProviderCycle, ASimulationTakesCommandsOfAReplay) {
   ProviderCycle cycle = ArmedCycle();
-  JointCommand joints = Torques(1, 0.01, 0.01);
+  JointSetpoints joints = Torques(1, 0.01, 0.01);
   joints.header.origin = Origin::kReplay;
   EXPECT_TRUE(cycle.Take(joints, 1));
 }
@@ -223,7 +223,7 @@ TEST(ProviderCycle, AStaleCommandIsDampedAgainstTheMotorsVelocityAndThenAFault) 
 
 TEST(ProviderCycle, HoldingKeepsThePositionOfItsFirstCycle) {
   ProviderCycle cycle = ArmedCycle({.bridging = Bridging::kHold});
-  JointCommand moving = Torques(1, 0.01, 0.01);
+  JointSetpoints moving = Torques(1, 0.01, 0.01);
   moving.velocity_rad_s = {0.5, 0.5};
   ASSERT_TRUE(cycle.Take(moving, 1));
   ASSERT_EQ(Modes(&cycle, 1), kTorque);
@@ -243,12 +243,12 @@ TEST(ProviderCycle, HoldingKeepsThePositionOfItsFirstCycle) {
 }
 
 TEST(ProviderCycle, ACommandThatIsNotFiniteIdlesAllJointsAtOnceAndIsAFault) {
-  for (const auto field : {&JointCommand::motor_torque_Nm, &JointCommand::position_rad,
-                           &JointCommand::velocity_rad_s}) {
+  for (const auto field : {&JointSetpoints::motor_torque_Nm, &JointSetpoints::position_rad,
+                           &JointSetpoints::velocity_rad_s}) {
     for (const double value : {kNaN, std::numeric_limits<double>::infinity()}) {
       for (const std::size_t bad : {0u, 1u}) {
         ProviderCycle cycle = ArmedCycle();
-        JointCommand sent = Torques(1, 0.01, 0.02);
+        JointSetpoints sent = Torques(1, 0.01, 0.02);
         (sent.*field)[bad] = value;
         ASSERT_TRUE(cycle.Take(sent, 1));
         const PlantCommand& command = cycle.Command(1, {});
@@ -265,7 +265,7 @@ TEST(ProviderCycle, ACommandThatIsNotFiniteIdlesAllJointsAtOnceAndIsAFault) {
 
 TEST(ProviderCycle, AJointThatTheCommandDoesNotNameMayHoldAnything) {
   ProviderCycle cycle = ArmedCycle();
-  JointCommand sent = Torques(1, 0.01, kNaN);
+  JointSetpoints sent = Torques(1, 0.01, kNaN);
   sent.joint_count = 1;
   ASSERT_TRUE(cycle.Take(sent, 1));
   EXPECT_EQ(Modes(&cycle, 1), (std::array{ControlMode::kTorque, ControlMode::kIdle}));
@@ -408,7 +408,7 @@ TEST(ProviderCycle, RelaysOfAStoppedRobotAreOffOrLetTheAirOutAsDeclared) {
   }
   ProviderCycle cycle = ArmedCycle();
   ASSERT_TRUE(cycle.Take(Valves(1), 1));
-  JointCommand sent = Torques(1, kNaN, 0.0);
+  JointSetpoints sent = Torques(1, kNaN, 0.0);
   ASSERT_TRUE(cycle.Take(sent, 1));
   EXPECT_FALSE(cycle.Command(1, {}).valve_open[0]) << "in the very cycle of the fault";
 }
@@ -520,7 +520,7 @@ TEST(ProviderCycle, JointsBeyondTheRobotsDoNotCount) {
   PlantSensors sensors;
   sensors.joint_fault[kCycleJoints] = true;
   EXPECT_EQ(cycle.Observe(sensors), FaultChange::kNone);
-  JointCommand sent = Torques(1, 0.01, 0.01);
+  JointSetpoints sent = Torques(1, 0.01, 0.01);
   sent.motor_torque_Nm[kCycleJoints] = kNaN;
   ASSERT_TRUE(cycle.Take(sent, 1));
   EXPECT_EQ(Modes(&cycle, 1), kTorque);

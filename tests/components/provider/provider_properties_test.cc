@@ -135,7 +135,7 @@ class Sequence {
   void SayJoints(ProviderCycle* cycle, std::uint64_t tick) {
     Said said{.header = SomeHeader(tick), .joint_count = Below(kJoints + 1)};
     said.while_armed = types::MayMove(cycle->state());
-    JointCommand command;
+    JointSetpoints command;
     command.header = said.header;
     command.joint_count = said.joint_count;
     command.mode.fill(ControlMode::kTorque);

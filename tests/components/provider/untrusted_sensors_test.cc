@@ -19,7 +19,7 @@ ProviderCycle OverdueSoon(Bridging bridging) {
   config.session_id = kSensorsSession;
   ProviderCycle cycle(config);
   cycle.ArmAtStart();
-  JointCommand command;
+  JointSetpoints command;
   command.header = {.session_id = kSensorsSession, .tick = 0};
   command.joint_count = 1;
   command.mode[0] = types::ControlMode::kTorque;

@@ -43,7 +43,7 @@ stance_fit::StanceEffect AnkleFriction() {
   return effect;
 }
 
-StanceReport WithResult(const stance_fit::StanceResult& result) {
+StanceReport WithResult(const stance_fit::StanceFitResult& result) {
   StanceReport report;
   report.robot = "biped";
   report.model_file = "robots/biped/model.yaml";
@@ -53,8 +53,8 @@ StanceReport WithResult(const stance_fit::StanceResult& result) {
   return report;
 }
 
-stance_fit::StanceResult Found() {
-  stance_fit::StanceResult result;
+stance_fit::StanceFitResult Found() {
+  stance_fit::StanceFitResult result;
   result.verdict = trace::Verdict::kEffect;
   result.p_global = 0.001;
   result.effects = {FourKilograms()};
@@ -80,14 +80,14 @@ TEST(StancePage, FrictionIsNamedWithJointKeyAndInterval) {
 }
 
 TEST(StancePage, SaysNoEffectWhenNothingIsFound) {
-  stance_fit::StanceResult result = Found();
+  stance_fit::StanceFitResult result = Found();
   result.verdict = trace::Verdict::kNone;
   result.effects.clear();
   EXPECT_THAT(VerdictSentence(WithResult(result)), HasSubstr("No effect"));
 }
 
 TEST(StancePage, AnEffectThatIsNotConfirmedIsNotInTheModel) {
-  stance_fit::StanceResult result = Found();
+  stance_fit::StanceFitResult result = Found();
   result.effects = {AnkleFriction()};
   const std::string sentence = VerdictSentence(WithResult(result));
   EXPECT_THAT(sentence, HasSubstr("Nothing was confirmed"));
@@ -95,7 +95,7 @@ TEST(StancePage, AnEffectThatIsNotConfirmedIsNotInTheModel) {
 }
 
 TEST(StancePage, TooLittleDataIsSaidAndHasNoErrors) {
-  stance_fit::StanceResult result;
+  stance_fit::StanceFitResult result;
   result.verdict = trace::Verdict::kTooLittleData;
   result.too_little = "the recordings have 3 blocks";
   const StanceReport report = WithResult(result);
@@ -144,7 +144,7 @@ actuator::RobotModel HipOf(double coulomb_Nm) {
 }
 
 TEST(StancePage, ListsDeclaredValuesThatTheRefitMovedFarBeyondTheirTolerance) {
-  stance_fit::StanceResult result = Found();
+  stance_fit::StanceFitResult result = Found();
   result.corrected = HipOf(4.0);
   StanceReport report = WithResult(result);
   report.declared = HipOf(1.6);
@@ -158,7 +158,7 @@ TEST(StancePage, ListsDeclaredValuesThatTheRefitMovedFarBeyondTheirTolerance) {
 }
 
 TEST(StancePage, PicturesShowTheHeldOutRowsAndThereAreNoneWithout) {
-  stance_fit::StanceResult result = Found();
+  stance_fit::StanceFitResult result = Found();
   EXPECT_TRUE(MakePictures(WithResult(result)).empty());
   result.held_out.time_s = Eigen::VectorXd::LinSpaced(3, 0.0, 1.0);
   result.held_out.before = Eigen::MatrixXd::Constant(3, 3, 7.25);

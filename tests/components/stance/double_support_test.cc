@@ -26,7 +26,7 @@ class DoubleSupportOfBiped : public testing::Test {
   world::FloatingChain world_{WithMassInBase(chain_)};
   leg::LegGeometry geometry_ = leg::GeometryOf(chain_, leg::NamesOfSide("left"), "left_sole");
 
-  const StanceResult& Solve(const JointsMotion& motion) {
+  const DoubleSupportSolution& Solve(const JointsMotion& motion) {
     return stance_.Solve(motion.q, motion.v, motion.a);
   }
   leg::HipHeight Bent(double depth_m, double velocity_m_s = 0.0, double acceleration_m_s2 = 0.0) {
@@ -35,7 +35,7 @@ class DoubleSupportOfBiped : public testing::Test {
   JointsMotion SquatTo(const leg::HipHeight& hip) {
     return Squat(stance_.dynamics(), geometry_, hip);
   }
-  world::FloatingState StateOf(const StanceResult& result) const {
+  world::FloatingState StateOf(const DoubleSupportSolution& result) const {
     world::FloatingState state = world_.Rest();
     state.orientation = result.motion.orientation;
     state.joint_position_rad = result.motion.joint_position_rad;
@@ -59,7 +59,7 @@ TEST_F(DoubleSupportOfBiped, TheForwardDynamicsWithTheseForcesGivesBackTheAccele
     const JointsMotion motion{random.Vector(stance_.joints(), 0.6),
                               random.Vector(stance_.joints(), 2.0),
                               random.Vector(stance_.joints(), 10.0)};
-    const StanceResult& result = Solve(motion);
+    const DoubleSupportSolution& result = Solve(motion);
     ASSERT_TRUE(result.ok);
     std::vector<world::LinkForce> forces;
     for (const StancePoint& point : result.points) {
@@ -133,7 +133,7 @@ TEST_F(DoubleSupportOfBiped, TheBaseMovesAsTheLegsCarryIt) {
     const auto& dynamics = stance_.dynamics();
     const Eigen::VectorXd before = sway.Joints(dynamics, t - h), now = sway.Joints(dynamics, t),
                           after = sway.Joints(dynamics, t + h);
-    const StanceResult& result =
+    const DoubleSupportSolution& result =
         stance_.Solve(now, (after - before) / (2.0 * h), (after - 2.0 * now + before) / (h * h));
     ASSERT_TRUE(result.ok);
     const Eigen::Matrix3d R = sway.Base(t).linear();
@@ -161,7 +161,7 @@ TEST_F(DoubleSupportOfBiped, TheBaseMovesAsTheLegsCarryIt) {
 
 TEST_F(DoubleSupportOfBiped, ASquatMovesTheBaseStraightUpAndDown) {
   for (const double depth_m : {0.02, 0.1, 0.25, 0.4}) {
-    const StanceResult& result = Solve(SquatTo(Bent(depth_m, -0.3, 1.7)));
+    const DoubleSupportSolution& result = Solve(SquatTo(Bent(depth_m, -0.3, 1.7)));
     Eigen::VectorXd velocity = Eigen::VectorXd::Zero(6), acceleration = velocity;
     velocity[5] = -0.3;
     acceleration[5] = 1.7;
@@ -173,7 +173,7 @@ TEST_F(DoubleSupportOfBiped, ASquatMovesTheBaseStraightUpAndDown) {
 }
 
 TEST_F(DoubleSupportOfBiped, ASymmetricSquatLoadsBothLegsAlike) {
-  const StanceResult& result = Solve(SquatTo(Bent(0.2, 0.2, -2.0)));
+  const DoubleSupportSolution& result = Solve(SquatTo(Bent(0.2, 0.2, -2.0)));
   for (const char* joint : {"hip_pitch", "knee", "ankle_pitch", "toe_passive"}) {
     const double left = result.torque[JointIndex(stance_.dynamics(), std::string("left_") + joint)];
     const double right =
@@ -191,7 +191,7 @@ TEST_F(DoubleSupportOfBiped, ASymmetricSquatLoadsBothLegsAlike) {
 }
 
 TEST_F(DoubleSupportOfBiped, AtRestTheSolesCarryTheWeightBelowTheCentreOfMass) {
-  const StanceResult& result = Solve(SquatTo(Bent(0.3)));
+  const DoubleSupportSolution& result = Solve(SquatTo(Bent(0.3)));
   Eigen::Vector3d force = Eigen::Vector3d::Zero(), moment = Eigen::Vector3d::Zero();
   for (const StancePoint& point : result.points) {
     force += point.force_N;
@@ -245,7 +245,7 @@ TEST_F(DoubleSupportOfBiped, ThePublishedGainsAreTorquePerAngleAtTheJoint) {
   double squares = 0.0;
   for (int k = 0; k < kSamples; ++k) {
     const double phase = 2.0 * M_PI * k / kSamples;
-    const StanceResult& result =
+    const DoubleSupportSolution& result =
         Solve(SquatTo(Bent(kMargin_m + kAmplitude_m * (1.0 - std::cos(phase)),
                            -kAmplitude_m * kRate_rad_s * std::sin(phase),
                            -kAmplitude_m * kRate_rad_s * kRate_rad_s * std::cos(phase))));
@@ -269,7 +269,7 @@ TEST_F(DoubleSupportOfBiped, TheForcesHaveTheLeastSumOfSquares) {
   world::RandomStates random(5);
   for (int k = 0; k < 50; ++k) {
     const Eigen::Index count = 8;
-    const StanceResult& result =
+    const DoubleSupportSolution& result =
         Solve({random.Vector(stance_.joints(), 0.5), random.Vector(stance_.joints(), 2.0),
                random.Vector(stance_.joints(), 10.0)});
     ASSERT_EQ(result.points.size(), static_cast<std::size_t>(count));
@@ -288,7 +288,7 @@ TEST_F(DoubleSupportOfBiped, TheForcesHaveTheLeastSumOfSquares) {
 
 // A sole's wrench is that of its points, about its frame.
 TEST_F(DoubleSupportOfBiped, SoleWrenchesBalanceTheRobot) {
-  const StanceResult& result = Solve(SquatTo(Bent(0.15, 0.0, 3.0)));
+  const DoubleSupportSolution& result = Solve(SquatTo(Bent(0.15, 0.0, 3.0)));
   // Straight above flat soles all axes are parallel, and the ankle roll axis is the sole's x: its
   // torque is that of the wrench, but for the foot's own weight on the axis.
   const Eigen::Index roll = JointIndex(stance_.dynamics(), "left_ankle_roll");
@@ -303,7 +303,7 @@ TEST_F(DoubleSupportOfBiped, WhatTheLegsDisagreeAboutIsReported) {
   motion.q[JointIndex(stance_.dynamics(), "left_ankle_pitch")] += 0.1;
   motion.v[JointIndex(stance_.dynamics(), "left_hip_yaw")] = 0.5;
   motion.a[JointIndex(stance_.dynamics(), "right_hip_yaw")] = 2.0;
-  const StanceResult& result = Solve(motion);
+  const DoubleSupportSolution& result = Solve(motion);
   EXPECT_NEAR(result.mismatch.tilt_rad, 0.1, 1e-9);
   EXPECT_NEAR(result.mismatch.angular_velocity_rad_s, 0.5, kRounding);
   EXPECT_GT(result.mismatch.angular_acceleration_rad_s2, 1.9);
@@ -316,7 +316,7 @@ TEST_F(DoubleSupportOfBiped, SolesOnTwoHeightsAreReported) {
     const Eigen::Index j = JointIndex(stance_.dynamics(), joint);
     motion.q[j] = right.q[j];
   }
-  const StanceResult& result = Solve(motion);
+  const DoubleSupportSolution& result = Solve(motion);
   EXPECT_NEAR(result.mismatch.height_m, 0.05, kRounding);
   EXPECT_LT(result.mismatch.tilt_rad, 1e-9);
 }
@@ -336,7 +336,7 @@ TEST_F(DoubleSupportOfBiped, InputThatIsNotFiniteGivesNothing) {
   for (Eigen::VectorXd* bad : {&motion.q, &motion.v, &motion.a}) {
     const double before = (*bad)[3];
     (*bad)[3] = std::numeric_limits<double>::quiet_NaN();
-    const StanceResult& result = Solve(motion);
+    const DoubleSupportSolution& result = Solve(motion);
     EXPECT_FALSE(result.ok);
     EXPECT_EQ(result.torque.norm(), 0.0);
     EXPECT_EQ(result.soles[0].force_N.norm(), 0.0);

@@ -37,12 +37,12 @@ const Pair& Moved(const std::string& key, const Undeclared& undeclared) {
   return known[key] = {Squat(undeclared, kTrain), Squat(undeclared, kHeldOut)};
 }
 
-StanceResult Close(const Pair& motion, unsigned seed, const SensorNoise& noise = {}) {
-  return CloseStance(Model(), {Recorded(motion.train, "train", seed, noise)},
-                     {Recorded(motion.held_out, "held_out", seed + 1000, noise)});
+StanceFitResult Close(const Pair& motion, unsigned seed, const SensorNoise& noise = {}) {
+  return FitStance(Model(), {Recorded(motion.train, "train", seed, noise)},
+                   {Recorded(motion.held_out, "held_out", seed + 1000, noise)});
 }
 
-std::string Summary(const StanceResult& result) {
+std::string Summary(const StanceFitResult& result) {
   std::ostringstream out;
   out << "verdict " << static_cast<int>(result.verdict) << " " << result.too_little << " p "
       << result.p_global.value_or(-1.0) << " rows " << result.rows << " channels "
@@ -86,12 +86,12 @@ std::string Summary(const StanceResult& result) {
   return out.str();
 }
 
-const StanceEffect* Only(const StanceResult& result) {
+const StanceEffect* Only(const StanceFitResult& result) {
   return result.effects.size() == 1 ? &result.effects.front() : nullptr;
 }
 
 // 4 kg in the frame of the base, named within 5 % and horizontally within 20 mm.
-void ExpectPayload(const StanceResult& result, const Eigen::Vector3d& place_m) {
+void ExpectPayload(const StanceFitResult& result, const Eigen::Vector3d& place_m) {
   std::cout << Summary(result);
   const StanceEffect* effect = Only(result);
   ASSERT_NE(effect, nullptr);
@@ -108,22 +108,22 @@ void ExpectPayload(const StanceResult& result, const Eigen::Vector3d& place_m) {
   EXPECT_LT(result.held_out_after.force_z_N, 0.5 * result.held_out_before.force_z_N);
 }
 
-bool NotExcited(const StanceResult& result, const std::string& effect) {
+bool NotExcited(const StanceFitResult& result, const std::string& effect) {
   return std::any_of(result.not_excited.begin(), result.not_excited.end(),
                      [&](const trace::NotExcited& entry) { return entry.effect == effect; });
 }
 
-TEST(CloseStance, NamesAPayloadOnTheTorsoAndReportsThatItsHeightIsNotExcited) {
+TEST(FitStance, NamesAPayloadOnTheTorsoAndReportsThatItsHeightIsNotExcited) {
   const Eigen::Vector3d place(0.03, 0.02, 0.2);
   const Pair& motion = Moved("torso", {.payload_kg = 4.0, .place_m = place});
   for (const unsigned seed : {11u, 12u}) {
-    const StanceResult result = Close(motion, seed);
+    const StanceFitResult result = Close(motion, seed);
     ExpectPayload(result, place);
     EXPECT_TRUE(NotExcited(result, "place of the payload along z of base"));
   }
 }
 
-void ExpectFriction(const StanceResult& result, const std::string& type, double size) {
+void ExpectFriction(const StanceFitResult& result, const std::string& type, double size) {
   std::cout << Summary(result);
   const auto effect = std::find_if(
       result.effects.begin(), result.effects.end(),
@@ -137,20 +137,20 @@ void ExpectFriction(const StanceResult& result, const std::string& type, double 
   EXPECT_LT(result.held_out_after.share, result.held_out_before.share);
 }
 
-TEST(CloseStance, NamesCoulombFrictionOfAnAnkle) {
+TEST(FitStance, NamesCoulombFrictionOfAnAnkle) {
   const Pair& motion = Moved("coulomb", {.friction_joint = "left_ankle_pitch", .coulomb_Nm = 1.5});
   for (const unsigned seed : {14u, 15u}) ExpectFriction(Close(motion, seed), "coulomb", 1.5);
 }
 
-TEST(CloseStance, NamesViscousFrictionOfAnAnkle) {
+TEST(FitStance, NamesViscousFrictionOfAnAnkle) {
   const Pair& motion =
       Moved("viscous", {.friction_joint = "left_ankle_pitch", .viscous_Nm_s_rad = 3.0});
   for (const unsigned seed : {16u, 17u}) ExpectFriction(Close(motion, seed), "viscous", 3.0);
 }
 
-TEST(CloseStance, NamesNothingWhereEverythingIsDeclared) {
+TEST(FitStance, NamesNothingWhereEverythingIsDeclared) {
   for (const unsigned seed : {18u, 19u}) {
-    const StanceResult result = Close(Moved("clean", {}), seed);
+    const StanceFitResult result = Close(Moved("clean", {}), seed);
     std::cout << Summary(result);
     EXPECT_EQ(result.verdict, trace::Verdict::kNone);
     EXPECT_TRUE(result.effects.empty());
@@ -161,12 +161,12 @@ TEST(CloseStance, NamesNothingWhereEverythingIsDeclared) {
 
 // What a robot that stands still shows: that it weighs more, but not whether its joints rub. Force
 // sensors that all read too much are as probable as a payload then.
-TEST(CloseStance, CannotShowFrictionOfARobotThatStandsStill) {
+TEST(FitStance, CannotShowFrictionOfARobotThatStandsStill) {
   constexpr SquatPlan kStill = {
       .cycles = 1, .period_s = 6.0, .top_m = 0.15, .bottom_m = 0.15, .settle_s = 8.0};
   const Pair still = {Squat({.payload_kg = 4.0, .place_m = {0.03, 0.0, 0.2}}, kStill),
                       Squat({.payload_kg = 4.0, .place_m = {0.03, 0.0, 0.2}}, kStill)};
-  const StanceResult result = Close(still, 20);
+  const StanceFitResult result = Close(still, 20);
   std::cout << Summary(result);
   for (const std::string& joint : still.train.joints) {
     EXPECT_TRUE(NotExcited(result, "friction of " + joint)) << joint;

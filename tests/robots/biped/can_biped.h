@@ -79,7 +79,7 @@ class CanBiped {
   }
   // One cycle; commands the reference of this time, 0 where it begins.
   void Step(double reference_s = 0.0) {
-    provider::JointCommand command;
+    provider::JointSetpoints command;
     command.header.session_id = kSession;
     command.header.tick = tick_;
     command.joint_count = kJoints;

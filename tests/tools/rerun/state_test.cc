@@ -71,7 +71,7 @@ TEST(State, OfAControllerInAMove) {
         input.period_s = kStatePeriod_s;
         input.armed = true;
         input.joint_count = 1;
-        control::JointMeasurement& m = input.joint[0];
+        control::MeasuredJointState& m = input.joint[0];
         m.valid = m.actuator_valid = true;
         m.position_rad = 0.1 * Wave(i, 0.4);
         m.velocity_rad_s = 0.2 * Wave(i, 0.7);

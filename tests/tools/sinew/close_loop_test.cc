@@ -36,7 +36,7 @@ CloseLoopOptions EmpsOptions() {
 
 TEST(CloseLoopOnEmps, PublishedFiguresAreReached) {
   SKIP_WITHOUT_DATA(kEmps);
-  const CloseLoopResult result = CloseLoop(EmpsOptions());
+  const CloseLoopResult result = RunCloseLoop(EmpsOptions());
   ASSERT_TRUE(result.report.as_published.has_value());
   const identify::AsPublishedResult& published = *result.report.as_published;
   // Janot, Gautier, Brunot (2019): 4.0834 -> 3.1117 %, cross test 5.9824 %; within 0.1 points.
@@ -53,7 +53,7 @@ TEST(CloseLoopOnEmps, PublishedFiguresAreReached) {
 
 TEST(CloseLoopOnEmps, TheSameEffectIsFoundAndASecondLowersTheCrossError) {
   SKIP_WITHOUT_DATA(kEmps);
-  const CloseLoopResult result = CloseLoop(EmpsOptions());
+  const CloseLoopResult result = RunCloseLoop(EmpsOptions());
   const trace::TraceResult& trace = result.report.trace;
   ASSERT_EQ(trace.effects.size(), 2u);
   const bool delay_first = trace.effects[0].name == "transport_delay";
@@ -80,12 +80,12 @@ TEST(CloseLoopOnEmps, ARecordingGivesTheSameFiguresAsItsCsv) {
     return recording::TopicSchema{topic->name, topic->type_name, topic->idl, topic->idl_hash};
   };
   CloseLoopOptions options = EmpsOptions();
-  const CloseLoopResult csv = CloseLoop(options);
+  const CloseLoopResult csv = RunCloseLoop(options);
   recording::ImportCsv(options.train, options.map, folder.path() / "train.mcap", find_schema);
   recording::ImportCsv(options.held_out, options.map, folder.path() / "held_out.mcap", find_schema);
   options.train = {folder.path() / "train.mcap"};
   options.held_out = {folder.path() / "held_out.mcap"};
-  const CloseLoopResult mcap = CloseLoop(options);
+  const CloseLoopResult mcap = RunCloseLoop(options);
   EXPECT_DOUBLE_EQ(mcap.report.as_published->before_percent,
                    csv.report.as_published->before_percent);
   EXPECT_DOUBLE_EQ(mcap.report.trace.after_held_out.rms, csv.report.trace.after_held_out.rms);
@@ -93,7 +93,7 @@ TEST(CloseLoopOnEmps, ARecordingGivesTheSameFiguresAsItsCsv) {
 }
 
 TEST(CloseLoopOnTheRig, TheHiddenEffectOfTheExampleIsNamed) {
-  const CloseLoopResult result = CloseLoop(ExampleOptions("one_effect"));
+  const CloseLoopResult result = RunCloseLoop(ExampleOptions("one_effect"));
   const nlohmann::json truth = nlohmann::json::parse(
       std::ifstream(kSource / "tests/data/rig_examples/one_effect/truth.json"));
   const trace::TraceResult& trace = result.report.trace;
@@ -122,7 +122,7 @@ TEST(CloseLoopOnTheRig, TheHiddenEffectOfTheExampleIsNamed) {
 }
 
 TEST(CloseLoopOnTheRig, TheCleanExampleRaisesNoAlarm) {
-  const CloseLoopResult result = CloseLoop(ExampleOptions("clean"));
+  const CloseLoopResult result = RunCloseLoop(ExampleOptions("clean"));
   EXPECT_EQ(result.report.trace.verdict, trace::Verdict::kNone);
   EXPECT_TRUE(result.report.trace.effects.empty());
 }
@@ -131,7 +131,7 @@ TEST(CloseLoop, WritesThreeFilesAndAModelThatLoads) {
   const testing::TemporaryFolder folder;
   CloseLoopOptions options = ExampleOptions("one_effect");
   options.out = folder.path() / "deep" / "out";
-  const CloseLoopResult result = CloseLoop(options);
+  const CloseLoopResult result = RunCloseLoop(options);
   for (const char* name : {"report.html", "report.json", "model.yaml"}) {
     EXPECT_TRUE(fs::exists(options.out / name)) << name;
   }
@@ -147,7 +147,7 @@ TEST(CloseLoop, WritesThreeFilesAndAModelThatLoads) {
   // With the corrected model as the declared one nothing more is found.
   options.model = options.out / "model.yaml";
   options.out.clear();
-  EXPECT_EQ(CloseLoop(options).report.trace.verdict, trace::Verdict::kNone);
+  EXPECT_EQ(RunCloseLoop(options).report.trace.verdict, trace::Verdict::kNone);
 }
 
 }  // namespace

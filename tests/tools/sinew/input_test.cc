@@ -112,7 +112,7 @@ TEST_F(Input, OneRecordingAndNothingHeldOutIsRefusedWithTheWayToSplitIt) {
   options.train = {folder_.path() / "day.csv"};
   options.held_out.clear();
   const std::string csv = options.train[0].string();
-  EXPECT_THAT(ErrorOf([&] { CloseLoop(options); }),
+  EXPECT_THAT(ErrorOf([&] { RunCloseLoop(options); }),
               HasSubstr("--train " + csv + "@:13 --held-out " + csv + "@13:"));
 }
 
@@ -121,7 +121,7 @@ TEST_F(Input, WithoutHeldOutRecordingsEachIsHeldOutOnce) {
   const std::string csv = folder_.path() / "day.csv";
   options.train = {csv + "@:10", csv + "@10:"};
   options.held_out.clear();
-  const CloseLoopResult result = CloseLoop(options);
+  const CloseLoopResult result = RunCloseLoop(options);
   ASSERT_EQ(result.report.rotations.size(), 2u);
   EXPECT_EQ(result.report.rotations[1].held_out, "day.csv@10:");
   EXPECT_THAT(result.json, HasSubstr("\"held_out\": \"day.csv@:10\""));
@@ -131,7 +131,7 @@ TEST_F(Input, WithoutHeldOutRecordingsEachIsHeldOutOnce) {
 TEST_F(Input, AnEffectThatIsGivenIsFittedWhateverItIsWorth) {
   CloseLoopOptions options = SpringOptions();
   options.given = {"stribeck"};
-  const CloseLoopResult result = CloseLoop(options);
+  const CloseLoopResult result = RunCloseLoop(options);
   ASSERT_EQ(result.report.trace.effects.size(), 1u);
   EXPECT_EQ(result.report.trace.effects[0].name, "stribeck");
   EXPECT_TRUE(result.report.trace.effects[0].in_model());
@@ -142,7 +142,7 @@ TEST_F(Input, AnEffectThatIsGivenIsFittedWhateverItIsWorth) {
 TEST_F(Input, WithNoEffectGivenTheDeclaredTermsStayAlone) {
   CloseLoopOptions options = SpringOptions();
   options.given.emplace();
-  const CloseLoopResult result = CloseLoop(options);
+  const CloseLoopResult result = RunCloseLoop(options);
   EXPECT_TRUE(result.report.trace.effects.empty());
   EXPECT_THAT(result.json, HasSubstr("Given, not searched for: no effect."));
   EXPECT_THAT(result.json, Not(HasSubstr("beyond the declared model")));
@@ -152,7 +152,7 @@ TEST_F(Input, WithNoEffectGivenTheDeclaredTermsStayAlone) {
 TEST_F(Input, AnEffectThatTheRecordingsCannotShowIsSaidToBeOpen) {
   CloseLoopOptions options = SpringOptions();
   options.given = {"leak"};  // there is no gas
-  const CloseLoopResult result = CloseLoop(options);
+  const CloseLoopResult result = RunCloseLoop(options);
   EXPECT_TRUE(result.report.trace.effects.empty());
   EXPECT_THAT(result.json, HasSubstr("These recordings do not determine a size of leak."));
 }
@@ -161,16 +161,16 @@ TEST_F(Input, RangesOfOneFileMayNotShareRows) {
   CloseLoopOptions options = SpringOptions();
   const std::string csv = folder_.path() / "day.csv";
   options.held_out = {csv + "@11:"};
-  EXPECT_THAT(ErrorOf([&] { CloseLoop(options); }),
+  EXPECT_THAT(ErrorOf([&] { RunCloseLoop(options); }),
               AllOf(HasSubstr("day.csv@11:"), HasSubstr("day.csv@:12"), HasSubstr("shares rows")));
   options.held_out = {csv};
-  EXPECT_THAT(ErrorOf([&] { CloseLoop(options); }), HasSubstr("shares rows"));
+  EXPECT_THAT(ErrorOf([&] { RunCloseLoop(options); }), HasSubstr("shares rows"));
   EXPECT_THAT(ErrorOf([&] { CloseRobot(options, {0}); }), HasSubstr("shares rows"));
   options.held_out = {csv + "@30:60"};
-  EXPECT_THAT(ErrorOf([&] { CloseLoop(options); }),
+  EXPECT_THAT(ErrorOf([&] { RunCloseLoop(options); }),
               AllOf(HasSubstr("day.csv"), HasSubstr("'30:60'"), HasSubstr("0 to 19.99 s")));
   options.held_out = {csv + "@60:30"};
-  EXPECT_THAT(ErrorOf([&] { CloseLoop(options); }),
+  EXPECT_THAT(ErrorOf([&] { RunCloseLoop(options); }),
               AllOf(HasSubstr("day.csv"), HasSubstr("'60:30'"), HasSubstr("START:END")));
 }
 
@@ -180,7 +180,7 @@ TEST_F(Input, AVelocityWithoutAnAngleIsRefusedWithTheReason) {
                       "schema: sinew-csv-map/1\nkind: rotary\ntime: {column: t, unit: s}\n"
                       "signals:\n  velocity: {column: v, unit: rad/s}\n"
                       "  torque: {column: tau, unit: Nm}\n");
-  EXPECT_THAT(ErrorOf([&] { CloseLoop(options); }),
+  EXPECT_THAT(ErrorOf([&] { RunCloseLoop(options); }),
               AllOf(HasSubstr("day.csv"), HasSubstr("velocity without an angle"),
                     HasSubstr("drifts"), HasSubstr("position or motor_position")));
 }
@@ -213,7 +213,7 @@ TEST_F(Input, AnArmWithoutItsUrdfIsRefusedWithTheReason) {
                 AllOf(HasSubstr(options.model.filename().string()), HasSubstr("rigid_body"),
                       HasSubstr("--urdf")))
         << robot;
-    EXPECT_THAT(ErrorOf([&] { CloseLoop(options); }), HasSubstr("part of an arm")) << robot;
+    EXPECT_THAT(ErrorOf([&] { RunCloseLoop(options); }), HasSubstr("part of an arm")) << robot;
   }
 }
 

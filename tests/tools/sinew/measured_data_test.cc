@@ -53,7 +53,7 @@ CloseLoopResult OnPendulum(const std::vector<int>& train, int held_out) {
   options.train = PendulumRuns(train);
   options.held_out = PendulumRuns({held_out});
   options.keep_unconfirmed = true;  // on gain 100 the friction is a third larger than trained
-  return CloseLoop(options);
+  return RunCloseLoop(options);
 }
 
 free_run::FreeRunResult FreeRunOnPendulum(const CloseLoopResult& result, int held_out) {
@@ -116,7 +116,7 @@ TEST_P(Cylinder, FrictionThatGrowsWithPressureIsFoundFirst) {
   options.map = kRobots / "pneumatic_cylinder/csv_map.yaml";
   options.train = Paths(folder, {seal + "_1bar", seal + "_3bar", seal + "_7bar"});
   options.held_out = Paths(folder, {seal + "_5bar"});
-  const trace::TraceResult trace = CloseLoop(options).report.trace;
+  const trace::TraceResult trace = RunCloseLoop(options).report.trace;
   ASSERT_FALSE(trace.effects.empty());
   // Nothing else is part of the model.
   for (std::size_t k = 1; k < trace.effects.size(); ++k) {
@@ -154,7 +154,7 @@ CloseLoopResult OnMotor(const std::string& held_out, const std::string& map) {
   options.held_out_map = kRobots / "odrive_motor" / map;
   options.train = Paths(kMotor, {"map_a_step4"});
   options.held_out = Paths(kMotor, {held_out});
-  return CloseLoop(options);
+  return RunCloseLoop(options);
 }
 
 TEST(CoggingMap, TheOrdersOfTheMapAreFoundAndTheRepeatConfirmsThem) {
@@ -229,7 +229,7 @@ TEST(HeldPositions, RotateWithoutHeldOutRecordings) {
   options.model = kRobots / "odrive_motor/model.yaml";
   options.map = kRobots / "odrive_motor/csv_map.yaml";
   options.train = Paths(kMotor, {"map_a_step16", "map_b_step16_repeat"});
-  const report::Report report = CloseLoop(options).report;
+  const report::Report report = RunCloseLoop(options).report;
   ASSERT_EQ(report.rotations.size(), 2u);
   ASSERT_EQ(report.trace.effects.size(), 1u);
   EXPECT_EQ(report.trace.effects[0].name, "cogging");

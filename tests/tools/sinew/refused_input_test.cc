@@ -24,7 +24,7 @@ TEST(CloseLoop, TooLittleDataIsAVerdictWithAReport) {
     options.out = folder.path() / (training ? "training" : "held_out");
     std::vector<fs::path>& part = training ? options.train : options.held_out;
     part = {part.front().string() + "@10:13"};
-    const CloseLoopResult result = CloseLoop(options);
+    const CloseLoopResult result = RunCloseLoop(options);
     EXPECT_FALSE(result.assessed());
     const nlohmann::json json = nlohmann::json::parse(std::ifstream(options.out / "report.json"));
     EXPECT_EQ(json["verdict"], "too_little_data");
@@ -42,7 +42,7 @@ void ExpectRefused(CloseLoopOptions options, const std::vector<std::string>& wor
   const testing::TemporaryFolder folder;
   options.out = folder.path() / "out";
   try {
-    CloseLoop(options);
+    RunCloseLoop(options);
     FAIL() << "was not refused";
   } catch (const UsageError& error) {
     const std::string text = error.what();

@@ -7,7 +7,7 @@ import { test } from 'node:test';
 import { decode, getter, numberPaths, parseIdl } from '../../../tools/view/page/cdr.js';
 import { Connection } from '../../../tools/view/page/connection.js';
 import { Frames } from '../../../tools/view/page/frames.js';
-import { fill } from '../../../tools/view/page/panels.js';
+import { buses, fill } from '../../../tools/view/page/panels.js';
 import { Recording } from '../../../tools/view/page/recording.js';
 import { PlotData, Table } from '../../../tools/view/page/series.js';
 import { Timeline, nameOfSession } from '../../../tools/view/page/timeline.js';
@@ -298,6 +298,20 @@ test('a table leaves out columns that nothing fills, and writes only what has ch
   assert.deepEqual(table.texts, [head, ['x', '1', 'new']]);
 });
 
+test('the table of the buses has the counts of the body nodes, where the recording has them', () => {
+  globalThis.document = { createElement: (tag) => new Cell(tag) };
+  const table = new FakeTable();
+  table.closest = () => ({});
+  const status = { bus_count: 1, up: [true], load_percent: [12.6], answer_p50_us: [300], answer_max_us: [400], frames_dropped: [1],
+    frames_lost: [2], error_frames: [4], body_samples_missed: [16], body_nodes_lost: [17] };
+  buses(table, status);
+  assert.deepEqual(table.texts, [
+    ['bus', 'state', 'load %', 'answer us', 'worst us', 'frames lost', 'error frames', 'body samples missed', 'body nodes lost'],
+    ['bus 0', 'up', '13', '300', '400', '3', '4', '16', '17']]);
+  const { body_samples_missed, body_nodes_lost, ...earlier } = status;
+  buses(table, earlier);
+  assert.deepEqual(table.texts[1], ['bus 0', 'up', '13', '300', '400', '3', '4']);
+});
 
 test('a session that changes begins anew, another one is not mixed in, and lost ticks are counted', () => {
   const line = lines.find((other) => other.topic === 'joint_state');

@@ -91,10 +91,13 @@ export function buses(table, status) {
   for (let i = 0; status && i < status.bus_count; ++i) {
     rows.push([`bus ${i}`, status.up[i] ? ['up', 'good'] : ['down', 'bad'], [fixed(status.load_percent[i], 0), 'number'],
       [fixed(status.answer_p50_us[i], 0), 'number'], [fixed(status.answer_max_us[i], 0), 'number'],
-      [status.frames_dropped[i] + status.frames_lost[i], 'number'], [status.error_frames[i], 'number']]);
+      [status.frames_dropped[i] + status.frames_lost[i], 'number'], [status.error_frames[i], 'number'],
+      // Recordings of earlier builds lack the body nodes' counts.
+      [status.body_samples_missed?.[i] ?? NOTHING, 'number'], [status.body_nodes_lost?.[i] ?? NOTHING, 'number']]);
   }
   table.closest('.card').hidden = rows.length === 0;
-  fill(table, ['bus', 'state', 'load %', 'answer us', 'worst us', 'frames lost', 'error frames'], rows, '');
+  fill(table, ['bus', 'state', 'load %', 'answer us', 'worst us', 'frames lost', 'error frames', 'body samples missed', 'body nodes lost'],
+    rows, '');
 }
 
 export function clients(table, rows) {

@@ -1,12 +1,15 @@
 // A state provider whose plant only notes the calls. Domains 51, 173 to 175 and 177.
 #include <gtest/gtest.h>
+#include <sinew_idl/bus.h>
 #include <sinew_idl/joint.h>
 #include <sinew_idl/recording.h>
 #include <sinew_idl/simulation.h>
 #include <sinew_idl/status.h>
 
+#include <array>
 #include <chrono>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -92,6 +95,66 @@ TEST(RunProvider, ASecondProviderTouchesNothing) {
   EXPECT_TRUE(plant.calls.empty()) << "its frames would stop the robot of the first";
 }
 
+constexpr double kSession_s = 3.0;  // discovery of the other participants included
+
+// A number of its own in every field and on every bus.
+class BusPlant final : public NotedPlant {
+ public:
+  explicit BusPlant(const node::Node& witness) : NotedPlant(witness) {
+    report_.bus_count = 3;
+    report_.up = {true, false, true, false};
+    Number(10, &report_.frames_sent);
+    Number(20, &report_.frames_received);
+    Number(30, &report_.frames_dropped);
+    Number(40, &report_.frames_lost);
+    Number(50, &report_.error_frames);
+    Number(60, &report_.body_samples_missed);
+    Number(70, &report_.body_nodes_lost);
+    Number(80, &report_.load_percent);
+    Number(90, &report_.answer_p50_us);
+    Number(100, &report_.answer_max_us);
+    report_.cycle_p50_us = 110.0;
+    report_.cycle_max_us = 120.0;
+  }
+  const BusReport* bus_report() const override { return &report_; }
+
+ private:
+  template <class Value>
+  static void Number(int first, std::array<Value, BusReport::kMaxBuses>* field) {
+    std::iota(field->begin(), field->end(), static_cast<Value>(first));
+  }
+
+  BusReport report_;
+};
+
+TEST(RunProvider, EveryNumberOfTheBusesReachesBusStatus) {
+  node::Node witness(OptionsOf("witness", 173));
+  auto buses = witness.MakeReader(node::kBusStatus);
+  BusPlant plant(witness);
+  node::StopFlag stop;
+  std::thread provider([&] {
+    RunProvider(OptionsOf("provider", 173), stop, {.duration_s = kSession_s}, {}, plant);
+  });
+  const auto status = buses.WaitNext(10s);
+  provider.join();
+  ASSERT_TRUE(status);
+  const BusReport& report = *plant.bus_report();
+  EXPECT_EQ(status->bus_count(), report.bus_count);
+  EXPECT_EQ(status->up(), report.up);
+  EXPECT_EQ(status->frames_sent(), report.frames_sent);
+  EXPECT_EQ(status->frames_received(), report.frames_received);
+  EXPECT_EQ(status->frames_dropped(), report.frames_dropped);
+  EXPECT_EQ(status->frames_lost(), report.frames_lost);
+  EXPECT_EQ(status->error_frames(), report.error_frames);
+  EXPECT_EQ(status->body_samples_missed(), report.body_samples_missed);
+  EXPECT_EQ(status->body_nodes_lost(), report.body_nodes_lost);
+  EXPECT_EQ(status->load_percent(), report.load_percent);
+  EXPECT_EQ(status->answer_p50_us(), report.answer_p50_us);
+  EXPECT_EQ(status->answer_max_us(), report.answer_max_us);
+  EXPECT_EQ(status->cycle_p50_us(), report.cycle_p50_us);
+  EXPECT_EQ(status->cycle_max_us(), report.cycle_max_us);
+}
+
 class PushedPlant : public SimulatedPlant {
  public:
   int joint_count() const override { return 1; }
@@ -107,8 +170,6 @@ class PushedPlant : public SimulatedPlant {
  private:
   GearTruth truth_;
 };
-
-constexpr double kSession_s = 3.0;  // discovery of the witness and of the sender included
 
 class FloatingPlant final : public PushedPlant {
  public:
