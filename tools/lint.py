@@ -24,9 +24,9 @@ INCLUDE = re.compile(r'\s*#\s*include\s*(["<])([^">]+)')
 FINDING = re.compile("(error|warning): ")
 GENERATED = (  # an include that the tree does not have, and what the build makes it from
     (r"sinew_idl/(\w+?)(PubSubTypes)?\.h", r"idl/\1.idl"),
-    (r"components/node/(all|topic)_\w+\.h", "idl/README.md", "idl/*.idl", "tools/idl/topics.py"),
-    (r"components/node/version\.h", "components/node/version.h.in"),
-    (r"effect_list\.inc", "components/effects/CMakeLists.txt"),
+    (r"components/topics/node/(all|topic)_\w+\.h", "idl/README.md", "idl/*.idl", "tools/idl/topics.py"),
+    (r"components/topics/node/version\.h", "components/topics/node/version.h.in"),
+    (r"effect_list\.inc", "components/model/effects/CMakeLists.txt"),
 )
 
 

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "bench/acceptance/rig_cycle.h"
-#include "components/types/control_mode.h"
+#include "components/base/types/control_mode.h"
 #include "sim/surrogate/rig.h"
 
 namespace sinew::acceptance {

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "components/pneumatics/manager.h"
+#include "components/robot/pneumatics/manager.h"
 
 namespace sinew::acceptance {
 

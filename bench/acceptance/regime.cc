@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "bench/acceptance/rig_cycle.h"
-#include "components/types/control_mode.h"
-#include "components/types/regime.h"
+#include "components/base/types/control_mode.h"
+#include "components/base/types/regime.h"
 #include "sim/surrogate/rig.h"
 
 namespace sinew::acceptance {

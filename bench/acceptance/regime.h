@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "components/regime/detector.h"
+#include "components/robot/regime/detector.h"
 
 namespace sinew::acceptance {
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstdio>
 
-#include "components/actuator/file/model_file.h"
-#include "components/control/file/control_file.h"
-#include "components/pneumatics/file/pneumatics_file.h"
-#include "components/reference/file/reference_file.h"
+#include "components/model/actuator/file/model_file.h"
+#include "components/robot/control/file/control_file.h"
+#include "components/robot/pneumatics/file/pneumatics_file.h"
+#include "components/robot/reference/file/reference_file.h"
 #include "sim/surrogate/random.h"
 #include "sim/surrogate/surrogate.h"
 #include "tools/tune_pid/closed_loop.h"

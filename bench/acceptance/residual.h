@@ -13,10 +13,10 @@
 #include <string>
 #include <vector>
 
-#include "components/actuator/model.h"
-#include "components/control/joint_controller.h"
-#include "components/pneumatics/manager.h"
-#include "components/residual/monitor.h"
+#include "components/model/actuator/model.h"
+#include "components/robot/control/joint_controller.h"
+#include "components/robot/pneumatics/manager.h"
+#include "components/robot/residual/monitor.h"
 
 namespace sinew::acceptance {
 

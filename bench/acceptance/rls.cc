@@ -9,7 +9,7 @@
 #include <numbers>
 #include <random>
 
-#include "components/rls/rls.h"
+#include "components/learn/rls/rls.h"
 
 namespace sinew::acceptance {
 namespace {

@@ -41,8 +41,8 @@
 #include "bridge/can/transport/bus_protocol.h"
 #include "bridge/can/transport/virtual_can.h"
 #include "bridge/joints/can_plant.h"
-#include "components/types/clock/clock.h"
-#include "components/types/control_mode.h"
+#include "components/base/types/clock/clock.h"
+#include "components/base/types/control_mode.h"
 #include "tests/fuzz/watched_plant.h"
 
 namespace sinew {

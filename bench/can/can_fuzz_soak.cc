@@ -24,7 +24,7 @@
 #include <memory>
 #include <vector>
 
-#include "components/types/control_mode.h"
+#include "components/base/types/control_mode.h"
 #include "tests/fuzz/watched_plant.h"
 
 namespace {

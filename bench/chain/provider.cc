@@ -16,10 +16,10 @@
 #include <string>
 #include <vector>
 
-#include "components/node/node.h"
-#include "components/node/options.h"
-#include "components/node/topics.h"
-#include "components/provider/participant/run_provider.h"
+#include "components/robot/provider/participant/run_provider.h"
+#include "components/topics/node/node.h"
+#include "components/topics/node/options.h"
+#include "components/topics/node/topics.h"
 #include "tools/compose/chain.h"
 
 namespace {

@@ -9,8 +9,8 @@
 // comes after half of the period is late; the time that a cycle's writes take is printed too. A
 // relay stands for a participant: it answers in the listener, when the samples of a number have
 // come on all topics of --await; those of --in are only read. Payloads, QoS (--qos, the profiles of
-// components/node), transports, readers a topic, threads and memory are those of the participants
-// that are compared. --transports udp, as ours in real time, both or shm.
+// components/topics/node), transports, readers a topic, threads and memory are those of the
+// participants that are compared. --transports udp, as ours in real time, both or shm.
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
 #include <pthread.h>
@@ -49,8 +49,8 @@ namespace rtps = eprosima::fastrtps::rtps;
 namespace transport = eprosima::fastdds::rtps;
 
 constexpr std::uint32_t kLargest = 65536;
-constexpr std::size_t kThreadStackBytes = 512 * 1024;  // as components/node/realtime.h
-constexpr double kLateShare = 0.5;                  // of the period, as components/node/cut_off.h
+constexpr std::size_t kThreadStackBytes = 512 * 1024;  // as components/topics/node/realtime.h
+constexpr double kLateShare = 0.5;  // of the period, as components/topics/node/cut_off.h
 constexpr std::int64_t kWarmUp_ns = 4'000'000'000;  // until all have found each other
 
 struct Message {
@@ -133,7 +133,7 @@ class Participant {
     }
     dds::DomainParticipantQos qos;
     (void)factory->get_participant_qos_from_profile("sinew", qos);
-    auto& used = qos.transport();  // as components/node/transports.cc
+    auto& used = qos.transport();  // as components/topics/node/transports.cc
     used.use_builtin_transports = false;
     if (transports != "shm") {
       auto udp = std::make_shared<transport::UDPv4TransportDescriptor>();
@@ -287,7 +287,7 @@ void RunSource(const std::vector<Out>& outs, const Answerer& answer, double rate
       Quantile_us(&writes_ns, 0.5));
 }
 
-// As components/node/realtime.cc.
+// As components/topics/node/realtime.cc.
 void BecomeRealtime(int priority, int cpu) {
   const sched_param parameters{.sched_priority = priority};
   cpu_set_t cpus;

@@ -28,7 +28,7 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 RIG = ROOT / "robots/rig"
 HERE = pathlib.Path(__file__).resolve().parent
-QOS = ROOT / "components/node/qos_profiles.xml"
+QOS = ROOT / "components/topics/node/qos_profiles.xml"
 
 # QoS profile of a topic (idl/README.md), where it is not "control".
 PROFILES = {"joint_state": "state", "actuator_state": "state", "residual": "state"}

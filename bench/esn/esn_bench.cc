@@ -13,9 +13,9 @@
 #include <type_traits>
 #include <vector>
 
-#include "components/esn/network.h"
-#include "components/esn/ridge.h"
-#include "components/esn/training.h"
+#include "components/learn/esn/network.h"
+#include "components/learn/esn/ridge.h"
+#include "components/learn/esn/training.h"
 
 namespace sinew::esn {
 namespace {

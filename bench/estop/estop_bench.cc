@@ -15,7 +15,7 @@
 #include <thread>
 #include <vector>
 
-#include "components/estop/press.h"
+#include "components/robot/estop/press.h"
 #include "tests/bridge/participant/can_rig.h"
 #include "tests/support/test_host.h"
 

@@ -6,13 +6,13 @@
 #include <memory>
 #include <stdexcept>
 
-#include "components/control/robot_controller.h"
-#include "components/esn/file/esn_config.h"
-#include "components/leg/geometry.h"
-#include "components/provider/participant/provider_options.h"
-#include "components/provider/provider_cycle.h"
-#include "components/reference/file/reference_file.h"
-#include "components/types/angle.h"
+#include "components/base/types/angle.h"
+#include "components/bodies/leg/geometry.h"
+#include "components/learn/esn/file/esn_config.h"
+#include "components/robot/control/robot_controller.h"
+#include "components/robot/provider/participant/provider_options.h"
+#include "components/robot/provider/provider_cycle.h"
+#include "components/robot/reference/file/reference_file.h"
 #include "tools/tune_pid/closed_loop.h"
 
 namespace sinew::falls {

@@ -18,11 +18,11 @@
 #include <optional>
 #include <string>
 
-#include "components/control/file/control_file.h"
-#include "components/esn/inverse_dynamics.h"
-#include "components/provider/guard.h"
-#include "components/reference/robot_reference.h"
-#include "components/types/angle.h"
+#include "components/base/types/angle.h"
+#include "components/learn/esn/inverse_dynamics.h"
+#include "components/robot/control/file/control_file.h"
+#include "components/robot/provider/guard.h"
+#include "components/robot/reference/robot_reference.h"
 #include "sim/body_disturbance/schedule.h"
 #include "sim/world/file/world_file.h"
 

@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "components/arm/bodies.h"
+#include "components/bodies/links/bodies.h"
 #include "sim/world/contact.h"
 #include "sim/world/floating_chain.h"
 

@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "bench/rigs/figures.h"
-#include "components/gate/gate.h"
-#include "components/gate/rules.h"
-#include "tests/components/gate/plant.h"
-#include "tests/components/gate/scene.h"
+#include "components/model/gate/gate.h"
+#include "components/model/gate/rules.h"
+#include "tests/components/model/gate/plant.h"
+#include "tests/components/model/gate/scene.h"
 
 namespace {
 

@@ -10,9 +10,9 @@
 #include "bench/logger/measures.h"
 #include "bench/logger/process_cpu.h"
 #include "bench/logger/traffic.h"
-#include "components/node/options.h"
-#include "components/recording/file/file_io.h"
-#include "components/recording/mcap_reader.h"
+#include "components/record/recording/file/file_io.h"
+#include "components/record/recording/mcap_reader.h"
+#include "components/topics/node/options.h"
 #include "tools/launch/program.h"
 
 namespace sinew::logger_bench {

@@ -9,7 +9,7 @@
 
 #include "bench/logger/measures.h"
 #include "bench/logger/traffic.h"
-#include "components/logger/recorder.h"
+#include "components/record/logger/recorder.h"
 
 namespace sinew::logger_bench {
 

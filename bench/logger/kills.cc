@@ -11,9 +11,9 @@
 
 #include "bench/logger/measures.h"
 #include "bench/logger/traffic.h"
-#include "components/recording/file/file_io.h"
-#include "components/recording/mcap_reader.h"
-#include "components/types/clock/clock.h"
+#include "components/base/types/clock/clock.h"
+#include "components/record/recording/file/file_io.h"
+#include "components/record/recording/mcap_reader.h"
 #include "tools/launch/program.h"
 
 namespace sinew::logger_bench {

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <limits>
 
-#include "components/types/clock/clock.h"
+#include "components/base/types/clock/clock.h"
 
 namespace sinew::logger_bench {
 

@@ -9,8 +9,8 @@
 #include <thread>
 #include <vector>
 
-#include "components/node/node.h"
-#include "components/recording/cdr.h"
+#include "components/record/recording/cdr.h"
+#include "components/topics/node/node.h"
 
 namespace sinew::logger_bench {
 

@@ -1,14 +1,14 @@
 #include "bench/payloads/group.h"
 
 #include "bench/payloads/provider_member.h"
-#include "components/control/participant/component.h"
-#include "components/esn/participant/component.h"
-#include "components/performance/participant/component.h"
-#include "components/pneumatics/participant/component.h"
-#include "components/reference/participant/component.h"
-#include "components/regime/participant/component.h"
-#include "components/residual/participant/component.h"
-#include "components/rls/participant/component.h"
+#include "components/learn/esn/participant/component.h"
+#include "components/learn/rls/participant/component.h"
+#include "components/robot/control/participant/component.h"
+#include "components/robot/performance/participant/component.h"
+#include "components/robot/pneumatics/participant/component.h"
+#include "components/robot/reference/participant/component.h"
+#include "components/robot/regime/participant/component.h"
+#include "components/robot/residual/participant/component.h"
 
 namespace sinew::payloads {
 namespace {

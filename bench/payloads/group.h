@@ -1,5 +1,5 @@
 // The participants under test: the programs' own classes, made as in their main(), in a composition
-// apart (components/node/composition.h).
+// apart (components/topics/node/composition.h).
 //
 // A group has one participant a role, as a robot has: two of one role would stand by for each
 // other.
@@ -13,9 +13,9 @@
 #include <string>
 #include <vector>
 
-#include "components/node/component.h"
-#include "components/node/composition.h"
-#include "components/node/options.h"
+#include "components/topics/node/component.h"
+#include "components/topics/node/composition.h"
+#include "components/topics/node/options.h"
 
 namespace sinew::payloads {
 

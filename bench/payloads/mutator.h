@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "components/node/codec.h"
+#include "components/topics/node/codec.h"
 
 namespace sinew::payloads {
 

@@ -4,11 +4,11 @@
 #include <string>
 #include <utility>
 
-#include "components/logger/recorder.h"
-#include "components/node/node.h"
-#include "components/provider/participant/command_readers.h"
-#include "components/provider/participant/provider_options.h"
-#include "components/provider/provider_cycle.h"
+#include "components/record/logger/recorder.h"
+#include "components/robot/provider/participant/command_readers.h"
+#include "components/robot/provider/participant/provider_options.h"
+#include "components/robot/provider/provider_cycle.h"
+#include "components/topics/node/node.h"
 #include "sim/surrogate/file/surrogate_file.h"
 #include "sim/surrogate/surrogate.h"
 

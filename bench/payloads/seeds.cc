@@ -22,7 +22,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "components/node/topics.h"
+#include "components/topics/node/topics.h"
 
 namespace sinew::payloads {
 namespace {

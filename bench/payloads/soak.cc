@@ -9,7 +9,7 @@
 
 #include "bench/payloads/seeds.h"
 #include "bench/payloads/watch.h"
-#include "components/node/topics.h"
+#include "components/topics/node/topics.h"
 
 // Half of the time would go into pages of freed memory and into stacks of calls.
 extern "C" const char* __asan_default_options();   // NOLINT(bugprone-reserved-identifier)

@@ -17,7 +17,7 @@
 
 #include "bench/payloads/group.h"
 #include "bench/payloads/mutator.h"
-#include "components/node/node.h"
+#include "components/topics/node/node.h"
 
 namespace sinew::payloads {
 

@@ -14,7 +14,7 @@
 #include <cmath>
 #include <map>
 
-#include "components/node/topics.h"
+#include "components/topics/node/topics.h"
 
 namespace sinew::payloads {
 namespace {

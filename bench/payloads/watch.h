@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "components/node/codec.h"
+#include "components/topics/node/codec.h"
 
 namespace sinew::payloads {
 

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "bench/rerun/rig_recording.h"
-#include "components/recording/file/file_io.h"
+#include "components/record/recording/file/file_io.h"
 #include "tools/rerun/rerun.h"
 
 namespace {

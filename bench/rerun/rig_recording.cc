@@ -6,14 +6,14 @@
 #include <string_view>
 #include <utility>
 
-#include "components/logger/file/file_series.h"
-#include "components/logger/recorder.h"
-#include "components/node/component.h"
-#include "components/node/composition.h"
-#include "components/provider/participant/command_readers.h"
-#include "components/provider/participant/provider_options.h"
-#include "components/provider/participant/state_publisher.h"
-#include "components/provider/provider_cycle.h"
+#include "components/record/logger/file/file_series.h"
+#include "components/record/logger/recorder.h"
+#include "components/robot/provider/participant/command_readers.h"
+#include "components/robot/provider/participant/provider_options.h"
+#include "components/robot/provider/participant/state_publisher.h"
+#include "components/robot/provider/provider_cycle.h"
+#include "components/topics/node/component.h"
+#include "components/topics/node/composition.h"
 #include "sim/surrogate/file/surrogate_file.h"
 #include "sim/surrogate/surrogate.h"
 

@@ -7,8 +7,8 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "components/actuator/file/model_file.h"
-#include "components/effects/effect.h"
+#include "components/model/actuator/file/model_file.h"
+#include "components/model/effects/effect.h"
 
 namespace sinew::rig_bank {
 namespace {

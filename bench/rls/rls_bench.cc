@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "components/rls/rls.h"
+#include "components/learn/rls/rls.h"
 
 namespace sinew::rls {
 namespace {

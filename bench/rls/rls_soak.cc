@@ -10,8 +10,8 @@
 #include <random>
 #include <string_view>
 
-#include "components/esn/network.h"
-#include "components/rls/rls.h"
+#include "components/learn/esn/network.h"
+#include "components/learn/rls/rls.h"
 
 int main(int argc, char** argv) {
   using namespace sinew;

@@ -10,7 +10,7 @@
 #include <limits>
 
 #include "bridge/can/codec.h"
-#include "components/types/clock/clock.h"
+#include "components/base/types/clock/clock.h"
 
 namespace sinew::signals {
 namespace {
@@ -30,7 +30,8 @@ constexpr double kOldest_ms = 20.8;
 // (100 ms); and its heartbeat comes every 100 ms.
 constexpr double kLongestWithout_ms = 64.2 + 100.0 + 100.0;
 
-constexpr int kPriority = 45;  // below the bus, above whom it watches (components/node/realtime.cc)
+constexpr int kPriority =
+    45;  // below the bus, above whom it watches (components/topics/node/realtime.cc)
 
 double Milliseconds(std::int64_t ns) { return 1e-6 * static_cast<double>(ns); }
 

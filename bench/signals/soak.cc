@@ -8,9 +8,9 @@
 #include <cstdio>
 #include <utility>
 
-#include "components/node/codec.h"
-#include "components/node/topics.h"
-#include "components/types/clock/clock.h"
+#include "components/base/types/clock/clock.h"
+#include "components/topics/node/codec.h"
+#include "components/topics/node/topics.h"
 
 namespace sinew::signals {
 namespace {

@@ -15,7 +15,7 @@
 #include "bench/signals/bus_watch.h"
 #include "bench/signals/deployment.h"
 #include "bench/signals/growth.h"
-#include "components/node/node.h"
+#include "components/topics/node/node.h"
 
 namespace sinew::signals {
 

@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "components/trace/close_loop.h"
-#include "tests/components/identify/synthetic.h"
+#include "components/model/trace/close_loop.h"
+#include "tests/components/model/identify/synthetic.h"
 
 namespace sinew::trace {
 namespace {

@@ -23,7 +23,7 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 RIG = ROOT / "robots/rig"
-PROFILES = ROOT / "components/node/qos_profiles.xml"
+PROFILES = ROOT / "components/topics/node/qos_profiles.xml"
 
 UDP = ("<transport_descriptor><transport_id>udp</transport_id><type>UDPv4</type>"
        "<interfaceWhiteList><address>127.0.0.1</address></interfaceWhiteList></transport_descriptor>")

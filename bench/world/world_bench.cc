@@ -13,7 +13,7 @@
 #include "bench/world/mujoco_world.h"
 #include "sim/world/contact.h"
 #include "sim/world/floating_chain.h"
-#include "tests/components/stance/biped.h"
+#include "tests/components/bodies/stance/biped.h"
 #include "tests/sim/world/biped.h"
 #include "tests/sim/world/dart_skeleton.h"
 #include "tests/sim/world/robot.h"

@@ -23,7 +23,7 @@
 
 #include "bridge/can/codec.h"
 #include "bridge/can/frame.h"
-#include "components/types/joints.h"
+#include "components/base/types/joints.h"
 
 namespace sinew::can {
 

@@ -19,8 +19,8 @@
 
 #include "bridge/joints/faults.h"
 #include "bridge/joints/joint_measurement.h"
-#include "components/provider/plant.h"
-#include "components/types/control_mode.h"
+#include "components/base/types/control_mode.h"
+#include "components/robot/provider/plant.h"
 
 namespace sinew::bridge {
 

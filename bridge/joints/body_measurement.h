@@ -25,7 +25,7 @@
 #include "bridge/can/transport/transport.h"
 #include "bridge/joints/bus_statistics.h"
 #include "bridge/joints/joint_config.h"
-#include "components/provider/plant.h"
+#include "components/robot/provider/plant.h"
 
 namespace sinew::bridge {
 

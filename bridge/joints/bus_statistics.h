@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "bridge/can/transport/transport.h"
-#include "components/provider/plant.h"
+#include "components/robot/provider/plant.h"
 
 namespace sinew::bridge {
 

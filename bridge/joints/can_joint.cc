@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "bridge/joints/limiter.h"
-#include "components/types/angle.h"
-#include "components/types/control_mode.h"
+#include "components/base/types/angle.h"
+#include "components/base/types/control_mode.h"
 
 namespace sinew::bridge {
 namespace {

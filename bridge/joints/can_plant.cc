@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "components/types/signal.h"
+#include "components/base/types/signal.h"
 
 namespace sinew::bridge {
 namespace {

@@ -26,7 +26,7 @@
 #include "bridge/joints/compact_link.h"
 #include "bridge/joints/exchange.h"
 #include "bridge/joints/joint_config.h"
-#include "components/provider/plant.h"
+#include "components/robot/provider/plant.h"
 
 namespace sinew::bridge {
 

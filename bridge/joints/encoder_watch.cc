@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "components/types/angle.h"
+#include "components/base/types/angle.h"
 
 namespace sinew::bridge {
 

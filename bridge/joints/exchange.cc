@@ -1,7 +1,7 @@
 #include "bridge/joints/exchange.h"
 
-#include "components/types/angle.h"
-#include "components/types/control_mode.h"
+#include "components/base/types/angle.h"
+#include "components/base/types/control_mode.h"
 
 namespace sinew::bridge {
 namespace {

@@ -18,8 +18,8 @@
 #include "bridge/can/transport/transport.h"
 #include "bridge/joints/compact_link.h"
 #include "bridge/joints/joint_measurement.h"
-#include "components/provider/plant.h"
-#include "components/types/control_mode.h"
+#include "components/base/types/control_mode.h"
+#include "components/robot/provider/plant.h"
 
 namespace sinew::bridge {
 

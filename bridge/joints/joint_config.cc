@@ -10,9 +10,9 @@
 #include "bridge/can/compact.h"
 #include "bridge/can/sensor_node.h"
 #include "bridge/joints/braking.h"
-#include "components/provider/plant.h"
-#include "components/types/angle.h"
-#include "components/types/joints.h"
+#include "components/base/types/angle.h"
+#include "components/base/types/joints.h"
+#include "components/robot/provider/plant.h"
 
 namespace sinew::bridge {
 namespace {

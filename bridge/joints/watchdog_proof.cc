@@ -4,7 +4,7 @@
 #include <cstdio>
 
 #include "bridge/joints/faults.h"
-#include "components/types/angle.h"
+#include "components/base/types/angle.h"
 
 namespace sinew::bridge {
 namespace {

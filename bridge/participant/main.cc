@@ -9,10 +9,10 @@
 #include "bridge/joints/can_plant.h"
 #include "bridge/joints/file/bridge_config.h"
 #include "bridge/participant/prove_watchdogs.h"
-#include "components/estop/estop_config.h"
-#include "components/estop/latch_file.h"
-#include "components/node/options.h"
-#include "components/provider/participant/run_provider.h"
+#include "components/robot/estop/estop_config.h"
+#include "components/robot/estop/latch_file.h"
+#include "components/robot/provider/participant/run_provider.h"
+#include "components/topics/node/options.h"
 
 namespace {
 

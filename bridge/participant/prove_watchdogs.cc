@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "bridge/joints/file/proof_file.h"
-#include "components/estop/estop_config.h"
-#include "components/types/clock/utc.h"
+#include "components/base/types/clock/utc.h"
+#include "components/robot/estop/estop_config.h"
 
 namespace sinew::bridge {
 

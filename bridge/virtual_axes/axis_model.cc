@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "components/types/angle.h"
-#include "components/types/control_mode.h"
+#include "components/base/types/angle.h"
+#include "components/base/types/control_mode.h"
 
 namespace sinew::virtual_axes {
 namespace {

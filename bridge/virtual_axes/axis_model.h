@@ -21,7 +21,7 @@
 #include "bridge/can/codec.h"
 #include "bridge/virtual_axes/axes_config.h"
 #include "bridge/virtual_axes/schedule.h"
-#include "components/provider/plant.h"
+#include "components/robot/provider/plant.h"
 
 namespace sinew::virtual_axes {
 

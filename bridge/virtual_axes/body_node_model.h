@@ -17,7 +17,7 @@
 #include "bridge/can/body_node.h"
 #include "bridge/virtual_axes/axes_config.h"
 #include "bridge/virtual_axes/schedule.h"
-#include "components/provider/plant.h"
+#include "components/robot/provider/plant.h"
 
 namespace sinew::virtual_axes {
 

@@ -18,7 +18,7 @@
 #include "bridge/virtual_axes/body_node_model.h"
 #include "bridge/virtual_axes/gateway_model.h"
 #include "bridge/virtual_axes/sensor_node_model.h"
-#include "components/provider/simulated_plant.h"
+#include "components/robot/provider/simulated_plant.h"
 
 namespace sinew::virtual_axes {
 

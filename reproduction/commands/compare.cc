@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "components/config/config.h"
-#include "components/report/file/section_file.h"
+#include "components/base/config/config.h"
+#include "components/model/report/file/section_file.h"
 #include "reproduction/legs_table/legs_data.h"
 #include "reproduction/network_tables/comparison.h"
 #include "reproduction/network_tables/comparison_text.h"

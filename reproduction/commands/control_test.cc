@@ -9,8 +9,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "components/config/config.h"
-#include "components/report/file/section_file.h"
+#include "components/base/config/config.h"
+#include "components/model/report/file/section_file.h"
 #include "reproduction/control_test/section.h"
 #include "tools/sinew/print_section.h"
 #include "tools/sinew/progress.h"

@@ -8,7 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "reproduction/paper/paper.h"
 #include "tools/sinew/shipped.h"
 

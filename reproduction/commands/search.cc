@@ -10,8 +10,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "components/config/config.h"
-#include "components/report/file/section_file.h"
+#include "components/base/config/config.h"
+#include "components/model/report/file/section_file.h"
 #include "reproduction/network_tables/search.h"
 #include "tools/sinew/progress.h"
 

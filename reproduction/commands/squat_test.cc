@@ -10,8 +10,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "components/config/config.h"
-#include "components/report/file/section_file.h"
+#include "components/base/config/config.h"
+#include "components/model/report/file/section_file.h"
 #include "reproduction/squat_test/photographs.h"
 #include "reproduction/squat_test/section.h"
 #include "tools/sinew/print_section.h"

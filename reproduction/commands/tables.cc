@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "components/pneumatics/file/pneumatics_file.h"
-#include "components/report/file/section_file.h"
+#include "components/model/report/file/section_file.h"
+#include "components/robot/pneumatics/file/pneumatics_file.h"
 #include "reproduction/module_tables/pressure_section.h"
 #include "reproduction/module_tables/regime_section.h"
 #include "reproduction/module_tables/rls_section.h"

@@ -13,10 +13,10 @@
 #include <string>
 #include <vector>
 
-#include "components/actuator/file/model_file.h"
-#include "components/config/config.h"
-#include "components/recording/file/recording_path.h"
-#include "components/recording/file/run_reader.h"
+#include "components/base/config/config.h"
+#include "components/model/actuator/file/model_file.h"
+#include "components/record/recording/file/recording_path.h"
+#include "components/record/recording/file/run_reader.h"
 #include "reproduction/networks/dataset/dataset.h"
 #include "reproduction/networks/file/model_file.h"
 #include "reproduction/networks/model.h"

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <utility>
 
-#include "components/identify/differentiate.h"
-#include "components/identify/iir_filter.h"
+#include "components/model/identify/differentiate.h"
+#include "components/model/identify/iir_filter.h"
 #include "sim/surrogate/surrogate.h"
 
 namespace sinew::control_test {

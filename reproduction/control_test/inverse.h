@@ -15,7 +15,7 @@
 
 #include <vector>
 
-#include "components/control/compensator.h"
+#include "components/robot/control/compensator.h"
 #include "sim/surrogate/parameters.h"
 #include "tools/tune_pid/closed_loop.h"
 

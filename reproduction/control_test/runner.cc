@@ -3,11 +3,11 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "components/config/config.h"
-#include "components/control/file/control_file.h"
-#include "components/pneumatics/file/pneumatics_file.h"
-#include "components/recording/file/run_reader.h"
-#include "components/reference/file/reference_file.h"
+#include "components/base/config/config.h"
+#include "components/record/recording/file/run_reader.h"
+#include "components/robot/control/file/control_file.h"
+#include "components/robot/pneumatics/file/pneumatics_file.h"
+#include "components/robot/reference/file/reference_file.h"
 #include "reproduction/recorded_run/recorded_run.h"
 #include "sim/surrogate/file/surrogate_file.h"
 #include "tools/edited_yaml/edited_yaml.h"

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "components/report/section.h"
+#include "components/model/report/section.h"
 #include "reproduction/control_test/runner.h"
 
 namespace sinew::control_test {

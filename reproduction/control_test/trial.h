@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "components/types/run.h"
+#include "components/base/types/run.h"
 #include "tools/tracking/tracking.h"
 
 namespace sinew::control_test {

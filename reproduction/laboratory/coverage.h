@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "components/experiment/result.h"
+#include "components/model/experiment/result.h"
 
 namespace sinew::laboratory {
 

@@ -6,10 +6,10 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "components/experiment/breakaway.h"
-#include "components/experiment/catalogue.h"
-#include "components/experiment/push.h"
-#include "components/types/angle.h"
+#include "components/base/types/angle.h"
+#include "components/model/experiment/breakaway.h"
+#include "components/model/experiment/catalogue.h"
+#include "components/model/experiment/push.h"
 #include "sim/surrogate/experiment.h"
 #include "sim/surrogate/random.h"
 

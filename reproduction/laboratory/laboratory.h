@@ -1,4 +1,4 @@
-// Runs an experiment of components/experiment on the surrogate, in this process.
+// Runs an experiment of components/model/experiment on the surrogate, in this process.
 //
 // Each trial starts in the state that the protocol asks for (angle, pressure, time at rest); a
 // robot has to be brought there. The truth comes from the surrogate's parameters, or, where a
@@ -13,8 +13,8 @@
 #include <string_view>
 #include <vector>
 
-#include "components/experiment/protocol.h"
-#include "components/experiment/result.h"
+#include "components/model/experiment/protocol.h"
+#include "components/model/experiment/result.h"
 #include "sim/surrogate/parameters.h"
 
 namespace sinew::laboratory {

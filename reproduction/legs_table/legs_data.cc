@@ -3,10 +3,10 @@
 #include <stdexcept>
 #include <string>
 
-#include "components/actuator/file/model_file.h"
-#include "components/config/config.h"
-#include "components/esn/dataset/dataset.h"
-#include "components/recording/file/run_reader.h"
+#include "components/base/config/config.h"
+#include "components/learn/esn/dataset/dataset.h"
+#include "components/model/actuator/file/model_file.h"
+#include "components/record/recording/file/run_reader.h"
 #include "reproduction/recorded_run/recorded_run.h"
 #include "reproduction/training_sets/training_sets.h"
 

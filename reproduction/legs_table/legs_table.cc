@@ -6,7 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "components/identify/statistics.h"
+#include "components/model/identify/statistics.h"
 #include "reproduction/network_tables/comparison_models.h"
 #include "reproduction/networks/model.h"
 #include "tools/jobs/jobs.h"

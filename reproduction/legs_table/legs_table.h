@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "components/report/section.h"
+#include "components/model/report/section.h"
 #include "reproduction/networks/published.h"
 #include "reproduction/networks/samples.h"
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "bench/acceptance/pressure.h"
-#include "components/report/section.h"
+#include "components/model/report/section.h"
 
 namespace sinew::reproduction {
 

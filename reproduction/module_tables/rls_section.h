@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "bench/acceptance/rls.h"
-#include "components/report/section.h"
+#include "components/model/report/section.h"
 
 namespace sinew::reproduction {
 

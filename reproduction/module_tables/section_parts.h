@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "components/report/section.h"
+#include "components/model/report/section.h"
 
 namespace sinew::reproduction {
 

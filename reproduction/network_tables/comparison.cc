@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "components/identify/statistics.h"
+#include "components/model/identify/statistics.h"
 #include "reproduction/network_tables/comparison_models.h"
 #include "reproduction/network_tables/comparison_set.h"
 #include "reproduction/networks/grey_box.h"

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "components/identify/statistics.h"
+#include "components/model/identify/statistics.h"
 #include "reproduction/training_sets/training_sets.h"
 
 namespace sinew::reproduction {

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "components/types/run.h"
+#include "components/base/types/run.h"
 #include "reproduction/networks/dataset/dataset.h"
 #include "reproduction/networks/samples.h"
 

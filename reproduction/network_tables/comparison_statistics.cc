@@ -3,7 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "components/identify/statistics.h"
+#include "components/model/identify/statistics.h"
 #include "reproduction/network_tables/comparison.h"
 #include "reproduction/networks/stepper.h"
 

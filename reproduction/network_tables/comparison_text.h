@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "components/report/section.h"
+#include "components/model/report/section.h"
 #include "reproduction/network_tables/comparison.h"
 
 namespace sinew::reproduction {

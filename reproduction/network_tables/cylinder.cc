@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "components/config/config.h"
-#include "components/recording/csv_map.h"
-#include "components/recording/file/csv_map_file.h"
+#include "components/base/config/config.h"
+#include "components/record/recording/csv_map.h"
+#include "components/record/recording/file/csv_map_file.h"
 
 namespace sinew::reproduction {
 namespace {

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "components/types/run.h"
+#include "components/base/types/run.h"
 
 namespace sinew::reproduction {
 

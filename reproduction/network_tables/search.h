@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "components/report/picture.h"
+#include "components/model/report/picture.h"
 #include "reproduction/network_tables/comparison.h"
 
 namespace sinew::reproduction {

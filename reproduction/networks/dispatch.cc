@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "components/simd/fastest.h"
+#include "components/base/simd/fastest.h"
 
 namespace sinew::networks::internal {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <type_traits>
 
-#include "components/simd/instructions.h"
+#include "components/base/simd/instructions.h"
 #include "reproduction/networks/kernel.h"
 
 namespace sinew::networks::internal {

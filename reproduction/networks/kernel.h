@@ -1,6 +1,6 @@
-// The inner loops of the networks, each compiled for several instruction sets (components/simd), in
-// float and in double. Plain pointers on purpose: the kernel files include nothing that could leak
-// wide instructions elsewhere.
+// The inner loops of the networks, each compiled for several instruction sets
+// (components/base/simd), in float and in double. Plain pointers on purpose: the kernel files
+// include nothing that could leak wide instructions elsewhere.
 //
 // A tile is a few samples side by side: row r of a tile holds one quantity of all its samples,
 // `lanes` numbers, lanes a multiple of kLaneBytes / sizeof(S). No operation is fused and sums have

@@ -15,7 +15,7 @@
 #include <span>
 #include <vector>
 
-#include "components/simd/instructions.h"
+#include "components/base/simd/instructions.h"
 #include "reproduction/networks/architecture.h"
 #include "reproduction/networks/samples.h"
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "components/esn/network.h"
+#include "components/learn/esn/network.h"
 
 namespace sinew::networks {
 namespace {

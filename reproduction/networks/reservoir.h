@@ -2,17 +2,17 @@
 //
 //     y(t) = W_out x(t)            (4.42), N parameters an output as in (6.5), (6.8), (6.16)
 //
-// The reservoir is that of components/esn (4.38)-(4.40), the readout is by ridge regression (4.41)
-// with a given strength, or with the best of 20 by generalised cross-validation. The state starts
-// from 0 in every sequence; its first `washout` samples are not used for the fit.
+// The reservoir is that of components/learn/esn (4.38)-(4.40), the readout is by ridge regression
+// (4.41) with a given strength, or with the best of 20 by generalised cross-validation. The state
+// starts from 0 in every sequence; its first `washout` samples are not used for the fit.
 #pragma once
 
 #include <Eigen/Core>
 #include <optional>
 #include <vector>
 
-#include "components/esn/ridge.h"
-#include "components/esn/weights.h"
+#include "components/learn/esn/ridge.h"
+#include "components/learn/esn/weights.h"
 #include "reproduction/networks/samples.h"
 
 namespace sinew::networks {

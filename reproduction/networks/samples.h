@@ -11,8 +11,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "components/esn/training.h"
-#include "components/esn/weights.h"
+#include "components/learn/esn/training.h"
+#include "components/learn/esn/weights.h"
 
 namespace sinew::networks {
 

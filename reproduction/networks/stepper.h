@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "components/esn/network.h"
+#include "components/learn/esn/network.h"
 #include "reproduction/networks/model.h"
 
 namespace sinew::networks {

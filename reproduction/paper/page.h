@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "components/report/section.h"
+#include "components/model/report/section.h"
 
 namespace sinew::reproduction {
 

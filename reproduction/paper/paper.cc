@@ -8,8 +8,8 @@
 #include <chrono>
 #include <set>
 
-#include "components/config/config.h"
-#include "components/report/file/section_file.h"
+#include "components/base/config/config.h"
+#include "components/model/report/file/section_file.h"
 #include "reproduction/paper/page.h"
 
 namespace sinew::reproduction {

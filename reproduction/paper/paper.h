@@ -1,8 +1,8 @@
 // A paper: measurements made by commands of `sinew`, collected on one page.
 //
 // A plan file names the commands. Each runs as a process of its own with --out FOLDER/ID and leaves
-// a section there (components/report/section.h). What is there already is not made again, so an
-// interrupted paper goes on where it stopped. One thread.
+// a section there (components/model/report/section.h). What is there already is not made again, so
+// an interrupted paper goes on where it stopped. One thread.
 #pragma once
 
 #include <filesystem>

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "components/report/picture.h"
+#include "components/model/report/picture.h"
 #include "sim/render/camera.h"
 
 namespace sinew::squat_test {

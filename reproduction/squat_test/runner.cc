@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "reproduction/recorded_run/recorded_run.h"
 #include "tools/edited_yaml/edited_yaml.h"
 #include "tools/sinew/performance_sessions.h"

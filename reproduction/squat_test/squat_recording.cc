@@ -13,12 +13,12 @@
 #include <string>
 #include <string_view>
 
-#include "components/config/config.h"
-#include "components/node/codec.h"
-#include "components/node/topics.h"
-#include "components/recording/file/file_io.h"
-#include "components/recording/mcap_reader.h"
-#include "components/types/angle.h"
+#include "components/base/config/config.h"
+#include "components/base/types/angle.h"
+#include "components/record/recording/file/file_io.h"
+#include "components/record/recording/mcap_reader.h"
+#include "components/topics/node/codec.h"
+#include "components/topics/node/topics.h"
 
 namespace sinew::squat_test {
 namespace {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "components/types/joints.h"
+#include "components/base/types/joints.h"
 
 namespace sinew::squat_test {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "components/identify/statistics.h"
-#include "components/recording/csv_map.h"
+#include "components/model/identify/statistics.h"
+#include "components/record/recording/csv_map.h"
 #include "sim/surrogate/excitation.h"
 #include "sim/surrogate/parameters.h"
 #include "sim/surrogate/random.h"

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "components/types/run.h"
+#include "components/base/types/run.h"
 #include "reproduction/networks/dataset/dataset.h"
 #include "sim/surrogate/experiment.h"
 

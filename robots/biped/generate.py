@@ -92,7 +92,7 @@ ODRIVE_TORQUE_CONSTANT_KV = 8.27
 JOINT_VELOCITY_RAD_S = 4.0
 # ms: the fuller bus carries what README.md computes from them.
 ESTIMATES_EVERY_MS, BODY_SAMPLES_EVERY_MS, WATCHDOG_MS = 3, 4, 100
-# Standard deviations of the simulated IMU: the bounds of components/fall/imu_check.h.
+# Standard deviations of the simulated IMU: the bounds of components/robot/fall/imu_check.h.
 IMU_FORCE_NOISE_M_S2, IMU_RATE_NOISE_RAD_S = 0.05, 1.7e-3
 CAN_BUSES = """buses:
   - {name: left, transport: virtual, bus: biped_left, bitrate_bit_s: 1000000}

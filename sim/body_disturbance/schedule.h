@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "components/provider/simulated_plant.h"
+#include "components/robot/provider/simulated_plant.h"
 
 namespace sinew::body_disturbance {
 

@@ -12,7 +12,7 @@
 
 #include <vector>
 
-#include "components/actuator/model.h"
+#include "components/model/actuator/model.h"
 
 namespace sinew::plant {
 

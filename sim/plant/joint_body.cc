@@ -4,7 +4,7 @@
 #include <memory>
 #include <span>
 
-#include "components/types/control_mode.h"
+#include "components/base/types/control_mode.h"
 #include "sim/plant/single_joint.h"
 
 namespace sinew::plant {

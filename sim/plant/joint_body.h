@@ -2,7 +2,7 @@
 // does not involve other bodies.
 #pragma once
 
-#include "components/free_run/free_run.h"
+#include "components/model/free_run/free_run.h"
 
 namespace sinew::plant {
 

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "components/types/control_mode.h"
+#include "components/base/types/control_mode.h"
 #include "sim/plant/friction.h"
 
 namespace sinew::plant {

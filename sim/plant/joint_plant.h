@@ -31,8 +31,8 @@
 #include <span>
 #include <vector>
 
-#include "components/actuator/model.h"
-#include "components/types/control_mode.h"
+#include "components/base/types/control_mode.h"
+#include "components/model/actuator/model.h"
 
 namespace sinew::plant {
 

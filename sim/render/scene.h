@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "components/arm/bodies.h"
+#include "components/bodies/links/bodies.h"
 
 namespace sinew::render {
 

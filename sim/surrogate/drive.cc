@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "components/types/control_mode.h"
+#include "components/base/types/control_mode.h"
 
 namespace sinew::surrogate {
 

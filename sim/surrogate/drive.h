@@ -8,7 +8,7 @@
 // = 2 b, Ki = Kp^2 / 4). It lags, as the real one does. One owner; no allocation; Step is noexcept.
 #pragma once
 
-#include "components/types/control_mode.h"
+#include "components/base/types/control_mode.h"
 
 namespace sinew::surrogate {
 

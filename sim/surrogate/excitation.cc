@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "components/types/angle.h"
-#include "components/types/control_mode.h"
+#include "components/base/types/angle.h"
+#include "components/base/types/control_mode.h"
 
 namespace sinew::surrogate {
 namespace {

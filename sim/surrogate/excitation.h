@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "components/provider/simulated_plant.h"
+#include "components/robot/provider/simulated_plant.h"
 #include "sim/surrogate/parameters.h"
 #include "sim/surrogate/random.h"
 

@@ -9,7 +9,7 @@
 #include <functional>
 #include <vector>
 
-#include "components/provider/simulated_plant.h"
+#include "components/robot/provider/simulated_plant.h"
 #include "sim/surrogate/surrogate.h"
 
 namespace sinew::surrogate {

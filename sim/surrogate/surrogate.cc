@@ -5,8 +5,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "components/types/joints.h"
-#include "components/types/signal.h"
+#include "components/base/types/joints.h"
+#include "components/base/types/signal.h"
 
 namespace sinew::surrogate {
 namespace {

@@ -13,7 +13,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "components/provider/simulated_plant.h"
+#include "components/robot/provider/simulated_plant.h"
 #include "sim/surrogate/rig.h"
 
 namespace sinew::surrogate {

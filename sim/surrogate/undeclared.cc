@@ -7,7 +7,7 @@
 #include <span>
 #include <stdexcept>
 
-#include "components/types/angle.h"
+#include "components/base/types/angle.h"
 
 namespace sinew::surrogate {
 namespace {

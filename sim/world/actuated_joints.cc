@@ -5,8 +5,8 @@
 #include <limits>
 #include <stdexcept>
 
-#include "components/types/joints.h"
-#include "components/types/run.h"
+#include "components/base/types/joints.h"
+#include "components/base/types/run.h"
 
 namespace sinew::world {
 

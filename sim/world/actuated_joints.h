@@ -16,9 +16,9 @@
 #include <string>
 #include <vector>
 
-#include "components/actuator/model.h"
-#include "components/arm/bodies.h"
-#include "components/provider/simulated_plant.h"
+#include "components/bodies/links/bodies.h"
+#include "components/model/actuator/model.h"
+#include "components/robot/provider/simulated_plant.h"
 #include "sim/plant/gas_effects.h"
 #include "sim/plant/joint_plant.h"
 #include "sim/plant/pneumatics.h"

@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "components/types/joints.h"
+#include "components/base/types/joints.h"
 #include "sim/world/multi_body.h"
 
 namespace sinew::world {

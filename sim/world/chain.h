@@ -13,8 +13,8 @@
 #include <memory>
 #include <vector>
 
-#include "components/arm/bodies.h"
-#include "components/types/joints.h"
+#include "components/base/types/joints.h"
+#include "components/bodies/links/bodies.h"
 
 namespace sinew::world {
 using JointVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, types::kMaxJoints, 1>;

@@ -18,7 +18,7 @@
 #include <span>
 #include <vector>
 
-#include "components/arm/bodies.h"
+#include "components/bodies/links/bodies.h"
 
 namespace sinew::world {
 

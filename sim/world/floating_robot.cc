@@ -6,7 +6,7 @@
 #include <span>
 #include <stdexcept>
 
-#include "components/types/joints.h"
+#include "components/base/types/joints.h"
 #include "sim/plant/friction.h"
 #include "sim/world/rest_pose.h"
 

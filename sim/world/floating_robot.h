@@ -35,9 +35,9 @@
 #include <string>
 #include <vector>
 
-#include "components/actuator/model.h"
-#include "components/arm/fixed_links.h"
-#include "components/provider/simulated_plant.h"
+#include "components/bodies/links/fixed_links.h"
+#include "components/model/actuator/model.h"
+#include "components/robot/provider/simulated_plant.h"
 #include "sim/world/actuated_joints.h"
 #include "sim/world/contact.h"
 #include "sim/world/floating_chain.h"

@@ -10,7 +10,7 @@
 #include <memory>
 #include <vector>
 
-#include "components/arm/bodies.h"
+#include "components/bodies/links/bodies.h"
 
 namespace sinew::world {
 

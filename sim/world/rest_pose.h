@@ -16,7 +16,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "components/arm/bodies.h"
+#include "components/bodies/links/bodies.h"
 #include "sim/world/floating_chain.h"
 
 namespace sinew::world {

@@ -25,7 +25,7 @@
 #include <string_view>
 #include <vector>
 
-#include "components/types/angle.h"
+#include "components/base/types/angle.h"
 
 namespace sinew::world {
 
@@ -47,7 +47,7 @@ struct ImuErrors {
 // MPU-6050, uncalibrated (InvenSense PS-MPU-6000A revision 3.4, sections 6.1 and 6.2, low pass
 // DLPFCFG = 2, 2 g and 500 deg/s): noise 400 ug/sqrt(Hz) and 0.005 deg/s/sqrt(Hz), zero-g 50 mg,
 // zero rate 20 deg/s, scale 3 %, 16384 and 65.5 steps to a g and a deg/s. Within the bounds of
-// components/fall/imu_check.h.
+// components/robot/fall/imu_check.h.
 inline constexpr double kImuG_m_s2 = 9.80665;
 inline constexpr ImuErrors kMpu6050{.force = {.bandwidth_Hz = 100.0,
                                               .noise_density = 400e-6 * kImuG_m_s2,

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "components/types/joints.h"
+#include "components/base/types/joints.h"
 #include "sim/plant/friction.h"
 
 namespace sinew::world {

@@ -18,8 +18,8 @@
 #include <span>
 #include <vector>
 
-#include "components/actuator/model.h"
-#include "components/provider/simulated_plant.h"
+#include "components/model/actuator/model.h"
+#include "components/robot/provider/simulated_plant.h"
 #include "sim/world/actuated_joints.h"
 #include "sim/world/chain.h"
 

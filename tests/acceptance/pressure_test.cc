@@ -7,7 +7,7 @@
 #include <cmath>
 #include <string>
 
-#include "components/pneumatics/file/pneumatics_file.h"
+#include "components/robot/pneumatics/file/pneumatics_file.h"
 #include "tests/acceptance/acceptance.h"
 
 namespace sinew::acceptance {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "bridge/can/candump.h"
-#include "components/types/control_mode.h"
+#include "components/base/types/control_mode.h"
 #include "tests/fuzz/watched_plant.h"
 
 namespace sinew::fuzz {

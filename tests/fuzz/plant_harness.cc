@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "bridge/can/compact.h"
-#include "components/types/control_mode.h"
+#include "components/base/types/control_mode.h"
 #include "tests/fuzz/harness.h"
 #include "tests/fuzz/property.h"
 #include "tests/fuzz/watched_plant.h"

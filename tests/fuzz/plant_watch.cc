@@ -6,7 +6,7 @@
 #include <cstring>
 #include <numbers>
 
-#include "components/types/control_mode.h"
+#include "components/base/types/control_mode.h"
 
 namespace sinew::fuzz {
 namespace {

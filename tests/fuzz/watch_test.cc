@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "components/types/control_mode.h"
+#include "components/base/types/control_mode.h"
 #include "tests/fuzz/watched_plant.h"
 
 namespace sinew::fuzz {

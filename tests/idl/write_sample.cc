@@ -8,10 +8,10 @@
 #include <random>
 #include <string>
 
-#include "components/node/topics.h"
-#include "components/recording/file/file_io.h"
-#include "components/recording/mcap_writer.h"
-#include "components/recording/run_import.h"
+#include "components/record/recording/file/file_io.h"
+#include "components/record/recording/mcap_writer.h"
+#include "components/record/recording/run_import.h"
+#include "components/topics/node/topics.h"
 #include "tests/support/json_cdr.h"
 
 namespace {

@@ -32,8 +32,8 @@
 #include <utility>
 #include <vector>
 
-#include "components/node/node.h"
-#include "components/types/clock/clock.h"
+#include "components/base/types/clock/clock.h"
+#include "components/topics/node/node.h"
 #include "tests/kernel/raw_socket.h"
 #include "tests/support/motors_alone.h"
 #include "tests/support/program.h"

@@ -13,7 +13,7 @@
 #include <functional>
 #include <string>
 
-#include "components/estop/inputs.h"
+#include "components/robot/estop/inputs.h"
 #include "tests/support/skip.h"
 
 namespace sinew::estop {

@@ -26,9 +26,9 @@
 #include "bridge/can/transport/socketcan.h"
 #include "bridge/joints/can_plant.h"
 #include "bridge/virtual_axes/virtual_axes.h"
-#include "components/config/config.h"
-#include "components/types/clock/clock.h"
-#include "components/types/control_mode.h"
+#include "components/base/config/config.h"
+#include "components/base/types/clock/clock.h"
+#include "components/base/types/control_mode.h"
 #include "tests/bridge/virtual_axes/rotors.h"
 #include "tests/kernel/raw_socket.h"
 

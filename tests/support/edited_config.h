@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 
 namespace sinew::testing {
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <string>
 
-#include "components/recording/bytes.h"
+#include "components/record/recording/bytes.h"
 
 namespace sinew::recording {
 namespace {

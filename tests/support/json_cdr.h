@@ -1,10 +1,10 @@
 // JSON as the payload of a message: the reverse of CdrToJson
-// (components/recording/file/cdr_json.h).
+// (components/record/recording/file/cdr_json.h).
 #pragma once
 
 #include <nlohmann/json.hpp>
 
-#include "components/recording/cdr.h"
+#include "components/record/recording/cdr.h"
 
 namespace sinew::recording {
 

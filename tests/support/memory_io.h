@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "components/recording/io.h"
+#include "components/record/recording/io.h"
 
 namespace sinew::recording {
 

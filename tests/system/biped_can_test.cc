@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "components/node/node.h"
+#include "components/topics/node/node.h"
 #include "tests/support/edited_config.h"
 #include "tests/support/program.h"
 #include "tests/support/realtime.h"

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "components/actuator/file/model_file.h"
+#include "components/model/actuator/file/model_file.h"
 #include "tests/support/program.h"
 #include "tests/support/sinew_program.h"
 #include "tests/support/temporary_folder.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "components/control/file/control_file.h"
+#include "components/robot/control/file/control_file.h"
 #include "tests/support/program.h"
 #include "tests/support/sinew_program.h"
 #include "tests/support/temporary_folder.h"

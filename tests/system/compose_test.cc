@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "components/node/node.h"
+#include "components/topics/node/node.h"
 #include "tests/support/program.h"
 #include "tests/support/realtime.h"
 #include "tests/support/sinew_program.h"

@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "components/node/topics.h"
-#include "components/recording/file/file_io.h"
-#include "components/recording/mcap_writer.h"
-#include "components/recording/run_import.h"
+#include "components/record/recording/file/file_io.h"
+#include "components/record/recording/mcap_writer.h"
+#include "components/record/recording/run_import.h"
+#include "components/topics/node/topics.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/tools/conform/run_all.h"
 #include "tools/conform/robot.h"

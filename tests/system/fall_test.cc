@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "components/types/angle.h"
+#include "components/base/types/angle.h"
 #include "tests/support/program.h"
 #include "tests/support/sinew_program.h"
 #include "tests/support/temporary_folder.h"

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "tests/support/program.h"
 #include "tests/support/sinew_program.h"
 #include "tests/support/temporary_folder.h"

@@ -20,9 +20,9 @@
 #include <string>
 #include <vector>
 
-#include "components/config/config.h"
-#include "components/node/codec.h"
-#include "components/node/node.h"
+#include "components/base/config/config.h"
+#include "components/topics/node/codec.h"
+#include "components/topics/node/node.h"
 #include "tests/support/program.h"
 #include "tests/support/realtime.h"
 #include "tests/support/sinew_program.h"

@@ -3,7 +3,7 @@
 #include <signal.h>
 #include <sinew_idl/joint.h>
 
-#include "components/node/node.h"
+#include "components/topics/node/node.h"
 #include "tests/support/patient_guard.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"

@@ -14,8 +14,8 @@
 #include <map>
 #include <string>
 
-#include "components/node/endpoint.h"
-#include "components/node/node.h"
+#include "components/topics/node/endpoint.h"
+#include "components/topics/node/node.h"
 #include "tests/support/patient_guard.h"
 #include "tests/support/program.h"
 #include "tests/support/realtime.h"

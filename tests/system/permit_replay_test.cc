@@ -14,8 +14,8 @@
 #include <thread>
 #include <vector>
 
-#include "components/node/node.h"
-#include "components/provider/participant/run_provider.h"
+#include "components/robot/provider/participant/run_provider.h"
+#include "components/topics/node/node.h"
 #include "tests/support/program.h"
 #include "tests/support/sinew_program.h"
 #include "tests/support/temporary_folder.h"

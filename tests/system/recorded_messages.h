@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "components/node/codec.h"
+#include "components/topics/node/codec.h"
 #include "tests/system/recording_payloads.h"
 
 namespace sinew::testing {

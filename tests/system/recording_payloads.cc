@@ -1,7 +1,7 @@
 #include "tests/system/recording_payloads.h"
 
-#include "components/recording/file/file_io.h"
-#include "components/recording/mcap_reader.h"
+#include "components/record/recording/file/file_io.h"
+#include "components/record/recording/mcap_reader.h"
 
 namespace sinew::testing {
 

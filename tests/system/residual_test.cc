@@ -7,7 +7,7 @@
 #include <cstring>
 #include <vector>
 
-#include "components/node/codec.h"
+#include "components/topics/node/codec.h"
 #include "tests/support/program.h"
 #include "tests/support/sinew_program.h"
 #include "tests/support/temporary_folder.h"

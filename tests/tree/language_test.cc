@@ -199,7 +199,8 @@ bool PathIsThere(const std::string& path) {
 }
 
 TEST(Language, FilesThatTheDocumentsCiteAreThere) {
-  // `components/identify/gas.h`, `robots/rig` and `set_search.h`; no patterns, no placeholders.
+  // `components/model/identify/gas.h`, `robots/rig` and `set_search.h`; no patterns, no
+  // placeholders.
   static const std::regex kQuoted("`([.A-Za-z0-9_][A-Za-z0-9_./-]*)`");
   static const std::regex kSource(R"([a-z0-9_]+\.(h|cc|idl))");
   std::set<std::string> names, tops;

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "components/node/topics.h"
+#include "components/topics/node/topics.h"
 #include "tests/tree/tree_files.h"
 
 namespace sinew {
@@ -61,12 +61,12 @@ bool IsTest(const std::string& file) {
 // Modules that are not pure, and why. Everything else under components/, bridge/ and sim/ is, but
 // for its folders participant/ (a process) and file/ (reading and writing).
 const std::map<std::string, std::string> kNotPure = {
-    {"components/config", "reads and writes files"},
-    {"components/estop", "a socket, a file, and the devices that are pressed"},
-    {"components/logger", "a queue and a thread in front of a file"},
-    {"components/types/clock", "reads the clock"},
-    {"components/node", "owns DDS, options, logs and clocks"},
-    {"components/wire", "translates the messages of the topics"},
+    {"components/base/config", "reads and writes files"},
+    {"components/robot/estop", "a socket, a file, and the devices that are pressed"},
+    {"components/record/logger", "a queue and a thread in front of a file"},
+    {"components/base/types/clock", "reads the clock"},
+    {"components/topics/node", "owns DDS, options, logs and clocks"},
+    {"components/topics/wire", "translates the messages of the topics"},
     {"sim/surrogate/csv", "a program: runs as CSV files"},
     {"bridge/can/bus", "a program: the server of the virtual bus"},
     {"bridge/can/transport", "sockets to buses"},
@@ -95,7 +95,8 @@ TEST(Tree, PureLibrariesIncludeNoTransportLogFileOrClock) {
   static const std::regex kForbidden(
       "^(fastdds|fastrtps|fastcdr|sinew_idl|spdlog|boost/"
       "(asio|process|filesystem|interprocess)|CLI|yaml-cpp|nlohmann|sys/|netinet/|arpa/|"
-      "linux/|components/node/|components/config/|components/types/clock/|tools/|tests/)"
+      "linux/|components/topics/node/|components/base/config/|components/base/types/clock/|tools/"
+      "|tests/)"
       "|^(fstream|iostream|filesystem|fcntl\\.h|unistd\\.h|ctime|time\\.h|thread|"
       "mutex|random_device)$"
       "|/(participant|file)/");
@@ -121,7 +122,7 @@ TEST(Tree, PureLibrariesUseNoClockChanceOrFile) {
   std::vector<std::string> found;
   for (const std::string& file : Files()) {
     // Times inner loops whose results are equal, and takes the fastest.
-    if (!IsPure(file) || file == "components/simd/fastest.cc") continue;
+    if (!IsPure(file) || file == "components/base/simd/fastest.cc") continue;
     const std::vector<std::string> lines = Lines(Read(kRoot / file));
     for (std::size_t i = 0; i < lines.size(); ++i) {
       const std::string code = lines[i].substr(0, lines[i].find("//"));
@@ -137,7 +138,8 @@ TEST(Tree, OnlyTheNodeModuleIncludesFastDds) {
   std::vector<std::string> found;
   for (const std::string& file : Files()) {
     // The relays of bench/chain show what the middleware costs without any code of ours.
-    if (!IsSource(file) || StartsWith(file, "components/node/") || file == "bench/chain/relay.cc") {
+    if (!IsSource(file) || StartsWith(file, "components/topics/node/") ||
+        file == "bench/chain/relay.cc") {
       continue;
     }
     for (const Include& include : IncludesOf(file)) {
@@ -149,7 +151,7 @@ TEST(Tree, OnlyTheNodeModuleIncludesFastDds) {
   EXPECT_THAT(found, IsEmpty());
 }
 
-// "components/rls/participant/x.cc" belongs to the unit "components/rls/participant".
+// "components/learn/rls/participant/x.cc" belongs to the unit "components/learn/rls/participant".
 std::string UnitOf(const std::string& file) { return fs::path(file).parent_path().string(); }
 
 // Which folder uses which.
@@ -251,16 +253,50 @@ TEST(Tree, ComponentsIncludeComponentsAndTopicTypesOnly) {
   EXPECT_THAT(ForeignIncludes("components", {"components/", "sinew_idl/", "idl/"}), IsEmpty());
 }
 
+// In the order in which components/README.md lists them.
+std::vector<std::string> Wings() {
+  static const std::regex kRow(R"(\| \[`(\w+)`\].*)");
+  std::vector<std::string> wings;
+  for (const std::string& line : Lines(Read(kRoot / "components/README.md"))) {
+    std::smatch match;
+    if (std::regex_match(line, match, kRow)) wings.push_back(match[1]);
+  }
+  return wings;
+}
+
+TEST(Tree, AWingIncludesItselfAndThoseAboveIt) {
+  const std::vector<std::string> wings = Wings();
+  std::set<std::string> folders;
+  for (const auto& entry : fs::directory_iterator(kRoot / "components")) {
+    if (entry.is_directory()) folders.insert(entry.path().filename());
+  }
+  EXPECT_EQ(std::set<std::string>(wings.begin(), wings.end()), folders);
+  const auto place = [&wings](const std::string& file) {
+    const std::string wing = *std::next(fs::path(file).begin());
+    return std::find(wings.begin(), wings.end(), wing) - wings.begin();
+  };
+  std::vector<std::string> found;
+  for (const std::string& file : Files("components")) {
+    if (!IsSource(file)) continue;
+    for (const Include& include : IncludesOf(file)) {
+      if (StartsWith(include.name, "components/") && place(include.name) > place(file)) {
+        found.push_back(file + ":" + std::to_string(include.line) + " includes " + include.name);
+      }
+    }
+  }
+  EXPECT_THAT(found, IsEmpty());
+}
+
 TEST(Tree, SharedTypesIncludeNothingElseOfTheProject) {
-  EXPECT_GT(Files("components/types").size(), 5u);
-  EXPECT_THAT(ForeignIncludes("components/types", {"components/types/"}), IsEmpty());
+  EXPECT_GT(Files("components/base/types").size(), 5u);
+  EXPECT_THAT(ForeignIncludes("components/base/types", {"components/base/types/"}), IsEmpty());
   // Nor anything installed but the standard library (names without a folder) and Eigen.
   std::vector<std::string> found;
-  for (const std::string& file : Files("components/types")) {
+  for (const std::string& file : Files("components/base/types")) {
     if (!IsSource(file)) continue;
     for (const Include& include : IncludesOf(file)) {
       const bool folder = include.name.find('/') != std::string::npos;
-      const bool ours = StartsWith(include.name, "components/types/");
+      const bool ours = StartsWith(include.name, "components/base/types/");
       if (folder && !ours && !StartsWith(include.name, "Eigen/")) {
         found.push_back(file + " includes " + include.name);
       }

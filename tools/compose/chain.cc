@@ -6,12 +6,12 @@
 #include <functional>
 #include <set>
 
-#include "components/control/participant/component.h"
-#include "components/esn/participant/component.h"
-#include "components/pneumatics/participant/component.h"
-#include "components/reference/participant/component.h"
-#include "components/regime/participant/component.h"
-#include "components/rls/participant/component.h"
+#include "components/learn/esn/participant/component.h"
+#include "components/learn/rls/participant/component.h"
+#include "components/robot/control/participant/component.h"
+#include "components/robot/pneumatics/participant/component.h"
+#include "components/robot/reference/participant/component.h"
+#include "components/robot/regime/participant/component.h"
 
 namespace sinew::compose {
 namespace {

@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "components/node/component.h"
-#include "components/node/composition.h"
-#include "components/node/options.h"
-#include "components/provider/participant/provider_options.h"
+#include "components/robot/provider/participant/provider_options.h"
+#include "components/topics/node/component.h"
+#include "components/topics/node/composition.h"
+#include "components/topics/node/options.h"
 
 namespace sinew::compose {
 

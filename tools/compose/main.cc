@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "components/node/options.h"
-#include "components/provider/participant/provider_options.h"
+#include "components/robot/provider/participant/provider_options.h"
+#include "components/topics/node/options.h"
 #include "sim/surrogate/participant/run_surrogate.h"
 #include "tools/compose/chain.h"
 

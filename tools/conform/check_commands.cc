@@ -1,7 +1,7 @@
 // joint_command: what a controller may never send, whatever comes in.
 #include <algorithm>
 
-#include "components/node/topics.h"
+#include "components/topics/node/topics.h"
 #include "tools/conform/real_time_run.h"
 
 namespace sinew::conform {

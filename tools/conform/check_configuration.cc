@@ -11,7 +11,7 @@
 #include <system_error>
 #include <utility>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "tools/conform/checks.h"
 #include "tools/conform/real_time_run.h"
 #include "tools/launch/program.h"

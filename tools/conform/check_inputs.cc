@@ -1,7 +1,7 @@
 // Inputs that stop, come from a recording, from another session, or are damaged.
 #include <algorithm>
 
-#include "components/node/topics.h"
+#include "components/topics/node/topics.h"
 #include "tools/conform/real_time_run.h"
 
 namespace sinew::conform {

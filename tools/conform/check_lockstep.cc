@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "components/node/topics.h"
+#include "components/topics/node/topics.h"
 #include "tools/conform/real_time_run.h"
 
 namespace sinew::conform {

@@ -1,5 +1,5 @@
 // The checks of a program in real time, in their order.
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "tools/conform/real_time_run.h"
 
 namespace sinew::conform {

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <csignal>
 
-#include "components/node/endpoint.h"
-#include "components/node/ownership.h"
-#include "components/node/topics.h"
-#include "components/wire/component_state.h"
+#include "components/topics/node/endpoint.h"
+#include "components/topics/node/ownership.h"
+#include "components/topics/node/topics.h"
+#include "components/topics/wire/component_state.h"
 #include "tools/conform/real_time_run.h"
 
 namespace sinew::conform {

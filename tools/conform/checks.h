@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "components/node/options.h"
+#include "components/topics/node/options.h"
 #include "tools/conform/conform.h"
 #include "tools/conform/report.h"
 #include "tools/conform/role.h"

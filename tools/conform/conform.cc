@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "tools/conform/checks.h"
 #include "tools/conform/real_time_run.h"
 #include "tools/conform/role.h"

@@ -20,8 +20,8 @@
 #include <cmath>
 #include <initializer_list>
 
-#include "components/node/topics.h"
-#include "components/types/joints.h"
+#include "components/base/types/joints.h"
+#include "components/topics/node/topics.h"
 
 namespace sinew::conform {
 

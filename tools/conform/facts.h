@@ -5,7 +5,7 @@
 #include <optional>
 #include <string_view>
 
-#include "components/node/codec.h"
+#include "components/topics/node/codec.h"
 
 namespace sinew::conform {
 
@@ -20,7 +20,7 @@ struct Facts {
   node::Bytes canonical;    // the same message with alignment bytes 0
 };
 
-// Nothing: the payload is no message of this topic (components/node/codec.h).
+// Nothing: the payload is no message of this topic (components/topics/node/codec.h).
 std::optional<Facts> ReadFacts(std::string_view topic, const node::Bytes& payload);
 
 // A message of the topic with a joint_count that its arrays do not have; empty: it has no

@@ -12,7 +12,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "components/node/topics.h"
+#include "components/topics/node/topics.h"
 
 namespace sinew::conform {
 

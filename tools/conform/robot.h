@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "components/node/codec.h"
+#include "components/topics/node/codec.h"
 
 namespace sinew::conform {
 

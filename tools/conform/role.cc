@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "components/config/config.h"
-#include "components/node/topic_parties.h"
+#include "components/base/config/config.h"
+#include "components/topics/node/topic_parties.h"
 
 namespace sinew::conform {
 

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "components/node/topics.h"
+#include "components/topics/node/topics.h"
 
 namespace sinew::conform {
 

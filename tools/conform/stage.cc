@@ -5,8 +5,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "components/node/endpoint.h"
-#include "components/node/ownership.h"
+#include "components/topics/node/endpoint.h"
+#include "components/topics/node/ownership.h"
 
 namespace sinew::conform {
 

@@ -17,8 +17,8 @@
 #include <string>
 #include <vector>
 
-#include "components/node/endpoint.h"
-#include "components/node/node.h"
+#include "components/topics/node/endpoint.h"
+#include "components/topics/node/node.h"
 #include "tools/conform/facts.h"
 #include "tools/conform/robot.h"
 #include "tools/conform/role.h"

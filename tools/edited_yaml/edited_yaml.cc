@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 
 namespace sinew::edited_yaml {
 

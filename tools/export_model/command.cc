@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "components/actuator/file/model_file.h"
-#include "components/arm/file/urdf_file.h"
-#include "components/config/config.h"
-#include "components/identify/file/processing_file.h"
-#include "components/identify/interpolated.h"
-#include "components/recording/file/run_reader.h"
+#include "components/base/config/config.h"
+#include "components/bodies/links/file/urdf_file.h"
+#include "components/model/actuator/file/model_file.h"
+#include "components/model/identify/file/processing_file.h"
+#include "components/model/identify/interpolated.h"
+#include "components/record/recording/file/run_reader.h"
 #include "tools/export_model/cost.h"
 #include "tools/export_model/described_robot.h"
 #include "tools/export_model/remarks.h"

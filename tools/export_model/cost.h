@@ -4,9 +4,9 @@
 // - a robot of one joint: the error of the simulated position beside the recordings, by sim/world
 //   (tools/verify)
 // - a robot of several joints on a fixed base: the error of the torque that each joint's drive
-//   needs for the recorded motion, by the balance that `sinew close-loop` reports (components/arm,
-//   without a term rigid_body components/identify). A joint driven by effort beside others needs
-//   the whole robot simulated, which free_run does not do.
+//   needs for the recorded motion, by the balance that `sinew close-loop` reports
+//   (components/model/arm, without a term rigid_body components/model/identify). A joint driven by
+//   effort beside others needs the whole robot simulated, which free_run does not do.
 //
 // The terms have their last fitted values, bodies are those of the URDF: nothing is fitted again.
 // Pure but for the URDF that the simulation reads; allocates.
@@ -17,10 +17,10 @@
 #include <string_view>
 #include <vector>
 
-#include "components/actuator/model.h"
-#include "components/arm/bodies.h"
-#include "components/identify/processing.h"
-#include "components/types/run.h"
+#include "components/base/types/run.h"
+#include "components/bodies/links/bodies.h"
+#include "components/model/actuator/model.h"
+#include "components/model/identify/processing.h"
 #include "tools/export_model/described_robot.h"
 
 namespace sinew::export_model {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "components/arm/payloads.h"
+#include "components/model/payloads/payloads.h"
 
 namespace sinew::export_model {
 namespace {

@@ -11,9 +11,9 @@
 #include <string_view>
 #include <vector>
 
-#include "components/actuator/model.h"
-#include "components/arm/bodies.h"
-#include "components/arm/fixed_links.h"
+#include "components/bodies/links/bodies.h"
+#include "components/bodies/links/fixed_links.h"
+#include "components/model/actuator/model.h"
 
 namespace sinew::export_model {
 

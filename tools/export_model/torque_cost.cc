@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "components/arm/arm_fit.h"
-#include "components/arm/payloads.h"
-#include "components/identify/design.h"
-#include "components/identify/fit.h"
+#include "components/model/arm/arm_fit.h"
+#include "components/model/identify/design.h"
+#include "components/model/identify/fit.h"
+#include "components/model/payloads/payloads.h"
 #include "tools/export_model/cost.h"
 
 namespace sinew::export_model {

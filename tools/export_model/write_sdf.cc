@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "components/report/section.h"
+#include "components/model/report/section.h"
 #include "tools/export_model/write_model.h"
 #include "tools/export_model/xml_text.h"
 

@@ -16,7 +16,7 @@
 #include <variant>
 #include <vector>
 
-#include "components/recording/cdr.h"
+#include "components/record/recording/cdr.h"
 
 namespace sinew::export_recording {
 

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "components/actuator/file/model_file.h"
-#include "components/config/config.h"
+#include "components/base/config/config.h"
+#include "components/model/actuator/file/model_file.h"
 #include "tools/export_recording/ros2_bag.h"
 #include "tools/export_recording/tables.h"
 

@@ -8,12 +8,12 @@
 #include <set>
 #include <stdexcept>
 
-#include "components/config/config.h"
-#include "components/recording/cdr.h"
-#include "components/recording/file/file_io.h"
-#include "components/recording/mcap_reader.h"
-#include "components/recording/mcap_writer.h"
-#include "components/types/joints.h"
+#include "components/base/config/config.h"
+#include "components/base/types/joints.h"
+#include "components/record/recording/cdr.h"
+#include "components/record/recording/file/file_io.h"
+#include "components/record/recording/mcap_reader.h"
+#include "components/record/recording/mcap_writer.h"
 #include "tools/export_recording/ros2_messages.h"
 
 namespace sinew::export_recording {

@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "components/recording/file/recording_path.h"
+#include "components/record/recording/file/recording_path.h"
 #include "tools/export_recording/tables.h"
 
 namespace sinew::export_recording {

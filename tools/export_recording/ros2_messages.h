@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "components/recording/bytes.h"
+#include "components/record/recording/bytes.h"
 
 namespace sinew::export_recording {
 

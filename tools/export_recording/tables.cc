@@ -4,7 +4,7 @@
 #include <limits>
 #include <map>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 
 namespace sinew::export_recording {
 namespace {

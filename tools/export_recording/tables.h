@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "components/recording/file/file_io.h"
-#include "components/recording/file/recording_path.h"
-#include "components/recording/mcap_reader.h"
+#include "components/record/recording/file/file_io.h"
+#include "components/record/recording/file/recording_path.h"
+#include "components/record/recording/mcap_reader.h"
 #include "tools/export_recording/columns.h"
 
 namespace sinew::export_recording {

@@ -1,7 +1,7 @@
 #include <cstring>
 #include <limits>
 
-#include "components/recording/bytes.h"
+#include "components/record/recording/bytes.h"
 #include "tools/export_recording/npz.h"
 #include "tools/export_recording/tables.h"
 

@@ -123,9 +123,9 @@ def list_macro(name, what, items):
 def topic_list(topics, commands):
     types = unique(topic.type for topic in topics)
     without = unique(topic.type for topic in topics if not topic.begins_with_header)
-    lines = [GENERATED, "// Included by components/node/topics.h: a constant per topic.", "#pragma once", "",
+    lines = [GENERATED, "// Included by components/topics/node/topics.h: a constant per topic.", "#pragma once", "",
              "#include <array>", "#include <string_view>", "",
-             '#include "components/node/topic.h"', "", "namespace sinew::msg {"]
+             '#include "components/topics/node/topic.h"', "", "namespace sinew::msg {"]
     lines += [f"class {type_};" for type_ in types]
     lines += ["}  // namespace sinew::msg", "", "namespace sinew::node {", ""]
     lines += [f"inline constexpr Topic<msg::{topic.type}> {topic.constant}{{\"{topic.name}\", "
@@ -209,7 +209,7 @@ def all_checks(readme, files):
     lines = [GENERATED, "// Whether a decoded message means something: its enumerators have names, its counts fit their arrays,",
              "// its texts and sequences their bounds. Internal to this module.", "#pragma once", "",
              "#include <algorithm>", "#include <array>", "#include <cstddef>", "#include <cstdint>", "",
-             '#include "components/node/all_messages.h"', "", "namespace sinew::node::internal {", "",
+             '#include "components/topics/node/all_messages.h"', "", "namespace sinew::node::internal {", "",
              "template <class Enum>", "bool Named(Enum value, std::uint32_t names) {",
              "  return static_cast<std::uint32_t>(value) < names;", "}",
              "template <class Enum, std::size_t n>",

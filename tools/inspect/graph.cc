@@ -6,8 +6,8 @@
 #include <set>
 #include <tuple>
 
-#include "components/node/matching.h"
-#include "components/node/topic_parties.h"
+#include "components/topics/node/matching.h"
+#include "components/topics/node/topic_parties.h"
 
 namespace sinew::inspect {
 

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "components/node/endpoint.h"
+#include "components/topics/node/endpoint.h"
 
 namespace sinew::inspect {
 

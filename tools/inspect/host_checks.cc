@@ -7,7 +7,7 @@
 #include <optional>
 #include <sstream>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 
 namespace sinew::inspect {
 

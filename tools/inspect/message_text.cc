@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "components/recording/file/cdr_json.h"
-#include "components/types/joints.h"
+#include "components/base/types/joints.h"
+#include "components/record/recording/file/cdr_json.h"
 
 namespace sinew::inspect {
 

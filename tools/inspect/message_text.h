@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
-#include "components/recording/cdr.h"
+#include "components/record/recording/cdr.h"
 
 namespace sinew::inspect {
 

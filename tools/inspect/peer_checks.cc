@@ -7,7 +7,7 @@
 #include <optional>
 #include <set>
 
-#include "components/node/matching.h"
+#include "components/topics/node/matching.h"
 
 namespace sinew::inspect {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "components/node/endpoint.h"
+#include "components/topics/node/endpoint.h"
 #include "tools/inspect/findings.h"
 
 namespace sinew::inspect {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "components/report/picture.h"
+#include "components/model/report/picture.h"
 
 namespace sinew::inspect {
 

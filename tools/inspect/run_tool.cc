@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "tools/launch/program.h"
 
 namespace sinew::inspect {

@@ -4,7 +4,7 @@
 #include <array>
 #include <string_view>
 
-#include "components/node/topics.h"
+#include "components/topics/node/topics.h"
 
 namespace sinew::inspect {
 

@@ -9,7 +9,7 @@
 #include <set>
 #include <sstream>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "tools/launch/deployment_files.h"
 
 namespace sinew::launch {

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "components/config/config.h"
-#include "components/recording/file/file_io.h"
-#include "components/recording/mcap_record.h"
+#include "components/base/config/config.h"
+#include "components/record/recording/file/file_io.h"
+#include "components/record/recording/mcap_record.h"
 #include "tools/inspect/plot.h"
 #include "tools/inspect/run_tool.h"
 #include "tools/rerun/edited_parts.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string_view>
 
-#include "components/types/joints.h"
+#include "components/base/types/joints.h"
 #include "tools/rerun/message_diff.h"
 
 namespace sinew::rerun {

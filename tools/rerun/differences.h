@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "components/recording/idl_schema.h"
+#include "components/record/recording/idl_schema.h"
 
 namespace sinew::rerun {
 

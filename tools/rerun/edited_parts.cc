@@ -1,6 +1,6 @@
 #include "tools/rerun/edited_parts.h"
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "tools/edited_yaml/edited_yaml.h"
 
 namespace sinew::rerun {

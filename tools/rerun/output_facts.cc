@@ -13,7 +13,7 @@ namespace {
 struct TickName {
   std::string_view field, topic;
 };
-// The fields of components/node/tick_loop.cc, SetInputTick.
+// The fields of components/topics/node/tick_loop.cc, SetInputTick.
 constexpr std::array<TickName, 8> kTickNames = {{{"actuator_tick", "actuator_state"},
                                                  {"reference_tick", "reference"},
                                                  {"regime_tick", "regime"},

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "components/recording/cdr.h"
+#include "components/record/recording/cdr.h"
 
 namespace sinew::rerun {
 

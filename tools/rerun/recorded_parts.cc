@@ -4,7 +4,7 @@
 #include <fstream>
 #include <system_error>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 
 namespace sinew::rerun {
 namespace {

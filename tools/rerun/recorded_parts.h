@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "components/node/options.h"
-#include "components/recording/mcap_reader.h"
+#include "components/record/recording/mcap_reader.h"
+#include "components/topics/node/options.h"
 #include "tools/compose/chain.h"
 #include "tools/launch/deployment.h"
 

@@ -5,9 +5,9 @@
 #include <iterator>
 #include <set>
 
-#include "components/config/config.h"
-#include "components/node/topics.h"
-#include "components/recording/idl_schema.h"
+#include "components/base/config/config.h"
+#include "components/record/recording/idl_schema.h"
+#include "components/topics/node/topics.h"
 
 namespace sinew::rerun {
 namespace {

@@ -12,8 +12,8 @@
 #include <string_view>
 #include <vector>
 
-#include "components/node/codec.h"
-#include "components/recording/mcap_reader.h"
+#include "components/record/recording/mcap_reader.h"
+#include "components/topics/node/codec.h"
 
 namespace sinew::rerun {
 
@@ -41,8 +41,8 @@ void CheckWriters(const recording::McapReader& reader, const std::string& file,
 class RecordedTicks {
  public:
   // In lockstep no writer is further ahead of a reader than its history is deep (256 samples, the
-  // profile `lockstep` of components/node/qos_profiles.xml), and no reader of it further ahead of
-  // the recorder: twice that. In real time inputs are older by less.
+  // profile `lockstep` of components/topics/node/qos_profiles.xml), and no reader of it further
+  // ahead of the recorder: twice that. In real time inputs are older by less.
   static constexpr std::uint64_t kTicksKept = 512;
 
   // topics: those that are read at all. The reader must outlive it.

@@ -8,9 +8,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "components/config/config.h"
-#include "components/node/tick_loop.h"
-#include "components/node/topics.h"
+#include "components/base/config/config.h"
+#include "components/topics/node/tick_loop.h"
+#include "components/topics/node/topics.h"
 #include "tools/rerun/output_facts.h"
 #include "tools/rerun/snapshots.h"
 #include "tools/rerun/stage.h"

@@ -12,8 +12,8 @@
 #include <set>
 #include <string>
 
-#include "components/config/config.h"
-#include "components/node/node.h"
+#include "components/base/config/config.h"
+#include "components/topics/node/node.h"
 #include "tools/sinew/node_options.h"
 
 namespace sinew::rerun {

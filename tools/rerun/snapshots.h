@@ -5,8 +5,8 @@
 #include <map>
 #include <string>
 
-#include "components/node/codec.h"
-#include "components/recording/mcap_reader.h"
+#include "components/record/recording/mcap_reader.h"
+#include "components/topics/node/codec.h"
 #include "tools/rerun/recorded_ticks.h"
 
 namespace sinew::rerun {

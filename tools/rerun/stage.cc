@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "components/node/topic_parties.h"
-#include "components/node/topics.h"
-#include "components/recording/cdr.h"
+#include "components/record/recording/cdr.h"
+#include "components/topics/node/topic_parties.h"
+#include "components/topics/node/topics.h"
 
 namespace sinew::rerun {
 namespace {

@@ -1,5 +1,5 @@
-// One component of a robot, alone in a composition apart (components/node/composition.h): it gets
-// what it is fed, cycle by cycle, without DDS and clock. Thread: one.
+// One component of a robot, alone in a composition apart (components/topics/node/composition.h): it
+// gets what it is fed, cycle by cycle, without DDS and clock. Thread: one.
 #pragma once
 
 #include <map>
@@ -9,10 +9,10 @@
 #include <string_view>
 #include <vector>
 
-#include "components/node/component.h"
-#include "components/node/composition.h"
-#include "components/node/node.h"
-#include "components/recording/idl_schema.h"
+#include "components/record/recording/idl_schema.h"
+#include "components/topics/node/component.h"
+#include "components/topics/node/composition.h"
+#include "components/topics/node/node.h"
 #include "tools/compose/chain.h"
 
 namespace sinew::rerun {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "components/config/config.h"
-#include "components/report/file/report_file.h"
+#include "components/base/config/config.h"
+#include "components/model/report/file/report_file.h"
 #include "tools/sinew/close_loop.h"
 
 namespace sinew::tools {

@@ -5,15 +5,15 @@
 #include <cmath>
 #include <optional>
 
-#include "components/config/config.h"
-#include "components/identify/file/processing_file.h"
-#include "components/identify/interpolated.h"
-#include "components/recording/file/recording_path.h"
-#include "components/recording/file/run_reader.h"
-#include "components/report/errors.h"
-#include "components/report/file/report_file.h"
-#include "components/trace/close_loop.h"
-#include "components/types/clock/utc.h"
+#include "components/base/config/config.h"
+#include "components/base/types/clock/utc.h"
+#include "components/model/identify/file/processing_file.h"
+#include "components/model/identify/interpolated.h"
+#include "components/model/report/errors.h"
+#include "components/model/report/file/report_file.h"
+#include "components/model/trace/close_loop.h"
+#include "components/record/recording/file/recording_path.h"
+#include "components/record/recording/file/run_reader.h"
 #include "sim/plant/joint_body.h"
 #include "tools/sinew/shipped.h"
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "components/actuator/file/model_file.h"
-#include "components/report/report.h"
+#include "components/model/actuator/file/model_file.h"
+#include "components/model/report/report.h"
 
 namespace CLI {
 class App;

@@ -5,8 +5,8 @@
 #include <memory>
 #include <optional>
 
-#include "components/gate/rules.h"
-#include "components/trace/rules.h"
+#include "components/model/gate/rules.h"
+#include "components/model/trace/rules.h"
 #include "tools/sinew/close_loop.h"
 #include "tools/sinew/close_robot.h"
 #include "tools/sinew/close_stance.h"

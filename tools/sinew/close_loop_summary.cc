@@ -2,9 +2,9 @@
 #include <iostream>
 #include <set>
 
-#include "components/report/errors.h"
-#include "components/report/gate_page.h"
-#include "components/report/section.h"
+#include "components/model/report/errors.h"
+#include "components/model/report/gate_page.h"
+#include "components/model/report/section.h"
 #include "tools/sinew/close_loop.h"
 
 namespace sinew::tools {

@@ -5,13 +5,13 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "components/arm/file/urdf_file.h"
-#include "components/arm/payloads.h"
-#include "components/config/config.h"
-#include "components/identify/file/processing_file.h"
-#include "components/report/gate_page.h"
-#include "components/report/section.h"
-#include "components/trace/close_loop.h"
+#include "components/base/config/config.h"
+#include "components/bodies/links/file/urdf_file.h"
+#include "components/model/identify/file/processing_file.h"
+#include "components/model/payloads/payloads.h"
+#include "components/model/report/gate_page.h"
+#include "components/model/report/section.h"
+#include "components/model/trace/close_loop.h"
 #include "tools/sinew/find_urdf.h"
 
 namespace sinew::tools {

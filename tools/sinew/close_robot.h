@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "components/arm/arm_loop.h"
+#include "components/model/arm/arm_loop.h"
 #include "tools/sinew/close_loop.h"
 
 namespace sinew::tools {

@@ -3,15 +3,15 @@
 #include <chrono>
 #include <iostream>
 
-#include "components/arm/file/urdf_file.h"
-#include "components/arm/payloads.h"
-#include "components/config/config.h"
-#include "components/recording/csv_map.h"
-#include "components/report/file/section_file.h"
-#include "components/report/file/stance_json.h"
-#include "components/report/section.h"
-#include "components/stance_fit/file/stance_reader.h"
-#include "components/types/clock/utc.h"
+#include "components/base/config/config.h"
+#include "components/base/types/clock/utc.h"
+#include "components/bodies/links/file/urdf_file.h"
+#include "components/model/payloads/payloads.h"
+#include "components/model/report/file/section_file.h"
+#include "components/model/report/file/stance_json.h"
+#include "components/model/report/section.h"
+#include "components/model/stance_fit/file/stance_reader.h"
+#include "components/record/recording/csv_map.h"
 #include "tools/sinew/find_urdf.h"
 
 namespace sinew::tools {

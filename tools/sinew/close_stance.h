@@ -1,10 +1,10 @@
 // `sinew close-loop` on a robot that stands on two feet: its model file has `floating_base`. All
-// joints share one balance (components/stance_fit), and payloads compete with friction.
+// joints share one balance (components/model/stance_fit), and payloads compete with friction.
 #pragma once
 
 #include <string>
 
-#include "components/report/stance_page.h"
+#include "components/model/report/stance_page.h"
 #include "tools/sinew/close_loop.h"
 
 namespace sinew::tools {

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "tools/conform/conform.h"
 #include "tools/launch/find_program.h"
 #include "tools/sinew/node_options.h"

@@ -15,11 +15,11 @@
 #include <string>
 #include <vector>
 
-#include "components/node/codec.h"
-#include "components/node/endpoint.h"
-#include "components/node/host_name.h"
-#include "components/node/node.h"
-#include "components/node/realtime.h"
+#include "components/topics/node/codec.h"
+#include "components/topics/node/endpoint.h"
+#include "components/topics/node/host_name.h"
+#include "components/topics/node/node.h"
+#include "components/topics/node/realtime.h"
 #include "tools/inspect/can_check.h"
 #include "tools/inspect/findings.h"
 #include "tools/inspect/host_checks.h"

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "tools/inspect/run_tool.h"
 
 namespace sinew::tools {

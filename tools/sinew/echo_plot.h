@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "components/recording/cdr.h"
+#include "components/record/recording/cdr.h"
 #include "tools/inspect/plot.h"
 
 namespace sinew::tools {

@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "components/config/config.h"
-#include "components/effects/effect.h"
+#include "components/base/config/config.h"
+#include "components/model/effects/effect.h"
 
 namespace sinew::tools {
 

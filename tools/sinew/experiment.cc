@@ -12,11 +12,11 @@
 #include <string>
 #include <vector>
 
-#include "components/actuator/file/model_file.h"
-#include "components/config/config.h"
-#include "components/experiment/catalogue.h"
-#include "components/experiment/model_update.h"
-#include "components/types/clock/utc.h"
+#include "components/base/config/config.h"
+#include "components/base/types/clock/utc.h"
+#include "components/model/actuator/file/model_file.h"
+#include "components/model/experiment/catalogue.h"
+#include "components/model/experiment/model_update.h"
 #include "tools/sinew/experiment_output.h"
 #include "tools/sinew/experiment_run.h"
 #include "tools/sinew/node_options.h"

@@ -3,10 +3,10 @@
 #include <cstdio>
 #include <optional>
 
-#include "components/config/config.h"
-#include "components/experiment/page.h"
-#include "components/experiment/rows.h"
-#include "components/report/file/section_file.h"
+#include "components/base/config/config.h"
+#include "components/model/experiment/page.h"
+#include "components/model/experiment/rows.h"
+#include "components/model/report/file/section_file.h"
 
 namespace sinew::tools {
 

@@ -6,12 +6,12 @@
 #include <stdexcept>
 #include <thread>
 
-#include "components/config/config.h"
-#include "components/experiment/catalogue.h"
-#include "components/experiment/participant/over_topics.h"
-#include "components/experiment/rows.h"
-#include "components/logger/participant/record.h"
-#include "components/recording/file/run_reader.h"
+#include "components/base/config/config.h"
+#include "components/model/experiment/catalogue.h"
+#include "components/model/experiment/participant/over_topics.h"
+#include "components/model/experiment/rows.h"
+#include "components/record/logger/participant/record.h"
+#include "components/record/recording/file/run_reader.h"
 #include "tools/sinew/progress.h"
 
 namespace sinew::tools {

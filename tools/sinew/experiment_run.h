@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "components/actuator/model.h"
-#include "components/experiment/protocol.h"
-#include "components/experiment/result.h"
-#include "components/node/options.h"
-#include "components/report/section.h"
+#include "components/model/actuator/model.h"
+#include "components/model/experiment/protocol.h"
+#include "components/model/experiment/result.h"
+#include "components/model/report/section.h"
+#include "components/topics/node/options.h"
 
 namespace CLI {
 class App;

@@ -10,12 +10,12 @@
 #include <string>
 #include <vector>
 
-#include "components/config/config.h"
-#include "components/node/endpoint.h"
-#include "components/node/node.h"
-#include "components/recording/cdr.h"
-#include "components/recording/file/file_io.h"
-#include "components/recording/mcap_reader.h"
+#include "components/base/config/config.h"
+#include "components/record/recording/cdr.h"
+#include "components/record/recording/file/file_io.h"
+#include "components/record/recording/mcap_reader.h"
+#include "components/topics/node/endpoint.h"
+#include "components/topics/node/node.h"
 #include "tools/inspect/graph.h"
 #include "tools/inspect/run_tool.h"
 #include "tools/sinew/node_options.h"

@@ -15,10 +15,10 @@
 #include <string>
 #include <vector>
 
-#include "components/config/config.h"
-#include "components/node/endpoint.h"
-#include "components/node/node.h"
-#include "components/node/ownership.h"
+#include "components/base/config/config.h"
+#include "components/topics/node/endpoint.h"
+#include "components/topics/node/node.h"
+#include "components/topics/node/ownership.h"
 #include "tools/sinew/node_options.h"
 
 namespace sinew::tools {

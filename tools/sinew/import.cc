@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "components/config/config.h"
-#include "components/node/topics.h"
-#include "components/recording/file/import.h"
+#include "components/base/config/config.h"
+#include "components/record/recording/file/import.h"
+#include "components/topics/node/topics.h"
 #include "tools/sinew/progress.h"
 
 namespace sinew::tools {

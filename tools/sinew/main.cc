@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "components/config/config.h"
-#include "components/node/topics.h"
-#include "components/node/version.h"
+#include "components/base/config/config.h"
+#include "components/topics/node/topics.h"
+#include "components/topics/node/version.h"
 #include "tools/sinew/commands.h"
 
 namespace {

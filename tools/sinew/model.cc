@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "components/actuator/file/model_file.h"
-#include "components/actuator/model.h"
-#include "components/effects/effect.h"
+#include "components/model/actuator/file/model_file.h"
+#include "components/model/actuator/model.h"
+#include "components/model/effects/effect.h"
 
 namespace sinew::tools {
 

@@ -7,7 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-#include "components/node/options.h"
+#include "components/topics/node/options.h"
 
 namespace sinew::tools {
 

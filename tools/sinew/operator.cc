@@ -15,9 +15,9 @@
 #include <string>
 #include <vector>
 
-#include "components/estop/estop_config.h"
-#include "components/estop/press.h"
-#include "components/node/node.h"
+#include "components/robot/estop/estop_config.h"
+#include "components/robot/estop/press.h"
+#include "components/topics/node/node.h"
 
 namespace sinew::tools {
 

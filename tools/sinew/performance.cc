@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "components/config/config.h"
-#include "components/report/file/section_file.h"
+#include "components/base/config/config.h"
+#include "components/model/report/file/section_file.h"
 #include "tools/sinew/performance_section.h"
 #include "tools/sinew/performance_sessions.h"
 #include "tools/sinew/print_section.h"

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <sstream>
 
-#include "components/report/picture.h"
+#include "components/model/report/picture.h"
 
 namespace sinew::tools {
 

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "components/performance/file/performance_file.h"
-#include "components/performance/settle_time.h"
-#include "components/report/section.h"
-#include "components/types/joints.h"
+#include "components/base/types/joints.h"
+#include "components/model/report/section.h"
+#include "components/robot/performance/file/performance_file.h"
+#include "components/robot/performance/settle_time.h"
 
 namespace sinew::tools {
 

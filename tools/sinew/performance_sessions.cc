@@ -11,12 +11,12 @@
 #include <optional>
 #include <string_view>
 
-#include "components/config/config.h"
-#include "components/node/codec.h"
-#include "components/node/topics.h"
-#include "components/performance/participant/robot_meter.h"
-#include "components/recording/file/file_io.h"
-#include "components/recording/mcap_reader.h"
+#include "components/base/config/config.h"
+#include "components/record/recording/file/file_io.h"
+#include "components/record/recording/mcap_reader.h"
+#include "components/robot/performance/participant/robot_meter.h"
+#include "components/topics/node/codec.h"
+#include "components/topics/node/topics.h"
 
 namespace sinew::tools {
 namespace {

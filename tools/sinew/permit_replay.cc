@@ -11,10 +11,10 @@
 #include <optional>
 #include <string>
 
-#include "components/node/endpoint.h"
-#include "components/node/node.h"
-#include "components/types/robot_state.h"
-#include "components/wire/wire.h"
+#include "components/base/types/robot_state.h"
+#include "components/topics/node/endpoint.h"
+#include "components/topics/node/node.h"
+#include "components/topics/wire/wire.h"
 #include "tools/sinew/node_options.h"
 
 namespace sinew::tools {

@@ -1,7 +1,7 @@
 // A section of results as text on the standard output.
 #pragma once
 
-#include "components/report/section.h"
+#include "components/model/report/section.h"
 
 namespace sinew::tools {
 

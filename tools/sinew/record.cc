@@ -5,7 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "components/logger/participant/record.h"
+#include "components/record/logger/participant/record.h"
 #include "tools/sinew/node_options.h"
 #include "tools/sinew/progress.h"
 

@@ -6,10 +6,10 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "components/config/config.h"
-#include "components/recording/file/file_io.h"
-#include "components/recording/mcap_reader.h"
-#include "components/recording/mcap_recover.h"
+#include "components/base/config/config.h"
+#include "components/record/recording/file/file_io.h"
+#include "components/record/recording/mcap_reader.h"
+#include "components/record/recording/mcap_recover.h"
 
 namespace sinew::tools {
 

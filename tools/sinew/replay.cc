@@ -11,7 +11,7 @@
 #include <optional>
 #include <string>
 
-#include "components/logger/player/participant/play.h"
+#include "components/record/logger/player/participant/play.h"
 #include "tools/sinew/node_options.h"
 #include "tools/sinew/replay_screen.h"
 #include "tools/sinew/terminal_keys.h"

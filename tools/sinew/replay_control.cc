@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "components/config/config.h"
-#include "components/logger/player/control_socket.h"
-#include "components/logger/player/play_control.h"
+#include "components/base/config/config.h"
+#include "components/record/logger/player/control_socket.h"
+#include "components/record/logger/player/play_control.h"
 
 namespace sinew::tools {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdio>
 
-#include "components/logger/player/pace.h"
+#include "components/record/logger/player/pace.h"
 
 namespace sinew::tools {
 

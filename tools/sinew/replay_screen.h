@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "components/logger/player/play_control.h"
+#include "components/record/logger/player/play_control.h"
 
 namespace sinew::tools {
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "components/config/config.h"
-#include "components/recording/file/run_reader.h"
+#include "components/base/config/config.h"
+#include "components/record/recording/file/run_reader.h"
 #include "tools/tracking/tracking.h"
 
 namespace sinew::tools {

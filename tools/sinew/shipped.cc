@@ -1,6 +1,6 @@
 #include "tools/sinew/shipped.h"
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 
 namespace sinew::tools {
 

@@ -12,14 +12,14 @@
 #include <string>
 #include <vector>
 
-#include "components/actuator/file/model_file.h"
-#include "components/config/config.h"
-#include "components/esn/dataset/dataset.h"
-#include "components/esn/dataset/file/training_file.h"
-#include "components/esn/file/weights_file.h"
-#include "components/esn/training.h"
-#include "components/recording/file/recording_path.h"
-#include "components/recording/file/run_reader.h"
+#include "components/base/config/config.h"
+#include "components/learn/esn/dataset/dataset.h"
+#include "components/learn/esn/dataset/file/training_file.h"
+#include "components/learn/esn/file/weights_file.h"
+#include "components/learn/esn/training.h"
+#include "components/model/actuator/file/model_file.h"
+#include "components/record/recording/file/recording_path.h"
+#include "components/record/recording/file/run_reader.h"
 
 namespace sinew::tools {
 namespace {

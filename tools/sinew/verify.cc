@@ -7,13 +7,13 @@
 #include <memory>
 #include <optional>
 
-#include "components/actuator/file/model_file.h"
-#include "components/control/file/control_file.h"
-#include "components/identify/file/processing_file.h"
-#include "components/pneumatics/file/pneumatics_file.h"
-#include "components/recording/file/run_reader.h"
-#include "components/reference/file/reference_file.h"
-#include "components/report/file/section_file.h"
+#include "components/model/actuator/file/model_file.h"
+#include "components/model/identify/file/processing_file.h"
+#include "components/model/report/file/section_file.h"
+#include "components/record/recording/file/run_reader.h"
+#include "components/robot/control/file/control_file.h"
+#include "components/robot/pneumatics/file/pneumatics_file.h"
+#include "components/robot/reference/file/reference_file.h"
 #include "sim/surrogate/file/surrogate_file.h"
 #include "tools/sinew/print_section.h"
 #include "tools/sinew/progress.h"

@@ -8,7 +8,7 @@
 // Pure; throws std::invalid_argument when a signal is missing or fewer than two samples remain.
 #pragma once
 
-#include "components/types/run.h"
+#include "components/base/types/run.h"
 
 namespace sinew::tools {
 

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "components/types/angle.h"
+#include "components/base/types/angle.h"
 
 namespace sinew::tune {
 namespace {

@@ -10,11 +10,11 @@
 #include <optional>
 #include <vector>
 
-#include "components/control/robot_controller.h"
-#include "components/pneumatics/manager.h"
-#include "components/provider/plant.h"
-#include "components/provider/simulated_plant.h"
-#include "components/reference/robot_reference.h"
+#include "components/robot/control/robot_controller.h"
+#include "components/robot/pneumatics/manager.h"
+#include "components/robot/provider/plant.h"
+#include "components/robot/provider/simulated_plant.h"
+#include "components/robot/reference/robot_reference.h"
 
 namespace sinew::tune {
 

@@ -9,9 +9,9 @@
 #include <cstdio>
 #include <iostream>
 
-#include "components/control/file/control_file.h"
-#include "components/pneumatics/file/pneumatics_file.h"
-#include "components/reference/file/reference_file.h"
+#include "components/robot/control/file/control_file.h"
+#include "components/robot/pneumatics/file/pneumatics_file.h"
+#include "components/robot/reference/file/reference_file.h"
 #include "sim/surrogate/file/surrogate_file.h"
 #include "sim/surrogate/surrogate.h"
 #include "tools/tune_pid/closed_loop.h"

@@ -13,7 +13,7 @@
 #include <optional>
 #include <vector>
 
-#include "components/control/pid.h"
+#include "components/robot/control/pid.h"
 #include "tools/tune_pid/closed_loop.h"
 
 namespace sinew::tune {

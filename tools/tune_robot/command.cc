@@ -11,8 +11,8 @@
 #include <string>
 #include <thread>
 
-#include "components/config/config.h"
-#include "components/report/file/section_file.h"
+#include "components/base/config/config.h"
+#include "components/model/report/file/section_file.h"
 #include "tools/sinew/print_section.h"
 #include "tools/sinew/progress.h"
 #include "tools/sinew/shipped.h"

@@ -2,8 +2,8 @@
 // with SEA-PEA ones, their pressure as the parameter.
 //
 // At each pressure chamber and reservoir begin at it, and the pressure managers hold it. Energies
-// are sinew-performance's (components/performance/energy.h); none counts the air that compressor
-// and leak cost. SI units, gauge pressure in bar.
+// are sinew-performance's (components/robot/performance/energy.h); none counts the air that
+// compressor and leak cost. SI units, gauge pressure in bar.
 #pragma once
 
 #include <functional>

@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "components/performance/file/performance_file.h"
+#include "components/robot/performance/file/performance_file.h"
 #include "sim/world/floating_robot.h"
 #include "tools/tune_pid/closed_loop.h"
 

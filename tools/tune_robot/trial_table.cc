@@ -4,7 +4,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 
 namespace sinew::tune {
 namespace {

@@ -4,10 +4,10 @@
 #include <regex>
 #include <sstream>
 
-#include "components/control/file/control_file.h"
-#include "components/performance/file/performance_file.h"
-#include "components/pneumatics/file/pneumatics_file.h"
-#include "components/reference/file/reference_file.h"
+#include "components/robot/control/file/control_file.h"
+#include "components/robot/performance/file/performance_file.h"
+#include "components/robot/pneumatics/file/pneumatics_file.h"
+#include "components/robot/reference/file/reference_file.h"
 #include "sim/world/file/world_file.h"
 
 namespace sinew::tune {

@@ -7,7 +7,7 @@
 #include <map>
 #include <string>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "tools/tune_robot/gain_search.h"
 #include "tools/tune_robot/pressure_sweep.h"
 

@@ -5,7 +5,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <vector>
 
-#include "components/report/section.h"
+#include "components/model/report/section.h"
 #include "tools/tune_robot/gain_search.h"
 #include "tools/tune_robot/pressure_sweep.h"
 

@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "components/arm/file/urdf_file.h"
-#include "components/config/config.h"
-#include "components/types/control_mode.h"
+#include "components/base/config/config.h"
+#include "components/base/types/control_mode.h"
+#include "components/bodies/links/file/urdf_file.h"
 #include "sim/surrogate/surrogate.h"
 #include "sim/world/world.h"
 

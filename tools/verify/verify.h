@@ -3,8 +3,9 @@
 //
 // Beside a recording: the rig of sim/world (Bullet, the model's URDF) is moved by the recorded
 // drive from the recorded state for a horizon, again and again; in closed loop where the model
-// declares its servo and the recording holds the set point (components/free_run). Pressure, load
-// force, payload and temperature are the recorded ones. Error: simulated less measured position.
+// declares its servo and the recording holds the set point (components/model/free_run). Pressure,
+// load force, payload and temperature are the recorded ones. Error: simulated less measured
+// position.
 //
 // In control: the surrogate, with an undeclared effect, follows a reference under PID
 // with the model's torque fed forward (tools/tune_pid/closed_loop.h): once with each model file.
@@ -13,9 +14,9 @@
 #include <string>
 #include <vector>
 
-#include "components/actuator/model.h"
-#include "components/free_run/free_run.h"
-#include "components/report/section.h"
+#include "components/model/actuator/model.h"
+#include "components/model/free_run/free_run.h"
+#include "components/model/report/section.h"
 #include "sim/surrogate/parameters.h"
 #include "tools/tune_pid/closed_loop.h"
 

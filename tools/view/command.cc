@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "components/config/config.h"
-#include "components/node/options.h"
+#include "components/base/config/config.h"
+#include "components/topics/node/options.h"
 #include "tools/launch/find_program.h"
 #include "tools/sinew/node_options.h"
 #include "tools/view/view_config.h"

@@ -17,12 +17,12 @@
 #include <utility>
 #include <vector>
 
-#include "components/node/host_name.h"
-#include "components/node/node.h"
-#include "components/node/realtime.h"
-#include "components/node/version.h"
-#include "components/types/clock/clock.h"
-#include "components/wire/component_state.h"
+#include "components/base/types/clock/clock.h"
+#include "components/topics/node/host_name.h"
+#include "components/topics/node/node.h"
+#include "components/topics/node/realtime.h"
+#include "components/topics/node/version.h"
+#include "components/topics/wire/component_state.h"
 #include "tools/view/operator_desk.h"
 #include "tools/view/participants.h"
 #include "tools/view/recorder_process.h"

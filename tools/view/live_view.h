@@ -1,7 +1,7 @@
 // sinew-view on a domain: reads every topic, serves the page and the Foxglove protocol.
 #pragma once
 
-#include "components/node/options.h"
+#include "components/topics/node/options.h"
 #include "tools/view/page.h"
 #include "tools/view/robot.h"
 #include "tools/view/view_config.h"

@@ -2,8 +2,8 @@
 #include <filesystem>
 #include <optional>
 
-#include "components/config/config.h"
-#include "components/node/options.h"
+#include "components/base/config/config.h"
+#include "components/topics/node/options.h"
 #include "tools/sinew/shipped.h"
 #include "tools/view/live_view.h"
 #include "tools/view/page.h"

@@ -9,8 +9,8 @@
 #include <chrono>
 #include <utility>
 
-#include "components/estop/estop_config.h"
-#include "components/estop/press.h"
+#include "components/robot/estop/estop_config.h"
+#include "components/robot/estop/press.h"
 
 namespace sinew::live {
 

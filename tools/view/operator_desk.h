@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "components/node/node.h"
+#include "components/topics/node/node.h"
 #include "tools/view/pending_action.h"
 
 namespace sinew::live {

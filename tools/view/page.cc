@@ -1,6 +1,6 @@
 #include "tools/view/page.h"
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 
 namespace sinew::live {
 

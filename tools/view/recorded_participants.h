@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "components/recording/cdr.h"
+#include "components/record/recording/cdr.h"
 #include "tools/view/participants.h"
 
 namespace sinew::live {

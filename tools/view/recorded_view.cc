@@ -7,7 +7,7 @@
 #include <set>
 #include <sstream>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 
 namespace sinew::live {
 

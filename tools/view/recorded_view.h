@@ -16,9 +16,9 @@
 #include <string>
 #include <vector>
 
-#include "components/recording/cdr.h"
-#include "components/recording/file/file_io.h"
-#include "components/recording/mcap_reader.h"
+#include "components/record/recording/cdr.h"
+#include "components/record/recording/file/file_io.h"
+#include "components/record/recording/mcap_reader.h"
 #include "tools/view/recorded_participants.h"
 
 namespace sinew::live {

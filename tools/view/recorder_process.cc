@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "components/config/config.h"
-#include "components/types/clock/utc.h"
+#include "components/base/config/config.h"
+#include "components/base/types/clock/utc.h"
 #include "tools/launch/find_program.h"
 
 namespace sinew::live {

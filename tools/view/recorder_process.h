@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "components/node/options.h"
+#include "components/topics/node/options.h"
 #include "tools/launch/program.h"
 
 namespace sinew::live {

@@ -2,8 +2,8 @@
 
 #include <regex>
 
-#include "components/arm/file/urdf_file.h"
-#include "components/config/config.h"
+#include "components/base/config/config.h"
+#include "components/bodies/links/file/urdf_file.h"
 #include "tools/view/page.h"
 
 namespace sinew::live {

@@ -4,7 +4,7 @@
 #include <charconv>
 #include <string_view>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 
 namespace sinew::live {
 

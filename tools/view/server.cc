@@ -17,7 +17,7 @@
 #include <thread>
 #include <utility>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "tools/view/frame_queue.h"
 #include "tools/view/subscriptions.h"
 

@@ -2,7 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 
 namespace sinew::live {
 

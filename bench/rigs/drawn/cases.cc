@@ -6,7 +6,7 @@
 
 #include "bench/rigs/drawn/random.h"
 #include "bench/rigs/drawn/sizing.h"
-#include "components/types/angle.h"
+#include "components/base/types/angle.h"
 
 namespace sinew::rigs {
 namespace {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "bench/rigs/drawn/random.h"
-#include "components/types/angle.h"
+#include "components/base/types/angle.h"
 
 namespace sinew::rigs {
 namespace {

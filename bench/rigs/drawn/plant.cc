@@ -5,7 +5,7 @@
 
 #include "bench/rigs/drawn/forces.h"
 #include "bench/rigs/drawn/gas.h"
-#include "components/types/angle.h"
+#include "components/base/types/angle.h"
 
 namespace sinew::rigs {
 namespace {

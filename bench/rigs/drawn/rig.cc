@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "bench/rigs/drawn/random.h"
-#include "components/types/angle.h"
+#include "components/base/types/angle.h"
 
 namespace sinew::rigs {
 namespace {

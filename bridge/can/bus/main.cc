@@ -8,9 +8,9 @@
 #include "bridge/can/candump.h"
 #include "bridge/can/transport/bus_server.h"
 #include "bridge/can/transport/transport.h"
-#include "components/node/options.h"
-#include "components/node/realtime.h"
-#include "components/types/clock/clock.h"
+#include "components/base/types/clock/clock.h"
+#include "components/topics/node/options.h"
+#include "components/topics/node/realtime.h"
 
 namespace {
 

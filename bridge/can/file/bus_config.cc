@@ -5,7 +5,7 @@
 #include "bridge/can/transport/replay_can.h"
 #include "bridge/can/transport/socketcan.h"
 #include "bridge/can/transport/virtual_can.h"
-#include "components/types/angle.h"
+#include "components/base/types/angle.h"
 
 namespace sinew::can {
 

@@ -17,7 +17,7 @@
 #include "bridge/can/body_node.h"
 #include "bridge/can/codec.h"
 #include "bridge/can/transport/transport.h"
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 
 namespace sinew::can {
 

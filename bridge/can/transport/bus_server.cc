@@ -14,8 +14,8 @@
 
 #include "bridge/can/transport/bus_protocol.h"
 #include "bridge/can/transport/transport.h"
-#include "components/config/config.h"
-#include "components/types/clock/clock.h"
+#include "components/base/config/config.h"
+#include "components/base/types/clock/clock.h"
 
 namespace sinew::can {
 namespace {

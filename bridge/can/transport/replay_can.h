@@ -7,7 +7,7 @@
 
 #include "bridge/can/candump.h"
 #include "bridge/can/transport/transport.h"
-#include "components/types/clock/clock.h"
+#include "components/base/types/clock/clock.h"
 
 namespace sinew::can {
 

@@ -18,8 +18,8 @@
 #include <ctime>
 
 #include "bridge/can/bit_timing.h"
-#include "components/config/config.h"
-#include "components/types/clock/clock.h"
+#include "components/base/config/config.h"
+#include "components/base/types/clock/clock.h"
 
 namespace sinew::can {
 namespace {

@@ -12,7 +12,7 @@
 #include <memory>
 
 #include "bridge/can/transport/transport.h"
-#include "components/types/clock/clock.h"
+#include "components/base/types/clock/clock.h"
 
 namespace sinew::can {
 

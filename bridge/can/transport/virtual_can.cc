@@ -13,8 +13,8 @@
 #include "bridge/can/bit_timing.h"
 #include "bridge/can/bus_model.h"
 #include "bridge/can/transport/bus_protocol.h"
-#include "components/config/config.h"
-#include "components/types/clock/clock.h"
+#include "components/base/config/config.h"
+#include "components/base/types/clock/clock.h"
 
 namespace sinew::can {
 namespace {

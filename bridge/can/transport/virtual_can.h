@@ -5,7 +5,7 @@
 #pragma once
 
 #include "bridge/can/transport/transport.h"
-#include "components/types/clock/clock.h"
+#include "components/base/types/clock/clock.h"
 
 namespace sinew::can {
 

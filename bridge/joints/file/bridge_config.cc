@@ -4,7 +4,7 @@
 #include <cctype>
 #include <stdexcept>
 
-#include "components/types/joints.h"
+#include "components/base/types/joints.h"
 
 namespace sinew::bridge {
 namespace {

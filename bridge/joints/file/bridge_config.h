@@ -7,7 +7,7 @@
 
 #include "bridge/can/file/bus_config.h"
 #include "bridge/joints/can_plant.h"
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 
 namespace sinew::bridge {
 

@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "bridge/can/file/bus_config.h"
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 
 namespace sinew::bridge {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "components/types/joints.h"
+#include "components/base/types/joints.h"
 
 namespace sinew::virtual_axes {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "bridge/can/file/bus_config.h"
 #include "bridge/virtual_axes/virtual_axes.h"
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 
 namespace sinew::virtual_axes {
 

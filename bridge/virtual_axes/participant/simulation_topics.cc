@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "components/provider/participant/simulation_messages.h"
-#include "components/types/clock/clock.h"
-#include "components/wire/wire.h"
+#include "components/base/types/clock/clock.h"
+#include "components/robot/provider/participant/simulation_messages.h"
+#include "components/topics/wire/wire.h"
 
 namespace sinew::virtual_axes {
 

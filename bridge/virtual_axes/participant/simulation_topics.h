@@ -19,9 +19,9 @@
 #include <optional>
 
 #include "bridge/virtual_axes/virtual_axes.h"
-#include "components/node/command_gate.h"
-#include "components/node/node.h"
-#include "components/provider/simulated_plant.h"
+#include "components/robot/provider/simulated_plant.h"
+#include "components/topics/node/command_gate.h"
+#include "components/topics/node/node.h"
 
 namespace sinew::virtual_axes {
 

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "components/identify/differentiate.h"
-#include "components/identify/iir_filter.h"
-#include "components/identify/statistics.h"
-#include "components/identify/uniform.h"
+#include "components/model/identify/differentiate.h"
+#include "components/model/identify/iir_filter.h"
+#include "components/model/identify/statistics.h"
+#include "components/model/identify/uniform.h"
 
 namespace sinew::networks {
 namespace {

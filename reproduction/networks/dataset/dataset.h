@@ -22,8 +22,8 @@
 #include <string_view>
 #include <vector>
 
-#include "components/esn/training.h"
-#include "components/types/run.h"
+#include "components/base/types/run.h"
+#include "components/learn/esn/training.h"
 
 namespace sinew::networks {
 

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 
 namespace sinew::networks {
 namespace {

@@ -15,7 +15,7 @@
 
 #include <filesystem>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "sim/body_disturbance/schedule.h"
 
 namespace sinew::body_disturbance {

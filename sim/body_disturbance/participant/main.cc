@@ -6,10 +6,10 @@
 
 #include <optional>
 
-#include "components/node/node.h"
-#include "components/node/tick_loop.h"
-#include "components/types/robot_state.h"
-#include "components/wire/wire.h"
+#include "components/base/types/robot_state.h"
+#include "components/topics/node/node.h"
+#include "components/topics/node/tick_loop.h"
+#include "components/topics/wire/wire.h"
 #include "sim/body_disturbance/file/schedule_file.h"
 
 namespace {

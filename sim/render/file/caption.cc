@@ -3,7 +3,7 @@
 #include <ft2build.h>
 #include FT_FREETYPE_H
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 
 namespace sinew::render {
 

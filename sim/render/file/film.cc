@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "sim/render/file/caption.h"
 #include "sim/render/file/png_file.h"
 #include "sim/render/file/video_file.h"

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 
 namespace sinew::render {
 

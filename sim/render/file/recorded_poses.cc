@@ -6,11 +6,11 @@
 #include <set>
 #include <string>
 
-#include "components/config/config.h"
-#include "components/recording/cdr.h"
-#include "components/recording/file/file_io.h"
-#include "components/recording/idl_schema.h"
-#include "components/recording/mcap_reader.h"
+#include "components/base/config/config.h"
+#include "components/record/recording/cdr.h"
+#include "components/record/recording/file/file_io.h"
+#include "components/record/recording/idl_schema.h"
+#include "components/record/recording/mcap_reader.h"
 
 namespace sinew::render {
 

@@ -7,8 +7,8 @@
 #include <optional>
 #include <sstream>
 
-#include "components/arm/file/urdf_file.h"
-#include "components/config/config.h"
+#include "components/base/config/config.h"
+#include "components/bodies/links/file/urdf_file.h"
 
 namespace sinew::render {
 

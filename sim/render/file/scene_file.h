@@ -1,4 +1,5 @@
-// A scene from a URDF: its bodies (components/arm/file/urdf_file.h) and its visual elements.
+// A scene from a URDF: its bodies (components/bodies/links/file/urdf_file.h) and its visual
+// elements.
 //
 // Drawn are box, cylinder and sphere, each with origin and material (rgba of the visual's own
 // material or of the robot's of that name; alpha and textures are not used). Visuals that are

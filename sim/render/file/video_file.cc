@@ -5,8 +5,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "components/config/config.h"
-#include "components/recording/file/file_io.h"
+#include "components/base/config/config.h"
+#include "components/record/recording/file/file_io.h"
 #include "sim/render/mp4.h"
 #include "sim/render/yuv.h"
 

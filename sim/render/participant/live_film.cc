@@ -11,8 +11,8 @@
 #include <system_error>
 #include <vector>
 
-#include "components/config/config.h"
-#include "components/node/helper_thread.h"
+#include "components/base/config/config.h"
+#include "components/topics/node/helper_thread.h"
 
 namespace sinew::render {
 

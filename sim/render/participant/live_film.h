@@ -3,9 +3,9 @@
 //
 // The queue between the two is made in the constructor and holds queued_frames. Offer copies a pose
 // into it once for every frame that is due and returns: it allocates nothing and takes no lock. The
-// drawing thread is a helper of the process (components/node/helper_thread.h), out of SCHED_FIFO,
-// so that the cycle does not wait for it. When it is behind by the whole queue, frames are left out
-// and counted; in lockstep, where nothing is late, Offer waits for it instead.
+// drawing thread is a helper of the process (components/topics/node/helper_thread.h), out of
+// SCHED_FIFO, so that the cycle does not wait for it. When it is behind by the whole queue, frames
+// are left out and counted; in lockstep, where nothing is late, Offer waits for it instead.
 #pragma once
 
 #include <cstddef>

@@ -2,7 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "sim/render/file/scene_file.h"
 
 namespace sinew::render {

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "components/provider/plant.h"
-#include "components/provider/simulated_plant.h"
+#include "components/robot/provider/plant.h"
+#include "components/robot/provider/simulated_plant.h"
 #include "sim/render/participant/live_film.h"
 
 namespace sinew::render {

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "components/node/options.h"
+#include "components/topics/node/options.h"
 
 namespace sinew::stand_ins {
 

@@ -8,7 +8,7 @@
 
 #include <vector>
 
-#include "components/reference/trajectory.h"
+#include "components/robot/reference/trajectory.h"
 
 namespace sinew::stand_ins {
 

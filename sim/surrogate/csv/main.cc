@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "sim/surrogate/excitation.h"
 #include "sim/surrogate/experiment.h"
 #include "sim/surrogate/file/rows_csv.h"

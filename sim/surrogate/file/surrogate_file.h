@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "sim/surrogate/parameters.h"
 
 namespace sinew::surrogate {

@@ -2,7 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include "components/provider/participant/run_provider.h"
+#include "components/robot/provider/participant/run_provider.h"
 #include "sim/surrogate/file/surrogate_file.h"
 #include "sim/surrogate/surrogate.h"
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "components/node/options.h"
-#include "components/provider/participant/provider_options.h"
+#include "components/robot/provider/participant/provider_options.h"
+#include "components/topics/node/options.h"
 
 namespace sinew::surrogate {
 

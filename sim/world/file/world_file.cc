@@ -4,9 +4,9 @@
 #include <memory>
 #include <stdexcept>
 
-#include "components/actuator/file/model_file.h"
-#include "components/arm/file/urdf_file.h"
-#include "components/arm/payloads.h"
+#include "components/bodies/links/file/urdf_file.h"
+#include "components/model/actuator/file/model_file.h"
+#include "components/model/payloads/payloads.h"
 
 namespace sinew::world {
 

@@ -16,8 +16,8 @@
 #include <string>
 #include <vector>
 
-#include "components/config/config.h"
-#include "components/provider/simulated_plant.h"
+#include "components/base/config/config.h"
+#include "components/robot/provider/simulated_plant.h"
 #include "sim/world/floating_robot.h"
 #include "sim/world/world.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "components/provider/participant/run_provider.h"
+#include "components/robot/provider/participant/run_provider.h"
 #include "sim/render/participant/plant_film.h"
 #include "sim/world/file/world_file.h"
 

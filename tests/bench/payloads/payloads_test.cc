@@ -12,7 +12,7 @@
 
 #include "bench/payloads/seeds.h"
 #include "bench/payloads/soak.h"
-#include "components/node/tick_loop.h"
+#include "components/topics/node/tick_loop.h"
 
 namespace sinew::payloads {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "components/actuator/file/model_file.h"
+#include "components/model/actuator/file/model_file.h"
 #include "tests/support/temporary_folder.h"
 
 namespace sinew::rig_bank {

@@ -20,8 +20,8 @@
 #include "bridge/can/transport/replay_can.h"
 #include "bridge/can/transport/socketcan.h"
 #include "bridge/can/transport/virtual_can.h"
-#include "components/config/config.h"
-#include "components/types/clock/clock.h"
+#include "components/base/config/config.h"
+#include "components/base/types/clock/clock.h"
 #include "tests/support/memory_can.h"
 
 namespace sinew::can {

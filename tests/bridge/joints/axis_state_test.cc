@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "components/types/angle.h"
-#include "components/types/control_mode.h"
+#include "components/base/types/angle.h"
+#include "components/base/types/control_mode.h"
 #include "tests/bridge/joints/one_joint.h"
 
 namespace sinew::bridge {

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "components/types/angle.h"
+#include "components/base/types/angle.h"
 #include "tests/bridge/joints/plant_bench.h"
 
 namespace sinew::bridge {

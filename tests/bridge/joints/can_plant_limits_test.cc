@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "components/types/angle.h"
+#include "components/base/types/angle.h"
 #include "tests/bridge/joints/plant_bench.h"
 
 namespace sinew::bridge {

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "components/types/angle.h"
+#include "components/base/types/angle.h"
 #include "tests/bridge/joints/one_joint.h"
 #include "tests/bridge/joints/plant_bench.h"
 

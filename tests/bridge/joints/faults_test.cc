@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "components/types/angle.h"
+#include "components/base/types/angle.h"
 #include "tests/bridge/joints/one_joint.h"
 
 namespace sinew::bridge {

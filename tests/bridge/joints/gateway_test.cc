@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "components/types/angle.h"
+#include "components/base/types/angle.h"
 #include "tests/bridge/joints/plant_bench.h"
 #include "tests/support/allocations.h"
 

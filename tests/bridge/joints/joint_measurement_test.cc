@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "bridge/joints/faults.h"
-#include "components/types/angle.h"
+#include "components/base/types/angle.h"
 #include "tests/bridge/joints/one_joint.h"
 
 namespace sinew::bridge {

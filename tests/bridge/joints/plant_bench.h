@@ -15,7 +15,7 @@
 
 #include "bridge/joints/can_plant.h"
 #include "bridge/virtual_axes/virtual_axes.h"
-#include "components/types/control_mode.h"
+#include "components/base/types/control_mode.h"
 #include "tests/bridge/joints/one_joint.h"
 #include "tests/bridge/virtual_axes/rotors.h"
 #include "tests/support/memory_can.h"

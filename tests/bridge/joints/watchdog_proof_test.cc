@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "bridge/joints/file/proof_file.h"
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "tests/bridge/joints/plant_bench.h"
 #include "tests/support/temporary_folder.h"
 

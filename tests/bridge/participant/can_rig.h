@@ -25,8 +25,8 @@
 
 #include "bridge/can/codec.h"
 #include "bridge/can/transport/virtual_can.h"
-#include "components/node/node.h"
-#include "components/types/clock/clock.h"
+#include "components/base/types/clock/clock.h"
+#include "components/topics/node/node.h"
 #include "tests/support/edited_config.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"

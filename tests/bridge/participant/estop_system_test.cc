@@ -10,8 +10,8 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "components/estop/latch_file.h"
-#include "components/estop/press.h"
+#include "components/robot/estop/latch_file.h"
+#include "components/robot/estop/press.h"
 #include "tests/bridge/participant/can_rig.h"
 
 namespace sinew {

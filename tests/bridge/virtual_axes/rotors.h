@@ -6,9 +6,9 @@
 #include <cmath>
 #include <optional>
 
-#include "components/provider/simulated_plant.h"
-#include "components/types/control_mode.h"
-#include "components/types/joints.h"
+#include "components/base/types/control_mode.h"
+#include "components/base/types/joints.h"
+#include "components/robot/provider/simulated_plant.h"
 
 namespace sinew::test {
 

@@ -8,7 +8,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "components/types/angle.h"
+#include "components/base/types/angle.h"
 #include "tests/bridge/virtual_axes/rotors.h"
 #include "tests/support/memory_can.h"
 

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "components/node/tick_loop.h"
+#include "components/topics/node/tick_loop.h"
 
 namespace {
 

@@ -2,8 +2,8 @@
 #include <sinew_idl/joint.h>
 #include <sinew_idl/reference.h>
 
-#include "components/effects/effect.h"
-#include "components/node/tick_loop.h"
+#include "components/model/effects/effect.h"
+#include "components/topics/node/tick_loop.h"
 
 int main(int argc, char** argv) {
   return sinew::node::RunParticipant(

@@ -146,7 +146,7 @@ int main(int argc, char **argv) {
         if (lowest <= strength) SetStrength(commands, strength = lowest - 1);
       }
       waiting = true;
-      give_up = dds_time() + (dds_time_t)(0.4e9 * state.period_s);  // components/node/cut_off.h
+      give_up = dds_time() + (dds_time_t)(0.4e9 * state.period_s);  // components/topics/node/cut_off.h
     }
     if (!waiting) continue;
     bool reached = known_reference && reference.header.tick >= state.header.tick;

@@ -1,5 +1,5 @@
 // Readers and writers of the robot's topics with Cyclone DDS: the QoS of idl/README.md, type names
-// with the hash of their IDL, and ownership by the rules of components/node/ownership.h. One
+// with the hash of their IDL, and ownership by the rules of components/topics/node/ownership.h. One
 // thread; errors end the program.
 #pragma once
 
@@ -84,7 +84,7 @@ static bool Take(dds_entity_t reader, void *sample) {
   return false;
 }
 
-// ---- ownership: the rules of components/node/ownership.h
+// ---- ownership: the rules of components/topics/node/ownership.h
 
 // FirstStrength for a writer that is started now: a step less every quarter of a second since 2024.
 static uint32_t FirstStrength(void) {

@@ -8,9 +8,9 @@
 #include <set>
 #include <stdexcept>
 
-#include "components/control/file/control_file.h"
-#include "components/pneumatics/file/pneumatics_file.h"
-#include "components/reference/file/reference_file.h"
+#include "components/robot/control/file/control_file.h"
+#include "components/robot/pneumatics/file/pneumatics_file.h"
+#include "components/robot/reference/file/reference_file.h"
 #include "reproduction/control_test/inverse.h"
 #include "reproduction/control_test/section.h"
 #include "sim/surrogate/file/surrogate_file.h"

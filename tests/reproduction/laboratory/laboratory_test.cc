@@ -8,7 +8,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "components/experiment/breakaway.h"
+#include "components/model/experiment/breakaway.h"
 #include "reproduction/laboratory/coverage.h"
 
 namespace sinew::laboratory {

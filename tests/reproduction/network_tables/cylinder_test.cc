@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "reproduction/networks/grey_box.h"
 #include "reproduction/networks/samples.h"
 #include "tests/support/skip.h"

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "tests/support/temporary_folder.h"
 
 namespace sinew::networks {

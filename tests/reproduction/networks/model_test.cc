@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "components/esn/normal.h"
+#include "components/learn/esn/normal.h"
 #include "reproduction/networks/stepper.h"
 #include "tests/support/allocations.h"
 

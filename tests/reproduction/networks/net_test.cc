@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "components/esn/normal.h"
+#include "components/learn/esn/normal.h"
 #include "reproduction/networks/dispatch.h"
 #include "reproduction/networks/kernel.h"
 

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "tests/support/temporary_folder.h"
 
 namespace sinew::reproduction {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "components/esn/normal.h"
+#include "components/learn/esn/normal.h"
 #include "reproduction/networks/samples.h"
 
 namespace sinew::reproduction {

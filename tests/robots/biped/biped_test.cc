@@ -13,9 +13,9 @@
 #include <string>
 #include <vector>
 
-#include "components/arm/file/urdf_file.h"
-#include "components/leg/geometry.h"
-#include "components/leg/squat.h"
+#include "components/bodies/leg/geometry.h"
+#include "components/bodies/leg/squat.h"
+#include "components/bodies/links/file/urdf_file.h"
 
 namespace sinew {
 namespace {

@@ -14,9 +14,9 @@
 
 #include "bridge/joints/file/bridge_config.h"
 #include "bridge/virtual_axes/file/virtual_axes_config.h"
-#include "components/provider/participant/provider_options.h"
-#include "components/provider/provider_cycle.h"
-#include "components/reference/file/reference_file.h"
+#include "components/robot/provider/participant/provider_options.h"
+#include "components/robot/provider/provider_cycle.h"
+#include "components/robot/reference/file/reference_file.h"
 #include "sim/world/file/world_file.h"
 #include "tests/support/memory_can.h"
 

@@ -11,8 +11,8 @@
 #include <string>
 
 #include "bridge/can/bit_timing.h"
-#include "components/actuator/file/model_file.h"
-#include "components/types/angle.h"
+#include "components/base/types/angle.h"
+#include "components/model/actuator/file/model_file.h"
 #include "tests/robots/biped/can_biped.h"
 
 namespace sinew {

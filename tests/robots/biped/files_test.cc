@@ -11,13 +11,13 @@
 #include <string>
 #include <vector>
 
-#include "components/actuator/file/model_file.h"
-#include "components/arm/file/urdf_file.h"
-#include "components/control/file/control_file.h"
-#include "components/leg/geometry.h"
-#include "components/leg/squat.h"
-#include "components/pneumatics/file/pneumatics_file.h"
-#include "components/reference/file/reference_file.h"
+#include "components/bodies/leg/geometry.h"
+#include "components/bodies/leg/squat.h"
+#include "components/bodies/links/file/urdf_file.h"
+#include "components/model/actuator/file/model_file.h"
+#include "components/robot/control/file/control_file.h"
+#include "components/robot/pneumatics/file/pneumatics_file.h"
+#include "components/robot/reference/file/reference_file.h"
 #include "sim/world/file/world_file.h"
 
 namespace sinew {

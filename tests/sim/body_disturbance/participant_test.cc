@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "components/provider/participant/run_provider.h"
-#include "components/provider/simulated_plant.h"
+#include "components/robot/provider/participant/run_provider.h"
+#include "components/robot/provider/simulated_plant.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
 

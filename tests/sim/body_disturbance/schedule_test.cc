@@ -5,7 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "sim/body_disturbance/file/schedule_file.h"
 
 namespace sinew::body_disturbance {

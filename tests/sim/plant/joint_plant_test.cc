@@ -10,7 +10,7 @@
 #include <new>
 #include <vector>
 
-#include "components/types/control_mode.h"
+#include "components/base/types/control_mode.h"
 #include "sim/plant/single_joint.h"
 
 namespace {

@@ -1,5 +1,5 @@
 // The kinematic balance: what the simulation plays, regression gets back from the two encoders.
-#include "components/identify/kinematic.h"
+#include "components/model/identify/kinematic.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <random>
 #include <string>
 
-#include "components/trace/close_loop.h"
-#include "components/types/control_mode.h"
+#include "components/base/types/control_mode.h"
+#include "components/model/trace/close_loop.h"
 #include "sim/plant/single_joint.h"
 
 namespace sinew::plant {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "components/config/config.h"
-#include "components/reference/file/reference_file.h"
-#include "components/reference/squat.h"
+#include "components/base/config/config.h"
+#include "components/robot/reference/file/reference_file.h"
+#include "components/robot/reference/squat.h"
 #include "sim/render/file/scene_file.h"
 
 namespace sinew::render {

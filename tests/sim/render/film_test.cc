@@ -7,7 +7,7 @@
 
 #include <cstdlib>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "sim/render/camera.h"
 #include "sim/render/file/caption.h"
 #include "sim/render/file/png_file.h"

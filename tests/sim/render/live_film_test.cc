@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "sim/render/participant/plant_film.h"
 #include "tests/sim/render/biped_squat.h"
 #include "tests/support/allocations.h"

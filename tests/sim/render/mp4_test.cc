@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "sim/render/file/video_file.h"
 #include "sim/render/yuv.h"
 #include "tests/support/temporary_folder.h"

@@ -8,9 +8,9 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
-#include "components/config/config.h"
-#include "components/recording/file/file_io.h"
-#include "components/recording/mcap_writer.h"
+#include "components/base/config/config.h"
+#include "components/record/recording/file/file_io.h"
+#include "components/record/recording/mcap_writer.h"
 #include "sim/render/camera.h"
 #include "tests/sim/render/biped_squat.h"
 #include "tests/support/json_cdr.h"

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <string>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "tests/sim/render/biped_squat.h"
 
 namespace sinew::render {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "components/types/control_mode.h"
+#include "components/base/types/control_mode.h"
 
 namespace sinew::surrogate {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "components/types/control_mode.h"
+#include "components/base/types/control_mode.h"
 #include "sim/surrogate/excitation.h"
 #include "sim/surrogate/experiment.h"
 #include "sim/surrogate/rig.h"

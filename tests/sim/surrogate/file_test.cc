@@ -3,7 +3,7 @@
 #include <sstream>
 #include <string>
 
-#include "components/types/control_mode.h"
+#include "components/base/types/control_mode.h"
 #include "sim/surrogate/file/rows_csv.h"
 #include "sim/surrogate/file/surrogate_file.h"
 #include "sim/surrogate/rig.h"

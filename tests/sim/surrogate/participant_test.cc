@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "components/node/node.h"
+#include "components/topics/node/node.h"
 #include "tests/support/program.h"
 
 namespace sinew::testing {

@@ -5,8 +5,8 @@
 #include <limits>
 #include <random>
 
-#include "components/types/control_mode.h"
-#include "components/types/run.h"
+#include "components/base/types/control_mode.h"
+#include "components/base/types/run.h"
 #include "sim/surrogate/surrogate.h"
 #include "tests/support/allocations.h"
 

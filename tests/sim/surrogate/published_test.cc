@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "components/types/control_mode.h"
+#include "components/base/types/control_mode.h"
 #include "sim/surrogate/rig.h"
 #include "tests/support/rig_constants.h"
 

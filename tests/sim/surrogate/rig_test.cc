@@ -8,7 +8,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "components/types/control_mode.h"
+#include "components/base/types/control_mode.h"
 #include "tests/support/rig_constants.h"
 
 namespace sinew::surrogate {

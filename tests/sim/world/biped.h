@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "bench/floating_world/floating_world.h"
-#include "components/arm/bodies.h"
-#include "components/arm/file/urdf_file.h"
+#include "components/bodies/links/bodies.h"
+#include "components/bodies/links/file/urdf_file.h"
 
 namespace sinew::world {
 

@@ -7,9 +7,9 @@
 #include <sstream>
 #include <string>
 
-#include "components/actuator/model.h"
-#include "components/arm/file/urdf_file.h"
-#include "components/types/control_mode.h"
+#include "components/base/types/control_mode.h"
+#include "components/bodies/links/file/urdf_file.h"
+#include "components/model/actuator/model.h"
 #include "sim/world/floating_robot.h"
 #include "tests/sim/world/biped.h"
 

@@ -7,7 +7,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "components/arm/fixed_links.h"
+#include "components/bodies/links/fixed_links.h"
 #include "sim/world/floating_chain.h"
 #include "tests/sim/world/random_tree.h"
 #include "tests/support/allocations.h"

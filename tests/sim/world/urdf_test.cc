@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
-#include "components/arm/file/urdf_file.h"
-#include "components/config/config.h"
+#include "components/base/config/config.h"
+#include "components/bodies/links/file/urdf_file.h"
 #include "sim/world/chain.h"
 #include "tests/support/skip.h"
 

@@ -12,9 +12,9 @@
 #include <fstream>
 #include <limits>
 
-#include "components/actuator/file/model_file.h"
-#include "components/arm/file/urdf_file.h"
-#include "components/types/control_mode.h"
+#include "components/base/types/control_mode.h"
+#include "components/bodies/links/file/urdf_file.h"
+#include "components/model/actuator/file/model_file.h"
 #include "sim/plant/single_joint.h"
 #include "sim/world/file/world_file.h"
 #include "tests/support/skip.h"

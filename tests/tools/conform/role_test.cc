@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "tools/conform/robot.h"
 
 namespace sinew::conform {

@@ -17,9 +17,9 @@
 #include <string>
 #include <thread>
 
-#include "components/config/config.h"
-#include "components/node/codec.h"
-#include "components/node/tick_loop.h"
+#include "components/base/config/config.h"
+#include "components/topics/node/codec.h"
+#include "components/topics/node/tick_loop.h"
 
 namespace {
 

@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <string>
 
-#include "components/actuator/file/model_file.h"
-#include "components/arm/file/urdf_file.h"
-#include "components/config/config.h"
+#include "components/base/config/config.h"
+#include "components/bodies/links/file/urdf_file.h"
+#include "components/model/actuator/file/model_file.h"
 #include "tools/export_model/described_robot.h"
 #include "tools/export_model/write_model.h"
 

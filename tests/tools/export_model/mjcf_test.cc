@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "components/arm/payloads.h"
+#include "components/model/payloads/payloads.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/tools/export_model/exported.h"
 

@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "components/arm/dynamics.h"
-#include "components/config/config.h"
-#include "tests/components/arm/random_arm.h"
+#include "components/base/config/config.h"
+#include "components/bodies/dynamics/dynamics.h"
+#include "tests/components/bodies/dynamics/random_arm.h"
 #include "tests/support/program.h"
 #include "tests/support/sinew_program.h"
 #include "tests/support/temporary_folder.h"

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "components/arm/payloads.h"
+#include "components/model/payloads/payloads.h"
 #include "tests/tools/export_model/exported.h"
 
 namespace sinew::export_model {

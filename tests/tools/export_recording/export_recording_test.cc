@@ -14,14 +14,14 @@
 #include <string>
 #include <vector>
 
-#include "components/config/config.h"
-#include "components/node/codec.h"
-#include "components/node/topics.h"
-#include "components/recording/file/cdr_json.h"
-#include "components/recording/file/file_io.h"
-#include "components/recording/mcap_reader.h"
-#include "components/recording/mcap_writer.h"
-#include "components/recording/run_import.h"
+#include "components/base/config/config.h"
+#include "components/record/recording/file/cdr_json.h"
+#include "components/record/recording/file/file_io.h"
+#include "components/record/recording/mcap_reader.h"
+#include "components/record/recording/mcap_writer.h"
+#include "components/record/recording/run_import.h"
+#include "components/topics/node/codec.h"
+#include "components/topics/node/topics.h"
 #include "tests/support/temporary_folder.h"
 #include "tools/export_recording/npz.h"
 #include "tools/export_recording/ros2_bag.h"

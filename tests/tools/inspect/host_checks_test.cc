@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "tests/support/temporary_folder.h"
 
 namespace sinew::inspect {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "tests/support/patient_guard.h"
 #include "tests/support/program.h"
 #include "tests/support/sinew_program.h"

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "tools/inspect/run_tool.h"
 
 namespace sinew::inspect {

@@ -5,7 +5,7 @@
 
 #include <sstream>
 
-#include "components/node/topics.h"
+#include "components/topics/node/topics.h"
 
 namespace sinew::inspect {
 namespace {

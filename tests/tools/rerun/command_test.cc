@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bench/rerun/rig_recording.h"
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "tests/support/temporary_folder.h"
 
 namespace sinew::rerun {

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <string>
 
-#include "components/node/codec.h"
+#include "components/topics/node/codec.h"
 #include "tools/rerun/output_facts.h"
 #include "tools/rerun/stage.h"
 

@@ -5,9 +5,9 @@
 
 #include <string>
 
-#include "components/config/config.h"
-#include "components/recording/file/file_io.h"
-#include "components/recording/mcap_writer.h"
+#include "components/base/config/config.h"
+#include "components/record/recording/file/file_io.h"
+#include "components/record/recording/mcap_writer.h"
 #include "tests/support/temporary_folder.h"
 
 namespace sinew::rerun {

@@ -16,11 +16,11 @@
 #include <vector>
 
 #include "bench/rerun/rig_recording.h"
-#include "components/config/config.h"
-#include "components/node/codec.h"
-#include "components/recording/cdr.h"
-#include "components/recording/file/file_io.h"
-#include "components/recording/mcap_writer.h"
+#include "components/base/config/config.h"
+#include "components/record/recording/cdr.h"
+#include "components/record/recording/file/file_io.h"
+#include "components/record/recording/mcap_writer.h"
+#include "components/topics/node/codec.h"
 #include "tests/support/temporary_folder.h"
 #include "tools/rerun/recorded_parts.h"
 #include "tools/rerun/recorded_ticks.h"

@@ -8,18 +8,18 @@
 #include <random>
 #include <vector>
 
-#include "components/control/file/control_file.h"
-#include "components/control/robot_controller.h"
-#include "components/esn/file/weights_file.h"
-#include "components/esn/predictor.h"
-#include "components/pneumatics/file/pneumatics_file.h"
-#include "components/pneumatics/manager.h"
-#include "components/reference/file/reference_file.h"
-#include "components/reference/standby.h"
-#include "components/regime/detector.h"
-#include "components/regime/file/regime_file.h"
-#include "components/rls/rls.h"
-#include "components/types/state_archive.h"
+#include "components/base/types/state_archive.h"
+#include "components/learn/esn/file/weights_file.h"
+#include "components/learn/esn/predictor.h"
+#include "components/learn/rls/rls.h"
+#include "components/robot/control/file/control_file.h"
+#include "components/robot/control/robot_controller.h"
+#include "components/robot/pneumatics/file/pneumatics_file.h"
+#include "components/robot/pneumatics/manager.h"
+#include "components/robot/reference/file/reference_file.h"
+#include "components/robot/reference/standby.h"
+#include "components/robot/regime/detector.h"
+#include "components/robot/regime/file/regime_file.h"
 
 namespace sinew {
 namespace {

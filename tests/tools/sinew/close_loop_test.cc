@@ -8,8 +8,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "components/node/topics.h"
-#include "components/recording/file/import.h"
+#include "components/record/recording/file/import.h"
+#include "components/topics/node/topics.h"
 #include "tests/support/skip.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/tools/sinew/example_options.h"

@@ -8,15 +8,15 @@
 #include <cmath>
 #include <filesystem>
 
-#include "components/actuator/file/model_file.h"
-#include "components/config/config.h"
-#include "components/identify/as_published.h"
-#include "components/identify/differentiate.h"
-#include "components/identify/file/processing_file.h"
-#include "components/identify/iir_filter.h"
-#include "components/identify/uniform.h"
-#include "components/recording/csv.h"
-#include "components/recording/file/run_reader.h"
+#include "components/base/config/config.h"
+#include "components/model/actuator/file/model_file.h"
+#include "components/model/identify/as_published.h"
+#include "components/model/identify/differentiate.h"
+#include "components/model/identify/file/processing_file.h"
+#include "components/model/identify/iir_filter.h"
+#include "components/model/identify/uniform.h"
+#include "components/record/recording/csv.h"
+#include "components/record/recording/file/run_reader.h"
 
 namespace sinew {
 namespace {

@@ -8,10 +8,10 @@
 #include <fstream>
 #include <functional>
 
-#include "components/actuator/file/model_file.h"
-#include "components/config/config.h"
-#include "components/identify/file/processing_file.h"
-#include "components/identify/fit.h"
+#include "components/base/config/config.h"
+#include "components/model/actuator/file/model_file.h"
+#include "components/model/identify/file/processing_file.h"
+#include "components/model/identify/fit.h"
 #include "tests/support/temporary_folder.h"
 #include "tools/sinew/close_loop.h"
 #include "tools/sinew/close_robot.h"

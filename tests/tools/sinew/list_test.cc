@@ -55,7 +55,8 @@ TEST(List, TwoParticipantsOfOneNameAreTwoRowsAndAProblem) {
 
 // Fast DDS reports nothing of partitions that do not meet.
 TEST(List, AReaderInAnotherPartitionIsBelowTheWriterWithTheReason) {
-  std::ifstream profiles(std::string(SINEW_SOURCE_DIR) + "/components/node/qos_profiles.xml");
+  std::ifstream profiles(std::string(SINEW_SOURCE_DIR) +
+                         "/components/topics/node/qos_profiles.xml");
   std::string xml{std::istreambuf_iterator<char>(profiles), {}};
   const std::string qos = "<qos>";
   xml.insert(xml.find(qos, xml.find("<data_reader profile_name=\"state\">")) + qos.size(),

@@ -8,9 +8,9 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "components/free_run/free_run.h"
-#include "components/recording/file/run_reader.h"
-#include "components/trace/rules.h"
+#include "components/model/free_run/free_run.h"
+#include "components/model/trace/rules.h"
+#include "components/record/recording/file/run_reader.h"
 #include "sim/plant/joint_body.h"
 #include "tests/support/skip.h"
 #include "tools/sinew/close_loop.h"

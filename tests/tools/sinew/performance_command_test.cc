@@ -14,13 +14,13 @@
 #include <string>
 #include <vector>
 
-#include "components/config/config.h"
-#include "components/node/codec.h"
-#include "components/node/topics.h"
-#include "components/recording/file/file_io.h"
-#include "components/recording/mcap_writer.h"
-#include "components/recording/run_import.h"
-#include "components/report/file/section_file.h"
+#include "components/base/config/config.h"
+#include "components/model/report/file/section_file.h"
+#include "components/record/recording/file/file_io.h"
+#include "components/record/recording/mcap_writer.h"
+#include "components/record/recording/run_import.h"
+#include "components/topics/node/codec.h"
+#include "components/topics/node/topics.h"
 #include "tests/support/temporary_folder.h"
 #include "tools/sinew/performance.h"
 

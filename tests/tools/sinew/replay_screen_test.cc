@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "components/logger/player/pace.h"
+#include "components/record/logger/player/pace.h"
 
 namespace sinew::tools {
 namespace {

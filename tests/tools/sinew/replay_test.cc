@@ -18,7 +18,7 @@
 #include <string>
 #include <vector>
 
-#include "components/node/node.h"
+#include "components/topics/node/node.h"
 #include "tests/support/program.h"
 #include "tests/support/sinew_program.h"
 #include "tests/support/temporary_folder.h"

@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <string>
 
-#include "components/control/file/control_file.h"
-#include "components/pneumatics/file/pneumatics_file.h"
-#include "components/reference/file/reference_file.h"
-#include "components/types/control_mode.h"
+#include "components/base/types/control_mode.h"
+#include "components/robot/control/file/control_file.h"
+#include "components/robot/pneumatics/file/pneumatics_file.h"
+#include "components/robot/reference/file/reference_file.h"
 #include "sim/surrogate/file/surrogate_file.h"
 #include "sim/surrogate/surrogate.h"
 

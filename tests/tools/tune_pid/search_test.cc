@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "components/reference/trajectory.h"
+#include "components/robot/reference/trajectory.h"
 #include "tools/tune_pid/closed_loop.h"
 
 namespace sinew::tune {

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <string>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "tests/support/temporary_folder.h"
 
 namespace sinew::tune {

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "components/control/file/control_file.h"
+#include "components/robot/control/file/control_file.h"
 #include "tests/support/temporary_folder.h"
 
 namespace sinew::tune {

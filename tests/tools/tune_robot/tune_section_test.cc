@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "components/report/file/section_file.h"
+#include "components/model/report/file/section_file.h"
 #include "tools/tune_robot/tune_file.h"
 
 namespace sinew::tune {

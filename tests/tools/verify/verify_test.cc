@@ -7,10 +7,10 @@
 
 #include <cmath>
 
-#include "components/actuator/file/model_file.h"
-#include "components/control/file/control_file.h"
-#include "components/pneumatics/file/pneumatics_file.h"
-#include "components/reference/file/reference_file.h"
+#include "components/model/actuator/file/model_file.h"
+#include "components/robot/control/file/control_file.h"
+#include "components/robot/pneumatics/file/pneumatics_file.h"
+#include "components/robot/reference/file/reference_file.h"
 #include "sim/plant/joint_body.h"
 #include "sim/surrogate/surrogate.h"
 #include "sim/world/file/world_file.h"

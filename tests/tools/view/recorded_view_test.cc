@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "components/config/config.h"
-#include "components/recording/file/file_io.h"
-#include "components/recording/mcap_writer.h"
+#include "components/base/config/config.h"
+#include "components/record/recording/file/file_io.h"
+#include "components/record/recording/mcap_writer.h"
 #include "idl/embedded_idl.h"
 #include "tests/support/json_cdr.h"
 #include "tests/support/temporary_folder.h"

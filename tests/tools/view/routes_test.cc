@@ -6,7 +6,7 @@
 
 #include <fstream>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 #include "tests/support/temporary_folder.h"
 #include "tools/view/view_config.h"
 

@@ -12,7 +12,7 @@
 #include <chrono>
 #include <thread>
 
-#include "components/config/config.h"
+#include "components/base/config/config.h"
 
 namespace sinew::live {
 namespace {

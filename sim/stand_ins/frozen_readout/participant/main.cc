@@ -6,10 +6,10 @@
 #include <optional>
 #include <utility>
 
-#include "components/node/node.h"
-#include "components/node/other_owner.h"
-#include "components/node/tick_loop.h"
-#include "components/rls/file/rls_config.h"
+#include "components/learn/rls/file/rls_config.h"
+#include "components/topics/node/node.h"
+#include "components/topics/node/other_owner.h"
+#include "components/topics/node/tick_loop.h"
 #include "sim/stand_ins/participant/stands_in.h"
 
 namespace {

@@ -4,10 +4,10 @@
 
 #include <vector>
 
-#include "components/node/node.h"
-#include "components/node/tick_loop.h"
-#include "components/pneumatics/participant/requests.h"
-#include "components/wire/wire.h"
+#include "components/robot/pneumatics/participant/requests.h"
+#include "components/topics/node/node.h"
+#include "components/topics/node/tick_loop.h"
+#include "components/topics/wire/wire.h"
 #include "sim/stand_ins/participant/stands_in.h"
 
 namespace {

@@ -1,10 +1,10 @@
 // sinew-inverse-dynamics: stands in for sinew-esn: the torque that the reference motion needs by
 // the model file. It has no reservoir, so reservoir_state is not published.
-#include "components/esn/file/esn_config.h"
-#include "components/esn/participant/inference.h"
-#include "components/node/node.h"
-#include "components/node/other_owner.h"
-#include "components/node/tick_loop.h"
+#include "components/learn/esn/file/esn_config.h"
+#include "components/learn/esn/participant/inference.h"
+#include "components/topics/node/node.h"
+#include "components/topics/node/other_owner.h"
+#include "components/topics/node/tick_loop.h"
 #include "sim/stand_ins/participant/stands_in.h"
 
 namespace {

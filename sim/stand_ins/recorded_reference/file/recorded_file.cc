@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "components/config/config.h"
-#include "components/logger/player/playlist.h"
-#include "components/node/codec.h"
-#include "components/node/topics.h"
-#include "components/recording/file/file_io.h"
-#include "components/recording/mcap_reader.h"
+#include "components/base/config/config.h"
+#include "components/record/logger/player/playlist.h"
+#include "components/record/recording/file/file_io.h"
+#include "components/record/recording/mcap_reader.h"
+#include "components/topics/node/codec.h"
+#include "components/topics/node/topics.h"
 #include "sim/stand_ins/recorded_reference/recorded.h"
 
 namespace sinew::stand_ins {

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "components/reference/robot_reference.h"
+#include "components/robot/reference/robot_reference.h"
 
 namespace sinew::stand_ins {
 

@@ -2,12 +2,12 @@
 // session's ticks, from rest where the robot stands. What is computed from it is marked as replay.
 #include <sinew_idl/joint.h>
 
-#include "components/node/node.h"
-#include "components/node/other_owner.h"
-#include "components/node/tick_loop.h"
-#include "components/reference/participant/translate.h"
-#include "components/reference/standby.h"
-#include "components/wire/wire.h"
+#include "components/robot/reference/participant/translate.h"
+#include "components/robot/reference/standby.h"
+#include "components/topics/node/node.h"
+#include "components/topics/node/other_owner.h"
+#include "components/topics/node/tick_loop.h"
+#include "components/topics/wire/wire.h"
 #include "sim/stand_ins/participant/stands_in.h"
 #include "sim/stand_ins/recorded_reference/file/recorded_file.h"
 

@@ -3,11 +3,11 @@
 #include <sinew_idl/regime.h>
 #include <sinew_idl/simulation.h>
 
-#include "components/config/config.h"
-#include "components/node/node.h"
-#include "components/node/other_owner.h"
-#include "components/node/tick_loop.h"
-#include "components/wire/wire.h"
+#include "components/base/config/config.h"
+#include "components/topics/node/node.h"
+#include "components/topics/node/other_owner.h"
+#include "components/topics/node/tick_loop.h"
+#include "components/topics/wire/wire.h"
 #include "sim/stand_ins/participant/stands_in.h"
 
 namespace {

@@ -1,7 +1,0 @@
-#include "components/esn/kernel_body.h"
-
-namespace sinew::esn::internal {
-
-const Kernel kPortableKernel = {Step<false>, Step<true>, TanhInPlace, Gram};
-
-}  // namespace sinew::esn::internal

@@ -1,0 +1,7 @@
+#include "components/learn/rls/kernel_body.h"
+
+namespace sinew::rls::internal {
+
+const Kernel kAvx512Kernel = {Project, Update, Dot, AddScaled};
+
+}  // namespace sinew::rls::internal

@@ -1,0 +1,418 @@
+#include "components/model/arm/arm_fit.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "components/model/identify/block_regression.h"
+#include "components/model/identify/statistics.h"
+
+namespace sinew::arm {
+
+namespace {
+
+constexpr double kBlock_s = 2.0;  // of the scores behind the intervals
+
+bool IsRigid(const actuator::Term& term) { return term.effect->info().name == "rigid_body"; }
+bool IsDrive(const actuator::Term& term) {
+  return term.effect->info().role == effects::Role::kDrive;
+}
+
+std::vector<FreeParameter> FreeParameters(const actuator::JointModel& joint) {
+  std::vector<FreeParameter> out;
+  for (std::size_t t = 0; t < joint.terms.size(); ++t) {
+    if (!joint.Counts(joint.terms[t])) continue;
+    if (IsDrive(joint.terms[t]) || IsRigid(joint.terms[t])) continue;
+    for (std::size_t i = 0; i < joint.terms[t].linear.size(); ++i) {
+      if (!joint.terms[t].linear[i].fixed) out.push_back({t, i});
+    }
+  }
+  return out;
+}
+
+// Estimate of the first `rigid` unknowns by normal equations, against a fit b of all. scale: a size
+// of each unknown's information; louder: standard deviation of the rows' noise.
+RigidPrior PriorFrom(const identify::Moments& sums, const Eigen::VectorXd& b, Eigen::Index rigid,
+                     const Eigen::VectorXd& scale, double louder) {
+  // A direction about which others know less than this part of what all know is open.
+  constexpr double kOpen = 1e-6;
+  const Eigen::Index rest = b.size() - rigid;
+  const Eigen::MatrixXd cross = sums.G.topRightCorner(rigid, rest);
+  // Friction of the others is fitted as well (Schur complement).
+  const auto freed = [&](const Eigen::VectorXd& of_rest) {
+    return identify::Solve(sums.G.bottomRightCorner(rest, rest), of_rest);
+  };
+  Eigen::MatrixXd G = sums.G.topLeftCorner(rigid, rigid);
+  for (Eigen::Index c = 0; c < rigid; ++c) G.col(c) -= cross * freed(cross.row(c).transpose());
+  const Eigen::VectorXd m = sums.m.head(rigid) - cross * freed(sums.m.tail(rest));
+  const Eigen::VectorXd unit = (scale.array() > 0.0).select(scale.cwiseInverse(), 1.0);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(unit.asDiagonal() * G *
+                                                             unit.asDiagonal());
+  RigidPrior out;
+  out.directions = unit.asDiagonal() * eigen.eigenvectors();
+  out.mean = Eigen::VectorXd::Zero(rigid);
+  out.spread = Eigen::VectorXd::Zero(rigid);
+  const Eigen::VectorXd known = out.directions.transpose() * (m - G * b.head(rigid));
+  for (Eigen::Index k = 0; k < rigid; ++k) {
+    const double information = eigen.eigenvalues()[k];
+    if (information < kOpen) continue;
+    out.mean[k] = known[k] / information;
+    out.spread[k] = louder / std::sqrt(information);
+  }
+  return out;
+}
+
+}  // namespace
+
+// One joint's part of the regression.
+struct Arm::Data {
+  struct Joint {
+    identify::Rows rows;
+    Eigen::VectorXd torque;    // measured
+    Eigen::MatrixXd rigid;     // rows x all inertial parameters
+    Eigen::MatrixXd friction;  // columns of free parameters, as they enter the balance
+    Eigen::VectorXd known;     // fixed terms
+    std::vector<FreeParameter> free;
+  };
+  std::vector<Joint> joints;
+};
+
+Arm::Arm(const Chain& chain, const actuator::RobotModel& robot)
+    : dynamics_(chain), base_(FindBaseParameters(dynamics_)) {
+  const std::vector<std::string>& names = dynamics_.joint_names();
+  for (const actuator::JointModel& joint : robot.joints) {
+    const auto found = std::find(names.begin(), names.end(), joint.name);
+    if (found == names.end()) {
+      std::string list;
+      for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+      throw std::invalid_argument("joint '" + joint.name + "' of the model is no moving joint of " +
+                                  "the URDF '" + chain.name + "', expected one of: " + list);
+    }
+    row_.push_back(static_cast<int>(found - names.begin()));
+    const int body = FindJoint(chain, joint.name);
+    effort_.push_back(chain.bodies[static_cast<std::size_t>(body)].effort);
+    if (joint.Find("rigid_body") < 0) {
+      throw std::invalid_argument("joint '" + joint.name +
+                                  "' has no term rigid_body, expected it on every joint of an arm");
+    }
+  }
+  if (row_.size() != names.size()) {
+    throw std::invalid_argument("the model describes " + std::to_string(row_.size()) +
+                                " joints, the URDF '" + chain.name + "' has " +
+                                std::to_string(names.size()) + " that move");
+  }
+}
+
+std::vector<identify::StateSet> Arm::States(
+    const ArmRuns& runs, const actuator::RobotModel& robot,
+    const std::vector<identify::ProcessingOptions>& processing) const {
+  std::vector<identify::StateSet> states;
+  for (std::size_t j = 0; j < robot.joints.size(); ++j) {
+    std::vector<types::Run> bare = runs.at(j);
+    for (types::Run& run : bare) {
+      if (run.rigid_torque.empty()) run.rigid_torque_later = true;
+    }
+    states.push_back(identify::MakeStates(bare, robot.joints[j], processing[j]));
+    const identify::StateSet& first = states.front();
+    bool same = states[j].segments.size() == first.segments.size();
+    for (std::size_t s = 0; same && s < first.segments.size(); ++s) {
+      same = states[j].segments[s].size() == first.segments[s].size();
+    }
+    if (!same) {
+      throw std::invalid_argument("recordings of joint '" + robot.joints[j].name +
+                                  "' have other pieces than those of joint '" +
+                                  robot.joints[0].name + "', expected the same rows for all");
+    }
+  }
+  return states;
+}
+
+void Arm::StateAt(const std::vector<identify::StateSet>& states, std::size_t segment,
+                  Eigen::Index i, Eigen::VectorXd* q, Eigen::VectorXd* v,
+                  Eigen::VectorXd* a) const {
+  for (std::size_t j = 0; j < states.size(); ++j) {
+    const effects::JointSample& x =
+        states[j].segments[segment].samples[static_cast<std::size_t>(i)];
+    const auto row = static_cast<Eigen::Index>(row_[j]);
+    (*q)[row] = x.position_rad;
+    (*v)[row] = x.velocity_rad_s;
+    (*a)[row] = x.acceleration_rad_s2;
+  }
+}
+
+Arm::Data Arm::Prepare(const ArmRuns& runs, const actuator::RobotModel& robot,
+                       const identify::ProcessingOptions& processing) const {
+  std::vector<identify::StateSet> states =
+      States(runs, robot, std::vector(robot.joints.size(), processing));
+  const Eigen::Index n = dynamics_.joints();
+  const Eigen::Index p = dynamics_.parameters();
+  // Regressors of every sample, per joint: [joint][segment], samples x parameters.
+  std::vector<std::vector<Eigen::MatrixXd>> full(states.size());
+  Eigen::VectorXd q(n), v(n), a(n);
+  for (std::size_t s = 0; s < states.front().segments.size(); ++s) {
+    const Eigen::Index samples = states.front().segments[s].size();
+    for (auto& of_joint : full) of_joint.emplace_back(samples, p);
+    for (Eigen::Index i = 0; i < samples; ++i) {
+      StateAt(states, s, i, &q, &v, &a);
+      const Eigen::MatrixXd Y = dynamics_.Regressor(q, v, a);
+      for (std::size_t j = 0; j < states.size(); ++j) full[j][s].row(i) = Y.row(row_[j]);
+    }
+  }
+  Data data;
+  for (std::size_t j = 0; j < states.size(); ++j) {
+    const actuator::JointModel& model = robot.joints[j];
+    identify::Design design(std::move(states[j]), processing);
+    Data::Joint joint;
+    joint.rows = design.rows();
+    joint.rigid.resize(design.rows().size(), p);
+    std::vector<Eigen::VectorXd> column(full[j].size());
+    for (Eigen::Index c = 0; c < p; ++c) {
+      for (std::size_t s = 0; s < full[j].size(); ++s) column[s] = full[j][s].col(c);
+      joint.rigid.col(c) = design.ThroughFilter(column);
+    }
+    joint.free = FreeParameters(model);
+    joint.known = Eigen::VectorXd::Zero(design.rows().size());
+    joint.friction.resize(design.rows().size(), static_cast<Eigen::Index>(joint.free.size()));
+    for (std::size_t t = 0; t < model.terms.size(); ++t) {
+      const actuator::Term& term = model.terms[t];
+      if (!model.Counts(term)) continue;
+      if (IsDrive(term)) {
+        joint.torque = term.linear.front().value * design.MeasuredDrive(*term.effect);
+        continue;
+      }
+      if (IsRigid(term)) continue;
+      const Eigen::MatrixXd phi = design.Columns(*term.effect, actuator::NonlinearValues(term));
+      for (std::size_t i = 0; i < term.linear.size(); ++i) {
+        const auto of = [&](const FreeParameter& f) { return f.term == t && f.index == i; };
+        const auto found = std::find_if(joint.free.begin(), joint.free.end(), of);
+        const auto at = static_cast<Eigen::Index>(i);
+        if (found == joint.free.end()) {
+          joint.known += term.linear[i].value * phi.col(at);
+        } else {
+          joint.friction.col(found - joint.free.begin()) = phi.col(at);
+        }
+      }
+    }
+    data.joints.push_back(std::move(joint));
+  }
+  return data;
+}
+
+ArmFit Arm::Fit(const ArmRuns& runs, const actuator::RobotModel& robot,
+                const identify::ProcessingOptions& processing) const {
+  const Data data = Prepare(runs, robot, processing);
+  const auto rigid = static_cast<Eigen::Index>(base_.independent.size());
+  Eigen::Index unknowns = rigid;
+  std::vector<Eigen::Index> first;
+  for (const Data::Joint& joint : data.joints) {
+    first.push_back(unknowns);
+    unknowns += joint.friction.cols();
+  }
+  // T + known - Y phi_urdf = Y_independent dbeta - friction theta, a block per joint.
+  std::vector<Eigen::MatrixXd> X;
+  std::vector<Eigen::VectorXd> y;
+  for (std::size_t j = 0; j < data.joints.size(); ++j) {
+    const Data::Joint& joint = data.joints[j];
+    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(joint.torque.size(), unknowns);
+    for (Eigen::Index c = 0; c < rigid; ++c) {
+      columns.col(c) = joint.rigid.col(base_.independent[static_cast<std::size_t>(c)]);
+    }
+    columns.middleCols(first[j], joint.friction.cols()) = -joint.friction;
+    y.emplace_back(joint.torque + joint.known - joint.rigid * dynamics_.nominal());
+    X.push_back(std::move(columns));
+  }
+  const auto sums_of = [&](const identify::Block* block, const std::vector<double>& weight) {
+    identify::Moments total{Eigen::MatrixXd::Zero(unknowns, unknowns),
+                            Eigen::VectorXd::Zero(unknowns)};
+    for (std::size_t j = 0; j < X.size(); ++j) {
+      identify::Block used;
+      if (block == nullptr) {
+        used = data.joints[j].rows.UsedRows();
+      } else {
+        for (const Eigen::Index i : *block) {
+          if (data.joints[j].rows.used[static_cast<std::size_t>(i)]) used.push_back(i);
+        }
+      }
+      if (used.empty()) continue;
+      const identify::Moments part = identify::MomentsOf(used, X[j], y[j]);
+      const double w = weight[j] * weight[j];
+      total.G += w * part.G;
+      total.m += w * part.m;
+      total.yy += w * part.yy;
+      total.rows += part.rows;
+    }
+    return total;
+  };
+  std::vector<double> weight(X.size(), 1.0);
+  Eigen::VectorXd b;
+  for (int pass = 0; pass < 2; ++pass) {
+    const identify::Moments total = sums_of(nullptr, weight);
+    if (total.rows < 2.0 * static_cast<double>(unknowns)) {
+      throw std::invalid_argument(
+          "recordings have " + std::to_string(static_cast<int>(total.rows)) +
+          " moving rows of all joints, too few to fit " + std::to_string(unknowns) + " parameters");
+    }
+    b = identify::Solve(total.G, total.m);
+    for (std::size_t j = 0; pass == 0 && j < X.size(); ++j) {
+      const identify::Block used = data.joints[j].rows.UsedRows();
+      double squares = 0.0;
+      for (const Eigen::Index i : used) squares += std::pow(y[j][i] - X[j].row(i).dot(b), 2);
+      const double rms =
+          std::sqrt(squares / std::max<double>(1.0, static_cast<double>(used.size())));
+      weight[j] = rms > 0.0 ? 1.0 / rms : 1.0;
+    }
+  }
+  // Blocks of time, all joints together.
+  identify::Rows all = data.joints.front().rows;
+  std::fill(all.used.begin(), all.used.end(), 1);
+  const std::vector<identify::Block> blocks = identify::MakeBlocks(all, kBlock_s, 0.0, 4);
+  std::vector<identify::Moments> parts;
+  parts.reserve(blocks.size());
+  for (const identify::Block& block : blocks) parts.push_back(sums_of(&block, weight));
+  const Eigen::MatrixXd covariance = identify::BlockCovariance(parts, b);
+  const double quantile =
+      identify::StudentQuantile(0.975, std::max(1.0, static_cast<double>(parts.size()) - 1.0));
+  const auto half_width = [&](Eigen::Index i) {
+    return quantile * std::sqrt(std::max(0.0, covariance(i, i)));
+  };
+
+  ArmFit out;
+  out.robot = robot;
+  out.phi = dynamics_.nominal();
+  const Eigen::VectorXd nominal = base_.Of(dynamics_.nominal());
+  for (Eigen::Index c = 0; c < rigid; ++c) {
+    const int at = base_.independent[static_cast<std::size_t>(c)];
+    out.phi[at] += b[c];
+    out.base.push_back({dynamics_.parameter_names()[static_cast<std::size_t>(at)], nominal[c],
+                        nominal[c] + b[c], half_width(c)});
+  }
+  // Residuals are correlated: a row carries less information by the factor by which the sums of
+  // blocks vary more than independent rows would.
+  double of_rows = 0.0, of_blocks = 0.0;
+  for (std::size_t j = 0; j < X.size(); ++j) {
+    const Eigen::VectorXd e = weight[j] * (y[j] - X[j] * b);
+    for (const identify::Block& block : blocks) {
+      double sum = 0.0;
+      for (const Eigen::Index i : block) {
+        if (!data.joints[j].rows.used[static_cast<std::size_t>(i)]) continue;
+        sum += e[i];
+        of_rows += e[i] * e[i];
+      }
+      of_blocks += sum * sum;
+    }
+  }
+  const double louder = of_rows > 0.0 ? std::sqrt(std::max(1.0, of_blocks / of_rows)) : 1.0;
+  const identify::Moments total = sums_of(nullptr, weight);
+  for (std::size_t j = 0; j < data.joints.size(); ++j) {
+    std::vector<double> others = weight;
+    others[j] = 0.0;
+    out.by_others.push_back(PriorFrom(sums_of(nullptr, others), b, rigid,
+                                      total.G.diagonal().head(rigid).cwiseSqrt(), louder));
+  }
+  for (std::size_t j = 0; j < data.joints.size(); ++j) {
+    for (std::size_t k = 0; k < data.joints[j].free.size(); ++k) {
+      const FreeParameter& which = data.joints[j].free[k];
+      actuator::ParameterValue& value = out.robot.joints[j].terms[which.term].linear[which.index];
+      const Eigen::Index at = first[j] + static_cast<Eigen::Index>(k);
+      value.value = b[at];
+      value.half_width_95 = half_width(at);
+    }
+  }
+  out.train = ErrorOf(runs, out.robot, out.phi, processing);
+  return out;
+}
+
+ArmError Arm::ErrorOf(const ArmRuns& runs, const actuator::RobotModel& robot,
+                      const Eigen::VectorXd& phi,
+                      const identify::ProcessingOptions& processing) const {
+  const Data data = Prepare(runs, robot, processing);
+  ArmError out;
+  double all_error = 0.0, all_power = 0.0, nrms = 0.0;
+  bool limits = true;
+  for (std::size_t j = 0; j < data.joints.size(); ++j) {
+    const Data::Joint& joint = data.joints[j];
+    Eigen::VectorXd theta(static_cast<Eigen::Index>(joint.free.size()));
+    for (std::size_t k = 0; k < joint.free.size(); ++k) {
+      theta[static_cast<Eigen::Index>(k)] =
+          robot.joints[j].terms[joint.free[k].term].linear[joint.free[k].index].value;
+    }
+    const Eigen::VectorXd residual =
+        joint.torque + joint.known + joint.friction * theta - joint.rigid * phi;
+    double error = 0.0, power = 0.0;
+    const identify::Block used = joint.rows.UsedRows();
+    for (const Eigen::Index i : used) {
+      error += residual[i] * residual[i];
+      power += joint.torque[i] * joint.torque[i];
+    }
+    all_error += error;
+    all_power += power;
+    out.rms_Nm.push_back(
+        std::sqrt(error / std::max<double>(1.0, static_cast<double>(used.size()))));
+    out.relative_percent.push_back(power > 0.0 ? 100.0 * std::sqrt(error / power) : 0.0);
+    if (effort_[j] > 0.0) {
+      nrms +=
+          100.0 * out.rms_Nm.back() / (2.0 * effort_[j]) / static_cast<double>(data.joints.size());
+    } else {
+      limits = false;
+    }
+  }
+  out.all_relative_percent = all_power > 0.0 ? 100.0 * std::sqrt(all_error / all_power) : 0.0;
+  out.nrms_percent = limits ? nrms : 0.0;
+  return out;
+}
+
+Eigen::VectorXd Arm::Inertia(const Eigen::VectorXd& phi, const ArmRuns& runs,
+                             const actuator::RobotModel& robot,
+                             const identify::ProcessingOptions& processing) const {
+  constexpr Eigen::Index kPoses = 100;
+  const std::vector<identify::StateSet> states =
+      States(runs, robot, std::vector(robot.joints.size(), processing));
+  const Eigen::Index n = dynamics_.joints(), rows = states.front().segments.front().size();
+  Eigen::VectorXd q(n), v(n), a(n), sum = Eigen::VectorXd::Zero(n);
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(n);
+  for (Eigen::Index k = 0; k < kPoses; ++k) {
+    StateAt(states, 0, k * (rows - 1) / kPoses, &q, &v, &a);
+    const Eigen::VectorXd gravity = dynamics_.Torque(q, zero, zero, phi);
+    for (std::size_t j = 0; j < states.size(); ++j) {
+      const auto row = static_cast<Eigen::Index>(row_[j]);
+      const Eigen::VectorXd torque = dynamics_.Torque(q, zero, Eigen::VectorXd::Unit(n, row), phi);
+      sum[static_cast<Eigen::Index>(j)] += std::pow(torque[row] - gravity[row], 2);
+    }
+  }
+  return (sum / static_cast<double>(kPoses)).cwiseSqrt();
+}
+
+void Arm::AddRigidTorque(const ArmFit& fit,
+                         const std::vector<identify::ProcessingOptions>& processing,
+                         const actuator::RobotModel& robot, ArmRuns* runs) const {
+  const std::vector<identify::StateSet> states = States(*runs, robot, processing);
+  for (std::size_t j = 0; j < states.size(); ++j) {
+    for (types::Run& run : (*runs)[j]) {
+      run.rigid_torque.clear();
+      run.rigid_columns.clear();
+      run.rigid_mean = fit.by_others[j].mean;
+      run.rigid_spread = fit.by_others[j].spread;
+    }
+  }
+  const Eigen::Index n = dynamics_.joints();
+  Eigen::VectorXd q(n), v(n), a(n);
+  for (std::size_t s = 0; s < states.front().segments.size(); ++s) {
+    const identify::StateSegment& segment = states.front().segments[s];
+    std::vector<Eigen::MatrixXd> Y(states.size(),
+                                   Eigen::MatrixXd(segment.size(), dynamics_.parameters()));
+    for (Eigen::Index i = 0; i < segment.size(); ++i) {
+      StateAt(states, s, i, &q, &v, &a);
+      const Eigen::MatrixXd all = dynamics_.Regressor(q, v, a);
+      for (std::size_t j = 0; j < states.size(); ++j) Y[j].row(i) = all.row(row_[j]);
+    }
+    for (std::size_t j = 0; j < states.size(); ++j) {
+      types::Run& run = (*runs)[j][static_cast<std::size_t>(segment.run)];
+      run.rigid_torque.emplace_back(Y[j] * fit.phi);
+      run.rigid_columns.emplace_back(Y[j](Eigen::all, base_.independent) *
+                                     fit.by_others[j].directions);
+    }
+  }
+}
+
+}  // namespace sinew::arm

@@ -1,0 +1,37 @@
+// The whole path of `sinew close-loop` for an arm: rigid bodies and friction of all joints
+// together, then each joint's own residual over the catalogue, then all together again with what
+// was found. Pure; allocates; reads no clock. Throws std::invalid_argument for recordings that
+// cannot be used.
+#pragma once
+
+#include "components/model/arm/arm_fit.h"
+
+namespace sinew::arm {
+
+struct ArmLoop {
+  identify::ProcessingOptions processing;  // of all joints
+  ArmFit before;                           // declared friction
+  ArmFit after;                            // with the effects that were found
+  ArmError held_out_nominal, held_out_before, held_out_after;
+};
+
+// First half: the joint fit; train and held-out get the rigid torque of each joint, and the model
+// that comes back has the fitted friction. Cut-offs that `wished` leaves to the data are those of
+// the first joint.
+ArmLoop FitArm(const Arm& arm, const actuator::RobotModel& robot,
+               const identify::ProcessingOptions& wished, ArmRuns* train, ArmRuns* held_out);
+
+// Mean of the squares of errors on recordings, each weighted by its rows. Throws
+// std::invalid_argument unless there is a weight for each.
+ArmError Pooled(const std::vector<ArmError>& errors, const std::vector<double>& rows);
+
+// Of all joints fitted together to train, on the held-out recordings: mean of rms over twice the
+// effort limit, per cent; relative without limits.
+double HeldOutError(const Arm& arm, const actuator::RobotModel& robot, const ArmRuns& train,
+                    const ArmRuns& held_out, const identify::ProcessingOptions& processing);
+
+// Second half: corrected holds what tracing each joint found.
+void FinishArm(const Arm& arm, const actuator::RobotModel& corrected, const ArmRuns& train,
+               const ArmRuns& held_out, ArmLoop* loop);
+
+}  // namespace sinew::arm

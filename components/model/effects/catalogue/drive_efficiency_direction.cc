@@ -1,0 +1,34 @@
+// Efficiency that depends on the direction of power.
+#include "components/model/effects/define.h"
+
+namespace sinew::effects::drive_efficiency_direction {
+
+std::unique_ptr<Effect> Make(const JointConstants& constants) {
+  EffectInfo info;
+  info.name = "drive_efficiency_direction";
+  info.title = "Efficiency that depends on the direction of power";
+  info.formula = "+ gain * N Kt I while the load drives the motor, else 0";
+  info.source =
+      "Giberti, Cinquemani, Legnani: Effects of transmission mechanical characteristics on the "
+      "choice of a motor-reducer (2010)";
+  info.linear = {{.name = "gain",
+                  .dimension = Dimension::kNone,
+                  .lower = -1.0,
+                  .upper = 1.0,
+                  .default_value = 0.0,
+                  .meaning = "backward drive factor minus forward drive factor",
+                  .relative_to_drive = true}};
+  info.signature = "drive torque scaled by another factor when power flows back";
+  info.variable = "drive_input";
+  info.confounders = {"load_dependent_friction"};
+  info.separating_excitation = "lowering and lifting the same load at the same speed";
+  info.needs = {"drive_input", "velocity_rad_s"};
+  return Memoryless(constants, std::move(info),
+                    [](const JointSample& x, const JointConstants& c, std::span<const double>,
+                       std::span<double> phi) {
+                      const double s = Sign(x.drive_input * x.velocity_rad_s);
+                      phi[0] = 0.5 * (std::abs(s) - s) * IdealDriveGain(c) * x.drive_input;
+                    });
+}
+
+}  // namespace sinew::effects::drive_efficiency_direction

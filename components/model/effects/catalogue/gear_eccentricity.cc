@@ -1,0 +1,74 @@
+// Eccentric gear.
+#include <algorithm>
+
+#include "components/model/effects/define.h"
+
+namespace sinew::effects::gear_eccentricity {
+
+std::unique_ptr<Effect> Make(const JointConstants& constants) {
+  EffectInfo info;
+  info.name = "gear_eccentricity";
+  info.title = "Eccentric gear";
+  info.formula = "+ (a + c T) * sin(n q) + (b + d T) * cos(n q), T = N Kt I";
+  info.rotary_only = true;
+  info.source =
+      "Smith: Gear Noise and Vibration; transmission error of an eccentric wheel: the ratio, and "
+      "so "
+      "the torque that is handed on, varies once a turn of that wheel";
+  const auto torque = [](const char* name, const char* meaning) {
+    return ParameterInfo{.name = name,
+                         .dimension = Dimension::kTorque,
+                         .lower = -100.0,
+                         .upper = 100.0,
+                         .default_value = 0.0,
+                         .meaning = meaning};
+  };
+  const auto share = [](const char* name, const char* meaning) {
+    return ParameterInfo{.name = name,
+                         .dimension = Dimension::kNone,
+                         .lower = -1.0,
+                         .upper = 1.0,
+                         .default_value = 0.0,
+                         .meaning = meaning,
+                         .relative_to_drive = true};
+  };
+  info.linear = {torque("sine", "amplitude of the sine"),
+                 torque("cosine", "amplitude of the cosine"),
+                 share("load_sine", "the same, per drive torque"),
+                 share("load_cosine", "the same, per drive torque")};
+  // Wheels on the output turn once or twice a period, those on the motor's shaft N times.
+  std::vector<double> orders = {1.0, 2.0};
+  if (constants.gear_ratio > 2.0) {
+    orders.push_back(constants.gear_ratio);
+    orders.push_back(2.0 * constants.gear_ratio);
+  }
+  info.nonlinear = {{.name = "order",
+                     .dimension = Dimension::kNone,
+                     .lower = 0.5,
+                     .upper = std::max(12.0, 2.0 * constants.gear_ratio),
+                     .default_value = 2.0,
+                     .grid = orders,
+                     .meaning = "periods per output turn"}};
+  info.signature = "residual periodic in the angle of a wheel, often growing with the load";
+  info.ripple = true;
+  info.variable = "position_rad";
+  info.confounders = {"gravity", "gravity_phase", "cogging"};
+  info.separating_excitation = "slow constant speed over the whole angle range, at two loads";
+  info.needs = {"position_rad"};
+  info.may_read = {"drive_input"};  // and the motor's angle for wheels on its shaft
+  return Memoryless(constants, std::move(info),
+                    [](const JointSample& x, const JointConstants& c, std::span<const double> psi,
+                       std::span<double> phi) {
+                      // A wheel of the motor's side is seen best by the motor's encoder.
+                      const bool fast = c.gear_ratio > 2.0 && psi[0] > 0.75 * c.gear_ratio;
+                      const double angle =
+                          psi[0] * (fast ? x.motor_position_rad / c.gear_ratio : x.position_rad);
+                      const double load = IdealDriveGain(c) * x.drive_input;
+                      phi[0] = std::sin(angle);
+                      phi[1] = std::cos(angle);
+                      phi[2] = load * phi[0];
+                      phi[3] = load * phi[1];
+                    });
+}
+
+}  // namespace sinew::effects::gear_eccentricity

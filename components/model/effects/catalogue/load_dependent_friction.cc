@@ -1,0 +1,32 @@
+// Gear friction that grows with the load.
+#include "components/model/effects/define.h"
+
+namespace sinew::effects::load_dependent_friction {
+
+std::unique_ptr<Effect> Make(const JointConstants& constants) {
+  EffectInfo info;
+  info.name = "load_dependent_friction";
+  info.title = "Gear friction that grows with the load";
+  info.formula = "- share * |N Kt I| * sign v";
+  info.source = "Dohring, Lee, Newman: A Load-Dependent Transmission Friction Model (1993)";
+  info.linear = {{.name = "share",
+                  .dimension = Dimension::kNone,
+                  .lower = 0.0,
+                  .upper = 1.0,
+                  .default_value = 0.0,
+                  .meaning = "friction per drive torque",
+                  .relative_to_drive = true}};
+  info.signature = "Coulomb step that grows with the drive torque";
+  info.variable = "drive_input";
+  info.confounders = {"drive_efficiency_direction", "coulomb"};
+  info.separating_excitation = "the same slow motion with and against a known load";
+  info.needs = {"drive_input", "velocity_rad_s"};
+  return Memoryless(constants, std::move(info),
+                    [](const JointSample& x, const JointConstants& c, std::span<const double>,
+                       std::span<double> phi) {
+                      phi[0] =
+                          -std::abs(IdealDriveGain(c) * x.drive_input) * Sign(x.velocity_rad_s);
+                    });
+}
+
+}  // namespace sinew::effects::load_dependent_friction

@@ -1,0 +1,29 @@
+// What the rigid bodies of an arm need of this joint, computed for all joints together from the
+// URDF (components/model/arm).
+#include "components/model/effects/define.h"
+
+namespace sinew::effects::rigid_body {
+
+std::unique_ptr<Effect> Make(const JointConstants& constants) {
+  EffectInfo info;
+  info.name = "rigid_body";
+  info.title = "Rigid bodies of the arm";
+  info.formula = "- share * tau(q, v, a)";
+  info.source = "Khalil, Dombre: Modeling, Identification and Control of Robots (2002), 9.3";
+  info.linear = {{.name = "share",
+                  .dimension = Dimension::kNone,
+                  .lower = 0.5,
+                  .upper = 1.5,
+                  .default_value = 1.0,
+                  .meaning = "1: as the bodies are fitted; fixed in model files"}};
+  info.signature = "residual follows what gravity and inertia of the arm need";
+  info.variable = "rigid_torque_Nm";
+  info.confounders = {"gravity", "inertia", "payload"};
+  info.separating_excitation = "motion of all joints at once";
+  info.needs = {"rigid_torque_Nm"};
+  return Memoryless(constants, std::move(info),
+                    [](const JointSample& x, const JointConstants&, std::span<const double>,
+                       std::span<double> phi) { phi[0] = -x.rigid_torque_Nm; });
+}
+
+}  // namespace sinew::effects::rigid_body

@@ -1,0 +1,47 @@
+// Pneumatic element that loses its torque at low pressure: the vane's seals and the hose fold, part
+// of the volume is not filled, and what is left pulls less than K P - k1 P (q - q0) says.
+#include "components/model/effects/define.h"
+
+namespace sinew::effects::stiffness_collapse {
+
+std::unique_ptr<Effect> Make(const JointConstants& constants) {
+  EffectInfo info;
+  info.name = "stiffness_collapse";
+  info.title = "Stiffness that collapses at low pressure";
+  info.formula = "+ (c * q - t) * P * exp(-P / P0)";
+  info.source = "K P - k1 P (q - q0) with a share lost below P0";
+  info.linear = {{.name = "stiffness",
+                  .dimension = Dimension::kStiffnessPerBar,
+                  .lower = -1e3,
+                  .upper = 1e3,
+                  .default_value = 0.0,
+                  .meaning = "c: restoring stiffness lost where the chamber is nearly empty"},
+                 {.name = "torque",
+                  .dimension = Dimension::kTorquePerBar,
+                  .lower = -1e3,
+                  .upper = 1e3,
+                  .default_value = 0.0,
+                  .meaning = "t: torque lost at q = 0"}};
+  info.nonlinear = {{.name = "pressure",
+                     .dimension = Dimension::kPressure,
+                     .lower = 0.05,
+                     .upper = 10.0,
+                     .default_value = 0.8,
+                     .grid = {0.3, 0.6, 1.0, 1.6},
+                     .meaning = "P0"}};
+  info.signature = "residual at low pressure that turns its sign with the angle";
+  info.variable = "pressure_bar";
+  info.confounders = {"pneumatic_stiffness", "pressure_offset", "pressure_gain"};
+  info.separating_excitation = "the same angles at pressures from the vented chamber up";
+  info.needs = {"pressure_bar", "position_rad"};
+  return Memoryless(constants, std::move(info),
+                    [](const JointSample& x, const JointConstants&, std::span<const double> psi,
+                       std::span<double> phi) {
+                      const double lost = x.pressure_bar * std::exp(-x.pressure_bar / psi[0]) +
+                                          0.0 * x.pressure_bar;
+                      phi[0] = lost * x.position_rad;
+                      phi[1] = -lost;
+                    });
+}
+
+}  // namespace sinew::effects::stiffness_collapse

@@ -1,0 +1,72 @@
+// What an experiment found: values with intervals, the published values beside them, and what
+// figures are drawn from. Pure data.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "components/model/experiment/statistics.h"
+
+namespace sinew::experiment {
+
+// Declared values of the rig, before the experiment.
+struct RigConstants {
+  double gear_ratio = 100.0;
+  double link_length_m = 0.3;
+  double torque_constant_Nm_A = 0.0159155;  // 60 / (2 pi KV)
+  int encoder_counts = 16384;               // a turn of the output's encoder
+  double efficiency = 0.77;                 // of the gear, by its data sheet
+  double gravity_torque_Nm = 0.58;          // (5.4) as published takes it from `breakaway`
+};
+
+struct Quantity {
+  std::string id{};  // a key: backlash_deg
+  std::string name{};
+  std::string unit{};
+  Estimate estimate{};
+  std::optional<double> published{};
+  std::string source{};  // of the published value
+  std::optional<double> truth{};
+  // Target: |value - truth| at most this (or this share of the truth); nothing: no target.
+  std::optional<double> target_absolute{};
+  std::optional<double> target_share{};
+  bool has_interval = true;  // false: listed for comparison, without a target
+  std::string remark{};
+
+  // Nothing without truth or target.
+  std::optional<bool> Met() const;
+};
+
+struct Series {
+  std::string name{};
+  std::vector<double> x{}, y{}, z{};  // z may be empty: 3-D figures only
+  bool line = false;
+};
+
+struct Figure {
+  std::string title{};  // "Backlash (Fig 5.1)"
+  std::string caption{};
+  std::string x_label{}, y_label{}, z_label{};
+  std::vector<Series> series{};
+  bool bars = false;  // y with z as its standard deviation
+};
+
+struct ResultTable {
+  std::string title{};
+  std::vector<std::string> header{};
+  std::vector<std::vector<std::string>> rows{};
+};
+
+struct Result {
+  std::string experiment{};
+  std::string title{};
+  std::vector<Quantity> quantities{};
+  std::vector<Figure> figures{};
+  std::vector<ResultTable> tables{};
+  std::vector<std::string> remarks{};
+
+  const Quantity* Find(const std::string& id) const;
+};
+
+}  // namespace sinew::experiment

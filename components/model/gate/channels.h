@@ -1,0 +1,48 @@
+// What the checks share: quantities of one channel, and local polynomials on uneven stamps.
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "components/base/types/run.h"
+#include "components/model/gate/gate.h"
+
+namespace sinew::gate {
+
+double Median(std::vector<double> values);                // 0 of none
+double QuantileOf(std::vector<double> values, double p);  // 0 of none
+double Range(const Eigen::VectorXd& x);
+double StandardDeviationOf(const Eigen::VectorXd& x);
+double MedianPeriod(const types::Run& run);
+// Resolution, else the white noise: differences below it are none.
+double SmallestStep(const Eigen::VectorXd& x);
+
+struct Span {
+  Eigen::Index first = 0, last = 0;
+  Eigen::Index rows() const { return last - first + 1; }
+};
+// Spans of at least `rows` equal values.
+std::vector<Span> EqualSpans(const Eigen::VectorXd& x, Eigen::Index rows);
+
+// A local cubic with tricube weights at every instant of `at`: value, first and second derivative.
+struct Local {
+  Eigen::VectorXd value, rate, acceleration;
+};
+std::map<types::Signal, Local> LocalCubics(const types::Run& run,
+                                           const std::vector<types::Signal>& signals,
+                                           double half_width_s, const std::vector<double>& at);
+
+// A quarter of the time in which the channel moves by its standard deviation, at least five rows.
+double HalfWidth_s(const types::Run& run, types::Signal signal);
+// Instants half a half width apart, away from both ends and from gaps.
+std::vector<double> Centres(const types::Run& run, double half_width_s, std::size_t most);
+
+// Fills rule, signal, recording, rows and instants.
+Measurement Measure(std::string_view rule, types::Signal signal, const types::Run& run, Span rows,
+                    double statistic);
+Span WholeRun(const types::Run& run);
+std::string Number(double value);  // four significant digits
+
+}  // namespace sinew::gate

@@ -1,0 +1,166 @@
+// What a recording is like and need not stop: stamps, lost rows, saturation, resolution, lags.
+#include <algorithm>
+#include <cmath>
+
+#include "components/model/gate/checks.h"
+#include "components/model/identify/processing.h"
+#include "components/model/identify/statistics.h"
+#include "components/model/identify/uniform.h"
+
+namespace sinew::gate {
+
+namespace {
+
+using identify::Finding;
+using identify::Resolution;
+using types::Run;
+using types::Signal;
+
+struct Sampling {
+  double rate_Hz = 0.0, jitter_s = 0.0;
+  Eigen::Index lost = 0;
+};
+
+// Stamps against whole periods; rows that no even count explains are irregular, not lost.
+Sampling SamplingOf(const Run& run) {
+  Sampling out;
+  const double period = MedianPeriod(run);
+  if (!(period > 0.0)) return out;
+  out.rate_Hz = 1.0 / period;
+  std::vector<double> off;
+  for (Eigen::Index i = 1; i < run.size(); ++i) {
+    const double steps = (run.time_s[i] - run.time_s[i - 1]) / period;
+    const double whole = std::max(1.0, std::round(steps));
+    out.lost += static_cast<Eigen::Index>(whole) - 1;
+    off.push_back((steps - whole) * period);
+  }
+  double squares = 0.0;
+  for (const double at : off) squares += at * at;
+  out.jitter_s = off.empty() ? 0.0 : std::sqrt(0.5 * squares / static_cast<double>(off.size()));
+  return out;
+}
+
+// Share of rows that sit at the largest absolute value, three or more in a row.
+double SaturatedShare(const Eigen::VectorXd& x) {
+  const double limit = x.cwiseAbs().maxCoeff();
+  if (!(limit > 0.0)) return 0.0;
+  Eigen::Index saturated = 0;
+  for (const Span& span :
+       EqualSpans((x.cwiseAbs().array() >= (1.0 - 1e-6) * limit).cast<double>(), 3)) {
+    if (std::abs(x[span.first]) >= (1.0 - 1e-6) * limit) saturated += span.rows();
+  }
+  return static_cast<double>(saturated) / static_cast<double>(x.size());
+}
+
+// v_measured = v - lag a, with the error of a straight line; instants are half a width apart.
+std::vector<Finding> LagOf(const Run& run, Signal angle, Signal measured) {
+  if (!run.Has(angle) || !run.Has(measured) || !(Range(run.At(measured)) > 0.0)) return {};
+  const double half = HalfWidth_s(run, angle);
+  const std::vector<double> at = Centres(run, half, 4000);
+  if (at.size() < 50) return {};
+  const auto local = LocalCubics(run, {angle, measured}, half, at);
+  const Eigen::VectorXd &v = local.at(angle).rate, &a = local.at(angle).acceleration;
+  const Eigen::VectorXd off = v - local.at(measured).value;
+  const double aa = a.squaredNorm();
+  if (!(aa > 0.0)) return {};
+  const double lag = a.dot(off) / aa;
+  const double left = (off - lag * a).squaredNorm() / static_cast<double>(off.size() - 1);
+  const double half_width = 2.0 * std::sqrt(2.0 * left / aa);
+  if (std::abs(lag) < std::max(half_width, 0.1 * MedianPeriod(run))) return {};
+  const std::string name(types::SignalName(measured));
+  return {{"lag_" + name,
+           name + (lag > 0 ? " lags its angle by " : " leads its angle by ") +
+               Number(1e3 * std::abs(lag)) + " ms (95 %: +- " + Number(1e3 * half_width) +
+               " ms); angles are differentiated instead",
+           lag, "s"}};
+}
+
+}  // namespace
+
+std::vector<Finding> FindFindings(const std::vector<Run>& runs, const actuator::JointModel& model) {
+  std::vector<Finding> out;
+  Eigen::Index lost = 0;
+  double jitter = 0.0;
+  std::vector<double> rates;
+  for (const Run& run : runs) {
+    const Sampling at = SamplingOf(run);
+    lost += at.lost;
+    jitter = std::max(jitter, at.jitter_s * at.rate_Hz);
+    rates.push_back(at.rate_Hz);
+  }
+  const double rate = Median(rates);
+  out.push_back({"rate", "sampled at " + Number(rate) + " Hz", rate, "Hz"});
+  if (jitter > 1e-3 && !runs.front().held) {
+    out.push_back(
+        {"jitter",
+         "stamps scatter by " + Number(100.0 * jitter) + " % of a period about an even grid",
+         jitter / rate, "s"});
+  }
+  Eigen::Index interpolated = 0;
+  for (const Run& run : runs) interpolated += run.interpolated_rows;
+  if (interpolated > 0) {
+    out.push_back({"interpolated_rows",
+                   std::to_string(interpolated) +
+                       " rows lie on the line between their neighbours in every signal: they were "
+                       "interpolated, not measured, and are left out",
+                   static_cast<double>(interpolated), "rows"});
+  }
+  if (lost > 0) {
+    out.push_back({"lost_rows",
+                   std::to_string(lost) + " rows are lost; what lies around them is left out",
+                   static_cast<double>(lost), "rows"});
+  }
+  int drives = 0;
+  for (const actuator::Term& term : model.terms) {
+    drives += model.Counts(term) && term.effect->info().role == effects::Role::kDrive;
+  }
+  if (drives == 1) {
+    const Signal drive = identify::DriveSignal(model);
+    double saturated = 0.0, largest = 0.0;
+    for (const Run& run : runs) {
+      if (!run.Has(drive)) continue;
+      saturated = std::max(saturated, SaturatedShare(run.At(drive)));
+      largest = std::max(largest, run.At(drive).cwiseAbs().maxCoeff());
+    }
+    if (saturated > 1e-3) {
+      const double declared =
+          drive == Signal::kMotorCurrent && model.constants.torque_constant_Nm_A > 0.0
+              ? model.motor_torque_limit_Nm / model.constants.torque_constant_Nm_A
+              : 0.0;
+      out.push_back({"saturation",
+                     "the drive sits at its limit of " + Number(largest) + " for " +
+                         Number(100.0 * saturated) + " % of a recording" +
+                         (declared > 0.0 ? "; declared: " + Number(declared) : ""),
+                     saturated, "1"});
+    }
+  }
+  for (const Signal signal :
+       {Signal::kPosition, Signal::kMotorPosition, Signal::kChamberPressure}) {
+    if (!runs.front().Has(signal) || !(Range(runs.front().At(signal)) > 0.0)) continue;
+    const double step = Resolution(runs.front().At(signal));
+    if (!(step > 0.0)) continue;
+    const std::string unit(types::SignalUnit(signal, model.kind));
+    out.push_back(
+        {"resolution",
+         std::string(types::SignalName(signal)) + " comes in steps of " + Number(step) + " " + unit,
+         step, unit});
+  }
+  for (const auto& [signal, values] : runs.front().signals) {
+    const bool moves = std::any_of(runs.begin(), runs.end(), [s = signal](const Run& run) {
+      return run.Has(s) && Range(run.At(s)) > 0.0;
+    });
+    if (moves) continue;
+    out.push_back(
+        {"constant",
+         std::string(types::SignalName(signal)) + " never changes: its effects cannot be seen", 0.0,
+         ""});
+  }
+  if (runs.front().held) return out;
+  for (const auto& [angle, rate_of] : {std::pair{Signal::kPosition, Signal::kVelocity},
+                                       std::pair{Signal::kMotorPosition, Signal::kMotorVelocity}}) {
+    for (Finding& lag : LagOf(runs.front(), angle, rate_of)) out.push_back(std::move(lag));
+  }
+  return out;
+}
+
+}  // namespace sinew::gate

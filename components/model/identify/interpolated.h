@@ -1,0 +1,19 @@
+// Rows that were interpolated between measured ones, as when a file is brought to a higher rate.
+// They hold nothing new, smooth what was measured, and make white noise look coloured.
+//
+// A row is interpolated when every signal lies on the straight line between its neighbours, to
+// within rounding. Held values and coarse converters do so at times; files of a higher rate do so
+// in a pattern: of m rows (2 to 10) m - 1 always, one never. Pure; allocates.
+#pragma once
+
+#include "components/base/types/run.h"
+
+namespace sinew::identify {
+
+// Of how many rows one was measured; 1: all of them. 0 rows or held positions: 1.
+int RowsPerMeasured(const types::Run& run);
+
+// The measured rows alone; `interpolated_rows` says how many were left out.
+types::Run WithoutInterpolatedRows(types::Run run);
+
+}  // namespace sinew::identify

@@ -1,0 +1,40 @@
+// States of the kinematic balance: motor angle / N - output angle, where the teeth certainly touch.
+//
+// Which side they touch on follows from the torque that they carry, never from the difference
+// itself. The model of motion gives that torque twice: what the rotor transmits, and what the link
+// needs,
+//
+//     T_motor = sum over terms on the motor's side,   T_link = -(sum over terms on the output's
+//     side),
+//
+// and their difference is the residual of the motion. Contact is sure where both have the same sign
+// and are larger than kSureContact times the residual's rms for a while on either side: free teeth
+// carry nothing, and an impact lets the two estimates part. Everything else is left out, rest and
+// reversals too. The measured side is not filtered: an average over the play would be a side of its
+// own. Pure; allocates; throws std::invalid_argument as MakeStates.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "components/base/types/run.h"
+#include "components/model/actuator/model.h"
+#include "components/model/identify/processing.h"
+
+namespace sinew::identify {
+
+inline constexpr double kSureContact = 4.0;
+
+// motion: options of the motion balance, resolved. fitted: the model fitted in it. residual_rms: of
+// the torque balance before filtering; 0: taken from these recordings.
+StateSet MakeKinematicStates(const std::vector<types::Run>& runs,
+                             const actuator::JointModel& fitted, const ProcessingOptions& motion,
+                             double residual_rms_Nm = 0.0);
+
+// Rms of the torque balance at the moving samples, at the full rate.
+double RawResidualTorque(const StateSet& states, const actuator::JointModel& fitted);
+
+// Why the recordings show nothing of this balance; empty when they do.
+std::string WhyNoKinematics(const std::vector<types::Run>& runs, const actuator::JointModel& model);
+
+}  // namespace sinew::identify

@@ -1,0 +1,123 @@
+#include "components/model/report/file/stance_json.h"
+
+#include <nlohmann/json.hpp>
+
+#include "components/model/report/file/recordings_json.h"
+
+namespace sinew::report {
+
+namespace {
+
+using StanceJson = nlohmann::ordered_json;
+
+StanceJson OfPayload(const stance_fit::PlacedPayload& payload) {
+  StanceJson place = StanceJson::array(), width = place, excited = place;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    place.push_back(payload.place_m[axis]);
+    width.push_back(payload.place_half_width_95[axis]);
+    excited.push_back(payload.excited[static_cast<std::size_t>(axis)]);
+  }
+  return {{"link", payload.link_name},  {"rigid_with", payload.rigid_with},
+          {"mass_kg", payload.mass_kg}, {"mass_half_width_95_kg", payload.mass_half_width_95},
+          {"position_m", place},        {"position_half_width_95_m", width},
+          {"position_excited", excited}};
+}
+
+StanceJson OfEffects(const std::vector<stance_fit::StanceEffect>& effects) {
+  StanceJson out = StanceJson::array();
+  for (const stance_fit::StanceEffect& effect : effects) {
+    StanceJson entry = {{"effect", effect.name}, {"place", effect.place}};
+    if (effect.payload) entry["payload"] = OfPayload(*effect.payload);
+    if (effect.term) {
+      const effects::EffectInfo& info = effect.term->effect->info();
+      StanceJson parameters = StanceJson::object();
+      const auto add = [&](const effects::ParameterInfo& parameter,
+                           const actuator::ParameterValue& value) {
+        StanceJson& to = parameters[effects::ParameterKey(parameter, types::JointKind::kRotary)];
+        to["value"] = value.value;
+        if (value.half_width_95) to["half_width_95"] = *value.half_width_95;
+      };
+      for (std::size_t i = 0; i < info.linear.size(); ++i) {
+        add(info.linear[i], effect.term->linear[i]);
+      }
+      for (std::size_t i = 0; i < info.nonlinear.size(); ++i) {
+        add(info.nonlinear[i], effect.term->nonlinear[i]);
+      }
+      entry["parameters"] = parameters;
+    }
+    entry["gain_share"] = effect.gain_share;
+    entry["p"] = effect.p;
+    entry["confirmation"] = {
+        {"verdict", std::string(trace::ConfirmationWord(effect.confirmation.verdict))},
+        {"slope", effect.confirmation.slope},
+        {"lower", effect.confirmation.lower},
+        {"upper", effect.confirmation.upper},
+        {"blocks", effect.confirmation.blocks}};
+    StanceJson names = StanceJson::array();
+    for (const trace::NameProbability& name : effect.posterior) {
+      names.push_back({{"name", name.name}, {"probability", name.probability}});
+    }
+    entry["posterior"] = names;
+    entry["in_model"] = effect.in_model;
+    out.push_back(std::move(entry));
+  }
+  return out;
+}
+
+StanceJson OfErrors(const stance_fit::StanceFitResult& result, bool held_out) {
+  StanceJson out = StanceJson::object();
+  for (const StanceErrorLine& line : StanceErrors(result, held_out)) {
+    out[line.key] = {
+        {"declared", line.declared}, {"corrected", line.corrected}, {"unit", line.unit}};
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string FormatJson(const StanceReport& report) {
+  const stance_fit::StanceFitResult& result = report.result;
+  StanceJson out = {{"robot", report.robot},
+                    {"model_file", report.model_file},
+                    {"verdict", VerdictWord(result.verdict)},
+                    {"sentence", VerdictSentence(report)}};
+  if (result.too_little.empty()) {
+    if (result.p_global) out["p_global"] = *result.p_global;
+    out["effects"] = OfEffects(result.effects);
+    out["refuted"] = OfEffects(result.refuted);
+    out["unexplained"] = result.unexplained;
+    out["errors"] = {{"held_out", OfErrors(result, true)}, {"train", OfErrors(result, false)}};
+    StanceJson hidden = StanceJson::array(), sizes = hidden;
+    for (const trace::NotExcited& entry : result.not_excited) {
+      hidden.push_back({{"effect", entry.effect}, {"reason", entry.reason}});
+    }
+    for (const stance_fit::SmallestSize& size : result.detectable) {
+      sizes.push_back(
+          {{"effect", size.effect}, {"parameter", size.parameter}, {"size", size.size}});
+    }
+    StanceJson shifts = StanceJson::array();
+    for (const StanceShift& shift : StanceShifts(report)) {
+      shifts.push_back({{"parameter", shift.parameter},
+                        {"declared", shift.declared},
+                        {"corrected", shift.corrected},
+                        {"tolerances", shift.tolerances}});
+    }
+    out["parameter_shift"] = shifts;
+    out["not_excited"] = hidden;
+    out["detectable"] = sizes;
+    out["moving_joints"] = result.moving_joints;
+    out["rows"] = result.rows;
+    out["channels"] = result.channels;
+    out["blocks"] = result.blocks;
+    out["low_pass_Hz"] = result.low_pass_Hz;
+  } else {
+    out["too_little"] = result.too_little;
+  }
+  out["train"] = RecordingsJson(report.train);
+  out["held_out"] = RecordingsJson(report.held_out);
+  out["seed"] = report.seed;
+  out["seconds"] = report.seconds;
+  return out.dump(2) + "\n";
+}
+
+}  // namespace sinew::report

@@ -1,0 +1,90 @@
+// The result of close-loop: everything that the report's pages are made of.
+// Pure data and text; no files.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "components/model/free_run/free_run.h"
+#include "components/model/gate/gate.h"
+#include "components/model/identify/as_published.h"
+#include "components/model/identify/design.h"
+#include "components/model/identify/finding.h"
+#include "components/model/report/picture.h"
+#include "components/model/trace/rotation.h"
+#include "components/model/trace/trace_result.h"
+
+namespace sinew::report {
+
+struct Recording {
+  std::string name;
+  std::string content_hash;
+  Eigen::Index rows = 0;
+  double duration_s = 0.0;
+};
+
+// The models of Report::free_run, in order.
+inline constexpr std::size_t kDeclaredModel = 0, kRefittedModel = 1, kCorrectedModel = 2;
+
+struct Report {
+  std::string robot;
+  std::string model_file;
+  std::vector<Recording> train;
+  std::vector<Recording> held_out;
+  identify::ProcessingOptions processing;
+  std::vector<gate::Fault> faults;  // of the data, all of them accepted
+  std::vector<identify::Finding> findings;
+  trace::TraceResult trace;
+  std::optional<identify::AsPublishedResult> as_published;
+  free_run::FreeRunResult free_run;  // declared, refitted, corrected on the held-out recordings
+  // Without held-out recordings each of the training ones was held out once.
+  std::vector<trace::Rotation> rotations;
+  // Effects that were given, nothing was searched for; none: a search.
+  std::optional<std::set<std::string>> given;
+  std::uint64_t seed = 1;
+  double seconds = 0.0;  // it took
+};
+
+// "Nm" or "N".
+std::string TorqueUnit(types::JointKind kind);
+// Words for an effect's name, e.g. "Stribeck friction".
+std::string EffectTitle(const std::string& name);
+
+// Is any effect part of the corrected model?
+bool HasCorrection(const trace::TraceResult& trace);
+// The first term of an effect, linear parameters in their own units.
+actuator::Term FittedTerm(const trace::TraceResult& trace, const trace::FoundEffect& effect);
+
+// The effect's name; with its first nonlinear parameter when it was found more than once.
+std::string EffectLabel(const trace::TraceResult& trace, const trace::FoundEffect& effect);
+
+// The effect and its rivals with their probabilities, e.g. "load_dependent_friction (49 %) or
+// drive_efficiency_direction (48 %)".
+std::string NamedSetText(const trace::FoundEffect& effect);
+
+// What a rotation found, e.g. "stribeck (confirmed)"; "refuted" ones as well.
+std::string RotationText(const trace::Rotation& rotation);
+
+// The verdict in words; an error that the model raises comes first.
+std::string VerdictSentence(const Report& report);
+// The experiment that would separate the effect from its rivals or show what is hidden; may be
+// empty.
+std::string NextExperiment(const Report& report);
+std::string VerdictWord(trace::Verdict verdict);
+
+// Measured against model, residuals over time, residual over its variable, candidates, errors by
+// round.
+std::vector<Picture> MakePictures(const Report& report, const identify::Design& train,
+                                  const identify::Design& held_out);
+
+// The page where the recordings have too little data (TraceResult::too_little).
+std::string FormatTooLittleHtml(const Report& report);
+
+// The page. svgs: one per picture, in order.
+std::string FormatHtml(const Report& report, const std::vector<Picture>& pictures,
+                       const std::vector<std::string>& svgs);
+
+}  // namespace sinew::report

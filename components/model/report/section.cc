@@ -1,0 +1,120 @@
+#include "components/model/report/section.h"
+
+#include <cstdarg>
+#include <cstdio>
+#include <stdexcept>
+
+namespace sinew::report {
+
+namespace {
+
+constexpr const char* kStyle = R"(
+:root{--ink:#1f2933;--soft:#5f6b76;--line:#e1e5e9;--accent:#1b7f9e}
+body{font:15px/1.5 "DejaVu Sans","Segoe UI",system-ui,sans-serif;color:var(--ink);margin:0;background:#f5f6f8}
+main{max-width:960px;margin:0 auto;padding:28px 20px 60px}
+h1{font-size:21px;margin:0 0 4px}h2{font-size:16px;margin:34px 0 8px}
+.verdict{background:#fff;border-left:6px solid var(--accent);padding:16px 20px;margin:14px 0 18px;font-size:17px}
+.verdict.none{border-color:#7a9a5b}.verdict.unexplained{border-color:#d95f02}
+.meta,.caption{color:var(--soft);font-size:13px}.caption{margin:2px 0 0}
+figure{background:#fff;margin:0 0 18px;padding:14px 16px 12px}figure h3{font-size:14px;margin:0 0 4px}
+figure svg{width:100%;height:auto;display:block}
+table{border-collapse:collapse;width:100%;background:#fff;font-size:13.5px}
+th,td{padding:6px 10px;border-bottom:1px solid var(--line);text-align:left;vertical-align:top}
+th{font-weight:600;color:var(--soft);font-size:12.5px}td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}
+ul{margin:6px 0;padding-left:20px}.big{display:flex;gap:14px;flex-wrap:wrap;margin:0 0 18px}
+.big div{background:#fff;padding:12px 18px;flex:1 1 190px}.big b{display:block;font-size:20px}
+.big span{color:var(--soft);font-size:12.5px}code{font-size:12.5px}
+.wide{overflow-x:auto}h3{font-size:14px;margin:18px 0 6px}.met{color:#4c7a2f}.missed{color:#b5402a;font-weight:600}
+)";
+
+}  // namespace
+
+void CheckSection(const Section& section) {
+  if (section.id.empty() ||
+      section.id.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") != std::string::npos) {
+    throw std::invalid_argument("section '" + section.id + "': id, expected a-z, 0-9 and '-'");
+  }
+  if (section.title.empty()) {
+    throw std::invalid_argument("section '" + section.id + "': no title");
+  }
+  for (const Table& table : section.tables) {
+    for (const auto& row : table.rows) {
+      if (row.size() != table.header.size()) {
+        throw std::invalid_argument("section '" + section.id + "': table '" + table.title +
+                                    "': a row has " + std::to_string(row.size()) +
+                                    " cells, expected " + std::to_string(table.header.size()));
+      }
+    }
+  }
+}
+
+std::string Escape(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += c;
+    }
+  }
+  return out;
+}
+
+std::string HtmlRow(const std::vector<std::string>& cells, const char* tag) {
+  std::string out = "<tr>";
+  for (const std::string& cell : cells)
+    out += std::string("<") + tag + ">" + cell + "</" + tag + ">";
+  return out + "</tr>\n";
+}
+
+std::string HtmlHead(const std::string& title) {
+  return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
+         "<meta name=\"viewport\" content=\"width=device-width\"><title>" +
+         Escape(title) + "</title><style>" + kStyle + "</style></head><body><main>\n";
+}
+
+std::string Short(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+std::string Text(const char* format, ...) {
+  va_list arguments, again;
+  va_start(arguments, format);
+  va_copy(again, arguments);
+  const int length = std::vsnprintf(nullptr, 0, format, arguments);
+  va_end(arguments);
+  std::string text(length > 0 ? static_cast<std::size_t>(length) : 0, '\0');
+  std::vsnprintf(text.data(), text.size() + 1, format, again);
+  va_end(again);
+  return text;
+}
+
+std::string PictureNumber(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.5g", value);
+  return text;
+}
+
+std::string PictureHead(int height) {
+  return "set terminal svg size 920," + std::to_string(height) +
+         " font 'DejaVu Sans,12' background '#ffffff' noenhanced\n"
+         "set border 3 lc rgb '#888888'\n"
+         "set tics nomirror out scale 0.5 textcolor rgb '#333333'\n"
+         "set grid lc rgb '#e4e4e4' lw 0.8\n"
+         "set key outside top right horizontal samplen 2\n";
+}
+
+}  // namespace sinew::report

@@ -1,0 +1,40 @@
+// Selects the set of effects, or the variable that the residual follows where no effect explains
+// it.
+//
+// The search opens with one p-value. A set grows while what is added is more than what the shape of
+// the effects so far may leave, and while every member is missed by the others. A free curve that
+// explains clearly more, or a size that changes with time, ends as "unexplained" over its variable.
+// The limits are those of rules.h. Pure; allocates.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "components/model/trace/problem.h"
+#include "components/model/trace/trace_result.h"
+
+namespace sinew::trace {
+
+struct SetAssessment {
+  double p_global = 1.0;
+  double least_statistic = 0.0;        // whose p is at most the limit of p_global
+  EffectSet chosen;                    // may be empty
+  std::vector<Posterior> posteriors;   // of every member
+  Unexplained unexplained;             // variable empty: nothing
+  std::vector<CandidateScore> scores;  // best first; refused: the rule's id
+};
+
+struct BootstrapOptions {
+  int rounds = 999;
+  int searches = 1;  // p_global is that of all of them together (Bonferroni)
+  std::uint64_t seed = 1;
+};
+
+// refuted: names of effects that are excluded.
+SetAssessment AssessSets(const Problem& problem, const Likelihood& likelihood,
+                         const identify::Design& design, const actuator::JointModel& declared,
+                         std::size_t largest_set, const BootstrapOptions& bootstrap,
+                         const std::set<std::string>& refuted = {});
+
+}  // namespace sinew::trace

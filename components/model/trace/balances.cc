@@ -1,0 +1,159 @@
+#include "components/model/trace/balances.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "components/model/identify/design.h"
+#include "components/model/identify/gas.h"
+#include "components/model/identify/kinematic.h"
+#include "components/model/trace/likelihood_tracer.h"
+
+namespace sinew::trace {
+
+namespace {
+
+constexpr std::size_t kFewestTrainRows = 200;
+constexpr std::size_t kFewestHeldOutRows = 50;
+
+BalanceDesigns KinematicSight(const std::vector<types::Run>& train,
+                              const std::vector<types::Run>& held_out,
+                              const actuator::JointModel& model,
+                              const identify::ProcessingOptions& motion) {
+  BalanceDesigns out;
+  for (const auto* runs : {&train, &held_out}) {
+    out.why_not = identify::WhyNoKinematics(*runs, model);
+    if (!out.why_not.empty()) return out;
+  }
+  identify::StateSet states = identify::MakeKinematicStates(train, model, motion);
+  const identify::ProcessingOptions options = identify::Unfiltered(motion, states.rate_Hz);
+  // The torque that exceeds the torque balance's error is determined on the training recordings.
+  const double residual = identify::RawResidualTorque(states, model);
+  out.train.emplace(std::move(states), options);
+  out.held_out.emplace(identify::MakeKinematicStates(held_out, model, motion, residual), options);
+  bool up = false, down = false;
+  for (const Eigen::Index i : out.train->rows().UsedRows()) {
+    const auto k = static_cast<std::size_t>(i);
+    const identify::StateSegment& segment =
+        out.train->states().segments[static_cast<std::size_t>(out.train->rows().segment[k])];
+    const double side =
+        segment.samples[static_cast<std::size_t>(out.train->rows().sample[k])].tooth_side;
+    up = up || side > 0.0;
+    down = down || side < 0.0;
+  }
+  if (out.train->rows().UsedRows().size() < kFewestTrainRows ||
+      out.held_out->rows().UsedRows().size() < kFewestHeldOutRows) {
+    out.why_not = "the teeth are hardly ever surely in contact";
+  } else if (!up || !down) {
+    out.why_not = "the teeth touch on one side only";
+  }
+  return out;
+}
+
+BalanceDesigns GasSight(const std::vector<types::Run>& train,
+                        const std::vector<types::Run>& held_out, const actuator::JointModel& model,
+                        const identify::ProcessingOptions& motion) {
+  constexpr int kFewestWindows = 4;
+  BalanceDesigns out;
+  for (const auto* runs : {&train, &held_out}) {
+    out.why_not = identify::WhyNoGas(*runs, model);
+    if (!out.why_not.empty()) return out;
+  }
+  identify::GasWindows of_train = identify::MakeGasStates(train, model, motion);
+  identify::GasWindows of_held_out = identify::MakeGasStates(held_out, model, motion);
+  if (of_train.shut < kFewestWindows) out.why_not = "the valve is hardly ever shut in training";
+  if (of_held_out.shut < 1) out.why_not = "the valve is never shut in the held-out recordings";
+  if (!out.why_not.empty()) return out;
+  const identify::ProcessingOptions options = identify::Unfiltered(motion, of_train.states.rate_Hz);
+  out.train.emplace(std::move(of_train.states), options);
+  out.held_out.emplace(std::move(of_held_out.states), options);
+  return out;
+}
+
+}  // namespace
+
+std::vector<effects::Balance> OtherBalances(const actuator::JointModel& model) {
+  std::vector<effects::Balance> out;
+  for (const effects::Balance balance : {effects::Balance::kKinematic, effects::Balance::kGas}) {
+    if (model.Declares(balance)) out.push_back(balance);
+  }
+  return out;
+}
+
+BalanceDesigns MakeBalanceDesigns(effects::Balance balance, const std::vector<types::Run>& train,
+                                  const std::vector<types::Run>& held_out,
+                                  const actuator::JointModel& model,
+                                  const identify::ProcessingOptions& motion) {
+  if (balance == effects::Balance::kKinematic)
+    return KinematicSight(train, held_out, model, motion);
+  return GasSight(train, held_out, model, motion);
+}
+
+TraceResult TraceBalance(effects::Balance balance, const std::vector<types::Run>& train,
+                         const std::vector<types::Run>& held_out,
+                         const actuator::JointModel& corrected,
+                         const identify::ProcessingOptions& motion, const TraceOptions& options) {
+  actuator::JointModel model = corrected;
+  model.balance = balance;
+  BalanceDesigns sight = MakeBalanceDesigns(balance, train, held_out, model, motion);
+  try {
+    if (sight.why_not.empty()) {
+      return TraceByLikelihood(*sight.train, *sight.held_out, model, options);
+    }
+  } catch (const identify::TooLittleData& error) {
+    sight.why_not = error.what();
+  }
+  TraceResult out;
+  out.nominal = out.declared = out.corrected = std::move(model);
+  for (const auto& form : effects::EffectForms()) {
+    if (form.balance != balance || out.corrected.Find(form.name, balance) >= 0) continue;
+    out.not_excited.push_back({form.name, sight.why_not});
+  }
+  out.unseen = sight.why_not;
+  return out;
+}
+
+TraceResult WithBalance(TraceResult motion, TraceResult other) {
+  const effects::Balance balance = other.corrected.balance;
+  if (motion.p_global && other.p_global) {
+    motion.p_global = std::min(*motion.p_global, *other.p_global);
+  }
+  BalanceSummary summary{std::move(static_cast<Assessment&>(other)), balance,
+                         std::string(effects::BalanceUnit(balance, other.corrected.kind))};
+
+  // Declared terms stand at the same places in all models.
+  std::vector<actuator::Term>& mine = motion.declared.terms;
+  const std::vector<actuator::Term>& theirs = other.declared.terms;
+  for (std::size_t t = 0; t < mine.size() && t < theirs.size(); ++t) {
+    if (mine[t].effect->info().balance == balance) mine[t] = theirs[t];
+  }
+  other.corrected.balance = motion.corrected.balance;
+  motion.corrected = std::move(other.corrected);
+  for (FoundEffect& effect : other.effects) motion.effects.push_back(std::move(effect));
+  for (FoundEffect& effect : other.refuted) motion.refuted.push_back(std::move(effect));
+  for (DetectableSize& size : other.detectable) motion.detectable.push_back(std::move(size));
+  for (ParameterShift& shift : other.shifts) motion.shifts.push_back(std::move(shift));
+  // An effect with a form in both balances is seen when either shows it, and listed once.
+  for (NotExcited& hidden : other.not_excited) {
+    const bool known =
+        std::count(motion.assessed.begin(), motion.assessed.end(), hidden.effect) != 0 ||
+        std::any_of(motion.not_excited.begin(), motion.not_excited.end(),
+                    [&](const NotExcited& listed) { return listed.effect == hidden.effect; });
+    if (!known) motion.not_excited.push_back(std::move(hidden));
+  }
+  for (const std::string& name : other.assessed) {
+    std::erase_if(motion.not_excited,
+                  [&](const NotExcited& hidden) { return hidden.effect == name; });
+    motion.assessed.push_back(name);
+  }
+  std::stable_sort(motion.not_excited.begin(), motion.not_excited.end(),
+                   [](const NotExcited& a, const NotExcited& b) { return a.effect < b.effect; });
+  if (summary.verdict == Verdict::kEffect) motion.verdict = Verdict::kEffect;
+  if (motion.verdict == Verdict::kNone && summary.verdict == Verdict::kUnexplained) {
+    motion.verdict = Verdict::kUnexplained;
+    motion.unexplained = summary.unexplained;
+  }
+  motion.balances.push_back(std::move(summary));
+  return motion;
+}
+
+}  // namespace sinew::trace

@@ -1,0 +1,182 @@
+#include "components/model/trace/candidates.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "components/model/identify/statistics.h"
+#include "components/model/trace/nuisances.h"
+
+namespace sinew::trace {
+
+std::vector<std::vector<double>> GridOf(const effects::EffectInfo& info) {
+  std::vector<std::vector<double>> grid = {{}};
+  for (const effects::ParameterInfo& parameter : info.nonlinear) {
+    std::vector<std::vector<double>> next;
+    const std::vector<double> values =
+        parameter.grid.empty() ? std::vector<double>{parameter.default_value} : parameter.grid;
+    for (const std::vector<double>& point : grid) {
+      for (const double value : values) {
+        next.push_back(point);
+        next.back().push_back(value);
+      }
+    }
+    grid = std::move(next);
+  }
+  return grid;
+}
+
+namespace {
+
+// The catalogue's grids are those of a joint that turns a radian either way, at half a radian per
+// second: lengths and speeds of another motion are as much longer and quicker.
+constexpr double kSpeedOfGrid = 0.5;  // rad/s
+// Sliding lengths, share of half of the motion's range, up to all of it. What is shorter than some
+// counts of the encoder is a nuisance (nuisances.h) and no effect.
+constexpr double kNarrowestShare = 0.003, kWidestShare = 2.0;
+
+// Resonances well within the band of the angles (beyond half of it their low-pass looks like one),
+// as close as half the width of the sharpest (2 z of flexible_link's grid).
+constexpr double kLowestResonance = 0.1, kHighestResonance = 0.6, kDensity = 1.06;
+
+// Terms that state a quantity of the machine which another term states already: where a model
+// declares that one, the first is no cause. It moves inertia or friction to the other side of the
+// gear, or is a part of whatever depends on the angle. By none: it has no cause of its own; a
+// constant is a current_offset or direction_dependent_coulomb.
+struct Stated {
+  const char* effect;
+  std::vector<const char*> by;
+};
+const Stated kStated[] = {
+    {"inertia", {"rotor_inertia", "link_inertia", "rigid_body"}},
+    {"rotor_inertia", {"inertia", "link_inertia", "rigid_body"}},
+    {"link_inertia", {"inertia", "rotor_inertia", "rigid_body"}},
+    {"viscous", {"motor_viscous"}},
+    {"motor_viscous", {"viscous"}},
+    {"spring", {"gravity", "pneumatic_stiffness", "rigid_body"}},
+    {"offset", {}},
+    {"rigid_body", {}},
+};
+
+bool IsStated(const std::string& effect, const actuator::JointModel& model) {
+  const auto declared = [&](const char* term) { return model.Find(term, model.balance) >= 0; };
+  return std::any_of(std::begin(kStated), std::end(kStated), [&](const Stated& stated) {
+    return effect == stated.effect &&
+           (stated.by.empty() || std::any_of(stated.by.begin(), stated.by.end(), declared));
+  });
+}
+
+}  // namespace
+
+std::vector<std::vector<double>> GridFor(const identify::Design& design,
+                                         const effects::JointConstants& constants,
+                                         const effects::EffectInfo& info) {
+  if (!design.options().raw) return GridOf(info);
+  using effects::JointSample;
+  const std::vector<Eigen::Index> used = design.rows().UsedRows();
+  if (used.empty()) return GridOf(info);
+  const auto of_used = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd { return x(used); };
+  effects::EffectInfo scaled = info;
+  for (effects::ParameterInfo& parameter : scaled.nonlinear) {
+    double scale = 1.0;
+    if (parameter.dimension == effects::Dimension::kAngle) {
+      const Eigen::VectorXd q =
+          of_used(design.Variable([](const JointSample& x) { return x.position_rad; }));
+      scale = 0.5 * (q.maxCoeff() - q.minCoeff());
+      if (parameter.lower > 0.0) {  // a length, not a place
+        parameter.grid.clear();
+        const double seen = GivingLength(constants);
+        for (double share = kNarrowestShare; share < kWidestShare; share *= 2.0) {
+          if (share * scale >= seen) parameter.grid.push_back(share);
+        }
+      }
+    } else if (parameter.dimension == effects::Dimension::kVelocity) {
+      const Eigen::VectorXd v =
+          of_used(design.Variable([](const JointSample& x) { return x.velocity_rad_s; }));
+      const Eigen::VectorXd speed = v.cwiseAbs();
+      scale =
+          identify::Quantile(std::vector<double>(speed.begin(), speed.end()), 0.75) / kSpeedOfGrid;
+    } else if (parameter.dimension == effects::Dimension::kFrequency) {
+      parameter.grid.clear();
+      const double band_Hz = design.options().state_cutoff_Hz;
+      for (double f = kLowestResonance; f < kHighestResonance; f *= kDensity) {
+        parameter.grid.push_back(f * band_Hz);
+      }
+    }
+    for (double& value : parameter.grid) {
+      value = std::clamp(scale * value, parameter.lower, parameter.upper);
+    }
+    std::sort(parameter.grid.begin(), parameter.grid.end());
+    parameter.grid.erase(std::unique(parameter.grid.begin(), parameter.grid.end()),
+                         parameter.grid.end());
+  }
+  return GridOf(scaled);
+}
+
+CandidateSet MakeCandidates(const identify::Design& design, const actuator::JointModel& model) {
+  CandidateSet out;
+  for (const auto& [name, balance] : effects::EffectForms()) {
+    if (balance != model.balance) continue;
+    std::shared_ptr<const effects::Effect> effect =
+        effects::MakeEffect(name, model.constants, balance);
+    const effects::EffectInfo& info = effect->info();
+    if (info.role == effects::Role::kDrive || info.event) continue;
+    if (info.rotary_only && model.kind != types::JointKind::kRotary) continue;
+    const int present = model.Find(name, balance);
+    if (present >= 0 && info.nonlinear.empty()) continue;
+    if (present >= 0 && model.terms[static_cast<std::size_t>(present)].declared) continue;
+    std::string missing;
+    for (const auto* fields : {&info.needs, &info.hardware}) {
+      for (const std::string& field : *fields) {
+        if (design.states().measured.contains(field)) continue;
+        missing += (missing.empty() ? "" : ", ") + field;
+      }
+    }
+    const bool stated = IsStated(name, model);
+    if (!missing.empty()) {
+      if (!stated) out.missing.push_back({name, missing});
+      continue;
+    }
+    // An unloaded load cell contains only its own noise; a gain of -1 would remove that noise.
+    const bool reads_load = std::count(info.needs.begin(), info.needs.end(), "load_force_N") != 0;
+    // Where the motor is locked the load cell is the measured side itself.
+    if (reads_load && (design.silent_load() || design.states().locked)) {
+      out.silent.push_back({name, "load_force_N"});
+      continue;
+    }
+    Candidate candidate;
+    candidate.stated = stated;
+    for (std::vector<double>& psi : GridFor(design, model.constants, info)) {
+      bool taken = false;
+      for (const actuator::Term& term : model.terms) {
+        if (!model.Counts(term) || term.effect->info().name != name) continue;
+        bool same = true;
+        for (std::size_t i = 0; i < psi.size(); ++i) {
+          same = same && std::abs(term.nonlinear[i].value - psi[i]) <= 1e-9 * std::abs(psi[i]);
+        }
+        taken = taken || same;
+      }
+      if (taken) continue;
+      GridPoint point;
+      point.columns = design.Columns(*effect, psi);
+      point.psi = std::move(psi);
+      if (point.columns.allFinite()) candidate.grid.push_back(std::move(point));
+    }
+    candidate.effect = std::move(effect);
+    if (!candidate.grid.empty()) out.candidates.push_back(std::move(candidate));
+  }
+  return out;
+}
+
+std::vector<Candidate> EventCandidates(const actuator::JointModel& model) {
+  std::vector<Candidate> out;
+  for (const std::string& name : effects::EffectNames()) {
+    Candidate candidate;
+    candidate.effect = effects::MakeEffect(name, model.constants);
+    const effects::EffectInfo& info = candidate.effect->info();
+    if (!info.event || (info.rotary_only && model.kind != types::JointKind::kRotary)) continue;
+    out.push_back(std::move(candidate));
+  }
+  return out;
+}
+
+}  // namespace sinew::trace

@@ -1,0 +1,105 @@
+#include "components/model/trace/close_loop.h"
+
+#include <stdexcept>
+
+#include "components/model/trace/balances.h"
+#include "components/model/trace/band.h"
+#include "components/model/trace/likelihood_tracer.h"
+#include "components/model/trace/rules.h"
+
+namespace sinew::trace {
+
+namespace {
+
+// As if nothing had been found.
+void DropFindings(LoopResult* loop) {
+  TraceResult& trace = loop->trace;
+  trace.effects.clear();
+  trace.events.clear();
+  trace.shifts.clear();
+  trace.unexplained = {};
+  trace.verdict = Verdict::kNone;
+  trace.corrected = trace.declared;
+  trace.corrected_fit = trace.declared_fit;
+  trace.after_train = trace.before_train;
+  trace.after_held_out = trace.before_held_out;
+  loop->train->PredictDrive(trace.corrected);
+  loop->held_out->PredictDrive(trace.corrected);
+}
+
+TraceResult NotAssessed(const actuator::JointModel& joint, TooLittle why) {
+  TraceResult out;
+  out.verdict = Verdict::kTooLittleData;
+  out.nominal = out.declared = out.corrected = joint;
+  out.too_little = std::move(why);
+  return out;
+}
+
+LoopResult Analyse(const std::vector<types::Run>& train, const std::vector<types::Run>& held_out,
+                   const actuator::JointModel& joint, double longest_gap_s,
+                   const TraceOptions& given) {
+  // Every balance may give a false alarm: all of them together as seldom as one alone.
+  const std::vector<effects::Balance> others = OtherBalances(joint);
+  TraceOptions options = given;
+  options.searches = given.searches * static_cast<int>(1 + others.size());
+  LoopResult loop;
+  // Holds are not filtered: where only those are trained on, the held-out recordings fill in what
+  // is theirs alone.
+  const bool held = train.front().held;
+  loop.processing = held ? identify::FromMotion(held_out, joint, longest_gap_s)
+                         : BandOfLeastResidual(train, held_out, joint, longest_gap_s);
+  loop.train.emplace(identify::MakeStates(train, joint, loop.processing), loop.processing);
+  loop.held_out.emplace(identify::MakeStates(held_out, joint, loop.processing), loop.processing);
+  if (!held) {
+    if (auto too_little = FindTooLittle(*loop.train, *loop.held_out, joint)) {
+      loop.trace = NotAssessed(joint, std::move(*too_little));
+      return loop;
+    }
+  }
+  loop.trace = TraceByLikelihood(*loop.train, *loop.held_out, joint, options);
+  if (held) return loop;  // holds have no other balance
+  for (const effects::Balance balance : others) {
+    TraceResult other =
+        TraceBalance(balance, train, held_out, loop.trace.corrected, loop.processing, options);
+    // Encoders whose difference drifts with time give no torques.
+    if (balance == effects::Balance::kKinematic && other.unexplained.variable == "time_s" &&
+        loop.trace.verdict != Verdict::kNone) {
+      const bool corrected = !loop.trace.effects.empty();
+      DropFindings(&loop);
+      if (corrected) {
+        other =
+            TraceBalance(balance, train, held_out, loop.trace.corrected, loop.processing, options);
+      }
+    }
+    loop.trace = WithBalance(std::move(loop.trace), std::move(other));
+  }
+  return loop;
+}
+
+}  // namespace
+
+LoopResult CloseLoop(const std::vector<types::Run>& train, const std::vector<types::Run>& held_out,
+                     const actuator::JointModel& joint, double longest_gap_s,
+                     const TraceOptions& options) {
+  try {
+    return Analyse(train, held_out, joint, longest_gap_s, options);
+  } catch (const identify::TooLittleData& error) {
+    LoopResult out;
+    out.trace = NotAssessed(
+        joint, {.rule = rules::kRows.id, .limit = Limit(rules::kRows), .reason = error.what()});
+    return out;
+  }
+}
+
+void RequireHeldOut(const std::vector<types::Run>& train, const std::vector<types::Run>& held_out) {
+  for (const types::Run& a : held_out) {
+    for (const types::Run& b : train) {
+      if (!a.content_hash.empty() && a.content_hash == b.content_hash) {
+        throw std::invalid_argument(a.name + ": held-out recording holds the same samples as " +
+                                    b.name + ", expected one that was not trained on");
+      }
+    }
+  }
+}
+
+}  // namespace sinew::trace

@@ -1,0 +1,66 @@
+#include "components/model/trace/confirmation.h"
+
+#include <cmath>
+
+#include "components/model/identify/statistics.h"
+#include "components/model/trace/rules.h"
+
+namespace sinew::trace {
+
+std::string_view ConfirmationWord(ConfirmationVerdict verdict) {
+  switch (verdict) {
+    case ConfirmationVerdict::kConfirmed:
+      return "confirmed";
+    case ConfirmationVerdict::kRefuted:
+      return "refuted";
+    case ConfirmationVerdict::kNotConfirmed:
+      break;
+  }
+  return "not confirmed";
+}
+
+Confirmation ConfirmSlope(const Eigen::Ref<const Eigen::VectorXd>& left_over,
+                          const Eigen::Ref<const Eigen::VectorXd>& change,
+                          const std::vector<identify::Block>& blocks) {
+  Confirmation out;
+  out.blocks = static_cast<int>(blocks.size());
+  const double power = change.squaredNorm();
+  if (!(power > 0.0) || static_cast<double>(blocks.size()) < Limit(rules::kHeldOutBlocks))
+    return out;
+  out.slope = change.dot(left_over) / power;
+  double meat = 0.0;
+  for (const identify::Block& block : blocks) {
+    const auto rows = static_cast<Eigen::Index>(block.size());
+    const auto d = change.segment(block.front(), rows);
+    const double score =
+        d.dot(left_over.segment(block.front(), rows)) - out.slope * d.squaredNorm();
+    meat += score * score;
+  }
+  const auto count = static_cast<double>(blocks.size());
+  const double error = std::sqrt(meat * count / (count - 1.0)) / power;
+  const double half = identify::StudentQuantile(0.975, count - 1.0) * error;
+  out.lower = out.slope - half;
+  out.upper = out.slope + half;
+  const double band = Limit(rules::kSlopeBand);
+  if (out.lower > 0.0 && out.lower < 1.0 + band && out.upper > 1.0 - band) {
+    out.verdict = ConfirmationVerdict::kConfirmed;
+  } else if (out.upper < Limit(rules::kRefutedBelow)) {
+    out.verdict = ConfirmationVerdict::kRefuted;
+  }
+  return out;
+}
+
+Confirmation Confirm(const identify::Design& held_out, const Likelihood& likelihood,
+                     const identify::FitResult& without, const identify::FitResult& with) {
+  const UsedRows& used = likelihood.used;
+  const auto left = [&](const identify::FitResult& fit) -> Eigen::VectorXd {
+    const identify::Balance balance = identify::MakeBalance(held_out, fit.model, fit.keep_scale);
+    if (balance.columns.cols() != fit.coefficients.size()) return {};
+    return balance.target(used.rows) - used.Of(balance.columns) * fit.coefficients;
+  };
+  const Eigen::VectorXd before = left(without), after = left(with);
+  if (before.size() == 0 || before.size() != after.size()) return {};
+  return ConfirmSlope(Whiten(likelihood, before), Whiten(likelihood, before - after), used.blocks);
+}
+
+}  // namespace sinew::trace

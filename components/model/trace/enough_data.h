@@ -1,0 +1,29 @@
+// Do the recordings contain enough rows and blocks for the torque balance? The limits are those of
+// rules.h. Pure.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "components/model/actuator/model.h"
+#include "components/model/identify/design.h"
+
+namespace sinew::trace {
+
+// What is missing.
+struct TooLittle {
+  std::string rule;  // of rules.h
+  double statistic = 0.0, limit = 0.0;
+  std::string reason;  // one sentence
+};
+
+// Used rows over blocks of at least the length over which noise may be coloured (problem.h), and no
+// more blocks than inference makes of them (used_rows.h).
+int IndependentBlocks(const identify::Design& design);
+
+// The first rule that is broken; nothing: there is enough. train, held-out: raw rows.
+std::optional<TooLittle> FindTooLittle(const identify::Design& train,
+                                       const identify::Design& held_out,
+                                       const actuator::JointModel& model);
+
+}  // namespace sinew::trace

@@ -1,0 +1,398 @@
+#include "components/model/trace/likelihood_tracer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <iterator>
+#include <set>
+#include <string>
+
+#include "components/model/trace/agreed_set.h"
+#include "components/model/trace/assessment.h"
+#include "components/model/trace/reported.h"
+#include "components/model/trace/rules.h"
+#include "components/model/trace/sensitivity.h"
+#include "components/model/trace/set_model.h"
+#include "components/model/trace/shift.h"
+
+namespace sinew::trace {
+
+namespace {
+
+using identify::Design;
+using identify::FitResult;
+
+// Fewer independent blocks than this are weak evidence (Cameron, Miller 2015, section VI).
+constexpr std::size_t kConvincingBlocks = 6;
+// Every further set that is tried on the held-out recordings is another chance to be confirmed by
+// accident.
+constexpr int kMostAssessments = 3;
+
+// Rows that a model says could not have been driven, at most. The cubic of
+// torque_constant_saturation has its maximum where a third is lost, a real drive levels off: 0.2 to
+// 3 % of the rows of true ones were beyond it (rigs 31-90), 18 % where the name was wrong (XL330).
+constexpr double kMostBeyondDrive = 0.05;
+
+// Searches the sets without the effects of these names.
+using AssessBy = std::function<SetAssessment(const std::set<std::string>& refuted)>;
+
+// Of those that are asked for the one that training misses least.
+template <class Asked>
+std::optional<std::size_t> Weakest(const std::vector<FoundEffect>& found, Asked asked) {
+  std::optional<std::size_t> out;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    if (!asked(found[k])) continue;
+    if (!out || found[k].gain_share < found[*out].gain_share) out = k;
+  }
+  return out;
+}
+
+class Correction {
+ public:
+  // assessed: the likelihood of the search; base: the declared terms as reported.
+  Correction(Design& train, Design& held_out, const Likelihood& assessed, const LikelihoodFit& base,
+             const Problem& problem, const actuator::JointModel& declared,
+             const TraceOptions& options)
+      : train_(train),
+        held_out_(held_out),
+        whitened_(assessed),
+        base_(base),
+        problem_(problem),
+        declared_(declared),
+        options_(options),
+        corrected_(base.fit) {}
+
+  // Fits the set and confirms every member. A member that is wrong spoils the prediction of the
+  // others: the refuted one that training misses least leaves, and the rest is confirmed anew. It
+  // may have hidden better ones: when none is left, the sets are searched again without
+  // those that were refuted.
+  void Run(const AssessBy& assess, TraceResult* result) {
+    std::set<std::string> refuted;
+    for (int round = 0; round < kMostAssessments; ++round) {
+      assessed_ = assess(refuted);
+      if (round == 0) {
+        result->p_global = assessed_.p_global;
+        least_statistic_ = assessed_.least_statistic;
+        result->rounds.front().scores = assessed_.scores;
+      }
+      result->unexplained = assessed_.unexplained;
+      if (assessed_.chosen.empty()) return;
+      Confirm(round > 0, result);
+      if (!result->effects.empty()) {
+        if (!options_.keep_unconfirmed) LeaveUnconfirmed(result);
+        return;
+      }
+      for (const FoundEffect& found : result->refuted) refuted.insert(found.name);
+    }
+  }
+
+  const FitResult& corrected() const { return corrected_; }
+  const EffectSet& set() const { return set_; }
+  // Of the first search, for the limit of p_global.
+  double least_statistic() const { return least_statistic_; }
+
+ private:
+  // Priors are those of what was declared, not of an earlier fit.
+  actuator::JointModel WithDeclaredValues(actuator::JointModel model) const {
+    for (std::size_t t = 0; t < declared_.terms.size(); ++t) {
+      model.terms[t].linear = declared_.terms[t].linear;
+    }
+    return model;
+  }
+
+  void PredictDrive(const actuator::JointModel& model) {
+    train_.PredictDrive(model);
+    held_out_.PredictDrive(model);
+  }
+
+  // second: another look at the held-out recordings, which may confirm something by accident; what
+  // they do not confirm leaves, too.
+  void Confirm(bool second, TraceResult* result) {
+    set_ = assessed_.chosen;
+    posteriors_ = assessed_.posteriors;
+    while (!set_.empty()) {
+      Fit();
+      LocateEvent(result);
+      std::vector<FoundEffect> found;
+      for (std::size_t k = 0; k < set_.members.size(); ++k) found.push_back(Describe(k));
+      std::optional<std::size_t> leaves;
+      if (!options_.keep_refuted) leaves = RunningAway();
+      if (!leaves && !options_.keep_refuted) {
+        leaves = Weakest(found, [&](const FoundEffect& effect) {
+          return effect.confirmation.verdict == ConfirmationVerdict::kRefuted ||
+                 (second && effect.confirmation.verdict != ConfirmationVerdict::kConfirmed);
+        });
+      }
+      if (!leaves) {
+        result->effects = std::move(found);
+        return;
+      }
+      found[*leaves].term = -1;
+      result->refuted.push_back(std::move(found[*leaves]));
+      result->events.clear();
+      Leave(*leaves);
+    }
+  }
+
+  // What the held-out recordings leave open is reported, but no part of the model: the weakest
+  // leaves, and the others are confirmed anew without it. Its events stay known.
+  void LeaveUnconfirmed(TraceResult* result) {
+    std::vector<FoundEffect>& found = result->effects;
+    std::vector<FoundEffect> open;
+    while (!found.empty()) {
+      const std::optional<std::size_t> leaves = Weakest(found, [](const FoundEffect& effect) {
+        return effect.confirmation.verdict != ConfirmationVerdict::kConfirmed;
+      });
+      if (!leaves) break;
+      FoundEffect effect = std::move(found[*leaves]);
+      effect.term = -1;
+      // It was not refuted in the company in which it was chosen.
+      effect.confirmation.verdict = ConfirmationVerdict::kNotConfirmed;
+      open.push_back(std::move(effect));
+      Leave(*leaves);
+      found.clear();
+      if (!set_.empty()) Fit();
+      for (std::size_t k = 0; k < set_.members.size(); ++k) found.push_back(Describe(k));
+    }
+    std::move(open.begin(), open.end(), std::back_inserter(found));
+  }
+
+  double HeldOutError() const {
+    return identify::ErrorOf(held_out_, corrected_.model, declared_).rms;
+  }
+
+  // Could the motion have been driven, had the fitted model been true? held_out_error: its own.
+  bool Drivable(double held_out_error) const {
+    return train_.beyond_drive() <= kMostBeyondDrive &&
+           held_out_.beyond_drive() <= kMostBeyondDrive && std::isfinite(held_out_error);
+  }
+
+  // Where the drive cannot give what the set asks of it: the first member without which it can.
+  std::optional<std::size_t> RunningAway() {
+    if (Drivable(HeldOutError())) return std::nullopt;
+    const EffectSet all = set_;
+    std::optional<std::size_t> out;
+    for (std::size_t k = 0; k < all.members.size() && !out && all.members.size() > 1; ++k) {
+      set_ = WithoutMember(problem_.evidence, problem_.hypotheses(), all, k);
+      corrected_ = base_.fit;
+      PredictDrive(base_.fit.model);
+      Fit();
+      if (Drivable(HeldOutError())) out = k;
+    }
+    set_ = all;
+    return out;
+  }
+
+  // Takes a member out of the set; the model is that of the declared terms until the next Fit.
+  void Leave(std::size_t member) {
+    posteriors_.erase(posteriors_.begin() + static_cast<std::ptrdiff_t>(member));
+    set_ = WithoutMember(problem_.evidence, problem_.hypotheses(), set_, member);
+    corrected_ = base_.fit;
+    PredictDrive(base_.fit.model);
+  }
+
+  // Twice: effects that read the drive see the one that the corrected model needs, and priors weigh
+  // against the noise that the set leaves, not against the set itself.
+  // What is reported is fitted to the plain error; what was chosen has to show by its own weights.
+  void Fit() {
+    likelihood_ = base_.likelihood;
+    actuator::JointModel model = ModelWith(declared_, problem_, set_, &terms_);
+    chosen_ = RefineWhitened(train_, whitened_, model);
+    for (int pass = 0; pass < 2; ++pass) {
+      corrected_ = RefineWhitened(train_, likelihood_, model);
+      likelihood_ = Unweighted(likelihood_, LeftOver(corrected_, likelihood_.used));
+      model = WithDeclaredValues(corrected_.model);
+      PredictDrive(corrected_.model);
+    }
+  }
+
+  // When it happens is no property of the robot: held-out recordings are searched for it with the
+  // size that training gave.
+  void LocateEvent(TraceResult* result) {
+    const std::optional<TimedEffect>& event = base_.likelihood.event;
+    if (!event) return;
+    const int at = corrected_.model.Find(event->effect->info().name, corrected_.model.balance);
+    if (at < 0) return;
+    actuator::JointModel without = corrected_.model;
+    const double theta = without.terms[static_cast<std::size_t>(at)].linear.front().value;
+    without.terms.erase(without.terms.begin() + at);
+    const std::vector<std::vector<double>> held_out_start_s =
+        LocateTimedEffect(held_out_, *event, theta, identify::ErrorOf(held_out_, without).residual);
+    SetClocksBy(*event, held_out_start_s, &held_out_);
+    const auto note = [&](const Design& design, const std::vector<std::vector<double>>& start_s,
+                          bool held_out) {
+      for (std::size_t run = 0; run < start_s.size(); ++run) {
+        for (const double start : start_s[run]) {
+          result->events.push_back(
+              {event->effect->info().name, design.states().run_names[run], held_out, start});
+        }
+      }
+    };
+    note(train_, event->start_s, false);
+    note(held_out_, held_out_start_s, true);
+  }
+
+  FoundEffect Describe(std::size_t k) const {
+    FoundEffect found;
+    found.name = problem_.hypotheses()[set_.members[k]].name;
+    found.balance = corrected_.model.balance;
+    found.term = terms_[k].front();
+    for (const int term : terms_[k]) {
+      found.fitted.push_back(actuator::PhysicalTerm(corrected_.model, term));
+    }
+    found.posterior = posteriors_[k];
+    const double without_it = WithoutMember(problem_.evidence, problem_.hypotheses(), set_, k).net;
+    found.gain_share = (set_.net - without_it) / problem_.evidence.misfit();
+    found.p = assessed_.p_global;
+    found.weak_evidence = base_.likelihood.used.blocks.size() < kConvincingBlocks;
+    const FitResult without = FitWhitened(train_, likelihood_, Without(corrected_.model, k));
+    found.train_before = identify::ErrorOf(train_, without.model, declared_).rms;
+    found.train_after = identify::ErrorOf(train_, corrected_.model, declared_).rms;
+    found.held_out_before = identify::ErrorOf(held_out_, without.model, declared_).rms;
+    found.held_out_after = HeldOutError();
+    found.confirmation =
+        trace::Confirm(held_out_, LikelihoodOf(held_out_, corrected_, 0), without, corrected_);
+    const bool raises = found.held_out_after > Limit(rules::kRaises) * found.held_out_before;
+    if (!Drivable(found.held_out_after) || raises || !DiffersFromZero(corrected_, k) ||
+        !DiffersFromZero(chosen_, k) || RaisesTheWhole(without.model, found.confirmation)) {
+      found.confirmation.verdict = ConfirmationVerdict::kRefuted;
+    }
+    return found;
+  }
+
+  // A member's terms taken out, priors of what was declared.
+  actuator::JointModel Without(const actuator::JointModel& model, std::size_t k) const {
+    actuator::JointModel out = WithDeclaredValues(model);
+    for (auto at = terms_[k].rbegin(); at != terms_[k].rend(); ++at) {
+      out.terms.erase(out.terms.begin() + *at);
+    }
+    return out;
+  }
+
+  // Everything that the joint is part of may lose by what helps the joint alone.
+  bool RaisesTheWhole(const actuator::JointModel& without, const Confirmation& alone) const {
+    if (!options_.held_out_error || alone.verdict == ConfirmationVerdict::kRefuted) return false;
+    return options_.held_out_error(corrected_.model) >
+           Limit(rules::kRaises) * options_.held_out_error(without);
+  }
+
+  // Does the interval of any size of a member leave zero out?
+  bool DiffersFromZero(const FitResult& fit, std::size_t k) const {
+    return std::any_of(terms_[k].begin(), terms_[k].end(), [&](int term) {
+      const auto& sizes = fit.model.terms[static_cast<std::size_t>(term)].linear;
+      return std::any_of(sizes.begin(), sizes.end(), [](const actuator::ParameterValue& size) {
+        return std::abs(size.value) > Limit(rules::kInterval) * size.half_width_95.value_or(0.0);
+      });
+    });
+  }
+
+  Design& train_;
+  Design& held_out_;
+  const Likelihood& whitened_;
+  const LikelihoodFit& base_;
+  const Problem& problem_;
+  SetAssessment assessed_;
+  const actuator::JointModel& declared_;  // its drive factor is the unit of errors
+  const TraceOptions& options_;
+  EffectSet set_;  // what is left of the chosen one
+  std::vector<Posterior> posteriors_;
+  Likelihood likelihood_;  // of the set's fit
+  FitResult chosen_;       // the set by the weights that chose it
+  FitResult corrected_;
+  double least_statistic_ = 0.0;
+  std::vector<std::vector<int>> terms_;  // of the corrected model, by member
+};
+
+// Accepted is what was confirmed or at least not refuted; the rest names its rule.
+void NoteOutcome(const TraceResult& result, std::vector<CandidateScore>* scores) {
+  const auto holds = [](const std::vector<FoundEffect>& found, const std::string& name) {
+    return std::any_of(found.begin(), found.end(),
+                       [&](const FoundEffect& effect) { return effect.name == name; });
+  };
+  for (CandidateScore& score : *scores) {
+    score.accepted = holds(result.effects, score.name);
+    if (score.accepted) {
+      score.refused.clear();
+    } else if (holds(result.refuted, score.name)) {
+      score.refused = rules::kRefutedBelow.id;
+    }
+  }
+}
+
+// Effects that are found, and those that stand out of noise by the whole search's own limit.
+std::set<std::string> Shown(const TraceResult& result, double least_statistic) {
+  std::set<std::string> out;
+  for (const FoundEffect& found : result.effects) out.insert(found.name);
+  for (const CandidateScore& score : result.rounds.front().scores) {
+    if (score.statistic >= least_statistic) out.insert(score.name);
+  }
+  return out;
+}
+
+}  // namespace
+
+TraceResult TraceByLikelihood(Design& train, Design& held_out, const actuator::JointModel& model,
+                              const TraceOptions& options) {
+  const auto progress = [&](const char* what, double share) {
+    if (options.progress) options.progress(what, share);
+  };
+  progress("refit of the declared terms, noise", 0.05);
+  const LikelihoodFit base = EstimateLikelihood(&train, model);
+  held_out.UsePredictedRate(base.likelihood.predicted_rate);
+  held_out.PredictDrive(base.fit.model);
+  progress("columns", 0.4);
+  const Problem problem = MakeProblem(train, base.likelihood, model, base.fit);
+  TraceResult result;
+  result.nominal = model;
+  const LikelihoodFit reported = Reported(train, base, model);
+  result.declared = reported.fit.model;
+  result.declared_fit = reported.fit;
+  result.blocks = static_cast<int>(base.likelihood.used.blocks.size());
+  result.block_length_s = base.likelihood.used.block_s;
+  NoteErrors(reported, base.fit.model, &train, &held_out, &result);
+
+  RoundReport round;
+  round.train_rms = reported.fit.rms;
+  round.held_out_rms = result.before_held_out.rms;
+  round.explainable_rms = base.richest_rms;
+  result.rounds.push_back(std::move(round));
+
+  progress("sets of effects and their confirmation", 0.5);
+  Correction correction(train, held_out, base.likelihood, reported, problem, model, options);
+  const BootstrapOptions bootstrap{.rounds = options.sign_flip_rounds * options.searches,
+                                   .searches = options.searches,
+                                   .seed = options.seed};
+  const std::set<std::string> unasked = Unasked(problem, options.agreed);
+  correction.Run(
+      [&](std::set<std::string> refuted) {
+        refuted.insert(unasked.begin(), unasked.end());
+        SetAssessment assessed =
+            AssessSets(problem, base.likelihood, train, model,
+                       static_cast<std::size_t>(options.max_rounds), bootstrap, refuted);
+        if (options.agreed) ChooseAgreed(problem, *options.agreed, refuted, &assessed);
+        return assessed;
+      },
+      &result);
+  NoteOutcome(result, &result.rounds.front().scores);
+  result.detectable =
+      FindDetectable(problem, model, correction.least_statistic(), correction.set());
+  Sensitivity sensitivity =
+      FindSensitivity(problem, result.detectable, Shown(result, correction.least_statistic()));
+  result.not_excited = std::move(sensitivity.not_excited);
+  result.assessed = std::move(sensitivity.assessed);
+
+  result.corrected = correction.corrected().model;
+  result.corrected_fit = correction.corrected();
+  train.PredictDrive(result.corrected);
+  held_out.PredictDrive(result.corrected);
+  result.after_train = identify::ErrorOf(train, result.corrected, model);
+  result.after_held_out = identify::ErrorOf(held_out, result.corrected, model);
+  const CandidateSet all = MakeCandidates(train, result.corrected);
+  result.shifts = FindShifts(train, model, result.corrected_fit, all.candidates);
+  result.verdict = !result.effects.empty()                ? Verdict::kEffect
+                   : !result.unexplained.variable.empty() ? Verdict::kUnexplained
+                                                          : Verdict::kNone;
+  return result;
+}
+
+}  // namespace sinew::trace

@@ -1,0 +1,39 @@
+// Small imperfections that every set-up has, as columns with priors: channels half a sample apart,
+// valves that take some samples to open, teeth that give less than the encoder rounds. Without them
+// every clean recording would be an alarm (effects::Smallest). On a joint of an arm a refit of the
+// rigid bodies, as far as the other joints leave them open, is one, too. Pure; allocates.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "components/model/actuator/model.h"
+#include "components/model/identify/design.h"
+#include "components/model/trace/used_rows.h"
+
+namespace sinew::trace {
+
+struct Nuisances {
+  Eigen::MatrixXd columns;         // used rows, with the sign of a balance's columns
+  Eigen::VectorXd mean, spread;    // prior of each coefficient; spread 0: flat
+  std::vector<std::string> names;  // of the first columns; those behind are of the rigid bodies
+};
+
+// Declared friction that only knows the direction of motion, Nm or N; 0 without.
+double DryFriction(const actuator::JointModel& model);
+
+// Stroke over which every contact yields a little before it slides, some counts of the encoder, rad
+// or m; 0 where the model declares no counts.
+double GivingLength(const effects::JointConstants& constants);
+
+// Leaves the rigid bodies out (MakeNuisances).
+inline constexpr const char* kRigidBodies = "rigid_body";
+
+// Of the model's balance; what the model holds as a term is no nuisance, nor is what is left out by
+// name.
+Nuisances MakeNuisances(const identify::Design& design, const UsedRows& used,
+                        const actuator::JointModel& model,
+                        const std::vector<std::string>& left_out);
+
+}  // namespace sinew::trace

@@ -1,0 +1,61 @@
+// A balance ready for the search: its rows, whitened, with everything that may explain what the
+// declared terms leave. Made once; nothing changes it. Pure; allocates.
+#pragma once
+
+#include "components/model/identify/fit.h"
+#include "components/model/trace/evidence.h"
+#include "components/model/trace/hypotheses.h"
+#include "components/model/trace/set_search.h"
+#include "components/model/trace/whitened_fit.h"
+
+namespace sinew::trace {
+
+struct Problem {
+  Bank bank;
+  Eigen::MatrixXd X, Z;  // declared columns and bank, whitened
+  Eigen::VectorXd y;
+  double scale = 1.0;  // torque per unit of the balance
+  Evidence evidence;
+  double variance = 0.0;  // squares that the declared terms leave by least squares, not whitened
+
+  const std::vector<Hypothesis>& hypotheses() const { return bank.hypotheses; }
+  // Whitened residual with a set in the model.
+  Eigen::VectorXd Left(const EffectSet& set) const;
+  // The same with every block predicted by a fit without it (jackknife; CR3 of Bell, McCaffrey
+  // 2002): what a flexible set fits of a block alone stays in it. As long as y, zero between
+  // blocks.
+  Eigen::VectorXd LeftOut(const EffectSet& set, const std::vector<identify::Block>& blocks) const;
+  // What a set contributes, not whitened.
+  Eigen::VectorXd Part(const EffectSet& set) const;
+  // Share of the raw residual's variance that a set takes away, the declared terms refitted by
+  // least squares with and without it. May be negative.
+  double VarianceShare(const EffectSet& set) const;
+};
+
+// Rows of a block at least.
+inline constexpr int kFewestRowsPerBlock = 20;
+// Rows over which the noise may be coloured: two periods of the angles' low-pass, 6 to 40.
+int LongestOrder(const identify::Design& design);
+
+// What is left with everything in the model, not whitened: noise.
+Eigen::VectorXd Richest(const Problem& problem);
+
+// fit: of the declared terms; the design's drive must be predicted by it.
+Problem MakeProblem(const identify::Design& design, const Likelihood& likelihood,
+                    const actuator::JointModel& declared, const identify::FitResult& fit);
+
+// Rows and noise of a balance, and the declared terms fitted with them.
+struct LikelihoodFit {
+  Likelihood likelihood;
+  identify::FitResult fit;
+  double richest_rms = 0.0;  // what the richest model leaves
+};
+
+// The noise is that of the richest model: two passes, and rows far outside of it are left out. The
+// design's predicted drive follows the fit.
+LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::JointModel& declared);
+
+// A residual of other recordings as the noise of theirs.
+Likelihood LikelihoodOf(const identify::Design& design, const identify::FitResult& fit, int order);
+
+}  // namespace sinew::trace

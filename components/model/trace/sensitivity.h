@@ -1,0 +1,46 @@
+// Detectable sizes of these recordings: the smallest size of every effect that the search would
+// have found, and the effects that could hide. Pure; allocates.
+#pragma once
+
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "components/model/trace/problem.h"
+#include "components/model/trace/trace_result.h"
+
+namespace sinew::trace {
+
+// Misfit that a hypothesis has to take away before two rules of the search accept it alone:
+// p_global (`statistic`: the least one that reaches its limit, null_test.h) and what it has to
+// explain, of the misfit (LeastShare of hypotheses.h) or, whichever is less, of the variance.
+// misfit: of the declared terms, without the effect; by_variance: misfit that goes with the
+// variance (LeastVariance).
+double NeededGain(const Hypothesis& hypothesis, double misfit, double statistic,
+                  double by_variance);
+
+// Size, in standard errors of its coefficient, at which an effect takes away `needed` in 80 % of
+// recordings. The gain of k columns is noncentral chi-square with k degrees of freedom, here by its
+// normal approximation. other: apparent size, in the same unit, of what the recording contains
+// besides noise that resembles the effect; it adds to the effect or takes from it, equally likely.
+// An effect of which less than `other` would remain is found with the wrong sign: not at all.
+double SizeForPower(double needed, int columns, double other);
+
+// For every effect and each of its linear parameters, at the shape that shows best; effects that
+// the declared terms absorb apart, and those that are lines of a spectrum, which is searched and
+// has no size beforehand. found: what is there; other effects are fitted beside it.
+std::vector<DetectableSize> FindDetectable(const Problem& problem,
+                                           const actuator::JointModel& declared, double statistic,
+                                           const EffectSet& found);
+
+// What the recordings could not have shown, and what they could (effect names). shown: effects that
+// they do show, whatever size would have been sure to be found.
+struct Sensitivity {
+  std::vector<NotExcited> not_excited;
+  std::vector<std::string> assessed;
+};
+Sensitivity FindSensitivity(const Problem& problem, const std::vector<DetectableSize>& detectable,
+                            const std::set<std::string>& shown);
+
+}  // namespace sinew::trace

@@ -1,0 +1,61 @@
+// The best explanation by one, two or three effects of the catalogue, and by one free curve.
+//
+// Subsets are compared jointly by their net gain: the misfit they take away (evidence.h) less what
+// their parameters, profiled shapes and searches are charged. Every member has to stay inside its
+// physical range in the joint fit. Singles are compared over the whole bank; pairs join the leading
+// families with everything; triples the leading pairs with everything. Pure; allocates.
+#pragma once
+
+#include <Eigen/Core>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "components/model/trace/evidence.h"
+#include "components/model/trace/hypotheses.h"
+
+namespace sinew::trace {
+
+struct EffectSet {
+  std::vector<std::size_t> members;  // of the bank's hypotheses
+  Columns columns;
+  Eigen::VectorXd c;
+  double gain = 0.0;  // misfit taken away
+  double net = 0.0;   // less the charges
+
+  bool empty() const { return members.empty(); }
+};
+
+// Joint fit of some hypotheses.
+EffectSet FitSet(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
+                 std::vector<std::size_t> members);
+
+// The set refitted without its k-th member.
+EffectSet WithoutMember(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
+                        const EffectSet& set, std::size_t k);
+
+// Inside the physical range? Several parameters of one effect may leave it by two standard errors:
+// one of them may hardly be excited.
+bool Physical(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
+              const EffectSet& set);
+
+struct SetSearch {
+  std::vector<EffectSet> best;     // of size 0, 1, 2, 3; best.size() - 1 sizes were possible
+  std::vector<EffectSet> singles;  // best setting of every family, physical ones only, best first
+  EffectSet curve;                 // best free curve alone; may be empty
+};
+
+// largest: of a set, at most 3. refuted: names of effects that are excluded.
+SetSearch SearchSets(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
+                     std::size_t largest, const std::set<std::string>& refuted = {});
+
+// The set with the shape of every member chosen anew beside the others, each among the settings of
+// its own family.
+EffectSet WithShapesBeside(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
+                           EffectSet set);
+
+// The free curve that gains most beside a set; the set with it.
+EffectSet WithBestCurve(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
+                        const EffectSet& set);
+
+}  // namespace sinew::trace

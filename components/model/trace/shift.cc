@@ -1,0 +1,136 @@
+#include "components/model/trace/shift.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sinew::trace {
+
+namespace {
+
+// Part of a candidate's power that the declared terms must carry for it to be absorbed.
+constexpr double kInSpan = 0.98;
+
+struct Declared {
+  identify::ParameterRef ref;
+  Eigen::Index column;  // of the balance
+  double shift = 0.0;
+  double unit = 0.0;  // tolerance and standard error together
+};
+
+}  // namespace
+
+std::vector<ParameterShift> FindShifts(const identify::Design& design,
+                                       const actuator::JointModel& nominal,
+                                       const identify::FitResult& fit,
+                                       const std::vector<Candidate>& candidates) {
+  std::vector<ParameterShift> out;
+  const identify::Balance& balance = fit.balance;
+  const Eigen::Index first = balance.fits_scale ? 1 : 0;
+  std::vector<Declared> declared;
+  const auto add = [&](const identify::ParameterRef& ref, Eigen::Index column) {
+    if (ref.term >= static_cast<int>(nominal.terms.size())) return;
+    const auto t = static_cast<std::size_t>(ref.term);
+    const auto i = static_cast<std::size_t>(ref.linear);
+    const actuator::ParameterValue& before = nominal.terms[t].linear[i];
+    const actuator::ParameterValue& after = fit.model.terms[t].linear[i];
+    const double tolerance = actuator::PriorSpread(before);
+    if (!(tolerance > 0.0)) return;
+    const double error = after.half_width_95.value_or(0.0) / 2.0;
+    declared.push_back({ref, column, after.value - before.value,
+                        std::sqrt(tolerance * tolerance + error * error)});
+  };
+  if (balance.fits_scale) add(balance.drive, 0);
+  for (std::size_t i = 0; i < balance.parameters.size(); ++i) {
+    add(balance.parameters[i], first + static_cast<Eigen::Index>(i));
+  }
+
+  // Direction in which each candidate would shift the parameters: its regressor in terms of theirs.
+  const std::vector<Eigen::Index> used = design.rows().UsedRows();
+  const Eigen::Index count = balance.columns.cols() - first;
+  const Eigen::MatrixXd phi = -balance.columns.rightCols(count)(used, Eigen::all);
+  const Eigen::MatrixXd gram = phi.transpose() * phi;
+  const Eigen::VectorXd drive = balance.drive_torque(used);
+  // Parameters that are held but stated with a tolerance (a rest angle): what they may be off by
+  // shifts the fitted ones, and that is no prior penalty either.
+  for (const actuator::Term& term : nominal.terms) {
+    for (std::size_t k = 0; k < term.nonlinear.size(); ++k) {
+      const double off = actuator::PriorSpread(term.nonlinear[k]);
+      if (!term.nonlinear[k].fixed || !(off > 0.0)) continue;
+      const auto torque = [&](double value) {
+        std::vector<double> psi = actuator::NonlinearValues(term);
+        psi[k] = value;
+        Eigen::VectorXd theta(static_cast<Eigen::Index>(term.linear.size()));
+        for (std::size_t i = 0; i < term.linear.size(); ++i) {
+          theta[static_cast<Eigen::Index>(i)] = term.linear[i].value;
+        }
+        return Eigen::VectorXd((design.Columns(*term.effect, psi) * theta)(used));
+      };
+      const double value = term.nonlinear[k].value;
+      const Eigen::VectorXd z = 0.5 * (torque(value + off) - torque(value - off));
+      const Eigen::VectorXd a = identify::Solve(gram, phi.transpose() * z);
+      for (Declared& item : declared) {
+        if (item.column >= first) item.unit = std::hypot(item.unit, a[item.column - first]);
+      }
+    }
+  }
+  struct Direction {
+    const Candidate* candidate;
+    std::vector<double> per_theta;  // in declared units
+  };
+  std::vector<Direction> directions;
+  for (const Candidate& candidate : candidates) {
+    if (candidate.stated || candidate.grid.size() != 1 ||
+        candidate.grid.front().columns.cols() != 1)
+      continue;
+    const Eigen::VectorXd z = candidate.grid.front().columns(used, 0);
+    const double power = z.squaredNorm();
+    if (!(power > 0.0)) continue;
+    Direction direction{&candidate, std::vector<double>(declared.size(), 0.0)};
+    const double with_drive = z.dot(drive) / std::sqrt(power * drive.squaredNorm());
+    if (with_drive > 0.9999) {  // scales the drive: the factor alone takes it
+      for (std::size_t j = 0; j < declared.size(); ++j) {
+        if (balance.fits_scale && declared[j].column == 0) {
+          direction.per_theta[j] = std::sqrt(power / drive.squaredNorm()) / declared[j].unit;
+        }
+      }
+    } else {
+      const Eigen::VectorXd a = identify::Solve(gram, phi.transpose() * z);
+      if ((z - phi * a).squaredNorm() > (1.0 - kInSpan) * power) continue;
+      for (std::size_t j = 0; j < declared.size(); ++j) {
+        if (declared[j].column >= first) {
+          direction.per_theta[j] = a[declared[j].column - first] / declared[j].unit;
+        }
+      }
+    }
+    directions.push_back(std::move(direction));
+  }
+
+  for (const Declared& item : declared) {
+    const double sigma = item.shift / item.unit;
+    if (std::abs(sigma) < 1.0) continue;
+    const auto t = static_cast<std::size_t>(item.ref.term);
+    const auto i = static_cast<std::size_t>(item.ref.linear);
+    const effects::EffectInfo& info = nominal.terms[t].effect->info();
+    ParameterShift shift;
+    shift.effect = info.name;
+    shift.parameter = info.linear[i].name;
+    shift.nominal = nominal.terms[t].linear[i].value;
+    shift.refit = fit.model.terms[t].linear[i].value;
+    shift.tolerance = actuator::PriorSpread(nominal.terms[t].linear[i]);
+    shift.half_width_95 = fit.model.terms[t].linear[i].half_width_95.value_or(0.0);
+    shift.sigma = sigma;
+    const auto j = static_cast<std::size_t>(&item - declared.data());
+    for (const Direction& direction : directions) {
+      // Shares the direction when this parameter carries a good part of what it would shift.
+      double largest = 0.0;
+      for (const double value : direction.per_theta) largest = std::max(largest, std::abs(value));
+      if (largest > 0.0 && std::abs(direction.per_theta[j]) > 0.05 * largest) {
+        shift.causes.push_back(direction.candidate->name());
+      }
+    }
+    out.push_back(std::move(shift));
+  }
+  return out;
+}
+
+}  // namespace sinew::trace

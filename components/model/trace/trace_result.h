@@ -1,0 +1,170 @@
+// Options and result of the search for the cause of a residual.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "components/model/actuator/model.h"
+#include "components/model/identify/design.h"
+#include "components/model/identify/fit.h"
+#include "components/model/trace/confirmation.h"
+#include "components/model/trace/enough_data.h"
+#include "components/model/trace/posterior.h"
+
+namespace sinew::trace {
+
+struct TraceOptions {
+  std::uint64_t seed = 1;
+  int sign_flip_rounds = 200;  // random signs of the null test, for each of `searches`
+  // Balances and joints that are searched together: any of them may give a false alarm
+  // (Bonferroni).
+  int searches = 1;
+  int max_rounds = 3;  // effects of a set
+  // Effects that the held-out recordings neither confirm nor refute stay in the corrected model.
+  bool keep_unconfirmed = false;
+  // These effects and no others are fitted, whatever the rules of the search say (rotation.h).
+  std::optional<std::set<std::string>> agreed;
+  // What the held-out recordings refute stays, too: for sets that are given, not found.
+  bool keep_refuted = false;
+  // Held-out error of the machine that the joint is part of, with this model of the joint and
+  // everything else refitted (an arm's other joints and its bodies); none: the joint is all.
+  std::function<double(const actuator::JointModel&)> held_out_error;
+  // Called with a line of progress and the share done, 0 to 1.
+  std::function<void(const std::string&, double)> progress;
+};
+
+// One candidate, alone beside the declared terms.
+struct CandidateScore {
+  std::string name;
+  std::vector<double> psi;    // setting that fits best
+  std::vector<double> theta;  // fitted linear parameters
+  double statistic = 0.0;     // normal quantile of its gain (null_test.h)
+  double gain_share = 0.0;    // misfit that it takes away less its charge, share of the whole
+  bool accepted = false;
+  std::string refused;  // why not: a rule's id
+};
+
+struct RoundReport {
+  double train_rms = 0.0;  // before the round
+  double held_out_rms = 0.0;
+  double explainable_rms = 0.0;        // what the richest model leaves
+  std::vector<CandidateScore> scores;  // best gain first
+};
+
+struct FoundEffect {
+  std::string name;
+  effects::Balance balance = effects::Balance::kMotion;
+  int term = -1;  // first of its terms in the corrected model; -1: it is no part of that
+  // Its terms as fitted in the search, linear parameters in their own units
+  // (actuator::PhysicalTerm). Empty: the engine of blocks.
+  std::vector<actuator::Term> fitted;
+  Posterior posterior;      // of its name and of others in its place
+  double gain_share = 0.0;  // of the misfit, beside the others
+  double p = 1.0;
+  bool weak_evidence = false;  // fewer than six blocks
+  Confirmation confirmation;   // on the held-out recordings
+  // Errors before and after it, rms at the output.
+  double train_before = 0.0, train_after = 0.0, held_out_before = 0.0, held_out_after = 0.0;
+
+  bool in_model() const { return term >= 0; }
+  std::vector<std::string> rivals() const { return RivalsOf(posterior); }
+};
+
+// When an event (a payload put on, a push) began in a recording.
+struct EventTime {
+  std::string effect;
+  std::string recording;
+  bool held_out = false;
+  double start_s = 0.0;
+};
+
+struct ParameterShift {
+  std::string effect;
+  std::string parameter;
+  double nominal = 0.0;
+  double refit = 0.0;
+  double tolerance = 0.0;  // absolute
+  double half_width_95 = 0.0;
+  double sigma = 0.0;               // (refit - nominal) / sqrt(tolerance^2 + standard error^2)
+  std::vector<std::string> causes;  // effects that point the same way
+};
+
+struct Unexplained {
+  effects::Balance balance = effects::Balance::kMotion;
+  std::string variable;         // JointSample field; empty: nothing found
+  double order_per_turn = 0.0;  // 0: not periodic
+  double rms = 0.0;
+  double share = 0.0;  // of the residual variance that the variable predicts
+  std::string experiment;
+};
+
+struct NotExcited {
+  std::string effect;
+  std::string reason;
+};
+
+// The smallest size of an effect that the search of the likelihood engine would have found: in 80 %
+// of recordings like these the effect, alone, reaches p_global and explained_share (rules.h) at its
+// best shape.
+struct DetectableSize {
+  std::string effect;
+  effects::Balance balance = effects::Balance::kMotion;
+  std::string parameter;  // linear one, as in model files; the others of the effect are zero
+  std::string unit;       // suffix of the parameter's key; empty: a ratio
+  double size = 0.0;      // magnitude, in the parameter's own unit
+  double share = 0.0;     // rms of its contribution over that of the measured side
+  std::vector<std::pair<std::string, double>> shape;  // nonlinear parameters
+};
+
+enum class Verdict { kNone, kEffect, kUnexplained, kTooLittleData };
+
+// How well a balance holds without and with what was found, in its own unit.
+struct Assessment {
+  Verdict verdict = Verdict::kNone;
+  std::string unseen;  // why no row could be used; empty: rows are used
+  // Of the largest statistic of the whole search, all balances and joints together; none: nothing
+  // to assess.
+  std::optional<double> p_global;
+  identify::ModelError nominal_train, nominal_held_out;
+  // Declared model, refitted.
+  identify::ModelError before_train, before_held_out;
+  identify::ModelError after_train, after_held_out;
+  double noise_floor_rms = 0.0;
+  std::string noise_floor_source;
+  double ceiling_rms = 0.0;
+  int blocks = 0;  // independent blocks of rows: cross-validation groups, whose signs are flipped
+  double block_length_s = 0.0;
+  std::vector<RoundReport> rounds;
+  Unexplained unexplained;
+};
+
+// Of a balance beside the motion's.
+struct BalanceSummary : Assessment {
+  effects::Balance balance = effects::Balance::kKinematic;
+  std::string unit;  // of the errors
+};
+
+struct TraceResult : Assessment {
+  std::optional<TooLittle> too_little;  // why nothing was fitted; empty: it was
+  actuator::JointModel nominal;         // as declared
+  actuator::JointModel declared;        // refitted, nothing added
+  actuator::JointModel corrected;       // with the effects that are in_model()
+  std::vector<FoundEffect> effects;  // selected and not refuted; those of the corrected model first
+  std::vector<FoundEffect> refuted;  // selected in training, refuted on the held-out recordings
+  std::vector<EventTime> events;
+  std::vector<NotExcited> not_excited;
+  std::vector<DetectableSize> detectable;
+  std::vector<std::string> assessed;  // candidates whose presence or absence the data shows
+  std::vector<ParameterShift> shifts;
+  std::vector<BalanceSummary> balances;  // beside the motion's (balances.h)
+  identify::FitResult declared_fit;
+  identify::FitResult corrected_fit;
+};
+
+}  // namespace sinew::trace

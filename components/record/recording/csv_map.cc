@@ -1,0 +1,167 @@
+#include "components/record/recording/csv_map.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <stdexcept>
+
+#include "components/record/recording/csv.h"
+#include "components/record/recording/signal_fields.h"
+
+namespace sinew::recording {
+
+double ColumnMap::ToSi(double cell) const noexcept {
+  if (scale != 1.0) cell *= scale;
+  if (offset != 0.0) cell += offset;
+  cell = unit.ToSi(cell);
+  return sign == 1.0 ? cell : sign * cell;
+}
+
+std::string ColumnMap::Names() const {
+  std::string names;
+  for (const Summand& summand : sum) names += (names.empty() ? "" : " + ") + summand.column;
+  return names;
+}
+
+namespace {
+
+constexpr std::string_view kJointMark = "{joint}";
+
+std::string ColumnName(const std::string& pattern, int joint) {
+  const std::size_t at = pattern.find(kJointMark);
+  if (at == std::string::npos) return pattern;
+  return std::string(pattern).replace(at, kJointMark.size(), std::to_string(joint + 1));
+}
+
+// Where each column of the mapping is in the table; `names` grows by those that are new.
+std::vector<std::size_t> FindColumns(const ColumnMap& map, int joint,
+                                     const std::vector<std::string>& header,
+                                     const std::string& file, std::vector<std::string>* names) {
+  std::vector<std::string> wanted;
+  for (const Summand& summand : map.sum) wanted.push_back(summand.column);
+  wanted.insert(wanted.end(), map.times.begin(), map.times.end());
+  std::vector<std::size_t> at;
+  for (const std::string& pattern : wanted) {
+    const std::string column = ColumnName(pattern, joint);
+    if (std::find(header.begin(), header.end(), column) == header.end()) {
+      std::string list;
+      for (const std::string& candidate : header) list += (list.empty() ? "" : ", ") + candidate;
+      throw std::invalid_argument(map.where + ": no column '" + column + "' in " + file +
+                                  ", expected one of: " + list);
+    }
+    const auto known = std::find(names->begin(), names->end(), column);
+    at.push_back(static_cast<std::size_t>(known - names->begin()));
+    if (known == names->end()) names->push_back(column);
+  }
+  return at;
+}
+
+double Cell(const CsvTable& table, const ColumnMap& map, const std::vector<std::size_t>& columns,
+            Eigen::Index row) {
+  double cell = map.constant;
+  std::size_t at = 0;
+  for (const Summand& summand : map.sum) {
+    const double value = table.values[columns[at++]][row];
+    // One column stays bit by bit what it was, also a negative 0.
+    const double part = summand.factor == 1.0 ? value : summand.factor * value;
+    cell = at == 1 && map.constant == 0.0 ? part : cell + part;
+  }
+  for (; at < columns.size(); ++at) cell *= table.values[columns[at]][row];
+  return cell;
+}
+
+}  // namespace
+
+types::Run ReadCsvRun(std::string_view text, const std::string& name, const CsvMap& map,
+                      int joint) {
+  if (joint < 0 || joint >= map.joints) {
+    throw std::invalid_argument(name + ": joint " + std::to_string(joint) +
+                                " is asked for, the mapping " + map.name +
+                                " describes joints 0 to " + std::to_string(map.joints - 1));
+  }
+  const std::vector<std::string> header = CsvHeader(text, name, map.delimiter);
+  std::vector<std::string> names;
+  std::vector<std::size_t> time_columns;
+  const bool numbered = map.row_period_s > 0.0;
+  if (!numbered) time_columns = FindColumns(map.time, joint, header, name, &names);
+  std::vector<std::vector<std::size_t>> signal_columns;
+  for (const SignalColumn& signal : map.signals) {
+    signal_columns.push_back(FindColumns(signal.map, joint, header, name, &names));
+  }
+
+  if (names.empty()) {
+    throw std::invalid_argument(map.name + ": key 'signals': no column of " + name +
+                                " is read, expected at least one");
+  }
+  const CsvTable table = ReadCsv(text, name, names, map.delimiter);
+  const Eigen::Index all = table.values.front().size();
+  const auto line = [&](Eigen::Index row) {
+    return name + ":" + std::to_string(table.lines[static_cast<std::size_t>(row)]);
+  };
+  Eigen::VectorXd time(all);
+  for (Eigen::Index row = 0; row < all; ++row) {
+    time[row] = numbered ? map.row_period_s * static_cast<double>(row)
+                         : map.time.ToSi(Cell(table, map.time, time_columns, row));
+    if (row > 0 && !(time[row] > time[row - 1])) {
+      throw std::invalid_argument(
+          line(row) + ": column '" + map.time.Names() + "': time " + std::to_string(time[row]) +
+          " s follows " + std::to_string(time[row - 1]) + " s, expected strictly rising time");
+    }
+  }
+  Eigen::Index first = std::min(map.skipped_rows, all);
+  while (first < all && time[first] < time[0] + map.skipped_s) ++first;
+  const Eigen::Index rows = all - first;
+  if (rows < 1) {
+    throw std::invalid_argument(name + ": has " + std::to_string(all) + " rows and the mapping " +
+                                map.name + " leaves all of them out, expected a longer recording");
+  }
+  types::Run run;
+  run.name = name;
+  run.kind = map.kind;
+  run.held = map.held;
+  run.time_s = time.tail(rows);
+  for (std::size_t i = 0; i < map.signals.size(); ++i) {
+    const SignalColumn& signal = map.signals[i];
+    Eigen::VectorXd values(rows);
+    for (Eigen::Index row = 0; row < rows; ++row) {
+      values[row] = signal.map.ToSi(Cell(table, signal.map, signal_columns[i], first + row));
+      const bool flag = signal.signal == types::Signal::kValveOpen;
+      if (flag && values[row] != 0.0 && values[row] != 1.0) {
+        throw std::invalid_argument(line(first + row) + ": column '" + signal.map.Names() +
+                                    "': the value is " + std::to_string(values[row]) +
+                                    ", expected 0 or 1");
+      }
+    }
+    run.signals[signal.signal] = std::move(values);
+    if (signal.zero_per_recording) run.zero_unknown.insert(signal.signal);
+  }
+  run.content_hash = ContentHash(run);
+  return run;
+}
+
+std::string ContentHash(const types::Run& run) {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  const auto add = [&hash](std::uint64_t word) {
+    for (int byte = 0; byte < 8; ++byte) {
+      hash ^= (word >> (8 * byte)) & 0xffu;
+      hash *= 0x100000001b3u;
+    }
+  };
+  for (Eigen::Index row = 0; row < run.time_s.size(); ++row) {
+    add(static_cast<std::uint64_t>(std::llround(run.time_s[row] * 1e9)));
+  }
+  for (const auto& [signal, values] : run.signals) {
+    if (!OnTopics(signal)) continue;
+    add(static_cast<std::uint64_t>(signal));
+    for (Eigen::Index row = 0; row < values.size(); ++row)
+      add(std::bit_cast<std::uint64_t>(values[row]));
+  }
+  constexpr std::array<char, 17> kDigits = {"0123456789abcdef"};
+  std::string text;
+  for (int shift = 60; shift >= 0; shift -= 4) text += kDigits[(hash >> shift) & 0xfu];
+  return text;
+}
+
+}  // namespace sinew::recording

@@ -1,0 +1,60 @@
+// Files as ends of a recording. Short writes, a full disk and failing closes are errors.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "components/record/recording/io.h"
+
+namespace sinew::recording {
+
+enum class Existing { kRefuse, kReplace };
+
+// Writes straight into the file, so that what a killed program wrote is there.
+class FileSink : public ByteSink {
+ public:
+  // Throws UsageError when the file cannot be made, or is there and must not be replaced.
+  FileSink(const std::filesystem::path& path, Existing existing);
+  ~FileSink() override;
+  FileSink(const FileSink&) = delete;
+  FileSink& operator=(const FileSink&) = delete;
+
+  IoStatus Write(std::span<const std::byte> bytes) override;
+  IoStatus Sync();   // what was written is on the disk
+  IoStatus Close();  // flushes to the disk
+
+ private:
+  int descriptor_ = -1;
+};
+
+// Writes a file as a whole or not at all: beside it first, renamed by Commit.
+class WholeFileSink : public ByteSink {
+ public:
+  explicit WholeFileSink(const std::filesystem::path& path);  // throws UsageError
+  ~WholeFileSink() override;                                  // removes what was not committed
+  IoStatus Write(std::span<const std::byte> bytes) override { return sink_.Write(bytes); }
+  IoStatus Commit();
+
+ private:
+  std::filesystem::path path_;
+  std::filesystem::path temporary_;
+  FileSink sink_;
+  bool committed_ = false;
+};
+
+class FileSource : public ByteSource {
+ public:
+  explicit FileSource(const std::filesystem::path& path);  // throws UsageError
+  ~FileSource() override;
+  FileSource(const FileSource&) = delete;
+  FileSource& operator=(const FileSource&) = delete;
+
+  std::uint64_t size() const override { return size_; }
+  IoStatus Read(std::uint64_t offset, std::span<std::byte> bytes) override;
+
+ private:
+  int descriptor_ = -1;
+  std::uint64_t size_ = 0;
+};
+
+}  // namespace sinew::recording

@@ -1,0 +1,63 @@
+#include "components/robot/estop/press.h"
+
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <utility>
+
+#include "components/base/config/unix_socket.h"
+
+namespace sinew::estop {
+
+Press::Press(const std::filesystem::path& socket, const std::string& reason) {
+  const auto address = config::SocketAddress(socket);
+  if (!address) {
+    error_ = socket.string() + ": the path is too long for a socket";
+    return;
+  }
+  socket_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const timeval limit{0, 100'000};  // connect() waits while the listener's queue is full
+  ::setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
+  const std::string text = (reason.empty() ? std::string("estop") : reason) + "\n";
+  const bool done =
+      socket_ >= 0 &&
+      ::connect(socket_, reinterpret_cast<const sockaddr*>(&*address), sizeof *address) == 0 &&
+      ::send(socket_, text.data(), text.size(), MSG_NOSIGNAL) > 0;
+  if (done) return;
+  error_ = socket.string() + ": " + std::strerror(errno);
+  if (socket_ >= 0) ::close(socket_);
+  socket_ = -1;
+}
+
+Press::~Press() {
+  if (socket_ >= 0) ::close(socket_);
+}
+
+Press::Press(Press&& other) noexcept
+    : socket_(std::exchange(other.socket_, -1)), error_(std::move(other.error_)) {}
+
+Press::Answer Press::Await(std::chrono::milliseconds timeout) {
+  Answer answer;
+  const auto end = std::chrono::steady_clock::now() + timeout;
+  while (socket_ >= 0) {
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
+        end - std::chrono::steady_clock::now());
+    if (left.count() < 0) break;
+    pollfd waiting{socket_, POLLIN, 0};
+    if (::poll(&waiting, 1, static_cast<int>(left.count()) + 1) == 0) break;
+    std::array<char, 256> buffer;
+    const ssize_t size = ::recv(socket_, buffer.data(), buffer.size(), MSG_DONTWAIT);
+    if (size < 0 && (errno == EAGAIN || errno == EINTR)) continue;
+    if (size <= 0) break;  // all is said
+    answer.text.append(buffer.data(), static_cast<std::size_t>(size));
+  }
+  answer.idle = answer.text.starts_with("idle\n");
+  answer.latched = answer.text.find("\nlatched\n") != std::string::npos;
+  return answer;
+}
+
+}  // namespace sinew::estop

@@ -1,0 +1,149 @@
+#include "components/robot/provider/participant/command_readers.h"
+
+#include <spdlog/spdlog.h>
+
+#include "components/robot/provider/participant/simulation_messages.h"
+#include "components/topics/wire/wire.h"
+
+namespace sinew::provider {
+
+namespace {
+
+JointSetpoints FromMessage(const msg::JointCommand& message) {
+  JointSetpoints command;
+  command.header = wire::FromWire(message.header());
+  command.joint_count = message.joint_count();
+  for (std::size_t j = 0; j < command.mode.size(); ++j) {
+    command.mode[j] = wire::FromWire(message.mode()[j]);
+  }
+  command.motor_torque_Nm = message.motor_torque_Nm();
+  command.position_rad = message.position_rad();
+  command.velocity_rad_s = message.velocity_rad_s();
+  return command;
+}
+
+ValveCommand FromMessage(const msg::ValveCommand& message) {
+  return {.header = wire::FromWire(message.header()),
+          .joint_count = message.joint_count(),
+          .valve_open = message.valve_open(),
+          .compressor_on = message.compressor_on(),
+          .vent_open = message.vent_open()};
+}
+
+PressureMessage FromMessage(const msg::SimPressure& message) {
+  return {.header = wire::FromWire(message.header()),
+          .joint_count = message.joint_count(),
+          .pressure = {.imposed = message.imposed(),
+                       .chamber_pressure_bar = message.chamber_pressure_bar()}};
+}
+
+// Empty: not refused.
+const char* Refusal(OperatorResult result) {
+  switch (result) {
+    case OperatorResult::kRefusedOtherSession:
+      return "refused: meant for another session";
+    case OperatorResult::kRefusedOrigin:
+      return "refused: it comes from a recording or a simulation";
+    case OperatorResult::kRefusedByPlant:
+      return "refused by the plant";
+    case OperatorResult::kRefusedByFallGuard:
+      return "refused by the fall detector";
+    case OperatorResult::kRefusedResetFirst:
+      return "refused: reset first";
+    case OperatorResult::kRefusedDisarmFirst:
+      return "refused: disarm first";
+    case OperatorResult::kDone:
+    case OperatorResult::kClearFaults:
+    case OperatorResult::kUnlatchFirst:
+    case OperatorResult::kNotForProvider:
+      break;
+  }
+  return "";
+}
+
+}  // namespace
+
+CommandReaders::CommandReaders(node::Node& node, ProviderCycle& cycle, Plant& plant,
+                               OnOperator on_operator)
+    : cycle_(cycle),
+      plant_(plant),
+      on_operator_(std::move(on_operator)),
+      simulated_(dynamic_cast<SimulatedPlant*>(&plant)),
+      joint_command_(node.MakeReader(node::kJointCommand)),
+      valve_command_(node.MakeReader(node::kValveCommand)),
+      operator_command_(node.MakeReader(node::kOperatorCommand)),
+      source_(node),
+      pressure_source_(cycle.session_id(), cycle.period(), cycle.fault_after()) {
+  if (simulated_ == nullptr) return;
+  disturbance_.emplace(node.MakeReader(node::kSimDisturbance));
+  pressure_.emplace(node.MakeReader(node::kSimPressure));
+  if (simulated_->body_truth() == nullptr) return;
+  body_disturbance_.emplace(node.MakeReader(node::kSimBodyDisturbance));
+}
+
+void CommandReaders::TakeOperatorCommands(std::uint64_t tick) {
+  while (const auto command = operator_command_.TakeNext()) {
+    if (const auto action = wire::FromWire(command->action())) {
+      const types::MessageHeader header = wire::FromWire(command->header());
+      const OperatorResult result = cycle_.Take(
+          {.session_id = header.session_id, .origin = header.origin, .action = *action}, tick);
+      if (result == OperatorResult::kClearFaults) plant_.ClearFault();
+      on_operator_(result, *action, command->reason().to_string());
+      if (const std::string_view refusal = Refusal(result); !refusal.empty()) {
+        spdlog::warn("operator: action {} {}", static_cast<int>(*action), refusal);
+      }
+    }
+    spdlog::info("operator: action {}, reason '{}'", static_cast<int>(command->action()),
+                 command->reason());
+  }
+  if (simulated_ != nullptr) TakeDisturbances();
+}
+
+void CommandReaders::TakeDisturbances() {
+  while (const auto disturbance = disturbance_->TakeNext()) {
+    if (!disturbance_gate_.Admits(types::CommandKind::kRequest,
+                                  wire::FromWire(disturbance->header()), cycle_.running())) {
+      continue;
+    }
+    simulated_->Disturb({.hand_force_N = disturbance->load_force_N(),
+                         .extra_payload_kg = disturbance->payload_kg()});
+  }
+  while (body_disturbance_) {
+    const auto message = body_disturbance_->TakeNext();
+    if (!message) break;
+    const types::MessageHeader header = wire::FromWire(message->header());
+    if (header.session_id == cycle_.session_id()) body_answers_ = header.tick + 1;
+    if (!body_gate_.Admits(types::CommandKind::kRequest, header, cycle_.running())) continue;
+    const BodyDisturbance disturbance = FromMessage(*message);
+    if (!IsPossible(disturbance)) {
+      body_gate_.Refuse("a value that is not finite, a mass below 0, or a share outside 0 to 1");
+    } else if (!disturbance.lost_drive.empty() && !simulated_->HasDrive(disturbance.lost_drive)) {
+      body_gate_.Refuse("lost_drive is no joint of this robot: " + disturbance.lost_drive);
+    } else {
+      simulated_->DisturbBody(disturbance);
+    }
+  }
+}
+
+void CommandReaders::TakeAll(std::uint64_t tick) {
+  TakeOperatorCommands(tick);
+  while (const auto command = joint_command_.TakeNext()) {
+    if (cycle_.Take(FromMessage(*command), tick)) {
+      source_.SetJointCommandWriter(joint_command_.writer());
+    }
+  }
+  while (const auto command = valve_command_.TakeNext()) {
+    if (cycle_.Take(FromMessage(*command), tick)) {
+      source_.SetValveCommandWriter(valve_command_.writer());
+    }
+  }
+  if (simulated_ == nullptr) return;
+  while (const auto pressure = pressure_->TakeNext()) {
+    pressure_source_.Take(FromMessage(*pressure), tick);
+  }
+  const bool stopped =
+      cycle_.state() == types::RobotState::kFault || cycle_.state() == types::RobotState::kEstopped;
+  simulated_->ImposePressure(pressure_source_.Current(tick, stopped));
+}
+
+}  // namespace sinew::provider

@@ -1,0 +1,85 @@
+// The messages that a state provider reads, handed to the cycle's decisions: operator_command,
+// joint_command, valve_command; sim_disturbance and sim_pressure go to the plant, for simulated
+// plants only, and sim_body_disturbance for those on a floating base.
+// Thread: the provider's loop.
+#pragma once
+
+#include <sinew_idl/joint.h>
+#include <sinew_idl/operator.h>
+#include <sinew_idl/pneumatics.h>
+#include <sinew_idl/simulation.h>
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string_view>
+
+#include "components/robot/provider/participant/command_source.h"
+#include "components/robot/provider/pressure_source.h"
+#include "components/robot/provider/provider_cycle.h"
+#include "components/robot/provider/simulated_plant.h"
+#include "components/topics/node/command_gate.h"
+#include "components/topics/node/node.h"
+
+namespace sinew::provider {
+
+class CommandReaders {
+ public:
+  // Of an estop that was taken, and of a reset that unlatches first; with the operator's reason.
+  using OnOperator = std::function<void(OperatorResult result, types::OperatorAction action,
+                                        std::string_view reason)>;
+  // Cycle and plant must outlive it. Throws DdsError.
+  CommandReaders(node::Node& node, ProviderCycle& cycle, Plant& plant, OnOperator on_operator);
+
+  // What has arrived since the last call. Operator commands are logged; a reset clears the plant's
+  // faults.
+  void TakeOperatorCommands(std::uint64_t tick);
+  // The same, and then joint and valve commands and imposed pressures.
+  void TakeAll(std::uint64_t tick);
+
+  // Whose commands those are, when that has changed.
+  void PublishSource(const types::MessageHeader& header) { source_.Publish(header); }
+
+  // Block until a sample arrives or the timeout is over.
+  void WaitForJointCommand(std::chrono::microseconds timeout) {
+    joint_command_.WaitForSample(timeout);
+  }
+  void WaitForValveCommand(std::chrono::microseconds timeout) {
+    valve_command_.WaitForSample(timeout);
+  }
+  // Hardware answers nothing: waiting ends with its timeout.
+  void WaitForPressure(std::chrono::microseconds timeout) {
+    if (pressure_) pressure_->WaitForSample(timeout);
+  }
+  // Only where has_body(): a fixed base reads none.
+  void WaitForBodyDisturbance(std::chrono::microseconds timeout) {
+    if (body_disturbance_) body_disturbance_->WaitForSample(timeout);
+  }
+  // As ProviderCycle::joint_answers, for sim_pressure and sim_body_disturbance.
+  std::uint64_t pressure_answers() const { return pressure_source_.answers(); }
+  std::uint64_t body_disturbance_answers() const { return body_answers_; }
+  bool simulated() const { return simulated_ != nullptr; }
+  bool has_body() const { return body_disturbance_.has_value(); }
+
+ private:
+  void TakeDisturbances();
+
+  ProviderCycle& cycle_;
+  Plant& plant_;
+  OnOperator on_operator_;
+  SimulatedPlant* simulated_;  // the plant, where it is a simulation
+  node::Reader<msg::JointCommand> joint_command_;
+  node::Reader<msg::ValveCommand> valve_command_;
+  node::Reader<msg::OperatorCommand> operator_command_;
+  std::optional<node::Reader<msg::SimDisturbance>> disturbance_;
+  node::CommandGate disturbance_gate_{"sim_disturbance"};
+  std::optional<node::Reader<msg::SimBodyDisturbance>> body_disturbance_;
+  node::CommandGate body_gate_{"sim_body_disturbance"};
+  std::uint64_t body_answers_ = 0;
+  CommandSource source_;
+  std::optional<node::Reader<msg::SimPressure>> pressure_;
+  PressureSource pressure_source_;
+};
+
+}  // namespace sinew::provider

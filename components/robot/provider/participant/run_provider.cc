@@ -1,0 +1,344 @@
+#include "components/robot/provider/participant/run_provider.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <optional>
+#include <random>
+#include <string_view>
+
+#include "components/base/types/clock/clock.h"
+#include "components/robot/provider/cycle_deadline.h"
+#include "components/robot/provider/participant/awaited_topics.h"
+#include "components/robot/provider/participant/command_readers.h"
+#include "components/robot/provider/participant/cycle_sleep.h"
+#include "components/robot/provider/participant/estop_desk.h"
+#include "components/robot/provider/participant/lockstep_wait.h"
+#include "components/robot/provider/participant/state_publisher.h"
+#include "components/robot/provider/provider_cycle.h"
+#include "components/robot/provider/work_time.h"
+#include "components/topics/node/cut_off.h"
+#include "components/topics/node/endpoint.h"
+#include "components/topics/node/node.h"
+#include "components/topics/node/realtime.h"
+#include "components/topics/wire/wire.h"
+
+namespace sinew::provider {
+
+namespace {
+
+using std::chrono::milliseconds;
+using types::MonotonicNow_ns;
+using types::RobotState;
+using Clock = std::chrono::steady_clock;
+
+std::uint64_t RandomSession() {
+  std::random_device device;
+  return ((static_cast<std::uint64_t>(device()) << 32) | device()) | 1u;
+}
+
+void CheckFallGuard(const FallGuardConfig& fall, const Plant& plant, double rate_Hz) {
+  if (plant.body_sensors() == nullptr) {
+    throw UsageError(
+        "guard.fall: this robot measures neither feet nor torso, expected sensors of "
+        "the body or no such section");
+  }
+  if (fall.joint_count != plant.joint_count()) {
+    throw UsageError("guard.fall: the URDF has " + std::to_string(fall.joint_count) +
+                     " driven joints and the robot " + std::to_string(plant.joint_count()));
+  }
+  try {
+    (void)FallGuard(fall, 1.0 / rate_Hz);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(std::string("guard.fall: ") + error.what());
+  }
+}
+
+CycleConfig MakeCycleConfig(const node::Options& node_options, const ProviderOptions& options,
+                            const GuardConfig& guard, const Plant& plant, bool latches) {
+  if (options.arm && plant.live()) {
+    throw UsageError("--arm: hardware is armed by an operator, with 'sinew arm'");
+  }
+  if (options.composed != nullptr && node_options.mode == node::TimeMode::kLockstep) {
+    throw UsageError("--lockstep: a composition runs in real time, expected separate processes");
+  }
+  if (guard.fall != nullptr) CheckFallGuard(*guard.fall, plant, options.rate_Hz);
+  CycleConfig config;
+  config.guard = guard;
+  config.guard.live = plant.live();
+  config.simulated_time = node_options.mode == node::TimeMode::kLockstep;
+  config.ages_by_clock = !config.simulated_time && plant.acts_at_once();
+  config.session_id = config.simulated_time ? SessionFromSeed(node_options.seed) : RandomSession();
+  config.joint_count = plant.joint_count();
+  config.rate_Hz = options.rate_Hz;
+  config.duration_s = options.duration_s;
+  config.estop_is_latched = latches;
+  config.plant_may_be_armed = plant.ArmRefusal().empty();
+  if (options.arm && !config.plant_may_be_armed) {
+    throw UsageError("--arm: refused: " + plant.ArmRefusal());
+  }
+  return config;
+}
+
+const char* Name(RobotState state) {
+  static constexpr const char* kNames[] = {"disarmed", "armed", "damped", "fault", "estopped"};
+  return kNames[static_cast<int>(state)];
+}
+
+class Provider {
+ public:
+  Provider(const node::Options& node_options, node::StopFlag& stop, const ProviderOptions& options,
+           const GuardConfig& guard, Plant& plant, const estop::Config& estop)
+      : stop_(stop),
+        options_(options),
+        plant_(plant),
+        estop_config_(estop),
+        lockstep_(node_options.mode == node::TimeMode::kLockstep),
+        cycle_(MakeCycleConfig(node_options, options, guard, plant, estop.latch.has_value())),
+        node_(node_options),
+        publisher_(node_, plant),
+        readers_(node_, cycle_, plant,
+                 [this](OperatorResult result, types::OperatorAction action,
+                        std::string_view reason) { OnOperator(result, action, reason); }),
+        wait_(MakeAwaitedTopics(options.await, node_, cycle_, readers_), options.await_timeout_s),
+        work_(options.work != nullptr ? *options.work : own_work_) {}
+
+  void Run() {
+    RefuseSecondProvider();  // which sends nothing: the plant is the other one's
+    node::BeginRealtime();
+    desk_.emplace(estop_config_, cycle_, plant_, [this] {
+      node_.Wake();
+      sleep_.Wake();
+    });
+    // Motors off before anything else ends, after an exception too.
+    const struct MotorsOff {
+      Plant& plant;
+      ~MotorsOff() { plant.ShutDown(); }
+    } motors_off{plant_};
+    plant_.Reset(&sensors_);
+    if (options_.stepped) options_.stepped(0.0, sensors_);
+    node_.SetPeriod(cycle_.period());
+    if (options_.arm) cycle_.ArmAtStart();
+    node_.SetState(node::Node::State::kActive);
+    const auto start = Clock::now();
+    CycleDeadline deadline(cycle_.period(), MonotonicNow_ns());
+    for (tick_ = 0; !stop_.requested(); ++tick_) {
+      const std::int64_t begin_ns = MonotonicNow_ns();
+      work_.Resume(begin_ns);
+      if (cycle_.Begin(tick_, begin_ns)) {
+        spdlog::warn("tick {}: this provider was stalled for longer than its fault time", tick_);
+      }
+      TakeOperatorCommands();
+      Publish();
+      if (options_.composed != nullptr) options_.composed->Answer();
+      const PlantCommand* command = nullptr;
+      if (lockstep_) {
+        if (!wait_.Answers(tick_, waiting_)) break;
+      } else {
+        command = PassRealTime(&deadline);
+      }
+      TakeAll();
+      if (command == nullptr) command = &MakeCommand();
+      plant_.Step(*command, cycle_.period_s(), &sensors_);
+      desk_->CommandSent();
+      if (options_.stepped) {
+        options_.stepped(static_cast<double>(tick_ + 1) * cycle_.period_s(), sensors_);
+      }
+      if (cycle_.Observe(sensors_) == FaultChange::kJoint) {
+        spdlog::warn("tick {}: {}", tick_, sensors_.message);
+      }
+      if (cycle_.falls()) (void)cycle_.ObserveBody(tick_, sensors_, *plant_.body_sensors());
+      Report();
+      work_.Pause(MonotonicNow_ns());
+      work_.EndCycle();
+      if (cycle_.last(tick_)) break;
+    }
+    if (lockstep_ && cycle_.last(tick_)) (void)wait_.AllAnswers(tick_, waiting_);
+    LogEnd(std::chrono::duration<double>(Clock::now() - start).count(), deadline.overruns());
+  }
+
+ private:
+  // One provider a domain: another one's joint_state would mix with ours.
+  void RefuseSecondProvider() {
+    const auto deadline = Clock::now() + milliseconds(lockstep_ ? 300 : 700);
+    while (Clock::now() < deadline && !stop_.requested()) {
+      for (const node::Endpoint& endpoint : node_.Endpoints()) {
+        if (endpoint.is_writer && endpoint.topic == node::kJointState.name) {
+          throw UsageError("domain " + std::to_string(node_.options().domain_id) +
+                           " already has a state provider: '" + endpoint.participant +
+                           "'; stop it or use another --domain");
+        }
+      }
+      node_.WaitForData(milliseconds(50));
+    }
+  }
+
+  void OnOperator(OperatorResult result, types::OperatorAction action, std::string_view reason) {
+    if (action == types::OperatorAction::kEstop) desk_->OnEstop(reason);
+    if (result == OperatorResult::kUnlatchFirst) desk_->OnReset();
+    const bool by_plant = result == OperatorResult::kRefusedByPlant;
+    if (by_plant || result == OperatorResult::kRefusedByFallGuard) {  // for who asked, and the log
+      const std::string why =
+          "arm refused: " + (by_plant ? plant_.ArmRefusal() : cycle_.FallRefusal());
+      spdlog::error("{}", why);
+      node_.SetState(node::Node::State::kActive, why);
+    }
+  }
+
+  void TakeOperatorCommands() {
+    desk_->Take(tick_);
+    readers_.TakeOperatorCommands(tick_);
+    IdleAfterEstop();
+  }
+
+  void TakeAll() {
+    desk_->Take(tick_);
+    readers_.TakeAll(tick_);
+    IdleAfterEstop();
+  }
+
+  // A plant that acts at once does not wait for the next command to be idled.
+  void IdleAfterEstop() {
+    if (cycle_.state() != RobotState::kEstopped) {
+      idled_ = false;
+    } else if (!idled_ && plant_.acts_at_once() && !lockstep_) {
+      plant_.Act(MakeCommand(), cycle_.period_s());
+      desk_->CommandSent();
+    }
+  }
+
+  const PlantCommand& MakeCommand() {
+    desk_->CommandMade();
+    idled_ = cycle_.state() == RobotState::kEstopped;
+    return cycle_.Command(tick_, sensors_, MonotonicNow_ns());
+  }
+
+  void Publish() {
+    const types::MessageHeader header = cycle_.Header(tick_, types::EpochNow_ns());
+    readers_.PublishSource(header);
+    node_.SetCycle(header.session_id, header.tick, header.stamp_ns,
+                   static_cast<int>(wire::ToWire(header.origin)));
+    publisher_.Publish(header, cycle_.state(), cycle_.last(tick_), cycle_.period_s(), sensors_);
+  }
+
+  // Sleeps until the cycle's deadline. A plant that acts at once gets its command before that; the
+  // command, or null.
+  const PlantCommand* PassRealTime(CycleDeadline* deadline) {
+    const std::int64_t end_ns = deadline->Next();
+    const PlantCommand* command = nullptr;
+    if (plant_.acts_at_once()) {
+      // An overdue command is not waited for: the gap is bridged on time.
+      const std::int64_t period_ns = cycle_.period().count();
+      const auto cut_off_ns =
+          static_cast<std::int64_t>(node::kProviderCutOff * static_cast<double>(period_ns));
+      AwaitJointCommand(end_ns - period_ns + (cycle_.Overdue(tick_) ? 0 : cut_off_ns));
+      command = &MakeCommand();
+      plant_.Act(*command, cycle_.period_s());
+      desk_->CommandSent();
+    }
+    if (options_.composed != nullptr) options_.composed->Finish();
+    const std::int64_t now_ns = MonotonicNow_ns();
+    work_.Pause(now_ns);
+    if (deadline->Missed(now_ns)) {
+      ++counts_.missed_ticks;
+    } else {
+      SleepUntil(end_ns);
+    }
+    work_.Resume(MonotonicNow_ns());
+    return command;
+  }
+
+  void AwaitJointCommand(std::int64_t give_up_ns) {
+    while (!stop_.requested()) {
+      TakeAll();
+      if (!cycle_.AwaitsCommand(tick_)) return NoteAnswer();
+      const std::int64_t left_ns = give_up_ns - MonotonicNow_ns();
+      if (left_ns <= 0) return;
+      work_.Pause(MonotonicNow_ns());
+      node_.WaitForData(std::chrono::microseconds(left_ns / 1000 + 1));
+      work_.Resume(MonotonicNow_ns());
+    }
+  }
+
+  void NoteAnswer() {
+    if (options_.answers == nullptr || tick_ == 0 || !types::MayMove(cycle_.state())) return;
+    options_.answers->Resume(publisher_.written_ns());
+    options_.answers->Pause(MonotonicNow_ns());
+    options_.answers->EndCycle();
+  }
+
+  void SleepUntil(std::int64_t deadline_ns) {
+    while (sleep_.Until(deadline_ns) && !stop_.requested()) TakeOperatorCommands();
+  }
+
+  // Logs and publishes (component_status) a new state of the robot, or a new message of the plant
+  // or of the fall guard.
+  void Report() {
+    ++counts_.cycles;
+    counts_.write_failures = publisher_.write_failures();
+    const RobotState state = cycle_.state();
+    const std::string_view fall = cycle_.fall_message();
+    const std::string_view message = fall.empty() ? std::string_view(sensors_.message) : fall;
+    if (state != reported_state_ || message != reported_message_) {
+      reported_state_ = state;
+      reported_message_ = message;
+      spdlog::info("tick {}: {}{}{}", tick_, Name(state), message.empty() ? "" : ": ", message);
+      node_.SetState(state == RobotState::kFault || state == RobotState::kEstopped
+                         ? node::Node::State::kFault
+                         : node::Node::State::kActive,
+                     message.empty() ? Name(state) : reported_message_);
+    }
+    if (cycle_.upright() != reported_upright_) {
+      reported_upright_ = !reported_upright_;
+      spdlog::info("tick {}: fall detector: {}", tick_,
+                   reported_upright_ ? "upright" : "not upright");
+    }
+    if (!lockstep_ || (counts_.cycles & 63u) == 0) node_.SetCounts(counts_);
+  }
+
+  void LogEnd(double seconds, std::uint64_t overruns) const {
+    const std::uint64_t done = tick_ + (cycle_.last(tick_) ? 1 : 0);
+    const double simulated_s = static_cast<double>(done) * cycle_.period_s();
+    spdlog::info(
+        "{} ticks, {:.1f} s in {:.1f} s ({:.1f} x real time), {} overruns, {} commands refused",
+        tick_, simulated_s, seconds, simulated_s / std::max(seconds, 1e-9), overruns,
+        cycle_.refused());
+    if (!lockstep_ && work_.cycles() > 0) {
+      spdlog::info("work of a cycle, topics included: median {:.0f} us, 99.9 % {:.0f} us",
+                   work_.Quantile_us(0.5), work_.Quantile_us(0.999));
+    }
+  }
+
+  node::StopFlag& stop_;
+  const ProviderOptions& options_;
+  Plant& plant_;
+  const estop::Config& estop_config_;
+  bool lockstep_;
+  ProviderCycle cycle_;
+  node::Node node_;
+  StatePublisher publisher_;
+  CommandReaders readers_;
+  LockstepWait wait_;
+  LockstepWait::Caller waiting_{[this] { TakeAll(); }, [this] { return stop_.requested(); }};
+  std::uint64_t tick_ = 0;
+  CycleSleep sleep_;
+  std::optional<EstopDesk> desk_;  // while the loop runs; its thread uses node and sleep
+  bool idled_ = false;             // the plant's command is of ESTOPPED
+  WorkTime own_work_;
+  WorkTime& work_;  // of real-time cycles
+  PlantSensors sensors_;
+  node::Node::Counts counts_;
+  RobotState reported_state_ = RobotState::kDisarmed;
+  std::string reported_message_;
+  bool reported_upright_ = false;
+};
+
+}  // namespace
+
+void RunProvider(const node::Options& node_options, node::StopFlag& stop,
+                 const ProviderOptions& options, const GuardConfig& guard, Plant& plant,
+                 const estop::Config& estop) {
+  Provider(node_options, stop, options, guard, plant, estop).Run();
+}
+
+}  // namespace sinew::provider

@@ -1,0 +1,23 @@
+// Reads `schema: sinew-residual/1` (docs/participants/residual.md). Throws UsageError.
+#pragma once
+
+#include <filesystem>
+
+#include "components/base/config/config.h"
+#include "components/model/actuator/model.h"
+#include "components/robot/residual/monitor.h"
+
+namespace sinew::residual {
+
+struct ResidualConfig {
+  actuator::RobotModel robot;  // a monitor for each of its joints, in the order of joint_state
+  MonitorConfig monitor;
+};
+
+// model_path: takes the place of the file's `model`; empty: as the file says.
+ResidualConfig LoadResidual(const std::filesystem::path& path,
+                            const std::filesystem::path& model_path = {});
+ResidualConfig ReadResidual(const config::Section& section,
+                            const std::filesystem::path& model_path = {});
+
+}  // namespace sinew::residual

@@ -1,0 +1,87 @@
+#include "components/topics/node/log.h"
+
+#include <spdlog/details/log_msg_buffer.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <atomic>
+#include <memory>
+#include <thread>
+#include <utility>
+
+#include "components/topics/node/overrun_queue.h"
+
+namespace sinew::node::internal {
+
+namespace {
+
+// Longer than any burst at start or at an end; with lines of 200 bytes a fifth of a megabyte.
+constexpr std::size_t kLogLines = 1024;
+
+// What the writing thread needs. It is never destroyed: the thread may stand in a write() to a
+// stream that nobody reads when the process ends.
+struct LogState {
+  spdlog::sinks::stderr_color_sink_st stream;  // of the writing thread
+  OverrunQueue<spdlog::details::log_msg_buffer> lines{kLogLines};
+  std::atomic<std::uint64_t> written{0};
+};
+std::atomic<LogState*> g_log{nullptr};
+
+void WriteLines(LogState* log) {
+  BecomeHelper("sinew-log");
+  std::uint64_t dropped = 0;
+  while (true) {
+    const spdlog::details::log_msg_buffer line = log->lines.Take();
+    const std::uint64_t dropped_now = log->lines.dropped();
+    if (dropped_now != dropped) {
+      const std::string text = std::to_string(dropped_now - dropped) +
+                               " lines of the log were dropped: nobody read the error stream";
+      log->stream.log({line.logger_name, spdlog::level::warn, text});
+    }
+    log->stream.log(line);
+    log->written.fetch_add(1 + dropped_now - dropped);
+    dropped = dropped_now;
+  }
+}
+
+class QueueSink final : public spdlog::sinks::sink {
+ public:
+  explicit QueueSink(LogState* log) : log_(log) {}
+  void log(const spdlog::details::log_msg& message) override {
+    log_->lines.Push(spdlog::details::log_msg_buffer(message));
+  }
+  void flush() override {}  // FlushLog, which has a limit
+  void set_pattern(const std::string& pattern) override { log_->stream.set_pattern(pattern); }
+  void set_formatter(std::unique_ptr<spdlog::formatter> formatter) override {
+    log_->stream.set_formatter(std::move(formatter));
+  }
+
+ private:
+  LogState* log_;
+};
+
+}  // namespace
+
+void StartLog(const std::string& name, const std::string& level) {
+  auto* log = new LogState;
+  auto logger = std::make_shared<spdlog::logger>(name, std::make_shared<QueueSink>(log));
+  logger->set_pattern("%H:%M:%S.%e %n %^%l%$ %v");
+  logger->set_level(spdlog::level::from_str(level));
+  spdlog::set_default_logger(logger);
+  std::thread(&WriteLines, log).detach();
+  g_log = log;
+}
+
+bool FlushLog(std::chrono::milliseconds time) {
+  const LogState* log = g_log;
+  if (log == nullptr) return true;
+  const std::uint64_t wanted = log->lines.pushed();
+  const auto end = std::chrono::steady_clock::now() + time;
+  while (log->written < wanted) {
+    if (std::chrono::steady_clock::now() >= end) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return true;
+}
+
+}  // namespace sinew::node::internal

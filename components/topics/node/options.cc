@@ -1,0 +1,146 @@
+#include "components/topics/node/options.h"
+
+#include <sched.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <csignal>
+#include <iostream>
+
+#include "components/topics/node/log.h"
+#include "components/topics/node/realtime.h"
+#include "components/topics/node/version.h"
+
+namespace sinew::node {
+
+namespace {
+
+std::atomic<bool> g_stop{false};
+
+extern "C" void OnStopSignal(int) { g_stop.store(true); }
+
+void LogStart(const Options& options) {
+  spdlog::info("{} {}, domain {}, {}{}", options.component, kVersion, options.domain_id,
+               options.mode == TimeMode::kLockstep ? "lockstep" : "real time",
+               options.config_path.empty() ? "" : ", config " + options.config_path.string());
+  if (!options.realtime_priority) return;
+  const PriorityRule& rule = PriorityOf(options.component);
+  if (rule.priority == 0) spdlog::info("--realtime: SCHED_OTHER ({})", rule.reason);
+}
+
+// How long an end waits for whoever reads the log.
+constexpr std::chrono::milliseconds kLogAtEnd{500};
+
+}  // namespace
+
+StopFlag::StopFlag() {
+  struct sigaction action {};
+  action.sa_handler = &OnStopSignal;
+  sigemptyset(&action.sa_mask);
+  ::sigaction(SIGINT, &action, nullptr);
+  ::sigaction(SIGTERM, &action, nullptr);
+  // The terminal has gone: an end in order. Whoever started us with nohup wants it ignored.
+  struct sigaction hang_up {};
+  ::sigaction(SIGHUP, nullptr, &hang_up);
+  if (hang_up.sa_handler != SIG_IGN) ::sigaction(SIGHUP, &action, nullptr);
+  ::signal(SIGPIPE, SIG_IGN);
+}
+
+bool StopFlag::requested() const noexcept { return g_stop.load(std::memory_order_relaxed); }
+void StopFlag::Request() noexcept { g_stop.store(true); }
+
+void AddOption(CLI::App& app, const std::string& name, std::string* value,
+               const std::string& help) {
+  app.add_option(name, *value, help);
+}
+
+void AddOption(CLI::App& app, const std::string& name, std::filesystem::path* value,
+               const std::string& help) {
+  app.add_option(name, *value, help);
+}
+
+void AddOption(CLI::App& app, const std::string& name, std::vector<std::string>* values,
+               const std::string& help) {
+  app.add_option(name, *values, help);
+}
+
+void AddFlag(CLI::App& app, const std::string& name, bool* value, const std::string& help) {
+  app.add_flag(name, *value, help);
+}
+
+void AddDomainOptions(CLI::App& app, Options* options) {
+  app.add_option("--domain", options->domain_id, "DDS domain, 0 to 232")
+      ->envname("SINEW_DOMAIN")
+      ->check(CLI::Range(0, 232));
+  app.add_option("--interface", options->interfaces,
+                 "Network interface to be reached on, beside loopback; may be repeated")
+      ->envname("SINEW_INTERFACE")
+      ->delimiter(',')
+      ->type_name("NAME")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
+int RunParticipant(int argc, char** argv, const std::string& component,
+                   const std::string& description, const Body& body,
+                   const AddOptions& add_options) {
+  StopFlag stop;  // before any thread exists
+  Options options;
+  options.component = component;
+  CLI::App app(description, "sinew-" + component);
+  app.set_version_flag("--version", std::string(kVersion));
+  app.add_option("--name", options.name, "Name of this instance; the component's name by default");
+  AddDomainOptions(app, &options);
+  app.add_option("--config", options.config_path, "Configuration file");
+  app.add_option("--log-level", options.log_level, "trace, debug, info, warning, error or off")
+      ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error", "off"}));
+  app.add_option("--seed", options.seed, "Seed of everything random");
+  app.add_option("--qos", options.qos_path,
+                 "XML file with QoS profiles instead of the built-in ones");
+  bool lockstep = false;
+  auto* lockstep_flag =
+      app.add_flag("--lockstep", lockstep, "Simulated time: a tick waits for all replies");
+  app.add_flag("--realtime", options.realtime_priority,
+               "SCHED_FIFO and locked memory, as the kind of participant asks for")
+      ->excludes(lockstep_flag);
+  app.add_option("--cpu", options.cpus,
+                 "Cores of the threads in real time, by default the last one it may use")
+      ->envname("SINEW_CPU")
+      ->check(CLI::Range(0, CPU_SETSIZE - 1))
+      ->delimiter(',')
+      ->type_name("NUMBER")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  if (add_options) add_options(app);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& done) {
+    return app.exit(done);
+  } catch (const CLI::ParseError& error) {
+    std::cerr << "sinew-" << component << ": " << error.what() << " (see --help)\n";
+    return 2;
+  }
+  if (options.name.empty()) options.name = component;
+  options.mode = lockstep ? TimeMode::kLockstep : TimeMode::kRealtime;
+  try {
+    if (options.realtime_priority) PrepareRealtime(component, options.cpus);
+    internal::StartLog(options.name, options.log_level);
+    LogStart(options);
+    body(options, stop);
+    spdlog::info("stopped");
+    internal::FlushLog(kLogAtEnd);
+    return EXIT_SUCCESS;
+  } catch (const UsageError& error) {
+    if (internal::FlushLog(kLogAtEnd)) {  // else nobody reads it, and it could not be written
+      std::cerr << "sinew-" << component << ": " << error.what() << '\n';
+    }
+    return 2;
+  } catch (const std::exception& error) {
+    spdlog::critical("{}", error.what());
+    internal::FlushLog(kLogAtEnd);
+    return EXIT_FAILURE;
+  }
+}
+
+}  // namespace sinew::node

@@ -1,0 +1,46 @@
+// Owner of a DDS participant with its publisher, subscriber and topics.
+//
+// Threads: FindOrMakeTopic may be called by any thread. Throws DdsError, or UsageError for a file
+// of QoS profiles that has none.
+#pragma once
+
+#include <map>
+#include <mutex>
+#include <string>
+
+#include "components/topics/node/dds_pch.h"
+#include "components/topics/node/options.h"
+#include "components/topics/node/topics.h"
+
+namespace sinew::node::internal {
+
+namespace dds = eprosima::fastdds::dds;
+
+class Participant {
+ public:
+  // The listener must outlive the participant.
+  Participant(const Options& options, dds::DomainParticipantListener* listener);
+  ~Participant();
+  Participant(const Participant&) = delete;
+  Participant& operator=(const Participant&) = delete;
+
+  dds::Topic* FindOrMakeTopic(const TopicInfo& info);
+  // The QoS profile that a topic uses in this time mode.
+  std::string ProfileFor(const TopicInfo& info) const;
+  dds::Publisher& publisher() const { return *publisher_; }
+  const eprosima::fastrtps::rtps::GUID_t& guid() const { return participant_->guid(); }
+  dds::Subscriber& subscriber() const { return *subscriber_; }
+
+ private:
+  const TimeMode mode_;
+  dds::DomainParticipant* participant_ = nullptr;
+  dds::Publisher* publisher_ = nullptr;
+  dds::Subscriber* subscriber_ = nullptr;
+  std::mutex mutex_;
+  std::map<std::string, dds::Topic*> topics_;
+};
+
+// The name of a QoS policy in messages, e.g. "durability".
+std::string PolicyName(dds::QosPolicyId_t id);
+
+}  // namespace sinew::node::internal

@@ -1,0 +1,174 @@
+#include "components/topics/node/status.h"
+
+#include <sinew_idl/status.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <mutex>
+#include <utility>
+
+#include "components/topics/node/host_name.h"
+#include "components/topics/node/version.h"
+#include "components/topics/wire/component_state.h"
+
+namespace sinew::node::internal {
+
+namespace {
+
+double ResidentMegabytes() {
+  std::ifstream statm("/proc/self/statm");
+  long total = 0, resident = 0;
+  statm >> total >> resident;
+  return static_cast<double>(resident) * static_cast<double>(::sysconf(_SC_PAGESIZE)) / 1e6;
+}
+
+msg::ComponentState ToMessage(Node::State state) {
+  switch (state) {
+    case Node::State::kConfigured:
+      return msg::COMPONENT_CONFIGURED;
+    case Node::State::kActive:
+      return msg::COMPONENT_ACTIVE;
+    case Node::State::kFault:
+      return msg::COMPONENT_FAULT;
+    case Node::State::kStopped:
+      return msg::COMPONENT_STOPPED;
+  }
+  return msg::COMPONENT_FAULT;
+}
+
+}  // namespace
+
+Status::Status(const std::string& component, const std::string& name)
+    : component_(component), name_(name) {
+  host_ = HostName();
+}
+
+void Status::Open(std::unique_ptr<WriterImpl> writer) {
+  writer_ = std::move(writer);
+  Beat();
+  thread_ = std::thread([this] { Run(); });
+}
+
+void Status::Close() {
+  systemd_.SetStopping();
+  Beat();
+  {
+    const std::lock_guard<PriorityMutex> lock(mutex_);
+    if (values_.state != Node::State::kFault) values_.state = Node::State::kStopped;
+    ended_ = true;
+  }
+  wake_up_.Give();
+  if (thread_.joinable()) thread_.join();
+  // Why it ends is what an observer must hear: a reader that sees the writer go drops what it has
+  // not taken yet. One that is stopped holds the end up no longer than this.
+  constexpr std::chrono::milliseconds kHeard(200);
+  if (writer_) (void)writer_->WaitAcknowledged(kHeard);
+  writer_.reset();
+}
+
+void Status::Beat() noexcept {
+  beats_.fetch_add(1, std::memory_order_relaxed);
+  systemd_.Beat();
+}
+
+void Status::SetState(Node::State state, const std::string& message) {
+  Beat();
+  {
+    const std::lock_guard<PriorityMutex> lock(mutex_);
+    if (values_.configured && state == values_.state && message == values_.message) return;
+    values_.configured = true;
+    values_.state = state;
+    values_.message = message;
+    changed_ = true;
+  }
+  wake_up_.Give();
+}
+
+void Status::SetStandby(bool standby) {
+  {
+    const std::lock_guard<PriorityMutex> lock(mutex_);
+    if (standby == values_.standby) return;
+    values_.standby = standby;
+    changed_ = true;
+  }
+  wake_up_.Give();
+}
+
+void Status::SetCounts(const Node::Counts& counts) {
+  Beat();
+  const std::lock_guard<PriorityMutex> lock(mutex_);
+  values_.counts = counts;
+}
+
+void Status::SetCycle(std::uint64_t session_id, std::uint64_t tick, std::int64_t stamp_ns,
+                      int origin) {
+  Beat();
+  const std::lock_guard<PriorityMutex> lock(mutex_);
+  values_.session_id = session_id;
+  values_.tick = tick;
+  values_.stamp_ns = stamp_ns;
+  values_.origin = origin;
+}
+
+void Status::Run() {
+  using std::chrono::steady_clock;
+  BecomeHelper("sinew-status");
+  auto due = steady_clock::now();
+  std::uint64_t published_beats = 0;
+  while (true) {
+    wake_up_.WaitUntil(due);
+    Values values;
+    bool changed = false, ended = false;
+    {
+      const std::lock_guard<PriorityMutex> lock(mutex_);
+      values = values_;
+      changed = std::exchange(changed_, false);
+      ended = ended_;
+    }
+    if (changed) ReportToSystemd(values);
+    const std::uint64_t beats = beats_.load(std::memory_order_relaxed);
+    const bool is_due = steady_clock::now() >= due;
+    if (is_due || changed) due = steady_clock::now() + std::chrono::seconds(1);
+    if (ended || changed || (is_due && beats != published_beats)) {
+      published_beats = beats;
+      Publish(values);
+    }
+    if (ended) return;
+  }
+}
+
+void Status::Publish(const Values& values) {
+  msg::ComponentStatus status;
+  status.name(name_);
+  status.component_kind(component_);
+  status.header().session_id(values.session_id);
+  status.header().tick(values.tick);
+  status.header().stamp_ns(values.stamp_ns);
+  status.header().origin(static_cast<msg::Origin>(values.origin));
+  status.state(ToMessage(values.state));
+  status.standby(values.standby);
+  status.process_id(static_cast<std::uint32_t>(::getpid()));
+  status.host(host_);
+  status.version(kVersion);
+  status.idl_hash(AllTopicsHash());
+  status.cycles(values.counts.cycles);
+  status.stale_inputs(values.counts.stale_inputs);
+  status.missed_ticks(values.counts.missed_ticks);
+  status.write_failures(values.counts.write_failures + failed_publications_);
+  status.malformed_samples(malformed_.load(std::memory_order_relaxed));
+  status.dropped_samples(dropped_.load(std::memory_order_relaxed));
+  status.resident_MB(ResidentMegabytes());
+  status.message(values.message.substr(0, 255));
+  Bytes bytes;
+  if (!Encode(status, &bytes) || writer_->WriteToDds(&bytes) != WriteStatus::kOk) {
+    ++failed_publications_;
+  }
+}
+
+void Status::ReportToSystemd(const Values& values) {
+  systemd_.SetStatus(wire::NameOf(ToMessage(values.state)) +
+                     (values.message.empty() ? "" : ": " + values.message));
+  if (values.state == Node::State::kStopped) systemd_.SetStopping();
+}
+
+}  // namespace sinew::node::internal

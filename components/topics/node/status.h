@@ -1,0 +1,78 @@
+// The state of a component: component_status on DDS, and the report to systemd.
+//
+// Threads: the loop (the thread of the node's owner) sets values and counts its beats, which takes
+// no system call and no wait; a thread of this class, of SCHED_OTHER, reads /proc and publishes. It
+// publishes a change at once, and once a second if the loop has counted on since: the status of a
+// loop that hangs grows old although its process lives. DDS threads count samples.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "components/topics/node/helper_thread.h"
+#include "components/topics/node/node.h"
+#include "components/topics/node/systemd_link.h"
+#include "components/topics/node/writer_impl.h"
+
+namespace sinew::node::internal {
+
+class Status {
+ public:
+  Status(const std::string& component, const std::string& name);
+
+  // Publishes from here on, the first message at once.
+  void Open(std::unique_ptr<WriterImpl> writer);
+  // Publishes the last message (stopped, unless the component is in fault) and ends thread and
+  // writer.
+  void Close();
+
+  // Published at once when the state or the message changes; of changes in quick succession the
+  // last one. The first call means that the component is configured: systemd is notified that it is
+  // ready.
+  void SetState(Node::State state, const std::string& message);
+  // Published at once when it changes, as the state.
+  void SetStandby(bool standby);
+  void SetCounts(const Node::Counts& counts);
+  void SetCycle(std::uint64_t session_id, std::uint64_t tick, std::int64_t stamp_ns, int origin);
+  // The loop goes round; to be called from every wait.
+  void Beat() noexcept;
+
+  // Of all readers of the node.
+  void CountMalformed() noexcept { malformed_.fetch_add(1, std::memory_order_relaxed); }
+  void CountDropped() noexcept { dropped_.fetch_add(1, std::memory_order_relaxed); }
+
+ private:
+  struct Values {
+    Node::State state = Node::State::kConfigured;
+    std::string message;
+    bool standby = false;
+    bool configured = false;  // SetState was called
+    Node::Counts counts;
+    std::uint64_t session_id = 0, tick = 0;
+    std::int64_t stamp_ns = 0;
+    int origin = 0;
+  };
+  void Run();
+  void Publish(const Values& values);
+  void ReportToSystemd(const Values& values);
+
+  const std::string component_, name_;
+  std::string host_;
+  SystemdLink systemd_;
+  std::atomic<std::uint64_t> beats_{0}, malformed_{0}, dropped_{0};
+
+  PriorityMutex mutex_;
+  Values values_;
+  bool changed_ = false, ended_ = false;
+
+  WakeUp wake_up_;
+  std::unique_ptr<WriterImpl> writer_;  // of the thread
+  std::uint64_t failed_publications_ = 0;
+  std::thread thread_;
+};
+
+}  // namespace sinew::node::internal

@@ -1,0 +1,116 @@
+#include "components/model/trace/candidates.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/components/model/identify/synthetic.h"
+
+namespace sinew::trace {
+namespace {
+
+using identify::MakeDesign;
+using identify::SyntheticModel;
+using identify::SyntheticRun;
+
+bool Has(const CandidateSet& set, const std::string& name) {
+  return std::any_of(set.candidates.begin(), set.candidates.end(),
+                     [&](const Candidate& candidate) { return candidate.name() == name; });
+}
+
+bool Missing(const CandidateSet& set, const std::string& name) {
+  return std::any_of(set.missing.begin(), set.missing.end(),
+                     [&](const MissingSignals& missing) { return missing.effect == name; });
+}
+
+TEST(Candidates, WhatTheModelHoldsAndDrivesAreNone) {
+  const auto design =
+      MakeDesign({SyntheticRun(SyntheticModel(), {.duration_s = 10.0})}, SyntheticModel());
+  const CandidateSet set = MakeCandidates(design, SyntheticModel());
+  EXPECT_FALSE(Has(set, "viscous"));
+  EXPECT_FALSE(Has(set, "drive_current"));
+  EXPECT_FALSE(Has(set, "drive_voltage"));
+  EXPECT_TRUE(Has(set, "stribeck"));
+  EXPECT_TRUE(Has(set, "quadratic_viscous"));
+}
+
+bool Stated(const CandidateSet& set, const std::string& name) {
+  return std::any_of(set.candidates.begin(), set.candidates.end(), [&](const Candidate& candidate) {
+    return candidate.name() == name && candidate.stated;
+  });
+}
+
+TEST(Candidates, WhatADeclaredTermStatesAlreadyIsNoCause) {
+  actuator::JointModel model = SyntheticModel();
+  const auto design =
+      MakeDesign({SyntheticRun(model, {.duration_s = 10.0, .motor_position = true})}, model);
+  const CandidateSet set = MakeCandidates(design, model);
+  for (const char* stated :
+       {"rotor_inertia", "link_inertia", "motor_viscous", "spring", "offset"}) {
+    EXPECT_TRUE(Stated(set, stated)) << stated;
+  }
+  EXPECT_FALSE(Stated(set, "stribeck"));
+  std::erase_if(model.terms, [](const actuator::Term& term) {
+    const std::string name = term.effect->info().name;
+    return name == "gravity" || name == "viscous";
+  });
+  const CandidateSet without = MakeCandidates(design, model);
+  for (const char* missing : {"gravity", "viscous", "motor_viscous", "spring"}) {
+    EXPECT_TRUE(Has(without, missing)) << missing;
+    EXPECT_FALSE(Stated(without, missing)) << missing;
+  }
+}
+
+TEST(Candidates, EffectsWithoutTheirSignalAreNamed) {
+  const auto design =
+      MakeDesign({SyntheticRun(SyntheticModel(), {.duration_s = 10.0})}, SyntheticModel());
+  const CandidateSet set = MakeCandidates(design, SyntheticModel());
+  EXPECT_TRUE(Missing(set, "seal_hysteresis"));
+  EXPECT_FALSE(Has(set, "seal_hysteresis"));
+}
+
+TEST(Candidates, GridsAreAllCombinations) {
+  effects::EffectInfo info;
+  EXPECT_EQ(GridOf(info), (std::vector<std::vector<double>>{{}}));
+  info.nonlinear.push_back({.name = "a", .default_value = 5.0, .grid = {1.0, 2.0}});
+  info.nonlinear.push_back({.name = "b", .default_value = 5.0});
+  EXPECT_EQ(GridOf(info), (std::vector<std::vector<double>>{{1.0, 5.0}, {2.0, 5.0}}));
+}
+
+TEST(Candidates, ASlidingLengthOfAFewCountsIsNone) {
+  actuator::JointModel model = SyntheticModel();
+  const std::vector<types::Run> runs = {SyntheticRun(model, {.duration_s = 10.0})};
+  const identify::ProcessingOptions options = identify::FromMotion(runs, model, 0.25);
+  const identify::Design design(identify::MakeStates(runs, model, options), options);
+  const auto shortest = [&] {
+    double least = 1e9;
+    const auto presliding = effects::MakeEffect("presliding", model.constants);
+    for (const auto& psi : GridFor(design, model.constants, presliding->info())) {
+      least = std::min(least, psi.front());
+    }
+    return least;
+  };
+  model.constants.encoder_counts_per_turn = 0.0;
+  const double undeclared = shortest();
+  model.constants.encoder_counts_per_turn = 1024.0;
+  EXPECT_GE(shortest(), 8.0 * 2.0 * M_PI / 1024.0);
+  EXPECT_LT(undeclared, shortest());
+  model.constants.encoder_counts_per_turn = 1e6;
+  EXPECT_DOUBLE_EQ(shortest(), undeclared);
+}
+
+TEST(Candidates, LinearJointsHaveNoAngles) {
+  actuator::JointModel model = SyntheticModel();
+  model.kind = types::JointKind::kLinear;
+  model.terms.erase(model.terms.begin() + 4);  // gravity
+  types::Run run = SyntheticRun(SyntheticModel(), {.duration_s = 10.0});
+  run.kind = types::JointKind::kLinear;
+  const CandidateSet set = MakeCandidates(MakeDesign({run}, model), model);
+  EXPECT_FALSE(Has(set, "gravity"));
+  EXPECT_FALSE(Has(set, "payload"));
+  EXPECT_FALSE(Has(set, "gear_eccentricity"));
+}
+
+}  // namespace
+}  // namespace sinew::trace

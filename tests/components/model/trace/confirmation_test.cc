@@ -1,0 +1,75 @@
+#include "components/model/trace/confirmation.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+#include <random>
+
+namespace sinew::trace {
+namespace {
+
+constexpr Eigen::Index kSlopeRows = 3000;
+
+std::vector<identify::Block> Blocks(int count) {
+  std::vector<identify::Block> out;
+  const Eigen::Index length = kSlopeRows / count;
+  for (int b = 0; b < count; ++b) {
+    out.emplace_back(static_cast<std::size_t>(length));
+    std::iota(out.back().begin(), out.back().end(), b * length);
+  }
+  return out;
+}
+
+Eigen::VectorXd NormalRows(unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  Eigen::VectorXd out(kSlopeRows);
+  for (double& value : out) value = normal(random);
+  return out;
+}
+
+Confirmation Of(double slope, unsigned seed, int blocks = 30) {
+  const Eigen::VectorXd change = 0.3 * NormalRows(seed);
+  return ConfirmSlope(slope * change + NormalRows(seed + 1000), change, Blocks(blocks));
+}
+
+TEST(Confirmation, AnEffectOfTheTrainedSizeIsConfirmed) {
+  const Confirmation found = Of(1.0, 1);
+  EXPECT_EQ(found.verdict, ConfirmationVerdict::kConfirmed);
+  EXPECT_NEAR(found.slope, 1.0, 0.2);
+  EXPECT_LT(found.lower, 1.0);
+  EXPECT_GT(found.upper, 1.0);
+}
+
+TEST(Confirmation, AnEffectThatIsNotThereIsRefuted) {
+  EXPECT_EQ(Of(0.0, 2).verdict, ConfirmationVerdict::kRefuted);
+  EXPECT_EQ(Of(-1.0, 3).verdict, ConfirmationVerdict::kRefuted);
+}
+
+TEST(Confirmation, AnEffectOfAnotherSizeIsNeither) {
+  EXPECT_EQ(Of(2.5, 4).verdict, ConfirmationVerdict::kNotConfirmed);
+}
+
+TEST(Confirmation, TooFewBlocksConfirmNothing) {
+  EXPECT_EQ(Of(1.0, 5, 3).verdict, ConfirmationVerdict::kNotConfirmed);
+}
+
+TEST(Confirmation, AChangeThatTheHeldOutMotionDoesNotExciteConfirmsNothing) {
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(kSlopeRows);
+  EXPECT_EQ(ConfirmSlope(NormalRows(6), none, Blocks(30)).verdict,
+            ConfirmationVerdict::kNotConfirmed);
+}
+
+TEST(Confirmation, IntervalsHoldTheTrueSlope) {
+  int held = 0;
+  constexpr int kTrials = 400;
+  for (unsigned trial = 0; trial < kTrials; ++trial) {
+    const Confirmation found = Of(1.0, 100 + trial);
+    held += found.lower < 1.0 && found.upper > 1.0 ? 1 : 0;
+  }
+  // 95 % of 400 with three standard errors of the count.
+  EXPECT_NEAR(held, 380, 14);
+}
+
+}  // namespace
+}  // namespace sinew::trace

@@ -1,0 +1,73 @@
+// What the likelihood engine hands over: which effects are part of the corrected model.
+#include <gtest/gtest.h>
+
+#include "components/model/trace/likelihood_tracer.h"
+#include "tests/components/model/identify/synthetic.h"
+
+namespace sinew::trace {
+namespace {
+
+using identify::Design;
+
+constexpr double kQuadratic_Nm_s2_rad2 = 0.4;
+
+types::Run RunWithDrag(const identify::Recipe& recipe, double drag = kQuadratic_Nm_s2_rad2) {
+  actuator::JointModel truth = identify::SyntheticModel();
+  truth.terms.push_back(identify::TermOf("quadratic_viscous", {drag}, truth.constants));
+  return identify::SyntheticRun(truth, recipe);
+}
+
+TraceResult TraceHeldOut(const types::Run& held_out_run, bool keep_unconfirmed) {
+  const actuator::JointModel model = identify::SyntheticModel();
+  const std::vector<types::Run> train = {
+      RunWithDrag({.rate_Hz = 100.0, .seed = 1, .noise_A = 0.05}),
+      RunWithDrag({.rate_Hz = 100.0, .seed = 2, .noise_A = 0.05})};
+  const identify::ProcessingOptions options = identify::FromMotion(train, model, 0.25);
+  Design design(identify::MakeStates(train, model, options), options);
+  Design held_out(identify::MakeStates({held_out_run}, model, options), options);
+  return TraceByLikelihood(design, held_out, model, {.keep_unconfirmed = keep_unconfirmed});
+}
+
+TEST(CorrectedModel, HoldsAnEffectThatTheHeldOutRecordingConfirms) {
+  const TraceResult result =
+      TraceHeldOut(RunWithDrag({.rate_Hz = 100.0, .seed = 3, .noise_A = 0.05}), false);
+  ASSERT_EQ(result.verdict, Verdict::kEffect);
+  ASSERT_EQ(result.effects.size(), 1u);
+  const FoundEffect& found = result.effects[0];
+  EXPECT_EQ(found.confirmation.verdict, ConfirmationVerdict::kConfirmed);
+  ASSERT_TRUE(found.in_model());
+  EXPECT_EQ(found.term, result.corrected.Find("quadratic_viscous"));
+  ASSERT_EQ(found.fitted.size(), 1u);
+  EXPECT_DOUBLE_EQ(found.fitted[0].linear[0].value,
+                   actuator::PhysicalValue(result.corrected, found.term, 0));
+  EXPECT_LT(result.after_held_out.rms, result.before_held_out.rms);
+}
+
+// The held-out joint has two and a half times the drag: it is there, but not as trained.
+TEST(CorrectedModel, LeavesOutWhatTheHeldOutRecordingDoesNotConfirmUnlessAsked) {
+  const types::Run other =
+      RunWithDrag({.rate_Hz = 100.0, .seed = 3, .noise_A = 0.05}, 2.5 * kQuadratic_Nm_s2_rad2);
+  const TraceResult result = TraceHeldOut(other, false);
+  EXPECT_EQ(result.verdict, Verdict::kEffect);
+  ASSERT_EQ(result.effects.size(), 1u);
+  const FoundEffect& found = result.effects[0];
+  EXPECT_EQ(found.name, "quadratic_viscous");
+  EXPECT_EQ(found.confirmation.verdict, ConfirmationVerdict::kNotConfirmed);
+  EXPECT_FALSE(found.in_model());
+  ASSERT_EQ(found.fitted.size(), 1u);
+  const actuator::ParameterValue& size = found.fitted[0].linear[0];
+  EXPECT_NEAR(size.value, kQuadratic_Nm_s2_rad2, 2.0 * size.half_width_95.value());
+  EXPECT_EQ(result.corrected.Find("quadratic_viscous"), -1);
+  EXPECT_DOUBLE_EQ(result.after_train.rms, result.before_train.rms);
+  EXPECT_DOUBLE_EQ(result.after_held_out.rms, result.before_held_out.rms);
+
+  const TraceResult kept = TraceHeldOut(other, true);
+  ASSERT_EQ(kept.effects.size(), 1u);
+  EXPECT_EQ(kept.effects[0].confirmation.verdict, ConfirmationVerdict::kNotConfirmed);
+  EXPECT_TRUE(kept.effects[0].in_model());
+  EXPECT_GE(kept.corrected.Find("quadratic_viscous"), 0);
+  EXPECT_LT(kept.after_train.rms, kept.before_train.rms);
+}
+
+}  // namespace
+}  // namespace sinew::trace

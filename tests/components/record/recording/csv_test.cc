@@ -1,0 +1,304 @@
+#include "components/record/recording/csv.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "components/base/config/config.h"
+#include "components/record/recording/csv_map.h"
+#include "components/record/recording/file/csv_map_file.h"
+
+namespace sinew::recording {
+namespace {
+
+using types::Signal;
+
+constexpr char kMap[] = R"(schema: sinew-csv-map/1
+kind: rotary
+time: {column: t, unit: ms}
+signals:
+  position: {column: angle, unit: deg, sign: -1}
+  motor_current: {column: current, unit: A, scale: 0.5, offset: 1}
+)";
+
+std::string CsvError(const std::string& text,
+                     const std::vector<std::string>& columns = {"a", "b"}) {
+  try {
+    ReadCsv(text, "data.csv", columns);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::string MapError(const std::string& text) {
+  try {
+    ParseCsvMap(text, "map.yaml");
+  } catch (const UsageError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::string RunError(const std::string& text) {
+  try {
+    ReadCsvRun(text, "data.csv", ParseCsvMap(kMap, "map.yaml"));
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Csv, ReadsNumbersExactly) {
+  const CsvTable table =
+      ReadCsv("a,b,text\n1.5,-2e-3,x\n+0.1,7.45e-06,y\n", "data.csv", {"b", "a"});
+  ASSERT_EQ(table.values.size(), 2u);
+  EXPECT_EQ(table.values[0][0], -2e-3);
+  EXPECT_EQ(table.values[0][1], 7.45e-06);
+  EXPECT_EQ(table.values[1][1], 0.1);
+  EXPECT_EQ(table.lines, (std::vector<int>{2, 3}));
+}
+
+TEST(Csv, UnderstandsQuotesCommentsBlanksAndLineEnds) {
+  const CsvTable table = ReadCsv(
+      "\xEF\xBB\xBF# made by a rig\r\n\"a\", b ,\"c, d\"\r\n\r\n 1 , \"2\",\"x \"\"y\"\"\"\r\n# "
+      "end\r\n3,4,z",
+      "data.csv", {"a", "b"});
+  ASSERT_EQ(table.lines.size(), 2u);
+  EXPECT_EQ(table.lines[0], 4);
+  EXPECT_EQ(table.values[0][0], 1);
+  EXPECT_EQ(table.values[1][0], 2);
+  EXPECT_EQ(table.values[1][1], 4);
+  EXPECT_EQ(ReadCsv("a;b\n1;2\n", "data.csv", {"b"}, ';').values[0][0], 2);
+}
+
+TEST(Csv, NamesFileLineColumnAndWhatWasExpected) {
+  EXPECT_EQ(
+      CsvError("a,b\n1,2\n3,nan\n"),
+      "data.csv:3: column 'b': the value is nan, expected a finite number (leave lost rows out)");
+  EXPECT_EQ(CsvError("a,b\n1,inf\n").substr(0, 11), "data.csv:2:");
+  EXPECT_EQ(CsvError("a,b\n1,\n"), "data.csv:2: column 'b': the cell is empty, expected a number");
+  EXPECT_EQ(CsvError("a,b\n1,2x\n"),
+            "data.csv:2: column 'b': '2x' is no number, expected one such as -1.5e-3");
+  EXPECT_EQ(CsvError("a,b\n1,2\n3\n"),
+            "data.csv:3: the row has 1 cells, expected 2 as in the header");
+  EXPECT_EQ(CsvError("a,c\n1,2\n"), "data.csv:1: no column 'b', the file has: a, c");
+  EXPECT_EQ(CsvError("a,b,b\n1,2,3\n"), "data.csv:1: column 'b' is there 2 times, expected once");
+  EXPECT_EQ(CsvError(""),
+            "data.csv:1: the file is empty, expected a header line with column names");
+  EXPECT_EQ(CsvError("a,b\n"), "data.csv:2: no row of data, expected at least one");
+  EXPECT_EQ(CsvError("a,b\n1,1e999\n"), "data.csv:2: column 'b': '1e999' does not fit a double");
+  EXPECT_EQ(CsvError("a,b\n\"1,2\n"),
+            "data.csv:2: the row has 1 cells, expected 2 as in the header");
+}
+
+TEST(Csv, NeverCrashesOnRandomText) {
+  std::mt19937_64 random(3);
+  const std::string alphabet = "ab,;\"\n\r#1.e- \\";
+  for (int round = 0; round < 5000; ++round) {
+    std::string text = round % 2 == 0 ? "a,b\n" : "";
+    const auto size = random() % 60;
+    for (std::uint64_t i = 0; i < size; ++i) text += alphabet[random() % alphabet.size()];
+    (void)CsvError(text);
+  }
+}
+
+TEST(CsvMap, AppliesUnitScaleOffsetAndSign) {
+  const types::Run run =
+      ReadCsvRun("t,angle,current\n0,90,2\n4,180,-2\n", "data.csv", ParseCsvMap(kMap, "map.yaml"));
+  EXPECT_EQ(run.kind, types::JointKind::kRotary);
+  EXPECT_EQ(run.time_s[1], 0.004);
+  EXPECT_DOUBLE_EQ(run.At(Signal::kPosition)[1], -3.14159265358979312);
+  EXPECT_EQ(run.At(Signal::kMotorCurrent)[0], 2.0);  // 0.5 * 2 + 1
+  EXPECT_EQ(run.At(Signal::kMotorCurrent)[1], 0.0);
+  EXPECT_FALSE(run.Has(Signal::kVelocity));
+  EXPECT_EQ(run.content_hash.size(), 16u);
+}
+
+TEST(CsvMap, ACellMayBeAProductOfColumns) {
+  const CsvMap map = ParseCsvMap(R"(schema: sinew-csv-map/1
+kind: rotary
+time: {column: t, unit: s}
+signals:
+  drive_voltage: {column: duty, times: [bus, on], unit: V, scale: 0.5, offset: 1, sign: -1}
+)",
+                                 "map.yaml");
+  const std::string text = "t,duty,bus,on\n0,0.5,8,1\n1,0.5,8,0\n";
+  const types::Run run = ReadCsvRun(text, "data.csv", map);
+  EXPECT_DOUBLE_EQ(run.At(Signal::kDriveVoltage)[0], -3.0);  // -(0.5 * (0.5 * 8 * 1) + 1)
+  EXPECT_DOUBLE_EQ(run.At(Signal::kDriveVoltage)[1], -1.0);
+  try {
+    ReadCsvRun("t,duty,bus\n0,1,1\n", "data.csv", map);
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(),
+                 "map.yaml:5: key 'signals.drive_voltage.column': no column 'on' in data.csv, "
+                 "expected one of: t, duty, bus");
+  }
+}
+
+std::string OneSignal(const std::string& signal) {
+  return "schema: sinew-csv-map/1\nkind: rotary\njoints: 2\ntime: {column: t, unit: s}\nsignals:\n "
+         " " +
+         signal + "\n";
+}
+
+TEST(CsvMap, ACellMayBeASumOfColumnsAndAConstant) {
+  const auto read = [](const std::string& signal, int joint = 0) {
+    return ReadCsvRun("t,a1,b1,a2,b2,g\n0,10,4,1,7,2\n1,20,-4,2,8,3\n", "data.csv",
+                      ParseCsvMap(OneSignal(signal), "map.yaml"), joint);
+  };
+  // The loss of a gear: what the motor gives less what arrives.
+  const std::string loss = R"(torque: {columns: {"a{joint}": 1, "b{joint}": -1}, unit: Nm})";
+  EXPECT_EQ(read(loss).At(Signal::kTorque), Eigen::Vector2d(6.0, 24.0));
+  EXPECT_EQ(read(loss, 1).At(Signal::kTorque), Eigen::Vector2d(-6.0, -6.0));
+  const types::Run all = read(
+      "torque: {columns: {a1: 2, b1: -0.5}, constant: 3, times: [g], scale: 10, offset: 1, "
+      "unit: mNm, sign: -1}");
+  EXPECT_DOUBLE_EQ(all.At(Signal::kTorque)[0], -1e-3 * (10.0 * (2 * 10 - 0.5 * 4 + 3) * 2 + 1));
+  EXPECT_EQ(read("payload: {constant: 500, unit: g}").At(Signal::kPayload),
+            Eigen::Vector2d(0.5, 0.5));
+  EXPECT_EQ(read("torque: {column: a1, constant: -1, unit: Nm}").At(Signal::kTorque)[0], 9.0);
+}
+
+TEST(CsvMap, ASumNamesTheLineOfItsMissingColumn) {
+  const CsvMap map =
+      ParseCsvMap(OneSignal("torque:\n    unit: Nm\n    columns: {a: 1, none: -1}"), "map.yaml");
+  try {
+    ReadCsvRun("t,a\n0,1\n", "data.csv", map);
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(),
+                 "map.yaml:8: key 'signals.torque.columns': no column 'none' in data.csv, expected "
+                 "one of: t, a");
+  }
+  EXPECT_EQ(MapError(OneSignal("torque: {columns: {a: 1}, column: a, unit: Nm}")),
+            "map.yaml:6: key 'signals.torque.columns': beside 'column', expected one column or a "
+            "sum, not both");
+  EXPECT_EQ(MapError(OneSignal("torque: {columns: {a: 0}, unit: Nm}")),
+            "map.yaml:6: key 'signals.torque.columns.a': is 0, expected another factor");
+  EXPECT_EQ(MapError(OneSignal("torque: {columns: {}, unit: Nm}")),
+            "map.yaml:6: key 'signals.torque.columns': is empty, expected {COLUMN: FACTOR, ...}, "
+            "such as {a: 1, b: -1}");
+  EXPECT_NE(MapError(OneSignal("torque: {columns: {a: x}, unit: Nm}")).find("columns.a"),
+            std::string::npos);
+  EXPECT_NE(MapError(OneSignal("torque: {unit: Nm}")).find("'signals.torque.column'"),
+            std::string::npos);
+}
+
+TEST(CsvMap, AMappingOfConstantsAloneReadsNothing) {
+  const CsvMap map = ParseCsvMap(
+      "schema: sinew-csv-map/1\nkind: rotary\ntime: {row_period_s: 1}\n"
+      "signals:\n  payload: {constant: 1, unit: kg}\n",
+      "map.yaml");
+  try {
+    ReadCsvRun("t\n1\n", "data.csv", map);
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(),
+                 "map.yaml: key 'signals': no column of data.csv is read, expected at least one");
+  }
+}
+
+TEST(CsvMap, AnEncodersZeroMayDifferByRecording) {
+  const std::string text = "t,a\n0,1\n1,2\n";
+  const auto zero = [&](const std::string& signal) {
+    return ReadCsvRun(text, "data.csv", ParseCsvMap(OneSignal(signal), "map.yaml")).zero_unknown;
+  };
+  EXPECT_EQ(zero("position: {column: a, unit: rad, zero_per_recording: true}"),
+            std::set<Signal>{Signal::kPosition});
+  EXPECT_TRUE(zero("position: {column: a, unit: rad, zero_per_recording: false}").empty());
+  EXPECT_EQ(MapError(OneSignal("torque: {column: a, unit: Nm, zero_per_recording: true}")),
+            "map.yaml:6: key 'signals.torque.zero_per_recording': beside a signal without an "
+            "encoder, expected it at position or motor_position");
+}
+
+TEST(CsvMap, OneMappingReadsEveryJointOfAnArm) {
+  const CsvMap map = ParseCsvMap(R"(schema: sinew-csv-map/1
+kind: rotary
+joints: 2
+time: {column: t, unit: s}
+signals:
+  position: {column: "q{joint}_rad", unit: rad}
+)",
+                                 "map.yaml");
+  const std::string text = "t,q1_rad,q2_rad\n0,1,2\n1,3,4\n";
+  EXPECT_EQ(ReadCsvRun(text, "data.csv", map, 0).At(Signal::kPosition)[1], 3.0);
+  EXPECT_EQ(ReadCsvRun(text, "data.csv", map, 1).At(Signal::kPosition)[1], 4.0);
+  try {
+    ReadCsvRun(text, "data.csv", map, 2);
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(),
+                 "data.csv: joint 2 is asked for, the mapping map.yaml describes joints 0 to 1");
+  }
+}
+
+TEST(CsvMap, RowsWithoutStampsAreNumberedAndTheFirstOnesLeftOut) {
+  const auto map = [](const std::string& rows) {
+    return ParseCsvMap("schema: sinew-csv-map/1\nkind: rotary\ntime: {row_period_s: 3}\n" + rows +
+                           "signals:\n  position: {column: q, unit: rad}\n",
+                       "map.yaml");
+  };
+  const std::string text = "q\n5\n6\n7\n8\n";
+  const types::Run all = ReadCsvRun(text, "data.csv", map(""));
+  EXPECT_EQ(all.time_s[3], 9.0);
+  const types::Run later = ReadCsvRun(text, "data.csv", map("rows: {skip: 2}\n"));
+  ASSERT_EQ(later.size(), 2);
+  EXPECT_EQ(later.time_s[0], 6.0);
+  EXPECT_EQ(later.At(Signal::kPosition)[0], 7.0);
+  EXPECT_EQ(ReadCsvRun(text, "data.csv", map("rows: {skip_s: 3}\n")).size(), 3);
+  EXPECT_THROW(ReadCsvRun(text, "data.csv", map("rows: {skip: 9}\n")), std::invalid_argument);
+  EXPECT_TRUE(ReadCsvRun(text, "data.csv", map("rows: {held: true}\n")).held);
+  EXPECT_FALSE(all.held);
+  EXPECT_EQ(
+      MapError("schema: sinew-csv-map/1\nkind: rotary\n"
+               "time: {row_period_s: 3, column: t, unit: s}\n"
+               "signals:\n  position: {column: q, unit: rad}\n"),
+      "map.yaml:3: key 'time.row_period_s': beside 'column', expected stamps or a period, not "
+      "both");
+}
+
+TEST(CsvMap, NamesTheMappingLineOfAMissingColumn) {
+  EXPECT_EQ(RunError("t,current\n0,1\n"),
+            "map.yaml:5: key 'signals.position.column': no column 'angle' in data.csv, expected "
+            "one of: t, current");
+}
+
+TEST(CsvMap, RefusesTimeThatDoesNotRise) {
+  EXPECT_EQ(
+      RunError("t,angle,current\n0,1,1\n2,1,1\n2,1,1\n"),
+      "data.csv:4: column 't': time 0.002000 s follows 0.002000 s, expected strictly rising time");
+}
+
+TEST(CsvMap, RefusesWrongUnitsNamesAndKeys) {
+  const auto with = [](const std::string& from, const std::string& to) {
+    std::string text = kMap;
+    text.replace(text.find(from), from.size(), to);
+    return text;
+  };
+  const std::string unit = MapError(with("unit: deg", "unit: mm"));
+  EXPECT_NE(unit.find("map.yaml:5: key 'signals.position.unit': unit 'mm'"), std::string::npos)
+      << unit;
+  EXPECT_NE(unit.find("rad, mrad, deg, rev, arcmin"), std::string::npos) << unit;
+  const std::string name = MapError(with("motor_current", "current"));
+  EXPECT_NE(name.find("map.yaml:6: key 'signals.current'"), std::string::npos) << name;
+  EXPECT_NE(name.find("motor_current"), std::string::npos) << name;
+  EXPECT_NE(MapError(with("sign: -1", "sign: 2")).find("sign"), std::string::npos);
+  EXPECT_NE(MapError(with("scale: 0.5", "scale: 0")).find("scale"), std::string::npos);
+  EXPECT_NE(MapError(with("scale: 0.5", "gain: 0.5")).find("gain"), std::string::npos);
+  EXPECT_NE(MapError(with("kind: rotary", "kind: round")).find("kind"), std::string::npos);
+  EXPECT_NE(MapError(with("csv-map/1", "csv-map/2")).find("schema"), std::string::npos);
+}
+
+TEST(ContentHash, ChangesWithEveryKindOfContent) {
+  const CsvMap map = ParseCsvMap(kMap, "map.yaml");
+  const auto hash = [&](const char* text) { return ReadCsvRun(text, "x", map).content_hash; };
+  const std::string base = hash("t,angle,current\n0,1,1\n1,2,2\n");
+  EXPECT_EQ(base, hash("t,angle,current\n0,1,1\n1,2,2.0\n"));
+  EXPECT_NE(base, hash("t,angle,current\n0,1,1\n1,2,2.0000001\n"));
+  EXPECT_NE(base, hash("t,angle,current\n0,1,1\n1.001,2,2\n"));
+}
+
+}  // namespace
+}  // namespace sinew::recording

@@ -1,0 +1,279 @@
+#include "components/robot/estop/listener.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <condition_variable>
+#include <future>
+#include <mutex>
+
+#include "components/base/config/unix_socket.h"
+#include "components/robot/estop/press.h"
+#include "tests/support/temporary_folder.h"
+
+namespace sinew::estop {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::HasSubstr;
+
+// A listener and what it calls; this test's thread plays the cycle.
+class Desk {
+ public:
+  explicit Desk(const Config& config)
+      : listener(config, {.wake = [this] { Wake(); },
+                          .report =
+                              [this](bool is_error, const std::string& text) {
+                                const std::lock_guard lock(mutex_);
+                                (is_error ? errors_ : notes_) += text + "\n";
+                                changed_.notify_all();
+                              }}) {}
+
+  // Waits at most 10 s for a condition of the cycle.
+  template <class Condition>
+  bool Until(Condition condition) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, 10s, condition);
+  }
+  // Plays the cycle until a press has been taken and idled.
+  bool TakeAndIdle() {
+    if (!Until([this] { return listener.TakePress(); })) return false;
+    listener.IdleSent(listener.taken());
+    return true;
+  }
+  std::string errors() {
+    const std::lock_guard lock(mutex_);
+    return errors_;
+  }
+
+ private:
+  void Wake() {
+    const std::lock_guard lock(mutex_);
+    changed_.notify_all();
+  }
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::string errors_, notes_;
+
+ public:
+  Listener listener;
+};
+
+Config In(const testing::TemporaryFolder& folder) {
+  Config config;
+  config.socket = folder.path() / "socket";
+  config.latch = folder.path() / "latch";
+  return config;
+}
+
+TEST(EstopListener, APressIsIdleThenLatched) {
+  const testing::TemporaryFolder folder;
+  Desk desk(In(folder));
+  EXPECT_FALSE(desk.listener.TakePress());
+  Press press(folder.path() / "socket", "hand");
+  ASSERT_TRUE(press.sent()) << press.error();
+  ASSERT_TRUE(desk.TakeAndIdle());
+  const Press::Answer answer = press.Await(10s);
+  EXPECT_EQ(answer.text, "idle\nlatched\n");
+  EXPECT_TRUE(answer.idle);
+  EXPECT_TRUE(answer.latched);
+  EXPECT_EQ(LatchFile(folder.path() / "latch").Read().why, "socket: hand");
+  EXPECT_FALSE(desk.listener.TakePress()) << "one press is taken once";
+}
+
+TEST(EstopListener, NothingIsWrittenBeforeTheIdleFramesAreSent) {
+  const testing::TemporaryFolder folder;
+  Desk desk(In(folder));
+  Press press(folder.path() / "socket", "hand");
+  ASSERT_TRUE(desk.Until([&] { return desk.listener.TakePress(); }));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "latch"));
+  desk.listener.IdleSent(desk.listener.taken());
+  EXPECT_TRUE(press.Await(10s).latched);
+}
+
+TEST(EstopListener, ACycleThatHangsDoesNotKeepTheLatchFromTheDisk) {
+  const testing::TemporaryFolder folder;
+  Desk desk(In(folder));
+  Press press(folder.path() / "socket", "hand");
+  const Press::Answer answer = press.Await(10s);
+  EXPECT_EQ(answer.text, "idle not confirmed\nlatched\n");
+  EXPECT_FALSE(answer.idle);
+  EXPECT_TRUE(LatchFile(folder.path() / "latch").Read().latched);
+  EXPECT_TRUE(desk.listener.TakePress()) << "and the cycle finds it when it is back";
+}
+
+TEST(EstopListener, AnythingWrittenIsAPressAndAConnectionAloneIsNone) {
+  const testing::TemporaryFolder folder;
+  Desk desk(In(folder));
+  const auto address = *config::SocketAddress(folder.path() / "socket");
+  const auto connect = [&] {
+    const int socket = ::socket(AF_UNIX, SOCK_STREAM, 0);
+    EXPECT_EQ(::connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    return socket;
+  };
+  const int silent = connect();
+  ::close(silent);
+  const int waits = connect();
+  const int writes = connect();
+  EXPECT_EQ(::send(writes, "\0", 1, MSG_NOSIGNAL), 1);
+  ::close(writes);  // and does not wait for an answer
+  ASSERT_TRUE(desk.TakeAndIdle());
+  EXPECT_EQ(desk.listener.taken(), 1U) << "the silent ones pressed nothing";
+  EXPECT_EQ(::send(waits, "x", 1, MSG_NOSIGNAL), 1);
+  ASSERT_TRUE(desk.TakeAndIdle());
+  ::close(waits);
+}
+
+TEST(EstopListener, ManyConnectionsDoNotKeepAPressOut) {
+  const testing::TemporaryFolder folder;
+  Desk desk(In(folder));
+  std::vector<Press> presses;
+  const auto address = *config::SocketAddress(folder.path() / "socket");
+  std::vector<int> silent;
+  for (int i = 0; i < 100; ++i) {
+    silent.push_back(::socket(AF_UNIX, SOCK_STREAM, 0));
+    ASSERT_EQ(::connect(silent.back(), reinterpret_cast<const sockaddr*>(&address), sizeof address),
+              0);
+  }
+  Press press(folder.path() / "socket", "hand");
+  ASSERT_TRUE(press.sent()) << press.error();
+  ASSERT_TRUE(desk.TakeAndIdle());
+  EXPECT_TRUE(press.Await(10s).idle);
+  for (const int socket : silent) ::close(socket);
+}
+
+TEST(EstopListener, AnEstopOfAnotherWayIsKeptInTheSameFileAndRemovedByAReset) {
+  const testing::TemporaryFolder folder;
+  Desk desk(In(folder));
+  desk.listener.Latch("by DDS");
+  desk.listener.RequestUnlatch();  // at once: the file may never have been there
+  ASSERT_TRUE(desk.Until([&] { return desk.listener.unlatch() == Listener::Unlatch::kDone; }));
+  EXPECT_FALSE(LatchFile(folder.path() / "latch").Read().latched);
+
+  desk.listener.Latch("by DDS");
+  ASSERT_TRUE(desk.Until([&] { return LatchFile(folder.path() / "latch").Read().latched; }));
+  EXPECT_EQ(LatchFile(folder.path() / "latch").Read().why, "by DDS");
+}
+
+TEST(EstopListener, AnEstopDuringAResetLeavesTheLatch) {
+  const testing::TemporaryFolder folder;
+  Desk desk(In(folder));
+  for (int i = 0; i < 50; ++i) {
+    desk.listener.RequestUnlatch();
+    desk.listener.Latch("again");
+    // Done is the newer one of the two.
+    ASSERT_TRUE(desk.Until([&] { return desk.listener.unlatch() == Listener::Unlatch::kFailed; }));
+    EXPECT_TRUE(LatchFile(folder.path() / "latch").Read().latched);
+  }
+}
+
+TEST(EstopListener, ALatchThatIsThereAtTheStartStays) {
+  const testing::TemporaryFolder folder;
+  const Config config = In(folder);
+  ASSERT_EQ(LatchFile(*config.latch).Write("yesterday"), "");
+  {
+    const Desk desk(config);
+    EXPECT_TRUE(desk.listener.at_start().latched);
+    EXPECT_EQ(desk.listener.at_start().why, "yesterday");
+  }
+  EXPECT_TRUE(LatchFile(*config.latch).Read().latched);
+}
+
+TEST(EstopListener, ALatchThatCannotBeWrittenIsReportedAndWrittenLater) {
+  const testing::TemporaryFolder folder;
+  Config config = In(folder);
+  config.latch = folder.path() / "later" / "latch";
+  Desk desk(config);
+  EXPECT_TRUE(desk.listener.at_start().latched) << "no folder: not known, so stopped";
+  Press press(folder.path() / "socket", "hand");
+  ASSERT_TRUE(desk.TakeAndIdle());
+  const Press::Answer answer = press.Await(10s);
+  EXPECT_TRUE(answer.idle);
+  EXPECT_FALSE(answer.latched);
+  EXPECT_THAT(answer.text, HasSubstr("not latched: "));
+  EXPECT_THAT(desk.errors(), HasSubstr("not after a restart"));
+  std::filesystem::create_directory(folder.path() / "later");
+  EXPECT_TRUE(desk.Until([&] { return LatchFile(*config.latch).Read().latched; }));
+}
+
+TEST(EstopListener, AResetThatCannotRemoveTheLatchFails) {
+  const testing::TemporaryFolder folder;
+  Config config = In(folder);
+  std::filesystem::create_directory(*config.latch);
+  Desk desk(config);
+  EXPECT_TRUE(desk.listener.at_start().latched);
+  desk.listener.RequestUnlatch();
+  EXPECT_TRUE(desk.Until([&] { return desk.listener.unlatch() == Listener::Unlatch::kFailed; }));
+}
+
+TEST(EstopListener, TheSocketIsForOwnerAndGroup) {
+  const testing::TemporaryFolder folder;
+  Config config = In(folder);
+  struct stat info {};
+  {
+    const Desk desk(config);
+    ASSERT_EQ(::stat(config.socket->c_str(), &info), 0);
+    EXPECT_EQ(info.st_mode & 0777, 0660U);
+  }
+  EXPECT_FALSE(std::filesystem::exists(*config.socket));
+  config.socket_mode = 0600;
+  const Desk desk(config);
+  ASSERT_EQ(::stat(config.socket->c_str(), &info), 0);
+  EXPECT_EQ(info.st_mode & 0777, 0600U);
+}
+
+TEST(EstopListener, TakesTheSocketOfOneThatWasKilledAndNotOfOneThatLives) {
+  const testing::TemporaryFolder folder;
+  const Config config = In(folder);
+  const auto address = *config::SocketAddress(*config.socket);
+  const int killed = ::socket(AF_UNIX, SOCK_STREAM, 0);
+  ASSERT_EQ(::bind(killed, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  ::close(killed);
+  const Desk first(config);
+  try {
+    const Desk second(config);
+    FAIL() << "two at one socket";
+  } catch (const UsageError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("another process answers there"));
+  }
+  EXPECT_TRUE(std::filesystem::exists(*config.socket));
+  Config file = config;
+  file.socket = folder.Write("file", "precious");
+  EXPECT_THROW(Desk{file}, UsageError);
+  EXPECT_TRUE(std::filesystem::exists(*file.socket)) << "what is no socket is left alone";
+}
+
+TEST(EstopConfig, HardwareHasSocketAndLatchByDefaultAndASimulationNeither) {
+  const config::Section none =
+      config::Section::Parse("schema: t/1\n", "f.yaml", "t/1").ChildOrEmpty("estop");
+  EXPECT_FALSE(LoadConfig(none, 7, false).socket);
+  EXPECT_FALSE(LoadConfig(none, 7, false).latch);
+  const Config live = LoadConfig(none, 7, true);
+  ASSERT_TRUE(live.socket && live.latch);
+  EXPECT_THAT(live.socket->string(), HasSubstr("estop-"));
+  EXPECT_THAT(live.socket->string(), HasSubstr("7.sock"));
+  EXPECT_EQ(live.latch->filename(), "estop-7.latch");
+}
+
+TEST(EstopConfig, RefusesWhatIsNotSafe) {
+  const auto load = [](const std::string& block) {
+    return LoadConfig(
+        config::Section::Parse("schema: t/1\nestop: " + block + "\n", "/etc/x/f.yaml", "t/1")
+            .Child("estop"),
+        0, true);
+  };
+  EXPECT_THROW((void)load("{latch: none}"), UsageError);
+  EXPECT_THROW((void)load("{socket_mode: \"0990\"}"), UsageError);
+  EXPECT_THROW((void)load("{socket_mode: \"0060\"}"), UsageError);
+  EXPECT_THROW((void)load("{sockets: none}"), UsageError);
+  const Config config = load("{socket: a.sock, latch: /b/latch, socket_mode: \"0600\"}");
+  EXPECT_EQ(*config.socket, "/etc/x/a.sock") << "relative to the file";
+  EXPECT_EQ(*config.latch, "/b/latch");
+  EXPECT_EQ(config.socket_mode, 0600U);
+}
+
+}  // namespace
+}  // namespace sinew::estop
