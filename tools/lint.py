@@ -7,9 +7,9 @@ of clang-tidy, .clang-tidy, and the texts of the source and of all project files
 Include lines of project files, blank lines and the names of files do not count: what is moved stays clean. Not covered:
 compile flags, the system's headers, and findings that depend on other sources of the unit; `--all` reads these too.
 """
-import concurrent.futures
 import hashlib
 import json
+import multiprocessing.pool
 import os
 import pathlib
 import re
@@ -93,12 +93,14 @@ def database():
 
 
 def run(command):
-    """What a check found; empty when nothing. A check that could not run has found that."""
+    """The last argument, and what the check found; empty when nothing. A check that could not run has found that."""
     done = subprocess.run(command, capture_output=True, text=True, errors="replace")
     if done.returncode == 0 and not done.stdout:
-        return ""
+        return command[-1], ""
     text = done.stdout or done.stderr
-    return text if FINDING.search(text) else f"{text}{command[-1]}: error: {command[0]}: exit code {done.returncode}\n"
+    if not FINDING.search(text):
+        text += f"{command[-1]}: error: {command[0]}: exit code {done.returncode}\n"
+    return command[-1], text
 
 
 class Checks:
@@ -115,11 +117,11 @@ class Checks:
                 print(line, flush=True)
 
     def run(self, commands):
-        """Yields what each command found, in their order."""
-        with concurrent.futures.ThreadPoolExecutor(self.cores) as pool:
-            for text in pool.map(run, commands):
+        """Yields the last argument of each command and what it found, as they end."""
+        with multiprocessing.pool.ThreadPool(self.cores) as pool:
+            for last, text in pool.imap_unordered(run, commands):
                 self.print(text)
-                yield text
+                yield last, text
 
     @property
     def findings(self):
@@ -144,11 +146,10 @@ def tidy(option, checks):
     # The longest first, so that no core waits for it at the end.
     reading = sorted((unit for unit in units if units[unit] & wanted), key=lambda unit: -len(units[unit]))
     print(f"\n== clang-tidy on {len(reading)} units; {len(wanted)} of {len(before)} sources are to be read", flush=True)
-    commands = [["clang-tidy", "-p", "build/lint", "--quiet", unit] for unit in reading]
     known &= set(before.values())
     if option == "--record":
         write_list(known)
-    for unit, text in zip(reading, checks.run(commands)):
+    for unit, text in checks.run(["clang-tidy", "-p", "build/lint", "--quiet", unit] for unit in reading):
         if not text and option == "--record":
             clean = units.pop(unit).difference(*units.values())
             # What was edited meanwhile is not recorded. Each time, so that a run that is stopped has recorded what it read.
