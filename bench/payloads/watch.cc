@@ -60,8 +60,8 @@ std::string Check(const msg::PneumaticState& m) {
   return Finite(m.target_pressure_bar(), m.pressure_bar(), m.stiffness_Nm_rad());
 }
 std::string Check(const msg::ResidualState& m) {
-  return Finite(m.learnt_share(), m.residual_Nm(), m.rms_Nm(), m.statistic(), m.change(),
-                m.change_error());
+  return Finite(m.learnt_share(), m.residual_Nm(), m.rms_Nm(), m.statistic(), m.follows_share(),
+                m.change(), m.change_error());
 }
 std::string Check(const msg::PerformanceState& m) {
   return Finite(m.error_rad(), m.sliding_rms_rad(), m.window_share(), m.mean_square_error_rad2(),

@@ -74,6 +74,8 @@ TEST(ResidualOverTopics, APayloadIsReportedWithinFiveSecondsOfSimulatedTime) {
     const msg::ResidualState& last = messages.back();
     EXPECT_EQ(last.state()[0], msg::RESIDUAL_ALARM);
     EXPECT_EQ(last.follows()[0], msg::CAUSE_PAYLOAD) << "seed " << seed;
+    EXPECT_GT(last.follows_share()[0], 0.5) << "seed " << seed;
+    EXPECT_LE(last.follows_share()[0], 1.0) << "seed " << seed;
     EXPECT_NEAR(last.change()[0], 0.5, 0.05) << "seed " << seed;
     EXPECT_NEAR(1e-9 * static_cast<double>(last.since_ns()[0] - messages[0].header().stamp_ns()),
                 put_on_s, 0.5)

@@ -131,7 +131,6 @@ StateSet MakeStates(const std::vector<types::Run>& runs, const actuator::JointMo
     const int index = static_cast<int>(out.run_names.size());
     out.run_names.push_back(run.name);
     out.run_hashes.push_back(run.content_hash);
-    out.sampling.push_back(uniform.sampling);
     if (first) out.rate_Hz = uniform.sampling.rate_Hz;
     first = false;
 

@@ -177,6 +177,7 @@ msg::ResidualState RobotResidual::ToMessage(const node::Tick& tick) const {
         out.alarm ? tick.stamp_ns - std::llround(1e9 * (time_s_ - out.since_s)) : 0;
     message.follows()[j] = residual::ToMessage(out.follows);
     message.rival()[j] = residual::ToMessage(out.rival);
+    message.follows_share()[j] = out.follows_share;
     message.change()[j] = out.change;
     message.change_error()[j] = out.change_error;
   }
