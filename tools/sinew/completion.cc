@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "components/base/types/joined.h"
+
 namespace sinew::tools {
 
 namespace {
@@ -80,12 +82,6 @@ Command Describe(const CLI::App& app, const std::string& path) {
   return command;
 }
 
-std::string Join(const std::vector<std::string>& words, const std::string& separator) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : separator) + word;
-  return text;
-}
-
 void ForEach(const Command& command, const std::function<void(const Command&)>& visit) {
   visit(command);
   for (const Command& child : command.subcommands) ForEach(child, visit);
@@ -113,15 +109,16 @@ std::string BashScript(const Command& root) {
       for (const std::string& name : option.names) {
         keys.push_back("'" + command.path + " " + name + "'");
       }
-      values += "    " + Join(keys, "|") + ") ";
+      values += "    " + types::Joined(keys, "|") + ") ";
       if (option.is_file) {
         values += "compopt -o filenames; COMPREPLY=($(compgen -f -- \"$cur\"))";
       } else {
-        values += "COMPREPLY=($(compgen -W '" + Join(option.choices, " ") + "' -- \"$cur\"))";
+        values +=
+            "COMPREPLY=($(compgen -W '" + types::Joined(option.choices, " ") + "' -- \"$cur\"))";
       }
       values += "; return ;;\n";
     }
-    words += "    '" + command.path + "') words='" + Join(list, " ") +
+    words += "    '" + command.path + "') words='" + types::Joined(list, " ") +
              "'; files=" + (files ? "yes" : "no") + " ;;\n";
   });
   return "# bash completion of sinew. Load it with:  source <(sinew completion bash)\n"
@@ -171,7 +168,7 @@ std::string ZshText(const std::string& text) {
 
 std::string ZshValue(const Word& word) {
   if (word.is_file) return "_files";
-  return word.choices.empty() ? " " : "(" + Join(word.choices, " ") + ")";
+  return word.choices.empty() ? " " : "(" + types::Joined(word.choices, " ") + ")";
 }
 
 std::string ZshFunction(const std::string& path) {

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "components/base/config/config.h"
+#include "components/base/types/joined.h"
 #include "components/model/effects/effect.h"
 
 namespace sinew::tools {
@@ -77,12 +78,6 @@ void PrintParameters(const char* title, const std::vector<ParameterInfo>& parame
   }
 }
 
-std::string Join(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
-}
-
 void PrintOne(const EffectInfo& info, JointKind kind) {
   std::cout << info.name << ": " << info.title << "\n  " << info.formula
             << "\nsource: " << info.source << "\nbalance: " << BalanceName(info.balance)
@@ -90,15 +85,16 @@ void PrintOne(const EffectInfo& info, JointKind kind) {
   PrintParameters("linear parameters", info.linear, kind);
   PrintParameters("nonlinear parameters", info.nonlinear, kind);
   std::cout << "signature: " << info.signature << "\nresidual follows: " << info.variable
-            << "\nlooks like: " << Join(info.confounders)
-            << "\ntold apart by: " << info.separating_excitation << "\nneeds: " << Join(info.needs)
-            << '\n';
+            << "\nlooks like: " << types::Joined(info.confounders)
+            << "\ntold apart by: " << info.separating_excitation
+            << "\nneeds: " << types::Joined(info.needs) << '\n';
 }
 
 void RunEffects(const EffectsOptions& options) {
   const std::vector<std::string> names = effects::EffectNames();
   if (!options.name.empty() && std::find(names.begin(), names.end(), options.name) == names.end()) {
-    throw UsageError("effect '" + options.name + "': unknown, expected one of " + Join(names));
+    throw UsageError("effect '" + options.name + "': unknown, expected one of " +
+                     types::Joined(names));
   }
   const JointKind kind = options.kind == "linear" ? JointKind::kLinear : JointKind::kRotary;
   nlohmann::ordered_json list = nlohmann::ordered_json::array();

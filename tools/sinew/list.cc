@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "components/base/config/config.h"
+#include "components/base/types/joined.h"
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_reader.h"
 #include "components/record/recording/run_import.h"
@@ -61,12 +62,6 @@ std::vector<std::string> Names(const std::set<std::pair<std::string, std::string
   return names;
 }
 
-std::string JoinNames(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
-}
-
 Json DescribeTopics(const std::vector<node::Endpoint>& endpoints,
                     std::vector<std::string>* problems) {
   struct Row {
@@ -98,7 +93,7 @@ Json DescribeTopics(const std::vector<node::Endpoint>& endpoints,
                     {"owner", row.writers.size() > 1 ? row.owner : ""},
                     {"readers", Names(row.readers)}});
     if (name == node::kJointState.name && row.writers.size() > 1) {
-      problems->push_back("several state providers: " + JoinNames(Names(row.writers)) +
+      problems->push_back("several state providers: " + types::Joined(Names(row.writers)) +
                           "; there may be one a domain");
     }
   }
@@ -251,7 +246,7 @@ inspect::TopicRow RowWithoutWriter(const Json& topic) {
   for (const Json& type : topic["types"]) {
     types.push_back(inspect::DisplayedType(row.topic, type.get<std::string>()));
   }
-  row.type = JoinNames(types);
+  row.type = types::Joined(types);
   row.writer = row.qos = "-";
   row.readers = ShownNames(topic["readers"]);
   return row;

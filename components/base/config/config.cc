@@ -14,6 +14,8 @@
 #include <set>
 #include <sstream>
 
+#include "components/base/types/joined.h"
+
 namespace sinew::config {
 
 namespace {
@@ -23,12 +25,6 @@ std::string Where(const std::filesystem::path& file, int line) {
 }
 
 int LineOf(const YAML::Node& node) { return node.IsDefined() ? node.Mark().line + 1 : 0; }
-
-std::string Join(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
-}
 
 std::string FormatNumber(double value) {
   std::ostringstream out;
@@ -210,10 +206,10 @@ std::string Section::TextOr(std::string_view key, std::string_view fallback) con
 }
 
 std::string Section::Choice(std::string_view key, const std::vector<std::string>& allowed) const {
-  impl_->Need(key, "one of " + Join(allowed));
+  impl_->Need(key, "one of " + types::Joined(allowed));
   std::string word = Text(key);
   if (std::find(allowed.begin(), allowed.end(), word) == allowed.end()) {
-    Fail(key, "'" + word + "', expected one of " + Join(allowed));
+    Fail(key, "'" + word + "', expected one of " + types::Joined(allowed));
   }
   return word;
 }
@@ -333,8 +329,8 @@ void Section::RejectUnknownKeys() const {
         }
       }
       impl_->Fail(key, LineOf(entry.first),
-                  "unknown, expected one of " +
-                      Join(std::vector<std::string>(impl_->asked.begin(), impl_->asked.end())));
+                  "unknown, expected one of " + types::Joined(std::vector<std::string>(
+                                                    impl_->asked.begin(), impl_->asked.end())));
     }
   }
   for (const auto& child : impl_->children) Section(child).RejectUnknownKeys();

@@ -1,11 +1,13 @@
 // Addresses of Unix sockets in the file system.
 #pragma once
 
+#include <sys/socket.h>
 #include <sys/un.h>
 
 #include <cstring>
 #include <filesystem>
 #include <optional>
+#include <string>
 
 namespace sinew::config {
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "components/base/types/joined.h"
 #include "components/model/report/section.h"
 
 namespace sinew::report {
@@ -16,17 +17,11 @@ using stance_fit::StanceFitResult;
 constexpr Eigen::Index kMostRows = 2500;  // of a picture
 constexpr const char* kAxisNames[] = {"x", "y", "z"};
 
-std::string Listed(const std::vector<std::string>& words) {
-  std::string out;
-  for (const std::string& word : words) out += (out.empty() ? "" : ", ") + word;
-  return out;
-}
-
 std::string Names(const std::vector<Recording>& recordings) {
   std::vector<std::string> names;
   names.reserve(recordings.size());
   for (const Recording& recording : recordings) names.push_back(recording.name);
-  return Listed(names);
+  return types::Joined(names);
 }
 
 std::string PlaceText(const PlacedPayload& payload) {
@@ -85,7 +80,7 @@ std::string EffectTable(const std::vector<StanceEffect>& effects, const char* ti
   for (const StanceEffect& effect : effects) {
     std::string text = Escape(StanceEffectText(effect));
     if (effect.payload) {
-      text += "<br>moves with " + Escape(Listed(effect.payload->rigid_with));
+      text += "<br>moves with " + Escape(types::Joined(effect.payload->rigid_with));
     }
     if (!effect.in_model) text += "<br>not in the model";
     out += HtmlRow({text, Text("%.1f %%", 100.0 * effect.gain_share), Text("%.2g", effect.p),
