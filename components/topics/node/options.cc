@@ -47,6 +47,8 @@ StopFlag::StopFlag() {
   ::signal(SIGPIPE, SIG_IGN);
 }
 
+StopFlag::~StopFlag() { g_stop.store(false); }
+
 bool StopFlag::requested() const noexcept { return g_stop.load(std::memory_order_relaxed); }
 void StopFlag::Request() noexcept { g_stop.store(true); }
 

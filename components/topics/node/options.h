@@ -42,10 +42,14 @@ inline const std::string& RoleOf(const Options& options) {
   return options.role.empty() ? options.component : options.role;
 }
 
-// Set by SIGINT and SIGTERM. Make it before any thread exists.
+// Set by SIGINT and SIGTERM. Make it before any thread exists, one at a time: what was requested
+// ends with it.
 class StopFlag {
  public:
   StopFlag();
+  ~StopFlag();
+  StopFlag(const StopFlag&) = delete;
+  StopFlag& operator=(const StopFlag&) = delete;
   bool requested() const noexcept;
   void Request() noexcept;
 };
