@@ -82,13 +82,6 @@ std::vector<report::Recording> Describe(const std::vector<types::Run>& runs) {
 
 namespace {
 
-std::string JoinNames(const std::vector<report::Recording>& recordings) {
-  std::string out;
-  for (const report::Recording& recording : recordings)
-    out += (out.empty() ? "" : ", ") + recording.name;
-  return out;
-}
-
 // A laboratory's rig.json has no processing block: that of the shipped rig is used.
 void CompleteRigJson(actuator::ModelFile* file, const fs::path& path) {
   if (path.extension() != ".json") return;
@@ -101,7 +94,7 @@ void CompleteRigJson(actuator::ModelFile* file, const fs::path& path) {
 void AddHistory(const report::Report& report, actuator::JointModel* joint) {
   const trace::TraceResult& trace = report.trace;
   const std::string when = types::UtcNow();
-  const std::string from = JoinNames(report.train);
+  const std::string from = report::NamesOf(report.train);
   const std::string unit = report::TorqueUnit(joint->kind);
   if (!report::HasCorrection(trace)) {
     joint->history.push_back({when, "refit", from,
@@ -113,7 +106,7 @@ void AddHistory(const report::Report& report, actuator::JointModel* joint) {
     std::string note = "held-out error " + report::ErrorText(effect.held_out_before) + " -> " +
                        report::ErrorText(effect.held_out_after) + " " +
                        std::string(effects::BalanceUnit(effect.balance, joint->kind)) + " on " +
-                       JoinNames(report.held_out);
+                       report::NamesOf(report.held_out);
     note += "; " + report::NamedSetText(effect);
     joint->history.push_back({when, effect.name, from, note});
   }

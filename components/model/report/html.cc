@@ -1,5 +1,6 @@
 #include <cstdio>
 
+#include "components/base/types/joined.h"
 #include "components/model/report/errors.h"
 #include "components/model/report/gate_page.h"
 #include "components/model/report/report.h"
@@ -149,12 +150,6 @@ std::string Method(const Report& report) {
          "change. report.json names the rule that rejected each candidate.";
 }
 
-std::string Join(const std::vector<std::string>& words) {
-  std::string out;
-  for (const std::string& word : words) out += (out.empty() ? "" : ", ") + Escape(word);
-  return out;
-}
-
 }  // namespace
 
 std::string FormatHtml(const Report& report, const std::vector<Picture>& pictures,
@@ -169,8 +164,9 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
   for (const Recording& recording : report.train) train.push_back(recording.name);
   std::vector<std::string> held_out;
   for (const Recording& recording : report.held_out) held_out.push_back(recording.name);
-  out += "<div class=\"meta\">Trained on " + Join(train) + ". Held out: " + Join(held_out) +
-         ". Model " + Escape(report.model_file) + ".</div>\n";
+  out += "<div class=\"meta\">Trained on " + Escape(types::Joined(train)) +
+         ". Held out: " + Escape(types::Joined(held_out)) + ". Model " + Escape(report.model_file) +
+         ".</div>\n";
   out += "<div class=\"verdict " + VerdictWord(trace.verdict) + "\">" +
          Escape(VerdictSentence(report)) + "</div>\n";
   const std::string next = NextExperiment(report);
@@ -263,10 +259,10 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
                  "causes that share the direction"},
                 "th");
     for (const trace::ParameterShift& shift : trace.shifts) {
-      out +=
-          HtmlRow({"<code>" + Escape(shift.effect) + "." + Escape(shift.parameter) + "</code>",
-                   Short(shift.nominal), Short(shift.refit), Short(shift.tolerance),
-                   Short(shift.sigma), shift.causes.empty() ? "none known" : Join(shift.causes)});
+      out += HtmlRow({"<code>" + Escape(shift.effect) + "." + Escape(shift.parameter) + "</code>",
+                      Short(shift.nominal), Short(shift.refit), Short(shift.tolerance),
+                      Short(shift.sigma),
+                      shift.causes.empty() ? "none known" : Escape(types::Joined(shift.causes))});
     }
     out += "</table>\n";
   }

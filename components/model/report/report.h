@@ -26,6 +26,13 @@ struct Recording {
   double duration_s = 0.0;
 };
 
+// "a.mcap, b.mcap".
+inline std::string NamesOf(const std::vector<Recording>& recordings) {
+  std::string names;
+  for (const Recording& each : recordings) names += (names.empty() ? "" : ", ") + each.name;
+  return names;
+}
+
 // The models of Report::free_run, in order.
 inline constexpr std::size_t kDeclaredModel = 0, kRefittedModel = 1, kCorrectedModel = 2;
 

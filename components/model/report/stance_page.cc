@@ -17,13 +17,6 @@ using stance_fit::StanceFitResult;
 constexpr Eigen::Index kMostRows = 2500;  // of a picture
 constexpr const char* kAxisNames[] = {"x", "y", "z"};
 
-std::string Names(const std::vector<Recording>& recordings) {
-  std::vector<std::string> names;
-  names.reserve(recordings.size());
-  for (const Recording& recording : recordings) names.push_back(recording.name);
-  return types::Joined(names);
-}
-
 std::string PlaceText(const PlacedPayload& payload) {
   std::string shown, hidden;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
@@ -268,10 +261,10 @@ std::string FormatHtml(const StanceReport& report, const std::vector<Picture>& p
   const StanceFitResult& result = report.result;
   std::string out = HtmlHead("Closing the loop: " + report.robot);
   out += "<h1>Closing the loop: " + Escape(report.robot) + ", on two feet</h1>\n" +
-         "<div class=\"meta\">Trained on " + Escape(Names(report.train)) +
-         ". Held out: " + Escape(Names(report.held_out)) + ". Model " + Escape(report.model_file) +
-         ".</div>\n" + "<div class=\"verdict " + VerdictWord(result.verdict) + "\">" +
-         Escape(VerdictSentence(report)) + "</div>\n";
+         "<div class=\"meta\">Trained on " + Escape(NamesOf(report.train)) +
+         ". Held out: " + Escape(NamesOf(report.held_out)) + ". Model " +
+         Escape(report.model_file) + ".</div>\n" + "<div class=\"verdict " +
+         VerdictWord(result.verdict) + "\">" + Escape(VerdictSentence(report)) + "</div>\n";
   if (!result.too_little.empty()) {
     return out + "<h2>Next experiment</h2><p>Squats of 10 s and more, both feet flat.</p>\n" +
            RecordingTable(report) + "</main></body></html>\n";
