@@ -41,7 +41,7 @@ struct Count {
 };
 
 void Run(int seeds, int first_seed, double seconds, bool verbose, bool faults) {
-  std::map<std::string, Count> found, stopped;
+  std::map<std::string, Count> found, stopped, left_out;
   std::map<std::string, double> largest;  // of the statistics without a fault, over their limits
   std::vector<std::string> scenes = {"none"};
   for (const surrogate::EffectInfo& effect : surrogate::UndeclaredEffects()) {
@@ -77,6 +77,13 @@ void Run(int seeds, int first_seed, double seconds, bool verbose, bool faults) {
         std::cout << "FALSE STOP " << what << ": " << gate::FormatFault(fault) << " ("
                   << fault.statistic << ")\n";
       }
+      Count& rows = left_out[scenes[s] == "none" ? "without an effect" : "with an effect"];
+      ++rows.all;
+      rows.right += !sound.left_out.empty();
+      for (const identify::Finding& at : sound.findings) {
+        if (at.name == gate::kLeftOutRows)
+          std::cout << "LEFT OUT " << what << ": " << at.text << '\n';
+      }
       for (const gate::Measurement& at : sound.largest) {
         double& most = largest[at.rule];
         most = std::max(most, at.statistic);
@@ -93,11 +100,7 @@ void Run(int seeds, int first_seed, double seconds, bool verbose, bool faults) {
         scene::Recorded faulty = recorded;
         gate::Plant(kind.name, 77 * number + f, &faulty.train, &faulty.declared);
         const gate::GateReport report = gate::ExamineData(faulty.train, faulty.declared);
-        const bool right =
-            std::any_of(report.faults.begin(), report.faults.end(), [&](const gate::Fault& fault) {
-              return std::find(kind.rules.begin(), kind.rules.end(), fault.rule) !=
-                     kind.rules.end();
-            });
+        const bool right = gate::IsFound(kind, report);
         ++found[kind.name].all;
         found[kind.name].right += right;
         if (!right && verbose) {
@@ -124,6 +127,10 @@ void Run(int seeds, int first_seed, double seconds, bool verbose, bool faults) {
   if (all.all > 0) std::cout << "| all | " << Share(all.right, all.all) << " |\n";
   std::cout << "\n| false stops | |\n| --- | --- |\n";
   for (const auto& [name, count] : stopped) {
+    std::cout << "| " << name << " | " << Share(count.right, count.all) << " |\n";
+  }
+  std::cout << "\n| rows left out without a spike | |\n| --- | --- |\n";
+  for (const auto& [name, count] : left_out) {
     std::cout << "| " << name << " | " << Share(count.right, count.all) << " |\n";
   }
   std::cout << "\n| rule | limit | largest without a fault |\n| --- | --- | --- |\n";

@@ -127,7 +127,9 @@ const Rule kRules[] = {
     {"identifiable, too little data", true, Fair,
      [](const Outcome& o) { return o.verdict == "too_little_data"; }},
     {"faults found", false, [](const Outcome& o) { return o.kind == "fault"; },
-     [](const Outcome& o) { return o.verdict == "data_fault"; }},
+     [](const Outcome& o) {
+       return o.verdict == "data_fault" || (o.fault == "spikes" && o.rows_left_out);
+     }},
     {"false stops", true, [](const Outcome& o) { return o.kind != "fault"; },
      [](const Outcome& o) { return o.verdict == "data_fault"; }},
     {"no report", true, [](const Outcome&) { return true; },

@@ -92,6 +92,9 @@ Outcome MakeOutcome(const json& truth, const json& report) {
   if (report.contains("unexplained") && report.at("unexplained").is_object()) {
     out.variable = Text(report.at("unexplained"), "variable");
   }
+  const std::vector<std::string> findings = Names(report, "findings");
+  out.rows_left_out =
+      std::find(findings.begin(), findings.end(), "left_out_rows") != findings.end();
   out.not_excited = Names(report, "not_excited");
   if (report.contains("parameter_shift")) {
     for (const json& shift : report.at("parameter_shift")) {
@@ -130,6 +133,7 @@ json ToJson(const Outcome& o) {
               {"coloured", o.coloured},
               {"effects", effects},
               {"verdict", o.verdict},
+              {"rows_left_out", o.rows_left_out},
               {"found", found},
               {"variable", o.variable},
               {"not_excited", o.not_excited},
@@ -155,6 +159,7 @@ Outcome FromJson(const json& line) {
                          e.at("identifiable"), e.at("absorbed")});
   }
   o.verdict = line.at("verdict");
+  o.rows_left_out = line.value("rows_left_out", false);
   for (const json& n : line.at("found")) {
     o.found.push_back({n.at("name"), n.at("rivals").get<std::vector<std::string>>(),
                        n.at("confirmation"), n.value("probability", 0.0)});

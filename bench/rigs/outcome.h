@@ -29,7 +29,8 @@ struct Outcome {
   bool coloured = false;
   std::vector<TrueEffect> effects;
   // Report.
-  std::string verdict;  // "missing" where there is no report
+  std::string verdict;         // "missing" where there is no report
+  bool rows_left_out = false;  // by the data gate
   std::vector<Named> found;
   std::string variable;
   std::vector<std::string> not_excited, shift_causes;

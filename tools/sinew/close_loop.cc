@@ -102,7 +102,6 @@ void AddHistory(const report::Report& report, actuator::JointModel* joint) {
                                   report::Short(trace.before_held_out.rms) + " " + unit});
   }
   for (const trace::FoundEffect& effect : trace.effects) {
-    if (!effect.in_model()) continue;
     std::string note = "held-out error " + report::ErrorText(effect.held_out_before) + " -> " +
                        report::ErrorText(effect.held_out_after) + " " +
                        std::string(effects::BalanceUnit(effect.balance, joint->kind)) + " on " +
@@ -112,17 +111,28 @@ void AddHistory(const report::Report& report, actuator::JointModel* joint) {
   }
 }
 
-// The data gate over all recordings; true: it stopped, and the result's pages contain the faults.
-bool StopsAtGate(const CloseLoopOptions& options, const std::vector<types::Run>& train,
-                 const std::vector<types::Run>& held_out, const actuator::JointModel& joint,
-                 CloseLoopResult* out) {
+// One behind the other, as the data gate examines them.
+std::vector<types::Run> Together(const std::vector<types::Run>& train,
+                                 const std::vector<types::Run>& held_out) {
   std::vector<types::Run> runs = train;
   runs.insert(runs.end(), held_out.begin(), held_out.end());
-  out->gate = AskGate(options, runs, joint);
+  return runs;
+}
+
+// The data gate over all recordings; true: it stopped, and the result's pages contain the faults.
+// Otherwise they go on without the rows that it left out.
+bool StopsAtGate(const CloseLoopOptions& options, const actuator::JointModel& joint,
+                 std::vector<types::Run>* train, std::vector<types::Run>* held_out,
+                 CloseLoopResult* out) {
+  const std::vector<types::Run> runs = Together(*train, *held_out);
+  out->gate = options.gate ? *options.gate : AskGate(options, runs, joint);
   report::Report& report = out->report;
   report.faults = out->gate.faults;
   report.findings = out->gate.findings;
-  if (!out->gate.stops()) return false;
+  if (!out->gate.stops()) {
+    if (!options.gate) LeaveOutRows(out->gate.left_out, train, held_out);
+    return false;
+  }
   const report::DataCheck check{.robot = report.robot,
                                 .joint = joint.name,
                                 .model_file = report.model_file,
@@ -134,6 +144,17 @@ bool StopsAtGate(const CloseLoopOptions& options, const std::vector<types::Run>&
   out->html = report::FormatHtml(check, pictures, report::DrawPictures(pictures));
   out->json = report::FormatDataFaultJson(check);
   return true;
+}
+
+// Keys of `processing` that stand alone decide nothing.
+void NoteProcessing(const config::Section& root, const identify::ProcessingOptions& wished,
+                    report::Report* report) {
+  if (!root.Has("processing") || wished.state_cutoff_Hz > 0.0) return;
+  report->findings.push_back(
+      {"processing",
+       "without state_cutoff_Hz the recordings decide how they are processed: of the model file's "
+       "`processing` only longest_gap_s is used",
+       0.0, ""});
 }
 
 // A recording with gaps or shorter than the published processing asks for has no such figures.
@@ -197,8 +218,7 @@ LoopInput LoadLoopInput(const CloseLoopOptions& options) {
 }
 
 CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& input,
-                            const std::vector<types::Run>& train,
-                            const std::vector<types::Run>& held_out) {
+                            std::vector<types::Run> train, std::vector<types::Run> held_out) {
   const auto start = std::chrono::steady_clock::now();
   const auto progress = [&](const std::string& what, double share) {
     if (options.progress) options.progress(what, share);
@@ -222,8 +242,11 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
   report::Report& report = out.report;
   report.robot = out.model.robot.name;
   report.model_file = model_path.string();
-  report.train = Describe(train);
-  report.held_out = Describe(rotates ? train : held_out);
+  const auto describe = [&] {
+    report.train = Describe(train);
+    report.held_out = Describe(rotates ? train : held_out);
+  };
+  describe();
   report.seed = options.seed;
   report.given = options.given;
   try {
@@ -233,15 +256,21 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
       for (const types::Run& run : *runs) run.At(identify::DriveSignal(joint));
     }
     progress("looking at the data", 0.01);
-    if (StopsAtGate(options, train, held_out, joint, &out)) return out;
+    if (StopsAtGate(options, joint, &train, &held_out, &out)) return out;
+    describe();
+    NoteProcessing(out.model.root, wished, &report);
     trace::TraceOptions trace_options;
     trace_options.seed = options.seed;
+    trace_options.engine = options.engine;
     trace_options.agreed = options.given;
     trace_options.keep_refuted = options.given.has_value();
     trace_options.keep_unconfirmed = options.keep_unconfirmed || options.given;
     trace_options.searches = options.searches;
     trace_options.held_out_error = options.held_out_error;
     trace_options.progress = progress;
+    // That of an arm is for the common fit of its joints.
+    const bool of_arm = joint.Find("rigid_body") >= 0;
+    if (!of_arm && wished.state_cutoff_Hz > 0.0) trace_options.processing = wished;
     trace::LoopResult loop;
     std::vector<trace::Fold> folds = options.folds;
     if (rotates) {
@@ -290,6 +319,14 @@ gate::GateReport AskGate(const CloseLoopOptions& options, const std::vector<type
                          const actuator::JointModel& joint) {
   return gate::ExamineData(
       runs, joint, {.accepted = {options.accepted_faults.begin(), options.accepted_faults.end()}});
+}
+
+void LeaveOutRows(const std::vector<gate::LeftOut>& left_out, std::vector<types::Run>* train,
+                  std::vector<types::Run>* held_out) {
+  std::vector<types::Run> runs = gate::WithoutRows(Together(*train, *held_out), left_out);
+  const auto middle = runs.begin() + static_cast<std::ptrdiff_t>(train->size());
+  held_out->assign(middle, runs.end());
+  train->assign(runs.begin(), middle);
 }
 
 void MakeFolder(const fs::path& folder) {

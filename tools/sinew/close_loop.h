@@ -31,9 +31,13 @@ struct CloseLoopOptions {
   std::vector<trace::Fold> folds;  // of an arm's joint without held-out recordings
   std::filesystem::path urdf;      // of an arm; empty: what the model file names
   std::uint64_t seed = 1;
+  trace::Engine engine = trace::Engine::kRules;
   bool keep_unconfirmed = false;  // in the model, effects that are neither confirmed nor refuted
   std::optional<std::set<std::string>> given;  // these effects, nothing is searched for
   std::vector<std::string> accepted_faults;    // rules of the data gate that do not stop
+  // What the data gate found on these recordings, which lack the rows that it left out already;
+  // empty: they are examined.
+  std::optional<gate::GateReport> gate;
   std::function<void(const std::string&, double)> progress;
 };
 
@@ -70,14 +74,17 @@ void RequireOtherRows(const std::vector<std::filesystem::path>& train,
 
 // The joint `options.joint` on recordings that are read already; nothing is written.
 CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& input,
-                            const std::vector<types::Run>& train,
-                            const std::vector<types::Run>& held_out);
+                            std::vector<types::Run> train, std::vector<types::Run> held_out);
 
 std::vector<report::Recording> Describe(const std::vector<types::Run>& runs);
 
 // The data gate with the options' accepted faults. Throws std::invalid_argument.
 gate::GateReport AskGate(const CloseLoopOptions& options, const std::vector<types::Run>& runs,
                          const actuator::JointModel& joint);
+
+// Takes out the rows that the gate left out of the recordings, train in front of held_out.
+void LeaveOutRows(const std::vector<gate::LeftOut>& left_out, std::vector<types::Run>* train,
+                  std::vector<types::Run>* held_out);
 
 // Can these recordings be held out in turn? Throws UsageError.
 void RequireRotation(const CloseLoopOptions& options, const std::vector<types::Run>& runs);
@@ -90,6 +97,9 @@ std::vector<std::string> FaultNames();
 
 // Throws UsageError.
 void MakeFolder(const std::filesystem::path& folder);
+
+// Faults, and rows that were left out.
+void PrintGate(const gate::GateReport& gate);
 
 void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options);
 

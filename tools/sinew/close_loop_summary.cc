@@ -9,57 +9,43 @@
 
 namespace sinew::tools {
 
+void PrintGate(const gate::GateReport& gate) {
+  for (const gate::Fault& fault : gate.faults) std::cout << gate::FormatFault(fault) << '\n';
+  for (const identify::Finding& finding : gate.findings) {
+    if (finding.name == gate::kLeftOutRows) std::cout << finding.text << '\n';
+  }
+}
+
 void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options) {
   const report::Report& report = result.report;
   const trace::TraceResult& trace = report.trace;
   using report::Short;
-  for (const gate::Fault& fault : result.gate.faults) {
-    std::cout << gate::FormatFault(fault) << '\n';
-  }
+  PrintGate(result.gate);
   if (result.gate.stops()) {
     std::cout << "verdict: " << report::VerdictWord(result.gate)
               << "\nwritten: " << (options.out / "report.html").string() << ", report.json\n";
     return;
   }
-  std::cout << "verdict: " << report::VerdictWord(trace.verdict) << '\n'
+  std::cout << "verdict: " << report::VerdictWord(trace.verdict) << " ("
+            << report::OutcomeWord(trace) << ")\n"
             << report::VerdictSentence(report) << '\n';
   if (!result.assessed()) {
     std::cout << report::NextExperiment(report)
               << "\nwritten: " << (options.out / "report.html").string() << ", report.json\n";
     return;
   }
-  for (const trace::FoundEffect& effect : trace.effects) {
-    std::cout << "  " << effect.name << ':';
-    const actuator::Term term = report::FittedTerm(trace, effect);
-    const effects::EffectInfo& info = term.effect->info();
-    for (std::size_t i = 0; i < info.linear.size(); ++i) {
-      const actuator::ParameterValue& value = term.linear[i];
-      std::cout << ' ' << effects::ParameterKey(info.linear[i], trace.corrected.kind) << " = "
-                << Short(value.value);
-      if (value.half_width_95) std::cout << " +- " << Short(*value.half_width_95);
+  const auto list = [&](const char* what, const std::vector<trace::FoundEffect>& effects) {
+    for (const trace::FoundEffect& effect : effects) {
+      const std::string why = report::RefusalText(effect);
+      std::cout << "  " << what << effect.name << ": " << report::SizesText(trace, effect) << "; "
+                << report::HeldOutText(trace, effect) << "; "
+                << trace::ConfirmationWord(effect.confirmation.verdict)
+                << (why.empty() ? "" : "; " + why) << '\n';
     }
-    for (std::size_t i = 0; i < info.nonlinear.size(); ++i) {
-      std::cout << ' ' << effects::ParameterKey(info.nonlinear[i], trace.corrected.kind) << " = "
-                << Short(term.nonlinear[i].value);
-    }
-    // Other orders of the same effect.
-    for (std::size_t t = 1; t < effect.fitted.size(); ++t) {
-      for (const actuator::ParameterValue& value : effect.fitted[t].nonlinear) {
-        std::cout << ", " << Short(value.value);
-      }
-    }
-    std::cout << "; held out " << report::ErrorText(effect.held_out_before) << " -> "
-              << report::ErrorText(effect.held_out_after) << ' '
-              << effects::BalanceUnit(effect.balance, trace.corrected.kind) << "; "
-              << trace::ConfirmationWord(effect.confirmation.verdict)
-              << (effect.in_model() ? "" : ", not in model.yaml") << '\n';
-  }
-  for (const trace::FoundEffect& effect : trace.refuted) {
-    std::cout << "  refuted: " << effect.name << "; held out "
-              << report::ErrorText(effect.held_out_before) << " -> "
-              << report::ErrorText(effect.held_out_after) << ' '
-              << effects::BalanceUnit(effect.balance, trace.corrected.kind) << '\n';
-  }
+  };
+  list("", trace.effects);
+  list("open: ", trace.open);
+  list("refuted: ", trace.refuted);
   for (const trace::Rotation& rotation : report.rotations) {
     std::cout << "  held out " << rotation.held_out << ": " << report::RotationText(rotation)
               << "; " << Short(rotation.trace.nominal_held_out.rms) << " declared, "

@@ -78,15 +78,76 @@ std::string RobotJson(const CloseRobotResult& result) {
   return out.dump(2) + "\n";
 }
 
-std::vector<int> JointsThatStop(const CloseLoopOptions& options, const actuator::RobotModel& robot,
-                                const arm::ArmRuns& train, const arm::ArmRuns& held_out) {
-  std::vector<int> out;
+bool AnyStops(const std::vector<gate::GateReport>& reports) {
+  return std::any_of(reports.begin(), reports.end(),
+                     [](const gate::GateReport& report) { return report.stops(); });
+}
+
+// The joints of an arm share their rows: each reports those that another one leaves out, too.
+void NameRowsOfOthers(const actuator::RobotModel& robot, std::vector<gate::GateReport>* reports) {
+  std::vector<std::vector<identify::Finding>> more(reports->size());
+  for (std::size_t j = 0; j < reports->size(); ++j) {
+    for (const identify::Finding& finding : (*reports)[j].findings) {
+      if (finding.name != gate::kLeftOutRows) continue;
+      for (std::size_t other = 0; other < reports->size(); ++other) {
+        if (other == j) continue;
+        more[other].push_back(finding);
+        more[other].back().text =
+            "joint '" + robot.joints[j].name + "': " + more[other].back().text;
+      }
+    }
+  }
+  for (std::size_t j = 0; j < reports->size(); ++j) {
+    std::vector<identify::Finding>& findings = (*reports)[j].findings;
+    findings.insert(findings.end(), more[j].begin(), more[j].end());
+  }
+}
+
+// What the data gate finds on each joint of an arm. Where no joint stops, the recordings of all go
+// on without the rows that one of them leaves out.
+std::vector<gate::GateReport> ExamineArm(const CloseLoopOptions& options,
+                                         const actuator::RobotModel& robot, arm::ArmRuns* train,
+                                         arm::ArmRuns* held_out) {
+  const bool rotates = options.held_out.empty();
+  std::vector<gate::GateReport> out;
+  std::vector<gate::LeftOut> left_out;
   for (std::size_t j = 0; j < robot.joints.size(); ++j) {
-    std::vector<types::Run> runs = train[j];
-    if (!options.held_out.empty()) runs.insert(runs.end(), held_out[j].begin(), held_out[j].end());
-    if (AskGate(options, runs, robot.joints[j]).stops()) out.push_back(static_cast<int>(j));
+    std::vector<types::Run> runs = (*train)[j];
+    if (!rotates) runs.insert(runs.end(), (*held_out)[j].begin(), (*held_out)[j].end());
+    out.push_back(AskGate(options, runs, robot.joints[j]));
+    left_out.insert(left_out.end(), out[j].left_out.begin(), out[j].left_out.end());
+  }
+  if (AnyStops(out)) return out;
+  NameRowsOfOthers(robot, &out);
+  for (std::size_t j = 0; j < robot.joints.size(); ++j) {
+    std::vector<types::Run> none;
+    LeaveOutRows(left_out, &(*train)[j], rotates ? &none : &(*held_out)[j]);
+    if (rotates) (*held_out)[j] = (*train)[j];
   }
   return out;
+}
+
+// An arm is fitted with all of its joints. Where one has a fault, the report of each other one
+// names it: nothing is known of their rigid bodies, so none of them can be traced.
+void NameFaultsOfOthers(const actuator::RobotModel& robot, std::vector<gate::GateReport>* reports) {
+  std::vector<gate::Fault> faults;
+  for (std::size_t j = 0; j < reports->size(); ++j) {
+    for (const gate::Fault& fault : (*reports)[j].faults) {
+      if (fault.accepted) continue;
+      gate::Fault of_other = fault;
+      of_other.signal +=
+          (fault.signal.empty() ? "joint '" : " of joint '") + robot.joints[j].name + "'";
+      of_other.reason +=
+          " Because of it the arm was not fitted and this joint, whose own data do not stop, is "
+          "not "
+          "assessed.";
+      faults.push_back(std::move(of_other));
+    }
+  }
+  for (gate::GateReport& report : *reports) {
+    if (report.stops()) continue;
+    report.faults.insert(report.faults.end(), faults.begin(), faults.end());
+  }
 }
 
 // An arm's recordings, one held out.
@@ -196,10 +257,10 @@ CloseRobotResult CloseRobot(const CloseLoopOptions& options, std::vector<int> jo
                            : ReadJoint(options.held_out, input.held_out_map, static_cast<int>(j)));
     is_arm = is_arm || robot.joints[j].Find("rigid_body") >= 0;
   }
-  // One fit of all joints: a fault of one is a fault of all, and only joints with one are reported.
-  const std::vector<int> faulty =
-      is_arm ? JointsThatStop(options, robot, train, held_out) : std::vector<int>{};
-  if (!faulty.empty()) out.joint_numbers = joints = faulty;
+  std::vector<gate::GateReport> gates;  // of an arm's joints
+  if (is_arm) gates = ExamineArm(options, robot, &train, &held_out);
+  const bool stopped = AnyStops(gates);
+  if (stopped) NameFaultsOfOthers(robot, &gates);
   std::optional<arm::Arm> arm;
   std::vector<ArmFold> folds;
   try {
@@ -208,7 +269,7 @@ CloseRobotResult CloseRobot(const CloseLoopOptions& options, std::vector<int> jo
     } else {
       trace::RequireHeldOut(train.front(), held_out.front());
     }
-    if (is_arm && faulty.empty()) {
+    if (is_arm && !stopped) {
       const fs::path urdf = FindUrdf(options, input);
       arm.emplace(
           arm::WithPayloads(arm::ParseUrdf(config::ReadFile(urdf), urdf.string()), robot.payloads),
@@ -234,6 +295,7 @@ CloseRobotResult CloseRobot(const CloseLoopOptions& options, std::vector<int> jo
       };
     }
     const auto j = static_cast<std::size_t>(joints[i]);
+    if (is_arm) one.gate = gates[j];
     if (arm) {
       one.held_out_error = [&](const actuator::JointModel& joint) {
         actuator::RobotModel with = out.model.robot;
@@ -265,7 +327,7 @@ CloseRobotResult CloseRobot(const CloseLoopOptions& options, std::vector<int> jo
     config::WriteFileAtomically(folder / "report.json", out.joints[i].json);
     config::WriteFileAtomically(folder / "report.html", out.joints[i].html);
   }
-  if (faulty.empty()) actuator::SaveModelFile(options.out / "model.yaml", out.model);
+  if (!stopped) actuator::SaveModelFile(options.out / "model.yaml", out.model);
   config::WriteFileAtomically(options.out / "report.json", out.json);
   return out;
 }
@@ -274,9 +336,7 @@ void PrintSummary(const CloseRobotResult& result, const CloseLoopOptions& option
   using report::Short;
   for (std::size_t i = 0; i < result.joints.size(); ++i) {
     const CloseLoopResult& joint = result.joints[i];
-    for (const gate::Fault& fault : joint.gate.faults) {
-      std::cout << gate::FormatFault(fault) << '\n';
-    }
+    PrintGate(joint.gate);
     std::cout << result.model.robot.joints[static_cast<std::size_t>(result.joint_numbers[i])].name
               << ": "
               << (joint.gate.stops() ? report::VerdictSentence(joint.gate)

@@ -5,6 +5,8 @@
 // model, because the model file names only effects whose signals the mapping provides.
 #pragma once
 
+#include "components/base/types/joint_kind.h"
+
 namespace sinew::effects {
 
 struct JointSample {
@@ -37,7 +39,7 @@ struct JointSample {
 // What the joint is, exactly known. Given to an effect when it is made.
 struct JointConstants {
   double gear_ratio = 1.0;     // motor turns per output turn
-  double link_length_m = 0.0;  // joint axis to load cell and payload
+  double link_length_m = 0.0;  // joint axis to load cell and payload; 1 by definition if linear
   double gravity_m_s2 = 9.81;
   double torque_constant_Nm_A = 0.0;     // motor side
   double force_constant_N_V = 0.0;       // linear drives commanded in volts
@@ -46,6 +48,9 @@ struct JointConstants {
   double atmosphere_bar = 1.01325;       // absolute
   double valve_delay_s = 0.0;            // from the command to the flow, from the data sheet
   double encoder_counts_per_turn = 0.0;  // of the coarser encoder at the output; 0: not stated
+  // A linear joint has no lever (link_length_m is 1, a force counts as it is) and its position is
+  // no angle to the vertical.
+  types::JointKind kind = types::JointKind::kRotary;
 };
 
 // Torque at the output of an ideal drive with the drive input 1: N Kt of a current drive (Nm/A),

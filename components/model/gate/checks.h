@@ -17,13 +17,25 @@ std::vector<Measurement> CheckStructure(const std::vector<types::Run>& runs,
 std::vector<Measurement> CheckRecordings(const std::vector<types::Run>& runs);
 // The following expect rising stamps and finite values.
 std::vector<Measurement> CheckWrapped(const types::Run& run);
-std::vector<Measurement> CheckSpikes(const types::Run& run);
+// Registers whose sign bit was read as a part of the number.
+std::vector<Measurement> CheckRegisters(const types::Run& run);
+
+struct SpikeCheck {
+  std::vector<Measurement> measured;  // of what stays in the recording
+  std::vector<LeftOut> left_out;      // `run` is 0
+  std::vector<identify::Finding> findings;
+};
+// leave_out: a few rows of a channel are left out; false: they are measured like many.
+SpikeCheck CheckSpikes(const types::Run& run, bool leave_out);
 std::vector<Measurement> CheckFrozen(const types::Run& run, const actuator::JointModel& model);
 std::vector<Measurement> CheckKinematics(const types::Run& run, const actuator::JointModel& model);
 std::vector<Measurement> CheckBalance(const std::vector<types::Run>& runs,
                                       const actuator::JointModel& model);
 
-std::vector<identify::Finding> FindFindings(const std::vector<types::Run>& runs,
+// Rate, jitter, lost and interpolated rows. runs: at least one.
+std::vector<identify::Finding> FindSampling(const std::vector<types::Run>& runs);
+// Saturation, resolution, constant channels, lags. runs: at least one.
+std::vector<identify::Finding> FindChannels(const std::vector<types::Run>& runs,
                                             const actuator::JointModel& model);
 
 }  // namespace sinew::gate

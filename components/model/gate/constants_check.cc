@@ -41,8 +41,8 @@ std::vector<Measurement> CheckConstants(const std::vector<types::Run>& runs,
   const bool rotary = model.kind == types::JointKind::kRotary;
   for (const Need& need : kNeeds) {
     if (model.Find(need.effect) < 0 || model.constants.*need.constant > 0.0) continue;
-    // A linear joint has no lever, and gravity may be declared absent by 0.
-    if (!rotary && need.constant == &effects::JointConstants::link_length_m) continue;
+    // A linear joint carries its payload along a horizontal axis.
+    if (!rotary && need.constant == &effects::JointConstants::gravity_m_s2) continue;
     missing("the term " + std::string(need.effect) + " needs a constant that the model lacks.",
             "Add to `constants` of joint " + model.name + ": `" + std::string(need.line) + "`.");
   }

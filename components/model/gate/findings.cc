@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "components/base/types/joined.h"
 #include "components/model/gate/checks.h"
 #include "components/model/identify/processing.h"
 #include "components/model/identify/statistics.h"
@@ -75,65 +76,66 @@ std::vector<Finding> LagOf(const Run& run, Signal angle, Signal measured) {
            lag, "s"}};
 }
 
-}  // namespace
+// "500 Hz (a.csv, b.csv) and 333.3 Hz (c.csv)"; without names where all of them are sampled alike.
+std::string RatesText(const std::vector<Run>& runs, const std::vector<Sampling>& samplings) {
+  // Rates nearer than this are one: clocks differ by less than a thousandth, and stamps in whole
+  // milliseconds put the median period of the usual rates off by up to a hundredth.
+  constexpr double kSameRate = 0.01;
+  struct Group {
+    double rate_Hz = 0.0;
+    std::vector<std::string> names;
+  };
+  std::vector<Group> groups;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const double rate_Hz = samplings[i].rate_Hz;
+    const auto same = std::find_if(groups.begin(), groups.end(), [&](const Group& group) {
+      return std::abs(rate_Hz - group.rate_Hz) <= kSameRate * group.rate_Hz;
+    });
+    if (same == groups.end()) {
+      groups.push_back({rate_Hz, {runs[i].name}});
+    } else {
+      same->names.push_back(runs[i].name);
+    }
+  }
+  std::vector<std::string> texts;
+  texts.reserve(groups.size());
+  for (const Group& group : groups) {
+    texts.push_back(Number(group.rate_Hz) + " Hz" +
+                    (groups.size() > 1 ? " (" + types::Joined(group.names) + ")" : ""));
+  }
+  return types::Joined(texts, " and ");
+}
 
-std::vector<Finding> FindFindings(const std::vector<Run>& runs, const actuator::JointModel& model) {
-  std::vector<Finding> out;
-  Eigen::Index lost = 0;
-  double jitter = 0.0;
-  std::vector<double> rates;
-  for (const Run& run : runs) {
-    const Sampling at = SamplingOf(run);
-    lost += at.lost;
-    jitter = std::max(jitter, at.jitter_s * at.rate_Hz);
-    rates.push_back(at.rate_Hz);
-  }
-  const double rate = Median(rates);
-  out.push_back({"rate", "sampled at " + Number(rate) + " Hz", rate, "Hz"});
-  if (jitter > 1e-3 && !runs.front().held) {
-    out.push_back(
-        {"jitter",
-         "stamps scatter by " + Number(100.0 * jitter) + " % of a period about an even grid",
-         jitter / rate, "s"});
-  }
-  Eigen::Index interpolated = 0;
-  for (const Run& run : runs) interpolated += run.interpolated_rows;
-  if (interpolated > 0) {
-    out.push_back({"interpolated_rows",
-                   std::to_string(interpolated) +
-                       " rows lie on the line between their neighbours in every signal: they were "
-                       "interpolated, not measured, and are left out",
-                   static_cast<double>(interpolated), "rows"});
-  }
-  if (lost > 0) {
-    out.push_back({"lost_rows",
-                   std::to_string(lost) + " rows are lost; what lies around them is left out",
-                   static_cast<double>(lost), "rows"});
-  }
+std::vector<Finding> SaturationFindings(const std::vector<Run>& runs,
+                                        const actuator::JointModel& model) {
   int drives = 0;
   for (const actuator::Term& term : model.terms) {
     drives += model.Counts(term) && term.effect->info().role == effects::Role::kDrive;
   }
-  if (drives == 1) {
-    const Signal drive = identify::DriveSignal(model);
-    double saturated = 0.0, largest = 0.0;
-    for (const Run& run : runs) {
-      if (!run.Has(drive)) continue;
-      saturated = std::max(saturated, SaturatedShare(run.At(drive)));
-      largest = std::max(largest, run.At(drive).cwiseAbs().maxCoeff());
-    }
-    if (saturated > 1e-3) {
-      const double declared =
-          drive == Signal::kMotorCurrent && model.constants.torque_constant_Nm_A > 0.0
-              ? model.motor_torque_limit_Nm / model.constants.torque_constant_Nm_A
-              : 0.0;
-      out.push_back({"saturation",
-                     "the drive sits at its limit of " + Number(largest) + " for " +
-                         Number(100.0 * saturated) + " % of a recording" +
-                         (declared > 0.0 ? "; declared: " + Number(declared) : ""),
-                     saturated, "1"});
-    }
+  if (drives != 1) return {};
+  const Signal drive = identify::DriveSignal(model);
+  double saturated = 0.0, largest = 0.0;
+  for (const Run& run : runs) {
+    if (!run.Has(drive)) continue;
+    saturated = std::max(saturated, SaturatedShare(run.At(drive)));
+    largest = std::max(largest, run.At(drive).cwiseAbs().maxCoeff());
   }
+  if (!(saturated > 1e-3)) return {};
+  const double declared =
+      drive == Signal::kMotorCurrent && model.constants.torque_constant_Nm_A > 0.0
+          ? model.motor_torque_limit_Nm / model.constants.torque_constant_Nm_A
+          : 0.0;
+  return {{"saturation",
+           "the drive sits at its limit of " + Number(largest) + " for " +
+               Number(100.0 * saturated) + " % of a recording" +
+               (declared > 0.0 ? "; declared: " + Number(declared) : ""),
+           saturated, "1"}};
+}
+
+// Steps of the converters, and channels that never change.
+std::vector<Finding> ChannelFindings(const std::vector<Run>& runs,
+                                     const actuator::JointModel& model) {
+  std::vector<Finding> out;
   for (const Signal signal :
        {Signal::kPosition, Signal::kMotorPosition, Signal::kChamberPressure}) {
     if (!runs.front().Has(signal) || !(Range(runs.front().At(signal)) > 0.0)) continue;
@@ -155,11 +157,58 @@ std::vector<Finding> FindFindings(const std::vector<Run>& runs, const actuator::
          std::string(types::SignalName(signal)) + " never changes: its effects cannot be seen", 0.0,
          ""});
   }
-  if (runs.front().held) return out;
-  for (const auto& [angle, rate_of] : {std::pair{Signal::kPosition, Signal::kVelocity},
-                                       std::pair{Signal::kMotorPosition, Signal::kMotorVelocity}}) {
-    for (Finding& lag : LagOf(runs.front(), angle, rate_of)) out.push_back(std::move(lag));
+  return out;
+}
+
+}  // namespace
+
+std::vector<Finding> FindSampling(const std::vector<Run>& runs) {
+  std::vector<Finding> out;
+  std::vector<Sampling> samplings;
+  std::vector<double> rates_Hz;
+  Eigen::Index lost = 0, interpolated = 0;
+  double jitter = 0.0, jitter_s = 0.0;  // the largest, as a share of the period and in seconds
+  for (const Run& run : runs) {
+    samplings.push_back(SamplingOf(run));
+    const Sampling& at = samplings.back();
+    rates_Hz.push_back(at.rate_Hz);
+    lost += at.lost;
+    interpolated += run.interpolated_rows;
+    if (at.jitter_s * at.rate_Hz <= jitter) continue;
+    jitter = at.jitter_s * at.rate_Hz;
+    jitter_s = at.jitter_s;
   }
+  out.push_back({"rate", "sampled at " + RatesText(runs, samplings), Median(rates_Hz), "Hz"});
+  if (jitter > 1e-3 && !runs.front().held) {
+    out.push_back(
+        {"jitter",
+         "stamps scatter by " + Number(100.0 * jitter) + " % of a period about an even grid",
+         jitter_s, "s"});
+  }
+  if (interpolated > 0) {
+    out.push_back({"interpolated_rows",
+                   std::to_string(interpolated) +
+                       " rows lie on the line between their neighbours in every signal: they were "
+                       "interpolated, not measured, and are left out",
+                   static_cast<double>(interpolated), "rows"});
+  }
+  if (lost > 0) {
+    out.push_back({"lost_rows",
+                   std::to_string(lost) + " rows are lost; what lies around them is left out",
+                   static_cast<double>(lost), "rows"});
+  }
+  return out;
+}
+
+std::vector<Finding> FindChannels(const std::vector<Run>& runs, const actuator::JointModel& model) {
+  std::vector<Finding> out = SaturationFindings(runs, model);
+  const auto append = [&out](std::vector<Finding> more) {
+    for (Finding& at : more) out.push_back(std::move(at));
+  };
+  append(ChannelFindings(runs, model));
+  if (runs.front().held) return out;
+  append(LagOf(runs.front(), Signal::kPosition, Signal::kVelocity));
+  append(LagOf(runs.front(), Signal::kMotorPosition, Signal::kMotorVelocity));
   return out;
 }
 

@@ -109,14 +109,50 @@ bool StepsByCounts(const Eigen::VectorXd& x) {
   return !steps.empty() && QuantileOf(steps, 0.9) < 1.5 * Resolution(x);
 }
 
-// Further than the channel ever moves within a row.
-bool Jumps(const Eigen::VectorXd& x, const Span& span) {
+// Further than the channel ever moves within a row, at the start or the end of a span.
+struct JumpsOf {
+  bool at_start = false, at_end = false;
+};
+
+JumpsOf Jumps(const Eigen::VectorXd& x, const Span& span) {
   std::vector<double> steps;
   for (Eigen::Index i = 0; i + 1 < x.size(); ++i) {
-    if (x[i + 1] != x[i] && i != span.last) steps.push_back(std::abs(x[i + 1] - x[i]));
+    if (x[i + 1] != x[i] && i + 1 != span.first && i != span.last) {
+      steps.push_back(std::abs(x[i + 1] - x[i]));
+    }
   }
-  return span.last + 1 < x.size() &&
-         std::abs(x[span.last + 1] - x[span.last]) > QuantileOf(steps, 0.999) + 0.5 * Resolution(x);
+  const double furthest = QuantileOf(steps, 0.999) + 0.5 * Resolution(x);
+  JumpsOf out;
+  out.at_start = span.first > 0 && std::abs(x[span.first] - x[span.first - 1]) > furthest;
+  out.at_end = span.last + 1 < x.size() && std::abs(x[span.last + 1] - x[span.last]) > furthest;
+  return out;
+}
+
+// The span with the holds that follow it or come before it without another row between: a limit
+// that moves in steps.
+Span WithNextHolds(const Eigen::VectorXd& x, Span span) {
+  const auto holds = [&](Eigen::Index first) {
+    return first >= 0 && first + kLeastRows <= x.size() &&
+           (x.segment(first, kLeastRows).array() == x[first]).all();
+  };
+  while (holds(span.first - kLeastRows)) span.first -= kLeastRows;
+  while (holds(span.last + 1)) span.last += kLeastRows;
+  return span;
+}
+
+// Saturation: a limit holds the drive where it is larger than in as many rows on either side as it
+// is held, and it comes to the limit and leaves it by steps of its own. The limit may move, as with
+// the voltage of a bus. A channel that froze jumps to where it should be.
+bool IsAtALimit(const Eigen::VectorXd& x, const Span& hold) {
+  const Span span = WithNextHolds(x, hold);
+  const Eigen::Index beside = std::max(kLeastRows, span.rows());
+  const Eigen::Index before = std::min(span.first, beside);
+  const Eigen::Index after = std::min(x.size() - 1 - span.last, beside);
+  const double at_first = std::abs(x[span.first]), at_last = std::abs(x[span.last]);
+  if ((x.segment(span.first - before, before).array().abs() > at_first).any()) return false;
+  if ((x.segment(span.last + 1, after).array().abs() > at_last).any()) return false;
+  const JumpsOf jumps = Jumps(x, span);
+  return !jumps.at_start && !jumps.at_end;
 }
 
 // How far a span's length may be off where stamps jitter about rows that were read evenly: as far
@@ -152,7 +188,8 @@ std::optional<Signal> AngleOf(const Run& run, Signal rate) {
 }
 
 // Channels whose noise changes them with every row, over rows in which the joint moves.
-Measurement LongRun(const Run& run, Signal signal, const std::vector<char>& moving) {
+Measurement LongRun(const Run& run, Signal signal, Signal joint_angle,
+                    const std::vector<char>& moving) {
   const Eigen::VectorXd& x = run.At(signal);
   Measurement worst = Measure("frozen", signal, run, {0, 0}, 0.0);
   const double range = Range(x);
@@ -185,11 +222,24 @@ Measurement LongRun(const Run& run, Signal signal, const std::vector<char>& movi
   const double chance = 1.0 + std::log(static_cast<double>(lengths.size())) / std::log(1.0 / share);
   const double usual = std::max(chance, 3.0 * QuantileOf(sorted, 0.99));
   const bool counts = StepsByCounts(x);
+  const bool drive = signal == Signal::kMotorCurrent || signal == Signal::kDriveVoltage ||
+                     signal == Signal::kTorque;
+  // The range of 10^5 rows of white noise is ten times its deviation; a resting encoder turns by a
+  // step or two. What is computed from a resting joint may stay.
+  constexpr double kFewSteps = 10.0;
+  const double rest = kFewSteps * SmallestStep(run.At(joint_angle));
   const std::optional<Signal> angle = AngleOf(run, signal);
   const double scatter_s = angle ? StampScatter(run) : 0.0;
+  // A drive that saturates does so time and again: once may as well be where a frozen one stood.
+  const std::vector<Span> holds = EqualSpans(x, kLeastRows);
+  const bool saturates = drive && std::count_if(holds.begin(), holds.end(), [&](const Span& span) {
+                                    return IsAtALimit(x, span);
+                                  }) > 1;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     if (lengths[i] < static_cast<double>(kLeastRows)) continue;
-    if (counts && !Jumps(x, runs[i])) continue;
+    if (counts && !Jumps(x, runs[i]).at_end) continue;
+    if (!(RangeOver(run.At(joint_angle), runs[i]) > rest)) continue;
+    if (saturates && IsAtALimit(x, runs[i])) continue;
     if (angle && FollowsTheAngle(run, *angle, x[runs[i].first], runs[i], scatter_s)) continue;
     const double statistic = lengths[i] / usual;
     if (statistic > worst.statistic) worst = Measure("frozen", signal, run, runs[i], statistic);
@@ -252,7 +302,7 @@ std::vector<Measurement> CheckFrozen(const Run& run, const actuator::JointModel&
   for (const Signal signal :
        {Signal::kVelocity, Signal::kMotorVelocity, Signal::kMotorCurrent, Signal::kDriveVoltage,
         Signal::kTorque, Signal::kLoadForce, Signal::kChamberPressure}) {
-    if (has(signal)) out.push_back(LongRun(run, signal, moving));
+    if (has(signal)) out.push_back(LongRun(run, signal, angle, moving));
   }
   return out;
 }

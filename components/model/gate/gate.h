@@ -1,9 +1,10 @@
 // The data gate: checks of recordings before a fit.
 //
-// Faults stop: a reversed drive, wrong units, spikes, frozen or wrapped channels, a missing
+// Faults stop: a reversed drive, wrong units, many spikes, frozen or wrapped channels, a missing
 // constant. Each names its rule (rules.h), channel, recording and rows, and what to do. Findings do
-// not stop: stamps, lost rows, saturation, resolution, lags between channels. Nothing is mended or
-// aligned. Pure; allocates; reads no clock. Thread: any.
+// not stop: stamps, lost rows, saturation, resolution, lags between channels, a few spikes, whose
+// rows are left out. Nothing else is mended or aligned. Pure; allocates; reads no clock. Thread:
+// any.
 #pragma once
 
 #include <Eigen/Core>
@@ -34,13 +35,30 @@ struct Fault : Measurement {
   bool accepted = false;
 };
 
+// More spikes of a channel in one recording are a fault. A handful: a bus or a converter garbles a
+// row now and then, and a fit does without it; a channel that does so more often has a bad contact
+// or is no such signal, and its smaller spikes, below the limit, stay in the recording.
+inline constexpr std::size_t kMostLeftOut = 5;
+
+// Name of the finding that names them.
+inline constexpr const char* kLeftOutRows = "left_out_rows";
+
+// Rows of a recording in which a channel stands alone: every later check and fit does without them.
+struct LeftOut {
+  std::size_t run = 0;  // its place among the recordings that were examined
+  std::string signal;
+  std::vector<Eigen::Index> rows;  // rising
+};
+
 struct GateOptions {
-  std::set<std::string> accepted;  // rules whose faults do not stop
+  // Rules whose faults do not stop; where `spike` is accepted, no row is left out.
+  std::set<std::string> accepted;
 };
 
 struct GateReport {
   std::vector<Fault> faults;  // in the order of the rules
   std::vector<identify::Finding> findings;
+  std::vector<LeftOut> left_out;  // each with a finding, none with a fault
   // The largest statistic of every rule that could be computed, below its limit or not.
   std::vector<Measurement> largest;
 
@@ -53,7 +71,16 @@ struct GateReport {
 GateReport ExamineData(const std::vector<types::Run>& runs, const actuator::JointModel& model,
                        const GateOptions& options = {});
 
-// "spike: motor_current of train_1.csv, rows 10 to 10 (0.12 s): ... Remedy."
+// The recordings without the rows of `left_out`; everything else about them, their content hashes
+// too, stays. runs: those that were examined, in their order. Throws std::out_of_range for others.
+std::vector<types::Run> WithoutRows(std::vector<types::Run> runs,
+                                    const std::vector<LeftOut>& left_out);
+
+// "--accept-fault spike": what continues in spite of the fault.
+std::string AcceptOption(const Fault& fault);
+
+// "spike: motor_current of train_1.csv, rows 10 to 10 (0.12 s): ... Remedy. To continue in spite of
+// it: --accept-fault spike."
 std::string FormatFault(const Fault& fault);
 
 }  // namespace sinew::gate

@@ -146,11 +146,12 @@ std::vector<Measurement> CheckWrapped(const Run& run) {
     const double ordinary = Median(std::vector<double>(sizes.data(), sizes.data() + n));
     double most = 0.0;
     Eigen::Index where = 0;
-    for (Eigen::Index i = 0; i < n; ++i) {
+    // One row before or after a jump does not show that it stays: that is a spike's.
+    for (Eigen::Index i = 1; i + 1 < n; ++i) {
       if (!(sizes[i] > kStandsOut * ordinary)) continue;
       // A spike comes back in the next row.
-      const double back = std::min(i > 0 ? std::abs(jump[i] + jump[i - 1]) : sizes[i],
-                                   i + 1 < n ? std::abs(jump[i] + jump[i + 1]) : sizes[i]);
+      const double back =
+          std::min(std::abs(jump[i] + jump[i - 1]), std::abs(jump[i] + jump[i + 1]));
       if (back < 0.5 * sizes[i]) continue;
       // A frozen channel catches up at the end of its equal rows.
       double statistic =

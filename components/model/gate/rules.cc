@@ -19,12 +19,16 @@ constexpr Rule kRules[] = {
      "no two sensors round alike"},
     {"wrapped",
      "jump that stays, over the channel's range; 1 for whole turns above 20 times the 99 % "
-     "quantile "
-     "of the other jumps",
-     0.8, "a wrapped channel jumps by all of its range, a moving joint by a small part in one row"},
+     "quantile of the other jumps; of a channel without negative values the empty part of its "
+     "range between two groups of values, one for each direction of motion",
+     0.8,
+     "a wrapped channel jumps by all of its range, a moving joint by a small part in one row; a "
+     "sign bit leaves nearly all of it empty"},
     {"spike",
-     "distance of one row from a parabola through four rows on either side, and from the two rows "
-     "beside it, over the larger of the others' distance and of its own 99 % quantile",
+     "distance of one row from a parabola through four rows on either side (eight on one side at "
+     "an end), and from the two rows beside it, over the larger of the others' distance and of "
+     "its own 99 % quantile, where neither the motion nor another channel changes in that row and "
+     "more than five rows of a channel are so",
      12.0, "gate_bench: above everything without fault, below spikes of a third of the range"},
     {"frozen",
      "disagreement with a second channel while one is equal to the bit, over the larger of that "
@@ -41,13 +45,19 @@ constexpr Rule kRules[] = {
      "half of the variance"},
     {"drive_sign",
      "share of the drive that the declared model leaves with parameters within half an order of "
-     "magnitude, over the share it leaves with the drive reversed (if below half) plus a tenth",
+     "magnitude, over the share it leaves with the drive reversed, or never negative and read "
+     "with the sign of the speed (if below half) plus a tenth",
      3.0, "gate_bench: recordings with effects of the catalogue stay below half of it"},
     {"units", "the same, over the share left with one channel in another unit plus a tenth", 3.0,
      "gate_bench, as drive_sign"},
+    {"zero",
+     "the same, over the share left with the zero of a rotary joint's angle a quarter or half a "
+     "turn away plus a tenth, where gravity is declared",
+     3.0, "as units"},
     {"recording_differs",
-     "resolution and range of a channel in one recording over those in the others, or the inverse: "
-     "the smaller of the two, where the resolutions stand as units of one kind do within 2 %",
+     "resolution and range of a channel in one recording over those in the others, or the "
+     "inverse: the smaller of the two, where the resolutions stand as units of one kind do within "
+     "2 %",
      5.0,
      "between another motion with the same converter, 1, and 2 pi; recordings of measured arms "
      "stay at 1"},

@@ -73,15 +73,19 @@ std::pair<int, Eigen::Index> PatternOf(const types::Run& run) {
 
 int RowsPerMeasured(const types::Run& run) { return PatternOf(run).first; }
 
+types::Run WithRows(types::Run run, const std::vector<Eigen::Index>& rows) {
+  run.time_s = run.time_s(rows).eval();
+  for (auto& [signal, x] : run.signals) x = x(rows).eval();
+  return run;
+}
+
 types::Run WithoutInterpolatedRows(types::Run run) {
   const auto [m, first] = PatternOf(run);
   if (m == 1) return run;
   std::vector<Eigen::Index> rows;
   for (Eigen::Index i = first; i < run.size(); i += m) rows.push_back(i);
   run.interpolated_rows = run.size() - static_cast<Eigen::Index>(rows.size());
-  run.time_s = run.time_s(rows).eval();
-  for (auto& [signal, x] : run.signals) x = x(rows).eval();
-  return run;
+  return WithRows(std::move(run), rows);
 }
 
 }  // namespace sinew::identify

@@ -6,12 +6,18 @@
 // in a pattern: of m rows (2 to 10) m - 1 always, one never. Pure; allocates.
 #pragma once
 
+#include <vector>
+
 #include "components/base/types/run.h"
 
 namespace sinew::identify {
 
 // Of how many rows one was measured; 1: all of them. 0 rows or held positions: 1.
 int RowsPerMeasured(const types::Run& run);
+
+// The recording with these of its rows alone, in their order. All else is as it was: the content
+// hash names what was recorded.
+types::Run WithRows(types::Run run, const std::vector<Eigen::Index>& rows);
 
 // The measured rows alone; `interpolated_rows` says how many were left out.
 types::Run WithoutInterpolatedRows(types::Run run);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "components/model/identify/differentiate.h"
@@ -58,6 +59,34 @@ bool IsLocked(const Eigen::VectorXd& motor_at_output, const Eigen::VectorXd& out
   return range(motor_at_output) < kStandsStill * range(output);
 }
 
+// The middle of the play in the gap's zero: encoders are set to zero anywhere, so it is the middle
+// of the extreme gaps, where these are as far apart as the play is wide.
+double MiddleOfPlay(const Eigen::VectorXd& gap, double play) {
+  const std::vector<double> values(gap.data(), gap.data() + gap.size());
+  const double low = Quantile(values, 0.005);
+  const double high = Quantile(values, 0.995);
+  return high - low > 0.8 * play ? 0.5 * (low + high) : 0.0;
+}
+
+// Times from the nearest row in which no tooth surely carries.
+std::vector<double> FromContact(const Eigen::VectorXd& gap, double play, double period_s) {
+  constexpr double kCarries = 0.85;  // of the half play
+  const double middle = MiddleOfPlay(gap, play);
+  const auto n = static_cast<std::size_t>(gap.size());
+  std::vector<double> out(n, 0.0);
+  const auto pass = [&](std::size_t i, double* since) {
+    const bool carries =
+        std::abs(gap[static_cast<Eigen::Index>(i)] - middle) > kCarries * 0.5 * play;
+    *since = carries ? *since + period_s : 0.0;
+    return *since;
+  };
+  double since = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < n; ++i) out[i] = pass(i, &since);
+  since = std::numeric_limits<double>::infinity();
+  for (std::size_t i = n; i-- > 0;) out[i] = std::min(out[i], pass(i, &since));
+  return out;
+}
+
 // Instants at which teeth that were apart touch again: what an impact does to the drive is over
 // before a recording of some 100 Hz has seen it. Where the motor is locked, all rows at which they
 // touch: they hold the output, and its balance is another. gap: motor / N - output, rad.
@@ -65,11 +94,7 @@ void MarkTouches(const Eigen::VectorXd& gap, double play, bool locked, std::vect
   // Teeth are apart for sure when the gap is this share of the half play away from both sides.
   constexpr double kApart = 0.7;
   constexpr double kTouch = 0.9;
-  std::vector<double> sorted(gap.data(), gap.data() + gap.size());
-  // Encoders are set to zero anywhere: the middle of the extreme gaps is the middle of the play.
-  const double low = Quantile(sorted, 0.005);
-  const double high = Quantile(sorted, 0.995);
-  const double middle = high - low > 0.8 * play ? 0.5 * (low + high) : 0.0;
+  const double middle = MiddleOfPlay(gap, play);
   bool apart = false;
   for (Eigen::Index i = 0; i < gap.size(); ++i) {
     const double share = std::abs(gap[i] - middle) / (0.5 * play);
@@ -79,6 +104,18 @@ void MarkTouches(const Eigen::VectorXd& gap, double play, bool locked, std::vect
     } else if (share < kApart) {
       apart = true;
     }
+  }
+}
+
+// Touches, which are kept away from like reversals, and rows whose contact still rings, which are
+// left out alone.
+void MarkContacts(const Eigen::VectorXd& gap, double play, bool locked, double guard_s,
+                  StateSegment* segment, std::vector<char>* touches, std::vector<char>* ringing) {
+  MarkTouches(gap, play, locked, touches);
+  if (locked) return;
+  segment->from_contact_s = FromContact(gap, play, segment->period_s);
+  for (std::size_t i = 0; i < ringing->size(); ++i) {
+    if (segment->from_contact_s[i] < guard_s) (*ringing)[i] = 1;
   }
 }
 
@@ -93,8 +130,7 @@ StateSet MakeStates(const std::vector<types::Run>& runs, const actuator::JointMo
                   "velocity_rad_s", "acceleration_rad_s2", "jerk_rad_s3", "snap_rad_s4"};
   std::set<std::string> always = out.measured;
   if (model.backlash_rad == 0.0) {  // a rigid gear: the motor's motion is known from the output's
-    always.insert({"motor_velocity_rad_s", "motor_acceleration_rad_s2"});
-    if (options.raw) always.insert("motor_position_rad");
+    always.insert({"motor_position_rad", "motor_velocity_rad_s", "motor_acceleration_rad_s2"});
     out.measured = always;
   }
   bool first = true;
@@ -294,7 +330,8 @@ StateSet MakeStates(const std::vector<types::Run>& runs, const actuator::JointMo
       }
       std::vector<char> out_of_use = segment.at_rest;
       if (motor && model.backlash_rad > 0.0) {
-        MarkTouches(motor_q / ratio - q, model.backlash_rad, locked, &out_of_use);
+        MarkContacts(motor_q / ratio - q, model.backlash_rad, locked, options.contact_guard_s,
+                     &segment, &out_of_use, &unsure);
       }
       Spread(out_of_use, static_cast<Eigen::Index>(std::lround(options.reversal_guard_s * rate)));
       // Presliding: the teeth and seals turn over before friction has its moving value.

@@ -29,9 +29,12 @@ struct StateSegment {
   Eigen::VectorXd drive_signal;  // what the recording holds: drive_input without that
   // What a servo saw, row by row; empty where it was not recorded.
   Eigen::VectorXd reference_position, supply_voltage;
-  std::vector<char> valid;        // 0: inside a hole of lost rows
-  std::vector<char> usable;       // moving, away from reversals, borders and holes
-  std::vector<char> at_rest;      // slower than the rest velocity
+  std::vector<char> valid;    // 0: inside a hole of lost rows
+  std::vector<char> usable;   // moving, away from reversals, borders and holes
+  std::vector<char> at_rest;  // slower than the rest velocity
+  // Time from the nearest row in which no tooth surely carries, s; empty: a rigid gear or no
+  // encoder on the motor.
+  std::vector<double> from_contact_s;
   bool held = false;              // rows are holds: no motion between them, nothing to filter
   Eigen::MatrixXd rigid_columns;  // Run::rigid_columns; may be empty
   // Windows within which only changes count (gas.h), numbered over all segments; -1: in none.

@@ -22,8 +22,11 @@ struct ProcessingOptions {
   double rest_velocity = 0.0;      // rad/s or m/s; slower is rest or reversal; 0: from the data
   double reversal_guard_s = 0.05;  // left out on either side of rest and reversals
   double settle_distance = 0.0;  // rad or m; left out after rest and reversals until it is covered
-  double border_s = 0.5;         // left out at both ends of a piece
-  double longest_gap_s = 0.25;   // longer gaps cut a recording into pieces
+  // Left out on either side of rows in which no tooth surely carries; 0: what a touch excites is
+  // left out like a reversal, and nothing else.
+  double contact_guard_s = 0.0;
+  double border_s = 0.5;        // left out at both ends of a piece
+  double longest_gap_s = 0.25;  // longer gaps cut a recording into pieces
   // Rows at the recording's own rate (FromMotion): the motor's angle stays as it was measured, the
   // load cell goes through the low-pass of the output's angle.
   bool raw = false;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "components/model/report/section.h"
+#include "components/model/trace/rules.h"
 
 namespace sinew::report {
 
@@ -18,11 +19,14 @@ void AddBalance(const trace::Assessment& assessed, effects::Balance balance,
                     assessed.after_held_out.rms});
 }
 
-// Is it worse in three digits? A model that runs away is worse than one that does not.
+// A model that runs away is worse than one that does not; what is within the rule's limit is not.
 bool Worse(double after, double before) {
   if (!std::isfinite(after)) return std::isfinite(before);
-  return after > before && Text("%.3g", after) != Text("%.3g", before);
+  return after > trace::rules::kRaises.limit * before;
 }
+
+// Does the added effect raise the error, or did the refit of the declared terms?
+bool EffectRaises(const ErrorLine& line) { return Worse(line.corrected, line.refitted); }
 
 }  // namespace
 
@@ -61,13 +65,18 @@ std::vector<ErrorLine> Rises(const Report& report) {
 }
 
 std::string RiseSentence(const Report& report) {
-  std::string out;
+  std::string by_effect, by_refit;
   for (const ErrorLine& line : Rises(report)) {
-    out += (out.empty() ? "" : "; ") + line.what + ": " + ThreeErrors(line);
+    std::string& to = EffectRaises(line) ? by_effect : by_refit;
+    to += (to.empty() ? "" : "; ") + line.what + ": " + ThreeErrors(line);
   }
-  if (out.empty()) return out;
-  return std::string(HasCorrection(report.trace) ? "The corrected model" : "The refitted model") +
-         " raises an error: " + out + ".";
+  std::string out;
+  if (!by_effect.empty()) out = "The added effect raises an error: " + by_effect + ".";
+  if (!by_refit.empty()) {
+    out += std::string(out.empty() ? "" : " ") +
+           "The refit of the declared terms raises an error: " + by_refit + ".";
+  }
+  return out;
 }
 
 std::string ErrorText(double error) { return std::isfinite(error) ? Short(error) : "diverged"; }

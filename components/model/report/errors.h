@@ -22,7 +22,7 @@ struct ErrorLine {
 std::vector<ErrorLine> ErrorTable(const Report& report);
 
 // Held-out and simulated errors that the corrected model raises over the declared or the refitted
-// one, in three digits.
+// one by more than the rule `raises` allows (trace/rules.h).
 std::vector<ErrorLine> Rises(const Report& report);
 // One sentence about them; empty without any.
 std::string RiseSentence(const Report& report);

@@ -214,7 +214,7 @@ std::vector<Picture> MakePictures(const gate::GateReport& gate, const std::vecto
     const bool speeds = fault.rule.ends_with("_speed") || fault.rule.ends_with("_gear");
     const bool whole =
         fault.last_row < fault.first_row || fault.last_row - fault.first_row + 1 >= run->size();
-    if (speeds) {
+    if (speeds && signal) {
       out.push_back(Speeds(fault, *run, model));
     } else if (signal && run->Has(*signal) && !whole) {
       out.push_back(AtRows(fault, *run, *signal));
@@ -247,9 +247,12 @@ std::string FormatFaultTable(const std::vector<Fault>& faults) {
                std::to_string(fault.last_row) + ", " + Short(fault.from_s) + " to " +
                Short(fault.to_s) + " s";
     }
-    out += HtmlRow(
-        {"<code>" + Escape(fault.rule) + "</code>" + (fault.accepted ? "<br>accepted" : ""), where,
-         Short(fault.statistic), Short(fault.limit), Escape(fault.reason), Escape(fault.remedy)});
+    const std::string accept = fault.accepted ? "accepted"
+                                              : "to continue in spite of it: <code>" +
+                                                    Escape(gate::AcceptOption(fault)) + "</code>";
+    out += HtmlRow({"<code>" + Escape(fault.rule) + "</code><br>" + accept, where,
+                    Short(fault.statistic), Short(fault.limit), Escape(fault.reason),
+                    Escape(fault.remedy)});
   }
   return out + "</table></div>\n";
 }

@@ -36,18 +36,34 @@ std::string HeldOutErrors(const trace::TraceResult& trace, const trace::FoundEff
          std::string(effects::BalanceUnit(effect.balance, trace.corrected.kind));
 }
 
-std::string Refuted(const trace::TraceResult& trace) {
-  if (trace.refuted.empty()) return "";
-  std::string out =
-      "<h2>Refuted on the held-out recordings</h2>\n<p class=\"caption\">Selected on the training "
-      "recordings, but the held-out recordings do not follow the effect, or their error rises, or "
-      "the interval of its size contains zero. Not in the model.</p><table>" +
-      HtmlRow({"effect", "removes", "held-out recordings", "held-out error, without &rarr; with"},
-              "th");
-  for (const trace::FoundEffect& effect : trace.refuted) {
-    out += HtmlRow(
-        {"<code>" + Escape(effect.name) + "</code><br>" + Escape(EffectTitle(effect.name)),
-         Percent(effect.gain_share), Confirmed(effect.confirmation), HeldOutErrors(trace, effect)});
+// A table of effects; empty without any.
+std::string EffectTable(const trace::TraceResult& trace,
+                        const std::vector<trace::FoundEffect>& effects, const std::string& title,
+                        const std::string& caption) {
+  if (effects.empty()) return "";
+  std::string out = "<h2>" + title + "</h2>\n<p class=\"caption\">" + caption + "</p>\n<table>" +
+                    HtmlRow({"effect", "size, 95 %", "removes in training", "held-out recordings",
+                             "held-out error, without &rarr; with",
+                             "probability of the name, if it is one of the catalogue"},
+                            "th");
+  for (const trace::FoundEffect& effect : effects) {
+    const std::string why = RefusalText(effect);
+    out += HtmlRow({"<code>" + Escape(EffectLabel(trace, effect)) + "</code><br>" +
+                        Escape(EffectTitle(effect.name)),
+                    Escape(SizesText(trace, effect)), Percent(effect.gain_share),
+                    Confirmed(effect.confirmation) + (why.empty() ? "" : "<br>" + Escape(why)),
+                    HeldOutErrors(trace, effect), Escape(NamedSetText(effect))});
+  }
+  return out + "</table>\n";
+}
+
+std::string Events(const trace::TraceResult& trace) {
+  if (trace.events.empty()) return "";
+  std::string out = "<table>" + HtmlRow({"event", "recording", "began at, s"}, "th");
+  for (const trace::EventTime& event : trace.events) {
+    out += HtmlRow({"<code>" + Escape(event.effect) + "</code>",
+                    Escape(event.recording) + (event.held_out ? " (held out)" : ""),
+                    Short(event.start_s)});
   }
   return out + "</table>\n";
 }
@@ -147,7 +163,10 @@ std::string Method(const Report& report) {
          std::to_string(trace.blocks) + " blocks of " + Short(trace.block_length_s) + " s, seed " +
          std::to_string(report.seed) +
          "; the selected set is confirmed by the slope of the held-out residual on the predicted "
-         "change. report.json names the rule that rejected each candidate.";
+         "change. report.json names the rule that rejected each candidate, with its number. What "
+         "is "
+         "found depends on what was declared: a wrong value with a narrow tolerance is found as an "
+         "effect that makes up for it, and a wide tolerance may hide one.";
 }
 
 }  // namespace
@@ -167,8 +186,8 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
   out += "<div class=\"meta\">Trained on " + Escape(types::Joined(train)) +
          ". Held out: " + Escape(types::Joined(held_out)) + ". Model " + Escape(report.model_file) +
          ".</div>\n";
-  out += "<div class=\"verdict " + VerdictWord(trace.verdict) + "\">" +
-         Escape(VerdictSentence(report)) + "</div>\n";
+  out += "<div class=\"verdict " + OutcomeWord(trace) + "\">" + Escape(VerdictSentence(report)) +
+         "</div>\n";
   const std::string next = NextExperiment(report);
 
   const auto box = [&](const std::string& value, const std::string& text) {
@@ -179,41 +198,29 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
       "error of the corrected model on the held-out recordings (" +
           Short(trace.before_held_out.rms) + " refitted, " + Short(trace.nominal_held_out.rms) +
           " declared)");
-  box(Short(trace.noise_floor_rms) + " " + unit,
-      "noise floor" + (trace.noise_floor_source.empty() ? std::string()
-                                                        : ", " + Escape(trace.noise_floor_source)));
+  box(trace.noise_floor_rms > 0.0 ? Short(trace.noise_floor_rms) + " " + unit : "unknown",
+      "noise of the sensors" + (trace.noise_floor_source.empty()
+                                    ? std::string()
+                                    : ", " + Escape(trace.noise_floor_source)));
   box(Short(trace.ceiling_rms) + " " + unit,
       "residual of the richest model: all effects, curves and lines together");
   out += "</div>\n" + Errors(report);
 
-  if (!trace.effects.empty()) {
-    out += "<h2>Effects found</h2>\n<table>" +
-           HtmlRow({"effect", "removes", "p", "held-out recordings",
-                    "held-out error, without &rarr; with", "posterior probability"},
-                   "th");
-    for (const trace::FoundEffect& effect : trace.effects) {
-      out += HtmlRow(
-          {"<code>" + Escape(EffectLabel(trace, effect)) + "</code><br>" +
-               Escape(EffectTitle(effect.name)) + (effect.in_model() ? "" : "<br>not in the model"),
-           Percent(effect.gain_share), Probability(effect.p), Confirmed(effect.confirmation),
-           HeldOutErrors(trace, effect), NamedSetText(effect)});
-    }
-    out += "</table>\n";
-    if (!trace.events.empty()) {
-      out += "<table>" + HtmlRow({"event", "recording", "began at, s"}, "th");
-      for (const trace::EventTime& event : trace.events) {
-        out += HtmlRow({"<code>" + Escape(event.effect) + "</code>",
-                        Escape(event.recording) + (event.held_out ? " (held out)" : ""),
-                        Short(event.start_s)});
-      }
-      out += "</table>\n";
-    }
-    if (!next.empty()) out += "<p>Next experiment. " + Escape(next) + "</p>\n";
-  } else if (!next.empty()) {
-    out += "<h2>Next experiment</h2><p>" + Escape(next) + "</p>\n";
-  }
-
-  out += Refuted(trace) + Rotations(report);
+  out += EffectTable(trace, trace.effects, "Effects found",
+                     "p of the whole search: " +
+                         (trace.p_global ? Probability(*trace.p_global) : std::string("unknown")) +
+                         ". In the model, the one that training misses most first.") +
+         Events(trace);
+  if (!next.empty()) out += "<h2>Next experiment</h2><p>" + Escape(next) + "</p>\n";
+  out +=
+      EffectTable(trace, trace.open, "Open",
+                  "Supported by the training recordings, neither confirmed nor refuted by the "
+                  "held-out ones. Not in the model.") +
+      EffectTable(trace, trace.refuted, "Refuted on the held-out recordings",
+                  "Selected on the training recordings, but the held-out recordings do not "
+                  "follow the effect, or their error rises, or the interval of its size contains "
+                  "zero. Not in the model.") +
+      Rotations(report);
   for (std::size_t i = 0; i < pictures.size() && i < svgs.size(); ++i) {
     out += "<figure><h3>" + Escape(pictures[i].title) + "</h3>" + svgs[i] +
            "<p class=\"caption\">" + Escape(pictures[i].caption) + "</p></figure>\n";
@@ -302,6 +309,11 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
            Short(trace.unexplained.rms) + " " + unit + " rms).";
   }
   out += "</p>\n" + FormatFaultTable(report.faults) + "<h2>The data</h2>\n<ul>";
+  if (trace.rows > 0) {
+    out += "<li>" + std::to_string(trace.used_rows) + " of " + std::to_string(trace.rows) +
+           " training rows are used: the rest is rest, reversals, borders of pieces or "
+           "outliers</li>\n";
+  }
   for (const identify::Finding& finding : report.findings) {
     out += "<li>" + Escape(finding.text) + "</li>\n";
   }

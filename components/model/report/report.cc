@@ -4,8 +4,10 @@
 #include <cmath>
 #include <cstdio>
 
+#include "components/base/types/joined.h"
 #include "components/model/report/errors.h"
 #include "components/model/report/section.h"
+#include "components/model/trace/rules.h"
 
 namespace sinew::report {
 
@@ -73,77 +75,169 @@ std::string VerdictWord(trace::Verdict verdict) {
   return "none";
 }
 
+std::string SizesText(const trace::TraceResult& trace, const trace::FoundEffect& effect) {
+  const actuator::Term term = FittedTerm(trace, effect);
+  const effects::EffectInfo& info = term.effect->info();
+  std::vector<std::string> out;
+  for (std::size_t i = 0; i < info.linear.size(); ++i) {
+    const actuator::ParameterValue& value = term.linear[i];
+    out.push_back(effects::ParameterKey(info.linear[i], trace.corrected.kind) + " = " +
+                  Short(value.value) +
+                  (value.half_width_95 ? " +- " + Short(*value.half_width_95) : ""));
+  }
+  for (std::size_t i = 0; i < info.nonlinear.size(); ++i) {
+    std::string values = Short(term.nonlinear[i].value);
+    // Other orders of the same effect.
+    for (std::size_t t = 1; t < effect.fitted.size(); ++t) {
+      values += ", " + Short(effect.fitted[t].nonlinear[i].value);
+    }
+    out.push_back(effects::ParameterKey(info.nonlinear[i], trace.corrected.kind) + " = " + values);
+  }
+  return types::Joined(out);
+}
+
+std::string HeldOutText(const trace::TraceResult& trace, const trace::FoundEffect& effect) {
+  std::string out = "held-out error " + ErrorText(effect.held_out_before) + " -> " +
+                    ErrorText(effect.held_out_after) + " " +
+                    std::string(effects::BalanceUnit(effect.balance, trace.corrected.kind));
+  if (!(effect.held_out_before > 0.0) || !std::isfinite(effect.held_out_after)) return out;
+  return out + Text(" (%+.1f %%)", 100.0 * (effect.held_out_after / effect.held_out_before - 1.0));
+}
+
+std::string RefusalText(const trace::FoundEffect& effect) {
+  namespace rules = trace::rules;
+  const trace::Refusal& refusal = effect.refusal;
+  const trace::Confirmation& there = effect.confirmation;
+  if (refusal.rule.empty()) return "";
+  std::string out;
+  if (refusal.rule == rules::kRefutedBelow.id || refusal.rule == rules::kSlopeBand.id) {
+    out = there.blocks == 0
+              ? "they are too short to say"
+              : "its size there is " + Short(there.slope) + " times the trained one, [" +
+                    Short(there.lower) + ", " + Short(there.upper) + "]";
+  } else if (refusal.rule == rules::kRaises.id) {
+    out = Text("the held-out error rises by %.1f %%", 100.0 * (refusal.value - 1.0));
+  } else if (refusal.rule == rules::kInterval.id) {
+    out = "the interval of its size contains zero";
+  } else if (refusal.rule == rules::kBeyondDrive.id) {
+    out = "the drive could not have driven this motion with it";
+  } else if (refusal.rule == rules::kRotations.id) {
+    out = "too few rotations confirm it";
+  }
+  return out + (out.empty() ? "" : "; ") + "rule " + refusal.rule + ": " + Short(refusal.value) +
+         ", limit " + Short(refusal.limit);
+}
+
+std::string OutcomeWord(const trace::TraceResult& trace) {
+  if (trace.verdict == trace::Verdict::kUnexplained) {
+    return !trace.unexplained.variable.empty() ? "unexplained"
+           : !trace.open.empty()               ? "open"
+                                               : "training_only";
+  }
+  if (trace.verdict == trace::Verdict::kNone) {
+    return trace::NearNoise(trace) ? "nothing" : "not_detectable";
+  }
+  return VerdictWord(trace.verdict);
+}
+
 namespace {
+
+// Effects of the model: what, how much, and what each does to the held-out error.
+std::string EffectSentences(const trace::TraceResult& trace) {
+  std::string out;
+  std::vector<std::string> unconfirmed;
+  for (const trace::FoundEffect& effect : trace.effects) {
+    out += (out.empty() ? "" : " ") + EffectLabel(trace, effect) + " (" + EffectTitle(effect.name) +
+           "): " + SizesText(trace, effect) + "; " + HeldOutText(trace, effect) + ".";
+    if (effect.confirmation.verdict != trace::ConfirmationVerdict::kConfirmed) {
+      unconfirmed.push_back(effect.name);
+    }
+  }
+  if (!unconfirmed.empty()) {
+    out += " The held-out recordings do not confirm " + Join(unconfirmed, " and ") + ".";
+  }
+  if (trace.effects.front().weak_evidence) {
+    out += " The evidence is weak: the recordings have fewer than six independent blocks.";
+  }
+  return out;
+}
+
+std::string OpenSentences(const trace::TraceResult& trace) {
+  std::string out;
+  for (const trace::FoundEffect& effect : trace.open) {
+    out +=
+        (out.empty() ? "" : " ") + std::string("Open, and not in the model: ") +
+        EffectLabel(trace, effect) + " (" + EffectTitle(effect.name) + "), " +
+        SizesText(trace, effect) +
+        "; the training recordings support it, the held-out ones neither confirm nor refute it (" +
+        RefusalText(effect) + ").";
+  }
+  return out;
+}
+
+std::string TrainingOnlySentences(const trace::TraceResult& trace) {
+  std::string out = "Found in training, not in the held-out recordings:";
+  for (const trace::FoundEffect& effect : trace.refuted) {
+    out += " " + effect.name + " takes " + Text("%.0f %%", 100.0 * effect.gain_share) +
+           " of the training misfit, but held out " + RefusalText(effect) + ".";
+  }
+  return out +
+         " Usual reasons: the angle's zero moved between the recordings (an encoder without an "
+         "absolute zero, restarted), the load did, or the held-out motion has another range.";
+}
+
+std::string UnexplainedSentence(const Report& report) {
+  const trace::Unexplained& unexplained = report.trace.unexplained;
+  return "Part of the residual follows " + unexplained.variable +
+         (unexplained.order_per_turn > 0.0
+              ? " with order " + Short(unexplained.order_per_turn) + " per turn"
+              : "") +
+         " (" + Short(unexplained.rms) + " " +
+         std::string(effects::BalanceUnit(unexplained.balance, report.trace.corrected.kind)) +
+         " rms), and " +
+         (report.given ? "the given effects do not explain it."
+                       : "no effect of the catalogue explains it.");
+}
+
+std::string NothingSentence(const Report& report) {
+  const trace::TraceResult& trace = report.trace;
+  const std::string unit = " " + TorqueUnit(trace.corrected.kind);
+  const std::string noise = Short(trace.noise_floor_rms) + unit;
+  const std::string leaves = "the refitted model leaves " + Short(trace.before_held_out.rms) +
+                             unit + " rms on the held-out recordings" +
+                             (trace.before_held_out.percent > 0.0
+                                  ? ", " + Short(trace.before_held_out.percent) + " % of the drive"
+                                  : "");
+  if (trace::NearNoise(trace)) {
+    return "Nothing beyond the noise: " + leaves + "; the noise of the sensors alone is " + noise +
+           ".";
+  }
+  const std::string still =
+      leaves + (trace.noise_floor_rms > 0.0 ? "; the noise of the sensors is " + noise + "." : ".");
+  if (report.given) return std::string("T") + still.substr(1);
+  const bool something = trace.p_global && *trace.p_global <= trace::Limit(trace::rules::kGlobalP);
+  return (something ? "No effect explains enough of the residual to be named: "
+                    : "No effect beyond the declared model is detectable: ") +
+         still;
+}
 
 // The verdict, without the errors that the model raises.
 std::string Found(const Report& report) {
   const trace::TraceResult& trace = report.trace;
-  const std::string unit = TorqueUnit(trace.corrected.kind);
-  switch (trace.verdict) {
-    case trace::Verdict::kEffect: {
-      std::vector<std::string> names, left_out;
-      for (const trace::FoundEffect& effect : trace.effects) {
-        (effect.in_model() ? names : left_out).push_back(EffectLabel(trace, effect));
-      }
-      std::vector<std::string> errors;
-      for (const ErrorLine& line : ErrorTable(report)) {
-        const bool here = std::any_of(trace.effects.begin(), trace.effects.end(),
-                                      [&](const trace::FoundEffect& effect) {
-                                        return effect.in_model() && effect.balance == line.balance;
-                                      });
-        if (here && line.key == "held_out") errors.push_back(line.what + ": " + ThreeErrors(line));
-      }
-      std::string out;
-      if (!names.empty()) {
-        out = "The recordings are consistent with " + Join(names, " and ") + ". Error on the " +
-              Join(errors, "; on the ") + ".";
-      }
-      if (!left_out.empty()) {
-        out += (names.empty() ? "The training recordings support " : " They also support ") +
-               Join(left_out, " and ") +
-               ", which the held-out recording neither confirms nor refutes; " +
-               (left_out.size() == 1 ? "it is" : "they are") + " not in the model.";
-      }
-      for (const trace::FoundEffect& effect : trace.effects) {
-        if (!effect.rivals().empty()) out += " Probability: " + NamedSetText(effect) + ".";
-      }
-      std::vector<std::string> open;
-      for (const trace::FoundEffect& effect : trace.effects) {
-        if (effect.in_model() &&
-            effect.confirmation.verdict != trace::ConfirmationVerdict::kConfirmed) {
-          open.push_back(effect.name);
-        }
-      }
-      if (!open.empty()) {
-        out += " The held-out recording does not confirm " + Join(open, " and ") + ".";
-      }
-      if (trace.effects.front().weak_evidence) {
-        out += " The evidence is weak: the recording has fewer than six independent blocks.";
-      }
-      return out;
-    }
-    case trace::Verdict::kUnexplained:
-      return "Part of the residual follows " + trace.unexplained.variable +
-             (trace.unexplained.order_per_turn > 0.0
-                  ? " with order " + Short(trace.unexplained.order_per_turn) + " per turn"
-                  : "") +
-             " (" + Short(trace.unexplained.rms) + " " +
-             std::string(effects::BalanceUnit(trace.unexplained.balance, trace.corrected.kind)) +
-             " rms), and " +
-             (report.given ? "the given effects do not explain it."
-                           : "no effect of the catalogue explains it.");
-    case trace::Verdict::kTooLittleData:
-      return "Too little data for a result: " + trace.too_little->reason + ". Nothing was fitted.";
-    case trace::Verdict::kNone:
-      break;
+  if (trace.too_little) {
+    return "Too little data for a result: " + trace.too_little->reason + ". Nothing was fitted.";
   }
-  return (report.given ? "The refitted model leaves "
-                       : "No effect beyond the declared model is detectable: the refitted model "
-                         "leaves ") +
-         Short(trace.before_held_out.rms) + " " + unit + " rms on the held-out recordings" +
-         (trace.noise_floor_rms > 0.0
-              ? ", the noise floor is " + Short(trace.noise_floor_rms) + " " + unit + "."
-              : ".");
+  std::vector<std::string> out;
+  if (!trace.effects.empty()) out.push_back(EffectSentences(trace));
+  if (!trace.unexplained.variable.empty()) out.push_back(UnexplainedSentence(report));
+  if (!trace.open.empty()) out.push_back(OpenSentences(trace));
+  if (out.empty() && !trace.refuted.empty() && trace.verdict == trace::Verdict::kUnexplained) {
+    out.push_back(TrainingOnlySentences(trace));
+  }
+  if (out.empty()) out.push_back(NothingSentence(report));
+  std::string text;
+  for (const std::string& sentence : out) text += (text.empty() ? "" : " ") + sentence;
+  return text;
 }
 
 // The given effects, and those of them whose size the recordings do not determine.
@@ -166,15 +260,17 @@ std::string GivenSentence(const std::set<std::string>& given, const trace::Trace
 
 std::string VerdictSentence(const Report& report) {
   if (report.trace.too_little) return Found(report);
-  std::string out = RiseSentence(report);
-  if (!out.empty()) out += " ";
-  if (report.given) out += GivenSentence(*report.given, report.trace);
-  return out + Found(report);
+  std::string out;
+  if (report.given) out = GivenSentence(*report.given, report.trace);
+  out += Found(report);
+  const std::string rises = RiseSentence(report);
+  return rises.empty() ? out : out + " " + rises;
 }
 
 std::string RotationText(const trace::Rotation& rotation) {
   std::vector<std::string> out;
-  for (const auto* list : {&rotation.trace.effects, &rotation.trace.refuted}) {
+  for (const auto* list :
+       {&rotation.trace.effects, &rotation.trace.open, &rotation.trace.refuted}) {
     for (const trace::FoundEffect& effect : *list) {
       out.push_back(effect.name + " (" +
                     std::string(trace::ConfirmationWord(effect.confirmation.verdict)) + ")");
@@ -190,10 +286,23 @@ std::string NextExperiment(const Report& report) {
            "in "
            "one recording to train on and another one to hold out.";
   }
+  const auto separating = [](const trace::FoundEffect& effect) {
+    return effects::MakeEffect(effect.name, {}, effect.balance)->info().separating_excitation + ".";
+  };
   for (const trace::FoundEffect& effect : trace.effects) {
     if (effect.rivals().empty()) continue;
     return "To distinguish " + effect.name + " from " + Join(effect.rivals(), " and ") + ": " +
-           effects::MakeEffect(effect.name, {}, effect.balance)->info().separating_excitation + ".";
+           separating(effect);
+  }
+  for (const trace::FoundEffect& effect : trace.open) {
+    return "To confirm or refute " + effect.name +
+           ": hold out a recording with this motion: " + separating(effect);
+  }
+  if (trace.effects.empty() && trace.unexplained.variable.empty() && !trace.refuted.empty()) {
+    return "Repeat the held-out recording right after a training one, without a restart and with "
+           "the "
+           "same load and range: " +
+           trace.refuted.front().name + " is then confirmed, or is none.";
   }
   for (const trace::ParameterShift& shift : trace.shifts) {
     if (shift.causes.empty() || !trace.effects.empty()) continue;
@@ -202,10 +311,15 @@ std::string NextExperiment(const Report& report) {
            "): " + effects::MakeEffect(shift.causes.front(), {})->info().separating_excitation +
            ".";
   }
-  if (trace.verdict == trace::Verdict::kUnexplained) {
+  if (!trace.unexplained.variable.empty()) {
+    if (trace.unexplained.variable == "time_s") {
+      return "Something changes that the recordings do not hold (another axis, a temperature, a "
+             "load): record it, or repeat the same motion several times.";
+    }
     return "Move " + trace.unexplained.variable +
            " alone, slowly, over its whole range, in both directions.";
   }
+  if (!trace.effects.empty()) return "";
   // The first effect that is not excited and is not absorbed by declared terms, with the motion
   // that excites it.
   for (const trace::NotExcited& hidden : trace.not_excited) {

@@ -72,15 +72,27 @@ std::string EffectLabel(const trace::TraceResult& trace, const trace::FoundEffec
 // drive_efficiency_direction (48 %)".
 std::string NamedSetText(const trace::FoundEffect& effect);
 
+// "quadratic_Nm_s2_rad2 = 0.4 +- 0.02": every parameter of the effect with its 95 % interval.
+std::string SizesText(const trace::TraceResult& trace, const trace::FoundEffect& effect);
+// "held-out error 0.9 -> 0.3 Nm (-66.7 %)", without the effect and with it.
+std::string HeldOutText(const trace::TraceResult& trace, const trace::FoundEffect& effect);
+// Why it is not in the model, with rule, number and limit; empty where it is.
+std::string RefusalText(const trace::FoundEffect& effect);
+
 // What a rotation found, e.g. "stribeck (confirmed)"; "refuted" ones as well.
 std::string RotationText(const trace::Rotation& rotation);
 
-// The verdict in words; an error that the model raises comes first.
+// The verdict in words: what was found with its size, then what is open, then the errors that the
+// model raises.
 std::string VerdictSentence(const Report& report);
 // The experiment that would separate the effect from its rivals or show what is hidden; may be
 // empty.
 std::string NextExperiment(const Report& report);
 std::string VerdictWord(trace::Verdict verdict);
+// Finer: "effect", "open" (neither confirmed nor refuted), "training_only" (refuted held out),
+// "unexplained" (follows a variable), "not_detectable", "nothing" (the residual is the sensors'
+// noise), "too_little_data".
+std::string OutcomeWord(const trace::TraceResult& trace);
 
 // Measured against model, residuals over time, residual over its variable, candidates, errors by
 // round.

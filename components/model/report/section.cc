@@ -14,7 +14,7 @@ body{font:15px/1.5 "DejaVu Sans","Segoe UI",system-ui,sans-serif;color:var(--ink
 main{max-width:960px;margin:0 auto;padding:28px 20px 60px}
 h1{font-size:21px;margin:0 0 4px}h2{font-size:16px;margin:34px 0 8px}
 .verdict{background:#fff;border-left:6px solid var(--accent);padding:16px 20px;margin:14px 0 18px;font-size:17px}
-.verdict.none{border-color:#7a9a5b}.verdict.unexplained{border-color:#d95f02}
+.verdict.none,.verdict.nothing{border-color:#7a9a5b}.verdict.unexplained,.verdict.open,.verdict.training_only,.verdict.not_detectable{border-color:#d95f02}
 .meta,.caption{color:var(--soft);font-size:13px}.caption{margin:2px 0 0}
 figure{background:#fff;margin:0 0 18px;padding:14px 16px 12px}figure h3{font-size:14px;margin:0 0 4px}
 figure svg{width:100%;height:auto;display:block}

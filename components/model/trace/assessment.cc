@@ -16,6 +16,9 @@ EffectSet Without(const Problem& problem, const EffectSet& set, std::size_t k) {
   return WithoutMember(problem.evidence, problem.hypotheses(), set, k);
 }
 
+// Nats a row that a curve gains where something is there that no effect explains.
+constexpr double kCurveEvidencePerRow = 0.02;
+
 class Assessor {
  public:
   Assessor(const Problem& problem, const Likelihood& likelihood, const identify::Design& design,
@@ -30,6 +33,7 @@ class Assessor {
         misfit_(problem.evidence.misfit()) {}
 
   SetAssessment Run(std::size_t largest_set) {
+    if (problem_.evidence.marginal()) return RunByEvidence(largest_set);
     SetSearch found = SearchSets(problem_.evidence, problem_.hypotheses(), largest_set, refuted_);
     if (found.best.size() > 1 && TooFaint(found.best[1])) {
       found.best = WithoutRates(largest_set).best;
@@ -38,7 +42,7 @@ class Assessor {
     const bool open = out_.p_global <= Limit(rules::kGlobalP);
     if (open) Grow(found);
     if (open) CompareCurves(found);
-    if (!out_.chosen.empty() && !Constant()) Refuse(rules::kConstancy);
+    if (!out_.chosen.empty()) RequireConstancy();
     RankNames();
     NoteScores(found, open);
     return std::move(out_);
@@ -61,6 +65,38 @@ class Assessor {
   // block alone is noise.
   double POfCurve(const EffectSet& base, const EffectSet& with, double statistic) const {
     return Test(base, problem_.LeftOut(with, likelihood_.used.blocks)).P(statistic);
+  }
+
+  // The set grows while a member adds evidence, and more than the shape of the others may leave.
+  SetAssessment RunByEvidence(std::size_t largest_set) {
+    const SetSearch found =
+        SearchSets(problem_.evidence, problem_.hypotheses(), largest_set, refuted_);
+    out_.p_global = std::min(1.0, bootstrap_.searches * GlobalP(found));
+    for (std::size_t size = 1; size < found.best.size(); ++size) {
+      const double more = found.best[size].net - out_.chosen.net;
+      if (more > Limit(rules::kEvidence) && more > Limit(rules::kShapeMisfit) * out_.chosen.net &&
+          EveryMemberCounts(found.best[size])) {
+        out_.chosen = found.best[size];
+      }
+    }
+    const EffectSet with = WithBestCurve(problem_.evidence, problem_.hypotheses(), out_.chosen);
+    const double rows = static_cast<double>(problem_.y.size());
+    if (!with.empty() && with.net - out_.chosen.net > 2.0 * kCurveEvidencePerRow * rows) {
+      NoteUnexplained(with);
+    }
+    RankNames();
+    NoteScores(found, true);
+    return std::move(out_);
+  }
+
+  // Is each member more than an imperfection that any machine has?
+  bool EveryMemberCounts(const EffectSet& set) const {
+    for (std::size_t k = 0; k < set.members.size(); ++k) {
+      const Hypothesis& h = problem_.hypotheses()[set.members[k]];
+      const EffectSet without = Without(problem_, set, k);
+      if (!Adequate(without, set, LeastShare(h), LeastVariance(h))) return false;
+    }
+    return true;
   }
 
   // Of the largest statistic of the whole search, an effect's or a curve's.
@@ -177,13 +213,13 @@ class Assessor {
     const EffectSet beside = FitSet(problem_.evidence, problem_.hypotheses(), std::move(both));
     if (more > out_.chosen.net ||
         beside.net - found.curve.net < Limit(rules::kClearlyMore) * out_.chosen.net) {
-      Refuse(rules::kClearlyMore);
+      Refuse(rules::kClearlyMore, more / with.net);
     }
   }
 
-  void Refuse(const Rule& rule) {
+  void Refuse(const Rule& rule, double value) {
     for (const std::size_t member : out_.chosen.members) {
-      refused_[problem_.hypotheses()[member].name] = rule.id;
+      refused_[problem_.hypotheses()[member].name] = RefusedBy(rule, value);
     }
     out_.chosen = {};
   }
@@ -242,7 +278,8 @@ class Assessor {
     return out;
   }
 
-  bool Constant() {
+  // A set whose size changes with time is refused, and the change is what is unexplained.
+  void RequireConstancy() {
     const EffectSet& set = out_.chosen;
     const Eigen::MatrixXd changing = Changing(problem_.Part(set));
     const Eigen::MatrixXd z = Whiten(likelihood_, changing);
@@ -261,7 +298,7 @@ class Assessor {
     for (Eigen::Index j = 0; j < z.cols(); ++j) all.push_back(j);
     const double net = interaction.Gain(all) - 2.0 * static_cast<double>(z.cols());
     if (net < Limit(rules::kConstancy) * set.net || net < Limit(rules::kExplainedShare) * misfit_) {
-      return true;
+      return;
     }
     out_.unexplained = {.balance = declared_.balance,
                         .variable = "time_s",
@@ -269,7 +306,7 @@ class Assessor {
                         .rms = problem_.scale * identify::Rms(changing * interaction.Solve(all)),
                         .share = net / misfit_,
                         .experiment = ""};
-    return false;
+    Refuse(rules::kConstancy, net / set.net);
   }
 
   // Shapes and coefficients that the recordings show.
@@ -349,14 +386,38 @@ class Assessor {
           out_.chosen.members.begin(), out_.chosen.members.end(),
           [&](std::size_t member) { return problem_.hypotheses()[member].name == h.name; });
       if (!score.accepted) {
-        score.refused = !open                                            ? rules::kGlobalP.id
-                        : refused != refused_.end()                      ? refused->second
-                        : single.net > LeastGain(single.members.front()) ? rules::kShapeMisfit.id
-                        : h.from_rates()                                 ? rules::kCurveShare.id
-                                         : rules::kExplainedShare.id;
+        score.refused = !open                       ? RefusedBy(rules::kGlobalP, out_.p_global)
+                        : refused != refused_.end() ? refused->second
+                                                    : TooLittle(single);
       }
       out_.scores.push_back(std::move(score));
     }
+    for (const EffectSet& single : found.out_of_range) {
+      const Hypothesis& h = problem_.hypotheses()[single.members.front()];
+      CandidateScore score;
+      score.name = h.name;
+      score.psi = h.settings.front().psi;
+      for (const double c : single.c) score.theta.push_back(problem_.scale * c);
+      score.statistic = Statistic(single.gain, single.members.front());
+      score.gain_share = single.net / misfit_;
+      score.refused = RefusedBy(rules::kRange, TimesOutOfRange(problem_.hypotheses(), single));
+      out_.scores.push_back(std::move(score));
+    }
+  }
+
+  // Why an effect that stands in nobody's way is no member.
+  Refusal TooLittle(const EffectSet& single) const {
+    const Hypothesis& h = problem_.hypotheses()[single.members.front()];
+    if (single.net <= LeastGain(single.members.front())) {
+      return RefusedBy(h.from_rates() ? rules::kCurveShare : rules::kExplainedShare,
+                       single.net / misfit_);
+    }
+    // Beside the set, of which it may repeat a part.
+    std::vector<std::size_t> both = out_.chosen.members;
+    both.push_back(single.members.front());
+    const EffectSet beside = FitSet(problem_.evidence, problem_.hypotheses(), std::move(both));
+    const double more = beside.net - out_.chosen.net;
+    return RefusedBy(rules::kShapeMisfit, out_.chosen.net > 0.0 ? more / out_.chosen.net : 1.0);
   }
 
   const Problem& problem_;
@@ -366,7 +427,7 @@ class Assessor {
   const BootstrapOptions bootstrap_;
   const std::set<std::string>& refuted_;
   const double misfit_;
-  std::map<std::string, const char*> refused_;
+  std::map<std::string, Refusal> refused_;
   SetAssessment out_;
 };
 

@@ -22,7 +22,7 @@ struct SetAssessment {
   EffectSet chosen;                    // may be empty
   std::vector<Posterior> posteriors;   // of every member
   Unexplained unexplained;             // variable empty: nothing
-  std::vector<CandidateScore> scores;  // best first; refused: the rule's id
+  std::vector<CandidateScore> scores;  // best first; those out of their range last
 };
 
 struct BootstrapOptions {

@@ -128,8 +128,10 @@ TraceResult WithBalance(TraceResult motion, TraceResult other) {
   }
   other.corrected.balance = motion.corrected.balance;
   motion.corrected = std::move(other.corrected);
-  for (FoundEffect& effect : other.effects) motion.effects.push_back(std::move(effect));
-  for (FoundEffect& effect : other.refuted) motion.refuted.push_back(std::move(effect));
+  for (auto list : {&TraceResult::effects, &TraceResult::open, &TraceResult::refuted}) {
+    for (FoundEffect& effect : other.*list) (motion.*list).push_back(std::move(effect));
+    SortByGain(&(motion.*list));
+  }
   for (DetectableSize& size : other.detectable) motion.detectable.push_back(std::move(size));
   for (ParameterShift& shift : other.shifts) motion.shifts.push_back(std::move(shift));
   // An effect with a form in both balances is seen when either shows it, and listed once.

@@ -1,6 +1,9 @@
 #include "components/model/trace/band.h"
 
+#include <algorithm>
+#include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "components/model/identify/balance.h"
 #include "components/model/identify/design.h"
@@ -78,6 +81,45 @@ identify::ProcessingOptions BandOfLeastResidual(const std::vector<types::Run>& t
     follow(1.0 / std::numbers::sqrt2, kNarrower[motor ? 0 : 1]);
   }
   return best.options();
+}
+
+double ContactGuard(const std::vector<types::Run>& train, const actuator::JointModel& joint,
+                    const identify::ProcessingOptions& options) {
+  if (!(joint.backlash_rad > 0.0) || !options.raw) return 0.0;
+  const identify::Design design(identify::MakeStates(train, joint, options), options);
+  const identify::Balance balance = identify::MakeBalance(design, joint);
+  std::vector<std::pair<double, double>> rows;  // time from contact, residual
+  const std::vector<Eigen::Index> used = design.rows().UsedRows();
+  const Eigen::MatrixXd X = balance.columns(used, Eigen::all);
+  const Eigen::VectorXd target = balance.target(used);
+  const Eigen::VectorXd left = identify::LeftBy(X, target);
+  for (std::size_t k = 0; k < used.size(); ++k) {
+    const auto i = static_cast<std::size_t>(used[k]);
+    const identify::StateSegment& segment =
+        design.states().segments[static_cast<std::size_t>(design.rows().segment[i])];
+    if (segment.from_contact_s.empty()) return 0.0;
+    rows.emplace_back(segment.from_contact_s[static_cast<std::size_t>(design.rows().sample[i])],
+                      left[static_cast<Eigen::Index>(k)]);
+  }
+  std::sort(rows.begin(), rows.end());
+  // In parts of a fiftieth of the rows; the farther half is far.
+  constexpr std::size_t kParts = 50;
+  constexpr double kLouder = 1.1;
+  const std::size_t count = rows.size() / kParts;
+  if (count < 20) return 0.0;
+  const auto scale = [&](std::size_t first, std::size_t last) {
+    std::vector<double> values;
+    for (std::size_t k = first; k < last; ++k) values.push_back(rows[k].second);
+    return identify::RobustDeviation(std::move(values));
+  };
+  const double far = scale(rows.size() / 2, rows.size());
+  double guard_s = 0.0;
+  for (std::size_t part = 0; 3 * (part + 1) <= kParts; ++part) {
+    const std::size_t first = part * count;
+    if (scale(first, first + count) < kLouder * far) break;
+    guard_s = rows[first + count - 1].first;
+  }
+  return std::isfinite(guard_s) ? guard_s : 0.0;
 }
 
 }  // namespace sinew::trace

@@ -30,4 +30,10 @@ identify::ProcessingOptions BandOfLeastResidual(const std::vector<types::Run>& t
                                                 const actuator::JointModel& joint,
                                                 double longest_gap_s);
 
+// How long after a contact of the teeth the residual of the declared terms is louder than far away
+// from it, by more than a tenth, s; 0: it is not, or the gear is rigid. At most so long that two
+// thirds of the rows remain.
+double ContactGuard(const std::vector<types::Run>& train, const actuator::JointModel& joint,
+                    const identify::ProcessingOptions& options);
+
 }  // namespace sinew::trace

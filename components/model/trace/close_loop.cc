@@ -15,6 +15,7 @@ namespace {
 void DropFindings(LoopResult* loop) {
   TraceResult& trace = loop->trace;
   trace.effects.clear();
+  trace.open.clear();
   trace.events.clear();
   trace.shifts.clear();
   trace.unexplained = {};
@@ -46,8 +47,12 @@ LoopResult Analyse(const std::vector<types::Run>& train, const std::vector<types
   // Holds are not filtered: where only those are trained on, the held-out recordings fill in what
   // is theirs alone.
   const bool held = train.front().held;
-  loop.processing = held ? identify::FromMotion(held_out, joint, longest_gap_s)
-                         : BandOfLeastResidual(train, held_out, joint, longest_gap_s);
+  loop.processing = held               ? identify::FromMotion(held_out, joint, longest_gap_s)
+                    : given.processing ? identify::Resolve(*given.processing, train)
+                                       : BandOfLeastResidual(train, held_out, joint, longest_gap_s);
+  if (!held && given.engine == Engine::kEvidence) {
+    loop.processing.contact_guard_s = ContactGuard(train, joint, loop.processing);
+  }
   loop.train.emplace(identify::MakeStates(train, joint, loop.processing), loop.processing);
   loop.held_out.emplace(identify::MakeStates(held_out, joint, loop.processing), loop.processing);
   if (!held) {

@@ -53,6 +53,21 @@ Eigen::VectorXd Evidence::Solve(const Columns& columns) const {
   return A.ldlt().solve(m);
 }
 
+double Evidence::Occam(const Columns& columns) const {
+  if (columns.empty()) return 0.0;
+  Eigen::MatrixXd A = Part(G_, columns);
+  double out = 0.0;
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    const double prior = precision_[columns[k]] + kRidge * power_[columns[k]] + 1e-300;
+    A(i, i) += prior;
+    out -= std::log(prior);
+  }
+  const Eigen::VectorXd d = A.ldlt().vectorD();
+  for (const double value : d) out += std::log(std::max(value, 1e-300));
+  return std::max(0.0, out);
+}
+
 double Evidence::Gain(const Columns& columns) const {
   if (columns.empty()) return 0.0;
   const Eigen::VectorXd c = Solve(columns);

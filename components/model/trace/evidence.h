@@ -33,10 +33,17 @@ class Evidence {
            const Eigen::Ref<const Eigen::MatrixXd>& Z, const Eigen::VectorXd& precision_of_Z,
            const Eigen::Ref<const Eigen::VectorXd>& y);
 
+  // Sets are compared by their marginal likelihood (Occam).
+  bool marginal() const { return marginal_; }
+  void UseMarginal() { marginal_ = true; }
+
   // Misfit of the declared terms alone, at their best.
   double misfit() const { return misfit_; }
   // Part of the misfit that is the priors' of the declared terms, with those columns of Z.
   double PriorMisfit(const Columns& columns, const Eigen::VectorXd& c) const;
+  // What the prior widths of columns cost their marginal likelihood, twice its logarithm:
+  // ln det(G + Q) - ln det Q.
+  double Occam(const Columns& columns) const;
   // Misfit that the columns of Z take away; >= 0.
   double Gain(const Columns& columns) const;
   // Their coefficients where the misfit is least, and the covariance of white noise.
@@ -61,6 +68,7 @@ class Evidence {
   Prior prior_;        // of the declared columns
   Eigen::VectorXd precision_, power_;
   double misfit_ = 0.0;
+  bool marginal_ = false;
 };
 
 }  // namespace sinew::trace

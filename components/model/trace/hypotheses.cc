@@ -21,8 +21,6 @@ using effects::EffectInfo;
 using identify::Rms;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// Misfit a free parameter takes from white noise alone, twice over: Akaike's criterion.
-constexpr double kChargePerParameter = 2.0;
 // Lines of one effect that are looked for, and the share of the first one's gain that each needs:
 // an imperfect model leaves many. What is left of a map of held positions is noise: all lines
 // count.
@@ -48,6 +46,10 @@ constexpr double kWaves[] = {1.0, 2.0, 3.0, 4.0};
 // Settings of one effect that are asked for beside others: those of a resonance lie closer than
 // its shape differs, so the loudest stand for the rest.
 constexpr std::size_t kMostSettings = 12;
+
+// Prior standard deviation of a coefficient over that with which its column alone would reach the
+// highest torque that was seen: effects that cancel each other in part are larger than their sum.
+constexpr double kTimesSeen = 3.0;
 
 class Builder {
  public:
@@ -117,17 +119,17 @@ class Builder {
     for (std::size_t i = 0; i < columns.size(); ++i) {
       const effects::ParameterInfo& parameter = info.linear[i];
       const double unit = std::abs(parameter.relative_to_drive ? scale_ / drive_share_ : scale_);
-      // Whatever the catalogue allows, no effect is stronger than what the machine was seen to do.
+      // An effect much stronger than what the machine was seen to do is not to be expected.
       const double peak = bank_.columns.col(columns[i]).cwiseAbs().maxCoeff();
-      double largest = peak > 0.0 ? target_peak_ / peak : 0.0;
+      double seen = peak > 0.0 ? target_peak_ / peak : 0.0;
       // A torque needs no column to be compared with it: friction of which the used rows are too
       // fast to see more than a trace is no larger, either.
-      if (parameter.dimension == effects::Dimension::kTorque) {
-        largest = std::min(largest, target_peak_);
-      }
+      if (parameter.dimension == effects::Dimension::kTorque) seen = std::min(seen, target_peak_);
+      double& spread = bank_.spread[columns[i]];
+      spread = std::min(spread, kTimesSeen * seen);
       const Range range = RangeOnAnyMachine(parameter);
-      h->lower.push_back(std::clamp(std::min(range.lower, 0.0) / unit, -largest, largest));
-      h->upper.push_back(std::clamp(std::max(range.upper, 0.0) / unit, -largest, largest));
+      h->lower.push_back(std::min(range.lower, 0.0) / unit);
+      h->upper.push_back(std::max(range.upper, 0.0) / unit);
       if (!info.follows_record) continue;
       // The drive's rate counts over the delay itself, within a factor of two; without a span up to
       // half a period of the fastest motion that the angles show.
@@ -234,7 +236,7 @@ Bank MakeBank(const identify::Design& design, const Likelihood& likelihood,
   bank.parameters = balance.columns.cols();
   bank.columns.resize(used.size(), 0);
 
-  const Nuisances nuisances = MakeNuisances(design, used, model, likelihood.no_nuisance);
+  const Nuisances nuisances = MakeNuisances(design, likelihood, model);
   const Eigen::Index extra = nuisances.columns.cols();
   bank.declared.resize(used.size(), bank.parameters + extra);
   bank.declared << used.Of(balance.columns), nuisances.columns;

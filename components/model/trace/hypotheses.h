@@ -16,6 +16,9 @@
 
 namespace sinew::trace {
 
+// Misfit that a free parameter takes from white noise alone, twice over: Akaike's criterion.
+inline constexpr double kChargePerParameter = 2.0;
+
 // A term of the model with its setting; several for an effect of several orders.
 struct TermSetting {
   std::vector<double> psi;

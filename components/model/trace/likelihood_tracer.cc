@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <iterator>
 #include <set>
 #include <string>
 
 #include "components/model/trace/agreed_set.h"
 #include "components/model/trace/assessment.h"
+#include "components/model/trace/facts.h"
 #include "components/model/trace/reported.h"
 #include "components/model/trace/rules.h"
 #include "components/model/trace/sensitivity.h"
@@ -28,11 +28,6 @@ constexpr std::size_t kConvincingBlocks = 6;
 // accident.
 constexpr int kMostAssessments = 3;
 
-// Rows that a model says could not have been driven, at most. The cubic of
-// torque_constant_saturation has its maximum where a third is lost, a real drive levels off: 0.2 to
-// 3 % of the rows of true ones were beyond it (rigs 31-90), 18 % where the name was wrong (XL330).
-constexpr double kMostBeyondDrive = 0.05;
-
 // Searches the sets without the effects of these names.
 using AssessBy = std::function<SetAssessment(const std::set<std::string>& refuted)>;
 
@@ -49,13 +44,14 @@ std::optional<std::size_t> Weakest(const std::vector<FoundEffect>& found, Asked 
 
 class Correction {
  public:
-  // assessed: the likelihood of the search; base: the declared terms as reported.
-  Correction(Design& train, Design& held_out, const Likelihood& assessed, const LikelihoodFit& base,
-             const Problem& problem, const actuator::JointModel& declared,
-             const TraceOptions& options)
+  // searched: likelihood and fit of the search; base: the declared terms as reported.
+  Correction(Design& train, Design& held_out, const LikelihoodFit& searched,
+             const LikelihoodFit& base, const Problem& problem,
+             const actuator::JointModel& declared, const TraceOptions& options)
       : train_(train),
         held_out_(held_out),
-        whitened_(assessed),
+        whitened_(searched.likelihood),
+        searched_(searched.fit),
         base_(base),
         problem_(problem),
         declared_(declared),
@@ -134,11 +130,10 @@ class Correction {
     }
   }
 
-  // What the held-out recordings leave open is reported, but no part of the model: the weakest
+  // What the held-out recordings do not confirm is reported, but no part of the model: the weakest
   // leaves, and the others are confirmed anew without it. Its events stay known.
   void LeaveUnconfirmed(TraceResult* result) {
     std::vector<FoundEffect>& found = result->effects;
-    std::vector<FoundEffect> open;
     while (!found.empty()) {
       const std::optional<std::size_t> leaves = Weakest(found, [](const FoundEffect& effect) {
         return effect.confirmation.verdict != ConfirmationVerdict::kConfirmed;
@@ -146,15 +141,15 @@ class Correction {
       if (!leaves) break;
       FoundEffect effect = std::move(found[*leaves]);
       effect.term = -1;
-      // It was not refuted in the company in which it was chosen.
-      effect.confirmation.verdict = ConfirmationVerdict::kNotConfirmed;
-      open.push_back(std::move(effect));
+      const bool refuted = effect.confirmation.verdict == ConfirmationVerdict::kRefuted;
+      if (!effect.score || *effect.score >= Limit(rules::kOpen)) {
+        (refuted ? result->refuted : result->open).push_back(std::move(effect));
+      }
       Leave(*leaves);
       found.clear();
       if (!set_.empty()) Fit();
       for (std::size_t k = 0; k < set_.members.size(); ++k) found.push_back(Describe(k));
     }
-    std::move(open.begin(), open.end(), std::back_inserter(found));
   }
 
   double HeldOutError() const {
@@ -163,9 +158,9 @@ class Correction {
 
   // Could the motion have been driven, had the fitted model been true? held_out_error: its own.
   bool Drivable(double held_out_error) const {
-    return train_.beyond_drive() <= kMostBeyondDrive &&
-           held_out_.beyond_drive() <= kMostBeyondDrive && std::isfinite(held_out_error);
+    return BeyondDrive() <= Limit(rules::kBeyondDrive) && std::isfinite(held_out_error);
   }
+  double BeyondDrive() const { return std::max(train_.beyond_drive(), held_out_.beyond_drive()); }
 
   // Where the drive cannot give what the set asks of it: the first member without which it can.
   std::optional<std::size_t> RunningAway() {
@@ -195,6 +190,8 @@ class Correction {
   // against the noise that the set leaves, not against the set itself.
   // What is reported is fitted to the plain error; what was chosen has to show by its own weights.
   void Fit() {
+    PredictDrive(searched_.model);
+    FindFacts();
     likelihood_ = base_.likelihood;
     actuator::JointModel model = ModelWith(declared_, problem_, set_, &terms_);
     chosen_ = RefineWhitened(train_, whitened_, model);
@@ -252,12 +249,75 @@ class Correction {
     found.held_out_after = HeldOutError();
     found.confirmation =
         trace::Confirm(held_out_, LikelihoodOf(held_out_, corrected_, 0), without, corrected_);
-    const bool raises = found.held_out_after > Limit(rules::kRaises) * found.held_out_before;
-    if (!Drivable(found.held_out_after) || raises || !DiffersFromZero(corrected_, k) ||
-        !DiffersFromZero(chosen_, k) || RaisesTheWhole(without.model, found.confirmation)) {
+    if (facts_ && k < facts_->size() && options_.engine == Engine::kEvidence) {
+      Score((*facts_)[k], &found);
+      return found;
+    }
+    if (std::optional<Refusal> refusal = Refute(k, without.model, found)) {
       found.confirmation.verdict = ConfirmationVerdict::kRefuted;
+      found.refusal = std::move(*refusal);
+    } else if (found.confirmation.verdict == ConfirmationVerdict::kRefuted) {
+      found.refusal = RefusedBy(rules::kRefutedBelow, found.confirmation.upper);
+    } else if (found.confirmation.verdict == ConfirmationVerdict::kNotConfirmed) {
+      const double below = 1.0 - found.confirmation.upper, above = found.confirmation.lower - 1.0;
+      found.refusal = RefusedBy(rules::kSlopeBand, std::max({0.0, below, above}));
     }
     return found;
+  }
+
+  // By the score of its facts; what the drive cannot give or what raises the error is refuted.
+  void Score(const Facts& facts, FoundEffect* found) const {
+    found->score = facts.Score();
+    found->curve = facts.curve;
+    Confirmation& said = found->confirmation;
+    if (facts.slope) {
+      const double half = 1.96 * facts.error;
+      said = {ConfirmationVerdict::kNotConfirmed, *facts.slope, *facts.slope - half,
+              *facts.slope + half, std::max(1, said.blocks)};
+    }
+    const double rise = found->held_out_after / found->held_out_before;
+    if (!Drivable(found->held_out_after)) {
+      said.verdict = ConfirmationVerdict::kRefuted;
+      found->refusal = RefusedBy(rules::kBeyondDrive, BeyondDrive());
+    } else if (rise > Limit(rules::kRaises)) {
+      said.verdict = ConfirmationVerdict::kRefuted;
+      found->refusal = RefusedBy(rules::kRaises, rise);
+    } else if (*found->score >= Limit(rules::kScore)) {
+      said.verdict = ConfirmationVerdict::kConfirmed;
+    } else {
+      said.verdict = ConfirmationVerdict::kNotConfirmed;
+      found->refusal = RefusedBy(rules::kScore, *found->score);
+    }
+  }
+
+  // Facts of every member of the set, by the drive that the declared terms need.
+  void FindFacts() {
+    facts_.reset();
+    if (options_.engine != Engine::kEvidence) return;
+    facts_.emplace();
+    for (std::size_t k = 0; k < set_.members.size(); ++k) {
+      facts_->push_back(
+          FactsOf(problem_, set_, k, held_out_, searched_.model, whitened_.keep_scale, whitened_));
+    }
+  }
+
+  // The rule beside the held-out slope that decides against member k.
+  std::optional<Refusal> Refute(std::size_t k, const actuator::JointModel& without,
+                                const FoundEffect& found) const {
+    if (!Drivable(found.held_out_after)) return RefusedBy(rules::kBeyondDrive, BeyondDrive());
+    if (found.held_out_after > Limit(rules::kRaises) * found.held_out_before) {
+      return RefusedBy(rules::kRaises, found.held_out_after / found.held_out_before);
+    }
+    const double size = std::min(SizeOverInterval(corrected_, k), SizeOverInterval(chosen_, k));
+    if (!(size > Limit(rules::kInterval))) return RefusedBy(rules::kInterval, size);
+    // Everything that the joint is part of may lose by what helps the joint alone.
+    if (!options_.held_out_error || found.confirmation.verdict == ConfirmationVerdict::kRefuted) {
+      return std::nullopt;
+    }
+    const double whole =
+        options_.held_out_error(corrected_.model) / options_.held_out_error(without);
+    if (whole > Limit(rules::kRaises)) return RefusedBy(rules::kRaises, whole);
+    return std::nullopt;
   }
 
   // A member's terms taken out, priors of what was declared.
@@ -269,26 +329,25 @@ class Correction {
     return out;
   }
 
-  // Everything that the joint is part of may lose by what helps the joint alone.
-  bool RaisesTheWhole(const actuator::JointModel& without, const Confirmation& alone) const {
-    if (!options_.held_out_error || alone.verdict == ConfirmationVerdict::kRefuted) return false;
-    return options_.held_out_error(corrected_.model) >
-           Limit(rules::kRaises) * options_.held_out_error(without);
-  }
-
-  // Does the interval of any size of a member leave zero out?
-  bool DiffersFromZero(const FitResult& fit, std::size_t k) const {
-    return std::any_of(terms_[k].begin(), terms_[k].end(), [&](int term) {
-      const auto& sizes = fit.model.terms[static_cast<std::size_t>(term)].linear;
-      return std::any_of(sizes.begin(), sizes.end(), [](const actuator::ParameterValue& size) {
-        return std::abs(size.value) > Limit(rules::kInterval) * size.half_width_95.value_or(0.0);
-      });
-    });
+  // The largest size of a member over the half width of its interval.
+  double SizeOverInterval(const FitResult& fit, std::size_t k) const {
+    double out = 0.0;
+    for (const int term : terms_[k]) {
+      for (const actuator::ParameterValue& size :
+           fit.model.terms[static_cast<std::size_t>(term)].linear) {
+        const double half = size.half_width_95.value_or(0.0);
+        if (size.value == 0.0) continue;
+        out = std::max(out, half > 0.0 ? std::abs(size.value) / half : rules::kNever);
+      }
+    }
+    return out;
   }
 
   Design& train_;
   Design& held_out_;
   const Likelihood& whitened_;
+  const FitResult& searched_;
+  std::optional<std::vector<Facts>> facts_;  // of the set's members
   const LikelihoodFit& base_;
   const Problem& problem_;
   SetAssessment assessed_;
@@ -303,18 +362,18 @@ class Correction {
   std::vector<std::vector<int>> terms_;  // of the corrected model, by member
 };
 
-// Accepted is what was confirmed or at least not refuted; the rest names its rule.
+// Accepted is what is in the model; the rest names its rule.
 void NoteOutcome(const TraceResult& result, std::vector<CandidateScore>* scores) {
   const auto holds = [](const std::vector<FoundEffect>& found, const std::string& name) {
-    return std::any_of(found.begin(), found.end(),
-                       [&](const FoundEffect& effect) { return effect.name == name; });
+    const auto at = std::find_if(found.begin(), found.end(),
+                                 [&](const FoundEffect& effect) { return effect.name == name; });
+    return at == found.end() ? nullptr : &*at;
   };
   for (CandidateScore& score : *scores) {
-    score.accepted = holds(result.effects, score.name);
-    if (score.accepted) {
-      score.refused.clear();
-    } else if (holds(result.refuted, score.name)) {
-      score.refused = rules::kRefutedBelow.id;
+    score.accepted = holds(result.effects, score.name) != nullptr;
+    if (score.accepted) score.refused = {};
+    for (const auto* list : {&result.open, &result.refuted}) {
+      if (const FoundEffect* found = holds(*list, score.name)) score.refused = found->refusal;
     }
   }
 }
@@ -322,7 +381,9 @@ void NoteOutcome(const TraceResult& result, std::vector<CandidateScore>* scores)
 // Effects that are found, and those that stand out of noise by the whole search's own limit.
 std::set<std::string> Shown(const TraceResult& result, double least_statistic) {
   std::set<std::string> out;
-  for (const FoundEffect& found : result.effects) out.insert(found.name);
+  for (const auto* list : {&result.effects, &result.open}) {
+    for (const FoundEffect& found : *list) out.insert(found.name);
+  }
   for (const CandidateScore& score : result.rounds.front().scores) {
     if (score.statistic >= least_statistic) out.insert(score.name);
   }
@@ -337,7 +398,7 @@ TraceResult TraceByLikelihood(Design& train, Design& held_out, const actuator::J
     if (options.progress) options.progress(what, share);
   };
   progress("refit of the declared terms, noise", 0.05);
-  const LikelihoodFit base = EstimateLikelihood(&train, model);
+  const LikelihoodFit base = EstimateLikelihood(&train, model, options.engine);
   held_out.UsePredictedRate(base.likelihood.predicted_rate);
   held_out.PredictDrive(base.fit.model);
   progress("columns", 0.4);
@@ -349,6 +410,8 @@ TraceResult TraceByLikelihood(Design& train, Design& held_out, const actuator::J
   result.declared_fit = reported.fit;
   result.blocks = static_cast<int>(base.likelihood.used.blocks.size());
   result.block_length_s = base.likelihood.used.block_s;
+  result.rows = train.rows().size();
+  result.used_rows = base.likelihood.used.size();
   NoteErrors(reported, base.fit.model, &train, &held_out, &result);
 
   RoundReport round;
@@ -358,7 +421,7 @@ TraceResult TraceByLikelihood(Design& train, Design& held_out, const actuator::J
   result.rounds.push_back(std::move(round));
 
   progress("sets of effects and their confirmation", 0.5);
-  Correction correction(train, held_out, base.likelihood, reported, problem, model, options);
+  Correction correction(train, held_out, base, reported, problem, model, options);
   const BootstrapOptions bootstrap{.rounds = options.sign_flip_rounds * options.searches,
                                    .searches = options.searches,
                                    .seed = options.seed};
@@ -389,9 +452,12 @@ TraceResult TraceByLikelihood(Design& train, Design& held_out, const actuator::J
   result.after_held_out = identify::ErrorOf(held_out, result.corrected, model);
   const CandidateSet all = MakeCandidates(train, result.corrected);
   result.shifts = FindShifts(train, model, result.corrected_fit, all.candidates);
-  result.verdict = !result.effects.empty()                ? Verdict::kEffect
-                   : !result.unexplained.variable.empty() ? Verdict::kUnexplained
-                                                          : Verdict::kNone;
+  for (auto* list : {&result.effects, &result.open, &result.refuted}) SortByGain(list);
+  const bool unexplained = !result.unexplained.variable.empty() || !result.open.empty() ||
+                           (!result.refuted.empty() && !NearNoise(result));
+  result.verdict = !result.effects.empty() ? Verdict::kEffect
+                   : unexplained           ? Verdict::kUnexplained
+                                           : Verdict::kNone;
   return result;
 }
 

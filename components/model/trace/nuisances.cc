@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "components/model/identify/gas.h"
+#include "components/model/identify/iir_filter.h"
+#include "components/model/trace/whitened_fit.h"
 
 namespace sinew::trace {
 
@@ -21,14 +24,18 @@ constexpr double kOpeningSpread = 0.5 * identify::kOpeningSamples;
 // Teeth, bearings and the encoder's own mounting give: counts of the encoder at the torque's rms.
 constexpr double kGivingCounts = 1.0;
 
+// Delay between drive and angles that any recording has.
+constexpr double kLeastLag_s = 0.3e-3, kLagSamples = 0.03;
+
 // Every contact yields a little before it slides: over some counts of the encoder.
 constexpr double kFewCounts = 8.0;
 
-double Spread(const identify::Design& design, const actuator::JointModel& model,
+double Spread(const identify::Design& design, const actuator::JointModel& model, Engine engine,
               const EffectInfo& info, const Eigen::VectorXd& column) {
   const double period_s = 1.0 / design.states().rate_Hz;
   switch (info.smallest) {
     case Smallest::kTenthOfSample:
+      if (engine == Engine::kEvidence) return std::max(kLeastLag_s, kLagSamples * period_s);
       return kSkewSamples * period_s;
     case Smallest::kOpening:
       return kOpeningSpread * period_s;
@@ -73,12 +80,159 @@ double GivingLength(const effects::JointConstants& constants) {
   return counts > 0.0 ? kFewCounts * 2.0 * std::numbers::pi / counts : 0.0;
 }
 
-Nuisances MakeNuisances(const identify::Design& design, const UsedRows& used,
-                        const actuator::JointModel& model,
-                        const std::vector<std::string>& left_out) {
-  Nuisances out;
+namespace {
+
+// Nuisances as they are put together.
+struct Collected {
+  std::vector<std::string> names;
   std::vector<Eigen::VectorXd> columns;
   std::vector<double> spread;
+
+  void Add(std::string name, Eigen::VectorXd column, double own) {
+    if (!(own > 0.0) || !column.allFinite() || !(column.squaredNorm() > 0.0)) return;
+    names.push_back(std::move(name));
+    columns.push_back(std::move(column));
+    spread.push_back(own);
+  }
+};
+
+double SumOf(const actuator::JointModel& model, const std::vector<const char*>& names) {
+  double sum = 0.0;
+  for (const char* name : names) {
+    const int at = model.Find(name, model.balance);
+    if (at >= 0) sum += std::abs(model.terms[static_cast<std::size_t>(at)].linear.front().value);
+  }
+  return sum;
+}
+
+double Sign(double x) { return static_cast<double>(x > 0.0) - static_cast<double>(x < 0.0); }
+
+// What no machine of this size is without, as standard deviations relative to it.
+class OfMachine {
+ public:
+  OfMachine(const identify::Design& design, const UsedRows& used, const actuator::JointModel& model)
+      : design_(design), used_(used), model_(model), friction_(DryFriction(model)) {
+    inertia_ = identify::NominalInertia(model, effects::Side::kOutput) +
+               identify::NominalInertia(model, effects::Side::kMotor);
+    viscous_ = SumOf(model, {"viscous", "motor_viscous"});
+    gravity_ = SumOf(model, {"gravity"});
+    gain_ = std::abs(identify::NominalDriveGain(model));
+    for (const Eigen::Index row : used.rows) {
+      const double time_s = design.rows().time_s[row];
+      auto [at, fresh] = span_.try_emplace(design.rows().RunOf(row), time_s, time_s);
+      at->second.first = std::min(at->second.first, time_s);
+      at->second.second = std::max(at->second.second, time_s);
+    }
+  }
+
+  void AddTo(Collected* out) const {
+    const Eigen::VectorXd drive =
+        gain_ * Of([](const effects::JointSample& x) { return x.drive_input; });
+    const double level = kLevel * std::sqrt(drive.squaredNorm() / std::max(1.0, Count()));
+    const Eigen::VectorXd side =
+        Of([](const effects::JointSample& x) { return Sign(x.velocity_rad_s); });
+    for (const auto& [run, span] : span_) {
+      const Eigen::VectorXd one = InRun(run, false), time = InRun(run, true);
+      const std::string name = design_.states().run_names.at(run);
+      out->Add("level of " + name, one, level);
+      out->Add("drift of " + name, time, level);
+      out->Add("friction over time of " + name, side.cwiseProduct(time),
+               kFrictionDrift * friction_);
+    }
+    AddBristles(out);
+    AddLowPass(out);
+    out->Add("jerk", Of([](const effects::JointSample& x) { return x.jerk_rad_s3; }),
+             kJerk_s * inertia_);
+    const Eigen::VectorXd v = Of([](const effects::JointSample& x) { return x.velocity_rad_s; });
+    const double quick = v.cwiseAbs().maxCoeff();
+    if (quick > 0.0) {
+      out->Add("bent viscous", v.cwiseProduct(v.cwiseAbs()) / quick, kBent * viscous_);
+    }
+    const double load = drive.cwiseAbs().maxCoeff();
+    if (load > 0.0) {
+      out->Add("mesh", side.cwiseProduct(drive.cwiseAbs()),
+               std::max(kMesh, kMeshFriction * friction_ / load));
+    }
+    out->Add("tilt", Of([](const effects::JointSample& x) { return std::sin(x.position_rad); }),
+             kTilt_rad * gravity_);
+  }
+
+ private:
+  static constexpr double kLevel = 0.0012;                 // of the drive's rms
+  static constexpr double kFrictionDrift = 0.01;           // of the dry friction
+  static constexpr double kBristles[] = {0.0005, 0.0015};  // of the stroke
+  static constexpr double kBristleFriction = 0.5;          // of the dry friction
+  static constexpr double kNarrower = 0.6, kNarrowerShare = 0.3;
+  static constexpr double kJerk_s = 0.5e-3;
+  static constexpr double kBent = 0.02;
+  static constexpr double kMesh = 0.003, kMeshFriction = 0.03;
+  static constexpr double kTilt_rad = 4e-3;
+
+  template <class Function>
+  Eigen::VectorXd Of(Function f) const {
+    return design_.Column(f)(used_.rows);
+  }
+  double Count() const { return static_cast<double>(used_.size()); }
+
+  // 1, or the time from -1 to 1, in one recording.
+  Eigen::VectorXd InRun(std::size_t run, bool time) const {
+    const auto [first, last] = span_.at(run);
+    Eigen::VectorXd out = Eigen::VectorXd::Zero(used_.size());
+    for (Eigen::Index k = 0; k < used_.size(); ++k) {
+      const Eigen::Index row = used_.rows[static_cast<std::size_t>(k)];
+      if (design_.rows().RunOf(row) != run) continue;
+      out[k] = !time          ? 1.0
+               : last > first ? 2.0 * (design_.rows().time_s[row] - first) / (last - first) - 1.0
+                              : 0.0;
+    }
+    return out;
+  }
+
+  void AddBristles(Collected* out) const {
+    const Eigen::VectorXd q = Of([](const effects::JointSample& x) { return x.position_rad; });
+    const double stroke = q.size() > 0 ? q.maxCoeff() - q.minCoeff() : 0.0;
+    const auto effect = effects::MakeEffect("presliding", model_.constants);
+    for (const double share : kBristles) {
+      const std::vector<double> psi = {share * stroke};
+      if (!(psi.front() > 0.0)) continue;
+      out->Add("bristles", -design_.Columns(*effect, psi).col(0)(used_.rows),
+               kBristleFriction * friction_);
+    }
+  }
+
+  // What the low-pass of the angles, and a narrower one, take from the acceleration.
+  void AddLowPass(Collected* out) const {
+    const identify::ProcessingOptions& options = design_.options();
+    for (const auto& [factor, share] :
+         {std::pair{1.0, 1.0}, std::pair{kNarrower, kNarrowerShare}}) {
+      std::vector<Eigen::VectorXd> cut;
+      for (const identify::StateSegment& segment : design_.states().segments) {
+        Eigen::VectorXd a(segment.size());
+        for (Eigen::Index i = 0; i < a.size(); ++i) {
+          a[i] = segment.samples[static_cast<std::size_t>(i)].acceleration_rad_s2;
+        }
+        cut.push_back(a - identify::Smooth(a, options.state_order, factor * options.state_cutoff_Hz,
+                                           1.0 / segment.period_s));
+      }
+      out->Add("low-pass", design_.ThroughFilter(cut)(used_.rows), share * inertia_);
+    }
+  }
+
+  const identify::Design& design_;
+  const UsedRows& used_;
+  const actuator::JointModel& model_;
+  double friction_ = 0.0, inertia_ = 0.0, viscous_ = 0.0, gravity_ = 0.0, gain_ = 1.0;
+  std::map<std::size_t, std::pair<double, double>> span_;  // of the used rows, s
+};
+
+}  // namespace
+
+Nuisances MakeNuisances(const identify::Design& design, const Likelihood& likelihood,
+                        const actuator::JointModel& model) {
+  const UsedRows& used = likelihood.used;
+  const std::vector<std::string>& left_out = likelihood.no_nuisance;
+  Nuisances out;
+  Collected found;
   for (const auto& [name, balance] : effects::EffectForms()) {
     if (balance != model.balance || model.Find(name, balance) >= 0) continue;
     if (std::find(left_out.begin(), left_out.end(), name) != left_out.end()) continue;
@@ -96,23 +250,24 @@ Nuisances MakeNuisances(const identify::Design& design, const UsedRows& used,
       if (!(psi.front() > 0.0)) continue;
     }
     const Eigen::VectorXd column = -design.Columns(*effect, psi).col(0)(used.rows);
-    const double own = Spread(design, model, info, column);
-    if (!(own > 0.0) || !column.allFinite()) continue;
-    out.names.push_back(name);
-    columns.push_back(column);
-    spread.push_back(own);
+    found.Add(name, column, Spread(design, model, likelihood.engine, info, column));
+  }
+  if (likelihood.engine == Engine::kEvidence && model.balance == effects::Balance::kMotion &&
+      !design.held()) {
+    OfMachine(design, used, model).AddTo(&found);
   }
   const bool refit = model.balance == effects::Balance::kMotion &&
                      std::find(left_out.begin(), left_out.end(), kRigidBodies) == left_out.end();
   const identify::StateSet& states = design.states();
-  const auto count = static_cast<Eigen::Index>(columns.size());
+  out.names = found.names;
+  const auto count = static_cast<Eigen::Index>(found.columns.size());
   const Eigen::Index rigid = refit ? states.rigid_spread.size() : 0;
   out.columns.resize(used.size(), count + rigid);
   out.mean = Eigen::VectorXd::Zero(count + rigid);
   out.spread.resize(count + rigid);
   for (Eigen::Index k = 0; k < count; ++k) {
-    out.columns.col(k) = columns[static_cast<std::size_t>(k)];
-    out.spread[k] = spread[static_cast<std::size_t>(k)];
+    out.columns.col(k) = found.columns[static_cast<std::size_t>(k)];
+    out.spread[k] = found.spread[static_cast<std::size_t>(k)];
   }
   if (rigid > 0) {
     out.columns.rightCols(rigid) = used.Of(design.RigidColumns());

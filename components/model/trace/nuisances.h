@@ -14,6 +14,8 @@
 
 namespace sinew::trace {
 
+struct Likelihood;  // whitened_fit.h
+
 struct Nuisances {
   Eigen::MatrixXd columns;         // used rows, with the sign of a balance's columns
   Eigen::VectorXd mean, spread;    // prior of each coefficient; spread 0: flat
@@ -32,8 +34,7 @@ inline constexpr const char* kRigidBodies = "rigid_body";
 
 // Of the model's balance; what the model holds as a term is no nuisance, nor is what is left out by
 // name.
-Nuisances MakeNuisances(const identify::Design& design, const UsedRows& used,
-                        const actuator::JointModel& model,
-                        const std::vector<std::string>& left_out);
+Nuisances MakeNuisances(const identify::Design& design, const Likelihood& likelihood,
+                        const actuator::JointModel& model);
 
 }  // namespace sinew::trace

@@ -41,6 +41,15 @@ Eigen::VectorXd WithoutEvent(const identify::Design& design, const Likelihood& l
   return identify::LeftBy(part, residual);
 }
 
+void Learn(const identify::Design& design, const Eigen::Ref<const Eigen::VectorXd>& residual,
+           int longest_order, Likelihood* likelihood) {
+  if (likelihood->engine == Engine::kEvidence) {
+    SetNoiseByRecording(design, residual, likelihood);
+  } else {
+    SetNoise(residual, ScaleWindow(design), longest_order, likelihood);
+  }
+}
+
 // Leaves out the rows that lie far outside of what the richest model leaves, and learns the noise
 // of the others.
 void LeaveOutliers(const identify::Design& design, const Eigen::VectorXd& rest,
@@ -55,7 +64,7 @@ void LeaveOutliers(const identify::Design& design, const Eigen::VectorXd& rest,
   }
   likelihood->used = Without(design, likelihood->used, marked, kFewestRowsPerBlock);
   const Eigen::VectorXd clean = rest(kept);
-  SetNoise(clean, ScaleWindow(design), LongestOrder(design), likelihood);
+  Learn(design, clean, LongestOrder(design), likelihood);
 }
 
 }  // namespace
@@ -130,6 +139,7 @@ Problem MakeProblem(const identify::Design& design, const Likelihood& likelihood
   const Eigen::VectorXd precision =
       (bank.spread.array() > 0.0).select(bank.spread.array().square().inverse(), 1e300);
   Evidence evidence(X, bank.prior, Z, precision, y);
+  if (likelihood.engine == Engine::kEvidence) evidence.UseMarginal();
   const double scale = fit.balance.fits_scale ? fit.balance.Scale(fit.coefficients) : 1.0;
   const double variance = identify::LeftBy(bank.declared, bank.target).squaredNorm();
   return {std::move(bank), std::move(X),        std::move(Z), std::move(y),
@@ -160,9 +170,11 @@ bool PredictedRateGainsMore(identify::Design* design, const Likelihood& likeliho
 
 }  // namespace
 
-LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::JointModel& declared) {
+LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::JointModel& declared,
+                                 Engine engine) {
   LikelihoodFit out;
   Likelihood& likelihood = out.likelihood;
+  likelihood.engine = engine;
   likelihood.used = MakeUsedRows(*design, kFewestRowsPerBlock);
   const Eigen::VectorXd nominal =
       identify::ErrorOf(*design, declared).residual(likelihood.used.rows);
@@ -185,19 +197,18 @@ LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::Joint
   }
   if (likelihood.event) SetClocksBy(*likelihood.event, likelihood.event->start_s, design);
 
-  const Eigen::Index window = ScaleWindow(*design);
   const int longest = LongestOrder(*design);
   for (int pass = 0; pass < 2; ++pass) {
     likelihood.no_nuisance = ImplausibleNuisances(*design, likelihood, declared);
     out.fit = FitWhitened(*design, likelihood, declared);
     if (pass == 0) {
       const Eigen::VectorXd residual = LeftOver(out.fit, likelihood.used);
-      SetNoise(WithoutEvent(*design, likelihood, residual), window, longest, &likelihood);
+      Learn(*design, WithoutEvent(*design, likelihood, residual), longest, &likelihood);
     }
     const Problem problem = MakeProblem(*design, likelihood, declared, out.fit);
     const Eigen::VectorXd rest = Richest(problem);
     out.richest_rms = problem.scale * identify::Rms(rest);
-    SetNoise(rest, window, longest, &likelihood);
+    Learn(*design, rest, longest, &likelihood);
     if (pass == 0 && declared.balance == effects::Balance::kMotion) {
       LeaveOutliers(*design, rest, &likelihood);
     }

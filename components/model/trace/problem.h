@@ -53,7 +53,8 @@ struct LikelihoodFit {
 
 // The noise is that of the richest model: two passes, and rows far outside of it are left out. The
 // design's predicted drive follows the fit.
-LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::JointModel& declared);
+LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::JointModel& declared,
+                                 Engine engine = Engine::kRules);
 
 // A residual of other recordings as the noise of theirs.
 Likelihood LikelihoodOf(const identify::Design& design, const identify::FitResult& fit, int order);

@@ -1,7 +1,5 @@
 #include "components/model/trace/reported.h"
 
-#include <algorithm>
-
 #include "components/model/trace/noise_floor.h"
 
 namespace sinew::trace {
@@ -34,7 +32,7 @@ void NoteErrors(const LikelihoodFit& reported, const actuator::JointModel& drive
   const double scale =
       reported.fit.balance.fits_scale ? reported.fit.balance.Scale(reported.fit.coefficients) : 1.0;
   const NoiseFloor floor = EstimateNoiseFloor(train, reported.fit.balance, scale);
-  result->noise_floor_rms = std::min(floor.rms, reported.fit.rms);
+  result->noise_floor_rms = floor.rms;
   result->noise_floor_source = floor.source;
   result->ceiling_rms = reported.richest_rms;
 }

@@ -100,8 +100,47 @@ void NoteConfirmations(const std::vector<Rotation>& rotations, FoundEffect* effe
 
 }  // namespace
 
+namespace {
+
+std::size_t ConfirmationsNeeded(const std::vector<Rotation>& rotations) {
+  return std::max<std::size_t>(2, rotations.size() - 1);
+}
+
+std::size_t Confirmations(const std::vector<Rotation>& rotations, const std::string& name) {
+  return static_cast<std::size_t>(
+      std::count_if(rotations.begin(), rotations.end(), [&](const Rotation& rotation) {
+        const FoundEffect* found = FindClass(rotation.trace.effects, name);
+        return found != nullptr && found->confirmation.verdict == ConfirmationVerdict::kConfirmed;
+      }));
+}
+
+// What most rotations confirm, but too few for the model: each as the rotation found it that misses
+// it most.
+std::vector<FoundEffect> OpenEffects(const std::vector<Rotation>& rotations,
+                                     const std::vector<FoundEffect>& agreed) {
+  std::vector<FoundEffect> found, out;
+  for (const Rotation& rotation : rotations) {
+    for (const FoundEffect& effect : rotation.trace.effects) found.push_back(effect);
+  }
+  SortByGain(&found);
+  for (FoundEffect& effect : found) {
+    if (FindClass(agreed, effect.name) != nullptr || FindClass(out, effect.name) != nullptr)
+      continue;
+    const std::size_t confirmations = Confirmations(rotations, effect.name);
+    if (2 * confirmations <= rotations.size()) continue;
+    effect.term = -1;
+    effect.confirmation.verdict = ConfirmationVerdict::kNotConfirmed;
+    effect.refusal =
+        RefusedBy(rules::kRotations, static_cast<double>(confirmations) /
+                                         static_cast<double>(ConfirmationsNeeded(rotations)));
+    out.push_back(std::move(effect));
+  }
+  return out;
+}
+
+}  // namespace
+
 std::set<std::string> AgreedEffects(const std::vector<Rotation>& rotations) {
-  const std::size_t needed = std::max<std::size_t>(2, rotations.size() - 1);
   std::map<std::string, double> gain;  // of every effect that some rotation confirms
   std::set<std::string> refuted;
   for (const Rotation& rotation : rotations) {
@@ -109,12 +148,9 @@ std::set<std::string> AgreedEffects(const std::vector<Rotation>& rotations) {
     for (const FoundEffect& effect : rotation.trace.effects) gain[effect.name] += effect.gain_share;
   }
   const auto agreed = [&](const std::string& name) {
-    const auto confirming =
-        std::count_if(rotations.begin(), rotations.end(), [&](const Rotation& rotation) {
-          const FoundEffect* found = FindClass(rotation.trace.effects, name);
-          return found != nullptr && found->confirmation.verdict == ConfirmationVerdict::kConfirmed;
-        });
-    return static_cast<std::size_t>(confirming) >= needed && !refuted.contains(name);
+    const auto share = static_cast<double>(Confirmations(rotations, name)) /
+                       static_cast<double>(ConfirmationsNeeded(rotations));
+    return share >= Limit(rules::kRotations) && !refuted.contains(name);
   };
   std::set<std::string> out;
   for (const std::pair<const std::string, double>& effect : gain) {
@@ -196,6 +232,9 @@ RotatedLoop RotateLoop(const std::vector<Fold>& folds, const std::vector<types::
     PoolErrors(assessed, &trace.balances[b]);
   }
   for (FoundEffect& effect : trace.effects) NoteConfirmations(out.rotations, &effect);
+  if (options.agreed) return out;
+  trace.open = OpenEffects(out.rotations, trace.effects);
+  if (trace.verdict == Verdict::kNone && !trace.open.empty()) trace.verdict = Verdict::kUnexplained;
   return out;
 }
 

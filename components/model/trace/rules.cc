@@ -20,6 +20,8 @@ double Limit(const Rule& rule) {
   return !Absent().contains(std::string_view(rule.id)) ? rule.limit : rule.off;
 }
 
+Refusal RefusedBy(const Rule& rule, double value) { return {rule.id, value, Limit(rule)}; }
+
 void TakeOut(std::string_view id) {
   std::string known;
   for (const Rule& rule : AllRules()) {
@@ -39,8 +41,10 @@ std::span<const Rule> AllRules() {
       rules::kBlocks,         rules::kRows,          rules::kHeldOutBlocks, rules::kGlobalP,
       rules::kExplainedShare, rules::kVarianceShare, rules::kPriorPenalty,  rules::kShapeMisfit,
       rules::kMemberP,        rules::kCurveShare,    rules::kClearlyMore,   rules::kConstancy,
-      rules::kDetectable,     rules::kAbsorbed,      rules::kSlopeBand,     rules::kRefutedBelow,
-      rules::kInterval,       rules::kRaises,        rules::kEventPeak,     rules::kEventAlone};
+      rules::kRange,          rules::kDetectable,    rules::kAbsorbed,      rules::kSlopeBand,
+      rules::kRefutedBelow,   rules::kEvidence,      rules::kScore,         rules::kOpen,
+      rules::kBeyondDrive,    rules::kInterval,      rules::kRaises,        rules::kRotations,
+      rules::kEventPeak,      rules::kEventAlone};
   return kAll;
 }
 

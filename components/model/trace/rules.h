@@ -72,6 +72,9 @@ inline constexpr Rule kClearlyMore = {
 inline constexpr Rule kConstancy = {
     "constancy", "net gain of the set's size changing with time, share of the set's", 0.15, kNever,
     "provisional, to be calibrated on rigs 1-200 (rig_bank)"};
+inline constexpr Rule kRange = {
+    "range", "size of an effect over the bound of its physical range that it exceeds", 1.0, kNever,
+    "the catalogue's range on any machine: friction does not drive, a delay is not negative"};
 inline constexpr Rule kDetectable = {
     "not_excited", "size found in 80 % of recordings, rms as share of the measured side", 0.01,
     kNever, "a hundredth of the drive torque is what identification of robots reaches"};
@@ -84,6 +87,23 @@ inline constexpr Rule kSlopeBand = {
 inline constexpr Rule kRefutedBelow = {"refuted", "upper bound of the held-out slope", 0.5, -kNever,
                                        "half of the trained size is another effect"};
 
+inline constexpr Rule kBeyondDrive = {
+    "beyond_drive", "rows that a model says could not have been driven, share", 0.05, kNever,
+    "the cubic of torque_constant_saturation ends where a third of the torque is lost, a real "
+    "drive "
+    "levels off: 0.2 to 3 % of the rows of true ones were beyond it (rigs 31-90), 18 % where the "
+    "name was wrong (XL330)"};
+inline constexpr Rule kRotations = {
+    "rotations", "rotations that confirm an effect, over all of them but one (two at least)", 1.0,
+    0.0, "one recording may be unlike the others"};
+inline constexpr Rule kEvidence = {
+    "evidence", "twice the logarithm of a set's marginal likelihood over that without the member",
+    24.0, 0.0, "12 nats: under it the evidence alone names wrongly more often than rightly"};
+inline constexpr Rule kScore = {
+    "score", "probability of the name from three facts (facts.h)", 0.6, 0.0,
+    "of a prototype's names above it 94 % were right on machines used for no choice"};
+inline constexpr Rule kOpen = {"open", "the same, of a name that is reported as open", 0.2, 0.0,
+                               "of a prototype's names below it 4 of 76 were right"};
 inline constexpr Rule kInterval = {
     "interval", "largest size of an effect over the half width of its 95 % interval", 1.0, 0.0,
     "what may as well be zero is no correction"};
@@ -109,6 +129,14 @@ std::vector<std::string> TakenOut();
 
 // All of them, in order.
 std::span<const Rule> AllRules();
+
+// The rule that decided against something, its statistic and its limit.
+struct Refusal {
+  std::string rule;  // id; empty: nothing was refused
+  double value = 0.0;
+  double limit = 0.0;
+};
+Refusal RefusedBy(const Rule& rule, double value);
 
 // The table in Markdown, as in docs/closing-the-loop.md.
 std::string FormatRules();

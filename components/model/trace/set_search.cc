@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 namespace sinew::trace {
@@ -45,7 +46,12 @@ EffectSet FitSet(const Evidence& evidence, const std::vector<Hypothesis>& hypoth
   if (out.columns.empty()) return out;
   out.c = evidence.Solve(out.columns);
   out.gain = evidence.Gain(out.columns);
-  out.net = out.gain - charge;
+  // By marginal likelihood the priors charge what the parameters gain from noise; what else is
+  // charged is a search.
+  const double parameters = kChargePerParameter * static_cast<double>(out.columns.size());
+  out.net = evidence.marginal()
+                ? out.gain - evidence.Occam(out.columns) - std::max(0.0, charge - parameters)
+                : out.gain - charge;
   return out;
 }
 
@@ -67,6 +73,23 @@ bool Physical(const Evidence& evidence, const std::vector<Hypothesis>& hypothese
   return true;
 }
 
+double TimesOutOfRange(const std::vector<Hypothesis>& hypotheses, const EffectSet& set) {
+  double out = 1.0;
+  Eigen::Index k = 0;
+  for (const std::size_t member : set.members) {
+    const Hypothesis& h = hypotheses[member];
+    for (std::size_t i = 0; i < h.columns.size(); ++i, ++k) {
+      const double value = set.c[k];
+      if (value >= h.lower[i] && value <= h.upper[i]) continue;
+      const double bound = value < h.lower[i] ? h.lower[i] : h.upper[i];
+      const double times = value / bound;
+      constexpr double kBeyondZero = std::numeric_limits<double>::infinity();
+      out = std::max(out, bound != 0.0 && times > 1.0 ? times : kBeyondZero);
+    }
+  }
+  return out;
+}
+
 SetSearch SearchSets(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
                      std::size_t largest, const std::set<std::string>& refuted) {
   const auto asked = [&](std::size_t h) {
@@ -74,7 +97,7 @@ SetSearch SearchSets(const Evidence& evidence, const std::vector<Hypothesis>& hy
   };
   SetSearch out;
   out.best.emplace_back();
-  std::map<int, EffectSet> by_family;
+  std::map<int, EffectSet> by_family, out_of_range;
   for (std::size_t h = 0; h < hypotheses.size(); ++h) {
     if (!asked(h)) continue;
     EffectSet single = FitSet(evidence, hypotheses, {h});
@@ -82,10 +105,14 @@ SetSearch SearchSets(const Evidence& evidence, const std::vector<Hypothesis>& hy
       if (out.curve.empty() || single.net > out.curve.net) out.curve = std::move(single);
       continue;
     }
-    if (!Physical(evidence, hypotheses, single)) continue;
-    EffectSet& best = by_family[hypotheses[h].family];
+    const bool physical = Physical(evidence, hypotheses, single);
+    EffectSet& best = (physical ? by_family : out_of_range)[hypotheses[h].family];
     if (best.empty() || single.net > best.net) best = std::move(single);
   }
+  for (auto& [family, single] : out_of_range) {
+    if (!by_family.contains(family)) out.out_of_range.push_back(std::move(single));
+  }
+  SortByNet(&out.out_of_range);
   for (auto& [family, single] : by_family) out.singles.push_back(std::move(single));
   SortByNet(&out.singles);
   if (out.singles.empty() || largest < 1) return out;

@@ -39,10 +39,16 @@ EffectSet WithoutMember(const Evidence& evidence, const std::vector<Hypothesis>&
 bool Physical(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
               const EffectSet& set);
 
+// The largest coefficient over the bound that it exceeds; infinite where the bound is zero, 1 where
+// all are inside.
+double TimesOutOfRange(const std::vector<Hypothesis>& hypotheses, const EffectSet& set);
+
 struct SetSearch {
   std::vector<EffectSet> best;     // of size 0, 1, 2, 3; best.size() - 1 sizes were possible
   std::vector<EffectSet> singles;  // best setting of every family, physical ones only, best first
-  EffectSet curve;                 // best free curve alone; may be empty
+  // The same of the families that have no setting inside its physical range.
+  std::vector<EffectSet> out_of_range;
+  EffectSet curve;  // best free curve alone; may be empty
 };
 
 // largest: of a set, at most 3. refuted: names of effects that are excluded.

@@ -9,6 +9,8 @@ namespace {
 
 // Part of a candidate's power that the declared terms must carry for it to be absorbed.
 constexpr double kInSpan = 0.98;
+// Tolerances beyond which the declared value itself is a cause.
+constexpr double kStatedWrongly = 3.0;
 
 struct Declared {
   identify::ParameterRef ref;
@@ -128,6 +130,8 @@ std::vector<ParameterShift> FindShifts(const identify::Design& design,
         shift.causes.push_back(direction.candidate->name());
       }
     }
+    const bool listed = std::count(shift.causes.begin(), shift.causes.end(), info.name) > 0;
+    if (std::abs(sigma) > kStatedWrongly && !listed) shift.causes.push_back(info.name);
     out.push_back(std::move(shift));
   }
   return out;

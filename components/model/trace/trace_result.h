@@ -16,6 +16,8 @@
 #include "components/model/trace/confirmation.h"
 #include "components/model/trace/enough_data.h"
 #include "components/model/trace/posterior.h"
+#include "components/model/trace/rules.h"
+#include "components/model/trace/whitened_fit.h"
 
 namespace sinew::trace {
 
@@ -35,6 +37,9 @@ struct TraceOptions {
   // Held-out error of the machine that the joint is part of, with this model of the joint and
   // everything else refitted (an arm's other joints and its bodies); none: the joint is all.
   std::function<double(const actuator::JointModel&)> held_out_error;
+  Engine engine = Engine::kRules;
+  // Filters and guards that are declared; none: the recordings decide.
+  std::optional<identify::ProcessingOptions> processing;
   // Called with a line of progress and the share done, 0 to 1.
   std::function<void(const std::string&, double)> progress;
 };
@@ -47,7 +52,7 @@ struct CandidateScore {
   double statistic = 0.0;     // normal quantile of its gain (null_test.h)
   double gain_share = 0.0;    // misfit that it takes away less its charge, share of the whole
   bool accepted = false;
-  std::string refused;  // why not: a rule's id
+  Refusal refused;
 };
 
 struct RoundReport {
@@ -67,8 +72,11 @@ struct FoundEffect {
   Posterior posterior;      // of its name and of others in its place
   double gain_share = 0.0;  // of the misfit, beside the others
   double p = 1.0;
-  bool weak_evidence = false;  // fewer than six blocks
-  Confirmation confirmation;   // on the held-out recordings
+  bool weak_evidence = false;   // fewer than six blocks
+  Confirmation confirmation;    // on the held-out recordings
+  Refusal refusal;              // what keeps it out of the model
+  double curve = 0.0;           // what the best free curve gains beside the set (facts.h)
+  std::optional<double> score;  // of its facts (facts.h); none: the engine of rules
   // Errors before and after it, rms at the output.
   double train_before = 0.0, train_after = 0.0, held_out_before = 0.0, held_out_after = 0.0;
 
@@ -135,14 +143,22 @@ struct Assessment {
   // Declared model, refitted.
   identify::ModelError before_train, before_held_out;
   identify::ModelError after_train, after_held_out;
-  double noise_floor_rms = 0.0;
+  double noise_floor_rms = 0.0;  // of the sensors, measured; 0: unknown
   std::string noise_floor_source;
   double ceiling_rms = 0.0;
+  Eigen::Index rows = 0, used_rows = 0;  // of the training recordings, and of these in the fit
   int blocks = 0;  // independent blocks of rows: cross-validation groups, whose signs are flipped
   double block_length_s = 0.0;
   std::vector<RoundReport> rounds;
   Unexplained unexplained;
 };
+
+// Is most of the refitted model's held-out error the noise of the sensors? In power: more than
+// half. False where the noise is unknown.
+bool NearNoise(const Assessment& assessed);
+
+// Those that training misses most come first.
+void SortByGain(std::vector<FoundEffect>* effects);
 
 // Of a balance beside the motion's.
 struct BalanceSummary : Assessment {
@@ -155,8 +171,9 @@ struct TraceResult : Assessment {
   actuator::JointModel nominal;         // as declared
   actuator::JointModel declared;        // refitted, nothing added
   actuator::JointModel corrected;       // with the effects that are in_model()
-  std::vector<FoundEffect> effects;  // selected and not refuted; those of the corrected model first
-  std::vector<FoundEffect> refuted;  // selected in training, refuted on the held-out recordings
+  // Selected in training, those that it misses most first: confirmed on the held-out recordings and
+  // part of the corrected model; neither confirmed nor refuted there; refuted.
+  std::vector<FoundEffect> effects, open, refuted;
   std::vector<EventTime> events;
   std::vector<NotExcited> not_excited;
   std::vector<DetectableSize> detectable;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <stdexcept>
 
 #include "components/model/identify/statistics.h"
@@ -52,7 +53,7 @@ struct Regression {
 Regression MakeRegression(const identify::Design& design, const Likelihood& likelihood,
                           const actuator::JointModel& model, const Balance& balance) {
   const UsedRows& used = likelihood.used;
-  const Nuisances nuisances = MakeNuisances(design, used, model, likelihood.no_nuisance);
+  const Nuisances nuisances = MakeNuisances(design, likelihood, model);
   Eigen::MatrixXd columns(used.size(), balance.columns.cols() + nuisances.columns.cols());
   columns << used.Of(balance.columns), nuisances.columns;
   Regression out;
@@ -189,6 +190,26 @@ void SetNoise(const Eigen::Ref<const Eigen::VectorXd>& residual, Eigen::Index wi
     likelihood->weight = Eigen::VectorXd();
     likelihood->noise = NoiseModel(residual, likelihood->used.stretches, longest_order);
   }
+}
+
+void SetNoiseByRecording(const identify::Design& design,
+                         const Eigen::Ref<const Eigen::VectorXd>& residual,
+                         Likelihood* likelihood) {
+  constexpr int kMemory = 6;  // rows
+  const UsedRows& used = likelihood->used;
+  std::map<std::size_t, std::vector<double>> by_run;
+  for (Eigen::Index i = 0; i < residual.size(); ++i) {
+    by_run[design.rows().RunOf(used.rows[static_cast<std::size_t>(i)])].push_back(residual[i]);
+  }
+  std::map<std::size_t, double> scale;
+  for (auto& [run, values] : by_run) scale[run] = identify::RobustDeviation(std::move(values));
+  likelihood->weight.resize(residual.size());
+  for (Eigen::Index i = 0; i < residual.size(); ++i) {
+    const double own = scale[design.rows().RunOf(used.rows[static_cast<std::size_t>(i)])];
+    likelihood->weight[i] = own > 0.0 ? 1.0 / own : 1.0;
+  }
+  const Eigen::VectorXd even = likelihood->weight.cwiseProduct(residual);
+  likelihood->noise = NoiseModel(even, used.stretches, design.held() ? 0 : kMemory);
 }
 
 Likelihood Unweighted(Likelihood likelihood, const Eigen::Ref<const Eigen::VectorXd>& residual) {
@@ -332,7 +353,7 @@ std::vector<std::string> ImplausibleNuisances(const identify::Design& design,
                                               const Likelihood& likelihood,
                                               const actuator::JointModel& model) {
   const Balance balance = identify::MakeBalance(design, model, likelihood.keep_scale);
-  const Nuisances nuisances = MakeNuisances(design, likelihood.used, model, likelihood.no_nuisance);
+  const Nuisances nuisances = MakeNuisances(design, likelihood, model);
   const Eigen::VectorXd b = MakeRegression(design, likelihood, model, balance).Solve();
   std::vector<std::string> out;
   for (std::size_t k = 0; k < nuisances.names.size(); ++k) {

@@ -116,7 +116,7 @@ std::vector<std::string> CsvHeader(std::string_view text, const std::string& nam
 }
 
 CsvTable ReadCsv(std::string_view text, const std::string& name,
-                 const std::vector<std::string>& columns, char delimiter) {
+                 const std::vector<std::string>& columns, char delimiter, Eigen::Index skipped) {
   Lines lines(text);
   const std::vector<std::string> header = Header(&lines, name, delimiter);
   const int header_line = lines.number();
@@ -141,7 +141,9 @@ CsvTable ReadCsv(std::string_view text, const std::string& name,
   std::vector<std::string> unquoted;
   std::vector<std::string_view> cells;
   std::string_view line;
+  Eigen::Index rows = 0;
   while (lines.Next(&line)) {
+    if (rows++ < skipped) continue;
     try {
       Split(line, delimiter, &unquoted, &cells);
     } catch (const boost::escaped_list_error&) {
@@ -156,6 +158,11 @@ CsvTable ReadCsv(std::string_view text, const std::string& name,
       values[i].push_back(Number(cells[indices[i]], name, lines.number(), columns[i]));
     }
     table.lines.push_back(lines.number());
+  }
+  if (table.lines.empty() && rows > 0) {
+    throw std::invalid_argument(name + ": has " + std::to_string(rows) +
+                                " rows, of which the first " + std::to_string(skipped) +
+                                " are left out, expected a longer recording");
   }
   if (table.lines.empty()) {
     throw std::invalid_argument(At(name, header_line + 1) +

@@ -25,7 +25,9 @@ struct CsvTable {
 std::vector<std::string> CsvHeader(std::string_view text, const std::string& name,
                                    char delimiter = ',');
 
+// skipped: rows of data at the start that are not looked at.
 CsvTable ReadCsv(std::string_view text, const std::string& name,
-                 const std::vector<std::string>& columns, char delimiter = ',');
+                 const std::vector<std::string>& columns, char delimiter = ',',
+                 Eigen::Index skipped = 0);
 
 }  // namespace sinew::recording

@@ -86,6 +86,7 @@ types::Run ReadCsvRun(std::string_view text, const std::string& name, const CsvM
   std::vector<std::size_t> time_columns;
   const bool numbered = map.row_period_s > 0.0;
   if (!numbered) time_columns = FindColumns(map.time, joint, header, name, &names);
+  const std::vector<std::string> time_names = names;
   std::vector<std::vector<std::size_t>> signal_columns;
   for (const SignalColumn& signal : map.signals) {
     signal_columns.push_back(FindColumns(signal.map, joint, header, name, &names));
@@ -95,14 +96,30 @@ types::Run ReadCsvRun(std::string_view text, const std::string& name, const CsvM
     throw std::invalid_argument(map.name + ": key 'signals': no column of " + name +
                                 " is read, expected at least one");
   }
-  const CsvTable table = ReadCsv(text, name, names, map.delimiter);
+  // What is left out need not be numbers: of the rows of the first seconds only the stamps are
+  // read.
+  Eigen::Index skipped = map.skipped_rows;
+  if (map.skipped_s > 0.0 && numbered) {
+    const Eigen::Index first = skipped;
+    while (map.row_period_s * static_cast<double>(skipped - first) < map.skipped_s) ++skipped;
+  } else if (map.skipped_s > 0.0) {
+    const CsvTable stamps = ReadCsv(text, name, time_names, map.delimiter, skipped);
+    const auto time_s = [&](Eigen::Index row) {
+      return map.time.ToSi(Cell(stamps, map.time, time_columns, row));
+    };
+    const Eigen::Index rows = stamps.values.front().size();
+    Eigen::Index first = 0;
+    while (first < rows && time_s(first) < time_s(0) + map.skipped_s) ++first;
+    skipped += first;
+  }
+  const CsvTable table = ReadCsv(text, name, names, map.delimiter, skipped);
   const Eigen::Index all = table.values.front().size();
   const auto line = [&](Eigen::Index row) {
     return name + ":" + std::to_string(table.lines[static_cast<std::size_t>(row)]);
   };
   Eigen::VectorXd time(all);
   for (Eigen::Index row = 0; row < all; ++row) {
-    time[row] = numbered ? map.row_period_s * static_cast<double>(row)
+    time[row] = numbered ? map.row_period_s * static_cast<double>(skipped + row)
                          : map.time.ToSi(Cell(table, map.time, time_columns, row));
     if (row > 0 && !(time[row] > time[row - 1])) {
       throw std::invalid_argument(
@@ -110,26 +127,19 @@ types::Run ReadCsvRun(std::string_view text, const std::string& name, const CsvM
           " s follows " + std::to_string(time[row - 1]) + " s, expected strictly rising time");
     }
   }
-  Eigen::Index first = std::min(map.skipped_rows, all);
-  while (first < all && time[first] < time[0] + map.skipped_s) ++first;
-  const Eigen::Index rows = all - first;
-  if (rows < 1) {
-    throw std::invalid_argument(name + ": has " + std::to_string(all) + " rows and the mapping " +
-                                map.name + " leaves all of them out, expected a longer recording");
-  }
   types::Run run;
   run.name = name;
   run.kind = map.kind;
   run.held = map.held;
-  run.time_s = time.tail(rows);
+  run.time_s = time;
   for (std::size_t i = 0; i < map.signals.size(); ++i) {
     const SignalColumn& signal = map.signals[i];
-    Eigen::VectorXd values(rows);
-    for (Eigen::Index row = 0; row < rows; ++row) {
-      values[row] = signal.map.ToSi(Cell(table, signal.map, signal_columns[i], first + row));
+    Eigen::VectorXd values(all);
+    for (Eigen::Index row = 0; row < all; ++row) {
+      values[row] = signal.map.ToSi(Cell(table, signal.map, signal_columns[i], row));
       const bool flag = signal.signal == types::Signal::kValveOpen;
       if (flag && values[row] != 0.0 && values[row] != 1.0) {
-        throw std::invalid_argument(line(first + row) + ": column '" + signal.map.Names() +
+        throw std::invalid_argument(line(row) + ": column '" + signal.map.Names() +
                                     "': the value is " + std::to_string(values[row]) +
                                     ", expected 0 or 1");
       }

@@ -125,6 +125,15 @@ TEST(Scorer, PlainRecordingsFaultsAndStopsAreCounted) {
   EXPECT_EQ(FigureOf(outcomes, "no report").hits(), 1);
 }
 
+TEST(Scorer, SpikesWhoseRowsAreLeftOutAreFound) {
+  json report = Report("none");
+  report["findings"] = json::array({{{"name", "left_out_rows"}, {"text", "row 3"}}});
+  const Outcome found = MakeOutcome(Truth("fault"), report);
+  EXPECT_TRUE(FromJson(ToJson(found)).rows_left_out);
+  EXPECT_EQ(FigureOf({found}, "faults found").hits(), 1);
+  EXPECT_EQ(FigureOf({MakeOutcome(Truth("plain"), report)}, "false stops").hits(), 0);
+}
+
 TEST(Scorer, OutsideEffectsAreAbstainedFromOrTheirVariableNamed) {
   json report = Report("unexplained");
   report["unexplained"]["variable"] = "position_rad";

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <sstream>
 
 #include "components/base/config/config.h"
 #include "components/model/actuator/file/model_file.h"
@@ -214,6 +215,43 @@ TEST_F(Input, AnArmWithoutItsUrdfIsRefusedWithTheReason) {
                       HasSubstr("--urdf")))
         << robot;
     EXPECT_THAT(ErrorOf([&] { RunCloseLoop(options); }), HasSubstr("part of an arm")) << robot;
+  }
+}
+
+// The joints of an arm are fitted together: a fault of one leaves a report to each.
+TEST_F(Input, AFaultOfOneJointOfAnArmIsReportedByEach) {
+  CloseLoopOptions options;
+  options.model = fs::path(SINEW_SOURCE_DIR) / "robots/kuka_lwr4/model.yaml";
+  options.map = Write("map.yaml",
+                      "schema: sinew-csv-map/1\nkind: rotary\njoints: 7\n"
+                      "time: {column: t, unit: s}\n"
+                      "signals:\n  position: {column: q, unit: rad}\n"
+                      "  torque: {column: \"tau{joint}\", unit: Nm}\n");
+  std::istringstream spring(SpringCsv());
+  std::string csv = "t,q,tau1,tau2,tau3,tau4,tau5,tau6,tau7\n", line;
+  std::getline(spring, line);
+  for (int row = 0; std::getline(spring, line); ++row) {
+    const std::size_t q = line.find(','), v = line.find(',', q + 1), tau = line.find(',', v + 1);
+    csv += line.substr(0, v);
+    for (int joint = 1; joint <= 7; ++joint) {
+      csv += joint == 3 && row % 150 == 75 ? ",90" : line.substr(tau);
+    }
+    csv += "\n";
+  }
+  const std::string day = Write("day.csv", csv);
+  options.train = {day + "@:12"};
+  options.held_out = {day + "@12:"};
+  const CloseRobotResult result = CloseRobot(options);
+  ASSERT_EQ(result.joints.size(), 7u);
+  EXPECT_FALSE(result.arm);
+  for (std::size_t j = 0; j < 7; ++j) {
+    const gate::GateReport& gate = result.joints[j].gate;
+    ASSERT_FALSE(gate.faults.empty()) << j;
+    EXPECT_EQ(gate.faults[0].rule, "spike") << j;
+    EXPECT_EQ(gate.faults[0].signal, j == 2 ? "torque" : "torque of joint 'lwr_2_joint'");
+    EXPECT_THAT(result.joints[j].json, HasSubstr("\"verdict\": \"data_fault\"")) << j;
+    if (j == 2) continue;
+    EXPECT_THAT(result.joints[j].html, HasSubstr("the arm was not fitted")) << j;
   }
 }
 

@@ -69,9 +69,9 @@ TEST(CloseLoopBadInput, AnUnknownKeyOfTheModelIsNamed) {
   const testing::TemporaryFolder folder;
   CloseLoopOptions options = ExampleOptions("clean");
   fs::copy(kSource / "robots" / "rig" / "rig.urdf", folder.path() / "rig.urdf");
-  options.model = Changed(folder, kSource / "robots" / "rig" / "model.yaml", "parallel_cutoff_Hz",
-                          "paralel_cutoff_Hz");
-  ExpectRefused(options, {"model.yaml:", "paralel_cutoff_Hz"});
+  options.model =
+      Changed(folder, kSource / "robots" / "rig" / "model.yaml", "link_length_m", "link_lenght_m");
+  ExpectRefused(options, {"model.yaml:", "link_lenght_m"});
 }
 
 TEST(CloseLoopBadInput, AWrongUnitOfTheMapIsNamed) {

@@ -132,6 +132,19 @@ void RefuseSameTorque(const Section& section, const JointModel& joint) {
       "fixed: true");
 }
 
+// A force at a linear joint acts along its axis: its lever is 1. 0 is a lever that is not stated,
+// as in files of rotary joints.
+double ReadLever(const Section& constants, types::JointKind kind) {
+  const double stated_m = constants.NumberOr("link_length_m", 0.0, config::kNotNegative);
+  if (kind == types::JointKind::kRotary) return stated_m;
+  if (stated_m != 0.0 && stated_m != 1.0) {
+    constants.Fail("link_length_m", "is " + Number(stated_m) +
+                                        ", but a force at a linear joint has no lever, expected "
+                                        "none");
+  }
+  return 1.0;
+}
+
 JointModel ReadJoint(const Section& section) {
   JointModel joint;
   joint.name = section.Text("name");
@@ -139,7 +152,8 @@ JointModel ReadJoint(const Section& section) {
                                                                         : types::JointKind::kLinear;
   const Section constants = section.ChildOrEmpty("constants");
   joint.constants.gear_ratio = constants.NumberOr("gear_ratio", 1.0, config::kPositive);
-  joint.constants.link_length_m = constants.NumberOr("link_length_m", 0.0, config::kNotNegative);
+  joint.constants.kind = joint.kind;
+  joint.constants.link_length_m = ReadLever(constants, joint.kind);
   joint.constants.gravity_m_s2 = constants.NumberOr("gravity_m_s2", 9.81, config::kNotNegative);
   joint.constants.torque_constant_Nm_A =
       constants.NumberOr("torque_constant_Nm_A", 0.0, config::kNotNegative);
@@ -252,7 +266,7 @@ void WriteJoint(std::string& out, const JointModel& joint) {
   out += std::string("    kind: ") + (rotary ? "rotary" : "linear") + "\n";
   out += "    constants:\n";
   out += "      gear_ratio: " + Number(joint.constants.gear_ratio) + "\n";
-  out += "      link_length_m: " + Number(joint.constants.link_length_m) + "\n";
+  if (rotary) out += "      link_length_m: " + Number(joint.constants.link_length_m) + "\n";
   out += "      gravity_m_s2: " + Number(joint.constants.gravity_m_s2) + "\n";
   out += "      torque_constant_Nm_A: " + Number(joint.constants.torque_constant_Nm_A) + "\n";
   out += "      force_constant_N_V: " + Number(joint.constants.force_constant_N_V) + "\n";

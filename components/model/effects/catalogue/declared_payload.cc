@@ -1,5 +1,6 @@
 // Gravity and inertia of the mass that is known to hang at the load cell: an exactly known part, so
-// model files fix its share at 1.
+// model files fix its share at 1. A linear joint carries its inertia alone: its axis is taken as
+// horizontal.
 #include "components/model/effects/define.h"
 
 namespace sinew::effects::declared_payload {
@@ -8,8 +9,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   EffectInfo info;
   info.name = "declared_payload";
   info.title = "Payload that the operator declared";
-  info.formula = "- share * m * (l^2 * a + g * l * cos q)";
-  info.rotary_only = true;
+  info.formula = "- share * m * (l^2 * a + g * l * cos q); - share * m * a on a linear joint";
   info.source = "rig balance; m = payload_kg";
   info.linear = {{.name = "share",
                   .dimension = Dimension::kNone,
@@ -26,9 +26,10 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                     [](const JointSample& x, const JointConstants& c, std::span<const double>,
                        std::span<double> phi) {
                       const double l = c.link_length_m;
-                      phi[0] =
-                          -x.payload_kg * l *
-                          (l * x.acceleration_rad_s2 + c.gravity_m_s2 * std::cos(x.position_rad));
+                      const double weight = c.kind == types::JointKind::kLinear
+                                                ? 0.0
+                                                : c.gravity_m_s2 * std::cos(x.position_rad);
+                      phi[0] = -x.payload_kg * l * (l * x.acceleration_rad_s2 + weight);
                     });
 }
 

@@ -1,4 +1,5 @@
-// Force on the load cell, positive presses the link down. A linear joint sets link_length_m to 1.
+// Force on the load cell, positive presses the link down; on a linear joint against +position, with
+// the lever 1.
 #include "components/model/effects/define.h"
 
 namespace sinew::effects::load_force {

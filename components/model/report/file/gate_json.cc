@@ -85,7 +85,7 @@ struct Untraced {
 Json UntracedJson(const Untraced& report) {
   Json out;
   out["schema"] = "sinew-close-loop/2";
-  out["verdict"] = report.verdict;
+  out["verdict"] = out["outcome"] = report.verdict;
   out["sentence"] = report.sentence;
   out["robot"] = report.robot;
   out["joint"] = report.joint;
@@ -93,8 +93,8 @@ Json UntracedJson(const Untraced& report) {
   out["recordings"] = {{"train", RecordingsJson(report.train)},
                        {"held_out", RecordingsJson(report.held_out)}};
   out["faults"] = FaultsJson(report.faults);
-  for (const char* key :
-       {"effects", "refuted", "events", "errors", "rises", "balances", "rounds", "not_excited"}) {
+  for (const char* key : {"effects", "open", "refuted", "events", "errors", "rises", "balances",
+                          "rounds", "not_excited"}) {
     out[key] = Json::array();
   }
   out["not_excited_why"] = Json::object();

@@ -98,7 +98,8 @@ Json HeldOut(const trace::Assessment& result, const std::string& unit) {
   out["noise_floor_rms"] = floor;
   out["noise_floor_source"] = result.noise_floor_source;
   out["ceiling_rms"] = result.ceiling_rms;
-  out["explainable_removed"] = explainable > 0.0 ? (before - after) / explainable : 0.0;
+  out["explainable_removed"] =
+      explainable > 0.0 ? Json((before - after) / explainable) : Json(nullptr);
   return out;
 }
 
@@ -111,7 +112,9 @@ Json Rounds(const trace::Assessment& result) {
                             {"gain", score.gain_share},
                             {"statistic", score.statistic},
                             {"accepted", score.accepted},
-                            {"refused", score.refused}});
+                            {"refused", score.refused.rule},
+                            {"value", score.refused.value},
+                            {"limit", score.refused.limit}});
     }
     out.push_back({{"train_rms", round.train_rms},
                    {"held_out_rms", round.held_out_rms},
@@ -194,7 +197,8 @@ Json Rotations(const Report& report, const std::string& unit) {
   Json out = Json::array();
   for (const trace::Rotation& rotation : report.rotations) {
     Json effects = Json::array();
-    for (const auto* list : {&rotation.trace.effects, &rotation.trace.refuted}) {
+    for (const auto* list :
+         {&rotation.trace.effects, &rotation.trace.open, &rotation.trace.refuted}) {
       for (const trace::FoundEffect& effect : *list) {
         effects.push_back(
             {{"name", effect.name},
@@ -227,6 +231,7 @@ std::string FormatJson(const Report& report) {
   Json out;
   out["schema"] = "sinew-close-loop/2";
   out["verdict"] = VerdictWord(trace.verdict);
+  out["outcome"] = OutcomeWord(trace);
   out["sentence"] = VerdictSentence(report);
   out["robot"] = report.robot;
   out["joint"] = trace.corrected.name;
@@ -263,12 +268,22 @@ std::string FormatJson(const Report& report) {
           {"before", effect.held_out_before},
           {"after", effect.held_out_after}}}};
     entry["sealed"] = entry["held_out"];  // the name of schema 1, kept for its readers
+    if (effect.score) {
+      entry["score"] = {{"p", *effect.score}, {"curve", effect.curve}};
+    }
+    if (!effect.refusal.rule.empty()) {
+      entry["refused"] = {{"rule", effect.refusal.rule},
+                          {"value", effect.refusal.value},
+                          {"limit", effect.refusal.limit}};
+    }
     return entry;
   };
-  out["effects"] = Json::array();
-  for (const trace::FoundEffect& effect : trace.effects) out["effects"].push_back(entry_of(effect));
-  out["refuted"] = Json::array();
-  for (const trace::FoundEffect& effect : trace.refuted) out["refuted"].push_back(entry_of(effect));
+  for (const auto& [key, list] :
+       {std::pair{"effects", &trace.effects}, std::pair{"open", &trace.open},
+        std::pair{"refuted", &trace.refuted}}) {
+    out[key] = Json::array();
+    for (const trace::FoundEffect& effect : *list) out[key].push_back(entry_of(effect));
+  }
 
   out["events"] = Json::array();
   for (const trace::EventTime& event : trace.events) {
@@ -358,6 +373,7 @@ std::string FormatJson(const Report& report) {
   const std::string next = NextExperiment(report);
   out["next_experiment"] = next.empty() ? Json(nullptr) : Json(next);
   out["blocks"] = Blocks(trace);
+  out["rows"] = {{"training", trace.rows}, {"used", trace.used_rows}};
   out["processing"] = {{"state_cutoff_Hz", report.processing.state_cutoff_Hz},
                        {"state_order", report.processing.state_order},
                        {"parallel_cutoff_Hz", report.processing.parallel_cutoff_Hz},

@@ -71,6 +71,34 @@ TEST_F(ModelFileTest, ReadsTheLinearAxis) {
   EXPECT_TRUE(joint.terms[0].linear[0].fixed);
 }
 
+// A force and a payload on a linear joint count as they are: there is no lever to state.
+TEST_F(ModelFileTest, ALinearJointHasTheLeverOne) {
+  const auto text = [](const std::string& constants) {
+    return "schema: sinew-model/1\nname: r\njoints:\n  - name: j\n    kind: linear\n    constants: "
+           "{" +
+           constants +
+           "}\n    terms:\n      - {effect: drive_torque, gain: 1}\n"
+           "      - {effect: load_force, share: {value: 1, fixed: true}}\n"
+           "      - {effect: declared_payload, share: {value: 1, fixed: true}}\n";
+  };
+  for (const char* constants : {"gear_ratio: 1", "link_length_m: 1", "link_length_m: 0"}) {
+    const RobotModel robot = LoadRobotModel(Write(text(constants)));
+    const JointModel& joint = robot.joints.at(0);
+    effects::JointSample x;
+    x.position_rad = 0.7;
+    x.acceleration_rad_s2 = 3.0;
+    x.load_force_N = 11.0;
+    x.payload_kg = 2.0;
+    EXPECT_DOUBLE_EQ(joint.TermTorque(joint.Find("load_force"), x, {}), -11.0) << constants;
+    EXPECT_DOUBLE_EQ(joint.TermTorque(joint.Find("declared_payload"), x, {}), -6.0) << constants;
+    const std::string written = FormatModel(robot, {}, folder_);
+    EXPECT_EQ(written.find("link_length_m"), std::string::npos) << written;
+    SaveRobotModel(folder_ / "out.yaml", robot);
+    EXPECT_EQ(FormatModel(LoadRobotModel(folder_ / "out.yaml"), {}, folder_), written);
+  }
+  EXPECT_THAT(ErrorOf(text("link_length_m: 0.3")), HasSubstr("no lever"));
+}
+
 TEST_F(ModelFileTest, SavesAndReadsBackTheSame) {
   ModelFile file = LoadModelFile(RigPath());
   JointModel& joint = file.robot.joints[0];

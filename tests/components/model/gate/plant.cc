@@ -125,11 +125,11 @@ const std::vector<Planting>& Plantings() {
        [](Random&, Runs* runs, actuator::JointModel*) {
          for (Run& run : *runs) run.time_s *= 1e3;
        }},
-      {{"spike_position", {"spike"}}, Spike(q)},
-      {{"spike_motor_position", {"spike"}}, Spike(m)},
-      {{"spike_current", {"spike"}}, Spike(i)},
-      {{"spike_pressure", {"spike"}}, Spike(p)},
-      {{"spike_load", {"spike"}}, Spike(f)},
+      {{"spike_position", {"spike"}, false, true}, Spike(q)},
+      {{"spike_motor_position", {"spike"}, false, true}, Spike(m)},
+      {{"spike_current", {"spike"}, false, true}, Spike(i)},
+      {{"spike_pressure", {"spike"}, false, true}, Spike(p)},
+      {{"spike_load", {"spike"}, false, true}, Spike(f)},
       {{"frozen_position", {"frozen"}}, Freeze(q)},
       {{"frozen_motor_position", {"frozen"}}, Freeze(m)},
       {{"frozen_velocity", {"frozen"}}, Freeze(v)},
@@ -174,6 +174,13 @@ const std::vector<FaultKind>& FaultKinds() {
     return out;
   }();
   return kinds;
+}
+
+bool IsFound(const FaultKind& kind, const GateReport& report) {
+  if (kind.leaves_out && !report.left_out.empty()) return true;
+  return std::any_of(report.faults.begin(), report.faults.end(), [&](const Fault& fault) {
+    return std::find(kind.rules.begin(), kind.rules.end(), fault.rule) != kind.rules.end();
+  });
 }
 
 void Plant(const std::string& name, std::uint64_t seed, Runs* runs, actuator::JointModel* model) {

@@ -6,6 +6,8 @@
 #include <set>
 #include <sstream>
 
+#include "components/model/gate/gate.h"
+
 namespace sinew::gate {
 namespace {
 
@@ -27,6 +29,11 @@ TEST(GateRules, EveryRuleHasItsOwnNameAndSaysWhereItsLimitComesFrom) {
     EXPECT_FALSE(rule.limit_source.empty()) << rule.id;
     EXPECT_GE(rule.limit, 0.0) << rule.id;
   }
+}
+
+TEST(GateRules, TheTableHoldsHowManySpikesAreLeftOut) {
+  EXPECT_EQ(kMostLeftOut, 5u);
+  EXPECT_NE(FindRule("spike").statistic.find("more than five rows"), std::string_view::npos);
 }
 
 TEST(GateRules, AnUnknownRuleIsRefusedWithTheKnownOnes) {

@@ -17,6 +17,7 @@ namespace {
 
 using identify::SyntheticModel;
 using identify::SyntheticRun;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -66,6 +67,12 @@ TEST(Report, JsonHoldsWhatProgramsAskFor) {
     EXPECT_EQ(json[set]["after"], json[set]["after_rms"]);
   }
   EXPECT_TRUE(effect["in_model"].get<bool>());
+  EXPECT_EQ(json["outcome"], "effect");
+  EXPECT_TRUE(json["open"].empty());
+  EXPECT_THAT(json["sentence"].get<std::string>(),
+              ::testing::StartsWith("quadratic_viscous (" + EffectTitle("quadratic_viscous") +
+                                    "): quadratic_Nm_s2_rad2 = "));
+  EXPECT_GT(json["rows"]["used"].get<int>(), 1000);
   ASSERT_EQ(json["errors"].size(), 2u);
   EXPECT_EQ(json["errors"][1]["what"], "held_out");
   EXPECT_EQ(json["errors"][1]["declared"], json["held_out"]["declared_rms"]);
@@ -85,7 +92,7 @@ TEST(Report, WithoutAnEffectTheVerdictIsNone) {
   EXPECT_EQ(json["verdict"], "none");
   EXPECT_TRUE(json["effects"].empty());
   EXPECT_EQ(json["held_out"]["before"], json["held_out"]["after"]);
-  EXPECT_THAT(VerdictSentence(made.report), HasSubstr("No effect"));
+  EXPECT_THAT(VerdictSentence(made.report), HasSubstr("Nothing beyond the noise"));
 }
 
 // A report of figures that are set by hand: declared, refitted and corrected on held-out rows.
@@ -98,21 +105,64 @@ Report WithErrors(double declared, double refitted, double corrected) {
   return report;
 }
 
-TEST(Report, AnErrorThatRisesIsTheFirstSentence) {
+TEST(Report, AnErrorThatRisesIsReportedWithWhatRaisesIt) {
   EXPECT_TRUE(Rises(WithErrors(3.0, 2.0, 2.0)).empty());
   EXPECT_THAT(VerdictSentence(WithErrors(3.0, 2.0, 2.0)), ::testing::StartsWith("No effect"));
-  for (const Report& report : {WithErrors(3.0, 2.0, 2.5), WithErrors(1.5, 2.0, 1.75)}) {
-    EXPECT_EQ(Rises(report).size(), 1u);
-    EXPECT_THAT(VerdictSentence(report),
-                ::testing::StartsWith("The refitted model raises an error: held-out recordings: " +
-                                      ThreeErrors(Rises(report)[0]) + "."));
-  }
-  // What three digits do not show is no rise.
-  EXPECT_TRUE(Rises(WithErrors(2.0, 2.0, 2.00001)).empty());
+  const Report by_effect = WithErrors(3.0, 2.0, 2.5);
+  EXPECT_THAT(VerdictSentence(by_effect),
+              HasSubstr("The added effect raises an error: held-out recordings: " +
+                        ThreeErrors(Rises(by_effect)[0]) + "."));
+  const Report by_refit = WithErrors(1.5, 2.0, 1.75);
+  ASSERT_EQ(Rises(by_refit).size(), 1u);
+  EXPECT_THAT(VerdictSentence(by_refit),
+              HasSubstr("The refit of the declared terms raises an error: held-out recordings: "));
+  EXPECT_THAT(VerdictSentence(by_refit), Not(HasSubstr("added effect")));
+  // A rise of less than a hundredth is none.
+  EXPECT_TRUE(Rises(WithErrors(2.0, 2.0, 2.01)).empty());
+  EXPECT_EQ(Rises(WithErrors(2.0, 2.0, 2.03)).size(), 1u);
   // Training may pay for the held-out recordings.
   Report report = WithErrors(3.0, 2.0, 1.0);
   report.trace.after_train.rms = 1.0;
   EXPECT_TRUE(Rises(report).empty());
+}
+
+TEST(Report, NothingIsSaidOnlyWhereTheNoiseIsAllThatIsLeft) {
+  Report report = WithErrors(3.0, 2.0, 2.0);
+  EXPECT_EQ(OutcomeWord(report.trace), "not_detectable");
+  report.trace.noise_floor_rms = 0.5;
+  report.trace.before_held_out.percent = 46.0;
+  EXPECT_EQ(OutcomeWord(report.trace), "not_detectable");
+  EXPECT_THAT(VerdictSentence(report), AllOf(HasSubstr("46 % of the drive"),
+                                             HasSubstr("the noise of the sensors is 0.5 Nm")));
+  report.trace.noise_floor_rms = 1.9;
+  EXPECT_EQ(OutcomeWord(report.trace), "nothing");
+  EXPECT_THAT(VerdictSentence(report), ::testing::StartsWith("Nothing beyond the noise"));
+  EXPECT_THAT(FormatHtml(report, {}, {}), HasSubstr("class=\"verdict nothing\""));
+}
+
+TEST(Report, WhatOnlyTrainingShowsIsReportedWithItsRule) {
+  Report report = WithErrors(3.0, 2.0, 2.0);
+  report.trace.verdict = trace::Verdict::kUnexplained;
+  trace::FoundEffect effect;
+  effect.name = "quadratic_viscous";
+  effect.fitted = {identify::TermOf("quadratic_viscous", {0.4}, {})};
+  effect.gain_share = 0.62;
+  effect.held_out_before = 2.0;
+  effect.held_out_after = 2.62;
+  effect.refusal = trace::RefusedBy(trace::rules::kRaises, 1.31);
+  report.trace.refuted = {effect};
+  EXPECT_EQ(OutcomeWord(report.trace), "training_only");
+  EXPECT_THAT(
+      VerdictSentence(report),
+      AllOf(::testing::StartsWith("Found in training, not in the held-out recordings: "
+                                  "quadratic_viscous takes 62 % of the training misfit"),
+            HasSubstr("the held-out error rises by 31.0 %; rule raises: 1.31, limit 1.01")));
+  EXPECT_THAT(NextExperiment(report), HasSubstr("without a restart"));
+  const nlohmann::json json = nlohmann::json::parse(FormatJson(report));
+  EXPECT_EQ(json["verdict"], "unexplained");
+  EXPECT_EQ(json["outcome"], "training_only");
+  EXPECT_EQ(json["refuted"][0]["refused"]["rule"], "raises");
+  EXPECT_EQ(json["refuted"][0]["refused"]["value"], 1.31);
 }
 
 TEST(Report, ASimulationThatRisesOrDivergesIsReported) {
@@ -131,19 +181,24 @@ TEST(Report, ASimulationThatRisesOrDivergesIsReported) {
   EXPECT_THAT(ThreeErrors(Rises(report)[0]), HasSubstr("diverged rad corrected"));
 }
 
-TEST(Report, AnEffectThatIsNotInTheModelIsReportedWithItsSize) {
+TEST(Report, AnOpenEffectIsReportedWithItsSizeApartFromThoseOfTheModel) {
   Made made = Make(true);
   trace::TraceResult& trace = made.report.trace;
   trace.effects[0].fitted = {actuator::PhysicalTerm(trace.corrected, trace.effects[0].term)};
   trace.effects[0].term = -1;
+  trace.open = std::move(trace.effects);
+  trace.effects.clear();
+  trace.verdict = trace::Verdict::kUnexplained;
   const nlohmann::json json = nlohmann::json::parse(FormatJson(made.report));
-  EXPECT_EQ(json["verdict"], "effect");
-  EXPECT_FALSE(json["effects"][0]["in_model"].get<bool>());
-  EXPECT_NEAR(json["effects"][0]["parameters"]["quadratic_Nm_s2_rad2"]["value"].get<double>(), 0.4,
+  EXPECT_EQ(json["verdict"], "unexplained");
+  EXPECT_EQ(json["outcome"], "open");
+  EXPECT_TRUE(json["effects"].empty());
+  EXPECT_FALSE(json["open"][0]["in_model"].get<bool>());
+  EXPECT_NEAR(json["open"][0]["parameters"]["quadratic_Nm_s2_rad2"]["value"].get<double>(), 0.4,
               0.05);
   EXPECT_THAT(json["sentence"].get<std::string>(),
-              HasSubstr("The training recordings support quadratic_viscous"));
-  EXPECT_THAT(FormatHtml(made.report, {}, {}), HasSubstr("not in the model"));
+              HasSubstr("Open, and not in the model: quadratic_viscous"));
+  EXPECT_THAT(FormatHtml(made.report, {}, {}), HasSubstr("Not in the model"));
 }
 
 TEST(Report, TheSmallestDetectableSizesAreReported) {

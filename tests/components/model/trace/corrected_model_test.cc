@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "components/model/trace/likelihood_tracer.h"
+#include "components/model/trace/rules.h"
 #include "tests/components/model/identify/synthetic.h"
 
 namespace sinew::trace {
@@ -48,11 +49,14 @@ TEST(CorrectedModel, LeavesOutWhatTheHeldOutRecordingDoesNotConfirmUnlessAsked) 
   const types::Run other =
       RunWithDrag({.rate_Hz = 100.0, .seed = 3, .noise_A = 0.05}, 2.5 * kQuadratic_Nm_s2_rad2);
   const TraceResult result = TraceHeldOut(other, false);
-  EXPECT_EQ(result.verdict, Verdict::kEffect);
-  ASSERT_EQ(result.effects.size(), 1u);
-  const FoundEffect& found = result.effects[0];
+  EXPECT_EQ(result.verdict, Verdict::kUnexplained) << "nothing is part of the model";
+  EXPECT_TRUE(result.effects.empty());
+  ASSERT_EQ(result.open.size(), 1u);
+  const FoundEffect& found = result.open[0];
   EXPECT_EQ(found.name, "quadratic_viscous");
   EXPECT_EQ(found.confirmation.verdict, ConfirmationVerdict::kNotConfirmed);
+  EXPECT_EQ(found.refusal.rule, rules::kSlopeBand.id);
+  EXPECT_GT(found.refusal.value, found.refusal.limit);
   EXPECT_FALSE(found.in_model());
   ASSERT_EQ(found.fitted.size(), 1u);
   const actuator::ParameterValue& size = found.fitted[0].linear[0];
@@ -67,6 +71,30 @@ TEST(CorrectedModel, LeavesOutWhatTheHeldOutRecordingDoesNotConfirmUnlessAsked) 
   EXPECT_TRUE(kept.effects[0].in_model());
   EXPECT_GE(kept.corrected.Find("quadratic_viscous"), 0);
   EXPECT_LT(kept.after_train.rms, kept.before_train.rms);
+}
+
+// The held-out joint has none of it: the page must not say that nothing was found.
+TEST(CorrectedModel, KeepsWhatWasFoundInTrainingAndRefutedApartFromNothing) {
+  const TraceResult result =
+      TraceHeldOut(RunWithDrag({.rate_Hz = 100.0, .seed = 3, .noise_A = 0.05}, 0.0), false);
+  EXPECT_TRUE(result.effects.empty());
+  EXPECT_TRUE(result.open.empty());
+  ASSERT_FALSE(result.refuted.empty());
+  EXPECT_EQ(result.refuted[0].name, "quadratic_viscous");
+  EXPECT_EQ(result.refuted[0].confirmation.verdict, ConfirmationVerdict::kRefuted);
+  EXPECT_FALSE(result.refuted[0].refusal.rule.empty());
+  EXPECT_LE(result.p_global.value(), rules::kGlobalP.limit);
+  EXPECT_EQ(result.verdict, NearNoise(result) ? Verdict::kNone : Verdict::kUnexplained);
+}
+
+TEST(CorrectedModel, NoiseIsWhatTheSensorsHaveNotWhatTheFitLeaves) {
+  Assessment assessed;
+  assessed.before_held_out.rms = 1.0;
+  EXPECT_FALSE(NearNoise(assessed)) << "unknown noise";
+  assessed.noise_floor_rms = 0.7;  // 0.49 of the power
+  EXPECT_FALSE(NearNoise(assessed));
+  assessed.noise_floor_rms = 0.72;
+  EXPECT_TRUE(NearNoise(assessed));
 }
 
 }  // namespace

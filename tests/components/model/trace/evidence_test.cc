@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <cmath>
 #include <random>
 
 namespace sinew::trace {
@@ -39,6 +40,32 @@ struct Regression {
     return (y - A * best).squaredNorm() + ((best - mean).array().square() * P.array()).sum();
   }
 };
+
+// Oracle: the Gaussian density of y with its covariance written out.
+TEST(Evidence, GainLessOccamIsTwiceTheLogarithmOfTheRatioOfMarginalLikelihoods) {
+  Regression problem;
+  problem.prior.precision = Eigen::Vector3d(4.0, 1.0, 100.0);
+  const Evidence evidence{problem.X, problem.prior, problem.Z, problem.precision, problem.y};
+  const auto twice_log_density = [&](const Columns& columns) {
+    Eigen::MatrixXd cov = Eigen::MatrixXd::Identity(400, 400);
+    cov += problem.X * problem.prior.precision.cwiseInverse().asDiagonal() * problem.X.transpose();
+    for (const Eigen::Index j : columns) {
+      cov += problem.Z.col(j) * problem.Z.col(j).transpose() / problem.precision[j];
+    }
+    const Eigen::LLT<Eigen::MatrixXd> factor(cov);
+    const Eigen::MatrixXd L = factor.matrixL();
+    const Eigen::VectorXd e = problem.y - problem.X * problem.prior.mean;
+    return -e.dot(factor.solve(e)) - 2.0 * L.diagonal().array().log().sum();
+  };
+  const double without = twice_log_density({});
+  for (const Columns& columns : {Columns{0}, Columns{3}, Columns{1, 3, 4}}) {
+    const double ratio = twice_log_density(columns) - without;
+    EXPECT_NEAR(evidence.Gain(columns) - evidence.Occam(columns), ratio,
+                1e-5 * std::abs(ratio) + 1e-4);
+  }
+  EXPECT_LT(evidence.Gain({0}) - evidence.Occam({0}), 0.0) << "a column that says nothing";
+  EXPECT_GT(evidence.Gain({3}) - evidence.Occam({3}), 10.0);
+}
 
 TEST(Evidence, GainIsTheMisfitThatTheJointFitTakesAway) {
   const Regression problem;

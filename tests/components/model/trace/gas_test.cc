@@ -196,7 +196,9 @@ TEST_P(GasEffect, IsFoundWithItsParameters) {
   const TraceResult result =
       TraceGas(WithGas(GetParam().effect, GetParam().values, GetParam().psi), 30);
   ASSERT_EQ(GasEffects(result), std::vector<std::string>{GetParam().effect});
-  const FoundEffect& found = result.effects.back();  // balances follow the motion
+  const FoundEffect& found = *std::find_if(
+      result.effects.begin(), result.effects.end(),
+      [](const FoundEffect& effect) { return effect.balance == effects::Balance::kGas; });
   EXPECT_LT(found.held_out_after, found.held_out_before);
   const actuator::Term& term = result.corrected.terms[static_cast<std::size_t>(found.term)];
   for (std::size_t i = 0; i < GetParam().values.size(); ++i) {

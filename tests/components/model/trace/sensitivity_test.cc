@@ -102,7 +102,8 @@ TraceResult TraceDrag(double drag, std::uint64_t seed) {
 bool FindsDrag(const TraceResult& result) {
   for (const CandidateScore& score : result.rounds.front().scores) {
     if (score.name == "quadratic_viscous") {
-      return score.refused != rules::kGlobalP.id && score.refused != rules::kExplainedShare.id;
+      return score.refused.rule != rules::kGlobalP.id &&
+             score.refused.rule != rules::kExplainedShare.id;
     }
   }
   return false;

@@ -37,6 +37,18 @@ TEST(Shift, OneParameterFarOffIsReported) {
   EXPECT_EQ(shifts[0].effect, "viscous");
   EXPECT_NEAR(shifts[0].refit, 0.5, 0.02);
   EXPECT_NEAR(shifts[0].sigma, -0.3 / 0.12, 0.3);
+  EXPECT_EQ(std::count(shifts[0].causes.begin(), shifts[0].causes.end(), "viscous"), 0);
+}
+
+// Beyond three tolerances the declared value itself is a cause, whatever else points the same way.
+TEST(Shift, AValueFarBeyondItsToleranceIsItsOwnCause) {
+  auto model = SyntheticModel();
+  model.terms[2].linear[0].value *= 1.6;
+  model.terms[2].linear[0].tolerance = 0.05;
+  const std::vector<ParameterShift> shifts = Shifts(SyntheticModel(), model);
+  ASSERT_EQ(shifts.size(), 1u);
+  EXPECT_LT(shifts[0].sigma, -3.0);
+  EXPECT_EQ(std::count(shifts[0].causes.begin(), shifts[0].causes.end(), "viscous"), 1);
 }
 
 TEST(Shift, APayloadIsKnownByGravityAndInertiaTogether) {

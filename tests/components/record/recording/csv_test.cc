@@ -234,6 +234,35 @@ signals:
   }
 }
 
+// A row of units, an empty cell, a stamp of another clock: what is left out need be no numbers.
+TEST(CsvMap, RowsThatAreLeftOutAreNotParsed) {
+  const auto map = [](const std::string& rows) {
+    return ParseCsvMap("schema: sinew-csv-map/1\nkind: rotary\ntime: {column: t, unit: s}\n" +
+                           rows + "signals:\n  position: {column: q, unit: rad}\n",
+                       "map.yaml");
+  };
+  for (const std::string first : {"s,rad", "0,", "1716900000.0,1", "1,1"}) {
+    const types::Run run =
+        ReadCsvRun("t,q\n" + first + "\n1,5\n2,6\n", "data.csv", map("rows: {skip: 1}\n"));
+    ASSERT_EQ(run.size(), 2) << first;
+    EXPECT_EQ(run.time_s[0], 1.0) << first;
+    EXPECT_EQ(run.At(Signal::kPosition)[1], 6.0) << first;
+  }
+  // Of the first seconds the stamps are read and nothing else.
+  const types::Run later =
+      ReadCsvRun("t,q\n0,\n1,none\n2,6\n3,7\n", "data.csv", map("rows: {skip_s: 2}\n"));
+  ASSERT_EQ(later.size(), 2);
+  EXPECT_EQ(later.time_s[0], 2.0);
+  try {
+    ReadCsvRun("t,q\n0,1\n1,2\n", "data.csv", map("rows: {skip: 2}\n"));
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(
+        error.what(),
+        "data.csv: has 2 rows, of which the first 2 are left out, expected a longer recording");
+  }
+}
+
 TEST(CsvMap, RowsWithoutStampsAreNumberedAndTheFirstOnesLeftOut) {
   const auto map = [](const std::string& rows) {
     return ParseCsvMap("schema: sinew-csv-map/1\nkind: rotary\ntime: {row_period_s: 3}\n" + rows +

@@ -1,0 +1,115 @@
+#include "components/model/trace/facts.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+
+namespace sinew::trace {
+
+namespace {
+
+// Share of the misfit that a low-pass or a drive loop imitates at most. Provisional.
+constexpr double kMostOfFilter = 0.1;
+// A slope that cannot be assessed costs as much as one of 0.75.
+constexpr double kUnassessed = 0.25;
+constexpr std::array kDynamic = {"flexible_link", "elastic_joint", "gear_compliance",
+                                 "transport_delay"};
+
+// The contribution of a hypothesis with its coefficients at the used rows of other recordings.
+Eigen::VectorXd Contribution(const identify::Design& design, const UsedRows& used,
+                             const Hypothesis& h, const Eigen::Ref<const Eigen::VectorXd>& c) {
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(used.size());
+  Eigen::Index at = 0;
+  for (const TermSetting& setting : h.settings) {
+    const Eigen::MatrixXd phi = -used.Of(design.Columns(*h.effect, setting.psi));
+    out += phi * c.segment(at, phi.cols());
+    at += phi.cols();
+  }
+  return out;
+}
+
+}  // namespace
+
+double Facts::Score() const {
+  const double off = Assessed() ? std::min(2.0, std::abs(1.0 - *slope)) : kUnassessed;
+  const double z = 2.0 - 2.4 * curve - 3.3 * off - (dynamic ? 2.6 : 0.0);
+  return 1.0 / (1.0 + std::exp(-z));
+}
+
+Facts FactsOf(const Problem& problem, const EffectSet& set, std::size_t k,
+              const identify::Design& held_out, const actuator::JointModel& declared_fit,
+              bool keep_scale, const Likelihood& train) {
+  Facts out;
+  const Hypothesis& member = problem.hypotheses()[set.members[k]];
+  const EffectSet without = WithoutMember(problem.evidence, problem.hypotheses(), set, k);
+  const double share = (set.net - without.net) / problem.evidence.misfit();
+  out.dynamic =
+      share < kMostOfFilter && declared_fit.balance == effects::Balance::kMotion &&
+      std::find(kDynamic.begin(), kDynamic.end(), std::string_view(member.name)) != kDynamic.end();
+  const EffectSet with = WithBestCurve(problem.evidence, problem.hypotheses(), set);
+  if (!with.empty() && set.net > 0.0) out.curve = std::max(0.0, (with.net - set.net) / set.net);
+  if (member.effect->info().event) return out;
+
+  Likelihood likelihood;
+  likelihood.engine = train.engine;
+  likelihood.no_nuisance = train.no_nuisance;
+  likelihood.used = MakeUsedRows(held_out, kFewestRowsPerBlock);
+  const UsedRows& used = likelihood.used;
+  const identify::Balance balance = identify::MakeBalance(held_out, declared_fit, keep_scale);
+  if (balance.columns.cols() != problem.bank.parameters || used.size() < kFewestRowsPerBlock) {
+    return out;
+  }
+  const Eigen::MatrixXd declared = used.Of(balance.columns);
+  const Eigen::VectorXd target = balance.target(used.rows);
+  const auto left = [&](const EffectSet& model) -> Eigen::VectorXd {
+    const Eigen::VectorXd b =
+        problem.evidence.Declared(model.columns, model.c).head(problem.bank.parameters);
+    Eigen::VectorXd rest = target - declared * b;
+    Eigen::Index at = 0;
+    for (const std::size_t j : model.members) {
+      const Hypothesis& h = problem.hypotheses()[j];
+      const auto columns = static_cast<Eigen::Index>(h.columns.size());
+      if (!h.effect->info().event) {
+        rest -= Contribution(held_out, used, h, model.c.segment(at, columns));
+      }
+      at += columns;
+    }
+    return rest;
+  };
+  // What the member changes, the declared terms refitted in training with and without it.
+  const Eigen::VectorXd rest = left(set);
+  const Eigen::VectorXd own = left(without) - rest;
+  const Nuisances nuisances = MakeNuisances(held_out, likelihood, declared_fit);
+  Eigen::MatrixXd columns(used.size(), 1 + nuisances.columns.cols());
+  columns << own, nuisances.columns;
+  Eigen::VectorXd precision = Eigen::VectorXd::Zero(columns.cols());
+  Eigen::VectorXd mean = Eigen::VectorXd::Zero(columns.cols());
+  for (Eigen::Index i = 0; i < nuisances.spread.size(); ++i) {
+    mean[1 + i] = nuisances.mean[i];
+    const double spread = nuisances.spread[i];
+    precision[1 + i] = spread > 0.0 ? 1.0 / (spread * spread) : 0.0;
+  }
+  // Twice: the noise is what the imperfections leave. rest = own (slope - 1) + imperfections.
+  SetNoiseByRecording(held_out, rest, &likelihood);
+  for (int pass = 0; pass < 2; ++pass) {
+    const Eigen::MatrixXd X = Whiten(likelihood, columns);
+    Eigen::MatrixXd A = X.transpose() * X;
+    A.diagonal() += precision;
+    for (Eigen::Index i = 0; i < A.rows(); ++i) A(i, i) += kRidge * A(i, i) + 1e-300;
+    const Eigen::LDLT<Eigen::MatrixXd> factor(A);
+    const Eigen::VectorXd e = Whiten(likelihood, rest - columns * mean).col(0);
+    const Eigen::VectorXd x = mean + factor.solve(X.transpose() * e);
+    if (pass == 0) {
+      SetNoiseByRecording(held_out, rest - columns * x, &likelihood);
+      continue;
+    }
+    const Eigen::VectorXd unit = Eigen::VectorXd::Unit(A.rows(), 0);
+    out.error = std::sqrt(std::max(0.0, factor.solve(unit)[0]));
+    if (out.error > 0.0 && std::isfinite(out.error)) out.slope = 1.0 + x[0];
+  }
+  return out;
+}
+
+}  // namespace sinew::trace

@@ -1,0 +1,36 @@
+// Three facts of a member of a set that training chose, and the score that is made of them.
+//
+//     p = 1 / (1 + exp(-(2.0 - 2.4 curve - 3.3 |1 - slope| - 2.6 dynamic)))
+//
+// curve: what the best free curve gains beside the set, share of the set's own evidence. slope: of
+// the held-out residual on the contribution that training predicts there, with the imperfections of
+// that recording fitted beside it. dynamic: one of the kind that every low-pass and drive loop
+// imitates. The weights are a prototype's, trained on simulated rigs of two kinds. Pure; allocates.
+#pragma once
+
+#include <optional>
+
+#include "components/model/trace/problem.h"
+
+namespace sinew::trace {
+
+struct Facts {
+  double curve = 0.0;
+  // Held out; none: no row shows it, or the effect began at an instant there.
+  std::optional<double> slope;
+  double error = 0.0;  // of the slope, one standard deviation
+  bool dynamic = false;
+
+  // Fewer standard errors than these a slope of one says nothing.
+  bool Assessed() const { return slope && error < 1.0 / kLeastExpected; }
+  double Score() const;
+
+  static constexpr double kLeastExpected = 2.5;
+};
+
+// Facts of member k. held_out: its drive predicted by the fit of the declared terms in training.
+Facts FactsOf(const Problem& problem, const EffectSet& set, std::size_t k,
+              const identify::Design& held_out, const actuator::JointModel& declared_fit,
+              bool keep_scale, const Likelihood& train);
+
+}  // namespace sinew::trace
