@@ -372,19 +372,24 @@ class Assessor {
     }
   }
 
+  CandidateScore ScoreOf(const EffectSet& single) const {
+    const Hypothesis& h = problem_.hypotheses()[single.members.front()];
+    CandidateScore score;
+    score.name = h.name;
+    score.psi = h.settings.front().psi;
+    for (const double c : single.c) score.theta.push_back(problem_.scale * c);
+    score.statistic = Statistic(single.gain, single.members.front());
+    score.gain_share = single.net / misfit_;
+    return score;
+  }
+
   void NoteScores(const SetSearch& found, bool open) {
     for (const EffectSet& single : found.singles) {
-      const Hypothesis& h = problem_.hypotheses()[single.members.front()];
-      CandidateScore score;
-      score.name = h.name;
-      score.psi = h.settings.front().psi;
-      for (const double c : single.c) score.theta.push_back(problem_.scale * c);
-      score.statistic = Statistic(single.gain, single.members.front());
-      score.gain_share = single.net / misfit_;
-      const auto refused = refused_.find(h.name);
+      CandidateScore score = ScoreOf(single);
+      const auto refused = refused_.find(score.name);
       score.accepted = std::any_of(
           out_.chosen.members.begin(), out_.chosen.members.end(),
-          [&](std::size_t member) { return problem_.hypotheses()[member].name == h.name; });
+          [&](std::size_t member) { return problem_.hypotheses()[member].name == score.name; });
       if (!score.accepted) {
         score.refused = !open                       ? RefusedBy(rules::kGlobalP, out_.p_global)
                         : refused != refused_.end() ? refused->second
@@ -393,15 +398,9 @@ class Assessor {
       out_.scores.push_back(std::move(score));
     }
     for (const EffectSet& single : found.out_of_range) {
-      const Hypothesis& h = problem_.hypotheses()[single.members.front()];
-      CandidateScore score;
-      score.name = h.name;
-      score.psi = h.settings.front().psi;
-      for (const double c : single.c) score.theta.push_back(problem_.scale * c);
-      score.statistic = Statistic(single.gain, single.members.front());
-      score.gain_share = single.net / misfit_;
-      score.refused = RefusedBy(rules::kRange, TimesOutOfRange(problem_.hypotheses(), single));
-      out_.scores.push_back(std::move(score));
+      out_.scores.push_back(ScoreOf(single));
+      out_.scores.back().refused =
+          RefusedBy(rules::kRange, TimesOutOfRange(problem_.hypotheses(), single));
     }
   }
 
