@@ -12,16 +12,16 @@
 #   sinew_add_participant(rls SOURCES participant/main.cc DEPENDS sinew::rls)
 #     -> program sinew_rls_participant, installed and built as bin/sinew-rls; links sinew::node.
 #   sinew_add_test(rls_test SOURCES rls_test.cc DEPENDS sinew::rls [BYTES] [THREADS] [NIGHT] [LABEL dds] [SERIAL] [TIMEOUT s]
-#                  [LONG Suite.Case])
+#                  [NIGHT_CASES Suite.Case...] [LONG Suite.Case...])
 #     -> a GoogleTest program and one ctest; its cases are counted from GoogleTest's result file. Without LABEL it is a
 #        unit test. A test that starts PROGRAMS names its LABEL: `programs`, or `dds`, `system`, or `soak` and `browser`
 #        (not in tools/test). SERIAL: it runs in real time, so nothing runs beside it. One on whole recordings or many
 #        runs of the surrogate has the label `acceptance`.
-#        BYTES: it handles bytes, messages or files; THREADS: its code starts threads. .ci/run runs a unit test in one
-#        configuration: these under the address sanitizer (those with THREADS also under the thread sanitizer), all
-#        others with assertions. NIGHT: only tools/test and .ci/night run it, not .ci/run.
-#        LONG: cases, or patterns of them, that repeat for many seeds or recordings what others do once; sanitized builds
-#        leave them out.
+#        BYTES: it handles bytes or messages from outside; THREADS: its code starts threads. .ci/run runs a unit test in
+#        one configuration: the first under the address sanitizer, the second under the thread sanitizer, all others with
+#        assertions. NIGHT: only tools/test and .ci/night run it, not .ci/run.
+#        NIGHT_CASES: cases, or patterns of them, that do for further robots, roles and motions what others do once; .ci/run
+#        leaves them out. LONG: those that repeat it for many seeds or recordings; sanitized builds leave them out.
 # A configuration defines only the tests that it is for: SINEW_TESTS (cmake/SinewOptions.cmake). The target chosen_tests
 # builds them, soak_tests and browser_tests those of these labels.
 foreach(list SINEW_MODULES SINEW_PUBLIC_HEADERS SINEW_OTHER_HEADERS)
@@ -158,7 +158,7 @@ endforeach()
 set(SINEW_TEST_RESULTS ${CMAKE_BINARY_DIR}/test_results)
 
 function(sinew_add_test name)
-  cmake_parse_arguments(ARG "BYTES;NIGHT;SERIAL;THREADS" "LABEL;TIMEOUT" "SOURCES;DEPENDS;DEFINITIONS;PROGRAMS;LONG" ${ARGN})
+  cmake_parse_arguments(ARG "BYTES;NIGHT;SERIAL;THREADS" "LABEL;TIMEOUT" "SOURCES;DEPENDS;DEFINITIONS;PROGRAMS;LONG;NIGHT_CASES" ${ARGN})
   if(ARG_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "${name}: '${ARG_UNPARSED_ARGUMENTS}' belongs to no keyword; a test has one LABEL")
   endif()
@@ -166,21 +166,21 @@ function(sinew_add_test name)
     message(FATAL_ERROR "${name} starts programs: LABEL programs, or LABEL dds SERIAL")
   endif()
   # Whether this configuration is for the test.
-  set(sanitized FALSE)
-  if(NOT ARG_LABEL AND (ARG_BYTES OR ARG_THREADS))
-    set(sanitized TRUE)
+  set(by_day FALSE)
+  if(SINEW_TESTS STREQUAL "day")
+    set(by_day TRUE)
   endif()
-  if(SINEW_TESTS STREQUAL day AND ARG_NIGHT)
+  if(by_day AND ARG_NIGHT)
     return()
   elseif(SINEW_SANITIZE MATCHES thread)
     if(NOT ARG_THREADS)
       return()
     endif()
   elseif(SINEW_SANITIZE)
-    if(ARG_LABEL OR (SINEW_TESTS STREQUAL day AND NOT sanitized))
+    if(ARG_LABEL OR (by_day AND NOT ARG_BYTES))
       return()
     endif()
-  elseif(SINEW_TESTS STREQUAL day AND sanitized)
+  elseif(by_day AND NOT ARG_LABEL AND (ARG_BYTES OR ARG_THREADS))
     return()
   endif()
   if(NOT ARG_LABEL)
@@ -211,9 +211,16 @@ function(sinew_add_test name)
   if(ARG_PROGRAMS)
     add_dependencies(${name} ${ARG_PROGRAMS})
   endif()
+  set(left_out "")
+  if(by_day)
+    list(APPEND left_out ${ARG_NIGHT_CASES})
+  endif()
+  if(SINEW_SANITIZE)
+    list(APPEND left_out ${ARG_LONG})
+  endif()
   set(filter "")
-  if(SINEW_SANITIZE AND ARG_LONG)
-    list(JOIN ARG_LONG ":" left_out)
+  if(left_out)
+    list(JOIN left_out ":" left_out)
     set(filter --gtest_filter=-${left_out})
   endif()
   # The longest ones begin first.
