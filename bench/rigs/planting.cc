@@ -64,11 +64,8 @@ const Conversion kConversions[] = {
     // Force at typical speed: |w|^1.5 (0.15 + |w|)^0.5 of it (bench/rigs/drawn/plant.cc).
     {"quadratic_viscous",
      [](const Rig& rig, double c) { return c * rig.speed() * rig.speed() / std::sqrt(1.15); }},
-    {"pressure_lag",
-     [](const Rig& rig, double c) {
-       return c /
-              (rig.pneumatic_slope - rig.pneumatic_stiffness * (rig.centre - rig.rest_position));
-     }},
+    {"pressure_lag", Same},
+    {"pressure_offset", Same},
 };
 
 // Shapes that the generator takes from the report.

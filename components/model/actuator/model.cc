@@ -218,6 +218,24 @@ double JointModel::Residual(const effects::JointSample& x,
   return torque;
 }
 
+void RemakeEffects(JointModel* model) {
+  effects::JointConstants& constants = model->constants;
+  const auto term = [&](const char* effect) -> const Term* {
+    const int at = model->Find(effect, effects::Balance::kMotion);
+    return at < 0 ? nullptr : &model->terms[static_cast<std::size_t>(at)];
+  };
+  const Term* torque = term("pneumatic_torque");
+  const Term* stiffness = term("pneumatic_stiffness");
+  constants.pneumatic_torque_Nm_bar = torque != nullptr ? torque->linear.front().value : 0.0;
+  constants.pneumatic_stiffness_Nm_rad_bar =
+      stiffness != nullptr ? stiffness->linear.front().value : 0.0;
+  constants.pneumatic_rest_rad = stiffness != nullptr ? stiffness->nonlinear.front().value : 0.0;
+  for (Term& each : model->terms) {
+    const effects::EffectInfo& info = each.effect->info();
+    each.effect = effects::MakeEffect(std::string(info.name), constants, info.balance);
+  }
+}
+
 double DriveShare(const JointModel& model, effects::Balance balance) {
   for (const Term& term : model.terms) {
     const effects::EffectInfo& info = term.effect->info();

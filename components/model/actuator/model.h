@@ -117,6 +117,10 @@ class JointModel {
   double Residual(const effects::JointSample& x, std::span<const double> memory) const noexcept;
 };
 
+// Makes every effect anew: they know the model's constants from when they were made. Those of the
+// pneumatic element are taken from its terms first.
+void RemakeEffects(JointModel* model);
+
 // The drive term's factor in a balance as a share of the ideal drive's; 1 without a drive term.
 double DriveShare(const JointModel& model, effects::Balance balance);
 

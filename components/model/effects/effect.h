@@ -123,10 +123,12 @@ struct EffectInfo {
   bool rate = false;  // phi is a rate of what the balance is about: fitting integrates it
   // Follows the drive input as recorded, over a span that is its first nonlinear parameter.
   bool follows_record = false;
-  // Repeats many times a turn: at speed it is faster than the low-pass of the angles, which fitting
-  // then applies to it, too (identify::Design::Columns).
-  bool ripple = false;
+  // Repeats as often in a turn of this shaft as its first nonlinear parameter says: at speed it is
+  // faster than the low-pass of the angles (identify::Design::Columns).
+  std::optional<Side> ripple = std::nullopt;
   bool rotary_only = false;  // reads an angle as an angle: means nothing on a linear joint
+  // Misreads the pressure: the model has to declare what the pressure does (TorquePerBar).
+  bool needs_pneumatics = false;
   // Begins at an instant that differs from recording to recording: the first nonlinear parameter is
   // its start, on the clock time_s.
   bool event = false;

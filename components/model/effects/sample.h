@@ -51,7 +51,17 @@ struct JointConstants {
   // A linear joint has no lever (link_length_m is 1, a force counts as it is) and its position is
   // no angle to the vertical.
   types::JointKind kind = types::JointKind::kRotary;
+  // The model's pneumatic element, K P - k1 P (q - q0) (actuator::RemakeEffects); 0 without.
+  double pneumatic_torque_Nm_bar = 0.0;         // K
+  double pneumatic_stiffness_Nm_rad_bar = 0.0;  // k1
+  double pneumatic_rest_rad = 0.0;              // q0
 };
+
+// Derivative of the pneumatic element's torque by the pressure at an output position, Nm/bar.
+inline double TorquePerBar(const JointConstants& constants, double position_rad) noexcept {
+  return constants.pneumatic_torque_Nm_bar -
+         constants.pneumatic_stiffness_Nm_rad_bar * (position_rad - constants.pneumatic_rest_rad);
+}
 
 // Torque at the output of an ideal drive with the drive input 1: N Kt of a current drive (Nm/A),
 // the force constant of a voltage drive (N/V), 1 where neither is known.

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "components/base/types/angle.h"
 #include "components/model/identify/differentiate.h"
 #include "components/model/identify/statistics.h"
 
@@ -27,6 +28,12 @@ Drive RequiredDrive(const actuator::JointModel& model, const StateSegment& segme
     out.beyond += reached ? 0 : 1;
   }
   return out;
+}
+
+// What the low-pass of the angles, a Butterworth forward and backward, lets pass of a frequency.
+double PassedTwice(double frequency_Hz, const ProcessingOptions& options) {
+  return 1.0 / (1.0 + std::pow(std::abs(frequency_Hz) / options.state_cutoff_Hz,
+                               2.0 * options.state_order));
 }
 
 // Rows of a segment without which its drive keeps the rate that was measured.
@@ -132,14 +139,18 @@ Eigen::MatrixXd Design::Columns(const effects::Effect& effect, std::span<const d
       effect.Regressors(x, psi, memory_span, phi_span);
       for (Eigen::Index c = 0; c < count; ++c) full(i, c) = phi[static_cast<std::size_t>(c)];
     }
+    // What repeats faster than the low-pass of the angles is answered by an acceleration that they
+    // do not show. By its frequency there: rows are too few to filter what they alias.
+    if (options_.raw && effect.info().ripple && !segment.held) {
+      const bool of_motor = *effect.info().ripple == effects::Side::kMotor;
+      for (Eigen::Index i = 0; i < segment.size(); ++i) {
+        const effects::JointSample& x = segment.samples[static_cast<std::size_t>(i)];
+        const double turning = of_motor ? x.motor_velocity_rad_s : x.velocity_rad_s;
+        full.row(i) *= PassedTwice(psi[0] * turning / types::kTwoPi, options_);
+      }
+    }
     Eigen::Index rows = 0;
     for (Eigen::Index c = 0; c < count; ++c) {
-      // What repeats faster than the low-pass of the angles is answered by an acceleration that
-      // they do not show.
-      if (options_.raw && effect.info().ripple && !segment.held) {
-        full.col(c) = Smooth(full.col(c), options_.state_order, options_.state_cutoff_Hz,
-                             1.0 / segment.period_s);
-      }
       if (effect.info().rate) Integrate(segment.period_s, full.col(c));
       rows = Thin(segment, full.col(c), out.col(c).segment(at, rows_.size() - at));
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "components/model/identify/statistics.h"
 #include "components/model/identify/uniform.h"
 
 namespace sinew::identify {
@@ -92,6 +93,12 @@ StateSet MakeKinematicStates(const std::vector<types::Run>& runs,
       };
       segment.drive_input = measured(types::Signal::kMotorPosition) / model.constants.gear_ratio -
                             measured(types::Signal::kPosition);
+      const std::vector<double> seen(segment.drive_input.begin(), segment.drive_input.end());
+      if (model.backlash_rad < kSmallPlay * (Quantile(seen, 0.9) - Quantile(seen, 0.1))) {
+        segment.at_rest.assign(segment.at_rest.size(), 0);
+        ++s;
+        continue;
+      }
       // The model's torque is smoothed: a side has to hold for longer than the filter sees.
       const double rate = piece.rate_Hz();
       const auto guard = static_cast<Eigen::Index>(

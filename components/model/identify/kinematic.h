@@ -10,8 +10,11 @@
 // and their difference is the residual of the motion. Contact is sure where both have the same sign
 // and are larger than kSureContact times the residual's rms for a while on either side: free teeth
 // carry nothing, and an impact lets the two estimates part. Everything else is left out, rest and
-// reversals too. The measured side is not filtered: an average over the play would be a side of its
-// own. Pure; allocates; throws std::invalid_argument as MakeStates.
+// reversals too; but where the declared play is a small part of what the difference does
+// (kSmallPlay of its middle four fifths), every moving row counts, and the play is noise. Teeth
+// that only ever touch on one side show all but the play itself. The measured side is not filtered:
+// an average over the play would be a side of its own. Pure; allocates; throws
+// std::invalid_argument as MakeStates.
 #pragma once
 
 #include <string>
@@ -24,6 +27,7 @@
 namespace sinew::identify {
 
 inline constexpr double kSureContact = 4.0;
+inline constexpr double kSmallPlay = 0.1;
 
 // motion: options of the motion balance, resolved. fitted: the model fitted in it. residual_rms: of
 // the torque balance before filtering; 0: taken from these recordings.

@@ -68,16 +68,45 @@ double MiddleOfPlay(const Eigen::VectorXd& gap, double play) {
   return high - low > 0.8 * play ? 0.5 * (low + high) : 0.0;
 }
 
-// Times from the nearest row in which no tooth surely carries.
-std::vector<double> FromContact(const Eigen::VectorXd& gap, double play, double period_s) {
+// Rows in which a tooth surely carries. gap: motor / N - output, rad.
+std::vector<char> Carries(const Eigen::VectorXd& gap, double play) {
   constexpr double kCarries = 0.85;  // of the half play
   const double middle = MiddleOfPlay(gap, play);
-  const auto n = static_cast<std::size_t>(gap.size());
+  std::vector<char> out;
+  for (const double at : gap) out.push_back(std::abs(at - middle) >= kCarries * 0.5 * play);
+  return out;
+}
+
+std::vector<char> Slower(const Eigen::VectorXd& v, double limit) {
+  std::vector<char> out;
+  for (const double at : v) out.push_back(std::abs(at) < limit);
+  return out;
+}
+
+// Slow motion as the motor's encoder shows it, where a tooth carries: where the velocity at the
+// output is doubtful it is the motor's, and where that is sure it is neither rest nor unsure.
+// gap: motor / N - output, rad; of_motor: velocity of the motor / N.
+void TakeFromMotor(const Eigen::VectorXd& gap, const Eigen::VectorXd& of_motor,
+                   const actuator::JointModel& model, const ProcessingOptions& options,
+                   Eigen::VectorXd* v, std::vector<char>* unsure, std::vector<char>* at_rest) {
+  if (!(options.carried_rest_velocity > 0.0)) return;
+  const bool rigid = !(model.backlash_rad > 0.0);
+  const std::vector<char> carries = Carries(gap, model.backlash_rad);
+  for (Eigen::Index i = 0; i < gap.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (!(rigid || carries[k]) || std::abs(of_motor[i]) >= options.doubtful_velocity) continue;
+    (*v)[i] = of_motor[i];
+    (*unsure)[k] = 0;
+    (*at_rest)[k] = std::abs(of_motor[i]) < options.carried_rest_velocity;
+  }
+}
+
+// Times from the nearest row in which no tooth surely carries.
+std::vector<double> FromContact(const std::vector<char>& carries, double period_s) {
+  const std::size_t n = carries.size();
   std::vector<double> out(n, 0.0);
   const auto pass = [&](std::size_t i, double* since) {
-    const bool carries =
-        std::abs(gap[static_cast<Eigen::Index>(i)] - middle) > kCarries * 0.5 * play;
-    *since = carries ? *since + period_s : 0.0;
+    *since = carries[i] ? *since + period_s : 0.0;
     return *since;
   };
   double since = std::numeric_limits<double>::infinity();
@@ -113,7 +142,7 @@ void MarkContacts(const Eigen::VectorXd& gap, double play, bool locked, double g
                   StateSegment* segment, std::vector<char>* touches, std::vector<char>* ringing) {
   MarkTouches(gap, play, locked, touches);
   if (locked) return;
-  segment->from_contact_s = FromContact(gap, play, segment->period_s);
+  segment->from_contact_s = FromContact(Carries(gap, play), segment->period_s);
   for (std::size_t i = 0; i < ringing->size(); ++i) {
     if (segment->from_contact_s[i] < guard_s) (*ringing)[i] = 1;
   }
@@ -185,15 +214,13 @@ StateSet MakeStates(const std::vector<types::Run>& runs, const actuator::JointMo
         if (run.held) return Eigen::VectorXd::Zero(x.size());
         return WideDifference(x, dt);
       };
-      const auto filtered = [&](types::Signal signal, double fallback) -> Eigen::VectorXd {
-        const auto found = piece.signals.find(signal);
-        if (found == piece.signals.end()) return Eigen::VectorXd::Constant(piece.size(), fallback);
-        return smooth(found->second);
-      };
       const auto raw = [&](types::Signal signal, double fallback) -> Eigen::VectorXd {
         const auto found = piece.signals.find(signal);
         if (found == piece.signals.end()) return Eigen::VectorXd::Constant(piece.size(), fallback);
         return found->second;
+      };
+      const auto filtered = [&](types::Signal signal, double fallback) {
+        return smooth(raw(signal, fallback));
       };
       const double ratio = model.constants.gear_ratio;
       const Eigen::VectorXd q = smooth(OutputPosition(piece, ratio, run.name));
@@ -235,6 +262,10 @@ StateSet MakeStates(const std::vector<types::Run>& runs, const actuator::JointMo
                              : motor_raw;
       Eigen::VectorXd motor_v = motor ? rate_of(motor_q) : Eigen::VectorXd(ratio * v);
       if (locked) motor_v.setZero();
+      std::vector<char> at_rest = Slower(v, run.held ? 0.0 : options.rest_velocity);
+      if (motor && !locked && !run.held) {
+        TakeFromMotor(motor_q / ratio - q, motor_v / ratio, model, options, &v, &unsure, &at_rest);
+      }
       const Eigen::VectorXd motor_a = motor ? rate_of(motor_v) : Eigen::VectorXd(ratio * a);
       const auto recorded = [&](types::Signal signal) -> Eigen::VectorXd {
         const auto found = piece.signals.find(signal);
@@ -297,7 +328,7 @@ StateSet MakeStates(const std::vector<types::Run>& runs, const actuator::JointMo
       segment.supply_voltage = supply;
       segment.valid = piece.valid;
       segment.samples.resize(piece.valid.size());
-      segment.at_rest.assign(piece.valid.size(), 0);
+      segment.at_rest = std::move(at_rest);
       for (Eigen::Index i = 0; i < piece.size(); ++i) {
         effects::JointSample& x = segment.samples[static_cast<std::size_t>(i)];
         x.time_s = piece.Time(i);
@@ -319,8 +350,6 @@ StateSet MakeStates(const std::vector<types::Run>& runs, const actuator::JointMo
         x.temperature_degC = temperature[i];
         x.valve_open = valve[i] > 0.5;
         x.rigid_torque_Nm = rigid[i];
-        segment.at_rest[static_cast<std::size_t>(i)] =
-            !run.held && std::abs(v[i]) < options.rest_velocity;
       }
       // A quick reversal may have no row that is slow enough.
       for (Eigen::Index i = 1; options.raw && !run.held && i < piece.size(); ++i) {

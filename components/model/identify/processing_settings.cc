@@ -88,6 +88,14 @@ double SpeedOfMotion(std::vector<double> speeds) {
   return Quantile(std::move(speeds), 0.75);
 }
 
+// What a velocity behind a low-pass at f has to exceed for its sign to be sure. Noise:
+// (2 pi)^2 S passed f^3. Rounding of a slow motion, a saw of the resolution's size and first
+// harmonic step / pi: up to 2 pi f step / pi.
+double SureVelocity(const LowPass& low_pass, double density, double step, double cutoff_Hz) {
+  const double noise = kTwoPi * std::sqrt(low_pass.passed_once * density * std::pow(cutoff_Hz, 3));
+  return std::max(kSureVelocity * noise, 2.0 * step * cutoff_Hz);
+}
+
 // Times of motion from rest or reversal to the next, s: a stroke begins with a fifth of the quick
 // speed and ends at rest or with as much to the other side.
 void AppendStrokes(const Eigen::VectorXd& velocity, double period_s, std::vector<double>* out) {
@@ -283,13 +291,8 @@ ProcessingOptions FromMotion(const std::vector<types::Run>& runs, const actuator
   out.motor_cutoff_Hz = motor_Hz > 0.0 ? within(wider * motor_Hz) : 0.0;
   out.parallel_cutoff_Hz = nyquist_Hz;  // none
   out.raw = true;
-  // What a velocity behind a low-pass at f has to exceed for its sign to be sure. Noise:
-  // (2 pi)^2 S passed f^3. Rounding of a slow motion, a saw of the resolution's size and first
-  // harmonic step / pi: up to 2 pi f step / pi.
   const auto sure_velocity = [&](double cutoff_Hz) {
-    const double noise =
-        kTwoPi * std::sqrt(low_pass.passed_once * density * std::pow(cutoff_Hz, 3));
-    return std::max(kSureVelocity * noise, 2.0 * step * cutoff_Hz);
+    return SureVelocity(low_pass, density, step, cutoff_Hz);
   };
   out.slow_cutoff_Hz = out.state_cutoff_Hz / kSlower;
   out.doubtful_velocity = sure_velocity(out.state_cutoff_Hz);
@@ -299,6 +302,22 @@ ProcessingOptions FromMotion(const std::vector<types::Run>& runs, const actuator
   out.reversal_guard_s = GuardFor(strokes_s, low_pass.guard_periods / out.state_cutoff_Hz);
   out.border_s = 2.0 / out.state_cutoff_Hz;
   return out;
+}
+
+double CarriedRestVelocity(const std::vector<types::Run>& runs, const actuator::JointModel& model,
+                           const ProcessingOptions& options) {
+  if (!options.raw || !(options.motor_cutoff_Hz > 0.0)) return 0.0;
+  double density = 0.0, step = 0.0;
+  for (const types::Run& run : runs) {
+    if (!run.Has(types::Signal::kMotorPosition)) return 0.0;
+    step = std::max(step, Resolution(run.At(types::Signal::kMotorPosition)));
+    for (const UniformSegment& segment : MakeUniform(run, options.longest_gap_s).segments) {
+      const Eigen::VectorXd& motor = segment.signals.at(types::Signal::kMotorPosition);
+      density = std::max(density, NoiseDensity(motor, segment.rate_Hz()));
+    }
+  }
+  return SureVelocity(LowPassOf(runs.front()), density, step, options.motor_cutoff_Hz) /
+         model.constants.gear_ratio;
 }
 
 double QuietBand(const std::vector<types::Run>& runs, const actuator::JointModel& model,

@@ -407,6 +407,9 @@ class Assessor {
   // Why an effect that stands in nobody's way is no member.
   Refusal TooLittle(const EffectSet& single) const {
     const Hypothesis& h = problem_.hypotheses()[single.members.front()];
+    if (problem_.evidence.marginal() && single.net <= Limit(rules::kEvidence)) {
+      return RefusedBy(rules::kEvidence, single.net);
+    }
     if (single.net <= LeastGain(single.members.front())) {
       return RefusedBy(h.from_rates() ? rules::kCurveShare : rules::kExplainedShare,
                        single.net / misfit_);

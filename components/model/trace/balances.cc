@@ -30,21 +30,9 @@ BalanceDesigns KinematicSight(const std::vector<types::Run>& train,
   const double residual = identify::RawResidualTorque(states, model);
   out.train.emplace(std::move(states), options);
   out.held_out.emplace(identify::MakeKinematicStates(held_out, model, motion, residual), options);
-  bool up = false, down = false;
-  for (const Eigen::Index i : out.train->rows().UsedRows()) {
-    const auto k = static_cast<std::size_t>(i);
-    const identify::StateSegment& segment =
-        out.train->states().segments[static_cast<std::size_t>(out.train->rows().segment[k])];
-    const double side =
-        segment.samples[static_cast<std::size_t>(out.train->rows().sample[k])].tooth_side;
-    up = up || side > 0.0;
-    down = down || side < 0.0;
-  }
   if (out.train->rows().UsedRows().size() < kFewestTrainRows ||
       out.held_out->rows().UsedRows().size() < kFewestHeldOutRows) {
     out.why_not = "the teeth are hardly ever surely in contact";
-  } else if (!up || !down) {
-    out.why_not = "the teeth touch on one side only";
   }
   return out;
 }

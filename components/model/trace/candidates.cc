@@ -133,14 +133,19 @@ CandidateSet MakeCandidates(const identify::Design& design, const actuator::Join
     }
     const bool stated = IsStated(name, model);
     if (!missing.empty()) {
-      if (!stated) out.missing.push_back({name, missing});
+      if (!stated) out.untestable.push_back({name, "not recorded: " + missing});
+      continue;
+    }
+    if (info.needs_pneumatics && model.constants.pneumatic_torque_Nm_bar == 0.0 &&
+        model.constants.pneumatic_stiffness_Nm_rad_bar == 0.0) {
+      out.untestable.push_back({name, "the model declares no torque of the pressure"});
       continue;
     }
     // An unloaded load cell contains only its own noise; a gain of -1 would remove that noise.
     const bool reads_load = std::count(info.needs.begin(), info.needs.end(), "load_force_N") != 0;
     // Where the motor is locked the load cell is the measured side itself.
     if (reads_load && (design.silent_load() || design.states().locked)) {
-      out.silent.push_back({name, "load_force_N"});
+      out.untestable.push_back({name, "load_force_N contains only noise"});
       continue;
     }
     Candidate candidate;

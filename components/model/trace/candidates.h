@@ -24,15 +24,15 @@ struct Candidate {
   const std::string& name() const { return effect->info().name; }
 };
 
-struct MissingSignals {
+// An effect that cannot be asked for.
+struct Untestable {
   std::string effect;
-  std::string fields;  // that no recording provides
+  std::string why;  // for the report
 };
 
 struct CandidateSet {
   std::vector<Candidate> candidates;
-  std::vector<MissingSignals> missing;
-  std::vector<MissingSignals> silent;  // recorded, but nothing but noise
+  std::vector<Untestable> untestable;
 };
 
 // Every passive or inertia effect of the model's balance that the model does not hold (effects with

@@ -33,6 +33,8 @@ constexpr double kHighestOrder = 400.0;
 // A line is worth looking at when noise alone would show one as strong among all independent orders
 // in fewer than one of a thousand recordings: chi^2 with two degrees of freedom.
 constexpr double kRarest = 1e-3;
+// What a free order gains over the true one by chance: chi^2 with one degree of freedom, 95 %.
+constexpr double kFreeOrder = 3.84;
 // Least travel, in turns, from which an order is known to be whole: a map ends one step before one
 // turn.
 constexpr double kWholeTurn = 0.51;
@@ -254,8 +256,7 @@ Bank MakeBank(const identify::Design& design, const Likelihood& likelihood,
   for (const Curve& curve : FreeCurves(design)) {
     builder.AddCurve(curve.description, curve.variable, 0.0, used.Of(curve.columns), 0.0);
   }
-  bank.missing = std::move(set.missing);
-  bank.silent = std::move(set.silent);
+  bank.untestable = std::move(set.untestable);
   return bank;
 }
 
@@ -293,41 +294,57 @@ void AddOrders(const identify::Design& design, const Likelihood& likelihood,
   cogging.name = "cogging";
   cogging.variable = effect->info().variable;
   cogging.effect = effect;
+  // A further line beside those found.
+  struct Line {
+    std::vector<double> psi;
+    Eigen::MatrixXd phi, found;  // of all rows; of all lines, whitened
+    Eigen::VectorXd rest;
+  };
+  const auto line_of = [&](double order, const Eigen::MatrixXd& before) {
+    Line out{.psi = {order}, .phi = {}, .found = before, .rest = {}};
+    out.phi = design.Columns(*effect, out.psi);
+    out.found.conservativeResize(used.size(), before.cols() + 2);
+    out.found.rightCols(2) = Whiten(likelihood, -used.Of(out.phi));
+    const Eigen::VectorXd c =
+        (out.found.transpose() * out.found).ldlt().solve(out.found.transpose() * whitened_residual);
+    out.rest = whitened_residual - out.found * c;
+    return out;
+  };
   Eigen::MatrixXd found(used.size(), 0);
+  std::vector<double> known;
   double first = 0.0;
   const int most = design.held() ? kMostLinesOfMap : kMostLines;
   const double least = design.held() ? 0.0 : kLeastLine;
+  const double resolution = 0.5 / turns;
   for (int k = 0; k < most; ++k) {
     const Eigen::VectorXd g = WhitenTransposed(likelihood, e);
-    const OrderLine line = design.held()
-                               ? StrongestOrder(g, angle, lowest, highest)
-                               : StrongestRipple(g, angle, speed, band_rad_s, lowest, highest);
-    if (!(line.order > 0.0)) break;
-    // A whole order within the resolution is that order.
-    const double whole_order = std::round(line.order);
-    const double resolution = 0.5 / turns;
-    const bool integer = whole_order >= 1.0 && std::abs(line.order - whole_order) < resolution;
-    const double order = integer && resolution < kWholeTurn ? whole_order : line.order;
-    const std::vector<double> psi = {order};
-    const Eigen::MatrixXd phi = design.Columns(*effect, psi);
-    const Eigen::MatrixXd z = Whiten(likelihood, -used.Of(phi));
-    const Eigen::MatrixXd before = found;
-    found.conservativeResize(used.size(), before.cols() + 2);
-    found.rightCols(2) = z;
-    const Eigen::VectorXd c =
-        (found.transpose() * found).ldlt().solve(found.transpose() * whitened_residual);
-    const Eigen::VectorXd rest = whitened_residual - found * c;
-    const double gain = e.squaredNorm() - rest.squaredNorm();
+    const OrderLine strongest =
+        design.held() ? StrongestOrder(g, angle, lowest, highest, known)
+                      : StrongestRipple(g, angle, speed, band_rad_s, lowest, highest, known);
+    if (!(strongest.order > 0.0)) break;
+    Line line = line_of(strongest.order, found);
+    // A whole order is that order: within the resolution, or where the nearest whole one leaves no
+    // more than chance would (rows that are slow enough may cover less than all turns).
+    const double whole_order = std::round(strongest.order);
+    bool integer = whole_order >= 1.0 && std::abs(strongest.order - whole_order) < resolution;
+    if (whole_order >= 1.0 && resolution < kWholeTurn) {
+      Line whole = line_of(whole_order, found);
+      integer = integer || whole.rest.squaredNorm() < line.rest.squaredNorm() + kFreeOrder;
+      if (integer) line = std::move(whole);
+    }
+    const double gain = e.squaredNorm() - line.rest.squaredNorm();
     if (!(gain > limit) || (k > 0 && gain < least * first)) break;
     if (k == 0) first = gain;
-    e = rest;
+    e = line.rest;
+    found = line.found;
+    known.push_back(line.psi.front());
     const double charge = limit - 2.0 * std::log(1.0 / kRarest);
-    if (integer && order > kLowestCogging) {
-      builder.AddSetting(psi, phi, &cogging);
+    if (integer && line.psi.front() > kLowestCogging) {
+      builder.AddSetting(line.psi, line.phi, &cogging);
       cogging.charge += 2.0 * kChargePerParameter + charge;
     } else if (!integer) {
-      builder.AddCurve("line of the motor's angle", "motor_position_rad", order, -used.Of(phi),
-                       charge);
+      builder.AddCurve("line of the motor's angle", "motor_position_rad", line.psi.front(),
+                       -used.Of(line.phi), charge);
     }
   }
   if (!cogging.settings.empty()) {

@@ -65,7 +65,7 @@ struct Bank {
   Eigen::MatrixXd columns;  // used rows, not whitened
   Eigen::VectorXd spread;   // prior standard deviation of each coefficient
   std::vector<Hypothesis> hypotheses;
-  std::vector<MissingSignals> missing, silent;
+  std::vector<Untestable> untestable;
   Eigen::Index parameters = 0;  // declared ones; columns behind them are nuisances
 };
 

@@ -156,6 +156,13 @@ class Correction {
     return identify::ErrorOf(held_out_, corrected_.model, declared_).rms;
   }
 
+  // The held-out error with an effect over that without it. Where a refit of the declared terms is
+  // worse there than what was declared, an effect that only undoes this is no finding.
+  double Rise(const FoundEffect& found) const {
+    const double declared = identify::ErrorOf(held_out_, declared_).rms;
+    return found.held_out_after / std::min(found.held_out_before, declared);
+  }
+
   // Could the motion have been driven, had the fitted model been true? held_out_error: its own.
   bool Drivable(double held_out_error) const {
     return BeyondDrive() <= Limit(rules::kBeyondDrive) && std::isfinite(held_out_error);
@@ -275,7 +282,7 @@ class Correction {
       said = {ConfirmationVerdict::kNotConfirmed, *facts.slope, *facts.slope - half,
               *facts.slope + half, std::max(1, said.blocks)};
     }
-    const double rise = found->held_out_after / found->held_out_before;
+    const double rise = Rise(*found);
     if (!Drivable(found->held_out_after)) {
       said.verdict = ConfirmationVerdict::kRefuted;
       found->refusal = RefusedBy(rules::kBeyondDrive, BeyondDrive());
@@ -305,9 +312,8 @@ class Correction {
   std::optional<Refusal> Refute(std::size_t k, const actuator::JointModel& without,
                                 const FoundEffect& found) const {
     if (!Drivable(found.held_out_after)) return RefusedBy(rules::kBeyondDrive, BeyondDrive());
-    if (found.held_out_after > Limit(rules::kRaises) * found.held_out_before) {
-      return RefusedBy(rules::kRaises, found.held_out_after / found.held_out_before);
-    }
+    const double rise = Rise(found);
+    if (rise > Limit(rules::kRaises)) return RefusedBy(rules::kRaises, rise);
     const double size = std::min(SizeOverInterval(corrected_, k), SizeOverInterval(chosen_, k));
     if (!(size > Limit(rules::kInterval))) return RefusedBy(rules::kInterval, size);
     // Everything that the joint is part of may lose by what helps the joint alone.

@@ -30,7 +30,7 @@ double IndependentOrders(double turns, double lowest, double highest) {
 
 OrderLine StrongestOrder(const Eigen::Ref<const Eigen::VectorXd>& g,
                          const Eigen::Ref<const Eigen::VectorXd>& angle, double lowest,
-                         double highest) {
+                         double highest, const std::vector<double>& known) {
   OrderLine best;
   const double turns = TurnsCovered(angle);
   if (!(turns > 0.0) || !(highest > lowest)) return best;
@@ -48,12 +48,23 @@ OrderLine StrongestOrder(const Eigen::Ref<const Eigen::VectorXd>& g,
     grid[cell % size] += (1.0 - part) * g[i];
     grid[(cell + 1) % size] += part * g[i];
   }
+  // Rows that count may cover less of the angle: their lines are as much wider.
+  std::vector<double> counting;
+  for (Eigen::Index i = 0; i < g.size(); ++i) {
+    if (g[i] != 0.0) counting.push_back(angle[i]);
+  }
+  const double covered = TurnsCovered(Eigen::Map<const Eigen::VectorXd>(
+      counting.data(), static_cast<Eigen::Index>(counting.size())));
   const std::vector<std::complex<double>> transform = identify::FourierTransform(grid);
   const double step = 1.0 / (spacing * static_cast<double>(size));
   for (std::size_t k = 1; k < size / 2; ++k) {
     const double order = step * static_cast<double>(k);
     if (order < lowest) continue;
     if (order > highest) break;
+    if (std::any_of(known.begin(), known.end(),
+                    [&](double line) { return std::abs(order - line) * covered < 1.0; })) {
+      continue;
+    }
     if (std::norm(transform[k]) > best.power) best = {order, std::norm(transform[k])};
   }
   return best;
@@ -62,8 +73,8 @@ OrderLine StrongestOrder(const Eigen::Ref<const Eigen::VectorXd>& g,
 OrderLine StrongestRipple(const Eigen::Ref<const Eigen::VectorXd>& g,
                           const Eigen::Ref<const Eigen::VectorXd>& angle,
                           const Eigen::Ref<const Eigen::VectorXd>& speed, double band,
-                          double lowest, double highest) {
-  if (!(band > 0.0)) return StrongestOrder(g, angle, lowest, highest);
+                          double lowest, double highest, const std::vector<double>& known) {
+  if (!(band > 0.0)) return StrongestOrder(g, angle, lowest, highest, known);
   OrderLine best;
   for (double from = lowest; from < highest; from *= 2.0) {
     const double to = std::min(highest, 2.0 * from);
@@ -71,7 +82,7 @@ OrderLine StrongestRipple(const Eigen::Ref<const Eigen::VectorXd>& g,
         (speed.array() * std::sqrt(from * to) < band).select(g.array(), 0.0);
     const double power = seen.squaredNorm();
     if (!(power > 0.0)) continue;
-    OrderLine line = StrongestOrder(seen, angle, from, to);
+    OrderLine line = StrongestOrder(seen, angle, from, to, known);
     line.power /= power;
     if (line.power > best.power) best = line;
   }

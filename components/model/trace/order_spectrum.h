@@ -20,10 +20,11 @@ struct OrderLine {
 };
 
 // The strongest order between the lowest that the covered range shows (one period in it) and
-// `highest`. angle in radians, per row.
+// `highest`, those within the resolution of `known` left out: where a line was fitted its skirts
+// remain. angle in radians, per row.
 OrderLine StrongestOrder(const Eigen::Ref<const Eigen::VectorXd>& g,
                          const Eigen::Ref<const Eigen::VectorXd>& angle, double lowest,
-                         double highest);
+                         double highest, const std::vector<double>& known = {});
 
 // The same where the rows that pass an order faster than `band` (periods per second times 2 pi) do
 // not show it: every octave of orders is looked for in the rows that are slow enough for it, and
@@ -31,7 +32,7 @@ OrderLine StrongestOrder(const Eigen::Ref<const Eigen::VectorXd>& g,
 OrderLine StrongestRipple(const Eigen::Ref<const Eigen::VectorXd>& g,
                           const Eigen::Ref<const Eigen::VectorXd>& angle,
                           const Eigen::Ref<const Eigen::VectorXd>& speed, double band,
-                          double lowest, double highest);
+                          double lowest, double highest, const std::vector<double>& known = {});
 
 // Turns that the angle covered, max - min.
 double TurnsCovered(const Eigen::Ref<const Eigen::VectorXd>& angle);

@@ -153,11 +153,8 @@ std::vector<DetectableSize> FindDetectable(const Problem& problem,
 Sensitivity FindSensitivity(const Problem& problem, const std::vector<DetectableSize>& detectable,
                             const std::set<std::string>& shown) {
   Sensitivity out;
-  for (const MissingSignals& missing : problem.bank.missing) {
-    out.not_excited.push_back({missing.effect, "not recorded: " + missing.fields});
-  }
-  for (const MissingSignals& silent : problem.bank.silent) {
-    out.not_excited.push_back({silent.effect, silent.fields + " contains only noise"});
+  for (const Untestable& effect : problem.bank.untestable) {
+    out.not_excited.push_back({effect.effect, effect.why});
   }
   // Smallest share of the measured side by effect; none: absorbed.
   std::map<std::string, double> smallest;

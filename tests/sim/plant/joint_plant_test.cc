@@ -217,6 +217,7 @@ TEST_P(TermInSimulation, IsGivenBackByRegression) {
   for (const double play : {0.0, 0.0464}) {
     JointModel model = Rig(play);
     Set(model, GetParam(), 0.05);
+    actuator::RemakeEffects(&model);
     actuator::Term& added = model.terms.back();
     for (std::size_t i = 1; i < added.linear.size(); ++i) added.linear[i].value = 0.03;
     if (std::string(GetParam()) == "torque_constant_saturation") added.linear[0].value = 1e-3;

@@ -195,6 +195,7 @@ JointModel ReadJoint(const Section& section) {
     joint.history.push_back({entry.TextOr("when", ""), entry.TextOr("effect", ""),
                              entry.TextOr("recording", ""), entry.TextOr("note", "")});
   }
+  RemakeEffects(&joint);
   return joint;
 }
 
@@ -496,14 +497,12 @@ RobotModel LoadRigJson(const std::filesystem::path& path) {
     ParameterValue share = exactly(1.0);
     share.tolerance = volume.tolerance;
     share.fixed = volume.fixed;
-    for (Term& term : joint.terms) {  // effects know the constants from when they were made
-      term.effect = effects::MakeEffect(term.effect->info().name, joint.constants,
-                                        term.effect->info().balance);
-    }
     add("chamber_pressure", {exactly(1.0)});
     add("gas_compression", {share});
     add("valve_flow", {exactly(1.0)});
   }
+
+  RemakeEffects(&joint);
 
   RobotModel robot;
   robot.name = "rig";

@@ -31,7 +31,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                      .grid = {1, 2, 3, 4, 6, 7, 8, 12, 14, 21, 24, 28, 36, 42, 84},
                      .meaning = "periods per motor turn"}};
   info.signature = "residual periodic in motor angle";
-  info.ripple = true;
+  info.ripple = Side::kMotor;
   info.variable = "motor_position_rad";
   info.confounders = {"gear_eccentricity"};
   info.separating_excitation = "slow constant speed over several motor turns, both directions";

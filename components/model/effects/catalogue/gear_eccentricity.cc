@@ -50,7 +50,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                      .grid = orders,
                      .meaning = "periods per output turn"}};
   info.signature = "residual periodic in the angle of a wheel, often growing with the load";
-  info.ripple = true;
+  info.ripple = Side::kOutput;
   info.variable = "position_rad";
   info.confounders = {"gravity", "gravity_phase", "cogging"};
   info.separating_excitation = "slow constant speed over the whole angle range, at two loads";

@@ -7,23 +7,25 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   EffectInfo info;
   info.name = "pressure_gain";
   info.title = "Pressure sensor gain";
-  info.formula = "+ g * P";
-  info.source = "sensor calibration";
+  info.formula = "- gain * (K P - k1 P (q - q0))";
+  info.source = "P / (1 + gain) put into K P - k1 P (q - q0), first order";
   info.linear = {{.name = "gain",
-                  .dimension = Dimension::kTorquePerBar,
-                  .lower = -1e2,
-                  .upper = 1e2,
+                  .dimension = Dimension::kNone,
+                  .lower = -0.5,
+                  .upper = 0.5,
                   .default_value = 0.0,
-                  .meaning = "error of the pneumatic torque per bar"}};
-  info.signature = "residual proportional to pressure";
+                  .meaning = "share that the sensor reads too much"}};
+  info.signature = "residual proportional to the pneumatic torque";
   info.variable = "pressure_bar";
   info.confounders = {"pneumatic_torque"};
   info.separating_excitation =
       "a second pressure gauge; a refit of the pneumatic torque absorbs it";
-  info.needs = {"pressure_bar"};
-  return Memoryless(constants, std::move(info),
-                    [](const JointSample& x, const JointConstants&, std::span<const double>,
-                       std::span<double> phi) { phi[0] = x.pressure_bar; });
+  info.needs = {"pressure_bar", "position_rad"};
+  info.needs_pneumatics = true;
+  return Memoryless(
+      constants, std::move(info),
+      [](const JointSample& x, const JointConstants& c, std::span<const double>,
+         std::span<double> phi) { phi[0] = -x.pressure_bar * TorquePerBar(c, x.position_rad); });
 }
 
 }  // namespace sinew::effects::pressure_gain

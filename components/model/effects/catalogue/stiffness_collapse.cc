@@ -7,21 +7,15 @@ namespace sinew::effects::stiffness_collapse {
 std::unique_ptr<Effect> Make(const JointConstants& constants) {
   EffectInfo info;
   info.name = "stiffness_collapse";
-  info.title = "Stiffness that collapses at low pressure";
-  info.formula = "+ (c * q - t) * P * exp(-P / P0)";
+  info.title = "Pneumatic torque that collapses at low pressure";
+  info.formula = "- share * exp(-P / P0) * (K P - k1 P (q - q0))";
   info.source = "K P - k1 P (q - q0) with a share lost below P0";
-  info.linear = {{.name = "stiffness",
-                  .dimension = Dimension::kStiffnessPerBar,
-                  .lower = -1e3,
-                  .upper = 1e3,
+  info.linear = {{.name = "share",
+                  .dimension = Dimension::kNone,
+                  .lower = 0.0,
+                  .upper = 2.0,
                   .default_value = 0.0,
-                  .meaning = "c: restoring stiffness lost where the chamber is nearly empty"},
-                 {.name = "torque",
-                  .dimension = Dimension::kTorquePerBar,
-                  .lower = -1e3,
-                  .upper = 1e3,
-                  .default_value = 0.0,
-                  .meaning = "t: torque lost at q = 0"}};
+                  .meaning = "of the torque, lost where the chamber is nearly empty"}};
   info.nonlinear = {{.name = "pressure",
                      .dimension = Dimension::kPressure,
                      .lower = 0.05,
@@ -34,13 +28,12 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   info.confounders = {"pneumatic_stiffness", "pressure_offset", "pressure_gain"};
   info.separating_excitation = "the same angles at pressures from the vented chamber up";
   info.needs = {"pressure_bar", "position_rad"};
+  info.needs_pneumatics = true;
   return Memoryless(constants, std::move(info),
-                    [](const JointSample& x, const JointConstants&, std::span<const double> psi,
+                    [](const JointSample& x, const JointConstants& c, std::span<const double> psi,
                        std::span<double> phi) {
-                      const double lost = x.pressure_bar * std::exp(-x.pressure_bar / psi[0]) +
-                                          0.0 * x.pressure_bar;
-                      phi[0] = lost * x.position_rad;
-                      phi[1] = -lost;
+                      phi[0] = -x.pressure_bar * std::exp(-x.pressure_bar / psi[0]) *
+                               TorquePerBar(c, x.position_rad);
                     });
 }
 

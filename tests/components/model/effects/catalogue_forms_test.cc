@@ -17,7 +17,10 @@ JointConstants FormConstants() {
           .link_length_m = 0.3,
           .gravity_m_s2 = 9.81,
           .torque_constant_Nm_A = 0.0159155,
-          .force_constant_N_V = 0.0};
+          .force_constant_N_V = 0.0,
+          .pneumatic_torque_Nm_bar = 0.4,
+          .pneumatic_stiffness_Nm_rad_bar = 3.0,
+          .pneumatic_rest_rad = 0.2};
 }
 
 // One sample at which every signal differs from every other.
@@ -53,10 +56,11 @@ struct StatedForm {
 };
 
 TEST(CatalogueForms, HaveTheSignAndSizeOfTheirFormulas) {
-  // q, v, a, I, P, F, m as in StatedSample(); N Kt = 100 x 0.0159155; l = 0.3 m.
+  // q, v, a, I, P, F, m as in StatedSample(); N Kt = 100 x 0.0159155; l = 0.3 m; K = 0.4 Nm/bar,
+  // k1 = 3 Nm/(rad bar), q0 = 0.2 rad.
   constexpr double q = 0.5, v = -0.4, a = 2.0, I = 1.5, P = 4.0, F = 10.0, m = 0.7;
   constexpr double kDrive = 1.59155, l = 0.3, g = 9.81, warmer_K = 15.0, bump = 0.5;
-  const double s = std::sin(q), c = std::cos(q), collapse = P * std::exp(-P / 2.0);
+  const double s = std::sin(q), c = std::cos(q), per_bar = 0.4 - 3.0 * (q - 0.2);
   const double load = l * l * a + g * l * c;
   const std::vector<StatedForm> forms = {
       {"cogging", {3.0}, {std::sin(21.0), std::cos(21.0)}},
@@ -88,14 +92,14 @@ TEST(CatalogueForms, HaveTheSignAndSizeOfTheirFormulas) {
       {"pneumatic_stiffness", {0.2}, {-P * (q - 0.2)}},
       {"pneumatic_torque", {}, {P}},
       {"pressure_dependent_friction", {}, {P}},
-      {"pressure_gain", {}, {P}},
-      {"pressure_lag", {}, {0.6}},
-      {"pressure_offset", {}, {1.0, -q}},
+      {"pressure_gain", {}, {-P * per_bar}},
+      {"pressure_lag", {}, {0.6 * per_bar}},
+      {"pressure_offset", {}, {-per_bar}},
       {"quadratic_viscous", {}, {0.16}},
       {"rigid_body", {}, {-0.9}},
       {"rotor_inertia", {}, {-2.0}},
       {"spring", {}, {-q, 1.0}},
-      {"stiffness_collapse", {2.0}, {q * collapse, -collapse}},
+      {"stiffness_collapse", {2.0}, {-P * std::exp(-P / 2.0) * per_bar}},
       {"stribeck", {0.5}, {std::exp(-0.64)}},
       {"temperature_friction", {}, {warmer_K, -warmer_K * v}},
       {"torque_constant_gain", {}, {kDrive * I}},

@@ -22,7 +22,10 @@ JointConstants RigConstants() {
           .link_length_m = 0.3,
           .gravity_m_s2 = 9.81,
           .torque_constant_Nm_A = 0.0159155,
-          .force_constant_N_V = 0.0};
+          .force_constant_N_V = 0.0,
+          .pneumatic_torque_Nm_bar = 0.4,
+          .pneumatic_stiffness_Nm_rad_bar = 3.0,
+          .pneumatic_rest_rad = 0.2};
 }
 
 // Field of a sample by its name in EffectInfo::needs; nullptr: no such field.
@@ -412,15 +415,38 @@ TEST(LoadCellMisalignment, AForceThatKeepsItsDirectionHasTheArmOfTheCosine) {
   EXPECT_NEAR(torque, -7.0 * 0.3 * std::cos(0.6 - tilt), 1e-12);
 }
 
-TEST(StiffnessCollapse, IsGoneAtHighPressureAndTakesTheStiffnessAtLow) {
+TEST(StiffnessCollapse, IsGoneAtHighPressureAndTakesTheWholeTorqueAtLow) {
   const auto effect = MakeEffect("stiffness_collapse", RigConstants());
   Evaluator evaluate(*effect);
   JointSample x;
   x.position_rad = 0.5;
   x.pressure_bar = 1e-3;
-  EXPECT_NEAR(evaluate(x)[0] / (x.pressure_bar * x.position_rad), 1.0, 2e-3);
+  const double torque_Nm = x.pressure_bar * TorquePerBar(RigConstants(), x.position_rad);
+  EXPECT_NEAR(evaluate(x)[0] / torque_Nm, -1.0, 2e-3);
   x.pressure_bar = 20.0;
-  EXPECT_LT(evaluate(x)[0], 1e-8);
+  EXPECT_LT(std::abs(evaluate(x)[0]), 1e-8);
+}
+
+// What a sensor misreads is what the model's own torque changes by, also where it turns its sign.
+TEST(PressureErrors, AreTheChangeOfTheDeclaredTorque) {
+  const effects::JointConstants c = RigConstants();
+  const auto torque_Nm = [&](double pressure_bar, double q) {
+    return c.pneumatic_torque_Nm_bar * pressure_bar -
+           c.pneumatic_stiffness_Nm_rad_bar * pressure_bar * (q - c.pneumatic_rest_rad);
+  };
+  for (const double q : {-0.4, 0.2, 0.33, 0.6}) {
+    JointSample x;
+    x.position_rad = q;
+    x.pressure_bar = 2.5;
+    x.pressure_rate_bar_s = -4.0;
+    const double offset_bar = 0.1, gain = 0.05, lag_s = 0.02;
+    EXPECT_NEAR(offset_bar * Evaluator(*MakeEffect("pressure_offset", c))(x)[0],
+                torque_Nm(2.5 - offset_bar, q) - torque_Nm(2.5, q), 1e-12);
+    EXPECT_NEAR(gain * Evaluator(*MakeEffect("pressure_gain", c))(x)[0],
+                torque_Nm(2.5 * (1.0 - gain), q) - torque_Nm(2.5, q), 1e-12);
+    EXPECT_NEAR(lag_s * Evaluator(*MakeEffect("pressure_lag", c))(x)[0],
+                torque_Nm(2.5 - 4.0 * lag_s, q) - torque_Nm(2.5, q), 1e-12);
+  }
 }
 
 TEST(DriveEfficiencyDirection, ActsOnlyWhileTheLoadDrivesTheMotor) {

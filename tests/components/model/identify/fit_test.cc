@@ -100,6 +100,33 @@ TEST(Fit, PredictedDriveIsTheModelsOwn) {
   EXPECT_NEAR(x.drive_input, truth.RequiredDriveInput(x, {}), 1e-12);
 }
 
+// A ripple that is faster than the low-pass of the angles is answered by an acceleration that they
+// do not show, also where the rows alias it to a slow one.
+TEST(Design, ARippleCountsAsFarAsTheAnglesShowItsAcceleration) {
+  const actuator::JointModel truth = SyntheticModel();
+  const types::Run run = SyntheticRun(truth, {.motor_position = true});
+  const ProcessingOptions options = FromMotion({run}, truth, 0.25);
+  ASSERT_TRUE(options.raw);
+  const Design design = MakeDesign({run}, truth, options);
+  const auto cogging = effects::MakeEffect("cogging", truth.constants);
+  constexpr double kOrder = 12.0;
+  const std::vector<double> psi = {kOrder};
+  const Eigen::MatrixXd columns = design.Columns(*cogging, psi);
+  const Eigen::VectorXd speed =
+      design.Variable([](const effects::JointSample& x) { return x.motor_velocity_rad_s; });
+  double least = 1.0, most = 0.0;
+  for (Eigen::Index i = 0; i < columns.rows(); ++i) {
+    const double frequency_Hz = kOrder * std::abs(speed[i]) / (2.0 * M_PI);
+    const double passed =
+        1.0 / (1.0 + std::pow(frequency_Hz / options.state_cutoff_Hz, 2.0 * options.state_order));
+    EXPECT_NEAR(columns.row(i).norm(), passed, 1e-6);
+    least = std::min(least, passed);
+    most = std::max(most, passed);
+  }
+  EXPECT_LT(least, 0.05);
+  EXPECT_GT(most, 0.95);
+}
+
 TEST(AsPublished, RecoversALinearModelFromItsOwnData) {
   actuator::JointModel truth = SyntheticModel();
   truth.terms.pop_back();

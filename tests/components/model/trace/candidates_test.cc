@@ -20,8 +20,8 @@ bool Has(const CandidateSet& set, const std::string& name) {
 }
 
 bool Missing(const CandidateSet& set, const std::string& name) {
-  return std::any_of(set.missing.begin(), set.missing.end(),
-                     [&](const MissingSignals& missing) { return missing.effect == name; });
+  return std::any_of(set.untestable.begin(), set.untestable.end(),
+                     [&](const Untestable& each) { return each.effect == name; });
 }
 
 TEST(Candidates, WhatTheModelHoldsAndDrivesAreNone) {

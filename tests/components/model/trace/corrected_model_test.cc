@@ -77,7 +77,7 @@ TEST(CorrectedModel, LeavesOutWhatTheHeldOutRecordingDoesNotConfirmUnlessAsked) 
 TEST(CorrectedModel, KeepsWhatWasFoundInTrainingAndRefutedApartFromNothing) {
   const TraceResult result =
       TraceHeldOut(RunWithDrag({.rate_Hz = 100.0, .seed = 3, .noise_A = 0.05}, 0.0), false);
-  EXPECT_TRUE(result.effects.empty());
+  EXPECT_TRUE(result.effects.empty()) << result.effects.front().name;
   EXPECT_TRUE(result.open.empty());
   ASSERT_FALSE(result.refuted.empty());
   EXPECT_EQ(result.refuted[0].name, "quadratic_viscous");

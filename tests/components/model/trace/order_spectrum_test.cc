@@ -74,6 +74,14 @@ TEST(OrderSpectrum, ARippleIsFoundInTheRowsThatAreSlowEnoughForIt) {
   EXPECT_GT(std::abs(StrongestOrder(g, angle, 1.0, 200.0).order - kOrder), 1.0);
 }
 
+// A fitted line leaves its skirts: the next one is not among them.
+TEST(OrderSpectrum, WhatIsKnownIsNotFoundAgain) {
+  const Eigen::VectorXd angle = Angle();
+  const Eigen::VectorXd g = Line(angle, 14.0, 0.0) + 0.7 * Line(angle, 42.0, 0.0);
+  EXPECT_NEAR(StrongestOrder(g, angle, 0.5, 200.0).order, 14.0, 0.1);
+  EXPECT_NEAR(StrongestOrder(g, angle, 0.5, 200.0, {14.02}).order, 42.0, 0.1);
+}
+
 TEST(OrderSpectrum, AnAngleThatStandsHasNoOrders) {
   const Eigen::VectorXd angle = Eigen::VectorXd::Constant(100, 2.0);
   EXPECT_EQ(StrongestOrder(Eigen::VectorXd::Ones(100), angle, 0.5, 40.0).order, 0.0);
