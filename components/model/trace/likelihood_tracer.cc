@@ -104,6 +104,7 @@ class Correction {
   // second: another look at the held-out recordings, which may confirm something by accident; what
   // they do not confirm leaves, too.
   void Confirm(bool second, TraceResult* result) {
+    second_ = second;
     set_ = assessed_.chosen;
     posteriors_ = assessed_.posteriors;
     while (!set_.empty()) {
@@ -156,11 +157,12 @@ class Correction {
     return identify::ErrorOf(held_out_, corrected_.model, declared_).rms;
   }
 
-  // The held-out error with an effect over that without it. Where a refit of the declared terms is
-  // worse there than what was declared, an effect that only undoes this is no finding.
+  // The held-out error with an effect over that without it. On a second look also over that as
+  // declared: where the refit is worse there, an effect that only undoes this is no finding.
   double Rise(const FoundEffect& found) const {
-    const double declared = identify::ErrorOf(held_out_, declared_).rms;
-    return found.held_out_after / std::min(found.held_out_before, declared);
+    double before = found.held_out_before;
+    if (second_) before = std::min(before, identify::ErrorOf(held_out_, declared_).rms);
+    return found.held_out_after / before;
   }
 
   // Could the motion have been driven, had the fitted model been true? held_out_error: its own.
@@ -353,6 +355,7 @@ class Correction {
   Design& held_out_;
   const Likelihood& whitened_;
   const FitResult& searched_;
+  bool second_ = false;                      // what was found first is refuted
   std::optional<std::vector<Facts>> facts_;  // of the set's members
   const LikelihoodFit& base_;
   const Problem& problem_;

@@ -108,7 +108,7 @@ inline constexpr Rule kInterval = {
     "interval", "largest size of an effect over the half width of its 95 % interval", 1.0, 0.0,
     "what may as well be zero is no correction"};
 inline constexpr Rule kRaises = {
-    "raises", "held-out error with an effect over that without it, or as declared", 1.01, kNever,
+    "raises", "held-out error with an effect over that without it", 1.01, kNever,
     "what makes a prediction worse by more than a hundredth is no correction"};
 inline constexpr Rule kEventPeak = {
     "event_peak", "matched filter for a push, robust standard deviations of its output", 6.0, 0.0,
