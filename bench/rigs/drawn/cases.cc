@@ -90,9 +90,10 @@ std::vector<Case> DrawCases(const Rig& rig) {
   add({"", kPlain, kDesigned, 0.0, {}, ""});
   add({"", kEffect, kDesigned, kStrongShare, three(catalogue), ""});
   add({"", kEffect, kDesigned, kWeakShare, three(weak), ""});
-  if (random.Chance(0.3)) {
-    add({"", kPlain, kTask, 0.0, {}, ""});
-  } else {
+  const bool second = rig.number >= kSecondDraw;
+  const bool plain_task = random.Chance(0.3) || second;
+  if (plain_task) add({"", kPlain, kTask, 0.0, {}, ""});
+  if (!plain_task || second) {
     add({"", kEffect, kTask, random.Chance(0.7) ? kStrongShare : kWeakShare, three(task), ""});
   }
   if (random.Chance(0.5)) {

@@ -108,21 +108,42 @@ Motion::Motion(const Rig& rig, Excitation excitation, int recording) {
     }
     payload_kg_ = rig.payloads && recording % 2 == 1 ? rig.payload_kg : 0.0;
   } else {
-    Part part;
-    part.kind = Part::kPoints;
-    part.end = T;
-    const int count = task.Integer(3, 5);
-    for (int i = 0; i < count; ++i) part.points.push_back(task.Uniform(-0.9, 0.9));
-    if (held_out) {
-      for (double& point : part.points)
-        point = std::clamp(point * 0.8 + random.Uniform(-0.15, 0.15), -0.95, 0.95);
-    }
-    part.move = task.Uniform(0.5, 1.0) / rig.frequency_Hz * (held_out ? 1.2 : 1.0);
-    part.dwell = task.Uniform(0.2, 0.6) / rig.frequency_Hz;
-    parts_.push_back(part);
+    parts_.push_back(DrawTask(rig, held_out, task, random));
     pressures_ = {rig.pressure_max_bar * task.Uniform(0.4, 0.8)};
     payload_kg_ = rig.payloads ? rig.payload_kg * 0.7 : 0.0;
   }
+}
+
+Motion::Part Motion::DrawTask(const Rig& rig, bool held_out, Random& task, Random& random) const {
+  enum { kPlaces, kOneSine, kStrokes };
+  const int kind = rig.number < kSecondDraw ? kPlaces : Random(rig.number, 901).Integer(0, 2);
+  Part part;
+  part.end = duration_s_;
+  if (kind == kOneSine) {
+    const double size = task.Uniform(0.6, 0.95) * (held_out ? 0.8 : 1.0);
+    const double hz = rig.frequency_Hz * task.Uniform(0.4, 1.0) * (held_out ? 1.25 : 1.0);
+    part.sines = {{size * amplitude_, 2.0 * kPi * hz * random.Uniform(0.9, 1.1), 0.0}};
+    return part;
+  }
+  part.kind = Part::kPoints;
+  if (kind == kStrokes) {
+    const double far = task.Uniform(0.5, 0.95) * (held_out ? 0.8 : 1.0);
+    part.points = {-far, far};
+    const double speed = rig.speed() * task.LogUniform(0.06, 0.4) * (held_out ? 1.3 : 1.0);
+    // Three strokes at least.
+    part.dwell = task.Uniform(0.2, 1.0) / rig.frequency_Hz;
+    part.move = std::min(2.0 * far * amplitude_ / speed, 0.3 * part.end - part.dwell);
+    return part;
+  }
+  const int count = task.Integer(3, 5);
+  for (int i = 0; i < count; ++i) part.points.push_back(task.Uniform(-0.9, 0.9));
+  if (held_out) {
+    for (double& point : part.points)
+      point = std::clamp(point * 0.8 + random.Uniform(-0.15, 0.15), -0.95, 0.95);
+  }
+  part.move = task.Uniform(0.5, 1.0) / rig.frequency_Hz * (held_out ? 1.2 : 1.0);
+  part.dwell = task.Uniform(0.2, 0.6) / rig.frequency_Hz;
+  return part;
 }
 
 double Motion::Of(const Part& part, double t) const {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/rigs/drawn/random.h"
 #include "bench/rigs/drawn/rig.h"
 
 namespace sinew::rigs {
@@ -47,6 +48,8 @@ class Motion {
     double begin, length, force;
   };
   double Of(const Part& part, double t) const;
+  // The task's only part; what is the same in every recording comes from `task`.
+  Part DrawTask(const Rig& rig, bool held_out, Random& task, Random& random) const;
 
   bool locked_ = false;
   int recording_ = 0;

@@ -189,6 +189,8 @@ const char* WordOf(Family family) {
       return "servo";
     case Family::kCylinder:
       return "cylinder";
+    case Family::kHanging:
+      return "hanging";
   }
   return "";
 }
@@ -208,12 +210,16 @@ Rig DrawRig(std::uint64_t number) {
   Random random(number, 0);
   Rig rig;
   rig.number = number;
-  // Every sixth rig is of each family, in a drawn order of six.
-  rig.family = static_cast<Family>((number + Random(number / 6, 77).Integer(0, 5)) % 6);
+  // Every sixth (seventh) rig is of each family, in a drawn order of six (seven).
+  const int families = number < kSecondDraw ? 6 : 7;
+  const auto drawn = static_cast<std::uint64_t>(
+      Random(number / static_cast<std::uint64_t>(families), 77).Integer(0, families - 1));
+  rig.family = static_cast<Family>((number + drawn) % static_cast<std::uint64_t>(families));
   const double scale = random.LogUniform(0.1, 10.0);
   rig.rate_Hz = std::round(random.LogUniform(50.0, 1000.0));
   switch (rig.family) {
     case Family::kSeaPea:
+    case Family::kHanging:
       DrawSeaPea(rig, random, scale);
       break;
     case Family::kDirectDrive:
@@ -237,7 +243,7 @@ Rig DrawRig(std::uint64_t number) {
   rig.frequency_Hz = std::min(rig.frequency_Hz, rig.rate_Hz / 100.0);
   const double wanted = random.LogUniform(4000.0, 14000.0);
   const double shortest_s = std::max(10.0, 12.0 / rig.frequency_Hz);
-  const double duration_s = std::clamp(wanted / rig.rate_Hz, shortest_s, 100.0);
+  const double duration_s = std::max(shortest_s, std::min(wanted / rig.rate_Hz, 100.0));
   rig.rows = std::min(40000, static_cast<int>(duration_s * rig.rate_Hz));
   rig.steps_per_row = std::max(10, static_cast<int>(std::ceil(5000.0 / rig.rate_Hz)));
 
@@ -251,6 +257,11 @@ Rig DrawRig(std::uint64_t number) {
                      : rig.family == Family::kServo  ? rig.reference_Hz
                                                      : faster * rig.reference_Hz;
   rig.centre = rig.linear || rig.gravity_torque == 0.0 ? 0.0 : random.Uniform(-0.25, 0.25);
+  if (rig.family == Family::kHanging) {
+    rig.centre -= 0.5 * kPi;
+    rig.rest_position += rig.centre;
+    rig.pneumatic_slope *= 0.2;  // the load changes its sign
+  }
   if (rig.payloads) {
     const double arm = kGravity * rig.link_length_m;
     rig.payload_kg =

@@ -10,7 +10,10 @@
 
 namespace sinew::rigs {
 
-enum class Family { kSeaPea, kDirectDrive, kHarmonic, kLinear, kServo, kCylinder };
+enum class Family { kSeaPea, kDirectDrive, kHarmonic, kLinear, kServo, kCylinder, kHanging };
+// Rigs from this number on are drawn of all families, with tasks of all kinds; those below are of
+// the first six, with tasks from point to point, and stay what they were.
+inline constexpr std::uint64_t kSecondDraw = 100000;
 enum class Coupling { kRigid, kSpring, kPlay };
 // What the record calls the drive: motor current, amplifier command in volts, volts on the winding,
 // or torque (force) of a sensor between motor and link.

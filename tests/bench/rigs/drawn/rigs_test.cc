@@ -28,8 +28,8 @@ Rig Pendulum() {
   return rig;
 }
 
-Rig FirstOf(Family family) {
-  for (std::uint64_t number = 1;; ++number) {
+Rig FirstOf(Family family, std::uint64_t from = 1) {
+  for (std::uint64_t number = from;; ++number) {
     Rig rig = DrawRig(number);
     if (rig.family == family) return rig;
   }
@@ -115,11 +115,43 @@ TEST(Rigs, ClosedChamberKeepsItsMassAndLiesBetweenIsothermalAndAdiabatic) {
   }
 }
 
-TEST(Rigs, DrawnRigsStayWithinTheirRangesAndCoverEveryFamily) {
-  std::set<Family> families;
-  for (std::uint64_t number = 1; number <= 300; ++number) {
+TEST(Rigs, TeethOfAHangingRigChangeSides) {
+  const Rig rig = FirstOf(Family::kHanging, kSecondDraw);
+  const auto rows = Simulate(rig, {}, Motion(rig, Excitation::kDesigned, 0));
+  double one = 0.0, other = 0.0;
+  for (const TrueRow& row : rows) (row.tooth_force > 0.0 ? one : other) += 1.0;
+  EXPECT_GT(std::min(one, other), 0.1 * static_cast<double>(rows.size()));
+}
+
+TEST(Rigs, TasksOfTheSecondDrawAreOfThreeKinds) {
+  std::set<std::string> kinds;
+  for (std::uint64_t number = kSecondDraw; number < kSecondDraw + 30; ++number) {
     const Rig rig = DrawRig(number);
-    families.insert(rig.family);
+    for (int recording = 0; recording < kRecordings; ++recording) {
+      const Motion motion(rig, Excitation::kTask, recording);
+      const double step = 0.01 / rig.frequency_Hz;
+      int still = 0, all = 0;
+      std::set<long> stops;
+      for (double t = step; t < motion.duration_s(); t += step, ++all) {
+        const double before = motion.Reference(t - step), now = motion.Reference(t);
+        EXPECT_LE(std::abs(now - rig.centre), 1.01 * rig.amplitude) << number;
+        if (before != now) continue;
+        ++still;
+        stops.insert(std::lround(1e3 * (now - rig.centre) / rig.amplitude));
+      }
+      kinds.insert(still == 0 ? "sine" : stops.size() > 2 ? "places" : "strokes");
+      EXPECT_LT(still, 0.9 * all) << number;
+    }
+  }
+  EXPECT_EQ(kinds.size(), 3u);
+}
+
+TEST(Rigs, DrawnRigsStayWithinTheirRangesAndCoverEveryFamily) {
+  std::set<Family> first, second;
+  for (std::uint64_t k = 1; k <= 600; ++k) {
+    const std::uint64_t number = k <= 300 ? k : kSecondDraw + k;
+    const Rig rig = DrawRig(number);
+    (number < kSecondDraw ? first : second).insert(rig.family);
     EXPECT_GE(rig.rate_Hz, 50.0);
     EXPECT_LE(rig.rate_Hz, 1000.0);
     EXPECT_GE(rig.steps_per_row, 10);
@@ -134,7 +166,8 @@ TEST(Rigs, DrawnRigsStayWithinTheirRangesAndCoverEveryFamily) {
       for (const std::string& name : c.effects) EXPECT_NO_THROW(FindEffect(name));
     }
   }
-  EXPECT_EQ(families.size(), 6u);
+  EXPECT_EQ(first.size(), 6u);
+  EXPECT_EQ(second.size(), 7u);
 }
 
 TEST(Rigs, EveryEffectOfARigChangesItsRecordings) {
