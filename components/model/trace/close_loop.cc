@@ -11,6 +11,9 @@ namespace sinew::trace {
 
 namespace {
 
+// The second low-pass of the angles, over the first.
+constexpr double kOtherBand = 0.6;
+
 // As if nothing had been found.
 void DropFindings(LoopResult* loop) {
   TraceResult& trace = loop->trace;
@@ -64,7 +67,15 @@ LoopResult Analyse(const std::vector<types::Run>& train, const std::vector<types
       return loop;
     }
   }
-  loop.trace = TraceByLikelihood(*loop.train, *loop.held_out, joint, options);
+  std::optional<identify::Design> narrower;
+  if (!held && given.engine == Engine::kEvidence) {
+    identify::ProcessingOptions other = loop.processing;
+    other.state_cutoff_Hz *= kOtherBand;
+    other.motor_cutoff_Hz *= kOtherBand;
+    narrower.emplace(identify::MakeStates(train, joint, other), other);
+  }
+  loop.trace = TraceByLikelihood(*loop.train, *loop.held_out, joint, options,
+                                 narrower ? &*narrower : nullptr);
   if (held) return loop;  // holds have no other balance
   for (const effects::Balance balance : others) {
     TraceResult other =

@@ -5,9 +5,11 @@
 #include <limits>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <set>
 
 #include "components/model/identify/statistics.h"
+#include "components/model/trace/machine_size.h"
 #include "components/model/trace/nuisances.h"
 #include "components/model/trace/order_spectrum.h"
 #include "components/model/trace/range.h"
@@ -57,7 +59,11 @@ class Builder {
  public:
   Builder(const identify::Design& design, const Likelihood& likelihood,
           const actuator::JointModel& model, const identify::Balance& balance, Bank* bank)
-      : design_(design), likelihood_(likelihood), used_(likelihood.used), bank_(*bank) {
+      : design_(design),
+        likelihood_(likelihood),
+        constants_(model.constants),
+        used_(likelihood.used),
+        bank_(*bank) {
     scale_ = balance.fits_scale ? balance.Scale(balance.nominal) : 1.0;
     drive_share_ = actuator::DriveShare(model, model.balance);
     const Eigen::VectorXd angle =
@@ -65,6 +71,10 @@ class Builder {
     turns_ = TurnsCovered(angle(used_.rows));
     target_rms_ = Rms(bank_.target);
     target_peak_ = bank_.target.size() > 0 ? bank_.target.cwiseAbs().maxCoeff() : 0.0;
+    if (likelihood.engine == Engine::kEvidence && model.balance == effects::Balance::kMotion &&
+        !design.held()) {
+      machine_ = SizeOf(design, used_, model);
+    }
   }
 
   void AddEffect(const Candidate& candidate) {
@@ -129,6 +139,9 @@ class Builder {
       if (parameter.dimension == effects::Dimension::kTorque) seen = std::min(seen, target_peak_);
       double& spread = bank_.spread[columns[i]];
       spread = std::min(spread, kTimesSeen * seen);
+      if (machine_ && !info.event) {
+        spread = std::min(spread, ExpectedSize(parameter, *machine_, constants_) / unit);
+      }
       const Range range = RangeOnAnyMachine(parameter);
       h->lower.push_back(std::min(range.lower, 0.0) / unit);
       h->upper.push_back(std::max(range.upper, 0.0) / unit);
@@ -206,8 +219,10 @@ class Builder {
 
   const identify::Design& design_;
   const Likelihood& likelihood_;
+  const effects::JointConstants& constants_;
   const UsedRows& used_;
   Bank& bank_;
+  std::optional<MachineSize> machine_;  // the engine of evidence
   double scale_ = 1.0, drive_share_ = 1.0, target_rms_ = 0.0, target_peak_ = 0.0;
   double turns_ = 0.0;  // of the output that the rows cover
 };

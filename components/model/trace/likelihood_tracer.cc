@@ -402,7 +402,7 @@ std::set<std::string> Shown(const TraceResult& result, double least_statistic) {
 }  // namespace
 
 TraceResult TraceByLikelihood(Design& train, Design& held_out, const actuator::JointModel& model,
-                              const TraceOptions& options) {
+                              const TraceOptions& options, Design* other_band) {
   const auto progress = [&](const char* what, double share) {
     if (options.progress) options.progress(what, share);
   };
@@ -411,7 +411,8 @@ TraceResult TraceByLikelihood(Design& train, Design& held_out, const actuator::J
   held_out.UsePredictedRate(base.likelihood.predicted_rate);
   held_out.PredictDrive(base.fit.model);
   progress("columns", 0.4);
-  const Problem problem = MakeProblem(train, base.likelihood, model, base.fit);
+  Problem problem = MakeProblem(train, base.likelihood, model, base.fit);
+  if (other_band != nullptr) CompareBands(other_band, model, options.engine, &problem);
   TraceResult result;
   result.nominal = model;
   const LikelihoodFit reported = Reported(train, base, model);

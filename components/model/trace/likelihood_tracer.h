@@ -12,8 +12,9 @@
 namespace sinew::trace {
 
 // train, held-out: raw rows (identify::Unfiltered); they are changed: their predicted drive follows
-// the model.
+// the model. other_band: train behind another low-pass of the angles (CompareBands); may be null.
 TraceResult TraceByLikelihood(identify::Design& train, identify::Design& held_out,
-                              const actuator::JointModel& model, const TraceOptions& options);
+                              const actuator::JointModel& model, const TraceOptions& options,
+                              identify::Design* other_band = nullptr);
 
 }  // namespace sinew::trace

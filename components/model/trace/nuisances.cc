@@ -7,6 +7,7 @@
 
 #include "components/model/identify/gas.h"
 #include "components/model/identify/iir_filter.h"
+#include "components/model/trace/machine_size.h"
 #include "components/model/trace/whitened_fit.h"
 
 namespace sinew::trace {
@@ -96,27 +97,13 @@ struct Collected {
   }
 };
 
-double SumOf(const actuator::JointModel& model, const std::vector<const char*>& names) {
-  double sum = 0.0;
-  for (const char* name : names) {
-    const int at = model.Find(name, model.balance);
-    if (at >= 0) sum += std::abs(model.terms[static_cast<std::size_t>(at)].linear.front().value);
-  }
-  return sum;
-}
-
 double Sign(double x) { return static_cast<double>(x > 0.0) - static_cast<double>(x < 0.0); }
 
 // What no machine of this size is without, as standard deviations relative to it.
 class OfMachine {
  public:
   OfMachine(const identify::Design& design, const UsedRows& used, const actuator::JointModel& model)
-      : design_(design), used_(used), model_(model), friction_(DryFriction(model)) {
-    inertia_ = identify::NominalInertia(model, effects::Side::kOutput) +
-               identify::NominalInertia(model, effects::Side::kMotor);
-    viscous_ = SumOf(model, {"viscous", "motor_viscous"});
-    gravity_ = SumOf(model, {"gravity"});
-    gain_ = std::abs(identify::NominalDriveGain(model));
+      : design_(design), used_(used), model_(model), size_(SizeOf(design, used, model)) {
     for (const Eigen::Index row : used.rows) {
       const double time_s = design.rows().time_s[row];
       auto [at, fresh] = span_.try_emplace(design.rows().RunOf(row), time_s, time_s);
@@ -127,8 +114,8 @@ class OfMachine {
 
   void AddTo(Collected* out) const {
     const Eigen::VectorXd drive =
-        gain_ * Of([](const effects::JointSample& x) { return x.drive_input; });
-    const double level = kLevel * std::sqrt(drive.squaredNorm() / std::max(1.0, Count()));
+        size_.drive_gain * Of([](const effects::JointSample& x) { return x.drive_input; });
+    const double level = kLevel * size_.drive_rms;
     const Eigen::VectorXd side =
         Of([](const effects::JointSample& x) { return Sign(x.velocity_rad_s); });
     for (const auto& [run, span] : span_) {
@@ -137,24 +124,22 @@ class OfMachine {
       out->Add("level of " + name, one, level);
       out->Add("drift of " + name, time, level);
       out->Add("friction over time of " + name, side.cwiseProduct(time),
-               kFrictionDrift * friction_);
+               kFrictionDrift * size_.friction);
     }
     AddBristles(out);
     AddLowPass(out);
     out->Add("jerk", Of([](const effects::JointSample& x) { return x.jerk_rad_s3; }),
-             kJerk_s * inertia_);
+             kJerk_s * size_.inertia);
     const Eigen::VectorXd v = Of([](const effects::JointSample& x) { return x.velocity_rad_s; });
-    const double quick = v.cwiseAbs().maxCoeff();
-    if (quick > 0.0) {
-      out->Add("bent viscous", v.cwiseProduct(v.cwiseAbs()) / quick, kBent * viscous_);
+    if (size_.quick > 0.0) {
+      out->Add("bent viscous", v.cwiseProduct(v.cwiseAbs()) / size_.quick, kBent * size_.viscous);
     }
-    const double load = drive.cwiseAbs().maxCoeff();
-    if (load > 0.0) {
+    if (size_.drive_peak > 0.0) {
       out->Add("mesh", side.cwiseProduct(drive.cwiseAbs()),
-               std::max(kMesh, kMeshFriction * friction_ / load));
+               std::max(kMesh, kMeshFriction * size_.friction / size_.drive_peak));
     }
     out->Add("tilt", Of([](const effects::JointSample& x) { return std::sin(x.position_rad); }),
-             kTilt_rad * gravity_);
+             kTilt_rad * size_.gravity);
   }
 
  private:
@@ -172,7 +157,6 @@ class OfMachine {
   Eigen::VectorXd Of(Function f) const {
     return design_.Column(f)(used_.rows);
   }
-  double Count() const { return static_cast<double>(used_.size()); }
 
   // 1, or the time from -1 to 1, in one recording.
   Eigen::VectorXd InRun(std::size_t run, bool time) const {
@@ -196,7 +180,7 @@ class OfMachine {
       const std::vector<double> psi = {share * stroke};
       if (!(psi.front() > 0.0)) continue;
       out->Add("bristles", -design_.Columns(*effect, psi).col(0)(used_.rows),
-               kBristleFriction * friction_);
+               kBristleFriction * size_.friction);
     }
   }
 
@@ -214,14 +198,14 @@ class OfMachine {
         cut.push_back(a - identify::Smooth(a, options.state_order, factor * options.state_cutoff_Hz,
                                            1.0 / segment.period_s));
       }
-      out->Add("low-pass", design_.ThroughFilter(cut)(used_.rows), share * inertia_);
+      out->Add("low-pass", design_.ThroughFilter(cut)(used_.rows), share * size_.inertia);
     }
   }
 
   const identify::Design& design_;
   const UsedRows& used_;
   const actuator::JointModel& model_;
-  double friction_ = 0.0, inertia_ = 0.0, viscous_ = 0.0, gravity_ = 0.0, gain_ = 1.0;
+  MachineSize size_;
   std::map<std::size_t, std::pair<double, double>> span_;  // of the used rows, s
 };
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <string>
 
 #include "components/model/identify/statistics.h"
 
@@ -218,6 +220,25 @@ LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::Joint
   out.fit = FitWhitened(*design, likelihood, declared);
   design->PredictDrive(out.fit.model);
   return out;
+}
+
+void CompareBands(identify::Design* other, const actuator::JointModel& declared, Engine engine,
+                  Problem* problem) {
+  const LikelihoodFit base = EstimateLikelihood(other, declared, engine);
+  const Problem there = MakeProblem(*other, base.likelihood, declared, base.fit);
+  // By name, at its best shape.
+  std::map<std::string, double> best;
+  for (std::size_t h = 0; h < there.hypotheses().size(); ++h) {
+    if (!there.hypotheses()[h].from_rates()) continue;
+    double& net = best.try_emplace(there.hypotheses()[h].name, 0.0).first->second;
+    net = std::max(net, FitSet(there.evidence, there.hypotheses(), {h}).net);
+  }
+  for (std::size_t h = 0; h < problem->hypotheses().size(); ++h) {
+    Hypothesis& here = problem->bank.hypotheses[h];
+    if (!here.from_rates()) continue;
+    const double net = FitSet(problem->evidence, problem->hypotheses(), {h}).net;
+    here.charge += std::max(0.0, net - best[here.name]);
+  }
 }
 
 Likelihood LikelihoodOf(const identify::Design& design, const identify::FitResult& fit, int order) {
