@@ -12,8 +12,9 @@ namespace {
 
 // Share of the misfit that a low-pass or a drive loop imitates at most. Provisional.
 constexpr double kMostOfFilter = 0.1;
-// A slope that cannot be assessed costs as much as one of 0.75.
-constexpr double kUnassessed = 0.25;
+// A slope that cannot be assessed costs as much as one of 0.25: without the held-out recordings
+// nothing is named. Of what began at an instant none is asked.
+constexpr double kUnassessed = 0.75, kEvent = 0.25;
 constexpr std::array kDynamic = {"flexible_link", "elastic_joint", "gear_compliance",
                                  "transport_delay"};
 
@@ -33,7 +34,9 @@ Eigen::VectorXd Contribution(const identify::Design& design, const UsedRows& use
 }  // namespace
 
 double Facts::Score() const {
-  const double off = Assessed() ? std::min(2.0, std::abs(1.0 - *slope)) : kUnassessed;
+  const double off = Assessed() ? std::min(2.0, std::abs(1.0 - *slope))
+                     : event    ? kEvent
+                                : kUnassessed;
   const double z = 2.0 - 2.4 * curve - 3.3 * off - (dynamic ? 2.6 : 0.0);
   return 1.0 / (1.0 + std::exp(-z));
 }
@@ -50,7 +53,8 @@ Facts FactsOf(const Problem& problem, const EffectSet& set, std::size_t k,
       std::find(kDynamic.begin(), kDynamic.end(), std::string_view(member.name)) != kDynamic.end();
   const EffectSet with = WithBestCurve(problem.evidence, problem.hypotheses(), set);
   if (!with.empty() && set.net > 0.0) out.curve = std::max(0.0, (with.net - set.net) / set.net);
-  if (member.effect->info().event) return out;
+  out.event = member.effect->info().event;
+  if (out.event) return out;
 
   Likelihood likelihood;
   likelihood.engine = train.engine;

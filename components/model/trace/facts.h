@@ -20,6 +20,7 @@ struct Facts {
   std::optional<double> slope;
   double error = 0.0;  // of the slope, one standard deviation
   bool dynamic = false;
+  bool event = false;
 
   // Fewer standard errors than these a slope of one says nothing.
   bool Assessed() const { return slope && error < 1.0 / kLeastExpected; }

@@ -45,13 +45,17 @@ TEST(Facts, TheScoreFallsWithEveryFactThatSpeaksAgainstAName) {
   other = facts;
   other.dynamic = true;
   EXPECT_LT(other.Score(), rules::kScore.limit);
-  // A slope that says nothing costs less than a wrong one, more than a right one.
+  // A slope that says nothing names nothing, but of what began at an instant none is asked.
   other = facts;
   other.error = 1.0;
   EXPECT_FALSE(other.Assessed());
-  EXPECT_LT(other.Score(), facts.Score());
+  EXPECT_LT(other.Score(), rules::kScore.limit);
+  EXPECT_GT(other.Score(), rules::kOpen.limit);
   other.slope.reset();
+  EXPECT_LT(other.Score(), rules::kScore.limit);
+  other.event = true;
   EXPECT_GT(other.Score(), rules::kScore.limit);
+  EXPECT_LT(other.Score(), facts.Score());
 }
 
 TEST(Facts, AnEffectThatTheHeldOutRecordingHoldsIsPartOfTheModel) {
