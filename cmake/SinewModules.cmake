@@ -18,8 +18,8 @@
 #        (not in tools/test). SERIAL: it runs in real time, so nothing runs beside it. One on whole recordings or many
 #        runs of the surrogate has the label `acceptance`.
 #        BYTES: it handles bytes or messages from outside; THREADS: its code starts threads. .ci/run runs a unit test in
-#        one configuration: the first under the address sanitizer, the second under the thread sanitizer, all others with
-#        assertions. NIGHT: only tools/test and .ci/night run it, not .ci/run.
+#        one configuration: the first under the address sanitizer, the second (whatever its label) under the thread
+#        sanitizer, all others with assertions. NIGHT: only tools/test and .ci/night run it, not .ci/run.
 #        NIGHT_CASES: cases, or patterns of them, that do for further robots, roles and motions what others do once; .ci/run
 #        leaves them out. LONG: those that repeat it for many seeds or recordings; sanitized builds leave them out.
 # A configuration defines only the tests that it is for: SINEW_TESTS (cmake/SinewOptions.cmake). The target chosen_tests

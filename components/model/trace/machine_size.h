@@ -8,9 +8,9 @@
 
 namespace sinew::trace {
 
-// Units of the joint's output (N and m on a linear joint). As declared, but where nothing is: then
-// a tenth of the drive's rms for the friction, and for viscous friction and gravity what has the
-// same size in this motion.
+// Units of the joint's output (N and m on a linear joint). As declared; where nothing is, a tenth
+// of the drive's rms for the friction, as much at the highest speed for viscous friction, and the
+// drive's rms for gravity.
 struct MachineSize {
   double friction = 0.0;  // that only knows the direction
   double inertia = 0.0;   // both sides of the gear

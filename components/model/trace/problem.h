@@ -1,5 +1,5 @@
 // A balance ready for the search: its rows, whitened, with everything that may explain what the
-// declared terms leave. Made once; nothing changes it. Pure; allocates.
+// declared terms leave. Made once; only CompareBands changes it. Pure; allocates.
 #pragma once
 
 #include "components/model/identify/fit.h"

@@ -14,8 +14,6 @@ namespace {
 
 using identify::Design;
 
-constexpr int kFewestRows = 20;
-
 struct Recorded {
   actuator::JointModel model;
   Design design;
@@ -39,7 +37,8 @@ Recorded Record(double stronger, double narrower = 1.0) {
 }
 
 MachineSize SizeOf(const Recorded& recorded) {
-  return SizeOf(recorded.design, MakeUsedRows(recorded.design, kFewestRows), recorded.model);
+  return SizeOf(recorded.design, MakeUsedRows(recorded.design, kFewestRowsPerBlock),
+                recorded.model);
 }
 
 double Expected(const std::string& effect, const Recorded& recorded) {
