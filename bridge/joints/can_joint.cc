@@ -102,7 +102,13 @@ void CanJoint::Command(const ActuatorCommand& command, double period_s, std::int
   range_ = was_active ? Narrowed(config_.limits, range_, measured_.position_rad())
                       : RangeFrom(config_.limits, measured_.position_rad());
   if (decision.restart_setpoint) setpoint_rad_ = measured_.motor_position_at_output_rad();
-  switch (decision.request) {
+  AxisRequest request = decision.request;
+  const bool arms = request == AxisRequest::kClosedLoop || request == AxisRequest::kMode;
+  if (arms && !exchange_->Holds(measured_)) {
+    fault_.Fail(FaultKind::kOutOfRange, kBeyondCompact);
+    request = AxisRequest::kIdle;
+  }
+  switch (request) {
     case AxisRequest::kIdle:
       exchange_->RequestIdle();
       break;

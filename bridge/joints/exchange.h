@@ -56,6 +56,8 @@ class JointExchange {
   virtual bool is_polled() const = 0;
   // False, and nothing is sent, where the position does not fit into the exchange's field.
   [[nodiscard]] virtual bool SendPosition(double position_rev, double feed_forward_rev_s) = 0;
+  // Does the measured position fit into the exchange's field? What does not cannot be held there.
+  virtual bool Holds(const JointMeasurement& measured) const = 0;
   // Neutral in this mode; kIdle: for an axis that should be idle. False: the measured position does
   // not fit into the exchange's field.
   [[nodiscard]] virtual bool SendNeutral(types::ControlMode mode,
@@ -88,6 +90,7 @@ class DirectExchange final : public JointExchange {
  public:
   using JointExchange::JointExchange;
   bool is_polled() const override { return true; }
+  bool Holds(const JointMeasurement& /*measured*/) const override { return true; }
   bool SendPosition(double position_rev, double feed_forward_rev_s) override;
   bool SendNeutral(types::ControlMode mode, const JointMeasurement& measured) override;
 };
@@ -99,6 +102,9 @@ class GatewayExchange final : public JointExchange {
                   CompactLink* link, int field)
       : JointExchange(joint, short_frames, outbox), link_(link), field_(field) {}
   bool is_polled() const override { return false; }
+  bool Holds(const JointMeasurement& measured) const override {
+    return CompactLink::Fits(measured.estimates.position_rev);
+  }
   bool SendPosition(double position_rev, double feed_forward_rev_s) override;
   bool SendNeutral(types::ControlMode mode, const JointMeasurement& measured) override;
 

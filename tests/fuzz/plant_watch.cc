@@ -15,7 +15,8 @@ using bridge::FaultKind;
 using types::ControlMode;
 
 constexpr double kTurn_rad = 2.0 * std::numbers::pi;
-constexpr double kTaper = 0.1;         // of the velocity limit, can_bridge.md
+constexpr double kTaper = 0.1;  // of the velocity limit, can_bridge.md
+constexpr double kCommandDelay_s = bridge::Braking{}.command_delay_s;  // where none is declared
 constexpr double kFloatStep = 2.5e-7;  // relative: twice the step of float32
 constexpr double kReferenceRounding_rev = 0.00501;
 constexpr double kSmallest = 1e-30;  // below it the float on the wire may be 0
@@ -243,6 +244,21 @@ void PlantWatch::Sent(int bus, const can::Frame& frame, std::int64_t now_ns) {
   }
 }
 
+double PlantWatch::Fastest(std::size_t j, bool up, bool valid_only, double forward_rad_s) const {
+  const bridge::JointLimits& limits = config_.joints[j].limits;
+  const double position_rad = OutputPosition(j, valid_only);
+  const double way_rad = up ? limits.upper_rad - position_rad : position_rad - limits.lower_rad;
+  const double latency_s = kCommandDelay_s + period_s_;
+  const double left_rad = way_rad - std::max(forward_rad_s, 0.0) * latency_s;
+  return limits.velocity_rad_s * std::sqrt(std::clamp(left_rad / limits.margin_rad, 0.0, 1.0));
+}
+
+template <class Allowed>
+bool PlantWatch::IsAllowed(std::size_t j, double wire, Allowed allowed) {
+  joints_[j].as_commanded = Near(wire, allowed(false));
+  return joints_[j].as_commanded || wire == 0.0 || Near(wire, allowed(true));
+}
+
 void PlantWatch::AssessTorque(std::size_t j, int bus, const can::Frame& frame) {
   const bridge::JointConfig& c = config_.joints[j];
   Joint& joint = joints_[j];
@@ -250,30 +266,26 @@ void PlantWatch::AssessTorque(std::size_t j, int bus, const can::Frame& frame) {
   ++joint.setpoints;
   if (frame.length < 4) return Break("a short setpoint", bus, frame);
   const double wire_Nm = FloatAt(frame, 0);
-  const bool may = in_cycle_ && MayMove(j) && command_.mode[j] == ControlMode::kTorque;
-  double held_Nm = 0.0;
-  if (may) {
-    const double most_Nm =
-        std::min(c.limits.motor_torque_Nm, c.limits.current_A * c.torque_constant_Nm_A);
-    held_Nm = std::clamp(command_.motor_torque_Nm[j], -most_Nm, most_Nm);
-    const double speed_rad_s = c.direction * kTurn_rad * joint.velocity_rev_s / c.gear_ratio;
-    const double forward_rad_s = held_Nm > 0.0 ? speed_rad_s : -speed_rad_s;
-    held_Nm *= std::clamp(
-        (c.limits.velocity_rad_s - forward_rad_s) / (kTaper * c.limits.velocity_rad_s), 0.0, 1.0);
+  if (wire_Nm != 0.0) ++counts_.moving;
+  if (!in_cycle_ || !MayMove(j) || command_.mode[j] != ControlMode::kTorque) {
+    if (wire_Nm != 0.0) Break("a torque for a joint that must not move", bus, frame);
+    return;
   }
-  const double expected_Nm =
-      c.direction * held_Nm * c.controller_torque_constant_Nm_A / c.torque_constant_Nm_A;
-  const auto outwards = [&](double position_rad) {
-    return (held_Nm > 0.0 && position_rad > c.limits.upper_rad) ||
-           (held_Nm < 0.0 && position_rad < c.limits.lower_rad);
+  const double most_Nm =
+      std::min(c.limits.motor_torque_Nm, c.limits.current_A * c.torque_constant_Nm_A);
+  const double held_Nm = std::clamp(command_.motor_torque_Nm[j], -most_Nm, most_Nm);
+  const bool up = held_Nm > 0.0;
+  const double speed_rad_s = c.direction * kTurn_rad * joint.velocity_rev_s / c.gear_ratio;
+  const double forward_rad_s = up ? speed_rad_s : -speed_rad_s;
+  const auto allowed_Nm = [&](bool valid_only) {
+    const double taper = (Fastest(j, up, valid_only, forward_rad_s) - forward_rad_s) /
+                         (kTaper * Fastest(j, up, valid_only, forward_rad_s));
+    return taper > 0.0 && std::isfinite(taper)
+               ? c.direction * held_Nm * std::min(taper, 1.0) * c.controller_torque_constant_Nm_A /
+                     c.torque_constant_Nm_A
+               : 0.0;
   };
-  joint.as_commanded = may && Near(wire_Nm, outwards(OutputPosition(j, false)) ? 0.0 : expected_Nm);
-  if (wire_Nm == 0.0) return;
-  ++counts_.moving;
-  if (!may) return Break("a torque for a joint that must not move", bus, frame);
-  if (!Near(wire_Nm, expected_Nm)) return Break("another torque than commanded", bus, frame);
-  if (outwards(OutputPosition(j, false)) && outwards(OutputPosition(j, true)))
-    Break("a torque outwards beyond a position limit", bus, frame);
+  if (!IsAllowed(j, wire_Nm, allowed_Nm)) Break("another torque than commanded", bus, frame);
 }
 
 void PlantWatch::AssessVelocity(std::size_t j, int bus, const can::Frame& frame) {
@@ -288,25 +300,20 @@ void PlantWatch::AssessVelocity(std::size_t j, int bus, const can::Frame& frame)
     return Break("a velocity with a torque that was not commanded", bus, frame);
   }
   const double wire_rev_s = FloatAt(frame, 0);
-  const bool may = MayMove(j);
-  const double most_rad_s = c.limits.velocity_rad_s;
-  const double held_rad_s =
-      may ? std::clamp(command_.velocity_rad_s[j], -most_rad_s, most_rad_s) : 0.0;
-  const double expected_rev_s = c.direction * held_rad_s * c.gear_ratio / kTurn_rad;
-  const auto outwards = [&](double position_rad) {
-    return (held_rad_s > 0.0 && position_rad > c.limits.upper_rad) ||
-           (held_rad_s < 0.0 && position_rad < c.limits.lower_rad);
-  };
-  joint.as_commanded =
-      may && Near(wire_rev_s, outwards(OutputPosition(j, false)) ? 0.0 : expected_rev_s);
-  if (wire_rev_s == 0.0) return;
-  ++counts_.moving;
-  if (!may) return Break("a velocity for a joint that must not move", bus, frame);
-  if (!Near(wire_rev_s, expected_rev_s)) {
-    return Break("another velocity than commanded", bus, frame);
+  if (wire_rev_s != 0.0) ++counts_.moving;
+  if (!MayMove(j)) {
+    if (wire_rev_s != 0.0) Break("a velocity for a joint that must not move", bus, frame);
+    return;
   }
-  if (outwards(OutputPosition(j, false)) && outwards(OutputPosition(j, true)))
-    Break("a velocity outwards beyond a position limit", bus, frame);
+  const double speed_rad_s = c.direction * kTurn_rad * joint.velocity_rev_s / c.gear_ratio;
+  const auto allowed_rev_s = [&](bool valid_only) {
+    return c.direction * c.gear_ratio / kTurn_rad *
+           std::clamp(command_.velocity_rad_s[j], -Fastest(j, false, valid_only, -speed_rad_s),
+                      Fastest(j, true, valid_only, speed_rad_s));
+  };
+  if (!IsAllowed(j, wire_rev_s, allowed_rev_s)) {
+    Break("another velocity than commanded", bus, frame);
+  }
 }
 
 void PlantWatch::AssessPosition(std::size_t j, int bus, const can::Frame& frame) {

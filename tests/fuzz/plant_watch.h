@@ -10,8 +10,9 @@
 //   - a joint that is idle, has a fault, or has not said closed loop since it was armed gets only
 //     neutral setpoints: no torque, no velocity, the position it measured last;
 //   - a torque is the commanded one within torque and current limit, tapered near the velocity
-//     limit, nothing outwards beyond the position limits; or nothing;
-//   - a velocity is the commanded one within the limit, nothing outwards; or nothing;
+//     from which the joint stops within the margin of a position limit, the velocity limit at most;
+//     or nothing;
+//   - a velocity is the commanded one, towards a position limit within that velocity; or nothing;
 //   - a position leaves the measured or the last one by no more than the velocity limit allows, and
 //     ends within the limits;
 //   - a reference through a gateway is the same as a position, rounded to 0.01 turns; that of a
@@ -90,6 +91,12 @@ class PlantWatch {
                   const can::Frame& frame);
   void ReceivedState(std::size_t gateway, const can::Frame& frame);
   void AssessValves(std::size_t joint, int bus, const can::Frame& frame);
+  // The largest velocity towards the upper or the lower position limit of a joint whose inertia is
+  // not declared, which moves there at forward_rad_s.
+  double Fastest(std::size_t joint, bool up, bool valid_only, double forward_rad_s) const;
+  // Is this what the plant may send, by either position?
+  template <class Allowed>
+  bool IsAllowed(std::size_t joint, double wire, Allowed allowed);
   // Position at the output, from the last frame or from the last one that was valid.
   double OutputPosition(std::size_t joint, bool valid_only) const;
 
