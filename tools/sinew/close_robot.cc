@@ -28,6 +28,15 @@ Json ErrorJson(const arm::ArmError& error) {
           {"joints_relative_percent", error.relative_percent}};
 }
 
+Json LoadJson(const std::optional<arm::LoadOnLink>& load) {
+  if (!load) return nullptr;
+  return {{"link", load->link},
+          {"mass_kg", load->mass_kg},
+          {"mass_half_width_95_kg", load->half_width_95},
+          {"position_m", std::vector<double>(load->position_m.begin(), load->position_m.end())},
+          {"share", load->share}};
+}
+
 Json ArmJson(const arm::ArmLoop& loop) {
   Json base = Json::array();
   for (std::size_t i = 0; i < loop.before.base.size(); ++i) {
@@ -46,7 +55,17 @@ Json ArmJson(const arm::ArmLoop& loop) {
        {{"nominal", ErrorJson(loop.held_out_nominal)},
         {"before", ErrorJson(loop.held_out_before)},
         {"after", ErrorJson(loop.held_out_after)}}},
+      {"load", LoadJson(loop.load)},
+      {"held_out_load", LoadJson(loop.held_out_load)},
       {"base_parameters", base}};
+}
+
+std::string LoadText(const arm::LoadOnLink& load) {
+  using report::Short;
+  return (load.mass_kg < 0.0 ? "a mass taken from link '" : "a mass on link '") + load.link +
+         "': " + Short(std::abs(load.mass_kg)) + " +- " + Short(load.half_width_95) + " kg at (" +
+         Short(load.position_m.x()) + ", " + Short(load.position_m.y()) + ", " +
+         Short(load.position_m.z()) + ") m of its frame";
 }
 
 // The robot's verdict is that of the joint with the largest.
@@ -353,6 +372,15 @@ void PrintSummary(const CloseRobotResult& result, const CloseLoopOptions& option
               << Short(loop.held_out_before.nrms_percent) << " -> "
               << Short(loop.held_out_after.nrms_percent) << " % (" << loop.before.base.size()
               << " base parameters)\n";
+    if (loop.load) {
+      std::cout << "arm: " << Short(100.0 * loop.load->share)
+                << " % of what the refit of the bodies changes is " << LoadText(*loop.load) << '\n';
+    }
+    if (loop.held_out_load) {
+      std::cout << "arm, held-out: those recordings differ from the training ones by "
+                << LoadText(*loop.held_out_load)
+                << ". Declare it there, else the size of no effect can be confirmed\n";
+    }
   }
   std::cout << "written: " << (options.out / "report.json").string()
             << (fs::exists(options.out / "model.yaml") ? ", model.yaml" : "")

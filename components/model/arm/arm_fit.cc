@@ -31,29 +31,34 @@ std::vector<FreeParameter> FreeParameters(const actuator::JointModel& joint) {
   return out;
 }
 
+// Normal equations of the first `rigid` unknowns, the others fitted as well (Schur complement).
+identify::Moments OfBodies(const identify::Moments& sums, Eigen::Index rigid) {
+  const Eigen::Index rest = sums.m.size() - rigid;
+  const Eigen::MatrixXd cross = sums.G.topRightCorner(rigid, rest);
+  const auto freed = [&](const Eigen::VectorXd& of_rest) {
+    return identify::Solve(sums.G.bottomRightCorner(rest, rest), of_rest);
+  };
+  identify::Moments out{sums.G.topLeftCorner(rigid, rigid),
+                        sums.m.head(rigid) - cross * freed(sums.m.tail(rest))};
+  for (Eigen::Index c = 0; c < rigid; ++c) out.G.col(c) -= cross * freed(cross.row(c).transpose());
+  return out;
+}
+
 // Estimate of the first `rigid` unknowns by normal equations, against a fit b of all. scale: a size
 // of each unknown's information; louder: standard deviation of the rows' noise.
 RigidPrior PriorFrom(const identify::Moments& sums, const Eigen::VectorXd& b, Eigen::Index rigid,
                      const Eigen::VectorXd& scale, double louder) {
   // A direction about which others know less than this part of what all know is open.
   constexpr double kOpen = 1e-6;
-  const Eigen::Index rest = b.size() - rigid;
-  const Eigen::MatrixXd cross = sums.G.topRightCorner(rigid, rest);
-  // Friction of the others is fitted as well (Schur complement).
-  const auto freed = [&](const Eigen::VectorXd& of_rest) {
-    return identify::Solve(sums.G.bottomRightCorner(rest, rest), of_rest);
-  };
-  Eigen::MatrixXd G = sums.G.topLeftCorner(rigid, rigid);
-  for (Eigen::Index c = 0; c < rigid; ++c) G.col(c) -= cross * freed(cross.row(c).transpose());
-  const Eigen::VectorXd m = sums.m.head(rigid) - cross * freed(sums.m.tail(rest));
+  const identify::Moments own = OfBodies(sums, rigid);
   const Eigen::VectorXd unit = (scale.array() > 0.0).select(scale.cwiseInverse(), 1.0);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(unit.asDiagonal() * G *
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(unit.asDiagonal() * own.G *
                                                              unit.asDiagonal());
   RigidPrior out;
   out.directions = unit.asDiagonal() * eigen.eigenvectors();
   out.mean = Eigen::VectorXd::Zero(rigid);
   out.spread = Eigen::VectorXd::Zero(rigid);
-  const Eigen::VectorXd known = out.directions.transpose() * (m - G * b.head(rigid));
+  const Eigen::VectorXd known = out.directions.transpose() * (own.m - own.G * b.head(rigid));
   for (Eigen::Index k = 0; k < rigid; ++k) {
     const double information = eigen.eigenvalues()[k];
     if (information < kOpen) continue;
@@ -304,6 +309,7 @@ ArmFit Arm::Fit(const ArmRuns& runs, const actuator::RobotModel& robot,
   }
   const double louder = of_rows > 0.0 ? std::sqrt(std::max(1.0, of_blocks / of_rows)) : 1.0;
   const identify::Moments total = sums_of(nullptr, weight);
+  out.information = OfBodies(total, rigid).G / (louder * louder);
   for (std::size_t j = 0; j < data.joints.size(); ++j) {
     std::vector<double> others = weight;
     others[j] = 0.0;

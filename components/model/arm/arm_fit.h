@@ -52,6 +52,8 @@ struct ArmFit {
   actuator::RobotModel robot;  // friction as fitted
   Eigen::VectorXd phi;         // inertial parameters that give the fitted base parameters
   std::vector<BaseParameter> base;
+  // Inverse of the covariance of the base parameters, friction fitted beside them.
+  Eigen::MatrixXd information;
   std::vector<RigidPrior> by_others;  // per joint
   ArmError train;
 };

@@ -4,7 +4,10 @@
 // cannot be used.
 #pragma once
 
+#include <optional>
+
 #include "components/model/arm/arm_fit.h"
+#include "components/model/arm/load_on_link.h"
 
 namespace sinew::arm {
 
@@ -13,6 +16,8 @@ struct ArmLoop {
   ArmFit before;                           // declared friction
   ArmFit after;                            // with the effects that were found
   ArmError held_out_nominal, held_out_before, held_out_after;
+  std::optional<LoadOnLink> load;           // that the refit of the bodies absorbed
+  std::optional<LoadOnLink> held_out_load;  // that the held-out recordings have beside those
 };
 
 // First half: the joint fit; train and held-out get the rigid torque of each joint, and the model

@@ -8,6 +8,7 @@
 #include <random>
 #include <stdexcept>
 
+#include "components/bodies/links/fixed_links.h"
 #include "components/model/arm/arm_loop.h"
 #include "components/model/identify/fit.h"
 #include "tests/components/bodies/dynamics/random_arm.h"
@@ -48,8 +49,8 @@ actuator::RobotModel Model(double coulomb, double viscous) {
   return robot;
 }
 
-ArmRuns Recorded(double seconds, std::uint64_t seed) {
-  const ArmDynamics truth(Revolute(1.0));
+ArmRuns Recorded(double seconds, std::uint64_t seed, const Chain& chain = Revolute(1.0)) {
+  const ArmDynamics truth(chain);
   const auto n = static_cast<Eigen::Index>(200.0 * seconds);
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> phase(0.0, 6.28);
@@ -179,6 +180,51 @@ TEST(ArmFit, ARefitOfTheBodiesIsInTheColumnsThatTheJointCarries) {
   const Eigen::VectorXd difference = torque(rows(2)) - torque(before);
   EXPECT_GT(difference.norm(), 0.0);
   EXPECT_LT((difference - columns.col(direction)).norm(), 1e-9 * difference.norm());
+}
+
+Chain Loaded() {
+  Chain chain = Revolute(1.0);
+  AddPointMass(0.6, {0.05, -0.02, 0.15}, &chain.bodies.back());
+  return chain;
+}
+
+TEST(ArmLoad, AMassThatTheRefitAbsorbedIsNamedWithItsLink) {
+  const actuator::RobotModel robot = Model(0.1, 0.1);
+  ArmRuns train = Recorded(40.0, 1, Loaded()), held_out = Recorded(40.0, 2, Loaded());
+  const Arm arm(Revolute(1.0), robot);
+  const ArmLoop loop = FitArm(arm, robot, Options(), &train, &held_out);
+  ASSERT_TRUE(loop.load);
+  EXPECT_EQ(loop.load->link, "last_link");
+  EXPECT_NEAR(loop.load->mass_kg, 0.6, std::max(0.03, loop.load->half_width_95));
+  EXPECT_LT((loop.load->position_m - Eigen::Vector3d(0.05, -0.02, 0.15)).norm(), 0.02);
+  EXPECT_GT(loop.load->share, 0.9);
+  EXPECT_FALSE(loop.held_out_load) << "both have it";
+}
+
+TEST(ArmLoad, AMassOfTheHeldOutRecordingsAloneIsReported) {
+  const actuator::RobotModel robot = Model(0.1, 0.1);
+  ArmRuns train = Recorded(40.0, 1), held_out = Recorded(40.0, 2, Loaded());
+  const Arm arm(Revolute(1.0), robot);
+  const ArmLoop loop = FitArm(arm, robot, Options(), &train, &held_out);
+  EXPECT_FALSE(loop.load) << loop.load->link << ' ' << loop.load->mass_kg;
+  ASSERT_TRUE(loop.held_out_load);
+  EXPECT_EQ(loop.held_out_load->link, "last_link");
+  EXPECT_NEAR(loop.held_out_load->mass_kg, 0.6, std::max(0.03, loop.held_out_load->half_width_95));
+}
+
+TEST(ArmLoad, BodiesThatAreWrongAllOverAreNoMass) {
+  const actuator::RobotModel robot = Model(0.1, 0.1);
+  ArmRuns train = Recorded(40.0, 1), held_out = Recorded(40.0, 2);
+  Chain wrong = Revolute(1.0);
+  for (std::size_t b = 0; b < wrong.bodies.size(); ++b) {
+    wrong.bodies[b].com_m += 0.05 * Eigen::Vector3d::Unit(static_cast<Eigen::Index>(b % 3));
+    wrong.bodies[b].mass_kg *= b % 2 == 0 ? 0.7 : 1.3;
+  }
+  const Arm arm(wrong, robot);
+  const ArmLoop loop = FitArm(arm, robot, Options(), &train, &held_out);
+  EXPECT_FALSE(loop.load) << loop.load->link << ' ' << loop.load->mass_kg << ' '
+                          << loop.load->share;
+  EXPECT_FALSE(loop.held_out_load);
 }
 
 TEST(ArmFit, JointsThatTheUrdfLacksAreNamed) {
