@@ -83,24 +83,6 @@ std::vector<char> Slower(const Eigen::VectorXd& v, double limit) {
   return out;
 }
 
-// Slow motion as the motor's encoder shows it, where a tooth carries: where the velocity at the
-// output is doubtful it is the motor's, and where that is sure it is neither rest nor unsure.
-// gap: motor / N - output, rad; of_motor: velocity of the motor / N.
-void TakeFromMotor(const Eigen::VectorXd& gap, const Eigen::VectorXd& of_motor,
-                   const actuator::JointModel& model, const ProcessingOptions& options,
-                   Eigen::VectorXd* v, std::vector<char>* unsure, std::vector<char>* at_rest) {
-  if (!(options.carried_rest_velocity > 0.0)) return;
-  const bool rigid = !(model.backlash_rad > 0.0);
-  const std::vector<char> carries = Carries(gap, model.backlash_rad);
-  for (Eigen::Index i = 0; i < gap.size(); ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    if (!(rigid || carries[k]) || std::abs(of_motor[i]) >= options.doubtful_velocity) continue;
-    (*v)[i] = of_motor[i];
-    (*unsure)[k] = 0;
-    (*at_rest)[k] = std::abs(of_motor[i]) < options.carried_rest_velocity;
-  }
-}
-
 // Times from the nearest row in which no tooth surely carries.
 std::vector<double> FromContact(const std::vector<char>& carries, double period_s) {
   const std::size_t n = carries.size();
@@ -263,9 +245,6 @@ StateSet MakeStates(const std::vector<types::Run>& runs, const actuator::JointMo
       Eigen::VectorXd motor_v = motor ? rate_of(motor_q) : Eigen::VectorXd(ratio * v);
       if (locked) motor_v.setZero();
       std::vector<char> at_rest = Slower(v, run.held ? 0.0 : options.rest_velocity);
-      if (motor && !locked && !run.held) {
-        TakeFromMotor(motor_q / ratio - q, motor_v / ratio, model, options, &v, &unsure, &at_rest);
-      }
       const Eigen::VectorXd motor_a = motor ? rate_of(motor_v) : Eigen::VectorXd(ratio * a);
       const auto recorded = [&](types::Signal signal) -> Eigen::VectorXd {
         const auto found = piece.signals.find(signal);

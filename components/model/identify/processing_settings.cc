@@ -304,22 +304,6 @@ ProcessingOptions FromMotion(const std::vector<types::Run>& runs, const actuator
   return out;
 }
 
-double CarriedRestVelocity(const std::vector<types::Run>& runs, const actuator::JointModel& model,
-                           const ProcessingOptions& options) {
-  if (!options.raw || !(options.motor_cutoff_Hz > 0.0)) return 0.0;
-  double density = 0.0, step = 0.0;
-  for (const types::Run& run : runs) {
-    if (!run.Has(types::Signal::kMotorPosition)) return 0.0;
-    step = std::max(step, Resolution(run.At(types::Signal::kMotorPosition)));
-    for (const UniformSegment& segment : MakeUniform(run, options.longest_gap_s).segments) {
-      const Eigen::VectorXd& motor = segment.signals.at(types::Signal::kMotorPosition);
-      density = std::max(density, NoiseDensity(motor, segment.rate_Hz()));
-    }
-  }
-  return SureVelocity(LowPassOf(runs.front()), density, step, options.motor_cutoff_Hz) /
-         model.constants.gear_ratio;
-}
-
 double QuietBand(const std::vector<types::Run>& runs, const actuator::JointModel& model,
                  double longest_gap_s) {
   const types::Signal drive_signal = DriveSignal(model);

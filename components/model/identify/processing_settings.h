@@ -19,11 +19,8 @@ struct ProcessingOptions {
   int state_order = 4;
   double parallel_cutoff_Hz = 0.0;  // low-pass of both sides of the balance; 0: from the data
   int parallel_order = 4;
-  double rest_velocity = 0.0;  // rad/s or m/s; slower is rest or reversal; 0: from the data
-  // The same where the teeth surely carry and the motor's encoder shows how slow motion goes
-  // (CarriedRestVelocity). 0: it does not.
-  double carried_rest_velocity = 0.0;  // of the output, rad/s
-  double reversal_guard_s = 0.05;      // left out on either side of rest and reversals
+  double rest_velocity = 0.0;      // rad/s or m/s; slower is rest or reversal; 0: from the data
+  double reversal_guard_s = 0.05;  // left out on either side of rest and reversals
   double settle_distance = 0.0;  // rad or m; left out after rest and reversals until it is covered
   // Left out on either side of rows in which no tooth surely carries; 0: what a touch excites is
   // left out like a reversal, and nothing else.
@@ -57,11 +54,6 @@ ProcessingOptions Resolve(const ProcessingOptions& options, const std::vector<ty
 // least_Hz: of the output's low-pass, before that factor.
 ProcessingOptions FromMotion(const std::vector<types::Run>& runs, const actuator::JointModel& model,
                              double longest_gap_s, double wider = 1.0, double least_Hz = 0.0);
-
-// From which velocity of the output on the motor's encoder, finer there by the gear ratio, is sure
-// of slow motion where the teeth carry (carried_rest_velocity); 0: there is none.
-double CarriedRestVelocity(const std::vector<types::Run>& runs, const actuator::JointModel& model,
-                           const ProcessingOptions& options);
 
 // Up to which cut-off of the output's angle the noise of its acceleration stays unseen beside that
 // of the drive, Hz; 0: the drive has none.

@@ -72,7 +72,8 @@ class Assessor {
     const SetSearch found =
         SearchSets(problem_.evidence, problem_.hypotheses(), largest_set, refuted_);
     out_.p_global = std::min(1.0, bootstrap_.searches * GlobalP(found));
-    for (std::size_t size = 1; size < found.best.size(); ++size) {
+    const bool open = out_.p_global <= Limit(rules::kGlobalP);
+    for (std::size_t size = 1; open && size < found.best.size(); ++size) {
       const double more = found.best[size].net - out_.chosen.net;
       if (more > Limit(rules::kEvidence) && more > Limit(rules::kShapeMisfit) * out_.chosen.net &&
           EveryMemberCounts(found.best[size])) {
@@ -81,11 +82,12 @@ class Assessor {
     }
     const EffectSet with = WithBestCurve(problem_.evidence, problem_.hypotheses(), out_.chosen);
     const double rows = static_cast<double>(problem_.y.size());
-    if (!with.empty() && with.net - out_.chosen.net > 2.0 * kCurveEvidencePerRow * rows) {
-      NoteUnexplained(with);
+    if (open && !with.empty() && with.net - out_.chosen.net > 2.0 * kCurveEvidencePerRow * rows) {
+      const double statistic = Statistic(with.gain - out_.chosen.gain, with.members.back());
+      if (POfCurve(out_.chosen, with, statistic) <= Limit(rules::kMemberP)) NoteUnexplained(with);
     }
     RankNames();
-    NoteScores(found, true);
+    NoteScores(found, open);
     return std::move(out_);
   }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "components/model/identify/statistics.h"
 #include "components/model/trace/nuisances.h"
@@ -65,7 +66,46 @@ bool IsStated(const std::string& effect, const actuator::JointModel& model) {
   });
 }
 
+// Share of a quantity's range below which it did not change.
+constexpr double kNoChange = 0.2;
+// As many independent recordings are evidence without one that repeats a value (Cameron, Miller
+// 2015, section VI).
+constexpr std::size_t kConvincingRecordings = 6;
+
 }  // namespace
+
+bool DiffersBetweenFewRecordings(const identify::Design& design, std::string_view variable) {
+  using effects::JointSample;
+  if (variable != "temperature_degC" && variable != "payload_kg") return false;
+  const Eigen::VectorXd values = design.Variable([&](const JointSample& x) {
+    return variable == "payload_kg" ? x.payload_kg : x.temperature_degC;
+  });
+  struct Span {
+    double least, largest;
+    double Middle() const { return 0.5 * (least + largest); }
+  };
+  std::map<std::size_t, Span> of_run;
+  for (const Eigen::Index i : design.rows().UsedRows()) {
+    Span& span =
+        of_run.try_emplace(design.rows().RunOf(i), Span{values[i], values[i]}).first->second;
+    span = {std::min(span.least, values[i]), std::max(span.largest, values[i])};
+  }
+  if (of_run.empty() || of_run.size() >= kConvincingRecordings) return false;
+  std::vector<double> middles;
+  double widest = 0.0;
+  for (const auto& [run, span] : of_run) {
+    middles.push_back(span.Middle());
+    widest = std::max(widest, span.largest - span.least);
+  }
+  std::sort(middles.begin(), middles.end());
+  const double no_change = kNoChange * (middles.back() - middles.front());
+  if (!(no_change > 0.0) || widest > no_change) return false;
+  // A value that comes twice shows what else differs.
+  for (std::size_t k = 1; k < middles.size(); ++k) {
+    if (middles[k] - middles[k - 1] <= no_change) return false;
+  }
+  return true;
+}
 
 std::vector<std::vector<double>> GridFor(const identify::Design& design,
                                          const effects::JointConstants& constants,
@@ -139,6 +179,15 @@ CandidateSet MakeCandidates(const identify::Design& design, const actuator::Join
     if (info.needs_pneumatics && model.constants.pneumatic_torque_Nm_bar == 0.0 &&
         model.constants.pneumatic_stiffness_Nm_rad_bar == 0.0) {
       out.untestable.push_back({name, "the model declares no torque of the pressure"});
+      continue;
+    }
+    const auto differs = std::find_if(
+        info.needs.begin(), info.needs.end(),
+        [&](const std::string& field) { return DiffersBetweenFewRecordings(design, field); });
+    if (differs != info.needs.end()) {
+      out.untestable.push_back({name, *differs + " differs between the recordings only, and no two "
+                                                 "of them have the same: whatever else was not "
+                                                 "the same in them looks like it"});
       continue;
     }
     // An unloaded load cell contains only its own noise; a gain of -1 would remove that noise.

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "components/model/actuator/model.h"
@@ -39,6 +40,10 @@ struct CandidateSet {
 // nonlinear parameters may come again with another setting). Drive terms are no candidates; events
 // are none before their instants are known (event_search.h).
 CandidateSet MakeCandidates(const identify::Design& design, const actuator::JointModel& model);
+
+// Does a temperature_degC or payload_kg differ between recordings only, and between too few of them
+// to distinguish it from everything else that was not the same?
+bool DiffersBetweenFewRecordings(const identify::Design& design, std::string_view variable);
 
 // The effects of the motion's balance that begin at an instant, without a grid.
 std::vector<Candidate> EventCandidates(const actuator::JointModel& model);

@@ -53,10 +53,8 @@ LoopResult Analyse(const std::vector<types::Run>& train, const std::vector<types
   loop.processing = held               ? identify::FromMotion(held_out, joint, longest_gap_s)
                     : given.processing ? identify::Resolve(*given.processing, train)
                                        : BandOfLeastResidual(train, held_out, joint, longest_gap_s);
-  // The limits of the rules were chosen without these rows.
+  // The limits of the rules were chosen with these rows.
   if (!held && given.engine == Engine::kEvidence) {
-    loop.processing.carried_rest_velocity =
-        identify::CarriedRestVelocity(train, joint, loop.processing);
     loop.processing.contact_guard_s = ContactGuard(train, joint, loop.processing);
   }
   loop.train.emplace(identify::MakeStates(train, joint, loop.processing), loop.processing);

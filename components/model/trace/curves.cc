@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "components/model/identify/statistics.h"
+#include "components/model/trace/candidates.h"
 
 namespace sinew::trace {
 
@@ -157,7 +158,10 @@ std::vector<Curve> FreeCurves(const identify::Design& design) {
     if (curve.columns.cols() > 0 && curve.columns.allFinite()) out.push_back(std::move(curve));
   };
   for (const Variable& variable : kVariables) {
-    if (!design.states().measured.contains(variable.name)) continue;
+    if (!design.states().measured.contains(variable.name) ||
+        DiffersBetweenFewRecordings(design, variable.name)) {
+      continue;
+    }
     // Where the motor is locked the load cell is the measured side itself.
     if (design.states().locked && std::string_view(variable.name) == "load_force_N") continue;
     add(Over(design, variable, used));

@@ -13,8 +13,8 @@ namespace {
 // Share of the misfit that a low-pass or a drive loop imitates at most. Provisional.
 constexpr double kMostOfFilter = 0.1;
 // A slope that cannot be assessed costs as much as one of 0.25: without the held-out recordings
-// nothing is named. Of what began at an instant none is asked.
-constexpr double kUnassessed = 0.75, kEvent = 0.25;
+// nothing is named.
+constexpr double kUnassessed = 0.75;
 constexpr std::array kDynamic = {"flexible_link", "elastic_joint", "gear_compliance",
                                  "transport_delay"};
 
@@ -34,11 +34,16 @@ Eigen::VectorXd Contribution(const identify::Design& design, const UsedRows& use
 }  // namespace
 
 double Facts::Score() const {
-  const double off = Assessed() ? std::min(2.0, std::abs(1.0 - *slope))
-                     : event    ? kEvent
-                                : kUnassessed;
+  const double off = Assessed() ? std::min(2.0, std::abs(1.0 - *slope)) : kUnassessed;
   const double z = 2.0 - 2.4 * curve - 3.3 * off - (dynamic ? 2.6 : 0.0);
   return 1.0 / (1.0 + std::exp(-z));
+}
+
+void Facts::SetSlope(const Confirmation& confirmation) {
+  slope.reset();
+  if (!(confirmation.upper > confirmation.lower)) return;
+  slope = confirmation.slope;
+  error = (confirmation.upper - confirmation.lower) / (2.0 * 1.96);
 }
 
 Facts FactsOf(const Problem& problem, const EffectSet& set, std::size_t k,
@@ -53,8 +58,7 @@ Facts FactsOf(const Problem& problem, const EffectSet& set, std::size_t k,
       std::find(kDynamic.begin(), kDynamic.end(), std::string_view(member.name)) != kDynamic.end();
   const EffectSet with = WithBestCurve(problem.evidence, problem.hypotheses(), set);
   if (!with.empty() && set.net > 0.0) out.curve = std::max(0.0, (with.net - set.net) / set.net);
-  out.event = member.effect->info().event;
-  if (out.event) return out;
+  if (member.effect->info().event) return out;
 
   Likelihood likelihood;
   likelihood.engine = train.engine;
@@ -96,7 +100,15 @@ Facts FactsOf(const Problem& problem, const EffectSet& set, std::size_t k,
     precision[1 + i] = spread > 0.0 ? 1.0 / (spread * spread) : 0.0;
   }
   // Twice: the noise is what the imperfections leave. rest = own (slope - 1) + imperfections.
-  SetNoiseByRecording(held_out, rest, &likelihood);
+  // Training on held positions leaves white noise: it has no weights for what is quick.
+  const auto learn = [&](const Eigen::VectorXd& left_over) {
+    if (train.noise.order() == 0) {
+      SetNoise(left_over, left_over.size(), 0, &likelihood);
+    } else {
+      LearnNoise(held_out, left_over, declared_fit.balance, &likelihood);
+    }
+  };
+  learn(rest);
   for (int pass = 0; pass < 2; ++pass) {
     const Eigen::MatrixXd X = Whiten(likelihood, columns);
     Eigen::MatrixXd A = X.transpose() * X;
@@ -106,7 +118,7 @@ Facts FactsOf(const Problem& problem, const EffectSet& set, std::size_t k,
     const Eigen::VectorXd e = Whiten(likelihood, rest - columns * mean).col(0);
     const Eigen::VectorXd x = mean + factor.solve(X.transpose() * e);
     if (pass == 0) {
-      SetNoiseByRecording(held_out, rest - columns * x, &likelihood);
+      learn(rest - columns * x);
       continue;
     }
     const Eigen::VectorXd unit = Eigen::VectorXd::Unit(A.rows(), 0);

@@ -10,21 +10,23 @@
 
 #include <optional>
 
+#include "components/model/trace/confirmation.h"
 #include "components/model/trace/problem.h"
 
 namespace sinew::trace {
 
 struct Facts {
   double curve = 0.0;
-  // Held out; none: no row shows it, or the effect began at an instant there.
+  // Held out; none: no row shows it, or it began at an instant, which FactsOf does not know there.
   std::optional<double> slope;
   double error = 0.0;  // of the slope, one standard deviation
   bool dynamic = false;
-  bool event = false;
 
   // Fewer standard errors than these a slope of one says nothing.
   bool Assessed() const { return slope && error < 1.0 / kLeastExpected; }
   double Score() const;
+  // As confirmed otherwise.
+  void SetSlope(const Confirmation& confirmation);
 
   static constexpr double kLeastExpected = 2.5;
 };

@@ -229,11 +229,14 @@ class Builder {
 
 }  // namespace
 
-bool Hypothesis::from_rates() const {
+bool Hypothesis::follows_rates() const {
   static const std::set<std::string> kRates = {"acceleration_rad_s2", "motor_acceleration_rad_s2",
                                                "jerk_rad_s3", "snap_rad_s4", "drive_rate"};
-  return physical() && effect->info().balance == effects::Balance::kMotion &&
-         kRates.contains(variable);
+  return kRates.contains(variable);
+}
+
+bool Hypothesis::from_rates() const {
+  return physical() && effect->info().balance == effects::Balance::kMotion && follows_rates();
 }
 
 double LeastShare(const Hypothesis& hypothesis) {

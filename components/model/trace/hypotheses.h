@@ -46,8 +46,9 @@ struct Hypothesis {
   Asked asked = Asked::kSearched;
 
   bool physical() const { return effect != nullptr; }
-  // An effect of the motion that follows an acceleration, its derivatives or the drive's rate: what
-  // the low-pass of the angles gets wrong looks like it.
+  // An effect or a free curve over an acceleration, its derivatives or the drive's rate.
+  bool follows_rates() const;
+  // An effect of the motion that does: what the low-pass of the angles gets wrong looks like it.
   bool from_rates() const;
 };
 

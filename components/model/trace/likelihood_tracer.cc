@@ -258,8 +258,13 @@ class Correction {
     found.held_out_after = HeldOutError();
     found.confirmation =
         trace::Confirm(held_out_, LikelihoodOf(held_out_, corrected_, 0), without, corrected_);
-    if (facts_ && k < facts_->size() && options_.engine == Engine::kEvidence) {
-      Score((*facts_)[k], &found);
+    if (options_.engine == Engine::kEvidence) {
+      Facts facts = facts_[k];
+      if (problem_.hypotheses()[set_.members[k]].effect->info().event) {
+        // It began elsewhere there (LocateEvent).
+        facts.SetSlope(found.confirmation);
+      }
+      Score(facts, without.model, &found);
       return found;
     }
     if (std::optional<Refusal> refusal = Refute(k, without.model, found)) {
@@ -275,7 +280,8 @@ class Correction {
   }
 
   // By the score of its facts; what the drive cannot give or what raises the error is refuted.
-  void Score(const Facts& facts, FoundEffect* found) const {
+  // without: the model without it.
+  void Score(const Facts& facts, const actuator::JointModel& without, FoundEffect* found) const {
     found->score = facts.Score();
     found->curve = facts.curve;
     Confirmation& said = found->confirmation;
@@ -292,6 +298,11 @@ class Correction {
       said.verdict = ConfirmationVerdict::kRefuted;
       found->refusal = RefusedBy(rules::kRaises, rise);
     } else if (*found->score >= Limit(rules::kScore)) {
+      if (std::optional<Refusal> refusal = RaisesWhole(without)) {
+        said.verdict = ConfirmationVerdict::kRefuted;
+        found->refusal = std::move(*refusal);
+        return;
+      }
       said.verdict = ConfirmationVerdict::kConfirmed;
     } else {
       said.verdict = ConfirmationVerdict::kNotConfirmed;
@@ -301,11 +312,10 @@ class Correction {
 
   // Facts of every member of the set, by the drive that the declared terms need.
   void FindFacts() {
-    facts_.reset();
+    facts_.clear();
     if (options_.engine != Engine::kEvidence) return;
-    facts_.emplace();
     for (std::size_t k = 0; k < set_.members.size(); ++k) {
-      facts_->push_back(
+      facts_.push_back(
           FactsOf(problem_, set_, k, held_out_, searched_.model, whitened_.keep_scale, whitened_));
     }
   }
@@ -318,10 +328,13 @@ class Correction {
     if (rise > Limit(rules::kRaises)) return RefusedBy(rules::kRaises, rise);
     const double size = std::min(SizeOverInterval(corrected_, k), SizeOverInterval(chosen_, k));
     if (!(size > Limit(rules::kInterval))) return RefusedBy(rules::kInterval, size);
-    // Everything that the joint is part of may lose by what helps the joint alone.
-    if (!options_.held_out_error || found.confirmation.verdict == ConfirmationVerdict::kRefuted) {
-      return std::nullopt;
-    }
+    if (found.confirmation.verdict == ConfirmationVerdict::kRefuted) return std::nullopt;
+    return RaisesWhole(without);
+  }
+
+  // Everything that the joint is part of may lose by what helps the joint alone.
+  std::optional<Refusal> RaisesWhole(const actuator::JointModel& without) const {
+    if (!options_.held_out_error) return std::nullopt;
     const double whole =
         options_.held_out_error(corrected_.model) / options_.held_out_error(without);
     if (whole > Limit(rules::kRaises)) return RefusedBy(rules::kRaises, whole);
@@ -355,8 +368,8 @@ class Correction {
   Design& held_out_;
   const Likelihood& whitened_;
   const FitResult& searched_;
-  bool second_ = false;                      // what was found first is refuted
-  std::optional<std::vector<Facts>> facts_;  // of the set's members
+  bool second_ = false;       // what was found first is refuted
+  std::vector<Facts> facts_;  // of the set's members
   const LikelihoodFit& base_;
   const Problem& problem_;
   SetAssessment assessed_;

@@ -83,17 +83,26 @@ double GivingLength(const effects::JointConstants& constants) {
 
 namespace {
 
+// Spreads of a uniform within half a period either way: 1.72; of a normal one that is no accident.
+constexpr double kMostUniform = 1.75, kMostNormal = 3.0;
+
 // Nuisances as they are put together.
 struct Collected {
+  const std::vector<std::string>& left_out;
   std::vector<std::string> names;
   std::vector<Eigen::VectorXd> columns;
-  std::vector<double> spread;
+  std::vector<double> spread, most;
 
-  void Add(std::string name, Eigen::VectorXd column, double own) {
+  bool LeavesOut(const std::string& name) const {
+    return std::find(left_out.begin(), left_out.end(), name) != left_out.end();
+  }
+  void Add(std::string name, Eigen::VectorXd column, double own, double own_most = kMostNormal) {
     if (!(own > 0.0) || !column.allFinite() || !(column.squaredNorm() > 0.0)) return;
+    if (LeavesOut(name)) return;
     names.push_back(std::move(name));
     columns.push_back(std::move(column));
     spread.push_back(own);
+    most.push_back(own_most);
   }
 };
 
@@ -127,9 +136,6 @@ class OfMachine {
                kFrictionDrift * size_.friction);
     }
     AddBristles(out);
-    AddLowPass(out);
-    out->Add("jerk", Of([](const effects::JointSample& x) { return x.jerk_rad_s3; }),
-             kJerk_s * size_.inertia);
     const Eigen::VectorXd v = Of([](const effects::JointSample& x) { return x.velocity_rad_s; });
     if (size_.quick > 0.0) {
       out->Add("bent viscous", v.cwiseProduct(v.cwiseAbs()) / size_.quick, kBent * size_.viscous);
@@ -138,8 +144,10 @@ class OfMachine {
       out->Add("mesh", side.cwiseProduct(drive.cwiseAbs()),
                std::max(kMesh, kMeshFriction * size_.friction / size_.drive_peak));
     }
-    out->Add("tilt", Of([](const effects::JointSample& x) { return std::sin(x.position_rad); }),
-             kTilt_rad * size_.gravity);
+    if (model_.kind == types::JointKind::kRotary) {
+      out->Add("tilt", Of([](const effects::JointSample& x) { return std::sin(x.position_rad); }),
+               kTilt_rad * size_.gravity);
+    }
   }
 
  private:
@@ -147,8 +155,6 @@ class OfMachine {
   static constexpr double kFrictionDrift = 0.01;           // of the dry friction
   static constexpr double kBristles[] = {0.0005, 0.0015};  // of the stroke
   static constexpr double kBristleFriction = 0.5;          // of the dry friction
-  static constexpr double kNarrower = 0.6, kNarrowerShare = 0.3;
-  static constexpr double kJerk_s = 0.5e-3;
   static constexpr double kBent = 0.02;
   static constexpr double kMesh = 0.003, kMeshFriction = 0.03;
   static constexpr double kTilt_rad = 4e-3;
@@ -179,26 +185,9 @@ class OfMachine {
     for (const double share : kBristles) {
       const std::vector<double> psi = {share * stroke};
       if (!(psi.front() > 0.0)) continue;
-      out->Add("bristles", -design_.Columns(*effect, psi).col(0)(used_.rows),
+      out->Add(share == kBristles[0] ? "short bristles" : "bristles",
+               -design_.Columns(*effect, psi).col(0)(used_.rows),
                kBristleFriction * size_.friction);
-    }
-  }
-
-  // What the low-pass of the angles, and a narrower one, take from the acceleration.
-  void AddLowPass(Collected* out) const {
-    const identify::ProcessingOptions& options = design_.options();
-    for (const auto& [factor, share] :
-         {std::pair{1.0, 1.0}, std::pair{kNarrower, kNarrowerShare}}) {
-      std::vector<Eigen::VectorXd> cut;
-      for (const identify::StateSegment& segment : design_.states().segments) {
-        Eigen::VectorXd a(segment.size());
-        for (Eigen::Index i = 0; i < a.size(); ++i) {
-          a[i] = segment.samples[static_cast<std::size_t>(i)].acceleration_rad_s2;
-        }
-        cut.push_back(a - identify::Smooth(a, options.state_order, factor * options.state_cutoff_Hz,
-                                           1.0 / segment.period_s));
-      }
-      out->Add("low-pass", design_.ThroughFilter(cut)(used_.rows), share * size_.inertia);
     }
   }
 
@@ -214,12 +203,10 @@ class OfMachine {
 Nuisances MakeNuisances(const identify::Design& design, const Likelihood& likelihood,
                         const actuator::JointModel& model) {
   const UsedRows& used = likelihood.used;
-  const std::vector<std::string>& left_out = likelihood.no_nuisance;
   Nuisances out;
-  Collected found;
+  Collected found{likelihood.no_nuisance, {}, {}, {}, {}};
   for (const auto& [name, balance] : effects::EffectForms()) {
     if (balance != model.balance || model.Find(name, balance) >= 0) continue;
-    if (std::find(left_out.begin(), left_out.end(), name) != left_out.end()) continue;
     const auto effect = effects::MakeEffect(name, model.constants, balance);
     const EffectInfo& info = effect->info();
     if (info.smallest == Smallest::kAny || info.linear.size() != 1 || !Provides(design, info)) {
@@ -234,16 +221,16 @@ Nuisances MakeNuisances(const identify::Design& design, const Likelihood& likeli
       if (!(psi.front() > 0.0)) continue;
     }
     const Eigen::VectorXd column = -design.Columns(*effect, psi).col(0)(used.rows);
-    found.Add(name, column, Spread(design, model, likelihood.engine, info, column));
+    found.Add(name, column, Spread(design, model, likelihood.engine, info, column), kMostUniform);
   }
   if (likelihood.engine == Engine::kEvidence && model.balance == effects::Balance::kMotion &&
       !design.held()) {
     OfMachine(design, used, model).AddTo(&found);
   }
-  const bool refit = model.balance == effects::Balance::kMotion &&
-                     std::find(left_out.begin(), left_out.end(), kRigidBodies) == left_out.end();
+  const bool refit = model.balance == effects::Balance::kMotion && !found.LeavesOut(kRigidBodies);
   const identify::StateSet& states = design.states();
   out.names = found.names;
+  out.most = found.most;
   const auto count = static_cast<Eigen::Index>(found.columns.size());
   const Eigen::Index rigid = refit ? states.rigid_spread.size() : 0;
   out.columns.resize(used.size(), count + rigid);

@@ -17,9 +17,11 @@ namespace sinew::trace {
 struct Likelihood;  // whitened_fit.h
 
 struct Nuisances {
-  Eigen::MatrixXd columns;         // used rows, with the sign of a balance's columns
-  Eigen::VectorXd mean, spread;    // prior of each coefficient; spread 0: flat
-  std::vector<std::string> names;  // of the first columns; those behind are of the rigid bodies
+  Eigen::MatrixXd columns;       // used rows, with the sign of a balance's columns
+  Eigen::VectorXd mean, spread;  // prior of each coefficient; spread 0: flat
+  // The first columns have them; those behind are of the rigid bodies.
+  std::vector<std::string> names;
+  std::vector<double> most;  // spreads beyond which it is no small imperfection any more
 };
 
 // Declared friction that only knows the direction of motion, Nm or N; 0 without.

@@ -43,15 +43,6 @@ Eigen::VectorXd WithoutEvent(const identify::Design& design, const Likelihood& l
   return identify::LeftBy(part, residual);
 }
 
-void Learn(const identify::Design& design, const Eigen::Ref<const Eigen::VectorXd>& residual,
-           int longest_order, Likelihood* likelihood) {
-  if (likelihood->engine == Engine::kEvidence) {
-    SetNoiseByRecording(design, residual, likelihood);
-  } else {
-    SetNoise(residual, ScaleWindow(design), longest_order, likelihood);
-  }
-}
-
 // Leaves out the rows that lie far outside of what the richest model leaves, and learns the noise
 // of the others.
 void LeaveOutliers(const identify::Design& design, const Eigen::VectorXd& rest,
@@ -66,10 +57,19 @@ void LeaveOutliers(const identify::Design& design, const Eigen::VectorXd& rest,
   }
   likelihood->used = Without(design, likelihood->used, marked, kFewestRowsPerBlock);
   const Eigen::VectorXd clean = rest(kept);
-  Learn(design, clean, LongestOrder(design), likelihood);
+  LearnNoise(design, clean, effects::Balance::kMotion, likelihood);
 }
 
 }  // namespace
+
+void LearnNoise(const identify::Design& design, const Eigen::Ref<const Eigen::VectorXd>& residual,
+                effects::Balance balance, Likelihood* likelihood) {
+  if (likelihood->engine == Engine::kEvidence && balance == effects::Balance::kMotion) {
+    SetNoiseByRecording(design, residual, likelihood);
+  } else {
+    SetNoise(residual, ScaleWindow(design), LongestOrder(design), likelihood);
+  }
+}
 
 int LongestOrder(const identify::Design& design) {
   return static_cast<int>(std::clamp(std::ceil(2.0 * RowsPerPeriod(design)), 6.0, 40.0));
@@ -199,18 +199,19 @@ LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::Joint
   }
   if (likelihood.event) SetClocksBy(*likelihood.event, likelihood.event->start_s, design);
 
-  const int longest = LongestOrder(*design);
   for (int pass = 0; pass < 2; ++pass) {
+    likelihood.no_nuisance.clear();
     likelihood.no_nuisance = ImplausibleNuisances(*design, likelihood, declared);
     out.fit = FitWhitened(*design, likelihood, declared);
     if (pass == 0) {
       const Eigen::VectorXd residual = LeftOver(out.fit, likelihood.used);
-      Learn(*design, WithoutEvent(*design, likelihood, residual), longest, &likelihood);
+      LearnNoise(*design, WithoutEvent(*design, likelihood, residual), declared.balance,
+                 &likelihood);
     }
     const Problem problem = MakeProblem(*design, likelihood, declared, out.fit);
     const Eigen::VectorXd rest = Richest(problem);
     out.richest_rms = problem.scale * identify::Rms(rest);
-    Learn(*design, rest, longest, &likelihood);
+    LearnNoise(*design, rest, declared.balance, &likelihood);
     if (pass == 0 && declared.balance == effects::Balance::kMotion) {
       LeaveOutliers(*design, rest, &likelihood);
     }
@@ -229,13 +230,13 @@ void CompareBands(identify::Design* other, const actuator::JointModel& declared,
   // By name, at its best shape.
   std::map<std::string, double> best;
   for (std::size_t h = 0; h < there.hypotheses().size(); ++h) {
-    if (!there.hypotheses()[h].from_rates()) continue;
+    if (!there.hypotheses()[h].follows_rates()) continue;
     double& net = best.try_emplace(there.hypotheses()[h].name, 0.0).first->second;
     net = std::max(net, FitSet(there.evidence, there.hypotheses(), {h}).net);
   }
   for (std::size_t h = 0; h < problem->hypotheses().size(); ++h) {
     Hypothesis& here = problem->bank.hypotheses[h];
-    if (!here.from_rates()) continue;
+    if (!here.follows_rates()) continue;
     const double net = FitSet(problem->evidence, problem->hypotheses(), {h}).net;
     here.charge += std::max(0.0, net - best[here.name]);
   }

@@ -37,6 +37,11 @@ inline constexpr int kFewestRowsPerBlock = 20;
 // Rows over which the noise may be coloured: two periods of the angles' low-pass, 6 to 40.
 int LongestOrder(const identify::Design& design);
 
+// The noise by a residual at the used rows and by the likelihood's engine. By evidence one scale a
+// recording; but chambers and encoders are loud where a valve opens or a tooth touches.
+void LearnNoise(const identify::Design& design, const Eigen::Ref<const Eigen::VectorXd>& residual,
+                effects::Balance balance, Likelihood* likelihood);
+
 // What is left with everything in the model, not whitened: noise.
 Eigen::VectorXd Richest(const Problem& problem);
 

@@ -19,9 +19,6 @@ using identify::Balance;
 using identify::ParameterRef;
 using identify::Rms;
 
-// Prior standard deviations of a nuisance: half a period either way is 1.72 of a uniform's.
-constexpr double kImplausible = 1.75;
-
 // Precision that holds a coefficient, as a multiple of what its rows say.
 constexpr double kHeld = 1e12;
 
@@ -63,8 +60,8 @@ Regression MakeRegression(const identify::Design& design, const Likelihood& like
   return out;
 }
 
-// Coefficients of declared terms within their physical range (friction does not drive): one that
-// would leave it is held at its bound.
+// Coefficients within their physical range (friction does not drive): one that would leave it is
+// held at its bound.
 Eigen::VectorXd SolveWithinRange(const Balance& balance, const actuator::JointModel& model,
                                  Regression* regression) {
   const Eigen::Index first = balance.fits_scale ? 1 : 0;
@@ -80,7 +77,7 @@ Eigen::VectorXd SolveWithinRange(const Balance& balance, const actuator::JointMo
       const effects::ParameterInfo& info =
           term.effect->info().linear[static_cast<std::size_t>(ref.linear)];
       char& mark = is_held[static_cast<std::size_t>(i)];
-      if (mark != 0 || !term.declared || info.relative_to_drive) continue;
+      if (mark != 0 || info.relative_to_drive) continue;
       const Range range = RangeOnAnyMachine(info);
       const double bound = std::clamp(scale * b[i], range.lower, range.upper) / scale;
       if (bound == b[i]) continue;
@@ -349,19 +346,27 @@ identify::FitResult RefineWhitened(const identify::Design& design, const Likelih
   return FitWhitened(design, likelihood, at);
 }
 
-std::vector<std::string> ImplausibleNuisances(const identify::Design& design,
-                                              const Likelihood& likelihood,
+std::vector<std::string> ImplausibleNuisances(const identify::Design& design, Likelihood likelihood,
                                               const actuator::JointModel& model) {
   const Balance balance = identify::MakeBalance(design, model, likelihood.keep_scale);
-  const Nuisances nuisances = MakeNuisances(design, likelihood, model);
-  const Eigen::VectorXd b = MakeRegression(design, likelihood, model, balance).Solve();
-  std::vector<std::string> out;
-  for (std::size_t k = 0; k < nuisances.names.size(); ++k) {
-    const auto i = static_cast<Eigen::Index>(k);
-    const double size = b[balance.columns.cols() + i];
-    if (std::abs(size) > kImplausible * nuisances.spread[i]) out.push_back(nuisances.names[k]);
+  std::vector<std::string>& out = likelihood.no_nuisance;
+  // The worst first: others may stand for it.
+  for (;;) {
+    const Nuisances nuisances = MakeNuisances(design, likelihood, model);
+    const Eigen::VectorXd b = MakeRegression(design, likelihood, model, balance).Solve();
+    double worst = 1.0;
+    std::size_t leaves = nuisances.names.size();
+    for (std::size_t k = 0; k < nuisances.names.size(); ++k) {
+      const auto i = static_cast<Eigen::Index>(k);
+      const double times =
+          std::abs(b[balance.columns.cols() + i]) / (nuisances.most[k] * nuisances.spread[i]);
+      if (!(times > worst)) continue;
+      worst = times;
+      leaves = k;
+    }
+    if (leaves == nuisances.names.size()) return out;
+    out.push_back(nuisances.names[leaves]);
   }
-  return out;
 }
 
 }  // namespace sinew::trace

@@ -70,10 +70,9 @@ identify::FitResult FitWhitened(const identify::Design& design, const Likelihood
 identify::FitResult RefineWhitened(const identify::Design& design, const Likelihood& likelihood,
                                    const actuator::JointModel& model);
 
-// Nuisances whose fitted size is no small imperfection any more: what they stand for is asked for
-// as an effect.
-std::vector<std::string> ImplausibleNuisances(const identify::Design& design,
-                                              const Likelihood& likelihood,
+// Nuisances whose fitted size is no small imperfection any more, beside those that the likelihood
+// leaves out: what they stand for is asked for as an effect.
+std::vector<std::string> ImplausibleNuisances(const identify::Design& design, Likelihood likelihood,
                                               const actuator::JointModel& model);
 
 }  // namespace sinew::trace

@@ -1,5 +1,6 @@
 // Elasticity seen as a lag. With a spring k between drive and link and viscous friction B on the
-// other side of it, the rigid balance lacks -(B Jl / k) jerk; a lagging drive gives J T jerk.
+// other side of it, the rigid balance lacks -(B Jl / k) jerk; a lagging drive gives J T jerk. None
+// is negative: a torque that leads is one that was recorded late (transport_delay).
 #include "components/model/effects/define.h"
 
 namespace sinew::effects::elastic_joint {
@@ -13,7 +14,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
       "third-order term of a damped elastic joint: c = B Jl / k, or J T of a lagging drive";
   info.linear = {{.name = "flexibility",
                   .dimension = Dimension::kInertiaTime,
-                  .lower = -100.0,
+                  .lower = 0.0,
                   .upper = 100.0,
                   .default_value = 0.0,
                   .meaning = "torque per jerk; divided by the inertia a time"}};

@@ -26,13 +26,14 @@ class TransportDelay final : public Effect {
     info_.side = Side::kMotor;
     info_.smallest = Smallest::kTenthOfSample;
     info_.follows_record = true;
-    info_.linear = {{.name = "delay",
-                     .dimension = Dimension::kTime,
-                     .lower = -0.1,
-                     .upper = 0.1,
-                     .default_value = 0.0,
-                     .meaning = "the drive acts this much later than recorded",
-                     .relative_to_drive = true}};
+    info_.linear = {
+        {.name = "delay",
+         .dimension = Dimension::kTime,
+         .lower = -0.1,
+         .upper = 0.1,
+         .default_value = 0.0,
+         .meaning = "the drive acts this much later than recorded; negative: the angles do",
+         .relative_to_drive = true}};
     info_.nonlinear = {{.name = "span",
                         .dimension = Dimension::kTime,
                         .lower = -0.1,

@@ -173,49 +173,6 @@ TEST(FromMotion, AMotionThatRestsMostOfTheTimeKeepsRowsOfItsStrokesAlone) {
   EXPECT_GT(used, static_cast<int>(segment.samples.size()) / 12);
 }
 
-// A ramp that the output's encoder sees as a step now and then. The motor's counts are finer by the
-// gear ratio, as long as a tooth carries.
-TEST(Processing, SlowMotionIsThatOfTheMotorsEncoderWhereATeethCarries) {
-  actuator::JointModel model = SyntheticModel();
-  model.backlash_rad = 0.04;
-  model.constants.gear_ratio = 200.0;
-  constexpr double kSlow_rad_s = 0.012, kStart_s = 30.0, kApart_s = 45.0;
-  types::Run run = SyntheticRun(model, {.motor_position = true});
-  const double count_rad = 2.0 * M_PI / 4096.0;
-  const auto rounded = [&](double angle) { return count_rad * std::round(angle / count_rad); };
-  Eigen::VectorXd& output = run.signals[types::Signal::kPosition];
-  Eigen::VectorXd& motor = run.signals[types::Signal::kMotorPosition];
-  double from = 0.0;
-  for (Eigen::Index i = 0; i < run.size(); ++i) {
-    const double t = run.time_s[i];
-    if (t < kStart_s) from = output[i];
-    const double q = t < kStart_s ? output[i] : from + kSlow_rad_s * (t - kStart_s);
-    // In the middle of the play at the end.
-    const double gap = 0.02 * (1.0 - std::clamp((t - kApart_s) / 0.5, 0.0, 1.0));
-    output[i] = rounded(q);
-    motor[i] = rounded(model.constants.gear_ratio * (q + gap));
-  }
-  ProcessingOptions options = FromMotion({run}, model, 0.25);
-  options.carried_rest_velocity = CarriedRestVelocity({run}, model, options);
-  EXPECT_LT(options.carried_rest_velocity, 0.5 * kSlow_rad_s);
-  EXPECT_GT(options.rest_velocity, kSlow_rad_s);
-  EXPECT_GT(options.doubtful_velocity, 2.0 * kSlow_rad_s);
-  const StateSegment with = MakeStates({run}, model, options).segments[0];
-  run.signals.erase(types::Signal::kMotorPosition);
-  const StateSegment without = MakeStates({run}, model, options).segments[0];
-  for (std::size_t i = 0; i < with.samples.size(); ++i) {
-    const double t = with.samples[i].time_s;
-    if (t > kStart_s + 2.0 && t < kApart_s - 2.0) {
-      EXPECT_TRUE(with.usable[i]) << t;
-      EXPECT_NEAR(with.samples[i].velocity_rad_s, kSlow_rad_s, 0.3 * kSlow_rad_s) << t;
-      EXPECT_FALSE(without.usable[i]) << t;
-    }
-    if (t > kApart_s + 2.0) {
-      EXPECT_FALSE(with.usable[i]) << t;
-    }
-  }
-}
-
 TEST(Processing, AnUnloadedLoadCellIsReplacedByItsMean) {
   const actuator::JointModel model = SyntheticModel();
   types::Run run = SyntheticRun(model, {});

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "components/model/trace/curves.h"
 #include "tests/components/model/identify/synthetic.h"
 
 namespace sinew::trace {
@@ -98,6 +99,33 @@ TEST(Candidates, ASlidingLengthOfAFewCountsIsNone) {
   EXPECT_LT(undeclared, shortest());
   model.constants.encoder_counts_per_turn = 1e6;
   EXPECT_DOUBLE_EQ(shortest(), undeclared);
+}
+
+// Whatever else was not the same in two recordings would be called temperature.
+TEST(Candidates, ATemperaturePerRecordingNeedsOneThatComesTwice) {
+  const actuator::JointModel model = SyntheticModel();
+  const auto testable = [&](const std::vector<double>& temperatures_degC, double warms_degC) {
+    std::vector<types::Run> runs;
+    for (const double at : temperatures_degC) {
+      types::Run& run = runs.emplace_back(SyntheticRun(model, {.duration_s = 10.0}));
+      run.signals[types::Signal::kTemperature] =
+          Eigen::VectorXd::LinSpaced(run.size(), at, at + warms_degC);
+    }
+    const auto design = MakeDesign(runs, model);
+    const CandidateSet set = MakeCandidates(design, model);
+    EXPECT_NE(Has(set, "temperature_friction"), Missing(set, "temperature_friction"));
+    const std::vector<Curve> curves = FreeCurves(design);
+    const bool curve = std::any_of(curves.begin(), curves.end(), [](const Curve& each) {
+      return each.variable == "temperature_degC";
+    });
+    EXPECT_TRUE(curve ? Has(set, "temperature_friction") : true);
+    return Has(set, "temperature_friction");
+  };
+  EXPECT_FALSE(testable({20.0, 25.0}, 0.5));
+  EXPECT_FALSE(testable({20.0, 22.5, 25.0}, 0.5));
+  EXPECT_TRUE(testable({20.0, 25.0}, 4.0)) << "it warms up";
+  EXPECT_TRUE(testable({20.0, 25.0, 20.2}, 0.5)) << "one comes twice";
+  EXPECT_TRUE(testable({20.0, 21.0, 22.0, 23.0, 24.0, 25.0}, 0.1)) << "a study of six";
 }
 
 TEST(Candidates, LinearJointsHaveNoAngles) {

@@ -1,4 +1,4 @@
-// The engine by evidence: facts of a member, the score, and what becomes part of the model.
+// Facts of a member, the score, and what becomes part of the model.
 #include "components/model/trace/facts.h"
 
 #include <gtest/gtest.h>
@@ -45,7 +45,7 @@ TEST(Facts, TheScoreFallsWithEveryFactThatSpeaksAgainstAName) {
   other = facts;
   other.dynamic = true;
   EXPECT_LT(other.Score(), rules::kScore.limit);
-  // A slope that says nothing names nothing, but of what began at an instant none is asked.
+  // A slope that says nothing names nothing.
   other = facts;
   other.error = 1.0;
   EXPECT_FALSE(other.Assessed());
@@ -53,9 +53,12 @@ TEST(Facts, TheScoreFallsWithEveryFactThatSpeaksAgainstAName) {
   EXPECT_GT(other.Score(), rules::kOpen.limit);
   other.slope.reset();
   EXPECT_LT(other.Score(), rules::kScore.limit);
-  other.event = true;
-  EXPECT_GT(other.Score(), rules::kScore.limit);
-  EXPECT_LT(other.Score(), facts.Score());
+  // What began at an instant is confirmed where it is found again.
+  other.SetSlope({ConfirmationVerdict::kNotConfirmed, 1.0, 0.9, 1.1, 10});
+  EXPECT_TRUE(other.Assessed());
+  EXPECT_NEAR(other.Score(), facts.Score(), 1e-12);
+  other.SetSlope({});
+  EXPECT_FALSE(other.slope);
 }
 
 TEST(Facts, AnEffectThatTheHeldOutRecordingHoldsIsPartOfTheModel) {
