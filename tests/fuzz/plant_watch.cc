@@ -278,8 +278,8 @@ void PlantWatch::AssessTorque(std::size_t j, int bus, const can::Frame& frame) {
   const double speed_rad_s = c.direction * kTurn_rad * joint.velocity_rev_s / c.gear_ratio;
   const double forward_rad_s = up ? speed_rad_s : -speed_rad_s;
   const auto allowed_Nm = [&](bool valid_only) {
-    const double taper = (Fastest(j, up, valid_only, forward_rad_s) - forward_rad_s) /
-                         (kTaper * Fastest(j, up, valid_only, forward_rad_s));
+    const double fastest_rad_s = Fastest(j, up, valid_only, forward_rad_s);
+    const double taper = (fastest_rad_s - forward_rad_s) / (kTaper * fastest_rad_s);
     return taper > 0.0 && std::isfinite(taper)
                ? c.direction * held_Nm * std::min(taper, 1.0) * c.controller_torque_constant_Nm_A /
                      c.torque_constant_Nm_A

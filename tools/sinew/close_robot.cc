@@ -297,6 +297,8 @@ CloseRobotResult CloseRobot(const CloseLoopOptions& options, std::vector<int> jo
           identify::ReadProcessing(input.model.root, robot.joints[0].kind);
       if (rotates) folds = LeaveOneOut(*arm, robot, wished, train);
       out.arm = arm::FitArm(*arm, robot, wished, &train, &held_out);
+      out.arm->load = arm::AbsorbedLoad(*arm, out.arm->before);
+      if (!rotates) out.arm->held_out_load = arm::LoadHeldOut(*arm, robot, *out.arm, held_out);
       robot = out.arm->before.robot;
     }
   } catch (const std::invalid_argument& error) {

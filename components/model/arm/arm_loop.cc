@@ -7,27 +7,6 @@
 
 namespace sinew::arm {
 
-namespace {
-
-Eigen::VectorXd BaseOf(const Arm& arm, const ArmFit& fit) { return arm.base().Of(fit.phi); }
-
-// None as well where the held-out recordings are too short for a fit of their own.
-std::optional<LoadOnLink> LoadHeldOut(const Arm& arm, const actuator::RobotModel& robot,
-                                      const ArmLoop& loop, const ArmRuns& held_out) {
-  try {
-    const ArmFit there = arm.Fit(held_out, robot, loop.processing);
-    const Eigen::MatrixXd both = loop.before.information + there.information;
-    // The covariances of both add up.
-    return FindLoad(
-        arm.dynamics(), arm.base(), BaseOf(arm, there) - BaseOf(arm, loop.before),
-        loop.before.information * both.completeOrthogonalDecomposition().solve(there.information));
-  } catch (const std::invalid_argument&) {
-    return std::nullopt;
-  }
-}
-
-}  // namespace
-
 ArmLoop FitArm(const Arm& arm, const actuator::RobotModel& robot,
                const identify::ProcessingOptions& wished, ArmRuns* train, ArmRuns* held_out) {
   ArmLoop loop;
@@ -36,10 +15,6 @@ ArmLoop FitArm(const Arm& arm, const actuator::RobotModel& robot,
   loop.held_out_nominal = arm.ErrorOf(*held_out, robot, arm.dynamics().nominal(), loop.processing);
   loop.held_out_before =
       arm.ErrorOf(*held_out, loop.before.robot, loop.before.phi, loop.processing);
-  loop.load = FindLoad(arm.dynamics(), arm.base(),
-                       BaseOf(arm, loop.before) - arm.base().Of(arm.dynamics().nominal()),
-                       loop.before.information);
-  loop.held_out_load = LoadHeldOut(arm, robot, loop, *held_out);
   const Eigen::VectorXd inertia = arm.Inertia(loop.before.phi, *train, robot, loop.processing);
   std::vector<identify::ProcessingOptions> of_joint;
   for (std::size_t j = 0; j < robot.joints.size(); ++j) {
@@ -51,6 +26,26 @@ ArmLoop FitArm(const Arm& arm, const actuator::RobotModel& robot,
   arm.AddRigidTorque(loop.before, of_joint, robot, train);
   arm.AddRigidTorque(loop.before, of_joint, robot, held_out);
   return loop;
+}
+
+std::optional<LoadOnLink> AbsorbedLoad(const Arm& arm, const ArmFit& fit) {
+  return FindLoad(arm.dynamics(), arm.base(),
+                  arm.base().Of(fit.phi) - arm.base().Of(arm.dynamics().nominal()),
+                  fit.information);
+}
+
+std::optional<LoadOnLink> LoadHeldOut(const Arm& arm, const actuator::RobotModel& robot,
+                                      const ArmLoop& loop, const ArmRuns& held_out) {
+  try {
+    const ArmFit there = arm.Fit(held_out, robot, loop.processing);
+    const Eigen::MatrixXd both = loop.before.information + there.information;
+    // The covariances of both add up.
+    return FindLoad(
+        arm.dynamics(), arm.base(), arm.base().Of(there.phi) - arm.base().Of(loop.before.phi),
+        loop.before.information * both.completeOrthogonalDecomposition().solve(there.information));
+  } catch (const std::invalid_argument&) {
+    return std::nullopt;
+  }
 }
 
 ArmError Pooled(const std::vector<ArmError>& errors, const std::vector<double>& rows) {

@@ -16,8 +16,7 @@ struct ArmLoop {
   ArmFit before;                           // declared friction
   ArmFit after;                            // with the effects that were found
   ArmError held_out_nominal, held_out_before, held_out_after;
-  std::optional<LoadOnLink> load;           // that the refit of the bodies absorbed
-  std::optional<LoadOnLink> held_out_load;  // that the held-out recordings have beside those
+  std::optional<LoadOnLink> load, held_out_load;  // AbsorbedLoad, LoadHeldOut
 };
 
 // First half: the joint fit; train and held-out get the rigid torque of each joint, and the model
@@ -25,6 +24,14 @@ struct ArmLoop {
 // the first joint.
 ArmLoop FitArm(const Arm& arm, const actuator::RobotModel& robot,
                const identify::ProcessingOptions& wished, ArmRuns* train, ArmRuns* held_out);
+
+// The mass that the refit of the bodies absorbed.
+std::optional<LoadOnLink> AbsorbedLoad(const Arm& arm, const ArmFit& fit);
+
+// The mass that the held-out recordings have beside those of loop.before; robot as declared. None
+// as well where they are too short for a fit of their own.
+std::optional<LoadOnLink> LoadHeldOut(const Arm& arm, const actuator::RobotModel& robot,
+                                      const ArmLoop& loop, const ArmRuns& held_out);
 
 // Mean of the squares of errors on recordings, each weighted by its rows. Throws
 // std::invalid_argument unless there is a weight for each.

@@ -40,19 +40,12 @@ struct Misfit : Eigen::DenseFunctor<double> {
   const Eigen::VectorXd& target;
 };
 
-// How the base parameters follow the ten of link k.
-Eigen::MatrixXd OfLink(const BaseParameters& base, int k) {
-  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(base.K.rows(), kParametersPerBody);
-  const auto column = [&](const std::vector<int>& parameters, const auto& of) {
-    for (std::size_t i = 0; i < parameters.size(); ++i) {
-      const int own = parameters[i] - kParametersPerBody * k;
-      if (own >= 0 && own < kParametersPerBody) out.col(own) = of(static_cast<Eigen::Index>(i));
-    }
-  };
-  column(base.independent, [&](Eigen::Index i) -> Eigen::VectorXd {
-    return Eigen::VectorXd::Unit(base.K.rows(), i);
-  });
-  column(base.dependent, [&](Eigen::Index i) -> Eigen::VectorXd { return base.K.col(i); });
+// How the base parameters follow the ten of link k (BaseParameters::Of is linear).
+Eigen::MatrixXd OfLink(const ArmDynamics& dynamics, const BaseParameters& base, int k) {
+  Eigen::MatrixXd out(base.K.rows(), kParametersPerBody);
+  for (int i = 0; i < kParametersPerBody; ++i) {
+    out.col(i) = base.Of(Eigen::VectorXd::Unit(dynamics.parameters(), kParametersPerBody * k + i));
+  }
   return out;
 }
 
@@ -67,10 +60,10 @@ std::optional<LoadOnLink> FindLoad(const ArmDynamics& dynamics, const BaseParame
   const Eigen::VectorXd target = root * change;
   std::optional<LoadOnLink> best;
   for (int k = 0; k < dynamics.joints(); ++k) {
-    const Eigen::MatrixXd weighted = root * OfLink(base, k);
+    const Eigen::MatrixXd weighted = root * OfLink(dynamics, base, k);
     Eigen::NumericalDiff<Misfit> misfit(Misfit(weighted, target));
     // From the mass and its moments alone, which are linear.
-    Eigen::MatrixXd linear = weighted.leftCols(4);
+    const Eigen::MatrixXd linear = weighted.leftCols(4);
     Eigen::MatrixXd normal = linear.transpose() * linear;
     normal(0, 0) += 1.0 / (kAnyMass_kg * kAnyMass_kg);
     normal.diagonal().array() += 1e-12 * normal.trace();

@@ -25,7 +25,7 @@ struct Facts {
   // Fewer standard errors than these a slope of one says nothing.
   bool Assessed() const { return slope && error < 1.0 / kLeastExpected; }
   double Score() const;
-  // As confirmed otherwise.
+  // The slope and its error of a confirmation.
   void SetSlope(const Confirmation& confirmation);
 
   static constexpr double kLeastExpected = 2.5;

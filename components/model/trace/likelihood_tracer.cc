@@ -290,19 +290,13 @@ class Correction {
       said = {ConfirmationVerdict::kNotConfirmed, *facts.slope, *facts.slope - half,
               *facts.slope + half, std::max(1, said.blocks)};
     }
-    const double rise = Rise(*found);
-    if (!Drivable(found->held_out_after)) {
+    const bool named = *found->score >= Limit(rules::kScore);
+    std::optional<Refusal> refusal = Worsens(*found);
+    if (!refusal && named) refusal = RaisesWhole(without);
+    if (refusal) {
       said.verdict = ConfirmationVerdict::kRefuted;
-      found->refusal = RefusedBy(rules::kBeyondDrive, BeyondDrive());
-    } else if (rise > Limit(rules::kRaises)) {
-      said.verdict = ConfirmationVerdict::kRefuted;
-      found->refusal = RefusedBy(rules::kRaises, rise);
-    } else if (*found->score >= Limit(rules::kScore)) {
-      if (std::optional<Refusal> refusal = RaisesWhole(without)) {
-        said.verdict = ConfirmationVerdict::kRefuted;
-        found->refusal = std::move(*refusal);
-        return;
-      }
+      found->refusal = std::move(*refusal);
+    } else if (named) {
       said.verdict = ConfirmationVerdict::kConfirmed;
     } else {
       said.verdict = ConfirmationVerdict::kNotConfirmed;
@@ -323,13 +317,19 @@ class Correction {
   // The rule beside the held-out slope that decides against member k.
   std::optional<Refusal> Refute(std::size_t k, const actuator::JointModel& without,
                                 const FoundEffect& found) const {
-    if (!Drivable(found.held_out_after)) return RefusedBy(rules::kBeyondDrive, BeyondDrive());
-    const double rise = Rise(found);
-    if (rise > Limit(rules::kRaises)) return RefusedBy(rules::kRaises, rise);
+    if (std::optional<Refusal> refusal = Worsens(found)) return refusal;
     const double size = std::min(SizeOverInterval(corrected_, k), SizeOverInterval(chosen_, k));
     if (!(size > Limit(rules::kInterval))) return RefusedBy(rules::kInterval, size);
     if (found.confirmation.verdict == ConfirmationVerdict::kRefuted) return std::nullopt;
     return RaisesWhole(without);
+  }
+
+  // What the drive cannot give, and what raises the held-out error.
+  std::optional<Refusal> Worsens(const FoundEffect& found) const {
+    if (!Drivable(found.held_out_after)) return RefusedBy(rules::kBeyondDrive, BeyondDrive());
+    const double rise = Rise(found);
+    if (rise > Limit(rules::kRaises)) return RefusedBy(rules::kRaises, rise);
+    return std::nullopt;
   }
 
   // Everything that the joint is part of may lose by what helps the joint alone.

@@ -151,10 +151,12 @@ class OfMachine {
   }
 
  private:
-  static constexpr double kLevel = 0.0012;                 // of the drive's rms
-  static constexpr double kFrictionDrift = 0.01;           // of the dry friction
-  static constexpr double kBristles[] = {0.0005, 0.0015};  // of the stroke
-  static constexpr double kBristleFriction = 0.5;          // of the dry friction
+  static constexpr double kLevel = 0.0012;        // of the drive's rms
+  static constexpr double kFrictionDrift = 0.01;  // of the dry friction
+  // Lengths, share of the stroke.
+  static constexpr std::pair<const char*, double> kBristles[] = {{"short bristles", 0.0005},
+                                                                 {"bristles", 0.0015}};
+  static constexpr double kBristleFriction = 0.5;  // of the dry friction
   static constexpr double kBent = 0.02;
   static constexpr double kMesh = 0.003, kMeshFriction = 0.03;
   static constexpr double kTilt_rad = 4e-3;
@@ -182,11 +184,10 @@ class OfMachine {
     const Eigen::VectorXd q = Of([](const effects::JointSample& x) { return x.position_rad; });
     const double stroke = q.size() > 0 ? q.maxCoeff() - q.minCoeff() : 0.0;
     const auto effect = effects::MakeEffect("presliding", model_.constants);
-    for (const double share : kBristles) {
+    for (const auto& [name, share] : kBristles) {
       const std::vector<double> psi = {share * stroke};
       if (!(psi.front() > 0.0)) continue;
-      out->Add(share == kBristles[0] ? "short bristles" : "bristles",
-               -design_.Columns(*effect, psi).col(0)(used_.rows),
+      out->Add(name, -design_.Columns(*effect, psi).col(0)(used_.rows),
                kBristleFriction * size_.friction);
     }
   }
@@ -207,6 +208,7 @@ Nuisances MakeNuisances(const identify::Design& design, const Likelihood& likeli
   Collected found{likelihood.no_nuisance, {}, {}, {}, {}};
   for (const auto& [name, balance] : effects::EffectForms()) {
     if (balance != model.balance || model.Find(name, balance) >= 0) continue;
+    if (found.LeavesOut(name)) continue;
     const auto effect = effects::MakeEffect(name, model.constants, balance);
     const EffectInfo& info = effect->info();
     if (info.smallest == Smallest::kAny || info.linear.size() != 1 || !Provides(design, info)) {

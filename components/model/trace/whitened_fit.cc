@@ -41,6 +41,10 @@ struct Regression {
   Eigen::VectorXd Solve() const {
     return prior.mean + Hessian().ldlt().solve(X.transpose() * (y - X * prior.mean));
   }
+  void Hold(Eigen::Index i, double value) {
+    prior.mean[i] = value;
+    prior.precision[i] = kHeld * std::max(1e-300, X.col(i).squaredNorm());
+  }
   double Misfit(const Eigen::VectorXd& b) const {
     return (y - X * b).squaredNorm() +
            (prior.precision.array() * (b - prior.mean).array().square()).sum();
@@ -81,8 +85,7 @@ Eigen::VectorXd SolveWithinRange(const Balance& balance, const actuator::JointMo
       const Range range = RangeOnAnyMachine(info);
       const double bound = std::clamp(scale * b[i], range.lower, range.upper) / scale;
       if (bound == b[i]) continue;
-      regression->prior.mean[i] = bound;
-      regression->prior.precision[i] = kHeld * std::max(1e-300, regression->X.col(i).squaredNorm());
+      regression->Hold(i, bound);
       mark = 1;
       held = true;
     }
@@ -346,26 +349,29 @@ identify::FitResult RefineWhitened(const identify::Design& design, const Likelih
   return FitWhitened(design, likelihood, at);
 }
 
-std::vector<std::string> ImplausibleNuisances(const identify::Design& design, Likelihood likelihood,
+std::vector<std::string> ImplausibleNuisances(const identify::Design& design,
+                                              const Likelihood& likelihood,
                                               const actuator::JointModel& model) {
   const Balance balance = identify::MakeBalance(design, model, likelihood.keep_scale);
-  std::vector<std::string>& out = likelihood.no_nuisance;
-  // The worst first: others may stand for it.
+  const Nuisances nuisances = MakeNuisances(design, likelihood, model);
+  Regression regression = MakeRegression(design, likelihood, model, balance);
+  const Eigen::Index first = balance.columns.cols();
+  std::vector<std::string> out = likelihood.no_nuisance;
+  // The worst first: others may stand for it. What leaves is held at nothing.
   for (;;) {
-    const Nuisances nuisances = MakeNuisances(design, likelihood, model);
-    const Eigen::VectorXd b = MakeRegression(design, likelihood, model, balance).Solve();
+    const Eigen::VectorXd b = regression.Solve();
     double worst = 1.0;
     std::size_t leaves = nuisances.names.size();
     for (std::size_t k = 0; k < nuisances.names.size(); ++k) {
       const auto i = static_cast<Eigen::Index>(k);
-      const double times =
-          std::abs(b[balance.columns.cols() + i]) / (nuisances.most[k] * nuisances.spread[i]);
+      const double times = std::abs(b[first + i]) / (nuisances.most[k] * nuisances.spread[i]);
       if (!(times > worst)) continue;
       worst = times;
       leaves = k;
     }
     if (leaves == nuisances.names.size()) return out;
     out.push_back(nuisances.names[leaves]);
+    regression.Hold(first + static_cast<Eigen::Index>(leaves), 0.0);
   }
 }
 

@@ -72,7 +72,8 @@ identify::FitResult RefineWhitened(const identify::Design& design, const Likelih
 
 // Nuisances whose fitted size is no small imperfection any more, beside those that the likelihood
 // leaves out: what they stand for is asked for as an effect.
-std::vector<std::string> ImplausibleNuisances(const identify::Design& design, Likelihood likelihood,
+std::vector<std::string> ImplausibleNuisances(const identify::Design& design,
+                                              const Likelihood& likelihood,
                                               const actuator::JointModel& model);
 
 }  // namespace sinew::trace

@@ -1,5 +1,5 @@
 // Delay between the recorded drive input and its torque: T > 0 when the drive acts late, T < 0 when
-// the angles beside it are late.
+// it is recorded late.
 //
 // What is missing is K (I(t - T) - I(t)) = -T K times the mean of dI/dt over the last T. To first
 // order that is dI/dt itself; where the drive reverses within T (dry friction) it is not. The delay
@@ -32,7 +32,7 @@ class TransportDelay final : public Effect {
          .lower = -0.1,
          .upper = 0.1,
          .default_value = 0.0,
-         .meaning = "the drive acts this much later than recorded; negative: the angles do",
+         .meaning = "the drive acts this much later than recorded; negative: it is recorded late",
          .relative_to_drive = true}};
     info_.nonlinear = {{.name = "span",
                         .dimension = Dimension::kTime,

@@ -188,11 +188,19 @@ Chain Loaded() {
   return chain;
 }
 
+ArmLoop WithLoads(const Arm& arm, const actuator::RobotModel& robot, ArmRuns* train,
+                  ArmRuns* held_out) {
+  ArmLoop loop = FitArm(arm, robot, Options(), train, held_out);
+  loop.load = AbsorbedLoad(arm, loop.before);
+  loop.held_out_load = LoadHeldOut(arm, robot, loop, *held_out);
+  return loop;
+}
+
 TEST(ArmLoad, AMassThatTheRefitAbsorbedIsNamedWithItsLink) {
   const actuator::RobotModel robot = Model(0.1, 0.1);
   ArmRuns train = Recorded(40.0, 1, Loaded()), held_out = Recorded(40.0, 2, Loaded());
   const Arm arm(Revolute(1.0), robot);
-  const ArmLoop loop = FitArm(arm, robot, Options(), &train, &held_out);
+  const ArmLoop loop = WithLoads(arm, robot, &train, &held_out);
   ASSERT_TRUE(loop.load);
   EXPECT_EQ(loop.load->link, "last_link");
   EXPECT_NEAR(loop.load->mass_kg, 0.6, std::max(0.03, loop.load->half_width_95));
@@ -205,7 +213,7 @@ TEST(ArmLoad, AMassOfTheHeldOutRecordingsAloneIsReported) {
   const actuator::RobotModel robot = Model(0.1, 0.1);
   ArmRuns train = Recorded(40.0, 1), held_out = Recorded(40.0, 2, Loaded());
   const Arm arm(Revolute(1.0), robot);
-  const ArmLoop loop = FitArm(arm, robot, Options(), &train, &held_out);
+  const ArmLoop loop = WithLoads(arm, robot, &train, &held_out);
   EXPECT_FALSE(loop.load) << loop.load->link << ' ' << loop.load->mass_kg;
   ASSERT_TRUE(loop.held_out_load);
   EXPECT_EQ(loop.held_out_load->link, "last_link");
@@ -221,7 +229,7 @@ TEST(ArmLoad, BodiesThatAreWrongAllOverAreNoMass) {
     wrong.bodies[b].mass_kg *= b % 2 == 0 ? 0.7 : 1.3;
   }
   const Arm arm(wrong, robot);
-  const ArmLoop loop = FitArm(arm, robot, Options(), &train, &held_out);
+  const ArmLoop loop = WithLoads(arm, robot, &train, &held_out);
   EXPECT_FALSE(loop.load) << loop.load->link << ' ' << loop.load->mass_kg << ' '
                           << loop.load->share;
   EXPECT_FALSE(loop.held_out_load);
