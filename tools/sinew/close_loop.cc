@@ -261,7 +261,6 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
     NoteProcessing(out.model.root, wished, &report);
     trace::TraceOptions trace_options;
     trace_options.seed = options.seed;
-    trace_options.engine = options.engine;
     trace_options.agreed = options.given;
     trace_options.keep_refuted = options.given.has_value();
     trace_options.keep_unconfirmed = options.keep_unconfirmed || options.given;

@@ -98,15 +98,6 @@ void AddCloseLoopCommand(CLI::App& app) {
           "Disable a rule (docs/closing-the-loop.md), to measure its effect; repeatable")
       ->allow_extra_args(false)
       ->check(CLI::IsMember(RuleNames()));
-  command
-      ->add_option_function<std::string>(
-          "--engine",
-          [&options](const std::string& name) {
-            options.engine = name == "evidence" ? trace::Engine::kEvidence : trace::Engine::kRules;
-          },
-          "How causes are compared: \"rules\" (default), or \"evidence\" (marginal likelihoods and "
-          "one score; on trial)")
-      ->check(CLI::IsMember({"rules", "evidence"}));
   command->add_flag("--json", arguments->json, "Print the report as JSON");
   command->footer(
       "Fits the declared terms, searches the catalogue (`sinew effects`) for the effects that "

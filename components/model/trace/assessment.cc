@@ -1,7 +1,6 @@
 #include "components/model/trace/assessment.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "components/model/identify/statistics.h"
@@ -12,37 +11,28 @@ namespace sinew::trace {
 
 namespace {
 
-EffectSet Without(const Problem& problem, const EffectSet& set, std::size_t k) {
-  return WithoutMember(problem.evidence, problem.hypotheses(), set, k);
-}
-
 // Nats a row that a curve gains where something is there that no effect explains.
 constexpr double kCurveEvidencePerRow = 0.02;
 
 class Assessor {
  public:
-  Assessor(const Problem& problem, const Likelihood& likelihood, const identify::Design& design,
+  Assessor(const Problem& problem, const Likelihood& likelihood,
            const actuator::JointModel& declared, const BootstrapOptions& bootstrap,
            const std::set<std::string>& refuted)
       : problem_(problem),
         likelihood_(likelihood),
-        design_(design),
         declared_(declared),
         bootstrap_(bootstrap),
         refuted_(refuted),
         misfit_(problem.evidence.misfit()) {}
 
   SetAssessment Run(std::size_t largest_set) {
-    if (problem_.evidence.marginal()) return RunByEvidence(largest_set);
-    SetSearch found = SearchSets(problem_.evidence, problem_.hypotheses(), largest_set, refuted_);
-    if (found.best.size() > 1 && TooFaint(found.best[1])) {
-      found.best = WithoutRates(largest_set).best;
-    }
+    const SetSearch found =
+        SearchSets(problem_.evidence, problem_.hypotheses(), largest_set, refuted_);
     out_.p_global = std::min(1.0, bootstrap_.searches * GlobalP(found));
     const bool open = out_.p_global <= Limit(rules::kGlobalP);
     if (open) Grow(found);
-    if (open) CompareCurves(found);
-    if (!out_.chosen.empty()) RequireConstancy();
+    if (open) CompareCurves();
     RankNames();
     NoteScores(found, open);
     return std::move(out_);
@@ -58,9 +48,6 @@ class Assessor {
     return NullTest(problem_.X, problem_.Z, noise, problem_.evidence, problem_.hypotheses(),
                     base.columns, likelihood_.used.blocks, bootstrap_.rounds, bootstrap_.seed);
   }
-  double P(const EffectSet& base, const EffectSet& grown, double statistic) const {
-    return Test(base, problem_.Left(grown)).P(statistic);
-  }
   // In a short recording a free curve fits what goes on slowly in the noise. What it fits of a
   // block alone is noise.
   double POfCurve(const EffectSet& base, const EffectSet& with, double statistic) const {
@@ -68,37 +55,44 @@ class Assessor {
   }
 
   // The set grows while a member adds evidence, and more than the shape of the others may leave.
-  SetAssessment RunByEvidence(std::size_t largest_set) {
-    const SetSearch found =
-        SearchSets(problem_.evidence, problem_.hypotheses(), largest_set, refuted_);
-    out_.p_global = std::min(1.0, bootstrap_.searches * GlobalP(found));
-    const bool open = out_.p_global <= Limit(rules::kGlobalP);
-    for (std::size_t size = 1; open && size < found.best.size(); ++size) {
-      const double more = found.best[size].net - out_.chosen.net;
+  void Grow(const SetSearch& found) {
+    for (std::size_t size = 1; size < found.best.size(); ++size) {
+      const EffectSet& grown = found.best[size];
+      const double more = grown.net - out_.chosen.net;
       if (more > Limit(rules::kEvidence) && more > Limit(rules::kShapeMisfit) * out_.chosen.net &&
-          EveryMemberCounts(found.best[size])) {
-        out_.chosen = found.best[size];
+          EveryMemberCounts(grown)) {
+        out_.chosen = grown;
       }
     }
+  }
+
+  void CompareCurves() {
     const EffectSet with = WithBestCurve(problem_.evidence, problem_.hypotheses(), out_.chosen);
-    const double rows = static_cast<double>(problem_.y.size());
-    if (open && !with.empty() && with.net - out_.chosen.net > 2.0 * kCurveEvidencePerRow * rows) {
-      const double statistic = Statistic(with.gain - out_.chosen.gain, with.members.back());
-      if (POfCurve(out_.chosen, with, statistic) <= Limit(rules::kMemberP)) NoteUnexplained(with);
-    }
-    RankNames();
-    NoteScores(found, open);
-    return std::move(out_);
+    const auto rows = static_cast<double>(problem_.y.size());
+    if (with.empty() || !(with.net - out_.chosen.net > 2.0 * kCurveEvidencePerRow * rows)) return;
+    const double statistic = Statistic(with.gain - out_.chosen.gain, with.members.back());
+    if (POfCurve(out_.chosen, with, statistic) > Limit(rules::kMemberP)) return;
+    NoteUnexplained(with);
   }
 
   // Is each member more than an imperfection that any machine has?
   bool EveryMemberCounts(const EffectSet& set) const {
     for (std::size_t k = 0; k < set.members.size(); ++k) {
       const Hypothesis& h = problem_.hypotheses()[set.members[k]];
-      const EffectSet without = Without(problem_, set, k);
-      if (!Adequate(without, set, LeastShare(h), LeastVariance(h))) return false;
+      const EffectSet without = Without(set, k);
+      if (!Adequate(without, set, h)) return false;
     }
     return true;
+  }
+
+  // Does it explain so much more, of the misfit or of the variance?
+  bool Adequate(const EffectSet& without, const EffectSet& with, const Hypothesis& added) const {
+    return with.net - without.net > LeastShare(added) * misfit_ ||
+           problem_.VarianceShare(with) - problem_.VarianceShare(without) > LeastVariance(added);
+  }
+
+  EffectSet Without(const EffectSet& set, std::size_t k) const {
+    return WithoutMember(problem_.evidence, problem_.hypotheses(), set, k);
   }
 
   // Of the largest statistic of the whole search, an effect's or a curve's.
@@ -114,116 +108,6 @@ class Assessor {
     const NullTest test = Test({}, problem_.Left(loudest));
     out_.least_statistic = test.Least(Limit(rules::kGlobalP));
     return test.P(statistic(loudest));
-  }
-
-  double LeastGain(std::size_t hypothesis) const {
-    return misfit_ * LeastShare(problem_.hypotheses()[hypothesis]);
-  }
-
-  // One that looks like an error of the low-pass would stand in the way of the others.
-  bool TooFaint(const EffectSet& single) const {
-    const Hypothesis& h = problem_.hypotheses()[single.members.front()];
-    return h.from_rates() && !Adequate({}, single, LeastShare(h), LeastVariance(h));
-  }
-
-  // Does it explain so much more, of the misfit or of the variance?
-  bool Adequate(const EffectSet& without, const EffectSet& with, double share,
-                double variance) const {
-    return with.net - without.net > share * misfit_ ||
-           problem_.VarianceShare(with) - problem_.VarianceShare(without) > variance;
-  }
-
-  SetSearch WithoutRates(std::size_t largest_set) const {
-    std::set<std::string> unasked = refuted_;
-    for (const Hypothesis& h : problem_.hypotheses()) {
-      if (h.from_rates()) unasked.insert(h.name);
-    }
-    return SearchSets(problem_.evidence, problem_.hypotheses(), largest_set, unasked);
-  }
-
-  bool EnoughMore(const EffectSet& without, const EffectSet& with, double share,
-                  double variance) const {
-    return (with.net - without.net > Limit(rules::kShapeMisfit) * without.net &&
-            Adequate(without, with, share, variance)) ||
-           Relief(without, with) > Limit(rules::kPriorPenalty);
-  }
-
-  EffectSet MostRelief(const SetSearch& found) const {
-    EffectSet best;
-    for (const EffectSet& single : found.singles) {
-      if (Relief({}, single) > std::max(Limit(rules::kPriorPenalty), Relief({}, best)) &&
-          EveryMemberIsMissed(single)) {
-        best = single;
-      }
-    }
-    return best;
-  }
-
-  // An effect that a refit absorbs shows in declared values far outside of their tolerances.
-  double Relief(const EffectSet& without, const EffectSet& with) const {
-    const double now = problem_.evidence.PriorMisfit(with.columns, with.c);
-    const double before = problem_.evidence.PriorMisfit(without.columns, without.c);
-    return std::min(before - now, with.net - without.net);
-  }
-
-  void Grow(const SetSearch& found) {
-    for (std::size_t size = 1; size < found.best.size(); ++size) {
-      const EffectSet& grown = found.best[size];
-      if (EnoughMore(out_.chosen, grown, Limit(rules::kExplainedShare),
-                     Limit(rules::kVarianceShare)) &&
-          EveryMemberIsMissed(grown)) {
-        out_.chosen = grown;
-      } else if (size == 1) {
-        out_.chosen = MostRelief(found);
-      } else {
-        return;  // where no single will do, a pair may
-      }
-    }
-  }
-
-  // By the p of each beside the others. A free curve beside the set takes what goes on beside it
-  // out of the noise.
-  bool EveryMemberIsMissed(const EffectSet& set) const {
-    const EffectSet with = WithBestCurve(problem_.evidence, problem_.hypotheses(), set);
-    const EffectSet& richer = with.net > set.net ? with : set;
-    for (std::size_t k = 0; k < set.members.size(); ++k) {
-      const EffectSet without = Without(problem_, set, k);
-      const Hypothesis& h = problem_.hypotheses()[set.members[k]];
-      if (!EnoughMore(without, set, LeastShare(h), LeastVariance(h))) return false;
-      const double statistic = Statistic(set.gain - without.gain, set.members[k]);
-      if (P(without, richer, statistic) > Limit(rules::kMemberP)) return false;
-    }
-    return true;
-  }
-
-  void CompareCurves(const SetSearch& found) {
-    const EffectSet with = WithBestCurve(problem_.evidence, problem_.hypotheses(), out_.chosen);
-    if (with.empty()) return;
-    const double more = with.net - out_.chosen.net;
-    // Beside a set it has to explain as much as a set has to.
-    const Rule& least = out_.chosen.empty() ? rules::kCurveShare : rules::kExplainedShare;
-    if (!(more > Limit(least) * misfit_) || !(more > Limit(rules::kClearlyMore) * with.net)) {
-      return;
-    }
-    const double statistic = Statistic(with.gain - out_.chosen.gain, with.members.back());
-    if (POfCurve(out_.chosen, with, statistic) > Limit(rules::kMemberP)) return;
-    NoteUnexplained(found.curve.net > out_.chosen.net ? found.curve : with);
-    if (out_.chosen.empty() || out_.unexplained.variable.empty()) return;
-    // Does it explain more than the set, or is the set but a part of the curve?
-    std::vector<std::size_t> both = out_.chosen.members;
-    both.push_back(found.curve.members.back());
-    const EffectSet beside = FitSet(problem_.evidence, problem_.hypotheses(), std::move(both));
-    if (more > out_.chosen.net ||
-        beside.net - found.curve.net < Limit(rules::kClearlyMore) * out_.chosen.net) {
-      Refuse(rules::kClearlyMore, more / with.net);
-    }
-  }
-
-  void Refuse(const Rule& rule, double value) {
-    for (const std::size_t member : out_.chosen.members) {
-      refused_[problem_.hypotheses()[member].name] = RefusedBy(rule, value);
-    }
-    out_.chosen = {};
   }
 
   // set: its last member is a curve.
@@ -251,64 +135,6 @@ class Assessor {
   double Floor() const {
     if (declared_.balance == effects::Balance::kMotion) return 0.0;
     return problem_.scale * identify::Rms(Richest(problem_));
-  }
-
-  // The set's contribution times the time in its recording (-1 to 1; none runs between holds), and
-  // in each recording alone.
-  Eigen::MatrixXd Changing(const Eigen::VectorXd& part) const {
-    const identify::Rows& rows = design_.rows();
-    const UsedRows& used = likelihood_.used;
-    const auto row = [&](Eigen::Index k) { return used.rows[static_cast<std::size_t>(k)]; };
-    const auto run = [&](Eigen::Index k) { return rows.run[static_cast<std::size_t>(row(k))]; };
-    std::map<int, std::pair<double, double>> span;
-    for (Eigen::Index k = 0; k < used.size(); ++k) {
-      const double time_s = rows.time_s[row(k)];
-      auto [at, fresh] = span.try_emplace(run(k), time_s, time_s);
-      at->second.first = std::min(at->second.first, time_s);
-      at->second.second = std::max(at->second.second, time_s);
-    }
-    const auto count = static_cast<Eigen::Index>(span.size());
-    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(used.size(), 1 + (count > 1 ? count : 0));
-    for (Eigen::Index k = 0; k < used.size(); ++k) {
-      const auto [first, last] = span.at(run(k));
-      const double time_s = rows.time_s[row(k)];
-      if (last > first && !design_.held())
-        out(k, 0) = part[k] * (2.0 * (time_s - first) / (last - first) - 1.0);
-      const auto number = static_cast<Eigen::Index>(std::distance(span.begin(), span.find(run(k))));
-      if (count > 1) out(k, 1 + number) = part[k];
-    }
-    return out;
-  }
-
-  // A set whose size changes with time is refused, and the change is what is unexplained.
-  void RequireConstancy() {
-    const EffectSet& set = out_.chosen;
-    const Eigen::MatrixXd changing = Changing(problem_.Part(set));
-    const Eigen::MatrixXd z = Whiten(likelihood_, changing);
-    const Eigen::Index declared = problem_.X.cols();
-    const auto own = static_cast<Eigen::Index>(set.columns.size());
-    Eigen::MatrixXd base(problem_.X.rows(), declared + own);
-    base << problem_.X, problem_.Z(Eigen::all, set.columns);
-    Prior prior = problem_.bank.prior;
-    prior.mean.conservativeResize(declared + own);
-    prior.precision.conservativeResize(declared + own);
-    prior.mean.tail(own).setZero();
-    prior.precision.tail(own) = problem_.evidence.precision()(set.columns);
-    // A size that changes by as much as itself is plausible.
-    const Evidence interaction(base, prior, z, Eigen::VectorXd::Ones(z.cols()), problem_.y);
-    Columns all;
-    for (Eigen::Index j = 0; j < z.cols(); ++j) all.push_back(j);
-    const double net = interaction.Gain(all) - 2.0 * static_cast<double>(z.cols());
-    if (net < Limit(rules::kConstancy) * set.net || net < Limit(rules::kExplainedShare) * misfit_) {
-      return;
-    }
-    out_.unexplained = {.balance = declared_.balance,
-                        .variable = "time_s",
-                        .order_per_turn = 0.0,
-                        .rms = problem_.scale * identify::Rms(changing * interaction.Solve(all)),
-                        .share = net / misfit_,
-                        .experiment = ""};
-    Refuse(rules::kConstancy, net / set.net);
   }
 
   // Shapes and coefficients that the recordings show.
@@ -347,7 +173,7 @@ class Assessor {
     std::erase_if(out, [&](const auto& entry) {
       const Hypothesis& h = hypotheses[entry.second.members[member]];
       return h.name != hypotheses[set.members[member]].name && h.from_rates() &&
-             !Adequate(without, entry.second, LeastShare(h), LeastVariance(h));
+             !Adequate(without, entry.second, h);
     });
     return out;
   }
@@ -355,7 +181,7 @@ class Assessor {
   // Of every member; the most probable name takes its place.
   void RankNames() {
     for (std::size_t k = 0; k < out_.chosen.members.size(); ++k) {
-      const EffectSet without = Without(problem_, out_.chosen, k);
+      const EffectSet without = Without(out_.chosen, k);
       std::map<std::string, EffectSet> sets = Replace(k, without);
       std::map<std::string, Alternative> possible;
       std::set<std::string> only_rivals;
@@ -388,14 +214,11 @@ class Assessor {
   void NoteScores(const SetSearch& found, bool open) {
     for (const EffectSet& single : found.singles) {
       CandidateScore score = ScoreOf(single);
-      const auto refused = refused_.find(score.name);
       score.accepted = std::any_of(
           out_.chosen.members.begin(), out_.chosen.members.end(),
           [&](std::size_t member) { return problem_.hypotheses()[member].name == score.name; });
       if (!score.accepted) {
-        score.refused = !open                       ? RefusedBy(rules::kGlobalP, out_.p_global)
-                        : refused != refused_.end() ? refused->second
-                                                    : TooLittle(single);
+        score.refused = open ? TooLittle(single) : RefusedBy(rules::kGlobalP, out_.p_global);
       }
       out_.scores.push_back(std::move(score));
     }
@@ -409,10 +232,10 @@ class Assessor {
   // Why an effect that stands in nobody's way is no member.
   Refusal TooLittle(const EffectSet& single) const {
     const Hypothesis& h = problem_.hypotheses()[single.members.front()];
-    if (problem_.evidence.marginal() && single.net <= Limit(rules::kEvidence)) {
+    if (single.net <= Limit(rules::kEvidence)) {
       return RefusedBy(rules::kEvidence, single.net);
     }
-    if (single.net <= LeastGain(single.members.front())) {
+    if (single.net <= LeastShare(h) * misfit_) {
       return RefusedBy(h.from_rates() ? rules::kCurveShare : rules::kExplainedShare,
                        single.net / misfit_);
     }
@@ -426,22 +249,19 @@ class Assessor {
 
   const Problem& problem_;
   const Likelihood& likelihood_;
-  const identify::Design& design_;
   const actuator::JointModel& declared_;
   const BootstrapOptions bootstrap_;
   const std::set<std::string>& refuted_;
   const double misfit_;
-  std::map<std::string, Refusal> refused_;
   SetAssessment out_;
 };
 
 }  // namespace
 
 SetAssessment AssessSets(const Problem& problem, const Likelihood& likelihood,
-                         const identify::Design& design, const actuator::JointModel& declared,
-                         std::size_t largest_set, const BootstrapOptions& bootstrap,
-                         const std::set<std::string>& refuted) {
-  return Assessor(problem, likelihood, design, declared, bootstrap, refuted).Run(largest_set);
+                         const actuator::JointModel& declared, std::size_t largest_set,
+                         const BootstrapOptions& bootstrap, const std::set<std::string>& refuted) {
+  return Assessor(problem, likelihood, declared, bootstrap, refuted).Run(largest_set);
 }
 
 }  // namespace sinew::trace

@@ -1,10 +1,10 @@
-// Selects the set of effects, or the variable that the residual follows where no effect explains
+// Selects the set of effects, and the variable that the residual follows where no effect explains
 // it.
 //
-// The search opens with one p-value. A set grows while what is added is more than what the shape of
-// the effects so far may leave, and while every member is missed by the others. A free curve that
-// explains clearly more, or a size that changes with time, ends as "unexplained" over its variable.
-// The limits are those of rules.h. Pure; allocates.
+// The search opens with one p-value. A set grows while what is added has evidence, more than the
+// shape of the effects so far may leave, and is more than an imperfection that any machine has.
+// What a free curve gains beside it, in every row, is "unexplained" over its variable. The limits
+// are those of rules.h. Pure; allocates.
 #pragma once
 
 #include <cstdint>
@@ -33,8 +33,8 @@ struct BootstrapOptions {
 
 // refuted: names of effects that are excluded.
 SetAssessment AssessSets(const Problem& problem, const Likelihood& likelihood,
-                         const identify::Design& design, const actuator::JointModel& declared,
-                         std::size_t largest_set, const BootstrapOptions& bootstrap,
+                         const actuator::JointModel& declared, std::size_t largest_set,
+                         const BootstrapOptions& bootstrap,
                          const std::set<std::string>& refuted = {});
 
 }  // namespace sinew::trace

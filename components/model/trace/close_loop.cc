@@ -53,10 +53,7 @@ LoopResult Analyse(const std::vector<types::Run>& train, const std::vector<types
   loop.processing = held               ? identify::FromMotion(held_out, joint, longest_gap_s)
                     : given.processing ? identify::Resolve(*given.processing, train)
                                        : BandOfLeastResidual(train, held_out, joint, longest_gap_s);
-  // The limits of the rules were chosen with these rows.
-  if (!held && given.engine == Engine::kEvidence) {
-    loop.processing.contact_guard_s = ContactGuard(train, joint, loop.processing);
-  }
+  if (!held) loop.processing.contact_guard_s = ContactGuard(train, joint, loop.processing);
   loop.train.emplace(identify::MakeStates(train, joint, loop.processing), loop.processing);
   loop.held_out.emplace(identify::MakeStates(held_out, joint, loop.processing), loop.processing);
   if (!held) {
@@ -66,7 +63,7 @@ LoopResult Analyse(const std::vector<types::Run>& train, const std::vector<types
     }
   }
   std::optional<identify::Design> narrower;
-  if (!held && given.engine == Engine::kEvidence) {
+  if (!held) {
     identify::ProcessingOptions other = loop.processing;
     other.state_cutoff_Hz *= kOtherBand;
     other.motor_cutoff_Hz *= kOtherBand;

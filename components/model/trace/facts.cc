@@ -61,7 +61,6 @@ Facts FactsOf(const Problem& problem, const EffectSet& set, std::size_t k,
   if (member.effect->info().event) return out;
 
   Likelihood likelihood;
-  likelihood.engine = train.engine;
   likelihood.no_nuisance = train.no_nuisance;
   likelihood.used = MakeUsedRows(held_out, kFewestRowsPerBlock);
   const UsedRows& used = likelihood.used;

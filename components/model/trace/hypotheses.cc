@@ -71,8 +71,7 @@ class Builder {
     turns_ = TurnsCovered(angle(used_.rows));
     target_rms_ = Rms(bank_.target);
     target_peak_ = bank_.target.size() > 0 ? bank_.target.cwiseAbs().maxCoeff() : 0.0;
-    if (likelihood.engine == Engine::kEvidence && model.balance == effects::Balance::kMotion &&
-        !design.held()) {
+    if (model.balance == effects::Balance::kMotion && !design.held()) {
       machine_ = SizeOf(design, used_, model);
     }
   }
@@ -222,7 +221,7 @@ class Builder {
   const effects::JointConstants& constants_;
   const UsedRows& used_;
   Bank& bank_;
-  std::optional<MachineSize> machine_;  // the engine of evidence
+  std::optional<MachineSize> machine_;  // of the motion's balance
   double scale_ = 1.0, drive_share_ = 1.0, target_rms_ = 0.0, target_peak_ = 0.0;
   double turns_ = 0.0;  // of the output that the rows cover
 };

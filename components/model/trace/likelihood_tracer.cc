@@ -143,7 +143,7 @@ class Correction {
       FoundEffect effect = std::move(found[*leaves]);
       effect.term = -1;
       const bool refuted = effect.confirmation.verdict == ConfirmationVerdict::kRefuted;
-      if (!effect.score || *effect.score >= Limit(rules::kOpen)) {
+      if (effect.score >= Limit(rules::kOpen)) {
         (refuted ? result->refuted : result->open).push_back(std::move(effect));
       }
       Leave(*leaves);
@@ -197,13 +197,12 @@ class Correction {
 
   // Twice: effects that read the drive see the one that the corrected model needs, and priors weigh
   // against the noise that the set leaves, not against the set itself.
-  // What is reported is fitted to the plain error; what was chosen has to show by its own weights.
+  // What is reported is fitted to the plain error.
   void Fit() {
     PredictDrive(searched_.model);
     FindFacts();
     likelihood_ = base_.likelihood;
     actuator::JointModel model = ModelWith(declared_, problem_, set_, &terms_);
-    chosen_ = RefineWhitened(train_, whitened_, model);
     for (int pass = 0; pass < 2; ++pass) {
       corrected_ = RefineWhitened(train_, likelihood_, model);
       likelihood_ = Unweighted(likelihood_, LeftOver(corrected_, likelihood_.used));
@@ -258,24 +257,12 @@ class Correction {
     found.held_out_after = HeldOutError();
     found.confirmation =
         trace::Confirm(held_out_, LikelihoodOf(held_out_, corrected_, 0), without, corrected_);
-    if (options_.engine == Engine::kEvidence) {
-      Facts facts = facts_[k];
-      if (problem_.hypotheses()[set_.members[k]].effect->info().event) {
-        // It began elsewhere there (LocateEvent).
-        facts.SetSlope(found.confirmation);
-      }
-      Score(facts, without.model, &found);
-      return found;
+    Facts facts = facts_[k];
+    if (problem_.hypotheses()[set_.members[k]].effect->info().event) {
+      // It began elsewhere there (LocateEvent).
+      facts.SetSlope(found.confirmation);
     }
-    if (std::optional<Refusal> refusal = Refute(k, without.model, found)) {
-      found.confirmation.verdict = ConfirmationVerdict::kRefuted;
-      found.refusal = std::move(*refusal);
-    } else if (found.confirmation.verdict == ConfirmationVerdict::kRefuted) {
-      found.refusal = RefusedBy(rules::kRefutedBelow, found.confirmation.upper);
-    } else if (found.confirmation.verdict == ConfirmationVerdict::kNotConfirmed) {
-      const double below = 1.0 - found.confirmation.upper, above = found.confirmation.lower - 1.0;
-      found.refusal = RefusedBy(rules::kSlopeBand, std::max({0.0, below, above}));
-    }
+    Score(facts, without.model, &found);
     return found;
   }
 
@@ -290,7 +277,7 @@ class Correction {
       said = {ConfirmationVerdict::kNotConfirmed, *facts.slope, *facts.slope - half,
               *facts.slope + half, std::max(1, said.blocks)};
     }
-    const bool named = *found->score >= Limit(rules::kScore);
+    const bool named = found->score >= Limit(rules::kScore);
     std::optional<Refusal> refusal = Worsens(*found);
     if (!refusal && named) refusal = RaisesWhole(without);
     if (refusal) {
@@ -300,28 +287,17 @@ class Correction {
       said.verdict = ConfirmationVerdict::kConfirmed;
     } else {
       said.verdict = ConfirmationVerdict::kNotConfirmed;
-      found->refusal = RefusedBy(rules::kScore, *found->score);
+      found->refusal = RefusedBy(rules::kScore, found->score);
     }
   }
 
   // Facts of every member of the set, by the drive that the declared terms need.
   void FindFacts() {
     facts_.clear();
-    if (options_.engine != Engine::kEvidence) return;
     for (std::size_t k = 0; k < set_.members.size(); ++k) {
       facts_.push_back(
           FactsOf(problem_, set_, k, held_out_, searched_.model, whitened_.keep_scale, whitened_));
     }
-  }
-
-  // The rule beside the held-out slope that decides against member k.
-  std::optional<Refusal> Refute(std::size_t k, const actuator::JointModel& without,
-                                const FoundEffect& found) const {
-    if (std::optional<Refusal> refusal = Worsens(found)) return refusal;
-    const double size = std::min(SizeOverInterval(corrected_, k), SizeOverInterval(chosen_, k));
-    if (!(size > Limit(rules::kInterval))) return RefusedBy(rules::kInterval, size);
-    if (found.confirmation.verdict == ConfirmationVerdict::kRefuted) return std::nullopt;
-    return RaisesWhole(without);
   }
 
   // What the drive cannot give, and what raises the held-out error.
@@ -350,20 +326,6 @@ class Correction {
     return out;
   }
 
-  // The largest size of a member over the half width of its interval.
-  double SizeOverInterval(const FitResult& fit, std::size_t k) const {
-    double out = 0.0;
-    for (const int term : terms_[k]) {
-      for (const actuator::ParameterValue& size :
-           fit.model.terms[static_cast<std::size_t>(term)].linear) {
-        const double half = size.half_width_95.value_or(0.0);
-        if (size.value == 0.0) continue;
-        out = std::max(out, half > 0.0 ? std::abs(size.value) / half : rules::kNever);
-      }
-    }
-    return out;
-  }
-
   Design& train_;
   Design& held_out_;
   const Likelihood& whitened_;
@@ -378,7 +340,6 @@ class Correction {
   EffectSet set_;  // what is left of the chosen one
   std::vector<Posterior> posteriors_;
   Likelihood likelihood_;  // of the set's fit
-  FitResult chosen_;       // the set by the weights that chose it
   FitResult corrected_;
   double least_statistic_ = 0.0;
   std::vector<std::vector<int>> terms_;  // of the corrected model, by member
@@ -420,12 +381,12 @@ TraceResult TraceByLikelihood(Design& train, Design& held_out, const actuator::J
     if (options.progress) options.progress(what, share);
   };
   progress("refit of the declared terms, noise", 0.05);
-  const LikelihoodFit base = EstimateLikelihood(&train, model, options.engine);
+  const LikelihoodFit base = EstimateLikelihood(&train, model);
   held_out.UsePredictedRate(base.likelihood.predicted_rate);
   held_out.PredictDrive(base.fit.model);
   progress("columns", 0.4);
   Problem problem = MakeProblem(train, base.likelihood, model, base.fit);
-  if (other_band != nullptr) CompareBands(other_band, model, options.engine, &problem);
+  if (other_band != nullptr) CompareBands(other_band, model, &problem);
   TraceResult result;
   result.nominal = model;
   const LikelihoodFit reported = Reported(train, base, model);
@@ -453,7 +414,7 @@ TraceResult TraceByLikelihood(Design& train, Design& held_out, const actuator::J
       [&](std::set<std::string> refuted) {
         refuted.insert(unasked.begin(), unasked.end());
         SetAssessment assessed =
-            AssessSets(problem, base.likelihood, train, model,
+            AssessSets(problem, base.likelihood, model,
                        static_cast<std::size_t>(options.max_rounds), bootstrap, refuted);
         if (options.agreed) ChooseAgreed(problem, *options.agreed, refuted, &assessed);
         return assessed;

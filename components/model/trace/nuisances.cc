@@ -17,9 +17,6 @@ namespace {
 using effects::EffectInfo;
 using effects::Smallest;
 
-// Two channels sampled anywhere within one period: standard deviation of a uniform difference of
-// half a period either way.
-constexpr double kSkewSamples = 0.29;
 // Half of what an opening may take (gas.h) as one standard deviation.
 constexpr double kOpeningSpread = 0.5 * identify::kOpeningSamples;
 // Teeth, bearings and the encoder's own mounting give: counts of the encoder at the torque's rms.
@@ -31,13 +28,12 @@ constexpr double kLeastLag_s = 0.3e-3, kLagSamples = 0.03;
 // Every contact yields a little before it slides: over some counts of the encoder.
 constexpr double kFewCounts = 8.0;
 
-double Spread(const identify::Design& design, const actuator::JointModel& model, Engine engine,
+double Spread(const identify::Design& design, const actuator::JointModel& model,
               const EffectInfo& info, const Eigen::VectorXd& column) {
   const double period_s = 1.0 / design.states().rate_Hz;
   switch (info.smallest) {
     case Smallest::kTenthOfSample:
-      if (engine == Engine::kEvidence) return std::max(kLeastLag_s, kLagSamples * period_s);
-      return kSkewSamples * period_s;
+      return std::max(kLeastLag_s, kLagSamples * period_s);
     case Smallest::kOpening:
       return kOpeningSpread * period_s;
     case Smallest::kBandwidth: {
@@ -223,10 +219,9 @@ Nuisances MakeNuisances(const identify::Design& design, const Likelihood& likeli
       if (!(psi.front() > 0.0)) continue;
     }
     const Eigen::VectorXd column = -design.Columns(*effect, psi).col(0)(used.rows);
-    found.Add(name, column, Spread(design, model, likelihood.engine, info, column), kMostUniform);
+    found.Add(name, column, Spread(design, model, info, column), kMostUniform);
   }
-  if (likelihood.engine == Engine::kEvidence && model.balance == effects::Balance::kMotion &&
-      !design.held()) {
+  if (model.balance == effects::Balance::kMotion && !design.held()) {
     OfMachine(design, used, model).AddTo(&found);
   }
   const bool refit = model.balance == effects::Balance::kMotion && !found.LeavesOut(kRigidBodies);

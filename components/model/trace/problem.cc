@@ -57,14 +57,14 @@ void LeaveOutliers(const identify::Design& design, const Eigen::VectorXd& rest,
   }
   likelihood->used = Without(design, likelihood->used, marked, kFewestRowsPerBlock);
   const Eigen::VectorXd clean = rest(kept);
-  LearnNoise(design, clean, effects::Balance::kMotion, likelihood);
+  SetNoiseByRecording(design, clean, likelihood);
 }
 
 }  // namespace
 
 void LearnNoise(const identify::Design& design, const Eigen::Ref<const Eigen::VectorXd>& residual,
                 effects::Balance balance, Likelihood* likelihood) {
-  if (likelihood->engine == Engine::kEvidence && balance == effects::Balance::kMotion) {
+  if (balance == effects::Balance::kMotion) {
     SetNoiseByRecording(design, residual, likelihood);
   } else {
     SetNoise(residual, ScaleWindow(design), LongestOrder(design), likelihood);
@@ -141,7 +141,7 @@ Problem MakeProblem(const identify::Design& design, const Likelihood& likelihood
   const Eigen::VectorXd precision =
       (bank.spread.array() > 0.0).select(bank.spread.array().square().inverse(), 1e300);
   Evidence evidence(X, bank.prior, Z, precision, y);
-  if (likelihood.engine == Engine::kEvidence) evidence.UseMarginal();
+  evidence.UseMarginal();
   const double scale = fit.balance.fits_scale ? fit.balance.Scale(fit.coefficients) : 1.0;
   const double variance = identify::LeftBy(bank.declared, bank.target).squaredNorm();
   return {std::move(bank), std::move(X),        std::move(Z), std::move(y),
@@ -172,11 +172,9 @@ bool PredictedRateGainsMore(identify::Design* design, const Likelihood& likeliho
 
 }  // namespace
 
-LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::JointModel& declared,
-                                 Engine engine) {
+LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::JointModel& declared) {
   LikelihoodFit out;
   Likelihood& likelihood = out.likelihood;
-  likelihood.engine = engine;
   likelihood.used = MakeUsedRows(*design, kFewestRowsPerBlock);
   const Eigen::VectorXd nominal =
       identify::ErrorOf(*design, declared).residual(likelihood.used.rows);
@@ -223,9 +221,8 @@ LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::Joint
   return out;
 }
 
-void CompareBands(identify::Design* other, const actuator::JointModel& declared, Engine engine,
-                  Problem* problem) {
-  const LikelihoodFit base = EstimateLikelihood(other, declared, engine);
+void CompareBands(identify::Design* other, const actuator::JointModel& declared, Problem* problem) {
+  const LikelihoodFit base = EstimateLikelihood(other, declared);
   const Problem there = MakeProblem(*other, base.likelihood, declared, base.fit);
   // By name, at its best shape.
   std::map<std::string, double> best;

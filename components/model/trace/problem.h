@@ -37,8 +37,8 @@ inline constexpr int kFewestRowsPerBlock = 20;
 // Rows over which the noise may be coloured: two periods of the angles' low-pass, 6 to 40.
 int LongestOrder(const identify::Design& design);
 
-// The noise by a residual at the used rows and by the likelihood's engine. By evidence one scale a
-// recording; but chambers and encoders are loud where a valve opens or a tooth touches.
+// The noise by a residual at the used rows: one scale a recording; but chambers and encoders are
+// loud where a valve opens or a tooth touches.
 void LearnNoise(const identify::Design& design, const Eigen::Ref<const Eigen::VectorXd>& residual,
                 effects::Balance balance, Likelihood* likelihood);
 
@@ -58,14 +58,12 @@ struct LikelihoodFit {
 
 // The noise is that of the richest model: two passes, and rows far outside of it are left out. The
 // design's predicted drive follows the fit.
-LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::JointModel& declared,
-                                 Engine engine = Engine::kRules);
+LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::JointModel& declared);
 
 // What is identified from rates counts as much as behind the other low-pass of the angles, where
 // that is less: what a low-pass cuts off, or lets through of the noise, shows behind one of them.
 // other: the same recordings.
-void CompareBands(identify::Design* other, const actuator::JointModel& declared, Engine engine,
-                  Problem* problem);
+void CompareBands(identify::Design* other, const actuator::JointModel& declared, Problem* problem);
 
 // A residual of other recordings as the noise of theirs.
 Likelihood LikelihoodOf(const identify::Design& design, const identify::FitResult& fit, int order);

@@ -37,7 +37,6 @@ struct TraceOptions {
   // Held-out error of the machine that the joint is part of, with this model of the joint and
   // everything else refitted (an arm's other joints and its bodies); none: the joint is all.
   std::function<double(const actuator::JointModel&)> held_out_error;
-  Engine engine = Engine::kRules;
   // Filters and guards that are declared; none: the recordings decide.
   std::optional<identify::ProcessingOptions> processing;
   // Called with a line of progress and the share done, 0 to 1.
@@ -67,16 +66,16 @@ struct FoundEffect {
   effects::Balance balance = effects::Balance::kMotion;
   int term = -1;  // first of its terms in the corrected model; -1: it is no part of that
   // Its terms as fitted in the search, linear parameters in their own units
-  // (actuator::PhysicalTerm). Empty: the engine of blocks.
+  // (actuator::PhysicalTerm).
   std::vector<actuator::Term> fitted;
   Posterior posterior;      // of its name and of others in its place
   double gain_share = 0.0;  // of the misfit, beside the others
   double p = 1.0;
-  bool weak_evidence = false;   // fewer than six blocks
-  Confirmation confirmation;    // on the held-out recordings
-  Refusal refusal;              // what keeps it out of the model
-  double curve = 0.0;           // what the best free curve gains beside the set (facts.h)
-  std::optional<double> score;  // of its facts (facts.h); none: the engine of rules
+  bool weak_evidence = false;  // fewer than six blocks
+  Confirmation confirmation;   // on the held-out recordings
+  Refusal refusal;             // what keeps it out of the model
+  double curve = 0.0;          // what the best free curve gains beside the set (facts.h)
+  double score = 0.0;          // probability of its name by its facts (facts.h)
   // Errors before and after it, rms at the output.
   double train_before = 0.0, train_after = 0.0, held_out_before = 0.0, held_out_after = 0.0;
 
@@ -117,9 +116,8 @@ struct NotExcited {
   std::string reason;
 };
 
-// The smallest size of an effect that the search of the likelihood engine would have found: in 80 %
-// of recordings like these the effect, alone, reaches p_global and explained_share (rules.h) at its
-// best shape.
+// The smallest size of an effect that the search would have found: in 80 % of recordings like these
+// the effect, alone, reaches p_global and explained_share (rules.h) at its best shape.
 struct DetectableSize {
   std::string effect;
   effects::Balance balance = effects::Balance::kMotion;

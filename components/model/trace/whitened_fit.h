@@ -22,9 +22,6 @@ Prior PriorOf(const identify::Balance& balance, const actuator::JointModel& mode
 // Prior of an effect: its rms is of the order of this share of the measured side's rms, or less.
 inline constexpr double kPlausibleShare = 0.5;
 
-// How causes are compared: by rules on gains, or by marginal likelihoods.
-enum class Engine { kRules, kEvidence };
-
 // Likelihood of a balance: rows, noise, and how the declared terms are fitted.
 struct Likelihood {
   UsedRows used;
@@ -32,7 +29,6 @@ struct Likelihood {
   // One over the noise's scale at each used row: reversals, impacts and fast motion are noisier
   // than a slow ramp. Empty: the same everywhere.
   Eigen::VectorXd weight;
-  Engine engine = Engine::kRules;
   bool keep_scale = false;               // the drive's factor stays at its nominal value
   bool predicted_rate = false;           // the drive's rate is that of the predicted one (Design)
   std::vector<std::string> no_nuisance;  // imperfections too large to be one (ImplausibleNuisances)

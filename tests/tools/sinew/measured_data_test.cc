@@ -77,11 +77,11 @@ TEST_P(PendulumServo, LoadDependentGearFrictionIsFoundAndNoStribeck) {
   const auto friction = std::find_if(
       trace.effects.begin(), trace.effects.end(),
       [](const trace::FoundEffect& effect) { return effect.name == "load_dependent_friction"; });
-  // The two soft servos alone differ too much from recording to recording: curves over time explain
-  // more than any effect.
-  ASSERT_EQ(friction != trace.effects.end(), held_out != 800);
-  if (held_out == 800) return;
+  ASSERT_NE(friction, trace.effects.end());
   EXPECT_THAT(friction->rivals(), Contains("drive_efficiency_direction"));
+  // The two soft servos alone show too little of it to simulate the stiff one.
+  EXPECT_NE(friction->confirmation.verdict, trace::ConfirmationVerdict::kConfirmed);
+  if (held_out == 800) return;
   const free_run::FreeRunResult run = FreeRunOnPendulum(result, held_out);
   ASSERT_TRUE(run.errors.has_value()) << run.why_not;
   EXPECT_EQ(run.errors->method, free_run::Method::kClosedLoop);

@@ -268,9 +268,7 @@ std::string FormatJson(const Report& report) {
           {"before", effect.held_out_before},
           {"after", effect.held_out_after}}}};
     entry["sealed"] = entry["held_out"];  // the name of schema 1, kept for its readers
-    if (effect.score) {
-      entry["score"] = {{"p", *effect.score}, {"curve", effect.curve}};
-    }
+    entry["score"] = {{"p", effect.score}, {"curve", effect.curve}};
     if (!effect.refusal.rule.empty()) {
       entry["refused"] = {{"rule", effect.refusal.rule},
                           {"value", effect.refusal.value},

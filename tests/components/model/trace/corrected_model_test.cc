@@ -55,8 +55,8 @@ TEST(CorrectedModel, LeavesOutWhatTheHeldOutRecordingDoesNotConfirmUnlessAsked) 
   const FoundEffect& found = result.open[0];
   EXPECT_EQ(found.name, "quadratic_viscous");
   EXPECT_EQ(found.confirmation.verdict, ConfirmationVerdict::kNotConfirmed);
-  EXPECT_EQ(found.refusal.rule, rules::kSlopeBand.id);
-  EXPECT_GT(found.refusal.value, found.refusal.limit);
+  EXPECT_EQ(found.refusal.rule, rules::kScore.id);
+  EXPECT_LT(found.refusal.value, found.refusal.limit);
   EXPECT_FALSE(found.in_model());
   ASSERT_EQ(found.fitted.size(), 1u);
   const actuator::ParameterValue& size = found.fitted[0].linear[0];

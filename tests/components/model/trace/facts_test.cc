@@ -28,7 +28,7 @@ TraceResult Trace(double drag, double held_out_drag) {
   const identify::ProcessingOptions options = identify::FromMotion(train, model, 0.25);
   Design design(identify::MakeStates(train, model, options), options);
   Design held_out(identify::MakeStates({RunWithDrag(3, held_out_drag)}, model, options), options);
-  return TraceByLikelihood(design, held_out, model, {.engine = Engine::kEvidence});
+  return TraceByLikelihood(design, held_out, model, {});
 }
 
 TEST(Facts, TheScoreFallsWithEveryFactThatSpeaksAgainstAName) {
@@ -67,7 +67,7 @@ TEST(Facts, AnEffectThatTheHeldOutRecordingHoldsIsPartOfTheModel) {
   ASSERT_EQ(result.effects.size(), 1u);
   const FoundEffect& found = result.effects[0];
   EXPECT_EQ(found.name, "quadratic_viscous");
-  EXPECT_GE(found.score.value(), rules::kScore.limit);
+  EXPECT_GE(found.score, rules::kScore.limit);
   EXPECT_LT(found.confirmation.lower, 1.0);
   EXPECT_GT(found.confirmation.upper, 1.0);
   EXPECT_LT(result.after_held_out.rms, result.before_held_out.rms);

@@ -106,7 +106,7 @@ TEST(LikelihoodTracer, WhatTheMotionHidesIsSaid) {
   EXPECT_TRUE(hidden("temperature_friction"));
   EXPECT_TRUE(hidden("seal_hysteresis"));  // no pressure recorded
   EXPECT_TRUE(hidden("payload"));          // only a shift of gravity and inertia would show
-  EXPECT_FALSE(hidden("quadratic_viscous"));
+  EXPECT_FALSE(hidden("stribeck"));
 }
 
 TEST(LikelihoodTracer, TheSameSeedGivesTheSameResult) {

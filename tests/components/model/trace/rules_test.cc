@@ -23,7 +23,6 @@ TEST(TraceRules, TheDocumentationHoldsTheTable) {
       << FormatRules();
 }
 
-// Twenty of the rules' engine, three of the engine by evidence, and three that physics sets.
 TEST(TraceRules, ThereAreAtMostTwentySixEachWithANameAndASource) {
   EXPECT_LE(AllRules().size(), 26u);
   std::set<std::string> names;

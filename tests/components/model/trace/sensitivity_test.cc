@@ -102,8 +102,9 @@ TraceResult TraceDrag(double drag, std::uint64_t seed) {
 bool FindsDrag(const TraceResult& result) {
   for (const CandidateScore& score : result.rounds.front().scores) {
     if (score.name == "quadratic_viscous") {
-      return score.refused.rule != rules::kGlobalP.id &&
-             score.refused.rule != rules::kExplainedShare.id;
+      return score.accepted || (score.refused.rule != rules::kGlobalP.id &&
+                                score.refused.rule != rules::kEvidence.id &&
+                                score.refused.rule != rules::kExplainedShare.id);
     }
   }
   return false;
