@@ -110,15 +110,17 @@ std::string RefusalText(const trace::FoundEffect& effect) {
   const trace::Confirmation& there = effect.confirmation;
   if (refusal.rule.empty()) return "";
   std::string out;
-  if (refusal.rule == rules::kRefutedBelow.id || refusal.rule == rules::kSlopeBand.id) {
-    out = there.blocks == 0
-              ? "they are too short to say"
+  if (refusal.rule == rules::kScore.id) {
+    out = !(there.upper > there.lower)
+              ? "they cannot show its size"
               : "its size there is " + Short(there.slope) + " times the trained one, [" +
                     Short(there.lower) + ", " + Short(there.upper) + "]";
+    constexpr double kCurveWorthWords = 0.1;  // of a score of one half it takes 0.06
+    if (effect.curve > kCurveWorthWords) {
+      out += Text("; a free curve beside it explains %.0f %% as much", 100.0 * effect.curve);
+    }
   } else if (refusal.rule == rules::kRaises.id) {
     out = Text("the held-out error rises by %.1f %%", 100.0 * (refusal.value - 1.0));
-  } else if (refusal.rule == rules::kInterval.id) {
-    out = "the interval of its size contains zero";
   } else if (refusal.rule == rules::kBeyondDrive.id) {
     out = "the drive could not have driven this motion with it";
   } else if (refusal.rule == rules::kRotations.id) {

@@ -6,8 +6,9 @@
 
 #include "components/model/identify/too_little_data.h"
 #include "components/model/stance_fit/stance_problem.h"
-#include "components/model/stance_fit/stance_search.h"
 #include "components/model/stance_fit/stance_sizes.h"
+#include "components/model/trace/assessment.h"
+#include "components/model/trace/facts.h"
 #include "components/model/trace/rules.h"
 #include "components/model/trace/sensitivity.h"
 #include "components/model/trace/set_search.h"
@@ -79,20 +80,24 @@ class Closer {
     }
     const int order = LongestOrder(layout_);
     const ChannelNoise noise = EstimateNoise(regression_, options_.largest_set, order);
-    const WhitenedProblem problem = MakeWhitened(regression_, noise);
+    const trace::Problem problem = MakeProblem(regression_, noise);
+    const trace::BootstrapOptions bootstrap{.rounds = options_.sign_flip_rounds,
+                                            .seed = options_.seed};
     std::set<std::string> refuted;
     constexpr int kSearches = 3;  // the first, and two without what was dropped or refuted
     for (int search = 0; search < kSearches; ++search) {
-      FoundSet found = SearchEffects(regression_, problem, noise, options_, refuted);
+      const trace::SetAssessment found =
+          trace::AssessSets(problem, regression_.blocks, effects::Balance::kMotion,
+                            options_.largest_set, bootstrap, refuted);
       if (!out_.p_global) out_.p_global = found.p_global;
       if (search == 0) NoteDetectable(problem, found.least_statistic);
       Describe(problem, found);
-      if (DropUncertain(found.set, &refuted)) {
+      if (DropUncertain(found.chosen, &refuted)) {
         if (search + 1 == kSearches) Finish({});
         continue;
       }
-      if (held_out_rows_.empty() || !Confirm(order, &found.set, &refuted)) {
-        Finish(found);
+      if (held_out_rows_.empty() || !Confirm(order, problem, found.chosen, &refuted)) {
+        Finish(found.chosen);
         break;
       }
       if (search + 1 == kSearches) Finish({});
@@ -109,7 +114,7 @@ class Closer {
   }
 
   const Hypothesis& Of(const EffectSet& set, std::size_t k) const {
-    return regression_.hypotheses[set.members[k]];
+    return regression_.bank.hypotheses[set.members[k]];
   }
 
   std::string PlaceOf(const Subject& subject) const {
@@ -127,28 +132,28 @@ class Closer {
         const RigidGroup& group = layout_.groups[subject.index];
         places.push_back({static_cast<Eigen::Index>(columns.size()), group.excited, group.size_m});
       }
-      const trace::Columns& own = regression_.hypotheses[member].columns;
+      const trace::Columns& own = regression_.bank.hypotheses[member].columns;
       columns.insert(columns.end(), own.begin(), own.end());
     }
     return FitPlain(regression_, columns, places);
   }
 
-  void Describe(const WhitenedProblem& problem, const FoundSet& found) {
+  void Describe(const trace::Problem& problem, const trace::SetAssessment& found) {
     out_.effects.clear();
-    out_.unexplained = found.unexplained;
-    const PlainFit fit = Fit(found.set.members);
-    Eigen::Index at = regression_.declared.cols();
-    for (std::size_t k = 0; k < found.set.members.size(); ++k) {
-      const Hypothesis& h = Of(found.set, k);
-      const Subject& subject = regression_.subjects[found.set.members[k]];
+    out_.unexplained = found.unexplained.variable;
+    const PlainFit fit = Fit(found.chosen.members);
+    Eigen::Index at = regression_.bank.declared.cols();
+    for (std::size_t k = 0; k < found.chosen.members.size(); ++k) {
+      const Hypothesis& h = Of(found.chosen, k);
+      const Subject& subject = regression_.subjects[found.chosen.members[k]];
       StanceEffect effect;
       effect.name = EffectName(h);
       effect.place = PlaceOf(subject);
       effect.posterior = found.posteriors[k];
-      effect.p = found.p[k];
+      effect.p = found.p_global;
       const EffectSet without =
-          trace::WithoutMember(problem.evidence, regression_.hypotheses, found.set, k);
-      effect.gain_share = (found.set.net - without.net) / problem.evidence.misfit();
+          trace::WithoutMember(problem.evidence, problem.hypotheses(), found.chosen, k);
+      effect.gain_share = (found.chosen.net - without.net) / problem.evidence.misfit();
       if (subject.kind == Subject::Kind::kPayload) {
         effect.payload = PayloadOf(fit, at, layout_.groups[subject.index]);
       } else {
@@ -190,49 +195,59 @@ class Closer {
   }
 
   // Slope of what is left without an effect on what it predicts, of the fitted model: declared
-  // values that a refit without the effect would move far beyond their tolerances stay. True: an
-  // effect was refuted, and the search goes on without it.
-  bool Confirm(int order, EffectSet* set, std::set<std::string>* refuted) {
+  // values that a refit without the effect would move far beyond their tolerances stay. By the
+  // score of the facts. True: an effect was refuted, and the search goes on without it.
+  bool Confirm(int order, const trace::Problem& problem, const EffectSet& set,
+               std::set<std::string>* refuted) {
     const Regression held_out =
         MakeRegression(model_, layout_, held_out_rows_, options_.tolerances);
-    if (held_out.hypotheses.size() != regression_.hypotheses.size()) return false;
-    const PlainFit with = Fit(set->members);
-    const Eigen::VectorXd rest = Left(held_out, with, set->columns);
+    if (held_out.bank.hypotheses.size() != regression_.bank.hypotheses.size()) return false;
+    const PlainFit with = Fit(set.members);
+    const Eigen::VectorXd rest = Left(held_out, with, set.columns);
     const ChannelNoise noise = NoiseOf(held_out, rest, order);
+    const double curve = trace::CurveBeside(problem, set);
     bool any = false;
-    for (std::size_t k = 0; k < set->members.size(); ++k) {
-      const trace::Columns& own = Of(*set, k).columns;
-      Eigen::Index first = held_out.declared.cols();
+    for (std::size_t k = 0; k < set.members.size(); ++k) {
+      const trace::Columns& own = Of(set, k).columns;
+      Eigen::Index first = held_out.bank.declared.cols();
       for (std::size_t i = 0; i < k; ++i) {
-        first += static_cast<Eigen::Index>(Of(*set, i).columns.size());
+        first += static_cast<Eigen::Index>(Of(set, i).columns.size());
       }
-      const Eigen::VectorXd part = held_out.columns(Eigen::all, own) *
+      const Eigen::VectorXd part = held_out.bank.columns(Eigen::all, own) *
                                    with.b.segment(first, static_cast<Eigen::Index>(own.size()));
       StanceEffect& effect = out_.effects[k];
       effect.confirmation =
           trace::ConfirmSlope(Whiten(held_out, noise, rest + part).col(0),
                               Whiten(held_out, noise, part).col(0), held_out.blocks);
+      trace::Facts facts;
+      facts.curve = curve;
+      facts.SetSlope(effect.confirmation);
+      const double score = facts.Score();
+      effect.confirmation.verdict =
+          score >= Limit(rules::kScore) ? trace::ConfirmationVerdict::kConfirmed
+          : score < Limit(rules::kOpen) ? trace::ConfirmationVerdict::kRefuted
+                                        : trace::ConfirmationVerdict::kNotConfirmed;
       if (effect.confirmation.verdict != trace::ConfirmationVerdict::kRefuted) continue;
-      refuted->insert(Of(*set, k).name);
+      refuted->insert(Of(set, k).name);
       out_.refuted.push_back(effect);
       any = true;
     }
     return any;
   }
 
-  void Finish(const FoundSet& found) {
+  void Finish(const EffectSet& set) {
     trace::Columns kept;
     std::vector<std::size_t> kept_members;
-    if (found.set.empty()) out_.effects.clear();
-    for (std::size_t k = 0; k < found.set.members.size(); ++k) {
+    if (set.empty()) out_.effects.clear();
+    for (std::size_t k = 0; k < set.members.size(); ++k) {
       StanceEffect& effect = out_.effects[k];
-      const Hypothesis& h = Of(found.set, k);
+      const Hypothesis& h = Of(set, k);
       effect.in_model = held_out_rows_.empty() ||
                         effect.confirmation.verdict == trace::ConfirmationVerdict::kConfirmed;
       if (!effect.in_model) continue;
       kept.insert(kept.end(), h.columns.begin(), h.columns.end());
-      kept_members.push_back(found.set.members[k]);
-      const Subject& subject = regression_.subjects[found.set.members[k]];
+      kept_members.push_back(set.members[k]);
+      const Subject& subject = regression_.subjects[set.members[k]];
       if (effect.payload) {
         out_.payloads.push_back(*effect.payload);
         out_.corrected.payloads.push_back(Written(*effect.payload));
@@ -243,7 +258,7 @@ class Closer {
     }
     const PlainFit after = Fit(kept_members);
     PlainFit before;  // as declared
-    before.b = Eigen::VectorXd::Zero(regression_.declared.cols());
+    before.b = Eigen::VectorXd::Zero(regression_.bank.declared.cols());
     for (std::size_t c = 0; c < regression_.parameters.size(); ++c) {
       const Regression::Parameter& which = regression_.parameters[c];
       if (which.joint < 0) continue;
@@ -284,14 +299,15 @@ class Closer {
     }
   }
 
-  void NoteDetectable(const WhitenedProblem& problem, double statistic) {
+  void NoteDetectable(const trace::Problem& problem, double statistic) {
     constexpr double kInexact = 1.15;  // as trace/sensitivity.cc
-    for (const Hypothesis& h : regression_.hypotheses) {
+    for (const Hypothesis& h : regression_.bank.hypotheses) {
       if (!h.physical()) continue;
       const Eigen::Index j = h.columns.front();
       const double reduced = problem.evidence.reduced()(j, j);
       if (!(problem.evidence.FreeShare(j) >= Limit(rules::kAbsorbed)) || !(reduced > 0.0)) continue;
-      const double needed = trace::NeededGain(h, problem.evidence.misfit(), statistic, HUGE_VAL);
+      const double needed = trace::NeededGain(
+          h, problem.evidence.misfit(), problem.evidence.Occam(h.columns), statistic, HUGE_VAL);
       const double size = kInexact *
                           trace::SizeForPower(needed, static_cast<int>(h.columns.size()), 0.0) /
                           std::sqrt(reduced);

@@ -3,7 +3,7 @@
 //
 // The balance is (1) of stance_model.h. Whitened with the noise of its richest model it has one
 // likelihood, in which payloads, friction of the catalogue, torque constants, gains of the feet's
-// sensors and free curves compete; sets, p-values, posterior and held-out slope are those of
+// sensors and free curves compete; sets, p-value, posterior and score are those of
 // components/model/trace, with its rules (trace/rules.h). Sizes are those of plain least squares
 // with the priors of the declared tolerances; their 95 % intervals come from the scores of long
 // blocks (identify/block_regression.h), because what is left is correlated:
@@ -108,7 +108,7 @@ struct StanceFitResult {
   std::optional<double> p_global;
   std::vector<StanceEffect> effects;  // selected and not refuted
   std::vector<StanceEffect> refuted;  // selected, refuted on the held-out recordings
-  std::string unexplained;            // variable that explains more than any effect; empty: none
+  std::string unexplained;  // variable of what a free curve explains beside them; empty: none
   std::vector<trace::NotExcited> not_excited;
   std::vector<SmallestSize> detectable;
   StanceError train_before, train_after;  // as declared; refitted with the effects in the model

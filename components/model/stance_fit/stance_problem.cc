@@ -29,7 +29,6 @@ constexpr const char* kTorqueConstant = "torque_constant_gain";
 // Polynomials of a free curve over a joint's angle or velocity, the constant one first.
 constexpr int kCurveOrders = 6;
 // Misfit that a free parameter takes from white noise, twice over: Akaike's criterion.
-constexpr double kChargePerParameter = 2.0;
 // Blocks of the intervals: so long that what plain least squares leaves is not correlated across
 // them; fewer would widen Student's t.
 constexpr std::size_t kLongBlocks = 10;
@@ -47,7 +46,8 @@ class Builder {
   }
 
   Regression Build() {
-    out_.target = Stacked([](const StanceRows& rows) -> Eigen::MatrixXd { return rows.target; });
+    out_.bank.target =
+        Stacked([](const StanceRows& rows) -> Eigen::MatrixXd { return rows.target; });
     bodies_ = Stacked([](const StanceRows& rows) { return rows.bodies; });
     AddDeclared();
     AddPayloads();
@@ -56,17 +56,18 @@ class Builder {
     }
     AddFeet();
     AddTimes();
-    out_.declared = Joined(declared_);
-    out_.columns = Joined(columns_);
+    out_.bank.declared = Joined(declared_);
+    out_.bank.columns = Joined(columns_);
     const auto count = static_cast<Eigen::Index>(declared_.size());
-    out_.prior.mean = Eigen::VectorXd::Zero(count);
-    out_.prior.precision.resize(count);
+    out_.bank.prior.mean = Eigen::VectorXd::Zero(count);
+    out_.bank.prior.precision.resize(count);
     for (Eigen::Index i = 0; i < count; ++i) {
       const double spread = spreads_[static_cast<std::size_t>(i)];
-      out_.prior.precision[i] = spread > 0.0 ? 1.0 / (spread * spread) : 0.0;
+      out_.bank.prior.precision[i] = spread > 0.0 ? 1.0 / (spread * spread) : 0.0;
     }
-    out_.spread = Eigen::Map<const Eigen::VectorXd>(
+    out_.bank.spread = Eigen::Map<const Eigen::VectorXd>(
         column_spreads_.data(), static_cast<Eigen::Index>(column_spreads_.size()));
+    out_.bank.parameters = count;
     return std::move(out_);
   }
 
@@ -129,7 +130,7 @@ class Builder {
         for (std::size_t i = 0; i < term.linear.size(); ++i) {
           const Eigen::VectorXd column = columns.col(static_cast<Eigen::Index>(i));
           // The drive's torque is part of the target already.
-          if (!drive) out_.target -= term.linear[i].value * column;
+          if (!drive) out_.bank.target -= term.linear[i].value * column;
           if (term.linear[i].fixed) continue;
           Declare(column, actuator::PriorSpread(term.linear[i]),
                   {static_cast<int>(j), static_cast<int>(t), static_cast<int>(i)});
@@ -176,8 +177,8 @@ class Builder {
   }
 
   void Finish(Hypothesis h, const Subject& subject, double shapes) {
-    h.charge = kChargePerParameter * (static_cast<double>(h.columns.size()) + shapes);
-    out_.hypotheses.push_back(std::move(h));
+    h.charge = trace::kChargePerShape * shapes;
+    out_.bank.hypotheses.push_back(std::move(h));
     out_.subjects.push_back(subject);
   }
 
@@ -406,27 +407,31 @@ Eigen::MatrixXd Whiten(const Regression& regression, const ChannelNoise& noise,
   return out;
 }
 
-WhitenedProblem MakeWhitened(const Regression& regression, const ChannelNoise& noise) {
-  Eigen::MatrixXd X = Whiten(regression, noise, regression.declared);
-  Eigen::MatrixXd Z = Whiten(regression, noise, regression.columns);
-  Eigen::VectorXd y = Whiten(regression, noise, regression.target);
-  const Eigen::VectorXd precision = regression.spread.array().square().inverse();
-  trace::Evidence evidence(X, regression.prior, Z, precision, y);
-  return {std::move(X), std::move(Z), std::move(y), std::move(evidence)};
+trace::Problem MakeProblem(const Regression& regression, const ChannelNoise& noise) {
+  const trace::Bank& bank = regression.bank;
+  Eigen::MatrixXd X = Whiten(regression, noise, bank.declared);
+  Eigen::MatrixXd Z = Whiten(regression, noise, bank.columns);
+  Eigen::VectorXd y = Whiten(regression, noise, bank.target);
+  const Eigen::VectorXd precision = bank.spread.array().square().inverse();
+  trace::Evidence evidence(X, bank.prior, Z, precision, y);
+  trace::Problem out{bank, std::move(X),        std::move(Z), std::move(y),
+                     1.0,  std::move(evidence), 0.0,          bank.prior.precision};
+  out.variance = out.LeftPlain(bank.target).squaredNorm();
+  return out;
 }
 
 ChannelNoise EstimateNoise(const Regression& regression, std::size_t largest_set,
                            int longest_order) {
   // White at first, of the size of what is left; coloured once the leading effects are out of it.
   constexpr int kPasses = 3;
-  ChannelNoise noise = NoiseOf(regression, regression.target, 0);
+  ChannelNoise noise = NoiseOf(regression, regression.bank.target, 0);
   for (int pass = 1; pass <= kPasses; ++pass) {
-    const WhitenedProblem problem = MakeWhitened(regression, noise);
+    const trace::Problem problem = MakeProblem(regression, noise);
     const trace::EffectSet set =
-        trace::SearchSets(problem.evidence, regression.hypotheses, largest_set).best.back();
-    Eigen::VectorXd rest =
-        regression.target - regression.declared * problem.evidence.Declared(set.columns, set.c);
-    if (!set.empty()) rest -= regression.columns(Eigen::all, set.columns) * set.c;
+        trace::SearchSets(problem.evidence, problem.hypotheses(), largest_set).best.back();
+    const Eigen::VectorXd rest =
+        regression.bank.target - problem.Part(set) -
+        regression.bank.declared * problem.evidence.Declared(set.columns, set.c);
     noise = NoiseOf(regression, rest, pass < kPasses ? 0 : longest_order);
   }
   return noise;

@@ -18,9 +18,8 @@
 #include "components/model/identify/block_regression.h"
 #include "components/model/stance_fit/stance_fit.h"
 #include "components/model/stance_fit/stance_model.h"
-#include "components/model/trace/evidence.h"
-#include "components/model/trace/hypotheses.h"
 #include "components/model/trace/noise_model.h"
+#include "components/model/trace/problem.h"
 
 namespace sinew::stance_fit {
 
@@ -32,11 +31,7 @@ struct Subject {
 
 // Recordings of one analysis, stacked.
 struct Regression {
-  Eigen::VectorXd target;
-  Eigen::MatrixXd declared, columns;
-  trace::Prior prior;      // of `declared`
-  Eigen::VectorXd spread;  // prior standard deviation of each of `columns`
-  std::vector<trace::Hypothesis> hypotheses;
+  trace::Bank bank;
   std::vector<Subject> subjects;  // of the hypotheses
   // Parameters of the declared columns: joint, term, parameter; -1: a tolerance.
   struct Parameter {
@@ -64,12 +59,7 @@ Eigen::MatrixXd Whiten(const Regression& regression, const ChannelNoise& noise,
 // Rows over which the noise may be coloured, as trace::LongestOrder.
 int LongestOrder(const StanceLayout& layout);
 
-struct WhitenedProblem {
-  Eigen::MatrixXd X, Z;
-  Eigen::VectorXd y;
-  trace::Evidence evidence;
-};
-WhitenedProblem MakeWhitened(const Regression& regression, const ChannelNoise& noise);
+trace::Problem MakeProblem(const Regression& regression, const ChannelNoise& noise);
 
 // Noise of what the declared columns and the best set of effects leave. Not of the richest model:
 // its hundred slow columns would take most of the slow part of a minute's noise with them, and

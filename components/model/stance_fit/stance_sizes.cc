@@ -9,9 +9,10 @@ namespace sinew::stance_fit {
 namespace {
 
 Eigen::MatrixXd WithSet(const Regression& regression, const trace::Columns& columns) {
-  Eigen::MatrixXd out(regression.target.size(),
-                      regression.declared.cols() + static_cast<Eigen::Index>(columns.size()));
-  out << regression.declared, regression.columns(Eigen::all, columns);
+  const trace::Bank& bank = regression.bank;
+  Eigen::MatrixXd out(bank.target.size(),
+                      bank.declared.cols() + static_cast<Eigen::Index>(columns.size()));
+  out << bank.declared, bank.columns(Eigen::all, columns);
   return out;
 }
 
@@ -19,10 +20,10 @@ Eigen::MatrixXd WithSet(const Regression& regression, const trace::Columns& colu
 // at the masses that b has.
 Eigen::MatrixXd PrecisionOf(const Regression& regression, const trace::Columns& columns,
                             const std::vector<PlacePrior>& places, const Eigen::VectorXd& b) {
-  const Eigen::Index declared = regression.declared.cols();
+  const Eigen::Index declared = regression.bank.declared.cols();
   Eigen::VectorXd diagonal(declared + static_cast<Eigen::Index>(columns.size()));
-  diagonal << regression.prior.precision,
-      regression.spread(columns).array().square().inverse().matrix();
+  diagonal << regression.bank.prior.precision,
+      regression.bank.spread(columns).array().square().inverse().matrix();
   Eigen::MatrixXd out = diagonal.asDiagonal();
   for (const PlacePrior& place : places) {
     const Eigen::Index mass = declared + place.first;
@@ -44,7 +45,7 @@ PlainFit FitPlain(const Regression& regression, const trace::Columns& columns,
   Eigen::VectorXd m = Eigen::VectorXd::Zero(W.cols());
   double rows = 0.0;
   for (const identify::Block& block : regression.long_blocks) {
-    blocks.push_back(identify::MomentsOf(block, W, regression.target));
+    blocks.push_back(identify::MomentsOf(block, W, regression.bank.target));
     G += blocks.back().G;
     m += blocks.back().m;
     rows += blocks.back().rows;
@@ -89,7 +90,7 @@ PlainFit FitPlain(const Regression& regression, const trace::Columns& columns,
 
 Eigen::VectorXd Left(const Regression& regression, const PlainFit& fit,
                      const trace::Columns& columns) {
-  return regression.target - WithSet(regression, columns) * fit.b;
+  return regression.bank.target - WithSet(regression, columns) * fit.b;
 }
 
 PlacedPayload PayloadOf(const PlainFit& fit, Eigen::Index first, const RigidGroup& group) {

@@ -16,12 +16,12 @@ constexpr double kCurveEvidencePerRow = 0.02;
 
 class Assessor {
  public:
-  Assessor(const Problem& problem, const Likelihood& likelihood,
-           const actuator::JointModel& declared, const BootstrapOptions& bootstrap,
+  Assessor(const Problem& problem, const std::vector<identify::Block>& blocks,
+           effects::Balance balance, const BootstrapOptions& bootstrap,
            const std::set<std::string>& refuted)
       : problem_(problem),
-        likelihood_(likelihood),
-        declared_(declared),
+        blocks_(blocks),
+        balance_(balance),
         bootstrap_(bootstrap),
         refuted_(refuted),
         misfit_(problem.evidence.misfit()) {}
@@ -46,12 +46,12 @@ class Assessor {
   // Of what is added to `base`; noise: what the best model leaves.
   NullTest Test(const EffectSet& base, const Eigen::VectorXd& noise) const {
     return NullTest(problem_.X, problem_.Z, noise, problem_.evidence, problem_.hypotheses(),
-                    base.columns, likelihood_.used.blocks, bootstrap_.rounds, bootstrap_.seed);
+                    base.columns, blocks_, bootstrap_.rounds, bootstrap_.seed);
   }
   // In a short recording a free curve fits what goes on slowly in the noise. What it fits of a
   // block alone is noise.
   double POfCurve(const EffectSet& base, const EffectSet& with, double statistic) const {
-    return Test(base, problem_.LeftOut(with, likelihood_.used.blocks)).P(statistic);
+    return Test(base, problem_.LeftOut(with, blocks_)).P(statistic);
   }
 
   // The set grows while a member adds evidence, and more than the shape of the others may leave.
@@ -119,10 +119,10 @@ class Assessor {
     own.c = set.c.tail(set.c.size() - first);
     Eigen::VectorXd part = problem_.Part(own);
     // What the declared terms would take of it is no part of what is unexplained.
-    part = identify::LeftBy(problem_.bank.declared, part);
+    part = problem_.LeftPlain(part);
     const double rms = problem_.scale * identify::Rms(part);
     if (rms < Floor()) return;
-    out_.unexplained = {.balance = declared_.balance,
+    out_.unexplained = {.balance = balance_,
                         .variable = curve.variable,
                         .order_per_turn = curve.order_per_turn,
                         .rms = rms,
@@ -133,7 +133,7 @@ class Assessor {
   // Encoders and gas are fitted down to their noise, where no machine is as its model says: what
   // stays within the noise of a row has no variable worth a name.
   double Floor() const {
-    if (declared_.balance == effects::Balance::kMotion) return 0.0;
+    if (balance_ == effects::Balance::kMotion) return 0.0;
     return problem_.scale * identify::Rms(Richest(problem_));
   }
 
@@ -248,8 +248,8 @@ class Assessor {
   }
 
   const Problem& problem_;
-  const Likelihood& likelihood_;
-  const actuator::JointModel& declared_;
+  const std::vector<identify::Block>& blocks_;
+  const effects::Balance balance_;
   const BootstrapOptions bootstrap_;
   const std::set<std::string>& refuted_;
   const double misfit_;
@@ -258,10 +258,10 @@ class Assessor {
 
 }  // namespace
 
-SetAssessment AssessSets(const Problem& problem, const Likelihood& likelihood,
-                         const actuator::JointModel& declared, std::size_t largest_set,
+SetAssessment AssessSets(const Problem& problem, const std::vector<identify::Block>& blocks,
+                         effects::Balance balance, std::size_t largest_set,
                          const BootstrapOptions& bootstrap, const std::set<std::string>& refuted) {
-  return Assessor(problem, likelihood, declared, bootstrap, refuted).Run(largest_set);
+  return Assessor(problem, blocks, balance, bootstrap, refuted).Run(largest_set);
 }
 
 }  // namespace sinew::trace

@@ -31,9 +31,9 @@ struct BootstrapOptions {
   std::uint64_t seed = 1;
 };
 
-// refuted: names of effects that are excluded.
-SetAssessment AssessSets(const Problem& problem, const Likelihood& likelihood,
-                         const actuator::JointModel& declared, std::size_t largest_set,
+// blocks: of the whitened rows; refuted: names of hypotheses that are excluded.
+SetAssessment AssessSets(const Problem& problem, const std::vector<identify::Block>& blocks,
+                         effects::Balance balance, std::size_t largest_set,
                          const BootstrapOptions& bootstrap,
                          const std::set<std::string>& refuted = {});
 

@@ -41,12 +41,6 @@ Confirmation ConfirmSlope(const Eigen::Ref<const Eigen::VectorXd>& left_over,
   const double half = identify::StudentQuantile(0.975, count - 1.0) * error;
   out.lower = out.slope - half;
   out.upper = out.slope + half;
-  const double band = Limit(rules::kSlopeBand);
-  if (out.lower > 0.0 && out.lower < 1.0 + band && out.upper > 1.0 - band) {
-    out.verdict = ConfirmationVerdict::kConfirmed;
-  } else if (out.upper < Limit(rules::kRefutedBelow)) {
-    out.verdict = ConfirmationVerdict::kRefuted;
-  }
   return out;
 }
 

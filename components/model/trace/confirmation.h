@@ -23,7 +23,7 @@ enum class ConfirmationVerdict { kNotConfirmed, kConfirmed, kRefuted };
 // "confirmed", "not confirmed", "refuted".
 std::string_view ConfirmationWord(ConfirmationVerdict verdict);
 
-// Confirmed and refuted by rules::kSlopeBand and rules::kRefutedBelow.
+// The verdict is that of the score (facts.h).
 struct Confirmation {
   ConfirmationVerdict verdict = ConfirmationVerdict::kNotConfirmed;
   double slope = 0.0;

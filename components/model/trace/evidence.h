@@ -33,10 +33,6 @@ class Evidence {
            const Eigen::Ref<const Eigen::MatrixXd>& Z, const Eigen::VectorXd& precision_of_Z,
            const Eigen::Ref<const Eigen::VectorXd>& y);
 
-  // Sets are compared by their marginal likelihood (Occam).
-  bool marginal() const { return marginal_; }
-  void UseMarginal() { marginal_ = true; }
-
   // Misfit of the declared terms alone, at their best.
   double misfit() const { return misfit_; }
   // Part of the misfit that is the priors' of the declared terms, with those columns of Z.
@@ -68,7 +64,6 @@ class Evidence {
   Prior prior_;        // of the declared columns
   Eigen::VectorXd precision_, power_;
   double misfit_ = 0.0;
-  bool marginal_ = false;
 };
 
 }  // namespace sinew::trace

@@ -46,6 +46,12 @@ void Facts::SetSlope(const Confirmation& confirmation) {
   error = (confirmation.upper - confirmation.lower) / (2.0 * 1.96);
 }
 
+double CurveBeside(const Problem& problem, const EffectSet& set) {
+  const EffectSet with = WithBestCurve(problem.evidence, problem.hypotheses(), set);
+  if (with.empty() || !(set.net > 0.0)) return 0.0;
+  return std::max(0.0, (with.net - set.net) / set.net);
+}
+
 Facts FactsOf(const Problem& problem, const EffectSet& set, std::size_t k,
               const identify::Design& held_out, const actuator::JointModel& declared_fit,
               bool keep_scale, const Likelihood& train) {
@@ -56,8 +62,7 @@ Facts FactsOf(const Problem& problem, const EffectSet& set, std::size_t k,
   out.dynamic =
       share < kMostOfFilter && declared_fit.balance == effects::Balance::kMotion &&
       std::find(kDynamic.begin(), kDynamic.end(), std::string_view(member.name)) != kDynamic.end();
-  const EffectSet with = WithBestCurve(problem.evidence, problem.hypotheses(), set);
-  if (!with.empty() && set.net > 0.0) out.curve = std::max(0.0, (with.net - set.net) / set.net);
+  out.curve = CurveBeside(problem, set);
   if (member.effect->info().event) return out;
 
   Likelihood likelihood;

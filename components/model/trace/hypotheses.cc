@@ -109,8 +109,7 @@ class Builder {
     if (candidate.stated) h.asked = Asked::kNoise;
     h.family = family;
     AddSetting(point.psi, point.columns, &h);
-    h.charge = kChargePerParameter *
-               (static_cast<double>(h.columns.size()) + (candidate.grid.size() > 1 ? 1.0 : 0.0));
+    h.charge = candidate.grid.size() > 1 ? kChargePerShape : 0.0;
     if (h.columns.empty()) return false;
     bank_.hypotheses.push_back(std::move(h));
     return true;
@@ -163,7 +162,7 @@ class Builder {
     h.order_per_turn = order;
     h.family = NextFamily();
     h.columns = AddColumns(columns);
-    h.charge = kChargePerParameter * static_cast<double>(h.columns.size()) + charge;
+    h.charge = charge;
     h.lower.assign(h.columns.size(), -kInfinity);
     h.upper.assign(h.columns.size(), kInfinity);
     bank_.hypotheses.push_back(std::move(h));
@@ -358,7 +357,7 @@ void AddOrders(const identify::Design& design, const Likelihood& likelihood,
     const double charge = limit - 2.0 * std::log(1.0 / kRarest);
     if (integer && line.psi.front() > kLowestCogging) {
       builder.AddSetting(line.psi, line.phi, &cogging);
-      cogging.charge += 2.0 * kChargePerParameter + charge;
+      cogging.charge += charge;
     } else if (!integer) {
       builder.AddCurve("line of the motor's angle", "motor_position_rad", line.psi.front(),
                        -used.Of(line.phi), charge);

@@ -16,8 +16,8 @@
 
 namespace sinew::trace {
 
-// Misfit that a free parameter takes from white noise alone, twice over: Akaike's criterion.
-inline constexpr double kChargePerParameter = 2.0;
+// What a shape that is searched for is charged: Akaike's criterion for a free parameter.
+inline constexpr double kChargePerShape = 2.0;
 
 // A term of the model with its setting; several for an effect of several orders.
 struct TermSetting {
@@ -40,7 +40,7 @@ struct Hypothesis {
   std::vector<TermSetting> settings;              // more than one: several orders of one effect
   Columns columns;                                // of all settings
   int family = 0;       // hypotheses of one family are settings of one thing
-  double charge = 0.0;  // misfit that its parameters, shapes and searches are charged
+  double charge = 0.0;  // misfit that its shapes and searches are charged
   // Range of each coefficient, in units of the balance.
   std::vector<double> lower, upper;
   Asked asked = Asked::kSearched;

@@ -414,7 +414,7 @@ TraceResult TraceByLikelihood(Design& train, Design& held_out, const actuator::J
       [&](std::set<std::string> refuted) {
         refuted.insert(unasked.begin(), unasked.end());
         SetAssessment assessed =
-            AssessSets(problem, base.likelihood, model,
+            AssessSets(problem, base.likelihood.used.blocks, model.balance,
                        static_cast<std::size_t>(options.max_rounds), bootstrap, refuted);
         if (options.agreed) ChooseAgreed(problem, *options.agreed, refuted, &assessed);
         return assessed;

@@ -10,17 +10,16 @@ namespace sinew::trace {
 
 double GainStatistic(double gain, const Hypothesis& hypothesis) {
   const double k = static_cast<double>(hypothesis.columns.size());
-  const double searched = std::max(0.0, hypothesis.charge - 2.0 * k);
   const double spread = 2.0 / (9.0 * k);
-  return (std::cbrt(std::max(0.0, gain - searched) / k) - (1.0 - spread)) / std::sqrt(spread);
+  return (std::cbrt(std::max(0.0, gain - hypothesis.charge) / k) - (1.0 - spread)) /
+         std::sqrt(spread);
 }
 
 double GainOfStatistic(double statistic, const Hypothesis& hypothesis) {
   const double k = static_cast<double>(hypothesis.columns.size());
-  const double searched = std::max(0.0, hypothesis.charge - 2.0 * k);
   const double spread = 2.0 / (9.0 * k);
   const double root = std::max(0.0, statistic * std::sqrt(spread) + 1.0 - spread);
-  return searched + k * root * root * root;
+  return hypothesis.charge + k * root * root * root;
 }
 
 NullTest::NullTest(const Eigen::Ref<const Eigen::MatrixXd>& X,

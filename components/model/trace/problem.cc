@@ -127,7 +127,15 @@ Eigen::VectorXd Problem::Part(const EffectSet& set) const {
 
 double Problem::VarianceShare(const EffectSet& set) const {
   if (set.empty() || !(variance > 0.0)) return 0.0;
-  return 1.0 - identify::LeftBy(bank.declared, bank.target - Part(set)).squaredNorm() / variance;
+  return 1.0 - LeftPlain(bank.target - Part(set)).squaredNorm() / variance;
+}
+
+Eigen::VectorXd Problem::LeftPlain(const Eigen::VectorXd& rest) const {
+  if (plain_precision.size() == 0) return identify::LeftBy(bank.declared, rest);
+  Eigen::MatrixXd A = bank.declared.transpose() * bank.declared;
+  A.diagonal() += plain_precision;
+  A.diagonal() *= 1.0 + kRidge;
+  return rest - bank.declared * A.ldlt().solve(bank.declared.transpose() * rest);
 }
 
 Problem MakeProblem(const identify::Design& design, const Likelihood& likelihood,
@@ -141,7 +149,6 @@ Problem MakeProblem(const identify::Design& design, const Likelihood& likelihood
   const Eigen::VectorXd precision =
       (bank.spread.array() > 0.0).select(bank.spread.array().square().inverse(), 1e300);
   Evidence evidence(X, bank.prior, Z, precision, y);
-  evidence.UseMarginal();
   const double scale = fit.balance.fits_scale ? fit.balance.Scale(fit.coefficients) : 1.0;
   const double variance = identify::LeftBy(bank.declared, bank.target).squaredNorm();
   return {std::move(bank), std::move(X),        std::move(Z), std::move(y),

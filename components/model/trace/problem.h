@@ -17,6 +17,8 @@ struct Problem {
   double scale = 1.0;  // torque per unit of the balance
   Evidence evidence;
   double variance = 0.0;  // squares that the declared terms leave by least squares, not whitened
+  // Precision of the declared columns in those least squares; empty: flat.
+  Eigen::VectorXd plain_precision = {};
 
   const std::vector<Hypothesis>& hypotheses() const { return bank.hypotheses; }
   // Whitened residual with a set in the model.
@@ -27,6 +29,8 @@ struct Problem {
   Eigen::VectorXd LeftOut(const EffectSet& set, const std::vector<identify::Block>& blocks) const;
   // What a set contributes, not whitened.
   Eigen::VectorXd Part(const EffectSet& set) const;
+  // What the declared terms leave of it by least squares, not whitened.
+  Eigen::VectorXd LeftPlain(const Eigen::VectorXd& rest) const;
   // Share of the raw residual's variance that a set takes away, the declared terms refitted by
   // least squares with and without it. May be negative.
   double VarianceShare(const EffectSet& set) const;

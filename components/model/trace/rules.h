@@ -47,11 +47,6 @@ inline constexpr Rule kVarianceShare = {"variance_share",
                                         "half of a weak effect (bench/rigs); provisional: on rigs "
                                         "31-90 (rig_bank) plain recordings reach "
                                         "0.02, wrong effects 0.08"};
-inline constexpr Rule kPriorPenalty = {
-    "prior_penalty", "misfit of declared values against their tolerances that an effect takes away",
-    49.0, kNever,
-    "seven tolerances: they are stated roughly, and task motion of the other rig without effect "
-    "moves values by up to five"};
 inline constexpr Rule kShapeMisfit = {
     "shape_misfit",
     "net gain of a further effect, share of the set's before it; mean loss of a true name "
@@ -66,12 +61,6 @@ inline constexpr Rule kCurveShare = {
     "refitted model's misfit",
     0.04, 0.0,
     "provisional, rigs 31-90 (rig_bank): of such effects below it 2 were right, 10 wrong"};
-inline constexpr Rule kClearlyMore = {
-    "clearly_more", "net gain of a free curve beside the set, share of both", 0.25, kNever,
-    "provisional, to be calibrated on rigs 1-200 (rig_bank)"};
-inline constexpr Rule kConstancy = {
-    "constancy", "net gain of the set's size changing with time, share of the set's", 0.15, kNever,
-    "provisional, to be calibrated on rigs 1-200 (rig_bank)"};
 inline constexpr Rule kRange = {
     "range", "size of an effect over the bound of its physical range that it exceeds", 1.0, kNever,
     "the catalogue's range on any machine: friction does not drive, a delay is not negative"};
@@ -81,11 +70,6 @@ inline constexpr Rule kDetectable = {
 inline constexpr Rule kAbsorbed = {
     "absorbed", "part of a column's power that the declared terms do not carry", 1e-3, 0.0,
     "three per cent of the amplitude, below the accuracy of the columns"};
-inline constexpr Rule kSlopeBand = {
-    "confirmed", "distance of 1 from the interval of the held-out slope, lower bound above 0", 0.2,
-    kNever, "the held-out motion excites another part of an approximate shape"};
-inline constexpr Rule kRefutedBelow = {"refuted", "upper bound of the held-out slope", 0.5, -kNever,
-                                       "half of the trained size is another effect"};
 
 inline constexpr Rule kBeyondDrive = {
     "beyond_drive", "rows that a model says could not have been driven, share", 0.05, kNever,

@@ -70,11 +70,11 @@ double VarianceSize(double share, double variance_per_power, double other) {
 
 }  // namespace
 
-double NeededGain(const Hypothesis& hypothesis, double misfit, double statistic,
+double NeededGain(const Hypothesis& hypothesis, double misfit, double occam, double statistic,
                   double by_variance) {
   // The effect is part of the misfit that its share is taken of.
   const double share = LeastShare(hypothesis);
-  const double by_share = (share * misfit + hypothesis.charge) / (1.0 - share);
+  const double by_share = (share * misfit + occam + hypothesis.charge) / (1.0 - share);
   return std::max(std::min(by_share, by_variance), GainOfStatistic(statistic, hypothesis));
 }
 
@@ -123,8 +123,8 @@ std::vector<DetectableSize> FindDetectable(const Problem& problem,
                                      ? VarianceSize(LeastVariance(h), problem.variance / power,
                                                     std::abs(left.dot(column)) / power)
                                      : kNever;
-      const double needed =
-          NeededGain(h, evidence.misfit(), statistic, by_variance * by_variance * reduced);
+      const double needed = NeededGain(h, evidence.misfit(), evidence.Occam(h.columns), statistic,
+                                       by_variance * by_variance * reduced);
       const double c = kInexact *
                        SizeForPower(needed, static_cast<int>(h.columns.size()),
                                     ApparentSize(problem, h, j, found)) /

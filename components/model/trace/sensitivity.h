@@ -17,7 +17,7 @@ namespace sinew::trace {
 // explain, of the misfit (LeastShare of hypotheses.h) or, whichever is less, of the variance.
 // misfit: of the declared terms, without the effect; by_variance: misfit that goes with the
 // variance (LeastVariance).
-double NeededGain(const Hypothesis& hypothesis, double misfit, double statistic,
+double NeededGain(const Hypothesis& hypothesis, double misfit, double occam, double statistic,
                   double by_variance);
 
 // Size, in standard errors of its coefficient, at which an effect takes away `needed` in 80 % of

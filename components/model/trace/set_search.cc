@@ -46,12 +46,7 @@ EffectSet FitSet(const Evidence& evidence, const std::vector<Hypothesis>& hypoth
   if (out.columns.empty()) return out;
   out.c = evidence.Solve(out.columns);
   out.gain = evidence.Gain(out.columns);
-  // By marginal likelihood the priors charge what the parameters gain from noise; what else is
-  // charged is a search.
-  const double parameters = kChargePerParameter * static_cast<double>(out.columns.size());
-  out.net = evidence.marginal()
-                ? out.gain - evidence.Occam(out.columns) - std::max(0.0, charge - parameters)
-                : out.gain - charge;
+  out.net = out.gain - evidence.Occam(out.columns) - charge;
   return out;
 }
 

@@ -1,9 +1,10 @@
 // The best explanation by one, two or three effects of the catalogue, and by one free curve.
 //
-// Subsets are compared jointly by their net gain: the misfit they take away (evidence.h) less what
-// their parameters, profiled shapes and searches are charged. Every member has to stay inside its
-// physical range in the joint fit. Singles are compared over the whole bank; pairs join the leading
-// families with everything; triples the leading pairs with everything. Pure; allocates.
+// Subsets are compared jointly by their net gain: twice the logarithm of the ratio of marginal
+// likelihoods (evidence.h) less what their profiled shapes and searches are charged. Every member
+// has to stay inside its physical range in the joint fit. Singles are compared over the whole bank;
+// pairs join the leading families with everything; triples the leading pairs with everything. Pure;
+// allocates.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,7 +22,7 @@ struct EffectSet {
   Columns columns;
   Eigen::VectorXd c;
   double gain = 0.0;  // misfit taken away
-  double net = 0.0;   // less the charges
+  double net = 0.0;   // of the marginal likelihood, less the charges
 
   bool empty() const { return members.empty(); }
 };

@@ -42,7 +42,6 @@ struct Searched {
       h.columns = {j};
       h.settings = {{{}, {j}}};
       h.family = j == 4 ? 3 : j;
-      h.charge = 2.0;
       h.lower = {j == 1 ? 0.0 : -kNoBound};
       h.upper = {kNoBound};
       hypotheses.push_back(std::move(h));
