@@ -85,10 +85,16 @@ class Assessor {
     return true;
   }
 
-  // Does it explain so much more, of the misfit or of the variance?
+  // Does it explain so much more, of the misfit, of the variance, or of values that were measured?
   bool Adequate(const EffectSet& without, const EffectSet& with, const Hypothesis& added) const {
     return with.net - without.net > LeastShare(added) * misfit_ ||
-           problem_.VarianceShare(with) - problem_.VarianceShare(without) > LeastVariance(added);
+           problem_.VarianceShare(with) - problem_.VarianceShare(without) > LeastVariance(added) ||
+           (problem_.plain_precision.size() > 0 &&
+            PriorMisfit(without) - PriorMisfit(with) > Limit(rules::kPriorPenalty));
+  }
+
+  double PriorMisfit(const EffectSet& set) const {
+    return problem_.evidence.PriorMisfit(set.columns, set.c);
   }
 
   EffectSet Without(const EffectSet& set, std::size_t k) const {

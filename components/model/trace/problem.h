@@ -17,7 +17,8 @@ struct Problem {
   double scale = 1.0;  // torque per unit of the balance
   Evidence evidence;
   double variance = 0.0;  // squares that the declared terms leave by least squares, not whitened
-  // Precision of the declared columns in those least squares; empty: flat.
+  // Precision of the declared columns where their tolerances are as good as measurements (links
+  // that were weighed): it counts in those least squares too. Empty: stated roughly, flat there.
   Eigen::VectorXd plain_precision = {};
 
   const std::vector<Hypothesis>& hypotheses() const { return bank.hypotheses; }

@@ -47,6 +47,11 @@ inline constexpr Rule kVarianceShare = {"variance_share",
                                         "half of a weak effect (bench/rigs); provisional: on rigs "
                                         "31-90 (rig_bank) plain recordings reach "
                                         "0.02, wrong effects 0.08"};
+inline constexpr Rule kPriorPenalty = {"prior_penalty",
+                                       "on two feet the same in the misfit of declared values "
+                                       "against their tolerances, which suffices",
+                                       49.0, kNever,
+                                       "seven tolerances: effects that a refit absorbs"};
 inline constexpr Rule kShapeMisfit = {
     "shape_misfit",
     "net gain of a further effect, share of the set's before it; mean loss of a true name "
