@@ -81,6 +81,7 @@ std::string SizesText(const trace::TraceResult& trace, const trace::FoundEffect&
   std::vector<std::string> out;
   for (std::size_t i = 0; i < info.linear.size(); ++i) {
     const actuator::ParameterValue& value = term.linear[i];
+    if (value.value == 0.0 && value.half_width_95 == 0.0) continue;  // no payload: no part of it
     out.push_back(effects::ParameterKey(info.linear[i], trace.corrected.kind) + " = " +
                   Short(value.value) +
                   (value.half_width_95 ? " +- " + Short(*value.half_width_95) : ""));
@@ -167,12 +168,11 @@ std::string EffectSentences(const trace::TraceResult& trace) {
 std::string OpenSentences(const trace::TraceResult& trace) {
   std::string out;
   for (const trace::FoundEffect& effect : trace.open) {
-    out +=
-        (out.empty() ? "" : " ") + std::string("Open, and not in the model: ") +
-        EffectLabel(trace, effect) + " (" + EffectTitle(effect.name) + "), " +
-        SizesText(trace, effect) +
-        "; the training recordings support it, the held-out ones neither confirm nor refute it (" +
-        RefusalText(effect) + ").";
+    out += (out.empty() ? "" : " ") + std::string("Open, and not in the model: ") +
+           EffectLabel(trace, effect) + " (" + EffectTitle(effect.name) + "), " +
+           SizesText(trace, effect) +
+           "; the training recordings support it, but too little speaks for its name (held out " +
+           RefusalText(effect) + ").";
   }
   return out;
 }
