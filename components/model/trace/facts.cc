@@ -1,6 +1,5 @@
 #include "components/model/trace/facts.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -94,15 +93,9 @@ Facts FactsOf(const Problem& problem, const EffectSet& set, std::size_t k,
   const Eigen::VectorXd rest = left(set);
   const Eigen::VectorXd own = left(without) - rest;
   const Nuisances nuisances = MakeNuisances(held_out, likelihood, declared_fit);
-  Eigen::MatrixXd columns(used.size(), 1 + nuisances.columns.cols());
-  columns << own, nuisances.columns;
-  Eigen::VectorXd precision = Eigen::VectorXd::Zero(columns.cols());
-  Eigen::VectorXd mean = Eigen::VectorXd::Zero(columns.cols());
-  for (Eigen::Index i = 0; i < nuisances.spread.size(); ++i) {
-    mean[1 + i] = nuisances.mean[i];
-    const double spread = nuisances.spread[i];
-    precision[1 + i] = spread > 0.0 ? 1.0 / (spread * spread) : 0.0;
-  }
+  const Prior prior{
+      nuisances.mean,
+      (nuisances.spread.array() > 0.0).select(nuisances.spread.array().square().inverse(), 0.0)};
   // Twice: the noise is what the imperfections leave. rest = own (slope - 1) + imperfections.
   // Training on held positions leaves white noise: it has no weights for what is quick.
   const auto learn = [&](const Eigen::VectorXd& left_over) {
@@ -114,20 +107,15 @@ Facts FactsOf(const Problem& problem, const EffectSet& set, std::size_t k,
   };
   learn(rest);
   for (int pass = 0; pass < 2; ++pass) {
-    const Eigen::MatrixXd X = Whiten(likelihood, columns);
-    Eigen::MatrixXd A = X.transpose() * X;
-    A.diagonal() += precision;
-    for (Eigen::Index i = 0; i < A.rows(); ++i) A(i, i) += kRidge * A(i, i) + 1e-300;
-    const Eigen::LDLT<Eigen::MatrixXd> factor(A);
-    const Eigen::VectorXd e = Whiten(likelihood, rest - columns * mean).col(0);
-    const Eigen::VectorXd x = mean + factor.solve(X.transpose() * e);
+    const Evidence evidence(Whiten(likelihood, nuisances.columns), prior, Whiten(likelihood, own),
+                            Eigen::VectorXd::Zero(1), Whiten(likelihood, rest).col(0));
+    const Eigen::VectorXd more = evidence.Solve({0});
     if (pass == 0) {
-      learn(rest - columns * x);
+      learn(rest - own * more - nuisances.columns * evidence.Declared({0}, more));
       continue;
     }
-    const Eigen::VectorXd unit = Eigen::VectorXd::Unit(A.rows(), 0);
-    out.error = std::sqrt(std::max(0.0, factor.solve(unit)[0]));
-    if (out.error > 0.0 && std::isfinite(out.error)) out.slope = 1.0 + x[0];
+    out.error = std::sqrt(std::max(0.0, evidence.Covariance({0})(0, 0)));
+    if (out.error > 0.0 && std::isfinite(out.error)) out.slope = 1.0 + more[0];
   }
   return out;
 }
