@@ -35,7 +35,6 @@ Powers PowersOf(Dimension dimension) {
       return {1.0, 0.0};
     case Dimension::kViscous:
     case Dimension::kViscousPerKelvin:
-    case Dimension::kTorqueTimePerBar:
       return {1.0, 1.0};
     case Dimension::kQuadraticViscous:
     case Dimension::kInertia:

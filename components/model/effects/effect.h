@@ -72,7 +72,6 @@ enum class Dimension {
   kPerCurrentSquared,
   kViscousPerKelvin,
   kInertiaTimeSquared,
-  kTorqueTimePerBar,
   kAnglePerTorque,
   kRate,
 };

@@ -55,8 +55,6 @@ std::string_view UnitSuffix(Dimension dimension, types::JointKind kind) {
       return rotary ? "Nm_s_rad_K" : "N_s_m_K";
     case Dimension::kInertiaTimeSquared:
       return rotary ? "kg_m2_s2" : "kg_s2";
-    case Dimension::kTorqueTimePerBar:
-      return rotary ? "Nm_s_bar" : "N_s_bar";
     case Dimension::kAnglePerTorque:
       return rotary ? "rad_Nm" : "m_N";
     case Dimension::kRate:

@@ -83,6 +83,19 @@ std::vector<char> Slower(const Eigen::VectorXd& v, double limit) {
   return out;
 }
 
+// Presliding: the teeth and seals turn over before friction has its moving value. steps: of the
+// angle from row to row.
+std::vector<char> Settling(const std::vector<char>& at_rest, const Eigen::VectorXd& steps,
+                           double distance) {
+  std::vector<char> out;
+  double covered = 0.0;
+  for (std::size_t k = 0; k < at_rest.size(); ++k) {
+    covered = at_rest[k] ? 0.0 : covered + std::abs(steps[static_cast<Eigen::Index>(k)]);
+    out.push_back(static_cast<char>(covered < distance));
+  }
+  return out;
+}
+
 // Times from the nearest row in which no tooth surely carries.
 std::vector<double> FromContact(const std::vector<char>& carries, double period_s) {
   const std::size_t n = carries.size();
@@ -336,33 +349,30 @@ StateSet MakeStates(const std::vector<types::Run>& runs, const actuator::JointMo
         segment.at_rest[static_cast<std::size_t>(i - 1)] = 1;
         segment.at_rest[static_cast<std::size_t>(i)] = 1;
       }
-      std::vector<char> out_of_use = segment.at_rest;
+      const auto guard = static_cast<Eigen::Index>(std::lround(options.reversal_guard_s * rate));
+      std::vector<char> near_rest = segment.at_rest, touches(piece.valid.size(), 0);
+      std::vector<char> ringing = touches, settling = touches;
+      Spread(near_rest, guard);
       if (motor && model.backlash_rad > 0.0) {
         MarkContacts(motor_q / ratio - q, model.backlash_rad, locked, options.contact_guard_s,
-                     &segment, &out_of_use, &unsure);
+                     &segment, &touches, &ringing);
+        Spread(touches, guard);
       }
-      Spread(out_of_use, static_cast<Eigen::Index>(std::lround(options.reversal_guard_s * rate)));
-      // Presliding: the teeth and seals turn over before friction has its moving value.
-      if (options.settle_distance > 0.0 && !run.held) {
-        double covered = 0.0;
-        for (Eigen::Index i = 0; i < piece.size(); ++i) {
-          const auto k = static_cast<std::size_t>(i);
-          covered = segment.at_rest[k] ? 0.0 : covered + std::abs(v[i]) * dt;
-          if (covered < options.settle_distance) out_of_use[k] = 1;
-        }
-      }
+      if (!run.held) settling = Settling(segment.at_rest, v * dt, options.settle_distance);
       const auto border = run.held
                               ? Eigen::Index{0}
                               : static_cast<Eigen::Index>(std::lround(options.border_s * rate));
       for (Eigen::Index i = 0; i < piece.size(); ++i) {
         const auto k = static_cast<std::size_t>(i);
-        if (unsure[k] || !piece.valid[k] || i < border || i >= piece.size() - border) {
-          out_of_use[k] = 1;
-        }
+        segment.use.push_back(!piece.valid[k]                            ? RowUse::kHole
+                              : i < border || i >= piece.size() - border ? RowUse::kBorder
+                              : segment.at_rest[k] || unsure[k]          ? RowUse::kRest
+                              : near_rest[k]                             ? RowUse::kReversal
+                              : touches[k] || ringing[k]                 ? RowUse::kContact
+                              : settling[k]                              ? RowUse::kSettling
+                                                                         : RowUse::kUsed);
+        segment.usable.push_back(static_cast<char>(segment.use.back() == RowUse::kUsed));
       }
-      segment.usable.resize(out_of_use.size());
-      std::transform(out_of_use.begin(), out_of_use.end(), segment.usable.begin(),
-                     [](char flag) { return static_cast<char>(!flag); });
       out.segments.push_back(std::move(segment));
     }
   }

@@ -18,6 +18,17 @@
 
 namespace sinew::identify {
 
+// Why a row says nothing about a moving joint; of several reasons the first.
+enum class RowUse : char {
+  kUsed,
+  kHole,      // rows were lost, or the row was interpolated
+  kBorder,    // of a piece: the filters begin or end there
+  kRest,      // slower than the rest velocity, or too slow to know the direction
+  kReversal,  // within the guard around rest and reversals
+  kContact,   // near a touch of the teeth, or no tooth surely carries
+  kSettling,  // within the settling distance after rest
+};
+
 // The states of one piece of a recording, at the full rate.
 struct StateSegment {
   int run = 0;
@@ -32,6 +43,7 @@ struct StateSegment {
   std::vector<char> valid;    // 0: inside a hole of lost rows
   std::vector<char> usable;   // moving, away from reversals, borders and holes
   std::vector<char> at_rest;  // slower than the rest velocity
+  std::vector<RowUse> use;    // kUsed where usable; of the motion's balance
   // Time from the nearest row in which no tooth surely carries, s; empty: a rigid gear or no
   // encoder on the motor.
   std::vector<double> from_contact_s;

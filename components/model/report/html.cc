@@ -125,6 +125,31 @@ std::string Rotations(const Report& report) {
   return out + "</table>\n";
 }
 
+// Which training rows are used, why not the others, and at which speeds.
+std::string RowsText(const trace::TraceResult& trace) {
+  std::string out = std::to_string(trace.used_rows) + " of " + std::to_string(trace.rows) +
+                    " training rows are used";
+  const trace::RowUsage& usage = trace.row_usage;
+  std::string reasons;
+  for (const auto& [reason, rows] : usage.not_used) {
+    reasons += (reasons.empty() ? "; not used: " : ", ") + reason + " " + std::to_string(rows);
+  }
+  out += reasons;
+  double from = 0.0;
+  const std::string unit = trace.corrected.kind == types::JointKind::kRotary ? "rad/s" : "m/s";
+  std::string speeds;
+  for (const trace::RowUsage::Speed& speed : usage.by_speed) {
+    if (speed.rows > 0) {
+      speeds += (speeds.empty() ? "; used by speed: " : ", ") + Short(from) + " to " +
+                Short(speed.up_to) + " " + unit + " " +
+                Percent(static_cast<double>(speed.used) / static_cast<double>(speed.rows)) +
+                " of " + std::to_string(speed.rows);
+    }
+    from = speed.up_to;
+  }
+  return out + speeds;
+}
+
 // The smallest sizes that would have been found, a row for each parameter.
 std::string Detectable(const trace::TraceResult& trace) {
   if (trace.detectable.empty()) return "";
@@ -310,9 +335,7 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
   }
   out += "</p>\n" + FormatFaultTable(report.faults) + "<h2>The data</h2>\n<ul>";
   if (trace.rows > 0) {
-    out += "<li>" + std::to_string(trace.used_rows) + " of " + std::to_string(trace.rows) +
-           " training rows are used: the rest is rest, reversals, borders of pieces or "
-           "outliers</li>\n";
+    out += "<li>" + RowsText(trace) + "</li>\n";
   }
   for (const identify::Finding& finding : report.findings) {
     out += "<li>" + Escape(finding.text) + "</li>\n";

@@ -396,6 +396,9 @@ TraceResult TraceByLikelihood(Design& train, Design& held_out, const actuator::J
   result.block_length_s = base.likelihood.used.block_s;
   result.rows = train.rows().size();
   result.used_rows = base.likelihood.used.size();
+  if (model.balance == effects::Balance::kMotion) {
+    result.row_usage = UsageOf(train, base.likelihood.used);
+  }
   NoteErrors(reported, base.fit.model, &train, &held_out, &result);
 
   RoundReport round;

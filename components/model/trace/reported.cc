@@ -1,5 +1,9 @@
 #include "components/model/trace/reported.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+
 #include "components/model/trace/noise_floor.h"
 
 namespace sinew::trace {
@@ -12,6 +16,40 @@ LikelihoodFit Reported(const Design& train, const LikelihoodFit& base,
   out.likelihood = Unweighted(base.likelihood, LeftOver(base.fit, base.likelihood.used));
   out.likelihood.no_nuisance.emplace_back(kRigidBodies);
   out.fit = FitWhitened(train, out.likelihood, declared);
+  return out;
+}
+
+RowUsage UsageOf(const Design& train, const UsedRows& used) {
+  constexpr std::array kReasons = {
+      "lost or interpolated",    "border of a piece",           "rest",
+      "near rest or a reversal", "near a contact of the teeth", "settling after rest",
+      "alone or an outlier"};
+  constexpr std::array kClasses = {1.0 / 30.0, 0.1, 1.0 / 3.0, 1.0};  // of the fastest row
+  const identify::Rows& rows = train.rows();
+  std::vector<char> is_used(static_cast<std::size_t>(rows.size()), 0);
+  for (const Eigen::Index row : used.rows) is_used[static_cast<std::size_t>(row)] = 1;
+  const Eigen::VectorXd speed =
+      train.Variable([](const effects::JointSample& x) { return std::abs(x.velocity_rad_s); });
+  RowUsage out;
+  const double fastest = speed.size() > 0 ? speed.maxCoeff() : 0.0;
+  for (const double share : kClasses) out.by_speed.push_back({share * fastest, 0, 0});
+  std::array<Eigen::Index, kReasons.size()> count{};
+  for (Eigen::Index i = 0; i < rows.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const auto at = std::find_if(out.by_speed.begin(), out.by_speed.end() - 1,
+                                 [&](const auto& of) { return speed[i] <= of.up_to; });
+    ++at->rows;
+    at->used += is_used[k];
+    if (is_used[k]) continue;
+    const identify::StateSegment& segment =
+        train.states().segments[static_cast<std::size_t>(rows.segment[k])];
+    const auto why =
+        static_cast<std::size_t>(segment.use[static_cast<std::size_t>(rows.sample[k])]);
+    ++count[why > 0 ? why - 1 : kReasons.size() - 1];
+  }
+  for (std::size_t r = 0; r < kReasons.size(); ++r) {
+    if (count[r] > 0) out.not_used.emplace_back(kReasons[r], count[r]);
+  }
   return out;
 }
 

@@ -12,6 +12,9 @@ namespace sinew::trace {
 LikelihoodFit Reported(const identify::Design& train, const LikelihoodFit& base,
                        const actuator::JointModel& declared);
 
+// used: rows of the search.
+RowUsage UsageOf(const identify::Design& train, const UsedRows& used);
+
 // Errors of result->nominal and of the reported fit, noise floor and ceiling. The drive that terms
 // read is the one that each model predicts; at the end that of `drive`.
 void NoteErrors(const LikelihoodFit& reported, const actuator::JointModel& drive,

@@ -128,6 +128,19 @@ struct DetectableSize {
   std::vector<std::pair<std::string, double>> shape;  // nonlinear parameters
 };
 
+// Which rows of the training recordings the fit of the motion's balance uses, and why not the
+// others.
+struct RowUsage {
+  struct Speed {
+    double up_to = 0.0;  // rad/s or m/s; the classes end at 1/30, 1/10, 1/3 and all of the fastest
+    Eigen::Index rows = 0, used = 0;
+  };
+  std::vector<Speed> by_speed;
+  // Reason and rows, in the order of RowUse; at last those too few beside one another and those far
+  // outside of the noise.
+  std::vector<std::pair<std::string, Eigen::Index>> not_used;
+};
+
 enum class Verdict { kNone, kEffect, kUnexplained, kTooLittleData };
 
 // How well a balance holds without and with what was found, in its own unit.
@@ -145,6 +158,7 @@ struct Assessment {
   std::string noise_floor_source;
   double ceiling_rms = 0.0;
   Eigen::Index rows = 0, used_rows = 0;  // of the training recordings, and of these in the fit
+  RowUsage row_usage;
   int blocks = 0;  // independent blocks of rows: cross-validation groups, whose signs are flipped
   double block_length_s = 0.0;
   std::vector<RoundReport> rounds;

@@ -185,6 +185,19 @@ Json Detectable(const trace::TraceResult& trace) {
           {"sizes", std::move(sizes)}};
 }
 
+Json RowsJson(const trace::TraceResult& trace) {
+  Json speeds = Json::array(), reasons = Json::object();
+  const char* key = trace.corrected.kind == types::JointKind::kRotary ? "up_to_rad_s" : "up_to_m_s";
+  for (const trace::RowUsage::Speed& speed : trace.row_usage.by_speed) {
+    speeds.push_back({{key, speed.up_to}, {"rows", speed.rows}, {"used", speed.used}});
+  }
+  for (const auto& [reason, rows] : trace.row_usage.not_used) reasons[reason] = rows;
+  return {{"training", trace.rows},
+          {"used", trace.used_rows},
+          {"by_speed", std::move(speeds)},
+          {"not_used", std::move(reasons)}};
+}
+
 Json PosteriorJson(const trace::Posterior& posterior) {
   Json out = Json::array();
   for (const trace::NameProbability& entry : posterior) {
@@ -371,7 +384,7 @@ std::string FormatJson(const Report& report) {
   const std::string next = NextExperiment(report);
   out["next_experiment"] = next.empty() ? Json(nullptr) : Json(next);
   out["blocks"] = Blocks(trace);
-  out["rows"] = {{"training", trace.rows}, {"used", trace.used_rows}};
+  out["rows"] = RowsJson(trace);
   out["processing"] = {{"state_cutoff_Hz", report.processing.state_cutoff_Hz},
                        {"state_order", report.processing.state_order},
                        {"parallel_cutoff_Hz", report.processing.parallel_cutoff_Hz},

@@ -581,7 +581,6 @@ TEST(UnitSuffix, GivesTheYamlSuffixForBothKinds) {
       {Dimension::kPerCurrentSquared, "per_A2", "per_A2"},
       {Dimension::kViscousPerKelvin, "Nm_s_rad_K", "N_s_m_K"},
       {Dimension::kInertiaTimeSquared, "kg_m2_s2", "kg_s2"},
-      {Dimension::kTorqueTimePerBar, "Nm_s_bar", "N_s_bar"},
       {Dimension::kAnglePerTorque, "rad_Nm", "m_N"},
       {Dimension::kRate, "1_s", "1_s"},
   };

@@ -48,6 +48,28 @@ TEST(LikelihoodTracer, AKnownEffectIsFoundFirstAndLowersTheHeldOutError) {
   EXPECT_FALSE(result.corrected.terms.back().declared);
 }
 
+TEST(LikelihoodTracer, EveryRowIsUsedOrHasAReason) {
+  const TraceResult result = TraceOf(SyntheticModel(), {});
+  const RowUsage& usage = result.row_usage;
+  Eigen::Index rows = 0, used = 0, not_used = 0;
+  for (const RowUsage::Speed& speed : usage.by_speed) {
+    rows += speed.rows;
+    used += speed.used;
+    EXPECT_LE(speed.used, speed.rows);
+  }
+  for (const auto& [reason, count] : usage.not_used) not_used += count;
+  EXPECT_EQ(rows, result.rows);
+  EXPECT_EQ(used, result.used_rows);
+  EXPECT_EQ(not_used, result.rows - result.used_rows);
+  // The motion reverses and never stops: its slowest rows are those that are left out.
+  ASSERT_EQ(usage.by_speed.size(), 4u);
+  EXPECT_LT(usage.by_speed.front().used, 0.2 * static_cast<double>(usage.by_speed.front().rows));
+  EXPECT_GT(usage.by_speed.back().used, 0.9 * static_cast<double>(usage.by_speed.back().rows));
+  EXPECT_TRUE(std::any_of(usage.not_used.begin(), usage.not_used.end(), [](const auto& entry) {
+    return entry.first == "near rest or a reversal";
+  }));
+}
+
 TEST(LikelihoodTracer, RivalsThatPredictTheSameAreNamed) {
   const TraceResult result = TraceOf(With("direction_dependent_viscous", 0.12), {.noise_A = 0.2});
   ASSERT_EQ(result.verdict, Verdict::kEffect);
