@@ -237,15 +237,14 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
                          ". In the model, the one that training misses most first.") +
          Events(trace);
   if (!next.empty()) out += "<h2>Next experiment</h2><p>" + Escape(next) + "</p>\n";
-  out +=
-      EffectTable(trace, trace.open, "Open",
-                  "Supported by the training recordings, neither confirmed nor refuted by the "
-                  "held-out ones. Not in the model.") +
-      EffectTable(trace, trace.refuted, "Refuted on the held-out recordings",
-                  "Selected on the training recordings, but the held-out recordings do not "
-                  "follow the effect, or their error rises, or the interval of its size contains "
-                  "zero. Not in the model.") +
-      Rotations(report);
+  out += EffectTable(trace, trace.open, "Open",
+                     "Supported by the training recordings, but too little speaks for the names. "
+                     "Not in the model.") +
+         EffectTable(trace, trace.refuted, "Refuted on the held-out recordings",
+                     "Selected on the training recordings, but the held-out error rises with the "
+                     "effect, or the drive could not have driven the motion with it, or too little "
+                     "speaks for what a second search finds. Not in the model.") +
+         Rotations(report);
   for (std::size_t i = 0; i < pictures.size() && i < svgs.size(); ++i) {
     out += "<figure><h3>" + Escape(pictures[i].title) + "</h3>" + svgs[i] +
            "<p class=\"caption\">" + Escape(pictures[i].caption) + "</p></figure>\n";

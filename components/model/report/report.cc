@@ -113,7 +113,7 @@ std::string RefusalText(const trace::FoundEffect& effect) {
   std::string out;
   if (refusal.rule == rules::kScore.id) {
     out = !(there.upper > there.lower)
-              ? "they cannot show its size"
+              ? "its size does not show"
               : "its size there is " + Short(there.slope) + " times the trained one, [" +
                     Short(there.lower) + ", " + Short(there.upper) + "]";
     constexpr double kCurveWorthWords = 0.1;  // of a score of one half it takes 0.06

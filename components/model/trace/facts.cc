@@ -61,7 +61,6 @@ Facts FactsOf(const Problem& problem, const EffectSet& set, std::size_t k,
   out.dynamic =
       share < kMostOfFilter && declared_fit.balance == effects::Balance::kMotion &&
       std::find(kDynamic.begin(), kDynamic.end(), std::string_view(member.name)) != kDynamic.end();
-  out.curve = CurveBeside(problem, set);
   if (member.effect->info().event) return out;
 
   Likelihood likelihood;

@@ -34,7 +34,7 @@ struct Facts {
 // What the best free curve gains beside a set, share of what the set does.
 double CurveBeside(const Problem& problem, const EffectSet& set);
 
-// Facts of member k. held_out: its drive predicted by the fit of the declared terms in training.
+// Facts of member k without the curve. held_out: its drive predicted by the fit in training.
 Facts FactsOf(const Problem& problem, const EffectSet& set, std::size_t k,
               const identify::Design& held_out, const actuator::JointModel& declared_fit,
               bool keep_scale, const Likelihood& train);

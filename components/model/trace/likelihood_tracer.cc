@@ -294,9 +294,11 @@ class Correction {
   // Facts of every member of the set, by the drive that the declared terms need.
   void FindFacts() {
     facts_.clear();
+    const double curve = CurveBeside(problem_, set_);
     for (std::size_t k = 0; k < set_.members.size(); ++k) {
       facts_.push_back(
           FactsOf(problem_, set_, k, held_out_, searched_.model, whitened_.keep_scale, whitened_));
+      facts_.back().curve = curve;
     }
   }
 

@@ -57,13 +57,12 @@ inline constexpr Rule kShapeMisfit = {
     "net gain of a further effect, share of the set's before it; mean loss of a true name "
     "(posterior.h)",
     0.10, 0.0, "twice the margin of a class (bench/rigs): what an approximate shape leaves"};
-inline constexpr Rule kMemberP = {"p_member", "p of a member beside the others", 0.01, 1.0,
+inline constexpr Rule kMemberP = {"p_member", "p of a free curve beside the set", 0.01, 1.0,
                                   "as p_global"};
 inline constexpr Rule kCurveShare = {
     "curve_share",
-    "net gain of a free curve, or of an effect identified from accelerations or rates, share of "
-    "the "
-    "refitted model's misfit",
+    "net gain of an effect identified from accelerations or rates, share of the refitted model's "
+    "misfit",
     0.04, 0.0,
     "provisional, rigs 31-90 (rig_bank): of such effects below it 2 were right, 10 wrong"};
 inline constexpr Rule kRange = {
