@@ -9,6 +9,7 @@
 
 #include <algorithm>
 
+#include "components/topics/node/filtered_transport.h"
 #include "components/topics/node/interfaces.h"
 
 namespace sinew::node::internal {
@@ -144,6 +145,11 @@ void RestrictTransports(const Options& options, dds::DomainParticipantQos* qos) 
     }
   }
   WarnWhenOpen(*qos, running);
+  for (auto& descriptor : used.user_transports) {
+    if (std::dynamic_pointer_cast<transport::SocketTransportDescriptor>(descriptor)) {
+      descriptor = Filtered(descriptor, HasSecurity(*qos));
+    }
+  }
 }
 
 }  // namespace sinew::node::internal
