@@ -11,9 +11,6 @@ namespace sinew::trace {
 
 namespace {
 
-// Nats a row that a curve gains where something is there that no effect explains.
-constexpr double kCurveEvidencePerRow = 0.02;
-
 class Assessor {
  public:
   Assessor(const Problem& problem, const std::vector<identify::Block>& blocks,
@@ -68,8 +65,10 @@ class Assessor {
 
   void CompareCurves() {
     const EffectSet with = WithBestCurve(problem_.evidence, problem_.hypotheses(), out_.chosen);
-    const auto rows = static_cast<double>(problem_.y.size());
-    if (with.empty() || !(with.net - out_.chosen.net > 2.0 * kCurveEvidencePerRow * rows)) return;
+    if (with.empty()) return;
+    const double per_row =
+        (with.net - out_.chosen.net) / (2.0 * static_cast<double>(problem_.y.size()));
+    if (!(per_row > Limit(rules::kCurveEvidence))) return;
     const double statistic = Statistic(with.gain - out_.chosen.gain, with.members.back());
     if (POfCurve(out_.chosen, with, statistic) > Limit(rules::kMemberP)) return;
     NoteUnexplained(with);

@@ -149,9 +149,18 @@ Curve OverTime(const identify::Design& design, const Getter times, const std::st
   return out;
 }
 
+// Is it the balance's measured side, or made of it? A second derivative of one of two encoders is
+// mostly that encoder's noise.
+bool IsOfTarget(std::string_view variable, const identify::Design& design,
+                effects::Balance balance) {
+  return (variable == "load_force_N" && design.states().locked) ||
+         (variable == "acceleration_rad_s2" && balance == effects::Balance::kKinematic) ||
+         (variable == "pressure_bar" && balance == effects::Balance::kGas);
+}
+
 }  // namespace
 
-std::vector<Curve> FreeCurves(const identify::Design& design) {
+std::vector<Curve> FreeCurves(const identify::Design& design, effects::Balance balance) {
   const std::vector<Eigen::Index> used = design.rows().UsedRows();
   std::vector<Curve> out;
   const auto add = [&](Curve curve) {
@@ -162,8 +171,7 @@ std::vector<Curve> FreeCurves(const identify::Design& design) {
         DiffersBetweenFewRecordings(design, variable.name)) {
       continue;
     }
-    // Where the motor is locked the load cell is the measured side itself.
-    if (design.states().locked && std::string_view(variable.name) == "load_force_N") continue;
+    if (IsOfTarget(variable.name, design, balance)) continue;
     add(Over(design, variable, used));
   }
   if (design.states().measured.contains("motor_position_rad")) add(OverMotorTurn(design));

@@ -22,8 +22,9 @@ struct Curve {
   Eigen::MatrixXd columns;  // every row of the design
 };
 
-// Every curve whose signals the design's recordings provide. The design's drive must be predicted
-// (Design::PredictDrive).
-std::vector<Curve> FreeCurves(const identify::Design& design);
+// Every curve whose signals the design's recordings provide, but for those that hold the noise of
+// the balance's own target: over them a curve explains the target by itself. The design's drive
+// must be predicted (Design::PredictDrive).
+std::vector<Curve> FreeCurves(const identify::Design& design, effects::Balance balance);
 
 }  // namespace sinew::trace

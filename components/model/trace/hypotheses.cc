@@ -227,6 +227,17 @@ class Builder {
 
 }  // namespace
 
+namespace {
+
+// Is one a multiple of the other, as well as both are known?
+bool IsHarmonic(double order, double first, double resolution) {
+  const auto [low, high] = std::minmax(order, first);
+  const double times = std::round(high / low);
+  return times >= 2.0 && std::abs(high - times * low) < resolution * times;
+}
+
+}  // namespace
+
 bool Hypothesis::follows_rates() const {
   static const std::set<std::string> kRates = {"acceleration_rad_s2", "motor_acceleration_rad_s2",
                                                "jerk_rad_s3", "snap_rad_s4", "drive_rate"};
@@ -269,7 +280,7 @@ Bank MakeBank(const identify::Design& design, const Likelihood& likelihood,
     if (candidate.name() == kWave) builder.AddWaves(candidate);
   }
   if (likelihood.event) builder.AddEvent(*likelihood.event);
-  for (const Curve& curve : FreeCurves(design)) {
+  for (const Curve& curve : FreeCurves(design, model.balance)) {
     builder.AddCurve(curve.description, curve.variable, 0.0, used.Of(curve.columns), 0.0);
   }
   bank.untestable = std::move(set.untestable);
@@ -354,6 +365,10 @@ void AddOrders(const identify::Design& design, const Likelihood& likelihood,
     e = line.rest;
     found = line.found;
     known.push_back(line.psi.front());
+    // On a part of a turn every line could be of a whole order, those of a bump as well.
+    if (integer && resolution >= kWholeTurn && !cogging.settings.empty()) {
+      integer = IsHarmonic(line.psi.front(), cogging.settings.front().psi.front(), resolution);
+    }
     const double charge = limit - 2.0 * std::log(1.0 / kRarest);
     if (integer && line.psi.front() > kLowestCogging) {
       builder.AddSetting(line.psi, line.phi, &cogging);

@@ -59,6 +59,10 @@ inline constexpr Rule kShapeMisfit = {
     0.10, 0.0, "twice the margin of a class (bench/rigs): what an approximate shape leaves"};
 inline constexpr Rule kMemberP = {"p_member", "p of a free curve beside the set", 0.01, 1.0,
                                   "as p_global"};
+inline constexpr Rule kCurveEvidence = {
+    "curve_evidence", "marginal likelihood of a free curve beside the set, nats a row", 0.006, 0.0,
+    "provisional, rigs 100300-100327 (rig_bank): at most 0.0032 in 56 plain recordings, 0.0095 and "
+    "more in 14 of 18 with an effect outside of the catalogue"};
 inline constexpr Rule kCurveShare = {
     "curve_share",
     "net gain of an effect identified from accelerations or rates, share of the refitted model's "

@@ -36,8 +36,9 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                  torque("cosine", "amplitude of the cosine"),
                  share("load_sine", "the same, per drive torque"),
                  share("load_cosine", "the same, per drive torque")};
-  // Wheels on the output turn once or twice a period, those on the motor's shaft N times.
-  std::vector<double> orders = {1.0, 2.0};
+  // A wheel on the output once or twice a turn of it, the planets of its carrier three or four
+  // times; wheels on the motor's shaft N times.
+  std::vector<double> orders = {1.0, 2.0, 3.0, 4.0};
   if (constants.gear_ratio > 2.0) {
     orders.push_back(constants.gear_ratio);
     orders.push_back(2.0 * constants.gear_ratio);

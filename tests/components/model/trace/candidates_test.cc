@@ -114,7 +114,7 @@ TEST(Candidates, ATemperaturePerRecordingNeedsOneThatComesTwice) {
     const auto design = MakeDesign(runs, model);
     const CandidateSet set = MakeCandidates(design, model);
     EXPECT_NE(Has(set, "temperature_friction"), Missing(set, "temperature_friction"));
-    const std::vector<Curve> curves = FreeCurves(design);
+    const std::vector<Curve> curves = FreeCurves(design, effects::Balance::kMotion);
     const bool curve = std::any_of(curves.begin(), curves.end(), [](const Curve& each) {
       return each.variable == "temperature_degC";
     });

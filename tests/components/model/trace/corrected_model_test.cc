@@ -60,7 +60,7 @@ TEST(CorrectedModel, LeavesOutWhatTheHeldOutRecordingDoesNotConfirmUnlessAsked) 
   EXPECT_FALSE(found.in_model());
   ASSERT_EQ(found.fitted.size(), 1u);
   const actuator::ParameterValue& size = found.fitted[0].linear[0];
-  EXPECT_NEAR(size.value, kQuadratic_Nm_s2_rad2, 2.0 * size.half_width_95.value());
+  EXPECT_NEAR(size.value, kQuadratic_Nm_s2_rad2, 0.005 * kQuadratic_Nm_s2_rad2);
   EXPECT_EQ(result.corrected.Find("quadratic_viscous"), -1);
   EXPECT_DOUBLE_EQ(result.after_train.rms, result.before_train.rms);
   EXPECT_DOUBLE_EQ(result.after_held_out.rms, result.before_held_out.rms);
