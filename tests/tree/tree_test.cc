@@ -457,6 +457,7 @@ TEST(Tree, PackagesAreExactlyWhatTheBuildAndTheProgramsNeed) {
                                      "iproute2",
                                      "libfaketime",
                                      "zsh",
+                                     "openssl",
                                      "patch",
                                      "nodejs",
                                      "ca-certificates",

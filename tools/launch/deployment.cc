@@ -325,11 +325,12 @@ void AddProviderOptions(const Deployment& deployment, std::vector<std::string>* 
 }
 
 // Named also when it is loopback alone, so that SINEW_INTERFACE of a shell opens no robot.
-void AddInterfaces(const Deployment& deployment, std::vector<std::string>* line) {
+void AddNetwork(const Deployment& deployment, std::vector<std::string>* line) {
   for (const std::string& name : deployment.interfaces) {
     line->insert(line->end(), {"--interface", name});
   }
   if (deployment.interfaces.empty()) line->insert(line->end(), {"--interface", "lo"});
+  if (!deployment.qos.empty()) line->insert(line->end(), {"--qos", deployment.qos.string()});
 }
 
 }  // namespace
@@ -348,7 +349,9 @@ Deployment LoadDeployment(const fs::path& file, const Overrides& overrides,
   deployment.file = file;
   deployment.name = root.TextOr("name", file.stem().string());
   deployment.domain_id = static_cast<int>(root.IntegerOr("domain_id", 0, {0, kLargestDomain}));
-  deployment.interfaces = ReadInterfaces(root.ChildOrEmpty("network"));
+  const config::Section network = root.ChildOrEmpty("network");
+  deployment.interfaces = ReadInterfaces(network);
+  if (network.Has("qos")) deployment.qos = fs::absolute(network.ExistingPath("qos"));
   deployment.lockstep = root.ChoiceOr("mode", "realtime", {"realtime", "lockstep"}) == "lockstep";
   deployment.duration_s = root.NumberOr("duration_s", 0.0, config::kNotNegative);
   deployment.seed = static_cast<std::uint64_t>(root.IntegerOr("seed", 1, config::kNotNegative));
@@ -419,7 +422,7 @@ std::vector<std::string> CommandLine(const Deployment& deployment, const Process
     line.insert(line.end(),
                 {"--name", process.name, "--domain", std::to_string(deployment.domain_id), "--seed",
                  std::to_string(deployment.seed)});
-    AddInterfaces(deployment, &line);
+    AddNetwork(deployment, &line);
     if (deployment.lockstep) line.push_back("--lockstep");
     if (deployment.realtime_priority) line.push_back("--realtime");
     if (!process.config.empty()) line.insert(line.end(), {"--config", process.config.string()});

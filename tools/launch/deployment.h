@@ -35,6 +35,7 @@ struct Deployment {
   std::string name;
   int domain_id = 0;
   std::vector<std::string> interfaces;  // beside loopback; empty: nobody on a network is heard
+  std::filesystem::path qos;            // QoS profiles of all its processes; empty: SINEW_QOS
   bool lockstep = false;
   double duration_s = 0.0;  // 0: until stopped
   std::uint64_t seed = 1;

@@ -19,8 +19,6 @@ inline void AddNodeOptions(CLI::App& command, node::Options* options) {
   command.add_flag_callback(
       "--lockstep", [options] { options->mode = node::TimeMode::kLockstep; },
       "The deployment runs in lockstep");
-  command.add_option("--qos", options->qos_path,
-                     "XML file with QoS profiles instead of the built-in ones");
 }
 
 // Warnings and errors of the libraries, as lines of this command.

@@ -82,6 +82,9 @@ void AddDomainOptions(CLI::App& app, Options* options) {
       ->type_name("NAME")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--qos", options->qos_path,
+                 "XML file with QoS profiles instead of the built-in ones, DDS security among them")
+      ->envname("SINEW_QOS");
 }
 
 int RunParticipant(int argc, char** argv, const std::string& component,
@@ -98,8 +101,6 @@ int RunParticipant(int argc, char** argv, const std::string& component,
   app.add_option("--log-level", options.log_level, "trace, debug, info, warning, error or off")
       ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error", "off"}));
   app.add_option("--seed", options.seed, "Seed of everything random");
-  app.add_option("--qos", options.qos_path,
-                 "XML file with QoS profiles instead of the built-in ones");
   bool lockstep = false;
   auto* lockstep_flag =
       app.add_flag("--lockstep", lockstep, "Simulated time: a tick waits for all replies");

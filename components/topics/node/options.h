@@ -54,7 +54,7 @@ class StopFlag {
   void Request() noexcept;
 };
 
-// --domain and --interface, of every program that joins a DDS domain.
+// --domain, --interface and --qos, of every program that joins a DDS domain.
 void AddDomainOptions(CLI::App& app, Options* options);
 
 // What a participant adds to the common options; called before parsing.

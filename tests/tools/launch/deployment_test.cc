@@ -144,6 +144,19 @@ TEST_F(DeploymentTest, NamedInterfacesAreHandedToEveryProgram) {
   }
 }
 
+TEST_F(DeploymentTest, QosProfilesAreHandedToEveryProgram) {
+  const Deployment named =
+      Load(Changed("domain_id: 7\n", "domain_id: 7\nnetwork: {qos: plant.yaml}\n"));
+  for (const Process& process : named.processes) {
+    const std::vector<std::string> line = CommandLine(named, process);
+    const auto at = std::find(line.begin(), line.end(), "--qos");
+    ASSERT_NE(at, line.end()) << process.name;
+    EXPECT_THAT(*std::next(at), ::testing::EndsWith("/plant.yaml"));
+  }
+  const Deployment other = Load(kTwo);
+  EXPECT_THAT(CommandLine(other, other.processes[0]), ::testing::Not(::testing::Contains("--qos")));
+}
+
 TEST_F(DeploymentTest, PlainProgramsGetTheirOwnArgumentsOnly) {
   const Deployment two =
       Load(Changed("    arguments: [--effect, stribeck]\n", "    plain: true\n"));

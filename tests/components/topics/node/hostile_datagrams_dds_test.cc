@@ -25,7 +25,7 @@ using namespace std::chrono_literals;
 using namespace sinew::node::testing;
 
 constexpr char kDiscoveryGroup[] = "239.255.0.1";
-constexpr int kDomain = 131;
+constexpr int kDomain = 164;
 constexpr int kDiscoveryPort = 7400 + 250 * kDomain;  // RTPS 2.5, 9.6.2
 
 Options InRealTime(const std::string& name) {
