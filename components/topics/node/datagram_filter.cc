@@ -164,7 +164,10 @@ bool IsSequence(Fields* fields, std::size_t least, const Element& element) {
 }
 
 bool IsProperties(Fields* fields) {
-  return IsSequence(fields, 8, [](Fields* entry) { return IsText(entry) && IsText(entry); });
+  return IsSequence(fields, 8, [](Fields* entry) {
+    const bool has_name = IsText(entry);
+    return IsText(entry) && has_name;
+  });
 }
 
 bool IsToken(Fields* fields) {

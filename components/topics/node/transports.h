@@ -13,9 +13,10 @@ namespace sinew::node::internal {
 // lockstep shared memory beside it, which is faster there. Not in real time: a port in shared
 // memory has locks that processes share, so that one that is killed, stopped or new can hold up the
 // others (docs/decisions/0013-udp-in-real-time.md). A user's own transports (--qos) keep their
-// interfaceWhiteList; UDPv4 without one gets ours. A recorder's socket takes more. Whatever a socket
-// receives passes a filter first (datagram_filter.h); shared memory is written by the same user
-// only. Warns once a process when something but loopback is open and the profile configures no DDS security.
+// interfaceWhiteList; UDPv4 without one gets ours. A recorder's socket takes more. Whatever a
+// socket receives passes a filter first (datagram_filter.h); shared memory is written by the same
+// user only. Warns once a process when something but loopback is open and the profile configures no
+// DDS security.
 void RestrictTransports(const Options& options, eprosima::fastdds::dds::DomainParticipantQos* qos);
 
 }  // namespace sinew::node::internal
