@@ -314,7 +314,7 @@ class Checker {
   }
 
   static constexpr std::uint32_t kDiscoveryOfParticipants = 0x000100c2;
-  static constexpr std::uint32_t kParticipantMessages = 0x000200c2;
+  static constexpr std::uint32_t kParticipantMessages = 0x000200c2, kHandshakes = 0x000201c3;
   static constexpr std::uint32_t kDiscoveryOfWriters = 0x000003c2, kDiscoveryOfReaders = 0x000004c2;
 
   // The head of DATA and DATA_FRAG: where the list of parameters, if any, or the payload begins, as
@@ -370,6 +370,12 @@ class Checker {
         if (size < 24) return false;
         return Fields(datagram_.subspan(payload + 20, size - 20), datagram_[payload + 1] % 2 != 0)
                    .Long() <= size - 24;
+      case kHandshakes: {
+        // DDS Security 1.1, 7.4.3: two identities of a message, three GUIDs, class, tokens.
+        Fields message(datagram_.subspan(payload + 4, size - 4), datagram_[payload + 1] % 2 != 0);
+        message.Take(2 * 24 + 3 * 16);
+        return IsText(&message) && IsSequence(&message, 12, IsToken);
+      }
       default:
         return true;
     }

@@ -150,6 +150,27 @@ TEST(DatagramFilter, ParametersThatNobodyNeedsAreBlanked) {
   EXPECT_TRUE(Passed(Announces({Parameter(0x1001, bad)}), true).empty());
 }
 
+Datagram Handshake(std::uint32_t tokens, std::uint32_t properties) {
+  Datagram payload = {0, 1, 0, 0};
+  payload.resize(payload.size() + 96);
+  AddText(&payload, "dds.sec.auth");
+  AddNumber(&payload, tokens, 4);
+  AddText(&payload, "DDS:Auth:PKI-DH:1.0+Req");
+  AddNumber(&payload, properties, 4);
+  AddNumber(&payload, 1, 4);
+  AddText(&payload, "c.id");
+  AddNumber(&payload, 4, 4);
+  AddNumber(&payload, 7, 4);
+  return Only(kDataId, Data({0, 2, 1, 0xc3}, payload), kWithPayload);
+}
+
+TEST(DatagramFilter, MessagesOfAHandshakeHoldWhatTheySay) {
+  EXPECT_TRUE(Passes(Handshake(1, 0)));
+  EXPECT_TRUE(IsDropped(Handshake(1u << 28, 0)));
+  EXPECT_TRUE(IsDropped(Handshake(2, 0)));
+  EXPECT_TRUE(IsDropped(Handshake(1, 0x7fffffff)));
+}
+
 Datagram Fragment(std::uint32_t first, std::uint16_t count, std::uint16_t size,
                   std::uint32_t sample, std::size_t payload) {
   Datagram out;
