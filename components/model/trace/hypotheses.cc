@@ -225,10 +225,6 @@ class Builder {
   double turns_ = 0.0;  // of the output that the rows cover
 };
 
-}  // namespace
-
-namespace {
-
 // Is one a multiple of the other, as well as both are known?
 bool IsHarmonic(double order, double first, double resolution) {
   const auto [low, high] = std::minmax(order, first);
