@@ -108,6 +108,7 @@ std::string Quoted(const fs::path& path) {
 struct Asked {
   std::vector<std::string> without;  // rules
   bool true_set = false;             // what is truly there is given
+  bool without_truth = false;        // what is truly there is in no catalogue
 };
 
 // One subprocess; run.json has its exit code and time.
@@ -115,9 +116,11 @@ void RunCase(const fs::path& sinew, const fs::path& folder, const fs::path& out,
              const Asked& asked) {
   std::string options;
   for (const std::string& rule : asked.without) options += " --without-rule " + Quoted(rule);
-  if (asked.true_set) {
+  if (asked.true_set || asked.without_truth) {
     std::ifstream truth(folder / "truth.json");
-    const std::vector<std::string> given = TrueSetOptions(nlohmann::json::parse(truth));
+    const auto there = nlohmann::json::parse(truth);
+    const std::vector<std::string> given =
+        asked.true_set ? TrueSetOptions(there) : EachEffect("--without-effect", there);
     if (given.empty()) return;
     for (const std::string& word : given) options += " " + Quoted(word);
   }
@@ -206,6 +209,10 @@ int Main(int argc, char** argv) {
   run->add_option("--without", asked.without,
                   "rules of the tracer to take out, to see what they are worth");
   run->add_flag("--true-set", asked.true_set, "give the effects that are there, for `true-set`");
+
+  run->add_flag(
+      "--without-truth", asked.without_truth,
+      "take the effects that are there out of the catalogue: what is named then is wrong");
 
   auto* score = app.add_subcommand("score", "count the results of the reports");
   score->add_option("cases", cases, "folder of the cases")->required();

@@ -62,12 +62,16 @@ double At(const std::vector<double>& sorted, double q) {
 }  // namespace
 
 std::vector<std::string> TrueSetOptions(const json& truth) {
+  if (truth.at("kind") == "plain") return {"--effect", "none"};
+  return EachEffect("--effect", truth);
+}
+
+std::vector<std::string> EachEffect(const std::string& option, const json& truth) {
   const std::string kind = truth.at("kind");
-  if (kind == "plain") return {"--effect", "none"};
   std::vector<std::string> out;
   if (kind != "effect" && kind != "pair" && kind != "planted") return out;
   for (const json& effect : truth.at("effects")) {
-    out.emplace_back("--effect");
+    out.push_back(option);
     out.push_back(effect.at("name"));
   }
   return out;

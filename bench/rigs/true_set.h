@@ -18,6 +18,8 @@ namespace sinew::rig_bank {
 // Options of `sinew close-loop` that give it the true set; empty: the case has none that could be
 // given (outside of the catalogue, ignorance, faults).
 std::vector<std::string> TrueSetOptions(const nlohmann::json& truth);
+// An option with each effect of the catalogue that is there.
+std::vector<std::string> EachEffect(const std::string& option, const nlohmann::json& truth);
 
 // Intervals of the parameters in `report` that hold the values in `quiet`, and all of them; nothing
 // where the two models have other terms.

@@ -98,6 +98,15 @@ void AddCloseLoopCommand(CLI::App& app) {
           "Disable a rule (docs/closing-the-loop.md), to measure its effect; repeatable")
       ->allow_extra_args(false)
       ->check(CLI::IsMember(RuleNames()));
+  command
+      ->add_option_function<std::vector<std::string>>(
+          "--without-effect",
+          [](const std::vector<std::string>& names) {
+            for (const std::string& name : names) trace::TakeOutEffect(name);
+          },
+          "Search as though the catalogue did not have this effect; repeatable")
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(effects::EffectNames()));
   command->add_flag("--json", arguments->json, "Print the report as JSON");
   command->footer(
       "Fits the declared terms, searches the catalogue (`sinew effects`) for the effects that "

@@ -230,6 +230,16 @@ void RemakeEffects(JointModel* model) {
   constants.pneumatic_stiffness_Nm_rad_bar =
       stiffness != nullptr ? stiffness->linear.front().value : 0.0;
   constants.pneumatic_rest_rad = stiffness != nullptr ? stiffness->nonlinear.front().value : 0.0;
+  // Where both torques of a gear are measured the drive is what the link puts on it: the load.
+  const bool behind = term("drive_torque") != nullptr && term("load_force") != nullptr;
+  const double share = DriveShare(*model, effects::Balance::kMotion);
+  const auto taken = [&](const char* effect) {
+    const Term* of = term(effect);
+    return of != nullptr && !behind ? of->linear.front().value / share : 0.0;
+  };
+  constants.drive_coulomb_Nm = taken("coulomb");
+  constants.drive_viscous_Nm_s_rad = taken("viscous") + taken("motor_viscous");
+  constants.drive_inertia_kg_m2 = taken("rotor_inertia");
   for (Term& each : model->terms) {
     const effects::EffectInfo& info = each.effect->info();
     each.effect = effects::MakeEffect(std::string(info.name), constants, info.balance);

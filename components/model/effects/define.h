@@ -19,6 +19,13 @@ inline double Sign(double value) noexcept {
   return static_cast<double>(value > 0.0) - static_cast<double>(value < 0.0) + 0.0 * value;
 }
 
+// Torque of an ideal drive that is left for the load behind gear and friction, Nm at the output.
+inline double LoadTorque(const JointSample& x, const JointConstants& c) noexcept {
+  return IdealDriveGain(c) * x.drive_input - c.drive_coulomb_Nm * Sign(x.velocity_rad_s) -
+         c.drive_viscous_Nm_s_rad * x.velocity_rad_s -
+         c.drive_inertia_kg_m2 * x.motor_acceleration_rad_s2 / c.gear_ratio;
+}
+
 // phi of an effect without memory.
 using RegressorFunction = void (*)(const JointSample& x, const JointConstants& constants,
                                    std::span<const double> psi, std::span<double> phi);

@@ -34,6 +34,9 @@ struct JointSample {
   double valve_flow_rate_bar_s = 0.0;
   double tooth_torque_Nm = 0.0;  // from the motor on the link through the teeth
   double tooth_side = 0.0;       // 1: teeth surely touch driving up, -1: down, 0: not known
+  // By so much the motor's map lies elsewhere than the model has it: an encoder without an absolute
+  // zero comes back turned (identify::Design::SetMotorTurn).
+  double motor_turn_rad = 0.0;
 };
 
 // What the joint is, exactly known. Given to an effect when it is made.
@@ -55,6 +58,11 @@ struct JointConstants {
   double pneumatic_torque_Nm_bar = 0.0;         // K
   double pneumatic_stiffness_Nm_rad_bar = 0.0;  // k1
   double pneumatic_rest_rad = 0.0;              // q0
+  // What the model's dry and viscous friction and its rotor take of the drive before a load does,
+  // as torque of an ideal drive (actuator::RemakeEffects); 0 without.
+  double drive_coulomb_Nm = 0.0;
+  double drive_viscous_Nm_s_rad = 0.0;
+  double drive_inertia_kg_m2 = 0.0;
 };
 
 // Derivative of the pneumatic element's torque by the pressure at an output position, Nm/bar.

@@ -122,6 +122,22 @@ Eigen::Index Design::Thin(const StateSegment& segment, const Eigen::VectorXd& fu
 }
 
 Eigen::MatrixXd Design::Columns(const effects::Effect& effect, std::span<const double> psi) const {
+  const effects::EffectInfo& info = effect.info();
+  const auto reads = [&](std::string_view field) {
+    return std::ranges::count(info.needs, field) + std::ranges::count(info.may_read, field) > 0;
+  };
+  if (info.event || info.role == effects::Role::kDrive || reads("drive_input") ||
+      reads("drive_rate")) {
+    return MakeColumns(effect, psi);
+  }
+  const auto [at, fresh] =
+      made_.try_emplace({info.name, info.balance, {psi.begin(), psi.end()}}, Eigen::MatrixXd());
+  if (fresh) at->second = MakeColumns(effect, psi);
+  return at->second;
+}
+
+Eigen::MatrixXd Design::MakeColumns(const effects::Effect& effect,
+                                    std::span<const double> psi) const {
   const auto count = static_cast<Eigen::Index>(effect.info().linear.size());
   Eigen::MatrixXd out(rows_.size(), count);
   std::array<double, effects::kMaxParameters> phi{};
@@ -273,6 +289,14 @@ void Design::SetClock(int run, double offset_s) {
       segment.samples[static_cast<std::size_t>(i)].time_s =
           segment.start_s + segment.period_s * static_cast<double>(i) + offset_s;
     }
+  }
+}
+
+void Design::SetMotorTurn(int run, double turn_rad) {
+  made_.clear();
+  for (StateSegment& segment : states_.segments) {
+    if (segment.run != run) continue;
+    for (effects::JointSample& x : segment.samples) x.motor_turn_rad = turn_rad;
   }
 }
 

@@ -1,10 +1,13 @@
 // Columns of the regression: effects evaluated along a recording, sent through the parallel filter
-// and thinned to four rows per period of its cut-off. Pure; allocates.
+// and thinned to four rows per period of its cut-off. Pure but for what Columns keeps: one thread
+// at a time. Allocates.
 #pragma once
 
 #include <Eigen/Core>
+#include <compare>
 #include <map>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "components/model/actuator/model.h"
@@ -46,7 +49,8 @@ class Design {
   // Rows are holds (Run::held): their order says nothing, and no time runs between them.
   bool held() const { return !states_.segments.empty() && states_.segments.front().held; }
 
-  // phi of an effect, a column per linear parameter.
+  // phi of an effect, a column per linear parameter. Kept for the next time where nothing that this
+  // class changes is read (drive, clock): a design sees the effects of one joint.
   Eigen::MatrixXd Columns(const effects::Effect& effect, std::span<const double> psi) const;
   // phi of a drive effect with the drive input as it was measured.
   Eigen::VectorXd MeasuredDrive(const effects::Effect& drive) const;
@@ -116,6 +120,8 @@ class Design {
   // instants (rising, on the recording's stamps) and jumps halfway between two of them; none: long
   // before.
   void SetClock(int run, const std::vector<double>& instants_s, double clock_s);
+  // Turns the map of a shaft, cogging, in one recording: by so much its zero lies elsewhere.
+  void SetMotorTurn(int run, double turn_rad);
   // Offsets set so far; runs that are not named have none.
   const std::map<int, double>& clocks() const { return clocks_; }
 
@@ -129,6 +135,7 @@ class Design {
 
   double NoiseShare(const std::vector<Eigen::VectorXd>& full,
                     const Eigen::VectorXd& filtered) const;
+  Eigen::MatrixXd MakeColumns(const effects::Effect& effect, std::span<const double> psi) const;
 
   StateSet states_;
   ProcessingOptions options_;
@@ -137,6 +144,13 @@ class Design {
   std::map<int, double> clocks_;
   bool predicted_rate_ = false;
   double beyond_drive_ = 0.0;
+  struct Made {
+    std::string effect;
+    effects::Balance balance;
+    std::vector<double> psi;
+    auto operator<=>(const Made&) const = default;
+  };
+  mutable std::map<Made, Eigen::MatrixXd> made_;
 };
 
 }  // namespace sinew::identify

@@ -102,7 +102,13 @@ std::string HeldOutText(const trace::TraceResult& trace, const trace::FoundEffec
                     ErrorText(effect.held_out_after) + " " +
                     std::string(effects::BalanceUnit(effect.balance, trace.corrected.kind));
   if (!(effect.held_out_before > 0.0) || !std::isfinite(effect.held_out_after)) return out;
-  return out + Text(" (%+.1f %%)", 100.0 * (effect.held_out_after / effect.held_out_before - 1.0));
+  out += Text(" (%+.1f %%)", 100.0 * (effect.held_out_after / effect.held_out_before - 1.0));
+  for (const trace::ZeroTurn& turn : trace.zero_turns) {
+    if (turn.effect != effect.name) continue;
+    out += Text(", the zero of the motor's angle turned by %.2f rad in ", turn.turn_rad) +
+           turn.recording;
+  }
+  return out;
 }
 
 std::string RefusalText(const trace::FoundEffect& effect) {

@@ -6,6 +6,7 @@
 
 #include "components/model/identify/statistics.h"
 #include "components/model/trace/nuisances.h"
+#include "components/model/trace/rules.h"
 
 namespace sinew::trace {
 
@@ -58,8 +59,16 @@ const Stated kStated[] = {
     {"rigid_body", {}},
 };
 
+// Where both torques of a gear are measured, its motor's and its link's, the balance is that of the
+// gear alone: what hangs on the link is in neither.
+constexpr const char* kOfLink[] = {"gravity", "gravity_phase", "payload", "payload_step"};
+
 bool IsStated(const std::string& effect, const actuator::JointModel& model) {
   const auto declared = [&](const char* term) { return model.Find(term, model.balance) >= 0; };
+  if (declared("drive_torque") && declared("load_force") &&
+      std::ranges::find(kOfLink, effect) != std::end(kOfLink)) {
+    return true;
+  }
   return std::any_of(std::begin(kStated), std::end(kStated), [&](const Stated& stated) {
     return effect == stated.effect &&
            (stated.by.empty() || std::any_of(stated.by.begin(), stated.by.end(), declared));
@@ -155,7 +164,7 @@ std::vector<std::vector<double>> GridFor(const identify::Design& design,
 CandidateSet MakeCandidates(const identify::Design& design, const actuator::JointModel& model) {
   CandidateSet out;
   for (const auto& [name, balance] : effects::EffectForms()) {
-    if (balance != model.balance) continue;
+    if (balance != model.balance || !HasEffect(name)) continue;
     std::shared_ptr<const effects::Effect> effect =
         effects::MakeEffect(name, model.constants, balance);
     const effects::EffectInfo& info = effect->info();
@@ -179,6 +188,13 @@ CandidateSet MakeCandidates(const identify::Design& design, const actuator::Join
     if (info.needs_pneumatics && model.constants.pneumatic_torque_Nm_bar == 0.0 &&
         model.constants.pneumatic_stiffness_Nm_rad_bar == 0.0) {
       out.untestable.push_back({name, "the model declares no torque of the pressure"});
+      continue;
+    }
+    const bool of_winding = std::ranges::any_of(info.linear, [](const auto& parameter) {
+      return parameter.dimension == effects::Dimension::kPerCurrentSquared;
+    });
+    if (of_winding && model.Find("drive_torque", balance) >= 0) {
+      out.untestable.push_back({name, "the drive is a torque sensor, which has no winding"});
       continue;
     }
     const auto differs = std::find_if(
@@ -224,6 +240,7 @@ CandidateSet MakeCandidates(const identify::Design& design, const actuator::Join
 std::vector<Candidate> EventCandidates(const actuator::JointModel& model) {
   std::vector<Candidate> out;
   for (const std::string& name : effects::EffectNames()) {
+    if (!HasEffect(name) || IsStated(name, model)) continue;
     Candidate candidate;
     candidate.effect = effects::MakeEffect(name, model.constants);
     const effects::EffectInfo& info = candidate.effect->info();

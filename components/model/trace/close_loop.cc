@@ -20,6 +20,7 @@ void DropFindings(LoopResult* loop) {
   trace.effects.clear();
   trace.open.clear();
   trace.events.clear();
+  trace.zero_turns.clear();
   trace.shifts.clear();
   trace.unexplained = {};
   trace.verdict = Verdict::kNone;

@@ -1,40 +1,123 @@
 #include "components/model/trace/facts.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <string_view>
+#include <numbers>
+
+#include "components/base/types/angle.h"
+#include "components/model/identify/statistics.h"
+#include "components/model/trace/rules.h"
 
 namespace sinew::trace {
 
 namespace {
 
-// Share of the misfit that a low-pass or a drive loop imitates at most. Provisional.
-constexpr double kMostOfFilter = 0.1;
 // A slope that cannot be assessed costs as much as one of 0.25: without the held-out recordings
 // nothing is named.
 constexpr double kUnassessed = 0.75;
-constexpr std::array kDynamic = {"flexible_link", "elastic_joint", "gear_compliance",
-                                 "transport_delay"};
 
-// The contribution of a hypothesis with its coefficients at the used rows of other recordings.
-Eigen::VectorXd Contribution(const identify::Design& design, const UsedRows& used,
-                             const Hypothesis& h, const Eigen::Ref<const Eigen::VectorXd>& c) {
-  Eigen::VectorXd out = Eigen::VectorXd::Zero(used.size());
+// A held-out balance beside what training found, at its used rows.
+class HeldOutBalance {
+ public:
+  HeldOutBalance(const Problem& problem, const identify::Design& design,
+                 const actuator::JointModel& declared_fit, bool keep_scale, const Likelihood& train)
+      : problem_(problem), design_(design) {
+    likelihood_.no_nuisance = train.no_nuisance;
+    likelihood_.used = MakeUsedRows(design, kFewestRowsPerBlock);
+    const identify::Balance balance = identify::MakeBalance(design, declared_fit, keep_scale);
+    usable_ =
+        balance.columns.cols() == problem.bank.parameters && used().size() >= kFewestRowsPerBlock;
+    if (!usable_) return;
+    declared_ = used().Of(balance.columns);
+    target_ = balance.target(used().rows);
+  }
+
+  bool usable() const { return usable_; }
+  const Likelihood& likelihood() const { return likelihood_; }
+  const UsedRows& used() const { return likelihood_.used; }
+
+  // Columns of a hypothesis.
+  Eigen::MatrixXd Columns(const Hypothesis& h) const {
+    Eigen::MatrixXd out(used().size(), static_cast<Eigen::Index>(h.columns.size()));
+    Eigen::Index at = 0;
+    for (const TermSetting& setting : h.settings) {
+      const Eigen::MatrixXd phi = -used().Of(design_.Columns(*h.effect, setting.psi));
+      out.middleCols(at, phi.cols()) = phi;
+      at += phi.cols();
+    }
+    return out;
+  }
+
+  // What a set leaves, its declared terms refitted in training. An event began elsewhere here.
+  Eigen::VectorXd Left(const EffectSet& set) const {
+    Eigen::VectorXd rest =
+        target_ - declared_ * problem_.evidence.Declared(set.columns, set.c).head(declared_.cols());
+    Eigen::Index at = 0;
+    for (const std::size_t j : set.members) {
+      const Hypothesis& h = problem_.hypotheses()[j];
+      const auto columns = static_cast<Eigen::Index>(h.columns.size());
+      if (!h.effect->info().event) rest -= Columns(h) * set.c.segment(at, columns);
+      at += columns;
+    }
+    return rest;
+  }
+
+ private:
+  const Problem& problem_;
+  const identify::Design& design_;
+  Likelihood likelihood_;
+  bool usable_ = false;
+  Eigen::MatrixXd declared_;
+  Eigen::VectorXd target_;
+};
+
+// Coefficients of sines and cosines of the settings' orders, turned by an angle.
+Eigen::VectorXd Turned(const Hypothesis& lines, const Eigen::VectorXd& c, double turn_rad) {
+  Eigen::VectorXd out = c;
   Eigen::Index at = 0;
-  for (const TermSetting& setting : h.settings) {
-    const Eigen::MatrixXd phi = -used.Of(design.Columns(*h.effect, setting.psi));
-    out += phi * c.segment(at, phi.cols());
-    at += phi.cols();
+  for (const TermSetting& setting : lines.settings) {
+    const double angle = setting.psi.front() * turn_rad;
+    out[at] = c[at] * std::cos(angle) - c[at + 1] * std::sin(angle);
+    out[at + 1] = c[at] * std::sin(angle) + c[at + 1] * std::cos(angle);
+    at += 2;
   }
   return out;
+}
+
+// The turn at which columns * Turned(c) explains most of y, where that is more than chance: by
+// rule evidence. Of turns that do equally well the smallest; 0: none.
+double BestTurn(const Hypothesis& lines, const Eigen::VectorXd& c, const Eigen::MatrixXd& columns,
+                const Eigen::VectorXd& y) {
+  constexpr double kStepsPerPeriod = 16.0;
+  const Eigen::MatrixXd gram = columns.transpose() * columns;
+  const Eigen::VectorXd moment = columns.transpose() * y;
+  const auto gain = [&](double turn_rad) {
+    const Eigen::VectorXd turned = Turned(lines, c, turn_rad);
+    return 2.0 * moment.dot(turned) - turned.dot(gram * turned);
+  };
+  double highest = 1.0;
+  for (const TermSetting& setting : lines.settings) {
+    highest = std::max(highest, setting.psi.front());
+  }
+  const double step = types::kTwoPi / (kStepsPerPeriod * highest);
+  const double here = gain(0.0);
+  double best = 0.0, most = here + Limit(rules::kEvidence);
+  for (int k = 1; k * step <= std::numbers::pi; ++k) {
+    for (const double turn_rad : {k * step, -k * step}) {
+      const double found = gain(turn_rad);
+      if (found <= most) continue;
+      most = found;
+      best = turn_rad;
+    }
+  }
+  return best;
 }
 
 }  // namespace
 
 double Facts::Score() const {
   const double off = Assessed() ? std::min(2.0, std::abs(1.0 - *slope)) : kUnassessed;
-  const double z = 2.0 - 2.4 * curve - 3.3 * off - (dynamic ? 2.6 : 0.0);
+  const double z = 2.0 - 2.4 * curve - 3.3 * off;
   return 1.0 / (1.0 + std::exp(-z));
 }
 
@@ -51,46 +134,57 @@ double CurveBeside(const Problem& problem, const EffectSet& set) {
   return std::max(0.0, (with.net - set.net) / set.net);
 }
 
+std::vector<ZeroTurn> FindZeroTurns(const Problem& problem, const EffectSet& set, std::size_t k,
+                                    const actuator::JointModel& declared_fit, bool keep_scale,
+                                    const Likelihood& train, identify::Design* held_out) {
+  std::vector<ZeroTurn> out;
+  const Hypothesis& member = problem.hypotheses()[set.members[k]];
+  if (member.effect->info().ripple != effects::Side::kMotor || member.settings.size() < 2) {
+    return out;
+  }
+  const HeldOutBalance balance(problem, *held_out, declared_fit, keep_scale, train);
+  if (!balance.usable()) return out;
+  Eigen::Index at = 0;
+  for (std::size_t j = 0; j < k; ++j) {
+    at += static_cast<Eigen::Index>(problem.hypotheses()[set.members[j]].columns.size());
+  }
+  const Eigen::MatrixXd columns = balance.Columns(member);
+  const Eigen::VectorXd c = set.c.segment(at, columns.cols());
+  const Eigen::VectorXd rest = balance.Left(set) + columns * c;
+  for (std::size_t run = 0; run < held_out->states().run_names.size(); ++run) {
+    // The noise is what lines of any size and phase leave there.
+    Eigen::VectorXd of_run = Eigen::VectorXd::Zero(rest.size());
+    for (Eigen::Index i = 0; i < rest.size(); ++i) {
+      const Eigen::Index row = balance.used().rows[static_cast<std::size_t>(i)];
+      of_run[i] = held_out->rows().RunOf(row) == run ? 1.0 : 0.0;
+    }
+    const Eigen::MatrixXd own = of_run.asDiagonal() * columns;
+    const Eigen::VectorXd own_rest = of_run.cwiseProduct(rest);
+    Likelihood likelihood = balance.likelihood();
+    LearnNoise(*held_out, identify::LeftBy(columns, rest), declared_fit.balance, &likelihood);
+    const double turn_rad =
+        BestTurn(member, c, Whiten(likelihood, own), Whiten(likelihood, own_rest).col(0));
+    if (turn_rad == 0.0) continue;
+    held_out->SetMotorTurn(static_cast<int>(run), turn_rad);
+    out.push_back({member.name, held_out->states().run_names[run], turn_rad});
+  }
+  return out;
+}
+
 Facts FactsOf(const Problem& problem, const EffectSet& set, std::size_t k,
               const identify::Design& held_out, const actuator::JointModel& declared_fit,
               bool keep_scale, const Likelihood& train) {
   Facts out;
   const Hypothesis& member = problem.hypotheses()[set.members[k]];
   const EffectSet without = WithoutMember(problem.evidence, problem.hypotheses(), set, k);
-  const double share = (set.net - without.net) / problem.evidence.misfit();
-  out.dynamic =
-      share < kMostOfFilter && declared_fit.balance == effects::Balance::kMotion &&
-      std::find(kDynamic.begin(), kDynamic.end(), std::string_view(member.name)) != kDynamic.end();
   if (member.effect->info().event) return out;
 
-  Likelihood likelihood;
-  likelihood.no_nuisance = train.no_nuisance;
-  likelihood.used = MakeUsedRows(held_out, kFewestRowsPerBlock);
-  const UsedRows& used = likelihood.used;
-  const identify::Balance balance = identify::MakeBalance(held_out, declared_fit, keep_scale);
-  if (balance.columns.cols() != problem.bank.parameters || used.size() < kFewestRowsPerBlock) {
-    return out;
-  }
-  const Eigen::MatrixXd declared = used.Of(balance.columns);
-  const Eigen::VectorXd target = balance.target(used.rows);
-  const auto left = [&](const EffectSet& model) -> Eigen::VectorXd {
-    const Eigen::VectorXd b =
-        problem.evidence.Declared(model.columns, model.c).head(problem.bank.parameters);
-    Eigen::VectorXd rest = target - declared * b;
-    Eigen::Index at = 0;
-    for (const std::size_t j : model.members) {
-      const Hypothesis& h = problem.hypotheses()[j];
-      const auto columns = static_cast<Eigen::Index>(h.columns.size());
-      if (!h.effect->info().event) {
-        rest -= Contribution(held_out, used, h, model.c.segment(at, columns));
-      }
-      at += columns;
-    }
-    return rest;
-  };
+  const HeldOutBalance balance(problem, held_out, declared_fit, keep_scale, train);
+  if (!balance.usable()) return out;
   // What the member changes, the declared terms refitted in training with and without it.
-  const Eigen::VectorXd rest = left(set);
-  const Eigen::VectorXd own = left(without) - rest;
+  const Eigen::VectorXd rest = balance.Left(set);
+  const Eigen::VectorXd own = balance.Left(without) - rest;
+  Likelihood likelihood = balance.likelihood();
   const Nuisances nuisances = MakeNuisances(held_out, likelihood, declared_fit);
   const Prior prior{
       nuisances.mean,

@@ -44,6 +44,8 @@ constexpr double kWholeTurn = 0.51;
 // Less of a wave than this is any smooth curve: it is no effect to search for, but may be what an
 // effect over the angle really is. So are waves of a few periods per turn that no wheel turns by.
 constexpr double kLeastPeriods = 1.0;
+// Fewer of a line are a smooth curve over the whole range.
+constexpr double kPeriodsOfLine = 3.0;
 constexpr const char* kWave = "gear_eccentricity";
 constexpr double kWaves[] = {1.0, 2.0, 3.0, 4.0};
 
@@ -90,7 +92,7 @@ class Builder {
     const int family = NextFamily();
     for (const double order : kWaves) {
       const bool searched =
-          order * turns_ >= kLeastPeriods &&
+          ShowsPeriods(order) &&
           std::any_of(candidate.grid.begin(), candidate.grid.end(),
                       [&](const GridPoint& point) { return point.psi.front() == order; });
       if (searched) continue;
@@ -197,8 +199,13 @@ class Builder {
   }
 
   bool CoversPeriod(const effects::Effect& effect, const std::vector<double>& psi) const {
-    if (effect.info().name != kWave) return true;
-    return psi.front() * turns_ >= kLeastPeriods;
+    return effect.info().name != kWave || ShowsPeriods(psi.front());
+  }
+
+  // Wheels on the output turn once or twice with it. What comes more often has to come back, or it
+  // is any smooth curve.
+  bool ShowsPeriods(double order) const {
+    return order * turns_ >= (order > 2.0 ? kPeriodsOfLine : kLeastPeriods);
   }
 
   Columns AddColumns(const Eigen::MatrixXd& columns) {
@@ -300,8 +307,7 @@ void AddOrders(const identify::Design& design, const Likelihood& likelihood,
   double highest = sigma > 0.0 ? std::min(kHighestOrder, 1.0 / sigma) : kHighestOrder;
   // Holds stand at even steps of the angle: faster lines look like slower ones.
   if (design.held()) highest = std::min(highest, 0.5 * static_cast<double>(used.size()) / turns);
-  // Fewer than three periods in the whole range are a smooth curve.
-  const double lowest = std::max(0.5, 3.0 / turns);
+  const double lowest = std::max(0.5, kPeriodsOfLine / turns);
   if (!(highest > lowest)) return;
   const double independent = IndependentOrders(turns, lowest, highest);
   const double limit = 2.0 * std::log(independent / kRarest);

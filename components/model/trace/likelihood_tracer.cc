@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <set>
 #include <string>
 
@@ -82,8 +83,30 @@ class Correction {
     }
   }
 
+  // What the other low-pass of the angles makes of a size is as far from the truth as this one: two
+  // errors of one variance differ by twice that variance.
+  void WidenIntervals(Design* other, const Likelihood& likelihood) {
+    other->UsePredictedRate(whitened_.predicted_rate);
+    other->PredictDrive(corrected_.model);
+    const double scale =
+        corrected_.balance.fits_scale ? corrected_.balance.Scale(corrected_.coefficients) : 1.0;
+    const Eigen::VectorXd rest =
+        identify::ErrorOf(*other, corrected_.model).residual(likelihood.used.rows) / scale;
+    const FitResult there =
+        FitWhitened(*other, Unweighted(likelihood, rest), WithDeclaredValues(corrected_.model));
+    for (std::size_t t = 0; t < corrected_.model.terms.size(); ++t) {
+      for (std::size_t i = 0; i < corrected_.model.terms[t].linear.size(); ++i) {
+        actuator::ParameterValue& here = corrected_.model.terms[t].linear[i];
+        if (!here.half_width_95) continue;
+        const double apart = here.value - there.model.terms[t].linear[i].value;
+        here.half_width_95 = std::hypot(*here.half_width_95, 1.96 / std::numbers::sqrt2 * apart);
+      }
+    }
+  }
+
   const FitResult& corrected() const { return corrected_; }
   const EffectSet& set() const { return set_; }
+  const std::vector<ZeroTurn>& zero_turns() const { return zero_turns_; }
   // Of the first search, for the limit of p_global.
   double least_statistic() const { return least_statistic_; }
 
@@ -294,6 +317,15 @@ class Correction {
   // Facts of every member of the set, by the drive that the declared terms need.
   void FindFacts() {
     facts_.clear();
+    zero_turns_.clear();
+    for (std::size_t run = 0; run < held_out_.states().run_names.size(); ++run) {
+      held_out_.SetMotorTurn(static_cast<int>(run), 0.0);
+    }
+    for (std::size_t k = 0; k < set_.members.size(); ++k) {
+      const std::vector<ZeroTurn> found = FindZeroTurns(
+          problem_, set_, k, searched_.model, whitened_.keep_scale, whitened_, &held_out_);
+      zero_turns_.insert(zero_turns_.end(), found.begin(), found.end());
+    }
     const double curve = CurveBeside(problem_, set_);
     for (std::size_t k = 0; k < set_.members.size(); ++k) {
       facts_.push_back(
@@ -334,6 +366,7 @@ class Correction {
   const FitResult& searched_;
   bool second_ = false;       // what was found first is refuted
   std::vector<Facts> facts_;  // of the set's members
+  std::vector<ZeroTurn> zero_turns_;
   const LikelihoodFit& base_;
   const Problem& problem_;
   SetAssessment assessed_;
@@ -388,7 +421,8 @@ TraceResult TraceByLikelihood(Design& train, Design& held_out, const actuator::J
   held_out.PredictDrive(base.fit.model);
   progress("columns", 0.4);
   Problem problem = MakeProblem(train, base.likelihood, model, base.fit);
-  if (other_band != nullptr) CompareBands(other_band, model, &problem);
+  std::optional<Likelihood> other;
+  if (other_band != nullptr) other = CompareBands(other_band, model, &problem);
   TraceResult result;
   result.nominal = model;
   const LikelihoodFit reported = Reported(train, base, model);
@@ -425,6 +459,8 @@ TraceResult TraceByLikelihood(Design& train, Design& held_out, const actuator::J
         return assessed;
       },
       &result);
+  if (other) correction.WidenIntervals(other_band, *other);
+  if (!correction.set().empty()) result.zero_turns = correction.zero_turns();
   NoteOutcome(result, &result.rounds.front().scores);
   result.detectable =
       FindDetectable(problem, model, correction.least_statistic(), correction.set());

@@ -228,7 +228,8 @@ LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::Joint
   return out;
 }
 
-void CompareBands(identify::Design* other, const actuator::JointModel& declared, Problem* problem) {
+Likelihood CompareBands(identify::Design* other, const actuator::JointModel& declared,
+                        Problem* problem) {
   const LikelihoodFit base = EstimateLikelihood(other, declared);
   const Problem there = MakeProblem(*other, base.likelihood, declared, base.fit);
   // By name, at its best shape.
@@ -244,6 +245,7 @@ void CompareBands(identify::Design* other, const actuator::JointModel& declared,
     const double net = FitSet(problem->evidence, problem->hypotheses(), {h}).net;
     here.charge += std::max(0.0, net - best[here.name]);
   }
+  return base.likelihood;
 }
 
 Likelihood LikelihoodOf(const identify::Design& design, const identify::FitResult& fit, int order) {

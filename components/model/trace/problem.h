@@ -67,8 +67,9 @@ LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::Joint
 
 // What is identified from rates counts as much as behind the other low-pass of the angles, where
 // that is less: what a low-pass cuts off, or lets through of the noise, shows behind one of them.
-// other: the same recordings.
-void CompareBands(identify::Design* other, const actuator::JointModel& declared, Problem* problem);
+// other: the same recordings. Returns its rows and noise.
+Likelihood CompareBands(identify::Design* other, const actuator::JointModel& declared,
+                        Problem* problem);
 
 // A residual of other recordings as the noise of theirs.
 Likelihood LikelihoodOf(const identify::Design& design, const identify::FitResult& fit, int order);

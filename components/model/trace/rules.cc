@@ -14,7 +14,16 @@ std::set<std::string, std::less<>>& Absent() {
   return ids;
 }
 
+std::set<std::string, std::less<>>& AbsentEffects() {
+  static std::set<std::string, std::less<>> names;
+  return names;
+}
+
 }  // namespace
+
+void TakeOutEffect(std::string_view name) { AbsentEffects().emplace(name); }
+
+bool HasEffect(std::string_view name) { return !AbsentEffects().contains(name); }
 
 double Limit(const Rule& rule) {
   return !Absent().contains(std::string_view(rule.id)) ? rule.limit : rule.off;

@@ -92,7 +92,7 @@ inline constexpr Rule kEvidence = {
     "evidence", "twice the logarithm of a set's marginal likelihood over that without the member",
     24.0, 0.0, "12 nats: under it the evidence alone names wrongly more often than rightly"};
 inline constexpr Rule kScore = {
-    "score", "probability of the name from three facts (facts.h)", 0.6, 0.0,
+    "score", "probability of the name from its facts (facts.h)", 0.6, 0.0,
     "of a prototype's names above it 94 % were right on machines used for no choice"};
 inline constexpr Rule kOpen = {"open", "the same, of a name that is reported as open", 0.2, 0.0,
                                "of a prototype's names below it 4 of 76 were right"};
@@ -118,6 +118,10 @@ double Limit(const Rule& rule);
 // Before anything is traced. Throws std::invalid_argument for a name that no rule has.
 void TakeOut(std::string_view id);
 std::vector<std::string> TakenOut();
+
+// The same for an effect: nothing is searched for under its name, as though no catalogue had it.
+void TakeOutEffect(std::string_view name);
+bool HasEffect(std::string_view name);
 
 // All of them, in order.
 std::span<const Rule> AllRules();

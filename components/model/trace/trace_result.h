@@ -91,6 +91,13 @@ struct EventTime {
   double start_s = 0.0;
 };
 
+// Held-out recording in which the zero of the motor's angle lies elsewhere than in training.
+struct ZeroTurn {
+  std::string effect;
+  std::string recording;
+  double turn_rad = 0.0;  // motor shaft, -pi to pi
+};
+
 struct ParameterShift {
   std::string effect;
   std::string parameter;
@@ -187,6 +194,7 @@ struct TraceResult : Assessment {
   // part of the corrected model; neither confirmed nor refuted there; refuted.
   std::vector<FoundEffect> effects, open, refuted;
   std::vector<EventTime> events;
+  std::vector<ZeroTurn> zero_turns;
   std::vector<NotExcited> not_excited;
   std::vector<DetectableSize> detectable;
   std::vector<std::string> assessed;  // candidates whose presence or absence the data shows

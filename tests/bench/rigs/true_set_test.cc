@@ -37,6 +37,9 @@ TEST(TrueSetOptions, GiveWhatIsThere) {
   EXPECT_EQ(TrueSetOptions(TruthWith("pair", {"stribeck", "cogging"})),
             (Words{"--effect", "stribeck", "--effect", "cogging"}));
   EXPECT_TRUE(TrueSetOptions(TruthWith("outside", {"bad_tooth"})).empty());
+  EXPECT_EQ(EachEffect("--without-effect", TruthWith("effect", {"stribeck"})),
+            (Words{"--without-effect", "stribeck"}));
+  EXPECT_TRUE(EachEffect("--without-effect", TruthWith("plain", {})).empty());
   EXPECT_TRUE(TrueSetOptions(TruthWith("fault", {})).empty());
 }
 

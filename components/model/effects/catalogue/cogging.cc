@@ -39,7 +39,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   return Memoryless(constants, std::move(info),
                     [](const JointSample& x, const JointConstants&, std::span<const double> psi,
                        std::span<double> phi) {
-                      const double angle = psi[0] * x.motor_position_rad;
+                      const double angle = psi[0] * (x.motor_position_rad + x.motor_turn_rad);
                       phi[0] = std::sin(angle);
                       phi[1] = std::cos(angle);
                     });

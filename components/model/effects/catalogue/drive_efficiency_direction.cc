@@ -7,7 +7,10 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   EffectInfo info;
   info.name = "drive_efficiency_direction";
   info.title = "Efficiency that depends on the direction of power";
-  info.formula = "+ gain * N Kt I while the load drives the motor, else 0";
+  info.formula =
+      "+ gain * T while the load drives the motor, else 0; T: drive torque N Kt I less the "
+      "declared "
+      "friction and rotor";
   info.source =
       "Giberti, Cinquemani, Legnani: Effects of transmission mechanical characteristics on the "
       "choice of a motor-reducer (2010)";
@@ -26,8 +29,9 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   return Memoryless(constants, std::move(info),
                     [](const JointSample& x, const JointConstants& c, std::span<const double>,
                        std::span<double> phi) {
-                      const double s = Sign(x.drive_input * x.velocity_rad_s);
-                      phi[0] = 0.5 * (std::abs(s) - s) * IdealDriveGain(c) * x.drive_input;
+                      const double load = LoadTorque(x, c);
+                      const double s = Sign(load * x.velocity_rad_s);
+                      phi[0] = 0.5 * (std::abs(s) - s) * load;
                     });
 }
 

@@ -303,6 +303,11 @@ std::string FormatJson(const Report& report) {
                              {"held_out", event.held_out},
                              {"start_s", event.start_s}});
   }
+  out["zero_turns"] = Json::array();
+  for (const trace::ZeroTurn& turn : trace.zero_turns) {
+    out["zero_turns"].push_back(
+        {{"effect", turn.effect}, {"recording", turn.recording}, {"turn_rad", turn.turn_rad}});
+  }
   out["rotations"] = Rotations(report, unit);
   out["train"] = Train(trace, unit);
   out["held_out"] = HeldOut(trace, unit);

@@ -183,6 +183,36 @@ TEST(JointModel, FindsTheSecondNonlinearParameterByItsName) {
   EXPECT_EQ(model.Parameter("external_bump", names[1].name), 0.25);
 }
 
+// Friction that grows with the load reads the torque behind the declared friction and the rotor.
+TEST(RemakeEffects, LoadIsWhatFrictionAndRotorLeave) {
+  JointModel model = Rig({"load_dependent_friction"});
+  model.terms[static_cast<std::size_t>(model.Find("drive_current"))].linear[0].value = 0.5;
+  RemakeEffects(&model);
+  model.terms.back().linear[0].value = 1.0;
+  const effects::JointSample x = Sample();
+  const int last = static_cast<int>(model.terms.size()) - 1;
+  // By the ideal drive, twice as strong as the one of efficiency 0.5.
+  const double load = 100.0 * 0.0159155 * 3.0 - (0.2 + 0.3 * 0.7 + 0.11 * 2.1) / 0.5;
+  EXPECT_NEAR(model.TermTorque(last, x, {}), -load, 1e-12);
+  // Against the motion it is larger than the drive.
+  effects::JointSample back = x;
+  back.velocity_rad_s = -0.7;
+  EXPECT_NEAR(model.TermTorque(last, back, {}),
+              100.0 * 0.0159155 * 3.0 + (0.2 + 0.3 * 0.7 - 0.11 * 2.1) / 0.5, 1e-12);
+}
+
+// The drive of a gear whose both torques are measured is the load itself.
+TEST(RemakeEffects, BetweenTwoTorqueSensorsTheDriveIsTheLoad) {
+  JointModel model = Rig({"load_dependent_friction"});
+  model.terms[0] = MakeTerm("drive_torque", model.constants);
+  RemakeEffects(&model);
+  EXPECT_EQ(model.constants.drive_coulomb_Nm, 0.0);
+  std::erase_if(model.terms,
+                [](const Term& term) { return term.effect->info().name == "load_force"; });
+  RemakeEffects(&model);
+  EXPECT_EQ(model.constants.drive_coulomb_Nm, 0.2);
+}
+
 // Terms of other balances stand in the same file and leave this one as it is.
 TEST(JointModel, ItsResidualIsThatOfItsOwnBalance) {
   JointModel model = Rig();

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "components/model/trace/curves.h"
+#include "components/model/trace/rules.h"
 #include "tests/components/model/identify/synthetic.h"
 
 namespace sinew::trace {
@@ -61,6 +63,41 @@ TEST(Candidates, WhatADeclaredTermStatesAlreadyIsNoCause) {
     EXPECT_TRUE(Has(without, missing)) << missing;
     EXPECT_FALSE(Stated(without, missing)) << missing;
   }
+}
+
+// Both torques of a gear are measured: what hangs on its link is in neither, and a sensor has no
+// winding.
+TEST(Candidates, BetweenTwoTorqueSensorsNothingHangs) {
+  actuator::JointModel model = SyntheticModel();
+  std::erase_if(model.terms, [](const actuator::Term& term) {
+    const std::string name = term.effect->info().name;
+    return name == "gravity" || name == "drive_current";
+  });
+  const auto design = MakeDesign({SyntheticRun(SyntheticModel(), {.duration_s = 10.0})}, model);
+  model.terms.push_back(identify::TermOf("drive_torque", {1.0}, model.constants));
+  EXPECT_FALSE(Stated(MakeCandidates(design, model), "gravity"));
+  EXPECT_TRUE(Missing(MakeCandidates(design, model), "torque_constant_saturation"));
+  EXPECT_TRUE(std::ranges::any_of(EventCandidates(model), [](const Candidate& candidate) {
+    return candidate.name() == "payload_step";
+  }));
+  model.terms.push_back(identify::TermOf("load_force", {1.0}, model.constants));
+  EXPECT_TRUE(Stated(MakeCandidates(design, model), "gravity"));
+  EXPECT_TRUE(Stated(MakeCandidates(design, model), "payload"));
+  EXPECT_FALSE(std::ranges::any_of(EventCandidates(model), [](const Candidate& candidate) {
+    return candidate.name() == "payload_step";
+  }));
+}
+
+TEST(Candidates, AnEffectThatWasTakenOutIsNotSearchedFor) {
+  const auto design =
+      MakeDesign({SyntheticRun(SyntheticModel(), {.duration_s = 10.0})}, SyntheticModel());
+  ASSERT_TRUE(Has(MakeCandidates(design, SyntheticModel()), "stribeck"));
+  EXPECT_EXIT(
+      {
+        TakeOutEffect("stribeck");  // of the whole process
+        std::exit(Has(MakeCandidates(design, SyntheticModel()), "stribeck") ? 1 : 0);
+      },
+      ::testing::ExitedWithCode(0), "");
 }
 
 TEST(Candidates, EffectsWithoutTheirSignalAreNamed) {

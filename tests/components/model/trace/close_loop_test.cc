@@ -40,9 +40,13 @@ TEST(CloseLoop, RecordingsInEffectOut) {
                    loop.trace.after_held_out.rms);
 }
 
-// A map of cogging: one turn of positions that were held, in an order that says nothing.
-types::Run Map(int positions, std::uint64_t seed) {
-  constexpr std::pair<int, double> kLines_A[] = {{7, 0.8}, {28, 0.5}, {12, 0.1}, {90, 0.06}};
+using Lines = std::vector<std::pair<int, double>>;  // order and size, A
+const Lines kLines_A = {{7, 0.8}, {28, 0.5}, {12, 0.1}, {90, 0.06}};
+
+// A map of cogging: one turn of positions that were held, in an order that says nothing. The
+// encoder started where the angle is zero_rad.
+types::Run Map(int positions, std::uint64_t seed, double zero_rad = 0.0,
+               const Lines& lines_A = kLines_A) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> noise_A(0.0, 0.02);
   std::vector<int> places(static_cast<std::size_t>(positions));
@@ -56,7 +60,9 @@ types::Run Map(int positions, std::uint64_t seed) {
   for (int i = 0; i < positions; ++i) {
     angle[i] = 2.0 * M_PI * places[static_cast<std::size_t>(i)] / positions;
     current[i] = 0.1 + noise_A(random);
-    for (const auto& [order, size] : kLines_A) current[i] += size * std::cos(order * angle[i] + 1);
+    for (const auto& [order, size] : lines_A) {
+      current[i] += size * std::cos(order * (angle[i] + zero_rad) + 1);
+    }
   }
   run.signals[types::Signal::kPosition] = angle;
   run.signals[types::Signal::kMotorPosition] = angle;
@@ -64,7 +70,7 @@ types::Run Map(int positions, std::uint64_t seed) {
   return run;
 }
 
-TEST(CloseLoop, AllOrdersOfAMapOfHeldPositionsAreOneEffect) {
+actuator::JointModel Motor() {
   actuator::JointModel motor;
   motor.name = "motor";
   motor.constants.gear_ratio = 1.0;
@@ -72,7 +78,11 @@ TEST(CloseLoop, AllOrdersOfAMapOfHeldPositionsAreOneEffect) {
   motor.terms = {TermOf("drive_current", {1.0}, motor.constants),
                  TermOf("offset", {0.005}, motor.constants, 5.0)};
   motor.terms[0].linear[0].fixed = true;
-  const LoopResult loop = CloseLoop({Map(1000, 1)}, {Map(500, 2)}, motor, 0.25, {});
+  return motor;
+}
+
+TEST(CloseLoop, AllOrdersOfAMapOfHeldPositionsAreOneEffect) {
+  const LoopResult loop = CloseLoop({Map(1000, 1)}, {Map(500, 2)}, Motor(), 0.25, {});
   ASSERT_EQ(loop.trace.effects.size(), 1u);
   EXPECT_EQ(loop.trace.effects.front().name, "cogging");
   EXPECT_EQ(loop.trace.effects.front().confirmation.verdict, ConfirmationVerdict::kConfirmed);
@@ -84,6 +94,24 @@ TEST(CloseLoop, AllOrdersOfAMapOfHeldPositionsAreOneEffect) {
   // What is left is the noise of the current.
   EXPECT_NEAR(loop.trace.after_held_out.rms, 0.02 * 0.05, 0.1 * 0.02 * 0.05);
   EXPECT_TRUE(loop.trace.events.empty());
+  EXPECT_TRUE(loop.trace.zero_turns.empty());
+}
+
+TEST(CloseLoop, AnEncoderThatStartedElsewhereTurnsTheMap) {
+  const LoopResult loop = CloseLoop({Map(1000, 1)}, {Map(500, 2, 0.7)}, Motor(), 0.25, {});
+  ASSERT_EQ(loop.trace.effects.size(), 1u);
+  EXPECT_EQ(loop.trace.effects.front().name, "cogging");
+  ASSERT_EQ(loop.trace.zero_turns.size(), 1u);
+  EXPECT_EQ(loop.trace.zero_turns.front().recording, "map_2");
+  EXPECT_NEAR(loop.trace.zero_turns.front().turn_rad, 0.7, 2.0 * M_PI / (16.0 * 90.0));
+  EXPECT_LT(loop.trace.after_held_out.rms, 2.0 * 0.02 * 0.05);
+}
+
+TEST(CloseLoop, TheMapOfAnotherMotorIsNotTurnedIntoThisOne) {
+  const LoopResult loop = CloseLoop(
+      {Map(1000, 1)}, {Map(500, 2, 0.7, {{7, 0.2}, {28, 0.1}, {10, 0.6}})}, Motor(), 0.25, {});
+  EXPECT_TRUE(loop.trace.effects.empty());
+  EXPECT_NE(loop.trace.verdict, Verdict::kEffect);
 }
 
 TEST(CloseLoop, AHeldOutRecordingThatWasTrainedOnIsRefused) {

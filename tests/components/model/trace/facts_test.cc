@@ -42,9 +42,6 @@ TEST(Facts, TheScoreFallsWithEveryFactThatSpeaksAgainstAName) {
   other = facts;
   other.slope = 0.5;
   EXPECT_LT(other.Score(), rules::kScore.limit);
-  other = facts;
-  other.dynamic = true;
-  EXPECT_LT(other.Score(), rules::kScore.limit);
   // A slope that says nothing names nothing.
   other = facts;
   other.error = 1.0;
