@@ -24,6 +24,7 @@ sinew_find(yaml-cpp libyaml-cpp-dev CONFIG)
 sinew_find(nlohmann_json nlohmann-json3-dev CONFIG)
 sinew_find(CLI11 libcli11-dev CONFIG)
 sinew_find(Threads libc6-dev)
+sinew_find(Ceres libceres-dev)
 
 find_program(SINEW_FASTDDSGEN fastddsgen)
 if(NOT SINEW_FASTDDSGEN)

@@ -11,6 +11,7 @@
 #include "components/model/identify/interpolated.h"
 #include "components/model/report/errors.h"
 #include "components/model/report/file/report_file.h"
+#include "components/model/shooting/close_by_simulation.h"
 #include "components/model/trace/close_loop.h"
 #include "components/record/recording/file/recording_path.h"
 #include "components/record/recording/file/run_reader.h"
@@ -95,7 +96,7 @@ void AddHistory(const report::Report& report, actuator::JointModel* joint) {
   const trace::TraceResult& trace = report.trace;
   const std::string when = types::UtcNow();
   const std::string from = report::NamesOf(report.train);
-  const std::string unit = report::TorqueUnit(joint->kind);
+  const std::string unit = report::ErrorUnit(trace);
   if (!report::HasCorrection(trace)) {
     joint->history.push_back({when, "refit", from,
                               "declared parameters refitted, no effect added; held-out error " +
@@ -104,7 +105,7 @@ void AddHistory(const report::Report& report, actuator::JointModel* joint) {
   for (const trace::FoundEffect& effect : trace.effects) {
     std::string note = "held-out error " + report::ErrorText(effect.held_out_before) + " -> " +
                        report::ErrorText(effect.held_out_after) + " " +
-                       std::string(effects::BalanceUnit(effect.balance, joint->kind)) + " on " +
+                       report::ErrorUnit(trace, effect.balance) + " on " +
                        report::NamesOf(report.held_out);
     note += "; " + report::NamedSetText(effect);
     joint->history.push_back({when, effect.name, from, note});
@@ -238,6 +239,9 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
     throw UsageError("no recording of joint " + std::to_string(options.joint) +
                      ", expected at least one to train on and one held out");
   }
+  if (rotates && options.by_simulation) {
+    throw UsageError("--by simulation: nothing is held out, expected --held-out");
+  }
   if (rotates) RequireRotation(options, train);
   report::Report& report = out.report;
   report.robot = out.model.robot.name;
@@ -272,7 +276,10 @@ CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& in
     if (!of_arm && wished.state_cutoff_Hz > 0.0) trace_options.processing = wished;
     trace::LoopResult loop;
     std::vector<trace::Fold> folds = options.folds;
-    if (rotates) {
+    if (options.by_simulation) {
+      loop = shooting::CloseBySimulation(train, held_out, joint, wished.longest_gap_s,
+                                         trace_options, plant::JointAlone());
+    } else if (rotates) {
       if (folds.empty()) folds = trace::LeaveOneOut(train, joint);
       trace::RotatedLoop rotated =
           trace::RotateLoop(folds, train, joint, wished.longest_gap_s, trace_options);

@@ -31,6 +31,7 @@ struct CloseLoopOptions {
   std::vector<trace::Fold> folds;  // of an arm's joint without held-out recordings
   std::filesystem::path urdf;      // of an arm; empty: what the model file names
   std::uint64_t seed = 1;
+  bool by_simulation = false;  // fits and search (shooting::CloseBySimulation) of one joint alone
   bool keep_unconfirmed = false;  // in the model, effects that are neither confirmed nor refuted
   std::optional<std::set<std::string>> given;  // these effects, nothing is searched for
   std::vector<std::string> accepted_faults;    // rules of the data gate that do not stop

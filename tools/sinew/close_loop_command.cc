@@ -16,7 +16,13 @@ namespace sinew::tools {
 
 namespace {
 
-constexpr const char* kNoEffect = "none";  // of --effect
+constexpr const char* kNoEffect = "none";          // of --effect
+constexpr const char* kSimulation = "simulation";  // of --by
+
+void RequireTorque(const CloseLoopOptions& options) {
+  if (!options.by_simulation) return;
+  throw UsageError("--by simulation: expected one joint (--joint) that is no part of an arm");
+}
 
 }  // namespace
 
@@ -65,6 +71,13 @@ void AddCloseLoopCommand(CLI::App& app) {
                       "from 0 on; all joints of the model when left out");
   command->add_option("--urdf", options.urdf,
                       "Rigid bodies of an arm; what the model file names by default");
+  command
+      ->add_option_function<std::string>(
+          "--by",
+          [&options](const std::string& what) { options.by_simulation = what == kSimulation; },
+          "What a fit compares: the drive's torque with the model's (torque, by default), or the "
+          "angle with a simulated one, for free swings and a joint that sticks and slips")
+      ->check(CLI::IsMember({"torque", kSimulation}));
   command->add_option("--seed", options.seed, "Seed of the null test's random signs")
       ->capture_default_str();
   command
@@ -118,6 +131,9 @@ void AddCloseLoopCommand(CLI::App& app) {
       "  sinew close-loop --train day.csv@:60 --held-out day.csv@60: --out found\n"
       "  sinew close-loop --model robots/emps/model.yaml --map robots/emps/csv_map.yaml \\\n"
       "    --train DATA_EMPS.csv --held-out DATA_EMPS_PULSES.csv --out found\n"
+      "  sinew close-loop --by simulation --model robots/dfki_pendulum/model.yaml \\\n"
+      "    --train energy_shaping_measured.csv@:12 --held-out energy_shaping_measured.csv@12: "
+      "--out found\n"
       "  sinew close-loop --model robots/biped/model.yaml --train run_1.mcap --held-out run_2.mcap "
       "\\\n"
       "    --out found                       # payload and friction of a robot on two feet");
@@ -130,6 +146,7 @@ void AddCloseLoopCommand(CLI::App& app) {
     asked.joint = arguments->joint.value_or(0);
     const actuator::RobotModel robot = LoadLoopInput(asked).model.robot;
     if (StandsOnTwoFeet(robot)) {
+      RequireTorque(asked);
       const CloseStanceResult result = RunCloseStance(asked, arguments->joint.has_value());
       bar.Finish();
       if (arguments->json) {
@@ -143,6 +160,7 @@ void AddCloseLoopCommand(CLI::App& app) {
         robot.joints.begin(), robot.joints.end(),
         [](const actuator::JointModel& joint) { return joint.Find("rigid_body") >= 0; });
     if (arm || (robot.joints.size() > 1 && !arguments->joint)) {
+      RequireTorque(asked);
       const CloseRobotResult result =
           CloseRobot(asked, arguments->joint ? std::vector<int>{asked.joint} : std::vector<int>{});
       bar.Finish();

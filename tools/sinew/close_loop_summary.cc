@@ -56,8 +56,9 @@ void PrintSummary(const CloseLoopResult& result, const CloseLoopOptions& options
   for (const report::ErrorLine& line : report::ErrorTable(report)) {
     std::cout << "  " << line.what << ": " << report::ThreeErrors(line) << '\n';
   }
-  std::cout << "  of the drive, held-out recordings: " << Short(trace.nominal_held_out.percent)
-            << " % declared, " << Short(trace.before_held_out.percent) << " % refitted, "
+  std::cout << "  of " << report::MeasuredSide(trace)
+            << ", held-out recordings: " << Short(trace.nominal_held_out.percent) << " % declared, "
+            << Short(trace.before_held_out.percent) << " % refitted, "
             << Short(trace.after_held_out.percent) << " % corrected\n";
   for (const trace::BalanceSummary& summary : trace.balances) {
     if (summary.unseen.empty()) continue;

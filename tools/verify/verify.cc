@@ -8,6 +8,7 @@
 #include "components/base/config/config.h"
 #include "components/base/types/control_mode.h"
 #include "components/bodies/links/file/urdf_file.h"
+#include "components/model/report/report.h"
 #include "sim/surrogate/surrogate.h"
 #include "sim/world/world.h"
 
@@ -15,8 +16,6 @@ namespace sinew::verify {
 namespace {
 
 using report::Text;
-
-constexpr double kShown_s = 10.0;  // of a recording in the picture
 
 // One link on a fixed base whose inertia and gravity the model describes.
 arm::Chain PointChain(const actuator::JointModel& joint) {
@@ -73,42 +72,6 @@ class WorldBody final : public free_run::Body {
 
 std::string Angle(types::JointKind kind) {
   return kind == types::JointKind::kRotary ? "mrad" : "mm";
-}
-
-report::Picture PathPicture(const free_run::FreeRunResult& following, types::JointKind kind) {
-  const bool rotary = kind == types::JointKind::kRotary;
-  const free_run::Trace& trace = following.traces.front();
-  const auto rows =
-      std::min(trace.measured.size(), static_cast<std::size_t>(kShown_s / trace.period_s) + 1);
-  std::string data = "$d << EOD\n";
-  for (std::size_t i = 0; i < rows; ++i) {
-    const auto number = [](double value) {
-      return std::isfinite(value) ? report::PictureNumber(value) : std::string("NaN");
-    };
-    data += report::PictureNumber(trace.period_s * static_cast<double>(i)) + " " +
-            number(trace.measured[i]) + " " + number(trace.simulated[0][i]) + " " +
-            number(trace.simulated[1][i]) + " " +
-            number(1e3 * (trace.simulated[0][i] - trace.measured[i])) + " " +
-            number(1e3 * (trace.simulated[1][i] - trace.measured[i])) + "\n";
-  }
-  data += "EOD\n";
-  report::Picture out;
-  out.title = "Simulated beside measured";
-  out.caption =
-      "The first seconds; where a line begins anew the simulation started from the "
-      "measured state again. Below: simulated less measured, " +
-      Angle(kind) + ".";
-  const auto line = [](const char* columns, const char* colour, const char* title) {
-    return std::string("$d u ") + columns + " w l lw 1.6 lc rgb '" + colour + "' t '" + title + "'";
-  };
-  out.script = report::PictureHead(520) + data +
-               "set multiplot layout 2,1\nset ylabel 'position, " + (rotary ? "rad" : "m") +
-               "'\nplot " + line("1:2", report::kMeasuredColour, "measured") + ", " +
-               line("1:3", report::kBeforeColour, "before") + ", " +
-               line("1:4", report::kAfterColour, "after") + "\nset xlabel 'time, s'\nset ylabel '" +
-               Angle(kind) + "'\nplot " + line("1:5", report::kBeforeColour, "before") + ", " +
-               line("1:6", report::kAfterColour, "after") + "\nunset multiplot\n";
-  return out;
 }
 
 double Mean(const std::vector<TrackingRun>& runs, bool after) {
@@ -222,7 +185,8 @@ report::Section MakeSection(const Names& names, types::JointKind kind,
            Text("%.3f", 1e3 * before.runs[r].rms), Text("%.3f", 1e3 * after.runs[r].rms)});
     }
     section.tables.push_back(table);
-    if (!following->traces.empty()) section.pictures.push_back(PathPicture(*following, kind));
+    if (!following->traces.empty())
+      section.pictures.push_back(report::PathPicture(*following, kind, 0, 1));
   }
   if (!tracking.empty()) {
     section.paragraphs.push_back(

@@ -12,69 +12,6 @@ namespace {
 
 using identify::StateSegment;
 
-constexpr double kInsideLimit = 0.98;  // of the servo's limit: beyond it the command says nothing
-constexpr int kFewestGainRows = 50;
-
-// A model with everything that its simulation needs.
-class Simulation {
- public:
-  Simulation(const actuator::JointModel& model, const MakeBody& make_body, double step_s)
-      : model_(Unlimited(model)),
-        body_(make_body(model_)),
-        memory_(static_cast<std::size_t>(model.memory_size())),
-        step_s_(model.backlash_rad > 0.0 ? 0.5 * step_s : step_s) {
-    shaft_per_input_ = effects::IdealDriveGain(model.constants) / model.constants.gear_ratio;
-    back_emf_ = model.constants.back_emf_V_s_rad;
-  }
-
-  // Memory as the recording leaves it at its sample `until`, from `from` on.
-  void WarmUp(const StateSegment& segment, Eigen::Index from, Eigen::Index until) {
-    if (memory_.empty()) return;
-    if (from == 0) model_.ResetMemory(segment.samples.front(), memory_);
-    for (Eigen::Index i = std::max<Eigen::Index>(1, from + 1); i <= until; ++i) {
-      model_.Advance(segment.samples[static_cast<std::size_t>(i)], segment.period_s, memory_);
-    }
-  }
-
-  void Start(const effects::JointSample& x) { body_->Start(x, memory_); }
-
-  // From sample i to the next. drive: signal of the drive (A, V or Nm) at a state of the joint;
-  // driven: false while the bridge is open.
-  template <class Drive>
-  void Advance(const StateSegment& segment, Eigen::Index i, bool driven, Drive drive) {
-    const int steps = std::max(1, static_cast<int>(std::ceil(segment.period_s / step_s_ - 1e-9)));
-    const double dt = segment.period_s / steps;
-    body_->SetSurroundings(segment.samples[static_cast<std::size_t>(i)]);
-    for (int k = 0; k < steps; ++k) {
-      double input = 0.0;
-      if (driven) {
-        input = drive(body_->position_rad(), body_->velocity_rad_s());
-        input -= back_emf_ * body_->motor_velocity_rad_s();
-      }
-      body_->Step(input * shaft_per_input_, dt);
-    }
-  }
-
-  double position_rad() const { return body_->position_rad(); }
-
- private:
-  static actuator::JointModel Unlimited(actuator::JointModel model) {
-    model.motor_torque_limit_Nm = 0.0;  // the recorded drive is what it was
-    return model;
-  }
-
-  actuator::JointModel model_;
-  std::unique_ptr<Body> body_;
-  std::vector<double> memory_;
-  double step_s_;
-  double shaft_per_input_ = 1.0;
-  double back_emf_ = 0.0;  // V per motor rad/s; 0 for drives that are no winding
-};
-
-bool Driven(const StateSegment& segment, Eigen::Index i) {
-  return segment.supply_voltage.size() == 0 || segment.supply_voltage[i] != 0.0;
-}
-
 struct Range {
   double lower = std::numeric_limits<double>::infinity();
   double upper = -std::numeric_limits<double>::infinity();
@@ -113,13 +50,7 @@ Path ClosedLoop(Simulation& simulation, const StateSegment& segment, const actua
   simulation.Start(segment.samples.front());
   path.position.front() = segment.samples.front().position_rad;
   for (Eigen::Index i = 0; i + 1 < segment.size(); ++i) {
-    const double reference = segment.reference_position[i];
-    const double supply = servo.share_of_supply ? segment.supply_voltage[i] : 1.0;
-    simulation.Advance(segment, i, Driven(segment, i), [&](double position, double velocity) {
-      const double command = gain * (reference - position) - servo.velocity_gain_s_rad * velocity;
-      return supply *
-             (servo.limit > 0.0 ? std::clamp(command, -servo.limit, servo.limit) : command);
-    });
+    simulation.Advance(segment, i, {&servo, gain});
     if (range.Lost(simulation.position_rad())) {
       path.diverged = 1;
       std::fill(path.position.begin(), path.position.end(), kNothing);
@@ -145,8 +76,7 @@ Path Horizons(Simulation& simulation, const StateSegment& segment, double horizo
     warm = from;
     simulation.Start(segment.samples[static_cast<std::size_t>(from)]);
     for (Eigen::Index i = from; i + 1 < from + length; ++i) {
-      simulation.Advance(segment, i, Driven(segment, i),
-                         [&](double, double) { return segment.drive_signal[i]; });
+      simulation.Advance(segment, i, {});
       if (range.Lost(simulation.position_rad())) {
         ++path.diverged;
         std::fill(path.position.begin() + from, path.position.begin() + i + 1, kNothing);
@@ -174,43 +104,6 @@ struct Sums {
   double mean() const { return count > 0.0 ? absolute / count : 0.0; }
   double rms() const { return count > 0.0 ? std::sqrt(squared / count) : 0.0; }
 };
-
-}  // namespace
-
-double ServoGain(const StateSegment& segment, const actuator::Servo& servo) {
-  double xy = 0.0, xx = 0.0;
-  int rows = 0;
-  for (Eigen::Index i = 0; i < segment.size(); ++i) {
-    double command = segment.drive_signal[i];
-    if (servo.share_of_supply) {
-      if (segment.supply_voltage[i] == 0.0) continue;
-      command /= segment.supply_voltage[i];
-    }
-    if (servo.limit > 0.0 && std::abs(command) > kInsideLimit * servo.limit) continue;
-    const effects::JointSample& x = segment.samples[static_cast<std::size_t>(i)];
-    const double error = segment.reference_position[i] - x.position_rad;
-    xy += error * command;
-    xx += error * error;
-    ++rows;
-  }
-  return rows >= kFewestGainRows && xx > 0.0 ? std::max(0.0, xy / xx) : 0.0;
-}
-
-namespace {
-
-// Gains of the servo for every piece; empty when it is not declared or a piece lacks what it saw.
-std::vector<double> ServoGains(const std::vector<StateSegment>& segments,
-                               const std::optional<actuator::Servo>& servo) {
-  if (!servo) return {};
-  std::vector<double> gains;
-  for (const StateSegment& segment : segments) {
-    if (segment.reference_position.size() == 0) return {};
-    if (servo->share_of_supply && segment.supply_voltage.size() == 0) return {};
-    gains.push_back(servo->gain_per_rad > 0.0 ? servo->gain_per_rad : ServoGain(segment, *servo));
-    if (gains.back() == 0.0) return {};
-  }
-  return gains;
-}
 
 // Errors over the samples that all models reached which did not run away for the most part: a model
 // is not the better for the samples that it lost.

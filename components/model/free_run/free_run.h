@@ -8,41 +8,23 @@
 //   recorded state. A loaded joint driven by effort for longer
 //   diverges with any model, which proves nothing.
 //
-// What moves comes from the caller (Body), so that this module knows no simulation; sim/plant has
-// the joint alone (plant::JointAlone): friction as an impulse, so that a joint that sticks stands
-// exactly still. Terms with memory are advanced along the recording up to each start. Pressure,
-// load force, payload and temperature are the recorded ones. Errors are simulated minus measured
-// (state-filtered) position, in rad, in m for a linear joint. Pure; allocates; one thread.
+// What moves comes from the caller (simulation.h), e.g. plant::JointAlone: friction as an impulse,
+// so that a joint that sticks stands exactly still. Terms with memory are advanced along the
+// recording up to each start. Pressure, load force, payload and temperature are the recorded ones.
+// Errors are simulated minus measured (state-filtered) position, in rad, in m for a linear joint.
+// Pure; allocates; one thread.
 #pragma once
 
-#include <functional>
-#include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "components/base/types/run.h"
 #include "components/model/actuator/model.h"
+#include "components/model/free_run/simulation.h"
 #include "components/model/identify/processing.h"
 
 namespace sinew::free_run {
-
-// A simulation of one joint: the joint alone, or the joint in a robot.
-class Body {
- public:
-  virtual ~Body() = default;
-  // At the state of x: position, velocity, motor_position_rad within the play, motor's velocity.
-  virtual void Start(const effects::JointSample& x, std::span<const double> memory) = 0;
-  virtual void SetSurroundings(const effects::JointSample& x) = 0;
-  virtual void Step(double motor_torque_Nm, double dt_s) = 0;
-  virtual double position_rad() const = 0;
-  virtual double velocity_rad_s() const = 0;
-  virtual double motor_velocity_rad_s() const = 0;
-};
-// The model comes without its torque limit: the recorded drive is what it was. Throws
-// std::invalid_argument: a model that cannot be simulated.
-using MakeBody = std::function<std::unique_ptr<Body>(const actuator::JointModel& model)>;
 
 struct FreeRunOptions {
   double horizon_s = 0.5;
@@ -104,9 +86,5 @@ FreeRunResult Compare(const std::vector<types::Run>& runs,
 // Results of the same models on different recordings, as one; a part without errors gives its
 // reason. Errors are weighted by the samples that counted.
 FreeRunResult Join(std::vector<FreeRunResult> parts);
-
-// Gain of a proportional servo by least squares of command against (reference - position), over
-// rows inside the limit; 0 when fewer than 50 rows show it.
-double ServoGain(const identify::StateSegment& segment, const actuator::Servo& servo);
 
 }  // namespace sinew::free_run

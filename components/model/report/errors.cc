@@ -34,7 +34,8 @@ std::vector<ErrorLine> ErrorTable(const Report& report) {
   const trace::TraceResult& trace = report.trace;
   const types::JointKind kind = trace.corrected.kind;
   std::vector<ErrorLine> out;
-  AddBalance(trace, effects::Balance::kMotion, TorqueUnit(kind), "", &out);
+  AddBalance(trace, effects::Balance::kMotion, ErrorUnit(trace),
+             trace.by_simulation ? ", pieces simulated from fitted start states" : "", &out);
   for (const trace::BalanceSummary& summary : trace.balances) {
     if (!summary.unseen.empty()) continue;
     AddBalance(summary, summary.balance, summary.unit,

@@ -33,7 +33,7 @@ std::string Confirmed(const trace::Confirmation& confirmation) {
 
 std::string HeldOutErrors(const trace::TraceResult& trace, const trace::FoundEffect& effect) {
   return ErrorText(effect.held_out_before) + " &rarr; " + ErrorText(effect.held_out_after) + " " +
-         std::string(effects::BalanceUnit(effect.balance, trace.corrected.kind));
+         ErrorUnit(trace, effect.balance);
 }
 
 // A table of effects; empty without any.
@@ -75,13 +75,13 @@ std::string Errors(const Report& report) {
     out += HtmlRow({Escape(line.what), ErrorText(line.declared), ErrorText(line.refitted),
                     ErrorText(line.corrected), line.unit});
   }
+  const trace::TraceResult& trace = report.trace;
   const auto drive = [&](const char* what, const identify::ModelError& declared,
                          const identify::ModelError& refitted,
                          const identify::ModelError& corrected) {
     out += HtmlRow({what, Short(declared.percent), Short(refitted.percent),
-                    Short(corrected.percent), "% of the drive"});
+                    Short(corrected.percent), "% of " + MeasuredSide(trace)});
   };
-  const trace::TraceResult& trace = report.trace;
   drive("training recordings", trace.nominal_train, trace.before_train, trace.after_train);
   drive("held-out recordings", trace.nominal_held_out, trace.before_held_out, trace.after_held_out);
   out +=
@@ -117,10 +117,10 @@ std::string Rotations(const Report& report) {
       HtmlRow({"held out", "found in the others", "declared", "refitted", "corrected", "unit"},
               "th");
   for (const trace::Rotation& rotation : report.rotations) {
-    out += HtmlRow(
-        {Escape(rotation.held_out), Escape(RotationText(rotation)),
-         Short(rotation.trace.nominal_held_out.rms), Short(rotation.trace.before_held_out.rms),
-         Short(rotation.trace.after_held_out.rms), TorqueUnit(report.trace.corrected.kind)});
+    out += HtmlRow({Escape(rotation.held_out), Escape(RotationText(rotation)),
+                    Short(rotation.trace.nominal_held_out.rms),
+                    Short(rotation.trace.before_held_out.rms),
+                    Short(rotation.trace.after_held_out.rms), ErrorUnit(report.trace)});
   }
   return out + "</table>\n";
 }
@@ -200,7 +200,7 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
                        const std::vector<std::string>& svgs) {
   const trace::TraceResult& trace = report.trace;
   const types::JointKind kind = trace.corrected.kind;
-  const std::string unit = TorqueUnit(kind);
+  const std::string unit = ErrorUnit(trace);
   std::string out = HtmlHead("Closing the loop: " + report.robot);
   out += "<h1>Closing the loop: " + Escape(report.robot) + ", " + Escape(trace.corrected.name) +
          "</h1>\n";
@@ -339,11 +339,15 @@ std::string FormatHtml(const Report& report, const std::vector<Picture>& picture
   for (const identify::Finding& finding : report.findings) {
     out += "<li>" + Escape(finding.text) + "</li>\n";
   }
-  out += "</ul>\n<h2>Method</h2>\n<p class=\"meta\">Zero-phase filters: states " +
-         Short(report.processing.state_cutoff_Hz) + " Hz, both sides of the balance " +
-         Short(report.processing.parallel_cutoff_Hz) + " Hz" + Method(report) +
-         "</p>\n"
-         "</main></body></html>\n";
+  out +=
+      "</ul>\n<h2>Method</h2>\n<p class=\"meta\">Zero-phase filters: states " +
+      Short(report.processing.state_cutoff_Hz) + " Hz" +
+      (trace.by_simulation
+           ? std::string("; fits by simulation, the start state of every piece free")
+           : ", both sides of the balance " + Short(report.processing.parallel_cutoff_Hz) + " Hz") +
+      Method(report) +
+      "</p>\n"
+      "</main></body></html>\n";
   return out;
 }
 

@@ -16,6 +16,7 @@ using effects::JointSample;
 using identify::Design;
 
 constexpr int kMostPoints = 2500;
+constexpr double kShown_s = 10.0;  // of a recording in the picture
 
 struct Axis {
   std::string name;
@@ -302,7 +303,7 @@ Picture Candidates(const trace::RoundReport& round) {
 
 Picture ErrorsBeforeAndAfter(const Report& report) {
   const trace::TraceResult& trace = report.trace;
-  const std::string unit = TorqueUnit(trace.corrected.kind);
+  const std::string unit = ErrorUnit(trace);
   std::string data = "$e << EOD\n";
   int at = 0;
   const auto add = [&](const std::string& name, double train, double held_out) {
@@ -338,11 +339,63 @@ Picture ErrorsBeforeAndAfter(const Report& report) {
   return out;
 }
 
+// No torques: the simulated angle and what was searched for.
+std::vector<Picture> PicturesOfSimulation(const Report& report) {
+  std::vector<Picture> out;
+  if (!report.free_run.traces.empty()) {
+    out.push_back(
+        PathPicture(report.free_run, report.trace.corrected.kind, kRefittedModel, kCorrectedModel));
+  }
+  if (!report.trace.rounds.empty() && !report.trace.rounds.front().scores.empty()) {
+    out.push_back(Candidates(report.trace.rounds.front()));
+  }
+  out.push_back(ErrorsBeforeAndAfter(report));
+  return out;
+}
+
 }  // namespace
+
+Picture PathPicture(const free_run::FreeRunResult& following, types::JointKind kind,
+                    std::size_t before, std::size_t after) {
+  const bool rotary = kind == types::JointKind::kRotary;
+  const std::string unit = rotary ? "mrad" : "mm";
+  const free_run::Trace& trace = following.traces.front();
+  const auto rows =
+      std::min(trace.measured.size(), static_cast<std::size_t>(kShown_s / trace.period_s) + 1);
+  std::string data = "$d << EOD\n";
+  for (std::size_t i = 0; i < rows; ++i) {
+    const auto number = [](double value) {
+      return std::isfinite(value) ? PictureNumber(value) : std::string("NaN");
+    };
+    data += PictureNumber(trace.period_s * static_cast<double>(i)) + " " +
+            number(trace.measured[i]) + " " + number(trace.simulated[before][i]) + " " +
+            number(trace.simulated[after][i]) + " " +
+            number(1e3 * (trace.simulated[before][i] - trace.measured[i])) + " " +
+            number(1e3 * (trace.simulated[after][i] - trace.measured[i])) + "\n";
+  }
+  data += "EOD\n";
+  Picture out;
+  out.title = "Simulated beside measured";
+  out.caption =
+      "The first seconds; where a line begins anew the simulation started from the "
+      "measured state again. Below: simulated less measured, " +
+      unit + ".";
+  const auto line = [](const char* columns, const char* colour, const char* title) {
+    return std::string("$d u ") + columns + " w l lw 1.6 lc rgb '" + colour + "' t '" + title + "'";
+  };
+  out.script = PictureHead(520) + data + "set multiplot layout 2,1\nset ylabel 'position, " +
+               (rotary ? "rad" : "m") + "'\nplot " + line("1:2", kMeasuredColour, "measured") +
+               ", " + line("1:3", kBeforeColour, "before") + ", " +
+               line("1:4", kAfterColour, "after") + "\nset xlabel 'time, s'\nset ylabel '" + unit +
+               "'\nplot " + line("1:5", kBeforeColour, "before") + ", " +
+               line("1:6", kAfterColour, "after") + "\nunset multiplot\n";
+  return out;
+}
 
 std::vector<Picture> MakePictures(const Report& report, const Design& train,
                                   const Design& held_out) {
   const trace::TraceResult& trace = report.trace;
+  if (trace.by_simulation) return PicturesOfSimulation(report);
   const identify::Balance balance = identify::MakeBalance(held_out, trace.corrected);
   const Eigen::VectorXd torque = balance.drive_factor * balance.drive_torque;
   std::string variable = trace.unexplained.variable;

@@ -28,6 +28,16 @@ std::string TorqueUnit(types::JointKind kind) {
   return kind == types::JointKind::kRotary ? "Nm" : "N";
 }
 
+std::string ErrorUnit(const trace::TraceResult& trace, effects::Balance balance) {
+  const types::JointKind kind = trace.corrected.kind;
+  if (!trace.by_simulation) return std::string(effects::BalanceUnit(balance, kind));
+  return kind == types::JointKind::kRotary ? "rad" : "m";
+}
+
+std::string MeasuredSide(const trace::TraceResult& trace) {
+  return trace.by_simulation ? "the motion" : "the drive";
+}
+
 std::string EffectTitle(const std::string& name) {
   return effects::MakeEffect(name, {})->info().title;
 }
@@ -99,8 +109,7 @@ std::string SizesText(const trace::TraceResult& trace, const trace::FoundEffect&
 
 std::string HeldOutText(const trace::TraceResult& trace, const trace::FoundEffect& effect) {
   std::string out = "held-out error " + ErrorText(effect.held_out_before) + " -> " +
-                    ErrorText(effect.held_out_after) + " " +
-                    std::string(effects::BalanceUnit(effect.balance, trace.corrected.kind));
+                    ErrorText(effect.held_out_after) + " " + ErrorUnit(trace, effect.balance);
   if (!(effect.held_out_before > 0.0) || !std::isfinite(effect.held_out_after)) return out;
   out += Text(" (%+.1f %%)", 100.0 * (effect.held_out_after / effect.held_out_before - 1.0));
   for (const trace::ZeroTurn& turn : trace.zero_turns) {
@@ -200,8 +209,7 @@ std::string UnexplainedSentence(const Report& report) {
          (unexplained.order_per_turn > 0.0
               ? " with order " + Short(unexplained.order_per_turn) + " per turn"
               : "") +
-         " (" + Short(unexplained.rms) + " " +
-         std::string(effects::BalanceUnit(unexplained.balance, report.trace.corrected.kind)) +
+         " (" + Short(unexplained.rms) + " " + ErrorUnit(report.trace, unexplained.balance) +
          " rms), and " +
          (report.given ? "the given effects do not explain it."
                        : "no effect of the catalogue explains it.");
@@ -209,13 +217,14 @@ std::string UnexplainedSentence(const Report& report) {
 
 std::string NothingSentence(const Report& report) {
   const trace::TraceResult& trace = report.trace;
-  const std::string unit = " " + TorqueUnit(trace.corrected.kind);
+  const std::string unit = " " + ErrorUnit(trace);
   const std::string noise = Short(trace.noise_floor_rms) + unit;
-  const std::string leaves = "the refitted model leaves " + Short(trace.before_held_out.rms) +
-                             unit + " rms on the held-out recordings" +
-                             (trace.before_held_out.percent > 0.0
-                                  ? ", " + Short(trace.before_held_out.percent) + " % of the drive"
-                                  : "");
+  const std::string leaves =
+      "the refitted model leaves " + Short(trace.before_held_out.rms) + unit +
+      " rms on the held-out recordings" +
+      (trace.before_held_out.percent > 0.0
+           ? ", " + Short(trace.before_held_out.percent) + " % of " + MeasuredSide(trace)
+           : "");
   if (trace::NearNoise(trace)) {
     return "Nothing beyond the noise: " + leaves + "; the noise of the sensors alone is " + noise +
            ".";

@@ -57,6 +57,11 @@ struct Report {
 
 // "Nm" or "N".
 std::string TorqueUnit(types::JointKind kind);
+// Unit of a balance's errors; of the motion's "rad" or "m" where they are of the simulated angle.
+std::string ErrorUnit(const trace::TraceResult& trace,
+                      effects::Balance balance = effects::Balance::kMotion);
+// What relative errors are a share of: "the drive", or "the motion" by simulation.
+std::string MeasuredSide(const trace::TraceResult& trace);
 // Words for an effect's name, e.g. "Stribeck friction".
 std::string EffectTitle(const std::string& name);
 
@@ -98,6 +103,10 @@ std::string OutcomeWord(const trace::TraceResult& trace);
 // round.
 std::vector<Picture> MakePictures(const Report& report, const identify::Design& train,
                                   const identify::Design& held_out);
+
+// The first seconds of a simulation beside what was measured, with two of its models (free_run).
+Picture PathPicture(const free_run::FreeRunResult& following, types::JointKind kind,
+                    std::size_t before, std::size_t after);
 
 // The page where the recordings have too little data (TraceResult::too_little).
 std::string FormatTooLittleHtml(const Report& report);

@@ -92,7 +92,7 @@ class Builder {
     const int family = NextFamily();
     for (const double order : kWaves) {
       const bool searched =
-          ShowsPeriods(order) &&
+          ShowsPeriods(order, turns_) &&
           std::any_of(candidate.grid.begin(), candidate.grid.end(),
                       [&](const GridPoint& point) { return point.psi.front() == order; });
       if (searched) continue;
@@ -199,13 +199,7 @@ class Builder {
   }
 
   bool CoversPeriod(const effects::Effect& effect, const std::vector<double>& psi) const {
-    return effect.info().name != kWave || ShowsPeriods(psi.front());
-  }
-
-  // Wheels on the output turn once or twice with it. What comes more often has to come back, or it
-  // is any smooth curve.
-  bool ShowsPeriods(double order) const {
-    return order * turns_ >= (order > 2.0 ? kPeriodsOfLine : kLeastPeriods);
+    return effect.info().name != kWave || ShowsPeriods(psi.front(), turns_);
   }
 
   Columns AddColumns(const Eigen::MatrixXd& columns) {
@@ -249,6 +243,10 @@ bool Hypothesis::follows_rates() const {
 
 bool Hypothesis::from_rates() const {
   return physical() && effect->info().balance == effects::Balance::kMotion && follows_rates();
+}
+
+bool ShowsPeriods(double order, double turns) {
+  return order * turns >= (order > 2.0 ? kPeriodsOfLine : kLeastPeriods);
 }
 
 double LeastShare(const Hypothesis& hypothesis) {

@@ -52,6 +52,11 @@ struct Hypothesis {
   bool from_rates() const;
 };
 
+// Is a wave of so many periods a turn more than a smooth curve over a range of so many turns?
+// Wheels on the output turn once or twice with it: one period. What comes more often has to come
+// back: three.
+bool ShowsPeriods(double order, double turns);
+
 // Share of the misfit that it has to explain: rule explained_share, or curve_share where it is
 // identified from rates.
 double LeastShare(const Hypothesis& hypothesis);

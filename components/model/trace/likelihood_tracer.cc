@@ -380,34 +380,6 @@ class Correction {
   std::vector<std::vector<int>> terms_;  // of the corrected model, by member
 };
 
-// Accepted is what is in the model; the rest names its rule.
-void NoteOutcome(const TraceResult& result, std::vector<CandidateScore>* scores) {
-  const auto holds = [](const std::vector<FoundEffect>& found, const std::string& name) {
-    const auto at = std::find_if(found.begin(), found.end(),
-                                 [&](const FoundEffect& effect) { return effect.name == name; });
-    return at == found.end() ? nullptr : &*at;
-  };
-  for (CandidateScore& score : *scores) {
-    score.accepted = holds(result.effects, score.name) != nullptr;
-    if (score.accepted) score.refused = {};
-    for (const auto* list : {&result.open, &result.refuted}) {
-      if (const FoundEffect* found = holds(*list, score.name)) score.refused = found->refusal;
-    }
-  }
-}
-
-// Effects that are found, and those that stand out of noise by the whole search's own limit.
-std::set<std::string> Shown(const TraceResult& result, double least_statistic) {
-  std::set<std::string> out;
-  for (const auto* list : {&result.effects, &result.open}) {
-    for (const FoundEffect& found : *list) out.insert(found.name);
-  }
-  for (const CandidateScore& score : result.rounds.front().scores) {
-    if (score.statistic >= least_statistic) out.insert(score.name);
-  }
-  return out;
-}
-
 }  // namespace
 
 TraceResult TraceByLikelihood(Design& train, Design& held_out, const actuator::JointModel& model,
@@ -478,11 +450,7 @@ TraceResult TraceByLikelihood(Design& train, Design& held_out, const actuator::J
   const CandidateSet all = MakeCandidates(train, result.corrected);
   result.shifts = FindShifts(train, model, result.corrected_fit, all.candidates);
   for (auto* list : {&result.effects, &result.open, &result.refuted}) SortByGain(list);
-  const bool unexplained = !result.unexplained.variable.empty() || !result.open.empty() ||
-                           (!result.refuted.empty() && !NearNoise(result));
-  result.verdict = !result.effects.empty() ? Verdict::kEffect
-                   : unexplained           ? Verdict::kUnexplained
-                                           : Verdict::kNone;
+  result.verdict = VerdictOf(result);
   return result;
 }
 

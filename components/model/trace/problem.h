@@ -20,6 +20,9 @@ struct Problem {
   // Precision of the declared columns where their tolerances are as good as measurements (links
   // that were weighed): it counts in those least squares too. Empty: stated roughly, flat there.
   Eigen::VectorXd plain_precision = {};
+  // The measured side where the target is only what a fit left of it: its rms, and the highest
+  // torque. 0: the target's own.
+  double measured_rms = 0.0, measured_peak = 0.0;
 
   const std::vector<Hypothesis>& hypotheses() const { return bank.hypotheses; }
   // Whitened residual with a set in the model.

@@ -75,4 +75,38 @@ void NoteErrors(const LikelihoodFit& reported, const actuator::JointModel& drive
   result->ceiling_rms = reported.richest_rms;
 }
 
+void NoteOutcome(const TraceResult& result, std::vector<CandidateScore>* scores) {
+  const auto holds = [](const std::vector<FoundEffect>& found, const std::string& name) {
+    const auto at = std::find_if(found.begin(), found.end(),
+                                 [&](const FoundEffect& effect) { return effect.name == name; });
+    return at == found.end() ? nullptr : &*at;
+  };
+  for (CandidateScore& score : *scores) {
+    score.accepted = holds(result.effects, score.name) != nullptr;
+    if (score.accepted) score.refused = {};
+    for (const auto* list : {&result.open, &result.refuted}) {
+      if (const FoundEffect* found = holds(*list, score.name)) score.refused = found->refusal;
+    }
+  }
+}
+
+std::set<std::string> Shown(const TraceResult& result, double least_statistic) {
+  std::set<std::string> out;
+  for (const auto* list : {&result.effects, &result.open}) {
+    for (const FoundEffect& found : *list) out.insert(found.name);
+  }
+  for (const CandidateScore& score : result.rounds.front().scores) {
+    if (score.statistic >= least_statistic) out.insert(score.name);
+  }
+  return out;
+}
+
+Verdict VerdictOf(const TraceResult& result) {
+  const bool unexplained = !result.unexplained.variable.empty() || !result.open.empty() ||
+                           (!result.refuted.empty() && !NearNoise(result));
+  return !result.effects.empty() ? Verdict::kEffect
+         : unexplained           ? Verdict::kUnexplained
+                                 : Verdict::kNone;
+}
+
 }  // namespace sinew::trace

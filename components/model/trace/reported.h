@@ -1,6 +1,10 @@
-// The declared terms as they are reported, and the errors of the models without an effect. Pure but
-// for the designs' predicted drive; allocates.
+// The declared terms as they are reported, the errors of the models without an effect, and what the
+// search comes to. Pure but for the designs' predicted drive; allocates.
 #pragma once
+
+#include <set>
+#include <string>
+#include <vector>
 
 #include "components/model/trace/problem.h"
 #include "components/model/trace/trace_result.h"
@@ -20,5 +24,12 @@ RowUsage UsageOf(const identify::Design& train, const UsedRows& used);
 void NoteErrors(const LikelihoodFit& reported, const actuator::JointModel& drive,
                 identify::Design* predicted_train, identify::Design* predicted_held_out,
                 TraceResult* result);
+
+// Accepted is what is in the model; the rest names its rule.
+void NoteOutcome(const TraceResult& result, std::vector<CandidateScore>* scores);
+// Effects that are found, and those that stand out of noise by the whole search's own limit.
+std::set<std::string> Shown(const TraceResult& result, double least_statistic);
+// By what is found, open, refuted and unexplained.
+Verdict VerdictOf(const TraceResult& result);
 
 }  // namespace sinew::trace

@@ -98,9 +98,12 @@ std::vector<DetectableSize> FindDetectable(const Problem& problem,
                                            const actuator::JointModel& declared, double statistic,
                                            const EffectSet& found) {
   const Evidence& evidence = problem.evidence;
-  const double target_rms = identify::Rms(problem.bank.target);
-  const double target_peak =
-      problem.bank.target.size() > 0 ? problem.bank.target.cwiseAbs().maxCoeff() : 0.0;
+  const double target_rms =
+      problem.measured_rms > 0.0 ? problem.measured_rms : identify::Rms(problem.bank.target);
+  const double target_peak = problem.measured_peak > 0.0 ? problem.measured_peak
+                             : problem.bank.target.size() > 0
+                                 ? problem.bank.target.cwiseAbs().maxCoeff()
+                                 : 0.0;
   const double drive_share = actuator::DriveShare(declared, declared.balance);
   std::map<std::pair<std::string, std::size_t>, DetectableSize> best;
   // What the declared terms carry of a column, not whitened.

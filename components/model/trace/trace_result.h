@@ -186,6 +186,8 @@ struct BalanceSummary : Assessment {
 };
 
 struct TraceResult : Assessment {
+  // Errors are of the simulated angle, rad or m, in place of torques (components/model/shooting).
+  bool by_simulation = false;
   std::optional<TooLittle> too_little;  // why nothing was fitted; empty: it was
   actuator::JointModel nominal;         // as declared
   actuator::JointModel declared;        // refitted, nothing added

@@ -117,6 +117,14 @@ TEST_F(Input, OneRecordingAndNothingHeldOutIsRefusedWithTheWayToSplitIt) {
               HasSubstr("--train " + csv + "@:13 --held-out " + csv + "@13:"));
 }
 
+TEST_F(Input, ASimulationNeedsInertiaAndAHeldOutRecording) {
+  CloseLoopOptions options = SpringOptions();
+  options.by_simulation = true;
+  EXPECT_THAT(ErrorOf([&] { RunCloseLoop(options); }), HasSubstr("inertia"));
+  options.held_out.clear();
+  EXPECT_THAT(ErrorOf([&] { RunCloseLoop(options); }), HasSubstr("expected --held-out"));
+}
+
 TEST_F(Input, WithoutHeldOutRecordingsEachIsHeldOutOnce) {
   CloseLoopOptions options = SpringOptions();
   const std::string csv = folder_.path() / "day.csv";

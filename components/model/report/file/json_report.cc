@@ -240,7 +240,7 @@ Json VariableOf(const trace::Unexplained& unexplained) {
 
 std::string FormatJson(const Report& report) {
   const trace::TraceResult& trace = report.trace;
-  const std::string unit = TorqueUnit(trace.corrected.kind);
+  const std::string unit = ErrorUnit(trace);
   Json out;
   out["schema"] = "sinew-close-loop/2";
   out["verdict"] = VerdictWord(trace.verdict);
@@ -249,6 +249,7 @@ std::string FormatJson(const Report& report) {
   out["robot"] = report.robot;
   out["joint"] = trace.corrected.name;
   out["model"] = report.model_file;
+  if (trace.by_simulation) out["by"] = "simulation";
   out["recordings"] = {{"train", RecordingsJson(report.train)},
                        {"held_out", RecordingsJson(report.held_out)}};
 
@@ -257,7 +258,7 @@ std::string FormatJson(const Report& report) {
   if (report.given) out["given_effects"] = *report.given;
   if (!trace::TakenOut().empty()) out["without_rules"] = trace::TakenOut();
   const auto entry_of = [&](const trace::FoundEffect& effect) {
-    const std::string own_unit(effects::BalanceUnit(effect.balance, trace.corrected.kind));
+    const std::string own_unit = ErrorUnit(trace, effect.balance);
     Json entry = {
         {"name", effect.name},
         {"title", EffectTitle(effect.name)},
