@@ -239,7 +239,6 @@ void RemakeEffects(JointModel* model) {
   };
   constants.drive_coulomb_Nm = taken("coulomb");
   constants.drive_viscous_Nm_s_rad = taken("viscous") + taken("motor_viscous");
-  constants.drive_inertia_kg_m2 = taken("rotor_inertia");
   for (Term& each : model->terms) {
     const effects::EffectInfo& info = each.effect->info();
     each.effect = effects::MakeEffect(std::string(info.name), constants, info.balance);

@@ -118,7 +118,7 @@ class JointModel {
 };
 
 // Makes every effect anew: they know the model's constants from when they were made. Those of the
-// pneumatic element, of friction and of the rotor are taken from its terms first.
+// pneumatic element and of friction are taken from its terms first.
 void RemakeEffects(JointModel* model);
 
 // The drive term's factor in a balance as a share of the ideal drive's; 1 without a drive term.

@@ -20,10 +20,10 @@ inline double Sign(double value) noexcept {
 }
 
 // Torque of an ideal drive that is left for the load behind gear and friction, Nm at the output.
+// What the rotor takes stays in it: a simulation knows no acceleration before the friction.
 inline double LoadTorque(const JointSample& x, const JointConstants& c) noexcept {
   return IdealDriveGain(c) * x.drive_input - c.drive_coulomb_Nm * Sign(x.velocity_rad_s) -
-         c.drive_viscous_Nm_s_rad * x.velocity_rad_s -
-         c.drive_inertia_kg_m2 * x.motor_acceleration_rad_s2 / c.gear_ratio;
+         c.drive_viscous_Nm_s_rad * x.velocity_rad_s;
 }
 
 // phi of an effect without memory.

@@ -58,8 +58,8 @@ struct JointConstants {
   double pneumatic_torque_Nm_bar = 0.0;         // K
   double pneumatic_stiffness_Nm_rad_bar = 0.0;  // k1
   double pneumatic_rest_rad = 0.0;              // q0
-  // What the model's dry and viscous friction and its rotor take of the drive before a load does,
-  // as torque of an ideal drive (actuator::RemakeEffects); 0 without.
+  // What the model's dry and viscous friction take of the drive before a load does, as torque of an
+  // ideal drive (actuator::RemakeEffects); 0 without.
   double drive_coulomb_Nm = 0.0;
   double drive_viscous_Nm_s_rad = 0.0;
   double drive_inertia_kg_m2 = 0.0;

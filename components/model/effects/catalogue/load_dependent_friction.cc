@@ -8,8 +8,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   EffectInfo info;
   info.name = "load_dependent_friction";
   info.title = "Gear friction that grows with the load";
-  info.formula =
-      "- share * |T| * sign v, T: drive torque N Kt I less the declared friction and rotor";
+  info.formula = "- share * |T| * sign v, T: drive torque N Kt I less the declared friction";
   info.source = "Dohring, Lee, Newman: A Load-Dependent Transmission Friction Model (1993)";
   info.linear = {{.name = "share",
                   .dimension = Dimension::kNone,

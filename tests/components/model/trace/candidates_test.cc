@@ -69,11 +69,11 @@ TEST(Candidates, WhatADeclaredTermStatesAlreadyIsNoCause) {
 // winding.
 TEST(Candidates, BetweenTwoTorqueSensorsNothingHangs) {
   actuator::JointModel model = SyntheticModel();
+  const auto design = MakeDesign({SyntheticRun(model, {.duration_s = 10.0})}, model);
   std::erase_if(model.terms, [](const actuator::Term& term) {
     const std::string name = term.effect->info().name;
-    return name == "gravity" || name == "drive_current";
+    return name == "gravity" || name == "drive_current" || name == "load_force";
   });
-  const auto design = MakeDesign({SyntheticRun(SyntheticModel(), {.duration_s = 10.0})}, model);
   model.terms.push_back(identify::TermOf("drive_torque", {1.0}, model.constants));
   EXPECT_FALSE(Stated(MakeCandidates(design, model), "gravity"));
   EXPECT_TRUE(Missing(MakeCandidates(design, model), "torque_constant_saturation"));
