@@ -62,7 +62,6 @@ struct JointConstants {
   // ideal drive (actuator::RemakeEffects); 0 without.
   double drive_coulomb_Nm = 0.0;
   double drive_viscous_Nm_s_rad = 0.0;
-  double drive_inertia_kg_m2 = 0.0;
 };
 
 // Derivative of the pneumatic element's torque by the pressure at an output position, Nm/bar.
