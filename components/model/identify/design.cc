@@ -131,7 +131,8 @@ Eigen::MatrixXd Design::Columns(const effects::Effect& effect, std::span<const d
     return MakeColumns(effect, psi);
   }
   const auto [at, fresh] =
-      made_.try_emplace({info.name, info.balance, {psi.begin(), psi.end()}}, Eigen::MatrixXd());
+      made_.try_emplace(Made{info.name, info.balance, std::vector<double>(psi.begin(), psi.end())},
+                        Eigen::MatrixXd());
   if (fresh) at->second = MakeColumns(effect, psi);
   return at->second;
 }

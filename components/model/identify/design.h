@@ -4,10 +4,10 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <compare>
 #include <map>
 #include <span>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "components/model/actuator/model.h"
@@ -144,12 +144,8 @@ class Design {
   std::map<int, double> clocks_;
   bool predicted_rate_ = false;
   double beyond_drive_ = 0.0;
-  struct Made {
-    std::string effect;
-    effects::Balance balance;
-    std::vector<double> psi;
-    auto operator<=>(const Made&) const = default;
-  };
+  // Effect, its balance and psi.
+  using Made = std::tuple<std::string, effects::Balance, std::vector<double>>;
   mutable std::map<Made, Eigen::MatrixXd> made_;
 };
 
