@@ -162,6 +162,7 @@ class Closer {
       if (known.empty() || set.net > known.net) known = std::move(set);
     }
     std::vector<EffectSet> out;
+    out.reserve(best.size());
     for (auto& [name, set] : best) out.push_back(std::move(set));
     std::sort(out.begin(), out.end(),
               [](const EffectSet& a, const EffectSet& b) { return a.net > b.net; });
