@@ -9,8 +9,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   info.title = "Efficiency that depends on the direction of power";
   info.formula =
       "+ gain * T while the load drives the motor, else 0; T: drive torque N Kt I less the "
-      "declared "
-      "friction and rotor";
+      "declared friction";
   info.source =
       "Giberti, Cinquemani, Legnani: Effects of transmission mechanical characteristics on the "
       "choice of a motor-reducer (2010)";
