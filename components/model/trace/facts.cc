@@ -151,8 +151,10 @@ std::vector<ZeroTurn> FindZeroTurns(const Problem& problem, const EffectSet& set
   const Eigen::MatrixXd columns = balance.Columns(member);
   const Eigen::VectorXd c = set.c.segment(at, columns.cols());
   const Eigen::VectorXd rest = balance.Left(set) + columns * c;
+  // The noise is what lines of any size and phase leave there.
+  Likelihood likelihood = balance.likelihood();
+  LearnNoise(*held_out, identify::LeftBy(columns, rest), declared_fit.balance, &likelihood);
   for (std::size_t run = 0; run < held_out->states().run_names.size(); ++run) {
-    // The noise is what lines of any size and phase leave there.
     Eigen::VectorXd of_run = Eigen::VectorXd::Zero(rest.size());
     for (Eigen::Index i = 0; i < rest.size(); ++i) {
       const Eigen::Index row = balance.used().rows[static_cast<std::size_t>(i)];
@@ -160,8 +162,6 @@ std::vector<ZeroTurn> FindZeroTurns(const Problem& problem, const EffectSet& set
     }
     const Eigen::MatrixXd own = of_run.asDiagonal() * columns;
     const Eigen::VectorXd own_rest = of_run.cwiseProduct(rest);
-    Likelihood likelihood = balance.likelihood();
-    LearnNoise(*held_out, identify::LeftBy(columns, rest), declared_fit.balance, &likelihood);
     const double turn_rad =
         BestTurn(member, c, Whiten(likelihood, own), Whiten(likelihood, own_rest).col(0));
     if (turn_rad == 0.0) continue;
