@@ -12,7 +12,7 @@
 #   sinew_add_participant(rls SOURCES participant/main.cc DEPENDS sinew::rls)
 #     -> program sinew_rls_participant, installed and built as bin/sinew-rls; links sinew::node.
 #   sinew_add_test(rls_test SOURCES rls_test.cc DEPENDS sinew::rls [BYTES] [THREADS] [NIGHT] [LABEL dds] [SERIAL] [TIMEOUT s]
-#                  [NIGHT_CASES Suite.Case...] [LONG Suite.Case...])
+#                  [COMPUTES] [NIGHT_CASES Suite.Case...] [LONG Suite.Case...])
 #     -> a GoogleTest program and one ctest; its cases are counted from GoogleTest's result file. Without LABEL it is a
 #        unit test. A test that starts PROGRAMS names its LABEL: `programs`, or `dds`, `system`, or `soak` and `browser`
 #        (not in tools/test). SERIAL: it runs in real time, so nothing runs beside it. One on whole recordings or many
@@ -22,6 +22,7 @@
 #        sanitizer, all others with assertions. NIGHT: only tools/test and .ci/night run it, not .ci/run.
 #        NIGHT_CASES: cases, or patterns of them, that do for further robots, roles and motions what others do once; .ci/run
 #        leaves them out. LONG: those that repeat it for many seeds or recordings; sanitized builds leave them out.
+#        COMPUTES: it spends its time in templates of its own, so it is optimised as modules are.
 # A configuration defines only the tests that it is for: SINEW_TESTS (cmake/SinewOptions.cmake). The target chosen_tests
 # builds them, soak_tests and browser_tests those of these labels.
 foreach(list SINEW_MODULES SINEW_PUBLIC_HEADERS SINEW_OTHER_HEADERS)
@@ -29,8 +30,9 @@ foreach(list SINEW_MODULES SINEW_PUBLIC_HEADERS SINEW_OTHER_HEADERS)
 endforeach()
 set_property(GLOBAL PROPERTY SINEW_PROGRAMS "")
 
-# Mains, commands and tests hold no hot loops (these live in modules): less optimisation halves their build.
-set(SINEW_LIGHT_OPTIMISATION $<$<CONFIG:Release>:-O1>)
+# Mains, commands and tests hold no hot loops (these live in modules): less optimisation halves their build. Clang's -O1
+# takes as long as its -O2, its -O0 a third (docs/decisions/0007).
+set(SINEW_LIGHT_OPTIMISATION $<$<CONFIG:Release>:$<IF:$<CXX_COMPILER_ID:Clang>,-O0,-O1>>)
 
 # Precompiled headers: of modules, of modules that read files, of programs. Tests have theirs in tests/support. CLI11 is
 # not among them: every unit that sees it compiles 200 of its inline functions.
@@ -158,7 +160,7 @@ endforeach()
 set(SINEW_TEST_RESULTS ${CMAKE_BINARY_DIR}/test_results)
 
 function(sinew_add_test name)
-  cmake_parse_arguments(ARG "BYTES;NIGHT;SERIAL;THREADS" "LABEL;TIMEOUT" "SOURCES;DEPENDS;DEFINITIONS;PROGRAMS;LONG;NIGHT_CASES" ${ARGN})
+  cmake_parse_arguments(ARG "BYTES;COMPUTES;NIGHT;SERIAL;THREADS" "LABEL;TIMEOUT" "SOURCES;DEPENDS;DEFINITIONS;PROGRAMS;LONG;NIGHT_CASES" ${ARGN})
   if(ARG_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "${name}: '${ARG_UNPARSED_ARGUMENTS}' belongs to no keyword; a test has one LABEL")
   endif()
@@ -193,14 +195,19 @@ function(sinew_add_test name)
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_DEPENDS} Eigen3::Eigen GTest::gtest GTest::gmock GTest::gtest_main sinew_flags)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
-  target_compile_options(${name} PRIVATE ${SINEW_LIGHT_OPTIMISATION} -Wno-missing-field-initializers)
+  target_compile_options(${name} PRIVATE -Wno-missing-field-initializers)
+  if(ARG_COMPUTES)
+    target_precompile_headers(${name} REUSE_FROM sinew_module_pch)
+  else()
+    target_compile_options(${name} PRIVATE ${SINEW_LIGHT_OPTIMISATION})
+    target_precompile_headers(${name} REUSE_FROM sinew_test_pch)
+  endif()
   target_compile_definitions(${name} PRIVATE
     SINEW_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
     SINEW_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}"
     SINEW_SHARED_DIR="${PROJECT_SOURCE_DIR}/../shared"
     ${ARG_DEFINITIONS})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
-  target_precompile_headers(${name} REUSE_FROM sinew_test_pch)
   set_target_properties(${name} PROPERTIES UNITY_BUILD ${SINEW_UNITY})
   if(ARG_LABEL MATCHES "soak|browser")
     add_dependencies(${ARG_LABEL}_tests ${name})
