@@ -241,8 +241,7 @@ class Assessor {
       return RefusedBy(rules::kEvidence, single.net);
     }
     if (single.net <= LeastShare(h) * misfit_) {
-      return RefusedBy(h.from_rates() ? rules::kCurveShare : rules::kExplainedShare,
-                       single.net / misfit_);
+      return RefusedBy(RuleOfShare(h), single.net / misfit_);
     }
     // Beside the set, of which it may repeat a part.
     std::vector<std::size_t> both = out_.chosen.members;

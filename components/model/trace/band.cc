@@ -9,6 +9,7 @@
 #include "components/model/identify/design.h"
 #include "components/model/identify/processing.h"
 #include "components/model/identify/statistics.h"
+#include "components/model/trace/candidates.h"
 
 namespace sinew::trace {
 
@@ -33,6 +34,16 @@ class Filtered {
 
   const identify::ProcessingOptions& options() const { return design_.options(); }
   const std::vector<char>& used() const { return design_.rows().used; }
+  // Adds the columns of all effects, each at the middle of its grid.
+  void AddCandidates(const actuator::JointModel& joint) {
+    design_.PredictDrive(joint);
+    for (const Candidate& candidate : MakeCandidates(design_, joint).candidates) {
+      const Eigen::MatrixXd& more = candidate.grid[candidate.grid.size() / 2].columns;
+      Eigen::MatrixXd& columns = balance_.columns;
+      columns.conservativeResize(Eigen::NoChange, columns.cols() + more.cols());
+      columns.rightCols(more.cols()) = more;
+    }
+  }
   double Left(const std::vector<Eigen::Index>& rows) const {
     const Eigen::MatrixXd X = balance_.columns(rows, Eigen::all);
     const Eigen::VectorXd y = balance_.target(rows);
@@ -68,17 +79,19 @@ identify::ProcessingOptions BandOfLeastResidual(const std::vector<types::Run>& t
   };
   Filtered best = at(1.0);
   // In at most so many steps, while each leaves less than that share of what the one before left.
-  const auto follow = [&](double step, const Steps& steps) {
+  const auto follow = [&](double step, const Steps& steps, bool with_candidates) {
     double wider = step;
+    if (with_candidates) best.AddCandidates(joint);
     for (int k = 0; k < steps.most; ++k, wider *= step) {
       Filtered next = at(wider);
+      if (with_candidates) next.AddCandidates(joint);
       if (!Better(next, best, steps.share)) return k > 0;
       best = std::move(next);
     }
     return true;
   };
-  if (!follow(std::numbers::sqrt2, kWider)) {
-    follow(1.0 / std::numbers::sqrt2, kNarrower[motor ? 0 : 1]);
+  if (!follow(std::numbers::sqrt2, kWider, false)) {
+    follow(1.0 / std::numbers::sqrt2, kNarrower[motor ? 0 : 1], motor);
   }
   return best.options();
 }

@@ -7,13 +7,14 @@
 // noise of an acceleration 2.4 times as loud, and where it was a third of the residual, the gain is
 // lost. A smaller gain may be a drive that answers to that noise (a servo's command does).
 //
-// Otherwise narrower. With an encoder on the motor down to half, while the residual falls at all:
-// where teeth touch, its angle holds impacts that a wide low-pass spreads (an eighth cost 4 of 10
-// names in task motion on another rig). With one encoder down to an eighth, while the residual
-// falls by more than a tenth: noise of the acceleration; less may be the motion itself. There it
-// begins no narrower than what the held-out motion needs (identify::QuietBand, which reads no
-// residual): training that is slower than what comes later would cut that off, as with the pulses
-// of EMPS. Pure; allocates.
+// Otherwise narrower. With an encoder on the motor down to half, while the residual falls at all
+// with every effect of the catalogue beside the declared terms (what an effect leaves is no noise:
+// without them a late pressure sensor was cut off): where teeth touch, its angle holds impacts that
+// a wide low-pass spreads (an eighth cost 4 of 10 names in task motion on another rig). With one
+// encoder down to an eighth, while the residual falls by more than a tenth: noise of the
+// acceleration; less may be the motion itself. There it begins no narrower than what the held-out
+// motion needs (identify::QuietBand, which reads no residual): training that is slower than what
+// comes later would cut that off, as with the pulses of EMPS. Pure; allocates.
 #pragma once
 
 #include <vector>

@@ -249,13 +249,16 @@ bool ShowsPeriods(double order, double turns) {
   return order * turns >= (order > 2.0 ? kPeriodsOfLine : kLeastPeriods);
 }
 
-double LeastShare(const Hypothesis& hypothesis) {
-  return Limit(hypothesis.from_rates() ? rules::kCurveShare : rules::kExplainedShare);
+const Rule& RuleOfShare(const Hypothesis& hypothesis) {
+  return hypothesis.from_rates() && !hypothesis.steady ? rules::kCurveShare
+                                                       : rules::kExplainedShare;
 }
 
+double LeastShare(const Hypothesis& hypothesis) { return Limit(RuleOfShare(hypothesis)); }
+
 double LeastVariance(const Hypothesis& hypothesis) {
-  const double more = rules::kCurveShare.limit / rules::kExplainedShare.limit;
-  return (hypothesis.from_rates() ? more : 1.0) * Limit(rules::kVarianceShare);
+  const double more = RuleOfShare(hypothesis).limit / rules::kExplainedShare.limit;
+  return more * Limit(rules::kVarianceShare);
 }
 
 Bank MakeBank(const identify::Design& design, const Likelihood& likelihood,

@@ -12,6 +12,7 @@
 #include "components/model/trace/candidates.h"
 #include "components/model/trace/curves.h"
 #include "components/model/trace/evidence.h"
+#include "components/model/trace/rules.h"
 #include "components/model/trace/whitened_fit.h"
 
 namespace sinew::trace {
@@ -44,6 +45,7 @@ struct Hypothesis {
   // Range of each coefficient, in units of the balance.
   std::vector<double> lower, upper;
   Asked asked = Asked::kSearched;
+  bool steady = false;  // as large behind another low-pass of the angles (CompareBands)
 
   bool physical() const { return effect != nullptr; }
   // An effect or a free curve over an acceleration, its derivatives or the drive's rate.
@@ -58,10 +60,10 @@ struct Hypothesis {
 bool ShowsPeriods(double order, double turns);
 
 // Share of the misfit that it has to explain: rule explained_share, or curve_share where it is
-// identified from rates.
+// identified from rates and not steady.
+const Rule& RuleOfShare(const Hypothesis& hypothesis);
 double LeastShare(const Hypothesis& hypothesis);
-// The same of the residual's variance (rule variance_share), as much more where it is
-// identified from rates.
+// The same of the residual's variance (rule variance_share), as much more there.
 double LeastVariance(const Hypothesis& hypothesis);
 
 struct Bank {

@@ -68,9 +68,10 @@ struct LikelihoodFit {
 // design's predicted drive follows the fit.
 LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::JointModel& declared);
 
-// What is identified from rates counts as much as behind the other low-pass of the angles, where
-// that is less: what a low-pass cuts off, or lets through of the noise, shows behind one of them.
-// other: the same recordings. Returns its rows and noise.
+// The size of an effect does not depend on a filter, that of what a low-pass of the angles cuts
+// off, or lets through of the noise, does. Effects identified from rates that are as large behind
+// the other one are steady; all others count as much as there, where that is less. other: the same
+// recordings. Returns its rows and noise.
 Likelihood CompareBands(identify::Design* other, const actuator::JointModel& declared,
                         Problem* problem);
 
