@@ -237,8 +237,8 @@ Likelihood CompareBands(identify::Design* other, const actuator::JointModel& dec
                         Problem* problem) {
   const LikelihoodFit base = EstimateLikelihood(other, declared);
   const Problem there = MakeProblem(*other, base.likelihood, declared, base.fit);
-  const auto fit = [](const Problem& problem, std::size_t h) {
-    return FitSet(problem.evidence, problem.hypotheses(), {h});
+  const auto fit = [](const Problem& at, std::size_t h) {
+    return FitSet(at.evidence, at.hypotheses(), {h});
   };
   // By name, at its best shape.
   std::map<std::string, EffectSet> best;
