@@ -43,6 +43,8 @@ target_compile_options(sinew_flags INTERFACE
   # Clang warns of every aggregate whose last members have their default. SHELL: it must come after -Wextra, also where
   # a target has the flag as well.
   $<BUILD_INTERFACE:$<$<CXX_COMPILER_ID:Clang>:SHELL:-Wno-missing-field-initializers>>
+  # GCC's -Wshadow includes it.
+  $<BUILD_INTERFACE:$<$<CXX_COMPILER_ID:Clang>:-Wshadow-uncaptured-local>>
   $<BUILD_INTERFACE:$<$<BOOL:${SINEW_WARNINGS_AS_ERRORS}>:-Werror>>)
 # GCC collects its own garbage less often: a tenth less time for up to a gigabyte a compiler.
 add_compile_options($<$<COMPILE_LANG_AND_ID:CXX,GNU>:--param=ggc-min-heapsize=1000000>)

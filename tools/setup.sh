@@ -14,6 +14,8 @@ timed() {
 }
 
 package_lists=("$root/tools/packages.txt")
+# The preset that is to be built may need another compiler: for_preset PRESET, before install_packages.
+for_preset() { [ "$1" = release ] || package_lists+=("$root/tools/sanitizer_packages.txt"); }
 packages() { sed 's/#.*//' "${package_lists[@]}" | tr -s '[:space:]' '\n' | sed '/^$/d'; }
 
 missing_packages() {

@@ -15,16 +15,18 @@ namespace sinew::trace {
 
 namespace {
 
-// How far steps of sqrt(2) lead, and what share of the residual before each has to leave at most.
+// How far steps of sqrt(2) lead, what share of the residual before each has to leave at most, and
+// whether every effect of the catalogue stands beside the declared terms.
 struct Steps {
   int most;
   double share;
+  bool with_effects;
 };
-constexpr Steps kWider = {6, 0.7};
+constexpr Steps kWider = {6, 0.7, false};
 // With an encoder on the motor, and with one at the output alone.
-constexpr Steps kNarrower[] = {{2, 1.0}, {6, 0.9}};
+constexpr Steps kNarrower[] = {{2, 1.0, true}, {6, 0.9, false}};
 
-// Recordings behind one low-pass, and what least squares with the declared terms leaves of them.
+// Recordings behind one low-pass, and what least squares leaves of them.
 class Filtered {
  public:
   Filtered(const std::vector<types::Run>& runs, const actuator::JointModel& joint,
@@ -34,8 +36,9 @@ class Filtered {
 
   const identify::ProcessingOptions& options() const { return design_.options(); }
   const std::vector<char>& used() const { return design_.rows().used; }
-  // Adds the columns of all effects, each at the middle of its grid.
-  void AddCandidates(const actuator::JointModel& joint) {
+
+  // Puts the effects beside the declared terms, each at the middle of its grid.
+  void AddEffects(const actuator::JointModel& joint) {
     design_.PredictDrive(joint);
     for (const Candidate& candidate : MakeCandidates(design_, joint).candidates) {
       const Eigen::MatrixXd& more = candidate.grid[candidate.grid.size() / 2].columns;
@@ -44,6 +47,7 @@ class Filtered {
       columns.rightCols(more.cols()) = more;
     }
   }
+
   double Left(const std::vector<Eigen::Index>& rows) const {
     const Eigen::MatrixXd X = balance_.columns(rows, Eigen::all);
     const Eigen::VectorXd y = balance_.target(rows);
@@ -79,19 +83,19 @@ identify::ProcessingOptions BandOfLeastResidual(const std::vector<types::Run>& t
   };
   Filtered best = at(1.0);
   // In at most so many steps, while each leaves less than that share of what the one before left.
-  const auto follow = [&](double step, const Steps& steps, bool with_candidates) {
+  const auto follow = [&](double step, const Steps& steps) {
     double wider = step;
-    if (with_candidates) best.AddCandidates(joint);
+    if (steps.with_effects) best.AddEffects(joint);
     for (int k = 0; k < steps.most; ++k, wider *= step) {
       Filtered next = at(wider);
-      if (with_candidates) next.AddCandidates(joint);
+      if (steps.with_effects) next.AddEffects(joint);
       if (!Better(next, best, steps.share)) return k > 0;
       best = std::move(next);
     }
     return true;
   };
-  if (!follow(std::numbers::sqrt2, kWider, false)) {
-    follow(1.0 / std::numbers::sqrt2, kNarrower[motor ? 0 : 1], motor);
+  if (!follow(std::numbers::sqrt2, kWider)) {
+    follow(1.0 / std::numbers::sqrt2, kNarrower[motor ? 0 : 1]);
   }
   return best.options();
 }

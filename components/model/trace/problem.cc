@@ -11,9 +11,9 @@ namespace sinew::trace {
 
 namespace {
 
-// Sizes behind two low-passes that differ by less are one, share of the smaller. Rigs 100300 to
-// 100318 (rig_bank): delays and elasticity that are there 0.00 to 0.25, other names that lead for
-// them 0.7 to 11.
+// Sizes behind two low-passes that differ by less are one, share of the smaller. Provisional, rigs
+// 100300 to 100321 (rig_bank): delays that are there 0.00 to 0.25; of other names with more than
+// explained_share 0.35 and more, but for one of 0.14 (docs/decisions/0020).
 constexpr double kSteadyWithin = 1.0 / 3.0;
 
 // Periods of the angles' low-pass over which the noise's scale is taken.
