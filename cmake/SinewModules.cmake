@@ -32,7 +32,7 @@ set_property(GLOBAL PROPERTY SINEW_PROGRAMS "")
 
 # Mains, commands and tests hold no hot loops (these live in modules): less optimisation halves their build. Clang's -O1
 # takes as long as its -O2, its -O0 a third (docs/decisions/0007).
-set(SINEW_LIGHT_OPTIMISATION $<$<CONFIG:Release>:$<IF:$<CXX_COMPILER_ID:Clang>,-O0,-O1>>)
+set(SINEW_LIGHT_OPTIMISATION $<$<NOT:$<CONFIG:Debug>>:$<IF:$<CXX_COMPILER_ID:Clang>,-O0,-O1>>)
 
 # Precompiled headers: of modules, of modules that read files, of programs. Tests have theirs in tests/support. CLI11 is
 # not among them: every unit that sees it compiles 200 of its inline functions.

@@ -60,6 +60,9 @@ bool Moving(const Outcome& o) { return o.excitation != "locked"; }
 bool StrongDesigned(const Outcome& o) {
   return OneEffect(o) && o.strength == "strong" && o.excitation == "designed";
 }
+bool Hidden(const Outcome& o) {
+  return o.kind == "hidden" || (OneEffect(o) && !o.effects[0].identifiable);
+}
 bool Planted(const Outcome& o) { return o.kind == "planted"; }
 bool Abstains(const Outcome& o) {
   return (o.verdict == "unexplained" || o.verdict == "none") && !Names(o);
@@ -116,12 +119,12 @@ const Rule kRules[] = {
     {"outside: names the variable", false,
      [](const Outcome& o) { return o.kind == "outside" && o.effects[0].reached; },
      [](const Outcome& o) { return o.verdict == "unexplained" && NamesVariable(o); }},
-    {"hidden: reported as not excited", false,
-     [](const Outcome& o) { return OneEffect(o) && !o.effects[0].identifiable; },
+    {"hidden: reported as not excited", false, Hidden,
      [](const Outcome& o) {
        return RightClass(o) || Holds(o.not_excited, o.effects[0].name) ||
               o.verdict == "too_little_data";
      }},
+    {"hidden: wrong name", true, Hidden, WrongName},
     {"identifiable, listed as not excited", true, Fair,
      [](const Outcome& o) { return !RightClass(o) && Holds(o.not_excited, o.effects[0].name); }},
     {"identifiable, too little data", true, Fair,

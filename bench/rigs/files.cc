@@ -98,6 +98,20 @@ void Write(const std::filesystem::path& path, const std::string& text) {
   if (!out) throw std::runtime_error(path.string() + ": writing failed");
 }
 
+// An effect that would be as large as asked in designed motion and is not identifiable in this one.
+Sizer::Sized Hidden(const Rig& rig, const Case& what, const Sizer& sizer) {
+  const Sizer designed(rig, Excitation::kDesigned);
+  for (const std::string& name : what.effects) {
+    Sizer::Sized sized = designed.Size(DrawEffect(rig, name), what.share);
+    if (!sized.reached) continue;
+    const EffectInfo& info = FindEffect(name);
+    sized.measured =
+        sizer.Measure(Play(rig, {sized.effect}, what.excitation), info.shows, info.absorbed);
+    if (sized.measured.lambda < kIdentifiableLambda) return sized;
+  }
+  throw std::runtime_error(what.name + ": no effect hides");
+}
+
 }  // namespace
 
 std::string CsvOf(const Rig& rig, const std::vector<Reading>& rows) {
@@ -254,7 +268,11 @@ CaseFiles MakeCase(const Rig& rig, const Case& what, const Sizer& sizer, double 
   // Of one effect's candidates the first that can be as large as asked, else the most visible.
   Sizer::Sized best;
   bool found = false;
-  for (const std::string& name : what.effects) {
+  if (what.kind == CaseKind::kHidden) {
+    best = Hidden(rig, what, sizer);
+    found = true;
+  }
+  for (const std::string& name : found ? std::vector<std::string>() : what.effects) {
     const Sizer::Sized sized = sizer.Size(DrawEffect(rig, name), what.share);
     if (all) {
       out.effects.push_back({sized, sizer.ClassOf(sized.effect)});

@@ -39,6 +39,8 @@ const char* WordOf(CaseKind kind) {
       return "ignorance";
     case CaseKind::kFault:
       return "fault";
+    case CaseKind::kHidden:
+      return "hidden";
     case CaseKind::kPlanted:
       return "planted";
   }
@@ -122,6 +124,11 @@ std::vector<Case> DrawCases(const Rig& rig) {
                                          "seal_hysteresis", "pressure_offset"};
       add({"", kEffect, kLocked, kStrongShare, three(locked), ""});
     }
+  }
+  if (second) {
+    std::vector<std::string> left = all, tried;
+    while (!left.empty()) tried.push_back(pick(left));
+    add({"", kHidden, kTask, kStrongShare, tried, ""});
   }
   return cases;
 }

@@ -11,16 +11,18 @@
 
 namespace sinew::rigs {
 
-// kPlanted: an effect of a size that is given, not drawn (bench/rigs/planting.h).
-enum class CaseKind { kPlain, kEffect, kPair, kOutside, kIgnorance, kFault, kPlanted };
+// kHidden: an effect of the size that designed motion asks for, in a motion that does not show it.
+// kPlanted: of a size that is given, not drawn (bench/rigs/planting.h).
+enum class CaseKind { kPlain, kEffect, kPair, kOutside, kIgnorance, kFault, kHidden, kPlanted };
 const char* WordOf(CaseKind kind);
 
 struct Case {
   std::string name;  // of its folder: 000123-2-effect-strong-designed
   CaseKind kind = CaseKind::kPlain;
   Excitation excitation = Excitation::kDesigned;
-  double share = 0.0;                // requested of each effect; 0: none
-  std::vector<std::string> effects;  // names; of one effect: the first that reaches the share
+  double share = 0.0;  // requested of each effect; 0: none
+  std::vector<std::string>
+      effects;  // names; of one effect: the first that reaches the share (kHidden: and hides)
   std::string fault;
 };
 

@@ -314,7 +314,7 @@ class Closer {
     }
     trace::NoteOutcome(out_, &out_.rounds.front().scores);
     trace::Sensitivity sensitivity =
-        trace::FindSensitivity(*searched_, out_.detectable, trace::Shown(out_, least_statistic_));
+        trace::FindSensitivity(*searched_, out_.detectable, trace::Shown(out_));
     out_.not_excited = std::move(sensitivity.not_excited);
     out_.assessed = std::move(sensitivity.assessed);
     NoteShifts();

@@ -436,8 +436,7 @@ TraceResult TraceByLikelihood(Design& train, Design& held_out, const actuator::J
   NoteOutcome(result, &result.rounds.front().scores);
   result.detectable =
       FindDetectable(problem, model, correction.least_statistic(), correction.set());
-  Sensitivity sensitivity =
-      FindSensitivity(problem, result.detectable, Shown(result, correction.least_statistic()));
+  Sensitivity sensitivity = FindSensitivity(problem, result.detectable, Shown(result));
   result.not_excited = std::move(sensitivity.not_excited);
   result.assessed = std::move(sensitivity.assessed);
 

@@ -90,13 +90,10 @@ void NoteOutcome(const TraceResult& result, std::vector<CandidateScore>* scores)
   }
 }
 
-std::set<std::string> Shown(const TraceResult& result, double least_statistic) {
+std::set<std::string> Shown(const TraceResult& result) {
   std::set<std::string> out;
   for (const auto* list : {&result.effects, &result.open}) {
     for (const FoundEffect& found : *list) out.insert(found.name);
-  }
-  for (const CandidateScore& score : result.rounds.front().scores) {
-    if (score.statistic >= least_statistic) out.insert(score.name);
   }
   return out;
 }

@@ -27,8 +27,8 @@ void NoteErrors(const LikelihoodFit& reported, const actuator::JointModel& drive
 
 // Accepted is what is in the model; the rest names its rule.
 void NoteOutcome(const TraceResult& result, std::vector<CandidateScore>* scores);
-// Effects that are found, and those that stand out of noise by the whole search's own limit.
-std::set<std::string> Shown(const TraceResult& result, double least_statistic);
+// Effects that are found or open.
+std::set<std::string> Shown(const TraceResult& result);
 // By what is found, open, refuted and unexplained.
 Verdict VerdictOf(const TraceResult& result);
 

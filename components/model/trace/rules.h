@@ -65,8 +65,9 @@ inline constexpr Rule kCurveEvidence = {
     "more in 14 of 18 with an effect outside of the catalogue"};
 inline constexpr Rule kCurveShare = {
     "curve_share",
-    "net gain of an effect identified from accelerations or rates, share of the refitted model's "
-    "misfit",
+    "net gain of an effect from accelerations or rates whose size depends on the low-pass, share "
+    "of "
+    "the refitted model's misfit",
     0.04, 0.0,
     "provisional, rigs 31-90 (rig_bank): of such effects below it 2 were right, 10 wrong"};
 inline constexpr Rule kRange = {

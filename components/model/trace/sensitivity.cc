@@ -60,6 +60,22 @@ std::vector<std::pair<std::string, double>> ShapeOf(const Hypothesis& h, types::
 }
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
+constexpr const char* kCarried =
+    "the declared terms carry all of it: only a shift of parameters shows";
+
+// Empty: it would have been found before it matters, and as large as machines have it.
+std::string WhyHidden(const DetectableSize& size) {
+  char text[120] = "";
+  if (size.share >= 1.0) return "up to all of the measured side could hide in this motion";
+  if (size.share > Limit(rules::kDetectable)) {
+    std::snprintf(text, sizeof text, "up to %.2g %% of the measured side could hide in this motion",
+                  100.0 * size.share);
+  } else if (size.of_expected > 1.0) {
+    std::snprintf(text, sizeof text, "found from %.2g %s on, %.2g times what machines have",
+                  size.size, size.unit.c_str(), size.of_expected);
+  }
+  return text;
+}
 
 // Coefficient c that takes `share` of the variance away where least squares see it smaller by
 // `other`: c (c - 2 other) = share / (1 - share) variance / power.
@@ -144,6 +160,7 @@ std::vector<DetectableSize> FindDetectable(const Problem& problem,
           .unit = std::string(effects::UnitSuffix(infos[i].dimension, declared.kind)),
           .size = std::abs(problem.scale) * c / (infos[i].relative_to_drive ? drive_share : 1.0),
           .share = share,
+          .of_expected = c / problem.bank.spread[j],
           .shape = ShapeOf(h, declared.kind)};
     }
   }
@@ -159,31 +176,23 @@ Sensitivity FindSensitivity(const Problem& problem, const std::vector<Detectable
   for (const Untestable& effect : problem.bank.untestable) {
     out.not_excited.push_back({effect.effect, effect.why});
   }
-  // Smallest share of the measured side by effect; none: absorbed.
-  std::map<std::string, double> smallest;
+  // By effect the parameter with the smallest share; null: absorbed.
+  std::map<std::string, const DetectableSize*> smallest;
   for (const Hypothesis& h : problem.hypotheses()) {
-    if (HasSize(h)) smallest.try_emplace(h.name, std::numeric_limits<double>::infinity());
+    if (HasSize(h)) smallest.try_emplace(h.name, nullptr);
   }
   for (const DetectableSize& size : detectable) {
-    double& share = smallest[size.effect];
-    share = std::min(share, size.share);
+    const DetectableSize*& least = smallest[size.effect];
+    if (!least || size.share < least->share) least = &size;
   }
   out.assessed.assign(shown.begin(), shown.end());
-  for (const auto& [name, share] : smallest) {
+  for (const auto& [name, size] : smallest) {
     if (shown.contains(name)) continue;
-    if (!std::isfinite(share)) {
-      out.not_excited.push_back(
-          {name, "the declared terms carry all of it: only a shift of parameters shows"});
-    } else if (share > Limit(rules::kDetectable)) {
-      char text[120] = "up to all of the measured side could hide in this motion";
-      if (share < 1.0) {
-        std::snprintf(text, sizeof text,
-                      "up to %.2g %% of the measured side could hide in this motion",
-                      100.0 * share);
-      }
-      out.not_excited.push_back({name, text});
-    } else {
+    const std::string why = size ? WhyHidden(*size) : kCarried;
+    if (why.empty()) {
       out.assessed.push_back(name);
+    } else {
+      out.not_excited.push_back({name, why});
     }
   }
   std::sort(out.not_excited.begin(), out.not_excited.end(),

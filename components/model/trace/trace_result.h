@@ -128,10 +128,11 @@ struct NotExcited {
 struct DetectableSize {
   std::string effect;
   effects::Balance balance = effects::Balance::kMotion;
-  std::string parameter;  // linear one, as in model files; the others of the effect are zero
-  std::string unit;       // suffix of the parameter's key; empty: a ratio
-  double size = 0.0;      // magnitude, in the parameter's own unit
-  double share = 0.0;     // rms of its contribution over that of the measured side
+  std::string parameter;     // linear one, as in model files; the others of the effect are zero
+  std::string unit;          // suffix of the parameter's key; empty: a ratio
+  double size = 0.0;         // magnitude, in the parameter's own unit
+  double share = 0.0;        // rms of its contribution over that of the measured side
+  double of_expected = 0.0;  // over the size that a machine may be expected to have (Bank::spread)
   std::vector<std::pair<std::string, double>> shape;  // nonlinear parameters
 };
 

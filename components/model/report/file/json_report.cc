@@ -177,6 +177,7 @@ Json Detectable(const trace::TraceResult& trace) {
                      {"unit", size.unit.empty() ? "1" : size.unit},
                      {"size", size.size},
                      {"share_of_measured_side", size.share},
+                     {"of_expected", size.of_expected},
                      {"shape", std::move(shape)}});
   }
   return {{"power", 0.8},
