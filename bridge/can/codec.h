@@ -65,6 +65,21 @@ enum class Command : std::uint8_t {
   kGetControllerError = 0x1D,
 };
 
+// Sent by who commands an axis: its setpoints, state, mode and number.
+constexpr bool IsOfMaster(Command command) {
+  switch (command) {
+    case Command::kSetAxisNodeId:
+    case Command::kSetAxisState:
+    case Command::kSetControllerMode:
+    case Command::kSetInputPos:
+    case Command::kSetInputVel:
+    case Command::kSetInputTorque:
+      return true;
+    default:
+      return false;
+  }
+}
+
 enum class AxisState : std::uint8_t {
   kUndefined = 0,
   kIdle = 1,

@@ -24,8 +24,8 @@ AxisDecision AxisStateMachine::Step(ControlMode command, const JointMeasurement&
       GoIdle(now_ns);
       return {.request = AxisRequest::kIdle};
     }
-    const bool ignored = closed_loop && heartbeat_since && RequestIsOld(now_ns);
-    return {.request = ignored ? Request(AxisRequest::kIdle, now_ns) : AxisRequest::kNone};
+    const bool confirmed = heartbeat_since && !closed_loop;
+    return {.request = confirmed ? AxisRequest::kNone : AxisRequest::kIdle};
   }
   switch (phase_) {
     case AxisPhase::kIdle:
@@ -37,15 +37,19 @@ AxisDecision AxisStateMachine::Step(ControlMode command, const JointMeasurement&
       mode_ = command;
       return {.request = Request(AxisRequest::kClosedLoop, now_ns)};
     case AxisPhase::kArming:
-      return StepArming(command, closed_loop && heartbeat_since, now_ns, fault);
+      return StepArming(command, closed_loop && heartbeat_since,
+                        kRequestAgain_ns * measured.config->node / (can::kMaxNode + 1), now_ns,
+                        fault);
     case AxisPhase::kActive:
       break;
   }
   AxisDecision decision;
   if (mode_ != command) {
     mode_ = command;
-    decision.request = AxisRequest::kMode;
+    decision.request = Request(AxisRequest::kMode, now_ns);
     decision.restart_setpoint = true;
+  } else if (RequestIsOld(now_ns)) {
+    decision.request = Request(AxisRequest::kModeAgain, now_ns);
   }
   if (heartbeat_since && !closed_loop && measured.heartbeat.axis_error == 0) {
     fault->Fail(FaultKind::kNoClosedLoop, "the axis left closed-loop control");
@@ -54,8 +58,8 @@ AxisDecision AxisStateMachine::Step(ControlMode command, const JointMeasurement&
   return decision;
 }
 
-AxisDecision AxisStateMachine::StepArming(ControlMode command, bool confirmed, std::int64_t now_ns,
-                                          FaultLatch* fault) {
+AxisDecision AxisStateMachine::StepArming(ControlMode command, bool confirmed, std::int64_t turn_ns,
+                                          std::int64_t now_ns, FaultLatch* fault) {
   AxisDecision decision;
   if (mode_ != command) {
     mode_ = command;
@@ -63,6 +67,8 @@ AxisDecision AxisStateMachine::StepArming(ControlMode command, bool confirmed, s
   }
   if (confirmed) {
     Enter(AxisPhase::kActive, now_ns);
+    requested_ns_ =
+        now_ns - kRequestAgain_ns + turn_ns;  // axes that were armed together take turns
     decision.restart_setpoint = true;
     decision.follows_command = true;
   } else if (now_ns - phase_ns_ > closed_loop_timeout_ns_) {

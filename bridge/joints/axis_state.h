@@ -6,9 +6,11 @@
 //       +---- command idle, fault, reset, end ------------------+
 //
 // Arming: mode, limits and closed-loop control are requested, again every 100 ms, until a heartbeat
-// that is newer than the first request reports closed loop. kNoClosedLoop: it does not come within
-// the time limit, or an active axis leaves closed loop without an error. A joint whose zero check
-// fails is not armed (kZero).
+// that is newer than the first request reports closed loop. No heartbeat says the mode, and a frame
+// may be lost: it is sent again every 100 ms to an active axis. Idle is requested in every cycle
+// until a heartbeat that is newer than the first request reports it. kNoClosedLoop: it does not
+// come within the time limit, or an active axis leaves closed loop without an error. A joint whose
+// zero check fails is not armed (kZero).
 //
 // Pure: no transport, no clock. One thread; allocates only for the text of a fault.
 #pragma once
@@ -31,6 +33,7 @@ enum class AxisRequest {
   kIdle,        // axis state idle
   kClosedLoop,  // mode, limits, axis state closed-loop control
   kMode,        // mode of an axis in closed loop: neutral setpoint of that mode first
+  kModeAgain,   // the mode that it should be in; its setpoint follows
 };
 
 struct AxisDecision {
@@ -67,8 +70,8 @@ class AxisStateMachine {
   }
 
  private:
-  AxisDecision StepArming(types::ControlMode command, bool confirmed, std::int64_t now_ns,
-                          FaultLatch* fault);
+  AxisDecision StepArming(types::ControlMode command, bool confirmed, std::int64_t turn_ns,
+                          std::int64_t now_ns, FaultLatch* fault);
   void Enter(AxisPhase phase, std::int64_t now_ns);
   bool RequestIsOld(std::int64_t now_ns) const;
   AxisRequest Request(AxisRequest request, std::int64_t now_ns);

@@ -35,13 +35,17 @@ CanJoint::CanJoint(const JointConfig& config, const BridgeTiming& timing,
       encoders_(config),
       axis_(ToNs(timing.closed_loop_timeout_s)) {}
 
-void CanJoint::Reset() {
+void CanJoint::Forget() {
   measured_ = JointMeasurement(config_);
   fault_ = FaultLatch(config_);
   axis_ = AxisStateMachine(ToNs(timing_.closed_loop_timeout_s));
   setpoint_rad_ = 0.0;
   valve_sequence_ = 0;
   estimates_request_ = iq_request_ = RequestTimer{};
+}
+
+void CanJoint::Reset() {
+  Forget();
   exchange_->RequestIdle();
   exchange_->Send(can::ClearErrors{});
 }
@@ -120,6 +124,9 @@ void CanJoint::Command(const ActuatorCommand& command, double period_s, std::int
       SendNeutral();
       exchange_->RequestMode(axis_.mode());
       break;
+    case AxisRequest::kModeAgain:
+      exchange_->RequestMode(axis_.mode());
+      break;
     case AxisRequest::kNone:
       break;
   }
@@ -190,7 +197,16 @@ void CanJoint::RequestIq(std::int64_t now_ns) {
   exchange_->RequestData(can::Command::kGetIq);
 }
 
+void CanJoint::HearMaster() {
+  fault_.Fail(FaultKind::kAnotherMaster,
+              "another master commands it on this bus; end that one, then reset");
+}
+
 CanJoint::News CanJoint::TakeFromAxis(const can::Received& received) {
+  if (can::IsOfMaster(can::AddressOf(received.frame)->command)) {
+    HearMaster();
+    return {};
+  }
   switch (measured_.TakeFromAxis(received, &fault_)) {
     case Taken::kEstimates:
       return {.answer_us = estimates_request_.Stop(received.stamp_ns)};

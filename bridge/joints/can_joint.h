@@ -55,7 +55,9 @@ class CanJoint {
   const FaultLatch& fault() const { return fault_; }
   bool is_polled() const { return exchange_->is_polled(); }
 
-  // As after the constructor; requests idle and clears the controller's errors.
+  // As after the constructor.
+  void Forget();
+  // The same; requests idle and clears the controller's errors.
   void Reset();
   // Once every node has reported: Iq counts from now, and the zero check.
   void Start(std::int64_t now_ns);
@@ -79,6 +81,8 @@ class CanJoint {
   };
   News TakeFromAxis(const can::Received& received);
   News TakeFromNode(const can::Received& received);
+  // Somebody else sent it a setpoint or a request for a state: a fault.
+  void HearMaster();
   // The joint's fields of a gateway's state.
   void TakeFromGateway(const can::EncoderEstimates& estimates, double iq_A, std::int64_t stamp_ns);
 

@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::int64_t kStartRequest_ns = 20'000'000;  // between requests at the start
 constexpr int kMostBatches = 64;                       // taken from a bus at once
+constexpr std::int64_t kListen_ns = 250'000'000;       // longer than any period of a bridge
 
 const BridgeConfig& Checked(const BridgeConfig& config, std::size_t buses) {
   CheckBridgeConfig(config);
@@ -76,6 +77,8 @@ std::uint32_t CanPlant::measured_flags() const {
 void CanPlant::Reset(provider::PlantSensors* sensors) {
   *sensors = provider::PlantSensors{};
   Drain();  // what waited in the sockets since they were opened is old
+  if (!commands_) ListenForMaster();
+  commands_ = true;
   for (CanJoint& joint : joints_) joint.Reset();
   for (BodyMeasurement& node : body_nodes_) node.Reset(now_ns());
   body_ = {};
@@ -86,6 +89,21 @@ void CanPlant::Reset(provider::PlantSensors* sensors) {
   for (CanJoint& joint : joints_) joint.Start(start_ns);
   Fill(sensors);
   statistics_.Start(start_ns);
+}
+
+void CanPlant::ListenForMaster() {
+  for (CanJoint& joint : joints_) joint.Forget();
+  const std::int64_t end_ns = now_ns() + kListen_ns;
+  can::Received received;
+  while (now_ns() < end_ns) {
+    if (transports_.front()->Receive(std::chrono::milliseconds(2), &received)) Take(0, received);
+    Drain();
+    for (const CanJoint& joint : joints_) {
+      if (joint.fault().kind() == FaultKind::kAnotherMaster) {
+        throw std::runtime_error(joint.fault().text());
+      }
+    }
+  }
 }
 
 void CanPlant::AwaitAllNodes() {
@@ -130,6 +148,7 @@ void CanPlant::ClearFault() {
 }
 
 void CanPlant::ShutDown() noexcept {
+  if (!commands_) return;
   const std::int64_t now = now_ns();
   for (CanJoint& joint : joints_) joint.ShutDown(now);
   PostReferences();
@@ -218,6 +237,13 @@ void CanPlant::Take(int bus, const can::Received& received) {
 
 void CanPlant::TakeFromGateway(std::size_t gateway, const can::Received& received) {
   CompactLink& link = links_[gateway];
+  can::CompactReferences references;
+  if (can::DecodeReferences(config_.gateways[gateway].node, received.frame, &references)) {
+    for (const int j : config_.gateways[gateway].joints) {
+      joints_[static_cast<std::size_t>(j)].HearMaster();
+    }
+    return;
+  }
   const CompactLink::Taken taken = link.Take(received);
   if (taken == CompactLink::Taken::kRefused) ++malformed_;
   if (taken != CompactLink::Taken::kComplete) return;

@@ -42,8 +42,9 @@ class CanPlant : public provider::Plant {
   bool live() const override { return config_.live; }
   std::uint32_t measured_flags() const override;
   std::string ArmRefusal() const override { return config_.arm_refusal; }
-  // Clears the controllers' errors, waits until every node has reported. Throws std::runtime_error
-  // naming what stayed silent.
+  // Listens for another master of the same nodes, which gets nothing from us; clears the
+  // controllers' errors, waits until every node has reported. Throws std::runtime_error naming whom
+  // another one commands, or what stayed silent.
   void Reset(provider::PlantSensors* sensors) override;
   void Step(const provider::PlantCommand& command, double period_s,
             provider::PlantSensors* sensors) override;
@@ -59,7 +60,7 @@ class CanPlant : public provider::Plant {
   // wrong is a fault again at the next Step.
   void ClearFault() override;
 
-  // The last frames: neutral setpoints, axes idle, relays off.
+  // The last frames: neutral setpoints, axes idle, relays off. None where there was none before.
   void ShutDown() noexcept override;
 
   FaultKind fault(int joint) const {
@@ -84,6 +85,7 @@ class CanPlant : public provider::Plant {
   void Drain();
   void Take(int bus, const can::Received& received);
   void TakeFromGateway(std::size_t gateway, const can::Received& received);
+  void ListenForMaster();
   void AwaitAllNodes();
   // Nothing is missing of what was requested since then, or its time is over.
   void AwaitAnswers(std::int64_t cycle_start_ns);
@@ -110,6 +112,7 @@ class CanPlant : public provider::Plant {
   bool has_body_ = false;
   provider::BodySensors body_;
   std::uint64_t cycle_ = 0;
+  bool commands_ = false;  // the bus is ours: frames were sent
   bool acted_ = false;
   double acted_us_ = 0.0;  // work of Act, for the report
   std::uint64_t malformed_ = 0;

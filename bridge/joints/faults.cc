@@ -115,7 +115,8 @@ const char* FaultName(FaultKind kind) {
                                                                   "output encoder jump",
                                                                   "encoder frozen",
                                                                   "encoder slipped",
-                                                                  "encoders disagree"};
+                                                                  "encoders disagree",
+                                                                  "another master"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 

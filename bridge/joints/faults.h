@@ -4,8 +4,8 @@
 // A fault is latched until the operator's reset, and only a fault that was reported is reset. The
 // first fault is the cause; later ones change nothing. The rules of the table are assessed in
 // order, in every cycle. Faults of events are raised where the event is: kEncoderJump and
-// kOutputJump by JointMeasurement, kNoClosedLoop and kZero by AxisStateMachine, kNotFinite and the
-// compact exchange's kOutOfRange by CanPlant.
+// kOutputJump by JointMeasurement, kAnotherMaster by CanJoint, kNoClosedLoop and kZero by
+// AxisStateMachine, kNotFinite and the compact exchange's kOutOfRange by CanPlant.
 //
 // Pure; one thread; allocates only when a fault begins or gets an error code.
 #pragma once
@@ -38,8 +38,9 @@ enum class FaultKind {
   kEncoderFrozen,
   kEncoderSlipped,
   kEncodersDisagree,
+  kAnotherMaster,
 };
-inline constexpr int kFaultKinds = static_cast<int>(FaultKind::kEncodersDisagree) + 1;
+inline constexpr int kFaultKinds = static_cast<int>(FaultKind::kAnotherMaster) + 1;
 
 const char* FaultName(FaultKind kind);  // "axis error"
 

@@ -186,4 +186,23 @@ std::vector<can::IdFilter> ReceiveFilters(const BridgeConfig& config, int bus) {
   return filters;
 }
 
+std::vector<can::IdFilter> MasterFilters(const BridgeConfig& config, int bus) {
+  std::vector<can::IdFilter> filters;
+  const auto pass = [&filters](std::uint32_t id) {
+    filters.push_back({id, can::kMaxStandardId, false});
+  };
+  for (const JointConfig& joint : config.joints) {
+    if (joint.bus != bus) continue;
+    for (int k = 0; k < 1 << can::kCommandBits; ++k) {
+      const auto command = static_cast<Command>(k);
+      if (can::IsOfMaster(command)) pass(can::Identifier(joint.node, command));
+    }
+  }
+  for (const GatewayConfig& gateway : config.gateways) {
+    if (gateway.bus != bus) continue;
+    for (const can::Frame& frame : can::EncodeReferences(gateway.node, {})) pass(frame.id);
+  }
+  return filters;
+}
+
 }  // namespace sinew::bridge

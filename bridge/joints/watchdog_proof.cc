@@ -28,9 +28,11 @@ class Trial {
 
   WatchdogTrial Run() {
     WatchdogTrial result;
-    // First of all idle: what an earlier bridge left behind.
-    Send(can::SetAxisState{AxisState::kIdle});
+    // Nothing is sent to an axis that somebody else commands. Then idle first of all: what an
+    // earlier bridge left behind.
     result.why = Hear();
+    if (foreign_) return result;
+    Send(can::SetAxisState{AxisState::kIdle});
     for (int k = 0; result.why.empty() && k < kTrials; ++k) {
       result.why = Arm();
       if (!result.why.empty()) break;
@@ -39,6 +41,7 @@ class Trial {
       if (k + 1 < kTrials) result.why.clear();
     }
     GoIdle();
+    if (!result.proven) result.why += "; idled by command";
     return result;
   }
 
@@ -70,15 +73,9 @@ class Trial {
   bool Take(const can::Received& received) {
     const auto address = can::AddressOf(received.frame);
     if (!address || address->node != joint_.node) return false;
-    switch (address->command) {
-      case can::Command::kSetAxisState:
-      case can::Command::kSetInputPos:
-      case can::Command::kSetInputVel:
-      case can::Command::kSetInputTorque:
-        foreign_ = true;
-        return false;
-      default:
-        break;
+    if (can::IsOfMaster(address->command)) {
+      foreign_ = true;
+      return false;
     }
     const auto heartbeat = can::Decode<can::Heartbeat>(received.frame, joint_.firmware);
     if (!heartbeat) return false;
@@ -187,6 +184,7 @@ class Trial {
                     "setpoint, at most %.0f ms are allowed",
                     result.runs_after_ms, 1e3 * kWatchdogLimit_s);
       result.why = text;
+      result.refuted = true;
     } else if (!expired) {
       result.why = "it became idle for another reason than its watchdog" + State();
     } else if (result.idle_after_ms > 1e-6 * static_cast<double>(most_ns)) {

@@ -36,13 +36,15 @@ struct WatchdogProof {
 
 struct WatchdogTrial {
   bool proven = false;
+  bool refuted = false;        // it was seen not to fire; neither: nothing is known
   double idle_after_ms = 0.0;  // first heartbeat in idle; 0: none came
   double runs_after_ms = 0.0;  // last heartbeat in closed loop, after the last setpoint
   std::string why;             // not proven
 };
 
-// Arms the axis with zero torque, feeds it, withholds, watches. Whatever happens, the axis has been
-// requested to idle when this returns. `stopped`: asked again and again; true ends the trial.
+// Listens; nothing is sent where another program commands the axis. Arms it with zero torque, feeds
+// it, withholds, watches. Whatever happens then, the axis has been requested to idle when this
+// returns. `stopped`: asked again and again; true ends the trial.
 WatchdogTrial TryWatchdog(const JointConfig& joint, const BridgeTiming& timing, can::Transport& bus,
                           const std::function<bool()>& stopped);
 

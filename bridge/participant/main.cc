@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <vector>
 
 #include "bridge/joints/braking.h"
 #include "bridge/joints/can_plant.h"
@@ -49,14 +51,15 @@ void Run(const node::Options& options, node::StopFlag& stop,
   }
   const config::Section section = config::Section::Load(options.config_path, "sinew-can-bridge/1");
   bridge::BridgeFile file = bridge::ReadBridge(section);
-  // Whatever the file calls it: behind a CAN controller there are motors.
-  const bool hardware =
-      file.bridge.live || std::any_of(file.buses.begin(), file.buses.end(), can::IsHardware);
+  const bool hardware = file.bridge.live;
   const provider::GuardConfig guard = provider::LoadGuardConfig(section.ChildOrEmpty("guard"));
   const estop::Config estop =
       estop::LoadConfig(section.ChildOrEmpty("estop"), options.domain_id, hardware);
   const std::filesystem::path proofs = bridge::ReadProofPath(section, hardware);
   section.RejectUnknownKeys();
+  // Before the first frame, and until the last.
+  std::vector<std::optional<can::BusMaster>> masters;
+  for (const can::BusEntry& bus : file.buses) masters.push_back(can::CommandBus(bus));
   if (prove_watchdogs) {
     if (estop.latch) {
       if (const auto latch = estop::LatchFile(*estop.latch).Read(); latch.latched) {
@@ -72,8 +75,12 @@ void Run(const node::Options& options, node::StopFlag& stop,
   std::vector<std::unique_ptr<can::Transport>> transports;
   std::vector<can::Transport*> pointers;
   for (std::size_t b = 0; b < file.buses.size(); ++b) {
-    transports.push_back(
-        can::OpenBus(file.buses[b], bridge::ReceiveFilters(file.bridge, static_cast<int>(b))));
+    std::vector<can::IdFilter> filters = bridge::ReceiveFilters(file.bridge, static_cast<int>(b));
+    if (file.buses[b].kind != can::TransportKind::kReplay) {
+      const auto others = bridge::MasterFilters(file.bridge, static_cast<int>(b));
+      filters.insert(filters.end(), others.begin(), others.end());
+    }
+    transports.push_back(can::OpenBus(file.buses[b], filters));
     pointers.push_back(transports.back().get());
   }
   bridge::CanPlant plant(file.bridge, pointers);

@@ -57,7 +57,9 @@ void ProveWatchdogs(const BridgeFile& file, const std::filesystem::path& proofs,
     while (bus.Receive(std::chrono::nanoseconds(0), &old)) {  // of the trials before
     }
     const WatchdogTrial trial = TryWatchdog(joint, file.bridge.timing, bus, stopped);
-    std::erase_if(kept, [&](const WatchdogProof& proof) { return SameAxis(proof, joint); });
+    if (trial.proven || trial.refuted) {  // else what was proven before still is
+      std::erase_if(kept, [&](const WatchdogProof& proof) { return SameAxis(proof, joint); });
+    }
     const std::string who = "joint '" + joint.name + "' (axis node " + std::to_string(joint.node) +
                             ", serial number " + joint.serial_number + "): ";
     if (trial.proven) {
@@ -66,7 +68,7 @@ void ProveWatchdogs(const BridgeFile& file, const std::filesystem::path& proofs,
       std::cout << who << "its watchdog idles it within " << trial.idle_after_ms << " ms\n";
     } else {
       failed += (failed.empty() ? "" : "; ") + who + trial.why;
-      std::cout << who << "NO PROOF: " << trial.why << "; idled by command\n";
+      std::cout << who << "NO PROOF: " << trial.why << '\n';
     }
     WriteProofs(proofs, kept);
   }

@@ -71,7 +71,7 @@ done
 
 # The kernel package is fetched once and unpacked, never installed. Modules are in the order in which they are loaded;
 # virtio_blk is the disk on which the results leave the machine.
-modules=(can can-raw can-dev vcan uinput joydev
+modules=(can can-raw can-dev vcan slcan uinput joydev
   virtio_ring virtio virtio_pci_legacy_dev virtio_pci_modern_dev virtio_pci virtio_blk)
 package=$(apt-cache depends linux-image-amd64 2> /dev/null | awk '/Depends/{print $2; exit}') || true
 [ -n "$package" ] || skip "package: apt knows no linux-image-amd64; apt-get update"

@@ -1,10 +1,14 @@
 // SocketCAN on a real kernel: run_on_kernel.sh starts this program where there is a vcan interface,
 // on this machine or under qemu with Debian's kernel. SINEW_CAN_INTERFACE names the interface;
 // candump, cangen and ip are at hand.
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <linux/can.h>
 #include <linux/can/error.h>
 #include <linux/can/raw.h>
+#include <linux/tty.h>
+#include <net/if.h>
+#include <sys/ioctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -22,6 +26,7 @@
 
 #include "bridge/can/candump.h"
 #include "bridge/can/codec.h"
+#include "bridge/can/file/bus_config.h"
 #include "bridge/can/transport/replay_can.h"
 #include "bridge/can/transport/socketcan.h"
 #include "bridge/joints/can_plant.h"
@@ -368,6 +373,30 @@ TEST(SocketCanOnAKernel,
             << " frames of the bridge byte for byte, " << foreign << " of the noise\n";
   EXPECT_GE(seen, recording.sent.size() * 99 / 100);
   EXPECT_GT(foreign, 0U);
+}
+
+BusEntry SocketCanAt(const std::string& interface) {
+  BusEntry entry;
+  entry.kind = TransportKind::kSocketCan;
+  entry.interface = interface;
+  return entry;
+}
+
+TEST(SocketCanOnAKernel, AnAdapterAtASerialPortIsHardwareAndVcanIsNone) {
+  EXPECT_FALSE(IsHardware(SocketCanAt(Interface())));
+  EXPECT_FALSE(IsHardware(SocketCanAt("absent0")));
+  const int port = ::posix_openpt(O_RDWR | O_NOCTTY);
+  ASSERT_GE(port, 0);
+  ASSERT_EQ(::grantpt(port) + ::unlockpt(port), 0);
+  const int line = ::open(::ptsname(port), O_RDWR | O_NOCTTY);
+  ASSERT_GE(line, 0);
+  const int slcan = N_SLCAN;
+  ASSERT_EQ(::ioctl(line, TIOCSETD, &slcan), 0) << std::strerror(errno);
+  char name[IFNAMSIZ] = "";
+  ASSERT_EQ(::ioctl(line, SIOCGIFNAME, name), 0) << std::strerror(errno);
+  EXPECT_TRUE(IsHardware(SocketCanAt(name))) << name;
+  ::close(line);
+  ::close(port);
 }
 
 }  // namespace

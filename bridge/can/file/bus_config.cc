@@ -1,6 +1,14 @@
 #include "bridge/can/file/bus_config.h"
 
+#include <linux/ethtool.h>
+#include <linux/sockios.h>
+#include <net/if.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <filesystem>
 
 #include "bridge/can/transport/replay_can.h"
 #include "bridge/can/transport/socketcan.h"
@@ -8,6 +16,23 @@
 #include "components/base/types/angle.h"
 
 namespace sinew::can {
+namespace {
+
+// Driver of a network interface; empty: the kernel does not say.
+std::string DriverOf(const std::string& interface) {
+  const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  ethtool_drvinfo info{};
+  info.cmd = ETHTOOL_GDRVINFO;
+  ifreq request{};
+  interface.copy(request.ifr_name, sizeof request.ifr_name - 1);
+  request.ifr_data = reinterpret_cast<char*>(&info);
+  const bool known = socket >= 0 && ::ioctl(socket, SIOCETHTOOL, &request) == 0;
+  if (socket >= 0) ::close(socket);
+  info.driver[sizeof info.driver - 1] = '\0';
+  return known ? info.driver : "";
+}
+
+}  // namespace
 
 std::vector<BusEntry> ReadBuses(const config::Section& section) {
   std::vector<BusEntry> buses;
@@ -63,10 +88,27 @@ std::unique_ptr<Transport> OpenBus(const BusEntry& entry, const std::vector<IdFi
       VirtualCanOptions{entry.bus, filters, std::chrono::milliseconds(entry.connect_timeout_ms)});
 }
 
+std::optional<BusMaster> CommandBus(const BusEntry& entry) {
+  switch (entry.kind) {
+    case TransportKind::kSocketCan:
+      return BusMaster(entry.interface);
+    case TransportKind::kVirtual:
+      return BusMaster(entry.bus);
+    case TransportKind::kReplay:
+      break;
+  }
+  return std::nullopt;
+}
+
 bool IsHardware(const BusEntry& entry) {
+  if (entry.kind != TransportKind::kSocketCan) return false;
+  const std::string folder = "/sys/class/net/" + entry.interface;
   std::error_code ignored;  // an interface that is not there is reported by OpenBus
-  return entry.kind == TransportKind::kSocketCan &&
-         std::filesystem::exists("/sys/class/net/" + entry.interface + "/device", ignored);
+  if (!std::filesystem::exists(folder, ignored)) return false;
+  const std::string driver = DriverOf(entry.interface);
+  if (!driver.empty()) return driver != "vcan" && driver != "vxcan";
+  // A kernel before 5.16 does not name these; an adapter at a serial port (slcan) has a driver.
+  return std::filesystem::exists(folder + "/device", ignored);
 }
 
 const char* FirmwareName(Firmware firmware) {

@@ -11,11 +11,13 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "bridge/can/body_node.h"
 #include "bridge/can/codec.h"
+#include "bridge/can/transport/bus_master.h"
 #include "bridge/can/transport/transport.h"
 #include "components/base/config/config.h"
 
@@ -41,6 +43,9 @@ int ReadBusOf(const config::Section& section, const std::vector<BusEntry>& buses
 
 // Throws UsageError when it cannot be opened.
 std::unique_ptr<Transport> OpenBus(const BusEntry& entry, const std::vector<IdFilter>& filters);
+
+// The right to command it; nobody needs it for a log. Throws UsageError when a process has it.
+std::optional<BusMaster> CommandBus(const BusEntry& entry);
 
 // The bus is a CAN controller of this machine, and no interface of software such as vcan.
 bool IsHardware(const BusEntry& entry);

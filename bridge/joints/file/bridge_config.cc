@@ -165,6 +165,10 @@ BridgeFile ReadBridge(const config::Section& section) {
     if (file.bridge.live && bus.kind != can::TransportKind::kSocketCan) {
       section.Fail("origin", "is live, but bus '" + bus.name + "' is no hardware; expected sim");
     }
+    if (!file.bridge.live && can::IsHardware(bus)) {
+      section.Fail("origin", "is sim, but bus '" + bus.name + "' is the CAN controller " +
+                                 bus.interface + ": motors may be behind it; expected live");
+    }
     file.bridge.bitrate_bit_s.push_back(bus.bitrate_bit_s);
   }
   file.bridge.short_frames = section.BoolOr("short_frames", true);

@@ -96,6 +96,12 @@ Config LoadConfig(const config::Section& section, int domain_id, bool live) {
   } else if (live) {
     section.Fail("latch", "is none, expected a path: the estop of hardware outlives its bridge");
   }
+  for (const std::string& name : section.TextsOr("required", {})) {
+    if (name.empty() || name.size() > 64) {
+      section.Fail("required", "holds '" + name + "', expected a participant's name");
+    }
+    config.required.push_back(name);
+  }
   section.RejectUnknownKeys();
   return config;
 }

@@ -22,6 +22,7 @@ struct Config {
   std::optional<std::filesystem::path> socket;  // none: an estop comes by DDS only
   mode_t socket_mode = kSocketMode;
   std::optional<std::filesystem::path> latch;  // none: an estop ends with the process
+  std::vector<std::string> required;           // participants whose heartbeat is awaited (watch.h)
 };
 
 // Where the state provider of a domain may have its socket on this host, the preferred first:
@@ -37,7 +38,8 @@ std::filesystem::path DefaultLatch(int domain_id);  // in it
 
 // Keys of an `estop:` block: `socket` and `latch`, each `default`, `none` or a path (relative ones
 // are relative to the file), and `socket_mode`, octal digits. Left out: `default` for hardware,
-// `none` for a simulation. Throws UsageError: hardware without a latch, and what a Section refuses.
+// `none` for a simulation. `required`: names of sinew-estop participants; none by default. Throws
+// UsageError: hardware without a latch, and what a Section refuses.
 Config LoadConfig(const config::Section& section, int domain_id, bool live);
 
 }  // namespace sinew::estop

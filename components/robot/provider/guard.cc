@@ -47,6 +47,7 @@ CommandGuard::CommandGuard(const GuardConfig& config) : config_(config) {
 void CommandGuard::StartSession(std::uint64_t session_id) {
   session_id_ = session_id;
   state_ = RobotState::kDisarmed;
+  fault_ = {};
   has_command_ = false;
 }
 
@@ -74,20 +75,21 @@ void CommandGuard::Estop() {
 void CommandGuard::JointFault() {
   if (config_.on_joint_fault == OtherJointsPolicy::kContinue) return;
   const bool moved = in_fault_ != Verdict::kIdle || types::MayMove(state_);
-  Fault();
+  Fail({FaultCause::kJoints});
   if (moved) in_fault_ = VerdictOf(config_.on_joint_fault);
 }
 
 void CommandGuard::Fall() {
   const bool moved = in_fault_ != Verdict::kIdle || types::MayMove(state_);
-  Fault();
+  Fail({FaultCause::kFall});
   if (moved && config_.on_fall == FallPolicy::kDamp) in_fault_ = Verdict::kDamp;
 }
 
-void CommandGuard::Fault() {
+void CommandGuard::Fail(const Fault& fault) {
   in_fault_ = Verdict::kIdle;
   if (state_ == RobotState::kEstopped || state_ == RobotState::kFault) return;
   state_ = RobotState::kFault;
+  fault_ = fault;
   ++faults_;
 }
 
@@ -95,6 +97,7 @@ bool CommandGuard::Reset() {
   in_fault_ = Verdict::kIdle;
   if (state_ != RobotState::kFault && state_ != RobotState::kEstopped) return false;
   state_ = RobotState::kDisarmed;
+  fault_ = {};
   return true;
 }
 
@@ -126,7 +129,7 @@ Verdict CommandGuard::Step(std::uint64_t tick, std::chrono::nanoseconds period,
   const std::chrono::nanoseconds old =
       std::max(static_cast<std::int64_t>(tick - last_tick_) * period, age - period);
   if (old > config_.fault_after) {
-    Fault();
+    Fail({FaultCause::kCommandMissing, Milliseconds(old), Milliseconds(config_.fault_after)});
     return Verdict::kIdle;
   }
   if (old >= config_.missed_periods * period) {

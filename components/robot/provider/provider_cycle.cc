@@ -61,6 +61,7 @@ OperatorResult ProviderCycle::Take(const OperatorCommand& command, std::uint64_t
   switch (command.action) {
     case OperatorAction::kArm:
       if (!config_.plant_may_be_armed) return OperatorResult::kRefusedByPlant;
+      if (!estops_watched_) return OperatorResult::kRefusedByEstop;
       if (fall_ && state() == RobotState::kDisarmed && !fall_->upright()) {
         return OperatorResult::kRefusedByFallGuard;
       }
@@ -134,7 +135,7 @@ bool ProviderCycle::Begin(std::uint64_t tick, std::int64_t now_ns) {
   const std::chrono::nanoseconds gap(now_ns - began_ns_[(tick + kTicksKept - 1) % kTicksKept]);
   began_ns_[tick % kTicksKept] = now_ns;
   if (tick == 0 || gap <= config_.guard.fault_after || !types::MayMove(state())) return false;
-  guard_.Fault();
+  guard_.Fail({FaultCause::kCycleLate, Milliseconds(gap), Milliseconds(config_.guard.fault_after)});
   return true;
 }
 
@@ -148,8 +149,8 @@ std::chrono::nanoseconds ProviderCycle::AgeByClock(std::uint64_t tick, std::int6
 const PlantCommand& ProviderCycle::Command(std::uint64_t tick, const PlantSensors& sensors,
                                            std::int64_t now_ns) {
   Verdict verdict = guard_.Step(tick, period_, AgeByClock(tick, now_ns));
-  if (verdict == Verdict::kPass && !CommandIsFinite()) {
-    guard_.Fault();
+  if (const auto joint = verdict == Verdict::kPass ? NotFinite() : std::nullopt) {
+    guard_.Fail({FaultCause::kCommandNotFinite, static_cast<double>(*joint)});
     verdict = Verdict::kIdle;
   }
   const bool stopped = state() == RobotState::kFault || state() == RobotState::kEstopped;
@@ -202,15 +203,15 @@ void ProviderCycle::Pass(std::size_t j) {
   command_.velocity_rad_s[j] = joints_.velocity_rad_s[j];
 }
 
-bool ProviderCycle::CommandIsFinite() const {
+std::optional<std::size_t> ProviderCycle::NotFinite() const {
   const int count = std::min(config_.joint_count, joints_.joint_count);
   for (std::size_t j = 0; static_cast<int>(j) < count; ++j) {
     if (!std::isfinite(joints_.motor_torque_Nm[j]) || !std::isfinite(joints_.position_rad[j]) ||
         !std::isfinite(joints_.velocity_rad_s[j])) {
-      return false;
+      return j;
     }
   }
-  return true;
+  return std::nullopt;
 }
 
 bool ProviderCycle::ValvesFollow(std::uint64_t tick) const {
@@ -224,7 +225,7 @@ FaultChange ProviderCycle::Observe(const PlantSensors& sensors) {
   const auto faulty = std::count(begin, begin + config_.joint_count, true);
   FaultChange change = FaultChange::kNone;
   if (sensors.fault || faulty == config_.joint_count) {
-    guard_.Fault();
+    guard_.Fail({sensors.fault ? FaultCause::kPlant : FaultCause::kJoints});
     change = FaultChange::kRobot;
   } else if (faulty > faulty_joints_) {
     guard_.JointFault();

@@ -76,6 +76,7 @@ enum class OperatorResult {
   kRefusedOrigin,        // arm or reset: replayed, or for hardware not from a live operator
   kRefusedByPlant,       // arm: Plant::ArmRefusal says why
   kRefusedByFallGuard,   // arm: ProviderCycle::FallRefusal says why
+  kRefusedByEstop,       // arm: an estop that the robot requires is not watched, or held
   kRefusedResetFirst,    // arm: after a fault or an estop
   kRefusedDisarmFirst,   // reset: a joint that had a fault would move at once
   kNotForProvider,       // start, stop, handover and permissions are for others
@@ -118,6 +119,9 @@ class ProviderCycle {
   // disarm and estop count whoever sends them; arm and reset only with the cycle's own session_id,
   // and not from a recording.
   OperatorResult Take(const OperatorCommand& command, std::uint64_t tick);
+  // Every estop that the robot requires is watched and none is held (estop/watch.h); without this
+  // nobody arms. True until it is said otherwise.
+  void SetEstopsWatched(bool watched) { estops_watched_ = watched; }
   // After kUnlatchFirst, when nothing on disk latches the estop any more: the reset itself. Does
   // nothing in another state than ESTOPPED. True: the plant's faults are to be cleared.
   bool FinishReset();
@@ -151,6 +155,7 @@ class ProviderCycle {
   bool Overdue(std::uint64_t tick) const { return guard_.Overdue(tick); }
 
   types::RobotState state() const { return guard_.state(); }
+  const Fault& fault() const { return guard_.fault(); }
   std::uint64_t refused() const { return guard_.refused(); }
   bool last(std::uint64_t tick) const { return tick == last_tick_; }
   // One more than the newest tick under the present session id that was answered, whether the
@@ -173,7 +178,8 @@ class ProviderCycle {
  private:
   // Joint j of command_ as the accepted joint command says.
   void Pass(std::size_t joint);
-  bool CommandIsFinite() const;  // of the accepted joint command, every joint that it names
+  // The first joint whose part of the accepted joint command is not finite.
+  std::optional<std::size_t> NotFinite() const;
   bool ValvesFollow(std::uint64_t tick) const;
   std::chrono::nanoseconds AgeByClock(std::uint64_t tick, std::int64_t now_ns) const;
 
@@ -184,6 +190,7 @@ class ProviderCycle {
   CycleConfig config_;
   CommandGuard guard_;
   std::optional<FallGuard> fall_;
+  bool estops_watched_ = true;
   bool asks_ = false;                                // command_ is a controller's or a hold
   std::array<std::int64_t, kTicksKept> began_ns_{};  // of tick k at k % kTicksKept; ages_by_clock
   std::chrono::nanoseconds period_{};

@@ -11,10 +11,13 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <string>
 #include <thread>
+#include <utility>
 
 #include "bridge/can/bit_timing.h"
 #include "bridge/can/codec.h"
+#include "bridge/can/transport/bus_master.h"
 #include "bridge/can/transport/bus_protocol.h"
 #include "bridge/can/transport/bus_server.h"
 #include "bridge/can/transport/replay_can.h"
@@ -299,6 +302,33 @@ TEST(SocketCan, AbsentInterfaceIsAUsageErrorInOneLine) {
       EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
     }
   }
+}
+
+std::string RefusalOf(const std::string& bus) {
+  try {
+    const BusMaster second(bus);
+  } catch (const UsageError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(BusMaster, IsOneProcessAndTheSecondLearnsWhich) {
+  const std::string bus = Path("commanded"), other = Path("other");
+  {
+    const BusMaster first(bus);
+    const std::string refusal = RefusalOf(bus);
+    EXPECT_NE(refusal.find("process " + std::to_string(::getpid())), std::string::npos) << refusal;
+    EXPECT_EQ(RefusalOf(other), "");
+  }
+  EXPECT_EQ(RefusalOf(bus), "") << "it ended with its holder";
+}
+
+TEST(BusMaster, MayBeMovedAndHaveALongName) {
+  const std::string bus(300, 'b');
+  BusMaster first(bus);
+  const BusMaster moved(std::move(first));
+  EXPECT_NE(RefusalOf(bus), "");
 }
 
 }  // namespace

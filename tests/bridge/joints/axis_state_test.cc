@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 #include "components/base/types/angle.h"
 #include "components/base/types/control_mode.h"
 #include "tests/bridge/joints/one_joint.h"
@@ -47,6 +49,7 @@ void ExpectDecision(const AxisDecision& decision, AxisRequest request, bool foll
 }
 
 TEST_F(AxisState, BeginsIdleAndStaysIdleWithoutACommand) {
+  Heartbeat(can::AxisState::kIdle);
   ExpectDecision(Step(ControlMode::kIdle), AxisRequest::kNone, false, false);
   EXPECT_EQ(axis.phase(), AxisPhase::kIdle);
   EXPECT_EQ(axis.mode(), ControlMode::kIdle);
@@ -99,6 +102,31 @@ TEST_F(AxisState, AModeThatChangesWhileArmingIsRequestedAtOnce) {
   EXPECT_EQ(axis.mode(), ControlMode::kPosition);
 }
 
+TEST_F(AxisState, TheModeIsSentAgainEveryTenthOfASecondWhileActive) {
+  std::vector<std::int64_t> first_ns;  // after the command began to count
+  for (const int node : {1, 2, 63}) {
+    config.node = node;
+    axis = AxisStateMachine(kTimeout_ns);
+    Activate(ControlMode::kTorque);
+    const std::int64_t begin_ns = now_ns;
+    std::vector<std::int64_t> sent_ns;
+    while (now_ns < begin_ns + 1000 * kMs_ns) {
+      now_ns += kMs_ns;
+      const AxisDecision decision = Step(ControlMode::kTorque);
+      EXPECT_TRUE(decision.follows_command);
+      if (decision.request == AxisRequest::kModeAgain) sent_ns.push_back(now_ns - begin_ns);
+    }
+    ASSERT_GE(sent_ns.size(), 8U);
+    for (std::size_t k = 1; k < sent_ns.size(); ++k) {
+      EXPECT_EQ(sent_ns[k] - sent_ns[k - 1], 101 * kMs_ns);
+    }
+    EXPECT_LE(sent_ns[0], 100 * kMs_ns);
+    first_ns.push_back(sent_ns[0]);
+  }
+  EXPECT_LT(first_ns[0], first_ns[1]) << "axes take turns";
+  EXPECT_LT(first_ns[1], first_ns[2]);
+}
+
 TEST_F(AxisState, NoClosedLoopWithinTheTimeLimitIsAFault) {
   (void)Step(ControlMode::kTorque);
   now_ns += kTimeout_ns;
@@ -137,22 +165,24 @@ TEST_F(AxisState, IdleCommandAndFaultEndTheMotionAtOnce) {
   fault.Fail(FaultKind::kEstimatesLost, "why");
   ExpectDecision(Step(ControlMode::kTorque), AxisRequest::kIdle, false, false);
   EXPECT_EQ(axis.phase(), AxisPhase::kIdle);
+  ExpectDecision(Step(ControlMode::kTorque), AxisRequest::kIdle, false, false);
+  now_ns += kMs_ns;
+  Heartbeat(can::AxisState::kIdle);
   ExpectDecision(Step(ControlMode::kTorque), AxisRequest::kNone, false, false);
 }
 
-TEST_F(AxisState, AnAxisThatStaysInClosedLoopIsRequestedIdleAgain) {
+TEST_F(AxisState, IdleIsRequestedInEveryCycleUntilANewerHeartbeatReportsIt) {
   Activate(ControlMode::kTorque);
   (void)Step(ControlMode::kIdle);
-  now_ns += 101 * kMs_ns;
-  EXPECT_EQ(Step(ControlMode::kIdle).request, AxisRequest::kNone) << "its heartbeat is from before";
-  Heartbeat(can::AxisState::kClosedLoopControl);
-  EXPECT_EQ(Step(ControlMode::kIdle).request, AxisRequest::kIdle);
-  EXPECT_EQ(Step(ControlMode::kIdle).request, AxisRequest::kNone);
-  now_ns += 101 * kMs_ns;
-  EXPECT_EQ(Step(ControlMode::kIdle).request, AxisRequest::kIdle);
-  now_ns += 101 * kMs_ns;
+  for (int k = 0; k < 30; ++k) {
+    now_ns += 4 * kMs_ns;
+    if (k == 10) Heartbeat(can::AxisState::kClosedLoopControl);
+    EXPECT_EQ(Step(ControlMode::kIdle).request, AxisRequest::kIdle) << k;
+  }
   Heartbeat(can::AxisState::kIdle);
   EXPECT_EQ(Step(ControlMode::kIdle).request, AxisRequest::kNone) << "it is idle now";
+  Heartbeat(can::AxisState::kClosedLoopControl);
+  EXPECT_EQ(Step(ControlMode::kIdle).request, AxisRequest::kIdle) << "and is not any more";
 }
 
 TEST_F(AxisState, GoIdleFromAnyPhaseNeedsArmingToMoveAgain) {

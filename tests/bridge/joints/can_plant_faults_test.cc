@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 #include <string>
 
 #include "components/base/types/angle.h"
@@ -43,6 +44,66 @@ TEST(CanPlant, FarOutsideIsAFault) {
   }
   bench.Steps(3);
   EXPECT_EQ(bench.plant->fault(0), FaultKind::kOutOfRange) << bench.sensors.message;
+}
+
+// Another end of the bus that sends `frame` every 4 ms from now on.
+std::unique_ptr<can::Transport> Repeat(Bench* bench, const can::Frame& frame) {
+  std::unique_ptr<can::Transport> end = bench->buses[0]->Join("another master");
+  const auto next_ns = std::make_shared<std::int64_t>(bench->buses[0]->now_ns());
+  bench->buses[0]->AddAgent([next_ns] { return *next_ns; },
+                            [next_ns, frame, sender = end.get()](std::int64_t now_ns) {
+                              *next_ns = now_ns + 4'000'000;
+                              (void)sender->Send(frame);
+                            });
+  return end;
+}
+
+TEST(AnotherMaster, IsAFaultOfTheJointThatItCommandsAndIdlesIt) {
+  const can::Frame frames[] = {
+      can::Encode(1, can::SetInputTorque{0.0}), can::Encode(1, can::SetInputVel{0.0, 0.0}),
+      can::Encode(1, can::SetInputPos{0.0, 0.0, 0.0}),
+      can::Encode(1, can::SetAxisState{can::AxisState::kIdle}),
+      can::Encode(1,
+                  can::SetControllerMode{can::ControlMode::kTorque, can::InputMode::kPassthrough})};
+  for (const can::Frame& frame : frames) {
+    Bench bench({.joints = 2});
+    bench.Start();
+    bench.Arm();
+    const auto other = Repeat(&bench, frame);
+    bench.Steps(20);
+    EXPECT_EQ(bench.plant->fault(0), FaultKind::kAnotherMaster) << frame.id;
+    EXPECT_EQ(bench.plant->fault(1), FaultKind::kNone) << frame.id;
+    EXPECT_NE(bench.sensors.message.find("another master"), std::string::npos);
+    EXPECT_EQ(bench.axes->axis_state(0), can::AxisState::kIdle) << frame.id;
+  }
+}
+
+TEST(AnotherMaster, OfAGatewayIsAFaultOfEveryJointBehindIt) {
+  Bench bench({.joints = 2, .output_nodes = false, .gateway = true});
+  bench.Start();
+  const auto other = Repeat(&bench, can::EncodeReferences(Bench::kGatewayNode, {})[0]);
+  bench.Steps(5);
+  EXPECT_EQ(bench.plant->fault(0), FaultKind::kAnotherMaster);
+  EXPECT_EQ(bench.plant->fault(1), FaultKind::kAnotherMaster);
+}
+
+TEST(AnotherMaster, OnTheBusBeforeUsGetsNotAFrameFromUs) {
+  Bench bench;
+  bench.Prepare();
+  const auto other = Repeat(&bench, can::Encode(1, can::SetInputTorque{0.0}));
+  EXPECT_THROW(bench.plant->Reset(&bench.sensors), std::runtime_error);
+  bench.plant->ShutDown();
+  bench.buses[0]->AdvanceTo(bench.buses[0]->now_ns() + 5'000'000);
+  EXPECT_EQ(bench.ends[0]->counters().sent, 0U);
+}
+
+TEST(AnotherMaster, OfOtherNodesIsNone) {
+  Bench bench;
+  bench.Start();
+  bench.Arm();
+  const auto other = Repeat(&bench, can::Encode(9, can::SetInputTorque{0.5}));
+  bench.Steps(20);
+  EXPECT_FALSE(bench.faulty()) << bench.sensors.message;
 }
 
 TEST(CanPlant, AxisErrorIsAFaultWithItsNameAndItsCauseAndClearsByReset) {

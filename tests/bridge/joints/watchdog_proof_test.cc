@@ -64,6 +64,7 @@ TEST(WatchdogProof, AWatchdogThatIsOffOrSlowIsNotAndTheAxisIsIdledByCommand) {
     EXPECT_FALSE(trial.proven) << watchdog_s;
     EXPECT_EQ(trial.idle_after_ms, 0.0) << watchdog_s;
     EXPECT_THAT(trial.why, HasSubstr("does not fire"));
+    EXPECT_TRUE(trial.refuted);
     EXPECT_EQ(bench.state(), can::AxisState::kIdle) << watchdog_s;
     EXPECT_EQ(bench.largest_torque_Nm, 0.0);
   }
@@ -78,10 +79,19 @@ TEST(WatchdogProof, SomebodyElsesSetpointsAreNoticedBeforeAnythingIsArmed) {
                                    next_ns = now_ns + 4'000'000;
                                    (void)other->Send(can::Encode(1, can::SetInputTorque{0.0}));
                                  });
+  int sent = 0;  // by the trial
+  bench.bench.buses[0]->OnFrame([&](const can::Delivery& delivery) {
+    const auto address = can::AddressOf(delivery.frame);
+    if (address->command == can::Command::kSetAxisState ||
+        address->command == can::Command::kClearErrors) {
+      ++sent;
+    }
+  });
   const WatchdogTrial trial = bench.Try();
   EXPECT_FALSE(trial.proven);
+  EXPECT_FALSE(trial.refuted) << "an older proof stands";
   EXPECT_THAT(trial.why, HasSubstr("another program sends to axis node 1"));
-  EXPECT_EQ(bench.state(), can::AxisState::kIdle);
+  EXPECT_EQ(sent, 0) << "its robot may be armed";
 }
 
 TEST(WatchdogProof, AnAxisThatIsNotThereOrDoesNotArmIsNoProof) {

@@ -159,47 +159,100 @@ TEST(EstopSystem, ALatchThatCannotBeReadIsAnEstopAndNoResetEndsIt) {
 }
 
 // A simulated joystick: a FIFO that carries its events.
-TEST(EstopSystem, AButtonStopsTheRobotAndALostOneKeepsItStopped) {
-  Rig rig(45, {.bridge_more = kEstopBlock});
-  AxisWatch watch(rig);
-  const std::string device = (rig.folder() / "js0").string();
-  ASSERT_EQ(::mkfifo(device.c_str(), 0600), 0);
-  int stick = ::open(device.c_str(), O_RDWR | O_CLOEXEC);  // the reader finds a writer
-  const auto press = [&](int value) {
+class Stick {
+ public:
+  explicit Stick(std::string device) : device_(std::move(device)) { Plug(); }
+  ~Stick() { ::close(fifo_); }
+  void Press(int value) {
     js_event event{};
     event.type = JS_EVENT_BUTTON;
     event.number = 3;
     event.value = static_cast<__s16>(value);
-    ASSERT_EQ(::write(stick, &event, sizeof event), static_cast<ssize_t>(sizeof event));
+    ASSERT_EQ(::write(fifo_, &event, sizeof event), static_cast<ssize_t>(sizeof event));
+  }
+  void Unplug() {
+    std::filesystem::remove(device_);
+    ::close(fifo_);
+  }
+  void Plug() {
+    const std::string fresh = device_ + ".new";
+    ASSERT_EQ(::mkfifo(fresh.c_str(), 0600), 0);
+    fifo_ = ::open(fresh.c_str(), O_RDWR | O_CLOEXEC);  // the reader finds a writer
+    std::filesystem::rename(fresh, device_);
+  }
+
+ private:
+  std::string device_;
+  int fifo_ = -1;
+};
+
+TEST(EstopSystem, ARequiredEstopThatIsHungDeadOrHeldStopsTheRobotAndNobodyArms) {
+  Rig rig(45,
+          {.bridge_more = "estop: {socket: estop.sock, latch: estop.latch, required: [button]}\n"});
+  AxisWatch watch(rig);
+  Stick stick((rig.folder() / "js0").string());
+  const auto start = [&] {
+    return Program({std::string(SINEW_BIN_DIR) + "/sinew-estop", "--domain", "45", "--name",
+                    "button", "--joystick", (rig.folder() / "js0").string(), "--button", "3",
+                    "--socket", "none.sock"});
   };
+  const auto refusal = [] {
+    return testing::Run({std::string(SINEW_BIN_DIR) + "/sinew", "arm", "--domain", "45"}).error;
+  };
+  ASSERT_TRUE(rig.Run(0.0, seconds(20), [](const msg::JointState& s) { return s.valid()[0]; }))
+      << rig.bridge().error();
+  EXPECT_THAT(refusal(), HasSubstr("estop 'button' is silent")) << "it was never there";
+  {
+    Program estop = start();
+    ASSERT_TRUE(estop.WaitForText("watches", seconds(10))) << estop.error();
+    ASSERT_TRUE(Drives(&rig, &watch)) << rig.bridge().error();
+    estop.Signal(SIGSTOP);
+    ASSERT_TRUE(Reaches(&rig, msg::ROBOT_ESTOPPED)) << "it hangs: " << rig.bridge().error();
+    EXPECT_TRUE(rig.bridge().WaitForText("estop 'button' is silent", seconds(5)));
+    estop.Signal(SIGCONT);
+    ASSERT_TRUE(rig.Order(msg::OPERATOR_RESET, msg::ROBOT_DISARMED)) << rig.bridge().error();
+    ASSERT_TRUE(Drives(&rig, &watch)) << rig.bridge().error();
+    stick.Press(1);
+    ASSERT_TRUE(Reaches(&rig, msg::ROBOT_ESTOPPED)) << estop.error();
+    ASSERT_TRUE(rig.Order(msg::OPERATOR_RESET, msg::ROBOT_DISARMED)) << rig.bridge().error();
+    EXPECT_THAT(refusal(), HasSubstr("estop 'button': held"));
+    estop.Signal(SIGKILL);
+    (void)estop.Wait(seconds(5));
+  }
+  const std::uint64_t until = rig.last().header().tick() + 120;
+  ASSERT_TRUE(rig.Run(0.0, seconds(10),
+                      [&](const msg::JointState& s) { return s.header().tick() > until; }));
+  EXPECT_THAT(refusal(), HasSubstr("estop 'button' is silent")) << "killed with the button held";
+}
+
+TEST(EstopSystem, AButtonStopsTheRobotAndALostOneKeepsItStopped) {
+  Rig rig(45, {.bridge_more = kEstopBlock});
+  AxisWatch watch(rig);
+  const std::string device = (rig.folder() / "js0").string();
+  Stick stick(device);
   Program estop({std::string(SINEW_BIN_DIR) + "/sinew-estop", "--domain", DomainText(45),
                  "--joystick", device, "--button", "3", "--socket", "none.sock"});
   ASSERT_TRUE(estop.WaitForText("watches", seconds(10))) << estop.error();
   ASSERT_TRUE(Drives(&rig, &watch)) << rig.bridge().error();
-  press(1);
+  stick.Press(1);
   ASSERT_TRUE(Reaches(&rig, msg::ROBOT_ESTOPPED)) << estop.error();
   // While it is held, a reset does not last.
   ASSERT_TRUE(rig.Order(msg::OPERATOR_RESET, msg::ROBOT_DISARMED)) << rig.bridge().error();
   ASSERT_TRUE(Reaches(&rig, msg::ROBOT_ESTOPPED)) << estop.error();
-  press(0);
+  stick.Press(0);
   ASSERT_TRUE(rig.Order(msg::OPERATOR_RESET, msg::ROBOT_DISARMED));
   ASSERT_TRUE(Drives(&rig, &watch)) << rig.bridge().error();
 
-  std::filesystem::remove(device);
-  ::close(stick);  // unplugged
+  stick.Unplug();
   ASSERT_TRUE(Reaches(&rig, msg::ROBOT_ESTOPPED)) << estop.error();
   EXPECT_TRUE(estop.WaitForText("end of the input", seconds(5))) << estop.error();
   ASSERT_TRUE(rig.Order(msg::OPERATOR_RESET, msg::ROBOT_DISARMED));
   ASSERT_TRUE(Reaches(&rig, msg::ROBOT_ESTOPPED)) << "nobody watches";
 
-  const std::string again = device + ".new";  // plugged in again
-  ASSERT_EQ(::mkfifo(again.c_str(), 0600), 0);
-  stick = ::open(again.c_str(), O_RDWR | O_CLOEXEC);
-  std::filesystem::rename(again, device);
+  stick.Plug();
   ASSERT_TRUE(estop.WaitForText("is there again", seconds(10))) << estop.error();
   ASSERT_TRUE(rig.Order(msg::OPERATOR_RESET, msg::ROBOT_DISARMED));
   EXPECT_TRUE(Drives(&rig, &watch)) << estop.error();
-  ::close(stick);
   estop.Signal(SIGTERM);
   EXPECT_EQ(estop.Wait(seconds(10)), 0) << estop.error();
 }

@@ -65,7 +65,22 @@ TEST(WatchdogProofSystem, OnlyAnAxisWhoseWatchdogWasProvenIsArmed) {
   EXPECT_LE(kept[0].idle_after_ms, 110.0);
   rig.StartBridge();
   ASSERT_TRUE(rig.Run(0.0, seconds(20), IsValid)) << rig.bridge().error();
-  EXPECT_TRUE(rig.Arm()) << rig.bridge().error();
+  ASSERT_TRUE(rig.Arm()) << rig.bridge().error();
+
+  // Who else would command the bus sends nothing, and the proof stands.
+  const testing::Finished again = Prove(rig);
+  const testing::Finished second =
+      testing::Run({std::string(SINEW_BIN_DIR) + "/sinew-can-bridge", "--config",
+                    rig.bridge_config(), "--domain", "47"});
+  for (const testing::Finished& refusal : {again, second}) {
+    EXPECT_EQ(refusal.exit_code, 2);
+    EXPECT_THAT(refusal.error, HasSubstr("commands it already"));
+  }
+  EXPECT_EQ(bridge::ReadProofs(rig.folder() / "proof.yaml").size(), 1U);
+  const std::uint64_t later = rig.last().header().tick() + 60;
+  ASSERT_TRUE(rig.Run(0.0, seconds(10),
+                      [&](const msg::JointState& s) { return s.header().tick() > later; }));
+  EXPECT_EQ(rig.last().robot_state(), msg::ROBOT_ARMED) << rig.bridge().error();
 }
 
 TEST(WatchdogProofSystem, AnAxisWhoseWatchdogIsOffGetsNoProofAndIsNotArmed) {

@@ -1,6 +1,7 @@
 // sinew-estop: waits for a person's button and stops the robot, by the socket of this host and by
 // DDS.
 #include <poll.h>
+#include <sinew_idl/estop.h>
 #include <sinew_idl/joint.h>
 #include <sinew_idl/operator.h>
 #include <spdlog/spdlog.h>
@@ -36,6 +37,8 @@ constexpr milliseconds kAnswerLimit(500);  // of a socket: idle frames 100 ms, t
 constexpr milliseconds kStateAge(200);     // older: nobody says that the robot has stopped
 constexpr milliseconds kEndLimit(1000);    // for the confirmation of a last press
 constexpr milliseconds kReopen(500);       // between attempts to find a lost device again
+constexpr milliseconds kBeat(50);          // period of the heartbeat
+constexpr milliseconds kThreadAge(150);    // older: the inputs' thread hangs, and nothing is said
 
 struct EstopOptions {
   std::vector<std::string> joysticks, lines, sockets;
@@ -79,6 +82,10 @@ class InputThread {
     const std::lock_guard lock(mutex_);
     return stopping_;
   }
+  // It has looked at its inputs lately.
+  bool alive(std::int64_t now_ns) const {
+    return now_ns - looked_ns_ < std::chrono::nanoseconds(kThreadAge).count();
+  }
   struct Answers {
     bool idle = false;  // a state provider of this host has sent its idle frames
     std::string text;
@@ -107,12 +114,13 @@ class InputThread {
     while (!stop_) {
       waiting.clear();
       for (const auto& input : inputs_) waiting.push_back({input->descriptor(), POLLIN, 0});
-      (void)::poll(waiting.data(), waiting.size(), static_cast<int>(kReopen.count()) / 5);
+      (void)::poll(waiting.data(), waiting.size(), static_cast<int>(kBeat.count()));
       for (const auto& input : inputs_) {
         if (input->Read()) Stop(*input);
       }
       ReopenLost();
       Note();
+      looked_ns_ = types::MonotonicNow_ns();
     }
   }
 
@@ -153,6 +161,7 @@ class InputThread {
   std::vector<std::filesystem::path> sockets_;
   std::function<void()> wake_;
   std::atomic<bool> stop_{false};
+  std::atomic<std::int64_t> looked_ns_{0};
   std::int64_t reopen_ns_ = 0;
   std::mutex mutex_;
   std::optional<Pressed> press_;
@@ -184,6 +193,7 @@ void Run(const node::Options& options, node::StopFlag& stop, const EstopOptions&
   node::Node node(options);
   auto states = node.MakeReader(node::kJointState);
   auto commands = node.MakeWriter(node::kOperatorCommand);
+  auto beats = node.MakeWriter(node::kEstopState);
   InputThread thread(std::move(inputs), std::move(sockets), [&node] { node.Wake(); });
   spdlog::info("watches {}", names);
 
@@ -191,7 +201,7 @@ void Run(const node::Options& options, node::StopFlag& stop, const EstopOptions&
   std::optional<msg::JointState> state;
   std::string reason, reported = "?";
   node::Node::Counts counts;
-  std::int64_t heard_ns = 0;
+  std::int64_t heard_ns = 0, beat_ns = 0;
   bool idled = false;  // by the socket, since the last press
   std::vector<InputThread::Socket> pressed;
   std::optional<std::int64_t> end_ns;
@@ -220,6 +230,16 @@ void Run(const node::Options& options, node::StopFlag& stop, const EstopOptions&
     }
     const std::string stopping = thread.Stopping();
     if (!stopping.empty() && !assertion.pressed()) reason = stopping;
+    if (state && !end_ns && thread.alive(now_ns) &&
+        now_ns - beat_ns >= std::chrono::nanoseconds(kBeat).count()) {
+      beat_ns = now_ns;
+      msg::EstopState beat;
+      beat.header(state->header());
+      beat.name(options.name);
+      beat.stops(!stopping.empty());
+      beat.why(stopping.substr(0, 127));
+      if (beats.Write(beat) != node::WriteStatus::kOk) ++counts.write_failures;
+    }
     const bool heard = state && now_ns - heard_ns < std::chrono::nanoseconds(kStateAge).count();
     stopped = stopped || (heard && state->robot_state() == msg::ROBOT_ESTOPPED);
     if (!heard && idled) assertion.Confirm();  // without DDS the socket's answer counts
@@ -244,7 +264,7 @@ void Run(const node::Options& options, node::StopFlag& stop, const EstopOptions&
     }
     node.SetCounts(counts);
     if (end_ns && (!assertion.pressed() || now_ns >= *end_ns)) break;
-    node.WaitForData(milliseconds(50));
+    node.WaitForData(kBeat);
   }
 }
 

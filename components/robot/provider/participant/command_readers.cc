@@ -48,6 +48,8 @@ const char* Refusal(OperatorResult result) {
       return "refused by the plant";
     case OperatorResult::kRefusedByFallGuard:
       return "refused by the fall detector";
+    case OperatorResult::kRefusedByEstop:
+      return "refused: an estop is not watched, or held";
     case OperatorResult::kRefusedResetFirst:
       return "refused: reset first";
     case OperatorResult::kRefusedDisarmFirst:

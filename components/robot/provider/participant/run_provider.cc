@@ -1,5 +1,6 @@
 #include "components/robot/provider/participant/run_provider.h"
 
+#include <sinew_idl/estop.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -8,7 +9,9 @@
 #include <string_view>
 
 #include "components/base/types/clock/clock.h"
+#include "components/robot/estop/watch.h"
 #include "components/robot/provider/cycle_deadline.h"
+#include "components/robot/provider/fault.h"
 #include "components/robot/provider/participant/awaited_topics.h"
 #include "components/robot/provider/participant/command_readers.h"
 #include "components/robot/provider/participant/cycle_sleep.h"
@@ -55,12 +58,19 @@ void CheckFallGuard(const FallGuardConfig& fall, const Plant& plant, double rate
 }
 
 CycleConfig MakeCycleConfig(const node::Options& node_options, const ProviderOptions& options,
-                            const GuardConfig& guard, const Plant& plant, bool latches) {
+                            const GuardConfig& guard, const Plant& plant,
+                            const estop::Config& estop) {
   if (options.arm && plant.live()) {
     throw UsageError("--arm: hardware is armed by an operator, with 'sinew arm'");
   }
   if (options.composed != nullptr && node_options.mode == node::TimeMode::kLockstep) {
     throw UsageError("--lockstep: a composition runs in real time, expected separate processes");
+  }
+  if (!estop.required.empty() && node_options.mode == node::TimeMode::kLockstep) {
+    throw UsageError("estop.required: a lockstep run has no time in which an estop may be silent");
+  }
+  if (!estop.required.empty() && options.arm) {
+    throw UsageError("--arm: refused: estop.required, and nobody can have watched it yet");
   }
   if (guard.fall != nullptr) CheckFallGuard(*guard.fall, plant, options.rate_Hz);
   CycleConfig config;
@@ -72,7 +82,7 @@ CycleConfig MakeCycleConfig(const node::Options& node_options, const ProviderOpt
   config.joint_count = plant.joint_count();
   config.rate_Hz = options.rate_Hz;
   config.duration_s = options.duration_s;
-  config.estop_is_latched = latches;
+  config.estop_is_latched = estop.latch.has_value();
   config.plant_may_be_armed = plant.ArmRefusal().empty();
   if (options.arm && !config.plant_may_be_armed) {
     throw UsageError("--arm: refused: " + plant.ArmRefusal());
@@ -94,14 +104,16 @@ class Provider {
         plant_(plant),
         estop_config_(estop),
         lockstep_(node_options.mode == node::TimeMode::kLockstep),
-        cycle_(MakeCycleConfig(node_options, options, guard, plant, estop.latch.has_value())),
+        cycle_(MakeCycleConfig(node_options, options, guard, plant, estop)),
         node_(node_options),
         publisher_(node_, plant),
         readers_(node_, cycle_, plant,
                  [this](OperatorResult result, types::OperatorAction action,
                         std::string_view reason) { OnOperator(result, action, reason); }),
         wait_(MakeAwaitedTopics(options.await, node_, cycle_, readers_), options.await_timeout_s),
-        work_(options.work != nullptr ? *options.work : own_work_) {}
+        work_(options.work != nullptr ? *options.work : own_work_) {
+    if (!estop.required.empty()) estop_states_.emplace(node_.MakeReader(node::kEstopState));
+  }
 
   void Run() {
     RefuseSecondProvider();  // which sends nothing: the plant is the other one's
@@ -110,6 +122,7 @@ class Provider {
       node_.Wake();
       sleep_.Wake();
     });
+    if (estop_states_) watch_.emplace(estop_config_.required, MonotonicNow_ns());
     // Motors off before anything else ends, after an exception too.
     const struct MotorsOff {
       Plant& plant;
@@ -125,9 +138,7 @@ class Provider {
     for (tick_ = 0; !stop_.requested(); ++tick_) {
       const std::int64_t begin_ns = MonotonicNow_ns();
       work_.Resume(begin_ns);
-      if (cycle_.Begin(tick_, begin_ns)) {
-        spdlog::warn("tick {}: this provider was stalled for longer than its fault time", tick_);
-      }
+      (void)cycle_.Begin(tick_, begin_ns);  // a stall is reported with the cycle
       TakeOperatorCommands();
       Publish();
       if (options_.composed != nullptr) options_.composed->Answer();
@@ -177,21 +188,41 @@ class Provider {
     if (action == types::OperatorAction::kEstop) desk_->OnEstop(reason);
     if (result == OperatorResult::kUnlatchFirst) desk_->OnReset();
     const bool by_plant = result == OperatorResult::kRefusedByPlant;
-    if (by_plant || result == OperatorResult::kRefusedByFallGuard) {  // for who asked, and the log
-      const std::string why =
-          "arm refused: " + (by_plant ? plant_.ArmRefusal() : cycle_.FallRefusal());
+    const bool by_estop = result == OperatorResult::kRefusedByEstop;
+    if (by_plant || by_estop || result == OperatorResult::kRefusedByFallGuard) {
+      const std::string why = "arm refused: " + (by_plant   ? plant_.ArmRefusal()
+                                                 : by_estop ? watch_->Problem(MonotonicNow_ns())
+                                                            : cycle_.FallRefusal());
       spdlog::error("{}", why);
       node_.SetState(node::Node::State::kActive, why);
     }
   }
 
+  // A robot whose estop nobody watches, or whose button is held, is stopped and not armed.
+  void WatchEstops() {
+    if (!watch_) return;
+    const std::int64_t now_ns = MonotonicNow_ns();
+    while (const auto state = estop_states_->TakeNext()) {
+      if (!cycle_.Admits(wire::FromWire(state->header()))) continue;  // a recording's, an old one
+      watch_->Hear(state->name().c_str(), state->stops(), state->why().c_str(), now_ns);
+    }
+    const std::string problem = watch_->Problem(now_ns);
+    cycle_.SetEstopsWatched(problem.empty());
+    if (problem.empty() || !types::MayMove(cycle_.state())) return;
+    spdlog::error("tick {}: estop: {}", tick_, problem);
+    (void)cycle_.Take({.action = types::OperatorAction::kEstop}, tick_);
+    desk_->OnEstop(problem);
+  }
+
   void TakeOperatorCommands() {
+    WatchEstops();
     desk_->Take(tick_);
     readers_.TakeOperatorCommands(tick_);
     IdleAfterEstop();
   }
 
   void TakeAll() {
+    WatchEstops();
     desk_->Take(tick_);
     readers_.TakeAll(tick_);
     IdleAfterEstop();
@@ -278,15 +309,16 @@ class Provider {
     counts_.write_failures = publisher_.write_failures();
     const RobotState state = cycle_.state();
     const std::string_view fall = cycle_.fall_message();
-    const std::string_view message = fall.empty() ? std::string_view(sensors_.message) : fall;
-    if (state != reported_state_ || message != reported_message_) {
+    const std::string_view own = fall.empty() ? std::string_view(sensors_.message) : fall;
+    if (state != reported_state_ || own != reported_own_) {
       reported_state_ = state;
-      reported_message_ = message;
+      reported_own_ = own;
+      const std::string message = TextOf(cycle_.fault(), own);
       spdlog::info("tick {}: {}{}{}", tick_, Name(state), message.empty() ? "" : ": ", message);
       node_.SetState(state == RobotState::kFault || state == RobotState::kEstopped
                          ? node::Node::State::kFault
                          : node::Node::State::kActive,
-                     message.empty() ? Name(state) : reported_message_);
+                     message.empty() ? Name(state) : message);
     }
     if (cycle_.upright() != reported_upright_) {
       reported_upright_ = !reported_upright_;
@@ -322,6 +354,8 @@ class Provider {
   LockstepWait::Caller waiting_{[this] { TakeAll(); }, [this] { return stop_.requested(); }};
   std::uint64_t tick_ = 0;
   CycleSleep sleep_;
+  std::optional<estop::Watch> watch_;  // of estop.required
+  std::optional<node::Reader<msg::EstopState>> estop_states_;
   std::optional<EstopDesk> desk_;  // while the loop runs; its thread uses node and sleep
   bool idled_ = false;             // the plant's command is of ESTOPPED
   WorkTime own_work_;
@@ -329,7 +363,7 @@ class Provider {
   PlantSensors sensors_;
   node::Node::Counts counts_;
   RobotState reported_state_ = RobotState::kDisarmed;
-  std::string reported_message_;
+  std::string reported_own_;  // message of the plant or of the fall guard
   bool reported_upright_ = false;
 };
 

@@ -1,5 +1,6 @@
 #include "components/robot/provider/guard.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -86,6 +87,34 @@ TEST(Guard, BridgesAfterThreeMissedPeriodsAndFaultsAfterSixtyMilliseconds) {
   EXPECT_EQ(guard.Step(25, kPeriod), Verdict::kIdle);  // 62.5 ms
   EXPECT_EQ(guard.state(), types::RobotState::kFault);
   EXPECT_EQ(guard.faults(), 1u);
+  EXPECT_EQ(guard.fault().cause, FaultCause::kCommandMissing);
+  EXPECT_NEAR(guard.fault().value, 62.5, 0.01);
+  EXPECT_EQ(guard.fault().limit, 60.0);
+}
+
+TEST(Guard, KeepsTheFirstCauseUntilReset) {
+  CommandGuard guard = Armed();
+  EXPECT_EQ(guard.fault().cause, FaultCause::kNone);
+  guard.Fail({FaultCause::kCycleLate, 80.0, 60.0});
+  guard.Fail({FaultCause::kPlant});
+  guard.JointFault();
+  EXPECT_EQ(guard.fault().cause, FaultCause::kCycleLate);
+  ASSERT_TRUE(guard.Reset());
+  EXPECT_EQ(guard.fault().cause, FaultCause::kNone);
+}
+
+TEST(FaultText, SaysCauseValueLimitAndWhatToDo) {
+  using ::testing::AllOf;
+  using ::testing::HasSubstr;
+  EXPECT_THAT(
+      TextOf({FaultCause::kCommandMissing, 62.5, 60.0}, ""),
+      AllOf(HasSubstr("joint_command missing for 62 ms, limit 60 ms"), HasSubstr("sinew doctor")));
+  EXPECT_THAT(
+      TextOf({FaultCause::kCycleLate, 80.0, 60.0}, "joint 'knee': too hot"),
+      AllOf(HasSubstr("80 ms after the last, limit 60 ms"), HasSubstr("; joint 'knee': too hot")));
+  EXPECT_THAT(TextOf({FaultCause::kCommandNotFinite, 2.0}, ""), HasSubstr("of joint 2"));
+  EXPECT_EQ(TextOf({FaultCause::kPlant}, "bus is down"), "bus is down");
+  EXPECT_EQ(TextOf({}, ""), "");
 }
 
 TEST(Guard, AFreshCommandEndsTheBridgeButNotTheFault) {
@@ -103,7 +132,7 @@ TEST(Guard, AFreshCommandEndsTheBridgeButNotTheFault) {
 
 TEST(Guard, AFaultNeedsResetAndThenArming) {
   CommandGuard guard = Armed();
-  guard.Fault();
+  guard.Fail({FaultCause::kPlant});
   EXPECT_FALSE(guard.Arm(kSession, 50));
   EXPECT_TRUE(guard.Reset());
   EXPECT_EQ(guard.state(), types::RobotState::kDisarmed);
@@ -139,7 +168,7 @@ TEST(Guard, HoldingTheOtherJointsEndsByDisarmEstopResetOrAFaultOfAll) {
   };
   EXPECT_EQ(after([](CommandGuard* guard) { guard->Disarm(); }), Verdict::kIdle);
   EXPECT_EQ(after([](CommandGuard* guard) { guard->Estop(); }), Verdict::kIdle);
-  EXPECT_EQ(after([](CommandGuard* guard) { guard->Fault(); }), Verdict::kIdle);
+  EXPECT_EQ(after([](CommandGuard* guard) { guard->Fail({FaultCause::kPlant}); }), Verdict::kIdle);
   EXPECT_EQ(after([](CommandGuard* guard) { EXPECT_TRUE(guard->Reset()); }), Verdict::kIdle);
 }
 
@@ -171,7 +200,7 @@ TEST(Guard, AFallIsAFaultInWhichTheJointsIdleOrAreDamped) {
 TEST(Guard, EstopIsLatchedAndStrongerThanAFault) {
   CommandGuard guard = Armed();
   guard.Estop();
-  guard.Fault();
+  guard.Fail({FaultCause::kPlant});
   EXPECT_EQ(guard.state(), types::RobotState::kEstopped);
   EXPECT_FALSE(guard.Arm(kSession, 1));
   guard.Disarm();

@@ -257,6 +257,8 @@ TEST(ProviderCycle, ACommandThatIsNotFiniteIdlesAllJointsAtOnceAndIsAFault) {
           EXPECT_EQ(command.motor_torque_Nm[j], 0.0) << j << ", bad " << bad;
         }
         EXPECT_EQ(cycle.state(), RobotState::kFault);
+        EXPECT_EQ(cycle.fault().cause, FaultCause::kCommandNotFinite);
+        EXPECT_EQ(cycle.fault().value, static_cast<double>(bad));
         EXPECT_EQ(Modes(&cycle, 2), kIdle);
       }
     }
@@ -294,6 +296,8 @@ TEST(ProviderCycle, AStallBetweenCyclesIsAFaultAlthoughNoTickIsMissing) {
     const std::int64_t now_ns = kTick10_ns + stall_ms * 1'000'000LL;
     EXPECT_TRUE(cycle.Begin(11, now_ns)) << stall_ms;
     EXPECT_EQ(cycle.state(), RobotState::kFault);
+    EXPECT_EQ(cycle.fault().cause, FaultCause::kCycleLate);
+    EXPECT_NEAR(cycle.fault().value, stall_ms, 1e-6);
     EXPECT_EQ(cycle.Command(11, {}, now_ns).mode[0], ControlMode::kIdle) << stall_ms;
   }
   ProviderCycle cycle = ClockedCycle();

@@ -1,0 +1,71 @@
+#include "bridge/can/transport/bus_master.h"
+
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstddef>
+#include <cstring>
+#include <utility>
+
+#include "components/base/config/config.h"
+
+namespace sinew::can {
+namespace {
+
+struct MasterName {
+  sockaddr_un name{};
+  socklen_t size = 0;
+  const sockaddr* get() const { return reinterpret_cast<const sockaddr*>(&name); }
+};
+
+// A long path by its end: two that agree there exclude each other.
+MasterName NameOf(const std::string& bus) {
+  MasterName out;
+  out.name.sun_family = AF_UNIX;
+  constexpr std::size_t kMost = sizeof out.name.sun_path - 1;  // behind the 0 of abstract names
+  std::string text = "sinew-bus-master:";
+  text += bus.size() > kMost - text.size() ? bus.substr(bus.size() - (kMost - text.size())) : bus;
+  std::memcpy(out.name.sun_path + 1, text.data(), text.size());
+  out.size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + text.size());
+  return out;
+}
+
+std::string Holder(const MasterName& address) {
+  const int probe = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  ucred peer{};
+  socklen_t size = sizeof peer;
+  const bool known = probe >= 0 && ::connect(probe, address.get(), address.size) == 0 &&
+                     ::getsockopt(probe, SOL_SOCKET, SO_PEERCRED, &peer, &size) == 0;
+  if (probe >= 0) ::close(probe);
+  return known ? "process " + std::to_string(peer.pid) + " of user " + std::to_string(peer.uid)
+               : "another process";
+}
+
+}  // namespace
+
+BusMaster::BusMaster(const std::string& bus) {
+  const MasterName address = NameOf(bus);
+  socket_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  // It listens, so that who comes second learns whose it is; nobody is accepted.
+  if (socket_ >= 0 && ::bind(socket_, address.get(), address.size) == 0 &&
+      ::listen(socket_, 1) == 0) {
+    return;
+  }
+  const int error = errno;
+  if (socket_ >= 0) ::close(socket_);
+  if (error == EADDRINUSE) {
+    throw UsageError("bus '" + bus + "': " + Holder(address) +
+                     " commands it already; end that one first");
+  }
+  throw UsageError("bus '" + bus + "': the right to command it: " + std::strerror(error));
+}
+
+BusMaster::BusMaster(BusMaster&& other) noexcept : socket_(std::exchange(other.socket_, -1)) {}
+
+BusMaster::~BusMaster() {
+  if (socket_ >= 0) ::close(socket_);
+}
+
+}  // namespace sinew::can

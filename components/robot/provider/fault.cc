@@ -1,0 +1,37 @@
+#include "components/robot/provider/fault.h"
+
+#include <cstdio>
+
+namespace sinew::provider {
+
+std::string TextOf(const Fault& fault, std::string_view message) {
+  char text[200] = "";
+  switch (fault.cause) {
+    case FaultCause::kNone:
+    case FaultCause::kPlant:
+    case FaultCause::kJoints:
+    case FaultCause::kFall:
+      return std::string(message);
+    case FaultCause::kCommandMissing:
+      std::snprintf(text, sizeof text,
+                    "joint_command missing for %.0f ms, limit %.0f ms: is the controller alive "
+                    "('sinew list'), is this host fit for real time ('sinew doctor')?",
+                    fault.value, fault.limit);
+      break;
+    case FaultCause::kCycleLate:
+      std::snprintf(text, sizeof text,
+                    "this provider's cycle began %.0f ms after the last, limit %.0f ms: see "
+                    "'sinew doctor' for what keeps a process from its times",
+                    fault.value, fault.limit);
+      break;
+    case FaultCause::kCommandNotFinite:
+      std::snprintf(text, sizeof text,
+                    "joint_command of joint %.0f is not a finite number: the controller's log "
+                    "says why",
+                    fault.value);
+      break;
+  }
+  return message.empty() ? text : text + ("; " + std::string(message));
+}
+
+}  // namespace sinew::provider
