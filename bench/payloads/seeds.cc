@@ -2,6 +2,7 @@
 
 #include <sinew_idl/actuator.h>
 #include <sinew_idl/bus.h>
+#include <sinew_idl/estop.h>
 #include <sinew_idl/joint.h>
 #include <sinew_idl/learning.h>
 #include <sinew_idl/operator.h>
@@ -88,6 +89,7 @@ class Collection {
     AddEmpty(node::kAdaptationState);
     AddEmpty(node::kResidual);
     AddEmpty(node::kPerformance);
+    AddEmpty(node::kEstopState);
     AddEmpty(node::kReference);
     AddEmpty(node::kCommandSource);
     AddEmpty(node::kFootForce);

@@ -38,6 +38,8 @@ Envelope EnvelopeOf(const JointConfig& joint, double period_s) {
   e.latency_s = (braking ? braking->command_delay_s : Braking{}.command_delay_s) + period_s;
   if (!braking) return e;
   const double lightest = braking->reflected_inertia_kg_m2;
+  e.acceleration_rad_s2 =
+      (joint.gear_ratio * e.motor_torque_Nm + braking->load_torque_Nm) / lightest;
   e.gain_Nm_s_rad = kGainOfEach * lightest / e.latency_s;
   e.approach_1_s = std::min(kSlowest, kGainOfEach * lightest * e.deceleration_rad_s2 /
                                           (joint.gear_ratio * e.motor_torque_Nm)) /

@@ -32,6 +32,11 @@
 // the joint further, from any state inside the envelope (tests/bridge/joints/braking_test.cc). Free
 // play of the gear adds to it: in the play the motor's velocity is not the output's.
 //
+// An old measurement (MeasuredMotion::unknown_s, the time u beyond a period): braking follows the
+// joint where it is if it went on as it was, d - max(v, 0) u. Torque outwards is taken away as if
+// it had been driven with the most acceleration b all the time: velocity min(v + b u, v_limit), way
+// min(v u + b u^2 / 2, v_limit u).
+//
 // A joint without declared inertia (JointLimits::braking) cannot be braked by a law: how hard is
 // not known. Its torque outwards is only taken away, along sqrt(2 a d) with a = v_limit^2 / (2
 // margin): that of a joint that just stops within the margin beyond its limit.
@@ -43,6 +48,7 @@ namespace sinew::bridge {
 
 struct Envelope {
   double deceleration_rad_s2 = 0.0;  // a
+  double acceleration_rad_s2 = 0.0;  // the most outwards: (N T_max + load) / J_r; 0: not declared
   double approach_1_s = 0.0;         // k
   double gain_Nm_s_rad = 0.0;        // K, output; 0: inertia is not declared
   double latency_s = 0.0;            // L

@@ -131,18 +131,19 @@ void CanJoint::Command(const ActuatorCommand& command, double period_s, std::int
       break;
   }
   if (decision.follows_command && !fault_.active()) {
-    SendSetpoint(command, period_s);
+    SendSetpoint(command, period_s, now_ns);
   } else {
     SendNeutral();
   }
 }
 
-void CanJoint::SendSetpoint(const ActuatorCommand& command, double period_s) {
+void CanJoint::SendSetpoint(const ActuatorCommand& command, double period_s, std::int64_t now_ns) {
   const JointConfig& c = config_;
   const double rev_per_rad = c.direction * c.gear_ratio / types::kTwoPi;
   const Envelope envelope = EnvelopeOf(c, period_s);
+  const double age_s = 1e-9 * static_cast<double>(now_ns - measured_.motion_ns());
   const MeasuredMotion motion{measured_.motor_velocity_rad_s() / c.gear_ratio,
-                              measured_.position_rad()};
+                              measured_.position_rad(), std::max(0.0, age_s - period_s)};
   switch (axis_.mode()) {
     case ControlMode::kTorque: {
       const double torque_Nm =
@@ -195,6 +196,12 @@ void CanJoint::RequestEstimates(std::int64_t now_ns) {
 void CanJoint::RequestIq(std::int64_t now_ns) {
   iq_request_.Start(now_ns);
   exchange_->RequestData(can::Command::kGetIq);
+}
+
+std::int64_t CanJoint::idle_reported_ns() const {
+  const bool idle =
+      axis_.phase() == AxisPhase::kIdle && measured_.heartbeat.axis_state == can::AxisState::kIdle;
+  return idle ? measured_.heartbeat_ns : 0;
 }
 
 void CanJoint::HearMaster() {

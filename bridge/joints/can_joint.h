@@ -53,6 +53,8 @@ class CanJoint {
   const JointConfig& config() const { return config_; }
   const JointMeasurement& measured() const { return measured_; }
   const FaultLatch& fault() const { return fault_; }
+  // When the heartbeat came that reports an axis, which should be idle, as idle; 0: none did.
+  std::int64_t idle_reported_ns() const;
   bool is_polled() const { return exchange_->is_polled(); }
 
   // As after the constructor.
@@ -90,7 +92,7 @@ class CanJoint {
   void Fill(std::size_t joint, std::int64_t now_ns, provider::PlantSensors* sensors);
 
  private:
-  void SendSetpoint(const ActuatorCommand& command, double period_s);
+  void SendSetpoint(const ActuatorCommand& command, double period_s, std::int64_t now_ns);
 
   const JointConfig& config_;
   const BridgeTiming& timing_;

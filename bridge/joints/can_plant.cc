@@ -141,6 +141,14 @@ void CanPlant::AwaitAllNodes() {
   }
 }
 
+std::int64_t CanPlant::idle_reported_ns() const {
+  std::int64_t oldest_ns = joints_.front().idle_reported_ns();
+  for (const CanJoint& joint : joints_) {
+    oldest_ns = std::min(oldest_ns, joint.idle_reported_ns());
+  }
+  return oldest_ns;
+}
+
 void CanPlant::ClearFault() {
   const std::int64_t now = now_ns();
   for (CanJoint& joint : joints_) joint.ClearFault(now);

@@ -51,6 +51,7 @@ class CanPlant : public provider::Plant {
   bool acts_at_once() const override { return true; }
   // Sends the cycle's frames; the next Step then only reads. Without it, Step sends them.
   void Act(const provider::PlantCommand& command, double period_s) override;
+  std::int64_t idle_reported_ns() const override;
   const provider::BusReport* bus_report() const override { return &statistics_.report(); }
   const provider::BodySensors* body_sensors() const override {
     return has_body_ ? &body_ : nullptr;

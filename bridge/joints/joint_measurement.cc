@@ -40,9 +40,13 @@ double JointMeasurement::Revolutions(double output_rad) const {
          home_rev;
 }
 
+std::int64_t JointMeasurement::motion_ns() const {
+  return config->output ? std::min(estimates_ns, output_ns) : estimates_ns;
+}
+
 std::int64_t JointMeasurement::oldest_ns() const {
-  const std::int64_t motor_ns = std::min(estimates_ns, iq_ns);
-  return config->output ? std::min({motor_ns, output_ns, sensors_ns}) : motor_ns;
+  const std::int64_t slow_ns = config->output ? std::min(iq_ns, sensors_ns) : iq_ns;
+  return std::min(motion_ns(), slow_ns);
 }
 
 std::string JointMeasurement::Missing() const {

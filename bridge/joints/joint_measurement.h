@@ -59,6 +59,7 @@ struct JointMeasurement {
   // The controller's revolutions at an output angle.
   double Revolutions(double output_rad) const;
   // Stamp of the oldest of the measurements that make up the joint's state.
+  std::int64_t motion_ns() const;  // of position and velocity the older
   std::int64_t oldest_ns() const;
   // What has not been received since the start, as "no heartbeat of axis node 3"; empty: nothing.
   std::string Missing() const;

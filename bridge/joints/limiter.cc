@@ -25,6 +25,35 @@ double ClampVelocity(const JointLimits& limits, const Envelope& envelope, double
                     FastestOutwards(limits, envelope, to_upper_rad));
 }
 
+// Motion towards a limit at the end of the unknown time.
+struct Approach {
+  double distance_rad = 0.0;
+  double velocity_rad_s = 0.0;
+};
+
+Approach GoneOn(Approach measured, double unknown_s) {
+  measured.distance_rad -= std::max(measured.velocity_rad_s, 0.0) * unknown_s;
+  return measured;
+}
+
+Approach AtWorst(const JointLimits& limits, const Envelope& e, Approach measured,
+                 double unknown_s) {
+  const double v = measured.velocity_rad_s, fastest = std::max(v, limits.velocity_rad_s);
+  const double gained = e.acceleration_rad_s2 * unknown_s;
+  const double way = std::min(v + 0.5 * gained, fastest) * unknown_s;
+  return {measured.distance_rad - std::max(way, 0.0), std::min(v + gained, fastest)};
+}
+
+// Towards a limit: braking by where the joint has gone on to, no torque outwards that the worst
+// forbids.
+double LargestTorque(const JointLimits& limits, const Envelope& e, Approach measured,
+                     double unknown_s) {
+  const Approach on = GoneOn(measured, unknown_s);
+  const Approach worst = AtWorst(limits, e, measured, unknown_s);
+  return std::min(LargestTorque(e, on.distance_rad, on.velocity_rad_s),
+                  std::max(0.0, LargestTorque(e, worst.distance_rad, worst.velocity_rad_s)));
+}
+
 }  // namespace
 
 double LimitTorque(const JointLimits& limits, const Envelope& envelope, const PositionRange& range,
@@ -32,20 +61,20 @@ double LimitTorque(const JointLimits& limits, const Envelope& envelope, const Po
   const double most_Nm = envelope.motor_torque_Nm;
   const double clamped_Nm = std::clamp(torque_Nm, -most_Nm, most_Nm);
   const double v = measured.velocity_rad_s;
-  const double to_upper_rad = range.upper_rad - measured.position_rad;
-  const double to_lower_rad = measured.position_rad - range.lower_rad;
-  const bool up = clamped_Nm > 0.0;
-  const double forward_rad_s = up ? v : -v;
+  const Approach up{range.upper_rad - measured.position_rad, v};
+  const Approach down{measured.position_rad - range.lower_rad, -v};
+  const Approach outwards =
+      AtWorst(limits, envelope, clamped_Nm > 0.0 ? up : down, measured.unknown_s);
   double fastest_rad_s = limits.velocity_rad_s;
   if (!envelope.brakes()) {
-    const double distance_rad =
-        DistanceAfterLatency(envelope, up ? to_upper_rad : to_lower_rad, forward_rad_s);
-    fastest_rad_s = FastestOutwards(limits, envelope, distance_rad);
+    fastest_rad_s = FastestOutwards(
+        limits, envelope,
+        DistanceAfterLatency(envelope, outwards.distance_rad, outwards.velocity_rad_s));
   }
-  const double tapered_Nm = clamped_Nm * Taper(fastest_rad_s, forward_rad_s);
+  const double tapered_Nm = clamped_Nm * Taper(fastest_rad_s, outwards.velocity_rad_s);
   if (!envelope.brakes()) return tapered_Nm;
-  const double most_up_Nm = LargestTorque(envelope, to_upper_rad, v);
-  const double most_down_Nm = -LargestTorque(envelope, to_lower_rad, -v);
+  const double most_up_Nm = LargestTorque(limits, envelope, up, measured.unknown_s);
+  const double most_down_Nm = -LargestTorque(limits, envelope, down, measured.unknown_s);
   // The limit that the joint moves to has the last word.
   return v >= 0.0 ? std::min(std::max(tapered_Nm, most_down_Nm), most_up_Nm)
                   : std::max(std::min(tapered_Nm, most_up_Nm), most_down_Nm);
@@ -54,10 +83,12 @@ double LimitTorque(const JointLimits& limits, const Envelope& envelope, const Po
 double LimitVelocity(const JointLimits& limits, const Envelope& envelope,
                      const MeasuredMotion& measured, double velocity_rad_s) {
   const double v = measured.velocity_rad_s;
-  return ClampVelocity(limits, envelope,
-                       DistanceAfterLatency(envelope, measured.position_rad - limits.lower_rad, -v),
-                       DistanceAfterLatency(envelope, limits.upper_rad - measured.position_rad, v),
-                       velocity_rad_s);
+  const auto distance_rad = [&](double to_limit_rad, double towards_rad_s) {
+    const Approach on = GoneOn({to_limit_rad, towards_rad_s}, measured.unknown_s);
+    return DistanceAfterLatency(envelope, on.distance_rad, on.velocity_rad_s);
+  };
+  return ClampVelocity(limits, envelope, distance_rad(measured.position_rad - limits.lower_rad, -v),
+                       distance_rad(limits.upper_rad - measured.position_rad, v), velocity_rad_s);
 }
 
 PositionSetpoint LimitPosition(const JointLimits& limits, const Envelope& envelope, double last_rad,

@@ -18,6 +18,7 @@ struct MeasuredMotion {
   double velocity_rad_s = 0.0;  // by the motor: the output's is noisier, and inside the play it
                                 // says nothing
   double position_rad = 0.0;
+  double unknown_s = 0.0;  // age of the older of both beyond a period, which the envelope has
 };
 
 // |T| <= min(limit, current limit * torque constant); times

@@ -120,7 +120,7 @@ struct Launcher::Impl {
 
   Result Run() {
     ::signal(SIGPIPE, SIG_IGN);
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGCHLD}) signals.add(signal);
+    for (const int signal : {SIGINT, SIGTERM, SIGQUIT, SIGHUP, SIGCHLD}) signals.add(signal);
     WaitForSignal();
     const Clock::time_point start = Clock::now();
     StartReady();

@@ -36,8 +36,8 @@ class Launcher {
   Launcher(const Launcher&) = delete;
   Launcher& operator=(const Launcher&) = delete;
 
-  // Blocks until every process has ended. SIGINT, SIGTERM and SIGHUP stop the deployment; a second
-  // one skips to SIGTERM, a third to SIGKILL.
+  // Blocks until every process has ended. SIGINT, SIGTERM, SIGQUIT and SIGHUP stop the deployment;
+  // a second one skips to SIGTERM, a third to SIGKILL.
   Result Run();
 
  private:

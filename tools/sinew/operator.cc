@@ -7,12 +7,14 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "components/robot/estop/estop_config.h"
@@ -26,7 +28,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr milliseconds kAnswerLimit(500);  // of the socket: idle frames 100 ms, then its disk
 constexpr milliseconds kRepeat(100);  // arm is volatile and estop must get through: say it again
 
 struct Request {
@@ -93,22 +94,32 @@ struct LocalEstop {
   estop::Press::Answer answer;
 };
 
-LocalEstop PressLocally(const std::vector<std::string>& sockets, int domain_id,
-                        const std::string& reason) {
+struct Pressed {
+  std::filesystem::path path;
+  estop::Press press;
+};
+
+std::vector<Pressed> PressLocally(const std::vector<std::string>& sockets, int domain_id,
+                                  const std::string& reason) {
   std::vector<std::filesystem::path> paths(sockets.begin(), sockets.end());
   if (paths.empty()) paths = estop::SocketCandidates(domain_id);
-  std::vector<estop::Press> pressed;
+  std::vector<Pressed> pressed;
   pressed.reserve(paths.size());
-  for (const auto& path : paths) pressed.emplace_back(path, reason);
+  for (const auto& path : paths) pressed.push_back({path, {path, reason}});
+  return pressed;
+}
+
+// What they answered; named: the operator asked for these sockets.
+LocalEstop AnswerOf(std::vector<Pressed> pressed, bool named) {
   LocalEstop local;
-  for (std::size_t i = 0; i < paths.size(); ++i) {
-    if (!pressed[i].sent()) {
-      if (!sockets.empty()) std::cerr << "sinew estop: " << pressed[i].error() << '\n';
+  for (Pressed& one : pressed) {
+    if (!one.press.sent()) {
+      if (named) std::cerr << "sinew estop: " << one.press.error() << '\n';
       continue;
     }
-    local = {paths[i], pressed[i].Await(kAnswerLimit)};
-    if (!local.answer.latched) {
-      std::cerr << "sinew estop: " << paths[i].string() << ": "
+    local = {one.path, one.press.Await(estop::kAnswerLimit)};
+    if (!local.answer.latched || !local.answer.idle) {
+      std::cerr << "sinew estop: " << one.path.string() << ": "
                 << (local.answer.text.empty() ? "no answer\n" : local.answer.text);
     }
   }
@@ -116,14 +127,21 @@ LocalEstop PressLocally(const std::vector<std::string>& sockets, int domain_id,
 }
 
 void RunOperator(const Request& request, OperatorOptions options) {
-  LocalEstop local;
+  std::vector<Pressed> pressed;  // their answers wait until DDS has the estop as well
   if (request.action == msg::OPERATOR_ESTOP) {
-    local = PressLocally(options.sockets, options.node.domain_id, options.reason);
+    pressed = PressLocally(options.sockets, options.node.domain_id, options.reason);
   }
   options.node.component = "operator";
   options.node.name = "operator";
   options.node.mode = options.lockstep ? node::TimeMode::kLockstep : node::TimeMode::kRealtime;
-  node::Node node(options.node);
+  std::optional<node::Node> made;
+  try {
+    made.emplace(options.node);
+  } catch (const std::exception&) {  // without DDS: what the sockets say counts all the more
+    (void)AnswerOf(std::move(pressed), !options.sockets.empty());
+    throw;
+  }
+  node::Node& node = *made;
   auto states = node.MakeReader(node::kJointState);
   auto commands = node.MakeWriter(node::kOperatorCommand);
   std::optional<node::Reader<msg::ComponentStatus>> statuses;
@@ -152,6 +170,7 @@ void RunOperator(const Request& request, OperatorOptions options) {
     next_send = Clock::now() + kRepeat;
   }
 
+  const LocalEstop local = AnswerOf(std::move(pressed), !options.sockets.empty());
   const std::string why = done               ? ""
                           : !refusal.empty() ? refusal
                                              : Why(request, state, sent, options.node.domain_id);

@@ -16,8 +16,7 @@ namespace sinew::live {
 
 namespace {
 
-constexpr std::chrono::milliseconds kAnswerLimit(500);  // idle frames 100 ms, then the disk
-constexpr std::int64_t kStateAge_ns = 1'000'000'000;    // older: the robot is not heard
+constexpr std::int64_t kStateAge_ns = 1'000'000'000;  // older: the robot is not heard
 constexpr const char* kReason = "page of sinew-view";
 
 msg::OperatorAction MessageOf(Action action) {
@@ -114,7 +113,7 @@ void OperatorDesk::PressSockets(std::int64_t now_ns) {
   for (const auto& path : sockets_) pressed.emplace_back(path, kReason);
   for (std::size_t i = 0; i < pressed.size(); ++i) {
     if (!pressed[i].sent()) continue;
-    const estop::Press::Answer answer = pressed[i].Await(kAnswerLimit);
+    const estop::Press::Answer answer = pressed[i].Await(estop::kAnswerLimit);
     idled_ = idled_ || answer.idle;
     std::string text = answer.text.empty() ? "no answer" : answer.text;
     std::replace(text.begin(), text.end(), '\n', ' ');

@@ -63,6 +63,11 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr const char* kCarried =
     "the declared terms carry all of it: only a shift of parameters shows";
 
+// Above 1: a size that matters, or that machines have, would not have been found.
+double Hides(const DetectableSize& size) {
+  return std::max(size.share / Limit(rules::kDetectable), size.of_expected);
+}
+
 // Empty: it would have been found before it matters, and as large as machines have it.
 std::string WhyHidden(const DetectableSize& size) {
   char text[120] = "";
@@ -150,18 +155,17 @@ std::vector<DetectableSize> FindDetectable(const Problem& problem,
                        std::sqrt(reduced);
       // Larger than any torque that was measured: the rows show no more than a trace of it.
       if (infos[i].dimension == effects::Dimension::kTorque && c > target_peak) continue;
-      const double share = c * identify::Rms(problem.bank.columns.col(j)) / target_rms;
-      const auto [at, fresh] = best.try_emplace({h.name, i});
-      if (!fresh && at->second.share <= share) continue;
-      at->second = {
+      const DetectableSize size = {
           .effect = h.name,
           .balance = declared.balance,
           .parameter = effects::ParameterKey(infos[i], declared.kind),
           .unit = std::string(effects::UnitSuffix(infos[i].dimension, declared.kind)),
           .size = std::abs(problem.scale) * c / (infos[i].relative_to_drive ? drive_share : 1.0),
-          .share = share,
+          .share = c * identify::Rms(column) / target_rms,
           .of_expected = c / problem.bank.spread[j],
           .shape = ShapeOf(h, declared.kind)};
+      const auto [at, fresh] = best.try_emplace({h.name, i}, size);
+      if (!fresh && Hides(size) < Hides(at->second)) at->second = size;
     }
   }
   std::vector<DetectableSize> out;
@@ -183,7 +187,7 @@ Sensitivity FindSensitivity(const Problem& problem, const std::vector<Detectable
   }
   for (const DetectableSize& size : detectable) {
     const DetectableSize*& least = smallest[size.effect];
-    if (!least || size.share < least->share) least = &size;
+    if (!least || Hides(size) < Hides(*least)) least = &size;
   }
   out.assessed.assign(shown.begin(), shown.end());
   for (const auto& [name, size] : smallest) {

@@ -27,7 +27,8 @@ double NeededGain(const Hypothesis& hypothesis, double misfit, double occam, dou
 // An effect of which less than `other` would remain is found with the wrong sign: not at all.
 double SizeForPower(double needed, int columns, double other);
 
-// For every effect and each of its linear parameters, at the shape that shows best; effects that
+// For every effect and each of its linear parameters, at the shape that shows best (size over
+// what matters to the torque, or over what machines have, whichever is more); effects that
 // the declared terms absorb apart, and those that are lines of a spectrum, which is searched and
 // has no size beforehand. found: what is there; other effects are fitted beside it.
 std::vector<DetectableSize> FindDetectable(const Problem& problem,

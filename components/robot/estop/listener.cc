@@ -21,6 +21,7 @@ namespace {
 
 constexpr std::size_t kMostClients = 32;
 constexpr std::int64_t kRetry_ns = 1'000'000'000;  // a latch that could not be written
+constexpr std::int64_t kConfirmLimit_ns = std::chrono::nanoseconds(kConfirmLimit).count();
 
 bool SomebodyAnswers(const sockaddr_un& address) {
   const int probe = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
@@ -112,6 +113,12 @@ void Listener::IdleSent(std::uint64_t covered) noexcept {
   Signal();
 }
 
+void Listener::IdleConfirmed(std::uint64_t covered) noexcept {
+  if (confirmed_.load(std::memory_order_relaxed) >= covered) return;
+  confirmed_.store(covered, std::memory_order_release);
+  Signal();
+}
+
 void Listener::Latch(std::string_view reason) {
   if (!latch_) return;
   {
@@ -161,6 +168,9 @@ void Listener::Run() {
       if (timeout_ms < 0 || left_ms < timeout_ms) timeout_ms = static_cast<int>(left_ms);
     };
     if (AwaitsIdle()) until(pressed_ns_ + std::chrono::nanoseconds(kIdleLimit).count());
+    for (const Client& client : clients_) {
+      if (client.press != 0) until(client.pressed_ns + kConfirmLimit_ns);
+    }
     if (retry_ns_ != 0) until(retry_ns_);
     (void)::poll(waiting.data(), waiting.size(), timeout_ms);
     std::uint64_t count = 0;
@@ -209,11 +219,12 @@ void Listener::Read(Client* client) {
 
 void Listener::TakePressOf(Client* client, std::string_view reason) {
   client->press = presses_.load(std::memory_order_relaxed) + 1;
+  client->pressed_ns = types::MonotonicNow_ns();
   presses_.store(client->press, std::memory_order_release);
   callbacks_.wake();
   // Of the first press that the cycle has not answered: more of them do not put the latch off.
   if (idle_.load(std::memory_order_acquire) + 1 >= client->press) {
-    pressed_ns_ = types::MonotonicNow_ns();
+    pressed_ns_ = client->pressed_ns;
   }
   const std::lock_guard lock(reason_mutex_);
   if (reason_.empty()) reason_ = std::string("socket: ") + std::string(reason);
@@ -226,9 +237,9 @@ bool Listener::AwaitsIdle() const noexcept {
 }
 
 void Listener::AnswerIdle() {
-  const std::uint64_t idle = idle_.load(std::memory_order_acquire);
+  const std::uint64_t confirmed = confirmed_.load(std::memory_order_acquire);
   for (Client& client : clients_) {
-    if (client.press == 0 || client.idle_said || client.press > idle) continue;
+    if (client.press == 0 || client.idle_said || client.press > confirmed) continue;
     client.idle_said = true;
     Say(&client, "idle\n");
   }
@@ -238,7 +249,7 @@ void Listener::AnswerIdle() {
 void Listener::MatchFile() {
   std::uint64_t desired = desired_.load();
   const bool pressed = std::any_of(clients_.begin(), clients_.end(),
-                                   [](const Client& client) { return client.press != 0; });
+                                   [](const Client& c) { return c.press != 0 && !c.kept; });
   if (pressed && desired % 2 == 0) {
     (void)Desire(true);
     desired = desired_.load();
@@ -276,7 +287,13 @@ void Listener::MatchFile() {
 void Listener::AnswerLatch() {
   for (Client& client : clients_) {
     if (client.press == 0) continue;
-    if (!client.idle_said) Say(&client, "idle not confirmed\n");
+    client.kept = true;
+    if (!client.idle_said) {
+      if (types::MonotonicNow_ns() - client.pressed_ns < kConfirmLimit_ns) continue;
+      Say(&client, client.press > idle_.load(std::memory_order_acquire)
+                       ? "idle not confirmed: the state provider's cycle does not answer\n"
+                       : "idle not confirmed: its frames were sent, the axes do not report it\n");
+    }
     Say(&client, !latch_            ? std::string("not latched: no latch file is declared\n")
                  : problem_.empty() ? std::string("latched\n")
                                     : "not latched: " + problem_ + "\n");

@@ -4,10 +4,11 @@
 // Who sends the frames: the cycle's thread alone, since a plant has one thread. The listener's
 // thread receives, counts the press, and calls `wake`, which ends whatever the cycle waits in; the
 // cycle takes the press before it does anything else, idles the plant, and says so. Only then, or
-// 100 ms later if the cycle does not answer, the thread writes the latch and answers the caller:
-// the disk delays nothing but that answer.
+// 100 ms later if the cycle does not answer, the thread writes the latch: the disk delays nothing.
+// The caller's answer waits for the drives, which report in their own time that they are idle.
 //
 //     press -> presses_ + 1, wake() -> cycle: TakePress, idle frames, IdleSent -> latch on disk
+//                                      drives report idle, IdleConfirmed      -> answer
 //
 // An estop that came another way is kept by Latch(). A reset is RequestUnlatch(), and counts when
 // unlatch() is kDone: until then the robot stays ESTOPPED. The newest of these two calls is what
@@ -36,6 +37,9 @@ namespace sinew::estop {
 // How long the cycle may take to send its idle frames before latch and answer go ahead without.
 // Longer than any cycle that is not a fault (guard.fault_after_ms, 60 by default).
 inline constexpr std::chrono::milliseconds kIdleLimit{100};
+// How long the drives may take to report idle before the answer is that they have not: four
+// heartbeats of 100 ms.
+inline constexpr std::chrono::milliseconds kConfirmLimit{400};
 
 class Listener {
  public:
@@ -62,6 +66,8 @@ class Listener {
   std::uint64_t taken() const noexcept { return taken_; }
   // The idle frames of a command that covers these presses have been sent.
   void IdleSent(std::uint64_t covered) noexcept;
+  // After IdleSent: every drive has reported since then that it is idle.
+  void IdleConfirmed(std::uint64_t covered) noexcept;
   void Latch(std::string_view reason);
   void RequestUnlatch() noexcept;
   enum class Unlatch { kPending, kDone, kFailed };
@@ -71,6 +77,8 @@ class Listener {
   struct Client {
     int socket = -1;
     std::uint64_t press = 0;  // 0: has sent nothing yet; else nothing more is read from it
+    std::int64_t pressed_ns = 0;
+    bool kept = false;  // the latch has this press
     bool idle_said = false;
   };
 
@@ -96,6 +104,7 @@ class Listener {
   std::atomic<bool> stop_{false};
   std::atomic<std::uint64_t> presses_{0};
   std::atomic<std::uint64_t> idle_{0};  // presses whose idle frames have been sent
+  std::atomic<std::uint64_t> confirmed_{0};
   // What the file shall say: generation * 2 + latched; and the newest that was done: the same * 2 +
   // success.
   std::atomic<std::uint64_t> desired_{0}, done_{0};

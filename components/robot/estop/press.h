@@ -5,8 +5,8 @@
 // messages are not needed, since there is one request: whatever is written is an estop, and its
 // text the reason. The answers are lines:
 //
-//     idle                    the frames that idle the axes have been sent
-//     idle not confirmed      the cycle did not answer in time; the estop is latched all the same
+//     idle                    the axes have reported it since the frames that idle them were sent
+//     idle not confirmed: WHY not within kConfirmLimit; the estop is latched all the same
 //     latched | not latched: WHY
 //
 // Thread: one.
@@ -17,6 +17,9 @@
 #include <string>
 
 namespace sinew::estop {
+
+// For the whole answer: the axes' report (kConfirmLimit of listener.h), then the disk.
+inline constexpr std::chrono::milliseconds kAnswerLimit{600};
 
 class Press {
  public:

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <string>
 
 #include "components/base/types/control_mode.h"
@@ -104,6 +105,9 @@ class Plant {
   // Motors off, relays off, on their way before this returns. The provider calls it as soon as its
   // loop has ended, whatever ended it, before any part of DDS is torn down.
   virtual void ShutDown() noexcept {}
+  // When the drive whose report is the oldest reported that it is idle, CLOCK_MONOTONIC; 0: one has
+  // not. A simulation's are idle at once.
+  virtual std::int64_t idle_reported_ns() const { return std::numeric_limits<std::int64_t>::max(); }
   virtual const BusReport* bus_report() const { return nullptr; }
   virtual const BodySensors* body_sensors() const { return nullptr; }
 };

@@ -40,6 +40,7 @@ StopFlag::StopFlag() {
   sigemptyset(&action.sa_mask);
   ::sigaction(SIGINT, &action, nullptr);
   ::sigaction(SIGTERM, &action, nullptr);
+  ::sigaction(SIGQUIT, &action, nullptr);  // Ctrl-\: no core file is worth motors that go on
   // The terminal has gone: an end in order. Whoever started us with nohup wants it ignored.
   struct sigaction hang_up {};
   ::sigaction(SIGHUP, nullptr, &hang_up);

@@ -94,6 +94,8 @@ struct Trial {
   double inertia_kg_m2, efficiency, load_Nm;  // load: positive up
   double delay_s, period_s;
   double position_rad, velocity_rad_s;
+  double silence_s = 0.0;    // measurements are lost for up to so long, again and again
+  bool age_is_known = true;  // false: an old measurement counts as a new one
 };
 
 enum class Hostility { kFullOutwards, kRandomSwitching, kNoise, kNothing, kKinds };
@@ -116,7 +118,20 @@ Extent Drive(const JointConfig& joint, const Trial& trial, Hostility kind, doubl
   const long delay = std::lround(trial.delay_s / dt_s);
   const long cycles = std::lround(duration_s / trial.period_s);
   PositionRange range = RangeFrom(joint.limits, q);
+  MeasuredMotion measured;
+  double measured_s = 0.0, silent_until_s = 0.0;
   for (long cycle = 0; cycle < cycles; ++cycle) {
+    const double now_s = static_cast<double>(cycle) * trial.period_s;
+    if (now_s >= silent_until_s) {
+      measured = {v, q};
+      measured_s = now_s;
+      if (trial.silence_s > 0.0 && uniform(*random) < -0.8) {
+        silent_until_s = now_s + trial.silence_s * std::abs(uniform(*random));
+      }
+    }
+    if (trial.age_is_known) {
+      measured.unknown_s = std::max(0.0, now_s - measured_s - trial.period_s);
+    }
     switch (kind) {
       case Hostility::kFullOutwards:
         commanded_Nm = e.motor_torque_Nm;
@@ -131,8 +146,8 @@ Extent Drive(const JointConfig& joint, const Trial& trial, Hostility kind, doubl
         commanded_Nm = 0.0;
         break;
     }
-    range = Narrowed(joint.limits, range, q);
-    const double torque_Nm = LimitTorque(joint.limits, e, range, {v, q}, commanded_Nm);
+    range = Narrowed(joint.limits, range, measured.position_rad);
+    const double torque_Nm = LimitTorque(joint.limits, e, range, measured, commanded_Nm);
     on_the_way.emplace_back(cycle * kSteps + delay, torque_Nm);
     if (cycle > cycles * 4 / 5) {
       lowest_Nm = std::min(lowest_Nm, torque_Nm);
@@ -207,6 +222,38 @@ TEST(BrakingProperty, NoCommandMovesAJointBeyondItsLimitByMoreThanItsLoadDoes) {
   RecordProperty("largest_share", std::to_string(largest_share));
   // It is a bound that is reached, not one that is far away.
   EXPECT_GT(largest_share, 0.8);
+}
+
+// The furthest beyond the limits of many trials in which measurements are lost for up to 60 ms.
+double FurthestInSilence(bool age_is_known) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> part(0.0, 1.0);
+  const JointConfig joint = BrakedJoint();
+  double furthest_rad = 0.0;
+  for (int n = 0; n < 400; ++n) {
+    const Trial trial{.inertia_kg_m2 = 0.115 + 0.235 * part(random),
+                      .efficiency = 0.77 + 0.23 * part(random),
+                      .load_Nm = 16.0 * part(random) - 8.0,
+                      .delay_s = 0.005,
+                      .period_s = kRigPeriod_s,
+                      .position_rad = 1.9 - 2.0 * part(random),
+                      .velocity_rad_s = 0.0,
+                      .silence_s = 0.06,
+                      .age_is_known = age_is_known};
+    const auto kind = static_cast<Hostility>(n % static_cast<int>(Hostility::kKinds));
+    const Extent extent = Drive(joint, trial, kind, 2.0, &random);
+    furthest_rad = std::max({furthest_rad, extent.highest_rad - 1.9, -1.9 - extent.lowest_rad});
+  }
+  return furthest_rad;
+}
+
+TEST(BrakingProperty, TheAgeOfAMeasurementCounts) {
+  const double known_rad = FurthestInSilence(true), ignored_rad = FurthestInSilence(false);
+  RecordProperty("known_rad", std::to_string(known_rad));
+  RecordProperty("ignored_rad", std::to_string(ignored_rad));
+  const double tolerance_rad = EnvelopeOf(BrakedJoint(), kRigPeriod_s).load_beyond_rad;
+  EXPECT_LE(known_rad, tolerance_rad + 1e-3);
+  EXPECT_GT(ignored_rad, 2.0 * tolerance_rad) << "the trials are hard ones";
 }
 
 TEST(BrakingProperty, AtTheLimitTheTorqueComesToRest) {

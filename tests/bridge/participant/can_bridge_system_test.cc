@@ -125,19 +125,26 @@ TEST(CanBridgeSystem, KilledBridgeLeavesTheMotorIdleByTheControllersWatchdog) {
       << "the axis reported the expiry of its watchdog";
 }
 
-TEST(CanBridgeSystem, AHangUpIdlesTheMotorBeforeTheBridgeEnds) {
+// Ended by the signal while a torque moves the joint.
+void IdlesBeforeItEnds(int signal) {
   Rig rig(98);
   ASSERT_TRUE(rig.Run(0.0, seconds(20), [](const msg::JointState& s) { return s.valid()[0]; }));
   ASSERT_TRUE(rig.Arm());
   ASSERT_TRUE(
       rig.Run(0.02, seconds(5), [](const msg::JointState& s) { return s.torque_Nm()[0] > 0.5; }));
-  rig.bridge().Signal(SIGHUP);
+  rig.bridge().Signal(signal);
   EXPECT_EQ(rig.bridge().Wait(seconds(10)), 0) << rig.bridge().error();
   const std::string frames = ReadText(rig.log());
   const std::size_t idle = frames.rfind(" 067#01000000");  // Set_Axis_State, IDLE
   ASSERT_NE(idle, std::string::npos);
   EXPECT_GT(idle, frames.rfind(" 067#08000000")) << "closed loop was asked before";
   EXPECT_EQ(frames.find(" 06E#", idle), std::string::npos) << "no setpoint after it";
+}
+
+TEST(CanBridgeSystem, AHangUpIdlesTheMotorBeforeTheBridgeEnds) { IdlesBeforeItEnds(SIGHUP); }
+
+TEST(CanBridgeSystem, AQuitOfTheTerminalIdlesTheMotorBeforeTheBridgeEnds) {
+  IdlesBeforeItEnds(SIGQUIT);
 }
 
 TEST(CanBridgeSystem, WhenOneJointFailsTheOtherHoldsAsDeclared) {

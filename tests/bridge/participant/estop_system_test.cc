@@ -72,6 +72,19 @@ TEST(EstopSystem, FromThePressOfTheSocketToTheIdleFramesItIsUnderTwentyMilliseco
   }
 }
 
+TEST(EstopSystem, WithoutTheAxesIdleIsNotConfirmed) {
+  Rig rig(43, {.bridge_more = kEstopBlock});
+  AxisWatch watch(rig);
+  ASSERT_TRUE(Drives(&rig, &watch)) << rig.bridge().error();
+  rig.axes().Signal(SIGSTOP);
+  estop::Press press(rig.folder() / "estop.sock", "hand");
+  const estop::Press::Answer answer = press.Await(seconds(5));
+  EXPECT_FALSE(answer.idle);
+  EXPECT_THAT(answer.text, HasSubstr("idle not confirmed: its frames were sent"));
+  EXPECT_TRUE(answer.latched);
+  rig.axes().Signal(SIGCONT);
+}
+
 // At 4 Hz a cycle waits 250 ms: for its command first, then for its end.
 TEST(EstopSystem, ACycleThatWaitsIsWoken) {
   Rig rig(43,

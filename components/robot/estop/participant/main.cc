@@ -33,12 +33,11 @@ namespace {
 using namespace sinew;
 using std::chrono::milliseconds;
 
-constexpr milliseconds kAnswerLimit(500);  // of a socket: idle frames 100 ms, then its disk
-constexpr milliseconds kStateAge(200);     // older: nobody says that the robot has stopped
-constexpr milliseconds kEndLimit(1000);    // for the confirmation of a last press
-constexpr milliseconds kReopen(500);       // between attempts to find a lost device again
-constexpr milliseconds kBeat(50);          // period of the heartbeat
-constexpr milliseconds kThreadAge(150);    // older: the inputs' thread hangs, and nothing is said
+constexpr milliseconds kStateAge(200);   // older: nobody says that the robot has stopped
+constexpr milliseconds kEndLimit(1000);  // for the confirmation of a last press
+constexpr milliseconds kReopen(500);     // between attempts to find a lost device again
+constexpr milliseconds kBeat(50);        // period of the heartbeat
+constexpr milliseconds kThreadAge(150);  // older: the inputs' thread hangs, and nothing is said
 
 struct EstopOptions {
   std::vector<std::string> joysticks, lines, sockets;
@@ -94,7 +93,7 @@ class InputThread {
     Answers answers;
     for (Socket& socket : pressed) {
       if (!socket.press.sent()) continue;
-      const estop::Press::Answer answer = socket.press.Await(kAnswerLimit);
+      const estop::Press::Answer answer = socket.press.Await(estop::kAnswerLimit);
       answers.idle = answer.idle || answers.idle;
       answers.text +=
           socket.path + ": " + (answer.text.empty() ? std::string("no answer\n") : answer.text);

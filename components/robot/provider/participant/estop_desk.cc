@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "components/base/types/clock/clock.h"
 #include "components/topics/node/realtime.h"
 
 namespace sinew::provider {
@@ -49,6 +50,15 @@ void EstopDesk::Take(std::uint64_t tick) {
   } else if (cycle_.FinishReset()) {
     plant_.ClearFault();
   }
+}
+
+void EstopDesk::CommandSent() noexcept {
+  if (sent_ != covered_) {
+    sent_ = covered_;
+    sent_ns_ = types::MonotonicNow_ns();
+    listener_.IdleSent(sent_);
+  }
+  if (plant_.idle_reported_ns() >= sent_ns_) listener_.IdleConfirmed(sent_);
 }
 
 void EstopDesk::OnEstop(std::string_view reason) {

@@ -26,15 +26,17 @@ class EstopDesk {
   void OnEstop(std::string_view reason);
   void OnReset();
 
-  // The plant's command is made now; and then: has been sent to the plant.
+  // The plant's command is made now; and then: has been sent to the plant. Both once a cycle, so
+  // that the drives' answer to an estop is noticed.
   void CommandMade() noexcept { covered_ = listener_.taken(); }
-  void CommandSent() noexcept { listener_.IdleSent(covered_); }
+  void CommandSent() noexcept;
 
  private:
   ProviderCycle& cycle_;
   Plant& plant_;
   estop::Listener listener_;
-  std::uint64_t covered_ = 0;
+  std::uint64_t covered_ = 0, sent_ = 0;
+  std::int64_t sent_ns_ = 0;
   bool resets_ = false;  // waits for the latch to be removed
 };
 

@@ -42,6 +42,7 @@ class Desk {
   bool TakeAndIdle() {
     if (!Until([this] { return listener.TakePress(); })) return false;
     listener.IdleSent(listener.taken());
+    listener.IdleConfirmed(listener.taken());
     return true;
   }
   std::string errors() {
@@ -99,10 +100,38 @@ TEST(EstopListener, ACycleThatHangsDoesNotKeepTheLatchFromTheDisk) {
   Desk desk(In(folder));
   Press press(folder.path() / "socket", "hand");
   const Press::Answer answer = press.Await(10s);
-  EXPECT_EQ(answer.text, "idle not confirmed\nlatched\n");
+  EXPECT_EQ(answer.text,
+            "idle not confirmed: the state provider's cycle does not answer\nlatched\n");
   EXPECT_FALSE(answer.idle);
   EXPECT_TRUE(LatchFile(folder.path() / "latch").Read().latched);
   EXPECT_TRUE(desk.listener.TakePress()) << "and the cycle finds it when it is back";
+}
+
+TEST(EstopListener, FramesThatWereSentAreNotIdleBeforeTheAxesReportIt) {
+  const testing::TemporaryFolder folder;
+  Desk desk(In(folder));
+  Press press(folder.path() / "socket", "hand");
+  ASSERT_TRUE(desk.Until([&] { return desk.listener.TakePress(); }));
+  desk.listener.IdleSent(desk.listener.taken());
+  // The latch does not wait for the axes.
+  EXPECT_TRUE(desk.Until([&] { return LatchFile(folder.path() / "latch").Read().valid; }));
+  const Press::Answer answer = press.Await(10s);
+  EXPECT_FALSE(answer.idle);
+  EXPECT_THAT(answer.text, HasSubstr("its frames were sent, the axes do not report it"));
+  EXPECT_TRUE(answer.latched);
+}
+
+TEST(EstopListener, AResetBeforeTheAnswerIsNotUndoneByIt) {
+  const testing::TemporaryFolder folder;
+  Desk desk(In(folder));
+  Press press(folder.path() / "socket", "hand");
+  ASSERT_TRUE(desk.Until([&] { return desk.listener.TakePress(); }));
+  desk.listener.IdleSent(desk.listener.taken());
+  ASSERT_TRUE(desk.Until([&] { return LatchFile(folder.path() / "latch").Read().valid; }));
+  desk.listener.RequestUnlatch();
+  ASSERT_TRUE(desk.Until([&] { return desk.listener.unlatch() == Listener::Unlatch::kDone; }));
+  (void)press.Await(10s);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "latch"));
 }
 
 TEST(EstopListener, AnythingWrittenIsAPressAndAConnectionAloneIsNone) {
