@@ -336,6 +336,12 @@ bool IsRequest(const Frame& frame, Firmware firmware) noexcept {
   return frame.remote || (firmware == Firmware::k0_5_6 && frame.length == 0);
 }
 
+bool CommandsAxis(const Frame& frame, Firmware firmware) noexcept {
+  return Decode<SetAxisNodeId>(frame, firmware) || Decode<SetAxisState>(frame, firmware) ||
+         Decode<SetControllerMode>(frame, firmware) || Decode<SetInputPos>(frame, firmware) ||
+         Decode<SetInputVel>(frame, firmware) || Decode<SetInputTorque>(frame, firmware);
+}
+
 Frame Trim(Frame frame) noexcept {
   const auto address = AddressOf(frame);
   if (!address || frame.remote || frame.length != kDbcLength) return frame;

@@ -287,6 +287,9 @@ Frame EncodeRequest(int node, Command command) noexcept;
 // command.
 bool IsRequest(const Frame& frame, Firmware firmware = Firmware::k0_5_6) noexcept;
 
+// A command of a master (IsOfMaster) that is complete: noise on the bus is none.
+bool CommandsAxis(const Frame& frame, Firmware firmware = Firmware::k0_5_6) noexcept;
+
 // The same frame without the bytes behind its last signal (a torque setpoint then takes 4 bytes of
 // the DBC's 8, and 95 bit times instead of 135). The firmware reads signals, never the length.
 Frame Trim(Frame frame) noexcept;

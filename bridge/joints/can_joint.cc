@@ -210,7 +210,7 @@ void CanJoint::HearMaster() {
 }
 
 CanJoint::News CanJoint::TakeFromAxis(const can::Received& received) {
-  if (can::IsOfMaster(can::AddressOf(received.frame)->command)) {
+  if (can::CommandsAxis(received.frame, config_.firmware)) {
     HearMaster();
     return {};
   }

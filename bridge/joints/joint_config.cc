@@ -157,7 +157,7 @@ void CheckBridgeConfig(const BridgeConfig& config) {
   CheckBodyNodes(config, &nodes);
 }
 
-std::vector<can::IdFilter> ReceiveFilters(const BridgeConfig& config, int bus) {
+std::vector<can::IdFilter> ReceiveFilters(const BridgeConfig& config, int bus, bool masters) {
   std::vector<can::IdFilter> filters;
   const auto pass = [&filters](std::uint32_t id) {
     filters.push_back({id, can::kMaxStandardId, false});
@@ -165,6 +165,10 @@ std::vector<can::IdFilter> ReceiveFilters(const BridgeConfig& config, int bus) {
   for (const JointConfig& joint : config.joints) {
     if (joint.bus != bus) continue;
     for (const Command command : kAxisCommands) pass(can::Identifier(joint.node, command));
+    for (int k = 0; masters && k < 1 << can::kCommandBits; ++k) {
+      const auto command = static_cast<Command>(k);
+      if (can::IsOfMaster(command)) pass(can::Identifier(joint.node, command));
+    }
     if (!joint.output) continue;
     for (const can::NodeCommand command : kNodeCommands) {
       pass(can::Identifier(joint.output->node, command));
@@ -175,6 +179,8 @@ std::vector<can::IdFilter> ReceiveFilters(const BridgeConfig& config, int bus) {
     for (int k = 0; k < can::kCompactStateFrames; ++k) {
       pass(can::Identifier(gateway.node, can::StateCommand(k)));
     }
+    if (!masters) continue;
+    for (const can::Frame& frame : can::EncodeReferences(gateway.node, {})) pass(frame.id);
   }
   for (const BodyNodeConfig& body : config.body_nodes) {
     if (body.bus != bus) continue;
@@ -182,25 +188,6 @@ std::vector<can::IdFilter> ReceiveFilters(const BridgeConfig& config, int bus) {
                               ? std::span<const can::NodeCommand>(kImuCommands)
                               : std::span<const can::NodeCommand>(kFootCommands);
     for (const can::NodeCommand command : commands) pass(can::Identifier(body.node, command));
-  }
-  return filters;
-}
-
-std::vector<can::IdFilter> MasterFilters(const BridgeConfig& config, int bus) {
-  std::vector<can::IdFilter> filters;
-  const auto pass = [&filters](std::uint32_t id) {
-    filters.push_back({id, can::kMaxStandardId, false});
-  };
-  for (const JointConfig& joint : config.joints) {
-    if (joint.bus != bus) continue;
-    for (int k = 0; k < 1 << can::kCommandBits; ++k) {
-      const auto command = static_cast<Command>(k);
-      if (can::IsOfMaster(command)) pass(can::Identifier(joint.node, command));
-    }
-  }
-  for (const GatewayConfig& gateway : config.gateways) {
-    if (gateway.bus != bus) continue;
-    for (const can::Frame& frame : can::EncodeReferences(gateway.node, {})) pass(frame.id);
   }
   return filters;
 }

@@ -135,8 +135,7 @@ struct BridgeConfig {
 void CheckBridgeConfig(const BridgeConfig& config);
 
 // The identifiers that the transport of this bus has to pass: exactly those that the bridge reads.
-std::vector<can::IdFilter> ReceiveFilters(const BridgeConfig& config, int bus);
-// Those that only another master of the same nodes sends. Not for a log: it holds its own master's.
-std::vector<can::IdFilter> MasterFilters(const BridgeConfig& config, int bus);
+// masters: also those that only another master of the same nodes sends; a log has its own master's.
+std::vector<can::IdFilter> ReceiveFilters(const BridgeConfig& config, int bus, bool masters = true);
 
 }  // namespace sinew::bridge

@@ -75,12 +75,9 @@ void Run(const node::Options& options, node::StopFlag& stop,
   std::vector<std::unique_ptr<can::Transport>> transports;
   std::vector<can::Transport*> pointers;
   for (std::size_t b = 0; b < file.buses.size(); ++b) {
-    std::vector<can::IdFilter> filters = bridge::ReceiveFilters(file.bridge, static_cast<int>(b));
-    if (file.buses[b].kind != can::TransportKind::kReplay) {
-      const auto others = bridge::MasterFilters(file.bridge, static_cast<int>(b));
-      filters.insert(filters.end(), others.begin(), others.end());
-    }
-    transports.push_back(can::OpenBus(file.buses[b], filters));
+    const bool others = file.buses[b].kind != can::TransportKind::kReplay;
+    transports.push_back(can::OpenBus(
+        file.buses[b], bridge::ReceiveFilters(file.bridge, static_cast<int>(b), others)));
     pointers.push_back(transports.back().get());
   }
   bridge::CanPlant plant(file.bridge, pointers);

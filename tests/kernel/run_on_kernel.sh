@@ -115,7 +115,7 @@ cat > "$root/init" <<INIT
 /bin/busybox --install -s /bin
 export PATH=/bin:/usr/bin GTEST_COLOR=no SINEW_CAN_INTERFACE=vcan0 SINEW_PROGRAMS=/programs results=/results
 mount -t proc proc /proc; mount -t sysfs sys /sys; mount -t devtmpfs dev /dev
-mkdir -p /dev/shm; mount -t tmpfs shm /dev/shm
+mkdir -p /dev/shm /dev/pts; mount -t tmpfs shm /dev/shm; mount -t devpts pts /dev/pts
 for module in ${modules[*]}; do insmod /lib/modules/\$module.ko; done
 ip link set lo up; ip link set lo multicast on; ip route add 224.0.0.0/4 dev lo
 echo "kernel \$(uname -r)"

@@ -97,6 +97,17 @@ TEST(AnotherMaster, OnTheBusBeforeUsGetsNotAFrameFromUs) {
   EXPECT_EQ(bench.ends[0]->counters().sent, 0U);
 }
 
+TEST(AnotherMaster, AFrameThatIsTooShortIsNone) {
+  can::Frame frame = can::Encode(1, can::SetInputTorque{0.5});
+  frame.length = 3;
+  Bench bench;
+  bench.Start();
+  bench.Arm();
+  const auto other = Repeat(&bench, frame);
+  bench.Steps(20);
+  EXPECT_FALSE(bench.faulty()) << bench.sensors.message;
+}
+
 TEST(AnotherMaster, OfOtherNodesIsNone) {
   Bench bench;
   bench.Start();

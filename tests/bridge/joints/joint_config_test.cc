@@ -14,17 +14,19 @@ namespace {
 
 TEST(BridgeConfig, FiltersLetThroughExactlyWhatIsRead) {
   Bench bench;
-  const auto filters = ReceiveFilters(bench.config, 0);
-  int passed = 0;
-  for (std::uint32_t id = 0; id <= can::kMaxStandardId; ++id) {
-    can::Frame frame;
-    frame.id = id;
-    if (can::Passes(filters, frame)) {
-      ++passed;
-      EXPECT_TRUE(id >> 5 == 1 || id >> 5 == 33);
+  for (const bool masters : {false, true}) {
+    const auto filters = ReceiveFilters(bench.config, 0, masters);
+    int passed = 0;
+    for (std::uint32_t id = 0; id <= can::kMaxStandardId; ++id) {
+      can::Frame frame;
+      frame.id = id;
+      if (can::Passes(filters, frame)) {
+        ++passed;
+        EXPECT_TRUE(id >> 5 == 1 || id >> 5 == 33);
+      }
     }
+    EXPECT_EQ(passed, masters ? 9 + 6 : 9);
   }
-  EXPECT_EQ(passed, 9);
   EXPECT_TRUE(ReceiveFilters(bench.config, 1).empty());
 }
 

@@ -108,10 +108,7 @@ class Bench {
   void Prepare() {
     std::vector<can::Transport*> bridge_ends, axes_ends;
     for (std::size_t b = 0; b < buses.size(); ++b) {
-      std::vector<can::IdFilter> filters = ReceiveFilters(config, static_cast<int>(b));
-      const auto masters = MasterFilters(config, static_cast<int>(b));
-      filters.insert(filters.end(), masters.begin(), masters.end());
-      ends.push_back(buses[b]->Join("bridge", filters));
+      ends.push_back(buses[b]->Join("bridge", ReceiveFilters(config, static_cast<int>(b))));
       bridge_ends.push_back(ends.back().get());
       ends.push_back(buses[b]->Join("axes"));
       axes_ends.push_back(ends.back().get());
