@@ -44,7 +44,7 @@ TEST(SystemdProtocol, AStateProviderReportsWhetherTheRobotMayMove) {
   EXPECT_TRUE(systemd.WaitFor("STATUS=active", kEnough));
   EXPECT_TRUE(systemd.WaitFor("READY=1", kEnough));
   // Armed, and nobody commands: the provider latches a fault.
-  EXPECT_TRUE(systemd.WaitFor("STATUS=fault: fault", kEnough));
+  EXPECT_TRUE(systemd.WaitFor("STATUS=fault: joint_command missing", kEnough));
   EXPECT_TRUE(systemd.WaitFor("WATCHDOG=1", kEnough)) << "a fault of the robot is no hanging loop";
   provider.Signal(SIGTERM);
   EXPECT_TRUE(systemd.WaitFor("STOPPING=1", kEnough));
