@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <optional>
 #include <stdexcept>
 
 namespace sinew::rig_bank {
@@ -96,6 +97,23 @@ void Write(const std::filesystem::path& path, const std::string& text) {
   out << text;
   out.close();
   if (!out) throw std::runtime_error(path.string() + ": writing failed");
+}
+
+// The first candidate that can be as large as asked, else the most visible.
+Sizer::Sized MostVisible(const Rig& rig, const Case& what, const Sizer& sizer,
+                         std::vector<std::string>* too_small) {
+  std::optional<Sizer::Sized> best;
+  for (const std::string& name : what.effects) {
+    const Sizer::Sized sized = sizer.Size(DrawEffect(rig, name), what.share);
+    if (!best || sized.reached || sized.measured.share > best->measured.share) {
+      if (best) too_small->push_back(best->effect.name);
+      best = sized;
+    } else {
+      too_small->push_back(name);
+    }
+    if (sized.reached) break;
+  }
+  return *best;
 }
 
 // An effect that would be as large as asked in designed motion and is not identifiable in this one.
@@ -264,30 +282,18 @@ std::vector<std::vector<Reading>> ReadRecordings(const Rig& rig, const Run& run,
 CaseFiles MakeCase(const Rig& rig, const Case& what, const Sizer& sizer, double noise_share) {
   CaseFiles out;
   out.what = what;
-  const bool all = what.kind == CaseKind::kPair;
-  // Of one effect's candidates the first that can be as large as asked, else the most visible.
-  Sizer::Sized best;
-  bool found = false;
-  if (what.kind == CaseKind::kHidden) {
-    best = Hidden(rig, what, sizer);
-    found = true;
-  }
-  for (const std::string& name : found ? std::vector<std::string>() : what.effects) {
-    const Sizer::Sized sized = sizer.Size(DrawEffect(rig, name), what.share);
-    if (all) {
-      out.effects.push_back({sized, sizer.ClassOf(sized.effect)});
-      continue;
+  const auto add = [&](const Sizer::Sized& sized) {
+    out.effects.push_back({sized, sizer.ClassOf(sized.effect)});
+  };
+  if (what.kind == CaseKind::kPair) {
+    for (const std::string& name : what.effects) {
+      add(sizer.Size(DrawEffect(rig, name), what.share));
     }
-    if (!found || sized.reached || (!best.reached && sized.measured.share > best.measured.share)) {
-      if (found) out.too_small.push_back(best.effect.name);
-      best = sized;
-    } else {
-      out.too_small.push_back(name);
-    }
-    found = true;
-    if (sized.reached) break;
+  } else if (what.kind == CaseKind::kHidden) {
+    add(Hidden(rig, what, sizer));
+  } else if (!what.effects.empty()) {
+    add(MostVisible(rig, what, sizer, &out.too_small));
   }
-  if (found && !all) out.effects.push_back({best, sizer.ClassOf(best.effect)});
   std::vector<Effect> effects;
   Shows shows = Shows::kTorque;
   for (const Made& made : out.effects) {

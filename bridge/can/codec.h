@@ -22,6 +22,8 @@
 // them. Any thread; allocates nothing.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -65,19 +67,13 @@ enum class Command : std::uint8_t {
   kGetControllerError = 0x1D,
 };
 
-// Sent by who commands an axis: its setpoints, state, mode and number.
+// Sent by the master of an axis alone: its setpoints, state, mode and number.
+inline constexpr std::array kMasterCommands = {
+    Command::kSetAxisNodeId, Command::kSetAxisState, Command::kSetControllerMode,
+    Command::kSetInputPos,   Command::kSetInputVel,  Command::kSetInputTorque};
 constexpr bool IsOfMaster(Command command) {
-  switch (command) {
-    case Command::kSetAxisNodeId:
-    case Command::kSetAxisState:
-    case Command::kSetControllerMode:
-    case Command::kSetInputPos:
-    case Command::kSetInputVel:
-    case Command::kSetInputTorque:
-      return true;
-    default:
-      return false;
-  }
+  return std::find(kMasterCommands.begin(), kMasterCommands.end(), command) !=
+         kMasterCommands.end();
 }
 
 enum class AxisState : std::uint8_t {

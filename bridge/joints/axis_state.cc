@@ -67,8 +67,8 @@ AxisDecision AxisStateMachine::StepArming(ControlMode command, bool confirmed, s
   }
   if (confirmed) {
     Enter(AxisPhase::kActive, now_ns);
-    requested_ns_ =
-        now_ns - kRequestAgain_ns + turn_ns;  // axes that were armed together take turns
+    // Axes that were armed together take turns.
+    requested_ns_ = now_ns - kRequestAgain_ns + turn_ns;
     decision.restart_setpoint = true;
     decision.follows_command = true;
   } else if (now_ns - phase_ns_ > closed_loop_timeout_ns_) {
@@ -79,10 +79,7 @@ AxisDecision AxisStateMachine::StepArming(ControlMode command, bool confirmed, s
   return decision;
 }
 
-void AxisStateMachine::GoIdle(std::int64_t now_ns) {
-  Enter(AxisPhase::kIdle, now_ns);
-  requested_ns_ = now_ns;
-}
+void AxisStateMachine::GoIdle(std::int64_t now_ns) { Enter(AxisPhase::kIdle, now_ns); }
 
 ErrorAction AxisStateMachine::AssessErrors(std::int64_t now_ns, const FaultLatch& fault,
                                            JointMeasurement* measured) {

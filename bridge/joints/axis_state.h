@@ -80,7 +80,7 @@ class AxisStateMachine {
   AxisPhase phase_ = AxisPhase::kIdle;
   types::ControlMode mode_ = types::ControlMode::kIdle;
   std::int64_t phase_ns_ = 0;      // begin of the phase
-  std::int64_t requested_ns_ = 0;  // last request of an axis state
+  std::int64_t requested_ns_ = 0;  // last request of closed loop or of a mode
   bool codes_requested_ = false;
 };
 

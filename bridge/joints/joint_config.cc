@@ -165,9 +165,10 @@ std::vector<can::IdFilter> ReceiveFilters(const BridgeConfig& config, int bus, b
   for (const JointConfig& joint : config.joints) {
     if (joint.bus != bus) continue;
     for (const Command command : kAxisCommands) pass(can::Identifier(joint.node, command));
-    for (int k = 0; masters && k < 1 << can::kCommandBits; ++k) {
-      const auto command = static_cast<Command>(k);
-      if (can::IsOfMaster(command)) pass(can::Identifier(joint.node, command));
+    if (masters) {
+      for (const Command command : can::kMasterCommands) {
+        pass(can::Identifier(joint.node, command));
+      }
     }
     if (!joint.output) continue;
     for (const can::NodeCommand command : kNodeCommands) {

@@ -21,8 +21,8 @@ struct Case {
   CaseKind kind = CaseKind::kPlain;
   Excitation excitation = Excitation::kDesigned;
   double share = 0.0;  // requested of each effect; 0: none
-  std::vector<std::string>
-      effects;  // names; of one effect: the first that reaches the share (kHidden: and hides)
+  // Names; of one effect: the first that reaches the share (kHidden: and hides).
+  std::vector<std::string> effects;
   std::string fault;
 };
 

@@ -93,7 +93,7 @@ std::optional<BusMaster> CommandBus(const BusEntry& entry) {
     case TransportKind::kSocketCan:
       return BusMaster(entry.interface);
     case TransportKind::kVirtual:
-      return BusMaster(entry.bus);
+      return BusMaster(BusSocketPath(entry.bus));
     case TransportKind::kReplay:
       break;
   }

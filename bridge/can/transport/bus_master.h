@@ -3,7 +3,7 @@
 // It is the name of a Unix socket without a file (abstract namespace): it belongs to the network
 // namespace that the CAN interface belongs to, whoever its user is, and ends with its process,
 // however that ends. Two hosts on one bus do not see each other's names: they hear each other's
-// frames (bridge/joints, kForeignMaster).
+// frames (bridge/joints/faults.h, kAnotherMaster).
 #pragma once
 
 #include <string>

@@ -7,7 +7,6 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
-#include <string>
 
 #include "bridge/can/frame.h"
 
@@ -55,9 +54,5 @@ inline Frame FrameOf(const Packet& packet) {
   std::copy(packet.data.begin(), packet.data.end(), frame.data.begin());
   return frame;
 }
-
-// A name without '/' means a socket in XDG_RUNTIME_DIR, or in /tmp with the user's number in its
-// name.
-std::string BusSocketPath(const std::string& bus);
 
 }  // namespace sinew::can

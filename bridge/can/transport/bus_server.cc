@@ -14,6 +14,7 @@
 
 #include "bridge/can/transport/bus_protocol.h"
 #include "bridge/can/transport/transport.h"
+#include "bridge/can/transport/virtual_can.h"
 #include "components/base/config/config.h"
 #include "components/base/types/clock/clock.h"
 

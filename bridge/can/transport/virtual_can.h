@@ -4,12 +4,18 @@
 // while, afterwards the link is down until it is back.
 #pragma once
 
+#include <string>
+
 #include "bridge/can/transport/transport.h"
 #include "components/base/types/clock/clock.h"
 
 namespace sinew::can {
 
 struct Packet;
+
+// A name without '/' means a socket in XDG_RUNTIME_DIR, or in /tmp with the user's number in its
+// name.
+std::string BusSocketPath(const std::string& bus);
 
 struct VirtualCanOptions {
   std::string bus;                     // name or path of the socket
