@@ -3,13 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "components/base/config/config.h"
 #include "tests/support/program.h"
 #include "tests/support/sinew_program.h"
+#include "tests/support/skip.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_host.h"
 
 namespace sinew::testing {
 namespace {
@@ -97,6 +100,15 @@ std::string MakeSecureProfiles(const TemporaryFolder& folder) {
   return folder.Write("secure.xml", xml);
 }
 
+// The answer comes within a tenth of a second of the first announcement that is heard.
+Finished Operate(const std::string& action, const std::vector<std::string>& more) {
+  std::vector<std::string> words = {kSinew, action, "--domain", "165"};
+  words.insert(words.end(), more.begin(), more.end());
+  return testing::Run(words, kLimit);
+}
+// Longer than the half second between two announcements.
+const std::vector<std::string> kStranger = {"--timeout", "2"};
+
 TEST(Security, TheKeysOperateTheRobotAndWithoutThemNobodySeesIt) {
   const TemporaryFolder folder;
   const std::string profiles = MakeSecureProfiles(folder);
@@ -105,24 +117,68 @@ TEST(Security, TheKeysOperateTheRobotAndWithoutThemNobodySeesIt) {
       "schema: sinew-deployment/1\nname: one\ndomain_id: 165\nnetwork: {qos: secure.xml}\n"
       "provider: surrogate\nprocesses:\n  - {name: surrogate, program: sinew-surrogate}\n");
   Program launch({kSinew, "launch", deployment});
-  const auto operate = [&](const std::string& action, const std::vector<std::string>& more) {
-    std::vector<std::string> words = {kSinew, action, "--domain", "165", "--timeout", "5"};
-    words.insert(words.end(), more.begin(), more.end());
-    return testing::Run(words, kLimit);
-  };
-  const Finished armed = operate("arm", {"--qos", profiles});
+  const Finished armed = Operate("arm", {"--qos", profiles});
   EXPECT_EQ(armed.exit_code, 0) << armed.error << launch.error();
 
-  const Finished stranger = operate("disarm", {});
+  const Finished stranger = Operate("disarm", kStranger);
   EXPECT_EQ(stranger.exit_code, 1);
   EXPECT_THAT(stranger.error, HasSubstr("no state provider heard in domain 165"));
   const Finished list = testing::Run({kSinew, "list", "--domain", "165"}, kLimit);
   EXPECT_THAT(list.output, HasSubstr("0 participants"));
 
-  EXPECT_EQ(operate("estop", {"--qos", profiles}).exit_code, 0);
-  EXPECT_EQ(operate("reset", {"--qos", profiles}).exit_code, 0);
+  EXPECT_EQ(Operate("estop", {"--qos", profiles}).exit_code, 0);
+  EXPECT_EQ(Operate("reset", {"--qos", profiles}).exit_code, 0);
   launch.Signal(SIGINT);
   EXPECT_EQ(launch.Wait(kLimit), 0) << launch.error();
+}
+
+// Keys of a deployment: datagrams without their tag are not read.
+std::string MakeKey(const TemporaryFolder& folder, const std::string& name, char digit) {
+  const std::string file = folder.Write(name, std::string(64, digit) + "\n");
+  std::filesystem::permissions(file, std::filesystem::perms::owner_read);
+  return file;
+}
+
+TEST(Security, WithoutTheKeyOfTheDeploymentNobodySeesTheRobot) {
+  const TemporaryFolder folder;
+  const std::string key = MakeKey(folder, "deployment.key", 'a');
+  const std::string other = MakeKey(folder, "other.key", 'b');
+  const std::string deployment = folder.Write(
+      "deploy.yaml",
+      "schema: sinew-deployment/1\nname: one\ndomain_id: 165\nnetwork: {key: deployment.key}\n"
+      "provider: surrogate\nprocesses:\n  - {name: surrogate, program: sinew-surrogate}\n");
+  Program launch({kSinew, "launch", deployment});
+  const Finished armed = Operate("arm", {"--key", key});
+  EXPECT_EQ(armed.exit_code, 0) << armed.error << launch.error();
+  const Finished stranger = Operate("disarm", kStranger);
+  EXPECT_EQ(stranger.exit_code, 1);
+  EXPECT_THAT(stranger.error, HasSubstr("no state provider heard in domain 165"));
+  EXPECT_THAT(stranger.error, HasSubstr("this process has no key (--key, SINEW_KEY)"));
+  EXPECT_EQ(Operate("disarm", {"--timeout", "2", "--key", other}).exit_code, 1);
+  EXPECT_EQ(Operate("estop", {"--key", key}).exit_code, 0);
+  launch.Signal(SIGINT);
+  EXPECT_EQ(launch.Wait(kLimit), 0) << launch.error();
+}
+
+// On an interface that the deployment opens to it, DDS security does instead of the key; nowhere
+// else.
+TEST(Security, WhereAnInterfaceIsOpenTheKeysOfDdsSecurityDoInsteadOfTheDeploymentsKey) {
+  const TwoHosts hosts;
+  SKIP_WITHOUT_KERNEL(hosts.why_not().empty(), hosts.why_not());
+  const TemporaryFolder folder;
+  const std::string profiles = MakeSecureProfiles(folder);
+  const std::string key = MakeKey(folder, "deployment.key", 'a');
+  Program surrogate(
+      hosts.On(0, {std::string(SINEW_BIN_DIR) + "/sinew-surrogate", "--domain", "166", "--qos",
+                   profiles, "--key", key, "--interface", "wire0", "--open", "wire0"}));
+  const auto estop = [&](int host, const std::vector<std::string>& more) {
+    std::vector<std::string> words = {kSinew, "estop", "--domain", "166", "--qos", profiles};
+    words.insert(words.end(), more.begin(), more.end());
+    return testing::Run(hosts.On(host, words), kLimit).exit_code;
+  };
+  EXPECT_EQ(estop(1, {"--interface", "wire0"}), 0) << surrogate.error();
+  EXPECT_EQ(estop(0, {"--key", key}), 0) << surrogate.error();
+  EXPECT_EQ(estop(0, kStranger), 1);
 }
 
 }  // namespace

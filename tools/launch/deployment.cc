@@ -63,12 +63,12 @@ std::string UnknownInterface(const std::vector<std::string>& names) {
   return {};
 }
 
-std::vector<std::string> ReadInterfaces(const config::Section& network) {
-  std::vector<std::string> names = network.TextsOr("interfaces", {});
+std::vector<std::string> ReadInterfaces(const config::Section& network, const char* key) {
+  std::vector<std::string> names = network.TextsOr(key, {});
   const std::string unknown = UnknownInterface(names);
   if (!unknown.empty()) {
-    network.Fail("interfaces", "no interface '" + unknown +
-                                   "', expected names of this machine's: " + InterfaceNames());
+    network.Fail(key, "no interface '" + unknown +
+                          "', expected names of this machine's: " + InterfaceNames());
   }
   return names;
 }
@@ -331,6 +331,8 @@ void AddNetwork(const Deployment& deployment, std::vector<std::string>* line) {
   }
   if (deployment.interfaces.empty()) line->insert(line->end(), {"--interface", "lo"});
   if (!deployment.qos.empty()) line->insert(line->end(), {"--qos", deployment.qos.string()});
+  if (!deployment.key.empty()) line->insert(line->end(), {"--key", deployment.key.string()});
+  for (const std::string& name : deployment.open) line->insert(line->end(), {"--open", name});
 }
 
 }  // namespace
@@ -350,8 +352,10 @@ Deployment LoadDeployment(const fs::path& file, const Overrides& overrides,
   deployment.name = root.TextOr("name", file.stem().string());
   deployment.domain_id = static_cast<int>(root.IntegerOr("domain_id", 0, {0, kLargestDomain}));
   const config::Section network = root.ChildOrEmpty("network");
-  deployment.interfaces = ReadInterfaces(network);
+  deployment.interfaces = ReadInterfaces(network, "interfaces");
   if (network.Has("qos")) deployment.qos = fs::absolute(network.ExistingPath("qos"));
+  if (network.Has("key")) deployment.key = fs::absolute(network.ExistingPath("key"));
+  deployment.open = ReadInterfaces(network, "open");
   deployment.lockstep = root.ChoiceOr("mode", "realtime", {"realtime", "lockstep"}) == "lockstep";
   deployment.duration_s = root.NumberOr("duration_s", 0.0, config::kNotNegative);
   deployment.seed = static_cast<std::uint64_t>(root.IntegerOr("seed", 1, config::kNotNegative));

@@ -36,6 +36,8 @@ struct Deployment {
   int domain_id = 0;
   std::vector<std::string> interfaces;  // beside loopback; empty: nobody on a network is heard
   std::filesystem::path qos;            // QoS profiles of all its processes; empty: SINEW_QOS
+  std::filesystem::path key;            // of their datagrams; empty: SINEW_KEY
+  std::vector<std::string> open;        // where DDS security does instead of the key
   bool lockstep = false;
   double duration_s = 0.0;  // 0: until stopped
   std::uint64_t seed = 1;

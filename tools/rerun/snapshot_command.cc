@@ -102,7 +102,6 @@ void AddSnapshotCommand(CLI::App& app) {
       "Exit code 1 when nobody answered in time.\n\n"
       "Examples:\n  sinew snapshot\n  sinew snapshot control --after 7200 --timeout 60");
   command->callback([options] {
-    tools::StartCommandLog("snapshot");
     const std::set<std::string> answered = Asker(*options).Ask();
     for (const std::string& name : answered) std::cout << name << '\n';
     if (!answered.empty()) return;

@@ -168,7 +168,6 @@ void AddDoctorCommand(CLI::App& app) {
       "  sinew doctor --offline --recordings /var/recordings --strict\n"
       "  sinew doctor --clean --offline");
   command->callback([options] {
-    StartCommandLog("doctor");
     spdlog::set_level(spdlog::level::off);  // problems are part of the report
     const std::vector<Finding> findings = Examine(*options);
     if (options->json) {

@@ -304,7 +304,6 @@ void AddEchoCommand(CLI::App& app) {
       "  sinew echo joint_state --from run.mcap --plot torque_Nm[0] --png torque.png");
   command->callback([options] {
     node::StopFlag stop;
-    StartCommandLog("echo");
     if (!options->from.empty()) {
       EchoFile(*options);
     } else {

@@ -63,10 +63,7 @@ void RunAll(const ExperimentOptions& given, const ExperimentSimulation* simulati
   const std::unique_ptr<SimulatedRig> rig =
       simulation != nullptr ? simulation->MakeRig(options) : nullptr;
   std::optional<node::StopFlag> stop;
-  if (options.topics) {
-    stop.emplace();
-    StartCommandLog("experiment");
-  }
+  if (options.topics) stop.emplace();
   ordered_json all = ordered_json::array();
   bool first = true;
   for (const std::string& name : options.names) {

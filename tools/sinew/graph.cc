@@ -115,7 +115,6 @@ void AddGraphCommand(CLI::App& app) {
       "  sinew graph --from run.mcap --out run.png\n"
       "  sinew graph | dot -Tx11");
   command->callback([options] {
-    StartCommandLog("graph");
     const inspect::Graph graph =
         options->from.empty() ? ListenForGraph(*options) : GraphFromFile(*options);
     const std::string title = options->from.empty()

@@ -185,7 +185,6 @@ void AddHandoverCommand(CLI::App& app) {
       "stands by.\nExit code 1 when it was not heard in time.\n\nExample:\n  sinew-control "
       "--config control.yaml --name control_b &\n  sinew handover control control_b");
   command->callback([options] {
-    StartCommandLog("handover");
     RunHandover(*options);
   });
 }

@@ -315,7 +315,6 @@ void AddHzCommand(CLI::App& app) {
       "  sinew hz --from run.mcap");
   command->callback([options] {
     node::StopFlag stop;
-    StartCommandLog("hz");
     const Summaries summaries =
         options->from.empty() ? OfDomain(*options, stop) : OfRecording(*options);
     if (options->json) {

@@ -424,7 +424,6 @@ void AddListCommand(CLI::App& app) {
       "faults, two state providers; with any, the exit code is 1.\n\nExamples:\n"
       "  sinew list --domain 0\n  sinew list run.mcap --json");
   command->callback([options] {
-    StartCommandLog("list");
     if (!options->recording.empty()) {
       const Json report = DescribeRecording(options->recording);
       if (options->json) {

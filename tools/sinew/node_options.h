@@ -11,16 +11,6 @@
 
 namespace sinew::tools {
 
-// --domain, --interface, --lockstep, --qos. The component is the command's name.
-inline void AddNodeOptions(CLI::App& command, node::Options* options) {
-  options->component = command.get_name();
-  options->name = command.get_name();
-  node::AddDomainOptions(command, options);
-  command.add_flag_callback(
-      "--lockstep", [options] { options->mode = node::TimeMode::kLockstep; },
-      "The deployment runs in lockstep");
-}
-
 // Warnings and errors of the libraries, as lines of this command.
 inline void StartCommandLog(const std::string& name) {
   auto logger = spdlog::get(name);
@@ -28,6 +18,18 @@ inline void StartCommandLog(const std::string& name) {
   logger->set_pattern("sinew %n: %v");
   logger->set_level(spdlog::level::warn);
   spdlog::set_default_logger(logger);
+}
+
+// The options of node::AddDomainOptions and --lockstep, and the command's log once they are read.
+// The component is the command's name.
+inline void AddNodeOptions(CLI::App& command, node::Options* options) {
+  options->component = command.get_name();
+  options->name = command.get_name();
+  node::AddDomainOptions(command, options);
+  command.add_flag_callback(
+      "--lockstep", [options] { options->mode = node::TimeMode::kLockstep; },
+      "The deployment runs in lockstep");
+  command.parse_complete_callback([name = command.get_name()] { StartCommandLog(name); });
 }
 
 }  // namespace sinew::tools

@@ -20,6 +20,7 @@
 #include "components/robot/estop/estop_config.h"
 #include "components/robot/estop/press.h"
 #include "components/topics/node/node.h"
+#include "tools/sinew/node_options.h"
 
 namespace sinew::tools {
 
@@ -39,7 +40,6 @@ struct Request {
 
 struct OperatorOptions {
   node::Options node;
-  bool lockstep = false;
   double timeout_s = 5.0;
   std::string reason;
   bool json = false;
@@ -133,7 +133,6 @@ void RunOperator(const Request& request, OperatorOptions options) {
   }
   options.node.component = "operator";
   options.node.name = "operator";
-  options.node.mode = options.lockstep ? node::TimeMode::kLockstep : node::TimeMode::kRealtime;
   std::optional<node::Node> made;
   try {
     made.emplace(options.node);
@@ -201,7 +200,7 @@ void AddOne(CLI::App& app, const Request& request, const std::string& descriptio
             const std::string& note) {
   auto options = std::make_shared<OperatorOptions>();
   CLI::App* command = app.add_subcommand(request.name, description);
-  node::AddDomainOptions(*command, &options->node);
+  AddNodeOptions(*command, &options->node);
   command->add_option("--reason", options->reason, "For the log of the provider, 63 characters");
   command->add_option("--timeout", options->timeout_s, "Seconds to wait for the robot's answer")
       ->check(CLI::PositiveNumber)
@@ -210,7 +209,6 @@ void AddOne(CLI::App& app, const Request& request, const std::string& descriptio
     command->add_option("--socket", options->sockets,
                         "Socket of a state provider on this host; the usual places by default");
   }
-  command->add_flag("--lockstep", options->lockstep, "The deployment runs in lockstep");
   command->add_flag("--json", options->json, "As JSON");
   command->footer(note +
                   "\nExit code 1 when the robot did not get there in time.\n\nExample:\n  sinew " +

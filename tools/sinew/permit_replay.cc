@@ -150,7 +150,6 @@ void AddPermitReplayCommand(CLI::App& app) {
       "said in time.\n\nExample:\n  sinew replay run.mcap --topics reference &\n  sinew arm\n"
       "  sinew permit-replay player");
   command->callback([options] {
-    StartCommandLog("permit-replay");
     RunPermit(*options);
   });
 }

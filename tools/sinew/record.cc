@@ -33,7 +33,6 @@ void AddRecordCommand(CLI::App& app) {
       "  sinew record --out fault.mcap --last 30s --on-fault --keep-going");
   command->callback([options] {
     node::StopFlag stop;
-    StartCommandLog("record");
     node::Node node(options->node);
     ProgressBar bar("record", "messages", 0);
     const logger::RecordResult result =

@@ -87,7 +87,6 @@ void AddReplayCommand(CLI::App& app) {
       "  sinew replay run.mcap --topics reference --follow");
   command->callback([options] {
     node::StopFlag stop;
-    StartCommandLog("replay");
     node::Node node(options->node);
     logger::PlayControl control;
     ReplayScreen screen(control);

@@ -27,19 +27,42 @@ std::string SenderText(const rtps::Locator_t& sender) {
          std::to_string(rtps::IPLocator::getPhysicalPort(sender));
 }
 
+class FilteredDescriptor final : public transport::ChainingTransportDescriptor {
+ public:
+  FilteredDescriptor(std::shared_ptr<transport::TransportDescriptorInterface> inner,
+                     Admission admission)
+      : transport::ChainingTransportDescriptor(std::move(inner)),
+        admission_(std::move(admission)) {}
+
+  transport::TransportInterface* create_transport() const override;
+  // The tag has its place in the datagram of the transport below.
+  std::uint32_t max_message_size() const override {
+    const std::uint32_t below = low_level_descriptor->max_message_size();
+    return admission_.key ? below - DatagramKey::kTagBytes : below;
+  }
+  const Admission& admission() const { return admission_; }
+
+ private:
+  Admission admission_;
+};
+
 class FilteredTransport final : public transport::ChainingTransport {
  public:
-  FilteredTransport(const transport::ChainingTransportDescriptor& descriptor, bool secure)
-      : transport::ChainingTransport(descriptor), filter_(secure) {}
+  explicit FilteredTransport(const FilteredDescriptor& descriptor)
+      : transport::ChainingTransport(descriptor), descriptor_(descriptor) {}
 
-  transport::TransportDescriptorInterface* get_configuration() override {
-    return low_level_transport_->get_configuration();
-  }
+  transport::TransportDescriptorInterface* get_configuration() override { return &descriptor_; }
 
   bool send(rtps::SenderResource* low_sender_resource, const rtps::octet* send_buffer,
             std::uint32_t send_buffer_size, rtps::LocatorsIterator* destination_locators_begin,
             rtps::LocatorsIterator* destination_locators_end,
             const std::chrono::steady_clock::time_point& timeout) override {
+    thread_local std::vector<std::uint8_t> tagged;
+    if (admission_.key) {
+      admission_.key->AddTag({send_buffer, send_buffer_size}, &tagged);
+      send_buffer = tagged.data();
+      send_buffer_size = static_cast<std::uint32_t>(tagged.size());
+    }
     return low_sender_resource->send(send_buffer, send_buffer_size, destination_locators_begin,
                                      destination_locators_end, timeout);
   }
@@ -50,9 +73,11 @@ class FilteredTransport final : public transport::ChainingTransport {
                const rtps::Locator_t& remote_locator) override {
     datagrams_received.fetch_add(1, std::memory_order_relaxed);
     thread_local std::vector<std::uint8_t> copy;
-    const auto passed = filter_.Pass({receive_buffer, receive_buffer_size}, &copy);
+    const char* why = "is no RTPS of use";
+    const auto admitted = Admitted({receive_buffer, receive_buffer_size}, remote_locator, &why);
+    const auto passed = filter_.Pass(admitted, &copy);
     if (passed.empty()) {
-      Drop(remote_locator, receive_buffer_size);
+      Drop(remote_locator, receive_buffer_size, why);
       return;
     }
     next_receiver->OnDataReceived(passed.data(), static_cast<std::uint32_t>(passed.size()),
@@ -60,36 +85,47 @@ class FilteredTransport final : public transport::ChainingTransport {
   }
 
  private:
-  static void Drop(const rtps::Locator_t& sender, std::uint32_t size) {
+  // What of it may be read. Empty: nothing, and why.
+  std::span<const std::uint8_t> Admitted(std::span<const std::uint8_t> datagram,
+                                         const rtps::Locator_t& sender, const char** why) const {
+    if (!admission_.key) {
+      if (admission_.secure || !DatagramKey::HasTag(datagram)) return datagram;
+      *why = "has an authentication tag, and this process has no key (--key, SINEW_KEY)";
+      return {};
+    }
+    const auto verified = admission_.key->Verified(datagram);
+    if (!verified.empty()) return verified;
+    const std::uint32_t address = NumberOf(rtps::IPLocator::ip_to_string(sender));
+    for (const InterfaceAddress& interface : admission_.open) {
+      if (IsOfNetwork(interface, address)) return datagram;
+    }
+    *why = "has no authentication tag of this deployment's key (--key, SINEW_KEY)";
+    return {};
+  }
+
+  static void Drop(const rtps::Locator_t& sender, std::uint32_t size, const char* why) {
     const std::uint64_t count = datagrams_dropped.fetch_add(1, std::memory_order_relaxed) + 1;
     // The 1st, 2nd, 4th, 8th: who sends nothing else must not fill the log.
     if (!std::has_single_bit(count)) return;
-    spdlog::warn("a datagram of {} bytes from {} is no RTPS of use and was dropped ({} of {})",
-                 size, SenderText(sender), count,
+    spdlog::warn("a datagram of {} bytes from {} {} and was dropped ({} of {})", size,
+                 SenderText(sender), why, count,
                  datagrams_received.load(std::memory_order_relaxed));
   }
 
-  const DatagramFilter filter_;
+  FilteredDescriptor descriptor_;
+  const Admission& admission_ = descriptor_.admission();
+  const DatagramFilter filter_{admission_.secure};
 };
 
-class FilteredDescriptor final : public transport::ChainingTransportDescriptor {
- public:
-  FilteredDescriptor(std::shared_ptr<transport::TransportDescriptorInterface> inner, bool secure)
-      : transport::ChainingTransportDescriptor(std::move(inner)), secure_(secure) {}
-
-  transport::TransportInterface* create_transport() const override {
-    return new FilteredTransport(*this, secure_);
-  }
-
- private:
-  bool secure_;
-};
+transport::TransportInterface* FilteredDescriptor::create_transport() const {
+  return new FilteredTransport(*this);
+}
 
 }  // namespace
 
 std::shared_ptr<transport::TransportDescriptorInterface> Filtered(
-    std::shared_ptr<transport::TransportDescriptorInterface> inner, bool secure) {
-  return std::make_shared<FilteredDescriptor>(std::move(inner), secure);
+    std::shared_ptr<transport::TransportDescriptorInterface> inner, Admission admission) {
+  return std::make_shared<FilteredDescriptor>(std::move(inner), std::move(admission));
 }
 
 DatagramCounts ReceivedDatagrams() {

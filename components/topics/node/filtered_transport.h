@@ -1,4 +1,5 @@
-// A transport of Fast DDS behind a DatagramFilter: what does not pass is never parsed.
+// A transport of Fast DDS behind the key of a deployment and a DatagramFilter: what does not pass
+// is never parsed.
 //
 // Threads: set-up by any; receive by the thread of each socket.
 #pragma once
@@ -6,13 +7,27 @@
 #include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
 
 #include <memory>
+#include <optional>
+#include <vector>
+
+#include "components/topics/node/datagram_key.h"
+#include "components/topics/node/interfaces.h"
 
 namespace sinew::node::internal {
 
-// A transport like `inner` that hands on what the filter passes. It logs the first datagram that
-// is dropped, then every time their number has doubled, with the sender. secure: as DatagramFilter.
+// Whose datagrams are read.
+struct Admission {
+  bool secure = false;                 // as DatagramFilter
+  std::optional<DatagramKey> key;      // none: everybody's
+  std::vector<InterfaceAddress> open;  // with a key: networks whose hosts need no tag
+};
+
+// A transport like `inner` that tags what is sent, where there is a key, and hands on what was
+// admitted and passes the filter. It logs the first datagram that is dropped, then every time their
+// number has doubled, with the sender and the reason.
 std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> Filtered(
-    std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> inner, bool secure);
+    std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> inner,
+    Admission admission);
 
 // Datagrams that came to all participants of this process, and those of them that were dropped.
 struct DatagramCounts {

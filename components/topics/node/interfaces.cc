@@ -26,6 +26,15 @@ std::string RunningNames(const std::vector<InterfaceAddress>& running) {
 
 }  // namespace
 
+std::uint32_t NumberOf(const std::string& address) {
+  in_addr out{};
+  return ::inet_pton(AF_INET, address.c_str(), &out) == 1 ? ntohl(out.s_addr) : 0;
+}
+
+bool IsOfNetwork(const InterfaceAddress& interface, std::uint32_t address) {
+  return ((NumberOf(interface.address) ^ address) & interface.mask) == 0;
+}
+
 std::vector<InterfaceAddress> RunningInterfaces() {
   std::vector<InterfaceAddress> running;
   ifaddrs* list = nullptr;
@@ -37,7 +46,9 @@ std::vector<InterfaceAddress> RunningInterfaces() {
     char text[INET_ADDRSTRLEN] = {};
     const auto* address = reinterpret_cast<const sockaddr_in*>(entry->ifa_addr);
     if (::inet_ntop(AF_INET, &address->sin_addr, text, sizeof(text)) == nullptr) continue;
-    running.push_back({entry->ifa_name, text});
+    const auto* mask = reinterpret_cast<const sockaddr_in*>(entry->ifa_netmask);
+    running.push_back(
+        {entry->ifa_name, text, mask == nullptr ? 0xffffffff : ntohl(mask->sin_addr.s_addr)});
   }
   return running;
 }

@@ -2,6 +2,7 @@
 // user named. Nobody on a network can command the robot unless somebody named that network.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -10,7 +11,14 @@ namespace sinew::node::internal {
 struct InterfaceAddress {
   std::string interface;  // e.g. "eth0"
   std::string address;    // IPv4, dotted
+  // Of its network, as a number whose upper byte is the first; by default that address alone.
+  std::uint32_t mask = 0xffffffff;
 };
+
+// An IPv4 address as such a number; 0: it is none.
+std::uint32_t NumberOf(const std::string& address);
+// True: `address` is of the network of `interface`.
+bool IsOfNetwork(const InterfaceAddress& interface, std::uint32_t address);
 
 // IPv4 addresses of all interfaces that are running (up, and with a carrier).
 std::vector<InterfaceAddress> RunningInterfaces();

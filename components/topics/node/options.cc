@@ -86,6 +86,16 @@ void AddDomainOptions(CLI::App& app, Options* options) {
   app.add_option("--qos", options->qos_path,
                  "XML file with QoS profiles instead of the built-in ones, DDS security among them")
       ->envname("SINEW_QOS");
+  app.add_option(
+         "--key", options->key_path,
+         "File with the deployment's key: datagrams without its authentication tag are not read")
+      ->envname("SINEW_KEY");
+  app.add_option("--open", options->open_interfaces,
+                 "Interface where DDS security does instead of the key; may be repeated")
+      ->delimiter(',')
+      ->type_name("NAME")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 
 int RunParticipant(int argc, char** argv, const std::string& component,

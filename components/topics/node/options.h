@@ -33,6 +33,9 @@ struct Options {
   std::vector<int> cpus;                // --cpu or SINEW_CPU: of --realtime; none: DefaultCpu
   std::uint64_t seed = 1;               // --seed
   std::filesystem::path qos_path;       // --qos: XML profiles instead of the built-in ones
+  std::filesystem::path key_path = {};  // --key or SINEW_KEY: of the deployment; empty: none
+  // --open: where a participant without the key may join by DDS security.
+  std::vector<std::string> open_interfaces = {};
   // The other nodes of this thread, where there are some: composition.h. Outlives the nodes.
   Composition* composition = nullptr;
 };
@@ -54,7 +57,7 @@ class StopFlag {
   void Request() noexcept;
 };
 
-// --domain, --interface and --qos, of every program that joins a DDS domain.
+// --domain, --interface, --qos, --key and --open, of every program that joins a DDS domain.
 void AddDomainOptions(CLI::App& app, Options* options);
 
 // What a participant adds to the common options; called before parsing.

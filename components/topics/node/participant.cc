@@ -86,6 +86,7 @@ Participant::Participant(const Options& options, dds::DomainParticipantListener*
   if (participant_ == nullptr) {
     throw DdsError("no DDS participant in domain " + std::to_string(options.domain_id));
   }
+  if (options.mode == TimeMode::kLockstep) RestrictSharedMemory();
   publisher_ = participant_->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
   subscriber_ = participant_->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);
   if (publisher_ == nullptr || subscriber_ == nullptr) {

@@ -6,8 +6,12 @@
 #include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
 #include <spdlog/spdlog.h>
+#include <sys/stat.h>
 
 #include <algorithm>
+#include <array>
+#include <filesystem>
+#include <string_view>
 
 #include "components/topics/node/filtered_transport.h"
 #include "components/topics/node/interfaces.h"
@@ -101,10 +105,31 @@ void WarnWhenOpen(const dds::DomainParticipantQos& qos,
   if (open.empty() || HasSecurity(qos)) return;
   std::call_once(once, [&open] {
     spdlog::warn(
-        "open to the network on {} without DDS security: whoever reaches it can command the robot "
-        "({})",
+        "open to the network on {} without a key or DDS security: whoever reaches it can command "
+        "the robot ({})",
         open, kPageOnHosts);
   });
+}
+
+Admission AdmissionOf(const Options& options, const std::vector<InterfaceAddress>& running,
+                      bool secure) {
+  Admission out;
+  out.secure = secure;
+  if (!options.key_path.empty()) out.key = DatagramKey::Load(options.key_path);
+  if (options.open_interfaces.empty()) return out;
+  const std::string option = "--open " + options.open_interfaces.front();
+  if (!out.key || !secure) {
+    throw UsageError(option +
+                     ": expected a key (--key), and DDS security (--qos) for those who "
+                     "join there without it");
+  }
+  for (const InterfaceAddress& allowed : AllowedAddresses(options.open_interfaces, running)) {
+    const auto& names = options.open_interfaces;
+    if (std::find(names.begin(), names.end(), allowed.interface) != names.end()) {
+      out.open.push_back(allowed);
+    }
+  }
+  return out;
 }
 
 // Bytes that wait in a recorder's socket while it is not scheduled: it reads every topic, 9 MB/s
@@ -144,11 +169,25 @@ void RestrictTransports(const Options& options, dds::DomainParticipantQos* qos) 
       AnnounceAll(addresses, qos);
     }
   }
-  WarnWhenOpen(*qos, running);
+  Admission admission = AdmissionOf(options, running, HasSecurity(*qos));
+  if (!admission.key) WarnWhenOpen(*qos, running);
   for (auto& descriptor : used.user_transports) {
     if (std::dynamic_pointer_cast<transport::SocketTransportDescriptor>(descriptor)) {
-      descriptor = Filtered(descriptor, HasSecurity(*qos));
+      descriptor = Filtered(descriptor, admission);
     }
+  }
+}
+
+void RestrictSharedMemory() {
+  // Segments and ports, and the semaphores that guard them.
+  constexpr std::array<std::string_view, 2> kPrefixes = {"fastrtps_", "sem.fastrtps_"};
+  std::error_code ignored;  // one of a participant that has ended meanwhile
+  for (const auto& entry : std::filesystem::directory_iterator("/dev/shm", ignored)) {
+    const std::string name = entry.path().filename().string();
+    const bool ours = std::any_of(kPrefixes.begin(), kPrefixes.end(),
+                                  [&name](auto prefix) { return name.rfind(prefix, 0) == 0; });
+    // Refused for files of other users.
+    if (ours) ::chmod(entry.path().c_str(), S_IRUSR | S_IWUSR);
   }
 }
 

@@ -14,9 +14,13 @@ namespace sinew::node::internal {
 // memory has locks that processes share, so that one that is killed, stopped or new can hold up the
 // others (docs/decisions/0013-udp-in-real-time.md). A user's own transports (--qos) keep their
 // interfaceWhiteList; UDPv4 without one gets ours. A recorder's socket takes more. Whatever a
-// socket receives passes a filter first (datagram_filter.h); shared memory is written by the same
-// user only. Warns once a process when something but loopback is open and the profile configures no
-// DDS security.
+// socket receives passes the key (datagram_key.h), where there is one, and a filter
+// (datagram_filter.h). Warns once a process when something but loopback is open and there is
+// neither a key nor DDS security.
 void RestrictTransports(const Options& options, eprosima::fastdds::dds::DomainParticipantQos* qos);
+
+// Shared memory is not filtered, and the library makes its files for every user to write: those of
+// this user become his alone. After the participant has made them.
+void RestrictSharedMemory();
 
 }  // namespace sinew::node::internal

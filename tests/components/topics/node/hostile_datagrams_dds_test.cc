@@ -6,10 +6,12 @@
 #include <poll.h>
 #include <sinew_idl/joint.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <functional>
 #include <random>
 #include <set>
@@ -17,6 +19,7 @@
 #include "components/topics/node/filtered_transport.h"
 #include "components/topics/node/node.h"
 #include "tests/components/topics/node/datagrams.h"
+#include "tests/support/temporary_folder.h"
 
 namespace sinew::node {
 namespace {
@@ -28,8 +31,9 @@ constexpr char kDiscoveryGroup[] = "239.255.0.1";
 constexpr int kDomain = 164;
 constexpr int kDiscoveryPort = 7400 + 250 * kDomain;  // RTPS 2.5, 9.6.2
 
-Options InRealTime(const std::string& name) {
+Options InRealTime(const std::string& name, const std::filesystem::path& key = {}) {
   Options options;
+  options.key_path = key;
   options.component = options.name = name;
   options.domain_id = kDomain;
   options.mode = TimeMode::kRealtime;
@@ -98,9 +102,9 @@ Datagram HeardAnnouncement() {
 
 class HostileDatagrams : public ::testing::Test {
  protected:
-  HostileDatagrams()
-      : provider_(InRealTime("provider")),
-        controller_(InRealTime("controller")),
+  explicit HostileDatagrams(const std::filesystem::path& key = {})
+      : provider_(InRealTime("provider", key)),
+        controller_(InRealTime("controller", key)),
         writer_(controller_.MakeWriter(kJointCommand)),
         reader_(provider_.MakeReader(kJointCommand)) {}
 
@@ -212,6 +216,66 @@ TEST_F(HostileDatagrams, AnnouncementsInTheNameOfAParticipantEndNobody) {
     heard = reader.WaitNext(20ms).has_value();
   }
   EXPECT_TRUE(heard);
+}
+
+struct KeyFile {
+  explicit KeyFile(char digit) : path(folder.Write("robot.key", std::string(64, digit))) {
+    ::chmod(path.c_str(), 0600);
+  }
+  sinew::testing::TemporaryFolder folder;
+  std::filesystem::path path;
+};
+
+// The file is there before the participants are.
+class HostileDatagramsWithAKey : protected KeyFile, public HostileDatagrams {
+ protected:
+  HostileDatagramsWithAKey() : KeyFile('a'), HostileDatagrams(path) {}
+
+  // Everything that was sent since has been dropped.
+  void AwaitDropped(std::uint64_t since, std::uint64_t count) {
+    const auto end = std::chrono::steady_clock::now() + 10s;
+    while (internal::ReceivedDatagrams().dropped < since + count) {
+      ASSERT_LT(std::chrono::steady_clock::now(), end);
+      ASSERT_TRUE(StillTalk());
+    }
+  }
+};
+
+TEST_F(HostileDatagramsWithAKey, WellFormedOnesOfStrangersAreDropped) {
+  ASSERT_TRUE(StillTalk());
+  Datagram tagged = HeardAnnouncement();
+  ASSERT_TRUE(internal::DatagramKey::HasTag(tagged));
+  const Datagram plain(tagged.begin(), tagged.end() - internal::DatagramKey::kTagBytes);
+  tagged.back() ^= 1;
+  for (const Datagram& datagram : {plain, OfAnotherParticipant(plain), tagged}) {
+    const std::uint64_t dropped = internal::ReceivedDatagrams().dropped;
+    for (int k = 0; k < 20; ++k) Send(datagram);
+    AwaitDropped(dropped, 20 * ports_.size());
+  }
+}
+
+TEST_F(HostileDatagramsWithAKey, WhoLacksTheKeyNeitherHearsNorIsHeard) {
+  const KeyFile another('b'), third('c');
+  Node deaf(InRealTime("deaf")), deaf_too(InRealTime("deaf_too", another.path));
+  Node mute(InRealTime("mute")), mute_too(InRealTime("mute_too", third.path));
+  auto unheard = deaf.MakeReader(kJointCommand), unheard_too = deaf_too.MakeReader(kJointCommand);
+  auto writer = mute.MakeWriter(kJointCommand), writer_too = mute_too.MakeWriter(kJointCommand);
+  ASSERT_TRUE(StillTalk());
+  const std::uint64_t before = reader_.received() - tick_;
+  // A newcomer with the key is found meanwhile, by the same announcements.
+  Node newcomer(InRealTime("newcomer", path));
+  auto heard = newcomer.MakeReader(kJointCommand);
+  const auto end = std::chrono::steady_clock::now() + 10s;
+  while (heard.received() < 20) {
+    ASSERT_LT(std::chrono::steady_clock::now(), end);
+    ASSERT_TRUE(StillTalk());
+    ASSERT_NE(writer.Write(msg::JointCommand()), WriteStatus::kFailed);
+    ASSERT_NE(writer_too.Write(msg::JointCommand()), WriteStatus::kFailed);
+  }
+  EXPECT_EQ(unheard_too.received(), 0u);
+  // The one without any key hears the mute without one, and nobody else.
+  EXPECT_LE(unheard.received(), tick_);
+  EXPECT_LE(reader_.received(), before + tick_);
 }
 
 }  // namespace

@@ -58,5 +58,16 @@ TEST(Interfaces, TheseOfThisMachineHoldLoopback) {
   EXPECT_FALSE(IsLoopback("10.127.0.1"));
 }
 
+TEST(Interfaces, AnAddressIsOfTheNetworkOfItsMask) {
+  const InterfaceAddress home = {"eth0", "10.1.2.3", 0xffffff00};
+  EXPECT_TRUE(IsOfNetwork(home, NumberOf("10.1.2.250")));
+  EXPECT_FALSE(IsOfNetwork(home, NumberOf("10.1.3.3")));
+  EXPECT_FALSE(IsOfNetwork(home, NumberOf("127.0.0.1")));
+  EXPECT_FALSE(IsOfNetwork(home, NumberOf("no address")));
+  const InterfaceAddress alone = {"eth0", "10.1.2.3"};
+  EXPECT_TRUE(IsOfNetwork(alone, NumberOf("10.1.2.3")));
+  EXPECT_FALSE(IsOfNetwork(alone, NumberOf("10.1.2.4")));
+}
+
 }  // namespace
 }  // namespace sinew::node::internal
