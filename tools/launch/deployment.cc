@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "components/base/config/config.h"
+#include "components/topics/isolation/isolation.h"
 #include "tools/launch/deployment_files.h"
 
 namespace sinew::launch {
@@ -301,6 +302,36 @@ void Record(const fs::path& path, const fs::path& folder, Deployment* deployment
   deployment->processes.push_back(logger);
 }
 
+// The holder of the network is the first to start and among the last to stop.
+void Isolate(const config::Section& network, const std::vector<std::string>& moved,
+             const fs::path& folder, Deployment* deployment) {
+  if (!deployment->interfaces.empty()) {
+    network.Fail("interfaces", "an isolated deployment is reached on no network, expected none");
+  }
+  Process holder;
+  holder.name = "network";
+  holder.program = FindProgram("sinew", fs::current_path(), folder);
+  if (holder.program.empty()) throw UsageError("isolate: " + NoProgram("sinew", folder));
+  holder.arguments = isolation::HolderArguments(deployment->name, deployment->domain_id, moved);
+  holder.plain = holder.stop_last = true;
+  holder.ready_when = deployment->name;
+  if (deployment->Find(holder.name) != nullptr) {
+    throw UsageError(deployment->file.string() + ": the name '" + holder.name +
+                     "' is of the holder of an isolated deployment's network, expected another");
+  }
+  for (Process& process : deployment->processes) {
+    // Programs of our own enter by themselves.
+    if (process.plain) {
+      std::vector<std::string> line = {"enter", deployment->name, process.program.string()};
+      line.insert(line.end(), process.arguments.begin(), process.arguments.end());
+      process.arguments = std::move(line);
+      process.program = holder.program;
+    }
+    process.after.push_back(holder.name);
+  }
+  deployment->processes.insert(deployment->processes.begin(), std::move(holder));
+}
+
 std::string NumberText(double value) {
   std::ostringstream out;
   out.precision(15);
@@ -356,6 +387,8 @@ Deployment LoadDeployment(const fs::path& file, const Overrides& overrides,
   if (network.Has("qos")) deployment.qos = fs::absolute(network.ExistingPath("qos"));
   if (network.Has("key")) deployment.key = fs::absolute(network.ExistingPath("key"));
   deployment.open = ReadInterfaces(network, "open");
+  deployment.isolated = network.BoolOr("isolate", false);
+  const std::vector<std::string> moved = ReadInterfaces(network, "move");
   deployment.lockstep = root.ChoiceOr("mode", "realtime", {"realtime", "lockstep"}) == "lockstep";
   deployment.duration_s = root.NumberOr("duration_s", 0.0, config::kNotNegative);
   deployment.seed = static_cast<std::uint64_t>(root.IntegerOr("seed", 1, config::kNotNegative));
@@ -395,6 +428,8 @@ Deployment LoadDeployment(const fs::path& file, const Overrides& overrides,
   std::vector<std::string> composed = overrides.compose;
   if (overrides.compose_all) composed = WhatComposes(deployment);
   if (overrides.compose_all || !composed.empty()) Compose(composed, program_folder, &deployment);
+  deployment.isolated = deployment.isolated || overrides.isolate;
+  if (deployment.isolated) Isolate(network, moved, program_folder, &deployment);
   for (const std::string& text : overrides.arguments) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos || equals == 0) {

@@ -34,6 +34,7 @@ struct Deployment {
   std::filesystem::path file;
   std::string name;
   int domain_id = 0;
+  bool isolated = false;                // in a network of its own: isolation.h
   std::vector<std::string> interfaces;  // beside loopback; empty: nobody on a network is heard
   std::filesystem::path qos;            // QoS profiles of all its processes; empty: SINEW_QOS
   std::filesystem::path key;            // of their datagrams; empty: SINEW_KEY
@@ -61,6 +62,7 @@ struct Overrides {
   std::vector<std::string> without;    // names of processes left out
   std::vector<std::string> compose;    // names of processes that run in the provider's thread
   bool compose_all = false;            // all that can
+  bool isolate = false;                // in a network of its own
   std::filesystem::path record;        // non-empty: the logger writes here; added if there is none
 };
 

@@ -15,6 +15,7 @@
 #include <boost/process/args.hpp>
 #include <boost/process/async_pipe.hpp>
 #include <boost/process/child.hpp>
+#include <boost/process/env.hpp>
 #include <boost/process/error.hpp>
 #include <boost/process/exe.hpp>
 #include <boost/process/extend.hpp>
@@ -171,11 +172,12 @@ struct Launcher::Impl {
       child->streams[i] = std::move(stream);
     }
     std::error_code error;
-    bp::child process(bp::exe = line.front(),
-                      bp::args = std::vector<std::string>(line.begin() + 1, line.end()),
-                      bp::std_in<bp::null, bp::std_out> child->streams[0]->pipe,
-                      bp::std_err > child->streams[1]->pipe,
-                      bp::extend::on_exec_setup = PrepareChild{::getpid()}, error);
+    bp::child process(
+        bp::exe = line.front(), bp::args = std::vector<std::string>(line.begin() + 1, line.end()),
+        bp::std_in<bp::null, bp::std_out> child->streams[0]->pipe,
+        bp::std_err > child->streams[1]->pipe,
+        bp::env["SINEW_DEPLOYMENT"] = deployment.isolated ? deployment.name : std::string("none"),
+        bp::extend::on_exec_setup = PrepareChild{::getpid()}, error);
     if (error) {
       child->state = State::kEnded;
       Fail(child, "cannot be started: " + error.message());

@@ -45,6 +45,7 @@ Program::Program(const std::vector<std::string>& arguments, const std::string& f
     ::dup2(out[1], 1);
     ::dup2(error[1], 2);
     if (!folder.empty() && ::chdir(folder.c_str()) != 0) ::_exit(126);
+    ::setenv("SINEW_DEPLOYMENT", "none", 1);
     ::execvp(words[0], words.data());
     ::_exit(127);
   }

@@ -17,7 +17,8 @@ namespace sinew::launch {
 
 class Program {
  public:
-  // Starts arguments[0] (looked up in PATH when it has no slash).
+  // Starts arguments[0] (looked up in PATH when it has no slash), in no isolated deployment unless
+  // its arguments name one.
   explicit Program(const std::vector<std::string>& arguments, const std::string& folder = "");
   ~Program();  // kills it if it still runs
   Program(const Program&) = delete;

@@ -13,6 +13,7 @@
 #include "tools/sinew/handover.h"
 #include "tools/sinew/hz.h"
 #include "tools/sinew/import.h"
+#include "tools/sinew/isolate.h"
 #include "tools/sinew/launch.h"
 #include "tools/sinew/list.h"
 #include "tools/sinew/model.h"
@@ -33,6 +34,7 @@ namespace sinew::tools {
 void AddCoreCommands(CLI::App& app) {
   AddLaunchCommand(app);
   AddComposeCommand(app);
+  AddIsolateCommands(app);
   AddOperatorCommands(app);
   AddHandoverCommand(app);
   AddConformCommand(app);

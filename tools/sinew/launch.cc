@@ -134,6 +134,8 @@ void AddDeploymentOptions(CLI::App& command, LaunchOptions* options) {
   command.add_option("--domain", options->domain, "DDS domain, 0 to 232")
       ->envname("SINEW_DOMAIN")
       ->type_name("NUMBER");
+  command.add_flag("--isolate", options->overrides.isolate,
+                   "In a network of its own, which nobody else can send to");
   command.add_option("--record", options->record, "Record to this file (adds a logger if needed)")
       ->type_name("FILE.mcap");
   command

@@ -20,8 +20,8 @@ inline void StartCommandLog(const std::string& name) {
   spdlog::set_default_logger(logger);
 }
 
-// The options of node::AddDomainOptions and --lockstep, and the command's log once they are read.
-// The component is the command's name.
+// The options of node::AddDomainOptions and --lockstep; once they are read, the deployment is
+// entered and the command has its log. The component is the command's name.
 inline void AddNodeOptions(CLI::App& command, node::Options* options) {
   options->component = command.get_name();
   options->name = command.get_name();
@@ -29,7 +29,10 @@ inline void AddNodeOptions(CLI::App& command, node::Options* options) {
   command.add_flag_callback(
       "--lockstep", [options] { options->mode = node::TimeMode::kLockstep; },
       "The deployment runs in lockstep");
-  command.parse_complete_callback([name = command.get_name()] { StartCommandLog(name); });
+  command.parse_complete_callback([options, name = command.get_name()] {
+    node::EnterDeployment(*options);
+    StartCommandLog(name);
+  });
 }
 
 }  // namespace sinew::tools

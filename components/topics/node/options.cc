@@ -8,6 +8,7 @@
 #include <csignal>
 #include <iostream>
 
+#include "components/topics/isolation/isolation.h"
 #include "components/topics/node/log.h"
 #include "components/topics/node/realtime.h"
 #include "components/topics/node/version.h"
@@ -76,6 +77,11 @@ void AddDomainOptions(CLI::App& app, Options* options) {
   app.add_option("--domain", options->domain_id, "DDS domain, 0 to 232")
       ->envname("SINEW_DOMAIN")
       ->check(CLI::Range(0, 232));
+  app.add_option("--deployment", options->deployment,
+                 "Isolated deployment whose network is entered: by default the one that runs in "
+                 "the domain; none: the host's network")
+      ->envname("SINEW_DEPLOYMENT")
+      ->type_name("NAME");
   app.add_option("--interface", options->interfaces,
                  "Network interface to be reached on, beside loopback; may be repeated")
       ->envname("SINEW_INTERFACE")
@@ -98,9 +104,15 @@ void AddDomainOptions(CLI::App& app, Options* options) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 
+void EnterDeployment(const Options& options) {
+  if (const auto holder = isolation::Chosen(options.deployment, options.domain_id)) {
+    isolation::Enter(*holder);
+  }
+}
+
 int RunParticipant(int argc, char** argv, const std::string& component,
-                   const std::string& description, const Body& body,
-                   const AddOptions& add_options) {
+                   const std::string& description, const Body& body, const AddOptions& add_options,
+                   const OnHost& on_host) {
   StopFlag stop;  // before any thread exists
   Options options;
   options.component = component;
@@ -138,6 +150,8 @@ int RunParticipant(int argc, char** argv, const std::string& component,
   if (options.name.empty()) options.name = component;
   options.mode = lockstep ? TimeMode::kLockstep : TimeMode::kRealtime;
   try {
+    if (on_host) on_host(options);
+    EnterDeployment(options);
     if (options.realtime_priority) PrepareRealtime(component, options.cpus);
     internal::StartLog(options.name, options.log_level);
     LogStart(options);

@@ -33,6 +33,7 @@ struct Options {
   std::vector<int> cpus;                // --cpu or SINEW_CPU: of --realtime; none: DefaultCpu
   std::uint64_t seed = 1;               // --seed
   std::filesystem::path qos_path;       // --qos: XML profiles instead of the built-in ones
+  std::string deployment = {};          // --deployment or SINEW_DEPLOYMENT: isolation.h
   std::filesystem::path key_path = {};  // --key or SINEW_KEY: of the deployment; empty: none
   // --open: where a participant without the key may join by DDS security.
   std::vector<std::string> open_interfaces = {};
@@ -57,11 +58,17 @@ class StopFlag {
   void Request() noexcept;
 };
 
-// --domain, --interface, --qos, --key and --open, of every program that joins a DDS domain.
+// --domain, --deployment, --interface, --qos, --key and --open, of every program that joins a DDS
+// domain.
 void AddDomainOptions(CLI::App& app, Options* options);
+
+// Into the network of the chosen deployment, where one is isolated. Before any thread exists.
+void EnterDeployment(const Options& options);
 
 // What a participant adds to the common options; called before parsing.
 using AddOptions = std::function<void(CLI::App&)>;
+// What it opens on the host's own network, after parsing.
+using OnHost = std::function<void(const Options&)>;
 using Body = std::function<void(const Options&, StopFlag&)>;
 
 // Adds an option without CLI11's header, whose inline code every program would compile again.
@@ -72,10 +79,10 @@ void AddOption(CLI::App& app, const std::string& name, std::vector<std::string>*
                const std::string& help);  // may be repeated
 void AddFlag(CLI::App& app, const std::string& name, bool* value, const std::string& help);
 
-// Parses, starts the log, runs the body, logs the end. Exit code: 0, 2 for UsageError (one line on
-// stderr), 1 for any other exception.
+// Parses, enters the deployment, starts the log, runs the body, logs the end. Exit code: 0, 2 for
+// UsageError (one line on stderr), 1 for any other exception.
 int RunParticipant(int argc, char** argv, const std::string& component,
                    const std::string& description, const Body& body,
-                   const AddOptions& add_options = {});
+                   const AddOptions& add_options = {}, const OnHost& on_host = {});
 
 }  // namespace sinew::node

@@ -1,0 +1,297 @@
+#include "components/topics/isolation/isolation.h"
+
+#include <fcntl.h>
+#include <linux/netlink.h>
+#include <linux/rtnetlink.h>
+#include <net/if.h>
+#include <sched.h>
+#include <sys/ioctl.h>
+#include <sys/mount.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <utility>
+
+#include "components/base/config/config.h"
+
+namespace sinew::isolation {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// The name that the kernel shows of a holder (15 characters), and its command line.
+constexpr char kHolderName[] = "sinew-isolate";
+constexpr char kCommand[] = "isolate";
+constexpr char kDomainOption[] = "--domain";
+constexpr char kMoveOption[] = "--move";
+
+[[noreturn]] void Fail(const std::string& what) {
+  throw UsageError("isolation: " + what + ": " + std::strerror(errno));
+}
+
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  Descriptor& operator=(Descriptor&&) = delete;
+  int get() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+Descriptor Open(const fs::path& path) {
+  Descriptor out(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (out.get() < 0) Fail(path.string());
+  return out;
+}
+
+std::vector<std::string> CommandLineOf(const fs::path& process) {
+  std::ifstream in(process / "cmdline");
+  std::vector<std::string> words;
+  for (std::string word; std::getline(in, word, '\0');) words.push_back(word);
+  return words;
+}
+
+std::optional<Holder> AsHolder(const fs::path& process) {
+  std::string name;
+  std::ifstream in(process / "comm");
+  if (!std::getline(in, name) || name != kHolderName) return std::nullopt;
+  struct stat status {};
+  if (::stat(process.c_str(), &status) != 0 || status.st_uid != ::geteuid()) return std::nullopt;
+  const std::vector<std::string> words = CommandLineOf(process);
+  if (words.size() < 5 || words[1] != kCommand || words[3] != kDomainOption) return std::nullopt;
+  try {
+    return Holder{std::stoi(process.filename().string()), words[2], std::stoi(words[4])};
+  } catch (const std::logic_error&) {  // no number
+    return std::nullopt;
+  }
+}
+
+std::string NamesOf(const std::vector<Holder>& holders) {
+  std::string out;
+  for (const Holder& holder : holders) out += (out.empty() ? "" : ", ") + holder.deployment;
+  return out.empty() ? "none" : out;
+}
+
+bool IsSameNamespace(const Descriptor& one, const fs::path& other) {
+  struct stat a {
+  }, b{};
+  return ::fstat(one.get(), &a) == 0 && ::stat(other.c_str(), &b) == 0 && a.st_ino == b.st_ino;
+}
+
+void WriteMap(const char* file, const std::string& text) {
+  std::ofstream out(file);
+  if (!(out << text).flush()) Fail(file);
+}
+
+// The user keeps his number inside.
+void MapUser(uid_t user, gid_t group) {
+  WriteMap("/proc/self/setgroups", "deny");
+  WriteMap("/proc/self/uid_map", std::to_string(user) + " " + std::to_string(user) + " 1");
+  WriteMap("/proc/self/gid_map", std::to_string(group) + " " + std::to_string(group) + " 1");
+}
+
+// What is mounted on the host later is seen inside as well, what is mounted inside is not seen
+// outside. In a changed root the root is no mount, and /dev/shm alone matters.
+void OwnSharedMemory() {
+  if (::mount(nullptr, "/", nullptr, MS_REC | MS_SLAVE, nullptr) != 0 &&
+      ::mount(nullptr, "/dev/shm", nullptr, MS_PRIVATE, nullptr) != 0) {
+    Fail("/dev/shm cannot be made private");
+  }
+  if (::mount("sinew", "/dev/shm", "tmpfs", MS_NOSUID | MS_NODEV, "mode=1777") != 0) {
+    Fail("no /dev/shm of its own");
+  }
+}
+
+short FlagsOf(int socket, const std::string& interface) {
+  ifreq request{};
+  interface.copy(request.ifr_name, IFNAMSIZ - 1);
+  return ::ioctl(socket, SIOCGIFFLAGS, &request) == 0 ? request.ifr_flags : short{0};
+}
+
+void SetUp(int socket, const std::string& interface) {
+  ifreq request{};
+  interface.copy(request.ifr_name, IFNAMSIZ - 1);
+  request.ifr_flags = static_cast<short>(FlagsOf(socket, interface) | IFF_UP);
+  if (::ioctl(socket, SIOCSIFFLAGS, &request) != 0) Fail(interface + " cannot be set up");
+}
+
+// A netlink socket belongs to the network in which it was opened, wherever its process goes.
+Descriptor Netlink() {
+  Descriptor out(::socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_ROUTE));
+  if (out.get() < 0) Fail("netlink");
+  return out;
+}
+
+// Of the network of `netlink`, to that of the file `network` (rtnetlink(7), IFLA_NET_NS_FD).
+// False, with errno: the kernel refuses.
+bool Move(const Descriptor& netlink, int index, const Descriptor& network) {
+  struct {
+    nlmsghdr header;
+    ifinfomsg interface;
+    rtattr attribute;
+    int descriptor;
+  } request{};
+  request.header.nlmsg_len = sizeof request;
+  request.header.nlmsg_type = RTM_NEWLINK;
+  request.header.nlmsg_flags = NLM_F_REQUEST | NLM_F_ACK;
+  request.interface.ifi_family = AF_UNSPEC;
+  request.interface.ifi_index = index;
+  request.attribute.rta_type = IFLA_NET_NS_FD;
+  request.attribute.rta_len = RTA_LENGTH(sizeof request.descriptor);
+  request.descriptor = network.get();
+  if (::send(netlink.get(), &request, sizeof request, 0) != sizeof request) return false;
+  std::array<char, 4096> answer{};
+  if (::recv(netlink.get(), answer.data(), answer.size(), 0) <
+      static_cast<ssize_t>(sizeof(nlmsghdr) + sizeof(nlmsgerr))) {
+    return false;
+  }
+  nlmsgerr error{};
+  std::memcpy(&error, answer.data() + sizeof(nlmsghdr), sizeof error);
+  errno = -error.error;
+  return error.error == 0;
+}
+
+Descriptor ControlSocket() { return Descriptor(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)); }
+
+}  // namespace
+
+std::vector<Holder> Holders() {
+  std::vector<Holder> out;
+  std::error_code ignored;
+  for (const auto& process : fs::directory_iterator("/proc", ignored)) {
+    if (const auto holder = AsHolder(process.path())) out.push_back(*holder);
+  }
+  std::sort(out.begin(), out.end(),
+            [](const Holder& a, const Holder& b) { return a.deployment < b.deployment; });
+  return out;
+}
+
+std::optional<Holder> Chosen(const std::string& chosen, int domain_id) {
+  if (chosen == "none") return std::nullopt;
+  std::vector<Holder> running = Holders();
+  if (!chosen.empty()) {
+    for (const Holder& holder : running) {
+      if (holder.deployment == chosen) return holder;
+    }
+    throw UsageError("--deployment " + chosen +
+                     ": no isolated deployment of that name runs, expected one of this user's: " +
+                     NamesOf(running));
+  }
+  std::erase_if(running, [&](const Holder& holder) { return holder.domain_id != domain_id; });
+  if (running.size() > 1) {
+    throw UsageError("several isolated deployments run in domain " + std::to_string(domain_id) +
+                     ", expected --deployment with one of " + NamesOf(running) +
+                     ", or none for the host's own network");
+  }
+  if (running.empty()) return std::nullopt;
+  return running.front();
+}
+
+void Enter(const Holder& holder) {
+  const fs::path process = "/proc/" + std::to_string(holder.pid);
+  const Descriptor user = Open(process / "ns/user"), network = Open(process / "ns/net"),
+                   mounts = Open(process / "ns/mnt"), root = Open(process / "root");
+  if (IsSameNamespace(network, "/proc/self/ns/net")) return;
+  const fs::path folder = fs::current_path();
+  if (!IsSameNamespace(user, "/proc/self/ns/user") && ::setns(user.get(), CLONE_NEWUSER) != 0) {
+    Fail("the user namespace of " + holder.deployment);
+  }
+  if (::setns(network.get(), CLONE_NEWNET) != 0) Fail("the network of " + holder.deployment);
+  if (::setns(mounts.get(), CLONE_NEWNS) != 0) Fail("the mounts of " + holder.deployment);
+  // The kernel changes root and folder to those of the namespace, which after chroot are others.
+  if (::fchdir(root.get()) != 0 || ::chroot(".") != 0 || ::chdir(folder.c_str()) != 0) {
+    Fail(folder.string() + " in the mounts of " + holder.deployment);
+  }
+  ::setenv("SINEW_DEPLOYMENT", "none", 1);  // what it executes is there already
+}
+
+struct Isolation::Impl {
+  struct Moved {
+    std::string name;
+    int index = 0;
+    bool was_up = false;
+  };
+
+  explicit Impl(const std::vector<std::string>& interfaces)
+      : host_network(Open("/proc/self/ns/net")),
+        host_netlink(Netlink()),
+        host_control(ControlSocket()) {
+    for (const std::string& name : interfaces) {
+      const int index = static_cast<int>(::if_nametoindex(name.c_str()));
+      if (index == 0) Fail("interface " + name);
+      moved.push_back({name, index, (FlagsOf(host_control.get(), name) & IFF_UP) != 0});
+    }
+  }
+
+  const Descriptor host_network, host_netlink, host_control;
+  std::vector<Moved> moved;
+};
+
+Isolation::Isolation(const std::string& deployment, const std::vector<std::string>& interfaces)
+    : impl_(std::make_unique<Impl>(interfaces)) {
+  for (const Holder& holder : Holders()) {
+    if (holder.deployment != deployment) continue;
+    throw UsageError("isolation: a deployment '" + deployment + "' runs already (process " +
+                     std::to_string(holder.pid) + "), expected a name of its own");
+  }
+  const uid_t user = ::geteuid();
+  const gid_t group = ::getegid();
+  if (user != 0 && !interfaces.empty()) {
+    throw UsageError("isolation: " + interfaces.front() + " can be moved by root only");
+  }
+  if (::unshare((user == 0 ? 0 : CLONE_NEWUSER) | CLONE_NEWNET | CLONE_NEWNS) != 0) {
+    Fail("no namespaces for this user, expected root, or user namespaces for everybody");
+  }
+  if (user != 0) MapUser(user, group);
+  OwnSharedMemory();
+  const Descriptor network = Open("/proc/self/ns/net"), control = ControlSocket();
+  SetUp(control.get(), "lo");
+  for (const Impl::Moved& each : impl_->moved) {
+    if (!Move(impl_->host_netlink, each.index, network)) Fail(each.name + " cannot be moved");
+    if (each.was_up) SetUp(control.get(), each.name);
+  }
+}
+
+Isolation::~Isolation() {
+  if (impl_->moved.empty()) return;
+  try {
+    const Descriptor netlink = Netlink();
+    for (const Impl::Moved& each : impl_->moved) {
+      const int index = static_cast<int>(::if_nametoindex(each.name.c_str()));
+      if (Move(netlink, index, impl_->host_network) && each.was_up) {
+        SetUp(impl_->host_control.get(), each.name);
+      }
+    }
+  } catch (const UsageError&) {
+    // The kernel gives physical ones back with the last process inside.
+  }
+}
+
+std::vector<std::string> HolderArguments(const std::string& deployment, int domain_id,
+                                         const std::vector<std::string>& interfaces) {
+  std::vector<std::string> out = {kCommand, deployment, kDomainOption, std::to_string(domain_id)};
+  for (const std::string& name : interfaces) out.insert(out.end(), {kMoveOption, name});
+  return out;
+}
+
+void BecomeHolder() { ::prctl(PR_SET_NAME, kHolderName); }
+
+}  // namespace sinew::isolation

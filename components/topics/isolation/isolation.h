@@ -1,0 +1,60 @@
+// A network and a /dev/shm of a deployment's own: namespaces of Linux (namespaces(7)) that a
+// process holds, `sinew isolate NAME`. Whoever is outside cannot send a datagram to anybody inside,
+// other users of the host among them; programs of the same user enter, and files, folders and Unix
+// sockets at paths are the host's as before.
+//
+// Without root the namespaces belong to a user namespace, in which nobody has more rights than
+// before; interfaces are moved by root only.
+//
+// Set-up only; functions that change the process want it to have one thread, and throw UsageError.
+#pragma once
+
+#include <sys/types.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sinew::isolation {
+
+// A process that holds the network of a deployment.
+struct Holder {
+  pid_t pid = 0;
+  std::string deployment;
+  int domain_id = 0;
+};
+
+// Those of this process' user that are ready, by name.
+std::vector<Holder> Holders();
+
+// Which one a program of `domain_id` enters. chosen: the name of a deployment, "none" for the
+// host's own network, or empty: the one that runs in the domain, where there is one. Throws: no
+// such deployment runs, or empty and several do.
+std::optional<Holder> Chosen(const std::string& chosen, int domain_id);
+
+// This process, and what it executes, is inside from now on. Nothing, where it is inside already.
+void Enter(const Holder& holder);
+
+// The namespaces of this process, made new, with the interfaces that are moved in (up again, as
+// they were) and a loopback that is up. They go back when this ends; when the process is killed,
+// the kernel gives physical ones back, and deletes virtual ones.
+class Isolation {
+ public:
+  // Throws, too: a deployment of that name is held already, and an interface that is not there.
+  Isolation(const std::string& deployment, const std::vector<std::string>& interfaces);
+  ~Isolation();
+  Isolation(const Isolation&) = delete;
+  Isolation& operator=(const Isolation&) = delete;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+// The command line of a holder, of which this process has its name: from now on Holders() finds it.
+std::vector<std::string> HolderArguments(const std::string& deployment, int domain_id,
+                                         const std::vector<std::string>& interfaces);
+void BecomeHolder();
+
+}  // namespace sinew::isolation
