@@ -5,8 +5,14 @@
 
 namespace sinew::live {
 
+std::size_t Frame::size() const {
+  return sizeof(Frame) + (payload ? payload->size() : text.size());
+}
+
 void FrameQueue::Push(Frame frame) {
-  if (frame.payload) {
+  if (!frame.payload) {
+    ++texts_;
+  } else {
     const std::size_t size = frame.size();
     // Texts are few and at the front: the first data frame is found at once.
     while (data_bytes_ > 0 && data_bytes_ + size > limit_bytes_) {
@@ -26,7 +32,11 @@ std::optional<Frame> FrameQueue::Pop() {
   if (frames_.empty()) return std::nullopt;
   Frame frame = std::move(frames_.front());
   frames_.pop_front();
-  if (frame.payload) data_bytes_ -= frame.size();
+  if (frame.payload) {
+    data_bytes_ -= frame.size();
+  } else {
+    --texts_;
+  }
   return frame;
 }
 

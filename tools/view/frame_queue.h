@@ -1,6 +1,7 @@
 // The frames that wait for a client: bounded, and a full queue loses its oldest data.
 //
-// Texts (what channels there are, reports) are never lost. Not synchronized.
+// Texts (what channels there are, reports) are never lost: a client is not read while they wait for
+// it, so that few do. Not synchronized.
 #pragma once
 
 #include <cstddef>
@@ -19,10 +20,10 @@ namespace sinew::live {
 using Payload = std::shared_ptr<const std::vector<std::byte>>;
 
 struct Frame {
-  std::string text;  // of a text frame
-  DataHead head{};   // of a data frame
-  Payload payload;   // null: a text frame
-  std::size_t size() const { return payload ? head.size() + payload->size() : text.size(); }
+  std::string text;          // of a text frame
+  DataHead head{};           // of a data frame
+  Payload payload;           // null: a text frame
+  std::size_t size() const;  // bytes of memory
 };
 
 class FrameQueue {
@@ -37,6 +38,7 @@ class FrameQueue {
   std::vector<Frame> PopData(std::size_t most_bytes);
 
   std::size_t waiting() const { return frames_.size(); }
+  std::size_t waiting_texts() const { return texts_; }
   std::size_t waiting_bytes() const { return data_bytes_; }  // of data
   std::uint64_t lost() const { return lost_; }               // data frames since the start
 
@@ -44,6 +46,7 @@ class FrameQueue {
   const std::size_t limit_bytes_;
   std::deque<Frame> frames_;
   std::size_t data_bytes_ = 0;
+  std::size_t texts_ = 0;
   std::uint64_t lost_ = 0;
 };
 

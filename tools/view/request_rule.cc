@@ -48,6 +48,12 @@ std::string RequestRule::WhyNotCommand(const RequestHead& request) const {
   return {};
 }
 
+bool RequestRule::IsOfThePage(const RequestHead& request) const {
+  RequestHead own = request;
+  if (own.origin.empty()) own.origin = "http://" + own.host;
+  return WhyNotCommand(own).empty();
+}
+
 std::string RequestRule::TokenFor(const RequestHead& request) const {
   return request.from_loopback ? token_ : std::string();
 }

@@ -4,7 +4,8 @@
 //   - the Host header must be an address of this server, so that a foreign name that resolves to it
 //     (DNS rebinding) gets nothing;
 //   - a command needs the token, which only the page itself is given, and only on loopback, and the
-//     Origin of the page.
+//     Origin of the page;
+//   - places are kept for what has the token (server.h), whatever others open.
 // The WebSocket sends data and takes no commands: viewers of other origins may read it.
 #pragma once
 
@@ -17,7 +18,7 @@ namespace sinew::live {
 struct RequestHead {
   std::string host;    // header Host: "127.0.0.1:8765"
   std::string origin;  // header Origin; empty: none
-  std::string token;   // header X-Sinew-Token; empty: none
+  std::string token;   // header X-Sinew-Token, of a WebSocket ?token=; empty: none
   bool from_loopback = false;
 };
 
@@ -29,6 +30,8 @@ class RequestRule {
   // Empty: yes. Else why not.
   std::string WhyNotRead(const RequestHead& request) const;
   std::string WhyNotCommand(const RequestHead& request) const;
+  // With the page's token, and not from another page. Browsers send no Origin with a GET.
+  bool IsOfThePage(const RequestHead& request) const;
   // What the page is given; empty for a page that is not asked for from loopback.
   std::string TokenFor(const RequestHead& request) const;
 

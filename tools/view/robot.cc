@@ -1,5 +1,8 @@
 #include "tools/view/robot.h"
 
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
 #include <regex>
 
 #include "components/base/config/config.h"
@@ -9,6 +12,34 @@
 namespace sinew::live {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+// own: the folder of the URDF, links followed.
+fs::path PackageOf(const fs::path& own) {
+  std::error_code error;
+  for (fs::path folder = own; folder.has_relative_path(); folder = folder.parent_path()) {
+    if (fs::is_regular_file(folder / "package.xml", error)) return folder;
+  }
+  return own.filename() == "urdf" ? own.parent_path() : own;
+}
+
+bool IsInside(const fs::path& file, const fs::path& folder) {
+  return std::mismatch(folder.begin(), folder.end(), file.begin(), file.end()).first ==
+         folder.end();
+}
+
+// Links followed; empty: there is none. package://NAME is beside the package, NAME its folder.
+fs::path FileInPackage(const std::string& name, const fs::path& own, const fs::path& package) {
+  std::error_code error;
+  for (fs::path folder = own; folder.has_relative_path(); folder = folder.parent_path()) {
+    fs::path file = fs::canonical(folder / name, error);
+    if (!error && fs::is_regular_file(file, error) && IsInside(file, package)) return file;
+  }
+  return {};
+}
+
+}  // namespace
 
 std::vector<std::string> FilesNamedIn(const std::string& urdf) {
   static const std::regex kFile(R"re(filename\s*=\s*["'](?:package://)?([^"']+)["'])re");
@@ -26,28 +57,27 @@ Robot::Robot(const fs::path& urdf) : urdf_(config::ReadFile(urdf)) {
     moving_.push_back(body.joint_name);
     if (arm::IsDriven(body)) driven_.push_back(body.joint_name);
   }
-  const fs::path beside = fs::absolute(urdf).parent_path();
+  const fs::path own = fs::canonical(urdf).parent_path();
+  const fs::path package = PackageOf(own);
+  std::vector<std::string> left_out;
   for (const std::string& name : FilesNamedIn(urdf_)) {
-    std::error_code error;
-    for (fs::path folder = beside; folder.has_relative_path(); folder = folder.parent_path()) {
-      if (fs::is_regular_file(folder / name, error)) {
-        meshes_[name] = folder / name;
-        break;
-      }
+    const fs::path file = FileInPackage(name, own, package);
+    try {
+      meshes_[name] = {200, ContentType(file), config::ReadFile(file)};
+    } catch (const UsageError&) {  // an empty path among them
+      left_out.push_back(name);
     }
   }
+  if (left_out.empty()) return;
+  spdlog::warn("{}: {} files that it names are not served, such as '{}', expected them in {}",
+               urdf.string(), left_out.size(), left_out.front(), package.string());
 }
 
 HttpReply Robot::Mesh(const std::string& name) const {
   const auto found = meshes_.find(name);
-  if (found == meshes_.end()) {
-    return {404, "text/plain; charset=utf-8", name + ": the URDF names no such file\n"};
-  }
-  try {
-    return {200, ContentType(found->second), config::ReadFile(found->second)};
-  } catch (const UsageError& error) {
-    return {404, "text/plain; charset=utf-8", std::string(error.what()) + "\n"};
-  }
+  if (found != meshes_.end()) return found->second;
+  return {404, "text/plain; charset=utf-8",
+          name + ": the URDF names no such file of its package\n"};
 }
 
 }  // namespace sinew::live

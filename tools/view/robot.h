@@ -1,6 +1,9 @@
 // The robot that the page draws: its URDF, which of its joints joint_state has, and its meshes.
 //
-// Set-up only, but for Mesh, which reads a file; any thread.
+// The URDF may be a stranger's: what it names is served from inside its package only, the nearest
+// folder from its own on upwards that has a package.xml, else its own (of NAME/urdf/: NAME).
+//
+// Reads files in the constructor only; any thread.
 #pragma once
 
 #include <filesystem>
@@ -22,14 +25,14 @@ class Robot {
   // and all that move. joint_state has one of the two, by their number.
   const std::vector<std::string>& driven() const { return driven_; }
   const std::vector<std::string>& moving() const { return moving_; }
-  // A file that the URDF names, by that name without "package://". Status 404: it names no such
-  // file, or it is not there. Looked for beside the URDF, then in the folders above it.
+  // A file that the URDF names, by that name without "package://", looked for beside the URDF, then
+  // in the folders above it. Status 404: it names no such file, or there is none in its package.
   HttpReply Mesh(const std::string& name) const;
 
  private:
   std::string urdf_;
   std::vector<std::string> driven_, moving_;
-  std::map<std::string, std::filesystem::path> meshes_;
+  std::map<std::string, HttpReply> meshes_;
 };
 
 // What stands in filename="..." of an URDF, without "package://".

@@ -3,7 +3,6 @@
 #include <spdlog/spdlog.h>
 
 #include <array>
-#include <atomic>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -19,6 +18,7 @@
 
 #include "components/base/config/config.h"
 #include "tools/view/frame_queue.h"
+#include "tools/view/places.h"
 #include "tools/view/subscriptions.h"
 
 namespace sinew::live {
@@ -33,12 +33,16 @@ using Tcp = asio::ip::tcp;
 using Error = beast::error_code;
 using HttpMessage = http::request<http::string_body>;
 
-constexpr std::chrono::seconds kRequestLimit(30);  // for a request to come and its reply to go
-constexpr std::size_t kLargestRequest = 64u << 10;
-constexpr std::size_t kLargestClientText = 256u << 10;  // 1000 subscriptions are 40 kB
-constexpr std::chrono::seconds kLossReports(1);         // between two to the same client
-constexpr std::chrono::milliseconds kBatches(20);       // between two: the page draws every 50 ms
-constexpr std::size_t kLargestBatch = 1u << 20;
+constexpr std::uint32_t kLargestHeader = 8u << 10;  // with the request line; browsers send 1 kB
+constexpr std::size_t kLargestBody = 1u << 10;      // no request has one that is read
+constexpr std::chrono::seconds kReplyLimit(30);     // 64 MiB at 2 MB/s
+// Without a sign of life, pings included: half of it for what is on its way, a batch and the
+// kernel's buffers (4 MB), at 350 kB/s.
+constexpr std::chrono::seconds kIdleLimit(30);
+constexpr std::size_t kMostProblems = 8;           // that one message is answered with
+constexpr std::chrono::seconds kLossReports(1);    // between two to the same client
+constexpr std::chrono::milliseconds kBatches(20);  // between two: the page draws every 50 ms
+constexpr std::string_view kTokenQuery = "?token=";
 // Nothing of the page comes from elsewhere, nothing runs in the page of another site.
 constexpr const char* kContentPolicy =
     "default-src 'self'; connect-src 'self' ws:; img-src 'self' blob: data:; "
@@ -50,39 +54,37 @@ std::string EndpointText(const Tcp::endpoint& endpoint) {
 
 class Client;
 
+// Places of one kind: with the token of the page, and without.
+struct Shares {
+  explicit Shares(std::size_t most) : page(most), others(most) {}
+  Places page, others;
+  Places* Of(bool of_page) { return of_page ? &page : &others; }
+};
+
 // What the connections share. The thread of the server, but for what the mutex guards.
 struct Shared {
   ServerOptions options;
   std::vector<Channel> channels;
   HttpHandler handler;
   std::optional<RequestRule> rule;
-  std::atomic<std::size_t> connections{0};
+  Shares connections{kMostConnections};
+  Shares client_places{kMostClients};
+  Places replies{kMostReplyBytes};
   mutable std::mutex mutex;
   std::set<std::shared_ptr<Client>> clients;
 };
 
-// Counts the connections while it lives.
-class ConnectionCount {
- public:
-  explicit ConnectionCount(std::shared_ptr<Shared> shared) : shared_(std::move(shared)) {
-    ++shared_->connections;
-  }
-  ~ConnectionCount() {
-    if (shared_) --shared_->connections;
-  }
-  ConnectionCount(ConnectionCount&&) noexcept = default;
-  ConnectionCount& operator=(ConnectionCount&&) = delete;
-
- private:
-  std::shared_ptr<Shared> shared_;
-};
+websocket::stream_base::timeout ClientTimeouts() {
+  auto timeouts = websocket::stream_base::timeout::suggested(beast::role_type::server);
+  timeouts.idle_timeout = kIdleLimit;
+  return timeouts;
+}
 
 // A client of the WebSocket.
 class Client : public std::enable_shared_from_this<Client> {
  public:
-  Client(beast::tcp_stream&& stream, std::shared_ptr<Shared> shared, ConnectionCount&& count)
+  Client(beast::tcp_stream&& stream, std::shared_ptr<Shared> shared)
       : shared_(std::move(shared)),
-        count_(std::move(count)),
         socket_(std::move(stream)),
         batch_timer_(socket_.get_executor()),
         subscriptions_(shared_->channels.size()),
@@ -92,11 +94,13 @@ class Client : public std::enable_shared_from_this<Client> {
     address_ = error ? "unknown" : EndpointText(remote);
   }
 
-  // subprotocol: one of ours.
-  void Start(HttpMessage request, std::string_view subprotocol) {
+  // subprotocol: one of ours. owner: of its place.
+  void Start(HttpMessage request, std::string_view subprotocol, bool of_page, std::string owner) {
+    place_.emplace(shared_->client_places.Of(of_page), std::move(owner), 1,
+                   [this] { beast::get_lowest_layer(socket_).close(); });
     batches_ = subprotocol == kBatchSubprotocol;
     beast::get_lowest_layer(socket_).expires_never();
-    socket_.set_option(websocket::stream_base::timeout::suggested(beast::role_type::server));
+    socket_.set_option(ClientTimeouts());
     socket_.set_option(
         websocket::stream_base::decorator([subprotocol](websocket::response_type& reply) {
           reply.set(http::field::sec_websocket_protocol, std::string(subprotocol));
@@ -146,6 +150,7 @@ class Client : public std::enable_shared_from_this<Client> {
   }
 
   void Write() {
+    ReadOn();
     {
       const std::lock_guard lock(mutex_);
       ReportLoss();
@@ -196,6 +201,7 @@ class Client : public std::enable_shared_from_this<Client> {
   void ReportLoss() {
     const auto now = std::chrono::steady_clock::now();
     if (queue_.lost() == reported_lost_ || now < next_loss_report_) return;
+    if (queue_.waiting_texts() > 0) return;
     spdlog::warn("client {} reads too slowly: {} messages lost, the oldest ones", address_,
                  queue_.lost() - reported_lost_);
     reported_lost_ = queue_.lost();
@@ -213,8 +219,18 @@ class Client : public std::enable_shared_from_this<Client> {
     socket_.async_read(buffer_, [self = shared_from_this()](Error error, std::size_t) {
       if (error) return self->End();
       self->Take();
-      self->Read();
+      self->taken_ = true;
+      self->ReadOn();
     });
+  }
+
+  // A client that does not read its replies is not read.
+  void ReadOn() {
+    {
+      const std::lock_guard lock(mutex_);
+      if (queue_.waiting_texts() > 0 || !std::exchange(taken_, false)) return;
+    }
+    Read();
   }
 
   void Take() {
@@ -234,6 +250,10 @@ class Client : public std::enable_shared_from_this<Client> {
         problems.push_back(std::get<Refused>(message).why);
       }
     }
+    if (problems.size() > kMostProblems) {
+      problems.resize(kMostProblems);
+      problems.back() = "and more of this kind";
+    }
     for (const std::string& problem : problems) {
       SendText(StatusText(StatusLevel::kError, problem));
     }
@@ -246,11 +266,11 @@ class Client : public std::enable_shared_from_this<Client> {
   }
 
   std::shared_ptr<Shared> shared_;
-  const ConnectionCount count_;
   websocket::stream<beast::tcp_stream> socket_;
   std::string address_;
   HttpMessage request_;
   beast::flat_buffer buffer_;
+  bool taken_ = false;  // a message was; the next one is not read yet
   bool batches_ = false;
   asio::steady_timer batch_timer_;
   Frame frame_;                   // on its way
@@ -263,18 +283,37 @@ class Client : public std::enable_shared_from_this<Client> {
   std::uint64_t sent_ = 0;
   std::uint64_t reported_lost_ = 0;
   std::chrono::steady_clock::time_point next_loss_report_{};
+  std::optional<Place> place_;
 };
 
 // A connection until it is closed or becomes a WebSocket.
 class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
  public:
   HttpConnection(Tcp::socket&& socket, std::shared_ptr<Shared> shared)
-      : shared_(shared), count_(std::move(shared)), stream_(std::move(socket)) {}
+      : shared_(std::move(shared)), stream_(std::move(socket)) {
+    Error error;
+    const Tcp::endpoint remote = stream_.socket().remote_endpoint(error);
+    peer_ = error ? "unknown" : remote.address().to_string();
+  }
+
+  void Start() {
+    TakePlace(false);
+    Read();
+  }
+
+ private:
+  // The newest of its share.
+  void TakePlace(bool of_page) {
+    place_.emplace(shared_->connections.Of(of_page), peer_, 1, [this] { stream_.close(); });
+  }
 
   void Read() {
+    reply_place_.reset();
+    response_ = {};
     parser_.emplace();
-    parser_->body_limit(kLargestRequest);
-    stream_.expires_after(kRequestLimit);
+    parser_->header_limit(kLargestHeader);
+    parser_->body_limit(kLargestBody);
+    stream_.expires_after(shared_->options.request_limit);
     http::async_read(stream_, buffer_, *parser_,
                      [self = shared_from_this()](Error error, std::size_t) {
                        if (error) return self->stream_.close();
@@ -282,9 +321,10 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
                      });
   }
 
- private:
   void Answer(HttpMessage request) {
     const RequestHead head = HeadOf(request);
+    const bool of_page = shared_->rule->IsOfThePage(head);
+    TakePlace(of_page);
     const std::string refusal = shared_->rule->WhyNotRead(head);
     if (!refusal.empty()) return Send(request, {403, "text/plain; charset=utf-8", refusal + "\n"});
     if (websocket::is_upgrade(request)) {
@@ -297,8 +337,9 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
         return Send(request, {400, "text/plain; charset=utf-8",
                               "expected the subprotocol " + std::string(kSubprotocol) + "\n"});
       }
-      std::make_shared<Client>(std::move(stream_), shared_, std::move(count_))
-          ->Start(std::move(request), subprotocol);
+      place_.reset();
+      std::make_shared<Client>(std::move(stream_), shared_)
+          ->Start(std::move(request), subprotocol, of_page, peer_ + " " + head.origin);
       return;
     }
     HttpRequest parsed;
@@ -321,6 +362,11 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     head.host = Text(message[http::field::host]);
     head.origin = Text(message[http::field::origin]);
     head.token = Text(message["X-Sinew-Token"]);
+    if (websocket::is_upgrade(message)) {  // to which a page can add no header
+      const std::string target = Text(message.target());
+      const std::size_t mark = target.find(kTokenQuery);
+      if (mark != std::string::npos) head.token = target.substr(mark + kTokenQuery.size());
+    }
     Error error, other;
     const Tcp::endpoint remote = stream_.socket().remote_endpoint(error);
     const Tcp::endpoint local = stream_.socket().local_endpoint(other);
@@ -330,7 +376,6 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   }
 
   void Send(const HttpMessage& request, HttpReply reply) {
-    response_ = {};
     response_.version(request.version());
     response_.keep_alive(request.keep_alive());
     response_.result(reply.status);
@@ -341,7 +386,9 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     response_.set("Content-Security-Policy", kContentPolicy);
     response_.body() = std::move(reply.body);
     response_.prepare_payload();
-    stream_.expires_after(kRequestLimit);
+    reply_place_.emplace(&shared_->replies, peer_, response_.body().size(),
+                         [this] { stream_.close(); });
+    stream_.expires_after(kReplyLimit);
     http::async_write(stream_, response_, [self = shared_from_this()](Error error, std::size_t) {
       if (error || !self->response_.keep_alive()) {
         Error ignored;
@@ -353,11 +400,12 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   }
 
   std::shared_ptr<Shared> shared_;
-  ConnectionCount count_;
+  std::string peer_;  // its address
   beast::tcp_stream stream_;
-  beast::flat_buffer buffer_;
+  beast::flat_buffer buffer_{kLargestHeader + kLargestBody};
   std::optional<http::request_parser<http::string_body>> parser_;
   http::response<http::string_body> response_;
+  std::optional<Place> place_, reply_place_;
 };
 
 }  // namespace internal
@@ -405,10 +453,10 @@ struct Server::Impl {
     acceptor.async_accept(next, [this](Error error) {
       if (error == asio::error::operation_aborted) return;
       Tcp::socket socket = std::exchange(next, Tcp::socket(context));
-      if (!error && shared->connections < shared->options.most_connections) {
+      if (!error) {
         Error ignored;
         socket.set_option(Tcp::no_delay(true), ignored);
-        std::make_shared<HttpConnection>(std::move(socket), shared)->Read();
+        std::make_shared<HttpConnection>(std::move(socket), shared)->Start();
       }
       Accept();
     });

@@ -2,9 +2,14 @@
 //
 // Threads: the server has one of its own, in which the handler is called: it must not wait.
 // Publish, clients and Stop may be called by any thread. A client that reads too slowly loses its
-// oldest data (frame_queue.h) and is sent a status that says so; it never delays anybody else.
+// oldest data (frame_queue.h) and is sent a status that says so; it never delays anybody else, and
+// one that does not read at all is closed.
+//
+// Limits: connections have places (places.h), those without the page's token apart from those whose
+// last request had it. The former, however many, close each other only.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -34,15 +39,30 @@ struct HttpReply {
 
 using HttpHandler = std::function<HttpReply(const HttpRequest&)>;
 
+// Connections with the page's token, and as many without: 5 browsers with 6 each to a host.
+constexpr std::size_t kMostConnections = 32;
+// WebSockets with it, and as many without: the windows of 16 people; 32 kClientBytes are 370 MB.
+constexpr std::size_t kMostClients = 16;
+// Replies that wait for their reader: two spans of a recording (recorded_view.h), the largest.
+constexpr std::size_t kMostReplyBytes = 128u << 20;
+// What may wait for a client: at 2.5 MB/s, all topics of the rig at 240 Hz, more than 3 s.
+constexpr std::size_t kQueueBytes = 8u << 20;
+constexpr std::size_t kLargestBatch = 1u << 20;  // of the queue, in one frame
+// A text of a client: 1000 subscriptions are 40 kB.
+constexpr std::size_t kLargestClientText = 64u << 10;
+// Memory of a client: its queue, a batch in a vector that doubles, and its text, as it came and as
+// values (of the 3 bytes "[]," come 72).
+constexpr std::size_t kClientBytes = kQueueBytes + 2 * kLargestBatch + 25 * kLargestClientText;
+
 struct ServerOptions {
   std::string address = "127.0.0.1";  // IPv4, of this host
   unsigned short port = 0;            // 0: any that is free
   std::string name;                   // in serverInfo
   std::string session;                // in serverInfo; changes with every start
   std::string token;                  // of commands (request_rule.h)
-  // What may wait for a client: at 2.5 MB/s, all topics of the rig at 240 Hz, more than 3 s.
-  std::size_t queue_bytes = 8u << 20;
-  std::size_t most_connections = 64;
+  std::size_t queue_bytes = kQueueBytes;
+  // For a request to come. It is one segment: lost twice it comes after 3 s (RFC 6298: 1 s, 2 s).
+  std::chrono::milliseconds request_limit{5000};
 };
 
 // Of a client of the WebSocket.

@@ -19,6 +19,9 @@ std::vector<std::string> Subscriptions::Add(const Subscribe& request) {
     if (number < 1 || number > by_channel_.size()) {
       problems.push_back("subscribe: no channel " + std::to_string(number) + ", expected 1 to " +
                          std::to_string(by_channel_.size()));
+    } else if (channels_.size() >= most()) {
+      problems.push_back("subscribe: " + NumberText(item.subscription) +
+                         " is one too many, expected " + std::to_string(most()) + " at most");
     } else if (!channels_.emplace(item.subscription, item.channel).second) {
       problems.push_back("subscribe: subscription " + NumberText(item.subscription) +
                          " is there already, expected another id");

@@ -15,6 +15,10 @@ class Subscriptions {
   // Channels are numbered from 1 to channel_count.
   explicit Subscriptions(std::size_t channel_count) : by_channel_(channel_count) {}
 
+  // A viewer subscribes to a channel once, one that changes its windows once more before it leaves;
+  // each subscription copies the channel's messages into the queue again.
+  std::size_t most() const { return 4 * by_channel_.size(); }
+
   // What was wrong, a line each, for the client; what was right counts all the same.
   std::vector<std::string> Add(const Subscribe& request);
   std::vector<std::string> Remove(const Unsubscribe& request);

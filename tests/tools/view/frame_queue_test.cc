@@ -14,11 +14,9 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr std::size_t kHead = std::tuple_size_v<DataHead>;
-
 Frame Data(std::size_t size, unsigned mark) {
   return {"", MessageDataHead(SubscriptionNumber{mark}, 0),
-          std::make_shared<const std::vector<std::byte>>(size - kHead)};
+          std::make_shared<const std::vector<std::byte>>(size - sizeof(Frame))};
 }
 unsigned MarkOf(const Frame& frame) { return std::to_integer<unsigned>(frame.head[1]); }
 
@@ -68,7 +66,7 @@ TEST(FrameQueue, WhatIsLostAndWhatIsReadAreAllThatCame) {
   FrameQueue queue(1000);
   std::uint64_t read = 0;
   for (unsigned i = 0; i < 10000; ++i) {
-    queue.Push(Data(50 + 37 * (i % 7), i));
+    queue.Push(Data(sizeof(Frame) + 37 * (i % 7), i));
     EXPECT_LE(queue.waiting_bytes(), 1000u);
     if (i % 3 == 0 && queue.Pop()) ++read;
   }
@@ -161,9 +159,12 @@ const std::string kToken = "0123456789abcdef";
 TEST(RequestRule, ThePageOfThisServerCommandsWithItsToken) {
   const RequestRule rule("127.0.0.1", 8765, kToken);
   for (const char* host : {"127.0.0.1:8765", "localhost:8765"}) {
-    const RequestHead head{host, std::string("http://") + host, kToken, true};
+    RequestHead head{host, std::string("http://") + host, kToken, true};
     EXPECT_EQ(rule.WhyNotRead(head), "");
     EXPECT_EQ(rule.WhyNotCommand(head), "");
+    EXPECT_TRUE(rule.IsOfThePage(head));
+    head.origin.clear();
+    EXPECT_TRUE(rule.IsOfThePage(head)) << "a GET";
   }
 }
 
@@ -174,18 +175,21 @@ TEST(RequestRule, OthersDoNot) {
   head.host = "evil.example:8765";
   EXPECT_THAT(rule.WhyNotRead(head), HasSubstr("evil.example"));
   EXPECT_NE(rule.WhyNotCommand(head), "");
+  EXPECT_FALSE(rule.IsOfThePage(head));
   for (const char* origin : {"", "null", "http://evil.example", "https://127.0.0.1:8765",
                              "http://127.0.0.1:8766", "http://localhost:8765"}) {
     head = good;
     head.origin = origin;
     EXPECT_THAT(rule.WhyNotCommand(head), HasSubstr("Origin")) << origin;
     EXPECT_EQ(rule.WhyNotRead(head), "") << "viewers of other origins may read";
+    EXPECT_EQ(rule.IsOfThePage(head), head.origin.empty()) << origin;
   }
   for (const std::string& token :
        {std::string(), kToken.substr(1), kToken + "x", std::string("0123456789abcdeF")}) {
     head = good;
     head.token = token;
     EXPECT_THAT(rule.WhyNotCommand(head), HasSubstr("token")) << token;
+    EXPECT_FALSE(rule.IsOfThePage(head)) << token;
   }
 }
 

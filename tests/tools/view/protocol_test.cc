@@ -101,6 +101,14 @@ TEST(ViewProtocol, AnyBytesOfAClientAreReadWithoutHarm) {
   }
 }
 
+TEST(ViewProtocol, ATextThatIsNestedDeeplyIsReadWithoutHarm) {
+  const std::string list = R"({"op": "subscribe", "subscriptions": )";
+  const ClientMessage message =
+      ParseClientText(list + std::string(100000, '[') + std::string(100000, ']') + "}");
+  ASSERT_TRUE(std::holds_alternative<Refused>(message));
+  EXPECT_LT(std::get<Refused>(message).why.size(), 200u);
+}
+
 TEST(ViewProtocol, TheSubprotocolIsOneOfAList) {
   EXPECT_EQ(ChooseSubprotocol("foxglove.websocket.v1"), kSubprotocol);
   EXPECT_EQ(ChooseSubprotocol("foxglove.sdk.v1, foxglove.websocket.v1"), kSubprotocol);
@@ -135,6 +143,18 @@ TEST(ViewSubscriptions, AChannelGoesToAllWhoAskedUntilTheyLeave) {
               ElementsAre(SubscriptionNumber{5}, SubscriptionNumber{6}));
   EXPECT_THAT(subscriptions.Remove({{SubscriptionNumber{5}}}), IsEmpty());
   EXPECT_THAT(subscriptions.Of(ChannelNumber{2}), ElementsAre(SubscriptionNumber{6}));
+}
+
+TEST(ViewSubscriptions, AClientHasAFewForEachChannel) {
+  Subscriptions subscriptions(2);
+  Subscribe many;
+  for (std::uint32_t i = 0; i < 1000; ++i) {
+    many.items.push_back({SubscriptionNumber{i}, ChannelNumber{1}});
+  }
+  const std::vector<std::string> problems = subscriptions.Add(many);
+  EXPECT_EQ(subscriptions.size(), subscriptions.most());
+  ASSERT_EQ(problems.size(), 1000 - subscriptions.most());
+  EXPECT_THAT(problems[0], HasSubstr("8 is one too many, expected 8 at most"));
 }
 
 TEST(ViewSubscriptions, WhatIsWrongIsReportedAndTheRestCounts) {

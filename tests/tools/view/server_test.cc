@@ -1,109 +1,19 @@
 // The server on sockets: a client that does not read loses its oldest messages and delays nobody.
 #include "tools/view/server.h"
 
-#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <sys/time.h>
-#include <unistd.h>
 
 #include <chrono>
-#include <thread>
 
 #include "components/base/config/config.h"
+#include "tests/tools/view/socket_client.h"
 
 namespace sinew::live {
 namespace {
 
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
-
-constexpr std::chrono::seconds kServerLimit(20);
-
-class Connection {
- public:
-  explicit Connection(unsigned short port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
-    const timeval limit{kServerLimit.count(), 0};
-    ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
-    const int small = 16 << 10;
-    ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &small, sizeof small);
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(port);
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    connected_ = ::connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
-  }
-  ~Connection() { ::close(socket_); }
-  Connection(const Connection&) = delete;
-  Connection& operator=(const Connection&) = delete;
-
-  bool connected() const { return connected_; }
-  void Send(const std::string& bytes) {
-    ASSERT_EQ(::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL),
-              static_cast<ssize_t>(bytes.size()));
-  }
-  // Exactly so many bytes; fewer when the time is over or the other end has closed.
-  std::string Read(std::size_t size) {
-    std::string bytes(size, '\0');
-    std::size_t done = 0;
-    while (done < size) {
-      const ssize_t more = ::recv(socket_, bytes.data() + done, size - done, 0);
-      if (more <= 0) break;
-      done += static_cast<std::size_t>(more);
-    }
-    bytes.resize(done);
-    return bytes;
-  }
-  std::string ReadHead() {
-    std::string head;
-    while (!head.ends_with("\r\n\r\n")) {
-      const std::string next = Read(1);
-      if (next.empty()) break;
-      head += next;
-    }
-    return head;
-  }
-  // RFC 6455, 5.2: a text of less than 126 bytes, masked with zeros.
-  void SendText(const std::string& text) {
-    std::string frame = {
-        static_cast<char>(0x81), static_cast<char>(0x80 | text.size()), 0, 0, 0, 0};
-    Send(frame + text);
-  }
-  struct Received {
-    bool text = false;
-    std::string payload;
-  };
-  Received ReadFrame() {
-    const std::string head = Read(2);
-    if (head.size() < 2) return {};
-    std::size_t size = static_cast<unsigned char>(head[1]);
-    if (size >= 126) {
-      const std::string length = Read(size == 126 ? 2 : 8);
-      size = 0;
-      for (const char byte : length) size = size << 8 | static_cast<unsigned char>(byte);
-    }
-    return {(head[0] & 15) == 1, Read(size)};
-  }
-  void Upgrade(unsigned short port, const std::string& subprotocols = "foxglove.websocket.v1",
-               const std::string& chosen = "foxglove.websocket.v1") {
-    Send("GET / HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port) +
-         "\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
-         "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
-         "Sec-WebSocket-Protocol: " +
-         subprotocols + "\r\n\r\n");
-    const std::string head = ReadHead();
-    EXPECT_THAT(head, StartsWith("HTTP/1.1 101"));
-    EXPECT_THAT(head, HasSubstr("Sec-WebSocket-Protocol: " + chosen + "\r\n"));
-    EXPECT_THAT(ReadFrame().payload, HasSubstr("serverInfo"));
-    EXPECT_THAT(ReadFrame().payload, HasSubstr("advertise"));
-  }
-
- private:
-  int socket_;
-  bool connected_ = false;
-};
 
 ServerOptions SmallServer() {
   ServerOptions options;
@@ -116,15 +26,6 @@ ServerOptions SmallServer() {
 
 HttpReply Echo(const HttpRequest& request) {
   return {200, "text/plain", request.method + " " + request.path + " " + request.query};
-}
-
-bool WaitUntil(const std::function<bool()>& condition) {
-  const auto end = std::chrono::steady_clock::now() + kServerLimit;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > end) return false;
-    std::this_thread::yield();
-  }
-  return true;
 }
 
 TEST(ViewServer, ASlowClientLosesItsOldestMessagesAndIsSentHowMany) {
@@ -222,6 +123,34 @@ TEST(ViewServer, PagesAreAnsweredAndForeignNamesAreNot) {
              "\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
              "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n");
   EXPECT_THAT(other.ReadHead(), StartsWith("HTTP/1.1 404")) << "no live data";
+}
+
+TEST(ViewServer, ARequestThatDoesNotEndIsClosed) {
+  ServerOptions options = SmallServer();
+  options.request_limit = std::chrono::milliseconds(50);
+  const Server server(options, {}, Echo);
+  const auto begin = std::chrono::steady_clock::now();
+  for (const std::string& part :
+       {std::string(), std::string("GET / HTTP/1.1\r\nHost: "),
+        RequestText(server.port(), "POST /api/estop", "Content-Length: 9\r\n") + "1234"}) {
+    Connection half(server.port());
+    half.Send(part);
+    EXPECT_EQ(half.Read(1), "") << part;
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, kClientLimit) << "closed, not given up";
+}
+
+TEST(ViewServer, ManyProblemsOfAMessageAreAFewReplies) {
+  Server server(SmallServer(), {{ChannelNumber{1}, "a", "A", "struct A {};"}}, Echo);
+  Connection client(server.port());
+  client.Upgrade(server.port());
+  std::string numbers = "1";
+  for (int i = 0; i < 10000; ++i) numbers += ",1";
+  client.SendText("{\"op\":\"unsubscribe\",\"subscriptionIds\":[" + numbers + "]}");
+  for (int i = 0; i < 7; ++i) EXPECT_THAT(client.ReadFrame().payload, HasSubstr("subscription 1"));
+  EXPECT_THAT(client.ReadFrame().payload, HasSubstr("and more"));
+  client.SendText("next");
+  EXPECT_THAT(client.ReadFrame().payload, HasSubstr("not a JSON object")) << "it is read again";
 }
 
 TEST(ViewServer, APortThatIsTakenIsAnErrorThatNamesIt) {

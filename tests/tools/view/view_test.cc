@@ -4,10 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <csignal>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <regex>
 #include <string>
 #include <vector>
 
@@ -15,6 +13,7 @@
 #include "tests/support/sinew_program.h"
 #include "tests/support/skip.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/tools/view/view_program.h"
 
 namespace sinew::testing {
 namespace {
@@ -22,41 +21,7 @@ namespace {
 using namespace std::chrono_literals;
 using ::testing::HasSubstr;
 
-constexpr auto kViewLimit = 30s;
-const std::string kViewBin = std::string(SINEW_BIN_DIR) + "/";
 const std::string kViewRobots = SINEW_SOURCE_DIR "/robots/";
-
-// A sinew-view with a page that answers.
-class View {
- public:
-  explicit View(const std::vector<std::string>& arguments) : program_(Line(arguments)) {
-    if (!program_.WaitForText("page and Foxglove WebSocket at", kViewLimit)) return;
-    static const std::regex kAddress(R"(at http://127\.0\.0\.1:(\d+)/)");
-    const std::string log = program_.output() + program_.error();
-    std::smatch match;
-    if (std::regex_search(log, match, kAddress)) port_ = match[1];
-  }
-  const std::string& port() const { return port_; }
-  std::string log() const { return program_.output() + program_.error(); }
-  int End() {
-    program_.Signal(SIGINT);
-    return program_.Wait(kViewLimit);
-  }
-  Finished Ask(std::vector<std::string> arguments) const {
-    arguments.insert(arguments.begin(),
-                     {"node", SINEW_SOURCE_DIR "/tests/tools/view/live_client.mjs", port_});
-    return Run(arguments, 60s);
-  }
-
- private:
-  static std::vector<std::string> Line(const std::vector<std::string>& arguments) {
-    std::vector<std::string> line = {kViewBin + "sinew-view", "--port", "0"};
-    line.insert(line.end(), arguments.begin(), arguments.end());
-    return line;
-  }
-  Program program_;
-  std::string port_;
-};
 
 std::vector<std::string> SurrogateLine(const std::string& domain) {
   return {kViewBin + "sinew-surrogate", "--domain", domain, "--config",

@@ -202,7 +202,7 @@ function showStatus() {
 
 async function readStatus() {
   try {
-    const reply = await fetch('/api/status');
+    const reply = await fetch('/api/status', { headers: { 'X-Sinew-Token': token } });
     const next = await reply.json();
     if (next.participants) {
       status = next;
@@ -334,7 +334,7 @@ async function start() {
   if (info.mode === 'recording') {
     await showRecording(query);
   } else {
-    connection = new Connection(`ws://${location.host}/`, {
+    connection = new Connection(`ws://${location.host}/?token=${token}`, {
       advertise: addChannels,
       message: onMessage,
       state: (text) => { connected = text; want(drawing.tables); },

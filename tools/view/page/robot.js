@@ -33,7 +33,7 @@ export class RobotView {
     this.scene.add(light);
     const loader = new URDFLoader();
     loader.workingPath = '/robot/';
-    loader.packages = () => '/robot';
+    loader.packages = (name) => `/robot/${name}`;
     loader.manager.onLoad = () => {  // of the meshes, which come later
       this.paint();
       this.follow();
