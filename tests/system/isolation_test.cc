@@ -12,6 +12,7 @@
 #include "tests/support/skip.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_host.h"
+#include "tests/tools/view/view_program.h"
 
 namespace sinew::testing {
 namespace {
@@ -70,6 +71,18 @@ TEST(Isolation, ItsUsersProgramsEnterByThemselvesAndNobodyElseHearsIt) {
   other.insert(other.end(), asked.begin(), asked.end());
   EXPECT_EQ(In(other, kStranger).exit_code, 1);
   EXPECT_EQ(In(Shell({"estop", "--domain", "167"})).exit_code, 0);
+  EXPECT_TRUE(Stop(&launch)) << launch.error();
+}
+
+TEST(Isolation, TheLivePageIsReachedFromTheHost) {
+  SKIP_WITHOUT_PACKAGE(testing::Run({"node", "--version"}).exit_code == 0, "nodejs");
+  const TemporaryFolder folder;
+  Program launch({kSinew, "launch", Deployment(folder, "seen", 167)});
+  ASSERT_TRUE(launch.WaitForText("surrogate |", kLimit)) << launch.error();
+  View view({"--domain", "167", "--deployment", "seen"});
+  const Finished client = view.Ask({"receive", "100"});
+  EXPECT_EQ(client.exit_code, 0) << client.error << view.log();
+  EXPECT_EQ(view.End(), 0) << view.log();
   EXPECT_TRUE(Stop(&launch)) << launch.error();
 }
 

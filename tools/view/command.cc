@@ -37,11 +37,16 @@ struct ViewCommandOptions {
   for (const std::string& name : options.node.interfaces) {
     line.insert(line.end(), {"--interface", name});
   }
+  for (const std::string& name : options.node.open_interfaces) {
+    line.insert(line.end(), {"--open", name});
+  }
   if (options.node.mode == node::TimeMode::kLockstep) line.push_back("--lockstep");
   const auto add_path = [&line](const char* name, const std::filesystem::path& path) {
     if (!path.empty()) line.insert(line.end(), {name, path.string()});
   };
+  add_path("--deployment", options.node.deployment);
   add_path("--qos", options.node.qos_path);
+  add_path("--key", options.node.key_path);
   add_path("--config", options.node.config_path);
   const std::vector<std::string> words = WordsOf(options.view);
   line.insert(line.end(), words.begin(), words.end());
@@ -60,6 +65,7 @@ void AddViewCommand(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("view", "A live page of the robot, or of a recording, for a browser");
   tools::AddNodeOptions(*command, &options->node);
+  command->parse_complete_callback({});  // sinew-view enters the deployment itself
   command->add_option("--config", options->node.config_path,
                       "Configuration of the page, such as robots/rig/view.yaml");
   AddViewOptions(*command, &options->view);

@@ -84,6 +84,7 @@ ServerOptions OptionsOfServer(const node::Options& options, const ViewOptions& v
   ServerOptions server;
   server.address = view.address;
   server.port = static_cast<unsigned short>(view.port);
+  server.listener = view.listener;
   server.name = options.name + ", domain " + std::to_string(options.domain_id);
   server.session = RandomHex(kTokenBytes);
   server.token = RandomHex(kTokenBytes);

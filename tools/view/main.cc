@@ -8,14 +8,14 @@
 #include "tools/view/live_view.h"
 #include "tools/view/page.h"
 #include "tools/view/robot.h"
+#include "tools/view/server.h"
 #include "tools/view/view_config.h"
 
 namespace {
 
 using namespace sinew;
 
-void Run(const node::Options& options, node::StopFlag& stop, const live::ViewOptions& given) {
-  const live::ViewOptions view = live::WithConfiguration(given, options.config_path);
+void Run(const node::Options& options, node::StopFlag& stop, const live::ViewOptions& view) {
   const std::filesystem::path folder = tools::ShippedFolder("tools/view/page");
   if (folder.empty()) {
     throw UsageError(
@@ -35,5 +35,10 @@ int main(int argc, char** argv) {
   return node::RunParticipant(
       argc, argv, "view", "Serves a live page of the robot, and its topics for Foxglove.",
       [&](const node::Options& options, node::StopFlag& stop) { Run(options, stop, view); },
-      [&](CLI::App& app) { live::AddViewOptions(app, &view); });
+      [&](CLI::App& app) { live::AddViewOptions(app, &view); },
+      // Browsers are on the host, also where the robot is isolated.
+      [&](const node::Options& options) {
+        view = live::WithConfiguration(view, options.config_path);
+        view.listener = live::Listen(view.address, static_cast<unsigned short>(view.port));
+      });
 }

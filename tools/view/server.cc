@@ -412,24 +412,32 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
 using namespace internal;
 
+int Listen(const std::string& address, unsigned short port) {
+  Error error;
+  const auto number = asio::ip::make_address_v4(address, error);
+  if (error || number.is_unspecified()) {
+    throw UsageError("address '" + address +
+                     "', expected an IPv4 address of this host, such as 127.0.0.1");
+  }
+  asio::io_context context;
+  Tcp::acceptor acceptor(context);
+  const Tcp::endpoint endpoint(number, port);
+  if (!error) acceptor.open(endpoint.protocol(), error);
+  if (!error) acceptor.set_option(asio::socket_base::reuse_address(true), error);
+  if (!error) acceptor.bind(endpoint, error);
+  if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
+  if (error) {
+    throw UsageError(address + ":" + std::to_string(port) + ": " + error.message() +
+                     ", expected a free port (--port)");
+  }
+  return acceptor.release();
+}
+
 struct Server::Impl {
   Impl(const ServerOptions& options, std::vector<Channel> channels, HttpHandler handler)
       : shared(std::make_shared<Shared>()), acceptor(context), next(context) {
-    const std::string where = options.address + ":" + std::to_string(options.port);
-    Error error;
-    const auto address = asio::ip::make_address_v4(options.address, error);
-    if (error || address.is_unspecified()) {
-      throw UsageError("address '" + options.address +
-                       "', expected an IPv4 address of this host, such as 127.0.0.1");
-    }
-    const Tcp::endpoint endpoint(address, options.port);
-    if (!error) acceptor.open(endpoint.protocol(), error);
-    if (!error) acceptor.set_option(asio::socket_base::reuse_address(true), error);
-    if (!error) acceptor.bind(endpoint, error);
-    if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
-    if (error) {
-      throw UsageError(where + ": " + error.message() + ", expected a free port (--port)");
-    }
+    acceptor.assign(Tcp::v4(), options.listener >= 0 ? options.listener
+                                                     : Listen(options.address, options.port));
     port = acceptor.local_endpoint().port();
     shared->options = options;
     shared->channels = std::move(channels);

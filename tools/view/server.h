@@ -57,6 +57,7 @@ constexpr std::size_t kClientBytes = kQueueBytes + 2 * kLargestBatch + 25 * kLar
 struct ServerOptions {
   std::string address = "127.0.0.1";  // IPv4, of this host
   unsigned short port = 0;            // 0: any that is free
+  int listener = -1;                  // of Listen(address, port); -1: the server's own
   std::string name;                   // in serverInfo
   std::string session;                // in serverInfo; changes with every start
   std::string token;                  // of commands (request_rule.h)
@@ -64,6 +65,10 @@ struct ServerOptions {
   // For a request to come. It is one segment: lost twice it comes after 3 s (RFC 6298: 1 s, 2 s).
   std::chrono::milliseconds request_limit{5000};
 };
+
+// A socket that listens, for a Server of a process that changes its network meanwhile. Throws
+// UsageError naming address and port when they cannot be had.
+int Listen(const std::string& address, unsigned short port);
 
 // Of a client of the WebSocket.
 struct ClientCounts {
@@ -77,7 +82,7 @@ struct ClientCounts {
 class Server {
  public:
   // Listens at once. Without channels (numbered from 1 on) there is no WebSocket. Throws UsageError
-  // naming address and port when they cannot be had.
+  // as Listen does.
   Server(const ServerOptions& options, std::vector<Channel> channels, HttpHandler handler);
   ~Server();  // closes all connections
   Server(const Server&) = delete;

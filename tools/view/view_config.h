@@ -17,6 +17,7 @@ inline constexpr unsigned short kDefaultPort = 8765;  // where Foxglove looks fi
 struct ViewOptions {
   std::string address = "127.0.0.1";
   int port = -1;                    // -1: of the configuration, else kDefaultPort
+  int listener = -1;                // of Listen(); not of the command line
   std::filesystem::path urdf;       // empty: of the configuration, else no robot is drawn
   std::filesystem::path recording;  // empty: live
   std::filesystem::path record_folder = ".";
