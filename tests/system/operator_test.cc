@@ -101,5 +101,42 @@ TEST(Operator, ASecondStateProviderIsRefused) {
       << second.error;
 }
 
+TEST(Operator, ALaunchBesideARunningRobotStartsNothing) {
+  Rig rig(147);
+  ASSERT_TRUE(WaitForRobot(rig.state, msg::ROBOT_DISARMED));
+  const Finished second = testing::Run({kBin + "/sinew", "launch", kRig + "deploy_rig.yaml",
+                                        "--mode", "realtime", "--domain", rig.domain});
+  EXPECT_EQ(second.exit_code, 2);
+  EXPECT_NE(second.error.find("already has a state provider: 'surrogate'"), std::string::npos)
+      << second.error;
+  EXPECT_EQ(second.output, "") << "nothing was started";
+}
+
+// The first one cannot answer while the second one looks, as when datagrams are lost.
+TEST(Operator, OfTwoStateProvidersTheYoungerEnds) {
+  Rig rig(147);
+  ASSERT_TRUE(WaitForRobot(rig.state, msg::ROBOT_DISARMED));
+  const auto is_of = [](std::uint64_t session, bool wanted) {
+    return [session, wanted](const msg::JointState& s) {
+      return (s.header().session_id() == session) == wanted;
+    };
+  };
+  std::uint64_t session = 0;
+  ASSERT_TRUE(WaitForState(rig.state, [&session](const msg::JointState& s) {
+    session = s.header().session_id();
+    return s.header().tick() > 500;  // 2 s older than the second
+  }));
+  rig.surrogate.Signal(SIGSTOP);
+  Program second({kBin + "/sinew-surrogate", "--config", kRig + "surrogate.yaml", "--domain",
+                  rig.domain, "--name", "second"});
+  ASSERT_TRUE(WaitForState(rig.state, is_of(session, false))) << second.error();
+  rig.surrogate.Signal(SIGCONT);
+  EXPECT_EQ(second.Wait(10s), 1);
+  EXPECT_NE((second.output() + second.error()).find("this one ends"), std::string::npos)
+      << second.error();
+  EXPECT_EQ(rig.surrogate.Wait(0ms), Program::kTimeout) << rig.surrogate.error();
+  EXPECT_TRUE(WaitForState(rig.state, is_of(session, true)));
+}
+
 }  // namespace
 }  // namespace sinew::testing

@@ -3,13 +3,18 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <cstdint>
+#include <cstdlib>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 
+#include "components/robot/provider/participant/other_provider.h"
+#include "components/topics/node/node.h"
 #include "tools/launch/deployment.h"
 #include "tools/launch/launcher.h"
 
@@ -34,6 +39,11 @@ std::string Quoted(const std::string& word) {
   std::string quoted = "'";
   for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return quoted + "'";
+}
+
+std::filesystem::path OrOfEnvironment(const std::filesystem::path& given, const char* variable) {
+  const char* value = std::getenv(variable);
+  return given.empty() && value != nullptr ? std::filesystem::path(value) : given;
 }
 
 void PrintPlan(const launch::Deployment& deployment, bool json) {
@@ -95,6 +105,26 @@ void PrintResult(const launch::Deployment& deployment, const launch::Result& res
   std::cout << report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << std::endl;
 }
 
+// A deployment whose state provider would be refused starts nothing beside the robot that runs.
+// Throws UsageError: there is one. False: a stop was asked for.
+bool LookFirst(const launch::Deployment& deployment) {
+  // Newcomers are answered at once; the provider itself looks for longer.
+  constexpr std::chrono::milliseconds kLook{300};
+  if (deployment.provider.empty() || deployment.isolated) return true;
+  const node::StopFlag stop;
+  node::Options options;
+  options.component = options.name = "launch";
+  options.domain_id = deployment.domain_id;
+  options.interfaces = deployment.interfaces;
+  options.open_interfaces = deployment.open;
+  options.qos_path = OrOfEnvironment(deployment.qos, "SINEW_QOS");
+  options.key_path = OrOfEnvironment(deployment.key, "SINEW_KEY");
+  if (deployment.lockstep) options.mode = node::TimeMode::kLockstep;
+  node::Node node(options);
+  provider::OtherProvider(node).Refuse(kLook, stop);
+  return !stop.requested();
+}
+
 void RunLaunch(LaunchOptions options) {
   auto& settings = options.overrides.settings;
   const auto add = [&settings](const char* key, const std::optional<std::string>& value) {
@@ -110,6 +140,7 @@ void RunLaunch(LaunchOptions options) {
     PrintPlan(deployment, options.json);
     return;
   }
+  if (!LookFirst(deployment)) return;
   std::vector<std::string> names;
   for (const launch::Process& process : deployment.processes) names.push_back(process.name);
   // With --json the standard output is the report alone.

@@ -176,16 +176,19 @@ void Discovery::Discovered(const dds::DomainParticipant* participant, Endpoint e
     } else {
       endpoint.participant = participant_names_[Text(guid.guidPrefix)];
       for (const TopicInfo& info : AllTopics()) {
-        if (RegisteredTopicName(info.name) == endpoint.topic &&
-            info.dds_type_name != endpoint.type_name) {
+        if (RegisteredTopicName(info.name) != endpoint.topic) continue;
+        endpoint.topic = info.name;
+        if (info.dds_type_name != endpoint.type_name) {
           problem = "topic '" + info.name + "': participant '" + endpoint.participant +
                     "' uses type " + endpoint.type_name + ", this build uses " +
                     info.dds_type_name + "; they never match: rebuild one of them";
         }
+        break;
       }
       endpoints_[endpoint.guid] = endpoint;
     }
   }
+  changes_.fetch_add(1, std::memory_order_release);
   if (!problem.empty()) AddProblem(problem);
   signal_.Notify(nullptr);
   if (on_change_) on_change_();

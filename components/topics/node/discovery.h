@@ -3,6 +3,8 @@
 // Threads: DDS calls the listener functions; the others may be called by any thread.
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <mutex>
@@ -27,6 +29,8 @@ class Discovery final : public dds::DomainParticipantListener {
       : signal_(signal), on_change_(std::move(on_change)) {}
 
   std::vector<Endpoint> endpoints() const;  // of other participants
+  // How often an endpoint was found, changed or lost.
+  std::uint64_t changes() const { return changes_.load(std::memory_order_acquire); }
   std::vector<std::string> problems() const;
   // The name of the participant of this endpoint; empty: not known, or gone.
   std::string ParticipantOf(const eprosima::fastrtps::rtps::GUID_t& guid) const;
@@ -46,6 +50,7 @@ class Discovery final : public dds::DomainParticipantListener {
 
   WakeSignal& signal_;
   const std::function<void()> on_change_;
+  std::atomic<std::uint64_t> changes_{0};
   mutable std::mutex mutex_;
   std::map<std::string, std::string> participant_names_;  // by GUID prefix
   std::map<std::string, Endpoint> endpoints_;             // by GUID

@@ -34,7 +34,7 @@ struct EndpointQos {
 
 struct Endpoint {
   bool is_writer = false;
-  std::string topic;
+  std::string topic;  // as in topics.h, whatever its name on the wire; of a foreign one that name
   std::string type_name;
   std::string participant;
   std::string guid;            // "01.0f. ... |0.0.1.3"; in front of '|' that of the participant

@@ -41,6 +41,7 @@ class InputQueue {
   bool fresh() const { return fresh_; }  // what was accepted belongs to the last cycle
   // The last cycle's sample is another writer's than the one accepted before it.
   bool writer_changed() const { return writer_changed_; }
+  const WriterId& writer() const { return writer_; }  // of what was accepted last
   const InputRules& rules() const { return rules_; }
   std::uint64_t dropped() const { return dropped_; }  // by Push and DropAllButNewest
 

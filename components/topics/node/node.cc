@@ -74,6 +74,8 @@ void Node::SetPeriod(std::chrono::nanoseconds period) {
 
 std::vector<Endpoint> Node::Endpoints() const { return impl_->discovery.endpoints(); }
 
+std::uint64_t Node::EndpointChanges() const { return impl_->discovery.changes(); }
+
 std::vector<std::string> Node::Problems() const { return impl_->discovery.problems(); }
 
 void Node::SetState(State state, const std::string& message) {

@@ -149,6 +149,7 @@ class Node {
 
   // Endpoints of other participants seen so far, and problems (other type hash, incompatible QoS).
   std::vector<Endpoint> Endpoints() const;
+  std::uint64_t EndpointChanges() const;  // grows with every change of them; for loops
   std::vector<std::string> Problems() const;
 
   // component_status, published by a thread beside the loop: at once when the state or message

@@ -133,7 +133,7 @@ std::optional<OwnershipKeeper::Clock::time_point> OwnershipKeeper::NextToSettle(
 std::vector<Rival> OwnershipKeeper::RivalsOf(const WriterImpl& writer) const {
   std::vector<Rival> rivals;
   for (const Endpoint& endpoint : node_.discovery.endpoints()) {
-    if (endpoint.is_writer && endpoint.topic == RegisteredTopicName(writer.topic.name)) {
+    if (endpoint.is_writer && endpoint.topic == writer.topic.name) {
       rivals.push_back({endpoint.guid, endpoint.strength});
     }
   }

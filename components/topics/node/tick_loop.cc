@@ -34,12 +34,22 @@ class InputBase {
       : queue(rules, reader->queue_limit), reader_(std::move(reader)) {}
   virtual ~InputBase() = default;
 
-  // Moves what DDS has received into the queue: all of a trigger.
-  void CollectAll() {
-    Collect([](const HeadOfMessage&, const WriterId&) { return true; });
+  // Moves what DDS has received into the queue: of a trigger what `admits` does.
+  template <class Admits>
+  void Collect(const Admits& admits) {
+    while (auto sample = reader_->TakeNext()) {
+      HeadOfMessage head;
+      if (!PeekHead(sample->bytes.data(), sample->bytes.size(), &head)) {
+        reader_->CountMalformed();
+        continue;
+      }
+      if (!admits(head, sample->writer)) continue;
+      newest_came_ns_ = sample->reception_stamp_ns;
+      queue.Push(head, std::move(sample->bytes), sample->writer);
+    }
   }
   // Only what belongs to the session, and of a commanding topic what the rule admits.
-  void Collect(const types::RunningSession& running) {
+  void CollectOf(const types::RunningSession& running) {
     Collect([&](const HeadOfMessage& head, const WriterId& writer) {
       if (!commands_) return head.session_id == running.session_id;
       const types::MessageHeader header{
@@ -99,20 +109,6 @@ class InputBase {
   std::uint64_t refused() const { return gate_.refused(); }
 
  private:
-  template <class Admits>
-  void Collect(const Admits& admits) {
-    while (auto sample = reader_->TakeNext()) {
-      HeadOfMessage head;
-      if (!PeekHead(sample->bytes.data(), sample->bytes.size(), &head)) {
-        reader_->CountMalformed();
-        continue;
-      }
-      if (!admits(head, sample->writer)) continue;
-      newest_came_ns_ = sample->reception_stamp_ns;
-      queue.Push(head, std::move(sample->bytes), sample->writer);
-    }
-  }
-
   std::unique_ptr<ReaderImpl> reader_;
   std::int64_t newest_came_ns_ = 0;  // epoch
   CommandGate gate_{topic()};
@@ -307,10 +303,20 @@ struct TickLoop::Impl {
     }
   }
 
+  // A session is its writer's for as long as that is heard. Another state provider that discovery
+  // found late is not followed: it or this session's ends (provider/rival.h).
+  bool IsOfAnotherProvider(const HeadOfMessage& head, const WriterId& writer) const {
+    if (lockstep || apart || !last_tick || head.session_id == session_id) return false;
+    return writer != inputs.front()->queue.writer() &&
+           Clock::now() - last_cycle < internal::kSettleTime;
+  }
+
   // The head of the next trigger sample, when there is one; it is the oldest of the queue.
   std::optional<HeadOfMessage> NextTrigger() {
     InputBase& trigger = *inputs.front();
-    trigger.CollectAll();
+    trigger.Collect([this](const HeadOfMessage& head, const WriterId& writer) {
+      return !IsOfAnotherProvider(head, writer);
+    });
     if (!lockstep) trigger.queue.DropAllButNewest();
     while (const auto head = trigger.queue.front()) {
       const bool seen = last_tick && head->session_id == session_id && head->tick <= *last_tick;
@@ -382,7 +388,7 @@ struct TickLoop::Impl {
       awaited.clear();
       bool more = false;  // came after it was looked for: the cycle must not begin without it
       for (std::size_t i = 1; i < inputs.size(); ++i) {
-        inputs[i]->Collect(running);
+        inputs[i]->CollectOf(running);
         if (!inputs[i]->Missing(tick)) continue;
         if (inputs[i]->HasMore()) {
           more = true;

@@ -17,11 +17,11 @@
 #include "components/robot/provider/participant/cycle_sleep.h"
 #include "components/robot/provider/participant/estop_desk.h"
 #include "components/robot/provider/participant/lockstep_wait.h"
+#include "components/robot/provider/participant/other_provider.h"
 #include "components/robot/provider/participant/state_publisher.h"
 #include "components/robot/provider/provider_cycle.h"
 #include "components/robot/provider/work_time.h"
 #include "components/topics/node/cut_off.h"
-#include "components/topics/node/endpoint.h"
 #include "components/topics/node/node.h"
 #include "components/topics/node/realtime.h"
 #include "components/topics/wire/wire.h"
@@ -116,7 +116,8 @@ class Provider {
   }
 
   void Run() {
-    RefuseSecondProvider();  // which sends nothing: the plant is the other one's
+    // Which sends nothing: the plant is the other one's.
+    other_provider_.Refuse(milliseconds(lockstep_ ? 300 : 700), stop_);
     node::BeginRealtime();
     desk_.emplace(estop_config_, cycle_, plant_, [this] {
       node_.Wake();
@@ -140,6 +141,7 @@ class Provider {
       work_.Resume(begin_ns);
       (void)cycle_.Begin(tick_, begin_ns);  // a stall is reported with the cycle
       TakeOperatorCommands();
+      if (!lockstep_) other_provider_.Watch({cycle_.session_id(), cycle_.period_s() * tick_});
       Publish();
       if (options_.composed != nullptr) options_.composed->Answer();
       const PlantCommand* command = nullptr;
@@ -169,21 +171,6 @@ class Provider {
   }
 
  private:
-  // One provider a domain: another one's joint_state would mix with ours.
-  void RefuseSecondProvider() {
-    const auto deadline = Clock::now() + milliseconds(lockstep_ ? 300 : 700);
-    while (Clock::now() < deadline && !stop_.requested()) {
-      for (const node::Endpoint& endpoint : node_.Endpoints()) {
-        if (endpoint.is_writer && endpoint.topic == node::kJointState.name) {
-          throw UsageError("domain " + std::to_string(node_.options().domain_id) +
-                           " already has a state provider: '" + endpoint.participant +
-                           "'; stop it or use another --domain");
-        }
-      }
-      node_.WaitForData(milliseconds(50));
-    }
-  }
-
   void OnOperator(OperatorResult result, types::OperatorAction action, std::string_view reason) {
     if (action == types::OperatorAction::kEstop) desk_->OnEstop(reason);
     if (result == OperatorResult::kUnlatchFirst) desk_->OnReset();
@@ -348,6 +335,7 @@ class Provider {
   bool lockstep_;
   ProviderCycle cycle_;
   node::Node node_;
+  OtherProvider other_provider_{node_};
   StatePublisher publisher_;
   CommandReaders readers_;
   LockstepWait wait_;

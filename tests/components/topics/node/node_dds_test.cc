@@ -390,6 +390,45 @@ TEST(NodeDds, ARequestOfAnotherSessionIsAsIfItHadNeverCome) {
               ElementsAre(true, false, true));
 }
 
+// Two state providers that discovery did not show each other: nobody goes to and fro between them.
+TEST(NodeDds, ALoopStaysWithTheWriterOfItsSessionWhileThatIsHeard) {
+  Node first(MakeOptions("first", 173, TimeMode::kRealtime));
+  Node second(MakeOptions("second", 173, TimeMode::kRealtime));
+  Node node(MakeOptions("loop", 173, TimeMode::kRealtime));
+  StopFlag stop;
+  TickLoop loop(node, stop);
+  loop.AddInput(kJointState);
+  std::atomic<bool> both{false}, one_only{false}, done{false};
+  std::thread provider([&] {
+    auto a = first.MakeWriter(kJointState), b = second.MakeWriter(kJointState);
+    const auto send = [](Writer<msg::JointState>& to, std::uint64_t session, std::uint64_t tick) {
+      msg::JointState state = StateOfTick(tick);
+      state.header().session_id(session);
+      state.period_s(0.002);
+      EXPECT_NE(to.Write(state), WriteStatus::kFailed);
+    };
+    for (std::uint64_t tick = 1; !done; ++tick) {
+      if (!one_only) send(a, 1, tick);
+      if (both) send(b, 2, tick);
+      first.WaitForData(2ms);
+    }
+  });
+  const auto session = [&] {
+    const auto tick = loop.Next();
+    return tick ? tick->session_id : 0;
+  };
+  EXPECT_EQ(session(), 1u);
+  both = true;
+  for (int cycle = 0; cycle < 100; ++cycle) EXPECT_EQ(session(), 1u);
+  one_only = true;
+  const auto end = std::chrono::steady_clock::now() + 10s;
+  std::uint64_t now = 1;
+  while (now == 1 && std::chrono::steady_clock::now() < end) now = session();
+  EXPECT_EQ(now, 2u) << "the first one is not heard any more";
+  done = true;
+  provider.join();
+}
+
 template <class Message>
 concept CanBeAnInput = requires(TickLoop& loop, const Topic<Message>& topic) {
   loop.AddInput(topic);
