@@ -112,6 +112,18 @@ TEST(Operator, ALaunchBesideARunningRobotStartsNothing) {
   EXPECT_EQ(second.output, "") << "nothing was started";
 }
 
+TEST(Operator, AControllerOfAnotherRobotLetsNobodyArm) {
+  Program surrogate(
+      {kBin + "/sinew-surrogate", "--config", kRig + "surrogate.yaml", "--domain", "147"});
+  Program control({kBin + "/sinew-control", "--config",
+                   SINEW_SOURCE_DIR "/robots/biped/control_position.yaml", "--domain", "147"});
+  ASSERT_TRUE(control.WaitForText("another number of joints", 10s)) << control.error();
+  const Finished arm = testing::Run({kBin + "/sinew", "arm", "--domain", "147", "--timeout", "2"});
+  EXPECT_EQ(arm.exit_code, 1);
+  EXPECT_NE(arm.error.find("joint_command names 12 joints and this robot has 1"), std::string::npos)
+      << arm.error;
+}
+
 // The first one cannot answer while the second one looks, as when datagrams are lost.
 TEST(Operator, OfTwoStateProvidersTheYoungerEnds) {
   Rig rig(147);

@@ -55,6 +55,8 @@ const char* FaultText(Fault fault) noexcept {
       return "the reference is not a number";
     case Fault::kNonFiniteOutput:
       return "the command came out as not a number";
+    case Fault::kOtherRobot:
+      return "the robot has another number of joints than the configuration";
     case Fault::kTrackingError:
       return "the joint is further from its reference than allowed";
     case Fault::kNonFinitePrediction:

@@ -21,6 +21,10 @@ RobotController::RobotController(const std::vector<JointControlConfig>& joints) 
 RobotOutput RobotController::Step(const RobotInput& input) noexcept {
   RobotOutput output;
   output.joint_count = joint_count();
+  if (input.joint_count != joint_count()) {
+    output.fault = Fault::kOtherRobot;
+    return output;
+  }
   if (!session_known_ || input.session_id != session_id_ || !input.armed) {
     session_known_ = true;
     session_id_ = input.session_id;
@@ -28,7 +32,7 @@ RobotOutput RobotController::Step(const RobotInput& input) noexcept {
     for (JointController& joint : joints_) joint.Disarm();
   }
   if (!input.armed) {
-    for (int j = 0; j < std::min(joint_count(), input.joint_count); ++j) {
+    for (int j = 0; j < joint_count(); ++j) {
       const double position_rad = input.joint[j].position_rad;
       if (std::isfinite(position_rad)) output.joint[j].position_rad = position_rad;
     }
@@ -39,13 +43,12 @@ RobotOutput RobotController::Step(const RobotInput& input) noexcept {
   }
 
   bool off = false;
-  static constexpr MeasuredJointState kUnknown;
   for (int j = 0; j < joint_count(); ++j) {
     JointInput joint;
     joint.period_s = input.period_s;
     joint.interrupted = input.interrupted;
     joint.stands_by = input.stands_by;
-    joint.measured = j < input.joint_count ? &input.joint[j] : &kUnknown;
+    joint.measured = &input.joint[j];
     joint.reference_expected = j < reference_count_;
     joint.reference_fresh = input.reference_fresh;
     joint.reference_late_s = input.reference_late_s;

@@ -96,6 +96,7 @@ enum class Fault {
   kTrackingError,       // latched: further from the reference than allowed
   kLastLatched = kTrackingError,
   kNonFinitePrediction,  // the network is left out
+  kOtherRobot,           // joint_state has another number of joints than the configuration
 };
 const char* FaultText(Fault fault) noexcept;
 

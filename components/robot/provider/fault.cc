@@ -30,6 +30,12 @@ std::string TextOf(const Fault& fault, std::string_view message) {
                     "says why",
                     fault.value);
       break;
+    case FaultCause::kCommandJoints:
+      std::snprintf(text, sizeof text,
+                    "joint_command names %.0f joints and this robot has %.0f: the controller is "
+                    "configured for another robot",
+                    fault.value, fault.limit);
+      break;
   }
   return message.empty() ? text : text + ("; " + std::string(message));
 }

@@ -12,6 +12,7 @@ enum class FaultCause {
   kCommandMissing,    // value and limit: ms since the tick that the newest command answers
   kCycleLate,         // value and limit: ms between the begins of two cycles
   kCommandNotFinite,  // value: the joint
+  kCommandJoints,     // value: the joints that a command names; limit: those of the robot
   kPlant,             // the plant's message says why
   kJoints,            // a joint's, or of all joints; the plant's message
   kFall,              // the fall guard's message

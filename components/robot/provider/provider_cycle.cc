@@ -61,6 +61,7 @@ OperatorResult ProviderCycle::Take(const OperatorCommand& command, std::uint64_t
   switch (command.action) {
     case OperatorAction::kArm:
       if (!config_.plant_may_be_armed) return OperatorResult::kRefusedByPlant;
+      if (CommandFault().cause != FaultCause::kNone) return OperatorResult::kRefusedByCommand;
       if (!estops_watched_) return OperatorResult::kRefusedByEstop;
       if (fall_ && state() == RobotState::kDisarmed && !fall_->upright()) {
         return OperatorResult::kRefusedByFallGuard;
@@ -104,10 +105,25 @@ void ProviderCycle::ResetFaults() {
 }
 
 bool ProviderCycle::Take(const JointSetpoints& command, std::uint64_t tick) {
-  if (command.header.session_id == config_.session_id) joint_answers_ = command.header.tick + 1;
+  if (command.header.session_id == config_.session_id) {
+    joint_answers_ = command.header.tick + 1;
+  }
+  if (Admits(command.header)) {
+    commanded_joints_ = command.joint_count;
+    if (const Fault fault = CommandFault(); fault.cause != FaultCause::kNone) {
+      if (types::MayMove(state())) guard_.Fail(fault);
+      return false;
+    }
+  }
   if (!guard_.Offer(command.header, tick)) return false;
   joints_ = command;
   return true;
+}
+
+Fault ProviderCycle::CommandFault() const {
+  if (!commanded_joints_ || *commanded_joints_ == config_.joint_count) return {};
+  return {FaultCause::kCommandJoints, static_cast<double>(*commanded_joints_),
+          static_cast<double>(config_.joint_count)};
 }
 
 bool ProviderCycle::Take(const ValveCommand& command, std::uint64_t tick) {
@@ -193,10 +209,6 @@ const PlantCommand& ProviderCycle::Command(std::uint64_t tick, const PlantSensor
 }
 
 void ProviderCycle::Pass(std::size_t j) {
-  if (static_cast<int>(j) >= joints_.joint_count) {  // not named: whatever stands there is not read
-    command_.mode[j] = ControlMode::kIdle;
-    return;
-  }
   command_.mode[j] = joints_.mode[j];
   command_.motor_torque_Nm[j] = joints_.motor_torque_Nm[j];
   command_.position_rad[j] = joints_.position_rad[j];
@@ -204,8 +216,7 @@ void ProviderCycle::Pass(std::size_t j) {
 }
 
 std::optional<std::size_t> ProviderCycle::NotFinite() const {
-  const int count = std::min(config_.joint_count, joints_.joint_count);
-  for (std::size_t j = 0; static_cast<int>(j) < count; ++j) {
+  for (std::size_t j = 0; static_cast<int>(j) < config_.joint_count; ++j) {
     if (!std::isfinite(joints_.motor_torque_Nm[j]) || !std::isfinite(joints_.position_rad[j]) ||
         !std::isfinite(joints_.velocity_rad_s[j])) {
       return j;

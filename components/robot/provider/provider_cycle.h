@@ -76,6 +76,7 @@ enum class OperatorResult {
   kRefusedOrigin,        // arm or reset: replayed, or for hardware not from a live operator
   kRefusedByPlant,       // arm: Plant::ArmRefusal says why
   kRefusedByFallGuard,   // arm: ProviderCycle::FallRefusal says why
+  kRefusedByCommand,     // arm: ProviderCycle::CommandFault says why
   kRefusedByEstop,       // arm: an estop that the robot requires is not watched, or held
   kRefusedResetFirst,    // arm: after a fault or an estop
   kRefusedDisarmFirst,   // reset: a joint that had a fault would move at once
@@ -148,6 +149,9 @@ class ProviderCycle {
   // Why the fall detector lets nobody arm; empty: it does. Allocates.
   std::string FallRefusal() const { return fall_ ? fall_->ArmRefusal() : std::string(); }
 
+  // What keeps the newest joint command of this session from being obeyed.
+  Fault CommandFault() const;
+
   // Real time: the joint command of this tick is waited for. False: nobody may move, or the
   // command has arrived.
   bool AwaitsCommand(std::uint64_t tick) const;
@@ -203,6 +207,7 @@ class ProviderCycle {
   types::JointArray<bool> held_{};  // those that were known
   std::ptrdiff_t faulty_joints_ = 0;
   std::uint64_t joint_answers_ = 0, valve_answers_ = 0;
+  std::optional<int> commanded_joints_;  // by the newest command of this session
 };
 
 }  // namespace sinew::provider

@@ -169,6 +169,7 @@ void ControlInputs::Exchange(types::StateArchive& archive) {
 
 std::string FaultLine(const RobotOutput& output) {
   if (output.fault == Fault::kNone) return "";
+  if (output.fault == Fault::kOtherRobot) return FaultText(output.fault);
   return "joint " + std::to_string(output.fault_joint) + ": " + FaultText(output.fault);
 }
 

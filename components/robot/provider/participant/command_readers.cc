@@ -48,6 +48,8 @@ const char* Refusal(OperatorResult result) {
       return "refused by the plant";
     case OperatorResult::kRefusedByFallGuard:
       return "refused by the fall detector";
+    case OperatorResult::kRefusedByCommand:
+      return "refused: the controller is of another robot";
     case OperatorResult::kRefusedByEstop:
       return "refused: an estop is not watched, or held";
     case OperatorResult::kRefusedResetFirst:

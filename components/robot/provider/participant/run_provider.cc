@@ -174,14 +174,25 @@ class Provider {
   void OnOperator(OperatorResult result, types::OperatorAction action, std::string_view reason) {
     if (action == types::OperatorAction::kEstop) desk_->OnEstop(reason);
     if (result == OperatorResult::kUnlatchFirst) desk_->OnReset();
-    const bool by_plant = result == OperatorResult::kRefusedByPlant;
-    const bool by_estop = result == OperatorResult::kRefusedByEstop;
-    if (by_plant || by_estop || result == OperatorResult::kRefusedByFallGuard) {
-      const std::string why = "arm refused: " + (by_plant   ? plant_.ArmRefusal()
-                                                 : by_estop ? watch_->Problem(MonotonicNow_ns())
-                                                            : cycle_.FallRefusal());
-      spdlog::error("{}", why);
-      node_.SetState(node::Node::State::kActive, why);
+    const std::string why = ArmRefusal(result);
+    if (why.empty()) return;
+    spdlog::error("arm refused: {}", why);
+    node_.SetState(node::Node::State::kActive, "arm refused: " + why);
+  }
+
+  // In the words of whoever refused it; empty: it was not.
+  std::string ArmRefusal(OperatorResult result) const {
+    switch (result) {
+      case OperatorResult::kRefusedByPlant:
+        return plant_.ArmRefusal();
+      case OperatorResult::kRefusedByFallGuard:
+        return cycle_.FallRefusal();
+      case OperatorResult::kRefusedByCommand:
+        return TextOf(cycle_.CommandFault(), "");
+      case OperatorResult::kRefusedByEstop:
+        return watch_->Problem(MonotonicNow_ns());
+      default:
+        return "";
     }
   }
 

@@ -482,8 +482,20 @@ TEST(RobotController, ALostPositionLeavesDampingByTheMotor) {
   out = controller.Step(input);
   EXPECT_EQ(out.joint[0].motor_torque_Nm, 0.0);
   EXPECT_TRUE(out.stale);
-  input.joint_count = 0;  // not even named
-  EXPECT_TRUE(controller.Step(input).stale);
+}
+
+TEST(RobotController, ARobotOfAnotherNumberOfJointsIsNotCommanded) {
+  RobotController controller({RigConfig(Strategy::kPid)});
+  RobotInput input = Still(0.2);
+  for (const int joints : {0, 2}) {
+    input.joint_count = joints;
+    const RobotOutput out = controller.Step(input);
+    EXPECT_EQ(out.fault, Fault::kOtherRobot);
+    EXPECT_EQ(out.joint_count, 1) << "its own, by which the robot knows it";
+    EXPECT_EQ(out.joint[0].mode, types::ControlMode::kIdle);
+  }
+  input.joint_count = 1;
+  EXPECT_EQ(controller.Step(input).fault, Fault::kNone);
 }
 
 // With a derivative gain alone the torque is - Kd x the velocity that was chosen.

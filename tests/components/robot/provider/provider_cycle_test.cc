@@ -106,12 +106,28 @@ TEST(ProviderCycle, AnArmedRobotGetsTheNewestCommandOfItsTick) {
   EXPECT_EQ(command.velocity_rad_s[1], -0.4);
 }
 
-TEST(ProviderCycle, JointsThatACommandDoesNotNameIdle) {
-  ProviderCycle cycle = ArmedCycle();
-  JointSetpoints sent = Torques(1, 0.01, 0.02);
-  sent.joint_count = 1;
-  ASSERT_TRUE(cycle.Take(sent, 1));
-  EXPECT_EQ(Modes(&cycle, 1), (std::array{ControlMode::kTorque, ControlMode::kIdle}));
+// Joints are bound by their index: a command for others would move the wrong ones.
+TEST(ProviderCycle, ACommandOfAnotherNumberOfJointsIsNotObeyedAndLetsNobodyArm) {
+  ProviderCycle cycle(Config());
+  const auto of_joints = [](std::uint64_t tick, int joints) {
+    JointSetpoints sent = Torques(tick, 0.01, 0.02);
+    sent.joint_count = joints;
+    return sent;
+  };
+  for (const int joints : {kCycleJoints - 1, kCycleJoints + 1}) {
+    EXPECT_FALSE(cycle.Take(of_joints(0, joints), 0));
+    EXPECT_EQ(Order(&cycle, OperatorAction::kArm), OperatorResult::kRefusedByCommand);
+  }
+  EXPECT_TRUE(cycle.Take(of_joints(1, kCycleJoints), 1));
+  EXPECT_EQ(Order(&cycle, OperatorAction::kArm, 1), OperatorResult::kDone);
+  JointSetpoints foreign = of_joints(2, kCycleJoints - 1);
+  foreign.header.session_id = kCycleSession + 1;
+  EXPECT_FALSE(cycle.Take(foreign, 2));
+  EXPECT_EQ(cycle.state(), RobotState::kArmed);
+  EXPECT_FALSE(cycle.Take(of_joints(2, kCycleJoints - 1), 2));
+  EXPECT_EQ(cycle.state(), RobotState::kFault);
+  EXPECT_EQ(cycle.fault().cause, FaultCause::kCommandJoints);
+  EXPECT_EQ(Modes(&cycle, 2), kIdle);
 }
 
 TEST(ProviderCycle, CommandsOfAnotherSessionTheFutureOrThePastAreRefused) {
@@ -263,15 +279,6 @@ TEST(ProviderCycle, ACommandThatIsNotFiniteIdlesAllJointsAtOnceAndIsAFault) {
       }
     }
   }
-}
-
-TEST(ProviderCycle, AJointThatTheCommandDoesNotNameMayHoldAnything) {
-  ProviderCycle cycle = ArmedCycle();
-  JointSetpoints sent = Torques(1, 0.01, kNaN);
-  sent.joint_count = 1;
-  ASSERT_TRUE(cycle.Take(sent, 1));
-  EXPECT_EQ(Modes(&cycle, 1), (std::array{ControlMode::kTorque, ControlMode::kIdle}));
-  EXPECT_EQ(cycle.state(), RobotState::kArmed);
 }
 
 // A cycle of hardware: it ages by the clock. The commands of ticks up to 10 came in time.
