@@ -44,7 +44,7 @@ HttpReply Robot::Mesh(const std::string& name) const {
     return {404, "text/plain; charset=utf-8", name + ": the URDF names no such file\n"};
   }
   try {
-    return {200, ContentType(found->second), config::ReadFile(found->second)};
+    return {200, ContentType(found->second), config::ReadFile(found->second, config::kLargestData)};
   } catch (const UsageError& error) {
     return {404, "text/plain; charset=utf-8", std::string(error.what()) + "\n"};
   }
