@@ -70,6 +70,7 @@ void ExpectRefused(std::vector<std::string> arguments, const fs::path& folder,
   const std::vector<std::string> lines = ErrorLines(program.error());
   ASSERT_EQ(lines.size(), 1u) << program.error();
   for (const std::string& word : words) EXPECT_THAT(lines[0], HasSubstr(word));
+  EXPECT_EQ(program.error().find('\x1b'), std::string::npos) << "the log controls the terminal";
   EXPECT_EQ(program.output(), "");
   EXPECT_EQ(FilesIn(folder), before) << "something was written";
 }
@@ -142,6 +143,10 @@ std::vector<Row> CommandRows() {
        {"sinew", "launch", "d.yaml"},
        {{"d.yaml", "schema: \"\\e[2J\"\n"}},
        {"d.yaml:1: key 'schema': '\\u001b[2J', expected"}},
+      {"LogOfControlCharacters",
+       {"sinew-surrogate", "--config", "a\x1b[2J.yaml"},
+       {},
+       {"a\\u001b[2J.yaml: cannot be read"}},
       {"LaunchUnknownKey",
        {"sinew", "launch", "d.yaml"},
        {{"d.yaml",
@@ -227,7 +232,7 @@ std::vector<Row> CommandRows() {
        {{"m.yaml", kMap}, {"d.csv", Replaced(kCsv, "0.2,", "1e300,")}},
        {"d.csv:4", "t_s", "century"}},
       {"ImportIntoAFolder",
-       {"sinew", "import", "d.csv", "--map", "m.yaml", "--out", "."},
+       {"sinew", "import", "d.csv", "--map", "m.yaml", "--out", ".", "--overwrite"},
        {{"m.yaml", kMap}, {"d.csv", kCsv}},
        {".: is a folder, expected the name of a file"}},
       {"ImportIntoAMissingFolder",
@@ -262,9 +267,9 @@ std::vector<Row> CommandRows() {
        {},
        {"--duration", "'1e300' s, expected from 0 to 3155760000 (a century)"}},
       {"RecordForNoNumber",
-       {"sinew", "record", "--out", "o.mcap", "--split-duration", "nan"},
+       {"sinew", "record", "--out", "o.mcap", "--duration", "nan"},
        {},
-       {"--split-duration", "expected from 0 to"}},
+       {"--duration", "expected from 0 to"}},
       {"RecordIntoAMissingFolder",
        {"sinew", "record", "--out", "no/o.mcap", "--domain", "40"},
        {},
