@@ -37,7 +37,8 @@ std::vector<types::Run> ReadCylinder(const std::filesystem::path& folder) {
   std::vector<types::Run> runs;
   for (const std::filesystem::path& file : files) {
     try {
-      types::Run run = recording::ReadCsvRun(config::ReadFile(file), file.filename().string(), map);
+      types::Run run = recording::ReadCsvRun(config::ReadFile(file, config::kLargestData),
+                                             file.filename().string(), map);
       const Eigen::Index left = run.size() - kStartUpRows;
       if (left < 1) continue;
       run.time_s = run.time_s.tail(left).eval();

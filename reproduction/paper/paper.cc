@@ -36,7 +36,7 @@ std::vector<std::string> CommandOf(const PaperStep& step, const PaperOptions& op
 
 // The last line that a failed command printed.
 std::string LastLine(const fs::path& log) {
-  std::string text = config::ReadFile(log);
+  std::string text = config::ReadFile(log, config::kLargestData);
   while (!text.empty() && text.back() == '\n') text.pop_back();
   const std::size_t at = text.rfind('\n');
   return at == std::string::npos ? text : text.substr(at + 1);

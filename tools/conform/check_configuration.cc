@@ -73,9 +73,7 @@ class ChangedCopy {
     fs::create_directory(copies);
     LinkAll(folder, copies, original.filename());
     file_ = copies / original.filename();
-    std::ifstream in(original);
-    std::ofstream out(file_);
-    out << in.rdbuf() << '\n' << added_line << '\n';
+    std::ofstream(file_) << config::ReadFile(original) << '\n' << added_line << '\n';
   }
   ~ChangedCopy() {
     std::error_code ignored;

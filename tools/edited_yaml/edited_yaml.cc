@@ -3,15 +3,12 @@
 #include <limits>
 
 #include "components/base/config/config.h"
+#include "components/base/config/yaml_text.h"
 
 namespace sinew::edited_yaml {
 
 YAML::Node LoadYaml(const std::filesystem::path& path) {
-  try {
-    return YAML::Load(config::ReadFile(path));
-  } catch (const YAML::Exception& error) {
-    throw UsageError(path.string() + ": " + error.what());
-  }
+  return config::ParseYaml(config::ReadFile(path), path.string());
 }
 
 int ReplaceEntries(const YAML::Node& node, const std::string& key, const YAML::Node& value) {

@@ -25,8 +25,8 @@ std::string WriteMjcf(const DescribedRobot& robot, const Remarks& remarks);
 std::string WriteSdf(const DescribedRobot& robot, const Remarks& remarks);
 
 // The URDF of the model, its shapes and comments kept: `dynamics` and the limit's effort of every
-// joint of the model, inertial of the links that the model changes. Throws std::invalid_argument:
-// no XML, a joint that it lacks.
+// joint of the model, inertial of the links that the model changes. Throws UsageError for
+// what is no XML, std::invalid_argument for a joint that it lacks.
 std::string WriteUrdf(const DescribedRobot& robot, const std::string& urdf, const Remarks& remarks);
 
 }  // namespace sinew::export_model

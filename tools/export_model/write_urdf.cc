@@ -1,7 +1,6 @@
-#include <tinyxml.h>
-
 #include <stdexcept>
 
+#include "components/bodies/links/file/xml_text.h"
 #include "tools/export_model/write_model.h"
 #include "tools/export_model/xml_text.h"
 
@@ -49,11 +48,9 @@ void SetInertial(const std::optional<LinkInertia>& inertia, TiXmlElement* link) 
 std::string WriteUrdf(const DescribedRobot& robot, const std::string& urdf,
                       const Remarks& remarks) {
   TiXmlDocument document;
-  document.Parse(urdf.c_str());
+  arm::ParseXml(urdf, "the URDF", &document);
   TiXmlElement* root = document.RootElement();
-  if (document.Error() || root == nullptr) {
-    throw std::invalid_argument(std::string("the URDF is no XML: ") + document.ErrorDesc());
-  }
+  if (root == nullptr) throw std::invalid_argument("the URDF has no root element");
   for (const DescribedJoint& joint : robot.joints) {
     TiXmlElement* element = Named(root, "joint", joint.name);
     if (element == nullptr) {

@@ -1,7 +1,5 @@
 #include "tools/export_recording/command.h"
 
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <iostream>
@@ -12,6 +10,7 @@
 #include <vector>
 
 #include "components/base/config/config.h"
+#include "components/base/config/whole_file.h"
 #include "components/model/actuator/file/model_file.h"
 #include "tools/export_recording/ros2_bag.h"
 #include "tools/export_recording/tables.h"
@@ -37,8 +36,7 @@ struct Exported {
 // A folder that appears under its name when it is whole.
 class WholeFolder {
  public:
-  explicit WholeFolder(const fs::path& path)
-      : path_(path), temporary_(path.string() + ".part" + std::to_string(::getpid())) {
+  explicit WholeFolder(const fs::path& path) : path_(path), temporary_(config::PartPath(path)) {
     std::error_code error;
     if (!fs::create_directory(temporary_, error)) {
       throw UsageError(path.string() + ": cannot be made: " + error.message());

@@ -1,7 +1,6 @@
 #include "tools/export_recording/npz.h"
 
 #include <minizip/zip.h>
-#include <unistd.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -38,16 +37,13 @@ std::string NpyHeader(const std::string& type, const std::vector<std::size_t>& s
   return out + text;
 }
 
-NpzWriter::NpzWriter(const std::filesystem::path& path)
-    : path_(path), temporary_(path.string() + ".part" + std::to_string(::getpid())) {
-  zip_ = ::zipOpen64(temporary_.c_str(), APPEND_STATUS_CREATE);
+NpzWriter::NpzWriter(const std::filesystem::path& path) : path_(path), file_(path) {
+  zip_ = ::zipOpen64(file_.DescriptorPath().c_str(), APPEND_STATUS_CREATE);
   if (zip_ == nullptr) Fail("cannot be written");
 }
 
 NpzWriter::~NpzWriter() {
   if (zip_ != nullptr) ::zipClose(zip_, nullptr);
-  std::error_code ignored;
-  std::filesystem::remove(temporary_, ignored);
 }
 
 void NpzWriter::Fail(const std::string& what) const {
@@ -80,7 +76,8 @@ void NpzWriter::Commit() {
   const int status = ::zipClose(zip_, nullptr);
   zip_ = nullptr;
   if (status != ZIP_OK) Fail("cannot be written to its end");
-  if (::rename(temporary_.c_str(), path_.c_str()) != 0) Fail("cannot be written");
+  const std::string reason = file_.Commit();
+  if (!reason.empty()) throw std::runtime_error(path_.string() + ": cannot be written: " + reason);
 }
 
 }  // namespace sinew::export_recording

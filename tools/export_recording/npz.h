@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "components/base/config/whole_file.h"
+
 namespace sinew::export_recording {
 
 // The bytes before the data of an array. type: NumPy's, "<f8", "|b1", "|S5"; shape: rows first,
@@ -32,7 +34,8 @@ class NpzWriter {
  private:
   void Fail(const std::string& what) const;
 
-  std::filesystem::path path_, temporary_;
+  std::filesystem::path path_;
+  config::WholeFile file_;
   void* zip_ = nullptr;  // of minizip
 };
 

@@ -1,10 +1,11 @@
 #include "tools/launch/deployment_files.h"
 
-#include <yaml-cpp/yaml.h>
-
 #include <algorithm>
 #include <deque>
 #include <set>
+
+#include "components/base/config/config.h"
+#include "components/base/config/yaml_text.h"
 
 namespace sinew::launch {
 
@@ -26,8 +27,8 @@ std::vector<std::string> TextsOfYaml(const fs::path& file) {
   std::vector<std::string> texts;
   if (file.extension() != ".yaml" && file.extension() != ".yml") return texts;
   try {
-    CollectTexts(YAML::LoadFile(file.string()), &texts);
-  } catch (const YAML::Exception&) {  // whoever reads it as configuration reports it
+    CollectTexts(config::ParseYaml(config::ReadFile(file), file.string()), &texts);
+  } catch (const UsageError&) {  // the process that reads it as configuration reports it
   }
   return texts;
 }

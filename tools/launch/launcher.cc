@@ -28,6 +28,7 @@
 #include <sstream>
 #include <system_error>
 
+#include "components/base/types/seconds.h"
 #include "tools/launch/process_end.h"
 
 namespace sinew::launch {
@@ -46,10 +47,6 @@ std::string Seconds(double seconds) {
   std::ostringstream out;
   out << std::fixed << std::setprecision(1) << seconds << " s";
   return out.str();
-}
-
-std::chrono::nanoseconds ToDuration(double seconds) {
-  return std::chrono::nanoseconds(static_cast<std::int64_t>(seconds * 1e9));
 }
 
 // Ends of a pipe must not leak into processes started later: they would keep it open.
@@ -288,7 +285,7 @@ struct Launcher::Impl {
     } else if (is_provider && phase == Phase::kRunning) {
       phase = Phase::kSettling;
       output.Say("session ended: " + process.name + " is done");
-      phase_timer.expires_after(ToDuration(deployment.grace_s));
+      phase_timer.expires_after(types::ToNanoseconds(deployment.grace_s));
       phase_timer.async_wait([this](const boost::system::error_code& error) {
         if (!error && phase == Phase::kSettling) StopAll();
       });
@@ -306,7 +303,7 @@ struct Launcher::Impl {
     output.Say(child->process->name + (failed ? " failed: " : " ended: ") + CauseOf(child->status) +
                "; restart " + std::to_string(child->restarts) + " of " +
                std::to_string(child->process->max_restarts) + " in " + Seconds(wait_s));
-    child->timer->expires_after(ToDuration(wait_s));
+    child->timer->expires_after(types::ToNanoseconds(wait_s));
     child->timer->async_wait([this, child](const boost::system::error_code& error) {
       if (error || child->state != State::kBackingOff) return;
       if (phase == Phase::kRunning) {
@@ -396,7 +393,7 @@ struct Launcher::Impl {
 
   void Escalate(int last_signal) {
     const int next = last_signal == SIGINT ? SIGTERM : SIGKILL;
-    phase_timer.expires_after(ToDuration(deployment.grace_s));
+    phase_timer.expires_after(types::ToNanoseconds(deployment.grace_s));
     phase_timer.async_wait([this, next](const boost::system::error_code& error) {
       if (error) return;
       for (auto& child : children) {

@@ -7,6 +7,8 @@
 #include <cstdlib>
 #include <utility>
 
+#include "components/base/types/printable.h"
+
 namespace sinew::launch {
 
 namespace {
@@ -48,7 +50,10 @@ void LineSplitter::Emit() {
 Output::Output(std::ostream& out, std::ostream& error, bool colour, std::vector<std::string> names)
     : out_(out), error_(error), colour_(colour) {
   std::size_t width = 0;
-  for (const std::string& name : names) width = std::max(width, name.size());
+  for (std::string& name : names) {
+    name = types::Printable(name);
+    width = std::max(width, name.size());
+  }
   for (std::size_t i = 0; i < names.size(); ++i) {
     std::string prefix = names[i] + std::string(width - names[i].size(), ' ') + " | ";
     if (colour_) {
@@ -60,11 +65,11 @@ Output::Output(std::ostream& out, std::ostream& error, bool colour, std::vector<
 
 void Output::FromProcess(std::size_t index, bool is_error, std::string_view line) {
   std::ostream& stream = is_error ? error_ : out_;
-  stream << prefixes_[index] + std::string(line) + '\n' << std::flush;
+  stream << prefixes_[index] + types::Printable(line, types::Lines::kMany) + '\n' << std::flush;
 }
 
 void Output::Say(std::string_view text) {
-  error_ << "sinew launch: " + std::string(text) + '\n' << std::flush;
+  error_ << "sinew launch: " + types::Printable(text, types::Lines::kMany) + '\n' << std::flush;
 }
 
 bool Output::broken() const { return !out_.good(); }

@@ -13,6 +13,7 @@
 #include "components/base/config/config.h"
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_record.h"
+#include "components/topics/node/time_option.h"
 #include "tools/inspect/plot.h"
 #include "tools/inspect/run_tool.h"
 #include "tools/rerun/edited_parts.h"
@@ -264,7 +265,7 @@ void AddRerunCommand(CLI::App& app) {
   command
       ->add_option("--from", options->from_s,
                    "Seconds: each component from its last snapshot up to here")
-      ->check(CLI::NonNegativeNumber);
+      ->check(node::IsTime(node::Zero::kAllowed));
   command
       ->add_option(
           "--with", options->edits,

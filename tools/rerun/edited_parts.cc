@@ -1,6 +1,7 @@
 #include "tools/rerun/edited_parts.h"
 
 #include "components/base/config/config.h"
+#include "components/base/config/yaml_text.h"
 #include "tools/edited_yaml/edited_yaml.h"
 
 namespace sinew::rerun {
@@ -12,11 +13,7 @@ YAML::Node ValueOf(const Edit& edit) {
   std::error_code ignored;
   if (fs::is_regular_file(edit.value, ignored))
     return YAML::Node(fs::absolute(edit.value).string());
-  try {
-    return YAML::Load(edit.value);
-  } catch (const YAML::Exception& error) {
-    throw UsageError("--with " + edit.key + "=" + edit.value + ": " + error.what());
-  }
+  return config::ParseYaml(edit.value, "--with " + edit.key);
 }
 
 }  // namespace

@@ -51,7 +51,7 @@ fs::path UnpackDeployment(const recording::McapReader& reader, const std::string
     std::error_code error;
     fs::create_directories(place.parent_path(), error);
     std::ofstream(place, std::ios::binary) << attachment.data;
-    if (config::ReadFile(place) != attachment.data) {
+    if (config::ReadFile(place, config::kLargestData) != attachment.data) {
       throw UsageError(place.string() + ": cannot be written");
     }
     if (!IsDeployment(attachment.data)) continue;

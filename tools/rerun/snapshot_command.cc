@@ -14,6 +14,7 @@
 
 #include "components/base/config/config.h"
 #include "components/topics/node/node.h"
+#include "components/topics/node/time_option.h"
 #include "tools/sinew/node_options.h"
 
 namespace sinew::rerun {
@@ -95,7 +96,7 @@ void AddSnapshotCommand(CLI::App& app) {
           ""));
   command->add_option("--after", options->after_tick, "Tick; after the next one by default");
   command->add_option("--timeout", options->timeout_s, "Seconds to wait for answers")
-      ->check(CLI::PositiveNumber)
+      ->check(node::IsTime(node::Zero::kRefused))
       ->capture_default_str();
   command->footer(
       "A recorder that runs writes them into its file; `sinew rerun --from` goes on from there.\n"

@@ -1,9 +1,11 @@
 #include "tools/sinew/attachments.h"
 
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
+#include <iomanip>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -11,8 +13,10 @@
 #include <vector>
 
 #include "components/base/config/config.h"
+#include "components/base/types/printable.h"
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_reader.h"
+#include "tools/sinew/printed.h"
 
 namespace sinew::tools {
 
@@ -32,16 +36,17 @@ void PrintAttachments(const std::vector<recording::McapAttachment>& attachments,
                     {"media_type", attachment.media_type},
                     {"bytes", attachment.data.size()}});
     if (json) continue;
-    std::printf("%10zu  %-24s %s\n", attachment.data.size(), attachment.media_type.c_str(),
-                attachment.name.c_str());
+    std::cout << std::setw(10) << attachment.data.size() << "  " << std::left << std::setw(24)
+              << types::Printable(attachment.media_type) << std::right << ' '
+              << types::Printable(attachment.name) << '\n';
   }
-  std::fflush(stdout);
   if (json) std::cout << rows.dump() << '\n';
 }
 
 void TakeOut(const recording::McapAttachment& attachment, const AttachmentsOptions& options) {
   if (options.out.empty()) {
-    std::cout << attachment.data << std::flush;
+    std::ostream& out = ::isatty(STDOUT_FILENO) == 1 ? std::cout : Unfiltered(std::cout);
+    out << attachment.data << std::flush;
     return;
   }
   if (!options.overwrite && std::filesystem::exists(options.out)) {

@@ -20,6 +20,7 @@
 #include "components/topics/node/host_name.h"
 #include "components/topics/node/node.h"
 #include "components/topics/node/realtime.h"
+#include "components/topics/node/time_option.h"
 #include "tools/inspect/can_check.h"
 #include "tools/inspect/findings.h"
 #include "tools/inspect/host_checks.h"
@@ -138,7 +139,7 @@ void AddDoctorCommand(CLI::App& app) {
       app.add_subcommand("doctor", "Check host, shared memory, CAN and participants, with advice");
   AddNodeOptions(*command, &options->node);
   command->add_option("--wait", options->wait_s, "Seconds to listen in the domain")
-      ->check(CLI::PositiveNumber)
+      ->check(node::IsTime(node::Zero::kRefused))
       ->capture_default_str();
   command->add_flag("--offline", options->offline, "Only this host, without joining the domain");
   command->add_flag("--clean", options->clean,

@@ -22,9 +22,11 @@
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_reader.h"
 #include "components/topics/node/node.h"
+#include "components/topics/node/time_option.h"
 #include "tools/inspect/message_text.h"
 #include "tools/sinew/echo_plot.h"
 #include "tools/sinew/node_options.h"
+#include "tools/sinew/printed.h"
 
 namespace sinew::tools {
 
@@ -83,7 +85,8 @@ class Plotter : public MessageSink {
   void Idle() override {
     if (!draws_live_ || plot_->messages() == 0 || Clock::now() < next_) return;
     next_ = Clock::now() + milliseconds(500);
-    std::cout << "\x1b[H\x1b[2J" << plot_->Draw() << std::flush;
+    Unfiltered(std::cout) << "\x1b[H\x1b[2J";
+    std::cout << plot_->Draw() << std::flush;
   }
   void End() override {
     if (plot_->messages() == 0) return;
@@ -282,7 +285,7 @@ void AddEchoCommand(CLI::App& app) {
   command
       ->add_option("--timeout", options->timeout_s,
                    "Give up after so many seconds of silence (exit code 1)")
-      ->check(CLI::NonNegativeNumber);
+      ->check(node::IsTime(node::Zero::kAllowed));
   command->add_flag("--json", options->json, "One JSON object a line");
   CLI::Option* plot =
       command
@@ -293,7 +296,7 @@ void AddEchoCommand(CLI::App& app) {
   command->add_option("--png", options->png, "Write the plot of the end to this PNG file, too")
       ->needs(plot);
   command->add_option("--window", options->window_s, "Seconds that a live plot keeps")
-      ->check(CLI::PositiveNumber)
+      ->check(node::IsTime(node::Zero::kRefused))
       ->capture_default_str();
   command->footer(
       "Of joint arrays the joint_count entries in use are printed.\n\nExamples:\n"

@@ -17,9 +17,11 @@
 #include "components/model/actuator/file/model_file.h"
 #include "components/model/experiment/catalogue.h"
 #include "components/model/experiment/model_update.h"
+#include "components/topics/node/time_option.h"
 #include "tools/sinew/experiment_output.h"
 #include "tools/sinew/experiment_run.h"
 #include "tools/sinew/node_options.h"
+#include "tools/sinew/printed.h"
 
 namespace sinew::tools {
 namespace {
@@ -91,9 +93,9 @@ void RunAll(const ExperimentOptions& given, const ExperimentSimulation* simulati
     if (options.json) {
       all.push_back(ToJson(done));
     } else {
-      if (!first) std::printf("\n");
+      if (!first) Print("\n");
       PrintOutcome(done);
-      std::fflush(stdout);
+      std::cout << std::flush;
     }
     first = false;
   }
@@ -101,8 +103,8 @@ void RunAll(const ExperimentOptions& given, const ExperimentSimulation* simulati
   if (options.json) {
     std::cout << (all.size() == 1 ? all[0] : all).dump(2) << '\n';
   } else {
-    if (!options.out.empty()) std::printf("%s written\n", options.out.c_str());
-    if (!options.update_model.empty()) std::printf("%s written\n", options.update_model.c_str());
+    if (!options.out.empty()) Print("%s written\n", options.out.c_str());
+    if (!options.update_model.empty()) Print("%s written\n", options.update_model.c_str());
   }
 }
 
@@ -141,7 +143,7 @@ void AddExperimentCommand(CLI::App& app, const std::shared_ptr<ExperimentSimulat
   command->add_option("--map", options->map, "Mapping file of a CSV recording");
   command
       ->add_option("--from", options->from_s, "Seconds of the recording to leave out at its start")
-      ->check(CLI::NonNegativeNumber);
+      ->check(node::IsTime(node::Zero::kAllowed));
   command->add_flag("--dds", options->topics,
                     "Run one repetition over topics, on whatever state provider is there");
   AddNodeOptions(*command, &options->node);

@@ -7,6 +7,7 @@
 #include "components/model/experiment/page.h"
 #include "components/model/experiment/rows.h"
 #include "components/model/report/file/section_file.h"
+#include "tools/sinew/printed.h"
 
 namespace sinew::tools {
 
@@ -30,25 +31,23 @@ report::Section SectionOf(const ExperimentOutcome& done) {
 }  // namespace
 
 void PrintOutcome(const ExperimentOutcome& done) {
-  std::printf("%s\n", done.result.title.c_str());
-  std::printf("  %-42s %12s %-27s %-10s %-10s\n", "", "value", "95 % interval", "published",
-              "true");
+  Print("%s\n", done.result.title.c_str());
+  Print("  %-42s %12s %-27s %-10s %-10s\n", "", "value", "95 % interval", "published", "true");
   for (const Quantity& q : done.result.quantities) {
     const std::string label = q.name + (q.unit.empty() ? "" : ", " + q.unit);
     const auto met = q.has_interval ? q.Met() : std::nullopt;
-    std::printf("  %-42s %12s %-27s %-10s %-10s %s\n", label.c_str(),
-                experiment::FormatEstimate(q).c_str(), experiment::FormatInterval(q).c_str(),
-                q.published ? experiment::FormatValue(*q.published).c_str() : "-",
-                q.truth ? experiment::FormatValue(*q.truth).c_str() : "-",
-                met ? (*met ? (experiment::FormatTarget(q) + ": met").c_str()
-                            : (experiment::FormatTarget(q) + ": MISSED").c_str())
-                    : "");
+    Print("  %-42s %12s %-27s %-10s %-10s %s\n", label.c_str(),
+          experiment::FormatEstimate(q).c_str(), experiment::FormatInterval(q).c_str(),
+          q.published ? experiment::FormatValue(*q.published).c_str() : "-",
+          q.truth ? experiment::FormatValue(*q.truth).c_str() : "-",
+          met ? (*met ? (experiment::FormatTarget(q) + ": met").c_str()
+                      : (experiment::FormatTarget(q) + ": MISSED").c_str())
+              : "");
   }
-  for (const std::string& remark : done.result.remarks) std::printf("  %s\n", remark.c_str());
-  for (const std::string& line : done.addition.lines) std::printf("  %s\n", line.c_str());
-  for (const std::string& change : done.changes) std::printf("  model: %s\n", change.c_str());
-  if (!done.ending.empty() && done.ending != "done")
-    std::printf("  ended: %s\n", done.ending.c_str());
+  for (const std::string& remark : done.result.remarks) Print("  %s\n", remark.c_str());
+  for (const std::string& line : done.addition.lines) Print("  %s\n", line.c_str());
+  for (const std::string& change : done.changes) Print("  model: %s\n", change.c_str());
+  if (!done.ending.empty() && done.ending != "done") Print("  ended: %s\n", done.ending.c_str());
 }
 
 ordered_json ToJson(const ExperimentOutcome& done) {

@@ -16,6 +16,7 @@
 #include "components/record/recording/mcap_reader.h"
 #include "components/topics/node/endpoint.h"
 #include "components/topics/node/node.h"
+#include "components/topics/node/time_option.h"
 #include "tools/inspect/graph.h"
 #include "tools/inspect/run_tool.h"
 #include "tools/sinew/node_options.h"
@@ -102,7 +103,7 @@ void AddGraphCommand(CLI::App& app) {
                       "File to write: .dot, .gv, .svg, .png or .pdf; by default the graph's text "
                       "in the language of Graphviz on standard output");
   command->add_option("--wait", options->wait_s, "Seconds to listen")
-      ->check(CLI::PositiveNumber)
+      ->check(node::IsTime(node::Zero::kRefused))
       ->capture_default_str();
   command->add_flag("--all", options->all, "With component_status and recording_progress");
   command->footer(

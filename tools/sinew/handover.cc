@@ -19,6 +19,7 @@
 #include "components/topics/node/endpoint.h"
 #include "components/topics/node/node.h"
 #include "components/topics/node/ownership.h"
+#include "components/topics/node/time_option.h"
 #include "tools/sinew/node_options.h"
 
 namespace sinew::tools {
@@ -177,7 +178,7 @@ void AddHandoverCommand(CLI::App& app) {
           },
           ""));
   command->add_option("--timeout", options->timeout_s, "Seconds to wait until it is heard")
-      ->check(CLI::PositiveNumber)
+      ->check(node::IsTime(node::Zero::kRefused))
       ->capture_default_str();
   command->add_flag("--json", options->json, "As JSON");
   command->footer(

@@ -19,8 +19,10 @@
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_reader.h"
 #include "components/topics/node/node.h"
+#include "components/topics/node/time_option.h"
 #include "tools/inspect/rate_meter.h"
 #include "tools/sinew/node_options.h"
+#include "tools/sinew/printed.h"
 
 namespace sinew::tools {
 
@@ -157,8 +159,8 @@ std::string Cell(const char* format, const std::optional<double>& value) {
 }
 
 void PrintSummaries(const Summaries& summaries) {
-  std::printf("%-20s %9s %9s %9s %9s %9s %9s %9s  %s\n", "topic", "messages", "Hz", "jitter ms",
-              "longest", "age ms", "oldest", "delay ms", "lost");
+  Print("%-20s %9s %9s %9s %9s %9s %9s %9s  %s\n", "topic", "messages", "Hz", "jitter ms",
+        "longest", "age ms", "oldest", "delay ms", "lost");
   for (const auto& [topic, summary] : summaries) {
     const auto of = [](const std::optional<Spread>& spread, double Spread::*member) {
       return spread ? std::optional<double>((*spread).*member) : std::nullopt;
@@ -167,20 +169,19 @@ void PrintSummaries(const Summaries& summaries) {
     if (summary.lost_share && *summary.lost > 0) {
       lost += Cell(" (%.2f %%)", 100.0 * *summary.lost_share);
     }
-    std::printf("%-20s %9llu %9s %9s %9s %9s %9s %9s  %s\n", topic.c_str(),
-                static_cast<unsigned long long>(summary.messages),
-                Cell("%.1f", summary.rate_Hz).c_str(),
-                Cell("%.3f", of(summary.interval_ms, &Spread::deviation)).c_str(),
-                Cell("%.2f", of(summary.interval_ms, &Spread::largest)).c_str(),
-                Cell("%.2f", of(summary.age_ms, &Spread::mean)).c_str(),
-                Cell("%.2f", of(summary.age_ms, &Spread::largest)).c_str(),
-                Cell("%.2f", of(summary.delay_ms, &Spread::mean)).c_str(), lost.c_str());
+    Print("%-20s %9llu %9s %9s %9s %9s %9s %9s  %s\n", topic.c_str(),
+          static_cast<unsigned long long>(summary.messages), Cell("%.1f", summary.rate_Hz).c_str(),
+          Cell("%.3f", of(summary.interval_ms, &Spread::deviation)).c_str(),
+          Cell("%.2f", of(summary.interval_ms, &Spread::largest)).c_str(),
+          Cell("%.2f", of(summary.age_ms, &Spread::mean)).c_str(),
+          Cell("%.2f", of(summary.age_ms, &Spread::largest)).c_str(),
+          Cell("%.2f", of(summary.delay_ms, &Spread::mean)).c_str(), lost.c_str());
     if (summary.repeated > 0 && summary.tick_step) {
-      std::printf("%-20s %llu ticks came again or late: several writers?\n", "",
-                  static_cast<unsigned long long>(summary.repeated));
+      Print("%-20s %llu ticks came again or late: several writers?\n", "",
+            static_cast<unsigned long long>(summary.repeated));
     }
   }
-  std::fflush(stdout);
+  std::cout << std::flush;
 }
 
 Summaries OfRecording(const HzOptions& options) {
@@ -298,9 +299,9 @@ void AddHzCommand(CLI::App& app) {
   command->add_option("topics", options->topics, "Names of topics; by default all");
   command->add_option("--from", options->from, "Read this recording instead of a domain");
   command->add_option("--duration", options->duration_s, "Seconds; by default until Ctrl-C")
-      ->check(CLI::PositiveNumber);
+      ->check(node::IsTime(node::Zero::kRefused));
   command->add_option("--every", options->every_s, "Seconds between two tables")
-      ->check(CLI::PositiveNumber)
+      ->check(node::IsTime(node::Zero::kRefused))
       ->capture_default_str();
   command->add_flag("--json", options->json, "The figures of the end as JSON");
   command->footer(

@@ -17,6 +17,7 @@
 #include "components/topics/node/node.h"
 #include "tools/launch/deployment.h"
 #include "tools/launch/launcher.h"
+#include "tools/sinew/printed.h"
 
 namespace sinew::tools {
 
@@ -146,7 +147,8 @@ void RunLaunch(LaunchOptions options) {
   // With --json the standard output is the report alone.
   std::ostream& lines = options.json ? std::cerr : std::cout;
   const int descriptor = options.json ? STDERR_FILENO : STDOUT_FILENO;
-  launch::Output output(lines, std::cerr, launch::WantsColour(descriptor), names);
+  launch::Output output(Unfiltered(lines), Unfiltered(std::cerr), launch::WantsColour(descriptor),
+                        names);
   launch::Launcher launcher(deployment, output);
   const launch::Result result = launcher.Run();
   PrintResult(deployment, result, options.json, &output);

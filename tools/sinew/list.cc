@@ -20,6 +20,7 @@
 
 #include "components/base/config/config.h"
 #include "components/base/types/joined.h"
+#include "components/base/types/printable.h"
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_reader.h"
 #include "components/record/recording/run_import.h"
@@ -27,10 +28,12 @@
 #include "components/topics/node/host_name.h"
 #include "components/topics/node/matching.h"
 #include "components/topics/node/node.h"
+#include "components/topics/node/time_option.h"
 #include "components/topics/wire/component_state.h"
 #include "tools/inspect/peer_checks.h"
 #include "tools/inspect/topic_table.h"
 #include "tools/sinew/node_options.h"
+#include "tools/sinew/printed.h"
 
 namespace sinew::tools {
 
@@ -264,7 +267,7 @@ void PrintTopics(const Json& report) {
     }
   }
   if (rows.empty()) return;
-  std::printf("\n%s", inspect::FormatTopicTable(rows, kTableWidth).c_str());
+  Print("\n%s", inspect::FormatTopicTable(rows, kTableWidth).c_str());
 }
 
 // A value of a participant's row, as text; "-" for one that sends no component_status.
@@ -296,9 +299,9 @@ void PrintParticipants(const Json& rows, const std::string& own_host) {
                   numbers[0].c_str(), numbers[1].c_str(), numbers[2].c_str(), numbers[3].c_str());
     line += columns;
     if (!message.empty()) line += "  " + message;
-    std::printf("%s\n", line.c_str());
+    Print("%s\n", line.c_str());
   };
-  std::printf("\n");
+  Print("\n");
   print("participant", "host", "state", {"pid", "cycles", "stale", "MB"}, "message");
   for (const Json& row : rows) {
     const std::string memory =
@@ -311,13 +314,22 @@ void PrintParticipants(const Json& rows, const std::string& own_host) {
   }
 }
 
+// A report for the terminal: its texts are names and messages of others, each in its own line.
+Json Printable(Json report) {
+  if (report.is_string()) return types::Printable(report.get<std::string>());
+  if (report.is_structured()) {
+    for (Json& part : report) part = Printable(std::move(part));
+  }
+  return report;
+}
+
 void PrintDomain(const Json& report) {
   std::cout << "domain " << report["domain"] << ": " << report["participants"].size()
             << " participants, " << report["topics"].size() << " topics\n";
   std::cout.flush();
   PrintParticipants(report["participants"], report["host"].get<std::string>());
   PrintTopics(report);
-  std::fflush(stdout);
+  std::cout << std::flush;
   if (!report["problems"].empty()) std::cout << '\n';
   for (const Json& problem : report["problems"]) {
     std::cout << "problem: " << problem.get<std::string>() << '\n';
@@ -393,11 +405,11 @@ void PrintRecording(const Json& report) {
     std::cout << "attachment: " << attachment["name"].get<std::string>() << ", "
               << attachment["bytes"] << " bytes\n";
   }
-  std::printf("\n%-20s %-16s %10s  %-10s %s\n", "topic", "writer", "messages", "hash", "type");
+  Print("\n%-20s %-16s %10s  %-10s %s\n", "topic", "writer", "messages", "hash", "type");
   for (const Json& row : report["topics"]) {
-    std::printf("%-20s %-16s %10s  %-10s %s\n", row["name"].get<std::string>().c_str(),
-                row["writer"].get<std::string>().c_str(), row["messages"].dump().c_str(),
-                row["idl_hash"].get<std::string>().c_str(), row["type"].get<std::string>().c_str());
+    Print("%-20s %-16s %10s  %-10s %s\n", row["name"].get<std::string>().c_str(),
+          row["writer"].get<std::string>().c_str(), row["messages"].dump().c_str(),
+          row["idl_hash"].get<std::string>().c_str(), row["type"].get<std::string>().c_str());
   }
 }
 
@@ -411,7 +423,7 @@ void AddListCommand(CLI::App& app) {
   command->add_option("recording", options->recording,
                       "Describe this MCAP file instead of a domain");
   command->add_option("--wait", options->wait_s, "Seconds to listen")
-      ->check(CLI::PositiveNumber)
+      ->check(node::IsTime(node::Zero::kRefused))
       ->capture_default_str();
   command->add_flag("--json", options->json, "As JSON");
   command->footer(
@@ -429,7 +441,7 @@ void AddListCommand(CLI::App& app) {
       if (options->json) {
         std::cout << report.dump() << '\n';
       } else {
-        PrintRecording(report);
+        PrintRecording(Printable(report));
       }
       return;
     }
@@ -438,7 +450,7 @@ void AddListCommand(CLI::App& app) {
     if (options->json) {
       std::cout << report.dump() << '\n';
     } else {
-      PrintDomain(report);
+      PrintDomain(Printable(report));
     }
     if (!report["problems"].empty()) throw CLI::RuntimeError(1);
   });

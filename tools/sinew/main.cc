@@ -8,9 +8,11 @@
 #include <string>
 
 #include "components/base/config/config.h"
+#include "components/topics/node/log.h"
 #include "components/topics/node/topics.h"
 #include "components/topics/node/version.h"
 #include "tools/sinew/commands.h"
+#include "tools/sinew/printed.h"
 
 namespace {
 
@@ -40,6 +42,8 @@ std::string FirstLine(const std::string& text) { return text.substr(0, text.find
 }  // namespace
 
 int main(int argc, char** argv) {
+  const sinew::tools::PrintableOnly out(std::cout), error_out(std::cerr);
+  sinew::node::internal::SetLogPattern("[%Y-%m-%d %H:%M:%S.%e] [%^%l%$] ");  // as spdlog has it
   CLI::App app("Distributed components for robots with SEA-PEA actuators", "sinew");
   try {
     app.set_version_flag("--version", std::string("sinew ") + sinew::node::kVersion);

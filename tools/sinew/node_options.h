@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
+#include "components/topics/node/log.h"
 #include "components/topics/node/options.h"
 
 namespace sinew::tools {
@@ -15,9 +16,9 @@ namespace sinew::tools {
 inline void StartCommandLog(const std::string& name) {
   auto logger = spdlog::get(name);
   if (!logger) logger = spdlog::stderr_color_mt(name);
-  logger->set_pattern("sinew %n: %v");
   logger->set_level(spdlog::level::warn);
   spdlog::set_default_logger(logger);
+  node::internal::SetLogPattern("sinew %n: ");
 }
 
 // The options of node::AddDomainOptions and --lockstep; once they are read, the deployment is

@@ -20,6 +20,7 @@
 #include "components/robot/estop/estop_config.h"
 #include "components/robot/estop/press.h"
 #include "components/topics/node/node.h"
+#include "components/topics/node/time_option.h"
 #include "tools/sinew/node_options.h"
 
 namespace sinew::tools {
@@ -203,7 +204,7 @@ void AddOne(CLI::App& app, const Request& request, const std::string& descriptio
   AddNodeOptions(*command, &options->node);
   command->add_option("--reason", options->reason, "For the log of the provider, 63 characters");
   command->add_option("--timeout", options->timeout_s, "Seconds to wait for the robot's answer")
-      ->check(CLI::PositiveNumber)
+      ->check(node::IsTime(node::Zero::kRefused))
       ->capture_default_str();
   if (request.action == msg::OPERATOR_ESTOP) {
     command->add_option("--socket", options->sockets,

@@ -112,7 +112,12 @@ MeasuredSession MeasureSession(const std::string& name, const RecordedSession& s
         performance::SettleConfig config;
         config.band = options.band_rad;
         settle.assign(joints, performance::SettleTime(config, period_s));
-        const auto event = static_cast<std::uint64_t>(std::llround(*options.event_s / period_s));
+        const double ticks = *options.event_s / period_s;
+        if (!(ticks >= 0.0 && ticks <= 1e15)) {
+          throw UsageError(name + ": --event " + std::to_string(*options.event_s) +
+                           " s, expected a time of the session");
+        }
+        const auto event = static_cast<std::uint64_t>(std::llround(ticks));
         for (performance::SettleTime& joint : settle) joint.Event(tick + event);
         measured.settle.resize(joints);
       }

@@ -14,6 +14,7 @@
 #include "components/base/types/robot_state.h"
 #include "components/topics/node/endpoint.h"
 #include "components/topics/node/node.h"
+#include "components/topics/node/time_option.h"
 #include "components/topics/wire/wire.h"
 #include "tools/sinew/node_options.h"
 
@@ -139,7 +140,7 @@ void AddPermitReplayCommand(CLI::App& app) {
           ""));
   command->add_option("--reason", options->reason, "For the logs, 63 characters");
   command->add_option("--timeout", options->timeout_s, "Seconds to wait for robot and player")
-      ->check(CLI::PositiveNumber)
+      ->check(node::IsTime(node::Zero::kRefused))
       ->capture_default_str();
   command->add_flag("--json", options->json, "As JSON");
   command->footer(

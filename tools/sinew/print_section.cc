@@ -3,19 +3,21 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "tools/sinew/printed.h"
+
 namespace sinew::tools {
 
 void PrintSection(const report::Section& section) {
   for (const report::Comparison& line : section.comparisons) {
-    std::printf("%-54s %10s", line.name.c_str(), line.ours.c_str());
-    if (!line.published.empty()) std::printf("   published %s", line.published.c_str());
+    Print("%-54s %10s", line.name.c_str(), line.ours.c_str());
+    if (!line.published.empty()) Print("   published %s", line.published.c_str());
     if (!line.target.empty()) {
-      std::printf("   reach: %s, %s", line.target.c_str(), *line.met ? "met" : "MISSED");
+      Print("   reach: %s, %s", line.target.c_str(), *line.met ? "met" : "MISSED");
     }
-    std::printf("\n");
+    Print("\n");
   }
   for (const report::Table& table : section.tables) {
-    std::printf("\n%s\n", table.title.c_str());
+    Print("\n%s\n", table.title.c_str());
     std::vector<std::size_t> width(table.header.size());
     for (std::size_t c = 0; c < width.size(); ++c) {
       width[c] = table.header[c].size();
@@ -23,9 +25,9 @@ void PrintSection(const report::Section& section) {
     }
     const auto print = [&width](const std::vector<std::string>& row) {
       for (std::size_t c = 0; c < row.size(); ++c) {
-        std::printf(c == 0 ? "%-*s" : "  %*s", static_cast<int>(width[c]), row[c].c_str());
+        Print(c == 0 ? "%-*s" : "  %*s", static_cast<int>(width[c]), row[c].c_str());
       }
-      std::printf("\n");
+      Print("\n");
     };
     print(table.header);
     for (const auto& row : table.rows) print(row);

@@ -8,6 +8,8 @@
 #include <cstdio>
 #include <iostream>
 
+#include "tools/sinew/printed.h"
+
 namespace sinew::tools {
 
 namespace {
@@ -65,13 +67,13 @@ void ProgressBar::Update(std::uint64_t done, std::uint64_t total) {
   if (now < next_) return;
   next_ = now + std::chrono::milliseconds(100);
   drawn_ = true;
-  std::cerr << "\r\x1b[K"
-            << Line(what_, unit_, done, total, std::chrono::duration<double>(now - start_).count())
+  Unfiltered(std::cerr) << "\r\x1b[K";
+  std::cerr << Line(what_, unit_, done, total, std::chrono::duration<double>(now - start_).count())
             << std::flush;
 }
 
 void ProgressBar::Finish() {
-  if (drawn_) std::cerr << "\r\x1b[K" << std::flush;
+  if (drawn_) Unfiltered(std::cerr) << "\r\x1b[K" << std::flush;
   drawn_ = false;
 }
 

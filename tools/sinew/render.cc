@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "components/topics/node/time_option.h"
 #include "sim/render/file/film.h"
 #include "sim/render/file/recorded_poses.h"
 #include "sim/render/file/scene_file.h"
@@ -53,10 +54,10 @@ void AddRenderCommand(CLI::App& app) {
   command->add_option("--frames", options->film.frames, "Folder for a PNG file of each frame")
       ->type_name("DIR");
   command->add_option("--from", options->poses.from_s, "Start, s since the first state")
-      ->check(CLI::NonNegativeNumber)
+      ->check(node::IsTime(node::Zero::kAllowed))
       ->capture_default_str();
   command->add_option("--to", options->poses.to_s, "End, s since the first state; default: the end")
-      ->check(CLI::NonNegativeNumber);
+      ->check(node::IsTime(node::Zero::kAllowed));
   command->add_option("--rate", options->film.frames_per_s, "Frames in a second of recorded time")
       ->check(CLI::Range(1, 120))
       ->capture_default_str();

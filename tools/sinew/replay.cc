@@ -13,6 +13,7 @@
 
 #include "components/record/logger/player/participant/play.h"
 #include "tools/sinew/node_options.h"
+#include "tools/sinew/printed.h"
 #include "tools/sinew/replay_screen.h"
 #include "tools/sinew/terminal_keys.h"
 
@@ -36,11 +37,12 @@ class ReplayScreen {
     if (!visible_) return;
     winsize size{};
     const bool known = ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1;
-    std::cerr << "\r\x1b[K" << ReplayLine(status, known ? size.ws_col - 1u : 79u) << std::flush;
+    Unfiltered(std::cerr) << "\r\x1b[K" << ReplayLine(status, known ? size.ws_col - 1u : 79u)
+                          << std::flush;
     drawn_ = true;
   }
   void Finish() {
-    if (drawn_) std::cerr << "\r\x1b[K" << std::flush;
+    if (drawn_) Unfiltered(std::cerr) << "\r\x1b[K" << std::flush;
     drawn_ = false;
   }
 

@@ -10,6 +10,7 @@
 
 #include "components/base/config/config.h"
 #include "components/record/recording/file/run_reader.h"
+#include "components/topics/node/time_option.h"
 #include "tools/tracking/tracking.h"
 
 namespace sinew::tools {
@@ -101,7 +102,7 @@ void AddScoreCommand(CLI::App& app) {
       ->check(CLI::Range(0, 11))
       ->capture_default_str();
   command->add_option("--from", options->from_s, "Leave out the first seconds of each run")
-      ->check(CLI::NonNegativeNumber)
+      ->check(node::IsTime(node::Zero::kAllowed))
       ->capture_default_str();
   command->add_flag("--json", options->json, "As JSON");
   command->footer(

@@ -20,6 +20,7 @@
 #include "components/model/actuator/file/model_file.h"
 #include "components/record/recording/file/recording_path.h"
 #include "components/record/recording/file/run_reader.h"
+#include "tools/sinew/printed.h"
 
 namespace sinew::tools {
 namespace {
@@ -124,12 +125,12 @@ Outcome TrainNetwork(const TrainOptions& options) {
 
 void PrintScore(const char* name, const esn::Score& score) {
   if (score.samples == 0) {
-    std::printf("%-6s no samples\n", name);
+    Print("%-6s no samples\n", name);
     return;
   }
   const double mse = score.mse.mean();
-  std::printf("%-6s MSE %.6f Nm^2, rms %.4f Nm, share of the variance %.4f %%, %ld samples\n", name,
-              mse, std::sqrt(mse), 100.0 * score.normalised.mean(), score.samples);
+  Print("%-6s MSE %.6f Nm^2, rms %.4f Nm, share of the variance %.4f %%, %ld samples\n", name, mse,
+        std::sqrt(mse), 100.0 * score.normalised.mean(), score.samples);
 }
 
 nlohmann::ordered_json ScoreJson(const esn::Score& score) {
@@ -139,7 +140,7 @@ nlohmann::ordered_json ScoreJson(const esn::Score& score) {
           {"normalised", score.normalised.mean()}};
 }
 
-void Print(const TrainOptions& options, const Outcome& outcome) {
+void PrintOutcome(const TrainOptions& options, const Outcome& outcome) {
   const esn::TrainingResult& result = outcome.result;
   const esn::Weights& weights = result.weights;
   if (options.json) {
@@ -160,28 +161,28 @@ void Print(const TrainOptions& options, const Outcome& outcome) {
     std::cout << json.dump(2) << '\n';
     return;
   }
-  std::printf("network '%s': %d parameters (1 + %d inputs + %d neurons), target %s\n",
-              weights.network.c_str(), static_cast<int>(weights.readout.size()),
-              weights.input_count(), weights.neurons(), weights.target.c_str());
-  std::printf(
+  Print("network '%s': %d parameters (1 + %d inputs + %d neurons), target %s\n",
+        weights.network.c_str(), static_cast<int>(weights.readout.size()), weights.input_count(),
+        weights.neurons(), weights.target.c_str());
+  Print(
       "data   %.1f s, %ld samples at %.0f Hz, %ld of them inside the backlash (centre %.5f rad)\n",
       outcome.data.duration_s, outcome.data.samples, 1.0 / weights.period_s, outcome.data.inside,
       outcome.data.play_centre_rad);
-  std::printf("ridge  beta %.3g%s\n", weights.ridge_beta,
-              result.gcv.empty() ? "" : " by generalised cross-validation");
+  Print("ridge  beta %.3g%s\n", weights.ridge_beta,
+        result.gcv.empty() ? "" : " by generalised cross-validation");
   PrintScore("train", result.train);
   PrintScore("test", result.test);
   for (std::size_t j = 0; outcome.outputs.size() > 1 && j < outcome.outputs.size(); ++j) {
     const auto k = static_cast<Eigen::Index>(j);
-    std::printf("       %-20s rms %.4f Nm of the training samples", outcome.outputs[j].c_str(),
-                std::sqrt(result.train.mse(k)));
+    Print("       %-20s rms %.4f Nm of the training samples", outcome.outputs[j].c_str(),
+          std::sqrt(result.train.mse(k)));
     if (result.test.samples > 0) {
-      std::printf(", %.4f Nm of the test, share of the variance %.4f %%",
-                  std::sqrt(result.test.mse(k)), 100.0 * result.test.normalised(k));
+      Print(", %.4f Nm of the test, share of the variance %.4f %%", std::sqrt(result.test.mse(k)),
+            100.0 * result.test.normalised(k));
     }
-    std::printf("\n");
+    Print("\n");
   }
-  std::printf("%s written, %.2f s\n", options.out.string().c_str(), outcome.seconds);
+  Print("%s written, %.2f s\n", options.out.string().c_str(), outcome.seconds);
 }
 
 }  // namespace
@@ -222,7 +223,7 @@ void AddTrainCommand(CLI::App& app, const OtherNetworks& others) {
     for (const CLI::Option* needed : {model, recording, network, config}) {
       if (needed->count() == 0) throw CLI::RequiredError(needed->get_name());
     }
-    Print(*options, TrainNetwork(*options));
+    PrintOutcome(*options, TrainNetwork(*options));
   });
 }
 

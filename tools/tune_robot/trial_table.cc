@@ -82,7 +82,7 @@ std::string Difference(const Json& found, const Json& wanted) {
 
 std::string HashOfFile(const std::filesystem::path& path) {
   std::uint64_t hash = 0xcbf29ce484222325ULL;  // FNV-1a, 64 bits
-  for (const char byte : config::ReadFile(path)) {
+  for (const char byte : config::ReadFile(path, config::kLargestData)) {
     hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001b3ULL;
   }
   char text[17];
@@ -93,7 +93,7 @@ std::string HashOfFile(const std::filesystem::path& path) {
 TrialTable::TrialTable(const std::filesystem::path& path, const TableHead& head)
     : path_(path), head_(HeadJson(head).dump() + "\n") {
   const bool there = std::filesystem::exists(path);
-  const std::string text = there ? config::ReadFile(path) : "";
+  const std::string text = there ? config::ReadFile(path, config::kLargestData) : "";
   const std::size_t whole = text.rfind('\n') + 1;  // 0: not even a first line
   Read(text.substr(0, whole));
   if (there && whole < text.size()) std::filesystem::resize_file(path, whole);

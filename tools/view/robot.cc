@@ -42,7 +42,9 @@ fs::path FileInPackage(const std::string& name, const fs::path& own, const fs::p
 }  // namespace
 
 std::vector<std::string> FilesNamedIn(const std::string& urdf) {
-  static const std::regex kFile(R"re(filename\s*=\s*["'](?:package://)?([^"']+)["'])re");
+  // std::regex visits letters by recursion, so repetitions have a limit.
+  static const std::regex kFile(
+      R"re(filename\s{0,9}=\s{0,9}["'](?:package://)?([^"']{1,1023})["'])re");
   std::vector<std::string> names;
   for (std::sregex_iterator it(urdf.begin(), urdf.end(), kFile), end; it != end; ++it) {
     names.push_back((*it)[1]);

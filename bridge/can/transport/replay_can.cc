@@ -12,7 +12,7 @@
 namespace sinew::can {
 
 std::vector<LogLine> ReadCandumpFile(const std::string& path) {
-  std::istringstream text(config::ReadFile(path));
+  std::istringstream text(config::ReadFile(path, config::kLargestData));
   std::vector<LogLine> lines;
   std::string line;
   for (int number = 1; std::getline(text, line); ++number) {

@@ -1,20 +1,23 @@
 #include "components/base/config/config.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
-#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <optional>
 #include <set>
 #include <sstream>
 
+#include "components/base/config/whole_file.h"
+#include "components/base/config/yaml_text.h"
 #include "components/base/types/joined.h"
+#include "components/base/types/seconds.h"
 
 namespace sinew::config {
 
@@ -50,6 +53,17 @@ std::optional<double> ToNumber(const std::string& text) {
   const auto [stop, error] = std::from_chars(begin, end, value);
   if (error != std::errc() || stop != end || begin == end) return std::nullopt;
   return value;
+}
+
+// Magnitudes of a value that is converted to whole nanoseconds somewhere: of a time, up to a
+// century; of a frequency, whose period is from a nanosecond to a century. Others have no limit.
+Range TimesOf(std::string_view key) {
+  if (key.ends_with("_Hz")) return {1.0 / types::kLongest_s, 1e9};
+  for (const auto& [unit, per_s] : {std::pair{"_s", 1.0}, std::pair{"_ms", 1e3},
+                                    std::pair{"_us", 1e6}, std::pair{"_ns", 1e9}}) {
+    if (key.ends_with(unit)) return {0.0, types::kLongest_s * per_s};
+  }
+  return {0.0, std::numeric_limits<double>::infinity()};
 }
 
 // "viscous_Nm_s_rad" and "viscous_Nm" share the stem "viscous": names that differ only by their
@@ -114,6 +128,12 @@ struct Section::Impl {
     if (!number || !std::isfinite(*number) || *number < range.lower || *number > range.upper) {
       Fail(key, LineOf(value), "'" + value.Scalar() + "', expected " + RangeText(range));
     }
+    const Range times = TimesOf(key);
+    if (*number != 0.0 && (std::abs(*number) < times.lower || std::abs(*number) > times.upper)) {
+      Fail(key, LineOf(value),
+           "'" + value.Scalar() + "', expected 0, or " + FormatNumber(times.lower) + " to " +
+               FormatNumber(times.upper) + " (a century)");
+    }
     return *number;
   }
 };
@@ -123,11 +143,7 @@ Section::Section(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Section Section::Parse(const std::string& text, const std::string& name, std::string_view schema) {
   auto impl = std::make_shared<Impl>();
   impl->file = name;
-  try {
-    impl->node = YAML::Load(text);
-  } catch (const YAML::Exception& error) {
-    throw UsageError(Where(impl->file, error.mark.line + 1) + ": no valid YAML: " + error.msg);
-  }
+  impl->node = ParseYaml(text, name);
   impl->line = 1;
   if (!impl->node.IsMap()) {
     throw UsageError(Where(impl->file, 1) +
@@ -354,28 +370,10 @@ namespace {
 }  // namespace
 
 void WriteFileAtomically(const std::filesystem::path& path, std::string_view content) {
-  const std::filesystem::path temporary = path.string() + ".part." + std::to_string(::getpid());
-  const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-  if (descriptor < 0) FailOnFile(path, "cannot be written", errno);
-  const auto give_up = [&](const std::string& what) {
-    const int error = errno;
-    ::close(descriptor);
-    ::unlink(temporary.c_str());
-    FailOnFile(path, what, error);
-  };
-  while (!content.empty()) {
-    const ssize_t written = ::write(descriptor, content.data(), content.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) give_up("cannot be written");
-    content.remove_prefix(static_cast<std::size_t>(written));
-  }
-  if (::fsync(descriptor) != 0) give_up("cannot be written to disk");
-  ::close(descriptor);
-  if (::rename(temporary.c_str(), path.c_str()) != 0) {
-    const int error = errno;
-    ::unlink(temporary.c_str());
-    FailOnFile(path, "cannot be replaced", error);
-  }
+  WholeFile file(path);
+  std::string reason = file.Write(content);
+  if (reason.empty()) reason = file.Commit();
+  if (!reason.empty()) throw UsageError(path.string() + ": cannot be written: " + reason);
 }
 
 void SyncFolderOf(const std::filesystem::path& path) {
@@ -389,17 +387,30 @@ void SyncFolderOf(const std::filesystem::path& path) {
   if (!synced) FailOnFile(folder, "cannot be written to disk", error);
 }
 
-std::string ReadFile(const std::filesystem::path& path) {
-  std::error_code status_error;
-  if (std::filesystem::is_directory(path, status_error)) {
-    throw UsageError(path.string() + ": is a folder, expected a file");
+std::string ReadFile(const std::filesystem::path& path, std::uintmax_t limit) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY);
+  if (descriptor < 0) FailOnFile(path, "cannot be read", errno);
+  const std::unique_ptr<const int, void (*)(const int*)> closed(&descriptor,
+                                                                [](const int* d) { ::close(*d); });
+  struct stat info {};
+  if (::fstat(descriptor, &info) != 0) FailOnFile(path, "cannot be read", errno);
+  if (!S_ISREG(info.st_mode) && !S_ISFIFO(info.st_mode)) {
+    throw UsageError(path.string() + ": is a " + (S_ISDIR(info.st_mode) ? "folder" : "device") +
+                     ", expected a file");
   }
-  errno = 0;
-  std::ifstream in(path, std::ios::binary);
-  if (!in) FailOnFile(path, "cannot be read", errno != 0 ? errno : EIO);
-  std::string content((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  if (in.bad()) FailOnFile(path, "cannot be read", errno != 0 ? errno : EIO);
-  return content;
+  std::string content;
+  std::array<char, 1u << 16> block;
+  while (true) {
+    const ssize_t got = ::read(descriptor, block.data(), block.size());
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) FailOnFile(path, "cannot be read", errno);
+    if (got == 0) return content;
+    content.append(block.data(), static_cast<std::size_t>(got));
+    if (content.size() > limit) {
+      throw UsageError(path.string() + ": has more than " + std::to_string(limit) +
+                       " bytes, expected a smaller file");
+    }
+  }
 }
 
 }  // namespace sinew::config

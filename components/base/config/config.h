@@ -44,7 +44,8 @@ class Section {
 
   bool Has(std::string_view key) const;
 
-  double Number(std::string_view key, Range range = {}) const;  // finite, in range
+  // Finite and in range. With a unit of time in the key at most a century (types/seconds.h).
+  double Number(std::string_view key, Range range = {}) const;
   double NumberOr(std::string_view key, double fallback, Range range = {}) const;
   std::int64_t Integer(std::string_view key, Range range = {}) const;
   std::int64_t IntegerOr(std::string_view key, std::int64_t fallback, Range range = {}) const;
@@ -87,8 +88,8 @@ class Section {
   std::shared_ptr<Impl> impl_;
 };
 
-// Writes a file as a whole or not at all: temporary file beside it, fsync, rename.
-// Throws UsageError naming the path and the system's reason.
+// Writes a file as a whole or not at all (whole_file.h). Throws UsageError naming the path and the
+// system's reason.
 void WriteFileAtomically(const std::filesystem::path& path, std::string_view content);
 
 // After WriteFileAtomically or a removal: what has changed in the file's folder is on disk when
@@ -96,8 +97,16 @@ void WriteFileAtomically(const std::filesystem::path& path, std::string_view con
 // reason.
 void SyncFolderOf(const std::filesystem::path& path);
 
-// Reads a whole file; throws UsageError naming the path.
-std::string ReadFile(const std::filesystem::path& path);
+// Limits of files that are read whole, so that an endless or a wrong one is an error and not all of
+// the memory. A configuration, URDF, deployment, model or table of weights: what a recording
+// attaches at most, so that every file that a run depends on is in its recording.
+inline constexpr std::uintmax_t kLargestText = 16u << 20;
+// Measured data, meshes and logs of a bus: a day at 240 Hz with 20 columns of 10 characters.
+inline constexpr std::uintmax_t kLargestData = std::uintmax_t{4} << 30;
+
+// Reads a whole file, or a pipe to its end; throws UsageError naming the path, also for devices and
+// for more bytes than the limit.
+std::string ReadFile(const std::filesystem::path& path, std::uintmax_t limit = kLargestText);
 
 }  // namespace config
 }  // namespace sinew

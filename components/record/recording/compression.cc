@@ -122,6 +122,11 @@ std::string Decompress(std::string_view compression, std::span<const std::byte> 
     out->assign(bytes.begin(), bytes.end());
     return {};
   }
+  if (size > MostUncompressed(bytes.size())) {
+    return std::to_string(bytes.size()) + " compressed bytes are said to hold " +
+           std::to_string(size) + ", expected at most " +
+           std::to_string(MostUncompressed(bytes.size()));
+  }
   if (compression == "zstd") return Unzstd(bytes, size, out);
   if (compression == "lz4") return Unlz4(bytes, size, out);
   return "compression '" + std::string(compression) + "', expected zstd, lz4 or none";

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <stdexcept>
 
+#include "components/base/types/seconds.h"
 #include "components/record/recording/csv.h"
 #include "components/record/recording/signal_fields.h"
 
@@ -121,6 +122,10 @@ types::Run ReadCsvRun(std::string_view text, const std::string& name, const CsvM
   for (Eigen::Index row = 0; row < all; ++row) {
     time[row] = numbered ? map.row_period_s * static_cast<double>(skipped + row)
                          : map.time.ToSi(Cell(table, map.time, time_columns, row));
+    if (!(std::abs(time[row]) <= types::kLongest_s)) {
+      throw std::invalid_argument(line(row) + ": column '" + map.time.Names() +
+                                  "': a time beyond a century, expected seconds");
+    }
     if (row > 0 && !(time[row] > time[row - 1])) {
       throw std::invalid_argument(
           line(row) + ": column '" + map.time.Names() + "': time " + std::to_string(time[row]) +

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "components/base/types/seconds.h"
 #include "components/record/recording/csv_map.h"
 #include "components/record/recording/signal_fields.h"
 
@@ -49,7 +50,7 @@ IoStatus AddTopic(const TopicSchema& schema, McapWriter* writer, ChannelId* id) 
   return writer->AddChannel(schema_id, schema.topic, "cdr", {{"idl_hash", schema.idl_hash}}, id);
 }
 
-std::int64_t StampFromSeconds(double time_s) { return std::llround(time_s * 1e9); }
+std::int64_t StampFromSeconds(double time_s) { return types::ToNanoseconds(time_s).count(); }
 double SecondsFromStamp(std::int64_t stamp_ns) { return static_cast<double>(stamp_ns) / 1e9; }
 
 RunImporter::RunImporter(const FindSchema& find_schema, McapWriter& writer)

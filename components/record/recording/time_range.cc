@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <stdexcept>
 
+#include "components/base/types/seconds.h"
 #include "components/record/recording/csv_map.h"
 
 namespace sinew::recording {
@@ -25,7 +26,8 @@ double End(std::string_view digits, double if_empty, std::string_view text) {
   if (digits.empty()) return if_empty;
   double value = 0.0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (error != std::errc{} || end != digits.data() + digits.size() || !std::isfinite(value)) {
+  if (error != std::errc{} || end != digits.data() + digits.size() ||
+      !(std::abs(value) <= types::kLongest_s)) {
     Refuse(text, "'" + std::string(digits) + "' is no time");
   }
   return value;

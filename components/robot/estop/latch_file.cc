@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "components/base/config/config.h"
+#include "components/base/types/printable.h"
 
 namespace sinew::estop {
 namespace {
@@ -15,12 +16,9 @@ constexpr std::string_view kLatchSchema = "sinew-estop-latch/1\n";
 
 // One line: what is on the wire may hold anything.
 std::string OneLine(std::string_view text) {
-  std::string line(text.substr(0, 200));
-  for (char& c : line) {
-    if (static_cast<unsigned char>(c) < 0x20) c = ' ';
-  }
-  while (!line.empty() && line.back() == ' ') line.pop_back();
-  return line;
+  text = text.substr(0, 200);
+  while (text.ends_with('\n') || text.ends_with(' ')) text.remove_suffix(1);
+  return types::Printable(text);
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "components/base/types/seconds.h"
+
 namespace sinew::provider {
 
 using types::ControlMode;
@@ -38,6 +40,8 @@ ProviderCycle::ProviderCycle(const CycleConfig& config) : config_(config), guard
     fall_.emplace(fall, 1.0 / config.rate_Hz);
   }
   guard_.StartSession(config.session_id);
+  (void)types::ToNanoseconds(1.0 / config.rate_Hz);  // throws where it has no nanoseconds
+  (void)types::ToNanoseconds(config.duration_s);
   period_ = std::chrono::nanoseconds(std::llround(1e9 / config.rate_Hz));
   period_s_ = 1.0 / config.rate_Hz;
   if (config.duration_s > 0.0) {

@@ -1,6 +1,7 @@
 #include "components/topics/node/log.h"
 
 #include <spdlog/details/log_msg_buffer.h>
+#include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
@@ -9,6 +10,7 @@
 #include <thread>
 #include <utility>
 
+#include "components/base/types/printable.h"
 #include "components/topics/node/overrun_queue.h"
 
 namespace sinew::node::internal {
@@ -60,14 +62,33 @@ class QueueSink final : public spdlog::sinks::sink {
   LogState* log_;
 };
 
+// The text of a line, which may hold the name or reason of somebody else.
+class PrintableText final : public spdlog::custom_flag_formatter {
+ public:
+  void format(const spdlog::details::log_msg& message, const std::tm& /*time*/,
+              spdlog::memory_buf_t& out) override {
+    const std::string text = types::Printable({message.payload.data(), message.payload.size()});
+    out.append(text.data(), text.data() + text.size());
+  }
+  std::unique_ptr<spdlog::custom_flag_formatter> clone() const override {
+    return std::make_unique<PrintableText>();
+  }
+};
+
 }  // namespace
+
+void SetLogPattern(const std::string& before_text) {
+  auto formatter = std::make_unique<spdlog::pattern_formatter>();
+  formatter->add_flag<PrintableText>('*').set_pattern(before_text + "%*");
+  spdlog::set_formatter(std::move(formatter));
+}
 
 void StartLog(const std::string& name, const std::string& level) {
   auto* log = new LogState;
   auto logger = std::make_shared<spdlog::logger>(name, std::make_shared<QueueSink>(log));
-  logger->set_pattern("%H:%M:%S.%e %n %^%l%$ %v");
   logger->set_level(spdlog::level::from_str(level));
   spdlog::set_default_logger(logger);
+  SetLogPattern("%H:%M:%S.%e %n %^%l%$ ");
   std::thread(&WriteLines, log).detach();
   g_log = log;
 }

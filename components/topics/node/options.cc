@@ -8,6 +8,7 @@
 #include <csignal>
 #include <iostream>
 
+#include "components/base/types/printable.h"
 #include "components/topics/isolation/isolation.h"
 #include "components/topics/node/log.h"
 #include "components/topics/node/realtime.h"
@@ -144,7 +145,8 @@ int RunParticipant(int argc, char** argv, const std::string& component,
   } catch (const CLI::Success& done) {
     return app.exit(done);
   } catch (const CLI::ParseError& error) {
-    std::cerr << "sinew-" << component << ": " << error.what() << " (see --help)\n";
+    std::cerr << "sinew-" << component << ": " << types::Printable(error.what())
+              << " (see --help)\n";
     return 2;
   }
   if (options.name.empty()) options.name = component;
@@ -161,7 +163,7 @@ int RunParticipant(int argc, char** argv, const std::string& component,
     return EXIT_SUCCESS;
   } catch (const UsageError& error) {
     if (internal::FlushLog(kLogAtEnd)) {  // else nobody reads it, and it could not be written
-      std::cerr << "sinew-" << component << ": " << error.what() << '\n';
+      std::cerr << "sinew-" << component << ": " << types::Printable(error.what()) << '\n';
     }
     return 2;
   } catch (const std::exception& error) {

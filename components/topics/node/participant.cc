@@ -30,8 +30,8 @@ void LoadProfiles(const Options& options) {
       }
       return;
     }
-    config::ReadFile(options.qos_path);  // a clear error when it is absent
-    if (factory->load_XML_profiles_file(options.qos_path.string()) != ReturnCode_t::RETCODE_OK) {
+    const std::string xml = config::ReadFile(options.qos_path);
+    if (factory->load_XML_profiles_string(xml.data(), xml.size()) != ReturnCode_t::RETCODE_OK) {
       throw UsageError(options.qos_path.string() +
                        ": no valid QoS profiles, expected a file like qos_profiles.xml");
     }

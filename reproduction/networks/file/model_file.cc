@@ -277,7 +277,7 @@ Model ParseModel(const std::string& text, const std::string& name) {
 }
 
 Model LoadModel(const std::filesystem::path& path) {
-  return ParseModel(config::ReadFile(path), path.string());
+  return ParseModel(config::ReadFile(path, config::kLargestData), path.string());
 }
 
 void SaveModel(const std::filesystem::path& path, const Model& model) {

@@ -1,7 +1,5 @@
 #include "sim/render/file/scene_file.h"
 
-#include <tinyxml.h>
-
 #include <cmath>
 #include <map>
 #include <optional>
@@ -9,6 +7,7 @@
 
 #include "components/base/config/config.h"
 #include "components/bodies/links/file/urdf_file.h"
+#include "components/bodies/links/file/xml_text.h"
 
 namespace sinew::render {
 
@@ -161,8 +160,8 @@ Scene ParseScene(const std::string& xml, const std::string& file_name) {
   std::vector<Drawn> drawn;
   Scene scene;
   TiXmlDocument document;
-  document.Parse(xml.c_str());
-  if (const TiXmlElement* robot = document.Error() ? nullptr : document.RootElement()) {
+  arm::ParseXml(xml, file_name, &document);
+  if (const TiXmlElement* robot = document.RootElement()) {
     SceneReader reader(file_name);
     reader.ReadMaterials(*robot);
     for (const TiXmlElement* link = robot->FirstChildElement("link"); link != nullptr;

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "components/base/config/config.h"
 #include "components/model/payloads/payloads.h"
 #include "tests/tools/export_model/exported.h"
 
@@ -47,7 +48,7 @@ TEST(Urdf, OfTheBipedHasThePayloadInItsLinkAndAllElseAsItWas) {
 
 TEST(Urdf, ThatIsNoXmlOrLacksAJointIsRefused) {
   const DescribedRobot rig = Described(RigRobot());
-  EXPECT_THROW(WriteUrdf(rig, "<robot", {}), std::invalid_argument);
+  EXPECT_THROW(WriteUrdf(rig, "<robot", {}), UsageError);
   EXPECT_THROW(WriteUrdf(rig, "<robot name=\"x\"><link name=\"link\"/></robot>", {}),
                std::invalid_argument);
 }

@@ -114,9 +114,11 @@ TEST_F(DeploymentTest, ALoggerGetsEveryFileThatTheDeploymentNames) {
   folder_.Write("plant.yaml",
                 "model: models/rig.yaml\nother: [missing.yaml, {a: weights.bin}]\n"
                 "from: old.mcap\nself: plant.yaml\n");
-  folder_.Write("models/rig.yaml", "urdf: rig.urdf\nbroken: ../broken.yaml\n");
+  folder_.Write("models/rig.yaml",
+                "urdf: rig.urdf\nbroken: ../broken.yaml\nin_itself: ../loop.yaml\n");
   folder_.Write("models/rig.urdf", "<robot/>");
   folder_.Write("broken.yaml", "a: [\n");
+  folder_.Write("loop.yaml", "a: &a [*a]\n");
   folder_.Write("weights.bin", "w");
   folder_.Write("old.mcap", "a recording is no configuration");
   std::vector<std::string> names;
@@ -125,7 +127,7 @@ TEST_F(DeploymentTest, ALoggerGetsEveryFileThatTheDeploymentNames) {
     names.push_back(file.name);
   }
   EXPECT_THAT(names, ElementsAre("deploy.yaml", "plant.yaml", "models/rig.yaml", "models/rig.urdf",
-                                 "broken.yaml", "weights.bin"));
+                                 "broken.yaml", "loop.yaml", "weights.bin"));
   Overrides overrides;
   overrides.without = {"logger"};
   EXPECT_TRUE(Load(kTwo, overrides).attachments.empty()) << "nobody records";

@@ -66,6 +66,15 @@ TEST(Output, ColoursThePrefixOnlyWhenAsked) {
   EXPECT_EQ(out.str(), "\x1b[36ma | \x1b[0mone\n\x1b[32mb | \x1b[0mtwo\n");
 }
 
+TEST(Output, ShowsControlCharactersOfAProcess) {
+  std::ostringstream out, error;
+  Output output(out, error, true, {"a\x1b[1m"});
+  output.FromProcess(0, false, "one\x1b[2J\ttwo");
+  output.Say("\x07");
+  EXPECT_EQ(out.str(), "\x1b[36ma\\u001b[1m | \x1b[0mone\\u001b[2J\ttwo\n");
+  EXPECT_EQ(error.str(), "sinew launch: \\u0007\n");
+}
+
 TEST(Output, ReportsThatItsReaderIsGone) {
   std::ostringstream out, error;
   Output output(out, error, false, {"a"});

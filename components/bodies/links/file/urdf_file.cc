@@ -10,6 +10,7 @@
 #include <functional>
 
 #include "components/base/config/config.h"
+#include "components/bodies/links/file/xml_text.h"
 
 namespace sinew::arm {
 
@@ -186,19 +187,27 @@ bool IsCarried(const Chain& chain, int body, int root) {
   return body == root;
 }
 
+// Before urdfdom, which frees links by recursion.
+void RequireFewLinks(const TiXmlElement& robot, const Where& where) {
+  int count = 0;
+  for (const TiXmlElement* e = robot.FirstChildElement("link"); e != nullptr;
+       e = e->NextSiblingElement("link")) {
+    if (++count <= kMostLinks) continue;
+    throw UsageError(where.file() + ":" + std::to_string(e->Row()) + ": more than " +
+                     std::to_string(kMostLinks) + " links, expected fewer");
+  }
+}
+
 }  // namespace
 
 Chain ParseUrdf(const std::string& xml, const std::string& file_name) {
   TiXmlDocument document;
-  document.Parse(xml.c_str());
-  if (document.Error()) {
-    throw UsageError(file_name + ":" + std::to_string(std::max(1, document.ErrorRow())) +
-                     ": no valid XML: " + document.ErrorDesc());
-  }
+  ParseXml(xml, file_name, &document);
   if (document.RootElement() == nullptr || document.RootElement()->ValueStr() != "robot") {
     throw UsageError(file_name + ":1: expected a URDF, whose root element is 'robot'");
   }
   const Where where(document, file_name);
+  RequireFewLinks(*document.RootElement(), where);
   urdf::ModelInterfaceSharedPtr model;
   std::string complaint;
   {

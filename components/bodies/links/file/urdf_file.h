@@ -11,6 +11,10 @@
 
 namespace sinew::arm {
 
+// Links of a URDF: eighty fixed frames for each of types::kMaxJoints moving joints. They are
+// visited by recursion, below 1 KiB of stack for each.
+inline constexpr int kMostLinks = 1000;
+
 // file_name stands for the file in messages. The inertia of the base link is copied as it stands:
 // it matters to a floating base only (FloatingChain checks it).
 Chain ParseUrdf(const std::string& xml, const std::string& file_name);

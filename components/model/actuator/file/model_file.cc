@@ -1,7 +1,5 @@
 #include "components/model/actuator/file/model_file.h"
 
-#include <yaml-cpp/yaml.h>
-
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -9,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
+
+#include "components/base/config/yaml_text.h"
 
 namespace sinew::actuator {
 
@@ -385,7 +385,7 @@ ModelFile LoadModelFile(const std::filesystem::path& path) {
     file.robot.floating_base = ReadFloatingBase(root.Child("floating_base"));
   }
   if (file.robot.joints.empty()) root.Fail("joints", "empty, expected at least one joint");
-  const YAML::Node document = YAML::Load(text);
+  const YAML::Node document = config::ParseYaml(text, path.string());
   for (const std::string_view block : kForeignBlocks) {
     if (!root.Has(block)) continue;  // Has() also marks the key as known
     YAML::Emitter out;
@@ -527,7 +527,7 @@ std::string FormatModel(const RobotModel& robot,
   if (robot.floating_base) WriteFloatingBase(out, *robot.floating_base);
   for (const auto& [key, text] : foreign_text) {
     YAML::Emitter emitter;
-    emitter << YAML::BeginMap << YAML::Key << key << YAML::Value << YAML::Load(text)
+    emitter << YAML::BeginMap << YAML::Key << key << YAML::Value << config::ParseYaml(text, key)
             << YAML::EndMap;
     out += std::string(emitter.c_str()) + "\n";
   }

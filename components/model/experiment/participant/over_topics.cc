@@ -9,6 +9,7 @@
 #include <chrono>
 #include <stdexcept>
 
+#include "components/base/types/seconds.h"
 #include "components/topics/node/endpoint.h"
 #include "components/topics/node/tick_loop.h"
 #include "components/topics/wire/wire.h"
@@ -97,9 +98,7 @@ TopicRun RunOverTopics(node::Node& node, node::StopFlag& stop, Prepared& protoco
   auto operator_writer = node.MakeWriter(node::kOperatorCommand);
   const auto joint = static_cast<std::size_t>(options.joint);
 
-  const auto give_up = std::chrono::steady_clock::now() +
-                       std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-                           std::chrono::duration<double>(options.wait_s));
+  const auto give_up = std::chrono::steady_clock::now() + types::ToNanoseconds(options.wait_s);
   while (presence->matched_writers() == 0 && !stop.requested()) {
     if (std::chrono::steady_clock::now() > give_up) {
       throw std::runtime_error("no state provider in domain " +

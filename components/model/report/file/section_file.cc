@@ -74,7 +74,7 @@ void WriteSection(const std::filesystem::path& folder, Section section) {
 
 Section ReadSection(const std::filesystem::path& folder) {
   const std::filesystem::path path = folder / "section.json";
-  const std::string text = config::ReadFile(path);
+  const std::string text = config::ReadFile(path, config::kLargestData);
   try {
     const Json json = Json::parse(text);
     if (json.at("schema") != kSchema) {

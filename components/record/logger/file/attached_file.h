@@ -4,12 +4,13 @@
 #include <cstdint>
 #include <string>
 
+#include "components/base/config/config.h"
 #include "components/record/recording/mcap.h"
 
 namespace sinew::logger {
 
 // The largest file that is attached: models, configurations, weights; not recordings or meshes.
-inline constexpr std::uintmax_t kLargestAttachment = 16u << 20;
+inline constexpr std::uintmax_t kLargestAttachment = config::kLargestText;
 
 struct AttachedFile {
   std::string name;    // in the recording

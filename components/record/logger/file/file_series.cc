@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -13,23 +14,54 @@ namespace sinew::logger {
 namespace fs = std::filesystem;
 using recording::IoStatus;
 
+namespace {
+
+constexpr std::size_t kLeastDigits = 3;
+
+fs::path FolderOf(const fs::path& path) {
+  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
+
+}  // namespace
+
 FileSeries::FileSeries(fs::path path, bool numbered, recording::Existing existing)
-    : path_(std::move(path)), numbered_(numbered), existing_(existing), current_(path_) {
+    : path_(std::move(path)), numbered_(numbered), current_(path_) {
   if (!numbered_) {
-    file_.emplace(path_, existing_);
+    file_.emplace(path_, existing);
     return;
   }
   const fs::path first = Numbered(path_, 0);
-  const fs::path folder = first.has_parent_path() ? first.parent_path() : fs::path(".");
-  if (::access(folder.c_str(), W_OK | X_OK) != 0) {
+  if (::access(FolderOf(path_).c_str(), W_OK | X_OK) != 0) {
     throw UsageError(first.string() + ": cannot be written: " + std::strerror(errno));
   }
-  if (!fs::exists(first)) return;
-  if (existing_ == recording::Existing::kRefuse) {
-    throw UsageError(first.string() + ": is there already, expected a new name (or --overwrite)");
+  const std::vector<fs::path> before = FilesOf(path_);
+  if (before.empty()) return;
+  if (existing == recording::Existing::kRefuse) {
+    throw UsageError(before.front().string() +
+                     ": is there already, expected a new name (or --overwrite)");
   }
-  for (int number = 0; fs::remove(Numbered(path_, number)); ++number) {
+  for (const fs::path& file : before) recording::RequireReplaceable(file);
+  for (const fs::path& file : before) fs::remove(file);
+}
+
+std::vector<fs::path> FileSeries::FilesOf(const fs::path& path) {
+  const std::string stem = path.stem().string() + "_", extension = path.extension().string();
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(FolderOf(path), error)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(stem) || !name.ends_with(extension) ||
+        name.size() < stem.size() + extension.size() + kLeastDigits) {
+      continue;
+    }
+    const auto end = name.end() - static_cast<std::ptrdiff_t>(extension.size());
+    if (std::all_of(name.begin() + static_cast<std::ptrdiff_t>(stem.size()), end,
+                    [](char c) { return c >= '0' && c <= '9'; })) {
+      files.push_back(path.parent_path() / name);
+    }
   }
+  std::sort(files.begin(), files.end());
+  return files;
 }
 
 fs::path FileSeries::Numbered(const fs::path& path, int number) {
@@ -53,7 +85,8 @@ IoStatus FileSeries::Begin(int number) {
     current_ = Numbered(path_, number);
   }
   try {
-    file_.emplace(current_, existing_);
+    // Those of an older recording are gone: what is there by now is another logger's.
+    file_.emplace(current_, recording::Existing::kRefuse);
   } catch (const UsageError& error) {
     return IoStatus::Failed(error.what());
   }

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <mutex>
 #include <optional>
+#include <vector>
 
 #include "components/record/logger/recording_sink.h"
 #include "components/record/recording/file/file_io.h"
@@ -13,9 +14,9 @@ namespace sinew::logger {
 
 class FileSeries final : public RecordingSink {
  public:
-  // One file is made at once, of numbered ones each by its Begin. kReplace removes the numbered
-  // files of an older recording, from 0 on without gaps. Throws UsageError when the file (of
-  // numbered ones: the first) is there and must not be replaced, or cannot be made there.
+  // One file is made at once, of numbered ones each by its Begin. kReplace removes all
+  // numbered files of an older recording. Throws UsageError when the file (of numbered ones: any)
+  // is there and must not be replaced, is being written by another logger, or cannot be made there.
   FileSeries(std::filesystem::path path, bool numbered, recording::Existing existing);
 
   recording::IoStatus Begin(int number) override;
@@ -27,11 +28,12 @@ class FileSeries final : public RecordingSink {
   std::filesystem::path current() const;
   // NAME_000.mcap for number 0.
   static std::filesystem::path Numbered(const std::filesystem::path& path, int number);
+  // All that are there, whatever their numbers, in the order of their names.
+  static std::vector<std::filesystem::path> FilesOf(const std::filesystem::path& path);
 
  private:
   const std::filesystem::path path_;
   const bool numbered_;
-  const recording::Existing existing_;
   std::optional<recording::FileSink> file_;
   bool folder_synced_ = false;  // since the file was made
   mutable std::mutex mutex_;

@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "components/base/types/seconds.h"
 #include "components/record/logger/file/file_series.h"
 #include "components/record/logger/participant/description.h"
 #include "components/record/logger/participant/dump_signal.h"
@@ -28,23 +29,18 @@ constexpr milliseconds kQuiet(500);        // nothing more comes
 constexpr milliseconds kLongestEnd(5000);  // for topics that answer every tick
 constexpr milliseconds kQuietProgress(5);  // a provider may be waiting
 
-std::chrono::nanoseconds Nanoseconds(double seconds) {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-      std::chrono::duration<double>(seconds));
-}
-
 RecorderOptions OptionsOf(const RecordOptions& options, bool lockstep) {
   RecorderOptions out;
   out.wait_for_capacity = lockstep;
   out.read_on_after_error = lockstep;  // the provider waits for recording_progress
   out.files.compression = options.compression;
   out.files.split_bytes = options.split_bytes;
-  out.files.split_span = Nanoseconds(options.split_s);
+  out.files.split_span = types::ToNanoseconds(options.split_s);
   // Simulated time can be recorded again.
   out.files.sync_span = std::chrono::duration_cast<milliseconds>(
-      Nanoseconds(options.sync_s.value_or(lockstep ? 0.0 : 1.0)));
-  out.ring.last = Nanoseconds(options.last_s);
-  out.ring.after = Nanoseconds(options.after_s);
+      types::ToNanoseconds(options.sync_s.value_or(lockstep ? 0.0 : 1.0)));
+  out.ring.last = types::ToNanoseconds(options.last_s);
+  out.ring.after = types::ToNanoseconds(options.after_s);
   out.ring.on_fault = options.on_fault;
   // While a ring is written, samples go on to come.
   if (lockstep || options.last_s > 0.0) out.queue_bytes = 64u << 20;
@@ -134,7 +130,8 @@ class Session {
     for (const node::TopicInfo* topic : topics_) {
       schemas.push_back({topic->name, topic->type_name, topic->idl, topic->idl_hash});
       const bool snapshots = topic->name == node::kComponentSnapshot.name;
-      if (snapshots && IsNumbered(options)) snapshots_.emplace(node, Nanoseconds(options.last_s));
+      if (snapshots && IsNumbered(options))
+        snapshots_.emplace(node, types::ToNanoseconds(options.last_s));
     }
     Description description = Describe(node.options(), options.notes, options.attach);
     RecorderOptions recorder_options = OptionsOf(options, lockstep_);

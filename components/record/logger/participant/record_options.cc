@@ -3,6 +3,7 @@
 #include <string>
 
 #include "components/record/logger/participant/record.h"
+#include "components/topics/node/time_option.h"
 
 namespace sinew::logger {
 
@@ -30,13 +31,13 @@ void AddFileOptions(CLI::App& app, RecordOptions* options) {
   app.add_option("--split-duration", options->split_s,
                  "Numbered files of this length: 90s, 10min, 1h")
       ->transform(Duration())
-      ->check(CLI::NonNegativeNumber)
+      ->check(node::IsTime(node::Zero::kAllowed))
       ->type_name("TIME");
   app.add_option("--sync", options->sync_s,
                  "To the disk so often (a power cut loses about so much), 0: when a file ends; 1 s "
                  "by default, 0 with --lockstep")
       ->transform(Duration())
-      ->check(CLI::NonNegativeNumber)
+      ->check(node::IsTime(node::Zero::kAllowed))
       ->type_name("TIME");
 }
 
@@ -46,14 +47,14 @@ void AddRingOptions(CLI::App& app, RecordOptions* options) {
                      "Keep this much in memory, and write it when a trigger comes: SIGUSR1, or a "
                      "fault with --on-fault")
           ->transform(Duration())
-          ->check(CLI::PositiveNumber)
+          ->check(node::IsTime(node::Zero::kRefused))
           ->type_name("TIME");
   app.add_flag("--on-fault", options->on_fault,
                "A component or robot that goes to fault is a trigger, an estop too")
       ->needs(last);
   app.add_option("--after", options->after_s, "What is written after a trigger, 10 s by default")
       ->transform(Duration())
-      ->check(CLI::NonNegativeNumber)
+      ->check(node::IsTime(node::Zero::kAllowed))
       ->needs(last)
       ->type_name("TIME");
 }
@@ -79,7 +80,7 @@ void AddRecordOptions(CLI::App& app, RecordOptions* options) {
                "Do not end with the session: further sessions go into the same file");
   app.add_option("--duration", options->duration_s,
                  "Seconds to record; until the session ends by default")
-      ->check(CLI::NonNegativeNumber);
+      ->check(node::IsTime(node::Zero::kAllowed));
   AddFileOptions(app, options);
   AddRingOptions(app, options);
 }

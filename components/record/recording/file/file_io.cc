@@ -1,6 +1,7 @@
 #include "components/record/recording/file/file_io.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -14,17 +15,52 @@ namespace {
 
 std::string Reason() { return std::strerror(errno); }
 
+IoStatus ToStatus(std::string reason) {
+  return reason.empty() ? IoStatus::Ok() : IoStatus::Failed(std::move(reason));
+}
+
+constexpr char kWritten[] = "is being written by another process, expected another name";
+
+// The file for this process alone and empty: locked until it is closed, and emptied only then.
+// Pipes and devices are as they are. Returns what is wrong.
+std::string Claim(int descriptor) {
+  struct stat info {};
+  if (::fstat(descriptor, &info) != 0) return "cannot be written: " + Reason();
+  if (S_ISBLK(info.st_mode)) return "is a block device, expected the name of a file";
+  if (!S_ISREG(info.st_mode)) return "";
+  // A file system without locks is no reason not to record.
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return kWritten;
+  return ::ftruncate(descriptor, 0) == 0 ? "" : "cannot be written: " + Reason();
+}
+
 }  // namespace
 
 FileSink::FileSink(const std::filesystem::path& path, Existing existing) {
-  const int flags =
-      O_WRONLY | O_CREAT | O_CLOEXEC | (existing == Existing::kRefuse ? O_EXCL : O_TRUNC);
+  const int flags = O_WRONLY | O_CREAT | O_CLOEXEC | (existing == Existing::kRefuse ? O_EXCL : 0);
   descriptor_ = ::open(path.c_str(), flags, 0644);
-  if (descriptor_ >= 0) return;
-  if (errno == EEXIST) {
-    throw UsageError(path.string() + ": is there already, expected a new name (or --overwrite)");
+  if (descriptor_ < 0) {
+    if (errno == EEXIST) {
+      throw UsageError(path.string() + ": is there already, expected a new name (or --overwrite)");
+    }
+    throw UsageError(path.string() + ": cannot be written: " + Reason());
   }
-  throw UsageError(path.string() + ": cannot be written: " + Reason());
+  const std::string problem = Claim(descriptor_);
+  if (problem.empty()) return;
+  ::close(descriptor_);
+  throw UsageError(path.string() + ": " + problem);
+}
+
+void RequireReplaceable(const std::filesystem::path& path) {
+  struct stat info {};
+  if (::stat(path.c_str(), &info) != 0) return;  // a link to nothing, too
+  if (!S_ISREG(info.st_mode)) {
+    throw UsageError(path.string() + ": is no plain file, expected one to replace");
+  }
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return;  // not ours to read, and so not ours to lock
+  const bool locked = ::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  ::close(descriptor);
+  if (locked) throw UsageError(path.string() + ": " + kWritten);
 }
 
 FileSink::~FileSink() {
@@ -60,21 +96,11 @@ IoStatus FileSink::Close() {
   return IoStatus::Ok();
 }
 
-WholeFileSink::WholeFileSink(const std::filesystem::path& path)
-    : path_(path),
-      temporary_(path.string() + ".part" + std::to_string(::getpid())),
-      sink_(temporary_, Existing::kReplace) {}
-
-WholeFileSink::~WholeFileSink() {
-  if (!committed_) ::unlink(temporary_.c_str());
+IoStatus WholeFileSink::Write(std::span<const std::byte> bytes) {
+  return ToStatus(file_.Write({reinterpret_cast<const char*>(bytes.data()), bytes.size()}));
 }
 
-IoStatus WholeFileSink::Commit() {
-  if (IoStatus status = sink_.Close(); !status.ok()) return status;
-  if (::rename(temporary_.c_str(), path_.c_str()) != 0) return IoStatus::Failed(Reason());
-  committed_ = true;
-  return IoStatus::Ok();
-}
+IoStatus WholeFileSink::Commit() { return ToStatus(file_.Commit()); }
 
 FileSource::FileSource(const std::filesystem::path& path) {
   descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);

@@ -4,13 +4,15 @@
 #include <filesystem>
 #include <string>
 
+#include "components/base/config/whole_file.h"
 #include "components/record/recording/io.h"
 
 namespace sinew::recording {
 
 enum class Existing { kRefuse, kReplace };
 
-// Writes straight into the file, so that what a killed program wrote is there.
+// Writes straight into the file, so that what a killed program wrote is there. A regular file is
+// locked (flock) while it is written: a second writer is refused before it changes anything.
 class FileSink : public ByteSink {
  public:
   // Throws UsageError when the file cannot be made, or is there and must not be replaced.
@@ -27,19 +29,19 @@ class FileSink : public ByteSink {
   int descriptor_ = -1;
 };
 
-// Writes a file as a whole or not at all: beside it first, renamed by Commit.
+// Throws UsageError for what may not be removed for a new file: no plain file, or one that a
+// FileSink of any process is writing.
+void RequireReplaceable(const std::filesystem::path& path);
+
+// Writes a file as a whole or not at all (config::WholeFile).
 class WholeFileSink : public ByteSink {
  public:
-  explicit WholeFileSink(const std::filesystem::path& path);  // throws UsageError
-  ~WholeFileSink() override;                                  // removes what was not committed
-  IoStatus Write(std::span<const std::byte> bytes) override { return sink_.Write(bytes); }
+  explicit WholeFileSink(const std::filesystem::path& path) : file_(path) {}  // throws UsageError
+  IoStatus Write(std::span<const std::byte> bytes) override;
   IoStatus Commit();
 
  private:
-  std::filesystem::path path_;
-  std::filesystem::path temporary_;
-  FileSink sink_;
-  bool committed_ = false;
+  config::WholeFile file_;
 };
 
 class FileSource : public ByteSource {

@@ -24,7 +24,8 @@ ImportResult ImportCsv(const std::vector<std::filesystem::path>& csv_paths,
   std::vector<types::Run> runs;
   try {
     for (const std::filesystem::path& path : csv_paths) {
-      runs.push_back(ReadCsvRun(config::ReadFile(path), path.string(), csv_map));
+      runs.push_back(
+          ReadCsvRun(config::ReadFile(path, config::kLargestData), path.string(), csv_map));
       result.samples += static_cast<std::uint64_t>(runs.back().size());
     }
     WholeFileSink sink(out);

@@ -23,7 +23,8 @@ std::vector<types::Run> ReadWhole(const RecordingPath& path, const std::filesyst
   if (map.empty()) {
     throw UsageError(name + ": no recording (.mcap), expected a mapping file to read it as CSV");
   }
-  return {ReadCsvRun(config::ReadFile(path.file), name, LoadCsvMap(map), joint)};
+  return {
+      ReadCsvRun(config::ReadFile(path.file, config::kLargestData), name, LoadCsvMap(map), joint)};
 }
 
 }  // namespace

@@ -64,7 +64,7 @@ PidConfig ReadPid(const Section& s, const Units& units) {
 // CSV: a header line `time_s,motor_torque_Nm`, then rows at one period from time 0.
 RecordedTorque ReadRecordedTorque(const Section& s) {
   const std::filesystem::path path = s.ExistingPath("recorded_torque");
-  std::ifstream in(path);
+  std::istringstream in(config::ReadFile(path, config::kLargestData));
   std::string line;
   long row = 0;
   const auto fail = [&](const std::string& what) {

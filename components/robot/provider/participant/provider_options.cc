@@ -6,6 +6,7 @@
 #include <string>
 
 #include "components/robot/provider/participant/fall_section.h"
+#include "components/topics/node/time_option.h"
 
 namespace sinew::provider {
 
@@ -15,7 +16,7 @@ void AddProviderOptions(CLI::App& app, ProviderOptions* options) {
       ->capture_default_str();
   app.add_option("--duration", options->duration_s,
                  "Length of the session in seconds; 0: until stopped")
-      ->check(CLI::NonNegativeNumber);
+      ->check(node::IsTime(node::Zero::kAllowed));
   app.add_flag("--arm", options->arm, "Armed from the first tick (simulation only)");
   app.add_option(
          "--await", options->await,
@@ -23,7 +24,7 @@ void AddProviderOptions(CLI::App& app, ProviderOptions* options) {
       ->delimiter(',');
   app.add_option("--await-timeout", options->await_timeout_s,
                  "Seconds after which a missing answer is an error")
-      ->check(CLI::PositiveNumber)
+      ->check(node::IsTime(node::Zero::kRefused))
       ->capture_default_str();
 }
 

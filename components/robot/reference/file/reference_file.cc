@@ -255,7 +255,7 @@ LoadedReference LoadReference(const std::filesystem::path& path) {
 
 CsvTrajectory ReadTrajectoryCsv(const std::filesystem::path& path, const std::string& time_column,
                                 const std::string& position_column) {
-  const std::string content = config::ReadFile(path);
+  const std::string content = config::ReadFile(path, config::kLargestData);
   CsvTrajectory csv;
   int line_number = 0;
   int time_index = -1;

@@ -64,6 +64,18 @@ TEST(Config, RefusesWhatIsNoFiniteNumberInRange) {
   EXPECT_THAT(ErrorOf([&] { Make("n: [1, 1.5]\n").Integers("n"); }), HasSubstr("whole number"));
 }
 
+TEST(Config, RefusesTimesThatAreNoWholeNanosecondsOfACentury) {
+  EXPECT_EQ(ErrorOf([] { Make("wait_s: 1e300\n").Number("wait_s"); }),
+            "f.yaml:2: key 'wait_s': '1e300', expected 0, or 0 to 3.15576e+09 (a century)");
+  for (const char* bad :
+       {"a_ms: 1e13", "a_us: -1e300", "a_ns: 1e19", "a_Hz: 1e-300", "a_Hz: 1e10"}) {
+    const std::string key = std::string(bad).substr(0, 4);
+    EXPECT_THAT(ErrorOf([&] { Make(bad).Number(key); }), HasSubstr("(a century)")) << bad;
+  }
+  EXPECT_EQ(Make("a_Hz: 0\n").Number("a_Hz"), 0.0);
+  EXPECT_EQ(Make("a_N: 1e300\n").Number("a_N"), 1e300);
+}
+
 TEST(Config, NamesTheWholePathOfANestedKey) {
   const Section section = Make("terms:\n  - effect: viscous\n  - effekt: coulomb\n");
   const auto terms = section.List("terms");

@@ -64,6 +64,36 @@ TEST(FileSeries, RefusesAnOlderSeriesOrReplacesAllOfIt) {
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "other_000.mcap"));
 }
 
+TEST(FileSeries, LooksAtAllNumbers) {
+  const TemporaryFolder folder;
+  for (const char* name : {"run_002.mcap", "run_1000.mcap", "run_01.mcap", "run_0a1.mcap"}) {
+    folder.Write(name, "old");
+  }
+  const std::filesystem::path path = folder.path() / "run.mcap";
+  EXPECT_EQ(FileSeries::FilesOf(path).size(), 2u);
+  EXPECT_THAT(ErrorOf([&] { FileSeries(path, true, Existing::kRefuse); }),
+              HasSubstr("run_002.mcap: is there already"));
+  const FileSeries series(path, true, Existing::kReplace);
+  EXPECT_TRUE(FileSeries::FilesOf(path).empty());
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "run_01.mcap"));
+}
+
+TEST(FileSeries, RemovesNothingThatIsNoFileOrIsBeingWritten) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "run.mcap";
+  FileSeries first(path, true, Existing::kRefuse);
+  WriteText(&first, 0, "whole");
+  ASSERT_TRUE(first.Begin(1).ok());
+  EXPECT_THAT(ErrorOf([&] { FileSeries(path, true, Existing::kReplace); }),
+              HasSubstr("run_001.mcap: is being written by another process"));
+  EXPECT_EQ(config::ReadFile(folder.path() / "run_000.mcap"), "whole");
+  ASSERT_TRUE(first.End().ok());
+  std::filesystem::create_symlink("/dev/null", folder.path() / "run_002.mcap");
+  EXPECT_THAT(ErrorOf([&] { FileSeries(path, true, Existing::kReplace); }),
+              HasSubstr("run_002.mcap: is no plain file"));
+  EXPECT_EQ(FileSeries::FilesOf(path).size(), 3u);
+}
+
 TEST(FileSeries, ReportsAFolderThatIsNotThereAndAFileInTheWay) {
   const TemporaryFolder folder;
   for (const bool numbered : {false, true}) {

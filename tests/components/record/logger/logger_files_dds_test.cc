@@ -97,6 +97,32 @@ bool HasMessages(const std::string& path, std::uint64_t count) {
   }
 }
 
+TEST_F(LoggerFiles, OneLoggerWritesARecordingAndASecondIsRefused) {
+  const std::string out = Path("run.mcap");
+  const std::vector<std::string> command = {kFilesBin + "sinew-logger",
+                                            "--domain",
+                                            "202",
+                                            "--out",
+                                            out,
+                                            "--overwrite",
+                                            "--attach",
+                                            "a\x1b[2J\n=" + folder_.Write("notes.txt", "text")};
+  Program first(command);
+  ASSERT_TRUE(
+      HoldsWithin(20s, [&first] { return first.error().find("domain") != std::string::npos; }));
+  ASSERT_TRUE(HoldsWithin(20s, [&out] { return HasMessages(out, 0); })) << first.error();
+  const Finished second = testing::Run(command, 20s);
+  EXPECT_EQ(second.exit_code, 2) << second.error;
+  EXPECT_THAT(second.error,
+              HasSubstr(out + ": is being written by another process, expected another name\n"));
+  first.Signal(SIGINT);
+  EXPECT_EQ(first.Wait(20s), 0) << first.error();
+  EXPECT_TRUE(ReadFacts(out).whole);
+  const Finished list = testing::Run({kFilesBin + "sinew", "attachments", out}, 20s);
+  EXPECT_EQ(list.exit_code, 0) << list.error;
+  EXPECT_THAT(list.output, HasSubstr(" a\\u001b[2J\\n\n"));
+}
+
 TEST_F(LoggerFiles, ASplitRecordingLosesNothingAndNamesItsWriters) {
   const std::string imported = ImportTicks(3000);
   Program logger({kFilesBin + "sinew-logger", "--lockstep", "--domain", "202", "--out",

@@ -458,6 +458,20 @@ TEST(McapReader, RefusesAChunkThatDeclaresMoreThanItHolds) {
   EXPECT_NE(Decompress("brotli", compressed, 5, &out), "");
 }
 
+// A gigabyte of zeros is 32 kB of zstd, which really holds it.
+TEST(McapReader, RefusesAChunkThatHoldsMoreThanRecordingsDo) {
+  constexpr std::uint64_t kPicture = std::uint64_t{64} << 20;
+  EXPECT_EQ(MostUncompressed(33000), kPicture);
+  EXPECT_EQ(MostUncompressed(kPicture), 255 * kPicture);
+  Bytes bomb;
+  Compress(Compression::kZstd, Bytes(kPicture + 1), &bomb);
+  Bytes out;
+  EXPECT_EQ(Decompress("zstd", bomb, kPicture + 1, &out),
+            std::to_string(bomb.size()) +
+                " compressed bytes are said to hold 67108865, expected at most 67108864");
+  EXPECT_EQ(out.capacity(), 0u);
+}
+
 // A long run: half an hour at 240 Hz keeps memory bounded (chunks leave) and stays readable.
 TEST(McapWriter, KeepsHalfAnHourOfMessages) {
   MemorySink sink;

@@ -27,7 +27,7 @@ TEST(LatchFile, KeepsTheReasonInOneLineUntilItIsRemoved) {
   const LatchFile::State state = LatchFile(latch.path()).Read();
   EXPECT_TRUE(state.latched);
   EXPECT_TRUE(state.valid);
-  EXPECT_EQ(state.why, "hand in the  gear");
+  EXPECT_EQ(state.why, "hand\\nin the\\u0001 gear");
   EXPECT_THAT(latch.Remove(), IsEmpty());
   EXPECT_FALSE(LatchFile(latch.path()).Read().latched);
   EXPECT_THAT(latch.Remove(), IsEmpty()) << "removed already";

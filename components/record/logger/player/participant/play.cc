@@ -16,6 +16,7 @@
 #include "components/record/logger/player/participant/live_ticks.h"
 #include "components/record/recording/file/file_io.h"
 #include "components/topics/node/endpoint.h"
+#include "components/topics/node/time_option.h"
 
 namespace sinew::logger {
 
@@ -299,7 +300,7 @@ class Player {
 
   std::string Seek(double seconds) {
     const double duration_s = static_cast<double>(playlist_.duration_ns()) * 1e-9;
-    if (seconds < 0.0 || seconds > duration_s) {
+    if (!(seconds >= 0.0 && seconds <= duration_s)) {
       char text[96];
       std::snprintf(text, sizeof(text), "seek: %.3f s, expected 0 to %.3f", seconds, duration_s);
       return text;
@@ -483,9 +484,9 @@ void AddPlayOptions(CLI::App& app, PlayOptions* options) {
       ->capture_default_str();
   app.add_flag("--paused", options->paused, "Start paused");
   app.add_option("--start", options->list.start_s, "Seconds into the recording")
-      ->check(CLI::NonNegativeNumber);
+      ->check(node::IsTime(node::Zero::kAllowed));
   app.add_option("--end", options->list.end_s, "Seconds into the recording")
-      ->check(CLI::NonNegativeNumber);
+      ->check(node::IsTime(node::Zero::kAllowed));
   app.add_flag(
       "--follow", options->follow,
       "Stand in for components of a running session: send what was recorded at tick k at its k-th "
@@ -496,7 +497,7 @@ void AddPlayOptions(CLI::App& app, PlayOptions* options) {
       ->check(CLI::NonNegativeNumber);
   app.add_option("--wait-timeout", options->wait_timeout_s,
                  "Seconds to wait for readers, answers or a session")
-      ->check(CLI::PositiveNumber)
+      ->check(node::IsTime(node::Zero::kRefused))
       ->capture_default_str();
   app.add_option("--await", options->await,
                  "Lockstep, with joint_state: TOPIC or TOPIC:WINDOW that must answer a tick before "

@@ -1,0 +1,32 @@
+#include "components/base/types/printable.h"
+
+#include <gtest/gtest.h>
+
+namespace sinew::types {
+namespace {
+
+TEST(Printable, ShowsControlCharacters) {
+  EXPECT_EQ(Printable("a\x1b[2Jb\x07\x7f"), "a\\u001b[2Jb\\u0007\\u007f");
+  EXPECT_EQ(Printable(std::string_view("\0", 1)), "\\u0000");
+  EXPECT_EQ(Printable("1\n2\r3\t4"), "1\\n2\\r3\\t4");
+  EXPECT_EQ(Printable("\xc2\x9b"
+                      "2J"),
+            "\\u009b2J")
+      << "CSI as UTF-8";
+}
+
+TEST(Printable, KeepsLinesWhereThereMayBeMany) {
+  EXPECT_EQ(Printable("1\n2\t\x1b\r", Lines::kMany), "1\n2\t\\u001b\\r");
+  EXPECT_TRUE(IsPrintable("1\n2\t", Lines::kMany));
+  EXPECT_FALSE(IsPrintable("1\n2\t"));
+}
+
+TEST(Printable, KeepsAllElse) {
+  for (const char* text : {"", "joint 'a' 3.5 N m", "µ° § übergroß", "\\u001b", "\xc2"}) {
+    EXPECT_EQ(Printable(text), text);
+    EXPECT_TRUE(IsPrintable(text)) << text;
+  }
+}
+
+}  // namespace
+}  // namespace sinew::types
