@@ -8,7 +8,8 @@ same graph. C: the chain in one process (as sinew-compose) beside one relay ther
 with joint_state and joint_command alone; half of it is a message from process to process. S: the work of the provider's
 cycle among the eight processes and a logger, undisturbed and while each of them is stopped in turn (SIGSTOP, SIGCONT after
 half a second; control last, as the robot has a fault then). T: the bridge's cycle with topics, twelve joints on two
-virtual buses, beside the sum of its work without topics and bare writes of the same payloads to as many readers. Pairs ABAB: ours, relays,
+virtual buses, beside the sum of its work without topics and bare writes of the same payloads to as many readers. K: the chain of A with a
+deployment's key beside the same without. Pairs ABAB: ours, relays,
 ours, relays; the median of the ratios is printed. Both under SCHED_FIFO with the same priorities. The relays' payloads
 are as large as ours were in a run before. Nothing else may run.
 """
@@ -171,23 +172,45 @@ def text_of(result):
 LATE_US = 20000  # what a late answer counts as, in both programs
 
 
-def spread(ratios, pairs):
-    """Median and range of the ratios; None stands for a quantile among the late answers."""
+def interval_of_median(values):
+    """Of at least 95 %, by order statistics; the range where there are fewer than six."""
+    values, n = sorted(values), len(values)
+    k = 0
+    while 2 * sum(math.comb(n, i) for i in range(k + 1)) <= 0.05 * 2**n:
+        k += 1
+    return values[max(k - 1, 0)], values[n - max(k, 1)]
+
+
+def spread(ratios, pairs, other):
+    """Median of the ratios with its interval; None stands for a quantile among the late answers."""
     known = [ratio for ratio in ratios if ratio is not None]
-    text = "no ratio" if not known else f"{statistics.median(known):.2f} x relays ({min(known):.2f} to {max(known):.2f})"
+    low, high = interval_of_median(known) if known else (math.nan, math.nan)
+    text = "no ratio" if not known else f"{statistics.median(known):.3f} x {other} ({low:.3f} to {high:.3f})"
     return text + (f", late answers in {pairs - len(known)} of {pairs} pairs" if len(known) < pairs else "")
 
 
-def compare(options, letter, what, goal, run_ours, run_relays):
+def with_key(run):
+    """The result of a run with a deployment's key."""
+    with tempfile.NamedTemporaryFile("w", suffix=".key") as file:  # mode 0600
+        file.write("5a" * 32)
+        file.flush()
+        os.environ["SINEW_KEY"] = file.name
+        try:
+            return run()
+        finally:
+            del os.environ["SINEW_KEY"]
+
+
+def compare(options, letter, what, goal, run_ours, run_relays, other="relays"):
     """The medians of the ratios; a quantile that falls among the late answers of either side has none."""
     ratios = {"p50_us": [], "p999_us": []}
     for pair in range(options.pairs):
         a, b = run_ours(), run_relays()
         for key, values in ratios.items():
             values.append(a[key] / b[key] if max(a[key], b[key]) < LATE_US else None)
-        print(f"{letter} {pair + 1}: ours {text_of(a)}, stale {100 * a['stale']:.2f} %; relays {text_of(b)}", flush=True)
-    print(f"{letter}: {what}: p50 {spread(ratios['p50_us'], options.pairs)}; p99.9 "
-          f"{spread(ratios['p999_us'], options.pairs)}; {goal}", flush=True)
+        print(f"{letter} {pair + 1}: ours {text_of(a)}, stale {100 * a['stale']:.2f} %; {other} {text_of(b)}", flush=True)
+    print(f"{letter}: {what}: p50 {spread(ratios['p50_us'], options.pairs, other)}; p99.9 "
+          f"{spread(ratios['p999_us'], options.pairs, other)}; {goal}", flush=True)
 
 
 def stop_in_turn(children, seconds):
@@ -266,7 +289,7 @@ def main():
     parser.add_argument("--cpu", type=int, default=max(os.sched_getaffinity(0)), help="core of both sides")
     parser.add_argument("--no-realtime", dest="realtime", action="store_false")
     parser.add_argument("--transports", default="udp", choices=["both", "udp", "shm"], help="of the relays")
-    parser.add_argument("--only", default="ABCHST", help="letters of the comparisons")
+    parser.add_argument("--only", default="ABCHKST", help="letters of the comparisons")
     parser.add_argument("--sizes", type=pathlib.Path, help="payload sizes: read from this file, or written to it")
     options = parser.parse_args()
     if options.sizes and options.sizes.exists():
@@ -286,7 +309,10 @@ def main():
               lambda: relays(options, 240, seconds, ALL_SOURCE, ALL_RELAYS, sizes)),
         "C": ("the chain in one process, 1 kHz", "goal p50 1.3",
               lambda: ours(options, 1000, seconds, CHAIN, compose=True),
-              lambda: relays(options, 1000, seconds, SOURCE, ONE_RELAY, sizes))}
+              lambda: relays(options, 1000, seconds, SOURCE, ONE_RELAY, sizes)),
+        "K": (f"chain of four processes with a key, {options.rate} Hz", "goal p50 1.05",
+              lambda: with_key(lambda: ours(options, options.rate, seconds, CHAIN)),
+              lambda: ours(options, options.rate, seconds, CHAIN), "without")}
     for letter in options.only:
         if letter == "H":
             hop(options, sizes)

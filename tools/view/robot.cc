@@ -65,7 +65,7 @@ Robot::Robot(const fs::path& urdf) : urdf_(config::ReadFile(urdf)) {
   for (const std::string& name : FilesNamedIn(urdf_)) {
     const fs::path file = FileInPackage(name, own, package);
     try {
-      meshes_[name] = {200, ContentType(file), config::ReadFile(file)};
+      meshes_[name] = {200, ContentType(file), config::ReadFile(file, config::kLargestData)};
     } catch (const UsageError&) {  // an empty path among them
       left_out.push_back(name);
     }
