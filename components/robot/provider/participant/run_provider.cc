@@ -109,7 +109,7 @@ class Provider {
         publisher_(node_, plant),
         readers_(node_, cycle_, plant,
                  [this](OperatorResult result, types::OperatorAction action,
-                        std::string_view reason) { OnOperator(result, action, reason); }),
+                        std::string_view reason) { return OnOperator(result, action, reason); }),
         wait_(MakeAwaitedTopics(options.await, node_, cycle_, readers_), options.await_timeout_s),
         work_(options.work != nullptr ? *options.work : own_work_) {
     if (!estop.required.empty()) estop_states_.emplace(node_.MakeReader(node::kEstopState));
@@ -184,18 +184,19 @@ class Provider {
     }
   }
 
-  void OnOperator(OperatorResult result, types::OperatorAction action, std::string_view reason) {
+  // Why the command was refused, where the result does not say it all.
+  std::string OnOperator(OperatorResult result, types::OperatorAction action,
+                         std::string_view reason) {
     if (action == types::OperatorAction::kEstop) desk_->OnEstop(reason);
     if (result == OperatorResult::kUnlatchFirst) desk_->OnReset();
     const bool by_plant = result == OperatorResult::kRefusedByPlant;
     const bool by_estop = result == OperatorResult::kRefusedByEstop;
-    if (by_plant || by_estop || result == OperatorResult::kRefusedByFallGuard) {
-      const std::string why = "arm refused: " + (by_plant   ? plant_.ArmRefusal()
-                                                 : by_estop ? watch_->Problem(MonotonicNow_ns())
-                                                            : cycle_.FallRefusal());
-      spdlog::error("{}", why);
-      node_.SetState(node::Node::State::kActive, why);
-    }
+    if (!by_plant && !by_estop && result != OperatorResult::kRefusedByFallGuard) return "";
+    const std::string why = "arm refused: " + (by_plant   ? plant_.ArmRefusal()
+                                               : by_estop ? watch_->Problem(MonotonicNow_ns())
+                                                          : cycle_.FallRefusal());
+    node_.SetState(node::Node::State::kActive, why);
+    return why;
   }
 
   // A robot whose estop nobody watches, or whose button is held, is stopped and not armed.
