@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sinew_idl/joint.h>
+#include <sinew_idl/operator.h>
 
 #include "components/topics/node/node.h"
 #include "tests/support/patient_guard.h"
@@ -86,8 +87,43 @@ TEST(Operator, AKilledControllerIsBridgedAndThenAFault) {
     return s.robot_state() == msg::ROBOT_ARMED && std::abs(s.velocity_rad_s()[0]) > 0.05;
   }));
   rig.control.Signal(SIGKILL);
-  ASSERT_TRUE(WaitForRobot(rig.state, msg::ROBOT_FAULT));
+  bool damped = false;
+  ASSERT_TRUE(WaitForState(rig.state, [&damped](const msg::JointState& s) {
+    damped = damped || s.robot_state() == msg::ROBOT_DAMPED;
+    return s.robot_state() == msg::ROBOT_FAULT;
+  }));
+  EXPECT_TRUE(damped) << "the gap was not bridged";
   EXPECT_NE(rig.Command("arm"), 0) << "a fault ends only by reset";
+}
+
+TEST(Operator, AFloodOfCommandsDoesNotFillTheLog) {
+  Program surrogate(
+      {kBin + "/sinew-surrogate", "--config", kRig + "surrogate.yaml", "--domain", "114"});
+  node::Node observer(Observer(114));
+  auto states = observer.MakeReader(node::kJointState);
+  auto commands = observer.MakeWriter(node::kOperatorCommand);
+  ASSERT_TRUE(WaitForRobot(states, msg::ROBOT_DISARMED)) << surrogate.error();
+  msg::OperatorCommand reset;  // of another session: refused
+  reset.action(msg::OPERATOR_RESET);
+  reset.reason("flood");
+  for (int i = 0; i < 500; ++i) (void)commands.Write(reset);
+  msg::OperatorCommand estop;
+  estop.action(msg::OPERATOR_ESTOP);
+  ASSERT_TRUE(WaitForState(states, [&](const msg::JointState& s) {
+    (void)commands.Write(estop);
+    return s.robot_state() == msg::ROBOT_ESTOPPED;
+  }));
+  ASSERT_TRUE(WaitForState(states, [&](const msg::JointState&) {
+    (void)commands.Write(estop);
+    return surrogate.WaitForText("before it not logged)", 0ms);
+  })) << surrogate.error();
+  const std::string log = surrogate.output() + surrogate.error();
+  std::size_t lines = 0;
+  for (std::size_t at = log.find("operator:"); at != std::string::npos;
+       at = log.find("operator:", at + 1)) {
+    ++lines;
+  }
+  EXPECT_LE(lines, 40U) << "ten a second";
 }
 
 TEST(Operator, ASecondStateProviderIsRefused) {

@@ -61,7 +61,7 @@ struct PrepareChild {
   template <class Executor>
   void operator()(Executor&) const {
     ::setpgid(0, 0);
-    ::prctl(PR_SET_PDEATHSIG, SIGTERM);     // an end in order: motors off first
+    ::prctl(PR_SET_PDEATHSIG, SIGTERM);     // an end in order; SINEW_LAUNCHER is the other way
     if (::getppid() != parent) ::_exit(1);  // it died before prctl
     ::signal(SIGPIPE, SIG_DFL);
   }
@@ -174,6 +174,7 @@ struct Launcher::Impl {
         bp::std_in<bp::null, bp::std_out> child->streams[0]->pipe,
         bp::std_err > child->streams[1]->pipe,
         bp::env["SINEW_DEPLOYMENT"] = deployment.isolated ? deployment.name : std::string("none"),
+        bp::env["SINEW_LAUNCHER"] = std::to_string(::getpid()),
         bp::extend::on_exec_setup = PrepareChild{::getpid()}, error);
     if (error) {
       child->state = State::kEnded;

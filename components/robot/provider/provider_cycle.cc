@@ -132,6 +132,7 @@ Fault ProviderCycle::CommandFault() const {
 
 bool ProviderCycle::Take(const ValveCommand& command, std::uint64_t tick) {
   if (command.header.session_id != config_.session_id) return false;
+  if (valves_ && command.header.tick <= valves_->header.tick) return false;  // late
   valve_answers_ = command.header.tick + 1;
   if (command.header.tick > tick) return false;
   if (!Admits(command.header)) return false;

@@ -128,6 +128,7 @@ class ProviderCycle {
   bool FinishReset();
   // True: the command counts and is the newest.
   bool Take(const JointSetpoints& command, std::uint64_t tick);
+  // The same; not newer than the last one that counted: dropped.
   bool Take(const ValveCommand& command, std::uint64_t tick);
 
   // Once a cycle, first; of a clock that only goes forward, as Command's. True: it begins too long

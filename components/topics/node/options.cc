@@ -2,11 +2,14 @@
 
 #include <sched.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <iostream>
+#include <string>
 
 #include "components/base/types/printable.h"
 #include "components/topics/isolation/isolation.h"
@@ -19,6 +22,15 @@ namespace sinew::node {
 namespace {
 
 std::atomic<bool> g_stop{false};
+
+// The process of the launcher that has started this one, and sends SIGTERM when it dies: but not to
+// a program with capabilities or a user of its own (setcap, set-user-ID). 0: none.
+pid_t Launcher() {
+  const char* text = std::getenv("SINEW_LAUNCHER");
+  const pid_t parent = ::getppid();
+  return text != nullptr && std::to_string(parent) == text ? parent : 0;
+}
+const pid_t g_launcher = Launcher();
 
 extern "C" void OnStopSignal(int) { g_stop.store(true); }
 
@@ -52,7 +64,9 @@ StopFlag::StopFlag() {
 
 StopFlag::~StopFlag() { g_stop.store(false); }
 
-bool StopFlag::requested() const noexcept { return g_stop.load(std::memory_order_relaxed); }
+bool StopFlag::requested() const noexcept {
+  return g_stop.load(std::memory_order_relaxed) || (g_launcher != 0 && ::getppid() != g_launcher);
+}
 void StopFlag::Request() noexcept { g_stop.store(true); }
 
 void AddOption(CLI::App& app, const std::string& name, std::string* value,

@@ -46,8 +46,8 @@ inline const std::string& RoleOf(const Options& options) {
   return options.role.empty() ? options.component : options.role;
 }
 
-// Set by SIGINT and SIGTERM. Make it before any thread exists, one at a time: what was requested
-// ends with it.
+// Set by SIGINT and SIGTERM, and when the launcher that has started this process dies. Make it
+// before any thread exists, one at a time: what was requested ends with it.
 class StopFlag {
  public:
   StopFlag();

@@ -126,6 +126,23 @@ TEST_F(LauncherTest, WhenTheLauncherIsKilledItsProcessesEndInOrder) {
   EXPECT_TRUE(std::filesystem::exists(Path("off"))) << "it was killed";
 }
 
+// As a program with capabilities does (setcap): it loses the signal of its parent's death. Domain
+// 115.
+TEST_F(LauncherTest, WhenTheLauncherIsKilledAProgramWithoutTheKernelsSignalEndsToo) {
+  Add("plant", "echo $$ > " + Path("plant.pid") + "; exec setpriv --pdeathsig clear " +
+                   SINEW_BIN_DIR "/sinew-surrogate --domain 115 --config " SINEW_SOURCE_DIR
+                                 "/robots/rig/surrogate.yaml");
+  Program launch({kSinew, "launch", Deployment()});
+  ASSERT_TRUE(launch.WaitForText("domain 115", kLimit)) << launch.error();
+  launch.Signal(SIGKILL);
+  (void)launch.Wait(kLimit);
+  const pid_t plant = PidIn("plant.pid");
+  ASSERT_GT(plant, 1);
+  const bool gone = testing::WaitUntilGone(plant, kLimit);
+  EXPECT_TRUE(gone);
+  if (!gone) ::kill(plant, SIGKILL);
+}
+
 TEST_F(LauncherTest, SuccessIsNotRestartedOnFailureOnly) {
   Add("good", "echo x >> " + Path("tries"), "restart: on_failure, ");
   EXPECT_EQ(Launch().exit_code, 0);

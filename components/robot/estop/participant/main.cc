@@ -176,7 +176,7 @@ std::vector<std::unique_ptr<estop::Input>> OpenInputs(const EstopOptions& option
   for (const std::string& line : options.lines) inputs.push_back(estop::OpenGpio(line));
   if (options.keys) inputs.push_back(estop::OpenKeys());
   if (inputs.empty()) {
-    throw UsageError("no input: --key, --joystick DEVICE or --gpio CHIP:LINE is expected");
+    throw UsageError("no input: --keyboard, --joystick DEVICE or --gpio CHIP:LINE is expected");
   }
   return inputs;
 }
@@ -285,7 +285,7 @@ int main(int argc, char** argv) {
         app.add_option("--gpio", estop_options.lines,
                        "CHIP:LINE such as /dev/gpiochip0:17, low stops; CHIP:LINE:high: high "
                        "stops; may be repeated");
-        app.add_flag("--key", estop_options.keys,
+        app.add_flag("--keyboard", estop_options.keys,
                      "Any key on the terminal, and the end of this program");
         app.add_option("--socket", estop_options.sockets,
                        "Sockets of state providers on this host; the usual places by default");

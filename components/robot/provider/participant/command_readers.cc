@@ -87,20 +87,39 @@ CommandReaders::CommandReaders(node::Node& node, ProviderCycle& cycle, Plant& pl
 
 void CommandReaders::TakeOperatorCommands(std::uint64_t tick) {
   while (const auto command = operator_command_.TakeNext()) {
+    std::string refusal;
     if (const auto action = wire::FromWire(command->action())) {
       const types::MessageHeader header = wire::FromWire(command->header());
       const OperatorResult result = cycle_.Take(
           {.session_id = header.session_id, .origin = header.origin, .action = *action}, tick);
       if (result == OperatorResult::kClearFaults) plant_.ClearFault();
-      on_operator_(result, *action, command->reason().to_string());
-      if (const std::string_view refusal = Refusal(result); !refusal.empty()) {
-        spdlog::warn("operator: action {} {}", static_cast<int>(*action), refusal);
-      }
+      refusal = on_operator_(result, *action, command->reason().to_string());
+      if (refusal.empty()) refusal = Refusal(result);
     }
-    spdlog::info("operator: action {}, reason '{}'", static_cast<int>(command->action()),
-                 command->reason());
+    LogOperator(*command, refusal);
   }
   if (simulated_ != nullptr) TakeDisturbances();
+}
+
+// A flood of commands must not fill the log, nor the cycle with its lines.
+void CommandReaders::LogOperator(const msg::OperatorCommand& command, const std::string& refusal) {
+  constexpr int kLinesEachSecond = 10;  // as often as `sinew arm` repeats itself
+  const auto now = std::chrono::steady_clock::now();
+  if (now >= operator_second_ + std::chrono::seconds(1)) {
+    operator_second_ = now;
+    operator_lines_ = 0;
+  }
+  if (++operator_lines_ > kLinesEachSecond) {
+    ++operator_unlogged_;
+    return;
+  }
+  spdlog::log(refusal.empty() ? spdlog::level::info : spdlog::level::warn,
+              "operator: action {}, reason '{}'{}{}{}", static_cast<int>(command.action()),
+              command.reason(), refusal.empty() ? "" : ": ", refusal,
+              operator_unlogged_ == 0
+                  ? ""
+                  : " (" + std::to_string(operator_unlogged_) + " before it not logged)");
+  operator_unlogged_ = 0;
 }
 
 void CommandReaders::TakeDisturbances() {

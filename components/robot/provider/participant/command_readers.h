@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "components/robot/provider/participant/command_source.h"
@@ -26,14 +27,15 @@ namespace sinew::provider {
 
 class CommandReaders {
  public:
-  // Of an estop that was taken, and of a reset that unlatches first; with the operator's reason.
-  using OnOperator = std::function<void(OperatorResult result, types::OperatorAction action,
-                                        std::string_view reason)>;
+  // Of every command that has a meaning, with the operator's reason. Why it was refused, for the
+  // log; empty: as `result` says.
+  using OnOperator = std::function<std::string(OperatorResult result, types::OperatorAction action,
+                                               std::string_view reason)>;
   // Cycle and plant must outlive it. Throws DdsError.
   CommandReaders(node::Node& node, ProviderCycle& cycle, Plant& plant, OnOperator on_operator);
 
-  // What has arrived since the last call. Operator commands are logged; a reset clears the plant's
-  // faults.
+  // What has arrived since the last call. Operator commands are logged, ten a second at most; a
+  // reset clears the plant's faults.
   void TakeOperatorCommands(std::uint64_t tick);
   // The same, and then joint and valve commands and imposed pressures.
   void TakeAll(std::uint64_t tick);
@@ -64,10 +66,14 @@ class CommandReaders {
 
  private:
   void TakeDisturbances();
+  void LogOperator(const msg::OperatorCommand& command, const std::string& refusal);
 
   ProviderCycle& cycle_;
   Plant& plant_;
   OnOperator on_operator_;
+  int operator_lines_ = 0;  // in this second
+  std::uint64_t operator_unlogged_ = 0;
+  std::chrono::steady_clock::time_point operator_second_{};
   SimulatedPlant* simulated_;  // the plant, where it is a simulation
   node::Reader<msg::JointCommand> joint_command_;
   node::Reader<msg::ValveCommand> valve_command_;

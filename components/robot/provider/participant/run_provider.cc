@@ -109,7 +109,7 @@ class Provider {
         publisher_(node_, plant),
         readers_(node_, cycle_, plant,
                  [this](OperatorResult result, types::OperatorAction action,
-                        std::string_view reason) { OnOperator(result, action, reason); }),
+                        std::string_view reason) { return OnOperator(result, action, reason); }),
         wait_(MakeAwaitedTopics(options.await, node_, cycle_, readers_), options.await_timeout_s),
         work_(options.work != nullptr ? *options.work : own_work_) {
     if (!estop.required.empty()) estop_states_.emplace(node_.MakeReader(node::kEstopState));
@@ -171,13 +171,15 @@ class Provider {
   }
 
  private:
-  void OnOperator(OperatorResult result, types::OperatorAction action, std::string_view reason) {
+  // Why the command was refused, where the result does not say it all.
+  std::string OnOperator(OperatorResult result, types::OperatorAction action,
+                         std::string_view reason) {
     if (action == types::OperatorAction::kEstop) desk_->OnEstop(reason);
     if (result == OperatorResult::kUnlatchFirst) desk_->OnReset();
     const std::string why = ArmRefusal(result);
-    if (why.empty()) return;
-    spdlog::error("arm refused: {}", why);
+    if (why.empty()) return "";
     node_.SetState(node::Node::State::kActive, "arm refused: " + why);
+    return "arm refused: " + why;
   }
 
   // In the words of whoever refused it; empty: it was not.

@@ -455,6 +455,18 @@ TEST(ProviderCycle, ValveCommandsOfAnotherSessionOrTheFutureAreRefused) {
   EXPECT_FALSE(cycle.Command(1, {}).valve_open[0]);
 }
 
+TEST(ProviderCycle, AValveCommandThatComesLateIsDropped) {
+  ProviderCycle cycle(Config());
+  ASSERT_TRUE(cycle.Take(Valves(10), 10));
+  ValveCommand late = Valves(9);
+  late.valve_open = {};
+  EXPECT_FALSE(cycle.Take(late, 10));
+  late.header.tick = 10;
+  EXPECT_FALSE(cycle.Take(late, 10)) << "the tick is answered already";
+  EXPECT_EQ(cycle.valve_answers(), 11u);
+  EXPECT_TRUE(cycle.Command(10, {}).valve_open[0]);
+}
+
 TEST(ProviderCycle, AFaultOfThePlantIsLatchedUntilResetAndArming) {
   ProviderCycle cycle = ArmedCycle();
   ASSERT_TRUE(cycle.Take(Torques(1, 0.01, 0.01), 1));
