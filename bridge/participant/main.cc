@@ -54,7 +54,7 @@ void Run(const node::Options& options, node::StopFlag& stop,
   const bool hardware = file.bridge.live;
   const provider::GuardConfig guard = provider::LoadGuardConfig(section.ChildOrEmpty("guard"));
   const estop::Config estop =
-      estop::LoadConfig(section.ChildOrEmpty("estop"), options.domain_id, hardware);
+      estop::LoadConfig(section.ChildOrEmpty("estop"), options.name, options.domain_id, hardware);
   const std::filesystem::path proofs = bridge::ReadProofPath(section, hardware);
   section.RejectUnknownKeys();
   // Before the first frame, and until the last.

@@ -17,8 +17,8 @@
 #include <utility>
 #include <vector>
 
-#include "components/robot/estop/estop_config.h"
 #include "components/robot/estop/press.h"
+#include "components/robot/estop/socket_folder.h"
 #include "components/topics/node/node.h"
 #include "components/topics/node/time_option.h"
 #include "tools/sinew/node_options.h"
@@ -89,10 +89,11 @@ std::string Why(const Request& request, const std::optional<msg::JointState>& st
   return "the robot stays in '" + now + "'";
 }
 
-// The socket of a state provider on this host, which needs no DDS: pressed before DDS is started.
+// What the sockets of state providers on this host say, which need no DDS: pressed before DDS is
+// started.
 struct LocalEstop {
-  std::filesystem::path socket;  // empty: there is none
-  estop::Press::Answer answer;
+  std::filesystem::path socket;        // the last one; empty: there is none
+  bool idle = false, latched = false;  // all of them
 };
 
 struct Pressed {
@@ -100,13 +101,12 @@ struct Pressed {
   estop::Press press;
 };
 
-std::vector<Pressed> PressLocally(const std::vector<std::string>& sockets, int domain_id,
-                                  const std::string& reason) {
-  std::vector<std::filesystem::path> paths(sockets.begin(), sockets.end());
-  if (paths.empty()) paths = estop::SocketCandidates(domain_id);
+std::vector<Pressed> PressLocally(const OperatorOptions& options) {
   std::vector<Pressed> pressed;
-  pressed.reserve(paths.size());
-  for (const auto& path : paths) pressed.push_back({path, {path, reason}});
+  for (const auto& path : estop::SocketsToPress({options.sockets.begin(), options.sockets.end()},
+                                                options.node.chosen_domain)) {
+    pressed.push_back({path, {path, options.reason}});
+  }
   return pressed;
 }
 
@@ -118,10 +118,13 @@ LocalEstop AnswerOf(std::vector<Pressed> pressed, bool named) {
       if (named) std::cerr << "sinew estop: " << one.press.error() << '\n';
       continue;
     }
-    local = {one.path, one.press.Await(estop::kAnswerLimit)};
-    if (!local.answer.latched || !local.answer.idle) {
+    const estop::Press::Answer answer = one.press.Await(estop::kAnswerLimit);
+    const bool first = local.socket.empty();
+    local = {one.path, answer.idle && (first || local.idle),
+             answer.latched && (first || local.latched)};
+    if (!answer.latched || !answer.idle) {
       std::cerr << "sinew estop: " << one.path.string() << ": "
-                << (local.answer.text.empty() ? "no answer\n" : local.answer.text);
+                << (answer.text.empty() ? "no answer\n" : answer.text);
     }
   }
   return local;
@@ -130,7 +133,7 @@ LocalEstop AnswerOf(std::vector<Pressed> pressed, bool named) {
 void RunOperator(const Request& request, OperatorOptions options) {
   std::vector<Pressed> pressed;  // their answers wait until DDS has the estop as well
   if (request.action == msg::OPERATOR_ESTOP) {
-    pressed = PressLocally(options.sockets, options.node.domain_id, options.reason);
+    pressed = PressLocally(options);
   }
   options.node.component = "operator";
   options.node.name = "operator";
@@ -178,9 +181,8 @@ void RunOperator(const Request& request, OperatorOptions options) {
     nlohmann::ordered_json report = {{"action", request.name}, {"done", done}};
     if (state) report["robot_state"] = StateName(state->robot_state());
     if (!local.socket.empty()) {
-      report["socket"] = {{"path", local.socket.string()},
-                          {"idle", local.answer.idle},
-                          {"latched", local.answer.latched}};
+      report["socket"] = {
+          {"path", local.socket.string()}, {"idle", local.idle}, {"latched", local.latched}};
     }
     if (!done) report["why"] = why;
     std::cout << report.dump() << '\n';
@@ -189,7 +191,7 @@ void RunOperator(const Request& request, OperatorOptions options) {
   }
   if (done) return;
   std::cerr << "sinew " << request.name << ": " << why << '\n';
-  if (local.answer.idle) {
+  if (local.idle) {
     std::cerr << "sinew estop: motors are off, by " << local.socket.string()
               << "; DDS did not confirm it\n";
     return;
@@ -207,8 +209,10 @@ void AddOne(CLI::App& app, const Request& request, const std::string& descriptio
       ->check(node::IsTime(node::Zero::kRefused))
       ->capture_default_str();
   if (request.action == msg::OPERATOR_ESTOP) {
-    command->add_option("--socket", options->sockets,
-                        "Socket of a state provider on this host; the usual places by default");
+    command->add_option(
+        "--socket", options->sockets,
+        "Socket of a state provider on this host; by default all of them, or those of "
+        "--domain");
   }
   command->add_flag("--json", options->json, "As JSON");
   command->footer(note +

@@ -9,8 +9,8 @@
 #include <chrono>
 #include <utility>
 
-#include "components/robot/estop/estop_config.h"
 #include "components/robot/estop/press.h"
+#include "components/robot/estop/socket_folder.h"
 
 namespace sinew::live {
 
@@ -37,8 +37,7 @@ msg::OperatorAction MessageOf(Action action) {
 
 OperatorDesk::OperatorDesk(node::Node& node, std::vector<std::filesystem::path> sockets)
     : node_(node),
-      sockets_(sockets.empty() ? estop::SocketCandidates(node.options().domain_id)
-                               : std::move(sockets)),
+      sockets_(std::move(sockets)),
       states_(node.MakeReader(node::kJointState)),
       statuses_(node.MakeReader(node::kComponentStatus)),
       commands_(node.MakeWriter(node::kOperatorCommand)) {}
@@ -109,16 +108,20 @@ void OperatorDesk::Send(Action action) {
 void OperatorDesk::PressSockets(std::int64_t now_ns) {
   if (idled_) return;
   std::vector<estop::Press> pressed;
-  pressed.reserve(sockets_.size());
-  for (const auto& path : sockets_) pressed.emplace_back(path, kReason);
+  const auto sockets = estop::SocketsToPress(sockets_, node_.options().domain_id);
+  pressed.reserve(sockets.size());
+  for (const auto& path : sockets) pressed.emplace_back(path, kReason);
+  std::size_t sent = 0, idle = 0;
   for (std::size_t i = 0; i < pressed.size(); ++i) {
     if (!pressed[i].sent()) continue;
+    ++sent;
     const estop::Press::Answer answer = pressed[i].Await(estop::kAnswerLimit);
-    idled_ = idled_ || answer.idle;
+    if (answer.idle) ++idle;
     std::string text = answer.text.empty() ? "no answer" : answer.text;
     std::replace(text.begin(), text.end(), '\n', ' ');
-    spdlog::info("{}: {}", sockets_[i].string(), text);
+    spdlog::info("{}: {}", sockets[i].string(), text);
   }
+  idled_ = sent > 0 && idle == sent;
   // Without DDS the socket's answer counts.
   if (idled_ && !robot(now_ns)) action_.End(true, "");
 }

@@ -18,7 +18,7 @@ namespace sinew::live {
 
 class OperatorDesk {
  public:
-  // sockets: of state providers on this host; empty: the usual places of the domain.
+  // sockets: of state providers on this host; empty: those of the domain.
   OperatorDesk(node::Node& node, std::vector<std::filesystem::path> sockets);
 
   // Any thread. Empty, or why not.

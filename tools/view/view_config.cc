@@ -29,7 +29,7 @@ void AddViewOptions(CLI::App& app, ViewOptions* options) {
       ->capture_default_str();
   app.add_flag("--allow-arming", options->allow_arming, "The page may arm and reset the robot");
   app.add_option("--estop-socket", options->sockets,
-                 "Socket of a state provider on this host; the usual places by default")
+                 "Socket of a state provider on this host; those of the domain by default")
       ->allow_extra_args(false);
 }
 

@@ -22,7 +22,7 @@ struct ViewOptions {
   std::filesystem::path recording;  // empty: live
   std::filesystem::path record_folder = ".";
   std::vector<std::string> signals;  // plotted at first, "joint_state.position_rad[0]"
-  std::vector<std::string> sockets;  // of an estop; empty: the usual places
+  std::vector<std::string> sockets;  // of an estop; empty: those that are found
   bool allow_arming = false;
 };
 

@@ -1,9 +1,10 @@
-// Addresses of Unix sockets in the file system.
+// Unix sockets in the file system: their addresses, and who is at the other end.
 #pragma once
 
 #include <sys/socket.h>
 #include <sys/un.h>
 
+#include <cctype>
 #include <cstring>
 #include <filesystem>
 #include <optional>
@@ -19,6 +20,23 @@ inline std::optional<sockaddr_un> SocketAddress(const std::filesystem::path& pat
   if (text.size() >= sizeof address.sun_path) return std::nullopt;
   std::memcpy(address.sun_path, text.c_str(), text.size() + 1);
   return address;
+}
+
+// A name as a part of a file's name: '/' and whatever else is no letter, digit, '-' or '.' is '_'.
+inline std::string FileNamePart(std::string name) {
+  for (char& c : name) {
+    const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '.';
+    if (!plain) c = '_';
+  }
+  return name;
+}
+
+// The process at the other end of a connected socket: of a client the one that listens there.
+inline ucred PeerOf(int socket) {
+  ucred peer{.pid = 0, .uid = static_cast<uid_t>(-1), .gid = static_cast<gid_t>(-1)};
+  socklen_t size = sizeof peer;
+  (void)::getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &peer, &size);
+  return peer;
 }
 
 }  // namespace sinew::config

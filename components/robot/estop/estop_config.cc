@@ -1,22 +1,16 @@
 #include "components/robot/estop/estop_config.h"
 
-#include <unistd.h>
+#include <sys/stat.h>
 
-#include <cstdlib>
+#include "components/base/config/unix_socket.h"
+#include "components/robot/estop/socket_folder.h"
 
 namespace sinew::estop {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kRuntimeFolder = "/run/sinew";
 constexpr const char* kStateFolder = "/var/lib/sinew";
-
-// The value of a variable that holds an absolute path; empty: there is none.
-fs::path FolderOf(const char* variable) {
-  const char* value = std::getenv(variable);
-  return value != nullptr && value[0] == '/' ? fs::path(value) : fs::path();
-}
 
 fs::path PathOf(const config::Section& section, const std::string& text) {
   const fs::path path(text);
@@ -42,65 +36,44 @@ mode_t ReadMode(const config::Section& section) {
 
 }  // namespace
 
-std::vector<fs::path> SocketCandidates(int domain_id) {
-  const std::string domain = std::to_string(domain_id) + ".sock";
-  std::vector<fs::path> candidates{fs::path(kRuntimeFolder) / ("estop-" + domain)};
-  const fs::path runtime = FolderOf("XDG_RUNTIME_DIR");
-  if (!runtime.empty()) candidates.push_back(runtime / ("sinew-estop-" + domain));
-  candidates.push_back("/tmp/sinew-estop-" + std::to_string(::getuid()) + "-" + domain);
-  return candidates;
-}
-
-fs::path DefaultSocket(int domain_id) {
-  const std::vector<fs::path> candidates = SocketCandidates(domain_id);
-  for (const fs::path& path : candidates) {
-    if (::access(path.parent_path().c_str(), W_OK) == 0) return path;
-  }
-  return candidates.back();
-}
-
 fs::path StateFolder() {
+  (void)::mkdir(kStateFolder, 0755);  // by root; the units make it for their user
   std::error_code ignored;
-  if (fs::exists(kStateFolder, ignored)) return kStateFolder;
-  fs::path state = FolderOf("XDG_STATE_HOME");
-  if (const fs::path home = FolderOf("HOME"); state.empty() && !home.empty()) {
-    state = home / ".local" / "state";
-  }
-  if (state.empty()) {
-    throw UsageError(std::string("no folder for what outlives the bridge: ") + kStateFolder +
-                     ", XDG_STATE_HOME or HOME is expected");
-  }
-  fs::create_directories(state / "sinew", ignored);  // what is missing is reported at its use
-  return state / "sinew";
+  if (fs::is_directory(kStateFolder, ignored)) return kStateFolder;
+  throw UsageError(std::string(kStateFolder) +
+                   ", the folder for what outlives the bridge, is not there; expected 'sudo "
+                   "install -d -o $USER " +
+                   kStateFolder + "', or paths in the configuration (estop: {latch: PATH})");
 }
 
-fs::path DefaultLatch(int domain_id) {
-  return StateFolder() / ("estop-" + std::to_string(domain_id) + ".latch");
+fs::path DefaultLatch(const std::string& name) {
+  return StateFolder() / ("estop-" + config::FileNamePart(name) + ".latch");
 }
 
-Config LoadConfig(const config::Section& section, int domain_id, bool live) {
+Config LoadConfig(const config::Section& section, const std::string& name, int domain_id,
+                  bool live) {
   const char* left_out = live ? "default" : "none";
   Config config;
   const std::string socket = section.TextOr("socket", left_out);
   if (socket == "default") {
-    config.socket = DefaultSocket(domain_id);
+    config.socket = DefaultSocket(name, domain_id);
   } else if (socket != "none") {
     config.socket = PathOf(section, socket);
   }
   config.socket_mode = ReadMode(section);
   const std::string latch = section.TextOr("latch", left_out);
   if (latch == "default") {
-    config.latch = DefaultLatch(domain_id);
+    config.latch = DefaultLatch(name);
   } else if (latch != "none") {
     config.latch = PathOf(section, latch);
   } else if (live) {
     section.Fail("latch", "is none, expected a path: the estop of hardware outlives its bridge");
   }
-  for (const std::string& name : section.TextsOr("required", {})) {
-    if (name.empty() || name.size() > 64) {
-      section.Fail("required", "holds '" + name + "', expected a participant's name");
+  for (const std::string& estop : section.TextsOr("required", {})) {
+    if (estop.empty() || estop.size() > 64) {
+      section.Fail("required", "holds '" + estop + "', expected a participant's name");
     }
-    config.required.push_back(name);
+    config.required.push_back(estop);
   }
   section.RejectUnknownKeys();
   return config;

@@ -1,7 +1,7 @@
 // Where a host takes an estop without DDS, and where it is kept: paths of the socket and of the
 // latch, their defaults, and the `estop:` block of a state provider's configuration.
 //
-// Not for loops: reads the environment and allocates.
+// Not for loops: reads the file system and allocates.
 #pragma once
 
 #include <sys/types.h>
@@ -25,21 +25,18 @@ struct Config {
   std::vector<std::string> required;           // participants whose heartbeat is awaited (watch.h)
 };
 
-// Where the state provider of a domain may have its socket on this host, the preferred first:
-// /run/sinew, XDG_RUNTIME_DIR, /tmp (there with the user's number in the name).
-std::vector<std::filesystem::path> SocketCandidates(int domain_id);
-// The first candidate whose folder this process may write to.
-std::filesystem::path DefaultSocket(int domain_id);
-// Where a bridge keeps what outlives it: /var/lib/sinew where that folder exists, whether it can be
-// written to or not (who runs the bridge does not decide which latch counts), else XDG_STATE_HOME
-// or ~/.local/state. Throws UsageError: there is none of them.
+// Where a bridge keeps what outlives it: /var/lib/sinew, whoever runs the bridge and in whichever
+// domain; root makes it where it is absent. Throws UsageError: it is not there.
 std::filesystem::path StateFolder();
-std::filesystem::path DefaultLatch(int domain_id);  // in it
+// In it, by the state provider's name, which no other one of this host has (LatchFile::Lock).
+std::filesystem::path DefaultLatch(const std::string& name);
 
 // Keys of an `estop:` block: `socket` and `latch`, each `default`, `none` or a path (relative ones
-// are relative to the file), and `socket_mode`, octal digits. Left out: `default` for hardware,
-// `none` for a simulation. `required`: names of sinew-estop participants; none by default. Throws
-// UsageError: hardware without a latch, and what a Section refuses.
-Config LoadConfig(const config::Section& section, int domain_id, bool live);
+// are relative to the file); socket_folder.h has the socket's default; and `socket_mode`, octal
+// digits. Left out: `default` for hardware, `none` for a simulation. `required`: names of
+// sinew-estop participants; none by default. Throws UsageError: hardware without a latch, and what
+// a Section refuses.
+Config LoadConfig(const config::Section& section, const std::string& name, int domain_id,
+                  bool live);
 
 }  // namespace sinew::estop

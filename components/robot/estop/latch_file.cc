@@ -1,5 +1,7 @@
 #include "components/robot/estop/latch_file.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -42,6 +44,17 @@ LatchFile::State LatchFile::Read() const {
   } catch (const UsageError& error) {
     return {.latched = true, .why = error.what()};
   }
+}
+
+config::Descriptor LatchFile::Lock() const {
+  const std::string path = path_.string() + ".lock";  // the latch itself comes and goes
+  config::Descriptor lock(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (lock.get() >= 0 && ::flock(lock.get(), LOCK_EX | LOCK_NB) != 0) {
+    throw UsageError("estop latch '" + path_.string() +
+                     "': another state provider of this host keeps its estop there; expected "
+                     "another --name, or another key estop.latch");
+  }
+  return lock;
 }
 
 std::string LatchFile::Write(std::string_view reason) const {

@@ -10,6 +10,8 @@
 #include <string>
 #include <string_view>
 
+#include "components/base/config/descriptor.h"
+
 namespace sinew::estop {
 
 class LatchFile {
@@ -22,6 +24,11 @@ class LatchFile {
     std::string why;     // latched: the reason in the file, or what is wrong with it
   };
   State Read() const;
+
+  // Held by a state provider while it runs: another one's reset would remove this one's estop.
+  // Nothing: its folder cannot be written to, nor then the latch. Throws UsageError: another has
+  // it.
+  config::Descriptor Lock() const;
 
   // On disk when this returns: file and folder are synced. What is wrong; empty: done.
   [[nodiscard]] std::string Write(std::string_view reason) const;

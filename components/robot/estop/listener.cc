@@ -1,5 +1,6 @@
 #include "components/robot/estop/listener.h"
 
+#include <fcntl.h>
 #include <poll.h>
 #include <pthread.h>
 #include <sched.h>
@@ -15,21 +16,24 @@
 
 #include "components/base/config/unix_socket.h"
 #include "components/base/types/clock/clock.h"
+#include "components/robot/estop/socket_folder.h"
 
 namespace sinew::estop {
 namespace {
 
 constexpr std::size_t kMostClients = 32;
-constexpr std::int64_t kRetry_ns = 1'000'000'000;  // a latch that could not be written
+constexpr std::int64_t kRetry_ns = 1'000'000'000;     // a latch that could not be written
+constexpr std::int64_t kAcceptPause_ns = 10'000'000;  // what cannot be accepted is tried again
 constexpr std::int64_t kConfirmLimit_ns = std::chrono::nanoseconds(kConfirmLimit).count();
 
+// Does not wait: where connections queue up, a process is there.
 bool SomebodyAnswers(const sockaddr_un& address) {
-  const int probe = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  const bool answers =
-      ::connect(probe, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
-  ::close(probe);
-  return answers;
+  const config::Descriptor probe(::socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  return ::connect(probe.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 ||
+         errno == EAGAIN;
 }
+
+config::Descriptor Spare() { return config::Descriptor(::open("/dev/null", O_RDONLY | O_CLOEXEC)); }
 
 // Where the process runs under SCHED_FIFO, above the cycle that it must be able to interrupt.
 void RaisePriority(int priority) {
@@ -47,11 +51,13 @@ Listener::Listener(const Config& config, Callbacks callbacks, int priority)
     : callbacks_(std::move(callbacks)) {
   if (config.latch) {
     latch_.emplace(*config.latch);
+    lock_ = latch_->Lock();
     at_start_ = latch_->Read();
     on_disk_ = at_start_.valid;
   }
   if (config.socket) OpenSocket(config);
-  signal_ = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+  signal_ = config::Descriptor(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
+  spare_ = Spare();
   thread_ = std::thread([this, priority] {
     ::pthread_setname_np(::pthread_self(), "estop");
     if (priority > 0) RaisePriority(priority);
@@ -64,38 +70,37 @@ Listener::~Listener() {
   Signal();
   thread_.join();
   for (const Client& client : clients_) ::close(client.socket);
-  ::close(signal_);
-  if (listener_ >= 0) {
-    ::close(listener_);
-    ::unlink(path_.c_str());
-  }
+  if (listener_.get() >= 0) ::unlink(path_.c_str());
 }
 
 void Listener::OpenSocket(const Config& config) {
   path_ = *config.socket;
   const auto fail = [this](const std::string& why) {
-    if (listener_ >= 0) ::close(listener_);
-    listener_ = -1;
     throw UsageError("estop socket '" + path_.string() + "': " + why + " (key estop.socket)");
   };
   const auto address = config::SocketAddress(path_);
   if (!address) fail("the path is too long for a socket");
-  const auto bind = [&] {
-    return ::bind(listener_, reinterpret_cast<const sockaddr*>(&*address), sizeof *address) == 0;
-  };
-  listener_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-  if (listener_ < 0) fail(std::strerror(errno));
-  bool bound = bind();
-  if (!bound && errno == EADDRINUSE) {
-    if (SomebodyAnswers(*address)) fail("another process answers there");
-    struct stat info {};
-    if (::lstat(path_.c_str(), &info) != 0 || !S_ISSOCK(info.st_mode)) fail("is no socket");
-    bound = ::unlink(path_.c_str()) == 0 && bind();  // of a provider that was killed
+  const SocketFolder folder = FolderOf(path_);
+  if (const std::string why = RefusalToListen(folder, path_); !why.empty()) fail(why);
+  struct stat info {};
+  if (::lstat(path_.c_str(), &info) == 0) {
+    if (!S_ISSOCK(info.st_mode)) fail("is no socket");
+    // A provider that was killed has left it; or another user, when the folder was open to all.
+    if (!folder.Admits(info.st_uid)) {
+      callbacks_.report(true, path_.string() + ": a socket of user " + std::to_string(info.st_uid) +
+                                  " was there, it is replaced");
+    } else if (SomebodyAnswers(*address)) {
+      fail("another process answers there");
+    }
+    if (::unlink(path_.c_str()) != 0) fail(std::strerror(errno));
   }
+  config::Descriptor listener(::socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   // Nobody can connect before listen(): the mode is there first.
-  if (!bound || ::chmod(path_.c_str(), config.socket_mode) != 0 || ::listen(listener_, 16) != 0) {
+  if (::bind(listener.get(), reinterpret_cast<const sockaddr*>(&*address), sizeof *address) != 0 ||
+      ::chmod(path_.c_str(), config.socket_mode) != 0 || ::listen(listener.get(), 16) != 0) {
     fail(std::strerror(errno));
   }
+  listener_ = std::move(listener);
 }
 
 // --- the cycle's thread
@@ -105,6 +110,11 @@ bool Listener::TakePress() noexcept {
   if (presses == taken_) return false;
   taken_ = presses;
   return true;
+}
+
+Listener::Presser Listener::presser() const noexcept {
+  const std::uint64_t packed = presser_.load(std::memory_order_relaxed);
+  return {static_cast<uid_t>(packed >> 32), static_cast<pid_t>(packed & 0xFFFFFFFF)};
 }
 
 void Listener::IdleSent(std::uint64_t covered) noexcept {
@@ -149,7 +159,7 @@ std::uint64_t Listener::Desire(bool latched) noexcept {
 
 void Listener::Signal() noexcept {
   const std::uint64_t one = 1;
-  (void)!::write(signal_, &one, sizeof one);
+  (void)!::write(signal_.get(), &one, sizeof one);
 }
 
 // --- the listener's thread
@@ -157,12 +167,14 @@ void Listener::Signal() noexcept {
 void Listener::Run() {
   std::vector<pollfd> waiting;
   while (!stop_) {
-    waiting.assign({{signal_, POLLIN, 0}, {listener_, POLLIN, 0}});
+    if (spare_.get() < 0) spare_ = Spare();
+    const std::int64_t now_ns = types::MonotonicNow_ns();
+    const int listener = accept_ns_ > now_ns ? -1 : listener_.get();  // -1: not polled
+    waiting.assign({{signal_.get(), POLLIN, 0}, {listener, POLLIN, 0}});
     for (const Client& client : clients_) {
-      waiting.push_back({client.press != 0 ? -1 : client.socket, POLLIN, 0});  // -1: not polled
+      waiting.push_back({client.press != 0 ? -1 : client.socket, POLLIN, 0});
     }
     int timeout_ms = -1;
-    const std::int64_t now_ns = types::MonotonicNow_ns();
     const auto until = [&](std::int64_t end_ns) {
       const std::int64_t left_ms = std::max<std::int64_t>(0, (end_ns - now_ns) / 1'000'000 + 1);
       if (timeout_ms < 0 || left_ms < timeout_ms) timeout_ms = static_cast<int>(left_ms);
@@ -172,14 +184,15 @@ void Listener::Run() {
       if (client.press != 0) until(client.pressed_ns + kConfirmLimit_ns);
     }
     if (retry_ns_ != 0) until(retry_ns_);
+    if (listener != listener_.get()) until(accept_ns_);
     (void)::poll(waiting.data(), waiting.size(), timeout_ms);
     std::uint64_t count = 0;
-    (void)!::read(signal_, &count, sizeof count);
+    (void)!::read(signal_.get(), &count, sizeof count);
     for (std::size_t i = 2; i < waiting.size(); ++i) {
       if (waiting[i].revents != 0) Read(&clients_[i - 2]);
     }
     std::erase_if(clients_, [](const Client& client) { return client.socket < 0; });
-    if (listener_ >= 0 && (waiting[1].revents & POLLIN) != 0) Accept();
+    if ((waiting[1].revents & POLLIN) != 0) Accept();
     AnswerIdle();
     if (AwaitsIdle()) continue;
     MatchFile();
@@ -188,8 +201,15 @@ void Listener::Run() {
 }
 
 void Listener::Accept() {
-  const int socket = ::accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
-  if (socket < 0) return;
+  const auto accept = [this] {
+    return ::accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
+  };
+  int socket = accept();
+  if (socket < 0 && (errno == EMFILE || errno == ENFILE) && FreeDescriptor()) socket = accept();
+  if (socket < 0) {
+    if (errno != EAGAIN) accept_ns_ = types::MonotonicNow_ns() + kAcceptPause_ns;
+    return;
+  }
   Client client{.socket = socket};
   Read(&client);  // the text is there already, as a rule
   if (client.socket < 0) return;
@@ -201,6 +221,20 @@ void Listener::Accept() {
     clients_.erase(oldest);
   }
   clients_.push_back(client);
+}
+
+// The spare one, else that of a client who says nothing.
+bool Listener::FreeDescriptor() {
+  if (spare_.get() >= 0) {
+    spare_.Close();
+    return true;
+  }
+  const auto silent =
+      std::find_if(clients_.begin(), clients_.end(), [](const Client& c) { return c.press == 0; });
+  if (silent == clients_.end()) return false;
+  ::close(silent->socket);
+  clients_.erase(silent);
+  return true;
 }
 
 void Listener::Read(Client* client) {
@@ -220,6 +254,9 @@ void Listener::Read(Client* client) {
 void Listener::TakePressOf(Client* client, std::string_view reason) {
   client->press = presses_.load(std::memory_order_relaxed) + 1;
   client->pressed_ns = types::MonotonicNow_ns();
+  const ucred peer = config::PeerOf(client->socket);
+  presser_.store(std::uint64_t{peer.uid} << 32 | static_cast<std::uint32_t>(peer.pid),
+                 std::memory_order_relaxed);
   presses_.store(client->press, std::memory_order_release);
   callbacks_.wake();
   // Of the first press that the cycle has not answered: more of them do not put the latch off.
@@ -264,6 +301,7 @@ void Listener::MatchFile() {
       const std::lock_guard lock(reason_mutex_);
       reason = reason_;
     }
+    spare_.Close();  // the file needs one
     problem = latched ? latch_->Write(reason) : latch_->Remove();
     if (problem.empty()) {
       on_disk_ = latched;

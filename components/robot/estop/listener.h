@@ -14,6 +14,10 @@
 // unlatch() is kDone: until then the robot stays ESTOPPED. The newest of these two calls is what
 // the file will say; a press is always followed by the cycle's Latch().
 //
+// Whoever may open the socket may stop the robot; presser() is who did it. A process without free
+// descriptors takes a press all the same, by one that is kept for it, and is not kept busy by what
+// it cannot accept.
+//
 // What the thread does besides is in the answers and in `report`: a latch that cannot be written is
 // an error, is tried again once a second, and the robot stays ESTOPPED in memory.
 #pragma once
@@ -29,6 +33,7 @@
 #include <thread>
 #include <vector>
 
+#include "components/base/config/descriptor.h"
 #include "components/robot/estop/estop_config.h"
 #include "components/robot/estop/latch_file.h"
 
@@ -45,11 +50,12 @@ class Listener {
  public:
   struct Callbacks {
     std::function<void()> wake;  // any thread; ends the waits of the cycle, does not wait itself
-    std::function<void(bool is_error, const std::string&)> report;  // the listener's thread
+    // The listener's thread, and the constructor.
+    std::function<void(bool is_error, const std::string&)> report;
   };
   // Reads the latch, opens the socket, starts the thread. `priority`: under SCHED_FIFO, where the
-  // process runs so; 0: that of the caller. Throws UsageError: the socket cannot be made, or
-  // another process answers there.
+  // process runs so; 0: that of the caller. Throws UsageError: the socket cannot be made, others
+  // may write to its folder, another process answers there, or has the latch.
   Listener(const Config& config, Callbacks callbacks, int priority = 0);
   ~Listener();
   Listener(const Listener&) = delete;
@@ -62,6 +68,12 @@ class Listener {
 
   // True: pressed since the last call.
   bool TakePress() noexcept;
+  // Who pressed last; user and process.
+  struct Presser {
+    uid_t user = 0;
+    pid_t process = 0;
+  };
+  Presser presser() const noexcept;
   // Of the presses that have been taken: which of them a command covers that is made now.
   std::uint64_t taken() const noexcept { return taken_; }
   // The idle frames of a command that covers these presses have been sent.
@@ -85,6 +97,7 @@ class Listener {
   void OpenSocket(const Config& config);
   void Run();
   void Accept();
+  bool FreeDescriptor();
   void Read(Client* client);
   void TakePressOf(Client* client, std::string_view reason);
   bool AwaitsIdle() const noexcept;
@@ -97,13 +110,15 @@ class Listener {
 
   Callbacks callbacks_;
   std::optional<LatchFile> latch_;
+  config::Descriptor lock_;  // of the latch
   LatchFile::State at_start_;
   std::filesystem::path path_;
-  int listener_ = -1, signal_ = -1;
+  config::Descriptor listener_, signal_;
 
   std::atomic<bool> stop_{false};
   std::atomic<std::uint64_t> presses_{0};
-  std::atomic<std::uint64_t> idle_{0};  // presses whose idle frames have been sent
+  std::atomic<std::uint64_t> presser_{0};  // user << 32 | process; written before presses_
+  std::atomic<std::uint64_t> idle_{0};     // presses whose idle frames have been sent
   std::atomic<std::uint64_t> confirmed_{0};
   // What the file shall say: generation * 2 + latched; and the newest that was done: the same * 2 +
   // success.
@@ -115,6 +130,8 @@ class Listener {
 
   // Of the listener's thread.
   std::vector<Client> clients_;
+  config::Descriptor spare_;    // given up for a press where no other is free
+  std::int64_t accept_ns_ = 0;  // nothing is accepted before, since nothing could be
   bool on_disk_ = false;
   std::string problem_;  // with the file, as reported
   std::int64_t pressed_ns_ = 0, retry_ns_ = 0;

@@ -10,8 +10,21 @@
 #include <utility>
 
 #include "components/base/config/unix_socket.h"
+#include "components/robot/estop/socket_folder.h"
 
 namespace sinew::estop {
+namespace {
+
+// Why an answer of that process does not count; empty: it does.
+std::string DoubtOf(const std::filesystem::path& socket, const ucred& peer) {
+  const SocketFolder folder = FolderOf(socket);
+  if (!folder.problem.empty()) return folder.problem;
+  if (folder.Admits(peer.uid)) return "";
+  return "user " + std::to_string(peer.uid) + " listens there, expected root, this user or user " +
+         std::to_string(folder.owner) + ", the owner of its folder";
+}
+
+}  // namespace
 
 Press::Press(const std::filesystem::path& socket, const std::string& reason) {
   const auto address = config::SocketAddress(socket);
@@ -27,7 +40,10 @@ Press::Press(const std::filesystem::path& socket, const std::string& reason) {
       socket_ >= 0 &&
       ::connect(socket_, reinterpret_cast<const sockaddr*>(&*address), sizeof *address) == 0 &&
       ::send(socket_, text.data(), text.size(), MSG_NOSIGNAL) > 0;
-  if (done) return;
+  if (done) {
+    doubt_ = DoubtOf(socket, config::PeerOf(socket_));
+    return;
+  }
   error_ = socket.string() + ": " + std::strerror(errno);
   if (socket_ >= 0) ::close(socket_);
   socket_ = -1;
@@ -38,10 +54,16 @@ Press::~Press() {
 }
 
 Press::Press(Press&& other) noexcept
-    : socket_(std::exchange(other.socket_, -1)), error_(std::move(other.error_)) {}
+    : socket_(std::exchange(other.socket_, -1)),
+      error_(std::move(other.error_)),
+      doubt_(std::move(other.doubt_)) {}
 
 Press::Answer Press::Await(std::chrono::milliseconds timeout) {
   Answer answer;
+  if (!doubt_.empty()) {
+    answer.text = "pressed, but its answer does not count: " + doubt_ + "\n";
+    return answer;
+  }
   const auto end = std::chrono::steady_clock::now() + timeout;
   while (socket_ >= 0) {
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(

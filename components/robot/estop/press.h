@@ -9,6 +9,10 @@
 //     idle not confirmed: WHY not within kConfirmLimit; the estop is latched all the same
 //     latched | not latched: WHY
 //
+// Answers count only where nobody but root, this process' user and the owner of the socket's folder
+// can give them (SO_PEERCRED, socket_folder.h). What another user listens to is pressed all the
+// same, since that stops at most one robot more.
+//
 // Thread: one.
 #pragma once
 
@@ -38,12 +42,14 @@ class Press {
     bool latched = false;
     std::string text;  // of the lines
   };
-  // Until the last line or the time is over.
+  // Until the last line or the time is over. Of another user's socket at once: why it does not
+  // count.
   Answer Await(std::chrono::milliseconds timeout);
 
  private:
   int socket_ = -1;
   std::string error_;
+  std::string doubt_;  // sent, but what is answered does not count: why
 };
 
 }  // namespace sinew::estop

@@ -23,12 +23,14 @@
 #include <utility>
 
 #include "components/base/config/config.h"
+#include "components/base/config/descriptor.h"
 
 namespace sinew::isolation {
 
 namespace {
 
 namespace fs = std::filesystem;
+using config::Descriptor;
 
 // The name that the kernel shows of a holder (15 characters), and its command line.
 constexpr char kHolderName[] = "sinew-isolate";
@@ -39,22 +41,6 @@ constexpr char kMoveOption[] = "--move";
 [[noreturn]] void Fail(const std::string& what) {
   throw UsageError("isolation: " + what + ": " + std::strerror(errno));
 }
-
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  Descriptor& operator=(Descriptor&&) = delete;
-  int get() const { return fd_; }
-
- private:
-  int fd_;
-};
 
 Descriptor Open(const fs::path& path) {
   Descriptor out(::open(path.c_str(), O_RDONLY | O_CLOEXEC));

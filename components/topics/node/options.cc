@@ -91,7 +91,8 @@ void AddFlag(CLI::App& app, const std::string& name, bool* value, const std::str
 void AddDomainOptions(CLI::App& app, Options* options) {
   app.add_option("--domain", options->domain_id, "DDS domain, 0 to 232")
       ->envname("SINEW_DOMAIN")
-      ->check(CLI::Range(0, 232));
+      ->check(CLI::Range(0, 232))
+      ->each([options](const std::string& text) { options->chosen_domain = std::stoi(text); });
   app.add_option("--deployment", options->deployment,
                  "Isolated deployment whose network is entered: by default the one that runs in "
                  "the domain; none: the host's network")

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,7 @@ struct Options {
   std::vector<std::string> open_interfaces = {};
   // The other nodes of this thread, where there are some: composition.h. Outlives the nodes.
   Composition* composition = nullptr;
+  std::optional<int> chosen_domain = {};  // domain_id, where --domain or SINEW_DOMAIN gives it
 };
 
 // Whom a participant can stand in for.

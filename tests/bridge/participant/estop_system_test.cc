@@ -1,23 +1,31 @@
-// The estop beside DDS, with bridge, bus and virtual axes as processes. Domains 42 to 45.
+// The estop beside DDS, with bridge, bus and virtual axes as processes. Domains 42 to 45, 112, 113.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <linux/joystick.h>
+#include <poll.h>
 #include <sched.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <thread>
 
+#include "components/base/config/descriptor.h"
+#include "components/base/config/unix_socket.h"
 #include "components/robot/estop/latch_file.h"
 #include "components/robot/estop/press.h"
 #include "tests/bridge/participant/can_rig.h"
+#include "tests/support/own_folders.h"
+#include "tests/support/skip.h"
 
 namespace sinew {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 const char* const kEstopBlock = "estop: {socket: estop.sock, latch: estop.latch}\n";
 
@@ -268,6 +276,62 @@ TEST(EstopSystem, AButtonStopsTheRobotAndALostOneKeepsItStopped) {
   EXPECT_TRUE(Drives(&rig, &watch)) << estop.error();
   estop.Signal(SIGTERM);
   EXPECT_EQ(estop.Wait(seconds(10)), 0) << estop.error();
+}
+
+// Answers each press as a robot does, until it ends.
+class FalseRobot {
+ public:
+  explicit FalseRobot(const std::filesystem::path& path)
+      : listener_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    const auto address = *config::SocketAddress(path);
+    std::filesystem::remove(path);
+    EXPECT_EQ(::bind(listener_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address),
+              0);
+    EXPECT_EQ(::chmod(path.c_str(), 0777), 0);
+    EXPECT_EQ(::listen(listener_.get(), 4), 0);
+    thread_ = std::jthread([this](const std::stop_token& stop) {
+      while (!stop.stop_requested()) {
+        pollfd waiting{listener_.get(), POLLIN, 0};
+        if (::poll(&waiting, 1, 20) <= 0) continue;
+        const config::Descriptor client(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC));
+        char reason[64];  // what is not read would end the connection before the answer
+        EXPECT_GT(::recv(client.get(), reason, sizeof reason, 0), 0);
+        EXPECT_EQ(::send(client.get(), "idle\nlatched\n", 13, MSG_NOSIGNAL), 13);
+      }
+    });
+  }
+
+ private:
+  config::Descriptor listener_;
+  std::jthread thread_;
+};
+
+TEST(EstopSystem, TheHostsSocketIsFoundAndNoneInTmpOrTheShellsFolderCounts) {
+  SKIP_WITHOUT_KERNEL(testing::HasOwnFolders({"/run", "/var/lib", "/tmp"}), "mounts for this user");
+  const testing::TemporaryFolder shell;
+  const FalseRobot in_tmp("/tmp/sinew-estop-0-113.sock");
+  const FalseRobot in_shell(shell.path() / "sinew-estop-113.sock");
+  const auto estop = [&shell](const std::string& domain, const std::string& timeout_s) {
+    return testing::Run({"/usr/bin/env", "XDG_RUNTIME_DIR=" + shell.path().string(),
+                         std::string(SINEW_BIN_DIR) + "/sinew", "estop", "--json", "--domain",
+                         domain, "--timeout", timeout_s});
+  };
+  const testing::Finished nobody = estop("113", "0.2");
+  EXPECT_EQ(nobody.exit_code, 1) << nobody.error;
+  EXPECT_THAT(nobody.error, Not(HasSubstr("motors are off")));
+
+  Rig rig(112, {.bridge_more = "estop: {socket: default, latch: default}\n"});
+  ASSERT_TRUE(rig.Run(0.0, seconds(20), [](const msg::JointState& s) { return s.valid()[0]; }))
+      << rig.bridge().error();
+  const testing::Finished here = estop("112", "10");
+  ASSERT_EQ(here.exit_code, 0) << here.error;
+  const auto report = nlohmann::json::parse(here.output);
+  ASSERT_TRUE(report.contains("socket")) << here.output;
+  EXPECT_EQ(report["socket"]["path"], "/run/sinew/estop-can-bridge-112.sock");
+  EXPECT_TRUE(report["socket"]["idle"]);
+  EXPECT_TRUE(estop::LatchFile("/var/lib/sinew/estop-can-bridge.latch").Read().valid);
+  EXPECT_TRUE(rig.bridge().WaitForText("estop by the socket, of user 0, process", seconds(5)))
+      << rig.bridge().error();
 }
 
 TEST(EstopSystem, AnEstopParticipantWithoutInputIsRefused) {

@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include <array>
-#include <cctype>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -15,6 +14,7 @@
 #include <utility>
 
 #include "components/base/config/config.h"
+#include "components/base/config/descriptor.h"
 #include "components/base/config/unix_socket.h"
 
 namespace sinew::logger {
@@ -22,6 +22,7 @@ namespace sinew::logger {
 namespace {
 
 namespace fs = std::filesystem;
+using config::Descriptor;
 using std::chrono::milliseconds;
 
 constexpr std::size_t kLongestLine = 256;
@@ -30,21 +31,6 @@ constexpr milliseconds kLineLimit(1000);
 // The player replies between two messages; while a reader in lockstep takes nothing it waits for it
 // (its own limit is --wait-timeout), and the client gets to know that.
 constexpr milliseconds kReplyLimit(5000);
-
-// Closes it.
-class Descriptor {
- public:
-  explicit Descriptor(int value) : value_(value) {}
-  ~Descriptor() {
-    if (value_ >= 0) ::close(value_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const { return value_; }
-
- private:
-  const int value_;
-};
 
 bool Readable(int descriptor, milliseconds limit) {
   pollfd waiting{descriptor, POLLIN, 0};
@@ -82,12 +68,8 @@ int Connect(const fs::path& path) {
 }  // namespace
 
 fs::path PlayerSocket(int domain_id, const std::string& name) {
-  std::string safe = name;
-  for (char& c : safe) {
-    const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '.';
-    if (!plain) c = '_';
-  }
-  const std::string file = "player-" + std::to_string(domain_id) + "-" + safe + ".sock";
+  const std::string file =
+      "player-" + std::to_string(domain_id) + "-" + config::FileNamePart(name) + ".sock";
   const char* runtime = std::getenv("XDG_RUNTIME_DIR");
   if (runtime != nullptr && runtime[0] == '/' && ::access(runtime, W_OK) == 0) {
     return fs::path(runtime) / ("sinew-" + file);

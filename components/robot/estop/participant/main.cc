@@ -21,9 +21,9 @@
 
 #include "components/base/types/clock/clock.h"
 #include "components/robot/estop/assertion.h"
-#include "components/robot/estop/estop_config.h"
 #include "components/robot/estop/inputs.h"
 #include "components/robot/estop/press.h"
+#include "components/robot/estop/socket_folder.h"
 #include "components/topics/node/node.h"
 #include "components/topics/node/options.h"
 #include "components/topics/node/realtime.h"
@@ -55,7 +55,8 @@ class InputThread {
   };
 
   InputThread(std::vector<std::unique_ptr<estop::Input>> inputs,
-              std::vector<std::filesystem::path> sockets, std::function<void()> wake)
+              std::function<std::vector<std::filesystem::path>()> sockets,
+              std::function<void()> wake)
       : inputs_(std::move(inputs)), sockets_(std::move(sockets)), wake_(std::move(wake)) {
     for (const auto& input : inputs_) {
       if (input->stops()) Stop(*input);
@@ -86,7 +87,7 @@ class InputThread {
     return now_ns - looked_ns_ < std::chrono::nanoseconds(kThreadAge).count();
   }
   struct Answers {
-    bool idle = false;  // a state provider of this host has sent its idle frames
+    bool idle = false;  // the state providers of this host, and there is one, report idle
     std::string text;
   };
   static Answers Await(std::vector<Socket> pressed) {
@@ -94,7 +95,7 @@ class InputThread {
     for (Socket& socket : pressed) {
       if (!socket.press.sent()) continue;
       const estop::Press::Answer answer = socket.press.Await(estop::kAnswerLimit);
-      answers.idle = answer.idle || answers.idle;
+      answers.idle = answer.idle && (answers.text.empty() || answers.idle);
       answers.text +=
           socket.path + ": " + (answer.text.empty() ? std::string("no answer\n") : answer.text);
     }
@@ -103,7 +104,7 @@ class InputThread {
   }
   std::vector<Socket> PressSockets(const std::string& reason) const {
     std::vector<Socket> pressed;
-    for (const auto& path : sockets_) pressed.push_back({path.string(), {path, reason}});
+    for (const auto& path : sockets_()) pressed.push_back({path.string(), {path, reason}});
     return pressed;
   }
 
@@ -157,7 +158,7 @@ class InputThread {
   }
 
   std::vector<std::unique_ptr<estop::Input>> inputs_;
-  std::vector<std::filesystem::path> sockets_;
+  std::function<std::vector<std::filesystem::path>()> sockets_;
   std::function<void()> wake_;
   std::atomic<bool> stop_{false};
   std::atomic<std::int64_t> looked_ns_{0};
@@ -183,9 +184,11 @@ std::vector<std::unique_ptr<estop::Input>> OpenInputs(const EstopOptions& option
 
 void Run(const node::Options& options, node::StopFlag& stop, const EstopOptions& estop_options) {
   std::vector<std::unique_ptr<estop::Input>> inputs = OpenInputs(estop_options);
-  std::vector<std::filesystem::path> sockets(estop_options.sockets.begin(),
-                                             estop_options.sockets.end());
-  if (sockets.empty()) sockets = estop::SocketCandidates(options.domain_id);
+  // At each press anew: bridges come and go.
+  const auto sockets = [&] {
+    return estop::SocketsToPress({estop_options.sockets.begin(), estop_options.sockets.end()},
+                                 options.chosen_domain);
+  };
   std::string names;
   for (const auto& input : inputs) names += (names.empty() ? "" : "; ") + input->name();
 
@@ -193,7 +196,7 @@ void Run(const node::Options& options, node::StopFlag& stop, const EstopOptions&
   auto states = node.MakeReader(node::kJointState);
   auto commands = node.MakeWriter(node::kOperatorCommand);
   auto beats = node.MakeWriter(node::kEstopState);
-  InputThread thread(std::move(inputs), std::move(sockets), [&node] { node.Wake(); });
+  InputThread thread(std::move(inputs), sockets, [&node] { node.Wake(); });
   spdlog::info("watches {}", names);
 
   estop::Assertion assertion;
@@ -287,7 +290,9 @@ int main(int argc, char** argv) {
                        "stops; may be repeated");
         app.add_flag("--keyboard", estop_options.keys,
                      "Any key on the terminal, and the end of this program");
-        app.add_option("--socket", estop_options.sockets,
-                       "Sockets of state providers on this host; the usual places by default");
+        app.add_option(
+            "--socket", estop_options.sockets,
+            "Sockets of state providers on this host; by default all of them, or those of "
+            "--domain");
       });
 }

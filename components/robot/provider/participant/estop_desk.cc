@@ -36,7 +36,9 @@ void EstopDesk::Take(std::uint64_t tick) {
   if (listener_.TakePress()) {
     if (cycle_.state() !=
         types::RobotState::kEstopped) {  // a held button presses ten times a second
-      spdlog::warn("tick {}: estop by the socket", tick);
+      const estop::Listener::Presser who = listener_.presser();
+      spdlog::warn("tick {}: estop by the socket, of user {}, process {}", tick, who.user,
+                   who.process);
     }
     (void)cycle_.Take({.action = types::OperatorAction::kEstop}, tick);
     OnEstop("socket");

@@ -1,17 +1,25 @@
 #include "components/robot/estop/listener.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <condition_variable>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
 #include <future>
 #include <mutex>
 
 #include "components/base/config/unix_socket.h"
 #include "components/robot/estop/press.h"
+#include "components/robot/estop/socket_folder.h"
+#include "tests/support/own_folders.h"
+#include "tests/support/skip.h"
 #include "tests/support/temporary_folder.h"
 
 namespace sinew::estop {
@@ -262,29 +270,199 @@ TEST(EstopListener, TakesTheSocketOfOneThatWasKilledAndNotOfOneThatLives) {
   ASSERT_EQ(::bind(killed, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
   ::close(killed);
   const Desk first(config);
+  Config other = config;
+  other.latch.reset();
   try {
-    const Desk second(config);
+    const Desk second(other);
     FAIL() << "two at one socket";
   } catch (const UsageError& error) {
     EXPECT_THAT(error.what(), HasSubstr("another process answers there"));
   }
   EXPECT_TRUE(std::filesystem::exists(*config.socket));
-  Config file = config;
+  Config file = other;
   file.socket = folder.Write("file", "precious");
   EXPECT_THROW(Desk{file}, UsageError);
   EXPECT_TRUE(std::filesystem::exists(*file.socket)) << "what is no socket is left alone";
 }
 
+// A listening socket of another user at that path, as it is seen by whoever connects.
+config::Descriptor ListenAs(uid_t user, const std::filesystem::path& path) {
+  const auto address = *config::SocketAddress(path);
+  config::Descriptor socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  EXPECT_EQ(::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  EXPECT_EQ(::chown(path.c_str(), user, static_cast<gid_t>(-1)), 0);
+  EXPECT_EQ(::seteuid(user), 0);
+  EXPECT_EQ(::listen(socket.get(), 4), 0);
+  EXPECT_EQ(::seteuid(0), 0);
+  return socket;
+}
+
+constexpr uid_t kStranger = 65534;
+
+TEST(EstopListener, AnAnswerOfAnotherUserDoesNotCountAndHisSocketIsPressed) {
+  SKIP_WITHOUT_KERNEL(::geteuid() == 0, "second user for this one");
+  const testing::TemporaryFolder folder;
+  const config::Descriptor stranger = ListenAs(kStranger, folder.path() / "socket");
+  Press press(folder.path() / "socket", "hand");
+  ASSERT_TRUE(press.sent()) << press.error();
+  const config::Descriptor client(::accept4(stranger.get(), nullptr, nullptr, SOCK_CLOEXEC));
+  char text[16] = {};
+  EXPECT_EQ(::recv(client.get(), text, sizeof text, 0), 5) << "the robot's stop comes first";
+  EXPECT_EQ(::send(client.get(), "idle\nlatched\n", 13, MSG_NOSIGNAL), 13);
+  const Press::Answer answer = press.Await(10s);
+  EXPECT_FALSE(answer.idle || answer.latched);
+  EXPECT_THAT(answer.text, HasSubstr("does not count: user 65534 listens there"));
+  // He may answer in a folder of his own: whoever presses there has named it.
+  ASSERT_EQ(::chown(folder.path().c_str(), kStranger, static_cast<gid_t>(-1)), 0);
+  Press own(folder.path() / "socket", "hand");
+  config::Descriptor second(::accept4(stranger.get(), nullptr, nullptr, SOCK_CLOEXEC));
+  EXPECT_EQ(::send(second.get(), "idle\nlatched\n", 13, MSG_NOSIGNAL), 13);
+  second.Close();
+  EXPECT_TRUE(own.Await(10s).idle);
+}
+
+TEST(EstopListener, InAFolderThatOthersMayWriteToNobodyListensAndNoAnswerCounts) {
+  const testing::TemporaryFolder folder;
+  const Config config = In(folder);
+  const auto refusal = [&config]() -> std::string {
+    try {
+      const Desk desk(config);
+    } catch (const UsageError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  {
+    Desk desk(config);
+    ASSERT_EQ(::chmod(folder.path().c_str(), 01777), 0);
+    Press press(*config.socket, "hand");
+    ASSERT_TRUE(desk.TakeAndIdle()) << "it is pressed all the same";
+    EXPECT_FALSE(press.Await(10s).idle);
+  }
+  EXPECT_THAT(refusal(), HasSubstr("others may write to its folder"));
+  ASSERT_EQ(::chmod(folder.path().c_str(), 0755), 0);
+  EXPECT_EQ(refusal(), "");
+  if (::geteuid() != 0) return;
+  ASSERT_EQ(::chown(folder.path().c_str(), kStranger, static_cast<gid_t>(-1)), 0);
+  EXPECT_THAT(refusal(), HasSubstr("its folder belongs to user 65534"));
+}
+
+TEST(EstopListener, ASocketOfAnotherUserKeepsNoBridgeFromStarting) {
+  SKIP_WITHOUT_KERNEL(::geteuid() == 0, "second user for this one");
+  const testing::TemporaryFolder folder;
+  const config::Descriptor stranger = ListenAs(kStranger, folder.path() / "socket");
+  Desk desk(In(folder));
+  EXPECT_THAT(desk.errors(), HasSubstr("a socket of user 65534 was there, it is replaced"));
+  Press press(folder.path() / "socket", "hand");
+  ASSERT_TRUE(desk.TakeAndIdle());
+  EXPECT_TRUE(press.Await(10s).idle);
+  EXPECT_EQ(desk.listener.presser().user, 0U);
+  EXPECT_EQ(desk.listener.presser().process, ::getpid());
+}
+
+TEST(EstopListener, TwoStateProvidersDoNotKeepTheirEstopInOneFile) {
+  const testing::TemporaryFolder folder;
+  const Desk first(In(folder));
+  Config second = In(folder);
+  second.socket = folder.path() / "second";
+  EXPECT_THROW(Desk{second}, UsageError);
+  second.latch = folder.path() / "second.latch";
+  const Desk other(second);
+}
+
+// Every descriptor that the process may have, until it ends.
+class NoDescriptors {
+ public:
+  NoDescriptors() {
+    ::getrlimit(RLIMIT_NOFILE, &before_);
+    const rlimit few{128, before_.rlim_max};
+    ::setrlimit(RLIMIT_NOFILE, &few);
+    for (int next = ::dup(0); next >= 0; next = ::dup(0)) taken_.emplace_back(next);
+    EXPECT_EQ(errno, EMFILE);
+  }
+  ~NoDescriptors() { ::setrlimit(RLIMIT_NOFILE, &before_); }
+  NoDescriptors(const NoDescriptors&) = delete;
+  NoDescriptors& operator=(const NoDescriptors&) = delete;
+
+ private:
+  rlimit before_{};
+  std::vector<config::Descriptor> taken_;
+};
+
+TEST(EstopListener, WithoutFreeDescriptorsAPressIsTakenAndTheThreadSleeps) {
+  const testing::TemporaryFolder folder;
+  const auto address = *config::SocketAddress(folder.path() / "socket");
+  std::vector<config::Descriptor> clients;
+  for (int i = 0; i < 3; ++i) clients.emplace_back(::socket(AF_UNIX, SOCK_STREAM, 0));
+  const auto connect = [&](std::size_t client) {
+    return ::connect(clients[client].get(), reinterpret_cast<const sockaddr*>(&address),
+                     sizeof address);
+  };
+  const auto press = [&](std::size_t client) {
+    return connect(client) == 0 && ::send(clients[client].get(), "x", 1, MSG_NOSIGNAL) == 1;
+  };
+  Desk desk(In(folder));
+  {
+    const NoDescriptors none;
+    ASSERT_EQ(connect(0), 0);  // says nothing, and gives way
+    ASSERT_TRUE(press(1));
+    ASSERT_TRUE(desk.Until([&] { return desk.listener.TakePress(); }));
+    // The next one waits for the place of the first, which gets its answer after 0.4 s.
+    const std::clock_t begin = std::clock();
+    ASSERT_TRUE(press(2));
+    ASSERT_TRUE(desk.Until([&] { return desk.listener.TakePress(); }));
+    EXPECT_LT(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC, 0.1);
+    desk.listener.IdleSent(desk.listener.taken());
+  }
+  EXPECT_TRUE(desk.Until([&] { return LatchFile(folder.path() / "latch").Read().valid; }));
+}
+
 TEST(EstopConfig, HardwareHasSocketAndLatchByDefaultAndASimulationNeither) {
   const config::Section none =
       config::Section::Parse("schema: t/1\n", "f.yaml", "t/1").ChildOrEmpty("estop");
-  EXPECT_FALSE(LoadConfig(none, 7, false).socket);
-  EXPECT_FALSE(LoadConfig(none, 7, false).latch);
-  const Config live = LoadConfig(none, 7, true);
+  EXPECT_FALSE(LoadConfig(none, "can-bridge", 7, false).socket);
+  EXPECT_FALSE(LoadConfig(none, "can-bridge", 7, false).latch);
+  SKIP_WITHOUT_KERNEL(testing::HasOwnFolders({"/run", "/var/lib"}), "mounts for this user");
+  const Config live = LoadConfig(none, "left/leg", 7, true);
   ASSERT_TRUE(live.socket && live.latch);
-  EXPECT_THAT(live.socket->string(), HasSubstr("estop-"));
-  EXPECT_THAT(live.socket->string(), HasSubstr("7.sock"));
-  EXPECT_EQ(live.latch->filename(), "estop-7.latch");
+  EXPECT_EQ(*live.socket, "/run/sinew/estop-left_leg-7.sock");
+  EXPECT_EQ(*live.latch, "/var/lib/sinew/estop-left_leg.latch") << "in whichever domain";
+  struct stat info {};
+  ASSERT_EQ(::stat("/run/sinew", &info), 0);
+  EXPECT_EQ(info.st_mode & 0777, 0755U);
+}
+
+TEST(EstopConfig, TheSocketOfAUserIsInTheFolderOfHisLoginWhateverHisShellSays) {
+  SKIP_WITHOUT_KERNEL(testing::HasOwnFolders({"/run", "/var/lib"}), "mounts for this user");
+  ASSERT_EQ(::setenv("XDG_RUNTIME_DIR", "/tmp", 1), 0);
+  ASSERT_EQ(::setresuid(kStranger, kStranger, 0), 0);
+  const auto socket = [] { return DefaultSocket("can-bridge", 7); };
+  try {
+    (void)socket();
+    ADD_FAILURE() << "no folder, no login";
+  } catch (const UsageError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("sudo install -d -o 65534 /run/sinew"));
+  }
+  ASSERT_EQ(::setresuid(0, 0, 0), 0);
+  std::filesystem::create_directories("/run/user/65534");
+  ASSERT_EQ(::chown("/run/user/65534", kStranger, kStranger), 0);
+  ASSERT_EQ(::setresuid(kStranger, kStranger, 0), 0);
+  EXPECT_EQ(socket(), "/run/user/65534/sinew/estop-can-bridge-7.sock");
+  ASSERT_EQ(::setresuid(0, 0, 0), 0);
+  EXPECT_EQ(socket(), "/run/sinew/estop-can-bridge-7.sock") << "root's";
+  ASSERT_EQ(::unsetenv("XDG_RUNTIME_DIR"), 0);
+}
+
+TEST(EstopConfig, AClientPressesEverySocketOfTheFolderOrThoseOfADomain) {
+  SKIP_WITHOUT_KERNEL(testing::HasOwnFolders({"/run", "/var/lib"}), "mounts for this user");
+  std::filesystem::create_directory("/run/sinew");
+  for (const char* name : {"estop-a-7.sock", "estop-b-17.sock", "player-7-a.sock"}) {
+    std::ofstream(std::string("/run/sinew/") + name) << "";
+  }
+  using Paths = std::vector<std::filesystem::path>;
+  EXPECT_EQ(SocketsToPress({}, 7), Paths{"/run/sinew/estop-a-7.sock"});
+  EXPECT_EQ(SocketsToPress({}, std::nullopt).size(), 2U);
+  EXPECT_EQ(SocketsToPress({"other"}, 7), Paths{"other"});
 }
 
 TEST(EstopConfig, RefusesWhatIsNotSafe) {
@@ -292,7 +470,7 @@ TEST(EstopConfig, RefusesWhatIsNotSafe) {
     return LoadConfig(
         config::Section::Parse("schema: t/1\nestop: " + block + "\n", "/etc/x/f.yaml", "t/1")
             .Child("estop"),
-        0, true);
+        "can-bridge", 0, true);
   };
   EXPECT_THROW((void)load("{latch: none}"), UsageError);
   EXPECT_THROW((void)load("{socket_mode: \"0990\"}"), UsageError);
