@@ -57,7 +57,9 @@ class ProviderMember final : public node::Component {
         cycle_(config.cycle),
         node_(options),
         readers_(node_, cycle_, plant_,
-                 [](provider::OperatorResult, types::OperatorAction, std::string_view) {}) {
+                 [](provider::OperatorResult, types::OperatorAction, std::string_view) {
+                   return std::string();
+                 }) {
     plant_.Reset(&sensors_);
     cycle_.ArmAtStart();
   }
