@@ -10,12 +10,12 @@
 
 namespace sinew::testing {
 
-// Of this thread, and of the processes that it starts. False: it may not mount (not root).
+// This thread and the processes that it starts have them. False: it may not mount (not root).
 inline bool HasOwnFolders(std::initializer_list<const char*> folders) {
   return ::unshare(CLONE_NEWNS) == 0 &&
          ::mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
          std::all_of(folders.begin(), folders.end(), [](const char* folder) {
-           return ::mount("none", folder, "tmpfs", 0, "mode=1777") == 0;
+           return ::mount("none", folder, "tmpfs", 0, "mode=0755") == 0;
          });
 }
 

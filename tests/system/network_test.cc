@@ -163,7 +163,8 @@ TEST(Network, ANamedInterfaceIsOpenAndItsRiskIsSaid) {
   line.insert(line.end(), {"--interface", "wire0"});
   Program surrogate(hosts.On(0, line));
   EXPECT_TRUE(surrogate.WaitForText(
-      "open to the network on wire0 (" + TwoHosts::Address(0) + ") without a key or DDS security", kEnough))
+      "open to the network on wire0 (" + TwoHosts::Address(0) + ") without a key or DDS security",
+      kEnough))
       << surrogate.error();
   const Finished other =
       testing::Run(hosts.On(1, Words(Ask("estop --domain 57 --interface wire0"))));

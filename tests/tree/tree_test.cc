@@ -65,6 +65,7 @@ const std::map<std::string, std::string> kNotPure = {
     {"components/robot/estop", "a socket, a file, and the devices that are pressed"},
     {"components/record/logger", "a queue and a thread in front of a file"},
     {"components/base/types/clock", "reads the clock"},
+    {"components/topics/isolation", "namespaces of the kernel"},
     {"components/topics/node", "owns DDS, options, logs and clocks"},
     {"components/topics/wire", "translates the messages of the topics"},
     {"sim/surrogate/csv", "a program: runs as CSV files"},

@@ -185,9 +185,7 @@ void AddHandoverCommand(CLI::App& app) {
       "Both run; the one that takes over was started later, or came back after it had failed, and "
       "stands by.\nExit code 1 when it was not heard in time.\n\nExample:\n  sinew-control "
       "--config control.yaml --name control_b &\n  sinew handover control control_b");
-  command->callback([options] {
-    RunHandover(*options);
-  });
+  command->callback([options] { RunHandover(*options); });
 }
 
 }  // namespace sinew::tools

@@ -150,9 +150,7 @@ void AddPermitReplayCommand(CLI::App& app) {
       "over replay_takeover_s.\nSimulations need no permission.\nExit code 1 when it could not be "
       "said in time.\n\nExample:\n  sinew replay run.mcap --topics reference &\n  sinew arm\n"
       "  sinew permit-replay player");
-  command->callback([options] {
-    RunPermit(*options);
-  });
+  command->callback([options] { RunPermit(*options); });
 }
 
 }  // namespace sinew::tools

@@ -126,8 +126,8 @@ Descriptor Netlink() {
   return out;
 }
 
-// Of the network of `netlink`, to that of the file `network` (rtnetlink(7), IFLA_NET_NS_FD).
-// False, with errno: the kernel refuses.
+// Moves an interface of the network of `netlink` to that of the file `network` (rtnetlink(7),
+// IFLA_NET_NS_FD). False, with errno: the kernel refuses.
 bool Move(const Descriptor& netlink, int index, const Descriptor& network) {
   struct {
     nlmsghdr header;

@@ -11,7 +11,8 @@ namespace sinew::node::internal {
 struct InterfaceAddress {
   std::string interface;  // e.g. "eth0"
   std::string address;    // IPv4, dotted
-  // Of its network, as a number whose upper byte is the first; by default that address alone.
+  // The mask of its network, as a number whose upper byte is the first; by default the address
+  // alone.
   std::uint32_t mask = 0xffffffff;
 };
 
