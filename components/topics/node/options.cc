@@ -30,7 +30,7 @@ pid_t Launcher() {
   const pid_t parent = ::getppid();
   return text != nullptr && std::to_string(parent) == text ? parent : 0;
 }
-const pid_t g_launcher = Launcher();
+const pid_t kLauncher = Launcher();
 
 extern "C" void OnStopSignal(int) { g_stop.store(true); }
 
@@ -65,7 +65,7 @@ StopFlag::StopFlag() {
 StopFlag::~StopFlag() { g_stop.store(false); }
 
 bool StopFlag::requested() const noexcept {
-  return g_stop.load(std::memory_order_relaxed) || (g_launcher != 0 && ::getppid() != g_launcher);
+  return g_stop.load(std::memory_order_relaxed) || (kLauncher != 0 && ::getppid() != kLauncher);
 }
 void StopFlag::Request() noexcept { g_stop.store(true); }
 

@@ -26,7 +26,7 @@ DatagramKey KeyOf(std::uint8_t first) {
   return DatagramKey(bytes);
 }
 
-Datagram Sample() {
+Datagram Message() {
   Datagram out = Header();
   AddSubmessage(&out, kDataId, Data({0, 0, 1, 3}, {0, 1, 0, 0, 7, 7, 7, 7}), kWithPayload);
   return out;
@@ -44,9 +44,9 @@ Datagram Verified(const DatagramKey& key, const Datagram& datagram) {
 }
 
 TEST(DatagramKey, OpensWhatItTagged) {
-  const Datagram tagged = Tagged(KeyOf(1), Sample());
-  EXPECT_EQ(tagged.size(), Sample().size() + DatagramKey::kTagBytes);
-  EXPECT_EQ(Verified(KeyOf(1), tagged), Sample());
+  const Datagram tagged = Tagged(KeyOf(1), Message());
+  EXPECT_EQ(tagged.size(), Message().size() + DatagramKey::kTagBytes);
+  EXPECT_EQ(Verified(KeyOf(1), tagged), Message());
 }
 
 // b2sum of GNU coreutils has no keys: the values are of Python's hashlib.blake2b(data, key=bytes
@@ -61,9 +61,9 @@ TEST(DatagramKey, TheTagIsTheKeyedBlake2bOfRfc7693) {
 }
 
 TEST(DatagramKey, NoOtherDatagramAndNoOtherKeyHasTheTag) {
-  const Datagram tagged = Tagged(KeyOf(1), Sample());
+  const Datagram tagged = Tagged(KeyOf(1), Message());
   EXPECT_TRUE(Verified(KeyOf(2), tagged).empty());
-  EXPECT_TRUE(Verified(KeyOf(1), Sample()).empty());
+  EXPECT_TRUE(Verified(KeyOf(1), Message()).empty());
   for (std::size_t at = 0; at < tagged.size(); ++at) {
     for (int bit = 0; bit < 8; ++bit) {
       Datagram changed = tagged;
@@ -80,9 +80,9 @@ TEST(DatagramKey, NoOtherDatagramAndNoOtherKeyHasTheTag) {
 // Other implementations skip it as a submessage of a vendor that they do not know.
 TEST(DatagramKey, ATaggedDatagramIsWellFormedAndTheTagIsSkipped) {
   Datagram copy;
-  const Datagram tagged = Tagged(KeyOf(1), Sample());
+  const Datagram tagged = Tagged(KeyOf(1), Message());
   const auto passed = DatagramFilter(false).Pass(tagged, &copy);
-  EXPECT_EQ(Datagram(passed.begin(), passed.end()), Sample());
+  EXPECT_EQ(Datagram(passed.begin(), passed.end()), Message());
 }
 
 class KeyFile : public ::testing::Test {
@@ -110,7 +110,7 @@ TEST_F(KeyFile, OfSixtyFourDigitsIsTheKey) {
     digits += "0123456789abcdef"[k % 16];
   }
   const DatagramKey key = DatagramKey::Load(Write(digits + "\n"));
-  EXPECT_EQ(Verified(key, Tagged(KeyOf(1), Sample())), Sample());
+  EXPECT_EQ(Verified(key, Tagged(KeyOf(1), Message())), Message());
 }
 
 TEST_F(KeyFile, OfAnythingElseIsRefused) {
