@@ -5,8 +5,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <fstream>
-#include <iterator>
 #include <string>
 
 #include "components/base/config/config.h"
@@ -35,10 +33,7 @@ DatagramKey DatagramKey::Load(const std::filesystem::path& file) {
   if ((status.st_mode & (S_IRWXG | S_IRWXO)) != 0) {
     refuse("a key that others may read or write is none, expected mode 0600 (chmod 600)");
   }
-  std::ifstream in(file);
-  std::string text(2 * kBytes + 2, '\0');
-  in.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(in.gcount()));
+  std::string text = config::ReadFile(file, 1024);  // with what an editor puts behind it
   while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) text.pop_back();
   Bytes bytes{};
   std::size_t count = 0;
