@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "components/base/config/config.h"
+#include "components/base/config/program_file.h"
 #include "reproduction/paper/paper.h"
 #include "tools/sinew/shipped.h"
 
@@ -48,7 +49,7 @@ int Make(PaperArguments& arguments) {
     List(plan);
     return 0;
   }
-  arguments.options.program = std::filesystem::read_symlink("/proc/self/exe");
+  arguments.options.program = config::ProgramFile();
   arguments.options.robots = tools::RobotsFolder();
   if (arguments.options.out.empty()) arguments.options.out = "paper_" + arguments.paper;
   const bool terminal = ::isatty(STDERR_FILENO) != 0;

@@ -6,6 +6,8 @@
 #include <sstream>
 #include <system_error>
 
+#include "components/base/config/program_file.h"
+
 namespace sinew::launch {
 
 namespace fs = std::filesystem;
@@ -19,11 +21,7 @@ bool IsProgram(const fs::path& path) {
 
 }  // namespace
 
-fs::path ProgramFolder() {
-  std::error_code error;
-  const fs::path self = fs::read_symlink("/proc/self/exe", error);
-  return error ? fs::path() : self.parent_path();
-}
+fs::path ProgramFolder() { return config::ProgramFile().parent_path(); }
 
 fs::path FindProgram(const std::string& program, const fs::path& base, const fs::path& folder) {
   if (program.find('/') != std::string::npos) {

@@ -1,6 +1,7 @@
 #include "tools/sinew/shipped.h"
 
 #include "components/base/config/config.h"
+#include "components/base/config/program_file.h"
 
 namespace sinew::tools {
 
@@ -8,8 +9,7 @@ namespace fs = std::filesystem;
 
 fs::path ShippedFolder(const fs::path& wanted) {
   std::error_code error;
-  const fs::path self = fs::read_symlink("/proc/self/exe", error);
-  for (fs::path folder = self.parent_path(); folder.has_relative_path();
+  for (fs::path folder = config::ProgramFile().parent_path(); folder.has_relative_path();
        folder = folder.parent_path()) {
     for (const fs::path& candidate : {folder / "share" / "sinew" / wanted, folder / wanted}) {
       if (fs::is_directory(candidate, error)) return candidate;

@@ -24,6 +24,7 @@
 
 #include "components/base/config/config.h"
 #include "components/base/config/descriptor.h"
+#include "components/base/config/program_file.h"
 
 namespace sinew::isolation {
 
@@ -192,6 +193,7 @@ std::optional<Holder> Chosen(const std::string& chosen, int domain_id) {
 }
 
 void Enter(const Holder& holder) {
+  config::ProgramFile();
   const fs::path process = "/proc/" + std::to_string(holder.pid);
   const Descriptor user = Open(process / "ns/user"), network = Open(process / "ns/net"),
                    mounts = Open(process / "ns/mnt"), root = Open(process / "root");
