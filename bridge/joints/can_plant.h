@@ -39,6 +39,9 @@ class CanPlant : public provider::Plant {
   CanPlant& operator=(const CanPlant&) = delete;
 
   int joint_count() const override { return static_cast<int>(joints_.size()); }
+  std::string joint_name(int joint) const override {
+    return config_.joints[static_cast<std::size_t>(joint)].name;
+  }
   bool live() const override { return config_.live; }
   std::uint32_t measured_flags() const override;
   std::string ArmRefusal() const override { return config_.arm_refusal; }

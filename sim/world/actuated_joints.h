@@ -61,6 +61,7 @@ class ActuatedJoints {
 
   int count() const { return static_cast<int>(joints_.size()); }
   bool prismatic(int joint) const { return at(joint).prismatic; }
+  const std::string& name(int joint) const { return at(joint).plant.model().name; }
   int chain_joint(int joint) const { return at(joint).chain_joint; }
   // Of a joint of the model; -1: there is none of this name.
   int Find(const std::string& name) const noexcept;

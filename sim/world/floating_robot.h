@@ -110,6 +110,7 @@ class FloatingRobot final : public provider::SimulatedPlant {
 
   int joint_count() const override { return joints_.count(); }
   bool prismatic(int joint) const override { return joints_.prismatic(joint); }
+  std::string joint_name(int joint) const override { return joints_.name(joint); }
   std::uint32_t measured_flags() const override { return joints_.measured_flags(); }
   // Forces of the feet are those of the start; the IMU reads what it does at rest. The sensors'
   // errors begin anew with the seed.

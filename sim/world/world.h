@@ -40,6 +40,7 @@ class World final : public provider::SimulatedPlant {
 
   int joint_count() const override { return joints_.count(); }
   bool prismatic(int joint) const override { return joints_.prismatic(joint); }
+  std::string joint_name(int joint) const override { return joints_.name(joint); }
   std::uint32_t measured_flags() const override { return joints_.measured_flags(); }
   void Reset(provider::PlantSensors* sensors) override;
   // Both: values that are not finite as in ActuatedJoints.

@@ -36,6 +36,12 @@ std::string TextOf(const Fault& fault, std::string_view message) {
                     "configured for another robot",
                     fault.value, fault.limit);
       break;
+    case FaultCause::kCommandNames:
+      std::snprintf(text, sizeof text,
+                    "joint %.0f has another name in the controller's configuration than here: it "
+                    "is configured for another robot, or its joints stand in another order",
+                    fault.value);
+      break;
   }
   return message.empty() ? text : text + ("; " + std::string(message));
 }

@@ -13,6 +13,7 @@ enum class FaultCause {
   kCycleLate,         // value and limit: ms between the begins of two cycles
   kCommandNotFinite,  // value: the joint
   kCommandJoints,     // value: the joints that a command names; limit: those of the robot
+  kCommandNames,      // value: the joint that the controller names otherwise
   kPlant,             // the plant's message says why
   kJoints,            // a joint's, or of all joints; the plant's message
   kFall,              // the fall guard's message

@@ -87,6 +87,7 @@ class Plant {
   virtual ~Plant() = default;
   virtual int joint_count() const = 0;
   virtual bool prismatic(int /*joint*/) const { return false; }
+  virtual std::string joint_name(int /*joint*/) const { return ""; }  // empty: it has none
   virtual bool live() const { return false; }  // hardware: commands must have origin live
   // Why this plant may not be armed, found before the start; empty: it may.
   virtual std::string ArmRefusal() const { return ""; }

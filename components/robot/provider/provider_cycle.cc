@@ -113,9 +113,9 @@ bool ProviderCycle::Take(const JointSetpoints& command, std::uint64_t tick) {
     joint_answers_ = command.header.tick + 1;
   }
   if (Admits(command.header)) {
-    commanded_joints_ = command.joint_count;
-    if (const Fault fault = CommandFault(); fault.cause != FaultCause::kNone) {
-      if (types::MayMove(state())) guard_.Fail(fault);
+    command_fault_ = FaultOf(command);
+    if (command_fault_.cause != FaultCause::kNone) {
+      if (types::MayMove(state())) guard_.Fail(command_fault_);
       return false;
     }
   }
@@ -124,10 +124,13 @@ bool ProviderCycle::Take(const JointSetpoints& command, std::uint64_t tick) {
   return true;
 }
 
-Fault ProviderCycle::CommandFault() const {
-  if (!commanded_joints_ || *commanded_joints_ == config_.joint_count) return {};
-  return {FaultCause::kCommandJoints, static_cast<double>(*commanded_joints_),
-          static_cast<double>(config_.joint_count)};
+Fault ProviderCycle::FaultOf(const JointSetpoints& command) const {
+  if (command.joint_count != config_.joint_count) {
+    return {FaultCause::kCommandJoints, static_cast<double>(command.joint_count),
+            static_cast<double>(config_.joint_count)};
+  }
+  if (!command.other_joint) return {};
+  return {FaultCause::kCommandNames, static_cast<double>(*command.other_joint)};
 }
 
 bool ProviderCycle::Take(const ValveCommand& command, std::uint64_t tick) {

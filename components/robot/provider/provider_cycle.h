@@ -51,6 +51,8 @@ struct JointSetpoints {
   types::JointArray<double> motor_torque_Nm{};
   types::JointArray<double> position_rad{};
   types::JointArray<double> velocity_rad_s{};
+  // The first joint that the command's controller names otherwise than the robot.
+  std::optional<int> other_joint;
 };
 
 // A valve_command, decoded. Entries from joint_count on are off.
@@ -151,7 +153,7 @@ class ProviderCycle {
   std::string FallRefusal() const { return fall_ ? fall_->ArmRefusal() : std::string(); }
 
   // What keeps the newest joint command of this session from being obeyed.
-  Fault CommandFault() const;
+  const Fault& CommandFault() const { return command_fault_; }
 
   // Real time: the joint command of this tick is waited for. False: nobody may move, or the
   // command has arrived.
@@ -181,6 +183,8 @@ class ProviderCycle {
   std::chrono::nanoseconds fault_after() const { return config_.guard.fault_after; }
 
  private:
+  // A command of this session that is for other joints than the robot's.
+  Fault FaultOf(const JointSetpoints& command) const;
   // Joint j of command_ as the accepted joint command says.
   void Pass(std::size_t joint);
   // The first joint whose part of the accepted joint command is not finite.
@@ -208,7 +212,7 @@ class ProviderCycle {
   types::JointArray<bool> held_{};  // those that were known
   std::ptrdiff_t faulty_joints_ = 0;
   std::uint64_t joint_answers_ = 0, valve_answers_ = 0;
-  std::optional<int> commanded_joints_;  // by the newest command of this session
+  Fault command_fault_;
 };
 
 }  // namespace sinew::provider

@@ -110,8 +110,14 @@ std::string TextOf(const rtps::GUID_t& guid) { return Text(guid); }
 
 std::string Discovery::ParticipantOf(const rtps::GUID_t& guid) const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  const auto found = participant_names_.find(Text(guid.guidPrefix));
-  return found == participant_names_.end() ? "" : found->second;
+  const auto found = participants_.find(Text(guid.guidPrefix));
+  return found == participants_.end() ? "" : found->second.name;
+}
+
+std::vector<std::string> Discovery::JointNamesOf(const rtps::GUID_t& guid) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = participants_.find(Text(guid.guidPrefix));
+  return found == participants_.end() ? std::vector<std::string>() : found->second.joint_names;
 }
 
 void Discovery::AddProblem(const std::string& problem) {
@@ -132,10 +138,12 @@ void Discovery::on_participant_discovery(dds::DomainParticipant*,
   const bool gone = info.status == rtps::ParticipantDiscoveryInfo::REMOVED_PARTICIPANT ||
                     info.status == rtps::ParticipantDiscoveryInfo::DROPPED_PARTICIPANT;
   if (gone) {
-    participant_names_.erase(prefix);
+    participants_.erase(prefix);
   } else {
-    participant_names_[prefix] = info.info.m_participantName.to_string();
+    participants_[prefix] = {info.info.m_participantName.to_string(),
+                             JointNamesFromWire(info.info.m_userData.data_vec())};
   }
+  changes_.fetch_add(1, std::memory_order_release);
 }
 
 void Discovery::on_subscriber_discovery(dds::DomainParticipant* participant,
@@ -174,7 +182,7 @@ void Discovery::Discovered(const dds::DomainParticipant* participant, Endpoint e
     if (gone) {
       endpoints_.erase(endpoint.guid);
     } else {
-      endpoint.participant = participant_names_[Text(guid.guidPrefix)];
+      endpoint.participant = participants_[Text(guid.guidPrefix)].name;
       for (const TopicInfo& info : AllTopics()) {
         if (RegisteredTopicName(info.name) != endpoint.topic) continue;
         endpoint.topic = info.name;

@@ -29,11 +29,13 @@ class Discovery final : public dds::DomainParticipantListener {
       : signal_(signal), on_change_(std::move(on_change)) {}
 
   std::vector<Endpoint> endpoints() const;  // of other participants
-  // How often an endpoint was found, changed or lost.
+  // How often an endpoint or a participant was found, changed or lost.
   std::uint64_t changes() const { return changes_.load(std::memory_order_acquire); }
   std::vector<std::string> problems() const;
   // The name of the participant of this endpoint; empty: not known, or gone.
   std::string ParticipantOf(const eprosima::fastrtps::rtps::GUID_t& guid) const;
+  // Those that its participant commands; empty: none, not known, or gone.
+  std::vector<std::string> JointNamesOf(const eprosima::fastrtps::rtps::GUID_t& guid) const;
   // Logged as an error and kept; the same text only once.
   void AddProblem(const std::string& problem);
 
@@ -52,8 +54,12 @@ class Discovery final : public dds::DomainParticipantListener {
   const std::function<void()> on_change_;
   std::atomic<std::uint64_t> changes_{0};
   mutable std::mutex mutex_;
-  std::map<std::string, std::string> participant_names_;  // by GUID prefix
-  std::map<std::string, Endpoint> endpoints_;             // by GUID
+  struct Participant {
+    std::string name;
+    std::vector<std::string> joint_names;
+  };
+  std::map<std::string, Participant> participants_;  // by GUID prefix
+  std::map<std::string, Endpoint> endpoints_;        // by GUID
   std::vector<std::string> problems_;
 };
 

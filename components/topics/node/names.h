@@ -1,5 +1,5 @@
-// The names of topics and types on the wire: our own, or with SINEW_ROS2_NAMES (cmake/SinewOptions)
-// those that ROS 2 gives its messages.
+// The names of topics, types and joints on the wire: our own, or with SINEW_ROS2_NAMES
+// (cmake/SinewOptions) those that ROS 2 gives its messages.
 //
 // | | topic | type |
 // | as built by default | joint_state | sinew::msg::JointState_1a2b3c4d, with the hash of its IDL |
@@ -9,7 +9,9 @@
 // PACKAGE::msg::dds_::TYPE_. Pure; any thread.
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 namespace sinew::node::internal {
 
@@ -17,5 +19,10 @@ std::string RegisteredTopicName(const std::string& name);
 
 // type_name: "sinew::msg::JointState".
 std::string RegisteredTypeName(const std::string& type_name, const std::string& idl_hash);
+
+// The USER_DATA (OMG DDS 1.4, 2.2.3.1) of a participant that commands joints: "sinew-joints/1" and
+// the names, each ended by a zero byte. Of anything else: no names.
+std::vector<std::uint8_t> JointNamesOnWire(const std::vector<std::string>& names);
+std::vector<std::string> JointNamesFromWire(const std::vector<std::uint8_t>& user_data);
 
 }  // namespace sinew::node::internal

@@ -7,7 +7,8 @@
 
 namespace sinew::node {
 
-Node::Node(const Options& options) : impl_(std::make_shared<internal::NodeImpl>(options)) {
+Node::Node(const Options& options, const std::vector<std::string>& joint_names)
+    : impl_(std::make_shared<internal::NodeImpl>(options, joint_names)) {
   impl_->status.Open(
       std::make_unique<internal::WriterImpl>(impl_, *FindTopic(kComponentStatus.name)));
 }
@@ -39,21 +40,34 @@ std::uint64_t Node::RawLost(const std::string& topic) const {
   return count;
 }
 
+namespace {
+
+eprosima::fastrtps::rtps::GUID_t GuidOf(const WriterId& writer) {
+  eprosima::fastrtps::rtps::GUID_t guid;
+  std::copy_n(writer.begin(), guid.guidPrefix.size, guid.guidPrefix.value);
+  std::copy_n(writer.begin() + guid.guidPrefix.size, guid.entityId.size, guid.entityId.value);
+  return guid;
+}
+
+}  // namespace
+
 std::optional<Node::WriterName> Node::NameOf(const WriterId& writer) const {
   if (impl_->apart()) {
     const auto found = impl_->options.composition->NameOf(writer);
     if (!found) return std::nullopt;
     return WriterName{.participant = *found, .guid = "", .own = *found == impl_->options.name};
   }
-  eprosima::fastrtps::rtps::GUID_t guid;
-  std::copy_n(writer.begin(), guid.guidPrefix.size, guid.guidPrefix.value);
-  std::copy_n(writer.begin() + guid.guidPrefix.size, guid.entityId.size, guid.entityId.value);
+  const auto guid = GuidOf(writer);
   WriterName name;
   name.guid = internal::TextOf(guid);
   name.own = Owns(writer);
   name.participant = name.own ? impl_->options.name : impl_->discovery.ParticipantOf(guid);
   if (name.participant.empty()) return std::nullopt;
   return name;
+}
+
+std::vector<std::string> Node::JointNamesOf(const WriterId& writer) const {
+  return impl_->discovery.JointNamesOf(GuidOf(writer));
 }
 
 bool Node::Owns(const WriterId& writer) const {

@@ -113,7 +113,9 @@ struct Endpoint;  // endpoint.h
 
 class Node {
  public:
-  explicit Node(const Options& options);  // throws DdsError
+  // joint_names: of those that it commands, in order, for JointNamesOf at other nodes; empty where
+  // it commands none. Throws DdsError.
+  explicit Node(const Options& options, const std::vector<std::string>& joint_names = {});
   ~Node();
   Node(const Node&) = delete;
   Node& operator=(const Node&) = delete;
@@ -141,6 +143,8 @@ class Node {
     bool own = false;
   };
   std::optional<WriterName> NameOf(const WriterId& writer) const;
+  // The joint names of the node whose writer it is; empty: it has none, is not known, or has gone.
+  std::vector<std::string> JointNamesOf(const WriterId& writer) const;
   // This node's own writer. Cheap, unlike NameOf.
   bool Owns(const WriterId& writer) const;
   // The nominal period of the cycle, once it is known or when it has changed: it sets how long the
@@ -149,7 +153,8 @@ class Node {
 
   // Endpoints of other participants seen so far, and problems (other type hash, incompatible QoS).
   std::vector<Endpoint> Endpoints() const;
-  std::uint64_t EndpointChanges() const;  // grows with every change of them; for loops
+  // Grows with every change of them or of their participants; for loops.
+  std::uint64_t EndpointChanges() const;
   std::vector<std::string> Problems() const;
 
   // component_status, published by a thread beside the loop: at once when the state or message

@@ -19,12 +19,12 @@
 namespace sinew::node::internal {
 
 struct NodeImpl : public std::enable_shared_from_this<NodeImpl> {
-  explicit NodeImpl(const Options& node_options)
+  NodeImpl(const Options& node_options, const std::vector<std::string>& joint_names)
       : options(node_options),
         ownership(*this),
         discovery(signal, [this] { ownership.Notify(); }),
         status(RoleOf(options), options.name) {
-    if (!apart()) participant.emplace(options, &discovery);
+    if (!apart()) participant.emplace(options, joint_names, &discovery);
   }
 
   // No DDS: composition.h.

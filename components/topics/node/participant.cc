@@ -69,7 +69,8 @@ void UseFreshPorts(int domain, dds::DomainParticipantQos* qos) {
 
 }  // namespace
 
-Participant::Participant(const Options& options, dds::DomainParticipantListener* listener)
+Participant::Participant(const Options& options, const std::vector<std::string>& joint_names,
+                         dds::DomainParticipantListener* listener)
     : mode_(options.mode) {
   LoadProfiles(options);
   auto* factory = dds::DomainParticipantFactory::get_instance();
@@ -79,6 +80,7 @@ Participant::Participant(const Options& options, dds::DomainParticipantListener*
     throw UsageError(options.qos_path.string() + ": profile '" + profile + "' is missing");
   }
   qos.name(options.name.c_str());
+  if (!joint_names.empty()) qos.user_data().setValue(JointNamesOnWire(joint_names));
   UseFreshPorts(options.domain_id, &qos);
   RestrictTransports(options, &qos);
   participant_ = factory->create_participant(static_cast<std::uint32_t>(options.domain_id), qos,

@@ -7,6 +7,7 @@
 #include <map>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "components/topics/node/dds_pch.h"
 #include "components/topics/node/options.h"
@@ -19,7 +20,8 @@ namespace dds = eprosima::fastdds::dds;
 class Participant {
  public:
   // The listener must outlive the participant.
-  Participant(const Options& options, dds::DomainParticipantListener* listener);
+  Participant(const Options& options, const std::vector<std::string>& joint_names,
+              dds::DomainParticipantListener* listener);
   ~Participant();
   Participant(const Participant&) = delete;
   Participant& operator=(const Participant&) = delete;

@@ -246,6 +246,12 @@ ControlConfig ReadControl(const config::Section& section, const std::filesystem:
   }
   for (std::size_t j = 0; j < joints.size(); ++j)
     control.joints.push_back(ReadJoint(joints[j], j, model_path));
+  control.joint_names = section.TextsOr("joint_names", {});
+  if (!control.joint_names.empty() && control.joint_names.size() != joints.size()) {
+    section.Fail("joint_names", "has " + std::to_string(control.joint_names.size()) +
+                                    " entries, expected as many as joints, " +
+                                    std::to_string(joints.size()));
+  }
   section.RejectUnknownKeys();
   return control;
 }

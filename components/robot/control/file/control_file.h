@@ -26,6 +26,8 @@ enum class MotionRequests {
 
 struct ControlConfig {
   std::vector<JointControlConfig> joints;
+  // The robot's, compared before anybody arms; as joints, or empty: not compared.
+  std::vector<std::string> joint_names;
   MotionRequests motion_requests = MotionRequests::kOff;
   double motion_timeout_s = 0.5;
 

@@ -25,7 +25,7 @@ class ControlComponent final : public node::Component {
  public:
   ControlComponent(const node::Options& options, node::StopFlag& stop, const ControlConfig& config)
       : controller_(config.joints),
-        node_(options),
+        node_(options, config.joint_names),
         loop_(node_, stop),
         inputs_(node_, loop_, config) {}
 

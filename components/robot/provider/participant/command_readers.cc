@@ -69,7 +69,8 @@ const char* Refusal(OperatorResult result) {
 
 CommandReaders::CommandReaders(node::Node& node, ProviderCycle& cycle, Plant& plant,
                                OnOperator on_operator)
-    : cycle_(cycle),
+    : node_(node),
+      cycle_(cycle),
       plant_(plant),
       on_operator_(std::move(on_operator)),
       simulated_(dynamic_cast<SimulatedPlant*>(&plant)),
@@ -148,10 +149,31 @@ void CommandReaders::TakeDisturbances() {
   }
 }
 
+std::optional<int> CommandReaders::OtherJoint() {
+  const std::uint64_t changes = node_.EndpointChanges();
+  if (compared_ == joint_command_.writer() && compared_at_ == changes) return other_joint_;
+  compared_ = joint_command_.writer();
+  compared_at_ = changes;
+  other_joint_.reset();
+  const std::vector<std::string> names = node_.JointNamesOf(compared_);
+  for (int j = 0; j < plant_.joint_count() && j < static_cast<int>(names.size()); ++j) {
+    const std::string& commanded = names[static_cast<std::size_t>(j)];
+    const std::string own = plant_.joint_name(j);
+    if (own.empty() || commanded.empty() || own == commanded) continue;
+    spdlog::error("joint {} is '{}', and '{}' in the configuration of its controller", j, own,
+                  commanded);
+    other_joint_ = j;
+    break;
+  }
+  return other_joint_;
+}
+
 void CommandReaders::TakeAll(std::uint64_t tick) {
   TakeOperatorCommands(tick);
   while (const auto command = joint_command_.TakeNext()) {
-    if (cycle_.Take(FromMessage(*command), tick)) {
+    JointSetpoints setpoints = FromMessage(*command);
+    setpoints.other_joint = OtherJoint();
+    if (cycle_.Take(setpoints, tick)) {
       source_.SetJointCommandWriter(joint_command_.writer());
     }
   }

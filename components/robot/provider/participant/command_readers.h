@@ -66,8 +66,12 @@ class CommandReaders {
 
  private:
   void TakeDisturbances();
+  // Which joint the node of joint_command's newest writer names otherwise than the plant, first of
+  // all; a joint without a name there or here is not compared.
+  std::optional<int> OtherJoint();
   void LogOperator(const msg::OperatorCommand& command, const std::string& refusal);
 
+  node::Node& node_;
   ProviderCycle& cycle_;
   Plant& plant_;
   OnOperator on_operator_;
@@ -76,6 +80,10 @@ class CommandReaders {
   std::chrono::steady_clock::time_point operator_second_{};
   SimulatedPlant* simulated_;  // the plant, where it is a simulation
   node::Reader<msg::JointCommand> joint_command_;
+  // As OtherJoint found it of this writer, after so many changes of discovery.
+  node::WriterId compared_{};
+  std::uint64_t compared_at_ = 0;
+  std::optional<int> other_joint_;
   node::Reader<msg::ValveCommand> valve_command_;
   node::Reader<msg::OperatorCommand> operator_command_;
   std::optional<node::Reader<msg::SimDisturbance>> disturbance_;

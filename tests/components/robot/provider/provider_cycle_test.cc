@@ -166,6 +166,22 @@ TEST(ProviderCycle, LiveHardwareTakesLiveCommandsOnly) {
   EXPECT_TRUE(cycle.Command(1, {}).valve_open[0]);
 }
 
+TEST(ProviderCycle, AControllerThatNamesItsJointsOtherwiseIsNotObeyedAndLetsNobodyArm) {
+  ProviderCycle cycle(Config());
+  JointSetpoints other = Torques(0, 0.01, 0.02);
+  other.other_joint = 1;
+  EXPECT_FALSE(cycle.Take(other, 0));
+  EXPECT_EQ(Order(&cycle, OperatorAction::kArm), OperatorResult::kRefusedByCommand);
+  EXPECT_EQ(cycle.CommandFault().cause, FaultCause::kCommandNames);
+  EXPECT_EQ(cycle.CommandFault().value, 1.0);
+  EXPECT_TRUE(cycle.Take(Torques(1, 0.01, 0.02), 1));
+  EXPECT_EQ(Order(&cycle, OperatorAction::kArm, 1), OperatorResult::kDone);
+  other.header.tick = 2;
+  EXPECT_FALSE(cycle.Take(other, 2));
+  EXPECT_EQ(cycle.state(), RobotState::kFault);
+  EXPECT_EQ(Modes(&cycle, 2), kIdle);
+}
+
 TEST(ProviderCycle, ASimulationTakesCommandsOfAReplay) {
   ProviderCycle cycle = ArmedCycle();
   JointSetpoints joints = Torques(1, 0.01, 0.01);
