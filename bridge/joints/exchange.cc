@@ -1,5 +1,7 @@
 #include "bridge/joints/exchange.h"
 
+#include <algorithm>
+
 #include "components/base/types/angle.h"
 #include "components/base/types/control_mode.h"
 
@@ -21,6 +23,16 @@ can::ControlMode ToControlMode(ControlMode mode) {
   return can::ControlMode::kTorque;
 }
 
+bool RequestsIdle(const can::Frame& frame) {
+  const auto request = can::Decode<can::SetAxisState>(frame);
+  return request && request->state == can::AxisState::kIdle;
+}
+
+bool IsWithheld(const can::Frame& frame, const can::Frame& lost) {
+  const auto address = can::AddressOf(frame), other = can::AddressOf(lost);
+  return address && other && address->node == other->node && !frame.remote && !RequestsIdle(frame);
+}
+
 }  // namespace
 
 FrameOutbox::FrameOutbox(std::size_t buses) : frames_(buses) {
@@ -29,8 +41,15 @@ FrameOutbox::FrameOutbox(std::size_t buses) : frames_(buses) {
 
 void FrameOutbox::Flush(std::span<can::Transport* const> transports) {
   for (std::size_t b = 0; b < frames_.size(); ++b) {
-    if (!frames_[b].empty()) transports[b]->SendAll(frames_[b]);
-    frames_[b].clear();
+    std::vector<can::Frame>& frames = frames_[b];
+    while (!frames.empty()) {
+      const std::size_t sent = transports[b]->SendAll(frames);
+      if (sent == frames.size()) break;
+      const can::Frame lost = frames[sent];
+      frames.erase(frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(sent) + 1);
+      std::erase_if(frames, [&lost](const can::Frame& frame) { return IsWithheld(frame, lost); });
+    }
+    frames.clear();
   }
 }
 

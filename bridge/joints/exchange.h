@@ -36,7 +36,8 @@ class FrameOutbox {
     return frames_[static_cast<std::size_t>(bus)];
   }
   // One transport per bus. Frames that find no space are counted by the transport; the next cycle's
-  // are newer.
+  // are newer. A node that has lost one gets no further data of this cycle, so that it is never set
+  // in motion with a part of what that needs; requests, and what stops it, are sent.
   void Flush(std::span<can::Transport* const> transports);
 
  private:

@@ -262,8 +262,9 @@ SendStatus SocketCan::Send(const Frame& frame) noexcept {
   return sent == size ? OnSent(frame) : OnNotSent(errno);
 }
 
-void SocketCan::SendAll(std::span<const Frame> frames) noexcept {
+std::size_t SocketCan::SendAll(std::span<const Frame> frames) noexcept {
   Messages<kFramesAtOnce> out;
+  const std::size_t all = frames.size();
   while (!frames.empty()) {
     if (socket_ < 0) TryReopen();
     std::size_t count = 0;
@@ -282,14 +283,15 @@ void SocketCan::SendAll(std::span<const Frame> frames) noexcept {
       frames = frames.subspan(static_cast<std::size_t>(sent));
       continue;
     }
-    // The first one has no space, no bus, or cannot be carried: the next may.
+    // The first one has no space, no bus, or cannot be carried.
     if (count == 0) {
       ++counters_.dropped;
     } else {
       (void)OnNotSent(errno);
     }
-    frames = frames.subspan(1);
+    break;
   }
+  return all - frames.size();
 }
 
 bool SocketCan::Receive(std::chrono::nanoseconds timeout, Received* received) noexcept {

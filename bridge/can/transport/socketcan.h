@@ -33,7 +33,7 @@ class SocketCan : public Transport {
   SocketCan& operator=(const SocketCan&) = delete;
 
   SendStatus Send(const Frame& frame) noexcept override;
-  void SendAll(std::span<const Frame> frames) noexcept override;  // sendmmsg
+  std::size_t SendAll(std::span<const Frame> frames) noexcept override;  // sendmmsg
   bool Receive(std::chrono::nanoseconds timeout, Received* received) noexcept override;
   std::size_t TakeWaiting(std::span<Received> received) noexcept override;  // recvmmsg
   Link link() const noexcept override { return link_; }

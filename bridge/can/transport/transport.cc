@@ -43,8 +43,11 @@ void WaitForAny(std::span<Transport* const> transports, std::chrono::nanoseconds
   ::ppoll(descriptors.data(), count, &wait, nullptr);
 }
 
-void Transport::SendAll(std::span<const Frame> frames) noexcept {
-  for (const Frame& frame : frames) (void)Send(frame);
+std::size_t Transport::SendAll(std::span<const Frame> frames) noexcept {
+  const auto lost = std::find_if(frames.begin(), frames.end(), [this](const Frame& frame) {
+    return Send(frame) != SendStatus::kOk;
+  });
+  return static_cast<std::size_t>(lost - frames.begin());
 }
 
 std::size_t Transport::TakeWaiting(std::span<Received> received) noexcept {

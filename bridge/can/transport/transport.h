@@ -56,9 +56,9 @@ class Transport {
   virtual ~Transport() = default;
 
   virtual SendStatus Send(const Frame& frame) noexcept = 0;
-  // One after the other, with few system calls where the transport can; what finds no space is
-  // counted and forgotten, what stands behind it is still tried.
-  virtual void SendAll(std::span<const Frame> frames) noexcept;
+  // In order, with few system calls where the transport can, until one is not sent, which is
+  // counted and forgotten. Returns how many stand before it: all, where none was lost.
+  virtual std::size_t SendAll(std::span<const Frame> frames) noexcept;
   // The oldest waiting frame; waits at most `timeout` for one. Error frames are handed on, too.
   virtual bool Receive(std::chrono::nanoseconds timeout, Received* received) noexcept = 0;
   // The oldest that wait, as many as there is space for, with few system calls where the transport

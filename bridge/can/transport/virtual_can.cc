@@ -123,16 +123,14 @@ SendStatus VirtualCan::Send(const Frame& frame) noexcept {
   return SendStatus::kOk;
 }
 
-void VirtualCan::SendAll(std::span<const Frame> frames) noexcept {
+std::size_t VirtualCan::SendAll(std::span<const Frame> frames) noexcept {
+  const std::size_t all = frames.size();
   std::array<Packet, kFramesAtOnce> packets;
   std::array<iovec, kFramesAtOnce> data;
   std::array<mmsghdr, kFramesAtOnce> headers;
   while (!frames.empty()) {
     SendStatus why{};
-    if (!Usable(frames.front(), &why)) {
-      frames = frames.subspan(1);
-      continue;
-    }
+    if (!Usable(frames.front(), &why)) break;
     std::size_t count = 0;
     while (count < std::min(frames.size(), kFramesAtOnce) && !frames[count].fd) {
       packets[count] = FramePacket(frames[count], 0);
@@ -146,8 +144,7 @@ void VirtualCan::SendAll(std::span<const Frame> frames) noexcept {
                                 MSG_DONTWAIT | MSG_NOSIGNAL);
     if (sent <= 0) {
       (void)OnNotSent(errno);
-      frames = frames.subspan(1);
-      continue;
+      break;
     }
     for (const Frame& frame : frames.first(static_cast<std::size_t>(sent))) {
       ++counters_.sent;
@@ -155,6 +152,7 @@ void VirtualCan::SendAll(std::span<const Frame> frames) noexcept {
     }
     frames = frames.subspan(static_cast<std::size_t>(sent));
   }
+  return all - frames.size();
 }
 
 bool VirtualCan::Receive(std::chrono::nanoseconds timeout, Received* received) noexcept {

@@ -92,6 +92,34 @@ TEST_F(Exchanges, ClosedLoopIsModeLimitsAndState) {
   EXPECT_EQ(can::Decode<can::SetAxisState>(frames[2])->state, can::AxisState::kClosedLoopControl);
 }
 
+// A bus that is full for each frame of a group in turn.
+TEST_F(Exchanges, ANodeThatHasLostAFrameIsNotSetInMotionInThatCycle) {
+  Deaf buses[2];
+  can::Transport* const transports[] = {&buses[0], &buses[1]};
+  std::vector<can::Frame> sent;
+  buses[1].on_send = [&](const can::Frame& frame) { sent.push_back(frame); };
+  for (int lost = 0; lost < 4; ++lost) {
+    sent.clear();
+    int place = 0;
+    buses[1].loses = [&](const can::Frame&) { return place++ == lost; };
+    direct.RequestClosedLoop(ControlMode::kPosition, measured);
+    direct.RequestData(can::Command::kGetIq);
+    const can::Frame other = can::Encode(config.node + 1, can::SetInputTorque{0.1});
+    outbox.Post(1, other);
+    direct.RequestIdle();
+    outbox.Flush(transports);
+    // Those before it, the request, the other node's, and what stops this one.
+    ASSERT_EQ(sent.size(), static_cast<std::size_t>(lost) + 3) << lost;
+    EXPECT_TRUE(sent[static_cast<std::size_t>(lost)].remote);
+    EXPECT_EQ(sent[static_cast<std::size_t>(lost) + 1], other);
+    EXPECT_EQ(can::Decode<can::SetAxisState>(sent.back())->state, can::AxisState::kIdle);
+    for (const can::Frame& frame : sent) {
+      const auto state = can::Decode<can::SetAxisState>(frame);
+      EXPECT_FALSE(state && state->state == can::AxisState::kClosedLoopControl) << lost;
+    }
+  }
+}
+
 TEST_F(Exchanges, PositionControlIsPrecededByTheMeasuredPosition) {
   for (JointExchange* exchange :
        {static_cast<JointExchange*>(&direct), static_cast<JointExchange*>(&gateway)}) {

@@ -183,6 +183,7 @@ class Bench {
 class Deaf : public can::Transport {
  public:
   can::SendStatus Send(const can::Frame& frame) noexcept override {
+    if (loses && loses(frame)) return can::SendStatus::kDropped;
     if (on_send) on_send(frame);
     return can::SendStatus::kOk;
   }
@@ -204,6 +205,7 @@ class Deaf : public can::Transport {
   std::size_t next = 0;
   std::int64_t now = 1'000'000;
   std::function<void(const can::Frame&)> on_send;
+  std::function<bool(const can::Frame&)> loses;  // finds no space for it; none: never
 
  private:
   std::string name_ = "deaf";
