@@ -155,12 +155,6 @@ Section Section::Parse(const std::string& text, const std::string& name, std::st
     impl->Fail("schema", LineOf(impl->node["schema"]),
                "'" + found + "', expected '" + std::string(schema) + "'");
   }
-  std::set<std::string> seen;
-  for (const auto& entry : impl->node) {
-    if (!seen.insert(entry.first.Scalar()).second) {
-      impl->Fail(entry.first.Scalar(), LineOf(entry.first), "given twice");
-    }
-  }
   return section;
 }
 

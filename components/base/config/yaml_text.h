@@ -16,8 +16,9 @@ inline constexpr std::size_t kMostYamlNodes = std::size_t{1} << 20;
 // them. Readers visit them by recursion.
 inline constexpr std::size_t kMostYamlLevels = 500;
 
-// Throws UsageError, "NAME:LINE: ...", for what is no YAML, for an alias inside of what it stands
-// for, and for more than kMostYamlNodes values. yaml-cpp bounds the depth itself (500).
+// Throws UsageError, "NAME:LINE: ...", for what is no YAML, a key that is given twice at any depth
+// or has no value (null among them), a second document, an alias inside of what it stands for, and
+// for more than kMostYamlNodes values. yaml-cpp bounds the depth itself (500).
 YAML::Node ParseYaml(const std::string& text, const std::string& name);
 
 }  // namespace sinew::config

@@ -63,6 +63,35 @@ TEST(YamlText, TextWithTooManyLevelsIsNoYaml) {
               HasSubstr("f.yaml:1: no valid YAML: "));
 }
 
+TEST(YamlText, AKeyThatIsGivenTwiceIsRefusedAtAnyDepth) {
+  const struct {
+    const char *text, *says;
+  } kCases[] = {
+      {"a: 1\nb: 2\na: 3\n", "f.yaml:3: key 'a': given twice"},
+      {"a: {b: 1, c: 2, b: 3}\n", "f.yaml:1: key 'a.b': given twice"},
+      {"joints:\n  - {x: 1}\n  - x: [1, {y: 2}]\n    z: 1\n    x: 2\n",
+       "f.yaml:5: key 'joints[1].x': given twice"},
+      {"a: &a {b: 1}\nc: *a\na: 2\n", "f.yaml:3: key 'a': given twice"},
+      {"[{a: 1}, {b: {c: 1, \"c\": 1}}]\n", "f.yaml:1: key '[1].b.c': given twice"},
+  };
+  for (const auto& [text, says] : kCases) EXPECT_EQ(YamlErrorOf(text), says);
+  EXPECT_EQ(YamlErrorOf("a: {b: 1}\nc: [{b: 1}, {b: 2}]\nb: a\n"), "no error");
+}
+
+TEST(YamlText, AKeyWithoutAValueIsRefused) {
+  for (const char* value : {"", "null", "~"}) {
+    EXPECT_EQ(YamlErrorOf("a: [{k: 1}, {x: 1, k: " + std::string(value) + "}]\n"),
+              "f.yaml:1: key 'a[1].k': empty, expected a value");
+  }
+  EXPECT_EQ(YamlErrorOf("a: ''\nb: []\n"), "no error");
+}
+
+TEST(YamlText, ASecondDocumentIsRefused) {
+  EXPECT_EQ(YamlErrorOf("---\na: 1\n...\n# the end\n"), "no error");
+  EXPECT_EQ(YamlErrorOf("a: 1\n---\nb: 2\n"),
+            "f.yaml:2: a second document begins here, expected one in a file");
+}
+
 TEST(YamlText, ConfigurationsRefuseThemToo) {
   try {
     Section::Parse("schema: test/1\na: &a [*a]\n", "f.yaml", "test/1");
