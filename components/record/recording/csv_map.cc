@@ -29,6 +29,7 @@ std::string ColumnMap::Names() const {
 namespace {
 
 constexpr std::string_view kJointMark = "{joint}";
+constexpr double kDay_s = 86400.0;
 
 std::string ColumnName(const std::string& pattern, int joint) {
   const std::size_t at = pattern.find(kJointMark);
@@ -59,6 +60,17 @@ std::vector<std::size_t> FindColumns(const ColumnMap& map, int joint,
   return at;
 }
 
+std::vector<std::string> ColumnNames(const CsvMap& map, int joint) {
+  std::vector<std::string> names;
+  const auto add = [&names, joint](const ColumnMap& column) {
+    for (const Summand& summand : column.sum) names.push_back(ColumnName(summand.column, joint));
+    for (const std::string& factor : column.times) names.push_back(ColumnName(factor, joint));
+  };
+  if (map.row_period_s == 0.0) add(map.time);
+  for (const SignalColumn& signal : map.signals) add(signal.map);
+  return names;
+}
+
 double Cell(const CsvTable& table, const ColumnMap& map, const std::vector<std::size_t>& columns,
             Eigen::Index row) {
   double cell = map.constant;
@@ -73,6 +85,26 @@ double Cell(const CsvTable& table, const ColumnMap& map, const std::vector<std::
   return cell;
 }
 
+// Of every row, from its columns of time.
+Eigen::VectorXd Stamps(const CsvTable& table, const ColumnMap& map,
+                       const std::vector<std::size_t>& columns) {
+  const bool is_written = table.has_dates || table.has_times_of_day;
+  if (is_written && map.unit.ToSi(map.scale) != 1.0) {
+    throw std::invalid_argument(map.where + ": " + table.name +
+                                " has dates or times of day in it, expected unit s and no scale");
+  }
+  Eigen::VectorXd time_s(table.values.front().size());
+  double midnights_s = 0.0;
+  for (Eigen::Index row = 0; row < time_s.size(); ++row) {
+    time_s[row] = map.ToSi(Cell(table, map, columns, row)) + midnights_s;
+    if (table.has_times_of_day && row > 0 && time_s[row] < time_s[row - 1] - kDay_s / 2) {
+      midnights_s += kDay_s;
+      time_s[row] += kDay_s;
+    }
+  }
+  return time_s;
+}
+
 }  // namespace
 
 types::Run ReadCsvRun(std::string_view text, const std::string& name, const CsvMap& map,
@@ -82,7 +114,8 @@ types::Run ReadCsvRun(std::string_view text, const std::string& name, const CsvM
                                 " is asked for, the mapping " + map.name +
                                 " describes joints 0 to " + std::to_string(map.joints - 1));
   }
-  const std::vector<std::string> header = CsvHeader(text, name, map.delimiter);
+  const std::vector<std::string> header =
+      CsvHeader(text, name, ColumnNames(map, joint), map.format);
   std::vector<std::string> names;
   std::vector<std::size_t> time_columns;
   const bool numbered = map.row_period_s > 0.0;
@@ -104,24 +137,22 @@ types::Run ReadCsvRun(std::string_view text, const std::string& name, const CsvM
     const Eigen::Index first = skipped;
     while (map.row_period_s * static_cast<double>(skipped - first) < map.skipped_s) ++skipped;
   } else if (map.skipped_s > 0.0) {
-    const CsvTable stamps = ReadCsv(text, name, time_names, map.delimiter, skipped);
-    const auto time_s = [&](Eigen::Index row) {
-      return map.time.ToSi(Cell(stamps, map.time, time_columns, row));
-    };
-    const Eigen::Index rows = stamps.values.front().size();
+    const Eigen::VectorXd time_s =
+        Stamps(ReadCsv(text, name, time_names, map.format, skipped, time_names.size()), map.time,
+               time_columns);
     Eigen::Index first = 0;
-    while (first < rows && time_s(first) < time_s(0) + map.skipped_s) ++first;
+    while (first < time_s.size() && time_s[first] < time_s[0] + map.skipped_s) ++first;
     skipped += first;
   }
-  const CsvTable table = ReadCsv(text, name, names, map.delimiter, skipped);
+  const CsvTable table = ReadCsv(text, name, names, map.format, skipped, time_names.size());
   const Eigen::Index all = table.values.front().size();
   const auto line = [&](Eigen::Index row) {
     return name + ":" + std::to_string(table.lines[static_cast<std::size_t>(row)]);
   };
   Eigen::VectorXd time(all);
+  if (!numbered) time = Stamps(table, map.time, time_columns);
   for (Eigen::Index row = 0; row < all; ++row) {
-    time[row] = numbered ? map.row_period_s * static_cast<double>(skipped + row)
-                         : map.time.ToSi(Cell(table, map.time, time_columns, row));
+    if (numbered) time[row] = map.row_period_s * static_cast<double>(skipped + row);
     if (!(std::abs(time[row]) <= types::kLongest_s)) {
       throw std::invalid_argument(line(row) + ": column '" + map.time.Names() +
                                   "': a time beyond a century, expected seconds");

@@ -15,6 +15,7 @@
 
 #include "components/base/types/joint_kind.h"
 #include "components/base/types/run.h"
+#include "components/record/recording/csv.h"
 #include "components/record/recording/units.h"
 
 namespace sinew::recording {
@@ -48,7 +49,7 @@ struct SignalColumn {
 struct CsvMap {
   std::string name;  // of the mapping file
   types::JointKind kind = types::JointKind::kRotary;
-  char delimiter = ',';
+  CsvFormat format;
   int joints = 1;  // that "{joint}" counts
   // Rows at the start of a file that are left out, and those earlier than this after the first.
   Eigen::Index skipped_rows = 0;
@@ -60,7 +61,8 @@ struct CsvMap {
   std::vector<SignalColumn> signals;
 };
 
-// The run of one joint (from 0 on) that a CSV text holds. Time must rise strictly. Throws
+// The run of one joint (from 0 on) that a CSV text holds. Time must rise strictly; times of day go
+// on past midnight. Throws
 // std::invalid_argument with one line that names file, line and column.
 types::Run ReadCsvRun(std::string_view text, const std::string& name, const CsvMap& map,
                       int joint = 0);

@@ -67,10 +67,11 @@ CsvMap Read(const config::Section& section) {
                                                                       : types::JointKind::kRotary;
   const std::string delimiter =
       section.ChoiceOr("delimiter", "comma", {"comma", "semicolon", "tab", "space"});
-  map.delimiter = delimiter == "semicolon" ? ';'
-                  : delimiter == "tab"     ? '\t'
-                  : delimiter == "space"   ? ' '
-                                           : ',';
+  map.format.delimiter = delimiter == "semicolon" ? ';'
+                         : delimiter == "tab"     ? '\t'
+                         : delimiter == "space"   ? ' '
+                                                  : ',';
+  map.format.header = section.TextsOr("header", {});
   map.joints = static_cast<int>(section.IntegerOr("joints", 1, {1.0, 64.0}));
   const config::Section rows = section.ChildOrEmpty("rows");
   map.skipped_rows = rows.IntegerOr("skip", 0, config::kNotNegative);

@@ -69,7 +69,7 @@ TEST(Csv, UnderstandsQuotesCommentsBlanksAndLineEnds) {
   EXPECT_EQ(table.values[0][0], 1);
   EXPECT_EQ(table.values[1][0], 2);
   EXPECT_EQ(table.values[1][1], 4);
-  EXPECT_EQ(ReadCsv("a;b\n1;2\n", "data.csv", {"b"}, ';').values[0][0], 2);
+  EXPECT_EQ(ReadCsv("a;b\n1;2\n", "data.csv", {"b"}, {';'}).values[0][0], 2);
 }
 
 TEST(Csv, NamesFileLineColumnAndWhatWasExpected) {
@@ -88,8 +88,79 @@ TEST(Csv, NamesFileLineColumnAndWhatWasExpected) {
             "data.csv:1: the file is empty, expected a header line with column names");
   EXPECT_EQ(CsvError("a,b\n"), "data.csv:2: no row of data, expected at least one");
   EXPECT_EQ(CsvError("a,b\n1,1e999\n"), "data.csv:2: column 'b': '1e999' does not fit a double");
-  EXPECT_EQ(CsvError("a,b\n\"1,2\n"),
-            "data.csv:2: the row has 1 cells, expected 2 as in the header");
+  EXPECT_EQ(CsvError("a,b\n\"1,2\n"), "data.csv:2: a quoted cell does not end");
+}
+
+// The same three rows as loggers, Excel, NumPy and people write them.
+TEST(Csv, UnderstandsWhatAFileSaysOfItself) {
+  const auto utf16 = [](const std::string& text, bool big_endian) {
+    std::string out = big_endian ? "\xFE\xFF" : "\xFF\xFE";
+    for (const char c : text) out += big_endian ? std::string{'\0', c} : std::string{c, '\0'};
+    return out;
+  };
+  const std::string plain = "t,q\n0,0\n0.5,1.25\n1,-2\n";
+  const struct {
+    std::string name, text;
+    CsvFormat format{};
+  } kCases[] = {
+      {"plain", plain},
+      {"UTF-16, little endian", utf16(plain, false)},
+      {"UTF-16, big endian", utf16(plain, true)},
+      {"CR", "t,q\r0,0\r0.5,1.25\r1,-2\r"},
+      {"sep", "sep=;\r\nt;q\r\n0;0\r\n0.5;1.25\r\n1;-2\r\n"},
+      {"decimal comma", "t;q\n0;0\n0,5;1,25\n1;-2\n", {';'}},
+      {"quoted decimal comma", "t,q\n0,0\n\"0,5\",\"1,25\"\n1,-2\n"},
+      {"header behind #", "# t,q\n0,0\n0.5,1.25\n1,-2\n"},
+      {"header behind # and blanks", "# made by hand\n# t q\n0 0\n0.5  1.25\n 1 -2\n", {' '}},
+      {"lines before the header", "Logger 2.1, serial 7\nstarted\n\nt,q\n0,0\n0.5,1.25\n1,-2\n"},
+      {"empty cells at the end", "t,q\n0,0,\n0.5,1.25,\n1,-2,\n"},
+      {"empty names at the end", "t,q,\n0,0,\n0.5,1.25,\n1,-2,\n"},
+      {"no header", "0,0\n0.5,1.25\n1,-2\n", {',', {"t", "q"}}},
+      {"line break in a cell", "t,note,q\n0,,0\n0.5,\"a\r\nb\",1.25\n1,\"\"\"x\"\"\",-2\n"},
+  };
+  for (const auto& [name, text, format] : kCases) {
+    const CsvTable table = ReadCsv(text, "data.csv", {"t", "q"}, format);
+    ASSERT_EQ(table.lines.size(), 3u) << name;
+    EXPECT_EQ(table.values[0], Eigen::Vector3d(0.0, 0.5, 1.0)) << name;
+    EXPECT_EQ(table.values[1], Eigen::Vector3d(0.0, 1.25, -2.0)) << name;
+  }
+}
+
+TEST(Csv, LinesAreCountedAsAnEditorDoes) {
+  EXPECT_EQ(ReadCsv("a,b\n\n1,\"x\ny\"\n# c\n2,z\n", "data.csv", {"a"}).lines,
+            (std::vector<int>{3, 6}));
+}
+
+TEST(Csv, SaysWhichDelimiterOrHeaderIsMissing) {
+  EXPECT_EQ(CsvError("x\na;b\n1;2\n"),
+            "data.csv:2: the columns stand apart by another delimiter, add 'delimiter: semicolon' "
+            "to the mapping");
+  EXPECT_EQ(CsvError("1,2\n3,4\n"),
+            "data.csv:1: numbers, expected a header line with column names; where a file has "
+            "none, 'header: [NAME, ...]' in the mapping names its columns");
+  EXPECT_EQ(CsvError("a,b\n0.5,1\n\"0,5\",1\n"),
+            "data.csv:3: column 'a': ',' as decimal sign, and '.' before, expected one");
+  EXPECT_EQ(CsvError("\xFF\xFE"
+                     "a"),
+            "data.csv: begins as UTF-16 and is none");
+}
+
+TEST(Csv, ColumnsOfTimeMayHoldDatesAndTimesOfDay) {
+  const auto read = [](const std::string& first, const std::string& second) {
+    return ReadCsv("t,q\n" + first + ",0\n" + second + ",1\n", "data.csv", {"t", "q"}, {}, 0, 1);
+  };
+  const CsvTable dates = read("2024-05-01T12:00:00.250Z", "2024-05-01 14:00:01+02:00");
+  EXPECT_TRUE(dates.has_dates);
+  EXPECT_EQ(dates.values[0], Eigen::Vector2d(1714564800.25, 1714564801.0));
+  const CsvTable times = read("12:00:00", "\"12:00:00,010\"");
+  EXPECT_TRUE(times.has_times_of_day);
+  EXPECT_EQ(times.values[0], Eigen::Vector2d(43200.0, 43200.01));
+  for (const char* text : {"2024-13-01T00:00:00", "2024-05-01T12:00", "12:61:00", "24:00:00",
+                           "12:00:00.", "2024-05-01T12:00:00+1", "May 1st"}) {
+    EXPECT_THROW(read("0", text), std::invalid_argument) << text;
+  }
+  EXPECT_THROW(ReadCsv("t,q\n0,12:00:00\n", "data.csv", {"t", "q"}, {}, 0, 1),
+               std::invalid_argument);
 }
 
 TEST(Csv, NeverCrashesOnRandomText) {
@@ -292,6 +363,18 @@ TEST(CsvMap, NamesTheMappingLineOfAMissingColumn) {
   EXPECT_EQ(RunError("t,current\n0,1\n"),
             "map.yaml:5: key 'signals.position.column': no column 'angle' in data.csv, expected "
             "one of: t, current");
+}
+
+TEST(CsvMap, TimesOfDayGoOnPastMidnightAndAreSeconds) {
+  const std::string map =
+      "schema: sinew-csv-map/1\nkind: rotary\ntime: {column: t, unit: s}\n"
+      "signals:\n  position: {column: q, unit: rad}\n";
+  const std::string text = "t,q\n23:59:59.5,0\n00:00:00.5,1\n00:00:01.5,2\n";
+  const types::Run run = ReadCsvRun(text, "data.csv", ParseCsvMap(map, "map.yaml"));
+  EXPECT_EQ(run.time_s, Eigen::Vector3d(86399.5, 86400.5, 86401.5));
+  EXPECT_EQ(RunError("t,angle,current\n12:00:00,1,1\n12:00:01,2,2\n"),
+            "map.yaml:3: key 'time.column': data.csv has dates or times of day in it, expected "
+            "unit s and no scale");
 }
 
 TEST(CsvMap, RefusesTimeThatDoesNotRise) {
