@@ -63,7 +63,9 @@ class RecordedRig {
         cycle_(CycleOf(surrogate, options)),
         provider_node_(Named("surrogate")),
         readers_(provider_node_, cycle_, plant_,
-                 [](provider::OperatorResult, types::OperatorAction, std::string_view) {}),
+                 [](provider::OperatorResult, types::OperatorAction, std::string_view) {
+                   return std::string();
+                 }),
         publisher_(provider_node_, plant_) {
     for (std::size_t i = 0; i < node::AllTopics().size(); ++i) {
       recorder_node_.ReadRaw(node::AllTopics()[i], [this, i](node::RawSample&& sample) {
